@@ -1,7 +1,7 @@
 //! Errors of reading density grids.
 
-use crate::format::problem::{LineError, Problem};
-use crate::stats::bytes;
+use crate::format::line_error::{LineError, MessageAndRemedy};
+use crate::stats::format_bytes;
 use std::path::{Path, PathBuf};
 
 /// Reason why a density grid file could not be read.
@@ -50,7 +50,7 @@ pub enum GridError {
     /// The grid takes more memory than is free.
     #[error(
         "{}: {cells} cells take {} of memory, and {} are free: make the grid coarser, or let it have more (--memory)",
-        path.display(), bytes(*needed), free.map_or("less".to_owned(), bytes)
+        path.display(), format_bytes(*needed), free.map_or("less".to_owned(), format_bytes)
     )]
     NoMemory {
         /// Path of the file.
@@ -65,7 +65,7 @@ pub enum GridError {
 }
 
 impl GridError {
-    pub(super) fn at_line(path: &Path, line: usize, problem: Problem) -> Self {
+    pub(super) fn at_line(path: &Path, line: usize, problem: MessageAndRemedy) -> Self {
         Self::Line(LineError::new(path, line, problem))
     }
 }

@@ -16,7 +16,7 @@ mod tests;
 
 pub use error::GridError;
 
-use super::problem::{Problem, excerpt};
+use super::line_error::{MessageAndRemedy, escaped_excerpt};
 use crate::image::open_file;
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Read, Write};
@@ -131,7 +131,7 @@ pub fn write(path: &Path, grid: &DensityGrid, encoding: GridEncoding) -> std::io
 /// Parses the header from the first bytes of a file.
 ///
 /// An error holds the line number, from 1, and the problem.
-fn parse_header(start: &[u8]) -> Result<GridHeader, (usize, Problem)> {
+fn parse_header(start: &[u8]) -> Result<GridHeader, (usize, MessageAndRemedy)> {
     if start.starts_with(b" BDV") {
         return Err((1, ("this is an OpenVDB file".to_owned(), "sample it on a grid, and write that as `type f32`")));
     }
@@ -172,12 +172,13 @@ fn parse_header(start: &[u8]) -> Result<GridHeader, (usize, Problem)> {
 }
 
 /// Parses the three words of a `size` line; returns the size and the number of cells.
-fn parse_size(words: [&str; 3]) -> Result<([u32; 3], usize), Problem> {
+fn parse_size(words: [&str; 3]) -> Result<([u32; 3], usize), MessageAndRemedy> {
     let mut size = [0_u32; 3];
     for (side, word) in size.iter_mut().zip(words) {
         let number = word.parse().ok().filter(|n| *n > 0);
-        *side = number
-            .ok_or_else(|| (format!("`{}` is no number of cells", excerpt(word)), "write whole numbers from 1 on"))?;
+        *side = number.ok_or_else(|| {
+            (format!("`{}` is no number of cells", escaped_excerpt(word)), "write whole numbers from 1 on")
+        })?;
     }
     let product = size.iter().try_fold(1_u64, |product, side| product.checked_mul(u64::from(*side)));
     match product.filter(|cells| *cells <= MAX_CELLS) {
@@ -254,7 +255,7 @@ impl GridBody<'_> {
                 let number = text.parse().map_err(|_| {
                     wrong(
                         lines,
-                        format!("`{}` is no number", excerpt(&text)),
+                        format!("`{}` is no number", escaped_excerpt(&text)),
                         "write numbers, parted by spaces or lines",
                     )
                 })?;

@@ -5,7 +5,8 @@ use std::fmt;
 use glam::DVec3;
 
 use super::super::description::{
-    Aim, CameraDescription, Focus, LensDescription, Opening, ProjectionDescription, Spanned, TransformStep,
+    ApertureDescription, CameraDescription, DirectionOrTarget, FocusDescription, LensDescription,
+    ProjectionDescription, Spanned, TransformStep,
 };
 use super::super::error::SceneError;
 use super::fields::{Fields, fields};
@@ -30,7 +31,7 @@ type ReadCamera = fn(&Fields<'_>, &View) -> Result<(ProjectionDescription, u32),
 pub(super) struct View {
     center: DVec3,
     direction: DVec3,
-    aim: Aim,
+    aim: DirectionOrTarget,
 }
 
 const PIXELS: Range = Range::Within(1.0, 65_536.0);
@@ -162,7 +163,12 @@ fn environment(f: &Fields<'_>, _: &View) -> Result<(ProjectionDescription, u32),
 }
 
 /// Returns the lens of a camera at `center` with that direction of view; `None` for a pinhole.
-fn lens(f: &Fields<'_>, center: DVec3, direction: DVec3, aim: Aim) -> Result<Option<LensDescription>, SceneError> {
+fn lens(
+    f: &Fields<'_>,
+    center: DVec3,
+    direction: DVec3,
+    aim: DirectionOrTarget,
+) -> Result<Option<LensDescription>, SceneError> {
     if f.get("aperture").is_none() && f.get("fNumber").is_none() {
         let rule = "has no effect without `aperture` or `fNumber`";
         f.refuse(&["sensorHeight", "focusDistance", "focusAt", "blades"], rule)?;
@@ -171,24 +177,24 @@ fn lens(f: &Fields<'_>, center: DVec3, direction: DVec3, aim: Aim) -> Result<Opt
     let opening = f.one_of(&["aperture", "fNumber"])?;
     let opening = if opening.name() == "aperture" {
         f.refuse(&["sensorHeight"], "has no effect without `fNumber`")?;
-        Opening::Radius(opening.number())
+        ApertureDescription::Radius(opening.number())
     } else {
         let sensor = f.get("sensorHeight").map_or(SENSOR_HEIGHT, |sensor| sensor.number());
-        Opening::FNumber { number: opening.number(), sensor }
+        ApertureDescription::FNumber { number: opening.number(), sensor }
     };
     let focus = match (f.get("focusDistance").or(f.get("focusAt")), aim) {
         (Some(_), _) => {
             let focus = f.one_of(&["focusDistance", "focusAt"])?;
             if focus.name() == "focusDistance" {
-                Focus::Distance(focus.number())
+                FocusDescription::Distance(focus.number())
             } else {
                 let in_front = (focus.vector() - center).dot(direction) > 0.0;
                 focus.ensure(in_front, "must lie in front of the camera")?;
-                Focus::Point(focus.vector())
+                FocusDescription::Point(focus.vector())
             }
         }
-        (None, Aim::LookAt(point)) => Focus::Point(point),
-        (None, Aim::Direction(_)) => Focus::Distance(f.require("focusDistance")?.number()),
+        (None, DirectionOrTarget::LookAt(point)) => FocusDescription::Point(point),
+        (None, DirectionOrTarget::Direction(_)) => FocusDescription::Distance(f.require("focusDistance")?.number()),
     };
     let blades = match f.get("blades") {
         None => 0,
@@ -204,14 +210,14 @@ fn lens(f: &Fields<'_>, center: DVec3, direction: DVec3, aim: Aim) -> Result<Opt
 
 /// Returns `direction` or `lookAt`, and the direction from `center`, which is the value of the
 /// field `from`.
-pub(super) fn aim(f: &Fields<'_>, from: &str, center: DVec3) -> Result<(Aim, DVec3), SceneError> {
+pub(super) fn aim(f: &Fields<'_>, from: &str, center: DVec3) -> Result<(DirectionOrTarget, DVec3), SceneError> {
     let aim = f.one_of(&["direction", "lookAt"])?;
     if aim.name() == "direction" {
-        return Ok((Aim::Direction(aim.vector()), aim.vector()));
+        return Ok((DirectionOrTarget::Direction(aim.vector()), aim.vector()));
     }
     let direction = aim.vector() - center;
     aim.ensure(has_direction(direction), &format!("must lie at some distance from `{from}`"))?;
-    Ok((Aim::LookAt(aim.vector()), direction))
+    Ok((DirectionOrTarget::LookAt(aim.vector()), direction))
 }
 
 /// Prints a camera.
@@ -245,25 +251,25 @@ pub(super) fn write_camera(out: &mut Writer<'_, '_>, camera: &CameraDescription)
 }
 
 /// Prints a direction of view or its target.
-pub(super) fn write_aim(out: &mut Writer<'_, '_>, aim: Aim) -> fmt::Result {
+pub(super) fn write_aim(out: &mut Writer<'_, '_>, aim: DirectionOrTarget) -> fmt::Result {
     match aim {
-        Aim::Direction(direction) => out.vector("direction", direction),
-        Aim::LookAt(point) => out.vector("lookAt", point),
+        DirectionOrTarget::Direction(direction) => out.vector("direction", direction),
+        DirectionOrTarget::LookAt(point) => out.vector("lookAt", point),
     }
 }
 
 /// Prints the fields of a lens.
 fn write_lens(out: &mut Writer<'_, '_>, lens: &LensDescription) -> fmt::Result {
     match lens.opening {
-        Opening::Radius(radius) => out.number("aperture", radius)?,
-        Opening::FNumber { number, sensor } => {
+        ApertureDescription::Radius(radius) => out.number("aperture", radius)?,
+        ApertureDescription::FNumber { number, sensor } => {
             out.number("fNumber", number)?;
             out.number("sensorHeight", sensor)?;
         }
     }
     match lens.focus {
-        Focus::Distance(distance) => out.number("focusDistance", distance)?,
-        Focus::Point(point) => out.vector("focusAt", point)?,
+        FocusDescription::Distance(distance) => out.number("focusDistance", distance)?,
+        FocusDescription::Point(point) => out.vector("focusAt", point)?,
     }
     out.field("blades", lens.blades)
 }

@@ -3,7 +3,8 @@
 use std::fmt;
 
 use super::super::description::{
-    AreaStrength, DirectionalStrength, EnvironmentRadiance, LightDescription, LightPattern, PointStrength, Spanned,
+    AreaLightStrength, DirectionalLightStrength, EnvironmentRadiance, LightDescription, LightPattern,
+    PointLightStrength, Spanned,
 };
 use super::super::error::SceneError;
 use super::camera::{aim, write_aim};
@@ -250,8 +251,8 @@ fn directional(f: &Fields<'_>) -> Result<LightDescription, SceneError> {
     let strength = f.one_of(&["color", "irradiance"])?;
     let value = strength.vector();
     let strength = match strength.name() {
-        "color" => DirectionalStrength::Color(value),
-        _ => DirectionalStrength::Irradiance(value),
+        "color" => DirectionalLightStrength::Color(value),
+        _ => DirectionalLightStrength::Irradiance(value),
     };
     Ok(LightDescription::Directional { direction: f.vector("direction")?, strength })
 }
@@ -314,8 +315,8 @@ fn oriented(f: &Fields<'_>, pattern: LightPattern) -> Result<LightDescription, S
     let strength = f.one_of(&["intensity", "power"])?;
     let value = strength.vector();
     let strength = match strength.name() {
-        "intensity" => PointStrength::Intensity(value),
-        _ => PointStrength::Power(value),
+        "intensity" => PointLightStrength::Intensity(value),
+        _ => PointLightStrength::Power(value),
     };
     Ok(LightDescription::Oriented { position, aim, up, pattern, strength })
 }
@@ -334,21 +335,21 @@ fn environment(f: &Fields<'_>) -> Result<LightDescription, SceneError> {
 }
 
 /// Returns the strength of a point light or spotlight.
-fn point_strength(f: &Fields<'_>) -> Result<PointStrength, SceneError> {
+fn point_strength(f: &Fields<'_>) -> Result<PointLightStrength, SceneError> {
     let strength = f.one_of(&["color", "intensity", "power"])?;
     Ok(match strength.name() {
-        "color" => PointStrength::Color(strength.vector()),
-        "intensity" => PointStrength::Intensity(strength.vector()),
-        _ => PointStrength::Power(strength.vector()),
+        "color" => PointLightStrength::Color(strength.vector()),
+        "intensity" => PointLightStrength::Intensity(strength.vector()),
+        _ => PointLightStrength::Power(strength.vector()),
     })
 }
 
 /// Returns the strength of an area light.
-fn area_strength(f: &Fields<'_>) -> Result<AreaStrength, SceneError> {
+fn area_strength(f: &Fields<'_>) -> Result<AreaLightStrength, SceneError> {
     let strength = f.one_of(&["radiance", "power"])?;
     Ok(match strength.name() {
-        "radiance" => AreaStrength::Radiance(strength.vector()),
-        _ => AreaStrength::Power(strength.vector()),
+        "radiance" => AreaLightStrength::Radiance(strength.vector()),
+        _ => AreaLightStrength::Power(strength.vector()),
     })
 }
 
@@ -369,8 +370,8 @@ pub(super) fn write_light(out: &mut Writer<'_, '_>, light: &LightDescription) ->
             out.start(&DIRECTIONAL)?;
             out.vector("direction", *direction)?;
             match *strength {
-                DirectionalStrength::Color(c) => out.vector("color", c)?,
-                DirectionalStrength::Irradiance(c) => out.vector("irradiance", c)?,
+                DirectionalLightStrength::Color(c) => out.vector("color", c)?,
+                DirectionalLightStrength::Irradiance(c) => out.vector("irradiance", c)?,
             }
         }
         LightDescription::Spot { position, aim, angle, penumbra, strength } => {
@@ -431,17 +432,17 @@ pub(super) fn write_light(out: &mut Writer<'_, '_>, light: &LightDescription) ->
     out.close()
 }
 
-fn write_point_strength(out: &mut Writer<'_, '_>, strength: PointStrength) -> fmt::Result {
+fn write_point_strength(out: &mut Writer<'_, '_>, strength: PointLightStrength) -> fmt::Result {
     match strength {
-        PointStrength::Color(c) => out.vector("color", c),
-        PointStrength::Intensity(c) => out.vector("intensity", c),
-        PointStrength::Power(c) => out.vector("power", c),
+        PointLightStrength::Color(c) => out.vector("color", c),
+        PointLightStrength::Intensity(c) => out.vector("intensity", c),
+        PointLightStrength::Power(c) => out.vector("power", c),
     }
 }
 
-fn write_area_strength(out: &mut Writer<'_, '_>, strength: AreaStrength) -> fmt::Result {
+fn write_area_strength(out: &mut Writer<'_, '_>, strength: AreaLightStrength) -> fmt::Result {
     match strength {
-        AreaStrength::Radiance(c) => out.vector("radiance", c),
-        AreaStrength::Power(c) => out.vector("power", c),
+        AreaLightStrength::Radiance(c) => out.vector("radiance", c),
+        AreaLightStrength::Power(c) => out.vector("power", c),
     }
 }

@@ -117,7 +117,7 @@ fn end<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<(), SceneError
 /// Refuses maps whose product is singular.
 #[inline(never)]
 fn check_transform<'a>(parser: &Parser<'a>, keyword: Token<'a>, maps: &[TransformStep]) -> Result<(), SceneError> {
-    match Transform::new(TransformStep::product(maps)) {
+    match Transform::new(TransformStep::composed_matrix(maps)) {
         Ok(_) => Ok(()),
         Err(_) => Err(singular(parser, keyword.span(), "this `Transform` flattens its object")),
     }

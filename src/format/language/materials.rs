@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::super::description::{
-    Attenuation, Emission, MaterialDescription, MaterialKindDescription, MetalDescription,
+    DielectricAbsorption, EmissionDescription, MaterialDescription, MaterialKindDescription, MetalDescription,
     NormalPerturbationDescription, Spanned, TexturedValue,
 };
 use super::super::error::SceneError;
@@ -206,7 +206,10 @@ pub(super) fn materials<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result
             Err(error) => {
                 // A material with errors keeps its index and name, so that objects can refer to it.
                 let kind = MaterialKindDescription::Mirror { reflectance: DVec3::ONE.into() };
-                (MaterialDescription { name, kind, emission: None, relief: None, medium: None }, Err(error))
+                (
+                    MaterialDescription { name, kind, emission: None, normal_perturbation: None, medium: None },
+                    Err(error),
+                )
             }
         };
         parser.scope.add_material(Spanned::new(material, word.span()));
@@ -243,8 +246,8 @@ fn material<'a>(
         }
         None => None,
     };
-    let relief = if block.field("bump").is_some() { relief(f)? } else { None };
-    Ok(MaterialDescription { name, kind, emission: emission(f)?, relief, medium })
+    let normal_perturbation = if block.field("bump").is_some() { normal_perturbation(f)? } else { None };
+    Ok(MaterialDescription { name, kind, emission: emission(f)?, normal_perturbation, medium })
 }
 
 fn phong(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKindDescription, SceneError> {
@@ -292,15 +295,17 @@ fn thin(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKindDescription, Scene
 }
 
 /// Returns the absorption of a dielectric.
-fn attenuation(f: &Fields<'_>) -> Result<Attenuation, SceneError> {
+fn attenuation(f: &Fields<'_>) -> Result<DielectricAbsorption, SceneError> {
     f.exclude("absorption", "tint")?;
     let Some(tint) = f.get("tint") else {
         f.refuse(&["tintDistance"], "has no effect without `tint`")?;
-        return Ok(f.get("absorption").map_or(Attenuation::None, |a| Attenuation::Absorption(a.vector())));
+        return Ok(f
+            .get("absorption")
+            .map_or(DielectricAbsorption::None, |a| DielectricAbsorption::Coefficient(a.vector())));
     };
     let color = tint.vector();
-    let Some(distance) = f.get("tintDistance") else { return Ok(Attenuation::Tint { color, distance: 1.0 }) };
-    let attenuation = Attenuation::Tint { color, distance: distance.number() };
+    let Some(distance) = f.get("tintDistance") else { return Ok(DielectricAbsorption::Tint { color, distance: 1.0 }) };
+    let attenuation = DielectricAbsorption::Tint { color, distance: distance.number() };
     let ok = attenuation.coefficient().max_element() <= MAX_COEFFICIENT;
     distance.ensure(ok, "must be longer: over it, `tint` is an absorption above 1e12")?;
     Ok(attenuation)
@@ -366,20 +371,20 @@ fn part<'a>(parser: &Parser<'a>, field: PresentField<'_, 'a>) -> Result<Spanned<
 }
 
 /// Returns `emission` with `emissionScale`.
-fn emission(f: &Fields<'_>) -> Result<Option<Emission>, SceneError> {
+fn emission(f: &Fields<'_>) -> Result<Option<EmissionDescription>, SceneError> {
     let Some(emission) = f.get("emission") else {
         f.refuse(&["emissionScale"], "has no effect without a texture as `emission`")?;
         return Ok(None);
     };
     let Some(name) = emission.texture() else {
         f.refuse(&["emissionScale"], "has no effect without a texture as `emission`")?;
-        return Ok(Some(Emission::Radiance(emission.vector())));
+        return Ok(Some(EmissionDescription::Radiance(emission.vector())));
     };
-    Ok(Some(Emission::Texture { name, scale: f.get("emissionScale").map_or(1.0, |scale| scale.number()) }))
+    Ok(Some(EmissionDescription::Texture { name, scale: f.get("emissionScale").map_or(1.0, |scale| scale.number()) }))
 }
 
 /// Returns `bump` with its height, or `normalMap`.
-fn relief(f: &Fields<'_>) -> Result<Option<NormalPerturbationDescription>, SceneError> {
+fn normal_perturbation(f: &Fields<'_>) -> Result<Option<NormalPerturbationDescription>, SceneError> {
     if f.get("bump").is_none() {
         f.refuse(&["bumpHeight"], "has no effect without `bump`")?;
         return Ok(f.get("normalMap").map(|map| NormalPerturbationDescription::NormalMap(map.text())));
@@ -443,9 +448,9 @@ pub(super) fn write_material(out: &mut Writer<'_, '_>, material: &MaterialDescri
         MaterialKindDescription::Dielectric { refraction, attenuation, roughness, priority } => {
             write_refraction(out, refraction)?;
             match *attenuation {
-                Attenuation::None => {}
-                Attenuation::Absorption(absorption) => out.vector("absorption", absorption)?,
-                Attenuation::Tint { color, distance } => {
+                DielectricAbsorption::None => {}
+                DielectricAbsorption::Coefficient(absorption) => out.vector("absorption", absorption)?,
+                DielectricAbsorption::Tint { color, distance } => {
                     out.vector("tint", color)?;
                     out.number("tintDistance", distance)?;
                 }
@@ -475,7 +480,7 @@ pub(super) fn write_material(out: &mut Writer<'_, '_>, material: &MaterialDescri
         }
     }
     material.medium.as_ref().map_or(Ok(()), |medium| out.name("medium", medium))?;
-    match &material.relief {
+    match &material.normal_perturbation {
         None => {}
         Some(NormalPerturbationDescription::Bump { texture, height }) => {
             out.name("bump", texture)?;
@@ -485,8 +490,8 @@ pub(super) fn write_material(out: &mut Writer<'_, '_>, material: &MaterialDescri
     }
     match &material.emission {
         None => {}
-        Some(Emission::Radiance(radiance)) => out.vector("emission", *radiance)?,
-        Some(Emission::Texture { name, scale }) => {
+        Some(EmissionDescription::Radiance(radiance)) => out.vector("emission", *radiance)?,
+        Some(EmissionDescription::Texture { name, scale }) => {
             out.texture("emission", name)?;
             out.number("emissionScale", *scale)?;
         }

@@ -4,7 +4,10 @@ use std::fmt;
 
 use glam::DVec3;
 
-use super::super::description::{Coefficients, Density, ExtentDescription, MediumDescription, Phase, Spanned};
+use super::super::description::{
+    DensityDescription, MediumCoefficients, MediumDescription, PhaseFunctionDescription, Spanned,
+    TransformedBoxDescription,
+};
 use super::super::error::SceneError;
 use super::fields::{Fields, fields};
 use super::lexer::Token;
@@ -19,7 +22,7 @@ pub(super) static MEDIA: [Entry<ReadDensity>; 2] =
     [Entry { block: &MEDIUM, read: grid }, Entry { block: &CLOUD, read: cloud }];
 
 /// Reader of the density of a medium.
-type ReadDensity = fn(&Fields<'_>) -> Result<Density, SceneError>;
+type ReadDensity = fn(&Fields<'_>) -> Result<DensityDescription, SceneError>;
 
 const COEFFICIENT: Range = Range::Within(0.0, MAX_COEFFICIENT);
 
@@ -96,8 +99,9 @@ pub(super) fn media<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result<(),
 
 /// Returns an empty medium.
 fn placeholder(name: &str) -> MediumDescription {
-    let coefficients = Coefficients::Parts { absorption: DVec3::ZERO, scattering: DVec3::ZERO };
-    let (emission, phase, density) = (DVec3::ZERO, Phase::Isotropic, Density::Even);
+    let coefficients = MediumCoefficients::AbsorptionScattering { absorption: DVec3::ZERO, scattering: DVec3::ZERO };
+    let (emission, phase, density) =
+        (DVec3::ZERO, PhaseFunctionDescription::Isotropic, DensityDescription::Homogeneous);
     MediumDescription { name: name.to_owned(), coefficients, emission, phase, density }
 }
 
@@ -116,7 +120,7 @@ fn medium<'a>(parser: &mut Parser<'a>, word: Token<'a>, name: &str) -> Result<Me
     })
 }
 
-fn coefficients(f: &Fields<'_>) -> Result<Coefficients, SceneError> {
+fn coefficients(f: &Fields<'_>) -> Result<MediumCoefficients, SceneError> {
     for whole in ["extinction", "albedo"] {
         for part in ["absorption", "scattering"] {
             f.exclude(part, whole)?;
@@ -125,40 +129,43 @@ fn coefficients(f: &Fields<'_>) -> Result<Coefficients, SceneError> {
     let Some(extinction) = f.get("extinction") else {
         f.refuse(&["albedo"], "has no effect without `extinction`")?;
         let part = |name| f.get(name).map_or(DVec3::ZERO, |c| c.vector());
-        return Ok(Coefficients::Parts { absorption: part("absorption"), scattering: part("scattering") });
+        return Ok(MediumCoefficients::AbsorptionScattering {
+            absorption: part("absorption"),
+            scattering: part("scattering"),
+        });
     };
-    Ok(Coefficients::Whole { extinction: extinction.vector(), albedo: f.vector("albedo")? })
+    Ok(MediumCoefficients::ExtinctionAlbedo { extinction: extinction.vector(), albedo: f.vector("albedo")? })
 }
 
-fn phase(f: &Fields<'_>) -> Result<Phase, SceneError> {
+fn phase(f: &Fields<'_>) -> Result<PhaseFunctionDescription, SceneError> {
     let (phase, anisotropy) = (f.get("phase"), f.get("anisotropy"));
     let word = phase.map(|phase| phase.text().value);
     match (word.as_deref(), anisotropy) {
-        (None | Some("isotropic"), None) => Ok(Phase::Isotropic),
-        (Some("rayleigh"), None) => Ok(Phase::Rayleigh),
+        (None | Some("isotropic"), None) => Ok(PhaseFunctionDescription::Isotropic),
+        (Some("rayleigh"), None) => Ok(PhaseFunctionDescription::Rayleigh),
         (None | Some("henyey-greenstein"), Some(g)) => {
             g.ensure(g.number().abs() <= 1.0 - 1e-7, "must lie inside -1 … 1, by 1e-7 at least")?;
-            Ok(Phase::HenyeyGreenstein(g.number()))
+            Ok(PhaseFunctionDescription::HenyeyGreenstein(g.number()))
         }
         (Some(_), Some(g)) => {
             g.ensure(false, "belongs to `phase henyey-greenstein`: leave one of both out")?;
-            Ok(Phase::Isotropic)
+            Ok(PhaseFunctionDescription::Isotropic)
         }
-        (Some(_), None) => Ok(Phase::HenyeyGreenstein(f.number("anisotropy")?)),
+        (Some(_), None) => Ok(PhaseFunctionDescription::HenyeyGreenstein(f.number("anisotropy")?)),
     }
 }
 
-fn grid(f: &Fields<'_>) -> Result<Density, SceneError> {
+fn grid(f: &Fields<'_>) -> Result<DensityDescription, SceneError> {
     let Some(grid) = f.get("grid") else {
         f.refuse(&["min", "max", "Transform", "densityScale"], "has no effect without `grid`")?;
-        return Ok(Density::Even);
+        return Ok(DensityDescription::Homogeneous);
     };
     let scale = f.get("densityScale").map_or(1.0, |scale| scale.number());
-    Ok(Density::Grid { path: grid.text(), scale, extent: extent(f)? })
+    Ok(DensityDescription::Grid { path: grid.text(), scale, extent: extent(f)? })
 }
 
-fn cloud(f: &Fields<'_>) -> Result<Density, SceneError> {
-    Ok(Density::Cloud {
+fn cloud(f: &Fields<'_>) -> Result<DensityDescription, SceneError> {
+    Ok(DensityDescription::Cloud {
         cover: f.number("cover")?,
         softness: f.number("softness")?,
         octaves: f.whole("octaves")?,
@@ -169,26 +176,26 @@ fn cloud(f: &Fields<'_>) -> Result<Density, SceneError> {
     })
 }
 
-fn extent(f: &Fields<'_>) -> Result<ExtentDescription, SceneError> {
+fn extent(f: &Fields<'_>) -> Result<TransformedBoxDescription, SceneError> {
     let (min, max) = (f.vector("min")?, f.require("max")?);
     let sides = max.vector() - min;
     max.ensure(sides.min_element() > 0.0 && sides.is_finite(), "must be above `min` in each component")?;
-    Ok(ExtentDescription { min, max: max.vector(), maps: f.maps("Transform") })
+    Ok(TransformedBoxDescription { min, max: max.vector(), maps: f.maps("Transform") })
 }
 
 /// Prints a medium.
 pub(super) fn write_medium(out: &mut Writer<'_, '_>, medium: &MediumDescription) -> fmt::Result {
     let block = match medium.density {
-        Density::Even | Density::Grid { .. } => &MEDIUM,
-        Density::Cloud { .. } => &CLOUD,
+        DensityDescription::Homogeneous | DensityDescription::Grid { .. } => &MEDIUM,
+        DensityDescription::Cloud { .. } => &CLOUD,
     };
     out.start_named(block, &medium.name)?;
     match medium.coefficients {
-        Coefficients::Parts { absorption, scattering } => {
+        MediumCoefficients::AbsorptionScattering { absorption, scattering } => {
             out.vector("absorption", absorption)?;
             out.vector("scattering", scattering)?;
         }
-        Coefficients::Whole { extinction, albedo } => {
+        MediumCoefficients::ExtinctionAlbedo { extinction, albedo } => {
             out.vector("extinction", extinction)?;
             out.vector("albedo", albedo)?;
         }
@@ -197,18 +204,18 @@ pub(super) fn write_medium(out: &mut Writer<'_, '_>, medium: &MediumDescription)
         out.vector("emission", medium.emission)?;
     }
     match medium.phase {
-        Phase::Isotropic => {}
-        Phase::Rayleigh => out.field("phase", "rayleigh")?,
-        Phase::HenyeyGreenstein(g) => out.number("anisotropy", g)?,
+        PhaseFunctionDescription::Isotropic => {}
+        PhaseFunctionDescription::Rayleigh => out.field("phase", "rayleigh")?,
+        PhaseFunctionDescription::HenyeyGreenstein(g) => out.number("anisotropy", g)?,
     }
     match &medium.density {
-        Density::Even => {}
-        Density::Grid { path, scale, extent } => {
+        DensityDescription::Homogeneous => {}
+        DensityDescription::Grid { path, scale, extent } => {
             out.name("grid", path)?;
             out.number("densityScale", *scale)?;
             write_extent(out, extent)?;
         }
-        Density::Cloud { cover, softness, octaves, frequency, seed, resolution, extent } => {
+        DensityDescription::Cloud { cover, softness, octaves, frequency, seed, resolution, extent } => {
             out.number("cover", *cover)?;
             out.number("softness", *softness)?;
             out.field("octaves", octaves)?;
@@ -221,7 +228,7 @@ pub(super) fn write_medium(out: &mut Writer<'_, '_>, medium: &MediumDescription)
     out.close()
 }
 
-fn write_extent(out: &mut Writer<'_, '_>, extent: &ExtentDescription) -> fmt::Result {
+fn write_extent(out: &mut Writer<'_, '_>, extent: &TransformedBoxDescription) -> fmt::Result {
     out.vector("min", extent.min)?;
     out.vector("max", extent.max)?;
     write_bare_maps(out, &extent.maps)

@@ -30,7 +30,7 @@ use std::fmt::{self, Display, Formatter};
 
 use glam::DVec3;
 
-use super::description::{CameraDescription, Description, Group, LightDescription, Span, Spanned};
+use super::description::{CameraDescription, Group, LightDescription, SceneDescription, Span, Spanned};
 use super::error::{SceneError, SourceText};
 use camera::{CAMERAS, camera, moving_camera, write_camera};
 use fields::fields;
@@ -105,7 +105,7 @@ pub fn with_reference(page: &str) -> String {
 ///
 /// # Errors
 /// Up to 20 errors as one [`SceneError`], each with its position and remedy.
-pub fn parse(name: &str, text: &str) -> Result<Description, SceneError> {
+pub fn parse(name: &str, text: &str) -> Result<SceneDescription, SceneError> {
     let mut parser = Parser::new(name, text);
     let result = file(&mut parser);
     let (description, last) = match result {
@@ -123,7 +123,7 @@ pub fn parse(name: &str, text: &str) -> Result<Description, SceneError> {
 ///
 /// # Errors
 /// As for [`parse`], and if the bytes are not UTF-8.
-pub fn parse_bytes(name: &str, bytes: &[u8]) -> Result<Description, SceneError> {
+pub fn parse_bytes(name: &str, bytes: &[u8]) -> Result<SceneDescription, SceneError> {
     let error = match std::str::from_utf8(bytes) {
         Ok(text) => return parse(name, text),
         Err(error) => error,
@@ -149,7 +149,7 @@ struct Parts {
 }
 
 /// Reads a whole file.
-fn file(parser: &mut Parser<'_>) -> Result<Description, SceneError> {
+fn file(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneError> {
     let allowed = [&keywords(&[], &CAMERAS)[..], &[BACKGROUND.keyword], &BLOCKS].concat();
     let mut parts = Parts::default();
     loop {
@@ -166,8 +166,8 @@ fn file(parser: &mut Parser<'_>) -> Result<Description, SceneError> {
         return Err(parser.lexer.error(block.span(), message, "too late", help));
     }
     let Parts { camera, background, lights, root } = parts;
-    let (background, filling) = background.unwrap_or((DVec3::splat(0.5), None));
-    if let Some(name) = &filling {
+    let (background, ambient_medium) = background.unwrap_or((DVec3::splat(0.5), None));
+    if let Some(name) = &ambient_medium {
         parser.scope.check_medium(parser.lexer, name, "in the file")?;
     }
     // A block may be missing because it could not be read.
@@ -184,7 +184,7 @@ fn file(parser: &mut Parser<'_>) -> Result<Description, SceneError> {
     })?;
     let scope = std::mem::take(&mut parser.scope);
     let (textures, media, materials) = (scope.textures, scope.media, scope.materials);
-    Ok(Description { camera, background, filling, lights, textures, media, materials, root })
+    Ok(SceneDescription { camera, background, ambient_medium, lights, textures, media, materials, root })
 }
 
 /// Reads the block that starts with `word`. It replaces an earlier one of its kind, as in MIT
@@ -212,14 +212,14 @@ fn block<'a>(parser: &mut Parser<'a>, word: Token<'a>, allowed: &[&str], parts: 
     Ok(())
 }
 
-impl Display for Description {
+impl Display for SceneDescription {
     /// Prints the scene as text in one canonical form, which reads back as an equal description.
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let out = &mut Writer::new(f);
         write_camera(out, &self.camera)?;
         out.start(&BACKGROUND)?;
         out.vector("color", self.background)?;
-        self.filling.as_ref().map_or(Ok(()), |medium| out.name("medium", medium))?;
+        self.ambient_medium.as_ref().map_or(Ok(()), |medium| out.name("medium", medium))?;
         out.close()?;
         write_list(out, "Lights", "numLights", &self.lights, write_light)?;
         write_list(out, "Textures", "numTextures", &self.textures, write_texture)?;

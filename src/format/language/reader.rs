@@ -1,6 +1,6 @@
 //! Token-level reading of scene text: blocks, numbers, names, counts, and recovery from errors.
 
-use super::super::MAX_DEPTH;
+use super::super::MAX_NESTING_DEPTH;
 use super::super::description::{Span, Spanned};
 use super::super::error::{MAX_ERRORS, SceneError};
 use super::lexer::{Lexer, Token};
@@ -175,8 +175,8 @@ impl<'a> Parser<'a> {
 
     /// Opens a block that may hold blocks of its own kind.
     pub fn descend(&mut self, keyword: Token<'a>) -> Result<(), SceneError> {
-        if self.depth == MAX_DEPTH {
-            let message = format!("groups and transforms nest more than {MAX_DEPTH} deep");
+        if self.depth == MAX_NESTING_DEPTH {
+            let message = format!("groups and transforms nest more than {MAX_NESTING_DEPTH} deep");
             let help = "list the objects side by side instead".to_owned();
             return Err(self.lexer.error(keyword.span(), message, "too deep", help));
         }

@@ -2,12 +2,12 @@
 
 use std::fmt;
 
-use super::super::description::RefractionDescription;
+use super::super::description::RefractiveIndexDescription;
 use super::super::error::SceneError;
 use super::fields::{Fields, PresentField};
 use super::schema::{Field, Kind, Range, field};
 use super::writer::{Numbers, Writer};
-use crate::color::Glass;
+use crate::color::DispersionFormula;
 
 /// Least refractive index.
 pub(super) const MIN_INDEX: f64 = 0.001;
@@ -26,7 +26,7 @@ const SOURCES: [&str; 4] = ["indexOfRefraction", "glass", "cauchy", "sellmeierB"
 const TERMS: usize = 4;
 
 /// Returns the index of refraction.
-pub(super) fn refraction(f: &Fields<'_>) -> Result<RefractionDescription, SceneError> {
+pub(super) fn refraction(f: &Fields<'_>) -> Result<RefractiveIndexDescription, SceneError> {
     let given = SOURCES.iter().any(|source| f.get(source).is_some());
     let source = if given { Some(f.one_of(&SOURCES)?) } else { None };
     for (part, whole) in [("abbe", SOURCES[0]), ("sellmeierC", SOURCES[3])] {
@@ -35,35 +35,35 @@ pub(super) fn refraction(f: &Fields<'_>) -> Result<RefractionDescription, SceneE
         }
     }
     match source.map(|source| (source.name(), source)) {
-        Some(("glass", name)) => Ok(RefractionDescription::Named(name.text())),
+        Some(("glass", name)) => Ok(RefractiveIndexDescription::Named(name.text())),
         Some(("cauchy", coefficients)) => cauchy(&coefficients),
         Some(("sellmeierB", strengths)) => sellmeier(&strengths, &f.require("sellmeierC")?),
         Some(_) | None => abbe(f),
     }
 }
 
-fn abbe(f: &Fields<'_>) -> Result<RefractionDescription, SceneError> {
+fn abbe(f: &Fields<'_>) -> Result<RefractiveIndexDescription, SceneError> {
     let index = f.number("indexOfRefraction")?;
-    let Some(number) = f.get("abbe") else { return Ok(RefractionDescription::Index(index)) };
+    let Some(number) = f.get("abbe") else { return Ok(RefractiveIndexDescription::Index(index)) };
     let abbe = number.number();
-    check(&Glass::of_abbe(index, abbe), &number, "is too small")?;
-    Ok(RefractionDescription::Abbe { index, abbe })
+    check(&DispersionFormula::from_abbe_number(index, abbe), &number, "is too small")?;
+    Ok(RefractiveIndexDescription::Abbe { index, abbe })
 }
 
-fn cauchy(coefficients: &PresentField<'_, '_>) -> Result<RefractionDescription, SceneError> {
+fn cauchy(coefficients: &PresentField<'_, '_>) -> Result<RefractiveIndexDescription, SceneError> {
     let list = coefficients.list();
     let rule = "must be A, B in µm² and, unless 0, C in µm⁴, of n = A + B/λ² + C/λ⁴";
     coefficients.ensure((2..=3).contains(&list.len()), rule)?;
     let (a, b, c) = (list[0], list[1], list.get(2).copied().unwrap_or(0.0));
-    let glass = Glass::Cauchy { a, b, c };
+    let glass = DispersionFormula::Cauchy { a, b, c };
     check(&glass, coefficients, "wants B in µm² and C in µm⁴")?;
-    Ok(RefractionDescription::Glass(glass))
+    Ok(RefractiveIndexDescription::Glass(glass))
 }
 
 fn sellmeier(
     strengths: &PresentField<'_, '_>,
     resonances: &PresentField<'_, '_>,
-) -> Result<RefractionDescription, SceneError> {
+) -> Result<RefractiveIndexDescription, SceneError> {
     let terms = strengths.list().len();
     strengths.ensure((1..=TERMS).contains(&terms), "must be one to four numbers")?;
     let rule = format!("must be as many numbers as `sellmeierB`, which has {terms}");
@@ -71,28 +71,30 @@ fn sellmeier(
     let (mut b, mut c) = ([0.0; TERMS], [0.0; TERMS]);
     b[..terms].copy_from_slice(strengths.list());
     c[..terms].copy_from_slice(resonances.list());
-    let glass = Glass::Sellmeier { b, c };
+    let glass = DispersionFormula::Sellmeier { b, c };
     check(&glass, resonances, "wants squares of wavelengths, in µm²")?;
-    Ok(RefractionDescription::Glass(glass))
+    Ok(RefractiveIndexDescription::Glass(glass))
 }
 
 /// Refuses a glass whose index leaves the range; `advice` follows the name of `field`.
-fn check(glass: &Glass, field: &PresentField<'_, '_>, advice: &str) -> Result<(), SceneError> {
+fn check(glass: &DispersionFormula, field: &PresentField<'_, '_>, advice: &str) -> Result<(), SceneError> {
     let within = glass.range().is_some_and(|ends| ends.iter().all(|n| (MIN_INDEX..=MAX_INDEX).contains(n)));
     field.ensure(within, &format!("{advice}: the index must lie between 0.001 and 1000 from 380 to 720 nm"))
 }
 
 /// Prints the index of refraction.
-pub(super) fn write_refraction(out: &mut Writer<'_, '_>, refraction: &RefractionDescription) -> fmt::Result {
+pub(super) fn write_refraction(out: &mut Writer<'_, '_>, refraction: &RefractiveIndexDescription) -> fmt::Result {
     match refraction {
-        RefractionDescription::Index(index) => out.number("indexOfRefraction", *index),
-        RefractionDescription::Named(name) => out.name("glass", name),
-        RefractionDescription::Abbe { index, abbe } => {
+        RefractiveIndexDescription::Index(index) => out.number("indexOfRefraction", *index),
+        RefractiveIndexDescription::Named(name) => out.name("glass", name),
+        RefractiveIndexDescription::Abbe { index, abbe } => {
             out.number("indexOfRefraction", *index)?;
             out.number("abbe", *abbe)
         }
-        RefractionDescription::Glass(Glass::Cauchy { a, b, c }) => out.field("cauchy", Numbers(&[*a, *b, *c])),
-        RefractionDescription::Glass(Glass::Sellmeier { b, c }) => {
+        RefractiveIndexDescription::Glass(DispersionFormula::Cauchy { a, b, c }) => {
+            out.field("cauchy", Numbers(&[*a, *b, *c]))
+        }
+        RefractiveIndexDescription::Glass(DispersionFormula::Sellmeier { b, c }) => {
             // Absent terms are not printed.
             let terms = (1..b.len()).rev().find(|i| (b[*i], c[*i]) != (0.0, 0.0)).map_or(1, |last| last + 1);
             out.field("sellmeierB", Numbers(&b[..terms]))?;

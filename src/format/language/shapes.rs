@@ -282,13 +282,13 @@ fn cuboid(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
 }
 
 fn cylinder(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
-    let (ends, capped) = ends(f)?;
-    Ok(ShapeDescription::Cylinder { ends, radius: f.number("radius")?, capped })
+    let (ends, is_capped) = ends(f)?;
+    Ok(ShapeDescription::Cylinder { ends, radius: f.number("radius")?, is_capped })
 }
 
 fn cone(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
-    let (ends, capped) = ends(f)?;
-    Ok(ShapeDescription::Cone { ends, radii: [f.number("radius")?, f.number("topRadius")?], capped })
+    let (ends, is_capped) = ends(f)?;
+    Ok(ShapeDescription::Cone { ends, radii: [f.number("radius")?, f.number("topRadius")?], is_capped })
 }
 
 fn mesh(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
@@ -339,9 +339,9 @@ fn triangle(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
 
 fn mesh_options(f: &Fields<'_>) -> Result<MeshOptions, SceneError> {
     Ok(MeshOptions {
-        own_materials: f.word("materials")? == "file",
-        no_normals: f.word("normals")? == "none",
-        smooth_angle: f.get("smoothAngle").map(|angle| angle.number()),
+        uses_file_materials: f.word("materials")? == "file",
+        ignores_normals: f.word("normals")? == "none",
+        max_smoothing_angle: f.get("smoothAngle").map(|angle| angle.number()),
     })
 }
 
@@ -412,18 +412,18 @@ pub(super) fn write_shape(out: &mut Writer<'_, '_>, shape: &ShapeDescription, em
             out.vector("min", *min)?;
             out.vector("max", *max)?;
         }
-        ShapeDescription::Cylinder { ends, radius, capped } => {
+        ShapeDescription::Cylinder { ends, radius, is_capped } => {
             out.start(&CYLINDER)?;
             write_ends(out, ends, *radius)?;
-            write_caps(out, *capped)?;
+            write_caps(out, *is_capped)?;
         }
-        ShapeDescription::Cone { ends, radii, capped } => {
+        ShapeDescription::Cone { ends, radii, is_capped } => {
             out.start(&CONE)?;
             write_ends(out, ends, radii[0])?;
             if radii[1] != 0.0 {
                 out.number("topRadius", radii[1])?;
             }
-            write_caps(out, *capped)?;
+            write_caps(out, *is_capped)?;
         }
         ShapeDescription::Triangle { vertices, normals, uv } => {
             out.start(&TRIANGLE)?;
@@ -441,13 +441,13 @@ pub(super) fn write_shape(out: &mut Writer<'_, '_>, shape: &ShapeDescription, em
             out.start(&MESH)?;
             let ply = path.to_ascii_lowercase().ends_with(".ply");
             out.name(if ply { "file" } else { "obj_file" }, path)?;
-            if options.own_materials {
+            if options.uses_file_materials {
                 out.field("materials", "file")?;
             }
-            if options.no_normals {
+            if options.ignores_normals {
                 out.field("normals", "none")?;
             }
-            options.smooth_angle.map_or(Ok(()), |angle| out.number("smoothAngle", angle))?;
+            options.max_smoothing_angle.map_or(Ok(()), |angle| out.number("smoothAngle", angle))?;
         }
         ShapeDescription::Revolution { profile } => {
             out.start(&REVOLUTION)?;
@@ -505,6 +505,6 @@ fn write_ends(out: &mut Writer<'_, '_>, [bottom, top]: &[DVec3; 2], radius: f64)
     out.number("radius", radius)
 }
 
-fn write_caps(out: &mut Writer<'_, '_>, capped: bool) -> fmt::Result {
-    if capped { Ok(()) } else { out.field("caps", "no") }
+fn write_caps(out: &mut Writer<'_, '_>, is_capped: bool) -> fmt::Result {
+    if is_capped { Ok(()) } else { out.field("caps", "no") }
 }

@@ -5,7 +5,8 @@ use std::fmt;
 use glam::DVec3;
 
 use super::super::description::{
-    CoordinatesDescription, Pattern, PictureEncoding, Spanned, TextureDescription, TextureKindDescription, Wrap,
+    PictureEncoding, SolidPatternDescription, Spanned, TexcoordTransformDescription, TextureDescription,
+    TextureKindDescription, Wrap,
 };
 use super::super::error::SceneError;
 use super::fields::{Fields, fields};
@@ -20,9 +21,9 @@ use super::writer::Writer;
 pub(super) static TEXTURES: [Entry<ReadTexture>; 5] = [
     Entry { block: &IMAGE, read: image },
     Entry { block: &CHECKER, read: checker },
-    Entry { block: &NOISE, read: |f| solid(f, Pattern::Noise) },
-    Entry { block: &MARBLE, read: |f| solid(f, Pattern::Marble) },
-    Entry { block: &WOOD, read: |f| solid(f, Pattern::Wood) },
+    Entry { block: &NOISE, read: |f| solid(f, SolidPatternDescription::Noise) },
+    Entry { block: &MARBLE, read: |f| solid(f, SolidPatternDescription::Marble) },
+    Entry { block: &WOOD, read: |f| solid(f, SolidPatternDescription::Wood) },
 ];
 
 /// Reader of the fields of a texture.
@@ -123,7 +124,7 @@ pub(super) fn textures<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result<
         // A texture with errors still defines its name, so that materials can refer to it.
         let placeholder = || TextureKindDescription::Checker {
             colors: [DVec3::ZERO; 2],
-            coordinates: CoordinatesDescription::default(),
+            coordinates: TexcoordTransformDescription::default(),
         };
         let (kind, error) = match kind {
             Ok(kind) => (kind, Ok(())),
@@ -160,7 +161,7 @@ fn checker(f: &Fields<'_>) -> Result<TextureKindDescription, SceneError> {
 }
 
 /// Returns a solid pattern.
-fn solid(f: &Fields<'_>, pattern: Pattern) -> Result<TextureKindDescription, SceneError> {
+fn solid(f: &Fields<'_>, pattern: SolidPatternDescription) -> Result<TextureKindDescription, SceneError> {
     Ok(TextureKindDescription::Solid {
         pattern,
         colors: colors(f)?,
@@ -175,8 +176,8 @@ fn colors(f: &Fields<'_>) -> Result<[DVec3; 2], SceneError> {
     Ok([f.vector("color0")?, f.vector("color1")?])
 }
 
-fn coordinates(f: &Fields<'_>) -> Result<CoordinatesDescription, SceneError> {
-    Ok(CoordinatesDescription { scale: f.pair("scale")?, rotate: f.number("rotate")?, offset: f.pair("offset")? })
+fn coordinates(f: &Fields<'_>) -> Result<TexcoordTransformDescription, SceneError> {
+    Ok(TexcoordTransformDescription { scale: f.pair("scale")?, rotate: f.number("rotate")?, offset: f.pair("offset")? })
 }
 
 /// Prints a texture.
@@ -184,9 +185,9 @@ pub(super) fn write_texture(out: &mut Writer<'_, '_>, texture: &TextureDescripti
     let block = match texture.kind {
         TextureKindDescription::Image { .. } => &IMAGE,
         TextureKindDescription::Checker { .. } => &CHECKER,
-        TextureKindDescription::Solid { pattern: Pattern::Noise, .. } => &NOISE,
-        TextureKindDescription::Solid { pattern: Pattern::Marble, .. } => &MARBLE,
-        TextureKindDescription::Solid { pattern: Pattern::Wood, .. } => &WOOD,
+        TextureKindDescription::Solid { pattern: SolidPatternDescription::Noise, .. } => &NOISE,
+        TextureKindDescription::Solid { pattern: SolidPatternDescription::Marble, .. } => &MARBLE,
+        TextureKindDescription::Solid { pattern: SolidPatternDescription::Wood, .. } => &WOOD,
     };
     out.start_named(block, &texture.name)?;
     match &texture.kind {
@@ -225,7 +226,7 @@ fn write_colors(out: &mut Writer<'_, '_>, colors: &[DVec3; 2]) -> fmt::Result {
     out.vector("color1", colors[1])
 }
 
-fn write_coordinates(out: &mut Writer<'_, '_>, coordinates: &CoordinatesDescription) -> fmt::Result {
+fn write_coordinates(out: &mut Writer<'_, '_>, coordinates: &TexcoordTransformDescription) -> fmt::Result {
     out.pair("scale", coordinates.scale)?;
     out.number("rotate", coordinates.rotate)?;
     out.pair("offset", coordinates.offset)

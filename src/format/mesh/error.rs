@@ -1,8 +1,8 @@
 //! Errors of reading meshes, and reading of files within a memory limit.
 
-use crate::format::problem::{LineError, Problem};
+use crate::format::line_error::{LineError, MessageAndRemedy};
 use crate::image::open_file;
-use crate::stats::bytes;
+use crate::stats::format_bytes;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -61,7 +61,7 @@ pub enum MeshError {
     /// The mesh takes more memory than is free.
     #[error(
         "the mesh {} takes {} of memory, and {} are free: simplify or split it, or let it have more (--memory)",
-        path.display(), bytes(*needed), bytes(*free)
+        path.display(), format_bytes(*needed), format_bytes(*free)
     )]
     Memory {
         /// Path of the file.
@@ -100,7 +100,7 @@ pub enum MeshError {
 }
 
 impl MeshError {
-    pub(in crate::format) fn at_line(path: &Path, line: usize, problem: Problem) -> Self {
+    pub(in crate::format) fn at_line(path: &Path, line: usize, problem: MessageAndRemedy) -> Self {
         Self::Line(LineError::new(path, line, problem))
     }
 }

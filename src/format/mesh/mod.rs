@@ -25,7 +25,7 @@ pub use solid::{SOLID_CHECK_BYTES, SolidDefect};
 pub use write::MeshFormat;
 pub(in crate::format) use write::ShortestDecimal;
 
-use super::problem::without_bom;
+use super::line_error::strip_byte_order_mark;
 use glam::{DVec2, DVec3};
 use std::path::Path;
 
@@ -139,7 +139,7 @@ pub fn decode(
 ) -> Result<LoadedMesh, MeshError> {
     monitor.begin(path, bytes.len() as u64);
     let named = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply"));
-    let text = without_bom(&bytes);
+    let text = strip_byte_order_mark(&bytes);
     let loaded = if named || text.starts_with(b"ply\n") || text.starts_with(b"ply\r") {
         ply::read(path, &bytes, monitor, free)?
     } else {

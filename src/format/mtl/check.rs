@@ -1,6 +1,6 @@
 //! Checks the lines of an MTL file and rewrites them for the parser `tobj`.
 
-use super::super::problem::{Problem, excerpt};
+use super::super::line_error::{MessageAndRemedy, escaped_excerpt};
 use std::fmt::Write;
 
 const REPAIR: &str = "repair it or export the materials anew";
@@ -8,7 +8,7 @@ const REPAIR: &str = "repair it or export the materials anew";
 /// Valid lines of `text`, rewritten for `tobj`; lines with unknown keywords are dropped.
 ///
 /// An error holds the number of the first invalid line, from 1, and the problem.
-pub(super) fn check_mtl_lines(text: &str) -> Result<String, (usize, Problem)> {
+pub(super) fn check_mtl_lines(text: &str) -> Result<String, (usize, MessageAndRemedy)> {
     let mut valid_lines = String::new();
     let mut named = false;
     for (i, line) in text.lines().enumerate() {
@@ -17,7 +17,7 @@ pub(super) fn check_mtl_lines(text: &str) -> Result<String, (usize, Problem)> {
     Ok(valid_lines)
 }
 
-fn check_line(line: &str, named: &mut bool, valid_lines: &mut String) -> Result<(), Problem> {
+fn check_line(line: &str, named: &mut bool, valid_lines: &mut String) -> Result<(), MessageAndRemedy> {
     let (keyword, rest) = line.split_once(|c: char| c.is_ascii_whitespace()).unwrap_or((line, ""));
     let rest = rest.trim();
     // Writing to a string cannot fail.
@@ -54,7 +54,10 @@ fn check_line(line: &str, named: &mut bool, valid_lines: &mut String) -> Result<
         "illum" => {
             let model = rest.split_ascii_whitespace().next().unwrap_or_default();
             if !model.parse::<u8>().is_ok_and(|model| model <= 10) {
-                return Err((format!("`{}` is no illumination model", excerpt(model)), "it must be one of 0 to 10"));
+                return Err((
+                    format!("`{}` is no illumination model", escaped_excerpt(model)),
+                    "it must be one of 0 to 10",
+                ));
             }
             let _ = writeln!(valid_lines, "illum {model}");
         }
@@ -70,16 +73,16 @@ fn check_line(line: &str, named: &mut bool, valid_lines: &mut String) -> Result<
     Ok(())
 }
 
-fn parse_finite_number(keyword: &str, rest: &str) -> Result<f64, Problem> {
+fn parse_finite_number(keyword: &str, rest: &str) -> Result<f64, MessageAndRemedy> {
     let word = rest.split_ascii_whitespace().next().unwrap_or_default();
     match word.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
-        _ => Err((format!("`{}` of `{keyword}` is not a finite number", excerpt(word)), REPAIR)),
+        _ => Err((format!("`{}` of `{keyword}` is not a finite number", escaped_excerpt(word)), REPAIR)),
     }
 }
 
 /// Parses a finite number whose magnitude is at most `f32::MAX`.
-fn parse_single_precision(keyword: &str, rest: &str) -> Result<f64, Problem> {
+fn parse_single_precision(keyword: &str, rest: &str) -> Result<f64, MessageAndRemedy> {
     match parse_finite_number(keyword, rest)? {
         number if number.abs() <= f64::from(f32::MAX) => Ok(number),
         number => Err((format!("`{keyword}` holds {number:e}"), "single precision holds numbers below 3.4e38")),
@@ -87,7 +90,7 @@ fn parse_single_precision(keyword: &str, rest: &str) -> Result<f64, Problem> {
 }
 
 /// Parses an RGB colour of three numbers, or a grey of one number; none may be negative.
-fn parse_color_or_grey(keyword: &str, rest: &str) -> Result<[f64; 3], Problem> {
+fn parse_color_or_grey(keyword: &str, rest: &str) -> Result<[f64; 3], MessageAndRemedy> {
     let words: Vec<&str> = rest.split_ascii_whitespace().take_while(|word| !word.starts_with('#')).collect();
     let numbers = match words[..] {
         [one] => [parse_single_precision(keyword, one)?; 3],

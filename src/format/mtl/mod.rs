@@ -8,8 +8,8 @@ mod tests;
 mod to_description;
 mod write;
 
+use super::line_error::strip_byte_order_mark;
 use super::mesh::{LoadedMesh, MeshError, check_memory, read_file_bytes};
-use super::problem::without_bom;
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -101,7 +101,7 @@ pub fn load_mesh_materials(path: &Path, loaded: &LoadedMesh, free: Option<u64>) 
 /// # Errors
 /// [`MeshError`].
 pub fn decode(path: &Path, bytes: &[u8]) -> Result<Vec<MtlMaterial>, MeshError> {
-    let valid_lines = check::check_mtl_lines(&String::from_utf8_lossy(without_bom(bytes)))
+    let valid_lines = check::check_mtl_lines(&String::from_utf8_lossy(strip_byte_order_mark(bytes)))
         .map_err(|(line, wrong)| MeshError::at_line(path, line, wrong))?;
     let malformed = |source| MeshError::Malformed { path: path.into(), source };
     let (materials, _) = tobj::load_mtl_buf(&mut valid_lines.as_bytes()).map_err(malformed)?;

@@ -1,5 +1,5 @@
 use super::*;
-use crate::format::description::{Attenuation, Emission, MaterialKindDescription};
+use crate::format::description::{DielectricAbsorption, EmissionDescription, MaterialKindDescription};
 
 fn decode_text(text: &str) -> Result<Vec<MtlMaterial>, MeshError> {
     decode(Path::new("folder/a.mtl"), text.as_bytes())
@@ -85,7 +85,7 @@ fn mtl_materials_become_scene_materials() {
         texture: None,
     };
     let glass = |index: f64| {
-        let attenuation = Attenuation::None;
+        let attenuation = DielectricAbsorption::None;
         MaterialKindDescription::Dielectric {
             refraction: index.into(),
             attenuation,
@@ -105,7 +105,7 @@ fn mtl_materials_become_scene_materials() {
     let color = DVec3::new(0.9, 1.0, 0.5);
     match converted_material_kind("d 0\nTf .9 1 .5") {
         MaterialKindDescription::Dielectric { attenuation, .. } => {
-            assert_eq!(attenuation, Attenuation::Tint { color, distance: 1.0 });
+            assert_eq!(attenuation, DielectricAbsorption::Tint { color, distance: 1.0 });
         }
         other => panic!("{other:?}"),
     }
@@ -116,7 +116,7 @@ fn mtl_materials_become_scene_materials() {
     assert_eq!(converted_material_kind("Kd .1\nKs .9\nillum 3"), phong(0.1, 0.9, 0.0));
     let whole = std::path::absolute("folder/a.png").unwrap();
     let lamp = read_single_material("Kd 0\nKe 3 2 1\nmap_Kd a.png").to_description().unwrap();
-    assert_eq!(lamp.emission, Some(Emission::Radiance(DVec3::new(3.0, 2.0, 1.0))));
+    assert_eq!(lamp.emission, Some(EmissionDescription::Radiance(DVec3::new(3.0, 2.0, 1.0))));
     assert!(
         matches!(lamp.kind, MaterialKindDescription::Phong { texture: Some(path), .. } if Path::new(&path.value) == whole)
     );

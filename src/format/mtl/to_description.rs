@@ -1,8 +1,10 @@
 //! Conversion of MTL materials to materials of the scene language.
 
 use super::MtlMaterial;
-use crate::format::description::{Attenuation, Emission, MaterialDescription, MaterialKindDescription, Span, Spanned};
-use crate::format::problem::Problem;
+use crate::format::description::{
+    DielectricAbsorption, EmissionDescription, MaterialDescription, MaterialKindDescription, Span, Spanned,
+};
+use crate::format::line_error::MessageAndRemedy;
 use glam::DVec3;
 use std::path::{PathBuf, absolute};
 
@@ -21,7 +23,7 @@ impl MtlMaterial {
     ///
     /// # Errors
     /// A message and a remedy if the index of a dielectric is not in \[0.001, 1000].
-    pub fn to_description(&self) -> Result<MaterialDescription, Problem> {
+    pub fn to_description(&self) -> Result<MaterialDescription, MessageAndRemedy> {
         let model = self.illumination;
         let diffuse = self.diffuse.unwrap_or(DVec3::ONE);
         let specular = self.specular.unwrap_or(DVec3::ZERO);
@@ -33,7 +35,8 @@ impl MtlMaterial {
                 return Err((message, "give it an index of refraction between 0.001 and 1000"));
             }
             let tint = self.filter.filter(|f| f.min_element() > 0.0 && f.max_element() <= 1.0 && *f != DVec3::ONE);
-            let attenuation = tint.map_or(Attenuation::None, |color| Attenuation::Tint { color, distance: 1.0 });
+            let attenuation =
+                tint.map_or(DielectricAbsorption::None, |color| DielectricAbsorption::Tint { color, distance: 1.0 });
             MaterialKindDescription::Dielectric {
                 refraction: index.into(),
                 attenuation,
@@ -51,8 +54,14 @@ impl MtlMaterial {
                 texture: self.texture.as_ref().map(absolute_texture_path),
             }
         };
-        let emission = self.emission.filter(|e| *e != DVec3::ZERO).map(Emission::Radiance);
-        Ok(MaterialDescription { name: Some(self.name.clone()), kind, emission, relief: None, medium: None })
+        let emission = self.emission.filter(|e| *e != DVec3::ZERO).map(EmissionDescription::Radiance);
+        Ok(MaterialDescription {
+            name: Some(self.name.clone()),
+            kind,
+            emission,
+            normal_perturbation: None,
+            medium: None,
+        })
     }
 }
 

@@ -1,7 +1,7 @@
 //! Checks the lines of an OBJ file, in parallel, and copies the valid lines for `tobj`.
 
+use crate::format::line_error::{MessageAndRemedy, escaped_excerpt};
 use crate::format::mesh::MeshReadMonitor;
-use crate::format::problem::{Problem, excerpt};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::fmt::Write;
@@ -15,7 +15,7 @@ const MIN_CHUNK_BYTES: usize = 1 << 22;
 pub(super) struct InvalidObjLine {
     /// Line number, from 1.
     pub line: usize,
-    pub wrong: Problem,
+    pub wrong: MessageAndRemedy,
 }
 
 /// True for each kind of index that a face corner has: position, texture coordinate, normal.
@@ -194,7 +194,7 @@ impl<'u> ChunkChecker<'u> {
         Ok(chunk)
     }
 
-    fn check_line(&mut self, line: &str) -> Result<(), Problem> {
+    fn check_line(&mut self, line: &str) -> Result<(), MessageAndRemedy> {
         let line = line.trim_ascii_start();
         let end = line.find(|c: char| c.is_ascii_whitespace()).unwrap_or(line.len());
         let (keyword, rest) = line.split_at(end);
@@ -227,7 +227,7 @@ impl<'u> ChunkChecker<'u> {
         fewest: usize,
         most: usize,
         mut words: impl Iterator<Item = &'w str>,
-    ) -> Result<(), Problem> {
+    ) -> Result<(), MessageAndRemedy> {
         self.valid_lines.push_str(keyword);
         for k in 0..most {
             let word = match words.next() {
@@ -239,7 +239,7 @@ impl<'u> ChunkChecker<'u> {
             };
             if !is_finite_number(word) {
                 return Err((
-                    format!("`{}` is not a finite number", excerpt(word)),
+                    format!("`{}` is not a finite number", escaped_excerpt(word)),
                     "repair it or export the mesh anew",
                 ));
             }
@@ -251,7 +251,7 @@ impl<'u> ChunkChecker<'u> {
         Ok(())
     }
 
-    fn check_face<'w>(&mut self, words: impl Iterator<Item = &'w str>) -> Result<(), Problem> {
+    fn check_face<'w>(&mut self, words: impl Iterator<Item = &'w str>) -> Result<(), MessageAndRemedy> {
         let mut corners = 0;
         for word in words {
             let indices = self.parse_corner(word)?;
@@ -295,11 +295,11 @@ impl<'u> ChunkChecker<'u> {
     ///
     /// Returns the indices of position, texture coordinate and normal, counted from 1; 0 for an
     /// omitted index.
-    fn parse_corner(&self, word: &str) -> Result<[usize; 3], Problem> {
+    fn parse_corner(&self, word: &str) -> Result<[usize; 3], MessageAndRemedy> {
         let mut indices = [0; 3];
         for (k, part) in word.split('/').enumerate() {
             if k > 2 || (part.is_empty() && k == 0) {
-                let message = format!("`{}` is not a corner of a face", excerpt(word));
+                let message = format!("`{}` is not a corner of a face", escaped_excerpt(word));
                 return Err((message, "write v, v/vt, v//vn or v/vt/vn"));
             }
             if part.is_empty() {
@@ -314,7 +314,8 @@ impl<'u> ChunkChecker<'u> {
             match index {
                 Some(i) if (1..=known).contains(&i) => indices[k] = i,
                 _ => {
-                    let message = format!("`{}` names no {} ({known} stand before it)", excerpt(word), LIST_NAMES[k]);
+                    let message =
+                        format!("`{}` names no {} ({known} stand before it)", escaped_excerpt(word), LIST_NAMES[k]);
                     return Err((message, "indices count from 1, or from -1 backwards"));
                 }
             }

@@ -1,6 +1,6 @@
 //! Parser of PLY headers, which declare the elements of the body and their properties.
 
-use crate::format::problem::{Problem, excerpt};
+use crate::format::line_error::{MessageAndRemedy, escaped_excerpt};
 
 /// Encoding of the body of a PLY file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,7 +105,7 @@ pub(super) struct PlyHeader {
 }
 
 /// Error of a header line: its number, from 1, and the problem.
-pub(super) type HeaderError = (usize, Problem);
+pub(super) type HeaderError = (usize, MessageAndRemedy);
 
 /// Remedy for files that violate the PLY format.
 const EXPORT_ANEW: &str = "export it anew as PLY";
@@ -153,7 +153,7 @@ impl PlyHeader {
                         Some("binary_little_endian") => PlyEncoding::Little,
                         Some("binary_big_endian") => PlyEncoding::Big,
                         other => {
-                            let message = format!("unknown format `{}`", excerpt(other.unwrap_or_default()));
+                            let message = format!("unknown format `{}`", escaped_excerpt(other.unwrap_or_default()));
                             return wrong(message, "known are ascii, binary_little_endian and binary_big_endian");
                         }
                     });
@@ -174,7 +174,9 @@ impl PlyHeader {
                 },
                 Some("end_header") => break,
                 Some("ply" | "comment" | "obj_info") | None => {}
-                Some(word) => return wrong(format!("`{}` is no line of a PLY header", excerpt(word)), EXPORT_ANEW),
+                Some(word) => {
+                    return wrong(format!("`{}` is no line of a PLY header", escaped_excerpt(word)), EXPORT_ANEW);
+                }
             }
         }
         let Some(encoding) = encoding else {
@@ -240,23 +242,26 @@ impl PlyElement {
     }
 }
 
-fn parse_element<'w>(mut words: impl Iterator<Item = &'w str>, line: usize) -> Result<PlyElement, Problem> {
+fn parse_element<'w>(mut words: impl Iterator<Item = &'w str>, line: usize) -> Result<PlyElement, MessageAndRemedy> {
     let (name, count) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
     let Ok(count) = count.parse::<u64>() else {
-        return Err((format!("`{}` is no count of elements", excerpt(count)), "write `element name count`"));
+        return Err((format!("`{}` is no count of elements", escaped_excerpt(count)), "write `element name count`"));
     };
     let kind = match name {
         "vertex" => ElementKind::Vertex,
         "face" => ElementKind::Face,
         _ => ElementKind::Other,
     };
-    Ok(PlyElement { kind, name: excerpt(name), count, properties: Vec::new(), line })
+    Ok(PlyElement { kind, name: escaped_excerpt(name), count, properties: Vec::new(), line })
 }
 
-fn parse_property<'w>(mut words: impl Iterator<Item = &'w str>, kind: ElementKind) -> Result<PlyProperty, Problem> {
+fn parse_property<'w>(
+    mut words: impl Iterator<Item = &'w str>,
+    kind: ElementKind,
+) -> Result<PlyProperty, MessageAndRemedy> {
     let mut next = || words.next().unwrap_or_default();
     let known = |name: &str| {
-        let message = || format!("`{}` is no type of a number", excerpt(name));
+        let message = || format!("`{}` is no type of a number", escaped_excerpt(name));
         NumberType::from_name(name)
             .ok_or_else(|| (message(), "known are char to uint, int8 to uint32, float and double"))
     };
@@ -267,7 +272,7 @@ fn parse_property<'w>(mut words: impl Iterator<Item = &'w str>, kind: ElementKin
     };
     let name = next();
     if list.is_some_and(|count| !count.is_integer()) {
-        let message = format!("the length of the list `{}` is not a whole number", excerpt(name));
+        let message = format!("the length of the list `{}` is not a whole number", escaped_excerpt(name));
         return Err((message, "give it an integer type, such as uchar"));
     }
     let role = match (kind, name, list) {

@@ -7,7 +7,7 @@ mod tests;
 mod write;
 
 use super::{LoadedMesh, MeshError, MeshReadMonitor, check_memory, unit_normal};
-use crate::format::problem::{Problem, without_bom};
+use crate::format::line_error::{MessageAndRemedy, strip_byte_order_mark};
 use glam::{DVec2, DVec3};
 use header::{ElementKind, NumberType, PlyElement, PlyEncoding, PlyHeader, PropertyRole};
 use numbers::{BinaryNumberReader, NumberReader, TextNumberReader};
@@ -39,7 +39,7 @@ pub(super) fn read(
     monitor: &dyn MeshReadMonitor,
     free: Option<u64>,
 ) -> Result<LoadedMesh, MeshError> {
-    let bytes = without_bom(bytes);
+    let bytes = strip_byte_order_mark(bytes);
     let header = PlyHeader::parse(bytes).map_err(|(line, problem)| MeshError::at_line(path, line, problem))?;
     let count = |kind| header.elements.iter().find(|e| e.kind == kind).map_or(0, |e| e.count);
     if count(ElementKind::Vertex) > i32::MAX as u64 {
@@ -88,7 +88,7 @@ struct ElementError {
 
 /// Cause of an [`ElementError`].
 enum ElementErrorCause {
-    Malformed(Problem),
+    Malformed(MessageAndRemedy),
     /// The mesh would need `needed` bytes, and `free` are available.
     Memory {
         needed: u64,
@@ -96,8 +96,8 @@ enum ElementErrorCause {
     },
 }
 
-impl From<Problem> for ElementErrorCause {
-    fn from(problem: Problem) -> Self {
+impl From<MessageAndRemedy> for ElementErrorCause {
+    fn from(problem: MessageAndRemedy) -> Self {
         Self::Malformed(problem)
     }
 }
@@ -180,7 +180,7 @@ impl MeshReader<'_> {
     }
 
     #[inline]
-    fn read_vertex<R: NumberReader>(&mut self, element: &PlyElement, numbers: &mut R) -> Result<(), Problem> {
+    fn read_vertex<R: NumberReader>(&mut self, element: &PlyElement, numbers: &mut R) -> Result<(), MessageAndRemedy> {
         let mut slots = [0.0; 8];
         for property in &element.properties {
             match (property.role, property.list) {
@@ -260,7 +260,7 @@ impl MeshReader<'_> {
     }
 }
 
-fn skip_element<R: NumberReader>(element: &PlyElement, numbers: &mut R) -> Result<(), Problem> {
+fn skip_element<R: NumberReader>(element: &PlyElement, numbers: &mut R) -> Result<(), MessageAndRemedy> {
     for property in &element.properties {
         match property.list {
             Some(length) => skip_list(numbers, length, property.item)?,
@@ -272,7 +272,7 @@ fn skip_element<R: NumberReader>(element: &PlyElement, numbers: &mut R) -> Resul
     Ok(())
 }
 
-fn skip_list<R: NumberReader>(numbers: &mut R, length: NumberType, item: NumberType) -> Result<(), Problem> {
+fn skip_list<R: NumberReader>(numbers: &mut R, length: NumberType, item: NumberType) -> Result<(), MessageAndRemedy> {
     let n = numbers.read_integer(length)?;
     if n < 0 {
         return Err((format!("a list of {n} entries"), "the length of a list is at least 0"));
@@ -286,7 +286,7 @@ fn skip_list<R: NumberReader>(numbers: &mut R, length: NumberType, item: NumberT
 
 /// Fails if the rest of the file cannot hold a list of `n` entries of type `item`.
 #[inline]
-fn check_list_length<R: NumberReader>(numbers: &R, n: u64, item: NumberType) -> Result<(), Problem> {
+fn check_list_length<R: NumberReader>(numbers: &R, n: u64, item: NumberType) -> Result<(), MessageAndRemedy> {
     let most = numbers.remaining_capacity(item);
     if n > most {
         let message = format!("a list of {n} entries, but the rest of the file holds at most {most}");

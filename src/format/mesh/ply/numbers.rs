@@ -1,16 +1,16 @@
 //! Sequential readers of the numbers in a PLY body: one for binary files, one for text.
 
 use super::header::NumberType;
-use crate::format::problem::{Problem, excerpt};
+use crate::format::line_error::{MessageAndRemedy, escaped_excerpt};
 
 const CUT: &str = "the file is cut short, or its counts are wrong";
 
 /// Sequential reader of the numbers in a PLY body.
 pub(super) trait NumberReader {
     /// Returns the next number of the body.
-    fn read_number(&mut self, kind: NumberType) -> Result<f64, Problem>;
+    fn read_number(&mut self, kind: NumberType) -> Result<f64, MessageAndRemedy>;
     /// Returns the next number of the body; `kind` is an integer type.
-    fn read_integer(&mut self, kind: NumberType) -> Result<i64, Problem>;
+    fn read_integer(&mut self, kind: NumberType) -> Result<i64, MessageAndRemedy>;
     /// Returns the position for errors: a byte offset in binary files, a line number in text.
     fn error_position(&self) -> usize;
     /// Returns the offset of the next byte from the start of the file.
@@ -28,7 +28,7 @@ pub(super) struct BinaryNumberReader<'b, const BIG: bool> {
 
 impl<const BIG: bool> BinaryNumberReader<'_, BIG> {
     #[inline]
-    fn take_bytes<const N: usize>(&mut self) -> Result<[u8; N], Problem> {
+    fn take_bytes<const N: usize>(&mut self) -> Result<[u8; N], MessageAndRemedy> {
         let next = self.bytes.get(self.offset..).and_then(|rest| rest.first_chunk::<N>());
         let mut bytes = *next.ok_or_else(|| ("the file ends here".to_owned(), CUT))?;
         self.offset += N;
@@ -41,7 +41,7 @@ impl<const BIG: bool> BinaryNumberReader<'_, BIG> {
 
 impl<const BIG: bool> NumberReader for BinaryNumberReader<'_, BIG> {
     #[inline]
-    fn read_number(&mut self, kind: NumberType) -> Result<f64, Problem> {
+    fn read_number(&mut self, kind: NumberType) -> Result<f64, MessageAndRemedy> {
         match kind {
             NumberType::F32 => Ok(f64::from(f32::from_le_bytes(self.take_bytes()?))),
             NumberType::F64 => Ok(f64::from_le_bytes(self.take_bytes()?)),
@@ -52,7 +52,7 @@ impl<const BIG: bool> NumberReader for BinaryNumberReader<'_, BIG> {
     }
 
     #[inline]
-    fn read_integer(&mut self, kind: NumberType) -> Result<i64, Problem> {
+    fn read_integer(&mut self, kind: NumberType) -> Result<i64, MessageAndRemedy> {
         Ok(match kind {
             NumberType::I8 => i8::from_le_bytes(self.take_bytes()?).into(),
             NumberType::U8 => u8::from_le_bytes(self.take_bytes()?).into(),
@@ -90,7 +90,7 @@ pub(super) struct TextNumberReader<'b> {
 
 impl TextNumberReader<'_> {
     #[inline]
-    fn next_word(&mut self) -> Result<&str, Problem> {
+    fn next_word(&mut self) -> Result<&str, MessageAndRemedy> {
         let mut end = self.offset;
         while let Some(byte) = self.bytes.get(end)
             && byte.is_ascii_whitespace()
@@ -111,14 +111,14 @@ impl TextNumberReader<'_> {
     }
 }
 
-fn invalid_number_problem(word: &str) -> Problem {
-    let message = format!("`{}` is not a number of its property's type", excerpt(word));
+fn invalid_number_problem(word: &str) -> MessageAndRemedy {
+    let message = format!("`{}` is not a number of its property's type", escaped_excerpt(word));
     (message, "repair it or export the mesh anew")
 }
 
 impl NumberReader for TextNumberReader<'_> {
     #[inline]
-    fn read_number(&mut self, kind: NumberType) -> Result<f64, Problem> {
+    fn read_number(&mut self, kind: NumberType) -> Result<f64, MessageAndRemedy> {
         let word = self.next_word()?;
         let number = match kind {
             NumberType::F32 => word.parse::<f32>().map(f64::from),
@@ -134,7 +134,7 @@ impl NumberReader for TextNumberReader<'_> {
     }
 
     #[inline]
-    fn read_integer(&mut self, _: NumberType) -> Result<i64, Problem> {
+    fn read_integer(&mut self, _: NumberType) -> Result<i64, MessageAndRemedy> {
         let word = self.next_word()?;
         word.parse::<i64>().map_err(|_| invalid_number_problem(word))
     }

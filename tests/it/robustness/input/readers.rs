@@ -2,7 +2,7 @@
 //!
 //! Fuzz targets and the corpus replay share these functions.
 
-use caustica::format::description::{Density, Description};
+use caustica::format::description::{DensityDescription, SceneDescription};
 use caustica::format::{SourceText, grid, mesh, mtl, parse, parse_bytes, resolve};
 use caustica::image::{PictureContent, decode};
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings, Silent};
@@ -21,7 +21,7 @@ const CLOUD: u32 = 24;
 /// A folder that does not exist.
 const NOWHERE: &str = "/nowhere/at/all";
 
-fn described(bytes: &[u8]) -> Option<Description> {
+fn described(bytes: &[u8]) -> Option<SceneDescription> {
     match parse_bytes("fuzz.txt", bytes) {
         Ok(description) => Some(description),
         Err(error) => {
@@ -34,8 +34,8 @@ fn described(bytes: &[u8]) -> Option<Description> {
     }
 }
 
-fn resolved(description: &Description, bytes: &[u8]) -> Option<Scene> {
-    let cloud = |density: &Density| matches!(density, Density::Cloud { resolution, .. } if *resolution > CLOUD);
+fn resolved(description: &SceneDescription, bytes: &[u8]) -> Option<Scene> {
+    let cloud = |density: &DensityDescription| matches!(density, DensityDescription::Cloud { resolution, .. } if *resolution > CLOUD);
     if description.media.iter().any(|medium| cloud(&medium.density)) {
         return None;
     }
