@@ -162,7 +162,7 @@ fn photons_store_their_incident_direction() {
         / (radius * radius);
     let origin = (-scene.origin()).as_vec3();
     let one = |map: &PhotonMap| {
-        let brdf = |flux: &PhotonData| Vec3::splat(flux.from().y);
+        let brdf = |flux: &PhotonData| Vec3::splat(flux.incident_direction().y);
         let mut scratch = Scratch::new();
         f64::from(map.estimate(origin, Vec3::Y, fixed(radius), Kernel::Box, &mut scratch, brdf).radiance.x)
     };

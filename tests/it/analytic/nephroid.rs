@@ -63,7 +63,8 @@ fn flux_along_cup_axis_matches_closed_form() {
     }
     // Points are kept 16 errors of 5·2⁻²³ off the edges of facets. That moves a ray sideways by
     // 10⁻⁵ at most.
-    let sideways = |p: &Photon| (0.5 - 1e-5 - photon_position(&scene, p).z) * f64::from(p.data.from().x.abs());
+    let sideways =
+        |p: &Photon| (0.5 - 1e-5 - photon_position(&scene, p).z) * f64::from(p.data.incident_direction().x.abs());
     let most = passes.iter().flat_map(|t| &t.deposits.photons).map(sideways).fold(0.0, f64::max);
     assert!(most < 1e-5, "no ray crosses the axis before half the radius: {most}");
 }
