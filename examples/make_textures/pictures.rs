@@ -2,7 +2,7 @@
 
 use caustica::color::Rgb;
 use caustica::image::{Image, ToneCurve};
-use caustica::texture::{Solid, SolidKind};
+use caustica::texture::{SolidPattern, SolidTexture};
 use glam::{DAffine3, DVec2, DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 
@@ -24,9 +24,9 @@ fn picture(width: u32, height: u32, pixel: impl Fn(DVec2) -> Rgb) -> Image {
     Image::from_pixels(width, height, (0..width * height).map(at).collect()).unwrap_or_else(|e| panic!("{e}"))
 }
 
-fn noise(octaves: u32, frequency: f64, amplitude: f64) -> Solid {
+fn noise(octaves: u32, frequency: f64, amplitude: f64) -> SolidTexture {
     let colors = [Rgb::ZERO, Rgb::ONE];
-    Solid { kind: SolidKind::Noise, colors, octaves, frequency, amplitude, to_pattern: DAffine3::IDENTITY }
+    SolidTexture { kind: SolidPattern::Noise, colors, octaves, frequency, amplitude, to_pattern: DAffine3::IDENTITY }
 }
 
 /// Returns a planet as a map of longitude and latitude.
@@ -73,7 +73,7 @@ fn tile() -> Image {
 
 /// Returns a roughness map: fine strokes along u on a smooth ground.
 fn scratches() -> Image {
-    let strokes = Solid { to_pattern: DAffine3::from_scale(DVec3::new(6.0, 90.0, 1.0)), ..noise(2, 1.0, 1.2) };
+    let strokes = SolidTexture { to_pattern: DAffine3::from_scale(DVec3::new(6.0, 90.0, 1.0)), ..noise(2, 1.0, 1.2) };
     let stains = noise(4, 4.0, 1.2);
     picture(256, 256, |uv| {
         // Sampling around a cylinder makes the map periodic in u.
