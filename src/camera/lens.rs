@@ -22,11 +22,11 @@ impl Lens {
     /// right and up from the center \[length]. A corner of the polygon points up.
     #[inline]
     pub(super) fn sample(&self, u: Vec2) -> glam::DVec2 {
-        self.radius * self.unit(u).as_dvec2()
+        self.radius * self.sample_unit_aperture(u).as_dvec2()
     }
 
     /// Samples a point of the aperture of radius 1.
-    fn unit(&self, u: Vec2) -> Vec2 {
+    fn sample_unit_aperture(&self, u: Vec2) -> Vec2 {
         if self.blades < 3 {
             return warp::disc(u);
         }

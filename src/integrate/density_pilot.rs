@@ -37,7 +37,7 @@ pub(super) fn find_density(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>> {
             // No render reaches these passes, so no random number is used twice.
             let paths = pilot.paths(Some(&maps), u32::MAX - i);
             for_interior!(pilot.policy.effects, pilot.render_pixels(&paths, &Silent, &mut out));
-            out.image.iter().map(|v| f64::from(color::mean(*v))).collect()
+            out.image.iter().map(|v| f64::from(color::channel_mean(*v))).collect()
         })
         .collect();
     let (width, height) = renderer.scene.camera().size();

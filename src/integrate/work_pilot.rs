@@ -59,7 +59,8 @@ pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
     // Measure the noise of each source, relative to the mean radiance.
     let mean: Vec<f64> = (0..points.len())
         .map(|i| {
-            let values = [&reference, &other_camera, &other_caustic].map(|e| f64::from(color::mean(e.radiance[i])));
+            let values =
+                [&reference, &other_camera, &other_caustic].map(|e| f64::from(color::channel_mean(e.radiance[i])));
             values.iter().sum::<f64>() / 3.0
         })
         .collect();

@@ -1,7 +1,7 @@
 //! Area lights: surfaces that emit.
 
 use super::light_bounds::{DirectionCone, LightBounds, NORMAL_ERROR, angle_between};
-use super::source::{DirectSample, EmissionSample, LightExtent, LightSource, ShadowTarget};
+use super::source::{DirectSample, EmissionSample, LightGeometry, LightSource, ShadowTarget};
 use super::{Light, PhotonAim};
 use crate::color::Rgb;
 use crate::math::{Bounds, Frame, Ray, Sphere, offset_origin, warp};
@@ -218,8 +218,8 @@ impl AreaLight {
 
 impl LightSource for AreaLight {
     #[inline]
-    fn extent(&self) -> LightExtent<'_> {
-        LightExtent::Surface(&self.surface)
+    fn geometry(&self) -> LightGeometry<'_> {
+        LightGeometry::Surface(&self.surface)
     }
 
     #[inline]
@@ -303,15 +303,15 @@ impl LightSource for AreaLight {
         Some(LightBounds::new(space, normals, FRAC_PI_2, flux))
     }
 
-    fn peak(&self) -> Option<Rgb> {
+    fn peak_strength(&self) -> Option<Rgb> {
         None
     }
 
-    fn may_reach(&self, sphere: Sphere) -> bool {
+    fn may_illuminate(&self, sphere: Sphere) -> bool {
         self.surface.planar_point().is_none_or(|point| (sphere.center - point.p).dot(point.ng) >= -sphere.radius)
     }
 
-    fn untextured(&self) -> Option<Light> {
+    fn untextured_light(&self) -> Option<Light> {
         let plain = || Light::Area(Self { texture: None, ..self.clone() });
         self.texture.as_ref().map(|_| plain())
     }

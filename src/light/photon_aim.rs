@@ -19,15 +19,15 @@ const MAX_SPHERES: usize = 32;
 
 /// The cone that a sphere subtends.
 #[derive(Clone, Copy)]
-struct SphereCone {
+struct SubtendedCone {
     axis: Vec3,
     one_minus_cos: f32,
 }
 
 /// Directions from a point to a sphere.
-enum Subtended {
+enum SubtendedDirections {
     /// The directions of a cone.
-    Cone(SphereCone),
+    Cone(SubtendedCone),
     /// All directions: the point is inside the sphere.
     All,
     /// No direction: the sphere is below the horizon.
@@ -35,18 +35,18 @@ enum Subtended {
 }
 
 /// Directions from `p` to `sphere`, above the plane with normal `horizon`.
-fn subtended(sphere: &Sphere, p: Vec3, horizon: Option<Vec3>) -> Subtended {
+fn directions_to_sphere(sphere: &Sphere, p: Vec3, horizon: Option<Vec3>) -> SubtendedDirections {
     let to = sphere.center - p;
     let d2 = to.length_squared();
     let sin2 = sphere.radius * sphere.radius / d2;
     if sin2.is_nan() || sin2 >= 1.0 {
-        return Subtended::All;
+        return SubtendedDirections::All;
     }
     let axis = to / d2.sqrt();
     if horizon.is_some_and(|n| axis.dot(n) <= -sin2.sqrt()) {
-        return Subtended::None;
+        return SubtendedDirections::None;
     }
-    Subtended::Cone(SphereCone { axis, one_minus_cos: sin2 / (1.0 + (1.0 - sin2).sqrt()) })
+    SubtendedDirections::Cone(SubtendedCone { axis, one_minus_cos: sin2 / (1.0 + (1.0 - sin2).sqrt()) })
 }
 
 impl PhotonAim {
@@ -56,7 +56,7 @@ impl PhotonAim {
     #[must_use]
     pub fn new(spheres: impl IntoIterator<Item = Sphere>) -> Self {
         let mut spheres: Vec<Sphere> = spheres.into_iter().collect();
-        merge(&mut spheres, MAX_SPHERES);
+        merge_spheres(&mut spheres, MAX_SPHERES);
         for sphere in &mut spheres {
             sphere.radius = sphere.radius * (1.0 + 1e-5) + sphere.center.abs().max_element() * 1e-6;
         }
@@ -69,22 +69,22 @@ impl PhotonAim {
     /// `horizon` is the normal of a plane through `p`; spheres below the plane are left out.
     #[must_use]
     pub fn sample_direction(&self, p: Vec3, horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, f32)> {
-        let mut cones = [SphereCone { axis: Vec3::Z, one_minus_cos: 0.0 }; MAX_SPHERES];
+        let mut cones = [SubtendedCone { axis: Vec3::Z, one_minus_cos: 0.0 }; MAX_SPHERES];
         let mut count = 0;
         let mut total = 0.0;
         for sphere in &self.spheres {
-            match subtended(sphere, p, horizon) {
-                Subtended::Cone(cone) => {
+            match directions_to_sphere(sphere, p, horizon) {
+                SubtendedDirections::Cone(cone) => {
                     total += cone.one_minus_cos;
                     cones[count] = cone;
                     count += 1;
                 }
-                Subtended::None => {}
-                Subtended::All => return sample_all_directions(horizon, u),
+                SubtendedDirections::None => {}
+                SubtendedDirections::All => return sample_sphere_or_hemisphere(horizon, u),
             }
         }
         let cones = &cones[..count];
-        let (within, chosen) = choose(cones.iter().map(|cone| cone.one_minus_cos), u.x * total)?;
+        let (within, chosen) = choose_interval(cones.iter().map(|cone| cone.one_minus_cos), u.x * total)?;
         let cone = &cones[chosen];
         let direction = Frame::around(cone.axis).to_world(warp::cone(Vec2::new(within, u.y), cone.one_minus_cos));
         // |w − a|² = 2(1 − cos) keeps its digits in narrow cones.
@@ -99,10 +99,10 @@ impl PhotonAim {
     ///
     /// All starts lie in the plane across `direction` at `upstream` before the origin.
     #[must_use]
-    pub fn sample_parallel(&self, direction: Vec3, upstream: f32, u: Vec2) -> Option<(Vec3, f32)> {
+    pub fn sample_parallel_start(&self, direction: Vec3, upstream: f32, u: Vec2) -> Option<(Vec3, f32)> {
         let areas = || self.spheres.iter().map(|s| PI * s.radius * s.radius);
         let total: f32 = areas().sum();
-        let (within, chosen) = choose(areas(), u.x * total)?;
+        let (within, chosen) = choose_interval(areas(), u.x * total)?;
         let sphere = &self.spheres[chosen];
         let frame = Frame::around(direction);
         let d = warp::disc(Vec2::new(within, u.y)) * sphere.radius;
@@ -117,7 +117,7 @@ impl PhotonAim {
 ///
 /// Returns the position in the interval, in \[0, 1), and its index. `None` if there is no interval.
 #[inline]
-fn choose(widths: impl Iterator<Item = f32>, mut at: f32) -> Option<(f32, usize)> {
+fn choose_interval(widths: impl Iterator<Item = f32>, mut at: f32) -> Option<(f32, usize)> {
     let mut chosen = None;
     for (i, width) in widths.enumerate() {
         chosen = Some(((at / width).min(1.0 - f32::EPSILON), i));
@@ -130,7 +130,7 @@ fn choose(widths: impl Iterator<Item = f32>, mut at: f32) -> Option<(f32, usize)
 }
 
 /// Samples all directions above `horizon`; `None` in the horizon itself, where the pdf is 0.
-fn sample_all_directions(horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, f32)> {
+fn sample_sphere_or_hemisphere(horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, f32)> {
     match horizon {
         Some(n) => {
             let local = warp::cosine_hemisphere(u);
@@ -142,7 +142,7 @@ fn sample_all_directions(horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, f32)> 
 
 /// Halves the spheres at the median of their widest axis until `most` groups are left, then bounds
 /// each group.
-fn merge(spheres: &mut Vec<Sphere>, most: usize) {
+fn merge_spheres(spheres: &mut Vec<Sphere>, most: usize) {
     if spheres.len() <= most {
         return;
     }
@@ -151,8 +151,8 @@ fn merge(spheres: &mut Vec<Sphere>, most: usize) {
     spheres.sort_by(|a, b| a.center[axis].total_cmp(&b.center[axis]));
     let mut upper = spheres.split_off(spheres.len() / 2);
     if most > 1 {
-        merge(spheres, most / 2);
-        merge(&mut upper, most - most / 2);
+        merge_spheres(spheres, most / 2);
+        merge_spheres(&mut upper, most - most / 2);
         spheres.append(&mut upper);
     } else {
         spheres.append(&mut upper);

@@ -1,8 +1,8 @@
 //! Point lights.
 
 use super::light_bounds::{DirectionCone, LightBounds};
-use super::source::{DirectSample, EmissionSample, LightExtent, LightSource, ShadowTarget};
-use super::{MARGIN, PhotonAim};
+use super::source::{DirectSample, EmissionSample, LightGeometry, LightSource, ShadowTarget};
+use super::{POSITION_ERROR, PhotonAim};
 use crate::color::Rgb;
 use crate::math::{Bounds, Ray, Sphere, warp};
 use crate::shape::SurfacePoint;
@@ -21,8 +21,8 @@ pub struct PointLight {
 
 impl LightSource for PointLight {
     #[inline]
-    fn extent(&self) -> LightExtent<'_> {
-        LightExtent::Point(self.position)
+    fn geometry(&self) -> LightGeometry<'_> {
+        LightGeometry::Point(self.position)
     }
 
     #[inline]
@@ -58,11 +58,11 @@ impl LightSource for PointLight {
         Some(LightBounds::new(space, DirectionCone::ALL, FRAC_PI_2, self.intensity * (4.0 * PI)))
     }
 
-    fn peak(&self) -> Option<Rgb> {
+    fn peak_strength(&self) -> Option<Rgb> {
         Some(self.intensity)
     }
 
-    fn may_reach(&self, _sphere: Sphere) -> bool {
+    fn may_illuminate(&self, _sphere: Sphere) -> bool {
         true
     }
 }
@@ -78,7 +78,7 @@ pub(super) fn sample_li_of_point(p: Vec3, position: Vec3, intensity: impl Fn(Vec
 /// False only if a cone of light around unit `axis` cannot reach `sphere`.
 ///
 /// `outer` is 1 − cosine of the cone's half angle.
-pub(super) fn cone_may_reach(position: Vec3, axis: Vec3, outer: f32, sphere: Sphere) -> bool {
+pub(super) fn cone_may_illuminate(position: Vec3, axis: Vec3, outer: f32, sphere: Sphere) -> bool {
     let to = sphere.center - position;
     let distance = to.length();
     // A cone wider than a right angle is not convex: the test below does not hold for it.
@@ -87,7 +87,7 @@ pub(super) fn cone_may_reach(position: Vec3, axis: Vec3, outer: f32, sphere: Sph
     }
     // 2 asin of half the chord keeps its digits in narrow beams. The sphere subtends asin(r/d).
     let angle = 2.0 * libm::asinf((0.5 * (to / distance - axis).length()).min(1.0));
-    angle <= 2.0 * libm::asinf((0.5 * outer).sqrt()) + libm::asinf(sphere.radius / distance) + MARGIN
+    angle <= 2.0 * libm::asinf((0.5 * outer).sqrt()) + libm::asinf(sphere.radius / distance) + POSITION_ERROR
 }
 
 /// Samples emission from a point towards the spheres of `aim`; `intensity` takes the unit direction

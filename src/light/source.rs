@@ -50,7 +50,7 @@ pub struct EmissionDimensions {
 }
 
 /// Where a light emits from.
-pub(super) enum LightExtent<'a> {
+pub(super) enum LightGeometry<'a> {
     /// One position: a delta light.
     Point(Vec3),
     /// Infinity, in one unit direction of travel: a delta light.
@@ -61,14 +61,14 @@ pub(super) enum LightExtent<'a> {
     AllDirections,
 }
 
-/// One kind of light. [`Light`] documents the methods, and derives further ones from `extent`.
+/// One kind of light. [`Light`] documents the methods, and derives further ones from `geometry`.
 ///
 /// Direct light must come from `sample_li`: photon methods store no light that arrives directly, so
 /// light that only `sample_le` emits would be lost at its first hit. Both must describe the same
 /// radiance, and `pdf_li` the pdf of `sample_li`.
 pub(super) trait LightSource {
     /// Where the light emits from.
-    fn extent(&self) -> LightExtent<'_>;
+    fn geometry(&self) -> LightGeometry<'_>;
 
     /// Implements [`Light::sample_li`].
     fn sample_li(&self, p: Vec3, u: Vec2) -> Option<DirectSample>;
@@ -94,14 +94,14 @@ pub(super) trait LightSource {
     /// Bounds of positions and directions, without a margin; `None` for light from infinity.
     fn bounds(&self) -> Option<LightBounds>;
 
-    /// Implements [`Light::peak`].
-    fn peak(&self) -> Option<Rgb>;
+    /// Implements [`Light::peak_strength`].
+    fn peak_strength(&self) -> Option<Rgb>;
 
-    /// Implements [`Light::may_reach`] for a sphere that is already grown by rounding errors.
-    fn may_reach(&self, sphere: Sphere) -> bool;
+    /// Implements [`Light::may_illuminate`] for a sphere that is already grown by rounding errors.
+    fn may_illuminate(&self, sphere: Sphere) -> bool;
 
     /// The light with its mean radiance; `None` if no texture varies its radiance.
-    fn untextured(&self) -> Option<Light> {
+    fn untextured_light(&self) -> Option<Light> {
         None
     }
 }

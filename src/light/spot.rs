@@ -2,8 +2,8 @@
 
 use super::PhotonAim;
 use super::light_bounds::{DirectionCone, LightBounds, NORMAL_ERROR};
-use super::point::{cone_may_reach, sample_le_of_point, sample_li_of_point};
-use super::source::{DirectSample, EmissionSample, LightExtent, LightSource};
+use super::point::{cone_may_illuminate, sample_le_of_point, sample_li_of_point};
+use super::source::{DirectSample, EmissionSample, LightGeometry, LightSource};
 use crate::color::Rgb;
 use crate::math::{Bounds, Frame, Ray, Sphere, warp};
 use crate::shape::SurfacePoint;
@@ -33,7 +33,7 @@ impl SpotLight {
     #[must_use]
     pub fn intensity(&self, w: Vec3) -> Rgb {
         // |w − a|² = 2(1 − cos) keeps its digits in narrow beams.
-        self.intensity_at(0.5 * (w - self.axis).length_squared())
+        self.intensity_at_one_minus_cos(0.5 * (w - self.axis).length_squared())
     }
 
     /// Intensity \[W/sr] where 1 − cosine of the angle to the axis is `one_minus_cos`.
@@ -41,7 +41,7 @@ impl SpotLight {
     /// The falloff is a smooth step in the cosine (Pharr, Jakob, Humphreys 2023, section 12.2.1).
     #[inline]
     #[must_use]
-    pub fn intensity_at(&self, one_minus_cos: f32) -> Rgb {
+    pub fn intensity_at_one_minus_cos(&self, one_minus_cos: f32) -> Rgb {
         if one_minus_cos <= self.inner {
             return self.peak;
         }
@@ -58,8 +58,8 @@ impl SpotLight {
 
 impl LightSource for SpotLight {
     #[inline]
-    fn extent(&self) -> LightExtent<'_> {
-        LightExtent::Point(self.position)
+    fn geometry(&self) -> LightGeometry<'_> {
+        LightGeometry::Point(self.position)
     }
 
     #[inline]
@@ -76,7 +76,7 @@ impl LightSource for SpotLight {
         let w = Frame::around(self.axis).to_world(warp::cone(direction, self.outer));
         // The sampled cosine is exact; in a narrow beam, the rounding of `w` is a large part of its
         // width.
-        let intensity = self.intensity_at(direction.x * self.outer);
+        let intensity = self.intensity_at_one_minus_cos(direction.x * self.outer);
         Some(EmissionSample { ray: Ray::new(self.position, w), flux: intensity * (TAU * self.outer) })
     }
 
@@ -102,11 +102,11 @@ impl LightSource for SpotLight {
         Some(LightBounds::new(Bounds::of([self.position]), normals, spread, self.flux()))
     }
 
-    fn peak(&self) -> Option<Rgb> {
+    fn peak_strength(&self) -> Option<Rgb> {
         Some(self.peak)
     }
 
-    fn may_reach(&self, sphere: Sphere) -> bool {
-        cone_may_reach(self.position, self.axis, self.outer, sphere)
+    fn may_illuminate(&self, sphere: Sphere) -> bool {
+        cone_may_illuminate(self.position, self.axis, self.outer, sphere)
     }
 }

@@ -66,7 +66,8 @@ impl<'a> PhotonSource<'a> {
         let domain = scene.photon_domain();
         let reaching = |(light, power): (&Light, f64)| {
             // A light may reach moving objects at another time.
-            let reaches = scene.has_motion() || spheres.iter().any(|sphere| light.may_reach(Some(*sphere), domain));
+            let reaches =
+                scene.has_motion() || spheres.iter().any(|sphere| light.may_illuminate(Some(*sphere), domain));
             if reaches { power } else { 0.0 }
         };
         let light_powers: Vec<f64> = scene.lights().iter().zip(light_powers(scene)).map(reaching).collect();
@@ -177,7 +178,7 @@ fn effects_of_scene(scene: &Scene) -> Effects {
 
 /// Power of each light, mean over the channels \[W].
 fn light_powers(scene: &Scene) -> impl Iterator<Item = f64> {
-    scene.lights().iter().map(|light| f64::from(color::mean(light.power(scene.photon_domain()))))
+    scene.lights().iter().map(|light| f64::from(color::channel_mean(light.power(scene.photon_domain()))))
 }
 
 /// Estimated power of a light towards the spheres of `aim`, mean over the channels \[W].
@@ -187,7 +188,7 @@ fn estimate_aimed_power(scene: &Scene, aim: &PhotonAim, light: usize) -> f64 {
         let (position, direction) =
             (sobol_2d(i, key, Dimension::LightPosition), sobol_2d(i, key, Dimension::LightDirection));
         let emission = scene.lights()[light].sample_le_towards(aim, scene.photon_domain(), position, direction);
-        emission.map_or(0.0, |e| f64::from(color::mean(e.flux)))
+        emission.map_or(0.0, |e| f64::from(color::channel_mean(e.flux)))
     };
     (0..POWER_SAMPLES).map(flux).sum::<f64>() / f64::from(POWER_SAMPLES)
 }

@@ -3,7 +3,7 @@
 use super::audit::add_flux;
 use super::deposits::{Deposit, DepositPlace};
 use super::{AFTER_CAUSTIC_THINNING, Deposits, EnergyAudit, PhotonKind, PhotonSource, StoreMask};
-use crate::bsdf::{Transport, deposit_factor};
+use crate::bsdf::{Transport, photon_deposit_factor};
 use crate::color::{self, Rgb};
 use crate::medium::PhaseFunction;
 use crate::sampling::{Dimension, Key};
@@ -154,7 +154,7 @@ impl PhotonPass<'_> {
                 && stores
                 && self.mask.stores_on_surfaces(kind)
             {
-                let flux = flux * deposit_factor(surface.wo, surface.point.ns, surface.point.ng);
+                let flux = flux * photon_deposit_factor(surface.wo, surface.point.ns, surface.point.ng);
                 let wavelength = ray.inside.wavelength();
                 deposit(Deposit { kind, place: DepositPlace::Surface(surface), flux, wavelength });
             }
@@ -176,23 +176,23 @@ impl PhotonPass<'_> {
             }
 
             // Sample the next direction.
-            let before = color::mean(flux);
+            let before = color::channel_mean(flux);
             let ratio = if let Some(surface) = &surface {
                 let (lobe, u) = (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
                 let Some(sample) = surface.sample(lobe, u, Transport::Importance) else {
                     return add_flux(&mut audit.absorbed, flux);
                 };
-                let adjoint = sample.adjoint(surface.wo, surface.point.ns, surface.point.ng);
+                let adjoint = sample.adjoint_correction(surface.wo, surface.point.ns, surface.point.ng);
                 let interior_weight = ray.leave(surface, sample.wi, sample.transmitted);
                 let scattered = flux * sample.weight * adjoint * interior_weight;
                 add_flux(&mut audit.absorbed, flux - scattered);
                 flux = scattered;
-                color::mean(scattered) / before
+                color::channel_mean(scattered) / before
             } else {
                 let (direction, _) = phase_function.sample(ray.ray.direction, key.uniform_2d(Dimension::Phase));
                 ray.turn(direction);
                 // Absorption along the segment counts for Russian roulette.
-                before / color::mean(emitted)
+                before / color::channel_mean(emitted)
             };
 
             // Russian roulette by the throughput ratio keeps the fluxes of stored photons similar.

@@ -92,7 +92,7 @@ impl SceneFeatures {
             && !features.moving
             && features.media == 0
         {
-            features.one_flat_object = lights.iter().all(|light| light.avoids_plane(p, n));
+            features.one_flat_object = lights.iter().all(|light| light.emits_nothing_in_plane(p, n));
         }
         features.soft_lights = lights.iter().filter(|l| !l.is_delta()).count();
         for object in &objects {
@@ -108,7 +108,7 @@ impl SceneFeatures {
                 }
             });
             let ball = object.ball.filter(|_| !features.moving);
-            let reached = || lights.iter().any(|light| light.may_reach(ball, scene.photon_domain()));
+            let reached = || lights.iter().any(|light| light.may_illuminate(ball, scene.photon_domain()));
             let (textured, bumpy) = scene.texture_usage(object.material);
             features.textured += usize::from(textured || object.has_emission_texture);
             features.bump_mapped += usize::from(bumpy);

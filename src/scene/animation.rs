@@ -80,7 +80,7 @@ pub(super) fn physical_strength_mid_shutter(
     let (LightStrength::Course(_), Some(placed)) = (strength, delta_light_at(kind, motion, MID_SHUTTER)) else {
         return strength;
     };
-    resolve_light(&placed, strength, DVec3::ZERO).0.peak().map_or(strength, LightStrength::Physical)
+    resolve_light(&placed, strength, DVec3::ZERO).0.peak_strength().map_or(strength, LightStrength::Physical)
 }
 
 /// `scene` at `time`: see [`Scene::at`]. What a singular motion flattens stays at its mid-shutter

@@ -1,7 +1,7 @@
 //! Delta lights of a scene description, and the lights of the course's shading model.
 
 use crate::color::Rgb;
-use crate::light::{DirectionalLight, Light, OrientedSource, PointLight, SpotLight};
+use crate::light::{DirectionalLight, Light, OrientedPointLight, PointLight, SpotLight};
 use crate::math::{Sphere, Transform};
 use glam::{DVec3, Vec3};
 use std::f32::consts::PI;
@@ -47,7 +47,7 @@ pub enum DeltaLightKind {
         outer: f64,
     },
     /// A point light with an orientation: a projector or a goniometric light.
-    Oriented(OrientedSource),
+    Oriented(OrientedPointLight),
     /// Parallel light from infinity.
     Directional {
         /// Direction of travel, of any length above zero.
@@ -122,7 +122,7 @@ pub(super) fn resolve_light(kind: &DeltaLightKind, strength: LightStrength, orig
         }
         DeltaLightKind::Oriented(source) => {
             let center = (source.position - origin).as_vec3();
-            let (scale, color) = to_intensity(&source.position, source.scale_per_power());
+            let (scale, color) = to_intensity(&source.position, source.intensity_scale_per_watt());
             (source.light(center, scale), LegacyLight::Point(center, color))
         }
         DeltaLightKind::Directional { direction } => {

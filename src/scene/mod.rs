@@ -33,7 +33,7 @@ pub use textured::{MeanEvaluator, NormalPerturbation, ParameterEvaluator, Textur
 
 use crate::accel::Primitive;
 use crate::camera::Camera;
-use crate::color::{Glass, Rgb};
+use crate::color::{DispersionFormula, Rgb};
 use crate::light::Light;
 use crate::math::{Ray, Sphere};
 use crate::medium::Medium;
@@ -55,7 +55,7 @@ pub struct Scene {
     background: Rgb,
     geometry: Geometry,
     materials: Vec<Material>,
-    glasses: Vec<Glass>,
+    glasses: Vec<DispersionFormula>,
     media: Vec<Medium>,
     ambient_medium: Option<u32>,
     textures: Vec<Arc<Texture>>,
@@ -151,7 +151,7 @@ impl Scene {
 
     /// The glasses: refractive indices that depend on the wavelength.
     #[must_use]
-    pub fn glasses(&self) -> &[Glass] {
+    pub fn glasses(&self) -> &[DispersionFormula] {
         &self.glasses
     }
 

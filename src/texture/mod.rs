@@ -42,7 +42,7 @@ impl Texture {
     /// Mean over the footprint, and over the three channels.
     #[must_use]
     pub fn evaluate_scalar(&self, context: &TextureEvalContext) -> f32 {
-        color::mean(self.evaluate_color(context))
+        color::channel_mean(self.evaluate_color(context))
     }
 
     /// Mean over one period; for a solid texture, over all space.

@@ -28,12 +28,12 @@ fn materials() -> [Bsdf; 5] {
 
 /// One BSDF of each kind, and rough ones at both ends.
 fn all_kinds() -> Vec<Bsdf> {
-    let (eta, k) = metal("copper").unwrap();
+    let (eta, k) = named_metal("copper").unwrap();
     let mut all = materials().to_vec();
     all.extend([0.0, SMOOTH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::Conductor(Conductor::new(eta, k, alpha))));
     all.extend([SMOOTH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::dielectric(1.5, alpha)));
     all.extend([SMOOTH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::dielectric(1.0 / 1.5, alpha)));
-    all.push(Bsdf::Thin(Thin { eta: 1.5, transmittance: Rgb::new(1.0, 0.5, 0.1) }));
+    all.push(Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, transmittance: Rgb::new(1.0, 0.5, 0.1) }));
     all
 }
 

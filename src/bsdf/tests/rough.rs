@@ -19,7 +19,7 @@ fn close(a: f32, b: f32) -> bool {
 }
 
 fn rough() -> [Bsdf; 4] {
-    let (eta, k) = metal("copper").unwrap();
+    let (eta, k) = named_metal("copper").unwrap();
     [
         Bsdf::Conductor(Conductor::new(eta, k, 0.2)),
         Bsdf::Conductor(Conductor::new(eta, k, 1.0)),
@@ -48,7 +48,7 @@ fn kept(bsdf: &Bsdf, wo: Vec3) -> (f64, f64) {
 /// Samples agree with `evaluate` and `pdf`, also under tilted normals and at the narrowest lobes.
 #[test]
 fn samples_agree_with_evaluation_and_pdf() {
-    let (eta, k) = metal("iron").unwrap();
+    let (eta, k) = named_metal("iron").unwrap();
     let mut checked = 0;
     for alpha in [SMOOTH_ALPHA, 0.05, 0.3, 1.0] {
         for bsdf in [
@@ -157,7 +157,7 @@ fn a_rough_dielectric_has_the_documented_loss() {
 /// Narrow lobes split energy like a smooth interface, and reflect like a mirror.
 #[test]
 fn narrow_lobes_approach_deltas() {
-    let (eta, k) = metal("silver").unwrap();
+    let (eta, k) = named_metal("silver").unwrap();
     let metal = |alpha| Bsdf::Conductor(Conductor::new(eta, k, alpha));
     let glass = Bsdf::dielectric(GLASS, SMOOTH_ALPHA);
     assert!(!glass.is_specular() && !metal(SMOOTH_ALPHA).is_specular());

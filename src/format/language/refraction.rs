@@ -7,7 +7,7 @@ use super::super::error::SceneError;
 use super::fields::{Fields, PresentField};
 use super::schema::{Field, Kind, Range, field};
 use super::writer::{Numbers, Writer};
-use crate::color::Glass;
+use crate::color::DispersionFormula;
 
 /// Least refractive index.
 pub(super) const MIN_INDEX: f64 = 0.001;
@@ -46,7 +46,7 @@ fn abbe(f: &Fields<'_>) -> Result<RefractiveIndexDescription, SceneError> {
     let index = f.number("indexOfRefraction")?;
     let Some(number) = f.get("abbe") else { return Ok(RefractiveIndexDescription::Index(index)) };
     let abbe = number.number();
-    check(&Glass::of_abbe(index, abbe), &number, "is too small")?;
+    check(&DispersionFormula::from_abbe_number(index, abbe), &number, "is too small")?;
     Ok(RefractiveIndexDescription::Abbe { index, abbe })
 }
 
@@ -55,7 +55,7 @@ fn cauchy(coefficients: &PresentField<'_, '_>) -> Result<RefractiveIndexDescript
     let rule = "must be A, B in µm² and, unless 0, C in µm⁴, of n = A + B/λ² + C/λ⁴";
     coefficients.ensure((2..=3).contains(&list.len()), rule)?;
     let (a, b, c) = (list[0], list[1], list.get(2).copied().unwrap_or(0.0));
-    let glass = Glass::Cauchy { a, b, c };
+    let glass = DispersionFormula::Cauchy { a, b, c };
     check(&glass, coefficients, "wants B in µm² and C in µm⁴")?;
     Ok(RefractiveIndexDescription::Glass(glass))
 }
@@ -71,13 +71,13 @@ fn sellmeier(
     let (mut b, mut c) = ([0.0; TERMS], [0.0; TERMS]);
     b[..terms].copy_from_slice(strengths.list());
     c[..terms].copy_from_slice(resonances.list());
-    let glass = Glass::Sellmeier { b, c };
+    let glass = DispersionFormula::Sellmeier { b, c };
     check(&glass, resonances, "wants squares of wavelengths, in µm²")?;
     Ok(RefractiveIndexDescription::Glass(glass))
 }
 
 /// Refuses a glass whose index leaves the range; `advice` follows the name of `field`.
-fn check(glass: &Glass, field: &PresentField<'_, '_>, advice: &str) -> Result<(), SceneError> {
+fn check(glass: &DispersionFormula, field: &PresentField<'_, '_>, advice: &str) -> Result<(), SceneError> {
     let within = glass.range().is_some_and(|ends| ends.iter().all(|n| (MIN_INDEX..=MAX_INDEX).contains(n)));
     field.ensure(within, &format!("{advice}: the index must lie between 0.001 and 1000 from 380 to 720 nm"))
 }
@@ -91,8 +91,10 @@ pub(super) fn write_refraction(out: &mut Writer<'_, '_>, refraction: &Refractive
             out.number("indexOfRefraction", *index)?;
             out.number("abbe", *abbe)
         }
-        RefractiveIndexDescription::Glass(Glass::Cauchy { a, b, c }) => out.field("cauchy", Numbers(&[*a, *b, *c])),
-        RefractiveIndexDescription::Glass(Glass::Sellmeier { b, c }) => {
+        RefractiveIndexDescription::Glass(DispersionFormula::Cauchy { a, b, c }) => {
+            out.field("cauchy", Numbers(&[*a, *b, *c]))
+        }
+        RefractiveIndexDescription::Glass(DispersionFormula::Sellmeier { b, c }) => {
             // Absent terms are not printed.
             let terms = (1..b.len()).rev().find(|i| (b[*i], c[*i]) != (0.0, 0.0)).map_or(1, |last| last + 1);
             out.field("sellmeierB", Numbers(&b[..terms]))?;

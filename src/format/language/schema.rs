@@ -2,7 +2,7 @@
 //! help.
 //!
 //! The reader checks values by these tables, the writer takes keywords from them, and the reference
-//! part of `docs/scene-language.md` is printed from them.
+//! part of `docs/guide/scene-language.md` is printed from them.
 
 use std::fmt::Write;
 

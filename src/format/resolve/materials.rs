@@ -3,8 +3,8 @@
 use super::media::fill_body;
 use super::textures::TextureNeeds;
 use super::{Resolver, rgb};
-use crate::bsdf::{METALS, metal};
-use crate::color::{GLASSES, Glass, Rgb, glass};
+use crate::bsdf::{METALS, named_metal};
+use crate::color::{DispersionFormula, GLASSES, Rgb, glass_by_name};
 use crate::format::SceneError;
 use crate::format::description::{
     EmissionDescription, MaterialKindDescription, MetalDescription, RefractiveIndexDescription, Spanned,
@@ -90,15 +90,15 @@ impl Resolver<'_> {
         let glass = match described {
             RefractiveIndexDescription::Index(index) => return Ok((*index as f32, None)),
             RefractiveIndexDescription::Named(name) => self.glass_named(name)?,
-            RefractiveIndexDescription::Abbe { index, abbe } => Glass::of_abbe(*index, *abbe),
+            RefractiveIndexDescription::Abbe { index, abbe } => DispersionFormula::from_abbe_number(*index, *abbe),
             RefractiveIndexDescription::Glass(glass) => *glass,
         };
-        Ok((glass.index_d(), Some(self.builder.glass(glass))))
+        Ok((glass.d_line_index(), Some(self.builder.glass(glass))))
     }
 
     /// The glass with a name.
-    fn glass_named(&self, name: &Spanned<String>) -> Result<Glass, SceneError> {
-        glass(name).ok_or_else(|| {
+    fn glass_named(&self, name: &Spanned<String>) -> Result<DispersionFormula, SceneError> {
+        glass_by_name(name).ok_or_else(|| {
             let names = || GLASSES.iter().map(|g| g.0);
             let message = format!("no glass is called `{}`", name.value);
             let guess = nearest(name, names()).map_or(String::new(), |n| format!("did you mean `{n}`? "));
@@ -112,7 +112,7 @@ impl Resolver<'_> {
     fn metal(&self, described: &MetalDescription) -> Result<(Rgb, Rgb), SceneError> {
         match described {
             MetalDescription::Index { eta, k } => Ok((rgb(*eta), rgb(*k))),
-            MetalDescription::Named(name) => metal(name).ok_or_else(|| {
+            MetalDescription::Named(name) => named_metal(name).ok_or_else(|| {
                 let message = format!("no metal is called `{}`", name.value);
                 let help = format!("known are {}; of others, give `eta` and `k`", METALS.join(", "));
                 SceneError::at(self.source, name.span, message, "unknown name", help)

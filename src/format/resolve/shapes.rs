@@ -84,7 +84,7 @@ pub(super) fn add_shape(
             )?;
         }
         ShapeDescription::Revolution { profile } => {
-            let surface = revolution(profile, r.memory.free()).map_err(|e| refuse_spline(r, span, &e))?;
+            let surface = revolution(profile, r.memory.available_bytes()).map_err(|e| refuse_spline(r, span, &e))?;
             place(r, Shape::Revolution(surface), to_world, &map, span, emission)?;
             set_mapping(r, MappingKind::Uv, to_world);
         }
@@ -92,7 +92,7 @@ pub(super) fn add_shape(
             let [u, v] = degree.map(|d| Basis::bezier(d as usize + 1));
             let bases = [&u.map_err(|e| refuse_spline(r, span, &e))?, &v.map_err(|e| refuse_spline(r, span, &e))?];
             // Queried once: it takes longer than many a patch.
-            let mut free = r.memory.free();
+            let mut free = r.memory.available_bytes();
             for net in controls.chunks(bases[0].controls() * bases[1].controls()) {
                 let patch = Patch::within(bases, net, free).map_err(|e| refuse_spline(r, span, &e))?;
                 free = free.map(|free| free.saturating_sub(patch.bytes()));
@@ -106,7 +106,7 @@ pub(super) fn add_shape(
                 (degree, count) if knots[i].is_empty() => Basis::uniform(degree, count),
                 (degree, count) => Basis::new(degree, count, knots[i].clone()),
             };
-            let surface = || Patch::within([&basis(0)?, &basis(1)?], controls, r.memory.free());
+            let surface = || Patch::within([&basis(0)?, &basis(1)?], controls, r.memory.available_bytes());
             let surface = surface().map_err(|e| refuse_spline(r, span, &e))?;
             place(r, Shape::Patch(surface), to_world, &map, span, emission)?;
             set_mapping(r, MappingKind::Uv, to_world);

@@ -112,7 +112,7 @@ impl<'a> Resolver<'a> {
         if let Some(picture) = self.assets.pictures.get(path.as_str()) {
             return Ok((**picture).clone());
         }
-        let read = image::read_with_memory_limit(file, meaning, self.memory.free());
+        let read = image::read_with_memory_limit(file, meaning, self.memory.available_bytes());
         read.map_err(|e| self.refuse_file(path, &e, matches!(e, image::ReadError::Memory { .. }), help))
     }
 
@@ -181,7 +181,7 @@ impl<'a> Resolver<'a> {
             TexturedValue::Texture(name) => {
                 let known = self.known(name, &UNIT)?;
                 needs.add(&known);
-                Ok(Textured::Texture { texture: known.index, factor: 1.0, mean: color::mean(known.mean) })
+                Ok(Textured::Texture { texture: known.index, factor: 1.0, mean: color::channel_mean(known.mean) })
             }
         }
     }

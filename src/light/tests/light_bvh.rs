@@ -168,7 +168,7 @@ fn light_bvh_has_less_variance_than_power_sampling() {
     let ceiling: Vec<Light> = (0..1000).map(|i| area(Shape::Rectangle(down(i)), 1.0)).collect();
     for (lights, up, least) in [(strewn(1000), false, 5.0), (ceiling, true, 20.0)] {
         let choice = LightBvhSampler::new(&lights, ROOM).unwrap();
-        let powers = Discrete::new(lights.iter().map(|l| f64::from(color::mean(l.power(ROOM))))).unwrap();
+        let powers = Discrete::new(lights.iter().map(|l| f64::from(color::channel_mean(l.power(ROOM))))).unwrap();
         let mut gains: Vec<f64> = places(60)
             .filter_map(|(p, normal)| {
                 let n = if up { Vec3::Y } else { normal? };

@@ -134,7 +134,7 @@ impl PhotonSource<'_> {
             if let Some((ray, flux)) = self.start_path::<I>(&point) {
                 pass.follow_photon_path(ray, flux, key.path(index), &mut tally, |deposit: Deposit<'_>| {
                     let DepositPlace::Surface(surface) = deposit.place else { return };
-                    let flux = f64::from(color::mean(deposit.flux));
+                    let flux = f64::from(color::channel_mean(deposit.flux));
                     let importance = pilot.visible.importance(surface.point.p, surface.facing_normal(), &mut scratch);
                     square += flux * flux * f64::from(importance);
                 });

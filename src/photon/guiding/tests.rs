@@ -127,7 +127,7 @@ fn fluxes_by_region(scene: &Scene, source: &PhotonSource<'_>) -> [PassStatistics
         let mut flux = [0.0; 3];
         for Photon { position: p, data: f } in &traced.deposits.photons {
             let region = if (p.y - floor).abs() > 1e-3 { 2 } else { usize::from(p.x < edge.x || p.z < edge.z) };
-            flux[region] += f64::from(color::mean(f.flux()));
+            flux[region] += f64::from(color::channel_mean(f.flux()));
         }
         let emitted = traced.audit.emitted.iter().sum::<f64>() / 3.0;
         means.iter_mut().zip(flux.into_iter().chain([emitted])).for_each(|(mean, x)| mean.add(x));
@@ -147,7 +147,7 @@ fn guiding_is_unbiased() {
             assert!(a.mean() > 0.0);
             assert!(a.agrees_within_5_sigma(b), "{name}, region {region}: {} became {}", a.mean(), b.mean());
         }
-        let power = f64::from(color::mean(scene.lights()[0].power(scene.photon_domain())));
+        let power = f64::from(color::channel_mean(scene.lights()[0].power(scene.photon_domain())));
         let mut given = PassStatistics::default();
         [power; 2].iter().for_each(|p| given.add(*p));
         assert!(after[3].agrees_within_5_sigma(&given), "{name} emits {} of {power}", after[3].mean());
@@ -175,7 +175,7 @@ fn aiming_and_guiding_together_are_unbiased() {
         for i in 0..32 {
             let traced = pass.trace(pass_key(i), 4096, &|_| {});
             let there = traced.deposits.photons.iter().filter(|p| p.position.x > corner.x && p.position.z > corner.z);
-            seen.add(there.map(|p| f64::from(color::mean(p.data.flux()))).sum());
+            seen.add(there.map(|p| f64::from(color::channel_mean(p.data.flux()))).sum());
             emitted.add(traced.audit.emitted[0]);
         }
         (seen, emitted)
@@ -208,7 +208,7 @@ fn guiding_reduces_visible_variance() {
             for (p, mean) in visible_corner_points(&scene).zip(&mut means) {
                 let wide = Bandwidth { radius: 0.1, k: 0 };
                 let estimate = map.estimate(p, Vec3::Y, wide, Kernel::Box, &mut scratch, |_| Rgb::ONE);
-                mean.add(f64::from(color::mean(estimate.radiance)));
+                mean.add(f64::from(color::channel_mean(estimate.radiance)));
             }
         }
         means.iter().map(PassStatistics::variance).sum::<f64>()

@@ -7,7 +7,7 @@ pub(super) use footprint::Footprint;
 pub use normals::NormalPerturbation;
 pub(super) use normals::perturbed_normal;
 
-use crate::bsdf::STORED_ALPHA;
+use crate::bsdf::PHOTON_STORAGE_ALPHA;
 use crate::color::Rgb;
 use crate::texture::{Texture, TextureEvalContext};
 use std::sync::Arc;
@@ -63,7 +63,7 @@ pub trait ParameterEvaluator {
     /// Value of a number.
     fn evaluate_scalar(&self, parameter: &Textured<f32>) -> f32;
 
-    /// Roughness α of a conductor. The side of [`STORED_ALPHA`] on which it lies must not depend on
+    /// Roughness α of a conductor. The side of [`PHOTON_STORAGE_ALPHA`] on which it lies must not depend on
     /// the footprint: camera paths and photon paths divide light transport by it.
     fn evaluate_conductor_roughness(&self, parameter: &Textured<f32>) -> f32;
 }
@@ -120,10 +120,10 @@ impl ParameterEvaluator for TextureEvaluator<'_> {
         }
         let unfiltered = Self { at: TextureEvalContext::unfiltered(self.at.uv, self.at.p), ..*self };
         let alpha = self.evaluate_scalar(parameter);
-        if unfiltered.evaluate_scalar(parameter) > STORED_ALPHA {
-            alpha.max(STORED_ALPHA.next_up())
+        if unfiltered.evaluate_scalar(parameter) > PHOTON_STORAGE_ALPHA {
+            alpha.max(PHOTON_STORAGE_ALPHA.next_up())
         } else {
-            alpha.min(STORED_ALPHA)
+            alpha.min(PHOTON_STORAGE_ALPHA)
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Bézier and B-spline curves and nets of control points, and their Bézier pieces.
 
 use super::polynomial::{MAX_DEGREE, Vector};
-use crate::stats::bytes;
+use crate::stats::format_bytes;
 
 /// Reason why control points and knots define no curve or surface.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -58,7 +58,7 @@ pub enum SplineError {
     #[error("a control point or knot is too large")]
     TooLarge,
     /// The surface takes more memory than is free.
-    #[error("the surface takes {} of memory or more, and {} are free", bytes(*needed), bytes(*free))]
+    #[error("the surface takes {} of memory or more, and {} are free", format_bytes(*needed), format_bytes(*free))]
     Memory {
         /// Bytes in use when the limit was exceeded.
         needed: u64,

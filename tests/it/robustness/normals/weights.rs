@@ -4,7 +4,7 @@
 //! For uniform incident light, photons arrive in proportion to the cosine to the geometric normal.
 
 use crate::support::{key, midpoint, scene};
-use caustica::bsdf::{Bsdf, Conductor, Dielectric, Phong, Thin, Transport, deposit_factor};
+use caustica::bsdf::{Bsdf, Conductor, Dielectric, Phong, ThinDielectric, Transport, photon_deposit_factor};
 use caustica::math::{Frame, warp};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::{Dimension, Key};
@@ -52,7 +52,7 @@ fn photon_weights_conserve_flux_with_bounded_tail() {
     for degrees in [5.0, 37.0, 70.0, 87.0] {
         let ns = tilted(degrees);
         let (c, s) = (f64::from(ns.z), f64::from((1.0 - ns.z * ns.z).sqrt()));
-        let factor = |i: u64| f64::from(deposit_factor(arrival(key(60).with(i)), ns, Vec3::Z));
+        let factor = |i: u64| f64::from(photon_deposit_factor(arrival(key(60).with(i)), ns, Vec3::Z));
         let (kept, error) = mean((0..N).into_par_iter().map(factor));
         let cut = s * s / (MOST - c);
         assert!(kept <= 1.0 + error && kept >= 1.0 - cut - error, "{degrees}°: {kept} ± {error}");
@@ -103,7 +103,7 @@ fn scattered(bsdf: &Bsdf, wo: Vec3, ns: Vec3, i: u64, transport: Transport) -> f
     let key = key(62).with(i);
     let (lobe, u) = (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
     bsdf.sample(wo, ns, Vec3::Z, lobe, u, transport).map_or(0.0, |s| {
-        let adjoint = if transport == Transport::Importance { s.adjoint(wo, ns, Vec3::Z) } else { 1.0 };
+        let adjoint = if transport == Transport::Importance { s.adjoint_correction(wo, ns, Vec3::Z) } else { 1.0 };
         let weight = f64::from(s.weight.x * adjoint);
         assert!(weight.is_finite() && weight >= 0.0, "{bsdf:?} {wo} {ns}: {s:?}");
         weight
@@ -119,7 +119,7 @@ fn lossless() -> Vec<(Bsdf, bool)> {
         (metal(0.0), true),
         (metal(0.1), false),
         (metal(1.0), false),
-        (Bsdf::Thin(Thin { eta: 1.5, transmittance: Vec3::ONE }), true),
+        (Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, transmittance: Vec3::ONE }), true),
         (Bsdf::Dielectric(Dielectric { eta: 1.5 }), false),
         (Bsdf::dielectric(1.5, 0.1), false),
         (Bsdf::dielectric(1.5, 1.0), false),
@@ -216,7 +216,7 @@ fn grazing_factors_are_finite() {
     for exponent in 0..45 {
         let z = libm::powf(10.0, -(exponent as f32));
         let wo = DVec3::new(1.0, 0.0, f64::from(z)).normalize().as_vec3();
-        assert!(deposit_factor(wo, ns, Vec3::Z).is_finite() || z < 1e-37, "{z:e}");
+        assert!(photon_deposit_factor(wo, ns, Vec3::Z).is_finite() || z < 1e-37, "{z:e}");
         for (bsdf, _) in lossless() {
             for i in 0..64 {
                 for n in [ns, -ns + 2.0 * ns.z * Vec3::Z] {

@@ -2,7 +2,7 @@
 //! between lobes.
 
 use crate::support::key;
-use caustica::bsdf::{Bsdf, Dielectric, Thin, Transport, dielectric_reflectance, refract};
+use caustica::bsdf::{Bsdf, Dielectric, ThinDielectric, Transport, dielectric_reflectance, refract};
 use caustica::math::{Frame, warp};
 use caustica::sampling::Dimension;
 use glam::{DVec3, Vec2, Vec3};
@@ -99,7 +99,7 @@ fn fresnel_keeps_precision_at_any_index() {
             assert!((f64::from(bent.reflectance) - (1.0 - t)).abs() < 6.1e-8);
             assert_eq!(bent.transmitted, -Vec3::Z);
             // A pane of two interfaces transmits t/(2 − t).
-            let pane = Thin { eta, transmittance: Vec3::ONE }.reflectance_and_transmittance(1.0);
+            let pane = ThinDielectric { eta, transmittance: Vec3::ONE }.reflectance_and_transmittance(1.0);
             // Some eight roundings of 2⁻²⁴.
             assert!((f64::from(pane.1.x) / (t / (2.0 - t)) - 1.0).abs() < 8.0 / 16_777_216.0, "{eta}: {pane:?}");
             assert!((pane.0.x + pane.1.x - 1.0).abs() < 2.0 * f32::EPSILON);

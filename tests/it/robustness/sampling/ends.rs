@@ -61,7 +61,7 @@ fn other_samplers_are_valid_at_extreme_samples() {
     for u in ENDS {
         let w = Wavelength::sample(u);
         assert!((Wavelength::SHORTEST..=Wavelength::LONGEST).contains(&w.nanometres()) && w.pdf() > 0.0);
-        assert!(w.weight().is_finite() && Wavelength::from_code(w.code()).is_some());
+        assert!(w.weight().is_finite() && Wavelength::from_byte_code(w.code()).is_some());
     }
     for (kind, radius) in [
         (FilterKind::Box, 0.5),
