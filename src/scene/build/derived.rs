@@ -2,7 +2,7 @@
 
 use super::light_contact_distance::light_contact_distance;
 use crate::light::Light;
-use crate::math::{Bounds, Sphere};
+use crate::math::{BoundingSphere, Bounds};
 use crate::scene::Scene;
 use crate::scene::interiors::{InteriorStack, interior_at};
 use glam::Vec3;
@@ -18,9 +18,9 @@ const AMBIENT_EXTENT_FACTOR: f32 = 2.0;
 #[derive(Clone, Debug)]
 pub(in crate::scene) struct DerivedQuantities {
     /// See [`Scene::photon_domain`].
-    pub domain: Sphere,
+    pub domain: BoundingSphere,
     /// The ball that the ambient medium fills.
-    pub ambient_extent: Sphere,
+    pub ambient_extent: BoundingSphere,
     /// The bodies around the camera.
     pub camera_interior: InteriorStack,
     /// The bodies around each light.
@@ -31,7 +31,7 @@ pub(in crate::scene) struct DerivedQuantities {
 
 impl Default for DerivedQuantities {
     fn default() -> Self {
-        let nowhere = Sphere { center: Vec3::ZERO, radius: 0.0 };
+        let nowhere = BoundingSphere { center: Vec3::ZERO, radius: 0.0 };
         Self {
             domain: nowhere,
             ambient_extent: nowhere,
@@ -44,7 +44,7 @@ impl Default for DerivedQuantities {
 
 /// Derives all quantities from the geometry, lights and camera of `scene`.
 pub(in crate::scene) fn derive_quantities(scene: &Scene) -> DerivedQuantities {
-    let planes = scene.geometry.planes.iter().map(|plane| plane.place().0.length());
+    let planes = scene.geometry.planes.iter().map(|plane| plane.point_and_normal().0.length());
     let domain = photon_domain(scene.geometry.bounds(), planes);
     let camera = scene.camera.center().as_vec3();
     let positions = scene.lights.iter().filter_map(Light::emission_point).chain([camera]);
@@ -58,7 +58,7 @@ pub(in crate::scene) fn derive_quantities(scene: &Scene) -> DerivedQuantities {
     }
     DerivedQuantities {
         domain,
-        ambient_extent: Sphere { center: domain.center, radius: farthest * AMBIENT_EXTENT_FACTOR },
+        ambient_extent: BoundingSphere { center: domain.center, radius: farthest * AMBIENT_EXTENT_FACTOR },
         camera_interior,
         light_interiors,
         light_contact_distance: scene.lights.iter().map(|light| light_contact_distance(scene, domain, light)).collect(),
@@ -67,7 +67,7 @@ pub(in crate::scene) fn derive_quantities(scene: &Scene) -> DerivedQuantities {
 
 /// The domain around the bounded shapes, or around the camera at the origin if there are none.
 /// `planes` are the distances of unbounded planes \[length].
-fn photon_domain(bounds: Bounds, planes: impl Iterator<Item = f32>) -> Sphere {
+fn photon_domain(bounds: Bounds, planes: impl Iterator<Item = f32>) -> BoundingSphere {
     let ball = bounds.bounding_sphere();
     let Some(farthest) = planes.reduce(f32::max) else { return ball };
     let radius = if ball.radius > 0.0 {
@@ -77,5 +77,5 @@ fn photon_domain(bounds: Bounds, planes: impl Iterator<Item = f32>) -> Sphere {
     } else {
         1.0
     };
-    Sphere { center: ball.center, radius: radius * OPEN_DOMAIN_FACTOR }
+    BoundingSphere { center: ball.center, radius: radius * OPEN_DOMAIN_FACTOR }
 }
