@@ -4,7 +4,7 @@ use super::description::SceneDescription;
 use super::mesh::TriangleMesh;
 use super::{SceneError, SourceText};
 use crate::image::Image;
-use crate::stats::{Memory, bytes};
+use crate::stats::{MemoryLimit, format_bytes};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -24,7 +24,7 @@ pub trait SceneImporter: Sync {
     ///
     /// # Errors
     /// [`SceneReadError`]; its [`SceneError`] may lack a position and may carry further errors.
-    fn import(&self, path: &Path, memory: Memory) -> Result<ImportedScene, SceneReadError>;
+    fn import(&self, path: &Path, memory: MemoryLimit) -> Result<ImportedScene, SceneReadError>;
 }
 
 /// A scene as an importer read it.
@@ -70,7 +70,7 @@ pub enum SceneReadError {
         source: std::io::Error,
     },
     /// The file exceeds the memory limit.
-    #[error("the scene `{}` takes about {} of memory, and {} are free", path.display(), bytes(*needed), bytes(*free))]
+    #[error("the scene `{}` takes about {} of memory, and {} are free", path.display(), format_bytes(*needed), format_bytes(*free))]
     #[diagnostic(help("put large parts into meshes, or allow more memory (--memory)"))]
     Memory {
         /// Path of the file.

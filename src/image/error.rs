@@ -4,7 +4,7 @@ use std::io;
 use std::path::PathBuf;
 
 use super::buffer::SizeError;
-use crate::stats::bytes;
+use crate::stats::format_bytes;
 
 /// Why a picture was not written. An existing file at the path is unchanged.
 #[derive(Debug, thiserror::Error)]
@@ -116,7 +116,7 @@ pub enum ReadError {
     /// The picture does not fit into memory.
     #[error(
         "`{}` takes {} of memory, and {} are free: make the picture smaller, or allow more --memory",
-        path.display(), bytes(*needed), bytes(*free)
+        path.display(), format_bytes(*needed), format_bytes(*free)
     )]
     Memory {
         /// The file.

@@ -3,7 +3,7 @@
 use super::packet::{BeamPiece, BeamPiecePacket, LANES, LineQuery, set_bits};
 use crate::accel::Boxes;
 use crate::color::Rgb;
-use crate::math::{Bounds, Ray, gamma, morton_order};
+use crate::math::{Bounds, Ray, morton_order, rounding_error_bound};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -71,7 +71,7 @@ pub struct BeamIntersection {
 /// Sine of the angle below which two unit directions count as parallel.
 ///
 /// It is twice the rounding error of a direction that was normalised in four operations.
-const MIN_SINE: f64 = 2.0 * gamma(4) as f64;
+const MIN_SINE: f64 = 2.0 * rounding_error_bound(4) as f64;
 
 impl BeamIntersection {
     /// Closest approach of `ray` and `beam`.

@@ -4,7 +4,7 @@ use super::guiding::GuidingDistribution;
 use crate::color::{self, Rgb};
 use crate::light::{Light, PhotonAim};
 use crate::math::Ray;
-use crate::sampling::{Dimension, Discrete, Key, Purpose, sobol_2d};
+use crate::sampling::{Dimension, DiscreteDistribution, Key, Purpose, sobol_2d};
 use crate::scene::{Effect, Effects, Interior, InteriorKind, PathRay, Scene};
 use glam::Vec2;
 
@@ -21,7 +21,7 @@ const DEFENSIVE_FRACTION: f64 = 0.1;
 pub struct PhotonSource<'a> {
     pub(super) scene: &'a Scene,
     /// Probabilities of the lights.
-    pub(super) light_distribution: Discrete,
+    pub(super) light_distribution: DiscreteDistribution,
     /// Bounding spheres of the casters, to which photons are emitted; `None` emits everywhere.
     aim: Option<PhotonAim>,
     /// Guiding distribution of each light, `None` for a light without; empty without guiding.
@@ -51,7 +51,7 @@ impl<'a> PhotonSource<'a> {
     /// Lights are chosen in proportion to their power.
     #[must_use]
     pub fn in_all_directions(scene: &'a Scene) -> Option<Self> {
-        let light_distribution = Discrete::new(light_powers(scene))?;
+        let light_distribution = DiscreteDistribution::new(light_powers(scene))?;
         let effects = effects_of_scene(scene);
         Some(Self { scene, light_distribution, aim: None, guiding: Vec::new(), effects })
     }
@@ -63,13 +63,14 @@ impl<'a> PhotonSource<'a> {
     /// reach a caster.
     #[must_use]
     pub fn aimed_at_casters(scene: &'a Scene) -> Option<Self> {
-        let Some(spheres) = scene.caster_balls() else {
+        let Some(spheres) = scene.caster_bounding_spheres() else {
             return Self::in_all_directions(scene);
         };
-        let domain = scene.domain();
+        let domain = scene.photon_domain();
         let reaching = |(light, power): (&Light, f64)| {
             // A light that misses a moving caster now may reach it at another shutter time.
-            let reaches = scene.moves() || spheres.iter().any(|sphere| light.may_reach(Some(*sphere), domain));
+            let reaches =
+                scene.has_motion() || spheres.iter().any(|sphere| light.may_illuminate(Some(*sphere), domain));
             if reaches { power } else { 0.0 }
         };
         let light_powers: Vec<f64> = scene.lights().iter().zip(light_powers(scene)).map(reaching).collect();
@@ -87,7 +88,7 @@ impl<'a> PhotonSource<'a> {
             }
         };
         let light_distribution =
-            if total > 0.0 { Discrete::new(light_powers.iter().zip(&aimed).map(weight)) } else { None };
+            if total > 0.0 { DiscreteDistribution::new(light_powers.iter().zip(&aimed).map(weight)) } else { None };
         let effects = effects_of_scene(scene);
         light_distribution.map(|light_distribution| Self {
             scene,
@@ -104,7 +105,7 @@ impl<'a> PhotonSource<'a> {
         // Recomputed probabilities would differ by rounding.
         let Some(environment) = self.scene.environment() else { return Some(self) };
         let weight = |i| if i == environment { 0.0 } else { f64::from(self.light_distribution.probability(i)) };
-        let light_distribution = Discrete::new((0..self.scene.lights().len()).map(weight))?;
+        let light_distribution = DiscreteDistribution::new((0..self.scene.lights().len()).map(weight))?;
         Some(Self { light_distribution, ..self })
     }
 
@@ -113,7 +114,7 @@ impl<'a> PhotonSource<'a> {
     /// An aimed source then aims at the caster positions of that time.
     #[must_use]
     pub fn at<'b>(&self, scene: &'b Scene) -> PhotonSource<'b> {
-        let spheres = if self.aim.is_some() { scene.caster_balls() } else { None };
+        let spheres = if self.aim.is_some() { scene.caster_bounding_spheres() } else { None };
         let aim = spheres.map(PhotonAim::new);
         let (light_distribution, guiding) = (self.light_distribution.clone(), self.guiding.clone());
         PhotonSource { scene, light_distribution, aim, guiding, ..*self }
@@ -132,7 +133,7 @@ impl<'a> PhotonSource<'a> {
 
     /// Lights of the scene; with mean emission if emission textures are not simulated.
     pub(super) fn lights(&self) -> &'a [Light] {
-        if self.effects.has(Effect::Textures) { self.scene.lights() } else { self.scene.mean_lights() }
+        if self.effects.has(Effect::Textures) { self.scene.lights() } else { self.scene.mean_emission_lights() }
     }
 
     /// Starts photon path `index` of `paths`; returns its ray and flux \[W], `None` without flux.
@@ -149,7 +150,7 @@ impl<'a> PhotonSource<'a> {
     /// Samples light, position and direction of photon path `index` of `paths`.
     #[inline]
     pub(super) fn primary_emission_sample(&self, pass: Key, index: u32, paths: u32) -> PrimaryEmissionSample {
-        let u = (f64::from(index) + f64::from(pass.uniform(Dimension::Light))) / f64::from(paths);
+        let u = (f64::from(index) + f64::from(pass.uniform_1d(Dimension::Light))) / f64::from(paths);
         let (light, probability) = self.light_distribution.sample((u as f32).min(1.0 - f32::EPSILON / 2.0));
         let position = sobol_2d(index, pass, Dimension::LightPosition);
         let direction = sobol_2d(index, pass, Dimension::LightDirection);
@@ -167,15 +168,15 @@ impl<'a> PhotonSource<'a> {
     #[inline]
     pub(super) fn start_path<I: Interior>(&self, point: &PrimaryEmissionSample) -> Option<(PathRay<I>, Rgb)> {
         let light = &self.lights()[point.light];
-        let domain = self.scene.domain();
+        let domain = self.scene.photon_domain();
         let emission = match &self.aim {
             Some(aim) => light.sample_le_towards(aim, domain, point.position, point.direction),
             None => light.sample_le(domain, point.position, point.direction),
         }?;
         let ray = if light.is_infinite() {
-            self.scene.start_beyond_planes(emission.ray)
+            self.scene.move_origin_beyond_planes(emission.ray)
         } else if light.is_delta() {
-            Ray { origin: emission.ray.at(self.scene.light_contact(point.light)), ..emission.ray }
+            Ray { origin: emission.ray.at(self.scene.light_contact_distance(point.light)), ..emission.ray }
         } else {
             emission.ray
         };
@@ -190,17 +191,17 @@ fn effects_of_scene(scene: &Scene) -> Effects {
 
 /// Power of each light \[W], averaged over RGB.
 fn light_powers(scene: &Scene) -> impl Iterator<Item = f64> {
-    scene.lights().iter().map(|light| f64::from(color::mean(light.power(scene.domain()))))
+    scene.lights().iter().map(|light| f64::from(color::channel_mean(light.power(scene.photon_domain()))))
 }
 
 /// Estimated power of a light towards the spheres of `aim` \[W], averaged over RGB.
 fn estimate_aimed_power(scene: &Scene, aim: &PhotonAim, light: usize) -> f64 {
-    let key = Key::new(0).purpose(Purpose::LightWeights).light(light);
+    let key = Key::new(0).purpose_key(Purpose::LightWeights).light_key(light);
     let flux = |i| {
         let (position, direction) =
             (sobol_2d(i, key, Dimension::LightPosition), sobol_2d(i, key, Dimension::LightDirection));
-        let emission = scene.lights()[light].sample_le_towards(aim, scene.domain(), position, direction);
-        emission.map_or(0.0, |e| f64::from(color::mean(e.flux)))
+        let emission = scene.lights()[light].sample_le_towards(aim, scene.photon_domain(), position, direction);
+        emission.map_or(0.0, |e| f64::from(color::channel_mean(e.flux)))
     };
     (0..POWER_SAMPLES).map(flux).sum::<f64>() / f64::from(POWER_SAMPLES)
 }

@@ -4,7 +4,7 @@
 //! bounds use γ(n) (Higham 2002, "Accuracy and Stability of Numerical Algorithms", section 3.1) and
 //! assume unit directions.
 
-use crate::math::{Ray, gamma};
+use crate::math::{Ray, rounding_error_bound};
 use glam::Vec3;
 use wide::f32x8;
 
@@ -89,7 +89,7 @@ impl PointPacket {
         let t = dot(to, query.direction);
         let [x, y, z] = query.direction;
         let off = subtract(to, [x * t, y * t, z * t]);
-        let reach = query.radius + norm1(to) * f32x8::splat(gamma(24));
+        let reach = query.radius + norm1(to) * f32x8::splat(rounding_error_bound(24));
         dot(off, off).simd_le(reach * reach).to_bitmask()
     }
 
@@ -157,7 +157,7 @@ impl BeamPiecePacket {
     /// Positions along the beam have error γ(14), relative to that distance plus the position.
     #[inline]
     pub fn pieces_near_line(&self, query: &LineQuery) -> u32 {
-        let error = f32x8::splat(gamma(16));
+        let error = f32x8::splat(rounding_error_bound(16));
         let between = subtract(self.start, query.origin);
         let distance = norm1(between);
         let normal = cross(query.direction, self.direction);

@@ -74,7 +74,7 @@ impl VolumePhotonMap {
         let radius = radius.max(0.0);
         let packet_and_bounds = |photons: &[VolumePhoton]| {
             let positions = || photons.iter().map(|p| p.position);
-            (PointPacket::new(positions()), Bounds::of(positions()).expanded(radius))
+            (PointPacket::new(positions()), Bounds::from_points(positions()).expanded(radius))
         };
         let (packets, bounds): (Vec<PointPacket>, Vec<Bounds>) =
             photons.par_chunks(LANES).map(packet_and_bounds).unzip();

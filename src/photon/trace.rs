@@ -3,7 +3,7 @@
 use super::audit::add_flux;
 use super::deposits::{Deposit, DepositPlace};
 use super::{AFTER_CAUSTIC_THINNING, Deposits, EnergyAudit, PhotonKind, PhotonSource, StoreMask};
-use crate::bsdf::{Transport, deposit_factor};
+use crate::bsdf::{Transport, photon_deposit_factor};
 use crate::color::{self, Rgb};
 use crate::medium::PhaseFunction;
 use crate::sampling::{Dimension, Key};
@@ -73,7 +73,7 @@ impl PhotonPass<'_> {
                 let (mut deposits, mut tally) = (Deposits::default(), PathTally::default());
                 for index in range {
                     if let Some((ray, flux)) = self.source.emit::<I>(pass_key, index, paths) {
-                        let key = pass_key.path(index);
+                        let key = pass_key.path_key(index);
                         self.follow_photon_path(ray, flux, key, &mut tally, |deposit| {
                             deposits.store_deposit(self, &deposit)
                         });
@@ -111,7 +111,7 @@ impl PhotonPass<'_> {
         add_flux(&mut audit.emitted, flux);
         for bounce in 0.. {
             *rays += 1;
-            let key = path.bounce(bounce);
+            let key = path.bounce_key(bounce);
 
             // Find the next vertex, and deposit in media on the way.
             let emitted = flux;
@@ -153,7 +153,7 @@ impl PhotonPass<'_> {
                 && stores
                 && self.mask.stores_on_surfaces(kind)
             {
-                let flux = flux * deposit_factor(surface.wo, surface.point.ns, surface.point.ng);
+                let flux = flux * photon_deposit_factor(surface.wo, surface.point.ns, surface.point.ng);
                 let wavelength = ray.inside.wavelength();
                 deposit(Deposit { kind, place: DepositPlace::Surface(surface), flux, wavelength });
             }
@@ -167,7 +167,7 @@ impl PhotonPass<'_> {
             // Thin paths that continue after a caustic.
             if self.mask.separates_after_caustic && kind == PhotonKind::Caustic && stores {
                 add_flux(&mut audit.roulette, flux);
-                if key.uniform(Dimension::Worth) * AFTER_CAUSTIC_THINNING as f32 >= 1.0 {
+                if key.uniform_1d(Dimension::ShadingRoulette) * AFTER_CAUSTIC_THINNING as f32 >= 1.0 {
                     return;
                 }
                 flux *= AFTER_CAUSTIC_THINNING as f32;
@@ -175,27 +175,27 @@ impl PhotonPass<'_> {
             }
 
             // Sample the next direction.
-            let before = color::mean(flux);
+            let before = color::channel_mean(flux);
             let ratio = if let Some(surface) = &surface {
-                let (lobe, u) = (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
+                let (lobe, u) = (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
                 let Some(sample) = surface.sample(lobe, u, Transport::Importance) else {
                     return add_flux(&mut audit.absorbed, flux);
                 };
-                let adjoint = sample.adjoint(surface.wo, surface.point.ns, surface.point.ng);
+                let adjoint = sample.adjoint_correction(surface.wo, surface.point.ns, surface.point.ng);
                 let interior_weight = ray.leave(surface, sample.wi, sample.transmitted);
                 let scattered = flux * sample.weight * adjoint * interior_weight;
                 add_flux(&mut audit.absorbed, flux - scattered);
                 flux = scattered;
-                color::mean(scattered) / before
+                color::channel_mean(scattered) / before
             } else {
                 let (direction, _) = phase_function.sample(ray.ray.direction, key.uniform_2d(Dimension::Phase));
                 ray.turn(direction);
                 // In a medium, the throughput ratio includes absorption along the segment.
-                before / color::mean(emitted)
+                before / color::channel_mean(emitted)
             };
 
             // Russian roulette by the throughput ratio keeps the fluxes of stored photons similar.
-            if ratio.is_nan() || key.uniform(Dimension::Roulette) >= ratio {
+            if ratio.is_nan() || key.uniform_1d(Dimension::Roulette) >= ratio {
                 return add_flux(&mut audit.roulette, flux);
             }
             let kept = flux / ratio.min(1.0);

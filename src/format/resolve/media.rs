@@ -9,7 +9,7 @@ use crate::format::description::{
 use crate::format::{SceneError, grid};
 use crate::medium::{Cloud, GridDensity, GridDensityError, Medium, PhaseFunction};
 use crate::scene;
-use crate::stats::bytes;
+use crate::stats::format_bytes;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
@@ -51,8 +51,8 @@ fn make_density(r: &Resolver<'_>, described: &Spanned<MediumDescription>) -> Res
         DensityDescription::Homogeneous => return Ok(None),
         DensityDescription::Grid { path, scale, extent } => {
             let file = r.file("grid", path)?;
-            let help = "repair the grid or name another; the grid format is described in docs/scene-language.md";
-            let read = grid::read_with_memory_limit(&file, r.memory.free());
+            let help = "repair the grid or name another; the grid format is described in docs/guide/scene-language.md";
+            let read = grid::read_with_memory_limit(&file, r.memory.available_bytes());
             let mut grid =
                 read.map_err(|e| r.refuse_file(path, &e, matches!(e, grid::GridError::NoMemory { .. }), help))?;
             for value in &mut grid.values {
@@ -75,8 +75,9 @@ fn make_density(r: &Resolver<'_>, described: &Spanned<MediumDescription>) -> Res
             };
             let size = cells(extent, *resolution);
             let needed = grid::BYTES_PER_CELL * size.iter().map(|n| u64::from(*n)).product::<u64>();
-            if let Some(free) = r.memory.free().filter(|free| needed > *free) {
-                let message = format!("the cloud takes {} of memory, and {} are free", bytes(needed), bytes(free));
+            if let Some(free) = r.memory.available_bytes().filter(|free| needed > *free) {
+                let message =
+                    format!("the cloud takes {} of memory, and {} are free", format_bytes(needed), format_bytes(free));
                 let help = "choose a smaller `resolution`, or let the scene have more memory (--memory)";
                 return Err(r.refuse(described.span, &message, help).marked_out_of_memory());
             }
@@ -131,7 +132,7 @@ pub(super) fn fill_body(
     material: scene::Material,
     described: &MaterialDescription,
 ) -> Result<scene::Material, SceneError> {
-    let (Some(name), Some(body)) = (&described.medium, material.boundary()) else { return Ok(material) };
+    let (Some(name), Some(body)) = (&described.medium, material.bounded_body()) else { return Ok(material) };
     let mut body = *body;
     let (mut index, mut medium) = known_medium(r, name)?;
     if body.absorption != Rgb::ZERO {

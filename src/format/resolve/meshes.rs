@@ -11,7 +11,7 @@ use crate::format::description::{
 use crate::format::mesh::{self, LoadedMesh, MeshError, NO_MATERIAL, TriangleMesh};
 use crate::format::mtl;
 use crate::shape::MappingKind;
-use crate::stats::bytes;
+use crate::stats::format_bytes;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -85,7 +85,7 @@ fn add_piece(
 ) -> Result<(), SceneError> {
     let (normals, texcoords) = (mesh.normals.as_deref(), mesh.texcoords.as_deref());
     let shared = emission == Rgb::ZERO && again * mesh.triangles.len() >= WORTH_SHARING;
-    let instanced = shared || !placing.to_world.is_still();
+    let instanced = shared || !placing.to_world.is_constant();
     // Copies that share their triangles share the tree over them.
     if !(instanced && r.instanced.contains_key(&Rc::as_ptr(mesh))) {
         check_trees(r, path, mesh.triangles.len())?;
@@ -109,8 +109,8 @@ fn add_piece(
 fn check_trees(r: &mut Resolver<'_>, path: &Spanned<String>, triangles: usize) -> Result<(), SceneError> {
     r.triangles += triangles as u64;
     let needed = PER_TRIANGLE * r.triangles;
-    let Some(free) = r.memory.free().filter(|free| needed > *free) else { return Ok(()) };
-    let (needed, free) = (bytes(needed), bytes(free));
+    let Some(free) = r.memory.available_bytes().filter(|free| needed > *free) else { return Ok(()) };
+    let (needed, free) = (format_bytes(needed), format_bytes(free));
     let message = format!(
         "the scene has {} triangles with this mesh, which take {needed} of memory, and {free} are free",
         r.triangles
@@ -129,7 +129,7 @@ fn mesh_pieces(r: &mut Resolver<'_>, path: &Spanned<String>, options: MeshOption
     }
     let loaded = match r.assets.meshes.get(path.as_str()) {
         Some(mesh) => Ok(LoadedMesh { mesh: (**mesh).clone(), ..LoadedMesh::default() }),
-        None => mesh::load_with_memory_limit(&file, r.monitor, r.memory.free()),
+        None => mesh::load_with_memory_limit(&file, r.monitor, r.memory.available_bytes()),
     };
     let mut loaded = loaded.map_err(|e| r.refuse_file(path, &e, matches!(e, MeshError::Memory { .. }), REPAIR))?;
     if ignores_normals {
@@ -163,7 +163,7 @@ fn mesh_materials(
     if let Some(own) = r.own_materials.get(file) {
         return Ok(own.clone());
     }
-    let library = mtl::load_mesh_materials(file, loaded, r.memory.free());
+    let library = mtl::load_mesh_materials(file, loaded, r.memory.available_bytes());
     let library = library.map_err(|e| r.refuse_file(path, &e, matches!(e, MeshError::Memory { .. }), REPAIR))?;
     let mut own = Vec::with_capacity(library.len());
     for found in library {
@@ -188,7 +188,7 @@ fn own_material(
     let mut needs = TextureNeeds::default();
     let material = r.material(&meaning.kind, &mut needs)?;
     let normals = r.normals(&meaning, &mut needs)?;
-    let index = r.builder.material(material.with_normals(normals));
+    let index = r.builder.material(material.with_normal_perturbation(normals));
     r.texture_needs.resize(index as usize + 1, TextureNeeds::default());
     r.texture_needs[index as usize] = needs;
     let emission = match meaning.emission {

@@ -20,10 +20,10 @@ use super::import::EmbeddedAssets;
 use super::mesh::{MeshReadMonitor, TriangleMesh};
 use super::{SceneError, SourceText};
 use crate::color::Rgb;
-use crate::math::{Motion, Step, Transform};
+use crate::math::{Motion, MotionStep, Transform};
 use crate::medium::Medium;
 use crate::scene::{Scene, SceneBuilder};
-use crate::stats::Memory;
+use crate::stats::MemoryLimit;
 use glam::{DAffine3, DVec3};
 use placement::EmissionOverride;
 use placement::Instanced;
@@ -40,7 +40,7 @@ use textures::{KnownTexture, TextureNeeds};
 /// an unknown metal or glass, a singular product of transforms, an object that cannot emit, a
 /// medium that cannot fill its body.
 pub fn resolve(description: &SceneDescription, source: &SourceText, folder: &Path) -> Result<Scene, SceneError> {
-    resolve_monitored(description, source, folder, &(), Memory::Unbounded)
+    resolve_monitored(description, source, folder, &(), MemoryLimit::Unbounded)
 }
 
 /// Like [`resolve`], within `memory`; `monitor` receives the progress of reading meshes.
@@ -55,7 +55,7 @@ pub fn resolve_monitored(
     source: &SourceText,
     folder: &Path,
     monitor: &dyn MeshReadMonitor,
-    memory: Memory,
+    memory: MemoryLimit,
 ) -> Result<Scene, SceneError> {
     resolve_with_assets(description, source, folder, &EmbeddedAssets::default(), monitor, memory)
 }
@@ -70,7 +70,7 @@ pub(super) fn resolve_with_assets(
     folder: &Path,
     assets: &EmbeddedAssets,
     monitor: &dyn MeshReadMonitor,
-    memory: Memory,
+    memory: MemoryLimit,
 ) -> Result<Scene, SceneError> {
     let camera = camera::camera(description, source)?;
     let mut resolver = Resolver {
@@ -130,7 +130,7 @@ struct Resolver<'a> {
     /// Texture coordinates that each material needs.
     texture_needs: Vec<TextureNeeds>,
     monitor: &'a dyn MeshReadMonitor,
-    memory: Memory,
+    memory: MemoryLimit,
     /// Triangles so far that hierarchies will be built over.
     triangles: u64,
     /// Meshes that were read, by file and options.
@@ -199,14 +199,14 @@ impl Resolver<'_> {
             ObjectDescription::Group(group) => self.group(group, to_world),
             ObjectDescription::Transform { maps, object: inner } => {
                 let outer = self.placing.replace(object.span);
-                let product = to_world.then_inside([Step::Fixed(TransformStep::composed_matrix(maps))]);
+                let product = to_world.preceded_by([MotionStep::Fixed(TransformStep::composed_matrix(maps))]);
                 self.object(inner, &product)?;
                 self.placing = outer;
                 Ok(())
             }
             ObjectDescription::Moving { maps, object: inner } => {
                 let outer = self.placing.replace(object.span);
-                self.object(inner, &to_world.then_inside(maps.iter().map(TransformStep::motion_step)))?;
+                self.object(inner, &to_world.preceded_by(maps.iter().map(TransformStep::motion_step)))?;
                 self.placing = outer;
                 Ok(())
             }
@@ -321,7 +321,7 @@ fn uses(group: &Group) -> HashMap<&str, usize> {
 
 /// Returns the motion of maps that grow while the shutter is open.
 fn growing_motion(maps: &[TransformStep]) -> Motion {
-    Motion::default().then_inside(maps.iter().map(TransformStep::motion_step))
+    Motion::default().preceded_by(maps.iter().map(TransformStep::motion_step))
 }
 
 fn aim(aim: DirectionOrTarget, from: DVec3) -> DVec3 {

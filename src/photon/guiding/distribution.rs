@@ -1,7 +1,7 @@
 //! Guiding distributions over primary samples of emission, fitted to pilot samples.
 
 use crate::light::{EmissionDimensions, Light};
-use crate::sampling::Histogram;
+use crate::sampling::SquareGridDistribution;
 use glam::Vec2;
 
 /// Emission of one pilot path and its measured effect on the picture.
@@ -100,7 +100,8 @@ impl GuidingCells {
 #[inline]
 fn cell_index(resolution: CellResolution, position: Vec2, direction: Vec2) -> usize {
     let directions = 1usize << resolution.1;
-    Histogram::cell(1 << resolution.0, position) * directions * directions + Histogram::cell(directions, direction)
+    SquareGridDistribution::cell_index(1 << resolution.0, position) * directions * directions
+        + SquareGridDistribution::cell_index(directions, direction)
 }
 
 /// Grid of cells fitted to the pilot samples of one light.
@@ -165,8 +166,10 @@ impl GuidingFit {
         let positions: Vec<f64> = directions.clone().map(|d| d.iter().sum()).collect();
         Some(GuidingDistribution {
             side: 1 << p,
-            positions: Histogram::new(1 << p, &positions)?,
-            directions: directions.map(|weights| Histogram::new(1 << d, weights)).collect::<Option<_>>()?,
+            positions: SquareGridDistribution::new(1 << p, &positions)?,
+            directions: directions
+                .map(|weights| SquareGridDistribution::new(1 << d, weights))
+                .collect::<Option<_>>()?,
         })
     }
 }
@@ -177,9 +180,9 @@ pub(in crate::photon) struct GuidingDistribution {
     /// Number of position cells along each side of the unit square.
     side: usize,
     /// Marginal pdf of positions.
-    positions: Histogram,
+    positions: SquareGridDistribution,
     /// Conditional pdf of directions for each position cell.
-    directions: Vec<Histogram>,
+    directions: Vec<SquareGridDistribution>,
 }
 
 impl GuidingDistribution {
@@ -188,13 +191,15 @@ impl GuidingDistribution {
     #[inline]
     pub fn sample(&self, position: Vec2, direction: Vec2) -> (Vec2, Vec2, f32) {
         let (position, pdf) = self.positions.sample(position);
-        let (direction, conditional) = self.directions[Histogram::cell(self.side, position)].sample(direction);
+        let (direction, conditional) =
+            self.directions[SquareGridDistribution::cell_index(self.side, position)].sample(direction);
         (position, direction, pdf * conditional)
     }
 
     /// Joint pdf of primary samples of position and direction.
     #[cfg(test)]
     pub fn pdf(&self, position: Vec2, direction: Vec2) -> f32 {
-        self.positions.density(position) * self.directions[Histogram::cell(self.side, position)].density(direction)
+        self.positions.pdf(position)
+            * self.directions[SquareGridDistribution::cell_index(self.side, position)].pdf(direction)
     }
 }

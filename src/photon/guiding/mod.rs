@@ -10,7 +10,7 @@ use super::deposits::{Deposit, DepositPlace};
 use super::trace::PathTally;
 use super::{PhotonPass, PhotonSource, Scratch, StoreMask, VisiblePointMap};
 use crate::color;
-use crate::sampling::{Discrete, Key, Purpose};
+use crate::sampling::{DiscreteDistribution, Key, Purpose};
 use crate::scene::{Interior, for_interior};
 use distribution::{GuidingFit, GuidingSample};
 use rayon::prelude::*;
@@ -97,7 +97,7 @@ impl PhotonSource<'_> {
 
     /// Traces the photon paths of one pilot round.
     fn trace_round(&self, pilot: &GuidingPilot<'_>, round: u32) -> RoundSamples {
-        let key = Key::new(pilot.seed).purpose(Purpose::Learning).round(round);
+        let key = Key::new(pilot.seed).purpose_key(Purpose::GuidingTraining).training_round_key(round);
         let paths = pilot.paths / ROUNDS;
         let chunks: Vec<RoundSamples> = (0..paths.div_ceil(CHUNK))
             .into_par_iter()
@@ -130,9 +130,9 @@ impl PhotonSource<'_> {
             let point = self.primary_emission_sample(key, index, paths);
             let mut square = 0.0;
             if let Some((ray, flux)) = self.start_path::<I>(&point) {
-                pass.follow_photon_path(ray, flux, key.path(index), &mut tally, |deposit: Deposit<'_>| {
+                pass.follow_photon_path(ray, flux, key.path_key(index), &mut tally, |deposit: Deposit<'_>| {
                     let DepositPlace::Surface(surface) = deposit.place else { return };
-                    let flux = f64::from(color::mean(deposit.flux));
+                    let flux = f64::from(color::channel_mean(deposit.flux));
                     let importance = pilot.visible.importance(surface.point.p, surface.facing_normal(), &mut scratch);
                     square += flux * flux * f64::from(importance);
                 });
@@ -152,7 +152,7 @@ impl PhotonSource<'_> {
     /// Fits the probabilities and guiding distributions of all lights to the samples of all rounds.
     ///
     /// `unguided` holds the light probabilities before guiding.
-    fn fit_guiding(&mut self, samples: &[GuidingSample], unguided: &Discrete) {
+    fn fit_guiding(&mut self, samples: &[GuidingSample], unguided: &DiscreteDistribution) {
         let lights = self.scene.lights();
         let mut samples_by_light: Vec<Vec<&GuidingSample>> = vec![Vec::new(); lights.len()];
         for sample in samples {
@@ -171,7 +171,7 @@ impl PhotonSource<'_> {
         // that guiding makes more probable needs a smaller uniform fraction.
         let defensive = |i: usize| DEFENSIVE_FRACTION * f64::from(unguided.probability(i));
         let chosen = |i: usize| defensive(i) + (1.0 - DEFENSIVE_FRACTION) * fits[i].guided_deviation() / total;
-        if let Some(choice) = Discrete::new((0..lights.len()).map(chosen)) {
+        if let Some(choice) = DiscreteDistribution::new((0..lights.len()).map(chosen)) {
             self.light_distribution = choice;
             self.guiding =
                 fits.iter().enumerate().map(|(i, fit)| fit.to_distribution(defensive(i) / chosen(i))).collect();

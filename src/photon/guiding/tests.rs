@@ -21,7 +21,7 @@ const LAMP: DVec3 = DVec3::new(0.0, 6.0, 0.0);
 
 fn delta_light_scene(kind: DeltaLightKind) -> Scene {
     scene_with_lamps(|b| {
-        b.source(kind, LightStrength::Physical(Rgb::new(1.0, 2.0, 3.0)));
+        b.delta_light(kind, LightStrength::Physical(Rgb::new(1.0, 2.0, 3.0)));
     })
 }
 
@@ -84,7 +84,7 @@ fn photon_pass<'a>(scene: &'a Scene, source: &'a PhotonSource<'a>) -> PhotonPass
 }
 
 fn pass_key(pass: u64) -> Key {
-    Key::new(5).purpose(Purpose::Test).with(pass)
+    Key::new(5).purpose_key(Purpose::Test).child_key(pass)
 }
 
 /// PassStatistics of passes and its variance.
@@ -127,7 +127,7 @@ fn fluxes_by_region(scene: &Scene, source: &PhotonSource<'_>) -> [PassStatistics
         let mut flux = [0.0; 3];
         for Photon { position: p, data: f } in &traced.deposits.photons {
             let region = if (p.y - floor).abs() > 1e-3 { 2 } else { usize::from(p.x < edge.x || p.z < edge.z) };
-            flux[region] += f64::from(color::mean(f.flux()));
+            flux[region] += f64::from(color::channel_mean(f.flux()));
         }
         let emitted = traced.audit.emitted.iter().sum::<f64>() / 3.0;
         means.iter_mut().zip(flux.into_iter().chain([emitted])).for_each(|(mean, x)| mean.add(x));
@@ -147,7 +147,7 @@ fn guiding_is_unbiased() {
             assert!(a.mean() > 0.0);
             assert!(a.agrees_within_5_sigma(b), "{name}, region {region}: {} became {}", a.mean(), b.mean());
         }
-        let power = f64::from(color::mean(scene.lights()[0].power(scene.domain())));
+        let power = f64::from(color::channel_mean(scene.lights()[0].power(scene.photon_domain())));
         let mut given = PassStatistics::default();
         [power; 2].iter().for_each(|p| given.add(*p));
         assert!(after[3].agrees_within_5_sigma(&given), "{name} emits {} of {power}", after[3].mean());
@@ -162,7 +162,7 @@ fn aiming_and_guiding_together_are_unbiased() {
         let glass = b.material(Material::dielectric(1.5, Rgb::ZERO));
         b.shape(Shape::Sphere(Sphere::new(DVec3::new(6.5, 1.2, 6.5), 0.8)), glass, Rgb::ZERO);
         b.shape(Shape::Sphere(Sphere::new(DVec3::new(-6.5, 1.2, -5.5), 1.2)), glass, Rgb::ZERO);
-        b.source(DeltaLightKind::Point { position: LAMP }, LightStrength::Physical(Rgb::ONE));
+        b.delta_light(DeltaLightKind::Point { position: LAMP }, LightStrength::Physical(Rgb::ONE));
     });
     let visible = visible_corner_map(&scene);
     let pilot = GuidingPilot { mask: StoreMask::CAUSTIC, max_bounces: 20, visible: &visible, paths: 1 << 15, seed: 1 };
@@ -175,7 +175,7 @@ fn aiming_and_guiding_together_are_unbiased() {
         for i in 0..32 {
             let traced = pass.trace(pass_key(i), 4096, &|_| {});
             let there = traced.deposits.photons.iter().filter(|p| p.position.x > corner.x && p.position.z > corner.z);
-            seen.add(there.map(|p| f64::from(color::mean(p.data.flux()))).sum());
+            seen.add(there.map(|p| f64::from(color::channel_mean(p.data.flux()))).sum());
             emitted.add(traced.audit.emitted[0]);
         }
         (seen, emitted)
@@ -208,7 +208,7 @@ fn guiding_reduces_visible_variance() {
             for (p, mean) in visible_corner_points(&scene).zip(&mut means) {
                 let wide = Bandwidth { radius: 0.1, k: 0 };
                 let estimate = map.estimate(p, Vec3::Y, wide, Kernel::Box, &mut scratch, |_| Rgb::ONE);
-                mean.add(f64::from(color::mean(estimate.radiance)));
+                mean.add(f64::from(color::channel_mean(estimate.radiance)));
             }
         }
         means.iter().map(PassStatistics::variance).sum::<f64>()
@@ -222,8 +222,8 @@ fn guiding_reduces_visible_variance() {
 fn guiding_prefers_the_visible_lamp() {
     let scene = scene_with_lamps(|b| {
         let strength = LightStrength::Power(Rgb::ONE);
-        b.source(DeltaLightKind::Point { position: DVec3::new(0.0, 3.0, -12.0) }, strength);
-        b.source(DeltaLightKind::Point { position: LAMP }, strength);
+        b.delta_light(DeltaLightKind::Point { position: DVec3::new(0.0, 3.0, -12.0) }, strength);
+        b.delta_light(DeltaLightKind::Point { position: LAMP }, strength);
     });
     let (guided, _) = guided_source(&scene, &visible_corner_map(&scene));
     let share = guided.light_distribution.probability(1);

@@ -140,7 +140,7 @@ fn effects_table_html(findings: &EffectStudyResult) -> String {
         format!("{:.1}", 1e3 * whole.seconds() / passes),
         String::new(),
         format!("{:.1}", 1e3 * whole.setup),
-        a_pass(whole.counters.rays()),
+        a_pass(whole.counters.total_rays()),
         a_pass(whole.counters.gathered_photons),
     ];
     table += "</tbody>\n<tfoot><tr><th scope=\"row\">the whole picture</th>";
@@ -179,9 +179,12 @@ fn effect_article_html(finding: &EffectResult) -> Result<String, StudyError> {
         signed_count_text(cost.rays),
         signed_count_text(cost.gathered_photons),
     );
-    for (term, text) in
-        [("On, because", because.as_str()), ("Without it", effect.lack()), ("Costs", &costs), ("Changes", &changes)]
-    {
+    for (term, text) in [
+        ("On, because", because.as_str()),
+        ("Without it", effect.symptom_if_missing()),
+        ("Costs", &costs),
+        ("Changes", &changes),
+    ] {
         let _ = writeln!(article, "<dt>{term}</dt><dd>{}</dd>", escape_html(text));
     }
     article += "</dl>\n";
@@ -206,7 +209,7 @@ fn omitted_effects_html(findings: &EffectStudyResult) -> String {
     for decision in off {
         let reason = escape_html(&decision.reason.to_string());
         let text = if decision.is_forced() {
-            format!("forced off, though {reason}: {}", decision.effect.lack())
+            format!("forced off, though {reason}: {}", decision.effect.symptom_if_missing())
         } else {
             reason
         };
