@@ -1,7 +1,7 @@
 //! Discrete choice by weights that differ by hundreds of orders of magnitude.
 
 use super::{ENDS, corners};
-use crate::support::key;
+use crate::support::test_key;
 use caustica::image::Image;
 use caustica::light::{EnvironmentLight, Light, LightBvhSampler, PointLight};
 use caustica::math::Sphere;
@@ -33,7 +33,7 @@ fn chosen_elements_have_positive_probability() {
     }
     for n in 1..200u64 {
         let weights: Vec<f64> = (0..n)
-            .map(|i| libm::pow(10.0, 600.0 * f64::from(key(80).with(n).with(i).uniform(Dimension::Light)) - 320.0))
+            .map(|i| libm::pow(10.0, 600.0 * f64::from(test_key(80).with(n).with(i).uniform(Dimension::Light)) - 320.0))
             .collect();
         let choice = Discrete::new(weights).unwrap();
         for u in ENDS {
@@ -82,7 +82,7 @@ fn environments_are_sampled_by_radiance() {
 fn chosen_light_has_positive_probability() {
     let mut lights: Vec<Light> = (0..40u64)
         .map(|i| {
-            let u = key(81).with(i);
+            let u = test_key(81).with(i);
             let exponent = 60.0 * u.uniform(Dimension::Light) - 30.0;
             let place = u.uniform_2d(Dimension::LightPosition).extend(0.5) * 10.0;
             Light::Point(PointLight { position: place, intensity: Vec3::splat(libm::powf(10.0, exponent)) })
