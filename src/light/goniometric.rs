@@ -6,7 +6,7 @@ use super::source::{DirectSample, EmissionSample, LightGeometry, LightSource};
 use super::{EmissionPictureError, EquirectangularMap, PhotonAim};
 use crate::color::Rgb;
 use crate::image::Image;
-use crate::math::{Bounds, Ray, Sphere};
+use crate::math::{BoundingSphere, Bounds, Ray};
 use crate::shape::SurfacePoint;
 use glam::{DVec3, Vec2, Vec3};
 use std::f64::consts::FRAC_PI_2;
@@ -96,7 +96,7 @@ impl LightSource for GoniometricLight {
         0.0
     }
 
-    fn sample_le(&self, _domain: Sphere, _position: Vec2, direction: Vec2) -> Option<EmissionSample> {
+    fn sample_le(&self, _domain: BoundingSphere, _position: Vec2, direction: Vec2) -> Option<EmissionSample> {
         let d = self.map.sample(direction)?;
         let [x, y, z] = self.axes;
         let w = (x * d.x + y * d.y + z * d.z).normalize();
@@ -107,7 +107,7 @@ impl LightSource for GoniometricLight {
     fn sample_le_towards(
         &self,
         aim: &PhotonAim,
-        _domain: Sphere,
+        _domain: BoundingSphere,
         _position: Vec2,
         direction: Vec2,
     ) -> Option<EmissionSample> {
@@ -115,20 +115,20 @@ impl LightSource for GoniometricLight {
     }
 
     /// Flux \[W]: the exact integral of the interpolated map.
-    fn power(&self, _domain: Sphere) -> Rgb {
+    fn power(&self, _domain: BoundingSphere) -> Rgb {
         self.map.integral() * self.scale
     }
 
     fn bounds(&self) -> Option<LightBounds> {
         let flux = self.map.integral() * self.scale;
-        Some(LightBounds::new(Bounds::of([self.position]), DirectionCone::ALL, FRAC_PI_2, flux))
+        Some(LightBounds::new(Bounds::from_points([self.position]), DirectionCone::ALL, FRAC_PI_2, flux))
     }
 
     fn peak_strength(&self) -> Option<Rgb> {
         Some(self.scale)
     }
 
-    fn may_illuminate(&self, _sphere: Sphere) -> bool {
+    fn may_illuminate(&self, _sphere: BoundingSphere) -> bool {
         true
     }
 }

@@ -3,7 +3,7 @@
 use super::Light;
 use super::light_bounds::{LightBounds, LightImportance};
 use crate::color;
-use crate::math::{Bounds, Sphere};
+use crate::math::{BoundingSphere, Bounds};
 use glam::Vec3;
 
 /// Samples one of many lights by power, distance and orientation.
@@ -65,7 +65,7 @@ impl LightBvhSampler {
     /// A sampler of `lights`; `domain` is the bounding sphere of the bounded shapes. `None` if no
     /// light has power.
     #[must_use]
-    pub fn new(lights: &[Light], domain: Sphere) -> Option<Self> {
+    pub fn new(lights: &[Light], domain: BoundingSphere) -> Option<Self> {
         let mut locations = vec![LightLocation::Absent; lights.len()];
         let (mut infinite, mut bounded) = (Vec::new(), Vec::new());
         // Positions are rounded to f32: a light that seems to lie in the plane of a surface may be
@@ -186,7 +186,7 @@ impl LightBvhSampler {
 /// halves.
 fn split_lights(lights: &mut [BoundedLight], depth: u32) -> (&mut [BoundedLight], &mut [BoundedLight]) {
     let center = |l: &BoundedLight| l.1.space.center();
-    let centers = Bounds::of(lights.iter().map(center));
+    let centers = Bounds::from_points(lights.iter().map(center));
     let extent = centers.extent();
     let bucket = |l: &BoundedLight, axis: usize| {
         let x = (center(l)[axis] - centers.min[axis]) / extent[axis];

@@ -33,7 +33,7 @@ pub use spherical_map::{EmissionPictureError, EquirectangularMap};
 pub use spot::SpotLight;
 
 use crate::color::Rgb;
-use crate::math::Sphere;
+use crate::math::BoundingSphere;
 use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 use light_bounds::LightBounds;
@@ -98,7 +98,7 @@ impl Light {
     ///
     /// Light from infinity starts on a disc across the bounding sphere `domain` of the scene.
     #[must_use]
-    pub fn sample_le(&self, domain: Sphere, position: Vec2, direction: Vec2) -> Option<EmissionSample> {
+    pub fn sample_le(&self, domain: BoundingSphere, position: Vec2, direction: Vec2) -> Option<EmissionSample> {
         dispatch!(self, light => light.sample_le(domain, position, direction))
     }
 
@@ -107,7 +107,7 @@ impl Light {
     pub fn sample_le_towards(
         &self,
         aim: &PhotonAim,
-        domain: Sphere,
+        domain: BoundingSphere,
         position: Vec2,
         direction: Vec2,
     ) -> Option<EmissionSample> {
@@ -129,7 +129,7 @@ impl Light {
     /// Emitted flux \[W]; for light from infinity, the flux through a disc with the radius of
     /// `domain`.
     #[must_use]
-    pub fn power(&self, domain: Sphere) -> Rgb {
+    pub fn power(&self, domain: BoundingSphere) -> Rgb {
         dispatch!(self, light => light.power(domain))
     }
 
@@ -194,11 +194,11 @@ impl Light {
     /// False only if no unoccluded ray from the light can enter `sphere`; `None` stands for all
     /// space.
     #[must_use]
-    pub fn may_illuminate(&self, sphere: Option<Sphere>, domain: Sphere) -> bool {
+    pub fn may_illuminate(&self, sphere: Option<BoundingSphere>, domain: BoundingSphere) -> bool {
         let Some(sphere) = sphere else { return true };
         let margin =
             POSITION_ERROR * (sphere.center.abs().max_element() + domain.radius + domain.center.abs().max_element());
-        dispatch!(self, light => light.may_illuminate(Sphere { radius: sphere.radius + margin, ..sphere }))
+        dispatch!(self, light => light.may_illuminate(BoundingSphere { radius: sphere.radius + margin, ..sphere }))
     }
 
     /// True only if no light travels within the plane through `p` with unit normal `n`.

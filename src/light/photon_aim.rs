@@ -1,6 +1,6 @@
 //! Photon emission aimed at chosen spheres.
 
-use crate::math::{Bounds, Frame, Sphere, warp};
+use crate::math::{BoundingSphere, Bounds, Frame, warp};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
@@ -11,7 +11,7 @@ use std::f32::consts::{PI, TAU};
 /// contain the direction, over the sum of the solid angles. Overlaps therefore cause no bias.
 #[derive(Clone, Debug, Default)]
 pub struct PhotonAim {
-    spheres: Vec<Sphere>,
+    spheres: Vec<BoundingSphere>,
 }
 
 /// Maximum number of spheres; each costs a few operations per emitted photon.
@@ -35,7 +35,7 @@ enum SubtendedDirections {
 }
 
 /// Directions from `p` to `sphere`, above the plane with normal `horizon`.
-fn directions_to_sphere(sphere: &Sphere, p: Vec3, horizon: Option<Vec3>) -> SubtendedDirections {
+fn directions_to_sphere(sphere: &BoundingSphere, p: Vec3, horizon: Option<Vec3>) -> SubtendedDirections {
     let to = sphere.center - p;
     let d2 = to.length_squared();
     let sin2 = sphere.radius * sphere.radius / d2;
@@ -54,8 +54,8 @@ impl PhotonAim {
     ///
     /// The spheres grow by a few ulps, so that rounding leaves nothing outside.
     #[must_use]
-    pub fn new(spheres: impl IntoIterator<Item = Sphere>) -> Self {
-        let mut spheres: Vec<Sphere> = spheres.into_iter().collect();
+    pub fn new(spheres: impl IntoIterator<Item = BoundingSphere>) -> Self {
+        let mut spheres: Vec<BoundingSphere> = spheres.into_iter().collect();
         merge_spheres(&mut spheres, MAX_SPHERES);
         for sphere in &mut spheres {
             sphere.radius = sphere.radius * (1.0 + 1e-5) + sphere.center.abs().max_element() * 1e-6;
@@ -86,7 +86,8 @@ impl PhotonAim {
         let cones = &cones[..count];
         let (within, chosen) = choose_interval(cones.iter().map(|cone| cone.one_minus_cos), u.x * total)?;
         let cone = &cones[chosen];
-        let direction = Frame::around(cone.axis).to_world(warp::cone(Vec2::new(within, u.y), cone.one_minus_cos));
+        let direction = Frame::from_normal(cone.axis)
+            .to_world(warp::square_to_uniform_cone(Vec2::new(within, u.y), cone.one_minus_cos));
         // |w − a|² = 2(1 − cos) keeps its digits in narrow cones.
         let around = cones.iter().filter(|c| (direction - c.axis).length_squared() <= 2.0 * c.one_minus_cos);
         // The chosen cone contains its own direction, whatever rounding says at its rim.
@@ -104,8 +105,8 @@ impl PhotonAim {
         let total: f32 = areas().sum();
         let (within, chosen) = choose_interval(areas(), u.x * total)?;
         let sphere = &self.spheres[chosen];
-        let frame = Frame::around(direction);
-        let d = warp::disc(Vec2::new(within, u.y)) * sphere.radius;
+        let frame = Frame::from_normal(direction);
+        let d = warp::square_to_uniform_disc(Vec2::new(within, u.y)) * sphere.radius;
         let p = sphere.center + frame.s * d.x + frame.t * d.y;
         let around = self.spheres.iter().filter(|s| (p - s.center).cross(direction).length() <= s.radius);
         let count = around.count().max(1);
@@ -133,20 +134,20 @@ fn choose_interval(widths: impl Iterator<Item = f32>, mut at: f32) -> Option<(f3
 fn sample_sphere_or_hemisphere(horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, f32)> {
     match horizon {
         Some(n) => {
-            let local = warp::cosine_hemisphere(u);
-            (local.z > 0.0).then(|| (Frame::around(n).to_world(local), warp::cosine_hemisphere_pdf(local.z)))
+            let local = warp::square_to_cosine_hemisphere(u);
+            (local.z > 0.0).then(|| (Frame::from_normal(n).to_world(local), warp::cosine_hemisphere_pdf(local.z)))
         }
-        None => Some((warp::sphere(u), 1.0 / (2.0 * TAU))),
+        None => Some((warp::square_to_uniform_sphere(u), 1.0 / (2.0 * TAU))),
     }
 }
 
 /// Halves the spheres at the median of their widest axis until `most` groups are left, then bounds
 /// each group.
-fn merge_spheres(spheres: &mut Vec<Sphere>, most: usize) {
+fn merge_spheres(spheres: &mut Vec<BoundingSphere>, most: usize) {
     if spheres.len() <= most {
         return;
     }
-    let extent = Bounds::of(spheres.iter().map(|b| b.center)).extent();
+    let extent = Bounds::from_points(spheres.iter().map(|b| b.center)).extent();
     let axis = (0..3).max_by(|a, b| extent[*a].total_cmp(&extent[*b])).unwrap_or(0);
     spheres.sort_by(|a, b| a.center[axis].total_cmp(&b.center[axis]));
     let mut upper = spheres.split_off(spheres.len() / 2);
@@ -156,6 +157,6 @@ fn merge_spheres(spheres: &mut Vec<Sphere>, most: usize) {
         spheres.append(&mut upper);
     } else {
         spheres.append(&mut upper);
-        *spheres = spheres.drain(..).reduce(Sphere::union).into_iter().collect();
+        *spheres = spheres.drain(..).reduce(BoundingSphere::union).into_iter().collect();
     }
 }

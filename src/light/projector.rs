@@ -7,8 +7,8 @@ use super::spherical_map::scale_emission_picture;
 use super::{EmissionPictureError, PhotonAim};
 use crate::color::{self, Rgb};
 use crate::image::Image;
-use crate::math::{Bounds, Ray, Sphere};
-use crate::sampling::Piecewise2d;
+use crate::math::{BoundingSphere, Bounds, Ray};
+use crate::sampling::PiecewiseConstant2d;
 use crate::shape::SurfacePoint;
 use glam::{DVec2, DVec3, UVec2, Vec2, Vec3};
 use std::sync::Arc;
@@ -33,7 +33,7 @@ pub struct ProjectedPicture {
     /// Half width and half height in the plane at distance 1.
     half_size: DVec2,
     /// Distribution over the pixels, by value times solid angle.
-    distribution: Piecewise2d,
+    distribution: PiecewiseConstant2d,
     /// Integral of the picture over all directions \[value · sr].
     integral: DVec3,
 }
@@ -61,7 +61,7 @@ impl ProjectedPicture {
         };
         let value = |x: usize, y: usize| picture.pixels()[y * width + x];
         let weight = |x: usize, y: usize| f64::from(color::channel_mean(value(x, y))) * solid_angle(x, y);
-        let Some(distribution) = Piecewise2d::new(width, height, weight) else { return Ok(None) };
+        let Some(distribution) = PiecewiseConstant2d::new(width, height, weight) else { return Ok(None) };
         let pixels = (0..width * height).map(|i| (i % width, i / width));
         let integral = pixels.map(|(x, y)| value(x, y).as_dvec3() * solid_angle(x, y)).sum();
         Ok(Some(Self { picture, half_size, distribution, integral }))
@@ -168,7 +168,7 @@ impl LightSource for ProjectorLight {
         0.0
     }
 
-    fn sample_le(&self, _domain: Sphere, _position: Vec2, direction: Vec2) -> Option<EmissionSample> {
+    fn sample_le(&self, _domain: BoundingSphere, _position: Vec2, direction: Vec2) -> Option<EmissionSample> {
         let (local, value, pdf) = self.picture.sample(direction)?;
         let [right, up, forward] = self.axes;
         let w = (right * local.x + up * local.y + forward * local.z).normalize();
@@ -178,7 +178,7 @@ impl LightSource for ProjectorLight {
     fn sample_le_towards(
         &self,
         aim: &PhotonAim,
-        _domain: Sphere,
+        _domain: BoundingSphere,
         _position: Vec2,
         direction: Vec2,
     ) -> Option<EmissionSample> {
@@ -186,7 +186,7 @@ impl LightSource for ProjectorLight {
     }
 
     /// Flux \[W]: the exact integral over the solid angles of the pixels.
-    fn power(&self, _domain: Sphere) -> Rgb {
+    fn power(&self, _domain: BoundingSphere) -> Rgb {
         (self.picture.integral * self.scale.as_dvec3()).as_vec3()
     }
 
@@ -194,14 +194,14 @@ impl LightSource for ProjectorLight {
         let angle = libm::atan(self.picture.half_size.length()) + NORMAL_ERROR;
         let cone = DirectionCone { axis: self.axes[2].as_dvec3(), angle };
         let flux = (self.picture.integral * self.scale.as_dvec3()).as_vec3();
-        Some(LightBounds::new(Bounds::of([self.position]), cone, 0.0, flux))
+        Some(LightBounds::new(Bounds::from_points([self.position]), cone, 0.0, flux))
     }
 
     fn peak_strength(&self) -> Option<Rgb> {
         Some(self.scale)
     }
 
-    fn may_illuminate(&self, sphere: Sphere) -> bool {
+    fn may_illuminate(&self, sphere: BoundingSphere) -> bool {
         cone_may_illuminate(self.position, self.axes[2], self.picture.one_minus_cos_to_corner() as f32, sphere)
     }
 }

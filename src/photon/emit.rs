@@ -4,7 +4,7 @@ use super::guiding::GuidingDistribution;
 use crate::color::{self, Rgb};
 use crate::light::{Light, PhotonAim};
 use crate::math::Ray;
-use crate::sampling::{Dimension, Discrete, Key, Purpose, sobol_2d};
+use crate::sampling::{Dimension, DiscreteDistribution, Key, Purpose, sobol_2d};
 use crate::scene::{Effect, Effects, Interior, InteriorKind, PathRay, Scene};
 use glam::Vec2;
 
@@ -20,7 +20,7 @@ const DEFENSIVE_FRACTION: f64 = 0.1;
 pub struct PhotonSource<'a> {
     pub(super) scene: &'a Scene,
     /// Distribution over the lights.
-    pub(super) choice: Discrete,
+    pub(super) choice: DiscreteDistribution,
     /// Spheres to aim at; `None` emits in all directions.
     aim: Option<PhotonAim>,
     /// Guiding distribution of each guided light.
@@ -49,7 +49,7 @@ impl<'a> PhotonSource<'a> {
     /// no light has power.
     #[must_use]
     pub fn in_all_directions(scene: &'a Scene) -> Option<Self> {
-        let choice = Discrete::new(light_powers(scene))?;
+        let choice = DiscreteDistribution::new(light_powers(scene))?;
         let effects = effects_of_scene(scene);
         Some(Self { scene, choice, aim: None, guiding: Vec::new(), effects })
     }
@@ -83,7 +83,8 @@ impl<'a> PhotonSource<'a> {
                 plain
             }
         };
-        let choice = if total > 0.0 { Discrete::new(light_powers.iter().zip(&aimed).map(weight)) } else { None };
+        let choice =
+            if total > 0.0 { DiscreteDistribution::new(light_powers.iter().zip(&aimed).map(weight)) } else { None };
         let effects = effects_of_scene(scene);
         choice.map(|choice| Self { scene, choice, aim: Some(aim), guiding: Vec::new(), effects })
     }
@@ -95,7 +96,7 @@ impl<'a> PhotonSource<'a> {
         // by rounding.
         let Some(sky) = self.scene.environment() else { return Some(self) };
         let weight = |i| if i == sky { 0.0 } else { f64::from(self.choice.probability(i)) };
-        let choice = Discrete::new((0..self.scene.lights().len()).map(weight))?;
+        let choice = DiscreteDistribution::new((0..self.scene.lights().len()).map(weight))?;
         Some(Self { choice, ..self })
     }
 
@@ -139,7 +140,7 @@ impl<'a> PhotonSource<'a> {
     /// Primary sample of path `index` of `paths`.
     #[inline]
     pub(super) fn primary_emission_sample(&self, pass: Key, index: u32, paths: u32) -> PrimaryEmissionSample {
-        let u = (f64::from(index) + f64::from(pass.uniform(Dimension::Light))) / f64::from(paths);
+        let u = (f64::from(index) + f64::from(pass.uniform_1d(Dimension::Light))) / f64::from(paths);
         let (light, probability) = self.choice.sample((u as f32).min(1.0 - f32::EPSILON / 2.0));
         let position = sobol_2d(index, pass, Dimension::LightPosition);
         let direction = sobol_2d(index, pass, Dimension::LightDirection);
@@ -182,7 +183,7 @@ fn light_powers(scene: &Scene) -> impl Iterator<Item = f64> {
 
 /// Estimated power of a light towards the spheres of `aim`, mean over the channels \[W].
 fn estimate_aimed_power(scene: &Scene, aim: &PhotonAim, light: usize) -> f64 {
-    let key = Key::new(0).purpose(Purpose::LightWeights).light(light);
+    let key = Key::new(0).purpose_key(Purpose::LightWeights).light_key(light);
     let flux = |i| {
         let (position, direction) =
             (sobol_2d(i, key, Dimension::LightPosition), sobol_2d(i, key, Dimension::LightDirection));

@@ -2,7 +2,7 @@
 
 use crate::color::Rgb;
 use crate::light::Light;
-use crate::math::Sphere;
+use crate::math::BoundingSphere;
 use crate::scene::{ObjectSummary, Scene};
 use glam::Vec3;
 
@@ -80,7 +80,7 @@ impl SceneFeatures {
         };
         // The domain of a scene of planes alone is a point. Light from infinity has no power there,
         // but it still lights.
-        let domain = Sphere { center: Vec3::ZERO, radius: 1.0 };
+        let domain = BoundingSphere { center: Vec3::ZERO, radius: 1.0 };
         let lights: Vec<&Light> = scene.lights().iter().filter(|l| l.power(domain) != Rgb::ZERO).collect();
         features.lights = lights.len();
         let media = scene.media_in_use();

@@ -40,7 +40,7 @@ impl Animation {
 
 /// The map of `motion` at `time`; `None` if it is singular or not finite.
 fn map_at(motion: &Motion, time: f64) -> Option<Transform> {
-    Transform::new(motion.at(time)).ok()
+    Transform::new(motion.at_time(time)).ok()
 }
 
 /// A moving shape at `time`; `None` if the motion flattens it.

@@ -9,7 +9,7 @@ use crate::format::SceneError;
 use crate::format::description::{
     EmissionDescription, MaterialKindDescription, MetalDescription, RefractiveIndexDescription, Spanned,
 };
-use crate::format::language::nearest;
+use crate::format::language::nearest_word;
 use crate::scene::{Body, Material};
 
 impl Resolver<'_> {
@@ -101,7 +101,7 @@ impl Resolver<'_> {
         glass_by_name(name).ok_or_else(|| {
             let names = || GLASSES.iter().map(|g| g.0);
             let message = format!("no glass is called `{}`", name.value);
-            let guess = nearest(name, names()).map_or(String::new(), |n| format!("did you mean `{n}`? "));
+            let guess = nearest_word(name, names()).map_or(String::new(), |n| format!("did you mean `{n}`? "));
             let known = names().collect::<Vec<_>>().join(", ");
             let help = format!("{guess}known are {known}; of others, give `cauchy`, or `indexOfRefraction` and `abbe`");
             SceneError::at(self.source, name.span, message, "unknown name", help)

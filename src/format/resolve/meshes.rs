@@ -85,7 +85,7 @@ fn add_piece(
 ) -> Result<(), SceneError> {
     let (normals, texcoords) = (mesh.normals.as_deref(), mesh.texcoords.as_deref());
     let shared = emission == Rgb::ZERO && again * mesh.triangles.len() >= WORTH_SHARING;
-    let instanced = shared || !placing.to_world.is_still();
+    let instanced = shared || !placing.to_world.is_constant();
     // Copies that share their triangles share the tree over them.
     if !(instanced && r.instanced.contains_key(&Rc::as_ptr(mesh))) {
         check_trees(r, path, mesh.triangles.len())?;

@@ -1,7 +1,7 @@
 //! Guiding distributions, fitted to the samples of a pilot.
 
 use crate::light::{EmissionDimensions, Light};
-use crate::sampling::Histogram;
+use crate::sampling::SquareGridDistribution;
 use glam::Vec2;
 
 /// Sample of one pilot path.
@@ -92,7 +92,8 @@ impl GuidingCells {
 #[inline]
 fn cell_index(level: CellResolution, position: Vec2, direction: Vec2) -> usize {
     let directions = 1usize << level.1;
-    Histogram::cell(1 << level.0, position) * directions * directions + Histogram::cell(directions, direction)
+    SquareGridDistribution::cell_index(1 << level.0, position) * directions * directions
+        + SquareGridDistribution::cell_index(directions, direction)
 }
 
 /// Cells fitted to the samples of one light.
@@ -154,8 +155,10 @@ impl GuidingFit {
         let positions: Vec<f64> = directions.clone().map(|d| d.iter().sum()).collect();
         Some(GuidingDistribution {
             side: 1 << p,
-            positions: Histogram::new(1 << p, &positions)?,
-            directions: directions.map(|weights| Histogram::new(1 << d, weights)).collect::<Option<_>>()?,
+            positions: SquareGridDistribution::new(1 << p, &positions)?,
+            directions: directions
+                .map(|weights| SquareGridDistribution::new(1 << d, weights))
+                .collect::<Option<_>>()?,
         })
     }
 }
@@ -166,9 +169,9 @@ impl GuidingFit {
 pub(in crate::photon) struct GuidingDistribution {
     /// Cells of positions along each side.
     side: usize,
-    positions: Histogram,
+    positions: SquareGridDistribution,
     /// Distribution of directions within each cell of positions.
-    directions: Vec<Histogram>,
+    directions: Vec<SquareGridDistribution>,
 }
 
 impl GuidingDistribution {
@@ -177,13 +180,15 @@ impl GuidingDistribution {
     #[inline]
     pub fn sample(&self, position: Vec2, direction: Vec2) -> (Vec2, Vec2, f32) {
         let (position, pdf) = self.positions.sample(position);
-        let (direction, conditional) = self.directions[Histogram::cell(self.side, position)].sample(direction);
+        let (direction, conditional) =
+            self.directions[SquareGridDistribution::cell_index(self.side, position)].sample(direction);
         (position, direction, pdf * conditional)
     }
 
     /// Pdf of the sample points of a position and a direction.
     #[cfg(test)]
     pub fn pdf(&self, position: Vec2, direction: Vec2) -> f32 {
-        self.positions.density(position) * self.directions[Histogram::cell(self.side, position)].density(direction)
+        self.positions.pdf(position)
+            * self.directions[SquareGridDistribution::cell_index(self.side, position)].pdf(direction)
     }
 }

@@ -84,7 +84,7 @@ fn photon_pass<'a>(scene: &'a Scene, source: &'a PhotonSource<'a>) -> PhotonPass
 }
 
 fn pass_key(pass: u64) -> Key {
-    Key::new(5).purpose(Purpose::Test).with(pass)
+    Key::new(5).purpose_key(Purpose::Test).child_key(pass)
 }
 
 /// PassStatistics of passes and its variance.

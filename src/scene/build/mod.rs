@@ -172,7 +172,7 @@ impl SceneBuilder {
     /// Adds a light that moves while the shutter is open. The motion acts about the light's own
     /// position.
     pub fn moving_source(&mut self, kind: DeltaLightKind, strength: LightStrength, motion: &Motion) -> &mut Self {
-        let motion = kind.position().map_or_else(|| motion.clone(), |position| motion.about(position));
+        let motion = kind.position().map_or_else(|| motion.clone(), |position| motion.around_point(position));
         self.sources.push(DeltaLight { kind, strength, motion: Some(motion) });
         self
     }
