@@ -212,7 +212,7 @@ impl<'a> PhotonMapBuilder<'a> {
             return;
         }
         let (scene, settings) = (self.scene, &self.settings);
-        let radius = scene.domain().radius * VISIBLE_RADIUS;
+        let radius = scene.photon_domain().radius * VISIBLE_RADIUS;
         let visible = visible_points(scene, &settings.camera_paths, self.policy.effects, radius);
         let guide = |source: &mut Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
             let unguided = source.take()?;
@@ -242,7 +242,7 @@ impl<'a> PhotonMapBuilder<'a> {
                 find_radius(&photon_pass, paths, k, settings.camera_paths.seed, self.min_radius)
             };
             // A pilot may find no photon although passes will, for example if objects move.
-            settings.radius.or_else(found).unwrap_or(self.scene.domain().radius * DEFAULT_RADIUS)
+            settings.radius.or_else(found).unwrap_or(self.scene.photon_domain().radius * DEFAULT_RADIUS)
         };
         let (source, mask, paths) = self.global_map();
         let default_k = if self.request.aimed.separates_after_caustic { AFTER_CAUSTIC_COUNT } else { GLOBAL_COUNT };
@@ -282,7 +282,7 @@ impl<'a> PhotonMapBuilder<'a> {
             if let Some(radius) = settings.radius {
                 return VolumeRadii { beams: radius, points: radius };
             }
-            let default = self.scene.domain().radius * DEFAULT_RADIUS;
+            let default = self.scene.photon_domain().radius * DEFAULT_RADIUS;
             found(source, self.in_media(mask), paths).unwrap_or(VolumeRadii { beams: default, points: default })
         };
         let (source, mask, paths) = self.global_map();

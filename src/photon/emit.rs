@@ -60,13 +60,14 @@ impl<'a> PhotonSource<'a> {
     /// on the scene alone.
     #[must_use]
     pub fn aimed_at_casters(scene: &'a Scene) -> Option<Self> {
-        let Some(spheres) = scene.caster_balls() else {
+        let Some(spheres) = scene.caster_bounding_spheres() else {
             return Self::in_all_directions(scene);
         };
-        let domain = scene.domain();
+        let domain = scene.photon_domain();
         let reaching = |(light, power): (&Light, f64)| {
             // A light may reach moving objects at another time.
-            let reaches = scene.moves() || spheres.iter().any(|sphere| light.may_illuminate(Some(*sphere), domain));
+            let reaches =
+                scene.has_motion() || spheres.iter().any(|sphere| light.may_illuminate(Some(*sphere), domain));
             if reaches { power } else { 0.0 }
         };
         let light_powers: Vec<f64> = scene.lights().iter().zip(light_powers(scene)).map(reaching).collect();
@@ -103,7 +104,7 @@ impl<'a> PhotonSource<'a> {
     /// The source for `scene`, its own scene at another time. It aims at the casters of that time.
     #[must_use]
     pub fn at<'b>(&self, scene: &'b Scene) -> PhotonSource<'b> {
-        let spheres = if self.aim.is_some() { scene.caster_balls() } else { None };
+        let spheres = if self.aim.is_some() { scene.caster_bounding_spheres() } else { None };
         let aim = spheres.map(PhotonAim::new);
         let (choice, guiding) = (self.choice.clone(), self.guiding.clone());
         PhotonSource { scene, choice, aim, guiding, ..*self }
@@ -122,7 +123,7 @@ impl<'a> PhotonSource<'a> {
 
     /// The lights, with or without their emission textures.
     pub(super) fn lights(&self) -> &'a [Light] {
-        if self.effects.has(Effect::Textures) { self.scene.lights() } else { self.scene.mean_lights() }
+        if self.effects.has(Effect::Textures) { self.scene.lights() } else { self.scene.mean_emission_lights() }
     }
 
     /// Starts path `index` of `paths`, with its flux \[W]; `None` if it carries no flux.
@@ -155,15 +156,15 @@ impl<'a> PhotonSource<'a> {
     #[inline]
     pub(super) fn start_path<I: Interior>(&self, point: &PrimaryEmissionSample) -> Option<(PathRay<I>, Rgb)> {
         let light = &self.lights()[point.light];
-        let domain = self.scene.domain();
+        let domain = self.scene.photon_domain();
         let emission = match &self.aim {
             Some(aim) => light.sample_le_towards(aim, domain, point.position, point.direction),
             None => light.sample_le(domain, point.position, point.direction),
         }?;
         let ray = if light.is_infinite() {
-            self.scene.start_beyond_planes(emission.ray)
+            self.scene.move_origin_beyond_planes(emission.ray)
         } else if light.is_delta() {
-            Ray { origin: emission.ray.at(self.scene.light_contact(point.light)), ..emission.ray }
+            Ray { origin: emission.ray.at(self.scene.light_contact_distance(point.light)), ..emission.ray }
         } else {
             emission.ray
         };
@@ -178,7 +179,7 @@ fn effects_of_scene(scene: &Scene) -> Effects {
 
 /// Power of each light, mean over the channels \[W].
 fn light_powers(scene: &Scene) -> impl Iterator<Item = f64> {
-    scene.lights().iter().map(|light| f64::from(color::channel_mean(light.power(scene.domain()))))
+    scene.lights().iter().map(|light| f64::from(color::channel_mean(light.power(scene.photon_domain()))))
 }
 
 /// Estimated power of a light towards the spheres of `aim`, mean over the channels \[W].
@@ -187,7 +188,7 @@ fn estimate_aimed_power(scene: &Scene, aim: &PhotonAim, light: usize) -> f64 {
     let flux = |i| {
         let (position, direction) =
             (sobol_2d(i, key, Dimension::LightPosition), sobol_2d(i, key, Dimension::LightDirection));
-        let emission = scene.lights()[light].sample_le_towards(aim, scene.domain(), position, direction);
+        let emission = scene.lights()[light].sample_le_towards(aim, scene.photon_domain(), position, direction);
         emission.map_or(0.0, |e| f64::from(color::channel_mean(e.flux)))
     };
     (0..POWER_SAMPLES).map(flux).sum::<f64>() / f64::from(POWER_SAMPLES)

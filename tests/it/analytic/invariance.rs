@@ -51,7 +51,7 @@ fn room_scene(at: Placement) -> Scene {
     b.mesh(&sail, &[], &[[0, 1, 2]], mirror, Vec3::ZERO);
     let point = DeltaLightKind::Point { position: at.point(dvec3(0.6, 0.5, 0.8)) };
     // Intensity scales with area, like the power of an area light of given radiance.
-    b.source(point, LightStrength::Physical(grey(0.4 * at.scale * at.scale)));
+    b.delta_light(point, LightStrength::Physical(grey(0.4 * at.scale * at.scale)));
     let (eye, target) = (at.point(dvec3(2.5, 1.0, 2.5)), at.point(dvec3(0.0, -0.4, 0.0)));
     let up = at.turn * DVec3::Y;
     let view = caustica::camera::Camera::perspective(eye, target - eye, up, 0.8, 48, 48).unwrap();

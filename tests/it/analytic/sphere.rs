@@ -14,7 +14,7 @@ fn sphere_scene(radius: f64, albedo: f64, light: DVec3) -> SceneBuilder {
     let mut b = SceneBuilder::new();
     let wall = b.material(Material::diffuse(grey(albedo)));
     b.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, radius)), wall, grey(0.0));
-    b.source(DeltaLightKind::Point { position: light }, LightStrength::Power(grey(FLUX)));
+    b.delta_light(DeltaLightKind::Point { position: light }, LightStrength::Power(grey(FLUX)));
     b
 }
 

@@ -35,7 +35,7 @@ fn parabola(pixels: u32) -> Scene {
     let bowl = Revolution::new(&SplineBasis::bezier(3).unwrap(), &controls).unwrap();
     b.shape(Shape::Revolution(bowl), mirror, Rgb::ZERO);
     b.shape(Shape::Disc(Disc::with_normal(DVec3::Y, -DVec3::Y, TARGET)), white, Rgb::ZERO);
-    b.source(
+    b.delta_light(
         DeltaLightKind::Directional { direction: -DVec3::Y },
         LightStrength::Physical(Rgb::splat(IRRADIANCE as f32)),
     );

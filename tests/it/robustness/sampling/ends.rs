@@ -151,8 +151,8 @@ fn lights_are_valid_at_extreme_samples() {
             let aim = PhotonAim::new(balls);
             for (position, direction) in corners().flat_map(|p| corners().map(move |d| (p, d))) {
                 let emissions: [Option<caustica::light::EmissionSample>; 2] = [
-                    light.sample_le(scene.domain(), position, direction),
-                    light.sample_le_towards(&aim, scene.domain(), position, direction),
+                    light.sample_le(scene.photon_domain(), position, direction),
+                    light.sample_le_towards(&aim, scene.photon_domain(), position, direction),
                 ];
                 for e in emissions.into_iter().flatten() {
                     let what = || format!("{light:?} at {position}, {direction}: {e:?}");
