@@ -157,9 +157,9 @@ fn profile(text: &str) -> Option<Vec<(f64, f64)>> {
 
 fn add_source(r: &mut Resolver<'_>, kind: DeltaLightKind, strength: LightStrength, motion: &Motion) {
     if motion.is_constant() {
-        r.builder.source(kind, strength);
+        r.builder.delta_light(kind, strength);
     } else {
-        r.builder.moving_source(kind, strength, motion);
+        r.builder.moving_delta_light(kind, strength, motion);
     }
 }
 

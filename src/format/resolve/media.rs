@@ -132,7 +132,7 @@ pub(super) fn fill_body(
     material: scene::Material,
     described: &MaterialDescription,
 ) -> Result<scene::Material, SceneError> {
-    let (Some(name), Some(body)) = (&described.medium, material.boundary()) else { return Ok(material) };
+    let (Some(name), Some(body)) = (&described.medium, material.bounded_body()) else { return Ok(material) };
     let mut body = *body;
     let (mut index, mut medium) = known_medium(r, name)?;
     if body.absorption != Rgb::ZERO {

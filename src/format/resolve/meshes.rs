@@ -188,7 +188,7 @@ fn own_material(
     let mut needs = TextureNeeds::default();
     let material = r.material(&meaning.kind, &mut needs)?;
     let normals = r.normals(&meaning, &mut needs)?;
-    let index = r.builder.material(material.with_normals(normals));
+    let index = r.builder.material(material.with_normal_perturbation(normals));
     r.texture_needs.resize(index as usize + 1, TextureNeeds::default());
     r.texture_needs[index as usize] = needs;
     let emission = match meaning.emission {
