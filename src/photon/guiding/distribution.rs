@@ -109,8 +109,8 @@ impl GuidingFit {
     /// smaller second moment. The best level of all steps is kept. Second moments are
     /// cross-validated between two halves of the samples against overfitting.
     pub fn new(light: &Light, samples: &[&GuidingSample], uniform: f64) -> Self {
-        let EmissionDimensions { position, direction } = light.emission_dimensions();
-        let most = (if position { MAX_SUBDIVISIONS } else { 0 }, if direction { MAX_SUBDIVISIONS } else { 0 });
+        let EmissionDimensions { uses_position, uses_direction } = light.emission_dimensions();
+        let most = (if uses_position { MAX_SUBDIVISIONS } else { 0 }, if uses_direction { MAX_SUBDIVISIONS } else { 0 });
         let half = |i: usize| samples.iter().copied().skip(i).step_by(2);
         let cost = |halves: &[GuidingCells; 2]| {
             halves[0].second_moment(uniform, half(1)) + halves[1].second_moment(uniform, half(0))
