@@ -88,7 +88,7 @@ impl Ggx {
     /// and Benyoub 2023).
     #[inline]
     pub(super) fn sample_visible_normal(self, wo: DVec3, n: Vec3, u: Vec2) -> DVec3 {
-        let frame = Frame::around(n);
+        let frame = Frame::from_normal(n);
         let (s, t, n) = (frame.s.as_dvec3(), frame.t.as_dvec3(), n.as_dvec3());
         let o = DVec3::new(self.alpha * wo.dot(s), self.alpha * wo.dot(t), wo.dot(n)).normalize();
         // The cap has height 1 + o.z. Measured from its top, nothing cancels.

@@ -303,13 +303,13 @@ impl Bsdf {
         let sample = match self {
             Self::Black => return None,
             Self::Diffuse(reflectance) => {
-                let local = warp::cosine_hemisphere(u);
+                let local = warp::square_to_cosine_hemisphere(u);
                 // The rim of the disc lies in the horizon, where the pdf is 0, so no MIS weight
                 // exists.
                 if local.z <= 0.0 {
                     return None;
                 }
-                let wi = Frame::around(face_forward).to_world(local);
+                let wi = Frame::from_normal(face_forward).to_world(local);
                 let pdf = warp::cosine_hemisphere_pdf(local.z);
                 BsdfSample {
                     wi,

@@ -63,9 +63,9 @@ impl Phong {
     pub(super) fn sample(&self, wo: Vec3, n: Vec3, lobe: f32, u: Vec2) -> Option<BsdfSample> {
         let mirror = n * (2.0 * wo.dot(n)) - wo;
         let wi = if lobe < self.lobe {
-            Frame::around(mirror.normalize()).to_world(warp::power_cosine(u, self.shininess))
+            Frame::from_normal(mirror.normalize()).to_world(warp::square_to_power_cosine(u, self.shininess))
         } else {
-            Frame::around(n).to_world(warp::cosine_hemisphere(u))
+            Frame::from_normal(n).to_world(warp::square_to_cosine_hemisphere(u))
         };
         let cos = wi.dot(n);
         if cos <= 0.0 {

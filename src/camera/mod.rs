@@ -172,10 +172,10 @@ impl Camera {
     pub fn moved(self, map: &Transform) -> Self {
         let Self { center, forward, right, up, .. } = self;
         Self {
-            center: map.point(center),
-            forward: map.vector(forward),
-            right: map.vector(right),
-            up: map.vector(up),
+            center: map.transform_point(center),
+            forward: map.transform_vector(forward),
+            right: map.transform_vector(right),
+            up: map.transform_vector(up),
             ..self
         }
     }

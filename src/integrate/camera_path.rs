@@ -91,7 +91,7 @@ pub(super) fn radiance<I: Interior>(
             let (event, phase) = if I::SPECTRAL {
                 media::next_vertex(paths, &mut path, worker, &mut radiance)
             } else {
-                (path.path_ray.next_vertex(scene, path.sampler.key(), |_| None), PhaseFunction::Isotropic)
+                (path.path_ray.next_vertex(scene, path.sampler.sample_key(), |_| None), PhaseFunction::Isotropic)
             };
             let mut hit = match event {
                 PathEvent::Surface(hit) => hit,
@@ -133,13 +133,13 @@ pub(super) fn radiance<I: Interior>(
             // Skip shading of faint paths by Russian roulette: it costs as much as dozens of rays.
             let survival = color::channel_mean(path.throughput) / ROULETTE_THROUGHPUT;
             if survival < 1.0 && policy.min_throughput == 0.0 {
-                if path.sampler.get_1d(Dimension::Worth) >= survival {
+                if path.sampler.get_1d(Dimension::ShadingRoulette) >= survival {
                     break;
                 }
                 path.throughput /= survival;
             }
             if policy.directions == DirectionSampling::OneLobe {
-                hit.surface.bsdf = hit.surface.bsdf.select_lobe(path.sampler.get_1d(Dimension::Part));
+                hit.surface.bsdf = hit.surface.bsdf.select_lobe(path.sampler.get_1d(Dimension::ChosenLobe));
             }
             let SurfaceVertex { surface, distance, .. } = &hit;
             let vertex = path.vertex(paths, surface, &interior, *distance);
@@ -257,7 +257,7 @@ fn photon_radiance<I: Interior>(
 ) -> Rgb {
     let samples = match paths.policy.photons {
         PhotonLookups::Never => return Rgb::ZERO,
-        PhotonLookups::OncePerPixel => match vertex.sampler.index() {
+        PhotonLookups::OncePerPixel => match vertex.sampler.index_and_count() {
             (0, samples) if vertex.history.receivers == 0 => samples,
             _ => return Rgb::ZERO,
         },
@@ -369,7 +369,7 @@ impl<I: Interior> PathState<I> {
         interior: &'v I,
         distance: f32,
     ) -> PathVertex<'v, I> {
-        let shadow_sampler = self.sampler.shadow_rays(paths.pass);
+        let shadow_sampler = self.sampler.shadow_ray_sampler(paths.pass);
         let Self { history, throughput, sampler, .. } = *self;
         PathVertex { surface, interior, history, throughput, distance, sampler, shadow_sampler }
     }
@@ -380,7 +380,7 @@ impl<I: Interior> PathState<I> {
     fn leaving(&self, surface: &SurfaceInteraction<'_>, direction: Vec3, weight: Rgb, transmitted: bool) -> Self {
         let mut path_ray = self.path_ray;
         let weight = weight * path_ray.leave(surface, direction, transmitted);
-        let sampler = self.sampler.next_vertex(self.bounce, transmitted);
+        let sampler = self.sampler.next_vertex_sampler(self.bounce, transmitted);
         let throughput = self.throughput * weight;
         Self { path_ray, throughput, bounce: self.bounce + 1, prev: None, sampler, ..*self }
     }

@@ -212,7 +212,7 @@ impl<'a> PhotonMapBuilder<'a> {
             return;
         }
         let (scene, settings) = (self.scene, &self.settings);
-        let radius = scene.domain().radius * VISIBLE_RADIUS;
+        let radius = scene.photon_domain().radius * VISIBLE_RADIUS;
         let visible = visible_points(scene, &settings.camera_paths, self.policy.effects, radius);
         let guide = |source: &mut Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
             let unguided = source.take()?;
@@ -242,7 +242,7 @@ impl<'a> PhotonMapBuilder<'a> {
                 find_radius(&photon_pass, paths, k, settings.camera_paths.seed, self.min_radius)
             };
             // A pilot may find no photon although passes will, for example if objects move.
-            settings.radius.or_else(found).unwrap_or(self.scene.domain().radius * DEFAULT_RADIUS)
+            settings.radius.or_else(found).unwrap_or(self.scene.photon_domain().radius * DEFAULT_RADIUS)
         };
         let (source, mask, paths) = self.global_map();
         let default_k = if self.request.aimed.separates_after_caustic { AFTER_CAUSTIC_COUNT } else { GLOBAL_COUNT };
@@ -282,7 +282,7 @@ impl<'a> PhotonMapBuilder<'a> {
             if let Some(radius) = settings.radius {
                 return VolumeRadii { beams: radius, points: radius };
             }
-            let default = self.scene.domain().radius * DEFAULT_RADIUS;
+            let default = self.scene.photon_domain().radius * DEFAULT_RADIUS;
             found(source, self.in_media(mask), paths).unwrap_or(VolumeRadii { beams: default, points: default })
         };
         let (source, mask, paths) = self.global_map();
@@ -309,7 +309,7 @@ impl<'a> PhotonMapBuilder<'a> {
     /// Estimated photons of a pass, from few paths.
     pub fn expected(&self) -> Expected {
         let settings = &self.settings;
-        let key = Key::new(settings.camera_paths.seed).purpose(Purpose::Pilot);
+        let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::Pilot);
         let expected = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
             let Some(source) = source.as_ref().filter(|_| paths > 0) else { return Expected::default() };
             let probe = paths.min(PROBE_PATHS);
@@ -345,7 +345,7 @@ impl<'a> PhotonMapBuilder<'a> {
     pub fn build_within(&self, budget: &PassBudget, monitor: &dyn Monitor, out: &mut Pass) -> PhotonMaps<'a> {
         let PassBudget { pass, part, .. } = *budget;
         let counts = self.counts.divided(part);
-        let key = |purpose| budget.key.purpose(purpose).pass(pass);
+        let key = |purpose| budget.key.purpose_key(purpose).pass_key(pass);
 
         // Discs keep their size if counts are balanced, so the usual limit changes with the count.
         let ratio = f64::from(self.counts.caustic_photons) / f64::from(self.settings.caustic_photons.max(1));
@@ -398,9 +398,16 @@ impl<'a> PhotonMapBuilder<'a> {
         // Trace the photons that guide gather rays.
         let guides = if self.request.guides {
             let paths = counts.photons / GUIDE_INTERVAL;
-            self.trace(self.global_source.as_ref(), StoreMask::GLOBAL, paths, key(Purpose::Guides), monitor, out)
-                .deposits
-                .photons
+            self.trace(
+                self.global_source.as_ref(),
+                StoreMask::GLOBAL,
+                paths,
+                key(Purpose::GatherRayGuides),
+                monitor,
+                out,
+            )
+            .deposits
+            .photons
         } else {
             Vec::new()
         };

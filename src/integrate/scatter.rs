@@ -91,7 +91,7 @@ fn sample_guided<I: Interior>(vertex: &PathVertex<'_, I>, worker: &Worker) -> Op
     let Some(wi) = worker.guide.sample(2.0 * lobe, u) else {
         return surface.sample(2.0 * lobe, u, Transport::Radiance);
     };
-    let reflected = surface.scatter(wi);
+    let reflected = surface.bsdf_cosine(wi);
     let pdf = mixed(wi);
     (reflected != Rgb::ZERO && pdf > 0.0).then_some(BsdfSample {
         wi,

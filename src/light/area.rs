@@ -4,8 +4,8 @@ use super::light_bounds::{DirectionCone, LightBounds, NORMAL_ERROR, angle_betwee
 use super::source::{DirectSample, EmissionSample, LightGeometry, LightSource, ShadowTarget};
 use super::{Light, PhotonAim};
 use crate::color::Rgb;
-use crate::math::{Bounds, Frame, Ray, Sphere, offset_origin, warp};
-use crate::sampling::Discrete;
+use crate::math::{BoundingSphere, Bounds, Frame, Ray, offset_ray_origin, warp};
+use crate::sampling::DiscreteDistribution;
 use crate::shape::{
     Mesh, Shape, ShapeSample, SolidAngleSample, SolidAngleSampling, SurfacePoint, TRIANGLE_HIT_ERROR, TexCoord,
     TextureMapping,
@@ -29,7 +29,7 @@ pub enum LightSurface {
         /// Index of the first triangle.
         first: u32,
         /// Distribution over the triangles by area; index 0 is the triangle `first`.
-        choice: Discrete,
+        choice: DiscreteDistribution,
     },
 }
 
@@ -70,7 +70,7 @@ impl LightSurface {
     pub fn area(&self) -> f64 {
         match self {
             Self::Shape(shape) => shape.area(),
-            Self::Triangles { choice, .. } => choice.total(),
+            Self::Triangles { choice, .. } => choice.weight_sum(),
         }
     }
 
@@ -80,7 +80,7 @@ impl LightSurface {
     pub fn pdf(&self, point: &SurfacePoint) -> f32 {
         match self {
             Self::Shape(shape) => shape.pdf(point),
-            Self::Triangles { choice, .. } => (1.0 / choice.total()) as f32,
+            Self::Triangles { choice, .. } => (1.0 / choice.weight_sum()) as f32,
         }
     }
 
@@ -102,11 +102,11 @@ impl LightSurface {
             Self::Triangles { mesh, first, choice } => {
                 let (i, probability) = choice.sample(u.x);
                 // The remainder of u.x within the chosen interval is uniform again.
-                let x = choice.remainder(u.x, i);
-                let b = warp::triangle(Vec2::new(x, u.y));
+                let x = choice.remapped_sample(u.x, i);
+                let b = warp::square_to_uniform_triangle(Vec2::new(x, u.y));
                 let i = *first + i as u32;
-                let point = mesh.surface(i as usize, b);
-                let area = choice.total() * f64::from(probability);
+                let point = mesh.surface_point(i as usize, b);
+                let area = choice.weight_sum() * f64::from(probability);
                 (ShapeSample { point, pdf: probability / area as f32, uv: b }, SurfaceCoord::Triangle(i, b))
             }
         }
@@ -115,8 +115,8 @@ impl LightSurface {
     /// Intrinsic texture coordinates of the surface at the point `p`.
     fn tex_coord(&self, p: Vec3, coord: SurfaceCoord) -> TexCoord {
         match (self, coord) {
-            (Self::Shape(shape), SurfaceCoord::Shape(uv)) => shape.mapped(p, uv),
-            (Self::Triangles { mesh, .. }, SurfaceCoord::Triangle(i, b)) => mesh.mapped(i as usize, b),
+            (Self::Shape(shape), SurfaceCoord::Shape(uv)) => shape.tex_coord(p, uv),
+            (Self::Triangles { mesh, .. }, SurfaceCoord::Triangle(i, b)) => mesh.tex_coord(i as usize, b),
             (Self::Shape(_), SurfaceCoord::Triangle(..)) | (Self::Triangles { .. }, SurfaceCoord::Shape(_)) => {
                 TexCoord::default()
             }
@@ -126,7 +126,7 @@ impl LightSurface {
     /// A point from which light leaves, offset from the surface to its outer side.
     pub(super) fn emission_point(&self) -> Vec3 {
         let point = self.sample(Vec2::splat(0.5)).point;
-        offset_origin(point.p, point.error, point.ng, point.ng)
+        offset_ray_origin(point.p, point.error, point.ng, point.ng)
     }
 
     /// Center of the bounding box of an analytic shape, or a point of a mesh.
@@ -138,9 +138,9 @@ impl LightSurface {
     }
 
     /// One point of a planar analytic shape; `None` for curved shapes and meshes.
-    fn planar_point(&self) -> Option<SurfacePoint> {
+    fn point_if_planar(&self) -> Option<SurfacePoint> {
         match self {
-            Self::Shape(shape) => shape.planar_point(),
+            Self::Shape(shape) => shape.point_if_planar(),
             Self::Triangles { .. } => None,
         }
     }
@@ -150,22 +150,22 @@ impl LightSurface {
         match self {
             Self::Shape(shape) => {
                 let cone = |point: SurfacePoint| DirectionCone { axis: point.ng.as_dvec3(), angle: NORMAL_ERROR };
-                (shape.bounds(), self.planar_point().map_or(DirectionCone::ALL, cone))
+                (shape.bounds(), self.point_if_planar().map_or(DirectionCone::ALL, cone))
             }
             Self::Triangles { mesh, first, choice } => {
                 let triangles = || *first as usize..*first as usize + choice.len();
                 // Shading normals choose the outer side. If they disagree, both sides may emit.
                 let normal = |i| {
-                    let [a, b, c] = [Vec2::ZERO, Vec2::X, Vec2::Y].map(|b| mesh.surface(i, b).ng);
+                    let [a, b, c] = [Vec2::ZERO, Vec2::X, Vec2::Y].map(|b| mesh.surface_point(i, b).ng);
                     (a == b && b == c).then(|| a.as_dvec3())
                 };
-                let sum: Option<DVec3> = triangles().map(|i| normal(i).map(|n| n * mesh.area(i))).sum();
+                let sum: Option<DVec3> = triangles().map(|i| normal(i).map(|n| n * mesh.triangle_area(i))).sum();
                 let around = |axis: DVec3| {
                     let widest = triangles().filter_map(normal).map(|n| angle_between(n, axis)).fold(0.0, f64::max);
                     DirectionCone { axis, angle: (widest + NORMAL_ERROR).min(PI_F64) }
                 };
                 let normals = sum.and_then(DVec3::try_normalize).map_or(DirectionCone::ALL, around);
-                (Bounds::of(triangles().flat_map(|i| mesh.corners(i))), normals)
+                (Bounds::from_points(triangles().flat_map(|i| mesh.corners(i))), normals)
             }
         }
     }
@@ -175,7 +175,7 @@ impl EmissionTexture {
     /// Emitted radiance at the surface point of `context` \[W/(m² sr)].
     #[must_use]
     pub fn radiance(&self, context: &TextureEvalContext) -> Rgb {
-        self.texture.color(context) * self.scale
+        self.texture.evaluate_color(context) * self.scale
     }
 }
 
@@ -204,9 +204,9 @@ impl AreaLight {
         match &self.texture {
             None => self.radiance,
             Some(emission) => {
-                let p = emission.mapping.in_object(point.p);
-                let at = emission.mapping.at(p, || self.surface.tex_coord(point.p, coord));
-                emission.radiance(&TextureEvalContext::sharp(at.uv, p))
+                let p = emission.mapping.point_to_object(point.p);
+                let at = emission.mapping.tex_coord_at(p, || self.surface.tex_coord(point.p, coord));
+                emission.radiance(&TextureEvalContext::unfiltered(at.uv, p))
             }
         }
     }
@@ -215,7 +215,7 @@ impl AreaLight {
     #[inline]
     fn sample_by_area(&self, p: Vec3, u: Vec2) -> Option<(SolidAngleSample, SurfaceCoord)> {
         let (ShapeSample { point, pdf, .. }, coord) = self.surface.sample_with_coord(u);
-        let (d2, wi, _) = crate::math::direction(p, point.p)?;
+        let (d2, wi, _) = crate::math::direction_and_distance(p, point.p)?;
         let cos = -wi.dot(point.ng);
         (cos > 0.0).then(|| (SolidAngleSample { point, wi, pdf: d2 * pdf / cos }, coord))
     }
@@ -246,7 +246,7 @@ impl LightSource for AreaLight {
             LightSurface::Triangles { .. } => TRIANGLE_HIT_ERROR,
         };
         let error = point.error + (point.p - p).abs() * relative_error;
-        let target = ShadowTarget::Point(offset_origin(point.p, error, point.ng, -wi));
+        let target = ShadowTarget::Point(offset_ray_origin(point.p, error, point.ng, -wi));
         Some(DirectSample { wi, target, weight: self.radiance_at(&point, coord) / pdf, pdf: Some(pdf) })
     }
 
@@ -264,21 +264,21 @@ impl LightSource for AreaLight {
         by_solid_angle.unwrap_or_else(|| (hit.p - p).length_squared() * self.surface.pdf(hit) / cos)
     }
 
-    fn sample_le(&self, _domain: Sphere, position: Vec2, direction: Vec2) -> Option<EmissionSample> {
+    fn sample_le(&self, _domain: BoundingSphere, position: Vec2, direction: Vec2) -> Option<EmissionSample> {
         let (ShapeSample { point, pdf, .. }, radiance) = self.sample(position);
-        let local = warp::cosine_hemisphere(direction);
-        let w = Frame::around(point.ng).to_world(local);
+        let local = warp::square_to_cosine_hemisphere(direction);
+        let w = Frame::from_normal(point.ng).to_world(local);
         if w.dot(point.ng) <= 0.0 || radiance == Rgb::ZERO {
             return None;
         }
-        let ray = Ray::new(offset_origin(point.p, point.error, point.ng, w), w);
+        let ray = Ray::new(offset_ray_origin(point.p, point.error, point.ng, w), w);
         Some(EmissionSample { ray, flux: radiance * (PI / pdf) })
     }
 
     fn sample_le_towards(
         &self,
         aim: &PhotonAim,
-        _domain: Sphere,
+        _domain: BoundingSphere,
         position: Vec2,
         direction: Vec2,
     ) -> Option<EmissionSample> {
@@ -288,11 +288,11 @@ impl LightSource for AreaLight {
         if cos <= 0.0 || radiance == Rgb::ZERO {
             return None;
         }
-        let ray = Ray::new(offset_origin(point.p, point.error, point.ng, w), w);
+        let ray = Ray::new(offset_ray_origin(point.p, point.error, point.ng, w), w);
         Some(EmissionSample { ray, flux: radiance * (cos / (pdf * pdf_direction)) })
     }
 
-    fn power(&self, _domain: Sphere) -> Rgb {
+    fn power(&self, _domain: BoundingSphere) -> Rgb {
         self.flux()
     }
 
@@ -301,8 +301,8 @@ impl LightSource for AreaLight {
         Some(LightBounds::new(space, normals, FRAC_PI_2, self.flux()))
     }
 
-    fn may_illuminate(&self, sphere: Sphere) -> bool {
-        self.surface.planar_point().is_none_or(|point| (sphere.center - point.p).dot(point.ng) >= -sphere.radius)
+    fn may_illuminate(&self, sphere: BoundingSphere) -> bool {
+        self.surface.point_if_planar().is_none_or(|point| (sphere.center - point.p).dot(point.ng) >= -sphere.radius)
     }
 
     fn untextured_light(&self) -> Option<Light> {

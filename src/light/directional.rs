@@ -3,7 +3,7 @@
 use super::PhotonAim;
 use super::source::{DirectSample, EmissionSample, LightGeometry, LightSource, ShadowTarget};
 use crate::color::Rgb;
-use crate::math::{Frame, Ray, Sphere, warp};
+use crate::math::{BoundingSphere, Frame, Ray, warp};
 use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
@@ -34,7 +34,7 @@ impl LightSource for DirectionalLight {
         0.0
     }
 
-    fn sample_le(&self, domain: Sphere, position: Vec2, _direction: Vec2) -> Option<EmissionSample> {
+    fn sample_le(&self, domain: BoundingSphere, position: Vec2, _direction: Vec2) -> Option<EmissionSample> {
         let (ray, area) = sample_ray_across_sphere(domain, self.direction, position)?;
         Some(EmissionSample { ray, flux: self.irradiance * area })
     }
@@ -42,7 +42,7 @@ impl LightSource for DirectionalLight {
     fn sample_le_towards(
         &self,
         aim: &PhotonAim,
-        domain: Sphere,
+        domain: BoundingSphere,
         position: Vec2,
         _direction: Vec2,
     ) -> Option<EmissionSample> {
@@ -51,7 +51,7 @@ impl LightSource for DirectionalLight {
         Some(EmissionSample { ray: Ray::new(start, self.direction), flux: self.irradiance / pdf })
     }
 
-    fn power(&self, domain: Sphere) -> Rgb {
+    fn power(&self, domain: BoundingSphere) -> Rgb {
         self.irradiance * (PI * domain.radius * domain.radius)
     }
 
@@ -64,9 +64,9 @@ impl LightSource for DirectionalLight {
 ///
 /// Starting points are uniform on a disc with the radius of the sphere `domain`. The disc is
 /// perpendicular to `direction` and touches the sphere. Returns `None` if its area is zero.
-pub(super) fn sample_ray_across_sphere(domain: Sphere, direction: Vec3, u: Vec2) -> Option<(Ray, f32)> {
-    let frame = Frame::around(direction);
-    let d = warp::disc(u) * domain.radius;
+pub(super) fn sample_ray_across_sphere(domain: BoundingSphere, direction: Vec3, u: Vec2) -> Option<(Ray, f32)> {
+    let frame = Frame::from_normal(direction);
+    let d = warp::square_to_uniform_disc(u) * domain.radius;
     let p = domain.center + frame.s * d.x + frame.t * d.y;
     let start = p - direction * (domain.radius + direction.dot(p - domain.center));
     let area = PI * domain.radius * domain.radius;

@@ -5,7 +5,7 @@ use super::source::{DirectSample, EmissionSample, LightGeometry, LightSource, Sh
 use super::{EmissionPictureError, EquirectangularMap, PhotonAim};
 use crate::color::Rgb;
 use crate::image::Image;
-use crate::math::{Ray, Sphere};
+use crate::math::{BoundingSphere, Ray};
 use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
@@ -92,7 +92,7 @@ impl LightSource for EnvironmentLight {
         self.pdf(wi)
     }
 
-    fn sample_le(&self, domain: Sphere, position: Vec2, direction: Vec2) -> Option<EmissionSample> {
+    fn sample_le(&self, domain: BoundingSphere, position: Vec2, direction: Vec2) -> Option<EmissionSample> {
         let (from, pdf) = self.sample(direction)?;
         let (ray, area) = sample_ray_across_sphere(domain, -from, position)?;
         Some(EmissionSample { ray, flux: self.radiance(from) * (area / pdf) })
@@ -101,7 +101,7 @@ impl LightSource for EnvironmentLight {
     fn sample_le_towards(
         &self,
         aim: &PhotonAim,
-        domain: Sphere,
+        domain: BoundingSphere,
         position: Vec2,
         direction: Vec2,
     ) -> Option<EmissionSample> {
@@ -112,7 +112,7 @@ impl LightSource for EnvironmentLight {
     }
 
     /// Flux \[W] through discs with the radius r of `domain`, over all directions: π r² ∫ L dω.
-    fn power(&self, domain: Sphere) -> Rgb {
+    fn power(&self, domain: BoundingSphere) -> Rgb {
         self.map.integral() * (PI * domain.radius * domain.radius)
     }
 }

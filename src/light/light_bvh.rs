@@ -3,7 +3,7 @@
 use super::Light;
 use super::light_bounds::{LightBounds, LightImportance};
 use crate::color;
-use crate::math::{Bounds, Sphere};
+use crate::math::{BoundingSphere, Bounds};
 use glam::Vec3;
 
 /// Samples one of many lights for a point, by flux, distance and orientation.
@@ -66,7 +66,7 @@ impl LightBvhSampler {
     ///
     /// Returns `None` if no light has power.
     #[must_use]
-    pub fn new(lights: &[Light], domain: Sphere) -> Option<Self> {
+    pub fn new(lights: &[Light], domain: BoundingSphere) -> Option<Self> {
         let mut locations = vec![LightLocation::Absent; lights.len()];
         let (mut infinite, mut bounded) = (Vec::new(), Vec::new());
         // Positions are rounded, so a light in the plane of a surface may count as above it.
@@ -189,7 +189,7 @@ impl LightBvhSampler {
 /// depth [`HALVING_DEPTH`] on, or if no bucket boundary separates the lights.
 fn split_lights(lights: &mut [BoundedLight], depth: u32) -> (&mut [BoundedLight], &mut [BoundedLight]) {
     let center = |l: &BoundedLight| l.1.space.center();
-    let centers = Bounds::of(lights.iter().map(center));
+    let centers = Bounds::from_points(lights.iter().map(center));
     let extent = centers.extent();
     let bucket = |l: &BoundedLight, axis: usize| {
         let x = (center(l)[axis] - centers.min[axis]) / extent[axis];

@@ -33,7 +33,7 @@ pub use spherical_map::{EmissionPictureError, EquirectangularMap};
 pub use spot::SpotLight;
 
 use crate::color::Rgb;
-use crate::math::Sphere;
+use crate::math::BoundingSphere;
 use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 use light_bounds::LightBounds;
@@ -101,7 +101,7 @@ impl Light {
     /// `domain` is the bounding sphere of the scene. Light from infinity starts on a disc that
     /// touches it. Returns `None` if the ray carries no light.
     #[must_use]
-    pub fn sample_le(&self, domain: Sphere, position: Vec2, direction: Vec2) -> Option<EmissionSample> {
+    pub fn sample_le(&self, domain: BoundingSphere, position: Vec2, direction: Vec2) -> Option<EmissionSample> {
         dispatch!(self, light => light.sample_le(domain, position, direction))
     }
 
@@ -111,7 +111,7 @@ impl Light {
     pub fn sample_le_towards(
         &self,
         aim: &PhotonAim,
-        domain: Sphere,
+        domain: BoundingSphere,
         position: Vec2,
         direction: Vec2,
     ) -> Option<EmissionSample> {
@@ -134,7 +134,7 @@ impl Light {
     ///
     /// For light from infinity, the flux goes through discs with the radius of `domain`.
     #[must_use]
-    pub fn power(&self, domain: Sphere) -> Rgb {
+    pub fn power(&self, domain: BoundingSphere) -> Rgb {
         dispatch!(self, light => light.power(domain))
     }
 
@@ -204,11 +204,11 @@ impl Light {
     ///
     /// `None` stands for all space. `domain` is the bounding sphere of the scene.
     #[must_use]
-    pub fn may_illuminate(&self, sphere: Option<Sphere>, domain: Sphere) -> bool {
+    pub fn may_illuminate(&self, sphere: Option<BoundingSphere>, domain: BoundingSphere) -> bool {
         let Some(sphere) = sphere else { return true };
         let farthest = sphere.center.abs().max_element() + domain.radius + domain.center.abs().max_element();
         let margin = RELATIVE_POSITION_ERROR * farthest;
-        dispatch!(self, light => light.may_illuminate(Sphere { radius: sphere.radius + margin, ..sphere }))
+        dispatch!(self, light => light.may_illuminate(BoundingSphere { radius: sphere.radius + margin, ..sphere }))
     }
 
     /// True only if no emitted ray lies within the plane through `p` with unit normal `n`.

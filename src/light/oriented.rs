@@ -2,7 +2,7 @@
 
 use super::{EquirectangularMap, GoniometricLight, Light, ProjectedPicture, ProjectorLight};
 use crate::color::{self, Rgb};
-use crate::math::{Sphere, Transform};
+use crate::math::{BoundingSphere, Transform};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
@@ -32,7 +32,8 @@ impl OrientedPointLight {
     /// Copy under the affine map `map`.
     #[must_use]
     pub fn transformed(&self, map: &Transform) -> Self {
-        let (position, direction, up) = (map.point(self.position), map.vector(self.direction), map.vector(self.up));
+        let (position, direction, up) =
+            (map.transform_point(self.position), map.transform_vector(self.direction), map.transform_vector(self.up));
         Self { position, direction, up, pattern: self.pattern.clone() }
     }
 
@@ -56,7 +57,7 @@ impl OrientedPointLight {
     /// This is 1 over the integral of the pattern over all directions, averaged over the channels.
     #[must_use]
     pub fn intensity_scale_per_watt(&self) -> f32 {
-        let nowhere = Sphere { center: Vec3::ZERO, radius: 0.0 };
+        let nowhere = BoundingSphere { center: Vec3::ZERO, radius: 0.0 };
         1.0 / color::channel_mean(self.to_light(Vec3::ZERO, Rgb::ONE).power(nowhere)).max(f32::MIN_POSITIVE)
     }
 }

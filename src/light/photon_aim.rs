@@ -1,6 +1,6 @@
 //! Sampling of photons towards chosen spheres.
 
-use crate::math::{Bounds, Frame, Sphere, warp};
+use crate::math::{BoundingSphere, Bounds, Frame, warp};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
@@ -12,7 +12,7 @@ use std::f32::consts::{PI, TAU};
 /// of the solid angles. So overlaps of the cones cause no bias.
 #[derive(Clone, Debug, Default)]
 pub struct PhotonAim {
-    spheres: Vec<Sphere>,
+    spheres: Vec<BoundingSphere>,
 }
 
 /// Maximum number of spheres. Each emitted photon visits all of them.
@@ -40,7 +40,7 @@ enum SubtendedDirections {
 /// Returns the directions from `p` to `sphere`.
 ///
 /// If `horizon` is given, it is the normal of a plane through `p`. A sphere below it is left out.
-fn directions_to_sphere(sphere: &Sphere, p: Vec3, horizon: Option<Vec3>) -> SubtendedDirections {
+fn directions_to_sphere(sphere: &BoundingSphere, p: Vec3, horizon: Option<Vec3>) -> SubtendedDirections {
     let to = sphere.center - p;
     let d2 = to.length_squared();
     let sin2 = sphere.radius * sphere.radius / d2;
@@ -59,8 +59,8 @@ impl PhotonAim {
     ///
     /// Each sphere grows by the rounding errors of the objects inside.
     #[must_use]
-    pub fn new(spheres: impl IntoIterator<Item = Sphere>) -> Self {
-        let mut spheres: Vec<Sphere> = spheres.into_iter().collect();
+    pub fn new(spheres: impl IntoIterator<Item = BoundingSphere>) -> Self {
+        let mut spheres: Vec<BoundingSphere> = spheres.into_iter().collect();
         merge_spheres(&mut spheres, MAX_SPHERES);
         for sphere in &mut spheres {
             sphere.radius = sphere.radius * (1.0 + 1e-5) + sphere.center.abs().max_element() * 1e-6;
@@ -92,7 +92,8 @@ impl PhotonAim {
         let cones = &cones[..count];
         let (within, chosen) = choose_interval(cones.iter().map(|cone| cone.one_minus_cos), u.x * total)?;
         let cone = &cones[chosen];
-        let direction = Frame::around(cone.axis).to_world(warp::cone(Vec2::new(within, u.y), cone.one_minus_cos));
+        let direction = Frame::from_normal(cone.axis)
+            .to_world(warp::square_to_uniform_cone(Vec2::new(within, u.y), cone.one_minus_cos));
         // |w − a|² = 2(1 − cos) keeps its digits in narrow cones.
         let around = cones.iter().filter(|c| (direction - c.axis).length_squared() <= 2.0 * c.one_minus_cos);
         // The chosen cone contains its own direction, whatever rounding says at its rim.
@@ -110,8 +111,8 @@ impl PhotonAim {
         let total: f32 = areas().sum();
         let (within, chosen) = choose_interval(areas(), u.x * total)?;
         let sphere = &self.spheres[chosen];
-        let frame = Frame::around(direction);
-        let d = warp::disc(Vec2::new(within, u.y)) * sphere.radius;
+        let frame = Frame::from_normal(direction);
+        let d = warp::square_to_uniform_disc(Vec2::new(within, u.y)) * sphere.radius;
         let p = sphere.center + frame.s * d.x + frame.t * d.y;
         let around = self.spheres.iter().filter(|s| (p - s.center).cross(direction).length() <= s.radius);
         let count = around.count().max(1);
@@ -143,21 +144,21 @@ fn choose_interval(widths: impl Iterator<Item = f32>, mut at: f32) -> Option<(f3
 fn sample_sphere_or_hemisphere(horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, f32)> {
     match horizon {
         Some(n) => {
-            let local = warp::cosine_hemisphere(u);
-            (local.z > 0.0).then(|| (Frame::around(n).to_world(local), warp::cosine_hemisphere_pdf(local.z)))
+            let local = warp::square_to_cosine_hemisphere(u);
+            (local.z > 0.0).then(|| (Frame::from_normal(n).to_world(local), warp::cosine_hemisphere_pdf(local.z)))
         }
-        None => Some((warp::sphere(u), 1.0 / (2.0 * TAU))),
+        None => Some((warp::square_to_uniform_sphere(u), 1.0 / (2.0 * TAU))),
     }
 }
 
 /// Replaces `spheres` by at most `most` bounding spheres of groups of neighbours.
 ///
 /// Groups are halved at the median of the widest axis.
-fn merge_spheres(spheres: &mut Vec<Sphere>, most: usize) {
+fn merge_spheres(spheres: &mut Vec<BoundingSphere>, most: usize) {
     if spheres.len() <= most {
         return;
     }
-    let extent = Bounds::of(spheres.iter().map(|b| b.center)).extent();
+    let extent = Bounds::from_points(spheres.iter().map(|b| b.center)).extent();
     let axis = (0..3).max_by(|a, b| extent[*a].total_cmp(&extent[*b])).unwrap_or(0);
     spheres.sort_by(|a, b| a.center[axis].total_cmp(&b.center[axis]));
     let mut upper = spheres.split_off(spheres.len() / 2);
@@ -167,6 +168,6 @@ fn merge_spheres(spheres: &mut Vec<Sphere>, most: usize) {
         spheres.append(&mut upper);
     } else {
         spheres.append(&mut upper);
-        *spheres = spheres.drain(..).reduce(Sphere::union).into_iter().collect();
+        *spheres = spheres.drain(..).reduce(BoundingSphere::union).into_iter().collect();
     }
 }

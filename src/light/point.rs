@@ -4,7 +4,7 @@ use super::light_bounds::{DirectionCone, LightBounds};
 use super::source::{DirectSample, EmissionSample, LightGeometry, LightSource, ShadowTarget};
 use super::{PhotonAim, RELATIVE_POSITION_ERROR};
 use crate::color::Rgb;
-use crate::math::{Bounds, Ray, Sphere, warp};
+use crate::math::{BoundingSphere, Bounds, Ray, warp};
 use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
@@ -44,7 +44,7 @@ pub(super) trait PositionalLight {
     }
 
     /// False only if no ray from the light can enter `sphere`.
-    fn may_illuminate(&self, _sphere: Sphere) -> bool {
+    fn may_illuminate(&self, _sphere: BoundingSphere) -> bool {
         true
     }
 }
@@ -61,7 +61,7 @@ impl PositionalLight for PointLight {
     }
 
     fn sample_emission(&self, u: Vec2) -> Option<EmissionSample> {
-        Some(EmissionSample { ray: Ray::new(self.position, warp::sphere(u)), flux: self.flux() })
+        Some(EmissionSample { ray: Ray::new(self.position, warp::square_to_uniform_sphere(u)), flux: self.flux() })
     }
 
     fn flux(&self) -> Rgb {
@@ -81,7 +81,7 @@ impl<L: PositionalLight> LightSource for L {
 
     #[inline]
     fn sample_li(&self, p: Vec3, _u: Vec2) -> Option<DirectSample> {
-        let (d2, wi, _) = crate::math::direction(p, self.position())?;
+        let (d2, wi, _) = crate::math::direction_and_distance(p, self.position())?;
         let weight = self.intensity(-wi) / d2;
         let target = ShadowTarget::Point(self.position());
         (weight != Rgb::ZERO).then_some(DirectSample { wi, target, weight, pdf: None })
@@ -92,14 +92,14 @@ impl<L: PositionalLight> LightSource for L {
         0.0
     }
 
-    fn sample_le(&self, _domain: Sphere, _position: Vec2, direction: Vec2) -> Option<EmissionSample> {
+    fn sample_le(&self, _domain: BoundingSphere, _position: Vec2, direction: Vec2) -> Option<EmissionSample> {
         self.sample_emission(direction)
     }
 
     fn sample_le_towards(
         &self,
         aim: &PhotonAim,
-        _domain: Sphere,
+        _domain: BoundingSphere,
         _position: Vec2,
         direction: Vec2,
     ) -> Option<EmissionSample> {
@@ -108,20 +108,20 @@ impl<L: PositionalLight> LightSource for L {
         (intensity != Rgb::ZERO).then(|| EmissionSample { ray: Ray::new(self.position(), w), flux: intensity / pdf })
     }
 
-    fn power(&self, _domain: Sphere) -> Rgb {
+    fn power(&self, _domain: BoundingSphere) -> Rgb {
         self.flux()
     }
 
     fn bounds(&self) -> Option<LightBounds> {
         let (axes, spread) = self.emission_cone();
-        Some(LightBounds::new(Bounds::of([self.position()]), axes, spread, self.flux()))
+        Some(LightBounds::new(Bounds::from_points([self.position()]), axes, spread, self.flux()))
     }
 
     fn peak_strength(&self) -> Option<Rgb> {
         Some(self.peak_intensity())
     }
 
-    fn may_illuminate(&self, sphere: Sphere) -> bool {
+    fn may_illuminate(&self, sphere: BoundingSphere) -> bool {
         PositionalLight::may_illuminate(self, sphere)
     }
 }
@@ -129,7 +129,7 @@ impl<L: PositionalLight> LightSource for L {
 /// False only if no ray from `position` inside the cone around unit `axis` can enter `sphere`.
 ///
 /// `one_minus_cos` is 1 − cosine of the cone's half angle.
-pub(super) fn cone_may_illuminate(position: Vec3, axis: Vec3, one_minus_cos: f32, sphere: Sphere) -> bool {
+pub(super) fn cone_may_illuminate(position: Vec3, axis: Vec3, one_minus_cos: f32, sphere: BoundingSphere) -> bool {
     let to = sphere.center - position;
     let distance = to.length();
     // A cone wider than a right angle is not convex: the test below does not hold for it.
@@ -138,5 +138,8 @@ pub(super) fn cone_may_illuminate(position: Vec3, axis: Vec3, one_minus_cos: f32
     }
     // Narrow cones: 2 asin(chord/2) is accurate, acos is not. The sphere subtends asin(r/d).
     let angle = 2.0 * libm::asinf((0.5 * (to / distance - axis).length()).min(1.0));
-    angle <= 2.0 * libm::asinf((0.5 * one_minus_cos).sqrt()) + libm::asinf(sphere.radius / distance) + RELATIVE_POSITION_ERROR
+    angle
+        <= 2.0 * libm::asinf((0.5 * one_minus_cos).sqrt())
+            + libm::asinf(sphere.radius / distance)
+            + RELATIVE_POSITION_ERROR
 }

@@ -7,8 +7,8 @@ use super::source::EmissionSample;
 use super::spherical_map::scale_emission_picture;
 use crate::color::{self, Rgb};
 use crate::image::Image;
-use crate::math::{Ray, Sphere};
-use crate::sampling::Piecewise2d;
+use crate::math::{BoundingSphere, Ray};
+use crate::sampling::PiecewiseConstant2d;
 use glam::{DVec2, DVec3, UVec2, Vec2, Vec3};
 use std::sync::Arc;
 
@@ -33,7 +33,7 @@ pub struct ProjectedPicture {
     /// Half width and half height in the plane at distance 1.
     half_size: DVec2,
     /// Distribution over the pixels, by value times solid angle.
-    distribution: Piecewise2d,
+    distribution: PiecewiseConstant2d,
     /// Integral of the picture over all directions \[pixel value · sr].
     integral: DVec3,
 }
@@ -63,7 +63,7 @@ impl ProjectedPicture {
         };
         let value = |x: usize, y: usize| picture.pixels()[y * width + x];
         let weight = |x: usize, y: usize| f64::from(color::channel_mean(value(x, y))) * solid_angle(x, y);
-        let Some(distribution) = Piecewise2d::new(width, height, weight) else { return Ok(None) };
+        let Some(distribution) = PiecewiseConstant2d::new(width, height, weight) else { return Ok(None) };
         let pixels = (0..width * height).map(|i| (i % width, i / width));
         let integral = pixels.map(|(x, y)| value(x, y).as_dvec3() * solid_angle(x, y)).sum();
         Ok(Some(Self { picture, half_size, distribution, integral }))
@@ -176,7 +176,7 @@ impl PositionalLight for ProjectorLight {
         (DirectionCone { axis: self.axes[2].as_dvec3(), angle }, 0.0)
     }
 
-    fn may_illuminate(&self, sphere: Sphere) -> bool {
+    fn may_illuminate(&self, sphere: BoundingSphere) -> bool {
         cone_may_illuminate(self.position, self.axes[2], self.picture.one_minus_cos_to_corner() as f32, sphere)
     }
 }

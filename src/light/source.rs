@@ -3,7 +3,7 @@
 use super::light_bounds::LightBounds;
 use super::{Light, LightSurface, PhotonAim};
 use crate::color::Rgb;
-use crate::math::{Ray, Sphere};
+use crate::math::{BoundingSphere, Ray};
 use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 
@@ -75,19 +75,19 @@ pub(super) trait LightSource {
     fn pdf_li(&self, p: Vec3, wi: Vec3, hit: Option<&SurfacePoint>) -> f32;
 
     /// Implements [`Light::sample_le`].
-    fn sample_le(&self, domain: Sphere, position: Vec2, direction: Vec2) -> Option<EmissionSample>;
+    fn sample_le(&self, domain: BoundingSphere, position: Vec2, direction: Vec2) -> Option<EmissionSample>;
 
     /// Implements [`Light::sample_le_towards`].
     fn sample_le_towards(
         &self,
         aim: &PhotonAim,
-        domain: Sphere,
+        domain: BoundingSphere,
         position: Vec2,
         direction: Vec2,
     ) -> Option<EmissionSample>;
 
     /// Implements [`Light::power`].
-    fn power(&self, domain: Sphere) -> Rgb;
+    fn power(&self, domain: BoundingSphere) -> Rgb;
 
     /// Bounds in space and direction, without a margin; `None` for light from infinity.
     fn bounds(&self) -> Option<LightBounds> {
@@ -100,7 +100,7 @@ pub(super) trait LightSource {
     }
 
     /// Implements [`Light::may_illuminate`] for a sphere that is already grown by rounding errors.
-    fn may_illuminate(&self, _sphere: Sphere) -> bool {
+    fn may_illuminate(&self, _sphere: BoundingSphere) -> bool {
         true
     }
 

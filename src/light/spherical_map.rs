@@ -2,7 +2,7 @@
 
 use crate::color::{self, Rgb};
 use crate::image::{Image, SizeError};
-use crate::sampling::Piecewise2d;
+use crate::sampling::PiecewiseConstant2d;
 use glam::{DVec2, DVec3, UVec2, Vec2, Vec3};
 use libm::{atan2, cos, hypot, sin};
 use std::f64::consts::{PI, TAU};
@@ -49,7 +49,7 @@ pub(super) fn scale_emission_picture(mut picture: Image, scale: Rgb) -> Result<I
 pub struct EquirectangularMap {
     map: Image,
     /// Distribution over the pixels, by mean value times solid angle; `None` if the map is black.
-    distribution: Option<Piecewise2d>,
+    distribution: Option<PiecewiseConstant2d>,
     /// Cosines of the angles from +y to the upper edges of all rows, then to the map's lower edge.
     row_edge_cosines: Vec<f64>,
     /// Integral of the map over all directions \[pixel value · sr].
@@ -74,7 +74,7 @@ impl EquirectangularMap {
             let mean = 0.125 * (across(x, y.saturating_sub(1)) + across(x, (y + 1).min(h - 1))) + 0.75 * across(x, y);
             mean * (row_edge_cosines[y] - row_edge_cosines[y + 1])
         };
-        let distribution = Piecewise2d::new(w, h, weight);
+        let distribution = PiecewiseConstant2d::new(w, h, weight);
         let rows = map.pixels().chunks(w).enumerate().map(|(y, row)| {
             row.iter().map(|p| p.as_dvec3()).sum::<DVec3>() * (row_interpolation_integral(y, h) * TAU / w as f64)
         });

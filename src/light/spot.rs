@@ -4,7 +4,7 @@ use super::light_bounds::{DirectionCone, NORMAL_ERROR};
 use super::point::{PositionalLight, cone_may_illuminate};
 use super::source::EmissionSample;
 use crate::color::Rgb;
-use crate::math::{Frame, Ray, Sphere, warp};
+use crate::math::{BoundingSphere, Frame, Ray, warp};
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 use std::f64::consts::FRAC_PI_2;
@@ -61,7 +61,7 @@ impl PositionalLight for SpotLight {
     }
 
     fn sample_emission(&self, u: Vec2) -> Option<EmissionSample> {
-        let w = Frame::around(self.axis).to_world(warp::cone(u, self.outer_one_minus_cos));
+        let w = Frame::from_normal(self.axis).to_world(warp::square_to_uniform_cone(u, self.outer_one_minus_cos));
         // Not `intensity(w)`: in a narrow beam, the rounding of `w` is a large part of its width.
         let intensity = self.intensity_at_one_minus_cos(u.x * self.outer_one_minus_cos);
         let flux = intensity * (TAU * self.outer_one_minus_cos);
@@ -83,7 +83,7 @@ impl PositionalLight for SpotLight {
         (DirectionCone { axis: self.axis.as_dvec3(), angle: outer - spread + NORMAL_ERROR }, spread)
     }
 
-    fn may_illuminate(&self, sphere: Sphere) -> bool {
+    fn may_illuminate(&self, sphere: BoundingSphere) -> bool {
         cone_may_illuminate(self.position, self.axis, self.outer_one_minus_cos, sphere)
     }
 }

@@ -3,7 +3,7 @@
 use super::packet::{BeamPiece, BeamPiecePacket, LANES, LineQuery, set_bits};
 use crate::accel::Boxes;
 use crate::color::Rgb;
-use crate::math::{Bounds, Ray, gamma, morton_order};
+use crate::math::{Bounds, Ray, morton_order, rounding_error_bound};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -69,7 +69,7 @@ pub struct BeamIntersection {
 
 /// Sine below which two unit directions count as parallel. Each direction is rounded and normalised
 /// in four operations.
-const MIN_SINE: f64 = 2.0 * gamma(4) as f64;
+const MIN_SINE: f64 = 2.0 * rounding_error_bound(4) as f64;
 
 impl BeamIntersection {
     /// `None` if the lines are at least `radius` apart or parallel, or if the closest approach is

@@ -154,7 +154,7 @@ fn beam_length(pass: &PhotonPass<'_>, ray: &Ray, medium: u32) -> f32 {
     if ray.t_max.is_finite() {
         return ray.t_max;
     }
-    let domain = pass.scene.domain();
+    let domain = pass.scene.photon_domain();
     let far = 2.0 * ((domain.center - ray.origin).length() + domain.radius);
     let extinction = pass.scene.media()[medium as usize].extinction().min_element();
     if extinction > 0.0 { (MAX_OPTICAL_DEPTH / extinction).min(far) } else { far }

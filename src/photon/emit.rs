@@ -4,7 +4,7 @@ use super::guiding::GuidingDistribution;
 use crate::color::{self, Rgb};
 use crate::light::{Light, PhotonAim};
 use crate::math::Ray;
-use crate::sampling::{Dimension, Discrete, Key, Purpose, sobol_2d};
+use crate::sampling::{Dimension, DiscreteDistribution, Key, Purpose, sobol_2d};
 use crate::scene::{Effect, Effects, Interior, InteriorKind, PathRay, Scene};
 use glam::Vec2;
 
@@ -20,7 +20,7 @@ const DEFENSIVE_FRACTION: f64 = 0.1;
 pub struct PhotonSource<'a> {
     pub(super) scene: &'a Scene,
     /// Distribution over the lights.
-    pub(super) choice: Discrete,
+    pub(super) choice: DiscreteDistribution,
     /// Spheres to aim at; `None` emits in all directions.
     aim: Option<PhotonAim>,
     /// Guiding distribution of each guided light.
@@ -49,7 +49,7 @@ impl<'a> PhotonSource<'a> {
     /// no light has power.
     #[must_use]
     pub fn in_all_directions(scene: &'a Scene) -> Option<Self> {
-        let choice = Discrete::new(light_powers(scene))?;
+        let choice = DiscreteDistribution::new(light_powers(scene))?;
         let effects = effects_of_scene(scene);
         Some(Self { scene, choice, aim: None, guiding: Vec::new(), effects })
     }
@@ -60,13 +60,14 @@ impl<'a> PhotonSource<'a> {
     /// on the scene alone.
     #[must_use]
     pub fn aimed_at_casters(scene: &'a Scene) -> Option<Self> {
-        let Some(spheres) = scene.caster_balls() else {
+        let Some(spheres) = scene.caster_bounding_spheres() else {
             return Self::in_all_directions(scene);
         };
-        let domain = scene.domain();
+        let domain = scene.photon_domain();
         let reaching = |(light, power): (&Light, f64)| {
             // A light may reach moving objects at another time.
-            let reaches = scene.moves() || spheres.iter().any(|sphere| light.may_illuminate(Some(*sphere), domain));
+            let reaches =
+                scene.has_motion() || spheres.iter().any(|sphere| light.may_illuminate(Some(*sphere), domain));
             if reaches { power } else { 0.0 }
         };
         let light_powers: Vec<f64> = scene.lights().iter().zip(light_powers(scene)).map(reaching).collect();
@@ -83,7 +84,8 @@ impl<'a> PhotonSource<'a> {
                 plain
             }
         };
-        let choice = if total > 0.0 { Discrete::new(light_powers.iter().zip(&aimed).map(weight)) } else { None };
+        let choice =
+            if total > 0.0 { DiscreteDistribution::new(light_powers.iter().zip(&aimed).map(weight)) } else { None };
         let effects = effects_of_scene(scene);
         choice.map(|choice| Self { scene, choice, aim: Some(aim), guiding: Vec::new(), effects })
     }
@@ -95,14 +97,14 @@ impl<'a> PhotonSource<'a> {
         // by rounding.
         let Some(sky) = self.scene.environment() else { return Some(self) };
         let weight = |i| if i == sky { 0.0 } else { f64::from(self.choice.probability(i)) };
-        let choice = Discrete::new((0..self.scene.lights().len()).map(weight))?;
+        let choice = DiscreteDistribution::new((0..self.scene.lights().len()).map(weight))?;
         Some(Self { choice, ..self })
     }
 
     /// The source for `scene`, its own scene at another time. It aims at the casters of that time.
     #[must_use]
     pub fn at<'b>(&self, scene: &'b Scene) -> PhotonSource<'b> {
-        let spheres = if self.aim.is_some() { scene.caster_balls() } else { None };
+        let spheres = if self.aim.is_some() { scene.caster_bounding_spheres() } else { None };
         let aim = spheres.map(PhotonAim::new);
         let (choice, guiding) = (self.choice.clone(), self.guiding.clone());
         PhotonSource { scene, choice, aim, guiding, ..*self }
@@ -121,7 +123,7 @@ impl<'a> PhotonSource<'a> {
 
     /// The lights, with or without their emission textures.
     pub(super) fn lights(&self) -> &'a [Light] {
-        if self.effects.has(Effect::Textures) { self.scene.lights() } else { self.scene.mean_lights() }
+        if self.effects.has(Effect::Textures) { self.scene.lights() } else { self.scene.mean_emission_lights() }
     }
 
     /// Starts path `index` of `paths`, with its flux \[W]; `None` if it carries no flux.
@@ -139,7 +141,7 @@ impl<'a> PhotonSource<'a> {
     /// Primary sample of path `index` of `paths`.
     #[inline]
     pub(super) fn primary_emission_sample(&self, pass: Key, index: u32, paths: u32) -> PrimaryEmissionSample {
-        let u = (f64::from(index) + f64::from(pass.uniform(Dimension::Light))) / f64::from(paths);
+        let u = (f64::from(index) + f64::from(pass.uniform_1d(Dimension::Light))) / f64::from(paths);
         let (light, probability) = self.choice.sample((u as f32).min(1.0 - f32::EPSILON / 2.0));
         let position = sobol_2d(index, pass, Dimension::LightPosition);
         let direction = sobol_2d(index, pass, Dimension::LightDirection);
@@ -154,15 +156,15 @@ impl<'a> PhotonSource<'a> {
     #[inline]
     pub(super) fn start_path<I: Interior>(&self, point: &PrimaryEmissionSample) -> Option<(PathRay<I>, Rgb)> {
         let light = &self.lights()[point.light];
-        let domain = self.scene.domain();
+        let domain = self.scene.photon_domain();
         let emission = match &self.aim {
             Some(aim) => light.sample_le_towards(aim, domain, point.position, point.direction),
             None => light.sample_le(domain, point.position, point.direction),
         }?;
         let ray = if light.is_infinite() {
-            self.scene.start_beyond_planes(emission.ray)
+            self.scene.move_origin_beyond_planes(emission.ray)
         } else if light.is_delta() {
-            Ray { origin: emission.ray.at(self.scene.light_contact(point.light)), ..emission.ray }
+            Ray { origin: emission.ray.at(self.scene.light_contact_distance(point.light)), ..emission.ray }
         } else {
             emission.ray
         };
@@ -177,16 +179,16 @@ fn effects_of_scene(scene: &Scene) -> Effects {
 
 /// Power of each light, mean over the channels \[W].
 fn light_powers(scene: &Scene) -> impl Iterator<Item = f64> {
-    scene.lights().iter().map(|light| f64::from(color::channel_mean(light.power(scene.domain()))))
+    scene.lights().iter().map(|light| f64::from(color::channel_mean(light.power(scene.photon_domain()))))
 }
 
 /// Estimated power of a light towards the spheres of `aim`, mean over the channels \[W].
 fn estimate_aimed_power(scene: &Scene, aim: &PhotonAim, light: usize) -> f64 {
-    let key = Key::new(0).purpose(Purpose::LightWeights).light(light);
+    let key = Key::new(0).purpose_key(Purpose::LightWeights).light_key(light);
     let flux = |i| {
         let (position, direction) =
             (sobol_2d(i, key, Dimension::LightPosition), sobol_2d(i, key, Dimension::LightDirection));
-        let emission = scene.lights()[light].sample_le_towards(aim, scene.domain(), position, direction);
+        let emission = scene.lights()[light].sample_le_towards(aim, scene.photon_domain(), position, direction);
         emission.map_or(0.0, |e| f64::from(color::channel_mean(e.flux)))
     };
     (0..POWER_SAMPLES).map(flux).sum::<f64>() / f64::from(POWER_SAMPLES)

@@ -3,7 +3,7 @@
 //! The tests are conservative: they accept everything that exact arithmetic accepts. Error bounds
 //! use γ(n) of Higham 2002, section 3.1, for unit directions.
 
-use crate::math::{Ray, gamma};
+use crate::math::{Ray, rounding_error_bound};
 use glam::Vec3;
 use wide::f32x8;
 
@@ -88,7 +88,7 @@ impl PointPacket {
         let t = dot(to, query.direction);
         let [x, y, z] = query.direction;
         let off = subtract(to, [x * t, y * t, z * t]);
-        let reach = query.radius + norm1(to) * f32x8::splat(gamma(24));
+        let reach = query.radius + norm1(to) * f32x8::splat(rounding_error_bound(24));
         dot(off, off).simd_le(reach * reach).to_bitmask()
     }
 
@@ -157,7 +157,7 @@ impl BeamPiecePacket {
     /// that distance and of the position.
     #[inline]
     pub fn pieces_near_line(&self, query: &LineQuery) -> u32 {
-        let error = f32x8::splat(gamma(16));
+        let error = f32x8::splat(rounding_error_bound(16));
         let between = subtract(self.start, query.origin);
         let distance = norm1(between);
         let normal = cross(query.direction, self.direction);

@@ -72,7 +72,7 @@ impl VolumePhotonMap {
         let radius = radius.max(0.0);
         let run = |run: &[VolumePhoton]| {
             let positions = || run.iter().map(|p| p.position);
-            (PointPacket::new(positions()), Bounds::of(positions()).expanded(radius))
+            (PointPacket::new(positions()), Bounds::from_points(positions()).expanded(radius))
         };
         let (packets, bounds): (Vec<PointPacket>, Vec<Bounds>) = photons.par_chunks(LANES).map(run).unzip();
         Self { boxes: Boxes::build(&bounds), photons, packets, radius }

@@ -189,11 +189,11 @@ mod tests {
     #[test]
     fn packing_preserves_direction_hue_and_power() {
         for i in 0..10_000u64 {
-            let key = Key::new(1).purpose(Purpose::Test).with(i);
-            let from = warp::sphere(key.uniform_2d(Dimension::LightDirection));
-            let normal = warp::sphere(key.uniform_2d(Dimension::LightPosition));
+            let key = Key::new(1).purpose_key(Purpose::Test).child_key(i);
+            let from = warp::square_to_uniform_sphere(key.uniform_2d(Dimension::LightDirection));
+            let normal = warp::square_to_uniform_sphere(key.uniform_2d(Dimension::LightPosition));
             let scale = [1e-33, 1.0, 1e30][i as usize % 3];
-            let flux = key.uniform_2d(Dimension::Film).extend(key.uniform(Dimension::Light)) * scale;
+            let flux = key.uniform_2d(Dimension::Film).extend(key.uniform_1d(Dimension::Light)) * scale;
             let packed = Photon::new(normal, flux, from, normal).unwrap().data;
             assert!((packed.from() - from).length() < 1e-4);
             assert!((packed.normal() - normal).length() < 0.01);

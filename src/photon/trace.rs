@@ -75,7 +75,7 @@ impl PhotonPass<'_> {
                 let (mut deposits, mut tally) = (Deposits::default(), PathTally::default());
                 for index in range {
                     if let Some((ray, flux)) = self.source.emit::<I>(pass_key, index, paths) {
-                        let key = pass_key.path(index);
+                        let key = pass_key.path_key(index);
                         self.follow_photon_path(ray, flux, key, &mut tally, |deposit| {
                             deposits.store_deposit(self, &deposit)
                         });
@@ -112,7 +112,7 @@ impl PhotonPass<'_> {
         add_flux(&mut audit.emitted, flux);
         for bounce in 0.. {
             *rays += 1;
-            let key = path.bounce(bounce);
+            let key = path.bounce_key(bounce);
 
             // Find the next vertex, and deposit in media on the way.
             let emitted = flux;
@@ -168,7 +168,7 @@ impl PhotonPass<'_> {
             // Thin paths that continue after a caustic.
             if self.mask.separates_after_caustic && kind == PhotonKind::Caustic && stores {
                 add_flux(&mut audit.roulette, flux);
-                if key.uniform(Dimension::Worth) * AFTER_CAUSTIC_THINNING as f32 >= 1.0 {
+                if key.uniform_1d(Dimension::ShadingRoulette) * AFTER_CAUSTIC_THINNING as f32 >= 1.0 {
                     return;
                 }
                 flux *= AFTER_CAUSTIC_THINNING as f32;
@@ -178,7 +178,7 @@ impl PhotonPass<'_> {
             // Sample the next direction.
             let before = color::channel_mean(flux);
             let ratio = if let Some(surface) = &surface {
-                let (lobe, u) = (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
+                let (lobe, u) = (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
                 let Some(sample) = surface.sample(lobe, u, Transport::Importance) else {
                     return add_flux(&mut audit.absorbed, flux);
                 };
@@ -196,7 +196,7 @@ impl PhotonPass<'_> {
             };
 
             // Russian roulette by the throughput ratio keeps the fluxes of stored photons similar.
-            if ratio.is_nan() || key.uniform(Dimension::Roulette) >= ratio {
+            if ratio.is_nan() || key.uniform_1d(Dimension::Roulette) >= ratio {
                 return add_flux(&mut audit.roulette, flux);
             }
             let kept = flux / ratio.min(1.0);

@@ -69,7 +69,7 @@ struct Case {
 
 fn cases() -> Vec<Case> {
     let n = Vec3::new(0.3, -0.5, 0.6).normalize();
-    let frame = Frame::around(n);
+    let frame = Frame::from_normal(n);
     let mut cases = Vec::new();
     let rgb = Vec3::new(0.7, 0.2, 0.5);
     let mut materials = vec![
@@ -161,10 +161,10 @@ fn samplers_match_their_pdfs() {
         // Half the noise of counting all samples bounds the error of the midpoint rule.
         assert!(lost > -0.5 / (SAMPLES as f64).sqrt(), "{name} integrates to {}", 1.0 - lost);
         let mut counts = vec![0u32; expected.len()];
-        let key = Key::new(17).purpose(Purpose::Test).with(index as u64);
+        let key = Key::new(17).purpose_key(Purpose::Test).child_key(index as u64);
         for i in 0..SAMPLES {
-            let key = key.with(i);
-            let (lobe, u) = (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
+            let key = key.child_key(i);
+            let (lobe, u) = (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
             let sample = case.bsdf.sample(case.wo, case.ns, case.ng, lobe, u, Transport::Radiance);
             let cell = sample.map_or(expected.len() - 1, |s| {
                 let side = usize::from(s.transmitted);

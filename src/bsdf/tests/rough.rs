@@ -7,9 +7,9 @@ const GLASS: f32 = 1.5;
 /// Pairs of directions, uniform over the sphere.
 fn directions(count: u64) -> impl Iterator<Item = (Vec3, Vec3)> {
     (0..count).map(|i| {
-        let key = Key::new(19).purpose(Purpose::Test).with(i);
-        let wo = warp::sphere(key.uniform_2d(Dimension::LightDirection));
-        (wo, warp::sphere(key.uniform_2d(Dimension::BsdfDirection)))
+        let key = Key::new(19).purpose_key(Purpose::Test).child_key(i);
+        let wo = warp::square_to_uniform_sphere(key.uniform_2d(Dimension::LightDirection));
+        (wo, warp::square_to_uniform_sphere(key.uniform_2d(Dimension::BsdfDirection)))
     })
 }
 
@@ -60,8 +60,8 @@ fn samples_agree_with_evaluation_and_pdf() {
             Bsdf::Phong(Phong::new(eta, k, 30.0)),
         ] {
             for (i, (wo, other)) in directions(2000).enumerate() {
-                let key = Key::new(23).purpose(Purpose::Test).with(i as u64);
-                let (lobe, u) = (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
+                let key = Key::new(23).purpose_key(Purpose::Test).child_key(i as u64);
+                let (lobe, u) = (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
                 let ns = (Vec3::Z + 0.5 * other * (i % 2) as f32).normalize();
                 for transport in [Transport::Radiance, Transport::Importance] {
                     let Some(s) = bsdf.sample(wo, ns, Vec3::Z, lobe, u, transport) else { continue };

@@ -34,7 +34,7 @@ fn second_moments_match_quadrature() {
 fn signed_weights_average_one() {
     use crate::sampling::{Dimension, Key, Purpose, sobol_2d};
     let n = 1 << 18;
-    let key = Key::new(3).purpose(Purpose::Test);
+    let key = Key::new(3).purpose_key(Purpose::Test);
     let filter = Filter::new(FilterKind::Mitchell);
     let xs: Vec<f64> = (0..4000).map(|i| -2.0 + (f64::from(i) + 0.5) / 1000.0).collect();
     let total: f64 = xs.iter().map(|x| FilterKind::Mitchell.weight(*x)).sum();

@@ -25,7 +25,7 @@ pub(super) fn add_light(
 ) -> Result<(), SceneError> {
     match &light.value {
         LightDescription::Moving { maps, light } => {
-            let motion = motion.then_inside(maps.iter().map(TransformStep::motion_step));
+            let motion = motion.preceded_by(maps.iter().map(TransformStep::motion_step));
             add_light(r, light, &motion)?;
         }
         LightDescription::Point { position, strength } => {
@@ -61,7 +61,7 @@ pub(super) fn add_light(
         LightDescription::Disc { center, normal, radius, strength } => {
             add_area_light(
                 r,
-                Shape::Disc(Disc::around(*center, *normal, *radius)),
+                Shape::Disc(Disc::with_normal(*center, *normal, *radius)),
                 *center,
                 *strength,
                 motion,
@@ -156,10 +156,10 @@ fn profile(text: &str) -> Option<Vec<(f64, f64)>> {
 }
 
 fn add_source(r: &mut Resolver<'_>, kind: DeltaLightKind, strength: LightStrength, motion: &Motion) {
-    if motion.is_still() {
-        r.builder.source(kind, strength);
+    if motion.is_constant() {
+        r.builder.delta_light(kind, strength);
     } else {
-        r.builder.moving_source(kind, strength, motion);
+        r.builder.moving_delta_light(kind, strength, motion);
     }
 }
 
@@ -178,10 +178,10 @@ fn add_area_light(
     };
     r.check_radiance(rgb(radiance), span)?;
     let black = r.builder.material(Material::black());
-    if motion.is_still() {
+    if motion.is_constant() {
         r.builder.shape(shape, black, rgb(radiance));
     } else {
-        r.builder.moving_shape(shape, motion.about(place), black, rgb(radiance));
+        r.builder.moving_shape(shape, motion.around_point(place), black, rgb(radiance));
     }
     Ok(())
 }

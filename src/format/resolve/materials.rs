@@ -9,7 +9,7 @@ use crate::format::SceneError;
 use crate::format::description::{
     EmissionDescription, MaterialKindDescription, MetalDescription, RefractiveIndexDescription, Spanned,
 };
-use crate::format::language::nearest;
+use crate::format::language::nearest_word;
 use crate::scene::{Body, Material};
 
 impl Resolver<'_> {
@@ -25,7 +25,7 @@ impl Resolver<'_> {
             }
             self.add_needs_of_parts(&described.kind, &mut needs);
             self.texture_needs.push(needs);
-            self.builder.material(material.with_normals(normals));
+            self.builder.material(material.with_normal_perturbation(normals));
             if let Some(name) = &described.name {
                 self.names.entry(name).or_insert(index as u32);
             }
@@ -65,10 +65,10 @@ impl Resolver<'_> {
                 let roughness = self.fraction(roughness, needs)?;
                 let (index, glass) = self.refraction(refraction)?;
                 let absorption = rgb(attenuation.coefficient());
-                Material::rough_body(Body { absorption, priority: *priority, glass, ..Body::new(index) }, roughness)
+                Material::rough_boundary(Body { absorption, priority: *priority, glass, ..Body::new(index) }, roughness)
             }
             MaterialKindDescription::Clear { priority } => {
-                Material::body(Body { priority: *priority, null_interface: true, ..Body::new(1.0) })
+                Material::smooth_boundary(Body { priority: *priority, null_interface: true, ..Body::new(1.0) })
             }
             MaterialKindDescription::Conductor { metal, roughness } => {
                 let (eta, k) = self.metal(metal)?;
@@ -101,7 +101,7 @@ impl Resolver<'_> {
         glass_by_name(name).ok_or_else(|| {
             let names = || GLASSES.iter().map(|g| g.0);
             let message = format!("no glass is called `{}`", name.value);
-            let guess = nearest(name, names()).map_or(String::new(), |n| format!("did you mean `{n}`? "));
+            let guess = nearest_word(name, names()).map_or(String::new(), |n| format!("did you mean `{n}`? "));
             let known = names().collect::<Vec<_>>().join(", ");
             let help = format!("{guess}known are {known}; of others, give `cauchy`, or `indexOfRefraction` and `abbe`");
             SceneError::at(self.source, name.span, message, "unknown name", help)

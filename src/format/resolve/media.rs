@@ -51,7 +51,7 @@ fn make_density(r: &Resolver<'_>, described: &Spanned<MediumDescription>) -> Res
         DensityDescription::Homogeneous => return Ok(None),
         DensityDescription::Grid { path, scale, extent } => {
             let file = r.file("grid", path)?;
-            let help = "repair the grid or name another; the grid format is described in docs/scene-language.md";
+            let help = "repair the grid or name another; the grid format is described in docs/guide/scene-language.md";
             let read = grid::read_with_memory_limit(&file, r.memory.available_bytes());
             let mut grid =
                 read.map_err(|e| r.refuse_file(path, &e, matches!(e, grid::GridError::NoMemory { .. }), help))?;
@@ -132,7 +132,7 @@ pub(super) fn fill_body(
     material: scene::Material,
     described: &MaterialDescription,
 ) -> Result<scene::Material, SceneError> {
-    let (Some(name), Some(body)) = (&described.medium, material.boundary()) else { return Ok(material) };
+    let (Some(name), Some(body)) = (&described.medium, material.bounded_body()) else { return Ok(material) };
     let mut body = *body;
     let (mut index, mut medium) = known_medium(r, name)?;
     if body.absorption != Rgb::ZERO {

@@ -85,7 +85,7 @@ fn add_piece(
 ) -> Result<(), SceneError> {
     let (normals, texcoords) = (mesh.normals.as_deref(), mesh.texcoords.as_deref());
     let shared = emission == Rgb::ZERO && again * mesh.triangles.len() >= WORTH_SHARING;
-    let instanced = shared || !placing.to_world.is_still();
+    let instanced = shared || !placing.to_world.is_constant();
     // Copies that share their triangles share the tree over them.
     if !(instanced && r.instanced.contains_key(&Rc::as_ptr(mesh))) {
         check_trees(r, path, mesh.triangles.len())?;
@@ -188,7 +188,7 @@ fn own_material(
     let mut needs = TextureNeeds::default();
     let material = r.material(&meaning.kind, &mut needs)?;
     let normals = r.normals(&meaning, &mut needs)?;
-    let index = r.builder.material(material.with_normals(normals));
+    let index = r.builder.material(material.with_normal_perturbation(normals));
     r.texture_needs.resize(index as usize + 1, TextureNeeds::default());
     r.texture_needs[index as usize] = needs;
     let emission = match meaning.emission {

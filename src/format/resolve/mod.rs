@@ -20,7 +20,7 @@ use super::import::EmbeddedAssets;
 use super::mesh::{MeshReadMonitor, TriangleMesh};
 use super::{SceneError, SourceText};
 use crate::color::Rgb;
-use crate::math::{Motion, Step, Transform};
+use crate::math::{Motion, MotionStep, Transform};
 use crate::medium::Medium;
 use crate::scene::{Scene, SceneBuilder};
 use crate::stats::MemoryLimit;
@@ -199,14 +199,14 @@ impl Resolver<'_> {
             ObjectDescription::Group(group) => self.group(group, to_world),
             ObjectDescription::Transform { maps, object: inner } => {
                 let outer = self.placing.replace(object.span);
-                let product = to_world.then_inside([Step::Fixed(TransformStep::composed_matrix(maps))]);
+                let product = to_world.preceded_by([MotionStep::Fixed(TransformStep::composed_matrix(maps))]);
                 self.object(inner, &product)?;
                 self.placing = outer;
                 Ok(())
             }
             ObjectDescription::Moving { maps, object: inner } => {
                 let outer = self.placing.replace(object.span);
-                self.object(inner, &to_world.then_inside(maps.iter().map(TransformStep::motion_step)))?;
+                self.object(inner, &to_world.preceded_by(maps.iter().map(TransformStep::motion_step)))?;
                 self.placing = outer;
                 Ok(())
             }
@@ -321,7 +321,7 @@ fn uses(group: &Group) -> HashMap<&str, usize> {
 
 /// Returns the motion of maps that grow while the shutter is open.
 fn growing_motion(maps: &[TransformStep]) -> Motion {
-    Motion::default().then_inside(maps.iter().map(TransformStep::motion_step))
+    Motion::default().preceded_by(maps.iter().map(TransformStep::motion_step))
 }
 
 fn aim(aim: DirectionOrTarget, from: DVec3) -> DVec3 {

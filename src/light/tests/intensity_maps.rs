@@ -3,6 +3,7 @@
 use super::environment::sky_map;
 use super::*;
 use crate::image::Image;
+use crate::light::point::PositionalLight;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
@@ -33,7 +34,7 @@ fn projector_power_is_exact_on_a_cube_face() {
     for size in [1, 2, 7] {
         let slide = Arc::new(ProjectedPicture::new(white(size, size), FRAC_PI_2).unwrap().unwrap());
         let light = ProjectorLight::new(Vec3::ZERO, DVec3::Z, DVec3::Y, slide, Rgb::splat(3.0));
-        let power = f64::from(Light::Projector(light).power(Sphere { center: Vec3::ZERO, radius: 1.0 }).x);
+        let power = f64::from(Light::Projector(light).power(BoundingSphere { center: Vec3::ZERO, radius: 1.0 }).x);
         assert!((power / (2.0 * PI) - 1.0).abs() < 1e-6, "{power}");
     }
 }
@@ -61,7 +62,7 @@ fn profile_power_matches_closed_forms() {
     let power = |profile: &[(f64, f64)]| {
         let map = Arc::new(map_from_intensity_profile(profile).unwrap());
         let light = GoniometricLight::new(Vec3::ZERO, DVec3::X, DVec3::NEG_Y, map, Rgb::ONE);
-        f64::from(Light::Goniometric(light).power(Sphere { center: Vec3::ZERO, radius: 1.0 }).x)
+        f64::from(Light::Goniometric(light).power(BoundingSphere { center: Vec3::ZERO, radius: 1.0 }).x)
     };
     // Isotropic; linear from the axis to its opposite; one hemisphere, with an edge of a quarter of
     // a degree.

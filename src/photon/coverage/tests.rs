@@ -31,7 +31,8 @@ const KERNELS: [Kernel; 3] = [Kernel::Box, Kernel::Cone, Kernel::Epanechnikov];
 /// Mean over keys, and its standard error, at `p` of the description.
 fn mean_coverage(scene: &Scene, p: DVec3, normal: Vec3, radius: f32, kernel: Kernel) -> (f64, f64) {
     let (n, p) = (2000u64, (p - scene.origin()).as_vec3());
-    let one = |i| f64::from(coverage(scene, p, normal, radius, kernel, Key::new(3).purpose(Purpose::Test).with(i)));
+    let one =
+        |i| f64::from(coverage(scene, p, normal, radius, kernel, Key::new(3).purpose_key(Purpose::Test).child_key(i)));
     let values: Vec<f64> = (0..n).map(one).collect();
     let mean = values.iter().sum::<f64>() / n as f64;
     let variance = values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1) as f64;
@@ -55,7 +56,7 @@ fn flat_surface_has_full_coverage() {
         let normal = edge0.cross(edge1).normalize().as_vec3();
         let p = (edge0 * 0.1 - edge1 * 0.05).as_vec3();
         for (i, kernel) in (0..90).zip(KERNELS.into_iter().cycle()) {
-            let key = Key::new(i).purpose(Purpose::Test);
+            let key = Key::new(i).purpose_key(Purpose::Test);
             for radius in [0.5, 0.001] {
                 assert_eq!(coverage(&flat, p, normal, radius, kernel, key), 1.0);
                 assert_eq!(coverage(&flat, p, -normal, radius, kernel, key), 1.0);
@@ -106,7 +107,7 @@ fn other_orientations_and_heights_are_not_covered() {
 fn nested_discs_are_probed_independently() {
     let p = DVec3::X * 0.7;
     let levels = |i| {
-        let key = Key::new(5).purpose(Purpose::Test).with(i);
+        let key = Key::new(5).purpose_key(Purpose::Test).child_key(i);
         nested_disc_coverage(&square_scene(), p.as_vec3(), Vec3::Y, 0.5, Kernel::Box, key)
     };
     let all: Vec<[f32; LEVELS]> = (0..500).map(levels).collect();
@@ -118,7 +119,7 @@ fn nested_discs_are_probed_independently() {
 
 #[test]
 fn coverage_has_a_lower_bound() {
-    let key = Key::new(0).purpose(Purpose::Test);
+    let key = Key::new(0).purpose_key(Purpose::Test);
     assert_eq!(coverage(&square_scene(), Vec3::new(0.0, 2.0, 0.0), Vec3::Y, 0.5, Kernel::Box, key), MIN_COVERAGE);
 }
 

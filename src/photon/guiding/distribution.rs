@@ -1,7 +1,7 @@
 //! Guiding distributions, fitted to the samples of a pilot.
 
 use crate::light::{EmissionDimensions, Light};
-use crate::sampling::Histogram;
+use crate::sampling::SquareGridDistribution;
 use glam::Vec2;
 
 /// Sample of one pilot path.
@@ -92,7 +92,8 @@ impl GuidingCells {
 #[inline]
 fn cell_index(level: CellResolution, position: Vec2, direction: Vec2) -> usize {
     let directions = 1usize << level.1;
-    Histogram::cell(1 << level.0, position) * directions * directions + Histogram::cell(directions, direction)
+    SquareGridDistribution::cell_index(1 << level.0, position) * directions * directions
+        + SquareGridDistribution::cell_index(directions, direction)
 }
 
 /// Cells fitted to the samples of one light.
@@ -110,7 +111,8 @@ impl GuidingFit {
     /// cross-validated between two halves of the samples against overfitting.
     pub fn new(light: &Light, samples: &[&GuidingSample], uniform: f64) -> Self {
         let EmissionDimensions { uses_position, uses_direction } = light.emission_dimensions();
-        let most = (if uses_position { MAX_SUBDIVISIONS } else { 0 }, if uses_direction { MAX_SUBDIVISIONS } else { 0 });
+        let most =
+            (if uses_position { MAX_SUBDIVISIONS } else { 0 }, if uses_direction { MAX_SUBDIVISIONS } else { 0 });
         let half = |i: usize| samples.iter().copied().skip(i).step_by(2);
         let cost = |halves: &[GuidingCells; 2]| {
             halves[0].second_moment(uniform, half(1)) + halves[1].second_moment(uniform, half(0))
@@ -154,8 +156,10 @@ impl GuidingFit {
         let positions: Vec<f64> = directions.clone().map(|d| d.iter().sum()).collect();
         Some(GuidingDistribution {
             side: 1 << p,
-            positions: Histogram::new(1 << p, &positions)?,
-            directions: directions.map(|weights| Histogram::new(1 << d, weights)).collect::<Option<_>>()?,
+            positions: SquareGridDistribution::new(1 << p, &positions)?,
+            directions: directions
+                .map(|weights| SquareGridDistribution::new(1 << d, weights))
+                .collect::<Option<_>>()?,
         })
     }
 }
@@ -166,9 +170,9 @@ impl GuidingFit {
 pub(in crate::photon) struct GuidingDistribution {
     /// Cells of positions along each side.
     side: usize,
-    positions: Histogram,
+    positions: SquareGridDistribution,
     /// Distribution of directions within each cell of positions.
-    directions: Vec<Histogram>,
+    directions: Vec<SquareGridDistribution>,
 }
 
 impl GuidingDistribution {
@@ -177,13 +181,15 @@ impl GuidingDistribution {
     #[inline]
     pub fn sample(&self, position: Vec2, direction: Vec2) -> (Vec2, Vec2, f32) {
         let (position, pdf) = self.positions.sample(position);
-        let (direction, conditional) = self.directions[Histogram::cell(self.side, position)].sample(direction);
+        let (direction, conditional) =
+            self.directions[SquareGridDistribution::cell_index(self.side, position)].sample(direction);
         (position, direction, pdf * conditional)
     }
 
     /// Pdf of the sample points of a position and a direction.
     #[cfg(test)]
     pub fn pdf(&self, position: Vec2, direction: Vec2) -> f32 {
-        self.positions.density(position) * self.directions[Histogram::cell(self.side, position)].density(direction)
+        self.positions.pdf(position)
+            * self.directions[SquareGridDistribution::cell_index(self.side, position)].pdf(direction)
     }
 }

@@ -10,7 +10,7 @@ use super::deposits::{Deposit, DepositPlace};
 use super::trace::PathTally;
 use super::{PhotonPass, PhotonSource, Scratch, StoreMask, VisiblePointMap};
 use crate::color;
-use crate::sampling::{Discrete, Key, Purpose};
+use crate::sampling::{DiscreteDistribution, Key, Purpose};
 use crate::scene::{Interior, InteriorKind, InteriorStack, NoInterior, SpectralInterior};
 use distribution::{GuidingFit, GuidingSample};
 use rayon::prelude::*;
@@ -95,7 +95,7 @@ impl PhotonSource<'_> {
 
     /// Traces one round of the pilot.
     fn trace_round(&self, pilot: &GuidingPilot<'_>, round: u32) -> RoundSamples {
-        let key = Key::new(pilot.seed).purpose(Purpose::Learning).round(round);
+        let key = Key::new(pilot.seed).purpose_key(Purpose::GuidingTraining).training_round_key(round);
         let paths = pilot.paths / ROUNDS;
         let chunks: Vec<RoundSamples> = (0..paths.div_ceil(CHUNK))
             .into_par_iter()
@@ -132,7 +132,7 @@ impl PhotonSource<'_> {
             let point = self.primary_emission_sample(key, index, paths);
             let mut square = 0.0;
             if let Some((ray, flux)) = self.start_path::<I>(&point) {
-                pass.follow_photon_path(ray, flux, key.path(index), &mut tally, |deposit: Deposit<'_>| {
+                pass.follow_photon_path(ray, flux, key.path_key(index), &mut tally, |deposit: Deposit<'_>| {
                     let DepositPlace::Surface(surface) = deposit.place else { return };
                     let flux = f64::from(color::channel_mean(deposit.flux));
                     let importance = pilot.visible.importance(surface.point.p, surface.facing_normal(), &mut scratch);
@@ -152,7 +152,7 @@ impl PhotonSource<'_> {
     }
 
     /// Fits the guiding distributions to the samples of all rounds.
-    fn fit_guiding(&mut self, samples: &[GuidingSample], unguided: &Discrete) {
+    fn fit_guiding(&mut self, samples: &[GuidingSample], unguided: &DiscreteDistribution) {
         let lights = self.scene.lights();
         let mut of_light: Vec<Vec<&GuidingSample>> = vec![Vec::new(); lights.len()];
         for sample in samples {
@@ -171,7 +171,7 @@ impl PhotonSource<'_> {
         // fraction of its own.
         let defensive = |i: usize| DEFENSIVE_FRACTION * f64::from(unguided.probability(i));
         let chosen = |i: usize| defensive(i) + (1.0 - DEFENSIVE_FRACTION) * fits[i].guided_deviation() / total;
-        if let Some(choice) = Discrete::new((0..lights.len()).map(chosen)) {
+        if let Some(choice) = DiscreteDistribution::new((0..lights.len()).map(chosen)) {
             self.choice = choice;
             self.guiding =
                 fits.iter().enumerate().map(|(i, fit)| fit.to_distribution(defensive(i) / chosen(i))).collect();

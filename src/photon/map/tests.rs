@@ -10,8 +10,8 @@ fn photon_facing_z(position: Vec3, power: f32) -> Photon {
 
 fn random_photons(n: u64, place: impl Fn(Vec3) -> Vec3) -> Vec<Photon> {
     let draw = |i| {
-        let key = Key::new(2).purpose(Purpose::Test).with(i);
-        place(key.uniform_2d(Dimension::LightPosition).extend(key.uniform(Dimension::Light)))
+        let key = Key::new(2).purpose_key(Purpose::Test).child_key(i);
+        place(key.uniform_2d(Dimension::LightPosition).extend(key.uniform_1d(Dimension::Light)))
     };
     (0..n).map(|i| photon_facing_z(draw(i), 1.0)).collect()
 }

@@ -4,16 +4,16 @@ use crate::sampling::{Dimension, Key, Purpose};
 use std::f64::consts::PI;
 
 fn test_key(i: u64) -> Key {
-    Key::new(13).purpose(Purpose::Test).with(i)
+    Key::new(13).purpose_key(Purpose::Test).child_key(i)
 }
 
 /// A point of the unit cube.
 fn random_point(i: u64) -> Vec3 {
-    test_key(i).uniform_2d(Dimension::LightPosition).extend(test_key(i).uniform(Dimension::Light))
+    test_key(i).uniform_2d(Dimension::LightPosition).extend(test_key(i).uniform_1d(Dimension::Light))
 }
 
 fn random_direction(i: u64) -> Vec3 {
-    warp::sphere(test_key(i).uniform_2d(Dimension::LightDirection))
+    warp::square_to_uniform_sphere(test_key(i).uniform_2d(Dimension::LightDirection))
 }
 
 /// Photons identified by their medium.

@@ -5,7 +5,7 @@ use crate::sampling::{Dimension, Key, Purpose, sobol_2d};
 
 /// 4096 points of weight 3 on the unit square of the floor, seen from above.
 fn visible_floor_map(radius: f32) -> VisiblePointMap {
-    let key = Key::new(4).purpose(Purpose::Test);
+    let key = Key::new(4).purpose_key(Purpose::Test);
     let point = |i| {
         let u = sobol_2d(i, key, Dimension::Film);
         VisiblePoint { position: Vec3::new(u.x, 0.0, u.y), normal: Vec3::Y, weight: 3.0 }

@@ -103,8 +103,8 @@ mod tests {
         let mut samples = EffectiveSampleCount::default();
         let weights = vec![1.0; pixels];
         for picture in 0..pictures {
-            let key = Key::new(9).purpose(Purpose::Test).with(picture);
-            let value = |i: usize| Rgb::X * key.with((i / block) as u64).uniform(Dimension::Film);
+            let key = Key::new(9).purpose_key(Purpose::Test).child_key(picture);
+            let value = |i: usize| Rgb::X * key.child_key((i / block) as u64).uniform_1d(Dimension::Film);
             samples.add((0..pixels).map(value), &weights, f64::INFINITY);
         }
         samples

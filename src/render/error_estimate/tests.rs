@@ -15,8 +15,9 @@ const LAW: RadiusLaw = RadiusLaw { alpha: 1.0, kernel: Kernel::Epanechnikov };
 
 /// Uniform noise of mean 0 and variance 1.
 fn uniform_noise(pass: u32, seed: u64, pixel: usize, which: u64) -> f32 {
-    let key = Key::new(seed).purpose(Purpose::Test).with(u64::from(pass) << 32 | pixel as u64).with(which);
-    (key.uniform(Dimension::Film) - 0.5) * 12f32.sqrt()
+    let key =
+        Key::new(seed).purpose_key(Purpose::Test).child_key(u64::from(pass) << 32 | pixel as u64).child_key(which);
+    (key.uniform_1d(Dimension::Film) - 0.5) * 12f32.sqrt()
 }
 
 /// Renders radiance 1 with noise `sigma` and smooth bias b; D₀ = b/2 and D₁ = b/4 are noisy too.

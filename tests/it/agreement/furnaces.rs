@@ -66,7 +66,7 @@ fn lossless_materials_vanish_in_furnace() {
 /// 14 % of the tenth that is reflected inside.
 #[test]
 fn rough_materials_lose_only_stated_energy() {
-    let frosted = Material::rough_body(Body::new(1.5), 0.1);
+    let frosted = Material::rough_boundary(Body::new(1.5), 0.1);
     let rough = Material::conductor(Vec3::ZERO, Vec3::splat(2.0), 0.1);
     let stored = Material::conductor(Vec3::ZERO, Vec3::splat(2.0), 0.5);
     for (name, ball, least) in [("metal", rough, 0.96), ("frosted glass", frosted, 0.95), ("rough metal", stored, 0.6)]

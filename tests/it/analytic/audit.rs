@@ -24,7 +24,7 @@ fn everything() -> Scene {
     ball(vec3(0.5, -0.5, 0.0), glass, Vec3::ZERO);
     ball(vec3(0.0, 0.5, -0.5), mirror, Vec3::ZERO);
     ball(vec3(-0.6, 0.6, 0.6), walls, Vec3::new(3.0, 2.0, 1.0));
-    b.source(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::new(5.0, 6.0, 7.0)));
+    b.delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::new(5.0, 6.0, 7.0)));
     photon_only_scene(b)
 }
 
@@ -74,7 +74,7 @@ fn path_lengths_in_grey_room_are_geometric() {
         for face in faces(-DVec3::ONE, DVec3::ONE, true) {
             b.shape(face, wall, Vec3::ZERO);
         }
-        b.source(DeltaLightKind::Point { position: DVec3::splat(0.2) }, LightStrength::Power(grey(N)));
+        b.delta_light(DeltaLightKind::Point { position: DVec3::splat(0.2) }, LightStrength::Power(grey(N)));
         let passes = trace(&photon_only_scene(b), StoreMask::ALL, 10_000, 20_000, N as u32);
         let landed: Vec<f64> = passes.iter().map(|t| t.deposits.photons.len() as f64).collect();
         assert_mean(&format!("photons a path, ρ = {albedo}"), &landed, N / (1.0 - albedo), 0.0, 2e-3);

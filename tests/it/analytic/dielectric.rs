@@ -61,7 +61,7 @@ fn photons_pass_slab_by_its_transmittance() {
         for x in [-0.5, 0.5] {
             b.shape(Shape::Sphere(Sphere::new(vec3(x, 5.0, 0.0), 1e-3)), white, Vec3::ZERO);
         }
-        b.source(DeltaLightKind::Directional { direction: beam(angle) }, LightStrength::Physical(Vec3::ONE));
+        b.delta_light(DeltaLightKind::Directional { direction: beam(angle) }, LightStrength::Physical(Vec3::ONE));
         let scene = photon_only_scene(b);
         let passes = trace(&scene, StoreMask::CAUSTIC, 1000, PASSES, 1 << 15);
         let (through, back) = per_channel(angle);
@@ -117,7 +117,7 @@ fn total_reflection_traps_light_in_cube() {
     for face in faces(-DVec3::ONE, DVec3::ONE, false) {
         b.shape(face, glass, Vec3::ZERO);
     }
-    b.source(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
+    b.delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
     let scene = photon_only_scene(b);
     let escaped = |bounces, paths| {
         let passes = trace(&scene, StoreMask::CAUSTIC, bounces, PASSES, paths);

@@ -21,7 +21,7 @@ fn maps(shade: bool) -> (caustica::scene::Scene, Vec<PhotonMap>) {
         let corner = vec3(-0.5, 0.3, -0.5);
         b.shape(Shape::Rectangle(Rectangle::new(corner, DVec3::Z * 2.0, DVec3::X)), black, grey(0.0));
     }
-    b.source(DeltaLightKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(grey(IRRADIANCE)));
+    b.delta_light(DeltaLightKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(grey(IRRADIANCE)));
     let scene = photon_only_scene(b);
     let passes = trace(&scene, StoreMask::ALL, 0, PASSES, 1 << 16);
     let maps = passes.into_iter().map(|t| PhotonMap::build(t.deposits.photons)).collect();
@@ -80,7 +80,7 @@ fn estimates_do_not_leak_between_surfaces() {
     b.shape(sheet(-0.06), white, grey(0.0));
     let wall = Rectangle::new(DVec3::ZERO, DVec3::Y, DVec3::Z);
     b.shape(Shape::Rectangle(wall), white, grey(0.0));
-    b.source(DeltaLightKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(grey(IRRADIANCE)));
+    b.delta_light(DeltaLightKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(grey(IRRADIANCE)));
     let scene = photon_only_scene(b);
     let photons = trace(&scene, StoreMask::ALL, 0, 1, 1 << 14).remove(0).deposits.photons;
     let map = PhotonMap::build(photons);

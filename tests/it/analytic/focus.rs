@@ -20,7 +20,7 @@ fn lens(z: f64) -> Scene {
     b.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), glass, grey(0.0));
     let corner = vec3(-1.5, -z, -1.5);
     b.shape(Shape::Rectangle(Rectangle::new(corner, DVec3::Z * 3.0, DVec3::X * 3.0)), white, grey(0.0));
-    b.source(DeltaLightKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(grey(IRRADIANCE)));
+    b.delta_light(DeltaLightKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(grey(IRRADIANCE)));
     photon_only_scene(b)
 }
 

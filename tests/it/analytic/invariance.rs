@@ -45,13 +45,13 @@ fn room(at: Place) -> Scene {
     };
     ball(vec3(-0.3, -0.4, 0.3), 0.35, glass);
     ball(vec3(0.5, -0.6, -0.3), 0.3, mirror);
-    let lamp = Disc::around(at.point(vec3(0.2, 0.9, 0.2)), at.vector(-DVec3::Y), 0.15 * at.scale);
+    let lamp = Disc::with_normal(at.point(vec3(0.2, 0.9, 0.2)), at.vector(-DVec3::Y), 0.15 * at.scale);
     b.shape(Shape::Disc(lamp), black, Vec3::new(20.0, 30.0, 40.0));
     let sail = [vec3(-0.9, -0.9, -0.4), vec3(-0.4, -0.9, -0.9), vec3(-0.9, 0.3, -0.8)].map(|p| at.point(p));
     b.mesh(&sail, &[], &[[0, 1, 2]], mirror, Vec3::ZERO);
     let point = DeltaLightKind::Point { position: at.point(vec3(0.6, 0.5, 0.8)) };
     // Intensity scales with area, like the power of an area light of given radiance.
-    b.source(point, LightStrength::Physical(grey(0.4 * at.scale * at.scale)));
+    b.delta_light(point, LightStrength::Physical(grey(0.4 * at.scale * at.scale)));
     let (eye, target) = (at.point(vec3(2.5, 1.0, 2.5)), at.point(vec3(0.0, -0.4, 0.0)));
     let up = at.turn * DVec3::Y;
     let view = caustica::camera::Camera::perspective(eye, target - eye, up, 0.8, 48, 48).unwrap();

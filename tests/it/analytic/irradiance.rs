@@ -47,7 +47,7 @@ const LAMPS: [Lamp; 6] = [
         name: "point",
         add: |b| {
             let place = DeltaLightKind::Point { position: vec3(0.0, HEIGHT, 0.0) };
-            b.source(place, LightStrength::Physical(grey(INTENSITY)));
+            b.delta_light(place, LightStrength::Physical(grey(INTENSITY)));
         },
         irradiance: |p| {
             let d2 = HEIGHT * HEIGHT + p.length_squared();
@@ -58,7 +58,7 @@ const LAMPS: [Lamp; 6] = [
         name: "spot",
         add: |b| {
             let (position, axis) = (vec3(0.0, HEIGHT, 0.0), -DVec3::Y);
-            b.source(
+            b.delta_light(
                 DeltaLightKind::Spot { position, axis, inner: 0.3, outer: 0.8 },
                 LightStrength::Physical(grey(INTENSITY)),
             );
@@ -72,7 +72,7 @@ const LAMPS: [Lamp; 6] = [
     },
     Lamp {
         name: "disc",
-        add: |b| emit(b, Shape::Disc(Disc::around(vec3(0.0, HEIGHT, 0.0), -DVec3::Y, DISC))),
+        add: |b| emit(b, Shape::Disc(Disc::with_normal(vec3(0.0, HEIGHT, 0.0), -DVec3::Y, DISC))),
         irradiance: |p| {
             let (h2, a2, r2) = (HEIGHT * HEIGHT, p.length_squared(), DISC * DISC);
             let s = h2 + a2 + r2;

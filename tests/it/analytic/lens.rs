@@ -201,7 +201,7 @@ fn moving_objects_follow_their_transforms() {
         let moving = scene(&body(&format!(
             "Transform {{ Translate 0 .3 0  Moving {{ Translate 1 0 .5  YRotate 140  UniformScale 1.5  {object} }} }}"
         )));
-        assert!(moving.moves());
+        assert!(moving.has_motion());
         for time in [0.0, 0.25, 1.0] {
             let maps = format!(
                 "Translate 0 .3 0  Translate {} 0 {}  YRotate {}  UniformScale {}",
@@ -214,7 +214,7 @@ fn moving_objects_follow_their_transforms() {
             let placed = moving.at(time);
             let (mut hits, mut turned, mut missed) = (0, 0, 0);
             for i in 0..2000 {
-                let key = Key::new(i).purpose(Purpose::Test);
+                let key = Key::new(i).purpose_key(Purpose::Test);
                 let (a, b) = (key.uniform_2d(Dimension::Film), key.uniform_2d(Dimension::Lens));
                 // Rays go from a frame around the object to points near it.
                 let from = Vec3::new(8.0 * a.x - 4.0, 8.0 * a.y - 4.0, 6.0);
@@ -222,7 +222,7 @@ fn moving_objects_follow_their_transforms() {
                 let look = |scene: &Scene| {
                     let ray = Ray::new(from - scene.origin().as_vec3(), (to - from).normalize());
                     let hit = scene.intersect(&ray)?;
-                    let surface = scene.interaction(&ray, &hit, &RayCone::point(Effects::ALL), || 0.5);
+                    let surface = scene.interaction(&ray, &hit, &RayCone::zero_width(Effects::ALL), || 0.5);
                     let shadowed = scene.occluded(&Ray { t_max: hit.t * 1.01, ..ray });
                     assert!(shadowed, "{object} at {time}: a hit that casts no shadow");
                     Some((surface.point.p + scene.origin().as_vec3(), surface.point.ng))

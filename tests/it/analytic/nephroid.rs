@@ -34,7 +34,7 @@ fn cup(screen: Rectangle, direction: DVec3) -> Scene {
     }
     b.mesh(&corners, &normals, &triangles, mirror, grey(0.0));
     b.shape(Shape::Rectangle(screen), white, grey(0.0));
-    b.source(DeltaLightKind::Directional { direction }, LightStrength::Physical(grey(IRRADIANCE)));
+    b.delta_light(DeltaLightKind::Directional { direction }, LightStrength::Physical(grey(IRRADIANCE)));
     photon_only_scene(b)
 }
 

@@ -102,7 +102,7 @@ fn parallel_mirrors_show_row_of_lights() {
     b.plane(Plane::new(DVec3::ZERO, DVec3::Y), floor, grey(0.0));
     b.plane(Plane::new(DVec3::X * A, -DVec3::X), mirror, grey(0.0));
     b.plane(Plane::new(-DVec3::X * A, DVec3::X), mirror, grey(0.0));
-    b.source(DeltaLightKind::Point { position: vec3(X, H, 0.0) }, LightStrength::Physical(grey(1.0)));
+    b.delta_light(DeltaLightKind::Point { position: vec3(X, H, 0.0) }, LightStrength::Physical(grey(1.0)));
     let scene = photon_only_scene(b);
     let at = vec3(-0.2, 0.0, 0.1);
     let irradiance_of = |k: i32, p: DVec3| {

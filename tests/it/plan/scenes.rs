@@ -94,7 +94,7 @@ fn course_plans_match_scene_text() {
                 let needs = NEEDS.iter().find(|(effect, _)| *effect == decision.effect).map(|(_, words)| *words);
                 // A word in the text need not have an effect. Here each has one, unless the scene
                 // has no object.
-                if needs.is_none() && scene.objects().next().is_none() {
+                if needs.is_none() && scene.object_summaries().next().is_none() {
                     continue;
                 }
                 let there = needs.is_none_or(|words| words.iter().any(|w| text.contains(w)));

@@ -29,8 +29,8 @@ const WITH_PHOTONS: [Algorithm; 4] = [Algorithm::Hybrid, Algorithm::Sppm, Algori
 
 /// Returns three numbers in [0, 1) that depend on `i`.
 fn random(i: u64) -> Vec3 {
-    let key = Key::new(8).purpose(Purpose::Test).with(i);
-    key.uniform_2d(Dimension::LightPosition).extend(key.uniform(Dimension::Light))
+    let key = Key::new(8).purpose_key(Purpose::Test).child_key(i);
+    key.uniform_2d(Dimension::LightPosition).extend(key.uniform_1d(Dimension::Light))
 }
 
 /// Returns a photon on a surface that faces +z, with incident light along the normal.

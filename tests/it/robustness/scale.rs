@@ -106,7 +106,7 @@ fn differ(a: &[Vec<Rgb>], b: &[Vec<Rgb>]) -> usize {
 /// transforms, a point, a corner of the bounding box, the center, the camera, and their
 /// differences. Single precision rounds by 2⁻²⁴ = 6·10⁻⁸ once the scene is recentered.
 fn far_away(file: &SceneFile, scene: &Scene) -> (Scene, f64) {
-    let distance = 1e6 * 2.0 * f64::from(scene.domain().radius);
+    let distance = 1e6 * 2.0 * f64::from(scene.photon_domain().radius);
     let moved = placed(file, &Similarity { shift: AWAY * distance, ..Similarity::NONE });
     (moved, 6.0 * AWAY.length() * distance * f64::EPSILON / 2.0)
 }
@@ -120,7 +120,7 @@ fn scaled_and_moved_scenes_give_same_image() {
         let scene = placed(file, &Similarity::NONE);
         // Pilots of radii take as long as everything else, so nine of ten scenes have a fixed
         // radius.
-        let radius = |scene: &Scene| (number % 10 > 0).then(|| scene.domain().radius * 0.01);
+        let radius = |scene: &Scene| (number % 10 > 0).then(|| scene.photon_domain().radius * 0.01);
         let passes =
             |scene: &Scene, n: u32| pictures(scene, Algorithm::Hybrid, Settings { radius: radius(scene), ..few() }, n);
         let render = |scene: &Scene| passes(scene, PASSES);
@@ -185,9 +185,12 @@ fn rotated_scenes_have_same_flux_and_radiance() {
         let here = placed(file, &Similarity::NONE);
         let turn = Similarity { turn: (ASKEW.0.normalize(), ASKEW.1), ..Similarity::NONE };
         let there = placed(file, &turn);
-        let near =
-            if unbounded(&file.description.root) { 0.5 * f64::from(here.domain().radius) } else { f64::INFINITY };
-        let middle = here.origin() + here.domain().center.as_dvec3();
+        let near = if unbounded(&file.description.root) {
+            0.5 * f64::from(here.photon_domain().radius)
+        } else {
+            f64::INFINITY
+        };
+        let middle = here.origin() + here.photon_domain().center.as_dvec3();
         let stored = mean_difference(
             &fluxes(&there, turn.place(middle), near),
             &fluxes(&here, middle, near),
@@ -220,7 +223,7 @@ fn fluxes(scene: &Scene, middle: DVec3, near: f64) -> Vec<Vec<f64>> {
     let pass =
         PhotonPass { scene, source: &source, mask: StoreMask::ALL, max_bounces: if near.is_finite() { 0 } else { 50 } };
     let one = |index: u32| {
-        let key = Key::new(7).purpose(Purpose::Test).with(index.into());
+        let key = Key::new(7).purpose_key(Purpose::Test).child_key(index.into());
         let traced = pass.trace(key, 4096, &|_| {});
         let inside =
             traced.deposits.photons.iter().filter(|p| (p.position.as_dvec3() + scene.origin()).distance(middle) < near);

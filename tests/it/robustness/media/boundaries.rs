@@ -62,12 +62,15 @@ fn nest(b: &mut SceneBuilder, filled: Filled, turns: u32) {
     for i in 0..NEST {
         let absorption = Rgb::splat(sigma(i, turns) as f32);
         let body = match filled {
-            Filled::Media => {
-                Body::region(b.medium(Medium::homogeneous(absorption, Rgb::ZERO, Rgb::ZERO, PhaseFunction::Isotropic)))
-            }
+            Filled::Media => Body::medium_region(b.medium(Medium::homogeneous(
+                absorption,
+                Rgb::ZERO,
+                Rgb::ZERO,
+                PhaseFunction::Isotropic,
+            ))),
             Filled::Bodies => Body { absorption, null_interface: true, ..Body::new(1.0) },
         };
-        let body = b.material(Material::body(body));
+        let body = b.material(Material::smooth_boundary(body));
         b.shape(sheet(DVec3::X * half(i), y, z), body, Rgb::ZERO);
         b.shape(sheet(-DVec3::X * half(i), z, y), body, Rgb::ZERO);
     }
@@ -120,11 +123,11 @@ fn photons_obey_beer_over_million_boundaries() {
         b.shape(sheet(-DVec3::X, y, z), silver, Rgb::ZERO);
         nest(&mut b, filled, TURNS);
         let spot = DeltaLightKind::Spot { position: -0.95 * DVec3::X, axis: DVec3::X, inner: 0.9e-3, outer: 1e-3 };
-        b.source(spot, LightStrength::Power(Rgb::ONE));
+        b.delta_light(spot, LightStrength::Power(Rgb::ONE));
         let scene = b.build(along_x()).unwrap();
         let source = PhotonSource::in_all_directions(&scene).unwrap();
         let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: TURNS - 1 };
-        let audit = pass.trace(Key::new(3).purpose(Purpose::Test), 2, &|_| {}).audit;
+        let audit = pass.trace(Key::new(3).purpose_key(Purpose::Test), 2, &|_| {}).audit;
         let left = audit.stopped[1] / audit.emitted[1];
         let booked = (audit.absorbed[1] + audit.stopped[1] + audit.roulette[1]) / audit.emitted[1];
         // Five thousand differences in single precision.
@@ -144,7 +147,7 @@ fn shadow_rays_cross_more_bodies_than_stack_holds() {
         nest(&mut b, filled, 1);
         b.shape(sheet(-DVec3::X, DVec3::Y * 2.0, DVec3::Z * 2.0), white, Rgb::ZERO);
         let sun = DeltaLightKind::Directional { direction: -DVec3::X };
-        b.source(sun, LightStrength::Physical(Rgb::splat(std::f32::consts::PI)));
+        b.delta_light(sun, LightStrength::Physical(Rgb::splat(std::f32::consts::PI)));
         let camera = Camera::orthographic(-0.95 * DVec3::X, -DVec3::X, DVec3::Z, 1e-3, 1, 1).unwrap();
         let scene = b.build(camera).unwrap();
         for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Distributed] {

@@ -28,7 +28,7 @@ fn lit_by(powers: &[Option<f32>]) -> Scene {
     for (i, power) in powers.iter().enumerate() {
         let position = DVec3::new(i as f64 * 0.3 - 0.5, 2.0, 0.7);
         if let Some(power) = power {
-            b.source(DeltaLightKind::Point { position }, LightStrength::Power(Rgb::splat(*power)));
+            b.delta_light(DeltaLightKind::Point { position }, LightStrength::Power(Rgb::splat(*power)));
         }
     }
     let camera = Camera::perspective(DVec3::new(0.0, 1.0, 5.0), DVec3::new(0.0, -0.1, -1.0), DVec3::Y, 0.6, 12, 12);
@@ -74,7 +74,7 @@ fn point_in_the_floor(turn: DQuat, at: DVec3) -> Scene {
     let (x, y, z) = (turn * DVec3::X, turn * DVec3::Y, turn * DVec3::Z);
     b.shape(sheet(at, z * 2.0, x * 2.0), black, Rgb::ZERO);
     b.shape(sheet(at + y, x * 2.0, z * 2.0), white, Rgb::ZERO);
-    b.source(DeltaLightKind::Point { position: at }, LightStrength::Power(Rgb::ONE));
+    b.delta_light(DeltaLightKind::Point { position: at }, LightStrength::Power(Rgb::ONE));
     let camera = Camera::orthographic(at + 0.5 * y, y, z, 2.0, 16, 16).unwrap();
     b.build(camera).unwrap()
 }
@@ -90,7 +90,7 @@ fn point_light_in_floor_lights_ceiling() {
         let scene = point_in_the_floor(*turn, *at);
         let source = PhotonSource::in_all_directions(&scene).unwrap();
         let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
-        let traced = pass.trace(Key::new(3).purpose(Purpose::Test), 1 << 16, &|_| {});
+        let traced = pass.trace(Key::new(3).purpose_key(Purpose::Test), 1 << 16, &|_| {});
         let flux: f64 = traced.deposits.photons.iter().map(|p| f64::from(p.data.flux().y)).sum();
         assert!((6.0 * flux - 1.0).abs() < 0.044, "{at} {turn}: {flux}");
         let out = rendered(&scene, Algorithm::Whitted, settings(0, 16), 1);
@@ -161,7 +161,7 @@ fn blocked_lights_emit_no_photons() {
     b.shape(sheet(DVec3::ZERO, DVec3::Z * 4.0, DVec3::X * 4.0), white, Rgb::ZERO);
     b.shape(Shape::Sphere(Sphere::new(DVec3::new(1.0, 1.0, 0.0), 0.3)), glass, Rgb::ZERO);
     b.shape(Shape::Sphere(Sphere::new(DVec3::Y, 0.1)), black, Rgb::ZERO);
-    b.source(DeltaLightKind::Point { position: DVec3::Y }, LightStrength::Power(Rgb::ONE));
+    b.delta_light(DeltaLightKind::Point { position: DVec3::Y }, LightStrength::Power(Rgb::ONE));
     b.shape(sheet(DVec3::Y * 2.0, DVec3::X, DVec3::Z), black, Rgb::ZERO);
     b.shape(sheet(DVec3::Y * 1.999_99, DVec3::Z * 0.1, DVec3::X * 0.1), black, Rgb::ONE);
     let scene = b.build(flat_camera(DVec3::new(0.0, 3.0, 0.0), -DVec3::Y, 4.0, 8)).unwrap();

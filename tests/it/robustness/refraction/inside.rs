@@ -89,7 +89,7 @@ fn overlapping_bodies_resolve_by_priority() {
             balls.reverse();
         }
         for (n, x, priority) in balls {
-            let material = b.material(Material::body(Body { priority, ..Body::new(n) }));
+            let material = b.material(Material::smooth_boundary(Body { priority, ..Body::new(n) }));
             b.shape(Shape::Sphere(Sphere::new(DVec3::X * x, 0.6)), material, Vec3::ZERO);
         }
         b.environment(EnvironmentLight::constant(Vec3::ONE).unwrap());
