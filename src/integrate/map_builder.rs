@@ -319,7 +319,7 @@ impl<'a> PhotonMapBuilder<'a> {
             let scale = |n: usize| (n as f64 * f64::from(paths) / f64::from(probe)) as u64;
             let in_media = |volume: &VolumePhotons| volume.points.len() + BEAM_SIZE * volume.beams.len();
             let one = scale(traced.deposits.photons.len() + in_media(&traced.deposits.volume));
-            let other = scale(traced.deposits.after_caustic.len() + in_media(&traced.deposits.after_volume));
+            let other = scale(traced.deposits.after_caustic.len() + in_media(&traced.deposits.after_caustic_volume));
             Expected { paths: paths.into(), photons: one + other, most: one.max(other) }
         };
         let guides = if self.request.guides { self.counts.photons / GUIDE_INTERVAL } else { 0 };
@@ -379,7 +379,7 @@ impl<'a> PhotonMapBuilder<'a> {
 
         // Trace the paths of the global map, unless the aimed paths hold its light.
         let global_photons = if self.request.aimed.separates_after_caustic {
-            MapPhotons { surface: aimed.deposits.after_caustic, volume: aimed.deposits.after_volume }
+            MapPhotons { surface: aimed.deposits.after_caustic, volume: aimed.deposits.after_caustic_volume }
         } else {
             let traced = self.trace(
                 self.global_source.as_ref(),

@@ -151,8 +151,8 @@ pub(super) fn find_volume_radii(
     let pilot = pilot_paths(paths, MAX_PATHS);
     let traced = pass.trace(key, pilot, &|_| {});
     let mut volume = traced.deposits.volume;
-    volume.beams.extend(traced.deposits.after_volume.beams);
-    volume.points.extend(traced.deposits.after_volume.points);
+    volume.beams.extend(traced.deposits.after_caustic_volume.beams);
+    volume.points.extend(traced.deposits.after_caustic_volume.points);
     if volume.is_empty() {
         return None;
     }

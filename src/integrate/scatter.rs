@@ -31,7 +31,7 @@ pub(super) fn collect_guides<I: Interior>(
     let (p, normal) = (vertex.surface.point.p, vertex.surface.facing_normal());
     // The estimate itself is not used: the lookup visits the photons.
     let _ = maps.guides.estimate(p, normal, bandwidth, Kernel::Cone, guides, |flux| {
-        guide.borrow_mut().push(flux.from());
+        guide.borrow_mut().push(flux.incident_direction());
         Rgb::ZERO
     });
 }
