@@ -1,7 +1,7 @@
 //! Benchmarks of meshes of 2.5 million triangles: reading, writing, reports, normals: `cargo bench
 //! --bench meshes`.
 
-use caustica::format::mesh::{self, MeshFormat, Repair, TriangleMesh};
+use caustica::format::mesh::{self, MeshFormat, MeshRepairs, TriangleMesh};
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use glam::DVec3;
@@ -49,7 +49,7 @@ static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
 });
 
 fn write(name: &str, path: &Path) {
-    let format = MeshFormat::of(path, name.starts_with("text")).expect("a form of meshes");
+    let format = MeshFormat::from_path(path, name.starts_with("text")).expect("a form of meshes");
     torus(name.starts_with("smooth")).write(path, format, &[]).expect("room for a mesh");
 }
 
@@ -63,14 +63,14 @@ fn load(bencher: Bencher, name: &str) {
 fn save(bencher: Bencher, name: &str) {
     let path = FOLDER.path().join(format!("new-{name}"));
     let mesh = torus(name.starts_with("smooth"));
-    let format = MeshFormat::of(&path, name.starts_with("text")).expect("a form of meshes");
+    let format = MeshFormat::from_path(&path, name.starts_with("text")).expect("a form of meshes");
     bencher.counter(ItemsCount::new(TRIANGLES)).bench(|| mesh.write(&path, format, &[]));
 }
 
 #[divan::bench(sample_count = 3, sample_size = 1)]
-fn share(bencher: Bencher) {
+fn merge_equal_vertices(bencher: Bencher) {
     bencher.counter(ItemsCount::new(TRIANGLES)).with_inputs(|| torus(false)).bench_values(|mut mesh| {
-        mesh.share();
+        mesh.merge_equal_vertices();
         mesh
     });
 }
@@ -82,16 +82,16 @@ fn report(bencher: Bencher) {
 }
 
 #[divan::bench(sample_count = 3, sample_size = 1)]
-fn smooth(bencher: Bencher) {
+fn compute_smooth_normals(bencher: Bencher) {
     bencher.counter(ItemsCount::new(TRIANGLES)).with_inputs(|| torus(false)).bench_values(|mut mesh| {
-        mesh.smooth(30.0);
+        mesh.compute_smooth_normals(30.0);
         mesh
     });
 }
 
 #[divan::bench(sample_count = 3, sample_size = 1)]
 fn repair(bencher: Bencher) {
-    let all = Repair { weld: Some(1e-9), duplicates: true, degenerate: true, orient: true };
+    let all = MeshRepairs { weld: Some(1e-9), duplicates: true, degenerate: true, orient: true };
     bencher.counter(ItemsCount::new(TRIANGLES)).with_inputs(|| torus(false)).bench_values(|mut mesh| {
         mesh.repair(&all);
         mesh

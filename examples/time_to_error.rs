@@ -11,7 +11,7 @@
 use caustica::camera::{Filter, FilterKind};
 use caustica::format::SceneFile;
 use caustica::image::{self, Image, metrics};
-use caustica::integrate::{Algorithm, EyeSettings, FinalGathering, Integrator, Settings, Silent};
+use caustica::integrate::{Algorithm, CameraPathSettings, FinalGathering, Integrator, Settings, Silent};
 use caustica::render::Film;
 use caustica::scene::Scene;
 use caustica::stats::cpu_seconds;
@@ -39,14 +39,15 @@ struct Run<'a> {
 fn integrator<'a>(name: &str, scene: &'a Scene) -> Option<Box<dyn Integrator + 'a>> {
     // The reference has a box filter.
     let (name, adaptive) = name.strip_suffix("-adaptive").map_or((name, false), |name| (name, true));
-    let eye = EyeSettings { filter: Filter::new(FilterKind::Box), adaptive, ..EyeSettings::default() };
+    let camera_paths =
+        CameraPathSettings { filter: Filter::new(FilterKind::Box), adaptive, ..CameraPathSettings::default() };
     let (word, balance) = name.strip_suffix("-even").map_or((name, true), |word| (word, false));
     let (algorithm, final_gathering) = match word {
         "pm-direct" => (Algorithm::Pm, FinalGathering::None),
         "pm-importance" => (Algorithm::Pm, FinalGathering::Importance),
         _ => (Algorithm::ALL.into_iter().find(|a| a.name() == word)?, FinalGathering::default()),
     };
-    let settings = Settings { eye, balance, final_gathering, ..Settings::default() };
+    let settings = Settings { camera_paths, balance, final_gathering, ..Settings::default() };
     Some(algorithm.prepare(scene, settings))
 }
 

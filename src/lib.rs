@@ -10,7 +10,7 @@
 //! | build a scene in code | [`SceneBuilder`], [`Material`], [`Shape`], [`Camera`] |
 //! | choose an algorithm | [`Algorithm`], [`Settings`] |
 //! | render with progress | [`render()`], [`StopCriteria`], [`Monitor`] |
-//! | read the estimated error | [`Rendered`], [`ErrorEstimator`], [`ErrorEstimate`] |
+//! | read the estimated error | [`RenderResult`], [`ErrorEstimator`], [`ErrorEstimate`] |
 //! | write a picture | [`Image`], [`write_image`], [`WriteOptions`] |
 //!
 //! Feature `cli` (on by default) builds the `caustica` program. A library user can turn it off
@@ -31,7 +31,7 @@
 //! builder
 //!     .plane(Plane::new(DVec3::ZERO, DVec3::Y), white, Vec3::ZERO)
 //!     .shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 1.0, 0.0), 0.8)), glass, Vec3::ZERO)
-//!     .source(
+//!     .delta_light(
 //!         DeltaLightKind::Point { position: DVec3::new(2.0, 4.0, 0.0) },
 //!         LightStrength::Power(Vec3::splat(200.0)),
 //!     );
@@ -47,7 +47,7 @@
 //! # The path of one photon
 //!
 //! 1. A pass has a random-number [`Key`](sampling::Key). Photon path `i` has the key
-//!    `pass.with(i)`. Every random decision is a function of a key and the decision's name.
+//!    `pass.path_key(i)`. Every random decision is a function of a key and the decision's name.
 //! 2. [`PhotonSource::emit`](photon::PhotonSource::emit) samples a light and a ray that leaves
 //!    it. The sampling pdf follows power, the solid angle of specular objects, or the emission
 //!    that a pilot pass found useful. The ray carries flux / (pdf · number of paths).
@@ -211,7 +211,7 @@ pub use integrate::Settings;
 /// assert_eq!(rendered.film.passes(), 2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub use render::{Rendered, StopCriteria, render};
+pub use render::{RenderResult, StopCriteria, render};
 
 pub use render::error_estimate::{ErrorEstimate, ErrorEstimator};
 pub use scene::{Material, Scene, SceneBuilder};

@@ -8,13 +8,13 @@ mod it {
 }
 
 use caustica::cli::{Arguments, Command, Exit};
-use caustica::format::grid::{self, Encoding, Grid};
+use caustica::format::grid::{self, DensityGrid, GridEncoding};
 use caustica::format::mesh::{self, MeshFormat};
 use caustica::format::{SourceText, parse, resolve};
 use caustica::image::{self, Image, WriteOptions};
 use caustica::integrate::{Algorithm, Settings, Silent};
 use clap::{CommandFactory, Parser};
-use it::support::shell::words;
+use it::support::shell::shell_words;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -67,7 +67,7 @@ fn blocks(page: &str, language: &str) -> Vec<String> {
 /// environment settings are removed.
 fn commands(block: &str) -> Vec<Vec<String>> {
     let joined = block.replace("\\\n", " ");
-    let lines = joined.lines().map(|line| words(line.trim().trim_start_matches("$ ")));
+    let lines = joined.lines().map(|line| shell_words(line.trim().trim_start_matches("$ ")));
     let setting = |word: &String| {
         word.split_once('=').is_some_and(|(name, _)| name.chars().all(|c| c.is_ascii_uppercase() || c == '_'))
     };
@@ -205,10 +205,10 @@ fn commands_parse_like_a_shell() {
     assert_eq!(read.len(), 2);
     assert_eq!(caustica(&read[0]).unwrap(), ["render", "my scene.txt", "-o", "a b.png"]);
     assert_eq!(caustica(&read[1]).unwrap(), ["render", "x"]);
-    assert_eq!(caustica(&words("cargo run --example caustica -- x")), None);
-    let mut arguments = words("render x --size 9x9 --photons=2M --time 5m");
+    assert_eq!(caustica(&shell_words("cargo run --example caustica -- x")), None);
+    let mut arguments = shell_words("render x --size 9x9 --photons=2M --time 5m");
     shrink(&mut arguments, false);
-    assert_eq!(arguments, words("render x --time 5m --size 32x24 --passes 1 --photons 1k"));
+    assert_eq!(arguments, shell_words("render x --time 5m --size 32x24 --passes 1 --photons 1k"));
     assert_eq!(blocks("```sh\na\n```\n```text\nb\n```\n  ```sh\n  c\n  ```\n", "sh"), ["a\n", "  c\n"]);
 }
 
@@ -320,7 +320,7 @@ fn paths_in_backticks_exist() {
 #[test]
 fn scenes_of_language_page_render() {
     let read = |page: &str| blocks(&std::fs::read_to_string(root().join(page)).unwrap(), "caustica");
-    let mut scenes = read("docs/scene-language.md");
+    let mut scenes = read("docs/guide/scene-language.md");
     scenes.extend(read("docs/guide/first-picture.md"));
     assert!(scenes.len() >= 2);
     let folder = tempfile::tempdir().unwrap();
@@ -337,8 +337,8 @@ fn scenes_of_language_page_render() {
     let gray = Image::from_pixels(2, 2, vec![glam::Vec3::splat(0.5); 4]).unwrap();
     image::write(&folder.path().join("textures/tile.png"), &gray, &WriteOptions::default()).unwrap();
     std::fs::create_dir(folder.path().join("grids")).unwrap();
-    let flame = Grid { size: [2, 3, 2], values: vec![0.5; 12] };
-    grid::write(&folder.path().join("grids/flame.grid"), &flame, Encoding::F32).unwrap();
+    let flame = DensityGrid { size: [2, 3, 2], values: vec![0.5; 12] };
+    grid::write(&folder.path().join("grids/flame.grid"), &flame, GridEncoding::F32).unwrap();
     for (i, text) in scenes.iter().enumerate() {
         let mut description = parse("scene-language.md", text).unwrap();
         (description.camera.value.width, description.camera.value.height) = (32, 24);

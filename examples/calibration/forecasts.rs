@@ -6,7 +6,7 @@
 use super::{SIZE, scene, settings};
 use caustica::integrate::{Algorithm, Silent};
 use caustica::render::error_estimate::{Confidence, PassesNeeded};
-use caustica::render::{ErrorTarget, Rendered, StopCriteria, render};
+use caustica::render::{ErrorTarget, RenderResult, StopCriteria, render};
 use caustica::scene::Scene;
 use caustica::stats::cpu_seconds;
 use std::error::Error;
@@ -15,9 +15,9 @@ use std::sync::atomic::AtomicBool;
 const PILOT: u32 = 8;
 
 /// Renders and returns the film with the processor time of its passes \[s].
-fn rendered(scene: &Scene, algorithm: Algorithm, seed: u64, stop: &StopCriteria<'_>) -> (Rendered, f64) {
+fn rendered(scene: &Scene, algorithm: Algorithm, seed: u64, stop: &StopCriteria<'_>) -> (RenderResult, f64) {
     let mut settings = settings(seed);
-    settings.eye.estimate_error = true;
+    settings.camera_paths.estimate_error = true;
     let integrator = algorithm.prepare(scene, settings);
     let start = cpu_seconds().unwrap_or(0.0);
     let rendered = render(integrator.as_ref(), SIZE, stop, &Silent, |_| {});
@@ -44,8 +44,8 @@ pub fn print(scenes: &[String], methods: &[Algorithm], errors: &[f64], seeds: u6
             let forecast = estimator.forecast(&estimator.estimate(&made.film)).ok_or("no forecast")?;
             for error in errors {
                 let row = format!("| {name} | {} | {seed} | {:.1} %", method.name(), 100.0 * error);
-                let PassesNeeded::Passes(passes) = forecast.passes_to(*error) else {
-                    println!("{row} | {:?} | | | | |", forecast.passes_to(*error));
+                let PassesNeeded::Passes(passes) = forecast.passes_to_reach(*error) else {
+                    println!("{row} | {:?} | | | | |", forecast.passes_to_reach(*error));
                     continue;
                 };
                 let target =

@@ -87,7 +87,7 @@ fn settings(seed: u64) -> Settings {
         final_gathering: FinalGathering::None,
         ..Settings::default()
     };
-    settings.eye.seed = seed;
+    settings.camera_paths.seed = seed;
     settings
 }
 
@@ -116,7 +116,7 @@ fn stopped(name: &str, scene: &Scene, algorithm: Algorithm, error: f64, seeds: u
     let (mut passes, mut errors) = (0, Vec::new());
     for seed in 0..seeds {
         let mut settings = settings(seed);
-        settings.eye.estimate_error = true;
+        settings.camera_paths.estimate_error = true;
         let integrator = algorithm.prepare(scene, settings);
         let rendered = render(integrator.as_ref(), SIZE, &stop, &Silent, |_| {});
         passes += rendered.film.passes();
@@ -159,11 +159,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         let scene = scene(name)?;
         let [a, b] = [1u64, 2].map(|i| reference(&scene, i << 40, arguments.truth));
         let truth: Vec<Vec3> = a.iter().zip(&b).map(|(a, b)| (*a + *b) * 0.5).collect();
-        let scale = RelativeScale::of_pixels(SIZE, &truth);
+        let scale = RelativeScale::from_pixels(SIZE, &truth);
         let apart = 0.5 * scale.mean(|i| (a[i] - b[i]).as_dvec3() * (a[i] - b[i]).as_dvec3()).sqrt();
         eprintln!("{name}: references known to {:.2} % but for their bias", 100.0 * apart);
         for algorithm in methods.iter().copied() {
-            let wanted = Plan::new(&scene, algorithm.simulates(), EffectOverrides::PLANNED).effects();
+            let wanted = Plan::new(&scene, algorithm.simulates(), EffectOverrides::PLANNED).simulated_effects();
             if algorithm == Algorithm::Path && wanted.has(Effect::Caustics) {
                 continue;
             }
@@ -177,7 +177,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let mut rows = vec![Vec::new(); arguments.passes.len()];
             for seed in 0..arguments.seeds {
                 let mut settings = settings(seed);
-                settings.eye.estimate_error = true;
+                settings.camera_paths.estimate_error = true;
                 let integrator = algorithm.prepare(&scene, settings);
                 let (mut film, mut estimator) =
                     (Film::new(SIZE.0, SIZE.1), ErrorEstimator::new(integrator.radius_law()));

@@ -8,7 +8,7 @@ mod pictures;
 #[cfg(test)]
 mod tests;
 
-use caustica::image::{self, Curve, ToneMap, WriteOptions};
+use caustica::image::{self, ToneCurve, ToneMap, WriteOptions};
 use std::error::Error;
 use std::fs;
 use std::path::Path;
@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (name, curve, make) in pictures::ALL {
         let tone = ToneMap { curve, ..ToneMap::default() };
         image::write(&folder.join(name), &make(), &WriteOptions { tone, ..WriteOptions::default() })?;
-        let kind = if curve == Curve::Srgb { "light" } else { "numbers" };
+        let kind = if curve == ToneCurve::Srgb { "light" } else { "numbers" };
         println!("{name:14} {kind:8} {:4} kB", fs::metadata(folder.join(name))?.len() / 1000);
     }
     Ok(())

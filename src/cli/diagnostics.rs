@@ -1,20 +1,20 @@
-//! Messages that explain a black picture, or photons of which none was stored.
+//! Notes that explain a black picture, or a render that stored no photon.
 
 use super::plan::count_with_noun;
 use crate::color::Rgb;
-use crate::photon::Audit;
-use crate::render::Rendered;
+use crate::photon::EnergyAudit;
+use crate::render::RenderResult;
 use crate::scene::Scene;
-use crate::study::text::percent;
+use crate::study::text::percent_text;
 use glam::DVec3;
 
 /// True if the scene has lights, but none of them has any power.
 pub(super) fn lights_have_no_power(scene: &Scene) -> bool {
-    !scene.lights().is_empty() && scene.lights().iter().all(|light| light.power(scene.domain()) == Rgb::ZERO)
+    !scene.lights().is_empty() && scene.lights().iter().all(|light| light.power(scene.photon_domain()) == Rgb::ZERO)
 }
 
-/// A note if photons were emitted, but none was stored in any pass.
-pub(super) fn no_photon_stored_note(rendered: &Rendered) -> Option<String> {
+/// Returns a note if the passes emitted photons but stored none.
+pub(super) fn no_photon_stored_note(rendered: &RenderResult) -> Option<String> {
     let (global, caustic) = (&rendered.global, &rendered.caustic);
     let emitted = global.emitted + caustic.emitted;
     if emitted == 0 || global.stored + caustic.stored > 0 {
@@ -26,21 +26,21 @@ pub(super) fn no_photon_stored_note(rendered: &Rendered) -> Option<String> {
     Some(format!("note: {paths}, no photon stored: {}", flux_destinations(&audit)))
 }
 
-/// Shares of the photons' flux by where it ended.
-fn flux_destinations(audit: &Audit) -> String {
+/// Returns a text with the shares of photon flux that were absorbed, escaped and stopped.
+fn flux_destinations(audit: &EnergyAudit) -> String {
     let sum = |flux: [f64; 3]| DVec3::from(flux).element_sum();
     let emitted = sum(audit.emitted);
     if emitted <= 0.0 {
         return "the lights emitted no flux".to_owned();
     }
     let [absorbed, escaped, stopped] =
-        [audit.absorbed, audit.escaped, audit.stopped].map(|flux| percent(sum(flux) / emitted));
+        [audit.absorbed, audit.escaped, audit.stopped].map(|flux| percent_text(sum(flux) / emitted));
     format!(
         "of their flux {absorbed} was absorbed, {escaped} left the scene, {stopped} reached surfaces that store none"
     )
 }
 
-/// A note for a picture whose pixels are all black.
+/// Returns a note that explains why all pixels are black.
 pub(super) fn black_picture_note(lights: usize, powerless: bool) -> &'static str {
     match (lights, powerless) {
         (0, _) => "note: every pixel is black: the scene has no light",

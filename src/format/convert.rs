@@ -1,7 +1,8 @@
 //! Writing any imported scene as scene text, with the meshes and pictures that it holds beside it.
 
 use super::description::{
-    Density, Description, Group, GroupItem, ObjectDescription, ShapeDescription, Spanned, TextureKindDescription,
+    DensityDescription, Group, GroupItem, ObjectDescription, SceneDescription, ShapeDescription, Spanned,
+    TextureKindDescription,
 };
 use super::file::SceneFile;
 use super::mesh::TriangleMesh;
@@ -13,7 +14,7 @@ use std::sync::Arc;
 
 /// A scene as the files that represent it.
 #[derive(Clone, Debug)]
-pub struct Conversion {
+pub struct ConvertedScene {
     /// The scene in the scene language.
     pub text: String,
     /// Meshes in memory, each with the PLY file to write it to.
@@ -22,7 +23,7 @@ pub struct Conversion {
     pub pictures: Vec<(PathBuf, Arc<Image>)>,
 }
 
-impl Conversion {
+impl ConvertedScene {
     /// Converts `scene` to a scene text at `output`, which other files are named after. Writes
     /// nothing.
     ///
@@ -69,9 +70,9 @@ fn absolute(path: &Path) -> Option<PathBuf> {
 }
 
 /// Calls `visit` with each path of a file that the description names.
-fn for_each_path(description: &mut Description, visit: &mut impl FnMut(&mut String)) {
+fn for_each_path(description: &mut SceneDescription, visit: &mut impl FnMut(&mut String)) {
     for light in &mut description.lights {
-        if let Some(path) = light.value.path_mut() {
+        if let Some(path) = light.value.file_path_mut() {
             visit(path);
         }
     }
@@ -84,8 +85,8 @@ fn for_each_path(description: &mut Description, visit: &mut impl FnMut(&mut Stri
     }
     for medium in &mut description.media {
         match &mut medium.value.density {
-            Density::Grid { path, .. } => visit(&mut path.value),
-            Density::Even | Density::Cloud { .. } => {}
+            DensityDescription::Grid { path, .. } => visit(&mut path.value),
+            DensityDescription::Homogeneous | DensityDescription::Cloud { .. } => {}
         }
     }
     // These fields hold the name of a texture, or else a path.
@@ -95,7 +96,7 @@ fn for_each_path(description: &mut Description, visit: &mut impl FnMut(&mut Stri
         }
     };
     for material in &mut description.materials {
-        material.value.textures_or_paths_mut().for_each(&mut visit_path);
+        material.value.texture_names_or_paths_mut().for_each(&mut visit_path);
     }
     group_paths(&mut description.root, visit);
 }
@@ -141,11 +142,11 @@ mod tests {
         let mesh = TriangleMesh { positions: corners, triangles: vec![[0, 1, 2]], ..TriangleMesh::default() };
         scene.assets.meshes.insert("a".to_owned(), Arc::new(mesh));
         assert_eq!(scene.resolve().unwrap().triangle_count(), 2);
-        let converted = Conversion::new(&scene, &output.join("new.txt"));
+        let converted = ConvertedScene::new(&scene, &output.join("new.txt"));
         assert_eq!(converted.meshes[0].0, output.join("new-mesh0.ply"));
         assert!(converted.text.contains("file new-mesh0.ply"), "{}", converted.text);
         assert!(converted.text.contains(input.canonicalize().unwrap().join("b.obj").to_str().unwrap()));
-        let beside = Conversion::new(&scene, &input.join("new.txt"));
+        let beside = ConvertedScene::new(&scene, &input.join("new.txt"));
         assert!(beside.text.contains("obj_file b.obj") && parse("new.txt", &beside.text).is_ok());
     }
 }

@@ -191,14 +191,14 @@ impl SceneError {
 
     /// The error, marked as one of a valid scene that exceeds the memory limit.
     #[must_use]
-    pub fn exhausting(mut self) -> Self {
+    pub fn marked_out_of_memory(mut self) -> Self {
         self.0.exhausts = true;
         self
     }
 
     /// True if the scene is valid but exceeds the memory limit.
     #[must_use]
-    pub fn exhausts_memory(&self) -> bool {
+    pub fn is_out_of_memory(&self) -> bool {
         self.0.exhausts
     }
 

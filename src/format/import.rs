@@ -1,10 +1,10 @@
 //! The seam for scene formats: the importer trait, and what an importer returns.
 
-use super::description::Description;
+use super::description::SceneDescription;
 use super::mesh::TriangleMesh;
 use super::{SceneError, SourceText};
 use crate::image::Image;
-use crate::stats::{Memory, bytes};
+use crate::stats::{MemoryLimit, format_bytes};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -23,33 +23,33 @@ pub trait SceneImporter: Sync {
     /// Reads the file at `path`, which takes at most `memory`.
     ///
     /// # Errors
-    /// [`ReadError`]; its [`SceneError`] may lack a position and may carry further errors.
-    fn import(&self, path: &Path, memory: Memory) -> Result<Imported, ReadError>;
+    /// [`SceneReadError`]; its [`SceneError`] may lack a position and may carry further errors.
+    fn import(&self, path: &Path, memory: MemoryLimit) -> Result<ImportedScene, SceneReadError>;
 }
 
 /// A scene as an importer read it.
 #[derive(Clone, Debug)]
-pub struct Imported {
+pub struct ImportedScene {
     /// The scene.
-    pub description: Description,
+    pub description: SceneDescription,
     /// The text that the description's spans refer to; empty if the format is not text.
     pub source: SourceText,
     /// Meshes and pictures that the file itself holds.
-    pub assets: Assets,
+    pub assets: EmbeddedAssets,
 }
 
 /// Meshes and pictures in memory, by the paths that the description names them with.
 ///
 /// A path that is listed here is not looked up in the file system.
 #[derive(Clone, Debug, Default)]
-pub struct Assets {
+pub struct EmbeddedAssets {
     /// Meshes of `TriangleMesh` shapes.
     pub meshes: BTreeMap<String, Arc<TriangleMesh>>,
     /// Pictures of textures and environments, in linear values.
     pub pictures: BTreeMap<String, Arc<Image>>,
 }
 
-impl Assets {
+impl EmbeddedAssets {
     /// True if `path` names a mesh or picture in memory.
     #[must_use]
     pub fn contains(&self, path: &str) -> bool {
@@ -59,7 +59,7 @@ impl Assets {
 
 /// Reason why a scene file could not be read.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
-pub enum ReadError {
+pub enum SceneReadError {
     /// The file could not be opened or read.
     #[error("cannot read the scene `{}`", path.display())]
     #[diagnostic(help("check the path and its permissions"))]
@@ -70,7 +70,7 @@ pub enum ReadError {
         source: std::io::Error,
     },
     /// The file exceeds the memory limit.
-    #[error("the scene `{}` takes about {} of memory, and {} are free", path.display(), bytes(*needed), bytes(*free))]
+    #[error("the scene `{}` takes about {} of memory, and {} are free", path.display(), format_bytes(*needed), format_bytes(*free))]
     #[diagnostic(help("put large parts into meshes, or allow more memory (--memory)"))]
     Memory {
         /// Path of the file.

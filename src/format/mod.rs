@@ -7,23 +7,23 @@ mod file;
 pub mod grid;
 mod import;
 mod language;
+mod line_error;
 pub mod mesh;
 pub mod mtl;
-mod problem;
 mod resolve;
+mod scene_text;
 #[cfg(test)]
 mod tests;
-mod text;
 mod transform_step;
 mod warnings;
 
-pub use convert::Conversion;
+pub use convert::ConvertedScene;
 pub use error::{SceneError, SourceText};
 pub use file::{IMPORTERS, SceneFile};
-pub use import::{Assets, Imported, ReadError, SceneImporter};
-pub use language::{parse, parse_bytes, with_reference};
-pub use problem::LineError;
-pub use resolve::{resolve, resolve_watched};
+pub use import::{EmbeddedAssets, ImportedScene, SceneImporter, SceneReadError};
+pub use language::{parse, parse_scene_bytes, update_reference_tables};
+pub use line_error::LineError;
+pub use resolve::{resolve, resolve_monitored};
 
 /// Greatest depth of nested groups and transforms.
-pub const MAX_DEPTH: usize = 512;
+pub const MAX_NESTING_DEPTH: usize = 512;

@@ -1,6 +1,6 @@
 //! Steps of a `Transform` block.
 
-use crate::math::{self, Step};
+use crate::math::{self, MotionStep};
 use glam::{DAffine3, DMat4, DVec3};
 
 /// One step of a transform.
@@ -49,16 +49,16 @@ impl TransformStep {
     ///
     /// A matrix has no such motion and applies at all times.
     #[must_use]
-    pub fn growing(&self) -> Step {
+    pub fn motion_step(&self) -> MotionStep {
         match *self {
-            Self::Scale(s) => Step::Scale(s),
-            Self::UniformScale(s) => Step::Scale(DVec3::splat(s)),
-            Self::Translate(t) => Step::Translate(t),
-            Self::RotateX(angle) => Step::Rotate(DVec3::X, angle),
-            Self::RotateY(angle) => Step::Rotate(DVec3::Y, angle),
-            Self::RotateZ(angle) => Step::Rotate(DVec3::Z, angle),
-            Self::Rotate { axis, angle } => Step::Rotate(axis.normalize_or_zero(), angle),
-            Self::Matrix(_) => Step::Fixed(self.matrix()),
+            Self::Scale(s) => MotionStep::Scale(s),
+            Self::UniformScale(s) => MotionStep::Scale(DVec3::splat(s)),
+            Self::Translate(t) => MotionStep::Translate(t),
+            Self::RotateX(angle) => MotionStep::Rotate(DVec3::X, angle),
+            Self::RotateY(angle) => MotionStep::Rotate(DVec3::Y, angle),
+            Self::RotateZ(angle) => MotionStep::Rotate(DVec3::Z, angle),
+            Self::Rotate { axis, angle } => MotionStep::Rotate(axis.normalize_or_zero(), angle),
+            Self::Matrix(_) => MotionStep::Fixed(self.matrix()),
         }
     }
 
@@ -67,7 +67,7 @@ impl TransformStep {
     /// Each step applies before those listed ahead of it (M ← M T). A matrix applies after them (M
     /// ← T M), as in MIT 6.837.
     #[must_use]
-    pub fn product(maps: &[Self]) -> DAffine3 {
+    pub fn composed_matrix(maps: &[Self]) -> DAffine3 {
         maps.iter().fold(DAffine3::IDENTITY, |m, map| match map {
             Self::Matrix(_) => map.matrix() * m,
             _ => m * map.matrix(),
@@ -77,7 +77,7 @@ impl TransformStep {
 
 /// Rotation about a unit `axis` by `angle` \[degrees].
 fn turn(axis: DVec3, angle: f64) -> DAffine3 {
-    DAffine3::from_mat3(math::turn_degrees(axis, angle))
+    DAffine3::from_mat3(math::rotation_matrix_degrees(axis, angle))
 }
 
 #[cfg(test)]
@@ -102,13 +102,13 @@ mod tests {
     #[test]
     fn the_first_map_is_applied_last() {
         let maps = [TransformStep::Translate(DVec3::X), TransformStep::Scale(DVec3::splat(2.0))];
-        assert!(close(TransformStep::product(&maps).transform_point3(DVec3::ONE), DVec3::new(3.0, 2.0, 2.0)));
+        assert!(close(TransformStep::composed_matrix(&maps).transform_point3(DVec3::ONE), DVec3::new(3.0, 2.0, 2.0)));
     }
 
     #[test]
     fn a_matrix_is_applied_after_those_before_it() {
         let double = TransformStep::Matrix(DMat4::from_scale(DVec3::splat(2.0)));
         let maps = [TransformStep::Translate(DVec3::X), double];
-        assert!(close(TransformStep::product(&maps).transform_point3(DVec3::ZERO), DVec3::new(2.0, 0.0, 0.0)));
+        assert!(close(TransformStep::composed_matrix(&maps).transform_point3(DVec3::ZERO), DVec3::new(2.0, 0.0, 0.0)));
     }
 }

@@ -2,9 +2,9 @@
 
 use super::SourceText;
 use super::description::{
-    Description, Group, GroupItem, MaterialDescription, ObjectDescription, ShapeDescription, Span, Spanned,
+    Group, GroupItem, MaterialDescription, ObjectDescription, SceneDescription, ShapeDescription, Span, Spanned,
 };
-use super::import::Assets;
+use super::import::EmbeddedAssets;
 use super::mesh::{self, MeshReport};
 use super::resolve::candidates;
 use std::collections::{BTreeMap, BTreeSet};
@@ -13,7 +13,12 @@ use std::path::Path;
 /// Returns warnings, one line each, in the order of the text.
 ///
 /// Meshes of dielectrics are read again; one that cannot be read is the resolver's to report.
-pub(super) fn warnings(description: &Description, source: &SourceText, folder: &Path, assets: &Assets) -> Vec<String> {
+pub(super) fn warnings(
+    description: &SceneDescription,
+    source: &SourceText,
+    folder: &Path,
+    assets: &EmbeddedAssets,
+) -> Vec<String> {
     let uses = Uses::of(description);
     let mut found = unused(description, &uses);
     for (path, span) in &uses.dielectric_meshes {
@@ -33,7 +38,7 @@ pub(super) fn warnings(description: &Description, source: &SourceText, folder: &
 }
 
 /// Returns warnings about unused textures and materials, one line each, in the order of the text.
-pub(super) fn unused_warnings(description: &Description, source: &SourceText) -> Vec<String> {
+pub(super) fn unused_item_warnings(description: &SceneDescription, source: &SourceText) -> Vec<String> {
     lines(unused(description, &Uses::of(description)), source)
 }
 
@@ -44,7 +49,7 @@ fn lines(mut found: Vec<(Span, String)>, source: &SourceText) -> Vec<String> {
 }
 
 /// Returns messages about textures and materials that nothing refers to.
-fn unused(description: &Description, uses: &Uses<'_>) -> Vec<(Span, String)> {
+fn unused(description: &SceneDescription, uses: &Uses<'_>) -> Vec<(Span, String)> {
     let mut found = Vec::new();
     for texture in &description.textures {
         if !uses.textures.contains(texture.name.as_str()) {
@@ -88,7 +93,7 @@ struct Uses<'a> {
 
 impl<'a> Uses<'a> {
     /// Returns the uses of a scene.
-    fn of(description: &'a Description) -> Self {
+    fn of(description: &'a SceneDescription) -> Self {
         let mut uses = Self::default();
         uses.group(description, &description.root, &mut 0);
         for material in &description.materials {
@@ -98,7 +103,7 @@ impl<'a> Uses<'a> {
     }
 
     /// Collects the uses of a group; `material` is the index of the material in force.
-    fn group(&mut self, description: &'a Description, group: &'a Group, material: &mut usize) {
+    fn group(&mut self, description: &'a SceneDescription, group: &'a Group, material: &mut usize) {
         for item in &group.items {
             match item {
                 GroupItem::MaterialIndex(index) => *material = index.value as usize,
@@ -112,7 +117,12 @@ impl<'a> Uses<'a> {
     }
 
     /// Collects the uses of an object.
-    fn object(&mut self, description: &'a Description, object: &'a Spanned<ObjectDescription>, material: &mut usize) {
+    fn object(
+        &mut self,
+        description: &'a SceneDescription,
+        object: &'a Spanned<ObjectDescription>,
+        material: &mut usize,
+    ) {
         match &object.value {
             ObjectDescription::Group(group) => self.group(description, group, material),
             ObjectDescription::Transform { object, .. } | ObjectDescription::Moving { object, .. } => {
@@ -122,7 +132,7 @@ impl<'a> Uses<'a> {
                 self.materials.insert(*material);
                 let ShapeDescription::Mesh { path, options } = shape else { return };
                 let dielectric = description.materials.get(*material).is_some_and(|m| m.kind.is_dielectric());
-                if dielectric && !options.own_materials {
+                if dielectric && !options.uses_file_materials {
                     self.dielectric_meshes.entry(path).or_insert(path.span);
                 }
             }
@@ -130,7 +140,7 @@ impl<'a> Uses<'a> {
     }
 
     /// True if an object has the material, or a mix that an object has contains it.
-    fn is_used(&self, description: &Description, index: usize) -> bool {
+    fn is_used(&self, description: &SceneDescription, index: usize) -> bool {
         let materials = &description.materials;
         let name = materials[index].name.as_deref();
         let part_of = |mix: &Spanned<MaterialDescription>| {

@@ -23,9 +23,11 @@ pub use error::{ReadError, WriteError};
 pub use layers::{ExrLayer, check_layers_path, write_layers};
 pub(crate) use open::open_file;
 pub use options::{BitDepth, FloatDepth, WriteOptions};
-pub use ramp::{diverging, sequential};
-pub use read::{InputFormat, Meaning, decode, read, read_bytes, read_data, read_with_format, read_within};
+pub use ramp::{diverging_color, sequential_color};
+pub use read::{
+    InputFormat, PictureContent, decode, read, read_bytes, read_data, read_with_format, read_with_memory_limit,
+};
 pub use relative::RelativeScale;
-pub use replace::{check_replaceable, final_path, replace_file, replace_with};
-pub use tone::{Curve, MAX_EXPOSURE_STOPS, ToneMap, UnknownCurve, WriteReport};
+pub use replace::{canonical_output_path, check_replaceable, replace_file, replace_file_with};
+pub use tone::{MAX_EXPOSURE_STOPS, ToneCurve, ToneMap, UnknownToneCurve, WriteReport};
 pub use write::{OutputFormat, check_writable, encode, write};

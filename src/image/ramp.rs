@@ -24,19 +24,19 @@ const BLUE_RED: [[u8; 3]; 5] =
 
 /// Colour of `t` in [0, 1], as linear RGB; larger is lighter. Other values are clamped.
 #[must_use]
-pub fn sequential(t: f64) -> Vec3 {
-    interpolate(&MAGMA, t)
+pub fn sequential_color(t: f64) -> Vec3 {
+    interpolate_color_map(&MAGMA, t)
 }
 
 /// Colour of `t` in [−1, 1], as linear RGB: blue, nearly white at 0, red. Other values are clamped.
 #[must_use]
-pub fn diverging(t: f64) -> Vec3 {
-    interpolate(&BLUE_RED, 0.5 + 0.5 * t)
+pub fn diverging_color(t: f64) -> Vec3 {
+    interpolate_color_map(&BLUE_RED, 0.5 + 0.5 * t)
 }
 
 /// Interpolates between colours in sRGB signals, whose equal steps look more equal than those of
 /// light.
-fn interpolate(steps: &[[u8; 3]], t: f64) -> Vec3 {
+fn interpolate_color_map(steps: &[[u8; 3]], t: f64) -> Vec3 {
     let last = steps.len() - 1;
     let position = t.clamp(0.0, 1.0) * last as f64;
     let step = (position as usize).min(last - 1);
@@ -51,7 +51,7 @@ mod tests {
     use crate::image::{Image, OutputFormat, WriteOptions, encode, read_bytes};
 
     /// The bytes that a PNG stores for the colours.
-    fn shown(colors: Vec<Vec3>) -> Vec<[u8; 3]> {
+    fn stored_png_bytes(colors: Vec<Vec3>) -> Vec<[u8; 3]> {
         let image = Image::from_pixels(colors.len() as u32, 1, colors).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
@@ -61,16 +61,16 @@ mod tests {
 
     #[test]
     fn steps_are_the_published_bytes_and_clamp() {
-        assert_eq!(shown((0..9).map(|i| sequential(f64::from(i) / 8.0)).collect()), MAGMA);
-        assert_eq!(shown((0..5).map(|i| diverging(f64::from(i) / 2.0 - 1.0)).collect()), BLUE_RED);
-        assert_eq!((sequential(-1.0), sequential(2.0)), (sequential(0.0), sequential(1.0)));
-        assert_eq!((diverging(-9.0), diverging(9.0)), (diverging(-1.0), diverging(1.0)));
+        assert_eq!(stored_png_bytes((0..9).map(|i| sequential_color(f64::from(i) / 8.0)).collect()), MAGMA);
+        assert_eq!(stored_png_bytes((0..5).map(|i| diverging_color(f64::from(i) / 2.0 - 1.0)).collect()), BLUE_RED);
+        assert_eq!((sequential_color(-1.0), sequential_color(2.0)), (sequential_color(0.0), sequential_color(1.0)));
+        assert_eq!((diverging_color(-9.0), diverging_color(9.0)), (diverging_color(-1.0), diverging_color(1.0)));
     }
 
     #[test]
     fn larger_is_lighter() {
         let luminance = |c: Vec3| c.dot(Vec3::new(0.2126, 0.7152, 0.0722));
-        let lights: Vec<f32> = (0..=64).map(|i| luminance(sequential(f64::from(i) / 64.0))).collect();
+        let lights: Vec<f32> = (0..=64).map(|i| luminance(sequential_color(f64::from(i) / 64.0))).collect();
         assert!(lights.is_sorted_by(|a, b| a < b), "{lights:?}");
     }
 }

@@ -20,8 +20,8 @@ pub struct RelativeScale {
 impl RelativeScale {
     /// Scale of a reference picture. Pixels that are not finite do not enter the means.
     #[must_use]
-    pub fn of(picture: &Image) -> Self {
-        Self::of_pixels((picture.width(), picture.height()), picture.pixels())
+    pub fn from_image(picture: &Image) -> Self {
+        Self::from_pixels((picture.width(), picture.height()), picture.pixels())
     }
 
     /// Scale of a reference with `size` (width, height) and pixels in rows from the top.
@@ -29,7 +29,7 @@ impl RelativeScale {
     /// # Panics
     /// If the number of pixels is not width · height.
     #[must_use]
-    pub fn of_pixels(size: (u32, u32), pixels: &[Vec3]) -> Self {
+    pub fn from_pixels(size: (u32, u32), pixels: &[Vec3]) -> Self {
         let (width, height) = (size.0 as usize, size.1 as usize);
         assert_eq!(pixels.len(), width * height);
         let radiance: Vec<f64> = pixels.iter().map(|p| p.as_dvec3().element_sum().abs() / 3.0).collect();
@@ -66,14 +66,15 @@ impl RelativeScale {
     /// Relative e², or product of two errors, of pixel `i`, summed over channels and clamped to
     /// [−1, 1].
     #[must_use]
-    pub fn counts(&self, i: usize, product: f64) -> f64 {
+    pub fn clamped_relative_product(&self, i: usize, product: f64) -> f64 {
         (self.weights[i] * product).clamp(-1.0, 1.0)
     }
 
     /// Mean over pixels of the relative `product(i)`: e², or a product of two errors, per channel.
     #[must_use]
     pub fn mean(&self, product: impl Fn(usize) -> DVec3) -> f64 {
-        let sum: f64 = (0..self.weights.len()).map(|i| self.counts(i, product(i).element_sum())).sum();
+        let sum: f64 =
+            (0..self.weights.len()).map(|i| self.clamped_relative_product(i, product(i).element_sum())).sum();
         sum / self.weights.len() as f64
     }
 }

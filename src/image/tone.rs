@@ -12,20 +12,20 @@ pub const MAX_EXPOSURE_STOPS: f32 = 64.0;
 
 /// Curve from exposed linear radiance to a signal in [0, 1].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Curve {
+pub enum ToneCurve {
     /// Clamp, then the sRGB transfer function (IEC 61966-2-1), rounded to the nearest level.
     #[default]
     Srgb,
     /// Narkowicz's fit of the ACES film curve ("ACES Filmic Tone Mapping Curve", 2016), then
-    /// [`Curve::Srgb`]. Highlights roll off and reach white at 7.2 times the radiance that
-    /// [`Curve::Srgb`] clips.
+    /// [`ToneCurve::Srgb`]. Highlights roll off and reach white at 7.2 times the radiance that
+    /// [`ToneCurve::Srgb`] clips.
     Filmic,
     /// Curve of the course: trunc(255 · clamp(c)), without a transfer function or a colour space
     /// label.
     Course,
 }
 
-impl Curve {
+impl ToneCurve {
     /// All curves, in the order of messages.
     pub const ALL: [Self; 3] = [Self::Srgb, Self::Filmic, Self::Course];
 
@@ -40,7 +40,7 @@ impl Curve {
     }
 }
 
-impl fmt::Display for Curve {
+impl fmt::Display for ToneCurve {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
     }
@@ -49,16 +49,16 @@ impl fmt::Display for Curve {
 /// An unknown name of a tone curve.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown tone curve `{0}`: choose srgb, filmic or course")]
-pub struct UnknownCurve(pub String);
+pub struct UnknownToneCurve(pub String);
 
-impl FromStr for Curve {
-    type Err = UnknownCurve;
+impl FromStr for ToneCurve {
+    type Err = UnknownToneCurve;
 
-    fn from_str(name: &str) -> Result<Self, UnknownCurve> {
+    fn from_str(name: &str) -> Result<Self, UnknownToneCurve> {
         Self::ALL
             .into_iter()
             .find(|curve| curve.name().eq_ignore_ascii_case(name))
-            .ok_or_else(|| UnknownCurve(name.to_owned()))
+            .ok_or_else(|| UnknownToneCurve(name.to_owned()))
     }
 }
 
@@ -66,7 +66,7 @@ impl FromStr for Curve {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ToneMap {
     /// The curve.
-    pub curve: Curve,
+    pub curve: ToneCurve,
     /// Exposure: radiance is multiplied by 2 to this power. Within ±[`MAX_EXPOSURE_STOPS`].
     pub exposure_stops: f32,
 }
@@ -98,7 +98,7 @@ impl WriteReport {
 /// A tone map with a checked exposure, for levels of a given depth.
 #[derive(Clone, Copy)]
 pub(super) struct Quantizer {
-    curve: Curve,
+    curve: ToneCurve,
     scale: f32,
     white: u16,
 }
@@ -114,7 +114,7 @@ impl Quantizer {
     }
 
     /// The levels of a pixel. Values that they cannot hold are counted in `report`.
-    pub(super) fn levels(&self, pixel: Vec3, report: &mut WriteReport) -> [u16; 3] {
+    pub(super) fn quantize_pixel(&self, pixel: Vec3, report: &mut WriteReport) -> [u16; 3] {
         let exposed = pixel * self.scale;
         // Exposure may overflow a finite value. That is too bright, not a defect.
         if !pixel.is_finite() {
@@ -123,30 +123,30 @@ impl Quantizer {
             report.too_bright += usize::from(exposed.to_array().iter().any(|&c| self.is_too_bright(c)));
             report.negative += usize::from(pixel.to_array().iter().any(|&c| c < 0.0));
         }
-        exposed.to_array().map(|c| self.level(c))
+        exposed.to_array().map(|c| self.quantize_channel(c))
     }
 
     fn is_too_bright(&self, c: f32) -> bool {
         match self.curve {
-            Curve::Srgb | Curve::Course => c > 1.0,
-            Curve::Filmic => film(f64::from(c)) > 1.0,
+            ToneCurve::Srgb | ToneCurve::Course => c > 1.0,
+            ToneCurve::Filmic => filmic_curve(f64::from(c)) > 1.0,
         }
     }
 
     // Casts from float to integer saturate, and NaN becomes 0.
-    fn level(&self, c: f32) -> u16 {
+    fn quantize_channel(&self, c: f32) -> u16 {
         let nearest = |linear: f64| (f64::from(self.white) * srgb_encode(linear.clamp(0.0, 1.0)) + 0.5) as u16;
         match self.curve {
-            Curve::Srgb => nearest(f64::from(c)),
-            Curve::Filmic => nearest(film(f64::from(c))),
+            ToneCurve::Srgb => nearest(f64::from(c)),
+            ToneCurve::Filmic => nearest(filmic_curve(f64::from(c))),
             // The ray caster of the course multiplies in f32.
-            Curve::Course => (f32::from(self.white) * c.clamp(0.0, 1.0)) as u16,
+            ToneCurve::Course => (f32::from(self.white) * c.clamp(0.0, 1.0)) as u16,
         }
     }
 }
 
 /// Narkowicz's fit, x(2.51x + 0.03) / (x(2.43x + 0.59) + 0.14). It exceeds 1 above x = 7.24.
-fn film(x: f64) -> f64 {
+fn filmic_curve(x: f64) -> f64 {
     // Above 8 the curve exceeds white, and infinity would give NaN. Below 0 the fit has a pole.
     let x = x.clamp(0.0, 8.0);
     x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)

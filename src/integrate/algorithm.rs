@@ -77,7 +77,7 @@ impl Algorithm {
             Bump, CausticBounces, Caustics, Dispersion, Environment, Gathering, Interiors, Interreflection, Lens,
             Media, Motion, Shadows, SoftShadows, Specular, Textures,
         };
-        const RAYCAST: Effects = Effects::of(&[Textures, Bump]);
+        const RAYCAST: Effects = Effects::from_list(&[Textures, Bump]);
         const WHITTED: Effects = RAYCAST.with(Specular).with(Shadows).with(Environment).with(Interiors);
         const DISTRIBUTED: Effects = WHITTED.with(SoftShadows).with(Lens).with(Motion).with(Media).with(Dispersion);
         const PATH: Effects = DISTRIBUTED.with(Interreflection).with(Caustics);
@@ -95,7 +95,7 @@ impl Algorithm {
     /// Prepares the algorithm for `scene`. Pilots find the settings that are not set.
     #[must_use]
     pub fn prepare(self, scene: &Scene, settings: Settings) -> Box<dyn Integrator + '_> {
-        let plan = Plan::new(scene, self.simulates(), settings.eye.effects);
+        let plan = Plan::new(scene, self.simulates(), settings.camera_paths.effects);
         let policy: PolicyFn = match self {
             Self::Hybrid => hybrid::policy,
             Self::Path => path::policy,
@@ -104,7 +104,7 @@ impl Algorithm {
             Self::Pm => pm::policy,
             Self::Distributed => distributed::policy,
             Self::Whitted => whitted::policy,
-            Self::Raycast => return Box::new(RayCast::new(scene, plan, &settings.eye)),
+            Self::Raycast => return Box::new(RayCast::new(scene, plan, &settings.camera_paths)),
         };
         Box::new(PathIntegrator::new(scene, plan, settings, policy))
     }

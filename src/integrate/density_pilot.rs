@@ -28,7 +28,7 @@ const MAX_DENSITY: f64 = 8.0;
 /// Camera rays of each pixel in parts of the mean, by rows from the top; `None` if rays make no
 /// noise.
 pub(super) fn find_density(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>> {
-    let key = Key::new(renderer.settings.eye.seed).purpose(Purpose::Balance);
+    let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
     let budget = PassBudget { key, pass: 0, part: PILOT_PART, limited: true };
     let maps = renderer.map_builder.build_within(&budget, &Silent, &mut Pass::default());
     // Moving objects rest at one time, as in a pass.
@@ -37,11 +37,12 @@ pub(super) fn find_density(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>> {
         .map(|i| {
             // No render reaches these passes, so no random number is used twice.
             let pass = u32::MAX - i;
-            let (paths, sampling, key) = (pilot.paths(Some(&maps), pass), pilot.film_sampling(), pilot.key(pass));
+            let (paths, sampling, key) =
+                (pilot.path_context(Some(&maps), pass), pilot.film_sampling(), pilot.camera_key(pass));
             let picture = for_interior!(pilot.policy.effects, <I> {
                 film::render_tiles(&sampling, key, &Silent, camera_path::tracer::<I>(&paths))
             });
-            picture.image.iter().map(|v| f64::from(color::mean(*v))).collect()
+            picture.image.iter().map(|v| f64::from(color::channel_mean(*v))).collect()
         })
         .collect();
     let (width, height) = renderer.scene.camera().size();
@@ -110,7 +111,8 @@ mod tests {
         let (width, height) = (16, 8);
         let picture = |i: u64| {
             let value = |p: usize| {
-                let (x, noise) = (p % width, Key::new(i).with(p as u64).uniform(crate::sampling::Dimension::Film));
+                let (x, noise) =
+                    (p % width, Key::new(i).child_key(p as u64).uniform_1d(crate::sampling::Dimension::Film));
                 if x < width / 2 { 1.0 } else { 0.5 + f64::from(noise) }
             };
             (0..width * height).map(value).collect::<Vec<f64>>()

@@ -7,11 +7,12 @@ use super::radius_law::{RadiusLaw, shrink, shrink_in};
 use super::radius_pilot::{
     GuidingReports, Radii, VolumeRadii, find_radius, find_volume_radii, min_disc_radius, pilot_paths,
 };
-use super::settings::{EyeSettings, Settings};
+use super::settings::{CameraPathSettings, Settings};
 use super::visible_pilot::visible_points;
 use super::volume_estimate::{VolumeEstimate, VolumeMap};
 use crate::photon::{
-    Bandwidth, GuidingPilot, Photon, PhotonMap, PhotonPass, PhotonSource, StoreMask, THINNING, Traced, VolumePhotons,
+    AFTER_CAUSTIC_THINNING, Bandwidth, GuidingPilot, Photon, PhotonMap, PhotonPass, PhotonPassResult, PhotonSource,
+    StoreMask, VolumePhotons,
 };
 use crate::plan::{Effect, Effects};
 use crate::sampling::{Key, Purpose};
@@ -147,9 +148,9 @@ impl<'a> PhotonMapBuilder<'a> {
             restricted(new_source()?, policy.effects)
         };
         // Caustics forced on in a scene without lit casters start in all directions.
-        let aimed = || PhotonSource::aimed(scene).or_else(|| PhotonSource::everywhere(scene));
+        let aimed = || PhotonSource::aimed_at_casters(scene).or_else(|| PhotonSource::in_all_directions(scene));
         let caustic_source = source(request.aimed, settings.caustic_photons, &aimed);
-        let global_source = source(request.global, settings.photons, &|| PhotonSource::everywhere(scene));
+        let global_source = source(request.global, settings.photons, &|| PhotonSource::in_all_directions(scene));
         let counts = PathCounts { photons: settings.photons, caustic_photons: settings.caustic_photons };
         let mut builder = Self {
             scene,
@@ -211,14 +212,14 @@ impl<'a> PhotonMapBuilder<'a> {
             return;
         }
         let (scene, settings) = (self.scene, &self.settings);
-        let radius = scene.domain().radius * VISIBLE_RADIUS;
-        let visible = visible_points(scene, &settings.eye, self.policy.effects, radius);
+        let radius = scene.photon_domain().radius * VISIBLE_RADIUS;
+        let visible = visible_points(scene, &settings.camera_paths, self.policy.effects, radius);
         let guide = |source: &mut Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
             let unguided = source.take()?;
-            let EyeSettings { max_bounces, seed, .. } = settings.eye;
+            let CameraPathSettings { max_bounces, seed, .. } = settings.camera_paths;
             let paths = pilot_paths(paths, GuidingPilot::PATHS);
             let pilot = GuidingPilot { mask, max_bounces, visible: &visible, paths, seed };
-            let (guided, report) = unguided.clone().guided(&pilot);
+            let (guided, report) = unguided.clone().with_guided_emission(&pilot);
             *source = Some(if report.gain > MIN_GUIDING_GAIN { guided } else { unguided });
             Some(report)
         };
@@ -236,14 +237,15 @@ impl<'a> PhotonMapBuilder<'a> {
             let k = settings.gather_k.filter(|k| *k > 0).unwrap_or(default_k);
             let found = || {
                 let source = source.as_ref()?;
-                let photon_pass = PhotonPass { scene: self.scene, source, mask, max_bounces: settings.eye.max_bounces };
-                find_radius(&photon_pass, paths, k, settings.eye.seed, self.min_radius)
+                let photon_pass =
+                    PhotonPass { scene: self.scene, source, mask, max_bounces: settings.camera_paths.max_bounces };
+                find_radius(&photon_pass, paths, k, settings.camera_paths.seed, self.min_radius)
             };
             // A pilot may find no photon although passes will, for example if objects move.
-            settings.radius.or_else(found).unwrap_or(self.scene.domain().radius * DEFAULT_RADIUS)
+            settings.radius.or_else(found).unwrap_or(self.scene.photon_domain().radius * DEFAULT_RADIUS)
         };
         let (source, mask, paths) = self.global_map();
-        let default_k = if self.request.aimed.apart { AFTER_CAUSTIC_COUNT } else { GLOBAL_COUNT };
+        let default_k = if self.request.aimed.separates_after_caustic { AFTER_CAUSTIC_COUNT } else { GLOBAL_COUNT };
         let global = radius(source, mask, paths, default_k);
         let caustic = radius(&self.caustic_source, StoreMask::CAUSTIC, settings.caustic_photons, CAUSTIC_K);
         Radii { global, caustic }
@@ -252,9 +254,9 @@ impl<'a> PhotonMapBuilder<'a> {
     /// Source, stored photons and effective number of paths of the global map: see
     /// [`PhotonMaps::global`].
     fn global_map(&self) -> (&Option<PhotonSource<'a>>, StoreMask, u32) {
-        if self.request.aimed.apart {
+        if self.request.aimed.separates_after_caustic {
             let mask = StoreMask { after_caustic: true, ..StoreMask::NONE };
-            (&self.caustic_source, mask, self.settings.caustic_photons / THINNING)
+            (&self.caustic_source, mask, self.settings.caustic_photons / AFTER_CAUSTIC_THINNING)
         } else {
             (&self.global_source, self.request.global, self.settings.photons)
         }
@@ -272,14 +274,15 @@ impl<'a> PhotonMapBuilder<'a> {
         let settings = &self.settings;
         let found = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
             let source = source.as_ref()?;
-            let photon_pass = PhotonPass { scene: self.scene, source, mask, max_bounces: settings.eye.max_bounces };
+            let photon_pass =
+                PhotonPass { scene: self.scene, source, mask, max_bounces: settings.camera_paths.max_bounces };
             find_volume_radii(&photon_pass, self.policy.effects, paths, settings)
         };
         let radii = |source, mask, paths| {
             if let Some(radius) = settings.radius {
                 return VolumeRadii { beams: radius, points: radius };
             }
-            let default = self.scene.domain().radius * DEFAULT_RADIUS;
+            let default = self.scene.photon_domain().radius * DEFAULT_RADIUS;
             found(source, self.in_media(mask), paths).unwrap_or(VolumeRadii { beams: default, points: default })
         };
         let (source, mask, paths) = self.global_map();
@@ -306,16 +309,17 @@ impl<'a> PhotonMapBuilder<'a> {
     /// Estimated photons of a pass, from few paths.
     pub fn expected(&self) -> Expected {
         let settings = &self.settings;
-        let key = Key::new(settings.eye.seed).purpose(Purpose::Pilot);
+        let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::Pilot);
         let expected = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
             let Some(source) = source.as_ref().filter(|_| paths > 0) else { return Expected::default() };
             let probe = paths.min(PROBE_PATHS);
-            let photon_pass = PhotonPass { scene: self.scene, source, mask, max_bounces: settings.eye.max_bounces };
+            let photon_pass =
+                PhotonPass { scene: self.scene, source, mask, max_bounces: settings.camera_paths.max_bounces };
             let traced = photon_pass.trace(key, probe, &|_| {});
             let scale = |n: usize| (n as f64 * f64::from(paths) / f64::from(probe)) as u64;
             let in_media = |volume: &VolumePhotons| volume.points.len() + BEAM_SIZE * volume.beams.len();
             let one = scale(traced.deposits.photons.len() + in_media(&traced.deposits.volume));
-            let other = scale(traced.deposits.after_caustic.len() + in_media(&traced.deposits.after_volume));
+            let other = scale(traced.deposits.after_caustic.len() + in_media(&traced.deposits.after_caustic_volume));
             Expected { paths: paths.into(), photons: one + other, most: one.max(other) }
         };
         let guides = if self.request.guides { self.counts.photons / GUIDE_INTERVAL } else { 0 };
@@ -333,7 +337,7 @@ impl<'a> PhotonMapBuilder<'a> {
 
     /// Traces and indexes the photons of pass `pass`; adds the work to `out`.
     pub fn build(&self, pass: u32, monitor: &dyn Monitor, out: &mut Pass) -> PhotonMaps<'a> {
-        let key = Key::new(self.settings.eye.seed);
+        let key = Key::new(self.settings.camera_paths.seed);
         self.build_within(&PassBudget { key, pass, part: 1, limited: true }, monitor, out)
     }
 
@@ -341,7 +345,7 @@ impl<'a> PhotonMapBuilder<'a> {
     pub fn build_within(&self, budget: &PassBudget, monitor: &dyn Monitor, out: &mut Pass) -> PhotonMaps<'a> {
         let PassBudget { pass, part, .. } = *budget;
         let counts = self.counts.divided(part);
-        let key = |purpose| budget.key.purpose(purpose).pass(pass);
+        let key = |purpose| budget.key.purpose_key(purpose).pass_key(pass);
 
         // Discs keep their size if counts are balanced, so the usual limit changes with the count.
         let ratio = f64::from(self.counts.caustic_photons) / f64::from(self.settings.caustic_photons.max(1));
@@ -374,8 +378,8 @@ impl<'a> PhotonMapBuilder<'a> {
         let caustic = index(caustic_photons, caustic_radii, caustic_k, out);
 
         // Trace the paths of the global map, unless the aimed paths hold its light.
-        let global_photons = if self.request.aimed.apart {
-            MapPhotons { surface: aimed.deposits.after_caustic, volume: aimed.deposits.after_volume }
+        let global_photons = if self.request.aimed.separates_after_caustic {
+            MapPhotons { surface: aimed.deposits.after_caustic, volume: aimed.deposits.after_caustic_volume }
         } else {
             let traced = self.trace(
                 self.global_source.as_ref(),
@@ -394,9 +398,16 @@ impl<'a> PhotonMapBuilder<'a> {
         // Trace the photons that guide gather rays.
         let guides = if self.request.guides {
             let paths = counts.photons / GUIDE_INTERVAL;
-            self.trace(self.global_source.as_ref(), StoreMask::GLOBAL, paths, key(Purpose::Guides), monitor, out)
-                .deposits
-                .photons
+            self.trace(
+                self.global_source.as_ref(),
+                StoreMask::GLOBAL,
+                paths,
+                key(Purpose::GatherRayGuides),
+                monitor,
+                out,
+            )
+            .deposits
+            .photons
         } else {
             Vec::new()
         };
@@ -430,11 +441,11 @@ impl<'a> PhotonMapBuilder<'a> {
         key: Key,
         monitor: &dyn Monitor,
         out: &mut Pass,
-    ) -> Traced {
-        let Some(source) = source else { return Traced::default() };
+    ) -> PhotonPassResult {
+        let Some(source) = source else { return PhotonPassResult::default() };
         let start = Instant::now();
         monitor.begin(Stage::Photons, u64::from(paths));
-        let (mask, max_bounces) = (self.in_media(mask), self.settings.eye.max_bounces);
+        let (mask, max_bounces) = (self.in_media(mask), self.settings.camera_paths.max_bounces);
         let photon_pass = PhotonPass { scene: self.scene, source, mask, max_bounces };
         let traced = photon_pass.trace(key, paths, &|n| monitor.advance(n));
         out.counters.photon_rays += traced.rays;
@@ -450,7 +461,7 @@ fn restricted<'a>(source: PhotonSource<'a>, effects: Effects) -> Option<PhotonSo
     if effects.has(Effect::Environment) { Some(source) } else { source.without_environment() }
 }
 
-fn report(traced: &Traced) -> PhotonReport {
+fn report(traced: &PhotonPassResult) -> PhotonReport {
     PhotonReport { emitted: traced.paths, stored: traced.deposits.len() as u64, audit: traced.audit }
 }
 

@@ -52,7 +52,7 @@ impl<'a> NextEventEstimator<'a> {
         let PathPolicy { effects, light_sampling, directions, .. } = *policy;
         // The center of a light stands for all of it, with its mean emission.
         let centers = light_sampling == LightSampling::Centers || !effects.has(Effect::SoftShadows);
-        let all = if centers || !effects.has(Effect::Textures) { scene.mean_lights() } else { scene.lights() };
+        let all = if centers || !effects.has(Effect::Textures) { scene.mean_emission_lights() } else { scene.lights() };
         let skipped = scene.environment().filter(|_| !effects.has(Effect::Environment));
         // The environment is the last of the lights.
         let lights = &all[..skipped.unwrap_or(all.len())];
@@ -67,7 +67,7 @@ impl<'a> NextEventEstimator<'a> {
             LightSampling::OneRay => [sampled(1); 2],
         };
         let light_sampler = if schemes.iter().any(|s| matches!(s, RayScheme::Chosen(_))) {
-            LightBvhSampler::new(lights, scene.domain())
+            LightBvhSampler::new(lights, scene.photon_domain())
         } else {
             None
         };
@@ -95,10 +95,14 @@ impl<'a> NextEventEstimator<'a> {
         let mut sum = Rgb::ZERO;
         for (i, light) in self.lights.iter().enumerate() {
             let rays = if !light.is_delta() && !self.centers { rays } else { 1 };
-            let sampler = vertex.shadow_sampler.light(i);
+            let sampler = vertex.shadow_sampler.nth_shadow_ray_sampler(i);
             for ray in 0..rays {
                 // Splitting the sample stratifies the rays over the light.
-                let u = if self.centers { CENTER } else { sampler.split(ray, rays).get_2d(Dimension::LightPosition) };
+                let u = if self.centers {
+                    CENTER
+                } else {
+                    sampler.split_sample(ray, rays).get_2d(Dimension::LightPosition)
+                };
                 sum += self.shadow_ray(i, vertex, u, rays as f32, continues, worker);
             }
         }
@@ -121,7 +125,7 @@ impl<'a> NextEventEstimator<'a> {
         for i in 0..rays {
             let u = stratum(i, start, rays);
             let Some((light, probability, _)) = light_sampler.sample(point.p, vertex.hemisphere(), u) else { continue };
-            let sampler = vertex.shadow_sampler.light(i as usize);
+            let sampler = vertex.shadow_sampler.nth_shadow_ray_sampler(i as usize);
             let u = if self.centers { CENTER } else { sampler.get_2d(Dimension::LightPosition) };
             sum += self.shadow_ray(light, vertex, u, probability * rays as f32, continues, worker);
         }
@@ -157,7 +161,7 @@ impl<'a> NextEventEstimator<'a> {
         let Some(sample) = self.lights[light].sample_li(surface.point.p, u) else {
             return Rgb::ZERO;
         };
-        let mut reflected = surface.scatter(sample.wi) * sample.weight / rays;
+        let mut reflected = surface.bsdf_cosine(sample.wi) * sample.weight / rays;
         if reflected == Rgb::ZERO {
             return Rgb::ZERO;
         }
@@ -171,9 +175,9 @@ impl<'a> NextEventEstimator<'a> {
         worker.counters.shadow_rays += 1;
         let ray = match sample.target {
             ShadowTarget::Point(target) => {
-                surface.segment_to(self.ray_end(light, &sample, target, surface.point.p), sample.wi)
+                surface.spawn_ray_to(self.ray_end(light, &sample, target, surface.point.p), sample.wi)
             }
-            ShadowTarget::Infinity => surface.leave(sample.wi),
+            ShadowTarget::Infinity => surface.spawn_ray(sample.wi),
         };
         if self.scene.occluded(&ray) {
             return if self.has_null_interfaces {
@@ -193,7 +197,7 @@ impl<'a> NextEventEstimator<'a> {
         if sample.pdf.is_some() {
             return target;
         }
-        target - sample.wi * self.scene.light_contact(light).min(0.5 * (target - p).length())
+        target - sample.wi * self.scene.light_contact_distance(light).min(0.5 * (target - p).length())
     }
 
     /// Transmittance of an occluded shadow ray: 0 unless all surfaces in its way are null
@@ -207,11 +211,11 @@ impl<'a> NextEventEstimator<'a> {
         let path_ray = vertex.leaving(sample.wi);
         let ray = match sample.target {
             ShadowTarget::Point(target) => {
-                vertex.surface.segment_to(self.ray_end(light, sample, target, vertex.surface.point.p), sample.wi)
+                vertex.surface.spawn_ray_to(self.ray_end(light, sample, target, vertex.surface.point.p), sample.wi)
             }
             ShadowTarget::Infinity => path_ray.ray,
         };
-        self.scene.shadow_transmittance(&ray, path_ray.inside, vertex.shadow_sampler.key())
+        self.scene.shadow_transmittance(&ray, path_ray.inside, vertex.shadow_sampler.sample_key())
     }
 
     /// Transmittance between `vertex` and a light that no surface hides.

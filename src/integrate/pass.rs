@@ -2,7 +2,7 @@
 
 use super::nested_estimates::NestedEstimates;
 use crate::color::Rgb;
-use crate::photon::Audit;
+use crate::photon::EnergyAudit;
 use crate::stats::Counters;
 use serde::Serialize;
 use std::ops::AddAssign;
@@ -54,7 +54,7 @@ pub struct PhotonReport {
     /// Stored photons.
     pub stored: u64,
     /// Balance of their flux \[W].
-    pub audit: Audit,
+    pub audit: EnergyAudit,
 }
 
 /// Expected memory of a pass.

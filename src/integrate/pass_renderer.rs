@@ -38,7 +38,7 @@ impl<'a> PassRenderer<'a> {
             policy,
             nee: NextEventEstimator::new(scene, &policy),
             map_builder: PhotonMapBuilder::new(scene, settings.clone(), policy),
-            samples: settings.eye.samples.unwrap_or(policy.samples),
+            samples: settings.camera_paths.samples.unwrap_or(policy.samples),
             settings,
             density: None,
         }
@@ -71,30 +71,30 @@ impl<'a> PassRenderer<'a> {
 
     /// True if passes show the scene at different times.
     pub fn has_motion(&self) -> bool {
-        self.policy.effects.has(Effect::Motion) && self.scene.moves()
+        self.policy.effects.has(Effect::Motion) && self.scene.has_motion()
     }
 
     /// Inputs of the camera paths of pass `pass`.
-    pub fn paths<'b>(&'b self, maps: Option<&'b PhotonMaps<'b>>, pass: u32) -> PathContext<'b> {
-        let max_bounces = self.settings.eye.max_bounces;
+    pub fn path_context<'b>(&'b self, maps: Option<&'b PhotonMaps<'b>>, pass: u32) -> PathContext<'b> {
+        let max_bounces = self.settings.camera_paths.max_bounces;
         PathContext::new(self.scene, &self.policy, &self.nee, maps, pass, max_bounces)
     }
 
     /// Random key of the camera paths of pass `pass`.
-    pub fn key(&self, pass: u32) -> Key {
-        let key = Key::new(self.settings.eye.seed).purpose(Purpose::Camera);
-        if self.policy.shares_paths { key.shared_paths() } else { key.pass(pass) }
+    pub fn camera_key(&self, pass: u32) -> Key {
+        let key = Key::new(self.settings.camera_paths.seed).purpose_key(Purpose::Camera);
+        if self.policy.shares_paths { key.shared_paths_key() } else { key.pass_key(pass) }
     }
 
     /// Camera rays of a pass.
     pub fn film_sampling(&self) -> FilmSampling<'_> {
         FilmSampling {
             camera: self.scene.camera(),
-            filter: Some(&self.settings.eye.filter),
+            filter: Some(&self.settings.camera_paths.filter),
             samples: self.samples,
             lens: self.policy.effects.has(Effect::Lens),
             density: self.density.as_deref(),
-            nested: self.settings.eye.estimate_error && self.policy.reads_photons(),
+            nested: self.settings.camera_paths.estimate_error && self.policy.reads_photons(),
             every: 1,
         }
     }
@@ -107,7 +107,7 @@ impl<'a> PassRenderer<'a> {
             return None;
         }
         let every = film::tile_interval(sampling.camera.size(), FRESH_TILES);
-        let key = Key::new(self.settings.eye.seed).purpose(Purpose::Camera).fresh_paths(pass);
+        let key = Key::new(self.settings.camera_paths.seed).purpose_key(Purpose::Camera).fresh_paths_key(pass);
         Some((FilmSampling { nested: false, every, ..sampling }, key))
     }
 }

@@ -35,7 +35,7 @@ impl Integrator for PathIntegrator<'_> {
         // Move the scene to the time of the pass.
         let (moved_scene, moved);
         let renderer = if self.renderer.has_motion() {
-            moved_scene = self.renderer.scene.at(shutter_time(self.renderer.settings.eye.seed, pass));
+            moved_scene = self.renderer.scene.at(shutter_time(self.renderer.settings.camera_paths.seed, pass));
             moved = self.renderer.at(&moved_scene);
             &moved
         } else {
@@ -48,13 +48,13 @@ impl Integrator for PathIntegrator<'_> {
 
         // Trace camera paths.
         let start = Instant::now();
-        let paths = renderer.paths(maps.as_ref(), pass);
+        let paths = renderer.path_context(maps.as_ref(), pass);
         let render = |sampling: &FilmSampling<'_>, key: Key, monitor: &dyn Monitor| {
             for_interior!(paths.policy.effects, <I> {
                 film::render_tiles(sampling, key, monitor, camera_path::tracer::<I>(&paths))
             })
         };
-        let picture = render(&renderer.film_sampling(), renderer.key(pass), monitor);
+        let picture = render(&renderer.film_sampling(), renderer.camera_key(pass), monitor);
         (out.image, out.nested) = (picture.image, picture.nested);
         out.counters += picture.counters;
 
@@ -94,7 +94,7 @@ impl Integrator for PathIntegrator<'_> {
     }
 
     fn nests_estimates(&self) -> bool {
-        self.renderer.settings.eye.estimate_error
+        self.renderer.settings.camera_paths.estimate_error
     }
 
     fn guiding_reports(&self) -> GuidingReports {
@@ -106,13 +106,13 @@ impl<'a> PathIntegrator<'a> {
     /// Prepares an algorithm for `scene`: guides emission, finds radii, and balances camera rays
     /// against photons.
     pub fn new(scene: &'a Scene, plan: Plan, settings: Settings, make_policy: PolicyFn) -> Self {
-        let (effects, needed) = (plan.effects(), plan.needed());
+        let (effects, needed) = (plan.simulated_effects(), plan.needed_effects());
         let policy = make_policy(effects, &settings);
         let mut renderer = PassRenderer::new(scene, settings.clone(), policy);
 
         // Balance camera rays against photons. Effects that add nothing must not matter: the
         // picture is the same with them.
-        let balances = settings.balance && settings.eye.samples.is_none() && policy.can_be_balanced();
+        let balances = settings.balance && settings.camera_paths.samples.is_none() && policy.can_be_balanced();
         let balance = match (balances, needed == effects) {
             (false, _) => None,
             (true, true) => find_balance(&renderer),
@@ -129,7 +129,7 @@ impl<'a> PathIntegrator<'a> {
         }
 
         // Distribute camera rays over the pixels.
-        renderer.density = if settings.eye.adaptive { find_density(&renderer) } else { None };
+        renderer.density = if settings.camera_paths.adaptive { find_density(&renderer) } else { None };
         Self { renderer, plan, make_policy, balance }
     }
 }
@@ -139,7 +139,7 @@ impl<'a> PathIntegrator<'a> {
 /// The times of all passes are stratified: a power of two of them divides the interval in equal
 /// steps.
 fn shutter_time(seed: u64, pass: u32) -> f64 {
-    let start = Key::new(seed).purpose(Purpose::Shutter).uniform(Dimension::Time);
+    let start = Key::new(seed).purpose_key(Purpose::Shutter).uniform_1d(Dimension::Time);
     let step = f64::from(pass.reverse_bits()) / 4_294_967_296.0;
     let time = f64::from(start) + step;
     time - time.floor()

@@ -6,7 +6,9 @@ use super::vertex::{MediumVertex, PathVertex};
 use super::volume_estimate::{VolumeMap, wavelength_overlap};
 use crate::bsdf::Transport;
 use crate::color::Rgb;
-use crate::photon::{Bandwidth, Kernel, NestedEstimate, PhotonData, PhotonMap, Scratch, coverage, nested_coverage};
+use crate::photon::{
+    Bandwidth, Kernel, NestedRadianceEstimate, PhotonData, PhotonMap, Scratch, coverage, nested_disc_coverage,
+};
 use crate::scene::{Interior, Scene};
 use rand::Rng;
 
@@ -105,7 +107,7 @@ impl PhotonEstimator<'_> {
         let ns = if surface.wo.dot(surface.point.ng) < 0.0 { -surface.point.ns } else { surface.point.ns };
         let wavelength = vertex.interior.wavelength();
         let brdf = |photon: &PhotonData| {
-            let brdf = surface.bsdf.evaluate(surface.wo, photon.from(), ns, ns, Transport::Radiance);
+            let brdf = surface.bsdf.evaluate(surface.wo, photon.incident_direction(), ns, ns, Transport::Radiance);
             if I::SPECTRAL {
                 brdf * wavelength_overlap(wavelength, photon.wavelength(), self.volume.band)
             } else {
@@ -113,7 +115,7 @@ impl PhotonEstimator<'_> {
             }
         };
         let (p, normal) = (surface.point.p, surface.facing_normal());
-        let (bandwidth, kernel, key) = (self.bandwidth, self.kernel, vertex.sampler.key());
+        let (bandwidth, kernel, key) = (self.bandwidth, self.kernel, vertex.sampler.sample_key());
         let nested = worker.nests_estimates;
         let (scratch, discs) = scratch(worker);
         if !nested {
@@ -124,7 +126,7 @@ impl PhotonEstimator<'_> {
             }
             return estimate.radiance / coverage(self.scene, p, normal, estimate.radius, kernel, key);
         }
-        let NestedEstimate { whole, mut radiance } =
+        let NestedRadianceEstimate { whole, mut radiance } =
             self.map.estimate_nested(p, normal, bandwidth, kernel, scratch, brdf);
         discs.add(whole.radius, whole.count);
         worker.counters.gathered_photons += u64::from(whole.count);
@@ -136,8 +138,8 @@ impl PhotonEstimator<'_> {
         if covered != 1.0 {
             // Probes of this pass's own, even if passes share their paths: the noise of shared
             // probes is not blur.
-            let key = vertex.shadow_sampler.key();
-            let levels = nested_coverage(self.scene, p, normal, whole.radius, kernel, key);
+            let key = vertex.shadow_sampler.sample_key();
+            let levels = nested_disc_coverage(self.scene, p, normal, whole.radius, kernel, key);
             radiance.iter_mut().zip(levels).for_each(|(radiance, covered)| *radiance /= covered);
         }
         worker.nested.add(vertex.throughput * samples as f32, radiance);

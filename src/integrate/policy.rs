@@ -143,7 +143,8 @@ impl PathPolicy {
             // Gather rays do no next-event estimation where they end.
             PhotonLookups::GatherRays => (false, global(true)),
         };
-        let aimed = StoreMask { caustic: caustics, after_caustic, apart: after_caustic, ..StoreMask::NONE };
+        let aimed =
+            StoreMask { caustic: caustics, after_caustic, separates_after_caustic: after_caustic, ..StoreMask::NONE };
         MapRequest { aimed, global, guides: self.directions == DirectionSampling::Guided && interreflection }
     }
 }
@@ -160,7 +161,7 @@ mod tests {
         let maps = |make: PolicyFn, effects| make(effects, &settings).photon_maps();
         let none = MapRequest { aimed: StoreMask::NONE, global: StoreMask::NONE, guides: false };
         assert_eq!(maps(path::policy, Effects::ALL), none);
-        let aimed = StoreMask { after_caustic: true, apart: true, ..StoreMask::CAUSTIC };
+        let aimed = StoreMask { after_caustic: true, separates_after_caustic: true, ..StoreMask::CAUSTIC };
         assert_eq!(maps(hybrid::policy, Effects::ALL), MapRequest { aimed, ..none });
         let sppm = MapRequest { aimed: StoreMask::CAUSTIC, global: StoreMask::GLOBAL, guides: false };
         assert_eq!(maps(sppm::policy, Effects::ALL), sppm);

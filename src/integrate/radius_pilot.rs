@@ -4,7 +4,7 @@ use super::settings::Settings;
 use super::volume_estimate::VolumeEstimate;
 use crate::bsdf::Transport;
 use crate::math::Ray;
-use crate::photon::{BeamMap, GuidingReport, Photon, PhotonMap, PhotonPass, PointMap};
+use crate::photon::{GuidingReport, Photon, PhotonBeamMap, PhotonMap, PhotonPass, VolumePhotonMap};
 use crate::plan::Effects;
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::scene::{PathEvent, Scene, SpectralInterior, SurfaceVertex};
@@ -83,19 +83,19 @@ pub(super) fn pilot_paths(paths: u32, most: u32) -> u32 {
 /// `min_radius`. Otherwise it depends on the scene, the seed and the counts alone.
 pub(super) fn find_radius(pass: &PhotonPass<'_>, paths: u32, k: u32, seed: u64, min_radius: f32) -> Option<f32> {
     let scene = pass.scene;
-    let key = Key::new(seed).purpose(Purpose::Pilot);
+    let key = Key::new(seed).purpose_key(Purpose::Pilot);
     let pilot = pilot_paths(paths, MAX_PATHS);
     let traced = pass.trace(key, pilot, &|_| {});
     let photons = &traced.deposits.photons;
     if photons.is_empty() {
         return None;
     }
-    let size = scene.domain().radius.max(f32::MIN_POSITIVE);
+    let size = scene.photon_domain().radius.max(f32::MIN_POSITIVE);
     let map = PhotonMap::build(photons.clone());
     let step = photons.len().div_ceil(PROBES);
     let distance = |p: &Photon| {
         let normal = p.data.normal().normalize();
-        map.kth_distance(p.position, normal, k, size).unwrap_or(size)
+        map.kth_photon_distance(p.position, normal, k, size).unwrap_or(size)
     };
     let mut radii: Vec<f32> = photons.iter().step_by(step).map(distance).collect();
     radii.sort_by(f32::total_cmp);
@@ -120,7 +120,7 @@ pub(super) fn min_disc_radius(scene: &Scene) -> f32 {
     let hits = rays.filter_map(|p| scene.intersect(&scene.camera().ray(p, None)));
     // If nothing is visible, any radius will do.
     let distance = hits.map(|hit| hit.t).min_by(f32::total_cmp).unwrap_or(0.0);
-    ((width + spread * distance) * PIXEL_PART).min(scene.domain().radius * MAX_RADIUS)
+    ((width + spread * distance) * PIXEL_PART).min(scene.photon_domain().radius * MAX_RADIUS)
 }
 
 /// Kernel radii of estimates in media \[length].
@@ -147,16 +147,16 @@ pub(super) fn find_volume_radii(
     settings: &Settings,
 ) -> Option<VolumeRadii> {
     let scene = pass.scene;
-    let key = Key::new(settings.eye.seed).purpose(Purpose::Pilot);
+    let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::Pilot);
     let pilot = pilot_paths(paths, MAX_PATHS);
     let traced = pass.trace(key, pilot, &|_| {});
     let mut volume = traced.deposits.volume;
-    volume.beams.extend(traced.deposits.after_volume.beams);
-    volume.points.extend(traced.deposits.after_volume.points);
+    volume.beams.extend(traced.deposits.after_caustic_volume.beams);
+    volume.points.extend(traced.deposits.after_caustic_volume.points);
     if volume.is_empty() {
         return None;
     }
-    let size = scene.domain().radius.max(f32::MIN_POSITIVE);
+    let size = scene.photon_domain().radius.max(f32::MIN_POSITIVE);
     let trial = size * TRIAL_RADIUS;
     let camera_paths = medium_segments(scene, effects, key);
     let more = f64::from(paths) / f64::from(pilot);
@@ -168,7 +168,7 @@ pub(super) fn find_volume_radii(
         (trial * ratio).clamp(size * MIN_RADIUS, size * MAX_RADIUS)
     };
     let (beam_dimensions, point_dimensions) = settings.volume.dimensions();
-    let (beams, points) = (BeamMap::build(volume.beams, trial), PointMap::build(volume.points, trial));
+    let (beams, points) = (PhotonBeamMap::build(volume.beams, trial), VolumePhotonMap::build(volume.points, trial));
     let beams = camera_paths.iter().map(|segments| {
         let mut count = 0.0;
         segments.iter().for_each(|ray| beams.visit(ray, |_, _| count += 1.0));
@@ -199,8 +199,8 @@ fn medium_segments(scene: &Scene, effects: Effects, key: Key) -> Vec<Vec<Ray>> {
         let mut path_ray = scene.start_camera_path::<SpectralInterior>(ray, effects);
         let mut segments = Vec::new();
         for bounce in 0..MAX_CASTERS {
-            let sampler = sampler.bounce(bounce);
-            let event = path_ray.next_vertex(scene, sampler.key(), |segment| {
+            let sampler = sampler.bounce_sampler(bounce);
+            let event = path_ray.next_vertex(scene, sampler.sample_key(), |segment| {
                 if segment.medium.scatters() {
                     segments.push(segment.ray);
                 }

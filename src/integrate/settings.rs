@@ -8,7 +8,7 @@ use crate::plan::EffectOverrides;
 
 /// Settings of camera paths.
 #[derive(Clone, Debug)]
-pub struct EyeSettings {
+pub struct CameraPathSettings {
     /// Camera rays per pixel and pass; `None` uses the default of the algorithm.
     pub samples: Option<u32>,
     /// Bounces after which a path ends.
@@ -26,7 +26,7 @@ pub struct EyeSettings {
     pub effects: EffectOverrides,
 }
 
-impl Default for EyeSettings {
+impl Default for CameraPathSettings {
     fn default() -> Self {
         Self {
             samples: None,
@@ -44,7 +44,7 @@ impl Default for EyeSettings {
 #[derive(Clone, Debug)]
 pub struct Settings {
     /// Settings of camera paths.
-    pub eye: EyeSettings,
+    pub camera_paths: CameraPathSettings,
     /// Photon paths of the global map per pass.
     pub photons: u32,
     /// Photon paths aimed at caustic casters per pass.
@@ -88,7 +88,7 @@ pub enum FinalGathering {
 impl Default for Settings {
     fn default() -> Self {
         Self {
-            eye: EyeSettings::default(),
+            camera_paths: CameraPathSettings::default(),
             photons: 500_000,
             caustic_photons: 250_000,
             balance: true,

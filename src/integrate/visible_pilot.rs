@@ -4,7 +4,7 @@ use super::camera_path::PathContext;
 use super::film_points::trace_points;
 use super::nee::NextEventEstimator;
 use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
-use super::settings::EyeSettings;
+use super::settings::CameraPathSettings;
 use crate::math::Bounds;
 use crate::photon::{VisiblePoint, VisiblePointMap};
 use crate::plan::Effects;
@@ -22,11 +22,16 @@ const MAX_RADIUS: f32 = 0.1;
 ///
 /// A photon counts as visible within `radius` \[length] of a point, or less if the visible part of
 /// the scene is small.
-pub(super) fn visible_points(scene: &Scene, settings: &EyeSettings, effects: Effects, radius: f32) -> VisiblePointMap {
+pub(super) fn visible_points(
+    scene: &Scene,
+    settings: &CameraPathSettings,
+    effects: Effects,
+    radius: f32,
+) -> VisiblePointMap {
     let policy = policy(effects);
     let nee = NextEventEstimator::new(scene, &policy);
     let paths = PathContext::new(scene, &policy, &nee, None, 0, settings.max_bounces);
-    let key = Key::new(settings.seed).purpose(Purpose::Visible);
+    let key = Key::new(settings.seed).purpose_key(Purpose::VisiblePoints);
     let (width, height) = scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);
     let rays = width.saturating_mul(height).saturating_mul(4).clamp(RAYS.0, RAYS.1);
@@ -34,7 +39,7 @@ pub(super) fn visible_points(scene: &Scene, settings: &EyeSettings, effects: Eff
     let points: Vec<_> = samplers.map(|sampler| (sampler.get_2d(Dimension::Film) * size, sampler)).collect();
     let (_, workers) = trace_points(&paths, &points);
     let visible: Vec<VisiblePoint> = workers.into_iter().flat_map(|worker| worker.visible).collect();
-    let extent = Bounds::of(visible.iter().map(|point| point.position)).extent().length();
+    let extent = Bounds::from_points(visible.iter().map(|point| point.position)).extent().length();
     let radius = if extent > 0.0 { radius.min(extent * MAX_RADIUS) } else { radius };
     VisiblePointMap::new(visible, radius)
 }

@@ -4,7 +4,7 @@ use super::film::Worker;
 use super::vertex::MediumVertex;
 use crate::color::{Rgb, Wavelength};
 use crate::medium::{self, Medium, TransmittanceCurve};
-use crate::photon::{BeamMap, LEVELS, PointMap, VolumePhotons};
+use crate::photon::{LEVELS, PhotonBeamMap, VolumePhotonMap, VolumePhotons};
 use crate::scene::{Interior, MediumSegment};
 use glam::Vec3;
 use rand::Rng;
@@ -35,8 +35,8 @@ impl VolumeEstimate {
 
 /// Photons in media of one map.
 pub(super) struct VolumeMap {
-    beams: BeamMap,
-    points: PointMap,
+    beams: PhotonBeamMap,
+    points: VolumePhotonMap,
     estimate: VolumeEstimate,
     /// Half width of the kernel over wavelengths \[nm], on surfaces too.
     pub band: f32,
@@ -90,8 +90,8 @@ impl VolumeMap {
     pub fn build(volume: VolumePhotons, (beams, points): (f32, f32), estimate: VolumeEstimate, band: f32) -> Self {
         let VolumePhotons { beams: stored_beams, points: stored_points } = volume;
         Self {
-            beams: BeamMap::build(stored_beams, beams),
-            points: PointMap::build(stored_points, points),
+            beams: PhotonBeamMap::build(stored_beams, beams),
+            points: VolumePhotonMap::build(stored_points, points),
             estimate,
             band,
         }
@@ -218,7 +218,7 @@ fn over_scattering(weight: Rgb, medium: &Medium, p: Vec3) -> Rgb {
 /// If both have a wavelength, a box kernel of half width `band` \[nm] replaces the photon's own
 /// spectral weight.
 pub(super) fn wavelength_overlap(own: Option<Wavelength>, other: u8, band: f32) -> Rgb {
-    let (Some(own), Some(other)) = (own, Wavelength::from_code(other)) else { return Rgb::ONE };
+    let (Some(own), Some(other)) = (own, Wavelength::from_byte_code(other)) else { return Rgb::ONE };
     let apart = (own.nanometres() - other.nanometres()).abs();
     if apart > band {
         return Rgb::ZERO;

@@ -16,7 +16,7 @@ pub struct Bandwidth {
 
 /// A radiance estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Estimate {
+pub struct RadianceEstimate {
     /// Radiance \[W/(m² sr)].
     pub radiance: Rgb,
     /// Radius of the disc \[length].
@@ -30,9 +30,9 @@ pub const LEVELS: usize = 3;
 
 /// An estimate with its values at smaller radii, from the same photons.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct NestedEstimate {
+pub struct NestedRadianceEstimate {
     /// Estimate at the full radius.
-    pub whole: Estimate,
+    pub whole: RadianceEstimate,
     /// Radiance at 1, 1/√2 and ½ of the radius \[W/(m² sr)].
     pub radiance: [Rgb; LEVELS],
 }
@@ -53,7 +53,7 @@ impl Scratch {
     }
 
     /// Sets the first radius of the next search.
-    pub(super) fn set_first_radius(&mut self, radius: f32) {
+    pub(super) fn set_first_search_radius(&mut self, radius: f32) {
         self.last = radius;
     }
 }
@@ -89,7 +89,7 @@ impl PhotonMap {
         kernel: Kernel,
         scratch: &mut Scratch,
         brdf: impl Fn(&PhotonData) -> Rgb,
-    ) -> Estimate {
+    ) -> RadianceEstimate {
         self.estimate_discs::<1>(p, normal, bandwidth, kernel, scratch, brdf).0
     }
 
@@ -105,9 +105,9 @@ impl PhotonMap {
         kernel: Kernel,
         scratch: &mut Scratch,
         brdf: impl Fn(&PhotonData) -> Rgb,
-    ) -> NestedEstimate {
+    ) -> NestedRadianceEstimate {
         let (whole, radiance) = self.estimate_discs(p, normal, bandwidth, kernel, scratch, brdf);
-        NestedEstimate { whole, radiance }
+        NestedRadianceEstimate { whole, radiance }
     }
 
     fn estimate_discs<const N: usize>(
@@ -118,17 +118,18 @@ impl PhotonMap {
         kernel: Kernel,
         scratch: &mut Scratch,
         brdf: impl Fn(&PhotonData) -> Rgb,
-    ) -> (Estimate, [Rgb; N]) {
+    ) -> (RadianceEstimate, [Rgb; N]) {
         if self.is_empty() {
-            return (Estimate { radius: bandwidth.radius, ..Estimate::default() }, [Rgb::ZERO; N]);
+            return (RadianceEstimate { radius: bandwidth.radius, ..RadianceEstimate::default() }, [Rgb::ZERO; N]);
         }
         let plane = TangentPlane::new(p, normal);
         let resolved = p.length() * MIN_RELATIVE_RADIUS;
         let bandwidth = Bandwidth { radius: bandwidth.radius.max(resolved), ..bandwidth };
         let mut radius = bandwidth.radius;
         // A search with a smaller radius would reject photons that are high over the plane.
-        let height =
-            |data: &PhotonData| if N > 1 { data.relation(&plane).1.abs() / (bandwidth.radius * FLATNESS) } else { 0.0 };
+        let height = |data: &PhotonData| {
+            if N > 1 { data.normal_cosine_and_height(&plane).1.abs() / (bandwidth.radius * FLATNESS) } else { 0.0 }
+        };
         if bandwidth.k > 0 {
             let least = resolved.max(radius * MIN_RADIUS_FRACTION).max(self.min_radius).min(radius);
             let r2 = match self.nearest(p, normal, bandwidth, scratch) {
@@ -207,7 +208,7 @@ impl PhotonMap {
     /// Distance from `p` to the k-th photon that an estimate would use; `None` if `most` \[length]
     /// holds fewer.
     #[must_use]
-    pub fn kth_distance(&self, p: Vec3, normal: Vec3, k: u32, most: f32) -> Option<f32> {
+    pub fn kth_photon_distance(&self, p: Vec3, normal: Vec3, k: u32, most: f32) -> Option<f32> {
         let mut scratch = Scratch { last: most * 1e-3, ..Scratch::default() };
         self.nearest(p, normal, Bandwidth { radius: most, k }, &mut scratch).map(f32::sqrt)
     }
@@ -234,11 +235,11 @@ impl<const N: usize> Sums<N> {
     #[inline]
     fn add(&mut self, d2: f32, height: f32, reflected: Rgb) {
         let x = d2 * self.inverse;
-        self.sums[0] += reflected * self.kernel.shape(x);
+        self.sums[0] += reflected * self.kernel.unnormalized(x);
         let finer = [(2.0 * x, std::f32::consts::FRAC_1_SQRT_2), (4.0 * x, 0.5)];
         for (sum, (x, highest)) in self.sums[1..].iter_mut().zip(finer) {
             if height <= highest {
-                *sum += reflected * self.kernel.shape_within(x);
+                *sum += reflected * self.kernel.unnormalized_or_zero(x);
             }
         }
         self.pending += 1;
@@ -252,22 +253,22 @@ impl<const N: usize> Sums<N> {
         self.pending = 0;
     }
 
-    fn estimate(mut self, radius: f32, count: u32) -> (Estimate, [Rgb; N]) {
+    fn estimate(mut self, radius: f32, count: u32) -> (RadianceEstimate, [Rgb; N]) {
         self.flush();
         let mut r2 = self.r2;
         let radiance = self.whole.map(|sum| {
-            let scaled = sum.as_vec3() * self.kernel.scale(r2);
+            let scaled = sum.as_vec3() * self.kernel.normalization(r2);
             r2 *= 0.5;
             scaled
         });
-        (Estimate { radiance: radiance[0], radius, count }, radiance)
+        (RadianceEstimate { radiance: radiance[0], radius, count }, radiance)
     }
 }
 
 /// True if a photon lies on the surface of the estimate.
 #[inline]
 pub(super) fn is_on_surface(data: &PhotonData, plane: &TangentPlane, radius: f32) -> bool {
-    let (cosine, height) = data.relation(plane);
+    let (cosine, height) = data.normal_cosine_and_height(plane);
     cosine > SAME_SIDE && height.abs() <= radius * FLATNESS
 }
 
@@ -290,11 +291,11 @@ mod tests {
         let photon = |x: f32| Photon::new(Vec3::X * x, Rgb::ONE, Vec3::Z, Vec3::Z).unwrap();
         let map = PhotonMap::build((1..10).map(|i| photon(i as f32)).chain([photon(1e6)]).collect());
         for most in [20.0, 1e3, 1e5, 1e6] {
-            let found = map.kth_distance(Vec3::ZERO, Vec3::Z, 4, most).unwrap();
+            let found = map.kth_photon_distance(Vec3::ZERO, Vec3::Z, 4, most).unwrap();
             assert!((found - 4.0).abs() < 1e-5, "{found} of {most}");
         }
-        assert_eq!(map.kth_distance(Vec3::ZERO, Vec3::Z, 10, 1e3), None);
+        assert_eq!(map.kth_photon_distance(Vec3::ZERO, Vec3::Z, 10, 1e3), None);
         // A huge k does not allocate.
-        assert_eq!(map.kth_distance(Vec3::ZERO, Vec3::Z, 4_000_000_000, 1e3), None);
+        assert_eq!(map.kth_photon_distance(Vec3::ZERO, Vec3::Z, 4_000_000_000, 1e3), None);
     }
 }

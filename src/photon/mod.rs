@@ -1,4 +1,4 @@
-//! Photon mapping: emission, tracing, photon maps, and density estimates.
+//! Photon mapping: emission and tracing of photons, photon maps, and density estimation.
 
 mod audit;
 mod beam;
@@ -16,17 +16,17 @@ mod store_mask;
 mod trace;
 mod visible;
 
-pub use audit::Audit;
-pub use beam::{Beam, BeamIntersection, BeamMap};
-pub use coverage::{coverage, nested_coverage};
+pub use audit::EnergyAudit;
+pub use beam::{BeamIntersection, PhotonBeam, PhotonBeamMap};
+pub use coverage::{coverage, nested_disc_coverage};
 pub use deposits::{Deposits, VolumePhotons};
 pub use emit::PhotonSource;
-pub use estimate::{Bandwidth, Estimate, LEVELS, NestedEstimate, Scratch};
+pub use estimate::{Bandwidth, LEVELS, NestedRadianceEstimate, RadianceEstimate, Scratch};
 pub use guiding::{GuidingPilot, GuidingReport};
 pub use kernel::{Kernel, UnknownKernel};
 pub use map::PhotonMap;
-pub use points::{PointMap, VolumePhoton};
+pub use points::{VolumePhoton, VolumePhotonMap};
 pub use record::{Photon, PhotonData};
-pub use store_mask::{PhotonKind, StoreMask, THINNING};
-pub use trace::{PhotonPass, Traced};
+pub use store_mask::{AFTER_CAUSTIC_THINNING, PhotonKind, StoreMask};
+pub use trace::{PhotonPass, PhotonPassResult};
 pub use visible::{VisiblePoint, VisiblePointMap};

@@ -1,9 +1,9 @@
-//! Photon tracing: paths from the lights through the scene.
+//! Photon tracing: follows photon paths from the lights and stores photons.
 
-use super::audit::book;
+use super::audit::add_flux;
 use super::deposits::{Deposit, DepositPlace};
-use super::{Audit, Deposits, PhotonKind, PhotonSource, StoreMask, THINNING};
-use crate::bsdf::{Transport, deposit_factor};
+use super::{AFTER_CAUSTIC_THINNING, Deposits, EnergyAudit, PhotonKind, PhotonSource, StoreMask};
+use crate::bsdf::{Transport, photon_deposit_factor};
 use crate::color::{self, Rgb};
 use crate::medium::PhaseFunction;
 use crate::sampling::{Dimension, Key};
@@ -14,54 +14,57 @@ use rayon::prelude::*;
 
 /// Result of a photon pass.
 #[derive(Debug, Default)]
-pub struct Traced {
+pub struct PhotonPassResult {
     /// Stored photons.
     pub deposits: Deposits,
-    /// Energy account.
-    pub audit: Audit,
-    /// Number of traced rays.
+    /// Sums of emitted, absorbed and escaped flux \[W].
+    pub audit: EnergyAudit,
+    /// Number of traced rays: path segments between surfaces or scattering points.
     pub rays: u64,
     /// Number of emitted paths.
     pub paths: u64,
 }
 
-/// Totals over photon paths.
+/// Flux and ray counts, summed over photon paths.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PathTally {
-    /// Energy account.
-    pub audit: Audit,
+    /// Sums of emitted, absorbed and escaped flux \[W].
+    pub audit: EnergyAudit,
     /// Number of traced rays.
     pub rays: u64,
 }
 
-/// One pass of photons from a source.
+/// Inputs of a photon pass, which traces photon paths and stores photons.
 #[derive(Debug)]
 pub struct PhotonPass<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    /// Emitter of the photon paths.
+    /// Samples the emission of each photon path.
     pub source: &'a PhotonSource<'a>,
-    /// Which photons are stored.
+    /// Kinds of photons to store.
     pub mask: StoreMask,
-    /// Number of bounces after which a path ends.
+    /// Largest number of scattering events per path.
     pub max_bounces: u32,
 }
 
-/// Paths per parallel chunk: large enough to amortise scheduling, small enough to balance the load.
+/// Photon paths per parallel task: enough to amortise scheduling, few enough to balance the load.
 const CHUNK: u32 = 4096;
 
 impl PhotonPass<'_> {
-    /// Traces `paths` photon paths.
+    /// Traces `paths` photon paths with random numbers from `pass_key`.
     ///
-    /// `done` receives the number of paths of each finished chunk, from any thread.
-    ///
-    /// The result does not depend on the number of threads: chunks are fixed and concatenated in
-    /// order.
-    pub fn trace(&self, pass_key: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> Traced {
-        for_interior!(self.source, <I> self.trace_with::<I>(pass_key, paths, done))
+    /// Calls `done` after each chunk with its number of paths, from any thread. The result does not
+    /// depend on the number of threads: chunks have a fixed size and are joined in order.
+    pub fn trace(&self, pass_key: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> PhotonPassResult {
+        for_interior!(self.source, <I> self.trace_with_interior::<I>(pass_key, paths, done))
     }
 
-    fn trace_with<I: Interior>(&self, pass_key: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> Traced {
+    fn trace_with_interior<I: Interior>(
+        &self,
+        pass_key: Key,
+        paths: u32,
+        done: &(dyn Fn(u64) + Sync),
+    ) -> PhotonPassResult {
         let chunks: Vec<(Deposits, PathTally)> = (0..paths.div_ceil(CHUNK))
             .into_par_iter()
             .map(|chunk| {
@@ -70,8 +73,10 @@ impl PhotonPass<'_> {
                 let (mut deposits, mut tally) = (Deposits::default(), PathTally::default());
                 for index in range {
                     if let Some((ray, flux)) = self.source.emit::<I>(pass_key, index, paths) {
-                        let key = pass_key.path(index);
-                        self.follow(ray, flux, key, &mut tally, |deposit| deposits.store(self, &deposit));
+                        let key = pass_key.path_key(index);
+                        self.follow_photon_path(ray, flux, key, &mut tally, |deposit| {
+                            deposits.store_deposit(self, &deposit)
+                        });
                     }
                 }
                 done(emitted);
@@ -85,14 +90,15 @@ impl PhotonPass<'_> {
             tally.rays += chunk.rays;
         }
         let PathTally { audit, rays } = tally;
-        Traced { deposits: Deposits::concatenate(chunks), audit, rays, paths: u64::from(paths) }
+        PhotonPassResult { deposits: Deposits::concatenate(chunks), audit, rays, paths: u64::from(paths) }
     }
 
     /// Follows one photon path until it is absorbed, escapes or is stopped.
     ///
-    /// `deposit` receives all flux of stored kinds that a density estimate can use.
+    /// Calls `deposit` for each surface point, beam and medium point where `mask` stores photons.
+    /// `flux` \[W] is the flux at emission.
     #[inline]
-    pub(super) fn follow<I: Interior>(
+    pub(super) fn follow_photon_path<I: Interior>(
         &self,
         mut ray: PathRay<I>,
         mut flux: Rgb,
@@ -102,10 +108,10 @@ impl PhotonPass<'_> {
     ) {
         let PathTally { audit, rays } = tally;
         let mut kind = PhotonKind::Direct;
-        book(&mut audit.emitted, flux);
+        add_flux(&mut audit.emitted, flux);
         for bounce in 0.. {
             *rays += 1;
-            let key = path.bounce(bounce);
+            let key = path.bounce_key(bounce);
 
             // Find the next vertex, and deposit in media on the way.
             let emitted = flux;
@@ -113,9 +119,9 @@ impl PhotonPass<'_> {
             let event = if I::SPECTRAL {
                 let (mut rng, mut weight) = (key.rng(), DVec3::ONE);
                 let event = ray.next_vertex(self.scene, key, |segment| {
-                    let kind = if segment.crossed { kind.beyond_casters() } else { kind };
+                    let kind = if segment.crossed { kind.after_crossed_caster() } else { kind };
                     phase_function = segment.medium.phase;
-                    self.sample_segment(segment, kind, flux, &mut weight, &mut rng, &mut deposit)
+                    self.sample_medium_segment(segment, kind, flux, &mut weight, &mut rng, &mut deposit)
                 });
                 flux *= weight.as_vec3();
                 event
@@ -123,10 +129,10 @@ impl PhotonPass<'_> {
                 ray.next_vertex(self.scene, key, |_| None)
             };
             if flux != emitted {
-                book(&mut audit.absorbed, emitted - flux);
+                add_flux(&mut audit.absorbed, emitted - flux);
             }
             let (surface, transmittance, crossed) = match event {
-                PathEvent::Escaped { .. } => return book(&mut audit.escaped, flux),
+                PathEvent::Escaped { .. } => return add_flux(&mut audit.escaped, flux),
                 PathEvent::Surface(SurfaceVertex { surface, transmittance, crossed, .. }) => {
                     (Some(surface), transmittance, crossed)
                 }
@@ -135,76 +141,77 @@ impl PhotonPass<'_> {
 
             // Attenuate the flux by interiors.
             let transmitted = flux * transmittance;
-            book(&mut audit.absorbed, flux - transmitted);
+            add_flux(&mut audit.absorbed, flux - transmitted);
             flux = transmitted;
             if crossed {
-                kind = kind.beyond_casters();
+                kind = kind.after_crossed_caster();
             }
 
             // Deposit on a surface.
             let stores = surface.as_ref().is_none_or(|surface| surface.bsdf.stores_photons());
             if let Some(surface) = &surface
                 && stores
-                && self.mask.has(kind)
+                && self.mask.stores_on_surfaces(kind)
             {
-                let flux = flux * deposit_factor(surface.wo, surface.point.ns, surface.point.ng);
+                let flux = flux * photon_deposit_factor(surface.wo, surface.point.ns, surface.point.ng);
                 let wavelength = ray.inside.wavelength();
                 deposit(Deposit { kind, place: DepositPlace::Surface(surface), flux, wavelength });
             }
 
             // Stop if no stored kind can follow.
-            let next_kind = kind.after(stores);
-            if bounce == self.max_bounces || !self.mask.may_follow(next_kind) {
-                return book(&mut audit.stopped, flux);
+            let next_kind = kind.after_scattering(stores);
+            if bounce == self.max_bounces || !self.mask.can_reach_stored_kind(next_kind) {
+                return add_flux(&mut audit.stopped, flux);
             }
 
             // Thin paths that continue after a caustic.
-            if self.mask.apart && kind == PhotonKind::Caustic && stores {
-                book(&mut audit.roulette, flux);
-                if key.uniform(Dimension::Worth) * THINNING as f32 >= 1.0 {
+            if self.mask.separates_after_caustic && kind == PhotonKind::Caustic && stores {
+                add_flux(&mut audit.roulette, flux);
+                if key.uniform_1d(Dimension::ShadingRoulette) * AFTER_CAUSTIC_THINNING as f32 >= 1.0 {
                     return;
                 }
-                flux *= THINNING as f32;
-                book(&mut audit.roulette, -flux);
+                flux *= AFTER_CAUSTIC_THINNING as f32;
+                add_flux(&mut audit.roulette, -flux);
             }
 
             // Sample the next direction.
-            let before = color::mean(flux);
+            let before = color::channel_mean(flux);
             let ratio = if let Some(surface) = &surface {
-                let (lobe, u) = (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
+                let (lobe, u) = (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
                 let Some(sample) = surface.sample(lobe, u, Transport::Importance) else {
-                    return book(&mut audit.absorbed, flux);
+                    return add_flux(&mut audit.absorbed, flux);
                 };
-                let adjoint = sample.adjoint(surface.wo, surface.point.ns, surface.point.ng);
+                let adjoint = sample.adjoint_correction(surface.wo, surface.point.ns, surface.point.ng);
                 let interior_weight = ray.leave(surface, sample.wi, sample.transmitted);
                 let scattered = flux * sample.weight * adjoint * interior_weight;
-                book(&mut audit.absorbed, flux - scattered);
+                add_flux(&mut audit.absorbed, flux - scattered);
                 flux = scattered;
-                color::mean(scattered) / before
+                color::channel_mean(scattered) / before
             } else {
                 let (direction, _) = phase_function.sample(ray.ray.direction, key.uniform_2d(Dimension::Phase));
                 ray.turn(direction);
-                // Absorption along the segment counts for Russian roulette.
-                before / color::mean(emitted)
+                // In a medium, the throughput ratio includes absorption along the segment.
+                before / color::channel_mean(emitted)
             };
 
             // Russian roulette by the throughput ratio keeps the fluxes of stored photons similar.
-            if ratio.is_nan() || key.uniform(Dimension::Roulette) >= ratio {
-                return book(&mut audit.roulette, flux);
+            if ratio.is_nan() || key.uniform_1d(Dimension::Roulette) >= ratio {
+                return add_flux(&mut audit.roulette, flux);
             }
             let kept = flux / ratio.min(1.0);
-            book(&mut audit.roulette, flux - kept);
+            add_flux(&mut audit.roulette, flux - kept);
             flux = kept;
             kind = next_kind;
         }
     }
 
-    /// Samples the scattering distance of `flux` in a medium segment; `None` if the flux passes
-    /// through.
+    /// Samples the scattering distance in a medium segment; `None` if the path leaves the segment.
     ///
-    /// `weight` is the product of the weights of all segments since the last vertex.
+    /// `flux` \[W] is the flux at the last vertex. `weight` is the product of the sampling weights
+    /// of all segments since that vertex; this segment's weight is multiplied to it. Deposits a
+    /// beam or a point if `mask` stores `kind`.
     #[inline]
-    fn sample_segment<I: Interior>(
+    fn sample_medium_segment<I: Interior>(
         &self,
         segment: &MediumSegment<'_, I>,
         kind: PhotonKind,
@@ -219,7 +226,7 @@ impl PhotonPass<'_> {
             *weight *= medium.transmittance_f64(ray, ray.t_max, rng);
             return None;
         }
-        let stored = self.mask.has_in_media(kind);
+        let stored = self.mask.stores_in_media(kind);
         let as_beam = self.mask.beams && medium.is_homogeneous();
         if stored && as_beam {
             let flux = flux * weight.as_vec3() * segment.left;

@@ -1,6 +1,6 @@
 //! The loop over passes, and when it ends.
 
-use super::error_estimate::{Confidence, ErrorEstimate, ErrorEstimator, Forecast, PassesNeeded};
+use super::error_estimate::{Confidence, ErrorEstimate, ErrorEstimator, ErrorForecast, PassesNeeded};
 use super::film::Film;
 use crate::integrate::{Integrator, Monitor, PhotonReport, Seconds};
 use crate::stats::Counters;
@@ -35,7 +35,7 @@ pub struct ErrorTarget {
 impl ErrorTarget {
     /// Two-sided confidence whose upper end is the one-sided bound with the target's confidence.
     #[must_use]
-    pub fn interval(self) -> Confidence {
+    pub fn interval_confidence(self) -> Confidence {
         Confidence::new(2.0 * self.confidence.probability() - 1.0).unwrap_or(Confidence::LEAST)
     }
 }
@@ -58,7 +58,7 @@ pub enum EndReason {
 
 /// A finished render.
 #[derive(Debug)]
-pub struct Rendered {
+pub struct RenderResult {
     /// Sum of all passes.
     pub film: Film,
     /// Error estimator of the passes; `None` if the integrator supports none or it is disabled.
@@ -79,11 +79,11 @@ pub struct Rendered {
 
 /// State of a render after a pass.
 #[derive(Clone, Copy, Debug)]
-pub struct AfterPass {
+pub struct PassProgress {
     /// Passes made.
     pub passes: u32,
     /// Error and its forecast; `None` if the error was not estimated after this pass.
-    pub error: Option<(ErrorEstimate, Forecast)>,
+    pub error: Option<(ErrorEstimate, ErrorForecast)>,
 }
 
 /// Growth of the number of passes between two error estimates. Each estimate costs a fraction of a
@@ -103,10 +103,10 @@ pub fn render(
     size: (u32, u32),
     stop: &StopCriteria<'_>,
     monitor: &dyn Monitor,
-    mut after_pass: impl FnMut(&AfterPass),
-) -> Rendered {
+    mut after_pass: impl FnMut(&PassProgress),
+) -> RenderResult {
     let start = Instant::now();
-    let mut rendered = Rendered {
+    let mut rendered = RenderResult {
         film: Film::new(size.0, size.1),
         estimator: integrator.nests_estimates().then(|| ErrorEstimator::new(integrator.radius_law())),
         ended: EndReason::Passes,
@@ -130,11 +130,11 @@ pub fn render(
         let passes = rendered.film.passes();
         let error = rendered.estimator.as_ref().filter(|_| f64::from(passes) >= next_estimate).and_then(|estimator| {
             next_estimate = ESTIMATE_EVERY * f64::from(passes);
-            let confidence = stop.target.map_or(Confidence::default(), ErrorTarget::interval);
-            let estimate = estimator.estimate_with(&rendered.film, confidence);
+            let confidence = stop.target.map_or(Confidence::default(), ErrorTarget::interval_confidence);
+            let estimate = estimator.estimate_with_confidence(&rendered.film, confidence);
             estimator.forecast(&estimate).map(|forecast| (estimate, forecast))
         });
-        after_pass(&AfterPass { passes, error });
+        after_pass(&PassProgress { passes, error });
         let ended = if stop.interrupted.load(Ordering::Relaxed) {
             Some(EndReason::Interrupted)
         } else if stop.passes.is_some_and(|most| passes >= most) || passes == u32::MAX {
@@ -144,7 +144,7 @@ pub fn render(
         } else if stop.time.is_some_and(|most| start.elapsed() >= most) {
             Some(EndReason::Time)
         } else {
-            error.and_then(|(estimate, forecast)| stop.by_error(&estimate, &forecast))
+            error.and_then(|(estimate, forecast)| stop.end_reason_by_error(&estimate, &forecast))
         };
         if let Some(ended) = ended {
             rendered.ended = ended;
@@ -156,12 +156,12 @@ pub fn render(
 
 impl StopCriteria<'_> {
     /// The reason to end the render because of its error, if any.
-    fn by_error(&self, estimate: &ErrorEstimate, forecast: &Forecast) -> Option<EndReason> {
+    fn end_reason_by_error(&self, estimate: &ErrorEstimate, forecast: &ErrorForecast) -> Option<EndReason> {
         let target = self.target?;
         if estimate.high <= target.error {
             return Some(EndReason::Target);
         }
-        let PassesNeeded::Never { floor } = forecast.passes_to(target.error) else { return None };
+        let PassesNeeded::Never { floor } = forecast.passes_to_reach(target.error) else { return None };
         let hopeless = estimate.passes >= GIVE_UP_PASSES && GIVE_UP_MARGIN * floor > target.error;
         (hopeless && self.passes.is_none() && self.time.is_none()).then_some(EndReason::Floor)
     }

@@ -4,5 +4,5 @@ mod driver;
 pub mod error_estimate;
 mod film;
 
-pub use driver::{AfterPass, EndReason, ErrorTarget, Rendered, StopCriteria, render};
+pub use driver::{EndReason, ErrorTarget, PassProgress, RenderResult, StopCriteria, render};
 pub use film::Film;

@@ -72,7 +72,8 @@ impl Geometry {
     ) -> Self {
         let corners: Vec<_> = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
         let boxes: Vec<Bounds> = shapes[..first_moving as usize].iter().map(Shape::bounds).collect();
-        let static_bounds = boxes.iter().copied().fold(Bounds::of(corners.iter().flatten().copied()), Bounds::union);
+        let static_bounds =
+            boxes.iter().copied().fold(Bounds::from_points(corners.iter().flatten().copied()), Bounds::union);
         let hierarchy = Arc::new(Hierarchy::build(&corners, &boxes));
         let mut triangle_object = Vec::with_capacity(corners.len());
         for (range, object) in mesh_ranges.iter().zip(shapes.len() as u32..) {
@@ -90,12 +91,12 @@ impl Geometry {
             hierarchy,
             moving: None,
         };
-        geometry.rebuild_moving();
+        geometry.rebuild_moving_hierarchy();
         geometry
     }
 
     /// Rebuilds the hierarchy over moving shapes after they have moved.
-    pub fn rebuild_moving(&mut self) {
+    pub fn rebuild_moving_hierarchy(&mut self) {
         let boxes: Vec<Bounds> = self.moving_shapes().iter().map(Shape::bounds).collect();
         self.moving = (!boxes.is_empty()).then(|| Arc::new(Hierarchy::build(&[], &boxes)));
     }
@@ -111,18 +112,18 @@ impl Geometry {
     }
 
     /// Object number of plane 0.
-    fn first_plane(&self) -> usize {
+    fn first_plane_index(&self) -> usize {
         self.shapes.len() + self.mesh_ranges.len()
     }
 
     /// Attributes of the planes.
-    pub fn plane_objects(&self) -> &[ObjectAttributes] {
-        &self.objects[self.first_plane()..]
+    pub fn plane_attributes(&self) -> &[ObjectAttributes] {
+        &self.objects[self.first_plane_index()..]
     }
 
     /// Attributes of the meshes.
-    pub fn mesh_objects(&self) -> &[ObjectAttributes] {
-        &self.objects[self.shapes.len()..self.first_plane()]
+    pub fn mesh_attributes(&self) -> &[ObjectAttributes] {
+        &self.objects[self.shapes.len()..self.first_plane_index()]
     }
 
     /// Number of the object that a primitive belongs to.
@@ -131,13 +132,13 @@ impl Geometry {
         match kind {
             HitKind::Triangle(i, _) => self.triangle_object[i as usize],
             HitKind::Shape(i, _) => i,
-            HitKind::Plane(i) => self.first_plane() as u32 + i,
+            HitKind::Plane(i) => self.first_plane_index() as u32 + i,
         }
     }
 
     /// Attributes of the object that a primitive belongs to.
     #[inline]
-    pub fn object(&self, kind: HitKind) -> &ObjectAttributes {
+    pub fn object_attributes(&self, kind: HitKind) -> &ObjectAttributes {
         &self.objects[self.object_index(kind) as usize]
     }
 
@@ -172,17 +173,17 @@ impl Geometry {
     #[inline]
     pub fn surface_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         match hit.kind {
-            HitKind::Triangle(i, b) => self.mesh.surface(i as usize, b),
-            HitKind::Shape(i, uv) => self.shapes[i as usize].surface(ray, hit.t, uv),
-            HitKind::Plane(i) => self.planes[i as usize].surface(ray, hit.t),
+            HitKind::Triangle(i, b) => self.mesh.surface_point(i as usize, b),
+            HitKind::Shape(i, uv) => self.shapes[i as usize].surface_point(ray, hit.t, uv),
+            HitKind::Plane(i) => self.planes[i as usize].surface_point(ray, hit.t),
         }
     }
 
     /// The surface's own texture coordinates at a hit; zero on planes.
-    pub fn surface_coords(&self, hit: &Hit, point: &SurfacePoint) -> TexCoord {
+    pub fn surface_texture_coords(&self, hit: &Hit, point: &SurfacePoint) -> TexCoord {
         match hit.kind {
-            HitKind::Triangle(i, b) => self.mesh.mapped(i as usize, b),
-            HitKind::Shape(i, uv) => self.shapes[i as usize].mapped(point.p, uv),
+            HitKind::Triangle(i, b) => self.mesh.tex_coord(i as usize, b),
+            HitKind::Shape(i, uv) => self.shapes[i as usize].tex_coord(point.p, uv),
             HitKind::Plane(_) => TexCoord::default(),
         }
     }
@@ -191,7 +192,7 @@ impl Geometry {
     ///
     /// They share seams, where a ray hits two of them. Other shapes keep their points off their
     /// edges.
-    pub fn seam_object(&self, kind: HitKind) -> u32 {
+    pub fn coincidence_group(&self, kind: HitKind) -> u32 {
         match kind {
             HitKind::Shape(i, _) => match self.shapes[i as usize] {
                 Shape::Patch(_) | Shape::Revolution(_) => u32::MAX,

@@ -1,9 +1,9 @@
 //! The interface that every kind of shape implements.
 
 use super::hit::ShapeHit;
-use super::surface_point::{ShapeSample, SurfacePoint};
+use super::surface_point::{ShapeSample, SolidAngleSampling, SurfacePoint};
 use super::texture_mapping::TexCoord;
-use crate::math::{Ray, Sphere as BoundingSphere, Transform};
+use crate::math::{BoundingSphere, Ray, Transform};
 use glam::{DVec3, Vec2, Vec3};
 
 /// A bounded shape in world space. [`Shape`](super::Shape) dispatches to it.
@@ -18,7 +18,7 @@ pub(super) trait AnalyticShape: Sized {
     }
 
     /// Point that `ray` hits at `t`; `uv` holds the coordinates of the [`ShapeHit`].
-    fn surface(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint;
+    fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint;
 
     /// Intrinsic texture coordinates at the surface point `p`; `uv` holds the coordinates of the
     /// [`ShapeHit`].
@@ -27,7 +27,7 @@ pub(super) trait AnalyticShape: Sized {
     }
 
     /// Lower and upper corner of a box around the shape.
-    fn extent(&self) -> (DVec3, DVec3);
+    fn bounds_f64(&self) -> (DVec3, DVec3);
 
     /// Image under a translation.
     fn translated(&self, by: DVec3) -> Self;
@@ -49,8 +49,26 @@ pub(super) trait AnalyticShape: Sized {
         (1.0 / self.area()) as f32
     }
 
+    /// Samples a visible point of the outer side by solid angle as seen from `from`.
+    #[inline]
+    fn sample_solid_angle(&self, _from: Vec3, _u: Vec2) -> SolidAngleSampling {
+        SolidAngleSampling::Unsupported
+    }
+
+    /// Pdf per solid angle \[1/sr] of [`AnalyticShape::sample_solid_angle`]; `None` if unsupported.
+    #[inline]
+    fn solid_angle_pdf(&self, _from: Vec3) -> Option<f32> {
+        None
+    }
+
+    /// Error of the position at which a ray hits the shape, relative to the ray's length.
+    #[inline]
+    fn relative_hit_error(&self) -> f32 {
+        f32::EPSILON
+    }
+
     /// A point of the surface if the whole shape lies in one plane.
-    fn planar_point(&self) -> Option<SurfacePoint> {
+    fn point_if_planar(&self) -> Option<SurfacePoint> {
         None
     }
 

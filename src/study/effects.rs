@@ -1,6 +1,5 @@
 //! Study of effects: renders the picture with and without each effect.
 
-use super::balanced::balanced;
 use crate::image::metrics::{MetricError, rmse};
 use crate::image::{Image, SizeError, WriteError};
 use crate::integrate::{Algorithm, Expected, Integrator, Monitor, Settings};
@@ -38,12 +37,12 @@ pub enum Clock {
 
 impl Clock {
     /// Processor time if the system reports it.
-    fn preferred() -> Self {
+    fn preferred_clock() -> Self {
         if cpu_seconds().is_some() { Self::Processor } else { Self::Wall }
     }
 
     /// Runs `work`; returns its result and its time \[s].
-    fn time<T>(self, work: impl FnOnce() -> T) -> (T, f64) {
+    fn measure_seconds<T>(self, work: impl FnOnce() -> T) -> (T, f64) {
         let start = Instant::now();
         let now = || match self {
             Self::Processor => cpu_seconds().unwrap_or(0.0),
@@ -76,7 +75,7 @@ impl PictureCost {
 
 /// Cost of an effect: the picture with it less the one without it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Cost {
+pub struct EffectCost {
     /// Difference per pass \[s].
     pub seconds: f64,
     /// Standard error of `seconds`, from the differences of the passes \[s]; `None` with one pass.
@@ -114,7 +113,7 @@ pub struct EffectResult {
     /// Time and work of the picture without the effect.
     pub without: PictureCost,
     /// Cost of the effect.
-    pub cost: Cost,
+    pub cost: EffectCost,
     /// Change of the picture.
     pub gain: EffectContribution,
     /// The whole picture less the one without it.
@@ -148,10 +147,10 @@ pub struct EffectStudy<'a> {
     size: (u32, u32),
     clock: Clock,
     /// Runs; the first one is the whole picture.
-    runs: Vec<PictureRun<'a>>,
+    runs: Vec<PictureInProgress<'a>>,
 }
 
-struct PictureRun<'a> {
+struct PictureInProgress<'a> {
     /// The omitted effect; `None` for the whole picture.
     without: Option<Decision>,
     integrator: Box<dyn Integrator + 'a>,
@@ -163,18 +162,18 @@ impl<'a> EffectStudy<'a> {
     /// Plans `scene` and prepares all pictures.
     #[must_use]
     pub fn prepare(scene: &'a Scene, algorithm: Algorithm, settings: &Settings) -> Self {
-        let clock = Clock::preferred();
-        let plan = Plan::new(scene, algorithm.simulates(), settings.eye.effects);
-        let settings = balanced(scene, algorithm, settings);
+        let clock = Clock::preferred_clock();
+        let plan = Plan::new(scene, algorithm.simulates(), settings.camera_paths.effects);
+        let settings = settings_with_pilot_counts(scene, algorithm, settings);
         let size = scene.camera().size();
         let run = |without: Option<Decision>| {
             let mut settings = settings.clone();
             if let Some(decision) = without {
-                settings.eye.effects = settings.eye.effects.without(decision.effect);
+                settings.camera_paths.effects = settings.camera_paths.effects.without(decision.effect);
             }
-            let (integrator, setup) = clock.time(|| algorithm.prepare(scene, settings));
+            let (integrator, setup) = clock.measure_seconds(|| algorithm.prepare(scene, settings));
             let spent = PictureCost { setup, ..PictureCost::default() };
-            PictureRun { without, integrator, film: Film::new(size.0, size.1), spent }
+            PictureInProgress { without, integrator, film: Film::new(size.0, size.1), spent }
         };
         let on = plan.decisions.iter().filter(|d| d.on).copied();
         let runs = std::iter::once(None).chain(on.map(Some)).map(run).collect();
@@ -189,13 +188,13 @@ impl<'a> EffectStudy<'a> {
 
     /// Number of pictures.
     #[must_use]
-    pub fn pictures(&self) -> usize {
+    pub fn picture_count(&self) -> usize {
         self.runs.len()
     }
 
     /// Memory of the largest pass.
     #[must_use]
-    pub fn expected(&self) -> Expected {
+    pub fn largest_pass_memory(&self) -> Expected {
         let all = self.runs.iter().map(|run| run.integrator.expected());
         all.fold(Expected::default(), |a, b| Expected {
             paths: a.paths.max(b.paths),
@@ -223,7 +222,7 @@ impl<'a> EffectStudy<'a> {
             let first = made as usize % self.runs.len();
             let (late, early) = self.runs.split_at_mut(first);
             for run in early.iter_mut().chain(late) {
-                let (pass, seconds) = self.clock.time(|| run.integrator.pass(made, monitor));
+                let (pass, seconds) = self.clock.measure_seconds(|| run.integrator.pass(made, monitor));
                 run.film.add(&pass.image);
                 run.spent.passes.push(seconds);
                 run.spent.counters += pass.counters;
@@ -231,23 +230,28 @@ impl<'a> EffectStudy<'a> {
             made += 1;
             after(made);
         }
-        self.conclude(made < passes)
+        self.into_result(made < passes)
     }
 
-    fn conclude(self, interrupted: bool) -> Result<EffectStudyResult, StudyError> {
+    fn into_result(self, interrupted: bool) -> Result<EffectStudyResult, StudyError> {
         let (width, height) = self.size;
         let plan = self.plan().clone();
-        let image = |run: &PictureRun<'_>| Image::from_pixels(width, height, run.film.mean());
+        let image = |run: &PictureInProgress<'_>| Image::from_pixels(width, height, run.film.mean());
         let (picture, whole) = (image(&self.runs[0])?, self.runs[0].spent.clone());
-        let mean = mean_over_channels(picture.pixels().iter().map(|p| p.as_dvec3().element_sum()), &picture);
-        let find = |run: PictureRun<'_>| {
+        let mean = mean_over_image(picture.pixels().iter().map(|p| p.as_dvec3().element_sum()), &picture);
+        let find = |run: PictureInProgress<'_>| {
             let without = image(&run)?;
-            let PictureRun { without: left_out, spent, .. } = run;
-            let gain = contribution(&picture, &without, mean)?;
+            let PictureInProgress { without: left_out, spent, .. } = run;
+            let gain = effect_contribution(&picture, &without, mean)?;
             let pairs = picture.pixels().iter().zip(without.pixels());
             let difference = Image::from_pixels(width, height, pairs.map(|(a, b)| *a - *b).collect())?;
-            let found =
-                |decision| EffectResult { decision, cost: cost(&whole, &spent), without: spent, gain, difference };
+            let found = |decision| EffectResult {
+                decision,
+                cost: effect_cost(&whole, &spent),
+                without: spent,
+                gain,
+                difference,
+            };
             Ok(left_out.map(found))
         };
         let effects = self.runs.into_iter().skip(1).filter_map(|run| find(run).transpose());
@@ -256,32 +260,47 @@ impl<'a> EffectStudy<'a> {
     }
 }
 
-/// Mean over pixels and channels of `sums` over channels.
-fn mean_over_channels(sums: impl Iterator<Item = f64>, of: &Image) -> f64 {
+/// Settings for a study: a pilot of the whole picture fixes the numbers of rays and photons.
+///
+/// Pictures without an effect then use as many rays and photons as the whole picture.
+fn settings_with_pilot_counts(scene: &Scene, algorithm: Algorithm, settings: &Settings) -> Settings {
+    let mut fixed = Settings { balance: false, ..settings.clone() };
+    if settings.balance
+        && let Some(balance) = algorithm.prepare(scene, settings.clone()).balance()
+    {
+        fixed.camera_paths.samples = Some(balance.samples);
+        fixed.photons = balance.photons.unwrap_or(fixed.photons);
+        fixed.caustic_photons = balance.caustic_photons.unwrap_or(fixed.caustic_photons);
+    }
+    fixed
+}
+
+/// Mean over pixels and channels; `channel_sums` are the sums over the channels of each pixel.
+fn mean_over_image(sums: impl Iterator<Item = f64>, of: &Image) -> f64 {
     sums.sum::<f64>() / (3.0 * of.pixels().len() as f64)
 }
 
-fn contribution(whole: &Image, without: &Image, mean_of_whole: f64) -> Result<EffectContribution, StudyError> {
+fn effect_contribution(whole: &Image, without: &Image, mean_of_whole: f64) -> Result<EffectContribution, StudyError> {
     let rmse = rmse(whole, without)?;
     let differences = || whole.pixels().iter().zip(without.pixels()).map(|(a, b)| a.as_dvec3() - b.as_dvec3());
-    let adds = mean_over_channels(differences().map(|d| d.max(glam::DVec3::ZERO).element_sum()), whole);
-    let takes = mean_over_channels(differences().map(|d| (-d).max(glam::DVec3::ZERO).element_sum()), whole);
+    let adds = mean_over_image(differences().map(|d| d.max(glam::DVec3::ZERO).element_sum()), whole);
+    let takes = mean_over_image(differences().map(|d| (-d).max(glam::DVec3::ZERO).element_sum()), whole);
     let relative_rmse = (mean_of_whole > 0.0).then(|| rmse / mean_of_whole);
     Ok(EffectContribution { rmse, relative_rmse, adds, takes })
 }
 
-fn cost(whole: &PictureCost, without: &PictureCost) -> Cost {
+fn effect_cost(whole: &PictureCost, without: &PictureCost) -> EffectCost {
     let differences: Vec<f64> = whole.passes.iter().zip(&without.passes).map(|(a, b)| a - b).collect();
     let n = differences.len() as f64;
     let seconds = differences.iter().sum::<f64>() / n;
     let variance = differences.iter().map(|d| (d - seconds) * (d - seconds)).sum::<f64>() / (n - 1.0);
     let a_pass = |count: fn(&Counters) -> u64| (count(&whole.counters) as f64 - count(&without.counters) as f64) / n;
-    Cost {
+    EffectCost {
         seconds,
         seconds_error: (differences.len() > 1).then(|| (variance / n).sqrt()),
         ratio: whole.seconds() / without.seconds(),
         setup: whole.setup - without.setup,
-        rays: a_pass(Counters::rays),
+        rays: a_pass(Counters::total_rays),
         gathers: a_pass(|c| c.gathers),
         gathered_photons: a_pass(|c| c.gathered_photons),
     }

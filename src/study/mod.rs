@@ -1,6 +1,5 @@
 //! Studies of a scene: cost and contribution of effects, and convergence of methods.
 
-mod balanced;
 mod effects;
 pub mod methods;
 pub mod report;
@@ -9,8 +8,8 @@ mod tests;
 mod work;
 
 pub use effects::{
-    Clock, Cost, EffectContribution, EffectResult, EffectStudy, EffectStudyResult, PictureCost, StudyError,
+    Clock, EffectContribution, EffectCost, EffectResult, EffectStudy, EffectStudyResult, PictureCost, StudyError,
 };
-pub use report::effects::{About, page};
+pub use report::effects::{ReportContext, effects_html_page};
 pub use report::text;
-pub use work::{ExpectedWork, Work, expected_work};
+pub use work::{ExpectedWork, WorkCounts, expected_work};

@@ -1,6 +1,6 @@
 //! Studies of scenes with known results.
 
-use super::{About, EffectStudy, EffectStudyResult, expected_work, page};
+use super::{EffectStudy, EffectStudyResult, ReportContext, effects_html_page, expected_work};
 use crate::camera::Camera;
 use crate::integrate::{Algorithm, Settings, Silent};
 use crate::plan::{Effect, EffectOverrides};
@@ -18,7 +18,7 @@ fn ball(material: Material, width: u32, height: u32) -> Scene {
     builder
         .shape(Shape::Rectangle(floor), white, Vec3::ZERO)
         .shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 1.0, 0.0), 0.8)), own, Vec3::ZERO)
-        .source(
+        .delta_light(
             DeltaLightKind::Point { position: DVec3::new(2.0, 4.0, 0.0) },
             LightStrength::Power(Vec3::splat(200.0)),
         );
@@ -36,7 +36,7 @@ pub(super) fn glass_on_floor(width: u32, height: u32) -> Scene {
 
 fn few(effects: EffectOverrides) -> Settings {
     let mut settings = Settings { photons: 0, caustic_photons: 4000, balance: false, ..Settings::default() };
-    settings.eye.effects = effects;
+    settings.camera_paths.effects = effects;
     settings
 }
 
@@ -56,7 +56,7 @@ fn unneeded_caustics_cost_rays_and_change_no_bit() {
     assert!(caustics.cost.rays >= 4000.0, "{:?}", caustics.cost);
     let scene = matt(24, 18);
     let work = expected_work(Algorithm::Hybrid.prepare(&scene, few(overrides)).as_ref());
-    assert!(work.of(Effect::Caustics).unwrap().rays >= 4000);
+    assert!(work.added_by(Effect::Caustics).unwrap().rays >= 4000);
 }
 
 /// Point lights have no noise in `whitted`: shadows brighten no pixel.
@@ -77,7 +77,7 @@ fn gains_are_the_difference_of_the_means() {
     let scene = glass_on_floor(24, 18);
     let found = study(&scene, Algorithm::Hybrid, &few(EffectOverrides::PLANNED), 3);
     let names: Vec<Effect> = found.effects.iter().map(|f| f.decision.effect).collect();
-    assert_eq!(names, found.plan.effects().iter().collect::<Vec<_>>());
+    assert_eq!(names, found.plan.simulated_effects().iter().collect::<Vec<_>>());
     let caustics = found.effects.iter().find(|f| f.decision.effect == Effect::Caustics).unwrap();
     let settings = few(EffectOverrides::PLANNED.without(Effect::Caustics));
     let integrator = Algorithm::Hybrid.prepare(&scene, settings);
@@ -99,7 +99,7 @@ fn gains_are_the_difference_of_the_means() {
 fn interrupts_end_after_a_pass_of_every_picture() {
     let scene = matt(8, 6);
     let study = EffectStudy::prepare(&scene, Algorithm::Whitted, &few(EffectOverrides::PLANNED));
-    let pictures = study.pictures();
+    let pictures = study.picture_count();
     let found = study.run(9, &AtomicBool::new(true), &Silent, |_| {}).unwrap();
     assert!(found.interrupted && found.effects.len() + 1 == pictures);
     assert!(found.whole.passes.len() == 1 && found.effects.iter().all(|f| f.without.passes.len() == 1));
@@ -107,11 +107,11 @@ fn interrupts_end_after_a_pass_of_every_picture() {
 
 #[test]
 fn page_lists_every_effect() {
-    let about = About { scene: "<a> & b".into(), integrator: "whitted", seed: 3, exposure: -1.0 };
+    let about = ReportContext { scene: "<a> & b".into(), integrator: "whitted", seed: 3, exposure: -1.0 };
     let overrides = EffectOverrides::PLANNED.with(Effect::Environment).without(Effect::Shadows);
     let found = study(&matt(8, 6), Algorithm::Whitted, &few(overrides), 1);
     let environment = found.plan.decisions.iter().find(|d| d.effect == Effect::Environment).unwrap();
-    let page = page(&about, &found).unwrap();
+    let page = effects_html_page(&about, &found).unwrap();
     assert!(
         Effect::ALL.iter().all(|e| page.contains(&format!("<dt>{e}</dt>")) || page.contains(&format!("id=\"{e}\"")))
     );

@@ -5,7 +5,7 @@ use crate::plan::{Effect, Effects};
 
 /// Work of the first pass, or the difference between the first passes of two plans.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Work {
+pub struct WorkCounts {
     /// Rays of every kind.
     pub rays: i64,
     /// Photons in density estimates.
@@ -16,15 +16,15 @@ pub struct Work {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ExpectedWork {
     /// Work with all effects of the plan.
-    pub whole: Work,
+    pub whole: WorkCounts,
     /// Work that each simulated effect adds, in the order of [`Effect::ALL`].
-    pub effects: Vec<(Effect, Work)>,
+    pub effects: Vec<(Effect, WorkCounts)>,
 }
 
 impl ExpectedWork {
     /// Work that `effect` adds; `None` if it is not simulated.
     #[must_use]
-    pub fn of(&self, effect: Effect) -> Option<Work> {
+    pub fn added_by(&self, effect: Effect) -> Option<WorkCounts> {
         self.effects.iter().find(|(e, _)| *e == effect).map(|(_, work)| *work)
     }
 }
@@ -32,17 +32,17 @@ impl ExpectedWork {
 /// Expected work of the first pass and of each effect, without pilots.
 #[must_use]
 pub fn expected_work(integrator: &dyn Integrator) -> ExpectedWork {
-    let effects = integrator.plan().effects();
+    let effects = integrator.plan().simulated_effects();
     let of = |effects: Effects| {
         let counters = integrator.expected_work(effects);
-        [counters.rays(), counters.gathered_photons].map(|n| i64::try_from(n).unwrap_or(i64::MAX))
+        [counters.total_rays(), counters.gathered_photons].map(|n| i64::try_from(n).unwrap_or(i64::MAX))
     };
     let [rays, gathered_photons] = of(effects);
     let adds = |effect: Effect| {
         let [less, fewer] = of(effects.without(effect));
-        (effect, Work { rays: rays - less, gathered_photons: gathered_photons - fewer })
+        (effect, WorkCounts { rays: rays - less, gathered_photons: gathered_photons - fewer })
     };
-    ExpectedWork { whole: Work { rays, gathered_photons }, effects: effects.iter().map(adds).collect() }
+    ExpectedWork { whole: WorkCounts { rays, gathered_photons }, effects: effects.iter().map(adds).collect() }
 }
 
 #[cfg(test)]
@@ -55,10 +55,13 @@ mod tests {
     #[test]
     fn camera_rays_are_exact() {
         let mut settings = Settings::default();
-        settings.eye.samples = Some(100);
+        settings.camera_paths.samples = Some(100);
         let scene = matt(640, 480);
         let work = expected_work(Algorithm::Raycast.prepare(&scene, settings).as_ref());
-        assert_eq!(work, ExpectedWork { whole: Work { rays: 640 * 480 * 100, gathered_photons: 0 }, effects: vec![] });
+        assert_eq!(
+            work,
+            ExpectedWork { whole: WorkCounts { rays: 640 * 480 * 100, gathered_photons: 0 }, effects: vec![] }
+        );
     }
 
     /// Compares expected work with a whole pass. A thousand film points give a few percent of
@@ -80,10 +83,10 @@ mod tests {
             let close = |a: i64, b: u64, within: f64| {
                 assert!((a as f64 / b as f64 - 1.0).abs() < within, "{algorithm:?} {a} {b}");
             };
-            close(work.whole.rays, counters.rays(), 0.1);
+            close(work.whole.rays, counters.total_rays(), 0.1);
             close(work.whole.gathered_photons, counters.gathered_photons, 0.25);
-            assert!(work.of(Effect::Caustics).unwrap().gathered_photons > 0);
-            assert_eq!(work.of(Effect::Environment), None);
+            assert!(work.added_by(Effect::Caustics).unwrap().gathered_photons > 0);
+            assert_eq!(work.added_by(Effect::Environment), None);
         }
     }
 }

@@ -1,19 +1,19 @@
 //! The course's scenes, meshes and images: how they are read, and what ray casting makes of them.
 //!
 //! The data may not be distributed, so it lies outside the repository: see
-//! [`crate::support::course`].
+//! [`crate::support::course_data_folder`].
 
-use crate::support::course;
+use crate::support::course_data_folder;
 use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::format::description::{CurveBasis, Group, GroupItem, ObjectDescription, ProfileCurve, ShapeDescription};
-use caustica::format::mesh::{self, Repair};
+use caustica::format::mesh::{self, MeshRepairs};
 use caustica::format::{SceneFile, parse};
-use caustica::image::{self, Curve, Image, RgbBytes, ToneMap, WriteOptions};
+use caustica::image::{self, Image, RgbBytes, ToneCurve, ToneMap, WriteOptions};
 use caustica::integrate::{Algorithm, Settings, Silent};
 use caustica::math::Ray;
 use caustica::scene::{Material, Scene, SceneBuilder};
-use caustica::shape::parametric::Basis;
+use caustica::shape::parametric::SplineBasis;
 use caustica::shape::{Revolution, Shape};
 use glam::{DVec2, DVec3, Vec3};
 use std::fs;
@@ -29,7 +29,7 @@ fn render_course_image(scene: &Scene) -> RgbBytes {
     let picture = Image::from_pixels(width, height, integrator.pass(0, &Silent).image).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.png");
-    let tone = ToneMap { curve: Curve::Course, exposure_stops: 0.0 };
+    let tone = ToneMap { curve: ToneCurve::Course, exposure_stops: 0.0 };
     image::write(&path, &picture, &WriteOptions { tone, ..WriteOptions::default() }).unwrap();
     image::read_bytes(&path).unwrap()
 }
@@ -44,7 +44,7 @@ fn count_differing_pixels(ours: &RgbBytes, theirs: &RgbBytes) -> usize {
 /// An exact implementation differs by at most one level, except at four edge pixels of scene01.
 #[test]
 fn scenes_01_to_07_match_expected_images() {
-    let Some(course) = course("") else { return };
+    let Some(course) = course_data_folder("") else { return };
     let scenes = [
         ("scene01_basic", 4),
         ("scene02_cube", 0),
@@ -65,7 +65,7 @@ fn scenes_01_to_07_match_expected_images() {
 /// Curves have no surface. A surface of revolution has one, and it faces the camera.
 #[test]
 fn scenes_08_to_10_show_surfaces_of_revolution() {
-    let Some(course) = course("") else { return };
+    let Some(course) = course_data_folder("") else { return };
     let background = |name: &str| {
         let picture = ray_cast(&course.join(format!("testcases/{name}.txt")));
         let corner = picture.pixels()[0];
@@ -139,13 +139,13 @@ fn scene_of(fill: impl FnOnce(&mut SceneBuilder, u32)) -> Scene {
 /// the axis, and edge-on. Pixels may differ only next to an outline of the mesh.
 #[test]
 fn scenes_09_and_10_match_fine_meshes() {
-    let Some(course) = course("") else { return };
+    let Some(course) = course_data_folder("") else { return };
     for name in ["scene09_norm", "scene10_wineglass"] {
         let file = SceneFile::read(&course.join(format!("testcases/{name}.txt"))).unwrap();
         let curve = profile(&file.description.root).unwrap();
         let basis = match curve.basis {
-            CurveBasis::Bezier => Basis::bezier(curve.controls.len()),
-            CurveBasis::Bspline => Basis::uniform(3, curve.controls.len()),
+            CurveBasis::Bezier => SplineBasis::bezier(curve.controls.len()),
+            CurveBasis::Bspline => SplineBasis::uniform_knots(3, curve.controls.len()),
         };
         let controls: Vec<DVec2> = curve.controls.iter().map(|c| c.truncate()).collect();
         let exact = scene_of(|b, white| {
@@ -216,7 +216,7 @@ fn scenes_09_and_10_match_fine_meshes() {
 
 #[test]
 fn course_scenes_parse_and_print_back() {
-    let Some(folder) = course("testcases") else { return };
+    let Some(folder) = course_data_folder("testcases") else { return };
     let mut scenes = 0;
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
@@ -234,7 +234,7 @@ fn course_scenes_parse_and_print_back() {
 
 #[test]
 fn course_meshes_load() {
-    let Some(folder) = course("mesh") else { return };
+    let Some(folder) = course_data_folder("mesh") else { return };
     // Numbers of distinct vertices and of faces, counted by `grep -c`.
     for (name, vertices, triangles, normals) in [
         ("cube.obj", 8, 12, false),
@@ -250,7 +250,7 @@ fn course_meshes_load() {
 
 #[test]
 fn course_meshes_are_repaired_without_loss() {
-    let Some(folder) = course("mesh") else { return };
+    let Some(folder) = course_data_folder("mesh") else { return };
     // Closed surfaces: Euler's formula gives the vertices from the triangles.
     for (name, triangles) in
         [("cube.obj", 12), ("bunny_200.obj", 200), ("bunny_1k.obj", 1000), ("bunny_1k_vn.obj", 1000)]
@@ -261,15 +261,15 @@ fn course_meshes_are_repaired_without_loss() {
         assert_eq!((before.triangles, before.components, before.genus), (triangles, 1, Some(0)), "{name}");
         assert_eq!(before.vertices, triangles / 2 + 2, "{name}");
         assert!(before.volume.unwrap() > 0.0, "{name}");
-        let weld = Some(Repair::WELD * mesh.diagonal());
-        let repaired = mesh.repair(&Repair { weld, duplicates: true, degenerate: true, orient: true });
+        let weld = Some(MeshRepairs::DEFAULT_WELD_TOLERANCE * mesh.bounds_diagonal());
+        let repaired = mesh.repair(&MeshRepairs { weld, duplicates: true, degenerate: true, orient: true });
         assert_eq!((repaired, mesh.report()), (Default::default(), before), "{name}");
     }
 }
 
 #[test]
 fn course_images_decode() {
-    let Some(folder) = course("expected") else { return };
+    let Some(folder) = course_data_folder("expected") else { return };
     let mut images = 0;
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();

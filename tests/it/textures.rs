@@ -1,23 +1,24 @@
 //! Rendered textures: closed forms for means, slopes and energy, and noise reduction by filtering.
 
-use crate::support::scene_in;
+use crate::support::scene_from_text_in;
 use caustica::camera::{Filter, FilterKind};
 use caustica::color::{self, Rgb};
 use caustica::image;
-use caustica::integrate::{Algorithm, EyeSettings, Settings, Silent};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings, Silent};
 use caustica::math::Ray;
 use caustica::plan::{Effect, EffectOverrides};
 use caustica::scene::{Effects, Hit, RayCone, Scene, SurfaceInteraction};
 use glam::{DVec2, DVec3, Vec3};
 
 fn scene(text: &str) -> Scene {
-    scene_in("", text)
+    scene_from_text_in("", text)
 }
 
 fn picture(scene: &Scene, algorithm: Algorithm, samples: u32, passes: u32, effects: EffectOverrides) -> Vec<Vec<Rgb>> {
     let filter = Filter::new(FilterKind::Box);
-    let eye = EyeSettings { samples: Some(samples), filter, effects, ..EyeSettings::default() };
-    let settings = Settings { eye, balance: false, photons: 20_000, caustic_photons: 20_000, ..Settings::default() };
+    let camera_paths = CameraPathSettings { samples: Some(samples), filter, effects, ..CameraPathSettings::default() };
+    let settings =
+        Settings { camera_paths, balance: false, photons: 20_000, caustic_photons: 20_000, ..Settings::default() };
     let integrator = algorithm.prepare(scene, settings);
     (0..passes).map(|pass| integrator.pass(pass, &Silent).image).collect()
 }
@@ -30,12 +31,12 @@ fn hit(scene: &Scene, from: DVec3, direction: DVec3) -> (Hit, Ray) {
 
 fn surface(scene: &Scene, from: DVec3, direction: DVec3) -> SurfaceInteraction<'_> {
     let (hit, ray) = hit(scene, from, direction);
-    scene.interaction(&ray, &hit, &RayCone::point(Effects::ALL), || 0.5)
+    scene.interaction(&ray, &hit, &RayCone::zero_width(Effects::ALL), || 0.5)
 }
 
 fn uv(scene: &Scene, from: [f64; 3], direction: [f64; 3]) -> DVec2 {
     let (hit, ray) = hit(scene, DVec3::from(from), DVec3::from(direction));
-    let cone = RayCone::point(Effects::ALL);
+    let cone = RayCone::zero_width(Effects::ALL);
     let surface = scene.interaction(&ray, &hit, &cone, || 0.5);
     scene.texture_context(&hit, &surface.point, surface.wo, &cone).uv
 }
@@ -83,8 +84,9 @@ fn far_checkerboard_is_filtered_to_its_mean() {
     let passes = picture(&tiles(".1 .1 .1", ".8 .8 .8"), Algorithm::Whitted, 1, 16, EffectOverrides::PLANNED);
     // The horizon is at row 14.8, and a pixel is .0168 high at distance 1. Rows 16 and 17 are 50 to
     // 19 units away. A surface of reflectance r under irradiance π has radiance r.
-    let strip =
-        |image: &[Rgb]| -> Vec<f64> { image[16 * 64..18 * 64].iter().map(|c| f64::from(color::mean(*c))).collect() };
+    let strip = |image: &[Rgb]| -> Vec<f64> {
+        image[16 * 64..18 * 64].iter().map(|c| f64::from(color::channel_mean(*c))).collect()
+    };
     let values: Vec<Vec<f64>> = passes.iter().map(|p| strip(p)).collect();
     let all: Vec<f64> = values.concat();
     let mean = all.iter().sum::<f64>() / all.len() as f64;
@@ -172,7 +174,9 @@ fn bump_maps_create_no_energy() {
             for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
                 let passes: Vec<f64> = picture(&scene, algorithm, 4, 8, EffectOverrides::PLANNED)
                     .iter()
-                    .map(|image| image.iter().map(|c| f64::from(color::mean(*c))).sum::<f64>() / image.len() as f64)
+                    .map(|image| {
+                        image.iter().map(|c| f64::from(color::channel_mean(*c))).sum::<f64>() / image.len() as f64
+                    })
                     .collect();
                 let mean = passes.iter().sum::<f64>() / 8.0;
                 let variance = passes.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / 7.0 / 8.0;

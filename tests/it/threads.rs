@@ -1,8 +1,8 @@
 //! One seed gives one image, on any number of threads and for any single pass.
 
-use crate::support::scene_in;
+use crate::support::scene_from_text_in;
 use caustica::color::Rgb;
-use caustica::integrate::{Algorithm, EyeSettings, Pass, PhotonReport, Settings, Silent};
+use caustica::integrate::{Algorithm, CameraPathSettings, Pass, PhotonReport, Settings, Silent};
 use caustica::scene::Scene;
 use caustica::stats::Counters;
 
@@ -37,14 +37,19 @@ Group {
 const PHOTONS: u32 = 30_001;
 
 fn scene() -> Scene {
-    scene_in("", TEXT)
+    scene_from_text_in("", TEXT)
 }
 
 fn settings() -> Settings {
     Settings {
         photons: PHOTONS,
         caustic_photons: PHOTONS,
-        eye: EyeSettings { samples: Some(2), max_bounces: 50, seed: 7, ..EyeSettings::default() },
+        camera_paths: CameraPathSettings {
+            samples: Some(2),
+            max_bounces: 50,
+            seed: 7,
+            ..CameraPathSettings::default()
+        },
         ..Settings::default()
     }
 }

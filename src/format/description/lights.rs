@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Aim, Spanned, TransformStep};
+use super::{DirectionOrTarget, Spanned, TransformStep};
 
 /// A source of light.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,27 +12,27 @@ pub enum LightDescription {
         /// Position.
         position: DVec3,
         /// Strength.
-        strength: PointStrength,
+        strength: PointLightStrength,
     },
     /// Parallel light from infinitely far.
     Directional {
         /// Direction in which the light travels, of any length.
         direction: DVec3,
         /// Strength.
-        strength: DirectionalStrength,
+        strength: DirectionalLightStrength,
     },
     /// A point light limited to a cone.
     Spot {
         /// The cone's apex.
         position: DVec3,
         /// The cone's axis.
-        aim: Aim,
+        aim: DirectionOrTarget,
         /// Full opening of the cone in degrees, inside (0, 360].
         angle: f64,
         /// Width of the soft rim inside the cone in degrees, at most half of `angle`.
         penumbra: f64,
         /// Strength; along the axis, if it varies with direction.
-        strength: PointStrength,
+        strength: PointLightStrength,
     },
     /// A sphere that emits outward.
     Sphere {
@@ -41,7 +41,7 @@ pub enum LightDescription {
         /// Radius.
         radius: f64,
         /// Strength.
-        strength: AreaStrength,
+        strength: AreaLightStrength,
     },
     /// A disc that emits on the side of its normal.
     Disc {
@@ -52,7 +52,7 @@ pub enum LightDescription {
         /// Radius.
         radius: f64,
         /// Strength.
-        strength: AreaStrength,
+        strength: AreaLightStrength,
     },
     /// A parallelogram that emits on the side of `edge0 × edge1`.
     Rectangle {
@@ -63,20 +63,20 @@ pub enum LightDescription {
         /// From the corner to its other neighbour.
         edge1: DVec3,
         /// Strength.
-        strength: AreaStrength,
+        strength: AreaLightStrength,
     },
     /// A point light with an orientation: a projector or a goniometric light.
     Oriented {
         /// Position.
         position: DVec3,
         /// Axis of projection, or center of the map.
-        aim: Aim,
+        aim: DirectionOrTarget,
         /// Upper side of the pattern; `None` for +y, or for −z if the aim is parallel to y.
         up: Option<DVec3>,
         /// Intensity by direction.
         pattern: LightPattern,
         /// Intensity at pattern value 1, or flux. Never a color.
-        strength: PointStrength,
+        strength: PointLightStrength,
     },
     /// A light that moves while the shutter is open.
     Moving {
@@ -93,9 +93,9 @@ pub enum LightDescription {
 impl LightDescription {
     /// Returns the path of the file that the light names.
     #[must_use]
-    pub fn path_mut(&mut self) -> Option<&mut String> {
+    pub fn file_path_mut(&mut self) -> Option<&mut String> {
         match self {
-            Self::Moving { light, .. } => light.value.path_mut(),
+            Self::Moving { light, .. } => light.value.file_path_mut(),
             Self::Environment(EnvironmentRadiance::Picture { path, .. }) => Some(&mut path.value),
             Self::Oriented { pattern, .. } => match pattern {
                 LightPattern::Picture { path, .. } | LightPattern::Map(path) | LightPattern::Profile(path) => {
@@ -162,7 +162,7 @@ pub enum LightPattern {
 
 /// Strength of a point light or spotlight.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PointStrength {
+pub enum PointLightStrength {
     /// Color of MIT 6.837, which does not fall off with distance.
     Color(DVec3),
     /// Radiant intensity in W/sr.
@@ -173,7 +173,7 @@ pub enum PointStrength {
 
 /// Strength of a directional light.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum DirectionalStrength {
+pub enum DirectionalLightStrength {
     /// Color of MIT 6.837.
     Color(DVec3),
     /// Irradiance in W/m² on a surface that faces the light.
@@ -182,7 +182,7 @@ pub enum DirectionalStrength {
 
 /// Strength of an area light.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum AreaStrength {
+pub enum AreaLightStrength {
     /// Radiance in W/(m² sr), equal in all directions of the emitting side.
     Radiance(DVec3),
     /// Radiant flux in W.

@@ -1,9 +1,9 @@
 //! Materials of a description.
 
-use crate::color::Glass;
+use crate::color::DispersionFormula;
 use glam::DVec3;
 
-use super::{Emission, NormalPerturbationDescription, Spanned, TexturedValue};
+use super::{EmissionDescription, NormalPerturbationDescription, Spanned, TexturedValue};
 
 /// A material.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,9 +13,9 @@ pub struct MaterialDescription {
     /// Reflection and transmission.
     pub kind: MaterialKindDescription,
     /// Emitted radiance.
-    pub emission: Option<Emission>,
+    pub emission: Option<EmissionDescription>,
     /// Perturbation of its shading normals.
-    pub relief: Option<NormalPerturbationDescription>,
+    pub normal_perturbation: Option<NormalPerturbationDescription>,
     /// Name of the medium that fills the body of a `Dielectric` or `Clear`.
     pub medium: Option<Spanned<String>>,
 }
@@ -47,9 +47,9 @@ pub enum MaterialKindDescription {
     /// Boundary of a body of glass, water or the like.
     Dielectric {
         /// Index of refraction.
-        refraction: RefractionDescription,
+        refraction: RefractiveIndexDescription,
         /// Absorption inside.
-        attenuation: Attenuation,
+        attenuation: DielectricAbsorption,
         /// GGX α, inside [0, 1]; 0 is smooth.
         roughness: TexturedValue<f64>,
         /// Priority where bodies overlap: the highest wins; ties go to the body entered last.
@@ -91,28 +91,28 @@ impl MaterialDescription {
     #[must_use]
     pub fn textures(&self) -> Vec<&Spanned<String>> {
         let mut textures = self.kind.textures();
-        match &self.relief {
+        match &self.normal_perturbation {
             Some(
                 NormalPerturbationDescription::Bump { texture, .. } | NormalPerturbationDescription::NormalMap(texture),
             ) => textures.push(texture),
             None => {}
         }
         match &self.emission {
-            Some(Emission::Texture { name, .. }) => textures.push(name),
-            Some(Emission::Radiance(_)) | None => {}
+            Some(EmissionDescription::Texture { name, .. }) => textures.push(name),
+            Some(EmissionDescription::Radiance(_)) | None => {}
         }
         textures
     }
 
     /// Returns the fields that hold the name of a texture, or else the path of a picture.
-    pub fn textures_or_paths_mut(&mut self) -> impl Iterator<Item = &mut Spanned<String>> {
-        let relief = match &mut self.relief {
+    pub fn texture_names_or_paths_mut(&mut self) -> impl Iterator<Item = &mut Spanned<String>> {
+        let normal_perturbation = match &mut self.normal_perturbation {
             Some(
                 NormalPerturbationDescription::Bump { texture, .. } | NormalPerturbationDescription::NormalMap(texture),
             ) => Some(texture),
             None => None,
         };
-        self.kind.texture_or_path_mut().into_iter().chain(relief)
+        self.kind.texture_name_or_path_mut().into_iter().chain(normal_perturbation)
     }
 }
 
@@ -134,7 +134,7 @@ impl MaterialKindDescription {
     }
 
     /// Returns the field that holds the name of a texture, or else the path of a picture.
-    fn texture_or_path_mut(&mut self) -> Option<&mut Spanned<String>> {
+    fn texture_name_or_path_mut(&mut self) -> Option<&mut Spanned<String>> {
         match self {
             Self::Phong { texture, .. } => texture.as_mut(),
             Self::Diffuse { .. }
@@ -195,7 +195,7 @@ impl MaterialKindDescription {
 
 /// Absolute index of refraction of a dielectric; that of air is 1.
 #[derive(Clone, Debug, PartialEq)]
-pub enum RefractionDescription {
+pub enum RefractiveIndexDescription {
     /// Equal for all wavelengths.
     Index(f64),
     /// Index of a named glass.
@@ -208,10 +208,10 @@ pub enum RefractionDescription {
         abbe: f64,
     },
     /// Dispersion equation; indices lie in [0.001, 1000] from 380 to 720 nm.
-    Glass(Glass),
+    Glass(DispersionFormula),
 }
 
-impl From<f64> for RefractionDescription {
+impl From<f64> for RefractiveIndexDescription {
     fn from(index: f64) -> Self {
         Self::Index(index)
     }
@@ -233,11 +233,11 @@ pub enum MetalDescription {
 
 /// Absorption inside a dielectric.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Attenuation {
+pub enum DielectricAbsorption {
     /// No absorption.
     None,
     /// Absorption coefficient in 1/length.
-    Absorption(DVec3),
+    Coefficient(DVec3),
     /// Transmittance `color` over `distance`.
     Tint {
         /// Transmittance, inside (0, 1].
@@ -247,13 +247,13 @@ pub enum Attenuation {
     },
 }
 
-impl Attenuation {
+impl DielectricAbsorption {
     /// Returns the absorption coefficient in 1/length, by Beer's law.
     #[must_use]
     pub fn coefficient(self) -> DVec3 {
         match self {
             Self::None => DVec3::ZERO,
-            Self::Absorption(sigma) => sigma,
+            Self::Coefficient(sigma) => sigma,
             Self::Tint { color, distance } => -color.map(libm::log) / distance,
         }
     }

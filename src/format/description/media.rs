@@ -10,27 +10,27 @@ pub struct MediumDescription {
     /// Name that materials and the background refer to: not empty, no line breaks.
     pub name: String,
     /// Absorption and scattering in 1/length at density 1.
-    pub coefficients: Coefficients,
+    pub coefficients: MediumCoefficients,
     /// Radiance in W/(m² sr) gained per length at density 1.
     pub emission: DVec3,
     /// Phase function.
-    pub phase: Phase,
+    pub phase: PhaseFunctionDescription,
     /// Density.
-    pub density: Density,
+    pub density: DensityDescription,
 }
 
 /// Absorption and scattering of a medium, in one of two parametrizations.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Coefficients {
+pub enum MediumCoefficients {
     /// Absorption and scattering.
-    Parts {
+    AbsorptionScattering {
         /// σa, at least 0.
         absorption: DVec3,
         /// σs, at least 0.
         scattering: DVec3,
     },
     /// Extinction and albedo.
-    Whole {
+    ExtinctionAlbedo {
         /// σt = σa + σs, at least 0.
         extinction: DVec3,
         /// σs/σt, inside [0, 1].
@@ -40,7 +40,7 @@ pub enum Coefficients {
 
 /// Phase function of a medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Phase {
+pub enum PhaseFunctionDescription {
     /// Equal in all directions.
     Isotropic,
     /// Rayleigh scattering: particles much smaller than the wavelength.
@@ -51,9 +51,9 @@ pub enum Phase {
 
 /// Density of a medium.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Density {
+pub enum DensityDescription {
     /// 1 everywhere: a homogeneous medium.
-    Even,
+    Homogeneous,
     /// Densities of a grid file.
     Grid {
         /// Path as written: not empty, no line breaks.
@@ -61,7 +61,7 @@ pub enum Density {
         /// Factor of the densities, above 0.
         scale: f64,
         /// Box that the grid fills.
-        extent: ExtentDescription,
+        extent: TransformedBoxDescription,
     },
     /// Noise from 0 to 1 in the ellipsoid inscribed in a box.
     Cloud {
@@ -78,13 +78,13 @@ pub enum Density {
         /// Grid cells along the longest side, 2 … 512.
         resolution: u32,
         /// Box that the grid fills.
-        extent: ExtentDescription,
+        extent: TransformedBoxDescription,
     },
 }
 
 /// A box, transformed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ExtentDescription {
+pub struct TransformedBoxDescription {
     /// Its least corner, before the maps.
     pub min: DVec3,
     /// Its greatest corner, in each component above the least.

@@ -16,15 +16,18 @@ use glam::{DVec2, DVec3, DVec4};
 
 pub use super::transform_step::TransformStep;
 pub use lights::{
-    AreaStrength, DirectionalStrength, EnvironmentRadiance, LightDescription, LightPattern, PointStrength,
+    AreaLightStrength, DirectionalLightStrength, EnvironmentRadiance, LightDescription, LightPattern,
+    PointLightStrength,
 };
 pub use materials::{
-    Attenuation, MaterialDescription, MaterialKindDescription, MetalDescription, RefractionDescription,
+    DielectricAbsorption, MaterialDescription, MaterialKindDescription, MetalDescription, RefractiveIndexDescription,
 };
-pub use media::{Coefficients, Density, ExtentDescription, MediumDescription, Phase};
+pub use media::{
+    DensityDescription, MediumCoefficients, MediumDescription, PhaseFunctionDescription, TransformedBoxDescription,
+};
 pub use textures::{
-    CoordinatesDescription, Emission, NormalPerturbationDescription, Pattern, PictureEncoding, TextureDescription,
-    TextureKindDescription, TexturedValue, Wrap,
+    EmissionDescription, NormalPerturbationDescription, PictureEncoding, SolidPatternDescription,
+    TexcoordTransformDescription, TextureDescription, TextureKindDescription, TexturedValue, Wrap,
 };
 
 /// A range of the scene's text, in bytes.
@@ -71,13 +74,13 @@ impl<T> Deref for Spanned<T> {
 
 /// A whole scene file.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Description {
+pub struct SceneDescription {
     /// The view to render.
     pub camera: Spanned<CameraDescription>,
     /// Radiance of rays that leave the scene.
     pub background: DVec3,
     /// Name of the medium that fills the space outside all bodies.
-    pub filling: Option<Spanned<String>>,
+    pub ambient_medium: Option<Spanned<String>>,
     /// Lights, in the order of the file.
     pub lights: Vec<Spanned<LightDescription>>,
     /// Textures, in the order of the file.
@@ -96,7 +99,7 @@ pub struct CameraDescription {
     /// The pinhole, the lens center, or the center of an orthographic picture.
     pub center: DVec3,
     /// Direction of view.
-    pub aim: Aim,
+    pub aim: DirectionOrTarget,
     /// A direction that appears upward; not parallel to the view.
     pub up: DVec3,
     /// Projection.
@@ -133,16 +136,16 @@ pub enum ProjectionDescription {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LensDescription {
     /// Size of its opening.
-    pub opening: Opening,
+    pub opening: ApertureDescription,
     /// Plane in focus.
-    pub focus: Focus,
+    pub focus: FocusDescription,
     /// Number of blades of its diaphragm, at least 3; 0 for a round opening.
     pub blades: u32,
 }
 
 /// Size of a lens opening.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Opening {
+pub enum ApertureDescription {
     /// Lens radius, at least 0.
     Radius(f64),
     /// Focal length over diameter, with the sensor height that determines the focal length; both
@@ -157,7 +160,7 @@ pub enum Opening {
 
 /// Plane in focus, perpendicular to the view.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Focus {
+pub enum FocusDescription {
     /// Distance from the lens, above 0.
     Distance(f64),
     /// A point of the plane, in front of the camera.
@@ -166,14 +169,14 @@ pub enum Focus {
 
 /// Direction of a camera or spotlight.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Aim {
+pub enum DirectionOrTarget {
     /// Direction of any length above 0.
     Direction(DVec3),
     /// Point to look at.
     LookAt(DVec3),
 }
 
-/// A list of objects. As parsed, groups and transforms nest at most [`MAX_DEPTH`](super::MAX_DEPTH)
+/// A list of objects. As parsed, groups and transforms nest at most [`MAX_NESTING_DEPTH`](super::MAX_NESTING_DEPTH)
 /// deep.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Group {
@@ -200,7 +203,7 @@ pub enum ObjectDescription {
     Group(Group),
     /// A transformed object.
     Transform {
-        /// Composed by [`TransformStep::product`]: the first listed is applied last.
+        /// Composed by [`TransformStep::composed_matrix`]: the first listed is applied last.
         maps: Vec<TransformStep>,
         /// The object.
         object: Box<Spanned<ObjectDescription>>,
@@ -271,7 +274,7 @@ pub enum ShapeDescription {
         /// Radius, above 0.
         radius: f64,
         /// True if discs close both ends.
-        capped: bool,
+        is_capped: bool,
     },
     /// A cone or truncated cone.
     Cone {
@@ -280,7 +283,7 @@ pub enum ShapeDescription {
         /// Radii of both ends: the first above 0, the second at least 0.
         radii: [f64; 2],
         /// True if discs close both ends.
-        capped: bool,
+        is_capped: bool,
     },
     /// A triangle; its area may be 0.
     Triangle {
@@ -333,12 +336,12 @@ pub enum ShapeDescription {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MeshOptions {
     /// True if faces have the file's own materials instead of the scene's.
-    pub own_materials: bool,
+    pub uses_file_materials: bool,
     /// True if the file's normals are ignored.
-    pub no_normals: bool,
+    pub ignores_normals: bool,
     /// Greatest angle in degrees, inside [0, 180], between faces that are smoothed; `None` for flat
     /// faces. Applies to faces without normals.
-    pub smooth_angle: Option<f64>,
+    pub max_smoothing_angle: Option<f64>,
 }
 
 /// A polynomial curve.

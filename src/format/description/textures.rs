@@ -51,19 +51,19 @@ pub enum TextureKindDescription {
         /// Continuation beyond its edges.
         wrap: Wrap,
         /// Transform of the texture coordinates.
-        coordinates: CoordinatesDescription,
+        coordinates: TexcoordTransformDescription,
     },
     /// Squares of side 1.
     Checker {
         /// Colors where ⌊u⌋ + ⌊v⌋ is even, and where it is odd.
         colors: [DVec3; 2],
         /// Transform of the texture coordinates.
-        coordinates: CoordinatesDescription,
+        coordinates: TexcoordTransformDescription,
     },
     /// A solid pattern in the space of the object.
     Solid {
         /// Kind of pattern.
-        pattern: Pattern,
+        pattern: SolidPatternDescription,
         /// Colors that it interpolates.
         colors: [DVec3; 2],
         /// Octaves of its noise, from 1 to 16.
@@ -72,14 +72,14 @@ pub enum TextureKindDescription {
         frequency: f64,
         /// Factor of the noise, at least 0.
         amplitude: f64,
-        /// Maps from the pattern's space to the object's, composed by [`TransformStep::product`].
+        /// Maps from the pattern's space to the object's, composed by [`TransformStep::composed_matrix`].
         maps: Vec<TransformStep>,
     },
 }
 
 /// Kind of a solid pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Pattern {
+pub enum SolidPatternDescription {
     /// Noise.
     Noise,
     /// Veins.
@@ -100,7 +100,7 @@ pub enum PictureEncoding {
 
 /// Transform of texture coordinates: scale, then rotation, then offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CoordinatesDescription {
+pub struct TexcoordTransformDescription {
     /// Factors of u and v, not 0.
     pub scale: DVec2,
     /// Rotation, anticlockwise, in degrees.
@@ -109,7 +109,7 @@ pub struct CoordinatesDescription {
     pub offset: DVec2,
 }
 
-impl Default for CoordinatesDescription {
+impl Default for TexcoordTransformDescription {
     fn default() -> Self {
         Self { scale: DVec2::ONE, rotate: 0.0, offset: DVec2::ZERO }
     }
@@ -117,7 +117,7 @@ impl Default for CoordinatesDescription {
 
 /// Emitted radiance of a material.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Emission {
+pub enum EmissionDescription {
     /// Constant radiance in W/(m² sr).
     Radiance(DVec3),
     /// Values of a texture.

@@ -7,8 +7,8 @@
 //!
 //! ```
 //!
-//! The values are decimal words for the type `text`, and little-endian single precision for `f32`.
-//! Header lines that begin with `#` are comments.
+//! Values of type `f32` are little-endian single precision. Values of type `text` are decimal
+//! numbers, separated by white space. Header lines that begin with `#` are comments.
 
 mod error;
 #[cfg(test)]
@@ -16,112 +16,110 @@ mod tests;
 
 pub use error::GridError;
 
-use super::problem::{Problem, excerpt};
+use super::line_error::{MessageAndRemedy, escaped_excerpt};
 use crate::image::open_file;
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Read, Write};
 use std::path::Path;
 
-/// Largest number of cells.
+/// Largest accepted number of cells of a grid.
 pub const MAX_CELLS: u64 = 1 << 30;
 
-/// Bytes per cell: its density, and as much again for majorants and the slack of lists.
-pub(super) const PER_CELL: u64 = 8;
+/// Memory per cell \[bytes]: 4 for its density, and 4 for majorants and unused list capacity.
+pub(super) const BYTES_PER_CELL: u64 = 8;
 
-/// Largest number of bytes before the values.
-const LONGEST_HEADER: u64 = 4096;
+/// Largest accepted size of a header, with its empty line \[bytes].
+const MAX_HEADER_BYTES: u64 = 4096;
 
-/// Bytes per read.
-const CHUNK: usize = 1 << 16;
+/// Size of the read buffer \[bytes].
+const READ_CHUNK_BYTES: usize = 1 << 16;
 
-/// Densities on a regular grid.
+/// Densities of a medium on a regular grid of cells, as in a grid file.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Grid {
+pub struct DensityGrid {
     /// Number of cells along x, y and z, each at least 1.
     pub size: [u32; 3],
     /// Densities, finite and at least 0, with x running fastest.
     pub values: Vec<f32>,
 }
 
-/// Encoding of the values.
+/// Encoding of the values in a grid file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Encoding {
+pub enum GridEncoding {
     /// Little-endian single precision.
     F32,
-    /// Decimal words.
+    /// Decimal numbers.
     Text,
 }
 
 /// Header of a grid file.
-struct Header {
+struct GridHeader {
     size: [u32; 3],
     cells: usize,
-    encoding: Encoding,
-    /// Lines and bytes of the header, with the empty line.
+    encoding: GridEncoding,
+    /// Number of lines, with the empty line.
     lines: usize,
+    /// Number of bytes, with the empty line.
     bytes: u64,
 }
 
-/// Reads a grid file.
-///
-/// Memory is allocated once the file is known to be long enough for its header.
+/// Reads a grid file, without a limit on memory.
 ///
 /// # Errors
-///
 /// [`GridError`].
-pub fn read(path: &Path) -> Result<Grid, GridError> {
-    read_within(path, None)
+pub fn read(path: &Path) -> Result<DensityGrid, GridError> {
+    read_with_memory_limit(path, None)
 }
 
-/// Like [`read`], limited to `free` bytes of memory if that number is known.
+/// Reads a grid file. Fails before allocating if the grid takes more than `free` bytes.
 ///
-/// A grid that takes more is refused before any memory is allocated.
+/// `free` is `None` if the free memory is unknown.
 ///
 /// # Errors
-///
 /// [`GridError`].
-pub fn read_within(path: &Path, free: Option<u64>) -> Result<Grid, GridError> {
+pub fn read_with_memory_limit(path: &Path, free: Option<u64>) -> Result<DensityGrid, GridError> {
     let unreadable = |source| GridError::Unreadable { path: path.into(), source };
     let (file, length) = open_file(path).map_err(unreadable)?;
     decode(path, length, file, free)
 }
 
-/// Like [`read_within`], from the `length` bytes of a file that errors call `path`.
+/// Reads a grid from the bytes of an open `file`.
+///
+/// `length` is the file's size in bytes. `path` only appears in errors. `free` limits the memory,
+/// see [`read_with_memory_limit`].
 ///
 /// # Errors
-///
 /// [`GridError`].
-pub fn decode(path: &Path, length: u64, mut file: impl Read, free: Option<u64>) -> Result<Grid, GridError> {
+pub fn decode(path: &Path, length: u64, mut file: impl Read, free: Option<u64>) -> Result<DensityGrid, GridError> {
     let unreadable = |source| GridError::Unreadable { path: path.into(), source };
     let mut start = Vec::new();
-    Read::take(&mut file, LONGEST_HEADER).read_to_end(&mut start).map_err(unreadable)?;
-    let header = header(&start).map_err(|(line, wrong)| GridError::line(path, line, wrong))?;
+    Read::take(&mut file, MAX_HEADER_BYTES).read_to_end(&mut start).map_err(unreadable)?;
+    let header = parse_header(&start).map_err(|(line, wrong)| GridError::at_line(path, line, wrong))?;
     let rest = start[header.bytes as usize..].chain(file);
     let body = GridBody { path, header: &header, length, free };
     let values = match header.encoding {
-        Encoding::F32 => body.binary_values(BufReader::with_capacity(CHUNK, rest))?,
-        Encoding::Text => body.text_values(rest)?,
+        GridEncoding::F32 => body.read_binary_values(BufReader::with_capacity(READ_CHUNK_BYTES, rest))?,
+        GridEncoding::Text => body.read_text_values(rest)?,
     };
     if let Some(i) = values.iter().position(|v| !(v.is_finite() && *v >= 0.0)) {
-        return Err(GridError::Cell { path: path.into(), cell: cell(header.size, i), value: values[i] });
+        return Err(GridError::Cell { path: path.into(), cell: cell_coordinates(header.size, i), value: values[i] });
     }
-    Ok(Grid { size: header.size, values })
+    Ok(DensityGrid { size: header.size, values })
 }
 
 /// Writes a grid file.
 ///
 /// # Errors
-///
 /// The cause reported by the system.
-pub fn write(path: &Path, grid: &Grid, encoding: Encoding) -> std::io::Result<()> {
+pub fn write(path: &Path, grid: &DensityGrid, encoding: GridEncoding) -> std::io::Result<()> {
     let mut out = BufWriter::new(File::create(path)?);
     let [x, y, z] = grid.size;
-    let word = if encoding == Encoding::F32 { "f32" } else { "text" };
+    let word = if encoding == GridEncoding::F32 { "f32" } else { "text" };
     write!(out, "caustica-grid 1\nsize {x} {y} {z}\ntype {word}\n\n")?;
     for row in grid.values.chunks(x.max(1) as usize) {
         match encoding {
-            Encoding::F32 => row.iter().try_for_each(|value| out.write_all(&value.to_le_bytes()))?,
-            Encoding::Text => {
+            GridEncoding::F32 => row.iter().try_for_each(|value| out.write_all(&value.to_le_bytes()))?,
+            GridEncoding::Text => {
                 let words: Vec<String> = row.iter().map(f32::to_string).collect();
                 writeln!(out, "{}", words.join(" "))?;
             }
@@ -130,9 +128,10 @@ pub fn write(path: &Path, grid: &Grid, encoding: Encoding) -> std::io::Result<()
     out.flush()
 }
 
-/// Parses the header from the first bytes of a file; an error holds the line, from 1, and the
-/// problem.
-fn header(start: &[u8]) -> Result<Header, (usize, Problem)> {
+/// Parses the header from the first bytes of a file.
+///
+/// An error holds the line number, from 1, and the problem.
+fn parse_header(start: &[u8]) -> Result<GridHeader, (usize, MessageAndRemedy)> {
     if start.starts_with(b" BDV") {
         return Err((1, ("this is an OpenVDB file".to_owned(), "sample it on a grid, and write that as `type f32`")));
     }
@@ -146,9 +145,9 @@ fn header(start: &[u8]) -> Result<Header, (usize, Problem)> {
             ["caustica-grid", "1"] if i == 0 => {}
             ["caustica-grid", _] if i == 0 => return Err(wrong("this version is not known", "write version 1")),
             _ if i == 0 => return Err(wrong("this is no grid", "begin the file with the line `caustica-grid 1`")),
-            ["size", x, y, z] if size.is_none() => size = Some(cells([x, y, z]).map_err(|wrong| (i + 1, wrong))?),
-            ["type", "f32"] if encoding.is_none() => encoding = Some(Encoding::F32),
-            ["type", "text"] if encoding.is_none() => encoding = Some(Encoding::Text),
+            ["size", x, y, z] if size.is_none() => size = Some(parse_size([x, y, z]).map_err(|wrong| (i + 1, wrong))?),
+            ["type", "f32"] if encoding.is_none() => encoding = Some(GridEncoding::F32),
+            ["type", "text"] if encoding.is_none() => encoding = Some(GridEncoding::Text),
             ["type", _] if encoding.is_none() => {
                 return Err(wrong("this type is not known", "write `type f32` or `type text`"));
             }
@@ -158,7 +157,7 @@ fn header(start: &[u8]) -> Result<Header, (usize, Problem)> {
                 let no_type =
                     || wrong("the type is missing", "write `type f32` or `type text` ahead of the empty line");
                 let encoding = encoding.ok_or_else(no_type)?;
-                return Ok(Header { size, cells, encoding, lines: i + 1, bytes: bytes as u64 });
+                return Ok(GridHeader { size, cells, encoding, lines: i + 1, bytes: bytes as u64 });
             }
             [word, ..] if word.starts_with('#') => {}
             _ => {
@@ -172,13 +171,14 @@ fn header(start: &[u8]) -> Result<Header, (usize, Problem)> {
     Err((lines.max(1), (message, "write one after at most 4096 bytes")))
 }
 
-/// Parses the words of a size; returns the size and the number of cells.
-fn cells(words: [&str; 3]) -> Result<([u32; 3], usize), Problem> {
+/// Parses the three words of a `size` line; returns the size and the number of cells.
+fn parse_size(words: [&str; 3]) -> Result<([u32; 3], usize), MessageAndRemedy> {
     let mut size = [0_u32; 3];
     for (side, word) in size.iter_mut().zip(words) {
         let number = word.parse().ok().filter(|n| *n > 0);
-        *side = number
-            .ok_or_else(|| (format!("`{}` is no number of cells", excerpt(word)), "write whole numbers from 1 on"))?;
+        *side = number.ok_or_else(|| {
+            (format!("`{}` is no number of cells", escaped_excerpt(word)), "write whole numbers from 1 on")
+        })?;
     }
     let product = size.iter().try_fold(1_u64, |product, side| product.checked_mul(u64::from(*side)));
     match product.filter(|cells| *cells <= MAX_CELLS) {
@@ -187,16 +187,16 @@ fn cells(words: [&str; 3]) -> Result<([u32; 3], usize), Problem> {
     }
 }
 
-/// Column, row and layer of cell `i`.
-fn cell(size: [u32; 3], i: usize) -> [u32; 3] {
+/// Column, row and layer, from 0, of the cell whose value has index `i`.
+fn cell_coordinates(size: [u32; 3], i: usize) -> [u32; 3] {
     let (row, layer) = (size[0] as usize, size[0] as usize * size[1] as usize);
     [i % row, i % layer / row, i / layer].map(|i| i as u32)
 }
 
-/// Values of a file, after its header.
+/// Context for reading the values that follow the header of a grid file.
 struct GridBody<'a> {
     path: &'a Path,
-    header: &'a Header,
+    header: &'a GridHeader,
     /// Bytes of the whole file.
     length: u64,
     /// Bytes of memory that are free, if known.
@@ -204,10 +204,10 @@ struct GridBody<'a> {
 }
 
 impl GridBody<'_> {
-    /// A list with room for the values, if they and `more` bytes are free.
-    fn reserve(&self, more: u64) -> Result<Vec<f32>, GridError> {
+    /// Empty list with capacity for all values; fails unless they and `more` bytes fit into memory.
+    fn reserve_values(&self, more: u64) -> Result<Vec<f32>, GridError> {
         let Self { path, header, free, .. } = *self;
-        let needed = PER_CELL * header.cells as u64 + more;
+        let needed = BYTES_PER_CELL * header.cells as u64 + more;
         let mut values = Vec::new();
         if free.is_some_and(|free| needed > free) || values.try_reserve_exact(header.cells).is_err() {
             return Err(GridError::NoMemory { path: path.into(), cells: header.cells, needed, free });
@@ -215,25 +215,25 @@ impl GridBody<'_> {
         Ok(values)
     }
 
-    fn binary_values(&self, mut from: impl Read) -> Result<Vec<f32>, GridError> {
+    fn read_binary_values(&self, mut from: impl Read) -> Result<Vec<f32>, GridError> {
         let Self { path, header, length, .. } = *self;
         let (expected, found) = (4 * header.cells as u64, length.saturating_sub(header.bytes));
         if expected != found {
             return Err(GridError::Length { path: path.into(), size: header.size, expected, found });
         }
-        let mut values = self.reserve(0)?;
-        let mut chunk = [0; CHUNK];
+        let mut values = self.reserve_values(0)?;
+        let mut chunk = [0; READ_CHUNK_BYTES];
         while values.len() < header.cells {
-            let chunk = &mut chunk[..CHUNK.min(4 * (header.cells - values.len()))];
+            let chunk = &mut chunk[..READ_CHUNK_BYTES.min(4 * (header.cells - values.len()))];
             from.read_exact(chunk).map_err(|source| GridError::Unreadable { path: path.into(), source })?;
             values.extend(chunk.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes)));
         }
         Ok(values)
     }
 
-    fn text_values(&self, mut from: impl Read) -> Result<Vec<f32>, GridError> {
+    fn read_text_values(&self, mut from: impl Read) -> Result<Vec<f32>, GridError> {
         let Self { path, header, length, .. } = *self;
-        let wrong = |line, message, remedy| GridError::line(path, line, (message, remedy));
+        let wrong = |line, message, remedy| GridError::at_line(path, line, (message, remedy));
         let count = |found: usize| format!("{found} numbers follow, but the size asks for {}", header.cells);
         const REMEDY: &str = "give one number for each cell, x running fastest, and nothing behind them";
         // A value takes at least a digit and a separator.
@@ -241,7 +241,7 @@ impl GridBody<'_> {
         if most < header.cells as u64 {
             return Err(wrong(header.lines, format!("at most {}", count(most as usize)), REMEDY));
         }
-        let mut values = self.reserve(length)?;
+        let mut values = self.reserve_values(length)?;
         let mut bytes = Vec::new();
         from.read_to_end(&mut bytes).map_err(|source| GridError::Unreadable { path: path.into(), source })?;
         let mut lines = header.lines;
@@ -255,7 +255,7 @@ impl GridBody<'_> {
                 let number = text.parse().map_err(|_| {
                     wrong(
                         lines,
-                        format!("`{}` is no number", excerpt(&text)),
+                        format!("`{}` is no number", escaped_excerpt(&text)),
                         "write numbers, parted by spaces or lines",
                     )
                 })?;

@@ -1,20 +1,20 @@
 //! Consistent windings with outward normals.
 
-use super::share::KeyNumbers;
-use super::topology::{Topology, UnionFind};
+use super::merge::KeyIndexer;
+use super::topology::{MeshTopology, ParityUnionFind};
 use super::{NO_MATERIAL, TriangleMesh};
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-/// Largest number of closed surfaces that are tested for containing each other.
-const MOST_NESTED: usize = 256;
+/// Largest number of closed components for which nesting is computed, since its cost is quadratic.
+const MAX_NESTED_COMPONENTS: usize = 256;
 
-/// Connected component: faces connected by edges of two faces.
+/// Connected component of a mesh: triangles that are connected by edges of exactly two triangles.
 #[derive(Debug, Default)]
-struct Component {
+struct SurfaceComponent {
     faces: Vec<u32>,
-    /// True if all its edges have two faces.
+    /// True if every edge has exactly two triangles.
     closed: bool,
     /// True if windings can be made consistent.
     orientable: bool,
@@ -24,64 +24,68 @@ struct Component {
 }
 
 impl TriangleMesh {
-    /// Makes windings consistent on each connected surface; returns the number of flipped
-    /// triangles.
+    /// Makes the windings of each connected component consistent and outward.
     ///
-    /// Closed surfaces face outward by their volume. They face inward if an odd number of others of
-    /// the same material contain them, like the wall of a hollow. Open surfaces keep the winding of
-    /// most of their faces. One-sided surfaces are not changed.
-    pub fn orient(&mut self) -> usize {
-        let topology = Topology::new(self);
-        let mut windings = UnionFind::new(self.triangles.len());
+    /// Returns the number of flipped triangles. Closed components face outward by the sign of their
+    /// volume. A closed component is the wall of a cavity, and faces inward, if an odd number of
+    /// others of the same material contain it. Open components keep the winding of most of their
+    /// triangles. Non-orientable components are not changed.
+    pub fn orient_outward(&mut self) -> usize {
+        let topology = MeshTopology::new(self);
+        let mut windings = ParityUnionFind::new(self.triangles.len());
         let mut twisted = Vec::new();
-        for sides in topology.edges() {
-            if let &[a, b] = sides
+        for half_edges in topology.half_edges_by_edge() {
+            if let &[a, b] = half_edges
                 && !windings.join(a.triangle as usize, b.triangle as usize, a.forward == b.forward)
             {
                 twisted.push(a.triangle as usize);
             }
         }
         let mut turn = vec![false; self.triangles.len()];
-        let mut patches: BTreeMap<usize, Component> = BTreeMap::new();
-        for (t, turn) in turn.iter_mut().enumerate().filter(|(t, _)| topology.is_whole(self.triangles[*t])) {
+        let mut components: BTreeMap<usize, SurfaceComponent> = BTreeMap::new();
+        for (t, turn) in
+            turn.iter_mut().enumerate().filter(|(t, _)| topology.has_distinct_positions(self.triangles[*t]))
+        {
             let (root, against) = windings.find(t);
             *turn = against;
-            patches.entry(root).or_insert_with(|| self.component(t)).add(self, t);
+            components.entry(root).or_insert_with(|| self.empty_component(t)).add_triangle(self, t);
         }
         for t in twisted {
-            patches.entry(windings.find(t).0).and_modify(|patch| patch.orientable = false);
+            components.entry(windings.find(t).0).and_modify(|component| component.orientable = false);
         }
-        for sides in topology.edges().filter(|sides| sides.len() != 2) {
-            for side in sides {
-                patches.entry(windings.find(side.triangle as usize).0).and_modify(|patch| patch.closed = false);
+        for half_edges in topology.half_edges_by_edge().filter(|half_edges| half_edges.len() != 2) {
+            for half_edge in half_edges {
+                components
+                    .entry(windings.find(half_edge.triangle as usize).0)
+                    .and_modify(|component| component.closed = false);
             }
         }
-        let patches: Vec<Component> = patches.into_values().collect();
-        let depths = self.depths(&patches, &turn);
-        for (patch, depth) in patches.iter().zip(depths) {
-            let turned = patch.faces.iter().filter(|t| turn[**t as usize]).count();
-            let other_way = match (patch.orientable, patch.closed) {
+        let components: Vec<SurfaceComponent> = components.into_values().collect();
+        let depths = self.nesting_depths(&components, &turn);
+        for (component, depth) in components.iter().zip(depths) {
+            let turned = component.faces.iter().filter(|t| turn[**t as usize]).count();
+            let other_way = match (component.orientable, component.closed) {
                 (false, _) => {
-                    patch.faces.iter().for_each(|t| turn[*t as usize] = false);
+                    component.faces.iter().for_each(|t| turn[*t as usize] = false);
                     continue;
                 }
-                (_, true) => (self.signed_volume(patch, &turn) < 0.0) != (depth % 2 == 1),
-                (_, false) => 2 * turned > patch.faces.len(),
+                (_, true) => (self.six_times_signed_volume(component, &turn) < 0.0) != (depth % 2 == 1),
+                (_, false) => 2 * turned > component.faces.len(),
             };
-            patch.faces.iter().for_each(|t| turn[*t as usize] ^= other_way);
+            component.faces.iter().for_each(|t| turn[*t as usize] ^= other_way);
         }
-        self.flip_marked(&turn);
+        self.flip_marked_triangles(&turn);
         turn.into_iter().filter(|turned| *turned).count()
     }
 
-    /// Flips all triangles and normals.
-    pub fn flip(&mut self) {
+    /// Reverses the winding of all triangles and the direction of all normals.
+    pub fn reverse_orientation(&mut self) {
         self.triangles.iter_mut().for_each(|[_, b, c]| std::mem::swap(b, c));
         self.normals.iter_mut().flatten().for_each(|n| *n = -*n);
     }
 
-    fn component(&self, first: usize) -> Component {
-        Component {
+    fn empty_component(&self, first: usize) -> SurfaceComponent {
+        SurfaceComponent {
             closed: true,
             orientable: true,
             low: DVec3::INFINITY,
@@ -91,89 +95,98 @@ impl TriangleMesh {
         }
     }
 
-    fn corners(&self, triangle: u32) -> [DVec3; 3] {
+    fn corner_positions(&self, triangle: u32) -> [DVec3; 3] {
         self.triangles[triangle as usize].map(|v| self.positions[v as usize])
     }
 
-    /// Six times the signed volume of a closed component, with the triangles in `turn` flipped.
-    fn signed_volume(&self, patch: &Component, turn: &[bool]) -> f64 {
-        let middle = 0.5 * (patch.low + patch.high);
+    /// Six times the signed volume of a closed component \[length³].
+    ///
+    /// Triangles marked in `turn` count as flipped.
+    fn six_times_signed_volume(&self, component: &SurfaceComponent, turn: &[bool]) -> f64 {
+        let middle = 0.5 * (component.low + component.high);
         let six = |t: &u32| {
-            let [a, b, c] = self.corners(*t).map(|p| p - middle);
+            let [a, b, c] = self.corner_positions(*t).map(|p| p - middle);
             let six = a.dot(b.cross(c));
             if turn[*t as usize] { -six } else { six }
         };
-        patch.faces.iter().map(six).sum()
+        component.faces.iter().map(six).sum()
     }
 
-    /// Number of other closed components of its material that contain each closed component.
+    /// For each closed component, the number of closed components of its material that contain it.
     ///
-    /// `turn` marks the triangles to flip for consistent windings.
-    fn depths(&self, patches: &[Component], turn: &[bool]) -> Vec<usize> {
-        let closed = |patch: &Component| patch.closed && patch.orientable;
-        let mut depths = vec![0; patches.len()];
-        if patches.iter().filter(|patch| closed(patch)).count() > MOST_NESTED {
+    /// Triangles marked in `turn` count as flipped. All numbers are 0 if there are more than
+    /// [`MAX_NESTED_COMPONENTS`] closed components, and for open components.
+    fn nesting_depths(&self, components: &[SurfaceComponent], turn: &[bool]) -> Vec<usize> {
+        let closed = |component: &SurfaceComponent| component.closed && component.orientable;
+        let mut depths = vec![0; components.len()];
+        if components.iter().filter(|component| closed(component)).count() > MAX_NESTED_COMPONENTS {
             return depths;
         }
-        for (depth, inner) in depths.iter_mut().zip(patches).filter(|(_, inner)| closed(inner)) {
-            let [a, b, c] = self.corners(inner.faces[0]);
+        for (depth, inner) in depths.iter_mut().zip(components).filter(|(_, inner)| closed(inner)) {
+            let [a, b, c] = self.corner_positions(inner.faces[0]);
             let middle = (a + b + c) / 3.0;
-            let around = |outer: &&Component| {
+            let around = |outer: &&SurfaceComponent| {
                 let other = !std::ptr::eq(*outer, inner);
                 let near = middle.cmpgt(outer.low).all() && middle.cmplt(outer.high).all();
-                other && closed(outer) && near && outer.material == inner.material && self.encloses(outer, turn, middle)
+                other
+                    && closed(outer)
+                    && near
+                    && outer.material == inner.material
+                    && self.component_contains(outer, turn, middle)
             };
-            *depth = patches.iter().filter(around).count();
+            *depth = components.iter().filter(around).count();
         }
         depths
     }
 
-    /// True if the closed component contains `p`, by the solid angles of its faces.
+    /// True if the closed component contains the point `p`.
     ///
-    /// Triangles in `turn` count as flipped. Source: van Oosterom and Strackee 1983, "The solid
-    /// angle of a plane triangle".
-    fn encloses(&self, patch: &Component, turn: &[bool], p: DVec3) -> bool {
+    /// The test sums the solid angles of its triangles (van Oosterom and Strackee 1983, "The solid
+    /// angle of a plane triangle"). Triangles marked in `turn` count as flipped.
+    fn component_contains(&self, component: &SurfaceComponent, turn: &[bool], p: DVec3) -> bool {
         let angle = |t: &u32| {
-            let [a, b, c] = self.corners(*t).map(|q| q - p);
+            let [a, b, c] = self.corner_positions(*t).map(|q| q - p);
             let [la, lb, lc] = [a, b, c].map(DVec3::length);
             let below = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
             let angle = 2.0 * libm::atan2(a.dot(b.cross(c)), below);
             if turn[*t as usize] { -angle } else { angle }
         };
         // The sum is 4π inside and 0 outside.
-        patch.faces.iter().map(angle).sum::<f64>().abs() > TAU
+        component.faces.iter().map(angle).sum::<f64>().abs() > TAU
     }
 
-    /// Flips triangles, and those normals at their corners that would then point backwards.
-    fn flip_marked(&mut self, turn: &[bool]) {
+    /// Flips the triangles marked in `turn`.
+    ///
+    /// A shading normal of such a triangle is reversed if it would point to the back.
+    fn flip_marked_triangles(&mut self, turn: &[bool]) {
         let Some(normals) = &self.normals else {
             for (triangle, _) in self.triangles.iter_mut().zip(turn).filter(|(_, turn)| **turn) {
                 triangle.swap(1, 2);
             }
             return;
         };
-        let mut numbers: KeyNumbers<(u32, bool)> = KeyNumbers::with_capacity(self.positions.len());
+        let mut numbers: KeyIndexer<(u32, bool)> = KeyIndexer::with_capacity(self.positions.len());
         let mut triangles = Vec::with_capacity(self.triangles.len());
         for (triangle, turn) in self.triangles.iter().zip(turn) {
             let [a, b, c] = *triangle;
             let turned = if *turn { [a, c, b] } else { *triangle };
             let face = self.face_normal(turned);
             triangles
-                .push(turned.map(|v| numbers.number((v, *turn && normals[v as usize].dot(face) < 0.0), |key| *key)));
+                .push(turned.map(|v| numbers.index_of((v, *turn && normals[v as usize].dot(face) < 0.0), |key| *key)));
         }
-        let vertices = numbers.into_list();
+        let vertices = numbers.into_values();
         let normal = |&(v, turned): &(u32, bool)| if turned { -normals[v as usize] } else { normals[v as usize] };
         self.normals = Some(vertices.iter().map(normal).collect());
         self.triangles = triangles;
-        self.take(vertices.iter().map(|(v, _)| *v));
-        self.share();
+        self.select_vertices(vertices.iter().map(|(v, _)| *v));
+        self.merge_equal_vertices();
     }
 }
 
-impl Component {
-    fn add(&mut self, mesh: &TriangleMesh, t: usize) {
+impl SurfaceComponent {
+    fn add_triangle(&mut self, mesh: &TriangleMesh, t: usize) {
         self.faces.push(t as u32);
-        for p in mesh.corners(t as u32) {
+        for p in mesh.corner_positions(t as u32) {
             (self.low, self.high) = (self.low.min(p), self.high.max(p));
         }
     }

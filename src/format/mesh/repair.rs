@@ -1,90 +1,90 @@
 //! Repair of meshes.
 
 use super::TriangleMesh;
-use super::topology::Topology;
+use super::topology::MeshTopology;
 use serde::Serialize;
 
-/// Repairs to make, in the order of the fields.
+/// Selection of the repairs to make on a mesh. They are made in the order of the fields.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Repair {
-    /// Vertices within this distance \[length] are merged; 0 merges equal positions.
+pub struct MeshRepairs {
+    /// Distance \[length] within which vertices are merged; 0 merges equal positions.
     pub weld: Option<f64>,
-    /// Removes triangles that have the three positions of an earlier one.
+    /// True to remove triangles that have the same three positions as an earlier one.
     pub duplicates: bool,
-    /// Removes triangles without area.
+    /// True to remove triangles without area, except those that close a surface.
     pub degenerate: bool,
-    /// Makes windings consistent; see [`TriangleMesh::orient`].
+    /// True to make windings consistent, see [`TriangleMesh::orient_outward`].
     pub orient: bool,
 }
 
-impl Repair {
-    /// Default distance for merging vertices, relative to the mesh's diagonal.
+impl MeshRepairs {
+    /// Default distance for merging vertices, relative to the diagonal of the mesh's bounds.
     ///
     /// It is below the resolution of single precision.
-    pub const WELD: f64 = 1e-9;
+    pub const DEFAULT_WELD_TOLERANCE: f64 = 1e-9;
 }
 
-/// Counts of the repairs made.
+/// Numbers of repairs that were made on a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Repaired {
-    /// Positions merged with others.
+pub struct RepairCounts {
+    /// Number of positions merged with others.
     pub welded: usize,
-    /// Duplicate triangles removed.
+    /// Number of removed triangles that had the same three positions as an earlier one.
     pub duplicates: usize,
-    /// Triangles without area removed.
+    /// Number of removed triangles without area.
     pub degenerate: usize,
-    /// Triangles flipped.
+    /// Number of flipped triangles.
     pub turned: usize,
 }
 
 impl TriangleMesh {
     /// Repairs the mesh and removes unused vertices.
-    pub fn repair(&mut self, repair: &Repair) -> Repaired {
-        let mut done = Repaired::default();
+    pub fn repair(&mut self, repair: &MeshRepairs) -> RepairCounts {
+        let mut done = RepairCounts::default();
         if let Some(tolerance) = repair.weld {
-            done.welded = self.weld(tolerance);
+            done.welded = self.weld_vertices(tolerance);
         }
         if repair.duplicates {
-            let duplicates = self.duplicates(&Topology::new(self));
-            done.duplicates = self.remove(&duplicates);
+            let duplicates = self.duplicate_triangles(&MeshTopology::new(self));
+            done.duplicates = self.remove_triangles(&duplicates);
         }
         if repair.degenerate {
-            let degenerate = self.degenerate();
-            done.degenerate = self.remove(&degenerate);
+            let degenerate = self.removable_degenerates();
+            done.degenerate = self.remove_triangles(&degenerate);
         }
         if repair.orient {
-            done.turned = self.orient();
+            done.turned = self.orient_outward();
         }
-        self.share();
+        self.merge_equal_vertices();
         done
     }
 
-    /// Degenerate triangles, except triangles that close a surface.
+    /// True for each triangle without area that can be removed without opening the surface.
     ///
-    /// If a corner of one triangle lies on another's edge, a degenerate triangle fills the gap
-    /// between them.
-    fn degenerate(&self) -> Vec<bool> {
-        let topology = Topology::new(self);
+    /// At a T-junction, a corner lies on the edge of another triangle. A degenerate triangle whose
+    /// three edges all have two triangles closes the gap there, so it stays.
+    fn removable_degenerates(&self) -> Vec<bool> {
+        let topology = MeshTopology::new(self);
         let mut closing = vec![0_u8; self.triangles.len()];
-        for sides in topology.edges().filter(|sides| sides.len() == 2) {
-            sides.iter().for_each(|side| closing[side.triangle as usize] += 1);
+        for half_edges in topology.half_edges_by_edge().filter(|half_edges| half_edges.len() == 2) {
+            half_edges.iter().for_each(|half_edge| closing[half_edge.triangle as usize] += 1);
         }
-        self.triangles.iter().zip(closing).map(|(t, edges)| self.area(*t) == 0.0 && edges < 3).collect()
+        self.triangles.iter().zip(closing).map(|(t, edges)| self.triangle_area(*t) == 0.0 && edges < 3).collect()
     }
 
-    /// Removes triangles and returns their number.
-    fn remove(&mut self, unwanted: &[bool]) -> usize {
+    /// Removes the `unwanted` triangles and returns their number.
+    fn remove_triangles(&mut self, unwanted: &[bool]) -> usize {
         let before = self.triangles.len();
         let mut keep = unwanted.iter().map(|unwanted| !unwanted);
         self.triangle_materials.retain(|_| keep.next().unwrap_or(true));
         let mut keep = unwanted.iter().map(|unwanted| !unwanted);
         self.triangles.retain(|_| keep.next().unwrap_or(true));
-        self.drop_materials();
+        self.remove_unused_materials();
         before - self.triangles.len()
     }
 
-    /// Removes unused materials.
-    fn drop_materials(&mut self) {
+    /// Removes materials that no triangle uses, and renumbers the others.
+    fn remove_unused_materials(&mut self) {
         let mut used = vec![false; self.materials.len()];
         for number in &self.triangle_materials {
             if let Some(used) = used.get_mut(*number as usize) {

@@ -1,7 +1,7 @@
 //! Writing of mesh files.
 
 use super::{TriangleMesh, obj, ply};
-use crate::image::{WriteError, replace_with};
+use crate::image::{WriteError, replace_file_with};
 use std::fmt::{Display, Formatter, Result as Written};
 use std::io::{BufWriter, Write};
 use std::path::Path;
@@ -18,10 +18,11 @@ pub enum MeshFormat {
 }
 
 impl MeshFormat {
-    /// Format for the extension of a path; `text` selects PLY as text. `None` for unknown
-    /// extensions.
+    /// Format by the extension of `path`; `None` if the extension is unknown.
+    ///
+    /// `text` selects the text form of PLY.
     #[must_use]
-    pub fn of(path: &Path, text: bool) -> Option<Self> {
+    pub fn from_path(path: &Path, text: bool) -> Option<Self> {
         let is = |name: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(name));
         match (is("obj"), is("ply"), text) {
             (true, ..) => Some(Self::Obj),
@@ -33,16 +34,15 @@ impl MeshFormat {
 }
 
 impl TriangleMesh {
-    /// Writes the file completely or not at all.
+    /// Writes a mesh file completely or not at all. All numbers read back bit for bit.
     ///
-    /// Numbers read back bit for bit. An OBJ file names the materials and their `libraries`; PLY
-    /// has none.
+    /// An OBJ file names the materials, and the material files in `libraries`. A PLY file has no
+    /// materials.
     ///
     /// # Errors
-    ///
     /// [`WriteError`].
     pub fn write(&self, path: &Path, format: MeshFormat, libraries: &[String]) -> Result<(), WriteError> {
-        replace_with(path, |file| {
+        replace_file_with(path, |file| {
             let mut out = BufWriter::with_capacity(1 << 20, file);
             match format {
                 MeshFormat::Obj => obj::write(self, libraries, &mut out)?,
@@ -54,10 +54,12 @@ impl TriangleMesh {
     }
 }
 
-/// Shortest decimal that reads back as the same number, with an exponent if it is far from 1.
-pub(in crate::format) struct Shortest<T>(pub T);
+/// Displays a number as the shortest decimal that reads back bit for bit.
+///
+/// Numbers below 10⁻⁵ or from 10¹⁶ have an exponent.
+pub(in crate::format) struct ShortestDecimal<T>(pub T);
 
-impl<T: Copy + Into<f64> + Display + std::fmt::LowerExp> Display for Shortest<T> {
+impl<T: Copy + Into<f64> + Display + std::fmt::LowerExp> Display for ShortestDecimal<T> {
     fn fmt(&self, f: &mut Formatter<'_>) -> Written {
         match self.0.into().abs() {
             0.0 | 1e-5..1e16 => write!(f, "{}", self.0),

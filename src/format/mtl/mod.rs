@@ -1,30 +1,29 @@
 //! Materials from and to MTL files, which accompany OBJ files.
 //!
-//! Each line is checked here, and crate `tobj` parses the valid ones.
+//! Submodule `check` checks each line; crate `tobj` parses the valid lines.
 
 mod check;
-mod meaning;
 #[cfg(test)]
 mod tests;
+mod to_description;
 mod write;
 
-use super::mesh::{Loaded, MeshError, check_memory, read};
-use super::problem::without_bom;
+use super::line_error::strip_byte_order_mark;
+use super::mesh::{LoadedMesh, MeshError, check_memory, read_file_bytes};
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 pub use write::write;
 
-/// Bytes of memory per byte of the file: a line `newmtl a` becomes a material of `tobj` and one of
-/// ours.
+/// Bound of the memory for parsing, per byte of the file.
 ///
-/// Measured: 76 for a file of such lines.
+/// A file that consists of lines `newmtl a` takes 76 bytes per byte (measured).
 const PER_BYTE: u64 = 100;
 
-/// Material of an MTL file; undefined properties are `None`.
+/// Material of an MTL file. A property that the file does not define is `None`.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct FileMaterial {
-    /// Name by which `usemtl` refers to it.
+pub struct MtlMaterial {
+    /// Name, which lines `usemtl` of the mesh file use.
     pub name: String,
     /// Diffuse reflectance (Kd).
     pub diffuse: Option<DVec3>,
@@ -34,7 +33,7 @@ pub struct FileMaterial {
     pub emission: Option<DVec3>,
     /// Transmittance (Tf).
     pub filter: Option<DVec3>,
-    /// Exponent of the highlight (Ns).
+    /// Phong exponent of the highlight (Ns).
     pub shininess: Option<f64>,
     /// Opacity (d, or 1 − Tr): 1 is opaque.
     pub dissolve: Option<f64>,
@@ -42,30 +41,30 @@ pub struct FileMaterial {
     pub index: Option<f64>,
     /// Number of the illumination model (illum).
     pub illumination: Option<u8>,
-    /// Picture that multiplies Kd (map_Kd); its path is relative to the same folder as that of the
-    /// MTL file.
+    /// Path of the picture that multiplies Kd (map_Kd), starting with the folder of the MTL file.
     pub texture: Option<PathBuf>,
 }
 
-/// Reads the materials of the `libraries` that the mesh at `mesh` names, in their order.
+/// Reads the material files of a mesh, in the order of `libraries`.
 ///
-/// The last definition of a name counts. A line `mtllib` may hold several paths, or one path with
-/// spaces if such a file exists. Files that take more than `free` bytes, if that number is
-/// known, are refused before that.
+/// `mesh` is the path of the mesh file, and `libraries` its `mtllib` arguments. An argument is one
+/// path, or several paths separated by spaces if the first reading names no file. If a
+/// material is defined several times, the last definition counts. Fails before allocating if a
+/// file takes more than `free` bytes; `None` sets no limit.
 ///
 /// # Errors
 /// [`MeshError`], which names the file.
-pub fn load(mesh: &Path, libraries: &[String], free: Option<u64>) -> Result<Vec<FileMaterial>, MeshError> {
+pub fn load_libraries(mesh: &Path, libraries: &[String], free: Option<u64>) -> Result<Vec<MtlMaterial>, MeshError> {
     let folder = mesh.parent().unwrap_or(Path::new(""));
-    let mut materials: Vec<FileMaterial> = Vec::new();
+    let mut materials: Vec<MtlMaterial> = Vec::new();
     for library in libraries {
-        let whole = folder.join(portable(library));
+        let whole = folder.join(path_with_slashes(library));
         let paths = match whole.is_file() {
             true => vec![whole],
-            false => library.split_whitespace().map(|part| folder.join(portable(part))).collect(),
+            false => library.split_whitespace().map(|part| folder.join(path_with_slashes(part))).collect(),
         };
         for path in paths {
-            let bytes = read(&path, free).map_err(|e| match e {
+            let bytes = read_file_bytes(&path, free).map_err(|e| match e {
                 MeshError::Missing { path } => MeshError::NoLibrary { path },
                 other => other,
             })?;
@@ -79,14 +78,15 @@ pub fn load(mesh: &Path, libraries: &[String], free: Option<u64>) -> Result<Vec<
     Ok(materials)
 }
 
-/// Materials that a mesh read from `path` names, in the order of its names.
+/// Reads the materials of a mesh, in the order of its list of material names.
+///
+/// `path` is the path of the mesh file. `free` limits the memory, see [`load_libraries`].
 ///
 /// # Errors
-///
-/// [`MeshError`] if a material file is missing or invalid, or if none defines a name.
-pub fn of_mesh(path: &Path, loaded: &Loaded, free: Option<u64>) -> Result<Vec<FileMaterial>, MeshError> {
-    let library = load(path, &loaded.libraries, free)?;
-    let by_name: HashMap<&str, &FileMaterial> = library.iter().map(|m| (m.name.as_str(), m)).collect();
+/// [`MeshError`] if a material file is missing or invalid, or if a material is not defined.
+pub fn load_mesh_materials(path: &Path, loaded: &LoadedMesh, free: Option<u64>) -> Result<Vec<MtlMaterial>, MeshError> {
+    let library = load_libraries(path, &loaded.libraries, free)?;
+    let by_name: HashMap<&str, &MtlMaterial> = library.iter().map(|m| (m.name.as_str(), m)).collect();
     let find = |name: &String| {
         let none = || MeshError::NoMaterial { path: path.into(), name: name.clone() };
         by_name.get(name.as_str()).map(|material| (*material).clone()).ok_or_else(none)
@@ -94,25 +94,26 @@ pub fn of_mesh(path: &Path, loaded: &Loaded, free: Option<u64>) -> Result<Vec<Fi
     loaded.mesh.materials.iter().map(find).collect()
 }
 
-/// Parses the bytes of a material file that errors call `path`.
+/// Parses the bytes of an MTL file.
+///
+/// Errors name `path`. Paths of pictures are relative to its folder.
 ///
 /// # Errors
-///
 /// [`MeshError`].
-pub fn decode(path: &Path, bytes: &[u8]) -> Result<Vec<FileMaterial>, MeshError> {
-    let sound = check::checked_lines(&String::from_utf8_lossy(without_bom(bytes)))
-        .map_err(|(line, wrong)| MeshError::line(path, line, wrong))?;
+pub fn decode(path: &Path, bytes: &[u8]) -> Result<Vec<MtlMaterial>, MeshError> {
+    let valid_lines = check::check_mtl_lines(&String::from_utf8_lossy(strip_byte_order_mark(bytes)))
+        .map_err(|(line, wrong)| MeshError::at_line(path, line, wrong))?;
     let malformed = |source| MeshError::Malformed { path: path.into(), source };
-    let (materials, _) = tobj::load_mtl_buf(&mut sound.as_bytes()).map_err(malformed)?;
+    let (materials, _) = tobj::load_mtl_buf(&mut valid_lines.as_bytes()).map_err(malformed)?;
     let vector = |v: Option<[f64; 3]>| v.map(DVec3::from_array);
     let folder = path.parent().unwrap_or(Path::new(""));
     Ok(materials
         .into_iter()
-        .map(|m| FileMaterial {
+        .map(|m| MtlMaterial {
             diffuse: vector(m.diffuse),
             specular: vector(m.specular),
             emission: vector(m.emissive),
-            // `tobj` keeps it as text, which the check has written.
+            // `tobj` keeps `Tf` as text. The check has rewritten it as three numbers.
             filter: m.unknown_param.get("Tf").map(|text| {
                 let mut numbers = text.split(' ').map(|word| word.parse().unwrap_or_default());
                 DVec3::from_array([(); 3].map(|()| numbers.next().unwrap_or_default()))
@@ -121,13 +122,13 @@ pub fn decode(path: &Path, bytes: &[u8]) -> Result<Vec<FileMaterial>, MeshError>
             dissolve: m.dissolve,
             index: m.optical_density,
             illumination: m.illumination_model,
-            texture: m.diffuse_texture.map(|picture| folder.join(portable(&picture))),
+            texture: m.diffuse_texture.map(|picture| folder.join(path_with_slashes(&picture))),
             name: m.name,
         })
         .collect())
 }
 
-/// Path with separators that every system accepts.
-fn portable(path: &str) -> PathBuf {
+/// Path with backslashes replaced by slashes, which all systems accept as separators.
+fn path_with_slashes(path: &str) -> PathBuf {
     PathBuf::from(path.replace('\\', "/"))
 }

@@ -1,18 +1,18 @@
 //! Materials as MTL text.
 
-use super::FileMaterial;
-use crate::format::mesh::Shortest;
+use super::MtlMaterial;
+use crate::format::mesh::ShortestDecimal;
 use crate::image::{WriteError, replace_file};
 use std::fmt::Write;
 use std::path::{Path, absolute};
 
-/// Writes a material file completely or not at all.
+/// Writes an MTL file completely or not at all.
 ///
-/// Pictures in the folder of `path` or below get relative paths, others absolute paths.
+/// Paths of pictures inside the folder of `path` are written relative to it, others absolute.
 ///
 /// # Errors
 /// [`WriteError`].
-pub fn write(path: &Path, materials: &[FileMaterial]) -> Result<(), WriteError> {
+pub fn write(path: &Path, materials: &[MtlMaterial]) -> Result<(), WriteError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut text = format!("# Caustica {}\n", env!("CARGO_PKG_VERSION"));
     // Writing to a string cannot fail.
@@ -22,12 +22,18 @@ pub fn write(path: &Path, materials: &[FileMaterial]) -> Result<(), WriteError> 
             [("Kd", material.diffuse), ("Ks", material.specular), ("Ke", material.emission), ("Tf", material.filter)];
         for (keyword, colour) in colours {
             if let Some(c) = colour {
-                let _ = writeln!(text, "{keyword} {} {} {}", Shortest(c.x), Shortest(c.y), Shortest(c.z));
+                let _ = writeln!(
+                    text,
+                    "{keyword} {} {} {}",
+                    ShortestDecimal(c.x),
+                    ShortestDecimal(c.y),
+                    ShortestDecimal(c.z)
+                );
             }
         }
         for (keyword, number) in [("Ns", material.shininess), ("Ni", material.index), ("d", material.dissolve)] {
             if let Some(number) = number {
-                let _ = writeln!(text, "{keyword} {}", Shortest(number));
+                let _ = writeln!(text, "{keyword} {}", ShortestDecimal(number));
             }
         }
         if let Some(model) = material.illumination {

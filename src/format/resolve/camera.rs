@@ -2,11 +2,13 @@
 
 use super::aim;
 use crate::camera::{Camera, Lens};
-use crate::format::description::{self, Description, Focus, Opening, ProjectionDescription};
+use crate::format::description::{
+    self, ApertureDescription, FocusDescription, ProjectionDescription, SceneDescription,
+};
 use crate::format::{SceneError, SourceText};
 use glam::DVec3;
 
-pub(super) fn camera(description: &Description, source: &SourceText) -> Result<Camera, SceneError> {
+pub(super) fn camera(description: &SceneDescription, source: &SourceText) -> Result<Camera, SceneError> {
     let described = &description.camera;
     let description::CameraDescription { center, up, width, height, .. } = described.value;
     let direction = aim(described.aim, center);
@@ -76,15 +78,15 @@ const LARGEST: f64 = 1e12;
 
 fn resolve_lens(lens: &description::LensDescription, angle: f64, center: DVec3, direction: DVec3) -> Lens {
     let radius = match lens.opening {
-        Opening::Radius(radius) => radius,
-        Opening::FNumber { number, sensor } => {
+        ApertureDescription::Radius(radius) => radius,
+        ApertureDescription::FNumber { number, sensor } => {
             let focal_length = 0.5 * sensor / libm::tan(0.5 * angle.to_radians());
             0.5 * focal_length / number
         }
     };
     let focus = match lens.focus {
-        Focus::Distance(distance) => distance,
-        Focus::Point(point) => (point - center).dot(direction.normalize()),
+        FocusDescription::Distance(distance) => distance,
+        FocusDescription::Point(point) => (point - center).dot(direction.normalize()),
     };
     Lens { radius, focus, blades: lens.blades }
 }

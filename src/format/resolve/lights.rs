@@ -4,11 +4,14 @@ use super::{Resolver, aim, rgb};
 use crate::color::Rgb;
 use crate::format::SceneError;
 use crate::format::description::{
-    AreaStrength, DirectionalStrength, EnvironmentRadiance, LightDescription, LightPattern, PointStrength, Span,
-    Spanned, TransformStep,
+    AreaLightStrength, DirectionalLightStrength, EnvironmentRadiance, LightDescription, LightPattern,
+    PointLightStrength, Span, Spanned, TransformStep,
 };
-use crate::image::Meaning;
-use crate::light::{EnvironmentLight, IntensityPattern, OrientedSource, Slide, SphericalMap, profile_map};
+use crate::image::PictureContent;
+use crate::light::{
+    EnvironmentLight, EquirectangularMap, IntensityPattern, OrientedPointLight, ProjectedPicture,
+    map_from_intensity_profile,
+};
 use crate::math::Motion;
 use crate::scene::{DeltaLightKind, LightStrength, Material};
 use crate::shape::{Disc, Rectangle, Shape, Sphere};
@@ -22,7 +25,7 @@ pub(super) fn add_light(
 ) -> Result<(), SceneError> {
     match &light.value {
         LightDescription::Moving { maps, light } => {
-            let motion = motion.then_inside(maps.iter().map(TransformStep::growing));
+            let motion = motion.preceded_by(maps.iter().map(TransformStep::motion_step));
             add_light(r, light, &motion)?;
         }
         LightDescription::Point { position, strength } => {
@@ -47,8 +50,8 @@ pub(super) fn add_light(
         }
         LightDescription::Directional { direction, strength } => {
             let strength = match strength {
-                DirectionalStrength::Color(c) => LightStrength::Course(rgb(*c)),
-                DirectionalStrength::Irradiance(e) => LightStrength::Physical(rgb(*e)),
+                DirectionalLightStrength::Color(c) => LightStrength::Course(rgb(*c)),
+                DirectionalLightStrength::Irradiance(e) => LightStrength::Physical(rgb(*e)),
             };
             add_source(r, DeltaLightKind::Directional { direction: *direction }, strength, motion);
         }
@@ -58,7 +61,7 @@ pub(super) fn add_light(
         LightDescription::Disc { center, normal, radius, strength } => {
             add_area_light(
                 r,
-                Shape::Disc(Disc::around(*center, *normal, *radius)),
+                Shape::Disc(Disc::with_normal(*center, *normal, *radius)),
                 *center,
                 *strength,
                 motion,
@@ -94,7 +97,7 @@ fn make_environment(
             .map_err(|e| r.refuse(span, &e.to_string(), "give a radiance that single precision can hold")),
         EnvironmentRadiance::Picture { path, scale, rotate } => {
             let file = r.file("picture", path)?;
-            let map = r.read_picture(path, &file, Meaning::Light)?;
+            let map = r.read_picture(path, &file, PictureContent::Radiance)?;
             EnvironmentLight::new(map, rotate.to_radians(), Rgb::splat(*scale as f32))
                 .map_err(|e| r.bad_file(path, &e, "repair the picture, or scale it less"))
         }
@@ -108,17 +111,17 @@ fn oriented(
     direction: DVec3,
     up: DVec3,
     pattern: &LightPattern,
-) -> Result<OrientedSource, SceneError> {
-    let read = |path: &Spanned<String>| r.read_picture(path, &r.file("picture", path)?, Meaning::Light);
+) -> Result<OrientedPointLight, SceneError> {
+    let read = |path: &Spanned<String>| r.read_picture(path, &r.file("picture", path)?, PictureContent::Radiance);
     let (pattern, direction, up) = match pattern {
         LightPattern::Picture { path, angle } => {
-            let slide = Slide::new(read(path)?, angle.to_radians());
+            let slide = ProjectedPicture::new(read(path)?, angle.to_radians());
             let slide = slide.map_err(|e| r.bad_file(path, &e, "repair the picture or name another"))?;
             let black = || r.bad_file(path, &"the picture is black", "name a picture with light in it");
-            (IntensityPattern::Slide(Arc::new(slide.ok_or_else(black)?)), direction, up)
+            (IntensityPattern::ProjectedPicture(Arc::new(slide.ok_or_else(black)?)), direction, up)
         }
         LightPattern::Map(path) => {
-            let map = SphericalMap::new(read(path)?, Rgb::ONE);
+            let map = EquirectangularMap::new(read(path)?, Rgb::ONE);
             let map = map.map_err(|e| r.bad_file(path, &e, "repair the picture or name another"))?;
             (IntensityPattern::Map(Arc::new(map)), direction, up)
         }
@@ -127,12 +130,12 @@ fn oriented(
             let refuse = |message: &str| r.bad_file(path, &message, help);
             let text = std::fs::read_to_string(r.file("profile", path)?).map_err(|e| refuse(&e.to_string()))?;
             let profile = profile(&text).ok_or_else(|| refuse("the profile is not a table of angles"))?;
-            let map = profile_map(&profile).map_err(|e| refuse(&e.to_string()))?;
+            let map = map_from_intensity_profile(&profile).map_err(|e| refuse(&e.to_string()))?;
             // Profiles are symmetric about the top of their map, which lies along the axis.
             (IntensityPattern::Map(Arc::new(map)), direction.any_orthogonal_vector(), direction)
         }
     };
-    Ok(OrientedSource { position, direction, up, pattern })
+    Ok(OrientedPointLight { position, direction, up, pattern })
 }
 
 /// Pairs of angle \[degrees] and intensity, one per line; `#` starts a comment. `None` if the table
@@ -153,10 +156,10 @@ fn profile(text: &str) -> Option<Vec<(f64, f64)>> {
 }
 
 fn add_source(r: &mut Resolver<'_>, kind: DeltaLightKind, strength: LightStrength, motion: &Motion) {
-    if motion.is_still() {
-        r.builder.source(kind, strength);
+    if motion.is_constant() {
+        r.builder.delta_light(kind, strength);
     } else {
-        r.builder.moving_source(kind, strength, motion);
+        r.builder.moving_delta_light(kind, strength, motion);
     }
 }
 
@@ -165,29 +168,29 @@ fn add_area_light(
     r: &mut Resolver<'_>,
     shape: Shape,
     place: DVec3,
-    strength: AreaStrength,
+    strength: AreaLightStrength,
     motion: &Motion,
     span: Span,
 ) -> Result<(), SceneError> {
     let radiance = match strength {
-        AreaStrength::Radiance(l) => l,
-        AreaStrength::Power(w) => w / (std::f64::consts::PI * shape.area()),
+        AreaLightStrength::Radiance(l) => l,
+        AreaLightStrength::Power(w) => w / (std::f64::consts::PI * shape.area()),
     };
     r.check_radiance(rgb(radiance), span)?;
     let black = r.builder.material(Material::black());
-    if motion.is_still() {
+    if motion.is_constant() {
         r.builder.shape(shape, black, rgb(radiance));
     } else {
-        r.builder.moving_shape(shape, motion.about(place), black, rgb(radiance));
+        r.builder.moving_shape(shape, motion.around_point(place), black, rgb(radiance));
     }
     Ok(())
 }
 
-fn point(strength: PointStrength) -> LightStrength {
+fn point(strength: PointLightStrength) -> LightStrength {
     let take = |c: DVec3| rgb(c);
     match strength {
-        PointStrength::Color(c) => LightStrength::Course(take(c)),
-        PointStrength::Intensity(i) => LightStrength::Physical(take(i)),
-        PointStrength::Power(w) => LightStrength::Power(take(w)),
+        PointLightStrength::Color(c) => LightStrength::Course(take(c)),
+        PointLightStrength::Intensity(i) => LightStrength::Physical(take(i)),
+        PointLightStrength::Power(w) => LightStrength::Power(take(w)),
     }
 }

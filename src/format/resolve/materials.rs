@@ -3,11 +3,13 @@
 use super::media::fill_body;
 use super::textures::TextureNeeds;
 use super::{Resolver, rgb};
-use crate::bsdf::{METALS, metal};
-use crate::color::{GLASSES, Glass, Rgb, glass};
+use crate::bsdf::{METALS, named_metal};
+use crate::color::{DispersionFormula, GLASSES, Rgb, glass_by_name};
 use crate::format::SceneError;
-use crate::format::description::{Emission, MaterialKindDescription, MetalDescription, RefractionDescription, Spanned};
-use crate::format::language::nearest;
+use crate::format::description::{
+    EmissionDescription, MaterialKindDescription, MetalDescription, RefractiveIndexDescription, Spanned,
+};
+use crate::format::language::nearest_word;
 use crate::scene::{Body, Material};
 
 impl Resolver<'_> {
@@ -18,12 +20,12 @@ impl Resolver<'_> {
             let material = self.material(&described.kind, &mut needs)?;
             let material = fill_body(self, material, described)?;
             let normals = self.normals(described, &mut needs)?;
-            if let Some(Emission::Texture { name, .. }) = &described.emission {
+            if let Some(EmissionDescription::Texture { name, .. }) = &described.emission {
                 needs.add(&self.known(name, &(0.0..=f32::MAX))?);
             }
             self.add_needs_of_parts(&described.kind, &mut needs);
             self.texture_needs.push(needs);
-            self.builder.material(material.with_normals(normals));
+            self.builder.material(material.with_normal_perturbation(normals));
             if let Some(name) = &described.name {
                 self.names.entry(name).or_insert(index as u32);
             }
@@ -63,10 +65,10 @@ impl Resolver<'_> {
                 let roughness = self.fraction(roughness, needs)?;
                 let (index, glass) = self.refraction(refraction)?;
                 let absorption = rgb(attenuation.coefficient());
-                Material::rough_body(Body { absorption, priority: *priority, glass, ..Body::new(index) }, roughness)
+                Material::rough_boundary(Body { absorption, priority: *priority, glass, ..Body::new(index) }, roughness)
             }
             MaterialKindDescription::Clear { priority } => {
-                Material::body(Body { priority: *priority, null_interface: true, ..Body::new(1.0) })
+                Material::smooth_boundary(Body { priority: *priority, null_interface: true, ..Body::new(1.0) })
             }
             MaterialKindDescription::Conductor { metal, roughness } => {
                 let (eta, k) = self.metal(metal)?;
@@ -84,22 +86,22 @@ impl Resolver<'_> {
 
     /// The refractive index at the d line, and the index of the glass if it depends on the
     /// wavelength.
-    fn refraction(&mut self, described: &RefractionDescription) -> Result<(f32, Option<u32>), SceneError> {
+    fn refraction(&mut self, described: &RefractiveIndexDescription) -> Result<(f32, Option<u32>), SceneError> {
         let glass = match described {
-            RefractionDescription::Index(index) => return Ok((*index as f32, None)),
-            RefractionDescription::Named(name) => self.glass_named(name)?,
-            RefractionDescription::Abbe { index, abbe } => Glass::of_abbe(*index, *abbe),
-            RefractionDescription::Glass(glass) => *glass,
+            RefractiveIndexDescription::Index(index) => return Ok((*index as f32, None)),
+            RefractiveIndexDescription::Named(name) => self.glass_named(name)?,
+            RefractiveIndexDescription::Abbe { index, abbe } => DispersionFormula::from_abbe_number(*index, *abbe),
+            RefractiveIndexDescription::Glass(glass) => *glass,
         };
-        Ok((glass.index_d(), Some(self.builder.glass(glass))))
+        Ok((glass.d_line_index(), Some(self.builder.glass(glass))))
     }
 
     /// The glass with a name.
-    fn glass_named(&self, name: &Spanned<String>) -> Result<Glass, SceneError> {
-        glass(name).ok_or_else(|| {
+    fn glass_named(&self, name: &Spanned<String>) -> Result<DispersionFormula, SceneError> {
+        glass_by_name(name).ok_or_else(|| {
             let names = || GLASSES.iter().map(|g| g.0);
             let message = format!("no glass is called `{}`", name.value);
-            let guess = nearest(name, names()).map_or(String::new(), |n| format!("did you mean `{n}`? "));
+            let guess = nearest_word(name, names()).map_or(String::new(), |n| format!("did you mean `{n}`? "));
             let known = names().collect::<Vec<_>>().join(", ");
             let help = format!("{guess}known are {known}; of others, give `cauchy`, or `indexOfRefraction` and `abbe`");
             SceneError::at(self.source, name.span, message, "unknown name", help)
@@ -110,7 +112,7 @@ impl Resolver<'_> {
     fn metal(&self, described: &MetalDescription) -> Result<(Rgb, Rgb), SceneError> {
         match described {
             MetalDescription::Index { eta, k } => Ok((rgb(*eta), rgb(*k))),
-            MetalDescription::Named(name) => metal(name).ok_or_else(|| {
+            MetalDescription::Named(name) => named_metal(name).ok_or_else(|| {
                 let message = format!("no metal is called `{}`", name.value);
                 let help = format!("known are {}; of others, give `eta` and `k`", METALS.join(", "));
                 SceneError::at(self.source, name.span, message, "unknown name", help)

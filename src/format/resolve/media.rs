@@ -3,13 +3,13 @@
 use super::{Resolver, rgb};
 use crate::color::Rgb;
 use crate::format::description::{
-    self, Coefficients, Density, ExtentDescription, LightDescription, MaterialDescription, MediumDescription, Span,
-    Spanned, TransformStep,
+    self, DensityDescription, LightDescription, MaterialDescription, MediumCoefficients, MediumDescription, Span,
+    Spanned, TransformStep, TransformedBoxDescription,
 };
 use crate::format::{SceneError, grid};
 use crate::medium::{Cloud, GridDensity, GridDensityError, Medium, PhaseFunction};
 use crate::scene;
-use crate::stats::bytes;
+use crate::stats::format_bytes;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
@@ -27,13 +27,15 @@ pub(super) fn add_media(r: &mut Resolver<'_>) -> Result<(), SceneError> {
 
 fn make_medium(r: &Resolver<'_>, described: &Spanned<MediumDescription>) -> Result<Medium, SceneError> {
     let (absorption, scattering) = match described.coefficients {
-        Coefficients::Parts { absorption, scattering } => (absorption, scattering),
-        Coefficients::Whole { extinction, albedo } => (extinction * (1.0 - albedo), extinction * albedo),
+        MediumCoefficients::AbsorptionScattering { absorption, scattering } => (absorption, scattering),
+        MediumCoefficients::ExtinctionAlbedo { extinction, albedo } => {
+            (extinction * (1.0 - albedo), extinction * albedo)
+        }
     };
     let phase = match described.phase {
-        description::Phase::Isotropic => PhaseFunction::Isotropic,
-        description::Phase::Rayleigh => PhaseFunction::Rayleigh,
-        description::Phase::HenyeyGreenstein(g) => PhaseFunction::HenyeyGreenstein(g as f32),
+        description::PhaseFunctionDescription::Isotropic => PhaseFunction::Isotropic,
+        description::PhaseFunctionDescription::Rayleigh => PhaseFunction::Rayleigh,
+        description::PhaseFunctionDescription::HenyeyGreenstein(g) => PhaseFunction::HenyeyGreenstein(g as f32),
     };
     let (absorption, scattering, emission) = (rgb(absorption), rgb(scattering), rgb(described.emission));
     Ok(match make_density(r, described)? {
@@ -46,11 +48,11 @@ fn make_density(r: &Resolver<'_>, described: &Spanned<MediumDescription>) -> Res
     let help = "give a box with an extent, and fewer cells if memory does not suffice";
     let refuse = |e: GridDensityError| r.refuse(described.span, &e.to_string(), help);
     let field = match &described.density {
-        Density::Even => return Ok(None),
-        Density::Grid { path, scale, extent } => {
+        DensityDescription::Homogeneous => return Ok(None),
+        DensityDescription::Grid { path, scale, extent } => {
             let file = r.file("grid", path)?;
-            let help = "repair the grid or name another; the grid format is described in docs/scene-language.md";
-            let read = grid::read_within(&file, r.memory.free());
+            let help = "repair the grid or name another; the grid format is described in docs/guide/scene-language.md";
+            let read = grid::read_with_memory_limit(&file, r.memory.available_bytes());
             let mut grid =
                 read.map_err(|e| r.refuse_file(path, &e, matches!(e, grid::GridError::NoMemory { .. }), help))?;
             for value in &mut grid.values {
@@ -63,7 +65,7 @@ fn make_density(r: &Resolver<'_>, described: &Spanned<MediumDescription>) -> Res
             }
             GridDensity::new(grid.size, grid.values, placement(extent)).map_err(refuse)?
         }
-        Density::Cloud { cover, softness, octaves, frequency, seed, resolution, extent } => {
+        DensityDescription::Cloud { cover, softness, octaves, frequency, seed, resolution, extent } => {
             let cloud = Cloud {
                 octaves: *octaves,
                 scale: *frequency,
@@ -72,11 +74,12 @@ fn make_density(r: &Resolver<'_>, described: &Spanned<MediumDescription>) -> Res
                 seed: u64::from(*seed),
             };
             let size = cells(extent, *resolution);
-            let needed = grid::PER_CELL * size.iter().map(|n| u64::from(*n)).product::<u64>();
-            if let Some(free) = r.memory.free().filter(|free| needed > *free) {
-                let message = format!("the cloud takes {} of memory, and {} are free", bytes(needed), bytes(free));
+            let needed = grid::BYTES_PER_CELL * size.iter().map(|n| u64::from(*n)).product::<u64>();
+            if let Some(free) = r.memory.available_bytes().filter(|free| needed > *free) {
+                let message =
+                    format!("the cloud takes {} of memory, and {} are free", format_bytes(needed), format_bytes(free));
                 let help = "choose a smaller `resolution`, or let the scene have more memory (--memory)";
-                return Err(r.refuse(described.span, &message, help).exhausting());
+                return Err(r.refuse(described.span, &message, help).marked_out_of_memory());
             }
             let density = cloud.density(1.0 / f64::from(*resolution));
             GridDensity::from_fn(size, placement(extent), density).map_err(refuse)?
@@ -95,7 +98,7 @@ fn innermost(mut light: &Spanned<LightDescription>) -> &Spanned<LightDescription
 
 /// Adds the medium that fills the space outside all bodies.
 pub(super) fn fill_background(r: &mut Resolver<'_>) -> Result<(), SceneError> {
-    let Some(name) = &r.description.filling else { return Ok(()) };
+    let Some(name) = &r.description.ambient_medium else { return Ok(()) };
     let (index, medium) = known_medium(r, name)?;
     let refuse = |what: &str, help: &str| {
         let message = format!("the medium `{}` cannot fill the scene: {what}", name.value);
@@ -129,7 +132,7 @@ pub(super) fn fill_body(
     material: scene::Material,
     described: &MaterialDescription,
 ) -> Result<scene::Material, SceneError> {
-    let (Some(name), Some(body)) = (&described.medium, material.boundary()) else { return Ok(material) };
+    let (Some(name), Some(body)) = (&described.medium, material.bounded_body()) else { return Ok(material) };
     let mut body = *body;
     let (mut index, mut medium) = known_medium(r, name)?;
     if body.absorption != Rgb::ZERO {
@@ -163,13 +166,13 @@ fn known_medium(r: &Resolver<'_>, name: &Spanned<String>) -> Result<(u32, Medium
 }
 
 /// Returns the map from the unit cube to the world.
-fn placement(extent: &ExtentDescription) -> DAffine3 {
+fn placement(extent: &TransformedBoxDescription) -> DAffine3 {
     let fit = DAffine3::from_scale(extent.max - extent.min);
-    TransformStep::product(&extent.maps) * DAffine3 { translation: extent.min, ..fit }
+    TransformStep::composed_matrix(&extent.maps) * DAffine3 { translation: extent.min, ..fit }
 }
 
 /// Returns the grid size of nearly cubic cells, with `resolution` cells along the longest side.
-fn cells(extent: &ExtentDescription, resolution: u32) -> [u32; 3] {
+fn cells(extent: &TransformedBoxDescription, resolution: u32) -> [u32; 3] {
     let sides = extent.max - extent.min;
     let count = |side: f64| (f64::from(resolution) * (side / sides.max_element())).ceil().max(2.0) as u32;
     DVec3::to_array(&sides).map(count)

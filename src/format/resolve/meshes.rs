@@ -5,11 +5,13 @@ use super::textures::TextureNeeds;
 use super::{Resolver, rgb};
 use crate::color::Rgb;
 use crate::format::SceneError;
-use crate::format::description::{Emission, MaterialDescription, MaterialKindDescription, MeshOptions, Spanned};
-use crate::format::mesh::{self, Loaded, MeshError, NO_MATERIAL, TriangleMesh};
+use crate::format::description::{
+    EmissionDescription, MaterialDescription, MaterialKindDescription, MeshOptions, Spanned,
+};
+use crate::format::mesh::{self, LoadedMesh, MeshError, NO_MATERIAL, TriangleMesh};
 use crate::format::mtl;
 use crate::shape::MappingKind;
-use crate::stats::bytes;
+use crate::stats::format_bytes;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -34,12 +36,12 @@ pub(super) struct Pieces {
 struct Piece {
     mesh: Rc<TriangleMesh>,
     /// The file's own material; `None` for the scene's.
-    own: Option<FileMaterial>,
+    own: Option<MtlMaterial>,
 }
 
 /// A material of a mesh file.
 #[derive(Clone, Debug)]
-pub(super) struct FileMaterial {
+pub(super) struct MtlMaterial {
     name: Rc<str>,
     index: u32,
     emission: Rgb,
@@ -83,7 +85,7 @@ fn add_piece(
 ) -> Result<(), SceneError> {
     let (normals, texcoords) = (mesh.normals.as_deref(), mesh.texcoords.as_deref());
     let shared = emission == Rgb::ZERO && again * mesh.triangles.len() >= WORTH_SHARING;
-    let instanced = shared || !placing.to_world.is_still();
+    let instanced = shared || !placing.to_world.is_constant();
     // Copies that share their triangles share the tree over them.
     if !(instanced && r.instanced.contains_key(&Rc::as_ptr(mesh))) {
         check_trees(r, path, mesh.triangles.len())?;
@@ -107,39 +109,39 @@ fn add_piece(
 fn check_trees(r: &mut Resolver<'_>, path: &Spanned<String>, triangles: usize) -> Result<(), SceneError> {
     r.triangles += triangles as u64;
     let needed = PER_TRIANGLE * r.triangles;
-    let Some(free) = r.memory.free().filter(|free| needed > *free) else { return Ok(()) };
-    let (needed, free) = (bytes(needed), bytes(free));
+    let Some(free) = r.memory.available_bytes().filter(|free| needed > *free) else { return Ok(()) };
+    let (needed, free) = (format_bytes(needed), format_bytes(free));
     let message = format!(
         "the scene has {} triangles with this mesh, which take {needed} of memory, and {free} are free",
         r.triangles
     );
     let help = "simplify meshes, or let the scene have more memory (--memory)";
-    Err(r.bad_file(path, &message, help).exhausting())
+    Err(r.bad_file(path, &message, help).marked_out_of_memory())
 }
 
 /// Returns the parts of the mesh of a path, read once.
 fn mesh_pieces(r: &mut Resolver<'_>, path: &Spanned<String>, options: MeshOptions) -> Result<Rc<Pieces>, SceneError> {
     let file = r.file("mesh", path)?;
-    let MeshOptions { own_materials, no_normals, smooth_angle } = options;
-    let key = (file.clone(), own_materials, no_normals, smooth_angle.map(f64::to_bits));
+    let MeshOptions { uses_file_materials, ignores_normals, max_smoothing_angle } = options;
+    let key = (file.clone(), uses_file_materials, ignores_normals, max_smoothing_angle.map(f64::to_bits));
     if let Some(pieces) = r.meshes.get(&key) {
         return Ok(pieces.clone());
     }
     let loaded = match r.assets.meshes.get(path.as_str()) {
-        Some(mesh) => Ok(Loaded { mesh: (**mesh).clone(), ..Loaded::default() }),
-        None => mesh::load_within(&file, r.monitor, r.memory.free()),
+        Some(mesh) => Ok(LoadedMesh { mesh: (**mesh).clone(), ..LoadedMesh::default() }),
+        None => mesh::load_with_memory_limit(&file, r.monitor, r.memory.available_bytes()),
     };
     let mut loaded = loaded.map_err(|e| r.refuse_file(path, &e, matches!(e, MeshError::Memory { .. }), REPAIR))?;
-    if no_normals {
+    if ignores_normals {
         loaded.mesh.normals = None;
     }
-    if let Some(angle) = smooth_angle {
-        loaded.mesh.smooth(angle);
+    if let Some(angle) = max_smoothing_angle {
+        loaded.mesh.compute_smooth_normals(angle);
     }
     let mut list = Vec::new();
-    if own_materials && !loaded.mesh.materials.is_empty() {
+    if uses_file_materials && !loaded.mesh.materials.is_empty() {
         let own = mesh_materials(r, path, &file, &loaded)?;
-        for (number, part) in loaded.mesh.parts() {
+        for (number, part) in loaded.mesh.split_by_material() {
             let own = own.get(number as usize).cloned().filter(|_| number != NO_MATERIAL);
             list.push(Piece { mesh: Rc::new(part), own });
         }
@@ -156,12 +158,12 @@ fn mesh_materials(
     r: &mut Resolver<'_>,
     path: &Spanned<String>,
     file: &Path,
-    loaded: &Loaded,
-) -> Result<Rc<Vec<FileMaterial>>, SceneError> {
+    loaded: &LoadedMesh,
+) -> Result<Rc<Vec<MtlMaterial>>, SceneError> {
     if let Some(own) = r.own_materials.get(file) {
         return Ok(own.clone());
     }
-    let library = mtl::of_mesh(file, loaded, r.memory.free());
+    let library = mtl::load_mesh_materials(file, loaded, r.memory.available_bytes());
     let library = library.map_err(|e| r.refuse_file(path, &e, matches!(e, MeshError::Memory { .. }), REPAIR))?;
     let mut own = Vec::with_capacity(library.len());
     for found in library {
@@ -179,19 +181,19 @@ fn own_material(
     r: &mut Resolver<'_>,
     path: &Spanned<String>,
     mut meaning: MaterialDescription,
-) -> Result<FileMaterial, SceneError> {
+) -> Result<MtlMaterial, SceneError> {
     if let MaterialKindDescription::Phong { texture: Some(picture), .. } = &mut meaning.kind {
         picture.span = path.span;
     }
     let mut needs = TextureNeeds::default();
     let material = r.material(&meaning.kind, &mut needs)?;
     let normals = r.normals(&meaning, &mut needs)?;
-    let index = r.builder.material(material.with_normals(normals));
+    let index = r.builder.material(material.with_normal_perturbation(normals));
     r.texture_needs.resize(index as usize + 1, TextureNeeds::default());
     r.texture_needs[index as usize] = needs;
     let emission = match meaning.emission {
-        Some(Emission::Radiance(radiance)) => rgb(radiance),
+        Some(EmissionDescription::Radiance(radiance)) => rgb(radiance),
         _ => Rgb::ZERO,
     };
-    Ok(FileMaterial { name: meaning.name.unwrap_or_default().into(), index, emission })
+    Ok(MtlMaterial { name: meaning.name.unwrap_or_default().into(), index, emission })
 }

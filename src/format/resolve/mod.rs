@@ -12,17 +12,18 @@ mod tests;
 mod textures;
 
 use super::description::{
-    Aim, Description, Emission, Group, GroupItem, ObjectDescription, ShapeDescription, Span, Spanned, TransformStep,
+    DirectionOrTarget, EmissionDescription, Group, GroupItem, ObjectDescription, SceneDescription, ShapeDescription,
+    Span, Spanned, TransformStep,
 };
 use super::error::MAX_ERRORS;
-use super::import::Assets;
-use super::mesh::{ReadMonitor, TriangleMesh};
+use super::import::EmbeddedAssets;
+use super::mesh::{MeshReadMonitor, TriangleMesh};
 use super::{SceneError, SourceText};
 use crate::color::Rgb;
-use crate::math::{Motion, Step, Transform};
+use crate::math::{Motion, MotionStep, Transform};
 use crate::medium::Medium;
 use crate::scene::{Scene, SceneBuilder};
-use crate::stats::Memory;
+use crate::stats::MemoryLimit;
 use glam::{DAffine3, DVec3};
 use placement::EmissionOverride;
 use placement::Instanced;
@@ -38,8 +39,8 @@ use textures::{KnownTexture, TextureNeeds};
 /// [`SceneError`] with the position in `source`: a mesh, picture or grid that is missing or broken,
 /// an unknown metal or glass, a singular product of transforms, an object that cannot emit, a
 /// medium that cannot fill its body.
-pub fn resolve(description: &Description, source: &SourceText, folder: &Path) -> Result<Scene, SceneError> {
-    resolve_watched(description, source, folder, &(), Memory::Unbounded)
+pub fn resolve(description: &SceneDescription, source: &SourceText, folder: &Path) -> Result<Scene, SceneError> {
+    resolve_monitored(description, source, folder, &(), MemoryLimit::Unbounded)
 }
 
 /// Like [`resolve`], within `memory`; `monitor` receives the progress of reading meshes.
@@ -48,28 +49,28 @@ pub fn resolve(description: &Description, source: &SourceText, folder: &Path) ->
 /// limit.
 ///
 /// # Errors
-/// [`SceneError`], as for [`resolve`], or [for lack of memory](SceneError::exhausts_memory).
-pub fn resolve_watched(
-    description: &Description,
+/// [`SceneError`], as for [`resolve`], or [for lack of memory](SceneError::is_out_of_memory).
+pub fn resolve_monitored(
+    description: &SceneDescription,
     source: &SourceText,
     folder: &Path,
-    monitor: &dyn ReadMonitor,
-    memory: Memory,
+    monitor: &dyn MeshReadMonitor,
+    memory: MemoryLimit,
 ) -> Result<Scene, SceneError> {
-    resolve_assets(description, source, folder, &Assets::default(), monitor, memory)
+    resolve_with_assets(description, source, folder, &EmbeddedAssets::default(), monitor, memory)
 }
 
-/// Like [`resolve_watched`]; paths that `assets` lists are not looked up in the file system.
+/// Like [`resolve_monitored`]; paths that `assets` lists are not looked up in the file system.
 ///
 /// # Errors
-/// [`SceneError`], as for [`resolve_watched`].
-pub(super) fn resolve_assets(
-    description: &Description,
+/// [`SceneError`], as for [`resolve_monitored`].
+pub(super) fn resolve_with_assets(
+    description: &SceneDescription,
     source: &SourceText,
     folder: &Path,
-    assets: &Assets,
-    monitor: &dyn ReadMonitor,
-    memory: Memory,
+    assets: &EmbeddedAssets,
+    monitor: &dyn MeshReadMonitor,
+    memory: MemoryLimit,
 ) -> Result<Scene, SceneError> {
     let camera = camera::camera(description, source)?;
     let mut resolver = Resolver {
@@ -113,10 +114,10 @@ const ROOM: &str = "use a smaller file, or let the scene have more memory (--mem
 struct Resolver<'a> {
     source: &'a SourceText,
     folder: &'a Path,
-    assets: &'a Assets,
+    assets: &'a EmbeddedAssets,
     /// Errors of objects so far; resolving goes on to find more.
     errors: Vec<SceneError>,
-    description: &'a Description,
+    description: &'a SceneDescription,
     builder: SceneBuilder,
     /// Indices of the materials so far, by name.
     names: HashMap<&'a str, u32>,
@@ -128,14 +129,14 @@ struct Resolver<'a> {
     media: HashMap<&'a str, (u32, Medium)>,
     /// Texture coordinates that each material needs.
     texture_needs: Vec<TextureNeeds>,
-    monitor: &'a dyn ReadMonitor,
-    memory: Memory,
+    monitor: &'a dyn MeshReadMonitor,
+    memory: MemoryLimit,
     /// Triangles so far that hierarchies will be built over.
     triangles: u64,
     /// Meshes that were read, by file and options.
     meshes: HashMap<meshes::MeshKey, Rc<meshes::Pieces>>,
     /// Materials of mesh files, in the order in which the meshes name them.
-    own_materials: HashMap<PathBuf, Rc<Vec<meshes::FileMaterial>>>,
+    own_materials: HashMap<PathBuf, Rc<Vec<meshes::MtlMaterial>>>,
     /// Number of objects that name each mesh path.
     uses: HashMap<&'a str, usize>,
     /// Shared copies, by mesh.
@@ -168,7 +169,7 @@ impl Resolver<'_> {
     /// Records an error and goes on, unless memory is exhausted or there are many errors already.
     fn record(&mut self, result: Result<(), SceneError>) -> Result<(), SceneError> {
         match result {
-            Err(error) if error.exhausts_memory() || self.errors.len() + 1 >= MAX_ERRORS => Err(error),
+            Err(error) if error.is_out_of_memory() || self.errors.len() + 1 >= MAX_ERRORS => Err(error),
             Err(error) => {
                 self.errors.push(error);
                 Ok(())
@@ -198,22 +199,24 @@ impl Resolver<'_> {
             ObjectDescription::Group(group) => self.group(group, to_world),
             ObjectDescription::Transform { maps, object: inner } => {
                 let outer = self.placing.replace(object.span);
-                let product = to_world.then_inside([Step::Fixed(TransformStep::product(maps))]);
+                let product = to_world.preceded_by([MotionStep::Fixed(TransformStep::composed_matrix(maps))]);
                 self.object(inner, &product)?;
                 self.placing = outer;
                 Ok(())
             }
             ObjectDescription::Moving { maps, object: inner } => {
                 let outer = self.placing.replace(object.span);
-                self.object(inner, &to_world.then_inside(maps.iter().map(TransformStep::growing)))?;
+                self.object(inner, &to_world.preceded_by(maps.iter().map(TransformStep::motion_step)))?;
                 self.placing = outer;
                 Ok(())
             }
             ObjectDescription::Shape { shape, emission } => {
                 let own = self.description.materials.get(self.material as usize).and_then(|m| m.emission.as_ref());
                 let (radiance, texture) = match (emission, own) {
-                    (Some(emission), _) | (None, Some(Emission::Radiance(emission))) => (rgb(*emission), None),
-                    (None, Some(Emission::Texture { name, scale })) => {
+                    (Some(emission), _) | (None, Some(EmissionDescription::Radiance(emission))) => {
+                        (rgb(*emission), None)
+                    }
+                    (None, Some(EmissionDescription::Texture { name, scale })) => {
                         let known = self.known(name, &(0.0..=f32::MAX))?;
                         let scale = Rgb::splat(*scale as f32);
                         (known.mean * scale, Some((known.index, scale)))
@@ -271,7 +274,11 @@ impl Resolver<'_> {
 
     /// Returns the error of a file: it exceeds the memory limit, or `help` is the remedy.
     fn refuse_file(&self, path: &Spanned<String>, message: &impl ToString, exhausts: bool, help: &str) -> SceneError {
-        if exhausts { self.bad_file(path, message, ROOM).exhausting() } else { self.bad_file(path, message, help) }
+        if exhausts {
+            self.bad_file(path, message, ROOM).marked_out_of_memory()
+        } else {
+            self.bad_file(path, message, help)
+        }
     }
 
     fn bad_file(&self, path: &Spanned<String>, message: &impl ToString, help: &str) -> SceneError {
@@ -314,13 +321,13 @@ fn uses(group: &Group) -> HashMap<&str, usize> {
 
 /// Returns the motion of maps that grow while the shutter is open.
 fn growing_motion(maps: &[TransformStep]) -> Motion {
-    Motion::default().then_inside(maps.iter().map(TransformStep::growing))
+    Motion::default().preceded_by(maps.iter().map(TransformStep::motion_step))
 }
 
-fn aim(aim: Aim, from: DVec3) -> DVec3 {
+fn aim(aim: DirectionOrTarget, from: DVec3) -> DVec3 {
     match aim {
-        Aim::Direction(direction) => direction,
-        Aim::LookAt(point) => point - from,
+        DirectionOrTarget::Direction(direction) => direction,
+        DirectionOrTarget::LookAt(point) => point - from,
     }
 }
 

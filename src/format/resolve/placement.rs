@@ -5,7 +5,7 @@ use crate::color::Rgb;
 use crate::format::SceneError;
 use crate::format::description::Span;
 use crate::math::{Motion, Transform};
-use crate::shape::{IndexedMesh, Instance, MappingKind, Mesh, Shape};
+use crate::shape::{Instance, MappingKind, Mesh, MeshWithBvh, Shape};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 use std::sync::Arc;
 
@@ -30,7 +30,7 @@ pub(super) struct Placing<'p> {
 
 /// A mesh scaled and moved to a box around the origin.
 pub(super) struct Instanced {
-    mesh: Arc<IndexedMesh>,
+    mesh: Arc<MeshWithBvh>,
     /// Map back to the original position and size.
     place: DAffine3,
 }
@@ -55,7 +55,7 @@ impl Instanced {
             texcoords: texcoords.unwrap_or_default().iter().map(|t| t.as_vec2()).collect(),
             triangles: triangles.to_vec(),
         };
-        Self { mesh: Arc::new(IndexedMesh::new(mesh)), place }
+        Self { mesh: Arc::new(MeshWithBvh::new(mesh)), place }
     }
 }
 
@@ -77,7 +77,7 @@ pub(super) fn place(
 ) -> Result<(), SceneError> {
     let placed =
         shape.transformed(map).ok_or_else(|| r.refuse(span, "this shape is squeezed flat", "scale it less"))?;
-    if to_world.is_still() {
+    if to_world.is_constant() {
         r.builder.shape(placed, r.material, emission);
     } else {
         r.builder.moving_shape(shape, to_world.clone(), r.material, emission);
@@ -114,7 +114,7 @@ pub(super) fn place_instance(
     emission: Rgb,
 ) -> Result<(), SceneError> {
     if emission != Rgb::ZERO {
-        let even = |time| Transform::new(to_world.at(time)).is_ok_and(|map| map.similarity().is_some());
+        let even = |time| Transform::new(to_world.at_time(time)).is_ok_and(|map| map.uniform_scale().is_some());
         if ![0.0, 0.3, 0.7, 1.0].into_iter().all(even) {
             let help = "stretch it alike in all directions, or let a shape of another kind emit";
             return Err(r.refuse(span, "a moving mesh that is stretched unevenly cannot emit light", help));
@@ -134,11 +134,11 @@ pub(super) fn place_mesh(
     triangles: &[[u32; 3]],
     emission: Rgb,
 ) {
-    let positions: Vec<DVec3> = positions.iter().map(|p| map.point(*p)).collect();
-    let unit = |n: &DVec3| map.normal(*n).normalize_or_zero().as_vec3();
+    let positions: Vec<DVec3> = positions.iter().map(|p| map.transform_point(*p)).collect();
+    let unit = |n: &DVec3| map.transform_normal(*n).normalize_or_zero().as_vec3();
     let normals: Vec<Vec3> = normals.unwrap_or_default().iter().map(unit).collect();
     // A mirroring map reverses the winding; the outer side must stay outside.
-    let turned = |[a, b, c]: [u32; 3]| if map.mirrors() { [a, c, b] } else { [a, b, c] };
+    let turned = |[a, b, c]: [u32; 3]| if map.swaps_handedness() { [a, c, b] } else { [a, b, c] };
     let triangles: Vec<[u32; 3]> = triangles.iter().copied().map(turned).collect();
     r.builder.mesh(&positions, &normals, &triangles, r.material, emission);
 }

@@ -4,13 +4,13 @@ use super::{Resolver, rgb};
 use crate::color::{self, Rgb};
 use crate::format::SceneError;
 use crate::format::description::{
-    self, CoordinatesDescription, MaterialDescription, MaterialKindDescription, Pattern, PictureEncoding, Spanned,
-    TextureKindDescription, TexturedValue, TransformStep, Wrap,
+    self, MaterialDescription, MaterialKindDescription, PictureEncoding, SolidPatternDescription, Spanned,
+    TexcoordTransformDescription, TextureKindDescription, TexturedValue, TransformStep, Wrap,
 };
-use crate::image::{self, Image, Meaning};
+use crate::image::{self, Image, PictureContent};
 use crate::math::Transform;
 use crate::scene::{NormalPerturbation, Textured};
-use crate::texture::{self, Checker, Picture, Solid, SolidKind, Texture};
+use crate::texture::{self, Checker, Picture, SolidPattern, SolidTexture, Texture};
 use glam::DVec3;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -54,13 +54,13 @@ impl<'a> Resolver<'a> {
                 }
                 TextureKindDescription::Solid { pattern, colors, octaves, frequency, amplitude, maps } => {
                     let help = "no scale may be zero, and no axis of a matrix may be a mix of the others";
-                    let to_object = Transform::new(TransformStep::product(maps))
+                    let to_object = Transform::new(TransformStep::composed_matrix(maps))
                         .map_err(|e| self.refuse(texture.span, &e.to_string(), help))?;
-                    let solid = Solid {
+                    let solid = SolidTexture {
                         kind: match pattern {
-                            Pattern::Noise => SolidKind::Noise,
-                            Pattern::Marble => SolidKind::Marble,
-                            Pattern::Wood => SolidKind::Wood,
+                            SolidPatternDescription::Noise => SolidPattern::Noise,
+                            SolidPatternDescription::Marble => SolidPattern::Marble,
+                            SolidPatternDescription::Wood => SolidPattern::Wood,
                         },
                         colors: colors.map(rgb),
                         octaves: *octaves,
@@ -86,15 +86,15 @@ impl<'a> Resolver<'a> {
         path: &Spanned<String>,
         encoding: PictureEncoding,
         wrap: Wrap,
-        coordinates: CoordinatesDescription,
+        coordinates: TexcoordTransformDescription,
     ) -> Result<KnownTexture, SceneError> {
         let file = self.file("picture", path)?;
         let image = self.read_picture(
             path,
             &file,
             match encoding {
-                PictureEncoding::Srgb => Meaning::Light,
-                PictureEncoding::Linear => Meaning::Numbers,
+                PictureEncoding::Srgb => PictureContent::Radiance,
+                PictureEncoding::Linear => PictureContent::Data,
             },
         )?;
         let picture = Picture::new(&image, wrap)
@@ -106,13 +106,13 @@ impl<'a> Resolver<'a> {
         &self,
         path: &Spanned<String>,
         file: &Path,
-        meaning: Meaning,
+        meaning: PictureContent,
     ) -> Result<Image, SceneError> {
         let help = "repair the picture or name another: PNG, OpenEXR or Radiance HDR";
         if let Some(picture) = self.assets.pictures.get(path.as_str()) {
             return Ok((**picture).clone());
         }
-        let read = image::read_within(file, meaning, self.memory.free());
+        let read = image::read_with_memory_limit(file, meaning, self.memory.available_bytes());
         read.map_err(|e| self.refuse_file(path, &e, matches!(e, image::ReadError::Memory { .. }), help))
     }
 
@@ -148,7 +148,7 @@ impl<'a> Resolver<'a> {
         if let Some(known) = self.pictures.get(&key) {
             return Ok(*known);
         }
-        let known = self.picture(name, encoding, Wrap::Repeat, CoordinatesDescription::default())?;
+        let known = self.picture(name, encoding, Wrap::Repeat, TexcoordTransformDescription::default())?;
         self.pictures.insert(key, known);
         Ok(known)
     }
@@ -181,7 +181,7 @@ impl<'a> Resolver<'a> {
             TexturedValue::Texture(name) => {
                 let known = self.known(name, &UNIT)?;
                 needs.add(&known);
-                Ok(Textured::Texture { texture: known.index, factor: 1.0, mean: color::mean(known.mean) })
+                Ok(Textured::Texture { texture: known.index, factor: 1.0, mean: color::channel_mean(known.mean) })
             }
         }
     }
@@ -219,7 +219,7 @@ impl<'a> Resolver<'a> {
         material: &MaterialDescription,
         needs: &mut TextureNeeds,
     ) -> Result<NormalPerturbation, SceneError> {
-        Ok(match &material.relief {
+        Ok(match &material.normal_perturbation {
             None => NormalPerturbation::None,
             Some(description::NormalPerturbationDescription::Bump { texture, height }) => {
                 let known = self.known_or_picture(texture, PictureEncoding::Linear)?;
@@ -287,7 +287,7 @@ impl TextureNeeds {
 }
 
 /// The affine map of texture coordinates.
-fn uv_map(coordinates: &CoordinatesDescription) -> texture::Coordinates {
-    let CoordinatesDescription { scale, rotate, offset } = *coordinates;
+fn uv_map(coordinates: &TexcoordTransformDescription) -> texture::Coordinates {
+    let TexcoordTransformDescription { scale, rotate, offset } = *coordinates;
     texture::Coordinates::new(scale, rotate.to_radians(), offset)
 }

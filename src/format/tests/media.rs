@@ -4,46 +4,47 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 
 use super::super::description::{
-    Coefficients, Density, ExtentDescription, MaterialDescription, MaterialKindDescription, MediumDescription, Phase,
-    Spanned,
+    DensityDescription, MaterialDescription, MaterialKindDescription, MediumCoefficients, MediumDescription,
+    PhaseFunctionDescription, Spanned, TransformedBoxDescription,
 };
 use super::strategies::{map, spanned};
 use super::values::{coefficient, name, point, share};
 
-fn coefficients() -> impl Strategy<Value = Coefficients> {
+fn coefficients() -> impl Strategy<Value = MediumCoefficients> {
     prop_oneof![
         (coefficient(), coefficient())
-            .prop_map(|(absorption, scattering)| Coefficients::Parts { absorption, scattering }),
-        (coefficient(), share()).prop_map(|(extinction, albedo)| Coefficients::Whole { extinction, albedo }),
+            .prop_map(|(absorption, scattering)| MediumCoefficients::AbsorptionScattering { absorption, scattering }),
+        (coefficient(), share())
+            .prop_map(|(extinction, albedo)| MediumCoefficients::ExtinctionAlbedo { extinction, albedo }),
     ]
 }
 
-fn phase() -> impl Strategy<Value = Phase> {
+fn phase() -> impl Strategy<Value = PhaseFunctionDescription> {
     prop_oneof![
-        Just(Phase::Isotropic),
-        Just(Phase::Rayleigh),
-        (-1.0 + 1e-7..=1.0 - 1e-7).prop_map(Phase::HenyeyGreenstein),
+        Just(PhaseFunctionDescription::Isotropic),
+        Just(PhaseFunctionDescription::Rayleigh),
+        (-1.0 + 1e-7..=1.0 - 1e-7).prop_map(PhaseFunctionDescription::HenyeyGreenstein),
     ]
 }
 
-fn extent() -> impl Strategy<Value = ExtentDescription> {
+fn extent() -> impl Strategy<Value = TransformedBoxDescription> {
     let corners = (point(), point()).prop_filter_map("no extent", |(a, b)| {
         let (min, max) = (a.min(b), a.max(b));
         let sides = max - min;
         (sides.min_element() > 0.0 && sides.is_finite()).then_some((min, max))
     });
-    (corners, vec(map(), 0..3)).prop_map(|((min, max), maps)| ExtentDescription { min, max, maps })
+    (corners, vec(map(), 0..3)).prop_map(|((min, max), maps)| TransformedBoxDescription { min, max, maps })
 }
 
-fn density() -> impl Strategy<Value = Density> {
+fn density() -> impl Strategy<Value = DensityDescription> {
     let shares = (0.0..=1.0, 0.0..=1.0);
     let noise = (1..=16_u32, 1e-9..1e9, any::<u32>(), 2..=512_u32);
     prop_oneof![
-        2 => Just(Density::Even),
+        2 => Just(DensityDescription::Homogeneous),
         1 => (name(), 1e-9..1e9, extent())
-            .prop_map(|(path, scale, extent)| Density::Grid { path: spanned(path), scale, extent }),
+            .prop_map(|(path, scale, extent)| DensityDescription::Grid { path: spanned(path), scale, extent }),
         1 => (shares, noise, extent()).prop_map(|((cover, softness), (octaves, frequency, seed, resolution), extent)| {
-            Density::Cloud { cover, softness, octaves, frequency, seed, resolution, extent }
+            DensityDescription::Cloud { cover, softness, octaves, frequency, seed, resolution, extent }
         }),
     ]
 }
@@ -90,7 +91,7 @@ pub fn fill(
         material.medium = fill.filter(|_| !media.is_empty()).map(|i| spanned(i.get(media).value.name.clone()));
         if priority % 2 == 0 && material.name.as_ref().is_none_or(|name| !parts.contains(name)) {
             material.kind = MaterialKindDescription::Clear { priority };
-            (material.emission, material.relief) = (None, None);
+            (material.emission, material.normal_perturbation) = (None, None);
         }
     }
 }

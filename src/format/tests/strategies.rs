@@ -16,10 +16,10 @@ fn camera() -> impl Strategy<Value = CameraDescription> {
     views.prop_filter_map("no view", |((center, view, up), aimed, mut projection, width, height, motion)| {
         let lookat =
             aimed.then_some(center + view).filter(|p| (*p - center).normalize().cross(up.normalize()).length() > 1e-6);
-        let aim = lookat.map_or(Aim::Direction(view), Aim::LookAt);
+        let aim = lookat.map_or(DirectionOrTarget::Direction(view), DirectionOrTarget::LookAt);
         let parallel = view.normalize().cross(up.normalize()).length() < 1e-6;
         if let ProjectionDescription::Perspective { lens: Some(lens), .. } = &mut projection
-            && let Focus::Point(point) = &mut lens.focus
+            && let FocusDescription::Point(point) = &mut lens.focus
         {
             *point = center + view;
             if (*point - center).dot(aim_direction(aim, center)) <= 0.0 {
@@ -30,20 +30,21 @@ fn camera() -> impl Strategy<Value = CameraDescription> {
     })
 }
 
-fn aim_direction(aim: Aim, center: DVec3) -> DVec3 {
+fn aim_direction(aim: DirectionOrTarget, center: DVec3) -> DVec3 {
     match aim {
-        Aim::Direction(direction) => direction,
-        Aim::LookAt(point) => point - center,
+        DirectionOrTarget::Direction(direction) => direction,
+        DirectionOrTarget::LookAt(point) => point - center,
     }
 }
 
 fn projection() -> impl Strategy<Value = ProjectionDescription> {
     let opening = prop_oneof![
-        prop_oneof![Just(0.0), positive()].prop_map(Opening::Radius),
-        (positive(), positive()).prop_map(|(number, sensor)| Opening::FNumber { number, sensor }),
+        prop_oneof![Just(0.0), positive()].prop_map(ApertureDescription::Radius),
+        (positive(), positive()).prop_map(|(number, sensor)| ApertureDescription::FNumber { number, sensor }),
     ];
     // The point is put before the camera once that is known.
-    let focus = prop_oneof![positive().prop_map(Focus::Distance), Just(Focus::Point(DVec3::ZERO))];
+    let focus =
+        prop_oneof![positive().prop_map(FocusDescription::Distance), Just(FocusDescription::Point(DVec3::ZERO))];
     let blades = prop_oneof![Just(0), 3..=64_u32];
     let lens = (opening, focus, blades).prop_map(|(opening, focus, blades)| LensDescription { opening, focus, blades });
     prop_oneof![
@@ -53,17 +54,17 @@ fn projection() -> impl Strategy<Value = ProjectionDescription> {
     ]
 }
 
-fn point_strength() -> impl Strategy<Value = PointStrength> {
+fn point_strength() -> impl Strategy<Value = PointLightStrength> {
     (colour(), 0..3).prop_map(|(c, kind)| match kind {
-        0 => PointStrength::Color(c),
-        1 => PointStrength::Intensity(c),
-        _ => PointStrength::Power(c),
+        0 => PointLightStrength::Color(c),
+        1 => PointLightStrength::Intensity(c),
+        _ => PointLightStrength::Power(c),
     })
 }
 
-fn area_strength() -> impl Strategy<Value = AreaStrength> {
+fn area_strength() -> impl Strategy<Value = AreaLightStrength> {
     (colour(), any::<bool>())
-        .prop_map(|(c, power)| if power { AreaStrength::Power(c) } else { AreaStrength::Radiance(c) })
+        .prop_map(|(c, power)| if power { AreaLightStrength::Power(c) } else { AreaLightStrength::Radiance(c) })
 }
 
 fn light() -> impl Strategy<Value = LightDescription> {
@@ -77,12 +78,13 @@ fn still_light() -> impl Strategy<Value = LightDescription> {
     prop_oneof![
         (point(), point_strength()).prop_map(|(position, strength)| LightDescription::Point { position, strength }),
         (direction(), colour(), any::<bool>()).prop_map(|(direction, c, physical)| {
-            let strength = if physical { DirectionalStrength::Irradiance(c) } else { DirectionalStrength::Color(c) };
+            let strength =
+                if physical { DirectionalLightStrength::Irradiance(c) } else { DirectionalLightStrength::Color(c) };
             LightDescription::Directional { direction, strength }
         }),
         (point(), direction(), 1e-9..=360.0, 0.0..=0.5, point_strength()).prop_map(
             |(position, axis, angle, rim, strength)| {
-                let aim = Aim::Direction(axis);
+                let aim = DirectionOrTarget::Direction(axis);
                 LightDescription::Spot { position, aim, angle, penumbra: rim * angle, strength }
             }
         ),
@@ -94,7 +96,7 @@ fn still_light() -> impl Strategy<Value = LightDescription> {
                     1 => LightPattern::Map(path),
                     _ => LightPattern::Profile(path),
                 };
-                let (aim, strength) = (Aim::Direction(axis), PointStrength::Intensity(c));
+                let (aim, strength) = (DirectionOrTarget::Direction(axis), PointLightStrength::Intensity(c));
                 LightDescription::Oriented { position, aim, up: None, pattern, strength }
             }
         ),
@@ -131,11 +133,15 @@ fn texture() -> impl Strategy<Value = TextureKindDescription> {
     let part = || prop_oneof![-1e3..-1e-3, 1e-3..1e3];
     let coordinates = || {
         ([part(), part()].prop_map(DVec2::from_array), finite(), pair())
-            .prop_map(|(scale, rotate, offset)| CoordinatesDescription { scale, rotate, offset })
+            .prop_map(|(scale, rotate, offset)| TexcoordTransformDescription { scale, rotate, offset })
     };
     let encoding = prop_oneof![Just(PictureEncoding::Srgb), Just(PictureEncoding::Linear)];
     let wrap = prop_oneof![Just(Wrap::Repeat), Just(Wrap::Clamp), Just(Wrap::Mirror)];
-    let pattern = prop_oneof![Just(Pattern::Noise), Just(Pattern::Marble), Just(Pattern::Wood)];
+    let pattern = prop_oneof![
+        Just(SolidPatternDescription::Noise),
+        Just(SolidPatternDescription::Marble),
+        Just(SolidPatternDescription::Wood)
+    ];
     let noise = (1..=16_u32, 1e-9..1e9, positive());
     prop_oneof![
         (name(), encoding, wrap, coordinates()).prop_map(|(path, encoding, wrap, coordinates)| {
@@ -189,7 +195,7 @@ fn name_textures(material: &mut MaterialDescription, textures: &[Spanned<Texture
         | MaterialKindDescription::Mix { amount: degree, .. } => name_texture(degree, textures, 0.5),
         MaterialKindDescription::Clear { .. } => {}
     }
-    if let Some(Emission::Texture { name, .. }) = &mut material.emission {
+    if let Some(EmissionDescription::Texture { name, .. }) = &mut material.emission {
         let number: usize = name.value.parse().unwrap();
         match textures.get(number % textures.len().max(1)) {
             Some(texture) => name.value = texture.value.name.clone(),
@@ -198,14 +204,15 @@ fn name_textures(material: &mut MaterialDescription, textures: &[Spanned<Texture
     }
 }
 
-fn emission() -> impl Strategy<Value = Emission> {
+fn emission() -> impl Strategy<Value = EmissionDescription> {
     prop_oneof![
-        colour().prop_map(Emission::Radiance),
-        (any::<u8>(), positive()).prop_map(|(i, scale)| Emission::Texture { name: spanned(i.to_string()), scale }),
+        colour().prop_map(EmissionDescription::Radiance),
+        (any::<u8>(), positive())
+            .prop_map(|(i, scale)| EmissionDescription::Texture { name: spanned(i.to_string()), scale }),
     ]
 }
 
-fn relief() -> impl Strategy<Value = NormalPerturbationDescription> {
+fn normal_perturbation() -> impl Strategy<Value = NormalPerturbationDescription> {
     prop_oneof![
         (name(), -1e30..1e30)
             .prop_map(|(texture, height)| NormalPerturbationDescription::Bump { texture: spanned(texture), height }),
@@ -225,13 +232,13 @@ fn textures(drafts: Vec<(String, TextureKindDescription)>) -> Vec<Spanned<Textur
 }
 
 /// A material without its name and without the parts of a mix.
-type Finish = (MaterialKindDescription, Option<Emission>, Option<NormalPerturbationDescription>);
+type Finish = (MaterialKindDescription, Option<EmissionDescription>, Option<NormalPerturbationDescription>);
 
 fn material() -> impl Strategy<Value = Finish> {
     let attenuation = prop_oneof![
-        Just(Attenuation::None),
-        coefficient().prop_map(Attenuation::Absorption),
-        (share(), 1e-9..1e30).prop_map(|(color, distance)| Attenuation::Tint { color, distance }),
+        Just(DielectricAbsorption::None),
+        coefficient().prop_map(DielectricAbsorption::Coefficient),
+        (share(), 1e-9..1e30).prop_map(|(color, distance)| DielectricAbsorption::Tint { color, distance }),
     ];
     let index = || 1e-3..=1e3;
     let indices = || [index(), index(), index()].prop_map(DVec3::from_array);
@@ -263,7 +270,7 @@ fn material() -> impl Strategy<Value = Finish> {
         (index(), value(share()))
             .prop_map(|(index, transmittance)| MaterialKindDescription::Thin { index, transmittance }),
     ];
-    (kind, option::of(emission()), option::of(relief()))
+    (kind, option::of(emission()), option::of(normal_perturbation()))
 }
 
 fn curve() -> impl Strategy<Value = ProfileCurve> {
@@ -298,14 +305,14 @@ fn shape() -> impl Strategy<Value = ShapeDescription> {
             let max = min + DVec3::from_array(size);
             (max.is_finite() && max.cmpgt(min).all()).then_some(ShapeDescription::Box { min, max })
         }),
-        ([point(), point()], positive(), any::<bool>()).prop_filter_map("no length", |(ends, radius, capped)| {
-            (ends[0] != ends[1]).then_some(ShapeDescription::Cylinder { ends, radius, capped })
+        ([point(), point()], positive(), any::<bool>()).prop_filter_map("no length", |(ends, radius, is_capped)| {
+            (ends[0] != ends[1]).then_some(ShapeDescription::Cylinder { ends, radius, is_capped })
         }),
         ([point(), point()], positive(), option::of(positive()), any::<bool>()).prop_filter_map(
             "no length",
-            |(ends, radius, top, capped)| {
+            |(ends, radius, top, is_capped)| {
                 let radii = [radius, top.unwrap_or(0.0)];
-                (ends[0] != ends[1]).then_some(ShapeDescription::Cone { ends, radii, capped })
+                (ends[0] != ends[1]).then_some(ShapeDescription::Cone { ends, radii, is_capped })
             }
         ),
         (
@@ -315,8 +322,8 @@ fn shape() -> impl Strategy<Value = ShapeDescription> {
         )
             .prop_map(|(vertices, normals, uv)| ShapeDescription::Triangle { vertices, normals, uv }),
         (mesh_path(), any::<bool>(), any::<bool>(), option::of(0.0..=180.0)).prop_map(
-            |(path, own_materials, no_normals, smooth_angle)| {
-                let options = MeshOptions { own_materials, no_normals, smooth_angle };
+            |(path, uses_file_materials, ignores_normals, max_smoothing_angle)| {
+                let options = MeshOptions { uses_file_materials, ignores_normals, max_smoothing_angle };
                 ShapeDescription::Mesh { path: spanned(path), options }
             }
         ),
@@ -426,25 +433,26 @@ type Outline = (Option<String>, Finish, Option<(prop::sample::Index, prop::sampl
 fn materials(drafts: Vec<Outline>, textures: &[Spanned<TextureDescription>]) -> Vec<Spanned<MaterialDescription>> {
     let mut materials: Vec<Spanned<MaterialDescription>> = Vec::new();
     let mut names: Vec<(String, Option<usize>)> = Vec::new();
-    for (i, (name, (mut kind, emission, mut relief), mix)) in drafts.into_iter().enumerate() {
+    for (i, (name, (mut kind, emission, mut normal_perturbation), mix)) in drafts.into_iter().enumerate() {
         let mut body = matches!(kind, MaterialKindDescription::Dielectric { .. }).then_some(i);
         if let (Some((first, second, amount)), false) = (mix, names.is_empty()) {
             let [(first, a), (second, b)] = [first, second].map(|part| &names[part.index(names.len())]);
             if a.is_none() || b.is_none() || a == b {
                 let [first, second] = [first, second].map(|name| spanned(name.clone()));
-                (kind, body, relief) = (MaterialKindDescription::Mix { first, second, amount }, a.or(*b), None);
+                (kind, body, normal_perturbation) =
+                    (MaterialKindDescription::Mix { first, second, amount }, a.or(*b), None);
             }
         }
         let name = name.filter(|name| names.iter().all(|(other, _)| other != name));
         names.extend(name.clone().map(|name| (name, body)));
-        let mut material = MaterialDescription { name, kind, emission, relief, medium: None };
+        let mut material = MaterialDescription { name, kind, emission, normal_perturbation, medium: None };
         name_textures(&mut material, textures);
         materials.push(spanned(material));
     }
     materials
 }
 
-pub fn description() -> impl Strategy<Value = Description> {
+pub fn description() -> impl Strategy<Value = SceneDescription> {
     let part = any::<prop::sample::Index>;
     let drafts = vec((option::of(name()), material(), option::of((part(), part(), value(0.0..=1.0)))), 0..6);
     let textured = vec((name(), texture()), 0..4);
@@ -457,12 +465,22 @@ pub fn description() -> impl Strategy<Value = Description> {
         }
         let textures = textures(textured);
         let mut materials = materials(drafts, &textures);
-        let (media, fills, filling) = filled;
+        let (media, fills, ambient_medium) = filled;
         fill(&mut materials, &media, &fills);
-        let filling = filling.filter(|_| !media.is_empty()).map(|i| spanned(i.get(&media).value.name.clone()));
+        let ambient_medium =
+            ambient_medium.filter(|_| !media.is_empty()).map(|i| spanned(i.get(&media).value.name.clone()));
         let mut root = Group { items };
         name_materials(&mut root, &materials);
         let lights = lights.into_iter().map(spanned).collect();
-        Description { camera: spanned(camera), background, filling, lights, textures, media, materials, root }
+        SceneDescription {
+            camera: spanned(camera),
+            background,
+            ambient_medium,
+            lights,
+            textures,
+            media,
+            materials,
+            root,
+        }
     })
 }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::image::{Curve, ToneMap, read};
+use crate::image::{ToneCurve, ToneMap, read};
 use glam::Vec3;
 use std::fs;
 
@@ -37,7 +37,7 @@ fn bad_options_leave_the_old_file() {
         let options = WriteOptions { metadata: vec![(key.to_owned(), text.to_owned())], ..Default::default() };
         assert!(matches!(write(&path, &image, &options), Err(WriteError::Metadata { .. })), "{key:?} {text:?}");
     }
-    let tone = ToneMap { curve: Curve::Srgb, exposure_stops: f32::NAN };
+    let tone = ToneMap { curve: ToneCurve::Srgb, exposure_stops: f32::NAN };
     let options = WriteOptions { tone, ..Default::default() };
     assert!(matches!(write(&path, &image, &options), Err(WriteError::Exposure { .. })));
     assert_eq!(fs::read(&path).unwrap(), b"old");

@@ -21,7 +21,7 @@ mod shared_paths;
 pub use confidence::Confidence;
 pub use estimate::ErrorEstimate;
 pub use estimator::{ErrorEstimator, ErrorMaps, MIN_PASSES};
-pub use forecast::{Forecast, PassesNeeded};
+pub use forecast::{ErrorForecast, PassesNeeded};
 
 #[cfg(test)]
 mod tests;

@@ -41,7 +41,7 @@ pub(super) fn system_clock() -> ClockFn<'static> {
 }
 
 /// Runs `work`; returns its result and its time.
-pub(super) fn timed<T>(clock: &dyn Fn() -> CpuWallTime, work: impl FnOnce() -> T) -> (T, CpuWallTime) {
+pub(super) fn measure_time<T>(clock: &dyn Fn() -> CpuWallTime, work: impl FnOnce() -> T) -> (T, CpuWallTime) {
     let before = clock();
     let done = work();
     (done, clock() - before)

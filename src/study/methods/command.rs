@@ -1,10 +1,10 @@
 //! Commands that repeat a study or a picture.
 
-use super::Variant;
+use super::MethodVariant;
 
 /// The scene of a study as the user gave it.
 #[derive(Clone, Debug, Default)]
-pub struct StudySubject {
+pub struct StudiedScene {
     /// Path of the scene file.
     pub scene: String,
     /// Size of the picture \[pixels]; `None` for that of the scene.
@@ -13,9 +13,9 @@ pub struct StudySubject {
     pub command: String,
 }
 
-impl StudySubject {
+impl StudiedScene {
     /// Command that renders `passes` passes of a variant: the same picture, bit for bit.
-    pub(super) fn render(&self, variant: &Variant, passes: u32) -> String {
+    pub(super) fn render_command(&self, variant: &MethodVariant, passes: u32) -> String {
         let mut words = ["caustica", "render"].map(str::to_owned).to_vec();
         // A path that begins with a dash would be read as a flag.
         words.push(if self.scene.starts_with('-') { format!("./{}", self.scene) } else { self.scene.clone() });
@@ -23,15 +23,15 @@ impl StudySubject {
             words.extend(["--size".to_owned(), format!("{width}x{height}")]);
         }
         words.extend(variant.flags.iter().cloned());
-        words.extend(["--seed".to_owned(), variant.settings.eye.seed.to_string()]);
+        words.extend(["--seed".to_owned(), variant.settings.camera_paths.seed.to_string()]);
         words.extend(["--passes".to_owned(), passes.to_string()]);
-        words.extend(["-o".to_owned(), format!("{}.exr", file_name(&variant.label))]);
+        words.extend(["-o".to_owned(), format!("{}.exr", label_to_file_name(&variant.label))]);
         shell_quoted(&words)
     }
 }
 
 /// File name with letters, digits and dots; other characters become one dash.
-fn file_name(label: &str) -> String {
+fn label_to_file_name(label: &str) -> String {
     let parts = label.split(|c: char| !(c.is_ascii_alphanumeric() || c == '.')).filter(|part| !part.is_empty());
     parts.collect::<Vec<_>>().join("-")
 }
@@ -58,14 +58,17 @@ mod tests {
     #[test]
     fn a_command_survives_a_shell() {
         let mut settings = Settings::default();
-        settings.eye.seed = 7;
+        settings.camera_paths.seed = 7;
         let flags = ["--integrator", "sppm", "--gather-k", "20"].map(str::to_owned).to_vec();
-        let variant = Variant { label: "sppm --gather-k 20".into(), algorithm: Algorithm::Sppm, settings, flags };
-        let subject = |scene: &str| StudySubject { scene: scene.into(), size: Some((4, 3)), command: String::new() };
+        let variant = MethodVariant { label: "sppm --gather-k 20".into(), algorithm: Algorithm::Sppm, settings, flags };
+        let subject = |scene: &str| StudiedScene { scene: scene.into(), size: Some((4, 3)), command: String::new() };
         let rest = "--size 4x3 --integrator sppm --gather-k 20 --seed 7 --passes 5 -o sppm-gather-k-20.exr";
-        assert_eq!(subject("a/b.txt").render(&variant, 5), format!("caustica render a/b.txt {rest}"));
-        assert_eq!(subject("it's $1.txt").render(&variant, 5), format!(r"caustica render 'it'\''s $1.txt' {rest}"));
-        assert_eq!(subject("-x.txt").render(&variant, 5), format!("caustica render ./-x.txt {rest}"));
+        assert_eq!(subject("a/b.txt").render_command(&variant, 5), format!("caustica render a/b.txt {rest}"));
+        assert_eq!(
+            subject("it's $1.txt").render_command(&variant, 5),
+            format!(r"caustica render 'it'\''s $1.txt' {rest}")
+        );
+        assert_eq!(subject("-x.txt").render_command(&variant, 5), format!("caustica render ./-x.txt {rest}"));
         assert_eq!(shell_quoted(&[String::new()]), "''");
     }
 }

@@ -9,12 +9,13 @@ mod theory;
 mod time_to_error;
 mod verdict;
 
-pub use slopes::{Fit, Slope, Slopes, fit, mean_interval};
-pub use theory::{Law, Quantity, predicted_law};
+pub use slopes::{ConvergenceFit, ConvergenceSlopes, SlopeEstimate, fit_convergence, mean_confidence_interval};
+pub use theory::{ErrorComponent, SlopeRange, predicted_slopes};
 pub use time_to_error::{
-    Effort, ParetoPoint, Recommendation, TimeToError, error_at, pareto, recommend, time_to_error, time_to_tenth,
+    MethodRecommendation, ParetoPoint, RenderEffort, TimeToError, error_after_seconds, pareto_front, recommend_method,
+    time_to_error, time_to_tenth_of_error,
 };
-pub use verdict::{BIAS_SHARE, Cause, Verdict, verdict};
+pub use verdict::{BIAS_DOMINATED_SHARE, BiasCause, ConvergenceVerdict, judge_convergence};
 
 #[cfg(test)]
 mod tests;

@@ -3,17 +3,17 @@
 mod clock;
 mod command;
 pub mod fit;
+mod references;
 mod result;
 mod run;
 mod split;
 #[cfg(test)]
 mod tests;
-mod truth;
 mod variant;
 
 pub use clock::CpuWallTime;
-pub use command::{StudySubject, shell_quoted};
-pub use result::{Checkpoint, MethodResult, MethodStudyResult, Truth};
+pub use command::{StudiedScene, shell_quoted};
+pub use references::{ReferenceError, References, reference_algorithm};
+pub use result::{Checkpoint, GroundTruth, MethodResult, MethodStudyResult};
 pub use run::{MethodStudy, StudyLimits, StudyProgress};
-pub use truth::{References, TruthError, reference_algorithm};
-pub use variant::{Variant, VariantError, applicable_methods};
+pub use variant::{MethodVariant, MethodVariantError, applicable_methods};

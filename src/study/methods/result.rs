@@ -40,7 +40,7 @@ pub struct Checkpoint {
 impl Checkpoint {
     /// Relative squared error, mean over seeds.
     #[must_use]
-    pub fn square(&self) -> f64 {
+    pub fn mean_squared_error(&self) -> f64 {
         self.squares.iter().sum::<f64>() / self.squares.len().max(1) as f64
     }
 }
@@ -73,7 +73,7 @@ pub struct MethodResult {
 
 /// Reference picture.
 #[derive(Clone, Debug)]
-pub struct Truth {
+pub struct GroundTruth {
     /// Origin, such as `auto: 256 passes of hybrid, twice`.
     pub source: String,
     /// Relative error of the mean of both references from their noise; `None` if taken as exact.
@@ -101,7 +101,7 @@ pub struct MethodStudyResult {
     /// other programs disturbed.
     pub share: f64,
     /// Reference picture.
-    pub truth: Truth,
+    pub truth: GroundTruth,
     /// Results by method.
     pub methods: Vec<MethodResult>,
     /// True if the study ended early.

@@ -1,9 +1,9 @@
 //! Runs methods side by side.
 
-use super::clock::{ClockFn, system_clock, timed};
-use super::split::{pixel_errors, pixel_mean, split_error};
-use super::variant::{VariantError, check};
-use super::{Checkpoint, CpuWallTime, MethodResult, MethodStudyResult, References, StudySubject, Variant};
+use super::clock::{ClockFn, measure_time, system_clock};
+use super::split::{mean_pixel, pixel_errors, separate_noise_and_bias};
+use super::variant::{MethodVariantError, check_variants};
+use super::{Checkpoint, CpuWallTime, MethodResult, MethodStudyResult, MethodVariant, References, StudiedScene};
 use crate::color::Rgb;
 use crate::image::Image;
 use crate::image::flip::{FlipOptions, flip};
@@ -54,12 +54,12 @@ pub struct MethodStudy<'a> {
     size: (u32, u32),
     seeds: u32,
     clock: ClockFn<'a>,
-    runs: Vec<VariantRun<'a>>,
+    runs: Vec<MethodRun<'a>>,
 }
 
 /// A running variant.
-struct VariantRun<'a> {
-    variant: Variant,
+struct MethodRun<'a> {
+    variant: MethodVariant,
     make: IntegratorFactory<'a>,
     setup: f64,
     radii: Option<Radii>,
@@ -92,15 +92,15 @@ impl<'a> MethodStudy<'a> {
     /// Prepares `variants`, each with `seeds` seeds from that of its settings upwards.
     ///
     /// # Errors
-    /// [`VariantError`] if there is no variant, two have one label, or there are fewer than two
+    /// [`MethodVariantError`] if there is no variant, two have one label, or there are fewer than two
     /// seeds.
-    pub fn prepare(scene: &'a Scene, variants: Vec<Variant>, seeds: u32) -> Result<Self, VariantError> {
-        let made_by = |variant: Variant| {
+    pub fn prepare(scene: &'a Scene, variants: Vec<MethodVariant>, seeds: u32) -> Result<Self, MethodVariantError> {
+        let made_by = |variant: MethodVariant| {
             let (algorithm, settings) = (variant.algorithm, variant.settings.clone());
             let make = move |seed| {
                 let mut settings = settings.clone();
-                settings.eye.seed = seed;
-                settings.eye.estimate_error = true;
+                settings.camera_paths.seed = seed;
+                settings.camera_paths.estimate_error = true;
                 algorithm.prepare(scene, settings)
             };
             (variant, Box::new(make) as IntegratorFactory<'a>)
@@ -110,19 +110,19 @@ impl<'a> MethodStudy<'a> {
 
     pub(super) fn new(
         size: (u32, u32),
-        variants: Vec<(Variant, IntegratorFactory<'a>)>,
+        variants: Vec<(MethodVariant, IntegratorFactory<'a>)>,
         seeds: u32,
         clock: ClockFn<'a>,
-    ) -> Result<Self, VariantError> {
+    ) -> Result<Self, MethodVariantError> {
         let (named, makers): (Vec<_>, Vec<_>) = variants.into_iter().unzip();
-        check(&named, seeds)?;
+        check_variants(&named, seeds)?;
         let runs = named.into_iter().zip(makers).map(|(variant, make)| {
-            let (first, setup) = timed(&clock, || make(variant.settings.eye.seed));
+            let (first, setup) = measure_time(&clock, || make(variant.settings.camera_paths.seed));
             let (radii, expected) = (first.radii(), first.expected());
             let alpha = first.radius_law().map_or(1.0, |law| law.alpha);
             let none = (1..seeds).map(|_| None);
             let film = |integrator| SeedRun { integrator, film: Film::new(size.0, size.1), estimator: None };
-            VariantRun {
+            MethodRun {
                 variant,
                 make,
                 setup: setup.processor,
@@ -143,7 +143,7 @@ impl<'a> MethodStudy<'a> {
 
     /// Memory of the largest pass.
     #[must_use]
-    pub fn expected(&self) -> Expected {
+    pub fn largest_pass_memory(&self) -> Expected {
         self.runs.iter().map(|run| run.expected).fold(Expected::default(), |a, b| Expected {
             paths: a.paths.max(b.paths),
             photons: a.photons.max(b.photons),
@@ -153,7 +153,7 @@ impl<'a> MethodStudy<'a> {
 
     /// Bytes of the pictures of `variants` with `seeds` each.
     #[must_use]
-    pub fn bytes((width, height): (u32, u32), variants: usize, seeds: u32) -> u64 {
+    pub fn picture_bytes((width, height): (u32, u32), variants: usize, seeds: u32) -> u64 {
         let (variants, seeds) = (variants as u64, u64::from(seeds));
         // Films; picture, error and difference of each variant; the references with mean and scale;
         // the means of one variant.
@@ -171,7 +171,7 @@ impl<'a> MethodStudy<'a> {
     /// [`StudyError`] if a pixel is not finite, or the references have another size.
     pub fn run(
         mut self,
-        subject: &StudySubject,
+        subject: &StudiedScene,
         limits: StudyLimits,
         references: &References,
         interrupted: &AtomicBool,
@@ -180,7 +180,7 @@ impl<'a> MethodStudy<'a> {
     ) -> Result<MethodStudyResult, StudyError> {
         let (mut round, mut cut) = (0u32, false);
         while self.runs.iter().any(|run| run.last.is_none()) {
-            self.round(round, monitor);
+            self.run_round(round, monitor);
             round += 1;
             after(StudyProgress::Round(round));
             let asked = interrupted.load(Ordering::Relaxed);
@@ -194,30 +194,30 @@ impl<'a> MethodStudy<'a> {
                 }
             }
         }
-        Ok(self.conclude(subject, limits, references, cut))
+        Ok(self.into_result(subject, limits, references, cut))
     }
 
     /// One pass of each seed of each running variant. Each round starts elsewhere: a slow phase of
     /// the machine or a cold cache affects all alike.
-    fn round(&mut self, pass: u32, monitor: &dyn Monitor) {
+    fn run_round(&mut self, pass: u32, monitor: &dyn Monitor) {
         let seeds = self.seeds as usize;
         let running = (0..self.runs.len()).filter(|i| self.runs[*i].last.is_none());
         let turns: Vec<(usize, usize)> = running.flat_map(|run| (0..seeds).map(move |seed| (run, seed))).collect();
         let (late, early) = turns.split_at(pass as usize % turns.len());
         for (run, seed) in early.iter().chain(late) {
-            self.runs[*run].pass(*seed, pass, &self.clock, monitor);
+            self.runs[*run].run_pass(*seed, pass, &self.clock, monitor);
         }
     }
 
-    fn conclude(
+    fn into_result(
         self,
-        subject: &StudySubject,
+        subject: &StudiedScene,
         limits: StudyLimits,
         references: &References,
         interrupted: bool,
     ) -> MethodStudyResult {
         let threads = rayon::current_num_threads();
-        let share = |run: &VariantRun<'_>| run.time.processor / (run.time.wall * threads as f64);
+        let share = |run: &MethodRun<'_>| run.time.processor / (run.time.wall * threads as f64);
         // Without processor time the share is unknown.
         let is_known = |share: &f64| share.is_finite() && cpu_seconds().is_some();
         let shares = self.runs.iter().map(share).filter(is_known);
@@ -229,23 +229,23 @@ impl<'a> MethodStudy<'a> {
             seeds: self.seeds,
             budget: limits.budget,
             share: shares.fold(1.0, f64::min),
-            truth: references.truth(),
+            truth: references.ground_truth(),
             methods: self.runs.into_iter().filter_map(|run| run.into_result(subject)).collect(),
             interrupted,
         }
     }
 }
 
-impl VariantRun<'_> {
-    fn pass(&mut self, seed: usize, pass: u32, clock: &dyn Fn() -> CpuWallTime, monitor: &dyn Monitor) {
+impl MethodRun<'_> {
+    fn run_pass(&mut self, seed: usize, pass: u32, clock: &dyn Fn() -> CpuWallTime, monitor: &dyn Monitor) {
         let SeedRun { integrator, film, estimator } = &mut self.seeds[seed];
-        let first = self.variant.settings.eye.seed;
+        let first = self.variant.settings.camera_paths.seed;
         let integrator = integrator.get_or_insert_with(|| (self.make)(first.wrapping_add(seed as u64)));
-        let (pass, time) = timed(clock, || integrator.pass(pass, monitor));
+        let (pass, time) = measure_time(clock, || integrator.pass(pass, monitor));
         estimator.get_or_insert_with(|| ErrorEstimator::new(integrator.radius_law())).add(film, &pass);
         film.add(&pass.image);
         self.time += time;
-        self.rays += pass.counters.rays();
+        self.rays += pass.counters.total_rays();
         self.photons += pass.global.emitted + pass.caustic.emitted;
     }
 
@@ -263,7 +263,7 @@ impl VariantRun<'_> {
             // Fails if a pixel is not finite.
             rmse(&image(picture.clone())?, references.mean())?;
         }
-        let measured = split_error(references, &pictures);
+        let measured = separate_noise_and_bias(references, &pictures);
         let error = |seed: &SeedRun<'_>| Some(seed.estimator.as_ref()?.estimate(&seed.film).error);
         let estimated: Vec<f64> =
             self.seeds.iter().filter_map(error).filter(|e| e.is_finite()).map(|e| e * e).collect();
@@ -286,7 +286,7 @@ impl VariantRun<'_> {
             self.checkpoints.pop_if(|before| f64::from(passes) < MIN_CHECKPOINT_RATIO * f64::from(before.passes));
             let truth = references.mean().pixels();
             let differences =
-                truth.iter().enumerate().map(|(i, t)| (pixel_mean(&pictures, i) - t.as_dvec3()).as_vec3());
+                truth.iter().enumerate().map(|(i, t)| (mean_pixel(&pictures, i) - t.as_dvec3()).as_vec3());
             let difference = image(differences.collect())?;
             let error = pixel_errors(references, &pictures);
             let picture = image(pictures.into_iter().next().unwrap_or_default())?;
@@ -297,10 +297,10 @@ impl VariantRun<'_> {
         Ok(checkpoint)
     }
 
-    fn into_result(self, subject: &StudySubject) -> Option<MethodResult> {
+    fn into_result(self, subject: &StudiedScene) -> Option<MethodResult> {
         let FinalPictures { passes, picture, error, difference } = self.last?;
         Some(MethodResult {
-            command: subject.render(&self.variant, passes),
+            command: subject.render_command(&self.variant, passes),
             label: self.variant.label,
             algorithm: self.variant.algorithm,
             setup: self.setup,

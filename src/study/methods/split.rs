@@ -6,7 +6,7 @@ use glam::DVec3;
 
 /// Error of a method from pictures of several seeds; see [`Checkpoint`](super::Checkpoint).
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct ErrorSplit {
+pub(super) struct NoiseAndBias {
     pub squares: Vec<f64>,
     pub noises: Vec<f64>,
     pub noise2: f64,
@@ -18,21 +18,21 @@ pub(super) struct ErrorSplit {
 ///
 /// Let I be a picture, A and B references, all independent. Then E[(I − A)(I − B)] = bias² +
 /// variance of I: the noise of the references cancels.
-pub(super) fn split_error(references: &References, pictures: &[Vec<Rgb>]) -> ErrorSplit {
+pub(super) fn separate_noise_and_bias(references: &References, pictures: &[Vec<Rgb>]) -> NoiseAndBias {
     let seeds = pictures.len() as f64;
     let (mut squares, mut noises) = (vec![0.0; pictures.len()], vec![0.0; pictures.len()]);
     let mut plain = 0.0;
-    let scale = references.scale();
+    let scale = references.relative_scale();
     let count = scale.weights().len();
     // The mean contains each picture, which reduces the variance by this factor.
     let whole = seeds / (seeds - 1.0);
     for i in 0..count {
-        let mean = pixel_mean(pictures, i);
+        let mean = mean_pixel(pictures, i);
         for ((square, noise), picture) in squares.iter_mut().zip(&mut noises).zip(pictures) {
             let pixel = picture[i].as_dvec3();
-            let error = references.square(i, pixel);
-            *square += scale.counts(i, error);
-            *noise += scale.counts(i, whole * (pixel - mean).length_squared());
+            let error = references.unbiased_squared_error(i, pixel);
+            *square += scale.clamped_relative_product(i, error);
+            *noise += scale.clamped_relative_product(i, whole * (pixel - mean).length_squared());
             plain += error;
         }
     }
@@ -41,19 +41,21 @@ pub(super) fn split_error(references: &References, pictures: &[Vec<Rgb>]) -> Err
     let noise2 = noises.iter().sum::<f64>() / seeds;
     let bias2 = squares.iter().sum::<f64>() / seeds - noise2;
     let rmse = (plain / (3.0 * pixels * seeds)).max(0.0).sqrt();
-    ErrorSplit { squares, noises, noise2, bias2, rmse }
+    NoiseAndBias { squares, noises, noise2, bias2, rmse }
 }
 
 /// Mean of pixel `i` over `pictures`.
-pub(super) fn pixel_mean(pictures: &[Vec<Rgb>], i: usize) -> DVec3 {
+pub(super) fn mean_pixel(pictures: &[Vec<Rgb>], i: usize) -> DVec3 {
     pictures.iter().map(|picture| picture[i].as_dvec3()).sum::<DVec3>() / pictures.len() as f64
 }
 
 /// Relative error of each pixel, root of the mean square over seeds; 0 if noise hides it.
 pub(super) fn pixel_errors(references: &References, pictures: &[Vec<Rgb>]) -> Vec<f32> {
-    let scale = references.scale();
+    let scale = references.relative_scale();
     let square = |i: usize| {
-        let counts = |picture: &Vec<Rgb>| scale.counts(i, references.square(i, picture[i].as_dvec3()));
+        let counts = |picture: &Vec<Rgb>| {
+            scale.clamped_relative_product(i, references.unbiased_squared_error(i, picture[i].as_dvec3()))
+        };
         (pictures.iter().map(counts).sum::<f64>() / pictures.len() as f64).max(0.0).sqrt() as f32
     };
     (0..scale.weights().len()).map(square).collect()

@@ -2,14 +2,14 @@
 
 use super::clock::ClockFn;
 use super::run::IntegratorFactory;
-use super::split::{pixel_errors, split_error};
+use super::split::{pixel_errors, separate_noise_and_bias};
 use super::{
-    CpuWallTime, MethodStudy, MethodStudyResult, References, StudyLimits, StudyProgress, StudySubject, TruthError,
-    Variant, reference_algorithm,
+    CpuWallTime, MethodStudy, MethodStudyResult, MethodVariant, ReferenceError, References, StudiedScene, StudyLimits,
+    StudyProgress, reference_algorithm,
 };
 use crate::color::Rgb;
 use crate::image::{self, Image, WriteOptions};
-use crate::integrate::{Algorithm, EyeSettings, Integrator, Monitor, Pass, Settings, Silent};
+use crate::integrate::{Algorithm, CameraPathSettings, Integrator, Monitor, Pass, Settings, Silent};
 use crate::plan::{Effect, EffectOverrides, Effects, Plan};
 use crate::stats::{Counters, cpu_seconds};
 use crate::study::tests::{glass_on_floor, matt};
@@ -56,7 +56,7 @@ fn assert_near(found: f64, expected: f64, sigma: f64) {
 fn noise_and_bias_are_separated() {
     let (bias, sigma, reference) = (0.1, 0.2, 0.2);
     let pictures: Vec<_> = (0..4).map(|seed| picture(bias, sigma, seed)).collect();
-    let found = split_error(&references(reference), &pictures);
+    let found = separate_noise_and_bias(&references(reference), &pictures);
     let (bias2, noise2, truth2) = (bias * bias, sigma * sigma, reference * reference);
     let of_mean = |v: f64| 0.5 * v / CHANNELS.sqrt();
     for square in &found.squares {
@@ -73,7 +73,7 @@ fn noise_and_bias_are_separated() {
 #[test]
 fn unbiased_pictures_have_no_bias() {
     let pictures: Vec<_> = (0..4).map(|seed| picture(0.0, 0.2, seed)).collect();
-    let found = split_error(&references(0.2), &pictures);
+    let found = separate_noise_and_bias(&references(0.2), &pictures);
     assert_near(found.bias2, 0.0, 0.5 * (0.01 + 0.04) / CHANNELS.sqrt());
 }
 
@@ -145,13 +145,14 @@ fn run_study<'w>(world: &'w SharedState, fakes: &[SyntheticMethod], limits: Stud
     let variant = |fake: SyntheticMethod| {
         let label = format!("of {} s", fake.cost);
         let settings = Settings::default();
-        let variant = Variant { label, algorithm: Algorithm::Path, settings, flags: vec!["--spp".into(), "3".into()] };
+        let variant =
+            MethodVariant { label, algorithm: Algorithm::Path, settings, flags: vec!["--spp".into(), "3".into()] };
         let make: IntegratorFactory<'w> = Box::new(move |seed| Box::new(SyntheticRun { fake, seed, world }));
         (variant, make)
     };
     let clock: ClockFn<'w> = Box::new(|| *world.time.lock().unwrap());
     let study = MethodStudy::new(SIZE, fakes.iter().map(|f| variant(*f)).collect(), 2, clock).unwrap();
-    let subject = StudySubject { scene: "a.txt".into(), ..StudySubject::default() };
+    let subject = StudiedScene { scene: "a.txt".into(), ..StudiedScene::default() };
     let mut reported = Vec::new();
     let found = study.run(&subject, limits, &references(0.0), &world.interrupted, &Silent, |step| {
         if let StudyProgress::Checkpoint(label, checkpoint) = step {
@@ -247,11 +248,11 @@ fn errors_follow_the_passes() {
             // 1.
             assert_near(checkpoint.noise2, 0.5 * noise2, 0.5 * noise2 * (2.0 / CHANNELS).sqrt() + 1e-9);
             let v = bias * bias + noise2;
-            assert_near(checkpoint.square(), 0.5 * v, v / CHANNELS.sqrt());
+            assert_near(checkpoint.mean_squared_error(), 0.5 * v, v / CHANNELS.sqrt());
             assert_near(checkpoint.bias2, 0.5 * bias * bias, v / CHANNELS.sqrt());
         }
         let error = method.error.iter().map(|e| f64::from(e * e)).sum::<f64>() / f64::from(SIZE.0 * SIZE.1);
-        assert!((error - method.checkpoints.last().unwrap().square()).abs() < 1e-6, "{error}");
+        assert!((error - method.checkpoints.last().unwrap().mean_squared_error()).abs() < 1e-6, "{error}");
         // The mean of n values of deviation σ/√(16 · 2 seeds).
         let mean = method.difference.pixels().iter().map(|d| d.as_dvec3().element_sum()).sum::<f64>() / CHANNELS;
         assert_near(mean, bias, sigma / (32.0 * CHANNELS).sqrt());
@@ -265,10 +266,10 @@ fn errors_follow_the_passes() {
 #[test]
 fn references_estimate_their_noise() {
     // The mean of both has half the variance of each: of light 1, √(.2²/2 / 2) = .1.
-    let truth = references(0.2).truth();
+    let truth = references(0.2).ground_truth();
     assert_near(truth.error.unwrap(), 0.1, 0.1 / (2.0 * CHANNELS).sqrt() + 5e-4);
     let exact = References::new("here".into(), image(picture(0.0, 0.0, 0)), None).unwrap();
-    assert_eq!(exact.truth().error, None);
+    assert_eq!(exact.ground_truth().error, None);
 }
 
 #[test]
@@ -278,12 +279,12 @@ fn references_use_a_complete_algorithm() {
     assert_eq!(reference_algorithm(&glass, EffectOverrides::PLANNED).0, Algorithm::Hybrid);
     assert_eq!(reference_algorithm(&glass, EffectOverrides::PLANNED.without(Effect::Caustics)).0, Algorithm::Path);
     let render = |seed, interrupted| {
-        let like = EyeSettings { seed, ..EyeSettings::default() };
+        let like = CameraPathSettings { seed, ..CameraPathSettings::default() };
         References::render(&matt, &like, 0.0, &AtomicBool::new(interrupted), &Silent, |_, _| {}).unwrap()
     };
     let [first, second] = [0, 1].map(|seed| render(seed, false).unwrap());
     assert!(first.pair()[0] != first.pair()[1] && first.pair()[0] != second.pair()[0]);
-    assert!(first.truth().source.starts_with("auto: 1 pass of path, twice: "));
+    assert!(first.ground_truth().source.starts_with("auto: 1 pass of path, twice: "));
     assert!(render(0, true).is_none());
 }
 
@@ -295,10 +296,10 @@ fn unusable_references_are_refused_with_a_remedy() {
     for name in ["a.exr", "a.png"] {
         image::write(&path(name), &good, &WriteOptions::default()).unwrap();
     }
-    assert!(References::read(&path("a.exr"), None, SIZE).unwrap().truth().source.contains("taken as exact"));
+    assert!(References::read(&path("a.exr"), None, SIZE).unwrap().ground_truth().source.contains("taken as exact"));
     let refused = |name: &str, size| References::read(&path("a.exr"), Some(&path(name)), size).unwrap_err();
-    assert!(matches!(refused("a.png", SIZE), TruthError::NotLinear { .. }));
-    assert!(matches!(refused("b.exr", SIZE), TruthError::Read(_)));
+    assert!(matches!(refused("a.png", SIZE), ReferenceError::NotLinear { .. }));
+    assert!(matches!(refused("b.exr", SIZE), ReferenceError::Read(_)));
     let other = refused("a.exr", (64, 63)).to_string();
     assert!(other.contains("64 × 64 pixels, but the study 64 × 63: give --size 64x64"), "{other}");
     let mut pixels = picture(0.0, 0.0, 0);

@@ -6,7 +6,7 @@ use crate::scene::Scene;
 
 /// An algorithm with its settings.
 #[derive(Clone, Debug)]
-pub struct Variant {
+pub struct MethodVariant {
     /// Unique label, such as `sppm` or `sppm --gather-k 20`.
     pub label: String,
     /// The algorithm.
@@ -20,7 +20,7 @@ pub struct Variant {
 
 /// Reason why variants cannot be compared.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum VariantError {
+pub enum MethodVariantError {
     /// The list is empty.
     #[error("there is no method to study")]
     None,
@@ -32,15 +32,15 @@ pub enum VariantError {
     OneSeed,
 }
 
-pub(super) fn check(variants: &[Variant], seeds: u32) -> Result<(), VariantError> {
+pub(super) fn check_variants(variants: &[MethodVariant], seeds: u32) -> Result<(), MethodVariantError> {
     if variants.is_empty() {
-        return Err(VariantError::None);
+        return Err(MethodVariantError::None);
     }
     if seeds < 2 {
-        return Err(VariantError::OneSeed);
+        return Err(MethodVariantError::OneSeed);
     }
     let twice = variants.iter().enumerate().find(|(i, v)| variants[..*i].iter().any(|before| before.label == v.label));
-    twice.map_or(Ok(()), |(_, v)| Err(VariantError::Twice(v.label.clone())))
+    twice.map_or(Ok(()), |(_, v)| Err(MethodVariantError::Twice(v.label.clone())))
 }
 
 /// Global-illumination methods that differ for a scene. Photon methods need a light and a receiver;
@@ -52,7 +52,7 @@ pub fn applicable_methods(scene: &Scene, overrides: EffectOverrides) -> Vec<Algo
     let photons = facts.lights > 0 && facts.receivers + facts.scattering_media > 0;
     let applies = |algorithm: &Algorithm| match algorithm {
         Algorithm::Path => true,
-        Algorithm::Hybrid => photons && plan.effects().has(Effect::Caustics),
+        Algorithm::Hybrid => photons && plan.simulated_effects().has(Effect::Caustics),
         _ => photons,
     };
     let all = [Algorithm::Path, Algorithm::Pm, Algorithm::Ppm, Algorithm::Sppm, Algorithm::Hybrid];
@@ -64,16 +64,22 @@ mod tests {
     use super::*;
     use crate::study::tests::{glass_on_floor, matt};
 
-    fn variant(label: &str) -> Variant {
+    fn variant(label: &str) -> MethodVariant {
         let settings = Settings::default();
-        Variant { label: label.to_owned(), algorithm: Algorithm::Path, settings, flags: Vec::new() }
+        MethodVariant { label: label.to_owned(), algorithm: Algorithm::Path, settings, flags: Vec::new() }
     }
 
     #[test]
     fn labels_and_seeds_are_checked() {
-        assert_eq!(check(&[variant("a"), variant("b")], 2), Ok(()));
-        assert_eq!(check(&[variant("a"), variant("b"), variant("a")], 2), Err(VariantError::Twice("a".into())));
-        assert_eq!((check(&[], 2), check(&[variant("a")], 1)), (Err(VariantError::None), Err(VariantError::OneSeed)));
+        assert_eq!(check_variants(&[variant("a"), variant("b")], 2), Ok(()));
+        assert_eq!(
+            check_variants(&[variant("a"), variant("b"), variant("a")], 2),
+            Err(MethodVariantError::Twice("a".into()))
+        );
+        assert_eq!(
+            (check_variants(&[], 2), check_variants(&[variant("a")], 1)),
+            (Err(MethodVariantError::None), Err(MethodVariantError::OneSeed))
+        );
     }
 
     #[test]

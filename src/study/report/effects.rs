@@ -4,15 +4,15 @@ mod data;
 
 pub use data::{csv, markdown};
 
-use super::html::{escape, picture};
-use super::picture::{negative_part, png, positive_part, stops_text, visible_exposure};
-use super::text::{amount, figure, milliseconds, percent, signed};
+use super::html::{escape_html, inline_png};
+use super::picture::{encode_png, exposure_text, negative_part, positive_part, visible_exposure};
+use super::text::{count_text, percent_text, signed_count_text, signed_milliseconds_text, three_digit_text};
 use crate::image::Image;
 use crate::study::{Clock, EffectResult, EffectStudyResult, StudyError};
 use std::fmt::Write;
 
 /// A part of a difference below this fraction of the other is noise and not shown.
-const SHOWN: f64 = 0.1;
+const MIN_SHOWN_PART: f64 = 0.1;
 
 const STYLE: &str = "\
 :root { color-scheme: light dark; }
@@ -31,7 +31,7 @@ p { max-width: 48rem; } dl { display: grid; grid-template-columns: max-content 1
 
 /// Context of a report.
 #[derive(Clone, Debug)]
-pub struct About {
+pub struct ReportContext {
     /// The scene's name.
     pub scene: String,
     /// The algorithm's name.
@@ -46,8 +46,8 @@ pub struct About {
 ///
 /// # Errors
 /// [`StudyError`] if a picture cannot be encoded.
-pub fn page(about: &About, findings: &EffectStudyResult) -> Result<String, StudyError> {
-    let scene = escape(&about.scene);
+pub fn effects_html_page(about: &ReportContext, findings: &EffectStudyResult) -> Result<String, StudyError> {
+    let scene = escape_html(&about.scene);
     let mut page = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
@@ -63,44 +63,44 @@ pub fn page(about: &About, findings: &EffectStudyResult) -> Result<String, Study
         about.integrator,
         if passes == 1 { "pass" } else { "passes" },
         about.seed,
-        clock(findings.clock),
+        clock_text(findings.clock),
     );
-    let caption = format!("The whole picture: exposure {}.", stops_text(about.exposure));
+    let caption = format!("The whole picture: exposure {}.", exposure_text(about.exposure));
     page += "<div class=\"pictures\">\n";
-    page += &shown_picture(&findings.picture, about.exposure, "the whole picture", &caption)?;
+    page += &picture_figure_html(&findings.picture, about.exposure, "the whole picture", &caption)?;
     page += "</div>\n";
     if findings.effects.is_empty() {
         page += "<p>No effect is simulated, so none was left out.</p>\n";
     } else {
-        page += &table(findings);
+        page += &effects_table_html(findings);
         page += "<h2>The effects one by one</h2>\n<p>Light that an effect adds and light that it removes are shown separately, each at its own \
                  exposure. A part below a tenth of the other is mostly noise and not shown.</p>\n";
     }
     for finding in &findings.effects {
-        page += &article(finding)?;
+        page += &effect_article_html(finding)?;
     }
-    page += &omitted_effects(findings);
+    page += &omitted_effects_html(findings);
     page += "</body>\n</html>\n";
     Ok(page)
 }
 
-fn clock(clock: Clock) -> &'static str {
+fn clock_text(clock: Clock) -> &'static str {
     match clock {
         Clock::Processor => "of processor time of all threads",
         Clock::Wall => "of wall time",
     }
 }
 
-fn shown_picture(image: &Image, exposure: f32, words: &str, caption: &str) -> Result<String, StudyError> {
-    let image = picture(&png(image, exposure)?, (image.width(), image.height()), words);
-    Ok(format!("<figure>{image}\n<figcaption>{}</figcaption></figure>\n", escape(caption)))
+fn picture_figure_html(image: &Image, exposure: f32, words: &str, caption: &str) -> Result<String, StudyError> {
+    let image = inline_png(&encode_png(image, exposure)?, (image.width(), image.height()), words);
+    Ok(format!("<figure>{image}\n<figcaption>{}</figcaption></figure>\n", escape_html(caption)))
 }
 
-fn part(of_mean: f64, mean: f64) -> String {
-    if mean > 0.0 { percent(of_mean / mean) } else { figure(of_mean) }
+fn share_of_mean_text(of_mean: f64, mean: f64) -> String {
+    if mean > 0.0 { percent_text(of_mean / mean) } else { three_digit_text(of_mean) }
 }
 
-fn table(findings: &EffectStudyResult) -> String {
+fn effects_table_html(findings: &EffectStudyResult) -> String {
     let heads = [
         "ms per pass",
         "time ratio",
@@ -119,36 +119,36 @@ fn table(findings: &EffectStudyResult) -> String {
     for EffectResult { decision, cost, gain, .. } in &findings.effects {
         let error = cost.seconds_error.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
         let cells = [
-            milliseconds(cost.seconds) + &error,
+            signed_milliseconds_text(cost.seconds) + &error,
             format!("{:.2}", cost.ratio),
-            milliseconds(cost.setup),
-            signed(cost.rays),
-            signed(cost.gathered_photons),
-            figure(gain.rmse),
-            gain.relative_rmse.map_or("–".to_owned(), percent),
-            part(gain.adds, findings.mean),
-            part(gain.takes, findings.mean),
+            signed_milliseconds_text(cost.setup),
+            signed_count_text(cost.rays),
+            signed_count_text(cost.gathered_photons),
+            three_digit_text(gain.rmse),
+            gain.relative_rmse.map_or("–".to_owned(), percent_text),
+            share_of_mean_text(gain.adds, findings.mean),
+            share_of_mean_text(gain.takes, findings.mean),
         ];
         let _ = write!(table, "<tr><th scope=\"row\"><a href=\"#{0}\">{0}</a></th>", decision.effect);
-        cells.iter().for_each(|cell| table += &format!("<td class=\"n\">{}</td>", escape(cell)));
+        cells.iter().for_each(|cell| table += &format!("<td class=\"n\">{}</td>", escape_html(cell)));
         table += "</tr>\n";
     }
     let whole = &findings.whole;
     let passes = whole.passes.len() as f64;
-    let a_pass = |n: u64| amount(n as f64 / passes);
+    let a_pass = |n: u64| count_text(n as f64 / passes);
     let cells = [
         format!("{:.1}", 1e3 * whole.seconds() / passes),
         String::new(),
         format!("{:.1}", 1e3 * whole.setup),
-        a_pass(whole.counters.rays()),
+        a_pass(whole.counters.total_rays()),
         a_pass(whole.counters.gathered_photons),
     ];
     table += "</tbody>\n<tfoot><tr><th scope=\"row\">the whole picture</th>";
-    cells.iter().for_each(|cell| table += &format!("<td class=\"n\">{}</td>", escape(cell)));
+    cells.iter().for_each(|cell| table += &format!("<td class=\"n\">{}</td>", escape_html(cell)));
     let _ = write!(
         table,
         "<td colspan=\"4\">mean radiance {} W/(m² sr)</td></tr></tfoot>\n</table></div>\n",
-        figure(findings.mean)
+        three_digit_text(findings.mean)
     );
     let mut notes = "<p>Costs do not add up: effects share work, and some depend on others. ± is the standard error over passes.</p>\n";
     if findings.whole.passes.len() == 1 {
@@ -157,7 +157,7 @@ fn table(findings: &EffectStudyResult) -> String {
     table + notes
 }
 
-fn article(finding: &EffectResult) -> Result<String, StudyError> {
+fn effect_article_html(finding: &EffectResult) -> Result<String, StudyError> {
     let EffectResult { decision, cost, gain, difference, .. } = finding;
     let effect = decision.effect;
     let mut article = format!("<article id=\"{effect}\">\n<h3>{effect}</h3>\n<dl>\n");
@@ -169,44 +169,47 @@ fn article(finding: &EffectResult) -> Result<String, StudyError> {
     let changes = if gain.rmse == 0.0 {
         "nothing: the picture is equal bit for bit".to_owned()
     } else {
-        let of_mean = gain.relative_rmse.map_or(String::new(), |r| format!(", {} of the mean", percent(r)));
-        format!("RMSE {} W/(m² sr){of_mean}", figure(gain.rmse))
+        let of_mean = gain.relative_rmse.map_or(String::new(), |r| format!(", {} of the mean", percent_text(r)));
+        format!("RMSE {} W/(m² sr){of_mean}", three_digit_text(gain.rmse))
     };
     let costs = format!(
         "{} ms per pass, {:.2} times the time without it; {} rays and {} gathered photons per pass",
-        milliseconds(cost.seconds),
+        signed_milliseconds_text(cost.seconds),
         cost.ratio,
-        signed(cost.rays),
-        signed(cost.gathered_photons),
+        signed_count_text(cost.rays),
+        signed_count_text(cost.gathered_photons),
     );
-    for (term, text) in
-        [("On, because", because.as_str()), ("Without it", effect.lack()), ("Costs", &costs), ("Changes", &changes)]
-    {
-        let _ = writeln!(article, "<dt>{term}</dt><dd>{}</dd>", escape(text));
+    for (term, text) in [
+        ("On, because", because.as_str()),
+        ("Without it", effect.symptom_if_missing()),
+        ("Costs", &costs),
+        ("Changes", &changes),
+    ] {
+        let _ = writeln!(article, "<dt>{term}</dt><dd>{}</dd>", escape_html(text));
     }
     article += "</dl>\n";
     let most = gain.adds.max(gain.takes);
     let parts = [("added", gain.adds, positive_part(difference)?), ("removed", gain.takes, negative_part(difference)?)];
     article += "<div class=\"pictures\">\n";
     for (how, mean, image) in parts {
-        let Some(exposure) = visible_exposure(&image).filter(|_| mean >= SHOWN * most) else { continue };
-        let caption = format!("Light {how} by {effect}: exposure {}.", stops_text(exposure));
-        article += &shown_picture(&image, exposure, &format!("light {how} by {effect}"), &caption)?;
+        let Some(exposure) = visible_exposure(&image).filter(|_| mean >= MIN_SHOWN_PART * most) else { continue };
+        let caption = format!("Light {how} by {effect}: exposure {}.", exposure_text(exposure));
+        article += &picture_figure_html(&image, exposure, &format!("light {how} by {effect}"), &caption)?;
     }
     article += "</div>\n</article>\n";
     Ok(article)
 }
 
-fn omitted_effects(findings: &EffectStudyResult) -> String {
+fn omitted_effects_html(findings: &EffectStudyResult) -> String {
     let off: Vec<_> = findings.plan.decisions.iter().filter(|d| !d.on).collect();
     if off.is_empty() {
         return String::new();
     }
     let mut list = "<h2>Not simulated</h2>\n<dl>\n".to_owned();
     for decision in off {
-        let reason = escape(&decision.reason.to_string());
+        let reason = escape_html(&decision.reason.to_string());
         let text = if decision.is_forced() {
-            format!("forced off, though {reason}: {}", decision.effect.lack())
+            format!("forced off, though {reason}: {}", decision.effect.symptom_if_missing())
         } else {
             reason
         };

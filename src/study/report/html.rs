@@ -4,7 +4,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
 /// Escapes `text` for HTML elements and double-quoted attributes.
-pub(super) fn escape(text: &str) -> String {
+pub(super) fn escape_html(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -21,9 +21,9 @@ pub(super) fn escape(text: &str) -> String {
 }
 
 /// Inline PNG of a page with alternative text.
-pub(super) fn picture(png: &[u8], (width, height): (u32, u32), words: &str) -> String {
+pub(super) fn inline_png(png: &[u8], (width, height): (u32, u32), words: &str) -> String {
     let data = STANDARD.encode(png);
-    let words = escape(words);
+    let words = escape_html(words);
     format!("<img src=\"data:image/png;base64,{data}\" width=\"{width}\" height=\"{height}\" alt=\"{words}\"/>")
 }
 
@@ -33,12 +33,12 @@ mod tests {
 
     #[test]
     fn markup_in_text_is_text() {
-        assert_eq!(escape("a<b & \"c\">\u{7}é\n"), "a&lt;b &amp; &quot;c&quot;&gt;\u{fffd}é\n");
+        assert_eq!(escape_html("a<b & \"c\">\u{7}é\n"), "a&lt;b &amp; &quot;c&quot;&gt;\u{fffd}é\n");
     }
 
     #[test]
     fn pictures_travel_in_base_64() {
-        let image = picture(b"\x89PNG", (2, 1), "a \"b\"");
+        let image = inline_png(b"\x89PNG", (2, 1), "a \"b\"");
         assert_eq!(
             image,
             "<img src=\"data:image/png;base64,iVBORw==\" width=\"2\" height=\"1\" alt=\"a &quot;b&quot;\"/>"

@@ -5,7 +5,7 @@ use crate::study::methods::MethodResult;
 use glam::{DVec3, Vec3};
 
 /// Lowest error of a ramp over the highest: two decades.
-pub(super) const LEAST: f64 = 0.01;
+pub(super) const MIN_RAMP_FRACTION: f64 = 0.01;
 
 /// Fraction of pixels within a scale; fireflies beyond it are clamped.
 const SCALE_QUANTILE: f64 = 0.99;
@@ -14,7 +14,7 @@ const SCALE_QUANTILE: f64 = 0.99;
 pub(super) const CROP_SIZE: u32 = 64;
 
 /// Linear RGB of an OKLab colour (Ottosson 2020), clipped to the gamut of a display.
-fn oklch(lightness: f64, chroma: f64, hue: f64) -> Vec3 {
+fn oklch_to_linear_rgb(lightness: f64, chroma: f64, hue: f64) -> Vec3 {
     let (b, a) = libm::sincos(hue.to_radians());
     let (a, b) = (chroma * a, chroma * b);
     let cone = |x: f64| x * x * x;
@@ -32,24 +32,24 @@ fn oklch(lightness: f64, chroma: f64, hue: f64) -> Vec3 {
 
 /// Ramp from black over violet, red and orange to light yellow, even in lightness, for `t` in \[0,
 /// 1].
-pub(super) fn ramp(t: f64) -> Vec3 {
+pub(super) fn error_color_ramp(t: f64) -> Vec3 {
     let t = t.clamp(0.0, 1.0);
     // Chroma is limited near black and white.
     let chroma = 0.2 * (1.0 - (2.0 * t - 1.0) * (2.0 * t - 1.0) * (2.0 * t - 1.0) * (2.0 * t - 1.0));
-    oklch(0.06 + 0.9 * t, chroma.max(0.0), 300.0 + 160.0 * t)
+    oklch_to_linear_rgb(0.06 + 0.9 * t, chroma.max(0.0), 300.0 + 160.0 * t)
 }
 
 /// Ramp with blue below zero, black at zero, orange above, for `t` in \[−1, 1].
-pub(super) fn signed_ramp(t: f64) -> Vec3 {
+pub(super) fn signed_color_ramp(t: f64) -> Vec3 {
     let t = t.clamp(-1.0, 1.0);
     let hue = if t < 0.0 { 250.0 } else { 65.0 };
     // Both sides have equal lightness.
-    oklch(0.9 * t.abs(), 0.13 * t.abs().sqrt(), hue)
+    oklch_to_linear_rgb(0.9 * t.abs(), 0.13 * t.abs().sqrt(), hue)
 }
 
 /// Upper end of a scale: the 99 % quantile, rounded up to 1, 2 or 5 of a decade; `None` if no value
 /// is positive.
-pub(super) fn scale_end(values: impl Iterator<Item = f64>) -> Option<f64> {
+pub(super) fn color_scale_maximum(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.filter(|v| *v > 0.0 && v.is_finite()).collect();
     if values.is_empty() {
         return None;
@@ -65,7 +65,11 @@ pub(super) fn scale_end(values: impl Iterator<Item = f64>) -> Option<f64> {
 pub(super) fn error_map(method: &MethodResult, most: f64) -> Result<Image, SizeError> {
     let colour = |e: &f32| {
         let e = f64::from(*e);
-        if e > 0.0 { ramp(1.0 - libm::log(e / most) / libm::log(LEAST)) } else { ramp(0.0) }
+        if e > 0.0 {
+            error_color_ramp(1.0 - libm::log(e / most) / libm::log(MIN_RAMP_FRACTION))
+        } else {
+            error_color_ramp(0.0)
+        }
     };
     let picture = &method.picture;
     Image::from_pixels(picture.width(), picture.height(), method.error.iter().map(colour).collect())
@@ -81,21 +85,25 @@ pub(super) fn relative_differences(difference: &Image, scale: &RelativeScale) ->
 /// Map of relative differences, up to ±`most`.
 pub(super) fn difference_map(method: &MethodResult, relative: &[f64], most: f64) -> Result<Image, SizeError> {
     let picture = &method.picture;
-    Image::from_pixels(picture.width(), picture.height(), relative.iter().map(|d| signed_ramp(d / most)).collect())
+    Image::from_pixels(
+        picture.width(),
+        picture.height(),
+        relative.iter().map(|d| signed_color_ramp(d / most)).collect(),
+    )
 }
 
 /// A rectangle of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Window {
+pub(super) struct PixelWindow {
     pub(super) x: u32,
     pub(super) y: u32,
     pub(super) width: u32,
     pub(super) height: u32,
 }
 
-impl Window {
+impl PixelWindow {
     /// The pixels inside the window.
-    pub(super) fn of(self, image: &Image) -> Result<Image, SizeError> {
+    pub(super) fn crop(self, image: &Image) -> Result<Image, SizeError> {
         let pixels = (self.y..self.y + self.height)
             .flat_map(|y| (self.x..self.x + self.width).map(move |x| image.get(x, y).unwrap_or(Vec3::ZERO)));
         Image::from_pixels(self.width, self.height, pixels.collect())
@@ -108,7 +116,7 @@ impl Window {
 
 /// Up to `count` disjoint windows with the largest squared errors; each method is weighted by its
 /// own mean.
-pub(super) fn largest_error_windows(methods: &[MethodResult], count: usize) -> Vec<Window> {
+pub(super) fn largest_error_windows(methods: &[MethodResult], count: usize) -> Vec<PixelWindow> {
     let Some(first) = methods.first() else { return Vec::new() };
     let (width, height) = (first.picture.width(), first.picture.height());
     let (w, h) = (width as usize, height as usize);
@@ -130,17 +138,17 @@ pub(super) fn largest_error_windows(methods: &[MethodResult], count: usize) -> V
         }
     }
     let (cw, ch) = (CROP_SIZE.min(width), CROP_SIZE.min(height));
-    let within = |at: &Window| {
+    let within = |at: &PixelWindow| {
         let corner = |x: u32, y: u32| table[y as usize * (w + 1) + x as usize];
         let (right, below) = (at.x + at.width, at.y + at.height);
         corner(right, below) - corner(at.x, below) - corner(right, at.y) + corner(at.x, at.y)
     };
-    let mut chosen: Vec<Window> = Vec::new();
+    let mut chosen: Vec<PixelWindow> = Vec::new();
     while chosen.len() < count {
         let places =
-            (0..=height - ch).flat_map(|y| (0..=width - cw).map(move |x| Window { x, y, width: cw, height: ch }));
+            (0..=height - ch).flat_map(|y| (0..=width - cw).map(move |x| PixelWindow { x, y, width: cw, height: ch }));
         let free = places.filter(|place| chosen.iter().all(|c| !c.overlaps(*place)));
-        let mut best: Option<(f64, Window)> = None;
+        let mut best: Option<(f64, PixelWindow)> = None;
         for place in free {
             let value = within(&place);
             if value > 0.0 && best.is_none_or(|(most, _)| value > most) {

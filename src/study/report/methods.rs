@@ -8,13 +8,13 @@ mod warnings;
 
 pub use data::{csv, json, markdown};
 
-use super::html::escape;
-use super::text::{duration, error};
+use super::html::escape_html;
+use super::text::{duration_text, error_percent_text};
 use crate::study::StudyError;
 use crate::study::methods::MethodStudyResult;
-use analysis::Analysis;
+use analysis::StudyAnalysis;
 use std::fmt::Write;
-use warnings::warnings;
+use warnings::study_warnings;
 
 const STYLE: &str = include_str!("methods/page.css");
 const SCRIPT: &str = include_str!("methods/flip.js");
@@ -24,47 +24,47 @@ const SCRIPT: &str = include_str!("methods/flip.js");
 ///
 /// # Errors
 /// [`StudyError`] if a picture cannot be encoded, or differs in size from the truth.
-pub fn html(found: &MethodStudyResult) -> Result<String, StudyError> {
-    let analysis = Analysis::of(found);
-    let scene = escape(&found.scene);
+pub fn methods_html_page(found: &MethodStudyResult) -> Result<String, StudyError> {
+    let analysis = StudyAnalysis::new(found);
+    let scene = escape_html(&found.scene);
     let mut page = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
          <title>Error over time: {scene}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
          <h1>Error over time: {scene}</h1>\n"
     );
-    page += &about(found);
-    for warning in warnings(found) {
-        let _ = writeln!(page, "<p class=\"warning\" role=\"note\">{}</p>", escape(&warning));
+    page += &study_summary_html(found);
+    for warning in study_warnings(found) {
+        let _ = writeln!(page, "<p class=\"warning\" role=\"note\">{}</p>", escape_html(&warning));
     }
-    if let Some((words, command)) = analysis.advice(found) {
+    if let Some((words, command)) = analysis.recommendation_text(found) {
         let _ = writeln!(
             page,
             "<section class=\"advice\"><h2>Recommendation</h2>\n<p>{}</p>\n{}</section>",
-            escape(&words),
-            block(&command)
+            escape_html(&words),
+            command_block_html(&command)
         );
     }
     page += "<h2>Error over time</h2>\n";
-    page += &figures::main_plot(found);
+    page += &figures::error_plot_html(found);
     page += "<h2>Verdicts</h2>\n";
-    page += &tables::verdicts(found, &analysis);
+    page += &tables::verdicts_table_html(found, &analysis);
     page += "<h2>Time to reach an error</h2>\n";
-    page += &tables::reaches(found, &analysis);
+    page += &tables::times_table_html(found, &analysis);
     page += "<h2>Pictures</h2>\n";
-    page += &figures::flip(found)?;
-    page += &figures::crops(found)?;
+    page += &figures::flip_viewer_html(found)?;
+    page += &figures::error_crops_html(found)?;
     page += "<h2>Method by method</h2>\n";
-    page += &figures::articles(found, &analysis)?;
+    page += &figures::method_articles_html(found, &analysis)?;
     page += "<h2>All figures</h2>\n";
-    page += &tables::checkpoints(found);
-    page += READING;
+    page += &tables::checkpoint_tables_html(found);
+    page += READING_GUIDE_HTML;
     let _ = write!(page, "<script>\n{SCRIPT}</script>\n</body>\n</html>\n");
     Ok(page)
 }
 
 /// Explanation of the terms.
-const READING: &str = "<h2>How to read this</h2>\n\
+const READING_GUIDE_HTML: &str = "<h2>How to read this</h2>\n\
 <p>Errors are relative: the root of the mean squared difference to the truth, divided by local radiance and that of a typical \
 pixel. Noise differs between seeds; bias is common to all seeds. error² = noise² + bias². \
 Time is processor time of all threads without setup, mean over seeds.</p>\n\
@@ -72,14 +72,14 @@ Time is processor time of all threads without setup, mean over seeds.</p>\n\
 passes. Intervals are 95 %, from a thousand resamplings of the seeds. In theory, noise of independent passes falls as n<sup>−½</sup>, \
 with shrinking radii as n<sup>−⅓</sup> in the end; bias stays with fixed radii.</p>\n";
 
-fn block(command: &str) -> String {
-    format!("<pre tabindex=\"0\"><code>{}</code></pre>\n", escape(command))
+fn command_block_html(command: &str) -> String {
+    format!("<pre tabindex=\"0\"><code>{}</code></pre>\n", escape_html(command))
 }
 
-fn about(found: &MethodStudyResult) -> String {
-    let truth = found.truth.error.map_or(String::new(), |e| format!(", its own error about {}", error(e)));
+fn study_summary_html(found: &MethodStudyResult) -> String {
+    let truth = found.truth.error.map_or(String::new(), |e| format!(", its own error about {}", error_percent_text(e)));
     let size = format!("{} × {} pixels", found.truth.picture.width(), found.truth.picture.height());
-    let seeds = format!("{} of each method, up to {} of processor time each", found.seeds, duration(found.budget));
+    let seeds = format!("{} of each method, up to {} of processor time each", found.seeds, duration_text(found.budget));
     let mut list = "<dl>\n".to_owned();
     for (term, text) in [
         ("Scene", format!("{}, {size}", found.scene)),
@@ -88,7 +88,7 @@ fn about(found: &MethodStudyResult) -> String {
         ("Program", found.program.clone()),
         ("Machine", found.machine.clone()),
     ] {
-        let _ = writeln!(list, "<dt>{term}</dt><dd>{}</dd>", escape(&text));
+        let _ = writeln!(list, "<dt>{term}</dt><dd>{}</dd>", escape_html(&text));
     }
-    list + "</dl>\n<p class=\"again\">Command:</p>\n" + &block(&found.command)
+    list + "</dl>\n<p class=\"again\">Command:</p>\n" + &command_block_html(&found.command)
 }

@@ -1,6 +1,6 @@
 //! Pictures of differences at an exposure that makes them visible.
 
-use crate::image::{Curve, Image, MAX_EXPOSURE_STOPS, OutputFormat, ToneMap, WriteOptions, encode};
+use crate::image::{Image, MAX_EXPOSURE_STOPS, OutputFormat, ToneCurve, ToneMap, WriteOptions, encode};
 use crate::study::StudyError;
 use glam::Vec3;
 
@@ -8,22 +8,22 @@ use glam::Vec3;
 const CLIPPED: f64 = 0.01;
 
 /// PNG bytes of `image` at an exposure of `stops`.
-pub(super) fn png(image: &Image, stops: f32) -> Result<Vec<u8>, StudyError> {
-    let tone = ToneMap { curve: Curve::Srgb, exposure_stops: stops };
+pub(super) fn encode_png(image: &Image, stops: f32) -> Result<Vec<u8>, StudyError> {
+    let tone = ToneMap { curve: ToneCurve::Srgb, exposure_stops: stops };
     Ok(encode(OutputFormat::Png, image, &WriteOptions { tone, ..WriteOptions::default() })?.0)
 }
 
 /// The positive part of a difference.
 pub(super) fn positive_part(difference: &Image) -> Result<Image, StudyError> {
-    map_difference(difference, |d| d.max(Vec3::ZERO))
+    map_pixels(difference, |d| d.max(Vec3::ZERO))
 }
 
 /// The negative part of a difference, with its sign reversed.
 pub(super) fn negative_part(difference: &Image) -> Result<Image, StudyError> {
-    map_difference(difference, |d| (-d).max(Vec3::ZERO))
+    map_pixels(difference, |d| (-d).max(Vec3::ZERO))
 }
 
-fn map_difference(difference: &Image, of: fn(Vec3) -> Vec3) -> Result<Image, StudyError> {
+fn map_pixels(difference: &Image, of: fn(Vec3) -> Vec3) -> Result<Image, StudyError> {
     let pixels = difference.pixels().iter().map(|d| of(*d)).collect();
     Ok(Image::from_pixels(difference.width(), difference.height(), pixels)?)
 }
@@ -40,7 +40,7 @@ pub(super) fn visible_exposure(image: &Image) -> Option<f32> {
 }
 
 /// An exposure as text: `+1 stop`, `0 stops`, `-3 stops`.
-pub(super) fn stops_text(stops: f32) -> String {
+pub(super) fn exposure_text(stops: f32) -> String {
     let sign = if stops > 0.0 { "+" } else { "" };
     format!("{sign}{stops} {}", if stops.abs() == 1.0 { "stop" } else { "stops" })
 }

@@ -16,14 +16,14 @@ pub(super) fn csv_row<T: AsRef<str>>(cells: &[T]) -> String {
 /// A Markdown table.
 pub(super) fn markdown_table(heads: &[&str], rows: &[Vec<String>]) -> String {
     let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
-    let mut table = line(heads.iter().map(|head| markdown_text(head)).collect());
+    let mut table = line(heads.iter().map(|head| escape_markdown(head)).collect());
     table += &format!("|{}\n", " --- |".repeat(heads.len()));
-    rows.iter().for_each(|row| table += &line(row.iter().map(|cell| markdown_text(cell)).collect()));
+    rows.iter().for_each(|row| table += &line(row.iter().map(|cell| escape_markdown(cell)).collect()));
     table
 }
 
 /// Escapes Markdown markup in `text`.
-pub(super) fn markdown_text(text: &str) -> String {
+pub(super) fn escape_markdown(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -39,7 +39,7 @@ pub(super) fn markdown_text(text: &str) -> String {
 }
 
 /// A Markdown code block for any text.
-pub(super) fn markdown_block(text: &str) -> String {
+pub(super) fn markdown_code_block(text: &str) -> String {
     let mut longest = 2;
     let mut run = 0;
     for c in text.chars() {
@@ -63,6 +63,6 @@ mod tests {
     fn text_in_markdown_is_text() {
         let table = markdown_table(&["a|b", "c"], &[vec!["x_y".into(), "1 %".into()]]);
         assert_eq!(table, "| a\\|b | c |\n| --- | --- |\n| x\\_y | 1 % |\n");
-        assert_eq!(markdown_block("echo ```"), "````sh\necho ```\n````\n");
+        assert_eq!(markdown_code_block("echo ```"), "````sh\necho ```\n````\n");
     }
 }

@@ -1,23 +1,23 @@
 //! Log-log plots as inline SVG, without scripts, for light and dark pages.
 
-use super::html::escape;
+use super::html::escape_html;
 use std::fmt::Write;
 
 /// Colours of Okabe and Ito (2008) by contrast with white and black; the last is that of the text.
-const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "currentColor"];
+const SERIES_COLORS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "currentColor"];
 
 /// Height of a label [px].
-const LABEL: f64 = 16.0;
+const LABEL_HEIGHT: f64 = 16.0;
 
 /// Upper bound of a letter's width [px].
-const LETTER: f64 = 6.9;
+const MAX_LETTER_WIDTH: f64 = 6.9;
 
 /// Letters of a label that are shown; its title has all.
-const LETTERS: usize = 30;
+const MAX_LABEL_LETTERS: usize = 30;
 
 /// Line style.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Stroke {
+pub(super) enum LineStyle {
     /// Solid, with markers.
     Solid,
     Dashed,
@@ -26,11 +26,11 @@ pub(super) enum Stroke {
 
 /// A polyline; points that are not positive and finite are left out.
 #[derive(Clone, Debug)]
-pub(super) struct Series {
+pub(super) struct PlotSeries {
     pub(super) label: String,
     /// Index of colour and marker.
     pub(super) style: usize,
-    pub(super) stroke: Stroke,
+    pub(super) stroke: LineStyle,
     pub(super) points: Vec<(f64, f64)>,
     /// Interval of each point; `None` if unknown.
     pub(super) bars: Vec<Option<[f64; 2]>>,
@@ -38,7 +38,7 @@ pub(super) struct Series {
 
 /// A line of a power law through a point.
 #[derive(Clone, Debug)]
-pub(super) struct Guide {
+pub(super) struct SlopeGuide {
     pub(super) label: String,
     pub(super) slope: f64,
     pub(super) through: (f64, f64),
@@ -48,20 +48,20 @@ pub(super) struct Guide {
 
 /// A plot of relative errors over seconds.
 #[derive(Clone, Debug)]
-pub(super) struct Plot<'a> {
+pub(super) struct LogLogPlot<'a> {
     /// Identifier, unique in the page.
     pub(super) id: &'a str,
     pub(super) title: &'a str,
     /// Alternative text.
     pub(super) words: &'a str,
     pub(super) size: (f64, f64),
-    pub(super) series: Vec<Series>,
-    pub(super) guides: Vec<Guide>,
+    pub(super) series: Vec<PlotSeries>,
+    pub(super) guides: Vec<SlopeGuide>,
 }
 
 /// A logarithmic axis.
 #[derive(Clone, Copy)]
-struct Axis {
+struct LogAxis {
     least: f64,
     most: f64,
     /// Position of both ends [px].
@@ -69,11 +69,11 @@ struct Axis {
     to: f64,
 }
 
-impl Axis {
+impl LogAxis {
     /// An axis that contains all values with a margin.
-    fn of(values: impl Iterator<Item = f64>, (from, to): (f64, f64)) -> Option<Self> {
+    fn enclosing(values: impl Iterator<Item = f64>, (from, to): (f64, f64)) -> Option<Self> {
         let (least, most) =
-            values.filter(|v| drawable(*v)).fold((f64::MAX, 0.0), |(a, b): (f64, f64), v| (a.min(v), b.max(v)));
+            values.filter(|v| is_drawable(*v)).fold((f64::MAX, 0.0), |(a, b): (f64, f64), v| (a.min(v), b.max(v)));
         if most <= 0.0 {
             return None;
         }
@@ -82,7 +82,7 @@ impl Axis {
         Some(Self { least: least / space, most: most * space, from, to })
     }
 
-    fn at(&self, value: f64) -> f64 {
+    fn pixel_position(&self, value: f64) -> f64 {
         let part = libm::log(value / self.least) / libm::log(self.most / self.least);
         self.from + part * (self.to - self.from)
     }
@@ -105,17 +105,17 @@ impl Axis {
     }
 }
 
-fn drawable(value: f64) -> bool {
+fn is_drawable(value: f64) -> bool {
     value > 0.0 && value.is_finite()
 }
 
 /// CSS colour of a style.
-pub(super) fn colour(style: usize) -> &'static str {
-    COLOURS[style % COLOURS.len()]
+pub(super) fn series_color(style: usize) -> &'static str {
+    SERIES_COLORS[style % SERIES_COLORS.len()]
 }
 
 /// SVG marker of a style at a point.
-pub(super) fn marker(style: usize, x: f64, y: f64) -> String {
+pub(super) fn marker_svg(style: usize, x: f64, y: f64) -> String {
     // Markers have about equal area.
     let path = |points: &[(f64, f64)]| {
         let ends: Vec<String> = points.iter().map(|(dx, dy)| format!("{:.1},{:.1}", x + dx, y + dy)).collect();
@@ -145,21 +145,21 @@ pub(super) fn marker(style: usize, x: f64, y: f64) -> String {
 }
 
 /// The plot as SVG; `None` if there is nothing to draw.
-pub(super) fn plot(plot: &Plot<'_>) -> Option<String> {
+pub(super) fn plot_svg(plot: &LogLogPlot<'_>) -> Option<String> {
     let (width, height) = plot.size;
     let longest = plot.series.iter().map(|s| shortened_label(&s.label).chars().count()).max()?;
-    let right = width - 18.0 - LETTER * longest as f64;
-    let points = || plot.series.iter().flat_map(|s| s.points.iter().filter(|p| drawable(p.0) && drawable(p.1)));
-    let x = Axis::of(points().map(|p| p.0), (58.0, right))?;
-    let y = Axis::of(points().map(|p| p.1), (height - 46.0, 12.0))?;
-    let Plot { id, .. } = plot;
+    let right = width - 18.0 - MAX_LETTER_WIDTH * longest as f64;
+    let points = || plot.series.iter().flat_map(|s| s.points.iter().filter(|p| is_drawable(p.0) && is_drawable(p.1)));
+    let x = LogAxis::enclosing(points().map(|p| p.0), (58.0, right))?;
+    let y = LogAxis::enclosing(points().map(|p| p.1), (height - 46.0, 12.0))?;
+    let LogLogPlot { id, .. } = plot;
     let mut svg = format!(
         "<svg id=\"{id}\" role=\"img\" aria-labelledby=\"{id}-title {id}-desc\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
          height=\"{height}\">\n<title id=\"{id}-title\">{}</title>\n<desc id=\"{id}-desc\">{}</desc>\n",
-        escape(plot.title),
-        escape(plot.words)
+        escape_html(plot.title),
+        escape_html(plot.words)
     );
-    axes(&mut svg, &x, &y, plot.size);
+    draw_axes(&mut svg, &x, &y, plot.size);
     plot.guides.iter().for_each(|guide| draw_guide(&mut svg, guide, &x, &y));
     let _ = writeln!(
         svg,
@@ -173,14 +173,14 @@ pub(super) fn plot(plot: &Plot<'_>) -> Option<String> {
     for series in &plot.series {
         ends.extend(draw_series(&mut svg, series, id, &x, &y).map(|end| (end, series)));
     }
-    labels(&mut svg, ends, &x, &y);
+    draw_labels(&mut svg, ends, &x, &y);
     svg += "</svg>\n";
     Some(svg)
 }
 
-fn axes(svg: &mut String, x: &Axis, y: &Axis, (_, height): (f64, f64)) {
+fn draw_axes(svg: &mut String, x: &LogAxis, y: &LogAxis, (_, height): (f64, f64)) {
     for (value, has_label) in x.ticks() {
-        let at = x.at(value);
+        let at = x.pixel_position(value);
         let class = if has_label { "grid" } else { "grid faint" };
         let _ = writeln!(
             svg,
@@ -197,7 +197,7 @@ fn axes(svg: &mut String, x: &Axis, y: &Axis, (_, height): (f64, f64)) {
         }
     }
     for (value, has_label) in y.ticks() {
-        let at = y.at(value);
+        let at = y.pixel_position(value);
         let class = if has_label { "grid" } else { "grid faint" };
         let _ = writeln!(
             svg,
@@ -228,9 +228,9 @@ fn tick_text(value: f64) -> String {
     format!("{value:.decimals$}")
 }
 
-fn draw_guide(svg: &mut String, guide: &Guide, x: &Axis, y: &Axis) {
+fn draw_guide(svg: &mut String, guide: &SlopeGuide, x: &LogAxis, y: &LogAxis) {
     let (x0, y0) = guide.through;
-    if !(drawable(x0) && drawable(y0)) {
+    if !(is_drawable(x0) && is_drawable(y0)) {
         return;
     }
     let height = |at: f64| y0 * libm::pow(at / x0, guide.slope);
@@ -245,7 +245,7 @@ fn draw_guide(svg: &mut String, guide: &Guide, x: &Axis, y: &Axis) {
     if to <= from {
         return;
     }
-    let [(x1, y1), (x2, y2)] = [from, to].map(|at| (x.at(at), y.at(height(at))));
+    let [(x1, y1), (x2, y2)] = [from, to].map(|at| (x.pixel_position(at), y.pixel_position(height(at))));
     let _ = writeln!(svg, "<line class=\"guide\" x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\"/>");
     // The label is beside the start, away from the measured line.
     let (dx, dy, anchor) = if guide.below { (-5.0, 13.0, "end") } else { (5.0, -4.0, "start") };
@@ -253,34 +253,34 @@ fn draw_guide(svg: &mut String, guide: &Guide, x: &Axis, y: &Axis) {
     let _ = writeln!(
         svg,
         "<text class=\"guide\" text-anchor=\"{anchor}\" x=\"{tx:.1}\" y=\"{ty:.1}\">{}</text>",
-        escape(&guide.label)
+        escape_html(&guide.label)
     );
 }
 
 /// Draws a line and returns its end.
-fn draw_series(svg: &mut String, series: &Series, id: &str, x: &Axis, y: &Axis) -> Option<(f64, f64)> {
-    let colour = colour(series.style);
+fn draw_series(svg: &mut String, series: &PlotSeries, id: &str, x: &LogAxis, y: &LogAxis) -> Option<(f64, f64)> {
+    let colour = series_color(series.style);
     let mut ends = Vec::new();
     let mut markers = String::new();
     for (i, (time, error)) in series.points.iter().enumerate() {
-        if !(drawable(*time) && drawable(*error)) {
+        if !(is_drawable(*time) && is_drawable(*error)) {
             continue;
         }
-        let (px, py) = (x.at(*time), y.at(*error));
+        let (px, py) = (x.pixel_position(*time), y.pixel_position(*error));
         ends.push((px, py));
         if let Some([low, high]) = series.bars.get(i).copied().flatten() {
-            let [y1, y2] = [high, low].map(|v| y.at(v.clamp(0.5 * y.least, 2.0 * y.most)));
+            let [y1, y2] = [high, low].map(|v| y.pixel_position(v.clamp(0.5 * y.least, 2.0 * y.most)));
             let _ =
                 write!(markers, "<line class=\"bar\" x1=\"{px:.1}\" x2=\"{px:.1}\" y1=\"{y1:.1}\" y2=\"{y2:.1}\"/>");
         }
-        if series.stroke == Stroke::Solid {
-            markers += &marker(series.style, px, py);
+        if series.stroke == LineStyle::Solid {
+            markers += &marker_svg(series.style, px, py);
         }
     }
     let dash = match series.stroke {
-        Stroke::Solid => "",
-        Stroke::Dashed => " stroke-dasharray=\"8 5\"",
-        Stroke::Dotted => " stroke-dasharray=\"1 5\" stroke-linecap=\"round\"",
+        LineStyle::Solid => "",
+        LineStyle::Dashed => " stroke-dasharray=\"8 5\"",
+        LineStyle::Dotted => " stroke-dasharray=\"1 5\" stroke-linecap=\"round\"",
     };
     let line: Vec<String> = ends.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
     let _ = writeln!(
@@ -292,11 +292,11 @@ fn draw_series(svg: &mut String, series: &Series, id: &str, x: &Axis, y: &Axis) 
 }
 
 /// Labels to the right of the plot, near the ends of their lines, without overlap.
-fn labels(svg: &mut String, mut ends: Vec<((f64, f64), &Series)>, x: &Axis, y: &Axis) {
+fn draw_labels(svg: &mut String, mut ends: Vec<((f64, f64), &PlotSeries)>, x: &LogAxis, y: &LogAxis) {
     ends.sort_by(|a, b| a.0.1.total_cmp(&b.0.1));
-    let heights = spread_heights(&ends.iter().map(|(end, _)| end.1).collect::<Vec<_>>(), (y.to + 4.0, y.from));
+    let heights = separate_label_heights(&ends.iter().map(|(end, _)| end.1).collect::<Vec<_>>(), (y.to + 4.0, y.from));
     for (((end_x, end_y), series), at) in ends.into_iter().zip(heights) {
-        let colour = colour(series.style);
+        let colour = series_color(series.style);
         let label_x = x.to + 14.0;
         let _ = writeln!(
             svg,
@@ -304,31 +304,31 @@ fn labels(svg: &mut String, mut ends: Vec<((f64, f64), &Series)>, x: &Axis, y: &
             end_x + 6.0,
             label_x - 3.0,
             at + 4.5,
-            escape(&shortened_label(&series.label)),
-            escape(&series.label)
+            escape_html(&shortened_label(&series.label)),
+            escape_html(&series.label)
         );
     }
 }
 
 fn shortened_label(label: &str) -> String {
-    if label.chars().count() <= LETTERS {
+    if label.chars().count() <= MAX_LABEL_LETTERS {
         return label.to_owned();
     }
-    label.chars().take(LETTERS - 1).chain(['…']).collect()
+    label.chars().take(MAX_LABEL_LETTERS - 1).chain(['…']).collect()
 }
 
 /// Sorted heights, moved apart as little as possible, within `range` if there is room.
-fn spread_heights(heights: &[f64], (top, bottom): (f64, f64)) -> Vec<f64> {
+fn separate_label_heights(heights: &[f64], (top, bottom): (f64, f64)) -> Vec<f64> {
     let mut placed: Vec<f64> = Vec::with_capacity(heights.len());
     for &height in heights {
-        let least = placed.last().map_or(top, |last| last + LABEL);
+        let least = placed.last().map_or(top, |last| last + LABEL_HEIGHT);
         placed.push(height.max(least));
     }
     // Labels below the range move up again.
     let mut most = bottom;
     for at in placed.iter_mut().rev() {
         *at = at.min(most);
-        most = *at - LABEL;
+        most = *at - LABEL_HEIGHT;
     }
     placed
 }
@@ -337,34 +337,40 @@ fn spread_heights(heights: &[f64], (top, bottom): (f64, f64)) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    fn series(label: &str, style: usize, points: &[(f64, f64)]) -> Series {
-        Series { label: label.into(), style, stroke: Stroke::Solid, points: points.to_vec(), bars: Vec::new() }
+    fn series(label: &str, style: usize, points: &[(f64, f64)]) -> PlotSeries {
+        PlotSeries { label: label.into(), style, stroke: LineStyle::Solid, points: points.to_vec(), bars: Vec::new() }
     }
 
     #[test]
     fn labels_do_not_touch() {
-        let placed = spread_heights(&[10.0, 11.0, 12.0, 80.0, 99.0, 100.0], (10.0, 100.0));
-        assert!(placed.windows(2).all(|pair| pair[1] - pair[0] >= LABEL - 1e-9), "{placed:?}");
+        let placed = separate_label_heights(&[10.0, 11.0, 12.0, 80.0, 99.0, 100.0], (10.0, 100.0));
+        assert!(placed.windows(2).all(|pair| pair[1] - pair[0] >= LABEL_HEIGHT - 1e-9), "{placed:?}");
         assert!(placed[0] >= 10.0 - 1e-9 && placed[5] <= 100.0 && placed[1] == 26.0);
     }
 
     #[test]
     fn a_decade_is_as_long_as_any_other() {
-        let axis = Axis::of([0.01, 10.0].into_iter(), (0.0, 300.0)).unwrap();
-        assert!((axis.at(1.0) - axis.at(0.1) - (axis.at(0.1) - axis.at(0.01))).abs() < 1e-9);
+        let axis = LogAxis::enclosing([0.01, 10.0].into_iter(), (0.0, 300.0)).unwrap();
+        assert!(
+            (axis.pixel_position(1.0)
+                - axis.pixel_position(0.1)
+                - (axis.pixel_position(0.1) - axis.pixel_position(0.01)))
+            .abs()
+                < 1e-9
+        );
         let labelled: Vec<f64> = axis.ticks().into_iter().filter(|t| t.1).map(|t| t.0).collect();
         let expected = [0.01, 0.1, 1.0, 10.0];
         assert!(labelled.len() == 4 && labelled.iter().zip(expected).all(|(a, b)| (a / b - 1.0).abs() < 1e-12));
         assert_eq!([0.05, 0.5, 2.0, 100.0, 0.01].map(tick_text), ["0.05", "0.5", "2", "100", "0.01"]);
         // One point has ticks around it.
-        assert!(Axis::of([3.0].into_iter(), (0.0, 1.0)).unwrap().ticks().len() >= 2);
+        assert!(LogAxis::enclosing([3.0].into_iter(), (0.0, 1.0)).unwrap().ticks().len() >= 2);
     }
 
     #[test]
     fn what_has_no_logarithm_is_not_drawn() {
         let draw = |points: &[(f64, f64)]| {
             let all = vec![series("a<b", 0, points)];
-            plot(&Plot { id: "p", title: "t", words: "w", size: (400.0, 300.0), series: all, guides: vec![] })
+            plot_svg(&LogLogPlot { id: "p", title: "t", words: "w", size: (400.0, 300.0), series: all, guides: vec![] })
         };
         assert!(draw(&[(0.0, 1.0), (1.0, -1.0), (1.0, f64::NAN)]).is_none());
         let svg = draw(&[(1.0, 0.5), (2.0, 0.0), (4.0, 0.25)]).unwrap();

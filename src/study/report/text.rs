@@ -2,7 +2,7 @@
 
 /// A count with SI prefix: `250`, `1.9 k`, `12 M`, `-3.4 G`.
 #[must_use]
-pub fn amount(n: f64) -> String {
+pub fn count_text(n: f64) -> String {
     // 1000 of a unit is 1 of the next.
     let (scale, unit) = match n.abs() {
         999.5e6.. => (1e9, " G"),
@@ -24,20 +24,20 @@ const EVEN: f64 = 0.05;
 
 /// A signed count: `+1.9 k`, `0`, `-12`.
 #[must_use]
-pub fn signed(n: f64) -> String {
-    if n >= 0.5 { format!("+{}", amount(n)) } else { amount(n) }
+pub fn signed_count_text(n: f64) -> String {
+    if n >= 0.5 { format!("+{}", count_text(n)) } else { count_text(n) }
 }
 
 /// A difference of `seconds` in signed milliseconds: `+1.9`, `0.0`, `-12.0`.
 #[must_use]
-pub fn milliseconds(seconds: f64) -> String {
+pub fn signed_milliseconds_text(seconds: f64) -> String {
     let ms = 1e3 * seconds;
     if ms.abs() < EVEN { "0.0".to_owned() } else { format!("{ms:+.1}") }
 }
 
 /// A fraction in percent: `0 %`, `< 0.1 %`, `2.3 %`, `120 %`.
 #[must_use]
-pub fn percent(part: f64) -> String {
+pub fn percent_text(part: f64) -> String {
     match 100.0 * part {
         0.0 => "0 %".to_owned(),
         p if p.abs() < EVEN => "< 0.1 %".to_owned(),
@@ -48,32 +48,32 @@ pub fn percent(part: f64) -> String {
 
 /// An error in percent with three digits: `12.3 %`, `0.0450 %`.
 #[must_use]
-pub fn error(part: f64) -> String {
-    format!("{} %", figure(100.0 * part))
+pub fn error_percent_text(part: f64) -> String {
+    format!("{} %", three_digit_text(100.0 * part))
 }
 
 /// A slope with two digits: `−0.50`, `0.00`.
 #[must_use]
-pub fn slope(slope: f64) -> String {
+pub fn slope_text(slope: f64) -> String {
     // Adding zero removes the sign of a zero.
     format!("{:.2}", (100.0 * slope).round() / 100.0 + 0.0).replace('-', "−")
 }
 
 /// A time: `0.25 s`, `12.3 s`, `4 min 10 s`, `2 h 5 min`, `3 days`.
 #[must_use]
-pub fn duration(seconds: f64) -> String {
+pub fn duration_text(seconds: f64) -> String {
     // 60 of a unit is 1 of the next.
     match seconds {
-        s if s.is_nan() || s < 59.95 => format!("{} s", figure(s)),
-        s if s < 3599.5 => sixties(s.round(), "min", "s"),
-        s if s < 172_770.0 => sixties((s / 60.0).round(), "h", "min"),
+        s if s.is_nan() || s < 59.95 => format!("{} s", three_digit_text(s)),
+        s if s < 3599.5 => minutes_or_hours_text(s.round(), "min", "s"),
+        s if s < 172_770.0 => minutes_or_hours_text((s / 60.0).round(), "h", "min"),
         s if s.is_finite() => format!("{:.0} days", s / 86_400.0),
         _ => "∞".to_owned(),
     }
 }
 
 /// `small` units as larger units of sixty each, and the rest.
-fn sixties(small: f64, large_unit: &str, small_unit: &str) -> String {
+fn minutes_or_hours_text(small: f64, large_unit: &str, small_unit: &str) -> String {
     let (large, rest) = ((small / 60.0).floor(), small % 60.0);
     if rest == 0.0 {
         format!("{large:.0} {large_unit}")
@@ -84,7 +84,7 @@ fn sixties(small: f64, large_unit: &str, small_unit: &str) -> String {
 
 /// A number with three digits: `0`, `0.0123`, `12.3`, `1.23e-7`.
 #[must_use]
-pub fn figure(x: f64) -> String {
+pub fn three_digit_text(x: f64) -> String {
     match x.abs() {
         0.0 => "0".to_owned(),
         1000.0.. | ..0.001 => format!("{x:.2e}"),
@@ -114,24 +114,24 @@ mod tests {
             (999_600_000.0, "1.0 G"),
         ];
         for (n, text) in cases {
-            assert_eq!(amount(n), text);
+            assert_eq!(count_text(n), text);
         }
-        assert_eq!([1500.0, 0.0, -1500.0].map(signed), ["+1.5 k", "0", "-1.5 k"]);
+        assert_eq!([1500.0, 0.0, -1500.0].map(signed_count_text), ["+1.5 k", "0", "-1.5 k"]);
     }
 
     #[test]
     fn times_are_in_units_that_people_use() {
-        let times = [0.25, 12.34, 59.96, 250.0, 3599.9, 7500.0, 3e5, f64::INFINITY].map(duration);
+        let times = [0.25, 12.34, 59.96, 250.0, 3599.9, 7500.0, 3e5, f64::INFINITY].map(duration_text);
         assert_eq!(times, ["0.250 s", "12.3 s", "1 min", "4 min 10 s", "1 h", "2 h 5 min", "3 days", "∞"]);
-        assert_eq!([-0.333, -0.001, 0.5].map(slope), ["−0.33", "0.00", "0.50"]);
-        assert_eq!([0.1234, 4.5e-4].map(error), ["12.3 %", "0.0450 %"]);
+        assert_eq!([-0.333, -0.001, 0.5].map(slope_text), ["−0.33", "0.00", "0.50"]);
+        assert_eq!([0.1234, 4.5e-4].map(error_percent_text), ["12.3 %", "0.0450 %"]);
     }
 
     #[test]
     fn parts_times_and_numbers_keep_what_counts() {
-        assert_eq!([0.0, 1e-5, -0.023, 1.2].map(percent), ["0 %", "< 0.1 %", "-2.3 %", "120 %"]);
-        assert_eq!([1.23e-3, -4e-5, -0.5].map(milliseconds), ["+1.2", "0.0", "-500.0"]);
-        let numbers = [0.0, 1.234e-7, 0.00123, 0.0123, 0.123, 1.234, 12.34, 123.4, 12340.0].map(figure);
+        assert_eq!([0.0, 1e-5, -0.023, 1.2].map(percent_text), ["0 %", "< 0.1 %", "-2.3 %", "120 %"]);
+        assert_eq!([1.23e-3, -4e-5, -0.5].map(signed_milliseconds_text), ["+1.2", "0.0", "-500.0"]);
+        let numbers = [0.0, 1.234e-7, 0.00123, 0.0123, 0.123, 1.234, 12.34, 123.4, 12340.0].map(three_digit_text);
         assert_eq!(numbers, ["0", "1.23e-7", "0.00123", "0.0123", "0.123", "1.23", "12.3", "123", "1.23e4"]);
     }
 }

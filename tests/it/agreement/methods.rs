@@ -3,7 +3,7 @@
 use caustica::camera::{Filter, FilterKind};
 use caustica::color::Rgb;
 use caustica::integrate::{
-    ALPHA, Algorithm, EyeSettings, FinalGathering, Integrator, Settings, Silent, VolumeEstimate,
+    ALPHA, Algorithm, CameraPathSettings, FinalGathering, Integrator, Settings, Silent, VolumeEstimate,
 };
 use caustica::photon::Kernel;
 use caustica::scene::Scene;
@@ -62,15 +62,15 @@ fn image(method: Method, prepared: &dyn Integrator, i: u32) -> Vec<Rgb> {
 }
 
 fn prepare<'a>(method: Method, scene: &'a Scene, effort: Effort, i: u32) -> Box<dyn Integrator + 'a> {
-    let eye = EyeSettings {
+    let camera_paths = CameraPathSettings {
         samples: Some(effort.samples),
         max_bounces: 1000,
         seed: 1000 + u64::from(i),
         filter: Filter::new(FilterKind::Box),
-        ..EyeSettings::default()
+        ..CameraPathSettings::default()
     };
     let settings = Settings {
-        eye,
+        camera_paths,
         balance: false,
         photons: effort.photons,
         caustic_photons: effort.caustic,

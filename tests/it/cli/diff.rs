@@ -1,7 +1,7 @@
 //! Tests of `caustica diff`.
 
 use super::{CliSandbox, ProgramRun, read};
-use caustica::image::{Image, WriteOptions, sequential, write};
+use caustica::image::{Image, WriteOptions, sequential_color, write};
 use glam::Vec3;
 use serde_json::{Value, json};
 
@@ -168,7 +168,7 @@ fn difference_maps_are_coloured_or_numeric() {
     assert_eq!(report(&written)["map"], json!({"file": "map.png", "kind": "absolute", "colors": colors}));
     let near = |found: Vec3, expected: Vec3| (found - expected).abs().max_element() < 0.01;
     let map = read(&sandbox.path("map.png"));
-    assert!(near(map.get(3, 1).unwrap(), sequential(1.0)) && near(map.get(1, 0).unwrap(), sequential(0.0)));
+    assert!(near(map.get(3, 1).unwrap(), sequential_color(1.0)) && near(map.get(1, 0).unwrap(), sequential_color(0.0)));
 
     run(&sandbox, "a.exr b.exr --map signed -o map.exr --quiet").expect(0, &[]);
     let map = read(&sandbox.path("map.exr"));

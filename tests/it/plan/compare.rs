@@ -1,8 +1,8 @@
 //! Renders one scene with different effects and compares bits.
 
-use crate::support::scene_in;
+use crate::support::scene_from_text_in;
 use caustica::color::Rgb;
-use caustica::integrate::{Algorithm, EyeSettings, FinalGathering, Settings, Silent};
+use caustica::integrate::{Algorithm, CameraPathSettings, FinalGathering, Settings, Silent};
 use caustica::plan::{Decision, EffectOverrides};
 use caustica::scene::Scene;
 use caustica::stats::Counters;
@@ -49,15 +49,15 @@ pub struct Picture {
 
 impl Picture {
     pub fn new(scene: &Scene, how: &RenderSettings, effects: EffectOverrides) -> Self {
-        let eye = EyeSettings {
+        let camera_paths = CameraPathSettings {
             samples: how.samples,
             max_bounces: how.max_bounces,
             seed: how.seed,
             effects,
-            ..EyeSettings::default()
+            ..CameraPathSettings::default()
         };
         let settings = Settings {
-            eye,
+            camera_paths,
             photons: how.photons,
             caustic_photons: how.caustic_photons,
             gather_k: how.gather_k,
@@ -104,5 +104,5 @@ pub fn difference(scene: &Scene, how: &RenderSettings, forced: EffectOverrides) 
 /// Builds the scene of `text`. File names in it are relative to the root of the repository.
 #[track_caller]
 pub fn scene(text: &str) -> Scene {
-    scene_in("", text)
+    scene_from_text_in("", text)
 }

@@ -1,7 +1,7 @@
 //! Effect overrides: an effect that is forced off is missing from the image and costs nothing.
 
 use super::compare::{Picture, RenderSettings, scene};
-use caustica::integrate::{Algorithm, EyeSettings, Settings};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::plan::{Effect, EffectOverrides, Effects};
 use caustica::scene::Scene;
 use caustica::stats::Counters;
@@ -180,8 +180,10 @@ fn unused_media_change_nothing() {
                  MaterialName glass  Sphere {{ center 0 .8 0  radius .7 }} }}"
     ));
     let distributions = |effects| {
-        let eye = EyeSettings { effects, ..EyeSettings::default() };
-        Algorithm::Hybrid.prepare(&scene, Settings { eye, balance: false, ..Settings::default() }).guiding_reports()
+        let camera_paths = CameraPathSettings { effects, ..CameraPathSettings::default() };
+        Algorithm::Hybrid
+            .prepare(&scene, Settings { camera_paths, balance: false, ..Settings::default() })
+            .guiding_reports()
     };
     let planned = distributions(EffectOverrides::PLANNED);
     assert!(planned.caustic.is_some());

@@ -2,11 +2,11 @@
 
 mod outputs;
 
-use crate::support::image;
+use crate::support::render_one_pass;
 use caustica::color::Rgb;
 use caustica::format::SceneFile;
-use caustica::integrate::{Algorithm, EyeSettings, Settings};
-use caustica::math::Sum;
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
+use caustica::math::CompensatedSum;
 use caustica::render::Film;
 use caustica::sampling::{Dimension, Key, Purpose};
 use glam::{DVec3, Vec3};
@@ -28,7 +28,7 @@ fn mean_of_constant_survives_billion_samples() {
     }
     assert_eq!(film.passes(), 1_000_000_000);
     // The sum and the quotient round once each; n²·2⁻¹⁰⁶ adds 10⁻¹⁴.
-    let off = (film.means().next().unwrap() / CONSTANT.as_dvec3() - 1.0).abs().max_element();
+    let off = (film.pixel_means().next().unwrap() / CONSTANT.as_dvec3() - 1.0).abs().max_element();
     assert!(off <= 2.0 * UNIT + 1e18 * UNIT * UNIT, "{off:e}");
     assert!(off < 1e-9);
     assert_eq!(film.mean(), [CONSTANT]);
@@ -38,7 +38,8 @@ fn mean_of_constant_survives_billion_samples() {
 /// `signed`, half of them are negative.
 fn values(n: u64, signed: bool) -> Vec<Rgb> {
     let one = |i: u64| {
-        let draw = |c: u64, dimension| Key::new(3).purpose(Purpose::Test).with(i).with(c).uniform(dimension);
+        let draw =
+            |c: u64, dimension| Key::new(3).purpose_key(Purpose::Test).child_key(i).child_key(c).uniform_1d(dimension);
         Vec3::from_array([0, 1, 2].map(|c| {
             let size = libm::exp2f((40.0 * draw(c, Dimension::Film)).floor() - 20.0);
             let sign = if signed && draw(c, Dimension::Light) < 0.5 { -1.0 } else { 1.0 };
@@ -55,7 +56,7 @@ fn orders(values: &[Rgb]) -> [Vec<Rgb>; 5] {
         sorted.sort_by(|a, b| key(a).total_cmp(&key(b)));
         sorted
     };
-    let hash = |v: &Rgb| Key::new(u64::from(v.x.to_bits())).purpose(Purpose::Test).uniform(Dimension::Film);
+    let hash = |v: &Rgb| Key::new(u64::from(v.x.to_bits())).purpose_key(Purpose::Test).uniform_1d(Dimension::Film);
     [values.to_vec(), values.iter().rev().copied().collect(), by(&|v| v.x.abs()), by(&|v| -v.x.abs()), by(&hash)]
 }
 
@@ -73,12 +74,12 @@ fn pass_order_matters_only_by_rounding() {
         let bound = exact.abs() * 3.0 * UNIT + magnitudes * (n * UNIT) * (n * UNIT);
         for (order, values) in orders(&values).iter().enumerate() {
             let mut film = Film::new(1, 1);
-            let mut sum = Sum::default();
+            let mut sum = CompensatedSum::default();
             for value in values {
                 film.add(&[*value]);
                 sum.add(value.as_dvec3());
             }
-            let off = (film.means().next().unwrap() * n - exact).abs();
+            let off = (film.pixel_means().next().unwrap() * n - exact).abs();
             assert!(off.cmple(bound).all(), "order {order}, signed {signed}: {off} beyond {bound}");
             assert!((sum.value() - exact).abs().cmple(bound).all(), "order {order}");
         }
@@ -92,15 +93,15 @@ fn passes_rendered_backwards_give_same_image() {
     let mut file = SceneFile::read(&path).unwrap();
     (file.description.camera.value.width, file.description.camera.value.height) = (24, 18);
     let scene = file.resolve().unwrap();
-    let eye = EyeSettings { samples: Some(1), ..EyeSettings::default() };
-    let integrator = Algorithm::Path.prepare(&scene, Settings { eye, ..Settings::default() });
+    let camera_paths = CameraPathSettings { samples: Some(1), ..CameraPathSettings::default() };
+    let integrator = Algorithm::Path.prepare(&scene, Settings { camera_paths, ..Settings::default() });
     let film = |passes: &mut dyn Iterator<Item = u32>| {
         let mut film = Film::new(24, 18);
-        passes.for_each(|pass| film.add(&image(&*integrator, pass)));
+        passes.for_each(|pass| film.add(&render_one_pass(&*integrator, pass)));
         film
     };
     let (forwards, backwards) = (film(&mut (0..40)), film(&mut (0..40).rev()));
-    for (a, b) in forwards.means().zip(backwards.means()) {
+    for (a, b) in forwards.pixel_means().zip(backwards.pixel_means()) {
         // Two sums and two quotients. Radiance is never negative, and 40²u² is negligible.
         assert!((a - b).abs().cmple(a * 4.1 * UNIT).all(), "{a:?} {b:?}");
     }

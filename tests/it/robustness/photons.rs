@@ -11,9 +11,9 @@ mod walls;
 
 use caustica::camera::{Camera, Filter, FilterKind};
 use caustica::color::Rgb;
-use caustica::integrate::{Algorithm, EyeSettings, Settings, Silent};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings, Silent};
 use caustica::photon::Photon;
-use caustica::render::{Rendered, StopCriteria, render};
+use caustica::render::{RenderResult, StopCriteria, render};
 use caustica::sampling::{Dimension, Key, Purpose};
 use caustica::scene::Scene;
 use caustica::shape::{Rectangle, Shape};
@@ -29,8 +29,8 @@ const WITH_PHOTONS: [Algorithm; 4] = [Algorithm::Hybrid, Algorithm::Sppm, Algori
 
 /// Returns three numbers in [0, 1) that depend on `i`.
 fn random(i: u64) -> Vec3 {
-    let key = Key::new(8).purpose(Purpose::Test).with(i);
-    key.uniform_2d(Dimension::LightPosition).extend(key.uniform(Dimension::Light))
+    let key = Key::new(8).purpose_key(Purpose::Test).child_key(i);
+    key.uniform_2d(Dimension::LightPosition).extend(key.uniform_1d(Dimension::Light))
 }
 
 /// Returns a photon on a surface that faces +z, with incident light along the normal.
@@ -53,12 +53,18 @@ fn flat_camera(center: DVec3, direction: DVec3, width: f64, size: u32) -> Camera
 /// division, and a box filter.
 fn settings(paths: u32, samples: u32) -> Settings {
     let filter = Filter::new(FilterKind::Box);
-    let eye = EyeSettings { samples: Some(samples), seed: 5, filter, estimate_error: true, ..EyeSettings::default() };
-    Settings { eye, photons: paths, caustic_photons: paths, balance: false, ..Settings::default() }
+    let camera_paths = CameraPathSettings {
+        samples: Some(samples),
+        seed: 5,
+        filter,
+        estimate_error: true,
+        ..CameraPathSettings::default()
+    };
+    Settings { camera_paths, photons: paths, caustic_photons: paths, balance: false, ..Settings::default() }
 }
 
 /// Renders this many passes with error estimation.
-fn rendered(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32) -> Rendered {
+fn rendered(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32) -> RenderResult {
     let integrator = algorithm.prepare(scene, settings);
     let interrupted = AtomicBool::new(false);
     let stop =
@@ -69,13 +75,13 @@ fn rendered(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32
 /// Fails if a number of a render is not finite: a pixel, an error map, an error estimate. Also
 /// fails if a sample or a photon was rejected.
 #[track_caller]
-fn finite(what: &str, rendered: &Rendered) {
+fn finite(what: &str, rendered: &RenderResult) {
     let mean = rendered.film.mean();
     assert!(mean.iter().all(|v| v.is_finite()), "{what}: a pixel is not finite");
     assert_eq!(rendered.counters.rejected_samples, 0, "{what}: samples were left out");
     assert_eq!(rendered.counters.rejected_photons, 0, "{what}: photons were left out");
     let estimator = rendered.estimator.as_ref().unwrap();
-    let maps = estimator.maps(&rendered.film);
+    let maps = estimator.error_maps(&rendered.film);
     assert!(maps.noise.iter().chain(&maps.bias).all(|v| v.is_finite()), "{what}: a map of errors is not finite");
     let discs = || maps.caustic.iter().chain(&maps.global);
     assert!(discs().all(|d| d.radius.is_finite() && d.photons.is_finite()), "{what}: a disc is not finite");

@@ -5,11 +5,11 @@ mod floor;
 mod paired;
 mod similar;
 
-use crate::support::image;
+use crate::support::render_one_pass;
 use caustica::color::Rgb;
 use caustica::format::SceneFile;
 use caustica::format::description::{Group, GroupItem, ObjectDescription, ShapeDescription};
-use caustica::integrate::{Algorithm, EyeSettings, FinalGathering, Settings, VolumeEstimate};
+use caustica::integrate::{Algorithm, CameraPathSettings, FinalGathering, Settings, VolumeEstimate};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::Scene;
@@ -79,14 +79,14 @@ fn few() -> Settings {
         balance: false,
         photons: 2000,
         caustic_photons: 2000,
-        eye: EyeSettings { samples: Some(1), ..EyeSettings::default() },
+        camera_paths: CameraPathSettings { samples: Some(1), ..CameraPathSettings::default() },
         ..Settings::default()
     }
 }
 
 fn pictures(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32) -> Vec<Vec<Rgb>> {
     let integrator = algorithm.prepare(scene, settings);
-    (0..passes).map(|pass| image(&*integrator, pass)).collect()
+    (0..passes).map(|pass| render_one_pass(&*integrator, pass)).collect()
 }
 
 fn summaries(images: &[Vec<Rgb>]) -> Vec<Vec<f64>> {
@@ -106,7 +106,7 @@ fn differ(a: &[Vec<Rgb>], b: &[Vec<Rgb>]) -> usize {
 /// transforms, a point, a corner of the bounding box, the center, the camera, and their
 /// differences. Single precision rounds by 2⁻²⁴ = 6·10⁻⁸ once the scene is recentered.
 fn far_away(file: &SceneFile, scene: &Scene) -> (Scene, f64) {
-    let distance = 1e6 * 2.0 * f64::from(scene.domain().radius);
+    let distance = 1e6 * 2.0 * f64::from(scene.photon_domain().radius);
     let moved = placed(file, &Similarity { shift: AWAY * distance, ..Similarity::NONE });
     (moved, 6.0 * AWAY.length() * distance * f64::EPSILON / 2.0)
 }
@@ -120,7 +120,7 @@ fn scaled_and_moved_scenes_give_same_image() {
         let scene = placed(file, &Similarity::NONE);
         // Pilots of radii take as long as everything else, so nine of ten scenes have a fixed
         // radius.
-        let radius = |scene: &Scene| (number % 10 > 0).then(|| scene.domain().radius * 0.01);
+        let radius = |scene: &Scene| (number % 10 > 0).then(|| scene.photon_domain().radius * 0.01);
         let passes =
             |scene: &Scene, n: u32| pictures(scene, Algorithm::Hybrid, Settings { radius: radius(scene), ..few() }, n);
         let render = |scene: &Scene| passes(scene, PASSES);
@@ -145,13 +145,13 @@ fn scaled_and_moved_scenes_give_same_image() {
 /// Other integrators and settings, each with a demanding scene.
 #[test]
 fn no_integrator_depends_on_length_unit() {
-    let (eye, base) = (few().eye, few());
-    let estimated = EyeSettings { estimate_error: true, adaptive: true, samples: Some(2), ..eye };
+    let (eye, base) = (few().camera_paths, few());
+    let estimated = CameraPathSettings { estimate_error: true, adaptive: true, samples: Some(2), ..eye };
     let importance = Settings { final_gathering: FinalGathering::Importance, ..base.clone() };
     let volume = |volume| Settings { volume, ..base.clone() };
     let cases = [
         ("cabinet", Algorithm::Sppm, base.clone()),
-        ("garden-pool", Algorithm::Ppm, Settings { eye: estimated.clone(), ..base.clone() }),
+        ("garden-pool", Algorithm::Ppm, Settings { camera_paths: estimated.clone(), ..base.clone() }),
         ("still-life", Algorithm::Pm, importance),
         ("lens-in-fog", Algorithm::Pm, volume(VolumeEstimate::Points)),
         ("lens-in-fog", Algorithm::Sppm, volume(VolumeEstimate::Beams)),
@@ -162,7 +162,7 @@ fn no_integrator_depends_on_length_unit() {
         (
             "goblet",
             Algorithm::Hybrid,
-            Settings { balance: true, eye: EyeSettings { samples: None, ..estimated }, ..base },
+            Settings { balance: true, camera_paths: CameraPathSettings { samples: None, ..estimated }, ..base },
         ),
     ];
     cases.into_par_iter().for_each(|(name, algorithm, settings)| {
@@ -185,9 +185,12 @@ fn rotated_scenes_have_same_flux_and_radiance() {
         let here = placed(file, &Similarity::NONE);
         let turn = Similarity { turn: (ASKEW.0.normalize(), ASKEW.1), ..Similarity::NONE };
         let there = placed(file, &turn);
-        let near =
-            if unbounded(&file.description.root) { 0.5 * f64::from(here.domain().radius) } else { f64::INFINITY };
-        let middle = here.origin() + here.domain().center.as_dvec3();
+        let near = if unbounded(&file.description.root) {
+            0.5 * f64::from(here.photon_domain().radius)
+        } else {
+            f64::INFINITY
+        };
+        let middle = here.origin() + here.photon_domain().center.as_dvec3();
         let stored = mean_difference(
             &fluxes(&there, turn.place(middle), near),
             &fluxes(&here, middle, near),
@@ -216,11 +219,11 @@ fn rotated_scenes_have_same_flux_and_radiance() {
 /// Light from infinity covers more of an unbounded plane if the bounding box of the rest is larger.
 /// So in scenes with such a plane only direct light `near` the `middle` counts.
 fn fluxes(scene: &Scene, middle: DVec3, near: f64) -> Vec<Vec<f64>> {
-    let source = PhotonSource::everywhere(scene).unwrap();
+    let source = PhotonSource::in_all_directions(scene).unwrap();
     let pass =
         PhotonPass { scene, source: &source, mask: StoreMask::ALL, max_bounces: if near.is_finite() { 0 } else { 50 } };
     let one = |index: u32| {
-        let key = Key::new(7).purpose(Purpose::Test).with(index.into());
+        let key = Key::new(7).purpose_key(Purpose::Test).child_key(index.into());
         let traced = pass.trace(key, 4096, &|_| {});
         let inside =
             traced.deposits.photons.iter().filter(|p| (p.position.as_dvec3() + scene.origin()).distance(middle) < near);

@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::format::description::{
-    Coefficients, Density, ExtentDescription, MediumDescription, Phase, Span, Spanned, TransformStep,
+    DensityDescription, MediumCoefficients, MediumDescription, PhaseFunctionDescription, Span, Spanned, TransformStep,
+    TransformedBoxDescription,
 };
 
 fn named(name: &str) -> Spanned<String> {
@@ -25,30 +26,34 @@ fn media_read_all_their_fields() {
         "numMedia 4 Medium a { } Medium \"b c\" { scattering 1 2 3 absorption 4 5 6 emission 7 8 9 phase rayleigh }
          Medium d { albedo 1 .5 0 extinction 10 20 30 anisotropy -.5 } Medium e { phase henyey-greenstein anisotropy .99 }",
     );
-    let parts = |absorption, scattering| Coefficients::Parts { absorption, scattering };
+    let parts = |absorption, scattering| MediumCoefficients::AbsorptionScattering { absorption, scattering };
     let nothing = parts(DVec3::ZERO, DVec3::ZERO);
     let a = MediumDescription {
         name: "a".to_owned(),
         coefficients: nothing,
         emission: DVec3::ZERO,
-        phase: Phase::Isotropic,
-        density: Density::Even,
+        phase: PhaseFunctionDescription::Isotropic,
+        density: DensityDescription::Homogeneous,
     };
     let b = MediumDescription {
         name: "b c".to_owned(),
         coefficients: parts(DVec3::new(4.0, 5.0, 6.0), DVec3::new(1.0, 2.0, 3.0)),
         emission: DVec3::new(7.0, 8.0, 9.0),
-        phase: Phase::Rayleigh,
+        phase: PhaseFunctionDescription::Rayleigh,
         ..a.clone()
     };
     let (extinction, albedo) = (DVec3::new(10.0, 20.0, 30.0), DVec3::new(1.0, 0.5, 0.0));
     let d = MediumDescription {
         name: "d".to_owned(),
-        coefficients: Coefficients::Whole { extinction, albedo },
-        phase: Phase::HenyeyGreenstein(-0.5),
+        coefficients: MediumCoefficients::ExtinctionAlbedo { extinction, albedo },
+        phase: PhaseFunctionDescription::HenyeyGreenstein(-0.5),
         ..a.clone()
     };
-    let e = MediumDescription { name: "e".to_owned(), phase: Phase::HenyeyGreenstein(0.99), ..a.clone() };
+    let e = MediumDescription {
+        name: "e".to_owned(),
+        phase: PhaseFunctionDescription::HenyeyGreenstein(0.99),
+        ..a.clone()
+    };
     assert_eq!(media, [a, b, d, e]);
 }
 
@@ -61,16 +66,16 @@ fn densities_come_from_grids_or_noise() {
     )[..] else {
         panic!()
     };
-    let extent = ExtentDescription {
+    let extent = TransformedBoxDescription {
         min: DVec3::new(-1.0, 0.0, 1.0),
         max: DVec3::new(1.0, 2.0, 3.0),
         maps: vec![TransformStep::RotateY(30.0)],
     };
-    assert_eq!(smoke.density, Density::Grid { path: named("dir/s.grid"), scale: 3.0, extent });
-    let extent = ExtentDescription { min: DVec3::ZERO, max: DVec3::ONE, maps: vec![] };
+    assert_eq!(smoke.density, DensityDescription::Grid { path: named("dir/s.grid"), scale: 3.0, extent });
+    let extent = TransformedBoxDescription { min: DVec3::ZERO, max: DVec3::ONE, maps: vec![] };
     let expected = |cover, softness, octaves, frequency, seed, resolution| {
         let extent = extent.clone();
-        Density::Cloud { cover, softness, octaves, frequency, seed, resolution, extent }
+        DensityDescription::Cloud { cover, softness, octaves, frequency, seed, resolution, extent }
     };
     assert_eq!(plain.density, expected(0.5, 0.3, 5, 4.0, 0, 96));
     assert_eq!(cloud.density, expected(1.0, 0.0, 16, 2.5, u32::MAX, 512));
@@ -81,14 +86,14 @@ fn materials_and_background_refer_to_media() {
     let text = "Background { medium fog color 0 0 0 } Media { Medium fog { } Medium milk { } }
         Materials { Dielectric { medium milk } Clear c { medium \"fog\" priority 255 } Clear { } } Group { }";
     let d = scene(text).unwrap();
-    assert_eq!((d.background, d.filling.as_ref()), (DVec3::ZERO, Some(&named("fog"))));
+    assert_eq!((d.background, d.ambient_medium.as_ref()), (DVec3::ZERO, Some(&named("fog"))));
     let found: Vec<_> = d.materials.iter().map(|m| (&m.kind, m.medium.clone())).collect();
     assert!(matches!(found[0].0, MaterialKindDescription::Dielectric { .. }));
     assert_eq!(found[0].1, Some(named("milk")));
     assert_eq!(found[1], (&MaterialKindDescription::Clear { priority: 255 }, Some(named("fog"))));
     assert_eq!(found[2], (&MaterialKindDescription::Clear { priority: 0 }, None));
     let again = scene("Background { medium fog } Background { } Group { }").unwrap();
-    assert_eq!(again.filling, None, "a block that comes again replaces the one before");
+    assert_eq!(again.ambient_medium, None, "a block that comes again replaces the one before");
 }
 
 #[test]

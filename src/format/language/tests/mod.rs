@@ -4,20 +4,20 @@ mod surfaces;
 mod textures;
 
 use super::*;
-use crate::format::MAX_DEPTH;
+use crate::format::MAX_NESTING_DEPTH;
 use crate::format::description::{
-    Aim, GroupItem, LightDescription, MaterialKindDescription, MeshOptions, ObjectDescription, PointStrength,
-    ProjectionDescription, ShapeDescription,
+    DirectionOrTarget, GroupItem, LightDescription, MaterialKindDescription, MeshOptions, ObjectDescription,
+    PointLightStrength, ProjectionDescription, ShapeDescription,
 };
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 width 200 height 200 }";
 
 /// Line 1 of the text is `CAMERA`, so `body` starts at line 2.
-fn scene(body: &str) -> Result<Description, SceneError> {
+fn scene(body: &str) -> Result<SceneDescription, SceneError> {
     parse("scene.txt", &format!("{CAMERA}\n{body}"))
 }
 
-fn check(result: Result<Description, SceneError>, place: (usize, usize), text: &str, message: &str, help: &str) {
+fn check(result: Result<SceneDescription, SceneError>, place: (usize, usize), text: &str, message: &str, help: &str) {
     let error = result.expect_err(message);
     assert_eq!((error.line(), error.column(), error.text()), (place.0, place.1, text), "{error}");
     assert!(error.message().contains(message), "`{message}` is not in `{}`", error.message());
@@ -49,7 +49,7 @@ fn numbers_end_at_the_first_other_character() {
     let camera = parse("a", text).unwrap().camera;
     assert_eq!(camera.projection, ProjectionDescription::Perspective { angle: 20.0, lens: None });
     assert_eq!((camera.width, camera.height), (200, 100));
-    assert_eq!(camera.aim, Aim::Direction(DVec3::NEG_Z));
+    assert_eq!(camera.aim, DirectionOrTarget::Direction(DVec3::NEG_Z));
 }
 
 #[test]
@@ -239,10 +239,10 @@ fn lights_need_exactly_one_strength() {
         d.lights[0].value,
         LightDescription::Spot {
             position: DVec3::ZERO,
-            aim: Aim::LookAt(DVec3::Z),
+            aim: DirectionOrTarget::LookAt(DVec3::Z),
             angle: 60.0,
             penumbra: 9.0,
-            strength: PointStrength::Intensity(DVec3::new(1.0, 2.0, 3.0)),
+            strength: PointLightStrength::Intensity(DVec3::new(1.0, 2.0, 3.0)),
         }
     );
     let spot = |fields: &str| format!("Lights {{ SpotLight {{ position 0 0 0 {fields} }} }}");
@@ -343,30 +343,31 @@ fn an_unclosed_block_is_reported_where_it_opens() {
 #[test]
 fn nesting_is_limited() {
     let nested = |n: usize, open: &str| format!("{}{}", open.repeat(n), "}".repeat(n));
-    let deepest = scene(&nested(MAX_DEPTH, "Group { numObjects 1 ").replace("1 }", "0 }")).unwrap();
+    let deepest = scene(&nested(MAX_NESTING_DEPTH, "Group { numObjects 1 ").replace("1 }", "0 }")).unwrap();
     assert_eq!(parse("again", &deepest.to_string()).unwrap(), deepest);
-    for n in [MAX_DEPTH + 1, 10_000, 1_000_000] {
+    for n in [MAX_NESTING_DEPTH + 1, 10_000, 1_000_000] {
         for open in ["Group { numObjects 1\n", "Group {\n", "Group { Transform {\n"] {
             let error = scene(&nested(n, open)).unwrap_err();
             assert!(error.message().contains("nest more than 512 deep"), "{error}");
             assert!(error.remedy().contains("side by side"));
         }
         let error = scene(&"Group { numObjects 1\n".repeat(n)).unwrap_err();
-        assert_eq!((error.line(), error.column(), error.text()), (2 + MAX_DEPTH, 1, "Group"));
+        assert_eq!((error.line(), error.column(), error.text()), (2 + MAX_NESTING_DEPTH, 1, "Group"));
     }
 }
 
 #[test]
 fn objects_side_by_side_are_unlimited() {
-    let body = "Group { } Transform { Group { } }".repeat(2 * MAX_DEPTH);
-    assert_eq!(scene(&format!("Group {{ {body} }}")).unwrap().root.items.len(), 4 * MAX_DEPTH);
+    let body = "Group { } Transform { Group { } }".repeat(2 * MAX_NESTING_DEPTH);
+    assert_eq!(scene(&format!("Group {{ {body} }}")).unwrap().root.items.len(), 4 * MAX_NESTING_DEPTH);
 }
 
 #[test]
 fn the_deepest_nesting_fits_a_small_stack() {
     let run = || {
-        let open = "Group { Transform { Scale 1 1 1 ".repeat(MAX_DEPTH / 2);
-        let d = scene(&format!("{open} Sphere {{ center 0 0 0 radius 1 }} {}", "}}".repeat(MAX_DEPTH / 2))).unwrap();
+        let open = "Group { Transform { Scale 1 1 1 ".repeat(MAX_NESTING_DEPTH / 2);
+        let d = scene(&format!("{open} Sphere {{ center 0 0 0 radius 1 }} {}", "}}".repeat(MAX_NESTING_DEPTH / 2)))
+            .unwrap();
         let copy = d.clone();
         assert!(copy == d && parse("again", &copy.to_string()).unwrap() == d && !format!("{d:?}").is_empty());
     };
@@ -376,11 +377,11 @@ fn the_deepest_nesting_fits_a_small_stack() {
 
 #[test]
 fn bytes_that_are_not_utf8_are_refused() {
-    assert!(parse_bytes("a", format!("{CAMERA} Group {{}}").as_bytes()).is_ok());
-    let error = parse_bytes("a", b"# ok\n  \xff Group").unwrap_err();
+    assert!(parse_scene_bytes("a", format!("{CAMERA} Group {{}}").as_bytes()).is_ok());
+    let error = parse_scene_bytes("a", b"# ok\n  \xff Group").unwrap_err();
     assert_eq!((error.line(), error.column()), (2, 3));
     assert!(error.message().contains("byte 0xff at offset 7") && error.remedy().contains("save the file as UTF-8"));
-    assert!(parse_bytes("a", b"\xff\xfeP\0").unwrap_err().remedy().contains("UTF-16"));
+    assert!(parse_scene_bytes("a", b"\xff\xfeP\0").unwrap_err().remedy().contains("UTF-16"));
 }
 
 #[test]
@@ -392,10 +393,10 @@ fn mesh_options_are_read() {
         }
         other => panic!("{other:?}"),
     };
-    let default = MeshOptions { own_materials: false, no_normals: false, smooth_angle: None };
+    let default = MeshOptions { uses_file_materials: false, ignores_normals: false, max_smoothing_angle: None };
     assert_eq!((options("obj_file a.obj"), MeshOptions::default()), (default, default));
     assert_eq!(options("file a.obj materials scene normals file"), default);
-    let all = MeshOptions { own_materials: true, no_normals: true, smooth_angle: Some(40.0) };
+    let all = MeshOptions { uses_file_materials: true, ignores_normals: true, max_smoothing_angle: Some(40.0) };
     assert_eq!(options("smoothAngle 40 normals none materials file file a.obj"), all);
     refused("Group { TriangleMesh { obj_file a ‹file› b } }", "both `obj_file` and `file`", "keep one of");
     refused("Group { ‹TriangleMesh› { } }", "no `obj_file` or `file`", "add");

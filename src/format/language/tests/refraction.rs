@@ -1,10 +1,10 @@
 //! Tests of the index of refraction: by name, by Abbe number, by equation.
 
 use super::surfaces::{bad, materials, named};
-use crate::color::Glass;
-use crate::format::description::{MaterialKindDescription, RefractionDescription};
+use crate::color::DispersionFormula;
+use crate::format::description::{MaterialKindDescription, RefractiveIndexDescription};
 
-fn refraction(fields: &str) -> RefractionDescription {
+fn refraction(fields: &str) -> RefractiveIndexDescription {
     match materials(&format!("Dielectric {{ {fields} }}")).remove(0) {
         MaterialKindDescription::Dielectric { refraction, .. } => refraction,
         other => panic!("{other:?}"),
@@ -13,17 +13,20 @@ fn refraction(fields: &str) -> RefractionDescription {
 
 #[test]
 fn five_parametrizations_of_the_index_are_read() {
-    assert_eq!(refraction(""), RefractionDescription::Index(1.5));
-    assert_eq!(refraction("indexOfRefraction 1.7"), RefractionDescription::Index(1.7));
-    assert_eq!(refraction("glass BK7"), RefractionDescription::Named(named("BK7")));
-    assert_eq!(refraction("abbe 30 indexOfRefraction 1.6"), RefractionDescription::Abbe { index: 1.6, abbe: 30.0 });
-    let cauchy = |c| RefractionDescription::Glass(Glass::Cauchy { a: 1.5, b: 0.0042, c });
+    assert_eq!(refraction(""), RefractiveIndexDescription::Index(1.5));
+    assert_eq!(refraction("indexOfRefraction 1.7"), RefractiveIndexDescription::Index(1.7));
+    assert_eq!(refraction("glass BK7"), RefractiveIndexDescription::Named(named("BK7")));
+    assert_eq!(
+        refraction("abbe 30 indexOfRefraction 1.6"),
+        RefractiveIndexDescription::Abbe { index: 1.6, abbe: 30.0 }
+    );
+    let cauchy = |c| RefractiveIndexDescription::Glass(DispersionFormula::Cauchy { a: 1.5, b: 0.0042, c });
     assert_eq!(refraction("cauchy 1.5 .0042"), cauchy(0.0));
     assert_eq!(refraction("cauchy 1.5 .0042 -1e-5 roughness .1"), cauchy(-1e-5));
-    let glass = Glass::Sellmeier { b: [1.1, 0.2, 0.0, 0.0], c: [0.01, 100.0, 0.0, 0.0] };
-    assert_eq!(refraction("sellmeierC .01 100 sellmeierB 1.1 .2"), RefractionDescription::Glass(glass));
-    let glass = Glass::Sellmeier { b: [0.1, 0.2, 0.3, 0.4], c: [0.01, 0.02, 0.03, 9.0] };
-    assert_eq!(refraction("sellmeierB .1 .2 .3 .4 sellmeierC .01 .02 .03 9"), RefractionDescription::Glass(glass));
+    let glass = DispersionFormula::Sellmeier { b: [1.1, 0.2, 0.0, 0.0], c: [0.01, 100.0, 0.0, 0.0] };
+    assert_eq!(refraction("sellmeierC .01 100 sellmeierB 1.1 .2"), RefractiveIndexDescription::Glass(glass));
+    let glass = DispersionFormula::Sellmeier { b: [0.1, 0.2, 0.3, 0.4], c: [0.01, 0.02, 0.03, 9.0] };
+    assert_eq!(refraction("sellmeierB .1 .2 .3 .4 sellmeierC .01 .02 .03 9"), RefractiveIndexDescription::Glass(glass));
 }
 
 #[test]

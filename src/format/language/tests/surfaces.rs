@@ -2,7 +2,7 @@
 
 use super::{refused, scene};
 use crate::format::description::{
-    Attenuation, EnvironmentRadiance, GroupItem, LightDescription, MaterialKindDescription, MetalDescription,
+    DielectricAbsorption, EnvironmentRadiance, GroupItem, LightDescription, MaterialKindDescription, MetalDescription,
     ObjectDescription, ShapeDescription, Span, Spanned,
 };
 use glam::DVec3;
@@ -24,7 +24,7 @@ pub(super) fn bad(body: &str, message: &str, help: &str) {
 #[test]
 fn dielectrics_read_roughness_and_priority() {
     let kinds = materials("Dielectric { } Dielectric { priority 255 roughness .25 indexOfRefraction 1000 }");
-    let attenuation = Attenuation::None;
+    let attenuation = DielectricAbsorption::None;
     assert_eq!(
         kinds[0],
         MaterialKindDescription::Dielectric { refraction: 1.5.into(), attenuation, roughness: 0.0.into(), priority: 0 }

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::format::description::{
-    CoordinatesDescription, Emission, NormalPerturbationDescription, Pattern, PictureEncoding, Span, Spanned,
-    TextureKindDescription, TexturedValue, Wrap,
+    EmissionDescription, NormalPerturbationDescription, PictureEncoding, SolidPatternDescription, Span, Spanned,
+    TexcoordTransformDescription, TextureKindDescription, TexturedValue, Wrap,
 };
 use glam::DVec2;
 
@@ -23,16 +23,19 @@ fn textures_read_all_their_fields() {
     let d = scene(text).unwrap();
     let [a, c, m] = &d.textures[..] else { panic!("{:?}", d.textures) };
     let coordinates =
-        CoordinatesDescription { scale: DVec2::new(2.0, -3.0), rotate: 90.0, offset: DVec2::new(0.5, 1.0) };
+        TexcoordTransformDescription { scale: DVec2::new(2.0, -3.0), rotate: 90.0, offset: DVec2::new(0.5, 1.0) };
     let path = named("dir/a.png");
     let kind =
         TextureKindDescription::Image { path, encoding: PictureEncoding::Linear, wrap: Wrap::Mirror, coordinates };
     assert_eq!((a.name.as_str(), &a.kind), ("a b", &kind));
     let colors = [DVec3::new(1.0, 2.0, 3.0), DVec3::ONE];
-    assert_eq!(c.kind, TextureKindDescription::Checker { colors, coordinates: CoordinatesDescription::default() });
+    assert_eq!(
+        c.kind,
+        TextureKindDescription::Checker { colors, coordinates: TexcoordTransformDescription::default() }
+    );
     match &m.kind {
         TextureKindDescription::Solid { pattern, colors, octaves, frequency, amplitude, maps } => {
-            assert_eq!((*pattern, *octaves, *frequency, *amplitude), (Pattern::Marble, 16, 2.5, 0.0));
+            assert_eq!((*pattern, *octaves, *frequency, *amplitude), (SolidPatternDescription::Marble, 16, 2.5, 0.0));
             assert_eq!((colors[0], maps.len()), (DVec3::ZERO, 2));
         }
         other => panic!("{other:?}"),
@@ -51,16 +54,19 @@ fn texture_names_replace_numbers() {
     let d = scene(&text).unwrap();
     let [a, b, c, e] = &d.materials[..] else { panic!("{:?}", d.materials) };
     assert_eq!(a.kind, MaterialKindDescription::Diffuse { reflectance: TexturedValue::Texture(named("tiles")) });
-    assert_eq!(a.emission, Some(Emission::Texture { name: named("tiles"), scale: 3.0 }));
-    assert_eq!(a.relief, Some(NormalPerturbationDescription::Bump { texture: named("lumps.png"), height: -0.5 }));
-    assert_eq!(b.relief, Some(NormalPerturbationDescription::NormalMap(named("tiles"))));
+    assert_eq!(a.emission, Some(EmissionDescription::Texture { name: named("tiles"), scale: 3.0 }));
+    assert_eq!(
+        a.normal_perturbation,
+        Some(NormalPerturbationDescription::Bump { texture: named("lumps.png"), height: -0.5 })
+    );
+    assert_eq!(b.normal_perturbation, Some(NormalPerturbationDescription::NormalMap(named("tiles"))));
     match (&b.kind, &c.kind) {
         (MaterialKindDescription::Phong { texture, .. }, MaterialKindDescription::Conductor { roughness, .. }) => {
             assert_eq!((texture, roughness), (&Some(named("wood.png")), &TexturedValue::Texture(named("tiles"))));
         }
         other => panic!("{other:?}"),
     }
-    assert_eq!(e.emission, Some(Emission::Radiance(DVec3::new(1.0, 2.0, 3.0))));
+    assert_eq!(e.emission, Some(EmissionDescription::Radiance(DVec3::new(1.0, 2.0, 3.0))));
     let uv = "uv0 0 1 uv1 1 1 uv2 .5 0";
     let triangle = format!("Group {{ Triangle {{ vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0 {uv} }} }}");
     match &scene(&triangle).unwrap().root.items[0] {

@@ -1,28 +1,41 @@
-//! Meshes as OBJ text.
+//! Writes meshes as OBJ text.
 
-use crate::format::mesh::{KeyNumbers, NO_MATERIAL, Shortest, TriangleMesh, bits};
+use crate::format::mesh::{KeyIndexer, NO_MATERIAL, ShortestDecimal, TriangleMesh, coordinate_bits};
 use glam::DVec3;
 use std::io::{Result, Write};
 
-/// Writes the mesh; equal positions, normals and texture coordinates are written once.
+/// Writes a mesh as OBJ text with one line for each distinct position, texture coordinate and
+/// normal. `libraries` are the arguments of its `mtllib` lines.
 pub(in crate::format) fn write(mesh: &TriangleMesh, libraries: &[String], out: &mut impl Write) -> Result<()> {
     writeln!(out, "# Caustica {}", env!("CARGO_PKG_VERSION"))?;
     for library in libraries {
         writeln!(out, "mtllib {library}")?;
     }
-    let (places, positions) = number_keys(mesh.positions.iter().map(|p| bits(*p)));
+    let (places, positions) = index_distinct_keys(mesh.positions.iter().map(|p| coordinate_bits(*p)));
     for [x, y, z] in positions {
-        writeln!(out, "v {} {} {}", shortest_decimal(x), shortest_decimal(y), shortest_decimal(z))?;
+        writeln!(
+            out,
+            "v {} {} {}",
+            shortest_decimal_from_bits(x),
+            shortest_decimal_from_bits(y),
+            shortest_decimal_from_bits(z)
+        )?;
     }
     let texcoords = mesh.texcoords.as_deref().unwrap_or_default();
-    let (mapped, texcoords) = number_keys(texcoords.iter().map(|t| t.to_array().map(f64::to_bits)));
+    let (mapped, texcoords) = index_distinct_keys(texcoords.iter().map(|t| t.to_array().map(f64::to_bits)));
     for [s, t] in texcoords {
-        writeln!(out, "vt {} {}", shortest_decimal(s), shortest_decimal(t))?;
+        writeln!(out, "vt {} {}", shortest_decimal_from_bits(s), shortest_decimal_from_bits(t))?;
     }
     let normals = mesh.normals.as_deref().unwrap_or_default();
-    let (facing, unique) = number_keys(normals.iter().map(|n| bits(*n)));
+    let (facing, unique) = index_distinct_keys(normals.iter().map(|n| coordinate_bits(*n)));
     for [x, y, z] in unique {
-        writeln!(out, "vn {} {} {}", shortest_decimal(x), shortest_decimal(y), shortest_decimal(z))?;
+        writeln!(
+            out,
+            "vn {} {} {}",
+            shortest_decimal_from_bits(x),
+            shortest_decimal_from_bits(y),
+            shortest_decimal_from_bits(z)
+        )?;
     }
     let mut material = NO_MATERIAL;
     for (i, triangle) in mesh.triangles.iter().enumerate() {
@@ -47,13 +60,13 @@ pub(in crate::format) fn write(mesh: &TriangleMesh, libraries: &[String], out: &
     Ok(())
 }
 
-/// Number of each key, and the keys without repetition.
-fn number_keys<const N: usize>(keys: impl ExactSizeIterator<Item = [u64; N]>) -> (Vec<u32>, Vec<[u64; N]>) {
-    let mut numbers = KeyNumbers::with_capacity(keys.len());
-    let list = keys.map(|key| numbers.number(key, |key| *key)).collect();
-    (list, numbers.into_list())
+/// Returns the index of each key among the distinct keys, and the distinct keys.
+fn index_distinct_keys<const N: usize>(keys: impl ExactSizeIterator<Item = [u64; N]>) -> (Vec<u32>, Vec<[u64; N]>) {
+    let mut numbers = KeyIndexer::with_capacity(keys.len());
+    let list = keys.map(|key| numbers.index_of(key, |key| *key)).collect();
+    (list, numbers.into_values())
 }
 
-fn shortest_decimal(bits: u64) -> Shortest<f64> {
-    Shortest(f64::from_bits(bits))
+fn shortest_decimal_from_bits(bits: u64) -> ShortestDecimal<f64> {
+    ShortestDecimal(f64::from_bits(bits))
 }

@@ -1,16 +1,16 @@
-//! Header of a PLY file: the elements that follow and their properties.
+//! Parser of PLY headers, which declare the elements of the body and their properties.
 
-use crate::format::problem::{Problem, excerpt};
+use crate::format::line_error::{MessageAndRemedy, escaped_excerpt};
 
-/// Encoding of the body.
+/// Encoding of the body of a PLY file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Encoding {
+pub(super) enum PlyEncoding {
     Ascii,
     Little,
     Big,
 }
 
-/// Type of a number.
+/// Number type of a PLY property.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NumberType {
     I8,
@@ -38,7 +38,7 @@ impl NumberType {
         })
     }
 
-    /// Bytes per number in binary files.
+    /// Size of a number in binary files \[bytes].
     pub fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -53,22 +53,24 @@ impl NumberType {
     }
 }
 
-/// Meaning of a property for a mesh.
+/// Use of a property when a mesh is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PropertyRole {
-    /// Number of a vertex: 0–2 are the position, 3–5 the normal, 6–7 the texture coordinates.
+    /// Coordinate of a vertex: 0–2 of the position, 3–5 of the normal, 6–7 texture coordinates.
     Slot(usize),
     /// Vertex indices of a face.
     Corners,
-    /// No meaning; the property is skipped.
+    /// Unused property, which is skipped.
     Other,
 }
 
+/// Property of a PLY element: a number, or a list of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Property {
+pub(super) struct PlyProperty {
     pub role: PropertyRole,
-    /// Type of the length, for lists.
+    /// Type of the list's length; `None` if the property is a number.
     pub list: Option<NumberType>,
+    /// Type of the number, or of each number of the list.
     pub item: NumberType,
 }
 
@@ -79,31 +81,37 @@ pub(super) enum ElementKind {
     Other,
 }
 
+/// Declaration of a PLY element, such as `element vertex 8` and its properties.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Element {
+pub(super) struct PlyElement {
     pub kind: ElementKind,
     pub name: String,
+    /// Number of elements of this kind in the body.
     pub count: u64,
-    pub properties: Vec<Property>,
-    /// Line of its declaration, from 1.
+    pub properties: Vec<PlyProperty>,
+    /// Line number of the declaration, from 1.
     line: usize,
 }
 
+/// Parsed and checked header of a PLY file.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Header {
-    pub encoding: Encoding,
-    pub elements: Vec<Element>,
-    /// Byte offset of the body.
+pub(super) struct PlyHeader {
+    pub encoding: PlyEncoding,
+    pub elements: Vec<PlyElement>,
+    /// Number of bytes of the header, which is the offset of the body.
     pub bytes: usize,
     /// Number of lines of the header.
     pub lines: usize,
 }
 
-/// Line number, from 1, and the problem.
-pub(super) type HeaderError = (usize, Problem);
+/// Error of a header line: its number, from 1, and the problem.
+pub(super) type HeaderError = (usize, MessageAndRemedy);
 
-const NOT_PLY: &str = "export it anew as PLY";
-const NAMES: [(&str, usize); 14] = [
+/// Remedy for files that violate the PLY format.
+const EXPORT_ANEW: &str = "export it anew as PLY";
+
+/// Names of vertex properties with their [`PropertyRole::Slot`].
+const VERTEX_PROPERTY_SLOTS: [(&str, usize); 14] = [
     ("x", 0),
     ("y", 1),
     ("z", 2),
@@ -120,16 +128,16 @@ const NAMES: [(&str, usize); 14] = [
     ("texture_t", 7),
 ];
 
-impl Header {
+impl PlyHeader {
     pub fn parse(bytes: &[u8]) -> Result<Self, HeaderError> {
-        let mut header = Self { encoding: Encoding::Ascii, elements: Vec::new(), bytes: 0, lines: 0 };
+        let mut header = Self { encoding: PlyEncoding::Ascii, elements: Vec::new(), bytes: 0, lines: 0 };
         let mut encoding = None;
         loop {
             let rest = &bytes[header.bytes..];
             let number = header.lines + 1;
             let wrong = |message: String, remedy| Err((number, (message, remedy)));
             let Some(end) = rest.iter().position(|b| matches!(b, b'\n' | b'\r')) else {
-                return wrong("the header ends without `end_header`".to_owned(), NOT_PLY);
+                return wrong("the header ends without `end_header`".to_owned(), EXPORT_ANEW);
             };
             let line = String::from_utf8_lossy(&rest[..end]);
             header.bytes += end + if rest[end..].starts_with(b"\r\n") { 2 } else { 1 };
@@ -137,53 +145,55 @@ impl Header {
             let mut words = line.split_ascii_whitespace();
             match words.next() {
                 _ if number == 1 && line.trim() != "ply" => {
-                    return wrong("the first line is not `ply`".to_owned(), NOT_PLY);
+                    return wrong("the first line is not `ply`".to_owned(), EXPORT_ANEW);
                 }
                 Some("format") => {
                     encoding = Some(match words.next() {
-                        Some("ascii") => Encoding::Ascii,
-                        Some("binary_little_endian") => Encoding::Little,
-                        Some("binary_big_endian") => Encoding::Big,
+                        Some("ascii") => PlyEncoding::Ascii,
+                        Some("binary_little_endian") => PlyEncoding::Little,
+                        Some("binary_big_endian") => PlyEncoding::Big,
                         other => {
-                            let message = format!("unknown format `{}`", excerpt(other.unwrap_or_default()));
+                            let message = format!("unknown format `{}`", escaped_excerpt(other.unwrap_or_default()));
                             return wrong(message, "known are ascii, binary_little_endian and binary_big_endian");
                         }
                     });
                 }
                 Some("element") => {
-                    let element = element(words, number).map_err(|e| (number, e))?;
+                    let element = parse_element(words, number).map_err(|e| (number, e))?;
                     if element.kind != ElementKind::Other && header.elements.iter().any(|e| e.kind == element.kind) {
-                        return wrong(format!("`{}` is declared twice", element.name), NOT_PLY);
+                        return wrong(format!("`{}` is declared twice", element.name), EXPORT_ANEW);
                     }
                     header.elements.push(element);
                 }
                 Some("property") => match header.elements.last_mut() {
                     Some(element) => {
-                        let property = property(words, element.kind).map_err(|e| (number, e))?;
+                        let property = parse_property(words, element.kind).map_err(|e| (number, e))?;
                         element.properties.push(property);
                     }
-                    None => return wrong("a property stands before any element".to_owned(), NOT_PLY),
+                    None => return wrong("a property stands before any element".to_owned(), EXPORT_ANEW),
                 },
                 Some("end_header") => break,
                 Some("ply" | "comment" | "obj_info") | None => {}
-                Some(word) => return wrong(format!("`{}` is no line of a PLY header", excerpt(word)), NOT_PLY),
+                Some(word) => {
+                    return wrong(format!("`{}` is no line of a PLY header", escaped_excerpt(word)), EXPORT_ANEW);
+                }
             }
         }
         let Some(encoding) = encoding else {
-            return Err((header.lines, ("the header names no format".to_owned(), NOT_PLY)));
+            return Err((header.lines, ("the header names no format".to_owned(), EXPORT_ANEW)));
         };
         header.encoding = encoding;
-        header.elements.iter().try_for_each(Element::check)?;
-        header.fit(bytes.len())?;
+        header.elements.iter().try_for_each(PlyElement::check_properties)?;
+        header.check_counts_fit(bytes.len())?;
         Ok(header)
     }
 
-    /// Refuses counts that the file cannot hold, so that memory may be reserved for them.
-    fn fit(&self, bytes: usize) -> Result<(), HeaderError> {
+    /// Fails if a declared count exceeds what a file of `bytes` bytes can hold.
+    fn check_counts_fit(&self, bytes: usize) -> Result<(), HeaderError> {
         // The last number of a text may lack white space after it.
-        let mut left = bytes - self.bytes + usize::from(self.encoding == Encoding::Ascii);
+        let mut left = bytes - self.bytes + usize::from(self.encoding == PlyEncoding::Ascii);
         for element in &self.elements {
-            let least = element.least_bytes(self.encoding);
+            let least = element.min_bytes(self.encoding);
             let needed = usize::try_from(element.count).ok().and_then(|n| n.checked_mul(least));
             match needed.and_then(|needed| left.checked_sub(needed)) {
                 Some(rest) => left = rest,
@@ -200,28 +210,28 @@ impl Header {
     }
 }
 
-impl Element {
-    /// Least number of bytes of one element in the file.
-    pub fn least_bytes(&self, encoding: Encoding) -> usize {
-        let one = |p: &Property| {
+impl PlyElement {
+    /// Smallest size of one element in the file \[bytes].
+    pub fn min_bytes(&self, encoding: PlyEncoding) -> usize {
+        let one = |p: &PlyProperty| {
             // A face has at least three corners.
             let items = if p.role == PropertyRole::Corners { 3 } else { 0 };
             match encoding {
-                Encoding::Ascii => 2 + 2 * items,
+                PlyEncoding::Ascii => 2 + 2 * items,
                 _ => p.list.unwrap_or(p.item).size() + items * p.item.size(),
             }
         };
         self.properties.iter().map(one).sum()
     }
 
-    pub fn has(&self, slot: usize) -> bool {
+    pub fn has_slot(&self, slot: usize) -> bool {
         self.properties.iter().any(|p| p.role == PropertyRole::Slot(slot))
     }
 
-    fn check(&self) -> Result<(), HeaderError> {
+    fn check_properties(&self) -> Result<(), HeaderError> {
         let wrong = |message: &str, remedy| Err((self.line, (message.to_owned(), remedy)));
         match self.kind {
-            ElementKind::Vertex if !(0..3).all(|slot| self.has(slot)) => {
+            ElementKind::Vertex if !(0..3).all(|slot| self.has_slot(slot)) => {
                 wrong("`vertex` lacks one of the properties x, y and z", "export it with positions")
             }
             ElementKind::Face if !self.properties.iter().any(|p| p.role == PropertyRole::Corners) => {
@@ -232,23 +242,26 @@ impl Element {
     }
 }
 
-fn element<'w>(mut words: impl Iterator<Item = &'w str>, line: usize) -> Result<Element, Problem> {
+fn parse_element<'w>(mut words: impl Iterator<Item = &'w str>, line: usize) -> Result<PlyElement, MessageAndRemedy> {
     let (name, count) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
     let Ok(count) = count.parse::<u64>() else {
-        return Err((format!("`{}` is no count of elements", excerpt(count)), "write `element name count`"));
+        return Err((format!("`{}` is no count of elements", escaped_excerpt(count)), "write `element name count`"));
     };
     let kind = match name {
         "vertex" => ElementKind::Vertex,
         "face" => ElementKind::Face,
         _ => ElementKind::Other,
     };
-    Ok(Element { kind, name: excerpt(name), count, properties: Vec::new(), line })
+    Ok(PlyElement { kind, name: escaped_excerpt(name), count, properties: Vec::new(), line })
 }
 
-fn property<'w>(mut words: impl Iterator<Item = &'w str>, kind: ElementKind) -> Result<Property, Problem> {
+fn parse_property<'w>(
+    mut words: impl Iterator<Item = &'w str>,
+    kind: ElementKind,
+) -> Result<PlyProperty, MessageAndRemedy> {
     let mut next = || words.next().unwrap_or_default();
     let known = |name: &str| {
-        let message = || format!("`{}` is no type of a number", excerpt(name));
+        let message = || format!("`{}` is no type of a number", escaped_excerpt(name));
         NumberType::from_name(name)
             .ok_or_else(|| (message(), "known are char to uint, int8 to uint32, float and double"))
     };
@@ -259,11 +272,11 @@ fn property<'w>(mut words: impl Iterator<Item = &'w str>, kind: ElementKind) -> 
     };
     let name = next();
     if list.is_some_and(|count| !count.is_integer()) {
-        let message = format!("the length of the list `{}` is not a whole number", excerpt(name));
+        let message = format!("the length of the list `{}` is not a whole number", escaped_excerpt(name));
         return Err((message, "give it an integer type, such as uchar"));
     }
     let role = match (kind, name, list) {
-        (ElementKind::Vertex, _, None) => NAMES
+        (ElementKind::Vertex, _, None) => VERTEX_PROPERTY_SLOTS
             .iter()
             .find(|(known, _)| *known == name)
             .map_or(PropertyRole::Other, |(_, slot)| PropertyRole::Slot(*slot)),
@@ -276,5 +289,5 @@ fn property<'w>(mut words: impl Iterator<Item = &'w str>, kind: ElementKind) -> 
         }
         _ => PropertyRole::Other,
     };
-    Ok(Property { role, list, item })
+    Ok(PlyProperty { role, list, item })
 }

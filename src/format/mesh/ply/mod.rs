@@ -1,6 +1,4 @@
-//! Triangle meshes from and to PLY files (Turk 1994, "The PLY Polygon File Format").
-//!
-//! The text form and both binary forms are read.
+//! Reading and writing of triangle meshes as PLY files (Turk 1994, "The PLY Polygon File Format").
 
 mod header;
 mod numbers;
@@ -8,37 +6,41 @@ mod numbers;
 mod tests;
 mod write;
 
-use super::{Loaded, MeshError, ReadMonitor, check_memory, unit_normal};
-use crate::format::problem::{Problem, without_bom};
+use super::{LoadedMesh, MeshError, MeshReadMonitor, check_memory, unit_normal};
+use crate::format::line_error::{MessageAndRemedy, strip_byte_order_mark};
 use glam::{DVec2, DVec3};
-use header::{Element, ElementKind, Encoding, Header, NumberType, PropertyRole};
-use numbers::{BinaryReader, NumberReader, TextReader};
+use header::{ElementKind, NumberType, PlyElement, PlyEncoding, PlyHeader, PropertyRole};
+use numbers::{BinaryNumberReader, NumberReader, TextNumberReader};
 use std::path::Path;
 pub(super) use write::write;
 
-/// Bytes that a vertex takes while equal vertices are merged: position, normal and texture
-/// coordinates (64), a rewritten copy of these, its flag (1), its new index (4), a hash entry (20).
+/// Memory per vertex while equal vertices are merged \[bytes].
+///
+/// It covers position, normal and texture coordinates (64), a copy of them (64), a flag (1), an
+/// index (4), and an entry of a hash table (20).
 const PER_VERTEX: u64 = 160;
 
-/// Bytes that a triangle takes, with the slack of growing lists.
+/// Memory per triangle, with unused list capacity \[bytes].
 const PER_TRIANGLE: u64 = 24;
 
-/// Bytes that a corner of the current face takes, with the slack of growing lists.
+/// Memory per corner of the current face, with unused list capacity \[bytes].
 const PER_CORNER: u64 = 8;
 
-/// Elements between two reports to the monitor.
-const STRIDE: u64 = 1 << 16;
+/// Number of elements between two progress reports.
+const PROGRESS_STRIDE: u64 = 1 << 16;
 
-/// Reads the triangles of a PLY file; elements and properties without a meaning for meshes are
-/// skipped.
+/// Parses the triangles of a PLY file; skips elements and properties that meshes do not use.
+///
+/// `path` appears in errors only. Fails before allocating if the mesh takes more than `free`
+/// bytes.
 pub(super) fn read(
     path: &Path,
     bytes: &[u8],
-    monitor: &dyn ReadMonitor,
+    monitor: &dyn MeshReadMonitor,
     free: Option<u64>,
-) -> Result<Loaded, MeshError> {
-    let bytes = without_bom(bytes);
-    let header = Header::parse(bytes).map_err(|(line, problem)| MeshError::line(path, line, problem))?;
+) -> Result<LoadedMesh, MeshError> {
+    let bytes = strip_byte_order_mark(bytes);
+    let header = PlyHeader::parse(bytes).map_err(|(line, problem)| MeshError::at_line(path, line, problem))?;
     let count = |kind| header.elements.iter().find(|e| e.kind == kind).map_or(0, |e| e.count);
     if count(ElementKind::Vertex) > i32::MAX as u64 {
         return Err(MeshError::TooLarge { path: path.into() });
@@ -46,42 +48,47 @@ pub(super) fn read(
     // The file can hold the header's counts, so the products do not overflow.
     let needed = PER_VERTEX * count(ElementKind::Vertex) + PER_TRIANGLE * count(ElementKind::Face);
     check_memory(path, needed, free)?;
-    let mut reader =
-        MeshReader { loaded: Loaded::default(), used: Vec::new(), vertices: count(ElementKind::Vertex), monitor, free };
+    let mut reader = MeshReader {
+        loaded: LoadedMesh::default(),
+        used: Vec::new(),
+        vertices: count(ElementKind::Vertex),
+        monitor,
+        free,
+    };
     let offset = header.bytes;
     match header.encoding {
-        Encoding::Ascii => {
-            let numbers = TextReader { bytes, offset, line: header.lines + 1 };
-            reader.elements(&header, numbers).map_err(|e| e.at_line(path))?;
+        PlyEncoding::Ascii => {
+            let numbers = TextNumberReader { bytes, offset, line: header.lines + 1 };
+            reader.read_elements(&header, numbers).map_err(|e| e.into_line_error(path))?;
         }
-        Encoding::Little => {
-            let numbers = BinaryReader::<false> { bytes, offset };
-            reader.elements(&header, numbers).map_err(|e| e.at_byte(path))?;
+        PlyEncoding::Little => {
+            let numbers = BinaryNumberReader::<false> { bytes, offset };
+            reader.read_elements(&header, numbers).map_err(|e| e.into_byte_error(path))?;
         }
-        Encoding::Big => {
-            let numbers = BinaryReader::<true> { bytes, offset };
-            reader.elements(&header, numbers).map_err(|e| e.at_byte(path))?;
+        PlyEncoding::Big => {
+            let numbers = BinaryNumberReader::<true> { bytes, offset };
+            reader.read_elements(&header, numbers).map_err(|e| e.into_byte_error(path))?;
         }
     }
     let MeshReader { mut loaded, used, .. } = reader;
     loaded.vertices = used.len();
     loaded.isolated = used.iter().filter(|used| !**used).count();
-    loaded.mesh.share();
+    loaded.mesh.merge_equal_vertices();
     Ok(loaded)
 }
 
-/// Failure to read one element, with its position in the file.
+/// Error: one element of the body cannot be read.
 struct ElementError {
-    /// Line in text, byte offset in binary files.
+    /// Line number in text files, byte offset in binary files.
     position: usize,
     /// Name and index of the element, such as `face 12`.
     element: String,
-    cause: Cause,
+    cause: ElementErrorCause,
 }
 
 /// Cause of an [`ElementError`].
-enum Cause {
-    Malformed(Problem),
+enum ElementErrorCause {
+    Malformed(MessageAndRemedy),
     /// The mesh would need `needed` bytes, and `free` are available.
     Memory {
         needed: u64,
@@ -89,65 +96,65 @@ enum Cause {
     },
 }
 
-impl From<Problem> for Cause {
-    fn from(problem: Problem) -> Self {
+impl From<MessageAndRemedy> for ElementErrorCause {
+    fn from(problem: MessageAndRemedy) -> Self {
         Self::Malformed(problem)
     }
 }
 
 impl ElementError {
-    fn at_line(self, path: &Path) -> MeshError {
+    fn into_line_error(self, path: &Path) -> MeshError {
         match self.cause {
-            Cause::Malformed(problem) => MeshError::line(path, self.position, problem),
-            Cause::Memory { needed, free } => MeshError::Memory { path: path.into(), needed, free },
+            ElementErrorCause::Malformed(problem) => MeshError::at_line(path, self.position, problem),
+            ElementErrorCause::Memory { needed, free } => MeshError::Memory { path: path.into(), needed, free },
         }
     }
 
-    fn at_byte(self, path: &Path) -> MeshError {
+    fn into_byte_error(self, path: &Path) -> MeshError {
         match self.cause {
-            Cause::Malformed((message, remedy)) => {
+            ElementErrorCause::Malformed((message, remedy)) => {
                 MeshError::Byte { path: path.into(), byte: self.position, element: self.element, message, remedy }
             }
-            Cause::Memory { needed, free } => MeshError::Memory { path: path.into(), needed, free },
+            ElementErrorCause::Memory { needed, free } => MeshError::Memory { path: path.into(), needed, free },
         }
     }
 }
 
-/// A mesh while its file is read.
+/// State of reading a PLY body into a mesh.
 struct MeshReader<'m> {
-    loaded: Loaded,
-    /// True for vertices that a face uses.
+    loaded: LoadedMesh,
+    /// True for each vertex that a face uses.
     used: Vec<bool>,
     /// Number of vertices that the header declares.
     vertices: u64,
-    monitor: &'m dyn ReadMonitor,
-    /// Bytes of memory that the mesh may take.
+    monitor: &'m dyn MeshReadMonitor,
+    /// Memory that the mesh may take \[bytes]; `None` without a limit.
     free: Option<u64>,
 }
 
 impl MeshReader<'_> {
-    fn elements<R: NumberReader>(&mut self, header: &Header, mut numbers: R) -> Result<(), ElementError> {
-        // The header check has found at least one byte of the file per vertex.
+    fn read_elements<R: NumberReader>(&mut self, header: &PlyHeader, mut numbers: R) -> Result<(), ElementError> {
+        // The header check has ensured that the file holds at least one byte per vertex.
         self.used = vec![false; self.vertices as usize];
         let mut reported = 0;
         for element in header.elements.iter().filter(|e| !e.properties.is_empty()) {
             let mut corners = Vec::new();
-            self.reserve(element);
+            self.reserve_lists(element);
             for i in 0..element.count {
-                let start = numbers.position();
+                let start = numbers.error_position();
                 let read = match element.kind {
-                    ElementKind::Vertex => self.vertex(element, &mut numbers).map_err(Cause::from),
-                    ElementKind::Face => self.face(element, &mut numbers, &mut corners),
-                    ElementKind::Other => skip_element(element, &mut numbers).map_err(Cause::from),
+                    ElementKind::Vertex => self.read_vertex(element, &mut numbers).map_err(ElementErrorCause::from),
+                    ElementKind::Face => self.read_face(element, &mut numbers, &mut corners),
+                    ElementKind::Other => skip_element(element, &mut numbers).map_err(ElementErrorCause::from),
                 };
                 read.map_err(|cause| ElementError {
-                    // Text errors name the line of the last word, binary errors the element's first
-                    // byte.
-                    position: if header.encoding == Encoding::Ascii { numbers.position() } else { start },
+                    // Errors in text name the line of the last word. Errors in binary files name the
+                    // first byte of the element.
+                    position: if header.encoding == PlyEncoding::Ascii { numbers.error_position() } else { start },
                     element: format!("{} {i}", element.name),
                     cause,
                 })?;
-                if i % STRIDE == STRIDE - 1 {
+                if i % PROGRESS_STRIDE == PROGRESS_STRIDE - 1 {
                     self.monitor.advance((numbers.bytes_read() - reported) as u64);
                     reported = numbers.bytes_read();
                 }
@@ -156,15 +163,16 @@ impl MeshReader<'_> {
         Ok(())
     }
 
-    /// Reserves memory for the element's count, which the header check has found plausible.
-    fn reserve(&mut self, element: &Element) {
+    /// Reserves memory for the element's count. The header check has ensured that the file can
+    /// hold so many elements.
+    fn reserve_lists(&mut self, element: &PlyElement) {
         let mesh = &mut self.loaded.mesh;
         let n = element.count as usize;
         match element.kind {
             ElementKind::Vertex => {
                 mesh.positions.reserve_exact(n);
-                mesh.normals = (3..6).all(|slot| element.has(slot)).then(|| Vec::with_capacity(n));
-                mesh.texcoords = (6..8).all(|slot| element.has(slot)).then(|| Vec::with_capacity(n));
+                mesh.normals = (3..6).all(|slot| element.has_slot(slot)).then(|| Vec::with_capacity(n));
+                mesh.texcoords = (6..8).all(|slot| element.has_slot(slot)).then(|| Vec::with_capacity(n));
             }
             ElementKind::Face => mesh.triangles.reserve(n),
             ElementKind::Other => {}
@@ -172,13 +180,13 @@ impl MeshReader<'_> {
     }
 
     #[inline]
-    fn vertex<R: NumberReader>(&mut self, element: &Element, numbers: &mut R) -> Result<(), Problem> {
+    fn read_vertex<R: NumberReader>(&mut self, element: &PlyElement, numbers: &mut R) -> Result<(), MessageAndRemedy> {
         let mut slots = [0.0; 8];
         for property in &element.properties {
             match (property.role, property.list) {
                 (_, Some(length)) => skip_list(numbers, length, property.item)?,
                 (PropertyRole::Slot(slot), None) => {
-                    let number = numbers.number(property.item)?;
+                    let number = numbers.read_number(property.item)?;
                     if !number.is_finite() {
                         let names = ["x", "y", "z", "nx", "ny", "nz", "s", "t"];
                         let message = format!("`{}` is {number}", names[slot]);
@@ -187,7 +195,7 @@ impl MeshReader<'_> {
                     slots[slot] = number;
                 }
                 (PropertyRole::Corners | PropertyRole::Other, None) => {
-                    numbers.number(property.item)?;
+                    numbers.read_number(property.item)?;
                 }
             }
         }
@@ -199,36 +207,36 @@ impl MeshReader<'_> {
         Ok(())
     }
 
-    /// Checks the memory for a face of `n` corners, which becomes `n − 2` triangles.
+    /// Fails if a face of `n` corners, which becomes `n − 2` triangles, would exceed the memory.
     #[inline]
-    fn check_corners(&self, n: u64) -> Result<(), Cause> {
+    fn check_face_memory(&self, n: u64) -> Result<(), ElementErrorCause> {
         let triangles = self.loaded.mesh.triangles.len() as u64 + n - 2;
         let needed = PER_VERTEX * self.vertices + PER_TRIANGLE * triangles + PER_CORNER * n;
         match self.free {
-            Some(free) if needed > free => Err(Cause::Memory { needed, free }),
+            Some(free) if needed > free => Err(ElementErrorCause::Memory { needed, free }),
             _ => Ok(()),
         }
     }
 
     #[inline]
-    fn face<R: NumberReader>(
+    fn read_face<R: NumberReader>(
         &mut self,
-        element: &Element,
+        element: &PlyElement,
         numbers: &mut R,
         corners: &mut Vec<u32>,
-    ) -> Result<(), Cause> {
+    ) -> Result<(), ElementErrorCause> {
         for property in &element.properties {
             match (property.role, property.list) {
                 (PropertyRole::Corners, Some(length)) => {
                     corners.clear();
-                    let n = numbers.integer(length)?;
+                    let n = numbers.read_integer(length)?;
                     if n < 3 {
                         return Err((format!("a face with {n} corners"), "a face needs at least 3").into());
                     }
-                    check_list(numbers, n as u64, property.item)?;
-                    self.check_corners(n as u64)?;
+                    check_list_length(numbers, n as u64, property.item)?;
+                    self.check_face_memory(n as u64)?;
                     for _ in 0..n {
-                        let index = numbers.integer(property.item)?;
+                        let index = numbers.read_integer(property.item)?;
                         if u64::try_from(index).is_ok_and(|index| index < self.vertices) {
                             corners.push(index as u32);
                             self.used[index as usize] = true;
@@ -244,7 +252,7 @@ impl MeshReader<'_> {
                     skip_list(numbers, length, property.item)?;
                 }
                 (_, None) => {
-                    numbers.number(property.item)?;
+                    numbers.read_number(property.item)?;
                 }
             }
         }
@@ -252,34 +260,34 @@ impl MeshReader<'_> {
     }
 }
 
-fn skip_element<R: NumberReader>(element: &Element, numbers: &mut R) -> Result<(), Problem> {
+fn skip_element<R: NumberReader>(element: &PlyElement, numbers: &mut R) -> Result<(), MessageAndRemedy> {
     for property in &element.properties {
         match property.list {
             Some(length) => skip_list(numbers, length, property.item)?,
             None => {
-                numbers.number(property.item)?;
+                numbers.read_number(property.item)?;
             }
         }
     }
     Ok(())
 }
 
-fn skip_list<R: NumberReader>(numbers: &mut R, length: NumberType, item: NumberType) -> Result<(), Problem> {
-    let n = numbers.integer(length)?;
+fn skip_list<R: NumberReader>(numbers: &mut R, length: NumberType, item: NumberType) -> Result<(), MessageAndRemedy> {
+    let n = numbers.read_integer(length)?;
     if n < 0 {
         return Err((format!("a list of {n} entries"), "the length of a list is at least 0"));
     }
-    check_list(numbers, n as u64, item)?;
+    check_list_length(numbers, n as u64, item)?;
     for _ in 0..n {
-        numbers.number(item)?;
+        numbers.read_number(item)?;
     }
     Ok(())
 }
 
-/// Refuses a list of `n` entries that the rest of the file cannot hold, before it takes any memory.
+/// Fails if the rest of the file cannot hold a list of `n` entries of type `item`.
 #[inline]
-fn check_list<R: NumberReader>(numbers: &R, n: u64, item: NumberType) -> Result<(), Problem> {
-    let most = numbers.capacity(item);
+fn check_list_length<R: NumberReader>(numbers: &R, n: u64, item: NumberType) -> Result<(), MessageAndRemedy> {
+    let most = numbers.remaining_capacity(item);
     if n > most {
         let message = format!("a list of {n} entries, but the rest of the file holds at most {most}");
         return Err((message, "the file is cut short, or the length is wrong"));

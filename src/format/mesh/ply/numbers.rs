@@ -1,34 +1,34 @@
-//! Sequential readers of the numbers in a PLY body, one for binary files and one for text.
+//! Sequential readers of the numbers in a PLY body: one for binary files, one for text.
 
 use super::header::NumberType;
-use crate::format::problem::{Problem, excerpt};
+use crate::format::line_error::{MessageAndRemedy, escaped_excerpt};
 
 const CUT: &str = "the file is cut short, or its counts are wrong";
 
-/// Reads the numbers of a PLY body in the order of the file.
+/// Sequential reader of the numbers in a PLY body.
 pub(super) trait NumberReader {
     /// Returns the next number of the body.
-    fn number(&mut self, kind: NumberType) -> Result<f64, Problem>;
-    /// Returns the next number of the body, which has an integer type.
-    fn integer(&mut self, kind: NumberType) -> Result<i64, Problem>;
-    /// Returns the position for error messages: the byte offset in binary files, the line in text.
-    fn position(&self) -> usize;
-    /// Returns the number of bytes read so far, counted from the start of the file.
+    fn read_number(&mut self, kind: NumberType) -> Result<f64, MessageAndRemedy>;
+    /// Returns the next number of the body; `kind` is an integer type.
+    fn read_integer(&mut self, kind: NumberType) -> Result<i64, MessageAndRemedy>;
+    /// Returns the position for errors: a byte offset in binary files, a line number in text.
+    fn error_position(&self) -> usize;
+    /// Returns the offset of the next byte from the start of the file.
     fn bytes_read(&self) -> usize;
-    /// Returns the largest number of values of type `kind` that the rest of the file can hold.
-    fn capacity(&self, kind: NumberType) -> u64;
+    /// Returns the largest number of values of type `kind` that fit into the rest of the file.
+    fn remaining_capacity(&self, kind: NumberType) -> u64;
 }
 
-/// Binary body, big-endian if `BIG`.
-pub(super) struct BinaryReader<'b, const BIG: bool> {
+/// Reader of a binary PLY body, which is big-endian if `BIG` is true.
+pub(super) struct BinaryNumberReader<'b, const BIG: bool> {
     pub bytes: &'b [u8],
     /// Offset of the next byte.
     pub offset: usize,
 }
 
-impl<const BIG: bool> BinaryReader<'_, BIG> {
+impl<const BIG: bool> BinaryNumberReader<'_, BIG> {
     #[inline]
-    fn take<const N: usize>(&mut self) -> Result<[u8; N], Problem> {
+    fn take_bytes<const N: usize>(&mut self) -> Result<[u8; N], MessageAndRemedy> {
         let next = self.bytes.get(self.offset..).and_then(|rest| rest.first_chunk::<N>());
         let mut bytes = *next.ok_or_else(|| ("the file ends here".to_owned(), CUT))?;
         self.offset += N;
@@ -39,33 +39,33 @@ impl<const BIG: bool> BinaryReader<'_, BIG> {
     }
 }
 
-impl<const BIG: bool> NumberReader for BinaryReader<'_, BIG> {
+impl<const BIG: bool> NumberReader for BinaryNumberReader<'_, BIG> {
     #[inline]
-    fn number(&mut self, kind: NumberType) -> Result<f64, Problem> {
+    fn read_number(&mut self, kind: NumberType) -> Result<f64, MessageAndRemedy> {
         match kind {
-            NumberType::F32 => Ok(f64::from(f32::from_le_bytes(self.take()?))),
-            NumberType::F64 => Ok(f64::from_le_bytes(self.take()?)),
+            NumberType::F32 => Ok(f64::from(f32::from_le_bytes(self.take_bytes()?))),
+            NumberType::F64 => Ok(f64::from_le_bytes(self.take_bytes()?)),
             NumberType::I8 | NumberType::U8 | NumberType::I16 | NumberType::U16 | NumberType::I32 | NumberType::U32 => {
-                self.integer(kind).map(|n| n as f64)
+                self.read_integer(kind).map(|n| n as f64)
             }
         }
     }
 
     #[inline]
-    fn integer(&mut self, kind: NumberType) -> Result<i64, Problem> {
+    fn read_integer(&mut self, kind: NumberType) -> Result<i64, MessageAndRemedy> {
         Ok(match kind {
-            NumberType::I8 => i8::from_le_bytes(self.take()?).into(),
-            NumberType::U8 => u8::from_le_bytes(self.take()?).into(),
-            NumberType::I16 => i16::from_le_bytes(self.take()?).into(),
-            NumberType::U16 => u16::from_le_bytes(self.take()?).into(),
-            NumberType::I32 => i32::from_le_bytes(self.take()?).into(),
-            NumberType::U32 => u32::from_le_bytes(self.take()?).into(),
-            // The header check admits integer types only.
-            NumberType::F32 | NumberType::F64 => return Err(not_a_number("")),
+            NumberType::I8 => i8::from_le_bytes(self.take_bytes()?).into(),
+            NumberType::U8 => u8::from_le_bytes(self.take_bytes()?).into(),
+            NumberType::I16 => i16::from_le_bytes(self.take_bytes()?).into(),
+            NumberType::U16 => u16::from_le_bytes(self.take_bytes()?).into(),
+            NumberType::I32 => i32::from_le_bytes(self.take_bytes()?).into(),
+            NumberType::U32 => u32::from_le_bytes(self.take_bytes()?).into(),
+            // The header check accepts lists and indices of integer types only.
+            NumberType::F32 | NumberType::F64 => return Err(invalid_number_problem("")),
         })
     }
 
-    fn position(&self) -> usize {
+    fn error_position(&self) -> usize {
         self.offset
     }
 
@@ -74,23 +74,23 @@ impl<const BIG: bool> NumberReader for BinaryReader<'_, BIG> {
     }
 
     #[inline]
-    fn capacity(&self, kind: NumberType) -> u64 {
+    fn remaining_capacity(&self, kind: NumberType) -> u64 {
         ((self.bytes.len() - self.offset) / kind.size()) as u64
     }
 }
 
-/// Text body: numbers between white space.
-pub(super) struct TextReader<'b> {
+/// Reader of a text PLY body, whose numbers are separated by white space.
+pub(super) struct TextNumberReader<'b> {
     pub bytes: &'b [u8],
     /// Offset of the next byte.
     pub offset: usize,
-    /// Line of the last word, from 1.
+    /// Line number of the last word, from 1.
     pub line: usize,
 }
 
-impl TextReader<'_> {
+impl TextNumberReader<'_> {
     #[inline]
-    fn word(&mut self) -> Result<&str, Problem> {
+    fn next_word(&mut self) -> Result<&str, MessageAndRemedy> {
         let mut end = self.offset;
         while let Some(byte) = self.bytes.get(end)
             && byte.is_ascii_whitespace()
@@ -111,15 +111,15 @@ impl TextReader<'_> {
     }
 }
 
-fn not_a_number(word: &str) -> Problem {
-    let message = format!("`{}` is not a number of its property's type", excerpt(word));
+fn invalid_number_problem(word: &str) -> MessageAndRemedy {
+    let message = format!("`{}` is not a number of its property's type", escaped_excerpt(word));
     (message, "repair it or export the mesh anew")
 }
 
-impl NumberReader for TextReader<'_> {
+impl NumberReader for TextNumberReader<'_> {
     #[inline]
-    fn number(&mut self, kind: NumberType) -> Result<f64, Problem> {
-        let word = self.word()?;
+    fn read_number(&mut self, kind: NumberType) -> Result<f64, MessageAndRemedy> {
+        let word = self.next_word()?;
         let number = match kind {
             NumberType::F32 => word.parse::<f32>().map(f64::from),
             NumberType::I8
@@ -130,16 +130,16 @@ impl NumberReader for TextReader<'_> {
             | NumberType::U32
             | NumberType::F64 => word.parse::<f64>(),
         };
-        number.map_err(|_| not_a_number(word))
+        number.map_err(|_| invalid_number_problem(word))
     }
 
     #[inline]
-    fn integer(&mut self, _: NumberType) -> Result<i64, Problem> {
-        let word = self.word()?;
-        word.parse::<i64>().map_err(|_| not_a_number(word))
+    fn read_integer(&mut self, _: NumberType) -> Result<i64, MessageAndRemedy> {
+        let word = self.next_word()?;
+        word.parse::<i64>().map_err(|_| invalid_number_problem(word))
     }
 
-    fn position(&self) -> usize {
+    fn error_position(&self) -> usize {
         self.line
     }
 
@@ -148,8 +148,8 @@ impl NumberReader for TextReader<'_> {
     }
 
     #[inline]
-    fn capacity(&self, _: NumberType) -> u64 {
-        // A separator and a digit each.
+    fn remaining_capacity(&self, _: NumberType) -> u64 {
+        // A number takes at least a digit and a separator.
         ((self.bytes.len() - self.offset) / 2) as u64
     }
 }

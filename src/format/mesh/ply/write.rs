@@ -1,16 +1,18 @@
-//! Meshes as PLY.
+//! Writes meshes as PLY.
 
-use crate::format::mesh::{Shortest, TriangleMesh};
+use crate::format::mesh::{ShortestDecimal, TriangleMesh};
 use std::io::{Result, Write};
 
-/// Properties of each vertex, as `float` if that is exact for all vertices, else as `double`.
-struct Columns<'m> {
+/// Vertex properties of one kind, such as the position.
+struct VertexColumns<'m> {
     names: &'static [&'static str],
+    /// True if all values are exact in single precision, so they are written as `float`.
     single: bool,
+    /// Values at the vertex with a given index.
     get: Box<dyn Fn(usize) -> [f64; 3] + 'm>,
 }
 
-impl<'m> Columns<'m> {
+impl<'m> VertexColumns<'m> {
     fn new(names: &'static [&'static str], n: usize, get: impl Fn(usize) -> [f64; 3] + 'm) -> Self {
         let fits = |x: f64| f64::from(x as f32).to_bits() == x.to_bits();
         let single = (0..n).all(|v| get(v)[..names.len()].iter().all(|x| fits(*x)));
@@ -18,15 +20,15 @@ impl<'m> Columns<'m> {
     }
 }
 
-/// Writes the mesh, as text or as little-endian binary.
+/// Writes a mesh as PLY: as text if `text` is true, else as little-endian binary.
 pub(in crate::format) fn write(mesh: &TriangleMesh, text: bool, out: &mut impl Write) -> Result<()> {
     let n = mesh.positions.len();
-    let mut columns = vec![Columns::new(&["x", "y", "z"], n, |v| mesh.positions[v].to_array())];
+    let mut columns = vec![VertexColumns::new(&["x", "y", "z"], n, |v| mesh.positions[v].to_array())];
     if let Some(normals) = &mesh.normals {
-        columns.push(Columns::new(&["nx", "ny", "nz"], n, |v| normals[v].to_array()));
+        columns.push(VertexColumns::new(&["nx", "ny", "nz"], n, |v| normals[v].to_array()));
     }
     if let Some(texcoords) = &mesh.texcoords {
-        columns.push(Columns::new(&["s", "t"], n, |v| [texcoords[v].x, texcoords[v].y, 0.0]));
+        columns.push(VertexColumns::new(&["s", "t"], n, |v| [texcoords[v].x, texcoords[v].y, 0.0]));
     }
     let encoding = if text { "ascii" } else { "binary_little_endian" };
     writeln!(out, "ply\nformat {encoding} 1.0\ncomment Caustica {}", env!("CARGO_PKG_VERSION"))?;
@@ -42,8 +44,8 @@ pub(in crate::format) fn write(mesh: &TriangleMesh, text: bool, out: &mut impl W
         for column in &columns {
             for x in &(column.get)(v)[..column.names.len()] {
                 match (text, column.single) {
-                    (true, true) => write!(out, "{gap}{}", Shortest(*x as f32))?,
-                    (true, false) => write!(out, "{gap}{}", Shortest(*x))?,
+                    (true, true) => write!(out, "{gap}{}", ShortestDecimal(*x as f32))?,
+                    (true, false) => write!(out, "{gap}{}", ShortestDecimal(*x))?,
                     (false, true) => out.write_all(&(*x as f32).to_le_bytes())?,
                     (false, false) => out.write_all(&x.to_le_bytes())?,
                 }

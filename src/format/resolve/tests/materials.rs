@@ -1,8 +1,8 @@
 //! Materials as they resolve.
 
 use super::{CAMERA, close, refusal, scene};
-use crate::bsdf::{METALS, conductor_reflectance, metal};
-use crate::color::{GLASSES, Glass};
+use crate::bsdf::{METALS, conductor_reflectance, named_metal};
+use crate::color::{DispersionFormula, GLASSES};
 use crate::format::description::MaterialKindDescription;
 use crate::format::{SourceText, parse, resolve};
 use crate::scene::{Body, Material, Scene};
@@ -25,9 +25,9 @@ fn materials_are_resolved() {
         Phong { diffuseColor .1 .2 .3 specularColor .4 .5 .6 shininess 7 }
     }";
     let scene = scene(&format!("{materials} Group {{ Sphere {{ center 0 0 0 radius 1 }} }}"));
-    let absorption = |i: usize| scene.materials()[i].boundary().unwrap().absorption;
+    let absorption = |i: usize| scene.materials()[i].bounded_body().unwrap().absorption;
     let body = Body { priority: 7, ..Body::new(1.7) };
-    assert_eq!(scene.materials()[0], Material::rough_body(body, 0.25));
+    assert_eq!(scene.materials()[0], Material::rough_boundary(body, 0.25));
     assert_eq!((absorption(0), absorption(1)), (Vec3::ZERO, vec3(1.0, 2.0, 3.0)));
     // A half after two units, a quarter after two units: ln 2 / 2 and ln 2 a unit.
     let ln2 = std::f32::consts::LN_2;
@@ -39,7 +39,7 @@ fn materials_are_resolved() {
 #[test]
 fn metals_have_the_named_or_given_index() {
     for name in METALS {
-        let (eta, k) = metal(name).unwrap();
+        let (eta, k) = named_metal(name).unwrap();
         let scene = of(&format!("Conductor {{ metal {name} roughness .5 }}"));
         assert_eq!(scene.materials()[0], Material::conductor(eta, k, 0.5), "{name}");
     }
@@ -57,20 +57,20 @@ fn metals_have_the_named_or_given_index() {
 #[test]
 fn glasses_have_the_named_or_given_index() {
     let index = |scene: &Scene| {
-        let body = scene.materials()[0].boundary().unwrap();
+        let body = scene.materials()[0].bounded_body().unwrap();
         (body.index, body.glass.map(|g| scene.glasses()[g as usize]))
     };
     for (name, glass, _) in GLASSES {
         let scene = of(&format!("Dielectric {{ glass {name} }}"));
-        assert_eq!(index(&scene), (glass.index_d(), Some(glass)), "{name}");
+        assert_eq!(index(&scene), (glass.d_line_index(), Some(glass)), "{name}");
     }
-    let crown = Glass::of_abbe(1.5, 60.0);
+    let crown = DispersionFormula::from_abbe_number(1.5, 60.0);
     assert_eq!(index(&of("Dielectric { indexOfRefraction 1.5 abbe 60 }")), (1.5, Some(crown)));
-    let cauchy = Glass::Cauchy { a: 1.5, b: 0.004, c: 1e-5 };
-    assert_eq!(index(&of("Dielectric { cauchy 1.5 .004 1e-5 }")), (cauchy.index_d(), Some(cauchy)));
-    let sellmeier = Glass::Sellmeier { b: [1.0, 0.5, 0.0, 0.0], c: [0.01, 90.0, 0.0, 0.0] };
+    let cauchy = DispersionFormula::Cauchy { a: 1.5, b: 0.004, c: 1e-5 };
+    assert_eq!(index(&of("Dielectric { cauchy 1.5 .004 1e-5 }")), (cauchy.d_line_index(), Some(cauchy)));
+    let sellmeier = DispersionFormula::Sellmeier { b: [1.0, 0.5, 0.0, 0.0], c: [0.01, 90.0, 0.0, 0.0] };
     let scene = of("Dielectric { sellmeierB 1 .5 sellmeierC .01 90 }");
-    assert_eq!(index(&scene), (sellmeier.index_d(), Some(sellmeier)));
+    assert_eq!(index(&scene), (sellmeier.d_line_index(), Some(sellmeier)));
     assert_eq!(index(&of("Dielectric { indexOfRefraction 1.5 }")), (1.5, None));
 }
 

@@ -1,7 +1,7 @@
 //! Media as they resolve: what they do to light, where they are, and what they fill.
 
 use super::{CAMERA, refusal, resolve_in, scene};
-use crate::format::grid::{self, Encoding, Grid};
+use crate::format::grid::{self, DensityGrid, GridEncoding};
 use crate::format::{SourceText, parse, resolve};
 use crate::medium::{Medium, PhaseFunction};
 use crate::scene::{Body, Material, Scene};
@@ -16,7 +16,7 @@ fn filled(media: &str, materials: &str) -> String {
 }
 
 fn body(scene: &Scene, material: usize) -> Body {
-    *scene.materials()[material].boundary().unwrap()
+    *scene.materials()[material].bounded_body().unwrap()
 }
 
 /// The medium that fills the first material.
@@ -56,9 +56,9 @@ fn media_fill_bodies_and_regions() {
         "Dielectric { medium b priority 3 roughness .5 } Clear { medium a priority 7 } Clear { }",
     ));
     let glass = Body { medium: Some(1), priority: 3, ..Body::new(1.5) };
-    assert_eq!(found.materials()[0], Material::rough_body(glass, 0.5));
-    assert_eq!(body(&found, 1), Body { priority: 7, ..Body::region(0) });
-    assert_eq!(body(&found, 2), Body { medium: None, ..Body::region(0) });
+    assert_eq!(found.materials()[0], Material::rough_boundary(glass, 0.5));
+    assert_eq!(body(&found, 1), Body { priority: 7, ..Body::medium_region(0) });
+    assert_eq!(body(&found, 2), Body { medium: None, ..Body::medium_region(0) });
     assert_eq!(found.ambient_medium(), None);
     let found = scene("Background { medium fog } Media { Medium no { } Medium fog { scattering 1 1 1 } } Group { }");
     assert_eq!(found.ambient_medium(), Some(1));
@@ -88,8 +88,8 @@ fn body_absorption_adds_to_a_homogeneous_medium() {
 #[test]
 fn density_grids_fill_their_box() {
     let folder = tempfile::tempdir().unwrap();
-    let values = Grid { size: [2, 1, 1], values: vec![1.0, 3.0] };
-    grid::write(&folder.path().join("two.grid"), &values, Encoding::F32).unwrap();
+    let values = DensityGrid { size: [2, 1, 1], values: vec![1.0, 3.0] };
+    grid::write(&folder.path().join("two.grid"), &values, GridEncoding::F32).unwrap();
     let of = |fields: &str| {
         let media = format!("Medium a {{ scattering 1 1 1 grid two.grid {fields} }}");
         resolve_in(folder.path(), &filled(&media, "Clear { medium a }"))

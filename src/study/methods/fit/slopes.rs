@@ -10,11 +10,11 @@ const TAIL_RATIO: u32 = 16;
 const MIN_CHECKPOINTS: usize = 3;
 
 /// Bootstrap replicates.
-const REPLICATES: u64 = 1000;
+const BOOTSTRAP_REPLICATES: u64 = 1000;
 
 /// Slope of a line in log-log space.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Slope {
+pub struct SlopeEstimate {
     /// Least-squares slope.
     pub value: f64,
     /// 95 % confidence interval; `None` if seeds are too few or too scattered.
@@ -23,30 +23,30 @@ pub struct Slope {
 
 /// Slopes of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Slopes {
+pub struct ConvergenceSlopes {
     /// Slope over seconds.
-    pub by_time: Slope,
+    pub by_time: SlopeEstimate,
     /// Slope over passes.
-    pub by_passes: Slope,
+    pub by_passes: SlopeEstimate,
 }
 
 /// Fitted slopes of a method. A quantity that is not positive on the whole tail has none.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct Fit {
+pub struct ConvergenceFit {
     /// Passes of each checkpoint in the tail.
     pub passes: Vec<u32>,
     /// Relative error.
-    pub error: Option<Slopes>,
+    pub error: Option<ConvergenceSlopes>,
     /// Relative noise.
-    pub noise: Option<Slopes>,
+    pub noise: Option<ConvergenceSlopes>,
     /// Relative bias.
-    pub bias: Option<Slopes>,
+    pub bias: Option<ConvergenceSlopes>,
 }
 
 /// Fits the tail; `None` if it has fewer than three checkpoints.
 #[must_use]
-pub fn fit(method: &MethodResult) -> Option<Fit> {
-    let tail = tail(&method.checkpoints);
+pub fn fit_convergence(method: &MethodResult) -> Option<ConvergenceFit> {
+    let tail = tail_checkpoints(&method.checkpoints);
     if tail.len() < MIN_CHECKPOINTS {
         return None;
     }
@@ -55,15 +55,17 @@ pub fn fit(method: &MethodResult) -> Option<Fit> {
     let mean = |values: &[f64], weights: &[f64]| values.iter().zip(weights).map(|(v, w)| v * w).sum::<f64>();
     // Noise and bias can be resampled only if each seed's part is known.
     let apart = if has_noises { seeds } else { 0 };
-    let error = slopes(tail, seeds, |c, weights| weights.map_or_else(|| c.square(), |w| mean(&c.squares, w)));
-    let noise = slopes(tail, apart, |c, weights| weights.map_or(c.noise2, |w| mean(&c.noises, w)));
+    let error =
+        fit_slopes(tail, seeds, |c, weights| weights.map_or_else(|| c.mean_squared_error(), |w| mean(&c.squares, w)));
+    let noise = fit_slopes(tail, apart, |c, weights| weights.map_or(c.noise2, |w| mean(&c.noises, w)));
     // The mean squared error is exactly bias² + noise², so the rest is bias.
-    let bias = slopes(tail, apart, |c, weights| weights.map_or(c.bias2, |w| mean(&c.squares, w) - mean(&c.noises, w)));
-    Some(Fit { passes: tail.iter().map(|c| c.passes).collect(), error, noise, bias })
+    let bias =
+        fit_slopes(tail, apart, |c, weights| weights.map_or(c.bias2, |w| mean(&c.squares, w) - mean(&c.noises, w)));
+    Some(ConvergenceFit { passes: tail.iter().map(|c| c.passes).collect(), error, noise, bias })
 }
 
 /// Checkpoints of the tail.
-fn tail(checkpoints: &[Checkpoint]) -> &[Checkpoint] {
+fn tail_checkpoints(checkpoints: &[Checkpoint]) -> &[Checkpoint] {
     let last = checkpoints.last().map_or(0, |c| c.passes);
     let early = |c: &&Checkpoint| u64::from(c.passes) * u64::from(TAIL_RATIO) < u64::from(last) || c.seconds <= 0.0;
     &checkpoints[checkpoints.iter().take_while(early).count()..]
@@ -71,7 +73,11 @@ fn tail(checkpoints: &[Checkpoint]) -> &[Checkpoint] {
 
 /// Slopes of the root of `square`, a function of a checkpoint and seed weights (`None`: as
 /// measured).
-fn slopes(tail: &[Checkpoint], seeds: usize, square: impl Fn(&Checkpoint, Option<&[f64]>) -> f64) -> Option<Slopes> {
+fn fit_slopes(
+    tail: &[Checkpoint],
+    seeds: usize,
+    square: impl Fn(&Checkpoint, Option<&[f64]>) -> f64,
+) -> Option<ConvergenceSlopes> {
     let times: Vec<f64> = tail.iter().map(|c| libm::log(c.seconds)).collect();
     let passes: Vec<f64> = tail.iter().map(|c| libm::log(f64::from(c.passes))).collect();
     let of = |weights: Option<&[f64]>| {
@@ -81,25 +87,26 @@ fn slopes(tail: &[Checkpoint], seeds: usize, square: impl Fn(&Checkpoint, Option
     };
     let [by_time, by_passes] = of(None)?;
     let replicates: Vec<[f64; 2]> =
-        (0..REPLICATES).filter_map(|replicate| of(Some(&resampled_weights(replicate, seeds)))).collect();
+        (0..BOOTSTRAP_REPLICATES).filter_map(|replicate| of(Some(&bootstrap_seed_weights(replicate, seeds)))).collect();
     // More failures than the interval's tails hold: it has no end.
-    let has_interval = seeds >= 2 && replicates.len() as u64 * 40 >= REPLICATES * 39;
+    let has_interval = seeds >= 2 && replicates.len() as u64 * 40 >= BOOTSTRAP_REPLICATES * 39;
     let slope = |value: f64, which: usize| {
         let interval = has_interval.then(|| {
-            let half = interval_factor(seeds) * standard_deviation(replicates.iter().map(|r| r[which]));
+            let half = bootstrap_interval_factor(seeds) * standard_deviation(replicates.iter().map(|r| r[which]));
             [value - half, value + half]
         });
-        Slope { value, interval }
+        SlopeEstimate { value, interval }
     };
-    Some(Slopes { by_time: slope(by_time, 0), by_passes: slope(by_passes, 1) })
+    Some(ConvergenceSlopes { by_time: slope(by_time, 0), by_passes: slope(by_passes, 1) })
 }
 
 /// Weights of seeds resampled with replacement.
-fn resampled_weights(replicate: u64, seeds: usize) -> Vec<f64> {
-    let key = Key::new(0xb007_57a9).with(replicate);
+fn bootstrap_seed_weights(replicate: u64, seeds: usize) -> Vec<f64> {
+    let key = Key::new(0xb007_57a9).child_key(replicate);
     let mut weights = vec![0.0; seeds];
     for draw in 0..seeds {
-        weights[(key.with(draw as u64).bits(Dimension::Part) % seeds as u64) as usize] += 1.0 / seeds as f64;
+        weights[(key.child_key(draw as u64).random_bits(Dimension::ChosenLobe) % seeds as u64) as usize] +=
+            1.0 / seeds as f64;
     }
     weights
 }
@@ -121,13 +128,13 @@ fn standard_deviation(values: impl Iterator<Item = f64> + Clone) -> f64 {
 
 /// Half-width of a 95 % interval over a bootstrap's standard deviation: Student's t times √(S/(S −
 /// 1)), since a bootstrap divides by S (Hesterberg 2015, section 3.1).
-fn interval_factor(seeds: usize) -> f64 {
+fn bootstrap_interval_factor(seeds: usize) -> f64 {
     let degrees = seeds as f64 - 1.0;
-    student_quantile(seeds - 1) * (seeds as f64 / degrees).sqrt()
+    student_t_quantile(seeds - 1) * (seeds as f64 / degrees).sqrt()
 }
 
 /// 97.5 % quantile of Student's t.
-pub(super) fn student_quantile(degrees: usize) -> f64 {
+pub(super) fn student_t_quantile(degrees: usize) -> f64 {
     const FEW: [f64; 10] = [12.7062, 4.3027, 3.1824, 2.7764, 2.5706, 2.4469, 2.3646, 2.3060, 2.2622, 2.2281];
     let (z, n) = (1.959_964_f64, degrees as f64);
     let (z3, z5) = (z * z * z, z * z * z * z * z);
@@ -141,20 +148,20 @@ pub(super) fn student_quantile(degrees: usize) -> f64 {
 
 /// 95 % interval of the mean over seeds by Student's t; `None` with fewer than two.
 #[must_use]
-pub fn mean_interval(values: &[f64]) -> Option<[f64; 2]> {
+pub fn mean_confidence_interval(values: &[f64]) -> Option<[f64; 2]> {
     let n = values.len();
     if n < 2 {
         return None;
     }
     let mean = values.iter().sum::<f64>() / n as f64;
-    let half = student_quantile(n - 1) * standard_deviation(values.iter().copied()) / (n as f64).sqrt();
+    let half = student_t_quantile(n - 1) * standard_deviation(values.iter().copied()) / (n as f64).sqrt();
     Some([mean - half, mean + half])
 }
 
 /// 95 % interval of the squared bias; `None` if the seeds' parts are unknown.
-pub(super) fn bias_interval(checkpoint: &Checkpoint) -> Option<[f64; 2]> {
+pub(super) fn squared_bias_interval(checkpoint: &Checkpoint) -> Option<[f64; 2]> {
     let Checkpoint { squares, noises, .. } = checkpoint;
     (squares.len() == noises.len())
         .then(|| squares.iter().zip(noises).map(|(s, n)| s - n).collect::<Vec<_>>())
-        .and_then(|parts| mean_interval(&parts))
+        .and_then(|parts| mean_confidence_interval(&parts))
 }

@@ -1,11 +1,11 @@
 //! Methods whose laws are known, with the scatter of seeds.
 
-use super::slopes::student_quantile;
+use super::slopes::student_t_quantile;
 use super::*;
 use crate::image::Image;
 use crate::integrate::{ALPHA, Algorithm, shrink};
 use crate::sampling::Key;
-use crate::study::methods::{Checkpoint, MethodResult, MethodStudyResult, Truth};
+use crate::study::methods::{Checkpoint, GroundTruth, MethodResult, MethodStudyResult};
 use glam::Vec3;
 use rand::RngExt;
 
@@ -14,8 +14,8 @@ const PIXELS: usize = 64;
 
 /// Pixels whose error after n passes is that of a mean of passes of variance 1/shrink and bias
 /// `bias` · shrink.
-fn synthetic(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32], name: u64) -> MethodResult {
-    let mut rng = Key::new(77).with(name).rng();
+fn synthetic_method(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32], name: u64) -> MethodResult {
+    let mut rng = Key::new(77).child_key(name).rng();
     // Irwin–Hall: twelve uniform numbers less six have variance 1.
     let mut normal = || (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0;
     let shrinks = |i: u32| shrink(alpha, i);
@@ -65,12 +65,12 @@ fn synthetic(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32], name: 
     }
 }
 
-fn doubled(count: u32) -> Vec<u32> {
+fn powers_of_two(count: u32) -> Vec<u32> {
     (0..count).map(|i| 1 << i).collect()
 }
 
-fn judged(method: &MethodResult) -> Verdict {
-    verdict(method, fit(method).as_ref(), None)
+fn fitted_verdict(method: &MethodResult) -> ConvergenceVerdict {
+    judge_convergence(method, fit_convergence(method).as_ref(), None)
 }
 
 /// An interval of 95 % misses 10 or more of 100 with a chance of 3 %; the law of the squares'
@@ -78,21 +78,21 @@ fn judged(method: &MethodResult) -> Verdict {
 /// the interval.
 #[test]
 fn intervals_cover_the_law() {
-    let passes = doubled(9);
+    let passes = powers_of_two(9);
     let laws = [(Algorithm::Path, 0.0, 1.0), (Algorithm::Sppm, 2.0, ALPHA), (Algorithm::Pm, 0.0, 1.0)];
     for (algorithm, bias, alpha) in laws {
         let mut covered = [0; 2];
         for name in 0..100 {
-            let method = synthetic(algorithm, bias, alpha, &passes, name);
-            let fit = fit(&method).unwrap();
+            let method = synthetic_method(algorithm, bias, alpha, &passes, name);
+            let fit = fit_convergence(&method).unwrap();
             assert_eq!(fit.passes, [16, 32, 64, 128, 256]);
             for (covered, (slopes, quantity)) in
-                covered.iter_mut().zip([(fit.error, Quantity::Error), (fit.noise, Quantity::Noise)])
+                covered.iter_mut().zip([(fit.error, ErrorComponent::Error), (fit.noise, ErrorComponent::Noise)])
             {
-                let law = predicted_law(algorithm, quantity, &fit.passes, alpha).unwrap();
+                let law = predicted_slopes(algorithm, quantity, &fit.passes, alpha).unwrap();
                 let [low, high] = slopes.unwrap().by_passes.interval.unwrap();
                 // Without bias, the error's law is that of noise.
-                let law = if bias == 0.0 { Law { flattest: law.steepest, ..law } } else { law };
+                let law = if bias == 0.0 { SlopeRange { flattest: law.steepest, ..law } } else { law };
                 *covered += usize::from(low <= law.flattest && high >= law.steepest);
             }
         }
@@ -102,14 +102,14 @@ fn intervals_cover_the_law() {
 
 #[test]
 fn slopes_are_recovered() {
-    let passes = doubled(9);
-    let path = fit(&synthetic(Algorithm::Path, 0.0, 1.0, &passes, 1)).unwrap();
-    let sppm = fit(&synthetic(Algorithm::Sppm, 4.0, ALPHA, &passes, 2)).unwrap();
-    let pm = fit(&synthetic(Algorithm::Pm, 4.0, 1.0, &passes, 3)).unwrap();
+    let passes = powers_of_two(9);
+    let path = fit_convergence(&synthetic_method(Algorithm::Path, 0.0, 1.0, &passes, 1)).unwrap();
+    let sppm = fit_convergence(&synthetic_method(Algorithm::Sppm, 4.0, ALPHA, &passes, 2)).unwrap();
+    let pm = fit_convergence(&synthetic_method(Algorithm::Pm, 4.0, 1.0, &passes, 3)).unwrap();
     // A root's logarithm deviates by 1/√(2 · SEEDS · PIXELS) = .031, a slope by that over √(10
     // log²2) = 2.19; four deviations.
-    let close = |slopes: Option<Slopes>, slope: f64| {
-        let Slopes { by_time, by_passes } = slopes.unwrap();
+    let close = |slopes: Option<ConvergenceSlopes>, slope: f64| {
+        let ConvergenceSlopes { by_time, by_passes } = slopes.unwrap();
         assert!(
             (by_passes.value - slope).abs() < 0.057 && (by_time.value - by_passes.value).abs() < 1e-9,
             "{by_passes:?} {slope}"
@@ -117,9 +117,10 @@ fn slopes_are_recovered() {
     };
     close(path.error, -0.5);
     close(path.noise, -0.5);
-    for (slopes, quantity) in [(sppm.error, Quantity::Bias), (sppm.noise, Quantity::Noise), (sppm.bias, Quantity::Bias)]
+    for (slopes, quantity) in
+        [(sppm.error, ErrorComponent::Bias), (sppm.noise, ErrorComponent::Noise), (sppm.bias, ErrorComponent::Bias)]
     {
-        close(slopes, predicted_law(Algorithm::Sppm, quantity, &sppm.passes, ALPHA).unwrap().flattest);
+        close(slopes, predicted_slopes(Algorithm::Sppm, quantity, &sppm.passes, ALPHA).unwrap().flattest);
     }
     close(pm.bias, 0.0);
     close(pm.error, 0.0);
@@ -127,62 +128,72 @@ fn slopes_are_recovered() {
 
 #[test]
 fn verdicts_name_the_cause() {
-    let passes = doubled(9);
-    let is = |algorithm, bias, alpha, passes: &[u32]| judged(&synthetic(algorithm, bias, alpha, passes, 5));
-    assert!(matches!(is(Algorithm::Path, 0.0, 1.0, &passes), Verdict::Expected { ahead: None, .. }));
-    assert!(matches!(is(Algorithm::Sppm, 3.0, ALPHA, &passes), Verdict::Expected { ahead: None, .. }));
+    let passes = powers_of_two(9);
+    let is =
+        |algorithm, bias, alpha, passes: &[u32]| fitted_verdict(&synthetic_method(algorithm, bias, alpha, passes, 5));
+    assert!(matches!(is(Algorithm::Path, 0.0, 1.0, &passes), ConvergenceVerdict::Expected { ahead: None, .. }));
+    assert!(matches!(is(Algorithm::Sppm, 3.0, ALPHA, &passes), ConvergenceVerdict::Expected { ahead: None, .. }));
     // 0.1 · 3 is the bias.
     let plateau = is(Algorithm::Pm, 3.0, 1.0, &passes);
     assert!(
-        matches!(plateau, Verdict::Plateau { floor, cause: Cause::Radii(_) } if (floor - 0.3).abs() < 0.01),
+        matches!(plateau, ConvergenceVerdict::Plateau { floor, cause: BiasCause::Radii(_) } if (floor - 0.3).abs() < 0.01),
         "{plateau:?}"
     );
     let words = plateau.to_string();
     assert!(words.starts_with("plateau: bias of ") && words.ends_with(" % stays at r = 0.100"), "{words}");
-    assert!(matches!(is(Algorithm::Path, 3.0, 1.0, &passes), Verdict::Plateau { cause: Cause::Unknown, .. }));
-    assert!(matches!(is(Algorithm::Whitted, 3.0, 1.0, &passes), Verdict::Plateau { cause: Cause::LeavesOut, .. }));
+    assert!(matches!(
+        is(Algorithm::Path, 3.0, 1.0, &passes),
+        ConvergenceVerdict::Plateau { cause: BiasCause::Unknown, .. }
+    ));
+    assert!(matches!(
+        is(Algorithm::Whitted, 3.0, 1.0, &passes),
+        ConvergenceVerdict::Plateau { cause: BiasCause::LeavesOut, .. }
+    ));
     // A tenth of the noise that is left.
-    assert!(matches!(is(Algorithm::Pm, 0.001, 1.0, &passes), Verdict::Hidden { most, .. } if most < 0.005));
+    assert!(matches!(is(Algorithm::Pm, 0.001, 1.0, &passes), ConvergenceVerdict::Hidden { most, .. } if most < 0.005));
     // As much as the noise that is left.
-    assert!(matches!(is(Algorithm::Pm, 1.0 / 16.0, 1.0, &passes), Verdict::Expected { ahead: Some(_), .. }));
-    assert!(matches!(is(Algorithm::Path, 0.0, ALPHA, &passes), Verdict::Slower { .. }));
+    assert!(matches!(is(Algorithm::Pm, 1.0 / 16.0, 1.0, &passes), ConvergenceVerdict::Expected { ahead: Some(_), .. }));
+    assert!(matches!(is(Algorithm::Path, 0.0, ALPHA, &passes), ConvergenceVerdict::Slower { .. }));
     assert!(matches!(
         is(Algorithm::Ppm, 0.0, 1.0, &passes),
-        Verdict::Expected { .. } | Verdict::Faster { .. } | Verdict::Hidden { .. }
+        ConvergenceVerdict::Expected { .. } | ConvergenceVerdict::Faster { .. } | ConvergenceVerdict::Hidden { .. }
     ));
-    assert_eq!(is(Algorithm::Path, 0.0, 1.0, &doubled(2)), Verdict::TooFew);
+    assert_eq!(is(Algorithm::Path, 0.0, 1.0, &powers_of_two(2)), ConvergenceVerdict::TooFew);
 }
 
 #[test]
 fn errors_below_the_truth_are_not_judged() {
-    let method = synthetic(Algorithm::Path, 0.0, 1.0, &doubled(9), 6);
-    let fit = fit(&method);
+    let method = synthetic_method(Algorithm::Path, 0.0, 1.0, &powers_of_two(9), 6);
+    let fit = fit_convergence(&method);
     // The last error is .1/16.
-    assert!(matches!(verdict(&method, fit.as_ref(), Some(0.01)), Verdict::TooSmall { truth: Some(_) }));
-    assert!(matches!(verdict(&method, fit.as_ref(), Some(0.005)), Verdict::Expected { .. }));
+    assert!(matches!(
+        judge_convergence(&method, fit.as_ref(), Some(0.01)),
+        ConvergenceVerdict::TooSmall { truth: Some(_) }
+    ));
+    assert!(matches!(judge_convergence(&method, fit.as_ref(), Some(0.005)), ConvergenceVerdict::Expected { .. }));
     let mut below = method.clone();
     below.checkpoints.last_mut().unwrap().squares = vec![-1e-9; SEEDS];
-    assert!(matches!(judged(&below), Verdict::TooSmall { truth: None }));
+    assert!(matches!(fitted_verdict(&below), ConvergenceVerdict::TooSmall { truth: None }));
     let mut alone = method;
     alone.checkpoints.iter_mut().for_each(|c| (c.squares.truncate(1), c.noises.clear()).1);
-    assert!(matches!(judged(&alone), Verdict::Wide { .. }));
+    assert!(matches!(fitted_verdict(&alone), ConvergenceVerdict::Wide { .. }));
 }
 
 /// Returns a method without noise: the error is .1/√n after n/4 seconds.
-fn exact() -> MethodResult {
-    let mut method = synthetic(Algorithm::Path, 0.0, 1.0, &doubled(9), 7);
+fn method_without_noise() -> MethodResult {
+    let mut method = synthetic_method(Algorithm::Path, 0.0, 1.0, &powers_of_two(9), 7);
     for c in &mut method.checkpoints {
         c.squares = vec![0.01 / f64::from(c.passes); SEEDS];
-        (c.noises, c.noise2, c.bias2) = (c.squares.clone(), c.square(), 0.0);
+        (c.noises, c.noise2, c.bias2) = (c.squares.clone(), c.mean_squared_error(), 0.0);
     }
     method
 }
 
 #[test]
 fn efforts_follow_the_law() {
-    let method = exact();
-    let fit = fit(&method);
-    let verdict = verdict(&method, fit.as_ref(), None);
+    let method = method_without_noise();
+    let fit = fit_convergence(&method);
+    let verdict = judge_convergence(&method, fit.as_ref(), None);
     let time_to = |error| time_to_error(&method, fit.as_ref(), &verdict, error);
     assert!(matches!(time_to(0.2), TimeToError::Within(effort) if effort.passes == 1.0));
     let TimeToError::Measured(effort) = time_to(0.05 / 3.0) else { panic!() };
@@ -193,31 +204,33 @@ fn efforts_follow_the_law() {
     );
     let TimeToError::Predicted { effort, seconds: Some([low, high]) } = time_to(0.1 / 64.0) else { panic!() };
     assert!((effort.passes - 4096.0).abs() < 1e-6 && (low - 1024.0).abs() < 1e-6 && (high - 1024.0).abs() < 1e-6);
-    let TimeToError::Predicted { effort, .. } = time_to_tenth(&method, fit.as_ref(), &verdict) else { panic!() };
+    let TimeToError::Predicted { effort, .. } = time_to_tenth_of_error(&method, fit.as_ref(), &verdict) else {
+        panic!()
+    };
     assert!((effort.seconds - 6400.0).abs() < 1e-6);
     for (seconds, passes) in [(0.25, 1.0), (3.0, 12.0), (640.0, 2560.0)] {
-        let error = error_at(&method, fit.as_ref(), seconds).unwrap();
+        let error = error_after_seconds(&method, fit.as_ref(), seconds).unwrap();
         assert!((error - 0.1 / f64::sqrt(passes)).abs() < 1e-12, "{error}");
     }
-    assert_eq!(error_at(&method, fit.as_ref(), 0.1), None);
+    assert_eq!(error_after_seconds(&method, fit.as_ref(), 0.1), None);
 }
 
 #[test]
 fn plateaus_are_never_left() {
-    let method = synthetic(Algorithm::Pm, 3.0, 1.0, &doubled(9), 8);
-    let fit = fit(&method);
-    let verdict = verdict(&method, fit.as_ref(), None);
+    let method = synthetic_method(Algorithm::Pm, 3.0, 1.0, &powers_of_two(9), 8);
+    let fit = fit_convergence(&method);
+    let verdict = judge_convergence(&method, fit.as_ref(), None);
     assert!(
         matches!(time_to_error(&method, fit.as_ref(), &verdict, 0.1), TimeToError::Never { floor } if (floor - 0.3).abs() < 0.01)
     );
-    assert!(matches!(time_to_tenth(&method, fit.as_ref(), &verdict), TimeToError::Never { .. }));
+    assert!(matches!(time_to_tenth_of_error(&method, fit.as_ref(), &verdict), TimeToError::Never { .. }));
 }
 
 /// The second method costs twice as much per pass, but begins with a third of the error and
 /// stays there.
 #[test]
 fn pareto_front_and_recommendation_have_least_error() {
-    let mut early = exact();
+    let mut early = method_without_noise();
     early.checkpoints.iter_mut().for_each(|c| (c.seconds *= 2.0, c.squares.fill(0.001)).1);
     let picture = Image::from_pixels(1, 1, vec![Vec3::ONE]).unwrap();
     let mut found = MethodStudyResult {
@@ -228,15 +241,15 @@ fn pareto_front_and_recommendation_have_least_error() {
         seeds: 8,
         budget: 64.0,
         share: 1.0,
-        truth: Truth { source: "closed form".into(), error: None, picture },
-        methods: vec![exact(), early],
+        truth: GroundTruth { source: "closed form".into(), error: None, picture },
+        methods: vec![method_without_noise(), early],
         interrupted: false,
     };
-    let points: Vec<(usize, usize)> = pareto(&found.methods).iter().map(|m| (m.method, m.checkpoint)).collect();
+    let points: Vec<(usize, usize)> = pareto_front(&found.methods).iter().map(|m| (m.method, m.checkpoint)).collect();
     assert_eq!(points, [(0, 0), (1, 0), (0, 4), (0, 5), (0, 6), (0, 7), (0, 8)]);
     let recommended = |found: &MethodStudyResult| {
-        let fits: Vec<_> = found.methods.iter().map(fit).collect();
-        recommend(found, &fits).unwrap()
+        let fits: Vec<_> = found.methods.iter().map(fit_convergence).collect();
+        recommend_method(found, &fits).unwrap()
     };
     let late = recommended(&found);
     assert!(late.method == 0 && (late.error - 0.1 / 16.0).abs() < 1e-12 && late.alike.is_empty());
@@ -247,6 +260,6 @@ fn pareto_front_and_recommendation_have_least_error() {
 #[test]
 fn students_t_matches_tables() {
     for (degrees, t) in [(1, 12.7062), (7, 2.3646), (11, 2.2010), (30, 2.0423), (1000, 1.9623)] {
-        assert!((student_quantile(degrees) - t).abs() < 1e-3, "{degrees}");
+        assert!((student_t_quantile(degrees) - t).abs() < 1e-3, "{degrees}");
     }
 }

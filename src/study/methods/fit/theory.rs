@@ -5,7 +5,7 @@ use crate::integrate::Algorithm;
 
 /// Quantity that converges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
+pub enum ErrorComponent {
     /// Root of the mean squared error.
     Error,
     /// Noise: differs between seeds.
@@ -16,15 +16,15 @@ pub enum Quantity {
 
 /// Range of slopes; both ends are equal if one law applies.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Law {
+pub struct SlopeRange {
     /// Steepest (most negative) slope.
     pub steepest: f64,
     /// Flattest slope.
     pub flattest: f64,
 }
 
-impl Law {
-    fn exact(slope: f64) -> Self {
+impl SlopeRange {
+    fn single(slope: f64) -> Self {
         Self { steepest: slope, flattest: slope }
     }
 
@@ -42,30 +42,35 @@ impl Law {
 /// With fixed radii, bias stays. Light that `distributed` and `whitted` leave out stays too.
 /// The slopes of estimates in media differ from the laws above by at most ⅒.
 #[must_use]
-pub fn predicted_law(algorithm: Algorithm, quantity: Quantity, passes: &[u32], alpha: f64) -> Option<Law> {
+pub fn predicted_slopes(
+    algorithm: Algorithm,
+    quantity: ErrorComponent,
+    passes: &[u32],
+    alpha: f64,
+) -> Option<SlopeRange> {
     use Algorithm::{Distributed, Hybrid, Path, Pm, Ppm, Raycast, Sppm, Whitted};
-    let even = Law::exact(-0.5);
-    let [variance, bias] = progressive_slopes(passes, alpha);
+    let even = SlopeRange::single(-0.5);
+    let [variance, bias] = variance_and_bias_slopes(passes, alpha);
     let noise = match algorithm {
-        Sppm | Hybrid => Law::exact(0.5 * variance).union(even),
+        Sppm | Hybrid => SlopeRange::single(0.5 * variance).union(even),
         // Seeds differ by shared camera paths, which no pass replaces.
-        Ppm => Law::exact(0.0).union(even),
+        Ppm => SlopeRange::single(0.0).union(even),
         Path | Pm | Distributed | Whitted | Raycast => even,
     };
     let bias = match algorithm {
         Path => None,
-        Sppm | Ppm | Hybrid => Some(Law::exact(bias)),
-        Pm | Distributed | Whitted | Raycast => Some(Law::exact(0.0)),
+        Sppm | Ppm | Hybrid => Some(SlopeRange::single(bias)),
+        Pm | Distributed | Whitted | Raycast => Some(SlopeRange::single(0.0)),
     };
     match quantity {
-        Quantity::Noise => Some(noise),
-        Quantity::Bias => bias,
-        Quantity::Error => Some(bias.map_or(noise, |bias| noise.union(bias))),
+        ErrorComponent::Noise => Some(noise),
+        ErrorComponent::Bias => bias,
+        ErrorComponent::Error => Some(bias.map_or(noise, |bias| noise.union(bias))),
     }
 }
 
 /// Slopes of variance and bias of the mean of passes with shrinking radii.
-fn progressive_slopes(passes: &[u32], alpha: f64) -> [f64; 2] {
+fn variance_and_bias_slopes(passes: &[u32], alpha: f64) -> [f64; 2] {
     let (mut shrink, mut shrunk, mut grown, mut made) = (1.0, 0.0, 0.0, 0u32);
     let mut logs: [Vec<f64>; 3] = Default::default();
     for &n in passes {
@@ -93,7 +98,7 @@ mod tests {
     #[test]
     fn radii_that_shrink_fall_by_their_sums() {
         let sum = |n: u32, of: fn(f64) -> f64| (0..n).map(|i| of(shrink(ALPHA, i))).sum::<f64>();
-        let [variance, bias] = progressive_slopes(&[16, 32], ALPHA);
+        let [variance, bias] = variance_and_bias_slopes(&[16, 32], ALPHA);
         let expected = [(sum(32, |s| 1.0 / s) / 4.0) / sum(16, |s| 1.0 / s), sum(32, |s| s) / 2.0 / sum(16, |s| s)];
         for (slope, ratio) in [variance, bias].into_iter().zip(expected) {
             assert!((slope - libm::log2(ratio)).abs() < 1e-12, "{slope} {ratio}");
@@ -104,25 +109,30 @@ mod tests {
     #[test]
     fn far_out_both_roots_fall_as_a_third() {
         let far: Vec<u32> = (0..4).map(|i| 10_000 << i).collect();
-        for (quantity, steepest) in [(Quantity::Noise, -0.5), (Quantity::Bias, -1.0 / 3.0), (Quantity::Error, -0.5)] {
-            let law = predicted_law(Algorithm::Sppm, quantity, &far, ALPHA).unwrap();
+        for (quantity, steepest) in
+            [(ErrorComponent::Noise, -0.5), (ErrorComponent::Bias, -1.0 / 3.0), (ErrorComponent::Error, -0.5)]
+        {
+            let law = predicted_slopes(Algorithm::Sppm, quantity, &far, ALPHA).unwrap();
             assert!((law.flattest + 1.0 / 3.0).abs() < 4e-3 && (law.steepest - steepest).abs() < 4e-3, "{law:?}");
         }
-        assert_eq!(predicted_law(Algorithm::Ppm, Quantity::Noise, &far, ALPHA).unwrap().flattest, 0.0);
-        let stays = predicted_law(Algorithm::Sppm, Quantity::Error, &far, 1.0).unwrap();
+        assert_eq!(predicted_slopes(Algorithm::Ppm, ErrorComponent::Noise, &far, ALPHA).unwrap().flattest, 0.0);
+        let stays = predicted_slopes(Algorithm::Sppm, ErrorComponent::Error, &far, 1.0).unwrap();
         assert!((stays.steepest + 0.5).abs() < 1e-9 && stays.flattest.abs() < 1e-9);
     }
 
     #[test]
     fn mixtures_lie_between() {
         let passes = [4, 8, 16, 32, 64];
-        let law = |algorithm, quantity| predicted_law(algorithm, quantity, &passes, ALPHA);
-        let [variance, _] = progressive_slopes(&passes, ALPHA);
+        let law = |algorithm, quantity| predicted_slopes(algorithm, quantity, &passes, ALPHA);
+        let [variance, _] = variance_and_bias_slopes(&passes, ALPHA);
         for algorithm in [Algorithm::Hybrid, Algorithm::Sppm] {
-            assert_eq!(law(algorithm, Quantity::Noise), Some(Law { steepest: -0.5, flattest: 0.5 * variance }));
+            assert_eq!(
+                law(algorithm, ErrorComponent::Noise),
+                Some(SlopeRange { steepest: -0.5, flattest: 0.5 * variance })
+            );
         }
-        assert_eq!(law(Algorithm::Path, Quantity::Bias), None);
-        assert_eq!(law(Algorithm::Path, Quantity::Error), Some(Law::exact(-0.5)));
-        assert_eq!(law(Algorithm::Pm, Quantity::Error), Some(Law { steepest: -0.5, flattest: 0.0 }));
+        assert_eq!(law(Algorithm::Path, ErrorComponent::Bias), None);
+        assert_eq!(law(Algorithm::Path, ErrorComponent::Error), Some(SlopeRange::single(-0.5)));
+        assert_eq!(law(Algorithm::Pm, ErrorComponent::Error), Some(SlopeRange { steepest: -0.5, flattest: 0.0 }));
     }
 }

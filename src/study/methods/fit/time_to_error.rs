@@ -1,12 +1,12 @@
 //! Time to reach an error.
 
-use super::slopes::{Fit, Slope};
-use super::verdict::Verdict;
+use super::slopes::{ConvergenceFit, SlopeEstimate};
+use super::verdict::ConvergenceVerdict;
 use crate::study::methods::{Checkpoint, MethodResult, MethodStudyResult};
 
 /// Effort to reach an error.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Effort {
+pub struct RenderEffort {
     /// Processor time without setup \[s].
     pub seconds: f64,
     /// Passes.
@@ -15,17 +15,17 @@ pub struct Effort {
     pub photons: f64,
 }
 
-impl Effort {
-    fn of(checkpoint: &Checkpoint) -> Self {
+impl RenderEffort {
+    fn at_checkpoint(checkpoint: &Checkpoint) -> Self {
         Self { seconds: checkpoint.seconds, passes: f64::from(checkpoint.passes), photons: checkpoint.photons }
     }
 
-    fn scaled(self, factor: f64) -> Self {
+    fn scaled_by(self, factor: f64) -> Self {
         Self { seconds: self.seconds * factor, passes: self.passes * factor, photons: self.photons * factor }
     }
 
     /// Interpolates two efforts, in logarithms if both are positive.
-    fn interpolated(a: Self, b: Self, t: f64) -> Self {
+    fn interpolate(a: Self, b: Self, t: f64) -> Self {
         let mix = |a: f64, b: f64| if a > 0.0 && b > 0.0 { a * libm::pow(b / a, t) } else { a + (b - a) * t };
         Self { seconds: mix(a.seconds, b.seconds), passes: mix(a.passes, b.passes), photons: mix(a.photons, b.photons) }
     }
@@ -36,13 +36,13 @@ impl Effort {
 #[serde(tag = "how", rename_all = "lowercase")]
 pub enum TimeToError {
     /// At most the effort of the first checkpoint.
-    Within(Effort),
+    Within(RenderEffort),
     /// Interpolated between checkpoints.
-    Measured(Effort),
+    Measured(RenderEffort),
     /// Extrapolated by the fitted slope.
     Predicted {
         /// Effort by the slope itself.
-        effort: Effort,
+        effort: RenderEffort,
         /// Seconds at both ends of the slope's interval; the later may be infinite.
         seconds: Option<[f64; 2]>,
     },
@@ -57,46 +57,70 @@ pub enum TimeToError {
 
 /// Effort until the relative error of `method` is `error` and stays below.
 #[must_use]
-pub fn time_to_error(method: &MethodResult, fit: Option<&Fit>, verdict: &Verdict, error: f64) -> TimeToError {
+pub fn time_to_error(
+    method: &MethodResult,
+    fit: Option<&ConvergenceFit>,
+    verdict: &ConvergenceVerdict,
+    error: f64,
+) -> TimeToError {
     let checkpoints = &method.checkpoints;
-    let above = |c: &Checkpoint| c.square() > error * error;
+    let above = |c: &Checkpoint| c.mean_squared_error() > error * error;
     let Some(last_above) = checkpoints.iter().rposition(above) else {
-        return checkpoints.first().map_or(TimeToError::Unknown, |first| TimeToError::Within(Effort::of(first)));
+        return checkpoints
+            .first()
+            .map_or(TimeToError::Unknown, |first| TimeToError::Within(RenderEffort::at_checkpoint(first)));
     };
     let before = &checkpoints[last_above];
-    let Some(after) = checkpoints.get(last_above + 1) else { return extrapolated_time(before, fit, verdict, error) };
-    let [log_before, log_after] = [before, after].map(|c| 0.5 * libm::log(c.square()));
+    let Some(after) = checkpoints.get(last_above + 1) else {
+        return extrapolate_time_to_error(before, fit, verdict, error);
+    };
+    let [log_before, log_after] = [before, after].map(|c| 0.5 * libm::log(c.mean_squared_error()));
     // A value of zero or less has no logarithm; the checkpoint itself is below `error`.
     let t = if log_after.is_finite() { (log_before - libm::log(error)) / (log_before - log_after) } else { 1.0 };
-    TimeToError::Measured(Effort::interpolated(Effort::of(before), Effort::of(after), t))
+    TimeToError::Measured(RenderEffort::interpolate(
+        RenderEffort::at_checkpoint(before),
+        RenderEffort::at_checkpoint(after),
+        t,
+    ))
 }
 
-fn extrapolated_time(last: &Checkpoint, fit: Option<&Fit>, verdict: &Verdict, error: f64) -> TimeToError {
+fn extrapolate_time_to_error(
+    last: &Checkpoint,
+    fit: Option<&ConvergenceFit>,
+    verdict: &ConvergenceVerdict,
+    error: f64,
+) -> TimeToError {
     let floor = match verdict {
-        Verdict::Plateau { floor, .. } => Some(*floor),
-        Verdict::Expected { ahead, .. } => *ahead,
+        ConvergenceVerdict::Plateau { floor, .. } => Some(*floor),
+        ConvergenceVerdict::Expected { ahead, .. } => *ahead,
         _ => None,
     };
     if let Some(floor) = floor.filter(|floor| *floor >= error) {
         return TimeToError::Never { floor };
     }
-    let Some(Slope { value, interval }) = fit.and_then(|fit| fit.error).map(|slopes| slopes.by_time) else {
+    let Some(SlopeEstimate { value, interval }) = fit.and_then(|fit| fit.error).map(|slopes| slopes.by_time) else {
         return TimeToError::Unknown;
     };
-    let ratio = last.square().sqrt() / error;
+    let ratio = last.mean_squared_error().sqrt() / error;
     let factor = |slope: f64| if slope < 0.0 { libm::pow(ratio, -1.0 / slope) } else { f64::INFINITY };
     if value >= 0.0 {
         return TimeToError::Unknown;
     }
     let seconds = interval.map(|ends| ends.map(|slope| last.seconds * factor(slope)));
-    TimeToError::Predicted { effort: Effort::of(last).scaled(factor(value)), seconds }
+    TimeToError::Predicted { effort: RenderEffort::at_checkpoint(last).scaled_by(factor(value)), seconds }
 }
 
 /// Effort to reach a tenth of the error of the last checkpoint.
 #[must_use]
-pub fn time_to_tenth(method: &MethodResult, fit: Option<&Fit>, verdict: &Verdict) -> TimeToError {
+pub fn time_to_tenth_of_error(
+    method: &MethodResult,
+    fit: Option<&ConvergenceFit>,
+    verdict: &ConvergenceVerdict,
+) -> TimeToError {
     match method.checkpoints.last() {
-        Some(last) if last.square() > 0.0 => extrapolated_time(last, fit, verdict, 0.1 * last.square().sqrt()),
+        Some(last) if last.mean_squared_error() > 0.0 => {
+            extrapolate_time_to_error(last, fit, verdict, 0.1 * last.mean_squared_error().sqrt())
+        }
         _ => TimeToError::Unknown,
     }
 }
@@ -104,8 +128,8 @@ pub fn time_to_tenth(method: &MethodResult, fit: Option<&Fit>, verdict: &Verdict
 /// Relative error after `seconds`, interpolated or extrapolated; `None` before the first
 /// checkpoint, or if unknown.
 #[must_use]
-pub fn error_at(method: &MethodResult, fit: Option<&Fit>, seconds: f64) -> Option<f64> {
-    let error = |c: &Checkpoint| Some(c.square()).filter(|s| *s > 0.0).map(f64::sqrt);
+pub fn error_after_seconds(method: &MethodResult, fit: Option<&ConvergenceFit>, seconds: f64) -> Option<f64> {
+    let error = |c: &Checkpoint| Some(c.mean_squared_error()).filter(|s| *s > 0.0).map(f64::sqrt);
     let after = method.checkpoints.iter().position(|c| c.seconds >= seconds);
     let last = method.checkpoints.last()?;
     match after {
@@ -134,11 +158,13 @@ pub struct ParetoPoint {
 
 /// Pareto front of error over time, early to late. Errors that noise hides are left out.
 #[must_use]
-pub fn pareto(methods: &[MethodResult]) -> Vec<ParetoPoint> {
+pub fn pareto_front(methods: &[MethodResult]) -> Vec<ParetoPoint> {
     let mut all: Vec<(f64, f64, ParetoPoint)> = Vec::new();
     for (method, found) in methods.iter().enumerate() {
-        let points = found.checkpoints.iter().enumerate().filter(|(_, c)| c.square() > 0.0);
-        all.extend(points.map(|(checkpoint, c)| (c.seconds, c.square(), ParetoPoint { method, checkpoint })));
+        let points = found.checkpoints.iter().enumerate().filter(|(_, c)| c.mean_squared_error() > 0.0);
+        all.extend(
+            points.map(|(checkpoint, c)| (c.seconds, c.mean_squared_error(), ParetoPoint { method, checkpoint })),
+        );
     }
     all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     let mut least = f64::INFINITY;
@@ -152,7 +178,7 @@ pub fn pareto(methods: &[MethodResult]) -> Vec<ParetoPoint> {
 
 /// Recommended method.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct Recommendation {
+pub struct MethodRecommendation {
     /// Index of the method.
     pub method: usize,
     /// Expected relative error after the budget.
@@ -163,15 +189,15 @@ pub struct Recommendation {
 
 /// Method with the least error after the budget; `None` if no error is known.
 #[must_use]
-pub fn recommend(found: &MethodStudyResult, fits: &[Option<Fit>]) -> Option<Recommendation> {
+pub fn recommend_method(found: &MethodStudyResult, fits: &[Option<ConvergenceFit>]) -> Option<MethodRecommendation> {
     let errors: Vec<(usize, f64)> = found
         .methods
         .iter()
         .zip(fits)
         .enumerate()
-        .filter_map(|(i, (method, fit))| Some((i, error_at(method, fit.as_ref(), found.budget)?)))
+        .filter_map(|(i, (method, fit))| Some((i, error_after_seconds(method, fit.as_ref(), found.budget)?)))
         .collect();
     let (method, error) = errors.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
     let alike = errors.iter().filter(|(i, e)| *i != method && *e <= 1.1 * error).map(|(i, _)| *i).collect();
-    Some(Recommendation { method, error, alike })
+    Some(MethodRecommendation { method, error, alike })
 }

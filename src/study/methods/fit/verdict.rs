@@ -1,19 +1,19 @@
 //! Verdicts: what a slope means.
 
-use super::slopes::{Fit, Slope, bias_interval, mean_interval};
-use super::theory::{Law, Quantity, predicted_law};
+use super::slopes::{ConvergenceFit, SlopeEstimate, mean_confidence_interval, squared_bias_interval};
+use super::theory::{ErrorComponent, SlopeRange, predicted_slopes};
 use crate::integrate::Algorithm;
 use crate::study::methods::MethodResult;
-use crate::study::report::text::{error, figure, slope as digits};
+use crate::study::report::text::{error_percent_text, slope_text, three_digit_text};
 use std::fmt;
 
 /// Fraction of the squared error above which bias is its cause; the error is then within 12 % of
 /// the bias.
-pub const BIAS_SHARE: f64 = 0.8;
+pub const BIAS_DOMINATED_SHARE: f64 = 0.8;
 
 /// Behaviour of a method's error.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Verdict {
+pub enum ConvergenceVerdict {
     /// Too few checkpoints for a fit.
     TooFew,
     /// The error is below what the references or seeds can resolve.
@@ -31,7 +31,7 @@ pub enum Verdict {
         /// Relative error that remains.
         floor: f64,
         /// Cause of the bias.
-        cause: Cause,
+        cause: BiasCause,
     },
     /// The error falls as noise does; an expected bias is too small to be seen.
     Hidden {
@@ -52,20 +52,20 @@ pub enum Verdict {
         /// Slope over passes.
         slope: f64,
         /// Range of slopes by theory.
-        law: Law,
+        law: SlopeRange,
     },
     /// The error falls faster than theory says.
     Faster {
         /// Slope over passes.
         slope: f64,
         /// Range of slopes by theory.
-        law: Law,
+        law: SlopeRange,
     },
 }
 
 /// Cause of an error that stays.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Cause {
+pub enum BiasCause {
     /// Photon estimates blur light over these radii, of the global and of the caustic map.
     Radii([f32; 2]),
     /// The algorithm leaves out light by design.
@@ -79,84 +79,96 @@ pub enum Cause {
 /// The noise of references cancels, but their bias does not. Errors below that of the truth are
 /// therefore not judged.
 #[must_use]
-pub fn verdict(method: &MethodResult, fit: Option<&Fit>, truth: Option<f64>) -> Verdict {
-    let (Some(fit), Some(last)) = (fit, method.checkpoints.last()) else { return Verdict::TooFew };
+pub fn judge_convergence(
+    method: &MethodResult,
+    fit: Option<&ConvergenceFit>,
+    truth: Option<f64>,
+) -> ConvergenceVerdict {
+    let (Some(fit), Some(last)) = (fit, method.checkpoints.last()) else { return ConvergenceVerdict::TooFew };
     let least = truth.unwrap_or(0.0);
-    let nothing = mean_interval(&last.squares).is_some_and(|[low, _]| low <= 0.0) || last.square() <= least * least;
-    let (Some(slopes), false) = (fit.error, nothing) else { return Verdict::TooSmall { truth } };
-    let Slope { value: slope, interval } = slopes.by_passes;
-    let Some([low, high]) = interval else { return Verdict::Wide { slope } };
-    let law = |quantity| predicted_law(method.algorithm, quantity, &fit.passes, method.alpha);
-    let (Some(noise), Some(total)) = (law(Quantity::Noise), law(Quantity::Error)) else {
-        return Verdict::Wide { slope };
+    let nothing = mean_confidence_interval(&last.squares).is_some_and(|[low, _]| low <= 0.0)
+        || last.mean_squared_error() <= least * least;
+    let (Some(slopes), false) = (fit.error, nothing) else { return ConvergenceVerdict::TooSmall { truth } };
+    let SlopeEstimate { value: slope, interval } = slopes.by_passes;
+    let Some([low, high]) = interval else { return ConvergenceVerdict::Wide { slope } };
+    let law = |quantity| predicted_slopes(method.algorithm, quantity, &fit.passes, method.alpha);
+    let (Some(noise), Some(total)) = (law(ErrorComponent::Noise), law(ErrorComponent::Error)) else {
+        return ConvergenceVerdict::Wide { slope };
     };
-    let bias = law(Quantity::Bias);
+    let bias = law(ErrorComponent::Bias);
     // A constant bias is no convergence.
     let falling = bias.filter(|b| b.flattest < 0.0).map_or(noise.flattest, |b| b.flattest.max(noise.flattest));
-    if low > falling && last.bias2 >= BIAS_SHARE * last.square() {
-        return Verdict::Plateau { floor: last.bias2.sqrt(), cause: bias_cause(method) };
+    if low > falling && last.bias2 >= BIAS_DOMINATED_SHARE * last.mean_squared_error() {
+        return ConvergenceVerdict::Plateau { floor: last.bias2.sqrt(), cause: bias_cause(method) };
     }
     if low > total.flattest {
-        return Verdict::Slower { slope, law: total };
+        return ConvergenceVerdict::Slower { slope, law: total };
     }
     if high < total.steepest {
-        return Verdict::Faster { slope, law: total };
+        return ConvergenceVerdict::Faster { slope, law: total };
     }
-    let seen = bias_interval(last);
+    let seen = squared_bias_interval(last);
     match seen {
-        Some([low, most]) if low <= 0.0 && bias.is_some() => Verdict::Hidden { slope, most: most.max(0.0).sqrt() },
+        Some([low, most]) if low <= 0.0 && bias.is_some() => {
+            ConvergenceVerdict::Hidden { slope, most: most.max(0.0).sqrt() }
+        }
         _ => {
             let stays = bias.is_some_and(|b| b.flattest >= 0.0) && seen.is_some_and(|[low, _]| low > 0.0);
-            Verdict::Expected { slope, ahead: stays.then(|| last.bias2.max(0.0).sqrt()) }
+            ConvergenceVerdict::Expected { slope, ahead: stays.then(|| last.bias2.max(0.0).sqrt()) }
         }
     }
 }
 
-fn bias_cause(method: &MethodResult) -> Cause {
+fn bias_cause(method: &MethodResult) -> BiasCause {
     match (method.algorithm, method.radii) {
-        (Algorithm::Distributed | Algorithm::Whitted | Algorithm::Raycast, _) => Cause::LeavesOut,
-        (Algorithm::Path, _) | (_, None) => Cause::Unknown,
-        (_, Some(radii)) => Cause::Radii(radii),
+        (Algorithm::Distributed | Algorithm::Whitted | Algorithm::Raycast, _) => BiasCause::LeavesOut,
+        (Algorithm::Path, _) | (_, None) => BiasCause::Unknown,
+        (_, Some(radii)) => BiasCause::Radii(radii),
     }
 }
 
-impl fmt::Display for Verdict {
+impl fmt::Display for ConvergenceVerdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let as_theory = "falls as theory says";
         match self {
             Self::TooFew => write!(f, "too few checkpoints: give it more time"),
             Self::TooSmall { truth: Some(truth) } => {
-                write!(f, "below the error of the references, {}", error(*truth))
+                write!(f, "below the error of the references, {}", error_percent_text(*truth))
             }
             Self::TooSmall { truth: None } => write!(f, "too small to measure with these seeds"),
-            Self::Wide { slope } => write!(f, "slope {}; too few seeds for an interval", digits(*slope)),
-            Self::Plateau { floor, cause } => write!(f, "plateau: bias of {} stays{cause}", error(*floor)),
+            Self::Wide { slope } => write!(f, "slope {}; too few seeds for an interval", slope_text(*slope)),
+            Self::Plateau { floor, cause } => write!(f, "plateau: bias of {} stays{cause}", error_percent_text(*floor)),
             Self::Hidden { slope, most } => {
-                let (most, slope) = (error(*most), digits(*slope));
+                let (most, slope) = (error_percent_text(*most), slope_text(*slope));
                 write!(f, "{as_theory}; bias is hidden by noise, below {most} (slope {slope})")
             }
-            Self::Expected { slope, ahead: None } => write!(f, "{as_theory} (slope {})", digits(*slope)),
+            Self::Expected { slope, ahead: None } => write!(f, "{as_theory} (slope {})", slope_text(*slope)),
             Self::Expected { slope, ahead: Some(floor) } => {
-                write!(f, "{as_theory}, towards a bias of {} (slope {})", error(*floor), digits(*slope))
+                write!(
+                    f,
+                    "{as_theory}, towards a bias of {} (slope {})",
+                    error_percent_text(*floor),
+                    slope_text(*slope)
+                )
             }
             Self::Slower { slope, law } => {
-                write!(f, "falls more slowly than theory says: slope {}, not {law}", digits(*slope))
+                write!(f, "falls more slowly than theory says: slope {}, not {law}", slope_text(*slope))
             }
             Self::Faster { slope, law } => {
-                write!(f, "falls faster than theory says: slope {}, not {law}", digits(*slope))
+                write!(f, "falls faster than theory says: slope {}, not {law}", slope_text(*slope))
             }
         }
     }
 }
 
-impl fmt::Display for Cause {
+impl fmt::Display for BiasCause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Radii(radii) => match radii.map(f64::from) {
                 [global, caustic] if caustic > 0.0 && global > 0.0 && caustic != global => {
-                    write!(f, " at r = {}, caustics at r = {}", figure(global), figure(caustic))
+                    write!(f, " at r = {}, caustics at r = {}", three_digit_text(global), three_digit_text(caustic))
                 }
-                [global, caustic] => write!(f, " at r = {}", figure(global.max(caustic))),
+                [global, caustic] => write!(f, " at r = {}", three_digit_text(global.max(caustic))),
             },
             Self::LeavesOut => write!(f, ", from light that the algorithm leaves out"),
             Self::Unknown => write!(f, ", unknown to theory: does the truth show the same scene?"),
@@ -164,9 +176,9 @@ impl fmt::Display for Cause {
     }
 }
 
-impl fmt::Display for Law {
+impl fmt::Display for SlopeRange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match [self.steepest, self.flattest].map(digits) {
+        match [self.steepest, self.flattest].map(slope_text) {
             [a, b] if a == b => f.write_str(&a),
             [a, b] => write!(f, "{a} … {b}"),
         }

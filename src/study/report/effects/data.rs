@@ -1,8 +1,10 @@
 //! Tables of a study of effects, as CSV and Markdown.
 
-use super::{About, clock, part};
-use crate::study::report::plain::{csv_row, markdown_table, markdown_text};
-use crate::study::report::text::{amount, figure, milliseconds, percent, signed};
+use super::{ReportContext, clock_text, share_of_mean_text};
+use crate::study::report::plain::{csv_row, escape_markdown, markdown_table};
+use crate::study::report::text::{
+    count_text, percent_text, signed_count_text, signed_milliseconds_text, three_digit_text,
+};
 use crate::study::{EffectResult, EffectStudyResult};
 
 /// CSV with one row per effect, simulated or not; unknown cells are empty. Seconds, and radiance in
@@ -28,24 +30,24 @@ pub fn csv(findings: &EffectStudyResult) -> String {
     ]);
     for decision in &findings.plan.decisions {
         let found = findings.effects.iter().find(|f| f.decision.effect == decision.effect);
-        let figure =
+        let number_cell =
             |of: &dyn Fn(&EffectResult) -> Option<f64>| found.and_then(of).map_or(String::new(), |v| v.to_string());
         table += &csv_row(&[
             decision.effect.to_string(),
             decision.on.to_string(),
             decision.is_forced().to_string(),
             decision.reason.to_string(),
-            figure(&|f| Some(f.cost.seconds)),
-            figure(&|f| f.cost.seconds_error),
-            figure(&|f| Some(f.cost.ratio)),
-            figure(&|f| Some(f.cost.setup)),
-            figure(&|f| Some(f.cost.rays)),
-            figure(&|f| Some(f.cost.gathers)),
-            figure(&|f| Some(f.cost.gathered_photons)),
-            figure(&|f| Some(f.gain.rmse)),
-            figure(&|f| f.gain.relative_rmse),
-            figure(&|f| Some(f.gain.adds)),
-            figure(&|f| Some(f.gain.takes)),
+            number_cell(&|f| Some(f.cost.seconds)),
+            number_cell(&|f| f.cost.seconds_error),
+            number_cell(&|f| Some(f.cost.ratio)),
+            number_cell(&|f| Some(f.cost.setup)),
+            number_cell(&|f| Some(f.cost.rays)),
+            number_cell(&|f| Some(f.cost.gathers)),
+            number_cell(&|f| Some(f.cost.gathered_photons)),
+            number_cell(&|f| Some(f.gain.rmse)),
+            number_cell(&|f| f.gain.relative_rmse),
+            number_cell(&|f| Some(f.gain.adds)),
+            number_cell(&|f| Some(f.gain.takes)),
         ]);
     }
     table
@@ -53,33 +55,33 @@ pub fn csv(findings: &EffectStudyResult) -> String {
 
 /// The figures as Markdown.
 #[must_use]
-pub fn markdown(about: &About, findings: &EffectStudyResult) -> String {
+pub fn markdown(about: &ReportContext, findings: &EffectStudyResult) -> String {
     let passes = findings.whole.passes.len();
-    let a_pass = |n: u64| amount(n as f64 / passes as f64);
+    let a_pass = |n: u64| count_text(n as f64 / passes as f64);
     let mut text = format!(
         "# Cost and contribution of effects: {}\n\nCaustica {}, {}, seed {}, passes of each picture: {passes}. Seconds are {}. Each effect \
          was left out once. The whole picture: {:.1} ms, {} rays and {} gathered photons per pass, mean radiance {} W/(m² sr).\n\n",
-        markdown_text(&about.scene),
+        escape_markdown(&about.scene),
         env!("CARGO_PKG_VERSION"),
         about.integrator,
         about.seed,
-        clock(findings.clock),
+        clock_text(findings.clock),
         1e3 * findings.whole.seconds() / passes as f64,
-        a_pass(findings.whole.counters.rays()),
+        a_pass(findings.whole.counters.total_rays()),
         a_pass(findings.whole.counters.gathered_photons),
-        figure(findings.mean),
+        three_digit_text(findings.mean),
     );
     let row = |EffectResult { decision, cost, gain, .. }: &EffectResult| {
         let error = cost.seconds_error.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
         vec![
             decision.effect.to_string(),
-            milliseconds(cost.seconds) + &error,
+            signed_milliseconds_text(cost.seconds) + &error,
             format!("{:.2}", cost.ratio),
-            signed(cost.rays),
-            signed(cost.gathered_photons),
-            gain.relative_rmse.map_or(figure(gain.rmse), percent),
-            part(gain.adds, findings.mean),
-            part(gain.takes, findings.mean),
+            signed_count_text(cost.rays),
+            signed_count_text(cost.gathered_photons),
+            gain.relative_rmse.map_or(three_digit_text(gain.rmse), percent_text),
+            share_of_mean_text(gain.adds, findings.mean),
+            share_of_mean_text(gain.takes, findings.mean),
         ]
     };
     let rows: Vec<Vec<String>> = findings.effects.iter().map(row).collect();
@@ -88,7 +90,7 @@ pub fn markdown(about: &About, findings: &EffectStudyResult) -> String {
     text += &markdown_table(&heads, &rows);
     for decision in findings.plan.decisions.iter().filter(|d| !d.on) {
         let state = if decision.is_forced() { "forced off, though " } else { "off: " };
-        text += &format!("\n- {}: {state}{}", decision.effect, markdown_text(&decision.reason.to_string()));
+        text += &format!("\n- {}: {state}{}", decision.effect, escape_markdown(&decision.reason.to_string()));
     }
     text + "\n"
 }
@@ -106,7 +108,7 @@ mod tests {
     fn every_effect_has_a_row() {
         let scene = matt(8, 6);
         let mut settings = Settings::default();
-        settings.eye.effects = EffectOverrides::PLANNED.with(Effect::Environment);
+        settings.camera_paths.effects = EffectOverrides::PLANNED.with(Effect::Environment);
         let study = EffectStudy::prepare(&scene, Algorithm::Whitted, &settings);
         let findings = study.run(2, &AtomicBool::new(false), &Silent, |_| {}).unwrap();
         let table = csv(&findings);
@@ -115,7 +117,7 @@ mod tests {
         assert!(rows.iter().any(|row| row.starts_with("shadows,true,false,")));
         // An effect that is off has no figures.
         assert!(rows.iter().any(|row| row.starts_with("caustics,false,") && row.ends_with(",,,,,,,,,,,")));
-        let about = About { scene: "a_b.txt".into(), integrator: "whitted", seed: 3, exposure: 0.0 };
+        let about = ReportContext { scene: "a_b.txt".into(), integrator: "whitted", seed: 3, exposure: 0.0 };
         let text = markdown(&about, &findings);
         assert!(text.contains(": a\\_b.txt") && text.contains("| shadows | ") && text.contains("- caustics: off: "));
         assert!(text.contains("| environment | "));

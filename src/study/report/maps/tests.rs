@@ -8,15 +8,15 @@ fn luminance(c: Vec3) -> f32 {
 
 #[test]
 fn ramps_rise_in_lightness() {
-    let ramps = [ramp as fn(f64) -> Vec3, signed_ramp, |t| signed_ramp(-t)];
-    for ramp in ramps {
-        let lights: Vec<f32> = (0..=64).map(|i| luminance(ramp(f64::from(i) / 64.0))).collect();
+    let ramps = [error_color_ramp as fn(f64) -> Vec3, signed_color_ramp, |t| signed_color_ramp(-t)];
+    for error_color_ramp in ramps {
+        let lights: Vec<f32> = (0..=64).map(|i| luminance(error_color_ramp(f64::from(i) / 64.0))).collect();
         assert!(lights.windows(2).all(|pair| pair[1] > pair[0]), "{lights:?}");
         assert!(lights[0] < 0.01 && lights[64] > 0.6);
     }
     // White and red as OKLab defines them.
-    assert!((oklch(1.0, 0.0, 0.0) - Vec3::ONE).length() < 1e-6);
-    assert!((oklch(0.627_955, 0.257_683, 29.233_9) - Vec3::X).length() < 1e-3);
+    assert!((oklch_to_linear_rgb(1.0, 0.0, 0.0) - Vec3::ONE).length() < 1e-6);
+    assert!((oklch_to_linear_rgb(0.627_955, 0.257_683, 29.233_9) - Vec3::X).length() < 1e-3);
 }
 
 #[test]
@@ -24,9 +24,9 @@ fn scales_hold_all_but_fireflies() {
     let mut values = vec![0.017; 1000];
     values[0] = 1e9;
     values.push(f64::NAN);
-    assert!((scale_end(values.into_iter()).unwrap() - 0.02).abs() < 1e-12);
-    assert!((scale_end([0.05].into_iter()).unwrap() - 0.05).abs() < 1e-12);
-    assert_eq!(scale_end([0.0, -1.0].into_iter()), None);
+    assert!((color_scale_maximum(values.into_iter()).unwrap() - 0.02).abs() < 1e-12);
+    assert!((color_scale_maximum([0.05].into_iter()).unwrap() - 0.05).abs() < 1e-12);
+    assert_eq!(color_scale_maximum([0.0, -1.0].into_iter()), None);
 }
 
 fn method(width: u32, height: u32, error: Vec<f32>) -> MethodResult {
@@ -52,16 +52,16 @@ fn windows_are_where_errors_are() {
     error[5 * 200 + 20] = 1.0;
     let found = largest_error_windows(&[method(200, 100, error)], 3);
     assert_eq!(found.len(), 2);
-    assert!(found[0].overlaps(Window { x: 180, y: 90, width: 1, height: 1 }), "{found:?}");
-    assert!(found[1].overlaps(Window { x: 20, y: 5, width: 1, height: 1 }) && !found[0].overlaps(found[1]));
+    assert!(found[0].overlaps(PixelWindow { x: 180, y: 90, width: 1, height: 1 }), "{found:?}");
+    assert!(found[1].overlaps(PixelWindow { x: 20, y: 5, width: 1, height: 1 }) && !found[0].overlaps(found[1]));
     let small = largest_error_windows(&[method(8, 4, vec![1.0; 32])], 3);
-    assert_eq!(small, [Window { x: 0, y: 0, width: 8, height: 4 }]);
+    assert_eq!(small, [PixelWindow { x: 0, y: 0, width: 8, height: 4 }]);
 }
 
 #[test]
 fn errors_are_colours_by_their_logarithm() {
     let map = error_map(&method(4, 1, vec![0.0, 0.002, 0.02, 0.2]), 0.2).unwrap();
-    let expected = [ramp(0.0), ramp(0.0), ramp(0.5), ramp(1.0)];
+    let expected = [error_color_ramp(0.0), error_color_ramp(0.0), error_color_ramp(0.5), error_color_ramp(1.0)];
     assert!(map.pixels().iter().zip(expected).all(|(a, b)| (*a - b).length() < 1e-5));
 }
 
@@ -70,7 +70,7 @@ fn errors_are_colours_by_their_logarithm() {
 fn differences_are_relative_to_the_light_around() {
     let truth = Image::from_pixels(2, 1, vec![Vec3::splat(2.0); 2]).unwrap();
     let difference = Image::from_pixels(2, 1, vec![Vec3::new(0.3, 0.0, 0.0), Vec3::splat(-1.0)]).unwrap();
-    let found = relative_differences(&difference, &RelativeScale::of(&truth));
+    let found = relative_differences(&difference, &RelativeScale::from_image(&truth));
     let eight = f64::sqrt(8.0);
     assert!((found[0] - 0.1 / eight).abs() < 1e-7 && (found[1] + 1.0 / eight).abs() < 1e-12);
 }

@@ -1,54 +1,55 @@
 //! Analysis that all reports of a study of methods share.
 
 use crate::study::methods::fit::{
-    Effort, Fit, Law, ParetoPoint, Quantity, Recommendation, Slopes, TimeToError, Verdict, fit, pareto, predicted_law,
-    recommend, time_to_error, time_to_tenth, verdict,
+    ConvergenceFit, ConvergenceSlopes, ConvergenceVerdict, ErrorComponent, MethodRecommendation, ParetoPoint,
+    RenderEffort, SlopeRange, TimeToError, fit_convergence, judge_convergence, pareto_front, predicted_slopes,
+    recommend_method, time_to_error, time_to_tenth_of_error,
 };
 use crate::study::methods::{MethodResult, MethodStudyResult};
-use crate::study::report::text::{self, amount, duration, error};
+use crate::study::report::text::{self, count_text, duration_text, error_percent_text};
 
 /// Relative errors whose time is reported.
-pub(super) const ERRORS: [f64; 4] = [0.1, 0.05, 0.02, 0.01];
+pub(super) const TARGET_ERRORS: [f64; 4] = [0.1, 0.05, 0.02, 0.01];
 
 /// Fits, verdicts and times to reach errors.
-pub(super) struct Analysis {
+pub(super) struct StudyAnalysis {
     pub(super) methods: Vec<MethodAnalysis>,
     pub(super) pareto: Vec<ParetoPoint>,
-    pub(super) recommendation: Option<Recommendation>,
+    pub(super) recommendation: Option<MethodRecommendation>,
 }
 
 /// Analysis of one method.
 pub(super) struct MethodAnalysis {
-    pub(super) fit: Option<Fit>,
-    pub(super) verdict: Verdict,
-    /// Times to reach [`ERRORS`].
+    pub(super) fit: Option<ConvergenceFit>,
+    pub(super) verdict: ConvergenceVerdict,
+    /// Times to reach [`TARGET_ERRORS`].
     pub(super) reaches: [TimeToError; 4],
     pub(super) tenth: TimeToError,
 }
 
-impl Analysis {
-    pub(super) fn of(found: &MethodStudyResult) -> Self {
-        let fits: Vec<Option<Fit>> = found.methods.iter().map(fit).collect();
-        let recommendation = recommend(found, &fits);
-        let judge = |(method, fit): (&MethodResult, Option<Fit>)| {
-            let verdict = verdict(method, fit.as_ref(), found.truth.error);
-            let reaches = ERRORS.map(|e| time_to_error(method, fit.as_ref(), &verdict, e));
-            MethodAnalysis { tenth: time_to_tenth(method, fit.as_ref(), &verdict), reaches, verdict, fit }
+impl StudyAnalysis {
+    pub(super) fn new(found: &MethodStudyResult) -> Self {
+        let fits: Vec<Option<ConvergenceFit>> = found.methods.iter().map(fit_convergence).collect();
+        let recommendation = recommend_method(found, &fits);
+        let judge = |(method, fit): (&MethodResult, Option<ConvergenceFit>)| {
+            let verdict = judge_convergence(method, fit.as_ref(), found.truth.error);
+            let reaches = TARGET_ERRORS.map(|e| time_to_error(method, fit.as_ref(), &verdict, e));
+            MethodAnalysis { tenth: time_to_tenth_of_error(method, fit.as_ref(), &verdict), reaches, verdict, fit }
         };
         let methods = found.methods.iter().zip(fits).map(judge).collect();
-        Self { methods, pareto: pareto(&found.methods), recommendation }
+        Self { methods, pareto: pareto_front(&found.methods), recommendation }
     }
 
     /// Recommendation in words, and its command.
-    pub(super) fn advice(&self, found: &MethodStudyResult) -> Option<(String, String)> {
-        let Recommendation { method, error: expected, alike } = self.recommendation.as_ref()?;
+    pub(super) fn recommendation_text(&self, found: &MethodStudyResult) -> Option<(String, String)> {
+        let MethodRecommendation { method, error: expected, alike } = self.recommendation.as_ref()?;
         let (best, judged) = (&found.methods[*method], &self.methods[*method]);
         let more = match judged.tenth {
             TimeToError::Predicted { effort, .. } => {
-                format!(" A tenth of its last error would take about {}.", duration(effort.seconds))
+                format!(" A tenth of its last error would take about {}.", duration_text(effort.seconds))
             }
             TimeToError::Never { floor } => {
-                format!(" It never reaches a tenth of its last error: bias stays at {}.", error(floor))
+                format!(" It never reaches a tenth of its last error: bias stays at {}.", error_percent_text(floor))
             }
             _ => String::new(),
         };
@@ -58,8 +59,8 @@ impl Analysis {
         let words = format!(
             "{} has the least error after {} of processor time: an error of {} is expected.{alike}{more}",
             best.label,
-            duration(found.budget),
-            error(*expected),
+            duration_text(found.budget),
+            error_percent_text(*expected),
         );
         Some((words, best.command.clone()))
     }
@@ -67,39 +68,41 @@ impl Analysis {
 
 impl MethodAnalysis {
     /// Slope by theory over the fitted passes.
-    pub(super) fn law(&self, method: &MethodResult, quantity: Quantity) -> Option<Law> {
-        predicted_law(method.algorithm, quantity, &self.fit.as_ref()?.passes, method.alpha)
+    pub(super) fn predicted_slopes(&self, method: &MethodResult, quantity: ErrorComponent) -> Option<SlopeRange> {
+        predicted_slopes(method.algorithm, quantity, &self.fit.as_ref()?.passes, method.alpha)
     }
 }
 
 /// Slope over passes with its interval: `−0.49 (−0.52 … −0.46)`.
-pub(super) fn slope(slopes: Option<Slopes>) -> String {
-    let Some(Slopes { by_passes, .. }) = slopes else { return "–".to_owned() };
+pub(super) fn slope_interval_text(slopes: Option<ConvergenceSlopes>) -> String {
+    let Some(ConvergenceSlopes { by_passes, .. }) = slopes else { return "–".to_owned() };
     let interval = by_passes
         .interval
-        .map_or(String::new(), |[low, high]| format!(" ({} … {})", text::slope(low), text::slope(high)));
-    format!("{}{interval}", text::slope(by_passes.value))
+        .map_or(String::new(), |[low, high]| format!(" ({} … {})", text::slope_text(low), text::slope_text(high)));
+    format!("{}{interval}", text::slope_text(by_passes.value))
 }
 
 /// Slopes by theory: `−0.50`, `−0.50 … 0.00`.
-pub(super) fn law_text(law: Option<Law>) -> String {
+pub(super) fn slope_range_text(law: Option<SlopeRange>) -> String {
     law.map_or("none".to_owned(), |law| law.to_string())
 }
 
 /// Time to reach an error, and the other work.
-pub(super) fn reach_text(reach: &TimeToError, has_photons: bool) -> (String, Vec<String>) {
-    let work = |effort: &Effort| {
-        let passes = Some(format!("{} passes", amount(effort.passes.max(1.0))));
-        passes.into_iter().chain(has_photons.then(|| format!("{} photons", amount(effort.photons))))
+pub(super) fn time_to_error_text(reach: &TimeToError, has_photons: bool) -> (String, Vec<String>) {
+    let work = |effort: &RenderEffort| {
+        let passes = Some(format!("{} passes", count_text(effort.passes.max(1.0))));
+        passes.into_iter().chain(has_photons.then(|| format!("{} photons", count_text(effort.photons))))
     };
     match reach {
-        TimeToError::Within(effort) => (format!("< {}", duration(effort.seconds)), work(effort).collect()),
-        TimeToError::Measured(effort) => (duration(effort.seconds), work(effort).collect()),
+        TimeToError::Within(effort) => (format!("< {}", duration_text(effort.seconds)), work(effort).collect()),
+        TimeToError::Measured(effort) => (duration_text(effort.seconds), work(effort).collect()),
         TimeToError::Predicted { effort, seconds } => {
-            let range = seconds.map(|[low, high]| format!("{} to {}", duration(low), duration(high)));
-            (format!("≈ {}", duration(effort.seconds)), range.into_iter().chain(work(effort)).collect())
+            let range = seconds.map(|[low, high]| format!("{} to {}", duration_text(low), duration_text(high)));
+            (format!("≈ {}", duration_text(effort.seconds)), range.into_iter().chain(work(effort)).collect())
         }
-        TimeToError::Never { floor } => ("never: plateau".to_owned(), vec![format!("bias stays at {}", error(*floor))]),
+        TimeToError::Never { floor } => {
+            ("never: plateau".to_owned(), vec![format!("bias stays at {}", error_percent_text(*floor))])
+        }
         TimeToError::Unknown => ("–".to_owned(), Vec::new()),
     }
 }

@@ -1,12 +1,15 @@
 //! A study of methods as CSV, JSON and Markdown.
 
-use super::analysis::{Analysis, ERRORS, law_text, reach_text, slope};
-use super::tables::root;
-use super::warnings::warnings;
-use crate::study::methods::fit::{Fit, Law, ParetoPoint, Quantity, Recommendation, TimeToError, mean_interval};
+use super::analysis::{StudyAnalysis, TARGET_ERRORS, slope_interval_text, slope_range_text, time_to_error_text};
+use super::tables::root_percent_text;
+use super::warnings::study_warnings;
+use crate::study::methods::fit::{
+    ConvergenceFit, ErrorComponent, MethodRecommendation, ParetoPoint, SlopeRange, TimeToError,
+    mean_confidence_interval,
+};
 use crate::study::methods::{Checkpoint, MethodResult, MethodStudyResult};
-use crate::study::report::plain::{csv_row, markdown_block, markdown_table, markdown_text};
-use crate::study::report::text::{amount, duration, error};
+use crate::study::report::plain::{csv_row, escape_markdown, markdown_code_block, markdown_table};
+use crate::study::report::text::{count_text, duration_text, error_percent_text};
 use serde::Serialize;
 
 /// Version of the schema of [`json`]: it grows when a field changes its meaning or goes.
@@ -40,7 +43,8 @@ pub fn csv(found: &MethodStudyResult) -> String {
     for method in &found.methods {
         for c in &method.checkpoints {
             let number = |v: f64| v.to_string();
-            let [low, high] = mean_interval(&c.squares).map_or_else(Default::default, |ends| ends.map(number));
+            let [low, high] =
+                mean_confidence_interval(&c.squares).map_or_else(Default::default, |ends| ends.map(number));
             let estimated = c.estimated.iter().sum::<f64>() / c.estimated.len() as f64;
             table += &csv_row(&[
                 method.label.clone(),
@@ -51,7 +55,7 @@ pub fn csv(found: &MethodStudyResult) -> String {
                 number(method.setup),
                 number(c.rays),
                 number(c.photons),
-                number(c.square()),
+                number(c.mean_squared_error()),
                 low,
                 high,
                 number(c.noise2),
@@ -68,7 +72,7 @@ pub fn csv(found: &MethodStudyResult) -> String {
 }
 
 #[derive(Serialize)]
-struct Report<'f> {
+struct MethodStudyJson<'f> {
     schema: u32,
     program: &'f str,
     machine: &'f str,
@@ -81,20 +85,20 @@ struct Report<'f> {
     share: f64,
     interrupted: bool,
     warnings: Vec<String>,
-    truth: TruthReport<'f>,
-    methods: Vec<MethodReport<'f>>,
+    truth: GroundTruthJson<'f>,
+    methods: Vec<MethodJson<'f>>,
     pareto: &'f [ParetoPoint],
-    recommendation: &'f Option<Recommendation>,
+    recommendation: &'f Option<MethodRecommendation>,
 }
 
 #[derive(Serialize)]
-struct TruthReport<'f> {
+struct GroundTruthJson<'f> {
     source: &'f str,
     error: Option<f64>,
 }
 
 #[derive(Serialize)]
-struct MethodReport<'f> {
+struct MethodJson<'f> {
     label: &'f str,
     algorithm: &'static str,
     command: &'f str,
@@ -102,23 +106,23 @@ struct MethodReport<'f> {
     alpha: f64,
     radii: Option<[f32; 2]>,
     checkpoints: &'f [Checkpoint],
-    fit: &'f Option<Fit>,
-    theory: Theory,
+    fit: &'f Option<ConvergenceFit>,
+    theory: PredictedSlopesJson,
     verdict: String,
-    reaches: Vec<Target>,
+    reaches: Vec<TimeToErrorJson>,
     tenth: TimeToError,
 }
 
 /// Slopes over passes of the fitted checkpoints.
 #[derive(Serialize)]
-struct Theory {
-    error: Option<Law>,
-    noise: Option<Law>,
-    bias: Option<Law>,
+struct PredictedSlopesJson {
+    error: Option<SlopeRange>,
+    noise: Option<SlopeRange>,
+    bias: Option<SlopeRange>,
 }
 
 #[derive(Serialize)]
-struct Target {
+struct TimeToErrorJson {
     error: f64,
     #[serde(flatten)]
     reach: TimeToError,
@@ -129,11 +133,11 @@ struct Target {
 /// # Errors
 /// Never for valid UTF-8 strings.
 pub fn json(found: &MethodStudyResult) -> Result<String, serde_json::Error> {
-    let analysis = Analysis::of(found);
+    let analysis = StudyAnalysis::new(found);
     let methods = found.methods.iter().zip(&analysis.methods).map(|(method, judged)| {
-        let law = |quantity| judged.law(method, quantity);
-        let target = |(error, reach): (f64, TimeToError)| Target { error, reach };
-        MethodReport {
+        let law = |quantity| judged.predicted_slopes(method, quantity);
+        let target = |(error, reach): (f64, TimeToError)| TimeToErrorJson { error, reach };
+        MethodJson {
             label: &method.label,
             algorithm: method.algorithm.name(),
             command: &method.command,
@@ -142,13 +146,17 @@ pub fn json(found: &MethodStudyResult) -> Result<String, serde_json::Error> {
             radii: method.radii,
             checkpoints: &method.checkpoints,
             fit: &judged.fit,
-            theory: Theory { error: law(Quantity::Error), noise: law(Quantity::Noise), bias: law(Quantity::Bias) },
+            theory: PredictedSlopesJson {
+                error: law(ErrorComponent::Error),
+                noise: law(ErrorComponent::Noise),
+                bias: law(ErrorComponent::Bias),
+            },
             verdict: judged.verdict.to_string(),
-            reaches: ERRORS.into_iter().zip(judged.reaches).map(target).collect(),
+            reaches: TARGET_ERRORS.into_iter().zip(judged.reaches).map(target).collect(),
             tenth: judged.tenth,
         }
     });
-    let report = Report {
+    let report = MethodStudyJson {
         schema: SCHEMA,
         program: &found.program,
         machine: &found.machine,
@@ -160,8 +168,8 @@ pub fn json(found: &MethodStudyResult) -> Result<String, serde_json::Error> {
         budget: found.budget,
         share: found.share,
         interrupted: found.interrupted,
-        warnings: warnings(found),
-        truth: TruthReport { source: &found.truth.source, error: found.truth.error },
+        warnings: study_warnings(found),
+        truth: GroundTruthJson { source: &found.truth.source, error: found.truth.error },
         methods: methods.collect(),
         pareto: &analysis.pareto,
         recommendation: &analysis.recommendation,
@@ -172,36 +180,37 @@ pub fn json(found: &MethodStudyResult) -> Result<String, serde_json::Error> {
 /// Tables, verdicts and commands as Markdown.
 #[must_use]
 pub fn markdown(found: &MethodStudyResult) -> String {
-    let analysis = Analysis::of(found);
-    let truth = found.truth.error.map_or(String::new(), |e| format!(", its own error about {}", error(e)));
+    let analysis = StudyAnalysis::new(found);
+    let truth = found.truth.error.map_or(String::new(), |e| format!(", its own error about {}", error_percent_text(e)));
     let mut text = format!(
         "# Error over time: {}\n\n{}. {}. Seeds: {} of each method, up to {} of processor time each. Truth: {}{truth}.\n\n{}",
-        markdown_text(&found.scene),
-        markdown_text(&found.program),
-        markdown_text(&found.machine),
+        escape_markdown(&found.scene),
+        escape_markdown(&found.program),
+        escape_markdown(&found.machine),
         found.seeds,
-        duration(found.budget),
-        markdown_text(&found.truth.source),
-        markdown_block(&found.command),
+        duration_text(found.budget),
+        escape_markdown(&found.truth.source),
+        markdown_code_block(&found.command),
     );
-    for warning in warnings(found) {
-        text += &format!("\n> {}\n", markdown_text(&warning));
+    for warning in study_warnings(found) {
+        text += &format!("\n> {}\n", escape_markdown(&warning));
     }
-    if let Some((words, command)) = analysis.advice(found) {
-        text += &format!("\n## Recommendation\n\n{}\n\n{}", markdown_text(&words), markdown_block(&command));
+    if let Some((words, command)) = analysis.recommendation_text(found) {
+        text += &format!("\n## Recommendation\n\n{}\n\n{}", escape_markdown(&words), markdown_code_block(&command));
     }
     let all = || found.methods.iter().zip(&analysis.methods);
     let rows = all().map(|(method, judged)| {
-        let of =
-            |square: fn(&Checkpoint) -> f64| method.checkpoints.last().map_or("–".to_owned(), |c| root(square(c)));
+        let of = |square: fn(&Checkpoint) -> f64| {
+            method.checkpoints.last().map_or("–".to_owned(), |c| root_percent_text(square(c)))
+        };
         let fit = judged.fit.as_ref();
         vec![
             method.label.clone(),
-            of(Checkpoint::square),
+            of(Checkpoint::mean_squared_error),
             of(|c| c.noise2),
             of(|c| c.bias2),
-            slope(fit.and_then(|f| f.error)),
-            fit.map_or("–".to_owned(), |_| law_text(judged.law(method, Quantity::Error))),
+            slope_interval_text(fit.and_then(|f| f.error)),
+            fit.map_or("–".to_owned(), |_| slope_range_text(judged.predicted_slopes(method, ErrorComponent::Error))),
             judged.verdict.to_string(),
         ]
     });
@@ -209,11 +218,11 @@ pub fn markdown(found: &MethodStudyResult) -> String {
     text += &format!("\n## Verdicts\n\n{}", markdown_table(&heads, &rows.collect::<Vec<_>>()));
     let rows = all().map(|(method, judged)| {
         let reach = |reach: &TimeToError| {
-            let (time, work) = reach_text(reach, method.algorithm.has_photons());
+            let (time, work) = time_to_error_text(reach, method.algorithm.has_photons());
             if work.is_empty() { time } else { format!("{time} ({})", work.join(", ")) }
         };
         let reaches = judged.reaches.iter().chain([&judged.tenth]).map(reach);
-        [method.label.clone(), duration(method.setup)].into_iter().chain(reaches).collect()
+        [method.label.clone(), duration_text(method.setup)].into_iter().chain(reaches).collect()
     });
     let heads = ["method", "setup", "10 %", "5 %", "2 %", "1 %", "a tenth of the last error"];
     text += &format!("\n## Time to reach an error\n\n{}", markdown_table(&heads, &rows.collect::<Vec<_>>()));
@@ -221,24 +230,24 @@ pub fn markdown(found: &MethodStudyResult) -> String {
     for method in &found.methods {
         text += &format!(
             "\n### {}\n\n{}\n{}",
-            markdown_text(&method.label),
-            checkpoints(method),
-            markdown_block(&method.command)
+            escape_markdown(&method.label),
+            checkpoints_markdown(method),
+            markdown_code_block(&method.command)
         );
     }
     text
 }
 
-fn checkpoints(method: &MethodResult) -> String {
+fn checkpoints_markdown(method: &MethodResult) -> String {
     let row = |c: &Checkpoint| {
         vec![
             c.passes.to_string(),
-            duration(c.seconds),
-            amount(c.rays),
-            amount(c.photons),
-            root(c.square()),
-            root(c.noise2),
-            root(c.bias2),
+            duration_text(c.seconds),
+            count_text(c.rays),
+            count_text(c.photons),
+            root_percent_text(c.mean_squared_error()),
+            root_percent_text(c.noise2),
+            root_percent_text(c.bias2),
         ]
     };
     let rows: Vec<Vec<String>> = method.checkpoints.iter().map(row).collect();

@@ -1,35 +1,36 @@
 //! Figures of a page: plots, pictures and maps, each with its command.
 
-use super::analysis::{Analysis, MethodAnalysis};
-use super::tables::{key, root, slopes};
+use super::analysis::{MethodAnalysis, StudyAnalysis};
+use super::tables::{method_marker_svg, root_percent_text, slopes_table_html};
 use crate::image::{Image, RelativeScale};
 use crate::integrate::Algorithm;
 use crate::study::StudyError;
-use crate::study::methods::fit::{Quantity, mean_interval};
+use crate::study::methods::fit::{ErrorComponent, mean_confidence_interval};
 use crate::study::methods::{Checkpoint, MethodResult, MethodStudyResult};
-use crate::study::report::html::{escape, picture};
+use crate::study::report::html::{escape_html, inline_png};
 use crate::study::report::maps::{
-    LEAST, difference_map, error_map, largest_error_windows, ramp, relative_differences, scale_end, signed_ramp,
+    MIN_RAMP_FRACTION, color_scale_maximum, difference_map, error_color_ramp, error_map, largest_error_windows,
+    relative_differences, signed_color_ramp,
 };
-use crate::study::report::picture::{png, stops_text, visible_exposure};
-use crate::study::report::svg::{Guide, Plot, Series, Stroke, plot};
-use crate::study::report::text::{duration, error, figure, slope};
+use crate::study::report::picture::{encode_png, exposure_text, visible_exposure};
+use crate::study::report::svg::{LineStyle, LogLogPlot, PlotSeries, SlopeGuide, plot_svg};
+use crate::study::report::text::{duration_text, error_percent_text, slope_text, three_digit_text};
 use glam::Vec3;
 use std::fmt::Write;
 
 /// Number of crops.
-const CROPS: usize = 2;
+const CROP_COUNT: usize = 2;
 
 /// Magnification of a crop.
-const ENLARGED: u32 = 4;
+const CROP_MAGNIFICATION: u32 = 4;
 
 /// HTML figure with caption and command.
 fn figure_html(class: &str, label: &str, what: &str, caption: &str, command: &str) -> String {
-    let label = if label.is_empty() { String::new() } else { format!(" data-label=\"{}\"", escape(label)) };
+    let label = if label.is_empty() { String::new() } else { format!(" data-label=\"{}\"", escape_html(label)) };
     format!(
         "<figure class=\"{class}\"{label}>{what}\n<figcaption>{}<code class=\"command\">{}</code></figcaption></figure>\n",
-        escape(caption),
-        escape(command)
+        escape_html(caption),
+        escape_html(command)
     )
 }
 
@@ -37,103 +38,126 @@ fn image_size(image: &Image) -> (u32, u32) {
     (image.width(), image.height())
 }
 
-fn points(method: &MethodResult, square: fn(&Checkpoint) -> f64) -> Vec<(f64, f64)> {
+fn error_points(method: &MethodResult, square: fn(&Checkpoint) -> f64) -> Vec<(f64, f64)> {
     method.checkpoints.iter().map(|c| (c.seconds, square(c).max(0.0).sqrt())).collect()
 }
 
 /// Plot of the errors of all methods over time.
-pub(super) fn main_plot(found: &MethodStudyResult) -> String {
+pub(super) fn error_plot_html(found: &MethodStudyResult) -> String {
     let bars = |method: &MethodResult| {
         method
             .checkpoints
             .iter()
-            .map(|c| mean_interval(&c.squares).map(|ends| ends.map(|e| e.max(0.0).sqrt())))
+            .map(|c| mean_confidence_interval(&c.squares).map(|ends| ends.map(|e| e.max(0.0).sqrt())))
             .collect()
     };
-    let one = |(style, method): (usize, &MethodResult)| Series {
+    let one = |(style, method): (usize, &MethodResult)| PlotSeries {
         label: method.label.clone(),
         style,
-        stroke: Stroke::Solid,
-        points: points(method, Checkpoint::square),
+        stroke: LineStyle::Solid,
+        points: error_points(method, Checkpoint::mean_squared_error),
         bars: bars(method),
     };
-    let series: Vec<Series> = found.methods.iter().enumerate().map(one).collect();
+    let series: Vec<PlotSeries> = found.methods.iter().enumerate().map(one).collect();
     let all = || series.iter().flat_map(|s| s.points.iter()).filter(|p| p.0 > 0.0 && p.1 > 0.0);
     let first = all().map(|p| p.0).fold(f64::INFINITY, f64::min);
     let most = all().map(|p| p.1).fold(0.0, f64::max);
     // The guides lie above the measured lines, to be distinct from them.
     let guide =
-        |slope: f64, label: &str| Guide { label: label.into(), slope, through: (first, 1.6 * most), below: false };
+        |slope: f64, label: &str| SlopeGuide { label: label.into(), slope, through: (first, 1.6 * most), below: false };
     let ends: Vec<String> = found
         .methods
         .iter()
         .filter_map(|m| Some((m, m.checkpoints.last()?)))
-        .map(|(m, last)| format!("{}: {} after {}", m.label, root(last.square()), duration(last.seconds)))
+        .map(|(m, last)| {
+            format!(
+                "{}: {} after {}",
+                m.label,
+                root_percent_text(last.mean_squared_error()),
+                duration_text(last.seconds)
+            )
+        })
         .collect();
     let words = format!(
         "Log-log plot of relative error over processor time, one line per method. At the ends: {}.",
         ends.join("; ")
     );
     let guides = vec![guide(-0.5, "slope −1/2"), guide(-1.0 / 3.0, "slope −1/3")];
-    let drawn = Plot { id: "errors", title: "Error over time", words: &words, size: (900.0, 480.0), series, guides };
-    let Some(svg) = plot(&drawn) else { return "<p>No error is large enough to be measured.</p>\n".to_owned() };
+    let drawn =
+        LogLogPlot { id: "errors", title: "Error over time", words: &words, size: (900.0, 480.0), series, guides };
+    let Some(svg) = plot_svg(&drawn) else { return "<p>No error is large enough to be measured.</p>\n".to_owned() };
     let caption = "Relative error over processor time without setup, with 95 % intervals. Grey: slopes of noise (−1/2) \
                    and of noise and bias with shrinking radii (−1/3).";
     figure_html("plot main", "", &svg, caption, &found.command)
 }
 
-fn small_plot(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> Option<String> {
-    let line = |label: &str, stroke, square: fn(&Checkpoint) -> f64| Series {
+fn method_plot_svg(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> Option<String> {
+    let line = |label: &str, stroke, square: fn(&Checkpoint) -> f64| PlotSeries {
         label: label.into(),
         style: i,
         stroke,
-        points: points(method, square),
+        points: error_points(method, square),
         bars: Vec::new(),
     };
     let series = vec![
-        line("error", Stroke::Solid, Checkpoint::square),
-        line("noise", Stroke::Dashed, |c| c.noise2),
-        line("bias", Stroke::Dotted, |c| c.bias2),
+        line("error", LineStyle::Solid, Checkpoint::mean_squared_error),
+        line("noise", LineStyle::Dashed, |c| c.noise2),
+        line("bias", LineStyle::Dotted, |c| c.bias2),
     ];
     let last = method.checkpoints.last()?;
-    let guide = |quantity: Quantity, name: &str, square: f64| {
-        let law = judged.law(method, quantity)?;
+    let guide = |quantity: ErrorComponent, name: &str, square: f64| {
+        let law = judged.predicted_slopes(method, quantity)?;
         // The guide lies below its line, which would hide it.
         let through = (last.seconds, 0.8 * square.max(0.0).sqrt());
-        Some(Guide { label: format!("{name} {}", slope(law.flattest)), slope: law.flattest, through, below: true })
+        Some(SlopeGuide {
+            label: format!("{name} {}", slope_text(law.flattest)),
+            slope: law.flattest,
+            through,
+            below: true,
+        })
     };
-    let noise = guide(Quantity::Noise, "noise", last.noise2);
+    let noise = guide(ErrorComponent::Noise, "noise", last.noise2);
     // If noise hides the bias, there is no guide.
-    let bias = guide(Quantity::Bias, "bias", last.bias2).filter(|_| last.bias2 > 0.1 * last.square());
+    let bias = guide(ErrorComponent::Bias, "bias", last.bias2).filter(|_| last.bias2 > 0.1 * last.mean_squared_error());
     let title = format!("Error, noise and bias of {}", method.label);
     let words = format!(
         "Logarithmic. At the end after {}: error {}, noise {}, bias {}. {}.",
-        duration(last.seconds),
-        root(last.square()),
-        root(last.noise2),
-        root(last.bias2),
+        duration_text(last.seconds),
+        root_percent_text(last.mean_squared_error()),
+        root_percent_text(last.noise2),
+        root_percent_text(last.bias2),
         judged.verdict
     );
     let id = format!("falls-{i}");
     let guides = noise.into_iter().chain(bias).collect();
-    plot(&Plot { id: &id, title: &title, words: &words, size: (520.0, 340.0), series, guides })
+    plot_svg(&LogLogPlot { id: &id, title: &title, words: &words, size: (520.0, 340.0), series, guides })
 }
 
 /// The truth and all pictures, to be flipped in place.
-pub(super) fn flip(found: &MethodStudyResult) -> Result<String, StudyError> {
+pub(super) fn flip_viewer_html(found: &MethodStudyResult) -> Result<String, StudyError> {
     let exposed = visible_exposure(&found.truth.picture).unwrap_or(0.0);
     let mut flip = "<div id=\"pictures\">\n<div id=\"flip-buttons\" role=\"group\" aria-label=\"Picture\" hidden=\"hidden\"></div>\n<div id=\"flip\">\n".to_owned();
     let mut add = |label: &str, image: &Image, caption: &str, command: &str| -> Result<(), StudyError> {
-        let shown = picture(&png(image, exposed)?, image_size(image), label);
-        flip +=
-            &figure_html("picture", label, &shown, &format!("{caption}; exposure {}.", stops_text(exposed)), command);
+        let shown = inline_png(&encode_png(image, exposed)?, image_size(image), label);
+        flip += &figure_html(
+            "picture",
+            label,
+            &shown,
+            &format!("{caption}; exposure {}.", exposure_text(exposed)),
+            command,
+        );
         Ok(())
     };
     add("truth", &found.truth.picture, &format!("The truth: {}", found.truth.source), &found.command)?;
     for method in &found.methods {
         let last = method.checkpoints.last();
         let summary = last.map_or(String::new(), |c| {
-            format!(", {} passes, {}: error {}", c.passes, duration(c.seconds), root(c.square()))
+            format!(
+                ", {} passes, {}: error {}",
+                c.passes,
+                duration_text(c.seconds),
+                root_percent_text(c.mean_squared_error())
+            )
         });
         add(&method.label, &method.picture, &format!("{}{summary}", method.label), &method.command)?;
     }
@@ -143,10 +167,10 @@ pub(super) fn flip(found: &MethodStudyResult) -> Result<String, StudyError> {
 }
 
 /// Enlarged crops where errors are largest.
-pub(super) fn crops(found: &MethodStudyResult) -> Result<String, StudyError> {
+pub(super) fn error_crops_html(found: &MethodStudyResult) -> Result<String, StudyError> {
     let mut crops = String::new();
-    for window in largest_error_windows(&found.methods, CROPS) {
-        let truth = window.of(&found.truth.picture)?;
+    for window in largest_error_windows(&found.methods, CROP_COUNT) {
+        let truth = window.crop(&found.truth.picture)?;
         let exposed = visible_exposure(&truth).unwrap_or(0.0);
         let place = format!(
             "columns {} to {}, rows {} to {}",
@@ -158,20 +182,23 @@ pub(super) fn crops(found: &MethodStudyResult) -> Result<String, StudyError> {
         if crops.is_empty() {
             let _ = writeln!(
                 crops,
-                "<h2>Where errors are largest</h2>\n<p>Windows with the largest squared errors, each method relative to its mean, enlarged {ENLARGED} times.</p>"
+                "<h2>Where errors are largest</h2>\n<p>Windows with the largest squared errors, each method relative to its mean, enlarged {CROP_MAGNIFICATION} times.</p>"
             );
         }
-        let _ =
-            writeln!(crops, "<h3>In {place}</h3>\n<p>Exposure {}.</p>\n<div class=\"pictures\">", stops_text(exposed));
-        let size = (window.width * ENLARGED, window.height * ENLARGED);
+        let _ = writeln!(
+            crops,
+            "<h3>In {place}</h3>\n<p>Exposure {}.</p>\n<div class=\"pictures\">",
+            exposure_text(exposed)
+        );
+        let size = (window.width * CROP_MAGNIFICATION, window.height * CROP_MAGNIFICATION);
         let mut add = |label: &str, image: &Image, command: &str| -> Result<(), StudyError> {
-            let shown = picture(&png(image, exposed)?, size, &format!("{label}, {place}"));
+            let shown = inline_png(&encode_png(image, exposed)?, size, &format!("{label}, {place}"));
             crops += &figure_html("crop", "", &shown, label, command);
             Ok(())
         };
         add("truth", &truth, &found.command)?;
         for method in &found.methods {
-            add(&method.label, &window.of(&method.picture)?, &method.command)?;
+            add(&method.label, &window.crop(&method.picture)?, &method.command)?;
         }
         crops += "</div>\n";
     }
@@ -179,7 +206,7 @@ pub(super) fn crops(found: &MethodStudyResult) -> Result<String, StudyError> {
 }
 
 /// Legend: a colour bar with labels.
-fn legend(id: &str, ramp: impl Fn(f64) -> Vec3, ticks: &[(f64, String)]) -> String {
+fn color_legend_svg(id: &str, error_color_ramp: impl Fn(f64) -> Vec3, ticks: &[(f64, String)]) -> String {
     const STOPS: u32 = 24;
     let mut svg = format!(
         "<svg class=\"legend\" role=\"img\" aria-labelledby=\"{id}-title\" viewBox=\"0 0 360 40\" width=\"360\" height=\"40\">\
@@ -187,7 +214,7 @@ fn legend(id: &str, ramp: impl Fn(f64) -> Vec3, ticks: &[(f64, String)]) -> Stri
     );
     for i in 0..=STOPS {
         let part = f64::from(i) / f64::from(STOPS);
-        let [r, g, b] = ramp(part).to_array().map(|c| (255.0 * srgb_encoded(c)) as u8);
+        let [r, g, b] = error_color_ramp(part).to_array().map(|c| (255.0 * srgb_encoded(c)) as u8);
         let _ = write!(svg, "<stop offset=\"{part:.4}\" stop-color=\"#{r:02x}{g:02x}{b:02x}\"/>");
     }
     let _ = write!(
@@ -199,7 +226,7 @@ fn legend(id: &str, ramp: impl Fn(f64) -> Vec3, ticks: &[(f64, String)]) -> Stri
             svg,
             "<text class=\"tick\" text-anchor=\"middle\" x=\"{:.1}\" y=\"34\">{}</text>",
             30.0 + 300.0 * part,
-            escape(text)
+            escape_html(text)
         );
     }
     svg + "</svg>\n"
@@ -212,63 +239,71 @@ fn srgb_encoded(linear: f32) -> f32 {
 }
 
 /// One article per method: slopes, and maps on shared scales.
-pub(super) fn articles(found: &MethodStudyResult, analysis: &Analysis) -> Result<String, StudyError> {
-    let weights = RelativeScale::of(&found.truth.picture);
+pub(super) fn method_articles_html(found: &MethodStudyResult, analysis: &StudyAnalysis) -> Result<String, StudyError> {
+    let weights = RelativeScale::from_image(&found.truth.picture);
     let differences: Vec<Vec<f64>> =
         found.methods.iter().map(|m| relative_differences(&m.difference, &weights)).collect();
-    let most_error = scale_end(found.methods.iter().flat_map(|m| m.error.iter().map(|e| f64::from(*e))));
-    let most_difference = scale_end(differences.iter().flatten().map(|d| d.abs()));
+    let most_error = color_scale_maximum(found.methods.iter().flat_map(|m| m.error.iter().map(|e| f64::from(*e))));
+    let most_difference = color_scale_maximum(differences.iter().flatten().map(|d| d.abs()));
     let mut all = "<p>All methods share the scales of their maps. Error by decades; dark is small:</p>\n".to_owned();
     if let Some(most) = most_error {
-        let ticks = [LEAST, LEAST.sqrt(), 1.0].map(|part| error(part * most));
-        all += &legend("ramp-errors", ramp, &[0.0, 0.5, 1.0].into_iter().zip(ticks).collect::<Vec<_>>());
+        let ticks = [MIN_RAMP_FRACTION, MIN_RAMP_FRACTION.sqrt(), 1.0].map(|part| error_percent_text(part * most));
+        all += &color_legend_svg(
+            "ramp-errors",
+            error_color_ramp,
+            &[0.0, 0.5, 1.0].into_iter().zip(ticks).collect::<Vec<_>>(),
+        );
     }
     if let Some(most) = most_difference {
         all += "<p>Mean difference to the truth: blue is too dark, orange is too bright, black is equal:</p>\n";
-        let ticks = [format!("−{}", error(most)), "0".to_owned(), format!("+{}", error(most))];
-        all += &legend(
+        let ticks =
+            [format!("−{}", error_percent_text(most)), "0".to_owned(), format!("+{}", error_percent_text(most))];
+        all += &color_legend_svg(
             "ramp-differences",
-            |t| signed_ramp(2.0 * t - 1.0),
+            |t| signed_color_ramp(2.0 * t - 1.0),
             &[0.0, 0.5, 1.0].into_iter().zip(ticks).collect::<Vec<_>>(),
         );
     }
     for (i, ((method, judged), difference)) in found.methods.iter().zip(&analysis.methods).zip(&differences).enumerate()
     {
-        let label = escape(&method.label);
+        let label = escape_html(&method.label);
         let _ = writeln!(
             all,
             "<article id=\"method-{i}\">\n<h3>{}{label}</h3>\n<p>{}.{}</p>",
-            key(i),
-            escape(&judged.verdict.to_string()),
-            escape(&radii(method))
+            method_marker_svg(i),
+            escape_html(&judged.verdict.to_string()),
+            escape_html(&gather_radii_text(method))
         );
-        all += &slopes(method, judged);
+        all += &slopes_table_html(method, judged);
         all += "<div class=\"pictures\">\n";
-        if let Some(svg) = small_plot(i, method, judged) {
+        if let Some(svg) = method_plot_svg(i, method, judged) {
             let caption =
                 "Error, noise (dashed) and bias (dotted) over processor time. Grey: slopes by theory, moved down.";
             all += &figure_html("plot", "", &svg, caption, &found.command);
         }
         if let Some(most) = most_error {
             let map = error_map(method, most)?;
-            let shown =
-                picture(&png(&map, 0.0)?, image_size(&map), &format!("map of the relative error of {}", method.label));
+            let shown = inline_png(
+                &encode_png(&map, 0.0)?,
+                image_size(&map),
+                &format!("map of the relative error of {}", method.label),
+            );
             all += &figure_html(
                 "map",
                 "",
                 &shown,
                 &format!(
                     "Relative error of each pixel, mean over seeds, from {} to {}.",
-                    error(LEAST * most),
-                    error(most)
+                    error_percent_text(MIN_RAMP_FRACTION * most),
+                    error_percent_text(most)
                 ),
                 &method.command,
             );
         }
         if let Some(most) = most_difference {
             let map = difference_map(method, difference, most)?;
-            let shown = picture(
-                &png(&map, 0.0)?,
+            let shown = inline_png(
+                &encode_png(&map, 0.0)?,
                 image_size(&map),
                 &format!("map of the relative difference of {} to the truth", method.label),
             );
@@ -276,7 +311,7 @@ pub(super) fn articles(found: &MethodStudyResult, analysis: &Analysis) -> Result
                 "map",
                 "",
                 &shown,
-                &format!("Relative difference to the truth, mean over seeds, up to ±{}.", error(most)),
+                &format!("Relative difference to the truth, mean over seeds, up to ±{}.", error_percent_text(most)),
                 &method.command,
             );
         }
@@ -285,16 +320,16 @@ pub(super) fn articles(found: &MethodStudyResult, analysis: &Analysis) -> Result
     Ok(all)
 }
 
-fn radii(method: &MethodResult) -> String {
+fn gather_radii_text(method: &MethodResult) -> String {
     let Some([global, caustic]) = method.radii.map(|radii| radii.map(f64::from)) else { return String::new() };
     let law = if method.algorithm == Algorithm::Pm || method.alpha >= 1.0 {
         "fixed".to_owned()
     } else {
-        format!("shrinking with α = {}", figure(method.alpha))
+        format!("shrinking with α = {}", three_digit_text(method.alpha))
     };
     format!(
         " Largest radii of the first pass: {} of the global map, {} of the caustic map; {law}.",
-        figure(global),
-        figure(caustic)
+        three_digit_text(global),
+        three_digit_text(caustic)
     )
 }

@@ -1,80 +1,84 @@
 //! Tables of an HTML page.
 
-use super::analysis::{Analysis, ERRORS, law_text, reach_text, slope};
-use crate::study::methods::fit::{Quantity, Slopes, TimeToError};
+use super::analysis::{StudyAnalysis, TARGET_ERRORS, slope_interval_text, slope_range_text, time_to_error_text};
+use crate::study::methods::fit::{ConvergenceSlopes, ErrorComponent, TimeToError};
 use crate::study::methods::{Checkpoint, MethodStudyResult};
-use crate::study::report::html::escape;
-use crate::study::report::svg::{colour, marker};
-use crate::study::report::text::{amount, duration, error, figure};
+use crate::study::report::html::escape_html;
+use crate::study::report::svg::{marker_svg, series_color};
+use crate::study::report::text::{count_text, duration_text, error_percent_text, three_digit_text};
 use std::fmt::Write;
 
 /// Marker of a method in its colour.
-pub(super) fn key(style: usize) -> String {
-    let colour = colour(style);
+pub(super) fn method_marker_svg(style: usize) -> String {
+    let colour = series_color(style);
     format!(
         "<svg class=\"key\" aria-hidden=\"true\" viewBox=\"-7 -7 14 14\" width=\"14\" height=\"14\" fill=\"{colour}\">{}</svg> ",
-        marker(style, 0.0, 0.0)
+        marker_svg(style, 0.0, 0.0)
     )
 }
 
 /// Head of a table; the first `left` columns hold words.
-fn head(columns: &[&str], left: usize) -> String {
+fn table_head_html(columns: &[&str], left: usize) -> String {
     let mut table =
         "<div class=\"scroll\" role=\"region\" aria-label=\"table\" tabindex=\"0\"><table>\n<thead><tr>".to_owned();
     for (i, column) in columns.iter().enumerate() {
         let class = if i < left { "" } else { " class=\"n\"" };
-        let _ = write!(table, "<th scope=\"col\"{class}>{}</th>", escape(column));
+        let _ = write!(table, "<th scope=\"col\"{class}>{}</th>", escape_html(column));
     }
     table + "</tr></thead>\n<tbody>\n"
 }
 
-const END: &str = "</tbody>\n</table></div>\n";
+const TABLE_END: &str = "</tbody>\n</table></div>\n";
 
 /// Square root as a percentage; `≈ 0` if `square` is not positive.
-pub(super) fn root(square: f64) -> String {
-    if square > 0.0 { error(square.sqrt()) } else { "≈ 0".to_owned() }
+pub(super) fn root_percent_text(square: f64) -> String {
+    if square > 0.0 { error_percent_text(square.sqrt()) } else { "≈ 0".to_owned() }
 }
 
-pub(super) fn verdicts(found: &MethodStudyResult, analysis: &Analysis) -> String {
-    let mut table = head(&["method", "verdict", "error at the end", "noise", "bias", "slope", "theory"], 2);
+pub(super) fn verdicts_table_html(found: &MethodStudyResult, analysis: &StudyAnalysis) -> String {
+    let mut table = table_head_html(&["method", "verdict", "error at the end", "noise", "bias", "slope", "theory"], 2);
     for (i, (method, judged)) in found.methods.iter().zip(&analysis.methods).enumerate() {
-        let _ =
-            write!(table, "<tr><th scope=\"row\">{}<a href=\"#method-{i}\">{}</a></th>", key(i), escape(&method.label));
-        let _ = write!(table, "<td class=\"words\">{}</td>", escape(&judged.verdict.to_string()));
+        let _ = write!(
+            table,
+            "<tr><th scope=\"row\">{}<a href=\"#method-{i}\">{}</a></th>",
+            method_marker_svg(i),
+            escape_html(&method.label)
+        );
+        let _ = write!(table, "<td class=\"words\">{}</td>", escape_html(&judged.verdict.to_string()));
         let last = method.checkpoints.last();
-        let of = |square: fn(&Checkpoint) -> f64| last.map_or("–".to_owned(), |c| root(square(c)));
+        let of = |square: fn(&Checkpoint) -> f64| last.map_or("–".to_owned(), |c| root_percent_text(square(c)));
         let fit = judged.fit.as_ref();
         for cell in [
-            of(Checkpoint::square),
+            of(Checkpoint::mean_squared_error),
             of(|c| c.noise2),
             of(|c| c.bias2),
-            slope(fit.and_then(|f| f.error)),
-            fit.map_or("–".to_owned(), |_| law_text(judged.law(method, Quantity::Error))),
+            slope_interval_text(fit.and_then(|f| f.error)),
+            fit.map_or("–".to_owned(), |_| slope_range_text(judged.predicted_slopes(method, ErrorComponent::Error))),
         ] {
-            let _ = write!(table, "<td class=\"n\">{}</td>", escape(&cell));
+            let _ = write!(table, "<td class=\"n\">{}</td>", escape_html(&cell));
         }
         table += "</tr>\n";
     }
     let note = "<p>Slopes of the error over passes, log-log, with 95 % intervals.</p>\n";
-    table + END + note
+    table + TABLE_END + note
 }
 
-pub(super) fn reaches(found: &MethodStudyResult, analysis: &Analysis) -> String {
-    let heads: Vec<String> = ERRORS.iter().map(|e| format!("{:.0} %", 100.0 * e)).collect();
+pub(super) fn times_table_html(found: &MethodStudyResult, analysis: &StudyAnalysis) -> String {
+    let heads: Vec<String> = TARGET_ERRORS.iter().map(|e| format!("{:.0} %", 100.0 * e)).collect();
     let columns: Vec<&str> = ["method", "setup"]
         .into_iter()
         .chain(heads.iter().map(String::as_str))
         .chain(["a tenth of the last error"])
         .collect();
-    let mut table = head(&columns, 1);
+    let mut table = table_head_html(&columns, 1);
     for (i, (method, judged)) in found.methods.iter().zip(&analysis.methods).enumerate() {
-        let _ = write!(table, "<tr><th scope=\"row\">{}{}</th>", key(i), escape(&method.label));
-        let _ = write!(table, "<td class=\"n\">{}</td>", duration(method.setup));
+        let _ = write!(table, "<tr><th scope=\"row\">{}{}</th>", method_marker_svg(i), escape_html(&method.label));
+        let _ = write!(table, "<td class=\"n\">{}</td>", duration_text(method.setup));
         for reach in judged.reaches.iter().chain([&judged.tenth]) {
-            let (time, work) = reach_text(reach, method.algorithm.has_photons());
+            let (time, work) = time_to_error_text(reach, method.algorithm.has_photons());
             let class = if matches!(reach, TimeToError::Predicted { .. }) { "n predicted" } else { "n" };
-            let _ = write!(table, "<td class=\"{class}\">{}", escape(&time));
-            work.iter().for_each(|line| table += &format!("<small>{}</small>", escape(line)));
+            let _ = write!(table, "<td class=\"{class}\">{}", escape_html(&time));
+            work.iter().for_each(|line| table += &format!("<small>{}</small>", escape_html(line)));
             table += "</td>";
         }
         table += "</tr>\n";
@@ -87,22 +91,32 @@ pub(super) fn reaches(found: &MethodStudyResult, analysis: &Analysis) -> String 
         .map(|m| (&found.methods[m.method], m.checkpoint))
         .map(|(method, at)| {
             let c = &method.checkpoints[at];
-            format!("{} after {} ({})", error(c.square().sqrt()), duration(c.seconds), method.label)
+            format!(
+                "{} after {} ({})",
+                error_percent_text(c.mean_squared_error().sqrt()),
+                duration_text(c.seconds),
+                method.label
+            )
         })
         .collect();
     let front = if front.is_empty() {
         String::new()
     } else {
-        format!("<p>Least error over time: {}.</p>\n", escape(&front.join("; ")))
+        format!("<p>Least error over time: {}.</p>\n", escape_html(&front.join("; ")))
     };
-    table + END + note + &front
+    table + TABLE_END + note + &front
 }
 
-pub(super) fn checkpoints(found: &MethodStudyResult) -> String {
+pub(super) fn checkpoint_tables_html(found: &MethodStudyResult) -> String {
     let mut all = String::new();
     for (i, method) in found.methods.iter().enumerate() {
-        let _ = writeln!(all, "<details><summary>{}{}: every checkpoint</summary>", key(i), escape(&method.label));
-        all += &head(
+        let _ = writeln!(
+            all,
+            "<details><summary>{}{}: every checkpoint</summary>",
+            method_marker_svg(i),
+            escape_html(&method.label)
+        );
+        all += &table_head_html(
             &[
                 "passes",
                 "processor time",
@@ -121,44 +135,47 @@ pub(super) fn checkpoints(found: &MethodStudyResult) -> String {
         for c in &method.checkpoints {
             let estimated = c.estimated.iter().sum::<f64>() / c.estimated.len() as f64;
             let cells = [
-                duration(c.seconds),
-                duration(c.wall),
-                amount(c.rays),
-                amount(c.photons),
-                root(c.square()),
-                root(c.noise2),
-                root(c.bias2),
-                if c.estimated.is_empty() { "–".to_owned() } else { root(estimated) },
-                figure(c.rmse),
-                figure(c.flip),
+                duration_text(c.seconds),
+                duration_text(c.wall),
+                count_text(c.rays),
+                count_text(c.photons),
+                root_percent_text(c.mean_squared_error()),
+                root_percent_text(c.noise2),
+                root_percent_text(c.bias2),
+                if c.estimated.is_empty() { "–".to_owned() } else { root_percent_text(estimated) },
+                three_digit_text(c.rmse),
+                three_digit_text(c.flip),
             ];
             let _ = write!(all, "<tr><th scope=\"row\">{}</th>", c.passes);
-            cells.iter().for_each(|cell| all += &format!("<td class=\"n\">{}</td>", escape(cell)));
+            cells.iter().for_each(|cell| all += &format!("<td class=\"n\">{}</td>", escape_html(cell)));
             all += "</tr>\n";
         }
-        all += END;
+        all += TABLE_END;
         all += "</details>\n";
     }
     all
 }
 
 /// Slopes of one method beside theory.
-pub(super) fn slopes(method: &crate::study::methods::MethodResult, judged: &super::analysis::MethodAnalysis) -> String {
+pub(super) fn slopes_table_html(
+    method: &crate::study::methods::MethodResult,
+    judged: &super::analysis::MethodAnalysis,
+) -> String {
     let Some(fit) = &judged.fit else { return String::new() };
-    let mut table = head(&["", "over passes", "over time", "theory"], 1);
+    let mut table = table_head_html(&["", "over passes", "over time", "theory"], 1);
     for (name, slopes, quantity) in [
-        ("error", fit.error, Quantity::Error),
-        ("noise", fit.noise, Quantity::Noise),
-        ("bias", fit.bias, Quantity::Bias),
+        ("error", fit.error, ErrorComponent::Error),
+        ("noise", fit.noise, ErrorComponent::Noise),
+        ("bias", fit.bias, ErrorComponent::Bias),
     ] {
-        let by_time = slopes.map(|s| Slopes { by_passes: s.by_time, ..s });
+        let by_time = slopes.map(|s| ConvergenceSlopes { by_passes: s.by_time, ..s });
         let _ = writeln!(
             table,
             "<tr><th scope=\"row\">{name}</th><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>",
-            slope(slopes),
-            slope(by_time),
-            law_text(judged.law(method, quantity))
+            slope_interval_text(slopes),
+            slope_interval_text(by_time),
+            slope_range_text(judged.predicted_slopes(method, quantity))
         );
     }
-    table + END
+    table + TABLE_END
 }

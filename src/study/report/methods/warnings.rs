@@ -1,22 +1,22 @@
 //! Warnings of a study of methods.
 
 use crate::study::methods::MethodStudyResult;
-use crate::study::report::text::error;
+use crate::study::report::text::error_percent_text;
 
 /// Minimum share of the threads' time at which times are reliable.
-const QUIET: f64 = 0.9;
+const MIN_THREAD_TIME_SHARE: f64 = 0.9;
 
 /// Errors above this multiple of the truth's error are reliable: 1/3² of the square is 6 % of the
 /// root.
-const CLEAR: f64 = 3.0;
+const MIN_ERROR_OVER_TRUTH: f64 = 3.0;
 
 /// Reasons to doubt the figures.
-pub(super) fn warnings(found: &MethodStudyResult) -> Vec<String> {
+pub(super) fn study_warnings(found: &MethodStudyResult) -> Vec<String> {
     let mut warnings = Vec::new();
     if found.interrupted {
         warnings.push("The study was interrupted: methods may have had less time than the budget.".to_owned());
     }
-    if found.share < QUIET {
+    if found.share < MIN_THREAD_TIME_SHARE {
         warnings.push(format!(
             "The machine was busy: this program had only {:.0} % of its threads' time at worst. Wall times are too long, and processor \
              times may be too.",
@@ -25,13 +25,15 @@ pub(super) fn warnings(found: &MethodStudyResult) -> Vec<String> {
     }
     if let Some(truth) = found.truth.error {
         let close = |m: &&crate::study::methods::MethodResult| {
-            m.checkpoints.last().is_some_and(|c| c.square() < CLEAR * CLEAR * truth * truth)
+            m.checkpoints
+                .last()
+                .is_some_and(|c| c.mean_squared_error() < MIN_ERROR_OVER_TRUTH * MIN_ERROR_OVER_TRUTH * truth * truth)
         };
         let labels: Vec<&str> = found.methods.iter().filter(close).map(|m| m.label.as_str()).collect();
         if !labels.is_empty() {
             warnings.push(format!(
-                "The truth has an error of about {}, and {} below {CLEAR} times that. Its bias may distort them: render longer references.",
-                error(truth),
+                "The truth has an error of about {}, and {} below {MIN_ERROR_OVER_TRUTH} times that. Its bias may distort them: render longer references.",
+                error_percent_text(truth),
                 match labels.as_slice() {
                     [one] => format!("that of {one} is"),
                     many => format!("those of {} are", many.join(", ")),

@@ -1,7 +1,7 @@
 //! Values that a file format cannot hold are counted and reported.
 
 use caustica::image::{
-    self, BitDepth, Curve, ExrLayer, FloatDepth, Image, OutputFormat, ToneMap, WriteOptions, WriteReport,
+    self, BitDepth, ExrLayer, FloatDepth, Image, OutputFormat, ToneCurve, ToneMap, WriteOptions, WriteReport,
 };
 use glam::Vec3;
 use std::path::Path;
@@ -44,7 +44,7 @@ fn half_floats_saturate_at_65504_with_report() {
 
 #[test]
 fn sixteen_bit_png_saturates_at_white_with_report() {
-    for curve in [Curve::Srgb, Curve::Course] {
+    for curve in [ToneCurve::Srgb, ToneCurve::Course] {
         let tone = ToneMap { curve, exposure_stops: 0.0 };
         let options = WriteOptions { tone, depth: BitDepth::Sixteen, ..WriteOptions::default() };
         let report = |value: f32| {

@@ -1,10 +1,10 @@
 //! Fields of view from a millionth of a degree to nearly 180°, and up directions.
 
 use super::{refused, resolved};
-use crate::support::image;
+use crate::support::render_one_pass;
 use caustica::camera::{Camera, Filter, FilterKind};
 use caustica::color;
-use caustica::integrate::{Algorithm, EyeSettings, Settings};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use glam::{DVec2, DVec3, Vec2};
 
 /// Returns view directions with an up direction for each.
@@ -96,16 +96,16 @@ fn visible_light_has_correct_mean_at_extreme_angles() {
                 words(e1)
             ))
             .unwrap();
-            let eye = EyeSettings {
+            let camera_paths = CameraPathSettings {
                 samples: Some(256),
                 filter: Filter::new(FilterKind::Box),
                 seed: 7 + i as u64,
-                ..EyeSettings::default()
+                ..CameraPathSettings::default()
             };
-            let settings = Settings { eye, balance: false, ..Settings::default() };
-            let image = image(&*Algorithm::Path.prepare(&scene, settings), 0);
+            let settings = Settings { camera_paths, balance: false, ..Settings::default() };
+            let image = render_one_pass(&*Algorithm::Path.prepare(&scene, settings), 0);
             assert!(image.iter().all(|p| p.is_finite()), "{angle}°");
-            let mean = image.iter().map(|p| f64::from(color::mean(*p))).sum::<f64>() / image.len() as f64 / 2.0;
+            let mean = image.iter().map(|p| f64::from(color::channel_mean(*p))).sum::<f64>() / image.len() as f64 / 2.0;
             let rays = f64::from(side * side * 256);
             let chance = (libm::log(2.0 / 1e-6) / (2.0 * rays)).sqrt();
             let moved = 4.0 * (tangent + 1.0 / tangent) * libm::exp2(-24.0);

@@ -1,9 +1,9 @@
 //! Lenses of zero aperture, and focus distances of zero, near zero or near infinity.
 
 use super::{refused, resolved};
-use crate::support::image;
+use crate::support::render_one_pass;
 use caustica::camera::{Camera, Lens};
-use caustica::integrate::{Algorithm, EyeSettings, Settings};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use glam::{DVec3, Vec2};
 
 const BALLS: &str = "Background { color .1 .2 .3 } \
@@ -22,10 +22,12 @@ fn scene(lens: &str) -> String {
 #[test]
 fn zero_aperture_equals_pinhole_bit_for_bit() {
     let picture = |algorithm: Algorithm, lens: &str| {
-        let eye = EyeSettings { samples: Some(2), estimate_error: true, ..EyeSettings::default() };
-        let settings = Settings { eye, photons: 2000, caustic_photons: 2000, balance: false, ..Settings::default() };
+        let camera_paths =
+            CameraPathSettings { samples: Some(2), estimate_error: true, ..CameraPathSettings::default() };
+        let settings =
+            Settings { camera_paths, photons: 2000, caustic_photons: 2000, balance: false, ..Settings::default() };
         let scene = resolved(&scene(lens)).unwrap();
-        let image = image(&*algorithm.prepare(&scene, settings), 0);
+        let image = render_one_pass(&*algorithm.prepare(&scene, settings), 0);
         assert!(image.iter().all(|p| p.is_finite()));
         image.iter().flat_map(|p| p.to_array().map(f32::to_bits)).collect::<Vec<_>>()
     };
@@ -120,10 +122,11 @@ fn extreme_lenses_give_finite_images() {
         "fNumber 3e38 focusDistance 1",
         "fNumber 1.4 sensorHeight 1e-9 focusDistance 2 blades 3",
     ] {
-        let eye = EyeSettings { samples: Some(4), ..EyeSettings::default() };
-        let settings = Settings { eye, photons: 500, caustic_photons: 500, balance: false, ..Settings::default() };
+        let camera_paths = CameraPathSettings { samples: Some(4), ..CameraPathSettings::default() };
+        let settings =
+            Settings { camera_paths, photons: 500, caustic_photons: 500, balance: false, ..Settings::default() };
         let scene = resolved(&scene(lens)).unwrap();
-        let image = image(&*Algorithm::Hybrid.prepare(&scene, settings), 0);
+        let image = render_one_pass(&*Algorithm::Hybrid.prepare(&scene, settings), 0);
         assert!(image.iter().all(|p| p.is_finite()), "{lens}");
     }
 }

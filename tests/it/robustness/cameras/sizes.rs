@@ -1,12 +1,14 @@
 //! Images of one pixel, one column and one row.
 
 use super::resolved;
-use crate::support::image;
+use crate::support::render_one_pass;
 use caustica::camera::{Filter, FilterKind};
 use caustica::color::Rgb;
 use caustica::image::flip::{FlipOptions, flip};
-use caustica::image::{BitDepth, Curve, Image, Meaning, OutputFormat, ToneMap, WriteOptions, decode, encode, metrics};
-use caustica::integrate::{Algorithm, EyeSettings, FinalGathering, Settings, Silent};
+use caustica::image::{
+    BitDepth, Image, OutputFormat, PictureContent, ToneCurve, ToneMap, WriteOptions, decode, encode, metrics,
+};
+use caustica::integrate::{Algorithm, CameraPathSettings, FinalGathering, Settings, Silent};
 use caustica::render::{StopCriteria, render};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -39,14 +41,14 @@ fn tiny_images_are_finite_with_every_integrator() {
                     continue;
                 }
                 let estimated = algorithm != Algorithm::Raycast;
-                let eye = EyeSettings {
+                let camera_paths = CameraPathSettings {
                     samples: Some(1),
                     estimate_error: estimated,
                     max_bounces: 8,
-                    ..EyeSettings::default()
+                    ..CameraPathSettings::default()
                 };
                 let settings = Settings {
-                    eye,
+                    camera_paths,
                     photons: 2000,
                     caustic_photons: 2000,
                     balance: false,
@@ -75,7 +77,7 @@ fn tiny_images_are_finite_with_every_integrator() {
                 let numbers =
                     [estimate.error, estimate.noise, estimate.bias, estimate.blur, estimate.shared_paths, estimate.low];
                 assert!(numbers.iter().all(|x| x.is_finite() && *x >= 0.0), "{what}: {estimate:?}");
-                let maps = estimator.maps(&rendered.film);
+                let maps = estimator.error_maps(&rendered.film);
                 assert!(maps.noise.iter().chain(&maps.bias).all(|x| x.is_finite()), "{what}");
             }
         }
@@ -102,9 +104,13 @@ fn images_20000_pixels_long_are_correct() {
              Lights {{ RectangleLight {{ corner {corner} edge0 {e0} edge1 {e1} radiance 1 1 1 }} }} Group {{ }}"
         ))
         .unwrap();
-        let eye = EyeSettings { samples: Some(4), filter: Filter::new(FilterKind::Box), ..EyeSettings::default() };
-        let settings = Settings { eye, balance: false, ..Settings::default() };
-        let image = image(&*Algorithm::Path.prepare(&scene, settings), 0);
+        let camera_paths = CameraPathSettings {
+            samples: Some(4),
+            filter: Filter::new(FilterKind::Box),
+            ..CameraPathSettings::default()
+        };
+        let settings = Settings { camera_paths, balance: false, ..Settings::default() };
+        let image = render_one_pass(&*Algorithm::Path.prepare(&scene, settings), 0);
         for (i, pixel) in image.iter().enumerate() {
             match i as u32 {
                 i if i < edge => assert_eq!(*pixel, Rgb::ZERO, "{width}×{height}: pixel {i}"),
@@ -124,7 +130,7 @@ fn tiny_images_have_files_and_metrics() {
         let count = width * height;
         let value = |i: u32| Rgb::new(i as f32 / count as f32, 0.5, 1.0 - i as f32 / count as f32);
         let image = Image::from_pixels(width, height, (0..count).map(value).collect()).unwrap();
-        let tone = ToneMap { curve: Curve::Srgb, exposure_stops: 0.0 };
+        let tone = ToneMap { curve: ToneCurve::Srgb, exposure_stops: 0.0 };
         for (format, depth) in [
             (OutputFormat::Exr, BitDepth::Eight),
             (OutputFormat::Png, BitDepth::Eight),
@@ -133,7 +139,7 @@ fn tiny_images_have_files_and_metrics() {
             let options = WriteOptions { tone, depth, ..WriteOptions::default() };
             let (file, report) = encode(format, &image, &options).unwrap();
             assert_eq!(report.non_finite, 0);
-            let (back, _) = decode(Path::new("memory"), &file, Meaning::Light, None).unwrap();
+            let (back, _) = decode(Path::new("memory"), &file, PictureContent::Radiance, None).unwrap();
             assert_eq!((back.width(), back.height()), (width, height));
             // Half a level times the greatest slope of the sRGB curve, 2.4/1.055 (see
             // `reading_undoes_the_srgb_curve_to_half_a_level`).

@@ -1,8 +1,10 @@
 //! Files of every kind, truncated at every position.
 
-use super::{project, readers};
-use caustica::format::{grid, mesh, mtl, parse_bytes};
-use caustica::image::{BitDepth, Curve, Image, Meaning, OutputFormat, ToneMap, WriteOptions, decode, encode};
+use super::{project_path, readers};
+use caustica::format::{grid, mesh, mtl, parse_scene_bytes};
+use caustica::image::{
+    BitDepth, Image, OutputFormat, PictureContent, ToneCurve, ToneMap, WriteOptions, decode, encode,
+};
 use glam::Vec3;
 use std::fs;
 use std::path::Path;
@@ -56,11 +58,11 @@ fn truncated_sized_files_are_refused() {
 #[test]
 fn truncated_scenes_are_refused() {
     for name in ["scenes/glass-ball.txt", "scenes/smoke.txt", "scenes/textures.txt", "tests/scenes/lens.txt"] {
-        let whole = fs::read(project(name)).unwrap();
+        let whole = fs::read(project_path(name)).unwrap();
         let whole = whole.trim_ascii_end();
-        assert!(parse_bytes(name, whole).is_ok() && whole.ends_with(b"}"), "{name}");
+        assert!(parse_scene_bytes(name, whole).is_ok() && whole.ends_with(b"}"), "{name}");
         for cut in 0..whole.len() {
-            let error = parse_bytes(name, &whole[..cut]).expect_err("a part is no scene");
+            let error = parse_scene_bytes(name, &whole[..cut]).expect_err("a part is no scene");
             assert!(error.to_string().starts_with(name) && !error.remedy().is_empty(), "{name} cut at {cut}: {error}");
         }
     }
@@ -69,7 +71,7 @@ fn truncated_scenes_are_refused() {
 /// Lists of lines have no stated length. The rest is read, or refused with its line.
 #[test]
 fn truncated_line_lists_are_read_to_their_end() {
-    let obj = fs::read(project("tests/scenes/coarse-ball.obj")).unwrap();
+    let obj = fs::read(project_path("tests/scenes/coarse-ball.obj")).unwrap();
     let start = obj.len().saturating_sub(1500);
     let whole = mesh::decode(Path::new("a.obj"), obj.clone(), &(), None).unwrap().mesh.triangles.len();
     let mut most = 0;
@@ -94,7 +96,7 @@ fn truncated_line_lists_are_read_to_their_end() {
 fn truncated_images_are_refused() {
     let pixels: Vec<Vec3> = (0..63).map(|i| Vec3::new(i as f32 / 63.0, 0.5, (i * i % 7) as f32 / 7.0)).collect();
     let image = Image::from_pixels(9, 7, pixels).unwrap();
-    let tone = ToneMap { curve: Curve::Srgb, exposure_stops: 0.0 };
+    let tone = ToneMap { curve: ToneCurve::Srgb, exposure_stops: 0.0 };
     let mut hdr = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 2\n".to_vec();
     hdr.extend([128, 64, 32, 129].repeat(4));
     let written =
@@ -106,7 +108,7 @@ fn truncated_images_are_refused() {
         (written(OutputFormat::Exr, BitDepth::Eight), 0),
         (hdr, 0),
     ] {
-        let read = |bytes: &[u8]| decode(Path::new("a.picture"), bytes, Meaning::Light, None);
+        let read = |bytes: &[u8]| decode(Path::new("a.picture"), bytes, PictureContent::Radiance, None);
         assert!(read(&file).is_ok());
         for cut in 0..file.len() - beyond {
             let error = read(&file[..cut]).expect_err("a part is no picture");

@@ -2,10 +2,10 @@
 //!
 //! Fuzz targets and the corpus replay share these functions.
 
-use caustica::format::description::{Density, Description};
-use caustica::format::{SourceText, grid, mesh, mtl, parse, parse_bytes, resolve};
-use caustica::image::{Meaning, decode};
-use caustica::integrate::{Algorithm, EyeSettings, Settings, Silent};
+use caustica::format::description::{DensityDescription, SceneDescription};
+use caustica::format::{SourceText, grid, mesh, mtl, parse, parse_scene_bytes, resolve};
+use caustica::image::{PictureContent, decode};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings, Silent};
 use caustica::light::EnvironmentLight;
 use caustica::scene::Scene;
 use caustica::texture::{Picture, Wrap};
@@ -21,8 +21,8 @@ const CLOUD: u32 = 24;
 /// A folder that does not exist.
 const NOWHERE: &str = "/nowhere/at/all";
 
-fn described(bytes: &[u8]) -> Option<Description> {
-    match parse_bytes("fuzz.txt", bytes) {
+fn described(bytes: &[u8]) -> Option<SceneDescription> {
+    match parse_scene_bytes("fuzz.txt", bytes) {
         Ok(description) => Some(description),
         Err(error) => {
             // Computing the message checks that the error's position lies within the text.
@@ -34,8 +34,8 @@ fn described(bytes: &[u8]) -> Option<Description> {
     }
 }
 
-fn resolved(description: &Description, bytes: &[u8]) -> Option<Scene> {
-    let cloud = |density: &Density| matches!(density, Density::Cloud { resolution, .. } if *resolution > CLOUD);
+fn resolved(description: &SceneDescription, bytes: &[u8]) -> Option<Scene> {
+    let cloud = |density: &DensityDescription| matches!(density, DensityDescription::Cloud { resolution, .. } if *resolution > CLOUD);
     if description.media.iter().any(|medium| cloud(&medium.density)) {
         return None;
     }
@@ -58,8 +58,8 @@ pub fn render(bytes: &[u8]) {
     let Some(mut description) = described(bytes) else { return };
     (description.camera.value.width, description.camera.value.height) = (2, 2);
     let Some(scene) = resolved(&description, bytes) else { return };
-    let eye = EyeSettings { samples: Some(1), max_bounces: 6, ..EyeSettings::default() };
-    let settings = Settings { eye, balance: false, ..Settings::default() };
+    let camera_paths = CameraPathSettings { samples: Some(1), max_bounces: 6, ..CameraPathSettings::default() };
+    let settings = Settings { camera_paths, balance: false, ..Settings::default() };
     let pass = Algorithm::Path.prepare(&scene, settings).pass(0, &Silent);
     assert!(pass.image.iter().all(|pixel| pixel.is_finite()), "{:?}", pass.image);
 }
@@ -80,14 +80,19 @@ fn loaded(name: &str, bytes: &[u8]) {
             let vertices = loaded.mesh.positions.len();
             assert!(loaded.mesh.triangles.iter().flatten().all(|v| (*v as usize) < vertices));
             assert!(loaded.mesh.positions.iter().all(|p| p.is_finite()));
-            assert!(loaded.repeated() <= loaded.vertices);
+            assert!(loaded.repeated_vertices() <= loaded.vertices);
             assert_eq!(
-                loaded.mesh.parts().iter().map(|(_, part)| part.triangles.len()).sum::<usize>(),
+                loaded.mesh.split_by_material().iter().map(|(_, part)| part.triangles.len()).sum::<usize>(),
                 loaded.mesh.triangles.len()
             );
             assert!(loaded.mesh.report().components <= loaded.mesh.triangles.len());
-            loaded.mesh.repair(&mesh::Repair { weld: Some(1e-9), duplicates: true, degenerate: true, orient: true });
-            loaded.mesh.smooth(30.0);
+            loaded.mesh.repair(&mesh::MeshRepairs {
+                weld: Some(1e-9),
+                duplicates: true,
+                degenerate: true,
+                orient: true,
+            });
+            loaded.mesh.compute_smooth_normals(30.0);
         }
         Err(error) => assert!(error.to_string().contains(name), "{error}"),
     }
@@ -112,7 +117,7 @@ pub fn grid(bytes: &[u8]) {
 /// Reads an image as PNG, OpenEXR or Radiance HDR, and builds a texture and an environment light
 /// from it.
 pub fn picture(bytes: &[u8]) {
-    for meaning in [Meaning::Light, Meaning::Numbers] {
+    for meaning in [PictureContent::Radiance, PictureContent::Data] {
         match decode(Path::new("fuzz.picture"), bytes, meaning, FREE) {
             Ok((image, _)) => {
                 // Large images take long and reveal no more.

@@ -1,13 +1,13 @@
 //! All photons at one point: the focus of a parabolic mirror.
 
 use super::{HUE, WITH_PHOTONS, finite, flat_camera, rendered, settings};
-use crate::support::{image, mean_and_error};
+use crate::support::{mean_and_error, render_one_pass};
 use caustica::color::Rgb;
-use caustica::integrate::{Algorithm, EyeSettings, Settings};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
-use caustica::shape::parametric::Basis;
+use caustica::shape::parametric::SplineBasis;
 use caustica::shape::{Disc, Revolution, Shape};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -32,10 +32,10 @@ fn parabola(pixels: u32) -> Scene {
     let mirror = b.material(Material::mirror(Rgb::splat(REFLECTANCE as f32)));
     let white = b.material(Material::diffuse(Rgb::splat(0.5)));
     let controls = [DVec2::ZERO, DVec2::new(0.5, 0.0), DVec2::new(1.0, 0.25)];
-    let bowl = Revolution::new(&Basis::bezier(3).unwrap(), &controls).unwrap();
+    let bowl = Revolution::new(&SplineBasis::bezier(3).unwrap(), &controls).unwrap();
     b.shape(Shape::Revolution(bowl), mirror, Rgb::ZERO);
-    b.shape(Shape::Disc(Disc::around(DVec3::Y, -DVec3::Y, TARGET)), white, Rgb::ZERO);
-    b.source(
+    b.shape(Shape::Disc(Disc::with_normal(DVec3::Y, -DVec3::Y, TARGET)), white, Rgb::ZERO);
+    b.delta_light(
         DeltaLightKind::Directional { direction: -DVec3::Y },
         LightStrength::Physical(Rgb::splat(IRRADIANCE as f32)),
     );
@@ -52,9 +52,9 @@ fn flux() -> f64 {
 #[test]
 fn photons_converge_at_focus() {
     let scene = parabola(PIXELS);
-    let source = PhotonSource::aimed(&scene).unwrap();
+    let source = PhotonSource::aimed_at_casters(&scene).unwrap();
     let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 10 };
-    let key = |i| Key::new(3).purpose(Purpose::Test).with(i);
+    let key = |i| Key::new(3).purpose_key(Purpose::Test).child_key(i);
     let begun = Instant::now();
     let samples: Vec<f64> = (0..8)
         .map(|i| {
@@ -97,9 +97,9 @@ fn image_of_focus_shows_all_flux() {
         let expected = 0.5 / PI * flux() / (seen * seen);
         let mean = |seed| {
             let settings = Settings { radius: Some(radius), gather_k: k, ..settings(1_000, samples) };
-            let eye = EyeSettings { seed, ..settings.eye };
-            let method = Algorithm::Sppm.prepare(&scene, Settings { eye, ..settings });
-            let pass = |i| image(&*method, i).iter().map(|v| f64::from(v.y)).sum::<f64>();
+            let camera_paths = CameraPathSettings { seed, ..settings.camera_paths };
+            let method = Algorithm::Sppm.prepare(&scene, Settings { camera_paths, ..settings });
+            let pass = |i| render_one_pass(&*method, i).iter().map(|v| f64::from(v.y)).sum::<f64>();
             (0..8).map(pass).sum::<f64>() / f64::from(8 * pixels * pixels)
         };
         let samples: Vec<f64> = (0..16).into_par_iter().map(mean).collect();

@@ -71,7 +71,7 @@ fn estimates_hold_with_fewer_than_k_photons() {
                 let found = estimate(&map, p, radius, k, kernel);
                 assert!((found / expected - 1.0).abs() < HUE + 1e-5, "{kernel:?}, {count} of {k}: {found} {expected}");
             }
-            assert_eq!(map.kth_distance(p, Vec3::Z, count as u32 + 1, 1e6), None);
+            assert_eq!(map.kth_photon_distance(p, Vec3::Z, count as u32 + 1, 1e6), None);
         }
     }
 }

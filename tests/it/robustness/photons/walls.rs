@@ -28,7 +28,10 @@ fn wall(thickness: f64, shelf: bool) -> Scene {
             if shelf { sheet(-y * thickness, z * 2.0, x * 2.0) } else { sheet(-y * thickness, x * 2.0, z * 2.0) };
         b.shape(under, white, Rgb::ZERO);
     }
-    b.source(DeltaLightKind::Directional { direction: -y }, LightStrength::Physical(Rgb::splat(IRRADIANCE as f32)));
+    b.delta_light(
+        DeltaLightKind::Directional { direction: -y },
+        LightStrength::Physical(Rgb::splat(IRRADIANCE as f32)),
+    );
     let camera = if shelf { flat_camera(-y * 0.5 * thickness, -y, 3.0, 24) } else { flat_camera(-y, y, 3.0, 24) };
     b.build(camera).unwrap()
 }
@@ -49,7 +52,7 @@ fn thin_walls_leak_no_photons() {
             let out = rendered(&wall(*thickness, false), algorithm, gathering(k), 2);
             finite(algorithm.name(), &out);
             assert!(out.caustic.stored > 5_000, "{}", out.caustic.stored);
-            let lit = out.film.means().filter(|v| *v != DVec3::ZERO).count();
+            let lit = out.film.pixel_means().filter(|v| *v != DVec3::ZERO).count();
             assert_eq!(lit, 0, "{}, thickness {thickness}", algorithm.name());
         }
     });

@@ -1,9 +1,9 @@
 //! Bodies that share a face: a liquid in its glass, with faces that coincide, are an ulp apart, or
 //! overlap.
 
-use crate::support::{assert_mean, key, pixels, scene};
+use crate::support::{assert_mean, render_passes, scene_from_text, test_key};
 use caustica::camera::Camera;
-use caustica::integrate::{Algorithm, EyeSettings, Settings};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::light::EnvironmentLight;
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::scene::{Body, DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
@@ -57,7 +57,7 @@ enum Contact {
 fn layers(b: &mut SceneBuilder, faces: Faces, contact: Contact, liquid_first: bool) {
     let glass = b.material(Material::dielectric(GLASS as f32, Vec3::ZERO));
     let priority = u8::from(matches!(contact, Contact::Priority));
-    let liquid = b.material(Material::body(Body { priority, ..Body::new(LIQUID as f32) }));
+    let liquid = b.material(Material::smooth_boundary(Body { priority, ..Body::new(LIQUID as f32) }));
     let gap = if let Contact::Apart(gap) = contact { gap } else { 0.0 };
     let fill = |b: &mut SceneBuilder| {
         face(b, faces, 0.5 - gap, true, liquid);
@@ -124,16 +124,16 @@ fn lit(faces: Faces, contact: Contact, liquid_first: bool, angle: f64) -> Scene 
     face(&mut b, Faces::Rectangles, -2.0, true, floor);
     let axis = DVec3::new(libm::sin(angle), -libm::cos(angle), 0.0);
     let source = DeltaLightKind::Spot { position: DVec3::Y * 1.5 - DVec3::X * 3.0, axis, inner: CONE, outer: CONE };
-    b.source(source, LightStrength::Power(Vec3::ONE));
+    b.delta_light(source, LightStrength::Power(Vec3::ONE));
     b.build(camera()).unwrap()
 }
 
 /// Returns the fraction of the flux that reaches the floor, in independent passes.
 fn passed(scene: &Scene) -> Vec<f64> {
-    let source = PhotonSource::everywhere(scene).unwrap();
+    let source = PhotonSource::in_all_directions(scene).unwrap();
     let pass = PhotonPass { scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 1000 };
     let part = |i| {
-        let traced = pass.trace(key(40).with(i), 1 << 11, &|_| {});
+        let traced = pass.trace(test_key(40).child_key(i), 1 << 11, &|_| {});
         traced.audit.stopped[0] / traced.audit.emitted[0]
     };
     (0..16).map(part).collect()
@@ -189,7 +189,7 @@ fn touching_blocks_of_one_glass_merge() {
         face(&mut b, Faces::Rectangles, -2.0, true, floor);
         let axis = DVec3::new(libm::sin(1.4), -libm::cos(1.4), 0.0);
         let source = DeltaLightKind::Spot { position: DVec3::Y * 1.5 - DVec3::X * 3.0, axis, inner: CONE, outer: CONE };
-        b.source(source, LightStrength::Power(Vec3::ONE));
+        b.delta_light(source, LightStrength::Power(Vec3::ONE));
         let expected = mean_through(&[1.0, GLASS, 1.0], 1.4);
         assert_mean(&format!("{blocks:?}, {faces:?}"), &passed(&b.build(camera()).unwrap()), expected, 1e-5, 0.02);
     }
@@ -208,11 +208,13 @@ fn camera_in_liquid_starts_in_liquid() {
             // A field of 40° is within Snell's window, so all light gets out in the end.
             let up = Camera::perspective(DVec3::ZERO, DVec3::Y, DVec3::Z, 0.7, 8, 8).unwrap();
             let scene = b.build(up).unwrap();
-            let eye = EyeSettings { samples: Some(4), max_bounces: 1000, ..EyeSettings::default() };
+            let camera_paths =
+                CameraPathSettings { samples: Some(4), max_bounces: 1000, ..CameraPathSettings::default() };
             let samples: Vec<f64> = (0..16)
                 .map(|seed| {
-                    let eye = EyeSettings { seed, ..eye.clone() };
-                    let image = pixels(&scene, Algorithm::Path, Settings { eye, ..Settings::default() }, 1);
+                    let camera_paths = CameraPathSettings { seed, ..camera_paths.clone() };
+                    let image =
+                        render_passes(&scene, Algorithm::Path, Settings { camera_paths, ..Settings::default() }, 1);
                     image.iter().map(|p| f64::from(p.x)).sum::<f64>() / 64.0
                 })
                 .collect();
@@ -242,7 +244,7 @@ fn round_vessel_holds_its_liquid() {
         format!("RevSurface {{ profile BezierCurve {{ controls {points} }} }}")
     };
     let passed = |priority: u32, objects: &str| {
-        let scene = scene(&format!(
+        let scene = scene_from_text(&format!(
             "PerspectiveCamera {{ center 0 9 0  direction 0 -1 0  up 0 0 1  angle 9  width 1  height 1 }}
             Lights {{ SpotLight {{ position 0 3 .3  direction 0 -1 0  angle 20  power 1 1 1 }} }}
             Materials {{

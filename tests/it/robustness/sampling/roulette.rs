@@ -1,15 +1,15 @@
 //! Russian roulette at its ends: a path of survival probability 0 ends without a division by it,
 //! one of probability 1 always survives.
 
-use crate::support::{assert_mean, key, pixels, scene};
-use caustica::integrate::{Algorithm, EyeSettings, Settings};
-use caustica::photon::{Deposits, PhotonPass, PhotonSource, StoreMask, Traced};
+use crate::support::{assert_mean, render_passes, scene_from_text, test_key};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
+use caustica::photon::{Deposits, PhotonPass, PhotonPassResult, PhotonSource, StoreMask};
 use caustica::scene::Scene;
 use rayon::prelude::*;
 
 /// Builds a closed room whose walls reflect `albedo` and emit `radiance`, with a light.
 fn room(albedo: &str, radiance: f64) -> Scene {
-    scene(&format!(
+    scene_from_text(&format!(
         "PerspectiveCamera {{ center 0 0 .9  direction 0 0 -1  up 0 1 0  angle 60  width 6  height 6 }}
         Lights {{ PointLight {{ position .1 .2 .3  power 1 2 3 }} }}
         Materials {{ Diffuse wall {{ reflectance {albedo}  emission {radiance} {radiance} {radiance} }} }}
@@ -26,17 +26,17 @@ fn room(albedo: &str, radiance: f64) -> Scene {
 const PATHS: u32 = 1 << 12;
 const BOUNCES: u32 = 60;
 
-fn trace(scene: &Scene, index: u64) -> Traced {
-    let source = PhotonSource::everywhere(scene).unwrap();
+fn trace(scene: &Scene, index: u64) -> PhotonPassResult {
+    let source = PhotonSource::in_all_directions(scene).unwrap();
     let pass = PhotonPass { scene, source: &source, mask: StoreMask::ALL, max_bounces: BOUNCES };
-    pass.trace(key(90).with(index), PATHS, &|_| {})
+    pass.trace(test_key(90).child_key(index), PATHS, &|_| {})
 }
 
 /// If walls reflect everything, no photon ends before the limit, and none gains or loses a bit of
 /// flux.
 #[test]
 fn white_surfaces_terminate_no_photon() {
-    let Traced { deposits: Deposits { photons, .. }, audit, rays, .. } = trace(&room("1 1 1", 0.0), 0);
+    let PhotonPassResult { deposits: Deposits { photons, .. }, audit, rays, .. } = trace(&room("1 1 1", 0.0), 0);
     assert_eq!((audit.stopped, audit.roulette, audit.absorbed), (audit.emitted, [0.0; 3], [0.0; 3]));
     assert_eq!(photons.len() as u64, u64::from(PATHS) * u64::from(BOUNCES + 1));
     assert_eq!(rays, photons.len() as u64);
@@ -47,7 +47,7 @@ fn white_surfaces_terminate_no_photon() {
 #[test]
 fn black_surfaces_terminate_every_photon() {
     for albedo in ["0 0 0", "1e-45 1e-45 1e-45", "0 0 1e-40"] {
-        let Traced { deposits: Deposits { photons, .. }, audit, rays, .. } = trace(&room(albedo, 0.0), 0);
+        let PhotonPassResult { deposits: Deposits { photons, .. }, audit, rays, .. } = trace(&room(albedo, 0.0), 0);
         assert_eq!((photons.len() as u32, rays), (PATHS, u64::from(PATHS)), "{albedo}");
         assert_eq!((audit.absorbed, audit.stopped), (audit.emitted, [0.0; 3]), "{albedo}");
         assert!(audit.roulette.iter().all(|r| r.is_finite() && r.abs() < 1e-30), "{albedo}: {audit:?}");
@@ -63,7 +63,7 @@ fn zero_channel_stays_zero() {
     let scene = room("0 0 1", 0.0);
     let kept: Vec<f64> = (0..16)
         .map(|i| {
-            let Traced { deposits: Deposits { photons, .. }, audit, .. } = trace(&scene, i);
+            let PhotonPassResult { deposits: Deposits { photons, .. }, audit, .. } = trace(&scene, i);
             assert_eq!(audit.stopped[..2], [0.0; 2]);
             let on = photons[..].iter().filter(|p| p.data.flux().x == 0.0);
             let twice = 2.0 * 3.0 / f64::from(PATHS);
@@ -81,7 +81,7 @@ fn zero_channel_stays_zero() {
 
 fn settings(samples: u32, max_bounces: u32, seed: u64) -> Settings {
     Settings {
-        eye: EyeSettings { samples: Some(samples), max_bounces, seed, ..EyeSettings::default() },
+        camera_paths: CameraPathSettings { samples: Some(samples), max_bounces, seed, ..CameraPathSettings::default() },
         ..Settings::default()
     }
 }
@@ -95,14 +95,14 @@ fn camera_paths_follow_same_roulette() {
     for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Distributed] {
         let quick =
             Settings { photons: 100, caustic_photons: 100, radius: Some(0.1), balance: false, ..settings(4, 10, 0) };
-        let image = pixels(&dark, algorithm, quick, 1);
+        let image = render_passes(&dark, algorithm, quick, 1);
         assert!(image.iter().all(|p| (*p - 0.25).abs().max_element() < 1e-6), "{algorithm:?}: {image:?}");
     }
     let white = room("1 1 1", 0.001);
     let lamp = room("1 1 1", 0.0);
     for (bounces, samples) in [(0u32, 512), (3, 192), (12, 96)] {
         let mean = |scene: &Scene, seed| {
-            let image = pixels(scene, Algorithm::Path, settings(samples, bounces, seed), 1);
+            let image = render_passes(scene, Algorithm::Path, settings(samples, bounces, seed), 1);
             image.iter().map(|p| f64::from(p.x)).sum::<f64>() / image.len() as f64
         };
         // Both rooms see the light by the same paths.

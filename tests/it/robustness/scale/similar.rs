@@ -4,10 +4,11 @@
 //! scene language cannot be forgotten.
 
 use caustica::format::description::{
-    Aim, AreaStrength, Attenuation, CameraDescription, Coefficients, Density, Description, DirectionalStrength,
-    Emission, EnvironmentRadiance, ExtentDescription, Focus, GroupItem, LensDescription, LightDescription,
-    MaterialDescription, MaterialKindDescription, MediumDescription, NormalPerturbationDescription, ObjectDescription,
-    Opening, PointStrength, ProjectionDescription, Span, Spanned, TextureKindDescription, TransformStep,
+    ApertureDescription, AreaLightStrength, CameraDescription, DensityDescription, DielectricAbsorption,
+    DirectionOrTarget, DirectionalLightStrength, EmissionDescription, EnvironmentRadiance, FocusDescription, GroupItem,
+    LensDescription, LightDescription, MaterialDescription, MaterialKindDescription, MediumCoefficients,
+    MediumDescription, NormalPerturbationDescription, ObjectDescription, PointLightStrength, ProjectionDescription,
+    SceneDescription, Span, Spanned, TextureKindDescription, TransformStep, TransformedBoxDescription,
 };
 use glam::{DAffine3, DMat4, DVec3};
 
@@ -29,8 +30,9 @@ impl Similarity {
     }
 
     /// Returns the transformed description. Its image has the same radiance.
-    pub fn of(&self, mut d: Description) -> Description {
-        let Description { camera, background: _, filling: _, lights, textures, media, materials, root } = &mut d;
+    pub fn of(&self, mut d: SceneDescription) -> SceneDescription {
+        let SceneDescription { camera, background: _, ambient_medium: _, lights, textures, media, materials, root } =
+            &mut d;
         self.camera(&mut camera.value);
         lights.iter_mut().for_each(|light| self.light(&mut light.value));
         // Textures lie in the space of their object, which the root transform covers.
@@ -63,7 +65,7 @@ impl Similarity {
     }
 
     fn matrix(&self) -> DAffine3 {
-        TransformStep::product(&self.maps())
+        TransformStep::composed_matrix(&self.maps())
     }
 
     /// Returns the image of a point.
@@ -91,10 +93,10 @@ impl Similarity {
         *x *= self.scale * self.scale;
     }
 
-    fn aim(&self, aim: &mut Aim) {
+    fn aim(&self, aim: &mut DirectionOrTarget) {
         match aim {
-            Aim::Direction(direction) => self.vector(direction),
-            Aim::LookAt(point) => self.point(point),
+            DirectionOrTarget::Direction(direction) => self.vector(direction),
+            DirectionOrTarget::LookAt(point) => self.point(point),
         }
     }
 
@@ -139,12 +141,12 @@ impl Similarity {
     fn lens(&self, lens: &mut LensDescription) {
         let LensDescription { opening, focus, blades: _ } = lens;
         match opening {
-            Opening::Radius(radius) => self.length(radius),
-            Opening::FNumber { number: _, sensor } => self.length(sensor),
+            ApertureDescription::Radius(radius) => self.length(radius),
+            ApertureDescription::FNumber { number: _, sensor } => self.length(sensor),
         }
         match focus {
-            Focus::Distance(distance) => self.length(distance),
-            Focus::Point(point) => self.point(point),
+            FocusDescription::Distance(distance) => self.length(distance),
+            FocusDescription::Point(point) => self.point(point),
         }
     }
 
@@ -157,7 +159,7 @@ impl Similarity {
             LightDescription::Directional { direction, strength } => {
                 self.vector(direction);
                 match strength {
-                    DirectionalStrength::Color(_) | DirectionalStrength::Irradiance(_) => {}
+                    DirectionalLightStrength::Color(_) | DirectionalLightStrength::Irradiance(_) => {}
                 }
             }
             LightDescription::Spot { position, aim, angle: _, penumbra: _, strength } => {
@@ -203,54 +205,60 @@ impl Similarity {
     }
 
     /// Irradiance is intensity over squared length, so intensity scales with the square.
-    fn intensity(&self, strength: &mut PointStrength) {
+    fn intensity(&self, strength: &mut PointLightStrength) {
         match strength {
             // The radiance of a white surface at the scene's center does not depend on scale.
-            PointStrength::Color(_) => {}
-            PointStrength::Intensity(watts) | PointStrength::Power(watts) => self.area(watts),
+            PointLightStrength::Color(_) => {}
+            PointLightStrength::Intensity(watts) | PointLightStrength::Power(watts) => self.area(watts),
         }
     }
 
-    fn radiance(&self, strength: &mut AreaStrength) {
+    fn radiance(&self, strength: &mut AreaLightStrength) {
         match strength {
-            AreaStrength::Radiance(_) => {}
-            AreaStrength::Power(watts) => self.area(watts),
+            AreaLightStrength::Radiance(_) => {}
+            AreaLightStrength::Power(watts) => self.area(watts),
         }
     }
 
     fn medium(&self, medium: &mut MediumDescription) {
         let MediumDescription { name: _, coefficients, emission, phase: _, density } = medium;
         match coefficients {
-            Coefficients::Parts { absorption, scattering } => {
+            MediumCoefficients::AbsorptionScattering { absorption, scattering } => {
                 self.per_length(absorption);
                 self.per_length(scattering);
             }
-            Coefficients::Whole { extinction, albedo: _ } => self.per_length(extinction),
+            MediumCoefficients::ExtinctionAlbedo { extinction, albedo: _ } => self.per_length(extinction),
         }
         self.per_length(emission);
         match density {
-            Density::Even => {}
-            Density::Grid { path: _, scale: _, extent } => self.extent(extent),
-            Density::Cloud { cover: _, softness: _, octaves: _, frequency: _, seed: _, resolution: _, extent } => {
-                self.extent(extent)
-            }
+            DensityDescription::Homogeneous => {}
+            DensityDescription::Grid { path: _, scale: _, extent } => self.extent(extent),
+            DensityDescription::Cloud {
+                cover: _,
+                softness: _,
+                octaves: _,
+                frequency: _,
+                seed: _,
+                resolution: _,
+                extent,
+            } => self.extent(extent),
         }
     }
 
     /// Converts to one matrix, because a matrix in the list applies after the maps before it.
-    fn extent(&self, extent: &mut ExtentDescription) {
-        let ExtentDescription { min: _, max: _, maps } = extent;
-        *maps = vec![TransformStep::Matrix(DMat4::from(self.matrix() * TransformStep::product(maps)))];
+    fn extent(&self, extent: &mut TransformedBoxDescription) {
+        let TransformedBoxDescription { min: _, max: _, maps } = extent;
+        *maps = vec![TransformStep::Matrix(DMat4::from(self.matrix() * TransformStep::composed_matrix(maps)))];
     }
 
     fn material(&self, material: &mut MaterialDescription) {
-        let MaterialDescription { name: _, kind, emission, relief, medium: _ } = material;
+        let MaterialDescription { name: _, kind, emission, normal_perturbation, medium: _ } = material;
         match kind {
             MaterialKindDescription::Dielectric { refraction: _, attenuation, roughness: _, priority: _ } => {
                 match attenuation {
-                    Attenuation::None => {}
-                    Attenuation::Absorption(sigma) => self.per_length(sigma),
-                    Attenuation::Tint { color: _, distance } => self.length(distance),
+                    DielectricAbsorption::None => {}
+                    DielectricAbsorption::Coefficient(sigma) => self.per_length(sigma),
+                    DielectricAbsorption::Tint { color: _, distance } => self.length(distance),
                 }
             }
             MaterialKindDescription::Phong { .. }
@@ -262,9 +270,9 @@ impl Similarity {
             | MaterialKindDescription::Mix { .. } => {}
         }
         match emission {
-            None | Some(Emission::Radiance(_) | Emission::Texture { .. }) => {}
+            None | Some(EmissionDescription::Radiance(_) | EmissionDescription::Texture { .. }) => {}
         }
-        match relief {
+        match normal_perturbation {
             Some(NormalPerturbationDescription::Bump { texture: _, height }) => self.length(height),
             None | Some(NormalPerturbationDescription::NormalMap(_)) => {}
         }

@@ -7,69 +7,73 @@ use hashbrown::HashTable;
 use hashbrown::hash_table::Entry;
 use std::hash::Hash;
 
-/// Numbers values by their keys, in the order of first use.
-pub(in crate::format) struct KeyNumbers<T> {
+/// List of values with distinct keys, and a hash table that finds the index of a key.
+pub(in crate::format) struct KeyIndexer<T> {
     hasher: RandomState,
     table: HashTable<u32>,
     list: Vec<T>,
 }
 
-impl<T> KeyNumbers<T> {
+impl<T> KeyIndexer<T> {
     pub fn with_capacity(n: usize) -> Self {
-        // Numbers depend only on the order of values, so any seed works.
+        // Indices depend only on the order of values, so any seed works.
         let hasher = RandomState::with_seeds(1, 2, 3, 4);
         Self { hasher, table: HashTable::with_capacity(n), list: Vec::with_capacity(n) }
     }
 
-    /// Number of the first value whose key equals that of `thing`; the next free number if there is
-    /// none.
+    /// Index of the value whose key equals the key of `value`. Appends `value` if there is none.
     #[inline]
-    pub fn number<K: Hash + Eq>(&mut self, thing: T, key: impl Fn(&T) -> K) -> u32 {
+    pub fn index_of<K: Hash + Eq>(&mut self, value: T, key: impl Fn(&T) -> K) -> u32 {
         let Self { hasher, table, list } = self;
-        let own = key(&thing);
+        let own = key(&value);
         let equal = |i: &u32| key(&list[*i as usize]) == own;
         match table.entry(hasher.hash_one(&own), equal, |&i| hasher.hash_one(key(&list[i as usize]))) {
             Entry::Occupied(found) => *found.get(),
             Entry::Vacant(place) => {
                 let next = list.len() as u32;
                 place.insert(next);
-                list.push(thing);
+                list.push(value);
                 next
             }
         }
     }
 
-    /// The first value of each number.
-    pub fn into_list(self) -> Vec<T> {
+    /// The values in the order of their indices.
+    pub fn into_values(self) -> Vec<T> {
         self.list
     }
 }
 
-/// Bit patterns of the components.
-pub(in crate::format) fn bits(p: DVec3) -> [u64; 3] {
+/// Bit patterns of the three coordinates of `p`.
+pub(in crate::format) fn coordinate_bits(p: DVec3) -> [u64; 3] {
     p.to_array().map(f64::to_bits)
 }
 
-/// Bit patterns of a position, in which both zeros are equal.
+/// Bit patterns of the coordinates of `p`, with −0 replaced by 0.
 fn position_bits(p: DVec3) -> [u64; 3] {
-    bits(p + DVec3::ZERO)
+    coordinate_bits(p + DVec3::ZERO)
 }
 
 const UNKNOWN: u32 = u32::MAX;
 
 impl TriangleMesh {
-    /// Merges vertices that are equal bit for bit, removes unused ones, and renumbers by first use.
+    /// Merges vertices that are equal bit for bit, and removes unused vertices.
     ///
-    /// If one corner of a triangle has no normal, none of its corners keeps one.
-    pub fn share(&mut self) {
+    /// Vertices are in the order of first use afterwards. If one corner of a triangle has no normal,
+    /// its other corners lose theirs.
+    pub fn merge_equal_vertices(&mut self) {
         let normals = self.normals.as_deref();
         let mut known: Vec<u32> = vec![UNKNOWN; self.positions.len()];
-        // A vertex, and whether it loses its normal.
-        let mut numbers: KeyNumbers<(u32, bool)> = KeyNumbers::with_capacity(self.positions.len());
+        // Index of a vertex, and true if it loses its normal.
+        let mut numbers: KeyIndexer<(u32, bool)> = KeyIndexer::with_capacity(self.positions.len());
         let key = |&(v, flat): &(u32, bool)| {
             let normal = normals.filter(|_| !flat).map_or(DVec3::ZERO, |n| n[v as usize]);
             let texcoord = self.texcoords.as_ref().map_or(DVec2::ZERO, |t| t[v as usize]);
-            (bits(self.positions[v as usize]), bits(normal), texcoord.to_array().map(f64::to_bits))
+            (
+                coordinate_bits(self.positions[v as usize]),
+                coordinate_bits(normal),
+                texcoord.to_array().map(f64::to_bits),
+            )
         };
         for triangle in &mut self.triangles {
             let flat = normals.is_some_and(|n| triangle.iter().any(|&v| n[v as usize] == DVec3::ZERO));
@@ -79,46 +83,46 @@ impl TriangleMesh {
                     *v = seen;
                     continue;
                 }
-                let number = numbers.number((*v, flat), key);
+                let number = numbers.index_of((*v, flat), key);
                 if !flat {
                     known[*v as usize] = number;
                 }
                 *v = number;
             }
         }
-        let vertices = numbers.into_list();
+        let vertices = numbers.into_values();
         if let Some(normals) = self.normals.take() {
             let normal = |&(v, flat): &(u32, bool)| if flat { DVec3::ZERO } else { normals[v as usize] };
             let normals: Vec<DVec3> = vertices.iter().map(normal).collect();
             self.normals = normals.iter().any(|n| *n != DVec3::ZERO).then_some(normals);
         }
-        self.take(vertices.iter().map(|(v, _)| *v));
+        self.select_vertices(vertices.iter().map(|(v, _)| *v));
     }
 
-    /// Replaces positions and texture coordinates by those of the listed vertices.
+    /// Makes `list` the new list of vertices: copies their positions and texture coordinates.
     ///
-    /// The caller replaces the normals.
-    pub(super) fn take(&mut self, list: impl Iterator<Item = u32> + Clone) {
+    /// The caller replaces normals and triangles.
+    pub(super) fn select_vertices(&mut self, list: impl Iterator<Item = u32> + Clone) {
         self.positions = list.clone().map(|v| self.positions[v as usize]).collect();
         let texcoord = |texcoords: Vec<DVec2>| list.map(|v| texcoords[v as usize]).collect();
         self.texcoords = self.texcoords.take().map(texcoord);
     }
 
-    /// Position number of each vertex, and the number of positions.
+    /// Index of each vertex's position among the distinct positions, and the number of those.
     ///
-    /// Vertices at one position have the same number.
+    /// Coordinates −0 and 0 are equal here.
     #[must_use]
-    pub fn position_numbers(&self) -> (Vec<u32>, usize) {
-        let mut numbers = KeyNumbers::with_capacity(self.positions.len());
-        let places = self.positions.iter().map(|p| numbers.number(position_bits(*p), |key| *key)).collect();
-        (places, numbers.into_list().len())
+    pub fn position_indices(&self) -> (Vec<u32>, usize) {
+        let mut numbers = KeyIndexer::with_capacity(self.positions.len());
+        let places = self.positions.iter().map(|p| numbers.index_of(position_bits(*p), |key| *key)).collect();
+        (places, numbers.into_values().len())
     }
 
-    pub(super) fn distinct_positions(&self) -> usize {
-        let mut numbers = KeyNumbers::with_capacity(self.positions.len());
+    pub(super) fn distinct_position_count(&self) -> usize {
+        let mut numbers = KeyIndexer::with_capacity(self.positions.len());
         self.positions.iter().for_each(|p| {
-            numbers.number(bits(*p), |key| *key);
+            numbers.index_of(coordinate_bits(*p), |key| *key);
         });
-        numbers.into_list().len()
+        numbers.into_values().len()
     }
 }

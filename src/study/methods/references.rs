@@ -1,10 +1,10 @@
 //! Reference pictures: two independent ones, or one that is taken as exact.
 
-use super::Truth;
-use super::clock::{system_clock, timed};
+use super::GroundTruth;
+use super::clock::{measure_time, system_clock};
 use crate::image::metrics::{MetricError, rmse};
 use crate::image::{Image, RelativeScale, SizeError, open_file};
-use crate::integrate::{Algorithm, EyeSettings, Monitor, Settings};
+use crate::integrate::{Algorithm, CameraPathSettings, Monitor, Settings};
 use crate::plan::{Effect, EffectOverrides, Plan};
 use crate::render::Film;
 use crate::scene::Scene;
@@ -21,7 +21,7 @@ const PNG_SIGNATURE: [u8; 4] = *b"\x89PNG";
 
 /// Reason why a reference cannot be used.
 #[derive(Debug, thiserror::Error)]
-pub enum TruthError {
+pub enum ReferenceError {
     /// The file cannot be read.
     #[error(transparent)]
     Read(#[from] crate::image::ReadError),
@@ -72,15 +72,15 @@ impl References {
     /// References `a` and `b`; without `b`, `a` is taken as exact.
     ///
     /// # Errors
-    /// [`TruthError::Metric`] if sizes differ or a pixel is not finite.
-    pub fn new(source: String, a: Image, b: Option<Image>) -> Result<Self, TruthError> {
+    /// [`ReferenceError::Metric`] if sizes differ or a pixel is not finite.
+    pub fn new(source: String, a: Image, b: Option<Image>) -> Result<Self, ReferenceError> {
         let exact = b.is_none();
         let b = b.unwrap_or_else(|| a.clone());
         // The metric checks sizes and pixels; its value is not used.
         rmse(&a, &b)?;
         let halves = a.pixels().iter().zip(b.pixels()).map(|(a, b)| ((a.as_dvec3() + b.as_dvec3()) * 0.5).as_vec3());
         let mean = Image::from_pixels(a.width(), a.height(), halves.collect())?;
-        let scale = RelativeScale::of(&mean);
+        let scale = RelativeScale::from_image(&mean);
         let apart = |i: usize| (a.pixels()[i].as_dvec3() - b.pixels()[i].as_dvec3()).map(|d| d * d);
         let error = (!exact).then(|| 0.5 * scale.mean(apart).sqrt());
         Ok(Self { source, error, pair: [a, b], mean, scale })
@@ -89,15 +89,15 @@ impl References {
     /// Reads one or two reference pictures of `size` pixels.
     ///
     /// # Errors
-    /// [`TruthError`].
-    pub fn read(first: &Path, second: Option<&Path>, size: (u32, u32)) -> Result<Self, TruthError> {
+    /// [`ReferenceError`].
+    pub fn read(first: &Path, second: Option<&Path>, size: (u32, u32)) -> Result<Self, ReferenceError> {
         let source = match second {
             Some(second) => format!("{}, {}", first.display(), second.display()),
             None => format!("{}, taken as exact", first.display()),
         };
-        let (a, b) = (read(first, size)?, second.map(|path| read(path, size)).transpose()?);
+        let (a, b) = (read_reference(first, size)?, second.map(|path| read_reference(path, size)).transpose()?);
         match second {
-            Some(second) if b.as_ref() == Some(&a) => Err(TruthError::Same { path: second.to_owned() }),
+            Some(second) if b.as_ref() == Some(&a) => Err(ReferenceError::Same { path: second.to_owned() }),
             _ => Self::new(source, a, b),
         }
     }
@@ -109,21 +109,26 @@ impl References {
     /// The function finishes whole passes.
     ///
     /// # Errors
-    /// [`TruthError`] if a pixel is not finite.
+    /// [`ReferenceError`] if a pixel is not finite.
     pub fn render(
         scene: &Scene,
-        like: &EyeSettings,
+        like: &CameraPathSettings,
         seconds: f64,
         interrupted: &AtomicBool,
         monitor: &dyn Monitor,
         mut after: impl FnMut(u32, f64),
-    ) -> Result<Option<Self>, TruthError> {
+    ) -> Result<Option<Self>, ReferenceError> {
         let (algorithm, why) = reference_algorithm(scene, like.effects);
         let clock = system_clock();
         let (width, height) = scene.camera().size();
         let prepare = |far| {
-            let eye = EyeSettings { seed: like.seed.wrapping_add(far), samples: None, adaptive: false, ..like.clone() };
-            algorithm.prepare(scene, Settings { eye, ..Settings::default() })
+            let camera_paths = CameraPathSettings {
+                seed: like.seed.wrapping_add(far),
+                samples: None,
+                adaptive: false,
+                ..like.clone()
+            };
+            algorithm.prepare(scene, Settings { camera_paths, ..Settings::default() })
         };
         let integrators = SEED_OFFSETS.map(prepare);
         let mut films = [Film::new(width, height), Film::new(width, height)];
@@ -132,7 +137,7 @@ impl References {
             if interrupted.load(Ordering::Relaxed) {
                 return Ok(None);
             }
-            let ((), time) = timed(&clock, || {
+            let ((), time) = measure_time(&clock, || {
                 for (integrator, film) in integrators.iter().zip(&mut films) {
                     film.add(&integrator.pass(film.passes(), monitor).image);
                 }
@@ -158,8 +163,8 @@ impl References {
     /// Its error is that of its noise, ½√(mean of (A − B)²). A bias that both references share is
     /// unknown.
     #[must_use]
-    pub fn truth(&self) -> Truth {
-        Truth { source: self.source.clone(), error: self.error, picture: self.mean.clone() }
+    pub fn ground_truth(&self) -> GroundTruth {
+        GroundTruth { source: self.source.clone(), error: self.error, picture: self.mean.clone() }
     }
 
     /// Mean of both references.
@@ -168,26 +173,26 @@ impl References {
     }
 
     /// Scale of relative errors.
-    pub(super) fn scale(&self) -> &RelativeScale {
+    pub(super) fn relative_scale(&self) -> &RelativeScale {
         &self.scale
     }
 
     /// (I − A)(I − B) for value I of pixel `i`, summed over channels.
-    pub(super) fn square(&self, i: usize, value: DVec3) -> f64 {
+    pub(super) fn unbiased_squared_error(&self, i: usize, value: DVec3) -> f64 {
         let [a, b] = self.pair.each_ref().map(|image| image.pixels()[i].as_dvec3());
         ((value - a) * (value - b)).element_sum()
     }
 }
 
-fn read(path: &Path, wanted: (u32, u32)) -> Result<Image, TruthError> {
+fn read_reference(path: &Path, wanted: (u32, u32)) -> Result<Image, ReferenceError> {
     let mut start = [0; PNG_SIGNATURE.len()];
     if open_file(path).and_then(|(mut file, _)| file.read_exact(&mut start)).is_ok() && start == PNG_SIGNATURE {
-        return Err(TruthError::NotLinear { path: path.to_owned() });
+        return Err(ReferenceError::NotLinear { path: path.to_owned() });
     }
     let image = crate::image::read(path)?;
     let found = (image.width(), image.height());
     if found != wanted {
-        return Err(TruthError::Size { path: path.to_owned(), found, wanted });
+        return Err(ReferenceError::Size { path: path.to_owned(), found, wanted });
     }
     Ok(image)
 }
@@ -197,7 +202,7 @@ fn read(path: &Path, wanted: (u32, u32)) -> Result<Image, TruthError> {
 #[must_use]
 pub fn reference_algorithm(scene: &Scene, overrides: EffectOverrides) -> (Algorithm, &'static str) {
     let plan = Plan::new(scene, Algorithm::Hybrid.simulates(), overrides);
-    if plan.effects().has(Effect::Caustics) {
+    if plan.simulated_effects().has(Effect::Caustics) {
         (Algorithm::Hybrid, "unbiased except caustics, whose blur shrinks")
     } else {
         (Algorithm::Path, "unbiased, and the scene has no caustics")

@@ -1,10 +1,10 @@
 //! The importer of the scene language.
 
-use super::import::{Assets, Imported, ReadError, SceneImporter};
-use super::language::parse_bytes;
+use super::import::{EmbeddedAssets, ImportedScene, SceneImporter, SceneReadError};
+use super::language::parse_scene_bytes;
 use super::{SceneError, SourceText};
 use crate::image::open_file;
-use crate::stats::Memory;
+use crate::stats::MemoryLimit;
 use std::io::Read;
 use std::path::Path;
 
@@ -23,9 +23,9 @@ const FOREIGN: [(&[&str], &str); 2] = [
 ];
 
 /// Importer of texts in the scene language; it takes any extension that no other format has.
-pub(super) struct SceneText;
+pub(super) struct SceneTextImporter;
 
-impl SceneImporter for SceneText {
+impl SceneImporter for SceneTextImporter {
     fn name(&self) -> &'static str {
         "scene text"
     }
@@ -34,8 +34,8 @@ impl SceneImporter for SceneText {
         &["txt", "caustica"]
     }
 
-    fn import(&self, path: &Path, memory: Memory) -> Result<Imported, ReadError> {
-        let unreadable = |source| ReadError::Unreadable { path: path.to_owned(), source };
+    fn import(&self, path: &Path, memory: MemoryLimit) -> Result<ImportedScene, SceneReadError> {
+        let unreadable = |source| SceneReadError::Unreadable { path: path.to_owned(), source };
         let (mut file, length) = open_file(path).map_err(unreadable)?;
         let name = path.display().to_string();
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
@@ -44,13 +44,13 @@ impl SceneImporter for SceneText {
             return Err(SceneError::without_position(&name, message, *help).into());
         }
         let needed = PER_BYTE * length;
-        if let Some(free) = memory.free().filter(|free| needed > *free) {
-            return Err(ReadError::Memory { path: path.to_owned(), needed, free });
+        if let Some(free) = memory.available_bytes().filter(|free| needed > *free) {
+            return Err(SceneReadError::Memory { path: path.to_owned(), needed, free });
         }
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes).map_err(unreadable)?;
-        let description = parse_bytes(&name, &bytes)?;
+        let description = parse_scene_bytes(&name, &bytes)?;
         let source = SourceText::new(&name, &String::from_utf8_lossy(&bytes));
-        Ok(Imported { description, source, assets: Assets::default() })
+        Ok(ImportedScene { description, source, assets: EmbeddedAssets::default() })
     }
 }

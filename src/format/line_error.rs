@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// Description of the defect in a file, and a remedy.
-pub(in crate::format) type Problem = (String, &'static str);
+pub(in crate::format) type MessageAndRemedy = (String, &'static str);
 
 /// Line of an input file that cannot be understood.
 #[derive(Debug, thiserror::Error)]
@@ -20,18 +20,18 @@ pub struct LineError {
 }
 
 impl LineError {
-    pub(in crate::format) fn new(path: &Path, line: usize, (message, remedy): Problem) -> Self {
+    pub(in crate::format) fn new(path: &Path, line: usize, (message, remedy): MessageAndRemedy) -> Self {
         Self { path: path.into(), line, message, remedy }
     }
 }
 
 /// `word` with control characters escaped, cut to 40 characters for an error message.
-pub(in crate::format) fn excerpt(word: &str) -> String {
+pub(in crate::format) fn escaped_excerpt(word: &str) -> String {
     word.escape_debug().take(40).collect()
 }
 
 /// `bytes` without the UTF-8 byte order mark that some editors write at the start of a text file.
-pub(in crate::format) fn without_bom(bytes: &[u8]) -> &[u8] {
+pub(in crate::format) fn strip_byte_order_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }
 
@@ -41,13 +41,13 @@ mod tests {
 
     #[test]
     fn excerpts_are_short_and_escaped() {
-        assert_eq!(excerpt("a\u{7}b"), "a\\u{7}b");
-        assert_eq!(excerpt(&"x".repeat(100)).len(), 40);
+        assert_eq!(escaped_excerpt("a\u{7}b"), "a\\u{7}b");
+        assert_eq!(escaped_excerpt(&"x".repeat(100)).len(), 40);
     }
 
     #[test]
     fn only_a_leading_mark_is_removed() {
-        assert_eq!(without_bom(b"\xef\xbb\xbfply"), b"ply");
-        assert_eq!(without_bom(b"p\xef\xbb\xbf"), b"p\xef\xbb\xbf");
+        assert_eq!(strip_byte_order_mark(b"\xef\xbb\xbfply"), b"ply");
+        assert_eq!(strip_byte_order_mark(b"p\xef\xbb\xbf"), b"p\xef\xbb\xbf");
     }
 }

@@ -1,0 +1,72 @@
+//! Conversion of MTL materials to materials of the scene language.
+
+use super::MtlMaterial;
+use crate::format::description::{
+    DielectricAbsorption, EmissionDescription, MaterialDescription, MaterialKindDescription, Span, Spanned,
+};
+use crate::format::line_error::MessageAndRemedy;
+use glam::DVec3;
+use std::path::{PathBuf, absolute};
+
+/// Index of refraction of transparent materials that define none: that of glass.
+const DEFAULT_INDEX: f64 = 1.5;
+
+impl MtlMaterial {
+    /// Converts to the closest material of the scene language.
+    ///
+    /// - Dielectric with index `Ni` and tint `Tf`, if the illumination model is 4, 6, 7 or 9 (glass,
+    ///   refraction) or `d` is below 1.
+    /// - Mirror with reflectance `Ks`, if the model is 3, 5 or 8 (reflection), `Kd` is black and
+    ///   there is no picture.
+    /// - Phong with `Kd` and the picture otherwise. It has the highlight of `Ks` and `Ns`, except in
+    ///   models 0 and 1.
+    ///
+    /// # Errors
+    /// A message and a remedy if the index of a dielectric is not in \[0.001, 1000].
+    pub fn to_description(&self) -> Result<MaterialDescription, MessageAndRemedy> {
+        let model = self.illumination;
+        let diffuse = self.diffuse.unwrap_or(DVec3::ONE);
+        let specular = self.specular.unwrap_or(DVec3::ZERO);
+        let transparent = matches!(model, Some(4 | 6 | 7 | 9)) || self.dissolve.is_some_and(|d| d < 1.0);
+        let kind = if transparent {
+            let index = self.index.unwrap_or(DEFAULT_INDEX);
+            if !(0.001..=1000.0).contains(&index) {
+                let message = format!("the material `{}` is transparent and its `Ni` is {index}", self.name);
+                return Err((message, "give it an index of refraction between 0.001 and 1000"));
+            }
+            let tint = self.filter.filter(|f| f.min_element() > 0.0 && f.max_element() <= 1.0 && *f != DVec3::ONE);
+            let attenuation =
+                tint.map_or(DielectricAbsorption::None, |color| DielectricAbsorption::Tint { color, distance: 1.0 });
+            MaterialKindDescription::Dielectric {
+                refraction: index.into(),
+                attenuation,
+                roughness: 0.0.into(),
+                priority: 0,
+            }
+        } else if matches!(model, Some(3 | 5 | 8)) && diffuse == DVec3::ZERO && self.texture.is_none() {
+            MaterialKindDescription::Mirror { reflectance: specular.min(DVec3::ONE).into() }
+        } else {
+            let highlights = model.is_none_or(|model| model >= 2);
+            MaterialKindDescription::Phong {
+                diffuse: diffuse.into(),
+                specular: if highlights { specular } else { DVec3::ZERO }.into(),
+                shininess: self.shininess.unwrap_or(0.0),
+                texture: self.texture.as_ref().map(absolute_texture_path),
+            }
+        };
+        let emission = self.emission.filter(|e| *e != DVec3::ZERO).map(EmissionDescription::Radiance);
+        Ok(MaterialDescription {
+            name: Some(self.name.clone()),
+            kind,
+            emission,
+            normal_perturbation: None,
+            medium: None,
+        })
+    }
+}
+
+/// Absolute path of a picture. The scene language takes relative paths as relative to the scene.
+fn absolute_texture_path(path: &PathBuf) -> Spanned<String> {
+    let whole = absolute(path).unwrap_or_else(|_| path.clone());
+    Spanned::new(whole.display().to_string(), Span::default())
+}
