@@ -13,7 +13,7 @@ use crate::scene::Scene;
 use std::sync::Arc;
 
 /// Number of tiles that each pass traces by fresh paths if passes share their camera paths.
-const FRESH_TILES: u32 = 48;
+const FRESH_TILE_COUNT: u32 = 48;
 
 /// A scene with a policy, and the numbers of camera rays and photons of a pass.
 #[derive(Debug)]
@@ -106,7 +106,7 @@ impl<'a> PassRenderer<'a> {
         if !(sampling.nested && self.policy.shares_paths) {
             return None;
         }
-        let every = film::tile_interval(sampling.camera.size(), FRESH_TILES);
+        let every = film::tile_interval(sampling.camera.size(), FRESH_TILE_COUNT);
         let key = Key::new(self.settings.camera_paths.seed).purpose_key(Purpose::Camera).fresh_paths_key(pass);
         Some((FilmSampling { nested: false, every, ..sampling }, key))
     }

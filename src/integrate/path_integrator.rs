@@ -2,7 +2,7 @@
 
 use super::balance::Balance;
 use super::camera_path;
-use super::density_pilot::find_density;
+use super::density_pilot::find_ray_density;
 use super::film::{self, FilmSampling};
 use super::integrator::Integrator;
 use super::pass::{Expected, Monitor, Pass, Silent};
@@ -90,7 +90,7 @@ impl Integrator for PathIntegrator<'_> {
 
     fn radius_law(&self) -> Option<RadiusLaw> {
         let map_builder = &self.renderer.map_builder;
-        map_builder.has_photons().then(|| map_builder.law())
+        map_builder.has_photons().then(|| map_builder.radius_law())
     }
 
     fn nests_estimates(&self) -> bool {
@@ -129,7 +129,7 @@ impl<'a> PathIntegrator<'a> {
         }
 
         // Distribute camera rays over the pixels.
-        renderer.density = if settings.camera_paths.adaptive { find_density(&renderer) } else { None };
+        renderer.density = if settings.camera_paths.adaptive { find_ray_density(&renderer) } else { None };
         Self { renderer, plan, make_policy, balance }
     }
 }
