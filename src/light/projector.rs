@@ -95,8 +95,8 @@ impl ProjectedPicture {
         (pdf > 0.0).then(|| (local.as_vec3(), self.pixel_value(pixel), pdf as f32))
     }
 
-    /// Pdf \[1/sr] with which [`ProjectedPicture::sample`] samples a unit direction of the frame (right, up,
-    /// forward).
+    /// Pdf \[1/sr] with which [`ProjectedPicture::sample`] samples a unit direction of the frame
+    /// (right, up, forward).
     fn pdf(&self, local: Vec3) -> f32 {
         let factor = self.area_pdf_to_solid_angle(f64::from(local.z)) as f32;
         self.pixel_in_direction(local).map_or(0.0, |pixel| self.distribution.pdf(pixel) * factor)

@@ -126,8 +126,8 @@ impl EquirectangularMap {
     /// Samples a unit direction by the values of the pixels, uniformly within each pixel; `None` if
     /// the map is black.
     ///
-    /// Rounding may move the direction to the next pixel: its pdf is [`EquirectangularMap::pdf`], which
-    /// may be zero.
+    /// Rounding may move the direction to the next pixel: its pdf is [`EquirectangularMap::pdf`],
+    /// which may be zero.
     #[inline]
     pub(super) fn sample(&self, u: Vec2) -> Option<Vec3> {
         let (cell, within, _) = self.distribution.as_ref()?.sample(u);

@@ -63,8 +63,8 @@ pub trait ParameterEvaluator {
     /// Value of a number.
     fn number(&self, parameter: &Textured<f32>) -> f32;
 
-    /// Roughness α of a conductor. The side of [`PHOTON_STORAGE_ALPHA`] on which it lies must not depend on
-    /// the footprint: camera paths and photon paths divide light transport by it.
+    /// Roughness α of a conductor. The side of [`PHOTON_STORAGE_ALPHA`] on which it lies must not
+    /// depend on the footprint: camera paths and photon paths divide light transport by it.
     fn conductor_roughness(&self, parameter: &Textured<f32>) -> f32;
 }
 
