@@ -47,7 +47,7 @@ impl Scope<'_> {
     /// Appends a material.
     pub fn add_material(&mut self, material: Spanned<MaterialDescription>) {
         let kind = &material.value.kind;
-        let contents = match kind.parts() {
+        let contents = match kind.mix_parts() {
             Some([first, second]) => {
                 let (a, b) = (self.contents(&first.value), self.contents(&second.value));
                 Contents { dielectric: a.dielectric.or(b.dielectric), mixes: a.mixes.max(b.mixes) + 1 }
