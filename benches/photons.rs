@@ -45,9 +45,9 @@ fn trace(bencher: Bencher, threads: usize, pass: &PhotonPass<'_>) {
 /// Returns photons on the walls of a unit box.
 fn photons(n: u32) -> Vec<Photon> {
     let place = |i: u32| {
-        let key = Key::new(1).purpose(Purpose::Test).with(u64::from(i));
+        let key = Key::new(1).purpose_key(Purpose::Test).child_key(u64::from(i));
         let u = key.uniform_2d(Dimension::LightPosition);
-        let side = (key.uniform(Dimension::Light) * 6.0) as usize;
+        let side = (key.uniform_1d(Dimension::Light) * 6.0) as usize;
         let mut p = [u.x, u.y, u.x];
         p[side % 3] = (side / 3) as f32;
         p[(side + 1) % 3] = u.y;

@@ -24,7 +24,7 @@ fn knot(n: usize, m: usize) -> Vec<[Vec3; 3]> {
     };
     let point = |i: usize, j: usize| {
         let (x, y) = ((i % n) as f32 / n as f32, (j % m) as f32 / m as f32);
-        let frame = Frame::around((curve(x + 1e-3) - curve(x - 1e-3)).normalize());
+        let frame = Frame::from_normal((curve(x + 1e-3) - curve(x - 1e-3)).normalize());
         let (s, c) = circle(y);
         let radius = 0.5 + 0.03 * circle(60.0 * x).0 * circle(12.0 * y).0;
         curve(x) + (frame.s * c + frame.t * s) * radius
@@ -49,7 +49,7 @@ static SCENE: LazyLock<Scene> = LazyLock::new(|| {
     let triangles = knot(2500, 200);
     let tree = Hierarchy::build(&triangles, &[]);
     let eye = Vec3::new(1.5, -4.0, 6.0);
-    let frame = Frame::around(-eye.normalize());
+    let frame = Frame::from_normal(-eye.normalize());
     let pixel = |i: usize| (Vec2::new((i % SIDE) as f32, (i / SIDE) as f32) + 0.5) / SIDE as f32 - 0.5;
     let aim = |p: Vec2| Ray::new(eye, (frame.s * p.x + frame.t * p.y) * 1.1 + frame.n);
     let primary: Vec<Ray> = (0..SIDE * SIDE).map(|i| aim(pixel(i))).collect();
@@ -63,9 +63,10 @@ static SCENE: LazyLock<Scene> = LazyLock::new(|| {
         let normal = (b - a).cross(c - a).normalize();
         let normal = if normal.dot(ray.direction) < 0.0 { normal } else { -normal };
         let origin = ray.at(hit.t) + normal * 1e-4;
-        let out = Frame::around(normal).to_world(warp::cosine_hemisphere(Vec2::new(rng.random(), rng.random())));
+        let out = Frame::from_normal(normal)
+            .to_world(warp::square_to_cosine_hemisphere(Vec2::new(rng.random(), rng.random())));
         diffuse.push(Ray::new(origin, out));
-        shadow.push(Ray::between(origin, lamp));
+        shadow.push(Ray::between_points(origin, lamp));
     }
     Scene { tree, primary, diffuse, shadow }
 });
@@ -104,8 +105,9 @@ fn cornell(bencher: Bencher) {
     let tree = Hierarchy::build(&walls, &boxes);
     let mut rng = SmallRng::seed_from_u64(2);
     let uniform = |rng: &mut SmallRng| Vec3::new(rng.random(), rng.random(), rng.random()) * 1.9 - 0.95;
-    let rays: Vec<Ray> =
-        (0..10_000).map(|_| Ray::new(uniform(&mut rng), warp::sphere(Vec2::new(rng.random(), rng.random())))).collect();
+    let rays: Vec<Ray> = (0..10_000)
+        .map(|_| Ray::new(uniform(&mut rng), warp::square_to_uniform_sphere(Vec2::new(rng.random(), rng.random()))))
+        .collect();
     let ball = |i: u32, ray: &Ray| {
         let o = ray.origin - balls[i as usize];
         let (b, c) = (o.dot(ray.direction), o.length_squared() - 0.35 * 0.35);

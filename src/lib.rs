@@ -47,7 +47,7 @@
 //! # The path of one photon
 //!
 //! 1. A pass has a random-number [`Key`](sampling::Key). Photon path `i` has the key
-//!    `pass.with(i)`. Every random decision is a function of a key and the decision's name.
+//!    `pass.path_key(i)`. Every random decision is a function of a key and the decision's name.
 //! 2. [`PhotonSource::emit`](photon::PhotonSource::emit) samples a light and a ray that leaves
 //!    it. The sampling pdf follows power, the solid angle of specular objects, or the emission
 //!    that a pilot pass found useful. The ray carries flux / (pdf · number of paths).

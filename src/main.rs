@@ -2,7 +2,7 @@
 
 use cap::Cap;
 use caustica::cli;
-use caustica::stats::{AllocationCounter, count_allocations};
+use caustica::stats::{AllocationCounter, set_allocation_counter};
 use clap::Parser;
 use std::alloc::System;
 use std::process::ExitCode;
@@ -12,14 +12,14 @@ use std::process::ExitCode;
 static ALLOCATOR: Cap<System> = Cap::new(System, usize::MAX);
 
 fn main() -> ExitCode {
-    count_allocations(AllocationCounter {
+    set_allocation_counter(AllocationCounter {
         in_use: || ALLOCATOR.allocated() as u64,
         peak: || ALLOCATOR.max_allocated() as u64,
     });
     match cli::run(cli::Arguments::parse()) {
         Ok(exit) => exit.into(),
         Err(failure) => {
-            failure.show();
+            failure.print_reports();
             failure.exit.into()
         }
     }

@@ -320,7 +320,7 @@ fn paths_in_backticks_exist() {
 #[test]
 fn scenes_of_language_page_render() {
     let read = |page: &str| blocks(&std::fs::read_to_string(root().join(page)).unwrap(), "caustica");
-    let mut scenes = read("docs/scene-language.md");
+    let mut scenes = read("docs/guide/scene-language.md");
     scenes.extend(read("docs/guide/first-picture.md"));
     assert!(scenes.len() >= 2);
     let folder = tempfile::tempdir().unwrap();

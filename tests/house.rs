@@ -477,7 +477,7 @@ fn source_has_no_todo() {
 #[test]
 fn use_paths_are_read_in_every_form() {
     let text = "use crate::math::Ray;\nuse crate::{cli, scene::{Scene, Hit as H}, image};\n\
-                let x = crate::color::mean(y); // crate::study\n macro { $crate::plan::Plan }";
+                let x = crate::color::channel_mean(y); // crate::study\n macro { $crate::plan::Plan }";
     let rooms: Vec<String> = paths(&code(text), "crate").into_iter().map(|path| path[1].clone()).collect();
     assert_eq!(rooms, ["math", "cli", "scene", "scene", "image", "color"]);
     let found = paths("use super::super::a::{self, b::C};\npub(super) fn f() {}", "super");

@@ -163,7 +163,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let apart = 0.5 * scale.mean(|i| (a[i] - b[i]).as_dvec3() * (a[i] - b[i]).as_dvec3()).sqrt();
         eprintln!("{name}: references known to {:.2} % but for their bias", 100.0 * apart);
         for algorithm in methods.iter().copied() {
-            let wanted = Plan::new(&scene, algorithm.simulates(), EffectOverrides::PLANNED).effects();
+            let wanted = Plan::new(&scene, algorithm.simulates(), EffectOverrides::PLANNED).simulated_effects();
             if algorithm == Algorithm::Path && wanted.has(Effect::Caustics) {
                 continue;
             }

@@ -3,7 +3,7 @@
 use super::build::{ARITY, BinaryNode, Fragment, MAX_DEPTH, OTHER, Slab, build_tree};
 use super::packet::{LANES, Packet};
 use super::ray_precalc::RayPrecalc;
-use crate::math::{Bounds, gamma};
+use crate::math::{Bounds, rounding_error_bound};
 use glam::{DVec3, Vec3, Vec3A};
 use wide::f32x8;
 
@@ -22,8 +22,8 @@ const _: () = assert!((ARITY - 1) * (MAX_DEPTH as usize + 1) + ARITY <= DEEPEST_
 /// Shearing errs by up to γ(9) of the distance along the ray plus γ(9) of the triangle's extent. A
 /// slab test errs by γ(3) of the distance. Padding and stretch cover both, and the rounding of the
 /// padding itself.
-const PADDING: f32 = gamma(16);
-const STRETCH: f32 = 1.0 + 2.0 * gamma(16);
+const PADDING: f32 = rounding_error_bound(16);
+const STRETCH: f32 = 1.0 + 2.0 * rounding_error_bound(16);
 
 /// Eight boxes, by axis, then lower and upper planes.
 ///
@@ -49,7 +49,8 @@ pub(super) struct Bvh8 {
 impl Bvh8 {
     pub fn build(triangles: &[[Vec3; 3]], others: &[Bounds]) -> Self {
         // A triangle without area may be hit after rounding, but it has no normal.
-        let boxes = triangles.iter().map(|t| if has_area(t) { Bounds::of(*t) } else { Bounds::EMPTY }).zip(0..);
+        let boxes =
+            triangles.iter().map(|t| if has_area(t) { Bounds::from_points(*t) } else { Bounds::EMPTY }).zip(0..);
         let mut fragments: Vec<Fragment> =
             boxes.chain(others.iter().copied().zip(OTHER..)).filter(|(b, _)| !b.is_empty()).map(padded).collect();
         let mut tree = vec![BinaryNode::VACANT; (2 * fragments.len()).saturating_sub(1)];

@@ -63,7 +63,7 @@ impl Hierarchy {
     /// Triangles without area and empty boxes are never hit.
     #[must_use]
     pub fn build(triangles: &[[Vec3; 3]], others: &[Bounds]) -> Self {
-        let bounds = Bounds::of(triangles.iter().flatten().copied());
+        let bounds = Bounds::from_points(triangles.iter().flatten().copied());
         let bounds = others.iter().filter(|b| !b.is_empty()).fold(bounds, |all, b| all.union(*b));
         Self { bvh: Bvh8::build(triangles, others), bounds }
     }

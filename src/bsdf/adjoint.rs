@@ -9,19 +9,19 @@ use glam::Vec3;
 impl BsdfSample {
     /// Factor of a light path's throughput besides `weight`, with `wo` to the previous vertex.
     ///
-    /// The factor is [`shading_normal_factor`], or 1 if the shading normal took no part. In the
+    /// The factor is [`shading_normal_correction`], or 1 if the shading normal took no part. In the
     /// latter case the quotient would be wrong, and its mean infinite under steep normals.
     #[inline]
     #[must_use]
-    pub fn adjoint(&self, wo: Vec3, ns: Vec3, ng: Vec3) -> f32 {
-        if self.flat { 1.0 } else { shading_normal_factor(wo, self.wi, ns, ng) }
+    pub fn adjoint_correction(&self, wo: Vec3, ns: Vec3, ng: Vec3) -> f32 {
+        if self.uses_geometric_normal { 1.0 } else { shading_normal_correction(wo, self.wi, ns, ng) }
     }
 }
 
 /// Factor of a light path's throughput at a scattering event, with `wo` to the previous vertex.
 #[inline]
 #[must_use]
-pub fn shading_normal_factor(wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> f32 {
+pub fn shading_normal_correction(wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> f32 {
     if ns == ng {
         return 1.0;
     }
@@ -35,7 +35,7 @@ pub fn shading_normal_factor(wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> f32 {
 /// normal.
 #[inline]
 #[must_use]
-pub fn deposit_factor(wo: Vec3, ns: Vec3, ng: Vec3) -> f32 {
+pub fn photon_deposit_factor(wo: Vec3, ns: Vec3, ng: Vec3) -> f32 {
     if ns == ng {
         return 1.0;
     }

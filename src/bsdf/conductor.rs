@@ -30,7 +30,7 @@ impl Conductor {
 
     /// [`Conductor::new`], but rough at any α.
     #[cfg(test)]
-    pub(super) fn of_any_width(eta: Rgb, k: Rgb, alpha: f32) -> Self {
+    pub(super) fn new_without_smooth_limit(eta: Rgb, k: Rgb, alpha: f32) -> Self {
         Self { eta, k, alpha }
     }
 
@@ -61,7 +61,7 @@ impl Conductor {
         }
         let (ggx, o, i, n) = (Ggx::new(self.alpha), wo.as_dvec3(), wi.as_dvec3(), n.as_dvec3());
         let facet = ggx.reflecting_facet(o, i, n);
-        let g2 = ggx.same_side(o.dot(n).abs(), i.dot(n).abs());
+        let g2 = ggx.reflection_masking_shadowing(o.dot(n).abs(), i.dot(n).abs());
         self.reflectance(facet.cos) * (0.25 * facet.density * g2) as f32
     }
 
@@ -72,7 +72,7 @@ impl Conductor {
             return 0.0;
         }
         let (ggx, o, n) = (Ggx::new(self.alpha), wo.as_dvec3(), n.as_dvec3());
-        ggx.visible_density(&ggx.reflecting_facet(o, wi.as_dvec3(), n), o.dot(n).abs()) as f32
+        ggx.scattered_direction_pdf(&ggx.reflecting_facet(o, wi.as_dvec3(), n), o.dot(n).abs()) as f32
     }
 
     /// Samples a visible facet, with `n` on the side of `wo`; `None` if it reflects into the
@@ -80,13 +80,20 @@ impl Conductor {
     #[inline]
     pub(super) fn sample(&self, wo: Vec3, n: Vec3, ng: Vec3, u: Vec2) -> Option<BsdfSample> {
         if self.is_smooth() {
-            let (wi, flat) = dielectric::reflect_above(wo, n, ng);
+            let (wi, uses_geometric_normal) = dielectric::reflect_above_surface(wo, n, ng);
             let cos = wo.dot((wo + wi).normalize_or_zero());
             let weight = conductor_reflectance(cos, self.eta, self.k);
-            return Some(BsdfSample { wi, weight, pdf: 0.0, specular: true, transmitted: false, flat });
+            return Some(BsdfSample {
+                wi,
+                weight,
+                pdf: 0.0,
+                specular: true,
+                transmitted: false,
+                uses_geometric_normal,
+            });
         }
         let (ggx, o) = (Ggx::new(self.alpha), wo.as_dvec3());
-        let m = ggx.sample_visible(o, n, u);
+        let m = ggx.sample_visible_normal(o, n, u);
         let wi = (m * (2.0 * o.dot(m)) - o).normalize().as_vec3();
         let (i, n) = (wi.as_dvec3(), n.as_dvec3());
         let (cos_o, cos_i) = (o.dot(n), i.dot(n));
@@ -94,9 +101,16 @@ impl Conductor {
             return None;
         }
         let facet = ggx.reflecting_facet(o, i, n);
-        let pdf = ggx.visible_density(&facet, cos_o) as f32;
-        let leaving = ggx.leaving(ggx.same_side(cos_o, cos_i), cos_o, cos_i);
-        let weight = self.reflectance(facet.cos) * leaving as f32;
-        (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, specular: false, transmitted: false, flat: false })
+        let pdf = ggx.scattered_direction_pdf(&facet, cos_o) as f32;
+        let unshadowed_fraction = ggx.unshadowed_fraction(ggx.reflection_masking_shadowing(cos_o, cos_i), cos_o, cos_i);
+        let weight = self.reflectance(facet.cos) * unshadowed_fraction as f32;
+        (pdf > 0.0).then_some(BsdfSample {
+            wi,
+            weight,
+            pdf,
+            specular: false,
+            transmitted: false,
+            uses_geometric_normal: false,
+        })
     }
 }

@@ -13,7 +13,7 @@ pub struct Dielectric {
 
 /// Reflection and refraction at a dielectric, with the weights of following both.
 #[derive(Clone, Copy, Debug)]
-pub struct Split {
+pub struct DielectricSplit {
     /// The reflected direction and its reflectance.
     pub reflected: (Vec3, f32),
     /// The refracted direction and its transmittance; 0 under total internal reflection.
@@ -21,33 +21,33 @@ pub struct Split {
     /// Divisor of transmitted radiance: (n_near/n_far)² for radiance, 1 for flux.
     pub squeeze: f32,
     /// True if both used the geometric normal: see [`BsdfSample::flat`].
-    pub flat: [bool; 2],
+    pub uses_geometric_normal: [bool; 2],
 }
 
 impl Dielectric {
     /// Reflection and refraction of direction `wo`.
     #[inline]
     #[must_use]
-    pub fn split(&self, wo: Vec3, ns: Vec3, ng: Vec3, transport: Transport) -> Split {
+    pub fn split(&self, wo: Vec3, ns: Vec3, ng: Vec3, transport: Transport) -> DielectricSplit {
         let outside = wo.dot(ng) >= 0.0;
         let (near_ns, near_ng, eta) = if outside { (ns, ng, self.eta) } else { (-ns, -ng, 1.0 / self.eta) };
         // If the shading normal would send light to the wrong side, use the geometric normal.
-        let mut flat = wo.dot(near_ns) <= 0.0;
-        let mut bent = refract(wo, if flat { near_ng } else { near_ns }, eta);
+        let mut uses_geometric_normal = wo.dot(near_ns) <= 0.0;
+        let mut bent = refract(wo, if uses_geometric_normal { near_ng } else { near_ns }, eta);
         if bent.transmittance > 0.0 && bent.transmitted.dot(near_ng) >= 0.0 {
             bent = refract(wo, near_ng, eta);
-            flat = true;
+            uses_geometric_normal = true;
         }
         let squeeze = match transport {
             Transport::Radiance => eta * eta,
             Transport::Importance => 1.0,
         };
-        let (mirrored, mirrored_flat) = reflect_above(wo, near_ns, ng);
-        Split {
+        let (mirrored, mirrored_flat) = reflect_above_surface(wo, near_ns, ng);
+        DielectricSplit {
             reflected: (mirrored, bent.reflectance),
             transmitted: (bent.transmitted, bent.transmittance),
             squeeze,
-            flat: [mirrored_flat, flat],
+            uses_geometric_normal: [mirrored_flat, uses_geometric_normal],
         }
     }
 
@@ -58,14 +58,14 @@ impl Dielectric {
     pub(super) fn sample(&self, wo: Vec3, ns: Vec3, ng: Vec3, lobe: f32, transport: Transport) -> BsdfSample {
         let split = self.split(wo, ns, ng, transport);
         if lobe < split.reflected.1 {
-            let (wi, flat) = (split.reflected.0, split.flat[0]);
-            BsdfSample { wi, weight: Rgb::ONE, pdf: 0.0, specular: true, transmitted: false, flat }
+            let (wi, uses_geometric_normal) = (split.reflected.0, split.uses_geometric_normal[0]);
+            BsdfSample { wi, weight: Rgb::ONE, pdf: 0.0, specular: true, transmitted: false, uses_geometric_normal }
         } else {
             let through = 1.0 - split.reflected.1;
             let exact = if through < 0.5 { split.transmitted.1 / through } else { 1.0 };
             let weight = Rgb::splat(exact / split.squeeze);
-            let (wi, flat) = (split.transmitted.0, split.flat[1]);
-            BsdfSample { wi, weight, pdf: 0.0, specular: true, transmitted: true, flat }
+            let (wi, uses_geometric_normal) = (split.transmitted.0, split.uses_geometric_normal[1]);
+            BsdfSample { wi, weight, pdf: 0.0, specular: true, transmitted: true, uses_geometric_normal }
         }
     }
 }
@@ -73,9 +73,9 @@ impl Dielectric {
 /// Mirror image of `wo` about `ns`, or about `ng` if the former lies below the surface; true for
 /// the latter.
 #[inline]
-pub(super) fn reflect_above(wo: Vec3, ns: Vec3, ng: Vec3) -> (Vec3, bool) {
+pub(super) fn reflect_above_surface(wo: Vec3, ns: Vec3, ng: Vec3) -> (Vec3, bool) {
     let mirrored = |n: Vec3| n * (2.0 * wo.dot(n)) - wo;
     let wi = mirrored(ns);
-    let same_side = wi.dot(ng) * wo.dot(ng) > 0.0;
-    if same_side { (wi.normalize(), false) } else { (mirrored(ng).normalize(), true) }
+    let reflection_masking_shadowing = wi.dot(ng) * wo.dot(ng) > 0.0;
+    if reflection_masking_shadowing { (wi.normalize(), false) } else { (mirrored(ng).normalize(), true) }
 }

@@ -14,7 +14,7 @@ pub fn dielectric_reflectance(cos_i: f32, eta: f32) -> (f32, f32) {
     if eta == 1.0 {
         return (0.0, cos_i);
     }
-    let (reflectance, cos_t) = reflectance_f64(f64::from(cos_i.clamp(0.0, 1.0)), f64::from(eta));
+    let (reflectance, cos_t) = fresnel_reflectance(f64::from(cos_i.clamp(0.0, 1.0)), f64::from(eta));
     (reflectance as f32, cos_t as f32)
 }
 
@@ -23,18 +23,18 @@ pub fn dielectric_reflectance(cos_i: f32, eta: f32) -> (f32, f32) {
 /// (η − 1)(η + 1) and cos² of f32 numbers are exact in f64. So their sum has the sign of cos²θt,
 /// even within an ulp of the critical angle.
 #[inline]
-pub(super) fn reflectance_f64(cos_i: f64, eta: f64) -> (f64, f64) {
+pub(super) fn fresnel_reflectance(cos_i: f64, eta: f64) -> (f64, f64) {
     let cos2_t = ((eta - 1.0) * (eta + 1.0) + cos_i * cos_i) / (eta * eta);
     if cos2_t <= 0.0 {
         return (1.0, 0.0);
     }
     let cos_t = cos2_t.sqrt();
-    (reflectance_of(cos_i, cos_t, eta), cos_t)
+    (fresnel_reflectance_from_cosines(cos_i, cos_t, eta), cos_t)
 }
 
 /// Fresnel reflectance for two cosines that obey Snell's law.
 #[inline]
-fn reflectance_of(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
+fn fresnel_reflectance_from_cosines(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
     let parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
     let perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
     0.5 * (parallel * parallel + perpendicular * perpendicular)
@@ -43,7 +43,7 @@ fn reflectance_of(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
 /// Fresnel transmittance for two cosines that obey Snell's law: 1 − reflectance, without
 /// cancellation.
 #[inline]
-pub(super) fn transmittance_f64(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
+pub(super) fn fresnel_transmittance(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
     let (parallel, perpendicular) = (eta * cos_i + cos_t, cos_i + eta * cos_t);
     2.0 * eta * cos_i * cos_t * (1.0 / (parallel * parallel) + 1.0 / (perpendicular * perpendicular))
 }
@@ -113,8 +113,8 @@ pub fn refract(wo: Vec3, n: Vec3, eta: f32) -> Refraction {
     let (cos_i, cos_t) = (cos2.sqrt(), cos2_t.sqrt());
     let transmitted: DVec3 = (n * (dot / n2) - o) / eta - n * cos_t;
     Refraction {
-        reflectance: reflectance_of(cos_i, cos_t, eta) as f32,
-        transmittance: transmittance_f64(cos_i, cos_t, eta) as f32,
+        reflectance: fresnel_reflectance_from_cosines(cos_i, cos_t, eta) as f32,
+        transmittance: fresnel_transmittance(cos_i, cos_t, eta) as f32,
         transmitted: transmitted.normalize().as_vec3(),
     }
 }

@@ -42,7 +42,7 @@ pub const METALS: [&str; TABLE.len()] = {
 
 /// η and k of a named metal; `None` if the name is not in [`METALS`].
 #[must_use]
-pub fn metal(name: &str) -> Option<(Rgb, Rgb)> {
+pub fn named_metal(name: &str) -> Option<(Rgb, Rgb)> {
     TABLE.iter().find(|m| m.0 == name).map(|m| (m.1, m.2))
 }
 
@@ -67,12 +67,12 @@ mod tests {
         ];
         assert_eq!(known.map(|k| k.0), METALS);
         for (name, expected) in known {
-            let (eta, k) = metal(name).unwrap();
+            let (eta, k) = named_metal(name).unwrap();
             let r = conductor_reflectance(1.0, eta, k);
             let error = (r - Rgb::from_array(expected)).abs().max_element();
             let bright = ["aluminium", "copper", "gold", "silver"].contains(&name);
             assert!(error < if bright { 0.04 } else { 0.1 }, "{name}: {r}");
         }
-        assert_eq!(metal("unobtainium"), None);
+        assert_eq!(named_metal("unobtainium"), None);
     }
 }

@@ -16,7 +16,7 @@ pub(super) struct Ggx {
 
 /// The facet that scatters one direction into another.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Facet {
+pub(super) struct Microfacet {
     /// D: facet area per solid angle and surface area \[1/sr].
     pub density: f64,
     /// Cosine between `wo` and the facet normal.
@@ -42,22 +42,22 @@ impl Ggx {
 
     /// cosθ·(1 + 2Λ(θ)) = √(cos²θ + α²sin²θ), with Smith's Λ of this distribution.
     #[inline]
-    fn spread(self, cos: f64) -> f64 {
+    fn smith_root(self, cos: f64) -> f64 {
         let cos2 = cos * cos;
         (cos2 + self.alpha * self.alpha * (1.0 - cos2).max(0.0)).sqrt()
     }
 
     /// Smith masking G₁ = 1/(1 + Λ), over the cosine.
     #[inline]
-    fn masking_by_cos(self, cos: f64) -> f64 {
-        2.0 / (cos + self.spread(cos))
+    fn masking_over_cos(self, cos: f64) -> f64 {
+        2.0 / (cos + self.smith_root(cos))
     }
 
     /// Masking-shadowing G₂ over both cosines, for directions on one side: height-correlated, 1/(1
     /// + Λₒ + Λᵢ) (Heitz 2014, section 5.3).
     #[inline]
-    pub(super) fn same_side(self, cos_o: f64, cos_i: f64) -> f64 {
-        2.0 / (cos_i * self.spread(cos_o) + cos_o * self.spread(cos_i))
+    pub(super) fn reflection_masking_shadowing(self, cos_o: f64, cos_i: f64) -> f64 {
+        2.0 / (cos_i * self.smith_root(cos_o) + cos_o * self.smith_root(cos_i))
     }
 
     /// Masking-shadowing G₂ over both cosines, for directions on opposite sides: G₁G₁ (Walter et
@@ -66,20 +66,20 @@ impl Ggx {
     /// A facet that is high for one side is low for the other, so height correlation would transmit
     /// too much. The exact Beta function costs two gammas.
     #[inline]
-    pub(super) fn opposite_sides(self, cos_o: f64, cos_i: f64) -> f64 {
-        self.masking_by_cos(cos_o) * self.masking_by_cos(cos_i)
+    pub(super) fn transmission_masking_shadowing(self, cos_o: f64, cos_i: f64) -> f64 {
+        self.masking_over_cos(cos_o) * self.masking_over_cos(cos_i)
     }
 
     /// Unshadowed fraction of light that leaves a facet visible from `wo`: G₂/G₁(wo).
     #[inline]
-    pub(super) fn leaving(self, g2_by_cos: f64, cos_o: f64, cos_i: f64) -> f64 {
-        g2_by_cos * cos_i / self.masking_by_cos(cos_o)
+    pub(super) fn unshadowed_fraction(self, masking_shadowing: f64, cos_o: f64, cos_i: f64) -> f64 {
+        masking_shadowing * cos_i / self.masking_over_cos(cos_o)
     }
 
-    /// Solid-angle pdf of `wi` if [`Ggx::sample_visible`] samples the facet \[1/sr].
+    /// Solid-angle pdf of `wi` if [`Ggx::sample_visible_normal`] samples the facet \[1/sr].
     #[inline]
-    pub(super) fn visible_density(self, facet: &Facet, cos_o: f64) -> f64 {
-        self.masking_by_cos(cos_o) * facet.cos * facet.density * facet.jacobian
+    pub(super) fn scattered_direction_pdf(self, facet: &Microfacet, cos_o: f64) -> f64 {
+        self.masking_over_cos(cos_o) * facet.cos * facet.density * facet.jacobian
     }
 
     /// Samples a unit facet normal by the area visible from `wo`, which is on the side of `n`.
@@ -87,8 +87,8 @@ impl Ggx {
     /// The method samples the spherical cap of directions that a unit hemisphere reflects (Dupuy
     /// and Benyoub 2023).
     #[inline]
-    pub(super) fn sample_visible(self, wo: DVec3, n: Vec3, u: Vec2) -> DVec3 {
-        let frame = Frame::around(n);
+    pub(super) fn sample_visible_normal(self, wo: DVec3, n: Vec3, u: Vec2) -> DVec3 {
+        let frame = Frame::from_normal(n);
         let (s, t, n) = (frame.s.as_dvec3(), frame.t.as_dvec3(), n.as_dvec3());
         let o = DVec3::new(self.alpha * wo.dot(s), self.alpha * wo.dot(t), wo.dot(n)).normalize();
         // The cap has height 1 + o.z. Measured from its top, nothing cancels.
@@ -102,11 +102,11 @@ impl Ggx {
 
     /// The facet that reflects `wi` to `wo`.
     #[inline]
-    pub(super) fn reflecting_facet(self, wo: DVec3, wi: DVec3, n: DVec3) -> Facet {
+    pub(super) fn reflecting_facet(self, wo: DVec3, wi: DVec3, n: DVec3) -> Microfacet {
         let h = wo + wi;
         // wo · m is half the length of wo + wi.
         let cos = 0.5 * h.length();
-        Facet { density: self.density(h, n), cos, jacobian: 0.25 / cos }
+        Microfacet { density: self.density(h, n), cos, jacobian: 0.25 / cos }
     }
 
     /// The facet that refracts `wi`, on the side of relative index `eta`, to `wo` on the side of
@@ -115,7 +115,7 @@ impl Ggx {
     /// Also returns the cosine between `wi` and the far side of the facet; `None` if no upward
     /// facet does.
     #[inline]
-    pub(super) fn refracting_facet(self, wo: DVec3, wi: DVec3, n: DVec3, eta: f64) -> Option<(Facet, f64)> {
+    pub(super) fn refracting_facet(self, wo: DVec3, wi: DVec3, n: DVec3, eta: f64) -> Option<(Microfacet, f64)> {
         let h = wo + wi * eta;
         let h = if h.dot(n) < 0.0 { -h } else { h };
         let (o, i, length2) = (wo.dot(h), wi.dot(h), h.length_squared());
@@ -125,6 +125,6 @@ impl Ggx {
         let inverse = 1.0 / length2.sqrt();
         let cos_t = -i * inverse;
         let jacobian = eta * eta * cos_t / length2;
-        Some((Facet { density: self.density(h, n), cos: o * inverse, jacobian }, cos_t))
+        Some((Microfacet { density: self.density(h, n), cos: o * inverse, jacobian }, cos_t))
     }
 }

@@ -14,14 +14,14 @@ mod phong;
 mod rough_dielectric;
 mod thin;
 
-pub use adjoint::{deposit_factor, shading_normal_factor};
+pub use adjoint::{photon_deposit_factor, shading_normal_correction};
 pub use conductor::Conductor;
-pub use dielectric::{Dielectric, Split};
+pub use dielectric::{Dielectric, DielectricSplit};
 pub use fresnel::{Refraction, conductor_reflectance, dielectric_reflectance, refract};
-pub use metals::{METALS, metal};
+pub use metals::{METALS, named_metal};
 pub use phong::Phong;
 pub use rough_dielectric::RoughDielectric;
-pub use thin::{Thin, ThinSplit};
+pub use thin::{ThinDielectric, ThinDielectricSplit};
 
 use crate::color::Rgb;
 use crate::math::{Frame, warp};
@@ -34,14 +34,14 @@ pub const SMOOTH_ALPHA: f32 = 1e-3;
 
 /// Roughness α of a conductor above which photons are stored: its lobe is broad enough for density
 /// estimation.
-pub const STORED_ALPHA: f32 = 0.3;
+pub const PHOTON_STORAGE_ALPHA: f32 = 0.3;
 
 /// Width of a refracted lobe \[rad] below which it counts as a delta: ten roundings of a unit
 /// vector in f32.
 const MIN_LOBE_WIDTH: f32 = 1e-6;
 
 /// Spread that scattering at a diffuse surface adds to a ray cone, as a tangent.
-pub(crate) const DIFFUSE_BLUR: f32 = 0.2;
+pub(crate) const DIFFUSE_CONE_SPREAD: f32 = 0.2;
 
 /// The quantity that a path transports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,7 +67,7 @@ pub struct BsdfSample {
     pub transmitted: bool,
     /// True if a smooth surface scattered by its geometric normal, because the shading normal would
     /// have sent light to the wrong side.
-    pub flat: bool,
+    pub uses_geometric_normal: bool,
 }
 
 /// The BSDF at one point of a surface. Small and copied; each hit makes one.
@@ -92,7 +92,7 @@ pub enum Bsdf {
     /// A rough interface between two refractive indices.
     RoughDielectric(RoughDielectric),
     /// A thin sheet.
-    Thin(Thin),
+    ThinDielectric(ThinDielectric),
 }
 
 impl Bsdf {
@@ -132,7 +132,7 @@ impl Bsdf {
             | Self::Dielectric(_)
             | Self::Conductor(_)
             | Self::RoughDielectric(_)
-            | Self::Thin(_) => false,
+            | Self::ThinDielectric(_) => false,
         }
     }
 
@@ -148,30 +148,30 @@ impl Bsdf {
             | Self::Dielectric(_)
             | Self::Conductor(_)
             | Self::RoughDielectric(_)
-            | Self::Thin(_) => false,
+            | Self::ThinDielectric(_) => false,
         }
     }
 
     /// One lobe, chosen by `u` in \[0, 1), divided by the probability of its choice.
     #[inline]
     #[must_use]
-    pub fn one_lobe(self, u: f32) -> Self {
+    pub fn select_lobe(self, u: f32) -> Self {
         match self {
-            Self::Phong(phong) => phong.part(u),
+            Self::Phong(phong) => phong.select_lobe(u),
             Self::Black
             | Self::Diffuse(_)
             | Self::Mirror(_)
             | Self::Dielectric(_)
             | Self::Conductor(_)
             | Self::RoughDielectric(_)
-            | Self::Thin(_) => self,
+            | Self::ThinDielectric(_) => self,
         }
     }
 
     /// Reflection and refraction of `wo`, if a path may follow both; `None` for other BSDFs.
     #[inline]
     #[must_use]
-    pub fn split(&self, wo: Vec3, ns: Vec3, ng: Vec3, transport: Transport) -> Option<Split> {
+    pub fn split(&self, wo: Vec3, ns: Vec3, ng: Vec3, transport: Transport) -> Option<DielectricSplit> {
         match self {
             Self::Dielectric(dielectric) => Some(dielectric.split(wo, ns, ng, transport)),
             Self::Black
@@ -180,7 +180,7 @@ impl Bsdf {
             | Self::Mirror(_)
             | Self::Conductor(_)
             | Self::RoughDielectric(_)
-            | Self::Thin(_) => None,
+            | Self::ThinDielectric(_) => None,
         }
     }
 
@@ -190,7 +190,7 @@ impl Bsdf {
     #[must_use]
     pub fn is_specular(&self) -> bool {
         match self {
-            Self::Mirror(_) | Self::Dielectric(_) | Self::Thin(_) => true,
+            Self::Mirror(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => true,
             Self::Conductor(conductor) => conductor.is_smooth(),
             Self::Black | Self::Diffuse(_) | Self::Phong(_) | Self::RoughDielectric(_) => false,
         }
@@ -201,7 +201,7 @@ impl Bsdf {
     #[must_use]
     pub fn transmits(&self) -> bool {
         match self {
-            Self::Dielectric(_) | Self::RoughDielectric(_) | Self::Thin(_) => true,
+            Self::Dielectric(_) | Self::RoughDielectric(_) | Self::ThinDielectric(_) => true,
             Self::Black | Self::Diffuse(_) | Self::Phong(_) | Self::Mirror(_) | Self::Conductor(_) => false,
         }
     }
@@ -210,7 +210,7 @@ impl Bsdf {
     /// for each photon.
     ///
     /// The noise of such an estimate grows as the lobe narrows. Diffuse and Phong BSDFs store
-    /// photons, and so do conductors rougher than [`STORED_ALPHA`]. On smoother conductors few
+    /// photons, and so do conductors rougher than [`PHOTON_STORAGE_ALPHA`]. On smoother conductors few
     /// photons fall into the lobe, and sampling the lobe works better. Dielectrics store none, even
     /// rough ones: an estimate would blur what lies behind them.
     #[inline]
@@ -218,8 +218,12 @@ impl Bsdf {
     pub fn stores_photons(&self) -> bool {
         match self {
             Self::Diffuse(_) | Self::Phong(_) => true,
-            Self::Conductor(conductor) => conductor.alpha() > STORED_ALPHA,
-            Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::RoughDielectric(_) | Self::Thin(_) => false,
+            Self::Conductor(conductor) => conductor.alpha() > PHOTON_STORAGE_ALPHA,
+            Self::Black
+            | Self::Mirror(_)
+            | Self::Dielectric(_)
+            | Self::RoughDielectric(_)
+            | Self::ThinDielectric(_) => false,
         }
     }
 
@@ -227,7 +231,7 @@ impl Bsdf {
     /// receiver ([`stores_photons`](Self::stores_photons)), or a caster, or black.
     ///
     /// Casters are mirrors, dielectrics and thin panes of any roughness, and conductors of
-    /// roughness α up to [`STORED_ALPHA`].
+    /// roughness α up to [`PHOTON_STORAGE_ALPHA`].
     ///
     /// Camera paths continue where no photons are stored. Light paths through such vertices belong
     /// to the caustic map, so that each path counts once, however broad the lobe.
@@ -242,12 +246,12 @@ impl Bsdf {
     /// The spread is about a fifth of the lobe's width, as many paths sample one lobe.
     #[inline]
     #[must_use]
-    pub fn blur(&self) -> f32 {
+    pub fn ray_cone_spread(&self) -> f32 {
         match self {
-            Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::Thin(_) => 0.0,
-            Self::Diffuse(_) | Self::Phong(_) => DIFFUSE_BLUR,
-            Self::Conductor(conductor) => conductor.alpha() * DIFFUSE_BLUR,
-            Self::RoughDielectric(glass) => glass.alpha() * DIFFUSE_BLUR,
+            Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => 0.0,
+            Self::Diffuse(_) | Self::Phong(_) => DIFFUSE_CONE_SPREAD,
+            Self::Conductor(conductor) => conductor.alpha() * DIFFUSE_CONE_SPREAD,
+            Self::RoughDielectric(glass) => glass.alpha() * DIFFUSE_CONE_SPREAD,
         }
     }
 
@@ -257,13 +261,13 @@ impl Bsdf {
     #[inline]
     #[must_use]
     pub fn evaluate(&self, wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3, transport: Transport) -> Rgb {
-        let Some(crosses) = crosses(wo, wi, ns, ng) else { return Rgb::ZERO };
-        if crosses && !self.transmits() {
+        let Some(directions_cross_surface) = directions_cross_surface(wo, wi, ns, ng) else { return Rgb::ZERO };
+        if directions_cross_surface && !self.transmits() {
             return Rgb::ZERO;
         }
         match self {
-            Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::Thin(_) => Rgb::ZERO,
-            Self::RoughDielectric(glass) => glass.evaluate(wo, wi, facing(ns, wo), ng, transport),
+            Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => Rgb::ZERO,
+            Self::RoughDielectric(glass) => glass.evaluate(wo, wi, face_forward(ns, wo), ng, transport),
             Self::Diffuse(reflectance) => *reflectance * FRAC_1_PI,
             Self::Phong(phong) => phong.evaluate(wo, wi, ns),
             Self::Conductor(conductor) => conductor.evaluate(wo, wi, ns),
@@ -275,13 +279,13 @@ impl Bsdf {
     #[inline]
     #[must_use]
     pub fn pdf(&self, wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> f32 {
-        let Some(crosses) = crosses(wo, wi, ns, ng) else { return 0.0 };
-        if crosses && !self.transmits() {
+        let Some(directions_cross_surface) = directions_cross_surface(wo, wi, ns, ng) else { return 0.0 };
+        if directions_cross_surface && !self.transmits() {
             return 0.0;
         }
         match self {
-            Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::Thin(_) => 0.0,
-            Self::RoughDielectric(glass) => glass.pdf(wo, wi, facing(ns, wo), ng),
+            Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => 0.0,
+            Self::RoughDielectric(glass) => glass.pdf(wo, wi, face_forward(ns, wo), ng),
             Self::Diffuse(_) => warp::cosine_hemisphere_pdf(wi.dot(ns).abs()),
             Self::Phong(phong) => phong.pdf(wo, wi, ns),
             Self::Conductor(conductor) => conductor.pdf(wo, wi, ns),
@@ -295,44 +299,58 @@ impl Bsdf {
     #[inline]
     #[must_use]
     pub fn sample(&self, wo: Vec3, ns: Vec3, ng: Vec3, lobe: f32, u: Vec2, transport: Transport) -> Option<BsdfSample> {
-        let facing = facing(ns, wo);
+        let face_forward = face_forward(ns, wo);
         let sample = match self {
             Self::Black => return None,
             Self::Diffuse(reflectance) => {
-                let local = warp::cosine_hemisphere(u);
+                let local = warp::square_to_cosine_hemisphere(u);
                 // The rim of the disc lies in the horizon, where the pdf is 0, so no MIS weight
                 // exists.
                 if local.z <= 0.0 {
                     return None;
                 }
-                let wi = Frame::around(facing).to_world(local);
+                let wi = Frame::from_normal(face_forward).to_world(local);
                 let pdf = warp::cosine_hemisphere_pdf(local.z);
-                BsdfSample { wi, weight: *reflectance, pdf, specular: false, transmitted: false, flat: false }
+                BsdfSample {
+                    wi,
+                    weight: *reflectance,
+                    pdf,
+                    specular: false,
+                    transmitted: false,
+                    uses_geometric_normal: false,
+                }
             }
-            Self::Phong(phong) => phong.sample(wo, facing, lobe, u)?,
+            Self::Phong(phong) => phong.sample(wo, face_forward, lobe, u)?,
             Self::Mirror(reflectance) => {
-                let (wi, flat) = dielectric::reflect_above(wo, facing, ng);
-                BsdfSample { wi, weight: *reflectance, pdf: 0.0, specular: true, transmitted: false, flat }
+                let (wi, uses_geometric_normal) = dielectric::reflect_above_surface(wo, face_forward, ng);
+                BsdfSample {
+                    wi,
+                    weight: *reflectance,
+                    pdf: 0.0,
+                    specular: true,
+                    transmitted: false,
+                    uses_geometric_normal,
+                }
             }
             Self::Dielectric(dielectric) => dielectric.sample(wo, ns, ng, lobe, transport),
-            Self::Conductor(conductor) => conductor.sample(wo, facing, ng, u)?,
-            Self::RoughDielectric(glass) => glass.sample(wo, facing, ng, lobe, u, transport)?,
-            Self::Thin(thin) => thin.sample(wo, facing, ng, lobe)?,
+            Self::Conductor(conductor) => conductor.sample(wo, face_forward, ng, u)?,
+            Self::RoughDielectric(glass) => glass.sample(wo, face_forward, ng, lobe, u, transport)?,
+            Self::ThinDielectric(thin) => thin.sample(wo, face_forward, ng, lobe)?,
         };
-        let crosses = (sample.wi.dot(ng) < 0.0) != (wo.dot(ng) < 0.0);
-        (crosses == sample.transmitted).then_some(sample)
+        let directions_cross_surface = (sample.wi.dot(ng) < 0.0) != (wo.dot(ng) < 0.0);
+        (directions_cross_surface == sample.transmitted).then_some(sample)
     }
 }
 
 /// `n`, flipped to the side of `wo`.
 #[inline]
-fn facing(n: Vec3, wo: Vec3) -> Vec3 {
+fn face_forward(n: Vec3, wo: Vec3) -> Vec3 {
     if wo.dot(n) < 0.0 { -n } else { n }
 }
 
 /// True if `wo` and `wi` lie on different sides; `None` if the normals disagree on it.
 #[inline]
-fn crosses(wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> Option<bool> {
+fn directions_cross_surface(wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> Option<bool> {
     let (shading, geometric) = (wo.dot(ns) * wi.dot(ns), wo.dot(ng) * wi.dot(ng));
     if shading > 0.0 && geometric > 0.0 {
         Some(false)

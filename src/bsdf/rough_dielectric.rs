@@ -1,7 +1,7 @@
 //! Rough dielectric interfaces.
 
-use super::fresnel::{reflectance_f64, transmittance_f64};
-use super::microfacet::{Facet, Ggx};
+use super::fresnel::{fresnel_reflectance, fresnel_transmittance};
+use super::microfacet::{Ggx, Microfacet};
 use super::{BsdfSample, Transport};
 use crate::color::Rgb;
 use glam::{DVec3, Vec2, Vec3};
@@ -18,12 +18,12 @@ pub struct RoughDielectric {
 }
 
 /// The scattering event at a facet between two directions.
-struct FacetEvent {
-    facet: Facet,
+struct FacetScattering {
+    facet: Microfacet,
     /// Fresnel reflectance or transmittance.
     fresnel: f64,
     /// Masking-shadowing over both cosines.
-    g2_by_cos: f64,
+    masking_shadowing: f64,
 }
 
 impl RoughDielectric {
@@ -40,24 +40,24 @@ impl RoughDielectric {
 
     /// Index of the far side over that of the side of `wo`.
     #[inline]
-    fn far_over_near(&self, wo: Vec3, ng: Vec3) -> f64 {
+    fn far_over_near_index(&self, wo: Vec3, ng: Vec3) -> f64 {
         let eta = f64::from(self.eta);
         if wo.dot(ng) >= 0.0 { eta } else { 1.0 / eta }
     }
 
     #[inline]
-    fn facet_event(&self, o: DVec3, i: DVec3, n: DVec3, eta: f64) -> Option<FacetEvent> {
+    fn facet_scattering(&self, o: DVec3, i: DVec3, n: DVec3, eta: f64) -> Option<FacetScattering> {
         let ggx = Ggx::new(self.alpha);
         let (cos_o, cos_i) = (o.dot(n), i.dot(n));
         Some(if cos_i > 0.0 {
             let facet = ggx.reflecting_facet(o, i, n);
-            let fresnel = reflectance_f64(facet.cos, eta).0;
-            FacetEvent { facet, fresnel, g2_by_cos: ggx.same_side(cos_o, cos_i) }
+            let fresnel = fresnel_reflectance(facet.cos, eta).0;
+            FacetScattering { facet, fresnel, masking_shadowing: ggx.reflection_masking_shadowing(cos_o, cos_i) }
         } else {
             let (facet, cos_t) = ggx.refracting_facet(o, i, n, eta)?;
             // Computed from both cosines, so that both directions agree even if one grazes.
-            let fresnel = transmittance_f64(facet.cos, cos_t, eta);
-            FacetEvent { facet, fresnel, g2_by_cos: ggx.opposite_sides(cos_o, -cos_i) }
+            let fresnel = fresnel_transmittance(facet.cos, cos_t, eta);
+            FacetScattering { facet, fresnel, masking_shadowing: ggx.transmission_masking_shadowing(cos_o, -cos_i) }
         })
     }
 
@@ -65,20 +65,22 @@ impl RoughDielectric {
     /// side of `wi`.
     #[inline]
     pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3, ng: Vec3, transport: Transport) -> Rgb {
-        let (eta, i, n) = (self.far_over_near(wo, ng), wi.as_dvec3(), n.as_dvec3());
-        let Some(FacetEvent { facet, fresnel, g2_by_cos }) = self.facet_event(wo.as_dvec3(), i, n, eta) else {
+        let (eta, i, n) = (self.far_over_near_index(wo, ng), wi.as_dvec3(), n.as_dvec3());
+        let Some(FacetScattering { facet, fresnel, masking_shadowing }) =
+            self.facet_scattering(wo.as_dvec3(), i, n, eta)
+        else {
             return Rgb::ZERO;
         };
         let radiance_divisor = radiance_divisor(eta, i.dot(n) < 0.0, transport);
-        Rgb::splat((fresnel * facet.density * facet.cos * facet.jacobian * g2_by_cos / radiance_divisor) as f32)
+        Rgb::splat((fresnel * facet.density * facet.cos * facet.jacobian * masking_shadowing / radiance_divisor) as f32)
     }
 
     /// Solid-angle pdf of `wi` \[1/sr]; arguments as in [`Self::evaluate`].
     #[inline]
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3, n: Vec3, ng: Vec3) -> f32 {
         let (o, n) = (wo.as_dvec3(), n.as_dvec3());
-        self.facet_event(o, wi.as_dvec3(), n, self.far_over_near(wo, ng))
-            .map_or(0.0, |m| (m.fresnel * Ggx::new(self.alpha).visible_density(&m.facet, o.dot(n))) as f32)
+        self.facet_scattering(o, wi.as_dvec3(), n, self.far_over_near_index(wo, ng))
+            .map_or(0.0, |m| (m.fresnel * Ggx::new(self.alpha).scattered_direction_pdf(&m.facet, o.dot(n))) as f32)
     }
 
     /// Samples a visible facet, then reflection or refraction by Fresnel; `n` is on the side of
@@ -95,10 +97,10 @@ impl RoughDielectric {
         u: Vec2,
         transport: Transport,
     ) -> Option<BsdfSample> {
-        let (ggx, o, eta) = (Ggx::new(self.alpha), wo.as_dvec3(), self.far_over_near(wo, ng));
-        let m = ggx.sample_visible(o, n, u);
+        let (ggx, o, eta) = (Ggx::new(self.alpha), wo.as_dvec3(), self.far_over_near_index(wo, ng));
+        let m = ggx.sample_visible_normal(o, n, u);
         let cos = o.dot(m);
-        let (reflectance, cos_t) = reflectance_f64(cos, eta);
+        let (reflectance, cos_t) = fresnel_reflectance(cos, eta);
         let transmitted = f64::from(lobe) >= reflectance;
         let wi = if transmitted { m * (cos / eta - cos_t) - o / eta } else { m * (2.0 * cos) - o };
         let wi = wi.normalize().as_vec3();
@@ -109,16 +111,23 @@ impl RoughDielectric {
         if (cos_i < 0.0) != transmitted {
             return None;
         }
-        let FacetEvent { facet, fresnel, g2_by_cos } = self.facet_event(o, i, n, eta)?;
-        let pdf = (fresnel * ggx.visible_density(&facet, cos_o)) as f32;
-        let leaving = ggx.leaving(g2_by_cos, cos_o, cos_i.abs());
-        let weight = Rgb::splat((leaving / radiance_divisor(eta, transmitted, transport)) as f32);
-        (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, specular: false, transmitted, flat: false })
+        let FacetScattering { facet, fresnel, masking_shadowing } = self.facet_scattering(o, i, n, eta)?;
+        let pdf = (fresnel * ggx.scattered_direction_pdf(&facet, cos_o)) as f32;
+        let unshadowed_fraction = ggx.unshadowed_fraction(masking_shadowing, cos_o, cos_i.abs());
+        let weight = Rgb::splat((unshadowed_fraction / radiance_divisor(eta, transmitted, transport)) as f32);
+        (pdf > 0.0).then_some(BsdfSample {
+            wi,
+            weight,
+            pdf,
+            specular: false,
+            transmitted,
+            uses_geometric_normal: false,
+        })
     }
 }
 
 /// Divisor on transmission: (n_far/n_near)² for radiance, 1 for flux.
 #[inline]
-fn radiance_divisor(eta: f64, crosses: bool, transport: Transport) -> f64 {
-    if crosses && transport == Transport::Radiance { eta * eta } else { 1.0 }
+fn radiance_divisor(eta: f64, directions_cross_surface: bool, transport: Transport) -> f64 {
+    if directions_cross_surface && transport == Transport::Radiance { eta * eta } else { 1.0 }
 }

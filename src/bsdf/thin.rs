@@ -1,6 +1,6 @@
-//! Thin sheets, whose transmitted light is not displaced.
+//! ThinDielectric sheets, whose transmitted light is not displaced.
 
-use super::fresnel::{reflectance_f64, transmittance_f64};
+use super::fresnel::{fresnel_reflectance, fresnel_transmittance};
 use super::{BsdfSample, dielectric};
 use crate::color::{self, Rgb};
 use glam::Vec3;
@@ -9,7 +9,7 @@ use glam::Vec3;
 ///
 /// Light passes straight through. Both sides are one medium, so radiance is not scaled.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Thin {
+pub struct ThinDielectric {
     /// Index of the sheet over that of its surroundings.
     pub eta: f32,
     /// Transmittance of one perpendicular crossing, in \[0, 1].
@@ -18,16 +18,16 @@ pub struct Thin {
 
 /// Reflection and transmission at a sheet, with the weights of following both.
 #[derive(Clone, Copy, Debug)]
-pub struct ThinSplit {
+pub struct ThinDielectricSplit {
     /// The reflected direction and its reflectance.
     pub reflected: (Vec3, Rgb),
     /// The transmitted direction and its transmittance.
     pub transmitted: (Vec3, Rgb),
     /// True if reflection used the geometric normal: see [`BsdfSample::flat`].
-    pub flat: bool,
+    pub uses_geometric_normal: bool,
 }
 
-impl Thin {
+impl ThinDielectric {
     /// Reflectance and transmittance of the sheet, where `cos ≥ 0` is the cosine outside.
     ///
     /// With R of one interface and τ of one crossing: R + (1−R)²τ²R/(1−R²τ²) and (1−R)²τ/(1−R²τ²),
@@ -36,8 +36,8 @@ impl Thin {
     #[must_use]
     pub fn reflectance_and_transmittance(&self, cos: f32) -> (Rgb, Rgb) {
         let (cos, eta) = (f64::from(cos.clamp(0.0, 1.0)), f64::from(self.eta));
-        let (r, cos_t) = reflectance_f64(cos, eta);
-        let t = if cos_t > 0.0 { transmittance_f64(cos, cos_t, eta) as f32 } else { 0.0 };
+        let (r, cos_t) = fresnel_reflectance(cos, eta);
+        let t = if cos_t > 0.0 { fresnel_transmittance(cos, cos_t, eta) as f32 } else { 0.0 };
         if t <= 0.0 {
             return (Rgb::ONE, Rgb::ZERO);
         }
@@ -53,32 +53,33 @@ impl Thin {
     /// Reflection and transmission of direction `wo`.
     #[inline]
     #[must_use]
-    pub fn split(&self, wo: Vec3, ns: Vec3, ng: Vec3) -> ThinSplit {
-        let (mirrored, flat) = dielectric::reflect_above(wo, ns, ng);
+    pub fn split(&self, wo: Vec3, ns: Vec3, ng: Vec3) -> ThinDielectricSplit {
+        let (mirrored, uses_geometric_normal) = dielectric::reflect_above_surface(wo, ns, ng);
         // The cosine to the normal that reflected, which is not always `ns`.
         let cos = wo.dot((wo + mirrored).normalize_or_zero());
         let (reflected, transmitted) = self.reflectance_and_transmittance(cos);
-        ThinSplit { reflected: (mirrored, reflected), transmitted: (-wo, transmitted), flat }
+        ThinDielectricSplit { reflected: (mirrored, reflected), transmitted: (-wo, transmitted), uses_geometric_normal }
     }
 
     /// Samples reflection or transmission by their mean weights.
     #[inline]
     pub(super) fn sample(&self, wo: Vec3, ns: Vec3, ng: Vec3, lobe: f32) -> Option<BsdfSample> {
-        let ThinSplit { reflected, transmitted, flat } = self.split(wo, ns, ng);
-        let (r, t) = (color::mean(reflected.1), color::mean(transmitted.1));
+        let ThinDielectricSplit { reflected, transmitted, uses_geometric_normal } = self.split(wo, ns, ng);
+        let (r, t) = (color::channel_mean(reflected.1), color::channel_mean(transmitted.1));
         let reflects = r / (r + t);
         if r + t == 0.0 {
             return None;
         }
-        let crosses = lobe >= reflects;
-        let ((wi, share), probability) = if crosses { (transmitted, 1.0 - reflects) } else { (reflected, reflects) };
+        let directions_cross_surface = lobe >= reflects;
+        let ((wi, share), probability) =
+            if directions_cross_surface { (transmitted, 1.0 - reflects) } else { (reflected, reflects) };
         Some(BsdfSample {
             wi,
             weight: share / probability,
             pdf: 0.0,
             specular: true,
-            transmitted: crosses,
-            flat: flat && !crosses,
+            transmitted: directions_cross_surface,
+            uses_geometric_normal: uses_geometric_normal && !directions_cross_surface,
         })
     }
 }

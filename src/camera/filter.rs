@@ -89,7 +89,7 @@ pub struct Filter {
     /// Offset beyond which the weight is negative \[pixels]; infinite for a non-negative filter.
     negative_from: f32,
     /// Integral of the absolute weight over the integral of the weight, in one dimension.
-    excess: f32,
+    absolute_over_signed: f32,
 }
 
 /// A sampled film offset.
@@ -121,7 +121,7 @@ impl Filter {
             }
         }
         let total = cumulative[STEPS];
-        let excess = if negative_from.is_finite() { (total / signed) as f32 } else { 1.0 };
+        let absolute_over_signed = if negative_from.is_finite() { (total / signed) as f32 } else { 1.0 };
         let quantiles = std::array::from_fn(|q| {
             let target = total * q as f64 / CELLS as f64;
             let i = cumulative.partition_point(|c| *c < target).clamp(1, STEPS);
@@ -129,7 +129,7 @@ impl Filter {
             let part = if hi > lo { (target - lo) / (hi - lo) } else { 0.0 };
             (at(i - 1) + (at(i) - at(i - 1)) * part) as f32
         });
-        Self { quantiles, negative_from: negative_from as f32, excess }
+        Self { quantiles, negative_from: negative_from as f32, absolute_over_signed }
     }
 
     /// True if parts of the filter are negative.
@@ -142,14 +142,15 @@ impl Filter {
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> FilterSample {
-        let offset = Vec2::new(self.quantile(u.x), self.quantile(u.y));
-        let sign = |x: f32| if x.abs() < self.negative_from { self.excess } else { -self.excess };
+        let offset = Vec2::new(self.sample_filter_quantile(u.x), self.sample_filter_quantile(u.y));
+        let sign =
+            |x: f32| if x.abs() < self.negative_from { self.absolute_over_signed } else { -self.absolute_over_signed };
         let weight = if self.is_signed() { sign(offset.x) * sign(offset.y) } else { 1.0 };
         FilterSample { offset, weight }
     }
 
     #[inline]
-    fn quantile(&self, u: f32) -> f32 {
+    fn sample_filter_quantile(&self, u: f32) -> f32 {
         let x = u * CELLS as f32;
         let i = (x as usize).min(CELLS - 1);
         let (lo, hi) = (self.quantiles[i], self.quantiles[i + 1]);

@@ -22,13 +22,13 @@ impl Lens {
     /// right and up from the center \[length]. A corner of the polygon points up.
     #[inline]
     pub(super) fn sample(&self, u: Vec2) -> glam::DVec2 {
-        self.radius * self.unit(u).as_dvec2()
+        self.radius * self.sample_unit_aperture(u).as_dvec2()
     }
 
     /// Samples a point of the aperture of radius 1.
-    fn unit(&self, u: Vec2) -> Vec2 {
+    fn sample_unit_aperture(&self, u: Vec2) -> Vec2 {
         if self.blades < 3 {
-            return warp::disc(u);
+            return warp::square_to_uniform_disc(u);
         }
         let blades = self.blades as f32;
         let blade = (u.x * blades).floor().min(blades - 1.0);
@@ -37,7 +37,8 @@ impl Lens {
             Vec2::new(sin, cos)
         };
         // The remainder of u.x inside the chosen triangle is uniform again.
-        let weights = warp::triangle(Vec2::new((u.x * blades - blade).min(1.0 - f32::EPSILON / 2.0), u.y));
+        let weights =
+            warp::square_to_uniform_triangle(Vec2::new((u.x * blades - blade).min(1.0 - f32::EPSILON / 2.0), u.y));
         corner(blade) * weights.x + corner(blade + 1.0) * weights.y
     }
 }
@@ -57,7 +58,7 @@ mod tests {
         let n = 1 << 16;
         for blades in [0u32, 3, 5, 6, 8] {
             let lens = Lens { radius: 2.0, focus: 1.0, blades };
-            let key = Key::new(2).purpose(Purpose::Test);
+            let key = Key::new(2).purpose_key(Purpose::Test);
             let points: Vec<_> = (0..n).map(|i| lens.sample(sobol_2d(i, key, Dimension::Lens)) / 2.0).collect();
             let expected =
                 if blades < 3 { 0.25 } else { (2.0 + libm::cos(std::f64::consts::TAU / f64::from(blades))) / 12.0 };

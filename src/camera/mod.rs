@@ -38,14 +38,14 @@ enum Projection {
 /// The up vector is parallel to the viewing direction, or one of them is zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the up vector is parallel to the viewing direction: choose another one")]
-pub struct NoUpright;
+pub struct DegenerateUpVector;
 
 impl Camera {
     /// A pinhole camera at `center` with the full vertical angle of view `angle` \[radians] and an
     /// image of `width` × `height` pixels.
     ///
     /// # Errors
-    /// [`NoUpright`] if `direction × up` vanishes.
+    /// [`DegenerateUpVector`] if `direction × up` vanishes.
     pub fn perspective(
         center: DVec3,
         direction: DVec3,
@@ -53,7 +53,7 @@ impl Camera {
         angle: f64,
         width: u32,
         height: u32,
-    ) -> Result<Self, NoUpright> {
+    ) -> Result<Self, DegenerateUpVector> {
         let pixel = 2.0 * libm::tan(0.5 * angle) / f64::from(height);
         Self::new(center, direction, up, pixel, Projection::Perspective(None), (width, height))
     }
@@ -62,7 +62,7 @@ impl Camera {
     /// The image shows `size` from top to bottom \[length].
     ///
     /// # Errors
-    /// [`NoUpright`] if `direction × up` vanishes.
+    /// [`DegenerateUpVector`] if `direction × up` vanishes.
     pub fn orthographic(
         center: DVec3,
         direction: DVec3,
@@ -70,7 +70,7 @@ impl Camera {
         size: f64,
         width: u32,
         height: u32,
-    ) -> Result<Self, NoUpright> {
+    ) -> Result<Self, DegenerateUpVector> {
         Self::new(center, direction, up, size / f64::from(height), Projection::Orthographic, (width, height))
     }
 
@@ -79,8 +79,14 @@ impl Camera {
     /// first made perpendicular to `direction`.
     ///
     /// # Errors
-    /// [`NoUpright`] if `direction × up` vanishes.
-    pub fn panorama(center: DVec3, direction: DVec3, up: DVec3, width: u32, height: u32) -> Result<Self, NoUpright> {
+    /// [`DegenerateUpVector`] if `direction × up` vanishes.
+    pub fn panorama(
+        center: DVec3,
+        direction: DVec3,
+        up: DVec3,
+        width: u32,
+        height: u32,
+    ) -> Result<Self, DegenerateUpVector> {
         Self::new(center, direction, up, 1.0, Projection::Panorama, (width, height))
     }
 
@@ -91,12 +97,12 @@ impl Camera {
         pixel: f64,
         projection: Projection,
         (width, height): (u32, u32),
-    ) -> Result<Self, NoUpright> {
-        let forward = direction.try_normalize().ok_or(NoUpright)?;
-        let up = up.try_normalize().ok_or(NoUpright)?;
+    ) -> Result<Self, DegenerateUpVector> {
+        let forward = direction.try_normalize().ok_or(DegenerateUpVector)?;
+        let up = up.try_normalize().ok_or(DegenerateUpVector)?;
         let right = forward.cross(up);
         if right.length() < 1e-12 {
-            return Err(NoUpright);
+            return Err(DegenerateUpVector);
         }
         let right = right.normalize();
         let up = right.cross(forward) * pixel;
@@ -125,7 +131,7 @@ impl Camera {
 
     /// True if all rays start at the center, or at a lens around it.
     #[must_use]
-    pub fn has_eye(&self) -> bool {
+    pub fn has_single_viewpoint(&self) -> bool {
         self.projection != Projection::Orthographic
     }
 
@@ -166,10 +172,10 @@ impl Camera {
     pub fn moved(self, map: &Transform) -> Self {
         let Self { center, forward, right, up, .. } = self;
         Self {
-            center: map.point(center),
-            forward: map.vector(forward),
-            right: map.vector(right),
-            up: map.vector(up),
+            center: map.transform_point(center),
+            forward: map.transform_vector(forward),
+            right: map.transform_vector(right),
+            up: map.transform_vector(up),
             ..self
         }
     }

@@ -6,17 +6,17 @@ use crate::render::RenderResult;
 use crate::render::error_estimate::{ErrorMaps, MIN_PASSES};
 use glam::Vec3;
 
-/// The layers to write: the picture alone if there are too few passes for an error estimate.
+/// Returns the layers to write: the picture, and maps of its estimated error if there is one.
 ///
-/// Layers `radius` and `photons` exist only for algorithms with density estimates.
-pub(super) fn layers(rendered: &RenderResult) -> Vec<ExrLayer> {
-    let mut layers = vec![rgb("", &rendered.film.mean())];
+/// Layers `bias`, `radius` and `photons` exist only for algorithms with density estimates.
+pub(super) fn aov_layers(rendered: &RenderResult) -> Vec<ExrLayer> {
+    let mut layers = vec![rgb_layer("", &rendered.film.mean())];
     let estimator = rendered.estimator.as_ref().filter(|_| rendered.film.passes() >= MIN_PASSES);
     let Some(estimator) = estimator else { return layers };
-    let ErrorMaps { noise, bias, caustic, global } = estimator.maps(&rendered.film);
-    layers.push(rgb("noise", &noise));
+    let ErrorMaps { noise, bias, caustic, global } = estimator.error_maps(&rendered.film);
+    layers.push(rgb_layer("noise", &noise));
     if !bias.is_empty() {
-        layers.push(rgb("bias", &bias));
+        layers.push(rgb_layer("bias", &bias));
         let channels = |value: fn(&Discs) -> f32| {
             let map = |discs: &[Discs]| discs.iter().map(value).collect::<Vec<f32>>();
             vec![("caustic".to_owned(), map(&caustic)), ("global".to_owned(), map(&global))]
@@ -27,7 +27,7 @@ pub(super) fn layers(rendered: &RenderResult) -> Vec<ExrLayer> {
     layers
 }
 
-fn rgb(name: &str, pixels: &[Vec3]) -> ExrLayer {
+fn rgb_layer(name: &str, pixels: &[Vec3]) -> ExrLayer {
     let channel = |letter: &str, value: fn(&Vec3) -> f32| (letter.to_owned(), pixels.iter().map(value).collect());
     let channels = vec![channel("R", |p| p.x), channel("G", |p| p.y), channel("B", |p| p.z)];
     ExrLayer { name: name.to_owned(), channels }

@@ -1,8 +1,8 @@
 //! Arguments of the command line.
 
 use super::number::{
-    parse_alpha, parse_bytes, parse_confidence, parse_count, parse_duration, parse_error, parse_gather_count,
-    parse_length, parse_positive_count, parse_seed, parse_seeds, parse_size, parse_stops, parse_threads,
+    parse_alpha, parse_bytes, parse_confidence, parse_count, parse_duration, parse_exposure_stops, parse_gather_count,
+    parse_length, parse_positive_count, parse_relative_error, parse_seed, parse_seed_count, parse_size, parse_threads,
 };
 use super::{ConvertArguments, DiffArguments, MeshArguments};
 use crate::camera::FilterKind;
@@ -11,7 +11,7 @@ use crate::integrate::{Algorithm, FinalGathering, VolumeEstimate};
 use crate::photon::Kernel;
 use crate::plan::EffectOverrides;
 use crate::render::error_estimate::Confidence;
-use crate::stats::Memory;
+use crate::stats::MemoryLimit;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use std::path::PathBuf;
@@ -66,7 +66,7 @@ pub enum Command {
     Man,
 }
 
-/// Algorithm and settings of all commands that render.
+/// Flags that choose the rendering algorithm and its settings.
 #[derive(Clone, Debug, Args)]
 pub struct MethodArguments {
     /// Rendering algorithm
@@ -131,7 +131,7 @@ pub struct MethodArguments {
     pub seed: u64,
 }
 
-/// Effects to simulate, for commands with the flag `--effects`.
+/// The flag `--effects`: which effects of light are simulated.
 #[derive(Debug, Args)]
 pub struct EffectsArguments {
     /// Effects to simulate: auto (those that the scene needs), all or none, then +EFFECT or
@@ -140,7 +140,7 @@ pub struct EffectsArguments {
     pub effects: EffectOverrides,
 }
 
-/// Scene, size, threads and memory of all commands that render.
+/// The scene file, and flags for picture size, threads and memory.
 #[derive(Debug, Args)]
 pub struct SceneArguments {
     /// Scene file
@@ -161,9 +161,9 @@ pub struct SceneArguments {
 }
 
 impl SceneArguments {
-    /// The memory limit.
-    pub(super) fn memory(&self) -> Memory {
-        self.memory.map_or(Memory::System, Memory::Limit)
+    /// Returns the limit of `--memory`, or else the system's free memory.
+    pub(super) fn memory_limit(&self) -> MemoryLimit {
+        self.memory.map_or(MemoryLimit::System, MemoryLimit::Limit)
     }
 }
 
@@ -194,7 +194,7 @@ pub struct RenderArguments {
 
     /// Stop after the pass in which the estimated relative error is at most this, such as 2%. The
     /// estimate has noise and bias
-    #[arg(long, value_parser = parse_error, value_name = "ERROR", conflicts_with = "no_error_estimate")]
+    #[arg(long, value_parser = parse_relative_error, value_name = "ERROR", conflicts_with = "no_error_estimate")]
     pub target_error: Option<f64>,
 
     /// Confidence that the error is at most --target-error; without that flag, confidence of the
@@ -217,7 +217,7 @@ pub struct RenderArguments {
     pub tone: Option<ToneCurve>,
 
     /// Exposure of PNG in stops: +1 is twice as bright
-    #[arg(long, default_value = "0", value_parser = parse_stops, allow_negative_numbers = true, value_name = "STOPS")]
+    #[arg(long, default_value = "0", value_parser = parse_exposure_stops, allow_negative_numbers = true, value_name = "STOPS")]
     pub exposure: f32,
 
     /// Bits per channel of PNG: 8 or 16
@@ -271,7 +271,7 @@ pub struct EstimateArguments {
     pub effects: EffectsArguments,
 
     /// Relative errors to estimate the cost of
-    #[arg(long, value_parser = parse_error, value_delimiter = ',', default_value = "10%,5%,2%,1%", value_name = "ERROR,…")]
+    #[arg(long, value_parser = parse_relative_error, value_delimiter = ',', default_value = "10%,5%,2%,1%", value_name = "ERROR,…")]
     pub errors: Vec<f64>,
 
     /// Duration of the pilot render, which makes at least eight passes
@@ -287,16 +287,16 @@ pub struct EstimateArguments {
     pub quiet: bool,
 }
 
-/// Names of the arguments that only a study of methods has.
-const METHOD_STUDY: [&str; 8] =
+/// Field names of the flags that only a study of methods takes.
+const METHOD_STUDY_FLAGS: [&str; 8] =
     ["methods", "variants", "knobs", "budget", "seeds", "truth", "truth_time", "save_truth"];
 
-/// The study to make: of effects, or of methods.
+/// Flags that choose between a study of effects and a study of methods, and set up the latter.
 #[derive(Debug, Args)]
 pub struct StudyKind {
     /// Render the picture with and without each effect of the plan, to measure its cost and
     /// contribution
-    #[arg(long, conflicts_with_all = METHOD_STUDY)]
+    #[arg(long, conflicts_with_all = METHOD_STUDY_FLAGS)]
     pub effects: bool,
 
     /// Measure how the error of these methods falls with time, such as path,sppm  [default, without
@@ -318,13 +318,13 @@ pub struct StudyKind {
     pub budget: Duration,
 
     /// Number of pictures per method, with seeds from --seed upwards. They separate noise from bias
-    #[arg(long, value_parser = parse_seeds, default_value = "8", value_name = "N")]
+    #[arg(long, value_parser = parse_seed_count, default_value = "8", value_name = "N")]
     pub seeds: u32,
 
     /// Reference of the errors: auto (two references, rendered first), A.exr,B.exr (two independent
     /// ones) or A.exr (an exact one)
     #[arg(long, default_value = "auto", value_name = "FILES")]
-    pub truth: TruthFiles,
+    pub truth: ReferenceSource,
 
     /// Processor time of each of the two references of --truth auto  [default: four times --budget]
     #[arg(long, value_parser = parse_duration, value_name = "TIME")]
@@ -335,18 +335,18 @@ pub struct StudyKind {
     pub save_truth: Option<(PathBuf, PathBuf)>,
 }
 
-/// The reference that errors are measured against.
+/// Source of the reference pictures that errors are measured against: value of `--truth`.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum TruthFiles {
-    /// Two independent references, rendered by the study.
+pub enum ReferenceSource {
+    /// Two independent references that the study renders.
     Auto,
-    /// An exact reference.
+    /// File of an exact reference.
     One(PathBuf),
-    /// Two independent references.
+    /// Files of two independent references.
     Two(PathBuf, PathBuf),
 }
 
-impl FromStr for TruthFiles {
+impl FromStr for ReferenceSource {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -369,7 +369,7 @@ fn parse_file_pair(text: &str) -> Result<(PathBuf, PathBuf), String> {
 
 /// Arguments of `study`.
 #[derive(Debug, Args)]
-#[command(mut_arg("integrator", |integrator| integrator.requires("effects").conflicts_with_all(METHOD_STUDY)))]
+#[command(mut_arg("integrator", |integrator| integrator.requires("effects").conflicts_with_all(METHOD_STUDY_FLAGS)))]
 pub struct StudyArguments {
     #[command(flatten)]
     pub kind: StudyKind,
@@ -395,7 +395,7 @@ pub struct StudyArguments {
     pub passes: Option<u32>,
 
     /// Exposure of the full picture on the page in stops: +1 is twice as bright
-    #[arg(long, default_value = "0", value_parser = parse_stops, allow_negative_numbers = true, value_name = "STOPS")]
+    #[arg(long, default_value = "0", value_parser = parse_exposure_stops, allow_negative_numbers = true, value_name = "STOPS")]
     pub exposure: f32,
 
     /// Print JSON

@@ -2,7 +2,7 @@
 
 use super::args::SceneArguments;
 use super::plan::count_with_noun;
-use super::scene::{in_pool, load_with_file};
+use super::scene::{load_scene_and_file, with_thread_pool};
 use super::{Exit, Failure};
 use crate::format::SceneFile;
 use crate::plan::SceneFeatures;
@@ -10,45 +10,46 @@ use crate::scene::Scene;
 use glam::Vec2;
 use std::io::Write;
 
-/// Camera rays along each side of the picture that look for objects.
-const RAYS: u32 = 64;
+/// Side length of the grid of camera rays that search for visible objects.
+const RAYS_PER_SIDE: u32 = 64;
 
-/// Prints warnings, one line each, and a summary.
+/// Runs `caustica check`: prints one line for each warning, and a summary.
 pub(super) fn run(arguments: &SceneArguments) -> Result<Exit, Failure> {
-    in_pool(arguments, || {
-        let (file, scene) = load_with_file(arguments, &())?;
+    with_thread_pool(arguments, || {
+        let (file, scene) = load_scene_and_file(arguments, &())?;
         let mut lines = file.warnings();
         lines.extend(scene_warnings(&scene, arguments));
         let warnings = count_with_noun(lines.len(), "warning", "warnings");
         lines.push(format!("{}: no error, {warnings}", arguments.scene.display()));
         let mut out = std::io::stdout().lock();
         for line in &lines {
-            writeln!(out, "{}", printable(line)).map_err(Failure::output)?;
+            writeln!(out, "{}", replace_control_characters(line)).map_err(Failure::output_error)?;
         }
         Ok(Exit::Success)
     })
 }
 
-/// Returns the warnings that need no mesh to be read again, one line each; none about a scene
-/// without objects, which `render` notes itself.
-pub(super) fn cheap_warnings(file: &SceneFile, scene: &Scene, arguments: &SceneArguments) -> Vec<String> {
+/// Returns the warnings that `render` prints, one line each.
+///
+/// They need no second reading of meshes. `render` itself reports a scene without objects.
+pub(super) fn quick_scene_warnings(file: &SceneFile, scene: &Scene, arguments: &SceneArguments) -> Vec<String> {
     let mut lines = file.unused_item_warnings();
     if scene.triangle_count() + scene.shape_count() > 0 {
         lines.extend(scene_warnings(scene, arguments));
     }
-    lines.iter().map(|line| printable(line)).collect()
+    lines.iter().map(|line| replace_control_characters(line)).collect()
 }
 
-/// Returns `line` with control characters replaced.
-fn printable(line: &str) -> String {
+/// Replaces control characters by U+FFFD, so that a file name cannot control the terminal.
+fn replace_control_characters(line: &str) -> String {
     line.replace(char::is_control, "\u{fffd}")
 }
 
-/// Returns warnings that need the resolved scene, one line each.
+/// Returns warnings about what the camera sees and where photons land, one line each.
 fn scene_warnings(scene: &Scene, arguments: &SceneArguments) -> Vec<String> {
-    let features = SceneFeatures::of(scene);
+    let features = SceneFeatures::from_scene(scene);
     let mut warnings = Vec::new();
-    if !sees_objects(scene) {
+    if !camera_sees_objects(scene) {
         warnings.push("the camera sees no object: check `center` and `lookAt` or `direction`");
     }
     if features.lights > 0 && features.receivers == 0 && features.scattering_media == 0 && features.casters > 0 {
@@ -58,14 +59,14 @@ fn scene_warnings(scene: &Scene, arguments: &SceneArguments) -> Vec<String> {
     warnings.into_iter().map(|warning| format!("{name}: warning: {warning}")).collect()
 }
 
-/// True if a ray of a regular grid over the picture hits an object, or a medium fills the scene.
-fn sees_objects(scene: &Scene) -> bool {
+/// True if any camera ray of a regular grid hits an object, or a medium fills the scene.
+fn camera_sees_objects(scene: &Scene) -> bool {
     let (width, height) = scene.camera().size();
-    let position = |i: u32, pixels: u32| (i as f32 + 0.5) / RAYS as f32 * pixels as f32;
+    let position = |i: u32, pixels: u32| (i as f32 + 0.5) / RAYS_PER_SIDE as f32 * pixels as f32;
     let lens = scene.camera().lens().map(|_| Vec2::splat(0.5));
     scene.ambient_medium().is_some()
-        || (0..RAYS * RAYS).any(|i| {
-            let point = Vec2::new(position(i % RAYS, width), position(i / RAYS, height));
+        || (0..RAYS_PER_SIDE * RAYS_PER_SIDE).any(|i| {
+            let point = Vec2::new(position(i % RAYS_PER_SIDE, width), position(i / RAYS_PER_SIDE, height));
             scene.intersect(&scene.camera().ray(point, lens)).is_some()
         })
 }

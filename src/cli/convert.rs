@@ -1,12 +1,12 @@
 //! `caustica convert`: writes any scene that can be read as scene text.
 
-use super::outputs::{NamedFile, OutputFailures, check_distinct};
+use super::outputs::{NamedFile, OutputFailures, check_distinct_files};
 use super::progress::print_message;
 use super::{Exit, Failure};
 use crate::format::mesh::MeshFormat;
 use crate::format::{ConvertedScene, SceneFile, SceneReadError};
 use crate::image::{self, WriteOptions, replace_file_with};
-use crate::stats::Memory;
+use crate::stats::MemoryLimit;
 use clap::Args;
 use std::io::Write;
 use std::path::PathBuf;
@@ -25,14 +25,14 @@ pub struct ConvertArguments {
     pub force: bool,
 }
 
-/// An output that exists already.
+/// Error: an output file exists already, and `--force` is not given.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("`{}` exists already", .0.display())]
 #[diagnostic(help("choose another name, or replace it with --force"))]
 struct OutputExists(PathBuf);
 
 pub(super) fn run(arguments: &ConvertArguments) -> Result<Exit, Failure> {
-    let scene = SceneFile::read_within_memory(&arguments.scene, Memory::System).map_err(|e| {
+    let scene = SceneFile::read_within_memory(&arguments.scene, MemoryLimit::System).map_err(|e| {
         let exit = if matches!(e, SceneReadError::Memory { .. }) { Exit::Usage } else { Exit::Input };
         Failure::new(exit, e)
     })?;
@@ -41,20 +41,20 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<Exit, Failure> {
     let pictures = conversion.pictures.iter().map(|(path, _)| path);
     let outputs: Vec<&PathBuf> = std::iter::once(&arguments.output).chain(meshes).chain(pictures).collect();
     let named: Vec<NamedFile> = outputs.iter().map(|path| NamedFile::new("the output", path)).collect();
-    check_distinct(&named, &[NamedFile::new("the scene file", &arguments.scene)])?;
+    check_distinct_files(&named, &[NamedFile::new("the scene file", &arguments.scene)])?;
     if let Some(path) = outputs.iter().find(|path| !arguments.force && path.exists()) {
         return Err(Failure::new(Exit::Output, OutputExists((*path).clone())));
     }
     let mut failures = OutputFailures::default();
     for (path, mesh) in &conversion.meshes {
-        failures.take_ok(mesh.write(path, MeshFormat::Ply, &[]));
+        failures.ok_or_collect(mesh.write(path, MeshFormat::Ply, &[]));
     }
     for (path, picture) in &conversion.pictures {
-        failures.take_ok(image::write(path, picture, &WriteOptions::default()));
+        failures.ok_or_collect(image::write(path, picture, &WriteOptions::default()));
     }
     let written = replace_file_with(&arguments.output, |file| file.write_all(conversion.text.as_bytes()));
-    if failures.take_ok(written).is_some() {
+    if failures.ok_or_collect(written).is_some() {
         print_message(&format!("wrote {}", arguments.output.display()));
     }
-    failures.finish(Exit::Success)
+    failures.into_result(Exit::Success)
 }

@@ -1,4 +1,4 @@
-//! Messages that explain a black picture, or photons of which none was stored.
+//! Notes that explain a black picture, or a render that stored no photon.
 
 use super::plan::count_with_noun;
 use crate::color::Rgb;
@@ -13,7 +13,7 @@ pub(super) fn lights_have_no_power(scene: &Scene) -> bool {
     !scene.lights().is_empty() && scene.lights().iter().all(|light| light.power(scene.domain()) == Rgb::ZERO)
 }
 
-/// A note if photons were emitted, but none was stored in any pass.
+/// Returns a note if the passes emitted photons but stored none.
 pub(super) fn no_photon_stored_note(rendered: &RenderResult) -> Option<String> {
     let (global, caustic) = (&rendered.global, &rendered.caustic);
     let emitted = global.emitted + caustic.emitted;
@@ -26,7 +26,7 @@ pub(super) fn no_photon_stored_note(rendered: &RenderResult) -> Option<String> {
     Some(format!("note: {paths}, no photon stored: {}", flux_destinations(&audit)))
 }
 
-/// Shares of the photons' flux by where it ended.
+/// Returns a text with the shares of photon flux that were absorbed, escaped and stopped.
 fn flux_destinations(audit: &EnergyAudit) -> String {
     let sum = |flux: [f64; 3]| DVec3::from(flux).element_sum();
     let emitted = sum(audit.emitted);
@@ -40,7 +40,7 @@ fn flux_destinations(audit: &EnergyAudit) -> String {
     )
 }
 
-/// A note for a picture whose pixels are all black.
+/// Returns a note that explains why all pixels are black.
 pub(super) fn black_picture_note(lights: usize, powerless: bool) -> &'static str {
     match (lights, powerless) {
         (0, _) => "note: every pixel is black: the scene has no light",

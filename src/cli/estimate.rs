@@ -1,12 +1,14 @@
-//! `caustica estimate`: the passes, time and photons that an error takes, from a pilot render.
+//! `caustica estimate`: predicts the passes, time and photons until a given error.
+//!
+//! It renders a short pilot and extrapolates its error estimate.
 
-use super::interrupt::{INTERRUPTED, listen};
-use super::memory::{check_photons, check_pictures_with_error};
-use super::outlook::{self, ErrorEstimateUnsupported, duration_text};
-use super::plan::announce_plan;
+use super::forecast_text::{self, ErrorEstimateUnsupported, duration_text};
+use super::interrupt::{INTERRUPTED, listen_for_signals};
+use super::memory::{check_estimated_picture_memory, check_photon_memory};
+use super::plan::print_plan;
 use super::progress::Progress;
-use super::scene::{in_pool, load};
-use super::settings::{flags, settings};
+use super::scene::{load_scene, with_thread_pool};
+use super::settings::{method_flags, settings_from_arguments};
 use super::{EstimateArguments, Exit, Failure};
 use crate::integrate::{Algorithm, Integrator};
 use crate::render::error_estimate::{ErrorEstimate, ErrorForecast, PassesNeeded};
@@ -18,10 +20,10 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::time::Instant;
 
-/// Least number of passes of the pilot. Fewer sample rare paths too seldom.
+/// Smallest number of passes of the pilot. Fewer would miss rare paths.
 const MIN_PILOT_PASSES: u32 = 8;
 
-/// A pilot that was interrupted before its error could be estimated.
+/// Error: the pilot was interrupted before its error could be estimated.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("the pilot ended after {passes} passes, too few to estimate an error")]
 #[diagnostic(help("let it make at least four passes"))]
@@ -31,40 +33,41 @@ struct PilotTooShort {
 
 pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, Failure> {
     if arguments.method.integrator == Algorithm::Raycast {
-        return Err(Failure::usage(ErrorEstimateUnsupported { flag: "estimate" }));
+        return Err(Failure::usage_error(ErrorEstimateUnsupported { flag: "estimate" }));
     }
-    listen("the result of the pilot");
+    listen_for_signals("the result of the pilot");
     let progress = Progress::new(arguments.quiet);
-    in_pool(&arguments.scene, || {
+    with_thread_pool(&arguments.scene, || {
         let start = Instant::now();
-        let scene = load(&arguments.scene, &progress)?;
+        let scene = load_scene(&arguments.scene, &progress)?;
         let algorithm = arguments.method.integrator;
-        let mut settings = settings(&arguments.method, arguments.effects.effects);
+        let mut settings = settings_from_arguments(&arguments.method, arguments.effects.effects);
         settings.camera_paths.estimate_error = true;
-        let memory = arguments.scene.memory();
-        let pictures = check_pictures_with_error(1, scene.camera().size(), memory.free()).map_err(Failure::usage)?;
+        let memory = arguments.scene.memory_limit();
+        let pictures = check_estimated_picture_memory(1, scene.camera().size(), memory.available_bytes())
+            .map_err(Failure::usage_error)?;
         let integrator = algorithm.prepare(&scene, settings);
-        check_photons(integrator.expected(), pictures, memory.free()).map_err(Failure::usage)?;
-        announce_plan(integrator.as_ref(), &progress);
-        progress.finish();
+        check_photon_memory(integrator.expected(), pictures, memory.available_bytes()).map_err(Failure::usage_error)?;
+        print_plan(integrator.as_ref(), &progress);
+        progress.remove_bar();
         let setup = start.elapsed().as_secs_f64();
         let (rendered, pass_seconds) = render_pilot(arguments, integrator.as_ref(), scene.camera().size(), &progress);
-        let list = EstimateList::new(arguments, algorithm, &rendered, setup, pass_seconds);
-        let list = list.map_err(|e| Failure::new(Exit::Interrupted, e))?;
+        let report = CostEstimateReport::new(arguments, algorithm, &rendered, setup, pass_seconds);
+        let report = report.map_err(|e| Failure::new(Exit::Interrupted, e))?;
         let text = if arguments.json {
-            let json = serde_json::to_string_pretty(&list);
-            json.map_err(Failure::output)? + "\n"
+            let json = serde_json::to_string_pretty(&report);
+            json.map_err(Failure::output_error)? + "\n"
         } else {
-            list.table()
+            report.table()
         };
         let written = std::io::stdout().write_all(text.as_bytes());
-        written.map_err(Failure::output)?;
+        written.map_err(Failure::output_error)?;
         let interrupted = INTERRUPTED.load(std::sync::atomic::Ordering::Relaxed);
         Ok(if interrupted { Exit::Interrupted } else { Exit::Success })
     })
 }
 
-/// Renders the pilot. Returns it with the expected time of a later pass \[s].
+/// Renders the pilot. Returns it and the expected time of one later pass \[s].
 fn render_pilot(
     arguments: &EstimateArguments,
     integrator: &dyn Integrator,
@@ -79,24 +82,24 @@ fn render_pilot(
         interrupted: &INTERRUPTED,
     };
     let (began, mut first) = (Instant::now(), 0.0);
-    progress.pass(1, None);
+    progress.set_pass(1, None);
     progress.set_time_left(Some(arguments.pilot));
     let rendered = render(integrator, size, &stop, progress, |standing| {
         if standing.passes == 1 {
             first = began.elapsed().as_secs_f64();
         }
-        progress.pass(standing.passes + 1, None);
+        progress.set_pass(standing.passes + 1, None);
     });
-    progress.finish();
+    progress.remove_bar();
     // The first pass takes longer, because caches are cold.
     let (passes, wall) = (rendered.film.passes(), rendered.wall.as_secs_f64());
     let pass_seconds = if passes > 2 { (wall - first) / f64::from(passes - 1) } else { wall / f64::from(passes) };
     (rendered, pass_seconds)
 }
 
-/// Estimated costs of all requested errors.
+/// JSON report of `caustica estimate`: estimated costs of all requested errors.
 #[derive(Debug, Serialize)]
-struct EstimateList {
+struct CostEstimateReport {
     schema: u32,
     version: &'static str,
     scene: String,
@@ -111,14 +114,14 @@ struct EstimateList {
     pass_photons: f64,
     peak_memory_bytes: Option<u64>,
     #[serde(rename = "prices")]
-    estimates: Vec<Estimate>,
+    estimates: Vec<CostEstimate>,
 }
 
-/// Estimated cost of one error.
+/// Estimated cost of reaching one relative error.
 #[derive(Debug, Serialize)]
-struct Estimate {
+struct CostEstimate {
     error: f64,
-    /// Passes that the error takes; `None` if no number of passes is enough.
+    /// Number of passes to reach the error; `None` if no number is enough.
     passes: Option<u32>,
     /// Time of the preparation and the passes \[s].
     seconds: Option<f64>,
@@ -127,13 +130,13 @@ struct Estimate {
     /// Time if the pilot's error is at the upper end of its interval \[s].
     seconds_high: Option<f64>,
     photons: Option<f64>,
-    /// Bias that stays, if the error cannot be reached.
+    /// Bias that no number of passes removes; `None` if the error can be reached.
     floor: Option<f64>,
     /// Flags of `caustica render` that give this error.
     flags: Option<String>,
 }
 
-impl EstimateList {
+impl CostEstimateReport {
     fn new(
         arguments: &EstimateArguments,
         algorithm: Algorithm,
@@ -147,7 +150,7 @@ impl EstimateList {
         let forecast = estimator.and_then(|estimator| estimator.forecast(&pilot));
         let forecast = forecast.ok_or(PilotTooShort { passes })?;
         let pass_photons = (rendered.global.emitted + rendered.caustic.emitted) as f64 / f64::from(passes);
-        let mut words = flags(&arguments.method, "--effects", arguments.effects.effects);
+        let mut words = method_flags(&arguments.method, "--effects", arguments.effects.effects);
         if arguments.method.seed != 0 {
             words.extend(["--seed".to_owned(), arguments.method.seed.to_string()]);
         }
@@ -156,8 +159,8 @@ impl EstimateList {
         }
         let words = words.join(" ");
         let estimate = |error: &f64| {
-            let estimate = Estimate::new(*error, &pilot, &forecast, (setup, pass_seconds, pass_photons));
-            Estimate { flags: estimate.passes.map(|n| format!("{words} --passes {n}")), ..estimate }
+            let estimate = CostEstimate::new(*error, &pilot, &forecast, (setup, pass_seconds, pass_photons));
+            CostEstimate { flags: estimate.passes.map(|n| format!("{words} --passes {n}")), ..estimate }
         };
         let (width, height) = rendered.film.size();
         Ok(Self {
@@ -186,7 +189,7 @@ impl EstimateList {
             self.width,
             self.height,
             pilot.passes,
-            outlook::error_text(pilot)
+            forecast_text::error_text(pilot)
         );
         let _ = writeln!(
             text,
@@ -197,7 +200,9 @@ impl EstimateList {
             let error = percent_text(estimate.error);
             let (Some(passes), Some(time)) = (estimate.passes, estimate.seconds) else {
                 let why = match estimate.floor {
-                    Some(floor) => format!("never: {} is bias that stays; {}", percent_text(floor), outlook::REMEDY),
+                    Some(floor) => {
+                        format!("never: {} is bias that stays; {}", percent_text(floor), forecast_text::BIAS_REMEDY)
+                    }
                     None => "more than ten million passes".to_owned(),
                 };
                 let _ = writeln!(text, "  {error:>7} {why}");
@@ -217,7 +222,7 @@ impl EstimateList {
     }
 }
 
-impl Estimate {
+impl CostEstimate {
     fn new(
         error: f64,
         pilot: &ErrorEstimate,

@@ -5,7 +5,7 @@ use miette::{Diagnostic, MietteHandlerOpts, Report};
 use std::io::Write;
 use std::process::ExitCode;
 
-/// Exit code of the program.
+/// Exit code of the program `caustica`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Exit {
@@ -19,7 +19,8 @@ pub enum Exit {
     Output = 3,
     /// Pictures differ by more than `caustica diff` allows.
     Differ = 4,
-    /// Interrupted. After one signal the outputs so far were written; after two, none were.
+    /// A signal such as Ctrl-C interrupted the command. The first signal still writes the outputs;
+    /// a second one ends the program without them.
     Interrupted = 130,
 }
 
@@ -29,7 +30,7 @@ impl From<Exit> for ExitCode {
     }
 }
 
-/// Why a command failed.
+/// Failure of a command: error reports and the exit code.
 #[derive(Debug)]
 pub struct Failure {
     /// The reports to show, at least one.
@@ -43,18 +44,18 @@ impl Failure {
         Self { reports: vec![report.into()], exit }
     }
 
-    /// A command line that cannot be followed.
-    pub(super) fn usage(report: impl Into<Report>) -> Self {
+    /// Makes a failure for a command line that asks for something impossible.
+    pub(super) fn usage_error(report: impl Into<Report>) -> Self {
         Self::new(Exit::Usage, report)
     }
 
-    /// An output that cannot be written.
-    pub(super) fn output(error: impl std::error::Error + Send + Sync + 'static) -> Self {
+    /// Makes a failure for an output that cannot be written.
+    pub(super) fn output_error(error: impl std::error::Error + Send + Sync + 'static) -> Self {
         Self::new(Exit::Output, Report::from_err(error))
     }
 
-    /// Writes the reports to the standard error, in place of a progress bar.
-    pub fn show(&self) {
+    /// Removes the progress bar and prints the reports to the standard error.
+    pub fn print_reports(&self) {
         clear_bar();
         for report in &self.reports {
             // A closed stderr must not turn an error into a panic.
@@ -63,18 +64,18 @@ impl Failure {
     }
 }
 
-/// Makes reports print each cause once. Must be called before the first report is made.
+/// Sets up error reports that print each cause once. Call it before the first report is made.
 pub(super) fn install_report_style() {
-    // A second call changes nothing, which is what a second command in one process needs.
+    // A second call in one process fails and changes nothing.
     let _ = miette::set_hook(Box::new(|diagnostic| {
         let options = MietteHandlerOpts::new();
-        let options = if states_causes(diagnostic) { options.without_cause_chain() } else { options };
+        let options = if message_includes_causes(diagnostic) { options.without_cause_chain() } else { options };
         Box::new(options.build())
     }));
 }
 
 /// True if the message of a diagnostic contains the messages of all its causes.
-fn states_causes(diagnostic: &dyn Diagnostic) -> bool {
+fn message_includes_causes(diagnostic: &dyn Diagnostic) -> bool {
     let message = diagnostic.to_string();
     let mut cause = diagnostic.source();
     while let Some(error) = cause {
@@ -92,7 +93,7 @@ mod tests {
     use std::io;
 
     #[derive(Debug, thiserror::Error, Diagnostic)]
-    enum Sample {
+    enum SampleError {
         #[error("cannot write: {source}")]
         Inline { source: io::Error },
         #[error("cannot read")]
@@ -102,7 +103,7 @@ mod tests {
     #[test]
     fn a_stated_cause_is_not_printed_again() {
         let source = || io::Error::other("disk full");
-        assert!(states_causes(&Sample::Inline { source: source() }));
-        assert!(!states_causes(&Sample::Apart { source: source() }));
+        assert!(message_includes_causes(&SampleError::Inline { source: source() }));
+        assert!(!message_includes_causes(&SampleError::Apart { source: source() }));
     }
 }

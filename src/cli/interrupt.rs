@@ -11,8 +11,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// True after the first interrupting signal.
 pub(super) static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-/// Starts to handle signals. `kept` names what the first one still writes, such as "the picture".
-pub(super) fn listen(kept: &'static str) {
+/// Starts to handle signals.
+///
+/// `kept` names the output that is still written after the first signal, such as "the picture".
+pub(super) fn listen_for_signals(kept: &'static str) {
     on_signal(move || {
         if INTERRUPTED.swap(true, Ordering::Relaxed) {
             clear_bar();
@@ -24,11 +26,11 @@ pub(super) fn listen(kept: &'static str) {
     });
 }
 
-/// Calls `handle` on a thread of its own for each interrupting signal.
+/// Starts a thread that calls `handle` for each interrupting signal.
 ///
 /// SIGTERM and SIGHUP stay ignored in a process that was started with them ignored (`nohup`).
 /// Where the system does not report which signals are ignored (all but Linux), SIGHUP keeps its
-/// default action. Without a handler a signal ends the process at once.
+/// default action. If no handler can be installed, a signal ends the process at once.
 #[cfg(unix)]
 fn on_signal(handle: impl Fn() + Send + 'static) {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
@@ -42,8 +44,7 @@ fn on_signal(handle: impl Fn() + Send + 'static) {
     }
 }
 
-/// Set of ignored signals: bit `n - 1` stands for signal `n`. `None` if the system does not report
-/// it.
+/// Returns the set of ignored signals: bit `n - 1` stands for signal `n`. `None` if unknown.
 #[cfg(unix)]
 fn ignored_signals() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
@@ -51,7 +52,7 @@ fn ignored_signals() -> Option<u64> {
     u64::from_str_radix(mask.trim(), 16).ok()
 }
 
-/// Calls `handle` on a thread of its own for each Ctrl-C.
+/// Starts a thread that calls `handle` for each Ctrl-C.
 #[cfg(not(unix))]
 fn on_signal(handle: impl Fn() + Send + 'static) {
     let _ = ctrlc::set_handler(handle);

@@ -2,28 +2,27 @@
 
 use crate::image::{MAX_PIXELS, SizeError};
 use crate::integrate::Expected;
-use crate::stats::bytes;
+use crate::stats::format_bytes;
 
-/// Bytes per pixel of a render without an error estimate. Measured: 85.
+/// Bytes of memory per pixel that a render without an error estimate needs. Measured: 85.
 ///
-/// The film takes 48, a pass 12, its row positions 1, and the ray distribution of `--adaptive` 20.
-/// After the last pass, the mean and the encoded file take the memory of the pass.
+/// The film takes 48 bytes, a pass 12, its row positions 1, and the ray distribution of
+/// `--adaptive` 20. After the last pass, the mean and the encoded file reuse the pass's memory.
 const BYTES_PER_PIXEL: u64 = 86;
 
-/// Additional bytes per pixel of an error estimate. Measured with [`BYTES_PER_PIXEL`]: 341, and 358
-/// with error maps.
+/// Bytes of memory per pixel that an error estimate adds to [`BYTES_PER_PIXEL`].
 ///
-/// The nested estimates of a pass take 48, noise 24, finer discs 48, discs 24, three pictures each
-/// of passes and of finer discs 72, and the relative scale 24. The rest is for evaluation and maps.
+/// Measured sum of both: 341, or 358 with error maps. The estimate keeps about twenty RGB values
+/// per pixel, for noise and for nested density estimates.
 const BYTES_PER_ESTIMATED_PIXEL: u64 = 274;
 
-/// Bytes per stored photon while the photon map is built.
+/// Bytes of memory per stored photon while the photon map is built.
 ///
-/// The photon takes 32, its sorted copy 32, and the copy's key 16; later the tree takes 33 in place
-/// of the key. The rest is the slack of growing lists.
+/// A photon takes 32 bytes, its sorted copy 32, and the copy's sort key 16. The tree later takes
+/// 33 bytes in place of the key. The rest is unused capacity of growing lists.
 const BYTES_PER_PHOTON: u64 = 100;
 
-/// Why a render does not fit into memory.
+/// Reason why a render does not fit into memory.
 #[derive(Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
 pub(super) enum MemoryError {
     /// A picture with more pixels than any may have.
@@ -34,47 +33,51 @@ pub(super) enum MemoryError {
     #[error(
         "{} of {width} × {height} pixels {} of memory, and {} are free",
         if *count == 1 { "a picture".to_owned() } else { format!("{count} pictures") },
-        format_args!("take{} {}", if *count == 1 { "s" } else { "" }, bytes(*needed)),
-        bytes(*free)
+        format_args!("take{} {}", if *count == 1 { "s" } else { "" }, format_bytes(*needed)),
+        format_bytes(*free)
     )]
     #[diagnostic(help(
         "choose a smaller --size, or allow more --memory; --no-error-estimate reduces the memory to a quarter"
     ))]
     Picture { count: usize, width: u32, height: u32, needed: u64, free: u64 },
-    /// More photons than 32-bit indices.
+    /// More photons than 32-bit indices can address.
     #[error("a pass of {paths} photon paths would store about {stored} photons, and {} can be indexed", u32::MAX)]
-    #[diagnostic(help("{REMEDY}"))]
+    #[diagnostic(help("{PHOTON_MEMORY_REMEDY}"))]
     Indices { paths: u64, stored: u64 },
     /// Photons that do not fit into memory.
     #[error(
         "a pass of {paths} photon paths would store about {stored} photons, which take {} of memory, and {} are free",
-        bytes(*needed),
-        bytes(*free)
+        format_bytes(*needed),
+        format_bytes(*free)
     )]
-    #[diagnostic(help("{REMEDY}"))]
+    #[diagnostic(help("{PHOTON_MEMORY_REMEDY}"))]
     Photons { paths: u64, stored: u64, needed: u64, free: u64 },
 }
 
-const REMEDY: &str = "choose fewer --photons or --caustic-photons and more --passes: only one pass of photons is in memory at a time; \
+const PHOTON_MEMORY_REMEDY: &str = "choose fewer --photons or --caustic-photons and more --passes: only one pass of photons is in memory at a time; \
      or allow more --memory";
 
 /// Returns the bytes that `count` pictures take.
 ///
 /// # Errors
 /// [`MemoryError`] if the pictures need more than `free` bytes, or one has too many pixels.
-pub(super) fn check_pictures(count: usize, size: (u32, u32), free: Option<u64>) -> Result<u64, MemoryError> {
-    check(count, size, BYTES_PER_PIXEL, free)
+pub(super) fn check_picture_memory(count: usize, size: (u32, u32), free: Option<u64>) -> Result<u64, MemoryError> {
+    check_pixel_memory(count, size, BYTES_PER_PIXEL, free)
 }
 
-/// Returns the bytes that `count` pictures with error estimates take, like [`check_pictures`].
+/// Returns the bytes that `count` pictures with error estimates take.
 ///
 /// # Errors
-/// [`MemoryError`], like [`check_pictures`].
-pub(super) fn check_pictures_with_error(count: usize, size: (u32, u32), free: Option<u64>) -> Result<u64, MemoryError> {
-    check(count, size, BYTES_PER_PIXEL + BYTES_PER_ESTIMATED_PIXEL, free)
+/// [`MemoryError`] if the pictures need more than `free` bytes, or one has too many pixels.
+pub(super) fn check_estimated_picture_memory(
+    count: usize,
+    size: (u32, u32),
+    free: Option<u64>,
+) -> Result<u64, MemoryError> {
+    check_pixel_memory(count, size, BYTES_PER_PIXEL + BYTES_PER_ESTIMATED_PIXEL, free)
 }
 
-fn check(
+fn check_pixel_memory(
     count: usize,
     (width, height): (u32, u32),
     bytes_per_pixel: u64,
@@ -91,13 +94,13 @@ fn check(
     }
 }
 
-/// Checks that the photons of a pass can be indexed and fit into memory.
+/// Checks that the photons of a pass fit into memory and into 32-bit indices.
 ///
 /// `free` is the free memory \[bytes], if known. `pictures` bytes of it are reserved for pictures.
 ///
 /// # Errors
-/// [`MemoryError`] if they cannot, or do not fit.
-pub(super) fn check_photons(expected: Expected, pictures: u64, free: Option<u64>) -> Result<(), MemoryError> {
+/// [`MemoryError`] if there are too many photons.
+pub(super) fn check_photon_memory(expected: Expected, pictures: u64, free: Option<u64>) -> Result<(), MemoryError> {
     let free = free.map(|free| free.saturating_sub(pictures));
     let Expected { paths, photons: stored, most } = expected;
     if most > u64::from(u32::MAX) {
@@ -116,17 +119,17 @@ mod tests {
 
     #[test]
     fn too_large_pictures_are_refused() {
-        assert_eq!(check_pictures(1, (16_384, 16_384), None), Ok(86 << 28));
-        assert!(matches!(check_pictures(1, (16_385, 16_384), None), Err(MemoryError::Pixels(_))));
-        assert_eq!(check_pictures(1, (1000, 1000), Some(86_000_000)), Ok(86_000_000));
-        let refused = check_pictures(1, (1000, 1000), Some(85_999_999)).unwrap_err().to_string();
+        assert_eq!(check_picture_memory(1, (16_384, 16_384), None), Ok(86 << 28));
+        assert!(matches!(check_picture_memory(1, (16_385, 16_384), None), Err(MemoryError::Pixels(_))));
+        assert_eq!(check_picture_memory(1, (1000, 1000), Some(86_000_000)), Ok(86_000_000));
+        let refused = check_picture_memory(1, (1000, 1000), Some(85_999_999)).unwrap_err().to_string();
         assert!(refused.contains("a picture of 1000 × 1000") && refused.contains("86.0 MB"), "{refused}");
         assert!(matches!(
-            check_pictures_with_error(1, (1000, 1000), Some(359_999_999)),
+            check_estimated_picture_memory(1, (1000, 1000), Some(359_999_999)),
             Err(MemoryError::Picture { .. })
         ));
-        assert_eq!(check_pictures(4, (500, 500), Some(86_000_000)), Ok(86_000_000));
-        let refused = check_pictures(5, (500, 500), Some(86_000_000)).unwrap_err().to_string();
+        assert_eq!(check_picture_memory(4, (500, 500), Some(86_000_000)), Ok(86_000_000));
+        let refused = check_picture_memory(5, (500, 500), Some(86_000_000)).unwrap_err().to_string();
         assert!(refused.contains("5 pictures of 500 × 500 pixels take 107.5 MB"), "{refused}");
     }
 
@@ -134,13 +137,16 @@ mod tests {
     fn too_many_photons_are_refused() {
         let index = u64::from(u32::MAX);
         let expected = |photons, most| Expected { paths: 1, photons, most };
-        assert_eq!(check_photons(expected(2 * index, index), 0, None), Ok(()));
-        assert!(matches!(check_photons(expected(2 * index, index + 1), 0, None), Err(MemoryError::Indices { .. })));
-        assert_eq!(check_photons(expected(1000, 600), 0, Some(100_000)), Ok(()));
-        assert_eq!(check_photons(expected(1000, 600), 7, Some(100_007)), Ok(()));
-        assert!(check_photons(expected(1000, 600), 8, Some(100_007)).is_err());
+        assert_eq!(check_photon_memory(expected(2 * index, index), 0, None), Ok(()));
         assert!(matches!(
-            check_photons(expected(1001, 600), 0, Some(100_000)),
+            check_photon_memory(expected(2 * index, index + 1), 0, None),
+            Err(MemoryError::Indices { .. })
+        ));
+        assert_eq!(check_photon_memory(expected(1000, 600), 0, Some(100_000)), Ok(()));
+        assert_eq!(check_photon_memory(expected(1000, 600), 7, Some(100_007)), Ok(()));
+        assert!(check_photon_memory(expected(1000, 600), 8, Some(100_007)).is_err());
+        assert!(matches!(
+            check_photon_memory(expected(1001, 600), 0, Some(100_000)),
             Err(MemoryError::Photons { stored: 1001, .. })
         ));
     }

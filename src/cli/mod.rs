@@ -8,11 +8,11 @@ mod diagnostics;
 mod diff;
 mod estimate;
 mod failure;
+mod forecast_text;
 mod interrupt;
 mod memory;
 mod mesh;
 mod number;
-mod outlook;
 mod outputs;
 mod plan;
 mod progress;
@@ -25,7 +25,7 @@ mod study;
 
 pub use args::{Arguments, Command, EstimateArguments, PlanArguments, RenderArguments, StudyArguments};
 pub use convert::ConvertArguments;
-pub use diff::{DiffArguments, FlipName, MapKind};
+pub use diff::{DiffArguments, ErrorMapKind, FlipModeArgument};
 pub use failure::{Exit, Failure};
 pub use mesh::MeshArguments;
 

@@ -1,4 +1,4 @@
-//! Parsers of the numbers on the command line.
+//! Parsers of numbers on the command line.
 
 use crate::image::MAX_EXPOSURE_STOPS;
 use crate::image::flip::PIXELS_PER_DEGREE_RANGE;
@@ -45,9 +45,9 @@ pub(super) fn parse_positive_count(text: &str) -> Result<u32, String> {
     }
 }
 
-/// Parses the largest number of photons in a density estimate.
+/// Parses the largest number of photons in a density estimate; 1 is refused.
 ///
-/// The last photon only bounds the disc, so an estimate with one photon would be 0.
+/// The farthest photon only sets the disc's radius, so an estimate with one photon would be 0.
 pub(super) fn parse_gather_count(text: &str) -> Result<u32, String> {
     match parse_count(text)? {
         1 => Err(
@@ -59,7 +59,7 @@ pub(super) fn parse_gather_count(text: &str) -> Result<u32, String> {
     }
 }
 
-/// Largest number of threads. Starting more takes longer than they save.
+/// Largest accepted number of threads.
 const MAX_THREADS: u32 = 1024;
 
 /// Parses a seed of random numbers.
@@ -67,11 +67,11 @@ pub(super) fn parse_seed(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_| format!("`{text}` is not a seed: write a whole number from 0 to {}", u64::MAX))
 }
 
-/// Largest number of seeds of a study. More cost more than longer runs with fewer seeds.
+/// Largest accepted number of seeds of a study.
 const MAX_SEEDS: u32 = 1000;
 
 /// Parses the number of seeds of a study.
-pub(super) fn parse_seeds(text: &str) -> Result<u32, String> {
+pub(super) fn parse_seed_count(text: &str) -> Result<u32, String> {
     match parse_count(text)? {
         0 | 1 => Err("it must be at least 2: one picture cannot separate noise from bias".to_owned()),
         n @ ..=MAX_SEEDS => Ok(n),
@@ -88,7 +88,7 @@ pub(super) fn parse_threads(text: &str) -> Result<u32, String> {
 }
 
 /// Parses an exposure in stops.
-pub(super) fn parse_stops(text: &str) -> Result<f32, String> {
+pub(super) fn parse_exposure_stops(text: &str) -> Result<f32, String> {
     let value = text.parse::<f32>().ok().filter(|x| x.abs() <= MAX_EXPOSURE_STOPS);
     value.ok_or_else(|| {
         format!("`{text}` is not an exposure: write a number from -{MAX_EXPOSURE_STOPS} to {MAX_EXPOSURE_STOPS}")
@@ -123,33 +123,34 @@ pub(super) fn parse_length(text: &str) -> Result<f32, String> {
     value.ok_or_else(|| format!("`{text}` is not a length: write a number above 0, in scene units"))
 }
 
-/// Parses a length of at least zero, in units of the mesh.
+/// Parses a length of at least zero, in units of the mesh file.
 pub(super) fn parse_distance(text: &str) -> Result<f64, String> {
-    parse_within(text, |x| x >= 0.0).ok_or_else(|| format!("`{text}` is not a length: write a number of at least 0"))
+    parse_number_where(text, |x| x >= 0.0)
+        .ok_or_else(|| format!("`{text}` is not a length: write a number of at least 0"))
 }
 
 /// Parses a factor above zero.
-pub(super) fn parse_above_zero(text: &str) -> Result<f64, String> {
-    parse_within(text, |x| x > 0.0).ok_or_else(|| format!("`{text}` is not a factor: write a number above 0"))
+pub(super) fn parse_positive_factor(text: &str) -> Result<f64, String> {
+    parse_number_where(text, |x| x > 0.0).ok_or_else(|| format!("`{text}` is not a factor: write a number above 0"))
 }
 
-/// Parses an exponent above 0 and at most 1.
+/// Parses the exponent α by which gather radii shrink, in (0, 1].
 pub(super) fn parse_alpha(text: &str) -> Result<f64, String> {
-    parse_within(text, |x| x > 0.0 && x <= 1.0)
+    parse_number_where(text, |x| x > 0.0 && x <= 1.0)
         .ok_or_else(|| format!("`{text}` is not an exponent of the radii: write a number above 0 and at most 1"))
 }
 
 /// Parses a fraction of at least zero, such as `2%` or `0.02`.
 pub(super) fn parse_fraction(text: &str) -> Result<f64, String> {
     let (digits, scale) = text.strip_suffix('%').map_or((text, 1.0), |digits| (digits.trim_end(), 100.0));
-    let value = parse_within(digits, |x| x >= 0.0).map(|x| x / scale);
+    let value = parse_number_where(digits, |x| x >= 0.0).map(|x| x / scale);
     value.ok_or_else(|| format!("`{text}` is not a fraction: write it as 2% or 0.02"))
 }
 
 /// Parses a relative error above zero, such as `2%` or `0.02`.
 ///
 /// A number of at least 1 without a percent sign is refused: `2` is more likely 2 % than 200 %.
-pub(super) fn parse_error(text: &str) -> Result<f64, String> {
+pub(super) fn parse_relative_error(text: &str) -> Result<f64, String> {
     match parse_fraction(text) {
         Ok(x) if x >= 1.0 && !text.ends_with('%') => {
             let percent = 100.0 * x;
@@ -160,7 +161,7 @@ pub(super) fn parse_error(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Parses a confidence from one half to less than one.
+/// Parses a confidence from 50 % to less than 100 %.
 pub(super) fn parse_confidence(text: &str) -> Result<Confidence, String> {
     let part = parse_fraction(text).ok().filter(|x| (0.5..1.0).contains(x)).and_then(Confidence::new);
     part.ok_or_else(|| format!("`{text}` is not a confidence: write a fraction from 50% to less than 100%"))
@@ -168,34 +169,35 @@ pub(super) fn parse_confidence(text: &str) -> Result<Confidence, String> {
 
 /// Parses an angle from 0 to 180 degrees.
 pub(super) fn parse_degrees(text: &str) -> Result<f64, String> {
-    parse_within(text, |x| (0.0..=180.0).contains(&x))
+    parse_number_where(text, |x| (0.0..=180.0).contains(&x))
         .ok_or_else(|| format!("`{text}` is not an angle between faces: write degrees from 0 to 180"))
 }
 
 /// Parses an upper bound of at least zero.
-pub(super) fn parse_bound(text: &str) -> Result<f64, String> {
-    parse_within(text, |x| x >= 0.0).ok_or_else(|| format!("`{text}` is not a bound: write a number of at least 0"))
+pub(super) fn parse_upper_bound(text: &str) -> Result<f64, String> {
+    parse_number_where(text, |x| x >= 0.0)
+        .ok_or_else(|| format!("`{text}` is not a bound: write a number of at least 0"))
 }
 
-/// Parses pixels per degree of the viewer's field of view.
+/// Parses the viewer's resolution for FLIP, in pixels per degree of the visual angle.
 pub(super) fn parse_pixels_per_degree(text: &str) -> Result<f64, String> {
     let (least, most) = (PIXELS_PER_DEGREE_RANGE.start(), PIXELS_PER_DEGREE_RANGE.end());
-    parse_within(text, |x| PIXELS_PER_DEGREE_RANGE.contains(&x)).ok_or_else(|| {
+    parse_number_where(text, |x| PIXELS_PER_DEGREE_RANGE.contains(&x)).ok_or_else(|| {
         format!("`{text}` is not a resolution: write a number of pixels per degree from {least} to {most}")
     })
 }
 
-/// Parses three numbers separated by commas.
+/// Parses the coordinates of a point: three numbers separated by commas.
 pub(super) fn parse_point(text: &str) -> Result<DVec3, String> {
-    let numbers: Option<Vec<f64>> = text.split(',').map(|part| parse_within(part.trim(), |_| true)).collect();
+    let numbers: Option<Vec<f64>> = text.split(',').map(|part| parse_number_where(part.trim(), |_| true)).collect();
     match numbers.as_deref() {
         Some(&[x, y, z]) => Ok(DVec3::new(x, y, z)),
         _ => Err(format!("`{text}` is not a point: write three numbers such as 0,1.5,-2")),
     }
 }
 
-/// Parses a finite number that fulfils `rule`.
-fn parse_within(text: &str, rule: impl Fn(f64) -> bool) -> Option<f64> {
+/// Parses a finite number for which `rule` is true.
+fn parse_number_where(text: &str, rule: impl Fn(f64) -> bool) -> Option<f64> {
     text.parse::<f64>().ok().filter(|x| x.is_finite() && rule(*x))
 }
 

@@ -1,16 +1,16 @@
-//! The files that a command reads and writes, checked against each other before any work.
+//! Checks that a command's output files are distinct, and collection of their write errors.
 
 use super::{Exit, Failure};
 use crate::image::canonical_output_path;
 use miette::Report;
 use std::path::{Path, PathBuf};
 
-/// A file of a command and the flag or role that names it.
+/// A file that a command reads or writes, with its role for error messages.
 #[derive(Clone, Debug)]
 pub(super) struct NamedFile {
     /// Flag such as `--stats`, or role such as "the scene file".
     role: &'static str,
-    /// Path as typed or found.
+    /// Path as given on the command line or in the scene.
     path: PathBuf,
     /// Path after all links are resolved.
     resolved: PathBuf,
@@ -22,43 +22,43 @@ impl NamedFile {
     }
 }
 
-/// Two roles of one file.
+/// Error: one file has two roles, such as two outputs.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("{} `{}` and {} `{}` are the same file", output.role, output.path.display(), other.role, other.path.display())]
 #[diagnostic(help("choose another path for {}", output.role))]
-struct SameFile {
+struct SameFileError {
     output: NamedFile,
     other: NamedFile,
 }
 
-/// Refuses outputs that are the same file as another output or as an input.
-pub(super) fn check_distinct(outputs: &[NamedFile], inputs: &[NamedFile]) -> Result<(), Failure> {
+/// Returns a failure if an output is the same file as another output or an input.
+pub(super) fn check_distinct_files(outputs: &[NamedFile], inputs: &[NamedFile]) -> Result<(), Failure> {
     for (i, output) in outputs.iter().enumerate() {
         let mut others = inputs.iter().chain(&outputs[..i]);
         if let Some(other) = others.find(|other| other.resolved == output.resolved) {
-            return Err(Failure::usage(SameFile { output: output.clone(), other: other.clone() }));
+            return Err(Failure::usage_error(SameFileError { output: output.clone(), other: other.clone() }));
         }
     }
     Ok(())
 }
 
-/// Collects the failures of several outputs, so that one does not prevent the others.
+/// Errors of several outputs. An output that fails does not prevent the others.
 #[derive(Debug, Default)]
 pub(super) struct OutputFailures(Vec<Report>);
 
 impl OutputFailures {
-    /// Returns the value of `result`; `None` if it is an error, which is collected.
-    pub fn take_ok<T>(&mut self, result: Result<T, impl std::error::Error + Send + Sync + 'static>) -> Option<T> {
+    /// Returns the value of `result`. Collects an error and returns `None`.
+    pub fn ok_or_collect<T>(&mut self, result: Result<T, impl std::error::Error + Send + Sync + 'static>) -> Option<T> {
         result.map_err(|error| self.0.push(Report::from_err(error))).ok()
     }
 
-    /// Returns the value of `result`; `None` if it is a report, which is collected.
-    pub fn take_ok_report<T>(&mut self, result: miette::Result<T>) -> Option<T> {
+    /// Returns the value of `result`. Collects a report and returns `None`.
+    pub fn ok_or_collect_report<T>(&mut self, result: miette::Result<T>) -> Option<T> {
         result.map_err(|report| self.0.push(report)).ok()
     }
 
-    /// Returns `exit` if every output was written, else the collected failures.
-    pub fn finish(self, exit: Exit) -> Result<Exit, Failure> {
+    /// Returns `exit` if nothing failed, else the collected errors with [`Exit::Output`].
+    pub fn into_result(self, exit: Exit) -> Result<Exit, Failure> {
         if self.0.is_empty() { Ok(exit) } else { Err(Failure { reports: self.0, exit: Exit::Output }) }
     }
 }
@@ -68,7 +68,7 @@ mod tests {
     use super::*;
 
     fn collision_message(outputs: &[NamedFile], inputs: &[NamedFile]) -> Option<String> {
-        check_distinct(outputs, inputs).err().map(|failure| failure.reports[0].to_string())
+        check_distinct_files(outputs, inputs).err().map(|failure| failure.reports[0].to_string())
     }
 
     #[test]

@@ -1,9 +1,9 @@
-//! `caustica plan`, and the lines about a plan that other commands print.
+//! `caustica plan`, and texts about a plan for other commands.
 
 use super::args::PlanArguments;
 use super::progress::{Progress, print_message};
-use super::scene::{in_pool, load};
-use super::settings::settings;
+use super::scene::{load_scene, with_thread_pool};
+use super::settings::settings_from_arguments;
 use super::{Exit, Failure};
 use crate::integrate::{Algorithm, Balance, Integrator};
 use crate::plan::{Decision, Effect, Plan, SceneFeatures};
@@ -14,28 +14,28 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 
 pub(super) fn run(arguments: &PlanArguments) -> Result<Exit, Failure> {
-    in_pool(&arguments.scene, || {
-        let scene = load(&arguments.scene, &())?;
+    with_thread_pool(&arguments.scene, || {
+        let scene = load_scene(&arguments.scene, &())?;
         let algorithm = arguments.method.integrator;
-        let settings = settings(&arguments.method, arguments.effects.effects);
+        let settings = settings_from_arguments(&arguments.method, arguments.effects.effects);
         let integrator = algorithm.prepare(&scene, settings);
         let (plan, balance) = (integrator.plan(), integrator.balance());
         let work = expected_work(integrator.as_ref());
         let text = if arguments.json {
-            let report = Report::new(arguments.scene.scene.display().to_string(), algorithm, plan, balance, &work);
+            let report = PlanReport::new(arguments.scene.scene.display().to_string(), algorithm, plan, balance, &work);
             let json = serde_json::to_string_pretty(&report);
-            json.map_err(Failure::output)? + "\n"
+            json.map_err(Failure::output_error)? + "\n"
         } else {
             plan_table(algorithm, plan, balance, &work)
         };
         let written = std::io::stdout().write_all(text.as_bytes());
-        written.map_err(Failure::output)?;
+        written.map_err(Failure::output_error)?;
         Ok(Exit::Success)
     })
 }
 
-/// The simulated and the omitted effects in a line.
-pub(super) fn effects_line(plan: &Plan) -> String {
+/// Returns a line that lists the simulated and the omitted effects.
+pub(super) fn simulated_effects_line(plan: &Plan) -> String {
     let names = |keep: fn(&Decision) -> bool| {
         let names: Vec<&str> = plan.decisions.iter().filter(|d| keep(d)).map(|d| d.effect.name()).collect();
         if names.is_empty() { "nothing".to_owned() } else { names.join(", ") }
@@ -43,22 +43,22 @@ pub(super) fn effects_line(plan: &Plan) -> String {
     format!("plan: {}; without {}", names(|d| d.on), names(|d| !d.on))
 }
 
-/// Prints the plan and the work of a pass, and warns of omitted effects that the scene needs.
-pub(super) fn announce_plan(integrator: &dyn Integrator, progress: &Progress) {
-    progress.say(&effects_line(integrator.plan()));
-    integrator.balance().iter().for_each(|balance| progress.say(&balance_line(balance)));
-    omission_warnings(integrator.plan()).for_each(|line| print_message(&line));
-    if integrator.plan().effects().has(Effect::Caustics) && integrator.radius_law().is_none() {
+/// Prints the plan and the ray counts of a pass, and warns of omitted effects.
+pub(super) fn print_plan(integrator: &dyn Integrator, progress: &Progress) {
+    progress.print_line(&simulated_effects_line(integrator.plan()));
+    integrator.balance().iter().for_each(|balance| progress.print_line(&pass_counts_line(balance)));
+    omitted_effect_warnings(integrator.plan()).for_each(|line| print_message(&line));
+    if integrator.plan().simulated_effects().has(Effect::Caustics) && integrator.radius_law().is_none() {
         print_message(UNSAMPLED_CAUSTICS);
     }
 }
 
-/// Warning of an algorithm without photons in a scene with caustics.
+/// Warning for a scene with caustics that an algorithm renders without photons.
 const UNSAMPLED_CAUSTICS: &str = "warning: this method finds caustics only by chance: of small lights rarely, of point lights never. \
     The estimated error does not include what it misses. hybrid and sppm find caustics by photons";
 
-/// The numbers of camera rays and photon paths of a pass, in a line.
-fn balance_line(balance: &Balance) -> String {
+/// Returns a line with the numbers of camera rays and photon paths of a pass.
+fn pass_counts_line(balance: &Balance) -> String {
     let Balance { samples, photons, caustic_photons } = balance;
     let mut line =
         format!("each pass: {}", count_with_noun(*samples as usize, "camera ray per pixel", "camera rays per pixel"));
@@ -70,13 +70,13 @@ fn balance_line(balance: &Balance) -> String {
     line
 }
 
-/// A count with its noun in the singular or plural.
+/// Returns a count with its noun in the singular or plural, such as `2 passes`.
 pub(super) fn count_with_noun(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }
 
-/// A warning for each effect that the scene needs and the plan omits.
-pub(super) fn omission_warnings(plan: &Plan) -> impl Iterator<Item = String> {
+/// Returns a warning for each effect that the scene needs but the plan omits.
+pub(super) fn omitted_effect_warnings(plan: &Plan) -> impl Iterator<Item = String> {
     let lacking = plan.decisions.iter().filter(|d| d.needed && !d.on);
     lacking.map(|d| format!("warning: without {}: {}", d.effect, d.effect.lack()))
 }
@@ -94,13 +94,13 @@ fn plan_table(algorithm: Algorithm, plan: &Plan, balance: Option<Balance>, work:
         let line = format!("  {:<16} {state:<14} {costs:<29} {}", decision.effect, decision.reason);
         let _ = writeln!(text, "{line}");
     }
-    balance.iter().for_each(|balance| text += &format!("{}\n", balance_line(balance)));
+    balance.iter().for_each(|balance| text += &format!("{}\n", pass_counts_line(balance)));
     let _ = writeln!(text, "total about {} per pass", work_text(work.whole, count_text));
-    omission_warnings(plan).for_each(|line| text += &format!("{line}\n"));
+    omitted_effect_warnings(plan).for_each(|line| text += &format!("{line}\n"));
     text
 }
 
-/// Work as text: `+1.9 M rays, +3.0 M gathered`.
+/// Returns numbers of rays and photons as text, such as `+1.9 M rays, +3.0 M gathered`.
 fn work_text(work: WorkCounts, number: fn(f64) -> String) -> String {
     let WorkCounts { rays, gathered_photons } = work;
     match (rays, gathered_photons) {
@@ -112,27 +112,27 @@ fn work_text(work: WorkCounts, number: fn(f64) -> String) -> String {
 }
 
 #[derive(Debug, Serialize)]
-struct Report {
+struct PlanReport {
     schema: u32,
     version: &'static str,
     scene: String,
     integrator: &'static str,
     features: SceneFeatures,
-    /// Expected rays of the first pass.
+    /// Expected number of rays of the first pass.
     rays: i64,
-    /// Expected photons in density estimates of the first pass.
+    /// Expected number of photons that the first pass sums in density estimates.
     gathered_photons: i64,
     balance: Option<Balance>,
-    effects: Vec<CostedEffect>,
+    effects: Vec<EffectCostReport>,
 }
 
 #[derive(Debug, Serialize)]
-struct CostedEffect {
+struct EffectCostReport {
     #[serde(flatten)]
     effect: EffectReport,
-    /// Expected rays that the effect adds to the first pass; `None` if it is not simulated.
+    /// Expected number of rays that the effect adds to the first pass; `None` if it is off.
     rays: Option<i64>,
-    /// Expected photons in density estimates that it adds; `None` if it is not simulated.
+    /// Expected number of gathered photons that the effect adds; `None` if it is off.
     gathered_photons: Option<i64>,
 }
 
@@ -140,15 +140,15 @@ struct CostedEffect {
 pub(super) struct EffectReport {
     effect: &'static str,
     on: bool,
-    /// True if the scene needs the effect.
+    /// True if the picture is wrong without the effect.
     needed: bool,
     reason: String,
-    /// Flaw of the picture without the effect; `None` if there is none.
+    /// Flaw of the picture without the effect; `None` unless the effect is needed but off.
     flaw: Option<&'static str>,
 }
 
-/// The decisions of a plan as they stand in JSON.
-pub(super) fn effect_reports(plan: &Plan) -> Vec<EffectReport> {
+/// Returns the decisions of a plan as JSON records.
+pub(super) fn plan_effect_reports(plan: &Plan) -> Vec<EffectReport> {
     let report = |d: &Decision| EffectReport {
         effect: d.effect.name(),
         on: d.on,
@@ -159,11 +159,11 @@ pub(super) fn effect_reports(plan: &Plan) -> Vec<EffectReport> {
     plan.decisions.iter().map(report).collect()
 }
 
-impl Report {
+impl PlanReport {
     fn new(scene: String, algorithm: Algorithm, plan: &Plan, balance: Option<Balance>, work: &ExpectedWork) -> Self {
         let costed = |(report, decision): (EffectReport, &Decision)| {
             let work = work.added_by(decision.effect);
-            CostedEffect {
+            EffectCostReport {
                 effect: report,
                 rays: work.map(|w| w.rays),
                 gathered_photons: work.map(|w| w.gathered_photons),
@@ -178,7 +178,7 @@ impl Report {
             balance,
             rays: work.whole.rays,
             gathered_photons: work.whole.gathered_photons,
-            effects: effect_reports(plan).into_iter().zip(&plan.decisions).map(costed).collect(),
+            effects: plan_effect_reports(plan).into_iter().zip(&plan.decisions).map(costed).collect(),
         }
     }
 }

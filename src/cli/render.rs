@@ -1,16 +1,16 @@
-//! `caustica render`.
+//! `caustica render`: renders a scene and writes pictures, error maps and a JSON report.
 
-use super::check::cheap_warnings;
+use super::check::quick_scene_warnings;
 use super::diagnostics::{black_picture_note, lights_have_no_power, no_photon_stored_note};
-use super::interrupt::{INTERRUPTED, listen};
-use super::memory::{check_photons, check_pictures, check_pictures_with_error};
-use super::outputs::{NamedFile, OutputFailures, check_distinct};
+use super::interrupt::{INTERRUPTED, listen_for_signals};
+use super::memory::{check_estimated_picture_memory, check_photon_memory, check_picture_memory};
+use super::outputs::{NamedFile, OutputFailures, check_distinct_files};
 use super::plan::{self, count_with_noun};
-use super::progress::{InputFiles, Progress, print_message, warn_of_rejected};
-use super::report::{ErrorReport, Report, Setup};
-use super::scene::{in_pool, load_with_file};
-use super::settings::settings;
-use super::{Exit, Failure, RenderArguments, aov, outlook};
+use super::progress::{InputFileCollector, Progress, print_message, warn_of_rejected_samples};
+use super::report::{ErrorReport, RenderReport, RenderSetup};
+use super::scene::{load_scene_and_file, with_thread_pool};
+use super::settings::settings_from_arguments;
+use super::{Exit, Failure, RenderArguments, aov, forecast_text};
 use crate::image::{self, Image, OutputFormat, ToneCurve, ToneMap, WriteOptions, WriteReport};
 use crate::integrate::{Algorithm, GuidingReports, Integrator};
 use crate::render::error_estimate::{Confidence, MIN_PASSES, PassesNeeded};
@@ -25,43 +25,43 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
     let needs_error = [("--target-error", arguments.target_error.is_some()), ("--aov", arguments.aov.is_some())];
     let needs_error = needs_error.into_iter().find(|(_, given)| *given);
     if let (Algorithm::Raycast, Some((flag, _))) = (arguments.method.integrator, needs_error) {
-        return Err(Failure::usage(outlook::ErrorEstimateUnsupported { flag }));
+        return Err(Failure::usage_error(forecast_text::ErrorEstimateUnsupported { flag }));
     }
     // Everything that can fail without rendering is checked before rendering.
     for path in &arguments.output {
-        image::check_writable(path).map_err(Failure::output)?;
+        image::check_writable(path).map_err(Failure::output_error)?;
     }
     if let Some(path) = &arguments.aov {
-        image::check_layers_path(path).map_err(Failure::output)?;
+        image::check_layers_path(path).map_err(Failure::output_error)?;
     }
     if let Some(path) = &arguments.stats {
-        image::check_replaceable(path).map_err(Failure::output)?;
+        image::check_replaceable(path).map_err(Failure::output_error)?;
     }
-    check_distinct(&outputs(arguments), &[NamedFile::new("the scene file", &arguments.scene.scene)])?;
-    listen("the picture");
+    check_distinct_files(&output_files(arguments), &[NamedFile::new("the scene file", &arguments.scene.scene)])?;
+    listen_for_signals("the picture");
     let progress = Progress::new(arguments.quiet);
-    in_pool(&arguments.scene, || run_in_pool(arguments, &progress))
+    with_thread_pool(&arguments.scene, || load_and_render(arguments, &progress))
 }
 
-/// The files that the command line names to be written.
-fn outputs(arguments: &RenderArguments) -> Vec<NamedFile> {
+/// Returns all output files that the command line names.
+fn output_files(arguments: &RenderArguments) -> Vec<NamedFile> {
     let pictures = arguments.output.iter().map(|path| NamedFile::new("-o", path));
     let layers = arguments.aov.iter().map(|path| NamedFile::new("--aov", path));
     let report = arguments.stats.iter().map(|path| NamedFile::new("--stats", path));
     pictures.chain(layers).chain(report).collect()
 }
 
-fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit, Failure> {
+fn load_and_render(arguments: &RenderArguments, progress: &Progress) -> Result<Exit, Failure> {
     let start = Instant::now();
-    let inputs = InputFiles::new(progress);
-    let (file, scene) = load_with_file(&arguments.scene, &inputs)?;
-    progress.finish();
-    cheap_warnings(&file, &scene, &arguments.scene).iter().for_each(|line| progress.say(line));
+    let inputs = InputFileCollector::new(progress);
+    let (file, scene) = load_scene_and_file(&arguments.scene, &inputs)?;
+    progress.remove_bar();
+    quick_scene_warnings(&file, &scene, &arguments.scene).iter().for_each(|line| progress.print_line(line));
     drop(file);
     let inputs: Vec<NamedFile> = inputs.into_files().iter().map(|path| NamedFile::new("the input", path)).collect();
-    check_distinct(&outputs(arguments), &inputs)?;
+    check_distinct_files(&output_files(arguments), &inputs)?;
     let algorithm = arguments.method.integrator;
-    let mut setup = Setup {
+    let mut setup = RenderSetup {
         scene: arguments.scene.scene.display().to_string(),
         integrator: algorithm.name(),
         seed: arguments.method.seed,
@@ -75,30 +75,30 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
         balance: None,
         seconds: 0.0,
     };
-    announce_scene(&setup, &scene, progress);
+    print_scene_summary(&setup, &scene, progress);
     // Ray casting makes one pass, from which no error can be estimated.
     let estimates_error = !arguments.no_error_estimate && algorithm != Algorithm::Raycast;
-    let mut settings = settings(&arguments.method, arguments.effects.effects);
+    let mut settings = settings_from_arguments(&arguments.method, arguments.effects.effects);
     settings.camera_paths.estimate_error = estimates_error;
-    let (memory, size) = (arguments.scene.memory(), scene.camera().size());
-    let check = if estimates_error { check_pictures_with_error } else { check_pictures };
-    let pictures = check(1, size, memory.free()).map_err(Failure::usage)?;
+    let (memory, size) = (arguments.scene.memory_limit(), scene.camera().size());
+    let check = if estimates_error { check_estimated_picture_memory } else { check_picture_memory };
+    let pictures = check(1, size, memory.available_bytes()).map_err(Failure::usage_error)?;
     let integrator = algorithm.prepare(&scene, settings);
-    check_photons(integrator.expected(), pictures, memory.free()).map_err(Failure::usage)?;
-    plan::announce_plan(integrator.as_ref(), progress);
+    check_photon_memory(integrator.expected(), pictures, memory.available_bytes()).map_err(Failure::usage_error)?;
+    plan::print_plan(integrator.as_ref(), progress);
     setup.radii = integrator.radii();
     setup.emission_guiding = integrator.guiding_reports();
-    setup.effects = plan::effect_reports(integrator.plan());
+    setup.effects = plan::plan_effect_reports(integrator.plan());
     setup.balance = integrator.balance();
     setup.seconds = start.elapsed().as_secs_f64();
     let rendered = render_passes(arguments, integrator.as_ref(), size, start, progress);
-    progress.finish();
-    conclude(arguments, progress, setup, lights_have_no_power(&scene), &rendered)
+    progress.remove_bar();
+    write_render_outputs(arguments, progress, setup, lights_have_no_power(&scene), &rendered)
 }
 
-/// Prints what the scene contains, and notes on what it lacks.
-fn announce_scene(setup: &Setup, scene: &Scene, progress: &Progress) {
-    progress.say(&format!(
+/// Prints the numbers of triangles, shapes and lights, and a note if there are none.
+fn print_scene_summary(setup: &RenderSetup, scene: &Scene, progress: &Progress) {
+    progress.print_line(&format!(
         "{}: {}, {}, {}",
         setup.scene,
         count_with_noun(setup.triangles, "triangle", "triangles"),
@@ -106,15 +106,15 @@ fn announce_scene(setup: &Setup, scene: &Scene, progress: &Progress) {
         count_with_noun(setup.lights, "light", "lights")
     ));
     if setup.triangles + setup.shapes == 0 {
-        progress.say("note: the scene has no objects: the picture shows only the background");
+        progress.print_line("note: the scene has no objects: the picture shows only the background");
     } else if setup.lights == 0 {
-        progress.say("note: the scene has no lights: all objects are black");
+        progress.print_line("note: the scene has no lights: all objects are black");
     } else if lights_have_no_power(scene) {
-        progress.say("note: no light of the scene has any power: all objects are black");
+        progress.print_line("note: no light of the scene has any power: all objects are black");
     }
 }
 
-/// Renders until the arguments say to stop, and shows the progress after each pass.
+/// Renders passes until a stop criterion of the command line holds, and shows progress.
 fn render_passes(
     arguments: &RenderArguments,
     integrator: &dyn Integrator,
@@ -131,43 +131,44 @@ fn render_passes(
     });
     let target = arguments.target_error.map(|error| ErrorTarget { error, confidence: arguments.confidence });
     let stop = StopCriteria { min_passes: 1, passes, time: arguments.time, target, interrupted: &INTERRUPTED };
-    progress.pass(1, passes);
+    progress.set_pass(1, passes);
     progress.set_time_left(arguments.time);
     let began = Instant::now();
     render(integrator, size, &stop, progress, |standing| {
         let pass_seconds = began.elapsed().as_secs_f64() / f64::from(standing.passes);
         let error = standing.error.as_ref().filter(|_| !arguments.quiet).map(|(estimate, forecast)| {
+            // Without a target, the forecast is the time until the error is halved.
             let shown = target.map_or(0.5 * estimate.error, |target| target.error);
-            let aim = target.map_or(shown, |target| point_estimate_at(target, standing).unwrap_or(shown));
+            let aim = target.map_or(shown, |target| target_point_estimate(target, standing).unwrap_or(shown));
             format!(
                 "error {}{}",
-                outlook::error_text(estimate),
-                outlook::time_to_target_text(estimate, forecast, (shown, aim), pass_seconds)
+                forecast_text::error_text(estimate),
+                forecast_text::time_to_error_text(estimate, forecast, (shown, aim), pass_seconds)
             )
         });
-        if progress.has_lines() {
+        if progress.uses_plain_lines() {
             let of = passes.map_or(String::new(), |n| format!("/{n}"));
             let error = error.as_ref().map_or(String::new(), |error| format!(": {error}"));
             let elapsed = start.elapsed().as_secs_f64();
-            progress.say(&format!("pass {}{of} after {elapsed:.1} s{error}", standing.passes));
+            progress.print_line(&format!("pass {}{of} after {elapsed:.1} s{error}", standing.passes));
         }
-        progress.pass(standing.passes + 1, passes);
-        // The error is not estimated after every pass; in between the estimated end stays.
-        if let Some(left) = time_left(&stop, standing, began.elapsed(), pass_seconds) {
+        progress.set_pass(standing.passes + 1, passes);
+        // Most passes estimate no error. The previous forecast stays after them.
+        if let Some(left) = time_until_stop(&stop, standing, began.elapsed(), pass_seconds) {
             progress.set_time_left(Some(left));
         }
-        error.into_iter().for_each(|note| progress.note(note));
+        error.into_iter().for_each(|note| progress.set_note(note));
     })
 }
 
-/// The estimated error at which the upper end of its interval reaches a target.
-fn point_estimate_at(target: ErrorTarget, standing: &PassProgress) -> Option<f64> {
+/// Returns the estimated error whose confidence interval would end at the target error.
+fn target_point_estimate(target: ErrorTarget, standing: &PassProgress) -> Option<f64> {
     let (estimate, _) = standing.error.as_ref()?;
     Some(target.error * estimate.error / estimate.high)
 }
 
-/// The time until the first stop condition is expected to hold; `None` if no forecast is known.
-fn time_left(
+/// Returns the expected time until the first stop criterion holds; `None` if it is unknown.
+fn time_until_stop(
     stop: &StopCriteria<'_>,
     standing: &PassProgress,
     elapsed: Duration,
@@ -175,7 +176,7 @@ fn time_left(
 ) -> Option<Duration> {
     let of_passes = |n: u32| f64::from(n.saturating_sub(standing.passes)) * pass_seconds;
     let by_target = stop.target.zip(standing.error.as_ref()).and_then(|(target, (_, forecast))| {
-        match forecast.passes_to_reach(point_estimate_at(target, standing)?) {
+        match forecast.passes_to_reach(target_point_estimate(target, standing)?) {
             PassesNeeded::Passes(n) => Some(of_passes(n)),
             PassesNeeded::Never { .. } | PassesNeeded::TooMany => None,
         }
@@ -186,30 +187,30 @@ fn time_left(
     Duration::try_from_secs_f64(least).ok()
 }
 
-/// Writes the pictures and the report, and prints a summary. Every output is tried.
-fn conclude(
+/// Writes all outputs and prints a summary. An output that fails does not stop the others.
+fn write_render_outputs(
     arguments: &RenderArguments,
     progress: &Progress,
-    setup: Setup,
+    setup: RenderSetup,
     powerless: bool,
     rendered: &RenderResult,
 ) -> Result<Exit, Failure> {
     let (width, height) = rendered.film.size();
-    let picture = Image::from_pixels(width, height, rendered.film.mean()).map_err(Failure::output)?;
+    let picture = Image::from_pixels(width, height, rendered.film.mean()).map_err(Failure::output_error)?;
     let mut failures = OutputFailures::default();
     write_pictures(arguments, progress, &picture, rendered, &mut failures);
-    warn_of_rejected(&rendered.counters);
+    warn_of_rejected_samples(&rendered.counters);
     if picture.pixels().iter().all(|p| *p == Vec3::ZERO) {
-        progress.say(black_picture_note(setup.lights, powerless));
+        progress.print_line(black_picture_note(setup.lights, powerless));
     }
-    no_photon_stored_note(rendered).iter().for_each(|line| progress.say(line));
-    let report = Report::new(setup, rendered, confidence(arguments));
-    summarize(arguments, progress, &report, rendered);
+    no_photon_stored_note(rendered).iter().for_each(|line| progress.print_line(line));
+    let report = RenderReport::new(setup, rendered, reported_confidence(arguments));
+    print_render_summary(arguments, progress, &report, rendered);
     if let Some(path) = &arguments.stats {
-        let json = serde_json::to_vec_pretty(&report).map_err(Failure::output)?;
-        failures.take_ok(image::replace_file(path, &json));
+        let json = serde_json::to_vec_pretty(&report).map_err(Failure::output_error)?;
+        failures.ok_or_collect(image::replace_file(path, &json));
     }
-    failures.finish(if rendered.ended == EndReason::Interrupted { Exit::Interrupted } else { Exit::Success })
+    failures.into_result(if rendered.ended == EndReason::Interrupted { Exit::Interrupted } else { Exit::Success })
 }
 
 /// Writes the files of `-o` and `--aov`.
@@ -237,9 +238,9 @@ fn write_pictures(
         metadata: vec![("Software".to_owned(), format!("Caustica {}", env!("CARGO_PKG_VERSION")))],
     };
     for path in &arguments.output {
-        if let Some(written) = failures.take_ok(image::write(path, picture, &options)) {
-            progress.say(&format!("wrote {}", path.display()));
-            report_clipping(&written, path, arguments.exposure, progress);
+        if let Some(written) = failures.ok_or_collect(image::write(path, picture, &options)) {
+            progress.print_line(&format!("wrote {}", path.display()));
+            report_clipped_pixels(&written, path, arguments.exposure, progress);
         }
     }
     let Some(path) = &arguments.aov else { return };
@@ -248,9 +249,9 @@ fn write_pictures(
         let passes = count_with_noun(passes as usize, "pass gives", "passes give");
         print_message(&format!("warning: {passes} no error estimate: {} has no maps of it", path.display()));
     }
-    let written = image::write_layers(path, rendered.film.size(), &aov::layers(rendered), &options.metadata);
-    if let Some(non_finite) = failures.take_ok(written) {
-        progress.say(&format!("wrote {}", path.display()));
+    let written = image::write_layers(path, rendered.film.size(), &aov::aov_layers(rendered), &options.metadata);
+    if let Some(non_finite) = failures.ok_or_collect(written) {
+        progress.print_line(&format!("wrote {}", path.display()));
         if non_finite > 0 {
             let values = count_with_noun(non_finite, "value", "values");
             let path = path.display();
@@ -259,8 +260,13 @@ fn write_pictures(
     }
 }
 
-/// Prints passes, rates, the reason for the end, and the estimated error.
-fn summarize(arguments: &RenderArguments, progress: &Progress, report: &Report, rendered: &RenderResult) {
+/// Prints the number of passes, rates, the reason for the end, and the estimated error.
+fn print_render_summary(
+    arguments: &RenderArguments,
+    progress: &Progress,
+    report: &RenderReport,
+    rendered: &RenderResult,
+) {
     let n = rendered.film.passes();
     let why = match rendered.ended {
         EndReason::Passes => String::new(),
@@ -269,7 +275,7 @@ fn summarize(arguments: &RenderArguments, progress: &Progress, report: &Report, 
         EndReason::Floor => "; more passes cannot reach the error".to_owned(),
         EndReason::Interrupted => format!("; interrupted: --passes {n} repeats this picture"),
     };
-    progress.say(&format!(
+    progress.print_line(&format!(
         "{} in {:.1} s, {:.2} M rays/s, {:.2} M photon paths/s{why}",
         count_with_noun(report.passes as usize, "pass", "passes"),
         report.seconds.render,
@@ -278,42 +284,42 @@ fn summarize(arguments: &RenderArguments, progress: &Progress, report: &Report, 
     ));
     if let Some(ErrorReport { estimate, .. }) = &report.error {
         let interval = format!("{} to {}", percent_text(estimate.low), percent_text(estimate.high));
-        let confidence = percent_text(confidence(arguments).probability());
-        progress.say(&format!(
+        let confidence = percent_text(reported_confidence(arguments).probability());
+        progress.print_line(&format!(
             "estimated error {}; {interval} with {confidence} confidence",
-            outlook::error_text(estimate)
+            forecast_text::error_text(estimate)
         ));
     }
     if rendered.ended == EndReason::Floor {
-        print_message(&format!("warning: {}", outlook::REMEDY));
+        print_message(&format!("warning: {}", forecast_text::BIAS_REMEDY));
     }
 }
 
-/// Reports pixels whose values the file could not hold.
-fn report_clipping(written: &WriteReport, path: &Path, exposure: f32, progress: &Progress) {
+/// Reports pixels whose values the file format cannot hold.
+fn report_clipped_pixels(written: &WriteReport, path: &Path, exposure: f32, progress: &Progress) {
     let pixels = |n: usize| format!("{} of {}", count_with_noun(n, "pixel", "pixels"), path.display());
     if written.non_finite > 0 {
         print_message(&format!("warning: {}: not finite", pixels(written.non_finite)));
     }
     match (written.too_bright, OutputFormat::from_path(path)) {
         (0, _) => {}
-        // A clipped OpenEXR is a warning, because its readers expect unclipped radiance.
+        // Clipping in OpenEXR is a warning, because its readers expect unclipped radiance.
         (n, Ok(OutputFormat::Exr)) => {
             print_message(&format!("warning: {}: clipped to 65504; --exr-bits 32 holds larger values", pixels(n)));
         }
         (n, Ok(OutputFormat::Png) | Err(_)) => {
             let darker = exposure - 1.0;
             let remedy = format!("--exposure {darker} or --tone filmic shows more, an .exr file holds all");
-            progress.say(&format!("note: {}: clipped to white; {remedy}", pixels(n)));
+            progress.print_line(&format!("note: {}: clipped to white; {remedy}", pixels(n)));
         }
     }
     if written.negative > 0 {
-        progress.say(&format!("note: {}: negative, clipped to black", pixels(written.negative)));
+        progress.print_line(&format!("note: {}: negative, clipped to black", pixels(written.negative)));
     }
 }
 
-/// Confidence of the interval of the estimated error that is reported.
-fn confidence(arguments: &RenderArguments) -> Confidence {
+/// Returns the confidence of the reported interval of the estimated error.
+fn reported_confidence(arguments: &RenderArguments) -> Confidence {
     let target = |error| ErrorTarget { error, confidence: arguments.confidence };
     arguments.target_error.map_or(arguments.confidence, |error| target(error).interval_confidence())
 }
@@ -330,7 +336,7 @@ mod tests {
             let time = time.map(Duration::from_secs);
             let stop = StopCriteria { min_passes: 1, passes, time, target: None, interrupted: &interrupted };
             let after = PassProgress { passes: 4, error: None };
-            time_left(&stop, &after, Duration::from_secs(8), 2.0).map(|left| left.as_secs())
+            time_until_stop(&stop, &after, Duration::from_secs(8), 2.0).map(|left| left.as_secs())
         };
         assert_eq!(left(Some(10), None), Some(12));
         assert_eq!(left(None, Some(10)), Some(2));

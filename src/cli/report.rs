@@ -1,4 +1,4 @@
-//! Report of a render as JSON, for `--stats`. The page on the command line describes each field.
+//! JSON report of a render for `--stats`. `docs/guide/command-line.md` describes each field.
 
 use super::plan::EffectReport;
 use crate::integrate::{Balance, GuidingReports, PhotonReport, Radii, Seconds};
@@ -7,12 +7,12 @@ use crate::render::{EndReason, RenderResult};
 use crate::stats::{Counters, cpu_seconds, peak_memory};
 use serde::Serialize;
 
-/// Version of the schema. It rises when a field is renamed or removed, or changes its meaning.
+/// Version of the JSON schema. It rises when a field's name or meaning changes.
 const SCHEMA: u32 = 2;
 
-/// Report that `--stats` writes.
+/// JSON report that `--stats` writes.
 #[derive(Debug, Serialize)]
-pub(super) struct Report {
+pub(super) struct RenderReport {
     pub schema: u32,
     pub version: &'static str,
     pub scene: String,
@@ -30,26 +30,26 @@ pub(super) struct Report {
     pub emission_guiding: GuidingReports,
     pub effects: Vec<EffectReport>,
     pub balance: Option<Balance>,
-    pub photons: Photons,
+    pub photons: PhotonReports,
     /// `None` with too few passes, or without an error estimate.
     pub error: Option<ErrorReport>,
     pub counters: Counters,
-    pub seconds: Times,
-    pub rates: Rates,
+    pub seconds: RenderTimes,
+    pub rates: RenderRates,
     pub peak_memory_bytes: Option<u64>,
     pub cpu_seconds: Option<f64>,
 }
 
-/// Estimated relative error of the picture (see `RelativeScale`).
+/// Estimated relative error of the picture, and the cost of halving it.
 #[derive(Debug, Serialize)]
 pub(super) struct ErrorReport {
     #[serde(flatten)]
     pub estimate: ErrorEstimate,
-    /// Confidence of the interval from `low` to `high`.
+    /// Confidence that the error lies between `low` and `high` of the estimate.
     confidence: Confidence,
     /// Total passes at which the error is half as large; `None` if no number of passes is enough.
     halving_passes: Option<u32>,
-    /// Time of the passes still missing until the error is half as large \[s].
+    /// Further time until the error is half as large \[s].
     halving_seconds: Option<f64>,
 }
 
@@ -75,13 +75,13 @@ pub(super) struct RadiiReport {
 }
 
 #[derive(Debug, Serialize)]
-pub(super) struct Photons {
+pub(super) struct PhotonReports {
     pub global: PhotonReport,
     pub caustic: PhotonReport,
 }
 
 #[derive(Debug, Serialize)]
-pub(super) struct Times {
+pub(super) struct RenderTimes {
     pub setup: f64,
     #[serde(flatten)]
     pub passes: Seconds,
@@ -89,13 +89,13 @@ pub(super) struct Times {
 }
 
 #[derive(Debug, Serialize)]
-pub(super) struct Rates {
+pub(super) struct RenderRates {
     pub photons_per_second: f64,
     pub rays_per_second: f64,
 }
 
-/// Facts of a render that are known before its first pass.
-pub(super) struct Setup {
+/// Figures of a render that are known before its first pass.
+pub(super) struct RenderSetup {
     pub scene: String,
     pub integrator: &'static str,
     pub seed: u64,
@@ -111,8 +111,8 @@ pub(super) struct Setup {
     pub seconds: f64,
 }
 
-impl Report {
-    pub fn new(setup: Setup, rendered: &RenderResult, confidence: Confidence) -> Self {
+impl RenderReport {
+    pub fn new(setup: RenderSetup, rendered: &RenderResult, confidence: Confidence) -> Self {
         let (width, height) = rendered.film.size();
         let wall = rendered.wall.as_secs_f64();
         let rate = |n: u64, seconds: f64| if seconds > 0.0 { n as f64 / seconds } else { 0.0 };
@@ -135,13 +135,13 @@ impl Report {
             emission_guiding: setup.emission_guiding,
             effects: setup.effects,
             balance: setup.balance,
-            photons: Photons { global: rendered.global, caustic: rendered.caustic },
+            photons: PhotonReports { global: rendered.global, caustic: rendered.caustic },
             error: ErrorReport::new(rendered, confidence),
             counters: rendered.counters,
-            seconds: Times { setup: setup.seconds, passes: rendered.seconds, render: wall },
-            rates: Rates {
+            seconds: RenderTimes { setup: setup.seconds, passes: rendered.seconds, render: wall },
+            rates: RenderRates {
                 photons_per_second: rate(emitted, rendered.seconds.photons),
-                rays_per_second: rate(rendered.counters.rays(), wall),
+                rays_per_second: rate(rendered.counters.total_rays(), wall),
             },
             peak_memory_bytes: peak_memory(),
             cpu_seconds: cpu_seconds(),

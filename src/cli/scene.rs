@@ -1,26 +1,26 @@
-//! Loads the scene of a command, and sets up its threads.
+//! Loading of a command's scene, and its thread pool.
 
 use super::args::SceneArguments;
-use super::memory::check_pictures;
+use super::memory::check_picture_memory;
 use super::{Exit, Failure};
 use crate::format::mesh::MeshReadMonitor;
 use crate::format::{SceneFile, SceneReadError};
 use crate::scene::Scene;
 
-/// Reads and resolves the scene file, with the picture size of `--size` if given.
+/// Loads the scene of the command line, with the picture size of `--size` if given.
 ///
-/// A picture or an input of the scene that does not fit into memory is refused before it is
-/// allocated. `monitor` receives the progress of reading.
-pub(super) fn load(arguments: &SceneArguments, monitor: &dyn MeshReadMonitor) -> Result<Scene, Failure> {
-    load_with_file(arguments, monitor).map(|(_, scene)| scene)
+/// Returns a failure, before it allocates memory, if a picture or an input does not fit into it.
+/// `monitor` receives the progress of reading.
+pub(super) fn load_scene(arguments: &SceneArguments, monitor: &dyn MeshReadMonitor) -> Result<Scene, Failure> {
+    load_scene_and_file(arguments, monitor).map(|(_, scene)| scene)
 }
 
-/// Like [`load`], and returns the scene file too.
-pub(super) fn load_with_file(
+/// Loads the scene of the command line. Returns its parsed file and the resolved scene.
+pub(super) fn load_scene_and_file(
     arguments: &SceneArguments,
     monitor: &dyn MeshReadMonitor,
 ) -> Result<(SceneFile, Scene), Failure> {
-    let memory = arguments.memory();
+    let memory = arguments.memory_limit();
     let mut file = SceneFile::read_within_memory(&arguments.scene, memory).map_err(|e| {
         let exit = if matches!(e, SceneReadError::Memory { .. }) { Exit::Usage } else { Exit::Input };
         Failure::new(exit, e)
@@ -30,7 +30,7 @@ pub(super) fn load_with_file(
         file.description.camera.value.height = height;
     }
     let camera = &file.description.camera;
-    check_pictures(1, (camera.width, camera.height), memory.free()).map_err(Failure::usage)?;
+    check_picture_memory(1, (camera.width, camera.height), memory.available_bytes()).map_err(Failure::usage_error)?;
     let scene = file.resolve_monitored(monitor, memory).map_err(|e| {
         let exit = if e.is_out_of_memory() { Exit::Usage } else { Exit::Input };
         Failure::new(exit, e)
@@ -38,12 +38,12 @@ pub(super) fn load_with_file(
     Ok((file, scene))
 }
 
-/// Runs `work` in a pool with the number of threads of `--threads`.
-pub(super) fn in_pool<T: Send>(
+/// Runs `work` in a Rayon pool of `--threads` threads; by default one for each core.
+pub(super) fn with_thread_pool<T: Send>(
     arguments: &SceneArguments,
     work: impl FnOnce() -> Result<T, Failure> + Send,
 ) -> Result<T, Failure> {
     let threads = arguments.threads.map_or(0, |n| n as usize);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    pool.map_err(|e| Failure::usage(miette::Report::from_err(e)))?.install(work)
+    pool.map_err(|e| Failure::usage_error(miette::Report::from_err(e)))?.install(work)
 }

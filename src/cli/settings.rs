@@ -1,4 +1,4 @@
-//! Conversion between arguments and [`Settings`], in both directions.
+//! Conversion of command-line arguments to [`Settings`], and back to flags.
 
 use super::args::MethodArguments;
 use crate::camera::{Filter, FilterKind};
@@ -57,8 +57,8 @@ impl ValueEnum for VolumeEstimate {
     }
 }
 
-/// The settings that the arguments describe.
-pub(super) fn settings(arguments: &MethodArguments, effects: EffectOverrides) -> Settings {
+/// Returns the settings that the arguments describe.
+pub(super) fn settings_from_arguments(arguments: &MethodArguments, effects: EffectOverrides) -> Settings {
     let photons = arguments.photons.unwrap_or(Settings::default().photons);
     Settings {
         camera_paths: CameraPathSettings {
@@ -82,10 +82,10 @@ pub(super) fn settings(arguments: &MethodArguments, effects: EffectOverrides) ->
     }
 }
 
-/// The flags that reproduce these arguments, except the seed and flags with default values.
+/// Returns the flags that reproduce these arguments, except the seed and default values.
 ///
-/// `effects_flag` names the flag of the effect overrides.
-pub(super) fn flags(arguments: &MethodArguments, effects_flag: &str, overrides: EffectOverrides) -> Vec<String> {
+/// `effects_flag` is the flag for `overrides`: `--effects` or `--simulate`.
+pub(super) fn method_flags(arguments: &MethodArguments, effects_flag: &str, overrides: EffectOverrides) -> Vec<String> {
     let MethodArguments { kernel, final_gathering, volume, max_bounces, filter, .. } = *arguments;
     let number = |n: Option<u32>| n.map(|n| n.to_string());
     let unless_default = |is: bool, value: String| (!is).then_some(value);
@@ -100,15 +100,15 @@ pub(super) fn flags(arguments: &MethodArguments, effects_flag: &str, overrides: 
         ("--kernel", unless_default(kernel == Kernel::default(), kernel_name(kernel).to_owned())),
         (
             "--final-gathering",
-            unless_default(final_gathering == FinalGathering::default(), value_name(final_gathering)),
+            unless_default(final_gathering == FinalGathering::default(), value_enum_name(final_gathering)),
         ),
-        ("--volume", unless_default(volume == VolumeEstimate::default(), value_name(volume))),
+        ("--volume", unless_default(volume == VolumeEstimate::default(), value_enum_name(volume))),
         (
             "--max-bounces",
             unless_default(max_bounces == CameraPathSettings::default().max_bounces, max_bounces.to_string()),
         ),
         ("--filter", unless_default(filter == FilterKind::default(), filter_name(filter).to_owned())),
-        (effects_flag, effects_value(overrides)),
+        (effects_flag, effect_overrides_text(overrides)),
     ];
     let mut words: Vec<String> =
         named.into_iter().filter_map(|(flag, value)| Some([flag.to_owned(), value?])).flatten().collect();
@@ -118,12 +118,12 @@ pub(super) fn flags(arguments: &MethodArguments, effects_flag: &str, overrides: 
     words
 }
 
-/// Name of a value on the command line.
-fn value_name(value: impl ValueEnum) -> String {
+/// Returns the name of an enum's value on the command line.
+fn value_enum_name(value: impl ValueEnum) -> String {
     value.to_possible_value().map_or(String::new(), |v| v.get_name().to_owned())
 }
 
-/// Name of a kernel on the command line.
+/// Returns the name of a density-estimation kernel on the command line.
 pub(super) fn kernel_name(kernel: Kernel) -> &'static str {
     match kernel {
         Kernel::Box => "box",
@@ -132,7 +132,7 @@ pub(super) fn kernel_name(kernel: Kernel) -> &'static str {
     }
 }
 
-/// Name of a reconstruction filter on the command line.
+/// Returns the name of a pixel reconstruction filter on the command line.
 fn filter_name(filter: FilterKind) -> &'static str {
     match filter {
         FilterKind::Box => "box",
@@ -143,9 +143,9 @@ fn filter_name(filter: FilterKind) -> &'static str {
     }
 }
 
-/// Value of the flag that sets these effect overrides; `None` if there are none.
-fn effects_value(overrides: EffectOverrides) -> Option<String> {
-    let signed = |e: Effect| overrides.of(e).map(|on| format!("{}{}", if on { '+' } else { '-' }, e.name()));
+/// Returns effect overrides as text, such as `+lens,-caustics`; `None` if there are none.
+fn effect_overrides_text(overrides: EffectOverrides) -> Option<String> {
+    let signed = |e: Effect| overrides.forced_state(e).map(|on| format!("{}{}", if on { '+' } else { '-' }, e.name()));
     let words: Vec<String> = Effect::ALL.into_iter().filter_map(signed).collect();
     (!words.is_empty()).then(|| words.join(","))
 }
@@ -156,7 +156,7 @@ mod tests {
     use crate::cli::{Arguments, Command};
     use clap::Parser;
 
-    fn read(line: &str) -> (MethodArguments, EffectOverrides) {
+    fn parse_render_arguments(line: &str) -> (MethodArguments, EffectOverrides) {
         let words = ["caustica", "render", "a.txt", "-o", "a.png"].into_iter().chain(line.split_whitespace());
         match Arguments::try_parse_from(words).unwrap().command {
             Command::Render(render) => (render.method, render.effects.effects),
@@ -169,14 +169,17 @@ mod tests {
         let all = "--integrator pm --photons 2000 --caustic-photons 30 --spp 3 --gather-k 20 --radius 0.012345679 --alpha 0.7 --kernel cone \
                    --final-gathering importance --volume beam-radiance --max-bounces 7 --filter mitchell --effects \
                    -caustics,+lens --adaptive";
-        let (method, overrides) = read(all);
-        let written = flags(&method, "--effects", overrides).join(" ");
-        let (again, same) = read(&written);
+        let (method, overrides) = parse_render_arguments(all);
+        let written = method_flags(&method, "--effects", overrides).join(" ");
+        let (again, same) = parse_render_arguments(&written);
         assert_eq!((format!("{again:?}"), same), (format!("{method:?}"), overrides), "{written}");
         for flag in all.split_whitespace().filter(|word| word.starts_with("--")) {
             assert!(written.split(' ').any(|word| word == flag), "{flag} is not in {written}");
         }
-        assert_eq!(flags(&read("").0, "--effects", EffectOverrides::PLANNED), ["--integrator", "hybrid"]);
+        assert_eq!(
+            method_flags(&parse_render_arguments("").0, "--effects", EffectOverrides::PLANNED),
+            ["--integrator", "hybrid"]
+        );
         for kind in ["box", "cone", "epanechnikov"] {
             assert_eq!(kernel_name(kind.parse().unwrap()), kind);
         }

@@ -1,4 +1,4 @@
-//! `caustica completions` and `caustica man`: files for shells and for `man`.
+//! `caustica completions` and `caustica man`: completion scripts and the manual page.
 
 use super::{Arguments, Exit, Failure};
 use clap::{Command, CommandFactory};
@@ -15,18 +15,18 @@ pub(super) fn print_completions(shell: Shell) -> Result<Exit, Failure> {
 
 /// Prints the manual page in roff.
 pub(super) fn print_manual() -> Result<Exit, Failure> {
-    let page = manual_page().map_err(Failure::output)?;
+    let page = manual_page().map_err(Failure::output_error)?;
     write_to_stdout(page.as_bytes())
 }
 
-/// The manual: one page for the program, with a section for each subcommand.
+/// Returns the manual page in roff, with a section for each subcommand.
 fn manual_page() -> io::Result<String> {
     let mut command = Arguments::command();
     command.build();
-    let mut page = rendered_roff(|out| Man::new(command.clone()).render(out))?;
+    let mut page = render_roff(|out| Man::new(command.clone()).render(out))?;
     for subcommand in command.get_subcommands().filter(|subcommand| subcommand.get_name() != "help") {
         let name = subcommand.get_name();
-        // All subcommands are on this page, so references to pages of their own would be dead.
+        // Subcommands are sections of this page. Links to separate pages would be dead.
         page = page.replace(&format!("caustica\\-{name}(1)"), &format!("caustica {name}"));
         let section = subcommand_section(subcommand)?;
         page += &format!(".SH \"CAUSTICA {}\"\n{section}", name.to_uppercase());
@@ -34,10 +34,10 @@ fn manual_page() -> io::Result<String> {
     Ok(page)
 }
 
-/// The synopsis, description and options of a subcommand, as subsections.
+/// Returns the synopsis, description and options of a subcommand as roff subsections.
 fn subcommand_section(subcommand: &Command) -> io::Result<String> {
     let man = Man::new(subcommand.clone());
-    let text = rendered_roff(|out| {
+    let text = render_roff(|out| {
         man.render_synopsis_section(out)?;
         man.render_description_section(out)?;
         man.render_options_section(out)
@@ -45,14 +45,14 @@ fn subcommand_section(subcommand: &Command) -> io::Result<String> {
     Ok(text.replace(".SH ", ".SS "))
 }
 
-/// The text that `render` writes.
-fn rendered_roff(render: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> io::Result<String> {
+/// Returns the text that the callback `render` writes.
+fn render_roff(render: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> io::Result<String> {
     let mut text = Vec::new();
     render(&mut text)?;
     Ok(String::from_utf8_lossy(&text).into_owned())
 }
 
 fn write_to_stdout(text: &[u8]) -> Result<Exit, Failure> {
-    io::stdout().write_all(text).map_err(Failure::output)?;
+    io::stdout().write_all(text).map_err(Failure::output_error)?;
     Ok(Exit::Success)
 }

@@ -7,7 +7,7 @@ const BAND: [u32; 2] = [380, 720];
 
 /// Index of refraction of a transparent medium as a function of the wavelength λ.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Glass {
+pub enum DispersionFormula {
     /// n = a + b/λ² + c/λ⁴.
     Cauchy {
         /// The index at infinite wavelength.
@@ -26,11 +26,11 @@ pub enum Glass {
     },
 }
 
-impl Glass {
+impl DispersionFormula {
     /// Cauchy's equation with two terms, by the index `nd` at the d line and the Abbe number `vd`.
     #[must_use]
-    pub fn of_abbe(nd: f64, vd: f64) -> Self {
-        let [f, d, c] = LINES.map(inverse_square);
+    pub fn from_abbe_number(nd: f64, vd: f64) -> Self {
+        let [f, d, c] = LINES.map(inverse_wavelength_squared);
         let b = (nd - 1.0) / (vd * (f - c));
         Self::Cauchy { a: nd - b * d, b, c: 0.0 }
     }
@@ -38,20 +38,20 @@ impl Glass {
     /// Index at a wavelength \[nm].
     #[must_use]
     pub fn index(&self, nm: f32) -> f32 {
-        self.at(f64::from(nm)) as f32
+        self.refractive_index_at(f64::from(nm)) as f32
     }
 
     /// Index at the d line, 587.56 nm.
     #[must_use]
-    pub fn index_d(&self) -> f32 {
-        self.at(LINES[1]) as f32
+    pub fn d_line_index(&self) -> f32 {
+        self.refractive_index_at(LINES[1]) as f32
     }
 
     /// Abbe number (n_d − 1)/(n_F − n_C), with the F line at 486.13 nm and the C line at 656.27 nm.
     /// Smaller numbers disperse more.
     #[must_use]
-    pub fn abbe(&self) -> f32 {
-        let [f, d, c] = LINES.map(|nm| self.at(nm));
+    pub fn abbe_number(&self) -> f32 {
+        let [f, d, c] = LINES.map(|nm| self.refractive_index_at(nm));
         ((d - 1.0) / (f - c)) as f32
     }
 
@@ -78,20 +78,20 @@ impl Glass {
         };
         let root = match *self {
             Self::Cauchy { a, b, c } => {
-                let [p, q] = [from, to].map(inverse_square);
+                let [p, q] = [from, to].map(inverse_wavelength_squared);
                 add(a, a);
                 add(b * p, b * q);
                 add(c * p * p, c * q * q);
                 false
             }
             Self::Sellmeier { b, c } => {
-                let [p, q] = [from, to].map(square);
+                let [p, q] = [from, to].map(wavelength_squared);
                 add(1.0, 1.0);
                 for (b, c) in b.into_iter().zip(c) {
                     if b != 0.0 && p <= c && c <= q {
                         return None;
                     }
-                    add(term(b, c, p), term(b, c, q));
+                    add(sellmeier_term(b, c, p), sellmeier_term(b, c, q));
                 }
                 true
             }
@@ -100,37 +100,37 @@ impl Glass {
         (sum[0] > 0.0 && sum[1].is_finite()).then_some(sum)
     }
 
-    fn at(&self, nm: f64) -> f64 {
+    fn refractive_index_at(&self, nm: f64) -> f64 {
         match *self {
             Self::Cauchy { a, b, c } => {
-                let t = inverse_square(nm);
+                let t = inverse_wavelength_squared(nm);
                 a + t * (b + t * c)
             }
             Self::Sellmeier { b, c } => {
-                let x = square(nm);
-                (1.0 + b.into_iter().zip(c).map(|(b, c)| term(b, c, x)).sum::<f64>()).sqrt()
+                let x = wavelength_squared(nm);
+                (1.0 + b.into_iter().zip(c).map(|(b, c)| sellmeier_term(b, c, x)).sum::<f64>()).sqrt()
             }
         }
     }
 }
 
 /// λ² \[µm²\] of a wavelength \[nm\].
-fn square(nm: f64) -> f64 {
+fn wavelength_squared(nm: f64) -> f64 {
     nm * nm * 1e-6
 }
 
 /// 1/λ² \[µm⁻²\] of a wavelength \[nm\].
-fn inverse_square(nm: f64) -> f64 {
-    1.0 / square(nm)
+fn inverse_wavelength_squared(nm: f64) -> f64 {
+    1.0 / wavelength_squared(nm)
 }
 
 /// A term of Sellmeier's equation; zero without strength, even at the resonance.
-fn term(b: f64, c: f64, x: f64) -> f64 {
+fn sellmeier_term(b: f64, c: f64, x: f64) -> f64 {
     if b == 0.0 { 0.0 } else { b * x / (x - c) }
 }
 
-const fn three(b: [f64; 3], c: [f64; 3]) -> Glass {
-    Glass::Sellmeier { b: [b[0], b[1], b[2], 0.0], c: [c[0], c[1], c[2], 0.0] }
+const fn three_term_sellmeier(b: [f64; 3], c: [f64; 3]) -> DispersionFormula {
+    DispersionFormula::Sellmeier { b: [b[0], b[1], b[2], 0.0], c: [c[0], c[1], c[2], 0.0] }
 }
 
 /// Name, index and source of each substance that [`glass`] finds, in alphabetical order.
@@ -138,45 +138,48 @@ const fn three(b: [f64; 3], c: [f64; 3]) -> Glass {
 /// Indices of glasses, fused silica and sapphire are relative to air; those of water and diamond to
 /// vacuum. The difference is below 0.0003. The coefficients are from the public-domain database of
 /// refractiveindex.info.
-pub const GLASSES: [(&str, Glass, &str); 9] = [
+pub const GLASSES: [(&str, DispersionFormula, &str); 9] = [
     (
         "BK7",
-        three([1.03961212, 0.231792344, 1.01046945], [0.00600069867, 0.0200179144, 103.560653]),
+        three_term_sellmeier([1.03961212, 0.231792344, 1.01046945], [0.00600069867, 0.0200179144, 103.560653]),
         "N-BK7, SCHOTT's catalogue of optical glasses",
     ),
     (
         "F2",
-        three([1.34533359, 0.209073176, 0.937357162], [0.00997743871, 0.0470450767, 111.886764]),
+        three_term_sellmeier([1.34533359, 0.209073176, 0.937357162], [0.00997743871, 0.0470450767, 111.886764]),
         "F2, SCHOTT's catalogue of optical glasses",
     ),
     (
         "LAK9",
-        three([1.46231905, 0.344399589, 1.15508372], [0.00724270156, 0.0243353131, 85.4686868]),
+        three_term_sellmeier([1.46231905, 0.344399589, 1.15508372], [0.00724270156, 0.0243353131, 85.4686868]),
         "N-LAK9, SCHOTT's catalogue of optical glasses",
     ),
     (
         "SF10",
-        three([1.62153902, 0.256287842, 1.64447552], [0.0122241457, 0.0595736775, 147.468793]),
+        three_term_sellmeier([1.62153902, 0.256287842, 1.64447552], [0.0122241457, 0.0595736775, 147.468793]),
         "N-SF10, SCHOTT's catalogue of optical glasses",
     ),
     (
         "SF11",
-        three([1.73759695, 0.313747346, 1.89878101], [0.013188707, 0.0623068142, 155.23629]),
+        three_term_sellmeier([1.73759695, 0.313747346, 1.89878101], [0.013188707, 0.0623068142, 155.23629]),
         "N-SF11, SCHOTT's catalogue of optical glasses",
     ),
     (
         "diamond",
-        three([0.3306, 4.3356, 0.0], [0.175 * 0.175, 0.106 * 0.106, 0.0]),
+        three_term_sellmeier([0.3306, 4.3356, 0.0], [0.175 * 0.175, 0.106 * 0.106, 0.0]),
         "Peter 1923, Zeitschrift für Physik 15, 358",
     ),
     (
         "fusedSilica",
-        three([0.6961663, 0.4079426, 0.8974794], [0.0684043 * 0.0684043, 0.1162414 * 0.1162414, 9.896161 * 9.896161]),
+        three_term_sellmeier(
+            [0.6961663, 0.4079426, 0.8974794],
+            [0.0684043 * 0.0684043, 0.1162414 * 0.1162414, 9.896161 * 9.896161],
+        ),
         "Malitson 1965, Journal of the Optical Society of America 55, 1205",
     ),
     (
         "sapphire",
-        three(
+        three_term_sellmeier(
             [1.4313493, 0.65054713, 5.3414021],
             [0.0726631 * 0.0726631, 0.1193242 * 0.1193242, 18.028251 * 18.028251],
         ),
@@ -184,7 +187,7 @@ pub const GLASSES: [(&str, Glass, &str); 9] = [
     ),
     (
         "water",
-        Glass::Sellmeier {
+        DispersionFormula::Sellmeier {
             b: [0.5684027565, 0.1726177391, 0.02086189578, 0.1130748688],
             c: [0.005101829712, 0.01821153936, 0.02620722293, 10.69792721],
         },
@@ -194,7 +197,7 @@ pub const GLASSES: [(&str, Glass, &str); 9] = [
 
 /// The substance with this name; `None` if it is not in [`GLASSES`].
 #[must_use]
-pub fn glass(name: &str) -> Option<Glass> {
+pub fn glass_by_name(name: &str) -> Option<DispersionFormula> {
     GLASSES.iter().find(|g| g.0 == name).map(|g| g.1)
 }
 

@@ -4,6 +4,6 @@ mod glass;
 mod rgb;
 mod wavelength;
 
-pub use glass::{GLASSES, Glass, glass};
-pub use rgb::{Rgb, luminance, mean};
+pub use glass::{DispersionFormula, GLASSES, glass_by_name};
+pub use rgb::{Rgb, channel_mean, luminance};
 pub use wavelength::Wavelength;

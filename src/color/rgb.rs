@@ -17,6 +17,6 @@ pub fn luminance(c: Rgb) -> f32 {
 /// equally.
 #[inline]
 #[must_use]
-pub fn mean(c: Rgb) -> f32 {
+pub fn channel_mean(c: Rgb) -> f32 {
     (c.x + c.y + c.z) * (1.0 / 3.0)
 }

@@ -39,11 +39,11 @@ impl Wavelength {
     /// Samples a wavelength by the mean response of the channels, for `u` in \[0, 1).
     #[must_use]
     pub fn sample(u: f32) -> Self {
-        let sums = &TABLE.sums;
+        let sums = &RESPONSE_TABLE.sums;
         let u = f64::from(u);
-        let cell = sums.partition_point(|s| *s <= u).clamp(1, CELLS) - 1;
-        let within = (u - sums[cell]) / (sums[cell + 1] - sums[cell]);
-        Self(SHORTEST + (cell as f32 + (within as f32).clamp(EDGE, 1.0 - EDGE)) * STEP)
+        let response_cell = sums.partition_point(|s| *s <= u).clamp(1, CELLS) - 1;
+        let within = (u - sums[response_cell]) / (sums[response_cell + 1] - sums[response_cell]);
+        Self(SHORTEST + (response_cell as f32 + (within as f32).clamp(EDGE, 1.0 - EDGE)) * STEP)
     }
 
     /// Wavelength \[nm].
@@ -56,7 +56,7 @@ impl Wavelength {
     /// Pdf of [`Wavelength::sample`] \[1/nm].
     #[must_use]
     pub fn pdf(self) -> f32 {
-        TABLE.pdfs[self.cell()]
+        RESPONSE_TABLE.pdfs[self.response_cell()]
     }
 
     /// Weight of a path that sampled this wavelength: the responses over the pdf.
@@ -64,29 +64,29 @@ impl Wavelength {
     /// The mean over the channels is one, and so is the expectation of each channel.
     #[must_use]
     pub fn weight(self) -> Rgb {
-        TABLE.weights[self.cell()]
+        RESPONSE_TABLE.weights[self.response_cell()]
     }
 
     /// Code of the wavelength in a byte, from 1 to 255, precise to 2/3 nm.
     #[must_use]
     pub fn code(self) -> u8 {
-        1 + self.cell() as u8
+        1 + self.response_cell() as u8
     }
 
     /// The central wavelength of a code, with the weight and pdf of the code; `None` for 0, which
     /// stands for all wavelengths.
     #[must_use]
-    pub fn from_code(code: u8) -> Option<Self> {
+    pub fn from_byte_code(code: u8) -> Option<Self> {
         let step = code.checked_sub(1)?;
         Some(Self(SHORTEST + (f32::from(step) + 0.5) * STEP))
     }
 
-    fn cell(self) -> usize {
+    fn response_cell(self) -> usize {
         ((self.0 - SHORTEST) / STEP).min(CELLS as f32 - 1.0) as usize
     }
 }
 
-struct Table {
+struct ResponseTable {
     /// Cumulative probability at the lower edge of each cell, and 1 at the end.
     sums: [f64; CELLS + 1],
     /// Pdf in each cell \[1/nm].
@@ -95,28 +95,29 @@ struct Table {
     weights: [Rgb; CELLS],
 }
 
-static TABLE: LazyLock<Table> = LazyLock::new(|| {
-    let center = |cell: usize| f64::from(SHORTEST) + (cell as f64 + 0.5) * f64::from(STEP);
-    let responses: [DVec3; CELLS] = std::array::from_fn(|cell| in_gamut(matching(center(cell))));
+static RESPONSE_TABLE: LazyLock<ResponseTable> = LazyLock::new(|| {
+    let center = |response_cell: usize| f64::from(SHORTEST) + (response_cell as f64 + 0.5) * f64::from(STEP);
+    let responses: [DVec3; CELLS] =
+        std::array::from_fn(|response_cell| add_white_until_nonnegative(color_matching_rgb(center(response_cell))));
     let total: DVec3 = responses.iter().sum();
-    let mut table = Table { sums: [0.0; CELLS + 1], pdfs: [0.0; CELLS], weights: [Rgb::ZERO; CELLS] };
-    for (cell, response) in responses.iter().enumerate() {
+    let mut table = ResponseTable { sums: [0.0; CELLS + 1], pdfs: [0.0; CELLS], weights: [Rgb::ZERO; CELLS] };
+    for (response_cell, response) in responses.iter().enumerate() {
         let response = response / total;
         let density = response.element_sum() / 3.0;
-        table.sums[cell + 1] = table.sums[cell] + density;
-        table.pdfs[cell] = (density / f64::from(STEP)) as f32;
-        table.weights[cell] = (response / density).as_vec3();
+        table.sums[response_cell + 1] = table.sums[response_cell] + density;
+        table.pdfs[response_cell] = (density / f64::from(STEP)) as f32;
+        table.weights[response_cell] = (response / density).as_vec3();
     }
     table
 });
 
 /// Linear RGB with white added until no channel is negative.
-fn in_gamut(rgb: DVec3) -> DVec3 {
+fn add_white_until_nonnegative(rgb: DVec3) -> DVec3 {
     rgb - rgb.min_element().min(0.0)
 }
 
 /// Colour matching functions for linear RGB of Rec. 709 at a wavelength \[nm].
-fn matching(nm: f64) -> DVec3 {
+fn color_matching_rgb(nm: f64) -> DVec3 {
     let lobe = |height: f64, peak: f64, below: f64, above: f64| {
         let t = (nm - peak) * if nm < peak { below } else { above };
         height * libm::exp(-0.5 * t * t)

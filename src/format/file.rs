@@ -8,7 +8,7 @@ use super::resolve::resolve_with_assets;
 use super::scene_text::SceneTextImporter;
 use super::{SourceText, warnings};
 use crate::scene::Scene;
-use crate::stats::Memory;
+use crate::stats::MemoryLimit;
 use std::path::{Path, PathBuf};
 
 /// Importers of all scene formats. A file with another extension is read as scene text.
@@ -32,7 +32,7 @@ impl SceneFile {
     /// # Errors
     /// [`SceneReadError`].
     pub fn read(path: &Path) -> Result<Self, SceneReadError> {
-        Self::read_within_memory(path, Memory::Unbounded)
+        Self::read_within_memory(path, MemoryLimit::Unbounded)
     }
 
     /// Reads the file at `path` by the importer of its extension; refuses a scene that would exceed
@@ -40,7 +40,7 @@ impl SceneFile {
     ///
     /// # Errors
     /// [`SceneReadError`].
-    pub fn read_within_memory(path: &Path, memory: Memory) -> Result<Self, SceneReadError> {
+    pub fn read_within_memory(path: &Path, memory: MemoryLimit) -> Result<Self, SceneReadError> {
         let extension = lowercase_extension(path);
         let importer = IMPORTERS.into_iter().find(|importer| importer.extensions().contains(&&*extension));
         let ImportedScene { description, source, assets } =
@@ -53,7 +53,7 @@ impl SceneFile {
     /// # Errors
     /// [`SceneError`].
     pub fn resolve(&self) -> Result<Scene, SceneError> {
-        self.resolve_monitored(&(), Memory::Unbounded)
+        self.resolve_monitored(&(), MemoryLimit::Unbounded)
     }
 
     /// Builds the scene within `memory`; `monitor` receives the progress of reading meshes.
@@ -62,7 +62,7 @@ impl SceneFile {
     ///
     /// # Errors
     /// [`SceneError`].
-    pub fn resolve_monitored(&self, monitor: &dyn MeshReadMonitor, memory: Memory) -> Result<Scene, SceneError> {
+    pub fn resolve_monitored(&self, monitor: &dyn MeshReadMonitor, memory: MemoryLimit) -> Result<Scene, SceneError> {
         resolve_with_assets(&self.description, &self.source, &self.folder, &self.assets, monitor, memory)
     }
 

@@ -4,7 +4,7 @@ use super::description::SceneDescription;
 use super::mesh::TriangleMesh;
 use super::{SceneError, SourceText};
 use crate::image::Image;
-use crate::stats::{Memory, bytes};
+use crate::stats::{MemoryLimit, format_bytes};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -25,7 +25,7 @@ pub trait SceneImporter: Sync {
     ///
     /// # Errors
     /// [`SceneReadError`]. The [`SceneError`] of a binary format may lack a position.
-    fn import(&self, path: &Path, memory: Memory) -> Result<ImportedScene, SceneReadError>;
+    fn import(&self, path: &Path, memory: MemoryLimit) -> Result<ImportedScene, SceneReadError>;
 }
 
 /// A scene that an importer read from a file.
@@ -71,7 +71,7 @@ pub enum SceneReadError {
         source: std::io::Error,
     },
     /// The scene would exceed the memory limit.
-    #[error("the scene `{}` takes about {} of memory, and {} are free", path.display(), bytes(*needed), bytes(*free))]
+    #[error("the scene `{}` takes about {} of memory, and {} are free", path.display(), format_bytes(*needed), format_bytes(*free))]
     #[diagnostic(help("put large parts into meshes, or allow more memory (--memory)"))]
     Memory {
         /// Path of the file.

@@ -6,7 +6,7 @@ use super::import::{
 use super::language::parse_bytes;
 use super::{SceneError, SourceText};
 use crate::image::open_file;
-use crate::stats::Memory;
+use crate::stats::MemoryLimit;
 use std::io::Read;
 use std::path::Path;
 
@@ -27,7 +27,7 @@ impl SceneImporter for SceneTextImporter {
         &["txt", "caustica"]
     }
 
-    fn import(&self, path: &Path, memory: Memory) -> Result<ImportedScene, SceneReadError> {
+    fn import(&self, path: &Path, memory: MemoryLimit) -> Result<ImportedScene, SceneReadError> {
         let unreadable = |source| SceneReadError::Unreadable { path: path.to_owned(), source };
         let (mut file, length) = open_file(path).map_err(unreadable)?;
         let name = path.display().to_string();
@@ -37,7 +37,7 @@ impl SceneImporter for SceneTextImporter {
             return Err(SceneError::without_position(&name, message, help).into());
         }
         let needed = MEMORY_PER_TEXT_BYTE * length;
-        if let Some(free) = memory.free().filter(|free| needed > *free) {
+        if let Some(free) = memory.available_bytes().filter(|free| needed > *free) {
             return Err(SceneReadError::Memory { path: path.to_owned(), needed, free });
         }
         let mut bytes = Vec::new();

@@ -1,6 +1,6 @@
 //! Steps of a `Transform` block.
 
-use crate::math::{self, Step};
+use crate::math::{self, MotionStep};
 use glam::{DAffine3, DMat4, DVec3};
 
 /// One step of a transform.
@@ -49,16 +49,16 @@ impl TransformStep {
     ///
     /// A matrix has no such motion and applies at all times.
     #[must_use]
-    pub fn motion_step(&self) -> Step {
+    pub fn motion_step(&self) -> MotionStep {
         match *self {
-            Self::Scale(s) => Step::Scale(s),
-            Self::UniformScale(s) => Step::Scale(DVec3::splat(s)),
-            Self::Translate(t) => Step::Translate(t),
-            Self::RotateX(angle) => Step::Rotate(DVec3::X, angle),
-            Self::RotateY(angle) => Step::Rotate(DVec3::Y, angle),
-            Self::RotateZ(angle) => Step::Rotate(DVec3::Z, angle),
-            Self::Rotate { axis, angle } => Step::Rotate(axis.normalize_or_zero(), angle),
-            Self::Matrix(_) => Step::Fixed(self.matrix()),
+            Self::Scale(s) => MotionStep::Scale(s),
+            Self::UniformScale(s) => MotionStep::Scale(DVec3::splat(s)),
+            Self::Translate(t) => MotionStep::Translate(t),
+            Self::RotateX(angle) => MotionStep::Rotate(DVec3::X, angle),
+            Self::RotateY(angle) => MotionStep::Rotate(DVec3::Y, angle),
+            Self::RotateZ(angle) => MotionStep::Rotate(DVec3::Z, angle),
+            Self::Rotate { axis, angle } => MotionStep::Rotate(axis.normalize_or_zero(), angle),
+            Self::Matrix(_) => MotionStep::Fixed(self.matrix()),
         }
     }
 
@@ -77,7 +77,7 @@ impl TransformStep {
 
 /// Rotation about a unit `axis` by `angle` \[degrees].
 fn turn(axis: DVec3, angle: f64) -> DAffine3 {
-    DAffine3::from_mat3(math::turn_degrees(axis, angle))
+    DAffine3::from_mat3(math::rotation_matrix_degrees(axis, angle))
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::io;
 use std::path::PathBuf;
 
 use super::buffer::SizeError;
-use crate::stats::bytes;
+use crate::stats::format_bytes;
 
 /// Why a picture was not written. An existing file at the path is unchanged.
 #[derive(Debug, thiserror::Error)]
@@ -116,7 +116,7 @@ pub enum ReadError {
     /// The picture does not fit into memory.
     #[error(
         "`{}` takes {} of memory, and {} are free: make the picture smaller, or allow more --memory",
-        path.display(), bytes(*needed), bytes(*free)
+        path.display(), format_bytes(*needed), format_bytes(*free)
     )]
     Memory {
         /// The file.
@@ -143,7 +143,7 @@ impl From<SizeError> for DecodeFailure {
 
 impl DecodeFailure {
     /// The error for the file at `path`.
-    pub(super) fn at(self, path: PathBuf) -> ReadError {
+    pub(super) fn into_read_error(self, path: PathBuf) -> ReadError {
         match self {
             Self::Reason(reason) => ReadError::Decode { path, reason },
             Self::Size(source) => ReadError::Size { path, source },
@@ -157,7 +157,7 @@ impl DecodeFailure {
 ///
 /// DEFLATE expands one byte to at most 1032 bytes (zlib technical details: 258 bytes for two bits).
 /// The check keeps a false header from allocating memory.
-pub(super) fn check_plausible(raw: u64, file: usize) -> Result<(), DecodeFailure> {
+pub(super) fn check_compression_ratio(raw: u64, file: usize) -> Result<(), DecodeFailure> {
     if raw > 1032 * file as u64 {
         return Err(DecodeFailure::Reason("the file is too short for the size that it states".into()));
     }
@@ -169,11 +169,11 @@ pub(super) fn check_plausible(raw: u64, file: usize) -> Result<(), DecodeFailure
 /// The peak is an OpenEXR file: four channels twice in single precision (32), RGB (12), and slack
 /// (4). Later stages take less: the picture with its MIP pyramid (12 + 16), or with the tables of
 /// light sampling (12 + 24).
-const PER_PIXEL: u64 = 48;
+const PEAK_BYTES_PER_PIXEL: u64 = 48;
 
 /// Refuses a picture that does not fit into `free` bytes, before it is allocated.
 pub(super) fn check_memory(pixels: usize, free: Option<u64>) -> Result<(), DecodeFailure> {
-    let needed = PER_PIXEL * pixels as u64;
+    let needed = PEAK_BYTES_PER_PIXEL * pixels as u64;
     match free {
         Some(free) if needed > free => Err(DecodeFailure::Memory { needed, free }),
         _ => Ok(()),

@@ -12,7 +12,7 @@ use exr::prelude::{
 use glam::Vec3;
 
 use super::buffer::{Image, pixel_count};
-use super::error::{DecodeFailure, WriteError, check_memory, check_plausible};
+use super::error::{DecodeFailure, WriteError, check_compression_ratio, check_memory};
 use super::options::FloatDepth;
 use super::tone::WriteReport;
 
@@ -39,7 +39,7 @@ pub(super) fn encode(
                 let [r, g, b] = pixels[y * width + x].to_array().map($sample);
                 (r, g, b)
             });
-            let layer = Layer::new(size, attributes(metadata), Encoding::SMALL_LOSSLESS, channels);
+            let layer = Layer::new(size, layer_attributes(metadata), Encoding::SMALL_LOSSLESS, channels);
             let mut picture = ExrImage::from_layer(layer);
             picture.attributes.chromaticities = Some(REC_709);
             let mut file = Cursor::new(Vec::new());
@@ -48,7 +48,7 @@ pub(super) fn encode(
         }};
     }
     let file = match floats {
-        FloatDepth::Half => file!(half)?,
+        FloatDepth::Half => file!(to_clamped_half)?,
         FloatDepth::Single => file!(|x: f32| x)?,
     };
     let count = |predicate: &dyn Fn(&Vec3) -> bool| pixels.iter().filter(|pixel| predicate(pixel)).count();
@@ -63,12 +63,12 @@ pub(super) fn encode(
 const LARGEST_HALF: f32 = 65_504.0;
 
 /// Nearest number in half precision. A finite number stays finite.
-fn half(x: f32) -> f16 {
+fn to_clamped_half(x: f32) -> f16 {
     f16::from_f32(if x.is_finite() { x.clamp(-LARGEST_HALF, LARGEST_HALF) } else { x })
 }
 
 /// Layer attributes that hold `metadata`.
-pub(super) fn attributes(metadata: &[(String, String)]) -> LayerAttributes {
+pub(super) fn layer_attributes(metadata: &[(String, String)]) -> LayerAttributes {
     let mut attributes = LayerAttributes::default();
     if !metadata.is_empty() {
         // One attribute holds all pairs: custom attributes are in a hash map, whose order varies by
@@ -101,12 +101,12 @@ pub(super) fn read(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailur
             Compression::PIZ | Compression::PXR24 | Compression::B44 | Compression::B44A => 1,
             Compression::DWAA(_) | Compression::DWAB(_) | Compression::HTJ2K32 | Compression::HTJ2K256 => 64,
         };
-        check_plausible(pixels * 2 / block, file.len())?;
+        check_compression_ratio(pixels * 2 / block, file.len())?;
         // The picture has the size of the display window. Pixels outside the data window are black.
         let Vec2(width, height) = header.shared_attributes.display_window.size;
         let shown = pixel_count(side(width), side(height))? as u64;
         if shown > ACCEPTED_WINDOW {
-            check_plausible(shown * 2 / block, file.len())?;
+            check_compression_ratio(shown * 2 / block, file.len())?;
         }
         check_memory(pixels.max(shown) as usize, free)?;
     }

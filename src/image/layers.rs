@@ -2,7 +2,7 @@
 
 use super::buffer::pixel_count;
 use super::error::WriteError;
-use super::exr::{REC_709, attributes};
+use super::exr::{REC_709, layer_attributes};
 use super::options::check_metadata;
 use super::replace::{check_replaceable, replace_file};
 use exr::prelude::{
@@ -26,7 +26,7 @@ pub struct ExrLayer {
 
 impl ExrLayer {
     /// Name of a channel in the file: `noise.R`, or `R` in the unnamed layer.
-    fn full_name(&self, channel: &str) -> String {
+    fn full_channel_name(&self, channel: &str) -> String {
         if self.name.is_empty() { channel.to_owned() } else { format!("{}.{channel}", self.name) }
     }
 }
@@ -36,11 +36,11 @@ impl ExrLayer {
 /// # Errors
 /// [`WriteError::NoLayers`] if the extension is not `.exr`, or the error of [`check_replaceable`].
 pub fn check_layers_path(path: &Path) -> Result<(), WriteError> {
-    check_extension(path)?;
+    check_layer_extension(path)?;
     check_replaceable(path)
 }
 
-fn check_extension(path: &Path) -> Result<(), WriteError> {
+fn check_layer_extension(path: &Path) -> Result<(), WriteError> {
     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")) {
         Ok(())
     } else {
@@ -62,7 +62,7 @@ pub fn write_layers(
     layers: &[ExrLayer],
     metadata: &[(String, String)],
 ) -> Result<usize, WriteError> {
-    check_extension(path)?;
+    check_layer_extension(path)?;
     check_metadata(metadata)?;
     replace_file(path, &encode(size, layers, metadata)?)?;
     let values = layers.iter().flat_map(|layer| &layer.channels).flat_map(|(_, values)| values);
@@ -75,7 +75,7 @@ fn encode(size: (u32, u32), layers: &[ExrLayer], metadata: &[(String, String)]) 
     let mut names = BTreeSet::new();
     let mut channels = SmallVec::new();
     for (layer, (channel, values)) in layers.iter().flat_map(|layer| layer.channels.iter().map(move |c| (layer, c))) {
-        let name = layer.full_name(channel);
+        let name = layer.full_channel_name(channel);
         let violated = if channel.is_empty() || name.len() > MAX_NAME || name.contains('\0') {
             Some("its name must have 1 to 255 bytes, and no NUL")
         } else if values.len() != pixels {
@@ -97,7 +97,8 @@ fn encode(size: (u32, u32), layers: &[ExrLayer], metadata: &[(String, String)]) 
     let size = (size.0 as usize, size.1 as usize);
     // The format requires channels in the order of their names.
     let channels = AnyChannels::sort(channels);
-    let mut file = ExrImage::from_layer(Layer::new(size, attributes(metadata), Encoding::SMALL_LOSSLESS, channels));
+    let mut file =
+        ExrImage::from_layer(Layer::new(size, layer_attributes(metadata), Encoding::SMALL_LOSSLESS, channels));
     file.attributes.chromaticities = Some(REC_709);
     let mut bytes = Cursor::new(Vec::new());
     file.write().non_parallel().to_buffered(&mut bytes).map_err(|e| failed(&e))?;

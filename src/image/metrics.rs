@@ -41,7 +41,7 @@ pub enum MetricError {
 /// [`MetricError`] if the sizes differ or a pixel is not finite.
 pub fn rmse(a: &Image, b: &Image) -> Result<f64, MetricError> {
     let mut sum = 0.0;
-    for (a, b) in pairs(a, b)? {
+    for (a, b) in pixel_pairs(a, b)? {
         let d = a.as_dvec3() - b.as_dvec3();
         sum += d.length_squared();
     }
@@ -64,7 +64,7 @@ pub fn relative_mse(a: &Image, reference: &Image, epsilon: f64, clip: Option<f64
         }
     }
     let mut sum = 0.0;
-    for (a, b) in pairs(a, reference)? {
+    for (a, b) in pixel_pairs(a, reference)? {
         let (a, b) = (a.as_dvec3(), b.as_dvec3());
         let d = a - b;
         let ratio = d * d / (b * b + epsilon);
@@ -78,12 +78,12 @@ pub fn relative_mse(a: &Image, reference: &Image, epsilon: f64, clip: Option<f64
 /// # Errors
 /// [`MetricError`] if the sizes differ or a pixel is not finite.
 pub fn max_abs_difference(a: &Image, b: &Image) -> Result<f64, MetricError> {
-    Ok(pairs(a, b)?.fold(0.0, |most, (a, b)| (a.as_dvec3() - b.as_dvec3()).abs().max_element().max(most)))
+    Ok(pixel_pairs(a, b)?.fold(0.0, |most, (a, b)| (a.as_dvec3() - b.as_dvec3()).abs().max_element().max(most)))
 }
 
 /// Largest difference of a channel and its position.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Largest {
+pub struct LargestDifference {
     /// Absolute difference.
     pub difference: f64,
     /// Column from the left.
@@ -94,10 +94,10 @@ pub struct Largest {
 
 /// Largest differences of two pictures, and the number of pixels that differ.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Differences {
+pub struct PixelDifferences {
     /// Largest difference of red, green and blue; the first of equal ones. `None` if a channel is
     /// equal.
-    pub largest: [Option<Largest>; 3],
+    pub largest: [Option<LargestDifference>; 3],
     /// Number of pixels that differ in at least one channel.
     pub pixels: usize,
 }
@@ -106,17 +106,17 @@ pub struct Differences {
 ///
 /// # Errors
 /// [`MetricError`] if the sizes differ or a pixel is not finite.
-pub fn differences(a: &Image, b: &Image) -> Result<Differences, MetricError> {
+pub fn largest_differences(a: &Image, b: &Image) -> Result<PixelDifferences, MetricError> {
     let width = a.width() as usize;
-    let mut found = Differences::default();
-    for (i, (a, b)) in pairs(a, b)?.enumerate() {
+    let mut found = PixelDifferences::default();
+    for (i, (a, b)) in pixel_pairs(a, b)?.enumerate() {
         if a == b {
             continue;
         }
         found.pixels += 1;
         for (most, difference) in found.largest.iter_mut().zip((a.as_dvec3() - b.as_dvec3()).abs().to_array()) {
             if difference > most.map_or(0.0, |m| m.difference) {
-                *most = Some(Largest { difference, x: (i % width) as u32, y: (i / width) as u32 });
+                *most = Some(LargestDifference { difference, x: (i % width) as u32, y: (i / width) as u32 });
             }
         }
     }
@@ -128,7 +128,7 @@ pub fn differences(a: &Image, b: &Image) -> Result<Differences, MetricError> {
 /// # Errors
 /// [`MetricError`] if the sizes differ or a pixel is not finite.
 pub fn relative_error(a: &Image, reference: &Image) -> Result<f64, MetricError> {
-    check_pair(a, reference)?;
+    check_comparable(a, reference)?;
     let (a, b) = (a.pixels(), reference.pixels());
     let square = |i: usize| {
         let d = a[i].as_dvec3() - b[i].as_dvec3();
@@ -151,20 +151,20 @@ pub struct ByteDifference {
 /// # Errors
 /// [`MetricError::Size`] if the sizes differ.
 pub fn differing_bytes(a: &RgbBytes, b: &RgbBytes) -> Result<ByteDifference, MetricError> {
-    check_sizes((a.width(), a.height()), (b.width(), b.height()))?;
+    check_equal_sizes((a.width(), a.height()), (b.width(), b.height()))?;
     let levels = a.pixels().as_flattened().iter().zip(b.pixels().as_flattened()).map(|(a, b)| a.abs_diff(*b));
     Ok(levels
         .filter(|&d| d > 0)
         .fold(ByteDifference::default(), |all, d| ByteDifference { count: all.count + 1, largest: all.largest.max(d) }))
 }
 
-fn check_sizes(a: (u32, u32), b: (u32, u32)) -> Result<(), MetricError> {
+fn check_equal_sizes(a: (u32, u32), b: (u32, u32)) -> Result<(), MetricError> {
     if a == b { Ok(()) } else { Err(MetricError::Size { a, b }) }
 }
 
 /// Refuses pictures of different sizes, and pixels that are not finite.
-pub(super) fn check_pair(a: &Image, b: &Image) -> Result<(), MetricError> {
-    check_sizes((a.width(), a.height()), (b.width(), b.height()))?;
+pub(super) fn check_comparable(a: &Image, b: &Image) -> Result<(), MetricError> {
+    check_equal_sizes((a.width(), a.height()), (b.width(), b.height()))?;
     for (which, image) in [("first", a), ("second", b)] {
         if let Some(at) = image.pixels().iter().position(|pixel| !pixel.is_finite()) {
             let width = image.width() as usize;
@@ -175,11 +175,11 @@ pub(super) fn check_pair(a: &Image, b: &Image) -> Result<(), MetricError> {
 }
 
 /// Pairs of pixels, all finite. The difference of two finite f32 is finite in f64.
-fn pairs<'a>(
+fn pixel_pairs<'a>(
     a: &'a Image,
     b: &'a Image,
 ) -> Result<impl Iterator<Item = (&'a glam::Vec3, &'a glam::Vec3)>, MetricError> {
-    check_pair(a, b)?;
+    check_comparable(a, b)?;
     Ok(a.pixels().iter().zip(b.pixels()))
 }
 

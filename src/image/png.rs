@@ -7,13 +7,13 @@ use png::{BitDepth as Depth, ColorType, Decoder, DecodingError, Encoder, Encodin
 use rayon::prelude::*;
 
 use super::buffer::{Image, RgbBytes, pixel_count};
-use super::error::{DecodeFailure, WriteError, check_memory, check_plausible};
+use super::error::{DecodeFailure, WriteError, check_compression_ratio, check_memory};
 use super::options::{BitDepth, WriteOptions};
 use super::tone::{Quantizer, ToneCurve, WriteReport, srgb_decode};
 
 /// Encodes `image` as a PNG file. All curves except [`ToneCurve::Course`] add an sRGB chunk.
 pub(super) fn encode(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, WriteReport), WriteError> {
-    let (samples, report) = quantize(image, options)?;
+    let (samples, report) = quantize_image(image, options)?;
     let mut file = Vec::new();
     let refused = |error: EncodingError| WriteError::Encode(error.to_string());
 
@@ -43,7 +43,7 @@ pub(super) fn encode(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, 
 /// The samples in file order; 16-bit samples are big-endian.
 ///
 /// Rows are independent and counts are integers, so the result does not depend on the threads.
-fn quantize(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, WriteReport), WriteError> {
+fn quantize_image(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, WriteReport), WriteError> {
     let (white, size) = match options.depth {
         BitDepth::Eight => (255, 1),
         BitDepth::Sixteen => (65_535, 2),
@@ -57,7 +57,7 @@ fn quantize(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, WriteRepo
         .map(|(row, pixels)| {
             let mut report = WriteReport::default();
             for (bytes, &pixel) in row.chunks_exact_mut(3 * size).zip(pixels) {
-                for (sample, level) in bytes.chunks_exact_mut(size).zip(quantizer.levels(pixel, &mut report)) {
+                for (sample, level) in bytes.chunks_exact_mut(size).zip(quantizer.quantize_pixel(pixel, &mut report)) {
                     sample.copy_from_slice(&level.to_be_bytes()[2 - size..]);
                 }
             }
@@ -85,7 +85,7 @@ struct Decoded {
     gamma: Option<f64>,
 }
 
-fn decode(file: &[u8], free: Option<u64>) -> Result<Decoded, DecodeFailure> {
+fn decode_samples(file: &[u8], free: Option<u64>) -> Result<Decoded, DecodeFailure> {
     let mut decoder = Decoder::new(Cursor::new(file));
     decoder.set_transformations(png::Transformations::EXPAND);
     let mut reader = decoder.read_info()?;
@@ -100,7 +100,7 @@ fn decode(file: &[u8], free: Option<u64>) -> Result<Decoded, DecodeFailure> {
     }
     let pixels = pixel_count(width, height)?;
     let stored = u64::from(height) * info.raw_row_length() as u64;
-    check_plausible(stored, file.len())?;
+    check_compression_ratio(stored, file.len())?;
     check_memory(pixels, free)?;
 
     let (color, depth) = reader.output_color_type();
@@ -135,20 +135,20 @@ fn decode(file: &[u8], free: Option<u64>) -> Result<Decoded, DecodeFailure> {
 /// The transfer function is that of the gAMA chunk if there is no sRGB chunk, else sRGB, the
 /// convention for unlabelled PNG files.
 pub(super) fn read(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
-    let decoded = decode(file, free)?;
+    let decoded = decode_samples(file, free)?;
     match decoded.gamma {
-        Some(gamma) => read_by(decoded, |signal| libm::pow(signal, 1.0 / gamma) as f32),
-        None => read_by(decoded, |signal| srgb_decode(signal) as f32),
+        Some(gamma) => apply_transfer_function(decoded, |signal| libm::pow(signal, 1.0 / gamma) as f32),
+        None => apply_transfer_function(decoded, |signal| srgb_decode(signal) as f32),
     }
 }
 
 /// Reads the samples without a transfer function, from 0 to 1.
 pub(super) fn read_data(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
-    read_by(decode(file, free)?, |signal| signal as f32)
+    apply_transfer_function(decode_samples(file, free)?, |signal| signal as f32)
 }
 
 /// Converts samples by a transfer function from signals in [0, 1].
-fn read_by(decoded: Decoded, linear: impl Fn(f64) -> f32) -> Result<Image, DecodeFailure> {
+fn apply_transfer_function(decoded: Decoded, linear: impl Fn(f64) -> f32) -> Result<Image, DecodeFailure> {
     let Decoded { width, height, samples, sixteen, .. } = decoded;
     let table: Vec<f32> = if sixteen {
         (0..=65_535).map(|level| linear(f64::from(level) / 65_535.0)).collect()
@@ -166,7 +166,7 @@ fn read_by(decoded: Decoded, linear: impl Fn(f64) -> f32) -> Result<Image, Decod
 
 /// Reads the bytes of an 8-bit file.
 pub(super) fn read_bytes(file: &[u8]) -> Result<RgbBytes, DecodeFailure> {
-    let decoded = decode(file, None)?;
+    let decoded = decode_samples(file, None)?;
     if decoded.sixteen {
         return Err(DecodeFailure::Reason(
             "it has 16 bits per channel, and only 8-bit pictures can be compared by bytes".into(),

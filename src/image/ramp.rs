@@ -25,18 +25,18 @@ const BLUE_RED: [[u8; 3]; 5] =
 /// Colour of `t` in [0, 1], as linear RGB; larger is lighter. Other values are clamped.
 #[must_use]
 pub fn sequential_color(t: f64) -> Vec3 {
-    interpolate(&MAGMA, t)
+    interpolate_color_map(&MAGMA, t)
 }
 
 /// Colour of `t` in [−1, 1], as linear RGB: blue, nearly white at 0, red. Other values are clamped.
 #[must_use]
 pub fn diverging_color(t: f64) -> Vec3 {
-    interpolate(&BLUE_RED, 0.5 + 0.5 * t)
+    interpolate_color_map(&BLUE_RED, 0.5 + 0.5 * t)
 }
 
 /// Interpolates between colours in sRGB signals, whose equal steps look more equal than those of
 /// light.
-fn interpolate(steps: &[[u8; 3]], t: f64) -> Vec3 {
+fn interpolate_color_map(steps: &[[u8; 3]], t: f64) -> Vec3 {
     let last = steps.len() - 1;
     let position = t.clamp(0.0, 1.0) * last as f64;
     let step = (position as usize).min(last - 1);
@@ -51,7 +51,7 @@ mod tests {
     use crate::image::{Image, OutputFormat, WriteOptions, encode, read_bytes};
 
     /// The bytes that a PNG stores for the colours.
-    fn shown(colors: Vec<Vec3>) -> Vec<[u8; 3]> {
+    fn stored_png_bytes(colors: Vec<Vec3>) -> Vec<[u8; 3]> {
         let image = Image::from_pixels(colors.len() as u32, 1, colors).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
@@ -61,8 +61,8 @@ mod tests {
 
     #[test]
     fn steps_are_the_published_bytes_and_clamp() {
-        assert_eq!(shown((0..9).map(|i| sequential_color(f64::from(i) / 8.0)).collect()), MAGMA);
-        assert_eq!(shown((0..5).map(|i| diverging_color(f64::from(i) / 2.0 - 1.0)).collect()), BLUE_RED);
+        assert_eq!(stored_png_bytes((0..9).map(|i| sequential_color(f64::from(i) / 8.0)).collect()), MAGMA);
+        assert_eq!(stored_png_bytes((0..5).map(|i| diverging_color(f64::from(i) / 2.0 - 1.0)).collect()), BLUE_RED);
         assert_eq!((sequential_color(-1.0), sequential_color(2.0)), (sequential_color(0.0), sequential_color(1.0)));
         assert_eq!((diverging_color(-9.0), diverging_color(9.0)), (diverging_color(-1.0), diverging_color(1.0)));
     }

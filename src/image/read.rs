@@ -8,7 +8,7 @@ use ::image::codecs::hdr::HdrDecoder;
 use glam::Vec3;
 
 use super::buffer::{Image, RgbBytes, pixel_count};
-use super::error::{DecodeFailure, ReadError, check_memory, check_plausible};
+use super::error::{DecodeFailure, ReadError, check_compression_ratio, check_memory};
 use super::open::open_file;
 use super::{exr, png};
 
@@ -30,7 +30,7 @@ pub enum InputFormat {
 
 impl InputFormat {
     /// Format by the signature of a file, whatever its name is.
-    fn of(file: &[u8]) -> Option<Self> {
+    fn from_signature(file: &[u8]) -> Option<Self> {
         match file {
             _ if file.starts_with(&PNG_SIGNATURE) => Some(Self::Png),
             _ if file.starts_with(&EXR_SIGNATURE) => Some(Self::Exr),
@@ -59,7 +59,7 @@ pub fn read(path: &Path) -> Result<Image, ReadError> {
 /// # Errors
 /// [`ReadError`], see [`read`].
 pub fn read_with_format(path: &Path) -> Result<(Image, InputFormat), ReadError> {
-    let file = load(path, None)?;
+    let file = read_file_bytes(path, None)?;
     decode(path, &file, PictureContent::Radiance, None)
 }
 
@@ -68,7 +68,7 @@ pub fn read_with_format(path: &Path) -> Result<(Image, InputFormat), ReadError> 
 /// # Errors
 /// [`ReadError`], see [`read`].
 pub fn read_data(path: &Path) -> Result<Image, ReadError> {
-    read_within(path, PictureContent::Data, None)
+    read_with_memory_limit(path, PictureContent::Data, None)
 }
 
 /// Meaning of the samples of a picture.
@@ -85,29 +85,29 @@ pub enum PictureContent {
 ///
 /// # Errors
 /// [`ReadError`], see [`read`]; also if the memory does not suffice.
-pub fn read_within(path: &Path, meaning: PictureContent, free: Option<u64>) -> Result<Image, ReadError> {
-    let file = load(path, free)?;
+pub fn read_with_memory_limit(path: &Path, meaning: PictureContent, free: Option<u64>) -> Result<Image, ReadError> {
+    let file = read_file_bytes(path, free)?;
     Ok(decode(path, &file, meaning, free.map(|free| free.saturating_sub(file.len() as u64)))?.0)
 }
 
-/// Decodes the bytes of a file like [`read_within`], and returns its format. Errors name `path`.
+/// Decodes the bytes of a file like [`read_with_memory_limit`], and returns its format. Errors name `path`.
 ///
 /// # Errors
-/// [`ReadError`], see [`read_within`].
+/// [`ReadError`], see [`read_with_memory_limit`].
 pub fn decode(
     path: &Path,
     file: &[u8],
     meaning: PictureContent,
     free: Option<u64>,
 ) -> Result<(Image, InputFormat), ReadError> {
-    let format = InputFormat::of(file).ok_or_else(|| ReadError::UnknownFormat { path: path.to_owned() })?;
+    let format = InputFormat::from_signature(file).ok_or_else(|| ReadError::UnknownFormat { path: path.to_owned() })?;
     let image = match (format, meaning) {
         (InputFormat::Png, PictureContent::Radiance) => png::read(file, free),
         (InputFormat::Png, PictureContent::Data) => png::read_data(file, free),
         (InputFormat::Exr, _) => exr::read(file, free),
         (InputFormat::Hdr, _) => read_hdr(file, free),
     };
-    Ok((image.map_err(|failure| failure.at(path.to_owned()))?, format))
+    Ok((image.map_err(|failure| failure.into_read_error(path.to_owned()))?, format))
 }
 
 /// Reads the bytes of an 8-bit PNG, for exact comparisons.
@@ -115,15 +115,15 @@ pub fn decode(
 /// # Errors
 /// [`ReadError`], see [`read`]; also if the file is not an 8-bit PNG.
 pub fn read_bytes(path: &Path) -> Result<RgbBytes, ReadError> {
-    let file = load(path, None)?;
-    let bytes = match InputFormat::of(&file) {
+    let file = read_file_bytes(path, None)?;
+    let bytes = match InputFormat::from_signature(&file) {
         Some(InputFormat::Png) => png::read_bytes(&file),
         Some(_) => Err(DecodeFailure::Reason(
             "a picture of floating-point numbers has no bytes to compare: use an 8-bit PNG".into(),
         )),
         None => return Err(ReadError::UnknownFormat { path: path.to_owned() }),
     };
-    bytes.map_err(|failure| failure.at(path.to_owned()))
+    bytes.map_err(|failure| failure.into_read_error(path.to_owned()))
 }
 
 /// Reads a Radiance HDR picture (Ward 1991, "Real Pixels") and divides it by its stated exposure.
@@ -134,7 +134,7 @@ fn read_hdr(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     let header = decoder.metadata();
     // A run of at most 127 bytes takes two, far below the bound of DEFLATE.
     let pixels = pixel_count(header.width, header.height)?;
-    check_plausible(4 * pixels as u64, file.len())?;
+    check_compression_ratio(4 * pixels as u64, file.len())?;
     check_memory(pixels, free)?;
     let exposure = header.exposure.unwrap_or(1.0);
     if !(exposure > 0.0 && exposure.is_finite()) {
@@ -146,7 +146,7 @@ fn read_hdr(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
 }
 
 /// Reads a file of at most `free` bytes.
-fn load(path: &Path, free: Option<u64>) -> Result<Vec<u8>, ReadError> {
+fn read_file_bytes(path: &Path, free: Option<u64>) -> Result<Vec<u8>, ReadError> {
     let refused = |source| ReadError::Io { path: path.to_owned(), source };
     let (mut file, needed) = open_file(path).map_err(refused)?;
     if let Some(free) = free.filter(|free| needed > *free) {

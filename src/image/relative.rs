@@ -66,14 +66,15 @@ impl RelativeScale {
     /// Relative e², or product of two errors, of pixel `i`, summed over channels and clamped to
     /// [−1, 1].
     #[must_use]
-    pub fn counts(&self, i: usize, product: f64) -> f64 {
+    pub fn clamped_relative_product(&self, i: usize, product: f64) -> f64 {
         (self.weights[i] * product).clamp(-1.0, 1.0)
     }
 
     /// Mean over pixels of the relative `product(i)`: e², or a product of two errors, per channel.
     #[must_use]
     pub fn mean(&self, product: impl Fn(usize) -> DVec3) -> f64 {
-        let sum: f64 = (0..self.weights.len()).map(|i| self.counts(i, product(i).element_sum())).sum();
+        let sum: f64 =
+            (0..self.weights.len()).map(|i| self.clamped_relative_product(i, product(i).element_sum())).sum();
         sum / self.weights.len() as f64
     }
 }

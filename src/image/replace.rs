@@ -27,9 +27,9 @@ pub fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
 /// # Errors
 /// [`WriteError`] like [`replace_file`], or if `fill` fails.
 pub fn replace_file_with(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), WriteError> {
-    let target = Target::find(path)?;
+    let target = ReplaceTarget::inspect(path)?;
     // Dropping the temporary file on an early return removes it.
-    let mut temporary = target.temporary()?;
+    let mut temporary = target.create_temporary_file()?;
     let wrote = fill(temporary.as_file_mut()).and_then(|()| temporary.as_file().sync_all());
     wrote.map_err(|source| WriteError::Io { action: "write", path: path.to_owned(), source })?;
     match temporary.persist(&target.file) {
@@ -43,7 +43,7 @@ pub fn replace_file_with(path: &Path, fill: impl FnOnce(&mut File) -> io::Result
 /// # Errors
 /// [`WriteError`] that [`replace_file`] would return.
 pub fn check_replaceable(path: &Path) -> Result<(), WriteError> {
-    Target::find(path)?.temporary().map(drop)
+    ReplaceTarget::inspect(path)?.create_temporary_file().map(drop)
 }
 
 /// The absolute path that [`replace_file`] would replace, with all links resolved.
@@ -52,31 +52,32 @@ pub fn check_replaceable(path: &Path) -> Result<(), WriteError> {
 /// does not exist is returned unchanged.
 #[must_use]
 pub fn canonical_output_path(path: &Path) -> PathBuf {
-    let in_folder = || Some(fs::canonicalize(folder(path)).ok()?.join(path.file_name()?));
+    let in_folder = || Some(fs::canonicalize(parent_folder(path)).ok()?.join(path.file_name()?));
     fs::canonicalize(path).ok().or_else(in_folder).unwrap_or_else(|| path.to_owned())
 }
 
 /// The folder of a file.
-fn folder(file: &Path) -> &Path {
+fn parent_folder(file: &Path) -> &Path {
     file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// Start and end of the names of temporary files.
-const TEMPORARY: (&str, &str) = (".caustica-", ".tmp");
+const TEMPORARY_NAME: (&str, &str) = (".caustica-", ".tmp");
 
 /// Age after which a temporary file belongs to a run that was killed.
-const ABANDONED: Duration = Duration::from_secs(3600);
+const ABANDONED_AGE: Duration = Duration::from_secs(3600);
 
 /// Removes temporary files that killed runs left in a folder. Failures are ignored.
-fn remove_abandoned(folder: &Path) {
+fn remove_abandoned_files(folder: &Path) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
         let name = entry.file_name();
-        let ours = name.to_str().is_some_and(|name| name.starts_with(TEMPORARY.0) && name.ends_with(TEMPORARY.1));
+        let ours =
+            name.to_str().is_some_and(|name| name.starts_with(TEMPORARY_NAME.0) && name.ends_with(TEMPORARY_NAME.1));
         let abandoned = || {
             let metadata = entry.metadata().ok().filter(fs::Metadata::is_file)?;
             let age = SystemTime::now().duration_since(metadata.modified().ok()?).ok()?;
-            (age > ABANDONED).then_some(())
+            (age > ABANDONED_AGE).then_some(())
         };
         if ours && abandoned().is_some() {
             let _ = fs::remove_file(entry.path());
@@ -85,7 +86,7 @@ fn remove_abandoned(folder: &Path) {
 }
 
 /// The file to replace.
-struct Target {
+struct ReplaceTarget {
     /// Path with links resolved.
     file: PathBuf,
     folder: PathBuf,
@@ -93,10 +94,10 @@ struct Target {
     existing: Option<fs::Permissions>,
 }
 
-impl Target {
-    fn find(path: &Path) -> Result<Self, WriteError> {
+impl ReplaceTarget {
+    fn inspect(path: &Path) -> Result<Self, WriteError> {
         let file = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-        let folder = folder(&file).to_owned();
+        let folder = parent_folder(&file).to_owned();
         if !folder.is_dir() {
             return Err(WriteError::NoFolder { path: path.to_owned(), folder });
         }
@@ -113,11 +114,11 @@ impl Target {
     }
 
     /// Creates a temporary file in the folder, with the permissions that the target is to have.
-    fn temporary(&self) -> Result<NamedTempFile, WriteError> {
+    fn create_temporary_file(&self) -> Result<NamedTempFile, WriteError> {
         let refused = |source| WriteError::Io { action: "create a file in", path: self.folder.clone(), source };
-        remove_abandoned(&self.folder);
+        remove_abandoned_files(&self.folder);
         let mut builder = tempfile::Builder::new();
-        builder.prefix(TEMPORARY.0).suffix(TEMPORARY.1);
+        builder.prefix(TEMPORARY_NAME.0).suffix(TEMPORARY_NAME.1);
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt;

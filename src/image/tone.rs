@@ -114,7 +114,7 @@ impl Quantizer {
     }
 
     /// The levels of a pixel. Values that they cannot hold are counted in `report`.
-    pub(super) fn levels(&self, pixel: Vec3, report: &mut WriteReport) -> [u16; 3] {
+    pub(super) fn quantize_pixel(&self, pixel: Vec3, report: &mut WriteReport) -> [u16; 3] {
         let exposed = pixel * self.scale;
         // Exposure may overflow a finite value. That is too bright, not a defect.
         if !pixel.is_finite() {
@@ -123,22 +123,22 @@ impl Quantizer {
             report.too_bright += usize::from(exposed.to_array().iter().any(|&c| self.is_too_bright(c)));
             report.negative += usize::from(pixel.to_array().iter().any(|&c| c < 0.0));
         }
-        exposed.to_array().map(|c| self.level(c))
+        exposed.to_array().map(|c| self.quantize_channel(c))
     }
 
     fn is_too_bright(&self, c: f32) -> bool {
         match self.curve {
             ToneCurve::Srgb | ToneCurve::Course => c > 1.0,
-            ToneCurve::Filmic => film(f64::from(c)) > 1.0,
+            ToneCurve::Filmic => filmic_curve(f64::from(c)) > 1.0,
         }
     }
 
     // Casts from float to integer saturate, and NaN becomes 0.
-    fn level(&self, c: f32) -> u16 {
+    fn quantize_channel(&self, c: f32) -> u16 {
         let nearest = |linear: f64| (f64::from(self.white) * srgb_encode(linear.clamp(0.0, 1.0)) + 0.5) as u16;
         match self.curve {
             ToneCurve::Srgb => nearest(f64::from(c)),
-            ToneCurve::Filmic => nearest(film(f64::from(c))),
+            ToneCurve::Filmic => nearest(filmic_curve(f64::from(c))),
             // The ray caster of the course multiplies in f32.
             ToneCurve::Course => (f32::from(self.white) * c.clamp(0.0, 1.0)) as u16,
         }
@@ -146,7 +146,7 @@ impl Quantizer {
 }
 
 /// Narkowicz's fit, x(2.51x + 0.03) / (x(2.43x + 0.59) + 0.14). It exceeds 1 above x = 7.24.
-fn film(x: f64) -> f64 {
+fn filmic_curve(x: f64) -> f64 {
     // Above 8 the curve exceeds white, and infinity would give NaN. Below 0 the fit has a pole.
     let x = x.clamp(0.0, 8.0);
     x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)

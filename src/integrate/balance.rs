@@ -99,7 +99,7 @@ pub(super) fn noise(one: &[Rgb], other: &[Rgb], light: &[f64]) -> f64 {
     sorted.sort_by(f64::total_cmp);
     let Some(median) = sorted.get(sorted.len() / 2) else { return 0.0 };
     let square = |((a, b), light): ((&Rgb, &Rgb), &f64)| {
-        let difference = f64::from(color::mean(*a)) - f64::from(color::mean(*b));
+        let difference = f64::from(color::channel_mean(*a)) - f64::from(color::channel_mean(*b));
         0.5 * difference * difference / (light * light + median * median)
     };
     let sum: f64 = one.iter().zip(other).zip(light).map(square).filter(|s| s.is_finite()).sum();

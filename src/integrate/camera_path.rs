@@ -91,7 +91,7 @@ pub(super) fn radiance<I: Interior>(
             let (event, phase) = if I::SPECTRAL {
                 media::next_vertex(paths, &mut path, worker, &mut radiance)
             } else {
-                (path.path_ray.next_vertex(scene, path.sampler.key(), |_| None), PhaseFunction::Isotropic)
+                (path.path_ray.next_vertex(scene, path.sampler.sample_key(), |_| None), PhaseFunction::Isotropic)
             };
             let mut hit = match event {
                 PathEvent::Surface(hit) => hit,
@@ -131,15 +131,15 @@ pub(super) fn radiance<I: Interior>(
             }
 
             // Skip shading of faint paths by Russian roulette: it costs as much as dozens of rays.
-            let survival = color::mean(path.throughput) / ROULETTE_THROUGHPUT;
+            let survival = color::channel_mean(path.throughput) / ROULETTE_THROUGHPUT;
             if survival < 1.0 && policy.min_throughput == 0.0 {
-                if path.sampler.get_1d(Dimension::Worth) >= survival {
+                if path.sampler.get_1d(Dimension::ShadingRoulette) >= survival {
                     break;
                 }
                 path.throughput /= survival;
             }
             if policy.directions == DirectionSampling::OneLobe {
-                hit.surface.bsdf = hit.surface.bsdf.one_lobe(path.sampler.get_1d(Dimension::Part));
+                hit.surface.bsdf = hit.surface.bsdf.select_lobe(path.sampler.get_1d(Dimension::ChosenLobe));
             }
             let SurfaceVertex { surface, distance, .. } = &hit;
             let vertex = path.vertex(paths, surface, &interior, *distance);
@@ -208,7 +208,7 @@ fn at_caster<I: Interior>(
 
     // Follow both branches at a smooth dielectric seen directly or over casters.
     if let Some(split) = surface.bsdf.split(surface.wo, surface.point.ns, surface.point.ng, Transport::Radiance) {
-        let weaker = split.reflected.1.min(split.transmitted.1) * color::mean(path.throughput);
+        let weaker = split.reflected.1.min(split.transmitted.1) * color::channel_mean(path.throughput);
         let has_room = stack.len() < MAX_BRANCHES;
         if has_room && path.history.receivers == 0 && weaker > MIN_SPLIT_THROUGHPUT.max(policy.min_throughput) {
             stack.push(path.leaving(surface, split.reflected.0, Rgb::splat(split.reflected.1), false));
@@ -236,7 +236,7 @@ fn continue_path<I: Interior>(
         history: vertex.history,
         pdf: sample.pdf,
     });
-    if color::mean(next.throughput) < policy.min_throughput {
+    if color::channel_mean(next.throughput) < policy.min_throughput {
         return false;
     }
     let certain = next.history.receivers == 0 && next.bounce <= ROULETTE_BOUNCE;
@@ -257,7 +257,7 @@ fn photon_radiance<I: Interior>(
 ) -> Rgb {
     let samples = match paths.policy.photons {
         PhotonLookups::Never => return Rgb::ZERO,
-        PhotonLookups::OncePerPixel => match vertex.sampler.index() {
+        PhotonLookups::OncePerPixel => match vertex.sampler.index_and_count() {
             (0, samples) if vertex.history.receivers == 0 => samples,
             _ => return Rgb::ZERO,
         },
@@ -277,7 +277,7 @@ fn record_visible<I: Interior>(vertex: &PathVertex<'_, I>, worker: &mut Worker) 
     let surface = vertex.surface;
     let normal = surface.facing_normal();
     let brdf = surface.bsdf.evaluate(surface.wo, normal, normal, normal, Transport::Radiance);
-    let weight = color::mean(vertex.throughput * brdf);
+    let weight = color::channel_mean(vertex.throughput * brdf);
     worker.visible.push(VisiblePoint { position: surface.point.p, normal, weight });
 }
 
@@ -369,7 +369,7 @@ impl<I: Interior> PathState<I> {
         interior: &'v I,
         distance: f32,
     ) -> PathVertex<'v, I> {
-        let shadow_sampler = self.sampler.shadow_rays(paths.pass);
+        let shadow_sampler = self.sampler.shadow_ray_sampler(paths.pass);
         let Self { history, throughput, sampler, .. } = *self;
         PathVertex { surface, interior, history, throughput, distance, sampler, shadow_sampler }
     }
@@ -380,7 +380,7 @@ impl<I: Interior> PathState<I> {
     fn leaving(&self, surface: &SurfaceInteraction<'_>, direction: Vec3, weight: Rgb, transmitted: bool) -> Self {
         let mut path_ray = self.path_ray;
         let weight = weight * path_ray.leave(surface, direction, transmitted);
-        let sampler = self.sampler.next_vertex(self.bounce, transmitted);
+        let sampler = self.sampler.next_vertex_sampler(self.bounce, transmitted);
         let throughput = self.throughput * weight;
         Self { path_ray, throughput, bounce: self.bounce + 1, prev: None, sampler, ..*self }
     }
@@ -389,7 +389,7 @@ impl<I: Interior> PathState<I> {
     /// survival probability.
     #[inline]
     fn survives_roulette(&mut self, sampler: Sampler) -> bool {
-        let survival = (color::mean(self.throughput) / ROULETTE_THROUGHPUT).min(1.0);
+        let survival = (color::channel_mean(self.throughput) / ROULETTE_THROUGHPUT).min(1.0);
         if survival.is_nan() || sampler.get_1d(Dimension::Roulette) >= survival {
             return false;
         }

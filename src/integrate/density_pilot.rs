@@ -26,7 +26,7 @@ const MAX_DENSITY: f64 = 8.0;
 /// Camera rays of each pixel in parts of the mean, by rows from the top; `None` if rays make no
 /// noise.
 pub(super) fn find_density(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>> {
-    let key = Key::new(renderer.settings.camera_paths.seed).purpose(Purpose::Balance);
+    let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
     let budget = PassBudget { key, pass: 0, part: PILOT_PART, limited: true };
     let maps = renderer.map_builder.build_within(&budget, &Silent, &mut Pass::default());
     // Moving objects rest at one time, as in a pass.
@@ -37,7 +37,7 @@ pub(super) fn find_density(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>> {
             // No render reaches these passes, so no random number is used twice.
             let paths = pilot.paths(Some(&maps), u32::MAX - i);
             for_interior!(pilot.policy.effects, pilot.render_pixels(&paths, &Silent, &mut out));
-            out.image.iter().map(|v| f64::from(color::mean(*v))).collect()
+            out.image.iter().map(|v| f64::from(color::channel_mean(*v))).collect()
         })
         .collect();
     let (width, height) = renderer.scene.camera().size();
@@ -106,7 +106,8 @@ mod tests {
         let (width, height) = (16, 8);
         let picture = |i: u64| {
             let value = |p: usize| {
-                let (x, noise) = (p % width, Key::new(i).with(p as u64).uniform(crate::sampling::Dimension::Film));
+                let (x, noise) =
+                    (p % width, Key::new(i).child_key(p as u64).uniform_1d(crate::sampling::Dimension::Film));
                 if x < width / 2 { 1.0 } else { 0.5 + f64::from(noise) }
             };
             (0..width * height).map(value).collect::<Vec<f64>>()

@@ -5,7 +5,7 @@ use super::nested_estimates::{NestedEstimates, NestedSum};
 use super::pass::{Monitor, Stage};
 use crate::camera::{Camera, Filter, FilterSample};
 use crate::color::Rgb;
-use crate::math::{Ray, Sum};
+use crate::math::{CompensatedSum, Ray};
 use crate::medium::TransmittanceCurve;
 use crate::photon::{Scratch, VisiblePoint};
 use crate::sampling::{Dimension, Key, Sampler};
@@ -111,7 +111,7 @@ impl FilmSampling<'_> {
         let Some(filter) = self.filter else { return (corner + Vec2::Y, 1.0) };
         // The correction for negative lobes is unbiased only if samples are independent.
         let film = if filter.is_signed() {
-            sampler.key().uniform_2d(Dimension::Film)
+            sampler.sample_key().uniform_2d(Dimension::Film)
         } else {
             sampler.get_2d(Dimension::Film)
         };
@@ -149,7 +149,7 @@ pub(super) fn render_tiles<T: Default>(
         let mut tile_state = T::default();
         let mut rendered = 0;
         for (x, y) in pixels_of(tile.index, columns, width, height) {
-            let (pixel, corner) = (key.pixel(x, y), Vec2::new(x as f32, y as f32));
+            let (pixel, corner) = (key.pixel_key(x, y), Vec2::new(x as f32, y as f32));
             let samples = sampling.rays(y as usize * width as usize + x as usize);
             let mut sum = PixelSum::default();
             for sample in 0..samples {
@@ -219,9 +219,9 @@ fn pixels_of(tile: u32, columns: u32, width: u32, height: u32) -> impl Iterator<
 #[derive(Default)]
 struct PixelSum {
     /// Sum of values.
-    values: Sum,
+    values: CompensatedSum,
     /// Sum of weighted values.
-    weighted: Sum,
+    weighted: CompensatedSum,
     /// Sum of weights minus 1.
     excess: f64,
     count: u32,

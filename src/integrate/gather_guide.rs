@@ -35,7 +35,11 @@ impl Guide {
     #[inline]
     pub fn sample(&self, choice: f32, u: Vec2) -> Option<Vec3> {
         let chosen = ((choice * self.directions.len() as f32) as usize).min(self.directions.len().checked_sub(1)?);
-        Some(Frame::around(self.directions[chosen]).to_world(warp::cone(u, ONE_MINUS_COS)).normalize())
+        Some(
+            Frame::from_normal(self.directions[chosen])
+                .to_world(warp::square_to_uniform_cone(u, ONE_MINUS_COS))
+                .normalize(),
+        )
     }
 
     /// Pdf of unit direction `w` \[1/sr]; `None` without photons.
@@ -46,7 +50,7 @@ impl Guide {
         }
         // |w − d|² = 2(1 − cos) is exact for small angles, unlike the cosine.
         let around = self.directions.iter().filter(|d| (w - **d).length_squared() <= 2.0 * ONE_MINUS_COS).count();
-        Some(around as f32 * warp::cone_pdf(ONE_MINUS_COS) / self.directions.len() as f32)
+        Some(around as f32 * warp::uniform_cone_pdf(ONE_MINUS_COS) / self.directions.len() as f32)
     }
 }
 

@@ -219,7 +219,7 @@ impl<'a> PhotonMapBuilder<'a> {
             let CameraPathSettings { max_bounces, seed, .. } = settings.camera_paths;
             let paths = pilot_paths(paths, GuidingPilot::PATHS);
             let pilot = GuidingPilot { mask, max_bounces, visible: &visible, paths, seed };
-            let (guided, report) = unguided.clone().guided(&pilot);
+            let (guided, report) = unguided.clone().with_guided_emission(&pilot);
             *source = Some(if report.gain > MIN_GUIDING_GAIN { guided } else { unguided });
             Some(report)
         };
@@ -309,7 +309,7 @@ impl<'a> PhotonMapBuilder<'a> {
     /// Estimated photons of a pass, from few paths.
     pub fn expected(&self) -> Expected {
         let settings = &self.settings;
-        let key = Key::new(settings.camera_paths.seed).purpose(Purpose::Pilot);
+        let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::Pilot);
         let expected = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
             let Some(source) = source.as_ref().filter(|_| paths > 0) else { return Expected::default() };
             let probe = paths.min(PROBE_PATHS);
@@ -345,7 +345,7 @@ impl<'a> PhotonMapBuilder<'a> {
     pub fn build_within(&self, budget: &PassBudget, monitor: &dyn Monitor, out: &mut Pass) -> PhotonMaps<'a> {
         let PassBudget { pass, part, .. } = *budget;
         let counts = self.counts.divided(part);
-        let key = |purpose| budget.key.purpose(purpose).pass(pass);
+        let key = |purpose| budget.key.purpose_key(purpose).pass_key(pass);
 
         // Discs keep their size if counts are balanced, so the usual limit changes with the count.
         let ratio = f64::from(self.counts.caustic_photons) / f64::from(self.settings.caustic_photons.max(1));
@@ -398,9 +398,16 @@ impl<'a> PhotonMapBuilder<'a> {
         // Trace the photons that guide gather rays.
         let guides = if self.request.guides {
             let paths = counts.photons / GUIDE_INTERVAL;
-            self.trace(self.global_source.as_ref(), StoreMask::GLOBAL, paths, key(Purpose::Guides), monitor, out)
-                .deposits
-                .photons
+            self.trace(
+                self.global_source.as_ref(),
+                StoreMask::GLOBAL,
+                paths,
+                key(Purpose::GatherRayGuides),
+                monitor,
+                out,
+            )
+            .deposits
+            .photons
         } else {
             Vec::new()
         };

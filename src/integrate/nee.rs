@@ -95,10 +95,14 @@ impl<'a> NextEventEstimator<'a> {
         let mut sum = Rgb::ZERO;
         for (i, light) in self.lights.iter().enumerate() {
             let rays = if !light.is_delta() && !self.centers { rays } else { 1 };
-            let sampler = vertex.shadow_sampler.light(i);
+            let sampler = vertex.shadow_sampler.nth_shadow_ray_sampler(i);
             for ray in 0..rays {
                 // Splitting the sample stratifies the rays over the light.
-                let u = if self.centers { CENTER } else { sampler.split(ray, rays).get_2d(Dimension::LightPosition) };
+                let u = if self.centers {
+                    CENTER
+                } else {
+                    sampler.split_sample(ray, rays).get_2d(Dimension::LightPosition)
+                };
                 sum += self.shadow_ray(i, vertex, u, rays as f32, continues, worker);
             }
         }
@@ -121,7 +125,7 @@ impl<'a> NextEventEstimator<'a> {
         for i in 0..rays {
             let u = stratum(i, start, rays);
             let Some((light, probability, _)) = light_sampler.sample(point.p, vertex.hemisphere(), u) else { continue };
-            let sampler = vertex.shadow_sampler.light(i as usize);
+            let sampler = vertex.shadow_sampler.nth_shadow_ray_sampler(i as usize);
             let u = if self.centers { CENTER } else { sampler.get_2d(Dimension::LightPosition) };
             sum += self.shadow_ray(light, vertex, u, probability * rays as f32, continues, worker);
         }
@@ -211,7 +215,7 @@ impl<'a> NextEventEstimator<'a> {
             }
             ShadowTarget::Infinity => path_ray.ray,
         };
-        self.scene.shadow_transmittance(&ray, path_ray.inside, vertex.shadow_sampler.key())
+        self.scene.shadow_transmittance(&ray, path_ray.inside, vertex.shadow_sampler.sample_key())
     }
 
     /// Transmittance between `vertex` and a light that no surface hides.

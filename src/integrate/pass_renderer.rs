@@ -102,8 +102,8 @@ impl<'a> PassRenderer<'a> {
         let radiance = |ray: &Ray, sampler: Sampler, worker: &mut Worker, stack: &mut Vec<PathState<I>>| {
             camera_path::radiance(paths, ray, sampler, worker, stack)
         };
-        let key = Key::new(eye.seed).purpose(Purpose::Camera);
-        let pass_key = if policy.shares_paths { key.shared_paths() } else { key.pass(paths.pass) };
+        let key = Key::new(eye.seed).purpose_key(Purpose::Camera);
+        let pass_key = if policy.shares_paths { key.shared_paths_key() } else { key.pass_key(paths.pass) };
         let rendered = film::render_tiles(&sampling, pass_key, monitor, radiance);
         (out.image, out.nested) = (rendered.image, rendered.nested);
         out.counters += rendered.counters;
@@ -112,7 +112,7 @@ impl<'a> PassRenderer<'a> {
         if nested && policy.shares_paths {
             let every = film::tile_interval(camera.size(), FRESH_TILES);
             sampling = FilmSampling { nested: false, every, ..sampling };
-            let fresh = film::render_tiles(&sampling, key.fresh_paths(paths.pass), &Silent, radiance);
+            let fresh = film::render_tiles(&sampling, key.fresh_paths_key(paths.pass), &Silent, radiance);
             out.fresh = fresh.pixels.iter().map(|i| (*i, fresh.image[*i as usize])).collect();
         }
         out.seconds.camera += start.elapsed().as_secs_f64();

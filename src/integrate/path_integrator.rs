@@ -88,7 +88,7 @@ impl<'a> PathIntegrator<'a> {
     /// Prepares an algorithm for `scene`: guides emission, finds radii, and balances camera rays
     /// against photons.
     pub fn new(scene: &'a Scene, plan: Plan, settings: Settings, make_policy: PolicyFn) -> Self {
-        let (effects, needed) = (plan.effects(), plan.needed());
+        let (effects, needed) = (plan.simulated_effects(), plan.needed_effects());
         let policy = make_policy(effects, &settings);
         let mut renderer = PassRenderer::new(scene, settings.clone(), policy);
 
@@ -121,7 +121,7 @@ impl<'a> PathIntegrator<'a> {
 /// The times of all passes are stratified: a power of two of them divides the interval in equal
 /// steps.
 fn shutter_time(seed: u64, pass: u32) -> f64 {
-    let start = Key::new(seed).purpose(Purpose::Shutter).uniform(Dimension::Time);
+    let start = Key::new(seed).purpose_key(Purpose::Shutter).uniform_1d(Dimension::Time);
     let step = f64::from(pass.reverse_bits()) / 4_294_967_296.0;
     let time = f64::from(start) + step;
     time - time.floor()

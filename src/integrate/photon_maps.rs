@@ -115,7 +115,7 @@ impl PhotonEstimator<'_> {
             }
         };
         let (p, normal) = (surface.point.p, surface.facing_normal());
-        let (bandwidth, kernel, key) = (self.bandwidth, self.kernel, vertex.sampler.key());
+        let (bandwidth, kernel, key) = (self.bandwidth, self.kernel, vertex.sampler.sample_key());
         let nested = worker.nests_estimates;
         let (scratch, discs) = scratch(worker);
         if !nested {
@@ -138,7 +138,7 @@ impl PhotonEstimator<'_> {
         if covered != 1.0 {
             // Probes of this pass's own, even if passes share their paths: the noise of shared
             // probes is not blur.
-            let key = vertex.shadow_sampler.key();
+            let key = vertex.shadow_sampler.sample_key();
             let levels = nested_disc_coverage(self.scene, p, normal, whole.radius, kernel, key);
             radiance.iter_mut().zip(levels).for_each(|(radiance, covered)| *radiance /= covered);
         }

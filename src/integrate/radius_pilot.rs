@@ -83,7 +83,7 @@ pub(super) fn pilot_paths(paths: u32, most: u32) -> u32 {
 /// `min_radius`. Otherwise it depends on the scene, the seed and the counts alone.
 pub(super) fn find_radius(pass: &PhotonPass<'_>, paths: u32, k: u32, seed: u64, min_radius: f32) -> Option<f32> {
     let scene = pass.scene;
-    let key = Key::new(seed).purpose(Purpose::Pilot);
+    let key = Key::new(seed).purpose_key(Purpose::Pilot);
     let pilot = pilot_paths(paths, MAX_PATHS);
     let traced = pass.trace(key, pilot, &|_| {});
     let photons = &traced.deposits.photons;
@@ -147,7 +147,7 @@ pub(super) fn find_volume_radii(
     settings: &Settings,
 ) -> Option<VolumeRadii> {
     let scene = pass.scene;
-    let key = Key::new(settings.camera_paths.seed).purpose(Purpose::Pilot);
+    let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::Pilot);
     let pilot = pilot_paths(paths, MAX_PATHS);
     let traced = pass.trace(key, pilot, &|_| {});
     let mut volume = traced.deposits.volume;
@@ -199,8 +199,8 @@ fn medium_segments(scene: &Scene, effects: Effects, key: Key) -> Vec<Vec<Ray>> {
         let mut path_ray = scene.start_camera_path::<SpectralInterior>(ray, effects);
         let mut segments = Vec::new();
         for bounce in 0..MAX_CASTERS {
-            let sampler = sampler.bounce(bounce);
-            let event = path_ray.next_vertex(scene, sampler.key(), |segment| {
+            let sampler = sampler.bounce_sampler(bounce);
+            let event = path_ray.next_vertex(scene, sampler.sample_key(), |segment| {
                 if segment.medium.scatters() {
                     segments.push(segment.ray);
                 }

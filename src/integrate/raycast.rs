@@ -36,7 +36,7 @@ impl Integrator for RayCast<'_> {
         let (camera, filter) = (self.scene.camera(), self.filter.as_ref());
         let samples = self.samples;
         let sampling = FilmSampling { camera, filter, samples, lens: false, density: None, nested: false, every: 1 };
-        let key = Key::new(self.seed).purpose(Purpose::Camera).pass(pass);
+        let key = Key::new(self.seed).purpose_key(Purpose::Camera).pass_key(pass);
         let FilmImage { image, counters, .. } =
             film::render_tiles(&sampling, key, monitor, |ray, _, _, (): &mut ()| self.radiance(ray));
         let seconds = Seconds { camera: start.elapsed().as_secs_f64(), ..Seconds::default() };
@@ -66,7 +66,7 @@ impl<'a> RayCast<'a> {
     /// Radiance along a camera ray, by the course's model.
     fn radiance(&self, ray: &Ray) -> Rgb {
         let mut ray = *ray;
-        let mut cone = self.scene.camera_cone(self.plan.effects());
+        let mut cone = self.scene.camera_cone(self.plan.simulated_effects());
         let (hit, surface) = loop {
             let Some(hit) = self.scene.intersect(&ray) else {
                 return self.scene.background();

@@ -99,6 +99,6 @@ fn sample_guided<I: Interior>(vertex: &PathVertex<'_, I>, worker: &Worker) -> Op
         pdf,
         specular: false,
         transmitted: false,
-        flat: false,
+        uses_geometric_normal: false,
     })
 }

@@ -65,7 +65,7 @@ impl<I: Interior> PathVertex<'_, I> {
         let path_ray = self.leaving(wi);
         if I::SPECTRAL {
             let ray = Ray { t_max: distance, ..path_ray.ray };
-            return scene.interior_transmittance(&ray, &path_ray.inside, self.shadow_sampler.key());
+            return scene.interior_transmittance(&ray, &path_ray.inside, self.shadow_sampler.sample_key());
         }
         path_ray.inside.transmittance(scene, distance)
     }

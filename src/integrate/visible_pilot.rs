@@ -31,7 +31,7 @@ pub(super) fn visible_points(
     let policy = policy(effects);
     let nee = NextEventEstimator::new(scene, &policy);
     let paths = PathContext::new(scene, &policy, &nee, None, 0, settings.max_bounces);
-    let key = Key::new(settings.seed).purpose(Purpose::Visible);
+    let key = Key::new(settings.seed).purpose_key(Purpose::VisiblePoints);
     let (width, height) = scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);
     let rays = width.saturating_mul(height).saturating_mul(4).clamp(RAYS.0, RAYS.1);
@@ -39,7 +39,7 @@ pub(super) fn visible_points(
     let points: Vec<_> = samplers.map(|sampler| (sampler.get_2d(Dimension::Film) * size, sampler)).collect();
     let (_, workers) = trace_points(&paths, &points);
     let visible: Vec<VisiblePoint> = workers.into_iter().flat_map(|worker| worker.visible).collect();
-    let extent = Bounds::of(visible.iter().map(|point| point.position)).extent().length();
+    let extent = Bounds::from_points(visible.iter().map(|point| point.position)).extent().length();
     let radius = if extent > 0.0 { radius.min(extent * MAX_RADIUS) } else { radius };
     VisiblePointMap::new(visible, radius)
 }

@@ -218,7 +218,7 @@ fn over_scattering(weight: Rgb, medium: &Medium, p: Vec3) -> Rgb {
 /// If both have a wavelength, a box kernel of half width `band` \[nm] replaces the photon's own
 /// spectral weight.
 pub(super) fn wavelength_overlap(own: Option<Wavelength>, other: u8, band: f32) -> Rgb {
-    let (Some(own), Some(other)) = (own, Wavelength::from_code(other)) else { return Rgb::ONE };
+    let (Some(own), Some(other)) = (own, Wavelength::from_byte_code(other)) else { return Rgb::ONE };
     let apart = (own.nanometres() - other.nanometres()).abs();
     if apart > band {
         return Rgb::ZERO;

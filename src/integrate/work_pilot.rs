@@ -33,11 +33,11 @@ pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
     if !renderer.map_builder.has_photons() {
         return None;
     }
-    let key = Key::new(renderer.settings.camera_paths.seed).purpose(Purpose::Balance);
+    let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
     let counts = renderer.map_builder.counts;
     let build = |trial| {
         let mut out = Pass::default();
-        let budget = PassBudget { key: key.trial(trial), pass: 0, part: PILOT_PART, limited: false };
+        let budget = PassBudget { key: key.trial_key(trial), pass: 0, part: PILOT_PART, limited: false };
         (renderer.map_builder.build_within(&budget, &Silent, &mut out), out)
     };
     let ((mut maps, made), (mut other_maps, _)) = (build(0), build(1));
@@ -59,7 +59,8 @@ pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
     // Measure the noise of each source, relative to the mean radiance.
     let mean: Vec<f64> = (0..points.len())
         .map(|i| {
-            let values = [&reference, &other_camera, &other_caustic].map(|e| f64::from(color::mean(e.radiance[i])));
+            let values =
+                [&reference, &other_camera, &other_caustic].map(|e| f64::from(color::channel_mean(e.radiance[i])));
             values.iter().sum::<f64>() / 3.0
         })
         .collect();
@@ -101,7 +102,7 @@ pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
 
 /// Estimated work of a pass, scaled up from few points of the film and few photons.
 pub(super) fn measure_work(renderer: &PassRenderer<'_>) -> Counters {
-    let key = Key::new(renderer.settings.camera_paths.seed).purpose(Purpose::Balance);
+    let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
     let mut out = Pass::default();
     let budget = PassBudget { key, pass: 0, part: PILOT_PART, limited: true };
     let maps = renderer.map_builder.build_within(&budget, &Silent, &mut out);
@@ -141,10 +142,10 @@ fn pixels(scene: &Scene) -> f64 {
 fn film_points(scene: &Scene, key: Key, set: u32) -> Vec<FilmPoint> {
     let (width, height) = scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);
-    let key = key.purpose(Purpose::Camera);
+    let key = key.purpose_key(Purpose::Camera);
     let point = |i| {
         let pixel = (Sampler::new(key, i, POINTS).get_2d(Dimension::Film) * size).floor();
-        let sampler = Sampler::new(key.film_point(set, i), 0, 1);
+        let sampler = Sampler::new(key.film_point_key(set, i), 0, 1);
         (pixel + sampler.get_2d(Dimension::Film), sampler)
     };
     (0..POINTS).map(point).collect()

@@ -1,11 +1,11 @@
 //! Area lights: surfaces that emit.
 
 use super::light_bounds::{DirectionCone, LightBounds, NORMAL_ERROR, angle_between};
-use super::source::{DirectSample, EmissionSample, LightExtent, LightSource, ShadowTarget};
+use super::source::{DirectSample, EmissionSample, LightGeometry, LightSource, ShadowTarget};
 use super::{Light, PhotonAim};
 use crate::color::Rgb;
-use crate::math::{Bounds, Frame, Ray, Sphere, offset_origin, warp};
-use crate::sampling::Discrete;
+use crate::math::{BoundingSphere, Bounds, Frame, Ray, offset_ray_origin, warp};
+use crate::sampling::DiscreteDistribution;
 use crate::shape::{Mesh, Shape, ShapeSample, SurfacePoint, TexCoord, TextureMapping};
 use crate::texture::{Texture, TextureEvalContext};
 use glam::{DVec3, Vec2, Vec3};
@@ -30,7 +30,7 @@ pub enum LightSurface {
         /// Index of the first triangle.
         first: u32,
         /// Distribution over the triangles from `first` on, by area.
-        choice: Discrete,
+        choice: DiscreteDistribution,
     },
 }
 
@@ -71,7 +71,7 @@ impl LightSurface {
     pub fn area(&self) -> f64 {
         match self {
             Self::Shape(shape) => shape.area(),
-            Self::Triangles { choice, .. } => choice.total(),
+            Self::Triangles { choice, .. } => choice.weight_sum(),
         }
     }
 
@@ -81,7 +81,7 @@ impl LightSurface {
     pub fn pdf(&self, point: &SurfacePoint) -> f32 {
         match self {
             Self::Shape(shape) => shape.pdf(point),
-            Self::Triangles { choice, .. } => (1.0 / choice.total()) as f32,
+            Self::Triangles { choice, .. } => (1.0 / choice.weight_sum()) as f32,
         }
     }
 
@@ -102,11 +102,11 @@ impl LightSurface {
             Self::Triangles { mesh, first, choice } => {
                 let (i, probability) = choice.sample(u.x);
                 // The remainder of u.x within the chosen interval is uniform again.
-                let x = choice.remainder(u.x, i);
-                let b = warp::triangle(Vec2::new(x, u.y));
+                let x = choice.remapped_sample(u.x, i);
+                let b = warp::square_to_uniform_triangle(Vec2::new(x, u.y));
                 let i = *first + i as u32;
-                let point = mesh.surface(i as usize, b);
-                let area = choice.total() * f64::from(probability);
+                let point = mesh.surface_point(i as usize, b);
+                let area = choice.weight_sum() * f64::from(probability);
                 (ShapeSample { point, pdf: probability / area as f32, uv: b }, SurfaceCoord::Triangle(i, b))
             }
         }
@@ -115,8 +115,8 @@ impl LightSurface {
     /// Intrinsic texture coordinates of the surface at the point `p`.
     fn tex_coord(&self, p: Vec3, coord: SurfaceCoord) -> TexCoord {
         match (self, coord) {
-            (Self::Shape(shape), SurfaceCoord::Shape(uv)) => shape.mapped(p, uv),
-            (Self::Triangles { mesh, .. }, SurfaceCoord::Triangle(i, b)) => mesh.mapped(i as usize, b),
+            (Self::Shape(shape), SurfaceCoord::Shape(uv)) => shape.tex_coord(p, uv),
+            (Self::Triangles { mesh, .. }, SurfaceCoord::Triangle(i, b)) => mesh.tex_coord(i as usize, b),
             (Self::Shape(_), SurfaceCoord::Triangle(..)) | (Self::Triangles { .. }, SurfaceCoord::Shape(_)) => {
                 TexCoord::default()
             }
@@ -126,7 +126,7 @@ impl LightSurface {
     /// A point from which light leaves, offset from the surface.
     pub(super) fn emission_point(&self) -> Vec3 {
         let point = self.sample(Vec2::splat(0.5)).point;
-        offset_origin(point.p, point.error, point.ng, point.ng)
+        offset_ray_origin(point.p, point.error, point.ng, point.ng)
     }
 
     /// Center of the bounds of an analytic shape; a point of a mesh.
@@ -140,7 +140,7 @@ impl LightSurface {
     /// A point of a planar analytic shape; `None` for curved shapes and meshes.
     fn planar_point(&self) -> Option<SurfacePoint> {
         match self {
-            Self::Shape(shape) => shape.planar_point(),
+            Self::Shape(shape) => shape.point_if_planar(),
             Self::Triangles { .. } => None,
         }
     }
@@ -157,16 +157,16 @@ impl LightSurface {
                 // Shading normals choose the side; without agreement at all corners, either side
                 // may emit.
                 let normal = |i| {
-                    let [a, b, c] = [Vec2::ZERO, Vec2::X, Vec2::Y].map(|b| mesh.surface(i, b).ng);
+                    let [a, b, c] = [Vec2::ZERO, Vec2::X, Vec2::Y].map(|b| mesh.surface_point(i, b).ng);
                     (a == b && b == c).then(|| a.as_dvec3())
                 };
-                let sum: Option<DVec3> = triangles().map(|i| normal(i).map(|n| n * mesh.area(i))).sum();
+                let sum: Option<DVec3> = triangles().map(|i| normal(i).map(|n| n * mesh.triangle_area(i))).sum();
                 let around = |axis: DVec3| {
                     let widest = triangles().filter_map(normal).map(|n| angle_between(n, axis)).fold(0.0, f64::max);
                     DirectionCone { axis, angle: (widest + NORMAL_ERROR).min(PI_F64) }
                 };
                 let normals = sum.and_then(DVec3::try_normalize).map_or(DirectionCone::ALL, around);
-                (Bounds::of(triangles().flat_map(|i| mesh.corners(i))), normals)
+                (Bounds::from_points(triangles().flat_map(|i| mesh.corners(i))), normals)
             }
         }
     }
@@ -199,8 +199,8 @@ impl AreaLight {
         match &self.texture {
             None => self.radiance,
             Some(emission) => {
-                let p = emission.mapping.in_object(point.p);
-                let at = emission.mapping.at(p, || self.surface.tex_coord(point.p, coord));
+                let p = emission.mapping.point_to_object(point.p);
+                let at = emission.mapping.tex_coord_at(p, || self.surface.tex_coord(point.p, coord));
                 emission.radiance(&TextureEvalContext::sharp(at.uv, p))
             }
         }
@@ -210,7 +210,7 @@ impl AreaLight {
     #[inline]
     fn sample_by_area(&self, p: Vec3, u: Vec2) -> Option<((SurfacePoint, Vec3, f32), SurfaceCoord)> {
         let (ShapeSample { point, pdf, .. }, coord) = self.surface.sample_with_coord(u);
-        let (d2, wi, _) = crate::math::direction(p, point.p)?;
+        let (d2, wi, _) = crate::math::direction_and_distance(p, point.p)?;
         let cos = -wi.dot(point.ng);
         (cos > 0.0).then(|| ((point, wi, d2 * pdf / cos), coord))
     }
@@ -218,8 +218,8 @@ impl AreaLight {
 
 impl LightSource for AreaLight {
     #[inline]
-    fn extent(&self) -> LightExtent<'_> {
-        LightExtent::Surface(&self.surface)
+    fn geometry(&self) -> LightGeometry<'_> {
+        LightGeometry::Surface(&self.surface)
     }
 
     #[inline]
@@ -230,7 +230,7 @@ impl LightSource for AreaLight {
             // Only the visible cap counts; from inside, the outer side of a sphere is invisible.
             LightSurface::Shape(Shape::Sphere(sphere)) => {
                 let (point, pdf) = sphere.sample_visible(p, u)?;
-                let (_, wi, _) = crate::math::direction(p, point.p)?;
+                let (_, wi, _) = crate::math::direction_and_distance(p, point.p)?;
                 ((point, wi, pdf), NO_COORD)
             }
             LightSurface::Shape(Shape::Rectangle(rectangle)) => match rectangle.sample_visible(p, u) {
@@ -245,7 +245,7 @@ impl LightSource for AreaLight {
             LightSurface::Shape(_) => f32::EPSILON,
         };
         let error = point.error + (point.p - p).abs() * relative_error;
-        let target = ShadowTarget::Point(offset_origin(point.p, error, point.ng, -wi));
+        let target = ShadowTarget::Point(offset_ray_origin(point.p, error, point.ng, -wi));
         Some(DirectSample { wi, target, weight: self.radiance_at(&point, coord) / pdf, pdf: Some(pdf) })
     }
 
@@ -258,27 +258,27 @@ impl LightSource for AreaLight {
         }
         let by_area = || (hit.p - p).length_squared() * self.surface.pdf(hit) / cos;
         match &self.surface {
-            LightSurface::Shape(Shape::Sphere(sphere)) => sphere.visible_density(p),
-            LightSurface::Shape(Shape::Rectangle(rectangle)) => rectangle.visible_density(p).unwrap_or_else(by_area),
+            LightSurface::Shape(Shape::Sphere(sphere)) => sphere.pdf_visible(p),
+            LightSurface::Shape(Shape::Rectangle(rectangle)) => rectangle.pdf_visible(p).unwrap_or_else(by_area),
             LightSurface::Shape(_) | LightSurface::Triangles { .. } => by_area(),
         }
     }
 
-    fn sample_le(&self, _domain: Sphere, position: Vec2, direction: Vec2) -> Option<EmissionSample> {
+    fn sample_le(&self, _domain: BoundingSphere, position: Vec2, direction: Vec2) -> Option<EmissionSample> {
         let (ShapeSample { point, pdf, .. }, radiance) = self.sample(position);
-        let local = warp::cosine_hemisphere(direction);
-        let w = Frame::around(point.ng).to_world(local);
+        let local = warp::square_to_cosine_hemisphere(direction);
+        let w = Frame::from_normal(point.ng).to_world(local);
         if w.dot(point.ng) <= 0.0 || radiance == Rgb::ZERO {
             return None;
         }
-        let ray = Ray::new(offset_origin(point.p, point.error, point.ng, w), w);
+        let ray = Ray::new(offset_ray_origin(point.p, point.error, point.ng, w), w);
         Some(EmissionSample { ray, flux: radiance * (PI / pdf) })
     }
 
     fn sample_le_towards(
         &self,
         aim: &PhotonAim,
-        _domain: Sphere,
+        _domain: BoundingSphere,
         position: Vec2,
         direction: Vec2,
     ) -> Option<EmissionSample> {
@@ -288,12 +288,12 @@ impl LightSource for AreaLight {
         if cos <= 0.0 || radiance == Rgb::ZERO {
             return None;
         }
-        let ray = Ray::new(offset_origin(point.p, point.error, point.ng, w), w);
+        let ray = Ray::new(offset_ray_origin(point.p, point.error, point.ng, w), w);
         Some(EmissionSample { ray, flux: radiance * (cos / (pdf * pdf_direction)) })
     }
 
     /// Flux \[W]: π times radiance times area.
-    fn power(&self, _domain: Sphere) -> Rgb {
+    fn power(&self, _domain: BoundingSphere) -> Rgb {
         self.radiance * (PI * self.surface.area() as f32)
     }
 
@@ -303,15 +303,15 @@ impl LightSource for AreaLight {
         Some(LightBounds::new(space, normals, FRAC_PI_2, flux))
     }
 
-    fn peak(&self) -> Option<Rgb> {
+    fn peak_strength(&self) -> Option<Rgb> {
         None
     }
 
-    fn may_reach(&self, sphere: Sphere) -> bool {
+    fn may_illuminate(&self, sphere: BoundingSphere) -> bool {
         self.surface.planar_point().is_none_or(|point| (sphere.center - point.p).dot(point.ng) >= -sphere.radius)
     }
 
-    fn untextured(&self) -> Option<Light> {
+    fn untextured_light(&self) -> Option<Light> {
         let plain = || Light::Area(Self { texture: None, ..self.clone() });
         self.texture.as_ref().map(|_| plain())
     }

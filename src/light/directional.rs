@@ -2,9 +2,9 @@
 
 use super::PhotonAim;
 use super::light_bounds::LightBounds;
-use super::source::{DirectSample, EmissionSample, LightExtent, LightSource, ShadowTarget};
+use super::source::{DirectSample, EmissionSample, LightGeometry, LightSource, ShadowTarget};
 use crate::color::Rgb;
-use crate::math::{Frame, Ray, Sphere, warp};
+use crate::math::{BoundingSphere, Frame, Ray, warp};
 use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
@@ -20,8 +20,8 @@ pub struct DirectionalLight {
 
 impl LightSource for DirectionalLight {
     #[inline]
-    fn extent(&self) -> LightExtent<'_> {
-        LightExtent::Parallel(self.direction)
+    fn geometry(&self) -> LightGeometry<'_> {
+        LightGeometry::Parallel(self.direction)
     }
 
     #[inline]
@@ -35,24 +35,24 @@ impl LightSource for DirectionalLight {
         0.0
     }
 
-    fn sample_le(&self, domain: Sphere, position: Vec2, _direction: Vec2) -> Option<EmissionSample> {
-        let (ray, area) = ray_across(domain, self.direction, position)?;
+    fn sample_le(&self, domain: BoundingSphere, position: Vec2, _direction: Vec2) -> Option<EmissionSample> {
+        let (ray, area) = sample_ray_across_sphere(domain, self.direction, position)?;
         Some(EmissionSample { ray, flux: self.irradiance * area })
     }
 
     fn sample_le_towards(
         &self,
         aim: &PhotonAim,
-        domain: Sphere,
+        domain: BoundingSphere,
         position: Vec2,
         _direction: Vec2,
     ) -> Option<EmissionSample> {
         let upstream = domain.radius - self.direction.dot(domain.center);
-        let (start, pdf) = aim.sample_parallel(self.direction, upstream, position)?;
+        let (start, pdf) = aim.sample_parallel_start(self.direction, upstream, position)?;
         Some(EmissionSample { ray: Ray::new(start, self.direction), flux: self.irradiance / pdf })
     }
 
-    fn power(&self, domain: Sphere) -> Rgb {
+    fn power(&self, domain: BoundingSphere) -> Rgb {
         self.irradiance * (PI * domain.radius * domain.radius)
     }
 
@@ -60,11 +60,11 @@ impl LightSource for DirectionalLight {
         None
     }
 
-    fn peak(&self) -> Option<Rgb> {
+    fn peak_strength(&self) -> Option<Rgb> {
         Some(self.irradiance)
     }
 
-    fn may_reach(&self, _sphere: Sphere) -> bool {
+    fn may_illuminate(&self, _sphere: BoundingSphere) -> bool {
         true
     }
 }
@@ -73,9 +73,9 @@ impl LightSource for DirectionalLight {
 /// area.
 ///
 /// `None` if the area is zero.
-pub(super) fn ray_across(domain: Sphere, direction: Vec3, u: Vec2) -> Option<(Ray, f32)> {
-    let frame = Frame::around(direction);
-    let d = warp::disc(u) * domain.radius;
+pub(super) fn sample_ray_across_sphere(domain: BoundingSphere, direction: Vec3, u: Vec2) -> Option<(Ray, f32)> {
+    let frame = Frame::from_normal(direction);
+    let d = warp::square_to_uniform_disc(u) * domain.radius;
     let p = domain.center + frame.s * d.x + frame.t * d.y;
     let start = p - direction * (domain.radius + direction.dot(p - domain.center));
     let area = PI * domain.radius * domain.radius;

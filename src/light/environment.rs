@@ -1,12 +1,12 @@
 //! Environment lights.
 
-use super::directional::ray_across;
+use super::directional::sample_ray_across_sphere;
 use super::light_bounds::LightBounds;
-use super::source::{DirectSample, EmissionSample, LightExtent, LightSource, ShadowTarget};
-use super::{PhotonAim, PictureError, SphericalMap};
+use super::source::{DirectSample, EmissionSample, LightGeometry, LightSource, ShadowTarget};
+use super::{EmissionPictureError, EquirectangularMap, PhotonAim};
 use crate::color::Rgb;
 use crate::image::Image;
-use crate::math::{Ray, Sphere};
+use crate::math::{BoundingSphere, Ray};
 use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
@@ -15,7 +15,7 @@ use std::f32::consts::PI;
 /// about +y.
 #[derive(Clone, Debug)]
 pub struct EnvironmentLight {
-    map: SphericalMap,
+    map: EquirectangularMap,
     /// Sine and cosine of the rotation about +y.
     rotation: [f32; 2],
 }
@@ -25,23 +25,23 @@ impl EnvironmentLight {
     /// anticlockwise from above.
     ///
     /// # Errors
-    /// [`PictureError::Value`] if a scaled pixel is negative or not finite.
-    pub fn new(map: Image, angle: f64, scale: Rgb) -> Result<Self, PictureError> {
+    /// [`EmissionPictureError::Value`] if a scaled pixel is negative or not finite.
+    pub fn new(map: Image, angle: f64, scale: Rgb) -> Result<Self, EmissionPictureError> {
         let rotation = [libm::sin(angle) as f32, libm::cos(angle) as f32];
-        Ok(Self { map: SphericalMap::new(map, scale)?, rotation })
+        Ok(Self { map: EquirectangularMap::new(map, scale)?, rotation })
     }
 
     /// A light with the same radiance in all directions \[W/(m² sr)].
     ///
     /// # Errors
-    /// [`PictureError::Value`] if the radiance is negative or not finite.
-    pub fn constant(radiance: Rgb) -> Result<Self, PictureError> {
+    /// [`EmissionPictureError::Value`] if the radiance is negative or not finite.
+    pub fn constant(radiance: Rgb) -> Result<Self, EmissionPictureError> {
         Self::new(Image::from_pixels(1, 1, vec![radiance])?, 0.0, Rgb::ONE)
     }
 
     /// World direction in the frame of the map.
     #[inline]
-    fn to_map(&self, d: Vec3) -> Vec3 {
+    fn world_to_map(&self, d: Vec3) -> Vec3 {
         let [sin, cos] = self.rotation;
         Vec3::new(cos * d.x - sin * d.z, d.y, sin * d.x + cos * d.z)
     }
@@ -50,14 +50,14 @@ impl EnvironmentLight {
     #[inline]
     #[must_use]
     pub fn radiance(&self, direction: Vec3) -> Rgb {
-        self.map.value(self.to_map(direction))
+        self.map.value_in_direction(self.world_to_map(direction))
     }
 
     /// Pdf \[1/sr] with which [`EnvironmentLight::sample`] samples unit `direction`.
     #[inline]
     #[must_use]
     pub fn pdf(&self, direction: Vec3) -> f32 {
-        self.map.pdf(self.to_map(direction))
+        self.map.pdf(self.world_to_map(direction))
     }
 
     /// Samples a unit direction by the radiance of the pixels, with its pdf \[1/sr]; `None` if the
@@ -77,8 +77,8 @@ impl EnvironmentLight {
 
 impl LightSource for EnvironmentLight {
     #[inline]
-    fn extent(&self) -> LightExtent<'_> {
-        LightExtent::AllDirections
+    fn geometry(&self) -> LightGeometry<'_> {
+        LightGeometry::AllDirections
     }
 
     #[inline]
@@ -92,27 +92,27 @@ impl LightSource for EnvironmentLight {
         self.pdf(wi)
     }
 
-    fn sample_le(&self, domain: Sphere, position: Vec2, direction: Vec2) -> Option<EmissionSample> {
+    fn sample_le(&self, domain: BoundingSphere, position: Vec2, direction: Vec2) -> Option<EmissionSample> {
         let (from, pdf) = self.sample(direction)?;
-        let (ray, area) = ray_across(domain, -from, position)?;
+        let (ray, area) = sample_ray_across_sphere(domain, -from, position)?;
         Some(EmissionSample { ray, flux: self.radiance(from) * (area / pdf) })
     }
 
     fn sample_le_towards(
         &self,
         aim: &PhotonAim,
-        domain: Sphere,
+        domain: BoundingSphere,
         position: Vec2,
         direction: Vec2,
     ) -> Option<EmissionSample> {
         let (from, pdf) = self.sample(direction)?;
         let upstream = domain.radius + from.dot(domain.center);
-        let (start, pdf_start) = aim.sample_parallel(-from, upstream, position)?;
+        let (start, pdf_start) = aim.sample_parallel_start(-from, upstream, position)?;
         Some(EmissionSample { ray: Ray::new(start, -from), flux: self.radiance(from) / (pdf * pdf_start) })
     }
 
     /// Flux \[W] through a disc with the radius of `domain`, over all directions: π r² ∫ L dω.
-    fn power(&self, domain: Sphere) -> Rgb {
+    fn power(&self, domain: BoundingSphere) -> Rgb {
         self.map.integral() * (PI * domain.radius * domain.radius)
     }
 
@@ -120,11 +120,11 @@ impl LightSource for EnvironmentLight {
         None
     }
 
-    fn peak(&self) -> Option<Rgb> {
+    fn peak_strength(&self) -> Option<Rgb> {
         None
     }
 
-    fn may_reach(&self, _sphere: Sphere) -> bool {
+    fn may_illuminate(&self, _sphere: BoundingSphere) -> bool {
         true
     }
 }

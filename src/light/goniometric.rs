@@ -2,11 +2,11 @@
 
 use super::light_bounds::{DirectionCone, LightBounds};
 use super::point::{sample_le_of_point, sample_li_of_point};
-use super::source::{DirectSample, EmissionSample, LightExtent, LightSource};
-use super::{PhotonAim, PictureError, SphericalMap};
+use super::source::{DirectSample, EmissionSample, LightGeometry, LightSource};
+use super::{EmissionPictureError, EquirectangularMap, PhotonAim};
 use crate::color::Rgb;
 use crate::image::Image;
-use crate::math::{Bounds, Ray, Sphere};
+use crate::math::{BoundingSphere, Bounds, Ray};
 use crate::shape::SurfacePoint;
 use glam::{DVec3, Vec2, Vec3};
 use std::f64::consts::FRAC_PI_2;
@@ -23,7 +23,7 @@ pub struct GoniometricLight {
     /// Unit axes of the map: +x is right of its center, +y its top, −z its center.
     axes: [Vec3; 3],
     /// Distribution of the intensity over directions.
-    map: Arc<SphericalMap>,
+    map: Arc<EquirectangularMap>,
     /// Factor from map value to intensity \[W/sr].
     pub scale: Rgb,
 }
@@ -33,7 +33,7 @@ impl GoniometricLight {
     ///
     /// `direction` is the center of the map and `up` its top, which is not parallel to `direction`.
     #[must_use]
-    pub fn new(position: Vec3, direction: DVec3, up: DVec3, map: Arc<SphericalMap>, scale: Rgb) -> Self {
+    pub fn new(position: Vec3, direction: DVec3, up: DVec3, map: Arc<EquirectangularMap>, scale: Rgb) -> Self {
         let forward = direction.normalize();
         let right = forward.cross(up).normalize();
         let axes = [right, right.cross(forward), -forward].map(|axis| axis.as_vec3());
@@ -42,7 +42,7 @@ impl GoniometricLight {
 
     /// World direction in the frame of the map.
     #[inline]
-    fn to_map(&self, w: Vec3) -> Vec3 {
+    fn world_to_map(&self, w: Vec3) -> Vec3 {
         Vec3::from(self.axes.map(|axis| axis.dot(w)))
     }
 
@@ -50,13 +50,13 @@ impl GoniometricLight {
     #[inline]
     #[must_use]
     pub fn intensity(&self, w: Vec3) -> Rgb {
-        self.map.value(self.to_map(w)) * self.scale
+        self.map.value_in_direction(self.world_to_map(w)) * self.scale
     }
 
     /// Pdf \[1/sr] with which emission samples unit `w`.
     #[must_use]
     pub fn pdf(&self, w: Vec3) -> f32 {
-        self.map.pdf(self.to_map(w))
+        self.map.pdf(self.world_to_map(w))
     }
 }
 
@@ -66,8 +66,8 @@ impl GoniometricLight {
 /// value at each. Values are linear between angles, and zero outside of them.
 ///
 /// # Errors
-/// [`PictureError`] if a value is negative or not finite.
-pub fn profile_map(profile: &[(f64, f64)]) -> Result<SphericalMap, PictureError> {
+/// [`EmissionPictureError`] if a value is negative or not finite.
+pub fn map_from_intensity_profile(profile: &[(f64, f64)]) -> Result<EquirectangularMap, EmissionPictureError> {
     let value = |row: u32| {
         let angle = (f64::from(row) + 0.5) * 180.0 / f64::from(PROFILE_ROWS);
         let next = profile.partition_point(|(a, _)| *a < angle);
@@ -77,13 +77,13 @@ pub fn profile_map(profile: &[(f64, f64)]) -> Result<SphericalMap, PictureError>
         }
     };
     let pixels = (0..PROFILE_ROWS).map(|row| Rgb::splat(value(row) as f32)).collect();
-    SphericalMap::new(Image::from_pixels(1, PROFILE_ROWS, pixels)?, Rgb::ONE)
+    EquirectangularMap::new(Image::from_pixels(1, PROFILE_ROWS, pixels)?, Rgb::ONE)
 }
 
 impl LightSource for GoniometricLight {
     #[inline]
-    fn extent(&self) -> LightExtent<'_> {
-        LightExtent::Point(self.position)
+    fn geometry(&self) -> LightGeometry<'_> {
+        LightGeometry::Point(self.position)
     }
 
     #[inline]
@@ -96,7 +96,7 @@ impl LightSource for GoniometricLight {
         0.0
     }
 
-    fn sample_le(&self, _domain: Sphere, _position: Vec2, direction: Vec2) -> Option<EmissionSample> {
+    fn sample_le(&self, _domain: BoundingSphere, _position: Vec2, direction: Vec2) -> Option<EmissionSample> {
         let d = self.map.sample(direction)?;
         let [x, y, z] = self.axes;
         let w = (x * d.x + y * d.y + z * d.z).normalize();
@@ -107,7 +107,7 @@ impl LightSource for GoniometricLight {
     fn sample_le_towards(
         &self,
         aim: &PhotonAim,
-        _domain: Sphere,
+        _domain: BoundingSphere,
         _position: Vec2,
         direction: Vec2,
     ) -> Option<EmissionSample> {
@@ -115,20 +115,20 @@ impl LightSource for GoniometricLight {
     }
 
     /// Flux \[W]: the exact integral of the interpolated map.
-    fn power(&self, _domain: Sphere) -> Rgb {
+    fn power(&self, _domain: BoundingSphere) -> Rgb {
         self.map.integral() * self.scale
     }
 
     fn bounds(&self) -> Option<LightBounds> {
         let flux = self.map.integral() * self.scale;
-        Some(LightBounds::new(Bounds::of([self.position]), DirectionCone::ALL, FRAC_PI_2, flux))
+        Some(LightBounds::new(Bounds::from_points([self.position]), DirectionCone::ALL, FRAC_PI_2, flux))
     }
 
-    fn peak(&self) -> Option<Rgb> {
+    fn peak_strength(&self) -> Option<Rgb> {
         Some(self.scale)
     }
 
-    fn may_reach(&self, _sphere: Sphere) -> bool {
+    fn may_illuminate(&self, _sphere: BoundingSphere) -> bool {
         true
     }
 }

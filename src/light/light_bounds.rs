@@ -64,7 +64,7 @@ pub(super) fn angle_between(a: DVec3, b: DVec3) -> f64 {
 impl LightBounds {
     /// Bounds of one light with the given flux \[W]; `spread` is in radians.
     pub fn new(space: Bounds, normals: DirectionCone, spread: f64, flux: Rgb) -> Self {
-        Self { space, normals, spread, flux: f64::from(color::mean(flux)) }
+        Self { space, normals, spread, flux: f64::from(color::channel_mean(flux)) }
     }
 
     /// The bounds with their box grown by `margin` and by the rounding of its coordinates.
@@ -94,7 +94,7 @@ impl LightBounds {
     }
 
     /// Cost of the group in a light tree: flux times solid angle times squared extent.
-    pub fn cost(&self) -> f64 {
+    pub fn split_cost(&self) -> f64 {
         self.flux * self.solid_angle() * f64::from(self.space.extent().length_squared())
     }
 }
@@ -108,11 +108,11 @@ const MIN_DISTANCE2: f64 = 1.0 / 6.0;
 /// Light bounds in the form for fast queries: a bounding sphere instead of the box, cosines instead
 /// of angles.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Importance {
+pub(super) struct LightImportance {
     center: Vec3,
     radius2: f64,
     axis: Vec3,
-    normals: Angle,
+    normals: CosSin,
     cos_spread: f64,
     /// Approximate radiant intensity along the normals \[W/sr].
     intensity: f64,
@@ -120,16 +120,16 @@ pub(super) struct Importance {
 
 /// Cosine and sine of an angle between 0 and π.
 #[derive(Clone, Copy, Debug)]
-struct Angle(f64, f64);
+struct CosSin(f64, f64);
 
-impl Angle {
-    fn of_cos(cos: f64) -> Self {
+impl CosSin {
+    fn from_cos(cos: f64) -> Self {
         Self(cos, (1.0 - cos * cos).max(0.0).sqrt())
     }
 
     /// Difference of two angles, at least zero.
     #[inline]
-    fn minus(self, other: Self) -> Self {
+    fn subtract_clamped(self, other: Self) -> Self {
         if self.0 >= other.0 {
             return Self(1.0, 0.0);
         }
@@ -137,7 +137,7 @@ impl Angle {
     }
 }
 
-impl From<LightBounds> for Importance {
+impl From<LightBounds> for LightImportance {
     fn from(bounds: LightBounds) -> Self {
         let sphere = bounds.space.bounding_sphere();
         // The radius covers the rounding of the sphere. It is above zero because it bounds a
@@ -148,32 +148,32 @@ impl From<LightBounds> for Importance {
             center: sphere.center,
             radius2: radius * radius,
             axis: bounds.normals.axis.as_vec3(),
-            normals: Angle(cos, sin),
+            normals: CosSin(cos, sin),
             cos_spread: libm::cos(bounds.spread),
             intensity: bounds.flux / bounds.solid_angle(),
         }
     }
 }
 
-impl Importance {
+impl LightImportance {
     /// Approximate irradiance at `p`, on the side of the unit normal `n` if given; 0 only if no
     /// light can arrive.
     #[inline]
-    pub fn at(&self, p: Vec3, n: Option<Vec3>) -> f64 {
+    pub fn importance_at(&self, p: Vec3, n: Option<Vec3>) -> f64 {
         let to = p.as_dvec3() - self.center.as_dvec3();
         let d2 = to.length_squared();
         let (w, subtended) = if d2 <= self.radius2 {
-            (to, Angle(-1.0, 0.0))
+            (to, CosSin(-1.0, 0.0))
         } else {
-            (to / d2.sqrt(), Angle((1.0 - self.radius2 / d2).sqrt(), (self.radius2 / d2).sqrt()))
+            (to / d2.sqrt(), CosSin((1.0 - self.radius2 / d2).sqrt(), (self.radius2 / d2).sqrt()))
         };
-        let angle = |cos: f64| Angle::of_cos(cos.clamp(-1.0, 1.0));
-        let emitted = angle(w.dot(self.axis.as_dvec3())).minus(self.normals).minus(subtended).0;
+        let angle = |cos: f64| CosSin::from_cos(cos.clamp(-1.0, 1.0));
+        let emitted = angle(w.dot(self.axis.as_dvec3())).subtract_clamped(self.normals).subtract_clamped(subtended).0;
         // Equality counts: with zero spread, light stays within the cone itself.
         if emitted < self.cos_spread {
             return 0.0;
         }
-        let received = n.map_or(1.0, |n| angle(-w.dot(n.as_dvec3())).minus(subtended).0);
+        let received = n.map_or(1.0, |n| angle(-w.dot(n.as_dvec3())).subtract_clamped(subtended).0);
         if received <= 0.0 {
             return 0.0;
         }

@@ -1,9 +1,9 @@
 //! Light sampling with a bounding volume hierarchy over the lights.
 
 use super::Light;
-use super::light_bounds::{Importance, LightBounds};
+use super::light_bounds::{LightBounds, LightImportance};
 use crate::color;
-use crate::math::{Bounds, Sphere};
+use crate::math::{BoundingSphere, Bounds};
 use glam::Vec3;
 
 /// Samples one of many lights by power, distance and orientation.
@@ -18,14 +18,14 @@ pub struct LightBvhSampler {
     /// Indices of the infinite lights.
     infinite: Vec<u32>,
     /// Storage slot of each light, by the light's index.
-    slots: Vec<Slot>,
+    locations: Vec<LightLocation>,
     /// Probability to choose an infinite light.
     infinite_probability: f64,
 }
 
 #[derive(Clone, Debug)]
 struct Node {
-    importance: Importance,
+    importance: LightImportance,
     kind: NodeKind,
 }
 
@@ -42,7 +42,7 @@ type BoundedLight = (u32, LightBounds);
 
 /// Position at which the sampler stores a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Slot {
+enum LightLocation {
     /// Nowhere: the light has no power.
     Absent,
     /// Among the infinite lights.
@@ -53,7 +53,7 @@ enum Slot {
 }
 
 /// Depth from which inner nodes are split in halves, so that trails of 2³² lights fit in 64 bits.
-const HALVED_FROM: u32 = 31;
+const HALVING_DEPTH: u32 = 31;
 
 /// Number of buckets along each axis for the search of a split plane.
 const BUCKETS: usize = 12;
@@ -65,17 +65,17 @@ impl LightBvhSampler {
     /// A sampler of `lights`; `domain` is the bounding sphere of the bounded shapes. `None` if no
     /// light has power.
     #[must_use]
-    pub fn new(lights: &[Light], domain: Sphere) -> Option<Self> {
-        let mut slots = vec![Slot::Absent; lights.len()];
+    pub fn new(lights: &[Light], domain: BoundingSphere) -> Option<Self> {
+        let mut locations = vec![LightLocation::Absent; lights.len()];
         let (mut infinite, mut bounded) = (Vec::new(), Vec::new());
         // Positions are rounded to f32: a light that seems to lie in the plane of a surface may be
         // above it.
         let margin = 1e-6 * (domain.center.abs().max_element() + domain.radius);
-        for (i, light) in lights.iter().enumerate().filter(|(_, l)| color::mean(l.power(domain)) > 0.0) {
+        for (i, light) in lights.iter().enumerate().filter(|(_, l)| color::channel_mean(l.power(domain)) > 0.0) {
             match light.bounds(margin) {
                 Some(bounds) => bounded.push((i as u32, bounds)),
                 None => {
-                    slots[i] = Slot::Infinite;
+                    locations[i] = LightLocation::Infinite;
                     infinite.push(i as u32);
                 }
             }
@@ -85,27 +85,28 @@ impl LightBvhSampler {
             return None;
         }
         let infinite_probability = infinite.len() as f64 / (infinite.len() + others) as f64;
-        let mut sampler = Self { nodes: Vec::with_capacity(2 * bounded.len()), infinite, slots, infinite_probability };
+        let mut sampler =
+            Self { nodes: Vec::with_capacity(2 * bounded.len()), infinite, locations, infinite_probability };
         if !bounded.is_empty() {
-            sampler.build(&mut bounded, 0, 0);
+            sampler.build_subtree(&mut bounded, 0, 0);
         }
         Some(sampler)
     }
 
     /// Adds the subtree of at least one light; `trail` leads from the root of the tree to the root
     /// of the subtree.
-    fn build(&mut self, lights: &mut [BoundedLight], depth: u32, trail: u64) {
+    fn build_subtree(&mut self, lights: &mut [BoundedLight], depth: u32, trail: u64) {
         let whole = lights[1..].iter().fold(lights[0].1, |all, l| all.union(l.1));
         let index = self.nodes.len();
         let [(light, _)] = *lights else {
-            let (first, second) = split(lights, depth);
+            let (first, second) = split_lights(lights, depth);
             self.nodes.push(Node { importance: whole.into(), kind: NodeKind::Inner(0) });
-            self.build(first, depth + 1, trail);
+            self.build_subtree(first, depth + 1, trail);
             self.nodes[index].kind = NodeKind::Inner(self.nodes.len() as u32);
-            self.build(second, depth + 1, trail | 1 << depth);
+            self.build_subtree(second, depth + 1, trail | 1 << depth);
             return;
         };
-        self.slots[light as usize] = Slot::Tree(trail);
+        self.locations[light as usize] = LightLocation::Tree(trail);
         self.nodes.push(Node { importance: whole.into(), kind: NodeKind::Leaf(light) });
     }
 
@@ -152,10 +153,10 @@ impl LightBvhSampler {
     #[inline]
     #[must_use]
     pub fn probability(&self, p: Vec3, n: Option<Vec3>, light: usize) -> f32 {
-        let mut trail = match self.slots[light] {
-            Slot::Absent => return 0.0,
-            Slot::Infinite => return (self.infinite_probability / self.infinite.len() as f64) as f32,
-            Slot::Tree(trail) => trail,
+        let mut trail = match self.locations[light] {
+            LightLocation::Absent => return 0.0,
+            LightLocation::Infinite => return (self.infinite_probability / self.infinite.len() as f64) as f32,
+            LightLocation::Tree(trail) => trail,
         };
         let mut probability = 1.0 - self.infinite_probability;
         let mut index = 0;
@@ -174,7 +175,7 @@ impl LightBvhSampler {
     /// Probabilities of the two children of an inner node; `None` if neither can light `p`.
     #[inline]
     fn child_probabilities(&self, parent: usize, second: usize, p: Vec3, n: Option<Vec3>) -> Option<[f64; 2]> {
-        let [a, b] = [parent + 1, second].map(|i| self.nodes[i].importance.at(p, n));
+        let [a, b] = [parent + 1, second].map(|i| self.nodes[i].importance.importance_at(p, n));
         let total = a + b;
         // Two quotients: 1 − a/total would round a small probability to zero.
         (total > 0.0).then(|| [a / total, b / total])
@@ -183,16 +184,16 @@ impl LightBvhSampler {
 
 /// Splits at least two lights in two non-empty parts, at the bucket boundary of least cost; else in
 /// halves.
-fn split(lights: &mut [BoundedLight], depth: u32) -> (&mut [BoundedLight], &mut [BoundedLight]) {
+fn split_lights(lights: &mut [BoundedLight], depth: u32) -> (&mut [BoundedLight], &mut [BoundedLight]) {
     let center = |l: &BoundedLight| l.1.space.center();
-    let centers = Bounds::of(lights.iter().map(center));
+    let centers = Bounds::from_points(lights.iter().map(center));
     let extent = centers.extent();
     let bucket = |l: &BoundedLight, axis: usize| {
         let x = (center(l)[axis] - centers.min[axis]) / extent[axis];
         ((x * BUCKETS as f32) as usize).min(BUCKETS - 1)
     };
     let mut best = (f64::INFINITY, 0, 0);
-    for axis in (0..3).filter(|axis| extent[*axis] > 0.0 && depth < HALVED_FROM) {
+    for axis in (0..3).filter(|axis| extent[*axis] > 0.0 && depth < HALVING_DEPTH) {
         let mut buckets: [Option<LightBounds>; BUCKETS] = [None; BUCKETS];
         let add = |to: &mut Option<LightBounds>, b: LightBounds| *to = Some(to.map_or(b, |a| a.union(b)));
         for light in lights.iter() {
@@ -202,15 +203,15 @@ fn split(lights: &mut [BoundedLight], depth: u32) -> (&mut [BoundedLight], &mut 
         for plane in 1..BUCKETS {
             let side = |part: &[Option<LightBounds>]| part.iter().flatten().copied().reduce(LightBounds::union);
             if let (Some(a), Some(b)) = (side(&buckets[..plane]), side(&buckets[plane..])) {
-                let cost = slimness * (a.cost() + b.cost());
-                if cost < best.0 {
-                    best = (cost, axis, plane);
+                let split_cost = slimness * (a.split_cost() + b.split_cost());
+                if split_cost < best.0 {
+                    best = (split_cost, axis, plane);
                 }
             }
         }
     }
-    let (cost, axis, plane) = best;
-    let at = if cost.is_finite() {
+    let (split_cost, axis, plane) = best;
+    let at = if split_cost.is_finite() {
         lights.sort_by_key(|l| bucket(l, axis) >= plane);
         lights.partition_point(|l| bucket(l, axis) < plane)
     } else {

@@ -22,22 +22,22 @@ mod tests;
 pub use area::{AreaLight, EmissionTexture, LightSurface};
 pub use directional::DirectionalLight;
 pub use environment::EnvironmentLight;
-pub use goniometric::{GoniometricLight, profile_map};
+pub use goniometric::{GoniometricLight, map_from_intensity_profile};
 pub use light_bvh::LightBvhSampler;
-pub use oriented::{IntensityPattern, OrientedSource};
+pub use oriented::{IntensityPattern, OrientedPointLight};
 pub use photon_aim::PhotonAim;
 pub use point::PointLight;
-pub use projector::{ProjectorLight, Slide};
+pub use projector::{ProjectedPicture, ProjectorLight};
 pub use source::{DirectSample, EmissionDimensions, EmissionSample, ShadowTarget};
-pub use spherical_map::{PictureError, SphericalMap};
+pub use spherical_map::{EmissionPictureError, EquirectangularMap};
 pub use spot::SpotLight;
 
 use crate::color::Rgb;
-use crate::math::Sphere;
+use crate::math::BoundingSphere;
 use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 use light_bounds::LightBounds;
-use source::{LightExtent, LightSource};
+use source::{LightGeometry, LightSource};
 use std::sync::Arc;
 
 /// A light source of any kind.
@@ -61,7 +61,7 @@ pub enum Light {
 }
 
 /// Evaluates an expression for the light of whatever kind.
-macro_rules! each {
+macro_rules! dispatch {
     ($self:expr, $light:ident => $e:expr) => {
         match $self {
             Light::Point($light) => $e,
@@ -81,7 +81,7 @@ impl Light {
     #[inline]
     #[must_use]
     pub fn sample_li(&self, p: Vec3, u: Vec2) -> Option<DirectSample> {
-        each!(self, light => light.sample_li(p, u))
+        dispatch!(self, light => light.sample_li(p, u))
     }
 
     /// Pdf \[1/sr] with which [`Light::sample_li`] at `p` samples unit `wi`; 0 for delta lights.
@@ -90,7 +90,7 @@ impl Light {
     #[inline]
     #[must_use]
     pub fn pdf_li(&self, p: Vec3, wi: Vec3, hit: Option<&SurfacePoint>) -> f32 {
-        each!(self, light => light.pdf_li(p, wi, hit))
+        dispatch!(self, light => light.pdf_li(p, wi, hit))
     }
 
     /// Samples an emitted ray by `position` and `direction` in \[0, 1)²; `None` if it carries
@@ -98,8 +98,8 @@ impl Light {
     ///
     /// Light from infinity starts on a disc across the bounding sphere `domain` of the scene.
     #[must_use]
-    pub fn sample_le(&self, domain: Sphere, position: Vec2, direction: Vec2) -> Option<EmissionSample> {
-        each!(self, light => light.sample_le(domain, position, direction))
+    pub fn sample_le(&self, domain: BoundingSphere, position: Vec2, direction: Vec2) -> Option<EmissionSample> {
+        dispatch!(self, light => light.sample_le(domain, position, direction))
     }
 
     /// Samples an emitted ray towards the spheres of `aim`; no sampled ray misses all of them.
@@ -107,20 +107,20 @@ impl Light {
     pub fn sample_le_towards(
         &self,
         aim: &PhotonAim,
-        domain: Sphere,
+        domain: BoundingSphere,
         position: Vec2,
         direction: Vec2,
     ) -> Option<EmissionSample> {
-        each!(self, light => light.sample_le_towards(aim, domain, position, direction))
+        dispatch!(self, light => light.sample_le_towards(aim, domain, position, direction))
     }
 
     /// Which of the two sample points of [`Light::sample_le`] the emitted ray depends on.
     #[must_use]
     pub fn emission_dimensions(&self) -> EmissionDimensions {
-        match self.extent() {
-            LightExtent::Point(_) => EmissionDimensions { position: false, direction: true },
-            LightExtent::Parallel(_) => EmissionDimensions { position: true, direction: false },
-            LightExtent::Surface(_) | LightExtent::AllDirections => {
+        match self.geometry() {
+            LightGeometry::Point(_) => EmissionDimensions { position: false, direction: true },
+            LightGeometry::Parallel(_) => EmissionDimensions { position: true, direction: false },
+            LightGeometry::Surface(_) | LightGeometry::AllDirections => {
                 EmissionDimensions { position: true, direction: true }
             }
         }
@@ -129,8 +129,8 @@ impl Light {
     /// Emitted flux \[W]; for light from infinity, the flux through a disc with the radius of
     /// `domain`.
     #[must_use]
-    pub fn power(&self, domain: Sphere) -> Rgb {
-        each!(self, light => light.power(domain))
+    pub fn power(&self, domain: BoundingSphere) -> Rgb {
+        dispatch!(self, light => light.power(domain))
     }
 
     /// True if the light is sampled by a delta distribution: it has no extent, and shadows have
@@ -138,9 +138,9 @@ impl Light {
     #[inline]
     #[must_use]
     pub fn is_delta(&self) -> bool {
-        match self.extent() {
-            LightExtent::Point(_) | LightExtent::Parallel(_) => true,
-            LightExtent::Surface(_) | LightExtent::AllDirections => false,
+        match self.geometry() {
+            LightGeometry::Point(_) | LightGeometry::Parallel(_) => true,
+            LightGeometry::Surface(_) | LightGeometry::AllDirections => false,
         }
     }
 
@@ -148,18 +148,18 @@ impl Light {
     #[inline]
     #[must_use]
     pub fn is_infinite(&self) -> bool {
-        match self.extent() {
-            LightExtent::Parallel(_) | LightExtent::AllDirections => true,
-            LightExtent::Point(_) | LightExtent::Surface(_) => false,
+        match self.geometry() {
+            LightGeometry::Parallel(_) | LightGeometry::AllDirections => true,
+            LightGeometry::Point(_) | LightGeometry::Surface(_) => false,
         }
     }
 
     /// Position of a light without extent; `None` for all other lights.
     #[must_use]
     pub fn position(&self) -> Option<Vec3> {
-        match self.extent() {
-            LightExtent::Point(position) => Some(position),
-            LightExtent::Parallel(_) | LightExtent::Surface(_) | LightExtent::AllDirections => None,
+        match self.geometry() {
+            LightGeometry::Point(position) => Some(position),
+            LightGeometry::Parallel(_) | LightGeometry::Surface(_) | LightGeometry::AllDirections => None,
         }
     }
 
@@ -167,10 +167,10 @@ impl Light {
     /// infinity.
     #[must_use]
     pub fn emission_point(&self) -> Option<Vec3> {
-        match self.extent() {
-            LightExtent::Point(position) => Some(position),
-            LightExtent::Surface(surface) => Some(surface.emission_point()),
-            LightExtent::Parallel(_) | LightExtent::AllDirections => None,
+        match self.geometry() {
+            LightGeometry::Point(position) => Some(position),
+            LightGeometry::Surface(surface) => Some(surface.emission_point()),
+            LightGeometry::Parallel(_) | LightGeometry::AllDirections => None,
         }
     }
 
@@ -178,62 +178,63 @@ impl Light {
     /// infinity.
     #[must_use]
     pub fn center(&self) -> Option<Vec3> {
-        match self.extent() {
-            LightExtent::Point(position) => Some(position),
-            LightExtent::Surface(surface) => Some(surface.center()),
-            LightExtent::Parallel(_) | LightExtent::AllDirections => None,
+        match self.geometry() {
+            LightGeometry::Point(position) => Some(position),
+            LightGeometry::Surface(surface) => Some(surface.center()),
+            LightGeometry::Parallel(_) | LightGeometry::AllDirections => None,
         }
     }
 
     /// Peak intensity \[W/sr] or irradiance \[W/m²] of a delta light; `None` for all other lights.
     #[must_use]
-    pub fn peak(&self) -> Option<Rgb> {
-        each!(self, light => light.peak())
+    pub fn peak_strength(&self) -> Option<Rgb> {
+        dispatch!(self, light => light.peak_strength())
     }
 
     /// False only if no unoccluded ray from the light can enter `sphere`; `None` stands for all
     /// space.
     #[must_use]
-    pub fn may_reach(&self, sphere: Option<Sphere>, domain: Sphere) -> bool {
+    pub fn may_illuminate(&self, sphere: Option<BoundingSphere>, domain: BoundingSphere) -> bool {
         let Some(sphere) = sphere else { return true };
-        let margin = MARGIN * (sphere.center.abs().max_element() + domain.radius + domain.center.abs().max_element());
-        each!(self, light => light.may_reach(Sphere { radius: sphere.radius + margin, ..sphere }))
+        let margin =
+            POSITION_ERROR * (sphere.center.abs().max_element() + domain.radius + domain.center.abs().max_element());
+        dispatch!(self, light => light.may_illuminate(BoundingSphere { radius: sphere.radius + margin, ..sphere }))
     }
 
     /// True only if no light travels within the plane through `p` with unit normal `n`.
     ///
     /// Rounding decides whether objects in such a plane occlude such light.
     #[must_use]
-    pub fn avoids_plane(&self, p: Vec3, n: Vec3) -> bool {
-        match self.extent() {
-            LightExtent::Point(position) => {
-                let margin = MARGIN * (position.abs().max_element() + p.abs().max_element());
+    pub fn emits_nothing_in_plane(&self, p: Vec3, n: Vec3) -> bool {
+        match self.geometry() {
+            LightGeometry::Point(position) => {
+                let margin = POSITION_ERROR * (position.abs().max_element() + p.abs().max_element());
                 (position - p).dot(n).abs() > margin
             }
-            LightExtent::Parallel(direction) => direction.dot(n).abs() > MARGIN,
-            LightExtent::Surface(_) | LightExtent::AllDirections => false,
+            LightGeometry::Parallel(direction) => direction.dot(n).abs() > POSITION_ERROR,
+            LightGeometry::Surface(_) | LightGeometry::AllDirections => false,
         }
     }
 
     /// The light with its mean radiance instead of a texture.
     #[must_use]
     pub fn with_mean_emission(&self) -> Self {
-        each!(self, light => light.untextured()).unwrap_or_else(|| self.clone())
+        dispatch!(self, light => light.untextured_light()).unwrap_or_else(|| self.clone())
     }
 
     /// Where the light emits from.
     #[inline]
-    fn extent(&self) -> LightExtent<'_> {
-        each!(self, light => light.extent())
+    fn geometry(&self) -> LightGeometry<'_> {
+        dispatch!(self, light => light.geometry())
     }
 
     /// Bounds of positions and directions, the box grown by `margin`; `None` for light from
     /// infinity.
     fn bounds(&self, margin: f32) -> Option<LightBounds> {
-        each!(self, light => light.bounds()).map(|bounds| bounds.expanded(margin))
+        dispatch!(self, light => light.bounds()).map(|bounds| bounds.expanded(margin))
     }
 }
 
 /// Relative error of f32 positions, with respect to their distance from the origin and from each
 /// other.
-const MARGIN: f32 = 1e-5;
+const POSITION_ERROR: f32 = 1e-5;

@@ -1,8 +1,8 @@
 //! Description of point lights with an orientation, in the coordinates of a scene description.
 
-use super::{GoniometricLight, Light, ProjectorLight, Slide, SphericalMap};
+use super::{EquirectangularMap, GoniometricLight, Light, ProjectedPicture, ProjectorLight};
 use crate::color::{self, Rgb};
-use crate::math::{Sphere, Transform};
+use crate::math::{BoundingSphere, Transform};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
@@ -10,14 +10,14 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub enum IntensityPattern {
     /// The picture of a projector.
-    Slide(Arc<Slide>),
+    ProjectedPicture(Arc<ProjectedPicture>),
     /// An equirectangular map.
-    Map(Arc<SphericalMap>),
+    Map(Arc<EquirectangularMap>),
 }
 
 /// A point light with an orientation and an intensity pattern.
 #[derive(Clone, Debug)]
-pub struct OrientedSource {
+pub struct OrientedPointLight {
     /// Position.
     pub position: DVec3,
     /// Axis of projection, or center of the map; of any length above zero.
@@ -28,11 +28,12 @@ pub struct OrientedSource {
     pub pattern: IntensityPattern,
 }
 
-impl OrientedSource {
+impl OrientedPointLight {
     /// The image under an affine map.
     #[must_use]
     pub fn transformed(&self, map: &Transform) -> Self {
-        let (position, direction, up) = (map.point(self.position), map.vector(self.direction), map.vector(self.up));
+        let (position, direction, up) =
+            (map.transform_point(self.position), map.transform_vector(self.direction), map.transform_vector(self.up));
         Self { position, direction, up, pattern: self.pattern.clone() }
     }
 
@@ -41,7 +42,7 @@ impl OrientedSource {
     pub fn light(&self, position: Vec3, scale: Rgb) -> Light {
         let (direction, up) = (self.direction, self.up);
         match &self.pattern {
-            IntensityPattern::Slide(slide) => {
+            IntensityPattern::ProjectedPicture(slide) => {
                 Light::Projector(ProjectorLight::new(position, direction, up, slide.clone(), scale))
             }
             IntensityPattern::Map(map) => {
@@ -53,8 +54,8 @@ impl OrientedSource {
     /// Scale of the intensity per flux \[1/sr]: the inverse integral of the pattern, mean over the
     /// channels.
     #[must_use]
-    pub fn scale_per_power(&self) -> f32 {
-        let nowhere = Sphere { center: Vec3::ZERO, radius: 0.0 };
-        1.0 / color::mean(self.light(Vec3::ZERO, Rgb::ONE).power(nowhere)).max(f32::MIN_POSITIVE)
+    pub fn intensity_scale_per_watt(&self) -> f32 {
+        let nowhere = BoundingSphere { center: Vec3::ZERO, radius: 0.0 };
+        1.0 / color::channel_mean(self.light(Vec3::ZERO, Rgb::ONE).power(nowhere)).max(f32::MIN_POSITIVE)
     }
 }

@@ -1,6 +1,6 @@
 //! Photon emission aimed at chosen spheres.
 
-use crate::math::{Bounds, Frame, Sphere, warp};
+use crate::math::{BoundingSphere, Bounds, Frame, warp};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
@@ -11,7 +11,7 @@ use std::f32::consts::{PI, TAU};
 /// contain the direction, over the sum of the solid angles. Overlaps therefore cause no bias.
 #[derive(Clone, Debug, Default)]
 pub struct PhotonAim {
-    spheres: Vec<Sphere>,
+    spheres: Vec<BoundingSphere>,
 }
 
 /// Maximum number of spheres; each costs a few operations per emitted photon.
@@ -19,15 +19,15 @@ const MAX_SPHERES: usize = 32;
 
 /// The cone that a sphere subtends.
 #[derive(Clone, Copy)]
-struct SphereCone {
+struct SubtendedCone {
     axis: Vec3,
     one_minus_cos: f32,
 }
 
 /// Directions from a point to a sphere.
-enum Subtended {
+enum SubtendedDirections {
     /// The directions of a cone.
-    Cone(SphereCone),
+    Cone(SubtendedCone),
     /// All directions: the point is inside the sphere.
     All,
     /// No direction: the sphere is below the horizon.
@@ -35,18 +35,18 @@ enum Subtended {
 }
 
 /// Directions from `p` to `sphere`, above the plane with normal `horizon`.
-fn subtended(sphere: &Sphere, p: Vec3, horizon: Option<Vec3>) -> Subtended {
+fn directions_to_sphere(sphere: &BoundingSphere, p: Vec3, horizon: Option<Vec3>) -> SubtendedDirections {
     let to = sphere.center - p;
     let d2 = to.length_squared();
     let sin2 = sphere.radius * sphere.radius / d2;
     if sin2.is_nan() || sin2 >= 1.0 {
-        return Subtended::All;
+        return SubtendedDirections::All;
     }
     let axis = to / d2.sqrt();
     if horizon.is_some_and(|n| axis.dot(n) <= -sin2.sqrt()) {
-        return Subtended::None;
+        return SubtendedDirections::None;
     }
-    Subtended::Cone(SphereCone { axis, one_minus_cos: sin2 / (1.0 + (1.0 - sin2).sqrt()) })
+    SubtendedDirections::Cone(SubtendedCone { axis, one_minus_cos: sin2 / (1.0 + (1.0 - sin2).sqrt()) })
 }
 
 impl PhotonAim {
@@ -54,9 +54,9 @@ impl PhotonAim {
     ///
     /// The spheres grow by a few ulps, so that rounding leaves nothing outside.
     #[must_use]
-    pub fn new(spheres: impl IntoIterator<Item = Sphere>) -> Self {
-        let mut spheres: Vec<Sphere> = spheres.into_iter().collect();
-        merge(&mut spheres, MAX_SPHERES);
+    pub fn new(spheres: impl IntoIterator<Item = BoundingSphere>) -> Self {
+        let mut spheres: Vec<BoundingSphere> = spheres.into_iter().collect();
+        merge_spheres(&mut spheres, MAX_SPHERES);
         for sphere in &mut spheres {
             sphere.radius = sphere.radius * (1.0 + 1e-5) + sphere.center.abs().max_element() * 1e-6;
         }
@@ -69,24 +69,25 @@ impl PhotonAim {
     /// `horizon` is the normal of a plane through `p`; spheres below the plane are left out.
     #[must_use]
     pub fn sample_direction(&self, p: Vec3, horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, f32)> {
-        let mut cones = [SphereCone { axis: Vec3::Z, one_minus_cos: 0.0 }; MAX_SPHERES];
+        let mut cones = [SubtendedCone { axis: Vec3::Z, one_minus_cos: 0.0 }; MAX_SPHERES];
         let mut count = 0;
         let mut total = 0.0;
         for sphere in &self.spheres {
-            match subtended(sphere, p, horizon) {
-                Subtended::Cone(cone) => {
+            match directions_to_sphere(sphere, p, horizon) {
+                SubtendedDirections::Cone(cone) => {
                     total += cone.one_minus_cos;
                     cones[count] = cone;
                     count += 1;
                 }
-                Subtended::None => {}
-                Subtended::All => return sample_all_directions(horizon, u),
+                SubtendedDirections::None => {}
+                SubtendedDirections::All => return sample_sphere_or_hemisphere(horizon, u),
             }
         }
         let cones = &cones[..count];
-        let (within, chosen) = choose(cones.iter().map(|cone| cone.one_minus_cos), u.x * total)?;
+        let (within, chosen) = choose_interval(cones.iter().map(|cone| cone.one_minus_cos), u.x * total)?;
         let cone = &cones[chosen];
-        let direction = Frame::around(cone.axis).to_world(warp::cone(Vec2::new(within, u.y), cone.one_minus_cos));
+        let direction = Frame::from_normal(cone.axis)
+            .to_world(warp::square_to_uniform_cone(Vec2::new(within, u.y), cone.one_minus_cos));
         // |w − a|² = 2(1 − cos) keeps its digits in narrow cones.
         let around = cones.iter().filter(|c| (direction - c.axis).length_squared() <= 2.0 * c.one_minus_cos);
         // The chosen cone contains its own direction, whatever rounding says at its rim.
@@ -99,13 +100,13 @@ impl PhotonAim {
     ///
     /// All starts lie in the plane across `direction` at `upstream` before the origin.
     #[must_use]
-    pub fn sample_parallel(&self, direction: Vec3, upstream: f32, u: Vec2) -> Option<(Vec3, f32)> {
+    pub fn sample_parallel_start(&self, direction: Vec3, upstream: f32, u: Vec2) -> Option<(Vec3, f32)> {
         let areas = || self.spheres.iter().map(|s| PI * s.radius * s.radius);
         let total: f32 = areas().sum();
-        let (within, chosen) = choose(areas(), u.x * total)?;
+        let (within, chosen) = choose_interval(areas(), u.x * total)?;
         let sphere = &self.spheres[chosen];
-        let frame = Frame::around(direction);
-        let d = warp::disc(Vec2::new(within, u.y)) * sphere.radius;
+        let frame = Frame::from_normal(direction);
+        let d = warp::square_to_uniform_disc(Vec2::new(within, u.y)) * sphere.radius;
         let p = sphere.center + frame.s * d.x + frame.t * d.y;
         let around = self.spheres.iter().filter(|s| (p - s.center).cross(direction).length() <= s.radius);
         let count = around.count().max(1);
@@ -117,7 +118,7 @@ impl PhotonAim {
 ///
 /// Returns the position in the interval, in \[0, 1), and its index. `None` if there is no interval.
 #[inline]
-fn choose(widths: impl Iterator<Item = f32>, mut at: f32) -> Option<(f32, usize)> {
+fn choose_interval(widths: impl Iterator<Item = f32>, mut at: f32) -> Option<(f32, usize)> {
     let mut chosen = None;
     for (i, width) in widths.enumerate() {
         chosen = Some(((at / width).min(1.0 - f32::EPSILON), i));
@@ -130,32 +131,32 @@ fn choose(widths: impl Iterator<Item = f32>, mut at: f32) -> Option<(f32, usize)
 }
 
 /// Samples all directions above `horizon`; `None` in the horizon itself, where the pdf is 0.
-fn sample_all_directions(horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, f32)> {
+fn sample_sphere_or_hemisphere(horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, f32)> {
     match horizon {
         Some(n) => {
-            let local = warp::cosine_hemisphere(u);
-            (local.z > 0.0).then(|| (Frame::around(n).to_world(local), warp::cosine_hemisphere_pdf(local.z)))
+            let local = warp::square_to_cosine_hemisphere(u);
+            (local.z > 0.0).then(|| (Frame::from_normal(n).to_world(local), warp::cosine_hemisphere_pdf(local.z)))
         }
-        None => Some((warp::sphere(u), 1.0 / (2.0 * TAU))),
+        None => Some((warp::square_to_uniform_sphere(u), 1.0 / (2.0 * TAU))),
     }
 }
 
 /// Halves the spheres at the median of their widest axis until `most` groups are left, then bounds
 /// each group.
-fn merge(spheres: &mut Vec<Sphere>, most: usize) {
+fn merge_spheres(spheres: &mut Vec<BoundingSphere>, most: usize) {
     if spheres.len() <= most {
         return;
     }
-    let extent = Bounds::of(spheres.iter().map(|b| b.center)).extent();
+    let extent = Bounds::from_points(spheres.iter().map(|b| b.center)).extent();
     let axis = (0..3).max_by(|a, b| extent[*a].total_cmp(&extent[*b])).unwrap_or(0);
     spheres.sort_by(|a, b| a.center[axis].total_cmp(&b.center[axis]));
     let mut upper = spheres.split_off(spheres.len() / 2);
     if most > 1 {
-        merge(spheres, most / 2);
-        merge(&mut upper, most - most / 2);
+        merge_spheres(spheres, most / 2);
+        merge_spheres(&mut upper, most - most / 2);
         spheres.append(&mut upper);
     } else {
         spheres.append(&mut upper);
-        *spheres = spheres.drain(..).reduce(Sphere::union).into_iter().collect();
+        *spheres = spheres.drain(..).reduce(BoundingSphere::union).into_iter().collect();
     }
 }

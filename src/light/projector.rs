@@ -1,14 +1,14 @@
 //! Projector lights.
 
 use super::light_bounds::{DirectionCone, LightBounds, NORMAL_ERROR};
-use super::point::{cone_may_reach, sample_le_of_point, sample_li_of_point};
-use super::source::{DirectSample, EmissionSample, LightExtent, LightSource};
-use super::spherical_map::scaled;
-use super::{PhotonAim, PictureError};
+use super::point::{cone_may_illuminate, sample_le_of_point, sample_li_of_point};
+use super::source::{DirectSample, EmissionSample, LightGeometry, LightSource};
+use super::spherical_map::scale_emission_picture;
+use super::{EmissionPictureError, PhotonAim};
 use crate::color::{self, Rgb};
 use crate::image::Image;
-use crate::math::{Bounds, Ray, Sphere};
-use crate::sampling::Piecewise2d;
+use crate::math::{BoundingSphere, Bounds, Ray};
+use crate::sampling::PiecewiseConstant2d;
 use crate::shape::SurfacePoint;
 use glam::{DVec2, DVec3, UVec2, Vec2, Vec3};
 use std::sync::Arc;
@@ -21,59 +21,62 @@ pub struct ProjectorLight {
     /// Unit axes: right and up on the picture, and the direction of projection.
     axes: [Vec3; 3],
     /// The projected picture.
-    slide: Arc<Slide>,
+    picture: Arc<ProjectedPicture>,
     /// Factor from pixel value to intensity \[W/sr].
     pub scale: Rgb,
 }
 
 /// A picture in the plane at distance 1 before a pinhole, piecewise constant in its pixels.
 #[derive(Clone, Debug)]
-pub struct Slide {
+pub struct ProjectedPicture {
     picture: Image,
     /// Half width and half height in the plane at distance 1.
-    half: DVec2,
+    half_size: DVec2,
     /// Distribution over the pixels, by value times solid angle.
-    distribution: Piecewise2d,
+    distribution: PiecewiseConstant2d,
     /// Integral of the picture over all directions \[value · sr].
     integral: DVec3,
 }
 
-impl Slide {
+impl ProjectedPicture {
     /// A picture with a full vertical angle of view \[radians], below π. `None` if the picture is
     /// black.
     ///
     /// # Errors
-    /// [`PictureError::Value`] if a pixel is negative or not finite.
-    pub fn new(picture: Image, angle: f64) -> Result<Option<Self>, PictureError> {
-        let picture = scaled(picture, Rgb::ONE)?;
+    /// [`EmissionPictureError::Value`] if a pixel is negative or not finite.
+    pub fn new(picture: Image, angle: f64) -> Result<Option<Self>, EmissionPictureError> {
+        let picture = scale_emission_picture(picture, Rgb::ONE)?;
         let (width, height) = (picture.width() as usize, picture.height() as usize);
         let y = libm::tan(0.5 * angle);
-        let half = DVec2::new(y * width as f64 / height as f64, y);
+        let half_size = DVec2::new(y * width as f64 / height as f64, y);
         // Solid angle of the rectangle between the axes and (x, y) in the plane at distance 1.
-        let corner = |x: usize, y: usize| {
-            let p = half * (DVec2::new(x as f64 / width as f64, y as f64 / height as f64) * 2.0 - 1.0);
+        let corner_solid_angle = |x: usize, y: usize| {
+            let p = half_size * (DVec2::new(x as f64 / width as f64, y as f64 / height as f64) * 2.0 - 1.0);
             libm::atan2(p.x * p.y, (1.0 + p.length_squared()).sqrt())
         };
-        let solid_angle =
-            |x: usize, y: usize| corner(x + 1, y + 1) - corner(x, y + 1) - (corner(x + 1, y) - corner(x, y));
+        let solid_angle = |x: usize, y: usize| {
+            corner_solid_angle(x + 1, y + 1)
+                - corner_solid_angle(x, y + 1)
+                - (corner_solid_angle(x + 1, y) - corner_solid_angle(x, y))
+        };
         let value = |x: usize, y: usize| picture.pixels()[y * width + x];
-        let weight = |x: usize, y: usize| f64::from(color::mean(value(x, y))) * solid_angle(x, y);
-        let Some(distribution) = Piecewise2d::new(width, height, weight) else { return Ok(None) };
+        let weight = |x: usize, y: usize| f64::from(color::channel_mean(value(x, y))) * solid_angle(x, y);
+        let Some(distribution) = PiecewiseConstant2d::new(width, height, weight) else { return Ok(None) };
         let pixels = (0..width * height).map(|i| (i % width, i / width));
         let integral = pixels.map(|(x, y)| value(x, y).as_dvec3() * solid_angle(x, y)).sum();
-        Ok(Some(Self { picture, half, distribution, integral }))
+        Ok(Some(Self { picture, half_size, distribution, integral }))
     }
 
     /// Value of a pixel (column, row).
-    fn value(&self, pixel: UVec2) -> Rgb {
+    fn pixel_value(&self, pixel: UVec2) -> Rgb {
         self.picture.pixels()[(pixel.y * self.picture.width() + pixel.x) as usize]
     }
 
     /// Pixel (column, row) in a direction of the frame (right, up, forward); `None` beside the
     /// picture.
     #[inline]
-    fn pixel(&self, local: Vec3) -> Option<UVec2> {
-        let p = DVec2::new(f64::from(local.x), -f64::from(local.y)) / f64::from(local.z) / self.half;
+    fn pixel_in_direction(&self, local: Vec3) -> Option<UVec2> {
+        let p = DVec2::new(f64::from(local.x), -f64::from(local.y)) / f64::from(local.z) / self.half_size;
         if local.z <= 0.0 || p.abs().max_element() > 1.0 {
             return None;
         }
@@ -86,29 +89,29 @@ impl Slide {
     fn sample(&self, u: Vec2) -> Option<(Vec3, Rgb, f32)> {
         let (pixel, within, pdf) = self.distribution.sample(u);
         let size = DVec2::new(f64::from(self.picture.width()), f64::from(self.picture.height()));
-        let p = self.half * ((pixel.as_dvec2() + within.as_dvec2()) / size * 2.0 - 1.0);
+        let p = self.half_size * ((pixel.as_dvec2() + within.as_dvec2()) / size * 2.0 - 1.0);
         let local = DVec3::new(p.x, -p.y, 1.0).normalize();
-        let pdf = f64::from(pdf) * self.per_solid_angle(local.z);
-        (pdf > 0.0).then(|| (local.as_vec3(), self.value(pixel), pdf as f32))
+        let pdf = f64::from(pdf) * self.area_pdf_to_solid_angle(local.z);
+        (pdf > 0.0).then(|| (local.as_vec3(), self.pixel_value(pixel), pdf as f32))
     }
 
-    /// Pdf \[1/sr] with which [`Slide::sample`] samples a unit direction of the frame (right, up,
+    /// Pdf \[1/sr] with which [`ProjectedPicture::sample`] samples a unit direction of the frame (right, up,
     /// forward).
     fn pdf(&self, local: Vec3) -> f32 {
-        let per_solid_angle = self.per_solid_angle(f64::from(local.z)) as f32;
-        self.pixel(local).map_or(0.0, |pixel| self.distribution.pdf(pixel) * per_solid_angle)
+        let factor = self.area_pdf_to_solid_angle(f64::from(local.z)) as f32;
+        self.pixel_in_direction(local).map_or(0.0, |pixel| self.distribution.pdf(pixel) * factor)
     }
 
     /// Factor from pdf on the unit square of the picture to pdf per solid angle.
     ///
     /// An area element of the plane at distance 1 subtends dA cos³.
-    fn per_solid_angle(&self, cos: f64) -> f64 {
-        1.0 / (4.0 * self.half.x * self.half.y * cos * cos * cos)
+    fn area_pdf_to_solid_angle(&self, cos: f64) -> f64 {
+        1.0 / (4.0 * self.half_size.x * self.half_size.y * cos * cos * cos)
     }
 
     /// 1 − cosine of the angle from the axis to a corner.
-    fn corner(&self) -> f64 {
-        let drop = self.half.length_squared();
+    fn one_minus_cos_to_corner(&self) -> f64 {
+        let drop = self.half_size.length_squared();
         let hypotenuse = (1.0 + drop).sqrt();
         drop / (hypotenuse * (1.0 + hypotenuse))
     }
@@ -120,37 +123,39 @@ impl ProjectorLight {
     /// `direction` is the axis of projection; `up` is the upper side of the picture, and not
     /// parallel to it.
     #[must_use]
-    pub fn new(position: Vec3, direction: DVec3, up: DVec3, slide: Arc<Slide>, scale: Rgb) -> Self {
+    pub fn new(position: Vec3, direction: DVec3, up: DVec3, picture: Arc<ProjectedPicture>, scale: Rgb) -> Self {
         let forward = direction.normalize();
         let right = forward.cross(up).normalize();
         let axes = [right, right.cross(forward), forward].map(|axis| axis.as_vec3());
-        Self { position, axes, slide, scale }
+        Self { position, axes, picture, scale }
     }
 
     /// Intensity in unit direction `w` \[W/sr].
     #[inline]
     #[must_use]
     pub fn intensity(&self, w: Vec3) -> Rgb {
-        self.slide.pixel(self.to_slide(w)).map_or(Rgb::ZERO, |pixel| self.slide.value(pixel) * self.scale)
+        self.picture
+            .pixel_in_direction(self.world_to_picture(w))
+            .map_or(Rgb::ZERO, |pixel| self.picture.pixel_value(pixel) * self.scale)
     }
 
     /// Pdf \[1/sr] with which emission samples unit `w`.
     #[must_use]
     pub fn pdf(&self, w: Vec3) -> f32 {
-        self.slide.pdf(self.to_slide(w))
+        self.picture.pdf(self.world_to_picture(w))
     }
 
-    /// World direction in the frame of the slide: right, up, forward.
+    /// World direction in the frame of the picture: right, up, forward.
     #[inline]
-    fn to_slide(&self, w: Vec3) -> Vec3 {
+    fn world_to_picture(&self, w: Vec3) -> Vec3 {
         Vec3::from(self.axes.map(|axis| axis.dot(w)))
     }
 }
 
 impl LightSource for ProjectorLight {
     #[inline]
-    fn extent(&self) -> LightExtent<'_> {
-        LightExtent::Point(self.position)
+    fn geometry(&self) -> LightGeometry<'_> {
+        LightGeometry::Point(self.position)
     }
 
     #[inline]
@@ -163,8 +168,8 @@ impl LightSource for ProjectorLight {
         0.0
     }
 
-    fn sample_le(&self, _domain: Sphere, _position: Vec2, direction: Vec2) -> Option<EmissionSample> {
-        let (local, value, pdf) = self.slide.sample(direction)?;
+    fn sample_le(&self, _domain: BoundingSphere, _position: Vec2, direction: Vec2) -> Option<EmissionSample> {
+        let (local, value, pdf) = self.picture.sample(direction)?;
         let [right, up, forward] = self.axes;
         let w = (right * local.x + up * local.y + forward * local.z).normalize();
         Some(EmissionSample { ray: Ray::new(self.position, w), flux: value * self.scale / pdf })
@@ -173,7 +178,7 @@ impl LightSource for ProjectorLight {
     fn sample_le_towards(
         &self,
         aim: &PhotonAim,
-        _domain: Sphere,
+        _domain: BoundingSphere,
         _position: Vec2,
         direction: Vec2,
     ) -> Option<EmissionSample> {
@@ -181,22 +186,22 @@ impl LightSource for ProjectorLight {
     }
 
     /// Flux \[W]: the exact integral over the solid angles of the pixels.
-    fn power(&self, _domain: Sphere) -> Rgb {
-        (self.slide.integral * self.scale.as_dvec3()).as_vec3()
+    fn power(&self, _domain: BoundingSphere) -> Rgb {
+        (self.picture.integral * self.scale.as_dvec3()).as_vec3()
     }
 
     fn bounds(&self) -> Option<LightBounds> {
-        let angle = libm::atan(self.slide.half.length()) + NORMAL_ERROR;
+        let angle = libm::atan(self.picture.half_size.length()) + NORMAL_ERROR;
         let cone = DirectionCone { axis: self.axes[2].as_dvec3(), angle };
-        let flux = (self.slide.integral * self.scale.as_dvec3()).as_vec3();
-        Some(LightBounds::new(Bounds::of([self.position]), cone, 0.0, flux))
+        let flux = (self.picture.integral * self.scale.as_dvec3()).as_vec3();
+        Some(LightBounds::new(Bounds::from_points([self.position]), cone, 0.0, flux))
     }
 
-    fn peak(&self) -> Option<Rgb> {
+    fn peak_strength(&self) -> Option<Rgb> {
         Some(self.scale)
     }
 
-    fn may_reach(&self, sphere: Sphere) -> bool {
-        cone_may_reach(self.position, self.axes[2], self.slide.corner() as f32, sphere)
+    fn may_illuminate(&self, sphere: BoundingSphere) -> bool {
+        cone_may_illuminate(self.position, self.axes[2], self.picture.one_minus_cos_to_corner() as f32, sphere)
     }
 }

@@ -3,7 +3,7 @@
 use super::light_bounds::LightBounds;
 use super::{Light, LightSurface, PhotonAim};
 use crate::color::Rgb;
-use crate::math::{Ray, Sphere};
+use crate::math::{BoundingSphere, Ray};
 use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 
@@ -50,7 +50,7 @@ pub struct EmissionDimensions {
 }
 
 /// Where a light emits from.
-pub(super) enum LightExtent<'a> {
+pub(super) enum LightGeometry<'a> {
     /// One position: a delta light.
     Point(Vec3),
     /// Infinity, in one unit direction of travel: a delta light.
@@ -61,14 +61,14 @@ pub(super) enum LightExtent<'a> {
     AllDirections,
 }
 
-/// One kind of light. [`Light`] documents the methods, and derives further ones from `extent`.
+/// One kind of light. [`Light`] documents the methods, and derives further ones from `geometry`.
 ///
 /// Direct light must come from `sample_li`: photon methods store no light that arrives directly, so
 /// light that only `sample_le` emits would be lost at its first hit. Both must describe the same
 /// radiance, and `pdf_li` the pdf of `sample_li`.
 pub(super) trait LightSource {
     /// Where the light emits from.
-    fn extent(&self) -> LightExtent<'_>;
+    fn geometry(&self) -> LightGeometry<'_>;
 
     /// Implements [`Light::sample_li`].
     fn sample_li(&self, p: Vec3, u: Vec2) -> Option<DirectSample>;
@@ -77,31 +77,31 @@ pub(super) trait LightSource {
     fn pdf_li(&self, p: Vec3, wi: Vec3, hit: Option<&SurfacePoint>) -> f32;
 
     /// Implements [`Light::sample_le`].
-    fn sample_le(&self, domain: Sphere, position: Vec2, direction: Vec2) -> Option<EmissionSample>;
+    fn sample_le(&self, domain: BoundingSphere, position: Vec2, direction: Vec2) -> Option<EmissionSample>;
 
     /// Implements [`Light::sample_le_towards`].
     fn sample_le_towards(
         &self,
         aim: &PhotonAim,
-        domain: Sphere,
+        domain: BoundingSphere,
         position: Vec2,
         direction: Vec2,
     ) -> Option<EmissionSample>;
 
     /// Implements [`Light::power`].
-    fn power(&self, domain: Sphere) -> Rgb;
+    fn power(&self, domain: BoundingSphere) -> Rgb;
 
     /// Bounds of positions and directions, without a margin; `None` for light from infinity.
     fn bounds(&self) -> Option<LightBounds>;
 
-    /// Implements [`Light::peak`].
-    fn peak(&self) -> Option<Rgb>;
+    /// Implements [`Light::peak_strength`].
+    fn peak_strength(&self) -> Option<Rgb>;
 
-    /// Implements [`Light::may_reach`] for a sphere that is already grown by rounding errors.
-    fn may_reach(&self, sphere: Sphere) -> bool;
+    /// Implements [`Light::may_illuminate`] for a sphere that is already grown by rounding errors.
+    fn may_illuminate(&self, sphere: BoundingSphere) -> bool;
 
     /// The light with its mean radiance; `None` if no texture varies its radiance.
-    fn untextured(&self) -> Option<Light> {
+    fn untextured_light(&self) -> Option<Light> {
         None
     }
 }

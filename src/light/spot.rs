@@ -2,10 +2,10 @@
 
 use super::PhotonAim;
 use super::light_bounds::{DirectionCone, LightBounds, NORMAL_ERROR};
-use super::point::{cone_may_reach, sample_le_of_point, sample_li_of_point};
-use super::source::{DirectSample, EmissionSample, LightExtent, LightSource};
+use super::point::{cone_may_illuminate, sample_le_of_point, sample_li_of_point};
+use super::source::{DirectSample, EmissionSample, LightGeometry, LightSource};
 use crate::color::Rgb;
-use crate::math::{Bounds, Frame, Ray, Sphere, warp};
+use crate::math::{BoundingSphere, Bounds, Frame, Ray, warp};
 use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
@@ -33,7 +33,7 @@ impl SpotLight {
     #[must_use]
     pub fn intensity(&self, w: Vec3) -> Rgb {
         // |w − a|² = 2(1 − cos) keeps its digits in narrow beams.
-        self.intensity_at(0.5 * (w - self.axis).length_squared())
+        self.intensity_at_one_minus_cos(0.5 * (w - self.axis).length_squared())
     }
 
     /// Intensity \[W/sr] where 1 − cosine of the angle to the axis is `one_minus_cos`.
@@ -41,7 +41,7 @@ impl SpotLight {
     /// The falloff is a smooth step in the cosine (Pharr, Jakob, Humphreys 2023, section 12.2.1).
     #[inline]
     #[must_use]
-    pub fn intensity_at(&self, one_minus_cos: f32) -> Rgb {
+    pub fn intensity_at_one_minus_cos(&self, one_minus_cos: f32) -> Rgb {
         if one_minus_cos <= self.inner {
             return self.peak;
         }
@@ -58,8 +58,8 @@ impl SpotLight {
 
 impl LightSource for SpotLight {
     #[inline]
-    fn extent(&self) -> LightExtent<'_> {
-        LightExtent::Point(self.position)
+    fn geometry(&self) -> LightGeometry<'_> {
+        LightGeometry::Point(self.position)
     }
 
     #[inline]
@@ -72,25 +72,25 @@ impl LightSource for SpotLight {
         0.0
     }
 
-    fn sample_le(&self, _domain: Sphere, _position: Vec2, direction: Vec2) -> Option<EmissionSample> {
-        let w = Frame::around(self.axis).to_world(warp::cone(direction, self.outer));
+    fn sample_le(&self, _domain: BoundingSphere, _position: Vec2, direction: Vec2) -> Option<EmissionSample> {
+        let w = Frame::from_normal(self.axis).to_world(warp::square_to_uniform_cone(direction, self.outer));
         // The sampled cosine is exact; in a narrow beam, the rounding of `w` is a large part of its
         // width.
-        let intensity = self.intensity_at(direction.x * self.outer);
+        let intensity = self.intensity_at_one_minus_cos(direction.x * self.outer);
         Some(EmissionSample { ray: Ray::new(self.position, w), flux: intensity * (TAU * self.outer) })
     }
 
     fn sample_le_towards(
         &self,
         aim: &PhotonAim,
-        _domain: Sphere,
+        _domain: BoundingSphere,
         _position: Vec2,
         direction: Vec2,
     ) -> Option<EmissionSample> {
         sample_le_of_point(aim, self.position, direction, |w| self.intensity(w))
     }
 
-    fn power(&self, _domain: Sphere) -> Rgb {
+    fn power(&self, _domain: BoundingSphere) -> Rgb {
         self.flux()
     }
 
@@ -99,14 +99,14 @@ impl LightSource for SpotLight {
             [self.inner, self.outer].map(|drop| 2.0 * libm::asin((0.5 * f64::from(drop)).sqrt().min(1.0)));
         let spread = (outer - inner).min(FRAC_PI_2);
         let normals = DirectionCone { axis: self.axis.as_dvec3(), angle: outer - spread + NORMAL_ERROR };
-        Some(LightBounds::new(Bounds::of([self.position]), normals, spread, self.flux()))
+        Some(LightBounds::new(Bounds::from_points([self.position]), normals, spread, self.flux()))
     }
 
-    fn peak(&self) -> Option<Rgb> {
+    fn peak_strength(&self) -> Option<Rgb> {
         Some(self.peak)
     }
 
-    fn may_reach(&self, sphere: Sphere) -> bool {
-        cone_may_reach(self.position, self.axis, self.outer, sphere)
+    fn may_illuminate(&self, sphere: BoundingSphere) -> bool {
+        cone_may_illuminate(self.position, self.axis, self.outer, sphere)
     }
 }

@@ -17,7 +17,7 @@ impl Bounds {
 
     /// Smallest box around `points`; empty for none.
     #[must_use]
-    pub fn of(points: impl IntoIterator<Item = Vec3>) -> Self {
+    pub fn from_points(points: impl IntoIterator<Item = Vec3>) -> Self {
         points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
     }
 
@@ -38,7 +38,7 @@ impl Bounds {
     /// True if the boxes share a point.
     #[inline]
     #[must_use]
-    pub fn meets(&self, other: &Self) -> bool {
+    pub fn overlaps(&self, other: &Self) -> bool {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
 
@@ -74,21 +74,21 @@ impl Bounds {
 
     /// A sphere that contains the box.
     #[must_use]
-    pub fn bounding_sphere(&self) -> Sphere {
-        Sphere { center: self.center(), radius: 0.5 * self.extent().length() }
+    pub fn bounding_sphere(&self) -> BoundingSphere {
+        BoundingSphere { center: self.center(), radius: 0.5 * self.extent().length() }
     }
 }
 
 /// Bounding sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sphere {
+pub struct BoundingSphere {
     /// Centre.
     pub center: Vec3,
     /// Radius, at least zero.
     pub radius: f32,
 }
 
-impl Sphere {
+impl BoundingSphere {
     /// Smallest sphere around both spheres.
     #[must_use]
     pub fn union(self, other: Self) -> Self {
@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn empty_box_is_neutral() {
-        let b = Bounds::of([Vec3::ONE, Vec3::NEG_ONE]);
+        let b = Bounds::from_points([Vec3::ONE, Vec3::NEG_ONE]);
         assert_eq!(b.union(Bounds::EMPTY), b);
         assert!(Bounds::EMPTY.is_empty() && !b.is_empty());
         assert_eq!(Bounds::EMPTY.extent(), Vec3::ZERO);
@@ -119,10 +119,10 @@ mod tests {
 
     #[test]
     fn bounding_spheres_contain() {
-        let b = Bounds::of([Vec3::new(1.0, 2.0, 3.0), Vec3::new(-4.0, 0.5, 9.0)]);
+        let b = Bounds::from_points([Vec3::new(1.0, 2.0, 3.0), Vec3::new(-4.0, 0.5, 9.0)]);
         let s = b.bounding_sphere();
         assert!(b.corners().iter().all(|c| (*c - s.center).length() <= s.radius * (1.0 + 1e-6)));
-        let other = Sphere { center: Vec3::new(20.0, 0.0, 0.0), radius: 2.0 };
+        let other = BoundingSphere { center: Vec3::new(20.0, 0.0, 0.0), radius: 2.0 };
         let u = s.union(other);
         for ball in [s, other] {
             assert!((ball.center - u.center).length() + ball.radius <= u.radius * (1.0 + 1e-6));

@@ -17,7 +17,7 @@ impl Frame {
     /// Frame around the unit vector `n`, without branches (Duff et al. 2017, JCGT 6(1)).
     #[inline]
     #[must_use]
-    pub fn around(n: Vec3) -> Self {
+    pub fn from_normal(n: Vec3) -> Self {
         let sign = 1f32.copysign(n.z);
         let a = -1.0 / (sign + n.z);
         let b = n.x * n.y * a;
@@ -57,7 +57,7 @@ mod tests {
             Vec3::new(0.3, -0.5, 0.2).normalize(),
         ];
         for n in directions {
-            let f = Frame::around(n);
+            let f = Frame::from_normal(n);
             for (a, b) in [(f.s, f.t), (f.t, f.n), (f.n, f.s)] {
                 assert!(a.dot(b).abs() < 1e-6 && (a.length() - 1.0).abs() < 1e-6, "{n}");
             }

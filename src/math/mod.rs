@@ -1,22 +1,22 @@
 //! Arithmetic of geometry: rays, boxes, frames, transforms, warps, and bounds on rounding errors.
 
 mod bounds;
-mod double;
+mod compensated_sum;
+mod double_double;
 mod float;
 mod frame;
 mod morton;
 mod motion;
 mod ray;
-mod sum;
 mod transform;
 pub mod warp;
 
-pub use bounds::{Bounds, Sphere};
-pub use double::{exact_cross, exact_dot};
-pub use float::{direction, gamma, quadratic, sin_cos_turns};
+pub use bounds::{BoundingSphere, Bounds};
+pub use compensated_sum::CompensatedSum;
+pub use double_double::{exact_cross, exact_dot};
+pub use float::{direction_and_distance, quadratic_roots, rounding_error_bound, sin_cos_turns};
 pub use frame::Frame;
 pub use morton::morton_order;
-pub use motion::{Motion, Step, turn, turn_degrees};
-pub use ray::{Ray, offset_origin};
-pub use sum::Sum;
-pub use transform::{Singular, Transform};
+pub use motion::{Motion, MotionStep, rotation_matrix, rotation_matrix_degrees};
+pub use ray::{Ray, offset_ray_origin};
+pub use transform::{SingularTransformError, Transform};

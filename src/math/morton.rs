@@ -10,9 +10,9 @@ use rayon::prelude::*;
 /// depend on the number of threads.
 #[must_use]
 pub fn morton_order<T: Sync>(items: &[T], place: impl Fn(&T) -> Vec3 + Sync) -> Vec<u32> {
-    let bounds = Bounds::of(items.iter().map(&place));
+    let bounds = Bounds::from_points(items.iter().map(&place));
     let scale = Vec3::splat(f32::from(u16::MAX) * 16.0) / bounds.extent().max(Vec3::splat(f32::MIN_POSITIVE));
-    let key = |(i, item)| (code((place(item) - bounds.min) * scale), i as u32);
+    let key = |(i, item)| (morton_code((place(item) - bounds.min) * scale), i as u32);
     let mut keyed: Vec<(u64, u32)> = items.par_iter().enumerate().map(key).collect();
     keyed.par_sort_unstable();
     keyed.par_iter().map(|(_, i)| *i).collect()
@@ -20,7 +20,7 @@ pub fn morton_order<T: Sync>(items: &[T], place: impl Fn(&T) -> Vec3 + Sync) -> 
 
 /// Interleaves 20 bits of each coordinate.
 #[inline]
-fn code(p: Vec3) -> u64 {
+fn morton_code(p: Vec3) -> u64 {
     let spread = |x: f32| {
         let mut v = (x as u64) & 0x1f_ffff;
         v = (v | v << 32) & 0x001f_0000_0000_ffff;

@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 /// One factor of a [`Motion`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Step {
+pub enum MotionStep {
     /// A map that does not depend on time.
     Fixed(DAffine3),
     /// Translation by the vector, scaled by time.
@@ -16,14 +16,14 @@ pub enum Step {
     Scale(DVec3),
 }
 
-impl Step {
+impl MotionStep {
     /// The map at `time` in \[0, 1].
     #[must_use]
-    pub fn at(&self, time: f64) -> DAffine3 {
+    pub fn at_time(&self, time: f64) -> DAffine3 {
         match *self {
             Self::Fixed(map) => map,
             Self::Translate(by) => DAffine3::from_translation(by * time),
-            Self::Rotate(axis, angle) => DAffine3::from_mat3(turn_degrees(axis, angle * time)),
+            Self::Rotate(axis, angle) => DAffine3::from_mat3(rotation_matrix_degrees(axis, angle * time)),
             Self::Scale(by) => DAffine3::from_scale(DVec3::ONE + (by - 1.0) * time),
         }
     }
@@ -35,23 +35,23 @@ impl Step {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Motion {
     /// The first step is applied last. No two neighbours are both fixed.
-    steps: Vec<Step>,
+    steps: Vec<MotionStep>,
 }
 
 impl Motion {
     /// A motion that is `map` at all times.
     #[must_use]
-    pub fn still(map: DAffine3) -> Self {
-        Self::default().then_inside([Step::Fixed(map)])
+    pub fn constant(map: DAffine3) -> Self {
+        Self::default().preceded_by([MotionStep::Fixed(map)])
     }
 
     /// The product of `steps`, the first of them applied last, applied after this motion.
     #[must_use]
-    pub fn then_inside(&self, steps: impl IntoIterator<Item = Step>) -> Self {
+    pub fn preceded_by(&self, steps: impl IntoIterator<Item = MotionStep>) -> Self {
         let mut all = self.steps.clone();
         for step in steps {
             match (all.last_mut(), step) {
-                (Some(Step::Fixed(outer)), Step::Fixed(inner)) => *outer *= inner,
+                (Some(MotionStep::Fixed(outer)), MotionStep::Fixed(inner)) => *outer *= inner,
                 _ => all.push(step),
             }
         }
@@ -60,50 +60,50 @@ impl Motion {
 
     /// The motion with `center` in place of the origin.
     #[must_use]
-    pub fn about(&self, place: DVec3) -> Self {
-        let back = Step::Fixed(DAffine3::from_translation(-place));
-        self.followed_by(DAffine3::from_translation(place)).then_inside([back])
+    pub fn around_point(&self, place: DVec3) -> Self {
+        let back = MotionStep::Fixed(DAffine3::from_translation(-place));
+        self.followed_by(DAffine3::from_translation(place)).preceded_by([back])
     }
 
     /// The motion followed by `map`.
     #[must_use]
     pub fn followed_by(&self, map: DAffine3) -> Self {
-        Self::still(map).then_inside(self.steps.iter().copied())
+        Self::constant(map).preceded_by(self.steps.iter().copied())
     }
 
     /// The map at `time` in \[0, 1].
     #[must_use]
-    pub fn at(&self, time: f64) -> DAffine3 {
-        self.steps.iter().fold(DAffine3::IDENTITY, |map, step| map * step.at(time))
+    pub fn at_time(&self, time: f64) -> DAffine3 {
+        self.steps.iter().fold(DAffine3::IDENTITY, |map, step| map * step.at_time(time))
     }
 
     /// True if no step depends on time.
     #[must_use]
-    pub fn is_still(&self) -> bool {
-        self.steps.iter().all(|step| matches!(step, Step::Fixed(_)))
+    pub fn is_constant(&self) -> bool {
+        self.steps.iter().all(|step| matches!(step, MotionStep::Fixed(_)))
     }
 }
 
 /// Rotation matrix about a unit `axis`, by Rodrigues: cos·I + (1 − cos)·aaᵀ + sin·\[a\]×.
 #[must_use]
-pub fn turn(axis: DVec3, radians: f64) -> DMat3 {
-    turn_by(axis, libm::sincos(radians))
+pub fn rotation_matrix(axis: DVec3, radians: f64) -> DMat3 {
+    rotation_from_sin_cos(axis, libm::sincos(radians))
 }
 
 /// Rotation matrix about a unit `axis` by an angle in degrees.
 ///
 /// Multiples of 90° map axes to axes exactly, which radians cannot.
 #[must_use]
-pub fn turn_degrees(axis: DVec3, degrees: f64) -> DMat3 {
+pub fn rotation_matrix_degrees(axis: DVec3, degrees: f64) -> DMat3 {
     let sin_cos = if degrees % 90.0 == 0.0 {
         [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)][(degrees.rem_euclid(360.0) / 90.0) as usize]
     } else {
         libm::sincos(degrees.to_radians())
     };
-    turn_by(axis, sin_cos)
+    rotation_from_sin_cos(axis, sin_cos)
 }
 
-fn turn_by(axis: DVec3, (sin, cos): (f64, f64)) -> DMat3 {
+fn rotation_from_sin_cos(axis: DVec3, (sin, cos): (f64, f64)) -> DMat3 {
     let column = |e: DVec3| e * cos + axis * ((1.0 - cos) * axis.dot(e)) + axis.cross(e) * sin;
     DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z))
 }
@@ -115,28 +115,28 @@ mod tests {
 
     #[test]
     fn turning_points_go_along_circles_and_the_first_step_is_applied_last() {
-        let motion = Motion::still(DAffine3::from_translation(DVec3::Y)).then_inside([
-            Step::Rotate(DVec3::Y, 180.0),
-            Step::Translate(DVec3::X),
-            Step::Scale(DVec3::splat(3.0)),
+        let motion = Motion::constant(DAffine3::from_translation(DVec3::Y)).preceded_by([
+            MotionStep::Rotate(DVec3::Y, 180.0),
+            MotionStep::Translate(DVec3::X),
+            MotionStep::Scale(DVec3::splat(3.0)),
         ]);
         for time in [0.0, 0.3, 1.0] {
-            let p = motion.at(time).transform_point3(DVec3::ZERO);
+            let p = motion.at_time(time).transform_point3(DVec3::ZERO);
             let expected = DVec3::new(libm::cos(PI * time) * time, 1.0, -libm::sin(PI * time) * time);
             // Few roundings of numbers near 1.
             assert!((p - expected).length() < 1e-15 * 8.0, "{time}: {p}");
-            let edge = motion.at(time).transform_vector3(DVec3::Y);
+            let edge = motion.at_time(time).transform_vector3(DVec3::Y);
             assert!((edge.length() - (1.0 + 2.0 * time)).abs() < 1e-14);
         }
-        assert!(!motion.is_still());
+        assert!(!motion.is_constant());
     }
 
     #[test]
     fn still_maps_join() {
         let (a, b) = (DAffine3::from_scale(DVec3::splat(2.0)), DAffine3::from_translation(DVec3::X));
-        let motion = Motion::still(a).then_inside([Step::Fixed(b)]);
-        assert!(motion.is_still() && motion.steps.len() == 1);
-        assert_eq!((motion.at(0.0), motion.at(0.7)), (a * b, a * b));
-        assert_eq!(motion.followed_by(b).at(0.5), b * a * b);
+        let motion = Motion::constant(a).preceded_by([MotionStep::Fixed(b)]);
+        assert!(motion.is_constant() && motion.steps.len() == 1);
+        assert_eq!((motion.at_time(0.0), motion.at_time(0.7)), (a * b, a * b));
+        assert_eq!(motion.followed_by(b).at_time(0.5), b * a * b);
     }
 }

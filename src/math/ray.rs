@@ -26,7 +26,7 @@ impl Ray {
     /// The open segment from `origin` to `target`: its `t` runs from 0 to 1.
     #[inline]
     #[must_use]
-    pub fn between(origin: Vec3, target: Vec3) -> Self {
+    pub fn between_points(origin: Vec3, target: Vec3) -> Self {
         Self { origin, direction: target - origin, t_max: 1.0 }
     }
 
@@ -45,7 +45,7 @@ impl Ray {
 /// outwards (Pharr, Jakob, Humphreys 2023, section 6.8.6).
 #[inline]
 #[must_use]
-pub fn offset_origin(p: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
+pub fn offset_ray_origin(p: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
     let distance = normal.abs().dot(error);
     let offset = if direction.dot(normal) < 0.0 { -normal * distance } else { normal * distance };
     let moved = p + offset;
@@ -70,7 +70,7 @@ mod tests {
         let (p, error) = (Vec3::new(1e4, -3.0, 0.5), Vec3::splat(1e-3));
         let normal = Vec3::new(0.6, 0.8, 0.0);
         for direction in [Vec3::X, -Vec3::X] {
-            let o = offset_origin(p, error, normal, direction);
+            let o = offset_ray_origin(p, error, normal, direction);
             let side = direction.dot(normal).signum();
             for corner in 0..8u32 {
                 let sign = |b: u32| if corner >> b & 1 == 1 { 1.0 } else { -1.0 };

@@ -1,13 +1,13 @@
 //! Affine maps in double precision, with their inverses.
 
-use super::double::Double3;
+use super::double_double::DoubleDoubleVec3;
 use super::exact_dot;
 use glam::{DAffine3, DMat3, DVec3};
 
 /// Error: the linear part of a transform has no inverse, so shapes under it have no extent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the transform is singular: it flattens space")]
-pub struct Singular;
+pub struct SingularTransformError;
 
 /// An invertible affine map from object space to world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +21,7 @@ pub struct Transform {
 /// Largest entry of the inverse, in units of the columns, that has trustworthy digits.
 ///
 /// A rounding of an entry then changes the inverse by less than a fiftieth.
-const LARGEST: f64 = 1e14;
+const MAX_INVERSE_ENTRY: f64 = 1e14;
 
 impl Transform {
     /// The identity map.
@@ -35,26 +35,30 @@ impl Transform {
     ///
     /// # Errors
     ///
-    /// [`Singular`] if an entry is not finite, or if the columns, scaled to about unit length, have
+    /// [`SingularTransformError`] if an entry is not finite, or if the columns, scaled to about unit length, have
     /// an inverse with entries above 10¹⁴. The scale itself may be anything with a finite inverse.
-    pub fn new(forward: DAffine3) -> Result<Self, Singular> {
+    pub fn new(forward: DAffine3) -> Result<Self, SingularTransformError> {
         let m = forward.matrix3;
-        let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis].map(|v| power_of_two(length(v)));
+        let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis].map(|v| floor_power_of_two(overflow_safe_length(v)));
         // Scaling by powers of two is exact.
         let [a, b, c] = [m.x_axis / x, m.y_axis / y, m.z_axis / z];
-        let cofactors = [Double3::cross(b, c), Double3::cross(c, a), Double3::cross(a, b)];
+        let cofactors = [DoubleDoubleVec3::cross(b, c), DoubleDoubleVec3::cross(c, a), DoubleDoubleVec3::cross(a, b)];
         let volume = cofactors[0].dot(a);
-        let rows = cofactors.map(|row| row.rounded() / volume);
+        let rows = cofactors.map(|row| row.round_to_f64() / volume);
         let largest = rows.iter().map(|row| row.abs().max_element()).fold(0.0, f64::max);
-        if !(forward.is_finite() && volume != 0.0 && rows.iter().all(|row| row.is_finite()) && largest <= LARGEST) {
-            return Err(Singular);
+        if !(forward.is_finite()
+            && volume != 0.0
+            && rows.iter().all(|row| row.is_finite())
+            && largest <= MAX_INVERSE_ENTRY)
+        {
+            return Err(SingularTransformError);
         }
         // M = U·D has the inverse D⁻¹·U⁻¹, which neither overflows nor underflows before its
         // entries do.
         let inverse = DMat3::from_cols(rows[0] / x, rows[1] / y, rows[2] / z).transpose();
-        let inverse = DAffine3::from_mat3_translation(inverse, shift_back(inverse, forward.translation));
+        let inverse = DAffine3::from_mat3_translation(inverse, inverse_translation(inverse, forward.translation));
         let determinant = volume * x * y * z;
-        if inverse.is_finite() { Ok(Self { forward, inverse, determinant }) } else { Err(Singular) }
+        if inverse.is_finite() { Ok(Self { forward, inverse, determinant }) } else { Err(SingularTransformError) }
     }
 
     /// The map from object space to world space.
@@ -72,21 +76,21 @@ impl Transform {
     /// Maps a point from object space to world space.
     #[inline]
     #[must_use]
-    pub fn point(&self, p: DVec3) -> DVec3 {
+    pub fn transform_point(&self, p: DVec3) -> DVec3 {
         self.forward.transform_point3(p)
     }
 
     /// Maps a direction from object space to world space; its length changes too.
     #[inline]
     #[must_use]
-    pub fn vector(&self, v: DVec3) -> DVec3 {
+    pub fn transform_vector(&self, v: DVec3) -> DVec3 {
         self.forward.transform_vector3(v)
     }
 
     /// Maps a normal from object space to world space by the inverse transpose; not normalised.
     #[inline]
     #[must_use]
-    pub fn normal(&self, n: DVec3) -> DVec3 {
+    pub fn transform_normal(&self, n: DVec3) -> DVec3 {
         self.inverse.matrix3.transpose() * n
     }
 
@@ -95,7 +99,7 @@ impl Transform {
     pub fn translated(&self, by: DVec3) -> Self {
         let (mut forward, mut inverse) = (self.forward, self.inverse);
         forward.translation += by;
-        inverse.translation = shift_back(inverse.matrix3, forward.translation);
+        inverse.translation = inverse_translation(inverse.matrix3, forward.translation);
         Self { forward, inverse, ..*self }
     }
 
@@ -107,7 +111,7 @@ impl Transform {
 
     /// Common scale factor; `None` unless the map is a similarity.
     #[must_use]
-    pub fn similarity(&self) -> Option<f64> {
+    pub fn uniform_scale(&self) -> Option<f64> {
         let m: DMat3 = self.forward.matrix3;
         let s2 = m.x_axis.length_squared();
         let gram = m.transpose() * m;
@@ -117,24 +121,24 @@ impl Transform {
 
     /// True if the map reverses handedness.
     #[must_use]
-    pub fn mirrors(&self) -> bool {
+    pub fn swaps_handedness(&self) -> bool {
         self.determinant < 0.0
     }
 }
 
 /// Translation of the inverse: −M⁻¹t, which may be far smaller than its terms.
-fn shift_back(inverse: DMat3, t: DVec3) -> DVec3 {
+fn inverse_translation(inverse: DMat3, t: DVec3) -> DVec3 {
     let rows = inverse.transpose();
     -DVec3::new(exact_dot(rows.x_axis, t), exact_dot(rows.y_axis, t), exact_dot(rows.z_axis, t))
 }
 
 /// Largest power of two that is at most `x`; 0 for numbers that are not normal.
-fn power_of_two(x: f64) -> f64 {
+fn floor_power_of_two(x: f64) -> f64 {
     f64::from_bits(x.to_bits() & 0x7ff0_0000_0000_0000)
 }
 
 /// |v| without overflow or underflow of the squares.
-fn length(v: DVec3) -> f64 {
+fn overflow_safe_length(v: DVec3) -> f64 {
     let largest = v.abs().max_element();
     if largest > 0.0 { largest * (v / largest).length() } else { 0.0 }
 }
@@ -147,16 +151,16 @@ mod tests {
     #[test]
     fn singular_maps_are_refused() {
         let flat = DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0));
-        assert_eq!(Transform::new(flat), Err(Singular));
-        assert_eq!(Transform::new(DAffine3::from_scale(DVec3::splat(f64::NAN))), Err(Singular));
+        assert_eq!(Transform::new(flat), Err(SingularTransformError));
+        assert_eq!(Transform::new(DAffine3::from_scale(DVec3::splat(f64::NAN))), Err(SingularTransformError));
         let dependent = DMat3::from_cols(DVec3::X, DVec3::Y, DVec3::X + DVec3::Y);
-        assert_eq!(Transform::new(DAffine3::from_mat3(dependent)), Err(Singular));
+        assert_eq!(Transform::new(DAffine3::from_mat3(dependent)), Err(SingularTransformError));
         let close = DMat3::from_cols(DVec3::X, DVec3::new(1.0, 1e-15, 0.0), DVec3::Z);
-        assert_eq!(Transform::new(DAffine3::from_mat3(close)), Err(Singular));
+        assert_eq!(Transform::new(DAffine3::from_mat3(close)), Err(SingularTransformError));
         // A small scale is not singular.
         for scale in [DVec3::splat(1e-150), DVec3::new(1e300, 1.0, 1e-300)] {
             let t = Transform::new(DAffine3::from_scale(scale)).unwrap();
-            let back = t.inverse().transform_vector3(t.vector(DVec3::ONE));
+            let back = t.inverse().transform_vector3(t.transform_vector(DVec3::ONE));
             assert!((back - DVec3::ONE).abs().max_element() <= 4.0 * f64::EPSILON, "{back}");
         }
     }
@@ -166,16 +170,16 @@ mod tests {
         let shear = DMat3::from_cols(DVec3::X, DVec3::new(0.7, 1.0, 0.0), DVec3::new(0.0, -0.4, 2.0));
         let t = Transform::new(DAffine3::from_mat3(shear)).unwrap();
         let (a, b) = (DVec3::new(1.0, 2.0, -1.0), DVec3::new(0.5, -1.0, 3.0));
-        let n = t.normal(a.cross(b));
-        assert!(n.dot(t.vector(a)).abs() < 1e-12 && n.dot(t.vector(b)).abs() < 1e-12);
+        let n = t.transform_normal(a.cross(b));
+        assert!(n.dot(t.transform_vector(a)).abs() < 1e-12 && n.dot(t.transform_vector(b)).abs() < 1e-12);
     }
 
     #[test]
     fn similarity_is_recognised() {
         let turn = DMat3::from_cols(DVec3::Y, DVec3::NEG_X, DVec3::Z) * 3.0;
-        assert_eq!(Transform::new(DAffine3::from_mat3(turn)).unwrap().similarity(), Some(3.0));
+        assert_eq!(Transform::new(DAffine3::from_mat3(turn)).unwrap().uniform_scale(), Some(3.0));
         let stretch = DAffine3::from_scale(DVec3::new(1.0, 1.0, 1.001));
-        assert_eq!(Transform::new(stretch).unwrap().similarity(), None);
-        assert!(Transform::new(DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0))).unwrap().mirrors());
+        assert_eq!(Transform::new(stretch).unwrap().uniform_scale(), None);
+        assert!(Transform::new(DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0))).unwrap().swaps_handedness());
     }
 }

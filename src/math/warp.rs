@@ -10,7 +10,7 @@ use std::f32::consts::{FRAC_1_PI, TAU};
 /// Uniform point of the unit disc, pdf 1/π, by concentric squares (Shirley and Chiu 1997).
 #[inline]
 #[must_use]
-pub fn disc(u: Vec2) -> Vec2 {
+pub fn square_to_uniform_disc(u: Vec2) -> Vec2 {
     let o = u * 2.0 - Vec2::ONE;
     if o == Vec2::ZERO {
         return Vec2::ZERO;
@@ -24,12 +24,12 @@ pub fn disc(u: Vec2) -> Vec2 {
 /// Cosine-weighted direction of the upper hemisphere; its pdf is [`cosine_hemisphere_pdf`].
 #[inline]
 #[must_use]
-pub fn cosine_hemisphere(u: Vec2) -> Vec3 {
-    let d = disc(u);
+pub fn square_to_cosine_hemisphere(u: Vec2) -> Vec3 {
+    let d = square_to_uniform_disc(u);
     d.extend((1.0 - d.length_squared()).max(0.0).sqrt())
 }
 
-/// Pdf cosθ/π of [`cosine_hemisphere`]; 0 below the horizon.
+/// Pdf cosθ/π of [`square_to_cosine_hemisphere`]; 0 below the horizon.
 #[inline]
 #[must_use]
 pub fn cosine_hemisphere_pdf(cos_theta: f32) -> f32 {
@@ -39,40 +39,40 @@ pub fn cosine_hemisphere_pdf(cos_theta: f32) -> f32 {
 /// Uniform direction of the sphere, pdf 1/(4π).
 #[inline]
 #[must_use]
-pub fn sphere(u: Vec2) -> Vec3 {
+pub fn square_to_uniform_sphere(u: Vec2) -> Vec3 {
     // 1 − z² = 4u(1−u) without cancellation near the poles.
     let z = 1.0 - 2.0 * u.x;
-    around_axis(z, 2.0 * (u.x * (1.0 - u.x)).sqrt(), u.y)
+    direction_from_height(z, 2.0 * (u.x * (1.0 - u.x)).sqrt(), u.y)
 }
 
 /// Uniform direction whose cosine with the pole is at least `1 − one_minus_cos`.
 ///
-/// The pdf of the direction is [`cone_pdf`]. The complement of the cosine keeps its digits for
+/// The pdf of the direction is [`uniform_cone_pdf`]. The complement of the cosine keeps its digits for
 /// narrow cones.
 #[inline]
 #[must_use]
-pub fn cone(u: Vec2, one_minus_cos: f32) -> Vec3 {
+pub fn square_to_uniform_cone(u: Vec2, one_minus_cos: f32) -> Vec3 {
     let drop = u.x * one_minus_cos;
-    around_axis(1.0 - drop, (drop * (2.0 - drop)).max(0.0).sqrt(), u.y)
+    direction_from_height(1.0 - drop, (drop * (2.0 - drop)).max(0.0).sqrt(), u.y)
 }
 
-/// Pdf 1/(2π(1 − cosθ)) of [`cone`].
+/// Pdf 1/(2π(1 − cosθ)) of [`square_to_uniform_cone`].
 #[inline]
 #[must_use]
-pub fn cone_pdf(one_minus_cos: f32) -> f32 {
+pub fn uniform_cone_pdf(one_minus_cos: f32) -> f32 {
     1.0 / (TAU * one_minus_cos)
 }
 
 /// Direction of the upper hemisphere with pdf (n+1)/(2π) cosⁿθ, the lobe of Phong's model; `n ≥ 0`.
 #[inline]
 #[must_use]
-pub fn power_cosine(u: Vec2, n: f32) -> Vec3 {
+pub fn square_to_power_cosine(u: Vec2, n: f32) -> Vec3 {
     // u.x in [0, 1) becomes (0, 1], which avoids powers of zero.
     let cos = libm::powf(1.0 - u.x, 1.0 / (n + 1.0));
-    around_axis(cos, (1.0 - cos * cos).max(0.0).sqrt(), u.y)
+    direction_from_height(cos, (1.0 - cos * cos).max(0.0).sqrt(), u.y)
 }
 
-/// Pdf of [`power_cosine`].
+/// Pdf of [`square_to_power_cosine`].
 #[inline]
 #[must_use]
 pub fn power_cosine_pdf(cos_theta: f32, n: f32) -> f32 {
@@ -84,7 +84,7 @@ pub fn power_cosine_pdf(cos_theta: f32, n: f32) -> f32 {
 /// Source: Heitz 2019, "A low-distortion map between triangle and square".
 #[inline]
 #[must_use]
-pub fn triangle(u: Vec2) -> Vec2 {
+pub fn square_to_uniform_triangle(u: Vec2) -> Vec2 {
     if u.y > u.x {
         let x = u.x * 0.5;
         Vec2::new(x, u.y - x)
@@ -95,7 +95,7 @@ pub fn triangle(u: Vec2) -> Vec2 {
 }
 
 #[inline]
-fn around_axis(z: f32, radius: f32, turn: f32) -> Vec3 {
+fn direction_from_height(z: f32, radius: f32, turn: f32) -> Vec3 {
     let (sin, cos) = sin_cos_turns(turn);
     Vec3::new(radius * cos, radius * sin, z)
 }
@@ -106,7 +106,7 @@ mod tests {
 
     const EDGES: [f32; 4] = [0.0, 1e-30, 0.5, 1.0 - f32::EPSILON / 2.0];
 
-    fn grid(n: u32) -> impl Iterator<Item = Vec2> {
+    fn midpoint_grid(n: u32) -> impl Iterator<Item = Vec2> {
         (0..n * n).map(move |i| (Vec2::new((i % n) as f32, (i / n) as f32) + 0.5) / n as f32)
     }
 
@@ -115,11 +115,17 @@ mod tests {
         for x in EDGES {
             for y in EDGES {
                 let u = Vec2::new(x, y);
-                assert!(disc(u).length() <= 1.0 + 1e-6);
-                for v in [cosine_hemisphere(u), sphere(u), cone(u, 1e-7), cone(u, 2.0), power_cosine(u, 1e4)] {
+                assert!(square_to_uniform_disc(u).length() <= 1.0 + 1e-6);
+                for v in [
+                    square_to_cosine_hemisphere(u),
+                    square_to_uniform_sphere(u),
+                    square_to_uniform_cone(u, 1e-7),
+                    square_to_uniform_cone(u, 2.0),
+                    square_to_power_cosine(u, 1e4),
+                ] {
                     assert!(v.is_finite() && (v.length() - 1.0).abs() < 2e-6, "{u} {v}");
                 }
-                let b = triangle(u);
+                let b = square_to_uniform_triangle(u);
                 assert!(b.min_element() >= 0.0 && b.x + b.y <= 1.0 + 1e-6);
             }
         }
@@ -131,14 +137,14 @@ mod tests {
     #[test]
     fn moments_match_the_densities() {
         let n = 1024u32;
-        let mean = |f: &dyn Fn(Vec2) -> f32| grid(n).map(|u| f64::from(f(u))).sum::<f64>() / f64::from(n * n);
+        let mean = |f: &dyn Fn(Vec2) -> f32| midpoint_grid(n).map(|u| f64::from(f(u))).sum::<f64>() / f64::from(n * n);
         let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-4, "{a} {b}");
-        close(mean(&|u| disc(u).length_squared()), 0.5);
-        close(mean(&|u| cosine_hemisphere(u).z), 2.0 / 3.0);
-        close(mean(&|u| sphere(u).z * sphere(u).z), 1.0 / 3.0);
-        close(mean(&|u| cone(u, 0.25).z), 1.0 - 0.125);
-        close(mean(&|u| power_cosine(u, 7.0).z), 8.0 / 9.0);
-        close(mean(&|u| triangle(u).x), 1.0 / 3.0);
-        close(mean(&|u| triangle(u).x * triangle(u).y), 1.0 / 12.0);
+        close(mean(&|u| square_to_uniform_disc(u).length_squared()), 0.5);
+        close(mean(&|u| square_to_cosine_hemisphere(u).z), 2.0 / 3.0);
+        close(mean(&|u| square_to_uniform_sphere(u).z * square_to_uniform_sphere(u).z), 1.0 / 3.0);
+        close(mean(&|u| square_to_uniform_cone(u, 0.25).z), 1.0 - 0.125);
+        close(mean(&|u| square_to_power_cosine(u, 7.0).z), 8.0 / 9.0);
+        close(mean(&|u| square_to_uniform_triangle(u).x), 1.0 / 3.0);
+        close(mean(&|u| square_to_uniform_triangle(u).x * square_to_uniform_triangle(u).y), 1.0 / 12.0);
     }
 }

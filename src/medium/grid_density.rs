@@ -1,7 +1,7 @@
 //! Density grids of heterogeneous media.
 
 use super::majorant_iterator::MajorantIterator;
-use crate::math::{Ray, Singular, Transform};
+use crate::math::{Ray, SingularTransformError, Transform};
 use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -40,7 +40,7 @@ pub enum GridDensityError {
     },
     /// The placement is singular.
     #[error("the grid cannot be placed: {0}")]
-    Placement(#[from] Singular),
+    Placement(#[from] SingularTransformError),
 }
 
 /// A density grid in a box; 0 outside of the box.

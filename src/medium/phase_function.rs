@@ -48,7 +48,7 @@ impl PhaseFunction {
             Self::Rayleigh => rayleigh(u.x),
         };
         let (s, c) = sin_cos_turns(u.y);
-        let next = Frame::around(direction).to_world(Vec3::new(sin * c, sin * s, cos));
+        let next = Frame::from_normal(direction).to_world(Vec3::new(sin * c, sin * s, cos));
         // Rounding must not accumulate over thousands of scattering events.
         (next.normalize(), self.evaluate(cos))
     }

@@ -38,6 +38,6 @@ impl AddAssign for EnergyAudit {
 }
 
 /// Adds `flux` to an account.
-pub(super) fn book(account: &mut [f64; 3], flux: Rgb) {
+pub(super) fn add_flux(account: &mut [f64; 3], flux: Rgb) {
     *account = (DVec3::from(*account) + flux.as_dvec3()).to_array();
 }

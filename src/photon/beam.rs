@@ -1,9 +1,9 @@
 //! Photon beams and their intersections with camera rays.
 
-use super::packet::{LANES, LineQuery, Piece, PiecePacket, slots};
+use super::packet::{BeamPiece, BeamPiecePacket, LANES, LineQuery, set_bits};
 use crate::accel::Boxes;
 use crate::color::Rgb;
-use crate::math::{Bounds, Ray, gamma, morton_order};
+use crate::math::{Bounds, Ray, morton_order, rounding_error_bound};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -46,7 +46,7 @@ impl PhotonBeam {
     }
 
     /// The point at `s` along the beam.
-    fn at(&self, s: f64) -> DVec3 {
+    fn point_at(&self, s: f64) -> DVec3 {
         self.start.as_dvec3() + self.direction.as_dvec3() * s
     }
 }
@@ -69,7 +69,7 @@ pub struct BeamIntersection {
 
 /// Sine below which two unit directions count as parallel. Each direction is rounded and normalised
 /// in four operations.
-const MIN_SINE: f64 = 2.0 * gamma(4) as f64;
+const MIN_SINE: f64 = 2.0 * rounding_error_bound(4) as f64;
 
 impl BeamIntersection {
     /// `None` if the lines are at least `radius` apart or parallel, or if the closest approach is
@@ -101,7 +101,7 @@ impl BeamIntersection {
 /// T(ray, t) · T(beam, s) · weight.
 pub struct PhotonBeamMap {
     beams: Vec<PhotonBeam>,
-    packets: Vec<PiecePacket>,
+    packets: Vec<BeamPiecePacket>,
     /// Bounding boxes of the packets.
     boxes: Boxes,
     radius: f32,
@@ -118,16 +118,16 @@ impl PhotonBeamMap {
     pub fn build(mut beams: Vec<PhotonBeam>, radius: f32) -> Self {
         beams.retain(PhotonBeam::is_valid);
         let radius = radius.max(0.0);
-        let pieces = cut_into_pieces(&beams, piece_length(&beams, radius));
-        let beam = |piece: &Piece| &beams[piece.beam as usize];
-        let center = |p: &Piece| beam(p).at(0.5 * (f64::from(p.from) + f64::from(p.to))).as_vec3();
+        let pieces = split_beams(&beams, optimal_piece_length(&beams, radius));
+        let beam = |piece: &BeamPiece| &beams[piece.beam as usize];
+        let center = |p: &BeamPiece| beam(p).point_at(0.5 * (f64::from(p.from) + f64::from(p.to))).as_vec3();
         let order = morton_order(&pieces, center);
         let run = |run: &[u32]| {
             let pieces = || run.iter().map(|i| pieces[*i as usize]);
             let bounds = pieces().fold(Bounds::EMPTY, |all, p| all.union(p.bounds(beam(&p), radius)));
-            (PiecePacket::new(pieces().map(|p| (p, beam(&p).start, beam(&p).direction))), bounds)
+            (BeamPiecePacket::new(pieces().map(|p| (p, beam(&p).start, beam(&p).direction))), bounds)
         };
-        let (packets, bounds): (Vec<PiecePacket>, Vec<Bounds>) = order.par_chunks(LANES).map(run).unzip();
+        let (packets, bounds): (Vec<BeamPiecePacket>, Vec<Bounds>) = order.par_chunks(LANES).map(run).unzip();
         Self { boxes: Boxes::build(&bounds), beams, packets, radius }
     }
 
@@ -158,8 +158,8 @@ impl PhotonBeamMap {
         let query = LineQuery::new(ray, self.radius);
         self.boxes.along(ray, &mut |index| {
             let packet = &self.packets[index as usize];
-            for slot in slots(packet.near_line(&query)) {
-                let piece = packet.piece(slot);
+            for slot in set_bits(packet.pieces_near_line(&query)) {
+                let piece = packet.piece_in_lane(slot);
                 let beam = &self.beams[piece.beam as usize];
                 if let Some(intersection) = BeamIntersection::new(ray, beam, f64::from(self.radius))
                     && piece.contains(intersection.s, beam)
@@ -171,7 +171,7 @@ impl PhotonBeamMap {
     }
 }
 
-impl Piece {
+impl BeamPiece {
     /// True if the point at distance `s` belongs to this piece; each point belongs to exactly one.
     #[inline]
     fn contains(&self, s: f32, beam: &PhotonBeam) -> bool {
@@ -180,7 +180,7 @@ impl Piece {
 
     /// Bounding box grown by `radius`, rounded outwards.
     fn bounds(&self, beam: &PhotonBeam, radius: f32) -> Bounds {
-        let (a, b, r) = (beam.at(self.from.into()), beam.at(self.to.into()), f64::from(radius));
+        let (a, b, r) = (beam.point_at(self.from.into()), beam.point_at(self.to.into()), f64::from(radius));
         let down = (a.min(b) - r).as_vec3().to_array().map(f32::next_down);
         let up = (a.max(b) + r).as_vec3().to_array().map(f32::next_up);
         Bounds { min: down.into(), max: up.into() }
@@ -188,12 +188,12 @@ impl Piece {
 }
 
 /// Cuts beams into pieces; `length` applies to beams of box growth 1.
-fn cut_into_pieces(beams: &[PhotonBeam], length: f64) -> Vec<Piece> {
+fn split_beams(beams: &[PhotonBeam], length: f64) -> Vec<BeamPiece> {
     let of = |(index, beam): (usize, &PhotonBeam)| {
         let (index, whole) = (index as u32, beam.length);
-        let count = (f64::from(whole) * box_growth(beam) / length).ceil().max(1.0) as u32;
+        let count = (f64::from(whole) * sqrt_half_box_area(beam) / length).ceil().max(1.0) as u32;
         let at = move |k: u32| whole * (k as f32 / count as f32);
-        (0..count).map(move |k| Piece { beam: index, from: at(k), to: at(k + 1) })
+        (0..count).map(move |k| BeamPiece { beam: index, from: at(k), to: at(k + 1) })
     };
     beams.par_iter().enumerate().flat_map_iter(of).collect()
 }
@@ -203,15 +203,15 @@ fn cut_into_pieces(beams: &[PhotonBeam], length: f64) -> Vec<Piece> {
 ///
 /// A beam of length L in n pieces has boxes of total area L² c/n + 12 n r² plus a constant, where c
 /// is the square of the growth. The minimum is at n = L √c/(√12 r).
-fn box_growth(beam: &PhotonBeam) -> f64 {
+fn sqrt_half_box_area(beam: &PhotonBeam) -> f64 {
     let b = beam.direction.abs();
     f64::from(b.x * b.y + b.y * b.z + b.z * b.x).sqrt()
 }
 
 /// Length of pieces, for beams of box growth 1, that minimises the total box area within
 /// [`MAX_PIECES`].
-fn piece_length(beams: &[PhotonBeam], radius: f32) -> f64 {
-    let total: f64 = beams.iter().map(|b| f64::from(b.length) * box_growth(b)).sum();
+fn optimal_piece_length(beams: &[PhotonBeam], radius: f32) -> f64 {
+    let total: f64 = beams.iter().map(|b| f64::from(b.length) * sqrt_half_box_area(b)).sum();
     let most = (MAX_PIECES - 1.0) * beams.len().max(1) as f64;
     (12f64.sqrt() * f64::from(radius)).max(total / most).max(f64::MIN_POSITIVE)
 }

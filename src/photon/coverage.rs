@@ -21,11 +21,11 @@ const MIN_COVERAGE: f32 = 0.05;
 /// surface. On a flat surface the result is exactly 1.
 #[must_use]
 pub fn coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kernel, key: Key) -> f32 {
-    let frame = Frame::around(normal);
+    let frame = Frame::from_normal(normal);
     let height = radius * FLATNESS;
     let (mut covered, mut whole) = (0.0, 0.0);
     for i in 0..PROBES {
-        let d = warp::disc(sobol_2d(i, key, Dimension::Probe));
+        let d = warp::square_to_uniform_disc(sobol_2d(i, key, Dimension::Probe));
         let shape = kernel.shape(d.length_squared());
         whole += shape;
         let above = p + (frame.s * d.x + frame.t * d.y) * radius + normal * height;

@@ -84,7 +84,7 @@ impl Deposits {
 
     /// Stores one deposit of `pass`, unless it is invalid.
     #[inline]
-    pub(super) fn store(&mut self, pass: &PhotonPass<'_>, deposit: &Deposit<'_>) {
+    pub(super) fn store_deposit(&mut self, pass: &PhotonPass<'_>, deposit: &Deposit<'_>) {
         let thinned = pass.mask.separates_after_caustic && deposit.kind == PhotonKind::AfterCaustic;
         let (photons, volume) = if thinned {
             (&mut self.after_caustic, &mut self.after_volume)

@@ -4,7 +4,7 @@ use super::guiding::GuidingDistribution;
 use crate::color::{self, Rgb};
 use crate::light::{Light, PhotonAim};
 use crate::math::Ray;
-use crate::sampling::{Dimension, Discrete, Key, Purpose, sobol_2d};
+use crate::sampling::{Dimension, DiscreteDistribution, Key, Purpose, sobol_2d};
 use crate::scene::{Effect, Effects, Interior, InteriorKind, PathRay, Scene};
 use glam::Vec2;
 
@@ -20,7 +20,7 @@ const DEFENSIVE_FRACTION: f64 = 0.1;
 pub struct PhotonSource<'a> {
     pub(super) scene: &'a Scene,
     /// Distribution over the lights.
-    pub(super) choice: Discrete,
+    pub(super) choice: DiscreteDistribution,
     /// Spheres to aim at; `None` emits in all directions.
     aim: Option<PhotonAim>,
     /// Guiding distribution of each guided light.
@@ -31,7 +31,7 @@ pub struct PhotonSource<'a> {
 
 /// Primary sample of one photon path.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct EmissionPoint {
+pub(super) struct PrimaryEmissionSample {
     /// Index of the light.
     pub light: usize,
     /// Probability of the light.
@@ -49,8 +49,8 @@ impl<'a> PhotonSource<'a> {
     /// no light has power.
     #[must_use]
     pub fn in_all_directions(scene: &'a Scene) -> Option<Self> {
-        let choice = Discrete::new(powers(scene))?;
-        let effects = all_effects(scene);
+        let choice = DiscreteDistribution::new(light_powers(scene))?;
+        let effects = effects_of_scene(scene);
         Some(Self { scene, choice, aim: None, guiding: Vec::new(), effects })
     }
 
@@ -66,14 +66,14 @@ impl<'a> PhotonSource<'a> {
         let domain = scene.domain();
         let reaching = |(light, power): (&Light, f64)| {
             // A light may reach moving objects at another time.
-            let reaches = scene.moves() || spheres.iter().any(|sphere| light.may_reach(Some(*sphere), domain));
+            let reaches = scene.moves() || spheres.iter().any(|sphere| light.may_illuminate(Some(*sphere), domain));
             if reaches { power } else { 0.0 }
         };
-        let powers: Vec<f64> = scene.lights().iter().zip(powers(scene)).map(reaching).collect();
+        let light_powers: Vec<f64> = scene.lights().iter().zip(light_powers(scene)).map(reaching).collect();
         let aim = PhotonAim::new(spheres.iter().copied());
-        let aimed = |(i, power): (usize, &f64)| if *power > 0.0 { aimed_power(scene, &aim, i) } else { 0.0 };
-        let aimed: Vec<f64> = powers.iter().enumerate().map(aimed).collect();
-        let (total, total_aimed) = (powers.iter().sum::<f64>(), aimed.iter().sum::<f64>());
+        let aimed = |(i, power): (usize, &f64)| if *power > 0.0 { estimate_aimed_power(scene, &aim, i) } else { 0.0 };
+        let aimed: Vec<f64> = light_powers.iter().enumerate().map(aimed).collect();
+        let (total, total_aimed) = (light_powers.iter().sum::<f64>(), aimed.iter().sum::<f64>());
         let weight = |(power, aimed): (&f64, &f64)| {
             let plain = power / total;
             // Zero estimated power does not prove that no light reaches a caster.
@@ -83,8 +83,9 @@ impl<'a> PhotonSource<'a> {
                 plain
             }
         };
-        let choice = if total > 0.0 { Discrete::new(powers.iter().zip(&aimed).map(weight)) } else { None };
-        let effects = all_effects(scene);
+        let choice =
+            if total > 0.0 { DiscreteDistribution::new(light_powers.iter().zip(&aimed).map(weight)) } else { None };
+        let effects = effects_of_scene(scene);
         choice.map(|choice| Self { scene, choice, aim: Some(aim), guiding: Vec::new(), effects })
     }
 
@@ -95,7 +96,7 @@ impl<'a> PhotonSource<'a> {
         // by rounding.
         let Some(sky) = self.scene.environment() else { return Some(self) };
         let weight = |i| if i == sky { 0.0 } else { f64::from(self.choice.probability(i)) };
-        let choice = Discrete::new((0..self.scene.lights().len()).map(weight))?;
+        let choice = DiscreteDistribution::new((0..self.scene.lights().len()).map(weight))?;
         Some(Self { choice, ..self })
     }
 
@@ -131,15 +132,15 @@ impl<'a> PhotonSource<'a> {
     /// together are stratified.
     #[must_use]
     pub fn emit<I: Interior>(&self, pass: Key, index: u32, paths: u32) -> Option<(PathRay<I>, Rgb)> {
-        let point = self.emission_point(pass, index, paths);
-        let (ray, flux) = self.start(&point)?;
+        let point = self.primary_emission_sample(pass, index, paths);
+        let (ray, flux) = self.start_path(&point)?;
         Some((ray, flux / (point.probability * paths as f32 * point.pdf)))
     }
 
     /// Primary sample of path `index` of `paths`.
     #[inline]
-    pub(super) fn emission_point(&self, pass: Key, index: u32, paths: u32) -> EmissionPoint {
-        let u = (f64::from(index) + f64::from(pass.uniform(Dimension::Light))) / f64::from(paths);
+    pub(super) fn primary_emission_sample(&self, pass: Key, index: u32, paths: u32) -> PrimaryEmissionSample {
+        let u = (f64::from(index) + f64::from(pass.uniform_1d(Dimension::Light))) / f64::from(paths);
         let (light, probability) = self.choice.sample((u as f32).min(1.0 - f32::EPSILON / 2.0));
         let position = sobol_2d(index, pass, Dimension::LightPosition);
         let direction = sobol_2d(index, pass, Dimension::LightDirection);
@@ -147,12 +148,12 @@ impl<'a> PhotonSource<'a> {
             Some(Some(distribution)) => distribution.sample(position, direction),
             Some(None) | None => (position, direction, 1.0),
         };
-        EmissionPoint { light, probability, position, direction, pdf }
+        PrimaryEmissionSample { light, probability, position, direction, pdf }
     }
 
     /// Starts a path, with its flux \[W] as if its light were the only one and not guided.
     #[inline]
-    pub(super) fn start<I: Interior>(&self, point: &EmissionPoint) -> Option<(PathRay<I>, Rgb)> {
+    pub(super) fn start_path<I: Interior>(&self, point: &PrimaryEmissionSample) -> Option<(PathRay<I>, Rgb)> {
         let light = &self.lights()[point.light];
         let domain = self.scene.domain();
         let emission = match &self.aim {
@@ -171,23 +172,23 @@ impl<'a> PhotonSource<'a> {
 }
 
 /// All effects, without interiors if `scene` has none.
-fn all_effects(scene: &Scene) -> Effects {
+fn effects_of_scene(scene: &Scene) -> Effects {
     if scene.has_interiors() { Effects::ALL } else { Effects::ALL.without(Effect::Interiors) }
 }
 
 /// Power of each light, mean over the channels \[W].
-fn powers(scene: &Scene) -> impl Iterator<Item = f64> {
-    scene.lights().iter().map(|light| f64::from(color::mean(light.power(scene.domain()))))
+fn light_powers(scene: &Scene) -> impl Iterator<Item = f64> {
+    scene.lights().iter().map(|light| f64::from(color::channel_mean(light.power(scene.domain()))))
 }
 
 /// Estimated power of a light towards the spheres of `aim`, mean over the channels \[W].
-fn aimed_power(scene: &Scene, aim: &PhotonAim, light: usize) -> f64 {
-    let key = Key::new(0).purpose(Purpose::LightWeights).light(light);
+fn estimate_aimed_power(scene: &Scene, aim: &PhotonAim, light: usize) -> f64 {
+    let key = Key::new(0).purpose_key(Purpose::LightWeights).light_key(light);
     let flux = |i| {
         let (position, direction) =
             (sobol_2d(i, key, Dimension::LightPosition), sobol_2d(i, key, Dimension::LightDirection));
         let emission = scene.lights()[light].sample_le_towards(aim, scene.domain(), position, direction);
-        emission.map_or(0.0, |e| f64::from(color::mean(e.flux)))
+        emission.map_or(0.0, |e| f64::from(color::channel_mean(e.flux)))
     };
     (0..POWER_SAMPLES).map(flux).sum::<f64>() / f64::from(POWER_SAMPLES)
 }

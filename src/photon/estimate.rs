@@ -127,8 +127,9 @@ impl PhotonMap {
         let bandwidth = Bandwidth { radius: bandwidth.radius.max(resolved), ..bandwidth };
         let mut radius = bandwidth.radius;
         // A search with a smaller radius would reject photons that are high over the plane.
-        let height =
-            |data: &PhotonData| if N > 1 { data.relation(&plane).1.abs() / (bandwidth.radius * FLATNESS) } else { 0.0 };
+        let height = |data: &PhotonData| {
+            if N > 1 { data.normal_cosine_and_height(&plane).1.abs() / (bandwidth.radius * FLATNESS) } else { 0.0 }
+        };
         if bandwidth.k > 0 {
             let least = resolved.max(radius * MIN_RADIUS_FRACTION).max(self.min_radius).min(radius);
             let r2 = match self.nearest(p, normal, bandwidth, scratch) {
@@ -267,7 +268,7 @@ impl<const N: usize> Sums<N> {
 /// True if a photon lies on the surface of the estimate.
 #[inline]
 pub(super) fn is_on_surface(data: &PhotonData, plane: &TangentPlane, radius: f32) -> bool {
-    let (cosine, height) = data.relation(plane);
+    let (cosine, height) = data.normal_cosine_and_height(plane);
     cosine > SAME_SIDE && height.abs() <= radius * FLATNESS
 }
 

@@ -3,7 +3,7 @@
 //! The tests are conservative: they accept everything that exact arithmetic accepts. Error bounds
 //! use γ(n) of Higham 2002, section 3.1, for unit directions.
 
-use crate::math::{Ray, gamma};
+use crate::math::{Ray, rounding_error_bound};
 use glam::Vec3;
 use wide::f32x8;
 
@@ -12,12 +12,12 @@ pub(super) const LANES: usize = 8;
 
 type Vectors = [f32x8; 3];
 
-fn splat(v: Vec3) -> Vectors {
+fn broadcast(v: Vec3) -> Vectors {
     v.to_array().map(f32x8::splat)
 }
 
 #[inline]
-fn minus(a: Vectors, b: Vectors) -> Vectors {
+fn subtract(a: Vectors, b: Vectors) -> Vectors {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
@@ -47,13 +47,13 @@ pub(super) struct LineQuery {
 impl LineQuery {
     /// The line of `ray` with a radius \[length].
     pub fn new(ray: &Ray, radius: f32) -> Self {
-        Self { origin: splat(ray.origin), direction: splat(ray.direction), radius: f32x8::splat(radius) }
+        Self { origin: broadcast(ray.origin), direction: broadcast(ray.direction), radius: f32x8::splat(radius) }
     }
 }
 
 /// Indices of the set bits of a mask, lowest first.
 #[inline]
-pub(super) fn slots(mut mask: u32) -> impl Iterator<Item = usize> {
+pub(super) fn set_bits(mut mask: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         (mask != 0).then(|| {
             let slot = mask.trailing_zeros() as usize;
@@ -83,12 +83,12 @@ impl PointPacket {
     /// Rounding errors: γ(1) of the point, γ(4) of its projection, γ(3) of the difference, all
     /// times √3 over three axes.
     #[inline]
-    pub fn near_line(&self, query: &LineQuery) -> u32 {
-        let to = minus(self.0, query.origin);
+    pub fn points_near_line(&self, query: &LineQuery) -> u32 {
+        let to = subtract(self.0, query.origin);
         let t = dot(to, query.direction);
         let [x, y, z] = query.direction;
-        let off = minus(to, [x * t, y * t, z * t]);
-        let reach = query.radius + norm1(to) * f32x8::splat(gamma(24));
+        let off = subtract(to, [x * t, y * t, z * t]);
+        let reach = query.radius + norm1(to) * f32x8::splat(rounding_error_bound(24));
         dot(off, off).simd_le(reach * reach).to_bitmask()
     }
 
@@ -97,18 +97,18 @@ impl PointPacket {
     ///
     /// `per_radius` is the inverse of the radius.
     #[inline]
-    pub fn near(&self, center: Vec3, per_radius: f32) -> (u32, f32x8) {
+    pub fn points_within_radius(&self, center: Vec3, per_radius: f32) -> (u32, f32x8) {
         let scale = f32x8::splat(per_radius);
-        let [x, y, z] = minus(self.0, splat(center));
+        let [x, y, z] = subtract(self.0, broadcast(center));
         let to = [x * scale, y * scale, z * scale];
         let x2 = dot(to, to);
         (x2.simd_lt(f32x8::ONE).to_bitmask(), x2)
     }
 }
 
-/// Piece of a beam between two distances along it. The end belongs to the next piece.
+/// BeamPiece of a beam between two distances along it. The end belongs to the next piece.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Piece {
+pub(super) struct BeamPiece {
     /// Index of the beam.
     pub beam: u32,
     /// Distance of the start.
@@ -118,7 +118,7 @@ pub(super) struct Piece {
 }
 
 /// Eight beam pieces; vacant lanes are empty intervals.
-pub(super) struct PiecePacket {
+pub(super) struct BeamPiecePacket {
     start: Vectors,
     direction: Vectors,
     from: f32x8,
@@ -127,9 +127,9 @@ pub(super) struct PiecePacket {
     pub beams: [u32; LANES],
 }
 
-impl PiecePacket {
+impl BeamPiecePacket {
     /// A packet of at most eight pieces, each with the start and direction of its beam.
-    pub fn new(pieces: impl Iterator<Item = (Piece, Vec3, Vec3)>) -> Self {
+    pub fn new(pieces: impl Iterator<Item = (BeamPiece, Vec3, Vec3)>) -> Self {
         let nowhere = [f32x8::ZERO; 3];
         let (from, to) = (f32x8::splat(f32::INFINITY), f32x8::splat(f32::NEG_INFINITY));
         let mut all = Self { start: nowhere, direction: nowhere, from, to, beams: [0; LANES] };
@@ -146,8 +146,8 @@ impl PiecePacket {
     }
 
     /// The piece in one lane.
-    pub fn piece(&self, slot: usize) -> Piece {
-        Piece { beam: self.beams[slot], from: self.from.as_array()[slot], to: self.to.as_array()[slot] }
+    pub fn piece_in_lane(&self, slot: usize) -> BeamPiece {
+        BeamPiece { beam: self.beams[slot], from: self.from.as_array()[slot], to: self.to.as_array()[slot] }
     }
 
     /// Mask of the pieces that the line may pass within the radius.
@@ -156,9 +156,9 @@ impl PiecePacket {
     /// distance of the origins. The squared normal times positions along the beam errs by γ(14) of
     /// that distance and of the position.
     #[inline]
-    pub fn near_line(&self, query: &LineQuery) -> u32 {
-        let error = f32x8::splat(gamma(16));
-        let between = minus(self.start, query.origin);
+    pub fn pieces_near_line(&self, query: &LineQuery) -> u32 {
+        let error = f32x8::splat(rounding_error_bound(16));
+        let between = subtract(self.start, query.origin);
         let distance = norm1(between);
         let normal = cross(query.direction, self.direction);
         let sin2 = dot(normal, normal);

@@ -1,7 +1,7 @@
 //! Photon points in participating media.
 
-use super::packet::{LANES, LineQuery, PointPacket, slots};
-use super::record::{Power, decode, encode};
+use super::packet::{LANES, LineQuery, PointPacket, set_bits};
+use super::record::{PackedFlux, decode_octahedral, encode_octahedral};
 use crate::accel::Boxes;
 use crate::color::Rgb;
 use crate::math::{Bounds, Ray, morton_order};
@@ -18,7 +18,7 @@ pub struct VolumePhoton {
     pub position: Vec3,
     /// Index of the medium.
     pub medium: u32,
-    power: Power,
+    power: PackedFlux,
     direction: [u16; 2],
     /// Wavelength code; 0 for all wavelengths.
     pub wavelength: u8,
@@ -31,8 +31,8 @@ impl VolumePhoton {
     #[inline]
     #[must_use]
     pub fn new(position: Vec3, flux: Rgb, direction: Vec3, medium: u32, wavelength: u8) -> Option<Self> {
-        let power = Power::new(flux).filter(|_| position.is_finite())?;
-        Some(Self { position, medium, power, direction: encode(direction), wavelength })
+        let power = PackedFlux::new(flux).filter(|_| position.is_finite())?;
+        Some(Self { position, medium, power, direction: encode_octahedral(direction), wavelength })
     }
 
     /// Flux \[W].
@@ -46,7 +46,7 @@ impl VolumePhoton {
     #[inline]
     #[must_use]
     pub fn direction(&self) -> Vec3 {
-        decode(self.direction)
+        decode_octahedral(self.direction)
     }
 }
 
@@ -72,7 +72,7 @@ impl VolumePhotonMap {
         let radius = radius.max(0.0);
         let run = |run: &[VolumePhoton]| {
             let positions = || run.iter().map(|p| p.position);
-            (PointPacket::new(positions()), Bounds::of(positions()).expanded(radius))
+            (PointPacket::new(positions()), Bounds::from_points(positions()).expanded(radius))
         };
         let (packets, bounds): (Vec<PointPacket>, Vec<Bounds>) = photons.par_chunks(LANES).map(run).unzip();
         Self { boxes: Boxes::build(&bounds), photons, packets, radius }
@@ -111,7 +111,7 @@ impl VolumePhotonMap {
         let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let per_d2 = 1.0 / d.length_squared();
         self.boxes.along(ray, &mut |run| {
-            for slot in slots(self.packets[run as usize].near_line(&query)) {
+            for slot in set_bits(self.packets[run as usize].points_near_line(&query)) {
                 let photon = &self.photons[run as usize * LANES + slot];
                 let to = photon.position.as_dvec3() - o;
                 let t = to.dot(d) * per_d2;
@@ -135,8 +135,8 @@ impl VolumePhotonMap {
         let scale = (15.0 / 8.0 * FRAC_1_PI) as f32 * per_radius * per_radius * per_radius;
         let here = Ray { origin: p, direction: Vec3::Z, t_max: 0.0 };
         self.boxes.along(&here, &mut |run| {
-            let (mask, x2) = self.packets[run as usize].near(p, per_radius);
-            for slot in slots(mask) {
+            let (mask, x2) = self.packets[run as usize].points_within_radius(p, per_radius);
+            for slot in set_bits(mask) {
                 let x2 = x2.as_array()[slot];
                 visitor(&self.photons[run as usize * LANES + slot], scale * (1.0 - x2), x2);
             }

@@ -7,13 +7,13 @@ use glam::{Vec2, Vec3};
 ///
 /// Relative precision from 10⁻³⁷ to 10³⁸ W: 2⁻²⁴ in power, 1.5·10⁻⁵ in hue.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
-pub(super) struct Power {
+pub(super) struct PackedFlux {
     sum: f32,
     red: u16,
     green: u16,
 }
 
-impl Power {
+impl PackedFlux {
     /// Packs a flux \[W]; `None` if it is not finite, zero or negative.
     #[inline]
     pub fn new(flux: Rgb) -> Option<Self> {
@@ -37,7 +37,7 @@ impl Power {
 /// Direction, tangent plane and flux of a stored photon, in 20 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct PhotonData {
-    power: Power,
+    power: PackedFlux,
     from: [u16; 2],
     normal: [i8; 3],
     /// Wavelength code; 0 for all wavelengths.
@@ -63,10 +63,10 @@ impl Photon {
     #[inline]
     #[must_use]
     pub fn new(position: Vec3, flux: Rgb, from: Vec3, normal: Vec3) -> Option<Self> {
-        let power = Power::new(flux).filter(|_| position.is_finite())?;
+        let power = PackedFlux::new(flux).filter(|_| position.is_finite())?;
         let mut data = PhotonData {
             power,
-            from: encode(from),
+            from: encode_octahedral(from),
             normal: [normal.x, normal.y, normal.z].map(|c| (c * NORMAL_SCALE).round() as i8),
             wavelength: 0,
             offset: 0.0,
@@ -109,7 +109,7 @@ impl PhotonData {
     /// plane's point over the photon's tangent plane.
     #[inline]
     #[must_use]
-    pub fn relation(&self, plane: &TangentPlane) -> (f32, f32) {
+    pub fn normal_cosine_and_height(&self, plane: &TangentPlane) -> (f32, f32) {
         let normal = Vec3::from(self.normal.map(f32::from));
         (normal.dot(plane.normal), normal.dot(plane.point) - self.offset)
     }
@@ -132,7 +132,7 @@ impl PhotonData {
     #[inline]
     #[must_use]
     pub fn from(&self) -> Vec3 {
-        decode(self.from)
+        decode_octahedral(self.from)
     }
 
     /// Approximate unit normal on the side where the photon landed, within 0.01.
@@ -155,23 +155,23 @@ impl PhotonData {
 
 /// Octahedral coordinates of a unit vector, 16 bits each (Cigolle et al. 2014, JCGT 3(2)).
 #[inline]
-pub(super) fn encode(v: Vec3) -> [u16; 2] {
+pub(super) fn encode_octahedral(v: Vec3) -> [u16; 2] {
     let p = Vec2::new(v.x, v.y) / (v.x.abs() + v.y.abs() + v.z.abs());
-    let p = if v.z < 0.0 { fold(p) } else { p };
+    let p = if v.z < 0.0 { fold_octahedron(p) } else { p };
     [p.x, p.y].map(|c| ((c * 0.5 + 0.5) * 65_535.0 + 0.5) as u16)
 }
 
 /// Unit vector of octahedral coordinates.
 #[inline]
-pub(super) fn decode(e: [u16; 2]) -> Vec3 {
+pub(super) fn decode_octahedral(e: [u16; 2]) -> Vec3 {
     let [x, y] = e.map(|c| f32::from(c) * (2.0 / 65_535.0) - 1.0);
     let z = 1.0 - x.abs() - y.abs();
-    let p = if z < 0.0 { fold(Vec2::new(x, y)) } else { Vec2::new(x, y) };
+    let p = if z < 0.0 { fold_octahedron(Vec2::new(x, y)) } else { Vec2::new(x, y) };
     p.extend(z).normalize()
 }
 
 #[inline]
-fn fold(p: Vec2) -> Vec2 {
+fn fold_octahedron(p: Vec2) -> Vec2 {
     Vec2::new((1.0 - p.y.abs()) * 1f32.copysign(p.x), (1.0 - p.x.abs()) * 1f32.copysign(p.y))
 }
 
@@ -189,15 +189,15 @@ mod tests {
     #[test]
     fn packing_preserves_direction_hue_and_power() {
         for i in 0..10_000u64 {
-            let key = Key::new(1).purpose(Purpose::Test).with(i);
-            let from = warp::sphere(key.uniform_2d(Dimension::LightDirection));
-            let normal = warp::sphere(key.uniform_2d(Dimension::LightPosition));
+            let key = Key::new(1).purpose_key(Purpose::Test).child_key(i);
+            let from = warp::square_to_uniform_sphere(key.uniform_2d(Dimension::LightDirection));
+            let normal = warp::square_to_uniform_sphere(key.uniform_2d(Dimension::LightPosition));
             let scale = [1e-33, 1.0, 1e30][i as usize % 3];
-            let flux = key.uniform_2d(Dimension::Film).extend(key.uniform(Dimension::Light)) * scale;
+            let flux = key.uniform_2d(Dimension::Film).extend(key.uniform_1d(Dimension::Light)) * scale;
             let packed = Photon::new(normal, flux, from, normal).unwrap().data;
             assert!((packed.from() - from).length() < 1e-4);
             assert!((packed.normal() - normal).length() < 0.01);
-            let (cosine, height) = packed.relation(&TangentPlane::new(normal * 3.0, -normal));
+            let (cosine, height) = packed.normal_cosine_and_height(&TangentPlane::new(normal * 3.0, -normal));
             assert!((cosine + 1.0).abs() < 0.01 && (height - 2.0).abs() < 0.02);
             let sum = flux.x + flux.y + flux.z;
             assert!(((packed.flux() - flux) / sum).abs().max_element() < 2e-5);

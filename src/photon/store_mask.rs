@@ -52,7 +52,7 @@ impl StoreMask {
     pub const ALL: Self = Self { direct: true, caustic: true, after_caustic: true, global: true, ..Self::NONE };
 
     /// True if photons of `kind` are stored on surfaces.
-    pub(super) fn has(self, kind: PhotonKind) -> bool {
+    pub(super) fn stores_on_surfaces(self, kind: PhotonKind) -> bool {
         match kind {
             PhotonKind::Direct => self.direct,
             PhotonKind::Caustic => self.caustic,
@@ -62,12 +62,12 @@ impl StoreMask {
     }
 
     /// True if photons of `kind` are stored in media. Next-event estimation covers direct light.
-    pub(super) fn has_in_media(self, kind: PhotonKind) -> bool {
-        kind != PhotonKind::Direct && self.has(kind)
+    pub(super) fn stores_in_media(self, kind: PhotonKind) -> bool {
+        kind != PhotonKind::Direct && self.stores_on_surfaces(kind)
     }
 
     /// True if a path that continues as `kind` can deposit a stored photon.
-    pub(super) fn may_follow(self, kind: PhotonKind) -> bool {
+    pub(super) fn can_reach_stored_kind(self, kind: PhotonKind) -> bool {
         match kind {
             PhotonKind::Direct => true,
             PhotonKind::Caustic => self.caustic || self.after_caustic,
@@ -82,12 +82,12 @@ pub const AFTER_CAUSTIC_THINNING: u32 = 8;
 
 impl PhotonKind {
     /// The kind after a caster that the path passed without a vertex.
-    pub(super) fn beyond_casters(self) -> Self {
+    pub(super) fn after_crossed_caster(self) -> Self {
         if self == Self::Direct { Self::Caustic } else { self }
     }
 
     /// The kind after scattering at a surface or in a medium; media count as storing surfaces.
-    pub(super) fn after(self, stores: bool) -> Self {
+    pub(super) fn after_scattering(self, stores: bool) -> Self {
         match (stores, self) {
             (false, Self::Direct) => Self::Caustic,
             (false, other) => other,

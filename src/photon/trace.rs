@@ -1,9 +1,9 @@
 //! Photon tracing: paths from the lights through the scene.
 
-use super::audit::book;
+use super::audit::add_flux;
 use super::deposits::{Deposit, DepositPlace};
 use super::{AFTER_CAUSTIC_THINNING, Deposits, EnergyAudit, PhotonKind, PhotonSource, StoreMask};
-use crate::bsdf::{Transport, deposit_factor};
+use crate::bsdf::{Transport, photon_deposit_factor};
 use crate::color::{self, Rgb};
 use crate::medium::PhaseFunction;
 use crate::sampling::{Dimension, Key};
@@ -58,10 +58,15 @@ impl PhotonPass<'_> {
     /// The result does not depend on the number of threads: chunks are fixed and concatenated in
     /// order.
     pub fn trace(&self, pass_key: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> PhotonPassResult {
-        for_interior!(self.source, self.trace_with(pass_key, paths, done))
+        for_interior!(self.source, self.trace_with_interior(pass_key, paths, done))
     }
 
-    fn trace_with<I: Interior>(&self, pass_key: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> PhotonPassResult {
+    fn trace_with_interior<I: Interior>(
+        &self,
+        pass_key: Key,
+        paths: u32,
+        done: &(dyn Fn(u64) + Sync),
+    ) -> PhotonPassResult {
         let chunks: Vec<(Deposits, PathTally)> = (0..paths.div_ceil(CHUNK))
             .into_par_iter()
             .map(|chunk| {
@@ -70,8 +75,10 @@ impl PhotonPass<'_> {
                 let (mut deposits, mut tally) = (Deposits::default(), PathTally::default());
                 for index in range {
                     if let Some((ray, flux)) = self.source.emit::<I>(pass_key, index, paths) {
-                        let key = pass_key.path(index);
-                        self.follow(ray, flux, key, &mut tally, |deposit| deposits.store(self, &deposit));
+                        let key = pass_key.path_key(index);
+                        self.follow_photon_path(ray, flux, key, &mut tally, |deposit| {
+                            deposits.store_deposit(self, &deposit)
+                        });
                     }
                 }
                 done(emitted);
@@ -92,7 +99,7 @@ impl PhotonPass<'_> {
     ///
     /// `deposit` receives all flux of stored kinds that a density estimate can use.
     #[inline]
-    pub(super) fn follow<I: Interior>(
+    pub(super) fn follow_photon_path<I: Interior>(
         &self,
         mut ray: PathRay<I>,
         mut flux: Rgb,
@@ -102,10 +109,10 @@ impl PhotonPass<'_> {
     ) {
         let PathTally { audit, rays } = tally;
         let mut kind = PhotonKind::Direct;
-        book(&mut audit.emitted, flux);
+        add_flux(&mut audit.emitted, flux);
         for bounce in 0.. {
             *rays += 1;
-            let key = path.bounce(bounce);
+            let key = path.bounce_key(bounce);
 
             // Find the next vertex, and deposit in media on the way.
             let emitted = flux;
@@ -113,9 +120,9 @@ impl PhotonPass<'_> {
             let event = if I::SPECTRAL {
                 let (mut rng, mut weight) = (key.rng(), DVec3::ONE);
                 let event = ray.next_vertex(self.scene, key, |segment| {
-                    let kind = if segment.crossed { kind.beyond_casters() } else { kind };
+                    let kind = if segment.crossed { kind.after_crossed_caster() } else { kind };
                     phase_function = segment.medium.phase;
-                    self.sample_segment(segment, kind, flux, &mut weight, &mut rng, &mut deposit)
+                    self.sample_medium_segment(segment, kind, flux, &mut weight, &mut rng, &mut deposit)
                 });
                 flux *= weight.as_vec3();
                 event
@@ -123,10 +130,10 @@ impl PhotonPass<'_> {
                 ray.next_vertex(self.scene, key, |_| None)
             };
             if flux != emitted {
-                book(&mut audit.absorbed, emitted - flux);
+                add_flux(&mut audit.absorbed, emitted - flux);
             }
             let (surface, transmittance, crossed) = match event {
-                PathEvent::Escaped { .. } => return book(&mut audit.escaped, flux),
+                PathEvent::Escaped { .. } => return add_flux(&mut audit.escaped, flux),
                 PathEvent::Surface(SurfaceVertex { surface, transmittance, crossed, .. }) => {
                     (Some(surface), transmittance, crossed)
                 }
@@ -135,65 +142,65 @@ impl PhotonPass<'_> {
 
             // Attenuate the flux by interiors.
             let transmitted = flux * transmittance;
-            book(&mut audit.absorbed, flux - transmitted);
+            add_flux(&mut audit.absorbed, flux - transmitted);
             flux = transmitted;
             if crossed {
-                kind = kind.beyond_casters();
+                kind = kind.after_crossed_caster();
             }
 
             // Deposit on a surface.
             let stores = surface.as_ref().is_none_or(|surface| surface.bsdf.stores_photons());
             if let Some(surface) = &surface
                 && stores
-                && self.mask.has(kind)
+                && self.mask.stores_on_surfaces(kind)
             {
-                let flux = flux * deposit_factor(surface.wo, surface.point.ns, surface.point.ng);
+                let flux = flux * photon_deposit_factor(surface.wo, surface.point.ns, surface.point.ng);
                 let wavelength = ray.inside.wavelength();
                 deposit(Deposit { kind, place: DepositPlace::Surface(surface), flux, wavelength });
             }
 
             // Stop if no stored kind can follow.
-            let next_kind = kind.after(stores);
-            if bounce == self.max_bounces || !self.mask.may_follow(next_kind) {
-                return book(&mut audit.stopped, flux);
+            let next_kind = kind.after_scattering(stores);
+            if bounce == self.max_bounces || !self.mask.can_reach_stored_kind(next_kind) {
+                return add_flux(&mut audit.stopped, flux);
             }
 
             // Thin paths that continue after a caustic.
             if self.mask.separates_after_caustic && kind == PhotonKind::Caustic && stores {
-                book(&mut audit.roulette, flux);
-                if key.uniform(Dimension::Worth) * AFTER_CAUSTIC_THINNING as f32 >= 1.0 {
+                add_flux(&mut audit.roulette, flux);
+                if key.uniform_1d(Dimension::ShadingRoulette) * AFTER_CAUSTIC_THINNING as f32 >= 1.0 {
                     return;
                 }
                 flux *= AFTER_CAUSTIC_THINNING as f32;
-                book(&mut audit.roulette, -flux);
+                add_flux(&mut audit.roulette, -flux);
             }
 
             // Sample the next direction.
-            let before = color::mean(flux);
+            let before = color::channel_mean(flux);
             let ratio = if let Some(surface) = &surface {
-                let (lobe, u) = (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
+                let (lobe, u) = (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
                 let Some(sample) = surface.sample(lobe, u, Transport::Importance) else {
-                    return book(&mut audit.absorbed, flux);
+                    return add_flux(&mut audit.absorbed, flux);
                 };
-                let adjoint = sample.adjoint(surface.wo, surface.point.ns, surface.point.ng);
+                let adjoint = sample.adjoint_correction(surface.wo, surface.point.ns, surface.point.ng);
                 let interior_weight = ray.leave(surface, sample.wi, sample.transmitted);
                 let scattered = flux * sample.weight * adjoint * interior_weight;
-                book(&mut audit.absorbed, flux - scattered);
+                add_flux(&mut audit.absorbed, flux - scattered);
                 flux = scattered;
-                color::mean(scattered) / before
+                color::channel_mean(scattered) / before
             } else {
                 let (direction, _) = phase_function.sample(ray.ray.direction, key.uniform_2d(Dimension::Phase));
                 ray.turn(direction);
                 // Absorption along the segment counts for Russian roulette.
-                before / color::mean(emitted)
+                before / color::channel_mean(emitted)
             };
 
             // Russian roulette by the throughput ratio keeps the fluxes of stored photons similar.
-            if ratio.is_nan() || key.uniform(Dimension::Roulette) >= ratio {
-                return book(&mut audit.roulette, flux);
+            if ratio.is_nan() || key.uniform_1d(Dimension::Roulette) >= ratio {
+                return add_flux(&mut audit.roulette, flux);
             }
             let kept = flux / ratio.min(1.0);
-            book(&mut audit.roulette, flux - kept);
+            add_flux(&mut audit.roulette, flux - kept);
             flux = kept;
             kind = next_kind;
         }
@@ -204,7 +211,7 @@ impl PhotonPass<'_> {
     ///
     /// `weight` is the product of the weights of all segments since the last vertex.
     #[inline]
-    fn sample_segment<I: Interior>(
+    fn sample_medium_segment<I: Interior>(
         &self,
         segment: &MediumSegment<'_, I>,
         kind: PhotonKind,
@@ -219,7 +226,7 @@ impl PhotonPass<'_> {
             *weight *= medium.transmittance_f64(ray, ray.t_max, rng);
             return None;
         }
-        let stored = self.mask.has_in_media(kind);
+        let stored = self.mask.stores_in_media(kind);
         let as_beam = self.mask.beams && medium.is_homogeneous();
         if stored && as_beam {
             let flux = flux * weight.as_vec3() * segment.left;

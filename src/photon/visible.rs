@@ -45,7 +45,7 @@ impl VisiblePointMap {
     pub fn new(points: impl IntoIterator<Item = VisiblePoint>, radius: f32) -> Self {
         let point = |p: VisiblePoint| Photon::new(p.position, Rgb::splat(p.weight * p.weight), p.normal, p.normal);
         let stored: Vec<Photon> = points.into_iter().filter_map(point).collect();
-        let size = Bounds::of(stored.iter().map(|p| p.position)).extent().length();
+        let size = Bounds::from_points(stored.iter().map(|p| p.position)).extent().length();
         let probes: Vec<Photon> = stored.iter().step_by(stored.len().div_ceil(PROBES).max(1)).copied().collect();
         let points = PhotonMap::build(stored);
         let spacing =

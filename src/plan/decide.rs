@@ -130,10 +130,10 @@ impl Plan {
     /// Plan for `scene` by an algorithm that can simulate `simulated`.
     #[must_use]
     pub fn new(scene: &Scene, simulated: Effects, overrides: EffectOverrides) -> Self {
-        let features = SceneFeatures::of(scene);
+        let features = SceneFeatures::from_scene(scene);
         let mut needed = Effects::NONE;
         let decide = |effect| {
-            let reason = match judge(&features, effect, needed) {
+            let reason = match decide_effect(&features, effect, needed) {
                 _ if !simulated.has(effect) => Err(Reason::NotOfAlgorithm),
                 reason => reason,
             };
@@ -141,7 +141,7 @@ impl Plan {
                 needed = needed.with(effect);
             }
             let is_needed = reason.is_ok();
-            let on = if simulated.has(effect) { overrides.of(effect).unwrap_or(is_needed) } else { false };
+            let on = if simulated.has(effect) { overrides.forced_state(effect).unwrap_or(is_needed) } else { false };
             let reason = reason.unwrap_or_else(|why| why);
             Decision { effect, needed: is_needed, reason, on }
         };
@@ -151,13 +151,13 @@ impl Plan {
 
     /// Effects that are simulated and needed.
     #[must_use]
-    pub fn needed(&self) -> Effects {
+    pub fn needed_effects(&self) -> Effects {
         self.decisions.iter().filter(|d| d.on && d.needed).fold(Effects::NONE, |on, d| on.with(d.effect))
     }
 
     /// Effects that are simulated.
     #[must_use]
-    pub fn effects(&self) -> Effects {
+    pub fn simulated_effects(&self) -> Effects {
         self.decisions.iter().filter(|d| d.on).fold(Effects::NONE, |on, d| on.with(d.effect))
     }
 }
@@ -165,7 +165,7 @@ impl Plan {
 /// Reason why `effect` is needed, or the reason why it adds nothing as an error.
 ///
 /// `before` holds the needed effects that stand earlier in [`Effect::ALL`].
-fn judge(features: &SceneFeatures, effect: Effect, before: Effects) -> Result<Reason, Reason> {
+fn decide_effect(features: &SceneFeatures, effect: Effect, before: Effects) -> Result<Reason, Reason> {
     let need = |condition: bool, otherwise: Reason| if condition { Ok(()) } else { Err(otherwise) };
     let any = |n: usize, otherwise: Reason| need(n > 0, otherwise);
     // Media that scatter count as receivers.

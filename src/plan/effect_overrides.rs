@@ -33,7 +33,7 @@ impl EffectOverrides {
     /// Returns true if `effect` is forced on, false if it is forced off; `None` if the plan
     /// decides.
     #[must_use]
-    pub fn of(self, effect: Effect) -> Option<bool> {
+    pub fn forced_state(self, effect: Effect) -> Option<bool> {
         if self.on.has(effect) {
             Some(true)
         } else if self.off.has(effect) {
@@ -49,14 +49,14 @@ impl EffectOverrides {
 #[error(
     "`{word}` is no effect override: write auto, all, none, or effects with a sign such as +caustics or -shadows, \
      separated by commas; effects are {}",
-    names()
+    effect_names()
 )]
 pub struct UnknownOverride {
     /// The unknown word.
     pub word: String,
 }
 
-fn names() -> String {
+fn effect_names() -> String {
     Effect::ALL.map(Effect::name).join(", ")
 }
 
@@ -91,10 +91,10 @@ mod tests {
         let read = |text: &str| text.parse::<EffectOverrides>().unwrap();
         assert_eq!(read("all"), EffectOverrides::ALL);
         let overrides = read("none, +caustics,-shadows ,+shadows");
-        assert_eq!(overrides.of(Effect::Caustics), Some(true));
-        assert_eq!(overrides.of(Effect::Shadows), Some(true));
-        assert_eq!(overrides.of(Effect::Interiors), Some(false));
-        assert_eq!(read("-caustics").of(Effect::Shadows), None);
+        assert_eq!(overrides.forced_state(Effect::Caustics), Some(true));
+        assert_eq!(overrides.forced_state(Effect::Shadows), Some(true));
+        assert_eq!(overrides.forced_state(Effect::Interiors), Some(false));
+        assert_eq!(read("-caustics").forced_state(Effect::Shadows), None);
         assert_eq!(read("-casters"), read("-specular"), "the former name is an alias");
     }
 

@@ -2,7 +2,7 @@
 
 use crate::color::Rgb;
 use crate::light::Light;
-use crate::math::Sphere;
+use crate::math::BoundingSphere;
 use crate::scene::{ObjectSummary, Scene};
 use glam::Vec3;
 
@@ -54,7 +54,7 @@ pub struct SceneFeatures {
 impl SceneFeatures {
     /// Features of `scene`.
     #[must_use]
-    pub fn of(scene: &Scene) -> Self {
+    pub fn from_scene(scene: &Scene) -> Self {
         let objects: Vec<ObjectSummary> = scene.objects().collect();
         let mut features = Self {
             objects: objects.len(),
@@ -80,7 +80,7 @@ impl SceneFeatures {
         };
         // The domain of a scene of planes alone is a point. Light from infinity has no power there,
         // but it still lights.
-        let domain = Sphere { center: Vec3::ZERO, radius: 1.0 };
+        let domain = BoundingSphere { center: Vec3::ZERO, radius: 1.0 };
         let lights: Vec<&Light> = scene.lights().iter().filter(|l| l.power(domain) != Rgb::ZERO).collect();
         features.lights = lights.len();
         let media = scene.media_in_use();
@@ -92,7 +92,7 @@ impl SceneFeatures {
             && !features.moving
             && features.media == 0
         {
-            features.one_flat_object = lights.iter().all(|light| light.avoids_plane(p, n));
+            features.one_flat_object = lights.iter().all(|light| light.emits_nothing_in_plane(p, n));
         }
         features.soft_lights = lights.iter().filter(|l| !l.is_delta()).count();
         for object in &objects {
@@ -108,7 +108,7 @@ impl SceneFeatures {
                 }
             });
             let ball = object.ball.filter(|_| !features.moving);
-            let reached = || lights.iter().any(|light| light.may_reach(ball, scene.domain()));
+            let reached = || lights.iter().any(|light| light.may_illuminate(ball, scene.domain()));
             let (textured, bumpy) = scene.uses_textures(object.material);
             features.textured += usize::from(textured || object.has_emission_texture);
             features.bump_mapped += usize::from(bumpy);

@@ -144,7 +144,7 @@ pub fn render(
         } else if stop.time.is_some_and(|most| start.elapsed() >= most) {
             Some(EndReason::Time)
         } else {
-            error.and_then(|(estimate, forecast)| stop.by_error(&estimate, &forecast))
+            error.and_then(|(estimate, forecast)| stop.end_reason_by_error(&estimate, &forecast))
         };
         if let Some(ended) = ended {
             rendered.ended = ended;
@@ -156,7 +156,7 @@ pub fn render(
 
 impl StopCriteria<'_> {
     /// The reason to end the render because of its error, if any.
-    fn by_error(&self, estimate: &ErrorEstimate, forecast: &ErrorForecast) -> Option<EndReason> {
+    fn end_reason_by_error(&self, estimate: &ErrorEstimate, forecast: &ErrorForecast) -> Option<EndReason> {
         let target = self.target?;
         if estimate.high <= target.error {
             return Some(EndReason::Target);

@@ -1,7 +1,7 @@
 //! Accumulates passes.
 
 use crate::color::Rgb;
-use crate::math::Sum;
+use crate::math::CompensatedSum;
 use glam::DVec3;
 
 /// Sum of passes by pixel, with compensated f64 sums: rounding does not grow with the number of
@@ -10,7 +10,7 @@ use glam::DVec3;
 pub struct Film {
     width: u32,
     height: u32,
-    sums: Vec<Sum>,
+    sums: Vec<CompensatedSum>,
     passes: u32,
 }
 
@@ -18,7 +18,7 @@ impl Film {
     /// An empty film of `width` × `height` pixels.
     #[must_use]
     pub fn new(width: u32, height: u32) -> Self {
-        Self { width, height, sums: vec![Sum::default(); width as usize * height as usize], passes: 0 }
+        Self { width, height, sums: vec![CompensatedSum::default(); width as usize * height as usize], passes: 0 }
     }
 
     /// Adds one pass; `image` holds the radiance of each pixel, by rows from the top \[W/(m² sr)].

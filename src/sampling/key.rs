@@ -13,24 +13,24 @@
 //! | parent | function | word | distinct because |
 //! | --- | --- | --- | --- |
 //! | – | `Key::new` | seed | root of a render |
-//! | root, trial | `Key::purpose` | [`Purpose`] | one per purpose |
-//! | purpose | `Key::pass` | pass | one per pass; a pilot counts down from `u32::MAX` |
-//! | purpose `Camera` | `Key::shared_paths` | 0 | replaces the pass if passes share paths |
-//! | purpose `Camera` | `Key::fresh_paths` | pass + 1 | never the 0 of shared paths |
-//! | pass, round | `Key::path` | path | one per photon path |
-//! | path | `Key::bounce` | bounce | one per vertex of a photon path |
-//! | pass of `Camera` | `Key::pixel` | y · 2³² + x | one per pixel |
-//! | pixel | `Sampler::next_vertex` | 2 · bounce + transmitted | two branches per split |
-//! | vertex | `Sampler::shadow_rays` | pass · 2³² | other dimensions than the next vertex |
-//! | vertex, sample | `Key::medium_tracking` | 2⁶³ + pass | above all words of vertices |
-//! | shadow rays | `Sampler::light` | light or ray | a vertex uses lights or chosen rays |
-//! | shadow ray | `Key::distance_in_medium` | 1 | transmittance uses the parent itself |
-//! | film sample of a pilot | `Sampler::bounce` | bounce | one per vertex |
-//! | any sampler | `Sampler::key` | sample | one per sample of the pixel |
-//! | purpose `Balance` | `Key::trial` | trial | independent trials of one pilot |
-//! | `Camera` of a trial | `Key::film_point` | set · 2³² + point | one per point of a pilot |
-//! | purpose `LightWeights` | `Key::light` | light | one per light |
-//! | purpose `Learning` | `Key::round` | round | one per training round |
+//! | root, trial | `Key::purpose_key` | [`Purpose`] | one per purpose |
+//! | purpose | `Key::pass_key` | pass | one per pass; a pilot counts down from `u32::MAX` |
+//! | purpose `Camera` | `Key::shared_paths_key` | 0 | replaces the pass if passes share paths |
+//! | purpose `Camera` | `Key::fresh_paths_key` | pass + 1 | never the 0 of shared paths |
+//! | pass, round | `Key::path_key` | path | one per photon path |
+//! | path | `Key::bounce_key` | bounce | one per vertex of a photon path |
+//! | pass of `Camera` | `Key::pixel_key` | y · 2³² + x | one per pixel |
+//! | pixel | `Sampler::next_vertex_sampler` | 2 · bounce + transmitted | two branches per split |
+//! | vertex | `Sampler::shadow_ray_sampler` | pass · 2³² | other dimensions than the next vertex |
+//! | vertex, sample | `Key::medium_tracking_key` | 2⁶³ + pass | above all words of vertices |
+//! | shadow rays | `Sampler::nth_shadow_ray_sampler` | light or ray | a vertex uses lights or chosen rays |
+//! | shadow ray | `Key::medium_distance_key` | 1 | transmittance uses the parent itself |
+//! | film sample of a pilot | `Sampler::bounce_sampler` | bounce | one per vertex |
+//! | any sampler | `Sampler::sample_key` | sample | one per sample of the pixel |
+//! | purpose `RayPhotonBalance` | `Key::trial_key` | trial | independent trials of one pilot |
+//! | `Camera` of a trial | `Key::film_point_key` | set · 2³² + point | one per point of a pilot |
+//! | purpose `LightWeights` | `Key::light_key` | light | one per light |
+//! | purpose `GuidingTraining` | `Key::training_round_key` | round | one per training round |
 
 use glam::Vec2;
 use rand::{SeedableRng, rngs::SmallRng};
@@ -52,13 +52,13 @@ pub enum Purpose {
     /// Statistical tests.
     Test,
     /// The pilot that finds points visible to the camera.
-    Visible,
+    VisiblePoints,
     /// The pilot that trains emission guiding.
-    Learning,
+    GuidingTraining,
     /// Photons that guide gather rays.
-    Guides,
+    GatherRayGuides,
     /// The pilot that balances camera rays against photons.
-    Balance,
+    RayPhotonBalance,
     /// Shutter times of passes.
     Shutter,
 }
@@ -88,9 +88,9 @@ pub enum Dimension {
     /// Position of a probe in the disc of a photon estimate.
     Probe,
     /// Choice of one lobe to evaluate (`distributed`).
-    Part,
+    ChosenLobe,
     /// Russian roulette before shading of a faint path.
-    Worth,
+    ShadingRoulette,
     /// Position on the lens.
     Lens,
     /// Time while the shutter is open.
@@ -108,125 +108,125 @@ pub enum Dimension {
 pub struct Key(u64);
 
 /// Bit that separates the keys of medium tracking from the keys of path vertices and shadow rays.
-const MEDIUM_TRACKING: u64 = 1 << 63;
+const MEDIUM_TRACKING_BIT: u64 = 1 << 63;
 
 impl Key {
     /// Root key of a render.
     #[must_use]
     pub fn new(seed: u64) -> Self {
-        Self(mix(seed ^ 0x6a09_e667_f3bc_c909))
+        Self(hash_bits(seed ^ 0x6a09_e667_f3bc_c909))
     }
 
     /// Child key for word `n`. Code of the renderer uses the named functions below.
     #[inline]
     #[must_use]
-    pub fn with(self, n: u64) -> Self {
-        Self(mix(self.0.wrapping_add(n.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15))))
+    pub fn child_key(self, n: u64) -> Self {
+        Self(hash_bits(self.0.wrapping_add(n.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15))))
     }
 
     /// Key of a purpose.
     #[must_use]
-    pub fn purpose(self, purpose: Purpose) -> Self {
-        self.with(purpose as u64)
+    pub fn purpose_key(self, purpose: Purpose) -> Self {
+        self.child_key(purpose as u64)
     }
 
     /// Key of pass `pass` of a purpose.
     #[must_use]
-    pub fn pass(self, pass: u32) -> Self {
-        self.with(u64::from(pass))
+    pub fn pass_key(self, pass: u32) -> Self {
+        self.child_key(u64::from(pass))
     }
 
     /// Key of the camera paths that all passes share.
     #[must_use]
-    pub fn shared_paths(self) -> Self {
-        self.with(0)
+    pub fn shared_paths_key(self) -> Self {
+        self.child_key(0)
     }
 
     /// Key of camera paths that pass `pass` traces anew although all passes share their paths.
     #[must_use]
-    pub fn fresh_paths(self, pass: u32) -> Self {
-        self.with(u64::from(pass) + 1)
+    pub fn fresh_paths_key(self, pass: u32) -> Self {
+        self.child_key(u64::from(pass) + 1)
     }
 
     /// Key of photon path `index` of a pass.
     #[inline]
     #[must_use]
-    pub fn path(self, index: u32) -> Self {
-        self.with(u64::from(index))
+    pub fn path_key(self, index: u32) -> Self {
+        self.child_key(u64::from(index))
     }
 
     /// Key of the vertex after `bounce` bounces of a photon path.
     #[inline]
     #[must_use]
-    pub fn bounce(self, bounce: u32) -> Self {
-        self.with(u64::from(bounce))
+    pub fn bounce_key(self, bounce: u32) -> Self {
+        self.child_key(u64::from(bounce))
     }
 
     /// Key of the pixel in column `x`, row `y`.
     #[inline]
     #[must_use]
-    pub fn pixel(self, x: u32, y: u32) -> Self {
-        self.with(u64::from(y) << 32 | u64::from(x))
+    pub fn pixel_key(self, x: u32, y: u32) -> Self {
+        self.child_key(u64::from(y) << 32 | u64::from(x))
     }
 
     /// Key of the distance sampling along the segment from a vertex, in pass `pass`.
     #[inline]
     #[must_use]
-    pub fn medium_tracking(self, pass: u32) -> Self {
-        self.with(MEDIUM_TRACKING | u64::from(pass))
+    pub fn medium_tracking_key(self, pass: u32) -> Self {
+        self.child_key(MEDIUM_TRACKING_BIT | u64::from(pass))
     }
 
     /// Key of the scattering distance for one shadow ray from a medium.
     #[inline]
     #[must_use]
-    pub fn distance_in_medium(self) -> Self {
-        self.with(1)
+    pub fn medium_distance_key(self) -> Self {
+        self.child_key(1)
     }
 
     /// Key of trial `trial` of a pilot.
     #[must_use]
-    pub fn trial(self, trial: u32) -> Self {
-        self.with(u64::from(trial))
+    pub fn trial_key(self, trial: u32) -> Self {
+        self.child_key(u64::from(trial))
     }
 
     /// Key of film point `point` of set `set` of a pilot.
     #[must_use]
-    pub fn film_point(self, set: u32, point: u32) -> Self {
-        self.with(u64::from(set) << 32 | u64::from(point))
+    pub fn film_point_key(self, set: u32, point: u32) -> Self {
+        self.child_key(u64::from(set) << 32 | u64::from(point))
     }
 
     /// Key of light `light`.
     #[must_use]
-    pub fn light(self, light: usize) -> Self {
-        self.with(light as u64)
+    pub fn light_key(self, light: usize) -> Self {
+        self.child_key(light as u64)
     }
 
     /// Key of training round `round`.
     #[must_use]
-    pub fn round(self, round: u32) -> Self {
-        self.with(u64::from(round))
+    pub fn training_round_key(self, round: u32) -> Self {
+        self.child_key(u64::from(round))
     }
 
     /// 64 random bits for a dimension.
     #[inline]
     #[must_use]
-    pub fn bits(self, dimension: Dimension) -> u64 {
-        mix(self.0 ^ (dimension as u64).wrapping_mul(0xd6e8_feb8_6659_fd93))
+    pub fn random_bits(self, dimension: Dimension) -> u64 {
+        hash_bits(self.0 ^ (dimension as u64).wrapping_mul(0xd6e8_feb8_6659_fd93))
     }
 
     /// Uniform number in \[0, 1).
     #[inline]
     #[must_use]
-    pub fn uniform(self, dimension: Dimension) -> f32 {
-        unit((self.bits(dimension) >> 40) as u32)
+    pub fn uniform_1d(self, dimension: Dimension) -> f32 {
+        unit_from_24_bits((self.random_bits(dimension) >> 40) as u32)
     }
 
     /// Uniform point in \[0, 1)².
     #[inline]
     #[must_use]
     pub fn uniform_2d(self, dimension: Dimension) -> Vec2 {
-        let bits = self.bits(dimension);
-        Vec2::new(unit((bits >> 40) as u32), unit((bits >> 8) as u32 & 0xff_ffff))
+        let bits = self.random_bits(dimension);
+        Vec2::new(unit_from_24_bits((bits >> 40) as u32), unit_from_24_bits((bits >> 8) as u32 & 0xff_ffff))
     }
 
     /// Random generator for decisions that take an unknown number of draws.
@@ -238,13 +238,13 @@ impl Key {
 
 /// Maps a 24-bit integer to \[0, 1) exactly.
 #[inline]
-pub(super) fn unit(bits: u32) -> f32 {
+pub(super) fn unit_from_24_bits(bits: u32) -> f32 {
     bits as f32 * (1.0 / 16_777_216.0)
 }
 
 /// Bijective 64-bit hash: Stafford's variant 13 of the MurmurHash3 finaliser.
 #[inline]
-fn mix(mut x: u64) -> u64 {
+fn hash_bits(mut x: u64) -> u64 {
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     x ^ (x >> 31)

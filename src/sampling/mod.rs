@@ -1,16 +1,16 @@
 //! Random numbers as pure functions of keys, low-discrepancy points, and discrete and piecewise
 //! distributions.
 
-mod discrete;
-mod histogram;
+mod discrete_distribution;
 mod key;
-mod piecewise;
+mod piecewise_constant;
 mod sampler;
 mod sobol;
+mod square_grid;
 
-pub use discrete::Discrete;
-pub use histogram::Histogram;
+pub use discrete_distribution::DiscreteDistribution;
 pub use key::{Dimension, Key, Purpose};
-pub use piecewise::Piecewise2d;
+pub use piecewise_constant::PiecewiseConstant2d;
 pub use sampler::Sampler;
 pub use sobol::sobol_2d;
+pub use square_grid::SquareGridDistribution;

@@ -25,44 +25,44 @@ impl Sampler {
     /// below.
     #[inline]
     #[must_use]
-    pub fn with(self, n: u64) -> Self {
-        Self { key: self.key.with(n), ..self }
+    pub fn child_sampler(self, n: u64) -> Self {
+        Self { key: self.key.child_key(n), ..self }
     }
 
     /// Sampler of the vertex that follows after `bounce` bounces; `transmitted` tells the branches
     /// of a split apart.
     #[inline]
     #[must_use]
-    pub fn next_vertex(self, bounce: u32, transmitted: bool) -> Self {
-        self.with(u64::from(bounce) << 1 | u64::from(transmitted))
+    pub fn next_vertex_sampler(self, bounce: u32, transmitted: bool) -> Self {
+        self.child_sampler(u64::from(bounce) << 1 | u64::from(transmitted))
     }
 
     /// Sampler of the vertex after `bounce` bounces of a pilot's path, which never splits.
     #[inline]
     #[must_use]
-    pub fn bounce(self, bounce: u32) -> Self {
-        self.with(u64::from(bounce))
+    pub fn bounce_sampler(self, bounce: u32) -> Self {
+        self.child_sampler(u64::from(bounce))
     }
 
     /// Sampler of the shadow rays of this vertex in pass `pass`. It differs between passes that
     /// share camera paths.
     #[inline]
     #[must_use]
-    pub fn shadow_rays(self, pass: u32) -> Self {
-        self.with(u64::from(pass) << 32)
+    pub fn shadow_ray_sampler(self, pass: u32) -> Self {
+        self.child_sampler(u64::from(pass) << 32)
     }
 
     /// Sampler of the shadow rays to light `index`, or of chosen shadow ray `index`.
     #[inline]
     #[must_use]
-    pub fn light(self, index: usize) -> Self {
-        self.with(index as u64)
+    pub fn nth_shadow_ray_sampler(self, index: usize) -> Self {
+        self.child_sampler(index as u64)
     }
 
     /// Splits this sample into `count` samples; returns sample `index` of them.
     #[inline]
     #[must_use]
-    pub fn split(self, index: u32, count: u32) -> Self {
+    pub fn split_sample(self, index: u32, count: u32) -> Self {
         Self {
             index: self.index.wrapping_mul(count).wrapping_add(index),
             count: self.count.wrapping_mul(count),
@@ -73,14 +73,14 @@ impl Sampler {
     /// Key of this sample alone.
     #[inline]
     #[must_use]
-    pub fn key(self) -> Key {
-        self.key.with(u64::from(self.index))
+    pub fn sample_key(self) -> Key {
+        self.key.child_key(u64::from(self.index))
     }
 
     /// Index of this sample, and the number of samples.
     #[inline]
     #[must_use]
-    pub fn index(self) -> (u32, u32) {
+    pub fn index_and_count(self) -> (u32, u32) {
         (self.index, self.count)
     }
 
@@ -88,7 +88,7 @@ impl Sampler {
     #[inline]
     #[must_use]
     pub fn get_1d(self, dimension: Dimension) -> f32 {
-        if self.count > 1 { self.get_2d(dimension).x } else { self.key.uniform(dimension) }
+        if self.count > 1 { self.get_2d(dimension).x } else { self.key.uniform_1d(dimension) }
     }
 
     /// Uniform point in \[0, 1)².
@@ -106,17 +106,17 @@ mod tests {
 
     #[test]
     fn split_samples_are_stratified() {
-        let key = Key::new(4).purpose(Purpose::Test);
+        let key = Key::new(4).purpose_key(Purpose::Test);
         let mut occupied = [false; 64];
         for sample in 0..16 {
             for ray in 0..4 {
-                let x = Sampler::new(key, sample, 16).split(ray, 4).get_1d(Dimension::Light);
+                let x = Sampler::new(key, sample, 16).split_sample(ray, 4).get_1d(Dimension::Light);
                 let cell = &mut occupied[(x * 64.0) as usize];
                 assert!(!std::mem::replace(cell, true), "two of 64 numbers share a stratum");
             }
         }
         let alone = Sampler::new(key, 0, 1);
         assert_eq!(alone.get_2d(Dimension::Film), key.uniform_2d(Dimension::Film));
-        assert_ne!(Sampler::new(key, 0, 2).key(), Sampler::new(key, 1, 2).key());
+        assert_ne!(Sampler::new(key, 0, 2).sample_key(), Sampler::new(key, 1, 2).sample_key());
     }
 }

@@ -1,6 +1,6 @@
 //! Owen-scrambled Sobol' points in two dimensions.
 
-use super::{Dimension, Key, key::unit};
+use super::{Dimension, Key, key::unit_from_24_bits};
 use glam::Vec2;
 
 /// Point `index` of a two-dimensional Sobol' sequence, shuffled and scrambled by `key` and
@@ -12,15 +12,18 @@ use glam::Vec2;
 #[inline]
 #[must_use]
 pub fn sobol_2d(index: u32, key: Key, dimension: Dimension) -> Vec2 {
-    let seed = key.bits(dimension);
+    let seed = key.random_bits(dimension);
     let (order, x, y) = (seed as u32, (seed >> 32) as u32, (seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32) as u32);
-    let i = scramble(index, order);
-    Vec2::new(unit(scramble(i.reverse_bits(), x) >> 8), unit(scramble(second_dimension(i), y) >> 8))
+    let i = owen_scramble(index, order);
+    Vec2::new(
+        unit_from_24_bits(owen_scramble(i.reverse_bits(), x) >> 8),
+        unit_from_24_bits(owen_scramble(sobol_second_dimension(i), y) >> 8),
+    )
 }
 
 /// Second Sobol' dimension, whose generator matrix is Pascal's triangle modulo 2.
 #[inline]
-fn second_dimension(index: u32) -> u32 {
+fn sobol_second_dimension(index: u32) -> u32 {
     let mut v = index.reverse_bits();
     v ^= (v & 0x5555_5555) << 1;
     v ^= (v & 0x3333_3333) << 2;
@@ -32,13 +35,13 @@ fn second_dimension(index: u32) -> u32 {
 
 /// Nested uniform scrambling: a hash of the higher bits flips each bit.
 #[inline]
-fn scramble(x: u32, seed: u32) -> u32 {
-    laine_karras(x.reverse_bits(), seed).reverse_bits()
+fn owen_scramble(x: u32, seed: u32) -> u32 {
+    laine_karras_hash(x.reverse_bits(), seed).reverse_bits()
 }
 
 /// Hash in which each bit depends on lower bits only (Laine and Karras 2011; constants by Vegdahl).
 #[inline]
-fn laine_karras(mut x: u32, seed: u32) -> u32 {
+fn laine_karras_hash(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(seed);
     x = x.wrapping_mul((seed >> 16) | 1);
@@ -55,7 +58,7 @@ mod tests {
     #[test]
     fn every_elementary_interval_holds_one_point() {
         for seed in 0..8 {
-            let key = Key::new(seed).purpose(Purpose::Test);
+            let key = Key::new(seed).purpose_key(Purpose::Test);
             let points: Vec<_> = (0..256).map(|i| sobol_2d(i, key, Dimension::LightDirection)).collect();
             for log_columns in 0..=8u32 {
                 let (columns, rows) = (1usize << log_columns, 1usize << (8 - log_columns));

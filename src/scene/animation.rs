@@ -40,7 +40,7 @@ impl Animation {
 
 /// The map of `motion` at `time`; `None` if it is singular or not finite.
 fn map_at(motion: &Motion, time: f64) -> Option<Transform> {
-    Transform::new(motion.at(time)).ok()
+    Transform::new(motion.at_time(time)).ok()
 }
 
 /// A moving shape at `time`; `None` if the motion flattens it.
@@ -76,7 +76,7 @@ pub(super) fn constant_strength(kind: &DeltaLightKind, strength: LightStrength, 
     let (LightStrength::Course(_), Some(placed)) = (strength, source_at(kind, motion, MID_SHUTTER)) else {
         return strength;
     };
-    resolve_light(&placed, strength, DVec3::ZERO).0.peak().map_or(strength, LightStrength::Physical)
+    resolve_light(&placed, strength, DVec3::ZERO).0.peak_strength().map_or(strength, LightStrength::Physical)
 }
 
 /// `scene` at `time`: see [`Scene::at`]. What a singular motion flattens stays at its mid-shutter

@@ -1,8 +1,8 @@
 //! Delta lights of a scene description, and the lights of the course's shading model.
 
 use crate::color::Rgb;
-use crate::light::{DirectionalLight, Light, OrientedSource, PointLight, SpotLight};
-use crate::math::{Sphere, Transform};
+use crate::light::{DirectionalLight, Light, OrientedPointLight, PointLight, SpotLight};
+use crate::math::{BoundingSphere, Transform};
 use glam::{DVec3, Vec3};
 use std::f32::consts::PI;
 
@@ -47,7 +47,7 @@ pub enum DeltaLightKind {
         outer: f64,
     },
     /// A point light with an orientation: a projector or a goniometric light.
-    Oriented(OrientedSource),
+    Oriented(OrientedPointLight),
     /// Parallel light from infinity.
     Directional {
         /// Direction of travel, of any length above zero.
@@ -70,12 +70,12 @@ impl DeltaLightKind {
     #[must_use]
     pub fn transformed(&self, map: &Transform) -> Self {
         match *self {
-            Self::Point { position } => Self::Point { position: map.point(position) },
+            Self::Point { position } => Self::Point { position: map.transform_point(position) },
             Self::Spot { position, axis, inner, outer } => {
-                Self::Spot { position: map.point(position), axis: map.vector(axis), inner, outer }
+                Self::Spot { position: map.transform_point(position), axis: map.transform_vector(axis), inner, outer }
             }
             Self::Oriented(ref source) => Self::Oriented(source.transformed(map)),
-            Self::Directional { direction } => Self::Directional { direction: map.vector(direction) },
+            Self::Directional { direction } => Self::Directional { direction: map.transform_vector(direction) },
         }
     }
 }
@@ -122,7 +122,7 @@ pub(super) fn resolve_light(kind: &DeltaLightKind, strength: LightStrength, orig
         }
         DeltaLightKind::Oriented(source) => {
             let center = (source.position - origin).as_vec3();
-            let (scale, color) = to_intensity(&source.position, source.scale_per_power());
+            let (scale, color) = to_intensity(&source.position, source.intensity_scale_per_watt());
             (source.light(center, scale), LegacyLight::Point(center, color))
         }
         DeltaLightKind::Directional { direction } => {
@@ -140,7 +140,7 @@ pub(super) fn resolve_light(kind: &DeltaLightKind, strength: LightStrength, orig
 /// is as if it faced it.
 pub(super) fn legacy_area_light(light: &Light) -> LegacyLight {
     let center = light.center().unwrap_or(Vec3::ZERO);
-    let nowhere = Sphere { center: Vec3::ZERO, radius: 0.0 };
+    let nowhere = BoundingSphere { center: Vec3::ZERO, radius: 0.0 };
     let d2 = center.length_squared();
     let color = light.power(nowhere) / (PI * PI * if d2 > 0.0 { d2 } else { 1.0 });
     LegacyLight::Point(center, color)

@@ -72,7 +72,8 @@ impl Geometry {
     ) -> Self {
         let corners: Vec<_> = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
         let boxes: Vec<Bounds> = shapes[..first_moving as usize].iter().map(Shape::bounds).collect();
-        let static_bounds = boxes.iter().copied().fold(Bounds::of(corners.iter().flatten().copied()), Bounds::union);
+        let static_bounds =
+            boxes.iter().copied().fold(Bounds::from_points(corners.iter().flatten().copied()), Bounds::union);
         let hierarchy = Arc::new(Hierarchy::build(&corners, &boxes));
         let mut triangle_object = Vec::with_capacity(corners.len());
         for (range, object) in mesh_ranges.iter().zip(shapes.len() as u32..) {
@@ -172,17 +173,17 @@ impl Geometry {
     #[inline]
     pub fn surface_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         match hit.kind {
-            HitKind::Triangle(i, b) => self.mesh.surface(i as usize, b),
-            HitKind::Shape(i, uv) => self.shapes[i as usize].surface(ray, hit.t, uv),
-            HitKind::Plane(i) => self.planes[i as usize].surface(ray, hit.t),
+            HitKind::Triangle(i, b) => self.mesh.surface_point(i as usize, b),
+            HitKind::Shape(i, uv) => self.shapes[i as usize].surface_point(ray, hit.t, uv),
+            HitKind::Plane(i) => self.planes[i as usize].surface_point(ray, hit.t),
         }
     }
 
     /// The surface's own texture coordinates at a hit; zero on planes.
     pub fn surface_coords(&self, hit: &Hit, point: &SurfacePoint) -> TexCoord {
         match hit.kind {
-            HitKind::Triangle(i, b) => self.mesh.mapped(i as usize, b),
-            HitKind::Shape(i, uv) => self.shapes[i as usize].mapped(point.p, uv),
+            HitKind::Triangle(i, b) => self.mesh.tex_coord(i as usize, b),
+            HitKind::Shape(i, uv) => self.shapes[i as usize].tex_coord(point.p, uv),
             HitKind::Plane(_) => TexCoord::default(),
         }
     }

@@ -2,7 +2,7 @@
 
 use super::interiors::Body;
 use super::textured::{MeanParameters, NormalPerturbation, ParameterEvaluator, Textured};
-use crate::bsdf::{Bsdf, Conductor, Thin};
+use crate::bsdf::{Bsdf, Conductor, ThinDielectric};
 use crate::color::Rgb;
 use crate::texture::Texture;
 use std::sync::Arc;
@@ -90,7 +90,7 @@ impl MaterialKind {
                 Bsdf::Conductor(Conductor::new(eta, k, parameters.conductor_roughness(&roughness)))
             }
             Self::Thin { eta, transmittance } => {
-                Bsdf::Thin(Thin { eta, transmittance: parameters.color(&transmittance) })
+                Bsdf::ThinDielectric(ThinDielectric { eta, transmittance: parameters.color(&transmittance) })
             }
             Self::Dielectric { body, roughness } => Bsdf::dielectric(body.index, parameters.number(&roughness)),
         }

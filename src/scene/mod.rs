@@ -33,9 +33,9 @@ pub use textured::{MeanParameters, NormalPerturbation, ParameterEvaluator, Textu
 
 use crate::accel::Primitive;
 use crate::camera::Camera;
-use crate::color::{Glass, Rgb};
+use crate::color::{DispersionFormula, Rgb};
 use crate::light::Light;
-use crate::math::{Ray, Sphere};
+use crate::math::{BoundingSphere, Ray};
 use crate::medium::Medium;
 use crate::shape::{Shape, SurfacePoint, TextureMapping};
 use crate::texture::{Texture, TextureEvalContext};
@@ -55,7 +55,7 @@ pub struct Scene {
     background: Rgb,
     geometry: Geometry,
     materials: Vec<Material>,
-    glasses: Vec<Glass>,
+    glasses: Vec<DispersionFormula>,
     media: Vec<Medium>,
     ambient_medium: Option<u32>,
     textures: Vec<Arc<Texture>>,
@@ -151,7 +151,7 @@ impl Scene {
 
     /// The glasses: refractive indices that depend on the wavelength.
     #[must_use]
-    pub fn glasses(&self) -> &[Glass] {
+    pub fn glasses(&self) -> &[DispersionFormula] {
         &self.glasses
     }
 
@@ -173,7 +173,7 @@ impl Scene {
     ///
     /// It holds all bounded shapes, with room around them if there are unbounded planes.
     #[must_use]
-    pub fn domain(&self) -> Sphere {
+    pub fn domain(&self) -> BoundingSphere {
         self.derived.domain
     }
 
@@ -186,7 +186,8 @@ impl Scene {
     /// Number of triangles, instances included.
     #[must_use]
     pub fn triangle_count(&self) -> usize {
-        let instanced = |shape: &Shape| if let Shape::Instance(instance) = shape { instance.triangles() } else { 0 };
+        let instanced =
+            |shape: &Shape| if let Shape::Instance(instance) = shape { instance.triangle_count() } else { 0 };
         self.geometry.mesh.triangles.len() + self.geometry.shapes.iter().map(instanced).sum::<usize>()
     }
 

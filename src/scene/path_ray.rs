@@ -92,7 +92,7 @@ impl<I: Interior> PathRay<I> {
             let cone = self.cone;
             let mut surface = hit.map(|hit| {
                 self.cone.travel(hit.t);
-                let surface = scene.interaction(&self.ray, &hit, &self.cone, || key.uniform(Dimension::Mix));
+                let surface = scene.interaction(&self.ray, &hit, &self.cone, || key.uniform_1d(Dimension::Mix));
                 self.inside.infer_start(&surface);
                 (surface, hit.t)
             });

@@ -7,7 +7,7 @@ use super::{Body, Effects, Interior, Material, NormalPerturbation, PathRay, RayC
 use crate::bsdf::Bsdf;
 use crate::color::Rgb;
 use crate::light::Light;
-use crate::math::{Bounds, Ray, Sphere};
+use crate::math::{BoundingSphere, Bounds, Ray};
 use crate::medium::Medium;
 use crate::sampling::Key;
 use glam::Vec3;
@@ -16,7 +16,7 @@ use glam::Vec3;
 #[derive(Clone, Copy, Debug)]
 pub struct ObjectSummary {
     /// Bounding sphere, tight for spheres; `None` for unbounded planes.
-    pub ball: Option<Sphere>,
+    pub ball: Option<BoundingSphere>,
     /// A point and the unit normal of the plane in which the object lies, if it is known to be
     /// flat. No two points of a flat object see each other.
     pub plane: Option<(Vec3, Vec3)>,
@@ -71,16 +71,16 @@ impl Scene {
             has_emission_texture: self.has_emission_texture(attributes),
         };
         let shapes = geometry.shapes.iter().zip(&geometry.objects).map(move |(shape, attributes)| {
-            let plane = shape.planar_point().map(|point| (point.p, point.ng));
+            let plane = shape.point_if_planar().map(|point| (point.p, point.ng));
             summary(attributes, Some(shape.bounding_sphere()), plane)
         });
         let meshes = geometry.mesh_ranges.iter().zip(geometry.mesh_objects()).filter(|(range, _)| !range.is_empty());
         let meshes = meshes.map(move |(range, attributes)| {
             let corners = range.clone().flat_map(|i| geometry.mesh.corners(i as usize));
-            summary(attributes, Some(Bounds::of(corners).bounding_sphere()), None)
+            summary(attributes, Some(Bounds::from_points(corners).bounding_sphere()), None)
         });
         let planes = geometry.planes.iter().zip(geometry.plane_objects());
-        let planes = planes.map(move |(plane, attributes)| summary(attributes, None, Some(plane.place())));
+        let planes = planes.map(move |(plane, attributes)| summary(attributes, None, Some(plane.point_and_normal())));
         shapes.chain(meshes).chain(planes)
     }
 
@@ -142,7 +142,7 @@ impl Scene {
     /// Bounding spheres of all objects that cast caustics, as targets of photons; `None` if one is
     /// unbounded.
     #[must_use]
-    pub fn caster_balls(&self) -> Option<Vec<Sphere>> {
+    pub fn caster_balls(&self) -> Option<Vec<BoundingSphere>> {
         let casts_caustics = |material: u32| {
             let mut casts = false;
             self.for_each_leaf(material, &mut |leaf| casts |= leaf.casts_caustics());

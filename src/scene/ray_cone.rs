@@ -1,7 +1,7 @@
 //! Ray cones: the footprint of a path for texture filtering.
 
 use super::Effects;
-use crate::bsdf::{Bsdf, DIFFUSE_BLUR};
+use crate::bsdf::{Bsdf, DIFFUSE_CONE_SPREAD};
 
 /// Width of a camera cone in pixels. It is below 1, as the reconstruction filter widens too.
 const PIXELS: f32 = 0.5;
@@ -51,7 +51,7 @@ impl RayCone {
     #[inline]
     pub(super) fn leave(&mut self, bsdf: &Bsdf) {
         if self.widens {
-            self.spread += bsdf.blur();
+            self.spread += bsdf.ray_cone_spread();
         }
         self.scattered |= !bsdf.is_specular();
     }
@@ -60,7 +60,7 @@ impl RayCone {
     #[inline]
     pub(super) fn scatter(&mut self) {
         if self.widens {
-            self.spread += DIFFUSE_BLUR;
+            self.spread += DIFFUSE_CONE_SPREAD;
         }
         self.scattered = true;
     }

@@ -4,7 +4,7 @@ use super::Material;
 use super::interiors::CoincidentFaces;
 use crate::bsdf::{Bsdf, BsdfSample, Transport};
 use crate::color::Rgb;
-use crate::math::{Ray, offset_origin};
+use crate::math::{Ray, offset_ray_origin};
 use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 
@@ -58,14 +58,14 @@ impl SurfaceInteraction<'_> {
     #[inline]
     #[must_use]
     pub fn leave(&self, direction: Vec3) -> Ray {
-        Ray::new(offset_origin(self.point.p, self.point.error, self.point.ng, direction), direction)
+        Ray::new(offset_ray_origin(self.point.p, self.point.error, self.point.ng, direction), direction)
     }
 
     /// The segment to `target`, which lies in unit `direction`.
     #[inline]
     #[must_use]
     pub fn segment_to(&self, target: Vec3, direction: Vec3) -> Ray {
-        Ray::between(offset_origin(self.point.p, self.point.error, self.point.ng, direction), target)
+        Ray::between_points(offset_ray_origin(self.point.p, self.point.error, self.point.ng, direction), target)
     }
 
     /// f(wo, wi)·|wi · ns| \[1/sr]: the factor of incident radiance on a camera path.

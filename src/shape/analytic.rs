@@ -3,7 +3,7 @@
 use super::hit::ShapeHit;
 use super::surface_point::{ShapeSample, SurfacePoint};
 use super::texture_mapping::TexCoord;
-use crate::math::{Ray, Sphere as BoundingSphere, Transform};
+use crate::math::{BoundingSphere, Ray, Transform};
 use glam::{DVec3, Vec2, Vec3};
 
 /// A bounded shape in world space. [`Shape`](super::Shape) dispatches to it.
@@ -18,7 +18,7 @@ pub(super) trait AnalyticShape: Sized {
     }
 
     /// Point that `ray` hits at `t`; `uv` holds the coordinates of the [`ShapeHit`].
-    fn surface(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint;
+    fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint;
 
     /// Intrinsic texture coordinates at the surface point `p`; `uv` holds the coordinates of the
     /// [`ShapeHit`].
@@ -27,7 +27,7 @@ pub(super) trait AnalyticShape: Sized {
     }
 
     /// Lower and upper corner of a box around the shape.
-    fn extent(&self) -> (DVec3, DVec3);
+    fn bounds_f64(&self) -> (DVec3, DVec3);
 
     /// Image under a translation.
     fn translated(&self, by: DVec3) -> Self;
@@ -50,7 +50,7 @@ pub(super) trait AnalyticShape: Sized {
     }
 
     /// A point of the surface if the whole shape lies in one plane.
-    fn planar_point(&self) -> Option<SurfacePoint> {
+    fn point_if_planar(&self) -> Option<SurfacePoint> {
         None
     }
 

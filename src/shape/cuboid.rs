@@ -3,8 +3,8 @@
 use super::analytic::AnalyticShape;
 use super::hit::{ShapeHit, exact_t, nearer_hit};
 use super::object_ray::{ObjectRay, world_scale};
-use super::surface_point::{INSET, ShapeSample, SurfacePoint};
-use super::texture_mapping::{TexCoord, upright};
+use super::surface_point::{EDGE_MARGIN, ShapeSample, SurfacePoint};
+use super::texture_mapping::{TexCoord, upright_axes};
 use crate::math::{Ray, Transform};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3};
 
@@ -28,13 +28,13 @@ impl Cuboid {
     pub fn new(min: DVec3, max: DVec3) -> Option<Self> {
         let (center, half) = (0.5 * min + 0.5 * max, 0.5 * max - 0.5 * min);
         let map = DAffine3 { matrix3: DMat3::from_diagonal(half), translation: center };
-        Transform::new(map).ok().map(Self::under)
+        Transform::new(map).ok().map(Self::from_transform)
     }
 
     /// The cube \[−1, 1]³ under `to_world`.
     #[must_use]
-    pub fn under(to_world: Transform) -> Self {
-        let [x, y, z] = columns(&to_world);
+    pub fn from_transform(to_world: Transform) -> Self {
+        let [x, y, z] = half_edges(&to_world);
         let face_areas = 4.0 * DVec3::new(y.cross(z).length(), z.cross(x).length(), x.cross(y).length());
         let rows = to_world.inverse().matrix3.transpose();
         let inverse_widths = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
@@ -42,41 +42,41 @@ impl Cuboid {
     }
 
     /// The point of the face nearest to the object-space point `p`, kept off the edges: see
-    /// [`INSET`].
+    /// [`EDGE_MARGIN`].
     #[inline]
-    fn inset(&self, p: DVec3, face: usize) -> DVec3 {
-        let largest = self.to_world.point(p).abs().max_element();
-        let margin = (self.inverse_widths * (INSET * f64::from(f32::EPSILON) * largest)).min(DVec3::splat(0.5));
+    fn move_off_edges(&self, p: DVec3, face: usize) -> DVec3 {
+        let largest = self.to_world.transform_point(p).abs().max_element();
+        let margin = (self.inverse_widths * (EDGE_MARGIN * f64::from(f32::EPSILON) * largest)).min(DVec3::splat(0.5));
         let mut inside = p.clamp(margin - 1.0, 1.0 - margin);
-        inside[face / 2] = side(face);
+        inside[face / 2] = face_sign(face);
         inside
     }
 
     /// The surface at the object-space point `p` of a face.
     #[inline]
-    fn at(&self, p: DVec3, face: usize) -> SurfacePoint {
+    fn face_point(&self, p: DVec3, face: usize) -> SurfacePoint {
         let mut normal = DVec3::ZERO;
-        normal[face / 2] = side(face);
-        let normal = self.to_world.normal(normal).normalize();
-        let point = SurfacePoint::exact(self.to_world.point(p), normal, world_scale(&self.to_world));
+        normal[face / 2] = face_sign(face);
+        let normal = self.to_world.transform_normal(normal).normalize();
+        let point = SurfacePoint::from_f64(self.to_world.transform_point(p), normal, world_scale(&self.to_world));
         SurfacePoint { uv: Vec2::new(0.0, face as f32), ..point }
     }
 }
 
-fn columns(to_world: &Transform) -> [DVec3; 3] {
+fn half_edges(to_world: &Transform) -> [DVec3; 3] {
     let m = to_world.forward().matrix3;
     [m.x_axis, m.y_axis, m.z_axis]
 }
 
 /// Coordinate of the plane of a face along its axis: −1 or 1.
 #[inline]
-fn side(face: usize) -> f64 {
+fn face_sign(face: usize) -> f64 {
     if face % 2 == 1 { 1.0 } else { -1.0 }
 }
 
 /// The face that a second hit coordinate encodes.
 #[inline]
-fn face_of(uv: Vec2) -> usize {
+fn hit_face(uv: Vec2) -> usize {
     (uv.y as usize).min(5)
 }
 
@@ -107,29 +107,29 @@ impl AnalyticShape for Cuboid {
         if near > far {
             return None;
         }
-        nearer_hit(ray, (local.t(near), near_face as f32), (local.t(far), far_face as f32))
+        nearer_hit(ray, (local.ray_parameter(near), near_face as f32), (local.ray_parameter(far), far_face as f32))
     }
 
     #[inline]
-    fn surface(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
+    fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
         let p = ObjectRay::new(ray, &self.to_world).at(exact_t(t, uv));
-        let face = face_of(uv);
-        self.at(self.inset(p, face), face)
+        let face = hit_face(uv);
+        self.face_point(self.move_off_edges(p, face), face)
     }
 
     /// Each face is a unit square, as of a picture that hangs upright on a wall.
     fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
-        let face = face_of(uv);
+        let face = hit_face(uv);
         let p = self.to_world.inverse().transform_point3(p.as_dvec3());
         let mut normal = DVec3::ZERO;
-        normal[face / 2] = side(face);
-        let [u, v] = upright(normal);
-        let world = |row: DVec3| self.to_world.normal(0.5 * row);
+        normal[face / 2] = face_sign(face);
+        let [u, v] = upright_axes(normal);
+        let world = |row: DVec3| self.to_world.transform_normal(0.5 * row);
         TexCoord { uv: DVec2::new(u.dot(p), v.dot(p)) * 0.5 + 0.5, du: world(u), dv: world(v) }
     }
 
-    fn extent(&self) -> (DVec3, DVec3) {
-        let [x, y, z] = columns(&self.to_world);
+    fn bounds_f64(&self) -> (DVec3, DVec3) {
+        let [x, y, z] = half_edges(&self.to_world);
         let half = x.abs() + y.abs() + z.abs();
         let center = self.to_world.forward().translation;
         (center - half, center + half)
@@ -140,7 +140,7 @@ impl AnalyticShape for Cuboid {
     }
 
     fn transformed(&self, map: &Transform) -> Option<Self> {
-        Transform::new(*map.forward() * *self.to_world.forward()).ok().map(Self::under)
+        Transform::new(*map.forward() * *self.to_world.forward()).ok().map(Self::from_transform)
     }
 
     fn area(&self) -> f64 {
@@ -159,10 +159,10 @@ impl AnalyticShape for Cuboid {
         let x = (rest / self.face_areas[face / 2]).min(1.0);
         let axis = face / 2;
         let mut p = DVec3::ZERO;
-        p[axis] = side(face);
+        p[axis] = face_sign(face);
         p[(axis + 1) % 3] = 2.0 * x - 1.0;
         p[(axis + 2) % 3] = 2.0 * f64::from(u.y) - 1.0;
-        let point = self.at(p, face);
+        let point = self.face_point(p, face);
         ShapeSample { point, pdf: self.pdf(&point), uv: point.uv }
     }
 }

@@ -1,8 +1,8 @@
 //! Discs, and their images under affine maps, which are ellipses.
 
 use super::analytic::AnalyticShape;
-use super::hit::{ShapeHit, widen, within};
-use super::surface_point::{INSET, ShapeSample, SurfacePoint};
+use super::hit::{ShapeHit, ray_to_f64, t_in_range};
+use super::surface_point::{EDGE_MARGIN, ShapeSample, SurfacePoint};
 use crate::math::{Ray, Transform, exact_cross, warp};
 use glam::{DVec2, DVec3, Vec2};
 
@@ -28,54 +28,54 @@ impl Disc {
 
     /// A round disc perpendicular to `normal`, which may have any length above zero.
     #[must_use]
-    pub fn around(center: DVec3, normal: DVec3, radius: f64) -> Self {
+    pub fn with_normal(center: DVec3, normal: DVec3, radius: f64) -> Self {
         let (a, b) = normal.normalize().any_orthonormal_pair();
         // any_orthonormal_pair is right-handed with the given vector as third axis.
         Self::new(center, a * radius, b * radius)
     }
 
-    /// The point `p`, kept off the rim: see [`INSET`].
+    /// The point `p`, kept off the rim: see [`EDGE_MARGIN`].
     #[inline]
-    fn inset(&self, p: DVec3) -> DVec3 {
+    fn move_off_rim(&self, p: DVec3) -> DVec3 {
         let offset = p - self.center;
         let at = DVec2::new(self.dual[0].dot(offset), self.dual[1].dot(offset));
         let steepest = (self.dual[0].length_squared() + self.dual[1].length_squared()).sqrt();
-        let most = 1.0 - (INSET * f64::from(f32::EPSILON) * p.abs().max_element() * steepest).min(0.25);
+        let most = 1.0 - (EDGE_MARGIN * f64::from(f32::EPSILON) * p.abs().max_element() * steepest).min(0.25);
         let from_middle = at.length();
         if from_middle <= most { p } else { self.center + offset * (most / from_middle) }
     }
 
     #[inline]
-    fn at(&self, p: DVec3) -> SurfacePoint {
+    fn surface_at(&self, p: DVec3) -> SurfacePoint {
         let scale = self.center.abs().max_element() + self.a.abs().max_element() + self.b.abs().max_element();
-        SurfacePoint::exact(p, self.normal, scale)
+        SurfacePoint::from_f64(p, self.normal, scale)
     }
 }
 
 impl AnalyticShape for Disc {
     fn transformed(&self, map: &Transform) -> Option<Self> {
-        let (a, b) = (map.vector(self.a), map.vector(self.b));
-        let (a, b) = if map.mirrors() { (b, a) } else { (a, b) };
-        Some(Self::new(map.point(self.center), a, b))
+        let (a, b) = (map.transform_vector(self.a), map.transform_vector(self.b));
+        let (a, b) = if map.swaps_handedness() { (b, a) } else { (a, b) };
+        Some(Self::new(map.transform_point(self.center), a, b))
     }
 
     #[inline]
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
-        let (o, d) = widen(ray);
+        let (o, d) = ray_to_f64(ray);
         let t = self.normal.dot(self.center - o) / self.normal.dot(d);
         let offset = o + d * t - self.center;
         let (x, y) = (self.dual[0].dot(offset), self.dual[1].dot(offset));
-        if x * x + y * y <= 1.0 { within(ray, t).map(|t| (t, x as f32, y as f32)) } else { None }
+        if x * x + y * y <= 1.0 { t_in_range(ray, t).map(|t| (t, x as f32, y as f32)) } else { None }
     }
 
     #[inline]
-    fn surface(&self, ray: &Ray, t: f32, _uv: Vec2) -> SurfacePoint {
-        let (o, d) = widen(ray);
+    fn surface_point(&self, ray: &Ray, t: f32, _uv: Vec2) -> SurfacePoint {
+        let (o, d) = ray_to_f64(ray);
         let p = o + d * f64::from(t);
-        self.at(self.inset(p - self.normal * self.normal.dot(p - self.center)))
+        self.surface_at(self.move_off_rim(p - self.normal * self.normal.dot(p - self.center)))
     }
 
-    fn extent(&self) -> (DVec3, DVec3) {
+    fn bounds_f64(&self) -> (DVec3, DVec3) {
         let half = DVec3::new(
             libm::hypot(self.a.x, self.b.x),
             libm::hypot(self.a.y, self.b.y),
@@ -93,15 +93,15 @@ impl AnalyticShape for Disc {
     }
 
     fn sample(&self, u: Vec2) -> ShapeSample {
-        let d = warp::disc(u).as_dvec2();
+        let d = warp::square_to_uniform_disc(u).as_dvec2();
         ShapeSample {
-            point: self.at(self.center + self.a * d.x + self.b * d.y),
+            point: self.surface_at(self.center + self.a * d.x + self.b * d.y),
             pdf: (1.0 / self.area()) as f32,
             uv: Vec2::ZERO,
         }
     }
 
-    fn planar_point(&self) -> Option<SurfacePoint> {
+    fn point_if_planar(&self) -> Option<SurfacePoint> {
         Some(self.sample(Vec2::splat(0.5)).point)
     }
 }

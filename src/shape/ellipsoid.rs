@@ -5,7 +5,7 @@ use super::hit::{ShapeHit, exact_t, nearer_hit};
 use super::object_ray::{object_ray, world_scale};
 use super::sphere::Sphere;
 use super::surface_point::{ShapeSample, SurfacePoint};
-use crate::math::{Ray, Transform, quadratic, warp};
+use crate::math::{Ray, Transform, quadratic_roots, warp};
 use glam::{DAffine3, DMat3, DVec3, Vec2};
 
 /// Unit sphere under an affine map.
@@ -28,21 +28,21 @@ impl Ellipsoid {
 
     /// Image of a sphere under an affine map; `None` if the product is singular.
     #[must_use]
-    pub fn around(sphere: &Sphere, map: &Transform) -> Option<Self> {
+    pub fn from_sphere(sphere: &Sphere, map: &Transform) -> Option<Self> {
         let place = DAffine3 { matrix3: DMat3::from_diagonal(DVec3::splat(sphere.radius)), translation: sphere.center };
         Some(Self::new(Transform::new(*map.forward() * place).ok()?))
     }
 
     #[inline]
-    fn at(&self, object: DVec3) -> SurfacePoint {
-        let p = self.to_world.point(object);
-        SurfacePoint::exact(p, self.to_world.normal(object).normalize(), world_scale(&self.to_world))
+    fn surface_at(&self, object: DVec3) -> SurfacePoint {
+        let p = self.to_world.transform_point(object);
+        SurfacePoint::from_f64(p, self.to_world.transform_normal(object).normalize(), world_scale(&self.to_world))
     }
 
     /// World area per object area at the object-space point `n`: |det M| · |M⁻ᵀ n|.
     #[inline]
-    fn stretch(&self, n: DVec3) -> f64 {
-        self.to_world.determinant().abs() * self.to_world.normal(n).length()
+    fn area_stretch(&self, n: DVec3) -> f64 {
+        self.to_world.determinant().abs() * self.to_world.transform_normal(n).length()
     }
 
     /// World area: the mean stretch over the sphere, by midpoints in (z, φ).
@@ -54,7 +54,7 @@ impl Ellipsoid {
             let r = (1.0 - z * z).sqrt();
             for j in 0..N {
                 let (sin, cos) = libm::sincos((f64::from(j) + 0.5) * std::f64::consts::TAU / f64::from(N));
-                sum += self.stretch(DVec3::new(r * cos, r * sin, z));
+                sum += self.area_stretch(DVec3::new(r * cos, r * sin, z));
             }
         }
         4.0 * std::f64::consts::PI * sum / f64::from(N * N)
@@ -73,17 +73,17 @@ impl AnalyticShape for Ellipsoid {
         let nearest = l - d * (b / a);
         let distance = l.length();
         let c = (distance - 1.0) * (distance + 1.0);
-        let (near, far) = quadratic(a, b, c, a * (1.0 - nearest.length_squared()))?;
+        let (near, far) = quadratic_roots(a, b, c, a * (1.0 - nearest.length_squared()))?;
         nearer_hit(ray, (near, 0.0), (far, 0.0))
     }
 
     #[inline]
-    fn surface(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
+    fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
         let (l, d) = object_ray(ray, &self.to_world);
-        self.at((l + d * exact_t(t, uv)).normalize())
+        self.surface_at((l + d * exact_t(t, uv)).normalize())
     }
 
-    fn extent(&self) -> (DVec3, DVec3) {
+    fn bounds_f64(&self) -> (DVec3, DVec3) {
         // The unit ball extends along an axis by the length of that row.
         let rows = self.to_world.forward().matrix3.transpose();
         let half = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
@@ -101,10 +101,10 @@ impl AnalyticShape for Ellipsoid {
 
     /// Samples the unit sphere uniformly, so the pdf varies over the ellipsoid.
     fn sample(&self, u: Vec2) -> ShapeSample {
-        let n = warp::sphere(u).as_dvec3().normalize();
+        let n = warp::square_to_uniform_sphere(u).as_dvec3().normalize();
         ShapeSample {
-            point: self.at(n),
-            pdf: (1.0 / (4.0 * std::f64::consts::PI * self.stretch(n))) as f32,
+            point: self.surface_at(n),
+            pdf: (1.0 / (4.0 * std::f64::consts::PI * self.area_stretch(n))) as f32,
             uv: Vec2::ZERO,
         }
     }

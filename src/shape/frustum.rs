@@ -3,9 +3,9 @@
 use super::analytic::AnalyticShape;
 use super::hit::{ShapeHit, exact_t, nearer_hit};
 use super::object_ray::{ObjectRay, world_scale};
-use super::surface_point::{INSET, ShapeSample, SurfacePoint};
-use super::texture_mapping::{TexCoord, upright};
-use crate::math::{Ray, Transform, quadratic};
+use super::surface_point::{EDGE_MARGIN, ShapeSample, SurfacePoint};
+use super::texture_mapping::{TexCoord, upright_axes};
+use crate::math::{Ray, Transform, quadratic_roots};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3};
 use libm::{atan2, hypot, sincos};
 use std::f64::consts::{PI, TAU};
@@ -16,7 +16,7 @@ const AREA_STEPS: u32 = 512;
 /// Surface of x² + z² ≤ ρ(y)², 0 ≤ y ≤ 1, under an affine map; ρ is linear, with 1 as its larger
 /// end.
 ///
-/// The second coordinate of a hit is the `Part`. The outer side of an open frustum faces away
+/// The second coordinate of a hit is the `FrustumPart`. The outer side of an open frustum faces away
 /// from the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frustum {
@@ -31,7 +31,7 @@ pub struct Frustum {
 
 /// Part of the surface of a [`Frustum`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Part {
+enum FrustumPart {
     Side,
     /// Cap at y = 0.
     Bottom,
@@ -39,10 +39,10 @@ enum Part {
     Top,
 }
 
-impl Part {
+impl FrustumPart {
     /// The part that a second hit coordinate encodes.
     #[inline]
-    fn of(uv: Vec2) -> Self {
+    fn from_hit_coordinates(uv: Vec2) -> Self {
         match uv.y as u32 {
             0 => Self::Side,
             1 => Self::Bottom,
@@ -72,18 +72,18 @@ impl Frustum {
     #[must_use]
     pub fn new(bottom: DVec3, top: DVec3, radii: [f64; 2], capped: bool) -> Option<Self> {
         let (axis, radius) = (top - bottom, radii[0].max(radii[1]));
-        let [u, v] = upright(axis);
+        let [u, v] = upright_axes(axis);
         let matrix3 = DMat3::from_cols(u * radius, axis, v * -radius);
         let to_world = Transform::new(DAffine3 { matrix3, translation: bottom }).ok()?;
-        Some(Self::under(to_world, radii.map(|r| r / radius), capped))
+        Some(Self::from_transform(to_world, radii.map(|r| r / radius), capped))
     }
 
-    fn under(to_world: Transform, radii: [f64; 2], capped: bool) -> Self {
+    fn from_transform(to_world: Transform, radii: [f64; 2], capped: bool) -> Self {
         let mut frustum = Self { to_world, radii, capped, areas: [0.0; 3] };
         let around: f64 = (0..AREA_STEPS)
             .map(|i| {
                 let (sin, cos) = sincos(f64::from(i) * TAU / f64::from(AREA_STEPS));
-                frustum.stretch(DVec3::new(cos, frustum.taper(), sin))
+                frustum.area_stretch(DVec3::new(cos, frustum.radius_decrease(), sin))
             })
             .sum();
         frustum.areas[0] = 0.5 * (radii[0] + radii[1]) * TAU * around / f64::from(AREA_STEPS);
@@ -98,20 +98,20 @@ impl Frustum {
 
     /// Decrease of the radius ρ per unit of y.
     #[inline]
-    fn taper(&self) -> f64 {
+    fn radius_decrease(&self) -> f64 {
         self.radii[0] - self.radii[1]
     }
 
     /// Radius ρ at height `y`.
     #[inline]
-    fn radius(&self, y: f64) -> f64 {
-        self.radii[0] - self.taper() * y
+    fn radius_at(&self, y: f64) -> f64 {
+        self.radii[0] - self.radius_decrease() * y
     }
 
     /// World area of an area element whose object-space normal, with the element as length, is `n`.
     #[inline]
-    fn stretch(&self, n: DVec3) -> f64 {
-        self.to_world.determinant().abs() * self.to_world.normal(n).length()
+    fn area_stretch(&self, n: DVec3) -> f64 {
+        self.to_world.determinant().abs() * self.to_world.transform_normal(n).length()
     }
 
     /// Range of τ in which the infinite cone contains the line; `None` if it misses.
@@ -120,10 +120,10 @@ impl Frustum {
     /// negative signature, the discriminant is a sum of squared cross products, which keeps its
     /// digits for grazing rays.
     #[inline]
-    fn inside_cone(&self, ray: &ObjectRay) -> Option<[f64; 2]> {
+    fn cone_interval(&self, ray: &ObjectRay) -> Option<[f64; 2]> {
         const ALL: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
         let (o, d) = (ray.base, ray.direction);
-        let (rho, slope) = (self.radius(o.y), -self.taper() * d.y);
+        let (rho, slope) = (self.radius_at(o.y), -self.radius_decrease() * d.y);
         let a = d.x * d.x + d.z * d.z - slope * slope;
         let b = o.x * d.x + o.z * d.z - rho * slope;
         let distance = hypot(o.x, o.z);
@@ -139,49 +139,49 @@ impl Frustum {
         let (x, z, across) = (o.x * slope - rho * d.x, o.z * slope - rho * d.z, o.x * d.z - o.z * d.x);
         let discriminant = x * x + z * z - across * across;
         if a > 0.0 {
-            return quadratic(a, b, c, discriminant).map(|(near, far)| [near, far]);
+            return quadratic_roots(a, b, c, discriminant).map(|(near, far)| [near, far]);
         }
         // The line is steeper than the generators: it enters the cone for good, or leaves it.
-        let (before, after) = quadratic(a, b, c, discriminant.max(0.0))?;
+        let (before, after) = quadratic_roots(a, b, c, discriminant.max(0.0))?;
         Some(if slope > 0.0 { [after, f64::INFINITY] } else { [f64::NEG_INFINITY, before] })
     }
 
     /// Largest displacements by rounding of a hit near the object-space point `p`, along y and
     /// across it.
     #[inline]
-    fn margins(&self, p: DVec3) -> (f64, f64) {
-        let largest = self.to_world.point(p).abs().max_element();
+    fn rounding_margins(&self, p: DVec3) -> (f64, f64) {
+        let largest = self.to_world.transform_point(p).abs().max_element();
         let rows = self.to_world.inverse().matrix3.transpose();
-        let unit = INSET * f64::from(f32::EPSILON) * largest;
+        let unit = EDGE_MARGIN * f64::from(f32::EPSILON) * largest;
         let across = (rows.x_axis.length_squared() + rows.z_axis.length_squared()).sqrt();
         ((unit * rows.y_axis.length()).min(0.25), (unit * across).min(0.25))
     }
 
     /// The surface of the side at height `y` in the unit direction (x, z) from the axis.
     #[inline]
-    fn side_at(&self, y: f64, radial: DVec2) -> SurfacePoint {
-        let rho = self.radius(y);
-        let normal = DVec3::new(radial.x, self.taper(), radial.y);
-        self.at(DVec3::new(radial.x * rho, y, radial.y * rho), normal, Part::Side)
+    fn side_point(&self, y: f64, radial: DVec2) -> SurfacePoint {
+        let rho = self.radius_at(y);
+        let normal = DVec3::new(radial.x, self.radius_decrease(), radial.y);
+        self.surface_at(DVec3::new(radial.x * rho, y, radial.y * rho), normal, FrustumPart::Side)
     }
 
     /// The surface of a cap at the point (x, z).
     #[inline]
-    fn cap_at(&self, p: DVec2, part: Part) -> SurfacePoint {
-        let (y, normal) = if part == Part::Top { (1.0, DVec3::Y) } else { (0.0, DVec3::NEG_Y) };
-        self.at(DVec3::new(p.x, y, p.y), normal, part)
+    fn cap_point(&self, p: DVec2, part: FrustumPart) -> SurfacePoint {
+        let (y, normal) = if part == FrustumPart::Top { (1.0, DVec3::Y) } else { (0.0, DVec3::NEG_Y) };
+        self.surface_at(DVec3::new(p.x, y, p.y), normal, part)
     }
 
     #[inline]
-    fn at(&self, p: DVec3, normal: DVec3, part: Part) -> SurfacePoint {
-        let normal = self.to_world.normal(normal).normalize();
-        let point = SurfacePoint::exact(self.to_world.point(p), normal, world_scale(&self.to_world));
+    fn surface_at(&self, p: DVec3, normal: DVec3, part: FrustumPart) -> SurfacePoint {
+        let normal = self.to_world.transform_normal(normal).normalize();
+        let point = SurfacePoint::from_f64(self.to_world.transform_point(p), normal, world_scale(&self.to_world));
         SurfacePoint { uv: Vec2::new(0.0, part as u32 as f32), ..point }
     }
 
     /// The height y at which the side below has the fraction `v` of its area.
     #[inline]
-    fn height_below(&self, v: f64) -> f64 {
+    fn height_at_area_fraction(&self, v: f64) -> f64 {
         let [bottom, top] = self.radii;
         let rho = (bottom * bottom * (1.0 - v) + top * top * v).sqrt();
         if v > 0.0 { (v * (bottom + top) / (bottom + rho)).min(1.0) } else { 0.0 }
@@ -194,15 +194,15 @@ impl AnalyticShape for Frustum {
     #[inline]
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
         let local = ObjectRay::new(ray, &self.to_world);
-        let [side_near, side_far] = self.inside_cone(&local)?;
+        let [side_near, side_far] = self.cone_interval(&local)?;
         let (o, d) = (local.base.y, local.direction.y);
-        let (mut near, mut far) = ((side_near, Part::Side), (side_far, Part::Side));
+        let (mut near, mut far) = ((side_near, FrustumPart::Side), (side_far, FrustumPart::Side));
         if d == 0.0 {
             if !(0.0..=1.0).contains(&o) {
                 return None;
             }
         } else {
-            let (bottom, top) = ((-o / d, Part::Bottom), ((1.0 - o) / d, Part::Top));
+            let (bottom, top) = ((-o / d, FrustumPart::Bottom), ((1.0 - o) / d, FrustumPart::Top));
             let (enter, exit) = if d > 0.0 { (bottom, top) } else { (top, bottom) };
             near = if enter.0 > near.0 { enter } else { near };
             far = if exit.0 < far.0 { exit } else { far };
@@ -210,32 +210,33 @@ impl AnalyticShape for Frustum {
         if near.0 > far.0 {
             return None;
         }
-        let hit = |(tau, part): (f64, Part)| {
+        let hit = |(tau, part): (f64, FrustumPart)| {
             // An open end is no hit: as a distance behind the ray.
-            let t = if self.capped || part == Part::Side { local.t(tau) } else { f64::NEG_INFINITY };
+            let t = if self.capped || part == FrustumPart::Side { local.ray_parameter(tau) } else { f64::NEG_INFINITY };
             (t, part as u32 as f32)
         };
         nearer_hit(ray, hit(near), hit(far))
     }
 
     #[inline]
-    fn surface(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
+    fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
         let p = ObjectRay::new(ray, &self.to_world).at(exact_t(t, uv));
-        let (along, across) = self.margins(p);
+        let (along, across) = self.rounding_margins(p);
         let from_axis = DVec2::new(p.x, p.z);
-        match Part::of(uv) {
-            Part::Side => {
+        match FrustumPart::from_hit_coordinates(uv) {
+            FrustumPart::Side => {
                 // Off the rims, and off an apex by as much.
-                let off =
-                    |rho: f64| if rho < across { ((across - rho) / self.taper().abs()).max(along) } else { along };
+                let off = |rho: f64| {
+                    if rho < across { ((across - rho) / self.radius_decrease().abs()).max(along) } else { along }
+                };
                 let (low, high) = (off(self.radii[0]), 1.0 - off(self.radii[1]));
-                self.side_at(p.y.clamp(low.min(0.5), high.max(0.5)), from_axis.try_normalize().unwrap_or(DVec2::X))
+                self.side_point(p.y.clamp(low.min(0.5), high.max(0.5)), from_axis.try_normalize().unwrap_or(DVec2::X))
             }
-            part @ (Part::Bottom | Part::Top) => {
-                let radius = self.radii[usize::from(part == Part::Top)];
+            part @ (FrustumPart::Bottom | FrustumPart::Top) => {
+                let radius = self.radii[usize::from(part == FrustumPart::Top)];
                 let most = (radius - across).max(0.75 * radius);
                 let distance = from_axis.length();
-                self.cap_at(if distance > most { from_axis * (most / distance) } else { from_axis }, part)
+                self.cap_point(if distance > most { from_axis * (most / distance) } else { from_axis }, part)
             }
         }
     }
@@ -244,18 +245,18 @@ impl AnalyticShape for Frustum {
     /// square from inside.
     fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
         let p = self.to_world.inverse().transform_point3(p.as_dvec3());
-        let world = |row: DVec3| self.to_world.normal(row);
-        match Part::of(uv) {
-            Part::Side => {
+        let world = |row: DVec3| self.to_world.transform_normal(row);
+        match FrustumPart::from_hit_coordinates(uv) {
+            FrustumPart::Side => {
                 let around2 = (p.x * p.x + p.z * p.z).max(f64::MIN_POSITIVE);
                 let u = 0.5 + atan2(p.x, p.z) / TAU;
                 let du = DVec3::new(p.z, 0.0, -p.x) / (around2 * TAU);
                 TexCoord { uv: DVec2::new(u, p.y), du: world(du), dv: world(DVec3::Y) }
             }
-            part @ (Part::Bottom | Part::Top) => {
+            part @ (FrustumPart::Bottom | FrustumPart::Top) => {
                 let (radius, v) = match part {
-                    Part::Top => (self.radii[1], DVec3::NEG_Z),
-                    Part::Bottom | Part::Side => (self.radii[0], DVec3::Z),
+                    FrustumPart::Top => (self.radii[1], DVec3::NEG_Z),
+                    FrustumPart::Bottom | FrustumPart::Side => (self.radii[0], DVec3::Z),
                 };
                 let (u, v) = (DVec3::X / (2.0 * radius), v / (2.0 * radius));
                 TexCoord { uv: DVec2::new(u.dot(p), v.dot(p)) + 0.5, du: world(u), dv: world(v) }
@@ -263,11 +264,11 @@ impl AnalyticShape for Frustum {
         }
     }
 
-    fn extent(&self) -> (DVec3, DVec3) {
+    fn bounds_f64(&self) -> (DVec3, DVec3) {
         let m = self.to_world.forward().matrix3;
         let (a, b) = (m.x_axis, m.z_axis);
         let half = DVec3::new(hypot(a.x, b.x), hypot(a.y, b.y), hypot(a.z, b.z));
-        let ends = [0.0, 1.0].map(|y| self.to_world.point(DVec3::Y * y));
+        let ends = [0.0, 1.0].map(|y| self.to_world.transform_point(DVec3::Y * y));
         let [r0, r1] = self.radii;
         let min = (ends[0] - half * r0).min(ends[1] - half * r1);
         (min, (ends[0] + half * r0).max(ends[1] + half * r1))
@@ -279,7 +280,7 @@ impl AnalyticShape for Frustum {
 
     fn transformed(&self, map: &Transform) -> Option<Self> {
         let to_world = Transform::new(*map.forward() * *self.to_world.forward()).ok()?;
-        Some(Self::under(to_world, self.radii, self.capped))
+        Some(Self::from_transform(to_world, self.radii, self.capped))
     }
 
     fn area(&self) -> f64 {
@@ -295,14 +296,14 @@ impl AnalyticShape for Frustum {
         let radial = DVec2::new(cos, sin);
         // The remainder within the chosen part is uniform again.
         let cap = |area: f64, x: f64, radius: f64, part| {
-            self.cap_at(radial * (radius * (x / area).clamp(0.0, 1.0).sqrt()), part)
+            self.cap_point(radial * (radius * (x / area).clamp(0.0, 1.0).sqrt()), part)
         };
         let point = if x < side || !self.capped {
-            self.side_at(self.height_below((x / side).min(1.0)), radial)
+            self.side_point(self.height_at_area_fraction((x / side).min(1.0)), radial)
         } else if x - side < bottom || self.areas[2] == 0.0 {
-            cap(bottom, x - side, self.radii[0], Part::Bottom)
+            cap(bottom, x - side, self.radii[0], FrustumPart::Bottom)
         } else {
-            cap(self.areas[2], x - side - bottom, self.radii[1], Part::Top)
+            cap(self.areas[2], x - side - bottom, self.radii[1], FrustumPart::Top)
         };
         ShapeSample { point, pdf: self.pdf(&point), uv: point.uv }
     }
@@ -310,15 +311,15 @@ impl AnalyticShape for Frustum {
     #[inline]
     fn pdf(&self, point: &SurfacePoint) -> f32 {
         let total = self.area();
-        let pdf = match Part::of(point.uv) {
-            Part::Side => {
+        let pdf = match FrustumPart::from_hit_coordinates(point.uv) {
+            FrustumPart::Side => {
                 // |M⁻ᵀ n| at object normal n is |n|/|Mᵀ ng|, since Mᵀ maps ng to a multiple of n.
                 let m = self.to_world.forward().matrix3;
                 let back = (m.transpose() * point.ng.as_dvec3()).length();
-                let stretch = self.to_world.determinant().abs() * hypot(1.0, self.taper()) / back;
+                let stretch = self.to_world.determinant().abs() * hypot(1.0, self.radius_decrease()) / back;
                 self.areas[0] / (total * PI * (self.radii[0] + self.radii[1]) * stretch)
             }
-            Part::Bottom | Part::Top => 1.0 / total,
+            FrustumPart::Bottom | FrustumPart::Top => 1.0 / total,
         };
         pdf as f32
     }

@@ -8,13 +8,13 @@ pub type ShapeHit = (f32, f32, f32);
 
 /// Origin and direction of the ray in double precision.
 #[inline]
-pub(super) fn widen(ray: &Ray) -> (DVec3, DVec3) {
+pub(super) fn ray_to_f64(ray: &Ray) -> (DVec3, DVec3) {
     (ray.origin.as_dvec3(), ray.direction.as_dvec3())
 }
 
 /// `t` rounded to f32; `None` outside the ray's range.
 #[inline]
-pub(super) fn within(ray: &Ray, t: f64) -> Option<f32> {
+pub(super) fn t_in_range(ray: &Ray, t: f64) -> Option<f32> {
     let t = t as f32;
     (t > 0.0 && t < ray.t_max).then_some(t)
 }
@@ -25,7 +25,7 @@ pub(super) fn within(ray: &Ray, t: f64) -> Option<f32> {
 /// near and the far side.
 #[inline]
 pub(super) fn hit_with_residual(ray: &Ray, t: f64, second: f32) -> Option<ShapeHit> {
-    within(ray, t).map(|rounded| (rounded, (t / f64::from(rounded) - 1.0) as f32, second))
+    t_in_range(ray, t).map(|rounded| (rounded, (t / f64::from(rounded) - 1.0) as f32, second))
 }
 
 /// The nearer of two hits that lies within the ray; each is t and a second coordinate.

@@ -1,32 +1,32 @@
 //! Instances: one set of triangles under several maps, or under a map that moves.
 
 use super::analytic::AnalyticShape;
-use super::hit::{ShapeHit, within};
+use super::hit::{ShapeHit, t_in_range};
 use super::mesh::Mesh;
 use super::object_ray::object_ray;
 use super::surface_point::{ShapeSample, SurfacePoint, rounding_error};
 use super::texture_mapping::TexCoord;
 use crate::accel::{Hierarchy, Primitive};
 use crate::math::{Ray, Transform, warp};
-use crate::sampling::Discrete;
+use crate::sampling::DiscreteDistribution;
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::{Arc, OnceLock};
 
 /// Mesh with its own hierarchy, in object space.
-pub struct IndexedMesh {
+pub struct MeshWithBvh {
     mesh: Mesh,
     hierarchy: Hierarchy,
     /// Distribution of triangles by area, made when a light needs it.
-    choice: OnceLock<Option<Discrete>>,
+    choice: OnceLock<Option<DiscreteDistribution>>,
 }
 
-impl std::fmt::Debug for IndexedMesh {
+impl std::fmt::Debug for MeshWithBvh {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("IndexedMesh").field("triangles", &self.mesh.triangles.len()).finish_non_exhaustive()
+        f.debug_struct("MeshWithBvh").field("triangles", &self.mesh.triangles.len()).finish_non_exhaustive()
     }
 }
 
-impl IndexedMesh {
+impl MeshWithBvh {
     /// Builds the hierarchy of a mesh.
     ///
     /// Hits are most accurate if the mesh is centred near the origin.
@@ -37,8 +37,8 @@ impl IndexedMesh {
     }
 
     /// Distribution of triangles by area; `None` if there is no area.
-    fn choice(&self) -> Option<&Discrete> {
-        let make = || Discrete::new((0..self.mesh.triangles.len()).map(|i| self.mesh.area(i)));
+    fn area_distribution(&self) -> Option<&DiscreteDistribution> {
+        let make = || DiscreteDistribution::new((0..self.mesh.triangles.len()).map(|i| self.mesh.triangle_area(i)));
         self.choice.get_or_init(make).as_ref()
     }
 }
@@ -49,7 +49,7 @@ impl IndexedMesh {
 /// The first coordinate of a hit holds the bits of the triangle's index.
 #[derive(Clone, Debug)]
 pub struct Instance {
-    mesh: Arc<IndexedMesh>,
+    mesh: Arc<MeshWithBvh>,
     to_world: Transform,
     /// World area per object area, exact for similarities.
     area_scale: f64,
@@ -58,14 +58,14 @@ pub struct Instance {
 impl Instance {
     /// Places `mesh` by `to_world`.
     #[must_use]
-    pub fn new(mesh: Arc<IndexedMesh>, to_world: Transform) -> Self {
+    pub fn new(mesh: Arc<MeshWithBvh>, to_world: Transform) -> Self {
         let edge = libm::cbrt(to_world.determinant().abs());
         Self { mesh, to_world, area_scale: edge * edge }
     }
 
     /// Number of triangles.
     #[must_use]
-    pub fn triangles(&self) -> usize {
+    pub fn triangle_count(&self) -> usize {
         self.mesh.mesh.triangles.len()
     }
 
@@ -74,7 +74,7 @@ impl Instance {
     /// The error of rounding to f32 is then proportional to the mesh's size, however distant the
     /// ray's origin is.
     #[inline]
-    fn near(&self, ray: &Ray) -> (Ray, f64) {
+    fn clipped_object_ray(&self, ray: &Ray) -> (Ray, f64) {
         let (o, d) = object_ray(ray, &self.to_world);
         let around = self.mesh.hierarchy.bounds().bounding_sphere();
         let length = d.length();
@@ -86,15 +86,15 @@ impl Instance {
 
     /// The surface of triangle `i` at barycentric weights `b` of its second and third corner.
     fn surface_at(&self, i: usize, b: Vec2) -> SurfacePoint {
-        let own = self.mesh.mesh.surface(i, b);
-        let p = self.to_world.point(own.p.as_dvec3()).as_vec3();
-        let normal = |n: Vec3| self.to_world.normal(n.as_dvec3()).normalize_or_zero().as_vec3();
+        let own = self.mesh.mesh.surface_point(i, b);
+        let p = self.to_world.transform_point(own.p.as_dvec3()).as_vec3();
+        let normal = |n: Vec3| self.to_world.transform_normal(n.as_dvec3()).normalize_or_zero().as_vec3();
         let (ng, ns) = (normal(own.ng), normal(own.ns));
         // The position is rounded in both spaces, and the next ray once more on its way to object
         // space. Displacement within the plane is no error.
         let n = own.ng.as_dvec3();
-        let rounded =
-            n.abs().dot((own.error + own.p.abs() * f32::EPSILON).as_dvec3()) / self.to_world.normal(n).length();
+        let rounded = n.abs().dot((own.error + own.p.abs() * f32::EPSILON).as_dvec3())
+            / self.to_world.transform_normal(n).length();
         let reach = f64::from(p.abs().max_element()) + self.to_world.forward().translation.abs().max_element();
         let error = rounding_error(p, reach) + Vec3::splat(rounded as f32);
         SurfacePoint { p, error, ng: if ng.dot(ns) < 0.0 { -ng } else { ng }, ns, uv: b }
@@ -109,9 +109,9 @@ impl AnalyticShape for Instance {
 
     #[inline]
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
-        let (near, start) = self.near(ray);
+        let (near, start) = self.clipped_object_ray(ray);
         let hit = self.mesh.hierarchy.closest(&near, |_, _| None)?;
-        let t = within(ray, start + f64::from(hit.t))?;
+        let t = t_in_range(ray, start + f64::from(hit.t))?;
         match hit.primitive {
             Primitive::Triangle(i) => Some((t, f32::from_bits(i), 0.0)),
             Primitive::Other(_) => None,
@@ -120,11 +120,11 @@ impl AnalyticShape for Instance {
 
     #[inline]
     fn occludes(&self, ray: &Ray) -> bool {
-        self.mesh.hierarchy.occluded(&self.near(ray).0, |_, _| false)
+        self.mesh.hierarchy.occluded(&self.clipped_object_ray(ray).0, |_, _| false)
     }
 
     #[inline]
-    fn surface(&self, ray: &Ray, _t: f32, uv: Vec2) -> SurfacePoint {
+    fn surface_point(&self, ray: &Ray, _t: f32, uv: Vec2) -> SurfacePoint {
         let (o, d) = object_ray(ray, &self.to_world);
         let i = uv.x.to_bits() as usize;
         let [a, b, c] = self.mesh.mesh.corners(i).map(|v| v.as_dvec3());
@@ -135,7 +135,7 @@ impl AnalyticShape for Instance {
         let q = (o - a).cross(e1);
         let determinant = e1.dot(p);
         let weights = glam::DVec2::new((o - a).dot(p), d.dot(q)) / determinant;
-        self.surface_at(i, inside_triangle(weights))
+        self.surface_at(i, clamp_to_triangle(weights))
     }
 
     fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
@@ -145,12 +145,12 @@ impl AnalyticShape for Instance {
         let (e1, e2) = (b - a, c - a);
         let cross = e1.cross(e2);
         let weights = glam::DVec2::new(e2.cross(cross).dot(p - a), cross.cross(e1).dot(p - a)) / cross.length_squared();
-        let own = self.mesh.mesh.mapped(i, inside_triangle(weights));
-        TexCoord { du: self.to_world.normal(own.du), dv: self.to_world.normal(own.dv), ..own }
+        let own = self.mesh.mesh.tex_coord(i, clamp_to_triangle(weights));
+        TexCoord { du: self.to_world.transform_normal(own.du), dv: self.to_world.transform_normal(own.dv), ..own }
     }
 
-    fn extent(&self) -> (DVec3, DVec3) {
-        let corners = self.mesh.hierarchy.bounds().corners().map(|c| self.to_world.point(c.as_dvec3()));
+    fn bounds_f64(&self) -> (DVec3, DVec3) {
+        let corners = self.mesh.hierarchy.bounds().corners().map(|c| self.to_world.transform_point(c.as_dvec3()));
         let fold = |f: fn(DVec3, DVec3) -> DVec3| corners.iter().copied().reduce(f).unwrap_or(DVec3::ZERO);
         (fold(DVec3::min), fold(DVec3::max))
     }
@@ -160,15 +160,15 @@ impl AnalyticShape for Instance {
     }
 
     fn area(&self) -> f64 {
-        self.mesh.choice().map_or(0.0, |choice| choice.total() * self.area_scale)
+        self.mesh.area_distribution().map_or(0.0, |choice| choice.weight_sum() * self.area_scale)
     }
 
     fn sample(&self, u: Vec2) -> ShapeSample {
-        let (i, b) = match self.mesh.choice() {
+        let (i, b) = match self.mesh.area_distribution() {
             Some(choice) => {
                 let (i, _) = choice.sample(u.x);
                 // The remainder of u.x within the chosen interval is uniform again.
-                (i, warp::triangle(Vec2::new(choice.remainder(u.x, i), u.y)))
+                (i, warp::square_to_uniform_triangle(Vec2::new(choice.remapped_sample(u.x, i), u.y)))
             }
             None => (0, Vec2::ZERO),
         };
@@ -180,7 +180,7 @@ impl AnalyticShape for Instance {
 /// Nearest weights inside the triangle, for a point that rounding may have moved outside.
 ///
 /// Not-finite weights become those of the first corner.
-fn inside_triangle(weights: glam::DVec2) -> Vec2 {
+fn clamp_to_triangle(weights: glam::DVec2) -> Vec2 {
     let w = if weights.is_finite() { weights.max(glam::DVec2::ZERO) } else { glam::DVec2::ZERO };
     let sum = w.x + w.y;
     (if sum > 1.0 { w / sum } else { w }).as_vec2()

@@ -1,6 +1,6 @@
 //! Triangle meshes.
 
-use super::surface_point::{INSET, SurfacePoint};
+use super::surface_point::{EDGE_MARGIN, SurfacePoint};
 use super::texture_mapping::TexCoord;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
@@ -30,7 +30,7 @@ impl Mesh {
 
     /// Area of triangle `i` \[length²].
     #[must_use]
-    pub fn area(&self, i: usize) -> f64 {
+    pub fn triangle_area(&self, i: usize) -> f64 {
         let [a, b, c] = self.corners(i).map(|v| v.as_dvec3());
         0.5 * (b - a).cross(c - a).length()
     }
@@ -38,7 +38,7 @@ impl Mesh {
     /// The surface of triangle `i` at barycentric weights `b` of its second and third corner.
     #[inline]
     #[must_use]
-    pub fn surface(&self, i: usize, b: Vec2) -> SurfacePoint {
+    pub fn surface_point(&self, i: usize, b: Vec2) -> SurfacePoint {
         let [p0, p1, p2] = self.corners(i).map(|v| v.as_dvec3());
         let (e1, e2) = (p1 - p0, p2 - p0);
         let b = b.as_dvec2();
@@ -47,13 +47,13 @@ impl Mesh {
         // The f32 triangle test rounds corners relative to the ray's origin: its error is in ulps
         // of the triangle's size.
         let size = e1.abs().max(e2.abs()).max_element();
-        let room = INSET * f64::from(f32::EPSILON) * (p.abs().max_element() + 4.0 * size);
+        let room = EDGE_MARGIN * f64::from(f32::EPSILON) * (p.abs().max_element() + 4.0 * size);
         // The height over an edge is a weight times the cross product over the edge length, which
         // is at most √12 sizes.
         let least = b.x.min(b.y).min(1.0 - b.x - b.y).max(0.0);
         let bound = room * size;
         if least * least * cross.length_squared() < 12.0 * bound * bound {
-            let kept = kept_inside(b, room / cross.length(), [e1, e2]);
+            let kept = move_weights_off_edges(b, room / cross.length(), [e1, e2]);
             p = p0 + e1 * kept.x + e2 * kept.y;
         }
         let p = p.as_vec3();
@@ -77,7 +77,7 @@ impl Mesh {
     ///
     /// Their gradients are zero if the mesh has no texture coordinates or the triangle has no area.
     #[must_use]
-    pub fn mapped(&self, i: usize, b: Vec2) -> TexCoord {
+    pub fn tex_coord(&self, i: usize, b: Vec2) -> TexCoord {
         if self.texcoords.is_empty() {
             return TexCoord::default();
         }
@@ -106,12 +106,12 @@ impl Mesh {
     }
 }
 
-/// The weights `b`, moved so that the point stays off every edge: see [`INSET`].
+/// The weights `b`, moved so that the point stays off every edge: see [`EDGE_MARGIN`].
 ///
 /// `edges` lead from the first corner to the others. The least height over an edge is `room` times
 /// the length of the cross product, or a quarter of the triangle's height.
 #[cold]
-fn kept_inside(b: DVec2, room: f64, [e1, e2]: [DVec3; 2]) -> DVec2 {
+fn move_weights_off_edges(b: DVec2, room: f64, [e1, e2]: [DVec3; 2]) -> DVec2 {
     let least = [e2 - e1, e2, e1].map(|edge| (room * edge.length()).min(0.25));
     let mut weights = [1.0 - b.x - b.y, b.x, b.y];
     let largest = if weights[0] >= b.x.max(b.y) { 0 } else { 1 + usize::from(b.y > b.x) };
@@ -135,8 +135,8 @@ mod tests {
             triangles: vec![[0, 1, 2]],
             ..Mesh::default()
         };
-        assert_eq!(mesh.mapped(0, Vec2::ZERO).uv, DVec2::new(0.5, 0.25));
-        let m = mesh.mapped(0, Vec2::new(0.5, 0.5));
+        assert_eq!(mesh.tex_coord(0, Vec2::ZERO).uv, DVec2::new(0.5, 0.25));
+        let m = mesh.tex_coord(0, Vec2::new(0.5, 0.5));
         assert_eq!(m.uv, DVec2::new(0.75, 0.625));
         let along = |x: DVec3| DVec2::new(m.du.dot(x), m.dv.dot(x));
         // Coordinates are affine: along an edge they change by the difference of the corners.

@@ -27,19 +27,19 @@ pub use disc::Disc;
 pub use ellipsoid::Ellipsoid;
 pub use frustum::Frustum;
 pub use hit::ShapeHit;
-pub use instance::{IndexedMesh, Instance};
+pub use instance::{Instance, MeshWithBvh};
 pub use mesh::{Mesh, Triangle};
 pub use parametric::{Patch, Revolution};
 pub use plane::Plane;
 pub use rectangle::Rectangle;
 pub use sphere::Sphere;
 pub use surface_point::{ShapeSample, SurfacePoint};
-pub use texture_mapping::{MappingKind, TexCoord, TextureMapping, upright};
+pub use texture_mapping::{MappingKind, TexCoord, TextureMapping, upright_axes};
 
 use crate::math::{self, Bounds, Ray, Transform};
 use analytic::AnalyticShape;
 use glam::{DVec3, Vec2, Vec3};
-use surface_point::outer_bounds;
+use surface_point::round_outward;
 
 /// A bounded shape in world space.
 #[derive(Clone, Debug)]
@@ -126,8 +126,8 @@ impl Shape {
     /// Point that `ray` hits at `t`; `uv` holds the coordinates of the [`ShapeHit`].
     #[inline]
     #[must_use]
-    pub fn surface(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
-        dispatch!(self, s, _w => s.surface(ray, t, uv))
+    pub fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
+        dispatch!(self, s, _w => s.surface_point(ray, t, uv))
     }
 
     /// Intrinsic texture coordinates at the surface point `p`; `uv` holds the coordinates of the
@@ -135,34 +135,34 @@ impl Shape {
     ///
     /// Shapes without intrinsic texture coordinates return `uv`.
     #[must_use]
-    pub fn mapped(&self, p: Vec3, uv: Vec2) -> TexCoord {
+    pub fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
         dispatch!(self, s, _w => s.tex_coord(p, uv))
     }
 
     /// Box around the shape.
     #[must_use]
     pub fn bounds(&self) -> Bounds {
-        let (min, max) = self.extent();
-        outer_bounds(min, max)
+        let (min, max) = self.bounds_f64();
+        round_outward(min, max)
     }
 
     /// Lower and upper corner of a box around the shape, in double precision.
     #[must_use]
-    pub fn extent(&self) -> (DVec3, DVec3) {
-        dispatch!(self, s, _w => s.extent())
+    pub fn bounds_f64(&self) -> (DVec3, DVec3) {
+        dispatch!(self, s, _w => s.bounds_f64())
     }
 
     /// Sphere around the shape; tight for spheres.
     #[must_use]
-    pub fn bounding_sphere(&self) -> math::Sphere {
+    pub fn bounding_sphere(&self) -> math::BoundingSphere {
         let tight = dispatch!(self, s, _w => s.bounding_sphere());
         tight.unwrap_or_else(|| self.bounds().bounding_sphere())
     }
 
     /// A point of the surface if the whole shape lies in one plane, else `None`.
     #[must_use]
-    pub fn planar_point(&self) -> Option<SurfacePoint> {
-        dispatch!(self, s, _w => s.planar_point())
+    pub fn point_if_planar(&self) -> Option<SurfacePoint> {
+        dispatch!(self, s, _w => s.point_if_planar())
     }
 
     /// Image under a translation.
@@ -175,8 +175,8 @@ impl Shape {
     /// can hold.
     #[must_use]
     pub fn transformed(&self, map: &Transform) -> Option<Self> {
-        if let (Self::Sphere(s), None) = (self, map.similarity()) {
-            return Ellipsoid::around(s, map).map(Self::Ellipsoid);
+        if let (Self::Sphere(s), None) = (self, map.uniform_scale()) {
+            return Ellipsoid::from_sphere(s, map).map(Self::Ellipsoid);
         }
         dispatch!(self, s, wrap => s.transformed(map).map(wrap))
     }

@@ -1,13 +1,13 @@
 //! Rays in the object space of a shape.
 
-use super::hit::widen;
+use super::hit::ray_to_f64;
 use crate::math::{Ray, Transform};
 use glam::DVec3;
 
 /// Origin and direction of the ray in object space; the ray parameter t stays the same.
 #[inline]
 pub(super) fn object_ray(ray: &Ray, to_world: &Transform) -> (DVec3, DVec3) {
-    let (o, d) = widen(ray);
+    let (o, d) = ray_to_f64(ray);
     let inverse = to_world.inverse();
     (inverse.transform_point3(o), inverse.transform_vector3(d))
 }
@@ -41,7 +41,7 @@ impl ObjectRay {
 
     /// Ray parameter t of the point at τ.
     #[inline]
-    pub fn t(&self, tau: f64) -> f64 {
+    pub fn ray_parameter(&self, tau: f64) -> f64 {
         (self.start + tau) / self.length
     }
 

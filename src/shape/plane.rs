@@ -1,6 +1,6 @@
 //! Infinite planes, which have no bounding box.
 
-use super::hit::{ShapeHit, widen, within};
+use super::hit::{ShapeHit, ray_to_f64, t_in_range};
 use super::surface_point::SurfacePoint;
 use crate::math::{Ray, Transform};
 use glam::{DVec3, Vec3};
@@ -9,7 +9,7 @@ use glam::{DVec3, Vec3};
 ///
 /// Rounding contributes, in units of 2⁻⁵³: 2π for an angle up to a full turn, 2π for a second one,
 /// and 3 for the product of normal and direction.
-const PARALLEL: f64 = 8.0 * f64::EPSILON;
+const PARALLEL_COSINE: f64 = 8.0 * f64::EPSILON;
 
 /// The points with `normal · x = offset`; the outer side is that of the unit normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,12 +35,12 @@ impl Plane {
     /// Image under an affine map, with the same outer side.
     #[must_use]
     pub fn transformed(&self, map: &Transform) -> Self {
-        Self::new(map.point(self.normal * self.offset), map.normal(self.normal))
+        Self::new(map.transform_point(self.normal * self.offset), map.transform_normal(self.normal))
     }
 
     /// Point nearest to the origin, and the unit normal.
     #[must_use]
-    pub fn place(&self) -> (Vec3, Vec3) {
+    pub fn point_and_normal(&self) -> (Vec3, Vec3) {
         ((self.normal * self.offset).as_vec3(), self.normal.as_vec3())
     }
 
@@ -48,22 +48,22 @@ impl Plane {
     #[inline]
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
-        let (o, d) = widen(ray);
+        let (o, d) = ray_to_f64(ray);
         let across = self.normal.dot(d);
-        if across * across <= PARALLEL * PARALLEL * d.length_squared() {
+        if across * across <= PARALLEL_COSINE * PARALLEL_COSINE * d.length_squared() {
             return None;
         }
-        within(ray, (self.offset - self.normal.dot(o)) / across).map(|t| (t, 0.0, 0.0))
+        t_in_range(ray, (self.offset - self.normal.dot(o)) / across).map(|t| (t, 0.0, 0.0))
     }
 
     /// Point that `ray` hits at `t`.
     #[inline]
     #[must_use]
-    pub fn surface(&self, ray: &Ray, t: f32) -> SurfacePoint {
-        let (o, d) = widen(ray);
+    pub fn surface_point(&self, ray: &Ray, t: f32) -> SurfacePoint {
+        let (o, d) = ray_to_f64(ray);
         let p = o + d * f64::from(t);
         let on = p - self.normal * (self.normal.dot(p) - self.offset);
-        SurfacePoint::exact(on, self.normal, on.abs().max_element())
+        SurfacePoint::from_f64(on, self.normal, on.abs().max_element())
     }
 }
 
@@ -77,7 +77,7 @@ mod tests {
         assert!(plane.intersect(&Ray::new(Vec3::ZERO, Vec3::X)).is_none());
         let ray = Ray::new(Vec3::ZERO, Vec3::new(1.0, -1e-4, 0.0));
         let (t, ..) = plane.intersect(&ray).unwrap();
-        assert_eq!(plane.surface(&ray, t).p.y, -2.0);
+        assert_eq!(plane.surface_point(&ray, t).p.y, -2.0);
     }
 
     #[test]

@@ -1,24 +1,24 @@
 //! Rectangles, and their images under affine maps, which are parallelograms.
 
 use super::analytic::AnalyticShape;
-use super::hit::{ShapeHit, widen, within};
-use super::surface_point::{INSET, ShapeSample, SurfacePoint};
+use super::hit::{ShapeHit, ray_to_f64, t_in_range};
+use super::surface_point::{EDGE_MARGIN, ShapeSample, SurfacePoint};
 use crate::math::{Ray, Transform, exact_cross};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use libm::{atan2, cos, hypot, sin};
 
 /// Largest cosine between edges that count as perpendicular: some ulps of a chain of transforms.
-const PERPENDICULAR: f64 = 1e-12;
+const PERPENDICULAR_COSINE: f64 = 1e-12;
 
 /// Solid angle \[sr] below which points are sampled by area, since it is a difference of larger
 /// angles.
-const LEAST_SOLID_ANGLE: f64 = 1e-4;
+const MIN_SOLID_ANGLE: f64 = 1e-4;
 
 /// Squared ratio of diagonal to distance below which points are sampled by area.
 ///
 /// The pdf per steradian hardly varies over so distant a rectangle, and sampling by area takes a
 /// tenth of the time.
-const FAR: f64 = 0.2;
+const FAR_SIZE_RATIO2: f64 = 0.2;
 
 /// The points `corner + x·e0 + y·e1` with x, y in \[0, 1]; the outer side is that of `e0 × e1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +29,7 @@ pub struct Rectangle {
     /// Rows that map an offset in the plane to (x, y).
     dual: [DVec3; 2],
     /// True if the edges are perpendicular.
-    right: bool,
+    is_right_angled: bool,
 }
 
 /// Rectangle in the frame of a viewpoint: x and y along the edges, z along the normal.
@@ -48,38 +48,38 @@ impl Rectangle {
     pub fn new(corner: DVec3, e0: DVec3, e1: DVec3) -> Self {
         let cross = exact_cross(e0, e1);
         let n2 = cross.length_squared();
-        let right = e0.dot(e1).abs() <= PERPENDICULAR * e0.length() * e1.length();
+        let is_right_angled = e0.dot(e1).abs() <= PERPENDICULAR_COSINE * e0.length() * e1.length();
         let dual = [exact_cross(e1, cross) / n2, exact_cross(cross, e0) / n2];
-        Self { corner, edges: [e0, e1], normal: cross / n2.sqrt(), dual, right }
+        Self { corner, edges: [e0, e1], normal: cross / n2.sqrt(), dual, is_right_angled }
     }
 
-    /// The point `p`, kept off the edges: see [`INSET`].
+    /// The point `p`, kept off the edges: see [`EDGE_MARGIN`].
     #[inline]
-    fn inset(&self, p: DVec3) -> DVec3 {
+    fn move_off_edges(&self, p: DVec3) -> DVec3 {
         let offset = p - self.corner;
         let at = DVec2::new(self.dual[0].dot(offset), self.dual[1].dot(offset));
         let widths = DVec2::new(self.dual[0].length(), self.dual[1].length());
-        let margin = (widths * (INSET * f64::from(f32::EPSILON) * p.abs().max_element())).min(DVec2::splat(0.25));
+        let margin = (widths * (EDGE_MARGIN * f64::from(f32::EPSILON) * p.abs().max_element())).min(DVec2::splat(0.25));
         let moved = at.clamp(margin, 1.0 - margin);
         if moved == at { p } else { self.corner + self.edges[0] * moved.x + self.edges[1] * moved.y }
     }
 
     #[inline]
-    fn at(&self, p: DVec3) -> SurfacePoint {
+    fn surface_at(&self, p: DVec3) -> SurfacePoint {
         let reach = self.edges[0].abs().max_element() + self.edges[1].abs().max_element();
-        SurfacePoint::exact(p, self.normal, self.corner.abs().max_element() + reach)
+        SurfacePoint::from_f64(p, self.normal, self.corner.abs().max_element() + reach)
     }
 
     /// Returns the view of the outer side from `from`; `None` from behind, or if sampling by area
     /// is preferred.
-    fn view(&self, from: Vec3) -> Option<RectangleView> {
+    fn rectangle_view(&self, from: Vec3) -> Option<RectangleView> {
         let to = self.corner - from.as_dvec3();
         let z = -self.normal.dot(to);
-        if !self.right || z.is_nan() || z <= 0.0 {
+        if !self.is_right_angled || z.is_nan() || z <= 0.0 {
             return None;
         }
         let middle = to + (self.edges[0] + self.edges[1]) * 0.5;
-        if (self.edges[0] + self.edges[1]).length_squared() < FAR * middle.length_squared() {
+        if (self.edges[0] + self.edges[1]).length_squared() < FAR_SIZE_RATIO2 * middle.length_squared() {
             return None;
         }
         let lengths = self.edges.map(DVec3::length);
@@ -88,20 +88,20 @@ impl Rectangle {
             let first = axes[i].dot(to);
             [first, first + lengths[i]]
         });
-        let solid_angle = strip(x[1], y, z) - strip(x[0], y, z);
-        (solid_angle >= LEAST_SOLID_ANGLE).then_some(RectangleView { x, y, z, axes, solid_angle })
+        let solid_angle = strip_solid_angle(x[1], y, z) - strip_solid_angle(x[0], y, z);
+        (solid_angle >= MIN_SOLID_ANGLE).then_some(RectangleView { x, y, z, axes, solid_angle })
     }
 
     /// Samples the outer side uniformly by solid angle as seen from `from`.
     ///
     /// Returns the point, the unit direction to it, and the pdf per steradian. `None` whenever
-    /// [`Rectangle::visible_density`] is `None`.
+    /// [`Rectangle::pdf_visible`] is `None`.
     #[must_use]
     pub fn sample_visible(&self, from: Vec3, u: Vec2) -> Option<(SurfacePoint, Vec3, f32)> {
-        let view = self.view(from)?;
+        let view = self.rectangle_view(from)?;
         let (x, y) = view.sample(u);
         let fraction = |i: usize, at: f64, [first, last]: [f64; 2]| self.edges[i] * ((at - first) / (last - first));
-        let point = self.at(self.corner + fraction(0, x, view.x) + fraction(1, y, view.y));
+        let point = self.surface_at(self.corner + fraction(0, x, view.x) + fraction(1, y, view.y));
         // Not computed from the rounded point, which may lie in the plane of `from`.
         let wi = (view.axes[0] * x + view.axes[1] * y - self.normal * view.z).normalize();
         Some((point, wi.as_vec3(), (1.0 / view.solid_angle) as f32))
@@ -113,39 +113,39 @@ impl Rectangle {
     /// `None` from behind, if the edges are not perpendicular, or if the solid angle is too small:
     /// sampling by area is then better.
     #[must_use]
-    pub fn visible_density(&self, from: Vec3) -> Option<f32> {
-        self.view(from).map(|view| (1.0 / view.solid_angle) as f32)
+    pub fn pdf_visible(&self, from: Vec3) -> Option<f32> {
+        self.rectangle_view(from).map(|view| (1.0 / view.solid_angle) as f32)
     }
 }
 
 impl AnalyticShape for Rectangle {
     fn transformed(&self, map: &Transform) -> Option<Self> {
-        let [e0, e1] = self.edges.map(|e| map.vector(e));
-        let (e0, e1) = if map.mirrors() { (e1, e0) } else { (e0, e1) };
-        Some(Self::new(map.point(self.corner), e0, e1))
+        let [e0, e1] = self.edges.map(|e| map.transform_vector(e));
+        let (e0, e1) = if map.swaps_handedness() { (e1, e0) } else { (e0, e1) };
+        Some(Self::new(map.transform_point(self.corner), e0, e1))
     }
 
     #[inline]
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
-        let (o, d) = widen(ray);
+        let (o, d) = ray_to_f64(ray);
         let t = self.normal.dot(self.corner - o) / self.normal.dot(d);
         let offset = o + d * t - self.corner;
         let (x, y) = (self.dual[0].dot(offset), self.dual[1].dot(offset));
         if (0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y) {
-            within(ray, t).map(|t| (t, x as f32, y as f32))
+            t_in_range(ray, t).map(|t| (t, x as f32, y as f32))
         } else {
             None
         }
     }
 
     #[inline]
-    fn surface(&self, ray: &Ray, t: f32, _uv: Vec2) -> SurfacePoint {
-        let (o, d) = widen(ray);
+    fn surface_point(&self, ray: &Ray, t: f32, _uv: Vec2) -> SurfacePoint {
+        let (o, d) = ray_to_f64(ray);
         let p = o + d * f64::from(t);
-        self.at(self.inset(p - self.normal * self.normal.dot(p - self.corner)))
+        self.surface_at(self.move_off_edges(p - self.normal * self.normal.dot(p - self.corner)))
     }
 
-    fn extent(&self) -> (DVec3, DVec3) {
+    fn bounds_f64(&self) -> (DVec3, DVec3) {
         let [a, b] = self.edges;
         let zero = DVec3::ZERO;
         (self.corner + a.min(zero) + b.min(zero), self.corner + a.max(zero) + b.max(zero))
@@ -161,16 +161,16 @@ impl AnalyticShape for Rectangle {
 
     fn sample(&self, u: Vec2) -> ShapeSample {
         let p = self.corner + self.edges[0] * f64::from(u.x) + self.edges[1] * f64::from(u.y);
-        ShapeSample { point: self.at(p), pdf: (1.0 / self.area()) as f32, uv: Vec2::ZERO }
+        ShapeSample { point: self.surface_at(p), pdf: (1.0 / self.area()) as f32, uv: Vec2::ZERO }
     }
 
-    fn planar_point(&self) -> Option<SurfacePoint> {
+    fn point_if_planar(&self) -> Option<SurfacePoint> {
         Some(self.sample(Vec2::splat(0.5)).point)
     }
 }
 
 /// Solid angle of the strip from 0 to `x`, across `y`, at distance `z` > 0; it has the sign of `x`.
-fn strip(x: f64, y: [f64; 2], z: f64) -> f64 {
+fn strip_solid_angle(x: f64, y: [f64; 2], z: f64) -> f64 {
     let [to_first, to_last] = y.map(|y| atan2(x * y, z * (x * x + y * y + z * z).sqrt()));
     to_last - to_first
 }
@@ -179,12 +179,12 @@ impl RectangleView {
     /// Maps `u` in \[0, 1)² to a point (x, y) of the rectangle, uniformly by solid angle.
     ///
     /// Source: Ureña, Fajardo, King 2013, "An Area-Preserving Parametrization for Spherical
-    /// Rectangles". With β the angles of the edges across y, [`strip`] is asin(c sin β₁) − asin(c
+    /// Rectangles". With β the angles of the edges across y, [`strip_solid_angle`] is asin(c sin β₁) − asin(c
     /// sin β₀), where x/z is the tangent of asin c. The solution for x/z uses products of sines,
     /// which keep their digits at grazing views.
     fn sample(&self, u: Vec2) -> (f64, f64) {
         let Self { x: [x0, x1], y: [y0, y1], z, .. } = *self;
-        let angle = strip(x0, self.y, z) + f64::from(u.x) * self.solid_angle;
+        let angle = strip_solid_angle(x0, self.y, z) + f64::from(u.x) * self.solid_angle;
         let [b0, b1] = self.y.map(|y| atan2(y, z));
         let half = |a: f64| 0.5 * a;
         let difference = sin(half(b1 - b0 + angle)) * sin(half(b1 - b0 - angle));

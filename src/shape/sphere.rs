@@ -1,9 +1,9 @@
 //! Spheres.
 
 use super::analytic::AnalyticShape;
-use super::hit::{ShapeHit, exact_t, nearer_hit, widen};
+use super::hit::{ShapeHit, exact_t, nearer_hit, ray_to_f64};
 use super::surface_point::{ShapeSample, SurfacePoint};
-use crate::math::{Frame, Ray, Sphere as BoundingSphere, Transform, quadratic, warp};
+use crate::math::{BoundingSphere, Frame, Ray, Transform, quadratic_roots, warp};
 use glam::{DVec3, Vec2, Vec3};
 
 /// Sphere, intersected in double precision.
@@ -27,21 +27,21 @@ impl Sphere {
     /// The discriminant is r² minus the squared distance of the line from the centre, which does
     /// not cancel for distant spheres (Haines et al. 2019, Ray Tracing Gems, chapter 7).
     #[inline]
-    fn roots(&self, ray: &Ray) -> Option<(f64, f64)> {
-        let (o, d) = widen(ray);
+    fn intersection_roots(&self, ray: &Ray) -> Option<(f64, f64)> {
+        let (o, d) = ray_to_f64(ray);
         let l = o - self.center;
         let a = d.length_squared();
         let b = l.dot(d);
         let nearest = l - d * (b / a);
         let discriminant = a * (self.radius * self.radius - nearest.length_squared());
         let distance = l.length();
-        quadratic(a, b, (distance - self.radius) * (distance + self.radius), discriminant)
+        quadratic_roots(a, b, (distance - self.radius) * (distance + self.radius), discriminant)
     }
 
     /// The surface in the unit direction `n` from the centre.
     #[inline]
-    fn at(&self, n: DVec3) -> SurfacePoint {
-        SurfacePoint::exact(self.center + n * self.radius, n, self.center.abs().max_element() + self.radius)
+    fn surface_at(&self, n: DVec3) -> SurfacePoint {
+        SurfacePoint::from_f64(self.center + n * self.radius, n, self.center.abs().max_element() + self.radius)
     }
 
     /// Samples the visible cap uniformly by solid angle; returns the point and the pdf per
@@ -60,43 +60,43 @@ impl Sphere {
         // 1 − cos = sin²/(1 + cos) keeps its digits for far spheres.
         let one_minus_cos = sin2 / (1.0 + (1.0 - sin2).sqrt());
         let axis = to_center / d2.sqrt();
-        let cone = warp::cone(u, one_minus_cos as f32);
+        let cone = warp::square_to_uniform_cone(u, one_minus_cos as f32);
         let sin2_theta = f64::from(cone.x * cone.x + cone.y * cone.y);
         // The first hit in the sampled direction, as an angle at the sphere's centre.
         let cos_alpha = sin2_theta / sin2.sqrt() + f64::from(cone.z) * (1.0 - sin2_theta / sin2).max(0.0).sqrt();
         let sin_alpha = (1.0 - cos_alpha * cos_alpha).max(0.0).sqrt();
-        let frame = Frame::around(axis.as_vec3());
+        let frame = Frame::from_normal(axis.as_vec3());
         let around = (frame.s * cone.x + frame.t * cone.y).as_dvec3();
         let n = around.normalize_or_zero() * sin_alpha - axis * cos_alpha;
-        Some((self.at(n.normalize()), warp::cone_pdf(one_minus_cos as f32)))
+        Some((self.surface_at(n.normalize()), warp::uniform_cone_pdf(one_minus_cos as f32)))
     }
 
     /// Pdf per steradian of [`Sphere::sample_visible`]: one over the solid angle seen from `from`;
     /// 0 from inside.
     #[must_use]
-    pub fn visible_density(&self, from: Vec3) -> f32 {
+    pub fn pdf_visible(&self, from: Vec3) -> f32 {
         let sin2 = self.radius * self.radius / (self.center - from.as_dvec3()).length_squared();
         if sin2 >= 1.0 || sin2.is_nan() {
             return 0.0;
         }
-        warp::cone_pdf((sin2 / (1.0 + (1.0 - sin2).sqrt())) as f32)
+        warp::uniform_cone_pdf((sin2 / (1.0 + (1.0 - sin2).sqrt())) as f32)
     }
 }
 
 impl AnalyticShape for Sphere {
     #[inline]
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
-        let (near, far) = self.roots(ray)?;
+        let (near, far) = self.intersection_roots(ray)?;
         nearer_hit(ray, (near, 0.0), (far, 0.0))
     }
 
     #[inline]
-    fn surface(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
-        let (o, d) = widen(ray);
-        self.at((o + d * exact_t(t, uv) - self.center).normalize())
+    fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
+        let (o, d) = ray_to_f64(ray);
+        self.surface_at((o + d * exact_t(t, uv) - self.center).normalize())
     }
 
-    fn extent(&self) -> (DVec3, DVec3) {
+    fn bounds_f64(&self) -> (DVec3, DVec3) {
         (self.center - self.radius, self.center + self.radius)
     }
 
@@ -106,7 +106,7 @@ impl AnalyticShape for Sphere {
 
     /// `None` unless the map is a similarity: see [`Ellipsoid`](super::Ellipsoid).
     fn transformed(&self, map: &Transform) -> Option<Self> {
-        map.similarity().map(|scale| Self::new(map.point(self.center), self.radius * scale))
+        map.uniform_scale().map(|scale| Self::new(map.transform_point(self.center), self.radius * scale))
     }
 
     fn area(&self) -> f64 {
@@ -115,7 +115,7 @@ impl AnalyticShape for Sphere {
 
     fn sample(&self, u: Vec2) -> ShapeSample {
         ShapeSample {
-            point: self.at(warp::sphere(u).as_dvec3().normalize()),
+            point: self.surface_at(warp::square_to_uniform_sphere(u).as_dvec3().normalize()),
             pdf: (1.0 / self.area()) as f32,
             uv: Vec2::ZERO,
         }

@@ -23,7 +23,7 @@ impl SurfacePoint {
     /// Flat-shaded point from an f64 solution on a shape whose coordinates have magnitudes up to
     /// `scale`.
     #[inline]
-    pub(super) fn exact(p: DVec3, normal: DVec3, scale: f64) -> Self {
+    pub(super) fn from_f64(p: DVec3, normal: DVec3, scale: f64) -> Self {
         let ng = normal.as_vec3();
         let rounded = p.as_vec3();
         Self { p: rounded, error: rounding_error(rounded, scale), ng, ns: ng, uv: Vec2::ZERO }
@@ -56,10 +56,10 @@ pub(super) fn rounding_error(p: Vec3, scale: f64) -> Vec3 {
 /// other face. The ray then escapes through the edge or hits a wall twice. At distance s from the
 /// edge, the start stays inside while s·sin θ > √3·(1 + cos θ) errors. 16 errors are enough for θ ≥
 /// 12.4°.
-pub(super) const INSET: f64 = 16.0;
+pub(super) const EDGE_MARGIN: f64 = 16.0;
 
 /// f32 bounding box that contains the f64 box from `min` to `max`.
-pub(super) fn outer_bounds(min: DVec3, max: DVec3) -> Bounds {
+pub(super) fn round_outward(min: DVec3, max: DVec3) -> Bounds {
     let down = |x: f64| (x as f32).next_down();
     let up = |x: f64| (x as f32).next_up();
     Bounds { min: Vec3::new(down(min.x), down(min.y), down(min.z)), max: Vec3::new(up(max.x), up(max.y), up(max.z)) }

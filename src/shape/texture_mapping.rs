@@ -50,7 +50,7 @@ pub enum MappingKind {
 /// Texture mapping of an object: a rule in object space, and the object's placement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextureMapping {
-    form: MappingKind,
+    kind: MappingKind,
     to_world: Transform,
 }
 
@@ -59,7 +59,7 @@ pub struct TextureMapping {
 /// The directions match a picture that hangs upright on a wall: u points right for a viewer of
 /// the outer side, v points up along y. On a horizontal plane, u is x.
 #[must_use]
-pub fn upright(normal: DVec3) -> [DVec3; 2] {
+pub fn upright_axes(normal: DVec3) -> [DVec3; 2] {
     let n = normal.normalize_or(DVec3::Y);
     // Rounding aside, the plane is horizontal.
     let right = DVec3::Y.cross(n);
@@ -70,20 +70,20 @@ pub fn upright(normal: DVec3) -> [DVec3; 2] {
 impl MappingKind {
     /// Planar mapping whose coordinates are lengths from the object-space origin.
     #[must_use]
-    pub fn plane(normal: DVec3) -> Self {
-        Self::Planar { origin: DVec3::ZERO, rows: upright(normal) }
+    pub fn for_plane(normal: DVec3) -> Self {
+        Self::Planar { origin: DVec3::ZERO, rows: upright_axes(normal) }
     }
 
     /// Planar mapping in which the disc touches the unit square from inside.
     #[must_use]
-    pub fn disc(center: DVec3, normal: DVec3, radius: f64) -> Self {
-        let [u, v] = upright(normal);
+    pub fn for_disc(center: DVec3, normal: DVec3, radius: f64) -> Self {
+        let [u, v] = upright_axes(normal);
         Self::Planar { origin: center - (u + v) * radius, rows: [u / (2.0 * radius), v / (2.0 * radius)] }
     }
 
     /// Planar mapping in which the parallelogram fills the unit square: u along `e0`, v along `e1`.
     #[must_use]
-    pub fn rectangle(corner: DVec3, e0: DVec3, e1: DVec3) -> Self {
+    pub fn for_rectangle(corner: DVec3, e0: DVec3, e1: DVec3) -> Self {
         let cross = e0.cross(e1);
         let n2 = cross.length_squared();
         Self::Planar { origin: corner, rows: [e1.cross(cross) / n2, cross.cross(e0) / n2] }
@@ -97,10 +97,10 @@ impl Default for TextureMapping {
 }
 
 impl TextureMapping {
-    /// Mapping by `form` for an object under `to_world`.
+    /// Mapping of `kind` for an object under `to_world`.
     #[must_use]
-    pub fn new(form: MappingKind, to_world: Transform) -> Self {
-        Self { form, to_world }
+    pub fn new(kind: MappingKind, to_world: Transform) -> Self {
+        Self { kind, to_world }
     }
 
     /// The mapping of the object after a translation in world space.
@@ -111,21 +111,21 @@ impl TextureMapping {
 
     /// The world-space point `p` in object space.
     #[must_use]
-    pub fn in_object(&self, p: Vec3) -> DVec3 {
+    pub fn point_to_object(&self, p: Vec3) -> DVec3 {
         self.to_world.inverse().transform_point3(p.as_dvec3())
     }
 
     /// The world-space vector `step` in object space.
     #[must_use]
-    pub fn step_in_object(&self, step: DVec3) -> DVec3 {
+    pub fn vector_to_object(&self, step: DVec3) -> DVec3 {
         self.to_world.inverse().transform_vector3(step)
     }
 
     /// Texture coordinates at the object-space point `p`; `own` gives the intrinsic coordinates.
     #[must_use]
-    pub fn at(&self, p: DVec3, own: impl FnOnce() -> TexCoord) -> TexCoord {
-        let world = |row: DVec3| self.to_world.normal(row);
-        match self.form {
+    pub fn tex_coord_at(&self, p: DVec3, own: impl FnOnce() -> TexCoord) -> TexCoord {
+        let world = |row: DVec3| self.to_world.transform_normal(row);
+        match self.kind {
             MappingKind::Spherical { center } => {
                 let d = p - center;
                 // At the poles u is arbitrary and its gradient unbounded.

@@ -4,33 +4,33 @@ use std::sync::OnceLock;
 
 /// Limit on the memory that a load or a render may take.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Memory {
+pub enum MemoryLimit {
     /// No limit: the caller knows how much the work takes.
     #[default]
     Unbounded,
     /// The memory that the system has free.
     System,
-    /// Limit for the whole process \[bytes].
+    /// Limit for the whole process \[format_bytes].
     Limit(u64),
 }
 
 /// Bytes kept back for what no allocation counts: code, thread stacks, and slack of the allocator.
 ///
 /// Measured with 2 threads: 10 to 13 MB of resident memory beyond the allocations.
-const RESERVE: u64 = 14_000_000;
+const RESERVED_BYTES: u64 = 14_000_000;
 
-impl Memory {
+impl MemoryLimit {
     /// Bytes that may still be taken; `None` if no limit is known.
     ///
-    /// Under [`Memory::Limit`] this is the limit less the bytes in use and a fixed reserve, so
-    /// one machine refuses what another refuses. Under [`Memory::System`] it is the memory that
+    /// Under [`MemoryLimit::Limit`] this is the limit less the bytes in use and a fixed reserve, so
+    /// one machine refuses what another refuses. Under [`MemoryLimit::System`] it is the memory that
     /// the system can give without swapping (Linux only).
     #[must_use]
-    pub fn free(self) -> Option<u64> {
+    pub fn available_bytes(self) -> Option<u64> {
         match self {
             Self::Unbounded => None,
-            Self::System => proc_bytes("/proc/meminfo", "MemAvailable:"),
-            Self::Limit(bytes) => Some(bytes.saturating_sub(RESERVE + memory_in_use())),
+            Self::System => read_proc_bytes("/proc/meminfo", "MemAvailable:"),
+            Self::Limit(format_bytes) => Some(format_bytes.saturating_sub(RESERVED_BYTES + memory_in_use())),
         }
     }
 }
@@ -50,35 +50,37 @@ static COUNTER: OnceLock<AllocationCounter> = OnceLock::new();
 ///
 /// Without it, limits use the resident anonymous memory that Linux reports, and 0 elsewhere. Only
 /// the first call has an effect.
-pub fn count_allocations(counter: AllocationCounter) {
+pub fn set_allocation_counter(counter: AllocationCounter) {
     let _ = COUNTER.set(counter);
 }
 
 /// Bytes that this process has allocated and not freed.
 fn memory_in_use() -> u64 {
-    COUNTER.get().map_or_else(|| proc_bytes("/proc/self/status", "RssAnon:").unwrap_or(0), |counter| (counter.in_use)())
+    COUNTER
+        .get()
+        .map_or_else(|| read_proc_bytes("/proc/self/status", "RssAnon:").unwrap_or(0), |counter| (counter.in_use)())
 }
 
-/// Peak memory of this process so far \[bytes]: allocated if allocations are counted, else
+/// Peak memory of this process so far \[format_bytes]: allocated if allocations are counted, else
 /// resident.
 ///
 /// `None` if allocations are not counted and the system does not report it (all but Linux).
 #[must_use]
 pub fn peak_memory() -> Option<u64> {
-    COUNTER.get().map_or_else(|| proc_bytes("/proc/self/status", "VmHWM:"), |counter| Some((counter.peak)()))
+    COUNTER.get().map_or_else(|| read_proc_bytes("/proc/self/status", "VmHWM:"), |counter| Some((counter.peak)()))
 }
 
-/// Value of a line such as `VmHWM: 1024 kB` of a `/proc` file \[bytes].
-fn proc_bytes(file: &str, key: &str) -> Option<u64> {
+/// Value of a line such as `VmHWM: 1024 kB` of a `/proc` file \[format_bytes].
+fn read_proc_bytes(file: &str, key: &str) -> Option<u64> {
     let text = std::fs::read_to_string(file).ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix(key))?;
     let kib: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(kib * 1024)
 }
 
-/// Bytes as text with a decimal unit: `512 bytes`, `3.2 kB`, `99.9 MB`, `1.0 GB`.
+/// Bytes as text with a decimal unit: `512 format_bytes`, `3.2 kB`, `99.9 MB`, `1.0 GB`.
 #[must_use]
-pub fn bytes(n: u64) -> String {
+pub fn format_bytes(n: u64) -> String {
     match n {
         1 => "1 byte".to_owned(),
         0..1000 => format!("{n} bytes"),
@@ -94,17 +96,23 @@ mod tests {
 
     #[test]
     fn bytes_use_the_unit_that_fits() {
-        assert_eq!([0, 1, 999, 48_000, 999_949].map(bytes), ["0 bytes", "1 byte", "999 bytes", "48.0 kB", "999.9 kB"]);
-        assert_eq!([99_940_000, 999_949_999, 1_000_000_000].map(bytes), ["99.9 MB", "999.9 MB", "1.0 GB"]);
+        assert_eq!(
+            [0, 1, 999, 48_000, 999_949].map(format_bytes),
+            ["0 bytes", "1 byte", "999 bytes", "48.0 kB", "999.9 kB"]
+        );
+        assert_eq!([99_940_000, 999_949_999, 1_000_000_000].map(format_bytes), ["99.9 MB", "999.9 MB", "1.0 GB"]);
     }
 
     #[cfg(target_os = "linux")]
     #[test]
     fn this_machine_reports_its_memory() {
         // More than this process holds, less than 2^60.
-        assert!((1 << 20..1 << 60).contains(&Memory::System.free().unwrap()));
-        assert_eq!((Memory::Unbounded.free(), Memory::Limit(1).free()), (None, Some(0)));
-        let (held, left) = (peak_memory().unwrap(), Memory::Limit(1 << 50).free().unwrap());
-        assert!(left < 1 << 50 && left >= (1 << 50) - RESERVE - held);
+        assert!((1 << 20..1 << 60).contains(&MemoryLimit::System.available_bytes().unwrap()));
+        assert_eq!(
+            (MemoryLimit::Unbounded.available_bytes(), MemoryLimit::Limit(1).available_bytes()),
+            (None, Some(0))
+        );
+        let (held, left) = (peak_memory().unwrap(), MemoryLimit::Limit(1 << 50).available_bytes().unwrap());
+        assert!(left < 1 << 50 && left >= (1 << 50) - RESERVED_BYTES - held);
     }
 }

@@ -4,7 +4,7 @@
 
 mod memory;
 
-pub use memory::{AllocationCounter, Memory, bytes, count_allocations, peak_memory};
+pub use memory::{AllocationCounter, MemoryLimit, format_bytes, peak_memory, set_allocation_counter};
 
 use serde::Serialize;
 use std::ops::AddAssign;
@@ -46,7 +46,7 @@ impl AddAssign for Counters {
 impl Counters {
     /// Sum of all camera, continuation, shadow and photon rays.
     #[must_use]
-    pub fn rays(&self) -> u64 {
+    pub fn total_rays(&self) -> u64 {
         self.camera_rays + self.continuation_rays + self.shadow_rays + self.photon_rays
     }
 }

@@ -300,7 +300,7 @@ fn effect_cost(whole: &PictureCost, without: &PictureCost) -> EffectCost {
         seconds_error: (differences.len() > 1).then(|| (variance / n).sqrt()),
         ratio: whole.seconds() / without.seconds(),
         setup: whole.setup - without.setup,
-        rays: a_pass(Counters::rays),
+        rays: a_pass(Counters::total_rays),
         gathers: a_pass(|c| c.gathers),
         gathered_photons: a_pass(|c| c.gathered_photons),
     }

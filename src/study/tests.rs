@@ -77,7 +77,7 @@ fn gains_are_the_difference_of_the_means() {
     let scene = glass_on_floor(24, 18);
     let found = study(&scene, Algorithm::Hybrid, &few(EffectOverrides::PLANNED), 3);
     let names: Vec<Effect> = found.effects.iter().map(|f| f.decision.effect).collect();
-    assert_eq!(names, found.plan.effects().iter().collect::<Vec<_>>());
+    assert_eq!(names, found.plan.simulated_effects().iter().collect::<Vec<_>>());
     let caustics = found.effects.iter().find(|f| f.decision.effect == Effect::Caustics).unwrap();
     let settings = few(EffectOverrides::PLANNED.without(Effect::Caustics));
     let integrator = Algorithm::Hybrid.prepare(&scene, settings);

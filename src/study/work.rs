@@ -32,10 +32,10 @@ impl ExpectedWork {
 /// Expected work of the first pass and of each effect, without pilots.
 #[must_use]
 pub fn expected_work(integrator: &dyn Integrator) -> ExpectedWork {
-    let effects = integrator.plan().effects();
+    let effects = integrator.plan().simulated_effects();
     let of = |effects: Effects| {
         let counters = integrator.expected_work(effects);
-        [counters.rays(), counters.gathered_photons].map(|n| i64::try_from(n).unwrap_or(i64::MAX))
+        [counters.total_rays(), counters.gathered_photons].map(|n| i64::try_from(n).unwrap_or(i64::MAX))
     };
     let [rays, gathered_photons] = of(effects);
     let adds = |effect: Effect| {
@@ -83,7 +83,7 @@ mod tests {
             let close = |a: i64, b: u64, within: f64| {
                 assert!((a as f64 / b as f64 - 1.0).abs() < within, "{algorithm:?} {a} {b}");
             };
-            close(work.whole.rays, counters.rays(), 0.1);
+            close(work.whole.rays, counters.total_rays(), 0.1);
             close(work.whole.gathered_photons, counters.gathered_photons, 0.25);
             assert!(work.added_by(Effect::Caustics).unwrap().gathered_photons > 0);
             assert_eq!(work.added_by(Effect::Environment), None);

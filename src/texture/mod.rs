@@ -38,7 +38,7 @@ impl Texture {
     /// Mean over the footprint, and over the three channels.
     #[must_use]
     pub fn number(&self, context: &TextureEvalContext) -> f32 {
-        color::mean(self.color(context))
+        color::channel_mean(self.color(context))
     }
 
     /// Mean over one period; for a solid texture, over all space.

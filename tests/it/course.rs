@@ -13,7 +13,7 @@ use caustica::image::{self, Image, RgbBytes, ToneCurve, ToneMap, WriteOptions};
 use caustica::integrate::{Algorithm, Settings, Silent};
 use caustica::math::Ray;
 use caustica::scene::{Material, Scene, SceneBuilder};
-use caustica::shape::parametric::Basis;
+use caustica::shape::parametric::SplineBasis;
 use caustica::shape::{Revolution, Shape};
 use glam::{DVec2, DVec3, Vec3};
 use std::fs;
@@ -144,8 +144,8 @@ fn scenes_09_and_10_match_fine_meshes() {
         let file = SceneFile::read(&course.join(format!("testcases/{name}.txt"))).unwrap();
         let curve = profile(&file.description.root).unwrap();
         let basis = match curve.basis {
-            CurveBasis::Bezier => Basis::bezier(curve.controls.len()),
-            CurveBasis::Bspline => Basis::uniform(3, curve.controls.len()),
+            CurveBasis::Bezier => SplineBasis::bezier(curve.controls.len()),
+            CurveBasis::Bspline => SplineBasis::uniform_knots(3, curve.controls.len()),
         };
         let controls: Vec<DVec2> = curve.controls.iter().map(|c| c.truncate()).collect();
         let exact = scene_of(|b, white| {

@@ -14,7 +14,7 @@ const HEIGHT: u32 = 144;
 const SEEDS: u64 = 6;
 
 fn random(key: Key) -> f64 {
-    f64::from(key.uniform(Dimension::Light))
+    f64::from(key.uniform_1d(Dimension::Light))
 }
 
 /// Returns the radiance of a synthetic image: a floor with a bright spot, and a ball before a wall.
@@ -38,14 +38,14 @@ fn picture(of: impl Fn(f64, f64, u32) -> Vec3) -> Image {
 /// Returns synthetic results of a method with this variance and bias in its first pass, and this
 /// time per pass \[s].
 fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, count: u32) -> MethodResult {
-    let key = Key::new(5).with(label.bytes().map(u64::from).sum());
+    let key = Key::new(5).child_key(label.bytes().map(u64::from).sum());
     let alpha = if algorithm == Algorithm::Pm { 1.0 } else { ALPHA };
     let shrinks = |i| if matches!(algorithm, Algorithm::Sppm | Algorithm::Hybrid) { shrink(ALPHA, i) } else { 1.0 };
     let checkpoint = |i: u32| {
         let n = 1 << i;
         let variance = noise * noise * (0..n).map(|i| 1.0 / shrinks(i)).sum::<f64>() / f64::from(n * n);
         let drift = bias * (0..n).map(shrinks).sum::<f64>() / f64::from(n);
-        let own = |seed| 0.9 + 0.2 * random(key.with(seed).with(u64::from(i)));
+        let own = |seed| 0.9 + 0.2 * random(key.child_key(seed).child_key(u64::from(i)));
         let noises: Vec<f64> = (0..SEEDS).map(|seed| variance * own(seed)).collect();
         let squares: Vec<f64> = noises.iter().map(|n| n + drift * drift).collect();
         let seconds = pass * f64::from(n);
@@ -72,7 +72,8 @@ fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, c
         let mean = around.iter().map(|(dx, dy)| radiance(x + dx, y + dy)).sum::<Vec3>() / 4.0;
         radiance(x, y).lerp(mean, (8.0 * blur).min(1.0) as f32)
     };
-    let grains = |i: u32, amount: f64| (3.0 * amount * (random(key.with(99).with(u64::from(i))) - 0.5)) as f32;
+    let grains =
+        |i: u32, amount: f64| (3.0 * amount * (random(key.child_key(99).child_key(u64::from(i))) - 0.5)) as f32;
     let shown = picture(|x, y, i| soft(x, y) + Vec3::splat(grains(i, 0.4 * grain)));
     let truth = picture(|x, y, _| radiance(x, y));
     let pairs = || shown.pixels().iter().zip(truth.pixels());

@@ -84,8 +84,9 @@ fn far_checkerboard_is_filtered_to_its_mean() {
     let passes = picture(&tiles(".1 .1 .1", ".8 .8 .8"), Algorithm::Whitted, 1, 16, EffectOverrides::PLANNED);
     // The horizon is at row 14.8, and a pixel is .0168 high at distance 1. Rows 16 and 17 are 50 to
     // 19 units away. A surface of reflectance r under irradiance π has radiance r.
-    let strip =
-        |image: &[Rgb]| -> Vec<f64> { image[16 * 64..18 * 64].iter().map(|c| f64::from(color::mean(*c))).collect() };
+    let strip = |image: &[Rgb]| -> Vec<f64> {
+        image[16 * 64..18 * 64].iter().map(|c| f64::from(color::channel_mean(*c))).collect()
+    };
     let values: Vec<Vec<f64>> = passes.iter().map(|p| strip(p)).collect();
     let all: Vec<f64> = values.concat();
     let mean = all.iter().sum::<f64>() / all.len() as f64;
@@ -173,7 +174,9 @@ fn bump_maps_create_no_energy() {
             for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
                 let passes: Vec<f64> = picture(&scene, algorithm, 4, 8, EffectOverrides::PLANNED)
                     .iter()
-                    .map(|image| image.iter().map(|c| f64::from(color::mean(*c))).sum::<f64>() / image.len() as f64)
+                    .map(|image| {
+                        image.iter().map(|c| f64::from(color::channel_mean(*c))).sum::<f64>() / image.len() as f64
+                    })
                     .collect();
                 let mean = passes.iter().sum::<f64>() / 8.0;
                 let variance = passes.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / 7.0 / 8.0;

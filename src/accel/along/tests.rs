@@ -4,12 +4,12 @@ use crate::sampling::{Dimension, Key, Purpose};
 use glam::Vec3;
 
 fn key(i: u64) -> Key {
-    Key::new(11).purpose(Purpose::Test).with(i)
+    Key::new(11).purpose_key(Purpose::Test).child_key(i)
 }
 
 /// A point of the unit cube.
 fn place(i: u64) -> Vec3 {
-    key(i).uniform_2d(Dimension::LightPosition).extend(key(i).uniform(Dimension::Light))
+    key(i).uniform_2d(Dimension::LightPosition).extend(key(i).uniform_1d(Dimension::Light))
 }
 
 fn found(boxes: &Boxes, ray: &Ray) -> Vec<u32> {
@@ -67,7 +67,7 @@ fn cube_test_rays(n: u64, scale: f32, shift: Vec3) -> impl Iterator<Item = Ray> 
         let target = place(i);
         let direction = match i % 3 {
             0 => [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z][i as usize / 3 % 6],
-            _ => warp::sphere(key(i).uniform_2d(Dimension::LightDirection)),
+            _ => warp::square_to_uniform_sphere(key(i).uniform_2d(Dimension::LightDirection)),
         };
         let origin = target - direction * [0.1, 3.0, 100.0][i as usize / 18 % 3];
         let t_max = [f32::INFINITY, 3.2 * scale, 0.05 * scale][i as usize / 54 % 3];

@@ -13,7 +13,7 @@ pub(super) fn point(rng: &mut SmallRng) -> Vec3 {
 }
 
 pub(super) fn direction(rng: &mut SmallRng) -> Vec3 {
-    warp::sphere(Vec2::new(rng.random(), rng.random()))
+    warp::square_to_uniform_sphere(Vec2::new(rng.random(), rng.random()))
 }
 
 pub(super) fn soup(rng: &mut SmallRng, count: usize, size: f32) -> Mesh {

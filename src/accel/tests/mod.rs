@@ -132,7 +132,7 @@ fn hits_agree_with_double_precision() {
         let (u, v, t) = (solve(c, a), solve(a, b), normal.dot(a) / normal.dot(d));
         let longest = [b - a, c - b, a - c].iter().map(|e| e.length()).fold(0.0, f64::max);
         let height = normal.dot(d).abs() / (d.length() * longest);
-        let error = 6.0 * f64::from(crate::math::gamma(9)) / height;
+        let error = 6.0 * f64::from(crate::math::rounding_error_bound(9)) / height;
         let margin = u.min(v).min(1.0 - u - v);
         match tree.closest(&ray, none) {
             Some(hit) => {
@@ -165,7 +165,7 @@ fn ties_go_to_the_lower_primitive() {
     }
     // A triangle and another primitive in the same plane.
     let wall = [[Vec3::new(-1.0, -1.0, 2.0), Vec3::new(3.0, -1.0, 2.0), Vec3::new(-1.0, 3.0, 2.0)]];
-    let tree = Hierarchy::build(&wall, &[Bounds::of(wall[0])]);
+    let tree = Hierarchy::build(&wall, &[Bounds::from_points(wall[0])]);
     let hit = tree.closest(&Ray::new(Vec3::ZERO, Vec3::Z), |_, ray| (2.0 < ray.t_max).then_some((2.0, 0.0, 0.0)));
     assert_eq!(hit.map(|h| h.primitive), Some(Primitive::Triangle(0)));
 }
@@ -226,7 +226,7 @@ fn slivers_and_degenerate_triangles_agree_with_brute_force() {
         .map(|i| {
             let origin = if i % 3 == 0 { targets[i % 600][0] } else { point(&mut rng) * 2.0 };
             let [a, b, c] = targets[rng.random_range(0..600)];
-            let w = warp::triangle(Vec2::new(rng.random(), rng.random()));
+            let w = warp::square_to_uniform_triangle(Vec2::new(rng.random(), rng.random()));
             Ray::new(origin, a + (b - a) * w.x + (c - a) * w.y - origin)
         })
         .filter(|r| r.direction != Vec3::ZERO)
@@ -262,11 +262,11 @@ fn identical_primitives_build_fast_and_shallow() {
     let triangle = [point(&mut rng), point(&mut rng), point(&mut rng)];
     let middle = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
     let start = std::time::Instant::now();
-    let tree = Hierarchy::build(&vec![triangle; 100_000], &vec![Bounds::of(triangle); 100_000]);
+    let tree = Hierarchy::build(&vec![triangle; 100_000], &vec![Bounds::from_points(triangle); 100_000]);
     let seconds = start.elapsed().as_secs_f64();
     assert!(seconds < 1.0, "{seconds}");
     let normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
-    let hit = tree.closest(&Ray::between(middle + normal, middle - normal), none).map(|h| h.primitive);
+    let hit = tree.closest(&Ray::between_points(middle + normal, middle - normal), none).map(|h| h.primitive);
     assert_eq!(hit, Some(Primitive::Triangle(0)));
 }
 

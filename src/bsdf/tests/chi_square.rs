@@ -69,7 +69,7 @@ struct Case {
 
 fn cases() -> Vec<Case> {
     let n = Vec3::new(0.3, -0.5, 0.6).normalize();
-    let frame = Frame::around(n);
+    let frame = Frame::from_normal(n);
     let mut cases = Vec::new();
     let rgb = Vec3::new(0.7, 0.2, 0.5);
     let mut materials = vec![
@@ -77,7 +77,7 @@ fn cases() -> Vec<Case> {
         (Bsdf::Phong(Phong::new(rgb, Vec3::ONE, 20.0)), 1.0, 0.5),
         (Bsdf::Phong(Phong::new(Vec3::ONE, Vec3::ONE, 0.0)), 1.0, 1.0),
     ];
-    let (eta, k) = metal("gold").unwrap();
+    let (eta, k) = named_metal("gold").unwrap();
     for alpha in [SMOOTH_ALPHA * 1.001, 0.05, 0.2, 1.0] {
         let width = 2.0 * f64::from(alpha);
         materials.push((Bsdf::Conductor(Conductor::new(eta, k, alpha)), 1.0, width));
@@ -86,7 +86,7 @@ fn cases() -> Vec<Case> {
     // Narrower than any lobe that is built: the formulas hold there too.
     materials.push((Bsdf::RoughDielectric(RoughDielectric::new(1.5, 1e-4)), 1.5, 2e-4));
     materials.push((Bsdf::RoughDielectric(RoughDielectric::new(1.0 / 1.5, 1e-4)), 1.0 / 1.5, 2e-4));
-    materials.push((Bsdf::Conductor(Conductor::of_any_width(eta, k, 1e-4)), 1.0, 2e-4));
+    materials.push((Bsdf::Conductor(Conductor::new_without_smooth_limit(eta, k, 1e-4)), 1.0, 2e-4));
     for (bsdf, eta, width) in materials {
         for degrees in [0.0f32, 45.0, 85.0] {
             for side in [1.0f32, -1.0] {
@@ -106,7 +106,7 @@ fn cases() -> Vec<Case> {
 
 /// Grids around the directions of specular reflection and refraction.
 fn grids(case: &Case) -> [Grid; 2] {
-    let n = facing(case.ns, case.wo);
+    let n = face_forward(case.ns, case.wo);
     let cos = case.wo.dot(n);
     let bent = refract(case.wo, n, case.eta);
     let grazing = (n * cos - case.wo).normalize_or(-n);
@@ -161,10 +161,10 @@ fn samplers_match_their_pdfs() {
         // Half the noise of counting all samples bounds the error of the midpoint rule.
         assert!(lost > -0.5 / (SAMPLES as f64).sqrt(), "{name} integrates to {}", 1.0 - lost);
         let mut counts = vec![0u32; expected.len()];
-        let key = Key::new(17).purpose(Purpose::Test).with(index as u64);
+        let key = Key::new(17).purpose_key(Purpose::Test).child_key(index as u64);
         for i in 0..SAMPLES {
-            let key = key.with(i);
-            let (lobe, u) = (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
+            let key = key.child_key(i);
+            let (lobe, u) = (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
             let sample = case.bsdf.sample(case.wo, case.ns, case.ng, lobe, u, Transport::Radiance);
             let cell = sample.map_or(expected.len() - 1, |s| {
                 let side = usize::from(s.transmitted);

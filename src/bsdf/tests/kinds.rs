@@ -3,11 +3,11 @@
 use super::*;
 
 fn family() -> Vec<Bsdf> {
-    let (eta, k) = metal("nickel").unwrap();
+    let (eta, k) = named_metal("nickel").unwrap();
     let mut family = materials().to_vec();
-    family.extend([0.0, 0.05, STORED_ALPHA, 0.31, 1.0].map(|a| Bsdf::Conductor(Conductor::new(eta, k, a))));
+    family.extend([0.0, 0.05, PHOTON_STORAGE_ALPHA, 0.31, 1.0].map(|a| Bsdf::Conductor(Conductor::new(eta, k, a))));
     family.extend([0.0, 0.05, 0.31, 1.0].map(|a| Bsdf::dielectric(1.5, a)));
-    family.push(Bsdf::Thin(Thin { eta: 1.5, transmittance: Rgb::new(0.9, 0.5, 0.1) }));
+    family.push(Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, transmittance: Rgb::new(0.9, 0.5, 0.1) }));
     family
 }
 
@@ -72,12 +72,12 @@ fn an_index_of_one_transmits_all_light() {
 /// explicit sum over reflections between the interfaces.
 #[test]
 fn thin_sheets_match_the_slab_formula() {
-    let clear = Thin { eta: 1.5, transmittance: Rgb::ONE };
+    let clear = ThinDielectric { eta: 1.5, transmittance: Rgb::ONE };
     let (r, t) = clear.reflectance_and_transmittance(1.0);
     assert!((t.x - 0.923_077).abs() < 1e-6 && (r + t - 1.0).abs().max_element() < 1e-6);
     assert!((clear.reflectance_and_transmittance(0.5).1.x - 0.836_23).abs() < 1e-5);
 
-    let tinted = Thin { eta: 1.5, transmittance: Rgb::new(0.9, 0.5, 0.0) };
+    let tinted = ThinDielectric { eta: 1.5, transmittance: Rgb::new(0.9, 0.5, 0.0) };
     for cos in [1.0f32, 0.5, 0.05] {
         let (reflectance, cos_t) = dielectric_reflectance(cos, 1.5);
         let (r, t) = tinted.reflectance_and_transmittance(cos);
@@ -94,21 +94,21 @@ fn thin_sheets_match_the_slab_formula() {
         }
     }
     // A sheet less dense than its surroundings reflects all light beyond the critical angle.
-    assert_eq!(Thin { eta: 1.0 / 1.5, ..clear }.reflectance_and_transmittance(0.1), (Rgb::ONE, Rgb::ZERO));
-    assert_eq!(Thin { eta: 1.0, ..tinted }.reflectance_and_transmittance(0.4).0, Rgb::ZERO);
+    assert_eq!(ThinDielectric { eta: 1.0 / 1.5, ..clear }.reflectance_and_transmittance(0.1), (Rgb::ONE, Rgb::ZERO));
+    assert_eq!(ThinDielectric { eta: 1.0, ..tinted }.reflectance_and_transmittance(0.4).0, Rgb::ZERO);
 }
 
 /// Sampling a sheet returns both weights, from both sides and in both transports.
 #[test]
 fn thin_sheets_sample_both_directions() {
-    let pane = Thin { eta: 1.5, transmittance: Rgb::new(0.9, 0.5, 0.2) };
+    let pane = ThinDielectric { eta: 1.5, transmittance: Rgb::new(0.9, 0.5, 0.2) };
     let n = 50_000u64;
     for cos in [0.8, -0.8, 0.1] {
         let wo = direction(cos);
         let (r, t) = pane.reflectance_and_transmittance(f32::abs(cos));
         let (mut back, mut through) = (Rgb::ZERO, Rgb::ZERO);
         for i in 0..n {
-            let s = draw(&Bsdf::Thin(pane), wo, i, Transport::Radiance).unwrap();
+            let s = draw(&Bsdf::ThinDielectric(pane), wo, i, Transport::Radiance).unwrap();
             if s.transmitted {
                 assert_eq!(s.wi, -wo);
                 through += s.weight / n as f32;
@@ -122,6 +122,6 @@ fn thin_sheets_sample_both_directions() {
         assert!((back - r).abs().max_element() < tolerance, "{cos}: {back} {r}");
         assert!((through - t).abs().max_element() < tolerance, "{cos}: {through} {t}");
     }
-    let opaque = Bsdf::Thin(Thin { eta: 1.0, transmittance: Rgb::ZERO });
+    let opaque = Bsdf::ThinDielectric(ThinDielectric { eta: 1.0, transmittance: Rgb::ZERO });
     assert!(draw(&opaque, Vec3::Z, 0, Transport::Radiance).is_none());
 }

@@ -6,8 +6,8 @@ use super::*;
 use crate::sampling::{Dimension, Key, Purpose};
 
 fn draw(bsdf: &Bsdf, wo: Vec3, i: u64, transport: Transport) -> Option<BsdfSample> {
-    let key = Key::new(11).purpose(Purpose::Test).with(i);
-    let (lobe, u) = (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
+    let key = Key::new(11).purpose_key(Purpose::Test).child_key(i);
+    let (lobe, u) = (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
     bsdf.sample(wo, Vec3::Z, Vec3::Z, lobe, u, transport)
 }
 
@@ -28,12 +28,12 @@ fn materials() -> [Bsdf; 5] {
 
 /// One BSDF of each kind, and rough ones at both ends.
 fn all_kinds() -> Vec<Bsdf> {
-    let (eta, k) = metal("copper").unwrap();
+    let (eta, k) = named_metal("copper").unwrap();
     let mut all = materials().to_vec();
     all.extend([0.0, SMOOTH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::Conductor(Conductor::new(eta, k, alpha))));
     all.extend([SMOOTH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::dielectric(1.5, alpha)));
     all.extend([SMOOTH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::dielectric(1.0 / 1.5, alpha)));
-    all.push(Bsdf::Thin(Thin { eta: 1.5, transmittance: Rgb::new(1.0, 0.5, 0.1) }));
+    all.push(Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, transmittance: Rgb::new(1.0, 0.5, 0.1) }));
     all
 }
 
@@ -77,9 +77,12 @@ fn sampling_and_evaluation_agree() {
             };
             let (a, va) = moments(&|i| f64::from(draw(bsdf, wo, i, Transport::Importance).map_or(0.0, |s| s.weight.y)));
             let (b, vb) = moments(&|i| {
-                let u = Key::new(12).purpose(Purpose::Test).with(i).uniform_2d(Dimension::BsdfDirection);
-                let wi = warp::cone(u, 1.0);
-                f64::from(bsdf.evaluate(wo, wi, Vec3::Z, Vec3::Z, Transport::Importance).y * wi.z / warp::cone_pdf(1.0))
+                let u = Key::new(12).purpose_key(Purpose::Test).child_key(i).uniform_2d(Dimension::BsdfDirection);
+                let wi = warp::square_to_uniform_cone(u, 1.0);
+                f64::from(
+                    bsdf.evaluate(wo, wi, Vec3::Z, Vec3::Z, Transport::Importance).y * wi.z
+                        / warp::uniform_cone_pdf(1.0),
+                )
             });
             // Five sigma of the difference: one false alarm in a million comparisons.
             assert!((a - b).abs() < 5.0 * (va + vb).sqrt() + 1e-5, "{bsdf:?} at {cos}: {a} {b}");
@@ -91,8 +94,10 @@ fn sampling_and_evaluation_agree() {
 fn reflection_is_reciprocal() {
     for bsdf in &materials()[..3] {
         for (a, b) in [(0.9, 0.3), (0.1, 0.99), (0.5, 0.5)] {
-            let (wo, wi) =
-                (direction(a), Frame::around(Vec3::Z).to_world(direction(b) * Vec3::new(-0.8, 1.0, 1.0)).normalize());
+            let (wo, wi) = (
+                direction(a),
+                Frame::from_normal(Vec3::Z).to_world(direction(b) * Vec3::new(-0.8, 1.0, 1.0)).normalize(),
+            );
             let (there, back) = (
                 bsdf.evaluate(wo, wi, Vec3::Z, Vec3::Z, Transport::Importance),
                 bsdf.evaluate(wi, wo, Vec3::Z, Vec3::Z, Transport::Importance),
@@ -128,9 +133,9 @@ fn shading_normals_never_leak_light() {
     let ns = Vec3::new(0.9, 0.0, 0.3).normalize();
     for bsdf in all_kinds() {
         for i in 0..20_000u64 {
-            let key = Key::new(13).purpose(Purpose::Test).with(i);
-            let wo = warp::sphere(key.uniform_2d(Dimension::LightDirection));
-            let (lobe, u) = (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
+            let key = Key::new(13).purpose_key(Purpose::Test).child_key(i);
+            let wo = warp::square_to_uniform_sphere(key.uniform_2d(Dimension::LightDirection));
+            let (lobe, u) = (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
             if let Some(s) = bsdf.sample(wo, ns, Vec3::Z, lobe, u, Transport::Importance) {
                 assert_eq!(s.transmitted, (s.wi.z < 0.0) != (wo.z < 0.0), "{bsdf:?}");
                 assert!((s.wi.length() - 1.0).abs() < 1e-4);

@@ -7,9 +7,9 @@ const GLASS: f32 = 1.5;
 /// Pairs of directions, uniform over the sphere.
 fn directions(count: u64) -> impl Iterator<Item = (Vec3, Vec3)> {
     (0..count).map(|i| {
-        let key = Key::new(19).purpose(Purpose::Test).with(i);
-        let wo = warp::sphere(key.uniform_2d(Dimension::LightDirection));
-        (wo, warp::sphere(key.uniform_2d(Dimension::BsdfDirection)))
+        let key = Key::new(19).purpose_key(Purpose::Test).child_key(i);
+        let wo = warp::square_to_uniform_sphere(key.uniform_2d(Dimension::LightDirection));
+        (wo, warp::square_to_uniform_sphere(key.uniform_2d(Dimension::BsdfDirection)))
     })
 }
 
@@ -19,7 +19,7 @@ fn close(a: f32, b: f32) -> bool {
 }
 
 fn rough() -> [Bsdf; 4] {
-    let (eta, k) = metal("copper").unwrap();
+    let (eta, k) = named_metal("copper").unwrap();
     [
         Bsdf::Conductor(Conductor::new(eta, k, 0.2)),
         Bsdf::Conductor(Conductor::new(eta, k, 1.0)),
@@ -48,7 +48,7 @@ fn kept(bsdf: &Bsdf, wo: Vec3) -> (f64, f64) {
 /// Samples agree with `evaluate` and `pdf`, also under tilted normals and at the narrowest lobes.
 #[test]
 fn samples_agree_with_evaluation_and_pdf() {
-    let (eta, k) = metal("iron").unwrap();
+    let (eta, k) = named_metal("iron").unwrap();
     let mut checked = 0;
     for alpha in [SMOOTH_ALPHA, 0.05, 0.3, 1.0] {
         for bsdf in [
@@ -60,8 +60,8 @@ fn samples_agree_with_evaluation_and_pdf() {
             Bsdf::Phong(Phong::new(eta, k, 30.0)),
         ] {
             for (i, (wo, other)) in directions(2000).enumerate() {
-                let key = Key::new(23).purpose(Purpose::Test).with(i as u64);
-                let (lobe, u) = (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
+                let key = Key::new(23).purpose_key(Purpose::Test).child_key(i as u64);
+                let (lobe, u) = (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
                 let ns = (Vec3::Z + 0.5 * other * (i % 2) as f32).normalize();
                 for transport in [Transport::Radiance, Transport::Importance] {
                     let Some(s) = bsdf.sample(wo, ns, Vec3::Z, lobe, u, transport) else { continue };
@@ -157,7 +157,7 @@ fn a_rough_dielectric_has_the_documented_loss() {
 /// Narrow lobes split energy like a smooth interface, and reflect like a mirror.
 #[test]
 fn narrow_lobes_approach_deltas() {
-    let (eta, k) = metal("silver").unwrap();
+    let (eta, k) = named_metal("silver").unwrap();
     let metal = |alpha| Bsdf::Conductor(Conductor::new(eta, k, alpha));
     let glass = Bsdf::dielectric(GLASS, SMOOTH_ALPHA);
     assert!(!glass.is_specular() && !metal(SMOOTH_ALPHA).is_specular());

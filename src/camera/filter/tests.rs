@@ -10,7 +10,8 @@ fn second_moments_match_quadrature() {
     let n = 100_000;
     let second = |kind: FilterKind| {
         let f = Filter::new(kind);
-        (0..n).map(|i| f64::from(f.quantile((i as f32 + 0.5) / n as f32))).map(|x| x * x).sum::<f64>() / f64::from(n)
+        (0..n).map(|i| f64::from(f.sample_filter_quantile((i as f32 + 0.5) / n as f32))).map(|x| x * x).sum::<f64>()
+            / f64::from(n)
     };
     let quadrature = |kind: FilterKind| {
         let r = kind.radius();
@@ -33,7 +34,7 @@ fn second_moments_match_quadrature() {
 fn signed_weights_average_one() {
     use crate::sampling::{Dimension, Key, Purpose, sobol_2d};
     let n = 1 << 18;
-    let key = Key::new(3).purpose(Purpose::Test);
+    let key = Key::new(3).purpose_key(Purpose::Test);
     let filter = Filter::new(FilterKind::Mitchell);
     let xs: Vec<f64> = (0..4000).map(|i| -2.0 + (f64::from(i) + 0.5) / 1000.0).collect();
     let total: f64 = xs.iter().map(|x| FilterKind::Mitchell.weight(*x)).sum();
@@ -58,7 +59,7 @@ fn offsets_are_within_the_radius() {
     {
         let f = Filter::new(kind);
         let r = kind.radius() as f32;
-        assert!(f.quantile(0.0) >= -r && f.quantile(1.0 - f32::EPSILON / 2.0) <= r);
+        assert!(f.sample_filter_quantile(0.0) >= -r && f.sample_filter_quantile(1.0 - f32::EPSILON / 2.0) <= r);
     }
     assert!("lanczos".parse::<FilterKind>().unwrap_err().to_string().contains("blackman-harris"));
 }

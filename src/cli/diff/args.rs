@@ -1,12 +1,12 @@
 //! Arguments of `caustica diff`.
 
-use crate::cli::number::{parse_bound, parse_fraction, parse_pixels_per_degree, parse_stops};
+use crate::cli::number::{parse_exposure_stops, parse_fraction, parse_pixels_per_degree, parse_upper_bound};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
-/// Quantity that the map of errors shows.
+/// Quantity that the error map shows: value of `--map`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum MapKind {
+pub enum ErrorMapKind {
     /// FLIP, from 0 to 1
     Flip,
     /// Error relative to the mean luminance of the neighbourhood
@@ -17,9 +17,9 @@ pub enum MapKind {
     Absolute,
 }
 
-/// Mode of FLIP.
+/// Mode of the FLIP metric: value of `--flip`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum FlipName {
+pub enum FlipModeArgument {
     /// Display values, clamped like a PNG
     Ldr,
     /// Maximum over all useful exposures
@@ -41,14 +41,14 @@ pub struct DiffArguments {
 
     /// Quantity that the map shows
     #[arg(long, value_enum, default_value = "flip", value_name = "KIND")]
-    pub map: MapKind,
+    pub map: ErrorMapKind,
 
     /// Mode of FLIP  [default: ldr for two PNGs, else hdr]
     #[arg(long, value_enum, value_name = "MODE")]
-    pub flip: Option<FlipName>,
+    pub flip: Option<FlipModeArgument>,
 
     /// Exposure of LDR-FLIP in stops: +1 is twice as bright  [default: 0]
-    #[arg(long, value_parser = parse_stops, allow_negative_numbers = true, value_name = "STOPS")]
+    #[arg(long, value_parser = parse_exposure_stops, allow_negative_numbers = true, value_name = "STOPS")]
     pub exposure: Option<f32>,
 
     /// Pixels per degree of the viewer's field of view, for FLIP  [default: 67.02]
@@ -56,7 +56,7 @@ pub struct DiffArguments {
     pub pixels_per_degree: Option<f64>,
 
     /// Exit with code 4 if the RMSE exceeds this
-    #[arg(long, value_parser = parse_bound, value_name = "X")]
+    #[arg(long, value_parser = parse_upper_bound, value_name = "X")]
     pub max_rmse: Option<f64>,
 
     /// Exit with code 4 if the relative error exceeds this, such as 2% or 0.02
@@ -64,11 +64,11 @@ pub struct DiffArguments {
     pub max_relative: Option<f64>,
 
     /// Exit with code 4 if mean FLIP exceeds this
-    #[arg(long, value_parser = parse_bound, value_name = "X")]
+    #[arg(long, value_parser = parse_upper_bound, value_name = "X")]
     pub max_flip: Option<f64>,
 
     /// Exit with code 4 if any channel of any pixel differs by more than this
-    #[arg(long, value_parser = parse_bound, value_name = "X")]
+    #[arg(long, value_parser = parse_upper_bound, value_name = "X")]
     pub max_difference: Option<f64>,
 
     /// Exit with code 4 if any pixel differs

@@ -1,59 +1,61 @@
-//! Maps of the errors between two pictures.
+//! Error maps: pictures of the difference between two pictures.
 
-use super::MapKind;
+use super::ErrorMapKind;
 use crate::image::{Image, OutputFormat, RelativeScale, diverging_color, sequential_color};
 use glam::{DVec3, Vec3};
 use serde::Serialize;
 
-/// Fraction of pixels within the colour scale of a PNG. One firefly must not darken all others.
+/// Fraction of pixels within the colour scale of a PNG. One firefly must not stretch the scale.
 const SCALE_QUANTILE: f64 = 0.99;
 
-/// Colour scale of a PNG map.
+/// Values at the ends of the colour scale of a PNG error map.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(super) struct Colors {
+pub(super) struct ColorScale {
     /// Value of the first colour.
     pub from: f64,
-    /// Value of the last colour, which larger values share.
+    /// Value of the last colour. Larger values have the same colour.
     pub to: f64,
 }
 
-/// The pixels of the map: colours with their scale for PNG, values for OpenEXR.
+/// Returns the pixels of an error map: colours and their scale for PNG, values for OpenEXR.
 ///
-/// `a`, `b` and `flip` must have one size.
+/// `a`, `b` and `flip` must have the same number of pixels.
 pub(super) fn error_map(
-    kind: MapKind,
+    kind: ErrorMapKind,
     a: &Image,
     b: &Image,
     flip: &[f32],
     format: OutputFormat,
-) -> (Vec<Vec3>, Option<Colors>) {
-    let values = map_values(kind, a, b, flip);
+) -> (Vec<Vec3>, Option<ColorScale>) {
+    let values = error_map_values(kind, a, b, flip);
     if format == OutputFormat::Exr {
         return (values.iter().map(|v| v.as_vec3()).collect(), None);
     }
     let means: Vec<f64> = values.iter().map(|v| v.element_sum() / 3.0).collect();
-    let to = if kind == MapKind::Flip { 1.0 } else { scale_end(&means) };
-    let color = if kind == MapKind::Signed { diverging_color } else { sequential_color };
-    let from = if kind == MapKind::Signed { -to } else { 0.0 };
-    (means.iter().map(|v| color(v / to)).collect(), Some(Colors { from, to }))
+    let to = if kind == ErrorMapKind::Flip { 1.0 } else { color_scale_end(&means) };
+    let color = if kind == ErrorMapKind::Signed { diverging_color } else { sequential_color };
+    let from = if kind == ErrorMapKind::Signed { -to } else { 0.0 };
+    (means.iter().map(|v| color(v / to)).collect(), Some(ColorScale { from, to }))
 }
 
-/// The values of the map per channel. A quantity without channels is equal in all three.
-fn map_values(kind: MapKind, a: &Image, b: &Image, flip: &[f32]) -> Vec<DVec3> {
+/// Returns the errors of all pixels per channel. FLIP and the relative error fill all channels.
+fn error_map_values(kind: ErrorMapKind, a: &Image, b: &Image, flip: &[f32]) -> Vec<DVec3> {
     let differences = a.pixels().iter().zip(b.pixels()).map(|(a, b)| a.as_dvec3() - b.as_dvec3());
     match kind {
-        MapKind::Flip => flip.iter().map(|e| DVec3::splat(f64::from(*e))).collect(),
-        MapKind::Signed => differences.collect(),
-        MapKind::Absolute => differences.map(DVec3::abs).collect(),
-        MapKind::Relative => {
+        ErrorMapKind::Flip => flip.iter().map(|e| DVec3::splat(f64::from(*e))).collect(),
+        ErrorMapKind::Signed => differences.collect(),
+        ErrorMapKind::Absolute => differences.map(DVec3::abs).collect(),
+        ErrorMapKind::Relative => {
             let scale = RelativeScale::from_image(b);
             differences.zip(scale.weights()).map(|(d, w)| DVec3::splat((w * d.length_squared()).sqrt())).collect()
         }
     }
 }
 
-/// A positive size that [`SCALE_QUANTILE`] of the values do not exceed.
-fn scale_end(values: &[f64]) -> f64 {
+/// Returns the quantile [`SCALE_QUANTILE`] of the absolute values, or the maximum if that is 0.
+///
+/// The result is positive: it is 1 if all values are 0.
+fn color_scale_end(values: &[f64]) -> f64 {
     let mut sizes: Vec<f64> = values.iter().map(|v| v.abs()).collect();
     let index = ((sizes.len() - 1) as f64 * SCALE_QUANTILE) as usize;
     let most = *sizes.select_nth_unstable_by(index, f64::total_cmp).1;
@@ -73,11 +75,11 @@ mod tests {
     fn values_follow_the_kind_of_map() {
         let (a, b) = (image(&[[2.0, 2.5, 1.0]]), image(&[[2.0; 3]]));
         let exr = |kind| error_map(kind, &a, &b, &[0.25], OutputFormat::Exr).0[0];
-        assert_eq!(exr(MapKind::Signed), Vec3::new(0.0, 0.5, -1.0));
-        assert_eq!(exr(MapKind::Absolute), Vec3::new(0.0, 0.5, 1.0));
-        assert_eq!(exr(MapKind::Flip), Vec3::splat(0.25));
+        assert_eq!(exr(ErrorMapKind::Signed), Vec3::new(0.0, 0.5, -1.0));
+        assert_eq!(exr(ErrorMapKind::Absolute), Vec3::new(0.0, 0.5, 1.0));
+        assert_eq!(exr(ErrorMapKind::Flip), Vec3::splat(0.25));
         // The reference is 2 everywhere: √((¼ + 1) / (3 · (4 + 4))).
-        assert!((exr(MapKind::Relative) - f32::sqrt(1.25 / 24.0)).abs().max_element() < 1e-6);
+        assert!((exr(ErrorMapKind::Relative) - f32::sqrt(1.25 / 24.0)).abs().max_element() < 1e-6);
     }
 
     #[test]
@@ -86,21 +88,21 @@ mod tests {
         values[7] = [100.0; 3];
         values[8] = [0.5; 3];
         let (a, b) = (image(&values), image(&vec![[0.0; 3]; 200]));
-        let (colors, meaning) = error_map(MapKind::Absolute, &a, &b, &[], OutputFormat::Png);
-        assert_eq!(meaning, Some(Colors { from: 0.0, to: 1.0 }));
+        let (colors, meaning) = error_map(ErrorMapKind::Absolute, &a, &b, &[], OutputFormat::Png);
+        assert_eq!(meaning, Some(ColorScale { from: 0.0, to: 1.0 }));
         assert_eq!(
             [colors[0], colors[7], colors[8]],
             [sequential_color(1.0), sequential_color(1.0), sequential_color(0.5)]
         );
-        let (colors, meaning) = error_map(MapKind::Signed, &b, &a, &[], OutputFormat::Png);
-        assert_eq!(meaning, Some(Colors { from: -1.0, to: 1.0 }));
+        let (colors, meaning) = error_map(ErrorMapKind::Signed, &b, &a, &[], OutputFormat::Png);
+        assert_eq!(meaning, Some(ColorScale { from: -1.0, to: 1.0 }));
         assert_eq!((colors[0], colors[8]), (diverging_color(-1.0), diverging_color(-0.5)));
-        let same = error_map(MapKind::Absolute, &a, &a, &[], OutputFormat::Png);
-        assert_eq!((same.0[0], same.1), (sequential_color(0.0), Some(Colors { from: 0.0, to: 1.0 })));
+        let same = error_map(ErrorMapKind::Absolute, &a, &a, &[], OutputFormat::Png);
+        assert_eq!((same.0[0], same.1), (sequential_color(0.0), Some(ColorScale { from: 0.0, to: 1.0 })));
         // A single differing pixel is visible.
         let mut one = vec![[0.0_f32; 3]; 200];
         one[3] = [4.0; 3];
-        let single = error_map(MapKind::Absolute, &image(&one), &b, &[], OutputFormat::Png).1;
-        assert_eq!(single, Some(Colors { from: 0.0, to: 4.0 }));
+        let single = error_map(ErrorMapKind::Absolute, &image(&one), &b, &[], OutputFormat::Png).1;
+        assert_eq!(single, Some(ColorScale { from: 0.0, to: 4.0 }));
     }
 }

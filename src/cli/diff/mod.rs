@@ -1,24 +1,24 @@
-//! `caustica diff`: the difference of two pictures.
+//! `caustica diff`: measures the difference of two pictures and draws error maps.
 
 mod args;
 mod map;
 mod report;
 
-pub use args::{DiffArguments, FlipName, MapKind};
+pub use args::{DiffArguments, ErrorMapKind, FlipModeArgument};
 
-use super::outputs::{NamedFile, OutputFailures, check_distinct};
+use super::outputs::{NamedFile, OutputFailures, check_distinct_files};
 use super::progress::{Progress, print_message};
 use super::{Exit, Failure};
 use crate::image::flip::{FlipMode, FlipOptions, FlipResult, PIXELS_PER_DEGREE, flip};
-use crate::image::metrics::{Differences, MetricError, differences, relative_error, relative_mse, rmse};
+use crate::image::metrics::{MetricError, PixelDifferences, largest_differences, relative_error, relative_mse, rmse};
 use crate::image::{self, Image, InputFormat, OutputFormat, WriteOptions};
 use crate::study::text::three_digit_text;
 use miette::IntoDiagnostic;
-use report::{EPSILON, FlipReport, LargestReport, MapReport, Means, Report};
+use report::{DiffReport, EPSILON, ErrorMapReport, FlipReport, LargestDifferences, MeanRadiances};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Why two pictures cannot be compared.
+/// Error: two pictures cannot be compared.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 enum IncomparablePictures {
     #[error("`{}` has {} × {} pixels, but `{}` has {} × {}", a.0.display(), a.1.0, a.1.1, b.0.display(), b.1.0, b.1.1)]
@@ -32,81 +32,84 @@ enum IncomparablePictures {
     Other(MetricError),
 }
 
-/// An `--exposure` for HDR-FLIP, which chooses its exposures itself.
+/// Usage error: `--exposure` is given with HDR-FLIP, which chooses exposures itself.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("--exposure applies to LDR-FLIP only: HDR-FLIP derives its exposures from the reference")]
 #[diagnostic(help("add --flip ldr, or leave out --exposure"))]
-struct NeedlessExposure;
+struct ExposureWithHdrFlip;
 
 pub(super) fn run(arguments: &DiffArguments) -> Result<Exit, Failure> {
     if let Some(path) = &arguments.output {
-        image::check_writable(path).map_err(Failure::output)?;
+        image::check_writable(path).map_err(Failure::output_error)?;
         let inputs = [NamedFile::new("the picture", &arguments.a), NamedFile::new("the reference", &arguments.b)];
-        check_distinct(&[NamedFile::new("-o", path)], &inputs)?;
+        check_distinct_files(&[NamedFile::new("-o", path)], &inputs)?;
     }
     let read = |path| image::read_with_format(path).into_diagnostic().map_err(|e| Failure::new(Exit::Input, e));
     let (a, a_format) = read(&arguments.a)?;
     let (b, b_format) = read(&arguments.b)?;
     let mode = flip_mode(arguments, a_format == InputFormat::Png && b_format == InputFormat::Png)?;
-    let (mut report, flip) = compare(arguments, &a, &b, mode).map_err(|error| incomparable(arguments, error))?;
+    let (mut report, flip) =
+        compare_pictures(arguments, &a, &b, mode).map_err(|error| comparison_failure(arguments, error))?;
     let exceeded = exceeded_limits(arguments, &report);
     report.exceeded = exceeded.iter().map(|(flag, _)| *flag).collect();
     let mut failures = OutputFailures::default();
     if let Some(path) = &arguments.output {
-        report.map = failures.take_ok_report(write_map(path, arguments.map, &a, &b, &flip));
+        report.map = failures.ok_or_collect_report(write_map(path, arguments.map, &a, &b, &flip));
     }
     let text = if arguments.json {
-        serde_json::to_string_pretty(&report).map_err(Failure::output)? + "\n"
+        serde_json::to_string_pretty(&report).map_err(Failure::output_error)? + "\n"
     } else {
         report.table()
     };
-    failures.take_ok(std::io::stdout().write_all(text.as_bytes()));
+    failures.ok_or_collect(std::io::stdout().write_all(text.as_bytes()));
     if let Some(map) = &report.map {
         let colors = map.colors.map_or(String::new(), |c| {
             format!(", colours from {} to {}", three_digit_text(c.from), three_digit_text(c.to))
         });
-        Progress::new(arguments.quiet).say(&format!("wrote {}: {}{colors}", map.file, map.kind));
+        Progress::new(arguments.quiet).print_line(&format!("wrote {}: {}{colors}", map.file, map.kind));
     }
     exceeded.iter().for_each(|(flag, why)| print_message(&format!("--{flag}: {why}")));
-    failures.finish(if exceeded.is_empty() { Exit::Success } else { Exit::Differ })
+    failures.into_result(if exceeded.is_empty() { Exit::Success } else { Exit::Differ })
 }
 
-/// The mode of FLIP. By default LDR for pictures with display values, HDR for radiance.
+/// Returns the FLIP mode of the arguments.
+///
+/// By default it is LDR if `displayed`: both pictures hold display values. Else it is HDR.
 fn flip_mode(arguments: &DiffArguments, displayed: bool) -> Result<FlipMode, Failure> {
     match (arguments.flip, arguments.exposure) {
-        (Some(FlipName::Ldr), stops) => Ok(FlipMode::Ldr(stops.unwrap_or(0.0))),
+        (Some(FlipModeArgument::Ldr), stops) => Ok(FlipMode::Ldr(stops.unwrap_or(0.0))),
         (None, stops) if displayed => Ok(FlipMode::Ldr(stops.unwrap_or(0.0))),
         (_, None) => Ok(FlipMode::Hdr),
-        (_, Some(_)) => Err(Failure::usage(NeedlessExposure)),
+        (_, Some(_)) => Err(Failure::usage_error(ExposureWithHdrFlip)),
     }
 }
 
-fn compare(
+fn compare_pictures(
     arguments: &DiffArguments,
     a: &Image,
     b: &Image,
     mode: FlipMode,
-) -> Result<(Report, FlipResult), MetricError> {
-    let Differences { largest: [red, green, blue], pixels } = differences(a, b)?;
+) -> Result<(DiffReport, FlipResult), MetricError> {
+    let PixelDifferences { largest: [red, green, blue], pixels } = largest_differences(a, b)?;
     let options = FlipOptions { pixels_per_degree: arguments.pixels_per_degree.unwrap_or(PIXELS_PER_DEGREE), mode };
     let flip = flip(b, a, &options)?;
     let (name, exposure) = match mode {
         FlipMode::Ldr(stops) => ("ldr", Some(stops)),
         FlipMode::Hdr => ("hdr", None),
     };
-    let report = Report {
+    let report = DiffReport {
         schema: 1,
         version: env!("CARGO_PKG_VERSION"),
         a: arguments.a.display().to_string(),
         b: arguments.b.display().to_string(),
         width: a.width(),
         height: a.height(),
-        mean: Means { a: mean_value(a), b: mean_value(b) },
+        mean: MeanRadiances { a: mean_channel_value(a), b: mean_channel_value(b) },
         rmse: rmse(a, b)?,
         relative_mse: relative_mse(a, b, EPSILON, None)?,
         relative_error: relative_error(a, b)?,
         flip: FlipReport { mode: name, exposure, pixels_per_degree: options.pixels_per_degree, mean: flip.mean },
-        largest: LargestReport { red, green, blue },
+        largest: LargestDifferences { red, green, blue },
         differing_pixels: pixels,
         map: None,
         exceeded: Vec::new(),
@@ -114,13 +117,13 @@ fn compare(
     Ok((report, flip))
 }
 
-/// Mean over pixels and channels.
-fn mean_value(image: &Image) -> f64 {
+/// Returns the mean over all pixels and channels.
+fn mean_channel_value(image: &Image) -> f64 {
     let sum: f64 = image.pixels().iter().map(|p| p.as_dvec3().element_sum()).sum();
     sum / (3.0 * image.pixels().len() as f64)
 }
 
-fn incomparable(arguments: &DiffArguments, error: MetricError) -> Failure {
+fn comparison_failure(arguments: &DiffArguments, error: MetricError) -> Failure {
     let (a, b) = (&arguments.a, &arguments.b);
     let report = match error {
         MetricError::Size { a: first, b: second } => {
@@ -130,18 +133,18 @@ fn incomparable(arguments: &DiffArguments, error: MetricError) -> Failure {
             let path = if which == "first" { a } else { b };
             IncomparablePictures::NonFinite { path: path.clone(), x, y }
         }
-        MetricError::Parameter { .. } => return Failure::usage(IncomparablePictures::Other(error)),
+        MetricError::Parameter { .. } => return Failure::usage_error(IncomparablePictures::Other(error)),
     };
     Failure::new(Exit::Input, report)
 }
 
-/// The flags whose limits are exceeded, each with an explanation.
-fn exceeded_limits(arguments: &DiffArguments, report: &Report) -> Vec<(&'static str, String)> {
+/// Returns the flags whose limits are exceeded, each with an explanation.
+fn exceeded_limits(arguments: &DiffArguments, report: &DiffReport) -> Vec<(&'static str, String)> {
     let limits = [
         ("max-rmse", "an RMSE", report.rmse, arguments.max_rmse),
         ("max-relative", "a relative error", report.relative_error, arguments.max_relative),
         ("max-flip", "a mean FLIP", report.flip.mean, arguments.max_flip),
-        ("max-difference", "a difference", report.largest(), arguments.max_difference),
+        ("max-difference", "a difference", report.largest_difference(), arguments.max_difference),
     ];
     let mut exceeded: Vec<(&'static str, String)> = limits
         .into_iter()
@@ -156,16 +159,22 @@ fn exceeded_limits(arguments: &DiffArguments, report: &Report) -> Vec<(&'static 
     exceeded
 }
 
-/// Writes the map of errors.
-fn write_map(path: &Path, kind: MapKind, a: &Image, b: &Image, flip: &FlipResult) -> miette::Result<MapReport> {
+/// Writes the error map of `--output`.
+fn write_map(
+    path: &Path,
+    kind: ErrorMapKind,
+    a: &Image,
+    b: &Image,
+    flip: &FlipResult,
+) -> miette::Result<ErrorMapReport> {
     let format = OutputFormat::from_path(path).into_diagnostic()?;
     let (pixels, colors) = map::error_map(kind, a, b, &flip.map, format);
     let picture = Image::from_pixels(a.width(), a.height(), pixels).into_diagnostic()?;
     let name = match kind {
-        MapKind::Flip => "flip",
-        MapKind::Relative => "relative",
-        MapKind::Signed => "signed",
-        MapKind::Absolute => "absolute",
+        ErrorMapKind::Flip => "flip",
+        ErrorMapKind::Relative => "relative",
+        ErrorMapKind::Signed => "signed",
+        ErrorMapKind::Absolute => "absolute",
     };
     let mut metadata = vec![("Software".to_owned(), format!("Caustica {}", env!("CARGO_PKG_VERSION")))];
     metadata.push(("Map".to_owned(), name.to_owned()));
@@ -173,5 +182,5 @@ fn write_map(path: &Path, kind: MapKind, a: &Image, b: &Image, flip: &FlipResult
         metadata.push(("Colors".to_owned(), format!("from {} to {}", c.from, c.to)));
     }
     image::write(path, &picture, &WriteOptions { metadata, ..WriteOptions::default() }).into_diagnostic()?;
-    Ok(MapReport { file: path.display().to_string(), kind: name, colors })
+    Ok(ErrorMapReport { file: path.display().to_string(), kind: name, colors })
 }

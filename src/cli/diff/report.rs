@@ -1,38 +1,39 @@
-//! Result of `caustica diff` as a table and as JSON. The page on the command line describes each
-//! field.
+//! Result of `caustica diff` as a table and as JSON.
+//!
+//! `docs/guide/command-line.md` describes each field.
 
-use super::map::Colors;
-use crate::image::metrics::Largest;
+use super::map::ColorScale;
+use crate::image::metrics::LargestDifference;
 use crate::study::text::three_digit_text;
 use serde::Serialize;
 use std::fmt::Write;
 
-/// ε of the relative MSE.
+/// Constant ε in the denominator of the relative MSE.
 pub(super) const EPSILON: f64 = 0.01;
 
 #[derive(Debug, Serialize)]
-pub(super) struct Report {
+pub(super) struct DiffReport {
     pub schema: u32,
     pub version: &'static str,
     pub a: String,
     pub b: String,
     pub width: u32,
     pub height: u32,
-    pub mean: Means,
+    pub mean: MeanRadiances,
     pub rmse: f64,
     pub relative_mse: f64,
     pub relative_error: f64,
     pub flip: FlipReport,
-    pub largest: LargestReport,
+    pub largest: LargestDifferences,
     pub differing_pixels: usize,
-    /// `None` if no map was written.
-    pub map: Option<MapReport>,
-    /// Flags whose limit is exceeded.
+    /// The written error map; `None` without `--output`.
+    pub map: Option<ErrorMapReport>,
+    /// Flags such as `max-rmse` whose limits the difference exceeds.
     pub exceeded: Vec<&'static str>,
 }
 
 #[derive(Debug, Serialize)]
-pub(super) struct Means {
+pub(super) struct MeanRadiances {
     pub a: f64,
     pub b: f64,
 }
@@ -40,31 +41,31 @@ pub(super) struct Means {
 #[derive(Debug, Serialize)]
 pub(super) struct FlipReport {
     pub mode: &'static str,
-    /// Exposure in stops; `None` for HDR.
+    /// Exposure of LDR-FLIP in stops; `None` for HDR-FLIP.
     pub exposure: Option<f32>,
     pub pixels_per_degree: f64,
     pub mean: f64,
 }
 
 #[derive(Debug, Serialize)]
-pub(super) struct LargestReport {
-    pub red: Option<Largest>,
-    pub green: Option<Largest>,
-    pub blue: Option<Largest>,
+pub(super) struct LargestDifferences {
+    pub red: Option<LargestDifference>,
+    pub green: Option<LargestDifference>,
+    pub blue: Option<LargestDifference>,
 }
 
 #[derive(Debug, Serialize)]
-pub(super) struct MapReport {
+pub(super) struct ErrorMapReport {
     pub file: String,
     pub kind: &'static str,
-    /// Colour scale; `None` for OpenEXR.
-    pub colors: Option<Colors>,
+    /// Values at the ends of the colour scale; `None` for OpenEXR, which holds the values.
+    pub colors: Option<ColorScale>,
 }
 
-impl Report {
-    /// Largest difference over all channels.
-    pub fn largest(&self) -> f64 {
-        let LargestReport { red, green, blue } = &self.largest;
+impl DiffReport {
+    /// Returns the largest absolute difference over all channels.
+    pub fn largest_difference(&self) -> f64 {
+        let LargestDifferences { red, green, blue } = &self.largest;
         [red, green, blue].into_iter().flatten().map(|l| l.difference).fold(0.0, f64::max)
     }
 
@@ -96,10 +97,10 @@ impl Report {
             three_digit_text(self.flip.mean),
             format!("{mode}, {:.2} pixels per degree", self.flip.pixels_per_degree),
         );
-        let LargestReport { red, green, blue } = &self.largest;
+        let LargestDifferences { red, green, blue } = &self.largest;
         for (name, largest) in [("red", red), ("green", green), ("blue", blue)] {
             let (value, position) = match largest {
-                Some(Largest { difference, x, y }) => {
+                Some(LargestDifference { difference, x, y }) => {
                     (three_digit_text(*difference), format!("in column {x}, row {y}"))
                 }
                 None => (three_digit_text(0.0), String::new()),

@@ -1,6 +1,6 @@
 //! Arguments of `caustica mesh`.
 
-use crate::cli::number::{parse_above_zero, parse_bytes, parse_degrees, parse_distance, parse_point};
+use crate::cli::number::{parse_bytes, parse_degrees, parse_distance, parse_point, parse_positive_factor};
 use clap::Args;
 use glam::DVec3;
 use std::path::PathBuf;
@@ -53,7 +53,7 @@ pub struct MeshArguments {
     pub flat: bool,
 
     /// Scale about the origin, before all other changes
-    #[arg(long, value_parser = parse_above_zero, value_name = "FACTOR")]
+    #[arg(long, value_parser = parse_positive_factor, value_name = "FACTOR")]
     pub scale: Option<f64>,
 
     /// Translate, after --scale

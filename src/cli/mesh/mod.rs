@@ -1,11 +1,11 @@
-//! `caustica mesh`: reports on a mesh, repairs it, and converts it.
+//! `caustica mesh`: inspects, repairs and converts a mesh file.
 
 mod args;
 mod text;
 
 pub use args::MeshArguments;
 
-use super::outputs::{NamedFile, OutputFailures, check_distinct};
+use super::outputs::{NamedFile, OutputFailures, check_distinct_files};
 use super::progress::{Progress, print_message};
 use super::{Exit, Failure};
 use crate::format::mesh::{
@@ -13,23 +13,23 @@ use crate::format::mesh::{
 };
 use crate::format::mtl;
 use crate::image::check_replaceable;
-use crate::stats::Memory;
+use crate::stats::MemoryLimit;
 use glam::DVec3;
 use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// A path whose extension names no mesh format.
+/// Error: the extension of the output path names no mesh format.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("`{}` has no extension of a mesh format that can be written", path.display())]
 #[diagnostic(help("give it the extension .obj or .ply"))]
-struct UnknownFormat {
+struct UnknownMeshFormat {
     path: PathBuf,
 }
 
-/// A change that leaves no valid mesh.
+/// Error: the requested changes leave no valid mesh.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
-enum InvalidResult {
+enum InvalidMeshResult {
     #[error("the repair leaves no triangle of `{}`", .0.display())]
     #[diagnostic(help("choose a smaller --weld, or keep triangles without area"))]
     Triangles(PathBuf),
@@ -38,9 +38,9 @@ enum InvalidResult {
     Coordinates(PathBuf),
 }
 
-/// Report that `--json` prints.
+/// JSON report of `caustica mesh`.
 #[derive(Debug, Serialize)]
-struct Report {
+struct MeshCommandReport {
     schema: u32,
     version: &'static str,
     mesh: String,
@@ -51,15 +51,15 @@ struct Report {
 }
 
 pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, Failure> {
-    let format = arguments.output.as_deref().map(|path| output_format(path, arguments)).transpose()?;
+    let format = arguments.output.as_deref().map(|path| checked_mesh_format(path, arguments)).transpose()?;
     let progress = Progress::new(arguments.quiet);
-    let memory = arguments.memory.map_or(Memory::System, Memory::Limit);
-    let loaded = mesh::load_with_memory_limit(&arguments.mesh, &progress, memory.free()).map_err(|e| {
+    let memory = arguments.memory.map_or(MemoryLimit::System, MemoryLimit::Limit);
+    let loaded = mesh::load_with_memory_limit(&arguments.mesh, &progress, memory.available_bytes()).map_err(|e| {
         let exit = if matches!(e, MeshError::Memory { .. }) { Exit::Usage } else { Exit::Input };
         Failure::new(exit, miette::Report::from_err(e))
     })?;
-    progress.finish();
-    check_memory(&arguments.mesh, &loaded.mesh, memory)?;
+    progress.remove_bar();
+    check_mesh_memory(&arguments.mesh, &loaded.mesh, memory)?;
     let mut before = loaded.mesh.report();
     before.vertices = loaded.vertices;
     before.isolated_vertices = loaded.isolated;
@@ -68,11 +68,11 @@ pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, Failure> {
     let (mut after, mut repaired) = (None, None);
     if arguments.has_changes() {
         let mut mesh = loaded.mesh.clone();
-        repaired = Some(apply_changes(&mut mesh, arguments)?);
+        repaired = Some(apply_mesh_changes(&mut mesh, arguments)?);
         after = Some(mesh.report());
         changed = Some(mesh);
     }
-    let report = Report {
+    let report = MeshCommandReport {
         schema: 1,
         version: env!("CARGO_PKG_VERSION"),
         mesh: arguments.mesh.display().to_string(),
@@ -81,29 +81,30 @@ pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, Failure> {
         after,
     };
     let text = if arguments.json {
-        serde_json::to_string_pretty(&report).map_err(Failure::output)? + "\n"
+        serde_json::to_string_pretty(&report).map_err(Failure::output_error)? + "\n"
     } else {
         text::table(&report.mesh, &report.before, report.repaired.as_ref(), report.after.as_ref())
     };
     let mut failures = OutputFailures::default();
     if let (Some(path), Some(format)) = (&arguments.output, format) {
         let mesh = changed.as_ref().unwrap_or(&loaded.mesh);
-        if write(arguments, &loaded, mesh, (path, format), memory, &mut failures).is_some() {
-            progress.say(&format!("wrote {}", path.display()));
+        if write_mesh_and_materials(arguments, &loaded, mesh, (path, format), memory, &mut failures).is_some() {
+            progress.print_line(&format!("wrote {}", path.display()));
         }
     }
-    failures.take_ok(std::io::stdout().write_all(text.as_bytes()));
-    failures.finish(Exit::Success)
+    failures.ok_or_collect(std::io::stdout().write_all(text.as_bytes()));
+    failures.into_result(Exit::Success)
 }
 
-/// Bytes per triangle for a report or a repair, with the mesh itself. Measured: 165, on a grid of a
-/// million triangles.
+/// Bytes of memory per triangle for the mesh and its report or repair.
+///
+/// Measured on a grid of a million triangles: 165.
 const BYTES_PER_TRIANGLE: u64 = 200;
 
-/// Refuses a mesh that fits into memory, but not with what a report or a repair needs.
-fn check_memory(path: &Path, mesh: &TriangleMesh, memory: Memory) -> Result<(), Failure> {
+/// Returns a failure if there is too little memory to inspect or repair a loaded mesh.
+fn check_mesh_memory(path: &Path, mesh: &TriangleMesh, memory: MemoryLimit) -> Result<(), Failure> {
     let needed = BYTES_PER_TRIANGLE * mesh.triangles.len() as u64;
-    match memory.free() {
+    match memory.available_bytes() {
         Some(free) if needed > free => {
             let error = MeshError::Memory { path: path.to_owned(), needed, free };
             Err(Failure::new(Exit::Usage, miette::Report::from_err(error)))
@@ -112,24 +113,24 @@ fn check_memory(path: &Path, mesh: &TriangleMesh, memory: Memory) -> Result<(), 
     }
 }
 
-/// The format of the output, checked to be writable and not to be the input.
-fn output_format(path: &Path, arguments: &MeshArguments) -> Result<MeshFormat, Failure> {
+/// Returns the format of the output file, or a failure if the file cannot be written.
+fn checked_mesh_format(path: &Path, arguments: &MeshArguments) -> Result<MeshFormat, Failure> {
     let format = MeshFormat::from_path(path, arguments.ascii);
-    let format = format.ok_or_else(|| Failure::new(Exit::Output, UnknownFormat { path: path.to_owned() }))?;
-    check_replaceable(path).map_err(Failure::output)?;
-    check_distinct(&[NamedFile::new("-o", path)], &[NamedFile::new("the mesh", &arguments.mesh)])?;
+    let format = format.ok_or_else(|| Failure::new(Exit::Output, UnknownMeshFormat { path: path.to_owned() }))?;
+    check_replaceable(path).map_err(Failure::output_error)?;
+    check_distinct_files(&[NamedFile::new("-o", path)], &[NamedFile::new("the mesh", &arguments.mesh)])?;
     Ok(format)
 }
 
-/// Changes the mesh by the arguments.
-fn apply_changes(mesh: &mut TriangleMesh, arguments: &MeshArguments) -> Result<RepairCounts, Failure> {
+/// Applies the transforms and repairs of the command line to the mesh.
+fn apply_mesh_changes(mesh: &mut TriangleMesh, arguments: &MeshArguments) -> Result<RepairCounts, Failure> {
     let (scale, offset) = (arguments.scale.unwrap_or(1.0), arguments.translate.unwrap_or(DVec3::ZERO));
     if arguments.scale.is_some() || arguments.translate.is_some() {
         mesh.positions.iter_mut().for_each(|p| *p = *p * scale + offset);
     }
-    let lost = |lost: fn(PathBuf) -> InvalidResult, exit| Err(Failure::new(exit, lost(arguments.mesh.clone())));
+    let lost = |lost: fn(PathBuf) -> InvalidMeshResult, exit| Err(Failure::new(exit, lost(arguments.mesh.clone())));
     if !mesh.positions.iter().all(|p| p.is_finite()) {
-        return lost(InvalidResult::Coordinates, Exit::Usage);
+        return lost(InvalidMeshResult::Coordinates, Exit::Usage);
     }
     let all = arguments.repair;
     let repaired = mesh.repair(&MeshRepairs {
@@ -149,20 +150,20 @@ fn apply_changes(mesh: &mut TriangleMesh, arguments: &MeshArguments) -> Result<R
         mesh.compute_smooth_normals(angle);
     }
     if mesh.triangles.is_empty() {
-        return lost(InvalidResult::Triangles, Exit::Input);
+        return lost(InvalidMeshResult::Triangles, Exit::Input);
     }
     Ok(repaired)
 }
 
-/// Writes the mesh. An OBJ in another folder than its source gets its materials beside it.
+/// Writes the mesh. Returns `None` if the mesh file could not be written.
 ///
-/// `None` if an output could not be written.
-fn write(
+/// An OBJ file in another folder than its source gets a copy of its materials.
+fn write_mesh_and_materials(
     arguments: &MeshArguments,
     loaded: &LoadedMesh,
     mesh: &TriangleMesh,
     (path, format): (&Path, MeshFormat),
-    memory: Memory,
+    memory: MemoryLimit,
     failures: &mut OutputFailures,
 ) -> Option<()> {
     let mut libraries = loaded.libraries.clone();
@@ -170,12 +171,12 @@ fn write(
         print_message("note: PLY cannot hold materials: they are left out");
     } else if !libraries.is_empty()
         && format == MeshFormat::Obj
-        && resolved_folder(path) != resolved_folder(&arguments.mesh)
+        && canonical_folder(path) != canonical_folder(&arguments.mesh)
     {
-        libraries = match mtl::load_libraries(&arguments.mesh, &loaded.libraries, memory.free()) {
+        libraries = match mtl::load_libraries(&arguments.mesh, &loaded.libraries, memory.available_bytes()) {
             Ok(materials) => {
                 let beside = path.with_extension("mtl");
-                failures.take_ok(mtl::write(&beside, &materials));
+                failures.ok_or_collect(mtl::write(&beside, &materials));
                 beside.file_name().map(|name| name.to_string_lossy().into_owned()).into_iter().collect()
             }
             Err(error) => {
@@ -184,11 +185,11 @@ fn write(
             }
         };
     }
-    failures.take_ok(mesh.write(path, format, &libraries))
+    failures.ok_or_collect(mesh.write(path, format, &libraries))
 }
 
-/// The folder of a file, with links resolved if it exists.
-fn resolved_folder(path: &Path) -> PathBuf {
+/// Returns the folder of a file. Links in the path of an existing folder are resolved.
+fn canonical_folder(path: &Path) -> PathBuf {
     let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     std::fs::canonicalize(parent).unwrap_or_else(|_| parent.to_owned())
 }

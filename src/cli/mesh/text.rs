@@ -1,9 +1,9 @@
-//! The report of a mesh as a table.
+//! Text table of the figures of a mesh.
 
 use crate::format::mesh::{MeshReport, RepairCounts};
 use std::fmt::Write;
 
-/// The figures in one column, or in two (before and after) if the mesh was changed.
+/// Returns a table with one column of figures, or with two (before, after) for a changed mesh.
 pub(super) fn table(
     name: &str,
     before: &MeshReport,
@@ -15,8 +15,8 @@ pub(super) fn table(
     if after.is_some() {
         let _ = writeln!(text, "  {:<24} {:>26} {:>26}", "", "before", "after");
     }
-    let after = after.map(rows);
-    for (i, (label, value)) in rows(before).into_iter().enumerate() {
+    let after = after.map(report_rows);
+    for (i, (label, value)) in report_rows(before).into_iter().enumerate() {
         let changed = after.as_ref().map_or("", |rows| rows[i].1.as_str());
         let line = format!("  {label:<24} {value:>26} {changed:>26}");
         let _ = writeln!(text, "{}", line.trim_end());
@@ -38,8 +38,8 @@ pub(super) fn table(
     text
 }
 
-/// The labels and values of a report.
-fn rows(report: &MeshReport) -> Vec<(&'static str, String)> {
+/// Returns the labels and values of a mesh report.
+fn report_rows(report: &MeshReport) -> Vec<(&'static str, String)> {
     let yes = |yes: bool| if yes { "yes" } else { "no" }.to_owned();
     let point = |p: [f64; 3]| p.map(|x| format!("{x:.4}")).join(" ");
     let or_none = |x: Option<String>| x.unwrap_or_else(|| "-".to_owned());

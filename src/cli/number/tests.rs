@@ -33,9 +33,9 @@ fn times_sizes_and_exposures_have_ranges() {
     assert_eq!(parse_size("1280x720"), Ok((1280, 720)));
     assert!(parse_size("0x5").is_err() && parse_size("1280").is_err() && parse_size("70000x2").is_err());
     for bad in ["NaN", "inf", "-inf", "64.1", "-65", "bright", ""] {
-        assert!(parse_stops(bad).is_err(), "{bad}");
+        assert!(parse_exposure_stops(bad).is_err(), "{bad}");
     }
-    assert_eq!((parse_stops("+1.5"), parse_stops("-64")), (Ok(1.5), Ok(-64.0)));
+    assert_eq!((parse_exposure_stops("+1.5"), parse_exposure_stops("-64")), (Ok(1.5), Ok(-64.0)));
     assert!(parse_threads("0").is_err() && parse_threads("1025").is_err() && parse_threads("1k") == Ok(1000));
     assert!(["0", "1.01", "NaN"].iter().all(|text| parse_alpha(text).is_err()) && parse_alpha("1") == Ok(1.0));
     assert!(parse_length("0").is_err() && parse_length("NaN").is_err() && parse_length("0.5").is_ok());
@@ -44,11 +44,11 @@ fn times_sizes_and_exposures_have_ranges() {
 #[test]
 fn errors_and_confidences_are_fractions() {
     assert!(
-        parse_error("2%") == Ok(0.02)
-            && parse_error("150%") == Ok(1.5)
-            && parse_error("0").is_err()
-            && parse_error("-1%").is_err()
-            && parse_error("inf").is_err()
+        parse_relative_error("2%") == Ok(0.02)
+            && parse_relative_error("150%") == Ok(1.5)
+            && parse_relative_error("0").is_err()
+            && parse_relative_error("-1%").is_err()
+            && parse_relative_error("inf").is_err()
     );
     assert_eq!(parse_confidence("90%").map(Confidence::probability), Ok(0.9));
     assert!(["49%", "100%", "NaN", "sure"].iter().all(|text| parse_confidence(text).is_err()));
@@ -56,8 +56,8 @@ fn errors_and_confidences_are_fractions() {
 
 #[test]
 fn an_error_of_two_asks_for_two_percent() {
-    assert!(parse_error("2").unwrap_err().contains("do you mean 2 %? Write 2%, or 200%"));
-    assert!(parse_error("0.5") == Ok(0.5) && parse_error("1").is_err());
+    assert!(parse_relative_error("2").unwrap_err().contains("do you mean 2 %? Write 2%, or 200%"));
+    assert!(parse_relative_error("0.5") == Ok(0.5) && parse_relative_error("1").is_err());
 }
 
 #[test]
@@ -76,10 +76,10 @@ fn fractions_and_bounds_have_ranges() {
         assert!(parse_fraction(bad).is_err(), "{bad}");
     }
     assert!(
-        parse_bound("0") == Ok(0.0)
-            && parse_bound("1e-3") == Ok(1e-3)
-            && parse_bound("-1").is_err()
-            && parse_bound("NaN").is_err()
+        parse_upper_bound("0") == Ok(0.0)
+            && parse_upper_bound("1e-3") == Ok(1e-3)
+            && parse_upper_bound("-1").is_err()
+            && parse_upper_bound("NaN").is_err()
     );
     assert!(parse_pixels_per_degree("67.02") == Ok(67.02) && parse_pixels_per_degree("0.9").is_err());
 }
@@ -89,6 +89,6 @@ fn points_lengths_and_angles_have_ranges() {
     assert_eq!(parse_point("1,-2.5, 3e2"), Ok(DVec3::new(1.0, -2.5, 300.0)));
     assert!(["1,2", "1,2,3,4", "1,2,x", "1,2,inf", ""].iter().all(|text| parse_point(text).is_err()));
     assert!(parse_distance("0") == Ok(0.0) && parse_distance("-1").is_err() && parse_distance("nan").is_err());
-    assert!(parse_above_zero("0").is_err() && parse_above_zero("1e-3") == Ok(1e-3));
+    assert!(parse_positive_factor("0").is_err() && parse_positive_factor("1e-3") == Ok(1e-3));
     assert!(parse_degrees("180") == Ok(180.0) && parse_degrees("181").is_err());
 }

@@ -1,13 +1,13 @@
 //! `caustica study --effects`: the cost and the contribution of each effect.
 
-use super::output::{Outputs, ReportWriter, outputs_of};
-use crate::cli::interrupt::{INTERRUPTED, listen};
-use crate::cli::memory::{check_photons, check_pictures};
-use crate::cli::outputs::{NamedFile, check_distinct};
+use super::output::{ReportWriter, StudyOutputs, study_output_files};
+use crate::cli::interrupt::{INTERRUPTED, listen_for_signals};
+use crate::cli::memory::{check_photon_memory, check_picture_memory};
+use crate::cli::outputs::{NamedFile, check_distinct_files};
 use crate::cli::plan::{self, EffectReport};
-use crate::cli::progress::{InputFiles, Progress, print_message, warn_of_rejected};
-use crate::cli::scene::{in_pool, load};
-use crate::cli::settings::settings;
+use crate::cli::progress::{InputFileCollector, Progress, print_message, warn_of_rejected_samples};
+use crate::cli::scene::{load_scene, with_thread_pool};
+use crate::cli::settings::settings_from_arguments;
 use crate::cli::{Exit, Failure, StudyArguments};
 use crate::plan::{Decision, Effect};
 use crate::scene::Scene;
@@ -23,87 +23,89 @@ use serde::Serialize;
 use std::fmt::Write as _;
 use std::time::Instant;
 
-/// Default number of passes of each picture.
-const PASSES: u32 = 4;
+/// Default number of passes of each picture of the study.
+const DEFAULT_PASSES: u32 = 4;
 
-/// Report formats by extension.
-const REPORTS: [(&str, ReportWriter<EffectStudyResult>); 4] = [
-    ("html", |arguments, found| effects_html_page(&about(arguments), found).into_diagnostic()),
+/// File extensions of reports, and the functions that write them.
+const REPORT_WRITERS: [(&str, ReportWriter<EffectStudyResult>); 4] = [
+    ("html", |arguments, found| effects_html_page(&report_header(arguments), found).into_diagnostic()),
     ("csv", |_, found| Ok(csv(found))),
-    ("json", json),
-    ("md", |arguments, found| Ok(markdown(&about(arguments), found))),
+    ("json", effect_study_json),
+    ("md", |arguments, found| Ok(markdown(&report_header(arguments), found))),
 ];
 
 pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Failure> {
     // Everything that can fail without rendering is checked before rendering.
-    let outputs = Outputs::check(arguments, &REPORTS)?;
-    listen("the study");
+    let outputs = StudyOutputs::from_arguments(arguments, &REPORT_WRITERS)?;
+    listen_for_signals("the study");
     let progress = Progress::new(arguments.quiet);
-    in_pool(&arguments.scene, || run_in_pool(arguments, &outputs, &progress))
+    with_thread_pool(&arguments.scene, || run_effect_study(arguments, &outputs, &progress))
 }
 
-fn run_in_pool(
+fn run_effect_study(
     arguments: &StudyArguments,
-    outputs: &Outputs<'_, EffectStudyResult>,
+    outputs: &StudyOutputs<'_, EffectStudyResult>,
     progress: &Progress,
 ) -> Result<Exit, Failure> {
     let start = Instant::now();
-    let scene = load_checked(arguments, progress)?;
+    let scene = load_study_scene(arguments, progress)?;
     let algorithm = arguments.method.integrator;
-    // At most one picture without each effect, and the full picture.
-    let memory = arguments.scene.memory();
-    let pictures =
-        check_pictures(Effect::ALL.len() + 1, scene.camera().size(), memory.free()).map_err(Failure::usage)?;
-    let study = EffectStudy::prepare(&scene, algorithm, &settings(&arguments.method, arguments.simulate));
-    check_photons(study.largest_pass_memory(), pictures, memory.free()).map_err(Failure::usage)?;
-    progress.say(&plan::effects_line(study.plan()));
-    plan::omission_warnings(study.plan()).for_each(|line| print_message(&line));
-    let (pictures, passes) = (study.picture_count(), arguments.passes.unwrap_or(PASSES));
-    progress.say(&format!("{pictures} pictures of {passes} passes each"));
-    progress.pass(1, Some(passes));
+    // There is the full picture, and at most one picture for each effect.
+    let memory = arguments.scene.memory_limit();
+    let pictures = check_picture_memory(Effect::ALL.len() + 1, scene.camera().size(), memory.available_bytes())
+        .map_err(Failure::usage_error)?;
+    let study =
+        EffectStudy::prepare(&scene, algorithm, &settings_from_arguments(&arguments.method, arguments.simulate));
+    check_photon_memory(study.largest_pass_memory(), pictures, memory.available_bytes())
+        .map_err(Failure::usage_error)?;
+    progress.print_line(&plan::simulated_effects_line(study.plan()));
+    plan::omitted_effect_warnings(study.plan()).for_each(|line| print_message(&line));
+    let (pictures, passes) = (study.picture_count(), arguments.passes.unwrap_or(DEFAULT_PASSES));
+    progress.print_line(&format!("{pictures} pictures of {passes} passes each"));
+    progress.set_pass(1, Some(passes));
     let found = study.run(passes, &INTERRUPTED, progress, |made| {
-        if progress.has_lines() {
-            progress.say(&format!("pass {made}/{passes} of each after {:.1} s", start.elapsed().as_secs_f64()));
+        if progress.uses_plain_lines() {
+            progress.print_line(&format!("pass {made}/{passes} of each after {:.1} s", start.elapsed().as_secs_f64()));
         }
-        progress.pass(made + 1, Some(passes));
+        progress.set_pass(made + 1, Some(passes));
     });
-    progress.finish();
+    progress.remove_bar();
     let found = found.into_diagnostic().map_err(|e| Failure::new(Exit::Input, e))?;
-    warn_of_rejected(&found.whole.counters);
+    warn_of_rejected_samples(&found.whole.counters);
     let text = if arguments.json {
-        json(arguments, &found).map(|json| json + "\n")
+        effect_study_json(arguments, &found).map(|json| json + "\n")
     } else {
         Ok(table(arguments.method.integrator.name(), &found))
     };
     let exit = if found.interrupted { Exit::Interrupted } else { Exit::Success };
-    outputs.write(arguments, &found, text, progress, exit)
+    outputs.write_reports(arguments, &found, text, progress, exit)
 }
 
-/// Loads the scene, and refuses outputs that are one of its inputs.
-pub(super) fn load_checked(arguments: &StudyArguments, progress: &Progress) -> Result<Scene, Failure> {
-    let inputs = InputFiles::new(progress);
-    let scene = load(&arguments.scene, &inputs)?;
-    progress.finish();
+/// Loads the scene of a study. Returns a failure if an output is one of the scene's files.
+pub(super) fn load_study_scene(arguments: &StudyArguments, progress: &Progress) -> Result<Scene, Failure> {
+    let inputs = InputFileCollector::new(progress);
+    let scene = load_scene(&arguments.scene, &inputs)?;
+    progress.remove_bar();
     let inputs: Vec<NamedFile> = inputs.into_files().iter().map(|path| NamedFile::new("the input", path)).collect();
-    check_distinct(&outputs_of(arguments), &inputs)?;
+    check_distinct_files(&study_output_files(arguments), &inputs)?;
     Ok(scene)
 }
 
-/// Facts about the study for the heads of its reports.
-fn about(arguments: &StudyArguments) -> ReportContext {
+/// Returns the scene name and settings that a report shows at its top.
+fn report_header(arguments: &StudyArguments) -> ReportContext {
     let scene = arguments.scene.scene.display().to_string();
     let (integrator, seed) = (arguments.method.integrator.name(), arguments.method.seed);
     ReportContext { scene, integrator, seed, exposure: arguments.exposure }
 }
 
-/// All figures as JSON.
-fn json(arguments: &StudyArguments, found: &EffectStudyResult) -> miette::Result<String> {
+/// Returns all figures of a study of effects as JSON.
+fn effect_study_json(arguments: &StudyArguments, found: &EffectStudyResult) -> miette::Result<String> {
     let scene = arguments.scene.scene.display().to_string();
-    let report = Report::new(scene, arguments.method.integrator.name(), arguments.method.seed, found);
+    let report = EffectStudyReport::new(scene, arguments.method.integrator.name(), arguments.method.seed, found);
     serde_json::to_string_pretty(&report).into_diagnostic()
 }
 
-/// All figures as a table.
+/// Returns all figures of a study of effects as a text table.
 fn table(integrator: &str, found: &EffectStudyResult) -> String {
     let clock = match found.clock {
         Clock::Processor => "processor",
@@ -114,7 +116,7 @@ fn table(integrator: &str, found: &EffectStudyResult) -> String {
     let mut text = format!(
         "{integrator}: {:.1} ms of {clock} time, {} rays and {} gathered photons per pass; mean radiance {}\n",
         1e3 * whole.seconds() / passes,
-        count_text(whole.counters.rays() as f64 / passes),
+        count_text(whole.counters.total_rays() as f64 / passes),
         count_text(whole.counters.gathered_photons as f64 / passes),
         three_digit_text(found.mean),
     );
@@ -151,7 +153,7 @@ fn table(integrator: &str, found: &EffectStudyResult) -> String {
 }
 
 #[derive(Debug, Serialize)]
-struct Report<'f> {
+struct EffectStudyReport<'f> {
     schema: u32,
     version: &'static str,
     scene: String,
@@ -163,40 +165,40 @@ struct Report<'f> {
     interrupted: bool,
     clock: Clock,
     mean: f64,
-    whole: Made<'f>,
-    effects: Vec<Row<'f>>,
+    whole: PictureWork<'f>,
+    effects: Vec<EffectRow<'f>>,
 }
 
 #[derive(Debug, Serialize)]
-struct Made<'f> {
+struct PictureWork<'f> {
     setup: f64,
     seconds: f64,
     counters: &'f Counters,
 }
 
 #[derive(Debug, Serialize)]
-struct Row<'f> {
+struct EffectRow<'f> {
     #[serde(flatten)]
     effect: EffectReport,
     /// Work of the picture without the effect; `None` if the effect is off.
-    without: Option<Made<'f>>,
-    /// `None` if the effect is not simulated.
+    without: Option<PictureWork<'f>>,
+    /// Additional work for the effect; `None` if the effect is off.
     cost: Option<EffectCost>,
-    /// `None` if the effect is not simulated.
+    /// Change of the picture by the effect; `None` if the effect is off.
     gain: Option<EffectContribution>,
 }
 
-impl<'f> From<&'f PictureCost> for Made<'f> {
+impl<'f> From<&'f PictureCost> for PictureWork<'f> {
     fn from(spent: &'f PictureCost) -> Self {
         Self { setup: spent.setup, seconds: spent.seconds(), counters: &spent.counters }
     }
 }
 
-impl<'f> Report<'f> {
+impl<'f> EffectStudyReport<'f> {
     fn new(scene: String, integrator: &'static str, seed: u64, found: &'f EffectStudyResult) -> Self {
         let row = |(effect, decision): (EffectReport, &Decision)| {
             let finding = found.effects.iter().find(|f| f.decision.effect == decision.effect);
-            Row {
+            EffectRow {
                 effect,
                 without: finding.map(|f| (&f.without).into()),
                 cost: finding.map(|f| f.cost),
@@ -216,7 +218,7 @@ impl<'f> Report<'f> {
             clock: found.clock,
             mean: found.mean,
             whole: (&found.whole).into(),
-            effects: plan::effect_reports(&found.plan).into_iter().zip(&found.plan.decisions).map(row).collect(),
+            effects: plan::plan_effect_reports(&found.plan).into_iter().zip(&found.plan.decisions).map(row).collect(),
         }
     }
 }

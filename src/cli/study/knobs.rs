@@ -1,43 +1,43 @@
-//! `caustica study --knobs`: a method, and its variants with one setting changed at a time.
+//! `caustica study --knobs`: variants of a method, each with one setting changed.
 
 use super::variants::NamedVariant;
 use crate::cli::args::MethodArguments;
-use crate::cli::settings::{kernel_name, settings};
+use crate::cli::settings::{kernel_name, settings_from_arguments};
 use crate::integrate::{Algorithm, FinalGathering, Settings};
 use crate::photon::Kernel;
 use crate::plan::EffectOverrides;
 use crate::scene::Scene;
 use clap::ValueEnum;
 
-/// Values of `--gather-k`.
-const GATHER_K: [u32; 5] = [10, 20, 50, 100, 200];
+/// Values of `--gather-k` to try.
+const GATHER_COUNTS: [u32; 5] = [10, 20, 50, 100, 200];
 
-/// Factors of the radius that a pilot chose.
-const RADII: [f32; 3] = [0.5, 1.0, 2.0];
+/// Factors by which the pilot's gather radius is multiplied.
+const RADIUS_FACTORS: [f32; 3] = [0.5, 1.0, 2.0];
 
-/// Factors of the numbers of photon paths. Fewer paths allow more passes in the same time.
-const PHOTONS: [f64; 2] = [0.25, 4.0];
+/// Factors by which the numbers of photon paths are multiplied.
+const PHOTON_FACTORS: [f64; 2] = [0.25, 4.0];
 
-/// Values of `--alpha` other than the default of ⅔.
+/// Values of `--alpha` to try besides the default of ⅔.
 const ALPHAS: [f64; 3] = [0.5, 0.8, 1.0];
 
-/// Factors of the number of camera rays.
-const SAMPLES: [f64; 2] = [0.5, 2.0];
+/// Factors by which the number of camera rays per pixel is multiplied.
+const CAMERA_RAY_FACTORS: [f64; 2] = [0.5, 2.0];
 
-/// Settings that a pilot pass chose.
-struct PilotChoices {
+/// Settings that pilot passes chose for a method.
+struct PilotSettings {
     samples: u32,
     photons: u32,
     caustic_photons: u32,
     radius: Option<f32>,
 }
 
-impl PilotChoices {
+impl PilotSettings {
     fn new(scene: &Scene, algorithm: Algorithm, settings: &Settings) -> Self {
         let integrator = algorithm.prepare(scene, settings.clone());
         let balance = integrator.balance();
         let (width, height) = scene.camera().size();
-        let camera_rays = integrator.expected_work(integrator.plan().effects()).camera_rays;
+        let camera_rays = integrator.expected_work(integrator.plan().simulated_effects()).camera_rays;
         let radius =
             integrator.radii().map(|radii| if algorithm == Algorithm::Hybrid { radii.caustic } else { radii.global });
         Self {
@@ -49,24 +49,23 @@ impl PilotChoices {
     }
 }
 
-/// A method with the flags of all methods, and its variants with one setting changed.
+/// Returns a method with default settings, and its variants with one setting changed.
 ///
-/// A pilot chooses the numbers of rays and photons once for all variants, so only one setting
-/// differs. The factors of the radius apply to the caustic map for `hybrid` and to the global map
-/// for other methods. `--radius` sets both.
-pub(super) fn variants_around(
+/// A pilot chooses the numbers of rays and photons once for all variants. The radius to scale is
+/// that of the caustic map for `hybrid`, and of the global map for other methods.
+pub(super) fn knob_study_variants(
     algorithm: Algorithm,
     shared: &MethodArguments,
     overrides: EffectOverrides,
     scene: &Scene,
 ) -> Vec<NamedVariant> {
-    let plain = NamedVariant::plain(algorithm, shared);
-    let pilot = PilotChoices::new(scene, algorithm, &settings(&plain.method, overrides));
-    vary(plain, &pilot)
+    let plain = NamedVariant::from_algorithm(algorithm, shared);
+    let pilot = PilotSettings::new(scene, algorithm, &settings_from_arguments(&plain.method, overrides));
+    one_setting_variants(plain, &pilot)
 }
 
-/// The variants of a method, given the settings that a pilot chose.
-fn vary(plain: NamedVariant, pilot: &PilotChoices) -> Vec<NamedVariant> {
+/// Returns the method `plain` and its variants, given the settings that a pilot chose.
+fn one_setting_variants(plain: NamedVariant, pilot: &PilotSettings) -> Vec<NamedVariant> {
     let NamedVariant { label: name, mut method } = plain;
     let algorithm = method.integrator;
     method.spp = Some(pilot.samples);
@@ -82,10 +81,12 @@ fn vary(plain: NamedVariant, pilot: &PilotChoices) -> Vec<NamedVariant> {
     };
     let scaled = |n: u32, by: f64| (f64::from(n) * by).round().clamp(1.0, f64::from(u32::MAX)) as u32;
     if algorithm.has_photons() {
-        for k in GATHER_K.into_iter().filter(|k| base.gather_k != Some(*k)) {
+        for k in GATHER_COUNTS.into_iter().filter(|k| base.gather_k != Some(*k)) {
             add(format!("--gather-k {k}"), &|method| method.gather_k = Some(k));
         }
-        for radius in pilot.radius.iter().flat_map(|r| RADII.map(|by| r * by)).filter(|r| base.radius != Some(*r)) {
+        for radius in
+            pilot.radius.iter().flat_map(|r| RADIUS_FACTORS.map(|by| r * by)).filter(|r| base.radius != Some(*r))
+        {
             add(format!("--radius {radius}"), &|method| method.radius = Some(radius));
         }
         for alpha in ALPHAS.into_iter().filter(|a| algorithm != Algorithm::Pm && base.alpha != Some(*a)) {
@@ -94,7 +95,7 @@ fn vary(plain: NamedVariant, pilot: &PilotChoices) -> Vec<NamedVariant> {
         for kernel in [Kernel::Box, Kernel::Cone, Kernel::Epanechnikov].into_iter().filter(|k| base.kernel != *k) {
             add(format!("--kernel {}", kernel_name(kernel)), &|method| method.kernel = kernel);
         }
-        for by in PHOTONS {
+        for by in PHOTON_FACTORS {
             let [photons, caustic] =
                 [pilot.photons, pilot.caustic_photons].map(|n| if n == 0 { 0 } else { scaled(n, by) });
             if [photons, caustic] == [pilot.photons, pilot.caustic_photons] {
@@ -105,7 +106,7 @@ fn vary(plain: NamedVariant, pilot: &PilotChoices) -> Vec<NamedVariant> {
             });
         }
     }
-    for samples in SAMPLES.map(|by| scaled(pilot.samples, by)).into_iter().filter(|n| *n != pilot.samples) {
+    for samples in CAMERA_RAY_FACTORS.map(|by| scaled(pilot.samples, by)).into_iter().filter(|n| *n != pilot.samples) {
         add(format!("--spp {samples}"), &|method| method.spp = Some(samples));
     }
     if !base.adaptive {

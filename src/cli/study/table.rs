@@ -1,11 +1,11 @@
-//! The figures of a study of methods as a table.
+//! Text tables of the figures of a study of methods.
 
 use crate::study::methods::fit::{fit_convergence, judge_convergence};
 use crate::study::methods::{Checkpoint, MethodStudyResult};
 use crate::study::text::percent_text;
 use std::fmt::Write as _;
 
-/// A table for each method, with one row per checkpoint.
+/// Returns a table for each method, with one row per checkpoint.
 pub(super) fn table(found: &MethodStudyResult) -> String {
     let mut text = format!("truth: {}", found.truth.source);
     if let Some(error) = found.truth.error {
@@ -27,11 +27,11 @@ pub(super) fn table(found: &MethodStudyResult) -> String {
                 "  {:>8} {:>10.3} {:>9} {:>9} {:>9} {:>7} {:>9}",
                 checkpoint.passes,
                 checkpoint.seconds,
-                root_percent(checkpoint.mean_squared_error()),
-                root_percent(checkpoint.noise2),
-                root_percent(checkpoint.bias2),
+                root_as_percent(checkpoint.mean_squared_error()),
+                root_as_percent(checkpoint.noise2),
+                root_as_percent(checkpoint.bias2),
                 rate.map_or(String::new(), |rate| format!("{rate:.2}")),
-                mean_estimated_error(checkpoint),
+                rms_estimated_error(checkpoint),
             );
         }
         let _ = writeln!(text, "  {}", judge_convergence(method, fit_convergence(method).as_ref(), found.truth.error));
@@ -40,22 +40,22 @@ pub(super) fn table(found: &MethodStudyResult) -> String {
     text
 }
 
-/// The root of a squared error; `-` if noise hides it.
-pub(super) fn root_percent(square: f64) -> String {
+/// Returns the root of a squared error in percent; `-` if noise hides it.
+pub(super) fn root_as_percent(square: f64) -> String {
     if square > 0.0 { percent_text(square.sqrt()) } else { "-".to_owned() }
 }
 
-/// Root mean square of the errors that the seeds estimated.
-fn mean_estimated_error(checkpoint: &Checkpoint) -> String {
+/// Returns the root mean square of the error estimates of all seeds; empty if there are none.
+fn rms_estimated_error(checkpoint: &Checkpoint) -> String {
     let Checkpoint { estimated, .. } = checkpoint;
     if estimated.is_empty() {
         String::new()
     } else {
-        root_percent(estimated.iter().sum::<f64>() / estimated.len() as f64)
+        root_as_percent(estimated.iter().sum::<f64>() / estimated.len() as f64)
     }
 }
 
-/// Exponent of time by which the error fell between two checkpoints: error ∝ time^rate.
+/// Returns the rate in error ∝ time^rate between two checkpoints; `None` if it is unknown.
 fn convergence_rate(before: &Checkpoint, after: &Checkpoint) -> Option<f64> {
     let error = 0.5 * libm::log(after.mean_squared_error() / before.mean_squared_error());
     let rate = error / libm::log(after.seconds / before.seconds);
@@ -75,6 +75,6 @@ mod tests {
             (convergence_rate(&at(1.0, 0.04), &at(1.0, 0.01)), convergence_rate(&at(1.0, 0.04), &at(4.0, -0.01))),
             (None, None)
         );
-        assert_eq!((root_percent(0.0009), root_percent(-0.1)), ("3.0 %".to_owned(), "-".to_owned()));
+        assert_eq!((root_as_percent(0.0009), root_as_percent(-0.1)), ("3.0 %".to_owned(), "-".to_owned()));
     }
 }

@@ -1,26 +1,26 @@
-//! Variants of methods, as named by `--variant`.
+//! Variants of methods: an algorithm with flags of its own, such as `sppm --gather-k 20`.
 
 use crate::cli::args::MethodArguments;
-use crate::cli::settings::{flags, settings};
+use crate::cli::settings::{method_flags, settings_from_arguments};
 use crate::integrate::Algorithm;
 use crate::plan::EffectOverrides;
 use crate::study::methods::MethodVariant;
 use clap::{Parser, ValueEnum};
 
-/// Flags that all variants must share, because they change the true picture or the noise.
-const SHARED: [&str; 3] = ["--integrator", "--filter", "--seed"];
+/// Flags that all variants share, because they change the true picture or the noise.
+const STUDY_WIDE_FLAGS: [&str; 3] = ["--integrator", "--filter", "--seed"];
 
-/// A `--variant` that cannot be parsed.
+/// Error: the value of `--variant` cannot be parsed.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("--variant \"{text}\": {reason}")]
 #[diagnostic(help("{remedy}"))]
-pub(super) struct BadVariant {
+pub(super) struct VariantParseError {
     text: String,
     reason: String,
     remedy: String,
 }
 
-/// Parser of the flags of a variant.
+/// Flags of a variant.
 #[derive(Debug, Parser)]
 #[command(no_binary_name = true, args_override_self = true, disable_help_flag = true)]
 struct VariantFlags {
@@ -28,25 +28,25 @@ struct VariantFlags {
     method: MethodArguments,
 }
 
-/// A variant: its label and its arguments.
+/// A variant of a method: its label and its arguments.
 pub(super) struct NamedVariant {
     pub label: String,
     pub method: MethodArguments,
 }
 
 impl NamedVariant {
-    /// A method with the flags of all methods.
-    pub fn plain(algorithm: Algorithm, shared: &MethodArguments) -> Self {
+    /// Makes a variant with the flags that all methods share.
+    pub fn from_algorithm(algorithm: Algorithm, shared: &MethodArguments) -> Self {
         let method = MethodArguments { integrator: algorithm, ..shared.clone() };
         Self { label: algorithm.name().to_owned(), method }
     }
 
-    /// Parses a method and its flags, which override the flags of all methods.
+    /// Parses a method and its flags, which override the shared flags.
     ///
     /// # Errors
-    /// [`BadVariant`] if there is no such method, or a flag is unknown or shared.
-    pub fn read(text: &str, shared: &MethodArguments) -> Result<Self, BadVariant> {
-        let bad = |reason: String, remedy: String| BadVariant { text: text.to_owned(), reason, remedy };
+    /// [`VariantParseError`] if there is no such method, or a flag is unknown or shared.
+    pub fn parse(text: &str, shared: &MethodArguments) -> Result<Self, VariantParseError> {
+        let bad = |reason: String, remedy: String| VariantParseError { text: text.to_owned(), reason, remedy };
         let words: Vec<&str> = text.split_whitespace().collect();
         let names = Algorithm::ALL.map(Algorithm::name).join(", ");
         let remedy = || format!("begin with one of {names}, as in --variant \"sppm --gather-k 20\"");
@@ -54,7 +54,7 @@ impl NamedVariant {
         let known = Algorithm::from_str(first, false);
         let algorithm = known.map_err(|_| bad(format!("there is no method `{first}`"), remedy()))?;
         let given = |flag: &&&str| rest.iter().any(|word| word.split('=').next() == Some(**flag));
-        if let Some(flag) = SHARED.iter().find(given) {
+        if let Some(flag) = STUDY_WIDE_FLAGS.iter().find(given) {
             let remedy = match *flag {
                 "--integrator" => "the first word names the method".to_owned(),
                 _ => format!("give {flag} to the study itself"),
@@ -62,7 +62,7 @@ impl NamedVariant {
             return Err(bad(format!("{flag} is the same for all methods"), remedy));
         }
         let mut line =
-            flags(&MethodArguments { integrator: algorithm, ..shared.clone() }, "", EffectOverrides::PLANNED);
+            method_flags(&MethodArguments { integrator: algorithm, ..shared.clone() }, "", EffectOverrides::PLANNED);
         line.extend(rest.iter().map(|&word| word.to_owned()));
         let read = VariantFlags::try_parse_from(line).map_err(|error| {
             let error = error.render().to_string();
@@ -76,20 +76,20 @@ impl NamedVariant {
         })
     }
 
-    /// The variant for a study.
-    pub fn variant(self, overrides: EffectOverrides) -> MethodVariant {
+    /// Converts to a variant of the study library. `overrides` says which effects are simulated.
+    pub fn into_study_variant(self, overrides: EffectOverrides) -> MethodVariant {
         MethodVariant {
             label: self.label,
             algorithm: self.method.integrator,
-            settings: settings(&self.method, overrides),
-            flags: flags(&self.method, "--effects", overrides),
+            settings: settings_from_arguments(&self.method, overrides),
+            flags: method_flags(&self.method, "--effects", overrides),
         }
     }
 }
 
-/// The default arguments of all variants.
+/// Returns the default arguments of all methods.
 #[cfg(test)]
-pub(super) fn defaults() -> MethodArguments {
+pub(super) fn default_method_arguments() -> MethodArguments {
     VariantFlags::try_parse_from([""; 0]).unwrap().method
 }
 

@@ -4,7 +4,7 @@ use super::*;
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
 
-fn at(nm: f32) -> Wavelength {
+fn refractive_index_at(nm: f32) -> Wavelength {
     Wavelength(nm)
 }
 
@@ -29,34 +29,39 @@ fn white_light_stays_white() {
 #[test]
 fn weights_average_one_and_pdf_integrates_to_one() {
     let mut integral = 0.0;
-    for cell in 0..CELLS {
-        let w = at(SHORTEST + (cell as f32 + 0.5) * STEP);
+    for response_cell in 0..CELLS {
+        let w = refractive_index_at(SHORTEST + (response_cell as f32 + 0.5) * STEP);
         assert!((w.weight().element_sum() / 3.0 - 1.0).abs() < 1e-6 && w.weight().min_element() >= 0.0);
-        assert!(w.pdf() > 0.0 && w == at(w.nanometres()));
+        assert!(w.pdf() > 0.0 && w == refractive_index_at(w.nanometres()));
         integral += f64::from(w.pdf()) * f64::from(STEP);
     }
     // Each of 255 pdfs is rounded to f32.
-    assert!((integral - 1.0).abs() < 6e-8 && (TABLE.sums[CELLS] - 1.0).abs() < 1e-12, "{integral}");
+    assert!((integral - 1.0).abs() < 6e-8 && (RESPONSE_TABLE.sums[CELLS] - 1.0).abs() < 1e-12, "{integral}");
 }
 
 #[test]
 fn hues_follow_the_spectrum() {
-    let (red, yellow, green, blue) = (at(650.0), at(580.0), at(530.0), at(450.0));
+    let (red, yellow, green, blue) = (
+        refractive_index_at(650.0),
+        refractive_index_at(580.0),
+        refractive_index_at(530.0),
+        refractive_index_at(450.0),
+    );
     assert!(red.weight().x > 2.4, "{}", red.weight());
     assert!(yellow.weight().x.min(yellow.weight().y) > 2.0 * yellow.weight().z, "{}", yellow.weight());
     assert!(green.weight().y > 1.8, "{}", green.weight());
     assert!(blue.weight().z > 2.2, "{}", blue.weight());
     // Outside these the spectral colours hardly change, and the fit's hue wanders by degrees.
-    let cells = at(440.0).cell()..=at(640.0).cell();
-    let hues: Vec<f32> = cells.map(|cell| hue(TABLE.weights[cell])).collect();
+    let cells = refractive_index_at(440.0).response_cell()..=refractive_index_at(640.0).response_cell();
+    let hues: Vec<f32> = cells.map(|response_cell| hue(RESPONSE_TABLE.weights[response_cell])).collect();
     assert!(hues.windows(2).all(|pair| pair[0] > pair[1]), "{hues:?}");
     for nm in 400..440 {
-        assert!((hue(at(nm as f32).weight()) - 250.0).abs() < 10.0, "{nm}");
+        assert!((hue(refractive_index_at(nm as f32).weight()) - 250.0).abs() < 10.0, "{nm}");
     }
     for nm in 640..690 {
-        assert!(hue(at(nm as f32).weight()).abs() < 10.0, "{nm}");
+        assert!(hue(refractive_index_at(nm as f32).weight()).abs() < 10.0, "{nm}");
     }
-    let beyond = TABLE.sums[at(690.0).cell()];
+    let beyond = RESPONSE_TABLE.sums[refractive_index_at(690.0).response_cell()];
     assert!(beyond > 0.999, "{beyond}");
 }
 
@@ -67,14 +72,14 @@ fn samples_follow_the_pdf() {
     let mut rng = SmallRng::seed_from_u64(11);
     let mut counts = [0u32; CELLS];
     for _ in 0..n {
-        counts[Wavelength::sample(rng.random()).cell()] += 1;
+        counts[Wavelength::sample(rng.random()).response_cell()] += 1;
     }
     // Neighbours are put together up to twenty expected, below which a count is not normal.
     let (mut chi2, mut nu) = (0.0, -1.0);
     let (mut count, mut expected) = (0.0, 0.0);
-    for (cell, c) in counts.iter().enumerate() {
+    for (response_cell, c) in counts.iter().enumerate() {
         count += f64::from(*c);
-        expected += f64::from(n) * f64::from(TABLE.pdfs[cell]) * f64::from(STEP);
+        expected += f64::from(n) * f64::from(RESPONSE_TABLE.pdfs[response_cell]) * f64::from(STEP);
         if expected >= 20.0 {
             chi2 += (count - expected) * (count - expected) / expected;
             nu += 1.0;
@@ -89,22 +94,22 @@ fn samples_follow_the_pdf() {
 #[test]
 fn extreme_samples_are_in_range() {
     let last = Wavelength::sample(1.0 - f32::EPSILON / 2.0);
-    assert_eq!(Wavelength::sample(0.0).cell(), 0);
+    assert_eq!(Wavelength::sample(0.0).response_cell(), 0);
     assert!(last.nanometres() < 720.0 && last.nanometres() > 700.0, "{last:?}");
-    assert_eq!(last.cell(), ((last.nanometres() - SHORTEST) / STEP) as usize);
+    assert_eq!(last.response_cell(), ((last.nanometres() - SHORTEST) / STEP) as usize);
 }
 
 #[test]
 fn codes_round_trip() {
-    assert_eq!(Wavelength::from_code(0), None);
+    assert_eq!(Wavelength::from_byte_code(0), None);
     for i in 0..=3400 {
-        let w = at(SHORTEST + i as f32 * 0.1);
-        let back = Wavelength::from_code(w.code()).unwrap();
+        let w = refractive_index_at(SHORTEST + i as f32 * 0.1);
+        let back = Wavelength::from_byte_code(w.code()).unwrap();
         // Half a cell of 340/255 nm, and f32.
         assert!((back.nanometres() - w.nanometres()).abs() < 0.667, "{w:?} {back:?}");
         assert_eq!((back.weight(), back.pdf()), (w.weight(), w.pdf()));
     }
     for code in 1..=255 {
-        assert_eq!(Wavelength::from_code(code).map(Wavelength::code), Some(code));
+        assert_eq!(Wavelength::from_byte_code(code).map(Wavelength::code), Some(code));
     }
 }

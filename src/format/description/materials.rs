@@ -1,6 +1,6 @@
 //! Materials of a description.
 
-use crate::color::Glass;
+use crate::color::DispersionFormula;
 use glam::DVec3;
 
 use super::{EmissionDescription, NormalPerturbationDescription, Spanned, TexturedValue};
@@ -208,7 +208,7 @@ pub enum RefractiveIndexDescription {
         abbe: f64,
     },
     /// Dispersion equation; indices lie in [0.001, 1000] from 380 to 720 nm.
-    Glass(Glass),
+    Glass(DispersionFormula),
 }
 
 impl From<f64> for RefractiveIndexDescription {

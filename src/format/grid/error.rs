@@ -1,7 +1,7 @@
 //! Errors of reading density grids.
 
 use crate::format::line_error::{LineError, MessageAndRemedy};
-use crate::stats::bytes;
+use crate::stats::format_bytes;
 use std::path::{Path, PathBuf};
 
 /// Reason why a file of densities could not be read.
@@ -50,7 +50,7 @@ pub enum GridError {
     /// The grid takes more memory than is free.
     #[error(
         "{}: {cells} cells take {} of memory, and {} are free: make the grid coarser, or let it have more (--memory)",
-        path.display(), bytes(*needed), free.map_or("less".to_owned(), bytes)
+        path.display(), format_bytes(*needed), free.map_or("less".to_owned(), format_bytes)
     )]
     NoMemory {
         /// Path of the file.

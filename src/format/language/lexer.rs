@@ -39,17 +39,17 @@ impl<'a> Lexer<'a> {
         SourceText::new(self.name, self.text)
     }
 
-    pub fn slice(&self, span: Span) -> &'a str {
+    pub fn text_of_span(&self, span: Span) -> &'a str {
         &self.text[span.start..span.start + span.len]
     }
 
-    pub fn error(&self, span: Span, message: String, label: &str, help: String) -> SceneError {
+    pub fn error_at(&self, span: Span, message: String, label: &str, help: String) -> SceneError {
         SceneError::at(&self.source(), span, message, label, help)
     }
 
     /// Returns the next token, which stays unread.
     pub fn peek(&mut self) -> Token<'a> {
-        self.skip();
+        self.skip_space_and_comments();
         let rest = &self.text[self.at..];
         let len = match rest.bytes().next() {
             Some(b'{' | b'}' | b'[' | b']' | b'"') => 1,
@@ -59,42 +59,42 @@ impl<'a> Lexer<'a> {
     }
 
     /// Reads what [`peek`](Self::peek) showed.
-    pub fn take(&mut self, token: Token<'_>) {
+    pub fn consume(&mut self, token: Token<'_>) {
         self.at = token.start + token.text.len();
     }
 
     /// Makes `token`, which was read, the next one again.
-    pub fn return_to(&mut self, token: Token<'_>) {
+    pub fn rewind_to(&mut self, token: Token<'_>) {
         self.at = token.start;
     }
 
     /// Reads the longest number that starts here, like `%f` of C's `scanf`; empty if there is none.
-    pub fn number(&mut self) -> Token<'a> {
-        self.skip();
-        self.prefix(float_length)
+    pub fn number_token(&mut self) -> Token<'a> {
+        self.skip_space_and_comments();
+        self.take_prefix(float_prefix_length)
     }
 
     /// Reads the longest whole number that starts here, like `%d` of C's `scanf`; empty if there is
     /// none.
-    pub fn integer(&mut self) -> Token<'a> {
-        self.skip();
-        self.prefix(integer_length)
+    pub fn integer_token(&mut self) -> Token<'a> {
+        self.skip_space_and_comments();
+        self.take_prefix(integer_prefix_length)
     }
 
-    fn prefix(&mut self, length: fn(&[u8]) -> usize) -> Token<'a> {
+    fn take_prefix(&mut self, length: fn(&[u8]) -> usize) -> Token<'a> {
         let rest = &self.text[self.at..];
         let token = Token { text: &rest[..length(rest.as_bytes())], start: self.at };
-        self.take(token);
+        self.consume(token);
         token
     }
 
     /// Reads a quoted string, or else the text up to white space or to a `}` that closes no `{` in
     /// it; empty if there is none.
-    pub fn name(&mut self) -> Result<Spanned<String>, SceneError> {
-        self.skip();
+    pub fn read_name(&mut self) -> Result<Spanned<String>, SceneError> {
+        self.skip_space_and_comments();
         let rest = &self.text[self.at..];
         if rest.starts_with('"') {
-            return self.quoted();
+            return self.read_quoted_string();
         }
         let mut open = 0_usize;
         let mut len = rest.len();
@@ -115,7 +115,7 @@ impl<'a> Lexer<'a> {
     }
 
     /// Reads a string in quotes on one line, with a backslash before each `"` and `\` in it.
-    pub fn quoted(&mut self) -> Result<Spanned<String>, SceneError> {
+    pub fn read_quoted_string(&mut self) -> Result<Spanned<String>, SceneError> {
         let start = self.at;
         let mut value = String::new();
         let mut chars = self.text[start..].char_indices().skip(1);
@@ -131,13 +131,13 @@ impl<'a> Lexer<'a> {
                         let span = Span { start: start + i, len: 1 };
                         let help = "write `\\\\` for a backslash and `\\\"` for a quote, or `/` between folders";
                         let message = "a backslash in quotes stands only before `\"` or `\\`".to_owned();
-                        return Err(self.error(span, message, "this one", help.to_owned()));
+                        return Err(self.error_at(span, message, "this one", help.to_owned()));
                     }
                 },
                 None | Some((_, '\n' | '\r')) => {
                     let message = "the string does not end on its line".to_owned();
                     let help = "close it with `\"`".to_owned();
-                    return Err(self.error(Span { start, len: 1 }, message, "opened here", help));
+                    return Err(self.error_at(Span { start, len: 1 }, message, "opened here", help));
                 }
                 Some((_, c)) => value.push(c),
             }
@@ -145,7 +145,7 @@ impl<'a> Lexer<'a> {
     }
 
     /// Skips white space and comments.
-    fn skip(&mut self) {
+    fn skip_space_and_comments(&mut self) {
         let bytes = self.text.as_bytes();
         while let Some(&b) = bytes.get(self.at) {
             if is_space(b) {
@@ -164,29 +164,29 @@ fn is_space(b: u8) -> bool {
     matches!(b, b' ' | b'\t'..=b'\r')
 }
 
-fn digits(bytes: &[u8]) -> usize {
+fn digit_count(bytes: &[u8]) -> usize {
     bytes.iter().take_while(|b| b.is_ascii_digit()).count()
 }
 
-fn sign(bytes: &[u8]) -> usize {
+fn sign_length(bytes: &[u8]) -> usize {
     usize::from(matches!(bytes.first(), Some(b'+' | b'-')))
 }
 
-fn integer_length(bytes: &[u8]) -> usize {
-    let sign = sign(bytes);
-    match digits(&bytes[sign..]) {
+fn integer_prefix_length(bytes: &[u8]) -> usize {
+    let sign = sign_length(bytes);
+    match digit_count(&bytes[sign..]) {
         0 => 0,
         n => sign + n,
     }
 }
 
-fn float_length(bytes: &[u8]) -> usize {
-    let mut len = sign(bytes);
-    let whole = digits(&bytes[len..]);
+fn float_prefix_length(bytes: &[u8]) -> usize {
+    let mut len = sign_length(bytes);
+    let whole = digit_count(&bytes[len..]);
     len += whole;
     let mut fraction = 0;
     if bytes.get(len) == Some(&b'.') {
-        fraction = digits(&bytes[len + 1..]);
+        fraction = digit_count(&bytes[len + 1..]);
         if whole + fraction > 0 {
             len += 1 + fraction;
         }
@@ -195,7 +195,7 @@ fn float_length(bytes: &[u8]) -> usize {
         return 0;
     }
     if matches!(bytes.get(len), Some(b'e' | b'E')) {
-        match integer_length(&bytes[len + 1..]) {
+        match integer_prefix_length(&bytes[len + 1..]) {
             0 => {}
             exponent => len += 1 + exponent,
         }

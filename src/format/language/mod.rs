@@ -9,12 +9,11 @@ mod curves;
 mod fields;
 mod lexer;
 mod lights;
-mod maps;
 mod materials;
 mod media;
 mod names;
 mod objects;
-mod reader;
+mod parser;
 mod refraction;
 mod schema;
 mod scope;
@@ -24,6 +23,7 @@ mod suggest;
 mod tests;
 mod text;
 mod textures;
+mod transforms;
 mod writer;
 
 use std::fmt::{self, Display, Formatter};
@@ -32,55 +32,54 @@ use glam::DVec3;
 
 use super::description::{CameraDescription, Group, LightDescription, SceneDescription, Span, Spanned};
 use super::error::{SceneError, SourceText};
-use camera::{CAMERAS, camera, moving_camera, write_camera};
-use fields::fields;
+use camera::{CAMERAS, parse_camera, parse_moving_camera, write_camera};
+use fields::parse_block_fields;
 use lexer::Token;
-use lights::{LIGHTS, lights, write_light};
-use materials::{MATERIALS, materials, write_material};
-use media::{MEDIA, media, write_medium};
-use objects::{group, write_group};
-use reader::Parser;
-use schema::{Block, Kind, Range, blocks, field, find, keywords};
+use lights::{LIGHTS, parse_lights_block, write_light};
+use materials::{MATERIALS, parse_materials_block, write_material};
+use media::{MEDIA, parse_media_block, write_medium};
+use objects::{parse_group, write_group};
+use parser::Parser;
+use schema::{BlockSchema, FieldKind, FieldRange, block, block_keywords, block_schemas, field, find_block};
 use shapes::SHAPES;
-pub(super) use suggest::nearest;
-use textures::{TEXTURES, textures, write_texture};
-use writer::Writer;
+pub(super) use suggest::nearest_word;
+use textures::{TEXTURES, parse_textures_block, write_texture};
+use writer::SceneWriter;
 
-static BACKGROUND: Block = Block {
-    keyword: "Background",
-    aliases: &[],
-    fields: &[
-        field("color", Kind::Color, Range::NonNegative, "radiance of rays that leave the scene")
-            .or(&[0.5, 0.5, 0.5])
+static BACKGROUND: BlockSchema = block(
+    "Background",
+    "what lies behind all objects",
+    &[
+        field("color", FieldKind::Color, "radiance of rays that leave the scene")
+            .range(FieldRange::NonNegative)
+            .or_numbers(&[0.5, 0.5, 0.5])
             .unit("W/(m² sr)")
-            .course(),
-        field("medium", Kind::Name, Range::Any, "medium that fills the space outside all bodies").absent("none"),
+            .course_syntax(),
+        field("medium", FieldKind::Name, "medium that fills the space outside all bodies").absence_means("none"),
     ],
-    shared: &[],
-    help: "what lies behind all objects",
-    course: true,
-};
+)
+.course_syntax();
 
 /// Blocks of a file besides cameras and `Background`.
-const BLOCKS: [&str; 6] = ["Moving", "Lights", "Textures", "Media", "Materials", "Group"];
+const LIST_BLOCK_KEYWORDS: [&str; 6] = ["Moving", "Lights", "Textures", "Media", "Materials", "Group"];
 
 /// Tables that the reference documents, with the names of their sections.
-fn sections() -> [(&'static str, Vec<&'static Block>); 7] {
+fn reference_sections() -> [(&'static str, Vec<&'static BlockSchema>); 7] {
     [
-        ("cameras", blocks(&CAMERAS)),
+        ("cameras", block_schemas(&CAMERAS)),
         ("background", vec![&BACKGROUND]),
-        ("lights", blocks(&LIGHTS)),
-        ("textures", blocks(&TEXTURES)),
-        ("media", blocks(&MEDIA)),
-        ("materials", blocks(&MATERIALS)),
-        ("shapes", blocks(&SHAPES)),
+        ("lights", block_schemas(&LIGHTS)),
+        ("textures", block_schemas(&TEXTURES)),
+        ("media", block_schemas(&MEDIA)),
+        ("materials", block_schemas(&MATERIALS)),
+        ("shapes", block_schemas(&SHAPES)),
     ]
 }
 
 /// Iterates over all blocks that have a table.
 #[cfg(test)]
-fn all_blocks() -> impl Iterator<Item = &'static Block> {
-    sections().into_iter().flat_map(|(_, blocks)| blocks)
+fn all_blocks() -> impl Iterator<Item = &'static BlockSchema> {
+    reference_sections().into_iter().flat_map(|(_, blocks)| blocks)
 }
 
 /// Returns `page` with its reference tables replaced by those of the language.
@@ -92,11 +91,11 @@ fn all_blocks() -> impl Iterator<Item = &'static Block> {
 pub fn with_reference(page: &str) -> String {
     const END: &str = "<!-- end of reference -->";
     let mut page = page.to_owned();
-    for (name, blocks) in sections() {
+    for (name, blocks) in reference_sections() {
         let start = format!("<!-- reference: {name} -->\n");
         let Some(from) = page.find(&start).map(|at| at + start.len()) else { continue };
         let Some(len) = page[from..].find(END) else { continue };
-        page.replace_range(from..from + len, &format!("\n{}\n", schema::reference(&blocks)));
+        page.replace_range(from..from + len, &format!("\n{}\n", schema::reference_markdown(&blocks)));
     }
     page
 }
@@ -107,12 +106,12 @@ pub fn with_reference(page: &str) -> String {
 /// Up to 20 errors as one [`SceneError`], each with its position and remedy.
 pub fn parse(name: &str, text: &str) -> Result<SceneDescription, SceneError> {
     let mut parser = Parser::new(name, text);
-    let result = file(&mut parser);
+    let result = parse_file(&mut parser);
     let (description, last) = match result {
         Ok(description) => (Some(description), None),
         Err(error) => (None, Some(error)),
     };
-    match (parser.all_errors(last), description) {
+    match (parser.into_joined_error(last), description) {
         (None, Some(description)) => Ok(description),
         (Some(error), _) => Err(error),
         (None, None) => unreachable!("a scene is read, or has an error"),
@@ -149,26 +148,26 @@ struct Parts {
 }
 
 /// Reads a whole file.
-fn file(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneError> {
-    let allowed = [&keywords(&[], &CAMERAS)[..], &[BACKGROUND.keyword], &BLOCKS].concat();
+fn parse_file(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneError> {
+    let allowed = [&block_keywords(&[], &CAMERAS)[..], &[BACKGROUND.keyword], &LIST_BLOCK_KEYWORDS].concat();
     let mut parts = Parts::default();
     loop {
         let word = parser.lexer.peek();
         if word.is_end() {
             break;
         }
-        parser.lexer.take(word);
-        parser.recover(&allowed, |parser| block(parser, word, &allowed, &mut parts))?;
+        parser.lexer.consume(word);
+        parser.recover_from_error(&allowed, |parser| parse_file_block(parser, word, &allowed, &mut parts))?;
     }
     if let Some(block) = parser.scope.late_materials {
         let message = "these `Materials` replace those that the `Group` before them uses".to_owned();
         let help = "put all materials into one block before the Group".to_owned();
-        return Err(parser.lexer.error(block.span(), message, "too late", help));
+        return Err(parser.lexer.error_at(block.span(), message, "too late", help));
     }
     let Parts { camera, background, lights, root } = parts;
     let (background, ambient_medium) = background.unwrap_or((DVec3::splat(0.5), None));
     if let Some(name) = &ambient_medium {
-        parser.scope.check_medium(parser.lexer, name, "in the file")?;
+        parser.scope.check_medium_exists(parser.lexer, name, "in the file")?;
     }
     // A block may be missing because it could not be read.
     if let Some(error) = parser.errors.pop() {
@@ -189,25 +188,30 @@ fn file(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneError> {
 
 /// Reads the block that starts with `word`. It replaces an earlier one of its kind, as in MIT
 /// 6.837.
-fn block<'a>(parser: &mut Parser<'a>, word: Token<'a>, allowed: &[&str], parts: &mut Parts) -> Result<(), SceneError> {
+fn parse_file_block<'a>(
+    parser: &mut Parser<'a>,
+    word: Token<'a>,
+    allowed: &[&str],
+    parts: &mut Parts,
+) -> Result<(), SceneError> {
     match word.text {
-        "Moving" => parts.camera = Some(moving_camera(parser, word)?),
+        "Moving" => parts.camera = Some(parse_moving_camera(parser, word)?),
         "Background" => {
-            let f = fields(parser, word, &BACKGROUND)?;
-            parts.background = Some((f.vector("color")?, f.get("medium").map(|medium| medium.text())));
+            let f = parse_block_fields(parser, word, &BACKGROUND)?;
+            parts.background = Some((f.value("color")?, f.get("medium").map(|medium| medium.value())));
         }
-        "Lights" => parts.lights = lights(parser, word)?,
-        "Textures" => textures(parser, word)?,
-        "Media" => media(parser, word)?,
-        "Materials" => materials(parser, word)?,
+        "Lights" => parts.lights = parse_lights_block(parser, word)?,
+        "Textures" => parse_textures_block(parser, word)?,
+        "Media" => parse_media_block(parser, word)?,
+        "Materials" => parse_materials_block(parser, word)?,
         "Group" => {
             (parser.scope.group_uses_materials, parser.scope.late_materials) = (false, None);
-            parts.root = Some(group(parser, word)?);
+            parts.root = Some(parse_group(parser, word)?);
         }
-        text if find(&CAMERAS, text).is_some() => {
-            parts.camera = Some(Spanned::new(camera(parser, word)?, word.span()));
+        text if find_block(&CAMERAS, text).is_some() => {
+            parts.camera = Some(Spanned::new(parse_camera(parser, word)?, word.span()));
         }
-        _ => return Err(parser.unexpected(word, allowed)),
+        _ => return Err(parser.unexpected_word_error(word, allowed)),
     }
     Ok(())
 }
@@ -215,33 +219,33 @@ fn block<'a>(parser: &mut Parser<'a>, word: Token<'a>, allowed: &[&str], parts: 
 impl Display for SceneDescription {
     /// Prints the scene as text in one canonical form, which reads back as an equal description.
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let out = &mut Writer::new(f);
+        let out = &mut SceneWriter::new(f);
         write_camera(out, &self.camera)?;
-        out.start(&BACKGROUND)?;
-        out.vector("color", self.background)?;
-        self.ambient_medium.as_ref().map_or(Ok(()), |medium| out.name("medium", medium))?;
-        out.close()?;
-        write_list(out, "Lights", "numLights", &self.lights, write_light)?;
-        write_list(out, "Textures", "numTextures", &self.textures, write_texture)?;
-        write_list(out, "Media", "numMedia", &self.media, write_medium)?;
-        write_list(out, "Materials", "numMaterials", &self.materials, write_material)?;
+        out.begin_table_block(&BACKGROUND)?;
+        out.write_vector("color", self.background)?;
+        self.ambient_medium.as_ref().map_or(Ok(()), |medium| out.write_name("medium", medium))?;
+        out.end_block()?;
+        write_list_block(out, "Lights", "numLights", &self.lights, write_light)?;
+        write_list_block(out, "Textures", "numTextures", &self.textures, write_texture)?;
+        write_list_block(out, "Media", "numMedia", &self.media, write_medium)?;
+        write_list_block(out, "Materials", "numMaterials", &self.materials, write_material)?;
         write_group(out, &self.root)
     }
 }
 
 /// Prints a list block with its count; nothing if it is empty.
-fn write_list<T>(
-    out: &mut Writer<'_, '_>,
+fn write_list_block<T>(
+    out: &mut SceneWriter<'_, '_>,
     keyword: &str,
     count: &str,
     list: &[Spanned<T>],
-    write: fn(&mut Writer<'_, '_>, &T) -> fmt::Result,
+    write: fn(&mut SceneWriter<'_, '_>, &T) -> fmt::Result,
 ) -> fmt::Result {
     if list.is_empty() {
         return Ok(());
     }
-    out.open(keyword)?;
-    out.line(format_args!("{count} {}", list.len()))?;
+    out.begin_block(keyword)?;
+    out.write_line(format_args!("{count} {}", list.len()))?;
     list.iter().try_for_each(|entry| write(out, entry))?;
-    out.close()
+    out.end_block()
 }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 /// True if `v` can be normalised: its squared length neither vanishes nor overflows.
-pub(super) fn has_direction(v: DVec3) -> bool {
+pub(super) fn is_normalizable(v: DVec3) -> bool {
     v.length_squared().is_normal()
 }
 
@@ -14,12 +14,12 @@ pub(super) fn is_identifier(name: &str) -> bool {
 }
 
 /// True if `word` is a number that is not finite.
-pub(super) fn is_number_word(word: &str) -> bool {
+pub(super) fn is_nonfinite_number(word: &str) -> bool {
     ["nan", "inf", "infinity"].contains(&word.to_ascii_lowercase().as_str())
 }
 
 /// Returns at most 40 characters of `text` for a message, with control characters escaped.
-pub(super) fn clip(text: &str) -> String {
+pub(super) fn clip_for_message(text: &str) -> String {
     let start: String = text.chars().take(40).collect();
     let more = if start.len() < text.len() { "…" } else { "" };
     let words: Vec<&str> = start.split_whitespace().collect();

@@ -2,7 +2,7 @@
 
 use crate::format::line_error::{LineError, MessageAndRemedy};
 use crate::image::open_file;
-use crate::stats::bytes;
+use crate::stats::format_bytes;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -61,7 +61,7 @@ pub enum MeshError {
     /// The mesh takes more memory than is free.
     #[error(
         "the mesh {} takes {} of memory, and {} are free: simplify or split it, or let it have more (--memory)",
-        path.display(), bytes(*needed), bytes(*free)
+        path.display(), format_bytes(*needed), format_bytes(*free)
     )]
     Memory {
         /// Path of the file.

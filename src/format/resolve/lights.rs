@@ -8,7 +8,10 @@ use crate::format::description::{
     PointLightStrength, Span, Spanned, TransformStep,
 };
 use crate::image::PictureContent;
-use crate::light::{EnvironmentLight, IntensityPattern, OrientedSource, Slide, SphericalMap, profile_map};
+use crate::light::{
+    EnvironmentLight, EquirectangularMap, IntensityPattern, OrientedPointLight, ProjectedPicture,
+    map_from_intensity_profile,
+};
 use crate::math::Motion;
 use crate::scene::{DeltaLightKind, LightStrength, Material};
 use crate::shape::{Disc, Rectangle, Shape, Sphere};
@@ -23,7 +26,7 @@ pub(super) fn add_light(
 ) -> Result<(), SceneError> {
     match &light.value {
         LightDescription::Moving { maps, light } => {
-            let motion = motion.then_inside(maps.iter().map(TransformStep::motion_step));
+            let motion = motion.preceded_by(maps.iter().map(TransformStep::motion_step));
             add_light(r, light, &motion)?;
         }
         LightDescription::Point { position, strength } => {
@@ -58,7 +61,7 @@ pub(super) fn add_light(
             add_area_light(r, sphere, *center, *strength, motion, light.span)?;
         }
         LightDescription::Disc { center, normal, radius, strength } => {
-            let disc = Shape::Disc(Disc::around(*center, *normal, *radius));
+            let disc = Shape::Disc(Disc::with_normal(*center, *normal, *radius));
             add_area_light(r, disc, *center, *strength, motion, light.span)?;
         }
         LightDescription::Rectangle { corner, edge0, edge1, strength } => {
@@ -97,17 +100,17 @@ fn make_oriented_light(
     direction: DVec3,
     up: DVec3,
     pattern: &LightPattern,
-) -> Result<OrientedSource, SceneError> {
+) -> Result<OrientedPointLight, SceneError> {
     let read = |path: &Spanned<String>| r.read_picture(path, PictureContent::Radiance);
     let (pattern, direction, up) = match pattern {
         LightPattern::Picture { path, angle } => {
-            let slide = Slide::new(read(path)?, angle.to_radians());
-            let slide = slide.map_err(|e| r.file_error(path, &e, "repair the picture or name another"))?;
+            let picture = ProjectedPicture::new(read(path)?, angle.to_radians());
+            let picture = picture.map_err(|e| r.file_error(path, &e, "repair the picture or name another"))?;
             let black = || r.file_error(path, &"the picture is black", "name a picture with light in it");
-            (IntensityPattern::Slide(Arc::new(slide.ok_or_else(black)?)), direction, up)
+            (IntensityPattern::ProjectedPicture(Arc::new(picture.ok_or_else(black)?)), direction, up)
         }
         LightPattern::Map(path) => {
-            let map = SphericalMap::new(read(path)?, Rgb::ONE);
+            let map = EquirectangularMap::new(read(path)?, Rgb::ONE);
             let map = map.map_err(|e| r.file_error(path, &e, "repair the picture or name another"))?;
             (IntensityPattern::Map(Arc::new(map)), direction, up)
         }
@@ -116,12 +119,12 @@ fn make_oriented_light(
             let refuse = |message: &str| r.file_error(path, &message, help);
             let text = std::fs::read_to_string(r.find_file("profile", path)?).map_err(|e| refuse(&e.to_string()))?;
             let profile = parse_profile(&text).ok_or_else(|| refuse("the profile is not a table of angles"))?;
-            let map = profile_map(&profile).map_err(|e| refuse(&e.to_string()))?;
+            let map = map_from_intensity_profile(&profile).map_err(|e| refuse(&e.to_string()))?;
             // Profiles are symmetric about the top of their map, which lies along the axis.
             (IntensityPattern::Map(Arc::new(map)), direction.any_orthogonal_vector(), direction)
         }
     };
-    Ok(OrientedSource { position, direction, up, pattern })
+    Ok(OrientedPointLight { position, direction, up, pattern })
 }
 
 /// Parses the pairs of angle \[degrees] and intensity of a profile; `None` if the table is invalid.
@@ -144,7 +147,7 @@ fn parse_profile(text: &str) -> Option<Vec<(f64, f64)>> {
 
 /// Adds a light without extent.
 fn add_delta_light(r: &mut Resolver<'_>, kind: DeltaLightKind, strength: LightStrength, motion: &Motion) {
-    if motion.is_still() {
+    if motion.is_constant() {
         r.builder.source(kind, strength);
     } else {
         r.builder.moving_source(kind, strength, motion);
@@ -166,10 +169,10 @@ fn add_area_light(
     };
     r.require_finite_radiance(rgb(radiance), span)?;
     let black = r.builder.material(Material::black());
-    if motion.is_still() {
+    if motion.is_constant() {
         r.builder.shape(shape, black, rgb(radiance));
     } else {
-        r.builder.moving_shape(shape, motion.about(center), black, rgb(radiance));
+        r.builder.moving_shape(shape, motion.around_point(center), black, rgb(radiance));
     }
     Ok(())
 }

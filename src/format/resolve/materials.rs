@@ -3,13 +3,13 @@
 use super::media::with_body_medium;
 use super::textures::{ANY_TEXTURE_VALUE, TextureRequirements};
 use super::{Resolver, rgb};
-use crate::bsdf::{METALS, metal};
-use crate::color::{GLASSES, Glass, Rgb, glass};
+use crate::bsdf::{METALS, named_metal};
+use crate::color::{DispersionFormula, GLASSES, Rgb, glass_by_name};
 use crate::format::SceneError;
 use crate::format::description::{
     EmissionDescription, MaterialKindDescription, MetalDescription, RefractiveIndexDescription, Spanned,
 };
-use crate::format::language::nearest;
+use crate::format::language::nearest_word;
 use crate::scene::{Body, Material};
 
 /// Adds all materials under the indices of the description; a white diffuse one if there is none.
@@ -100,19 +100,19 @@ fn add_refractive_index(
 ) -> Result<(f32, Option<u32>), SceneError> {
     let glass = match described {
         RefractiveIndexDescription::Index(index) => return Ok((*index as f32, None)),
-        RefractiveIndexDescription::Named(name) => glass_by_name(r, name)?,
-        RefractiveIndexDescription::Abbe { index, abbe } => Glass::of_abbe(*index, *abbe),
+        RefractiveIndexDescription::Named(name) => known_glass(r, name)?,
+        RefractiveIndexDescription::Abbe { index, abbe } => DispersionFormula::from_abbe_number(*index, *abbe),
         RefractiveIndexDescription::Glass(glass) => *glass,
     };
-    Ok((glass.index_d(), Some(r.builder.glass(glass))))
+    Ok((glass.d_line_index(), Some(r.builder.glass(glass))))
 }
 
 /// Returns the glass with a name; an error that lists all names if there is none.
-fn glass_by_name(r: &Resolver<'_>, name: &Spanned<String>) -> Result<Glass, SceneError> {
-    glass(name).ok_or_else(|| {
+fn known_glass(r: &Resolver<'_>, name: &Spanned<String>) -> Result<DispersionFormula, SceneError> {
+    glass_by_name(name).ok_or_else(|| {
         let names = || GLASSES.iter().map(|g| g.0);
         let message = format!("no glass is called `{}`", name.value);
-        let guess = nearest(name, names()).map_or(String::new(), |n| format!("did you mean `{n}`? "));
+        let guess = nearest_word(name, names()).map_or(String::new(), |n| format!("did you mean `{n}`? "));
         let known = names().collect::<Vec<_>>().join(", ");
         let help = format!("{guess}known are {known}; of others, give `cauchy`, or `indexOfRefraction` and `abbe`");
         SceneError::at(r.source, name.span, message, "unknown name", help)
@@ -123,7 +123,7 @@ fn glass_by_name(r: &Resolver<'_>, name: &Spanned<String>) -> Result<Glass, Scen
 fn complex_refractive_index(r: &Resolver<'_>, described: &MetalDescription) -> Result<(Rgb, Rgb), SceneError> {
     match described {
         MetalDescription::Index { eta, k } => Ok((rgb(*eta), rgb(*k))),
-        MetalDescription::Named(name) => metal(name).ok_or_else(|| {
+        MetalDescription::Named(name) => named_metal(name).ok_or_else(|| {
             let message = format!("no metal is called `{}`", name.value);
             let help = format!("known are {}; of others, give `eta` and `k`", METALS.join(", "));
             SceneError::at(r.source, name.span, message, "unknown name", help)

@@ -9,7 +9,7 @@ use crate::format::description::{
 use crate::format::{SceneError, grid};
 use crate::medium::{Cloud, GridDensity, GridDensityError, Medium, PhaseFunction};
 use crate::scene;
-use crate::stats::bytes;
+use crate::stats::format_bytes;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
@@ -55,7 +55,7 @@ fn make_density(r: &Resolver<'_>, described: &Spanned<MediumDescription>) -> Res
         DensityDescription::Grid { path, scale, extent } => {
             let file = r.find_file("grid", path)?;
             let help = "repair the grid or name another; the grid format is described in docs/scene-language.md";
-            let read = grid::read_with_memory_limit(&file, r.memory.free());
+            let read = grid::read_with_memory_limit(&file, r.memory.available_bytes());
             let mut grid = read
                 .map_err(|e| r.file_or_memory_error(path, &e, matches!(e, grid::GridError::NoMemory { .. }), help))?;
             for value in &mut grid.values {
@@ -78,8 +78,9 @@ fn make_density(r: &Resolver<'_>, described: &Spanned<MediumDescription>) -> Res
             };
             let size = grid_size(extent, *resolution);
             let needed = grid::BYTES_PER_CELL * size.iter().map(|n| u64::from(*n)).product::<u64>();
-            if let Some(free) = r.memory.free().filter(|free| needed > *free) {
-                let message = format!("the cloud takes {} of memory, and {} are free", bytes(needed), bytes(free));
+            if let Some(free) = r.memory.available_bytes().filter(|free| needed > *free) {
+                let message =
+                    format!("the cloud takes {} of memory, and {} are free", format_bytes(needed), format_bytes(free));
                 let help = "choose a smaller `resolution`, or let the scene have more memory (--memory)";
                 return Err(r.error_at(described.span, &message, help).marked_out_of_memory());
             }

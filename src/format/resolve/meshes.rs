@@ -15,7 +15,7 @@ use crate::format::description::{
 use crate::format::mesh::{self, LoadedMesh, MeshError, NO_MATERIAL, TriangleMesh};
 use crate::format::mtl;
 use crate::shape::MappingKind;
-use crate::stats::bytes;
+use crate::stats::format_bytes;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -87,7 +87,7 @@ fn add_mesh_part(
     let (normals, texcoords) = (mesh.normals.as_deref(), mesh.texcoords.as_deref());
     let further_copies = r.mesh_uses.get(path.as_str()).map_or(0, |uses| uses - 1);
     let is_shared = emission == Rgb::ZERO && further_copies * mesh.triangles.len() >= MIN_SHARED_TRIANGLES;
-    let is_instance = is_shared || !placement.to_world.is_still();
+    let is_instance = is_shared || !placement.to_world.is_constant();
     let key = Rc::as_ptr(mesh);
     // Instances of one mesh share its hierarchy.
     if !(is_instance && r.shared_meshes.contains_key(&key)) {
@@ -109,8 +109,8 @@ fn add_mesh_part(
 fn check_triangle_memory(r: &mut Resolver<'_>, path: &Spanned<String>, triangles: usize) -> Result<(), SceneError> {
     r.triangles += triangles as u64;
     let needed = MEMORY_PER_TRIANGLE * r.triangles;
-    let Some(free) = r.memory.free().filter(|free| needed > *free) else { return Ok(()) };
-    let (needed, free) = (bytes(needed), bytes(free));
+    let Some(free) = r.memory.available_bytes().filter(|free| needed > *free) else { return Ok(()) };
+    let (needed, free) = (format_bytes(needed), format_bytes(free));
     let message = format!(
         "the scene has {} triangles with this mesh, which take {needed} of memory, and {free} are free",
         r.triangles
@@ -133,7 +133,7 @@ fn load_mesh_parts(
     }
     let loaded = match r.assets.meshes.get(path.as_str()) {
         Some(mesh) => Ok(LoadedMesh { mesh: (**mesh).clone(), ..LoadedMesh::default() }),
-        None => mesh::load_with_memory_limit(&file, r.monitor, r.memory.free()),
+        None => mesh::load_with_memory_limit(&file, r.monitor, r.memory.available_bytes()),
     };
     let mut loaded = loaded.map_err(|e| mesh_error(r, path, &e))?;
     if ignores_normals {
@@ -169,7 +169,8 @@ fn add_file_materials(
     if let Some(materials) = r.file_materials.get(file) {
         return Ok(materials.clone());
     }
-    let library = mtl::load_mesh_materials(file, loaded, r.memory.free()).map_err(|e| mesh_error(r, path, &e))?;
+    let library =
+        mtl::load_mesh_materials(file, loaded, r.memory.available_bytes()).map_err(|e| mesh_error(r, path, &e))?;
     let mut materials = Vec::with_capacity(library.len());
     for material in library {
         let bad = |(message, remedy)| MeshError::BadMaterial { path: file.into(), message, remedy };

@@ -21,10 +21,10 @@ use super::import::{EmbeddedAssets, is_unread_format, lowercase_extension};
 use super::mesh::{MeshReadMonitor, TriangleMesh};
 use super::{SceneError, SourceText};
 use crate::color::Rgb;
-use crate::math::{Motion, Step, Transform};
+use crate::math::{Motion, MotionStep, Transform};
 use crate::medium::Medium;
 use crate::scene::{Scene, SceneBuilder};
-use crate::stats::Memory;
+use crate::stats::MemoryLimit;
 use glam::{DAffine3, DVec3};
 use placement::{NormalizedMesh, ObjectEmission};
 use std::collections::HashMap;
@@ -40,7 +40,7 @@ use textures::{ANY_TEXTURE_VALUE, AddedTexture, TextureRequirements};
 /// [`SceneError`] with a position in `source`. Examples: a missing file, an unknown glass, a singular
 /// transform, an object that cannot emit.
 pub fn resolve(description: &SceneDescription, source: &SourceText, folder: &Path) -> Result<Scene, SceneError> {
-    resolve_monitored(description, source, folder, &(), Memory::Unbounded)
+    resolve_monitored(description, source, folder, &(), MemoryLimit::Unbounded)
 }
 
 /// Returns the resolved scene of a description that fits into `memory`.
@@ -55,7 +55,7 @@ pub fn resolve_monitored(
     source: &SourceText,
     folder: &Path,
     monitor: &dyn MeshReadMonitor,
-    memory: Memory,
+    memory: MemoryLimit,
 ) -> Result<Scene, SceneError> {
     resolve_with_assets(description, source, folder, &EmbeddedAssets::default(), monitor, memory)
 }
@@ -73,7 +73,7 @@ pub(super) fn resolve_with_assets(
     folder: &Path,
     assets: &EmbeddedAssets,
     monitor: &dyn MeshReadMonitor,
-    memory: Memory,
+    memory: MemoryLimit,
 ) -> Result<Scene, SceneError> {
     let camera = camera::resolve_camera(description, source)?;
     let mut resolver = Resolver {
@@ -132,7 +132,7 @@ struct Resolver<'a> {
     /// Requirements of each material's textures, by material index.
     texture_requirements: Vec<TextureRequirements>,
     monitor: &'a dyn MeshReadMonitor,
-    memory: Memory,
+    memory: MemoryLimit,
     /// Number of triangles so far over which hierarchies will be built; shared ones count once.
     triangles: u64,
     /// Parts of the meshes that were read, by file and options.
@@ -164,7 +164,7 @@ impl Resolver<'_> {
         }
         if !description.camera.motion.is_empty() {
             let steps = description.camera.motion.iter().map(TransformStep::motion_step);
-            self.builder.moving_camera(Motion::default().then_inside(steps));
+            self.builder.moving_camera(Motion::default().preceded_by(steps));
         }
         self.add_group(&description.root, &Motion::default())
     }
@@ -208,12 +208,12 @@ impl Resolver<'_> {
             ObjectDescription::Group(group) => self.add_group(group, to_world),
             ObjectDescription::Transform { maps, object: inner } => {
                 self.transform_span = Some(object.span);
-                let step = Step::Fixed(TransformStep::composed_matrix(maps));
-                self.add_object(inner, &to_world.then_inside([step]))
+                let step = MotionStep::Fixed(TransformStep::composed_matrix(maps));
+                self.add_object(inner, &to_world.preceded_by([step]))
             }
             ObjectDescription::Moving { maps, object: inner } => {
                 self.transform_span = Some(object.span);
-                self.add_object(inner, &to_world.then_inside(maps.iter().map(TransformStep::motion_step)))
+                self.add_object(inner, &to_world.preceded_by(maps.iter().map(TransformStep::motion_step)))
             }
             ObjectDescription::Shape { shape, emission } => {
                 let emission = self.object_emission(*emission)?;

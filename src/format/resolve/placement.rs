@@ -6,7 +6,7 @@ use crate::color::Rgb;
 use crate::format::SceneError;
 use crate::format::description::Span;
 use crate::math::{Motion, Transform};
-use crate::shape::{IndexedMesh, Instance, MappingKind, Mesh, Shape};
+use crate::shape::{Instance, MappingKind, Mesh, MeshWithBvh, Shape};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 use std::sync::Arc;
 
@@ -32,7 +32,7 @@ pub(super) struct Placement<'p> {
 
 /// A mesh moved to the origin and scaled to an extent in \[1, 2), so that single precision suffices.
 pub(super) struct NormalizedMesh {
-    mesh: Arc<IndexedMesh>,
+    mesh: Arc<MeshWithBvh>,
     /// Map from normalized coordinates back to those of the original mesh.
     to_original: DAffine3,
 }
@@ -58,7 +58,7 @@ impl NormalizedMesh {
             texcoords: texcoords.unwrap_or_default().iter().map(|t| t.as_vec2()).collect(),
             triangles: triangles.to_vec(),
         };
-        Self { mesh: Arc::new(IndexedMesh::new(mesh)), to_original }
+        Self { mesh: Arc::new(MeshWithBvh::new(mesh)), to_original }
     }
 }
 
@@ -78,7 +78,7 @@ pub(super) fn add_placed_shape(
 ) -> Result<(), SceneError> {
     let flat = || r.error_at(placement.span, "this shape is squeezed flat", "scale it less");
     let placed = shape.transformed(&placement.at_open).ok_or_else(flat)?;
-    if placement.to_world.is_still() {
+    if placement.to_world.is_constant() {
         r.builder.shape(placed, r.material, emission);
     } else {
         r.builder.moving_shape(shape, placement.to_world.clone(), r.material, emission);
@@ -114,7 +114,8 @@ pub(super) fn add_instance(
 ) -> Result<(), SceneError> {
     let Placement { to_world, span, .. } = *placement;
     if emission != Rgb::ZERO {
-        let is_similarity = |time| Transform::new(to_world.at(time)).is_ok_and(|map| map.similarity().is_some());
+        let is_similarity =
+            |time| Transform::new(to_world.at_time(time)).is_ok_and(|map| map.uniform_scale().is_some());
         if ![0.0, 0.3, 0.7, 1.0].into_iter().all(is_similarity) {
             let help = "stretch it alike in all directions, or let a shape of another kind emit";
             return Err(r.error_at(span, "a moving mesh that is stretched unevenly cannot emit light", help));
@@ -134,11 +135,11 @@ pub(super) fn add_still_mesh(
     triangles: &[[u32; 3]],
     emission: Rgb,
 ) {
-    let positions: Vec<DVec3> = positions.iter().map(|p| map.point(*p)).collect();
-    let unit = |n: &DVec3| map.normal(*n).normalize_or_zero().as_vec3();
+    let positions: Vec<DVec3> = positions.iter().map(|p| map.transform_point(*p)).collect();
+    let unit = |n: &DVec3| map.transform_normal(*n).normalize_or_zero().as_vec3();
     let normals: Vec<Vec3> = normals.unwrap_or_default().iter().map(unit).collect();
     // A mirroring map reverses the winding; the outer side must stay outside.
-    let orient = |[a, b, c]: [u32; 3]| if map.mirrors() { [a, c, b] } else { [a, b, c] };
+    let orient = |[a, b, c]: [u32; 3]| if map.swaps_handedness() { [a, c, b] } else { [a, b, c] };
     let triangles: Vec<[u32; 3]> = triangles.iter().copied().map(orient).collect();
     r.builder.mesh(&positions, &normals, &triangles, r.material, emission);
 }

@@ -10,7 +10,7 @@ use crate::color::Rgb;
 use crate::format::SceneError;
 use crate::format::description::{CurveBasis, ProfileCurve, ShapeDescription, Span};
 use crate::math::Motion;
-use crate::shape::parametric::{Basis, SplineError};
+use crate::shape::parametric::{SplineBasis, SplineError};
 use crate::shape::{Cuboid, Disc, Frustum, MappingKind, Patch, Plane, Rectangle, Revolution, Shape, Sphere};
 use glam::{DVec2, DVec4};
 
@@ -25,7 +25,7 @@ pub(super) fn add_shape(
     object_emission: &ObjectEmission,
 ) -> Result<(), SceneError> {
     let emission = object_emission.radiance;
-    let placement = Placement { to_world, at_open: r.invertible_transform(to_world.at(0.0), span)?, span };
+    let placement = Placement { to_world, at_open: r.invertible_transform(to_world.at_time(0.0), span)?, span };
     match shape {
         ShapeDescription::Sphere { center, radius } => {
             add_placed_shape(r, &placement, Shape::Sphere(Sphere::new(*center, *radius)), emission)?;
@@ -38,21 +38,21 @@ pub(super) fn add_shape(
             }
             let point = *normal * (*offset / normal.length_squared());
             let plane = Plane::new(point, *normal);
-            if to_world.is_still() {
+            if to_world.is_constant() {
                 r.builder.plane(plane.transformed(&placement.at_open), r.material, emission);
             } else {
                 r.builder.moving_plane(plane, to_world.clone(), r.material, emission);
             }
-            set_mapping(r, MappingKind::plane(*normal), to_world);
+            set_mapping(r, MappingKind::for_plane(*normal), to_world);
         }
         ShapeDescription::Disc { center, normal, radius } => {
-            add_placed_shape(r, &placement, Shape::Disc(Disc::around(*center, *normal, *radius)), emission)?;
-            set_mapping(r, MappingKind::disc(*center, *normal, *radius), to_world);
+            add_placed_shape(r, &placement, Shape::Disc(Disc::with_normal(*center, *normal, *radius)), emission)?;
+            set_mapping(r, MappingKind::for_disc(*center, *normal, *radius), to_world);
         }
         ShapeDescription::Rectangle { corner, edge0, edge1 } => {
             let rectangle = Rectangle::new(*corner, *edge0, *edge1);
             add_placed_shape(r, &placement, Shape::Rectangle(rectangle), emission)?;
-            set_mapping(r, MappingKind::rectangle(*corner, *edge0, *edge1), to_world);
+            set_mapping(r, MappingKind::for_rectangle(*corner, *edge0, *edge1), to_world);
         }
         ShapeDescription::Box { min, max } => {
             add_solid(r, &placement, Cuboid::new(*min, *max).map(Shape::Cuboid), emission)?;
@@ -68,7 +68,7 @@ pub(super) fn add_shape(
         ShapeDescription::Triangle { vertices, normals, uv } => {
             let normals = normals.as_ref().map(|n| n.as_slice());
             let uv = uv.as_deref().copied().unwrap_or([DVec2::ZERO, DVec2::X, DVec2::Y]);
-            if to_world.is_still() {
+            if to_world.is_constant() {
                 add_still_mesh(r, &placement.at_open, vertices, normals, &[[0, 1, 2]], emission);
                 set_texcoords(r, Some(&uv));
             } else {
@@ -82,7 +82,8 @@ pub(super) fn add_shape(
             return add_mesh(r, &placement, path, *options, object_emission);
         }
         ShapeDescription::Revolution { profile } => {
-            let surface = make_revolution(profile, r.memory.free()).map_err(|e| spline_error(r, span, &e))?;
+            let surface =
+                make_revolution(profile, r.memory.available_bytes()).map_err(|e| spline_error(r, span, &e))?;
             add_placed_shape(r, &placement, Shape::Revolution(surface), emission)?;
             set_mapping(r, MappingKind::Uv, to_world);
         }
@@ -91,10 +92,10 @@ pub(super) fn add_shape(
         }
         ShapeDescription::Nurbs { degree, count, knots, controls } => {
             let basis = |i: usize| match (degree[i] as usize, count[i] as usize) {
-                (degree, count) if knots[i].is_empty() => Basis::uniform(degree, count),
-                (degree, count) => Basis::new(degree, count, knots[i].clone()),
+                (degree, count) if knots[i].is_empty() => SplineBasis::uniform_knots(degree, count),
+                (degree, count) => SplineBasis::new(degree, count, knots[i].clone()),
             };
-            let surface = || Patch::within([&basis(0)?, &basis(1)?], controls, r.memory.free());
+            let surface = || Patch::with_memory_limit([&basis(0)?, &basis(1)?], controls, r.memory.available_bytes());
             let surface = surface().map_err(|e| spline_error(r, span, &e))?;
             add_placed_shape(r, &placement, Shape::Patch(surface), emission)?;
             set_mapping(r, MappingKind::Uv, to_world);
@@ -128,13 +129,13 @@ fn add_patches(
     object_emission: &ObjectEmission,
 ) -> Result<(), SceneError> {
     let span = placement.span;
-    let [u, v] = degree.map(|d| Basis::bezier(d as usize + 1));
+    let [u, v] = degree.map(|d| SplineBasis::bezier(d as usize + 1));
     let bases = [&u.map_err(|e| spline_error(r, span, &e))?, &v.map_err(|e| spline_error(r, span, &e))?];
     // Queried once, because a query takes longer than building a small patch.
-    let mut free = r.memory.free();
-    for net in controls.chunks(bases[0].controls() * bases[1].controls()) {
-        let patch = Patch::within(bases, net, free).map_err(|e| spline_error(r, span, &e))?;
-        free = free.map(|free| free.saturating_sub(patch.bytes()));
+    let mut free = r.memory.available_bytes();
+    for net in controls.chunks(bases[0].control_count() * bases[1].control_count()) {
+        let patch = Patch::with_memory_limit(bases, net, free).map_err(|e| spline_error(r, span, &e))?;
+        free = free.map(|free| free.saturating_sub(patch.memory_bytes()));
         add_placed_shape(r, placement, Shape::Patch(patch), object_emission.radiance)?;
         set_mapping(r, MappingKind::Uv, placement.to_world);
         set_emission_texture(r, object_emission);
@@ -161,9 +162,9 @@ fn spline_error(r: &Resolver<'_>, span: Span, error: &SplineError) -> SceneError
 /// Returns the surface of revolution of a profile curve; `free` bounds its memory in bytes.
 fn make_revolution(profile: &ProfileCurve, free: Option<u64>) -> Result<Revolution, SplineError> {
     let basis = match profile.basis {
-        CurveBasis::Bezier => Basis::bezier(profile.controls.len()),
-        CurveBasis::Bspline => Basis::uniform(3, profile.controls.len()),
+        CurveBasis::Bezier => SplineBasis::bezier(profile.controls.len()),
+        CurveBasis::Bspline => SplineBasis::uniform_knots(3, profile.controls.len()),
     }?;
     let controls: Vec<DVec2> = profile.controls.iter().map(|c| c.truncate()).collect();
-    Revolution::within(&basis, &controls, free)
+    Revolution::with_memory_limit(&basis, &controls, free)
 }

@@ -113,7 +113,7 @@ impl<'a> Resolver<'a> {
         }
         let file = self.find_file("picture", path)?;
         let help = "repair the picture or name another: PNG, OpenEXR or Radiance HDR";
-        image::read_within(&file, content, self.memory.free())
+        image::read_with_memory_limit(&file, content, self.memory.available_bytes())
             .map_err(|e| self.file_or_memory_error(path, &e, matches!(e, image::ReadError::Memory { .. }), help))
     }
 
@@ -185,7 +185,7 @@ impl<'a> Resolver<'a> {
             TexturedValue::Texture(name) => {
                 let texture = self.texture_by_name(name, &UNIT_RANGE)?;
                 requirements.add(&texture);
-                Ok(Textured::Texture { texture: texture.index, factor: 1.0, mean: color::mean(texture.mean) })
+                Ok(Textured::Texture { texture: texture.index, factor: 1.0, mean: color::channel_mean(texture.mean) })
             }
         }
     }

@@ -14,7 +14,7 @@ use strategies::description;
 
 #[test]
 fn examples_of_the_reference_parse_and_print_back() {
-    let page = include_str!("../../../docs/scene-language.md");
+    let page = include_str!("../../../docs/guide/scene-language.md");
     let scenes: Vec<&str> = page.split("```caustica\n").skip(1).filter_map(|part| part.split("```").next()).collect();
     assert!(scenes.len() >= 8);
     for text in scenes {
@@ -28,7 +28,7 @@ fn examples_of_the_reference_parse_and_print_back() {
 
 #[test]
 fn the_reference_tables_match_the_program() {
-    let page = include_str!("../../../docs/scene-language.md");
+    let page = include_str!("../../../docs/guide/scene-language.md");
     assert!(super::with_reference(page) == page, "run `cargo run --example scene_language`");
     assert_eq!(page.matches("<!-- reference: ").count(), 7);
 }
@@ -90,7 +90,7 @@ fn parsing_takes_linear_time() {
 /// Words of the language and other characters, in random order.
 fn soup() -> impl Strategy<Value = String> {
     let words =
-        include_str!("../../../docs/scene-language.md").split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+        include_str!("../../../docs/guide/scene-language.md").split_whitespace().map(str::to_owned).collect::<Vec<_>>();
     let word = prop_oneof![
         4 => proptest::sample::select(words),
         2 => proptest::sample::select(vec!["{", "}", "[", "]", "\"", "\\", "0", "1", "-", ".", "1e", "#", "\n"])

@@ -5,14 +5,14 @@ use proptest::prelude::*;
 
 use super::super::description::{RefractiveIndexDescription, Span, Spanned};
 use super::values::name;
-use crate::color::Glass;
+use crate::color::DispersionFormula;
 
 pub fn refraction() -> impl Strategy<Value = RefractiveIndexDescription> {
-    let cauchy = (0.5..3.0, -0.05..0.1, -0.01..0.01).prop_map(|(a, b, c)| Glass::Cauchy { a, b, c });
+    let cauchy = (0.5..3.0, -0.05..0.1, -0.01..0.01).prop_map(|(a, b, c)| DispersionFormula::Cauchy { a, b, c });
     let strength = prop_oneof![Just(0.0), -0.1..2.0];
     let resonance = prop_oneof![Just(0.0), -1.0..0.1, 0.6..200.0];
-    let sellmeier = (uniform4(strength), uniform4(resonance)).prop_map(|(b, c)| Glass::Sellmeier { b, c });
-    let within = |glass: &Glass| glass.range().is_some_and(|[least, most]| least >= 1e-3 && most <= 1e3);
+    let sellmeier = (uniform4(strength), uniform4(resonance)).prop_map(|(b, c)| DispersionFormula::Sellmeier { b, c });
+    let within = |glass: &DispersionFormula| glass.range().is_some_and(|[least, most]| least >= 1e-3 && most <= 1e3);
     prop_oneof![
         (1e-3..=1e3).prop_map(RefractiveIndexDescription::Index),
         name().prop_map(|name| RefractiveIndexDescription::Named(Spanned::new(name, Span::default()))),

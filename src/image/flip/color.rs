@@ -29,27 +29,27 @@ const COLOR_EXPONENT: f64 = 0.7;
 const KNEE: (f64, f64) = (0.4, 0.95);
 
 /// YCxCz of linear RGB: a linear transform of XYZ with the scale of CIELAB.
-pub(super) fn opponent(rgb: Vec3) -> Vec3 {
+pub(super) fn rgb_to_ycxcz(rgb: Vec3) -> Vec3 {
     let DVec3 { x, y, z } = RELATIVE_XYZ.0 * rgb.as_dvec3();
     DVec3::new(116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)).as_vec3()
 }
 
 /// Luminance relative to white, from the channel Y of YCxCz.
-pub(super) fn luminance(y: f64) -> f64 {
+pub(super) fn relative_luminance(y: f64) -> f64 {
     (y + 16.0) / 116.0
 }
 
 /// CIELAB of YCxCz with chroma scaled by lightness (Hunt 1952).
 ///
 /// Colours outside of the RGB cube are clamped first.
-pub(super) fn hunt_lab(ycxcz: DVec3) -> DVec3 {
-    let y = luminance(ycxcz.x);
+pub(super) fn hunt_adjusted_lab(ycxcz: DVec3) -> DVec3 {
+    let y = relative_luminance(ycxcz.x);
     let relative = DVec3::new(y + ycxcz.y / 500.0, y, y - ycxcz.z / 200.0);
-    lab_of_rgb((RELATIVE_XYZ.1 * relative).clamp(DVec3::ZERO, DVec3::ONE))
+    hunt_lab_from_rgb((RELATIVE_XYZ.1 * relative).clamp(DVec3::ZERO, DVec3::ONE))
 }
 
 /// CIELAB of linear RGB with chroma scaled by lightness.
-fn lab_of_rgb(rgb: DVec3) -> DVec3 {
+fn hunt_lab_from_rgb(rgb: DVec3) -> DVec3 {
     const DELTA: f64 = 6.0 / 29.0;
     let root = |t: f64| {
         if t > DELTA * DELTA * DELTA { libm::cbrt(t) } else { t / (3.0 * DELTA * DELTA) + 4.0 / 29.0 }
@@ -61,18 +61,19 @@ fn lab_of_rgb(rgb: DVec3) -> DVec3 {
 }
 
 /// HyAB distance: difference of lightness plus distance of chroma (Abasi et al. 2020).
-fn hyab(a: DVec3, b: DVec3) -> f64 {
+fn hyab_distance(a: DVec3, b: DVec3) -> f64 {
     let d = a - b;
     d.x.abs() + (d.y * d.y + d.z * d.z).sqrt()
 }
 
 /// Largest colour difference: green against blue.
-static LARGEST: LazyLock<f64> =
-    LazyLock::new(|| libm::pow(hyab(lab_of_rgb(DVec3::Y), lab_of_rgb(DVec3::Z)), COLOR_EXPONENT));
+static LARGEST: LazyLock<f64> = LazyLock::new(|| {
+    libm::pow(hyab_distance(hunt_lab_from_rgb(DVec3::Y), hunt_lab_from_rgb(DVec3::Z)), COLOR_EXPONENT)
+});
 
 /// Error of two colours in [0, 1]: HyAB to a power, with large differences compressed.
 pub(super) fn color_error(a: DVec3, b: DVec3) -> f64 {
-    let error = libm::pow(hyab(a, b), COLOR_EXPONENT);
+    let error = libm::pow(hyab_distance(a, b), COLOR_EXPONENT);
     let (fraction, at_knee) = KNEE;
     let knee = fraction * *LARGEST;
     if error < knee {
@@ -89,7 +90,7 @@ mod tests {
     /// L* of half the luminance of white is 116 · ∛½ − 16. Greys have no chroma.
     #[test]
     fn greys_have_lightness_only() {
-        let lab = hunt_lab(opponent(Vec3::splat(0.5)).as_dvec3());
+        let lab = hunt_adjusted_lab(rgb_to_ycxcz(Vec3::splat(0.5)).as_dvec3());
         assert!((lab.x - 76.069_26).abs() < 1e-4, "{lab}");
         assert!(lab.y.abs() < 1e-4 && lab.z.abs() < 1e-4, "{lab}");
     }
@@ -98,14 +99,14 @@ mod tests {
     /// is multiplied by L*/100.
     #[test]
     fn red_has_the_published_lab() {
-        let lab = hunt_lab(opponent(Vec3::X).as_dvec3());
+        let lab = hunt_adjusted_lab(rgb_to_ycxcz(Vec3::X).as_dvec3());
         let expected = DVec3::new(53.24, 80.09 * 0.5324, 67.20 * 0.5324);
         assert!((lab - expected).abs().max_element() < 0.02, "{lab}");
     }
 
     #[test]
     fn colours_outside_of_rgb_are_clamped() {
-        let bright = hunt_lab(opponent(Vec3::new(4.0, 4.0, 4.0)).as_dvec3());
+        let bright = hunt_adjusted_lab(rgb_to_ycxcz(Vec3::new(4.0, 4.0, 4.0)).as_dvec3());
         assert!((bright - DVec3::new(100.0, 0.0, 0.0)).abs().max_element() < 1e-9, "{bright}");
     }
 }

@@ -1,6 +1,6 @@
-//! Filters of ꟻLIP: blur by contrast sensitivity, and detectors of edges and points.
+//! FlipFilters of ꟻLIP: blur by contrast sensitivity, and detectors of edges and points.
 
-use super::color::luminance;
+use super::color::relative_luminance;
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -13,24 +13,24 @@ const BLUE_YELLOW: [(f64, f64); 2] = [(34.1, 0.04), (13.5, 0.025)];
 const DETECTOR: f64 = 0.082;
 
 /// Weights of a symmetric one-dimensional filter, from its left end.
-type Kernel = Vec<f32>;
+type FilterWeights = Vec<f32>;
 
 /// Separable filters for a number of pixels per degree.
-pub(super) struct Filters {
-    luminance: Kernel,
-    red_green: Kernel,
+pub(super) struct FlipFilters {
+    luminance: FilterWeights,
+    red_green: FilterWeights,
     /// Two Gaussians, each with its weight in the sum.
-    blue_yellow: [(f32, Kernel); 2],
+    blue_yellow: [(f32, FilterWeights); 2],
     /// A Gaussian and its first and second derivative.
-    detector: [Kernel; 3],
+    detector: [FilterWeights; 3],
 }
 
-impl Filters {
+impl FlipFilters {
     pub fn new(pixels_per_degree: f64) -> Self {
         // As in the paper, all filters have the radius of the widest: three standard deviations.
         let radius = (3.0 * (BLUE_YELLOW[0].1 / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil() as i32;
         let gaussian = |b: f64| {
-            sampled(radius, |x| {
+            sample_at_integers(radius, |x| {
                 let degrees = x / pixels_per_degree;
                 libm::exp(-PI * PI * degrees * degrees / b)
             })
@@ -38,7 +38,7 @@ impl Filters {
         let blur = |b: f64| {
             let raw = gaussian(b);
             let sum: f64 = raw.iter().sum();
-            (sum, single(raw.iter().map(|w| w / sum)))
+            (sum, to_single_precision(raw.iter().map(|w| w / sum)))
         };
         let blue_yellow = BLUE_YELLOW.map(|(a, b)| {
             let (sum, kernel) = blur(b);
@@ -49,48 +49,52 @@ impl Filters {
             luminance: blur(LUMINANCE.1).1,
             red_green: blur(RED_GREEN.1).1,
             blue_yellow: blue_yellow.map(|(weight, kernel)| ((weight / total) as f32, kernel)),
-            detector: detector(pixels_per_degree),
+            detector: feature_detectors(pixels_per_degree),
         }
     }
 
     /// Largest radius of the filters \[pixels].
-    fn radius(&self) -> usize {
+    fn max_radius(&self) -> usize {
         self.luminance.len().max(self.detector[0].len()) / 2
     }
 }
 
 /// A Gaussian of sum 1, and its derivatives. Their positive weights sum to 1, the negative ones to
 /// −1.
-fn detector(pixels_per_degree: f64) -> [Kernel; 3] {
+fn feature_detectors(pixels_per_degree: f64) -> [FilterWeights; 3] {
     let deviation = 0.5 * DETECTOR * pixels_per_degree;
     let radius = (3.0 * deviation).ceil() as i32;
     let gaussian = |x: f64| libm::exp(-x * x / (2.0 * deviation * deviation));
-    let raw = sampled(radius, gaussian);
+    let raw = sample_at_integers(radius, gaussian);
     let sum: f64 = raw.iter().sum();
-    let first = sampled(radius, |x| -x * gaussian(x));
-    let second = sampled(radius, |x| (x * x / (deviation * deviation) - 1.0) * gaussian(x));
-    [single(raw.iter().map(|w| w / sum)), balanced(&first), balanced(&second)]
+    let first = sample_at_integers(radius, |x| -x * gaussian(x));
+    let second = sample_at_integers(radius, |x| (x * x / (deviation * deviation) - 1.0) * gaussian(x));
+    [
+        to_single_precision(raw.iter().map(|w| w / sum)),
+        normalize_signed_weights(&first),
+        normalize_signed_weights(&second),
+    ]
 }
 
 /// Scales the positive weights to a sum of 1, and the negative ones to −1.
-fn balanced(raw: &[f64]) -> Kernel {
+fn normalize_signed_weights(raw: &[f64]) -> FilterWeights {
     let positive: f64 = raw.iter().filter(|w| **w > 0.0).sum();
     let negative: f64 = -raw.iter().filter(|w| **w < 0.0).sum::<f64>();
-    single(raw.iter().map(|w| if *w < 0.0 { w / negative } else { w / positive }))
+    to_single_precision(raw.iter().map(|w| if *w < 0.0 { w / negative } else { w / positive }))
 }
 
 /// Values at the integers from −`radius` to `radius`.
-fn sampled(radius: i32, value: impl Fn(f64) -> f64) -> Vec<f64> {
+fn sample_at_integers(radius: i32, value: impl Fn(f64) -> f64) -> Vec<f64> {
     (-radius..=radius).map(|x| value(f64::from(x))).collect()
 }
 
 /// Weights in single precision.
-fn single(weights: impl Iterator<Item = f64>) -> Kernel {
+fn to_single_precision(weights: impl Iterator<Item = f64>) -> FilterWeights {
     weights.map(|w| w as f32).collect()
 }
 
 /// Filtered row of a picture, with the buffers for it.
-pub(super) struct Scratch {
+pub(super) struct RowFilter {
     /// Row after the vertical filter, with its ends repeated on both sides.
     padded: Vec<f32>,
     /// Y, Cx, Cz, and the second Gaussian of Cz.
@@ -99,18 +103,18 @@ pub(super) struct Scratch {
     features: [Vec<f32>; 4],
 }
 
-impl Scratch {
-    pub fn new(width: usize, filters: &Filters) -> Self {
+impl RowFilter {
+    pub fn new(width: usize, filters: &FlipFilters) -> Self {
         let row = || vec![0.0; width];
         Self {
-            padded: vec![0.0; width + 2 * filters.radius()],
+            padded: vec![0.0; width + 2 * filters.max_radius()],
             blurred: std::array::from_fn(|_| row()),
             features: std::array::from_fn(|_| row()),
         }
     }
 
-    /// Filters a row of the planes Y, Cx and Cz.
-    pub fn filter(&mut self, planes: &[Vec<f32>; 3], row: usize, filters: &Filters) {
+    /// FlipFilters a row of the planes Y, Cx and Cz.
+    pub fn filter(&mut self, planes: &[Vec<f32>; 3], row: usize, filters: &FlipFilters) {
         let [(share, kernel), (other_share, other)] = &filters.blue_yellow;
         let padded = &mut self.padded;
         let [y, cx, cz, rest] = &mut self.blurred;
@@ -129,31 +133,31 @@ impl Scratch {
     }
 
     /// Blurred YCxCz of column `x`.
-    pub fn color(&self, x: usize) -> DVec3 {
+    pub fn filtered_color(&self, x: usize) -> DVec3 {
         let [y, cx, cz, _] = &self.blurred;
         DVec3::new(y[x].into(), cx[x].into(), cz[x].into())
     }
 
     /// Strength of the luminance edge at column `x`.
-    pub fn edge(&self, x: usize) -> f64 {
-        magnitude(self.features[0][x], self.features[1][x])
+    pub fn edge_strength(&self, x: usize) -> f64 {
+        feature_magnitude(self.features[0][x], self.features[1][x])
     }
 
     /// Strength of the luminance point at column `x`.
-    pub fn point(&self, x: usize) -> f64 {
-        magnitude(self.features[2][x], self.features[3][x])
+    pub fn point_strength(&self, x: usize) -> f64 {
+        feature_magnitude(self.features[2][x], self.features[3][x])
     }
 }
 
 /// Magnitude of a feature in relative luminance. Detectors have sum 0, so an offset does not
 /// matter.
-fn magnitude(across: f32, down: f32) -> f64 {
-    let scale = luminance(1.0) - luminance(0.0);
+fn feature_magnitude(across: f32, down: f32) -> f64 {
+    let scale = relative_luminance(1.0) - relative_luminance(0.0);
     let (a, d) = (f64::from(across), f64::from(down));
     scale * (a * a + d * d).sqrt()
 }
 
-/// Filters one row of a plane vertically and horizontally. Border pixels are repeated outside.
+/// FlipFilters one row of a plane vertically and horizontally. Border pixels are repeated outside.
 fn filter_row(plane: &[f32], row: usize, down: &[f32], across: &[f32], padded: &mut [f32], out: &mut [f32]) {
     let width = out.len();
     let height = plane.len() / width;
@@ -163,18 +167,18 @@ fn filter_row(plane: &[f32], row: usize, down: &[f32], across: &[f32], padded: &
     middle.fill(0.0);
     for (j, weight) in down.iter().enumerate() {
         let from = (row + j).saturating_sub(up).min(height - 1);
-        add(middle, *weight, &plane[from * width..][..width]);
+        add_weighted(middle, *weight, &plane[from * width..][..width]);
     }
     left.fill(middle[0]);
     right.fill(middle[width - 1]);
     out.fill(0.0);
     for (j, weight) in across.iter().enumerate() {
-        add(out, *weight, &padded[j..][..width]);
+        add_weighted(out, *weight, &padded[j..][..width]);
     }
 }
 
 /// Adds weighted values.
-fn add(sum: &mut [f32], weight: f32, values: &[f32]) {
+fn add_weighted(sum: &mut [f32], weight: f32, values: &[f32]) {
     for (s, v) in sum.iter_mut().zip(values) {
         *s += weight * v;
     }

@@ -9,13 +9,13 @@ mod filter;
 mod tone;
 
 use super::buffer::Image;
-use super::metrics::{MetricError, check_pair};
+use super::metrics::{MetricError, check_comparable};
 use super::tone::MAX_EXPOSURE_STOPS;
-use color::{color_error, hunt_lab, opponent};
-use filter::{Filters, Scratch};
+use color::{color_error, hunt_adjusted_lab, rgb_to_ycxcz};
+use filter::{FlipFilters, RowFilter};
 use glam::Vec3;
 use rayon::prelude::*;
-use tone::{exposures, film};
+use tone::{film_curve, hdr_exposures};
 
 /// Pixels per degree of the papers' viewer: a screen 0.7 m wide with 3840 pixels, seen from 0.7 m.
 pub const PIXELS_PER_DEGREE: f64 = 3840.0 * std::f64::consts::PI / 180.0;
@@ -30,7 +30,7 @@ pub enum FlipMode {
     /// Display values: radiance is multiplied by 2 to this power and clamped to [0, 1]. The
     /// exposure is within ±[`MAX_EXPOSURE_STOPS`].
     Ldr(f32),
-    /// A film curve at exposures about one stop apart; each pixel keeps its largest error.
+    /// A film curve at hdr_exposures about one stop apart; each pixel keeps its largest error.
     ///
     /// The first exposure maps the brightest pixel of the reference close to white, the last one
     /// the median over pixels that are not black.
@@ -68,12 +68,12 @@ pub struct FlipResult {
 /// # Errors
 /// [`MetricError`] if the sizes differ, a pixel is not finite, or an option is out of range.
 pub fn flip(reference: &Image, test: &Image, options: &FlipOptions) -> Result<FlipResult, MetricError> {
-    check_pair(reference, test)?;
+    check_comparable(reference, test)?;
     let value = options.pixels_per_degree;
     if !PIXELS_PER_DEGREE_RANGE.contains(&value) {
         return Err(MetricError::Parameter { name: "pixels per degree", value });
     }
-    let filters = Filters::new(value);
+    let filters = FlipFilters::new(value);
     let mut map = vec![0.0; reference.pixels().len()];
     match options.mode {
         FlipMode::Ldr(stops) => {
@@ -82,13 +82,23 @@ pub fn flip(reference: &Image, test: &Image, options: &FlipOptions) -> Result<Fl
             }
             let scale = libm::exp2f(stops);
             let shown = |p: Vec3| (p * scale).clamp(Vec3::ZERO, Vec3::ONE);
-            compare(&Opponent::of(reference, shown), &Opponent::of(test, shown), &filters, &mut map);
+            accumulate_max_error(
+                &OpponentImage::from_image(reference, shown),
+                &OpponentImage::from_image(test, shown),
+                &filters,
+                &mut map,
+            );
         }
         FlipMode::Hdr => {
-            for stops in exposures(reference) {
+            for stops in hdr_exposures(reference) {
                 let scale = libm::exp2(stops);
-                let shown = |p: Vec3| film(p, scale);
-                compare(&Opponent::of(reference, shown), &Opponent::of(test, shown), &filters, &mut map);
+                let shown = |p: Vec3| film_curve(p, scale);
+                accumulate_max_error(
+                    &OpponentImage::from_image(reference, shown),
+                    &OpponentImage::from_image(test, shown),
+                    &filters,
+                    &mut map,
+                );
             }
         }
     }
@@ -97,16 +107,16 @@ pub fn flip(reference: &Image, test: &Image, options: &FlipOptions) -> Result<Fl
 }
 
 /// A picture in opponent channels: luminance, red-green, blue-yellow.
-struct Opponent {
+struct OpponentImage {
     width: usize,
     /// Planes Y, Cx and Cz, each in rows.
     planes: [Vec<f32>; 3],
 }
 
-impl Opponent {
+impl OpponentImage {
     /// Converts a picture. `shown` maps radiance to linear display values in [0, 1].
-    fn of(image: &Image, shown: impl Fn(Vec3) -> Vec3 + Sync) -> Self {
-        let triples: Vec<Vec3> = image.pixels().par_iter().map(|&p| opponent(shown(p))).collect();
+    fn from_image(image: &Image, shown: impl Fn(Vec3) -> Vec3 + Sync) -> Self {
+        let triples: Vec<Vec3> = image.pixels().par_iter().map(|&p| rgb_to_ycxcz(shown(p))).collect();
         let plane = |channel: usize| triples.iter().map(|t| t[channel]).collect();
         Self { width: image.width() as usize, planes: [plane(0), plane(1), plane(2)] }
     }
@@ -115,16 +125,17 @@ impl Opponent {
 /// Raises each pixel of `map` to at least the error of the pair.
 ///
 /// Rows are independent, so the result does not depend on the threads.
-fn compare(reference: &Opponent, test: &Opponent, filters: &Filters, map: &mut [f32]) {
+fn accumulate_max_error(reference: &OpponentImage, test: &OpponentImage, filters: &FlipFilters, map: &mut [f32]) {
     let width = reference.width;
-    let scratch = || (Scratch::new(width, filters), Scratch::new(width, filters));
+    let scratch = || (RowFilter::new(width, filters), RowFilter::new(width, filters));
     map.par_chunks_mut(width).enumerate().for_each_init(scratch, |(a, b), (row, errors)| {
         a.filter(&reference.planes, row, filters);
         b.filter(&test.planes, row, filters);
         for (x, error) in errors.iter_mut().enumerate() {
-            let color = color_error(hunt_lab(a.color(x)), hunt_lab(b.color(x)));
+            let color = color_error(hunt_adjusted_lab(a.filtered_color(x)), hunt_adjusted_lab(b.filtered_color(x)));
             // Equations 13 and 14 of the paper.
-            let feature = (a.edge(x) - b.edge(x)).abs().max((a.point(x) - b.point(x)).abs());
+            let feature =
+                (a.edge_strength(x) - b.edge_strength(x)).abs().max((a.point_strength(x) - b.point_strength(x)).abs());
             let feature = (feature * std::f64::consts::FRAC_1_SQRT_2).sqrt().min(1.0);
             *error = error.max(libm::pow(color, 1.0 - feature) as f32);
         }

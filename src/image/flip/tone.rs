@@ -11,7 +11,7 @@ const FILM: [f64; 5] = [0.36 * 2.51, 0.6 * 0.03, 0.36 * 2.43, 0.6 * 0.59, 0.14];
 const NEAR_WHITE: f64 = 0.85;
 
 /// Linear display value in [0, 1] of radiance multiplied by `scale`.
-pub(super) fn film(radiance: Vec3, scale: f64) -> Vec3 {
+pub(super) fn film_curve(radiance: Vec3, scale: f64) -> Vec3 {
     let x = radiance.as_dvec3().max(DVec3::ZERO) * scale;
     let [k0, k1, k2, k3, k4] = FILM;
     let level = (x * (k0 * x + k1)) / (x * (k2 * x + k3) + k4);
@@ -19,13 +19,13 @@ pub(super) fn film(radiance: Vec3, scale: f64) -> Vec3 {
 }
 
 /// Exposures \[stops] for a reference with finite pixels; 0 for a black one.
-pub(super) fn exposures(reference: &Image) -> Vec<f64> {
+pub(super) fn hdr_exposures(reference: &Image) -> Vec<f64> {
     let luminance = |p: &Vec3| p.as_dvec3().dot(DVec3::new(0.2126, 0.7152, 0.0722));
     let mut lit: Vec<f64> = reference.pixels().iter().map(luminance).filter(|y| *y > 0.0).collect();
     let Some(brightest) = lit.iter().copied().reduce(f64::max) else { return vec![0.0] };
     let middle = lit.len() / 2;
     let median = *lit.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let bright = near_white_input();
+    let bright = film_input_near_white();
     let (first, last) = (libm::log2(bright / brightest), libm::log2(bright / median));
     let count = (last - first).ceil().max(2.0);
     (0..count as u32).map(|i| first + f64::from(i) * (last - first) / (count - 1.0)).collect()
@@ -34,7 +34,7 @@ pub(super) fn exposures(reference: &Image) -> Vec<f64> {
 /// Input of the film curve with the signal t = [`NEAR_WHITE`].
 ///
 /// The input x is the positive root of (k₀ − k₂t)x² + (k₁ − k₃t)x − k₄t.
-fn near_white_input() -> f64 {
+fn film_input_near_white() -> f64 {
     let [k0, k1, k2, k3, k4] = FILM;
     let (a, half, c) = (k0 - k2 * NEAR_WHITE, 0.5 * (k1 - k3 * NEAR_WHITE), -k4 * NEAR_WHITE);
     ((half * half - a * c).sqrt() - half) / a
@@ -50,22 +50,22 @@ mod tests {
 
     #[test]
     fn the_near_white_input_inverts_the_curve() {
-        let level = film(Vec3::splat(near_white_input() as f32), 1.0);
+        let level = film_curve(Vec3::splat(film_input_near_white() as f32), 1.0);
         assert!((f64::from(level.x) - NEAR_WHITE).abs() < 1e-6, "{level}");
-        assert_eq!(film(Vec3::new(-1.0, 0.0, f32::MAX), 1e30), Vec3::new(0.0, 0.0, 1.0));
+        assert_eq!(film_curve(Vec3::new(-1.0, 0.0, f32::MAX), 1e30), Vec3::new(0.0, 0.0, 1.0));
     }
 
     /// Four stops from 16 to the median 1 give four exposures. The median excludes black pixels.
     #[test]
     fn exposures_span_the_brightest_to_the_median() {
-        let found = exposures(&image(&[0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 16.0]));
+        let found = hdr_exposures(&image(&[0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 16.0]));
         assert_eq!(found.len(), 4);
         assert!(
-            (found[3] - found[0] - 4.0).abs() < 1e-9 && (found[3] - libm::log2(near_white_input())).abs() < 1e-9,
+            (found[3] - found[0] - 4.0).abs() < 1e-9 && (found[3] - libm::log2(film_input_near_white())).abs() < 1e-9,
             "{found:?}"
         );
-        assert_eq!(exposures(&image(&[0.0, -1.0])), [0.0]);
-        let even = exposures(&image(&[2.0; 4]));
+        assert_eq!(hdr_exposures(&image(&[0.0, -1.0])), [0.0]);
+        let even = hdr_exposures(&image(&[2.0; 4]));
         assert!(even.len() == 2 && even[0] == even[1], "{even:?}");
     }
 }

@@ -5,13 +5,13 @@ use glam::Vec3;
 
 const SIZE: (u32, u32) = (37, 21);
 
-fn layer(name: &str, channels: &[&str]) -> ExrLayer {
+fn numbered_layer(name: &str, channels: &[&str]) -> ExrLayer {
     let values = |k: usize| (0..SIZE.0 * SIZE.1).map(|i| (i as f32 * 0.1 + k as f32) * name.len() as f32).collect();
     let channels = channels.iter().enumerate().map(|(k, c)| ((*c).to_owned(), values(k))).collect();
     ExrLayer { name: name.to_owned(), channels }
 }
 
-fn picture() -> (Image, ExrLayer) {
+fn picture_layer() -> (Image, ExrLayer) {
     let pixels: Vec<Vec3> = (0..SIZE.0 * SIZE.1).map(|i| Vec3::new(i as f32, 0.5, -(i as f32)) / 7.0).collect();
     let channel = |name: &str, k: usize| (name.to_owned(), pixels.iter().map(|p| p[k]).collect());
     let channels = vec![channel("R", 0), channel("G", 1), channel("B", 2)];
@@ -22,9 +22,13 @@ fn picture() -> (Image, ExrLayer) {
 fn layers_are_stored_and_the_picture_is_read() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.exr");
-    let (image, first) = picture();
+    let (image, first) = picture_layer();
     // `Noise` sorts before the channels of the picture.
-    let layers = [first, layer("Noise", &["R", "G", "B"]), layer("radius", &["caustic", "a channel of a long name"])];
+    let layers = [
+        first,
+        numbered_layer("Noise", &["R", "G", "B"]),
+        numbered_layer("radius", &["caustic", "a channel of a long name"]),
+    ];
     let pairs = [("Seed".to_owned(), "7".to_owned())];
     write_layers(&path, SIZE, &layers, &pairs).unwrap();
     assert_eq!(read_with_format(&path).unwrap(), (image, InputFormat::Exr));
@@ -34,7 +38,7 @@ fn layers_are_stored_and_the_picture_is_read() {
     assert_eq!(file.attributes.comments.as_ref().unwrap().to_string(), "Seed: 7");
     let mut expected: Vec<(String, &Vec<f32>)> = Vec::new();
     for layer in &layers {
-        expected.extend(layer.channels.iter().map(|(name, values)| (layer.full_name(name), values)));
+        expected.extend(layer.channels.iter().map(|(name, values)| (layer.full_channel_name(name), values)));
     }
     assert_eq!((expected[3].0.as_str(), expected[6].0.as_str()), ("Noise.R", "radius.caustic"));
     expected.sort_by(|a, b| a.0.cmp(&b.0));
@@ -47,7 +51,7 @@ fn layers_are_stored_and_the_picture_is_read() {
 
 #[test]
 fn encoding_is_deterministic() {
-    let layers = [picture().1, layer("noise", &["R", "G", "B"])];
+    let layers = [picture_layer().1, numbered_layer("noise", &["R", "G", "B"])];
     let pairs = [("Seed".to_owned(), "7".to_owned()), ("Scene".to_owned(), "a".to_owned())];
     let once = encode(SIZE, &layers, &pairs).unwrap();
     assert!((0..8).all(|_| encode(SIZE, &layers, &pairs).unwrap() == once));
@@ -58,13 +62,16 @@ fn invalid_layers_leave_the_old_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.exr");
     std::fs::write(&path, "old").unwrap();
-    let mut short = layer("noise", &["R", "G"]);
+    let mut short = numbered_layer("noise", &["R", "G"]);
     short.channels[1].1.pop();
-    let twice = [layer("noise", &["R"]), layer("noise", &["R"])];
-    let long = [layer(&"n".repeat(254), &["R"])];
-    for (layers, word) in
-        [([short].as_slice(), "`noise.G`"), (&twice, "not unique"), (&long, "255"), (&[layer("a", &[""])], "1 to 255")]
-    {
+    let twice = [numbered_layer("noise", &["R"]), numbered_layer("noise", &["R"])];
+    let long = [numbered_layer(&"n".repeat(254), &["R"])];
+    for (layers, word) in [
+        ([short].as_slice(), "`noise.G`"),
+        (&twice, "not unique"),
+        (&long, "255"),
+        (&[numbered_layer("a", &[""])], "1 to 255"),
+    ] {
         let message = write_layers(&path, SIZE, layers, &[]).unwrap_err().to_string();
         assert!(message.contains(word), "{message}");
     }

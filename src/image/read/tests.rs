@@ -19,7 +19,7 @@ fn signatures_select_the_format() {
 }
 
 /// Two RGBE pixels: mantissa / 256 · 2^(exponent − 128).
-fn hdr(header: &str) -> Vec<u8> {
+fn two_pixel_hdr(header: &str) -> Vec<u8> {
     let mut file = format!("{header}\n\n-Y 1 +X 2\n").into_bytes();
     file.extend([128, 64, 32, 129, 200, 100, 50, 138]);
     file
@@ -27,22 +27,24 @@ fn hdr(header: &str) -> Vec<u8> {
 
 #[test]
 fn radiance_hdr_exposures_are_undone() {
-    let read =
-        |header| read_hdr(&hdr(header), None).unwrap_or_else(|failure| panic!("{}", failure.at("memory".into())));
+    let read = |header| {
+        read_hdr(&two_pixel_hdr(header), None)
+            .unwrap_or_else(|failure| panic!("{}", failure.into_read_error("memory".into())))
+    };
     let plain = read("#?RADIANCE\nFORMAT=32-bit_rle_rgbe");
     assert_eq!(plain.pixels(), [Vec3::new(1.0, 0.5, 0.25), Vec3::new(800.0, 400.0, 200.0)]);
     let exposed = read("#?RGBE\nEXPOSURE=2\nEXPOSURE=4");
     assert_eq!(exposed.pixels()[0] * 8.0, plain.pixels()[0]);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("sky.hdr");
-    fs::write(&path, hdr("#?RADIANCE")).unwrap();
+    fs::write(&path, two_pixel_hdr("#?RADIANCE")).unwrap();
     assert_eq!(super::read(&path).unwrap(), plain);
     assert!(read_bytes(&path).unwrap_err().to_string().contains("8-bit PNG"));
 }
 
 #[test]
 fn damaged_radiance_hdr_is_refused() {
-    let good = hdr("#?RADIANCE");
+    let good = two_pixel_hdr("#?RADIANCE");
     for cut in 0..good.len() {
         assert!(read_hdr(&good[..cut], None).is_err(), "cut at {cut}");
     }
@@ -51,6 +53,6 @@ fn damaged_radiance_hdr_is_refused() {
         assert!(read_hdr(&huge(size), None).is_err(), "{size}");
     }
     for header in ["#?RADIANCE\nEXPOSURE=0", "#?RADIANCE\nEXPOSURE=inf", "#?RADIANCE\nFORMAT=32-bit_rle_xyze"] {
-        assert!(read_hdr(&hdr(header), None).is_err(), "{header}");
+        assert!(read_hdr(&two_pixel_hdr(header), None).is_err(), "{header}");
     }
 }

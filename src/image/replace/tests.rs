@@ -1,6 +1,6 @@
 use super::*;
 
-fn names(folder: &Path) -> Vec<String> {
+fn sorted_file_names(folder: &Path) -> Vec<String> {
     let mut names: Vec<_> =
         fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
@@ -17,10 +17,16 @@ fn a_failed_write_leaves_only_the_old_file() {
         Err(io::Error::other("disk full"))
     });
     assert!(failed.unwrap_err().to_string().contains("disk full"));
-    assert_eq!((fs::read(&path).unwrap(), names(folder.path())), (b"old".to_vec(), vec!["a.png".to_owned()]));
+    assert_eq!(
+        (fs::read(&path).unwrap(), sorted_file_names(folder.path())),
+        (b"old".to_vec(), vec!["a.png".to_owned()])
+    );
 
     replace_file(&path, b"new").unwrap();
-    assert_eq!((fs::read(&path).unwrap(), names(folder.path())), (b"new".to_vec(), vec!["a.png".to_owned()]));
+    assert_eq!(
+        (fs::read(&path).unwrap(), sorted_file_names(folder.path())),
+        (b"new".to_vec(), vec!["a.png".to_owned()])
+    );
 }
 
 #[test]
@@ -36,7 +42,7 @@ fn unwritable_paths_are_refused_before_work() {
     fs::set_permissions(&locked, permissions).unwrap();
     assert!(matches!(replace_file(&locked, b"x"), Err(WriteError::ReadOnly { .. })));
     check_replaceable(&folder.path().join("fine.png")).unwrap();
-    assert_eq!(names(folder.path()), ["locked.png"]);
+    assert_eq!(sorted_file_names(folder.path()), ["locked.png"]);
 }
 
 #[test]
@@ -50,7 +56,7 @@ fn only_old_temporary_files_are_removed() {
     put(".caustica-new.tmp", 0);
     put(".other-old.tmp", 2);
     replace_file(&folder.path().join("a.png"), b"x").unwrap();
-    assert_eq!(names(folder.path()), [".caustica-new.tmp", ".other-old.tmp", "a.png"]);
+    assert_eq!(sorted_file_names(folder.path()), [".caustica-new.tmp", ".other-old.tmp", "a.png"]);
 }
 
 #[cfg(target_os = "linux")]

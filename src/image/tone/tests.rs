@@ -1,30 +1,30 @@
 use super::*;
 
-fn level(curve: ToneCurve, stops: f32, c: f32) -> u16 {
+fn quantized_level(curve: ToneCurve, stops: f32, c: f32) -> u16 {
     let quantizer = Quantizer::new(ToneMap { curve, exposure_stops: stops }, 255).unwrap();
-    quantizer.levels(Vec3::splat(c), &mut WriteReport::default())[1]
+    quantizer.quantize_pixel(Vec3::splat(c), &mut WriteReport::default())[1]
 }
 
 #[test]
 fn srgb_levels_are_the_nearest() {
     // 255 · (1.055 · 0.5^(1/2.4) − 0.055) = 187.516, which truncation would make 187.
-    assert_eq!(level(ToneCurve::Srgb, 0.0, 0.5), 188);
+    assert_eq!(quantized_level(ToneCurve::Srgb, 0.0, 0.5), 188);
     // The linear part: 0.002 · 12.92 · 255 = 6.589.
-    assert_eq!(level(ToneCurve::Srgb, 0.0, 0.002), 7);
-    assert_eq!([-1.0, 0.0, 1.0, 9.0].map(|c| level(ToneCurve::Srgb, 0.0, c)), [0, 0, 255, 255]);
+    assert_eq!(quantized_level(ToneCurve::Srgb, 0.0, 0.002), 7);
+    assert_eq!([-1.0, 0.0, 1.0, 9.0].map(|c| quantized_level(ToneCurve::Srgb, 0.0, c)), [0, 0, 255, 255]);
 }
 
 #[test]
 fn every_srgb_byte_survives_decoding_and_encoding() {
     for byte in 0..=255_u16 {
-        assert_eq!(level(ToneCurve::Srgb, 0.0, srgb_decode(f64::from(byte) / 255.0) as f32), byte);
+        assert_eq!(quantized_level(ToneCurve::Srgb, 0.0, srgb_decode(f64::from(byte) / 255.0) as f32), byte);
     }
 }
 
 #[test]
 fn exposure_is_in_stops() {
-    assert_eq!(level(ToneCurve::Srgb, 2.0, 0.125), level(ToneCurve::Srgb, 0.0, 0.5));
-    assert_eq!(level(ToneCurve::Course, -1.0, 1.0), 127);
+    assert_eq!(quantized_level(ToneCurve::Srgb, 2.0, 0.125), quantized_level(ToneCurve::Srgb, 0.0, 0.5));
+    assert_eq!(quantized_level(ToneCurve::Course, -1.0, 1.0), 127);
     for stops in [f32::NAN, f32::INFINITY, -64.5] {
         assert!(Quantizer::new(ToneMap { curve: ToneCurve::Srgb, exposure_stops: stops }, 255).is_err());
     }
@@ -33,29 +33,35 @@ fn exposure_is_in_stops() {
 #[test]
 fn course_truncates_without_gamma() {
     // 255 · .5 = 127.5 and 255 · .999 = 254.7 both lose their fraction.
-    assert_eq!([0.5, 0.999, 1.0, -3.0, 7.0].map(|c| level(ToneCurve::Course, 0.0, c)), [127, 254, 255, 0, 255]);
+    assert_eq!(
+        [0.5, 0.999, 1.0, -3.0, 7.0].map(|c| quantized_level(ToneCurve::Course, 0.0, c)),
+        [127, 254, 255, 0, 255]
+    );
 }
 
 #[test]
 fn filmic_follows_the_published_fit() {
     // x = 1: 2.54 / 3.16 = .803797.
-    assert!((film(1.0) - 2.54 / 3.16).abs() < 1e-15);
+    assert!((filmic_curve(1.0) - 2.54 / 3.16).abs() < 1e-15);
     // White is the larger root of .08x² − .56x − .14.
     let white = (0.56 + f64::sqrt(0.56 * 0.56 + 4.0 * 0.08 * 0.14)) / 0.16;
-    assert!((film(white) - 1.0).abs() < 1e-12);
+    assert!((filmic_curve(white) - 1.0).abs() < 1e-12);
     // sRGB of .803797 is .908046, times 255 is 231.55.
-    assert_eq!(level(ToneCurve::Filmic, 0.0, 1.0), 232);
-    assert_eq!([f32::INFINITY, f32::MAX, -2.0, 0.0].map(|c| level(ToneCurve::Filmic, 9.0, c)), [255, 255, 0, 0]);
+    assert_eq!(quantized_level(ToneCurve::Filmic, 0.0, 1.0), 232);
+    assert_eq!(
+        [f32::INFINITY, f32::MAX, -2.0, 0.0].map(|c| quantized_level(ToneCurve::Filmic, 9.0, c)),
+        [255, 255, 0, 0]
+    );
 }
 
 #[test]
 fn a_pixel_counts_once_per_field() {
     let quantizer = Quantizer::new(ToneMap { curve: ToneCurve::Srgb, exposure_stops: 60.0 }, 255).unwrap();
     let mut report = WriteReport::default();
-    quantizer.levels(Vec3::new(f32::NAN, f32::INFINITY, -1.0), &mut report);
+    quantizer.quantize_pixel(Vec3::new(f32::NAN, f32::INFINITY, -1.0), &mut report);
     assert_eq!(report, WriteReport { non_finite: 1, too_bright: 0, negative: 0 });
     // 10³⁰ · 2⁶⁰ overflows f32, but the pixel itself is finite.
-    quantizer.levels(Vec3::new(1e30, 1e30, -1.0), &mut report);
+    quantizer.quantize_pixel(Vec3::new(1e30, 1e30, -1.0), &mut report);
     assert_eq!(report, WriteReport { non_finite: 1, too_bright: 1, negative: 1 });
 }
 
@@ -65,7 +71,7 @@ fn white_itself_is_not_too_bright() {
         let quantizer = Quantizer::new(ToneMap { curve, exposure_stops: 0.0 }, 255).unwrap();
         let count = |c: f32| {
             let mut report = WriteReport::default();
-            quantizer.levels(Vec3::new(0.0, c, 0.0), &mut report);
+            quantizer.quantize_pixel(Vec3::new(0.0, c, 0.0), &mut report);
             report.too_bright
         };
         assert_eq!((count(white), count(white * 1.001)), (0, 1), "{curve}");

@@ -21,11 +21,11 @@ pub(super) fn next_vertex<'a, I: Interior>(
     worker: &mut Worker,
     radiance: &mut Rgb,
 ) -> (PathEvent<'a>, PhaseFunction) {
-    let mut rng = path.sampler.key().medium_tracking(paths.pass).rng();
+    let mut rng = path.sampler.sample_key().medium_tracking_key(paths.pass).rng();
     let mut path_ray = path.path_ray;
     let mut phase = PhaseFunction::Isotropic;
     let mut weight = DVec3::ONE;
-    let event = path_ray.next_vertex(paths.scene, path.sampler.key(), |segment| {
+    let event = path_ray.next_vertex(paths.scene, path.sampler.sample_key(), |segment| {
         phase = segment.medium.phase;
         cross_medium(paths, path, segment, &mut weight, &mut rng, worker, radiance)
     });
@@ -64,7 +64,7 @@ fn cross_medium<I: Interior>(
     let history = PathHistory { casters: path.history.casters + u32::from(segment.crossed), ..path.history };
     let continues = policy.continuation == Continuation::Always && path.bounce < paths.max_bounces;
     let distance_sample = medium.distance_sample(ray, ray.t_max, throughput, rng);
-    let shadow_sampler = path.sampler.shadow_rays(paths.pass);
+    let shadow_sampler = path.sampler.shadow_ray_sampler(paths.pass);
     let vertex = MediumVertex { segment, history, throughput, sampler: path.sampler, shadow_sampler };
     let mut scattered = Rgb::ZERO;
     if policy.direct_light {
@@ -92,7 +92,7 @@ fn photon_radiance<I: Interior>(
     let Some(maps) = paths.maps else { return Rgb::ZERO };
     match paths.policy.photons {
         PhotonLookups::Never | PhotonLookups::RecordVisible => Rgb::ZERO,
-        PhotonLookups::OncePerPixel => match vertex.sampler.index() {
+        PhotonLookups::OncePerPixel => match vertex.sampler.index_and_count() {
             (0, samples) if vertex.history.receivers == 0 => maps.radiance_in_medium(vertex, samples, rng, worker),
             _ => Rgb::ZERO,
         },
@@ -109,7 +109,7 @@ pub(super) fn scatter<I: Interior>(path: &mut PathState<I>, phase: PhaseFunction
     next.prev = Some(PrevVertex { p: next.path_ray.ray.origin, hemisphere: None, history: path.history, pdf });
     next.history = PathHistory { receivers: path.history.receivers + 1, casters: 0 };
     next.bounce += 1;
-    next.sampler = path.sampler.next_vertex(path.bounce, false);
+    next.sampler = path.sampler.next_vertex_sampler(path.bounce, false);
     if !next.survives_roulette(path.sampler) {
         return false;
     }

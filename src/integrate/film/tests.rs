@@ -19,7 +19,7 @@ fn filtered(kind: FilterKind, samples: u32, scene: impl Fn(f32) -> f32 + Sync) -
     let passes = 400u32;
     let mut sums = vec![(0.0, 0.0); 12];
     for pass in 0..passes {
-        let key = Key::new(8).purpose(Purpose::Test).pass(pass);
+        let key = Key::new(8).purpose_key(Purpose::Test).pass_key(pass);
         let FilmImage { image, .. } =
             render_tiles(&sampling, key, &Silent, |ray, _, _, (): &mut ()| Rgb::splat(scene(ray.origin.x + 6.0)));
         for (sum, value) in sums.iter_mut().zip(image) {

@@ -6,13 +6,13 @@ use crate::sampling::{Dimension, Key, Purpose};
 /// Rounding may move a sample on the rim out of its cone, hence the tolerance of 2 in 1000.
 #[test]
 fn samples_follow_the_pdf() {
-    let one = 1.0 / f64::from(warp::cone_pdf(ONE_MINUS_COS));
+    let one = 1.0 / f64::from(warp::uniform_cone_pdf(ONE_MINUS_COS));
     for (directions, cones) in [(vec![Vec3::Z], 1.0), (vec![Vec3::Z, Vec3::X], 2.0), (vec![Vec3::Y, Vec3::Y], 1.0)] {
         let guide = Guide { directions };
         let n = 20_000;
         let covered = (0..n).map(|i| {
-            let key = Key::new(2).purpose(Purpose::Test).with(i);
-            let w = guide.sample(key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
+            let key = Key::new(2).purpose_key(Purpose::Test).child_key(i);
+            let w = guide.sample(key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
             guide.pdf(w.unwrap()).filter(|pdf| *pdf > 0.0).map_or(0.0, |pdf| 1.0 / f64::from(pdf))
         });
         let mean = covered.sum::<f64>() / n as f64;
@@ -22,8 +22,8 @@ fn samples_follow_the_pdf() {
 }
 
 fn uniform(i: u64) -> (f32, Vec2) {
-    let key = Key::new(3).purpose(Purpose::Test).with(i);
-    (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection))
+    let key = Key::new(3).purpose_key(Purpose::Test).child_key(i);
+    (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection))
 }
 
 /// Cones cover a part c of the sphere, so the mean of 4π·pdf over n directions has a standard
@@ -32,7 +32,7 @@ fn uniform(i: u64) -> (f32, Vec2) {
 fn the_pdf_integrates_to_one() {
     let guide = Guide { directions: vec![Vec3::Z, Vec3::X, Vec3::X] };
     let n = 200_000;
-    let density = |i| f64::from(guide.pdf(warp::sphere(uniform(i).1)).unwrap_or(0.0));
+    let density = |i| f64::from(guide.pdf(warp::square_to_uniform_sphere(uniform(i).1)).unwrap_or(0.0));
     let whole = 4.0 * std::f64::consts::PI * (0..n).map(density).sum::<f64>() / n as f64;
     let covered = f64::from(ONE_MINUS_COS) / 2.0;
     assert!((whole - 1.0).abs() < 5.0 / (n as f64 * covered).sqrt(), "{whole}");

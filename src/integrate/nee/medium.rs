@@ -43,9 +43,9 @@ impl NextEventEstimator<'_> {
             (RayScheme::All(rays), _) => {
                 for (i, light) in self.lights.iter().enumerate() {
                     let rays = if !light.is_delta() && !self.centers { rays } else { 1 };
-                    let sampler = vertex.shadow_sampler.light(i);
+                    let sampler = vertex.shadow_sampler.nth_shadow_ray_sampler(i);
                     for ray in 0..rays {
-                        let sampler = sampler.split(ray, rays);
+                        let sampler = sampler.split_sample(ray, rays);
                         let pivot = light.emission_point().filter(|_| segment.medium.is_homogeneous());
                         let point = pivot.map_or_else(path_point, |pivot| sample_near(vertex, pivot, sampler));
                         if let Some(point) = point {
@@ -61,7 +61,7 @@ impl NextEventEstimator<'_> {
                 for i in 0..rays {
                     let u = stratum(i, start, rays);
                     let Some((light, probability, _)) = light_sampler.sample(point.p, None, u) else { continue };
-                    let sampler = vertex.shadow_sampler.light(i as usize);
+                    let sampler = vertex.shadow_sampler.nth_shadow_ray_sampler(i as usize);
                     let rays = probability * rays as f32;
                     sum += self.shadow_ray_in_medium(&point, light, vertex, sampler, rays, continues, worker);
                 }
@@ -98,23 +98,24 @@ impl NextEventEstimator<'_> {
             scattered *= light_pdf / (light_pdf + phase);
         }
         let (ray, t_max) = match sample.target {
-            ShadowTarget::Point(target) => {
-                (Ray::between(point.p, self.ray_end(light, &sample, target, point.p)), (target - point.p).length())
-            }
+            ShadowTarget::Point(target) => (
+                Ray::between_points(point.p, self.ray_end(light, &sample, target, point.p)),
+                (target - point.p).length(),
+            ),
             ShadowTarget::Infinity => (Ray::new(point.p, sample.wi), f32::INFINITY),
         };
         if self.effects.has(Effect::Shadows) {
             worker.counters.shadow_rays += 1;
             if self.scene.occluded(&ray) {
                 return if self.has_null_interfaces {
-                    scattered * self.scene.shadow_transmittance(&ray, segment.inside, sampler.key())
+                    scattered * self.scene.shadow_transmittance(&ray, segment.inside, sampler.sample_key())
                 } else {
                     Rgb::ZERO
                 };
             }
         }
         let ray = Ray { t_max, ..Ray::new(point.p, sample.wi) };
-        scattered * self.scene.interior_transmittance(&ray, &segment.inside, sampler.key())
+        scattered * self.scene.interior_transmittance(&ray, &segment.inside, sampler.sample_key())
     }
 }
 
@@ -125,7 +126,7 @@ impl NextEventEstimator<'_> {
 /// in Participating Media".
 fn sample_near<I: Interior>(vertex: &MediumVertex<'_, I>, pivot: Vec3, sampler: Sampler) -> Option<ScatterPoint> {
     let MediumSegment { ray, medium, .. } = vertex.segment;
-    let mut rng = sampler.key().distance_in_medium().rng();
+    let mut rng = sampler.sample_key().medium_distance_key().rng();
     let angles = Equiangular::new(ray, pivot);
     let Vec2 { x: which, y: u } = sampler.get_2d(Dimension::Medium);
     let t = if which < 0.5 {

@@ -63,7 +63,7 @@ const DRAWS: u64 = 300_000;
 impl Cells {
     /// A cone around `axis` with half angle `half_angle` \[radians].
     pub fn new(axis: Vec3, half_angle: f64) -> Self {
-        Self { frame: Frame::around(axis.normalize()), one_minus_cos: 1.0 - libm::cos(half_angle) }
+        Self { frame: Frame::from_normal(axis.normalize()), one_minus_cos: 1.0 - libm::cos(half_angle) }
     }
 
     fn of(&self, w: Vec3) -> Option<usize> {
@@ -131,7 +131,7 @@ impl Cells {
 #[test]
 fn chi_square_detects_a_wrong_pdf() {
     let cells = Cells::new(Vec3::Y, std::f64::consts::PI);
-    let draw = |u| Some(crate::math::warp::sphere(u));
+    let draw = |u| Some(crate::math::warp::square_to_uniform_sphere(u));
     let uniform = 0.25 / std::f64::consts::PI;
     let (p, total) = cells.compare(&draw, &|_| uniform);
     assert!(p > sidak(1) && (total - 1.0).abs() < 1e-9, "{p} {total}");

@@ -3,7 +3,7 @@
 use super::chi_square::{Cells, INTEGRAL_ERROR, sidak};
 use super::*;
 use crate::math::Transform;
-use crate::sampling::Discrete;
+use crate::sampling::DiscreteDistribution;
 use crate::shape::{Ellipsoid, Mesh, SurfacePoint};
 use glam::DAffine3;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ pub fn mesh(origin: Vec3) -> Arc<Mesh> {
 }
 
 pub fn emitter_of(mesh: Arc<Mesh>) -> LightSurface {
-    let choice = Discrete::new((0..mesh.triangles.len()).map(|i| mesh.area(i))).unwrap();
+    let choice = DiscreteDistribution::new((0..mesh.triangles.len()).map(|i| mesh.triangle_area(i))).unwrap();
     LightSurface::Triangles { mesh, first: 0, choice }
 }
 
@@ -25,7 +25,9 @@ pub fn emitter_of(mesh: Arc<Mesh>) -> LightSurface {
 fn first_hit(emitter: &LightSurface, p: Vec3, wi: Vec3) -> Option<SurfacePoint> {
     let ray = crate::math::Ray::new(p, wi);
     match emitter {
-        LightSurface::Shape(shape) => shape.intersect(&ray).map(|(t, u, v)| shape.surface(&ray, t, Vec2::new(u, v))),
+        LightSurface::Shape(shape) => {
+            shape.intersect(&ray).map(|(t, u, v)| shape.surface_point(&ray, t, Vec2::new(u, v)))
+        }
         LightSurface::Triangles { mesh, .. } => {
             let cross = |i: usize| {
                 let [a, b, c] = mesh.corners(i).map(|v| v.as_dvec3() - p.as_dvec3());
@@ -34,7 +36,7 @@ fn first_hit(emitter: &LightSurface, p: Vec3, wi: Vec3) -> Option<SurfacePoint> 
                 (x.x >= 0.0 && x.y >= 0.0 && x.x + x.y <= 1.0 && x.z > 0.0).then_some((x.z, i, x.truncate()))
             };
             let nearest = (0..mesh.triangles.len()).filter_map(cross).min_by(|a, b| a.0.total_cmp(&b.0));
-            nearest.map(|(_, i, b)| mesh.surface(i, b.as_vec2()))
+            nearest.map(|(_, i, b)| mesh.surface_point(i, b.as_vec2()))
         }
     }
 }

@@ -28,9 +28,9 @@ fn lights() -> Vec<Light> {
     ]
 }
 
-const DOMAIN: Sphere = Sphere { center: Vec3::new(0.1, 0.2, 0.0), radius: 4.0 };
+const DOMAIN: BoundingSphere = BoundingSphere { center: Vec3::new(0.1, 0.2, 0.0), radius: 4.0 };
 
-fn hits(ball: &Sphere, e: &EmissionSample) -> bool {
+fn hits(ball: &BoundingSphere, e: &EmissionSample) -> bool {
     let to = ball.center - e.ray.origin;
     to.dot(e.ray.direction) > 0.0 && to.cross(e.ray.direction).length() < ball.radius
 }
@@ -50,9 +50,9 @@ fn mean_emitted_flux_equals_power() {
 #[test]
 fn aimed_emission_is_unbiased() {
     let balls = [
-        Sphere { center: Vec3::new(0.5, 0.0, 0.0), radius: 0.4 },
-        Sphere { center: Vec3::new(0.8, 0.2, 0.0), radius: 0.3 },
-        Sphere { center: Vec3::new(-1.5, 0.0, 0.5), radius: 0.2 },
+        BoundingSphere { center: Vec3::new(0.5, 0.0, 0.0), radius: 0.4 },
+        BoundingSphere { center: Vec3::new(0.8, 0.2, 0.0), radius: 0.3 },
+        BoundingSphere { center: Vec3::new(-1.5, 0.0, 0.5), radius: 0.2 },
     ];
     let aim = PhotonAim::new(balls);
     for light in lights() {
@@ -76,7 +76,7 @@ fn aimed_emission_is_unbiased() {
 
 #[test]
 fn a_light_inside_an_aim_sphere_emits_everywhere() {
-    let aim = PhotonAim::new([Sphere { center: Vec3::ZERO, radius: 1.0 }]);
+    let aim = PhotonAim::new([BoundingSphere { center: Vec3::ZERO, radius: 1.0 }]);
     let light = Light::Point(PointLight { position: Vec3::new(0.2, 0.0, 0.0), intensity: Rgb::ONE });
     let flux = estimate(1000, |k| {
         let u = k.uniform_2d(Dimension::LightDirection);
@@ -87,10 +87,10 @@ fn a_light_inside_an_aim_sphere_emits_everywhere() {
 
 #[test]
 fn merged_aim_spheres_lose_no_flux() {
-    let balls: Vec<Sphere> = (0..500)
+    let balls: Vec<BoundingSphere> = (0..500)
         .map(|i| {
-            let center = warp::sphere(key(i).uniform_2d(Dimension::LightTarget)) * 3.0;
-            Sphere { center, radius: 0.05 }
+            let center = warp::square_to_uniform_sphere(key(i).uniform_2d(Dimension::LightTarget)) * 3.0;
+            BoundingSphere { center, radius: 0.05 }
         })
         .collect();
     let aim = PhotonAim::new(balls.iter().copied());

@@ -43,7 +43,7 @@ fn lights() -> Vec<(Light, Light)> {
     };
     let even = |emitter| Light::Area(AreaLight::uniform(emitter, Rgb::splat(BRIGHT)));
     vec![
-        (glowing(rectangle(e0), MappingKind::rectangle(corner, e0, e1)), even(rectangle(e0 * 0.5))),
+        (glowing(rectangle(e0), MappingKind::for_rectangle(corner, e0, e1)), even(rectangle(e0 * 0.5))),
         (glowing(emitter_of(mesh(2.0)), MappingKind::Uv), even(emitter_of(mesh(1.0)))),
     ]
 }
@@ -65,8 +65,8 @@ fn half_textured_light_equals_half_sized_light() {
 
 #[test]
 fn half_textured_light_emits_half_the_flux() {
-    let domain = Sphere { center: Vec3::ZERO, radius: 4.0 };
-    let ball = Sphere { center: Vec3::new(0.3, 0.0, 0.1), radius: 0.7 };
+    let domain = BoundingSphere { center: Vec3::ZERO, radius: 4.0 };
+    let ball = BoundingSphere { center: Vec3::new(0.3, 0.0, 0.1), radius: 0.7 };
     let aim = PhotonAim::new([ball]);
     for (whole, half) in lights() {
         // Equal powers by the mean, and what photons carry.

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 pub fn sky_map() -> Image {
     let pixel = |i: u32| {
         let (x, y) = (i % 12, i / 12);
-        let grey = key(u64::from(i)).uniform(Dimension::Film) * if y > 4 { 0.0 } else { 1.0 };
+        let grey = key(u64::from(i)).uniform_1d(Dimension::Film) * if y > 4 { 0.0 } else { 1.0 };
         if (x, y) == (7, 2) { Vec3::new(40.0, 30.0, 20.0) } else { Vec3::new(grey, 0.5 * grey, 0.25) * grey }
     };
     Image::from_pixels(12, 8, (0..96).map(pixel).collect()).unwrap()
@@ -47,7 +47,7 @@ fn environment_samples_follow_the_pdf() {
 #[test]
 fn pdf_is_positive_where_radiance_is() {
     let environment = sky(0.3);
-    let directions = (0..100_000).map(|i| warp::sphere(key(i).uniform_2d(Dimension::LightDirection)));
+    let directions = (0..100_000).map(|i| warp::square_to_uniform_sphere(key(i).uniform_2d(Dimension::LightDirection)));
     let mut dark = 0;
     for w in directions.chain([Vec3::Y, Vec3::NEG_Y, Vec3::X, Vec3::Z, Vec3::NEG_Z]) {
         let black = environment.radiance(w) == Rgb::ZERO;
@@ -60,13 +60,13 @@ fn pdf_is_positive_where_radiance_is() {
 /// Power is π r² · 4π L for a constant environment, and π r² times the integral of a map.
 #[test]
 fn power_is_the_integral_of_radiance() {
-    let disc = Sphere { center: Vec3::ONE, radius: 3.0 };
+    let disc = BoundingSphere { center: Vec3::ONE, radius: 3.0 };
     let area = PI * 9.0;
     assert!((f64::from(constant().power(disc).x) / (area * 8.0 * PI) - 1.0).abs() < 1e-6);
     for environment in [sky(0.0), sky(1.0)] {
         // Uniform directions: five sigma.
         let seen = estimate(400_000, |k| {
-            let w = warp::sphere(k.uniform_2d(Dimension::LightDirection));
+            let w = warp::square_to_uniform_sphere(k.uniform_2d(Dimension::LightDirection));
             4.0 * PI * area * f64::from(environment.radiance(w).x)
         });
         agrees(seen, f64::from(environment.power(disc).x));
@@ -87,7 +87,7 @@ fn row_measures_match_quadrature() {
         };
         let truth = 2.0 * PI * PI / f64::from(n) * (0..n).map(ring).sum::<f64>();
         // Of area 1; powers are rounded to f32 thrice.
-        let disc = Sphere { center: Vec3::ZERO, radius: (1.0 / PI).sqrt() as f32 };
+        let disc = BoundingSphere { center: Vec3::ZERO, radius: (1.0 / PI).sqrt() as f32 };
         let power = f64::from(environment.power(disc).x);
         assert!((power / truth - 1.0).abs() < 1e-6, "{h}: {power} {truth}");
     }
@@ -99,7 +99,7 @@ fn row_measures_match_quadrature() {
 fn a_constant_environment_lights_a_plane_by_pi_l() {
     let light = Light::Environment(constant().into());
     agrees(irradiance(&light, Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.6, 0.0, 0.8)), 2.0 * PI);
-    let domain = Sphere { center: Vec3::new(0.5, 0.0, 0.0), radius: 2.0 };
+    let domain = BoundingSphere { center: Vec3::new(0.5, 0.0, 0.0), radius: 2.0 };
     let (a, ball) = (0.7f64, Vec3::new(-0.3, 0.2, 0.5));
     let flux = estimate(200_000, |k| {
         let (u, v) = (k.uniform_2d(Dimension::LightPosition), k.uniform_2d(Dimension::LightDirection));
@@ -111,7 +111,7 @@ fn a_constant_environment_lights_a_plane_by_pi_l() {
     agrees(flux, truth);
     // Aimed at the ball alone, every photon carries all of that; targets are larger than their
     // balls by some 10⁻⁵.
-    let aim = PhotonAim::new([Sphere { center: ball, radius: a as f32 }]);
+    let aim = PhotonAim::new([BoundingSphere { center: ball, radius: a as f32 }]);
     for i in 0..100 {
         let (u, v) = (key(i).uniform_2d(Dimension::LightPosition), key(i).uniform_2d(Dimension::LightDirection));
         let aimed = f64::from(light.sample_le_towards(&aim, domain, u, v).unwrap().flux.x);
@@ -126,7 +126,7 @@ fn importance_sampling_reduces_variance() {
     let n = environment.sample(Vec2::splat(0.5)).unwrap().0;
     let by_map = irradiance(&Light::Environment(environment.clone().into()), Vec3::ZERO, n);
     let uniformly = estimate(100_000, |k| {
-        let w = warp::sphere(k.uniform_2d(Dimension::LightPosition));
+        let w = warp::square_to_uniform_sphere(k.uniform_2d(Dimension::LightPosition));
         4.0 * PI * f64::from(environment.radiance(w).x * w.dot(n).max(0.0))
     });
     agrees(uniformly, by_map.0);
@@ -161,7 +161,7 @@ fn invalid_environment_pictures_are_errors() {
     {
         let pixels = vec![Rgb::ZERO, Rgb::ZERO, Rgb::ZERO, Rgb::ZERO, Rgb::new(0.0, bad, 0.0), Rgb::ZERO];
         let refused = EnvironmentLight::new(Image::from_pixels(3, 2, pixels).unwrap(), 0.0, Rgb::splat(scale));
-        assert!(matches!(refused, Err(PictureError::Value { .. })), "{bad} {scale}");
+        assert!(matches!(refused, Err(EmissionPictureError::Value { .. })), "{bad} {scale}");
         if scale == 1.0 {
             assert!(refused.unwrap_err().to_string().contains("column 1, row 1"));
         }

@@ -13,13 +13,13 @@ const POSITION: Vec3 = Vec3::new(0.3, 3.0, 0.1);
 pub fn projector() -> ProjectorLight {
     let pixels = (0..12).map(|i| Rgb::new(i as f32, 0.5 * i as f32, 1.0) * if i == 0 { 0.0 } else { 0.3 });
     let picture = Image::from_pixels(4, 3, pixels.collect()).unwrap();
-    let slide = Slide::new(picture, 1.2).unwrap().unwrap();
+    let slide = ProjectedPicture::new(picture, 1.2).unwrap().unwrap();
     ProjectorLight::new(POSITION, DVec3::NEG_Y, DVec3::NEG_Z, Arc::new(slide), Rgb::splat(2.0))
 }
 
 /// A map with a bright pixel, whose bright side points downwards.
 pub fn goniometric() -> GoniometricLight {
-    let map = SphericalMap::new(sky_map(), Rgb::ONE).unwrap();
+    let map = EquirectangularMap::new(sky_map(), Rgb::ONE).unwrap();
     GoniometricLight::new(POSITION, DVec3::X, DVec3::new(0.2, -1.0, 0.1), Arc::new(map), Rgb::splat(2.0))
 }
 
@@ -31,9 +31,9 @@ fn white(width: u32, height: u32) -> Image {
 #[test]
 fn projector_power_is_exact_on_a_cube_face() {
     for size in [1, 2, 7] {
-        let slide = Arc::new(Slide::new(white(size, size), FRAC_PI_2).unwrap().unwrap());
+        let slide = Arc::new(ProjectedPicture::new(white(size, size), FRAC_PI_2).unwrap().unwrap());
         let light = ProjectorLight::new(Vec3::ZERO, DVec3::Z, DVec3::Y, slide, Rgb::splat(3.0));
-        let power = f64::from(Light::Projector(light).power(Sphere { center: Vec3::ZERO, radius: 1.0 }).x);
+        let power = f64::from(Light::Projector(light).power(BoundingSphere { center: Vec3::ZERO, radius: 1.0 }).x);
         assert!((power / (2.0 * PI) - 1.0).abs() < 1e-6, "{power}");
     }
 }
@@ -59,9 +59,9 @@ fn projected_pixels_lie_upright() {
 #[test]
 fn profile_power_matches_closed_forms() {
     let power = |profile: &[(f64, f64)]| {
-        let map = Arc::new(profile_map(profile).unwrap());
+        let map = Arc::new(map_from_intensity_profile(profile).unwrap());
         let light = GoniometricLight::new(Vec3::ZERO, DVec3::X, DVec3::NEG_Y, map, Rgb::ONE);
-        f64::from(Light::Goniometric(light).power(Sphere { center: Vec3::ZERO, radius: 1.0 }).x)
+        f64::from(Light::Goniometric(light).power(BoundingSphere { center: Vec3::ZERO, radius: 1.0 }).x)
     };
     // Isotropic; linear from the axis to its opposite; one hemisphere, with an edge of a quarter of
     // a degree.
@@ -77,7 +77,7 @@ fn profile_power_matches_closed_forms() {
 
 #[test]
 fn profiles_are_symmetric_about_their_axis() {
-    let map = Arc::new(profile_map(&[(0.0, 4.0), (60.0, 1.0), (90.0, 0.0)]).unwrap());
+    let map = Arc::new(map_from_intensity_profile(&[(0.0, 4.0), (60.0, 1.0), (90.0, 0.0)]).unwrap());
     let light = GoniometricLight::new(Vec3::ZERO, DVec3::X, DVec3::NEG_Y, map, Rgb::ONE);
     for (degrees, expected) in [(0.0f32, 4.0), (30.0, 2.5), (60.0, 1.0), (75.0, 0.5), (120.0, 0.0)] {
         for turn in [0.0f32, 1.0, 4.0] {
@@ -91,7 +91,10 @@ fn profiles_are_symmetric_about_their_axis() {
 #[test]
 fn invalid_pictures_and_profiles_are_errors() {
     let bad = Image::from_pixels(1, 1, vec![Rgb::NAN]).unwrap();
-    assert!(matches!(Slide::new(bad, 1.0), Err(PictureError::Value { .. })));
-    assert!(Slide::new(Image::from_pixels(1, 1, vec![Rgb::ZERO]).unwrap(), 1.0).unwrap().is_none());
-    assert!(matches!(profile_map(&[(0.0, -1.0), (180.0, -1.0)]), Err(PictureError::Value { .. })));
+    assert!(matches!(ProjectedPicture::new(bad, 1.0), Err(EmissionPictureError::Value { .. })));
+    assert!(ProjectedPicture::new(Image::from_pixels(1, 1, vec![Rgb::ZERO]).unwrap(), 1.0).unwrap().is_none());
+    assert!(matches!(
+        map_from_intensity_profile(&[(0.0, -1.0), (180.0, -1.0)]),
+        Err(EmissionPictureError::Value { .. })
+    ));
 }

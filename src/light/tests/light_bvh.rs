@@ -4,7 +4,7 @@ use super::chi_square::{p_value, sidak};
 use super::direct::{emitter_of, mesh};
 use super::*;
 use crate::color;
-use crate::sampling::Discrete;
+use crate::sampling::DiscreteDistribution;
 
 fn vector(k: Key) -> Vec3 {
     let (a, b) = (k.uniform_2d(Dimension::LightPosition), k.uniform_2d(Dimension::LightTarget));
@@ -14,10 +14,10 @@ fn vector(k: Key) -> Vec3 {
 /// Lights of all finite kinds in a box; their strengths vary by a factor of 1000.
 fn strewn(n: u64) -> Vec<Light> {
     let light = |i: u64| {
-        let k = key(i).with(77);
+        let k = key(i).child_key(77);
         let place = vector(k) * Vec3::new(10.0, 3.0, 10.0);
-        let axis = warp::sphere(k.uniform_2d(Dimension::LightDirection));
-        let strength = libm::powf(10.0, 3.0 * k.uniform(Dimension::Light) - 2.0);
+        let axis = warp::square_to_uniform_sphere(k.uniform_2d(Dimension::LightDirection));
+        let strength = libm::powf(10.0, 3.0 * k.uniform_1d(Dimension::Light) - 2.0);
         let center = place.as_dvec3();
         let (s, t) = axis.as_dvec3().any_orthonormal_pair();
         match i % 6 {
@@ -30,7 +30,7 @@ fn strewn(n: u64) -> Vec<Light> {
             2 => area(Shape::Sphere(SphereShape::new(center, 0.1)), 30.0 * strength),
             3 => area(Shape::Rectangle(Rectangle::new(center, s * 0.3, t * 0.2)), 15.0 * strength),
             4 => Light::Area(AreaLight::uniform(emitter_of(mesh(place)), Rgb::splat(strength))),
-            _ => area(Shape::Disc(Disc::around(center, axis.as_dvec3(), 0.2)), 8.0 * strength),
+            _ => area(Shape::Disc(Disc::with_normal(center, axis.as_dvec3(), 0.2)), 8.0 * strength),
         }
     };
     (0..n).map(light).collect()
@@ -44,12 +44,12 @@ fn with_infinite(mut lights: Vec<Light>) -> Vec<Light> {
     lights
 }
 
-const ROOM: Sphere = Sphere { center: Vec3::ZERO, radius: 15.0 };
+const ROOM: BoundingSphere = BoundingSphere { center: Vec3::ZERO, radius: 15.0 };
 
 fn places(n: u64) -> impl Iterator<Item = (Vec3, Option<Vec3>)> {
     (0..n).map(|i| {
-        let k = key(i).with(5);
-        let normal = warp::sphere(k.uniform_2d(Dimension::Film));
+        let k = key(i).child_key(5);
+        let normal = warp::square_to_uniform_sphere(k.uniform_2d(Dimension::Film));
         (vector(k) * Vec3::new(12.0, 4.0, 12.0), (i % 3 > 0).then_some(normal))
     })
 }
@@ -69,7 +69,7 @@ fn light_probabilities_match_samples_and_sum_to_one() {
         let mut counts = vec![0.0; expected.len()];
         let mut remainders = vec![0.0; 16];
         for i in 0..draws {
-            match choice.sample(p, normal, key(i).uniform(Dimension::Light)) {
+            match choice.sample(p, normal, key(i).uniform_1d(Dimension::Light)) {
                 Some((light, probability, remainder)) => {
                     assert_eq!(probability.to_bits(), choice.probability(p, normal, light).to_bits());
                     counts[light] += 1.0;
@@ -168,7 +168,8 @@ fn light_bvh_has_less_variance_than_power_sampling() {
     let ceiling: Vec<Light> = (0..1000).map(|i| area(Shape::Rectangle(down(i)), 1.0)).collect();
     for (lights, up, least) in [(strewn(1000), false, 5.0), (ceiling, true, 20.0)] {
         let choice = LightBvhSampler::new(&lights, ROOM).unwrap();
-        let powers = Discrete::new(lights.iter().map(|l| f64::from(color::mean(l.power(ROOM))))).unwrap();
+        let powers =
+            DiscreteDistribution::new(lights.iter().map(|l| f64::from(color::channel_mean(l.power(ROOM))))).unwrap();
         let mut gains: Vec<f64> = places(60)
             .filter_map(|(p, normal)| {
                 let n = if up { Vec3::Y } else { normal? };

@@ -13,7 +13,7 @@ use crate::shape::{Disc, Rectangle, Shape, Sphere as SphereShape};
 use glam::DVec3;
 
 fn key(i: u64) -> Key {
-    Key::new(21).purpose(Purpose::Test).with(i)
+    Key::new(21).purpose_key(Purpose::Test).child_key(i)
 }
 
 fn area(shape: Shape, radiance: f32) -> Light {

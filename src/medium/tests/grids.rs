@@ -1,7 +1,7 @@
 //! Density grids: validation, interpolation, majorants.
 
 use super::*;
-use crate::math::Singular;
+use crate::math::SingularTransformError;
 use glam::{DAffine3, DQuat};
 use rand::RngExt;
 
@@ -17,7 +17,7 @@ fn invalid_grids_are_errors() {
     let large = [1 << 20, 1 << 20, 1 << 20];
     assert!(matches!(GridDensity::from_fn(large, HERE, |_| 1.0), Err(GridDensityError::TooLarge(..))));
     let flat = DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0));
-    assert_eq!(refused([1; 3], vec![1.0], flat), GridDensityError::Placement(Singular));
+    assert_eq!(refused([1; 3], vec![1.0], flat), GridDensityError::Placement(SingularTransformError));
     for bad in [-1.0, f32::INFINITY, f32::NEG_INFINITY, f32::NAN] {
         let mut values = vec![1.0; 24];
         // (1, 2, 3) of 2 × 3 × 4.

@@ -14,7 +14,7 @@ use crate::sampling::{Key, Purpose};
 use rand::rngs::SmallRng;
 
 fn rng(n: u64) -> SmallRng {
-    Key::new(23).purpose(Purpose::Test).with(n).rng()
+    Key::new(23).purpose_key(Purpose::Test).child_key(n).rng()
 }
 
 /// Running mean and variance of each channel.

@@ -3,43 +3,44 @@ use crate::math::warp;
 use crate::sampling::{Dimension, Key, Purpose};
 use std::f64::consts::PI;
 
-fn key(i: u64) -> Key {
-    Key::new(12).purpose(Purpose::Test).with(i)
+fn test_key(i: u64) -> Key {
+    Key::new(12).purpose_key(Purpose::Test).child_key(i)
 }
 
 /// A point of the unit cube.
-fn place(i: u64) -> Vec3 {
-    key(i).uniform_2d(Dimension::LightPosition).extend(key(i).uniform(Dimension::Light))
+fn random_point(i: u64) -> Vec3 {
+    test_key(i).uniform_2d(Dimension::LightPosition).extend(test_key(i).uniform_1d(Dimension::Light))
 }
 
-fn sphere(i: u64) -> Vec3 {
-    warp::sphere(key(i).uniform_2d(Dimension::LightDirection))
+fn random_direction(i: u64) -> Vec3 {
+    warp::square_to_uniform_sphere(test_key(i).uniform_2d(Dimension::LightDirection))
 }
 
-fn beam(start: Vec3, direction: Vec3, length: f32) -> PhotonBeam {
+fn unit_flux_beam(start: Vec3, direction: Vec3, length: f32) -> PhotonBeam {
     PhotonBeam::new(start, direction, length, Rgb::ONE, 0, 0).unwrap()
 }
 
 /// Beams in a cube around `middle`, identified by their medium: short and long, some along axes.
-fn random(n: u64, size: f32, middle: Vec3) -> Vec<PhotonBeam> {
+fn random_beams(n: u64, size: f32, middle: Vec3) -> Vec<PhotonBeam> {
     let one = |i: u64| {
-        let direction = if i.is_multiple_of(5) { [Vec3::X, -Vec3::Y, Vec3::Z][i as usize / 5 % 3] } else { sphere(i) };
+        let direction =
+            if i.is_multiple_of(5) { [Vec3::X, -Vec3::Y, Vec3::Z][i as usize / 5 % 3] } else { random_direction(i) };
         let length = size * [0.003, 0.3, 2.0][i as usize % 3];
-        PhotonBeam { medium: i as u32, ..beam(middle + (place(i) - 0.5) * size, direction, length) }
+        PhotonBeam { medium: i as u32, ..unit_flux_beam(middle + (random_point(i) - 0.5) * size, direction, length) }
     };
     (0..n).map(one).collect()
 }
 
-fn test_rays(n: u64, size: f32, middle: Vec3) -> impl Iterator<Item = Ray> {
+fn random_rays(n: u64, size: f32, middle: Vec3) -> impl Iterator<Item = Ray> {
     (0..n).map(move |i| {
         let (i, axes) = (i + 1_000_000, [Vec3::X, Vec3::Y, -Vec3::Z]);
-        let direction = if i.is_multiple_of(4) { axes[i as usize / 4 % 3] } else { sphere(i) };
+        let direction = if i.is_multiple_of(4) { axes[i as usize / 4 % 3] } else { random_direction(i) };
         let t_max = [f32::INFINITY, 2.0, 0.3][i as usize % 3] * size;
-        Ray { origin: middle + (place(i) - 0.5) * size - direction * (0.5 * size), direction, t_max }
+        Ray { origin: middle + (random_point(i) - 0.5) * size - direction * (0.5 * size), direction, t_max }
     })
 }
 
-fn found(map: &PhotonBeamMap, ray: &Ray) -> Vec<(u32, u32)> {
+fn visited_beams(map: &PhotonBeamMap, ray: &Ray) -> Vec<(u32, u32)> {
     let mut all = Vec::new();
     map.visit(ray, |beam, crossing| all.push((beam.medium, crossing.weight.to_bits())));
     all
@@ -51,12 +52,12 @@ fn queries_match_a_linear_scan() {
     for (size, middle) in [(1.0, Vec3::ZERO), (1e-12, Vec3::ZERO), (1e9, Vec3::ZERO), (1.0, Vec3::new(5e3, -7e3, 0.0))]
     {
         for part in [1e-4f32, 0.01, 0.3] {
-            let (beams, radius) = (random(3001, size, middle), part * size);
+            let (beams, radius) = (random_beams(3001, size, middle), part * size);
             let map = PhotonBeamMap::build(beams.clone(), radius);
             assert!((map.len(), map.radius()) == (3001, radius));
             let mut count = 0;
-            for ray in test_rays(60, size, middle) {
-                let mut all = found(&map, &ray);
+            for ray in random_rays(60, size, middle) {
+                let mut all = visited_beams(&map, &ray);
                 all.sort_unstable();
                 let scan = |b: &PhotonBeam| {
                     BeamIntersection::new(&ray, b, radius.into()).map(|c| (b.medium, c.weight.to_bits()))
@@ -75,16 +76,16 @@ fn queries_match_a_linear_scan() {
 #[test]
 fn cut_beams_are_visited_once() {
     let radius = 0.02;
-    let beams = random(900, 1.0, Vec3::splat(30.0));
+    let beams = random_beams(900, 1.0, Vec3::splat(30.0));
     let map = PhotonBeamMap::build(beams.clone(), radius);
     let mut count = 0;
-    for (i, piece) in (0..).zip(cut_into_pieces(&beams, piece_length(&beams, radius))) {
+    for (i, piece) in (0..).zip(split_beams(&beams, optimal_piece_length(&beams, radius))) {
         let beam = &beams[piece.beam as usize];
-        let direction = sphere(2_000_000 + i);
-        let target = beam.at(piece.to.into()).as_vec3();
+        let direction = random_direction(2_000_000 + i);
+        let target = beam.point_at(piece.to.into()).as_vec3();
         let ray = Ray::new(target - direction * [0.1, 10.0, 300.0][i as usize % 3], direction);
         let expected = usize::from(BeamIntersection::new(&ray, beam, radius.into()).is_some());
-        assert_eq!(found(&map, &ray).iter().filter(|f| f.0 == beam.medium).count(), expected);
+        assert_eq!(visited_beams(&map, &ray).iter().filter(|f| f.0 == beam.medium).count(), expected);
         count += expected;
     }
     assert!(count > 1000, "{count}");
@@ -94,8 +95,8 @@ fn cut_beams_are_visited_once() {
 #[test]
 fn intersection_is_the_closest_approach() {
     let mut count = 0;
-    for (i, ray) in (0..20_000).zip(test_rays(20_000, 1.0, Vec3::ZERO)) {
-        let beam = beam(place(i) - 0.5, sphere(i), 1.0);
+    for (i, ray) in (0..20_000).zip(random_rays(20_000, 1.0, Vec3::ZERO)) {
+        let beam = unit_flux_beam(random_point(i) - 0.5, random_direction(i), 1.0);
         let (d, b, w) =
             (ray.direction.as_dvec3(), beam.direction.as_dvec3(), (beam.start.as_dvec3() - ray.origin.as_dvec3()));
         let (dd, bb, db, dw, bw) = (d.dot(d), b.dot(b), d.dot(b), d.dot(w), b.dot(w));
@@ -128,21 +129,21 @@ fn beam_kernel_has_unit_integral() {
     let mut sum = 0.0;
     for i in 0..n {
         let height = radius * ((2 * i + 1) as f32 / n as f32 - 1.0);
-        let beam = beam(Vec3::new(1.0, -1.0, height), Vec3::new(0.8, sine, 0.0), 9.0);
+        let beam = unit_flux_beam(Vec3::new(1.0, -1.0, height), Vec3::new(0.8, sine, 0.0), 9.0);
         let crossing = BeamIntersection::new(&ray, &beam, radius.into()).unwrap();
         sum += crossing.weight * sine * 2.0 * radius / n as f32;
         assert!((crossing.cos - 0.8).abs() < 1e-6 && (crossing.s * sine - 1.0).abs() < 1e-6);
     }
     // The rule errs by n⁻², sums of n terms by γ(n) at worst.
-    assert!((sum - 1.0).abs() < gamma(n), "{sum}");
+    assert!((sum - 1.0).abs() < rounding_error_bound(n), "{sum}");
 }
 
 #[test]
 fn beam_and_ray_ends_are_respected() {
     let ray = Ray { origin: Vec3::ZERO, direction: Vec3::X, t_max: 2.0 };
     let meets = |x: f32, from: f32, to: f32| {
-        let map = PhotonBeamMap::build(vec![beam(Vec3::new(x, from, 0.01), Vec3::Y, to - from)], 0.1);
-        let all = found(&map, &ray).len();
+        let map = PhotonBeamMap::build(vec![unit_flux_beam(Vec3::new(x, from, 0.01), Vec3::Y, to - from)], 0.1);
+        let all = visited_beams(&map, &ray).len();
         assert!(all <= 1);
         all == 1
     };
@@ -157,7 +158,7 @@ fn beam_and_ray_ends_are_respected() {
 fn nearly_parallel_lines_have_finite_weight() {
     let ray = Ray { origin: Vec3::ZERO, direction: Vec3::X, t_max: 10.0 };
     let at = |sine: f32| {
-        BeamIntersection::new(&ray, &beam(Vec3::new(0.0, -sine, 0.01), Vec3::new(1.0, sine, 0.0), 10.0), 0.1)
+        BeamIntersection::new(&ray, &unit_flux_beam(Vec3::new(0.0, -sine, 0.01), Vec3::new(1.0, sine, 0.0), 10.0), 0.1)
     };
     assert!(at(0.0).is_none() && at(3e-7).is_none());
     for sine in [1e-6, 1e-3] {
@@ -180,26 +181,26 @@ fn invalid_beams_are_rejected() {
         assert!(!new(vector, Vec3::Z, 1.0, Rgb::ONE) && !new(Vec3::ZERO, vector, 1.0, Rgb::ONE));
     }
     assert!(!new(Vec3::ZERO, Vec3::ZERO, 1.0, Rgb::ONE));
-    let bad = PhotonBeam { length: f32::NAN, ..beam(Vec3::ZERO, Vec3::X, 1.0) };
+    let bad = PhotonBeam { length: f32::NAN, ..unit_flux_beam(Vec3::ZERO, Vec3::X, 1.0) };
     let ray = Ray::new(Vec3::NEG_Y, Vec3::Y);
     for radius in [0.0, -1.0, f32::NAN] {
-        assert!(found(&PhotonBeamMap::build(random(100, 1.0, Vec3::ZERO), radius), &ray).is_empty());
+        assert!(visited_beams(&PhotonBeamMap::build(random_beams(100, 1.0, Vec3::ZERO), radius), &ray).is_empty());
     }
     let map = PhotonBeamMap::build(vec![bad], 1.0);
-    assert!(map.is_empty() && found(&map, &ray).is_empty());
+    assert!(map.is_empty() && visited_beams(&map, &ray).is_empty());
 }
 
 #[test]
 fn beam_map_is_small_and_thread_independent() {
     for radius in [1e-9, 0.01, 10.0] {
-        let beams = random(5000, 1.0, Vec3::ZERO);
-        let pieces = cut_into_pieces(&beams, piece_length(&beams, radius)).len();
+        let beams = random_beams(5000, 1.0, Vec3::ZERO);
+        let pieces = split_beams(&beams, optimal_piece_length(&beams, radius)).len();
         assert!(pieces as f64 <= MAX_PIECES * 5000.0 && pieces >= 5000, "{pieces}");
     }
     let with = |n| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
-        let map = pool.install(|| PhotonBeamMap::build(random(5000, 1.0, Vec3::ZERO), 0.01));
-        test_rays(30, 1.0, Vec3::ZERO).map(|ray| found(&map, &ray)).collect::<Vec<_>>()
+        let map = pool.install(|| PhotonBeamMap::build(random_beams(5000, 1.0, Vec3::ZERO), 0.01));
+        random_rays(30, 1.0, Vec3::ZERO).map(|ray| visited_beams(&map, &ray)).collect::<Vec<_>>()
     };
     assert_eq!(with(1), with(3));
 }
@@ -226,7 +227,7 @@ fn collimated_beam_radiance_is_exact() {
         // length along it.
         let flux = (irradiance * (across + 1.0) / n as f64) as f32;
         let one = |i: u64| {
-            let u = key(run * n + i).uniform_2d(Dimension::LightPosition);
+            let u = test_key(run * n + i).uniform_2d(Dimension::LightPosition);
             let start = Vec3::new(u.x * (across as f32 + 1.0) - 0.5, u.y - 0.5, 0.0);
             PhotonBeam::new(start, Vec3::Z, 3.0, Rgb::splat(flux), 0, 0).unwrap()
         };
@@ -252,9 +253,9 @@ fn isotropic_chords_give_mean_fluence() {
     let (runs, n) = (16, 100_000);
     for run in 0..runs {
         let one = |i: u64| {
-            let direction = sphere(run * n + i);
+            let direction = random_direction(run * n + i);
             let (a, b) = direction.any_orthonormal_pair();
-            let p = warp::disc(key(run * n + i).uniform_2d(Dimension::LightPosition));
+            let p = warp::square_to_uniform_disc(test_key(run * n + i).uniform_2d(Dimension::LightPosition));
             let half = (1.0 - p.length_squared()).max(0.0).sqrt();
             PhotonBeam::new(a * p.x + b * p.y - direction * half, direction, 2.0 * half, Rgb::ONE, 0, 0)
         };

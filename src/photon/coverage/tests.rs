@@ -8,7 +8,7 @@ use crate::scene::{Material, SceneBuilder};
 use crate::shape::{Rectangle, Shape, Sphere};
 use glam::DVec3;
 
-fn scene(shapes: &[Shape]) -> Scene {
+fn scene_of_shapes(shapes: &[Shape]) -> Scene {
     let mut builder = SceneBuilder::new();
     let white = builder.material(Material::diffuse(Rgb::ONE));
     for shape in shapes {
@@ -17,21 +17,22 @@ fn scene(shapes: &[Shape]) -> Scene {
     builder.build(Camera::perspective(DVec3::Z * 9.0, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap()).unwrap()
 }
 
-fn rectangle(corner: [f64; 3], edge0: DVec3, edge1: DVec3) -> Shape {
+fn rectangle_shape(corner: [f64; 3], edge0: DVec3, edge1: DVec3) -> Shape {
     Shape::Rectangle(Rectangle::new(DVec3::from(corner), edge0, edge1))
 }
 
 /// A square of edge 2 in the plane y = 0, around the origin.
-fn square() -> Scene {
-    scene(&[rectangle([-1.0, 0.0, 1.0], DVec3::X * 2.0, DVec3::Z * -2.0)])
+fn square_scene() -> Scene {
+    scene_of_shapes(&[rectangle_shape([-1.0, 0.0, 1.0], DVec3::X * 2.0, DVec3::Z * -2.0)])
 }
 
 const KERNELS: [Kernel; 3] = [Kernel::Box, Kernel::Cone, Kernel::Epanechnikov];
 
 /// Mean over keys, and its standard error, at `p` of the description.
-fn mean(scene: &Scene, p: DVec3, normal: Vec3, radius: f32, kernel: Kernel) -> (f64, f64) {
+fn mean_coverage(scene: &Scene, p: DVec3, normal: Vec3, radius: f32, kernel: Kernel) -> (f64, f64) {
     let (n, p) = (2000u64, (p - scene.origin()).as_vec3());
-    let one = |i| f64::from(coverage(scene, p, normal, radius, kernel, Key::new(3).purpose(Purpose::Test).with(i)));
+    let one =
+        |i| f64::from(coverage(scene, p, normal, radius, kernel, Key::new(3).purpose_key(Purpose::Test).child_key(i)));
     let values: Vec<f64> = (0..n).map(one).collect();
     let mean = values.iter().sum::<f64>() / n as f64;
     let variance = values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1) as f64;
@@ -41,8 +42,8 @@ fn mean(scene: &Scene, p: DVec3, normal: Vec3, radius: f32, kernel: Kernel) -> (
 /// The kernel's weights are drawn with the probes, so the mean of the ratio is off by less than one
 /// over their number.
 #[track_caller]
-fn covers(scene: &Scene, p: DVec3, kernel: Kernel, expected: f64) {
-    let (mean, sigma) = mean(scene, p, Vec3::Y, 0.5, kernel);
+fn assert_coverage(scene: &Scene, p: DVec3, kernel: Kernel, expected: f64) {
+    let (mean, sigma) = mean_coverage(scene, p, Vec3::Y, 0.5, kernel);
     assert!((mean - expected).abs() < 5.0 * sigma + 0.02, "{kernel:?}: {mean} ± {sigma}, not {expected}");
 }
 
@@ -51,11 +52,11 @@ fn covers(scene: &Scene, p: DVec3, kernel: Kernel, expected: f64) {
 fn flat_surface_has_full_coverage() {
     let oblique = |i| (DVec3::new(5.0, 2.0, 0.3 * f64::from(i) - 1.0), DVec3::new(1.0, -4.0, 3.0));
     for (edge0, edge1) in (0..20).map(oblique).chain([(DVec3::X * 4.0, DVec3::Z * -4.0)]) {
-        let flat = scene(&[rectangle([0.0; 3], edge0, edge1)]);
+        let flat = scene_of_shapes(&[rectangle_shape([0.0; 3], edge0, edge1)]);
         let normal = edge0.cross(edge1).normalize().as_vec3();
         let p = (edge0 * 0.1 - edge1 * 0.05).as_vec3();
         for (i, kernel) in (0..90).zip(KERNELS.into_iter().cycle()) {
-            let key = Key::new(i).purpose(Purpose::Test);
+            let key = Key::new(i).purpose_key(Purpose::Test);
             for radius in [0.5, 0.001] {
                 assert_eq!(coverage(&flat, p, normal, radius, kernel, key), 1.0);
                 assert_eq!(coverage(&flat, p, -normal, radius, kernel, key), 1.0);
@@ -68,8 +69,8 @@ fn flat_surface_has_full_coverage() {
 #[test]
 fn coverage_is_half_at_edges_quarter_at_corners() {
     for kernel in KERNELS {
-        covers(&square(), DVec3::X, kernel, 0.5);
-        covers(&square(), DVec3::new(1.0, 0.0, 1.0), kernel, 0.25);
+        assert_coverage(&square_scene(), DVec3::X, kernel, 0.5);
+        assert_coverage(&square_scene(), DVec3::new(1.0, 0.0, 1.0), kernel, 0.25);
     }
 }
 
@@ -82,21 +83,21 @@ fn edge_coverage_matches_kernel_integral() {
             let t = 0.5 + (f64::from(i) + 0.5) / 4000.0;
             2.0 * libm::acos(0.5 / t) * f64::from(kernel.shape((t * t) as f32) * kernel.scale(1.0)) * t / 4000.0
         });
-        covers(&square(), DVec3::X * 0.75, kernel, 1.0 - beyond.sum::<f64>());
+        assert_coverage(&square_scene(), DVec3::X * 0.75, kernel, 1.0 - beyond.sum::<f64>());
     }
 }
 
 /// A slope of 75° faces another way, and a step of .4 radii is beyond what an estimate calls flat.
 #[test]
 fn other_orientations_and_heights_are_not_covered() {
-    let floor = rectangle([0.0, 0.0, 1.0], DVec3::X, DVec3::Z * -2.0);
+    let floor = rectangle_shape([0.0, 0.0, 1.0], DVec3::X, DVec3::Z * -2.0);
     let down = DVec3::new(-0.258_819, -0.965_926, 0.0);
-    let slope = rectangle([0.0, 0.0, 1.0], DVec3::Z * -2.0, down);
-    let step = |y: f64| rectangle([-1.0, y, 1.0], DVec3::X, DVec3::Z * -2.0);
+    let slope = rectangle_shape([0.0, 0.0, 1.0], DVec3::Z * -2.0, down);
+    let step = |y: f64| rectangle_shape([-1.0, y, 1.0], DVec3::X, DVec3::Z * -2.0);
     for other in [slope, step(0.2), step(-0.2)] {
-        let scene = scene(&[floor.clone(), other]);
+        let scene = scene_of_shapes(&[floor.clone(), other]);
         for kernel in KERNELS {
-            covers(&scene, DVec3::ZERO, kernel, 0.5);
+            assert_coverage(&scene, DVec3::ZERO, kernel, 0.5);
         }
     }
 }
@@ -106,20 +107,20 @@ fn other_orientations_and_heights_are_not_covered() {
 fn nested_discs_are_probed_independently() {
     let p = DVec3::X * 0.7;
     let levels = |i| {
-        let key = Key::new(5).purpose(Purpose::Test).with(i);
-        nested_disc_coverage(&square(), p.as_vec3(), Vec3::Y, 0.5, Kernel::Box, key)
+        let key = Key::new(5).purpose_key(Purpose::Test).child_key(i);
+        nested_disc_coverage(&square_scene(), p.as_vec3(), Vec3::Y, 0.5, Kernel::Box, key)
     };
     let all: Vec<[f32; LEVELS]> = (0..500).map(levels).collect();
     assert!(all.iter().all(|levels| levels[2] == 1.0), "a quarter is nearer than the edge");
     assert!(all.iter().any(|levels| levels[0] < 1.0) && all.iter().any(|levels| levels[1] < 1.0));
-    let mean = |level: usize| all.iter().map(|l| f64::from(l[level])).sum::<f64>() / 500.0;
-    assert!(mean(0) < mean(1) && mean(1) < 1.0);
+    let level_mean = |level: usize| all.iter().map(|l| f64::from(l[level])).sum::<f64>() / 500.0;
+    assert!(level_mean(0) < level_mean(1) && level_mean(1) < 1.0);
 }
 
 #[test]
 fn coverage_has_a_lower_bound() {
-    let key = Key::new(0).purpose(Purpose::Test);
-    assert_eq!(coverage(&square(), Vec3::new(0.0, 2.0, 0.0), Vec3::Y, 0.5, Kernel::Box, key), MIN_COVERAGE);
+    let key = Key::new(0).purpose_key(Purpose::Test);
+    assert_eq!(coverage(&square_scene(), Vec3::new(0.0, 2.0, 0.0), Vec3::Y, 0.5, Kernel::Box, key), MIN_COVERAGE);
 }
 
 /// The part of a sphere within chord r of a point has the area πr² exactly, so what is a disc to
@@ -127,9 +128,9 @@ fn coverage_has_a_lower_bound() {
 /// out. Probes beyond the chord are drawn in vain, which the ratio knows.
 #[test]
 fn sphere_has_full_box_coverage() {
-    let ball = scene(&[Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0))]);
+    let ball = scene_of_shapes(&[Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0))]);
     for p in [DVec3::Y, DVec3::NEG_Y] {
-        let (mean, sigma) = mean(&ball, p, Vec3::Y, 0.45, Kernel::Box);
+        let (mean, sigma) = mean_coverage(&ball, p, Vec3::Y, 0.45, Kernel::Box);
         assert!((mean - 1.0).abs() < 5.0 * sigma + 1e-3, "{mean} ± {sigma}");
     }
 }

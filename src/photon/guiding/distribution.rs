@@ -1,12 +1,12 @@
 //! Guiding distributions, fitted to the samples of a pilot.
 
 use crate::light::{EmissionDimensions, Light};
-use crate::sampling::Histogram;
+use crate::sampling::SquareGridDistribution;
 use glam::Vec2;
 
 /// Sample of one pilot path.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sample {
+pub(super) struct GuidingSample {
     /// Index of the light.
     pub light: usize,
     /// Sample point of the position, in \[0, 1)².
@@ -29,17 +29,21 @@ const MAX_SUBDIVISIONS: u32 = 6;
 const PARENT_WEIGHT: f64 = 8.0;
 
 /// Numbers of subdivisions of the square of positions and of the square of directions.
-type Level = (u32, u32);
+type CellResolution = (u32, u32);
 
 /// Mean squared changes in the cells of one level. Cells of positions are the outer index.
 #[derive(Clone, Debug)]
-struct Cells {
-    level: Level,
+struct GuidingCells {
+    level: CellResolution,
     squares: Vec<f64>,
 }
 
-impl Cells {
-    fn new<'s>(level: Level, samples: impl Iterator<Item = &'s Sample>, parents: Option<&Self>) -> Self {
+impl GuidingCells {
+    fn new<'s>(
+        level: CellResolution,
+        samples: impl Iterator<Item = &'s GuidingSample>,
+        parents: Option<&Self>,
+    ) -> Self {
         #[derive(Clone, Copy, Default)]
         struct Sum {
             count: f64,
@@ -49,7 +53,7 @@ impl Cells {
         let (positions, directions) = (1usize << level.0, 1usize << level.1);
         let mut sums = vec![Sum::default(); (positions * directions) * (positions * directions)];
         for s in samples {
-            let sum = &mut sums[index(level, s.position, s.direction)];
+            let sum = &mut sums[cell_index(level, s.position, s.direction)];
             sum.count += 1.0;
             sum.weight += s.weight;
             sum.square += s.weight * s.square;
@@ -57,8 +61,8 @@ impl Cells {
         let center = |i: usize, side: usize| (Vec2::new((i % side) as f32, (i / side) as f32) + 0.5) / side as f32;
         let square = |(i, sum): (usize, &Sum)| {
             let inner = directions * directions;
-            let parent =
-                parents.map(|p| p.squares[index(p.level, center(i / inner, positions), center(i % inner, directions))]);
+            let parent = parents
+                .map(|p| p.squares[cell_index(p.level, center(i / inner, positions), center(i % inner, directions))]);
             let own = if sum.count > 0.0 { sum.square / sum.weight } else { 0.0 };
             parent.map_or(own, |parent| (sum.count * own + PARENT_WEIGHT * parent) / (sum.count + PARENT_WEIGHT))
         };
@@ -67,34 +71,35 @@ impl Cells {
     }
 
     /// Mean of the root mean squares: the standard deviation of a guided estimate.
-    fn deviation(&self) -> f64 {
+    fn guided_deviation(&self) -> f64 {
         self.squares.iter().map(|s| s.sqrt()).sum::<f64>() / self.squares.len() as f64
     }
 
     /// Pdf of each cell, proportional to the root mean square, with a uniform fraction.
-    fn pdfs(&self, uniform: f64) -> Vec<f64> {
-        let mean = self.deviation();
+    fn cell_pdfs(&self, uniform: f64) -> Vec<f64> {
+        let mean = self.guided_deviation();
         let pdf = |s: &f64| if mean > 0.0 { uniform + (1.0 - uniform) * s.sqrt() / mean } else { 1.0 };
         self.squares.iter().map(pdf).collect()
     }
 
     /// Second moment of an estimate that is guided by these cells, measured with other `samples`.
-    fn second_moment<'s>(&self, uniform: f64, samples: impl Iterator<Item = &'s Sample>) -> f64 {
-        let pdfs = self.pdfs(uniform);
-        samples.map(|s| s.weight * s.square / pdfs[index(self.level, s.position, s.direction)]).sum()
+    fn second_moment<'s>(&self, uniform: f64, samples: impl Iterator<Item = &'s GuidingSample>) -> f64 {
+        let cell_pdfs = self.cell_pdfs(uniform);
+        samples.map(|s| s.weight * s.square / cell_pdfs[cell_index(self.level, s.position, s.direction)]).sum()
     }
 }
 
 #[inline]
-fn index(level: Level, position: Vec2, direction: Vec2) -> usize {
+fn cell_index(level: CellResolution, position: Vec2, direction: Vec2) -> usize {
     let directions = 1usize << level.1;
-    Histogram::cell(1 << level.0, position) * directions * directions + Histogram::cell(directions, direction)
+    SquareGridDistribution::cell_index(1 << level.0, position) * directions * directions
+        + SquareGridDistribution::cell_index(directions, direction)
 }
 
 /// Cells fitted to the samples of one light.
 #[derive(Clone, Debug)]
 pub(super) struct GuidingFit {
-    cells: Cells,
+    cells: GuidingCells,
 }
 
 impl GuidingFit {
@@ -104,14 +109,15 @@ impl GuidingFit {
     /// Each step subdivides the square of positions or that of directions, whichever gives the
     /// smaller second moment. The best level of all steps is kept. Second moments are
     /// cross-validated between two halves of the samples against overfitting.
-    pub fn new(light: &Light, samples: &[&Sample], uniform: f64) -> Self {
+    pub fn new(light: &Light, samples: &[&GuidingSample], uniform: f64) -> Self {
         let EmissionDimensions { position, direction } = light.emission_dimensions();
         let most = (if position { MAX_SUBDIVISIONS } else { 0 }, if direction { MAX_SUBDIVISIONS } else { 0 });
         let half = |i: usize| samples.iter().copied().skip(i).step_by(2);
-        let cost =
-            |halves: &[Cells; 2]| halves[0].second_moment(uniform, half(1)) + halves[1].second_moment(uniform, half(0));
-        let mut cells = Cells::new((0, 0), samples.iter().copied(), None);
-        let mut halves = [0, 1].map(|i| Cells::new((0, 0), half(i), None));
+        let cost = |halves: &[GuidingCells; 2]| {
+            halves[0].second_moment(uniform, half(1)) + halves[1].second_moment(uniform, half(0))
+        };
+        let mut cells = GuidingCells::new((0, 0), samples.iter().copied(), None);
+        let mut halves = [0, 1].map(|i| GuidingCells::new((0, 0), half(i), None));
         let mut best = (cost(&halves), cells.clone());
         for subdivisions in 1..=MAX_SUBDIVISIONS {
             if MIN_SAMPLES_PER_CELL << (2 * subdivisions) > samples.len() {
@@ -120,11 +126,11 @@ impl GuidingFit {
             let (p, d) = cells.level;
             let finer = [(p + 1, d), (p, d + 1)].into_iter().filter(|level| level.0 <= most.0 && level.1 <= most.1);
             let refined = finer.map(|level| {
-                let halves = [0, 1].map(|i| Cells::new(level, half(i), Some(&halves[i])));
+                let halves = [0, 1].map(|i| GuidingCells::new(level, half(i), Some(&halves[i])));
                 (cost(&halves), halves)
             });
             let Some((least, refined)) = refined.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
-            cells = Cells::new(refined[0].level, samples.iter().copied(), Some(&cells));
+            cells = GuidingCells::new(refined[0].level, samples.iter().copied(), Some(&cells));
             halves = refined;
             if least < best.0 {
                 best = (least, cells.clone());
@@ -134,23 +140,25 @@ impl GuidingFit {
     }
 
     /// Standard deviation of a guided path of this light, which determines its probability.
-    pub fn deviation(&self) -> f64 {
-        self.cells.deviation()
+    pub fn guided_deviation(&self) -> f64 {
+        self.cells.guided_deviation()
     }
 
     /// The guiding distribution with a uniform fraction; `None` for a single cell.
-    pub fn distribution(&self, uniform: f64) -> Option<GuidingDistribution> {
+    pub fn to_distribution(&self, uniform: f64) -> Option<GuidingDistribution> {
         let (p, d) = self.cells.level;
         if (p, d) == (0, 0) {
             return None;
         }
-        let pdfs = self.cells.pdfs(uniform);
-        let directions = pdfs.chunks_exact(1 << (2 * d));
+        let cell_pdfs = self.cells.cell_pdfs(uniform);
+        let directions = cell_pdfs.chunks_exact(1 << (2 * d));
         let positions: Vec<f64> = directions.clone().map(|d| d.iter().sum()).collect();
         Some(GuidingDistribution {
             side: 1 << p,
-            positions: Histogram::new(1 << p, &positions)?,
-            directions: directions.map(|weights| Histogram::new(1 << d, weights)).collect::<Option<_>>()?,
+            positions: SquareGridDistribution::new(1 << p, &positions)?,
+            directions: directions
+                .map(|weights| SquareGridDistribution::new(1 << d, weights))
+                .collect::<Option<_>>()?,
         })
     }
 }
@@ -161,9 +169,9 @@ impl GuidingFit {
 pub(in crate::photon) struct GuidingDistribution {
     /// Cells of positions along each side.
     side: usize,
-    positions: Histogram,
+    positions: SquareGridDistribution,
     /// Distribution of directions within each cell of positions.
-    directions: Vec<Histogram>,
+    directions: Vec<SquareGridDistribution>,
 }
 
 impl GuidingDistribution {
@@ -172,13 +180,15 @@ impl GuidingDistribution {
     #[inline]
     pub fn sample(&self, position: Vec2, direction: Vec2) -> (Vec2, Vec2, f32) {
         let (position, pdf) = self.positions.sample(position);
-        let (direction, conditional) = self.directions[Histogram::cell(self.side, position)].sample(direction);
+        let (direction, conditional) =
+            self.directions[SquareGridDistribution::cell_index(self.side, position)].sample(direction);
         (position, direction, pdf * conditional)
     }
 
     /// Pdf of the sample points of a position and a direction.
     #[cfg(test)]
     pub fn pdf(&self, position: Vec2, direction: Vec2) -> f32 {
-        self.positions.density(position) * self.directions[Histogram::cell(self.side, position)].density(direction)
+        self.positions.pdf(position)
+            * self.directions[SquareGridDistribution::cell_index(self.side, position)].pdf(direction)
     }
 }

@@ -10,9 +10,9 @@ use super::deposits::{Deposit, DepositPlace};
 use super::trace::PathTally;
 use super::{PhotonPass, PhotonSource, Scratch, StoreMask, VisiblePointMap};
 use crate::color;
-use crate::sampling::{Discrete, Key, Purpose};
+use crate::sampling::{DiscreteDistribution, Key, Purpose};
 use crate::scene::{Interior, InteriorKind, InteriorStack, NoInterior, SpectralInterior};
-use distribution::{GuidingFit, Sample};
+use distribution::{GuidingFit, GuidingSample};
 use rayon::prelude::*;
 
 /// Rounds of a pilot. Each round samples by the distribution of the rounds before.
@@ -71,7 +71,7 @@ impl PhotonSource<'_> {
     /// so every mean is unbiased and weights are bounded. If the pilot lights no visible point, the
     /// source stays unguided. The result depends only on the scene, this source and `pilot`.
     #[must_use]
-    pub fn guided(mut self, pilot: &GuidingPilot<'_>) -> (Self, GuidingReport) {
+    pub fn with_guided_emission(mut self, pilot: &GuidingPilot<'_>) -> (Self, GuidingReport) {
         let unguided = self.choice.clone();
         let mut report = GuidingReport { gain: 1.0, ..GuidingReport::default() };
         let mut samples = Vec::new();
@@ -88,14 +88,14 @@ impl PhotonSource<'_> {
                 report.gain = first / found.second_moment;
             }
             samples.extend(found.samples);
-            self.fit(&samples, &unguided);
+            self.fit_guiding(&samples, &unguided);
         }
         (self, report)
     }
 
     /// Traces one round of the pilot.
     fn trace_round(&self, pilot: &GuidingPilot<'_>, round: u32) -> RoundSamples {
-        let key = Key::new(pilot.seed).purpose(Purpose::Learning).round(round);
+        let key = Key::new(pilot.seed).purpose_key(Purpose::GuidingTraining).training_round_key(round);
         let paths = pilot.paths / ROUNDS;
         let chunks: Vec<RoundSamples> = (0..paths.div_ceil(CHUNK))
             .into_par_iter()
@@ -129,12 +129,12 @@ impl PhotonSource<'_> {
         let mut tally = PathTally::default();
         let mut found = RoundSamples::default();
         for index in range {
-            let point = self.emission_point(key, index, paths);
+            let point = self.primary_emission_sample(key, index, paths);
             let mut square = 0.0;
-            if let Some((ray, flux)) = self.start::<I>(&point) {
-                pass.follow(ray, flux, key.path(index), &mut tally, |deposit: Deposit<'_>| {
+            if let Some((ray, flux)) = self.start_path::<I>(&point) {
+                pass.follow_photon_path(ray, flux, key.path_key(index), &mut tally, |deposit: Deposit<'_>| {
                     let DepositPlace::Surface(surface) = deposit.place else { return };
-                    let flux = f64::from(color::mean(deposit.flux));
+                    let flux = f64::from(color::channel_mean(deposit.flux));
                     let importance = pilot.visible.importance(surface.point.p, surface.facing_normal(), &mut scratch);
                     square += flux * flux * f64::from(importance);
                 });
@@ -145,16 +145,16 @@ impl PhotonSource<'_> {
             let contribution = weight / f64::from(point.probability);
             found.second_moment += square * contribution * contribution;
             let (position, direction) = (point.position, point.direction);
-            found.samples.push(Sample { light: point.light, position, direction, weight, square });
+            found.samples.push(GuidingSample { light: point.light, position, direction, weight, square });
         }
         found.rays = tally.rays;
         found
     }
 
     /// Fits the guiding distributions to the samples of all rounds.
-    fn fit(&mut self, samples: &[Sample], unguided: &Discrete) {
+    fn fit_guiding(&mut self, samples: &[GuidingSample], unguided: &DiscreteDistribution) {
         let lights = self.scene.lights();
-        let mut of_light: Vec<Vec<&Sample>> = vec![Vec::new(); lights.len()];
+        let mut of_light: Vec<Vec<&GuidingSample>> = vec![Vec::new(); lights.len()];
         for sample in samples {
             of_light[sample.light].push(sample);
         }
@@ -163,17 +163,18 @@ impl PhotonSource<'_> {
             .zip(&of_light)
             .map(|(light, samples)| GuidingFit::new(light, samples, DEFENSIVE_FRACTION))
             .collect();
-        let total: f64 = fits.iter().map(GuidingFit::deviation).sum();
+        let total: f64 = fits.iter().map(GuidingFit::guided_deviation).sum();
         if !(total > 0.0 && total.is_finite()) {
             return;
         }
         // The mixture is over all lights: a light with a higher guided probability needs a smaller
         // fraction of its own.
         let defensive = |i: usize| DEFENSIVE_FRACTION * f64::from(unguided.probability(i));
-        let chosen = |i: usize| defensive(i) + (1.0 - DEFENSIVE_FRACTION) * fits[i].deviation() / total;
-        if let Some(choice) = Discrete::new((0..lights.len()).map(chosen)) {
+        let chosen = |i: usize| defensive(i) + (1.0 - DEFENSIVE_FRACTION) * fits[i].guided_deviation() / total;
+        if let Some(choice) = DiscreteDistribution::new((0..lights.len()).map(chosen)) {
             self.choice = choice;
-            self.guiding = fits.iter().enumerate().map(|(i, fit)| fit.distribution(defensive(i) / chosen(i))).collect();
+            self.guiding =
+                fits.iter().enumerate().map(|(i, fit)| fit.to_distribution(defensive(i) / chosen(i))).collect();
         }
     }
 }
@@ -181,7 +182,7 @@ impl PhotonSource<'_> {
 /// Samples of one round of the pilot.
 #[derive(Debug, Default)]
 struct RoundSamples {
-    samples: Vec<Sample>,
+    samples: Vec<GuidingSample>,
     /// Sum over the paths of their squared contributions.
     second_moment: f64,
     rays: u64,

@@ -7,7 +7,7 @@ use crate::shape::{Rectangle, Shape, Sphere};
 use glam::{DVec3, Vec2, Vec3};
 
 /// A floor of 16 × 16 with a wall behind it, and lamps six above its middle.
-fn hall(lamps: impl FnOnce(&mut SceneBuilder)) -> Scene {
+fn scene_with_lamps(lamps: impl FnOnce(&mut SceneBuilder)) -> Scene {
     let mut builder = SceneBuilder::new();
     let grey = builder.material(Material::diffuse(Rgb::splat(0.5)));
     let (x, y, z) = (DVec3::X * 16.0, DVec3::Y * 7.0, DVec3::Z * 16.0);
@@ -19,79 +19,83 @@ fn hall(lamps: impl FnOnce(&mut SceneBuilder)) -> Scene {
 
 const LAMP: DVec3 = DVec3::new(0.0, 6.0, 0.0);
 
-fn source(kind: DeltaLightKind) -> Scene {
-    hall(|b| {
+fn delta_light_scene(kind: DeltaLightKind) -> Scene {
+    scene_with_lamps(|b| {
         b.source(kind, LightStrength::Physical(Rgb::new(1.0, 2.0, 3.0)));
     })
 }
 
-fn spot() -> Scene {
-    source(DeltaLightKind::Spot { position: LAMP, axis: DVec3::NEG_Y, inner: 1.1, outer: 1.15 })
+fn spot_light_scene() -> Scene {
+    delta_light_scene(DeltaLightKind::Spot { position: LAMP, axis: DVec3::NEG_Y, inner: 1.1, outer: 1.15 })
 }
 
-fn lit_by(shape: Shape) -> Scene {
-    hall(|b| {
+fn area_light_scene(shape: Shape) -> Scene {
+    scene_with_lamps(|b| {
         let black = b.material(Material::diffuse(Rgb::ZERO));
         b.shape(shape, black, Rgb::new(1.0, 2.0, 3.0));
     })
 }
 
-fn square_lamp() -> Scene {
-    lit_by(Shape::Rectangle(Rectangle::new(LAMP, DVec3::X, DVec3::Z)))
+fn square_light_scene() -> Scene {
+    area_light_scene(Shape::Rectangle(Rectangle::new(LAMP, DVec3::X, DVec3::Z)))
 }
 
 /// A hall of each kind of lamp.
-fn halls() -> [(&'static str, Scene); 5] {
+fn scenes_by_lamp_kind() -> [(&'static str, Scene); 5] {
     [
-        ("point", source(DeltaLightKind::Point { position: LAMP })),
-        ("spot", spot()),
-        ("directional", source(DeltaLightKind::Directional { direction: DVec3::new(0.3, -1.0, 0.1) })),
-        ("square", square_lamp()),
-        ("ball", lit_by(Shape::Sphere(Sphere::new(LAMP, 0.4)))),
+        ("point", delta_light_scene(DeltaLightKind::Point { position: LAMP })),
+        ("spot", spot_light_scene()),
+        ("directional", delta_light_scene(DeltaLightKind::Directional { direction: DVec3::new(0.3, -1.0, 0.1) })),
+        ("square", square_light_scene()),
+        ("ball", area_light_scene(Shape::Sphere(Sphere::new(LAMP, 0.4)))),
     ]
 }
 
 /// A position of the description in the resolved scene.
-fn placed(scene: &Scene, p: DVec3) -> Vec3 {
+fn to_scene_frame(scene: &Scene, p: DVec3) -> Vec3 {
     (p - scene.origin()).as_vec3()
 }
 
 /// A lattice of points over the corner \[6, 8]² of the floor.
-fn corner(scene: &Scene) -> impl Iterator<Item = Vec3> {
+fn visible_corner_points(scene: &Scene) -> impl Iterator<Item = Vec3> {
     let at = |i: u32| 6.025 + 0.05 * f64::from(i);
-    let points: Vec<Vec3> = (0..40 * 40).map(|i| placed(scene, DVec3::new(at(i % 40), 0.0, at(i / 40)))).collect();
+    let points: Vec<Vec3> =
+        (0..40 * 40).map(|i| to_scene_frame(scene, DVec3::new(at(i % 40), 0.0, at(i / 40)))).collect();
     points.into_iter()
 }
 
-fn visible(scene: &Scene) -> VisiblePointMap {
-    VisiblePointMap::new(corner(scene).map(|position| VisiblePoint { position, normal: Vec3::Y, weight: 1.0 }), 0.1)
+fn visible_corner_map(scene: &Scene) -> VisiblePointMap {
+    VisiblePointMap::new(
+        visible_corner_points(scene).map(|position| VisiblePoint { position, normal: Vec3::Y, weight: 1.0 }),
+        0.1,
+    )
 }
 
-const WANTS: StoreMask = StoreMask::ALL;
+const MASK: StoreMask = StoreMask::ALL;
 const BOUNCES: u32 = 2;
 
-fn guided<'a>(scene: &'a Scene, visible: &VisiblePointMap) -> (PhotonSource<'a>, GuidingReport) {
-    let pilot = GuidingPilot { mask: WANTS, max_bounces: BOUNCES, visible, paths: 1 << 16, seed: 11 };
-    PhotonSource::in_all_directions(scene).unwrap().guided(&pilot)
+fn guided_source<'a>(scene: &'a Scene, visible: &VisiblePointMap) -> (PhotonSource<'a>, GuidingReport) {
+    let pilot = GuidingPilot { mask: MASK, max_bounces: BOUNCES, visible, paths: 1 << 16, seed: 11 };
+    PhotonSource::in_all_directions(scene).unwrap().with_guided_emission(&pilot)
 }
 
-fn pass<'a>(scene: &'a Scene, source: &'a PhotonSource<'a>) -> PhotonPass<'a> {
-    PhotonPass { scene, source, mask: WANTS, max_bounces: BOUNCES }
+fn photon_pass<'a>(scene: &'a Scene, source: &'a PhotonSource<'a>) -> PhotonPass<'a> {
+    PhotonPass { scene, source, mask: MASK, max_bounces: BOUNCES }
 }
 
-fn key(pass: u64) -> Key {
-    Key::new(5).purpose(Purpose::Test).with(pass)
+fn pass_key(pass: u64) -> Key {
+    Key::new(5).purpose_key(Purpose::Test).child_key(pass)
 }
 
-/// Mean of passes and its variance.
+/// PassStatistics of passes and its variance.
 #[derive(Clone, Copy, Default)]
-struct Mean {
+struct PassStatistics {
     n: f64,
     sum: f64,
     squares: f64,
 }
 
-impl Mean {
+impl PassStatistics {
     fn add(&mut self, x: f64) {
         (self.n, self.sum, self.squares) = (self.n + 1.0, self.sum + x, self.squares + x * x);
     }
@@ -105,7 +109,7 @@ impl Mean {
         ((self.squares / self.n - self.mean() * self.mean()) * self.n / (self.n - 1.0)).max(0.0)
     }
 
-    fn agrees(&self, other: &Self) -> bool {
+    fn agrees_within_5_sigma(&self, other: &Self) -> bool {
         // Rounding of the sums alone where both have no variance.
         let rounding = 1e-5 * self.mean().abs();
         (self.mean() - other.mean()).abs()
@@ -114,16 +118,16 @@ impl Mean {
 }
 
 /// Flux on the visible corner, on the rest of the floor, on the wall, and the emitted flux.
-fn fluxes(scene: &Scene, source: &PhotonSource<'_>) -> [Mean; 4] {
-    let floor = placed(scene, DVec3::ZERO).y;
-    let edge = placed(scene, DVec3::new(6.0, 0.0, 6.0));
-    let mut means = [Mean::default(); 4];
+fn fluxes_by_region(scene: &Scene, source: &PhotonSource<'_>) -> [PassStatistics; 4] {
+    let floor = to_scene_frame(scene, DVec3::ZERO).y;
+    let edge = to_scene_frame(scene, DVec3::new(6.0, 0.0, 6.0));
+    let mut means = [PassStatistics::default(); 4];
     for i in 0..32 {
-        let traced = pass(scene, source).trace(key(i), 8192, &|_| {});
+        let traced = photon_pass(scene, source).trace(pass_key(i), 8192, &|_| {});
         let mut flux = [0.0; 3];
         for Photon { position: p, data: f } in &traced.deposits.photons {
             let region = if (p.y - floor).abs() > 1e-3 { 2 } else { usize::from(p.x < edge.x || p.z < edge.z) };
-            flux[region] += f64::from(color::mean(f.flux()));
+            flux[region] += f64::from(color::channel_mean(f.flux()));
         }
         let emitted = traced.audit.emitted.iter().sum::<f64>() / 3.0;
         means.iter_mut().zip(flux.into_iter().chain([emitted])).for_each(|(mean, x)| mean.add(x));
@@ -134,19 +138,19 @@ fn fluxes(scene: &Scene, source: &PhotonSource<'_>) -> [Mean; 4] {
 /// 32 passes each, five sigma: 40 comparisons give a false alarm rate of 2·10⁻⁵.
 #[test]
 fn guiding_is_unbiased() {
-    for (name, scene) in halls() {
+    for (name, scene) in scenes_by_lamp_kind() {
         let plain = PhotonSource::in_all_directions(&scene).unwrap();
-        let (guided, report) = guided(&scene, &visible(&scene));
+        let (guided, report) = guided_source(&scene, &visible_corner_map(&scene));
         assert!(report.useful > 0.0 && report.gain > 1.0, "{name} has something to learn: {report:?}");
-        let (before, after) = (fluxes(&scene, &plain), fluxes(&scene, &guided));
+        let (before, after) = (fluxes_by_region(&scene, &plain), fluxes_by_region(&scene, &guided));
         for (region, (a, b)) in before.iter().zip(&after).enumerate() {
             assert!(a.mean() > 0.0);
-            assert!(a.agrees(b), "{name}, region {region}: {} became {}", a.mean(), b.mean());
+            assert!(a.agrees_within_5_sigma(b), "{name}, region {region}: {} became {}", a.mean(), b.mean());
         }
-        let power = f64::from(color::mean(scene.lights()[0].power(scene.domain())));
-        let mut given = Mean::default();
+        let power = f64::from(color::channel_mean(scene.lights()[0].power(scene.domain())));
+        let mut given = PassStatistics::default();
         [power; 2].iter().for_each(|p| given.add(*p));
-        assert!(after[3].agrees(&given), "{name} emits {} of {power}", after[3].mean());
+        assert!(after[3].agrees_within_5_sigma(&given), "{name} emits {} of {power}", after[3].mean());
         assert!(after[0].variance() < 0.5 * before[0].variance(), "{name} gained nothing where it is seen");
     }
 }
@@ -154,31 +158,36 @@ fn guiding_is_unbiased() {
 /// Flux on the visible corner, with aim at a glass ball above it and at one far away.
 #[test]
 fn aiming_and_guiding_together_are_unbiased() {
-    let scene = hall(|b| {
+    let scene = scene_with_lamps(|b| {
         let glass = b.material(Material::dielectric(1.5, Rgb::ZERO));
         b.shape(Shape::Sphere(Sphere::new(DVec3::new(6.5, 1.2, 6.5), 0.8)), glass, Rgb::ZERO);
         b.shape(Shape::Sphere(Sphere::new(DVec3::new(-6.5, 1.2, -5.5), 1.2)), glass, Rgb::ZERO);
         b.source(DeltaLightKind::Point { position: LAMP }, LightStrength::Physical(Rgb::ONE));
     });
-    let visible = visible(&scene);
+    let visible = visible_corner_map(&scene);
     let pilot = GuidingPilot { mask: StoreMask::CAUSTIC, max_bounces: 20, visible: &visible, paths: 1 << 15, seed: 1 };
     let plain = PhotonSource::aimed_at_casters(&scene).unwrap();
-    let (guided, report) = PhotonSource::aimed_at_casters(&scene).unwrap().guided(&pilot);
+    let (guided, report) = PhotonSource::aimed_at_casters(&scene).unwrap().with_guided_emission(&pilot);
     let flux = |source: &PhotonSource<'_>| {
         let pass = PhotonPass { scene: &scene, source, mask: StoreMask::CAUSTIC, max_bounces: 20 };
-        let corner = placed(&scene, DVec3::new(6.0, 0.5, 6.0));
-        let (mut seen, mut emitted) = (Mean::default(), Mean::default());
+        let corner = to_scene_frame(&scene, DVec3::new(6.0, 0.5, 6.0));
+        let (mut seen, mut emitted) = (PassStatistics::default(), PassStatistics::default());
         for i in 0..32 {
-            let traced = pass.trace(key(i), 4096, &|_| {});
+            let traced = pass.trace(pass_key(i), 4096, &|_| {});
             let there = traced.deposits.photons.iter().filter(|p| p.position.x > corner.x && p.position.z > corner.z);
-            seen.add(there.map(|p| f64::from(color::mean(p.data.flux()))).sum());
+            seen.add(there.map(|p| f64::from(color::channel_mean(p.data.flux()))).sum());
             emitted.add(traced.audit.emitted[0]);
         }
         (seen, emitted)
     };
     let (before, after) = (flux(&plain), flux(&guided));
-    assert!(before.0.mean() > 0.0 && before.0.agrees(&after.0), "{} became {}", before.0.mean(), after.0.mean());
-    assert!(before.1.agrees(&after.1), "emitted {} became {}", before.1.mean(), after.1.mean());
+    assert!(
+        before.0.mean() > 0.0 && before.0.agrees_within_5_sigma(&after.0),
+        "{} became {}",
+        before.0.mean(),
+        after.0.mean()
+    );
+    assert!(before.1.agrees_within_5_sigma(&after.1), "emitted {} became {}", before.1.mean(), after.1.mean());
     assert!(report.gain > 1.2, "{report:?}");
 }
 
@@ -188,21 +197,21 @@ fn aiming_and_guiding_together_are_unbiased() {
 /// test asks for half of 15.
 #[test]
 fn guiding_reduces_visible_variance() {
-    let scene = spot();
-    let (guided, _) = guided(&scene, &visible(&scene));
+    let scene = spot_light_scene();
+    let (guided, _) = guided_source(&scene, &visible_corner_map(&scene));
     let plain = PhotonSource::in_all_directions(&scene).unwrap();
     let variance = |source: &PhotonSource<'_>| {
-        let mut means = vec![Mean::default(); 1600];
+        let mut means = vec![PassStatistics::default(); 1600];
         for i in 0..24 {
-            let map = PhotonMap::build(pass(&scene, source).trace(key(i), 16384, &|_| {}).deposits.photons);
+            let map = PhotonMap::build(photon_pass(&scene, source).trace(pass_key(i), 16384, &|_| {}).deposits.photons);
             let mut scratch = Scratch::new();
-            for (p, mean) in corner(&scene).zip(&mut means) {
+            for (p, mean) in visible_corner_points(&scene).zip(&mut means) {
                 let wide = Bandwidth { radius: 0.1, k: 0 };
                 let estimate = map.estimate(p, Vec3::Y, wide, Kernel::Box, &mut scratch, |_| Rgb::ONE);
-                mean.add(f64::from(color::mean(estimate.radiance)));
+                mean.add(f64::from(color::channel_mean(estimate.radiance)));
             }
         }
-        means.iter().map(Mean::variance).sum::<f64>()
+        means.iter().map(PassStatistics::variance).sum::<f64>()
     };
     let ratio = variance(&plain) / variance(&guided);
     assert!(ratio > 7.5, "{ratio}");
@@ -211,12 +220,12 @@ fn guiding_reduces_visible_variance() {
 /// Two lamps, one behind the wall: paths move to the visible one.
 #[test]
 fn guiding_prefers_the_visible_lamp() {
-    let scene = hall(|b| {
+    let scene = scene_with_lamps(|b| {
         let strength = LightStrength::Power(Rgb::ONE);
         b.source(DeltaLightKind::Point { position: DVec3::new(0.0, 3.0, -12.0) }, strength);
         b.source(DeltaLightKind::Point { position: LAMP }, strength);
     });
-    let (guided, _) = guided(&scene, &visible(&scene));
+    let (guided, _) = guided_source(&scene, &visible_corner_map(&scene));
     let share = guided.choice.probability(1);
     assert!((share - (1.0 - 0.5 * DEFENSIVE_FRACTION as f32)).abs() < 1e-6, "{share}");
 }
@@ -224,8 +233,8 @@ fn guiding_prefers_the_visible_lamp() {
 /// The pdf is nowhere below the defensive fraction of the unguided pdf.
 #[test]
 fn guided_pdf_has_a_lower_bound() {
-    for (name, scene) in halls() {
-        let (guided, _) = guided(&scene, &visible(&scene));
+    for (name, scene) in scenes_by_lamp_kind() {
+        let (guided, _) = guided_source(&scene, &visible_corner_map(&scene));
         let density = guided.guiding[0].as_ref().unwrap();
         let mut least = f32::INFINITY;
         for i in 0..1u32 << 16 {
@@ -238,14 +247,16 @@ fn guided_pdf_has_a_lower_bound() {
 
 #[test]
 fn blind_pilot_leaves_source_unguided() {
-    for (name, scene) in halls() {
-        let below = corner(&scene).map(|position| VisiblePoint { position, normal: Vec3::NEG_Y, weight: 1.0 });
+    for (name, scene) in scenes_by_lamp_kind() {
+        let below =
+            visible_corner_points(&scene).map(|position| VisiblePoint { position, normal: Vec3::NEG_Y, weight: 1.0 });
         for visible in [VisiblePointMap::new(below, 0.1), VisiblePointMap::new([], 0.1)] {
-            let (guided, report) = guided(&scene, &visible);
+            let (guided, report) = guided_source(&scene, &visible);
             assert_eq!((report.useful, report.gain), (0.0, 1.0), "{name}");
             let plain = PhotonSource::in_all_directions(&scene).unwrap();
             for i in 0..1000 {
-                let bits = |s: &PhotonSource<'_>| s.emit::<InteriorStack>(key(1), i, 1000).map(|(w, f)| (w.ray, f));
+                let bits =
+                    |s: &PhotonSource<'_>| s.emit::<InteriorStack>(pass_key(1), i, 1000).map(|(w, f)| (w.ray, f));
                 assert_eq!(bits(&guided), bits(&plain), "{name}");
             }
         }
@@ -254,14 +265,14 @@ fn blind_pilot_leaves_source_unguided() {
 
 #[test]
 fn guiding_is_deterministic() {
-    let scene = square_lamp();
-    let visible = visible(&scene);
+    let scene = square_light_scene();
+    let visible = visible_corner_map(&scene);
     let emissions = |threads: usize, seed: u64| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let pilot = GuidingPilot { mask: WANTS, max_bounces: BOUNCES, visible: &visible, paths: 1 << 15, seed };
-            let (source, report) = PhotonSource::in_all_directions(&scene).unwrap().guided(&pilot);
-            let emit = |i| source.emit::<InteriorStack>(key(0), i, 1000).map(|(w, f)| (w.ray, f));
+            let pilot = GuidingPilot { mask: MASK, max_bounces: BOUNCES, visible: &visible, paths: 1 << 15, seed };
+            let (source, report) = PhotonSource::in_all_directions(&scene).unwrap().with_guided_emission(&pilot);
+            let emit = |i| source.emit::<InteriorStack>(pass_key(0), i, 1000).map(|(w, f)| (w.ray, f));
             (report, (0..1000).map(emit).collect::<Vec<_>>())
         })
     };

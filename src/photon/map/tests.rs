@@ -4,19 +4,19 @@ use super::*;
 use crate::color::Rgb;
 use crate::sampling::{Dimension, Key, Purpose};
 
-fn photon(position: Vec3, power: f32) -> Photon {
+fn photon_facing_z(position: Vec3, power: f32) -> Photon {
     Photon::new(position, Rgb::splat(power), Vec3::Z, Vec3::Z).unwrap()
 }
 
-fn random(n: u64, place: impl Fn(Vec3) -> Vec3) -> Vec<Photon> {
+fn random_photons(n: u64, place: impl Fn(Vec3) -> Vec3) -> Vec<Photon> {
     let draw = |i| {
-        let key = Key::new(2).purpose(Purpose::Test).with(i);
-        place(key.uniform_2d(Dimension::LightPosition).extend(key.uniform(Dimension::Light)))
+        let key = Key::new(2).purpose_key(Purpose::Test).child_key(i);
+        place(key.uniform_2d(Dimension::LightPosition).extend(key.uniform_1d(Dimension::Light)))
     };
-    (0..n).map(|i| photon(draw(i), 1.0)).collect()
+    (0..n).map(|i| photon_facing_z(draw(i), 1.0)).collect()
 }
 
-fn count(map: &PhotonMap, p: Vec3, r: f32) -> usize {
+fn count_photons_within(map: &PhotonMap, p: Vec3, r: f32) -> usize {
     let mut n = 0;
     map.visit(p, r, |_, _| n += 1);
     n
@@ -32,9 +32,12 @@ fn rotation_matrix_is_orthonormal() {
 #[test]
 fn maps_of_zero_and_one_photon() {
     let empty = PhotonMap::build(Vec::new());
-    assert!(empty.is_empty() && count(&empty, Vec3::ZERO, 1e9) == 0);
-    let one = PhotonMap::build(vec![photon(Vec3::ONE, 1.0)]);
-    assert_eq!((one.len(), count(&one, Vec3::ONE, 0.1), count(&one, Vec3::ZERO, 0.1)), (1, 1, 0));
+    assert!(empty.is_empty() && count_photons_within(&empty, Vec3::ZERO, 1e9) == 0);
+    let one = PhotonMap::build(vec![photon_facing_z(Vec3::ONE, 1.0)]);
+    assert_eq!(
+        (one.len(), count_photons_within(&one, Vec3::ONE, 0.1), count_photons_within(&one, Vec3::ZERO, 0.1)),
+        (1, 1, 0)
+    );
 }
 
 /// Against a plain scan: photons are found exactly, give or take those within rounding of the rim.
@@ -43,7 +46,7 @@ fn queries_match_a_linear_scan() {
     let layouts: [fn(Vec3) -> Vec3; 4] =
         [|u| u, |u| Vec3::new(u.x, 0.25, u.y), |u| Vec3::new(u.x, 0.5, 0.5), |u| (u * 4.0).floor() * 0.25];
     for layout in layouts {
-        let photons = random(20_000, layout);
+        let photons = random_photons(20_000, layout);
         let map = PhotonMap::build(photons.clone());
         let expected = photons.len();
         let kept = map.len();
@@ -60,17 +63,17 @@ fn queries_match_a_linear_scan() {
 
 #[test]
 fn a_million_photons_on_one_wall() {
-    let map = PhotonMap::build(random(1_000_000, |u| Vec3::new(u.x, 0.0, u.y)));
+    let map = PhotonMap::build(random_photons(1_000_000, |u| Vec3::new(u.x, 0.0, u.y)));
     assert_eq!(map.len(), 1_000_000);
-    let n = count(&map, Vec3::new(0.5, 0.0, 0.5), 0.1);
+    let n = count_photons_within(&map, Vec3::new(0.5, 0.0, 0.5), 0.1);
     let expected = 1e6 * std::f64::consts::PI * 0.01;
     assert!((n as f64 - expected).abs() < 5.0 * expected.sqrt(), "{n}");
 }
 
 #[test]
 fn coincident_photons_merge_to_their_total_flux() {
-    let mut photons = vec![photon(Vec3::splat(0.3), 2.0); 100_000];
-    photons.extend(random(1000, |u| u));
+    let mut photons = vec![photon_facing_z(Vec3::splat(0.3), 2.0); 100_000];
+    photons.extend(random_photons(1000, |u| u));
     let map = PhotonMap::build(photons);
     assert_eq!(map.len(), 1001);
     let mut power = 0.0;

@@ -3,22 +3,22 @@ use crate::math::warp;
 use crate::sampling::{Dimension, Key, Purpose};
 use std::f64::consts::PI;
 
-fn key(i: u64) -> Key {
-    Key::new(13).purpose(Purpose::Test).with(i)
+fn test_key(i: u64) -> Key {
+    Key::new(13).purpose_key(Purpose::Test).child_key(i)
 }
 
 /// A point of the unit cube.
-fn place(i: u64) -> Vec3 {
-    key(i).uniform_2d(Dimension::LightPosition).extend(key(i).uniform(Dimension::Light))
+fn random_point(i: u64) -> Vec3 {
+    test_key(i).uniform_2d(Dimension::LightPosition).extend(test_key(i).uniform_1d(Dimension::Light))
 }
 
-fn sphere(i: u64) -> Vec3 {
-    warp::sphere(key(i).uniform_2d(Dimension::LightDirection))
+fn random_direction(i: u64) -> Vec3 {
+    warp::square_to_uniform_sphere(test_key(i).uniform_2d(Dimension::LightDirection))
 }
 
 /// Photons identified by their medium.
-fn random(n: u64, at: impl Fn(u64) -> Vec3) -> Vec<VolumePhoton> {
-    (0..n).map(|i| VolumePhoton::new(at(i), Rgb::ONE, sphere(i), i as u32, 0).unwrap()).collect()
+fn random_photons(n: u64, at: impl Fn(u64) -> Vec3) -> Vec<VolumePhoton> {
+    (0..n).map(|i| VolumePhoton::new(at(i), Rgb::ONE, random_direction(i), i as u32, 0).unwrap()).collect()
 }
 
 #[test]
@@ -41,26 +41,29 @@ fn queries_match_a_linear_scan() {
     {
         for part in [0.01, 0.2] {
             // An odd number leaves a packet with vacancies.
-            let photons = random(5003, |i| middle + (place(i) - 0.5) * size);
+            let photons = random_photons(5003, |i| middle + (random_point(i) - 0.5) * size);
             let radius = part * size;
             let map = VolumePhotonMap::build(photons.clone(), radius);
             assert!((map.len(), map.radius()) == (5003, radius));
             let mut count = 0;
             for i in 1_000_000..1_000_100u64 {
-                let direction =
-                    if i.is_multiple_of(4) { [Vec3::X, Vec3::Y, -Vec3::Z][i as usize / 4 % 3] } else { sphere(i) };
-                let target = middle + (place(i) - 0.5) * size;
+                let direction = if i.is_multiple_of(4) {
+                    [Vec3::X, Vec3::Y, -Vec3::Z][i as usize / 4 % 3]
+                } else {
+                    random_direction(i)
+                };
+                let target = middle + (random_point(i) - 0.5) * size;
                 let t_max = [f32::INFINITY, 100.2, 100.0][i as usize % 3] * size;
                 let ray = Ray { origin: target - direction * (size * 100.0), direction, t_max };
-                check_line(&map, &photons, &ray);
-                count += check_place(&map, &photons, target);
+                assert_ray_query_matches_scan(&map, &photons, &ray);
+                count += assert_point_query_matches_scan(&map, &photons, target);
             }
             assert!(count > 0);
         }
     }
 }
 
-fn check_line(map: &VolumePhotonMap, photons: &[VolumePhoton], ray: &Ray) {
+fn assert_ray_query_matches_scan(map: &VolumePhotonMap, photons: &[VolumePhoton], ray: &Ray) {
     let (r, d) = (f64::from(map.radius()), ray.direction.as_dvec3());
     let mut expected = Vec::new();
     for p in photons {
@@ -89,7 +92,7 @@ fn check_line(map: &VolumePhotonMap, photons: &[VolumePhoton], ray: &Ray) {
     }
 }
 
-fn check_place(map: &VolumePhotonMap, photons: &[VolumePhoton], place: Vec3) -> usize {
+fn assert_point_query_matches_scan(map: &VolumePhotonMap, photons: &[VolumePhoton], place: Vec3) -> usize {
     let r = f64::from(map.radius());
     let x2 = |p: &VolumePhoton| (p.position.as_dvec3() - place.as_dvec3()).length_squared() / (r * r);
     let mut found = Vec::new();
@@ -117,9 +120,9 @@ fn degenerate_point_maps_work() {
     };
     assert!(VolumePhotonMap::build(Vec::new(), 1.0).is_empty());
     assert_eq!(count(&VolumePhotonMap::build(Vec::new(), 1.0)), (0, 0));
-    assert_eq!(count(&VolumePhotonMap::build(random(50_000, |_| Vec3::ZERO), 0.1)), (50_000, 50_000));
+    assert_eq!(count(&VolumePhotonMap::build(random_photons(50_000, |_| Vec3::ZERO), 0.1)), (50_000, 50_000));
     for radius in [0.0, -1.0, f32::NAN] {
-        assert_eq!(count(&VolumePhotonMap::build(random(10, |_| Vec3::ZERO), radius)), (0, 0), "{radius}");
+        assert_eq!(count(&VolumePhotonMap::build(random_photons(10, |_| Vec3::ZERO), radius)), (0, 0), "{radius}");
     }
 }
 
@@ -128,7 +131,7 @@ fn point_map_is_thread_independent() {
     let ray = Ray::new(Vec3::new(0.1, 0.2, -1.0), Vec3::new(0.36, 0.48, 0.8));
     let with = |n| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
-        let map = pool.install(|| VolumePhotonMap::build(random(20_000, |i| place(i % 6000)), 0.1));
+        let map = pool.install(|| VolumePhotonMap::build(random_photons(20_000, |i| random_point(i % 6000)), 0.1));
         let mut all = Vec::new();
         map.visit(&ray, |p, _, _, _, _| all.push(p.medium));
         all
@@ -164,7 +167,7 @@ fn collimated_beam_radiance_is_exact() {
         let (before, beyond) = (libm::exp(-extinction * (depth - 0.1)), libm::exp(-extinction * (depth + 0.1)));
         let power = (irradiance * f64::from(wide * high) * (before - beyond) / n as f64) as f32;
         let one = |i: u64| {
-            let u = place(run * n + i);
+            let u = random_point(run * n + i);
             let fall = -libm::log(before - f64::from(u.z) * (before - beyond)) / extinction;
             let at = Vec3::new(u.x * wide - 0.1, (u.y - 0.5) * high, fall as f32);
             VolumePhoton::new(at, Rgb::splat(power), Vec3::Z, 0, 0).unwrap()

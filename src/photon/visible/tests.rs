@@ -4,8 +4,8 @@ use super::*;
 use crate::sampling::{Dimension, Key, Purpose, sobol_2d};
 
 /// 4096 points of weight 3 on the unit square of the floor, seen from above.
-fn floor(radius: f32) -> VisiblePointMap {
-    let key = Key::new(4).purpose(Purpose::Test);
+fn visible_floor_map(radius: f32) -> VisiblePointMap {
+    let key = Key::new(4).purpose_key(Purpose::Test);
     let point = |i| {
         let u = sobol_2d(i, key, Dimension::Film);
         VisiblePoint { position: Vec3::new(u.x, 0.0, u.y), normal: Vec3::Y, weight: 3.0 }
@@ -15,7 +15,7 @@ fn floor(radius: f32) -> VisiblePointMap {
 
 #[test]
 fn importance_is_squared_weight_per_area_on_the_seen_side() {
-    let visible = floor(0.05);
+    let visible = visible_floor_map(0.05);
     let at = |x: f32, y: f32, normal: Vec3| visible.importance(Vec3::new(x, y, 0.5), normal, &mut Scratch::new());
     // Distances to 16th neighbours scatter by 1/√16; the mean of 64 by an eighth of that: five
     // sigma.
@@ -29,7 +29,7 @@ fn importance_is_squared_weight_per_area_on_the_seen_side() {
 
 #[test]
 fn radius_grows_to_cover_sparse_points() {
-    let visible = floor(1e-6);
+    let visible = visible_floor_map(1e-6);
     for i in 0..64 {
         let p = Vec3::new(0.2 + 0.01 * i as f32, 0.0, 0.5);
         assert!(visible.importance(p, Vec3::Y, &mut Scratch::new()) > 0.0);

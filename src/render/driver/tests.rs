@@ -4,9 +4,9 @@ use crate::integrate::{Pass, Silent};
 use crate::plan::{Effects, Plan};
 
 /// Pass i is an image of radiance i.
-struct Counting;
+struct CountingIntegrator;
 
-impl Integrator for Counting {
+impl Integrator for CountingIntegrator {
     fn pass(&self, pass: u32, _: &dyn Monitor) -> Pass {
         Pass { image: vec![Rgb::splat(pass as f32); 2], ..Pass::default() }
     }
@@ -20,14 +20,14 @@ impl Integrator for Counting {
     }
 }
 
-fn stop(passes: Option<u32>, time: Option<Duration>, interrupted: &AtomicBool) -> StopCriteria<'_> {
+fn stop_criteria(passes: Option<u32>, time: Option<Duration>, interrupted: &AtomicBool) -> StopCriteria<'_> {
     StopCriteria { min_passes: 1, passes, time, target: None, interrupted }
 }
 
 #[test]
 fn the_image_is_the_mean_of_the_passes() {
     let interrupted = AtomicBool::new(false);
-    let rendered = render(&Counting, (2, 1), &stop(Some(4), None, &interrupted), &Silent, |_| {});
+    let rendered = render(&CountingIntegrator, (2, 1), &stop_criteria(Some(4), None, &interrupted), &Silent, |_| {});
     assert_eq!((rendered.ended, rendered.film.passes()), (EndReason::Passes, 4));
     assert_eq!(rendered.film.mean(), vec![Rgb::splat(1.5); 2]);
 }
@@ -35,10 +35,10 @@ fn the_image_is_the_mean_of_the_passes() {
 #[test]
 fn time_and_interrupts_end_after_a_whole_pass() {
     let interrupted = AtomicBool::new(false);
-    let timed = stop(None, Some(Duration::ZERO), &interrupted);
-    assert_eq!(render(&Counting, (2, 1), &timed, &Silent, |_| {}).ended, EndReason::Time);
+    let timed = stop_criteria(None, Some(Duration::ZERO), &interrupted);
+    assert_eq!(render(&CountingIntegrator, (2, 1), &timed, &Silent, |_| {}).ended, EndReason::Time);
     let mut passes = 0;
-    let rendered = render(&Counting, (2, 1), &stop(None, None, &interrupted), &Silent, |after| {
+    let rendered = render(&CountingIntegrator, (2, 1), &stop_criteria(None, None, &interrupted), &Silent, |after| {
         passes = after.passes;
         interrupted.store(passes == 3, Ordering::Relaxed);
     });

@@ -1,6 +1,6 @@
 //! Blur of photon estimates, extrapolated from two smaller discs.
 
-/// Lower bound of D₀·D₁ / ‖D₀‖². Differences that oppose each other more are noise.
+/// Lower bound of D₀·D₁ / ‖D₀‖². BlurDifferences that oppose each other more are noise.
 const MIN_CORRELATION: f64 = -0.5;
 
 /// D₀·D₁ / ‖D₀‖² at a straight light edge, Epanechnikov kernel. Larger values make the series
@@ -20,7 +20,7 @@ const MAX_RATIO: f64 = 0.841;
 const EXTRAPOLATION_ERROR: f64 = 0.5;
 
 /// Mean squares and products of D₀ and D₁ over the picture, without noise in expectation.
-pub(super) struct Differences {
+pub(super) struct BlurDifferences {
     /// ‖D₀‖².
     pub d0: f64,
     /// D₀·D₁.
@@ -35,7 +35,7 @@ pub(super) struct Differences {
 
 /// Estimated blur of the picture.
 #[derive(Default)]
-pub(super) struct Blur {
+pub(super) struct BlurEstimate {
     /// Squared relative blur.
     pub square: f64,
     /// Variance of `square`.
@@ -46,14 +46,14 @@ pub(super) struct Blur {
     pub extrapolation: f64,
 }
 
-impl Blur {
+impl BlurEstimate {
     /// Extrapolates the sum of all differences from the first two.
     ///
     /// In smooth light each difference is half of the previous one, so ‖bias‖² = 4‖D₀‖². At edges
     /// and foci the ratio is q, and the correlation of neighbours is c: Dᵢ·Dⱼ = ‖D₀‖² q^(i+j)
     /// c^|i−j|. Then ‖Σ Dᵢ‖² = ‖D₀‖² (1 + qc)/((1 − qc)(1 − q²)). The values q² and qc are
     /// measured; each is pulled towards smooth light as far as noise hides it.
-    pub(super) fn extrapolate(differences: &Differences) -> Self {
+    pub(super) fn extrapolate(differences: &BlurDifferences) -> Self {
         let d0 = differences.d0.max(0.0);
         if d0 <= 0.0 {
             return Self { square: 0.0, variance: 16.0 * differences.d0_variance, ratio: 0.5, extrapolation: 0.0 };
@@ -64,7 +64,7 @@ impl Blur {
             (differences.d0_d1 / d0).clamp(MIN_CORRELATION, EDGE_CORRELATION).clamp(-squared.sqrt(), squared.sqrt());
         let squared = 0.25 + trust * (squared - 0.25);
         let correlation = 0.5 + trust * (correlation - 0.5);
-        let whole = series_sum(correlation, squared);
+        let whole = squared_bias_ratio(correlation, squared);
         let measured = 1.0 + 2.0 * correlation + squared;
         let square = d0 * whole;
         let extrapolated = square.sqrt() - (d0 * measured).sqrt();
@@ -78,9 +78,9 @@ impl Blur {
     }
 }
 
-/// ‖Σ Dᵢ‖² / ‖D₀‖² by the law of [`Blur::extrapolate`], limited to the values of [`ROUGH`]
+/// ‖Σ Dᵢ‖² / ‖D₀‖² by the law of [`BlurEstimate::extrapolate`], limited to the values of [`ROUGH`]
 /// features.
-fn series_sum(correlation: f64, squared: f64) -> f64 {
+fn squared_bias_ratio(correlation: f64, squared: f64) -> f64 {
     let law = (1.0 + correlation) / ((1.0 - correlation) * (1.0 - squared.min(ROUGH[0].0)));
     let rough = ROUGH.windows(2).find(|pair| squared <= pair[1].0).map_or(ROUGH[2].1, |pair| {
         let [(q, s), (next_q, next_s)] = [pair[0], pair[1]];

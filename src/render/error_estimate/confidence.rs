@@ -26,7 +26,7 @@ impl Confidence {
     /// Half-width of the central interval of a Gaussian with this probability \[standard
     /// deviations].
     #[must_use]
-    pub fn deviations(self) -> f64 {
+    pub fn gaussian_half_width(self) -> f64 {
         // Sixty bisections reach f64 precision. Beyond 40 deviations the tail underflows.
         let (mut low, mut high) = (0.0, 40.0);
         for _ in 0..60 {

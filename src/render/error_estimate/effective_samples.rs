@@ -8,13 +8,13 @@ use crate::color::Rgb;
 /// variance v. The product of two such differences without a common picture has mean zero and
 /// variance tr Σ². The effective count is v² / tr Σ² (Satterthwaite).
 #[derive(Clone, Debug, Default)]
-pub(super) struct EffectiveSamples {
+pub(super) struct EffectiveSampleCount {
     pictures: u32,
     previous: Vec<Rgb>,
     /// The last two differences, alternating.
     differences: [Vec<Rgb>; 2],
-    variances: Moments,
-    products: Moments,
+    variances: RunningMoments,
+    products: RunningMoments,
 }
 
 /// Sample count assumed before there are products; it weighs as much as [`PRIOR_PRODUCTS`]
@@ -24,13 +24,13 @@ const PRIOR_PRODUCTS: f64 = 2.0;
 
 /// Running mean and variance (Welford).
 #[derive(Clone, Copy, Debug, Default)]
-struct Moments {
+struct RunningMoments {
     count: f64,
     mean: f64,
     m2: f64,
 }
 
-impl Moments {
+impl RunningMoments {
     fn add(&mut self, x: f64) {
         self.count += 1.0;
         let delta = x - self.mean;
@@ -39,7 +39,7 @@ impl Moments {
     }
 }
 
-impl EffectiveSamples {
+impl EffectiveSampleCount {
     /// Adds a picture; `weights` scale squared differences by pixel, each result is clamped to
     /// `max`.
     pub fn add(&mut self, picture: impl Iterator<Item = Rgb>, weights: &[f64], max: f64) {
@@ -73,18 +73,18 @@ impl EffectiveSamples {
 
     /// Relative variance of the squared error of one picture if its noise is Gaussian: 2 / sample
     /// count.
-    pub fn scatter(&self) -> f64 {
+    pub fn squared_error_variance(&self) -> f64 {
         let v = self.variances.mean;
         if v <= 0.0 {
             return 0.0;
         }
-        let Moments { count, mean, .. } = self.products;
+        let RunningMoments { count, mean, .. } = self.products;
         2.0 * ((mean / (v * v) * count + PRIOR_PRODUCTS / PRIOR_SAMPLES) / (count + PRIOR_PRODUCTS)).min(1.0)
     }
 
     /// Relative variance of the estimated variance; fireflies make it large.
-    pub fn variance_of_variance(&self) -> f64 {
-        let Moments { count, mean, m2 } = self.variances;
+    pub fn relative_variance_of_variance(&self) -> f64 {
+        let RunningMoments { count, mean, m2 } = self.variances;
         if count < 2.0 || mean <= 0.0 {
             return if mean > 0.0 { 2.0 } else { 0.0 };
         }
@@ -99,12 +99,12 @@ mod tests {
     use crate::sampling::{Dimension, Key, Purpose};
 
     /// Uniform noise of variance 1/12 in one channel, in blocks of `block` equal pixels.
-    fn sample(block: usize, pixels: usize, pictures: u64) -> EffectiveSamples {
-        let mut samples = EffectiveSamples::default();
+    fn count_of_block_noise(block: usize, pixels: usize, pictures: u64) -> EffectiveSampleCount {
+        let mut samples = EffectiveSampleCount::default();
         let weights = vec![1.0; pixels];
         for picture in 0..pictures {
-            let key = Key::new(9).purpose(Purpose::Test).with(picture);
-            let value = |i: usize| Rgb::X * key.with((i / block) as u64).uniform(Dimension::Film);
+            let key = Key::new(9).purpose_key(Purpose::Test).child_key(picture);
+            let value = |i: usize| Rgb::X * key.child_key((i / block) as u64).uniform_1d(Dimension::Film);
             samples.add((0..pixels).map(value), &weights, f64::INFINITY);
         }
         samples
@@ -115,9 +115,9 @@ mod tests {
     #[test]
     fn equal_pixels_count_as_one_sample() {
         for block in [1, 4, 24] {
-            let samples = sample(block, 240, 400);
+            let samples = count_of_block_noise(block, 240, 400);
             assert!((samples.variances.mean * 12.0 - 1.0).abs() < 5.0 * (3.0 * block as f64 / 240.0 / 399.0).sqrt());
-            let independent = 2.0 / samples.scatter();
+            let independent = 2.0 / samples.squared_error_variance();
             let expected = 240.0 / block as f64;
             assert!((independent / expected - 1.0).abs() < 5.0 * (2.0 / 198f64).sqrt(), "{independent} {expected}");
         }
@@ -125,11 +125,17 @@ mod tests {
 
     #[test]
     fn few_pictures_give_the_prior_and_black_gives_zero() {
-        assert_eq!((sample(1, 10, 1).scatter(), sample(1, 10, 3).scatter()), (0.0, 2.0 / PRIOR_SAMPLES));
-        assert_eq!(sample(1, 10, 2).variance_of_variance(), 2.0);
-        assert!(sample(10, 10, 12).scatter() > 10.0 * 2.0 / PRIOR_SAMPLES);
-        let mut black = EffectiveSamples::default();
+        assert_eq!(
+            (
+                count_of_block_noise(1, 10, 1).squared_error_variance(),
+                count_of_block_noise(1, 10, 3).squared_error_variance()
+            ),
+            (0.0, 2.0 / PRIOR_SAMPLES)
+        );
+        assert_eq!(count_of_block_noise(1, 10, 2).relative_variance_of_variance(), 2.0);
+        assert!(count_of_block_noise(10, 10, 12).squared_error_variance() > 10.0 * 2.0 / PRIOR_SAMPLES);
+        let mut black = EffectiveSampleCount::default();
         (0..8).for_each(|_| black.add(std::iter::repeat_n(Rgb::ZERO, 4), &[1.0; 4], 1.0));
-        assert_eq!((black.scatter(), black.variance_of_variance()), (0.0, 0.0));
+        assert_eq!((black.squared_error_variance(), black.relative_variance_of_variance()), (0.0, 0.0));
     }
 }

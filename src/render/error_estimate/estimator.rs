@@ -1,12 +1,12 @@
 //! Accumulates passes and estimates the error of their mean.
 
-use super::blur::{Blur, Differences};
+use super::blur::{BlurDifferences, BlurEstimate};
 use super::confidence::Confidence;
-use super::effective_samples::EffectiveSamples;
+use super::effective_samples::EffectiveSampleCount;
 use super::estimate::ErrorEstimate;
 use super::fireflies::Fireflies;
 use super::forecast::ErrorForecast;
-use super::shared_paths::SharedPaths;
+use super::shared_paths::SharedPathError;
 use crate::image::RelativeScale;
 use crate::integrate::{Discs, NestedEstimates, Pass, RadiusLaw};
 use crate::render::film::Film;
@@ -22,21 +22,21 @@ pub struct ErrorEstimator {
     passes: u32,
     /// Σ (x − mean)² by pixel and channel; f64, since squares of f32 values overflow f32.
     deviations: Vec<DVec3>,
-    photon_estimates: Option<PhotonEstimates>,
-    shared_paths: SharedPaths,
-    samples: EffectiveSamples,
+    photon_estimates: Option<NestedEstimateSums>,
+    shared_paths: SharedPathError,
+    samples: EffectiveSampleCount,
     scale: Option<RelativeScale>,
 }
 
 /// Sums over passes of the photon estimates at smaller discs, by pixel.
 #[derive(Clone, Debug)]
-struct PhotonEstimates {
+struct NestedEstimateSums {
     /// Σ D₀ and Σ D₁.
     differences: [Vec<Vec3>; 2],
     /// Σ D₀², Σ D₀·D₁ and Σ D₁², summed over channels.
     products: Vec<[f64; 3]>,
     discs: Vec<[DiscMean; 2]>,
-    samples: EffectiveSamples,
+    samples: EffectiveSampleCount,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -69,8 +69,8 @@ impl ErrorEstimator {
             passes: 0,
             deviations: Vec::new(),
             photon_estimates: None,
-            shared_paths: SharedPaths::default(),
-            samples: EffectiveSamples::default(),
+            shared_paths: SharedPathError::default(),
+            samples: EffectiveSampleCount::default(),
             scale: None,
         }
     }
@@ -94,7 +94,7 @@ impl ErrorEstimator {
         // n.
         self.samples.add(pass.image.iter().copied(), weights, n + 1.0);
         if !pass.nested.is_empty() {
-            let estimates = self.photon_estimates.get_or_insert_with(|| PhotonEstimates::new(pass.nested.len()));
+            let estimates = self.photon_estimates.get_or_insert_with(|| NestedEstimateSums::new(pass.nested.len()));
             estimates.add(&pass.nested);
             estimates.samples.add(pass.nested.iter().map(|pixel| pixel.steps[0]), weights, n + 1.0);
         }
@@ -131,17 +131,17 @@ impl ErrorEstimator {
             square.min(1.0)
         });
         let noise2 = noise2.sum::<f64>() * fraction;
-        let differences = self.photon_estimates.as_ref().map(|estimates| estimates.differences(&scale, n));
-        let blur = differences.as_ref().map(Blur::extrapolate).unwrap_or_default();
+        let differences = self.photon_estimates.as_ref().map(|estimates| estimates.mean_differences(&scale, n));
+        let blur = differences.as_ref().map(BlurEstimate::extrapolate).unwrap_or_default();
         let (shared2, shared_variance) = self.shared_paths.squared_error(&scale, film.size().0, n);
         let square = noise2 + blur.square + shared2;
         // Two uncertainties: this picture's error scatters about its expectation, and the
         // expectation is itself an estimate.
-        let scatter = self.samples.scatter();
+        let scatter = self.samples.squared_error_variance();
         let realised = noise2 * noise2 * scatter + 2.0 * noise2 * (blur.square + shared2) * scatter;
-        let estimated = noise2 * noise2 * self.samples.variance_of_variance().max(scatter / (n - 1.0));
+        let estimated = noise2 * noise2 * self.samples.relative_variance_of_variance().max(scatter / (n - 1.0));
         let deviation = (realised + estimated + blur.variance + shared_variance).sqrt();
-        let half_width = confidence.deviations() * deviation;
+        let half_width = confidence.gaussian_half_width() * deviation;
         let error = square.sqrt();
         ErrorEstimate {
             passes,
@@ -169,7 +169,7 @@ impl ErrorEstimator {
 
     /// Error of each pixel of `film`.
     #[must_use]
-    pub fn maps(&self, film: &Film) -> ErrorMaps {
+    pub fn error_maps(&self, film: &Film) -> ErrorMaps {
         let n = f64::from(self.passes.max(1));
         let over = (n * (n - 1.0)).max(1.0);
         let noise = self.deviations.iter().map(|m2| (*m2 / over).map(f64::sqrt).as_vec3()).collect();
@@ -182,13 +182,13 @@ impl ErrorEstimator {
     }
 }
 
-impl PhotonEstimates {
+impl NestedEstimateSums {
     fn new(pixels: usize) -> Self {
         Self {
             differences: [vec![Vec3::ZERO; pixels], vec![Vec3::ZERO; pixels]],
             products: vec![[0.0; 3]; pixels],
             discs: vec![[DiscMean::default(); 2]; pixels],
-            samples: EffectiveSamples::default(),
+            samples: EffectiveSampleCount::default(),
         }
     }
 
@@ -209,7 +209,7 @@ impl PhotonEstimates {
     }
 
     /// Mean squares and products over the picture, from pairs of different passes among `n`.
-    fn differences(&self, scale: &RelativeScale, n: f64) -> Differences {
+    fn mean_differences(&self, scale: &RelativeScale, n: f64) -> BlurDifferences {
         let [d0, d1] = &self.differences;
         let pixels = scale.weights().len();
         let (mut square, mut variance) = ([0.0; 3], 0.0);
@@ -217,16 +217,16 @@ impl PhotonEstimates {
             let (a, b) = (d0[i].as_dvec3(), d1[i].as_dvec3());
             let products = self.products[i];
             for ((sum, all), same_pass) in square.iter_mut().zip([a.dot(a), a.dot(b), b.dot(b)]).zip(products) {
-                *sum += scale.counts(i, (all - same_pass) / (n * (n - 1.0)));
+                *sum += scale.clamped_relative_product(i, (all - same_pass) / (n * (n - 1.0)));
             }
-            variance += scale.counts(i, (products[0] - a.dot(a) / n) / (n * (n - 1.0)));
+            variance += scale.clamped_relative_product(i, (products[0] - a.dot(a) / n) / (n * (n - 1.0)));
         }
         let [d0, d0_d1, d1] = square.map(|sum| sum / pixels as f64);
         let variance = n * variance / pixels as f64;
         // Two terms: the noise of pairs of passes, and its product with the expected difference.
-        let scatter = self.samples.scatter();
+        let scatter = self.samples.squared_error_variance();
         let d0_variance = variance * variance * scatter / (n * (n - 1.0)) + 2.0 * d0.max(0.0) * variance * scatter / n;
-        Differences { d0, d0_d1, d1, variance, d0_variance }
+        BlurDifferences { d0, d0_d1, d1, variance, d0_variance }
     }
 }
 

@@ -23,12 +23,12 @@ impl Fireflies {
     }
 
     /// Contribution to the mean squared error of the picture after the passes so far.
-    pub(super) fn now(&self) -> f64 {
+    pub(super) fn current_squared_error(&self) -> f64 {
         self.fractions.iter().sum()
     }
 
     /// Contribution to the mean squared error after `factor` times as many passes; at most 1.
-    pub(super) fn after(&self, factor: f64) -> f64 {
+    pub(super) fn squared_error_after(&self, factor: f64) -> f64 {
         let one = |(octave, part): (usize, &f64)| part * (libm::exp2(octave as f64 + 0.5) / (factor * factor)).min(1.0);
         (factor * self.fractions.iter().enumerate().map(one).sum::<f64>()).min(1.0)
     }

@@ -29,7 +29,7 @@ pub enum PassesNeeded {
 ///
 /// Let aᵢ be the disc area in pass i over that of pass 0. Noise has two parts: one falls as 1/n,
 /// that of photon estimates as Σ(1/aᵢ)/n². The noise of D₀ tells how large the second part is. Blur
-/// follows the mean of aᵢ^p with the measured power p. Fireflies follow `Fireflies::after`.
+/// follows the mean of aᵢ^p with the measured power p. Fireflies follow `Fireflies::squared_error_after`.
 #[derive(Clone, Copy, Debug)]
 pub struct ErrorForecast {
     alpha: f64,
@@ -52,7 +52,7 @@ impl ErrorForecast {
     pub(super) fn new(estimate: &ErrorEstimate, law: Option<(f64, f32)>) -> Self {
         let n = f64::from(estimate.passes);
         let (fireflies, shared_paths) = (estimate.fireflies, estimate.shared_paths);
-        let variance = (estimate.variance - n * fireflies.now()).max(0.0);
+        let variance = (estimate.variance - n * fireflies.current_squared_error()).max(0.0);
         let Some((alpha, step_noise)) = law else {
             return Self {
                 alpha: 1.0,
@@ -66,8 +66,8 @@ impl ErrorForecast {
             };
         };
         let power = (-libm::log2(estimate.blur_ratio)).max(0.0);
-        let mut sums = PassSums::new(alpha, power);
-        (0..estimate.passes).for_each(|_| sums.step());
+        let mut sums = DiscAreaSums::new(alpha, power);
+        (0..estimate.passes).for_each(|_| sums.add_pass());
         let photon_variance = (estimate.step_variance / f64::from(step_noise)).min(variance);
         Self {
             alpha,
@@ -83,17 +83,17 @@ impl ErrorForecast {
 
     /// Relative noise and bias after `passes` ≥ 1 passes.
     #[cfg(test)]
-    fn after(&self, passes: u32) -> (f64, f64) {
-        let mut sums = PassSums::new(self.alpha, self.power);
-        (0..passes).for_each(|_| sums.step());
-        self.at(&sums)
+    fn noise_and_bias_after(&self, passes: u32) -> (f64, f64) {
+        let mut sums = DiscAreaSums::new(self.alpha, self.power);
+        (0..passes).for_each(|_| sums.add_pass());
+        self.noise_and_bias_of_sums(&sums)
     }
 
     /// Relative noise and bias after the passes in `sums`.
-    fn at(&self, sums: &PassSums) -> (f64, f64) {
+    fn noise_and_bias_of_sums(&self, sums: &DiscAreaSums) -> (f64, f64) {
         let n = f64::from(sums.passes);
         let noise2 = (self.path_variance * n + self.photon_variance * sums.inverse_area) / (n * n)
-            + self.fireflies.after(n / self.passes);
+            + self.fireflies.squared_error_after(n / self.passes);
         let blur = self.blur * sums.blur / n;
         (noise2.sqrt(), (blur * blur + self.shared_paths * self.shared_paths).sqrt())
     }
@@ -105,14 +105,14 @@ impl ErrorForecast {
         if floor >= target {
             return PassesNeeded::Never { floor };
         }
-        let mut sums = PassSums::new(self.alpha, self.power);
+        let mut sums = DiscAreaSums::new(self.alpha, self.power);
         while sums.passes < MAX_PASSES {
             if sums.passes < EXACT_PASSES {
-                sums.step()
+                sums.add_pass()
             } else {
-                sums.leap()
+                sums.add_leap()
             }
-            let (noise, bias) = self.at(&sums);
+            let (noise, bias) = self.noise_and_bias_of_sums(&sums);
             if noise.hypot(bias) <= target {
                 return PassesNeeded::Passes(sums.passes);
             }
@@ -122,7 +122,7 @@ impl ErrorForecast {
 }
 
 /// Sums of powers of the disc area over passes.
-struct PassSums {
+struct DiscAreaSums {
     alpha: f64,
     power: f64,
     passes: u32,
@@ -134,12 +134,12 @@ struct PassSums {
     blur: f64,
 }
 
-impl PassSums {
+impl DiscAreaSums {
     fn new(alpha: f64, power: f64) -> Self {
         Self { alpha, power, passes: 0, area: shrink(alpha, 0), inverse_area: 0.0, blur: 0.0 }
     }
 
-    fn step(&mut self) {
+    fn add_pass(&mut self) {
         self.inverse_area += 1.0 / self.area;
         self.blur += if self.power == 1.0 { self.area } else { libm::pow(self.area, self.power) };
         self.passes += 1;
@@ -149,7 +149,7 @@ impl PassSums {
 
     /// Adds 1/[`LEAP`] of the passes at once by the midpoint rule; area is about n^(α − 1) for
     /// large n.
-    fn leap(&mut self) {
+    fn add_leap(&mut self) {
         let (n, count) = (f64::from(self.passes), self.passes / LEAP);
         let at = |i: f64| self.area * libm::pow(i / n, self.alpha - 1.0);
         let middle = at(n + 0.5 * f64::from(count));

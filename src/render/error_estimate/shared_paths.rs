@@ -10,7 +10,7 @@ const BLOCK: u32 = 16;
 
 /// Sums, at a few pixels, of shared-path radiance less radiance along fresh paths.
 #[derive(Clone, Debug, Default)]
-pub(super) struct SharedPaths {
+pub(super) struct SharedPathError {
     /// Pixel indices, by rows from the top.
     pixels: Vec<u32>,
     /// Σ difference over passes, by channel.
@@ -19,7 +19,7 @@ pub(super) struct SharedPaths {
     squares: Vec<f64>,
 }
 
-impl SharedPaths {
+impl SharedPathError {
     pub(super) fn add(&mut self, pass: &Pass) {
         if self.pixels.is_empty() {
             self.pixels = pass.fresh.iter().map(|(i, _)| *i).collect();
@@ -43,7 +43,10 @@ impl SharedPaths {
         }
         let block = |at: u32| (at % columns / BLOCK, at / columns / BLOCK);
         let one = |((at, sum), square): ((&u32, &DVec3), &f64)| {
-            (block(*at), scale.counts(*at as usize, (sum.length_squared() - square) / (n * (n - 1.0))))
+            (
+                block(*at),
+                scale.clamped_relative_product(*at as usize, (sum.length_squared() - square) / (n * (n - 1.0))),
+            )
         };
         let values: Vec<_> = self.pixels.iter().zip(&self.sums).zip(&self.squares).map(one).collect();
         let mean = values.iter().map(|(_, value)| value).sum::<f64>() / values.len() as f64;

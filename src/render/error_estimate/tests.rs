@@ -14,16 +14,17 @@ const PIXELS: usize = 1600;
 const LAW: RadiusLaw = RadiusLaw { alpha: 1.0, kernel: Kernel::Epanechnikov };
 
 /// Uniform noise of mean 0 and variance 1.
-fn noise(pass: u32, seed: u64, pixel: usize, which: u64) -> f32 {
-    let key = Key::new(seed).purpose(Purpose::Test).with(u64::from(pass) << 32 | pixel as u64).with(which);
-    (key.uniform(Dimension::Film) - 0.5) * 12f32.sqrt()
+fn uniform_noise(pass: u32, seed: u64, pixel: usize, which: u64) -> f32 {
+    let key =
+        Key::new(seed).purpose_key(Purpose::Test).child_key(u64::from(pass) << 32 | pixel as u64).child_key(which);
+    (key.uniform_1d(Dimension::Film) - 0.5) * 12f32.sqrt()
 }
 
 /// Renders radiance 1 with noise `sigma` and smooth bias b; D₀ = b/2 and D₁ = b/4 are noisy too.
-fn render(passes: u32, seed: u64, sigma: f32, bias: f32) -> (ErrorEstimator, Film) {
+fn render_noisy_passes(passes: u32, seed: u64, sigma: f32, bias: f32) -> (ErrorEstimator, Film) {
     let (mut estimator, mut film) = (ErrorEstimator::new(Some(LAW)), Film::new(WIDTH, WIDTH));
     for i in 0..passes {
-        let part = |pixel: usize, which: u64| Rgb::splat(sigma * noise(i, seed, pixel, which));
+        let part = |pixel: usize, which: u64| Rgb::splat(sigma * uniform_noise(i, seed, pixel, which));
         let pixel = |p: usize| NestedEstimates {
             steps: [Rgb::splat(0.5 * bias) + part(p, 1), Rgb::splat(0.25 * bias) + part(p, 2)],
             ..NestedEstimates::default()
@@ -38,7 +39,7 @@ fn render(passes: u32, seed: u64, sigma: f32, bias: f32) -> (ErrorEstimator, Fil
 
 #[test]
 fn three_passes_give_no_estimate() {
-    let (estimator, film) = render(MIN_PASSES - 1, 1, 0.1, 0.0);
+    let (estimator, film) = render_noisy_passes(MIN_PASSES - 1, 1, 0.1, 0.0);
     let estimate = estimator.estimate(&film);
     assert!(estimate.error.is_infinite() && estimate.high.is_infinite() && estimate.low == 0.0);
     assert!(estimator.forecast(&estimate).is_none());
@@ -48,7 +49,7 @@ fn three_passes_give_no_estimate() {
 #[test]
 fn noise_and_bias_are_separated() {
     for (sigma, bias) in [(0.3, 0.0), (0.3, 0.1), (0.01, 0.1)] {
-        let (estimator, film) = render(16, 2, sigma, bias);
+        let (estimator, film) = render_noisy_passes(16, 2, sigma, bias);
         let estimate = estimator.estimate(&film);
         let unit = f64::from(1.0 + bias) * 2f64.sqrt();
         let expected = f64::from(sigma) / 4.0 / unit;
@@ -71,7 +72,7 @@ fn noise_and_bias_are_separated() {
 fn intervals_contain_the_true_error() {
     let (mut held, pictures) = (0, 200);
     for seed in 0..pictures {
-        let (estimator, film) = render(8, 100 + seed, 0.3, 0.0);
+        let (estimator, film) = render_noisy_passes(8, 100 + seed, 0.3, 0.0);
         let estimate = estimator.estimate(&film);
         let scale = RelativeScale::from_pixels(film.size(), &[Rgb::ONE; PIXELS]);
         let mean = film.mean();
@@ -88,7 +89,7 @@ fn shared_paths_are_bias() {
     let (mut estimator, mut film) = (ErrorEstimator::new(None), Film::new(WIDTH, WIDTH));
     for i in 0..32 {
         let image = vec![Rgb::splat(1.2); PIXELS];
-        let fresh = (0..16).map(|p| (p as u32 * 100, Rgb::splat(1.0 + 0.1 * noise(i, 3, p, 0)))).collect();
+        let fresh = (0..16).map(|p| (p as u32 * 100, Rgb::splat(1.0 + 0.1 * uniform_noise(i, 3, p, 0)))).collect();
         let pass = Pass { image, fresh, ..Pass::default() };
         estimator.add(&film, &pass);
         film.add(&pass.image);

@@ -4,20 +4,20 @@ use crate::sampling::Sampler;
 #[test]
 fn numbers_depend_on_every_part_of_the_key() {
     let base = |seed: u64, pass: u64, path: u64, bounce: u64| {
-        Key::new(seed).purpose(Purpose::Test).with(pass).with(path).with(bounce)
+        Key::new(seed).purpose_key(Purpose::Test).child_key(pass).child_key(path).child_key(bounce)
     };
-    let reference = base(1, 2, 3, 4).bits(Dimension::Light);
+    let reference = base(1, 2, 3, 4).random_bits(Dimension::Light);
     let others = [
-        base(2, 2, 3, 4).bits(Dimension::Light),
-        base(1, 3, 3, 4).bits(Dimension::Light),
-        base(1, 2, 4, 4).bits(Dimension::Light),
-        base(1, 2, 3, 5).bits(Dimension::Light),
-        base(1, 3, 2, 4).bits(Dimension::Light),
-        base(1, 2, 3, 4).bits(Dimension::Film),
-        Key::new(1).purpose(Purpose::Camera).with(2).with(3).with(4).bits(Dimension::Light),
+        base(2, 2, 3, 4).random_bits(Dimension::Light),
+        base(1, 3, 3, 4).random_bits(Dimension::Light),
+        base(1, 2, 4, 4).random_bits(Dimension::Light),
+        base(1, 2, 3, 5).random_bits(Dimension::Light),
+        base(1, 3, 2, 4).random_bits(Dimension::Light),
+        base(1, 2, 3, 4).random_bits(Dimension::Film),
+        Key::new(1).purpose_key(Purpose::Camera).child_key(2).child_key(3).child_key(4).random_bits(Dimension::Light),
     ];
     assert!(others.iter().all(|o| *o != reference));
-    assert_eq!(base(1, 2, 3, 4).bits(Dimension::Light), reference);
+    assert_eq!(base(1, 2, 3, 4).random_bits(Dimension::Light), reference);
 }
 
 /// Chi-square test of a million points with consecutive keys over 32² cells; false-alarm rate
@@ -26,10 +26,10 @@ fn numbers_depend_on_every_part_of_the_key() {
 fn consecutive_keys_are_uniform() {
     const CELLS: usize = 32;
     let n = 1_000_000u64;
-    let key = Key::new(7).purpose(Purpose::Test);
+    let key = Key::new(7).purpose_key(Purpose::Test);
     let mut counts = vec![0u32; CELLS * CELLS];
     for path in 0..n {
-        let u = key.with(path).uniform_2d(Dimension::LightPosition);
+        let u = key.child_key(path).uniform_2d(Dimension::LightPosition);
         assert!(u.cmpge(Vec2::ZERO).all() && u.cmplt(Vec2::ONE).all());
         counts[(u.y * CELLS as f32) as usize * CELLS + (u.x * CELLS as f32) as usize] += 1;
     }
@@ -45,13 +45,13 @@ fn consecutive_keys_are_uniform() {
 /// Pins the words of the key map: other words would change every picture.
 #[test]
 fn named_keys_use_the_words_of_the_map() {
-    let key = Key::new(5).purpose(Purpose::Test);
-    assert_eq!(key.pixel(3, 7), key.with(7 << 32 | 3));
-    assert_eq!(key.film_point(1, 9), key.with(1 << 32 | 9));
-    assert_eq!(key.medium_tracking(4), key.with(1 << 63 | 4));
-    assert_eq!((key.shared_paths(), key.fresh_paths(0)), (key.with(0), key.with(1)));
+    let key = Key::new(5).purpose_key(Purpose::Test);
+    assert_eq!(key.pixel_key(3, 7), key.child_key(7 << 32 | 3));
+    assert_eq!(key.film_point_key(1, 9), key.child_key(1 << 32 | 9));
+    assert_eq!(key.medium_tracking_key(4), key.child_key(1 << 63 | 4));
+    assert_eq!((key.shared_paths_key(), key.fresh_paths_key(0)), (key.child_key(0), key.child_key(1)));
     let sampler = Sampler::new(key, 2, 8);
-    assert_eq!(sampler.next_vertex(3, true), sampler.with(7));
-    assert_eq!(sampler.shadow_rays(6), sampler.with(6 << 32));
-    assert_eq!(sampler.light(11), sampler.with(11));
+    assert_eq!(sampler.next_vertex_sampler(3, true), sampler.child_sampler(7));
+    assert_eq!(sampler.shadow_ray_sampler(6), sampler.child_sampler(6 << 32));
+    assert_eq!(sampler.nth_shadow_ray_sampler(11), sampler.child_sampler(11));
 }

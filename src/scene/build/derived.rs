@@ -2,7 +2,7 @@
 
 use super::light_contact::light_contact;
 use crate::light::Light;
-use crate::math::{Bounds, Sphere};
+use crate::math::{BoundingSphere, Bounds};
 use crate::scene::Scene;
 use crate::scene::interiors::{InteriorStack, interior_at};
 use glam::Vec3;
@@ -18,9 +18,9 @@ const AMBIENT_EXTENT: f32 = 2.0;
 #[derive(Clone, Debug)]
 pub(in crate::scene) struct Derived {
     /// See [`Scene::domain`].
-    pub domain: Sphere,
+    pub domain: BoundingSphere,
     /// The ball that the ambient medium fills.
-    pub ambient_extent: Sphere,
+    pub ambient_extent: BoundingSphere,
     /// The bodies around the camera.
     pub camera_interior: InteriorStack,
     /// The bodies around each light.
@@ -31,7 +31,7 @@ pub(in crate::scene) struct Derived {
 
 impl Default for Derived {
     fn default() -> Self {
-        let nowhere = Sphere { center: Vec3::ZERO, radius: 0.0 };
+        let nowhere = BoundingSphere { center: Vec3::ZERO, radius: 0.0 };
         Self {
             domain: nowhere,
             ambient_extent: nowhere,
@@ -44,7 +44,7 @@ impl Default for Derived {
 
 /// Derives all quantities from the geometry, lights and camera of `scene`.
 pub(in crate::scene) fn derive(scene: &Scene) -> Derived {
-    let planes = scene.geometry.planes.iter().map(|plane| plane.place().0.length());
+    let planes = scene.geometry.planes.iter().map(|plane| plane.point_and_normal().0.length());
     let domain = domain(scene.geometry.bounds(), planes);
     let camera = scene.camera.center().as_vec3();
     let positions = scene.lights.iter().filter_map(Light::emission_point).chain([camera]);
@@ -58,7 +58,7 @@ pub(in crate::scene) fn derive(scene: &Scene) -> Derived {
     }
     Derived {
         domain,
-        ambient_extent: Sphere { center: domain.center, radius: farthest * AMBIENT_EXTENT },
+        ambient_extent: BoundingSphere { center: domain.center, radius: farthest * AMBIENT_EXTENT },
         camera_interior,
         light_interiors,
         light_contact: scene.lights.iter().map(|light| light_contact(scene, domain, light)).collect(),
@@ -67,7 +67,7 @@ pub(in crate::scene) fn derive(scene: &Scene) -> Derived {
 
 /// The domain around the bounded shapes, or around the camera at the origin if there are none.
 /// `planes` are the distances of unbounded planes \[length].
-fn domain(bounds: Bounds, planes: impl Iterator<Item = f32>) -> Sphere {
+fn domain(bounds: Bounds, planes: impl Iterator<Item = f32>) -> BoundingSphere {
     let ball = bounds.bounding_sphere();
     let Some(farthest) = planes.reduce(f32::max) else { return ball };
     let radius = if ball.radius > 0.0 {
@@ -77,5 +77,5 @@ fn domain(bounds: Bounds, planes: impl Iterator<Item = f32>) -> Sphere {
     } else {
         1.0
     };
-    Sphere { center: ball.center, radius: radius * OPEN_DOMAIN }
+    BoundingSphere { center: ball.center, radius: radius * OPEN_DOMAIN }
 }

@@ -1,7 +1,7 @@
 //! Lights that lie in a surface.
 
 use crate::light::Light;
-use crate::math::{Ray, Sphere, gamma};
+use crate::math::{BoundingSphere, Ray, rounding_error_bound};
 use crate::scene::Scene;
 use glam::Vec3;
 
@@ -19,12 +19,14 @@ const ROUNDINGS: f64 = 24.0;
 ///
 /// It covers the rounding of the light's position, and the position errors of the surfaces that it
 /// touches. Those of a huge triangle are large all over it. Surfaces elsewhere do not matter.
-pub(super) fn light_contact(scene: &Scene, domain: Sphere, light: &Light) -> f32 {
+pub(super) fn light_contact(scene: &Scene, domain: BoundingSphere, light: &Light) -> f32 {
     let Some(position) = light.position() else { return 0.0 };
-    let own = position.length() * gamma(1) + (scene.origin.length() * ROUNDINGS * 0.5 * f64::EPSILON) as f32;
+    let own =
+        position.length() * rounding_error_bound(1) + (scene.origin.length() * ROUNDINGS * 0.5 * f64::EPSILON) as f32;
     // No error exceeds that of a triangle across the domain, √3·18 roundings. An axis hits a
     // surface as near within √3 of that.
-    let reach = gamma(64) * (domain.radius + domain.center.abs().max_element() + position.length()) + own;
+    let reach =
+        rounding_error_bound(64) * (domain.radius + domain.center.abs().max_element() + position.length()) + own;
     let mut error = own;
     for axis in Vec3::AXES {
         let mut from = -reach;

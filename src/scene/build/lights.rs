@@ -4,7 +4,7 @@ use super::object::{Object, ObjectGeometry};
 use super::place::{Mappings, PlacedGeometry};
 use crate::light::{AreaLight, EmissionTexture, EnvironmentLight, Light, LightSurface};
 use crate::math::Motion;
-use crate::sampling::Discrete;
+use crate::sampling::DiscreteDistribution;
 use crate::scene::animation::{MID_SHUTTER, constant_strength, source_at};
 use crate::scene::delta_light::{legacy_area_light, resolve_light};
 use crate::scene::{BuildError, DeltaLightKind, LegacyLight, LightStrength};
@@ -62,9 +62,13 @@ pub(super) fn collect_lights(
                 placed.filter(|_| object.emits()).cloned().map(LightSurface::Shape)
             }
             ObjectGeometry::Mesh(range) if object.emits() => {
-                let areas = range.clone().map(|i| geometry.mesh.area(i as usize));
+                let areas = range.clone().map(|i| geometry.mesh.triangle_area(i as usize));
                 let mesh = geometry.mesh.clone();
-                Discrete::new(areas).map(|choice| LightSurface::Triangles { mesh, first: range.start, choice })
+                DiscreteDistribution::new(areas).map(|choice| LightSurface::Triangles {
+                    mesh,
+                    first: range.start,
+                    choice,
+                })
             }
             ObjectGeometry::Mesh(_) | ObjectGeometry::Plane(_) => None,
         };

@@ -15,7 +15,7 @@ pub(super) use lights::mean_lights;
 use super::interiors::{CoincidentFlags, find_flags};
 use super::{BuildError, DeltaLightKind, LightStrength, Material, Scene};
 use crate::camera::Camera;
-use crate::color::{Glass, Rgb};
+use crate::color::{DispersionFormula, Rgb};
 use crate::light::EnvironmentLight;
 use crate::math::Motion;
 use crate::medium::Medium;
@@ -36,7 +36,7 @@ pub struct SceneBuilder {
     background: Rgb,
     environment: Option<EnvironmentLight>,
     materials: Vec<Material>,
-    glasses: Vec<Glass>,
+    glasses: Vec<DispersionFormula>,
     media: Vec<Medium>,
     ambient_medium: Option<u32>,
     textures: Vec<Arc<Texture>>,
@@ -73,7 +73,7 @@ impl SceneBuilder {
     }
 
     /// Adds a glass, a refractive index that depends on the wavelength, and returns its index.
-    pub fn glass(&mut self, glass: Glass) -> u32 {
+    pub fn glass(&mut self, glass: DispersionFormula) -> u32 {
         self.glasses.push(glass);
         self.glasses.len() as u32 - 1
     }
@@ -172,7 +172,7 @@ impl SceneBuilder {
     /// Adds a light that moves while the shutter is open. The motion acts about the light's own
     /// position.
     pub fn moving_source(&mut self, kind: DeltaLightKind, strength: LightStrength, motion: &Motion) -> &mut Self {
-        let motion = kind.position().map_or_else(|| motion.clone(), |position| motion.about(position));
+        let motion = kind.position().map_or_else(|| motion.clone(), |position| motion.around_point(position));
         self.sources.push(DeltaLight { kind, strength, motion: Some(motion) });
         self
     }

@@ -40,7 +40,7 @@ impl Object {
     /// triangles.
     pub fn extent(&self, mesh: &MeshData) -> Option<Extent> {
         match &self.geometry {
-            ObjectGeometry::Shape(shape) if self.motion.is_none() => Some(shape.extent()),
+            ObjectGeometry::Shape(shape) if self.motion.is_none() => Some(shape.bounds_f64()),
             ObjectGeometry::Mesh(range) => mesh.extent(range.clone()),
             ObjectGeometry::Shape(_) | ObjectGeometry::Plane(_) => None,
         }

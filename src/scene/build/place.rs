@@ -81,7 +81,7 @@ fn place_mappings(objects: &[Object], origin: DVec3, animation: &mut Animation) 
         let (index, placed) = (mappings.list.len(), motion.followed_by(recenter));
         mappings.list.push(mapping_at(*form, &placed, MID_SHUTTER).ok_or(BuildError::Flattened)?);
         mappings.of_object.push(index as u32);
-        if !motion.is_still() {
+        if !motion.is_constant() {
             animation.mappings.push((index, *form, placed));
         }
     }
@@ -98,7 +98,7 @@ pub(super) fn place_camera(
 ) -> Result<Camera, BuildError> {
     let camera = camera.translated(-origin);
     let Some(motion) = motion else { return Ok(camera) };
-    let motion = motion.about(camera.center());
+    let motion = motion.around_point(camera.center());
     let placed = camera_at(&camera, &motion, MID_SHUTTER).ok_or(BuildError::Flattened)?;
     animation.camera = Some((camera, motion));
     Ok(placed)

@@ -32,11 +32,12 @@ pub(super) fn choose_origin(objects: &[Object], mesh: &MeshData, camera: &Camera
     for object in objects {
         match (&object.geometry, &object.motion) {
             (ObjectGeometry::Shape(shape), None) => {
-                resting.push(shape.extent());
+                resting.push(shape.bounds_f64());
                 shapes.push(shape);
             }
             (ObjectGeometry::Shape(shape), Some(motion)) => {
-                let at = |time| shape_at(shape, motion, time).map(|shape| shape.extent()).ok_or(BuildError::Flattened);
+                let at =
+                    |time| shape_at(shape, motion, time).map(|shape| shape.bounds_f64()).ok_or(BuildError::Flattened);
                 moving.push(union(union(at(0.0)?, at(MID_SHUTTER)?), at(1.0)?));
             }
             (ObjectGeometry::Mesh(_), _) => meshes.extend(object.extent(mesh)),

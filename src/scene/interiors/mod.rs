@@ -153,7 +153,7 @@ impl Interior for InteriorStack {
     const SPECTRAL: bool = false;
 
     fn at_camera(scene: &Scene, ray: &Ray, _: Effects) -> Self {
-        if scene.camera.has_eye() { scene.derived.camera_interior } else { interior_at(scene, ray.origin) }
+        if scene.camera.has_single_viewpoint() { scene.derived.camera_interior } else { interior_at(scene, ray.origin) }
     }
 
     fn at_light(scene: &Scene, light: usize, _: Effects) -> Self {

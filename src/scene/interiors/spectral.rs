@@ -84,7 +84,7 @@ impl Interior for SpectralInterior {
         }
         let disperses = body.glass.is_some() || interface.outside.is_some_and(|body| body.glass.is_some());
         if disperses && interface.real && self.wavelength.is_none() {
-            self.wavelength = Some(Wavelength::sample(key.uniform(Dimension::Wavelength)));
+            self.wavelength = Some(Wavelength::sample(key.uniform_1d(Dimension::Wavelength)));
             self.sampled_at = Some(Dielectric { eta: interface.eta(&body, |body| body.index) });
         }
         let index = |body: &Body| match (body.glass, self.wavelength) {

@@ -29,8 +29,8 @@ impl<'a> Footprint<'a> {
         cone: &RayCone,
     ) -> Self {
         let mapping = &mappings[geometry.object(hit.kind).mapping as usize];
-        let p = mapping.in_object(point.p);
-        let coords = mapping.at(p, || geometry.surface_coords(hit, point));
+        let p = mapping.point_to_object(point.p);
+        let coords = mapping.tex_coord_at(p, || geometry.surface_coords(hit, point));
         let mut context = TextureEvalContext::sharp(coords.uv, p);
         let width = f64::from(cone.width());
         if width > 0.0 {
@@ -41,7 +41,7 @@ impl<'a> Footprint<'a> {
             let long = along * (width / wo.dot(n).abs().max(MIN_COS));
             let across = n.cross(along) * width;
             context.axes = [across, long].map(|x| DVec2::new(coords.du.dot(x), coords.dv.dot(x)));
-            let [a, b] = [across, long].map(|x| mapping.step_in_object(x).length());
+            let [a, b] = [across, long].map(|x| mapping.vector_to_object(x).length());
             context.width = (a * b).sqrt();
         }
         Self { context, coords, mapping }
@@ -50,7 +50,7 @@ impl<'a> Footprint<'a> {
     /// The lookup context moved by `step` along the surface.
     pub fn moved(&self, step: DVec3) -> TextureEvalContext {
         let uv = self.context.uv + DVec2::new(self.coords.du.dot(step), self.coords.dv.dot(step));
-        TextureEvalContext { uv, p: self.context.p + self.mapping.step_in_object(step), ..self.context }
+        TextureEvalContext { uv, p: self.context.p + self.mapping.vector_to_object(step), ..self.context }
     }
 
     /// Length of the finite-difference step for a bump map along unit `direction` \[length].
@@ -59,7 +59,7 @@ impl<'a> Footprint<'a> {
     /// footprint.
     pub fn bump_step(&self, texture: &Texture, direction: DVec3, width: f64) -> f64 {
         let change = if texture.is_solid() {
-            self.mapping.step_in_object(direction).length()
+            self.mapping.vector_to_object(direction).length()
         } else {
             libm::hypot(self.coords.du.dot(direction), self.coords.dv.dot(direction))
         };

@@ -7,7 +7,7 @@ pub(super) use footprint::Footprint;
 pub use normals::NormalPerturbation;
 pub(super) use normals::perturbed_normal;
 
-use crate::bsdf::STORED_ALPHA;
+use crate::bsdf::PHOTON_STORAGE_ALPHA;
 use crate::color::Rgb;
 use crate::texture::{Texture, TextureEvalContext};
 use std::sync::Arc;
@@ -63,7 +63,7 @@ pub trait ParameterEvaluator {
     /// Value of a number.
     fn number(&self, parameter: &Textured<f32>) -> f32;
 
-    /// Roughness α of a conductor. The side of [`STORED_ALPHA`] on which it lies must not depend on
+    /// Roughness α of a conductor. The side of [`PHOTON_STORAGE_ALPHA`] on which it lies must not depend on
     /// the footprint: camera paths and photon paths divide light transport by it.
     fn conductor_roughness(&self, parameter: &Textured<f32>) -> f32;
 }
@@ -116,10 +116,10 @@ impl ParameterEvaluator for TextureLookups<'_> {
         }
         let unfiltered = Self { at: TextureEvalContext::sharp(self.at.uv, self.at.p), ..*self };
         let alpha = self.number(parameter);
-        if unfiltered.number(parameter) > STORED_ALPHA {
-            alpha.max(STORED_ALPHA.next_up())
+        if unfiltered.number(parameter) > PHOTON_STORAGE_ALPHA {
+            alpha.max(PHOTON_STORAGE_ALPHA.next_up())
         } else {
-            alpha.min(STORED_ALPHA)
+            alpha.min(PHOTON_STORAGE_ALPHA)
         }
     }
 }

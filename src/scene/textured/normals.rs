@@ -45,7 +45,7 @@ pub(in crate::scene) fn perturbed_normal(
         NormalPerturbation::None => return point.ns,
         NormalPerturbation::BumpMap { texture, height } => {
             let texture = &*textures[texture as usize];
-            let frame = Frame::around(point.ns);
+            let frame = Frame::from_normal(point.ns);
             let slope = |direction: Vec3| {
                 let direction = direction.as_dvec3();
                 let step = direction * footprint.bump_step(texture, direction, width);

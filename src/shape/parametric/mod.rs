@@ -6,8 +6,8 @@
 //! finds or excludes. Otherwise the piece is halved. A ray that is tangent within rounding is a hit
 //! where the surface is curved, and a miss where it runs inside a flat part.
 
-mod axis_ray;
-mod box_tree;
+mod box_bvh;
+mod cylindrical_ray;
 mod numeric;
 mod patch;
 mod patch_build;
@@ -16,13 +16,13 @@ mod polynomial;
 mod profile;
 mod revolution;
 mod revolution_build;
-mod ring_tree;
+mod ring_bvh;
 mod spline;
 
 pub use patch::Patch;
 pub use polynomial::MAX_DEGREE;
 pub use revolution::Revolution;
-pub use spline::{Basis, SplineError};
+pub use spline::{SplineBasis, SplineError};
 
 #[cfg(test)]
 mod tests;

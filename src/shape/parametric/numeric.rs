@@ -4,10 +4,10 @@
 ///
 /// The value covers sums over the degree, and the distance within which a tangent ray counts as
 /// a hit.
-pub(super) const SLACK: f64 = 256.0;
+pub(super) const HIT_ERROR_SCALE: f64 = 256.0;
 
 /// Points and weights of five-point Gauss–Legendre quadrature on \[−1, 1].
-pub(super) const GAUSS: [(f64, f64); 5] = [
+pub(super) const GAUSS_LEGENDRE: [(f64, f64); 5] = [
     (-0.906_179_845_938_664, 0.236_926_885_056_189_1),
     (-0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
     (0.0, 0.568_888_888_888_888_9),

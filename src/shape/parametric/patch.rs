@@ -1,15 +1,15 @@
 //! Tensor-product surfaces: Bézier patches, B-splines and NURBS.
 
-use super::box_tree::{BoxTree, Line};
-use super::numeric::{GAUSS, SLACK};
-use super::patch_build::{Cut, PatchBuilder, PatchLeaf, SubdivisionNode};
+use super::box_bvh::{BoxBvh, Line};
+use super::numeric::{GAUSS_LEGENDRE, HIT_ERROR_SCALE};
+use super::patch_build::{PatchBuilder, PatchLeaf, SubdivisionCut, SubdivisionNode};
 use super::patch_piece::PatchPiece;
-use super::polynomial::Vector;
-use super::spline::{Basis, SplineError};
+use super::polynomial::Coefficients;
+use super::spline::{SplineBasis, SplineError};
 use crate::math::{Ray, Transform};
-use crate::sampling::Discrete;
+use crate::sampling::DiscreteDistribution;
 use crate::shape::analytic::AnalyticShape;
-use crate::shape::hit::{ShapeHit, within};
+use crate::shape::hit::{ShapeHit, t_in_range};
 use crate::shape::object_ray::ObjectRay;
 use crate::shape::surface_point::{ShapeSample, SurfacePoint};
 use crate::shape::texture_mapping::TexCoord;
@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 /// Sine of the angle between the derivatives, relative to the leaf's size, below which a point is a
 /// pole or lies on a collapsed edge.
-const COLLAPSED: f64 = 1e-7;
+const COLLAPSED_SINE: f64 = 1e-7;
 
 /// The points Σ Bᵢ(u) Bⱼ(v) wᵢⱼ pᵢⱼ / Σ Bᵢ(u) Bⱼ(v) wᵢⱼ of a net of control points, with u and v in
 /// \[0, 1].
@@ -26,7 +26,7 @@ const COLLAPSED: f64 = 1e-7;
 /// The outer side is that of ∂u × ∂v, also under maps that mirror.
 #[derive(Clone, Debug)]
 pub struct Patch {
-    net: Arc<Net>,
+    net: Arc<SubdividedPatch>,
     /// Map from the net's space, whose origin is the centre of the control points.
     to_world: Transform,
     /// World area \[length²].
@@ -34,18 +34,18 @@ pub struct Patch {
 }
 
 #[derive(Debug)]
-struct Net {
+struct SubdividedPatch {
     degree: [usize; 2],
     leaves: Vec<PatchLeaf>,
-    powers: Vec<Vector<4>>,
+    powers: Vec<Coefficients<4>>,
     /// Knots between spans, in both directions.
     breaks: [Vec<f64>; 2],
     /// Subdivision of each pair of spans, row by row.
     roots: Vec<SubdivisionNode>,
-    cuts: Vec<Cut>,
-    tree: BoxTree,
+    cuts: Vec<SubdivisionCut>,
+    tree: BoxBvh,
     /// Distribution of leaves by area.
-    choice: Discrete,
+    choice: DiscreteDistribution,
     /// Half the size of a bounding box that is centred on the origin.
     half: DVec3,
     size: f64,
@@ -60,8 +60,8 @@ impl Patch {
     ///
     /// [`SplineError`] if the numbers of knots and points do not fit, a weight is not above 0, a
     /// value is too large, or the surface has no area.
-    pub fn new(bases: [&Basis; 2], controls: &[DVec4]) -> Result<Self, SplineError> {
-        Self::within(bases, controls, None)
+    pub fn new(bases: [&SplineBasis; 2], controls: &[DVec4]) -> Result<Self, SplineError> {
+        Self::with_memory_limit(bases, controls, None)
     }
 
     /// Like [`Patch::new`], limited to `free` bytes of memory if that number is known.
@@ -69,8 +69,12 @@ impl Patch {
     /// # Errors
     ///
     /// [`SplineError`], also if the memory does not suffice.
-    pub fn within(bases: [&Basis; 2], controls: &[DVec4], free: Option<u64>) -> Result<Self, SplineError> {
-        let [rows, columns] = bases.map(Basis::controls);
+    pub fn with_memory_limit(
+        bases: [&SplineBasis; 2],
+        controls: &[DVec4],
+        free: Option<u64>,
+    ) -> Result<Self, SplineError> {
+        let [rows, columns] = bases.map(SplineBasis::control_count);
         if controls.len() != rows * columns {
             return Err(SplineError::Net { controls: controls.len(), rows, columns });
         }
@@ -87,20 +91,20 @@ impl Patch {
         let place = 0.5 * min + 0.5 * max;
         let heaviest = controls.iter().fold(0.0, |m: f64, c| m.max(c.w));
         let weigh = |(p, c): (&DVec3, &DVec4)| ((*p - place) * (c.w / heaviest)).extend(c.w / heaviest).to_array();
-        let weighed: Vec<Vector<4>> = points.iter().zip(controls).map(weigh).collect();
+        let weighed: Vec<Coefficients<4>> = points.iter().zip(controls).map(weigh).collect();
 
-        let mut builder = PatchBuilder::new(bases.map(Basis::degree), free);
-        for u in bases[0].spans() {
+        let mut builder = PatchBuilder::new(bases.map(SplineBasis::degree), free);
+        for u in bases[0].knot_spans() {
             // Along u for each column of the net, then along v.
-            let columns: Vec<Vec<Vector<4>>> =
-                (0..columns).map(|j| bases[0].piece(u, &weighed, (j, columns))).collect();
-            for v in bases[1].spans() {
+            let columns: Vec<Vec<Coefficients<4>>> =
+                (0..columns).map(|j| bases[0].bezier_piece(u, &weighed, (j, columns))).collect();
+            for v in bases[1].knot_spans() {
                 let mut piece = Vec::new();
                 for i in 0..=bases[0].degree() {
-                    let row: Vec<Vector<4>> = columns.iter().map(|c| c[i]).collect();
-                    piece.extend(bases[1].piece(v, &row, (0, 1)));
+                    let row: Vec<Coefficients<4>> = columns.iter().map(|c| c[i]).collect();
+                    piece.extend(bases[1].bezier_piece(v, &row, (0, 1)));
                 }
-                builder.piece(&piece, [u.range, v.range])?;
+                builder.add_bezier_patch(&piece, [u.range, v.range])?;
             }
         }
         let half = 0.5 * (max - min);
@@ -108,18 +112,18 @@ impl Patch {
         if size == 0.0 {
             return Err(SplineError::NoArea);
         }
-        let [p, q] = bases.map(Basis::degree);
+        let [p, q] = bases.map(SplineBasis::degree);
         let noise = size * f64::EPSILON * (64 + 4 * (p * p + q * q)) as f64;
-        let bytes = builder.bytes();
+        let bytes = builder.memory_bytes();
         let PatchBuilder { leaves, powers, roots, cuts, boxes, .. } = builder;
-        let nothing = Discrete::new([1.0]).ok_or(SplineError::NoArea)?;
-        let mut net = Net {
+        let nothing = DiscreteDistribution::new([1.0]).ok_or(SplineError::NoArea)?;
+        let mut net = SubdividedPatch {
             degree: [p, q],
-            tree: BoxTree::new(&boxes, 4.0 * noise),
+            tree: BoxBvh::new(&boxes, 4.0 * noise),
             choice: nothing,
             leaves,
             powers,
-            breaks: bases.map(|b| b.spans().map(|s| s.range[0]).collect()),
+            breaks: bases.map(|b| b.knot_spans().map(|s| s.range[0]).collect()),
             roots,
             cuts,
             half,
@@ -127,14 +131,14 @@ impl Patch {
             noise,
             bytes,
         };
-        let areas = (0..net.leaves.len()).map(|i| leaf_area(&net.piece(i), &Transform::IDENTITY));
-        net.choice = Discrete::new(areas).ok_or(SplineError::NoArea)?;
-        let area = net.choice.total();
+        let areas = (0..net.leaves.len()).map(|i| leaf_area(&net.leaf_piece(i), &Transform::IDENTITY));
+        net.choice = DiscreteDistribution::new(areas).ok_or(SplineError::NoArea)?;
+        let area = net.choice.weight_sum();
         Ok(Self { net: Arc::new(net), to_world: Transform::IDENTITY.translated(place), area })
     }
 
     /// Upper bound of the memory in bytes.
-    pub(crate) fn bytes(&self) -> u64 {
+    pub(crate) fn memory_bytes(&self) -> u64 {
         self.net.bytes
     }
 
@@ -142,21 +146,21 @@ impl Patch {
     /// t.
     ///
     /// `None` if the ray passes the bounding sphere by.
-    fn line(&self, ray: &Ray) -> Option<(Line, f64, f64)> {
+    fn object_line(&self, ray: &Ray) -> Option<(Line, f64, f64)> {
         let ObjectRay { base, direction, start, length } = ObjectRay::new(ray, &self.to_world);
         let size = self.net.size * (1.0 + 1e-9);
         (base.length_squared() <= size * size).then(|| (Line::new(base, direction), start, length))
     }
 
-    fn at(&self, leaf: usize, at: DVec2, uv: Vec2) -> SurfacePoint {
+    fn surface_at(&self, leaf: usize, at: DVec2, uv: Vec2) -> SurfacePoint {
         let net = &*self.net;
-        let [p, ..] = net.piece(leaf).point(at);
+        let [p, ..] = net.leaf_piece(leaf).point_and_derivatives(at);
         // The inverse transpose keeps the outer side of a mirror image.
-        let normal = self.to_world.normal(net.normal(leaf, at)).normalize();
+        let normal = self.to_world.transform_normal(net.leaf_normal(leaf, at)).normalize();
         let m = self.to_world.forward().matrix3;
         let widest = m.x_axis.length() + m.y_axis.length() + m.z_axis.length();
         let scale = widest * net.size + self.to_world.forward().translation.abs().max_element();
-        SurfacePoint { uv, ..SurfacePoint::exact(self.to_world.point(p), normal, scale * SLACK) }
+        SurfacePoint { uv, ..SurfacePoint::from_f64(self.to_world.transform_point(p), normal, scale * HIT_ERROR_SCALE) }
     }
 }
 
@@ -164,50 +168,50 @@ impl AnalyticShape for Patch {
     fn transformed(&self, map: &Transform) -> Option<Self> {
         let to_world = Transform::new(*map.forward() * *self.to_world.forward()).ok()?;
         let net = &self.net;
-        let area = match to_world.similarity() {
-            Some(scale) => scale * scale * net.choice.total(),
-            None => (0..net.leaves.len()).map(|i| leaf_area(&net.piece(i), &to_world)).sum(),
+        let area = match to_world.uniform_scale() {
+            Some(scale) => scale * scale * net.choice.weight_sum(),
+            None => (0..net.leaves.len()).map(|i| leaf_area(&net.leaf_piece(i), &to_world)).sum(),
         };
         Some(Self { net: Arc::clone(net), to_world, area })
     }
 
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
-        let (line, start, length) = self.line(ray)?;
+        let (line, start, length) = self.object_line(ray)?;
         let net = &*self.net;
         let end = f64::from(ray.t_max) * length - start;
         let size = net.size * (1.0 + 1e-9);
         let mut found: Option<(usize, DVec2, f64)> = None;
-        net.tree.visit_hits(&line, [(-start).max(-size), end.min(size)], |leaf, range| {
-            if let Some(at) = net.piece(leaf).nearest(&line, range, net.size) {
+        net.tree.visit_hit_leaves(&line, [(-start).max(-size), end.min(size)], |leaf, range| {
+            if let Some(at) = net.leaf_piece(leaf).nearest_hit(&line, range, net.size) {
                 found = Some((leaf, at, range[1]));
             }
         });
         let (leaf, at, t) = found?;
-        let t = within(ray, (start + t) / length)?;
-        let uv = net.leaves[leaf].coordinates(at);
+        let t = t_in_range(ray, (start + t) / length)?;
+        let uv = net.leaves[leaf].leaf_to_surface_uv(at);
         Some((t, uv.x, uv.y))
     }
 
-    fn surface(&self, ray: &Ray, _t: f32, uv: Vec2) -> SurfacePoint {
-        let (leaf, mut at) = self.net.find(uv);
-        if let Some((line, ..)) = self.line(ray) {
+    fn surface_point(&self, ray: &Ray, _t: f32, uv: Vec2) -> SurfacePoint {
+        let (leaf, mut at) = self.net.find_leaf(uv);
+        if let Some((line, ..)) = self.object_line(ray) {
             // Newton's method corrects the rounding of the coordinates.
             let most = 2.0 * f64::from(f32::EPSILON) / self.net.leaves[leaf].half;
             for _ in 0..2 {
-                let step = self.net.piece(leaf).step(&line, at);
+                let step = self.net.leaf_piece(leaf).newton_step_at(&line, at);
                 if step.abs().cmple(most).all() {
                     at = (at + step).clamp(DVec2::NEG_ONE, DVec2::ONE);
                 }
             }
         }
-        self.at(leaf, at, uv)
+        self.surface_at(leaf, at, uv)
     }
 
-    fn extent(&self) -> (DVec3, DVec3) {
+    fn bounds_f64(&self) -> (DVec3, DVec3) {
         let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for i in 0..8 {
             let side = |bit: u32| if i >> bit & 1 == 0 { -1.0 } else { 1.0 };
-            let corner = self.to_world.point(self.net.half * DVec3::new(side(0), side(1), side(2)));
+            let corner = self.to_world.transform_point(self.net.half * DVec3::new(side(0), side(1), side(2)));
             (min, max) = (min.min(corner), max.max(corner));
         }
         (min, max)
@@ -225,39 +229,43 @@ impl AnalyticShape for Patch {
     fn sample(&self, u: Vec2) -> ShapeSample {
         let net = &*self.net;
         let (leaf, _) = net.choice.sample(u.x);
-        let at = DVec2::new(f64::from(net.choice.remainder(u.x, leaf)), f64::from(u.y)) * 2.0 - 1.0;
-        let uv = net.leaves[leaf].coordinates(at);
-        let point = self.at(leaf, at, uv);
+        let at = DVec2::new(f64::from(net.choice.remapped_sample(u.x, leaf)), f64::from(u.y)) * 2.0 - 1.0;
+        let uv = net.leaves[leaf].leaf_to_surface_uv(at);
+        let point = self.surface_at(leaf, at, uv);
         ShapeSample { pdf: self.pdf(&point), point, uv }
     }
 
     fn pdf(&self, seen: &SurfacePoint) -> f32 {
         let net = &*self.net;
-        let (leaf, at) = net.find(seen.uv);
-        let [_, along_x, along_y] = net.piece(leaf).point(at);
-        let element = self.to_world.vector(along_x).cross(self.to_world.vector(along_y)).length();
+        let (leaf, at) = net.find_leaf(seen.uv);
+        let [_, along_x, along_y] = net.leaf_piece(leaf).point_and_derivatives(at);
+        let element = self.to_world.transform_vector(along_x).cross(self.to_world.transform_vector(along_y)).length();
         (f64::from(net.choice.probability(leaf)) / (4.0 * element)) as f32
     }
 
     fn tex_coord(&self, _p: Vec3, uv: Vec2) -> TexCoord {
-        let (leaf, at) = self.net.find(uv);
-        let [_, along_x, along_y] = self.net.piece(leaf).point(at);
+        let (leaf, at) = self.net.find_leaf(uv);
+        let [_, along_x, along_y] = self.net.leaf_piece(leaf).point_and_derivatives(at);
         let half = self.net.leaves[leaf].half;
-        TexCoord::from_derivatives(uv, self.to_world.vector(along_x / half.x), self.to_world.vector(along_y / half.y))
+        TexCoord::from_derivatives(
+            uv,
+            self.to_world.transform_vector(along_x / half.x),
+            self.to_world.transform_vector(along_y / half.y),
+        )
     }
 }
 
 #[cfg(test)]
 impl Patch {
     /// The world-space point at the parameters `uv`.
-    pub(super) fn point_of(&self, uv: Vec2) -> DVec3 {
-        let (leaf, at) = self.net.find(uv);
-        self.to_world.point(self.net.piece(leaf).point(at)[0])
+    pub(super) fn point_at_uv(&self, uv: Vec2) -> DVec3 {
+        let (leaf, at) = self.net.find_leaf(uv);
+        self.to_world.transform_point(self.net.leaf_piece(leaf).point_and_derivatives(at)[0])
     }
 }
 
-impl Net {
-    fn piece(&self, leaf: usize) -> PatchPiece<'_> {
+impl SubdividedPatch {
+    fn leaf_piece(&self, leaf: usize) -> PatchPiece<'_> {
         let [p, q] = self.degree;
         let room = (p + 1) * (q + 1);
         let powers = &self.powers[leaf * room..(leaf + 1) * room];
@@ -266,7 +274,7 @@ impl Net {
     }
 
     /// The leaf that contains the parameters `uv`, and the position in the leaf, in \[−1, 1]².
-    fn find(&self, uv: Vec2) -> (usize, DVec2) {
+    fn find_leaf(&self, uv: Vec2) -> (usize, DVec2) {
         let uv = uv.as_dvec2();
         let stretch = |axis: usize| self.breaks[axis].partition_point(|b| *b <= uv[axis]).saturating_sub(1);
         let mut branch = self.roots[stretch(0) * self.breaks[1].len() + stretch(1)];
@@ -285,13 +293,13 @@ impl Net {
     }
 
     /// ∂u × ∂v at any length, or its limit from inside the leaf if it vanishes.
-    fn normal(&self, leaf: usize, at: DVec2) -> DVec3 {
-        let piece = self.piece(leaf);
-        let [_, middle_x, middle_y] = piece.point(DVec2::ZERO);
-        let least = COLLAPSED * middle_x.cross(middle_y).length();
+    fn leaf_normal(&self, leaf: usize, at: DVec2) -> DVec3 {
+        let piece = self.leaf_piece(leaf);
+        let [_, middle_x, middle_y] = piece.point_and_derivatives(DVec2::ZERO);
+        let least = COLLAPSED_SINE * middle_x.cross(middle_y).length();
         let mut inward = 0.0;
         loop {
-            let [_, along_x, along_y] = piece.point(at * (1.0 - inward));
+            let [_, along_x, along_y] = piece.point_and_derivatives(at * (1.0 - inward));
             let normal = along_x.cross(along_y);
             if normal.length() > least || inward > 0.9 {
                 return if normal.length_squared() > 0.0 { normal } else { DVec3::Z };
@@ -304,10 +312,10 @@ impl Net {
 /// World area of a leaf by Gauss quadrature.
 fn leaf_area(piece: &PatchPiece<'_>, to_world: &Transform) -> f64 {
     let element = |x: f64, y: f64| {
-        let [_, along_x, along_y] = piece.point(DVec2::new(x, y));
-        to_world.vector(along_x).cross(to_world.vector(along_y)).length()
+        let [_, along_x, along_y] = piece.point_and_derivatives(DVec2::new(x, y));
+        to_world.transform_vector(along_x).cross(to_world.transform_vector(along_y)).length()
     };
-    GAUSS.iter().flat_map(|(x, wx)| GAUSS.iter().map(move |(y, wy)| wx * wy * element(*x, *y))).sum()
+    GAUSS_LEGENDRE.iter().flat_map(|(x, wx)| GAUSS_LEGENDRE.iter().map(move |(y, wy)| wx * wy * element(*x, *y))).sum()
 }
 
 #[cfg(test)]

@@ -1,24 +1,24 @@
 //! Subdivision of Bézier patches until they are nearly flat.
 
-use super::box_tree::Corners;
+use super::box_bvh::BoxCorners;
 use super::patch_piece::HigherTerms;
-use super::polynomial::{Vector, split, to_powers};
-use super::spline::{NARROWEST, SplineError};
+use super::polynomial::{Coefficients, bernstein_to_powers, split_bezier};
+use super::spline::{MIN_SPAN, SplineError};
 use glam::{DVec2, DVec3, Vec2};
 
 /// Relative change of the derivatives below which a piece is divided no further.
-const FLAT: f64 = 1.0 / 16.0;
+const MAX_RELATIVE_BEND: f64 = 1.0 / 16.0;
 
 /// Largest number of halvings of a Bézier patch that never becomes flat: at poles, cusps and
 /// collapsed edges.
-const DEPTH: u32 = 14;
+const MAX_HALVINGS: u32 = 14;
 
 /// Relative size of pieces below which curvature causes no further division.
-const SMALL: f64 = 1.0 / 256.0;
+const MIN_RELATIVE_SIZE: f64 = 1.0 / 256.0;
 
 /// Bytes of a leaf besides its coefficients: itself, its box and area, its share of the tree and of
 /// the cuts.
-const PER_LEAF: u64 = 512;
+const BYTES_PER_LEAF: u64 = 512;
 
 /// Nearly flat piece of the surface.
 #[derive(Clone, Copy, Debug)]
@@ -40,7 +40,7 @@ pub(super) enum SubdivisionNode {
 
 /// Division of a piece into two.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Cut {
+pub(super) struct SubdivisionCut {
     /// 0 for u, 1 for v.
     pub axis: usize,
     pub at: f64,
@@ -49,7 +49,7 @@ pub(super) struct Cut {
 
 impl PatchLeaf {
     /// Parameters on the whole surface, rounded so that they fall into this leaf again.
-    pub fn coordinates(&self, at: DVec2) -> Vec2 {
+    pub fn leaf_to_surface_uv(&self, at: DVec2) -> Vec2 {
         let (low, high) = (self.middle - self.half, self.middle + self.half);
         let round = |x: f64, low: f64, high: f64| {
             let x = x as f32;
@@ -71,10 +71,10 @@ pub(super) struct PatchBuilder {
     /// Bytes of memory that the surface may take.
     free: Option<u64>,
     pub leaves: Vec<PatchLeaf>,
-    pub powers: Vec<Vector<4>>,
-    pub boxes: Vec<Corners>,
+    pub powers: Vec<Coefficients<4>>,
+    pub boxes: Vec<BoxCorners>,
     pub roots: Vec<SubdivisionNode>,
-    pub cuts: Vec<Cut>,
+    pub cuts: Vec<SubdivisionCut>,
 }
 
 impl PatchBuilder {
@@ -88,9 +88,9 @@ impl PatchBuilder {
     /// # Errors
     ///
     /// [`SplineError::Memory`].
-    pub fn piece(&mut self, controls: &[Vector<4>], ranges: [[f64; 2]; 2]) -> Result<(), SplineError> {
-        let [min, max] = hull(controls);
-        let root = self.cut(controls, ranges, SMALL * (max - min).length(), DEPTH)?;
+    pub fn add_bezier_patch(&mut self, controls: &[Coefficients<4>], ranges: [[f64; 2]; 2]) -> Result<(), SplineError> {
+        let [min, max] = control_point_bounds(controls);
+        let root = self.subdivide(controls, ranges, MIN_RELATIVE_SIZE * (max - min).length(), MAX_HALVINGS)?;
         self.roots.push(root);
         Ok(())
     }
@@ -98,14 +98,14 @@ impl PatchBuilder {
     /// Estimated memory in bytes, with a quarter for the slack of lists.
     ///
     /// Measured: 26.7 MB for an estimate of 34.1 MB.
-    pub fn bytes(&self) -> u64 {
-        let own = PER_LEAF * self.leaves.len() as u64 + (size_of::<Vector<4>>() * self.powers.len()) as u64;
+    pub fn memory_bytes(&self) -> u64 {
+        let own = BYTES_PER_LEAF * self.leaves.len() as u64 + (size_of::<Coefficients<4>>() * self.powers.len()) as u64;
         own + own / 4
     }
 
-    fn cut(
+    fn subdivide(
         &mut self,
-        controls: &[Vector<4>],
+        controls: &[Coefficients<4>],
         ranges: [[f64; 2]; 2],
         small: f64,
         depth: u32,
@@ -113,25 +113,25 @@ impl PatchBuilder {
         let [p, q] = self.degree;
         let columns = q + 1;
         let mut powers = controls.to_vec();
-        (0..=p).for_each(|i| to_powers(&mut powers, i * columns, 1, q));
-        (0..=q).for_each(|j| to_powers(&mut powers, j, columns, p));
+        (0..=p).for_each(|i| bernstein_to_powers(&mut powers, i * columns, 1, q));
+        (0..=q).for_each(|j| bernstein_to_powers(&mut powers, j, columns, p));
         let weight = powers[0][3];
         powers.iter_mut().flatten().for_each(|x| *x /= weight);
-        let point = vector(&powers[0]);
+        let point = xyz(&powers[0]);
         for c in &mut powers {
-            let seen = vector(c) - point * c[3];
+            let seen = xyz(c) - point * c[3];
             *c = seen.extend(c[3]).to_array();
         }
-        let corners = hull(controls);
+        let corners = control_point_bounds(controls);
         let tiny = (corners[1] - corners[0]).length() <= small;
         if depth > 0
             && !tiny
-            && let Some(axis) = bent(&powers, columns)
-            && ranges[axis][1] - ranges[axis][0] >= 2.0 * NARROWEST
+            && let Some(axis) = axis_to_halve(&powers, columns)
+            && ranges[axis][1] - ranges[axis][0] >= 2.0 * MIN_SPAN
         {
             let [start, end] = ranges[axis];
             let at = 0.5 * (start + end);
-            let (first, last) = halves(controls, columns, axis);
+            let (first, last) = halve_net(controls, columns, axis);
             let part = |range: [f64; 2]| {
                 let mut ranges = ranges;
                 ranges[axis] = range;
@@ -139,10 +139,10 @@ impl PatchBuilder {
             };
             let index = self.cuts.len();
             let nothing = SubdivisionNode::Leaf(0);
-            self.cuts.push(Cut { axis, at, parts: [nothing; 2] });
+            self.cuts.push(SubdivisionCut { axis, at, parts: [nothing; 2] });
             let parts = [
-                self.cut(&first, part([start, at]), small, depth - 1)?,
-                self.cut(&last, part([at, end]), small, depth - 1)?,
+                self.subdivide(&first, part([start, at]), small, depth - 1)?,
+                self.subdivide(&last, part([at, end]), small, depth - 1)?,
             ];
             self.cuts[index].parts = parts;
             return Ok(SubdivisionNode::Cut(index as u32));
@@ -152,11 +152,11 @@ impl PatchBuilder {
             middle: 0.5 * DVec2::new(u0 + u1, v0 + v1),
             half: 0.5 * DVec2::new(u1 - u0, v1 - v0),
             point,
-            bounds: HigherTerms::of(&powers, columns),
+            bounds: HigherTerms::from_powers(&powers, columns),
         });
         self.powers.extend(powers);
         self.boxes.push(corners);
-        let needed = self.bytes();
+        let needed = self.memory_bytes();
         match self.free {
             Some(free) if needed > free => Err(SplineError::Memory { needed, free }),
             _ => Ok(SubdivisionNode::Leaf(self.leaves.len() as u32 - 1)),
@@ -164,24 +164,24 @@ impl PatchBuilder {
     }
 }
 
-fn vector(c: &Vector<4>) -> DVec3 {
+fn xyz(c: &Coefficients<4>) -> DVec3 {
     DVec3::new(c[0], c[1], c[2])
 }
 
 /// Bounding box of the control points.
-fn hull(controls: &[Vector<4>]) -> Corners {
-    let points = controls.iter().map(|c| vector(c) / c[3]);
+fn control_point_bounds(controls: &[Coefficients<4>]) -> BoxCorners {
+    let points = controls.iter().map(|c| xyz(c) / c[3]);
     points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[min, max], p| [min.min(p), max.max(p)])
 }
 
 /// Axis along which to halve a piece; `None` if the piece is flat enough.
-fn bent(a: &[Vector<4>], columns: usize) -> Option<usize> {
-    let (along_x, along_y) = (vector(&a[columns]), vector(&a[1]));
+fn axis_to_halve(a: &[Coefficients<4>], columns: usize) -> Option<usize> {
+    let (along_x, along_y) = (xyz(&a[columns]), xyz(&a[1]));
     let normal = along_x.cross(along_y);
     let mut turns = [DVec3::ZERO; 2];
     for (i, row) in a.chunks_exact(columns).enumerate() {
         for (j, c) in row.iter().enumerate().filter(|(j, _)| i + j >= 2) {
-            let size = vector(c).abs();
+            let size = xyz(c).abs();
             turns[0] += size * i as f64;
             turns[1] += size * j as f64;
         }
@@ -190,7 +190,7 @@ fn bent(a: &[Vector<4>], columns: usize) -> Option<usize> {
     let length = normal.length();
     let (for_x, for_y) = (along_y.cross(normal).abs(), normal.cross(along_x).abs());
     let turn = turns[0] + turns[1];
-    if for_x.dot(turn).max(for_y.dot(turn)) <= FLAT * length * length && length > 0.0 {
+    if for_x.dot(turn).max(for_y.dot(turn)) <= MAX_RELATIVE_BEND * length * length && length > 0.0 {
         return None;
     }
     let [x, y] = turns.map(DVec3::length);
@@ -205,15 +205,19 @@ fn bent(a: &[Vector<4>], columns: usize) -> Option<usize> {
 }
 
 /// Halves of a net, divided across an axis.
-fn halves(controls: &[Vector<4>], columns: usize, axis: usize) -> (Vec<Vector<4>>, Vec<Vector<4>>) {
+fn halve_net(
+    controls: &[Coefficients<4>],
+    columns: usize,
+    axis: usize,
+) -> (Vec<Coefficients<4>>, Vec<Coefficients<4>>) {
     let (mut first, mut last) = (controls.to_vec(), controls.to_vec());
     let rows = controls.len() / columns;
     let (lines, stride) = if axis == 0 { (columns, columns) } else { (rows, 1) };
     for i in 0..lines {
         let start = if axis == 0 { i } else { i * columns };
         let count = if axis == 0 { rows } else { columns };
-        let line: Vec<Vector<4>> = (0..count).map(|k| controls[start + k * stride]).collect();
-        let (a, b) = split(&line, 0.5);
+        let line: Vec<Coefficients<4>> = (0..count).map(|k| controls[start + k * stride]).collect();
+        let (a, b) = split_bezier(&line, 0.5);
         for (k, (a, b)) in a.into_iter().zip(b).enumerate() {
             (first[start + k * stride], last[start + k * stride]) = (a, b);
         }

@@ -1,8 +1,8 @@
 //! Short pieces of surfaces, and their intersection with lines.
 
-use super::box_tree::Line;
-use super::polynomial::{MAX_DEGREE, Vector, evaluate_2d, recentre, recentre_rows};
-use super::profile::{CONTRACTION, FIRST_STEP, OVERLAP, POINT, RATE};
+use super::box_bvh::Line;
+use super::polynomial::{Coefficients, MAX_DEGREE, evaluate_2d_with_derivatives, reparametrize, reparametrize_rows};
+use super::profile::{MAX_DERIVATIVE_CHANGE, MAX_FIRST_STEP, NEWTON_CONVERGENCE_RATE, PIECE_OVERLAP, POINT_SIZE};
 use glam::{DVec2, DVec3};
 
 /// Piece of a rational surface: coefficients of w·(x, y, z), relative to its centre, and of w.
@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 /// Both parameters are in \[−1, 1]. The weight w is 1 at the centre.
 #[derive(Clone, Copy, Debug)]
 pub struct PatchPiece<'a> {
-    pub powers: &'a [Vector<4>],
+    pub powers: &'a [Coefficients<4>],
     /// Position of the centre.
     pub middle: DVec3,
     /// Number of coefficients in a row: the degree in y plus 1.
@@ -27,14 +27,14 @@ pub struct PatchPiece<'a> {
 #[derive(Clone, Copy, Debug)]
 pub struct HigherTerms {
     /// The constant term, the term in y, and the term in x.
-    linear: [Vector<4>; 3],
-    rest: Vector<4>,
-    turn: Vector<4>,
+    linear: [Coefficients<4>; 3],
+    rest: Coefficients<4>,
+    turn: Coefficients<4>,
 }
 
 impl HigherTerms {
     #[inline]
-    pub fn of(a: &[Vector<4>], columns: usize) -> Self {
+    pub fn from_powers(a: &[Coefficients<4>], columns: usize) -> Self {
         let mut beyond = Self { linear: [a[0], a[1], a[columns]], rest: [0.0; 4], turn: [0.0; 4] };
         for (i, row) in a.chunks_exact(columns).enumerate() {
             for (j, c) in row.iter().enumerate().skip(2usize.saturating_sub(i)) {
@@ -49,20 +49,20 @@ impl HigherTerms {
 
     /// Bounds for w·((x, y, z) − base).
     #[inline]
-    fn from(sums: &Vector<4>, base: DVec3) -> DVec3 {
-        split(sums).0 + base.abs() * sums[3]
+    fn bound_relative_to(sums: &Coefficients<4>, base: DVec3) -> DVec3 {
+        split_off_weight(sums).0 + base.abs() * sums[3]
     }
 }
 
 #[inline]
-fn split(a: &Vector<4>) -> (DVec3, f64) {
+fn split_off_weight(a: &Coefficients<4>) -> (DVec3, f64) {
     (DVec3::new(a[0], a[1], a[2]), a[3])
 }
 
 /// w·((x, y, z) − base), or a derivative of it.
 #[inline]
-fn seen(a: &Vector<4>, base: DVec3) -> DVec3 {
-    let (p, w) = split(a);
+fn relative_to_base(a: &Coefficients<4>, base: DVec3) -> DVec3 {
+    let (p, w) = split_off_weight(a);
     p - base * w
 }
 
@@ -80,7 +80,7 @@ enum RootTest {
 impl PatchPiece<'_> {
     /// Parameters of the nearest hit within `range` of τ; the end of the range is moved to it.
     #[inline]
-    pub fn nearest(&self, line: &Line, range: &mut [f64; 2], size: f64) -> Option<DVec2> {
+    pub fn nearest_hit(&self, line: &Line, range: &mut [f64; 2], size: f64) -> Option<DVec2> {
         // Bounds on the change of weights grow with the distance of the line's base, so the base is
         // moved near the piece.
         let (near, start) = self.relative_line(line);
@@ -92,9 +92,9 @@ impl PatchPiece<'_> {
                 at
             }),
             _ => match self.powers.len() {
-                ..=16 => self.refine::<16>(&near, &mut own, size),
-                17..=64 => self.refine::<64>(&near, &mut own, size),
-                _ => self.refine::<{ (MAX_DEGREE + 1) * (MAX_DEGREE + 1) }>(&near, &mut own, size),
+                ..=16 => self.bisect_for_hits::<16>(&near, &mut own, size),
+                17..=64 => self.bisect_for_hits::<64>(&near, &mut own, size),
+                _ => self.bisect_for_hits::<{ (MAX_DEGREE + 1) * (MAX_DEGREE + 1) }>(&near, &mut own, size),
             },
         }?;
         range[1] = own[1] + start;
@@ -110,24 +110,24 @@ impl PatchPiece<'_> {
     }
 
     /// Newton step from the parameters `at`.
-    pub fn step(&self, line: &Line, at: DVec2) -> DVec2 {
+    pub fn newton_step_at(&self, line: &Line, at: DVec2) -> DVec2 {
         newton_step(self.powers, self.columns, &self.relative_line(line).0, at).0
     }
 
     /// The point and its derivatives by both parameters.
     #[inline]
-    pub fn point(&self, at: DVec2) -> [DVec3; 3] {
-        let [value, along_x, along_y] = evaluate_2d(self.powers, self.columns, at.x, at.y);
-        let (p, w) = split(&value);
+    pub fn point_and_derivatives(&self, at: DVec2) -> [DVec3; 3] {
+        let [value, along_x, along_y] = evaluate_2d_with_derivatives(self.powers, self.columns, at.x, at.y);
+        let (p, w) = split_off_weight(&value);
         let p = p / w;
-        [p + self.middle, seen(&along_x, p) / w, seen(&along_y, p) / w]
+        [p + self.middle, relative_to_base(&along_x, p) / w, relative_to_base(&along_y, p) / w]
     }
 
     /// Halves the piece along its longer side until each box has no root, one root, or the size of
     /// rounding.
     #[cold]
     #[inline(never)]
-    fn refine<const ROOM: usize>(&self, line: &Line, range: &mut [f64; 2], size: f64) -> Option<DVec2> {
+    fn bisect_for_hits<const ROOM: usize>(&self, line: &Line, range: &mut [f64; 2], size: f64) -> Option<DVec2> {
         let columns = self.columns;
         let mut boxes = [(DVec2::ZERO, DVec2::ZERO); 128];
         boxes[0] = (DVec2::ZERO, DVec2::ONE);
@@ -140,23 +140,23 @@ impl PatchPiece<'_> {
             let (middle, half) = boxes[count];
             a.copy_from_slice(self.powers);
             if half.x < 1.0 {
-                recentre_rows(a, columns, middle.x, half.x);
+                reparametrize_rows(a, columns, middle.x, half.x);
             }
             if half.y < 1.0 {
-                a.chunks_exact_mut(columns).for_each(|row| recentre(row, middle.y, half.y));
+                a.chunks_exact_mut(columns).for_each(|row| reparametrize(row, middle.y, half.y));
             }
-            let bounds = HigherTerms::of(a, columns);
-            let Some(reach) = self.reaches(&bounds, line, *range) else { continue };
+            let bounds = HigherTerms::from_powers(a, columns);
+            let Some(reach) = self.half_size_if_hit(&bounds, line, *range) else { continue };
             let point = || DVec2::new(middle.x, middle.y);
             let touched = match test_roots(a, columns, &bounds, line, self.noise) {
                 RootTest::NoRoot => None,
                 RootTest::Root(at, t) => Some((middle + half * at, t)),
-                _ if reach.max_element() <= 4.0 * self.noise => Some((point(), along(a, line))),
-                RootTest::Inside if reach.max_element() <= POINT * size => Some((point(), along(a, line))),
+                _ if reach.max_element() <= 4.0 * self.noise => Some((point(), center_tau(a, line))),
+                RootTest::Inside if reach.max_element() <= POINT_SIZE * size => Some((point(), center_tau(a, line))),
                 RootTest::Inside => None,
                 // A hundred halvings reach rounding, so the stack cannot overflow.
                 RootTest::Unclear if count + 2 <= boxes.len() => {
-                    let side = if longer_in_x(a, columns) { DVec2::X } else { DVec2::Y };
+                    let side = if is_longer_in_x(a, columns) { DVec2::X } else { DVec2::Y };
                     let (step, rest) = (0.5 * half * side, half * (1.0 - 0.5 * side));
                     boxes[count] = (middle + step, rest);
                     boxes[count + 1] = (middle - step, rest);
@@ -177,9 +177,10 @@ impl PatchPiece<'_> {
     }
 
     /// Half the size of the piece's bounding box; `None` if the line misses it within the range.
-    fn reaches(&self, bounds: &HigherTerms, line: &Line, range: [f64; 2]) -> Option<DVec3> {
-        let [middle, along_y, along_x] = bounds.linear.map(|a| seen(&a, line.base));
-        let reach = along_x.abs() + along_y.abs() + HigherTerms::from(&bounds.rest, line.base) + self.noise;
+    fn half_size_if_hit(&self, bounds: &HigherTerms, line: &Line, range: [f64; 2]) -> Option<DVec3> {
+        let [middle, along_y, along_x] = bounds.linear.map(|a| relative_to_base(&a, line.base));
+        let reach =
+            along_x.abs() + along_y.abs() + HigherTerms::bound_relative_to(&bounds.rest, line.base) + self.noise;
         let (a1, a2) = ((middle - reach) * line.inverse, (middle + reach) * line.inverse);
         let (lo, hi) = (a1.min(a2).max_element(), a1.max(a2).min_element());
         // The bounds are on w·τ. The weight w is positive and close to its value at the centre.
@@ -193,15 +194,15 @@ impl PatchPiece<'_> {
 }
 
 /// τ of the piece's centre, projected to the line.
-fn along(a: &[Vector<4>], line: &Line) -> f64 {
-    seen(&a[0], line.base).dot(line.direction) / a[0][3]
+fn center_tau(a: &[Coefficients<4>], line: &Line) -> f64 {
+    relative_to_base(&a[0], line.base).dot(line.direction) / a[0][3]
 }
 
-fn longer_in_x(a: &[Vector<4>], columns: usize) -> bool {
+fn is_longer_in_x(a: &[Coefficients<4>], columns: usize) -> bool {
     let (mut x, mut y) = (DVec3::ZERO, DVec3::ZERO);
     for (i, row) in a.chunks_exact(columns).enumerate() {
         for (j, c) in row.iter().enumerate() {
-            let size = split(c).0.abs();
+            let size = split_off_weight(c).0.abs();
             x += if i > 0 { size } else { DVec3::ZERO };
             y += if j > 0 { size } else { DVec3::ZERO };
         }
@@ -211,25 +212,25 @@ fn longer_in_x(a: &[Vector<4>], columns: usize) -> bool {
 
 /// Tests for roots of w·(point − base) = w·τ·direction with both parameters in \[−1, 1].
 #[inline]
-fn test_roots(a: &[Vector<4>], columns: usize, bounds: &HigherTerms, line: &Line, noise: f64) -> RootTest {
+fn test_roots(a: &[Coefficients<4>], columns: usize, bounds: &HigherTerms, line: &Line, noise: f64) -> RootTest {
     let d = line.direction;
-    let [miss, along_y, along_x] = bounds.linear.map(|a| seen(&a, line.base));
+    let [miss, along_y, along_x] = bounds.linear.map(|a| relative_to_base(&a, line.base));
     let determinant = d.dot(along_x.cross(along_y));
     let least = determinant.abs();
     // Rows of the inverse times the determinant.
     let (for_x, for_y) = (d.cross(along_y), along_x.cross(d));
     let (size_x, size_y) = (for_x.abs(), for_y.abs());
     let (x, y) = (for_x.dot(miss), for_y.dot(miss));
-    let error = HigherTerms::from(&bounds.rest, line.base) + noise;
+    let error = HigherTerms::bound_relative_to(&bounds.rest, line.base) + noise;
     if x.abs() > least + size_x.dot(error) || y.abs() > least + size_y.dot(error) {
         return RootTest::NoRoot;
     }
-    let turn = HigherTerms::from(&bounds.turn, line.base);
+    let turn = HigherTerms::bound_relative_to(&bounds.turn, line.base);
     let (turn_x, turn_y) = (size_x.dot(turn), size_y.dot(turn));
-    if turn_x.max(turn_y) < CONTRACTION * least {
+    if turn_x.max(turn_y) < MAX_DERIVATIVE_CHANGE * least {
         let blur = noise * size_x.element_sum().max(size_y.element_sum()) / least;
         let start = DVec2::new(x, y) / determinant;
-        return newton(a, columns, line, start, OVERLAP + 4.0 * blur)
+        return newton_root(a, columns, line, start, PIECE_OVERLAP + 4.0 * blur)
             .map_or(RootTest::NoRoot, |(at, t)| RootTest::Root(at, t));
     }
     let blur = (size_x.element_sum() + size_y.element_sum()) * noise;
@@ -238,9 +239,9 @@ fn test_roots(a: &[Vector<4>], columns: usize, bounds: &HigherTerms, line: &Line
 
 /// Newton step from the parameters `at`, and τ after it.
 #[inline]
-fn newton_step(a: &[Vector<4>], columns: usize, line: &Line, at: DVec2) -> (DVec2, f64) {
-    let values = evaluate_2d(a, columns, at.x, at.y);
-    let [miss, along_x, along_y] = values.map(|v| seen(&v, line.base));
+fn newton_step(a: &[Coefficients<4>], columns: usize, line: &Line, at: DVec2) -> (DVec2, f64) {
+    let values = evaluate_2d_with_derivatives(a, columns, at.x, at.y);
+    let [miss, along_x, along_y] = values.map(|v| relative_to_base(&v, line.base));
     let d = line.direction;
     let determinant = d.dot(along_x.cross(along_y));
     let step = DVec2::new(d.cross(along_y).dot(miss), along_x.cross(d).dot(miss)) / determinant;
@@ -249,16 +250,22 @@ fn newton_step(a: &[Vector<4>], columns: usize, line: &Line, at: DVec2) -> (DVec
 }
 
 /// The only possible root, or `None`, by the criterion of [`super::profile`].
-fn newton(a: &[Vector<4>], columns: usize, line: &Line, start: DVec2, tolerance: f64) -> Option<(DVec2, f64)> {
+fn newton_root(
+    a: &[Coefficients<4>],
+    columns: usize,
+    line: &Line,
+    start: DVec2,
+    tolerance: f64,
+) -> Option<(DVec2, f64)> {
     let mut at = start.clamp(DVec2::NEG_ONE, DVec2::ONE);
-    let mut longest = FIRST_STEP;
+    let mut longest = MAX_FIRST_STEP;
     loop {
         let (step, t) = newton_step(a, columns, line, at);
         let size = step.abs().max_element();
         if size.is_nan() || size > longest.max(tolerance) {
             return None;
         }
-        longest *= RATE;
+        longest *= NEWTON_CONVERGENCE_RATE;
         let next = (at + step).clamp(DVec2::NEG_ONE, DVec2::ONE);
         let moved = (next - at).abs().max_element();
         at = next;

@@ -8,15 +8,18 @@
 pub const MAX_DEGREE: usize = 24;
 
 /// Coefficients with `N` components.
-pub type Vector<const N: usize> = [f64; N];
+pub type Coefficients<const N: usize> = [f64; N];
 
 #[inline]
-fn combine<const N: usize>(a: Vector<N>, b: Vector<N>, s: f64) -> Vector<N> {
+fn add_scaled<const N: usize>(a: Coefficients<N>, b: Coefficients<N>, s: f64) -> Coefficients<N> {
     std::array::from_fn(|i| a[i] + s * b[i])
 }
 
 /// Halves of a Bézier curve divided at `s` in \[0, 1], by de Casteljau's algorithm.
-pub fn split<const N: usize>(controls: &[Vector<N>], s: f64) -> (Vec<Vector<N>>, Vec<Vector<N>>) {
+pub fn split_bezier<const N: usize>(
+    controls: &[Coefficients<N>],
+    s: f64,
+) -> (Vec<Coefficients<N>>, Vec<Coefficients<N>>) {
     let mut points = controls.to_vec();
     let (mut first, mut last) = (Vec::new(), Vec::new());
     while let (Some(a), Some(b)) = (points.first(), points.last()) {
@@ -33,7 +36,7 @@ pub fn split<const N: usize>(controls: &[Vector<N>], s: f64) -> (Vec<Vector<N>>,
 ///
 /// The coefficients are at `first`, `first + stride`, … of `c`. The k-th result is 2⁻ⁿ C(n, k) Σᵢ
 /// C(n − k, i) Δᵏbᵢ.
-pub fn to_powers<const N: usize>(c: &mut [Vector<N>], first: usize, stride: usize, degree: usize) {
+pub fn bernstein_to_powers<const N: usize>(c: &mut [Coefficients<N>], first: usize, stride: usize, degree: usize) {
     let mut differences = [[0.0; N]; MAX_DEGREE + 1];
     for (i, d) in differences[..=degree].iter_mut().enumerate() {
         *d = c[first + i * stride];
@@ -43,11 +46,11 @@ pub fn to_powers<const N: usize>(c: &mut [Vector<N>], first: usize, stride: usiz
         let rest = degree - k;
         let mut sum = [0.0; N];
         for (i, d) in differences[..=rest].iter().enumerate() {
-            sum = combine(sum, *d, binomial(rest, i));
+            sum = add_scaled(sum, *d, binomial(rest, i));
         }
         c[first + k * stride] = sum.map(|x| x * (scale * binomial(degree, k)));
         for i in 0..rest {
-            differences[i] = combine(differences[i + 1], differences[i], -1.0);
+            differences[i] = add_scaled(differences[i + 1], differences[i], -1.0);
         }
     }
 }
@@ -58,12 +61,12 @@ fn binomial(n: usize, k: usize) -> f64 {
 
 /// Replaces a(x) by a(`middle` + `half`·x), by the shift of Shaw and Traub.
 #[inline]
-pub fn recentre<const N: usize>(a: &mut [Vector<N>], middle: f64, half: f64) {
+pub fn reparametrize<const N: usize>(a: &mut [Coefficients<N>], middle: f64, half: f64) {
     let mut scale = 1.0;
     for i in 0..a.len() {
         let mut above = [0.0; N];
         for c in a[i..].iter_mut().rev() {
-            above = combine(*c, above, middle);
+            above = add_scaled(*c, above, middle);
             *c = above;
         }
         a[i] = a[i].map(|x| x * scale);
@@ -73,14 +76,14 @@ pub fn recentre<const N: usize>(a: &mut [Vector<N>], middle: f64, half: f64) {
 
 /// Replaces a(x, y) by a(`middle` + `half`·x, y); the rows are polynomials in y.
 #[inline]
-pub fn recentre_rows<const N: usize>(a: &mut [Vector<N>], columns: usize, middle: f64, half: f64) {
+pub fn reparametrize_rows<const N: usize>(a: &mut [Coefficients<N>], columns: usize, middle: f64, half: f64) {
     let rows = a.len() / columns;
     let mut scale = 1.0;
     for i in 0..rows {
         for k in (i..rows - 1).rev() {
             let (low, high) = a.split_at_mut((k + 1) * columns);
             for (c, above) in low[k * columns..].iter_mut().zip(&*high) {
-                *c = combine(*c, *above, middle);
+                *c = add_scaled(*c, *above, middle);
             }
         }
         a[i * columns..(i + 1) * columns].iter_mut().flatten().for_each(|x| *x *= scale);
@@ -90,24 +93,29 @@ pub fn recentre_rows<const N: usize>(a: &mut [Vector<N>], columns: usize, middle
 
 /// Value and derivative at `x`.
 #[inline]
-pub fn evaluate<const N: usize>(a: &[Vector<N>], x: f64) -> (Vector<N>, Vector<N>) {
+pub fn evaluate_with_derivative<const N: usize>(a: &[Coefficients<N>], x: f64) -> (Coefficients<N>, Coefficients<N>) {
     let (mut value, mut slope) = ([0.0; N], [0.0; N]);
     for c in a.iter().rev() {
-        slope = combine(value, slope, x);
-        value = combine(*c, value, x);
+        slope = add_scaled(value, slope, x);
+        value = add_scaled(*c, value, x);
     }
     (value, slope)
 }
 
 /// Value and both partial derivatives at (x, y) of Σ aᵢⱼ xⁱ yʲ, of degree `columns − 1` in y.
 #[inline]
-pub fn evaluate_2d<const N: usize>(a: &[Vector<N>], columns: usize, x: f64, y: f64) -> [Vector<N>; 3] {
+pub fn evaluate_2d_with_derivatives<const N: usize>(
+    a: &[Coefficients<N>],
+    columns: usize,
+    x: f64,
+    y: f64,
+) -> [Coefficients<N>; 3] {
     let (mut value, mut along_x, mut along_y) = ([0.0; N], [0.0; N], [0.0; N]);
     for row in a.chunks_exact(columns).rev() {
-        let (v, slope) = evaluate(row, y);
-        along_x = combine(value, along_x, x);
-        value = combine(v, value, x);
-        along_y = combine(slope, along_y, x);
+        let (v, slope) = evaluate_with_derivative(row, y);
+        along_x = add_scaled(value, along_x, x);
+        value = add_scaled(v, value, x);
+        along_y = add_scaled(slope, along_y, x);
     }
     [value, along_x, along_y]
 }

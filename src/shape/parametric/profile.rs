@@ -1,13 +1,13 @@
 //! Profiles: pieces of curves in the half plane of distance from the axis and height, and their
 //! intersection with rays.
 
-use super::axis_ray::{AxisRay, Interval};
-use super::polynomial::{MAX_DEGREE, Vector, evaluate, recentre};
+use super::cylindrical_ray::{CylindricalRay, Interval};
+use super::polynomial::{Coefficients, MAX_DEGREE, evaluate_with_derivative, reparametrize};
 
 /// Polynomial piece of a profile: (ρ, y) for x in \[−1, 1], in powers of x.
 #[derive(Clone, Copy, Debug)]
 pub struct ProfilePiece<'a> {
-    pub powers: &'a [Vector<2>],
+    pub powers: &'a [Coefficients<2>],
     /// Bound on the rounding error of a point.
     pub noise: f64,
 }
@@ -16,22 +16,22 @@ pub struct ProfilePiece<'a> {
 /// inside a box.
 ///
 /// Let J̄ be the mean Jacobian between an iterate and the root, and J that at the iterate. If both
-/// are within q of the centre's Jacobian, then |1 − J⁻¹J̄| ≤ 2q/(1 − q), which is [`RATE`].
-pub const CONTRACTION: f64 = 0.25;
+/// are within q of the centre's Jacobian, then |1 − J⁻¹J̄| ≤ 2q/(1 − q), which is [`NEWTON_CONVERGENCE_RATE`].
+pub const MAX_DERIVATIVE_CHANGE: f64 = 0.25;
 
 /// Largest ratio of the distances to the root after and before a Newton step.
-pub const RATE: f64 = 2.0 / 3.0;
+pub const NEWTON_CONVERGENCE_RATE: f64 = 2.0 / 3.0;
 
 /// Longest first step to a root inside the box, in half widths: |J⁻¹J̄| times the box's width.
-pub const FIRST_STEP: f64 = 2.0 * (1.0 + RATE);
+pub const MAX_FIRST_STEP: f64 = 2.0 * (1.0 + NEWTON_CONVERGENCE_RATE);
 
 /// Distance outside a piece, in its half widths, at which a root still counts as inside.
 ///
 /// Neighbours overlap by this distance, so no root is lost between them.
-pub const OVERLAP: f64 = 1e-10;
+pub const PIECE_OVERLAP: f64 = 1e-10;
 
 /// Size, relative to the surface, below which a double root counts as one point.
-pub const POINT: f64 = 1e-6;
+pub const POINT_SIZE: f64 = 1e-6;
 
 /// Result of a root test in a box.
 enum RootTest {
@@ -48,7 +48,7 @@ enum RootTest {
 ///
 /// The bounds are the sums of |aₖ| and of k|aₖ|.
 #[inline]
-fn beyond_linear(a: &[Vector<2>]) -> (Vector<2>, Vector<2>) {
+fn higher_term_bounds(a: &[Coefficients<2>]) -> (Coefficients<2>, Coefficients<2>) {
     let (mut rest, mut turn) = ([0.0; 2], [0.0; 2]);
     for (k, c) in a.iter().enumerate().skip(2) {
         for i in 0..2 {
@@ -63,7 +63,7 @@ impl ProfilePiece<'_> {
     /// Nearest hit within `t`, as (x, τ); the end of `t` is moved to it.
     ///
     /// Boxes in x are halved until each has no root, one root, or the size of rounding.
-    pub fn nearest(&self, ray: &AxisRay, t: &mut Interval, size: f64) -> Option<(f64, f64)> {
+    pub fn nearest_hit(&self, ray: &CylindricalRay, t: &mut Interval, size: f64) -> Option<(f64, f64)> {
         let degree = self.powers.len() - 1;
         let mut boxes = [(0.0, 0.0); 64];
         boxes[0] = (0.0, 1.0);
@@ -77,14 +77,14 @@ impl ProfilePiece<'_> {
                 self.powers
             } else {
                 own[..=degree].copy_from_slice(self.powers);
-                recentre(&mut own[..=degree], middle, half);
+                reparametrize(&mut own[..=degree], middle, half);
                 &own[..=degree]
             };
-            let (rest, turn) = beyond_linear(a);
+            let (rest, turn) = higher_term_bounds(a);
             let reach = [a[1][0].abs() + rest[0], a[1][1].abs() + rest[1]];
             let range = |i: usize| [a[0][i] - reach[i], a[0][i] + reach[i]];
             let mut cut = false;
-            for stretch in ray.clip(range(0), range(1), *t, self.noise) {
+            for stretch in ray.clip_to_ring(range(0), range(1), *t, self.noise) {
                 if stretch.is_empty() {
                     continue;
                 }
@@ -93,7 +93,7 @@ impl ProfilePiece<'_> {
                     RootTest::NoRoot => None,
                     RootTest::Root(x, at) => Some((middle + half * x, at)),
                     _ if extent <= 4.0 * self.noise => Some((middle, 0.5 * (stretch.lo + stretch.hi))),
-                    RootTest::Inside if extent <= POINT * size => Some((middle, 0.5 * (stretch.lo + stretch.hi))),
+                    RootTest::Inside if extent <= POINT_SIZE * size => Some((middle, 0.5 * (stretch.lo + stretch.hi))),
                     RootTest::Inside => None,
                     RootTest::Unclear => {
                         cut = true;
@@ -123,15 +123,15 @@ impl ProfilePiece<'_> {
 /// Tests for roots of ρ(x) − |ray(τ)| and y(x) − ray(τ).y with x in \[−1, 1] and τ in `t`.
 #[inline]
 fn test_roots(
-    a: &[Vector<2>],
-    (rest, turn): (Vector<2>, Vector<2>),
-    ray: &AxisRay,
+    a: &[Coefficients<2>],
+    (rest, turn): (Coefficients<2>, Coefficients<2>),
+    ray: &CylindricalRay,
     t: Interval,
     noise: f64,
 ) -> RootTest {
     let dy = ray.direction.y;
     let at = 0.5 * (t.lo + t.hi);
-    let (radius, slope) = ray.radius(at);
+    let (radius, slope) = ray.radius_and_slope(at);
     let [dx, dh] = a[1];
     let determinant = slope * dh - dx * dy;
     let least = determinant.abs();
@@ -142,10 +142,10 @@ fn test_roots(
     if wander < least {
         half = half.max(8.0 * wander / least);
     }
-    let ends = [ray.radius(at - half), ray.radius(at + half)];
+    let ends = [ray.radius_and_slope(at - half), ray.radius_and_slope(at + half)];
     let bow = (ends[0].0 - radius + slope * half).max(ends[1].0 - radius - slope * half).max(0.0);
     let bend = (slope - ends[0].1).max(ends[1].1 - slope).max(0.0);
-    let miss = [radius - a[0][0], ray.height(at) - a[0][1]];
+    let miss = [radius - a[0][0], ray.height_at(at) - a[0][1]];
     let error = [rest[0] + bow + noise, rest[1] + noise];
     let across = slope * miss[1] - dy * miss[0];
     let along = dx * miss[1] - dh * miss[0];
@@ -157,10 +157,10 @@ fn test_roots(
     let change = [turn[0] + bend * half, turn[1]];
     let (from_x, from_t) =
         (dy.abs() * change[0] + slope.abs() * change[1], dh.abs() * change[0] + dx.abs() * change[1]);
-    if from_x < CONTRACTION * least && from_t < CONTRACTION * least * half {
+    if from_x < MAX_DERIVATIVE_CHANGE * least && from_t < MAX_DERIVATIVE_CHANGE * least * half {
         let blur = noise * (dy.abs() + slope.abs()).max((dh.abs() + dx.abs()) / half) / least;
         let start = (across / determinant, along / determinant);
-        return newton(a, ray, at, half, start, OVERLAP + 4.0 * blur)
+        return newton_root(a, ray, at, half, start, PIECE_OVERLAP + 4.0 * blur)
             .map_or(RootTest::NoRoot, |(x, t)| RootTest::Root(x, t));
     }
     let blur = (dy.abs() + slope.abs() + bend) * noise;
@@ -170,14 +170,21 @@ fn test_roots(
 
 /// The only possible root, or `None`; roots within `tolerance` of the box, in its half widths,
 /// count.
-fn newton(a: &[Vector<2>], ray: &AxisRay, at: f64, half: f64, start: (f64, f64), tolerance: f64) -> Option<(f64, f64)> {
+fn newton_root(
+    a: &[Coefficients<2>],
+    ray: &CylindricalRay,
+    at: f64,
+    half: f64,
+    start: (f64, f64),
+    tolerance: f64,
+) -> Option<(f64, f64)> {
     let dy = ray.direction.y;
     let (mut x, mut z) = (start.0.clamp(-1.0, 1.0), start.1.clamp(-half, half));
-    let mut longest = FIRST_STEP;
+    let mut longest = MAX_FIRST_STEP;
     loop {
-        let ([px, py], [dx, dh]) = evaluate(a, x);
-        let (radius, slope) = ray.radius(at + z);
-        let miss = [radius - px, ray.height(at + z) - py];
+        let ([px, py], [dx, dh]) = evaluate_with_derivative(a, x);
+        let (radius, slope) = ray.radius_and_slope(at + z);
+        let miss = [radius - px, ray.height_at(at + z) - py];
         let determinant = slope * dh - dx * dy;
         let step_x = (slope * miss[1] - dy * miss[0]) / determinant;
         let step_z = (dx * miss[1] - dh * miss[0]) / determinant;
@@ -186,7 +193,7 @@ fn newton(a: &[Vector<2>], ray: &AxisRay, at: f64, half: f64, start: (f64, f64),
         if step.is_nan() || step > longest.max(tolerance) {
             return None;
         }
-        longest *= RATE;
+        longest *= NEWTON_CONVERGENCE_RATE;
         let (next_x, next_z) = ((x + step_x).clamp(-1.0, 1.0), (z + step_z).clamp(-half, half));
         let moved = (next_x - x).abs().max((next_z - z).abs() / half);
         (x, z) = (next_x, next_z);

@@ -1,16 +1,16 @@
 //! Surfaces of revolution, intersected in the plane of their profiles.
 
-use super::axis_ray::{AxisRay, Interval, polar};
-use super::numeric::{GAUSS, SLACK};
-use super::polynomial::{Vector, evaluate};
+use super::cylindrical_ray::{CylindricalRay, Interval, polar_radius_and_direction};
+use super::numeric::{GAUSS_LEGENDRE, HIT_ERROR_SCALE};
+use super::polynomial::{Coefficients, evaluate_with_derivative};
 use super::profile::ProfilePiece;
-use super::revolution_build::{DEPTH, ProfileBuilder, ProfileLeaf};
-use super::ring_tree::{Ring, RingTree};
-use super::spline::{Basis, SplineError};
+use super::revolution_build::{MAX_HALVINGS, ProfileBuilder, ProfileLeaf};
+use super::ring_bvh::{Ring, RingBvh};
+use super::spline::{SplineBasis, SplineError};
 use crate::math::{Ray, Transform};
-use crate::sampling::Discrete;
+use crate::sampling::DiscreteDistribution;
 use crate::shape::analytic::AnalyticShape;
-use crate::shape::hit::{ShapeHit, within};
+use crate::shape::hit::{ShapeHit, t_in_range};
 use crate::shape::object_ray::{ObjectRay, object_ray};
 use crate::shape::surface_point::{ShapeSample, SurfacePoint};
 use crate::shape::texture_mapping::TexCoord;
@@ -23,11 +23,11 @@ use std::sync::Arc;
 /// coordinates.
 ///
 /// A longer step means that the ray runs along the surface.
-const ALONG: f64 = 1e-4;
+const MAX_RELATIVE_STEP: f64 = 1e-4;
 
 /// Points around the axis for the area under maps that stretch; the sum converges like a Fourier
 /// series.
-const AROUND: u32 = 64;
+const AREA_ANGLES: u32 = 64;
 
 /// The points (X cos θ, Y, X sin θ) of a profile (X, Y), under an affine map.
 ///
@@ -36,7 +36,7 @@ const AROUND: u32 = 64;
 /// > 0 that goes up faces away from the axis.
 #[derive(Clone, Debug)]
 pub struct Revolution {
-    profile: Arc<Profile>,
+    profile: Arc<RevolutionProfile>,
     /// Map from the profile's space, in which the range of y is centred.
     to_world: Transform,
     /// World area \[length²].
@@ -44,15 +44,15 @@ pub struct Revolution {
 }
 
 #[derive(Debug)]
-struct Profile {
+struct RevolutionProfile {
     leaves: Vec<ProfileLeaf>,
-    powers: Vec<Vector<2>>,
-    tree: RingTree,
+    powers: Vec<Coefficients<2>>,
+    tree: RingBvh,
     /// Largest distance of the surface from the origin.
     size: f64,
     noise: f64,
     /// Distribution of leaves by area, in the profile's space.
-    choice: Discrete,
+    choice: DiscreteDistribution,
 }
 
 impl Revolution {
@@ -62,8 +62,8 @@ impl Revolution {
     ///
     /// [`SplineError`] if the numbers of knots and points do not fit, a value is too large, or the
     /// surface has no area.
-    pub fn new(basis: &Basis, controls: &[DVec2]) -> Result<Self, SplineError> {
-        Self::within(basis, controls, None)
+    pub fn new(basis: &SplineBasis, controls: &[DVec2]) -> Result<Self, SplineError> {
+        Self::with_memory_limit(basis, controls, None)
     }
 
     /// Like [`Revolution::new`], limited to `free` bytes of memory if that number is known.
@@ -71,8 +71,8 @@ impl Revolution {
     /// # Errors
     ///
     /// [`SplineError`], also if the memory does not suffice.
-    pub fn within(basis: &Basis, controls: &[DVec2], free: Option<u64>) -> Result<Self, SplineError> {
-        if controls.len() != basis.controls() {
+    pub fn with_memory_limit(basis: &SplineBasis, controls: &[DVec2], free: Option<u64>) -> Result<Self, SplineError> {
+        if controls.len() != basis.control_count() {
             return Err(SplineError::Controls { controls: controls.len(), degree: basis.degree() });
         }
         if !controls.iter().all(|c| c.abs().max_element() < 1e100) {
@@ -81,10 +81,10 @@ impl Revolution {
         let (low, high) =
             controls.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), c| (l.min(c.y), h.max(c.y)));
         let middle = 0.5 * low + 0.5 * high;
-        let points: Vec<Vector<2>> = controls.iter().map(|c| [c.x, c.y - middle]).collect();
+        let points: Vec<Coefficients<2>> = controls.iter().map(|c| [c.x, c.y - middle]).collect();
         let mut builder = ProfileBuilder { leaves: Vec::new(), powers: Vec::new(), free };
-        for span in basis.spans() {
-            builder.cut(&basis.piece(span, &points, (0, 1)), span.range, DEPTH)?;
+        for span in basis.knot_spans() {
+            builder.subdivide(&basis.bezier_piece(span, &points, (0, 1)), span.range, MAX_HALVINGS)?;
         }
         let ProfileBuilder { leaves, powers, .. } = builder;
         let rings: Vec<Ring> = leaves.iter().map(|l| l.ring).collect();
@@ -93,15 +93,15 @@ impl Revolution {
         if leaves.is_empty() {
             return Err(SplineError::NoArea);
         }
-        let tree = RingTree::new(&rings, size);
+        let tree = RingBvh::new(&rings, size);
         let degree = basis.degree();
         let noise = size * f64::EPSILON * (64 + 4 * degree * degree) as f64;
-        let nothing = Discrete::new([1.0]).ok_or(SplineError::NoArea)?;
-        let mut profile = Profile { leaves, powers, tree, size, noise, choice: nothing };
+        let nothing = DiscreteDistribution::new([1.0]).ok_or(SplineError::NoArea)?;
+        let mut profile = RevolutionProfile { leaves, powers, tree, size, noise, choice: nothing };
         let areas = (0..profile.leaves.len()).map(|i| profile.leaf_area(i, &Transform::IDENTITY));
-        profile.choice = Discrete::new(areas).ok_or(SplineError::NoArea)?;
+        profile.choice = DiscreteDistribution::new(areas).ok_or(SplineError::NoArea)?;
         let to_world = Transform::IDENTITY.translated(DVec3::new(0.0, middle, 0.0));
-        let area = profile.choice.total();
+        let area = profile.choice.weight_sum();
         Ok(Self { profile: Arc::new(profile), to_world, area })
     }
 
@@ -109,28 +109,28 @@ impl Revolution {
     /// of t.
     ///
     /// `None` if the ray passes the bounding sphere by.
-    fn line(&self, ray: &Ray) -> Option<(AxisRay, f64, f64)> {
+    fn profile_ray(&self, ray: &Ray) -> Option<(CylindricalRay, f64, f64)> {
         let ObjectRay { base, direction, start, length } = ObjectRay::new(ray, &self.to_world);
         let size = self.profile.size * (1.0 + 1e-9);
-        (base.length_squared() <= size * size).then(|| (AxisRay::new(base, direction), start, length))
+        (base.length_squared() <= size * size).then(|| (CylindricalRay::new(base, direction), start, length))
     }
 
     /// Angle θ/2π in \[0, 1) of a point of a leaf.
-    fn turn(&self, p: DVec3, leaf: usize) -> f64 {
+    fn angle_in_turns(&self, p: DVec3, leaf: usize) -> f64 {
         let side = self.profile.leaves[leaf].side;
         let turn = atan2(side * p.z, side * p.x) / TAU;
         if turn < 0.0 { turn + 1.0 } else { turn }
     }
 
     /// The surface of a leaf at parameter x, in the unit direction `radial` from the axis.
-    fn at(&self, leaf: usize, x: f64, radial: DVec2, uv: Vec2) -> SurfacePoint {
+    fn surface_at(&self, leaf: usize, x: f64, radial: DVec2, uv: Vec2) -> SurfacePoint {
         let profile = &self.profile;
-        let p = self.to_world.point(profile.point(leaf, x, radial));
+        let p = self.to_world.transform_point(profile.leaf_point(leaf, x, radial));
         let m = self.to_world.forward().matrix3;
         let widest = m.x_axis.length() + m.y_axis.length() + m.z_axis.length();
         let scale = widest * profile.size + self.to_world.forward().translation.abs().max_element();
-        let normal = self.to_world.normal(profile.normal(leaf, x, radial)).normalize();
-        SurfacePoint { uv, ..SurfacePoint::exact(p, normal, scale * SLACK) }
+        let normal = self.to_world.transform_normal(profile.leaf_normal(leaf, x, radial)).normalize();
+        SurfacePoint { uv, ..SurfacePoint::from_f64(p, normal, scale * HIT_ERROR_SCALE) }
     }
 }
 
@@ -138,43 +138,46 @@ impl AnalyticShape for Revolution {
     fn transformed(&self, map: &Transform) -> Option<Self> {
         let to_world = Transform::new(*map.forward() * *self.to_world.forward()).ok()?;
         let profile = &self.profile;
-        let area = match to_world.similarity() {
-            Some(scale) => scale * scale * profile.choice.total(),
+        let area = match to_world.uniform_scale() {
+            Some(scale) => scale * scale * profile.choice.weight_sum(),
             None => (0..profile.leaves.len()).map(|i| profile.leaf_area(i, &to_world)).sum(),
         };
         Some(Self { profile: Arc::clone(profile), to_world, area })
     }
 
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
-        let (line, start, length) = self.line(ray)?;
+        let (line, start, length) = self.profile_ray(ray)?;
         let size = self.profile.size;
         let end = f64::from(ray.t_max) * length - start;
         let t = Interval { lo: (-start).max(-size), hi: end.min(size) };
         let mut found: Option<(usize, f64, f64)> = None;
-        self.profile.tree.visit_hits(&line, t, |leaf, t| {
-            let piece = ProfilePiece { powers: self.profile.powers(leaf), noise: self.profile.noise };
-            if let Some((x, at)) = piece.nearest(&line, t, size) {
+        self.profile.tree.visit_hit_leaves(&line, t, |leaf, t| {
+            let piece = ProfilePiece { powers: self.profile.leaf_powers(leaf), noise: self.profile.noise };
+            if let Some((x, at)) = piece.nearest_hit(&line, t, size) {
                 found = Some((leaf, x, at));
             }
         });
         let (leaf, x, at) = found?;
-        let t = within(ray, (start + at) / length)?;
+        let t = t_in_range(ray, (start + at) / length)?;
         let p = line.base + line.direction * at;
-        Some((t, self.profile.place(leaf, x) as f32, self.turn(p, leaf) as f32))
+        Some((t, self.profile.leaf_to_profile(leaf, x) as f32, self.angle_in_turns(p, leaf) as f32))
     }
 
-    fn surface(&self, ray: &Ray, _t: f32, uv: Vec2) -> SurfacePoint {
+    fn surface_point(&self, ray: &Ray, _t: f32, uv: Vec2) -> SurfacePoint {
         let (o, d) = object_ray(ray, &self.to_world);
-        let (leaf, mut x) = self.profile.find(f64::from(uv.x));
+        let (leaf, mut x) = self.profile.find_leaf(f64::from(uv.x));
         // Newton's method corrects the rounding of the coordinates. It starts from the coordinates,
         // since rounding of the distance may be larger.
-        let mut p =
-            o + d * ((self.profile.point(leaf, x, self.profile.radial(leaf, uv.y)) - o).dot(d) / d.length_squared());
-        let most =
-            DVec2::new(4.0 * f64::from(f32::EPSILON) / self.profile.leaves[leaf].place[1], ALONG * self.profile.size);
+        let mut p = o + d
+            * ((self.profile.leaf_point(leaf, x, self.profile.radial_direction(leaf, uv.y)) - o).dot(d)
+                / d.length_squared());
+        let most = DVec2::new(
+            4.0 * f64::from(f32::EPSILON) / self.profile.leaves[leaf].place[1],
+            MAX_RELATIVE_STEP * self.profile.size,
+        );
         for _ in 0..2 {
-            let (radius, radial) = polar(p);
-            let ([px, py], [dx, dh]) = evaluate(self.profile.powers(leaf), x);
+            let (radius, radial) = polar_radius_and_direction(p);
+            let ([px, py], [dx, dh]) = evaluate_with_derivative(self.profile.leaf_powers(leaf), x);
             let slope = radial.dot(DVec2::new(d.x, d.z));
             let (beside, above) = (radius - px, p.y - py);
             let steps = DVec2::new(slope * above - d.y * beside, dx * above - dh * beside) / (slope * dh - dx * d.y);
@@ -182,10 +185,10 @@ impl AnalyticShape for Revolution {
                 (x, p) = ((x + steps.x).clamp(-1.0, 1.0), p + d * steps.y);
             }
         }
-        self.at(leaf, x, polar(p).1, uv)
+        self.surface_at(leaf, x, polar_radius_and_direction(p).1, uv)
     }
 
-    fn extent(&self) -> (DVec3, DVec3) {
+    fn bounds_f64(&self) -> (DVec3, DVec3) {
         let rows = self.to_world.forward().matrix3.transpose();
         let place = self.to_world.forward().translation;
         let rows = [rows.x_axis, rows.y_axis, rows.z_axis];
@@ -211,27 +214,27 @@ impl AnalyticShape for Revolution {
     /// Chooses a leaf by its area, then samples its parameters uniformly.
     fn sample(&self, u: Vec2) -> ShapeSample {
         let (leaf, _) = self.profile.choice.sample(u.x);
-        let x = f64::from(self.profile.choice.remainder(u.x, leaf)) * 2.0 - 1.0;
-        let uv = Vec2::new(self.profile.place(leaf, x) as f32, u.y);
-        let point = self.at(leaf, x, self.profile.radial(leaf, u.y), uv);
+        let x = f64::from(self.profile.choice.remapped_sample(u.x, leaf)) * 2.0 - 1.0;
+        let uv = Vec2::new(self.profile.leaf_to_profile(leaf, x) as f32, u.y);
+        let point = self.surface_at(leaf, x, self.profile.radial_direction(leaf, u.y), uv);
         ShapeSample { pdf: self.pdf(&point), point, uv }
     }
 
     fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
-        let (leaf, x) = self.profile.find(f64::from(uv.x));
-        let (_, radial) = polar(self.to_world.inverse().transform_point3(p.as_dvec3()));
-        let ([radius, _], [dx, dh]) = evaluate(self.profile.powers(leaf), x);
+        let (leaf, x) = self.profile.find_leaf(f64::from(uv.x));
+        let (_, radial) = polar_radius_and_direction(self.to_world.inverse().transform_point3(p.as_dvec3()));
+        let ([radius, _], [dx, dh]) = evaluate_with_derivative(self.profile.leaf_powers(leaf), x);
         let half = self.profile.leaves[leaf].place[1];
         let along = DVec3::new(dx * radial.x, dh, dx * radial.y) / half;
         let around = DVec3::new(-radial.y, 0.0, radial.x) * (TAU * radius);
-        TexCoord::from_derivatives(uv, self.to_world.vector(along), self.to_world.vector(around))
+        TexCoord::from_derivatives(uv, self.to_world.transform_vector(along), self.to_world.transform_vector(around))
     }
 
     fn pdf(&self, point: &SurfacePoint) -> f32 {
-        let (leaf, x) = self.profile.find(f64::from(point.uv.x));
+        let (leaf, x) = self.profile.find_leaf(f64::from(point.uv.x));
         let m = self.to_world.forward().matrix3;
         let stretch = self.to_world.determinant().abs() / (m.transpose() * point.ng.as_dvec3()).length();
-        let element = self.profile.element(leaf, x) * stretch;
+        let element = self.profile.area_element(leaf, x) * stretch;
         (f64::from(self.profile.choice.probability(leaf)) / (2.0 * TAU * element)) as f32
     }
 }
@@ -239,38 +242,38 @@ impl AnalyticShape for Revolution {
 #[cfg(test)]
 impl Revolution {
     /// The world-space point at the parameters `uv`.
-    pub(super) fn point_of(&self, uv: Vec2) -> DVec3 {
-        let (leaf, x) = self.profile.find(f64::from(uv.x));
-        self.to_world.point(self.profile.point(leaf, x, self.profile.radial(leaf, uv.y)))
+    pub(super) fn point_at_uv(&self, uv: Vec2) -> DVec3 {
+        let (leaf, x) = self.profile.find_leaf(f64::from(uv.x));
+        self.to_world.transform_point(self.profile.leaf_point(leaf, x, self.profile.radial_direction(leaf, uv.y)))
     }
 }
 
-impl Profile {
-    fn powers(&self, leaf: usize) -> &[Vector<2>] {
+impl RevolutionProfile {
+    fn leaf_powers(&self, leaf: usize) -> &[Coefficients<2>] {
         let end = self.leaves.get(leaf + 1).map_or(self.powers.len(), |l| l.first as usize);
         &self.powers[self.leaves[leaf].first as usize..end]
     }
 
     /// Point at parameter x of a leaf, in the unit direction `radial` from the axis.
-    fn point(&self, leaf: usize, x: f64, radial: DVec2) -> DVec3 {
-        let ([radius, height], _) = evaluate(self.powers(leaf), x);
+    fn leaf_point(&self, leaf: usize, x: f64, radial: DVec2) -> DVec3 {
+        let ([radius, height], _) = evaluate_with_derivative(self.leaf_powers(leaf), x);
         DVec3::new(radius * radial.x, height, radius * radial.y)
     }
 
     /// Unit direction from the axis at the angle θ/2π = `turns`.
-    fn radial(&self, leaf: usize, turns: f32) -> DVec2 {
+    fn radial_direction(&self, leaf: usize, turns: f32) -> DVec2 {
         let (sin, cos) = sincos(f64::from(turns) * TAU);
         DVec2::new(cos, sin) * self.leaves[leaf].side
     }
 
     /// Position on the whole profile of parameter x of a leaf.
-    fn place(&self, leaf: usize, x: f64) -> f64 {
+    fn leaf_to_profile(&self, leaf: usize, x: f64) -> f64 {
         let [middle, half] = self.leaves[leaf].place;
         middle + half * x
     }
 
     /// The leaf at a position on the whole profile, and the parameter x in the leaf.
-    fn find(&self, place: f64) -> (usize, f64) {
+    fn find_leaf(&self, place: f64) -> (usize, f64) {
         let after = self.leaves.partition_point(|l| l.place[0] - l.place[1] <= place);
         let leaf = after.saturating_sub(1);
         let [middle, half] = self.leaves[leaf].place;
@@ -278,13 +281,13 @@ impl Profile {
     }
 
     /// Normal of any length, on the right of the profile's direction.
-    fn normal(&self, leaf: usize, x: f64, radial: DVec2) -> DVec3 {
-        let powers = self.powers(leaf);
+    fn leaf_normal(&self, leaf: usize, x: f64, radial: DVec2) -> DVec3 {
+        let powers = self.leaf_powers(leaf);
         let extent = powers[1..].iter().flatten().fold(0.0, |m: f64, c| m.max(c.abs()));
         let mut away = 0.0;
         let [dx, dh] = loop {
             // Where the derivative vanishes, the direction is the limit from inside the leaf.
-            let (_, slope) = evaluate(powers, x - f64::copysign(away, x));
+            let (_, slope) = evaluate_with_derivative(powers, x - f64::copysign(away, x));
             if slope[0].abs().max(slope[1].abs()) > 1e-7 * extent || away > 0.5 {
                 break slope;
             }
@@ -295,20 +298,20 @@ impl Profile {
     }
 
     /// Area per unit of x and of θ.
-    fn element(&self, leaf: usize, x: f64) -> f64 {
-        let ([radius, _], [dx, dh]) = evaluate(self.powers(leaf), x);
+    fn area_element(&self, leaf: usize, x: f64) -> f64 {
+        let ([radius, _], [dx, dh]) = evaluate_with_derivative(self.leaf_powers(leaf), x);
         radius.abs() * hypot(dx, dh)
     }
 
     fn leaf_area(&self, leaf: usize, to_world: &Transform) -> f64 {
         let determinant = to_world.determinant().abs();
         let mut sum = 0.0;
-        for (x, weight) in GAUSS {
-            let ring = self.element(leaf, x) * weight * TAU / f64::from(AROUND);
-            for i in 0..AROUND {
-                let (sin, cos) = sincos(f64::from(i) * TAU / f64::from(AROUND));
-                let normal = self.normal(leaf, x, DVec2::new(cos, sin)).normalize_or_zero();
-                sum += ring * determinant * to_world.normal(normal).length();
+        for (x, weight) in GAUSS_LEGENDRE {
+            let ring = self.area_element(leaf, x) * weight * TAU / f64::from(AREA_ANGLES);
+            for i in 0..AREA_ANGLES {
+                let (sin, cos) = sincos(f64::from(i) * TAU / f64::from(AREA_ANGLES));
+                let normal = self.leaf_normal(leaf, x, DVec2::new(cos, sin)).normalize_or_zero();
+                sum += ring * determinant * to_world.transform_normal(normal).length();
             }
         }
         sum

@@ -1,19 +1,19 @@
 //! Subdivision of profiles until each piece is nearly flat and on one side of the axis.
 
-use super::polynomial::{Vector, split, to_powers};
-use super::ring_tree::Ring;
-use super::spline::{NARROWEST, SplineError};
+use super::polynomial::{Coefficients, bernstein_to_powers, split_bezier};
+use super::ring_bvh::Ring;
+use super::spline::{MIN_SPAN, SplineError};
 use libm::hypot;
 
 /// Relative bend of a piece below which it is divided no further.
-const FLAT: f64 = 1.0 / 16.0;
+const MAX_RELATIVE_BEND: f64 = 1.0 / 16.0;
 
 /// Largest number of halvings of a Bézier piece that never becomes flat: at cusps and coincident
 /// control points.
-pub(super) const DEPTH: u32 = 9;
+pub(super) const MAX_HALVINGS: u32 = 9;
 
 /// Bytes of a leaf besides its coefficients: itself, its ring and area, its share of the tree.
-const PER_LEAF: u64 = 256;
+const BYTES_PER_LEAF: u64 = 256;
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ProfileLeaf {
@@ -27,7 +27,7 @@ pub(super) struct ProfileLeaf {
 
 pub(super) struct ProfileBuilder {
     pub leaves: Vec<ProfileLeaf>,
-    pub powers: Vec<Vector<2>>,
+    pub powers: Vec<Coefficients<2>>,
     /// Bytes of memory that the surface may take.
     pub free: Option<u64>,
 }
@@ -38,7 +38,12 @@ impl ProfileBuilder {
     /// # Errors
     ///
     /// [`SplineError::Memory`].
-    pub fn cut(&mut self, controls: &[Vector<2>], [start, end]: [f64; 2], depth: u32) -> Result<(), SplineError> {
+    pub fn subdivide(
+        &mut self,
+        controls: &[Coefficients<2>],
+        [start, end]: [f64; 2],
+        depth: u32,
+    ) -> Result<(), SplineError> {
         let (left, right) =
             controls.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, r), c| (l.min(c[0]), r.max(c[0])));
         let (low, high) =
@@ -48,21 +53,21 @@ impl ProfileBuilder {
         }
         let side = if -left > right { -1.0 } else { 1.0 };
         let degree = controls.len() - 1;
-        let mut powers: Vec<Vector<2>> = controls.iter().map(|c| [side * c[0], c[1]]).collect();
-        to_powers(&mut powers, 0, 1, degree);
+        let mut powers: Vec<Coefficients<2>> = controls.iter().map(|c| [side * c[0], c[1]]).collect();
+        bernstein_to_powers(&mut powers, 0, 1, degree);
         let crosses = left < 0.0 && right > 0.0;
         let bends = powers.iter().enumerate().skip(2).fold(0.0, |s, (k, c)| s + k as f64 * hypot(c[0], c[1]));
-        let wide = end - start >= 2.0 * NARROWEST;
-        if depth > 0 && wide && (crosses || bends > FLAT * hypot(powers[1][0], powers[1][1])) {
+        let wide = end - start >= 2.0 * MIN_SPAN;
+        if depth > 0 && wide && (crosses || bends > MAX_RELATIVE_BEND * hypot(powers[1][0], powers[1][1])) {
             let at = axis_crossing(controls).filter(|_| crosses).unwrap_or(0.5);
-            let (mut first, mut last) = split(controls, at);
+            let (mut first, mut last) = split_bezier(controls, at);
             if crosses && at != 0.5 {
                 // The root is rounded, but the point must lie exactly on the axis.
                 (first[degree][0], last[0][0]) = (0.0, 0.0);
             }
             let middle = start + at * (end - start);
-            self.cut(&first, [start, middle], depth - 1)?;
-            return self.cut(&last, [middle, end], depth - 1);
+            self.subdivide(&first, [start, middle], depth - 1)?;
+            return self.subdivide(&last, [middle, end], depth - 1);
         }
         let place = [0.5 * (start + end), 0.5 * (end - start)];
         let ring = Ring { radius: [0.0, 0.0], height: [low, high] };
@@ -70,7 +75,8 @@ impl ProfileBuilder {
         self.leaves.push(ProfileLeaf { first: self.powers.len() as u32, side, place, ring: Ring { radius, ..ring } });
         self.powers.extend(powers);
         // Twice the size, for the slack of growing lists.
-        let needed = 2 * (PER_LEAF * self.leaves.len() as u64 + (size_of::<Vector<2>>() * self.powers.len()) as u64);
+        let needed =
+            2 * (BYTES_PER_LEAF * self.leaves.len() as u64 + (size_of::<Coefficients<2>>() * self.powers.len()) as u64);
         match self.free {
             Some(free) if needed > free => Err(SplineError::Memory { needed, free }),
             _ => Ok(()),
@@ -79,7 +85,7 @@ impl ProfileBuilder {
 }
 
 /// Parameter at which the curve crosses the axis, if its control points change sides exactly once.
-fn axis_crossing(controls: &[Vector<2>]) -> Option<f64> {
+fn axis_crossing(controls: &[Coefficients<2>]) -> Option<f64> {
     let sides: Vec<bool> = controls.iter().map(|c| c[0]).filter(|x| *x != 0.0).map(|x| x > 0.0).collect();
     let [first, .., _] = sides[..] else { return None };
     if sides.windows(2).filter(|w| w[0] != w[1]).count() != 1 || controls[0][0] == 0.0 {
@@ -90,7 +96,7 @@ fn axis_crossing(controls: &[Vector<2>]) -> Option<f64> {
         && low < middle
         && middle < high
     {
-        let x = split(controls, middle).1[0][0];
+        let x = split_bezier(controls, middle).1[0][0];
         *(if (x > 0.0) == first { &mut low } else { &mut high }) = middle;
     }
     (0.0 < low && low < 1.0).then_some(low)

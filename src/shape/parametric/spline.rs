@@ -1,7 +1,7 @@
 //! Bézier and B-spline curves and nets of control points, and their Bézier pieces.
 
-use super::polynomial::{MAX_DEGREE, Vector};
-use crate::stats::bytes;
+use super::polynomial::{Coefficients, MAX_DEGREE};
+use crate::stats::format_bytes;
 
 /// Reason why control points and knots define no curve or surface.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -58,7 +58,7 @@ pub enum SplineError {
     #[error("a control point or knot is too large")]
     TooLarge,
     /// The surface takes more memory than is free.
-    #[error("the surface takes {} of memory or more, and {} are free", bytes(*needed), bytes(*free))]
+    #[error("the surface takes {} of memory or more, and {} are free", format_bytes(*needed), format_bytes(*free))]
     Memory {
         /// Bytes in use when the limit was exceeded.
         needed: u64,
@@ -73,11 +73,11 @@ pub enum SplineError {
 /// Shortest span relative to the range.
 ///
 /// Single-precision coordinates below 1 are 2⁻²⁴ apart, and each span needs several of them.
-pub(super) const NARROWEST: f64 = 1.0 / 4_194_304.0;
+pub(super) const MIN_SPAN: f64 = 1.0 / 4_194_304.0;
 
 /// Checked degree and knots of one direction.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Basis {
+pub struct SplineBasis {
     degree: usize,
     controls: usize,
     knots: Vec<f64>,
@@ -85,14 +85,14 @@ pub struct Basis {
 
 /// Interval between two different knots.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Span {
+pub(super) struct KnotSpan {
     /// Index of the knot at its start.
     knot: usize,
     /// Position within the curve's range, which is \[0, 1].
     pub range: [f64; 2],
 }
 
-impl Basis {
+impl SplineBasis {
     /// A single Bézier curve with `controls` control points.
     ///
     /// # Errors
@@ -111,7 +111,7 @@ impl Basis {
     /// # Errors
     ///
     /// [`SplineError`] if degree and number do not fit.
-    pub fn uniform(degree: usize, controls: usize) -> Result<Self, SplineError> {
+    pub fn uniform_knots(degree: usize, controls: usize) -> Result<Self, SplineError> {
         check_degree(degree)?;
         let last = controls + degree;
         Self::new(degree, controls, (0..=last).map(|i| i as f64 / last as f64).collect())
@@ -141,7 +141,7 @@ impl Basis {
             return Err(SplineError::NoRange { first: degree, last: controls });
         }
         let basis = Self { degree, controls, knots };
-        let narrow = basis.spans().find(|span| span.range[1] - span.range[0] < NARROWEST);
+        let narrow = basis.knot_spans().find(|span| span.range[1] - span.range[0] < MIN_SPAN);
         narrow.map_or(Ok(()), |span| Err(SplineError::Narrow(span.knot)))?;
         Ok(basis)
     }
@@ -154,17 +154,17 @@ impl Basis {
 
     /// Number of control points.
     #[must_use]
-    pub fn controls(&self) -> usize {
+    pub fn control_count(&self) -> usize {
         self.controls
     }
 
     /// The spans with a length above 0.
-    pub(super) fn spans(&self) -> impl Iterator<Item = Span> {
+    pub(super) fn knot_spans(&self) -> impl Iterator<Item = KnotSpan> {
         let (first, last) = (self.knots[self.degree], self.knots[self.controls]);
         let place = move |knot: f64| (knot - first) / (last - first);
         (self.degree..self.controls)
             .filter(|k| self.knots[*k] < self.knots[k + 1])
-            .map(move |k| Span { knot: k, range: [place(self.knots[k]), place(self.knots[k + 1])] })
+            .map(move |k| KnotSpan { knot: k, range: [place(self.knots[k]), place(self.knots[k + 1])] })
     }
 
     /// Bézier control points of a span, from the control points at `first`, `first + stride`, … of
@@ -172,15 +172,15 @@ impl Basis {
     ///
     /// The j-th is the polar form with j arguments at the end knot and p − j at the start knot
     /// (Ramshaw 1989). Each step is a weighted mean, so nothing cancels.
-    pub(super) fn piece<const N: usize>(
+    pub(super) fn bezier_piece<const N: usize>(
         &self,
-        span: Span,
-        controls: &[Vector<N>],
+        span: KnotSpan,
+        controls: &[Coefficients<N>],
         (first, stride): (usize, usize),
-    ) -> Vec<Vector<N>> {
+    ) -> Vec<Coefficients<N>> {
         let (p, k) = (self.degree, span.knot);
         let polar = |j: usize| {
-            let mut points: Vec<Vector<N>> = (0..=p).map(|i| controls[first + (k - p + i) * stride]).collect();
+            let mut points: Vec<Coefficients<N>> = (0..=p).map(|i| controls[first + (k - p + i) * stride]).collect();
             for r in 1..=p {
                 let at = if r <= j { self.knots[k + 1] } else { self.knots[k] };
                 for i in (r..=p).rev() {

@@ -29,7 +29,7 @@ fn visible_points_are_first_crossings() {
         let axis = (s.center.as_vec3() - from).normalize();
         let mut sum = 0.0f64;
         for i in 0..n {
-            let u = Key::new(9).purpose(Purpose::Test).with(i).uniform_2d(Dimension::LightPosition);
+            let u = Key::new(9).purpose_key(Purpose::Test).child_key(i).uniform_2d(Dimension::LightPosition);
             let (point, _) = s.sample_visible(from, u).unwrap();
             let w = (point.p - from).normalize();
             sum += f64::from(w.dot(axis));

@@ -3,15 +3,15 @@
 mod solids;
 
 use super::*;
-use crate::math::offset_origin;
+use crate::math::offset_ray_origin;
 use crate::sampling::{Dimension, Key, Purpose};
 use glam::DAffine3;
 
-fn cone(bottom: DVec3, top: DVec3, radii: [f64; 2], capped: bool) -> Shape {
+fn cone_shape(bottom: DVec3, top: DVec3, radii: [f64; 2], capped: bool) -> Shape {
     Shape::Frustum(Frustum::new(bottom, top, radii, capped).unwrap())
 }
 
-fn shapes() -> Vec<Shape> {
+fn test_shapes() -> Vec<Shape> {
     let squash = Transform::new(DAffine3::from_scale_rotation_translation(
         DVec3::new(1.0, 0.2, 2.5),
         glam::DQuat::from_xyzw(0.5, 0.5, 0.5, 0.5),
@@ -23,23 +23,24 @@ fn shapes() -> Vec<Shape> {
         Shape::Ellipsoid(Ellipsoid::new(squash)),
         Shape::Disc(Disc::new(DVec3::new(1.0, 0.0, 0.0), DVec3::new(0.5, 0.5, 0.0), DVec3::new(0.0, 0.2, 1.0))),
         Shape::Rectangle(Rectangle::new(DVec3::ONE, DVec3::new(2.0, 0.1, 0.0), DVec3::new(0.3, 1.0, 0.5))),
-        Shape::Cuboid(Cuboid::under(squash)),
+        Shape::Cuboid(Cuboid::from_transform(squash)),
         Shape::Cuboid(Cuboid::new(DVec3::new(-1.0, 0.5, 2.0), DVec3::new(0.5, 0.75, 2.5)).unwrap()),
-        cone(DVec3::X, DVec3::ONE, [0.5, 0.5], true),
-        cone(DVec3::X, DVec3::ONE, [0.5, 0.5], false),
-        cone(DVec3::X, DVec3::ONE, [0.5, 0.0], true),
-        cone(DVec3::X, DVec3::ONE, [0.0, 0.7], false),
-        cone(DVec3::ZERO, DVec3::Y, [1.0, 0.3], true).transformed(&squash).unwrap(),
+        cone_shape(DVec3::X, DVec3::ONE, [0.5, 0.5], true),
+        cone_shape(DVec3::X, DVec3::ONE, [0.5, 0.5], false),
+        cone_shape(DVec3::X, DVec3::ONE, [0.5, 0.0], true),
+        cone_shape(DVec3::X, DVec3::ONE, [0.0, 0.7], false),
+        cone_shape(DVec3::ZERO, DVec3::Y, [1.0, 0.3], true).transformed(&squash).unwrap(),
     ]
 }
 
 /// The mean of 1/pdf over samples is the area, within five standard errors.
 #[test]
 fn sampled_points_lie_on_the_shape_with_the_stated_density() {
-    for shape in shapes() {
+    for shape in test_shapes() {
         let (n, mut sum, mut squares) = (100_000u64, 0.0, 0.0);
         for i in 0..n {
-            let s = shape.sample(Key::new(3).purpose(Purpose::Test).with(i).uniform_2d(Dimension::LightPosition));
+            let s =
+                shape.sample(Key::new(3).purpose_key(Purpose::Test).child_key(i).uniform_2d(Dimension::LightPosition));
             let inverse = 1.0 / f64::from(s.pdf);
             sum += inverse;
             squares += inverse * inverse;
@@ -50,7 +51,7 @@ fn sampled_points_lie_on_the_shape_with_the_stated_density() {
                 let ray = Ray::new(above, -s.point.ng);
                 let (t, u, v) = shape.intersect(&ray).expect("a ray at a sampled point hits");
                 assert!((t - 0.1).abs() < 1e-5, "{shape:?} {t}");
-                let back = shape.surface(&ray, t, Vec2::new(u, v));
+                let back = shape.surface_point(&ray, t, Vec2::new(u, v));
                 assert!((back.p - s.point.p).length() < 1e-5 && back.ng.dot(s.point.ng) > 1.0 - 1e-4);
             }
         }
@@ -67,13 +68,13 @@ fn offset_rays_leave_cleanly() {
         for center in [DVec3::ZERO, DVec3::new(3.0, -200.0, 1e3) * scale] {
             let sphere = Shape::Sphere(Sphere::new(center, scale));
             for i in 0..20_000u64 {
-                let key = Key::new(5).purpose(Purpose::Test).with(i);
+                let key = Key::new(5).purpose_key(Purpose::Test).child_key(i);
                 let s = sphere.sample(key.uniform_2d(Dimension::LightPosition)).point;
-                let d = crate::math::warp::cosine_hemisphere(key.uniform_2d(Dimension::LightDirection));
-                let d = crate::math::Frame::around(s.ng).to_world(d);
-                let out = Ray::new(offset_origin(s.p, s.error, s.ng, d), d);
+                let d = crate::math::warp::square_to_cosine_hemisphere(key.uniform_2d(Dimension::LightDirection));
+                let d = crate::math::Frame::from_normal(s.ng).to_world(d);
+                let out = Ray::new(offset_ray_origin(s.p, s.error, s.ng, d), d);
                 assert!(sphere.intersect(&out).is_none(), "{scale} {center} {i}");
-                let inside = Ray::new(offset_origin(s.p, s.error, s.ng, -d), -d);
+                let inside = Ray::new(offset_ray_origin(s.p, s.error, s.ng, -d), -d);
                 let (t, ..) = sphere.intersect(&inside).expect("an inner ray meets the far side");
                 let chord = 2.0 * scale as f32 * d.dot(s.ng);
                 assert!((t - chord).abs() < 1e-3 * chord + 4.0 * s.error.max_element() / d.dot(s.ng), "{t} {chord}");
@@ -96,10 +97,10 @@ fn spheres_stay_spheres_under_similarities_only() {
 
 #[test]
 fn boxes_contain_their_shapes() {
-    for shape in shapes() {
+    for shape in test_shapes() {
         let b = shape.bounds();
         for i in 0..5000u64 {
-            let u = Key::new(1).purpose(Purpose::Test).with(i).uniform_2d(Dimension::LightPosition);
+            let u = Key::new(1).purpose_key(Purpose::Test).child_key(i).uniform_2d(Dimension::LightPosition);
             let p = shape.sample(u).point.p;
             assert!(p.cmpge(b.min).all() && p.cmple(b.max).all(), "{shape:?} {p}");
         }

@@ -25,10 +25,10 @@ const SOLIDS: [Solid; 7] = [
 ];
 
 impl Solid {
-    fn shape(self, map: &Transform) -> Shape {
+    fn transformed_shape(self, map: &Transform) -> Shape {
         let own = match self {
             Self::Cube => Shape::Cuboid(Cuboid::new(DVec3::NEG_ONE, DVec3::ONE).unwrap()),
-            Self::Frustum { radii, capped } => cone(DVec3::ZERO, DVec3::Y, radii, capped),
+            Self::Frustum { radii, capped } => cone_shape(DVec3::ZERO, DVec3::Y, radii, capped),
         };
         own.transformed(map).unwrap()
     }
@@ -45,26 +45,26 @@ impl Solid {
     }
 
     /// Convex function that is negative inside the solid and 0 on its surface.
-    fn gauge(self, p: DVec3) -> f64 {
+    fn implicit_value(self, p: DVec3) -> f64 {
         match self {
             Self::Cube => p.abs().max_element() - 1.0,
-            Self::Frustum { .. } => self.side_gauge(p).max(-p.y).max(p.y - 1.0),
+            Self::Frustum { .. } => self.side_implicit_value(p).max(-p.y).max(p.y - 1.0),
         }
     }
 
     /// The gauge of the side alone.
-    fn side_gauge(self, p: DVec3) -> f64 {
+    fn side_implicit_value(self, p: DVec3) -> f64 {
         match self {
-            Self::Cube => self.gauge(p),
+            Self::Cube => self.implicit_value(p),
             Self::Frustum { radii: [a, b], .. } => libm::hypot(p.x, p.z) - (a + (b - a) * p.y),
         }
     }
 
     /// Entry and exit parameters of a ray; `None` if it misses, and the least gauge along it.
-    fn interval(self, map: &Transform, ray: &Ray) -> (Option<[f64; 2]>, f64) {
+    fn entry_and_exit(self, map: &Transform, ray: &Ray) -> (Option<[f64; 2]>, f64) {
         let o = map.inverse().transform_point3(ray.origin.as_dvec3());
         let d = map.inverse().transform_vector3(ray.direction.as_dvec3());
-        let gauge = |t: f64| self.gauge(o + d * t);
+        let gauge = |t: f64| self.implicit_value(o + d * t);
         let nearest = (self.center() - o).dot(d) / d.length_squared();
         let reach = 4.0 / d.length();
         let (mut low, mut high) = (nearest - reach, nearest + reach);
@@ -89,7 +89,7 @@ impl Solid {
     }
 }
 
-fn maps() -> Vec<Transform> {
+fn test_transforms() -> Vec<Transform> {
     let turn = DQuat::from_xyzw(0.1, -0.5, 0.7, 0.5).normalize();
     let shear = DMat3::from_cols(DVec3::new(1.0, 0.3, 0.0), DVec3::new(-0.5, 0.8, 0.2), DVec3::new(0.0, 0.4, 1.5));
     let affine = [
@@ -103,17 +103,17 @@ fn maps() -> Vec<Transform> {
     affine.into_iter().map(|map| Transform::new(map).unwrap()).collect()
 }
 
-fn key(i: u64) -> Key {
-    Key::new(21).purpose(Purpose::Test).with(i)
+fn test_key(i: u64) -> Key {
+    Key::new(21).purpose_key(Purpose::Test).child_key(i)
 }
 
-fn direction(i: u64) -> DVec3 {
-    warp::sphere(key(i).uniform_2d(Dimension::LightDirection)).as_dvec3()
+fn random_direction(i: u64) -> DVec3 {
+    warp::square_to_uniform_sphere(test_key(i).uniform_2d(Dimension::LightDirection)).as_dvec3()
 }
 
 /// Points of edges and rims: where faces meet.
 fn edge_point(solid: Solid, i: u64) -> DVec3 {
-    let u = key(i).uniform_2d(Dimension::LightPosition).as_dvec2();
+    let u = test_key(i).uniform_2d(Dimension::LightPosition).as_dvec2();
     match solid {
         Solid::Cube => {
             let mut p = DVec3::new(1.0, if (i / 4).is_multiple_of(2) { 1.0 } else { -1.0 }, 2.0 * u.x - 1.0);
@@ -133,19 +133,19 @@ fn edge_point(solid: Solid, i: u64) -> DVec3 {
 #[test]
 fn hits_agree_with_bisection() {
     for solid in SOLIDS {
-        for (m, map) in maps().into_iter().enumerate() {
-            let shape = solid.shape(&map);
+        for (m, map) in test_transforms().into_iter().enumerate() {
+            let shape = solid.transformed_shape(&map);
             let (mut hits, mut compared) = (0, 0);
             for i in 0..4_000 {
                 let target = match i % 4 {
                     0 => edge_point(solid, i),
-                    1 => solid.center() + 1.2 * direction(i),
-                    _ => solid.center() + direction(i + 1_000_000) * 0.7,
+                    1 => solid.center() + 1.2 * random_direction(i),
+                    _ => solid.center() + random_direction(i + 1_000_000) * 0.7,
                 };
                 let distance = [0.3, 3.0, 30.0][i as usize % 3];
-                let from = map.point(solid.center() + direction(i + 2_000_000) * distance).as_vec3();
-                let ray = Ray::new(from, map.point(target).as_vec3() - from);
-                let (interval, least) = solid.interval(&map, &ray);
+                let from = map.transform_point(solid.center() + random_direction(i + 2_000_000) * distance).as_vec3();
+                let ray = Ray::new(from, map.transform_point(target).as_vec3() - from);
+                let (interval, least) = solid.entry_and_exit(&map, &ray);
                 // Rays that touch within the rounding of their ends may go either way.
                 if least.abs() < 1e-9 || ray.direction == Vec3::ZERO {
                     continue;
@@ -154,12 +154,12 @@ fn hits_agree_with_bisection() {
                     let world = ray.origin.as_dvec3() + ray.direction.as_dvec3() * t;
                     map.inverse().transform_point3(world)
                 };
-                let on_side = |t: f64| solid.side_gauge(at(t)) > -1e-9;
+                let on_side = |t: f64| solid.side_implicit_value(at(t)) > -1e-9;
                 let mut candidates = interval.into_iter().flatten();
                 // Starts within rounding of the surface, and rims of open solids, are doubtful.
                 let doubtful = |t: f64| {
                     let (p, y) = (at(t), at(t).y);
-                    let at_rim = solid.side_gauge(p).abs() < 1e-6 && y.abs().min((y - 1.0).abs()) < 1e-6;
+                    let at_rim = solid.side_implicit_value(p).abs() < 1e-6 && y.abs().min((y - 1.0).abs()) < 1e-6;
                     t.abs() < 1e-6 || !solid.is_closed() && at_rim
                 };
                 if candidates.clone().any(doubtful) {
@@ -172,14 +172,18 @@ fn hits_agree_with_bisection() {
                 let (Some((t, u, v)), Some(expected)) = (found, expected) else { continue };
                 hits += 1;
                 assert!((f64::from(t) / expected - 1.0).abs() < 1e-6, "{solid:?} {m} {i}: {t} {expected}");
-                let point = shape.surface(&ray, t, Vec2::new(u, v));
+                let point = shape.surface_point(&ray, t, Vec2::new(u, v));
                 let p = map.inverse().transform_point3(point.p.as_dvec3());
                 let rows = map.inverse().matrix3.transpose();
                 let widest = rows.x_axis.length().max(rows.y_axis.length()).max(rows.z_axis.length());
                 let off = widest * f64::from(point.error.max_element()) * 2.0;
-                assert!(solid.gauge(p).abs() <= off, "{solid:?} {m} {i}: {p} is off by {} of {off}", solid.gauge(p));
+                assert!(
+                    solid.implicit_value(p).abs() <= off,
+                    "{solid:?} {m} {i}: {p} is off by {} of {off}",
+                    solid.implicit_value(p)
+                );
                 // The outer normal looks back along a ray that enters.
-                let enters = solid.gauge(at(0.0)) > 0.0 && Some(expected) == interval.map(|i| i[0]);
+                let enters = solid.implicit_value(at(0.0)) > 0.0 && Some(expected) == interval.map(|i| i[0]);
                 assert_eq!(point.ng.dot(ray.direction) < 0.0, enters, "{solid:?} {m} {i} {point:?}");
             }
             assert!(hits > 1_200 && compared > 2_500, "{solid:?} {m}: {hits} {compared}");
@@ -191,11 +195,11 @@ fn hits_agree_with_bisection() {
 #[test]
 fn inner_rays_never_escape() {
     for solid in SOLIDS.into_iter().filter(|s| s.is_closed()) {
-        for map in maps() {
-            let shape = solid.shape(&map);
+        for map in test_transforms() {
+            let shape = solid.transformed_shape(&map);
             for i in 0..20_000 {
-                let from = map.point(solid.center() + 0.1 * direction(i)).as_vec3();
-                let ray = Ray::new(from, map.point(edge_point(solid, i)).as_vec3() - from);
+                let from = map.transform_point(solid.center() + 0.1 * random_direction(i)).as_vec3();
+                let ray = Ray::new(from, map.transform_point(edge_point(solid, i)).as_vec3() - from);
                 assert!(shape.intersect(&ray).is_some() && shape.occludes(&ray), "{solid:?} {i} {ray:?}");
             }
         }
@@ -212,21 +216,21 @@ fn offset_rays_leave_solids_cleanly() {
             let turn = DQuat::from_xyzw(0.3, 0.5, -0.2, 0.7).normalize();
             let map = DAffine3::from_scale_rotation_translation(DVec3::splat(scale), turn, center);
             let map = Transform::new(map).unwrap();
-            let shape = solid.shape(&map);
+            let shape = solid.transformed_shape(&map);
             for i in 0..10_000 {
                 // At edges too, where the neighbouring face is near.
-                let target = if i % 2 == 0 { edge_point(solid, i) } else { solid.center() + 0.6 * direction(i) };
-                let inner = map.point(solid.center() + 0.1 * direction(i + 7)).as_vec3();
-                let ray = Ray::new(inner, map.point(target).as_vec3() - inner);
+                let target = if i % 2 == 0 { edge_point(solid, i) } else { solid.center() + 0.6 * random_direction(i) };
+                let inner = map.transform_point(solid.center() + 0.1 * random_direction(i + 7)).as_vec3();
+                let ray = Ray::new(inner, map.transform_point(target).as_vec3() - inner);
                 let (t, u, v) = shape.intersect(&ray).expect("inner rays hit");
-                let s = shape.surface(&ray, t, Vec2::new(u, v));
-                let d = warp::cosine_hemisphere(key(i).uniform_2d(Dimension::LightPosition));
-                let d = crate::math::Frame::around(s.ng).to_world(d);
-                let out = Ray::new(offset_origin(s.p, s.error, s.ng, d), d);
+                let s = shape.surface_point(&ray, t, Vec2::new(u, v));
+                let d = warp::square_to_cosine_hemisphere(test_key(i).uniform_2d(Dimension::LightPosition));
+                let d = crate::math::Frame::from_normal(s.ng).to_world(d);
+                let out = Ray::new(offset_ray_origin(s.p, s.error, s.ng, d), d);
                 assert!(shape.intersect(&out).is_none(), "{solid:?} {scale} {i} {out:?}");
-                let back = Ray::new(offset_origin(s.p, s.error, s.ng, -d), -d);
+                let back = Ray::new(offset_ray_origin(s.p, s.error, s.ng, -d), -d);
                 let (t, u, v) = shape.intersect(&back).expect("an inward ray hits the far side");
-                let far = shape.surface(&back, t, Vec2::new(u, v));
+                let far = shape.surface_point(&back, t, Vec2::new(u, v));
                 assert!(far.ng.dot(back.direction) > 0.0, "{solid:?} {scale} {i} {back:?}");
             }
         }
@@ -243,15 +247,15 @@ fn grazing_and_axial_rays() {
     assert_eq!(hit(&cube, Vec3::new(-3.0, 1.0f32.next_up(), 0.0), Vec3::X), None);
     assert_eq!(hit(&cube, Vec3::new(-3.0, 1.0f32.next_down(), 0.0), Vec3::X), Some(2.0));
     assert_eq!(hit(&cube, Vec3::new(3.0, 0.0, 0.0), Vec3::X), None);
-    let tube = cone(DVec3::ZERO, DVec3::Y, [1.0, 1.0], false);
+    let tube = cone_shape(DVec3::ZERO, DVec3::Y, [1.0, 1.0], false);
     assert_eq!(hit(&tube, Vec3::new(0.0, -3.0, 0.0), Vec3::Y), None, "through both open ends");
     assert_eq!(hit(&tube, Vec3::new(0.5, -1.0, 0.0), Vec3::new(0.5, 1.5, 0.0)), Some(1.0), "the inside of the side");
     assert_eq!(hit(&tube, Vec3::new(0.0, 0.5, 3.0), -Vec3::Z), Some(2.0));
-    let can = cone(DVec3::ZERO, DVec3::Y, [1.0, 1.0], true);
+    let can = cone_shape(DVec3::ZERO, DVec3::Y, [1.0, 1.0], true);
     assert_eq!(hit(&can, Vec3::new(0.25, -3.0, 0.5), Vec3::Y), Some(3.0));
     assert_eq!(hit(&can, Vec3::new(0.25, 0.5, 0.5), Vec3::Y), Some(0.5));
     assert_eq!(hit(&can, Vec3::new(1.0f32.next_up(), -3.0, 0.0), Vec3::Y), None);
-    let pointed = cone(DVec3::ZERO, DVec3::Y, [1.0, 0.0], true);
+    let pointed = cone_shape(DVec3::ZERO, DVec3::Y, [1.0, 0.0], true);
     assert_eq!(hit(&pointed, Vec3::new(0.0, 3.0, 0.0), -Vec3::Y), Some(2.0), "the apex from above");
     assert_eq!(hit(&pointed, Vec3::new(0.25, 3.0, 0.0), -Vec3::Y), Some(2.25));
     // Parallel to a generator: inside, and beside.
@@ -269,18 +273,18 @@ fn areas_match_formulas() {
     let near = |shape: Shape, area: f64| assert!((shape.area() / area - 1.0).abs() < 1e-8, "{shape:?} {area}");
     near(Shape::Cuboid(Cuboid::new(DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0)).unwrap()), 22.0);
     let (r, h) = (0.7, 1.3);
-    near(cone(DVec3::ONE, DVec3::ONE + DVec3::X * h, [r, r], false), 2.0 * PI * r * h);
-    near(cone(DVec3::ONE, DVec3::ONE + DVec3::X * h, [r, r], true), 2.0 * PI * r * (h + r));
-    near(cone(DVec3::ONE, DVec3::ONE - DVec3::Z * h, [r, 0.0], false), PI * r * libm::hypot(r, h));
-    near(cone(DVec3::ZERO, DVec3::Y * h, [0.0, r], true), PI * r * (libm::hypot(r, h) + r));
+    near(cone_shape(DVec3::ONE, DVec3::ONE + DVec3::X * h, [r, r], false), 2.0 * PI * r * h);
+    near(cone_shape(DVec3::ONE, DVec3::ONE + DVec3::X * h, [r, r], true), 2.0 * PI * r * (h + r));
+    near(cone_shape(DVec3::ONE, DVec3::ONE - DVec3::Z * h, [r, 0.0], false), PI * r * libm::hypot(r, h));
+    near(cone_shape(DVec3::ZERO, DVec3::Y * h, [0.0, r], true), PI * r * (libm::hypot(r, h) + r));
     let (a, b) = (0.2, r);
     let side = PI * (a + b) * libm::hypot(b - a, h);
-    near(cone(DVec3::ZERO, DVec3::Y * h, [a, b], true), side + PI * (a * a + b * b));
+    near(cone_shape(DVec3::ZERO, DVec3::Y * h, [a, b], true), side + PI * (a * a + b * b));
     let stretch = Transform::new(DAffine3::from_scale(DVec3::new(1.2, 2.0, 1.0))).unwrap();
     let (a, b) = (1.2, 1.0);
     let q = (a - b) * (a - b) / ((a + b) * (a + b));
     let perimeter = PI * (a + b) * (1.0 + 3.0 * q / (10.0 + (4.0 - 3.0 * q).sqrt()));
-    near(cone(DVec3::ZERO, DVec3::Y, [1.0, 1.0], false).transformed(&stretch).unwrap(), 2.0 * perimeter);
+    near(cone_shape(DVec3::ZERO, DVec3::Y, [1.0, 1.0], false).transformed(&stretch).unwrap(), 2.0 * perimeter);
 }
 
 /// Samples fill equal areas of the surface alike: chi-square over bins, at a probability of failure
@@ -291,7 +295,7 @@ fn samples_are_uniform_by_area() {
     let map = DAffine3::from_scale_rotation_translation(DVec3::splat(0.3), turn, DVec3::new(1.0, 2.0, 3.0));
     let map = Transform::new(map).unwrap();
     for solid in SOLIDS {
-        let shape = solid.shape(&map);
+        let shape = solid.transformed_shape(&map);
         // Bins by part, angle or first coordinate, and height or second coordinate, with their
         // share of the area.
         let mut expected: Vec<f64> = Vec::new();
@@ -316,7 +320,7 @@ fn samples_are_uniform_by_area() {
         let mut counts = vec![0.0; expected.len()];
         let n = 200_000;
         for i in 0..n {
-            let sample = shape.sample(key(i).uniform_2d(Dimension::LightPosition));
+            let sample = shape.sample(test_key(i).uniform_2d(Dimension::LightPosition));
             let p = map.inverse().transform_point3(sample.point.p.as_dvec3());
             let part = sample.uv.y as usize;
             let quarter = |x: f64| ((x * 4.0) as usize).min(3);
@@ -355,20 +359,20 @@ fn samples_are_uniform_by_area() {
 /// stretches.
 #[test]
 fn area_samples_measure_the_visible_solid_angle() {
-    let map = &maps()[1];
+    let map = &test_transforms()[1];
     for solid in SOLIDS.into_iter().filter(|s| s.is_closed()) {
-        let shape = solid.shape(map);
-        let from = map.point(DVec3::new(0.8, 1.9, -1.4)).as_vec3();
+        let shape = solid.transformed_shape(map);
+        let from = map.transform_point(DVec3::new(0.8, 1.9, -1.4)).as_vec3();
         let n = 400_000;
         let [mut sum, mut squares, mut hits] = [0.0f64; 3];
         for i in 0..n {
-            let s = shape.sample(key(i).uniform_2d(Dimension::LightPosition));
+            let s = shape.sample(test_key(i).uniform_2d(Dimension::LightPosition));
             let to = s.point.p - from;
             let (d2, w) = (to.length_squared(), to.normalize());
             let term = f64::from((-w.dot(s.point.ng)).max(0.0) / (d2 * s.pdf));
             sum += term;
             squares += term * term;
-            hits += f64::from(u8::from(shape.occludes(&Ray::new(from, direction(i).as_vec3()))));
+            hits += f64::from(u8::from(shape.occludes(&Ray::new(from, random_direction(i).as_vec3()))));
         }
         let n = n as f64;
         let (mean, share) = (sum / n, hits / n);
@@ -382,11 +386,11 @@ fn area_samples_measure_the_visible_solid_angle() {
 #[test]
 fn texture_gradients_match_differences() {
     for solid in SOLIDS {
-        let map = &maps()[2];
-        let shape = solid.shape(map);
+        let map = &test_transforms()[2];
+        let shape = solid.transformed_shape(map);
         for i in 0..2000 {
-            let s = shape.sample(key(i).uniform_2d(Dimension::LightPosition));
-            let at = |p: DVec3| shape.mapped(p.as_vec3(), s.uv);
+            let s = shape.sample(test_key(i).uniform_2d(Dimension::LightPosition));
+            let at = |p: DVec3| shape.tex_coord(p.as_vec3(), s.uv);
             let p = s.point.p.as_dvec3();
             let own = map.inverse().transform_point3(p);
             // Near an axis, coordinates turn without bounds.
@@ -425,9 +429,9 @@ fn shapes_without_extent_are_refused() {
 fn mirrored_solids_face_outward() {
     let mirror = Transform::new(DAffine3::from_scale(DVec3::new(-1.0, 2.0, 1.0))).unwrap();
     for solid in SOLIDS {
-        let shape = solid.shape(&mirror);
+        let shape = solid.transformed_shape(&mirror);
         let ray = Ray::new(Vec3::new(9.0, 0.8, 0.0), Vec3::NEG_X);
         let (t, u, v) = shape.intersect(&ray).unwrap();
-        assert!(shape.surface(&ray, t, Vec2::new(u, v)).ng.x > 0.5, "{solid:?}");
+        assert!(shape.surface_point(&ray, t, Vec2::new(u, v)).ng.x > 0.5, "{solid:?}");
     }
 }

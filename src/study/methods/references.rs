@@ -202,7 +202,7 @@ fn read_reference(path: &Path, wanted: (u32, u32)) -> Result<Image, ReferenceErr
 #[must_use]
 pub fn reference_algorithm(scene: &Scene, overrides: EffectOverrides) -> (Algorithm, &'static str) {
     let plan = Plan::new(scene, Algorithm::Hybrid.simulates(), overrides);
-    if plan.effects().has(Effect::Caustics) {
+    if plan.simulated_effects().has(Effect::Caustics) {
         (Algorithm::Hybrid, "unbiased except caustics, whose blur shrinks")
     } else {
         (Algorithm::Path, "unbiased, and the scene has no caustics")

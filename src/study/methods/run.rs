@@ -245,7 +245,7 @@ impl MethodRun<'_> {
         estimator.get_or_insert_with(|| ErrorEstimator::new(integrator.radius_law())).add(film, &pass);
         film.add(&pass.image);
         self.time += time;
-        self.rays += pass.counters.rays();
+        self.rays += pass.counters.total_rays();
         self.photons += pass.global.emitted + pass.caustic.emitted;
     }
 

@@ -31,8 +31,8 @@ pub(super) fn separate_noise_and_bias(references: &References, pictures: &[Vec<R
         for ((square, noise), picture) in squares.iter_mut().zip(&mut noises).zip(pictures) {
             let pixel = picture[i].as_dvec3();
             let error = references.unbiased_squared_error(i, pixel);
-            *square += scale.counts(i, error);
-            *noise += scale.counts(i, whole * (pixel - mean).length_squared());
+            *square += scale.clamped_relative_product(i, error);
+            *noise += scale.clamped_relative_product(i, whole * (pixel - mean).length_squared());
             plain += error;
         }
     }
@@ -53,7 +53,9 @@ pub(super) fn mean_pixel(pictures: &[Vec<Rgb>], i: usize) -> DVec3 {
 pub(super) fn pixel_errors(references: &References, pictures: &[Vec<Rgb>]) -> Vec<f32> {
     let scale = references.relative_scale();
     let square = |i: usize| {
-        let counts = |picture: &Vec<Rgb>| scale.counts(i, references.unbiased_squared_error(i, picture[i].as_dvec3()));
+        let counts = |picture: &Vec<Rgb>| {
+            scale.clamped_relative_product(i, references.unbiased_squared_error(i, picture[i].as_dvec3()))
+        };
         (pictures.iter().map(counts).sum::<f64>() / pictures.len() as f64).max(0.0).sqrt() as f32
     };
     (0..scale.weights().len()).map(square).collect()

@@ -52,7 +52,7 @@ pub fn applicable_methods(scene: &Scene, overrides: EffectOverrides) -> Vec<Algo
     let photons = facts.lights > 0 && facts.receivers + facts.scattering_media > 0;
     let applies = |algorithm: &Algorithm| match algorithm {
         Algorithm::Path => true,
-        Algorithm::Hybrid => photons && plan.effects().has(Effect::Caustics),
+        Algorithm::Hybrid => photons && plan.simulated_effects().has(Effect::Caustics),
         _ => photons,
     };
     let all = [Algorithm::Path, Algorithm::Pm, Algorithm::Ppm, Algorithm::Sppm, Algorithm::Hybrid];

@@ -140,7 +140,7 @@ fn effects_table_html(findings: &EffectStudyResult) -> String {
         format!("{:.1}", 1e3 * whole.seconds() / passes),
         String::new(),
         format!("{:.1}", 1e3 * whole.setup),
-        a_pass(whole.counters.rays()),
+        a_pass(whole.counters.total_rays()),
         a_pass(whole.counters.gathered_photons),
     ];
     table += "</tbody>\n<tfoot><tr><th scope=\"row\">the whole picture</th>";

@@ -5,7 +5,7 @@ use crate::sampling::{Dimension, Key, Purpose};
 
 fn image(width: u32, height: u32) -> Image {
     let pixel = |i: u32| {
-        let u = Key::new(9).purpose(Purpose::Test).with(u64::from(i)).uniform_2d(Dimension::Film);
+        let u = Key::new(9).purpose_key(Purpose::Test).child_key(u64::from(i)).uniform_2d(Dimension::Film);
         Vec3::new(u.x, u.y, u.x * u.y)
     };
     Image::from_pixels(width, height, (0..width * height).map(pixel).collect()).unwrap()

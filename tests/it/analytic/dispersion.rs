@@ -27,7 +27,7 @@ fn deviation(angle: f64, n: f64) -> f64 {
 }
 
 fn middle_wavelength(photon: &Photon) -> Option<f64> {
-    Wavelength::from_code(photon.data.wavelength()).map(|w| f64::from(w.nanometres()))
+    Wavelength::from_byte_code(photon.data.wavelength()).map(|w| f64::from(w.nanometres()))
 }
 
 /// Photons of narrow bands around the lines F, d and C land far behind a prism; the line d goes
@@ -84,7 +84,7 @@ fn prism_deviates_wavelengths_by_their_indices() {
     let mut found = Vec::new();
     for (line, nm) in [("F", 486.1327), ("d", 587.5618), ("C", 656.2725)] {
         let codes: Vec<u8> = (1..=255)
-            .filter(|c| Wavelength::from_code(*c).is_some_and(|w| (f64::from(w.nanometres()) - nm).abs() <= 2.0))
+            .filter(|c| Wavelength::from_byte_code(*c).is_some_and(|w| (f64::from(w.nanometres()) - nm).abs() <= 2.0))
             .collect();
         assert!((2..=4).contains(&codes.len()));
         // Compares each photon with its own band, shifted to the line.
@@ -222,7 +222,8 @@ fn white_light_through_slab_stays_white() {
             for (effects, expected) in
                 [(EffectOverrides::PLANNED, parted), (EffectOverrides::PLANNED.without(Effect::Dispersion), plain)]
             {
-                let what = format!("slab at {degrees}°, behind {behind}, {:?}", effects.of(Effect::Dispersion));
+                let what =
+                    format!("slab at {degrees}°, behind {behind}, {:?}", effects.forced_state(Effect::Dispersion));
                 let samples = mean_pictures(&scene, effects);
                 for c in 0..3 {
                     let channel: Vec<f64> = samples.iter().map(|v| v[c]).collect();
@@ -360,7 +361,7 @@ fn rainbow_is_red_outside() {
         for i in 0..10 {
             let nm = from + (to - from) * (f64::from(i) + 0.5) / 10.0;
             let [(f, a)] = ring_fluxes(index(nm), FAR, &edges)[..] else { unreachable!() };
-            let near = (1..=255).filter_map(Wavelength::from_code);
+            let near = (1..=255).filter_map(Wavelength::from_byte_code);
             let near = near.min_by(|a, b| {
                 (f64::from(a.nanometres()) - nm).abs().total_cmp(&(f64::from(b.nanometres()) - nm).abs())
             });

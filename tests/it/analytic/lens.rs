@@ -214,7 +214,7 @@ fn moving_objects_follow_their_transforms() {
             let placed = moving.at(time);
             let (mut hits, mut turned, mut missed) = (0, 0, 0);
             for i in 0..2000 {
-                let key = Key::new(i).purpose(Purpose::Test);
+                let key = Key::new(i).purpose_key(Purpose::Test);
                 let (a, b) = (key.uniform_2d(Dimension::Film), key.uniform_2d(Dimension::Lens));
                 // Rays go from a frame around the object to points near it.
                 let from = Vec3::new(8.0 * a.x - 4.0, 8.0 * a.y - 4.0, 6.0);

@@ -20,7 +20,7 @@ fn tiles(pixels: &[f64], kept: &[bool]) -> Vec<f64> {
 }
 
 fn means(image: &[Vec3]) -> Vec<f64> {
-    image.iter().map(|v| f64::from(color::mean(*v))).collect()
+    image.iter().map(|v| f64::from(color::channel_mean(*v))).collect()
 }
 
 /// Our image is biased by its kernel: with r² inside smooth light, with r at edges. Photons and

@@ -140,7 +140,7 @@ fn casters_are_dark(sketch: &Sketch, scene: &Scene) -> bool {
     }
     let casters = sketch.objects.iter().filter(|o| sketch.is_of(o, &casts) && !is_nothing(sketch, o));
     let points = casters.flat_map(|o| o.shape.points()).map(|p| (p - scene.origin()).as_vec3());
-    let key = Key::new(2).purpose(Purpose::Test);
+    let key = Key::new(2).purpose_key(Purpose::Test);
     let reaches = |light: &Resolved, p| {
         let looks = (0..LOOKS).map(|i| sobol_2d(i, key, Dimension::LightPosition));
         looks.filter_map(|u| light.sample_li(p, u)).any(|s| s.weight != Rgb::ZERO)

@@ -6,7 +6,7 @@ use crate::support::image;
 use caustica::color::Rgb;
 use caustica::format::SceneFile;
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
-use caustica::math::Sum;
+use caustica::math::CompensatedSum;
 use caustica::render::Film;
 use caustica::sampling::{Dimension, Key, Purpose};
 use glam::{DVec3, Vec3};
@@ -38,7 +38,8 @@ fn mean_of_constant_survives_billion_samples() {
 /// `signed`, half of them are negative.
 fn values(n: u64, signed: bool) -> Vec<Rgb> {
     let one = |i: u64| {
-        let draw = |c: u64, dimension| Key::new(3).purpose(Purpose::Test).with(i).with(c).uniform(dimension);
+        let draw =
+            |c: u64, dimension| Key::new(3).purpose_key(Purpose::Test).child_key(i).child_key(c).uniform_1d(dimension);
         Vec3::from_array([0, 1, 2].map(|c| {
             let size = libm::exp2f((40.0 * draw(c, Dimension::Film)).floor() - 20.0);
             let sign = if signed && draw(c, Dimension::Light) < 0.5 { -1.0 } else { 1.0 };
@@ -55,7 +56,7 @@ fn orders(values: &[Rgb]) -> [Vec<Rgb>; 5] {
         sorted.sort_by(|a, b| key(a).total_cmp(&key(b)));
         sorted
     };
-    let hash = |v: &Rgb| Key::new(u64::from(v.x.to_bits())).purpose(Purpose::Test).uniform(Dimension::Film);
+    let hash = |v: &Rgb| Key::new(u64::from(v.x.to_bits())).purpose_key(Purpose::Test).uniform_1d(Dimension::Film);
     [values.to_vec(), values.iter().rev().copied().collect(), by(&|v| v.x.abs()), by(&|v| -v.x.abs()), by(&hash)]
 }
 
@@ -73,7 +74,7 @@ fn pass_order_matters_only_by_rounding() {
         let bound = exact.abs() * 3.0 * UNIT + magnitudes * (n * UNIT) * (n * UNIT);
         for (order, values) in orders(&values).iter().enumerate() {
             let mut film = Film::new(1, 1);
-            let mut sum = Sum::default();
+            let mut sum = CompensatedSum::default();
             for value in values {
                 film.add(&[*value]);
                 sum.add(value.as_dvec3());

@@ -29,8 +29,8 @@ const WITH_PHOTONS: [Algorithm; 4] = [Algorithm::Hybrid, Algorithm::Sppm, Algori
 
 /// Returns three numbers in [0, 1) that depend on `i`.
 fn random(i: u64) -> Vec3 {
-    let key = Key::new(8).purpose(Purpose::Test).with(i);
-    key.uniform_2d(Dimension::LightPosition).extend(key.uniform(Dimension::Light))
+    let key = Key::new(8).purpose_key(Purpose::Test).child_key(i);
+    key.uniform_2d(Dimension::LightPosition).extend(key.uniform_1d(Dimension::Light))
 }
 
 /// Returns a photon on a surface that faces +z, with incident light along the normal.
@@ -81,7 +81,7 @@ fn finite(what: &str, rendered: &RenderResult) {
     assert_eq!(rendered.counters.rejected_samples, 0, "{what}: samples were left out");
     assert_eq!(rendered.counters.rejected_photons, 0, "{what}: photons were left out");
     let estimator = rendered.estimator.as_ref().unwrap();
-    let maps = estimator.maps(&rendered.film);
+    let maps = estimator.error_maps(&rendered.film);
     assert!(maps.noise.iter().chain(&maps.bias).all(|v| v.is_finite()), "{what}: a map of errors is not finite");
     let discs = || maps.caustic.iter().chain(&maps.global);
     assert!(discs().all(|d| d.radius.is_finite() && d.photons.is_finite()), "{what}: a disc is not finite");

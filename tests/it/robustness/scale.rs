@@ -220,7 +220,7 @@ fn fluxes(scene: &Scene, middle: DVec3, near: f64) -> Vec<Vec<f64>> {
     let pass =
         PhotonPass { scene, source: &source, mask: StoreMask::ALL, max_bounces: if near.is_finite() { 0 } else { 50 } };
     let one = |index: u32| {
-        let key = Key::new(7).purpose(Purpose::Test).with(index.into());
+        let key = Key::new(7).purpose_key(Purpose::Test).child_key(index.into());
         let traced = pass.trace(key, 4096, &|_| {});
         let inside =
             traced.deposits.photons.iter().filter(|p| (p.position.as_dvec3() + scene.origin()).distance(middle) < near);

@@ -90,5 +90,5 @@ pub fn image(integrator: &dyn Integrator, pass: u32) -> Vec<Rgb> {
 
 /// Returns the random key of the test with this number.
 pub fn key(number: u64) -> Key {
-    Key::new(number).purpose(Purpose::Test)
+    Key::new(number).purpose_key(Purpose::Test)
 }

@@ -57,7 +57,7 @@ pub fn faces(lo: DVec3, hi: DVec3, inwards: bool) -> [Shape; 6] {
 
 /// Returns the keys of independent passes.
 pub fn keys(passes: u32) -> impl Iterator<Item = Key> {
-    (0..u64::from(passes)).map(|pass| Key::new(20_240_229).purpose(Purpose::Test).with(pass))
+    (0..u64::from(passes)).map(|pass| Key::new(20_240_229).purpose_key(Purpose::Test).child_key(pass))
 }
 
 /// Traces independent passes of `paths` photon paths each, emitted in all directions.

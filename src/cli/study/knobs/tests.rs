@@ -1,14 +1,14 @@
 use super::*;
-use crate::cli::study::variants::defaults;
+use crate::cli::study::variants::default_method_arguments;
 
-fn labels(algorithm: Algorithm, change: impl FnOnce(&mut MethodArguments)) -> Vec<String> {
-    let mut shared = defaults();
+fn variant_labels(algorithm: Algorithm, change: impl FnOnce(&mut MethodArguments)) -> Vec<String> {
+    let mut shared = default_method_arguments();
     change(&mut shared);
-    let pilot = PilotChoices { samples: 1, photons: 1000, caustic_photons: 0, radius: Some(0.25) };
-    let all = vary(NamedVariant::plain(algorithm, &shared), &pilot);
+    let pilot = PilotSettings { samples: 1, photons: 1000, caustic_photons: 0, radius: Some(0.25) };
+    let all = one_setting_variants(NamedVariant::from_algorithm(algorithm, &shared), &pilot);
     // A label parses to the variant that it names.
     for named in &all {
-        let again = NamedVariant::read(&named.label, &all[0].method).unwrap_or_else(|e| panic!("{e}"));
+        let again = NamedVariant::parse(&named.label, &all[0].method).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(format!("{:?}", again.method), format!("{:?}", named.method));
     }
     all.into_iter().map(|named| named.label).collect()
@@ -16,7 +16,7 @@ fn labels(algorithm: Algorithm, change: impl FnOnce(&mut MethodArguments)) -> Ve
 
 #[test]
 fn variants_change_one_setting_each() {
-    let pm = labels(Algorithm::Pm, |_| {});
+    let pm = variant_labels(Algorithm::Pm, |_| {});
     let ends = |label: &str| pm.iter().any(|l| l.strip_prefix("pm ") == Some(label));
     for expected in [
         "--gather-k 10",
@@ -38,12 +38,12 @@ fn variants_change_one_setting_each() {
     // 1 base, 5 gather-k, 3 radii, 2 kernels, 2 photon counts, 1 spp, 1 adaptive and 2
     // gatherings. Half of one camera ray is one, so `--spp` has one variant.
     assert_eq!((pm.len(), pm[0].as_str()), (17, "pm"));
-    assert_eq!(labels(Algorithm::Path, |_| {}), ["path", "path --spp 2", "path --adaptive"]);
+    assert_eq!(variant_labels(Algorithm::Path, |_| {}), ["path", "path --spp 2", "path --adaptive"]);
 }
 
 #[test]
 fn a_given_setting_is_not_repeated() {
-    let sppm = labels(Algorithm::Sppm, |method| {
+    let sppm = variant_labels(Algorithm::Sppm, |method| {
         (method.gather_k, method.adaptive, method.kernel) = (Some(20), true, Kernel::Box);
     });
     assert!(sppm.iter().all(|l| !l.contains("--adaptive") && !l.ends_with("--gather-k 20") && !l.contains("box")));

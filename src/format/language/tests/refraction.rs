@@ -1,7 +1,7 @@
 //! Tests of the index of refraction: by name, by Abbe number, by equation.
 
 use super::surfaces::{bad, materials, named};
-use crate::color::Glass;
+use crate::color::DispersionFormula;
 use crate::format::description::{MaterialKindDescription, RefractiveIndexDescription};
 
 fn refraction(fields: &str) -> RefractiveIndexDescription {
@@ -20,12 +20,12 @@ fn five_parametrizations_of_the_index_are_read() {
         refraction("abbe 30 indexOfRefraction 1.6"),
         RefractiveIndexDescription::Abbe { index: 1.6, abbe: 30.0 }
     );
-    let cauchy = |c| RefractiveIndexDescription::Glass(Glass::Cauchy { a: 1.5, b: 0.0042, c });
+    let cauchy = |c| RefractiveIndexDescription::Glass(DispersionFormula::Cauchy { a: 1.5, b: 0.0042, c });
     assert_eq!(refraction("cauchy 1.5 .0042"), cauchy(0.0));
     assert_eq!(refraction("cauchy 1.5 .0042 -1e-5 roughness .1"), cauchy(-1e-5));
-    let glass = Glass::Sellmeier { b: [1.1, 0.2, 0.0, 0.0], c: [0.01, 100.0, 0.0, 0.0] };
+    let glass = DispersionFormula::Sellmeier { b: [1.1, 0.2, 0.0, 0.0], c: [0.01, 100.0, 0.0, 0.0] };
     assert_eq!(refraction("sellmeierC .01 100 sellmeierB 1.1 .2"), RefractiveIndexDescription::Glass(glass));
-    let glass = Glass::Sellmeier { b: [0.1, 0.2, 0.3, 0.4], c: [0.01, 0.02, 0.03, 9.0] };
+    let glass = DispersionFormula::Sellmeier { b: [0.1, 0.2, 0.3, 0.4], c: [0.01, 0.02, 0.03, 9.0] };
     assert_eq!(refraction("sellmeierB .1 .2 .3 .4 sellmeierC .01 .02 .03 9"), RefractiveIndexDescription::Glass(glass));
 }
 

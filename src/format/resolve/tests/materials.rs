@@ -1,8 +1,8 @@
 //! Materials as they resolve.
 
 use super::{CAMERA, close, refusal, scene};
-use crate::bsdf::{METALS, conductor_reflectance, metal};
-use crate::color::{GLASSES, Glass};
+use crate::bsdf::{METALS, conductor_reflectance, named_metal};
+use crate::color::{DispersionFormula, GLASSES};
 use crate::format::description::MaterialKindDescription;
 use crate::format::{SourceText, parse, resolve};
 use crate::scene::{Body, Material, Scene};
@@ -39,7 +39,7 @@ fn materials_are_resolved() {
 #[test]
 fn metals_have_the_named_or_given_index() {
     for name in METALS {
-        let (eta, k) = metal(name).unwrap();
+        let (eta, k) = named_metal(name).unwrap();
         let scene = of(&format!("Conductor {{ metal {name} roughness .5 }}"));
         assert_eq!(scene.materials()[0], Material::conductor(eta, k, 0.5), "{name}");
     }
@@ -62,15 +62,15 @@ fn glasses_have_the_named_or_given_index() {
     };
     for (name, glass, _) in GLASSES {
         let scene = of(&format!("Dielectric {{ glass {name} }}"));
-        assert_eq!(index(&scene), (glass.index_d(), Some(glass)), "{name}");
+        assert_eq!(index(&scene), (glass.d_line_index(), Some(glass)), "{name}");
     }
-    let crown = Glass::of_abbe(1.5, 60.0);
+    let crown = DispersionFormula::from_abbe_number(1.5, 60.0);
     assert_eq!(index(&of("Dielectric { indexOfRefraction 1.5 abbe 60 }")), (1.5, Some(crown)));
-    let cauchy = Glass::Cauchy { a: 1.5, b: 0.004, c: 1e-5 };
-    assert_eq!(index(&of("Dielectric { cauchy 1.5 .004 1e-5 }")), (cauchy.index_d(), Some(cauchy)));
-    let sellmeier = Glass::Sellmeier { b: [1.0, 0.5, 0.0, 0.0], c: [0.01, 90.0, 0.0, 0.0] };
+    let cauchy = DispersionFormula::Cauchy { a: 1.5, b: 0.004, c: 1e-5 };
+    assert_eq!(index(&of("Dielectric { cauchy 1.5 .004 1e-5 }")), (cauchy.d_line_index(), Some(cauchy)));
+    let sellmeier = DispersionFormula::Sellmeier { b: [1.0, 0.5, 0.0, 0.0], c: [0.01, 90.0, 0.0, 0.0] };
     let scene = of("Dielectric { sellmeierB 1 .5 sellmeierC .01 90 }");
-    assert_eq!(index(&scene), (sellmeier.index_d(), Some(sellmeier)));
+    assert_eq!(index(&scene), (sellmeier.d_line_index(), Some(sellmeier)));
     assert_eq!(index(&of("Dielectric { indexOfRefraction 1.5 }")), (1.5, None));
 }
 

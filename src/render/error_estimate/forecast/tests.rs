@@ -1,6 +1,6 @@
 use super::*;
 
-fn estimate(passes: u32, variance: f64, step_variance: f64, blur: f64, blur_ratio: f64) -> ErrorEstimate {
+fn error_estimate_of(passes: u32, variance: f64, step_variance: f64, blur: f64, blur_ratio: f64) -> ErrorEstimate {
     ErrorEstimate { passes, variance, step_variance, blur, blur_ratio, ..ErrorEstimate::default() }
 }
 
@@ -10,8 +10,9 @@ fn estimate(passes: u32, variance: f64, step_variance: f64, blur: f64, blur_rati
 fn fireflies_spread_before_they_fade() {
     let mut fireflies = Fireflies::default();
     (0..10).for_each(|_| fireflies.add(16.0, 0.01));
-    let forecast = ErrorForecast::new(&ErrorEstimate { fireflies, ..estimate(8, 8.0 * 0.1, 0.0, 0.0, 0.5) }, None);
-    let noise2 = |n: u32| libm::pow(forecast.after(n).0, 2.0);
+    let forecast =
+        ErrorForecast::new(&ErrorEstimate { fireflies, ..error_estimate_of(8, 8.0 * 0.1, 0.0, 0.0, 0.5) }, None);
+    let noise2 = |n: u32| libm::pow(forecast.noise_and_bias_after(n).0, 2.0);
     for (n, expected) in [(8, 0.1), (16, 0.2), (32, 0.4), (64, 0.2), (8 * 160, 0.01)] {
         // Brightness is stored to half an octave.
         assert!(libm::log2(noise2(n) / expected).abs() < 0.5 + 1e-9, "{n}: {} {expected}", noise2(n));
@@ -21,15 +22,15 @@ fn fireflies_spread_before_they_fade() {
 /// Four passes of variance 0.04: error 0.1 now, 0.01 after 400 passes.
 #[test]
 fn noise_alone_falls_as_the_root_of_passes() {
-    let forecast = ErrorForecast::new(&estimate(4, 0.04, 0.0, 0.0, 0.5), None);
-    assert!((forecast.after(4).0 - 0.1).abs() < 1e-12);
+    let forecast = ErrorForecast::new(&error_estimate_of(4, 0.04, 0.0, 0.0, 0.5), None);
+    assert!((forecast.noise_and_bias_after(4).0 - 0.1).abs() < 1e-12);
     assert_eq!(forecast.passes_to_reach(0.01), PassesNeeded::Passes(400));
     assert_eq!(forecast.passes_to_reach(1e-9), PassesNeeded::TooMany);
 }
 
 #[test]
 fn fixed_radii_leave_a_floor() {
-    let forecast = ErrorForecast::new(&estimate(10, 0.04, 0.01, 0.02, 0.5), Some((1.0, 0.5)));
+    let forecast = ErrorForecast::new(&error_estimate_of(10, 0.04, 0.01, 0.02, 0.5), Some((1.0, 0.5)));
     assert_eq!(forecast.passes_to_reach(0.02), PassesNeeded::Never { floor: 0.02 });
     let PassesNeeded::Passes(n) = forecast.passes_to_reach(0.025) else { panic!("it can be reached") };
     // .04/n = .025² − .02².
@@ -40,16 +41,18 @@ fn fixed_radii_leave_a_floor() {
 #[test]
 fn shrinking_radii_follow_their_law() {
     let alpha = 2.0 / 3.0;
-    let forecast = ErrorForecast::new(&estimate(8, 0.04, 0.02, 0.02, 0.5), Some((alpha, 0.5)));
+    let forecast = ErrorForecast::new(&error_estimate_of(8, 0.04, 0.02, 0.02, 0.5), Some((alpha, 0.5)));
     let mean = |n: u32, power: f64| (0..n).map(|i| libm::pow(shrink(alpha, i), power)).sum::<f64>() / f64::from(n);
-    let (noise, bias) = forecast.after(64);
+    let (noise, bias) = forecast.noise_and_bias_after(64);
     let expected = 0.04 / 8.0 * (mean(64, -1.0) / 64.0) / (mean(8, -1.0) / 8.0);
     assert!((noise * noise / expected - 1.0).abs() < 1e-9, "{noise}");
     assert!((bias / (0.02 * mean(64, 1.0) / mean(8, 1.0)) - 1.0).abs() < 1e-9, "{bias}");
-    let slope = |f: fn((f64, f64)) -> f64| libm::log10(f(forecast.after(1_000_000)) / f(forecast.after(100_000)));
+    let slope = |f: fn((f64, f64)) -> f64| {
+        libm::log10(f(forecast.noise_and_bias_after(1_000_000)) / f(forecast.noise_and_bias_after(100_000)))
+    };
     assert!((slope(|e| e.0) + 1.0 / 3.0).abs() < 1e-3 && (slope(|e| e.1) + 1.0 / 3.0).abs() < 1e-3);
     let PassesNeeded::Passes(n) = forecast.passes_to_reach(0.01) else { panic!("it can be reached") };
-    let error = |n| forecast.after(n).0.hypot(forecast.after(n).1);
+    let error = |n| forecast.noise_and_bias_after(n).0.hypot(forecast.noise_and_bias_after(n).1);
     let fewer = if n < EXACT_PASSES { n - 1 } else { n - n / LEAP - 1 };
     assert!(error(n) <= 0.01 && error(fewer) > 0.01, "{n}");
     let PassesNeeded::Passes(n) = forecast.passes_to_reach(0.001) else { panic!("it can be reached") };

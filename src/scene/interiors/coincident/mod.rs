@@ -9,7 +9,7 @@ mod search;
 pub(in crate::scene) use search::{CoincidentFlags, find_flags};
 
 use super::{Body, InteriorStack};
-use crate::math::{Ray, offset_origin};
+use crate::math::{Ray, offset_ray_origin};
 use crate::scene::{Scene, SurfaceInteraction};
 
 /// Boundaries that may coincide with one hit; more are dropped.
@@ -122,7 +122,7 @@ pub(in crate::scene) fn faces_at(scene: &Scene, surface: &SurfaceInteraction<'_>
 #[inline(never)]
 fn find_faces(scene: &Scene, surface: &SurfaceInteraction<'_>) -> CoincidentFaces {
     let (point, wo) = (&surface.point, surface.wo);
-    let [near, far] = [wo, -wo].map(|w| offset_origin(point.p, point.error, point.ng, w));
+    let [near, far] = [wo, -wo].map(|w| offset_ray_origin(point.p, point.error, point.ng, w));
     let length = (far - near).length();
     let mut faces = CoincidentFaces::NONE;
     if length.is_nan() || length <= 0.0 {

@@ -98,7 +98,7 @@ pub(in crate::scene) fn find_flags(geometry: &Geometry, is_boundary: impl Fn(u32
     for (i, object) in geometry.triangle_object.iter().enumerate() {
         let mesh = *object as usize - geometry.shapes.len();
         if let Some(object) = extent_of_mesh[mesh].filter(|object| overlapping[*object as usize]) {
-            let bounds = Bounds::of(geometry.mesh.corners(i)).expanded(extents[object as usize].margin);
+            let bounds = Bounds::from_points(geometry.mesh.corners(i)).expanded(extents[object as usize].margin);
             faces.push(Face { primitive: Primitive::Triangle(i as u32), bounds, object });
         }
     }
@@ -130,7 +130,7 @@ fn boundary_mesh_bounds(geometry: &Geometry, bounds_body: impl Fn(usize) -> bool
     for (i, object) in geometry.triangle_object.iter().enumerate() {
         let object = *object as usize;
         if bounds_body(object) {
-            let corners = Bounds::of(geometry.mesh.corners(i));
+            let corners = Bounds::from_points(geometry.mesh.corners(i));
             let all = &mut mesh_bounds[object - geometry.shapes.len()];
             *all = Some(all.map_or(corners, |b| b.union(corners)));
         }
@@ -228,7 +228,7 @@ impl<'a> Join<'a> {
     /// Tests the members of two nodes against each other; `None` if the budget runs out.
     fn join_node_pair(&mut self, a: usize, b: usize) -> Option<()> {
         let (first, second) = (&self.nodes[a], &self.nodes[b]);
-        if first.object.is_some() && first.object == second.object || !first.bounds.meets(&second.bounds) {
+        if first.object.is_some() && first.object == second.object || !first.bounds.overlaps(&second.bounds) {
             return Some(());
         }
         match (first.children, second.children) {
@@ -249,7 +249,7 @@ impl<'a> Join<'a> {
                 let [i, j] = [i, j].map(|member| self.order[member] as usize);
                 if a.object != b.object
                     && !(self.found[i] && self.found[j])
-                    && a.bounds.meets(&b.bounds)
+                    && a.bounds.overlaps(&b.bounds)
                     && (self.near)(a, b)
                 {
                     (self.found[i], self.found[j]) = (true, true);

@@ -1,9 +1,9 @@
-use super::super::spline::NARROWEST;
+use super::super::spline::MIN_SPAN;
 use super::*;
 
 /// An eighth of the unit sphere: a rational quarter circle, revolved by another, with a pole at the
 /// top.
-pub(in crate::shape::parametric) fn octant() -> Patch {
+pub(in crate::shape::parametric) fn sphere_octant_patch() -> Patch {
     let arc = [(1.0, 0.0, 1.0), (1.0, 1.0, std::f64::consts::FRAC_1_SQRT_2), (0.0, 1.0, 1.0)];
     let mut controls = Vec::new();
     for (r, h, w) in arc {
@@ -11,20 +11,20 @@ pub(in crate::shape::parametric) fn octant() -> Patch {
             controls.push(DVec4::new(r * c, h, r * s, w * v));
         }
     }
-    let basis = Basis::bezier(3).unwrap();
+    let basis = SplineBasis::bezier(3).unwrap();
     Patch::new([&basis, &basis], &controls).unwrap()
 }
 
 /// A crumpled patch with more leaves than the memory has room for.
 #[test]
 fn leaf_memory_is_checked_before_allocation() {
-    let basis = Basis::bezier(6).unwrap();
+    let basis = SplineBasis::bezier(6).unwrap();
     let at = |i: usize| f64::from((i as u32).wrapping_mul(2_654_435_761) >> 16) / 65_536.0;
     let controls: Vec<DVec4> = (0..36).map(|i| DVec4::new(at(3 * i), at(3 * i + 1), at(3 * i + 2), 1.0)).collect();
-    let bytes = Patch::new([&basis, &basis], &controls).unwrap().bytes();
+    let bytes = Patch::new([&basis, &basis], &controls).unwrap().memory_bytes();
     assert!(bytes > 500_000, "{bytes}");
-    assert!(Patch::within([&basis, &basis], &controls, Some(bytes)).is_ok());
-    match Patch::within([&basis, &basis], &controls, Some(bytes / 2)) {
+    assert!(Patch::with_memory_limit([&basis, &basis], &controls, Some(bytes)).is_ok());
+    match Patch::with_memory_limit([&basis, &basis], &controls, Some(bytes / 2)) {
         // It stops at the first leaf beyond the limit.
         Err(SplineError::Memory { needed, free }) => assert!(free == bytes / 2 && needed < free + 10_000),
         other => panic!("{other:?}"),
@@ -34,32 +34,32 @@ fn leaf_memory_is_checked_before_allocation() {
 /// The narrowest accepted span, with a bend as sharp as the least size of a leaf.
 #[test]
 fn leaves_are_wider_than_float_spacing() {
-    let basis = Basis::new(2, 5, vec![0.0, 0.0, 0.0, 0.5, 0.5 + NARROWEST, 1.0, 1.0, 1.0]).unwrap();
-    let line = Basis::bezier(2).unwrap();
+    let basis = SplineBasis::new(2, 5, vec![0.0, 0.0, 0.0, 0.5, 0.5 + MIN_SPAN, 1.0, 1.0, 1.0]).unwrap();
+    let line = SplineBasis::bezier(2).unwrap();
     let profile = [[0.0, 0.0], [1.0, 0.0], [1.0, 3.0], [3.0, 3.0], [4.0, 0.0]];
     let controls: Vec<DVec4> =
         profile.iter().flat_map(|[x, y]| [0.0, 1.0].map(|z| DVec4::new(*x, *y, z, 1.0))).collect();
     let patch = Patch::new([&basis, &line], &controls).unwrap();
-    assert!(patch.net.leaves.iter().all(|leaf| 2.0 * leaf.half.x >= NARROWEST));
+    assert!(patch.net.leaves.iter().all(|leaf| 2.0 * leaf.half.x >= MIN_SPAN));
     for i in 0..4000 {
         let x = (i as f32 + 0.5) * 0.001;
         let ray = Ray::new(Vec3::new(x, 5.0, 0.5), Vec3::NEG_Y);
         let (t, u, v) = patch.intersect(&ray).unwrap();
-        let found = patch.surface(&ray, t, Vec2::new(u, v)).p;
+        let found = patch.surface_point(&ray, t, Vec2::new(u, v)).p;
         assert!((found - Vec3::new(x, 5.0 - t, 0.5)).length() < 1e-5, "{x} {found}");
     }
 }
 
 #[test]
 fn rational_quarter_circles_make_a_sphere() {
-    let patch = octant();
+    let patch = sphere_octant_patch();
     assert!((patch.area() / (std::f64::consts::FRAC_PI_2) - 1.0).abs() < 1e-9, "{}", patch.area());
     for d in [Vec3::ONE, Vec3::new(0.1, 0.7, 0.4), Vec3::new(1e-3, 1.0, 1e-3), Vec3::new(0.5, 0.01, 0.02), Vec3::Y] {
         let d = d.normalize();
         let ray = Ray::new(d * 3.0, -d);
         let (t, u, v) = patch.intersect(&ray).unwrap();
         assert!((t - 2.0).abs() < 1e-6, "{d} {t}");
-        let p = patch.surface(&ray, t, Vec2::new(u, v));
+        let p = patch.surface_point(&ray, t, Vec2::new(u, v));
         assert!((p.p - d).length() < 1e-6 && p.ng.dot(d).abs() > 1.0 - 1e-6, "{d} {p:?}");
     }
 }

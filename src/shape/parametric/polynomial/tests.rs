@@ -1,34 +1,34 @@
 use super::*;
 use crate::sampling::{Dimension, Key, Purpose};
 
-fn random(i: u64) -> f64 {
-    f64::from(Key::new(8).purpose(Purpose::Test).with(i).uniform(Dimension::LightPosition)) * 2.0 - 1.0
+fn random_signed(i: u64) -> f64 {
+    f64::from(Key::new(8).purpose_key(Purpose::Test).child_key(i).uniform_1d(Dimension::LightPosition)) * 2.0 - 1.0
 }
 
-fn bezier(degree: usize) -> Vec<Vector<2>> {
-    (0..=degree as u64).map(|i| [random(2 * i), random(2 * i + 1)]).collect()
+fn random_bezier(degree: usize) -> Vec<Coefficients<2>> {
+    (0..=degree as u64).map(|i| [random_signed(2 * i), random_signed(2 * i + 1)]).collect()
 }
 
 /// Evaluation by repeated halving of the interval, which rounds once per step.
-fn reference(controls: &[Vector<2>], s: f64) -> Vector<2> {
-    split(controls, s).1[0]
+fn evaluate_by_division(controls: &[Coefficients<2>], s: f64) -> Coefficients<2> {
+    split_bezier(controls, s).1[0]
 }
 
 /// Long curves of degree 24 have coefficients up to C(24, 12), and lose as many ulps.
 #[test]
 fn power_basis_agrees_with_de_casteljau() {
     for degree in 1..=MAX_DEGREE {
-        let controls = bezier(degree);
+        let controls = random_bezier(degree);
         let mut a = controls.clone();
-        to_powers(&mut a, 0, 1, degree);
+        bernstein_to_powers(&mut a, 0, 1, degree);
         for i in 0..=20 {
             let x = f64::from(i) / 10.0 - 1.0;
-            let ([px, py], slope) = evaluate(&a, x);
-            let truth = reference(&controls, 0.5 + 0.5 * x);
+            let ([px, py], slope) = evaluate_with_derivative(&a, x);
+            let truth = evaluate_by_division(&controls, 0.5 + 0.5 * x);
             let bound = f64::EPSILON * 4.0 * binomial(degree, degree / 2);
             assert!((px - truth[0]).abs().max((py - truth[1]).abs()) < bound, "{degree} {x}");
             let step = 1e-5;
-            let [before, after] = [x - step, x + step].map(|x| evaluate(&a, x).0);
+            let [before, after] = [x - step, x + step].map(|x| evaluate_with_derivative(&a, x).0);
             let difference = (after[0] - before[0]) / (2.0 * step);
             assert!((slope[0] - difference).abs() < 1e-6 * (1.0 + bound / f64::EPSILON), "{degree} {x}");
         }
@@ -37,35 +37,36 @@ fn power_basis_agrees_with_de_casteljau() {
 
 #[test]
 fn shifted_polynomials_keep_their_values() {
-    let mut a = bezier(7);
-    to_powers(&mut a, 0, 1, 7);
+    let mut a = random_bezier(7);
+    bernstein_to_powers(&mut a, 0, 1, 7);
     let mut b = a.clone();
-    recentre(&mut b, 0.25, 0.5);
+    reparametrize(&mut b, 0.25, 0.5);
     for i in 0..=10 {
         let x = f64::from(i) / 5.0 - 1.0;
-        let (p, q) = (evaluate(&a, 0.25 + 0.5 * x).0, evaluate(&b, x).0);
+        let (p, q) = (evaluate_with_derivative(&a, 0.25 + 0.5 * x).0, evaluate_with_derivative(&b, x).0);
         assert!((p[0] - q[0]).abs() < 1e-13 && (p[1] - q[1]).abs() < 1e-13);
     }
-    let mut c = bezier(7);
+    let mut c = random_bezier(7);
     let mut d = c.clone();
-    recentre(&mut c, -0.5, 0.25);
-    recentre_rows(&mut d, 1, -0.5, 0.25);
+    reparametrize(&mut c, -0.5, 0.25);
+    reparametrize_rows(&mut d, 1, -0.5, 0.25);
     assert_eq!(c, d);
 }
 
 #[test]
 fn tensor_products_evaluate_as_nested_curves() {
     let (p, q) = (3, 5);
-    let mut a: Vec<Vector<1>> = (0..24).map(|i| [random(i)]).collect();
+    let mut a: Vec<Coefficients<1>> = (0..24).map(|i| [random_signed(i)]).collect();
     let rows = a.clone();
-    (0..=p).for_each(|i| to_powers(&mut a, i * (q + 1), 1, q));
-    (0..=q).for_each(|j| to_powers(&mut a, j, q + 1, p));
+    (0..=p).for_each(|i| bernstein_to_powers(&mut a, i * (q + 1), 1, q));
+    (0..=q).for_each(|j| bernstein_to_powers(&mut a, j, q + 1, p));
     let at = |x: f64, y: f64| {
-        let column: Vec<Vector<1>> = rows.chunks(q + 1).map(|row| split(row, 0.5 + 0.5 * y).1[0]).collect();
-        split(&column, 0.5 + 0.5 * x).1[0][0]
+        let column: Vec<Coefficients<1>> =
+            rows.chunks(q + 1).map(|row| split_bezier(row, 0.5 + 0.5 * y).1[0]).collect();
+        split_bezier(&column, 0.5 + 0.5 * x).1[0][0]
     };
     let (x, y, h) = (0.3, -0.6, 1e-6);
-    let [[v], [vx], [vy]] = evaluate_2d(&a, q + 1, x, y);
+    let [[v], [vx], [vy]] = evaluate_2d_with_derivatives(&a, q + 1, x, y);
     assert!((v - at(x, y)).abs() < 1e-14);
     assert!((vx - (at(x + h, y) - at(x - h, y)) / (2.0 * h)).abs() < 1e-8);
     assert!((vy - (at(x, y + h) - at(x, y - h)) / (2.0 * h)).abs() < 1e-8);

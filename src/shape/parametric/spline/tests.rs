@@ -1,4 +1,4 @@
-use super::super::polynomial::split;
+use super::super::polynomial::split_bezier;
 use super::*;
 
 /// The recurrence of Cox and de Boor, an independent definition of the basis functions.
@@ -22,18 +22,18 @@ fn bezier_pieces_match_the_spline_recurrence() {
     ];
     for (p, knots) in cases {
         let n = knots.len() - p - 1;
-        let controls: Vec<Vector<1>> = (0..n).map(|i| [libm::sin(3.0 * i as f64)]).collect();
-        let basis = Basis::new(p, n, knots.clone()).unwrap();
+        let controls: Vec<Coefficients<1>> = (0..n).map(|i| [libm::sin(3.0 * i as f64)]).collect();
+        let basis = SplineBasis::new(p, n, knots.clone()).unwrap();
         let (first, last) = (knots[p], knots[n]);
         let mut end = 0.0;
-        for span in basis.spans() {
+        for span in basis.knot_spans() {
             assert_eq!(span.range[0], end);
             end = span.range[1];
-            let piece = basis.piece(span, &controls, (0, 1));
+            let piece = basis.bezier_piece(span, &controls, (0, 1));
             for s in [0.0, 0.1, 0.5, 0.9] {
                 let t = first + (span.range[0] + s * (span.range[1] - span.range[0])) * (last - first);
                 let truth: f64 = (0..n).map(|i| controls[i][0] * basis_function(&knots, i, p, t)).sum();
-                assert!((split(&piece, s).1[0][0] - truth).abs() < 1e-13, "{p} {t}");
+                assert!((split_bezier(&piece, s).1[0][0] - truth).abs() < 1e-13, "{p} {t}");
             }
         }
         assert_eq!(end, 1.0);
@@ -43,23 +43,26 @@ fn bezier_pieces_match_the_spline_recurrence() {
 #[test]
 fn bezier_curves_form_one_piece() {
     let controls = [[1.0], [5.0], [-2.0]];
-    let basis = Basis::bezier(3).unwrap();
-    let spans: Vec<Span> = basis.spans().collect();
+    let basis = SplineBasis::bezier(3).unwrap();
+    let spans: Vec<KnotSpan> = basis.knot_spans().collect();
     assert_eq!((spans.len(), spans[0].range), (1, [0.0, 1.0]));
-    assert_eq!(basis.piece(spans[0], &controls, (0, 1)), controls);
+    assert_eq!(basis.bezier_piece(spans[0], &controls, (0, 1)), controls);
 }
 
 #[test]
 fn invalid_splines_are_refused() {
     let knots = |k: &[f64]| k.to_vec();
-    assert_eq!(Basis::bezier(1), Err(SplineError::Degree(0)));
-    assert_eq!(Basis::bezier(99), Err(SplineError::Degree(98)));
-    assert_eq!(Basis::uniform(3, 3), Err(SplineError::Controls { controls: 3, degree: 3 }));
-    assert_eq!(Basis::new(1, 2, knots(&[0.0, 1.0])), Err(SplineError::Knots { knots: 2, controls: 2, degree: 1 }));
-    assert_eq!(Basis::new(1, 2, knots(&[0.0, 1.0, 0.5, 2.0])), Err(SplineError::Decreasing(2)));
-    assert_eq!(Basis::new(1, 2, knots(&[0.0, 1.0, 1.0, 2.0])), Err(SplineError::NoRange { first: 1, last: 2 }));
-    assert_eq!(Basis::new(1, 2, knots(&[0.0, 1.0, 2.0, f64::NAN])), Err(SplineError::TooLarge));
-    assert_eq!(Basis::new(1, 3, knots(&[0.0, 0.0, 1e-7, 1.0, 1.0])), Err(SplineError::Narrow(1)));
-    assert_eq!(Basis::new(1, 3, knots(&[0.0, 3.0, 4e7 - 3.0, 4e7, 5e7])), Err(SplineError::Narrow(2)));
-    assert!(Basis::new(1, 3, knots(&[0.0, 0.0, NARROWEST, 1.0, 1.0])).is_ok());
+    assert_eq!(SplineBasis::bezier(1), Err(SplineError::Degree(0)));
+    assert_eq!(SplineBasis::bezier(99), Err(SplineError::Degree(98)));
+    assert_eq!(SplineBasis::uniform_knots(3, 3), Err(SplineError::Controls { controls: 3, degree: 3 }));
+    assert_eq!(
+        SplineBasis::new(1, 2, knots(&[0.0, 1.0])),
+        Err(SplineError::Knots { knots: 2, controls: 2, degree: 1 })
+    );
+    assert_eq!(SplineBasis::new(1, 2, knots(&[0.0, 1.0, 0.5, 2.0])), Err(SplineError::Decreasing(2)));
+    assert_eq!(SplineBasis::new(1, 2, knots(&[0.0, 1.0, 1.0, 2.0])), Err(SplineError::NoRange { first: 1, last: 2 }));
+    assert_eq!(SplineBasis::new(1, 2, knots(&[0.0, 1.0, 2.0, f64::NAN])), Err(SplineError::TooLarge));
+    assert_eq!(SplineBasis::new(1, 3, knots(&[0.0, 0.0, 1e-7, 1.0, 1.0])), Err(SplineError::Narrow(1)));
+    assert_eq!(SplineBasis::new(1, 3, knots(&[0.0, 3.0, 4e7 - 3.0, 4e7, 5e7])), Err(SplineError::Narrow(2)));
+    assert!(SplineBasis::new(1, 3, knots(&[0.0, 0.0, MIN_SPAN, 1.0, 1.0])).is_ok());
 }

@@ -1,25 +1,25 @@
 //! Surfaces with closed forms, difficult cases for solvers, and rays that leave a surface.
 
-use super::{Basis, Patch, Revolution, cases, cup_case, key, net, ray};
-use crate::math::{Frame, Ray, Transform, offset_origin, warp};
+use super::{Patch, Revolution, SplineBasis, cup_case, patch_case, test_cases, test_key, test_ray};
+use crate::math::{Frame, Ray, Transform, offset_ray_origin, warp};
 use crate::sampling::Dimension;
 use crate::shape::Shape;
 use glam::{DAffine3, DQuat, DVec2, DVec3, DVec4, Vec2, Vec3};
 
 /// Control points and weights of a full circle of degree 2.
-fn circle() -> (Basis, Vec<(f64, f64, f64)>) {
+fn circle_controls() -> (SplineBasis, Vec<(f64, f64, f64)>) {
     let w = std::f64::consts::FRAC_1_SQRT_2;
     let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0];
     let corners = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0)];
     let weight = |i: usize| if i % 2 == 1 { w } else { 1.0 };
     let points = corners.iter().enumerate().map(|(i, (x, y))| (f64::from(*x), f64::from(*y), weight(i)));
-    (Basis::new(2, 9, knots).unwrap(), points.collect())
+    (SplineBasis::new(2, 9, knots).unwrap(), points.collect())
 }
 
 /// A circle of radius `small`, revolved on the circle of radius `large`, with its outer side
 /// outside.
-pub fn torus(large: f64, small: f64) -> Patch {
-    let (basis, points) = circle();
+pub fn torus_patch(large: f64, small: f64) -> Patch {
+    let (basis, points) = circle_controls();
     let mut controls = Vec::new();
     for (r, h, w) in &points {
         for (c, s, v) in &points {
@@ -31,9 +31,9 @@ pub fn torus(large: f64, small: f64) -> Patch {
 }
 
 /// The unit sphere: half a circle around the axis, with poles.
-fn sphere() -> Patch {
-    let (basis, points) = circle();
-    let half = Basis::new(2, 5, vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 2.0]).unwrap();
+fn sphere_patch() -> Patch {
+    let (basis, points) = circle_controls();
+    let half = SplineBasis::new(2, 5, vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 2.0]).unwrap();
     let mut controls = Vec::new();
     for (h, r, w) in &points[..5] {
         for (c, s, v) in &points {
@@ -48,11 +48,11 @@ fn sphere() -> Patch {
 /// The only error is the rounding of `t`, except for rays that are tangent within 10⁻¹².
 #[test]
 fn a_nurbs_sphere_matches_the_sphere() {
-    let shape = Shape::Patch(sphere());
+    let shape = Shape::Patch(sphere_patch());
     assert!((shape.area() / (4.0 * std::f64::consts::PI) - 1.0).abs() < 1e-9, "{}", shape.area());
     let mut hits = 0;
     for i in 0..60_000 {
-        let ray = ray(&shape, i);
+        let ray = test_ray(&shape, i);
         let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let (a, b) = (d.length_squared(), o.dot(d));
         let nearest = (o - d * (b / a)).length_squared();
@@ -68,7 +68,7 @@ fn a_nurbs_sphere_matches_the_sphere() {
             (Some((t, u, v)), Some(truth)) => {
                 hits += 1;
                 assert!((f64::from(t) - truth).abs() <= 1e-7 * truth, "{i}: {t} {truth}");
-                let p = shape.surface(&ray, t, Vec2::new(u, v));
+                let p = shape.surface_point(&ray, t, Vec2::new(u, v));
                 assert!((p.p.length() - 1.0).abs() < 2e-7 && p.ng.dot(p.p) > 1.0 - 1e-6, "{i}: {p:?}");
             }
             _ => panic!("{i}: {found:?} {truth:?} {nearest}"),
@@ -81,13 +81,13 @@ fn a_nurbs_sphere_matches_the_sphere() {
 #[test]
 fn a_nurbs_torus_matches_the_torus() {
     let (large, small) = (1.0, 0.4);
-    let shape = Shape::Patch(torus(large, small));
+    let shape = Shape::Patch(torus_patch(large, small));
     let area = 4.0 * std::f64::consts::PI * std::f64::consts::PI * large * small;
     assert!((shape.area() / area - 1.0).abs() < 1e-9, "{}", shape.area() / area);
     let value = |p: DVec3| libm::hypot(libm::hypot(p.x, p.z) - large, p.y) - small;
     let mut hits = 0;
     for i in 0..8_000 {
-        let ray = ray(&shape, i);
+        let ray = test_ray(&shape, i);
         let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let found = shape.intersect(&ray);
         let end = found.map_or(8.0 / d.length(), |(t, ..)| f64::from(t));
@@ -99,7 +99,7 @@ fn a_nurbs_torus_matches_the_torus() {
         if let Some((t, u, v)) = found {
             hits += 1;
             assert!(value(o + d * f64::from(t)).abs() < 4e-7, "{i}");
-            let p = shape.surface(&ray, t, Vec2::new(u, v));
+            let p = shape.surface_point(&ray, t, Vec2::new(u, v));
             let step = p.p.as_dvec3() + p.ng.as_dvec3() * 1e-3;
             assert!((value(step) - 1e-3).abs() < 2e-6, "{i}: the normal points outward");
         }
@@ -110,7 +110,7 @@ fn a_nurbs_torus_matches_the_torus() {
 #[test]
 fn revolved_lines_match_quadric_intersections() {
     let line = |a: [f64; 2], b: [f64; 2]| {
-        let basis = Basis::bezier(2).unwrap();
+        let basis = SplineBasis::bezier(2).unwrap();
         Shape::Revolution(Revolution::new(&basis, &[DVec2::from(a), DVec2::from(b)]).unwrap())
     };
     for (a, b) in
@@ -121,7 +121,7 @@ fn revolved_lines_match_quadric_intersections() {
         let (ya, yb) = (ya.copysign(a[1]), yb.copysign(b[1]));
         let mut hits = 0;
         for i in 0..20_000 {
-            let ray = ray(&shape, i);
+            let ray = test_ray(&shape, i);
             let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
             // Points on the line: (ρ, y) = (ra, ya) + s (rb − ra, yb − ya), eliminated by the
             // larger component.
@@ -166,7 +166,7 @@ fn revolved_lines_match_quadric_intersections() {
 #[test]
 fn tangent_rays_terminate() {
     let hits = |shape: &Shape, o: DVec3, d: DVec3| shape.intersect(&Ray::new(o.as_vec3(), d.as_vec3()));
-    let ring = Shape::Patch(torus(1.0, 0.5));
+    let ring = Shape::Patch(torus_patch(1.0, 0.5));
     // Over the top, where a whole circle touches; along the outside; through the hole.
     for (height, expected) in [(0.5f32, None), (0.5f32.next_up(), Some(false)), (0.5f32.next_down(), Some(true))] {
         let found = hits(&ring, DVec3::new(-3.0, f64::from(height), 0.0), DVec3::X);
@@ -197,10 +197,13 @@ fn tangent_rays_terminate() {
 /// A ray along a flat patch misses. A ray along a bent patch hits its ridge.
 #[test]
 fn edge_on_rays_miss() {
-    let linear = Basis::bezier(2).unwrap();
+    let linear = SplineBasis::bezier(2).unwrap();
     let corner = |x: f64, z: f64| DVec4::new(x, 0.0, z, 1.0);
-    let flat =
-        net("flat", [&linear, &linear], &[corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, -1.0), corner(1.0, 1.0)]);
+    let flat = patch_case(
+        "flat",
+        [&linear, &linear],
+        &[corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, -1.0), corner(1.0, 1.0)],
+    );
     for d in [Vec3::X, Vec3::new(1.0, 0.0, 0.3), Vec3::new(-1.0, 0.0, 1.0)] {
         assert!(flat.shape.intersect(&Ray::new(-d * 3.0, d)).is_none());
     }
@@ -211,28 +214,28 @@ fn edge_on_rays_miss() {
 /// Where derivatives vanish, normals are limits from the surroundings.
 #[test]
 fn poles_and_collapsed_edges_have_normals() {
-    let ball = Shape::Patch(sphere());
+    let ball = Shape::Patch(sphere_patch());
     for side in [1.0, -1.0] {
         let ray = Ray::new(Vec3::Y * (3.0 * side), Vec3::Y * -side);
         let (t, u, v) = ball.intersect(&ray).unwrap();
-        let p = ball.surface(&ray, t, Vec2::new(u, v));
+        let p = ball.surface_point(&ray, t, Vec2::new(u, v));
         assert!((t - 2.0).abs() < 1e-6 && (p.ng - Vec3::Y * side).length() < 1e-4, "{p:?}");
     }
-    for case in cases() {
+    for case in test_cases() {
         for i in 0..400 {
-            let u = key(i).uniform_2d(Dimension::LightPosition);
+            let u = test_key(i).uniform_2d(Dimension::LightPosition);
             for uv in
                 [u, Vec2::new(0.0, u.y), Vec2::new(1.0, u.y), Vec2::new(u.x, 0.0), Vec2::new(u.x, 1.0), Vec2::ZERO]
             {
                 let ray = Ray::new(Vec3::splat(9.0), Vec3::new(-1.0, -0.9, -0.8));
-                let p = case.shape.surface(&ray, 1.0, uv);
+                let p = case.shape.surface_point(&ray, 1.0, uv);
                 assert!((p.ng.length() - 1.0).abs() < 1e-5 && p.p.is_finite(), "{} {uv}: {p:?}", case.name);
             }
         }
     }
 }
 
-fn placed() -> Vec<(&'static str, Shape)> {
+fn placed_shapes() -> Vec<(&'static str, Shape)> {
     let squash = Transform::new(DAffine3::from_scale_rotation_translation(
         DVec3::new(30.0, -8.0, 55.0),
         DQuat::from_xyzw(0.5, 0.5, 0.5, 0.5),
@@ -240,7 +243,7 @@ fn placed() -> Vec<(&'static str, Shape)> {
     ))
     .unwrap();
     let moved = |s: Shape| s.transformed(&squash).unwrap();
-    let cases: Vec<(&str, Shape)> = cases().into_iter().map(|c| (c.name, c.shape)).collect();
+    let cases: Vec<(&str, Shape)> = test_cases().into_iter().map(|c| (c.name, c.shape)).collect();
     let mirrored: Vec<(&str, Shape)> = cases.iter().map(|(name, s)| (*name, moved(s.clone()))).collect();
     cases.into_iter().chain(mirrored).collect()
 }
@@ -252,8 +255,8 @@ fn is_apex(shape: &Shape, pdf: f32) -> bool {
 }
 
 /// The shapes that do not intersect themselves; elsewhere two sheets may be arbitrarily near.
-fn simple() -> impl Iterator<Item = (&'static str, Shape)> {
-    placed().into_iter().filter(|(name, _)| *name != "loops")
+fn simple_shapes() -> impl Iterator<Item = (&'static str, Shape)> {
+    placed_shapes().into_iter().filter(|(name, _)| *name != "loops")
 }
 
 /// A ray that leaves at a cosine above 0.1 does not hit its start again.
@@ -261,22 +264,22 @@ fn simple() -> impl Iterator<Item = (&'static str, Shape)> {
 /// Only bends with a radius below 10⁻⁴ of the size could be hit so soon.
 #[test]
 fn leaving_rays_do_not_hit_their_surface_again() {
-    for (name, shape) in simple() {
-        let (min, max) = shape.extent();
+    for (name, shape) in simple_shapes() {
+        let (min, max) = shape.bounds_f64();
         let size = 0.5 * (max - min).length() as f32;
         for i in 0..6_000 {
-            let sample = shape.sample(key(i).uniform_2d(Dimension::LightPosition));
+            let sample = shape.sample(test_key(i).uniform_2d(Dimension::LightPosition));
             if is_apex(&shape, sample.pdf) {
                 continue;
             }
             let s = sample.point;
-            let d = warp::cosine_hemisphere(key(i).uniform_2d(Dimension::LightDirection));
+            let d = warp::square_to_cosine_hemisphere(test_key(i).uniform_2d(Dimension::LightDirection));
             if d.z < 0.1 {
                 continue;
             }
-            let d = Frame::around(s.ng).to_world(d);
+            let d = Frame::from_normal(s.ng).to_world(d);
             for d in [d, -d] {
-                let origin = offset_origin(s.p, s.error, s.ng, d);
+                let origin = offset_ray_origin(s.p, s.error, s.ng, d);
                 assert!((origin - s.p).length() < 1e-6 * (size + s.p.length()), "{name}");
                 if let Some((t, ..)) = shape.intersect(&Ray::new(origin, d)) {
                     assert!(t > 2e-5 * size, "{name} {i}: {t} of {size}");
@@ -289,11 +292,11 @@ fn leaving_rays_do_not_hit_their_surface_again() {
 /// The mean of 1/pdf is the area, within five standard errors; rays find sampled points again.
 #[test]
 fn area_samples_match_their_pdf() {
-    for (name, shape) in simple() {
+    for (name, shape) in simple_shapes() {
         let (n, mut sum, mut squares, mut strays) = (20_000, 0.0, 0.0, 0);
-        let size = (shape.extent().1 - shape.extent().0).length() as f32;
+        let size = (shape.bounds_f64().1 - shape.bounds_f64().0).length() as f32;
         for i in 0..u64::from(n) {
-            let sample = shape.sample(key(i).uniform_2d(Dimension::LightPosition));
+            let sample = shape.sample(test_key(i).uniform_2d(Dimension::LightPosition));
             let inverse = 1.0 / f64::from(sample.pdf);
             assert!(inverse.is_finite() && sample.uv == sample.point.uv, "{name}");
             sum += inverse;
@@ -302,7 +305,7 @@ fn area_samples_match_their_pdf() {
             let ray = Ray::new(from, -sample.point.ng);
             let found = shape.intersect(&ray).filter(|(t, ..)| (t - 1e-3 * size).abs() < 1e-5 * size);
             if let Some((t, u, v)) = found.filter(|_| !is_apex(&shape, sample.pdf)) {
-                let again = shape.pdf(&shape.surface(&ray, t, Vec2::new(u, v)));
+                let again = shape.pdf(&shape.surface_point(&ray, t, Vec2::new(u, v)));
                 // The pdf is discontinuous between leaves, and rounding may move a point across.
                 strays += u32::from((again / sample.pdf - 1.0).abs() > 0.05);
             }
@@ -317,19 +320,19 @@ fn area_samples_match_their_pdf() {
 /// Texture gradients agree with differences of the coordinates along the surface.
 #[test]
 fn texture_gradients_match_finite_differences() {
-    for (name, shape) in placed() {
-        let size = (shape.extent().1 - shape.extent().0).length();
+    for (name, shape) in placed_shapes() {
+        let size = (shape.bounds_f64().1 - shape.bounds_f64().0).length();
         let ray = Ray::new(Vec3::ZERO, Vec3::new(1.0, 0.9, 0.8));
         let mut tried = 0;
         for i in 0..500 {
-            let uv = key(i).uniform_2d(Dimension::LightPosition) * 0.9 + 0.05;
+            let uv = test_key(i).uniform_2d(Dimension::LightPosition) * 0.9 + 0.05;
             let at = |uv: Vec2| match &shape {
-                Shape::Revolution(s) => s.point_of(uv),
-                Shape::Patch(s) => s.point_of(uv),
+                Shape::Revolution(s) => s.point_at_uv(uv),
+                Shape::Patch(s) => s.point_at_uv(uv),
                 _ => panic!("{ray:?}"),
             };
             let here = at(uv);
-            let mapped = shape.mapped(here.as_vec3(), uv);
+            let mapped = shape.tex_coord(here.as_vec3(), uv);
             for step in [Vec2::X, Vec2::Y] {
                 let after = uv + step * 2e-4;
                 let change = at(after) - here;

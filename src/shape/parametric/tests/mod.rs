@@ -4,14 +4,14 @@ mod exact;
 mod reference;
 
 use super::super::Shape;
-use super::{Basis, Patch, Revolution};
+use super::{Patch, Revolution, SplineBasis};
 use crate::math::{Ray, warp};
 use crate::sampling::{Dimension, Key, Purpose};
 use glam::{DVec2, DVec4, Vec2, Vec3};
 use reference::{ReferenceHits, ReferencePiece, ReferenceSurface};
 
 /// A surface and the pieces of its reference.
-struct Case {
+struct TestSurface {
     name: &'static str,
     shape: Shape,
     pieces: Vec<ReferencePiece>,
@@ -19,44 +19,45 @@ struct Case {
     thin: u64,
 }
 
-fn key(i: u64) -> Key {
-    Key::new(11).purpose(Purpose::Test).with(i)
+fn test_key(i: u64) -> Key {
+    Key::new(11).purpose_key(Purpose::Test).child_key(i)
 }
 
 /// Pseudorandom number in \[−1, 1].
-fn random(i: u64) -> f64 {
-    f64::from(key(i).uniform(Dimension::LightPosition)) * 2.0 - 1.0
+fn random_signed(i: u64) -> f64 {
+    f64::from(test_key(i).uniform_1d(Dimension::LightPosition)) * 2.0 - 1.0
 }
 
-fn turned(name: &'static str, basis: &Basis, controls: &[[f64; 2]]) -> Case {
+fn revolution_case(name: &'static str, basis: &SplineBasis, controls: &[[f64; 2]]) -> TestSurface {
     let points: Vec<DVec2> = controls.iter().map(|c| DVec2::from_array(*c)).collect();
     let shape = Shape::Revolution(Revolution::new(basis, &points).unwrap());
-    let piece = |span| basis.piece(span, controls, (0, 1)).into_iter().map(DVec2::from_array).collect();
-    let pieces = basis.spans().map(|span| ReferencePiece::new(ReferenceSurface::Turned(piece(span)))).collect();
-    Case { name, shape, pieces, thin: 1 }
+    let piece = |span| basis.bezier_piece(span, controls, (0, 1)).into_iter().map(DVec2::from_array).collect();
+    let pieces = basis.knot_spans().map(|span| ReferencePiece::new(ReferenceSurface::Turned(piece(span)))).collect();
+    TestSurface { name, shape, pieces, thin: 1 }
 }
 
-fn net(name: &'static str, bases: [&Basis; 2], controls: &[DVec4]) -> Case {
+fn patch_case(name: &'static str, bases: [&SplineBasis; 2], controls: &[DVec4]) -> TestSurface {
     let shape = Shape::Patch(Patch::new(bases, controls).unwrap());
-    let columns = bases[1].controls();
+    let columns = bases[1].control_count();
     let weighed: Vec<[f64; 4]> = controls.iter().map(|c| (c.truncate() * c.w).extend(c.w).to_array()).collect();
     let mut pieces = Vec::new();
-    for u in bases[0].spans() {
-        let along: Vec<Vec<[f64; 4]>> = (0..columns).map(|j| bases[0].piece(u, &weighed, (j, columns))).collect();
-        for v in bases[1].spans() {
+    for u in bases[0].knot_spans() {
+        let along: Vec<Vec<[f64; 4]>> =
+            (0..columns).map(|j| bases[0].bezier_piece(u, &weighed, (j, columns))).collect();
+        for v in bases[1].knot_spans() {
             let rows = (0..=bases[0].degree()).flat_map(|i| {
                 let row: Vec<[f64; 4]> = along.iter().map(|c| c[i]).collect();
-                bases[1].piece(v, &row, (0, 1))
+                bases[1].bezier_piece(v, &row, (0, 1))
             });
             let points = rows.map(|[x, y, z, w]| DVec4::new(x / w, y / w, z / w, w)).collect();
             pieces.push(ReferencePiece::new(ReferenceSurface::Patch(points, [bases[0].degree(), bases[1].degree()])));
         }
     }
-    Case { name, shape, pieces, thin: 1 }
+    TestSurface { name, shape, pieces, thin: 1 }
 }
 
 /// A cup with a wall, from the axis and back, with nearly coincident control points; x is negative.
-fn cup_case() -> Case {
+fn cup_case() -> TestSurface {
     let profile = [
         [0.0, -0.3],
         [0.0, -0.300001],
@@ -76,61 +77,63 @@ fn cup_case() -> Case {
         [0.0, -1.400001],
         [0.0, -1.400002],
     ];
-    turned("cup", &Basis::uniform(3, profile.len()).unwrap(), &profile)
+    revolution_case("cup", &SplineBasis::uniform_knots(3, profile.len()).unwrap(), &profile)
 }
 
-fn cases() -> Vec<Case> {
-    let cubic = Basis::bezier(4).unwrap();
+fn test_cases() -> Vec<TestSurface> {
+    let cubic = SplineBasis::bezier(4).unwrap();
     let wave = |rows: usize, columns: usize, seed: u64, height: f64| -> Vec<DVec4> {
         let place = |i: usize, n: usize| 2.0 * i as f64 / (n - 1) as f64 - 1.0;
         let point = |k: usize| {
             let (i, j) = (k / columns, k % columns);
-            DVec4::new(place(i, rows), height * random(seed + k as u64), place(j, columns), 1.0)
+            DVec4::new(place(i, rows), height * random_signed(seed + k as u64), place(j, columns), 1.0)
         };
         (0..rows * columns).map(point).collect()
     };
     let weighed = |mut net: Vec<DVec4>, seed: u64| {
         for (i, c) in net.iter_mut().enumerate() {
-            c.w = libm::exp(random(seed + i as u64));
+            c.w = libm::exp(random_signed(seed + i as u64));
         }
         net
     };
-    let (twenty, ten) = (Basis::bezier(21).unwrap(), Basis::bezier(11).unwrap());
-    let coil: Vec<[f64; 2]> =
-        (0..21).map(|i| [1.5 + random(600 + i), 0.3 * (i as f64 - 10.0) + 2.0 * random(700 + i)]).collect();
-    let uneven = Basis::new(3, 7, vec![0.0, 0.0, 0.0, 0.5, 1.0, 1.0, 3.0, 3.5, 4.0, 4.0, 9.0]).unwrap();
-    let quadratic = Basis::uniform(2, 5).unwrap();
+    let (twenty, ten) = (SplineBasis::bezier(21).unwrap(), SplineBasis::bezier(11).unwrap());
+    let coil: Vec<[f64; 2]> = (0..21)
+        .map(|i| [1.5 + random_signed(600 + i), 0.3 * (i as f64 - 10.0) + 2.0 * random_signed(700 + i)])
+        .collect();
+    let uneven = SplineBasis::new(3, 7, vec![0.0, 0.0, 0.0, 0.5, 1.0, 1.0, 3.0, 3.5, 4.0, 4.0, 9.0]).unwrap();
+    let quadratic = SplineBasis::uniform_knots(2, 5).unwrap();
     let mut collapsed = wave(4, 4, 900, 0.7);
     collapsed[..4].fill(DVec4::new(-1.0, 0.2, 0.0, 1.0));
     let mut loops = wave(4, 4, 950, 1.0);
     for (i, c) in loops.iter_mut().enumerate() {
-        *c = DVec4::new(random(1000 + i as u64), c.y, random(1100 + i as u64), 1.0);
+        *c = DVec4::new(random_signed(1000 + i as u64), c.y, random_signed(1100 + i as u64), 1.0);
     }
     vec![
         cup_case(),
-        turned("arch", &cubic, &[[-2.0, 2.0], [-4.0, 0.0], [0.0, 0.0], [-2.0, -2.0]]),
-        turned("crossing", &cubic, &[[-1.0, -1.0], [2.0, -0.5], [-2.0, 0.5], [1.0, 1.0]]),
-        Case { thin: 10, ..turned("degree 20", &twenty, &coil) },
-        net("wave", [&cubic, &cubic], &wave(4, 4, 100, 0.8)),
-        net("loops", [&cubic, &cubic], &loops),
-        net("collapsed", [&cubic, &cubic], &collapsed),
-        Case { thin: 10, ..net("nurbs", [&uneven, &quadratic], &weighed(wave(7, 5, 300, 0.5), 400)) },
-        Case { thin: 400, ..net("degrees 20 and 10", [&twenty, &ten], &wave(21, 11, 500, 1.0)) },
+        revolution_case("arch", &cubic, &[[-2.0, 2.0], [-4.0, 0.0], [0.0, 0.0], [-2.0, -2.0]]),
+        revolution_case("crossing", &cubic, &[[-1.0, -1.0], [2.0, -0.5], [-2.0, 0.5], [1.0, 1.0]]),
+        TestSurface { thin: 10, ..revolution_case("degree 20", &twenty, &coil) },
+        patch_case("wave", [&cubic, &cubic], &wave(4, 4, 100, 0.8)),
+        patch_case("loops", [&cubic, &cubic], &loops),
+        patch_case("collapsed", [&cubic, &cubic], &collapsed),
+        TestSurface { thin: 10, ..patch_case("nurbs", [&uneven, &quadratic], &weighed(wave(7, 5, 300, 0.5), 400)) },
+        TestSurface { thin: 400, ..patch_case("degrees 20 and 10", [&twenty, &ten], &wave(21, 11, 500, 1.0)) },
     ]
 }
 
 /// Rays of several kinds at a surface: from afar, from inside its box, and along the axes.
-fn ray(shape: &Shape, i: u64) -> Ray {
-    let (min, max) = shape.extent();
+fn test_ray(shape: &Shape, i: u64) -> Ray {
+    let (min, max) = shape.bounds_f64();
     let (middle, half) = ((0.5 * (min + max)).as_vec3(), (0.5 * (max - min)).as_vec3());
-    let k = key(i);
+    let k = test_key(i);
     let inside = |seed: u64| {
-        let (a, b) = (k.with(seed).uniform_2d(Dimension::LightPosition), k.with(seed).uniform(Dimension::Light));
+        let (a, b) =
+            (k.child_key(seed).uniform_2d(Dimension::LightPosition), k.child_key(seed).uniform_1d(Dimension::Light));
         middle + half * (Vec3::new(a.x, a.y, b) * 2.0 - 1.0)
     };
-    let far = middle + warp::sphere(k.uniform_2d(Dimension::LightDirection)) * (2.0 * half.length());
+    let far = middle + warp::square_to_uniform_sphere(k.uniform_2d(Dimension::LightDirection)) * (2.0 * half.length());
     match i % 8 {
-        0 => Ray::new(inside(1), warp::sphere(k.uniform_2d(Dimension::LightDirection)) * 0.7),
+        0 => Ray::new(inside(1), warp::square_to_uniform_sphere(k.uniform_2d(Dimension::LightDirection)) * 0.7),
         1 => {
             let from = inside(1);
             Ray::new(Vec3::new(2.5 * half.max_element(), from.y, from.z), -Vec3::X)
@@ -158,15 +161,15 @@ struct Comparison {
 /// The reference errs by `error` at most. A ray that dips deeper under a surface with radius of
 /// curvature R hits it at a cosine above √(2·error/R), here about 0.002. The facets' normals
 /// deviate by less.
-fn compare(case: &Case, rays: std::ops::Range<u64>) -> Comparison {
-    let (min, max) = case.shape.extent();
+fn compare_with_reference(case: &TestSurface, rays: std::ops::Range<u64>) -> Comparison {
+    let (min, max) = case.shape.bounds_f64();
     let size = 0.5 * (max - min).length();
     let error = 1e-6 * size;
     let grazing = 0.02;
     let mut tally = Comparison::default();
     let mut found = ReferenceHits { hit: None, touches: Vec::new() };
     for i in rays {
-        let ray = ray(&case.shape, i);
+        let ray = test_ray(&case.shape, i);
         (found.hit, tally.rays) = (None, tally.rays + 1);
         found.touches.clear();
         let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
@@ -175,7 +178,7 @@ fn compare(case: &Case, rays: std::ops::Range<u64>) -> Comparison {
         let message = || format!("{} ray {i}: {ours:?} against {:?}", case.name, found.hit);
         if let Some((t, u, v)) = ours {
             tally.hits += 1;
-            let surface = case.shape.surface(&ray, t, Vec2::new(u, v));
+            let surface = case.shape.surface_point(&ray, t, Vec2::new(u, v));
             let off = surface.p.as_dvec3() - o;
             let beside = (off - d * (off.dot(d) / d.length_squared())).length();
             assert!(beside <= 4e-6 * (size + o.length()), "{}: {beside} beside the ray", message());
@@ -208,10 +211,10 @@ fn compare(case: &Case, rays: std::ops::Range<u64>) -> Comparison {
     tally
 }
 
-fn agree_over(rays: u64) {
-    for case in cases() {
+fn check_agreement(rays: u64) {
+    for case in test_cases() {
         let start = std::time::Instant::now();
-        let tally = compare(&case, 0..rays / case.thin);
+        let tally = compare_with_reference(&case, 0..rays / case.thin);
         eprintln!("{}: {tally:?} in {:.1?}", case.name, start.elapsed());
         assert!(tally.hits * 20 > tally.rays, "{}: hardly a hit in {tally:?}", case.name);
         assert!(tally.undecided * 2000 <= tally.rays, "{}: {tally:?}", case.name);
@@ -220,7 +223,7 @@ fn agree_over(rays: u64) {
 
 #[test]
 fn every_intersection_is_found() {
-    agree_over(16_000);
+    check_agreement(16_000);
 }
 
 /// `CAUSTICA_ROOT_RAYS=N` sets the number of rays; 10⁷ take a quarter of an hour on two cores.
@@ -228,5 +231,5 @@ fn every_intersection_is_found() {
 #[ignore = "long: two million rays"]
 fn every_intersection_is_found_with_many_rays() {
     let rays = std::env::var("CAUSTICA_ROOT_RAYS").ok();
-    agree_over(rays.map_or(2_000_000, |n| n.parse().expect("CAUSTICA_ROOT_RAYS is a number")));
+    check_agreement(rays.map_or(2_000_000, |n| n.parse().expect("CAUSTICA_ROOT_RAYS is a number")));
 }

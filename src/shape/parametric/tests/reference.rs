@@ -35,7 +35,7 @@ pub struct ReferenceHits {
     pub touches: Vec<Touch>,
 }
 
-fn casteljau<T: Copy + std::ops::Mul<f64, Output = T> + std::ops::Add<Output = T>>(points: &mut [T], s: f64) -> T {
+fn de_casteljau<T: Copy + std::ops::Mul<f64, Output = T> + std::ops::Add<Output = T>>(points: &mut [T], s: f64) -> T {
     for n in (1..points.len()).rev() {
         for i in 0..n {
             points[i] = points[i] * (1.0 - s) + points[i + 1] * s;
@@ -46,7 +46,7 @@ fn casteljau<T: Copy + std::ops::Mul<f64, Output = T> + std::ops::Add<Output = T
 
 /// Bounds on the second and the first derivative: the largest n(n − 1)|Δ²b| and n|Δb| along lines
 /// of a net.
-fn differences(points: &[DVec4], degree: [usize; 2], axis: usize) -> (DVec4, DVec4) {
+fn derivative_bounds(points: &[DVec4], degree: [usize; 2], axis: usize) -> (DVec4, DVec4) {
     let columns = degree[1] + 1;
     let step = if axis == 0 { columns } else { 1 };
     let n = degree[axis] as f64;
@@ -69,7 +69,7 @@ impl ReferencePiece {
         let bends = match &form {
             ReferenceSurface::Turned(profile) => {
                 let flat: Vec<DVec4> = profile.iter().map(|p| DVec4::new(p.x, p.y, 0.0, 1.0)).collect();
-                let (first, second) = differences(&flat, [profile.len() - 1, 0], 0);
+                let (first, second) = derivative_bounds(&flat, [profile.len() - 1, 0], 0);
                 let turn = std::f64::consts::TAU;
                 let radius = profile.iter().fold(0.0, |r: f64, p| r.max(p.x.abs()));
                 [second.xy().length(), radius * turn * turn, first.x * turn]
@@ -79,7 +79,7 @@ impl ReferencePiece {
                 let homogeneous: Vec<DVec4> = controls.iter().map(|c| (c.xyz() * c.w).extend(c.w)).collect();
                 let least = controls.iter().fold(f64::INFINITY, |m: f64, c| m.min(c.w));
                 let far = controls.iter().fold(0.0, |m: f64, c| m.max(c.xyz().length()));
-                let sides = [0, 1].map(|axis| differences(&homogeneous, *degree, axis));
+                let sides = [0, 1].map(|axis| derivative_bounds(&homogeneous, *degree, axis));
                 let slopes = sides.map(|(first, _)| (first.xyz().length() + first.w * far) / least);
                 let own = [0, 1].map(|i| {
                     let (first, second) = sides[i];
@@ -101,12 +101,12 @@ impl ReferencePiece {
         Self { form, bends }
     }
 
-    pub fn at(&self, u: f64, v: f64) -> DVec3 {
+    pub fn point_at(&self, u: f64, v: f64) -> DVec3 {
         match &self.form {
             ReferenceSurface::Turned(profile) => {
                 let mut buffer = [DVec2::ZERO; 25];
                 buffer[..profile.len()].copy_from_slice(profile);
-                let p = casteljau(&mut buffer[..profile.len()], u);
+                let p = de_casteljau(&mut buffer[..profile.len()], u);
                 let (sin, cos) = libm::sincos(v * std::f64::consts::TAU);
                 DVec3::new(p.x * cos, p.y, p.x * sin)
             }
@@ -117,9 +117,9 @@ impl ReferencePiece {
                         let c = controls[i * (q + 1) + j];
                         row[j] = (c.xyz() * c.w).extend(c.w);
                     }
-                    rows[i] = casteljau(&mut row[..=*q], v);
+                    rows[i] = de_casteljau(&mut row[..=*q], v);
                 }
-                let a = casteljau(&mut rows[..=*p], u);
+                let a = de_casteljau(&mut rows[..=*p], u);
                 a.xyz() / a.w
             }
         }
@@ -130,7 +130,10 @@ impl ReferencePiece {
         let turned = matches!(self.form, ReferenceSurface::Turned(_));
         let parts = if turned { 4 } else { 1 };
         let quad = |[u0, u1, v0, v1]: [f64; 4]| {
-            ([u0, u1, v0, v1], [self.at(u0, v0), self.at(u1, v0), self.at(u1, v1), self.at(u0, v1)])
+            (
+                [u0, u1, v0, v1],
+                [self.point_at(u0, v0), self.point_at(u1, v0), self.point_at(u1, v1), self.point_at(u0, v1)],
+            )
         };
         let part = |i: i32| quad([0.0, 1.0, f64::from(i) / f64::from(parts), f64::from(i + 1) / f64::from(parts)]);
         let mut quads: Vec<([f64; 4], [DVec3; 4])> = (0..parts).map(part).collect();
@@ -153,10 +156,10 @@ impl ReferencePiece {
                 // The twist halves with either side.
                 let [p, q, r, s] = corners;
                 if a > b || a == b && du > dv {
-                    let (e, f) = (self.at(u, v0), self.at(u, v1));
+                    let (e, f) = (self.point_at(u, v0), self.point_at(u, v1));
                     quads.extend([([u0, u, v0, v1], [p, e, f, s]), ([u, u1, v0, v1], [e, q, r, f])]);
                 } else {
-                    let (e, f) = (self.at(u0, v), self.at(u1, v));
+                    let (e, f) = (self.point_at(u0, v), self.point_at(u1, v));
                     quads.extend([([u0, u1, v0, v], [p, q, f, e]), ([u0, u1, v, v1], [e, f, r, s])]);
                 }
                 continue;
@@ -165,7 +168,7 @@ impl ReferencePiece {
             let edge = u0 == 0.0 || u1 == 1.0 || !turned && (v0 == 0.0 || v1 == 1.0);
             found.touches.push(Touch { t: [lo, hi], cos: normal.dot(d).abs() / d.length(), edge });
             for [i, j, k] in [[0, 1, 2], [0, 2, 3]] {
-                if let Some(t) = cross(o, d, corners[i], corners[j], corners[k]) {
+                if let Some(t) = intersect_triangle(o, d, corners[i], corners[j], corners[k]) {
                     found.hit = Some(found.hit.map_or(t, |h: f64| h.min(t)));
                 }
             }
@@ -174,7 +177,7 @@ impl ReferencePiece {
 }
 
 /// The test of Möller and Trumbore, edges included.
-fn cross(o: DVec3, d: DVec3, a: DVec3, b: DVec3, c: DVec3) -> Option<f64> {
+fn intersect_triangle(o: DVec3, d: DVec3, a: DVec3, b: DVec3, c: DVec3) -> Option<f64> {
     let (e1, e2, s) = (b - a, c - a, o - a);
     let p = d.cross(e2);
     let determinant = e1.dot(p);

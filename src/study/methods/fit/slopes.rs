@@ -102,10 +102,11 @@ fn fit_slopes(
 
 /// Weights of seeds resampled with replacement.
 fn bootstrap_seed_weights(replicate: u64, seeds: usize) -> Vec<f64> {
-    let key = Key::new(0xb007_57a9).with(replicate);
+    let key = Key::new(0xb007_57a9).child_key(replicate);
     let mut weights = vec![0.0; seeds];
     for draw in 0..seeds {
-        weights[(key.with(draw as u64).bits(Dimension::Part) % seeds as u64) as usize] += 1.0 / seeds as f64;
+        weights[(key.child_key(draw as u64).random_bits(Dimension::ChosenLobe) % seeds as u64) as usize] +=
+            1.0 / seeds as f64;
     }
     weights
 }

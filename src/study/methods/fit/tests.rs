@@ -15,7 +15,7 @@ const PIXELS: usize = 64;
 /// Pixels whose error after n passes is that of a mean of passes of variance 1/shrink and bias
 /// `bias` · shrink.
 fn synthetic_method(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32], name: u64) -> MethodResult {
-    let mut rng = Key::new(77).with(name).rng();
+    let mut rng = Key::new(77).child_key(name).rng();
     // Irwin–Hall: twelve uniform numbers less six have variance 1.
     let mut normal = || (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0;
     let shrinks = |i: u32| shrink(alpha, i);

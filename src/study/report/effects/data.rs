@@ -67,7 +67,7 @@ pub fn markdown(about: &ReportContext, findings: &EffectStudyResult) -> String {
         about.seed,
         clock_text(findings.clock),
         1e3 * findings.whole.seconds() / passes as f64,
-        a_pass(findings.whole.counters.rays()),
+        a_pass(findings.whole.counters.total_rays()),
         a_pass(findings.whole.counters.gathered_photons),
         three_digit_text(findings.mean),
     );

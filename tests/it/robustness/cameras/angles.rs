@@ -105,7 +105,7 @@ fn visible_light_has_correct_mean_at_extreme_angles() {
             let settings = Settings { camera_paths, balance: false, ..Settings::default() };
             let image = image(&*Algorithm::Path.prepare(&scene, settings), 0);
             assert!(image.iter().all(|p| p.is_finite()), "{angle}°");
-            let mean = image.iter().map(|p| f64::from(color::mean(*p))).sum::<f64>() / image.len() as f64 / 2.0;
+            let mean = image.iter().map(|p| f64::from(color::channel_mean(*p))).sum::<f64>() / image.len() as f64 / 2.0;
             let rays = f64::from(side * side * 256);
             let chance = (libm::log(2.0 / 1e-6) / (2.0 * rays)).sqrt();
             let moved = 4.0 * (tangent + 1.0 / tangent) * libm::exp2(-24.0);

@@ -77,7 +77,7 @@ fn tiny_images_are_finite_with_every_integrator() {
                 let numbers =
                     [estimate.error, estimate.noise, estimate.bias, estimate.blur, estimate.shared_paths, estimate.low];
                 assert!(numbers.iter().all(|x| x.is_finite() && *x >= 0.0), "{what}: {estimate:?}");
-                let maps = estimator.maps(&rendered.film);
+                let maps = estimator.error_maps(&rendered.film);
                 assert!(maps.noise.iter().chain(&maps.bias).all(|x| x.is_finite()), "{what}");
             }
         }

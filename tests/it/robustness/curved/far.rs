@@ -7,10 +7,10 @@ use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::light::{AreaLight, Light, LightSurface, ShadowTarget};
 use caustica::math::{Ray, Transform, warp};
-use caustica::sampling::Discrete;
+use caustica::sampling::DiscreteDistribution;
 use caustica::scene::{Material, SceneBuilder};
-use caustica::shape::parametric::Basis;
-use caustica::shape::{Disc, IndexedMesh, Instance, Mesh, Patch, Plane, Rectangle, Revolution, Shape, Sphere};
+use caustica::shape::parametric::SplineBasis;
+use caustica::shape::{Disc, Instance, Mesh, MeshWithBvh, Patch, Plane, Rectangle, Revolution, Shape, Sphere};
 use glam::{DAffine3, DVec2, DVec3, DVec4, Vec2, Vec3};
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
@@ -33,7 +33,7 @@ fn far_spheres_are_hit_correctly() {
     for distance in [3.0, 30.0, 1e3, 1e5, 1e6] {
         let (mut hits, mut doubtful) = (0, 0);
         for _ in 0..100_000 {
-            let from = center.as_vec3() + warp::sphere(pair(&mut rng)) * distance;
+            let from = center.as_vec3() + warp::square_to_uniform_sphere(pair(&mut rng)) * distance;
             let aim = Vec3::new(rng.random(), rng.random(), rng.random()) * 2.4 - 1.2;
             let ray = Ray::new(from, (center.as_vec3() + aim - from).normalize());
             let l = DoubleDoubleVec::from(ray.origin.as_dvec3()) - DoubleDoubleVec::from(center);
@@ -51,7 +51,7 @@ fn far_spheres_are_hit_correctly() {
             let exact = (-b - discriminant.sqrt()) / a;
             // Rounded once.
             assert!((f64::from(t) / exact.value() - 1.0).abs() <= 1.0 / 16_777_216.0, "{ray:?}: {t}");
-            let s = ball.surface(&ray, t, Vec2::new(u, v));
+            let s = ball.surface_point(&ray, t, Vec2::new(u, v));
             let n = (l + d.scaled(exact)).value();
             // Half an ulp of each component, for coordinates below 2; at grazing incidence, the
             // effect of an ulp in the square root.
@@ -73,7 +73,7 @@ fn far_lights_cast_no_shadow_on_themselves() {
     let squash = Transform::new(DAffine3::from_scale(DVec3::new(1.0, 0.6, 0.8))).unwrap();
     let ball = Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0));
     let egg = ball.transformed(&squash).unwrap();
-    let disc = Shape::Disc(Disc::around(DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0), 1.0));
+    let disc = Shape::Disc(Disc::with_normal(DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0), 1.0));
     let corners = [Vec3::new(-1.0, 0.1, -0.7), Vec3::new(1.0, -0.2, -0.5), Vec3::new(0.1, 0.7, 0.6)];
     let one = Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2]], ..Mesh::default() };
     let mesh = Arc::new(one.clone());
@@ -81,14 +81,14 @@ fn far_lights_cast_no_shadow_on_themselves() {
     let rectangle = Shape::Rectangle(Rectangle::new(-0.5 * (edges[0] + edges[1]), edges[0], edges[1]));
     // A dome, and a sail over a square: both are convex on the emissive side.
     let profile = [DVec2::new(0.8, -0.8), DVec2::new(1.0, 0.9), DVec2::new(0.0, 0.9)];
-    let bell = Shape::Revolution(Revolution::new(&Basis::bezier(3).unwrap(), &profile).unwrap());
+    let bell = Shape::Revolution(Revolution::new(&SplineBasis::bezier(3).unwrap(), &profile).unwrap());
     let square = [1.0, -1.0, 1.0];
     let control =
         |i: usize, j: usize| DVec4::new(i as f64 - 1.0, 1.0 - 0.5 * (square[i] + square[j]), j as f64 - 1.0, 1.0);
     let net: Vec<DVec4> = (0..9).map(|i| control(i % 3, i / 3)).collect();
-    let basis = Basis::bezier(3).unwrap();
+    let basis = SplineBasis::bezier(3).unwrap();
     let patch = Shape::Patch(Patch::new([&basis, &basis], &net).unwrap());
-    let placed = Shape::Instance(Instance::new(Arc::new(IndexedMesh::new(one)), squash));
+    let placed = Shape::Instance(Instance::new(Arc::new(MeshWithBvh::new(one)), squash));
     let emitters = [
         LightSurface::Shape(ball),
         LightSurface::Shape(egg),
@@ -97,7 +97,7 @@ fn far_lights_cast_no_shadow_on_themselves() {
         LightSurface::Shape(bell),
         LightSurface::Shape(patch),
         LightSurface::Shape(placed),
-        LightSurface::Triangles { mesh, first: 0, choice: Discrete::new([1.0]).unwrap() },
+        LightSurface::Triangles { mesh, first: 0, choice: DiscreteDistribution::new([1.0]).unwrap() },
     ];
     let mut rng = SmallRng::seed_from_u64(4);
     for (kind, emitter) in emitters.into_iter().enumerate() {
@@ -106,10 +106,10 @@ fn far_lights_cast_no_shadow_on_themselves() {
         for distance in [2.0, 30.0, 1e3, 1e5, 1e6] {
             let mut tested = 0;
             for _ in 0..50_000 {
-                let p = warp::sphere(pair(&mut rng)) * distance;
+                let p = warp::square_to_uniform_sphere(pair(&mut rng)) * distance;
                 let Some(sample) = light.sample_li(p, pair(&mut rng)) else { continue };
                 let ShadowTarget::Point(target) = sample.target else { panic!("{sample:?}") };
-                let ray = Ray::between(p, target);
+                let ray = Ray::between_points(p, target);
                 let blocked = match &emitter {
                     LightSurface::Shape(shape) => shape.intersect(&ray).is_some(),
                     LightSurface::Triangles { .. } => tree.occluded(&ray, |_, _| false),

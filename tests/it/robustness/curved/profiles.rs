@@ -1,7 +1,7 @@
 //! Surfaces of degree 20 with closed forms, with poles, cusps on the axis and edges without length.
 
 use caustica::math::{Ray, warp};
-use caustica::shape::parametric::Basis;
+use caustica::shape::parametric::SplineBasis;
 use caustica::shape::{Patch, Revolution, Shape};
 use glam::{DVec2, DVec3, DVec4, Vec2, Vec3};
 use libm::{cbrt, hypot};
@@ -32,7 +32,7 @@ fn raised(mut controls: Vec<DVec4>, degree: usize) -> Vec<DVec4> {
 fn turned(profile: &[(f64, f64)], degree: usize) -> Shape {
     let controls = raised(profile.iter().map(|(x, y)| DVec4::new(*x, *y, 0.0, 1.0)).collect(), degree);
     let points: Vec<DVec2> = controls.iter().map(|c| DVec2::new(c.x, c.y)).collect();
-    Shape::Revolution(Revolution::new(&Basis::bezier(degree + 1).unwrap(), &points).unwrap())
+    Shape::Revolution(Revolution::new(&SplineBasis::bezier(degree + 1).unwrap(), &points).unwrap())
 }
 
 /// Builds a patch from homogeneous points, `columns` of them along v.
@@ -41,7 +41,7 @@ fn net(points: &[DVec4], columns: usize, [p, q]: [usize; 2]) -> Shape {
     let along: Vec<Vec<DVec4>> = (0..=q).map(|j| raised(rows.iter().map(|row| row[j]).collect(), p)).collect();
     let point = |c: DVec4| (c.truncate() / c.w).extend(c.w);
     let controls: Vec<DVec4> = (0..=p).flat_map(|i| along.iter().map(move |column| point(column[i]))).collect();
-    let bases = [p, q].map(|n| Basis::bezier(n + 1).unwrap());
+    let bases = [p, q].map(|n| SplineBasis::bezier(n + 1).unwrap());
     Shape::Patch(Patch::new([&bases[0], &bases[1]], &controls).unwrap())
 }
 
@@ -165,7 +165,7 @@ fn ray(known: &Known, rng: &mut SmallRng, i: u32) -> Ray {
         0 => random(rng),
         1 => target + Vec3::Y * 3.0,
         2 => Vec3::new(3.0, target.y, target.z),
-        _ => target + warp::sphere(Vec2::new(rng.random(), rng.random())) * 4.0,
+        _ => target + warp::square_to_uniform_sphere(Vec2::new(rng.random(), rng.random())) * 4.0,
     };
     Ray::new(from, target - from)
 }
@@ -215,7 +215,7 @@ fn degree_20_surfaces_are_hit_correctly() {
                 (Some(t), Some((f, u, v))) => {
                     hits += 1;
                     assert!((f64::from(f) - t).abs() <= 6e-8 * t + 1e-7, "{} {ray:?}: {f} {t}", known.name);
-                    let s = known.shape.surface(&ray, f, Vec2::new(u, v));
+                    let s = known.shape.surface_point(&ray, f, Vec2::new(u, v));
                     let p = o + d * t;
                     assert!((s.p.as_dvec3() - p).length() < 2e-6, "{} {ray:?}: {} {p}", known.name, s.p);
                     let h = 1e-6;

@@ -124,7 +124,7 @@ fn photons_obey_beer_over_million_boundaries() {
         let scene = b.build(along_x()).unwrap();
         let source = PhotonSource::in_all_directions(&scene).unwrap();
         let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: TURNS - 1 };
-        let audit = pass.trace(Key::new(3).purpose(Purpose::Test), 2, &|_| {}).audit;
+        let audit = pass.trace(Key::new(3).purpose_key(Purpose::Test), 2, &|_| {}).audit;
         let left = audit.stopped[1] / audit.emitted[1];
         let booked = (audit.absorbed[1] + audit.stopped[1] + audit.roulette[1]) / audit.emitted[1];
         // Five thousand differences in single precision.

@@ -96,7 +96,8 @@ fn bumps_below_horizon_leak_no_light() {
             dark(&walls, &format!("{kind} {relief}"));
             let mut least = 1.0f32;
             for i in 0..2000u64 {
-                let direction = warp::sphere(key(71).with(i).uniform_2d(Dimension::LightDirection));
+                let direction =
+                    warp::square_to_uniform_sphere(key(71).child_key(i).uniform_2d(Dimension::LightDirection));
                 let ray = Ray::new(-direction * 2.0, direction);
                 let Some(hit) = walls.intersect(&ray) else { continue };
                 let point = walls.interaction(&ray, &hit, &RayCone::point(Effects::ALL), || 0.5).point;

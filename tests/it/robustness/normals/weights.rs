@@ -4,7 +4,7 @@
 //! For uniform incident light, photons arrive in proportion to the cosine to the geometric normal.
 
 use crate::support::{key, midpoint, scene};
-use caustica::bsdf::{Bsdf, Conductor, Dielectric, Phong, Thin, Transport, deposit_factor};
+use caustica::bsdf::{Bsdf, Conductor, Dielectric, Phong, ThinDielectric, Transport, photon_deposit_factor};
 use caustica::math::{Frame, warp};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::{Dimension, Key};
@@ -23,7 +23,7 @@ const N: u64 = 1 << 18;
 
 /// Returns the direction that a photon comes from, distributed as photons arrive.
 fn arrival(key: Key) -> Vec3 {
-    Frame::around(Vec3::Z).to_world(warp::cosine_hemisphere(key.uniform_2d(Dimension::LightDirection)))
+    Frame::from_normal(Vec3::Z).to_world(warp::square_to_cosine_hemisphere(key.uniform_2d(Dimension::LightDirection)))
 }
 
 fn tilted(degrees: f32) -> Vec3 {
@@ -52,7 +52,7 @@ fn photon_weights_conserve_flux_with_bounded_tail() {
     for degrees in [5.0, 37.0, 70.0, 87.0] {
         let ns = tilted(degrees);
         let (c, s) = (f64::from(ns.z), f64::from((1.0 - ns.z * ns.z).sqrt()));
-        let factor = |i: u64| f64::from(deposit_factor(arrival(key(60).with(i)), ns, Vec3::Z));
+        let factor = |i: u64| f64::from(photon_deposit_factor(arrival(key(60).child_key(i)), ns, Vec3::Z));
         let (kept, error) = mean((0..N).into_par_iter().map(factor));
         let cut = s * s / (MOST - c);
         assert!(kept <= 1.0 + error && kept >= 1.0 - cut - error, "{degrees}°: {kept} ± {error}");
@@ -90,7 +90,7 @@ fn diffuse_scatters_where_both_normals_agree() {
         // Light from beyond the shading horizon hits the normal from behind, and the normal is
         // flipped: (1 − c)/2 of each.
         let (agreeing, error) = mean((0..N).into_par_iter().map(|i| {
-            let wo = arrival(key(61).with(i));
+            let wo = arrival(key(61).child_key(i));
             if wo.dot(ns) > 0.0 { scattered(&Bsdf::Diffuse(Vec3::ONE), wo, ns, i, Transport::Importance) } else { 0.0 }
         }));
         assert!((agreeing - expected).abs() <= error + 1e-6, "{degrees}°: {agreeing} ± {error}, {expected}");
@@ -100,10 +100,10 @@ fn diffuse_scatters_where_both_normals_agree() {
 
 /// Returns the remaining weight of a photon that arrives from `wo`.
 fn scattered(bsdf: &Bsdf, wo: Vec3, ns: Vec3, i: u64, transport: Transport) -> f64 {
-    let key = key(62).with(i);
-    let (lobe, u) = (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
+    let key = key(62).child_key(i);
+    let (lobe, u) = (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
     bsdf.sample(wo, ns, Vec3::Z, lobe, u, transport).map_or(0.0, |s| {
-        let adjoint = if transport == Transport::Importance { s.adjoint(wo, ns, Vec3::Z) } else { 1.0 };
+        let adjoint = if transport == Transport::Importance { s.adjoint_correction(wo, ns, Vec3::Z) } else { 1.0 };
         let weight = f64::from(s.weight.x * adjoint);
         assert!(weight.is_finite() && weight >= 0.0, "{bsdf:?} {wo} {ns}: {s:?}");
         weight
@@ -119,7 +119,7 @@ fn lossless() -> Vec<(Bsdf, bool)> {
         (metal(0.0), true),
         (metal(0.1), false),
         (metal(1.0), false),
-        (Bsdf::Thin(Thin { eta: 1.5, transmittance: Vec3::ONE }), true),
+        (Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, transmittance: Vec3::ONE }), true),
         (Bsdf::Dielectric(Dielectric { eta: 1.5 }), false),
         (Bsdf::dielectric(1.5, 0.1), false),
         (Bsdf::dielectric(1.5, 1.0), false),
@@ -154,7 +154,7 @@ fn no_surface_reflects_more_than_it_receives() {
             for ns in [ns, -ns] {
                 // The outer side is that of both normals.
                 let turn = if ns.z < 0.0 { -1.0 } else { 1.0 };
-                let from = |i: u64| arrival(key(63).with(i)) * Vec3::new(1.0, 1.0, turn);
+                let from = |i: u64| arrival(key(63).child_key(i)) * Vec3::new(1.0, 1.0, turn);
                 let values =
                     (0..N).into_par_iter().map(|i| scattered(&bsdf, from(i), ns * turn, i, Transport::Importance));
                 let (kept, error) = mean(values);
@@ -185,7 +185,8 @@ fn coarse_ball_flux_matches_its_faces() {
     let edge = 1.0 / libm::sin(0.4 * std::f64::consts::PI);
     let expected = std::f64::consts::PI * L * 5.0 * 3f64.sqrt() * edge * edge;
     let s2 = libm::pow(libm::sin(37.4f64.to_radians()), 2.0);
-    let traced: Vec<_> = (0..16u64).into_par_iter().map(|i| pass.trace(key(64).with(i), 1 << 15, &|_| {})).collect();
+    let traced: Vec<_> =
+        (0..16u64).into_par_iter().map(|i| pass.trace(key(64).child_key(i), 1 << 15, &|_| {})).collect();
     let samples: Vec<f64> = traced
         .iter()
         .map(|t| {
@@ -216,7 +217,7 @@ fn grazing_factors_are_finite() {
     for exponent in 0..45 {
         let z = libm::powf(10.0, -(exponent as f32));
         let wo = DVec3::new(1.0, 0.0, f64::from(z)).normalize().as_vec3();
-        assert!(deposit_factor(wo, ns, Vec3::Z).is_finite() || z < 1e-37, "{z:e}");
+        assert!(photon_deposit_factor(wo, ns, Vec3::Z).is_finite() || z < 1e-37, "{z:e}");
         for (bsdf, _) in lossless() {
             for i in 0..64 {
                 for n in [ns, -ns + 2.0 * ns.z * Vec3::Z] {

@@ -7,7 +7,7 @@ use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
-use caustica::shape::parametric::Basis;
+use caustica::shape::parametric::SplineBasis;
 use caustica::shape::{Disc, Revolution, Shape};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -32,9 +32,9 @@ fn parabola(pixels: u32) -> Scene {
     let mirror = b.material(Material::mirror(Rgb::splat(REFLECTANCE as f32)));
     let white = b.material(Material::diffuse(Rgb::splat(0.5)));
     let controls = [DVec2::ZERO, DVec2::new(0.5, 0.0), DVec2::new(1.0, 0.25)];
-    let bowl = Revolution::new(&Basis::bezier(3).unwrap(), &controls).unwrap();
+    let bowl = Revolution::new(&SplineBasis::bezier(3).unwrap(), &controls).unwrap();
     b.shape(Shape::Revolution(bowl), mirror, Rgb::ZERO);
-    b.shape(Shape::Disc(Disc::around(DVec3::Y, -DVec3::Y, TARGET)), white, Rgb::ZERO);
+    b.shape(Shape::Disc(Disc::with_normal(DVec3::Y, -DVec3::Y, TARGET)), white, Rgb::ZERO);
     b.source(
         DeltaLightKind::Directional { direction: -DVec3::Y },
         LightStrength::Physical(Rgb::splat(IRRADIANCE as f32)),
@@ -54,7 +54,7 @@ fn photons_converge_at_focus() {
     let scene = parabola(PIXELS);
     let source = PhotonSource::aimed_at_casters(&scene).unwrap();
     let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 10 };
-    let key = |i| Key::new(3).purpose(Purpose::Test).with(i);
+    let key = |i| Key::new(3).purpose_key(Purpose::Test).child_key(i);
     let begun = Instant::now();
     let samples: Vec<f64> = (0..8)
         .map(|i| {

@@ -90,7 +90,7 @@ fn point_light_in_floor_lights_ceiling() {
         let scene = point_in_the_floor(*turn, *at);
         let source = PhotonSource::in_all_directions(&scene).unwrap();
         let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
-        let traced = pass.trace(Key::new(3).purpose(Purpose::Test), 1 << 16, &|_| {});
+        let traced = pass.trace(Key::new(3).purpose_key(Purpose::Test), 1 << 16, &|_| {});
         let flux: f64 = traced.deposits.photons.iter().map(|p| f64::from(p.data.flux().y)).sum();
         assert!((6.0 * flux - 1.0).abs() < 0.044, "{at} {turn}: {flux}");
         let out = rendered(&scene, Algorithm::Whitted, settings(0, 16), 1);

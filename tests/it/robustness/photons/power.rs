@@ -48,7 +48,7 @@ fn room(scale: f32, fog: bool) -> Scene {
 /// Returns the error estimate and the error maps of a render.
 fn estimates(rendered: &RenderResult) -> (ErrorEstimate, ErrorMaps) {
     let estimator = rendered.estimator.as_ref().unwrap();
-    (estimator.estimate(&rendered.film), estimator.maps(&rendered.film))
+    (estimator.estimate(&rendered.film), estimator.error_maps(&rendered.film))
 }
 
 /// Returns the sums of passes from their means. The number of passes is a power of two, so nothing

@@ -3,12 +3,12 @@
 use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::light::Light;
-use caustica::math::Sphere;
+use caustica::math::BoundingSphere;
 use caustica::scene::{DeltaLightKind, LightStrength, SceneBuilder};
 use glam::{DVec3, Vec2, Vec3};
 use std::f64::consts::{PI, TAU};
 
-const NOWHERE: Sphere = Sphere { center: Vec3::ZERO, radius: 0.0 };
+const NOWHERE: BoundingSphere = BoundingSphere { center: Vec3::ZERO, radius: 0.0 };
 
 /// Full angles of cones \[degrees].
 const ANGLES: [f64; 8] = [0.001, 0.01, 0.028, 0.05, 0.1, 1.0, 40.0, 200.0];

@@ -2,7 +2,7 @@
 //! between lobes.
 
 use crate::support::key;
-use caustica::bsdf::{Bsdf, Dielectric, Thin, Transport, dielectric_reflectance, refract};
+use caustica::bsdf::{Bsdf, Dielectric, ThinDielectric, Transport, dielectric_reflectance, refract};
 use caustica::math::{Frame, warp};
 use caustica::sampling::Dimension;
 use glam::{DVec3, Vec2, Vec3};
@@ -16,7 +16,7 @@ fn exact(x: f32) -> i128 {
 /// Returns relative indices below 1, where total reflection occurs: those of common glasses, and
 /// values ever nearer to 1.
 fn indices() -> impl Iterator<Item = f32> {
-    let random = |i: u64| key(3).with(i).uniform(Dimension::Light);
+    let random = |i: u64| key(3).child_key(i).uniform_1d(Dimension::Light);
     (0..4000u64).map(move |i| match i % 3 {
         0 => 1.0 / (1.0 + 3.0 * random(i)),
         // From 10⁻⁷ to a tenth below 1, evenly by logarithm.
@@ -56,11 +56,11 @@ fn total_reflection_begins_at_exact_ulp() {
 #[test]
 fn fresnel_is_finite_around_critical_angle() {
     for i in 0..3000u64 {
-        let key = key(4).with(i);
-        let n = warp::sphere(key.uniform_2d(Dimension::LightDirection));
-        let eta = 1.0 / (1.05 + 2.0 * key.uniform(Dimension::Light));
-        let around = Frame::around(n);
-        let (sin_phi, cos_phi) = libm::sincosf(6.0 * key.uniform(Dimension::Film));
+        let key = key(4).child_key(i);
+        let n = warp::square_to_uniform_sphere(key.uniform_2d(Dimension::LightDirection));
+        let eta = 1.0 / (1.05 + 2.0 * key.uniform_1d(Dimension::Light));
+        let around = Frame::from_normal(n);
+        let (sin_phi, cos_phi) = libm::sincosf(6.0 * key.uniform_1d(Dimension::Film));
         for step in -8..=8i32 {
             let sin = eta * (1.0 + step as f32 * f32::EPSILON);
             let cos = ((1.0 - sin) * (1.0 + sin)).sqrt();
@@ -99,7 +99,7 @@ fn fresnel_keeps_precision_at_any_index() {
             assert!((f64::from(bent.reflectance) - (1.0 - t)).abs() < 6.1e-8);
             assert_eq!(bent.transmitted, -Vec3::Z);
             // A pane of two interfaces transmits t/(2 − t).
-            let pane = Thin { eta, transmittance: Vec3::ONE }.reflectance_and_transmittance(1.0);
+            let pane = ThinDielectric { eta, transmittance: Vec3::ONE }.reflectance_and_transmittance(1.0);
             // Some eight roundings of 2⁻²⁴.
             assert!((f64::from(pane.1.x) / (t / (2.0 - t)) - 1.0).abs() < 8.0 / 16_777_216.0, "{eta}: {pane:?}");
             assert!((pane.0.x + pane.1.x - 1.0).abs() < 2.0 * f32::EPSILON);
@@ -130,10 +130,11 @@ fn densest_body_transmits_exact_fraction() {
     // Whatever the incident direction, light continues within 10⁻⁶ rad of the normal. The result
     // rounds by √3·2⁻²⁵, and n has length 1 to 2⁻²³.
     for i in 0..1000u64 {
-        let key = key(5).with(i);
-        let n = warp::sphere(key.uniform_2d(Dimension::LightDirection));
-        let wo =
-            Frame::around(n).to_world(warp::cosine_hemisphere(key.uniform_2d(Dimension::BsdfDirection))).normalize();
+        let key = key(5).child_key(i);
+        let n = warp::square_to_uniform_sphere(key.uniform_2d(Dimension::LightDirection));
+        let wo = Frame::from_normal(n)
+            .to_world(warp::square_to_cosine_hemisphere(key.uniform_2d(Dimension::BsdfDirection)))
+            .normalize();
         if wo.dot(n) > 0.0 {
             let bent = refract(wo, n, 1e6);
             assert!(bent.transmitted.dot(n) < 0.0 && (bent.transmitted + n).length() < 1e-6 + 5.0 / 16_777_216.0);
@@ -149,11 +150,11 @@ fn densest_body_transmits_exact_fraction() {
 #[test]
 fn refraction_keeps_the_sine_at_any_index() {
     for i in 0..20_000u64 {
-        let key = key(6).with(i);
-        let n = warp::sphere(key.uniform_2d(Dimension::LightDirection));
-        let wo = warp::sphere(key.uniform_2d(Dimension::BsdfDirection));
+        let key = key(6).child_key(i);
+        let n = warp::square_to_uniform_sphere(key.uniform_2d(Dimension::LightDirection));
+        let wo = warp::square_to_uniform_sphere(key.uniform_2d(Dimension::BsdfDirection));
         let wo = if wo.dot(n) < 0.0 { -wo } else { wo };
-        let eta = libm::powf(10.0, 6.0 * key.uniform(Dimension::Light) - 3.0);
+        let eta = libm::powf(10.0, 6.0 * key.uniform_1d(Dimension::Light) - 3.0);
         let bent = refract(wo, n, eta);
         if bent.transmittance == 0.0 {
             continue;

@@ -133,7 +133,7 @@ fn passed(scene: &Scene) -> Vec<f64> {
     let source = PhotonSource::in_all_directions(scene).unwrap();
     let pass = PhotonPass { scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 1000 };
     let part = |i| {
-        let traced = pass.trace(key(40).with(i), 1 << 11, &|_| {});
+        let traced = pass.trace(key(40).child_key(i), 1 << 11, &|_| {});
         traced.audit.stopped[0] / traced.audit.emitted[0]
     };
     (0..16).map(part).collect()

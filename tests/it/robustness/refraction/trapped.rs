@@ -65,7 +65,7 @@ fn follow(scene: &Scene, direction: Vec3, mut see: impl FnMut(Vec3, Vec3)) {
 /// Returns directions that hit all faces of a cube of index 1.5 beyond the critical angle, whose
 /// cosine is 0.745.
 fn trapped_directions(n: u64) -> Vec<Vec3> {
-    let all = (0..).map(|i| warp::sphere(key(2).with(i).uniform_2d(Dimension::LightDirection)));
+    let all = (0..).map(|i| warp::square_to_uniform_sphere(key(2).child_key(i).uniform_2d(Dimension::LightDirection)));
     all.filter(|d| d.abs().max_element() < 0.74).take(n as usize).collect()
 }
 

@@ -1,7 +1,7 @@
 //! BSDFs at extreme samples, roughnesses and angles.
 
 use super::{ENDS, corners};
-use caustica::bsdf::{Bsdf, Conductor, Dielectric, Phong, SMOOTH_ALPHA, Thin, Transport, metal};
+use caustica::bsdf::{Bsdf, Conductor, Dielectric, Phong, SMOOTH_ALPHA, ThinDielectric, Transport, named_metal};
 use glam::{Vec2, Vec3};
 
 /// Returns each BSDF with an upper bound of its importance weight.
@@ -10,13 +10,13 @@ use glam::{Vec2, Vec3};
 /// of exponent s weighs (s + 2)/(s + 1) of its albedo. A pane's lobes are chosen by the mean of
 /// three channels.
 fn kinds() -> Vec<(Bsdf, f32)> {
-    let (eta, k) = metal("gold").unwrap();
+    let (eta, k) = named_metal("gold").unwrap();
     let mut kinds = vec![
         (Bsdf::Black, 0.0),
         (Bsdf::Diffuse(Vec3::ONE), 1.0),
         (Bsdf::Mirror(Vec3::ONE), 1.0),
-        (Bsdf::Thin(Thin { eta: 1.5, transmittance: Vec3::new(1.0, 0.5, 0.0) }), 3.0),
-        (Bsdf::Thin(Thin { eta: 1e6, transmittance: Vec3::ONE }), 1.02),
+        (Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, transmittance: Vec3::new(1.0, 0.5, 0.0) }), 3.0),
+        (Bsdf::ThinDielectric(ThinDielectric { eta: 1e6, transmittance: Vec3::ONE }), 1.02),
     ];
     for shininess in [0.0, 1.0, 1e3, 1e6, 1e9, 1e20] {
         kinds.push((Bsdf::Phong(Phong::new(Vec3::splat(0.5), Vec3::splat(1e9), shininess)), 2.0));

@@ -4,8 +4,8 @@ use super::{ENDS, corners};
 use crate::support::key;
 use caustica::image::Image;
 use caustica::light::{EnvironmentLight, Light, LightBvhSampler, PointLight};
-use caustica::math::Sphere;
-use caustica::sampling::{Dimension, Discrete, Piecewise2d};
+use caustica::math::BoundingSphere;
+use caustica::sampling::{Dimension, DiscreteDistribution, PiecewiseConstant2d};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -20,25 +20,30 @@ fn chosen_elements_have_positive_probability() {
         vec![5e-324, 0.0, 5e-324],
         vec![1e-39, 1.0, 1e-37],
     ] {
-        let choice = Discrete::new(weights.iter().copied()).unwrap();
+        let choice = DiscreteDistribution::new(weights.iter().copied()).unwrap();
         for u in ENDS {
             let (i, p) = choice.sample(u);
             assert!(p >= f32::MIN_POSITIVE && (1.0 / p).is_finite() && weights[i] > 0.0, "{weights:?} {u}: {i} {p:e}");
             assert_eq!(p, choice.probability(i));
-            let rest = choice.remainder(u, i);
+            let rest = choice.remapped_sample(u, i);
             assert!((0.0..1.0).contains(&rest), "{weights:?} {u}: {rest}");
         }
         let all: f64 = (0..weights.len()).map(|i| f64::from(choice.probability(i))).sum();
-        assert!((all - 1.0).abs() < 1e-6 && choice.total() == weights.iter().sum::<f64>());
+        assert!((all - 1.0).abs() < 1e-6 && choice.weight_sum() == weights.iter().sum::<f64>());
     }
     for n in 1..200u64 {
         let weights: Vec<f64> = (0..n)
-            .map(|i| libm::pow(10.0, 600.0 * f64::from(key(80).with(n).with(i).uniform(Dimension::Light)) - 320.0))
+            .map(|i| {
+                libm::pow(
+                    10.0,
+                    600.0 * f64::from(key(80).child_key(n).child_key(i).uniform_1d(Dimension::Light)) - 320.0,
+                )
+            })
             .collect();
-        let choice = Discrete::new(weights).unwrap();
+        let choice = DiscreteDistribution::new(weights).unwrap();
         for u in ENDS {
             let (i, p) = choice.sample(u);
-            assert!(p >= f32::MIN_POSITIVE && (0.0..1.0).contains(&choice.remainder(u, i)), "{n} {u}: {p:e}");
+            assert!(p >= f32::MIN_POSITIVE && (0.0..1.0).contains(&choice.remapped_sample(u, i)), "{n} {u}: {p:e}");
         }
     }
 }
@@ -46,7 +51,7 @@ fn chosen_elements_have_positive_probability() {
 #[test]
 fn cells_of_any_weight_match_their_pdf() {
     let weights = [1e-300, 1e300, 0.0, 1e-10, 1.0, 1e299, 0.0, 0.0, 0.0];
-    let grid = Piecewise2d::new(3, 3, |x, y| weights[3 * y + x]).unwrap();
+    let grid = PiecewiseConstant2d::new(3, 3, |x, y| weights[3 * y + x]).unwrap();
     for u in corners() {
         let (cell, within, pdf) = grid.sample(u);
         assert!(pdf > 0.0 && pdf.is_finite() && pdf == grid.pdf(cell), "{u}: {cell} {pdf}");
@@ -82,14 +87,14 @@ fn environments_are_sampled_by_radiance() {
 fn chosen_light_has_positive_probability() {
     let mut lights: Vec<Light> = (0..40u64)
         .map(|i| {
-            let u = key(81).with(i);
-            let exponent = 60.0 * u.uniform(Dimension::Light) - 30.0;
+            let u = key(81).child_key(i);
+            let exponent = 60.0 * u.uniform_1d(Dimension::Light) - 30.0;
             let place = u.uniform_2d(Dimension::LightPosition).extend(0.5) * 10.0;
             Light::Point(PointLight { position: place, intensity: Vec3::splat(libm::powf(10.0, exponent)) })
         })
         .collect();
     lights.push(Light::Environment(Arc::new(EnvironmentLight::constant(Vec3::ONE).unwrap())));
-    let choice = LightBvhSampler::new(&lights, Sphere { center: Vec3::ZERO, radius: 20.0 }).unwrap();
+    let choice = LightBvhSampler::new(&lights, BoundingSphere { center: Vec3::ZERO, radius: 20.0 }).unwrap();
     for p in [Vec3::ZERO, Vec3::new(5.0, 5.0, 5.0), Vec3::splat(1e6), Vec3::splat(1e12)] {
         for n in [None, Some(Vec3::Z), Some(-Vec3::X)] {
             for u in ENDS {

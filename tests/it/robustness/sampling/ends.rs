@@ -6,7 +6,7 @@ use crate::support::scene;
 use caustica::camera::{Camera, Filter, FilterKind, Lens};
 use caustica::color::Wavelength;
 use caustica::light::{Light, PhotonAim};
-use caustica::math::{Sphere, warp};
+use caustica::math::{BoundingSphere, warp};
 use caustica::medium::PhaseFunction;
 use caustica::scene::Scene;
 use glam::{DVec3, Vec2, Vec3};
@@ -22,20 +22,20 @@ fn unit(v: Vec3, what: &dyn Fn() -> String) {
 fn warps_are_valid_at_extreme_samples() {
     for u in corners() {
         let what = || format!("{u}");
-        assert!(warp::disc(u).length() <= 1.0 + f32::EPSILON, "{u}");
-        unit(warp::cosine_hemisphere(u), &what);
-        unit(warp::sphere(u), &what);
+        assert!(warp::square_to_uniform_disc(u).length() <= 1.0 + f32::EPSILON, "{u}");
+        unit(warp::square_to_cosine_hemisphere(u), &what);
+        unit(warp::square_to_uniform_sphere(u), &what);
         for narrow in [0.0, 1e-38, 1e-10, 1.0, 2.0] {
-            let v = warp::cone(u, narrow);
+            let v = warp::square_to_uniform_cone(u, narrow);
             unit(v, &what);
             assert!(1.0 - v.z <= narrow + f32::EPSILON, "{u} {narrow}");
         }
         for n in [0.0, 1.0, 1e4, 1e9, 1e30] {
-            let v = warp::power_cosine(u, n);
+            let v = warp::square_to_power_cosine(u, n);
             unit(v, &what);
             assert!(v.z > 0.0 && !warp::power_cosine_pdf(v.z, n).is_nan(), "{u} {n}");
         }
-        let b = warp::triangle(u);
+        let b = warp::square_to_uniform_triangle(u);
         assert!(b.min_element() >= 0.0 && b.x + b.y <= 1.0, "{u} {b}");
     }
 }
@@ -61,7 +61,7 @@ fn other_samplers_are_valid_at_extreme_samples() {
     for u in ENDS {
         let w = Wavelength::sample(u);
         assert!((Wavelength::SHORTEST..=Wavelength::LONGEST).contains(&w.nanometres()) && w.pdf() > 0.0);
-        assert!(w.weight().is_finite() && Wavelength::from_code(w.code()).is_some());
+        assert!(w.weight().is_finite() && Wavelength::from_byte_code(w.code()).is_some());
     }
     for (kind, radius) in [
         (FilterKind::Box, 0.5),
@@ -119,7 +119,7 @@ fn lights() -> Scene {
 fn lights_are_valid_at_extreme_samples() {
     let scene = lights();
     assert_eq!(scene.lights().len(), 11);
-    let ball = |center: Vec3, radius: f32| Sphere { center, radius };
+    let ball = |center: Vec3, radius: f32| BoundingSphere { center, radius };
     for light in scene.lights() {
         let place = light.center().unwrap_or(Vec3::ZERO);
         let start = light.emission_point().unwrap_or(place);
@@ -172,7 +172,7 @@ fn lights_are_valid_at_extreme_samples() {
 /// it.
 #[test]
 fn aimed_emission_has_pdf_at_horizon() {
-    let aim = PhotonAim::new([Sphere { center: Vec3::ZERO, radius: 1.0 }]);
+    let aim = PhotonAim::new([BoundingSphere { center: Vec3::ZERO, radius: 1.0 }]);
     for u in corners() {
         for n in [Vec3::Z, Vec3::new(0.6, 0.0, 0.8)] {
             if let Some((w, pdf)) = aim.sample_direction(Vec3::X * 0.1, Some(n), u) {

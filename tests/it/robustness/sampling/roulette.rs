@@ -29,7 +29,7 @@ const BOUNCES: u32 = 60;
 fn trace(scene: &Scene, index: u64) -> PhotonPassResult {
     let source = PhotonSource::in_all_directions(scene).unwrap();
     let pass = PhotonPass { scene, source: &source, mask: StoreMask::ALL, max_bounces: BOUNCES };
-    pass.trace(key(90).with(index), PATHS, &|_| {})
+    pass.trace(key(90).child_key(index), PATHS, &|_| {})
 }
 
 /// If walls reflect everything, no photon ends before the limit, and none gains or loses a bit of

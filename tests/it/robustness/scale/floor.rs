@@ -92,7 +92,7 @@ fn huge_floor_does_not_blur_caustics() {
 fn flux(scene: &Scene, mask: StoreMask, counts: impl Fn(glam::DVec3) -> bool) -> f64 {
     let source = PhotonSource::in_all_directions(scene).unwrap();
     let pass = PhotonPass { scene, source: &source, mask, max_bounces: 20 };
-    let photons = pass.trace(Key::new(3).purpose(Purpose::Test), 1 << 17, &|_| {}).deposits.photons;
+    let photons = pass.trace(Key::new(3).purpose_key(Purpose::Test), 1 << 17, &|_| {}).deposits.photons;
     let landed = photons.iter().filter(|p| counts(p.position.as_dvec3() + scene.origin()));
     landed.map(|p| f64::from(p.data.flux().y)).sum()
 }

@@ -3,8 +3,8 @@
 use super::dd::{Affine, DoubleDouble, DoubleDoubleVec};
 use super::maps::maps;
 use crate::robustness::triangles::closed::sphere_mesh;
-use caustica::math::{Ray, Transform, offset_origin, warp};
-use caustica::shape::{IndexedMesh, Instance, Mesh, Shape};
+use caustica::math::{Ray, Transform, offset_ray_origin, warp};
+use caustica::shape::{Instance, Mesh, MeshWithBvh, Shape};
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
@@ -45,7 +45,7 @@ fn octahedron(o: DoubleDoubleVec, d: DoubleDoubleVec) -> ([DoubleDouble; 2], [DV
 fn instance_hits_match_double_double_transforms() {
     let ball = sphere_mesh(0);
     let mesh = Mesh { positions: ball.vertices, triangles: ball.faces, ..Mesh::default() };
-    let mesh = Arc::new(IndexedMesh::new(mesh));
+    let mesh = Arc::new(MeshWithBvh::new(mesh));
     maps().into_par_iter().for_each(|(name, map)| {
         let exact = Affine::from(map);
         let transform = Transform::new(map).unwrap();
@@ -56,10 +56,10 @@ fn instance_hits_match_double_double_transforms() {
         let (mut hits, mut decided, mut doubtful) = (0, 0, 0);
         const RAYS: u32 = 10_000;
         for i in 0..RAYS {
-            let mut place = || warp::sphere(Vec2::new(rng.random(), rng.random())).as_dvec3();
-            let target = transform.point(place() * 0.6);
+            let mut place = || warp::square_to_uniform_sphere(Vec2::new(rng.random(), rng.random())).as_dvec3();
+            let target = transform.transform_point(place() * 0.6);
             let origin = match i % 3 {
-                0 => transform.point(place() * 3.0),
+                0 => transform.transform_point(place() * 3.0),
                 1 => target + place() * (size * 2.0),
                 _ => target + place() * (size * 1e5),
             };
@@ -96,7 +96,7 @@ fn instance_hits_match_double_double_transforms() {
                 "{name} {ray:?}: {t} {exactly}, off by {off:e} of {:e}",
                 blur(end)
             );
-            let s = instance.surface(&ray, t, Vec2::new(u, v));
+            let s = instance.surface_point(&ray, t, Vec2::new(u, v));
             // If two faces are closer than the test's rounding, either may be reported. Otherwise
             // it must be the face that is hit.
             let sure = gaps[end] > 4.0 * blur(end);
@@ -111,9 +111,9 @@ fn instance_hits_match_double_double_transforms() {
             };
             let right = if sure { is_it(&normals[end]) } else { FACES.iter().any(is_it) };
             assert!(right, "{name} {ray:?}: {s:?}, of {:?}", normals[end]);
-            let out = warp::sphere(Vec2::new(rng.random(), rng.random()));
+            let out = warp::square_to_uniform_sphere(Vec2::new(rng.random(), rng.random()));
             let out = if out.dot(s.ng) < 0.0 { -out } else { out };
-            let next = Ray::new(offset_origin(s.p, s.error, s.ng, out), out);
+            let next = Ray::new(offset_ray_origin(s.p, s.error, s.ng, out), out);
             assert!(instance.intersect(&next).is_none(), "{name} {ray:?}: hit again");
         }
         assert!(hits > RAYS / 10 && decided > hits / 2 && doubtful < RAYS / 2, "{name} {hits} {decided} {doubtful}");
@@ -138,16 +138,16 @@ fn instances_leak_no_rays() {
     let closed = sphere_mesh(3);
     let positions = closed.vertices.clone();
     let mesh = Mesh { positions, triangles: closed.faces.clone(), ..Mesh::default() };
-    let mesh = Arc::new(IndexedMesh::new(mesh));
+    let mesh = Arc::new(MeshWithBvh::new(mesh));
     let turn = maps()[2].1;
     for map in [turn, DAffine3::from_scale(DVec3::splat(1e-6)) * turn, DAffine3::from_scale(DVec3::splat(1e6)) * turn] {
         let transform = Transform::new(map).unwrap();
         let instance = Shape::Instance(Instance::new(Arc::clone(&mesh), transform));
         let mut rng = SmallRng::seed_from_u64(6);
         for _ in 0..200_000 {
-            let from = transform.point((closed.inside)(&mut rng).as_dvec3()).as_vec3();
+            let from = transform.transform_point((closed.inside)(&mut rng).as_dvec3()).as_vec3();
             let [a, b, _] = closed.faces[rng.random_range(0..closed.faces.len())].map(|i| closed.vertices[i as usize]);
-            let target = transform.point((a + (b - a) * rng.random::<f32>()).as_dvec3()).as_vec3();
+            let target = transform.transform_point((a + (b - a) * rng.random::<f32>()).as_dvec3()).as_vec3();
             assert!(instance.occludes(&Ray::new(from, target - from)), "{from} {target}");
         }
     }

@@ -1,11 +1,11 @@
 //! Transforms of condition number 10⁸, and milder ones.
 
-use caustica::math::turn;
+use caustica::math::rotation_matrix;
 use glam::{DAffine3, DMat3, DVec3};
 
 fn turned(k: u32) -> DMat3 {
     let axis = [DVec3::new(1.0, 2.0, -0.7), DVec3::new(-0.3, 1.0, 0.8), DVec3::new(0.9, -0.2, 1.1)][k as usize];
-    turn(axis.normalize(), 0.8 + f64::from(k))
+    rotation_matrix(axis.normalize(), 0.8 + f64::from(k))
 }
 
 fn centred((name, m): (&'static str, DMat3)) -> (&'static str, DAffine3) {

@@ -3,7 +3,7 @@
 use super::dd::{Affine, DoubleDoubleVec};
 use super::shapes::{UnitShape, truth};
 use caustica::format::{SceneError, SourceText, parse, resolve};
-use caustica::math::{Ray, Transform, turn};
+use caustica::math::{Ray, Transform, rotation_matrix};
 use caustica::scene::{Effects, RayCone, Scene};
 use glam::{DAffine3, DMat3, DVec3, Vec2};
 use rand::rngs::SmallRng;
@@ -28,7 +28,7 @@ fn step(rng: &mut SmallRng, level: u32) -> (String, DAffine3) {
         0 => (format!("Translate {} {} {}", v.x, v.y, v.z), DAffine3::from_translation(v)),
         1 => {
             let axis = v + DVec3::X * 4.0;
-            let map = turn(axis.normalize(), 37f64.to_radians());
+            let map = rotation_matrix(axis.normalize(), 37f64.to_radians());
             (format!("Rotate {{ {} {} {} 37 }}", axis.x, axis.y, axis.z), DAffine3::from_mat3(map))
         }
         2 => (format!("Scale {} {} {}", uneven.x, uneven.y, uneven.z), DAffine3::from_scale(uneven)),
@@ -37,7 +37,7 @@ fn step(rng: &mut SmallRng, level: u32) -> (String, DAffine3) {
             ("Matrix { 1 0 0 0  .25 1 0 0  0 0 1 0  0 0 0 1 }".to_owned(), DAffine3::from_mat3(shear))
         }
         4 => ("UniformScale 1e6".to_owned(), DAffine3::from_scale(DVec3::splat(1e6))),
-        5 => ("YRotate -71".to_owned(), DAffine3::from_mat3(turn(DVec3::Y, (-71f64).to_radians()))),
+        5 => ("YRotate -71".to_owned(), DAffine3::from_mat3(rotation_matrix(DVec3::Y, (-71f64).to_radians()))),
         6 => ("UniformScale 1e-6".to_owned(), DAffine3::from_scale(DVec3::splat(1e-6))),
         _ => {
             let back = DVec3::new(0.5, -2.0, 0.75);
@@ -84,7 +84,8 @@ fn shapes_64_transforms_deep_are_placed_correctly() {
         const PRODUCTS: f64 = 1.2e-7;
         const RAYS: u32 = 10_000;
         for _ in 0..RAYS {
-            let mut place = || placed.point(own.point(Vec2::new(rng.random(), rng.random()))) - scene.origin();
+            let mut place =
+                || placed.transform_point(own.point(Vec2::new(rng.random(), rng.random()))) - scene.origin();
             let (target, other) = (place(), place());
             let away = DVec3::new(rng.random(), rng.random(), rng.random()) * 2.0 - 1.0;
             let origin = (if rng.random() { other + away * size } else { target + away * (3.0 * size) }).as_vec3();

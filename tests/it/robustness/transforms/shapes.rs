@@ -2,8 +2,8 @@
 
 use super::dd::{Affine, DoubleDouble, DoubleDoubleVec};
 use super::maps::maps;
-use caustica::math::{Ray, Transform, offset_origin, warp};
-use caustica::shape::parametric::Basis;
+use caustica::math::{Ray, Transform, offset_ray_origin, warp};
+use caustica::shape::parametric::SplineBasis;
 use caustica::shape::{Disc, Patch, Rectangle, Revolution, Shape, Sphere, SurfacePoint};
 use glam::{DAffine3, DVec2, DVec3, DVec4, Vec2, Vec3};
 use rand::rngs::SmallRng;
@@ -29,17 +29,17 @@ impl UnitShape {
     pub fn shape(self) -> Shape {
         match self {
             Self::Ball => Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)),
-            Self::Disc => Shape::Disc(Disc::around(DVec3::ZERO, DVec3::Y, 1.0)),
+            Self::Disc => Shape::Disc(Disc::with_normal(DVec3::ZERO, DVec3::Y, 1.0)),
             Self::Square => {
                 Shape::Rectangle(Rectangle::new(DVec3::new(-1.0, 0.0, -1.0), DVec3::Z * 2.0, DVec3::X * 2.0))
             }
             Self::Tube => {
-                let line = Basis::bezier(2).unwrap();
+                let line = SplineBasis::bezier(2).unwrap();
                 let controls = [DVec2::new(1.0, -1.0), DVec2::new(1.0, 1.0)];
                 Shape::Revolution(Revolution::new(&line, &controls).unwrap())
             }
             Self::Bowl => {
-                let basis = Basis::bezier(3).unwrap();
+                let basis = SplineBasis::bezier(3).unwrap();
                 // Blossoms of x and x².
                 let (place, square) = ([-1.0, 0.0, 1.0], [1.0, -1.0, 1.0]);
                 let control = |k: usize| DVec4::new(place[k % 3], square[k / 3] + square[k % 3], place[k / 3], 1.0);
@@ -53,9 +53,9 @@ impl UnitShape {
     pub fn point(self, u: Vec2) -> DVec3 {
         let (a, b) = (f64::from(u.x) * 2.0 - 1.0, f64::from(u.y) * 2.0 - 1.0);
         match self {
-            Self::Ball => warp::sphere(u).as_dvec3().normalize(),
+            Self::Ball => warp::square_to_uniform_sphere(u).as_dvec3().normalize(),
             Self::Disc => {
-                let d = warp::disc(u).as_dvec2();
+                let d = warp::square_to_uniform_disc(u).as_dvec2();
                 DVec3::new(d.x, 0.0, d.y)
             }
             Self::Square => DVec3::new(a, 0.0, b),
@@ -217,9 +217,9 @@ fn shape_hits_match_double_double_transforms() {
         const RAYS: u32 = 10_000;
         for _ in 0..RAYS {
             let mut place = || own.point(Vec2::new(rng.random(), rng.random()));
-            let (target, other) = (transform.point(place()), place() * 2.0);
-            let away = warp::sphere(Vec2::new(rng.random(), rng.random())).as_dvec3();
-            let near = transform.point(other + away);
+            let (target, other) = (transform.transform_point(place()), place() * 2.0);
+            let away = warp::square_to_uniform_sphere(Vec2::new(rng.random(), rng.random())).as_dvec3();
+            let near = transform.transform_point(other + away);
             let origin = (if rng.random() { near } else { target + away * (size * 2.0) }).as_vec3();
             let ray = Ray::new(origin, target.as_vec3() - origin);
             if ray.direction == Vec3::ZERO {
@@ -236,16 +236,16 @@ fn shape_hits_match_double_double_transforms() {
             hits += 1;
             let off = (f64::from(t) - exactly).abs();
             assert!(off <= known.blur, "{own:?} {name} {ray:?}: {t} {exactly}, off by {off:e} of {:e}", known.blur);
-            let s = shape.surface(&ray, t, Vec2::new(u, v));
+            let s = shape.surface_point(&ray, t, Vec2::new(u, v));
             let turned = s.ng.as_dvec3().cross(known.normal).length();
             assert!(turned <= known.turn, "{own:?} {name} {ray:?}: turned by {turned:e} of {:e}", known.turn);
             if let Some(off) = distance_off_shape(own, &exact, &s, known.hit) {
                 assert!(off <= 1.0, "{own:?} {name} {ray:?}: {off} errors off");
             }
             if matches!(own, UnitShape::Ball | UnitShape::Disc | UnitShape::Square) {
-                let out = warp::sphere(Vec2::new(rng.random(), rng.random()));
+                let out = warp::square_to_uniform_sphere(Vec2::new(rng.random(), rng.random()));
                 let out = if out.dot(s.ng) < 0.0 { -out } else { out };
-                let next = Ray::new(offset_origin(s.p, s.error, s.ng, out), out);
+                let next = Ray::new(offset_ray_origin(s.p, s.error, s.ng, out), out);
                 assert!(shape.intersect(&next).is_none(), "{own:?} {name} {ray:?}: hit again");
             }
         }

@@ -2,7 +2,7 @@
 
 use super::closed::point;
 use caustica::accel::{Hierarchy, Primitive};
-use caustica::math::{Ray, gamma};
+use caustica::math::{Ray, rounding_error_bound};
 use glam::{DVec3, I64Vec3, Vec3};
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
@@ -49,7 +49,7 @@ fn edge_rays_hit_triangle_on_their_side() {
         let hit = tree.closest(&Ray::new(to(o), to(target) - to(o)), none);
         let side = volume(o, a, c, target);
         let reach = [a, c, b, d].map(|p| (p - o).as_dvec3().length()).into_iter().fold(0.0, f64::max);
-        let blur = 4.0 * f64::from(gamma(9)) * reach;
+        let blur = 4.0 * f64::from(rounding_error_bound(9)) * reach;
         let direction = (target - o).as_dvec3();
         if side == 0 && i % 2 == 0 {
             let hit = hit.unwrap_or_else(|| panic!("{a} {c} {b} {d} {o} {target}: through"));
@@ -158,12 +158,12 @@ fn axis_aligned_and_coplanar_rays_hit_correctly() {
         let inside = sides.iter().all(|s| s.signum() == up.signum());
         let beside = sides.iter().any(|s| s.signum() == -up.signum());
         let reach = [a, b, c].map(|p| (p - o).as_dvec3().length()).into_iter().fold(0.0, f64::max);
-        let blur = 4.0 * f64::from(gamma(9)) * reach * n.as_dvec3().length() / up.abs() as f64;
+        let blur = 4.0 * f64::from(rounding_error_bound(9)) * reach * n.as_dvec3().length() / up.abs() as f64;
         if let Some(hit) = hit {
             assert!(hit.t.is_finite() && hit.t > 0.0, "{a} {b} {c} {o} {d}: {hit:?}");
             let p = o.as_dvec3() + d.as_dvec3() * f64::from(hit.t);
             let off = distance(p, [a, b, c].map(|p| p.as_dvec3()));
-            let most = if up == 0 { 4.0 * f64::from(gamma(9)) * reach } else { blur };
+            let most = if up == 0 { 4.0 * f64::from(rounding_error_bound(9)) * reach } else { blur };
             assert!(off <= most + 1e-6 * reach, "{a} {b} {c} {o} {d}: {hit:?} is off by {off}");
         }
         let kind = match () {

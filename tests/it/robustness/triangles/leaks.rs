@@ -36,7 +36,7 @@ fn leaks(mesh: &ClosedMesh, convex: bool, map: impl Fn(Vec3) -> Vec3, rays: u64,
         let hit = match i % 8 {
             // Closest-hit and any-hit queries traverse the tree differently.
             0 => tree.closest(&Ray::new(inside, out), |_, _| None).is_some(),
-            5 | 6 if convex => tree.occluded(&Ray::between(target + out * 0.25, inside), |_, _| false),
+            5 | 6 if convex => tree.occluded(&Ray::between_points(target + out * 0.25, inside), |_, _| false),
             _ => tree.occluded(&Ray::new(inside, out), |_, _| false),
         };
         missed += u64::from(!hit);

@@ -2,7 +2,7 @@
 
 use super::closed::{ClosedMesh, cube, point, sphere_mesh, torus_mesh, turned_cube};
 use caustica::accel::{Hierarchy, Primitive};
-use caustica::math::{Ray, Transform, offset_origin, turn};
+use caustica::math::{Ray, Transform, offset_ray_origin, rotation_matrix};
 use caustica::shape::{Mesh, Rectangle, Shape, SurfacePoint};
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 use rand::rngs::SmallRng;
@@ -24,7 +24,7 @@ impl Walls {
     fn closest(&self, ray: &Ray) -> Option<(u32, SurfacePoint)> {
         let hit = self.tree.closest(ray, |_, _| None)?;
         let Primitive::Triangle(i) = hit.primitive else { return None };
-        Some((i, self.mesh.surface(i as usize, Vec2::new(hit.u, hit.v))))
+        Some((i, self.mesh.surface_point(i as usize, Vec2::new(hit.u, hit.v))))
     }
 
     /// Returns a point on an edge or at a corner.
@@ -39,7 +39,7 @@ impl Walls {
 }
 
 fn leave(s: &SurfacePoint, d: Vec3) -> Ray {
-    Ray::new(offset_origin(s.p, s.error, s.ng, d), d)
+    Ray::new(offset_ray_origin(s.p, s.error, s.ng, d), d)
 }
 
 fn places() -> Vec<fn(Vec3) -> Vec3> {
@@ -113,7 +113,7 @@ fn entries_and_exits_of_bodies_balance() {
 #[test]
 fn rectangle_rooms_trap_rays_from_their_edges() {
     for turned in [0.0, 0.7] {
-        let turn = turn(DVec3::new(1.0, 2.0, 0.5).normalize(), turned);
+        let turn = rotation_matrix(DVec3::new(1.0, 2.0, 0.5).normalize(), turned);
         let map = Transform::new(DAffine3::from_mat3_translation(turn, DVec3::new(0.3, 0.1, 0.7))).unwrap();
         let (low, high) = (DVec3::new(-1.1, -0.9, -1.3), DVec3::new(1.2, 0.7, 0.8));
         let (x, y, z) = (DVec3::X * (high.x - low.x), DVec3::Y * (high.y - low.y), DVec3::Z * (high.z - low.z));
@@ -129,15 +129,15 @@ fn rectangle_rooms_trap_rays_from_their_edges() {
         let corner = |i: u32| low + x * f64::from(i & 1) + y * f64::from(i >> 1 & 1) + z * f64::from(i >> 2);
         let near = |ray: &Ray| {
             let hits = faces.iter().filter_map(|f| f.intersect(ray).map(|hit| (hit, f)));
-            hits.min_by(|a, b| a.0.0.total_cmp(&b.0.0)).map(|((t, u, v), f)| f.surface(ray, t, Vec2::new(u, v)))
+            hits.min_by(|a, b| a.0.0.total_cmp(&b.0.0)).map(|((t, u, v), f)| f.surface_point(ray, t, Vec2::new(u, v)))
         };
         let mut rng = SmallRng::seed_from_u64(9);
         let (mut left, mut lost) = (0, 0);
         for _ in 0..200_000 {
             let i = rng.random_range(0..8u32);
             let (a, b) = (corner(i), corner(i ^ 1 << rng.random_range(0..3)));
-            let target = map.point(a + (b - a) * rng.random::<f64>()).as_vec3();
-            let from = map.point((low + high) * 0.5 + point(&mut rng).as_dvec3() * 0.5).as_vec3();
+            let target = map.transform_point(a + (b - a) * rng.random::<f64>()).as_vec3();
+            let from = map.transform_point((low + high) * 0.5 + point(&mut rng).as_dvec3() * 0.5).as_vec3();
             // A ray at an edge may pass between two rectangles that touch only by rounding: their
             // edges are not shared.
             let Some(s) = near(&Ray::new(from, (target - from).normalize())) else { continue };

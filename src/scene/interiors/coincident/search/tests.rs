@@ -52,7 +52,7 @@ fn a_join_agrees_with_brute_force() {
                 Face { primitive: Primitive::Other(i), bounds: Bounds { min, max }, object: i % 3 }
             })
             .collect();
-        let one = |a: &Face| faces.iter().any(|b| a.object != b.object && a.bounds.meets(&b.bounds));
+        let one = |a: &Face| faces.iter().any(|b| a.object != b.object && a.bounds.overlaps(&b.bounds));
         let expected: Vec<bool> = faces.iter().map(one).collect();
         assert!(count < 100 || expected.contains(&true) && expected.contains(&false));
         assert_eq!(Join::run(&faces, &|_, _| true), expected, "{count}");

@@ -7,55 +7,55 @@ use glam::{DMat4, DVec3};
 use super::super::description::{Span, TransformStep};
 use super::super::error::SceneError;
 use super::lexer::Token;
-use super::reader::Parser;
-use super::text::{clip, has_direction};
-use super::writer::{Numbers, Writer};
+use super::parser::Parser;
+use super::text::{clip_for_message, is_normalizable};
+use super::writer::{SceneWriter, SpacedNumbers};
 use crate::math::Transform;
 
 /// Keywords of the maps.
-const MAPS: [&str; 9] =
+const STEP_KEYWORDS: [&str; 9] =
     ["Scale", "UniformScale", "Translate", "XRotate", "YRotate", "ZRotate", "Rotate", "Matrix4f", "Matrix"];
 
 /// Reads what a keyword starts.
-type Reader<'a, T> = fn(&mut Parser<'a>, Token<'a>) -> Result<T, SceneError>;
+type ParseObject<'a, T> = fn(&mut Parser<'a>, Token<'a>) -> Result<T, SceneError>;
 
 /// Reads a `Transform` block: maps, then one object that starts with a word of `allowed`.
-pub(super) fn transform<'a, T>(
+pub(super) fn parse_transform<'a, T>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
     allowed: &[&str],
-    read: Reader<'a, T>,
+    read: ParseObject<'a, T>,
 ) -> Result<(Vec<TransformStep>, T), SceneError> {
-    let placed = placed(parser, keyword, allowed, read)?;
-    check_transform(parser, keyword, &placed.0)?;
+    let placed = parse_steps_and_object(parser, keyword, allowed, read)?;
+    check_not_singular(parser, keyword, &placed.0)?;
     Ok(placed)
 }
 
 /// Reads a `Moving` block: maps that grow while the shutter is open, then one entry that starts
 /// with a word of `allowed`.
-pub(super) fn moving<'a, T>(
+pub(super) fn parse_moving_block<'a, T>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
     allowed: &[&str],
-    read: Reader<'a, T>,
+    read: ParseObject<'a, T>,
 ) -> Result<(Vec<TransformStep>, T), SceneError> {
-    let placed = placed(parser, keyword, allowed, read)?;
-    check_motion(parser, keyword, &placed.0)?;
+    let placed = parse_steps_and_object(parser, keyword, allowed, read)?;
+    check_motion_steps(parser, keyword, &placed.0)?;
     Ok(placed)
 }
 
 /// Reads maps, then one entry that starts with a word of `allowed`.
-fn placed<'a, T>(
+fn parse_steps_and_object<'a, T>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
     allowed: &[&str],
-    read: Reader<'a, T>,
+    read: ParseObject<'a, T>,
 ) -> Result<(Vec<TransformStep>, T), SceneError> {
-    parser.descend(keyword)?;
+    parser.open_nested_block(keyword)?;
     let mut maps = Vec::new();
-    let word = maps_before(parser, keyword, allowed, &mut maps)?;
+    let word = parse_steps_before_object(parser, keyword, allowed, &mut maps)?;
     let placed = read(parser, word)?;
-    end(parser, keyword)?;
+    close_transform(parser, keyword)?;
     Ok((maps, placed))
 }
 
@@ -64,7 +64,7 @@ fn placed<'a, T>(
 
 /// Reads maps up to a word of `allowed`, which it returns.
 #[inline(never)]
-fn maps_before<'a>(
+fn parse_steps_before_object<'a>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
     allowed: &[&str],
@@ -72,60 +72,63 @@ fn maps_before<'a>(
 ) -> Result<Token<'a>, SceneError> {
     let name = keyword.text;
     loop {
-        match parser.word()? {
+        match parser.next_word()? {
             None => {
                 let objects = allowed.contains(&"Sphere");
                 let what = if objects { "object" } else { "camera or light" };
                 let message = format!("`{name}` holds no {what}");
                 let example = if objects { "Sphere" } else { allowed[allowed.len() - 1] };
                 let help = format!("put one after its maps: `{name} {{ Translate 2 2 2 {example} {{ … }} }}`");
-                return Err(parser.lexer.error(keyword.span(), message, "this block", help));
+                return Err(parser.lexer.error_at(keyword.span(), message, "this block", help));
             }
-            Some(word) if MAPS.contains(&word.text) => maps.push(map(parser, word)?),
+            Some(word) if STEP_KEYWORDS.contains(&word.text) => maps.push(parse_transform_step(parser, word)?),
             Some(word) if allowed.contains(&word.text) => return Ok(word),
-            Some(word) => return Err(parser.unexpected(word, &[&MAPS[..], allowed].concat())),
+            Some(word) => return Err(parser.unexpected_word_error(word, &[&STEP_KEYWORDS[..], allowed].concat())),
         }
     }
 }
 
 /// Reads `{ maps }` without an object.
-pub(super) fn bare_maps<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Vec<TransformStep>, SceneError> {
+pub(super) fn parse_transform_block<'a>(
+    parser: &mut Parser<'a>,
+    keyword: Token<'a>,
+) -> Result<Vec<TransformStep>, SceneError> {
     let mut maps = Vec::new();
-    parser.open(keyword)?;
-    while let Some(word) = parser.word()? {
-        if !MAPS.contains(&word.text) {
-            return Err(parser.unexpected(word, &MAPS));
+    parser.open_block(keyword)?;
+    while let Some(word) = parser.next_word()? {
+        if !STEP_KEYWORDS.contains(&word.text) {
+            return Err(parser.unexpected_word_error(word, &STEP_KEYWORDS));
         }
-        maps.push(map(parser, word)?);
+        maps.push(parse_transform_step(parser, word)?);
     }
-    check_transform(parser, keyword, &maps)?;
+    check_not_singular(parser, keyword, &maps)?;
     Ok(maps)
 }
 
 /// Reads the `}` after the object of a block.
 #[inline(never)]
-fn end<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<(), SceneError> {
-    if let Some(word) = parser.word()? {
-        let message = format!("unexpected `{}` after the object of `{}`", clip(word.text), keyword.text);
+fn close_transform<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<(), SceneError> {
+    if let Some(word) = parser.next_word()? {
+        let message = format!("unexpected `{}` after the object of `{}`", clip_for_message(word.text), keyword.text);
         let help = "maps stand before the object; put several objects into a Group".to_owned();
-        return Err(parser.lexer.error(word.span(), message, "`}` belongs here", help));
+        return Err(parser.lexer.error_at(word.span(), message, "`}` belongs here", help));
     }
-    parser.ascend();
+    parser.leave_nested_block();
     Ok(())
 }
 
 /// Refuses maps whose product is singular.
 #[inline(never)]
-fn check_transform<'a>(parser: &Parser<'a>, keyword: Token<'a>, maps: &[TransformStep]) -> Result<(), SceneError> {
+fn check_not_singular<'a>(parser: &Parser<'a>, keyword: Token<'a>, maps: &[TransformStep]) -> Result<(), SceneError> {
     match Transform::new(TransformStep::composed_matrix(maps)) {
         Ok(_) => Ok(()),
-        Err(_) => Err(singular(parser, keyword.span(), "this `Transform` flattens its object")),
+        Err(_) => Err(singular_transform_error(parser, keyword.span(), "this `Transform` flattens its object")),
     }
 }
 
 /// Refuses maps that cannot grow from the identity.
 #[inline(never)]
-fn check_motion<'a>(parser: &Parser<'a>, keyword: Token<'a>, maps: &[TransformStep]) -> Result<(), SceneError> {
+fn check_motion_steps<'a>(parser: &Parser<'a>, keyword: Token<'a>, maps: &[TransformStep]) -> Result<(), SceneError> {
     const FLAT: (&str, &str) = ("a scale of 0 or below", "a motion cannot go through flat: scale by more than 0");
     for map in maps {
         let (what, help) = match *map {
@@ -143,47 +146,47 @@ fn check_motion<'a>(parser: &Parser<'a>, keyword: Token<'a>, maps: &[TransformSt
             | TransformStep::Rotate { .. } => continue,
         };
         let message = format!("`{}` cannot grow by {what}", keyword.text);
-        return Err(parser.lexer.error(keyword.span(), message, "this motion", help.to_owned()));
+        return Err(parser.lexer.error_at(keyword.span(), message, "this motion", help.to_owned()));
     }
     Ok(())
 }
 
 /// Reads the numbers of one map.
 #[inline(never)]
-fn map<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<TransformStep, SceneError> {
+fn parse_transform_step<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<TransformStep, SceneError> {
     let (map, span) = match word.text {
         "Scale" | "Translate" => {
-            let v = parser.numbers(word)?;
+            let v = parser.parse_numbers(word)?;
             let vector = DVec3::from_array(v.value);
             (if word.text == "Scale" { TransformStep::Scale(vector) } else { TransformStep::Translate(vector) }, v.span)
         }
         "Rotate" => {
-            parser.open(word)?;
-            let v = parser.numbers::<4>(word)?;
+            parser.open_block(word)?;
+            let v = parser.parse_numbers::<4>(word)?;
             let [x, y, z, angle] = v.value;
             let axis = DVec3::new(x, y, z);
-            parser.close()?;
-            if !has_direction(axis) {
+            parser.close_block()?;
+            if !is_normalizable(axis) {
                 let message = "the axis of `Rotate` must have a length above 0 (and below 1e154)".to_owned();
                 let help = "write axis and degrees: `Rotate { 0 1 0 90 }`".to_owned();
-                return Err(parser.lexer.error(v.span, message, "this axis", help));
+                return Err(parser.lexer.error_at(v.span, message, "this axis", help));
             }
             (TransformStep::Rotate { axis, angle }, v.span)
         }
         "Matrix4f" | "Matrix" => {
-            parser.open(word)?;
-            let m = parser.numbers::<16>(word)?;
-            parser.close()?;
+            parser.open_block(word)?;
+            let m = parser.parse_numbers::<16>(word)?;
+            parser.close_block()?;
             let matrix = DMat4::from_cols_array(&m.value);
             if matrix.row(3).to_array() != [0.0, 0.0, 0.0, 1.0] {
                 let message = format!("the fourth row of `{}` must be 0 0 0 1", word.text);
                 let help = "columns are listed one after the other: every fourth number is 0, the last is 1";
-                return Err(parser.lexer.error(m.span, message, "this matrix", help.to_owned()));
+                return Err(parser.lexer.error_at(m.span, message, "this matrix", help.to_owned()));
             }
             (TransformStep::Matrix(matrix), m.span)
         }
         "XRotate" | "YRotate" | "ZRotate" | "UniformScale" => {
-            let v = parser.numbers::<1>(word)?;
+            let v = parser.parse_numbers::<1>(word)?;
             let map = match (word.text, v.value[0]) {
                 ("XRotate", angle) => TransformStep::RotateX(angle),
                 ("YRotate", angle) => TransformStep::RotateY(angle),
@@ -192,43 +195,45 @@ fn map<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<TransformStep, Sc
             };
             (map, v.span)
         }
-        _ => return Err(parser.unexpected(word, &MAPS)),
+        _ => return Err(parser.unexpected_word_error(word, &STEP_KEYWORDS)),
     };
     match Transform::new(map.matrix()) {
         Ok(_) => Ok(map),
-        Err(_) => Err(singular(parser, span, &format!("`{}` flattens its object", word.text))),
+        Err(_) => Err(singular_transform_error(parser, span, &format!("`{}` flattens its object", word.text))),
     }
 }
 
 /// Returns the error of a map or product that is singular.
-fn singular(parser: &Parser<'_>, span: Span, message: &str) -> SceneError {
+fn singular_transform_error(parser: &Parser<'_>, span: Span, message: &str) -> SceneError {
     let help = "scales must not be 0, nor the columns of a matrix lie in one plane; for flat shapes use Disc, \
                 Rectangle or Triangle";
-    parser.lexer.error(span, message.to_owned(), "singular", help.to_owned())
+    parser.lexer.error_at(span, message.to_owned(), "singular", help.to_owned())
 }
 
 /// Prints maps one a line.
-pub(super) fn write_maps(out: &mut Writer<'_, '_>, maps: &[TransformStep]) -> fmt::Result {
+pub(super) fn write_transform_steps(out: &mut SceneWriter<'_, '_>, maps: &[TransformStep]) -> fmt::Result {
     maps.iter().try_for_each(|map| match *map {
-        TransformStep::Scale(s) => out.line(format_args!("Scale {}", Numbers(&s.to_array()))),
-        TransformStep::UniformScale(s) => out.line(format_args!("UniformScale {}", Numbers(&[s]))),
-        TransformStep::Translate(t) => out.line(format_args!("Translate {}", Numbers(&t.to_array()))),
-        TransformStep::RotateX(angle) => out.line(format_args!("XRotate {}", Numbers(&[angle]))),
-        TransformStep::RotateY(angle) => out.line(format_args!("YRotate {}", Numbers(&[angle]))),
-        TransformStep::RotateZ(angle) => out.line(format_args!("ZRotate {}", Numbers(&[angle]))),
+        TransformStep::Scale(s) => out.write_line(format_args!("Scale {}", SpacedNumbers(&s.to_array()))),
+        TransformStep::UniformScale(s) => out.write_line(format_args!("UniformScale {}", SpacedNumbers(&[s]))),
+        TransformStep::Translate(t) => out.write_line(format_args!("Translate {}", SpacedNumbers(&t.to_array()))),
+        TransformStep::RotateX(angle) => out.write_line(format_args!("XRotate {}", SpacedNumbers(&[angle]))),
+        TransformStep::RotateY(angle) => out.write_line(format_args!("YRotate {}", SpacedNumbers(&[angle]))),
+        TransformStep::RotateZ(angle) => out.write_line(format_args!("ZRotate {}", SpacedNumbers(&[angle]))),
         TransformStep::Rotate { axis, angle } => {
-            out.line(format_args!("Rotate {{ {} }}", Numbers(&[axis.x, axis.y, axis.z, angle])))
+            out.write_line(format_args!("Rotate {{ {} }}", SpacedNumbers(&[axis.x, axis.y, axis.z, angle])))
         }
-        TransformStep::Matrix(m) => out.line(format_args!("Matrix4f {{ {} }}", Numbers(&m.to_cols_array()))),
+        TransformStep::Matrix(m) => {
+            out.write_line(format_args!("Matrix4f {{ {} }}", SpacedNumbers(&m.to_cols_array())))
+        }
     })
 }
 
 /// Prints a `Transform` without an object; nothing if there are no maps.
-pub(super) fn write_bare_maps(out: &mut Writer<'_, '_>, maps: &[TransformStep]) -> fmt::Result {
+pub(super) fn write_transform_block(out: &mut SceneWriter<'_, '_>, maps: &[TransformStep]) -> fmt::Result {
     if maps.is_empty() {
         return Ok(());
     }
-    out.open("Transform")?;
-    write_maps(out, maps)?;
-    out.close()
+    out.begin_block("Transform")?;
+    write_transform_steps(out, maps)?;
+    out.end_block()
 }

@@ -1,13 +1,13 @@
-//! Texts about the estimated error of a picture and the time that a lower error takes.
+//! Texts about the estimated error of a picture, and about the time until it is lower.
 
 use crate::render::error_estimate::{ErrorEstimate, ErrorForecast, PassesNeeded};
 use crate::study::text::percent_text;
 
-/// Remedy for an error that more passes cannot lower.
-pub(super) const REMEDY: &str =
+/// Help text for an error that more passes cannot lower.
+pub(super) const BIAS_REMEDY: &str =
     "the rest is bias of this method: choose a smaller --radius, or --integrator sppm or hybrid, whose radii shrink";
 
-/// An error estimate was requested of ray casting.
+/// Usage error: a flag needs an error estimate, but `raycast` makes none.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("{flag} needs an error estimate, and raycast makes one pass, which has none")]
 #[diagnostic(help("leave it out, or choose another --integrator"))]
@@ -15,7 +15,7 @@ pub(super) struct ErrorEstimateUnsupported {
     pub flag: &'static str,
 }
 
-/// An estimated error and its parts: `2.1 % (noise 1.9 %, bias 0.8 %)`.
+/// Returns an estimated error and its parts, such as `2.1 % (noise 1.9 %, bias 0.8 %)`.
 pub(super) fn error_text(estimate: &ErrorEstimate) -> String {
     format!(
         "{} (noise {}, bias {})",
@@ -25,11 +25,11 @@ pub(super) fn error_text(estimate: &ErrorEstimate) -> String {
     )
 }
 
-/// Text about the time until the estimated error is `aim`. `shown` is the text of `aim`, and
-/// `pass_seconds` the time of a pass \[s].
+/// Returns a text such as `; 1.0 % in about 42 s`; empty if the estimated error is 0.
 ///
-/// Empty if the estimated error is 0.
-pub(super) fn time_to_target_text(
+/// The time passes until the estimated error is `aim`. The text names the error `shown`.
+/// `pass_seconds` is the time of one pass \[s].
+pub(super) fn time_to_error_text(
     estimate: &ErrorEstimate,
     forecast: &ErrorForecast,
     (shown, aim): (f64, f64),
@@ -49,8 +49,7 @@ pub(super) fn time_to_target_text(
     }
 }
 
-/// A duration in seconds as text with about two digits: `0.8 s`, `42 s`, `3 min 20 s`, `5 h 10
-/// min`, `12 d`.
+/// Returns a duration in seconds as text, such as `0.8 s`, `3 min 20 s` or `5 h 10 min`.
 pub(super) fn duration_text(seconds: f64) -> String {
     if seconds < 9.95 {
         return format!("{seconds:.1} s");

@@ -1,18 +1,18 @@
 //! Piecewise constant distribution on the unit square, for rectangular grids.
 
-use super::Discrete;
+use super::DiscreteDistribution;
 use glam::{UVec2, Vec2};
 
 /// Distribution on \[0, 1)² with a constant density in each cell of a grid.
 #[derive(Clone, Debug)]
-pub struct Piecewise2d {
-    rows: Discrete,
+pub struct PiecewiseConstant2d {
+    rows: DiscreteDistribution,
     /// Distribution of the columns in each row; `None` in a row without weight.
-    columns: Vec<Option<Discrete>>,
+    columns: Vec<Option<DiscreteDistribution>>,
     width: usize,
 }
 
-impl Piecewise2d {
+impl PiecewiseConstant2d {
     /// Distribution in proportion to `weight(column, row)` of `width` by `height` cells.
     ///
     /// `None` if there are no cells, if a weight is negative, or if their sum is zero or not
@@ -24,10 +24,10 @@ impl Piecewise2d {
         let columns = (0..height).map(|y| {
             let weights = (0..width).map(|x| weight(x, y));
             totals.push(weights.clone().inspect(|w| negative |= *w < 0.0).sum());
-            Discrete::new(weights)
+            DiscreteDistribution::new(weights)
         });
         let columns: Vec<_> = columns.collect();
-        let rows = Discrete::new(totals)?;
+        let rows = DiscreteDistribution::new(totals)?;
         (!negative).then_some(Self { rows, columns, width })
     }
 
@@ -37,13 +37,13 @@ impl Piecewise2d {
     #[must_use]
     pub fn sample(&self, u: Vec2) -> (UVec2, Vec2, f32) {
         let (row, _) = self.rows.sample(u.y);
-        let within = self.rows.remainder(u.y, row);
+        let within = self.rows.remapped_sample(u.y, row);
         let Some(columns) = &self.columns[row] else {
             return (UVec2::new(0, row as u32), Vec2::new(u.x, within), 0.0);
         };
         let (column, _) = columns.sample(u.x);
         let cell = UVec2::new(column as u32, row as u32);
-        (cell, Vec2::new(columns.remainder(u.x, column), within), self.pdf(cell))
+        (cell, Vec2::new(columns.remapped_sample(u.x, column), within), self.pdf(cell))
     }
 
     /// Pdf in the unit square of cell (column, row).
@@ -64,11 +64,11 @@ mod tests {
     #[test]
     fn cells_follow_weights_and_positions_are_uniform() {
         let weights = [1.0, 0.0, 3.0, 0.0, 0.0, 0.0, 2.0, 2.0, 8.0];
-        let grid = Piecewise2d::new(3, 3, |x, y| weights[3 * y + x]).unwrap();
+        let grid = PiecewiseConstant2d::new(3, 3, |x, y| weights[3 * y + x]).unwrap();
         let n = 160_000u64;
         let (mut counts, mut sums) = ([0u32; 9], [Vec2::ZERO; 9]);
         for i in 0..n {
-            let u = Key::new(4).purpose(Purpose::Test).with(i).uniform_2d(Dimension::LightDirection);
+            let u = Key::new(4).purpose_key(Purpose::Test).child_key(i).uniform_2d(Dimension::LightDirection);
             let (cell, within, pdf) = grid.sample(u);
             let i = (cell.y * 3 + cell.x) as usize;
             assert!(within.cmpge(Vec2::ZERO).all() && within.cmplt(Vec2::ONE).all());
@@ -91,7 +91,7 @@ mod tests {
     fn invalid_weights_are_refused() {
         for weights in [&[0.0, 0.0][..], &[], &[1.0, -0.5, 2.0, 2.0], &[f64::NAN, 1.0], &[f64::MAX, f64::MAX]] {
             let height = weights.len() / 2;
-            assert!(Piecewise2d::new(2, height, |x, y| weights[2 * y + x]).is_none(), "{weights:?}");
+            assert!(PiecewiseConstant2d::new(2, height, |x, y| weights[2 * y + x]).is_none(), "{weights:?}");
         }
     }
 }

@@ -4,39 +4,39 @@ use crate::sampling::{Dimension, Key, Purpose, sobol_2d};
 const SIDE: usize = 16;
 
 /// Weights from 0 to 10⁴, with one row and one column of zeros.
-fn weights() -> Vec<f64> {
-    let key = Key::new(3).purpose(Purpose::Test);
+fn test_weights() -> Vec<f64> {
+    let key = Key::new(3).purpose_key(Purpose::Test);
     let weight = |i: usize| {
         let (row, column) = (i / SIDE, i % SIDE);
-        let u = f64::from(key.with(i as u64).uniform(Dimension::Light));
+        let u = f64::from(key.child_key(i as u64).uniform_1d(Dimension::Light));
         if row == 3 || column == 15 || u < 0.2 { 0.0 } else { u * u * u * if u > 0.95 { 1e4 } else { 1.0 } }
     };
     (0..SIDE * SIDE).map(weight).collect()
 }
 
-fn points(n: u64) -> impl Iterator<Item = Vec2> {
-    let key = Key::new(9).purpose(Purpose::Test);
-    (0..n).map(move |i| key.with(i).uniform_2d(Dimension::LightPosition))
+fn random_points(n: u64) -> impl Iterator<Item = Vec2> {
+    let key = Key::new(9).purpose_key(Purpose::Test);
+    (0..n).map(move |i| key.child_key(i).uniform_2d(Dimension::LightPosition))
 }
 
 /// Chi-square test of a million samples over cells split in four; false-alarm rate 10⁻⁴.
 #[test]
 fn samples_follow_the_density() {
-    let histogram = Histogram::new(SIDE, &weights()).unwrap();
+    let histogram = SquareGridDistribution::new(SIDE, &test_weights()).unwrap();
     let n = 1_000_000;
     let fine = 2 * SIDE;
     let mut counts = vec![0.0; fine * fine];
-    for u in points(n) {
+    for u in random_points(n) {
         let (at, density) = histogram.sample(u);
         assert!(at.cmpge(Vec2::ZERO).all() && at.cmplt(Vec2::ONE).all());
-        assert_eq!(density, histogram.density(at));
-        counts[Histogram::cell(fine, at)] += 1.0;
+        assert_eq!(density, histogram.pdf(at));
+        counts[SquareGridDistribution::cell_index(fine, at)] += 1.0;
     }
     // Cells that expect fewer than ten points are pooled.
     let (mut chi2, mut nu, mut rest) = (0.0, -1.0, (0.0, 0.0));
     for (i, count) in counts.iter().enumerate() {
         let middle = (Vec2::new((i % fine) as f32, (i / fine) as f32) + 0.5) / fine as f32;
-        let expected = f64::from(histogram.density(middle)) * n as f64 / (fine * fine) as f64;
+        let expected = f64::from(histogram.pdf(middle)) * n as f64 / (fine * fine) as f64;
         assert!(expected > 0.0 || *count == 0.0);
         if expected < 10.0 {
             rest = (rest.0 + expected, rest.1 + count);
@@ -58,21 +58,21 @@ fn samples_follow_the_density() {
 /// The tolerance is the 64 steps that each cell gets in its row, and each row in its column.
 #[test]
 fn density_is_proportional_to_weights() {
-    let weights = weights();
-    let histogram = Histogram::new(SIDE, &weights).unwrap();
+    let weights = test_weights();
+    let histogram = SquareGridDistribution::new(SIDE, &weights).unwrap();
     let total: f64 = weights.iter().sum();
     let mut integral = 0.0;
     for (i, w) in weights.iter().enumerate() {
         let middle = (Vec2::new((i % SIDE) as f32, (i / SIDE) as f32) + 0.5) / SIDE as f32;
-        let p = f64::from(histogram.density(middle)) / (SIDE * SIDE) as f64;
+        let p = f64::from(histogram.pdf(middle)) / (SIDE * SIDE) as f64;
         assert_eq!(p > 0.0, *w > 0.0);
         let kept = 64.0 * (SIDE + 1) as f64 / STEPS;
         assert!((p - w / total).abs() <= 2.0 * kept, "{p} {}", w / total);
         integral += p;
     }
     assert!((integral - 1.0).abs() < 1e-5, "{integral}");
-    let rare = Histogram::new(2, &[1.0, 1e-30, 1.0, 1.0]).unwrap();
-    assert!(rare.density(Vec2::new(0.75, 0.25)) > 0.0, "a weight above zero must keep some density");
+    let rare = SquareGridDistribution::new(2, &[1.0, 1e-30, 1.0, 1.0]).unwrap();
+    assert!(rare.pdf(Vec2::new(0.75, 0.25)) > 0.0, "a weight above zero must keep some density");
 }
 
 /// Each row gets its share of 256 stratified points, up to one point per bound.
@@ -80,8 +80,8 @@ fn density_is_proportional_to_weights() {
 fn stratified_points_stay_stratified() {
     let mut weights = vec![1.0; 16];
     weights[5] = 9.0;
-    let histogram = Histogram::new(4, &weights).unwrap();
-    let key = Key::new(2).purpose(Purpose::Test);
+    let histogram = SquareGridDistribution::new(4, &weights).unwrap();
+    let key = Key::new(2).purpose_key(Purpose::Test);
     let mut rows = [0.0; 4];
     for i in 0..256 {
         let (at, _) = histogram.sample(sobol_2d(i, key, Dimension::LightDirection));
@@ -96,21 +96,21 @@ fn stratified_points_stay_stratified() {
 
 #[test]
 fn extreme_inputs_stay_in_range() {
-    let histogram = Histogram::new(SIDE, &weights()).unwrap();
+    let histogram = SquareGridDistribution::new(SIDE, &test_weights()).unwrap();
     for x in [0.0, 1e-30, 0.5, 1.0 - f32::EPSILON / 2.0] {
         for y in [0.0, 1e-30, 0.5, 1.0 - f32::EPSILON / 2.0] {
             let (at, density) = histogram.sample(Vec2::new(x, y));
             assert!(density > 0.0 && at.cmpge(Vec2::ZERO).all() && at.cmplt(Vec2::ONE).all(), "{at}");
         }
     }
-    let even = Histogram::new(1, &[5.0]).unwrap();
+    let even = SquareGridDistribution::new(1, &[5.0]).unwrap();
     assert_eq!(even.sample(Vec2::new(0.3, 0.7)), (Vec2::new(0.3, 0.7), 1.0));
 }
 
 #[test]
 fn invalid_weights_are_refused() {
     for bad in [vec![0.0; 4], vec![1.0; 3], vec![1.0, 1.0, 1.0, -1.0], vec![f64::NAN; 4], vec![f64::INFINITY; 4]] {
-        assert!(Histogram::new(2, &bad).is_none(), "{bad:?}");
+        assert!(SquareGridDistribution::new(2, &bad).is_none(), "{bad:?}");
     }
-    assert!(Histogram::new(0, &[]).is_none() && Histogram::new(3, &[1.0; 9]).is_none());
+    assert!(SquareGridDistribution::new(0, &[]).is_none() && SquareGridDistribution::new(3, &[1.0; 9]).is_none());
 }

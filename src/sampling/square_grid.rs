@@ -9,7 +9,7 @@ use glam::Vec2;
 /// resolution of the uniform numbers: even the smallest cell is sampled exactly as often as its
 /// density says.
 #[derive(Clone, Debug)]
-pub struct Histogram {
+pub struct SquareGridDistribution {
     side: usize,
     /// `side + 1` ascending bounds of the rows, from 0 to 1.
     rows: Vec<f32>,
@@ -22,9 +22,9 @@ const STEPS: f64 = 16_777_216.0;
 
 /// Steps that each cell with a weight above zero gets at least, so that points within it still
 /// spread.
-const LEAST: f64 = 64.0;
+const MIN_CELL_STEPS: f64 = 64.0;
 
-impl Histogram {
+impl SquareGridDistribution {
     /// Distribution in proportion to `side`² `weights`, row by row.
     ///
     /// `None` if `side` is not a power of two up to 1024, if the number of weights differs, if one
@@ -41,8 +41,8 @@ impl Histogram {
             return None;
         }
         let sums: Vec<f64> = weights.chunks_exact(side).map(|row| row.iter().sum()).collect();
-        let rows = bounds(&sums);
-        let columns = weights.chunks_exact(side).flat_map(bounds).collect();
+        let rows = cumulative_bounds(&sums);
+        let columns = weights.chunks_exact(side).flat_map(cumulative_bounds).collect();
         Some(Self { side, rows, columns })
     }
 
@@ -50,37 +50,37 @@ impl Histogram {
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> (Vec2, f32) {
-        let (row, y, height) = find(&self.rows, u.y);
-        let (column, x, width) = find(self.columns_of(row), u.x);
+        let (row, y, height) = find_interval(&self.rows, u.y);
+        let (column, x, width) = find_interval(self.column_bounds(row), u.x);
         // Rounding must not carry a point into the next cell, which has another density.
         let within = |cell: usize, x: f32| (cell as f32 + x).min((cell as f32 + 1.0).next_down());
-        (Vec2::new(within(column, x), within(row, y)) / self.side as f32, self.to_density(width, height))
+        (Vec2::new(within(column, x), within(row, y)) / self.side as f32, self.cell_pdf(width, height))
     }
 
     /// Density at `u` in \[0, 1)².
     #[inline]
     #[must_use]
-    pub fn density(&self, u: Vec2) -> f32 {
+    pub fn pdf(&self, u: Vec2) -> f32 {
         let cell = |x: f32| ((x * self.side as f32) as usize).min(self.side - 1);
         let (column, row) = (cell(u.x), cell(u.y));
-        let columns = self.columns_of(row);
-        self.to_density(columns[column + 1] - columns[column], self.rows[row + 1] - self.rows[row])
+        let columns = self.column_bounds(row);
+        self.cell_pdf(columns[column + 1] - columns[column], self.rows[row + 1] - self.rows[row])
     }
 
     /// Index of the cell at `u`, row by row, in a grid of `side`² cells.
     #[inline]
     #[must_use]
-    pub fn cell(side: usize, u: Vec2) -> usize {
+    pub fn cell_index(side: usize, u: Vec2) -> usize {
         let cell = |x: f32| ((x * side as f32) as usize).min(side - 1);
         cell(u.y) * side + cell(u.x)
     }
 
-    fn columns_of(&self, row: usize) -> &[f32] {
+    fn column_bounds(&self, row: usize) -> &[f32] {
         let stride = self.side + 1;
         &self.columns[row * stride..(row + 1) * stride]
     }
 
-    fn to_density(&self, width: f32, height: f32) -> f32 {
+    fn cell_pdf(&self, width: f32, height: f32) -> f32 {
         let side = self.side as f32;
         (width * side) * (height * side)
     }
@@ -88,14 +88,14 @@ impl Histogram {
 
 /// Bounds of intervals in proportion to `weights`, in whole steps; equal intervals if all weights
 /// are zero.
-fn bounds(weights: &[f64]) -> Vec<f32> {
+fn cumulative_bounds(weights: &[f64]) -> Vec<f32> {
     let total: f64 = weights.iter().sum();
     let weight = |w: &f64| if total > 0.0 { *w / total } else { 1.0 / weights.len() as f64 };
-    let kept = weights.iter().filter(|w| weight(w) > 0.0).count() as f64 * LEAST;
+    let kept = weights.iter().filter(|w| weight(w) > 0.0).count() as f64 * MIN_CELL_STEPS;
     let (mut sum, mut least) = (0.0, 0.0);
     let inner = weights.iter().map(|w| {
         sum += weight(w);
-        least += if weight(w) > 0.0 { LEAST } else { 0.0 };
+        least += if weight(w) > 0.0 { MIN_CELL_STEPS } else { 0.0 };
         (((sum.min(1.0) * (STEPS - kept)).round() + least) / STEPS) as f32
     });
     std::iter::once(0.0).chain(inner).collect()
@@ -103,7 +103,7 @@ fn bounds(weights: &[f64]) -> Vec<f32> {
 
 /// Interval that contains `u`, the position in it in \[0, 1), and its length, which is never zero.
 #[inline]
-fn find(bounds: &[f32], u: f32) -> (usize, f32, f32) {
+fn find_interval(bounds: &[f32], u: f32) -> (usize, f32, f32) {
     let i = bounds.partition_point(|b| *b <= u).clamp(1, bounds.len() - 1) - 1;
     let length = bounds[i + 1] - bounds[i];
     (i, (u - bounds[i]) / length, length)

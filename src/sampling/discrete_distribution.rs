@@ -2,16 +2,16 @@
 
 /// Discrete distribution over `0..len`, sampled by inversion.
 #[derive(Clone, Debug)]
-pub struct Discrete {
+pub struct DiscreteDistribution {
     /// Cumulative probabilities, the last one 1.
     cumulative: Vec<f64>,
     total: f64,
 }
 
 /// Least probability above zero: the least normal number of f32.
-const LEAST: f64 = f32::MIN_POSITIVE as f64;
+const MIN_PROBABILITY: f64 = f32::MIN_POSITIVE as f64;
 
-impl Discrete {
+impl DiscreteDistribution {
     /// Distribution in proportion to `weights`; weights below 10⁻³⁸ of the sum count as zero.
     ///
     /// `None` if there are no weights, if one is negative, or if their sum is zero or not finite.
@@ -25,7 +25,7 @@ impl Discrete {
         let mut sum = 0.0;
         for c in &mut cumulative {
             // `probability` would round a smaller part to zero, and samples are divided by it.
-            sum += if *c / total < LEAST { 0.0 } else { *c };
+            sum += if *c / total < MIN_PROBABILITY { 0.0 } else { *c };
             *c = sum;
         }
         for c in &mut cumulative {
@@ -36,7 +36,7 @@ impl Discrete {
 
     /// Sum of the weights.
     #[must_use]
-    pub fn total(&self) -> f64 {
+    pub fn weight_sum(&self) -> f64 {
         self.total
     }
 
@@ -64,7 +64,7 @@ impl Discrete {
     /// Remainder of the number `u` that sampled item `i`: uniform in \[0, 1) again.
     #[inline]
     #[must_use]
-    pub fn remainder(&self, u: f32, i: usize) -> f32 {
+    pub fn remapped_sample(&self, u: f32, i: usize) -> f32 {
         let below = if i == 0 { 0.0 } else { self.cumulative[i - 1] };
         let x = (f64::from(u) - below) / (self.cumulative[i] - below);
         (x as f32).clamp(0.0, 1.0 - f32::EPSILON / 2.0)
@@ -85,8 +85,8 @@ mod tests {
 
     #[test]
     fn weights_become_probabilities() {
-        let d = Discrete::new([1.0, 0.0, 3.0]).unwrap();
-        assert_eq!((d.len(), d.total()), (3, 4.0));
+        let d = DiscreteDistribution::new([1.0, 0.0, 3.0]).unwrap();
+        assert_eq!((d.len(), d.weight_sum()), (3, 4.0));
         assert_eq!(d.sample(0.0), (0, 0.25));
         assert_eq!(d.sample(0.25), (2, 0.75));
         assert_eq!(d.sample(1.0 - f32::EPSILON / 2.0), (2, 0.75));
@@ -94,15 +94,15 @@ mod tests {
 
     #[test]
     fn invalid_weights_are_refused() {
-        assert!(Discrete::new([]).is_none());
-        assert!(Discrete::new([0.0, 0.0]).is_none());
-        assert!(Discrete::new([1.0, -0.5]).is_none());
-        assert!(Discrete::new([f64::NAN]).is_none());
+        assert!(DiscreteDistribution::new([]).is_none());
+        assert!(DiscreteDistribution::new([0.0, 0.0]).is_none());
+        assert!(DiscreteDistribution::new([1.0, -0.5]).is_none());
+        assert!(DiscreteDistribution::new([f64::NAN]).is_none());
     }
 
     #[test]
     fn a_last_weight_of_zero_is_never_sampled() {
-        let d = Discrete::new([0.1, 0.2, 0.3, 0.0]).unwrap();
+        let d = DiscreteDistribution::new([0.1, 0.2, 0.3, 0.0]).unwrap();
         assert!(d.sample(1.0 - f32::EPSILON / 2.0).1 > 0.0);
     }
 }

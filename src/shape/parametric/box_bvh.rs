@@ -15,7 +15,7 @@ struct Node {
 }
 
 /// Lower and upper corner of a box.
-pub type Corners = [DVec3; 2];
+pub type BoxCorners = [DVec3; 2];
 
 /// Line with its length τ as parameter.
 #[derive(Clone, Copy, Debug)]
@@ -36,20 +36,20 @@ impl Line {
 
 /// Hierarchy over boxes in any order.
 #[derive(Debug)]
-pub struct BoxTree {
+pub struct BoxBvh {
     nodes: Vec<Node>,
 }
 
-impl BoxTree {
+impl BoxBvh {
     /// Builds a hierarchy over at least one box; each box is grown by `margin`.
-    pub fn new(boxes: &[Corners], margin: f64) -> Self {
+    pub fn new(boxes: &[BoxCorners], margin: f64) -> Self {
         let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
         let mut tree = Self { nodes: Vec::new() };
-        tree.grow(boxes, &mut order, margin);
+        tree.build_node(boxes, &mut order, margin);
         tree
     }
 
-    fn grow(&mut self, boxes: &[Corners], order: &mut [u32], margin: f64) -> u32 {
+    fn build_node(&mut self, boxes: &[BoxCorners], order: &mut [u32], margin: f64) -> u32 {
         let index = self.nodes.len();
         // An empty box.
         let empty = [[f64::INFINITY; WIDTH], [f64::NEG_INFINITY; WIDTH]];
@@ -60,7 +60,7 @@ impl BoxTree {
             parts.extend(rest.chunks_mut(1));
         } else {
             let share = rest.len().div_ceil(WIDTH);
-            halve(boxes, rest, share);
+            partition_into_shares(boxes, rest, share);
             while rest.len() > share {
                 let (part, more) = rest.split_at_mut(share);
                 parts.push(part);
@@ -69,8 +69,8 @@ impl BoxTree {
             parts.push(rest);
         }
         for (i, part) in parts.into_iter().enumerate() {
-            let [min, max] = around(boxes, part);
-            let child = if let [leaf] = part { *leaf | LEAF } else { self.grow(boxes, part, margin) };
+            let [min, max] = enclosing_box(boxes, part);
+            let child = if let [leaf] = part { *leaf | LEAF } else { self.build_node(boxes, part, margin) };
             let node = &mut self.nodes[index];
             for axis in 0..3 {
                 node.bounds[axis][0][i] = min[axis] - margin;
@@ -85,7 +85,7 @@ impl BoxTree {
     ///
     /// `visit` reduces the end of the range at a hit.
     #[inline]
-    pub fn visit_hits(&self, line: &Line, mut range: [f64; 2], mut visit: impl FnMut(usize, &mut [f64; 2])) {
+    pub fn visit_hit_leaves(&self, line: &Line, mut range: [f64; 2], mut visit: impl FnMut(usize, &mut [f64; 2])) {
         let mut stack = [(0u32, 0.0); 12 * WIDTH];
         stack[0] = (0, range[0]);
         let mut count = 1;
@@ -127,7 +127,7 @@ impl BoxTree {
     }
 }
 
-fn around(boxes: &[Corners], part: &[u32]) -> Corners {
+fn enclosing_box(boxes: &[BoxCorners], part: &[u32]) -> BoxCorners {
     part.iter()
         .map(|i| boxes[*i as usize])
         .fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[min, max], [a, b]| [min.min(a), max.max(b)])
@@ -135,16 +135,16 @@ fn around(boxes: &[Corners], part: &[u32]) -> Corners {
 
 /// Partitions until each `share` in turn is compact: splits along the longest axis, at a multiple
 /// of `share`.
-fn halve(boxes: &[Corners], part: &mut [u32], share: usize) {
+fn partition_into_shares(boxes: &[BoxCorners], part: &mut [u32], share: usize) {
     if part.len() <= share {
         return;
     }
-    let [min, max] = around(boxes, part);
+    let [min, max] = enclosing_box(boxes, part);
     let axis = (max - min).max_position();
     let center = |i: &u32| boxes[*i as usize][0][axis] + boxes[*i as usize][1][axis];
     let middle = (part.len().div_ceil(share) / 2) * share;
     part.select_nth_unstable_by(middle, |a, b| center(a).total_cmp(&center(b)).then(a.cmp(b)));
     let (first, last) = part.split_at_mut(middle);
-    halve(boxes, first, share);
-    halve(boxes, last, share);
+    partition_into_shares(boxes, first, share);
+    partition_into_shares(boxes, last, share);
 }

@@ -1,7 +1,7 @@
 //! Hierarchy of rings, which are ranges of distance from the axis and of height, with eight
 //! children per node.
 
-use super::axis_ray::{AxisRay, Interval};
+use super::cylindrical_ray::{CylindricalRay, Interval};
 
 const WIDTH: usize = 8;
 
@@ -34,19 +34,19 @@ impl Ring {
 
 /// Hierarchy over rings in the order of the profile.
 #[derive(Debug)]
-pub struct RingTree {
+pub struct RingBvh {
     nodes: Vec<Node>,
 }
 
-impl RingTree {
+impl RingBvh {
     /// Builds a hierarchy over at least one ring, of a surface within `size` of the origin.
     pub fn new(rings: &[Ring], size: f64) -> Self {
         let mut tree = Self { nodes: Vec::new() };
-        tree.grow(rings, 0, 1e-12 * size);
+        tree.build_node(rings, 0, 1e-12 * size);
         tree
     }
 
-    fn grow(&mut self, rings: &[Ring], first: usize, margin: f64) -> u32 {
+    fn build_node(&mut self, rings: &[Ring], first: usize, margin: f64) -> u32 {
         let index = self.nodes.len();
         let nowhere = [f64::INFINITY; WIDTH];
         let (below, above) = (nowhere, nowhere.map(|x| -x));
@@ -55,7 +55,7 @@ impl RingTree {
         for (i, part) in rings.chunks(share).enumerate() {
             let ring = part[1..].iter().fold(part[0], |a, b| a.union(*b));
             let start = first + i * share;
-            let child = if part.len() == 1 { start as u32 | LEAF } else { self.grow(part, start, margin) };
+            let child = if part.len() == 1 { start as u32 | LEAF } else { self.build_node(part, start, margin) };
             let inner = (ring.radius[0] - margin).max(0.0);
             let outer = ring.radius[1] + margin;
             let node = &mut self.nodes[index];
@@ -73,7 +73,7 @@ impl RingTree {
     ///
     /// `visit` shortens `t` at a hit.
     #[inline]
-    pub fn visit_hits(&self, ray: &AxisRay, mut t: Interval, mut visit: impl FnMut(usize, &mut Interval)) {
+    pub fn visit_hit_leaves(&self, ray: &CylindricalRay, mut t: Interval, mut visit: impl FnMut(usize, &mut Interval)) {
         let dy = ray.direction.y;
         let inverse = if dy.abs() < 1e-300 { 1e300 } else { 1.0 / dy };
         let mut stack = [(0u32, 0.0); 8 * WIDTH];

@@ -8,13 +8,13 @@ use glam::DVec3;
 /// n values is at most 2⁻⁵³, plus n²·2⁻¹⁰⁶ of the sum of their magnitudes, in any order. A sum that
 /// overflows is infinite, like a plain sum.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sum {
+pub struct CompensatedSum {
     high: DVec3,
     /// Rounding errors that `high` lacks.
     low: DVec3,
 }
 
-impl Sum {
+impl CompensatedSum {
     /// Adds a value.
     #[inline]
     pub fn add(&mut self, value: DVec3) {
@@ -39,7 +39,7 @@ mod tests {
 
     #[test]
     fn what_a_large_value_swallows_comes_back() {
-        let mut sum = Sum::default();
+        let mut sum = CompensatedSum::default();
         for x in [1e16, 1.0, 1.0, -1e16, 0.5] {
             sum.add(DVec3::new(x, -x, 0.0));
         }
@@ -48,7 +48,7 @@ mod tests {
 
     #[test]
     fn what_is_not_finite_stays() {
-        let mut sum = Sum::default();
+        let mut sum = CompensatedSum::default();
         sum.add(DVec3::new(f64::INFINITY, f64::NAN, f64::MAX));
         sum.add(DVec3::new(1.0, 1.0, f64::MAX));
         let value = sum.value();

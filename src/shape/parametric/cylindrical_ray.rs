@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 /// Squared sine of the angle to the axis above which a distance from the axis bounds the ray
 /// parameter well.
-const SLANT: f64 = 1e-2;
+const MIN_SLANT2: f64 = 1e-2;
 
 /// Interval of the ray parameter; empty unless `lo <= hi`.
 #[derive(Clone, Copy, Debug)]
@@ -24,7 +24,7 @@ impl Interval {
 /// In the plane of profiles, the line is the convex curve ρ(τ) = |(x, z)|, y(τ). Neither rays
 /// perpendicular to the axis nor rays along it are special.
 #[derive(Clone, Copy, Debug)]
-pub struct AxisRay {
+pub struct CylindricalRay {
     pub base: DVec3,
     /// Unit direction.
     pub direction: DVec3,
@@ -37,7 +37,7 @@ pub struct AxisRay {
     pub least: f64,
 }
 
-impl AxisRay {
+impl CylindricalRay {
     pub fn new(base: DVec3, direction: DVec3) -> Self {
         let DVec3 { x, z, .. } = base;
         let slant2 = direction.x * direction.x + direction.z * direction.z;
@@ -55,7 +55,7 @@ impl AxisRay {
     /// Distance from the axis and its derivative by τ; the derivative is 0 on the axis, where it
     /// jumps.
     #[inline]
-    pub fn radius(&self, t: f64) -> (f64, f64) {
+    pub fn radius_and_slope(&self, t: f64) -> (f64, f64) {
         let (x, z) = (self.base.x + t * self.direction.x, self.base.z + t * self.direction.z);
         let radius = (x * x + z * z).sqrt();
         let slope = if radius > 0.0 { (x * self.direction.x + z * self.direction.z) / radius } else { 0.0 };
@@ -63,14 +63,14 @@ impl AxisRay {
     }
 
     #[inline]
-    pub fn height(&self, t: f64) -> f64 {
+    pub fn height_at(&self, t: f64) -> f64 {
         self.base.y + t * self.direction.y
     }
 
     /// Intervals within `t` in which the line may have a distance in `x` and a height in `y`; at
     /// most two.
     #[inline]
-    pub fn clip(&self, x: [f64; 2], y: [f64; 2], t: Interval, margin: f64) -> [Interval; 2] {
+    pub fn clip_to_ring(&self, x: [f64; 2], y: [f64; 2], t: Interval, margin: f64) -> [Interval; 2] {
         const NOWHERE: Interval = Interval { lo: 1.0, hi: 0.0 };
         let Interval { mut lo, mut hi } = t;
         let (below, above) = (y[0] - margin - self.base.y, y[1] + margin - self.base.y);
@@ -85,11 +85,11 @@ impl AxisRay {
         }
         let [inner, outer] = [x[0] - margin, x[1] + margin];
         let slant2 = self.squares[2];
-        if slant2 < SLANT {
+        if slant2 < MIN_SLANT2 {
             // The distance changes by less than the interval's length, so its value in the middle
             // suffices.
             let (middle, half) = (0.5 * (lo + hi), 0.5 * (hi - lo));
-            let radius = self.radius(middle).0;
+            let radius = self.radius_and_slope(middle).0;
             let reach = half * slant2.sqrt() + margin;
             let away = radius - reach > outer || radius + reach < inner;
             return [if away { NOWHERE } else { Interval { lo, hi } }, NOWHERE];
@@ -111,7 +111,7 @@ impl AxisRay {
 
 /// Distance from the axis and the unit direction away from the axis.
 #[inline]
-pub fn polar(p: DVec3) -> (f64, DVec2) {
+pub fn polar_radius_and_direction(p: DVec3) -> (f64, DVec2) {
     let across = DVec2::new(p.x, p.z);
     (across.length(), across.try_normalize().unwrap_or(DVec2::X))
 }

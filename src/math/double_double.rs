@@ -4,10 +4,10 @@ use glam::DVec3;
 
 /// Unevaluated sum of a number and its rounding error (Dekker 1971).
 #[derive(Clone, Copy)]
-struct Double(f64, f64);
+struct DoubleDouble(f64, f64);
 
-impl Double {
-    fn product(a: f64, b: f64) -> Self {
+impl DoubleDouble {
+    fn exact_product(a: f64, b: f64) -> Self {
         // Halves of 26 bits have exact products.
         let halves = |x: f64| {
             let c = 134_217_729.0 * x;
@@ -29,7 +29,7 @@ impl Double {
     }
 
     fn times(self, b: f64) -> Self {
-        let p = Self::product(self.0, b);
+        let p = Self::exact_product(self.0, b);
         p.plus(Self(self.1 * b, 0.0))
     }
 
@@ -38,14 +38,15 @@ impl Double {
     }
 }
 
-/// Vector of three [`Double`] components.
+/// Vector of three [`DoubleDouble`] components.
 #[derive(Clone, Copy)]
-pub(super) struct Double3([Double; 3]);
+pub(super) struct DoubleDoubleVec3([DoubleDouble; 3]);
 
-impl Double3 {
+impl DoubleDoubleVec3 {
     /// Cross product a × b.
     pub fn cross(a: DVec3, b: DVec3) -> Self {
-        let of = |x: f64, y: f64, u: f64, v: f64| Double::product(x, y).minus(Double::product(u, v));
+        let of =
+            |x: f64, y: f64, u: f64, v: f64| DoubleDouble::exact_product(x, y).minus(DoubleDouble::exact_product(u, v));
         Self([of(a.y, b.z, a.z, b.y), of(a.z, b.x, a.x, b.z), of(a.x, b.y, a.y, b.x)])
     }
 
@@ -55,7 +56,7 @@ impl Double3 {
         x.times(b.x).plus(y.times(b.y)).plus(z.times(b.z)).0
     }
 
-    pub fn rounded(self) -> DVec3 {
+    pub fn round_to_f64(self) -> DVec3 {
         DVec3::from_array(self.0.map(|x| x.0))
     }
 }
@@ -63,13 +64,17 @@ impl Double3 {
 /// Cross product a × b, each component correct to its last digit even if products cancel.
 #[must_use]
 pub fn exact_cross(a: DVec3, b: DVec3) -> DVec3 {
-    Double3::cross(a, b).rounded()
+    DoubleDoubleVec3::cross(a, b).round_to_f64()
 }
 
 /// Dot product a · b, correct to its last digit unless it is below 10⁻³⁰ of the products.
 #[must_use]
 pub fn exact_dot(a: DVec3, b: DVec3) -> f64 {
-    let [x, y, z] = [Double::product(a.x, b.x), Double::product(a.y, b.y), Double::product(a.z, b.z)];
+    let [x, y, z] = [
+        DoubleDouble::exact_product(a.x, b.x),
+        DoubleDouble::exact_product(a.y, b.y),
+        DoubleDouble::exact_product(a.z, b.z),
+    ];
     x.plus(y).plus(z).0
 }
 
@@ -89,6 +94,6 @@ mod tests {
         let step = 0.3f64.next_up() - 0.3;
         let truth = DVec3::new(0.2 * step, -(0.1 * step), 0.0);
         assert!((exact_cross(a, b) - truth).length() <= f64::EPSILON * truth.length());
-        assert_eq!(Double3::cross(a, b).dot(DVec3::Z), 0.0);
+        assert_eq!(DoubleDoubleVec3::cross(a, b).dot(DVec3::Z), 0.0);
     }
 }
