@@ -212,7 +212,7 @@ impl<'a> PhotonMapBuilder<'a> {
             return;
         }
         let (scene, settings) = (self.scene, &self.settings);
-        let radius = scene.domain().radius * VISIBLE_RADIUS;
+        let radius = scene.photon_domain().radius * VISIBLE_RADIUS;
         let visible = visible_points(scene, &settings.camera_paths, self.policy.effects, radius);
         let guide = |source: &mut Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
             let unguided = source.take()?;
@@ -242,7 +242,7 @@ impl<'a> PhotonMapBuilder<'a> {
                 find_radius(&photon_pass, paths, k, settings.camera_paths.seed, self.min_radius)
             };
             // A pilot may find no photon although passes will, for example if objects move.
-            settings.radius.or_else(found).unwrap_or(self.scene.domain().radius * DEFAULT_RADIUS)
+            settings.radius.or_else(found).unwrap_or(self.scene.photon_domain().radius * DEFAULT_RADIUS)
         };
         let (source, mask, paths) = self.global_map();
         let default_k = if self.request.aimed.separates_after_caustic { AFTER_CAUSTIC_COUNT } else { GLOBAL_COUNT };
@@ -282,7 +282,7 @@ impl<'a> PhotonMapBuilder<'a> {
             if let Some(radius) = settings.radius {
                 return VolumeRadii { beams: radius, points: radius };
             }
-            let default = self.scene.domain().radius * DEFAULT_RADIUS;
+            let default = self.scene.photon_domain().radius * DEFAULT_RADIUS;
             found(source, self.in_media(mask), paths).unwrap_or(VolumeRadii { beams: default, points: default })
         };
         let (source, mask, paths) = self.global_map();
@@ -319,7 +319,7 @@ impl<'a> PhotonMapBuilder<'a> {
             let scale = |n: usize| (n as f64 * f64::from(paths) / f64::from(probe)) as u64;
             let in_media = |volume: &VolumePhotons| volume.points.len() + BEAM_SIZE * volume.beams.len();
             let one = scale(traced.deposits.photons.len() + in_media(&traced.deposits.volume));
-            let other = scale(traced.deposits.after_caustic.len() + in_media(&traced.deposits.after_volume));
+            let other = scale(traced.deposits.after_caustic.len() + in_media(&traced.deposits.after_caustic_volume));
             Expected { paths: paths.into(), photons: one + other, most: one.max(other) }
         };
         let guides = if self.request.guides { self.counts.photons / GUIDE_INTERVAL } else { 0 };
@@ -379,7 +379,7 @@ impl<'a> PhotonMapBuilder<'a> {
 
         // Trace the paths of the global map, unless the aimed paths hold its light.
         let global_photons = if self.request.aimed.separates_after_caustic {
-            MapPhotons { surface: aimed.deposits.after_caustic, volume: aimed.deposits.after_volume }
+            MapPhotons { surface: aimed.deposits.after_caustic, volume: aimed.deposits.after_caustic_volume }
         } else {
             let traced = self.trace(
                 self.global_source.as_ref(),

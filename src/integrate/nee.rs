@@ -52,7 +52,7 @@ impl<'a> NextEventEstimator<'a> {
         let PathPolicy { effects, light_sampling, directions, .. } = *policy;
         // The center of a light stands for all of it, with its mean emission.
         let centers = light_sampling == LightSampling::Centers || !effects.has(Effect::SoftShadows);
-        let all = if centers || !effects.has(Effect::Textures) { scene.mean_lights() } else { scene.lights() };
+        let all = if centers || !effects.has(Effect::Textures) { scene.mean_emission_lights() } else { scene.lights() };
         let skipped = scene.environment().filter(|_| !effects.has(Effect::Environment));
         // The environment is the last of the lights.
         let lights = &all[..skipped.unwrap_or(all.len())];
@@ -67,7 +67,7 @@ impl<'a> NextEventEstimator<'a> {
             LightSampling::OneRay => [sampled(1); 2],
         };
         let light_sampler = if schemes.iter().any(|s| matches!(s, RayScheme::Chosen(_))) {
-            LightBvhSampler::new(lights, scene.domain())
+            LightBvhSampler::new(lights, scene.photon_domain())
         } else {
             None
         };
@@ -161,7 +161,7 @@ impl<'a> NextEventEstimator<'a> {
         let Some(sample) = self.lights[light].sample_li(surface.point.p, u) else {
             return Rgb::ZERO;
         };
-        let mut reflected = surface.scatter(sample.wi) * sample.weight / rays;
+        let mut reflected = surface.bsdf_cosine(sample.wi) * sample.weight / rays;
         if reflected == Rgb::ZERO {
             return Rgb::ZERO;
         }
@@ -175,9 +175,9 @@ impl<'a> NextEventEstimator<'a> {
         worker.counters.shadow_rays += 1;
         let ray = match sample.target {
             ShadowTarget::Point(target) => {
-                surface.segment_to(self.ray_end(light, &sample, target, surface.point.p), sample.wi)
+                surface.spawn_ray_to(self.ray_end(light, &sample, target, surface.point.p), sample.wi)
             }
-            ShadowTarget::Infinity => surface.leave(sample.wi),
+            ShadowTarget::Infinity => surface.spawn_ray(sample.wi),
         };
         if self.scene.occluded(&ray) {
             return if self.has_null_interfaces {
@@ -197,7 +197,7 @@ impl<'a> NextEventEstimator<'a> {
         if sample.pdf.is_some() {
             return target;
         }
-        target - sample.wi * self.scene.light_contact(light).min(0.5 * (target - p).length())
+        target - sample.wi * self.scene.light_contact_distance(light).min(0.5 * (target - p).length())
     }
 
     /// Transmittance of an occluded shadow ray: 0 unless all surfaces in its way are null
@@ -211,7 +211,7 @@ impl<'a> NextEventEstimator<'a> {
         let path_ray = vertex.leaving(sample.wi);
         let ray = match sample.target {
             ShadowTarget::Point(target) => {
-                vertex.surface.segment_to(self.ray_end(light, sample, target, vertex.surface.point.p), sample.wi)
+                vertex.surface.spawn_ray_to(self.ray_end(light, sample, target, vertex.surface.point.p), sample.wi)
             }
             ShadowTarget::Infinity => path_ray.ray,
         };

@@ -76,7 +76,7 @@ impl<'a> PassRenderer<'a> {
 
     /// True if passes show the scene at different times.
     pub fn has_motion(&self) -> bool {
-        self.policy.effects.has(Effect::Motion) && self.scene.moves()
+        self.policy.effects.has(Effect::Motion) && self.scene.has_motion()
     }
 
     /// Inputs of the camera paths of pass `pass`.

@@ -107,7 +107,7 @@ impl PhotonEstimator<'_> {
         let ns = if surface.wo.dot(surface.point.ng) < 0.0 { -surface.point.ns } else { surface.point.ns };
         let wavelength = vertex.interior.wavelength();
         let brdf = |photon: &PhotonData| {
-            let brdf = surface.bsdf.evaluate(surface.wo, photon.from(), ns, ns, Transport::Radiance);
+            let brdf = surface.bsdf.evaluate(surface.wo, photon.incident_direction(), ns, ns, Transport::Radiance);
             if I::SPECTRAL {
                 brdf * wavelength_overlap(wavelength, photon.wavelength(), self.volume.band)
             } else {

@@ -90,7 +90,7 @@ pub(super) fn find_radius(pass: &PhotonPass<'_>, paths: u32, k: u32, seed: u64, 
     if photons.is_empty() {
         return None;
     }
-    let size = scene.domain().radius.max(f32::MIN_POSITIVE);
+    let size = scene.photon_domain().radius.max(f32::MIN_POSITIVE);
     let map = PhotonMap::build(photons.clone());
     let step = photons.len().div_ceil(PROBES);
     let distance = |p: &Photon| {
@@ -120,7 +120,7 @@ pub(super) fn min_disc_radius(scene: &Scene) -> f32 {
     let hits = rays.filter_map(|p| scene.intersect(&scene.camera().ray(p, None)));
     // If nothing is visible, any radius will do.
     let distance = hits.map(|hit| hit.t).min_by(f32::total_cmp).unwrap_or(0.0);
-    ((width + spread * distance) * PIXEL_PART).min(scene.domain().radius * MAX_RADIUS)
+    ((width + spread * distance) * PIXEL_PART).min(scene.photon_domain().radius * MAX_RADIUS)
 }
 
 /// Kernel radii of estimates in media \[length].
@@ -151,12 +151,12 @@ pub(super) fn find_volume_radii(
     let pilot = pilot_paths(paths, MAX_PATHS);
     let traced = pass.trace(key, pilot, &|_| {});
     let mut volume = traced.deposits.volume;
-    volume.beams.extend(traced.deposits.after_volume.beams);
-    volume.points.extend(traced.deposits.after_volume.points);
+    volume.beams.extend(traced.deposits.after_caustic_volume.beams);
+    volume.points.extend(traced.deposits.after_caustic_volume.points);
     if volume.is_empty() {
         return None;
     }
-    let size = scene.domain().radius.max(f32::MIN_POSITIVE);
+    let size = scene.photon_domain().radius.max(f32::MIN_POSITIVE);
     let trial = size * TRIAL_RADIUS;
     let camera_paths = medium_segments(scene, effects, key);
     let more = f64::from(paths) / f64::from(pilot);

@@ -51,7 +51,7 @@ impl<I: Interior> PathVertex<'_, I> {
     /// Path ray that leaves in unit direction `wi`.
     #[inline]
     pub fn leaving(&self, wi: Vec3) -> PathRay<I> {
-        let cone = RayCone::point(Effects::NONE);
+        let cone = RayCone::zero_width(Effects::NONE);
         let mut path_ray = PathRay { ray: Ray::new(self.surface.point.p, wi), inside: *self.interior, cone };
         let transmitted = wi.dot(self.surface.point.ng) * self.surface.wo.dot(self.surface.point.ng) < 0.0;
         path_ray.leave(self.surface, wi, transmitted);

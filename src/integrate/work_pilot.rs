@@ -168,7 +168,7 @@ mod tests {
         builder.plane(Plane::new(DVec3::ZERO, DVec3::Y), white, Vec3::ZERO);
         builder.shape(Shape::Sphere(Sphere::new(DVec3::Y, 0.8)), glass, Vec3::ZERO);
         let kind = DeltaLightKind::Point { position: DVec3::new(2.0, 4.0, 1.0) };
-        builder.source(kind, LightStrength::Power(Vec3::splat(100.0)));
+        builder.delta_light(kind, LightStrength::Power(Vec3::splat(100.0)));
         let eye =
             Camera::perspective(DVec3::new(0.0, 2.0, 6.0), DVec3::new(0.0, -0.2, -1.0), DVec3::Y, 0.7, 64, 48).unwrap();
         let scene = builder.build(eye).unwrap();

@@ -176,7 +176,7 @@ impl EmissionTexture {
     /// Radiance at a point of the surface \[W/(m² sr)].
     #[must_use]
     pub fn radiance(&self, context: &TextureEvalContext) -> Rgb {
-        self.texture.color(context) * self.scale
+        self.texture.evaluate_color(context) * self.scale
     }
 }
 
@@ -201,7 +201,7 @@ impl AreaLight {
             Some(emission) => {
                 let p = emission.mapping.point_to_object(point.p);
                 let at = emission.mapping.tex_coord_at(p, || self.surface.tex_coord(point.p, coord));
-                emission.radiance(&TextureEvalContext::sharp(at.uv, p))
+                emission.radiance(&TextureEvalContext::unfiltered(at.uv, p))
             }
         }
     }

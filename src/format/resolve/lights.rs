@@ -148,9 +148,9 @@ fn parse_profile(text: &str) -> Option<Vec<(f64, f64)>> {
 /// Adds a light without extent.
 fn add_delta_light(r: &mut Resolver<'_>, kind: DeltaLightKind, strength: LightStrength, motion: &Motion) {
     if motion.is_constant() {
-        r.builder.source(kind, strength);
+        r.builder.delta_light(kind, strength);
     } else {
-        r.builder.moving_source(kind, strength, motion);
+        r.builder.moving_delta_light(kind, strength, motion);
     }
 }
 

@@ -29,7 +29,7 @@ pub(super) fn add_materials(r: &mut Resolver<'_>) -> Result<(), SceneError> {
             }
         }
         r.texture_requirements.push(requirements);
-        r.builder.material(material.with_normals(normals));
+        r.builder.material(material.with_normal_perturbation(normals));
         if let Some(name) = &described.name {
             r.material_indices.entry(name).or_insert(index as u32);
         }
@@ -72,10 +72,10 @@ pub(super) fn resolve_material(
             let roughness = r.fraction_parameter(roughness, requirements)?;
             let (index, glass) = add_refractive_index(r, refraction)?;
             let absorption = rgb(attenuation.coefficient());
-            Material::rough_body(Body { absorption, priority: *priority, glass, ..Body::new(index) }, roughness)
+            Material::rough_boundary(Body { absorption, priority: *priority, glass, ..Body::new(index) }, roughness)
         }
         MaterialKindDescription::Clear { priority } => {
-            Material::body(Body { priority: *priority, null_interface: true, ..Body::new(1.0) })
+            Material::smooth_boundary(Body { priority: *priority, null_interface: true, ..Body::new(1.0) })
         }
         MaterialKindDescription::Conductor { metal, roughness } => {
             let (eta, k) = complex_refractive_index(r, metal)?;

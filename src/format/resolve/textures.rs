@@ -10,7 +10,7 @@ use crate::format::description::{
 use crate::image::{self, Image, PictureContent};
 use crate::math::Transform;
 use crate::scene::{NormalPerturbation, Textured};
-use crate::texture::{self, Checker, Picture, Solid, SolidKind, Texture};
+use crate::texture::{self, Checker, Picture, SolidPattern, SolidTexture, Texture};
 use glam::DVec3;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -60,11 +60,11 @@ impl<'a> Resolver<'a> {
                 TextureKindDescription::Solid { pattern, colors, octaves, frequency, amplitude, maps } => {
                     let to_object = Transform::new(TransformStep::composed_matrix(maps))
                         .map_err(|e| self.error_at(texture.span, &e.to_string(), SINGULAR_REMEDY))?;
-                    let solid = Solid {
+                    let solid = SolidTexture {
                         kind: match pattern {
-                            SolidPatternDescription::Noise => SolidKind::Noise,
-                            SolidPatternDescription::Marble => SolidKind::Marble,
-                            SolidPatternDescription::Wood => SolidKind::Wood,
+                            SolidPatternDescription::Noise => SolidPattern::Noise,
+                            SolidPatternDescription::Marble => SolidPattern::Marble,
+                            SolidPatternDescription::Wood => SolidPattern::Wood,
                         },
                         colors: colors.map(rgb),
                         octaves: *octaves,

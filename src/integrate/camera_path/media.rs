@@ -53,7 +53,7 @@ fn cross_medium<I: Interior>(
 
     // Add emission.
     if medium.emits() {
-        *radiance += throughput * medium.emitted(ray, ray.t_max, rng);
+        *radiance += throughput * medium.emitted_radiance(ray, ray.t_max, rng);
     }
     if !medium.scatters() {
         *weight *= medium.transmittance_f64(ray, ray.t_max, rng);

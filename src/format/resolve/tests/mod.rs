@@ -33,7 +33,7 @@ fn refusal(text: &str) -> SceneError {
 /// The first surface from `origin` along `direction`, and its place in the coordinates of the file.
 fn look(scene: &Scene, origin: DVec3, direction: Vec3) -> Option<(SurfaceInteraction<'_>, DVec3)> {
     let ray = Ray::new((origin - scene.origin()).as_vec3(), direction);
-    let surface = scene.interaction(&ray, &scene.intersect(&ray)?, &RayCone::point(Effects::ALL), || 0.0);
+    let surface = scene.interaction(&ray, &scene.intersect(&ray)?, &RayCone::zero_width(Effects::ALL), || 0.0);
     Some((surface, surface.point.p.as_dvec3() + scene.origin()))
 }
 
@@ -261,7 +261,7 @@ fn area_lights_have_the_given_strength() {
     // Rectangle and disc are dark from behind, and all of them are black.
     assert_eq!(look(&scene, dvec3(1.0, 0.5, -9.0), Vec3::Z).unwrap().0.emission, Vec3::ZERO);
     assert!(scene.materials().iter().skip(1).all(|m| *m == Material::black()));
-    let power = |i: usize| scene.lights()[i].power(scene.domain());
+    let power = |i: usize| scene.lights()[i].power(scene.photon_domain());
     assert!(close(power(0), vec3(6.0, 0.0, 0.0)) && close(power(1), vec3(0.0, 4.0, 0.0)));
     assert!(close(power(2), vec3(0.0, 0.0, 9.0)) && close(power(3), vec3(1.0, 2.0, 3.0) * PI));
 }
