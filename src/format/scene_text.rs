@@ -3,7 +3,7 @@
 use super::import::{
     EmbeddedAssets, ImportedScene, SceneImporter, SceneReadError, lowercase_extension, remedy_for_foreign_scene,
 };
-use super::language::parse_bytes;
+use super::language::parse_scene_bytes;
 use super::{SceneError, SourceText};
 use crate::image::open_file;
 use crate::stats::MemoryLimit;
@@ -42,7 +42,7 @@ impl SceneImporter for SceneTextImporter {
         }
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes).map_err(unreadable)?;
-        let description = parse_bytes(&name, &bytes)?;
+        let description = parse_scene_bytes(&name, &bytes)?;
         let source = SourceText::new(&name, &String::from_utf8_lossy(&bytes));
         Ok(ImportedScene { description, source, assets: EmbeddedAssets::default() })
     }

@@ -18,7 +18,7 @@ use std::time::Instant;
 /// Number of tiles that each pass traces by fresh paths if passes share their camera paths.
 ///
 /// Fresh paths measure the error that all passes share.
-const FRESH_TILES: u32 = 48;
+const FRESH_TILE_COUNT: u32 = 48;
 
 /// A scene with a policy, and the numbers of camera rays and photons of a pass.
 #[derive(Debug)]
@@ -110,7 +110,7 @@ impl<'a> PassRenderer<'a> {
 
         // Trace some tiles by fresh paths if passes share theirs.
         if nested && policy.shares_paths {
-            let every = film::tile_interval(camera.size(), FRESH_TILES);
+            let every = film::tile_interval(camera.size(), FRESH_TILE_COUNT);
             sampling = FilmSampling { nested: false, every, ..sampling };
             let fresh = film::render_tiles(&sampling, key.fresh_paths_key(paths.pass), &Silent, radiance);
             out.fresh = fresh.pixels.iter().map(|i| (*i, fresh.image[*i as usize])).collect();

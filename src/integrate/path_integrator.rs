@@ -1,7 +1,7 @@
 //! The integrator of all algorithms that a [`PathPolicy`](super::policy::PathPolicy) expresses.
 
 use super::balance::Balance;
-use super::density_pilot::find_density;
+use super::density_pilot::find_ray_density;
 use super::integrator::Integrator;
 use super::pass::{Expected, Monitor, Pass};
 use super::pass_renderer::PassRenderer;
@@ -72,7 +72,7 @@ impl Integrator for PathIntegrator<'_> {
 
     fn radius_law(&self) -> Option<RadiusLaw> {
         let map_builder = &self.renderer.map_builder;
-        map_builder.has_photons().then(|| map_builder.law())
+        map_builder.has_photons().then(|| map_builder.radius_law())
     }
 
     fn nests_estimates(&self) -> bool {
@@ -111,7 +111,7 @@ impl<'a> PathIntegrator<'a> {
         }
 
         // Distribute camera rays over the pixels.
-        renderer.density = if settings.camera_paths.adaptive { find_density(&renderer) } else { None };
+        renderer.density = if settings.camera_paths.adaptive { find_ray_density(&renderer) } else { None };
         Self { renderer, plan, make_policy, balance }
     }
 }
