@@ -1,7 +1,7 @@
 //! The importer of the scene language.
 
 use super::import::{EmbeddedAssets, ImportedScene, SceneImporter, SceneReadError};
-use super::language::parse_bytes;
+use super::language::parse_scene_bytes;
 use super::{SceneError, SourceText};
 use crate::image::open_file;
 use crate::stats::MemoryLimit;
@@ -49,7 +49,7 @@ impl SceneImporter for SceneTextImporter {
         }
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes).map_err(unreadable)?;
-        let description = parse_bytes(&name, &bytes)?;
+        let description = parse_scene_bytes(&name, &bytes)?;
         let source = SourceText::new(&name, &String::from_utf8_lossy(&bytes));
         Ok(ImportedScene { description, source, assets: EmbeddedAssets::default() })
     }

@@ -1,7 +1,7 @@
 //! The interface that every kind of shape implements.
 
 use super::hit::ShapeHit;
-use super::surface_point::{ShapeSample, SurfacePoint};
+use super::surface_point::{ShapeSample, SolidAngleSampling, SurfacePoint};
 use super::texture_mapping::TexCoord;
 use crate::math::{BoundingSphere, Ray, Transform};
 use glam::{DVec3, Vec2, Vec3};
@@ -47,6 +47,24 @@ pub(super) trait AnalyticShape: Sized {
     #[inline]
     fn pdf(&self, _point: &SurfacePoint) -> f32 {
         (1.0 / self.area()) as f32
+    }
+
+    /// Samples a visible point of the outer side by solid angle as seen from `from`.
+    #[inline]
+    fn sample_solid_angle(&self, _from: Vec3, _u: Vec2) -> SolidAngleSampling {
+        SolidAngleSampling::Unsupported
+    }
+
+    /// Pdf per solid angle \[1/sr] of [`AnalyticShape::sample_solid_angle`]; `None` if unsupported.
+    #[inline]
+    fn solid_angle_pdf(&self, _from: Vec3) -> Option<f32> {
+        None
+    }
+
+    /// Error of the position at which a ray hits the shape, relative to the ray's length.
+    #[inline]
+    fn relative_hit_error(&self) -> f32 {
+        f32::EPSILON
     }
 
     /// A point of the surface if the whole shape lies in one plane.

@@ -377,11 +377,11 @@ fn the_deepest_nesting_fits_a_small_stack() {
 
 #[test]
 fn bytes_that_are_not_utf8_are_refused() {
-    assert!(parse_bytes("a", format!("{CAMERA} Group {{}}").as_bytes()).is_ok());
-    let error = parse_bytes("a", b"# ok\n  \xff Group").unwrap_err();
+    assert!(parse_scene_bytes("a", format!("{CAMERA} Group {{}}").as_bytes()).is_ok());
+    let error = parse_scene_bytes("a", b"# ok\n  \xff Group").unwrap_err();
     assert_eq!((error.line(), error.column()), (2, 3));
     assert!(error.message().contains("byte 0xff at offset 7") && error.remedy().contains("save the file as UTF-8"));
-    assert!(parse_bytes("a", b"\xff\xfeP\0").unwrap_err().remedy().contains("UTF-16"));
+    assert!(parse_scene_bytes("a", b"\xff\xfeP\0").unwrap_err().remedy().contains("UTF-16"));
 }
 
 #[test]
