@@ -73,6 +73,14 @@ pub(super) struct PathState<I> {
     sampler: Sampler,
 }
 
+/// The function that [`film::render_tiles`](super::film::render_tiles) calls for each camera ray:
+/// [`radiance`] of `paths`.
+pub(super) fn tracer<'a, I: Interior>(
+    paths: &'a PathContext<'a>,
+) -> impl Fn(&Ray, Sampler, &mut Worker, &mut Vec<PathState<I>>) -> Rgb + Sync {
+    |ray, sampler, worker, stack| radiance(paths, ray, sampler, worker, stack)
+}
+
 /// Radiance that arrives along camera ray `ray` \[W/(m² sr)]. `stack` is empty before and after.
 pub(super) fn radiance<I: Interior>(
     paths: &PathContext<'_>,
