@@ -31,7 +31,7 @@
 //! builder
 //!     .plane(Plane::new(DVec3::ZERO, DVec3::Y), white, Vec3::ZERO)
 //!     .shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 1.0, 0.0), 0.8)), glass, Vec3::ZERO)
-//!     .source(
+//!     .delta_light(
 //!         DeltaLightKind::Point { position: DVec3::new(2.0, 4.0, 0.0) },
 //!         LightStrength::Power(Vec3::splat(200.0)),
 //!     );

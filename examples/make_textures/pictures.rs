@@ -2,7 +2,7 @@
 
 use caustica::color::Rgb;
 use caustica::image::{Image, ToneCurve};
-use caustica::texture::{Solid, SolidKind};
+use caustica::texture::{SolidPattern, SolidTexture};
 use glam::{DAffine3, DVec2, DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 
@@ -24,9 +24,9 @@ fn picture(width: u32, height: u32, pixel: impl Fn(DVec2) -> Rgb) -> Image {
     Image::from_pixels(width, height, (0..width * height).map(at).collect()).unwrap_or_else(|e| panic!("{e}"))
 }
 
-fn noise(octaves: u32, frequency: f64, amplitude: f64) -> Solid {
+fn noise(octaves: u32, frequency: f64, amplitude: f64) -> SolidTexture {
     let colors = [Rgb::ZERO, Rgb::ONE];
-    Solid { kind: SolidKind::Noise, colors, octaves, frequency, amplitude, to_pattern: DAffine3::IDENTITY }
+    SolidTexture { kind: SolidPattern::Noise, colors, octaves, frequency, amplitude, to_pattern: DAffine3::IDENTITY }
 }
 
 /// Returns a planet as a map of longitude and latitude.
@@ -38,8 +38,8 @@ fn globe() -> Image {
         let (sin, cos) = libm::sincos(TAU * (uv.x - 0.5));
         let (up, around) = libm::sincos(PI * (uv.y - 0.5));
         let p = DVec3::new(around * sin, up, around * cos);
-        let height = land.at(p + 3.7, 0.0).x;
-        let cold = up.abs() as f32 + 0.35 * (climate.at(p - 9.1, 0.0).x - 0.5);
+        let height = land.color_at(p + 3.7, 0.0).x;
+        let cold = up.abs() as f32 + 0.35 * (climate.color_at(p - 9.1, 0.0).x - 0.5);
         let color = |r: f32, g: f32, b: f32| Vec3::new(r, g, b);
         match height {
             _ if cold > 0.86 => color(0.85, 0.88, 0.92),
@@ -73,14 +73,14 @@ fn tile() -> Image {
 
 /// Returns a roughness map: fine strokes along u on a smooth ground.
 fn scratches() -> Image {
-    let strokes = Solid { to_pattern: DAffine3::from_scale(DVec3::new(6.0, 90.0, 1.0)), ..noise(2, 1.0, 1.2) };
+    let strokes = SolidTexture { to_pattern: DAffine3::from_scale(DVec3::new(6.0, 90.0, 1.0)), ..noise(2, 1.0, 1.2) };
     let stains = noise(4, 4.0, 1.2);
     picture(256, 256, |uv| {
         // Sampling around a cylinder makes the map periodic in u.
         let (sin, cos) = libm::sincos(TAU * uv.x);
         let p = DVec3::new(cos / TAU, uv.y, sin / TAU);
-        let stroke = (strokes.at(p, 0.0).x - 0.5).max(0.0) * 1.2;
-        let level = 0.03 + 0.25 * stroke + 0.2 * smooth(f64::from(stains.at(p, 0.0).x - 0.45) / 0.2) as f32;
+        let stroke = (strokes.color_at(p, 0.0).x - 0.5).max(0.0) * 1.2;
+        let level = 0.03 + 0.25 * stroke + 0.2 * smooth(f64::from(stains.color_at(p, 0.0).x - 0.45) / 0.2) as f32;
         // Few levels make a small file.
         Rgb::splat((level.min(0.29) * 64.0).round() / 64.0 + 0.5 / 255.0)
     })

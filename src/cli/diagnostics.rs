@@ -10,7 +10,7 @@ use glam::DVec3;
 
 /// True if the scene has lights, but none of them has any power.
 pub(super) fn lights_have_no_power(scene: &Scene) -> bool {
-    !scene.lights().is_empty() && scene.lights().iter().all(|light| light.power(scene.domain()) == Rgb::ZERO)
+    !scene.lights().is_empty() && scene.lights().iter().all(|light| light.power(scene.photon_domain()) == Rgb::ZERO)
 }
 
 /// Returns a note if the passes emitted photons but stored none.

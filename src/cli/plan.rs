@@ -78,7 +78,7 @@ pub(super) fn count_with_noun(n: usize, one: &str, many: &str) -> String {
 /// Returns a warning for each effect that the scene needs but the plan omits.
 pub(super) fn omitted_effect_warnings(plan: &Plan) -> impl Iterator<Item = String> {
     let lacking = plan.decisions.iter().filter(|d| d.needed && !d.on);
-    lacking.map(|d| format!("warning: without {}: {}", d.effect, d.effect.lack()))
+    lacking.map(|d| format!("warning: without {}: {}", d.effect, d.effect.symptom_if_missing()))
 }
 
 fn plan_table(algorithm: Algorithm, plan: &Plan, balance: Option<Balance>, work: &ExpectedWork) -> String {
@@ -154,7 +154,7 @@ pub(super) fn plan_effect_reports(plan: &Plan) -> Vec<EffectReport> {
         on: d.on,
         needed: d.needed,
         reason: d.reason.to_string(),
-        flaw: (d.needed && !d.on).then(|| d.effect.lack()),
+        flaw: (d.needed && !d.on).then(|| d.effect.symptom_if_missing()),
     };
     plan.decisions.iter().map(report).collect()
 }

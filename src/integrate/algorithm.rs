@@ -77,7 +77,7 @@ impl Algorithm {
             Bump, CausticBounces, Caustics, Dispersion, Environment, Gathering, Interiors, Interreflection, Lens,
             Media, Motion, Shadows, SoftShadows, Specular, Textures,
         };
-        const RAYCAST: Effects = Effects::of(&[Textures, Bump]);
+        const RAYCAST: Effects = Effects::from_list(&[Textures, Bump]);
         const WHITTED: Effects = RAYCAST.with(Specular).with(Shadows).with(Environment).with(Interiors);
         const DISTRIBUTED: Effects = WHITTED.with(SoftShadows).with(Lens).with(Motion).with(Media).with(Dispersion);
         const PATH: Effects = DISTRIBUTED.with(Interreflection).with(Caustics);

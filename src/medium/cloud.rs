@@ -1,7 +1,7 @@
 //! Procedural clouds.
 
 use crate::sampling::Key;
-use crate::texture::noise::fractal;
+use crate::texture::noise::fractal_noise;
 use glam::DVec3;
 use rand::RngExt;
 
@@ -32,20 +32,20 @@ impl Cloud {
         let Self { octaves, scale, cover, softness, .. } = *self;
         move |p| {
             let inwards = 1.0 - (2.0 * p - 1.0).length();
-            let edge = if inwards > 0.0 { smooth(inwards / softness.max(f64::MIN_POSITIVE)) } else { 0.0 };
+            let edge = if inwards > 0.0 { smoothstep(inwards / softness.max(f64::MIN_POSITIVE)) } else { 0.0 };
             // The edge lowers the coverage, so it frays instead of fading.
             let cover = cover.clamp(0.0, 1.0) * edge;
             if cover <= 0.0 {
                 return 0.0;
             }
-            let height = (0.5 + fractal(p * scale + shift, width * scale, octaves)).clamp(0.0, 1.0);
+            let height = (0.5 + fractal_noise(p * scale + shift, width * scale, octaves)).clamp(0.0, 1.0);
             ((height - (1.0 - cover)) / cover).max(0.0) as f32
         }
     }
 }
 
 /// Smooth step from 0 to 1.
-fn smooth(x: f64) -> f64 {
+fn smoothstep(x: f64) -> f64 {
     let x = x.clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
 }
@@ -56,20 +56,20 @@ mod tests {
 
     const CLOUD: Cloud = Cloud { octaves: 5, scale: 4.0, cover: 0.7, softness: 0.4, seed: 1 };
 
-    fn points() -> impl Iterator<Item = DVec3> {
+    fn cell_center_points() -> impl Iterator<Item = DVec3> {
         (0..20u32.pow(3)).map(|i| (DVec3::from([i % 20, i / 20 % 20, i / 400].map(f64::from)) + 0.5) / 20.0)
     }
 
-    fn mean(cloud: Cloud) -> f64 {
+    fn mean_density(cloud: Cloud) -> f64 {
         let density = cloud.density(0.0);
-        points().map(|p| f64::from(density(p))).sum::<f64>() / 8000.0
+        cell_center_points().map(|p| f64::from(density(p))).sum::<f64>() / 8000.0
     }
 
     #[test]
     fn density_is_in_range_and_in_the_ellipsoid() {
         for softness in [0.0, 0.4, 1.0] {
             let density = Cloud { softness, cover: 1.0, ..CLOUD }.density(0.0);
-            for p in points() {
+            for p in cell_center_points() {
                 let d = density(p);
                 assert!((0.0..=1.0).contains(&d), "{p} {d}");
                 assert!(d == 0.0 || (2.0 * p - 1.0).length() < 1.0, "{p} {d}");
@@ -83,13 +83,13 @@ mod tests {
     /// times over.
     #[test]
     fn cover_softness_and_seed_have_their_effect() {
-        let full = mean(Cloud { cover: 1.0, softness: 0.0, ..CLOUD });
+        let full = mean_density(Cloud { cover: 1.0, softness: 0.0, ..CLOUD });
         let truth = std::f64::consts::PI / 12.0;
         assert!((full / truth - 1.0).abs() < 5.0 * 0.5 / 34f64.sqrt(), "{full}");
-        let covers = [0.0, 0.3, 0.6, 0.9].map(|cover| mean(Cloud { cover, ..CLOUD }));
+        let covers = [0.0, 0.3, 0.6, 0.9].map(|cover| mean_density(Cloud { cover, ..CLOUD }));
         assert!(covers[0] == 0.0 && covers.is_sorted() && covers[3] > covers[1], "{covers:?}");
-        assert!(mean(Cloud { softness: 0.8, ..CLOUD }) < mean(Cloud { softness: 0.2, ..CLOUD }));
-        let [one, same, other] = [CLOUD, CLOUD, Cloud { seed: 2, ..CLOUD }].map(mean);
+        assert!(mean_density(Cloud { softness: 0.8, ..CLOUD }) < mean_density(Cloud { softness: 0.2, ..CLOUD }));
+        let [one, same, other] = [CLOUD, CLOUD, Cloud { seed: 2, ..CLOUD }].map(mean_density);
         assert!(one == same && one != other, "{one} {other}");
     }
 }

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Cells along each side of a block, which has one majorant.
-pub(super) const BLOCK: u32 = 8;
+pub(super) const BLOCK_SIDE: u32 = 8;
 
 /// Reason why a density grid is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -49,21 +49,21 @@ pub enum GridDensityError {
 /// constant in the outer half of the outer cells. Clones share the values.
 #[derive(Clone, Debug)]
 pub struct GridDensity {
-    grid: Arc<Grid>,
+    grid: Arc<GridData>,
     /// Map from the unit cube to world space.
     placement: Transform,
 }
 
 /// The data that all placements share.
 #[derive(Debug)]
-struct Grid {
+struct GridData {
     size: [u32; 3],
     values: Vec<f32>,
     /// Number of blocks along each side.
     blocks: [u32; 3],
     /// Majorant of each block.
     majorants: Vec<f32>,
-    maximum: f32,
+    max_density: f32,
 }
 
 impl GridDensity {
@@ -73,7 +73,7 @@ impl GridDensity {
     /// [`GridDensityError`] if the grid is empty, if the number of values is wrong, if a value is
     /// negative or not finite, or if the placement is singular.
     pub fn new(size: [u32; 3], values: Vec<f32>, placement: DAffine3) -> Result<Self, GridDensityError> {
-        let expected = count(size)?;
+        let expected = cell_count(size)?;
         if values.len() != expected {
             return Err(GridDensityError::Count { expected, found: values.len() });
         }
@@ -83,10 +83,10 @@ impl GridDensity {
             return Err(GridDensityError::Cell { x, y, z, value: values[i] });
         }
         let placement = Transform::new(placement)?;
-        let blocks = size.map(|n| n.div_ceil(BLOCK));
-        let majorants = majorants(size, &values, blocks);
-        let maximum = majorants.iter().copied().fold(0.0, f32::max);
-        Ok(Self { grid: Arc::new(Grid { size, values, blocks, majorants, maximum }), placement })
+        let blocks = size.map(|n| n.div_ceil(BLOCK_SIDE));
+        let majorants = block_majorants(size, &values, blocks);
+        let max_density = majorants.iter().copied().fold(0.0, f32::max);
+        Ok(Self { grid: Arc::new(GridData { size, values, blocks, majorants, max_density }), placement })
     }
 
     /// A grid with the values of `density` at the centers of the cells, in coordinates of the unit
@@ -101,7 +101,7 @@ impl GridDensity {
         density: impl Fn(DVec3) -> f32 + Sync,
     ) -> Result<Self, GridDensityError> {
         let [nx, ny, nz] = size;
-        let cells = count(size)?;
+        let cells = cell_count(size)?;
         let mut values = Vec::new();
         values.try_reserve_exact(cells).map_err(|_| GridDensityError::TooLarge(nx, ny, nz))?;
         values.resize(cells, 0.0);
@@ -126,13 +126,13 @@ impl GridDensity {
     pub fn density(&self, p: Vec3) -> f32 {
         let q = self.placement.inverse().transform_point3(p.as_dvec3());
         let inside = q.cmpge(DVec3::ZERO).all() && q.cmple(DVec3::ONE).all();
-        if inside { self.grid.at(q * self.grid.cells()) } else { 0.0 }
+        if inside { self.grid.interpolate(q * self.grid.cell_counts()) } else { 0.0 }
     }
 
     /// Majorant of the whole grid.
     #[must_use]
-    pub fn maximum(&self) -> f32 {
-        self.grid.maximum
+    pub fn max_density(&self) -> f32 {
+        self.grid.max_density
     }
 
     /// Number of cells along each side.
@@ -150,12 +150,12 @@ impl GridDensity {
     /// Memory of the grid \[bytes].
     #[must_use]
     pub fn memory(&self) -> usize {
-        size_of::<Grid>() + size_of::<f32>() * (self.grid.values.len() + self.grid.majorants.len())
+        size_of::<GridData>() + size_of::<f32>() * (self.grid.values.len() + self.grid.majorants.len())
     }
 
     /// The part of `ray` up to `distance`, in the space of the cells.
-    pub(super) fn along(&self, ray: &Ray, distance: f32) -> GridRay<'_> {
-        let cells = self.grid.cells();
+    pub(super) fn ray_in_grid(&self, ray: &Ray, distance: f32) -> GridRay<'_> {
+        let cells = self.grid.cell_counts();
         let inverse = self.placement.inverse();
         let origin = inverse.transform_point3(ray.origin.as_dvec3()) * cells;
         let step = inverse.transform_vector3(ray.direction.as_dvec3()) * cells;
@@ -165,7 +165,7 @@ impl GridDensity {
 
 /// A ray in the space of the cells, which have side 1.
 pub(super) struct GridRay<'a> {
-    grid: &'a Grid,
+    grid: &'a GridData,
     origin: DVec3,
     step: DVec3,
     distance: f64,
@@ -174,10 +174,10 @@ pub(super) struct GridRay<'a> {
 impl GridRay<'_> {
     /// Distances where the ray enters and leaves each block of positive density, with its majorant,
     /// from near to far.
-    pub(super) fn blocks(&self) -> impl Iterator<Item = (f64, f64, f64)> {
-        let Grid { blocks, majorants, .. } = self.grid;
-        let side = f64::from(BLOCK);
-        let far = self.grid.cells() / side;
+    pub(super) fn majorant_blocks(&self) -> impl Iterator<Item = (f64, f64, f64)> {
+        let GridData { blocks, majorants, .. } = self.grid;
+        let side = f64::from(BLOCK_SIDE);
+        let far = self.grid.cell_counts() / side;
         MajorantIterator::new(self.origin / side, self.step / side, far, *blocks, self.distance).filter_map(
             |(t0, t1, index)| {
                 let majorant = f64::from(majorants[index]);
@@ -188,20 +188,20 @@ impl GridRay<'_> {
 
     /// Density at distance `t`, which lies in the box.
     pub(super) fn density(&self, t: f64) -> f64 {
-        f64::from(self.grid.at(self.origin + self.step * t))
+        f64::from(self.grid.interpolate(self.origin + self.step * t))
     }
 }
 
-impl Grid {
+impl GridData {
     /// Number of cells along each axis.
-    fn cells(&self) -> DVec3 {
+    fn cell_counts(&self) -> DVec3 {
         let [x, y, z] = self.size.map(f64::from);
         DVec3::new(x, y, z)
     }
 
     /// Density at `q` in cells; outside of the box, that of the nearest point.
-    fn at(&self, q: DVec3) -> f32 {
-        let last = self.cells() - 1.0;
+    fn interpolate(&self, q: DVec3) -> f32 {
+        let last = self.cell_counts() - 1.0;
         let q = (q - 0.5).clamp(DVec3::ZERO, last);
         let low = q.floor();
         let f = (q - low).as_vec3();
@@ -224,7 +224,7 @@ fn lerp(t: f32, a: f32, b: f32) -> f32 {
 }
 
 /// Number of cells.
-fn count(size: [u32; 3]) -> Result<usize, GridDensityError> {
+fn cell_count(size: [u32; 3]) -> Result<usize, GridDensityError> {
     let [x, y, z] = size;
     if x.min(y).min(z) == 0 {
         return Err(GridDensityError::Empty(x, y, z));
@@ -234,11 +234,12 @@ fn count(size: [u32; 3]) -> Result<usize, GridDensityError> {
 }
 
 /// Majorant of each block: the largest value of its cells and their neighbours.
-fn majorants(size: [u32; 3], values: &[f32], blocks: [u32; 3]) -> Vec<f32> {
+fn block_majorants(size: [u32; 3], values: &[f32], blocks: [u32; 3]) -> Vec<f32> {
     let [nx, ny, _] = size.map(|n| n as usize);
     let [bx, by, bz] = blocks;
     let range = |b: u32, n: u32| {
-        let (low, high) = ((b * BLOCK).saturating_sub(1), b.saturating_add(1).saturating_mul(BLOCK).saturating_add(1));
+        let (low, high) =
+            ((b * BLOCK_SIDE).saturating_sub(1), b.saturating_add(1).saturating_mul(BLOCK_SIDE).saturating_add(1));
         low as usize..high.min(n) as usize
     };
     let index = (0..bz).flat_map(|z| (0..by).flat_map(move |y| (0..bx).map(move |x| [x, y, z])));

@@ -1,17 +1,17 @@
 //! Homogeneous media, in closed form.
 
-use super::{DistanceSample, Medium, channel_probabilities, weight};
+use super::{DistanceSample, Medium, channel_probabilities, mask_weight};
 use crate::color::Rgb;
 use glam::DVec3;
 use rand::{Rng, RngExt};
 
 /// Optical depth σ·distance per channel; 0 where σ is 0, at any distance.
-fn depth(sigma: Rgb, distance: f64) -> DVec3 {
+fn optical_depth(sigma: Rgb, distance: f64) -> DVec3 {
     DVec3::from_array(sigma.to_array().map(|s| if s > 0.0 { f64::from(s) * distance } else { 0.0 }))
 }
 
 /// exp(−depth) in each channel.
-fn exp(depth: DVec3) -> DVec3 {
+fn exp_neg(depth: DVec3) -> DVec3 {
     DVec3::from_array(depth.to_array().map(|x| libm::exp(-x)))
 }
 
@@ -29,7 +29,7 @@ pub(super) fn transmittance_f64(sigma: Rgb, distance: f32) -> DVec3 {
         let depth = if sigma.x > 0.0 { f64::from(sigma.x) * f64::from(distance.max(0.0)) } else { 0.0 };
         return DVec3::splat(libm::exp(-depth));
     }
-    exp(depth(sigma, f64::from(distance.max(0.0))))
+    exp_neg(optical_depth(sigma, f64::from(distance.max(0.0))))
 }
 
 /// Samples a distance by one channel, chosen in proportion to its throughput.
@@ -56,15 +56,15 @@ pub(super) fn distance_sample(medium: &Medium, distance: f32, throughput: Rgb, r
     let distance = f64::from(distance.max(0.0));
     let t = if rate > 0.0 { -libm::log(1.0 - rng.random::<f64>()) / rate } else { f64::INFINITY };
     if t < distance {
-        let left = exp(depth(sigma, t));
+        let left = exp_neg(optical_depth(sigma, t));
         let density = probability.dot(sigma.as_dvec3() * left);
         DistanceSample {
             scattered: Some(t as f32),
-            weight: weight(medium.scattering.as_dvec3() * left / density, probability),
+            weight: mask_weight(medium.scattering.as_dvec3() * left / density, probability),
         }
     } else {
-        let left = exp(depth(sigma, distance));
-        DistanceSample { scattered: None, weight: weight(left / probability.dot(left), probability) }
+        let left = exp_neg(optical_depth(sigma, distance));
+        DistanceSample { scattered: None, weight: mask_weight(left / probability.dot(left), probability) }
     }
 }
 
@@ -73,11 +73,11 @@ pub(super) fn distance_pdf(sigma: Rgb, t: f32, throughput: Rgb) -> f32 {
     if t < 0.0 {
         return 0.0;
     }
-    channel_probabilities(throughput).dot(sigma.as_dvec3() * exp(depth(sigma, f64::from(t)))) as f32
+    channel_probabilities(throughput).dot(sigma.as_dvec3() * exp_neg(optical_depth(sigma, f64::from(t)))) as f32
 }
 
 /// Emitted radiance: ∫ ε exp(−σt) dt = ε(1 − exp(−σd))/σ.
-pub(super) fn emitted(medium: &Medium, distance: f32) -> Rgb {
+pub(super) fn emitted_radiance(medium: &Medium, distance: f32) -> Rgb {
     let sigma = medium.extinction();
     let distance = f64::from(distance.max(0.0));
     let channel = |i: usize| {

@@ -36,12 +36,12 @@ impl MajorantIterator {
         let start = origin + step * t;
         let cell = std::array::from_fn(|axis| (start[axis].max(0.0) as u32).min(count[axis] - 1));
         let mut blocks = Self { origin, step, count, cell, next: [0.0; 3], t, end };
-        blocks.next = std::array::from_fn(|axis| blocks.face(axis));
+        blocks.next = std::array::from_fn(|axis| blocks.face_distance(axis));
         blocks
     }
 
     /// Distance at which the ray leaves its block across `axis`.
-    fn face(&self, axis: usize) -> f64 {
+    fn face_distance(&self, axis: usize) -> f64 {
         let (o, s, cell) = (self.origin[axis], self.step[axis], f64::from(self.cell[axis]));
         if s > 0.0 {
             (cell + 1.0 - o) / s
@@ -78,7 +78,7 @@ impl Iterator for MajorantIterator {
                 return Some((start, self.end, index));
             }
             self.cell[axis] = if forward { self.cell[axis] + 1 } else { self.cell[axis] - 1 };
-            self.next[axis] = self.face(axis);
+            self.next[axis] = self.face_distance(axis);
             if stop > start {
                 self.t = stop;
                 return Some((start, stop, index));

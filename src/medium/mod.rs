@@ -119,7 +119,7 @@ impl Medium {
     /// True if the medium neither attenuates nor emits light.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        let nowhere = self.density.as_ref().is_some_and(|grid| grid.maximum() == 0.0);
+        let nowhere = self.density.as_ref().is_some_and(|grid| grid.max_density() == 0.0);
         nowhere || (self.extinction() == Rgb::ZERO && self.emission == Rgb::ZERO)
     }
 
@@ -197,13 +197,13 @@ impl Medium {
     /// Exact in a homogeneous medium, else an unbiased estimate. A homogeneous medium that emits in
     /// a channel without extinction gives infinite radiance over an infinite distance.
     #[must_use]
-    pub fn emitted(&self, ray: &Ray, distance: f32, rng: &mut impl Rng) -> Rgb {
+    pub fn emitted_radiance(&self, ray: &Ray, distance: f32, rng: &mut impl Rng) -> Rgb {
         if !self.emits() {
             return Rgb::ZERO;
         }
         match &self.density {
-            None => homogeneous::emitted(self, distance),
-            Some(grid) => tracking::emitted(self, grid, ray, distance, rng),
+            None => homogeneous::emitted_radiance(self, distance),
+            Some(grid) => tracking::emitted_radiance(self, grid, ray, distance, rng),
         }
     }
 
@@ -226,7 +226,7 @@ fn channel_probabilities(throughput: Rgb) -> DVec3 {
 }
 
 /// A weight in f32; zero for channels of zero probability.
-fn weight(w: DVec3, probabilities: DVec3) -> Rgb {
+fn mask_weight(w: DVec3, probabilities: DVec3) -> Rgb {
     let most = f64::from(f32::MAX);
     DVec3::select(probabilities.cmpgt(DVec3::ZERO), w.min(DVec3::splat(most)), DVec3::ZERO).as_vec3()
 }

@@ -44,8 +44,8 @@ impl PhaseFunction {
     pub fn sample(&self, direction: Vec3, u: Vec2) -> (Vec3, f32) {
         let (cos, sin) = match *self {
             Self::Isotropic => (1.0 - 2.0 * u.x, 2.0 * (u.x * (1.0 - u.x)).sqrt()),
-            Self::HenyeyGreenstein(g) => henyey_greenstein(g, u.x),
-            Self::Rayleigh => rayleigh(u.x),
+            Self::HenyeyGreenstein(g) => sample_henyey_greenstein(g, u.x),
+            Self::Rayleigh => sample_rayleigh(u.x),
         };
         let (s, c) = sin_cos_turns(u.y);
         let next = Frame::from_normal(direction).to_world(Vec3::new(sin * c, sin * s, cos));
@@ -67,7 +67,7 @@ impl PhaseFunction {
 ///
 /// With D = 1 − g + 2gu, the inverse (Witt 1977) gives 1 − cos = 2(1−g)²(1−u)(1+gu)/D² and 1 + cos
 /// = 2(1+g)²u(1−g(1−u))/D². Neither cancels for g from 0 to 1.
-fn henyey_greenstein(g: f32, u: f32) -> (f32, f32) {
+fn sample_henyey_greenstein(g: f32, u: f32) -> (f32, f32) {
     let a = g.abs();
     let rest = 1.0 - a;
     let d = rest + 2.0 * a * u;
@@ -80,7 +80,7 @@ fn henyey_greenstein(g: f32, u: f32) -> (f32, f32) {
 
 /// Samples cosine and sine of Rayleigh scattering by inversion: the real root of cos³ + 3cos = 8u −
 /// 4 (Cardano).
-fn rayleigh(u: f32) -> (f32, f32) {
+fn sample_rayleigh(u: f32) -> (f32, f32) {
     let q = 4.0 * f64::from(u) - 2.0;
     let root = libm::cbrt(q.abs() + (q * q + 1.0).sqrt());
     let cos = (root - 1.0 / root).min(1.0).copysign(q);

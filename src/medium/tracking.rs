@@ -4,7 +4,7 @@
 //! is null collisions (Woodcock 1965). Absorption is a weight and is never sampled.
 
 use super::grid_density::{GridDensity, GridRay};
-use super::{DistanceSample, Medium, TransmittanceCurve, channel_probabilities, weight};
+use super::{DistanceSample, Medium, TransmittanceCurve, channel_probabilities, mask_weight};
 use crate::color::Rgb;
 use crate::math::Ray;
 use glam::DVec3;
@@ -24,7 +24,7 @@ const MIN_EMISSION_COLLISIONS: f64 = 4.0;
 const MIN_CURVE_COLLISIONS: f64 = 16.0;
 
 /// A tentative collision.
-struct Collision {
+struct TentativeCollision {
     /// Distance along the ray.
     t: f64,
     /// Density of the medium over the rate of tentative collisions per unit coefficient.
@@ -32,17 +32,22 @@ struct Collision {
 }
 
 /// Decision to continue or stop tracking.
-enum Tracking {
+enum TrackingDecision {
     Continue,
     Stop,
 }
 
 /// Visits tentative collisions at `rate` times the local majorant; false if `visit` stopped
 /// tracking.
-fn track<R: Rng>(line: &GridRay, rate: f64, rng: &mut R, mut visit: impl FnMut(Collision, &mut R) -> Tracking) -> bool {
+fn track_collisions<R: Rng>(
+    line: &GridRay,
+    rate: f64,
+    rng: &mut R,
+    mut visit: impl FnMut(TentativeCollision, &mut R) -> TrackingDecision,
+) -> bool {
     // Optical depth to the next collision; the rest of each block carries over to the next block.
-    let mut depth = exponential(rng);
-    for (start, stop, majorant) in line.blocks() {
+    let mut depth = sample_exponential(rng);
+    for (start, stop, majorant) in line.majorant_blocks() {
         let mut t = start;
         loop {
             let step = depth / (rate * majorant);
@@ -53,22 +58,22 @@ fn track<R: Rng>(line: &GridRay, rate: f64, rng: &mut R, mut visit: impl FnMut(C
             t += step;
             // Interpolation may round above the majorant.
             let density = line.density(t).min(majorant) / (rate * majorant);
-            if matches!(visit(Collision { t, density }, rng), Tracking::Stop) {
+            if matches!(visit(TentativeCollision { t, density }, rng), TrackingDecision::Stop) {
                 return false;
             }
-            depth = exponential(rng);
+            depth = sample_exponential(rng);
         }
     }
     true
 }
 
 /// Samples an exponential distribution of rate 1.
-fn exponential(rng: &mut impl Rng) -> f64 {
+fn sample_exponential(rng: &mut impl Rng) -> f64 {
     -libm::log(1.0 - rng.random::<f64>())
 }
 
 /// Russian roulette by the remaining weight; `None` stops, else the factor of the weight.
-fn roulette(left: f64, steps: u32, rng: &mut impl Rng) -> Option<f64> {
+fn russian_roulette(left: f64, steps: u32, rng: &mut impl Rng) -> Option<f64> {
     let faint = if left < ROULETTE_THRESHOLD { left / ROULETTE_THRESHOLD } else { 1.0 };
     let stay = if steps.is_multiple_of(COLLISIONS_PER_ROULETTE) { 0.5 * faint } else { faint };
     if stay >= 1.0 { Some(1.0) } else { (rng.random::<f64>() < stay).then(|| 1.0 / stay) }
@@ -82,7 +87,7 @@ pub(super) fn transmittance(medium: &Medium, grid: &GridDensity, ray: &Ray, dist
         return Rgb::ONE;
     }
     let (mut left, mut steps) = (DVec3::ONE, 0u32);
-    let through = track(&grid.along(ray, distance), rate, rng, |collision, rng| {
+    let through = track_collisions(&grid.ray_in_grid(ray, distance), rate, rng, |collision, rng| {
         left *= DVec3::ONE - sigma * collision.density;
         transmittance_roulette(&mut left, &mut steps, rng)
     });
@@ -99,15 +104,15 @@ pub(super) fn transmittance_curve(
     curve: &mut TransmittanceCurve,
 ) {
     let sigma = medium.extinction().as_dvec3();
-    let line = grid.along(ray, distance);
-    let depth: f64 = line.blocks().map(|(start, stop, majorant)| (stop - start) * majorant).sum();
+    let line = grid.ray_in_grid(ray, distance);
+    let depth: f64 = line.majorant_blocks().map(|(start, stop, majorant)| (stop - start) * majorant).sum();
     if sigma == DVec3::ZERO || depth <= 0.0 {
         return;
     }
     // More collisions give a smoother curve.
     let rate = sigma.max_element().max(MIN_CURVE_COLLISIONS / depth);
     let (mut left, mut steps) = (DVec3::ONE, 0u32);
-    let through = track(&line, rate, rng, |collision, rng| {
+    let through = track_collisions(&line, rate, rng, |collision, rng| {
         left *= DVec3::ONE - sigma * collision.density;
         let step = transmittance_roulette(&mut left, &mut steps, rng);
         curve.steps.push((collision.t as f32, left.as_vec3()));
@@ -119,15 +124,15 @@ pub(super) fn transmittance_curve(
 }
 
 /// Applies Russian roulette to the remaining transmittance.
-fn transmittance_roulette(left: &mut DVec3, steps: &mut u32, rng: &mut impl Rng) -> Tracking {
+fn transmittance_roulette(left: &mut DVec3, steps: &mut u32, rng: &mut impl Rng) -> TrackingDecision {
     *left = left.max(DVec3::ZERO);
     *steps = steps.wrapping_add(1);
-    match roulette(left.max_element(), *steps, rng) {
+    match russian_roulette(left.max_element(), *steps, rng) {
         Some(gain) => {
             *left *= gain;
-            Tracking::Continue
+            TrackingDecision::Continue
         }
-        None => Tracking::Stop,
+        None => TrackingDecision::Stop,
     }
 }
 
@@ -150,45 +155,51 @@ pub(super) fn distance_sample(
     let rate = sigma.max_element();
     let (mut left, mut steps, mut scattered) = (DVec3::ONE, 0u32, None);
     let through = rate <= 0.0
-        || track(&grid.along(ray, distance), rate, rng, |collision, rng| {
+        || track_collisions(&grid.ray_in_grid(ray, distance), rate, rng, |collision, rng| {
             let real = left * scattering * collision.density;
             let null = left * (DVec3::ONE - sigma * collision.density).max(DVec3::ZERO);
             let (a, b) = (probabilities.dot(real), probabilities.dot(null));
             if a + b <= 0.0 {
-                return Tracking::Stop;
+                return TrackingDecision::Stop;
             }
             let probability = a / (a + b);
             if rng.random::<f64>() < probability {
                 left = real / probability;
                 scattered = Some(collision.t as f32);
-                return Tracking::Stop;
+                return TrackingDecision::Stop;
             }
             left = null / (1.0 - probability);
             steps = steps.wrapping_add(1);
-            match roulette(probabilities.dot(left), steps, rng) {
+            match russian_roulette(probabilities.dot(left), steps, rng) {
                 Some(gain) => {
                     left *= gain;
-                    Tracking::Continue
+                    TrackingDecision::Continue
                 }
-                None => Tracking::Stop,
+                None => TrackingDecision::Stop,
             }
         });
     let lost = !through && scattered.is_none();
-    DistanceSample { scattered, weight: if lost { Rgb::ZERO } else { weight(left, probabilities) } }
+    DistanceSample { scattered, weight: if lost { Rgb::ZERO } else { mask_weight(left, probabilities) } }
 }
 
 /// Emitted radiance: the sum over tentative collisions of emission times transmittance.
-pub(super) fn emitted(medium: &Medium, grid: &GridDensity, ray: &Ray, distance: f32, rng: &mut impl Rng) -> Rgb {
+pub(super) fn emitted_radiance(
+    medium: &Medium,
+    grid: &GridDensity,
+    ray: &Ray,
+    distance: f32,
+    rng: &mut impl Rng,
+) -> Rgb {
     let (sigma, emission) = (medium.extinction().as_dvec3(), medium.emission.as_dvec3());
-    let line = grid.along(ray, distance);
-    let depth: f64 = line.blocks().map(|(start, stop, majorant)| (stop - start) * majorant).sum();
+    let line = grid.ray_in_grid(ray, distance);
+    let depth: f64 = line.majorant_blocks().map(|(start, stop, majorant)| (stop - start) * majorant).sum();
     if depth <= 0.0 {
         return Rgb::ZERO;
     }
     // A minimum number of collisions also samples thin media.
     let rate = sigma.max_element().max(MIN_EMISSION_COLLISIONS / depth);
     let (mut sum, mut left, mut steps) = (DVec3::ZERO, DVec3::ONE, 0u32);
-    track(&line, rate, rng, |collision, rng| {
+    track_collisions(&line, rate, rng, |collision, rng| {
         sum += left * emission * collision.density;
         left *= DVec3::ONE - sigma * collision.density;
         transmittance_roulette(&mut left, &mut steps, rng)

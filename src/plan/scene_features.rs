@@ -55,7 +55,7 @@ impl SceneFeatures {
     /// Features of `scene`.
     #[must_use]
     pub fn from_scene(scene: &Scene) -> Self {
-        let objects: Vec<ObjectSummary> = scene.objects().collect();
+        let objects: Vec<ObjectSummary> = scene.object_summaries().collect();
         let mut features = Self {
             objects: objects.len(),
             receivers: 0,
@@ -75,7 +75,7 @@ impl SceneFeatures {
             soft_lights: 0,
             environment: scene.environment().is_some(),
             lens: scene.camera().lens().is_some(),
-            moving: scene.moves(),
+            moving: scene.has_motion(),
             one_flat_object: false,
         };
         // The domain of a scene of planes alone is a point. Light from infinity has no power there,
@@ -97,9 +97,9 @@ impl SceneFeatures {
         features.soft_lights = lights.iter().filter(|l| !l.is_delta()).count();
         for object in &objects {
             let (mut receives, mut scatters, mut casts, mut bounds, mut parts) = (false, false, false, false, false);
-            scene.for_each_leaf(object.material, &mut |leaf| {
+            scene.for_each_leaf_material(object.material, &mut |leaf| {
                 casts |= leaf.casts_caustics();
-                if let Some(body) = leaf.boundary {
+                if let Some(body) = leaf.bounded_body {
                     bounds = true;
                     parts |= body.glass.is_some();
                 } else if leaf.bsdf.stores_photons() {
@@ -108,8 +108,8 @@ impl SceneFeatures {
                 }
             });
             let ball = object.ball.filter(|_| !features.moving);
-            let reached = || lights.iter().any(|light| light.may_illuminate(ball, scene.domain()));
-            let (textured, bumpy) = scene.uses_textures(object.material);
+            let reached = || lights.iter().any(|light| light.may_illuminate(ball, scene.photon_domain()));
+            let (textured, bumpy) = scene.texture_usage(object.material);
             features.textured += usize::from(textured || object.has_emission_texture);
             features.bump_mapped += usize::from(bumpy);
             features.receivers += usize::from(receives);

@@ -4,7 +4,7 @@
 //! no estimate blurs over time, and rays carry no time. Moving shapes have a small hierarchy of
 //! their own, rebuilt for each pass.
 
-use super::build::{derive, mean_lights};
+use super::build::{derive_quantities, mean_emission_lights};
 use super::delta_light::{legacy_area_light, resolve_light};
 use super::{DeltaLightKind, LightStrength, Scene};
 use crate::camera::Camera;
@@ -39,41 +39,45 @@ impl Animation {
 }
 
 /// The map of `motion` at `time`; `None` if it is singular or not finite.
-fn map_at(motion: &Motion, time: f64) -> Option<Transform> {
+fn motion_transform_at(motion: &Motion, time: f64) -> Option<Transform> {
     Transform::new(motion.at_time(time)).ok()
 }
 
 /// A moving shape at `time`; `None` if the motion flattens it.
 pub(super) fn shape_at(shape: &Shape, motion: &Motion, time: f64) -> Option<Shape> {
-    shape.transformed(&map_at(motion, time)?)
+    shape.transformed(&motion_transform_at(motion, time)?)
 }
 
 /// A moving plane at `time`; `None` if the motion flattens it.
 pub(super) fn plane_at(plane: &Plane, motion: &Motion, time: f64) -> Option<Plane> {
-    Some(plane.transformed(&map_at(motion, time)?))
+    Some(plane.transformed(&motion_transform_at(motion, time)?))
 }
 
 /// A moving light at `time`; `None` if the motion flattens it.
-pub(super) fn source_at(kind: &DeltaLightKind, motion: &Motion, time: f64) -> Option<DeltaLightKind> {
-    Some(kind.transformed(&map_at(motion, time)?))
+pub(super) fn delta_light_at(kind: &DeltaLightKind, motion: &Motion, time: f64) -> Option<DeltaLightKind> {
+    Some(kind.transformed(&motion_transform_at(motion, time)?))
 }
 
 /// A moving camera at `time`; `None` if the motion flattens it.
 pub(super) fn camera_at(camera: &Camera, motion: &Motion, time: f64) -> Option<Camera> {
-    Some(camera.moved(&map_at(motion, time)?))
+    Some(camera.moved(&motion_transform_at(motion, time)?))
 }
 
 /// The texture mapping of a moving object at `time`; `None` if the motion flattens it.
 pub(super) fn mapping_at(kind: MappingKind, motion: &Motion, time: f64) -> Option<TextureMapping> {
-    Some(TextureMapping::new(kind, map_at(motion, time)?))
+    Some(TextureMapping::new(kind, motion_transform_at(motion, time)?))
 }
 
 /// The physical strength of a moving light.
 ///
 /// The course's colour depends on the distance to the origin. It holds at mid-shutter, and the
 /// light keeps its strength.
-pub(super) fn constant_strength(kind: &DeltaLightKind, strength: LightStrength, motion: &Motion) -> LightStrength {
-    let (LightStrength::Course(_), Some(placed)) = (strength, source_at(kind, motion, MID_SHUTTER)) else {
+pub(super) fn physical_strength_mid_shutter(
+    kind: &DeltaLightKind,
+    strength: LightStrength,
+    motion: &Motion,
+) -> LightStrength {
+    let (LightStrength::Course(_), Some(placed)) = (strength, delta_light_at(kind, motion, MID_SHUTTER)) else {
         return strength;
     };
     resolve_light(&placed, strength, DVec3::ZERO).0.peak_strength().map_or(strength, LightStrength::Physical)
@@ -101,7 +105,7 @@ pub(super) fn scene_at(scene: &Scene, time: f64) -> Scene {
         }
     }
     for (i, kind, strength, motion) in &animation.lights {
-        if let Some(placed) = source_at(kind, motion, time) {
+        if let Some(placed) = delta_light_at(kind, motion, time) {
             (moved.lights[*i], moved.legacy_lights[*i]) = resolve_light(&placed, *strength, DVec3::ZERO);
         }
     }
@@ -110,9 +114,9 @@ pub(super) fn scene_at(scene: &Scene, time: f64) -> Scene {
     {
         moved.camera = placed;
     }
-    moved.mean_lights = mean_lights(&moved.lights);
-    moved.geometry.rebuild_moving();
-    moved.derived = derive(&moved);
+    moved.mean_emission_lights = mean_emission_lights(&moved.lights);
+    moved.geometry.rebuild_moving_hierarchy();
+    moved.derived = derive_quantities(&moved);
     moved
 }
 

@@ -87,7 +87,7 @@ impl Effect {
 
     /// Flaw of a picture that needs the effect but does not simulate it.
     #[must_use]
-    pub const fn lack(self) -> &'static str {
+    pub const fn symptom_if_missing(self) -> &'static str {
         match self {
             Self::Specular => "mirrors, glass and smooth metal are black",
             Self::Caustics => "caustics of glass, mirrors and smooth metal are missing: their shadows are too dark",
@@ -114,13 +114,13 @@ impl Effect {
 ///
 /// The variable `CAUSTICA_WITHOUT` removes one effect at build time. `.ci/cost-of-effects` uses it
 /// to measure the cost that code of one effect adds to scenes without it.
-const BUILT: Effects = match option_env!("CAUSTICA_WITHOUT") {
+const COMPILED_EFFECTS: Effects = match option_env!("CAUSTICA_WITHOUT") {
     None => Effects::ALL,
     Some(name) => {
         let mut built = Effects::ALL;
         let mut i = 0;
         while i < Effect::ALL.len() {
-            if same(name.as_bytes(), Effect::ALL[i].name().as_bytes()) {
+            if bytes_equal(name.as_bytes(), Effect::ALL[i].name().as_bytes()) {
                 built = built.without(Effect::ALL[i]);
             }
             i += 1;
@@ -129,7 +129,7 @@ const BUILT: Effects = match option_env!("CAUSTICA_WITHOUT") {
     }
 };
 
-const fn same(a: &[u8], b: &[u8]) -> bool {
+const fn bytes_equal(a: &[u8], b: &[u8]) -> bool {
     let mut i = 0;
     while i < a.len() && i < b.len() && a[i] == b[i] {
         i += 1;
@@ -168,11 +168,11 @@ impl Effects {
     /// No effect.
     pub const NONE: Self = Self(0);
     /// All effects.
-    pub const ALL: Self = Self::of(&Effect::ALL);
+    pub const ALL: Self = Self::from_list(&Effect::ALL);
 
     /// Set of the given effects.
     #[must_use]
-    pub const fn of(effects: &[Effect]) -> Self {
+    pub const fn from_list(effects: &[Effect]) -> Self {
         let mut set = Self(0);
         let mut i = 0;
         while i < effects.len() {
@@ -186,19 +186,19 @@ impl Effects {
     #[inline]
     #[must_use]
     pub const fn has(self, effect: Effect) -> bool {
-        self.0 & BUILT.0 & Self::bit(effect) != 0
+        self.0 & COMPILED_EFFECTS.0 & Self::bit_mask(effect) != 0
     }
 
     /// This set with `effect` added.
     #[must_use]
     pub const fn with(self, effect: Effect) -> Self {
-        Self(self.0 | Self::bit(effect))
+        Self(self.0 | Self::bit_mask(effect))
     }
 
     /// This set with `effect` removed.
     #[must_use]
     pub const fn without(self, effect: Effect) -> Self {
-        Self(self.0 & !Self::bit(effect))
+        Self(self.0 & !Self::bit_mask(effect))
     }
 
     /// The record of interiors that paths need to simulate these effects.
@@ -216,7 +216,7 @@ impl Effects {
         Effect::ALL.into_iter().filter(move |e| self.has(*e))
     }
 
-    const fn bit(effect: Effect) -> u16 {
+    const fn bit_mask(effect: Effect) -> u16 {
         1 << effect as u16
     }
 }

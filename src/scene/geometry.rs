@@ -91,12 +91,12 @@ impl Geometry {
             hierarchy,
             moving: None,
         };
-        geometry.rebuild_moving();
+        geometry.rebuild_moving_hierarchy();
         geometry
     }
 
     /// Rebuilds the hierarchy over moving shapes after they have moved.
-    pub fn rebuild_moving(&mut self) {
+    pub fn rebuild_moving_hierarchy(&mut self) {
         let boxes: Vec<Bounds> = self.moving_shapes().iter().map(Shape::bounds).collect();
         self.moving = (!boxes.is_empty()).then(|| Arc::new(Hierarchy::build(&[], &boxes)));
     }
@@ -112,18 +112,18 @@ impl Geometry {
     }
 
     /// Object number of plane 0.
-    fn first_plane(&self) -> usize {
+    fn first_plane_index(&self) -> usize {
         self.shapes.len() + self.mesh_ranges.len()
     }
 
     /// Attributes of the planes.
-    pub fn plane_objects(&self) -> &[ObjectAttributes] {
-        &self.objects[self.first_plane()..]
+    pub fn plane_attributes(&self) -> &[ObjectAttributes] {
+        &self.objects[self.first_plane_index()..]
     }
 
     /// Attributes of the meshes.
-    pub fn mesh_objects(&self) -> &[ObjectAttributes] {
-        &self.objects[self.shapes.len()..self.first_plane()]
+    pub fn mesh_attributes(&self) -> &[ObjectAttributes] {
+        &self.objects[self.shapes.len()..self.first_plane_index()]
     }
 
     /// Number of the object that a primitive belongs to.
@@ -132,13 +132,13 @@ impl Geometry {
         match kind {
             HitKind::Triangle(i, _) => self.triangle_object[i as usize],
             HitKind::Shape(i, _) => i,
-            HitKind::Plane(i) => self.first_plane() as u32 + i,
+            HitKind::Plane(i) => self.first_plane_index() as u32 + i,
         }
     }
 
     /// Attributes of the object that a primitive belongs to.
     #[inline]
-    pub fn object(&self, kind: HitKind) -> &ObjectAttributes {
+    pub fn object_attributes(&self, kind: HitKind) -> &ObjectAttributes {
         &self.objects[self.object_index(kind) as usize]
     }
 
@@ -180,7 +180,7 @@ impl Geometry {
     }
 
     /// The surface's own texture coordinates at a hit; zero on planes.
-    pub fn surface_coords(&self, hit: &Hit, point: &SurfacePoint) -> TexCoord {
+    pub fn surface_texture_coords(&self, hit: &Hit, point: &SurfacePoint) -> TexCoord {
         match hit.kind {
             HitKind::Triangle(i, b) => self.mesh.tex_coord(i as usize, b),
             HitKind::Shape(i, uv) => self.shapes[i as usize].tex_coord(point.p, uv),
@@ -192,7 +192,7 @@ impl Geometry {
     ///
     /// They share seams, where a ray hits two of them. Other shapes keep their points off their
     /// edges.
-    pub fn seam_object(&self, kind: HitKind) -> u32 {
+    pub fn coincidence_group(&self, kind: HitKind) -> u32 {
         match kind {
             HitKind::Shape(i, _) => match self.shapes[i as usize] {
                 Shape::Patch(_) | Shape::Revolution(_) => u32::MAX,

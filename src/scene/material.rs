@@ -1,7 +1,7 @@
 //! Materials of the resolved scene.
 
 use super::interiors::Body;
-use super::textured::{MeanParameters, NormalPerturbation, ParameterEvaluator, Textured};
+use super::textured::{MeanEvaluator, NormalPerturbation, ParameterEvaluator, Textured};
 use crate::bsdf::{Bsdf, Conductor, ThinDielectric};
 use crate::color::Rgb;
 use crate::texture::Texture;
@@ -81,18 +81,20 @@ impl MaterialKind {
     fn bsdf(&self, parameters: &impl ParameterEvaluator) -> Bsdf {
         match *self {
             Self::Black | Self::Mix { .. } => Bsdf::Black,
-            Self::Diffuse { reflectance } => Bsdf::Diffuse(parameters.color(&reflectance)),
+            Self::Diffuse { reflectance } => Bsdf::Diffuse(parameters.evaluate_color(&reflectance)),
             Self::Phong { diffuse, specular, shininess } => {
-                Bsdf::phong(parameters.color(&diffuse), parameters.color(&specular), shininess)
+                Bsdf::phong(parameters.evaluate_color(&diffuse), parameters.evaluate_color(&specular), shininess)
             }
-            Self::Mirror { reflectance } => Bsdf::Mirror(parameters.color(&reflectance)),
+            Self::Mirror { reflectance } => Bsdf::Mirror(parameters.evaluate_color(&reflectance)),
             Self::Conductor { eta, k, roughness } => {
-                Bsdf::Conductor(Conductor::new(eta, k, parameters.conductor_roughness(&roughness)))
+                Bsdf::Conductor(Conductor::new(eta, k, parameters.evaluate_conductor_roughness(&roughness)))
             }
             Self::Thin { eta, transmittance } => {
-                Bsdf::ThinDielectric(ThinDielectric { eta, transmittance: parameters.color(&transmittance) })
+                Bsdf::ThinDielectric(ThinDielectric { eta, transmittance: parameters.evaluate_color(&transmittance) })
             }
-            Self::Dielectric { body, roughness } => Bsdf::dielectric(body.index, parameters.number(&roughness)),
+            Self::Dielectric { body, roughness } => {
+                Bsdf::dielectric(body.index, parameters.evaluate_scalar(&roughness))
+            }
         }
     }
 
@@ -125,13 +127,13 @@ impl Material {
     /// A material of `kind` with unperturbed normals.
     #[must_use]
     pub fn new(kind: MaterialKind) -> Self {
-        let (mean_bsdf, textured) = (kind.bsdf(&MeanParameters), kind.is_textured());
+        let (mean_bsdf, textured) = (kind.bsdf(&MeanEvaluator), kind.is_textured());
         Self { kind, normals: NormalPerturbation::None, mean_bsdf, textured }
     }
 
     /// This material with shading normals perturbed by `normals`.
     #[must_use]
-    pub fn with_normals(self, normals: NormalPerturbation) -> Self {
+    pub fn with_normal_perturbation(self, normals: NormalPerturbation) -> Self {
         Self { normals, ..self }
     }
 
@@ -156,18 +158,18 @@ impl Material {
     /// The smooth boundary of a body with refractive `index` and `absorption` \[1/length].
     #[must_use]
     pub fn dielectric(index: f32, absorption: Rgb) -> Self {
-        Self::body(Body { absorption, ..Body::new(index) })
+        Self::smooth_boundary(Body { absorption, ..Body::new(index) })
     }
 
     /// The smooth boundary of `body`.
     #[must_use]
-    pub fn body(body: Body) -> Self {
-        Self::rough_body(body, 0.0)
+    pub fn smooth_boundary(body: Body) -> Self {
+        Self::rough_boundary(body, 0.0)
     }
 
     /// The boundary of `body` with roughness α in \[0, 1].
     #[must_use]
-    pub fn rough_body(body: Body, roughness: impl Into<Textured<f32>>) -> Self {
+    pub fn rough_boundary(body: Body, roughness: impl Into<Textured<f32>>) -> Self {
         Self::new(MaterialKind::Dielectric { body, roughness: roughness.into() })
     }
 
@@ -204,14 +206,14 @@ impl Material {
 
     /// The perturbation of shading normals.
     #[must_use]
-    pub fn normals(&self) -> NormalPerturbation {
+    pub fn normal_perturbation(&self) -> NormalPerturbation {
         self.normals
     }
 
     /// The body that this material bounds, if it bounds one.
     #[inline]
     #[must_use]
-    pub fn boundary(&self) -> Option<&Body> {
+    pub fn bounded_body(&self) -> Option<&Body> {
         self.kind.as_dielectric().map(|(body, _)| body)
     }
 
@@ -219,14 +221,14 @@ impl Material {
     #[must_use]
     pub fn with_body(self, body: Body) -> Self {
         match self.kind.as_dielectric() {
-            Some((_, roughness)) => Self::rough_body(body, *roughness).with_normals(self.normals),
+            Some((_, roughness)) => Self::rough_boundary(body, *roughness).with_normal_perturbation(self.normals),
             None => self,
         }
     }
 
     /// The materials that a mix resolves to, by index; `None` for other materials.
     #[must_use]
-    pub fn parts(&self) -> Option<[u32; 2]> {
+    pub fn mix_parts(&self) -> Option<[u32; 2]> {
         self.kind.as_mix().map(|(parts, _)| parts)
     }
 
@@ -259,18 +261,18 @@ impl Material {
     /// Mean roughness α of a body's boundary; 0 for other materials.
     #[inline]
     pub(super) fn mean_boundary_roughness(&self) -> f32 {
-        self.boundary_roughness(&MeanParameters)
+        self.boundary_roughness(&MeanEvaluator)
     }
 
     /// Roughness α of a body's boundary; 0 for other materials.
     #[inline]
     pub(super) fn boundary_roughness(&self, parameters: &impl ParameterEvaluator) -> f32 {
-        self.kind.as_dielectric().map_or(0.0, |(_, roughness)| parameters.number(roughness))
+        self.kind.as_dielectric().map_or(0.0, |(_, roughness)| parameters.evaluate_scalar(roughness))
     }
 
     /// Calls `visit` with BSDFs that cover all kinds that a hit may have: that of mean parameters,
     /// and those at the extremes of a conductor's roughness texture.
-    pub(super) fn for_each_bsdf(&self, textures: &[Arc<Texture>], mut visit: impl FnMut(Bsdf)) {
+    pub(super) fn for_each_possible_bsdf(&self, textures: &[Arc<Texture>], mut visit: impl FnMut(Bsdf)) {
         visit(self.mean_bsdf);
         match self.kind {
             MaterialKind::Conductor { eta, k, roughness: Textured::Texture { texture, .. } } => {

@@ -29,7 +29,7 @@ pub use path_ray::{MediumSegment, PathEvent, PathRay, SurfaceVertex};
 pub use queries::{LeafMaterial, ObjectSummary};
 pub use ray_cone::RayCone;
 pub use surface_interaction::SurfaceInteraction;
-pub use textured::{MeanParameters, NormalPerturbation, ParameterEvaluator, TextureLookups, Textured};
+pub use textured::{MeanEvaluator, NormalPerturbation, ParameterEvaluator, TextureEvaluator, Textured};
 
 use crate::accel::Primitive;
 use crate::camera::Camera;
@@ -40,7 +40,7 @@ use crate::medium::Medium;
 use crate::shape::{Shape, SurfacePoint, TextureMapping};
 use crate::texture::{Texture, TextureEvalContext};
 use animation::Animation;
-use build::Derived;
+use build::DerivedQuantities;
 use geometry::{Geometry, HitKind};
 use glam::{DVec3, Vec2, Vec3};
 use interiors::{CoincidentFaces, CoincidentFlags};
@@ -63,12 +63,12 @@ pub struct Scene {
     mappings: Vec<TextureMapping>,
     lights: Vec<Light>,
     /// Empty if no light follows a texture.
-    mean_lights: Vec<Light>,
+    mean_emission_lights: Vec<Light>,
     legacy_lights: Vec<LegacyLight>,
     animation: Option<Arc<Animation>>,
     origin: DVec3,
     coincident: CoincidentFlags,
-    derived: Derived,
+    derived: DerivedQuantities,
 }
 
 impl std::fmt::Debug for Scene {
@@ -121,8 +121,8 @@ impl Scene {
 
     /// The lights with their mean radiance in place of emission textures.
     #[must_use]
-    pub fn mean_lights(&self) -> &[Light] {
-        if self.mean_lights.is_empty() { &self.lights } else { &self.mean_lights }
+    pub fn mean_emission_lights(&self) -> &[Light] {
+        if self.mean_emission_lights.is_empty() { &self.lights } else { &self.mean_emission_lights }
     }
 
     /// The lights of the course's shading model, in the order of [`Scene::lights`], without an
@@ -139,8 +139,8 @@ impl Scene {
     /// is unknown. Its light passes the surface, unless the cosine to the normal is below 1/40.
     #[inline]
     #[must_use]
-    pub fn light_contact(&self, light: usize) -> f32 {
-        self.derived.light_contact[light]
+    pub fn light_contact_distance(&self, light: usize) -> f32 {
+        self.derived.light_contact_distance[light]
     }
 
     /// The materials.
@@ -173,7 +173,7 @@ impl Scene {
     ///
     /// It holds all bounded shapes, with room around them if there are unbounded planes.
     #[must_use]
-    pub fn domain(&self) -> BoundingSphere {
+    pub fn photon_domain(&self) -> BoundingSphere {
         self.derived.domain
     }
 
@@ -260,12 +260,12 @@ impl Scene {
         u_mix: impl FnOnce() -> f32,
     ) -> SurfaceInteraction<'_> {
         let point = self.geometry.surface_point(ray, hit);
-        let object = self.geometry.object(hit.kind);
+        let object = self.geometry.object_attributes(hit.kind);
         let wo = -ray.direction;
         let emission = match object.light.map(|l| &self.lights[l as usize]) {
             Some(Light::Area(area)) if wo.dot(point.ng) > 0.0 => match &area.texture {
                 Some(texture) if cone.effects.has(Effect::Textures) => {
-                    texture.radiance(&self.texture_context(hit, &point, wo, &cone.for_lights()))
+                    texture.radiance(&self.texture_context(hit, &point, wo, &cone.for_emission_textures()))
                 }
                 _ => area.radiance,
             },
@@ -273,7 +273,7 @@ impl Scene {
         };
         let mut material_index = object.material;
         let mut material = &self.materials[material_index as usize];
-        if material.parts().is_some() {
+        if material.mix_parts().is_some() {
             material_index = self
                 .resolve_mix(material_index, u_mix(), cone.effects, &|| self.texture_context(hit, &point, wo, cone));
             material = &self.materials[material_index as usize];
@@ -286,7 +286,7 @@ impl Scene {
             material_index,
             bsdf: material.mean_bsdf(),
             roughness: material.mean_boundary_roughness(),
-            coincident_object: near_boundary.then(|| self.geometry.seam_object(hit.kind)),
+            coincidence_group: near_boundary.then(|| self.geometry.coincidence_group(hit.kind)),
             coincident: CoincidentFaces::NONE,
             light: object.light,
             emission,
@@ -323,13 +323,14 @@ impl Scene {
         let footprint = Footprint::new(&self.geometry, &self.mappings, hit, &surface.point, surface.wo, cone);
         let material = surface.material;
         if material.is_textured() && cone.effects.has(Effect::Textures) {
-            let lookups = TextureLookups { textures: &self.textures, at: footprint.context };
+            let lookups = TextureEvaluator { textures: &self.textures, at: footprint.context };
             surface.bsdf = material.bsdf(&lookups);
             surface.roughness = material.boundary_roughness(&lookups);
         }
         if cone.effects.has(Effect::Bump) {
             let width = f64::from(cone.width());
-            surface.point.ns = perturbed_normal(material.normals(), &self.textures, &surface.point, &footprint, width);
+            surface.point.ns =
+                perturbed_normal(material.normal_perturbation(), &self.textures, &surface.point, &footprint, width);
         }
     }
 
@@ -345,7 +346,7 @@ impl Scene {
         while let Some(([first, second], amount)) = self.materials[index as usize].kind().as_mix() {
             let amount = match amount {
                 Textured::Texture { .. } if effects.has(Effect::Textures) => {
-                    TextureLookups { textures: &self.textures, at: context() }.number(amount)
+                    TextureEvaluator { textures: &self.textures, at: context() }.evaluate_scalar(amount)
                 }
                 amount => amount.mean(),
             };

@@ -93,7 +93,7 @@ impl<I: Interior> PathRay<I> {
             let mut surface = hit.map(|hit| {
                 self.cone.travel(hit.t);
                 let surface = scene.interaction(&self.ray, &hit, &self.cone, || key.uniform_1d(Dimension::Mix));
-                self.inside.infer_start(&surface);
+                self.inside.infer_starting_body(&surface);
                 (surface, hit.t)
             });
 
@@ -124,7 +124,7 @@ impl<I: Interior> PathRay<I> {
             // Stop at a surface vertex.
             match self.inside.resolve_boundary(scene, surface, key) {
                 BoundaryEvent::Surface => {
-                    transmittance *= self.inside.weight_at(surface);
+                    transmittance *= self.inside.wavelength_weight_before_scattering(surface);
                     return PathEvent::Surface(SurfaceVertex { surface: *surface, transmittance, distance, crossed });
                 }
                 BoundaryEvent::Hidden => crossed = true,
@@ -132,8 +132,8 @@ impl<I: Interior> PathRay<I> {
             }
 
             // Pass through a boundary that does not scatter.
-            self.ray = surface.leave(self.ray.direction);
-            self.inside.cross(surface, self.ray.direction);
+            self.ray = surface.spawn_ray(self.ray.direction);
+            self.inside.cross_boundary(surface, self.ray.direction);
         }
     }
 
@@ -141,19 +141,19 @@ impl<I: Interior> PathRay<I> {
     /// wavelength was sampled there.
     #[inline]
     pub fn leave(&mut self, surface: &SurfaceInteraction<'_>, direction: Vec3, transmitted: bool) -> Rgb {
-        self.ray = surface.leave(direction);
-        self.cone.leave(&surface.bsdf);
+        self.ray = surface.spawn_ray(direction);
+        self.cone.widen_at_surface(&surface.bsdf);
         if transmitted {
-            self.inside.cross(surface, direction);
+            self.inside.cross_boundary(surface, direction);
         }
-        self.inside.weight_beyond(surface, transmitted)
+        self.inside.wavelength_weight_after_scattering(surface, transmitted)
     }
 
     /// Continues in unit `direction` from a scattering event in a medium.
     #[inline]
     pub fn turn(&mut self, direction: Vec3) {
         self.ray = Ray::new(self.ray.origin, direction);
-        self.cone.scatter();
+        self.cone.widen_in_medium();
     }
 }
 
@@ -168,10 +168,10 @@ pub(super) fn shadow_transmittance<I: Interior>(scene: &Scene, ray: &Ray, mut in
         let length = ray.direction.length();
         let unit = Ray::new(ray.origin, ray.direction / length);
         let hit = scene.intersect(&ray).map(|hit| Hit { t: hit.t * length, ..hit });
-        let cone = RayCone::point(Effects::NONE);
+        let cone = RayCone::zero_width(Effects::NONE);
         let surface = hit.map(|hit| scene.interaction(&unit, &hit, &cone, || rng.random()));
         if let Some(surface) = &surface {
-            inside.infer_start(surface);
+            inside.infer_starting_body(surface);
         }
         let distance = hit.map_or(ray.t_max * length, |hit| hit.t);
         depth += inside.optical_depth(scene, finite_or_zero(distance)).as_dvec3();
@@ -185,8 +185,8 @@ pub(super) fn shadow_transmittance<I: Interior>(scene: &Scene, ray: &Ray, mut in
         {
             return Rgb::ZERO;
         }
-        ray = if ends { surface.segment_to(target, unit.direction) } else { surface.leave(unit.direction) };
-        inside.cross(&surface, unit.direction);
+        ray = if ends { surface.spawn_ray_to(target, unit.direction) } else { surface.spawn_ray(unit.direction) };
+        inside.cross_boundary(&surface, unit.direction);
     }
 }
 
@@ -206,7 +206,7 @@ pub(super) fn interior_transmittance<I: Interior>(scene: &Scene, ray: &Ray, insi
 /// `ray` is of unit direction.
 #[inline]
 fn medium_segment<I: Interior>(scene: &Scene, ray: &Ray, end: f32, inside: &I) -> Option<(u32, Ray, f32)> {
-    let CurrentMedium { medium, ambient } = inside.medium(scene)?;
+    let CurrentMedium { medium, ambient } = inside.current_medium(scene)?;
     let whole = Ray { t_max: end, ..*ray };
     if !ambient {
         return Some((medium, whole, 0.0));

@@ -30,7 +30,7 @@ pub struct ObjectSummary {
 #[derive(Clone, Copy, Debug)]
 pub struct LeafMaterial<'a> {
     /// The body that the material bounds.
-    pub boundary: Option<&'a Body>,
+    pub bounded_body: Option<&'a Body>,
     /// The BSDF of mean parameters, or at an extreme of a roughness texture.
     pub bsdf: Bsdf,
 }
@@ -39,7 +39,7 @@ impl LeafMaterial<'_> {
     /// True if the material focuses light: see [`Bsdf::casts_caustics`].
     #[must_use]
     pub fn casts_caustics(&self) -> bool {
-        match self.boundary {
+        match self.bounded_body {
             Some(body) => !body.null_interface,
             None => self.bsdf.casts_caustics(),
         }
@@ -49,7 +49,7 @@ impl LeafMaterial<'_> {
 impl Scene {
     /// True if anything moves while the shutter is open.
     #[must_use]
-    pub fn moves(&self) -> bool {
+    pub fn has_motion(&self) -> bool {
         self.animation.is_some()
     }
 
@@ -62,7 +62,7 @@ impl Scene {
     }
 
     /// All objects: shapes, then meshes with triangles, then planes.
-    pub fn objects(&self) -> impl Iterator<Item = ObjectSummary> {
+    pub fn object_summaries(&self) -> impl Iterator<Item = ObjectSummary> {
         let geometry = &self.geometry;
         let summary = |attributes: &ObjectAttributes, ball, plane| ObjectSummary {
             ball,
@@ -74,12 +74,12 @@ impl Scene {
             let plane = shape.point_if_planar().map(|point| (point.p, point.ng));
             summary(attributes, Some(shape.bounding_sphere()), plane)
         });
-        let meshes = geometry.mesh_ranges.iter().zip(geometry.mesh_objects()).filter(|(range, _)| !range.is_empty());
+        let meshes = geometry.mesh_ranges.iter().zip(geometry.mesh_attributes()).filter(|(range, _)| !range.is_empty());
         let meshes = meshes.map(move |(range, attributes)| {
             let corners = range.clone().flat_map(|i| geometry.mesh.corners(i as usize));
             summary(attributes, Some(Bounds::from_points(corners).bounding_sphere()), None)
         });
-        let planes = geometry.planes.iter().zip(geometry.plane_objects());
+        let planes = geometry.planes.iter().zip(geometry.plane_attributes());
         let planes = planes.map(move |(plane, attributes)| summary(attributes, None, Some(plane.point_and_normal())));
         shapes.chain(meshes).chain(planes)
     }
@@ -91,7 +91,7 @@ impl Scene {
 
     /// The bodies that materials bound.
     pub fn bodies(&self) -> impl Iterator<Item = &Body> {
-        self.materials.iter().filter_map(Material::boundary)
+        self.materials.iter().filter_map(Material::bounded_body)
     }
 
     /// True if paths need to record interiors: there are bodies, or an ambient medium.
@@ -104,12 +104,12 @@ impl Scene {
     ///
     /// A conductor with a roughness texture is visited at the texture's extremes too, as they may
     /// differ in kind.
-    pub fn for_each_leaf(&self, material: u32, visit: &mut impl FnMut(LeafMaterial<'_>)) {
+    pub fn for_each_leaf_material(&self, material: u32, visit: &mut impl FnMut(LeafMaterial<'_>)) {
         let material = &self.materials[material as usize];
-        match material.parts() {
-            Some(parts) => parts.into_iter().for_each(|part| self.for_each_leaf(part, visit)),
-            None => material.for_each_bsdf(&self.textures, |bsdf| {
-                visit(LeafMaterial { boundary: material.boundary(), bsdf });
+        match material.mix_parts() {
+            Some(parts) => parts.into_iter().for_each(|part| self.for_each_leaf_material(part, visit)),
+            None => material.for_each_possible_bsdf(&self.textures, |bsdf| {
+                visit(LeafMaterial { bounded_body: material.bounded_body(), bsdf });
             }),
         }
     }
@@ -118,9 +118,9 @@ impl Scene {
     #[must_use]
     pub fn media_in_use(&self) -> Vec<&Medium> {
         let mut indices: Vec<u32> = self.ambient_medium.into_iter().collect();
-        for object in self.objects() {
-            self.for_each_leaf(object.material, &mut |leaf| {
-                indices.extend(leaf.boundary.and_then(|body| body.medium));
+        for object in self.object_summaries() {
+            self.for_each_leaf_material(object.material, &mut |leaf| {
+                indices.extend(leaf.bounded_body.and_then(|body| body.medium));
             });
         }
         indices.sort_unstable();
@@ -131,50 +131,50 @@ impl Scene {
     /// Two flags of a material or any part of a mix: a parameter is textured, and normals are
     /// perturbed.
     #[must_use]
-    pub fn uses_textures(&self, material: u32) -> (bool, bool) {
+    pub fn texture_usage(&self, material: u32) -> (bool, bool) {
         let material = &self.materials[material as usize];
-        let own = (material.is_textured(), material.normals() != NormalPerturbation::None);
-        let Some(parts) = material.parts() else { return own };
-        let parts = parts.map(|part| self.uses_textures(part));
+        let own = (material.is_textured(), material.normal_perturbation() != NormalPerturbation::None);
+        let Some(parts) = material.mix_parts() else { return own };
+        let parts = parts.map(|part| self.texture_usage(part));
         parts.iter().fold(own, |all, part| (all.0 || part.0, all.1 || part.1))
     }
 
     /// Bounding spheres of all objects that cast caustics, as targets of photons; `None` if one is
     /// unbounded.
     #[must_use]
-    pub fn caster_balls(&self) -> Option<Vec<BoundingSphere>> {
+    pub fn caster_bounding_spheres(&self) -> Option<Vec<BoundingSphere>> {
         let casts_caustics = |material: u32| {
             let mut casts = false;
-            self.for_each_leaf(material, &mut |leaf| casts |= leaf.casts_caustics());
+            self.for_each_leaf_material(material, &mut |leaf| casts |= leaf.casts_caustics());
             casts
         };
-        self.objects().filter(|o| casts_caustics(o.material)).map(|o| o.ball).collect()
+        self.object_summaries().filter(|o| casts_caustics(o.material)).map(|o| o.ball).collect()
     }
 
     /// A camera path that starts along `ray` and simulates `effects`.
     #[inline]
     #[must_use]
     pub fn start_camera_path<I: Interior>(&self, ray: Ray, effects: Effects) -> PathRay<I> {
-        PathRay { ray, inside: I::at_camera(self, &ray, effects), cone: self.camera_cone(effects) }
+        PathRay { ray, inside: I::at_camera(self, &ray, effects), cone: self.camera_ray_cone(effects) }
     }
 
     /// The cone of a camera ray.
     #[inline]
     #[must_use]
-    pub fn camera_cone(&self, effects: Effects) -> RayCone {
-        RayCone::of_pixel(self.camera.pixel(), effects)
+    pub fn camera_ray_cone(&self, effects: Effects) -> RayCone {
+        RayCone::from_pixel(self.camera.pixel(), effects)
     }
 
     /// A light path that starts at light `light` along `ray` and simulates `effects`.
     #[inline]
     #[must_use]
     pub fn start_light_path<I: Interior>(&self, light: usize, ray: Ray, effects: Effects) -> PathRay<I> {
-        PathRay { ray, inside: I::at_light(self, light, effects), cone: RayCone::point(effects) }
+        PathRay { ray, inside: I::at_light(self, light, effects), cone: RayCone::zero_width(effects) }
     }
 
     /// `ray` with its origin moved back beyond all unbounded planes, for light from infinity.
     #[must_use]
-    pub(crate) fn start_beyond_planes(&self, ray: Ray) -> Ray {
+    pub(crate) fn move_origin_beyond_planes(&self, ray: Ray) -> Ray {
         let back = Ray::new(ray.origin, -ray.direction);
         let hits = self.geometry.planes.iter().filter_map(|plane| plane.intersect(&back));
         let farthest = hits.map(|(t, ..)| t).fold(0.0, f32::max);
@@ -182,7 +182,7 @@ impl Scene {
             return ray;
         }
         // The radius of the domain beyond, so that rounding does not lose the intersection itself.
-        Ray { origin: back.at(farthest * 1.001 + self.domain().radius), ..ray }
+        Ray { origin: back.at(farthest * 1.001 + self.photon_domain().radius), ..ray }
     }
 
     /// Unbiased transmittance from the end of `ray` to its origin, which lies in `inside`; 0 if a

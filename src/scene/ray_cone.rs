@@ -4,7 +4,7 @@ use super::Effects;
 use crate::bsdf::{Bsdf, DIFFUSE_CONE_SPREAD};
 
 /// Width of a camera cone in pixels. It is below 1, as the reconstruction filter widens too.
-const PIXELS: f32 = 0.5;
+const CAMERA_CONE_PIXELS: f32 = 0.5;
 
 /// The cone around a ray over which textures are filtered (Amanatides 1984, "Ray tracing with
 /// cones"; Akenine-Möller et al. 2021, "Improved shader and texture level of detail using ray
@@ -30,14 +30,19 @@ impl RayCone {
     /// The cone of a camera path, from the width of a pixel \[length] and its growth per length.
     #[inline]
     #[must_use]
-    pub fn of_pixel((width, spread): (f32, f32), effects: Effects) -> Self {
-        Self { width: width * PIXELS, spread: spread * PIXELS, widens: true, ..Self::point(effects) }
+    pub fn from_pixel((width, spread): (f32, f32), effects: Effects) -> Self {
+        Self {
+            width: width * CAMERA_CONE_PIXELS,
+            spread: spread * CAMERA_CONE_PIXELS,
+            widens: true,
+            ..Self::zero_width(effects)
+        }
     }
 
     /// A cone of no width.
     #[inline]
     #[must_use]
-    pub const fn point(effects: Effects) -> Self {
+    pub const fn zero_width(effects: Effects) -> Self {
         Self { width: 0.0, spread: 0.0, widens: false, scattered: false, effects }
     }
 
@@ -49,7 +54,7 @@ impl RayCone {
 
     /// Widens by scattering at a surface.
     #[inline]
-    pub(super) fn leave(&mut self, bsdf: &Bsdf) {
+    pub(super) fn widen_at_surface(&mut self, bsdf: &Bsdf) {
         if self.widens {
             self.spread += bsdf.ray_cone_spread();
         }
@@ -58,7 +63,7 @@ impl RayCone {
 
     /// Widens by scattering in a medium.
     #[inline]
-    pub(super) fn scatter(&mut self) {
+    pub(super) fn widen_in_medium(&mut self) {
         if self.widens {
             self.spread += DIFFUSE_CONE_SPREAD;
         }
@@ -77,7 +82,7 @@ impl RayCone {
     /// After a non-specular event, next-event estimation samples lights at points. Lights that are
     /// hit must agree.
     #[inline]
-    pub(super) fn for_lights(&self) -> Self {
-        if self.scattered { Self::point(self.effects) } else { *self }
+    pub(super) fn for_emission_textures(&self) -> Self {
+        if self.scattered { Self::zero_width(self.effects) } else { *self }
     }
 }

@@ -24,7 +24,7 @@ pub struct SurfaceInteraction<'a> {
     /// Roughness α of a body's boundary; 0 for other materials.
     pub(super) roughness: f32,
     /// The object hit, if another object's boundary may coincide with it there.
-    pub(super) coincident_object: Option<u32>,
+    pub(super) coincidence_group: Option<u32>,
     /// Boundaries that coincide with this one. Found when a path resolves the boundary.
     pub(super) coincident: CoincidentFaces,
     /// Index of the area light that the object is.
@@ -45,7 +45,7 @@ impl SurfaceInteraction<'_> {
     #[inline]
     #[must_use]
     pub fn is_null_interface(&self) -> bool {
-        self.material.boundary().is_some_and(|body| body.null_interface)
+        self.material.bounded_body().is_some_and(|body| body.null_interface)
     }
 
     /// True if the ray arrives from outside the object.
@@ -57,21 +57,21 @@ impl SurfaceInteraction<'_> {
     /// The ray that leaves in unit `direction`.
     #[inline]
     #[must_use]
-    pub fn leave(&self, direction: Vec3) -> Ray {
+    pub fn spawn_ray(&self, direction: Vec3) -> Ray {
         Ray::new(offset_ray_origin(self.point.p, self.point.error, self.point.ng, direction), direction)
     }
 
     /// The segment to `target`, which lies in unit `direction`.
     #[inline]
     #[must_use]
-    pub fn segment_to(&self, target: Vec3, direction: Vec3) -> Ray {
+    pub fn spawn_ray_to(&self, target: Vec3, direction: Vec3) -> Ray {
         Ray::between_points(offset_ray_origin(self.point.p, self.point.error, self.point.ng, direction), target)
     }
 
     /// f(wo, wi)·|wi · ns| \[1/sr]: the factor of incident radiance on a camera path.
     #[inline]
     #[must_use]
-    pub fn scatter(&self, wi: Vec3) -> Rgb {
+    pub fn bsdf_cosine(&self, wi: Vec3) -> Rgb {
         let SurfacePoint { ns, ng, .. } = self.point;
         self.bsdf.evaluate(self.wo, wi, ns, ng, Transport::Radiance) * wi.dot(ns).abs()
     }

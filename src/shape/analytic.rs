@@ -1,7 +1,7 @@
 //! The trait that every bounded shape implements.
 
 use super::hit::ShapeHit;
-use super::surface_point::{ShapeSample, SurfacePoint};
+use super::surface_point::{ShapeSample, SolidAngleSampling, SurfacePoint};
 use super::texture_mapping::TexCoord;
 use crate::math::{BoundingSphere, Ray, Transform};
 use glam::{DVec3, Vec2, Vec3};
@@ -50,7 +50,25 @@ pub(super) trait AnalyticShape: Sized {
         (1.0 / self.area()) as f32
     }
 
-    /// A point of the surface if the shape lies in a plane, else `None`.
+    /// Samples a visible point of the outer side by solid angle as seen from `from`.
+    #[inline]
+    fn sample_solid_angle(&self, _from: Vec3, _u: Vec2) -> SolidAngleSampling {
+        SolidAngleSampling::Unsupported
+    }
+
+    /// Pdf per solid angle \[1/sr] of [`AnalyticShape::sample_solid_angle`]; `None` if unsupported.
+    #[inline]
+    fn solid_angle_pdf(&self, _from: Vec3) -> Option<f32> {
+        None
+    }
+
+    /// Error of the position at which a ray hits the shape, relative to the ray's length.
+    #[inline]
+    fn relative_hit_error(&self) -> f32 {
+        f32::EPSILON
+    }
+
+    /// A point of the surface if the whole shape lies in one plane.
     fn point_if_planar(&self) -> Option<SurfacePoint> {
         None
     }

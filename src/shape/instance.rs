@@ -4,7 +4,7 @@ use super::analytic::AnalyticShape;
 use super::hit::{ShapeHit, t_in_range};
 use super::mesh::Mesh;
 use super::object_ray::object_ray;
-use super::surface_point::{ShapeSample, SurfacePoint, rounding_error};
+use super::surface_point::{ShapeSample, SurfacePoint, TRIANGLE_HIT_ERROR, rounding_error};
 use super::texture_mapping::TexCoord;
 use crate::accel::{Hierarchy, Primitive};
 use crate::math::{Ray, Transform, warp};
@@ -173,6 +173,11 @@ impl AnalyticShape for Instance {
         };
         let uv = Vec2::new(f32::from_bits(i as u32), 0.0);
         ShapeSample { point: self.surface_at(i, b), pdf: (1.0 / self.area()) as f32, uv }
+    }
+
+    #[inline]
+    fn relative_hit_error(&self) -> f32 {
+        TRIANGLE_HIT_ERROR
     }
 }
 

@@ -32,7 +32,7 @@ pub use parametric::{Patch, Revolution};
 pub use plane::Plane;
 pub use rectangle::Rectangle;
 pub use sphere::Sphere;
-pub use surface_point::{ShapeSample, SurfacePoint};
+pub use surface_point::{ShapeSample, SolidAngleSample, SolidAngleSampling, SurfacePoint, TRIANGLE_HIT_ERROR};
 pub use texture_mapping::{MappingKind, TexCoord, TextureMapping, upright_axes};
 
 use crate::math::{self, Bounds, Ray, Transform};
@@ -198,5 +198,28 @@ impl Shape {
     #[must_use]
     pub fn pdf(&self, point: &SurfacePoint) -> f32 {
         dispatch!(self, s, _w => s.pdf(point))
+    }
+
+    /// Samples a visible point of the outer side by solid angle as seen from `from`.
+    #[inline]
+    #[must_use]
+    pub fn sample_solid_angle(&self, from: Vec3, u: Vec2) -> SolidAngleSampling {
+        dispatch!(self, s, _w => s.sample_solid_angle(from, u))
+    }
+
+    /// Pdf per solid angle \[1/sr] of [`Shape::sample_solid_angle`]; 0 if the shape is invisible.
+    ///
+    /// Returns `None` if the shape must be sampled by area instead.
+    #[inline]
+    #[must_use]
+    pub fn solid_angle_pdf(&self, from: Vec3) -> Option<f32> {
+        dispatch!(self, s, _w => s.solid_angle_pdf(from))
+    }
+
+    /// Error of the position at which a ray hits the shape, relative to the ray's length.
+    #[inline]
+    #[must_use]
+    pub fn relative_hit_error(&self) -> f32 {
+        dispatch!(self, s, _w => s.relative_hit_error())
     }
 }

@@ -2,7 +2,7 @@
 
 use super::analytic::AnalyticShape;
 use super::hit::{ShapeHit, ray_to_f64, t_in_range};
-use super::surface_point::{EDGE_MARGIN, ShapeSample, SurfacePoint};
+use super::surface_point::{EDGE_MARGIN, ShapeSample, SolidAngleSample, SolidAngleSampling, SurfacePoint};
 use crate::math::{Ray, Transform, exact_cross};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use libm::{atan2, cos, hypot, sin};
@@ -173,6 +173,19 @@ impl AnalyticShape for Rectangle {
 
     fn point_if_planar(&self) -> Option<SurfacePoint> {
         Some(self.sample(Vec2::splat(0.5)).point)
+    }
+
+    #[inline]
+    fn sample_solid_angle(&self, from: Vec3, u: Vec2) -> SolidAngleSampling {
+        match self.sample_visible(from, u) {
+            Some((point, wi, pdf)) => SolidAngleSampling::Sampled(SolidAngleSample { point, wi, pdf }),
+            None => SolidAngleSampling::Unsupported,
+        }
+    }
+
+    #[inline]
+    fn solid_angle_pdf(&self, from: Vec3) -> Option<f32> {
+        self.pdf_visible(from)
     }
 }
 

@@ -2,8 +2,8 @@
 
 use super::analytic::AnalyticShape;
 use super::hit::{ShapeHit, exact_t, nearer_hit, ray_to_f64};
-use super::surface_point::{ShapeSample, SurfacePoint};
-use crate::math::{BoundingSphere, Frame, Ray, Transform, quadratic_roots, warp};
+use super::surface_point::{ShapeSample, SolidAngleSample, SolidAngleSampling, SurfacePoint};
+use crate::math::{BoundingSphere, Frame, Ray, Transform, direction_and_distance, quadratic_roots, warp};
 use glam::{DVec3, Vec2, Vec3};
 
 /// Sphere; intersections are computed in f64.
@@ -123,6 +123,20 @@ impl AnalyticShape for Sphere {
 
     fn bounding_sphere(&self) -> Option<BoundingSphere> {
         Some(BoundingSphere { center: self.center.as_vec3(), radius: self.radius as f32 })
+    }
+
+    #[inline]
+    fn sample_solid_angle(&self, from: Vec3, u: Vec2) -> SolidAngleSampling {
+        let Some((point, pdf)) = self.sample_visible(from, u) else { return SolidAngleSampling::Invisible };
+        match direction_and_distance(from, point.p) {
+            Some((_, wi, _)) => SolidAngleSampling::Sampled(SolidAngleSample { point, wi, pdf }),
+            None => SolidAngleSampling::Invisible,
+        }
+    }
+
+    #[inline]
+    fn solid_angle_pdf(&self, from: Vec3) -> Option<f32> {
+        Some(self.pdf_visible(from))
     }
 }
 

@@ -42,8 +42,35 @@ pub struct ShapeSample {
     pub uv: Vec2,
 }
 
-/// Bound on the error of `p` along each axis: the rounding to f32, plus 32 ulps of f64 at `scale`
-/// for the intersection test of the next ray.
+/// A point of a shape sampled by solid angle, as seen from another point.
+#[derive(Clone, Copy, Debug)]
+pub struct SolidAngleSample {
+    /// The sampled point, with its normals.
+    pub point: SurfacePoint,
+    /// Unit direction towards the sampled point.
+    pub wi: Vec3,
+    /// Pdf per solid angle \[1/sr].
+    pub pdf: f32,
+}
+
+/// The result of sampling a shape by solid angle.
+#[derive(Clone, Copy, Debug)]
+pub enum SolidAngleSampling {
+    /// A visible point.
+    Sampled(SolidAngleSample),
+    /// The outer side of the shape is invisible.
+    Invisible,
+    /// The shape must be sampled by area instead.
+    Unsupported,
+}
+
+/// Error of the position at which a ray hits a distant triangle, relative to the ray's length.
+///
+/// The shear of the triangle test rounds a few times in f32.
+pub const TRIANGLE_HIT_ERROR: f32 = 4.0 * f32::EPSILON;
+
+/// Bound on the error of `p`: half an ulp of f32 per coordinate, and 32 ulps of f64 at `scale` for
+/// the next test.
 #[inline]
 pub(super) fn rounding_error(p: Vec3, scale: f64) -> Vec3 {
     p.abs() * f32::EPSILON + Vec3::splat((scale * (32.0 * f64::EPSILON)) as f32)

@@ -18,7 +18,7 @@ fn ball(material: Material, width: u32, height: u32) -> Scene {
     builder
         .shape(Shape::Rectangle(floor), white, Vec3::ZERO)
         .shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 1.0, 0.0), 0.8)), own, Vec3::ZERO)
-        .source(
+        .delta_light(
             DeltaLightKind::Point { position: DVec3::new(2.0, 4.0, 0.0) },
             LightStrength::Power(Vec3::splat(200.0)),
         );

@@ -17,8 +17,8 @@ impl Checker {
     /// Exact mean over the box with sides `size` around `uv`: the pattern is a product of two
     /// square waves.
     #[must_use]
-    pub fn at(&self, uv: DVec2, size: DVec2) -> Rgb {
-        let product = wave(uv.x, size.x) * wave(uv.y, size.y);
+    pub fn box_mean(&self, uv: DVec2, size: DVec2) -> Rgb {
+        let product = mean_square_wave(uv.x, size.x) * mean_square_wave(uv.y, size.y);
         let [even, odd] = self.colors;
         even.lerp(odd, (0.5 - 0.5 * product) as f32)
     }
@@ -29,16 +29,16 @@ impl Checker {
 }
 
 /// Mean over `[x − w/2, x + w/2]` of the square wave that is 1 where ⌊x⌋ is even, else −1.
-fn wave(x: f64, w: f64) -> f64 {
+fn mean_square_wave(x: f64, w: f64) -> f64 {
     // For a narrower box, the difference of integrals would be rounding error.
     if w < 1e-9 * x.abs().max(1.0) {
         return if x.floor() % 2.0 == 0.0 { 1.0 } else { -1.0 };
     }
-    (integral(x + 0.5 * w) - integral(x - 0.5 * w)) / w
+    (square_wave_integral(x + 0.5 * w) - square_wave_integral(x - 0.5 * w)) / w
 }
 
 /// Integral of the square wave from 0: a triangle wave of period 2.
-fn integral(x: f64) -> f64 {
+fn square_wave_integral(x: f64) -> f64 {
     let phase = x - 2.0 * (0.5 * x).floor();
     phase.min(2.0 - phase)
 }
@@ -49,8 +49,8 @@ mod tests {
 
     const CHECKER: Checker = Checker { colors: [Rgb::ZERO, Rgb::ONE] };
 
-    fn at(u: f64, v: f64, w: f64, h: f64) -> f64 {
-        f64::from(CHECKER.at(DVec2::new(u, v), DVec2::new(w, h)).x)
+    fn checker_value(u: f64, v: f64, w: f64, h: f64) -> f64 {
+        f64::from(CHECKER.box_mean(DVec2::new(u, v), DVec2::new(w, h)).x)
     }
 
     #[test]
@@ -58,7 +58,7 @@ mod tests {
         for i in -3..4 {
             for j in -3..4 {
                 let odd = f64::from((i + j) & 1);
-                assert_eq!(at(f64::from(i) + 0.25, f64::from(j) + 0.75, 0.0, 0.0), odd, "{i} {j}");
+                assert_eq!(checker_value(f64::from(i) + 0.25, f64::from(j) + 0.75, 0.0, 0.0), odd, "{i} {j}");
             }
         }
     }
@@ -76,10 +76,10 @@ mod tests {
                 .flat_map(|(i, a)| cells(v, h).map(move |(j, b)| if (i + j) & 1 == 1 { a * b } else { 0.0 }))
                 .sum();
             // Colours are f32.
-            assert!((at(u, v, w, h) - odd / (w * h)).abs() < 1e-6, "{u} {v} {w} {h}");
+            assert!((checker_value(u, v, w, h) - odd / (w * h)).abs() < 1e-6, "{u} {v} {w} {h}");
         }
         for x in [0.0, 0.3, 17.9] {
-            assert!((at(x, 0.2, 4.0, 0.1) - 0.5).abs() < 1e-7, "whole periods hold half of each");
+            assert!((checker_value(x, 0.2, 4.0, 0.1) - 0.5).abs() < 1e-7, "whole periods hold half of each");
         }
     }
 }

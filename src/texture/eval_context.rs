@@ -26,7 +26,7 @@ pub struct TextureEvalContext {
 impl TextureEvalContext {
     /// A point without a footprint.
     #[must_use]
-    pub fn sharp(uv: DVec2, p: DVec3) -> Self {
+    pub fn unfiltered(uv: DVec2, p: DVec3) -> Self {
         Self { uv, p, ..Self::default() }
     }
 }
@@ -55,7 +55,7 @@ impl Coordinates {
     }
 
     /// Greatest scale factor of a step.
-    pub(super) fn stretch(&self) -> f64 {
+    pub(super) fn max_scale(&self) -> f64 {
         self.matrix.x_axis.length().max(self.matrix.y_axis.length())
     }
 
@@ -63,7 +63,7 @@ impl Coordinates {
     ///
     /// `lookup` takes a point, and the sides of a box around it. Boxes lie side by side along the
     /// longer axis (Heckbert 1989, section 3.5; Greene and Heckbert 1986).
-    pub(super) fn filter(&self, context: &TextureEvalContext, lookup: impl Fn(DVec2, DVec2) -> Rgb) -> Rgb {
+    pub(super) fn filter_anisotropic(&self, context: &TextureEvalContext, lookup: impl Fn(DVec2, DVec2) -> Rgb) -> Rgb {
         let uv = self.matrix * context.uv + self.offset;
         // Where coordinates are singular, as at a pole, the axes are unbounded.
         let [a, b] = context.axes.map(|axis| {
@@ -90,10 +90,10 @@ mod tests {
     use super::*;
     use std::cell::RefCell;
 
-    fn lookups(coordinates: &Coordinates, axes: [DVec2; 2]) -> Vec<(DVec2, DVec2)> {
+    fn filter_lookups(coordinates: &Coordinates, axes: [DVec2; 2]) -> Vec<(DVec2, DVec2)> {
         let seen = RefCell::new(Vec::new());
         let context = TextureEvalContext { uv: DVec2::new(0.25, 0.5), axes, ..TextureEvalContext::default() };
-        coordinates.filter(&context, |uv, size| {
+        coordinates.filter_anisotropic(&context, |uv, size| {
             seen.borrow_mut().push((uv, size));
             Rgb::ZERO
         });
@@ -103,23 +103,26 @@ mod tests {
     #[test]
     fn coordinates_are_scaled_rotated_then_translated() {
         let coordinates = Coordinates::new(DVec2::new(2.0, 4.0), std::f64::consts::FRAC_PI_2, DVec2::new(10.0, 20.0));
-        let [(uv, size)] = lookups(&coordinates, [DVec2::ZERO; 2])[..] else { panic!("one lookup") };
+        let [(uv, size)] = filter_lookups(&coordinates, [DVec2::ZERO; 2])[..] else { panic!("one lookup") };
         // (½, 2) rotated by 90° is (−2, ½).
         assert!((uv - DVec2::new(8.0, 20.5)).length() < 1e-12 && size == DVec2::ZERO);
-        assert!((coordinates.stretch() - 4.0).abs() < 1e-12);
+        assert!((coordinates.max_scale() - 4.0).abs() < 1e-12);
     }
 
     /// Lookups lie side by side along the longer axis, centered on the point, and their boxes tile
     /// the footprint.
     #[test]
     fn anisotropic_footprints_are_tiled_by_lookups() {
-        let seen = lookups(&Coordinates::default(), [DVec2::new(0.0, 0.1), DVec2::new(0.5, 0.0)]);
+        let seen = filter_lookups(&Coordinates::default(), [DVec2::new(0.0, 0.1), DVec2::new(0.5, 0.0)]);
         assert_eq!(seen.len(), 5);
         for (i, (uv, size)) in seen.iter().enumerate() {
             assert!((*uv - DVec2::new(0.05 + 0.1 * i as f64, 0.5)).length() < 1e-12, "{uv}");
             assert!((*size - 0.1).length() < 1e-12);
         }
-        assert_eq!(lookups(&Coordinates::default(), [DVec2::X * 1e3, DVec2::Y * 1e-9]).len(), MAX_LOOKUPS as usize);
-        assert_eq!(lookups(&Coordinates::default(), [DVec2::splat(f64::INFINITY), DVec2::ZERO]).len(), 1);
+        assert_eq!(
+            filter_lookups(&Coordinates::default(), [DVec2::X * 1e3, DVec2::Y * 1e-9]).len(),
+            MAX_LOOKUPS as usize
+        );
+        assert_eq!(filter_lookups(&Coordinates::default(), [DVec2::splat(f64::INFINITY), DVec2::ZERO]).len(), 1);
     }
 }

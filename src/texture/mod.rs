@@ -9,7 +9,7 @@ mod solid;
 pub use checker::Checker;
 pub use eval_context::{Coordinates, TextureEvalContext};
 pub use picture::{Picture, PictureError, Wrap};
-pub use solid::{Solid, SolidKind};
+pub use solid::{SolidPattern, SolidTexture};
 
 use crate::color::{self, Rgb};
 
@@ -21,24 +21,28 @@ pub enum Texture {
     /// A checkerboard of unit squares over texture coordinates.
     Checker(Checker, Coordinates),
     /// A solid texture: a pattern in space.
-    Solid(Solid),
+    Solid(SolidTexture),
 }
 
 impl Texture {
     /// Mean colour over the footprint of `context`, within the accuracy of the texture's filter.
     #[must_use]
-    pub fn color(&self, context: &TextureEvalContext) -> Rgb {
+    pub fn evaluate_color(&self, context: &TextureEvalContext) -> Rgb {
         match self {
-            Self::Picture(picture, coordinates) => coordinates.filter(context, |uv, size| picture.at(uv, size)),
-            Self::Checker(checker, coordinates) => coordinates.filter(context, |uv, size| checker.at(uv, size)),
-            Self::Solid(solid) => solid.at(context.p, context.width),
+            Self::Picture(picture, coordinates) => {
+                coordinates.filter_anisotropic(context, |uv, size| picture.box_mean(uv, size))
+            }
+            Self::Checker(checker, coordinates) => {
+                coordinates.filter_anisotropic(context, |uv, size| checker.box_mean(uv, size))
+            }
+            Self::Solid(solid) => solid.color_at(context.p, context.width),
         }
     }
 
     /// Mean over the footprint, and over the three channels.
     #[must_use]
-    pub fn number(&self, context: &TextureEvalContext) -> f32 {
-        color::channel_mean(self.color(context))
+    pub fn evaluate_scalar(&self, context: &TextureEvalContext) -> f32 {
+        color::channel_mean(self.evaluate_color(context))
     }
 
     /// Mean over one period; for a solid texture, over all space.
@@ -56,8 +60,8 @@ impl Texture {
     pub fn range(&self) -> (f32, f32) {
         match self {
             Self::Picture(picture, _) => picture.range(),
-            Self::Checker(checker, _) => bounds(checker.colors),
-            Self::Solid(solid) => bounds(solid.colors),
+            Self::Checker(checker, _) => channel_range(checker.colors),
+            Self::Solid(solid) => channel_range(solid.colors),
         }
     }
 
@@ -73,14 +77,14 @@ impl Texture {
     #[must_use]
     pub fn bump_step(&self) -> f64 {
         match self {
-            Self::Picture(picture, coordinates) => 0.5 * picture.texel() / coordinates.stretch(),
-            Self::Checker(_, coordinates) => checker::BUMP_STEP / coordinates.stretch(),
+            Self::Picture(picture, coordinates) => 0.5 * picture.texel_size() / coordinates.max_scale(),
+            Self::Checker(_, coordinates) => checker::BUMP_STEP / coordinates.max_scale(),
             Self::Solid(solid) => solid.bump_step(),
         }
     }
 }
 
 /// Least and greatest channel of two colours.
-fn bounds([a, b]: [Rgb; 2]) -> (f32, f32) {
+fn channel_range([a, b]: [Rgb; 2]) -> (f32, f32) {
     (a.min(b).min_element(), a.max(b).max_element())
 }

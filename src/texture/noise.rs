@@ -3,20 +3,20 @@
 use glam::DVec3;
 
 /// Footprint widths, in wavelengths, between which an octave fades to its mean of 0.
-const FADE: [f64; 2] = [0.25, 1.0];
+const FADE_WIDTHS: [f64; 2] = [0.25, 1.0];
 
 /// Offset between octaves, so that their lattices do not align.
-const SHIFT: DVec3 = DVec3::new(17.31, 5.77, 11.93);
+const OCTAVE_OFFSET: DVec3 = DVec3::new(17.31, 5.77, 11.93);
 
 /// Σ 2⁻ⁱ noise(2ⁱ p) over `octaves`, each faded for a footprint of `width`.
-pub(crate) fn fractal(p: DVec3, width: f64, octaves: u32) -> f64 {
+pub(crate) fn fractal_noise(p: DVec3, width: f64, octaves: u32) -> f64 {
     let (mut sum, mut scale, mut weight) = (0.0, 1.0, 1.0);
     for i in 0..octaves {
-        let there = fade(width * scale);
+        let there = octave_fade(width * scale);
         if there == 0.0 {
             break;
         }
-        sum += weight * there * noise(p * scale + SHIFT * f64::from(i));
+        sum += weight * there * gradient_noise(p * scale + OCTAVE_OFFSET * f64::from(i));
         scale *= 2.0;
         weight *= 0.5;
     }
@@ -24,8 +24,8 @@ pub(crate) fn fractal(p: DVec3, width: f64, octaves: u32) -> f64 {
 }
 
 /// Weight of an octave under a footprint of `width` wavelengths.
-fn fade(width: f64) -> f64 {
-    let t = ((FADE[1] - width) / (FADE[1] - FADE[0])).clamp(0.0, 1.0);
+fn octave_fade(width: f64) -> f64 {
+    let t = ((FADE_WIDTHS[1] - width) / (FADE_WIDTHS[1] - FADE_WIDTHS[0])).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
@@ -33,7 +33,7 @@ fn fade(width: f64) -> f64 {
 ///
 /// The lattice is hashed without a table, so it does not repeat. Coordinates that are not finite
 /// return 0.
-pub(super) fn noise(p: DVec3) -> f64 {
+pub(super) fn gradient_noise(p: DVec3) -> f64 {
     if !p.is_finite() {
         return 0.0;
     }
@@ -42,8 +42,8 @@ pub(super) fn noise(p: DVec3) -> f64 {
     let w = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
     let [x, y, z] = [cell.x as i64, cell.y as i64, cell.z as i64];
     let corner = |dx: i64, dy: i64, dz: i64| {
-        let h = hash(x.wrapping_add(dx), y.wrapping_add(dy), z.wrapping_add(dz));
-        slope(h, f - DVec3::new(dx as f64, dy as f64, dz as f64))
+        let h = lattice_hash(x.wrapping_add(dx), y.wrapping_add(dy), z.wrapping_add(dz));
+        gradient_dot(h, f - DVec3::new(dx as f64, dy as f64, dz as f64))
     };
     let along = |dy, dz| lerp(w.x, corner(0, dy, dz), corner(1, dy, dz));
     lerp(w.z, lerp(w.y, along(0, 0), along(1, 0)), lerp(w.y, along(0, 1), along(1, 1)))
@@ -55,7 +55,7 @@ fn lerp(t: f64, a: f64, b: f64) -> f64 {
 
 /// Dot product of `d` with one of the twelve directions to the edge midpoints of a cube; four of
 /// them are twice as likely.
-fn slope(h: u64, d: DVec3) -> f64 {
+fn gradient_dot(h: u64, d: DVec3) -> f64 {
     let sign = |bit: u64, x: f64| if h >> bit & 1 == 0 { x } else { -x };
     let (a, b) = match h >> 2 & 15 {
         0..4 | 12 => (d.x, d.y),
@@ -67,7 +67,7 @@ fn slope(h: u64, d: DVec3) -> f64 {
 }
 
 /// Hash of lattice coordinates (the finaliser of Steele, Lea, Flood 2014).
-fn hash(x: i64, y: i64, z: i64) -> u64 {
+fn lattice_hash(x: i64, y: i64, z: i64) -> u64 {
     let mut h = (x as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     h = (h ^ y as u64).rotate_left(29).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     h = (h ^ z as u64).rotate_left(31).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -80,7 +80,7 @@ fn hash(x: i64, y: i64, z: i64) -> u64 {
 mod tests {
     use super::*;
 
-    fn point(i: u32) -> DVec3 {
+    fn test_point(i: u32) -> DVec3 {
         DVec3::new(0.618_034, 0.414_214, 0.732_051) * f64::from(i) - 1e3
     }
 
@@ -89,22 +89,29 @@ mod tests {
     #[test]
     fn noise_is_bounded_with_zero_mean() {
         let n = 100_000;
-        let values: Vec<f64> = (0..n).map(|i| noise(point(i))).collect();
+        let values: Vec<f64> = (0..n).map(|i| gradient_noise(test_point(i))).collect();
         assert!(values.iter().all(|x| x.abs() <= 1.0));
         let mean = values.iter().sum::<f64>() / f64::from(n);
         let square = values.iter().map(|x| x * x).sum::<f64>() / f64::from(n);
         assert!(mean.abs() < 2.5 / f64::from(n).sqrt() && (0.04..0.2).contains(&square), "{mean} {square}");
-        assert_eq!([noise(DVec3::ZERO), noise(DVec3::new(-3.0, 5.0, 7.0)), noise(DVec3::splat(f64::NAN))], [0.0; 3]);
+        assert_eq!(
+            [
+                gradient_noise(DVec3::ZERO),
+                gradient_noise(DVec3::new(-3.0, 5.0, 7.0)),
+                gradient_noise(DVec3::splat(f64::NAN))
+            ],
+            [0.0; 3]
+        );
     }
 
     /// Across cell faces, values 1e-6 apart differ by less than 4e-6: the slope is below 4.
     #[test]
     fn noise_is_continuous() {
         for i in 0..1000 {
-            let p = point(i);
+            let p = test_point(i);
             for face in [p, DVec3::new(p.x.round(), p.y, p.z), DVec3::new(p.x, p.y, p.z.round())] {
                 let step = DVec3::splat(5e-7);
-                assert!((noise(face + step) - noise(face - step)).abs() < 4e-6, "{face}");
+                assert!((gradient_noise(face + step) - gradient_noise(face - step)).abs() < 4e-6, "{face}");
             }
         }
     }
@@ -112,10 +119,10 @@ mod tests {
     #[test]
     fn octaves_fade_as_the_footprint_grows() {
         let p = DVec3::new(0.3, 0.7, 0.2);
-        assert_eq!(fractal(p, 0.0, 1), noise(p));
-        assert_eq!(fractal(p, 0.125, 2), fractal(p, 0.0, 2), "two octaves are coarse enough");
-        assert!(fractal(p, 0.125, 3) != fractal(p, 0.0, 3), "the third is not");
-        assert_eq!(fractal(p, 0.5, 9), fractal(p, 0.5, 1), "finer octaves are gone");
-        assert_eq!(fractal(p, 1.0, 9), 0.0);
+        assert_eq!(fractal_noise(p, 0.0, 1), gradient_noise(p));
+        assert_eq!(fractal_noise(p, 0.125, 2), fractal_noise(p, 0.0, 2), "two octaves are coarse enough");
+        assert!(fractal_noise(p, 0.125, 3) != fractal_noise(p, 0.0, 3), "the third is not");
+        assert_eq!(fractal_noise(p, 0.5, 9), fractal_noise(p, 0.5, 1), "finer octaves are gone");
+        assert_eq!(fractal_noise(p, 1.0, 9), 0.0);
     }
 }

@@ -43,14 +43,14 @@ pub enum PictureError {
 /// The picture covers the unit square of texture coordinates, with (0, 0) at its lower left corner.
 #[derive(Clone, Debug)]
 pub struct Picture {
-    levels: Vec<Level>,
+    levels: Vec<MipLevel>,
     wrap: Wrap,
     mean: Rgb,
     range: (f32, f32),
 }
 
 #[derive(Clone, Debug)]
-struct Level {
+struct MipLevel {
     width: usize,
     height: usize,
     /// Rows from the top.
@@ -73,7 +73,7 @@ impl Picture {
         let greatest = pixels.iter().fold(Vec3::ZERO, |a, b| a.max(*b)).max_element();
         let sum: DVec3 = pixels.iter().map(|p| p.as_dvec3()).sum();
         let mean = (sum / pixels.len() as f64).as_vec3();
-        let first = Level { width: width as usize, height: image.height() as usize, pixels: pixels.to_vec() };
+        let first = MipLevel { width: width as usize, height: image.height() as usize, pixels: pixels.to_vec() };
         let mut levels = vec![first];
         while let Some(last) = levels.last().filter(|l| l.width > 1 || l.height > 1) {
             levels.push(last.halved());
@@ -85,14 +85,18 @@ impl Picture {
     ///
     /// Interpolates bilinearly in the two levels whose pixels are closest to the box's longer side.
     #[must_use]
-    pub fn at(&self, uv: DVec2, size: DVec2) -> Rgb {
-        let uv = uv.map(|x| self.wrap.fold(x));
+    pub fn box_mean(&self, uv: DVec2, size: DVec2) -> Rgb {
+        let uv = uv.map(|x| self.wrap.fold_coordinate(x));
         let pixels = (size.x * self.levels[0].width as f64).max(size.y * self.levels[0].height as f64);
         let last = self.levels.len() - 1;
         let level = if pixels > 1.0 { libm::log2(pixels).min(last as f64) } else { 0.0 };
         let (first, between) = (level as usize, (level - level.floor()) as f32);
-        let fine = self.levels[first].at(uv, self.wrap);
-        if between == 0.0 { fine } else { fine.lerp(self.levels[(first + 1).min(last)].at(uv, self.wrap), between) }
+        let fine = self.levels[first].interpolate(uv, self.wrap);
+        if between == 0.0 {
+            fine
+        } else {
+            fine.lerp(self.levels[(first + 1).min(last)].interpolate(uv, self.wrap), between)
+        }
     }
 
     pub(super) fn mean(&self) -> Rgb {
@@ -104,14 +108,14 @@ impl Picture {
     }
 
     /// Side of a pixel in texture coordinates, along the axis with more pixels.
-    pub(super) fn texel(&self) -> f64 {
+    pub(super) fn texel_size(&self) -> f64 {
         1.0 / self.levels[0].width.max(self.levels[0].height) as f64
     }
 }
 
 impl Wrap {
     /// An equivalent coordinate, close enough to 0 to keep its digits.
-    fn fold(self, x: f64) -> f64 {
+    fn fold_coordinate(self, x: f64) -> f64 {
         let folded = match self {
             Self::Repeat => x - x.floor(),
             Self::Clamp => x.clamp(0.0, 1.0),
@@ -121,7 +125,7 @@ impl Wrap {
     }
 
     /// The pixel of `n` that coordinate `i` refers to.
-    fn pixel(self, i: i64, n: usize) -> usize {
+    fn wrapped_pixel(self, i: i64, n: usize) -> usize {
         let n = n as i64;
         (match self {
             Self::Repeat => i.rem_euclid(n),
@@ -134,15 +138,15 @@ impl Wrap {
     }
 }
 
-impl Level {
-    fn at(&self, uv: DVec2, wrap: Wrap) -> Rgb {
+impl MipLevel {
+    fn interpolate(&self, uv: DVec2, wrap: Wrap) -> Rgb {
         let x = uv.x * self.width as f64 - 0.5;
         let y = (1.0 - uv.y) * self.height as f64 - 0.5;
         let (column, row) = (x.floor() as i64, y.floor() as i64);
         let (fx, fy) = ((x - x.floor()) as f32, (y - y.floor()) as f32);
-        let columns = [column, column + 1].map(|i| wrap.pixel(i, self.width));
+        let columns = [column, column + 1].map(|i| wrap.wrapped_pixel(i, self.width));
         let [upper, lower] = [row, row + 1].map(|i| {
-            let row = wrap.pixel(i, self.height) * self.width;
+            let row = wrap.wrapped_pixel(i, self.height) * self.width;
             self.pixels[row + columns[0]].lerp(self.pixels[row + columns[1]], fx)
         });
         upper.lerp(lower, fy)
@@ -152,10 +156,10 @@ impl Level {
     /// mean over its area.
     fn halved(&self) -> Self {
         let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
-        let columns: Vec<Vec<(usize, f32)>> = (0..width).map(|j| covered(j, self.width, width)).collect();
+        let columns: Vec<Vec<(usize, f32)>> = (0..width).map(|j| covered_pixels(j, self.width, width)).collect();
         let mut pixels = Vec::with_capacity(width * height);
         for i in 0..height {
-            let rows = covered(i, self.height, height);
+            let rows = covered_pixels(i, self.height, height);
             for columns in &columns {
                 let across =
                     |row: usize| columns.iter().map(|(x, w)| self.pixels[row * self.width + x] * *w).sum::<Vec3>();
@@ -167,7 +171,7 @@ impl Level {
 }
 
 /// The pixels of `n` that pixel `j` of `m` covers, with their weights.
-fn covered(j: usize, n: usize, m: usize) -> Vec<(usize, f32)> {
+fn covered_pixels(j: usize, n: usize, m: usize) -> Vec<(usize, f32)> {
     // In units of 1/m of a pixel: pixel j covers [j n, (j + 1) n], old pixel i covers [i m, (i + 1)
     // m].
     let (start, end) = (j * n, (j + 1) * n);

@@ -1,6 +1,6 @@
 //! Rendered textures: closed forms for means, slopes and energy, and noise reduction by filtering.
 
-use crate::support::scene_in;
+use crate::support::scene_from_text_in;
 use caustica::camera::{Filter, FilterKind};
 use caustica::color::{self, Rgb};
 use caustica::image;
@@ -11,7 +11,7 @@ use caustica::scene::{Effects, Hit, RayCone, Scene, SurfaceInteraction};
 use glam::{DVec2, DVec3, Vec3};
 
 fn scene(text: &str) -> Scene {
-    scene_in("", text)
+    scene_from_text_in("", text)
 }
 
 fn picture(scene: &Scene, algorithm: Algorithm, samples: u32, passes: u32, effects: EffectOverrides) -> Vec<Vec<Rgb>> {
@@ -31,12 +31,12 @@ fn hit(scene: &Scene, from: DVec3, direction: DVec3) -> (Hit, Ray) {
 
 fn surface(scene: &Scene, from: DVec3, direction: DVec3) -> SurfaceInteraction<'_> {
     let (hit, ray) = hit(scene, from, direction);
-    scene.interaction(&ray, &hit, &RayCone::point(Effects::ALL), || 0.5)
+    scene.interaction(&ray, &hit, &RayCone::zero_width(Effects::ALL), || 0.5)
 }
 
 fn uv(scene: &Scene, from: [f64; 3], direction: [f64; 3]) -> DVec2 {
     let (hit, ray) = hit(scene, DVec3::from(from), DVec3::from(direction));
-    let cone = RayCone::point(Effects::ALL);
+    let cone = RayCone::zero_width(Effects::ALL);
     let surface = scene.interaction(&ray, &hit, &cone, || 0.5);
     scene.texture_context(&hit, &surface.point, surface.wo, &cone).uv
 }

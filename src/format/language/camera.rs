@@ -1,4 +1,4 @@
-//! Cameras, and the aim of cameras and spotlights.
+//! Tables, parsing and printing of cameras, and of the aim of cameras and lights.
 
 use std::fmt;
 
@@ -9,267 +9,266 @@ use super::super::description::{
     ProjectionDescription, Spanned, TransformStep,
 };
 use super::super::error::SceneError;
-use super::fields::{Fields, fields};
+use super::fields::{BlockFields, parse_table_block};
 use super::lexer::Token;
-use super::maps::{moving, write_maps};
-use super::reader::Parser;
-use super::schema::{Block, Entry, Field, Kind, Range, field, find, keywords};
-use super::text::has_direction;
-use super::writer::Writer;
+use super::parser::Parser;
+use super::schema::{BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, block, block_keywords, field};
+use super::text::is_normalizable;
+use super::transforms::{parse_moving_block, write_transform_steps};
+use super::writer::SceneWriter;
 
-/// The cameras.
-pub(super) static CAMERAS: [Entry<ReadCamera>; 3] = [
-    Entry { block: &PERSPECTIVE, read: perspective },
-    Entry { block: &ORTHOGRAPHIC, read: orthographic },
-    Entry { block: &ENVIRONMENT, read: environment },
+/// All kinds of cameras.
+pub(super) static CAMERAS: [BlockParser<ParseProjection>; 3] = [
+    BlockParser { block: &PERSPECTIVE, parse: parse_perspective_projection },
+    BlockParser { block: &ORTHOGRAPHIC, parse: parse_orthographic_projection },
+    BlockParser { block: &ENVIRONMENT, parse: parse_environment_projection },
 ];
 
-/// Reader of a camera with this view: its projection and the height of its picture \[pixels].
-type ReadCamera = fn(&Fields<'_>, &View) -> Result<(ProjectionDescription, u32), SceneError>;
+/// Conversion of a camera's fields to its projection.
+type ParseProjection = fn(&BlockFields<'_>, &CameraView) -> Result<ProjectionDescription, SceneError>;
 
-/// Position and direction of a camera.
-pub(super) struct View {
+/// Position and viewing direction of a camera.
+pub(super) struct CameraView {
     center: DVec3,
+    /// Viewing direction, of any length.
     direction: DVec3,
+    /// Viewing direction as the scene text states it.
     aim: DirectionOrTarget,
 }
 
-const PIXELS: Range = Range::Within(1.0, 65_536.0);
+const PICTURE_SIZE_RANGE: FieldRange = FieldRange::Within(1.0, 65_536.0);
 
-static VIEW: [Field; 4] = [
-    field("center", Kind::Point, Range::Any, "the pinhole, the lens center, or the center of an orthographic picture")
+static VIEW_FIELDS: [FieldSchema; 4] = [
+    field("center", FieldKind::Point, "the pinhole, the lens center, or the center of an orthographic picture")
         .required()
-        .course(),
-    field("direction", Kind::Direction, Range::Any, "direction of view; give this or `lookAt`").course(),
-    field("lookAt", Kind::Point, Range::Any, "point that the camera looks at"),
-    field("up", Kind::Direction, Range::Any, "direction that appears upward; not parallel to the view")
-        .or(&[0.0, 1.0, 0.0])
-        .course(),
+        .course_syntax(),
+    field("direction", FieldKind::Direction, "direction of view; give this or `lookAt`").course_syntax(),
+    field("lookAt", FieldKind::Point, "point that the camera looks at"),
+    field("up", FieldKind::Direction, "direction that appears upward; not parallel to the view")
+        .or_numbers(&[0.0, 1.0, 0.0])
+        .course_syntax(),
 ];
 
-static SIZE: [Field; 2] = [
-    field("width", Kind::Whole, PIXELS, "picture width").or(&[960.0]).unit("pixels").course(),
-    field("height", Kind::Whole, PIXELS, "picture height").or(&[720.0]).unit("pixels").course(),
+static PICTURE_SIZE_FIELDS: [FieldSchema; 2] = [
+    field("width", FieldKind::Whole, "picture width")
+        .range(PICTURE_SIZE_RANGE)
+        .or_numbers(&[960.0])
+        .unit("pixels")
+        .course_syntax(),
+    field("height", FieldKind::Whole, "picture height")
+        .range(PICTURE_SIZE_RANGE)
+        .or_numbers(&[720.0])
+        .unit("pixels")
+        .course_syntax(),
 ];
 
-static PERSPECTIVE: Block = Block {
-    keyword: "PerspectiveCamera",
-    aliases: &[],
-    fields: &[
-        field("angle", Kind::Number, Range::Between(0.0, 180.0), "vertical field of view")
+static PERSPECTIVE: BlockSchema = block("PerspectiveCamera", "perspective through a pinhole or a thin lens")
+    .fields(&[
+        field("angle", FieldKind::Number, "vertical field of view")
+            .range(FieldRange::Between(0.0, 180.0))
             .required()
             .unit("degrees")
-            .course(),
-        field("aperture", Kind::Number, Range::NonNegative, "lens radius").absent("0: a pinhole"),
-        field("fNumber", Kind::Number, Range::Positive, "instead of `aperture`: focal length over lens diameter"),
-        field("sensorHeight", Kind::Number, Range::Positive, "with `fNumber`: sensor height; sets the focal length")
-            .absent("0.024: 24 mm if the unit is the metre"),
-        field(
-            "focusDistance",
-            Kind::Number,
-            Range::Positive,
-            "distance along the view of the plane in focus, 10⁻¹² … 10¹²",
-        ),
-        field("focusAt", Kind::Point, Range::Any, "instead of `focusDistance`: a point of the plane in focus")
-            .absent("the point of `lookAt`"),
-        field(
-            "blades",
-            Kind::Whole,
-            Range::Special("0 or 3 … 64"),
-            "edges of the lens opening, visible in blurred highlights",
-        )
-        .absent("0: round"),
-    ],
-    shared: &[&VIEW, &SIZE],
-    help: "perspective through a pinhole or a thin lens",
-    course: true,
-};
+            .course_syntax(),
+        field("aperture", FieldKind::Number, "lens radius")
+            .range(FieldRange::NonNegative)
+            .absence_means("0: a pinhole"),
+        field("fNumber", FieldKind::Number, "instead of `aperture`: focal length over lens diameter")
+            .range(FieldRange::Positive),
+        field("sensorHeight", FieldKind::Number, "with `fNumber`: sensor height; sets the focal length")
+            .range(FieldRange::Positive)
+            .absence_means("0.024: 24 mm if the unit is the metre"),
+        field("focusDistance", FieldKind::Number, "distance along the view of the plane in focus, 10⁻¹² … 10¹²")
+            .range(FieldRange::Positive),
+        field("focusAt", FieldKind::Point, "instead of `focusDistance`: a point of the plane in focus")
+            .absence_means("the point of `lookAt`"),
+        field("blades", FieldKind::Whole, "edges of the lens opening, visible in blurred highlights")
+            .range(FieldRange::Special("0 or 3 … 64"))
+            .absence_means("0: round"),
+    ])
+    .shared_fields(&[&VIEW_FIELDS, &PICTURE_SIZE_FIELDS])
+    .course_syntax();
 
-static ORTHOGRAPHIC: Block = Block {
-    keyword: "OrthographicCamera",
-    aliases: &[],
-    fields: &[field("size", Kind::Number, Range::UpTo(0.0, 1e12), "height of the visible region").required()],
-    shared: &[&VIEW, &SIZE],
-    help: "parallel projection",
-    course: false,
-};
+static ORTHOGRAPHIC: BlockSchema = block("OrthographicCamera", "parallel projection")
+    .fields(&[field("size", FieldKind::Number, "height of the visible region")
+        .range(FieldRange::UpTo(0.0, 1e12))
+        .required()])
+    .shared_fields(&[&VIEW_FIELDS, &PICTURE_SIZE_FIELDS]);
 
-static ENVIRONMENT: Block = Block {
-    keyword: "EnvironmentCamera",
-    aliases: &[],
-    fields: &[
-        field("width", Kind::Whole, PIXELS, "picture width").or(&[960.0]).unit("pixels"),
-        field("height", Kind::Whole, PIXELS, "picture height").absent("half of the width").unit("pixels"),
-    ],
-    shared: &[&VIEW],
-    help: "all directions by longitude and latitude, with the direction of view in the middle",
-    course: false,
-};
+static ENVIRONMENT: BlockSchema =
+    block("EnvironmentCamera", "all directions by longitude and latitude, with the direction of view in the middle")
+        .fields(&[
+            field("width", FieldKind::Whole, "picture width")
+                .range(PICTURE_SIZE_RANGE)
+                .or_numbers(&[960.0])
+                .unit("pixels"),
+            field("height", FieldKind::Whole, "picture height")
+                .range(PICTURE_SIZE_RANGE)
+                .absence_means("half of the width")
+                .unit("pixels"),
+        ])
+        .shared_fields(&[&VIEW_FIELDS]);
 
-/// Height of a sensor of 36 × 24 mm, if the unit is the metre.
-const SENSOR_HEIGHT: f64 = 0.024;
+/// Default sensor height: that of a sensor of 36 × 24 mm if the unit of length is the metre.
+const DEFAULT_SENSOR_HEIGHT: f64 = 0.024;
 
-/// Reads a `Moving` block with a camera.
-pub(super) fn moving_camera<'a>(
+/// Parses a `Moving` block with a camera, which cannot be scaled.
+pub(super) fn parse_moving_camera<'a>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
 ) -> Result<Spanned<CameraDescription>, SceneError> {
-    let read = |parser: &mut Parser<'a>, word: Token<'a>| Ok(Spanned::new(camera(parser, word)?, word.span()));
-    let allowed = keywords(&[], &CAMERAS);
-    let (motion, mut camera) = moving(parser, keyword, &allowed, read)?;
+    let read = |parser: &mut Parser<'a>, word: Token<'a>| Ok(Spanned::new(parse_camera(parser, word)?, word.span()));
+    let allowed = block_keywords(&[], &CAMERAS);
+    let (motion, mut camera) = parse_moving_block(parser, keyword, &allowed, read)?;
     if motion.iter().any(|map| matches!(map, TransformStep::Scale(_) | TransformStep::UniformScale(_))) {
         let message = "a camera cannot grow".to_owned();
         let help = "move it by Translate and Rotate only".to_owned();
-        return Err(parser.lexer.error(keyword.span(), message, "this motion", help));
+        return Err(parser.lexer.error_at(keyword.span(), message, "this motion", help));
     }
     camera.value.motion = motion;
     Ok(camera)
 }
 
-/// Reads a camera block.
-pub(super) fn camera<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<CameraDescription, SceneError> {
-    let Some(entry) = find(&CAMERAS, word.text) else {
-        return Err(parser.unexpected(word, &keywords(&[], &CAMERAS)));
-    };
-    let f = fields(parser, word, entry.block)?;
-    let center = f.vector("center")?;
-    let (aim, direction) = aim(&f, "center", center)?;
-    let up = f.vector("up")?;
+/// Parses a camera block after its keyword `word`.
+pub(super) fn parse_camera<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<CameraDescription, SceneError> {
+    let (entry, f) = parse_table_block(parser, word, &CAMERAS)?;
+    let center = f.value("center")?;
+    let (aim, direction) = parse_aim(&f, "center", center)?;
+    let up: DVec3 = f.value("up")?;
     // Below this sine of their angle, rounding decides which way is up.
     if up.normalize().cross(direction.normalize()).length() < 1e-9 {
         let culprit = f.get("up").or(f.get("direction")).or(f.get("lookAt"));
         let message = "`up` is parallel to the direction of view".to_owned();
         let help = "give an `up` that points elsewhere, e.g. `up 0 0 1`".to_owned();
-        return Err(f.error(culprit.map_or(word.span(), |p| p.span()), message, "parallel", help));
+        return Err(f.error_at(culprit.map_or(word.span(), |field| field.span()), message, "parallel", help));
     }
-    let width = f.whole("width")?;
-    let (projection, height) = (entry.read)(&f, &View { center, direction, aim })?;
+    let width: u32 = f.value("width")?;
+    let projection = (entry.parse)(&f, &CameraView { center, direction, aim })?;
+    let height = match projection {
+        ProjectionDescription::Environment => f.optional_value("height").unwrap_or(width.div_ceil(2)),
+        ProjectionDescription::Perspective { .. } | ProjectionDescription::Orthographic { .. } => f.value("height")?,
+    };
     Ok(CameraDescription { center, aim, up, projection, width, height, motion: Vec::new() })
 }
 
-fn perspective(f: &Fields<'_>, view: &View) -> Result<(ProjectionDescription, u32), SceneError> {
-    let angle = f.number("angle")?;
-    let lens = lens(f, view.center, view.direction, view.aim)?;
-    Ok((ProjectionDescription::Perspective { angle, lens }, f.whole("height")?))
+fn parse_perspective_projection(f: &BlockFields<'_>, view: &CameraView) -> Result<ProjectionDescription, SceneError> {
+    Ok(ProjectionDescription::Perspective { angle: f.value("angle")?, lens: parse_lens(f, view)? })
 }
 
-fn orthographic(f: &Fields<'_>, _: &View) -> Result<(ProjectionDescription, u32), SceneError> {
-    Ok((ProjectionDescription::Orthographic { size: f.number("size")? }, f.whole("height")?))
+fn parse_orthographic_projection(f: &BlockFields<'_>, _: &CameraView) -> Result<ProjectionDescription, SceneError> {
+    Ok(ProjectionDescription::Orthographic { size: f.value("size")? })
 }
 
-fn environment(f: &Fields<'_>, _: &View) -> Result<(ProjectionDescription, u32), SceneError> {
-    let half = f.whole("width")?.div_ceil(2);
-    Ok((ProjectionDescription::Environment, f.get("height").map_or(half, |height| height.number() as u32)))
+fn parse_environment_projection(_: &BlockFields<'_>, _: &CameraView) -> Result<ProjectionDescription, SceneError> {
+    Ok(ProjectionDescription::Environment)
 }
 
-/// Returns the lens of a camera at `center` with that direction of view; `None` for a pinhole.
-fn lens(
-    f: &Fields<'_>,
-    center: DVec3,
-    direction: DVec3,
-    aim: DirectionOrTarget,
-) -> Result<Option<LensDescription>, SceneError> {
+/// Parses the lens of a camera; `None` for a pinhole.
+fn parse_lens(f: &BlockFields<'_>, view: &CameraView) -> Result<Option<LensDescription>, SceneError> {
     if f.get("aperture").is_none() && f.get("fNumber").is_none() {
         let rule = "has no effect without `aperture` or `fNumber`";
-        f.refuse(&["sensorHeight", "focusDistance", "focusAt", "blades"], rule)?;
+        f.forbid_fields(&["sensorHeight", "focusDistance", "focusAt", "blades"], rule)?;
         return Ok(None);
     }
-    let opening = f.one_of(&["aperture", "fNumber"])?;
+    let opening = f.require_one_of(&["aperture", "fNumber"])?;
     let opening = if opening.name() == "aperture" {
-        f.refuse(&["sensorHeight"], "has no effect without `fNumber`")?;
-        ApertureDescription::Radius(opening.number())
+        f.forbid_fields(&["sensorHeight"], "has no effect without `fNumber`")?;
+        ApertureDescription::Radius(opening.value())
     } else {
-        let sensor = f.get("sensorHeight").map_or(SENSOR_HEIGHT, |sensor| sensor.number());
-        ApertureDescription::FNumber { number: opening.number(), sensor }
+        let sensor = f.optional_value("sensorHeight").unwrap_or(DEFAULT_SENSOR_HEIGHT);
+        ApertureDescription::FNumber { number: opening.value(), sensor }
     };
-    let focus = match (f.get("focusDistance").or(f.get("focusAt")), aim) {
-        (Some(_), _) => {
-            let focus = f.one_of(&["focusDistance", "focusAt"])?;
-            if focus.name() == "focusDistance" {
-                FocusDescription::Distance(focus.number())
-            } else {
-                let in_front = (focus.vector() - center).dot(direction) > 0.0;
-                focus.ensure(in_front, "must lie in front of the camera")?;
-                FocusDescription::Point(focus.vector())
-            }
+    let focus = if f.get("focusDistance").is_some() || f.get("focusAt").is_some() {
+        let focus = f.require_one_of(&["focusDistance", "focusAt"])?;
+        if focus.name() == "focusDistance" {
+            FocusDescription::Distance(focus.value())
+        } else {
+            let point: DVec3 = focus.value();
+            let is_in_front = (point - view.center).dot(view.direction) > 0.0;
+            focus.ensure(is_in_front, "must lie in front of the camera")?;
+            FocusDescription::Point(point)
         }
-        (None, DirectionOrTarget::LookAt(point)) => FocusDescription::Point(point),
-        (None, DirectionOrTarget::Direction(_)) => FocusDescription::Distance(f.require("focusDistance")?.number()),
-    };
-    let blades = match f.get("blades") {
-        None => 0,
-        Some(blades) => {
-            let n = blades.number();
-            let ok = n == 0.0 || (3.0..=64.0).contains(&n);
-            blades.ensure(ok, "must be 0, for a round opening, or lie between 3 and 64")?;
-            n as u32
+    } else {
+        match view.aim {
+            DirectionOrTarget::LookAt(point) => FocusDescription::Point(point),
+            DirectionOrTarget::Direction(_) => FocusDescription::Distance(f.value("focusDistance")?),
         }
     };
+    let blades = f.optional_value("blades").unwrap_or(0);
+    if let Some(field) = f.get("blades") {
+        let is_valid = blades == 0 || (3..=64).contains(&blades);
+        field.ensure(is_valid, "must be 0, for a round opening, or lie between 3 and 64")?;
+    }
     Ok(Some(LensDescription { opening, focus, blades }))
 }
 
-/// Returns `direction` or `lookAt`, and the direction from `center`, which is the value of the
-/// field `from`.
-pub(super) fn aim(f: &Fields<'_>, from: &str, center: DVec3) -> Result<(DirectionOrTarget, DVec3), SceneError> {
-    let aim = f.one_of(&["direction", "lookAt"])?;
-    if aim.name() == "direction" {
-        return Ok((DirectionOrTarget::Direction(aim.vector()), aim.vector()));
+/// Parses `direction` or `lookAt`; returns it, and the direction from `center`, of any length.
+///
+/// `center_name` is the name of the field that holds `center`, for the error message.
+pub(super) fn parse_aim(
+    f: &BlockFields<'_>,
+    center_name: &str,
+    center: DVec3,
+) -> Result<(DirectionOrTarget, DVec3), SceneError> {
+    let field = f.require_one_of(&["direction", "lookAt"])?;
+    let value: DVec3 = field.value();
+    if field.name() == "direction" {
+        return Ok((DirectionOrTarget::Direction(value), value));
     }
-    let direction = aim.vector() - center;
-    aim.ensure(has_direction(direction), &format!("must lie at some distance from `{from}`"))?;
-    Ok((DirectionOrTarget::LookAt(aim.vector()), direction))
+    let direction = value - center;
+    field.ensure(is_normalizable(direction), &format!("must lie at some distance from `{center_name}`"))?;
+    Ok((DirectionOrTarget::LookAt(value), direction))
 }
 
-/// Prints a camera.
-pub(super) fn write_camera(out: &mut Writer<'_, '_>, camera: &CameraDescription) -> fmt::Result {
+/// Writes a camera as scene text, within a `Moving` block if it moves.
+pub(super) fn write_camera(out: &mut SceneWriter<'_, '_>, camera: &CameraDescription) -> fmt::Result {
     if !camera.motion.is_empty() {
-        out.open("Moving")?;
-        write_maps(out, &camera.motion)?;
+        out.begin_block("Moving")?;
+        write_transform_steps(out, &camera.motion)?;
     }
-    out.start(match camera.projection {
+    out.begin_table_block(match camera.projection {
         ProjectionDescription::Perspective { .. } => &PERSPECTIVE,
         ProjectionDescription::Orthographic { .. } => &ORTHOGRAPHIC,
         ProjectionDescription::Environment => &ENVIRONMENT,
     })?;
-    out.vector("center", camera.center)?;
+    out.write_vector("center", camera.center)?;
     write_aim(out, camera.aim)?;
-    out.vector("up", camera.up)?;
+    out.write_vector("up", camera.up)?;
     match camera.projection {
         ProjectionDescription::Perspective { angle, lens } => {
-            out.number("angle", angle)?;
+            out.write_number("angle", angle)?;
             lens.map_or(Ok(()), |lens| write_lens(out, &lens))?;
         }
-        ProjectionDescription::Orthographic { size } => out.number("size", size)?,
+        ProjectionDescription::Orthographic { size } => out.write_number("size", size)?,
         ProjectionDescription::Environment => {}
     }
-    out.field("width", camera.width)?;
-    out.field("height", camera.height)?;
+    out.write_field("width", camera.width)?;
+    out.write_field("height", camera.height)?;
     if !camera.motion.is_empty() {
-        out.close()?;
+        out.end_block()?;
     }
-    out.close()
+    out.end_block()
 }
 
-/// Prints a direction of view or its target.
-pub(super) fn write_aim(out: &mut Writer<'_, '_>, aim: DirectionOrTarget) -> fmt::Result {
+/// Writes the field `direction` or `lookAt`.
+pub(super) fn write_aim(out: &mut SceneWriter<'_, '_>, aim: DirectionOrTarget) -> fmt::Result {
     match aim {
-        DirectionOrTarget::Direction(direction) => out.vector("direction", direction),
-        DirectionOrTarget::LookAt(point) => out.vector("lookAt", point),
+        DirectionOrTarget::Direction(direction) => out.write_vector("direction", direction),
+        DirectionOrTarget::LookAt(point) => out.write_vector("lookAt", point),
     }
 }
 
-/// Prints the fields of a lens.
-fn write_lens(out: &mut Writer<'_, '_>, lens: &LensDescription) -> fmt::Result {
+/// Writes the fields of a thin lens.
+fn write_lens(out: &mut SceneWriter<'_, '_>, lens: &LensDescription) -> fmt::Result {
     match lens.opening {
-        ApertureDescription::Radius(radius) => out.number("aperture", radius)?,
+        ApertureDescription::Radius(radius) => out.write_number("aperture", radius)?,
         ApertureDescription::FNumber { number, sensor } => {
-            out.number("fNumber", number)?;
-            out.number("sensorHeight", sensor)?;
+            out.write_number("fNumber", number)?;
+            out.write_number("sensorHeight", sensor)?;
         }
     }
     match lens.focus {
-        FocusDescription::Distance(distance) => out.number("focusDistance", distance)?,
-        FocusDescription::Point(point) => out.vector("focusAt", point)?,
+        FocusDescription::Distance(distance) => out.write_number("focusDistance", distance)?,
+        FocusDescription::Point(point) => out.write_vector("focusAt", point)?,
     }
-    out.field("blades", lens.blades)
+    out.write_field("blades", lens.blades)
 }

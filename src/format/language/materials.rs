@@ -1,4 +1,4 @@
-//! Materials, and references to them.
+//! Tables, parsing and printing of materials, and parsing of references to materials.
 
 use std::fmt;
 
@@ -7,201 +7,168 @@ use super::super::description::{
     NormalPerturbationDescription, Spanned, TexturedValue,
 };
 use super::super::error::SceneError;
-use super::fields::{Fields, PresentField, fields};
+use super::fields::{BlockFields, PresentField, parse_table_block};
 use super::lexer::Token;
-use super::names::optional_name;
-use super::reader::Parser;
-use super::refraction::{INDEX, MAX_INDEX, MIN_INDEX, refraction, write_refraction};
-use super::schema::{Block, Entry, Field, Kind, MAX_COEFFICIENT, Range, field, find, keywords};
-use super::text::clip;
-use super::writer::Writer;
+use super::names::parse_block_name;
+use super::parser::Parser;
+use super::refraction::{INDEX_FIELD, MAX_REFRACTIVE_INDEX, MIN_REFRACTIVE_INDEX, parse_refraction, write_refraction};
+use super::schema::{
+    BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, MAX_COEFFICIENT, block, block_keywords, field,
+};
+use super::text::clip_for_message;
+use super::writer::SceneWriter;
 use glam::DVec3;
 
-/// The materials.
-pub(super) static MATERIALS: [Entry<ReadMaterial>; 8] = [
-    Entry { block: &PHONG, read: phong },
-    Entry { block: &DIFFUSE, read: diffuse },
-    Entry { block: &MIRROR, read: mirror },
-    Entry { block: &DIELECTRIC, read: dielectric },
-    Entry { block: &CLEAR, read: clear },
-    Entry { block: &CONDUCTOR, read: conductor },
-    Entry { block: &THIN, read: thin },
-    Entry { block: &MIX, read: mix },
+/// All kinds of materials.
+pub(super) static MATERIALS: [BlockParser<ParseMaterial>; 8] = [
+    BlockParser { block: &PHONG, parse: parse_phong },
+    BlockParser { block: &DIFFUSE, parse: parse_diffuse },
+    BlockParser { block: &MIRROR, parse: parse_mirror },
+    BlockParser { block: &DIELECTRIC, parse: parse_dielectric },
+    BlockParser { block: &CLEAR, parse: parse_clear },
+    BlockParser { block: &CONDUCTOR, parse: parse_conductor },
+    BlockParser { block: &THIN, parse: parse_thin },
+    BlockParser { block: &MIX, parse: parse_mix },
 ];
 
-/// Reader of the fields of a material; the scope holds the materials that stand before it.
-type ReadMaterial = for<'a> fn(&Parser<'a>, &Fields<'a>) -> Result<MaterialKindDescription, SceneError>;
+/// Conversion of a block's fields to a material. The parser's scope holds the materials before it.
+type ParseMaterial = for<'a> fn(&Parser<'a>, &BlockFields<'a>) -> Result<MaterialKindDescription, SceneError>;
 
-/// Greatest depth of nested mixes: each level doubles the number of leaf materials.
-const MAX_MIXES: u8 = 8;
+/// Largest accepted depth of nested mixes. Each level can double the number of leaf materials.
+const MAX_MIX_DEPTH: u8 = 8;
 
-const UNIT: Range = Range::Within(0.0, 1.0);
-const TRANSMITTANCE: Range = Range::UpTo(0.0, 1.0);
-const COEFFICIENT: Range = Range::Within(0.0, MAX_COEFFICIENT);
+const UNIT_RANGE: FieldRange = FieldRange::Within(0.0, 1.0);
+const TRANSMITTANCE_RANGE: FieldRange = FieldRange::UpTo(0.0, 1.0);
+const COEFFICIENT_RANGE: FieldRange = FieldRange::Within(0.0, MAX_COEFFICIENT);
 
-const ROUGHNESS: Field = field("roughness", Kind::NumberOrTexture, UNIT, "GGX α; smooth below 0.001").or(&[0.0]);
-const PRIORITY: Field =
-    field("priority", Kind::Whole, Range::Within(0.0, 255.0), "where bodies overlap, the highest priority counts")
-        .or(&[0.0]);
+const ROUGHNESS_FIELD: FieldSchema =
+    field("roughness", FieldKind::NumberOrTexture, "GGX α; smooth below 0.001").range(UNIT_RANGE).or_numbers(&[0.0]);
+const PRIORITY_FIELD: FieldSchema =
+    field("priority", FieldKind::Whole, "where bodies overlap, the highest priority counts")
+        .range(FieldRange::Within(0.0, 255.0))
+        .or_numbers(&[0.0]);
 
-static EMISSION: [Field; 2] = [
-    field("emission", Kind::ColorOrTexture, Range::NonNegative, "emitted radiance; not for `Clear`")
-        .absent("0 0 0")
+static EMISSION_FIELDS: [FieldSchema; 2] = [
+    field("emission", FieldKind::ColorOrTexture, "emitted radiance; not for `Clear`")
+        .absence_means("0 0 0")
         .unit("W/(m² sr)"),
-    field("emissionScale", Kind::Number, Range::NonNegative, "with a texture as `emission`: factor of its values")
-        .absent("1"),
+    field("emissionScale", FieldKind::Number, "with a texture as `emission`: factor of its values")
+        .range(FieldRange::NonNegative)
+        .or_numbers(&[1.0]),
 ];
 
-static RELIEF: [Field; 3] = [
-    field("bump", Kind::Name, Range::Any, "texture or picture of heights; not for `Clear`").absent("none"),
-    field("bumpHeight", Kind::Number, Range::Single, "height of the value 1 of `bump`, required with it")
+static NORMAL_PERTURBATION_FIELDS: [FieldSchema; 3] = [
+    field("bump", FieldKind::Name, "texture or picture of heights; not for `Clear`").absence_means("none"),
+    field("bumpHeight", FieldKind::Number, "height of the value 1 of `bump`, required with it")
+        .range(FieldRange::Single)
         .unit("length"),
-    field("normalMap", Kind::Name, Range::Any, "instead of `bump`: texture or picture of normals").absent("none"),
+    field("normalMap", FieldKind::Name, "instead of `bump`: texture or picture of normals").absence_means("none"),
 ];
 
-static PHONG: Block = Block {
-    keyword: "PhongMaterial",
-    aliases: &["Material", "Phong"],
-    fields: &[
-        field("diffuseColor", Kind::ColorOrTexture, Range::NonNegative, "diffuse reflectance kd")
-            .or(&[1.0, 1.0, 1.0])
-            .course(),
-        field("specularColor", Kind::ColorOrTexture, Range::NonNegative, "specular coefficient ks")
-            .or(&[0.0, 0.0, 0.0])
-            .course(),
-        field("shininess", Kind::Number, Range::NonNegative, "Phong exponent").or(&[0.0]).course(),
-        field("texture", Kind::Name, Range::Any, "texture or picture that `diffuseColor` is multiplied by")
-            .absent("none")
-            .course(),
-    ],
-    shared: &[&RELIEF, &EMISSION],
-    help: "Phong's reflection model",
-    course: true,
-};
+static PHONG: BlockSchema = block("PhongMaterial", "Phong's reflection model")
+    .fields(&[
+        field("diffuseColor", FieldKind::ColorOrTexture, "diffuse reflectance kd")
+            .or_numbers(&[1.0, 1.0, 1.0])
+            .course_syntax(),
+        field("specularColor", FieldKind::ColorOrTexture, "specular coefficient ks")
+            .or_numbers(&[0.0, 0.0, 0.0])
+            .course_syntax(),
+        field("shininess", FieldKind::Number, "Phong exponent")
+            .range(FieldRange::NonNegative)
+            .or_numbers(&[0.0])
+            .course_syntax(),
+        field("texture", FieldKind::Name, "texture or picture that `diffuseColor` is multiplied by")
+            .absence_means("none")
+            .course_syntax(),
+    ])
+    .aliases(&["Material", "Phong"])
+    .shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS])
+    .course_syntax();
 
-static DIFFUSE: Block = Block {
-    keyword: "Diffuse",
-    aliases: &[],
-    fields: &[field("reflectance", Kind::ColorOrTexture, UNIT, "albedo").required()],
-    shared: &[&RELIEF, &EMISSION],
-    help: "Lambertian reflection",
-    course: false,
-};
+static DIFFUSE: BlockSchema = block("Diffuse", "Lambertian reflection")
+    .fields(&[field("reflectance", FieldKind::ColorOrTexture, "albedo").range(UNIT_RANGE).required()])
+    .shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
 
-static MIRROR: Block = Block {
-    keyword: "Mirror",
-    aliases: &[],
-    fields: &[field("reflectance", Kind::ColorOrTexture, UNIT, "reflectance").or(&[1.0, 1.0, 1.0])],
-    shared: &[&RELIEF, &EMISSION],
-    help: "perfect mirror",
-    course: false,
-};
+static MIRROR: BlockSchema = block("Mirror", "perfect mirror")
+    .fields(&[field("reflectance", FieldKind::ColorOrTexture, "reflectance")
+        .range(UNIT_RANGE)
+        .or_numbers(&[1.0, 1.0, 1.0])])
+    .shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
 
-static DIELECTRIC: Block = Block {
-    keyword: "Dielectric",
-    aliases: &[],
-    fields: &[
-        INDEX,
-        field("abbe", Kind::Number, Range::Positive, "with `indexOfRefraction`: Abbe number")
-            .absent("none: no dispersion"),
-        field("glass", Kind::Name, Range::Any, "instead of `indexOfRefraction`: a glass by name"),
-        field(
-            "cauchy",
-            Kind::Numbers,
-            Range::Special("A, B \\[µm²], C \\[µm⁴]"),
-            "instead of `indexOfRefraction`: Cauchy's equation; C is optional",
-        ),
-        field(
-            "sellmeierB",
-            Kind::Numbers,
-            Range::Special("1 to 4"),
-            "instead of `indexOfRefraction`: Sellmeier's equation",
-        ),
-        field("sellmeierC", Kind::Numbers, Range::Special("1 to 4"), "squared resonance wavelengths for `sellmeierB`")
+static DIELECTRIC: BlockSchema = block("Dielectric", "boundary of a body of glass, water or the like")
+    .fields(&[
+        INDEX_FIELD,
+        field("abbe", FieldKind::Number, "with `indexOfRefraction`: Abbe number")
+            .range(FieldRange::Positive)
+            .absence_means("none: no dispersion"),
+        field("glass", FieldKind::Name, "instead of `indexOfRefraction`: a glass by name"),
+        field("cauchy", FieldKind::Numbers, "instead of `indexOfRefraction`: Cauchy's equation; C is optional")
+            .range(FieldRange::Special("A, B \\[µm²], C \\[µm⁴]")),
+        field("sellmeierB", FieldKind::Numbers, "instead of `indexOfRefraction`: Sellmeier's equation")
+            .range(FieldRange::Special("1 to 4")),
+        field("sellmeierC", FieldKind::Numbers, "squared resonance wavelengths for `sellmeierB`")
+            .range(FieldRange::Special("1 to 4"))
             .unit("µm²"),
-        field("absorption", Kind::Color, COEFFICIENT, "absorption coefficient of the inside")
-            .absent("0 0 0")
+        field("absorption", FieldKind::Color, "absorption coefficient of the inside")
+            .range(COEFFICIENT_RANGE)
+            .absence_means("0 0 0")
             .unit("1/length"),
-        field("tint", Kind::Color, TRANSMITTANCE, "instead of `absorption`: transmittance over `tintDistance`"),
-        field("tintDistance", Kind::Number, Range::Positive, "distance of `tint`; the absorption is at most 1e12")
-            .absent("1")
+        field("tint", FieldKind::Color, "instead of `absorption`: transmittance over `tintDistance`")
+            .range(TRANSMITTANCE_RANGE),
+        field("tintDistance", FieldKind::Number, "distance of `tint`; the absorption is at most 1e12")
+            .range(FieldRange::Positive)
+            .or_numbers(&[1.0])
             .unit("length"),
-        ROUGHNESS,
-        PRIORITY,
-        field("medium", Kind::Name, Range::Any, "medium that fills the body").absent("none"),
-    ],
-    shared: &[&RELIEF, &EMISSION],
-    help: "boundary of a body of glass, water or the like",
-    course: false,
-};
+        ROUGHNESS_FIELD,
+        PRIORITY_FIELD,
+        field("medium", FieldKind::Name, "medium that fills the body").absence_means("none"),
+    ])
+    .shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
 
-static CLEAR: Block = Block {
-    keyword: "Clear",
-    aliases: &[],
-    fields: &[field("medium", Kind::Name, Range::Any, "medium that fills the region").absent("none"), PRIORITY],
-    shared: &[&RELIEF, &EMISSION],
-    help: "null interface: boundary of a region without a surface",
-    course: false,
-};
+static CLEAR: BlockSchema = block("Clear", "null interface: boundary of a region without a surface")
+    .fields(&[field("medium", FieldKind::Name, "medium that fills the region").absence_means("none"), PRIORITY_FIELD])
+    .shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
 
-static CONDUCTOR: Block = Block {
-    keyword: "Conductor",
-    aliases: &[],
-    fields: &[
-        field("metal", Kind::Name, Range::Any, "a metal by name; give this, or `eta` and `k`"),
-        field(
-            "eta",
-            Kind::Color,
-            Range::Within(MIN_INDEX, MAX_INDEX),
-            "η of the complex index η + ik for red, green and blue",
-        ),
-        field("k", Kind::Color, Range::Within(0.0, MAX_INDEX), "k of the complex index"),
-        ROUGHNESS,
-    ],
-    shared: &[&RELIEF, &EMISSION],
-    help: "metal; opaque, reflects on both sides",
-    course: false,
-};
+static CONDUCTOR: BlockSchema = block("Conductor", "metal; opaque, reflects on both sides")
+    .fields(&[
+        field("metal", FieldKind::Name, "a metal by name; give this, or `eta` and `k`"),
+        field("eta", FieldKind::Color, "η of the complex index η + ik for red, green and blue")
+            .range(FieldRange::Within(MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX)),
+        field("k", FieldKind::Color, "k of the complex index").range(FieldRange::Within(0.0, MAX_REFRACTIVE_INDEX)),
+        ROUGHNESS_FIELD,
+    ])
+    .shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
 
-static THIN: Block = Block {
-    keyword: "Thin",
-    aliases: &[],
-    fields: &[
-        INDEX,
-        field("transmittance", Kind::ColorOrTexture, TRANSMITTANCE, "transmittance of the inside at normal incidence")
-            .or(&[1.0, 1.0, 1.0]),
-    ],
-    shared: &[&RELIEF, &EMISSION],
-    help: "pane without thickness; the index is relative to the surroundings",
-    course: false,
-};
+static THIN: BlockSchema = block("Thin", "pane without thickness; the index is relative to the surroundings")
+    .fields(&[
+        INDEX_FIELD,
+        field("transmittance", FieldKind::ColorOrTexture, "transmittance of the inside at normal incidence")
+            .range(TRANSMITTANCE_RANGE)
+            .or_numbers(&[1.0, 1.0, 1.0]),
+    ])
+    .shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
 
-static MIX: Block = Block {
-    keyword: "Mix",
-    aliases: &[],
-    fields: &[
-        field("first", Kind::Name, Range::Any, "name of a material that stands before this one").required(),
-        field("second", Kind::Name, Range::Any, "name of a material that stands before this one").required(),
-        field("amount", Kind::NumberOrTexture, UNIT, "share of the second material").required(),
-    ],
-    // A mix has the relief of the material it resolves to.
-    shared: &[&EMISSION],
-    help: "one of two materials at each point, chosen at random",
-    course: false,
-};
+static MIX: BlockSchema = block("Mix", "one of two materials at each point, chosen at random")
+    .fields(&[
+        field("first", FieldKind::Name, "name of a material that stands before this one").required(),
+        field("second", FieldKind::Name, "name of a material that stands before this one").required(),
+        field("amount", FieldKind::NumberOrTexture, "share of the second material").range(UNIT_RANGE).required(),
+    ])
+    .shared_fields(&[&EMISSION_FIELDS]);
 
-/// Reads a `Materials` block.
-pub(super) fn materials<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result<(), SceneError> {
+/// Parses a `Materials` block; its materials replace those of an earlier one.
+pub(super) fn parse_materials_block<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result<(), SceneError> {
     if parser.scope.group_uses_materials {
         parser.scope.late_materials = Some(block);
     }
     parser.scope.clear_materials();
-    parser.list(block, ("numMaterials", "material"), &keywords(&["numMaterials"], &MATERIALS), |parser, word| {
-        let (name, error) = match material_name(parser) {
-            Ok(name) => (name, None),
-            Err(error) => (None, Some(error)),
+    let allowed = block_keywords(&["numMaterials"], &MATERIALS);
+    parser.parse_list_block(block, ("numMaterials", "material"), &allowed, |parser, word| {
+        let (name, material) = match parse_new_material_name(parser) {
+            Ok(name) => (name.clone(), parse_material(parser, word, name)),
+            Err(error) => (None, Err(error)),
         };
-        let (material, error) = match error.map_or_else(|| material(parser, word, name.clone()), Err) {
+        let (material, result) = match material {
             Ok(material) => (material, Ok(())),
             Err(error) => {
                 // A material with errors keeps its index and name, so that objects can refer to it.
@@ -213,190 +180,183 @@ pub(super) fn materials<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result
             }
         };
         parser.scope.add_material(Spanned::new(material, word.span()));
-        error
+        result
     })
 }
 
-/// Reads the name of a material, if it has one.
-fn material_name(parser: &mut Parser<'_>) -> Result<Option<String>, SceneError> {
-    let Some(name) = optional_name(parser, "material")? else { return Ok(None) };
-    if parser.scope.names.contains_key(&name.value) {
-        let message = format!("two materials are called `{}`", clip(&name.value));
-        return Err(parser.lexer.error(name.span, message, "the second", "give it another name".to_owned()));
+/// Parses the optional name of a new material, and adds the name to the scope.
+fn parse_new_material_name(parser: &mut Parser<'_>) -> Result<Option<String>, SceneError> {
+    let Some(name) = parse_block_name(parser, "material")? else { return Ok(None) };
+    if parser.scope.material_indices.contains_key(&name.value) {
+        let message = format!("two materials are called `{}`", clip_for_message(&name.value));
+        return Err(parser.lexer.error_at(name.span, message, "the second", "give it another name".to_owned()));
     }
-    parser.scope.names.insert(name.value.clone(), parser.scope.materials.len());
+    parser.scope.material_indices.insert(name.value.clone(), parser.scope.materials.len());
     Ok(Some(name.value))
 }
 
-/// Reads the fields of a material.
-fn material<'a>(
+/// Parses the fields of a material.
+fn parse_material<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,
     name: Option<String>,
 ) -> Result<MaterialDescription, SceneError> {
-    let Some(Entry { block, read }) = find(&MATERIALS, word.text) else {
-        return Err(parser.unexpected(word, &keywords(&[], &MATERIALS)));
-    };
-    let f = &fields(parser, word, block)?;
-    let kind = read(parser, f)?;
-    let medium = match block.field("medium").and_then(|_| f.get("medium")).map(|medium| medium.text()) {
-        Some(name) => {
-            parser.scope.check_medium(parser.lexer, &name, "ahead of the Materials")?;
-            Some(name)
-        }
-        None => None,
-    };
-    let normal_perturbation = if block.field("bump").is_some() { normal_perturbation(f)? } else { None };
-    Ok(MaterialDescription { name, kind, emission: emission(f)?, normal_perturbation, medium })
+    let (BlockParser { block, parse }, f) = parse_table_block(parser, word, &MATERIALS)?;
+    let f = &f;
+    let kind = parse(parser, f)?;
+    let has_field = |name: &str| block.find_field(name).is_some();
+    let medium: Option<Spanned<String>> = if has_field("medium") { f.optional_value("medium") } else { None };
+    if let Some(name) = &medium {
+        parser.scope.check_medium_exists(parser.lexer, name, "ahead of the Materials")?;
+    }
+    let normal_perturbation = if has_field("bump") { parse_normal_perturbation(f)? } else { None };
+    Ok(MaterialDescription { name, kind, emission: parse_emission(f)?, normal_perturbation, medium })
 }
 
-fn phong(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKindDescription, SceneError> {
+fn parse_phong(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescription, SceneError> {
     Ok(MaterialKindDescription::Phong {
-        diffuse: f.color_or_texture("diffuseColor")?,
-        specular: f.color_or_texture("specularColor")?,
-        shininess: f.number("shininess")?,
-        texture: f.get("texture").map(|texture| texture.text()),
+        diffuse: f.value("diffuseColor")?,
+        specular: f.value("specularColor")?,
+        shininess: f.value("shininess")?,
+        texture: f.optional_value("texture"),
     })
 }
 
-fn diffuse(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKindDescription, SceneError> {
-    Ok(MaterialKindDescription::Diffuse { reflectance: f.color_or_texture("reflectance")? })
+fn parse_diffuse(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescription, SceneError> {
+    Ok(MaterialKindDescription::Diffuse { reflectance: f.value("reflectance")? })
 }
 
-fn mirror(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKindDescription, SceneError> {
-    Ok(MaterialKindDescription::Mirror { reflectance: f.color_or_texture("reflectance")? })
+fn parse_mirror(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescription, SceneError> {
+    Ok(MaterialKindDescription::Mirror { reflectance: f.value("reflectance")? })
 }
 
-fn dielectric(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKindDescription, SceneError> {
+fn parse_dielectric(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescription, SceneError> {
     Ok(MaterialKindDescription::Dielectric {
-        refraction: refraction(f)?,
-        attenuation: attenuation(f)?,
-        roughness: f.number_or_texture("roughness")?,
-        priority: f.whole("priority")? as u8,
+        refraction: parse_refraction(f)?,
+        attenuation: parse_attenuation(f)?,
+        roughness: f.value("roughness")?,
+        priority: f.value::<u32>("priority")? as u8,
     })
 }
 
-fn clear(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKindDescription, SceneError> {
+fn parse_clear(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescription, SceneError> {
     let advice = "needs a surface, and `Clear` has none: ";
-    f.refuse(&["emission", "emissionScale"], &format!("{advice}give `emission` to its medium"))?;
-    f.refuse(&["bump", "bumpHeight", "normalMap"], &format!("{advice}leave it out"))?;
-    Ok(MaterialKindDescription::Clear { priority: f.whole("priority")? as u8 })
+    f.forbid_fields(&["emission", "emissionScale"], &format!("{advice}give `emission` to its medium"))?;
+    f.forbid_fields(&["bump", "bumpHeight", "normalMap"], &format!("{advice}leave it out"))?;
+    Ok(MaterialKindDescription::Clear { priority: f.value::<u32>("priority")? as u8 })
 }
 
-fn conductor(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKindDescription, SceneError> {
-    Ok(MaterialKindDescription::Conductor { metal: metal(f)?, roughness: f.number_or_texture("roughness")? })
+fn parse_conductor(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescription, SceneError> {
+    Ok(MaterialKindDescription::Conductor { metal: parse_metal(f)?, roughness: f.value("roughness")? })
 }
 
-fn thin(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKindDescription, SceneError> {
-    Ok(MaterialKindDescription::Thin {
-        index: f.number("indexOfRefraction")?,
-        transmittance: f.color_or_texture("transmittance")?,
-    })
+fn parse_thin(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescription, SceneError> {
+    Ok(MaterialKindDescription::Thin { index: f.value("indexOfRefraction")?, transmittance: f.value("transmittance")? })
 }
 
-/// Returns the absorption of a dielectric.
-fn attenuation(f: &Fields<'_>) -> Result<DielectricAbsorption, SceneError> {
-    f.exclude("absorption", "tint")?;
-    let Some(tint) = f.get("tint") else {
-        f.refuse(&["tintDistance"], "has no effect without `tint`")?;
+/// Parses the absorption inside a dielectric.
+fn parse_attenuation(f: &BlockFields<'_>) -> Result<DielectricAbsorption, SceneError> {
+    f.forbid_both("absorption", "tint")?;
+    let Some(color) = f.optional_value("tint") else {
+        f.forbid_fields(&["tintDistance"], "has no effect without `tint`")?;
         return Ok(f
-            .get("absorption")
-            .map_or(DielectricAbsorption::None, |a| DielectricAbsorption::Coefficient(a.vector())));
+            .optional_value("absorption")
+            .map_or(DielectricAbsorption::None, DielectricAbsorption::Coefficient));
     };
-    let color = tint.vector();
-    let Some(distance) = f.get("tintDistance") else { return Ok(DielectricAbsorption::Tint { color, distance: 1.0 }) };
-    let attenuation = DielectricAbsorption::Tint { color, distance: distance.number() };
-    let ok = attenuation.coefficient().max_element() <= MAX_COEFFICIENT;
-    distance.ensure(ok, "must be longer: over it, `tint` is an absorption above 1e12")?;
+    let attenuation = DielectricAbsorption::Tint { color, distance: f.value("tintDistance")? };
+    if let Some(field) = f.get("tintDistance") {
+        let is_valid = attenuation.coefficient().max_element() <= MAX_COEFFICIENT;
+        field.ensure(is_valid, "must be longer: over it, `tint` is an absorption above 1e12")?;
+    }
     Ok(attenuation)
 }
 
-/// Returns the metal of a conductor.
-fn metal(f: &Fields<'_>) -> Result<MetalDescription, SceneError> {
+/// Parses the complex refractive index of a conductor, or the name of its metal.
+fn parse_metal(f: &BlockFields<'_>) -> Result<MetalDescription, SceneError> {
     for index in ["eta", "k"] {
-        f.exclude("metal", index)?;
+        f.forbid_both("metal", index)?;
     }
-    if let Some(name) = f.get("metal") {
-        return Ok(MetalDescription::Named(name.text()));
+    if let Some(name) = f.optional_value("metal") {
+        return Ok(MetalDescription::Named(name));
     }
     if f.get("k").is_none() {
         // If both are absent, the error names both.
-        f.one_of(&["metal", "eta"])?;
+        f.require_one_of(&["metal", "eta"])?;
     }
-    Ok(MetalDescription::Index { eta: f.vector("eta")?, k: f.vector("k")? })
+    Ok(MetalDescription::Index { eta: f.value("eta")?, k: f.value("k")? })
 }
 
-/// Returns a mix, whose parts must stand before it.
-fn mix<'a>(parser: &Parser<'a>, f: &Fields<'a>) -> Result<MaterialKindDescription, SceneError> {
-    let first = part(parser, f.require("first")?)?;
-    let second = part(parser, f.require("second")?)?;
-    let amount: TexturedValue<f64> = f.number_or_texture("amount")?;
+/// Parses a mix of two materials that stand before it.
+fn parse_mix<'a>(parser: &Parser<'a>, f: &BlockFields<'a>) -> Result<MaterialKindDescription, SceneError> {
+    let first = parse_mix_component(parser, f.require("first")?)?;
+    let second = parse_mix_component(parser, f.require("second")?)?;
+    let amount = f.value("amount")?;
     let scope = &parser.scope;
-    for part in [&first, &second] {
-        if scope.contents(part).mixes == MAX_MIXES {
-            let message = format!("mixes nest more than {MAX_MIXES} deep");
+    for component in [&first, &second] {
+        if scope.material_components(component).mix_depth == MAX_MIX_DEPTH {
+            let message = format!("mixes nest more than {MAX_MIX_DEPTH} deep");
             let help = "mix fewer materials, or materials that are no mixes".to_owned();
-            return Err(f.error(part.span, message, "the deepest that may be", help));
+            return Err(f.error_at(component.span, message, "the deepest that may be", help));
         }
-        let index = scope.names.get(&part.value).copied();
+        let index = scope.material_indices.get(&component.value).copied();
         if index.is_some_and(|index| matches!(scope.materials[index].kind, MaterialKindDescription::Clear { .. })) {
             let message = "a mix cannot be `Clear`, which has no surface".to_owned();
             let help = "mix a `Dielectric { indexOfRefraction 1 … }` of the same medium instead".to_owned();
-            return Err(f.error(part.span, message, "no surface", help));
+            return Err(f.error_at(component.span, message, "no surface", help));
         }
     }
-    // A path could enter one body and leave the other, and would keep the first on its interior
-    // stack for ever.
-    if let (Some(a), Some(b)) = (scope.contents(&first).dielectric, scope.contents(&second).dielectric)
+    // A path could enter through one dielectric and leave through the other. The first would then
+    // stay on the path's interior stack.
+    if let (Some(a), Some(b)) =
+        (scope.material_components(&first).dielectric, scope.material_components(&second).dielectric)
         && a != b
     {
         let message = "a mix cannot be two different Dielectrics".to_owned();
         let help = "mix a Dielectric with an opaque material, or with itself".to_owned();
-        return Err(f.error(second.span, message, "the second body", help));
+        return Err(f.error_at(second.span, message, "the second body", help));
     }
     Ok(MaterialKindDescription::Mix { first, second, amount })
 }
 
-/// Returns the name of a material that stands before the one that is read.
-fn part<'a>(parser: &Parser<'a>, field: PresentField<'_, 'a>) -> Result<Spanned<String>, SceneError> {
-    let name = field.text();
+/// Parses the name of a material that stands before the mix.
+fn parse_mix_component<'a>(parser: &Parser<'a>, field: PresentField<'_, 'a>) -> Result<Spanned<String>, SceneError> {
+    let name: Spanned<String> = field.value();
     let help = "a mix is made of materials that stand before it";
-    parser.scope.check_material(parser.lexer, &name, help)?;
-    if parser.scope.names.get(&name.value).is_some_and(|index| *index == parser.scope.materials.len()) {
-        let message = format!("`{}` is a part of itself", clip(&name.value));
+    parser.scope.check_material_exists(parser.lexer, &name, help)?;
+    if parser.scope.material_indices.get(&name.value).is_some_and(|index| *index == parser.scope.materials.len()) {
+        let message = format!("`{}` is a part of itself", clip_for_message(&name.value));
         let help = format!("name a material that stands before it as `{}`", field.name());
-        return Err(parser.lexer.error(name.span, message, "this mix", help));
+        return Err(parser.lexer.error_at(name.span, message, "this mix", help));
     }
     Ok(name)
 }
 
-/// Returns `emission` with `emissionScale`.
-fn emission(f: &Fields<'_>) -> Result<Option<EmissionDescription>, SceneError> {
-    let Some(emission) = f.get("emission") else {
-        f.refuse(&["emissionScale"], "has no effect without a texture as `emission`")?;
-        return Ok(None);
+fn parse_emission(f: &BlockFields<'_>) -> Result<Option<EmissionDescription>, SceneError> {
+    let radiance = match f.optional_value("emission") {
+        Some(TexturedValue::Texture(name)) => {
+            return Ok(Some(EmissionDescription::Texture { name, scale: f.value("emissionScale")? }));
+        }
+        Some(TexturedValue::Plain(radiance)) => Some(EmissionDescription::Radiance(radiance)),
+        None => None,
     };
-    let Some(name) = emission.texture() else {
-        f.refuse(&["emissionScale"], "has no effect without a texture as `emission`")?;
-        return Ok(Some(EmissionDescription::Radiance(emission.vector())));
-    };
-    Ok(Some(EmissionDescription::Texture { name, scale: f.get("emissionScale").map_or(1.0, |scale| scale.number()) }))
+    f.forbid_fields(&["emissionScale"], "has no effect without a texture as `emission`")?;
+    Ok(radiance)
 }
 
-/// Returns `bump` with its height, or `normalMap`.
-fn normal_perturbation(f: &Fields<'_>) -> Result<Option<NormalPerturbationDescription>, SceneError> {
-    if f.get("bump").is_none() {
-        f.refuse(&["bumpHeight"], "has no effect without `bump`")?;
-        return Ok(f.get("normalMap").map(|map| NormalPerturbationDescription::NormalMap(map.text())));
-    }
-    let bump = f.one_of(&["bump", "normalMap"])?;
-    Ok(Some(NormalPerturbationDescription::Bump { texture: bump.text(), height: f.number("bumpHeight")? }))
+/// Parses a bump map with its height, or a normal map.
+fn parse_normal_perturbation(f: &BlockFields<'_>) -> Result<Option<NormalPerturbationDescription>, SceneError> {
+    f.forbid_both("bump", "normalMap")?;
+    let Some(texture) = f.optional_value("bump") else {
+        f.forbid_fields(&["bumpHeight"], "has no effect without `bump`")?;
+        return Ok(f.optional_value("normalMap").map(NormalPerturbationDescription::NormalMap));
+    };
+    Ok(Some(NormalPerturbationDescription::Bump { texture, height: f.value("bumpHeight")? }))
 }
 
-/// Reads the index after `MaterialIndex`.
-pub(super) fn material_by_index<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Spanned<u32>, SceneError> {
+/// Parses the index after `MaterialIndex`.
+pub(super) fn parse_material_index<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Spanned<u32>, SceneError> {
     parser.scope.group_uses_materials = true;
-    let index = parser.integer(word)?;
+    let index = parser.parse_integer(word)?;
     let count = parser.scope.materials.len();
     if (index.value as usize) < count {
         return Ok(index);
@@ -407,20 +367,23 @@ pub(super) fn material_by_index<'a>(parser: &mut Parser<'a>, word: Token<'a>) ->
         1 => "the one material is number 0".to_owned(),
         n => format!("materials are numbered from 0 to {}", n - 1),
     };
-    Err(parser.lexer.error(index.span, message, "out of range", help))
+    Err(parser.lexer.error_at(index.span, message, "out of range", help))
 }
 
-/// Reads the name after `MaterialName`.
-pub(super) fn material_by_name<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Spanned<String>, SceneError> {
+/// Parses the name after `MaterialName`.
+pub(super) fn parse_material_reference<'a>(
+    parser: &mut Parser<'a>,
+    word: Token<'a>,
+) -> Result<Spanned<String>, SceneError> {
     parser.scope.group_uses_materials = true;
-    let name = parser.name(word)?;
+    let name = parser.parse_name(word)?;
     let help = "name it ahead of the Group: `Materials { Diffuse name { … } }`";
-    parser.scope.check_material(parser.lexer, &name, help)?;
+    parser.scope.check_material_exists(parser.lexer, &name, help)?;
     Ok(name)
 }
 
-/// Prints a material.
-pub(super) fn write_material(out: &mut Writer<'_, '_>, material: &MaterialDescription) -> fmt::Result {
+/// Writes a material as scene text.
+pub(super) fn write_material(out: &mut SceneWriter<'_, '_>, material: &MaterialDescription) -> fmt::Result {
     let block = match material.kind {
         MaterialKindDescription::Phong { .. } => &PHONG,
         MaterialKindDescription::Diffuse { .. } => &DIFFUSE,
@@ -432,69 +395,69 @@ pub(super) fn write_material(out: &mut Writer<'_, '_>, material: &MaterialDescri
         MaterialKindDescription::Mix { .. } => &MIX,
     };
     match &material.name {
-        None => out.start(block)?,
-        Some(name) => out.start_named(block, name)?,
+        None => out.begin_table_block(block)?,
+        Some(name) => out.begin_named_block(block, name)?,
     }
     match &material.kind {
         MaterialKindDescription::Phong { diffuse, specular, shininess, texture } => {
-            out.color_or_texture("diffuseColor", diffuse)?;
-            out.color_or_texture("specularColor", specular)?;
-            out.number("shininess", *shininess)?;
-            texture.as_ref().map_or(Ok(()), |name| out.name("texture", name))?;
+            out.write_color_or_texture("diffuseColor", diffuse)?;
+            out.write_color_or_texture("specularColor", specular)?;
+            out.write_number("shininess", *shininess)?;
+            texture.as_ref().map_or(Ok(()), |name| out.write_name("texture", name))?;
         }
         MaterialKindDescription::Diffuse { reflectance } | MaterialKindDescription::Mirror { reflectance } => {
-            out.color_or_texture("reflectance", reflectance)?;
+            out.write_color_or_texture("reflectance", reflectance)?;
         }
         MaterialKindDescription::Dielectric { refraction, attenuation, roughness, priority } => {
             write_refraction(out, refraction)?;
             match *attenuation {
                 DielectricAbsorption::None => {}
-                DielectricAbsorption::Coefficient(absorption) => out.vector("absorption", absorption)?,
+                DielectricAbsorption::Coefficient(absorption) => out.write_vector("absorption", absorption)?,
                 DielectricAbsorption::Tint { color, distance } => {
-                    out.vector("tint", color)?;
-                    out.number("tintDistance", distance)?;
+                    out.write_vector("tint", color)?;
+                    out.write_number("tintDistance", distance)?;
                 }
             }
-            out.number_or_texture("roughness", roughness)?;
-            out.field("priority", priority)?;
+            out.write_number_or_texture("roughness", roughness)?;
+            out.write_field("priority", priority)?;
         }
-        MaterialKindDescription::Clear { priority } => out.field("priority", priority)?,
+        MaterialKindDescription::Clear { priority } => out.write_field("priority", priority)?,
         MaterialKindDescription::Conductor { metal, roughness } => {
             match metal {
-                MetalDescription::Named(name) => out.name("metal", name)?,
+                MetalDescription::Named(name) => out.write_name("metal", name)?,
                 MetalDescription::Index { eta, k } => {
-                    out.vector("eta", *eta)?;
-                    out.vector("k", *k)?;
+                    out.write_vector("eta", *eta)?;
+                    out.write_vector("k", *k)?;
                 }
             }
-            out.number_or_texture("roughness", roughness)?;
+            out.write_number_or_texture("roughness", roughness)?;
         }
         MaterialKindDescription::Thin { index, transmittance } => {
-            out.number("indexOfRefraction", *index)?;
-            out.color_or_texture("transmittance", transmittance)?;
+            out.write_number("indexOfRefraction", *index)?;
+            out.write_color_or_texture("transmittance", transmittance)?;
         }
         MaterialKindDescription::Mix { first, second, amount } => {
-            out.name("first", first)?;
-            out.name("second", second)?;
-            out.number_or_texture("amount", amount)?;
+            out.write_name("first", first)?;
+            out.write_name("second", second)?;
+            out.write_number_or_texture("amount", amount)?;
         }
     }
-    material.medium.as_ref().map_or(Ok(()), |medium| out.name("medium", medium))?;
+    material.medium.as_ref().map_or(Ok(()), |medium| out.write_name("medium", medium))?;
     match &material.normal_perturbation {
         None => {}
         Some(NormalPerturbationDescription::Bump { texture, height }) => {
-            out.name("bump", texture)?;
-            out.number("bumpHeight", *height)?;
+            out.write_name("bump", texture)?;
+            out.write_number("bumpHeight", *height)?;
         }
-        Some(NormalPerturbationDescription::NormalMap(texture)) => out.name("normalMap", texture)?,
+        Some(NormalPerturbationDescription::NormalMap(texture)) => out.write_name("normalMap", texture)?,
     }
     match &material.emission {
         None => {}
-        Some(EmissionDescription::Radiance(radiance)) => out.vector("emission", *radiance)?,
+        Some(EmissionDescription::Radiance(radiance)) => out.write_vector("emission", *radiance)?,
         Some(EmissionDescription::Texture { name, scale }) => {
-            out.texture("emission", name)?;
-            out.number("emissionScale", *scale)?;
+            out.write_texture_name("emission", name)?;
+            out.write_number("emissionScale", *scale)?;
         }
     }
-    out.close()
+    out.end_block()
 }

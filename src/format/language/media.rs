@@ -1,4 +1,4 @@
-//! Participating media.
+//! Tables, parsing and printing of participating media.
 
 use std::fmt;
 
@@ -9,227 +9,235 @@ use super::super::description::{
     TransformedBoxDescription,
 };
 use super::super::error::SceneError;
-use super::fields::{Fields, fields};
+use super::fields::{BlockFields, parse_table_block};
 use super::lexer::Token;
-use super::maps::write_bare_maps;
-use super::names::required_name;
-use super::reader::Parser;
-use super::schema::{Block, Entry, Field, Kind, MAX_COEFFICIENT, Range, field, find, keywords};
-use super::writer::Writer;
+use super::names::parse_unique_block_name;
+use super::parser::Parser;
+use super::schema::{
+    BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, MAX_COEFFICIENT, block, block_keywords, field,
+};
+use super::transforms::write_transform_field;
+use super::writer::SceneWriter;
 
-/// The media.
-pub(super) static MEDIA: [Entry<ReadDensity>; 2] =
-    [Entry { block: &MEDIUM, read: grid }, Entry { block: &CLOUD, read: cloud }];
+/// All kinds of media.
+pub(super) static MEDIA: [BlockParser<ParseDensity>; 2] = [
+    BlockParser { block: &MEDIUM, parse: parse_medium_density },
+    BlockParser { block: &CLOUD, parse: parse_cloud_density },
+];
 
-/// Reader of the density of a medium.
-type ReadDensity = fn(&Fields<'_>) -> Result<DensityDescription, SceneError>;
+/// Conversion of a block's fields to the density of a medium.
+type ParseDensity = fn(&BlockFields<'_>) -> Result<DensityDescription, SceneError>;
 
-const COEFFICIENT: Range = Range::Within(0.0, MAX_COEFFICIENT);
+const COEFFICIENT_RANGE: FieldRange = FieldRange::Within(0.0, MAX_COEFFICIENT);
 
-static OPTICS: [Field; 7] = [
-    field("absorption", Kind::Color, COEFFICIENT, "absorption coefficient σa").absent("0 0 0").unit("1/length"),
-    field("scattering", Kind::Color, COEFFICIENT, "scattering coefficient σs").absent("0 0 0").unit("1/length"),
-    field("extinction", Kind::Color, COEFFICIENT, "σa + σs, together with `albedo` instead of both").unit("1/length"),
-    field("albedo", Kind::Color, Range::Within(0.0, 1.0), "σs/(σa + σs), together with `extinction`"),
-    field("emission", Kind::Color, COEFFICIENT, "radiance gained per length")
-        .or(&[0.0, 0.0, 0.0])
+static OPTICAL_FIELDS: [FieldSchema; 7] = [
+    field("absorption", FieldKind::Color, "absorption coefficient σa")
+        .range(COEFFICIENT_RANGE)
+        .or_numbers(&[0.0, 0.0, 0.0])
+        .unit("1/length"),
+    field("scattering", FieldKind::Color, "scattering coefficient σs")
+        .range(COEFFICIENT_RANGE)
+        .or_numbers(&[0.0, 0.0, 0.0])
+        .unit("1/length"),
+    field("extinction", FieldKind::Color, "σa + σs, together with `albedo` instead of both")
+        .range(COEFFICIENT_RANGE)
+        .unit("1/length"),
+    field("albedo", FieldKind::Color, "σs/(σa + σs), together with `extinction`").range(FieldRange::Within(0.0, 1.0)),
+    field("emission", FieldKind::Color, "radiance gained per length")
+        .range(COEFFICIENT_RANGE)
+        .or_numbers(&[0.0, 0.0, 0.0])
         .unit("W/(m² sr)/length"),
-    field("phase", Kind::Word(&["isotropic", "rayleigh", "henyey-greenstein"]), Range::Any, "phase function")
-        .absent("`isotropic`; with `anisotropy`, `henyey-greenstein`"),
-    field("anisotropy", Kind::Number, Range::Special("−1 < g < 1"), "mean cosine g; above 0 scatters forward"),
+    field("phase", FieldKind::Word(&["isotropic", "rayleigh", "henyey-greenstein"]), "phase function")
+        .absence_means("`isotropic`; with `anisotropy`, `henyey-greenstein`"),
+    field("anisotropy", FieldKind::Number, "mean cosine g; above 0 scatters forward")
+        .range(FieldRange::Special("−1 < g < 1")),
 ];
 
-static EXTENT: [Field; 3] = [
-    field("min", Kind::Point, Range::Any, "least corner of the box; required, but for a `Medium` without `grid`"),
-    field("max", Kind::Point, Range::Any, "greatest corner, above `min` in each component"),
-    field("Transform", Kind::Maps, Range::Any, "maps from the space of the box to the world").absent("none"),
+static EXTENT_FIELDS: [FieldSchema; 3] = [
+    field("min", FieldKind::Point, "least corner of the box; required, but for a `Medium` without `grid`"),
+    field("max", FieldKind::Point, "greatest corner, above `min` in each component"),
+    field("Transform", FieldKind::TransformSteps, "maps from the space of the box to the world").absence_means("none"),
 ];
 
-static MEDIUM: Block = Block {
-    keyword: "Medium",
-    aliases: &[],
-    fields: &[
-        field("grid", Kind::Name, Range::Any, "file of densities").absent("none: density 1 everywhere"),
-        field("densityScale", Kind::Number, Range::Positive, "with `grid`: factor of its densities").absent("1"),
-    ],
-    shared: &[&OPTICS, &EXTENT],
-    help: "a medium of constant density, or with the densities of a grid",
-    course: false,
-};
+static MEDIUM: BlockSchema = block("Medium", "a medium of constant density, or with the densities of a grid")
+    .fields(&[
+        field("grid", FieldKind::Name, "file of densities").absence_means("none: density 1 everywhere"),
+        field("densityScale", FieldKind::Number, "with `grid`: factor of its densities")
+            .range(FieldRange::Positive)
+            .or_numbers(&[1.0]),
+    ])
+    .shared_fields(&[&OPTICAL_FIELDS, &EXTENT_FIELDS]);
 
-static CLOUD: Block = Block {
-    keyword: "Cloud",
-    aliases: &[],
-    fields: &[
-        field("cover", Kind::Number, Range::Within(0.0, 1.0), "amount of noise: 0 is empty, 1 is noise everywhere")
-            .or(&[0.5]),
-        field("softness", Kind::Number, Range::Within(0.0, 1.0), "share of the radius over which the edge fades")
-            .or(&[0.3]),
-        field("octaves", Kind::Whole, Range::Within(1.0, 16.0), "octaves of noise").or(&[5.0]),
-        field("frequency", Kind::Number, Range::Positive, "periods of the first octave along a side of the box")
-            .or(&[4.0]),
-        field("seed", Kind::Whole, Range::Any, "seed of the noise").or(&[0.0]),
-        field("resolution", Kind::Whole, Range::Within(2.0, 512.0), "grid cells along the longest side").or(&[96.0]),
-    ],
-    shared: &[&OPTICS, &EXTENT],
-    help: "a medium with noise as density, from 0 to 1, in the ellipsoid inscribed in its box",
-    course: false,
-};
+static CLOUD: BlockSchema =
+    block("Cloud", "a medium with noise as density, from 0 to 1, in the ellipsoid inscribed in its box")
+        .fields(&[
+            field("cover", FieldKind::Number, "amount of noise: 0 is empty, 1 is noise everywhere")
+                .range(FieldRange::Within(0.0, 1.0))
+                .or_numbers(&[0.5]),
+            field("softness", FieldKind::Number, "share of the radius over which the edge fades")
+                .range(FieldRange::Within(0.0, 1.0))
+                .or_numbers(&[0.3]),
+            field("octaves", FieldKind::Whole, "octaves of noise")
+                .range(FieldRange::Within(1.0, 16.0))
+                .or_numbers(&[5.0]),
+            field("frequency", FieldKind::Number, "periods of the first octave along a side of the box")
+                .range(FieldRange::Positive)
+                .or_numbers(&[4.0]),
+            field("seed", FieldKind::Whole, "seed of the noise").or_numbers(&[0.0]),
+            field("resolution", FieldKind::Whole, "grid cells along the longest side")
+                .range(FieldRange::Within(2.0, 512.0))
+                .or_numbers(&[96.0]),
+        ])
+        .shared_fields(&[&OPTICAL_FIELDS, &EXTENT_FIELDS]);
 
-/// Reads a `Media` block.
-pub(super) fn media<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result<(), SceneError> {
-    if !parser.scope.materials.is_empty() {
-        let message = "`Media` stand behind the `Materials` that may use them".to_owned();
-        let help = "put the Media ahead of the Materials".to_owned();
-        return Err(parser.lexer.error(block.span(), message, "too late", help));
-    }
+/// Parses a `Media` block; its media replace those of an earlier one.
+pub(super) fn parse_media_block<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result<(), SceneError> {
+    parser.scope.check_no_materials(parser.lexer, block)?;
     parser.scope.media.clear();
-    parser.list(block, ("numMedia", "medium"), &keywords(&["numMedia"], &MEDIA), |parser, word| {
-        let taken = |parser: &Parser<'a>, name: &str| parser.scope.media.iter().any(|m| m.value.name == name);
-        let name = required_name(parser, word, ("medium", "media"), taken)?;
-        let (medium, error) = match medium(parser, word, &name) {
+    parser.parse_list_block(block, ("numMedia", "medium"), &block_keywords(&["numMedia"], &MEDIA), |parser, word| {
+        let is_taken = |parser: &Parser<'a>, name: &str| parser.scope.media.iter().any(|m| m.value.name == name);
+        let name = parse_unique_block_name(parser, word, ("medium", "media"), is_taken)?;
+        let (medium, result) = match parse_medium(parser, word, &name) {
             Ok(medium) => (medium, Ok(())),
             // A medium with errors still defines its name, so that materials can refer to it.
-            Err(error) => (placeholder(&name), Err(error)),
+            Err(error) => (placeholder_medium(&name), Err(error)),
         };
         parser.scope.media.push(Spanned::new(medium, word.span()));
-        error
+        result
     })
 }
 
-/// Returns an empty medium.
-fn placeholder(name: &str) -> MediumDescription {
+/// Returns a medium without absorption, scattering and emission.
+fn placeholder_medium(name: &str) -> MediumDescription {
     let coefficients = MediumCoefficients::AbsorptionScattering { absorption: DVec3::ZERO, scattering: DVec3::ZERO };
     let (emission, phase, density) =
         (DVec3::ZERO, PhaseFunctionDescription::Isotropic, DensityDescription::Homogeneous);
     MediumDescription { name: name.to_owned(), coefficients, emission, phase, density }
 }
 
-/// Reads the fields of a medium.
-fn medium<'a>(parser: &mut Parser<'a>, word: Token<'a>, name: &str) -> Result<MediumDescription, SceneError> {
-    let Some(entry) = find(&MEDIA, word.text) else {
-        return Err(parser.unexpected(word, &keywords(&[], &MEDIA)));
-    };
-    let f = &fields(parser, word, entry.block)?;
+/// Parses the fields of a medium.
+fn parse_medium<'a>(parser: &mut Parser<'a>, word: Token<'a>, name: &str) -> Result<MediumDescription, SceneError> {
+    let (entry, f) = parse_table_block(parser, word, &MEDIA)?;
+    let f = &f;
     Ok(MediumDescription {
         name: name.to_owned(),
-        coefficients: coefficients(f)?,
-        emission: f.vector("emission")?,
-        phase: phase(f)?,
-        density: (entry.read)(f)?,
+        coefficients: parse_coefficients(f)?,
+        emission: f.value("emission")?,
+        phase: parse_phase_function(f)?,
+        density: (entry.parse)(f)?,
     })
 }
 
-fn coefficients(f: &Fields<'_>) -> Result<MediumCoefficients, SceneError> {
+fn parse_coefficients(f: &BlockFields<'_>) -> Result<MediumCoefficients, SceneError> {
     for whole in ["extinction", "albedo"] {
         for part in ["absorption", "scattering"] {
-            f.exclude(part, whole)?;
+            f.forbid_both(part, whole)?;
         }
     }
-    let Some(extinction) = f.get("extinction") else {
-        f.refuse(&["albedo"], "has no effect without `extinction`")?;
-        let part = |name| f.get(name).map_or(DVec3::ZERO, |c| c.vector());
+    let Some(extinction) = f.optional_value("extinction") else {
+        f.forbid_fields(&["albedo"], "has no effect without `extinction`")?;
         return Ok(MediumCoefficients::AbsorptionScattering {
-            absorption: part("absorption"),
-            scattering: part("scattering"),
+            absorption: f.value("absorption")?,
+            scattering: f.value("scattering")?,
         });
     };
-    Ok(MediumCoefficients::ExtinctionAlbedo { extinction: extinction.vector(), albedo: f.vector("albedo")? })
+    Ok(MediumCoefficients::ExtinctionAlbedo { extinction, albedo: f.value("albedo")? })
 }
 
-fn phase(f: &Fields<'_>) -> Result<PhaseFunctionDescription, SceneError> {
-    let (phase, anisotropy) = (f.get("phase"), f.get("anisotropy"));
-    let word = phase.map(|phase| phase.text().value);
-    match (word.as_deref(), anisotropy) {
+fn parse_phase_function(f: &BlockFields<'_>) -> Result<PhaseFunctionDescription, SceneError> {
+    let word: Option<Spanned<String>> = f.optional_value("phase");
+    match (word.as_ref().map(|word| word.as_str()), f.get("anisotropy")) {
         (None | Some("isotropic"), None) => Ok(PhaseFunctionDescription::Isotropic),
         (Some("rayleigh"), None) => Ok(PhaseFunctionDescription::Rayleigh),
-        (None | Some("henyey-greenstein"), Some(g)) => {
-            g.ensure(g.number().abs() <= 1.0 - 1e-7, "must lie inside -1 … 1, by 1e-7 at least")?;
-            Ok(PhaseFunctionDescription::HenyeyGreenstein(g.number()))
+        (None | Some("henyey-greenstein"), Some(field)) => {
+            let g: f64 = field.value();
+            field.ensure(g.abs() <= 1.0 - 1e-7, "must lie inside -1 … 1, by 1e-7 at least")?;
+            Ok(PhaseFunctionDescription::HenyeyGreenstein(g))
         }
-        (Some(_), Some(g)) => {
-            g.ensure(false, "belongs to `phase henyey-greenstein`: leave one of both out")?;
+        (Some(_), Some(field)) => {
+            field.ensure(false, "belongs to `phase henyey-greenstein`: leave one of both out")?;
             Ok(PhaseFunctionDescription::Isotropic)
         }
-        (Some(_), None) => Ok(PhaseFunctionDescription::HenyeyGreenstein(f.number("anisotropy")?)),
+        (Some(_), None) => Ok(PhaseFunctionDescription::HenyeyGreenstein(f.value("anisotropy")?)),
     }
 }
 
-fn grid(f: &Fields<'_>) -> Result<DensityDescription, SceneError> {
-    let Some(grid) = f.get("grid") else {
-        f.refuse(&["min", "max", "Transform", "densityScale"], "has no effect without `grid`")?;
+/// Parses the density of a `Medium`: a grid, or 1 everywhere.
+fn parse_medium_density(f: &BlockFields<'_>) -> Result<DensityDescription, SceneError> {
+    let Some(path) = f.optional_value("grid") else {
+        f.forbid_fields(&["min", "max", "Transform", "densityScale"], "has no effect without `grid`")?;
         return Ok(DensityDescription::Homogeneous);
     };
-    let scale = f.get("densityScale").map_or(1.0, |scale| scale.number());
-    Ok(DensityDescription::Grid { path: grid.text(), scale, extent: extent(f)? })
+    Ok(DensityDescription::Grid { path, scale: f.value("densityScale")?, extent: parse_extent(f)? })
 }
 
-fn cloud(f: &Fields<'_>) -> Result<DensityDescription, SceneError> {
+fn parse_cloud_density(f: &BlockFields<'_>) -> Result<DensityDescription, SceneError> {
     Ok(DensityDescription::Cloud {
-        cover: f.number("cover")?,
-        softness: f.number("softness")?,
-        octaves: f.whole("octaves")?,
-        frequency: f.number("frequency")?,
-        seed: f.whole("seed")?,
-        resolution: f.whole("resolution")?,
-        extent: extent(f)?,
+        cover: f.value("cover")?,
+        softness: f.value("softness")?,
+        octaves: f.value("octaves")?,
+        frequency: f.value("frequency")?,
+        seed: f.value("seed")?,
+        resolution: f.value("resolution")?,
+        extent: parse_extent(f)?,
     })
 }
 
-fn extent(f: &Fields<'_>) -> Result<TransformedBoxDescription, SceneError> {
-    let (min, max) = (f.vector("min")?, f.require("max")?);
-    let sides = max.vector() - min;
-    max.ensure(sides.min_element() > 0.0 && sides.is_finite(), "must be above `min` in each component")?;
-    Ok(TransformedBoxDescription { min, max: max.vector(), maps: f.maps("Transform") })
+fn parse_extent(f: &BlockFields<'_>) -> Result<TransformedBoxDescription, SceneError> {
+    let (min, max): (DVec3, DVec3) = (f.value("min")?, f.value("max")?);
+    let sides = max - min;
+    let is_valid = sides.min_element() > 0.0 && sides.is_finite();
+    f.require("max")?.ensure(is_valid, "must be above `min` in each component")?;
+    Ok(TransformedBoxDescription { min, max, maps: f.optional_value("Transform").unwrap_or_default() })
 }
 
-/// Prints a medium.
-pub(super) fn write_medium(out: &mut Writer<'_, '_>, medium: &MediumDescription) -> fmt::Result {
+/// Writes a medium as scene text.
+pub(super) fn write_medium(out: &mut SceneWriter<'_, '_>, medium: &MediumDescription) -> fmt::Result {
     let block = match medium.density {
         DensityDescription::Homogeneous | DensityDescription::Grid { .. } => &MEDIUM,
         DensityDescription::Cloud { .. } => &CLOUD,
     };
-    out.start_named(block, &medium.name)?;
+    out.begin_named_block(block, &medium.name)?;
     match medium.coefficients {
         MediumCoefficients::AbsorptionScattering { absorption, scattering } => {
-            out.vector("absorption", absorption)?;
-            out.vector("scattering", scattering)?;
+            out.write_vector("absorption", absorption)?;
+            out.write_vector("scattering", scattering)?;
         }
         MediumCoefficients::ExtinctionAlbedo { extinction, albedo } => {
-            out.vector("extinction", extinction)?;
-            out.vector("albedo", albedo)?;
+            out.write_vector("extinction", extinction)?;
+            out.write_vector("albedo", albedo)?;
         }
     }
     if medium.emission != DVec3::ZERO {
-        out.vector("emission", medium.emission)?;
+        out.write_vector("emission", medium.emission)?;
     }
     match medium.phase {
         PhaseFunctionDescription::Isotropic => {}
-        PhaseFunctionDescription::Rayleigh => out.field("phase", "rayleigh")?,
-        PhaseFunctionDescription::HenyeyGreenstein(g) => out.number("anisotropy", g)?,
+        PhaseFunctionDescription::Rayleigh => out.write_field("phase", "rayleigh")?,
+        PhaseFunctionDescription::HenyeyGreenstein(g) => out.write_number("anisotropy", g)?,
     }
     match &medium.density {
         DensityDescription::Homogeneous => {}
         DensityDescription::Grid { path, scale, extent } => {
-            out.name("grid", path)?;
-            out.number("densityScale", *scale)?;
+            out.write_name("grid", path)?;
+            out.write_number("densityScale", *scale)?;
             write_extent(out, extent)?;
         }
         DensityDescription::Cloud { cover, softness, octaves, frequency, seed, resolution, extent } => {
-            out.number("cover", *cover)?;
-            out.number("softness", *softness)?;
-            out.field("octaves", octaves)?;
-            out.number("frequency", *frequency)?;
-            out.field("seed", seed)?;
-            out.field("resolution", resolution)?;
+            out.write_number("cover", *cover)?;
+            out.write_number("softness", *softness)?;
+            out.write_field("octaves", octaves)?;
+            out.write_number("frequency", *frequency)?;
+            out.write_field("seed", seed)?;
+            out.write_field("resolution", resolution)?;
             write_extent(out, extent)?;
         }
     }
-    out.close()
+    out.end_block()
 }
 
-fn write_extent(out: &mut Writer<'_, '_>, extent: &TransformedBoxDescription) -> fmt::Result {
-    out.vector("min", extent.min)?;
-    out.vector("max", extent.max)?;
-    write_bare_maps(out, &extent.maps)
+fn write_extent(out: &mut SceneWriter<'_, '_>, extent: &TransformedBoxDescription) -> fmt::Result {
+    out.write_vector("min", extent.min)?;
+    out.write_vector("max", extent.max)?;
+    write_transform_field(out, &extent.maps)
 }

@@ -1,20 +1,18 @@
-//! The scene language: from text to description and back.
+//! The scene language: parsing of text to a [`SceneDescription`], and printing of it as text.
 //!
-//! Each part of the language has one file: tables of its blocks, the functions that read them, and
-//! those that print them. Errors that the text alone shows are reported here, with their position.
-//! Files are looked up later, by [`resolve`](super::resolve).
+//! Each part of the language has one file with the tables of its blocks and the functions that
+//! parse and print them. The parser opens no other file: [`resolve`](super::resolve) does.
 
 mod camera;
 mod curves;
 mod fields;
 mod lexer;
 mod lights;
-mod maps;
 mod materials;
 mod media;
 mod names;
 mod objects;
-mod reader;
+mod parser;
 mod refraction;
 mod schema;
 mod scope;
@@ -24,6 +22,7 @@ mod suggest;
 mod tests;
 mod text;
 mod textures;
+mod transforms;
 mod writer;
 
 use std::fmt::{self, Display, Formatter};
@@ -32,98 +31,91 @@ use glam::DVec3;
 
 use super::description::{CameraDescription, Group, LightDescription, SceneDescription, Span, Spanned};
 use super::error::{SceneError, SourceText};
-use camera::{CAMERAS, camera, moving_camera, write_camera};
-use fields::fields;
+use camera::{CAMERAS, parse_camera, parse_moving_camera, write_camera};
+use fields::parse_block_fields;
 use lexer::Token;
-use lights::{LIGHTS, lights, write_light};
-use materials::{MATERIALS, materials, write_material};
-use media::{MEDIA, media, write_medium};
-use objects::{group, write_group};
-use reader::Parser;
-use schema::{Block, Kind, Range, blocks, field, find, keywords};
+use lights::{LIGHTS, parse_lights_block, write_light};
+use materials::{MATERIALS, parse_materials_block, write_material};
+use media::{MEDIA, parse_media_block, write_medium};
+use objects::{parse_group, write_group};
+use parser::Parser;
+use schema::{BlockSchema, FieldKind, block, block_keywords, block_schemas, field, find_block};
 use shapes::SHAPES;
-pub(super) use suggest::nearest;
-use textures::{TEXTURES, textures, write_texture};
-use writer::Writer;
+pub(super) use suggest::nearest_word;
+use textures::{TEXTURES, parse_textures_block, write_texture};
+use writer::SceneWriter;
 
-static BACKGROUND: Block = Block {
-    keyword: "Background",
-    aliases: &[],
-    fields: &[
-        field("color", Kind::Color, Range::NonNegative, "radiance of rays that leave the scene")
-            .or(&[0.5, 0.5, 0.5])
+static BACKGROUND: BlockSchema = block("Background", "what lies behind all objects")
+    .fields(&[
+        field("color", FieldKind::Color, "radiance of rays that leave the scene")
+            .or_numbers(&[0.5, 0.5, 0.5])
             .unit("W/(m² sr)")
-            .course(),
-        field("medium", Kind::Name, Range::Any, "medium that fills the space outside all bodies").absent("none"),
-    ],
-    shared: &[],
-    help: "what lies behind all objects",
-    course: true,
-};
+            .course_syntax(),
+        field("medium", FieldKind::Name, "medium that fills the space outside all bodies").absence_means("none"),
+    ])
+    .course_syntax();
 
-/// Blocks of a file besides cameras and `Background`.
-const BLOCKS: [&str; 6] = ["Moving", "Lights", "Textures", "Media", "Materials", "Group"];
+/// Keywords of the blocks of a file, except cameras and `Background`.
+const FILE_BLOCK_KEYWORDS: [&str; 6] = ["Moving", "Lights", "Textures", "Media", "Materials", "Group"];
 
-/// Tables that the reference documents, with the names of their sections.
-fn sections() -> [(&'static str, Vec<&'static Block>); 7] {
+/// Returns the sections of the language reference: name and blocks.
+fn reference_sections() -> [(&'static str, Vec<&'static BlockSchema>); 7] {
     [
-        ("cameras", blocks(&CAMERAS)),
+        ("cameras", block_schemas(&CAMERAS)),
         ("background", vec![&BACKGROUND]),
-        ("lights", blocks(&LIGHTS)),
-        ("textures", blocks(&TEXTURES)),
-        ("media", blocks(&MEDIA)),
-        ("materials", blocks(&MATERIALS)),
-        ("shapes", blocks(&SHAPES)),
+        ("lights", block_schemas(&LIGHTS)),
+        ("textures", block_schemas(&TEXTURES)),
+        ("media", block_schemas(&MEDIA)),
+        ("materials", block_schemas(&MATERIALS)),
+        ("shapes", block_schemas(&SHAPES)),
     ]
 }
 
-/// Iterates over all blocks that have a table.
+/// Iterates over the schemas of all blocks.
 #[cfg(test)]
-fn all_blocks() -> impl Iterator<Item = &'static Block> {
-    sections().into_iter().flat_map(|(_, blocks)| blocks)
+fn all_blocks() -> impl Iterator<Item = &'static BlockSchema> {
+    reference_sections().into_iter().flat_map(|(_, blocks)| blocks)
 }
 
-/// Returns `page` with its reference tables replaced by those of the language.
+/// Returns a Markdown `page` with its reference tables of the scene language brought up to date.
 ///
-/// A table stands between the lines `<!-- reference: NAME -->` and `<!-- end of reference -->`;
-/// NAME is one of cameras, background, lights, textures, media, materials and shapes. Other text
-/// stays.
+/// A table stands between the lines `<!-- reference: NAME -->` and `<!-- end of reference -->`.
+/// NAME is one of cameras, background, lights, textures, media, materials and shapes.
 #[must_use]
-pub fn with_reference(page: &str) -> String {
+pub fn update_reference_tables(page: &str) -> String {
     const END: &str = "<!-- end of reference -->";
     let mut page = page.to_owned();
-    for (name, blocks) in sections() {
+    for (name, blocks) in reference_sections() {
         let start = format!("<!-- reference: {name} -->\n");
         let Some(from) = page.find(&start).map(|at| at + start.len()) else { continue };
         let Some(len) = page[from..].find(END) else { continue };
-        page.replace_range(from..from + len, &format!("\n{}\n", schema::reference(&blocks)));
+        page.replace_range(from..from + len, &format!("\n{}\n", schema::reference_markdown(&blocks)));
     }
     page
 }
 
-/// Reads `text` as a scene; errors call it `name`.
+/// Parses the `text` of a scene; errors call the text `name`.
 ///
 /// # Errors
 /// Up to 20 errors as one [`SceneError`], each with its position and remedy.
 pub fn parse(name: &str, text: &str) -> Result<SceneDescription, SceneError> {
     let mut parser = Parser::new(name, text);
-    let result = file(&mut parser);
-    let (description, last) = match result {
+    let (description, last_error) = match parse_file(&mut parser) {
         Ok(description) => (Some(description), None),
         Err(error) => (None, Some(error)),
     };
-    match (parser.all_errors(last), description) {
+    match (parser.into_joined_error(last_error), description) {
         (None, Some(description)) => Ok(description),
         (Some(error), _) => Err(error),
         (None, None) => unreachable!("a scene is read, or has an error"),
     }
 }
 
-/// Reads a file's `bytes` as a scene; errors call it `name`.
+/// Parses the `bytes` of a scene text; errors call the text `name`.
 ///
 /// # Errors
-/// As for [`parse`], and if the bytes are not UTF-8.
-pub fn parse_bytes(name: &str, bytes: &[u8]) -> Result<SceneDescription, SceneError> {
+/// The errors of [`parse`], or an error if the bytes are not UTF-8.
+pub fn parse_scene_bytes(name: &str, bytes: &[u8]) -> Result<SceneDescription, SceneError> {
     let error = match std::str::from_utf8(bytes) {
         Ok(text) => return parse(name, text),
         Err(error) => error,
@@ -139,38 +131,39 @@ pub fn parse_bytes(name: &str, bytes: &[u8]) -> Result<SceneDescription, SceneEr
     Err(SceneError::at(&source, Span { start: at, len: 3 }, message, "not text", help))
 }
 
-/// Blocks of a file that are no part of the scope.
+/// Parsed blocks of a file; the parser's scope holds the others.
 #[derive(Default)]
-struct Parts {
+struct FileBlocks {
     camera: Option<Spanned<CameraDescription>>,
+    /// Radiance of the background \[W/(m² sr)], and the medium outside all bodies.
     background: Option<(DVec3, Option<Spanned<String>>)>,
     lights: Vec<Spanned<LightDescription>>,
     root: Option<Group>,
 }
 
-/// Reads a whole file.
-fn file(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneError> {
-    let allowed = [&keywords(&[], &CAMERAS)[..], &[BACKGROUND.keyword], &BLOCKS].concat();
-    let mut parts = Parts::default();
+/// Parses all blocks of a file.
+fn parse_file(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneError> {
+    let allowed = [&block_keywords(&[], &CAMERAS)[..], &[BACKGROUND.keyword], &FILE_BLOCK_KEYWORDS].concat();
+    let mut blocks = FileBlocks::default();
     loop {
         let word = parser.lexer.peek();
         if word.is_end() {
             break;
         }
-        parser.lexer.take(word);
-        parser.recover(&allowed, |parser| block(parser, word, &allowed, &mut parts))?;
+        parser.lexer.consume(word);
+        parser.recover_from_error(&allowed, |parser| parse_file_block(parser, word, &allowed, &mut blocks))?;
     }
     if let Some(block) = parser.scope.late_materials {
         let message = "these `Materials` replace those that the `Group` before them uses".to_owned();
         let help = "put all materials into one block before the Group".to_owned();
-        return Err(parser.lexer.error(block.span(), message, "too late", help));
+        return Err(parser.lexer.error_at(block.span(), message, "too late", help));
     }
-    let Parts { camera, background, lights, root } = parts;
+    let FileBlocks { camera, background, lights, root } = blocks;
     let (background, ambient_medium) = background.unwrap_or((DVec3::splat(0.5), None));
     if let Some(name) = &ambient_medium {
-        parser.scope.check_medium(parser.lexer, name, "in the file")?;
+        parser.scope.check_medium_exists(parser.lexer, name, "in the file")?;
     }
-    // A block may be missing because it could not be read.
+    // Errors in blocks come before missing blocks: a block may be missing because of its errors.
     if let Some(error) = parser.errors.pop() {
         return Err(error);
     }
@@ -187,61 +180,65 @@ fn file(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneError> {
     Ok(SceneDescription { camera, background, ambient_medium, lights, textures, media, materials, root })
 }
 
-/// Reads the block that starts with `word`. It replaces an earlier one of its kind, as in MIT
-/// 6.837.
-fn block<'a>(parser: &mut Parser<'a>, word: Token<'a>, allowed: &[&str], parts: &mut Parts) -> Result<(), SceneError> {
+/// Parses the block that starts with `word`; it replaces an earlier block of its kind.
+fn parse_file_block<'a>(
+    parser: &mut Parser<'a>,
+    word: Token<'a>,
+    allowed: &[&str],
+    blocks: &mut FileBlocks,
+) -> Result<(), SceneError> {
     match word.text {
-        "Moving" => parts.camera = Some(moving_camera(parser, word)?),
+        "Moving" => blocks.camera = Some(parse_moving_camera(parser, word)?),
         "Background" => {
-            let f = fields(parser, word, &BACKGROUND)?;
-            parts.background = Some((f.vector("color")?, f.get("medium").map(|medium| medium.text())));
+            let f = parse_block_fields(parser, word, &BACKGROUND)?;
+            blocks.background = Some((f.value("color")?, f.optional_value("medium")));
         }
-        "Lights" => parts.lights = lights(parser, word)?,
-        "Textures" => textures(parser, word)?,
-        "Media" => media(parser, word)?,
-        "Materials" => materials(parser, word)?,
+        "Lights" => blocks.lights = parse_lights_block(parser, word)?,
+        "Textures" => parse_textures_block(parser, word)?,
+        "Media" => parse_media_block(parser, word)?,
+        "Materials" => parse_materials_block(parser, word)?,
         "Group" => {
             (parser.scope.group_uses_materials, parser.scope.late_materials) = (false, None);
-            parts.root = Some(group(parser, word)?);
+            blocks.root = Some(parse_group(parser, word)?);
         }
-        text if find(&CAMERAS, text).is_some() => {
-            parts.camera = Some(Spanned::new(camera(parser, word)?, word.span()));
+        text if find_block(&CAMERAS, text).is_some() => {
+            blocks.camera = Some(Spanned::new(parse_camera(parser, word)?, word.span()));
         }
-        _ => return Err(parser.unexpected(word, allowed)),
+        _ => return Err(parser.unexpected_word_error(word, allowed)),
     }
     Ok(())
 }
 
 impl Display for SceneDescription {
-    /// Prints the scene as text in one canonical form, which reads back as an equal description.
+    /// Prints the scene as text in a canonical form, which parses to an equal description.
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let out = &mut Writer::new(f);
+        let out = &mut SceneWriter::new(f);
         write_camera(out, &self.camera)?;
-        out.start(&BACKGROUND)?;
-        out.vector("color", self.background)?;
-        self.ambient_medium.as_ref().map_or(Ok(()), |medium| out.name("medium", medium))?;
-        out.close()?;
-        write_list(out, "Lights", "numLights", &self.lights, write_light)?;
-        write_list(out, "Textures", "numTextures", &self.textures, write_texture)?;
-        write_list(out, "Media", "numMedia", &self.media, write_medium)?;
-        write_list(out, "Materials", "numMaterials", &self.materials, write_material)?;
+        out.begin_table_block(&BACKGROUND)?;
+        out.write_vector("color", self.background)?;
+        self.ambient_medium.as_ref().map_or(Ok(()), |medium| out.write_name("medium", medium))?;
+        out.end_block()?;
+        write_list_block(out, "Lights", "numLights", &self.lights, write_light)?;
+        write_list_block(out, "Textures", "numTextures", &self.textures, write_texture)?;
+        write_list_block(out, "Media", "numMedia", &self.media, write_medium)?;
+        write_list_block(out, "Materials", "numMaterials", &self.materials, write_material)?;
         write_group(out, &self.root)
     }
 }
 
-/// Prints a list block with its count; nothing if it is empty.
-fn write_list<T>(
-    out: &mut Writer<'_, '_>,
+/// Writes a list block with the number of its entries; nothing if `list` is empty.
+fn write_list_block<T>(
+    out: &mut SceneWriter<'_, '_>,
     keyword: &str,
     count: &str,
     list: &[Spanned<T>],
-    write: fn(&mut Writer<'_, '_>, &T) -> fmt::Result,
+    write: fn(&mut SceneWriter<'_, '_>, &T) -> fmt::Result,
 ) -> fmt::Result {
     if list.is_empty() {
         return Ok(());
     }
-    out.open(keyword)?;
-    out.line(format_args!("{count} {}", list.len()))?;
+    out.begin_block(keyword)?;
+    out.write_line(format_args!("{count} {}", list.len()))?;
     list.iter().try_for_each(|entry| write(out, entry))?;
-    out.close()
+    out.end_block()
 }

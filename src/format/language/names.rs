@@ -1,51 +1,56 @@
-//! Names of textures, media and materials, between a block's keyword and its `{`.
+//! Parsing of the names that textures, media and materials have before their `{`.
 
 use super::super::description::Spanned;
 use super::super::error::SceneError;
 use super::lexer::Token;
-use super::reader::Parser;
-use super::text::{clip, is_identifier};
+use super::parser::Parser;
+use super::text::{clip_for_message, is_identifier};
 
-/// Reads the name before the `{` of a block, if there is one; `what` is what it names.
-pub(super) fn optional_name(parser: &mut Parser<'_>, what: &str) -> Result<Option<Spanned<String>>, SceneError> {
+/// Parses the optional name between a block's keyword and its `{`.
+///
+/// Errors call the block `what`, such as "material".
+pub(super) fn parse_block_name(parser: &mut Parser<'_>, what: &str) -> Result<Option<Spanned<String>>, SceneError> {
     let token = parser.lexer.peek();
     let name = match token.text {
         "" | "{" => return Ok(None),
-        "\"" => parser.lexer.quoted()?,
+        "\"" => parser.lexer.read_quoted_string()?,
         text => {
-            parser.lexer.take(token);
+            parser.lexer.consume(token);
             Spanned::new(text.to_owned(), token.span())
         }
     };
-    let shown = clip(&name.value);
+    let shown = clip_for_message(&name.value);
     if token.text != "\"" && !is_identifier(token.text) {
         let message = format!("`{shown}` is not a plain name");
         let help = format!("put it in quotes, or open the block with `{{`: names start with a letter, not `{shown}`");
-        return Err(parser.lexer.error(name.span, message, &format!("as a {what}'s name"), help));
+        return Err(parser.lexer.error_at(name.span, message, &format!("as a {what}'s name"), help));
     }
     if name.value.is_empty() {
         let help = "write a name, or leave the quotes out".to_owned();
-        return Err(parser.lexer.error(name.span, format!("the {what}'s name is empty"), "empty", help));
+        return Err(parser.lexer.error_at(name.span, format!("the {what}'s name is empty"), "empty", help));
     }
     Ok(Some(name))
 }
 
-/// Reads the name of the texture or medium that starts with `word`; refuses none, and one that is
-/// `taken`.
-pub(super) fn required_name<'a>(
+/// Parses the mandatory name of a texture or medium after its keyword `word`.
+///
+/// # Errors
+/// If there is no name, or if `is_taken` is true for it. Errors call the block `one`, and two
+/// blocks `many`.
+pub(super) fn parse_unique_block_name<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,
     (one, many): (&str, &str),
-    taken: impl Fn(&Parser<'a>, &str) -> bool,
+    is_taken: impl Fn(&Parser<'a>, &str) -> bool,
 ) -> Result<String, SceneError> {
-    let Some(name) = optional_name(parser, one)? else {
+    let Some(name) = parse_block_name(parser, one)? else {
         let message = format!("this `{}` has no name", word.text);
         let help = format!("name it, so that materials can use it: `{} name {{ … }}`", word.text);
-        return Err(parser.lexer.error(word.span(), message, &format!("this {one}"), help));
+        return Err(parser.lexer.error_at(word.span(), message, &format!("this {one}"), help));
     };
-    if taken(parser, &name.value) {
-        let message = format!("two {many} are called `{}`", clip(&name.value));
-        return Err(parser.lexer.error(name.span, message, "the second", "give it another name".to_owned()));
+    if is_taken(parser, &name.value) {
+        let message = format!("two {many} are called `{}`", clip_for_message(&name.value));
+        return Err(parser.lexer.error_at(name.span, message, "the second", "give it another name".to_owned()));
     }
     Ok(name.value)
 }

@@ -1,61 +1,62 @@
-//! Groups, transforms and moving objects.
+//! Parsing and printing of groups, transformed objects and moving objects.
 
 use std::fmt;
 
-use super::super::description::{Group, GroupItem, ObjectDescription, Spanned};
+use super::super::description::{Group, GroupItem, ObjectDescription, Spanned, TransformStep};
 use super::super::error::SceneError;
 use super::lexer::Token;
-use super::maps::{moving, transform, write_maps};
-use super::materials::{material_by_index, material_by_name};
-use super::reader::{Mark, Parser};
-use super::schema::keywords;
-use super::shapes::{SHAPES, shape, write_shape};
-use super::writer::Writer;
+use super::materials::{parse_material_index, parse_material_reference};
+use super::parser::{NestingMark, Parser};
+use super::schema::block_keywords;
+use super::shapes::{SHAPES, parse_shape, write_shape};
+use super::transforms::{parse_moving_block, parse_transform_block, write_transform_steps};
+use super::writer::SceneWriter;
 
-/// Keywords of objects that hold objects.
-const NESTING: [&str; 3] = ["Group", "Transform", "Moving"];
+/// Keywords of objects that contain other objects.
+const NESTING_OBJECT_KEYWORDS: [&str; 3] = ["Group", "Transform", "Moving"];
 
-/// Keywords of the other entries of a group.
-const ENTRIES: [&str; 3] = ["numObjects", "MaterialIndex", "MaterialName"];
+/// Keywords of a group's entries that are not objects.
+const OTHER_ITEM_KEYWORDS: [&str; 3] = ["numObjects", "MaterialIndex", "MaterialName"];
 
-/// Returns the keywords of all objects.
-fn objects() -> Vec<&'static str> {
-    keywords(&NESTING, &SHAPES)
+fn object_keywords() -> Vec<&'static str> {
+    block_keywords(&NESTING_OBJECT_KEYWORDS, &SHAPES)
 }
 
-/// Reads a `Group` block.
-pub(super) fn group<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Group, SceneError> {
-    parser.descend(keyword)?;
+/// Parses a `Group` block.
+pub(super) fn parse_group<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Group, SceneError> {
+    parser.open_nested_block(keyword)?;
     let mut items = Vec::new();
     let mut objects = 0;
     let mut count = None;
-    while let Some(word) = parser.word()? {
-        let mark = parser.mark();
+    while let Some(word) = parser.next_word()? {
+        let mark = parser.nesting_mark();
         let error = match word.text {
-            "numObjects" => parser.count(word, &mut count).err(),
-            "MaterialIndex" => push(material_by_index(parser, word).map(GroupItem::MaterialIndex), &mut items),
-            "MaterialName" => push(material_by_name(parser, word).map(GroupItem::MaterialName), &mut items),
-            text if is_object(text) => {
-                objects += 1;
-                push(object(parser, word).map(GroupItem::Object), &mut items)
+            "numObjects" => parser.parse_count(word, &mut count).err(),
+            "MaterialIndex" => push_item(parse_material_index(parser, word).map(GroupItem::MaterialIndex), &mut items),
+            "MaterialName" => {
+                push_item(parse_material_reference(parser, word).map(GroupItem::MaterialName), &mut items)
             }
-            _ => Some(unexpected(parser, word)),
+            text if is_object_keyword(text) => {
+                objects += 1;
+                push_item(parse_object(parser, word).map(GroupItem::Object), &mut items)
+            }
+            _ => Some(unexpected_item_error(parser, word)),
         };
         if let Some(error) = error {
-            recover(parser, error, mark)?;
+            skip_to_next_item(parser, error, mark)?;
         }
     }
-    parser.ascend();
-    parser.check_count("numObjects", count, objects, "object")?;
+    parser.leave_nested_block();
+    parser.check_entry_count("numObjects", count, objects, "object")?;
     Ok(Group { items })
 }
 
-// The functions below are not inlined into `group`: it recurses, and its stack frame must stay
-// small.
+// The functions below are not inlined into `parse_group`: it recurses, and its stack frame must
+// stay small.
 
-/// Appends an item; returns its error if it has one.
+/// Appends a parsed item to `items`, or returns the error.
 #[inline(never)]
-fn push(item: Result<GroupItem, SceneError>, items: &mut Vec<GroupItem>) -> Option<SceneError> {
+fn push_item(item: Result<GroupItem, SceneError>, items: &mut Vec<GroupItem>) -> Option<SceneError> {
     match item {
         Ok(item) => {
             items.push(item);
@@ -65,84 +66,83 @@ fn push(item: Result<GroupItem, SceneError>, items: &mut Vec<GroupItem>) -> Opti
     }
 }
 
-/// Records `error` and continues with the next entry of the group that `mark` is in.
+/// Records `error`, and skips to the next entry of the group that is open at `mark`.
 #[inline(never)]
-fn recover(parser: &mut Parser<'_>, error: SceneError, mark: Mark) -> Result<(), SceneError> {
-    parser.record(error)?;
-    parser.skip(mark, &[&ENTRIES[..], &objects()].concat());
+fn skip_to_next_item(parser: &mut Parser<'_>, error: SceneError, mark: NestingMark) -> Result<(), SceneError> {
+    parser.record_error(error)?;
+    parser.skip_to_next_entry(mark, &[&OTHER_ITEM_KEYWORDS[..], &object_keywords()].concat());
     Ok(())
 }
 
 #[inline(never)]
-fn unexpected<'a>(parser: &Parser<'a>, word: Token<'a>) -> SceneError {
-    parser.unexpected(word, &[&ENTRIES[..], &objects()].concat())
+fn unexpected_item_error<'a>(parser: &Parser<'a>, word: Token<'a>) -> SceneError {
+    parser.unexpected_word_error(word, &[&OTHER_ITEM_KEYWORDS[..], &object_keywords()].concat())
 }
 
-/// True if `word` is the keyword of an object.
-fn is_object(word: &str) -> bool {
-    NESTING.contains(&word) || SHAPES.iter().any(|entry| entry.block.is(word))
+fn is_object_keyword(word: &str) -> bool {
+    NESTING_OBJECT_KEYWORDS.contains(&word) || SHAPES.iter().any(|entry| entry.block.is_keyword(word))
 }
 
-/// Reads an object into memory of its own, so that recursion keeps small frames on the stack.
-fn boxed_object<'a>(
+/// Parses an object into a box, so that the stack frames of the recursion stay small.
+fn parse_boxed_object<'a>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
 ) -> Result<Box<Spanned<ObjectDescription>>, SceneError> {
-    object(parser, keyword).map(Box::new)
+    parse_object(parser, keyword).map(Box::new)
 }
 
-/// Reads an object.
-fn object<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Spanned<ObjectDescription>, SceneError> {
+/// Parses the object that starts with `keyword`.
+fn parse_object<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Spanned<ObjectDescription>, SceneError> {
     let object = match keyword.text {
-        "Group" => ObjectDescription::Group(group(parser, keyword)?),
+        "Group" => ObjectDescription::Group(parse_group(parser, keyword)?),
         "Transform" => {
-            let (maps, object) = transform(parser, keyword, &objects(), boxed_object)?;
+            let (maps, object) = parse_transform_block(parser, keyword, &object_keywords(), parse_boxed_object)?;
             ObjectDescription::Transform { maps, object }
         }
         "Moving" => {
-            let (maps, object) = moving(parser, keyword, &objects(), boxed_object)?;
+            let (maps, object) = parse_moving_block(parser, keyword, &object_keywords(), parse_boxed_object)?;
             ObjectDescription::Moving { maps, object }
         }
         _ => {
-            let (shape, emission) = shape(parser, keyword)?;
+            let (shape, emission) = parse_shape(parser, keyword)?;
             ObjectDescription::Shape { shape, emission }
         }
     };
     Ok(Spanned::new(object, keyword.span()))
 }
 
-/// Prints a group.
-pub(super) fn write_group(out: &mut Writer<'_, '_>, group: &Group) -> fmt::Result {
-    out.open("Group")?;
+/// Writes a group as scene text.
+pub(super) fn write_group(out: &mut SceneWriter<'_, '_>, group: &Group) -> fmt::Result {
+    out.begin_block("Group")?;
     let objects = group.items.iter().filter(|item| matches!(item, GroupItem::Object(_))).count();
-    out.line(format_args!("numObjects {objects}"))?;
+    out.write_line(format_args!("numObjects {objects}"))?;
     for item in &group.items {
         match item {
-            GroupItem::MaterialIndex(index) => out.line(format_args!("MaterialIndex {}", index.value))?,
-            GroupItem::MaterialName(name) => out.material_name(name)?,
+            GroupItem::MaterialIndex(index) => out.write_line(format_args!("MaterialIndex {}", index.value))?,
+            GroupItem::MaterialName(name) => out.write_material_name(name)?,
             GroupItem::Object(object) => write_object(out, object)?,
         }
     }
-    out.close()
+    out.end_block()
 }
 
-fn write_object(out: &mut Writer<'_, '_>, object: &Spanned<ObjectDescription>) -> fmt::Result {
+fn write_object(out: &mut SceneWriter<'_, '_>, object: &Spanned<ObjectDescription>) -> fmt::Result {
     match &object.value {
         ObjectDescription::Group(group) => write_group(out, group),
-        ObjectDescription::Transform { maps, object } => write_placed(out, "Transform", maps, object),
-        ObjectDescription::Moving { maps, object } => write_placed(out, "Moving", maps, object),
+        ObjectDescription::Transform { maps, object } => write_transformed_object(out, "Transform", maps, object),
+        ObjectDescription::Moving { maps, object } => write_transformed_object(out, "Moving", maps, object),
         ObjectDescription::Shape { shape, emission } => write_shape(out, shape, *emission),
     }
 }
 
-fn write_placed(
-    out: &mut Writer<'_, '_>,
+fn write_transformed_object(
+    out: &mut SceneWriter<'_, '_>,
     keyword: &str,
-    maps: &[super::super::description::TransformStep],
+    steps: &[TransformStep],
     object: &Spanned<ObjectDescription>,
 ) -> fmt::Result {
-    out.open(keyword)?;
-    write_maps(out, maps)?;
+    out.begin_block(keyword)?;
+    write_transform_steps(out, steps)?;
     write_object(out, object)?;
-    out.close()
+    out.end_block()
 }

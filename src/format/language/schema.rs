@@ -1,28 +1,27 @@
-//! Tables of the scene language: which blocks exist, their fields, units, ranges, defaults and
-//! help.
+//! Tables of the scene language: its blocks and fields, with units, ranges, defaults and help.
 //!
-//! The reader checks values by these tables, the writer takes keywords from them, and the reference
-//! part of `docs/guide/scene-language.md` is printed from them.
+//! The parser checks values against these tables, and the writer takes keywords from them. The
+//! reference tables in `docs/guide/scene-language.md` are printed from them.
 
 use std::fmt::Write;
 
 use glam::DVec3;
 
-use super::text::has_direction;
+use super::text::is_normalizable;
 
-/// Largest value that single precision holds.
-const LARGEST: f64 = f32::MAX as f64;
+/// Largest finite single-precision number.
+const MAX_SINGLE: f64 = f32::MAX as f64;
 
-/// Largest coefficient per length: its products with densities and lengths still fit single
-/// precision.
+/// Largest coefficient per length. Products of such coefficients with densities and lengths still
+/// fit single precision.
 pub(super) const MAX_COEFFICIENT: f64 = 1e12;
 
-/// Type of the value that follows a field's name.
+/// Type of the value that follows a field's keyword.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum FieldKind {
     /// Three numbers: a position or an offset.
     Point,
-    /// Three numbers of any length above 0.
+    /// Three numbers: a vector of any length above 0.
     Direction,
     /// Three numbers: linear RGB.
     Color,
@@ -46,15 +45,15 @@ pub(super) enum Kind {
     Points,
     /// Points in brackets with an optional weight, `[ x y z w ]`.
     WeightedPoints,
-    /// Any number of numbers.
+    /// A list of numbers of any length.
     Numbers,
     /// Transform steps in braces.
-    Maps,
+    TransformSteps,
 }
 
 /// Allowed values of each component of a numeric field.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Range {
+pub(super) enum FieldRange {
     /// Any finite number.
     Any,
     /// Any number that single precision holds.
@@ -71,195 +70,212 @@ pub(super) enum Range {
     Between(f64, f64),
     /// Above the first bound, up to and including the second.
     UpTo(f64, f64),
-    /// Range stated by this text and checked by the reader of the block.
+    /// A range in words, which the parser of the block checks instead of the table.
     Special(&'static str),
 }
 
-/// Value of a field that is left out.
+/// Meaning of a field's absence.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Default {
-    /// The field must be given.
+pub(super) enum FieldDefault {
+    /// The field must be present.
     Required,
     /// The field may be absent; the text says what absence means.
     Absent(&'static str),
-    /// These numbers.
+    /// Absence means these numbers.
     Numbers(&'static [f64]),
-    /// This word.
+    /// Absence means this word.
     Word(&'static str),
 }
 
-/// One field of a block.
+/// Description of one field of a block.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Field {
-    /// Its keyword.
+pub(super) struct FieldSchema {
+    /// The field's keyword.
     pub name: &'static str,
-    /// Another accepted keyword; empty if there is none.
+    /// Second accepted keyword; empty if there is none.
     pub alias: &'static str,
-    /// Type of its value.
-    pub kind: Kind,
+    /// Type of the value.
+    pub kind: FieldKind,
     /// Allowed values.
-    pub range: Range,
-    /// Unit of its numbers; empty if they have none.
+    pub range: FieldRange,
+    /// Unit of the numbers; empty if they have none.
     pub unit: &'static str,
-    /// Value if it is left out.
-    pub default: Default,
-    /// One line for the reference.
+    /// Meaning of the field's absence.
+    pub default: FieldDefault,
+    /// Meaning of the value, one line for the reference.
     pub help: &'static str,
-    /// True if MIT 6.837 has it too.
-    pub course: bool,
+    /// True if the scene format of the course MIT 6.837 has this field.
+    pub is_course_syntax: bool,
 }
 
-/// One block: a keyword, perhaps a name, and `{ fields }`.
+/// Description of one kind of block: `keyword { fields }` or `keyword name { fields }`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Block {
-    /// Its keyword, which the writer prints.
+pub(super) struct BlockSchema {
+    /// The keyword that the writer prints.
     pub keyword: &'static str,
     /// Other accepted keywords.
     pub aliases: &'static [&'static str],
-    /// Fields of this block alone.
-    pub fields: &'static [Field],
-    /// Fields that it has in common with other blocks.
-    pub shared: &'static [&'static [Field]],
-    /// One line for the reference.
+    /// Fields of this kind of block alone.
+    pub own_fields: &'static [FieldSchema],
+    /// Groups of fields that several kinds of blocks have.
+    pub shared_fields: &'static [&'static [FieldSchema]],
+    /// Meaning of the block, one line for the reference.
     pub help: &'static str,
-    /// True if MIT 6.837 has it too.
-    pub course: bool,
+    /// True if the scene format of the course MIT 6.837 has this block.
+    pub is_course_syntax: bool,
 }
 
-/// A block of a table, with the function that reads its fields.
+/// A kind of block with the function that converts its fields.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Entry<R: 'static> {
+pub(super) struct BlockParser<P: 'static> {
     /// Keyword, fields and help.
-    pub block: &'static Block,
-    /// Reader of the block.
-    pub read: R,
+    pub block: &'static BlockSchema,
+    /// Function from the block's fields to a description.
+    pub parse: P,
 }
 
-/// A field named `name` of type `kind`, optional until [`Field::required`] or [`Field::or`].
-pub(super) const fn field(name: &'static str, kind: Kind, range: Range, help: &'static str) -> Field {
-    Field { name, alias: "", kind, range, unit: "", default: Default::Absent(""), help, course: false }
+/// An optional field. A color must not be negative; any other value is allowed.
+pub(super) const fn field(name: &'static str, kind: FieldKind, help: &'static str) -> FieldSchema {
+    let range = match kind {
+        FieldKind::Color | FieldKind::ColorOrTexture => FieldRange::NonNegative,
+        _ => FieldRange::Any,
+    };
+    let default = FieldDefault::Absent("");
+    FieldSchema { name, alias: "", kind, range, unit: "", default, help, is_course_syntax: false }
 }
 
-impl Field {
-    /// The field, which must be given.
+/// A block without fields and aliases.
+pub(super) const fn block(keyword: &'static str, help: &'static str) -> BlockSchema {
+    BlockSchema { keyword, aliases: &[], own_fields: &[], shared_fields: &[], help, is_course_syntax: false }
+}
+
+impl FieldSchema {
+    /// Limits each component of the value to `range`.
+    pub const fn range(mut self, range: FieldRange) -> Self {
+        self.range = range;
+        self
+    }
+
+    /// Makes the field mandatory.
     pub const fn required(mut self) -> Self {
-        self.default = Default::Required;
+        self.default = FieldDefault::Required;
         self
     }
 
-    /// The field with the numbers that stand for it where it is left out.
-    pub const fn or(mut self, default: &'static [f64]) -> Self {
-        self.default = Default::Numbers(default);
+    /// Sets the numbers that an absent field stands for.
+    pub const fn or_numbers(mut self, default: &'static [f64]) -> Self {
+        self.default = FieldDefault::Numbers(default);
         self
     }
 
-    /// The field with the word that stands for it where it is left out.
+    /// Sets the word that an absent field stands for.
     pub const fn or_word(mut self, default: &'static str) -> Self {
-        self.default = Default::Word(default);
+        self.default = FieldDefault::Word(default);
         self
     }
 
-    /// The field with the meaning of its absence.
-    pub const fn absent(mut self, meaning: &'static str) -> Self {
-        self.default = Default::Absent(meaning);
+    /// Sets the reference's text about the field's absence.
+    pub const fn absence_means(mut self, meaning: &'static str) -> Self {
+        self.default = FieldDefault::Absent(meaning);
         self
     }
 
-    /// The field with the unit of its numbers.
+    /// Sets the unit of the numbers.
     pub const fn unit(mut self, unit: &'static str) -> Self {
         self.unit = unit;
         self
     }
 
-    /// The field with a second keyword.
+    /// Sets the second accepted keyword.
     pub const fn alias(mut self, alias: &'static str) -> Self {
         self.alias = alias;
         self
     }
 
-    /// The field, marked as one of MIT 6.837.
-    pub const fn course(mut self) -> Self {
-        self.course = true;
+    /// Marks the field as one that the scene format of MIT 6.837 has.
+    pub const fn course_syntax(mut self) -> Self {
+        self.is_course_syntax = true;
         self
     }
 
-    /// True if `word` is its keyword or alias.
-    pub fn is(&self, word: &str) -> bool {
+    /// True if `word` is the field's keyword or alias.
+    pub fn is_keyword(&self, word: &str) -> bool {
         self.name == word || (!self.alias.is_empty() && self.alias == word)
     }
 
-    /// Returns what a value of these `numbers` violates, phrased to follow the field's name.
-    pub fn violation(&self, numbers: &[f64]) -> Option<String> {
-        if self.kind == Kind::Direction && !has_direction(DVec3::from_slice(numbers)) {
+    /// Returns the rule that `numbers` break, such as "must be above 0"; `None` if they are
+    /// allowed.
+    pub fn violated_rule(&self, numbers: &[f64]) -> Option<String> {
+        if self.kind == FieldKind::Direction && !is_normalizable(DVec3::from_slice(numbers)) {
             return Some("must have a length above 0 (and below 1e154)".to_owned());
         }
         let all = |ok: &dyn Fn(f64) -> bool| numbers.iter().all(|&x| ok(x));
         let ok = match self.range {
-            Range::Any | Range::Special(_) => true,
-            Range::Single => all(&|x| x.abs() <= LARGEST),
-            Range::NonNegative => all(&|x| (0.0..=LARGEST).contains(&x)),
-            Range::Positive => all(&|x| x > 0.0 && x <= LARGEST),
-            Range::NonZero => all(&|x| x != 0.0),
-            Range::Within(least, most) => all(&|x| (least..=most).contains(&x)),
-            Range::Between(least, most) => all(&|x| x > least && x < most),
-            Range::UpTo(least, most) => all(&|x| x > least && x <= most),
+            FieldRange::Any | FieldRange::Special(_) => true,
+            FieldRange::Single => all(&|x| x.abs() <= MAX_SINGLE),
+            FieldRange::NonNegative => all(&|x| (0.0..=MAX_SINGLE).contains(&x)),
+            FieldRange::Positive => all(&|x| x > 0.0 && x <= MAX_SINGLE),
+            FieldRange::NonZero => all(&|x| x != 0.0),
+            FieldRange::Within(least, most) => all(&|x| (least..=most).contains(&x)),
+            FieldRange::Between(least, most) => all(&|x| x > least && x < most),
+            FieldRange::UpTo(least, most) => all(&|x| x > least && x <= most),
         };
-        (!ok).then(|| self.rule(numbers))
+        (!ok).then(|| self.range_rule(numbers))
     }
 
-    /// Returns the rule that `numbers` break.
-    fn rule(&self, numbers: &[f64]) -> String {
+    /// Returns the range as a rule for `numbers` outside it.
+    fn range_rule(&self, numbers: &[f64]) -> String {
         let each = if numbers.len() > 1 { " in each component" } else { "" };
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
-        let too_large = numbers.iter().any(|x| x.abs() > LARGEST);
+        let is_too_large = numbers.iter().any(|x| x.abs() > MAX_SINGLE);
         match self.range {
-            Range::Single | Range::NonNegative | Range::Positive if too_large => {
+            FieldRange::Single | FieldRange::NonNegative | FieldRange::Positive if is_too_large => {
                 "must be below 3.4e38, which single precision holds: choose other units".to_owned()
             }
-            Range::Any | Range::Single | Range::Special(_) => "is out of range".to_owned(),
-            Range::NonNegative => "must not be negative".to_owned(),
-            Range::Positive => "must be above 0".to_owned(),
-            Range::NonZero => format!("must not be 0{each}"),
-            Range::Within(least, most) if self.kind == Kind::Whole => {
-                format!("must be a whole number from {} to {}{unit}", Bound(least), Bound(most))
+            FieldRange::Any | FieldRange::Single | FieldRange::Special(_) => "is out of range".to_owned(),
+            FieldRange::NonNegative => "must not be negative".to_owned(),
+            FieldRange::Positive => "must be above 0".to_owned(),
+            FieldRange::NonZero => format!("must not be 0{each}"),
+            FieldRange::Within(least, most) if self.kind == FieldKind::Whole => {
+                format!("must be a whole number from {} to {}{unit}", RangeBound(least), RangeBound(most))
             }
-            Range::Within(least, most) | Range::Between(least, most) => {
-                format!("must lie between {} and {}{unit}{each}", Bound(least), Bound(most))
+            FieldRange::Within(least, most) | FieldRange::Between(least, most) => {
+                format!("must lie between {} and {}{unit}{each}", RangeBound(least), RangeBound(most))
             }
-            Range::UpTo(least, most) => {
-                format!("must lie above {} and at most at {}{unit}{each}", Bound(least), Bound(most))
+            FieldRange::UpTo(least, most) => {
+                format!("must lie above {} and at most at {}{unit}{each}", RangeBound(least), RangeBound(most))
             }
         }
     }
 
-    /// Returns the type and range of the value in words, for the reference.
+    /// Returns type, range and unit of the value in words, for the reference.
     fn value_text(&self) -> String {
         let noun = match self.kind {
-            Kind::Point => "point",
-            Kind::Direction => "direction",
-            Kind::Color => "color",
-            Kind::ColorOrTexture => "color or texture",
-            Kind::Number => "number",
-            Kind::NumberOrTexture => "number or texture",
-            Kind::Pair => "two numbers",
-            Kind::Whole => "whole number",
-            Kind::Name => "name or path",
-            Kind::Word(words) => return words.map_join(),
-            Kind::Curve => "curve",
-            Kind::Points => "`[ x y z ]` …",
-            Kind::WeightedPoints => "`[ x y z ]` or `[ x y z w ]` …",
-            Kind::Numbers => "numbers",
-            Kind::Maps => "`{ maps }`",
+            FieldKind::Point => "point",
+            FieldKind::Direction => "direction",
+            FieldKind::Color => "color",
+            FieldKind::ColorOrTexture => "color or texture",
+            FieldKind::Number => "number",
+            FieldKind::NumberOrTexture => "number or texture",
+            FieldKind::Pair => "two numbers",
+            FieldKind::Whole => "whole number",
+            FieldKind::Name => "name or path",
+            FieldKind::Word(words) => return join_in_backticks(words),
+            FieldKind::Curve => "curve",
+            FieldKind::Points => "`[ x y z ]` …",
+            FieldKind::WeightedPoints => "`[ x y z ]` or `[ x y z w ]` …",
+            FieldKind::Numbers => "numbers",
+            FieldKind::TransformSteps => "`{ maps }`",
         };
         let range = match self.range {
-            Range::Any | Range::Single => String::new(),
-            Range::NonNegative => ", ≥ 0".to_owned(),
-            Range::Positive => ", > 0".to_owned(),
-            Range::NonZero => ", not 0".to_owned(),
-            Range::Within(least, most) => format!(", {} … {}", Bound(least), Bound(most)),
-            Range::Between(least, most) => format!(", {} < x < {}", Bound(least), Bound(most)),
-            Range::UpTo(least, most) => format!(", {} < x ≤ {}", Bound(least), Bound(most)),
-            Range::Special(text) => format!(", {text}"),
+            FieldRange::Any | FieldRange::Single => String::new(),
+            FieldRange::NonNegative => ", ≥ 0".to_owned(),
+            FieldRange::Positive => ", > 0".to_owned(),
+            FieldRange::NonZero => ", not 0".to_owned(),
+            FieldRange::Within(least, most) => format!(", {} … {}", RangeBound(least), RangeBound(most)),
+            FieldRange::Between(least, most) => format!(", {} < x < {}", RangeBound(least), RangeBound(most)),
+            FieldRange::UpTo(least, most) => format!(", {} < x ≤ {}", RangeBound(least), RangeBound(most)),
+            FieldRange::Special(text) => format!(", {text}"),
         };
         let unit = if self.unit.is_empty() { String::new() } else { format!(", {}", self.unit) };
         format!("{noun}{range}{unit}")
@@ -268,59 +284,83 @@ impl Field {
     /// Returns the default in words, for the reference.
     fn default_text(&self) -> String {
         match self.default {
-            Default::Required => "required".to_owned(),
-            Default::Absent(meaning) => meaning.to_owned(),
-            Default::Numbers(numbers) => numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(" "),
-            Default::Word(word) => format!("`{word}`"),
+            FieldDefault::Required => "required".to_owned(),
+            FieldDefault::Absent(meaning) => meaning.to_owned(),
+            FieldDefault::Numbers(numbers) => numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(" "),
+            FieldDefault::Word(word) => format!("`{word}`"),
         }
     }
 
-    /// Appends the field's row of a reference table to `out`.
-    fn row(&self, blocks: &str, out: &mut String) {
+    /// Appends the field's row of a reference table to `out`; `blocks` is the row's first cell.
+    fn write_reference_row(&self, blocks: &str, out: &mut String) {
         let mut name = format!("`{}`", self.name);
         if !self.alias.is_empty() {
             let _ = write!(name, ", `{}`", self.alias);
         }
-        let course = if self.course { " **Course**" } else { "" };
+        let course = if self.is_course_syntax { " **Course**" } else { "" };
         let (value, default) = (self.value_text(), self.default_text());
         let _ = writeln!(out, "| {blocks} | {name} | {value} | {default} | {}{course} |", self.help);
     }
 }
 
-impl Block {
-    /// True if `word` is its keyword or one of its aliases.
-    pub fn is(&self, word: &str) -> bool {
+impl BlockSchema {
+    /// Sets other accepted keywords.
+    pub const fn aliases(mut self, aliases: &'static [&'static str]) -> Self {
+        self.aliases = aliases;
+        self
+    }
+
+    /// Sets the fields of this kind of block alone.
+    pub const fn fields(mut self, fields: &'static [FieldSchema]) -> Self {
+        self.own_fields = fields;
+        self
+    }
+
+    /// Sets the groups of fields that other blocks have too.
+    pub const fn shared_fields(mut self, groups: &'static [&'static [FieldSchema]]) -> Self {
+        self.shared_fields = groups;
+        self
+    }
+
+    /// Marks the block as one that the scene format of MIT 6.837 has.
+    pub const fn course_syntax(mut self) -> Self {
+        self.is_course_syntax = true;
+        self
+    }
+
+    /// True if `word` is the block's keyword or an alias.
+    pub fn is_keyword(&self, word: &str) -> bool {
         self.keyword == word || self.aliases.contains(&word)
     }
 
-    /// Iterates over all fields, its own first.
-    pub fn all_fields(&self) -> impl Iterator<Item = &'static Field> + use<> {
-        self.fields.iter().chain(self.shared.iter().copied().flatten())
+    /// Iterates over own fields, then shared fields.
+    pub fn all_fields(&self) -> impl Iterator<Item = &'static FieldSchema> + use<> {
+        self.own_fields.iter().chain(self.shared_fields.iter().copied().flatten())
     }
 
-    /// Returns the field of that keyword or alias.
-    pub fn field(&self, word: &str) -> Option<&'static Field> {
-        self.all_fields().find(|field| field.is(word))
+    /// Returns the field with keyword or alias `word`.
+    pub fn find_field(&self, word: &str) -> Option<&'static FieldSchema> {
+        self.all_fields().find(|field| field.is_keyword(word))
     }
 
-    /// Iterates over the keywords and aliases of its fields.
-    pub fn words(&self) -> impl Iterator<Item = &'static str> + use<> {
+    /// Iterates over the keywords and aliases of all fields.
+    pub fn field_keywords(&self) -> impl Iterator<Item = &'static str> + use<> {
         self.all_fields().flat_map(|field| [field.name, field.alias]).filter(|word| !word.is_empty())
     }
 }
 
-/// Returns the entry of a keyword or alias.
-pub(super) fn find<R>(table: &'static [Entry<R>], word: &str) -> Option<&'static Entry<R>> {
-    table.iter().find(|entry| entry.block.is(word))
+/// Returns the block of `table` with keyword or alias `word`.
+pub(super) fn find_block<P>(table: &'static [BlockParser<P>], word: &str) -> Option<&'static BlockParser<P>> {
+    table.iter().find(|entry| entry.block.is_keyword(word))
 }
 
-/// Returns the blocks of a table.
-pub(super) fn blocks<R>(table: &'static [Entry<R>]) -> Vec<&'static Block> {
+/// Returns the schemas of all blocks of `table`.
+pub(super) fn block_schemas<P>(table: &'static [BlockParser<P>]) -> Vec<&'static BlockSchema> {
     table.iter().map(|entry| entry.block).collect()
 }
 
-/// Returns all keywords and aliases of `table`, after the words of `before`.
-pub(super) fn keywords<R>(before: &[&'static str], table: &'static [Entry<R>]) -> Vec<&'static str> {
+/// Returns the words `before`, then all keywords and aliases of `table`.
+pub(super) fn block_keywords<P>(before: &[&'static str], table: &'static [BlockParser<P>]) -> Vec<&'static str> {
     let blocks = table.iter().map(|entry| entry.block);
     let words = blocks.flat_map(|block| std::iter::once(block.keyword).chain(block.aliases.iter().copied()));
     before.iter().copied().chain(words).collect()
@@ -328,53 +368,47 @@ pub(super) fn keywords<R>(before: &[&'static str], table: &'static [Entry<R>]) -
 
 /// Returns the reference of `blocks` as Markdown: a list of blocks, then a table of their fields.
 ///
-/// Fields that blocks share stand once, at the end.
-pub(super) fn reference(blocks: &[&'static Block]) -> String {
+/// Each group of shared fields appears once, at the end of the table.
+pub(super) fn reference_markdown(blocks: &[&'static BlockSchema]) -> String {
     let mut out = String::new();
     for block in blocks {
         let aliases: String = block.aliases.iter().map(|alias| format!(", `{alias}`")).collect();
-        let course = if block.course { " **Course**" } else { "" };
+        let course = if block.is_course_syntax { " **Course**" } else { "" };
         let _ = writeln!(out, "- `{}`{aliases}: {}.{course}", block.keyword, block.help);
     }
     out += "\n| block | field | value | default | meaning |\n| --- | --- | --- | --- | --- |\n";
     for block in blocks {
-        for (i, field) in block.fields.iter().enumerate() {
+        for (i, field) in block.own_fields.iter().enumerate() {
             let name = if i == 0 { format!("`{}`", block.keyword) } else { String::new() };
-            field.row(&name, &mut out);
+            field.write_reference_row(&name, &mut out);
         }
     }
+    // The name of its first field identifies a group of shared fields.
     let mut seen: Vec<&str> = Vec::new();
-    for group in blocks.iter().flat_map(|block| block.shared) {
+    for group in blocks.iter().flat_map(|block| block.shared_fields) {
         if seen.contains(&group[0].name) {
             continue;
         }
         seen.push(group[0].name);
-        let has = |block: &&&Block| block.shared.iter().any(|other| other[0].name == group[0].name);
+        let has = |block: &&&BlockSchema| block.shared_fields.iter().any(|other| other[0].name == group[0].name);
         let users: Vec<&str> = blocks.iter().filter(has).map(|block| block.keyword).collect();
-        let users = if users.len() == blocks.len() { "all".to_owned() } else { users.map_join() };
+        let users = if users.len() == blocks.len() { "all".to_owned() } else { join_in_backticks(&users) };
         for (i, field) in group.iter().enumerate() {
-            field.row(if i == 0 { &users } else { "" }, &mut out);
+            field.write_reference_row(if i == 0 { &users } else { "" }, &mut out);
         }
     }
     out
 }
 
-/// A list of keywords for the reference.
-trait MapJoin {
-    /// Returns the words in backticks, separated by commas.
-    fn map_join(&self) -> String;
+/// Returns `words` in backticks, separated by commas.
+fn join_in_backticks(words: &[&str]) -> String {
+    words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")
 }
 
-impl MapJoin for [&str] {
-    fn map_join(&self) -> String {
-        self.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")
-    }
-}
+/// A bound of a range; printed with an exponent from a million on.
+struct RangeBound(f64);
 
-/// A bound of a range; by exponent where it is large.
-struct Bound(f64);
-
-impl std::fmt::Display for Bound {
+impl std::fmt::Display for RangeBound {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         if self.0.abs() < 1e6 { write!(f, "{}", self.0) } else { write!(f, "{:e}", self.0) }
     }
@@ -388,7 +422,7 @@ mod tests {
     #[test]
     fn every_table_is_consistent() {
         for block in all_blocks() {
-            let mut words: Vec<&str> = block.words().collect();
+            let mut words: Vec<&str> = block.field_keywords().collect();
             let count = words.len();
             words.sort_unstable();
             words.dedup();
@@ -397,9 +431,11 @@ mod tests {
             for field in block.all_fields() {
                 assert!(!field.help.is_empty() && !field.help.ends_with('.'), "{} {}", block.keyword, field.name);
                 match field.default {
-                    Default::Numbers(numbers) => assert_eq!(field.violation(numbers), None, "{}", field.name),
-                    Default::Word(word) => assert!(matches!(field.kind, Kind::Word(words) if words.contains(&word))),
-                    Default::Required | Default::Absent(_) => {}
+                    FieldDefault::Numbers(numbers) => assert_eq!(field.violated_rule(numbers), None, "{}", field.name),
+                    FieldDefault::Word(word) => {
+                        assert!(matches!(field.kind, FieldKind::Word(words) if words.contains(&word)))
+                    }
+                    FieldDefault::Required | FieldDefault::Absent(_) => {}
                 }
             }
         }

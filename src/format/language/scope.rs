@@ -1,100 +1,125 @@
-//! Names that a scene text has defined so far.
+//! Textures, media and materials that a scene text has defined so far, and checks of their names.
 
 use std::collections::HashMap;
 
 use super::super::description::{MaterialDescription, MediumDescription, Spanned, TextureDescription};
 use super::super::error::SceneError;
 use super::lexer::{Lexer, Token};
-use super::suggest::nearest;
-use super::text::clip;
+use super::suggest::nearest_word;
+use super::text::clip_for_message;
 
-/// Textures, media and materials of the blocks read so far.
+/// Textures, media and materials of the blocks parsed so far.
 #[derive(Default)]
-pub(super) struct Scope<'a> {
+pub(super) struct ParserScope<'a> {
     /// Textures of the last `Textures` block.
     pub textures: Vec<Spanned<TextureDescription>>,
     /// Media of the last `Media` block.
     pub media: Vec<Spanned<MediumDescription>>,
     /// Materials of the last `Materials` block, by index.
     pub materials: Vec<Spanned<MaterialDescription>>,
-    /// Indices of the named materials.
-    pub names: HashMap<String, usize>,
-    /// Content of each material, by index.
-    pub contents: Vec<Contents>,
+    /// Index of each named material.
+    pub material_indices: HashMap<String, usize>,
+    /// Components of each material, by index.
+    components: Vec<MaterialComponents>,
     /// True if the last `Group` refers to a material.
     pub group_uses_materials: bool,
-    /// A `Materials` block that replaces those which the last `Group` refers to.
+    /// Keyword of a `Materials` block behind the last `Group`, if the group refers to materials.
     pub late_materials: Option<Token<'a>>,
 }
 
-/// Components of a material, through all nested mixes.
+/// Properties of a material that limit the mixes it can be a component of.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Contents {
-    /// Index of its `Dielectric`, if it has one.
+pub(super) struct MaterialComponents {
+    /// Index of the `Dielectric` among its leaf materials, if there is one.
     pub dielectric: Option<usize>,
     /// Depth of nested mixes; 0 for a material that is no mix.
-    pub mixes: u8,
+    pub mix_depth: u8,
 }
 
-impl Scope<'_> {
-    /// Forgets all materials.
+impl ParserScope<'_> {
+    /// Removes all materials.
     pub fn clear_materials(&mut self) {
         self.materials.clear();
-        self.names.clear();
-        self.contents.clear();
+        self.material_indices.clear();
+        self.components.clear();
     }
 
-    /// Appends a material.
+    /// Appends a material, without its name.
     pub fn add_material(&mut self, material: Spanned<MaterialDescription>) {
         let kind = &material.value.kind;
-        let contents = match kind.parts() {
+        let components = match kind.mix_parts() {
             Some([first, second]) => {
-                let (a, b) = (self.contents(&first.value), self.contents(&second.value));
-                Contents { dielectric: a.dielectric.or(b.dielectric), mixes: a.mixes.max(b.mixes) + 1 }
+                let (a, b) = (self.material_components(&first.value), self.material_components(&second.value));
+                MaterialComponents {
+                    dielectric: a.dielectric.or(b.dielectric),
+                    mix_depth: a.mix_depth.max(b.mix_depth) + 1,
+                }
             }
-            None => Contents { dielectric: kind.is_dielectric().then_some(self.materials.len()), mixes: 0 },
+            None => {
+                MaterialComponents { dielectric: kind.is_dielectric().then_some(self.materials.len()), mix_depth: 0 }
+            }
         };
-        self.contents.push(contents);
+        self.components.push(components);
         self.materials.push(material);
     }
 
-    /// Returns the contents of the material of that name.
-    pub fn contents(&self, name: &str) -> Contents {
-        self.names.get(name).and_then(|&index| self.contents.get(index)).copied().unwrap_or_default()
+    /// Returns the components of the material called `name`; the default if there is none.
+    pub fn material_components(&self, name: &str) -> MaterialComponents {
+        self.material_indices.get(name).and_then(|&index| self.components.get(index)).copied().unwrap_or_default()
     }
 
-    /// Refuses the name of a texture that is not defined.
-    pub fn check_texture(&self, lexer: Lexer<'_>, name: &Spanned<String>) -> Result<(), SceneError> {
+    /// Returns an error if materials stand before `block`, whose entries they may use.
+    pub fn check_no_materials(&self, lexer: Lexer<'_>, block: Token<'_>) -> Result<(), SceneError> {
+        if self.materials.is_empty() {
+            return Ok(());
+        }
+        let message = format!("`{}` stand behind the `Materials` that may use them", block.text);
+        let help = format!("put the {} ahead of the Materials", block.text);
+        Err(lexer.error_at(block.span(), message, "too late", help))
+    }
+
+    /// Returns an error if no texture is called `name`.
+    pub fn check_texture_exists(&self, lexer: Lexer<'_>, name: &Spanned<String>) -> Result<(), SceneError> {
         let names = || self.textures.iter().map(|texture| texture.value.name.as_str());
         let help = "write numbers, or define it ahead of the Materials: `Textures { Checker name { … } }`";
-        check_name(lexer, "texture", name, names, help.to_owned())
+        check_name_exists(lexer, "texture", name, names, help.to_owned())
     }
 
-    /// Refuses the name of a medium that is not defined; `position` says where to define it.
-    pub fn check_medium(&self, lexer: Lexer<'_>, name: &Spanned<String>, position: &str) -> Result<(), SceneError> {
+    /// Returns an error if no medium is called `name`; `position` says where to define it.
+    pub fn check_medium_exists(
+        &self,
+        lexer: Lexer<'_>,
+        name: &Spanned<String>,
+        position: &str,
+    ) -> Result<(), SceneError> {
         let names = || self.media.iter().map(|medium| medium.value.name.as_str());
         let help = match self.media.is_empty() {
             true => format!("define it {position}: `Media {{ Medium name {{ … }} }}`"),
             false => {
-                let listed: Vec<String> = names().take(8).map(clip).collect();
+                let listed: Vec<String> = names().take(8).map(clip_for_message).collect();
                 format!("known are {}; define it with them", listed.join(", "))
             }
         };
-        check_name(lexer, "medium", name, names, help)
+        check_name_exists(lexer, "medium", name, names, help)
     }
 
-    /// Refuses the name of a material that is not defined.
-    pub fn check_material(&self, lexer: Lexer<'_>, name: &Spanned<String>, help: &str) -> Result<(), SceneError> {
-        if self.names.contains_key(&name.value) {
+    /// Returns an error if no material is called `name`.
+    pub fn check_material_exists(
+        &self,
+        lexer: Lexer<'_>,
+        name: &Spanned<String>,
+        help: &str,
+    ) -> Result<(), SceneError> {
+        if self.material_indices.contains_key(&name.value) {
             return Ok(());
         }
         let names = || self.materials.iter().filter_map(|material| material.name.as_deref());
-        check_name(lexer, "material", name, names, help.to_owned())
+        check_name_exists(lexer, "material", name, names, help.to_owned())
     }
 }
 
-/// Refuses `name` unless it is one of `names`; suggests the nearest, else gives `help`.
-fn check_name<'n, I: Iterator<Item = &'n str>>(
+/// Returns an error if `names` lack `name`; the error suggests the nearest of them, else `help`.
+fn check_name_exists<'n, I: Iterator<Item = &'n str>>(
     lexer: Lexer<'_>,
     what: &str,
     name: &Spanned<String>,
@@ -104,7 +129,8 @@ fn check_name<'n, I: Iterator<Item = &'n str>>(
     if names().any(|known| known == name.value) {
         return Ok(());
     }
-    let message = format!("no {what} is called `{}`", clip(&name.value));
-    let help = nearest(&name.value, names()).map_or(help, |nearest| format!("did you mean `{}`?", clip(nearest)));
-    Err(lexer.error(name.span, message, "unknown name", help))
+    let message = format!("no {what} is called `{}`", clip_for_message(&name.value));
+    let help = nearest_word(&name.value, names())
+        .map_or(help, |nearest| format!("did you mean `{}`?", clip_for_message(nearest)));
+    Err(lexer.error_at(name.span, message, "unknown name", help))
 }

@@ -1,4 +1,4 @@
-//! Shapes.
+//! Tables, parsing and printing of shapes.
 
 use std::fmt;
 
@@ -7,364 +7,298 @@ use glam::DVec3;
 use super::super::description::{CurveBasis, MeshOptions, ProfileCurve, ShapeDescription};
 use super::super::error::SceneError;
 use super::curves::{BEZIER_CONTROLS, BSPLINE_CONTROLS};
-use super::fields::{Fields, fields};
+use super::fields::{BlockFields, parse_table_block};
 use super::lexer::Token;
-use super::reader::Parser;
-use super::schema::{Block, Entry, Field, Kind, Range, field, find, keywords};
-use super::writer::{Numbers, Writer};
+use super::parser::Parser;
+use super::schema::{BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, block, field};
+use super::writer::{SceneWriter, SpacedNumbers};
 use crate::shape::parametric::MAX_DEGREE;
 
-/// The shapes.
-pub(super) static SHAPES: [Entry<ReadShape>; 14] = [
-    Entry { block: &SPHERE, read: sphere },
-    Entry { block: &PLANE, read: plane },
-    Entry { block: &DISC, read: disc },
-    Entry { block: &RECTANGLE, read: rectangle },
-    Entry { block: &BOX, read: cuboid },
-    Entry { block: &CYLINDER, read: cylinder },
-    Entry { block: &CONE, read: cone },
-    Entry { block: &TRIANGLE, read: triangle },
-    Entry { block: &MESH, read: mesh },
-    Entry { block: &REVOLUTION, read: revolution },
-    Entry { block: &BEZIER_CURVE, read: bezier_curve },
-    Entry { block: &BSPLINE_CURVE, read: bspline_curve },
-    Entry { block: &BEZIER_PATCH, read: patches },
-    Entry { block: &NURBS, read: nurbs },
+/// All kinds of shapes.
+pub(super) static SHAPES: [BlockParser<ParseShape>; 14] = [
+    BlockParser { block: &SPHERE, parse: parse_sphere },
+    BlockParser { block: &PLANE, parse: parse_plane },
+    BlockParser { block: &DISC, parse: parse_disc },
+    BlockParser { block: &RECTANGLE, parse: parse_rectangle },
+    BlockParser { block: &BOX, parse: parse_box },
+    BlockParser { block: &CYLINDER, parse: parse_cylinder },
+    BlockParser { block: &CONE, parse: parse_cone },
+    BlockParser { block: &TRIANGLE, parse: parse_triangle },
+    BlockParser { block: &MESH, parse: parse_mesh },
+    BlockParser { block: &REVOLUTION, parse: parse_revolution_surface },
+    BlockParser { block: &BEZIER_CURVE, parse: parse_bezier_curve },
+    BlockParser { block: &BSPLINE_CURVE, parse: parse_bspline_curve },
+    BlockParser { block: &BEZIER_PATCH, parse: parse_bezier_patches },
+    BlockParser { block: &NURBS, parse: parse_nurbs_surface },
 ];
 
-/// Reader of the geometry of a shape.
-type ReadShape = fn(&Fields<'_>) -> Result<ShapeDescription, SceneError>;
+/// Conversion of a block's fields to a shape.
+type ParseShape = fn(&BlockFields<'_>) -> Result<ShapeDescription, SceneError>;
 
-const DEGREE: Range = Range::Within(1.0, MAX_DEGREE as f64);
+const DEGREE_RANGE: FieldRange = FieldRange::Within(1.0, MAX_DEGREE as f64);
 
-static EMISSION: [Field; 1] =
-    [field("emission", Kind::Color, Range::NonNegative, "radiance instead of the material's; not for a `Plane`")
-        .absent("the material's")
+static EMISSION_FIELDS: [FieldSchema; 1] =
+    [field("emission", FieldKind::Color, "radiance instead of the material's; not for a `Plane`")
+        .absence_means("the material's")
         .unit("W/(m² sr)")];
 
-static DEGREES: [Field; 2] = [
-    field("degreeU", Kind::Whole, DEGREE, "degree along u").or(&[3.0]),
-    field("degreeV", Kind::Whole, DEGREE, "degree along v").or(&[3.0]),
+static DEGREE_FIELDS: [FieldSchema; 2] = [
+    field("degreeU", FieldKind::Whole, "degree along u").range(DEGREE_RANGE).or_numbers(&[3.0]),
+    field("degreeV", FieldKind::Whole, "degree along v").range(DEGREE_RANGE).or_numbers(&[3.0]),
 ];
 
-static SPHERE: Block = Block {
-    keyword: "Sphere",
-    aliases: &[],
-    fields: &[
-        field("center", Kind::Point, Range::Any, "center").required().course(),
-        field("radius", Kind::Number, Range::Positive, "radius").required().course(),
-    ],
-    shared: &[&EMISSION],
-    help: "all points at distance `radius` from `center`",
-    course: true,
-};
+static SPHERE: BlockSchema = block("Sphere", "all points at distance `radius` from `center`")
+    .fields(&[
+        field("center", FieldKind::Point, "center").required().course_syntax(),
+        field("radius", FieldKind::Number, "radius").range(FieldRange::Positive).required().course_syntax(),
+    ])
+    .shared_fields(&[&EMISSION_FIELDS])
+    .course_syntax();
 
-static PLANE: Block = Block {
-    keyword: "Plane",
-    aliases: &[],
-    fields: &[
-        field("normal", Kind::Direction, Range::Any, "normal; its length scales `offset`").required().course(),
-        field("offset", Kind::Number, Range::Any, "normal · x of the points x of the plane").required().course(),
-    ],
-    shared: &[&EMISSION],
-    help: "infinite plane",
-    course: true,
-};
+static PLANE: BlockSchema = block("Plane", "infinite plane")
+    .fields(&[
+        field("normal", FieldKind::Direction, "normal; its length scales `offset`").required().course_syntax(),
+        field("offset", FieldKind::Number, "normal · x of the points x of the plane").required().course_syntax(),
+    ])
+    .shared_fields(&[&EMISSION_FIELDS])
+    .course_syntax();
 
-static DISC: Block = Block {
-    keyword: "Disc",
-    aliases: &[],
-    fields: &[
-        field("center", Kind::Point, Range::Any, "center").required(),
-        field("normal", Kind::Direction, Range::Any, "normal").required(),
-        field("radius", Kind::Number, Range::Positive, "radius").required(),
-    ],
-    shared: &[&EMISSION],
-    help: "flat disc",
-    course: false,
-};
+static DISC: BlockSchema = block("Disc", "flat disc")
+    .fields(&[
+        field("center", FieldKind::Point, "center").required(),
+        field("normal", FieldKind::Direction, "normal").required(),
+        field("radius", FieldKind::Number, "radius").range(FieldRange::Positive).required(),
+    ])
+    .shared_fields(&[&EMISSION_FIELDS]);
 
-static RECTANGLE: Block = Block {
-    keyword: "Rectangle",
-    aliases: &[],
-    fields: &[
-        field("corner", Kind::Point, Range::Any, "corner where both edges start").required(),
-        field("edge0", Kind::Direction, Range::Any, "vector to the first neighbouring corner").required(),
-        field("edge1", Kind::Direction, Range::Any, "vector to the other neighbouring corner").required(),
-    ],
-    shared: &[&EMISSION],
-    help: "parallelogram with normal `edge0` × `edge1`",
-    course: false,
-};
+static RECTANGLE: BlockSchema = block("Rectangle", "parallelogram with normal `edge0` × `edge1`")
+    .fields(&[
+        field("corner", FieldKind::Point, "corner where both edges start").required(),
+        field("edge0", FieldKind::Direction, "vector to the first neighbouring corner").required(),
+        field("edge1", FieldKind::Direction, "vector to the other neighbouring corner").required(),
+    ])
+    .shared_fields(&[&EMISSION_FIELDS]);
 
-static BOX: Block = Block {
-    keyword: "Box",
-    aliases: &[],
-    fields: &[
-        field("min", Kind::Point, Range::Any, "corner with the lowest coordinates").required(),
-        field("max", Kind::Point, Range::Any, "opposite corner; above `min` in every coordinate").required(),
-    ],
-    shared: &[&EMISSION],
-    help: "closed box with edges along the axes",
-    course: false,
-};
+static BOX: BlockSchema = block("Box", "closed box with edges along the axes")
+    .fields(&[
+        field("min", FieldKind::Point, "corner with the lowest coordinates").required(),
+        field("max", FieldKind::Point, "opposite corner; above `min` in every coordinate").required(),
+    ])
+    .shared_fields(&[&EMISSION_FIELDS]);
 
-static CAPS: [Field; 1] =
-    [field("caps", Kind::Word(&["yes", "no"]), Range::Any, "`no` leaves both ends open").or_word("yes")];
+static CAPS_FIELDS: [FieldSchema; 1] =
+    [field("caps", FieldKind::Word(&["yes", "no"]), "`no` leaves both ends open").or_word("yes")];
 
-static CYLINDER: Block = Block {
-    keyword: "Cylinder",
-    aliases: &[],
-    fields: &[
-        field("bottom", Kind::Point, Range::Any, "center of one end").required(),
-        field("top", Kind::Point, Range::Any, "center of the other end").required(),
-        field("radius", Kind::Number, Range::Positive, "radius").required(),
-    ],
-    shared: &[&CAPS, &EMISSION],
-    help: "cylinder of any direction, closed unless `caps` is `no`",
-    course: false,
-};
+static CYLINDER: BlockSchema = block("Cylinder", "cylinder of any direction, closed unless `caps` is `no`")
+    .fields(&[
+        field("bottom", FieldKind::Point, "center of one end").required(),
+        field("top", FieldKind::Point, "center of the other end").required(),
+        field("radius", FieldKind::Number, "radius").range(FieldRange::Positive).required(),
+    ])
+    .shared_fields(&[&CAPS_FIELDS, &EMISSION_FIELDS]);
 
-static CONE: Block = Block {
-    keyword: "Cone",
-    aliases: &[],
-    fields: &[
-        field("bottom", Kind::Point, Range::Any, "center of the base").required(),
-        field("top", Kind::Point, Range::Any, "apex, or center of the other end").required(),
-        field("radius", Kind::Number, Range::Positive, "radius of the base").required(),
-        field("topRadius", Kind::Number, Range::NonNegative, "radius of the other end").or(&[0.0]),
-    ],
-    shared: &[&CAPS, &EMISSION],
-    help: "cone or truncated cone of any direction, closed unless `caps` is `no`",
-    course: false,
-};
+static CONE: BlockSchema = block("Cone", "cone or truncated cone of any direction, closed unless `caps` is `no`")
+    .fields(&[
+        field("bottom", FieldKind::Point, "center of the base").required(),
+        field("top", FieldKind::Point, "apex, or center of the other end").required(),
+        field("radius", FieldKind::Number, "radius of the base").range(FieldRange::Positive).required(),
+        field("topRadius", FieldKind::Number, "radius of the other end")
+            .range(FieldRange::NonNegative)
+            .or_numbers(&[0.0]),
+    ])
+    .shared_fields(&[&CAPS_FIELDS, &EMISSION_FIELDS]);
 
-static TRIANGLE: Block = Block {
-    keyword: "Triangle",
-    aliases: &[],
-    fields: &[
-        field("vertex0", Kind::Point, Range::Any, "first vertex").required().course(),
-        field("vertex1", Kind::Point, Range::Any, "second vertex").required().course(),
-        field("vertex2", Kind::Point, Range::Any, "third vertex").required().course(),
-        field("normal0", Kind::Direction, Range::Any, "shading normal at the first vertex; give all three or none"),
-        field("normal1", Kind::Direction, Range::Any, "shading normal at the second vertex"),
-        field("normal2", Kind::Direction, Range::Any, "shading normal at the third vertex"),
-        field("uv0", Kind::Pair, Range::Any, "texture coordinates at the first vertex; give all three or none")
-            .absent("0 0"),
-        field("uv1", Kind::Pair, Range::Any, "texture coordinates at the second vertex").absent("1 0"),
-        field("uv2", Kind::Pair, Range::Any, "texture coordinates at the third vertex").absent("0 1"),
-    ],
-    shared: &[&EMISSION],
-    help: "triangle; its area may be 0",
-    course: true,
-};
+static TRIANGLE: BlockSchema = block("Triangle", "triangle; its area may be 0")
+    .fields(&[
+        field("vertex0", FieldKind::Point, "first vertex").required().course_syntax(),
+        field("vertex1", FieldKind::Point, "second vertex").required().course_syntax(),
+        field("vertex2", FieldKind::Point, "third vertex").required().course_syntax(),
+        field("normal0", FieldKind::Direction, "shading normal at the first vertex; give all three or none"),
+        field("normal1", FieldKind::Direction, "shading normal at the second vertex"),
+        field("normal2", FieldKind::Direction, "shading normal at the third vertex"),
+        field("uv0", FieldKind::Pair, "texture coordinates at the first vertex; give all three or none")
+            .absence_means("0 0"),
+        field("uv1", FieldKind::Pair, "texture coordinates at the second vertex").absence_means("1 0"),
+        field("uv2", FieldKind::Pair, "texture coordinates at the third vertex").absence_means("0 1"),
+    ])
+    .shared_fields(&[&EMISSION_FIELDS])
+    .course_syntax();
 
-static MESH: Block = Block {
-    keyword: "TriangleMesh",
-    aliases: &[],
-    fields: &[
-        field("obj_file", Kind::Name, Range::Any, "OBJ or PLY file").alias("file").required().course(),
-        field(
-            "materials",
-            Kind::Word(&["scene", "file"]),
-            Range::Any,
-            "materials of the scene or of the file's MTL files",
-        )
-        .or_word("scene"),
-        field("normals", Kind::Word(&["file", "none"]), Range::Any, "`none` ignores the file's normals")
-            .or_word("file"),
-        field("smoothAngle", Kind::Number, Range::Within(0.0, 180.0), "greatest angle between faces that are smoothed")
-            .absent("faces without normals are flat")
+static MESH: BlockSchema = block("TriangleMesh", "triangle mesh in a file of its own")
+    .fields(&[
+        field("obj_file", FieldKind::Name, "OBJ or PLY file").alias("file").required().course_syntax(),
+        field("materials", FieldKind::Word(&["scene", "file"]), "materials of the scene or of the file's MTL files")
+            .or_word("scene"),
+        field("normals", FieldKind::Word(&["file", "none"]), "`none` ignores the file's normals").or_word("file"),
+        field("smoothAngle", FieldKind::Number, "greatest angle between faces that are smoothed")
+            .range(FieldRange::Within(0.0, 180.0))
+            .absence_means("faces without normals are flat")
             .unit("degrees"),
-    ],
-    shared: &[&EMISSION],
-    help: "triangle mesh in a file of its own",
-    course: true,
-};
+    ])
+    .shared_fields(&[&EMISSION_FIELDS])
+    .course_syntax();
 
-static REVOLUTION: Block = Block {
-    keyword: "RevSurface",
-    aliases: &[],
-    fields: &[field("profile", Kind::Curve, Range::Any, "curve of points (x, y), turned about the y axis")
-        .required()
-        .course()],
-    shared: &[&EMISSION],
-    help: "surface of revolution: the points (x cos θ, y, x sin θ) of a profile",
-    course: true,
-};
+static REVOLUTION: BlockSchema =
+    block("RevSurface", "surface of revolution: the points (x cos θ, y, x sin θ) of a profile")
+        .fields(&[field("profile", FieldKind::Curve, "curve of points (x, y), turned about the y axis")
+            .required()
+            .course_syntax()])
+        .shared_fields(&[&EMISSION_FIELDS])
+        .course_syntax();
 
-static BEZIER_CURVE: Block = Block {
-    keyword: "BezierCurve",
-    aliases: &[],
-    fields: &[BEZIER_CONTROLS],
-    shared: &[&EMISSION],
-    help: "one Bézier curve; without `profile` it has no surface and is not visible",
-    course: true,
-};
+static BEZIER_CURVE: BlockSchema =
+    block("BezierCurve", "one Bézier curve; without `profile` it has no surface and is not visible")
+        .fields(&[BEZIER_CONTROLS])
+        .shared_fields(&[&EMISSION_FIELDS])
+        .course_syntax();
 
-static BSPLINE_CURVE: Block = Block {
-    keyword: "BsplineCurve",
-    aliases: &[],
-    fields: &[BSPLINE_CONTROLS],
-    shared: &[&EMISSION],
-    help: "a uniform cubic B-spline; without `profile` it has no surface and is not visible",
-    course: true,
-};
+static BSPLINE_CURVE: BlockSchema =
+    block("BsplineCurve", "a uniform cubic B-spline; without `profile` it has no surface and is not visible")
+        .fields(&[BSPLINE_CONTROLS])
+        .shared_fields(&[&EMISSION_FIELDS])
+        .course_syntax();
 
-static BEZIER_PATCH: Block = Block {
-    keyword: "BezierPatch",
-    aliases: &[],
-    fields: &[field(
-        "controls",
-        Kind::WeightedPoints,
-        Range::Any,
-        "control points, patch after patch, those along v first",
-    )
-    .required()],
-    shared: &[&DEGREES, &EMISSION],
-    help: "one or more Bézier patches of the same degrees",
-    course: false,
-};
+static BEZIER_PATCH: BlockSchema = block("BezierPatch", "one or more Bézier patches of the same degrees")
+    .fields(&[field("controls", FieldKind::WeightedPoints, "control points, patch after patch, those along v first")
+        .required()])
+    .shared_fields(&[&DEGREE_FIELDS, &EMISSION_FIELDS]);
 
-static NURBS: Block = Block {
-    keyword: "NurbsSurface",
-    aliases: &[],
-    fields: &[
-        field("countU", Kind::Whole, Range::Special("above the degree"), "number of control points along u").required(),
-        field("countV", Kind::Whole, Range::Special("above the degree"), "number of control points along v").required(),
-        field("knotsU", Kind::Numbers, Range::Special("nondecreasing"), "`countU` + `degreeU` + 1 knots along u")
-            .absent("uniform"),
-        field("knotsV", Kind::Numbers, Range::Special("nondecreasing"), "`countV` + `degreeV` + 1 knots along v")
-            .absent("uniform"),
-        field("controls", Kind::WeightedPoints, Range::Any, "control points, those along v first").required(),
-    ],
-    shared: &[&DEGREES, &EMISSION],
-    help: "rational B-spline surface",
-    course: false,
-};
+static NURBS: BlockSchema = block("NurbsSurface", "rational B-spline surface")
+    .fields(&[
+        field("countU", FieldKind::Whole, "number of control points along u")
+            .range(FieldRange::Special("above the degree"))
+            .required(),
+        field("countV", FieldKind::Whole, "number of control points along v")
+            .range(FieldRange::Special("above the degree"))
+            .required(),
+        field("knotsU", FieldKind::Numbers, "`countU` + `degreeU` + 1 knots along u")
+            .range(FieldRange::Special("nondecreasing"))
+            .absence_means("uniform"),
+        field("knotsV", FieldKind::Numbers, "`countV` + `degreeV` + 1 knots along v")
+            .range(FieldRange::Special("nondecreasing"))
+            .absence_means("uniform"),
+        field("controls", FieldKind::WeightedPoints, "control points, those along v first").required(),
+    ])
+    .shared_fields(&[&DEGREE_FIELDS, &EMISSION_FIELDS]);
 
-/// Reads a shape and the radiance that replaces its material's.
+/// Parses a shape, and the emitted radiance that replaces its material's.
 // Not inlined: its callers recurse, and their stack frames must stay small.
 #[inline(never)]
-pub(super) fn shape<'a>(
+pub(super) fn parse_shape<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,
 ) -> Result<(ShapeDescription, Option<DVec3>), SceneError> {
-    let Some(entry) = find(&SHAPES, word.text) else {
-        return Err(parser.unexpected(word, &keywords(&[], &SHAPES)));
-    };
-    let f = &fields(parser, word, entry.block)?;
-    let shape = (entry.read)(f)?;
-    Ok((shape, f.get("emission").map(|emission| emission.vector())))
+    let (entry, f) = parse_table_block(parser, word, &SHAPES)?;
+    Ok(((entry.parse)(&f)?, f.optional_value("emission")))
 }
 
-fn sphere(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
-    Ok(ShapeDescription::Sphere { center: f.vector("center")?, radius: f.number("radius")? })
+fn parse_sphere(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
+    Ok(ShapeDescription::Sphere { center: f.value("center")?, radius: f.value("radius")? })
 }
 
-fn plane(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
-    Ok(ShapeDescription::Plane { normal: f.vector("normal")?, offset: f.number("offset")? })
+fn parse_plane(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
+    Ok(ShapeDescription::Plane { normal: f.value("normal")?, offset: f.value("offset")? })
 }
 
-fn disc(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
-    Ok(ShapeDescription::Disc { center: f.vector("center")?, normal: f.vector("normal")?, radius: f.number("radius")? })
+fn parse_disc(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
+    Ok(ShapeDescription::Disc { center: f.value("center")?, normal: f.value("normal")?, radius: f.value("radius")? })
 }
 
-fn rectangle(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
-    let (corner, edge0, edge1) = parallelogram(f)?;
+fn parse_rectangle(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
+    let (corner, edge0, edge1) = parse_parallelogram(f)?;
     Ok(ShapeDescription::Rectangle { corner, edge0, edge1 })
 }
 
-fn cuboid(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
-    let (min, max) = (f.vector("min")?, f.require("max")?);
-    max.ensure(max.vector().cmpgt(min).all(), "must be above `min` in every coordinate")?;
-    Ok(ShapeDescription::Box { min, max: max.vector() })
+fn parse_box(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
+    let (min, max): (DVec3, DVec3) = (f.value("min")?, f.value("max")?);
+    f.require("max")?.ensure(max.cmpgt(min).all(), "must be above `min` in every coordinate")?;
+    Ok(ShapeDescription::Box { min, max })
 }
 
-fn cylinder(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
-    let (ends, is_capped) = ends(f)?;
-    Ok(ShapeDescription::Cylinder { ends, radius: f.number("radius")?, is_capped })
+fn parse_cylinder(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
+    let (ends, is_capped) = parse_ends_and_caps(f)?;
+    Ok(ShapeDescription::Cylinder { ends, radius: f.value("radius")?, is_capped })
 }
 
-fn cone(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
-    let (ends, is_capped) = ends(f)?;
-    Ok(ShapeDescription::Cone { ends, radii: [f.number("radius")?, f.number("topRadius")?], is_capped })
+fn parse_cone(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
+    let (ends, is_capped) = parse_ends_and_caps(f)?;
+    Ok(ShapeDescription::Cone { ends, radii: [f.value("radius")?, f.value("topRadius")?], is_capped })
 }
 
-fn mesh(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
-    Ok(ShapeDescription::Mesh { path: f.require("obj_file")?.text(), options: mesh_options(f)? })
+fn parse_mesh(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
+    Ok(ShapeDescription::Mesh { path: f.value("obj_file")?, options: parse_mesh_options(f)? })
 }
 
-fn revolution(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
-    Ok(ShapeDescription::Revolution { profile: f.require("profile")?.curve() })
+fn parse_revolution_surface(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
+    Ok(ShapeDescription::Revolution { profile: f.require("profile")?.profile() })
 }
 
-fn bezier_curve(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
-    Ok(ShapeDescription::Curve(f.require("controls")?.curve_of(CurveBasis::Bezier)?))
+fn parse_bezier_curve(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
+    Ok(ShapeDescription::Curve(f.require("controls")?.curve(CurveBasis::Bezier)?))
 }
 
-fn bspline_curve(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
-    Ok(ShapeDescription::Curve(f.require("controls")?.curve_of(CurveBasis::Bspline)?))
+fn parse_bspline_curve(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
+    Ok(ShapeDescription::Curve(f.require("controls")?.curve(CurveBasis::Bspline)?))
 }
 
-/// Returns corner and edges of a parallelogram that has an area.
-pub(super) fn parallelogram(f: &Fields<'_>) -> Result<(DVec3, DVec3, DVec3), SceneError> {
-    let (corner, edge0, edge1) = (f.vector("corner")?, f.vector("edge0")?, f.require("edge1")?);
+/// Parses corner and edges of a parallelogram whose area is not 0.
+pub(super) fn parse_parallelogram(f: &BlockFields<'_>) -> Result<(DVec3, DVec3, DVec3), SceneError> {
+    let (corner, edge0, edge1): (_, DVec3, DVec3) = (f.value("corner")?, f.value("edge0")?, f.value("edge1")?);
     // Rounding of parallel edges alone gives a sine of about 1e-16.
-    let sine = edge0.normalize().cross(edge1.vector().normalize()).length();
-    edge1.ensure(sine > 1e-12, "must not be parallel to `edge0`: the area would be 0")?;
-    Ok((corner, edge0, edge1.vector()))
+    let sine = edge0.normalize().cross(edge1.normalize()).length();
+    f.require("edge1")?.ensure(sine > 1e-12, "must not be parallel to `edge0`: the area would be 0")?;
+    Ok((corner, edge0, edge1))
 }
 
-/// Returns the centers of both ends of a cylinder or cone, and true if caps close them.
-fn ends(f: &Fields<'_>) -> Result<([DVec3; 2], bool), SceneError> {
-    let (bottom, top) = (f.vector("bottom")?, f.require("top")?);
-    top.ensure(top.vector() != bottom, "must differ from `bottom`")?;
-    Ok(([bottom, top.vector()], f.word("caps")? == "yes"))
+/// Parses the centers of both ends of a cylinder or cone. The flag is true if caps close the ends.
+fn parse_ends_and_caps(f: &BlockFields<'_>) -> Result<([DVec3; 2], bool), SceneError> {
+    let ends = [f.value("bottom")?, f.value("top")?];
+    f.require("top")?.ensure(ends[0] != ends[1], "must differ from `bottom`")?;
+    Ok((ends, f.word_value("caps")? == "yes"))
 }
 
-fn triangle(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
-    let vertices = [f.vector("vertex0")?, f.vector("vertex1")?, f.vector("vertex2")?];
+fn parse_triangle(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
+    let vertices = [f.value("vertex0")?, f.value("vertex1")?, f.value("vertex2")?];
     let any = |names: [&str; 3]| names.iter().any(|name| f.get(name).is_some());
     let normals = match any(["normal0", "normal1", "normal2"]) {
-        true => Some([f.vector("normal0")?, f.vector("normal1")?, f.vector("normal2")?]),
+        true => Some([f.value("normal0")?, f.value("normal1")?, f.value("normal2")?]),
         false => None,
     };
     let uv = match any(["uv0", "uv1", "uv2"]) {
-        true => Some(Box::new([f.pair("uv0")?, f.pair("uv1")?, f.pair("uv2")?])),
+        true => Some(Box::new([f.value("uv0")?, f.value("uv1")?, f.value("uv2")?])),
         false => None,
     };
     Ok(ShapeDescription::Triangle { vertices, normals, uv })
 }
 
-fn mesh_options(f: &Fields<'_>) -> Result<MeshOptions, SceneError> {
+fn parse_mesh_options(f: &BlockFields<'_>) -> Result<MeshOptions, SceneError> {
     Ok(MeshOptions {
-        uses_file_materials: f.word("materials")? == "file",
-        ignores_normals: f.word("normals")? == "none",
-        max_smoothing_angle: f.get("smoothAngle").map(|angle| angle.number()),
+        uses_file_materials: f.word_value("materials")? == "file",
+        ignores_normals: f.word_value("normals")? == "none",
+        max_smoothing_angle: f.optional_value("smoothAngle"),
     })
 }
 
-fn patches(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
-    let degree = [f.whole("degreeU")?, f.whole("degreeV")?];
-    let each = (degree[0] as usize + 1) * (degree[1] as usize + 1);
+fn parse_bezier_patches(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
+    let degree: [u32; 2] = [f.value("degreeU")?, f.value("degreeV")?];
+    let points_per_patch = (degree[0] as usize + 1) * (degree[1] as usize + 1);
     let controls = f.require("controls")?;
     let found = controls.weighted_points().len();
-    let rule = format!("must hold {each} points for each patch of these degrees, and holds {found}");
-    controls.ensure(found > 0 && found.is_multiple_of(each), &rule)?;
+    let rule = format!("must hold {points_per_patch} points for each patch of these degrees, and holds {found}");
+    controls.ensure(found > 0 && found.is_multiple_of(points_per_patch), &rule)?;
     Ok(ShapeDescription::Patches { degree, controls: controls.weighted_points().to_vec() })
 }
 
-fn nurbs(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
-    let degree = [f.whole("degreeU")?, f.whole("degreeV")?];
-    let count = |name: &str, degree: u32| {
-        let count = f.require(name)?;
-        count.ensure(count.number() > f64::from(degree), "must be above the degree")?;
-        Ok(count.number() as u32)
+fn parse_nurbs_surface(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
+    let degree = [f.value("degreeU")?, f.value("degreeV")?];
+    let parse_count = |name: &str, degree: u32| {
+        let count: u32 = f.value(name)?;
+        f.require(name)?.ensure(count > degree, "must be above the degree")?;
+        Ok(count)
     };
-    let count = [count("countU", degree[0])?, count("countV", degree[1])?];
-    let knots = |name: &str, axis: usize| knots(f, name, u64::from(count[axis]) + u64::from(degree[axis]) + 1);
-    let knots = [knots("knotsU", 0)?, knots("knotsV", 1)?];
+    let count = [parse_count("countU", degree[0])?, parse_count("countV", degree[1])?];
+    let knot_count = |axis: usize| u64::from(count[axis]) + u64::from(degree[axis]) + 1;
+    let knots = [parse_knots(f, "knotsU", knot_count(0))?, parse_knots(f, "knotsV", knot_count(1))?];
     let controls = f.require("controls")?;
     let (wanted, found) = (u64::from(count[0]) * u64::from(count[1]), controls.weighted_points().len() as u64);
     let rule = format!("must hold countU · countV = {wanted} points, and holds {found}");
@@ -372,139 +306,147 @@ fn nurbs(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
     Ok(ShapeDescription::Nurbs { degree, count, knots, controls: controls.weighted_points().to_vec() })
 }
 
-/// Returns knots along one direction; none if they are not given.
-fn knots(f: &Fields<'_>, name: &str, wanted: u64) -> Result<Vec<f64>, SceneError> {
+/// Parses the `wanted` knots of the field `name`; empty if the field is absent.
+fn parse_knots(f: &BlockFields<'_>, name: &str, wanted: u64) -> Result<Vec<f64>, SceneError> {
     let Some(knots) = f.get(name) else { return Ok(Vec::new()) };
-    let list = knots.list();
+    let list = knots.number_list();
     let rule = format!("must hold count + degree + 1 = {wanted} numbers, and holds {}", list.len());
     knots.ensure(list.len() as u64 == wanted, &rule)?;
     knots.ensure(list.windows(2).all(|w| w[0] <= w[1]), "must not decrease")?;
     Ok(list.to_vec())
 }
 
-/// Prints a shape and the radiance that replaces its material's.
+/// Writes a shape, and the emitted radiance that replaces its material's.
 // Not inlined: its callers recurse, and their stack frames must stay small.
 #[inline(never)]
-pub(super) fn write_shape(out: &mut Writer<'_, '_>, shape: &ShapeDescription, emission: Option<DVec3>) -> fmt::Result {
+pub(super) fn write_shape(
+    out: &mut SceneWriter<'_, '_>,
+    shape: &ShapeDescription,
+    emission: Option<DVec3>,
+) -> fmt::Result {
     match shape {
         ShapeDescription::Sphere { center, radius } => {
-            out.start(&SPHERE)?;
-            out.vector("center", *center)?;
-            out.number("radius", *radius)?;
+            out.begin_table_block(&SPHERE)?;
+            out.write_vector("center", *center)?;
+            out.write_number("radius", *radius)?;
         }
         ShapeDescription::Plane { normal, offset } => {
-            out.start(&PLANE)?;
-            out.vector("normal", *normal)?;
-            out.number("offset", *offset)?;
+            out.begin_table_block(&PLANE)?;
+            out.write_vector("normal", *normal)?;
+            out.write_number("offset", *offset)?;
         }
         ShapeDescription::Disc { center, normal, radius } => {
-            out.start(&DISC)?;
-            out.vector("center", *center)?;
-            out.vector("normal", *normal)?;
-            out.number("radius", *radius)?;
+            out.begin_table_block(&DISC)?;
+            out.write_vector("center", *center)?;
+            out.write_vector("normal", *normal)?;
+            out.write_number("radius", *radius)?;
         }
         ShapeDescription::Rectangle { corner, edge0, edge1 } => {
-            out.start(&RECTANGLE)?;
+            out.begin_table_block(&RECTANGLE)?;
             write_parallelogram(out, *corner, *edge0, *edge1)?;
         }
         ShapeDescription::Box { min, max } => {
-            out.start(&BOX)?;
-            out.vector("min", *min)?;
-            out.vector("max", *max)?;
+            out.begin_table_block(&BOX)?;
+            out.write_vector("min", *min)?;
+            out.write_vector("max", *max)?;
         }
         ShapeDescription::Cylinder { ends, radius, is_capped } => {
-            out.start(&CYLINDER)?;
+            out.begin_table_block(&CYLINDER)?;
             write_ends(out, ends, *radius)?;
             write_caps(out, *is_capped)?;
         }
         ShapeDescription::Cone { ends, radii, is_capped } => {
-            out.start(&CONE)?;
+            out.begin_table_block(&CONE)?;
             write_ends(out, ends, radii[0])?;
             if radii[1] != 0.0 {
-                out.number("topRadius", radii[1])?;
+                out.write_number("topRadius", radii[1])?;
             }
             write_caps(out, *is_capped)?;
         }
         ShapeDescription::Triangle { vertices, normals, uv } => {
-            out.start(&TRIANGLE)?;
+            out.begin_table_block(&TRIANGLE)?;
             for (i, vertex) in vertices.iter().enumerate() {
-                out.vector(&format!("vertex{i}"), *vertex)?;
+                out.write_vector(&format!("vertex{i}"), *vertex)?;
             }
             for (i, normal) in normals.iter().flatten().enumerate() {
-                out.vector(&format!("normal{i}"), *normal)?;
+                out.write_vector(&format!("normal{i}"), *normal)?;
             }
             for (i, uv) in uv.iter().flat_map(|uv| uv.iter()).enumerate() {
-                out.pair(&format!("uv{i}"), *uv)?;
+                out.write_pair(&format!("uv{i}"), *uv)?;
             }
         }
         ShapeDescription::Mesh { path, options } => {
-            out.start(&MESH)?;
+            out.begin_table_block(&MESH)?;
             let ply = path.to_ascii_lowercase().ends_with(".ply");
-            out.name(if ply { "file" } else { "obj_file" }, path)?;
+            out.write_name(if ply { "file" } else { "obj_file" }, path)?;
             if options.uses_file_materials {
-                out.field("materials", "file")?;
+                out.write_field("materials", "file")?;
             }
             if options.ignores_normals {
-                out.field("normals", "none")?;
+                out.write_field("normals", "none")?;
             }
-            options.max_smoothing_angle.map_or(Ok(()), |angle| out.number("smoothAngle", angle))?;
+            options.max_smoothing_angle.map_or(Ok(()), |angle| out.write_number("smoothAngle", angle))?;
         }
         ShapeDescription::Revolution { profile } => {
-            out.start(&REVOLUTION)?;
-            out.open(format_args!("profile {}", curve_block(profile).keyword))?;
-            out.points("controls", &profile.controls)?;
-            out.close()?;
+            out.begin_table_block(&REVOLUTION)?;
+            out.begin_block(format_args!("profile {}", curve_block_schema(profile).keyword))?;
+            out.write_points("controls", &profile.controls)?;
+            out.end_block()?;
         }
         ShapeDescription::Curve(curve) => {
-            out.start(curve_block(curve))?;
-            out.points("controls", &curve.controls)?;
+            out.begin_table_block(curve_block_schema(curve))?;
+            out.write_points("controls", &curve.controls)?;
         }
         ShapeDescription::Patches { degree, controls } => {
-            out.start(&BEZIER_PATCH)?;
+            out.begin_table_block(&BEZIER_PATCH)?;
             write_degrees(out, degree)?;
-            out.weighted_points("controls", controls)?;
+            out.write_weighted_points("controls", controls)?;
         }
         ShapeDescription::Nurbs { degree, count, knots, controls } => {
-            out.start(&NURBS)?;
+            out.begin_table_block(&NURBS)?;
             write_degrees(out, degree)?;
-            out.field("countU", count[0])?;
-            out.field("countV", count[1])?;
+            out.write_field("countU", count[0])?;
+            out.write_field("countV", count[1])?;
             for (name, knots) in ["knotsU", "knotsV"].into_iter().zip(knots).filter(|(_, k)| !k.is_empty()) {
-                out.field(name, Numbers(knots))?;
+                out.write_field(name, SpacedNumbers(knots))?;
             }
-            out.weighted_points("controls", controls)?;
+            out.write_weighted_points("controls", controls)?;
         }
     }
-    emission.map_or(Ok(()), |emission| out.vector("emission", emission))?;
-    out.close()
+    emission.map_or(Ok(()), |emission| out.write_vector("emission", emission))?;
+    out.end_block()
 }
 
-/// Returns the block of a curve.
-fn curve_block(curve: &ProfileCurve) -> &'static Block {
+fn curve_block_schema(curve: &ProfileCurve) -> &'static BlockSchema {
     match curve.basis {
         CurveBasis::Bezier => &BEZIER_CURVE,
         CurveBasis::Bspline => &BSPLINE_CURVE,
     }
 }
 
-/// Prints corner and edges of a parallelogram.
-pub(super) fn write_parallelogram(out: &mut Writer<'_, '_>, corner: DVec3, edge0: DVec3, edge1: DVec3) -> fmt::Result {
-    out.vector("corner", corner)?;
-    out.vector("edge0", edge0)?;
-    out.vector("edge1", edge1)
+/// Writes corner and edges of a parallelogram.
+pub(super) fn write_parallelogram(
+    out: &mut SceneWriter<'_, '_>,
+    corner: DVec3,
+    edge0: DVec3,
+    edge1: DVec3,
+) -> fmt::Result {
+    out.write_vector("corner", corner)?;
+    out.write_vector("edge0", edge0)?;
+    out.write_vector("edge1", edge1)
 }
 
-fn write_degrees(out: &mut Writer<'_, '_>, degree: &[u32; 2]) -> fmt::Result {
-    out.field("degreeU", degree[0])?;
-    out.field("degreeV", degree[1])
+fn write_degrees(out: &mut SceneWriter<'_, '_>, degree: &[u32; 2]) -> fmt::Result {
+    out.write_field("degreeU", degree[0])?;
+    out.write_field("degreeV", degree[1])
 }
 
-fn write_ends(out: &mut Writer<'_, '_>, [bottom, top]: &[DVec3; 2], radius: f64) -> fmt::Result {
-    out.vector("bottom", *bottom)?;
-    out.vector("top", *top)?;
-    out.number("radius", radius)
+fn write_ends(out: &mut SceneWriter<'_, '_>, [bottom, top]: &[DVec3; 2], radius: f64) -> fmt::Result {
+    out.write_vector("bottom", *bottom)?;
+    out.write_vector("top", *top)?;
+    out.write_number("radius", radius)
 }
 
-fn write_caps(out: &mut Writer<'_, '_>, is_capped: bool) -> fmt::Result {
-    if is_capped { Ok(()) } else { out.field("caps", "no") }
+fn write_caps(out: &mut SceneWriter<'_, '_>, is_capped: bool) -> fmt::Result {
+    if is_capped { Ok(()) } else { out.write_field("caps", "no") }
 }

@@ -1,9 +1,9 @@
-//! Suggestions for unknown words.
+//! Suggestions for unknown words of a scene text.
 
-/// Longest word that counts as a misspelt keyword.
-const LONGEST: usize = 40;
+/// Length of the longest word that can be a misspelt keyword \[characters].
+const MAX_WORD_LENGTH: usize = 40;
 
-/// Words of other renderers and formats, in lower case, with the words of this language.
+/// Words of other renderers and formats in lower case, each with a keyword of this language.
 const SYNONYMS: [(&str, &str); 46] = [
     ("albedo", "reflectance"),
     ("ambientlight", "EnvironmentLight"),
@@ -53,21 +53,22 @@ const SYNONYMS: [(&str, &str); 46] = [
     ("trianglemesh", "TriangleMesh"),
 ];
 
-/// Returns the word of `allowed` for a `word` that other renderers use.
-pub(super) fn synonym(word: &str, allowed: &[&str]) -> Option<&'static str> {
+/// Returns the keyword of `allowed` that other renderers call `word`.
+pub(super) fn keyword_synonym(word: &str, allowed: &[&str]) -> Option<&'static str> {
     let word = word.to_ascii_lowercase();
     SYNONYMS.iter().find(|(other, own)| *other == word && allowed.contains(own)).map(|(_, own)| *own)
 }
 
-/// Returns the candidate nearest to `word`, if at most a third of its letters differ; case does not
-/// count.
-pub(in crate::format) fn nearest<'c>(word: &str, candidates: impl Iterator<Item = &'c str>) -> Option<&'c str> {
-    let word: Vec<char> = word.chars().take(LONGEST + 1).flat_map(char::to_lowercase).collect();
-    if word.len() > LONGEST {
+/// Returns the candidate with the smallest edit distance to `word`, regardless of case.
+///
+/// `None` if the distance exceeds a third of the longer word's length.
+pub(in crate::format) fn nearest_word<'c>(word: &str, candidates: impl Iterator<Item = &'c str>) -> Option<&'c str> {
+    let word: Vec<char> = word.chars().take(MAX_WORD_LENGTH + 1).flat_map(char::to_lowercase).collect();
+    if word.len() > MAX_WORD_LENGTH {
         return None;
     }
     candidates
-        .filter(|candidate| candidate.len() <= LONGEST)
+        .filter(|candidate| candidate.len() <= MAX_WORD_LENGTH)
         .map(|candidate| {
             let letters: Vec<char> = candidate.chars().flat_map(char::to_lowercase).collect();
             (edit_distance(&word, &letters), letters.len(), candidate)
@@ -77,8 +78,9 @@ pub(in crate::format) fn nearest<'c>(word: &str, candidates: impl Iterator<Item 
         .map(|(.., candidate)| candidate)
 }
 
-/// Returns the fewest letters to add, drop, change or swap with a neighbour (optimal string
-/// alignment).
+/// Returns the optimal string alignment distance of two words.
+///
+/// An edit inserts, deletes or replaces a letter, or swaps two neighbours.
 fn edit_distance(a: &[char], b: &[char]) -> usize {
     let mut before = vec![0; b.len() + 1];
     let mut last: Vec<usize> = (0..=b.len()).collect();
@@ -106,18 +108,18 @@ mod tests {
         for (word, keyword) in
             [("Spere", "Sphere"), ("Shpere", "Sphere"), ("RADIUS", "radius"), ("colour", "color"), ("lookat", "lookAt")]
         {
-            assert_eq!(nearest(word, words()), Some(keyword));
+            assert_eq!(nearest_word(word, words()), Some(keyword));
         }
-        assert_eq!(nearest("Torus", words()), None);
-        assert_eq!(nearest("", words()), None);
-        assert_eq!(nearest(&"Sphere".repeat(1000), words()), None);
+        assert_eq!(nearest_word("Torus", words()), None);
+        assert_eq!(nearest_word("", words()), None);
+        assert_eq!(nearest_word(&"Sphere".repeat(1000), words()), None);
     }
 
     #[test]
     fn synonyms_are_translated_where_allowed() {
-        assert_eq!(synonym("SunLight", &["PointLight", "DirectionalLight"]), Some("DirectionalLight"));
-        assert_eq!(synonym("ior", &["indexOfRefraction"]), Some("indexOfRefraction"));
-        assert_eq!(synonym("Glass", &["Mirror", "Dielectric"]), Some("Dielectric"));
-        assert_eq!(synonym("Glass", &["Sphere"]), None);
+        assert_eq!(keyword_synonym("SunLight", &["PointLight", "DirectionalLight"]), Some("DirectionalLight"));
+        assert_eq!(keyword_synonym("ior", &["indexOfRefraction"]), Some("indexOfRefraction"));
+        assert_eq!(keyword_synonym("Glass", &["Mirror", "Dielectric"]), Some("Dielectric"));
+        assert_eq!(keyword_synonym("Glass", &["Sphere"]), None);
     }
 }

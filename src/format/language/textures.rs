@@ -1,4 +1,4 @@
-//! Textures.
+//! Tables, parsing and printing of textures.
 
 use std::fmt;
 
@@ -9,179 +9,146 @@ use super::super::description::{
     TextureKindDescription, Wrap,
 };
 use super::super::error::SceneError;
-use super::fields::{Fields, fields};
+use super::fields::{BlockFields, parse_table_block};
 use super::lexer::Token;
-use super::maps::write_bare_maps;
-use super::names::required_name;
-use super::reader::Parser;
-use super::schema::{Block, Entry, Field, Kind, Range, field, find, keywords};
-use super::writer::Writer;
+use super::names::parse_unique_block_name;
+use super::parser::Parser;
+use super::schema::{BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, block, block_keywords, field};
+use super::transforms::write_transform_field;
+use super::writer::SceneWriter;
 
-/// The textures.
-pub(super) static TEXTURES: [Entry<ReadTexture>; 5] = [
-    Entry { block: &IMAGE, read: image },
-    Entry { block: &CHECKER, read: checker },
-    Entry { block: &NOISE, read: |f| solid(f, SolidPatternDescription::Noise) },
-    Entry { block: &MARBLE, read: |f| solid(f, SolidPatternDescription::Marble) },
-    Entry { block: &WOOD, read: |f| solid(f, SolidPatternDescription::Wood) },
+/// All kinds of textures.
+pub(super) static TEXTURES: [BlockParser<ParseTexture>; 5] = [
+    BlockParser { block: &IMAGE, parse: parse_image },
+    BlockParser { block: &CHECKER, parse: parse_checker },
+    BlockParser { block: &NOISE, parse: |f| parse_solid_pattern(f, SolidPatternDescription::Noise) },
+    BlockParser { block: &MARBLE, parse: |f| parse_solid_pattern(f, SolidPatternDescription::Marble) },
+    BlockParser { block: &WOOD, parse: |f| parse_solid_pattern(f, SolidPatternDescription::Wood) },
 ];
 
-/// Reader of the fields of a texture.
-type ReadTexture = fn(&Fields<'_>) -> Result<TextureKindDescription, SceneError>;
+/// Conversion of a block's fields to a texture.
+type ParseTexture = fn(&BlockFields<'_>) -> Result<TextureKindDescription, SceneError>;
 
-static COORDINATES: [Field; 3] = [
-    field("scale", Kind::Pair, Range::NonZero, "factors of u and v").or(&[1.0, 1.0]),
-    field("rotate", Kind::Number, Range::Any, "rotation of (u, v) after that, anticlockwise")
-        .or(&[0.0])
+static COORDINATE_FIELDS: [FieldSchema; 3] = [
+    field("scale", FieldKind::Pair, "factors of u and v").range(FieldRange::NonZero).or_numbers(&[1.0, 1.0]),
+    field("rotate", FieldKind::Number, "rotation of (u, v) after that, anticlockwise")
+        .or_numbers(&[0.0])
         .unit("degrees"),
-    field("offset", Kind::Pair, Range::Any, "offset of (u, v) after that").or(&[0.0, 0.0]),
+    field("offset", FieldKind::Pair, "offset of (u, v) after that").or_numbers(&[0.0, 0.0]),
 ];
 
-static COLORS: [Field; 2] = [
-    field("color0", Kind::Color, Range::NonNegative, "first color; of a checker where ⌊u⌋ + ⌊v⌋ is even")
-        .or(&[0.0, 0.0, 0.0]),
-    field("color1", Kind::Color, Range::NonNegative, "second color").or(&[1.0, 1.0, 1.0]),
+static COLOR_FIELDS: [FieldSchema; 2] = [
+    field("color0", FieldKind::Color, "first color; of a checker where ⌊u⌋ + ⌊v⌋ is even").or_numbers(&[0.0, 0.0, 0.0]),
+    field("color1", FieldKind::Color, "second color").or_numbers(&[1.0, 1.0, 1.0]),
 ];
 
 // The last octave is 32,768 times finer than the first.
-static PATTERN: [Field; 4] = [
-    field("octaves", Kind::Whole, Range::Within(1.0, 16.0), "octaves of noise").or(&[4.0]),
-    field("frequency", Kind::Number, Range::Positive, "frequency f of the first octave, of veins and of rings")
-        .or(&[1.0])
+static PATTERN_FIELDS: [FieldSchema; 4] = [
+    field("octaves", FieldKind::Whole, "octaves of noise").range(FieldRange::Within(1.0, 16.0)).or_numbers(&[4.0]),
+    field("frequency", FieldKind::Number, "frequency f of the first octave, of veins and of rings")
+        .range(FieldRange::Positive)
+        .or_numbers(&[1.0])
         .unit("1/length"),
-    field("amplitude", Kind::Number, Range::NonNegative, "factor a of the noise").or(&[1.0]),
-    field("Transform", Kind::Maps, Range::Any, "maps from the pattern's space to the object's").absent("none"),
+    field("amplitude", FieldKind::Number, "factor a of the noise").range(FieldRange::NonNegative).or_numbers(&[1.0]),
+    field("Transform", FieldKind::TransformSteps, "maps from the pattern's space to the object's")
+        .absence_means("none"),
 ];
 
-static IMAGE: Block = Block {
-    keyword: "Image",
-    aliases: &[],
-    fields: &[
-        field("file", Kind::Name, Range::Any, "picture: PNG, OpenEXR or Radiance HDR").required(),
-        field(
-            "encoding",
-            Kind::Word(&["srgb", "linear"]),
-            Range::Any,
-            "encoding of a PNG; other formats are always linear",
-        )
-        .or_word("srgb"),
-        field("wrap", Kind::Word(&["repeat", "clamp", "mirror"]), Range::Any, "continuation beyond the edges")
+static IMAGE: BlockSchema = block("Image", "a picture, which covers the unit square of texture coordinates")
+    .fields(&[
+        field("file", FieldKind::Name, "picture: PNG, OpenEXR or Radiance HDR").required(),
+        field("encoding", FieldKind::Word(&["srgb", "linear"]), "encoding of a PNG; other formats are always linear")
+            .or_word("srgb"),
+        field("wrap", FieldKind::Word(&["repeat", "clamp", "mirror"]), "continuation beyond the edges")
             .or_word("repeat"),
-    ],
-    shared: &[&COORDINATES],
-    help: "a picture, which covers the unit square of texture coordinates",
-    course: false,
-};
+    ])
+    .shared_fields(&[&COORDINATE_FIELDS]);
 
-static CHECKER: Block = Block {
-    keyword: "Checker",
-    aliases: &[],
-    fields: &[],
-    shared: &[&COLORS, &COORDINATES],
-    help: "squares of side 1 in texture coordinates",
-    course: false,
-};
+static CHECKER: BlockSchema =
+    block("Checker", "squares of side 1 in texture coordinates").shared_fields(&[&COLOR_FIELDS, &COORDINATE_FIELDS]);
 
-static NOISE: Block = Block {
-    keyword: "Noise",
-    aliases: &[],
-    fields: &[],
-    shared: &[&COLORS, &PATTERN],
-    help: "solid noise, t = ½ + ½ a N, clamped to 0 … 1: clouds, lumps",
-    course: false,
-};
+static NOISE: BlockSchema = block("Noise", "solid noise, t = ½ + ½ a N, clamped to 0 … 1: clouds, lumps")
+    .shared_fields(&[&COLOR_FIELDS, &PATTERN_FIELDS]);
 
-static MARBLE: Block = Block {
-    keyword: "Marble",
-    aliases: &[],
-    fields: &[],
-    shared: &[&COLORS, &PATTERN],
-    help: "solid veins across the x axis, t = ½ + ½ sin 2π(f x + a N)",
-    course: false,
-};
+static MARBLE: BlockSchema = block("Marble", "solid veins across the x axis, t = ½ + ½ sin 2π(f x + a N)")
+    .shared_fields(&[&COLOR_FIELDS, &PATTERN_FIELDS]);
 
-static WOOD: Block = Block {
-    keyword: "Wood",
-    aliases: &[],
-    fields: &[],
-    shared: &[&COLORS, &PATTERN],
-    help: "solid rings about the y axis, t = ½ + ½ sin 2π(f √(x² + z²) + a N)",
-    course: false,
-};
+static WOOD: BlockSchema = block("Wood", "solid rings about the y axis, t = ½ + ½ sin 2π(f √(x² + z²) + a N)")
+    .shared_fields(&[&COLOR_FIELDS, &PATTERN_FIELDS]);
 
-/// Reads a `Textures` block.
-pub(super) fn textures<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result<(), SceneError> {
-    if !parser.scope.materials.is_empty() {
-        let message = "`Textures` stand behind the `Materials` that may use them".to_owned();
-        let help = "put the Textures ahead of the Materials".to_owned();
-        return Err(parser.lexer.error(block.span(), message, "too late", help));
-    }
+/// Parses a `Textures` block; its textures replace those of an earlier one.
+pub(super) fn parse_textures_block<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result<(), SceneError> {
+    parser.scope.check_no_materials(parser.lexer, block)?;
     parser.scope.textures.clear();
-    parser.list(block, ("numTextures", "texture"), &keywords(&["numTextures"], &TEXTURES), |parser, word| {
-        let taken = |parser: &Parser<'a>, name: &str| parser.scope.textures.iter().any(|t| t.value.name == name);
-        let name = required_name(parser, word, ("texture", "textures"), taken)?;
-        let kind = texture(parser, word);
-        // A texture with errors still defines its name, so that materials can refer to it.
-        let placeholder = || TextureKindDescription::Checker {
-            colors: [DVec3::ZERO; 2],
-            coordinates: TexcoordTransformDescription::default(),
-        };
-        let (kind, error) = match kind {
+    let allowed = block_keywords(&["numTextures"], &TEXTURES);
+    parser.parse_list_block(block, ("numTextures", "texture"), &allowed, |parser, word| {
+        let is_taken = |parser: &Parser<'a>, name: &str| parser.scope.textures.iter().any(|t| t.value.name == name);
+        let name = parse_unique_block_name(parser, word, ("texture", "textures"), is_taken)?;
+        let (kind, result) = match parse_texture(parser, word) {
             Ok(kind) => (kind, Ok(())),
-            Err(error) => (placeholder(), Err(error)),
+            // A texture with errors still defines its name, so that materials can refer to it.
+            Err(error) => (placeholder_texture(), Err(error)),
         };
         parser.scope.textures.push(Spanned::new(TextureDescription { name, kind }, word.span()));
-        error
+        result
     })
 }
 
-/// Reads the fields of a texture.
-fn texture<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<TextureKindDescription, SceneError> {
-    let Some(entry) = find(&TEXTURES, word.text) else {
-        return Err(parser.unexpected(word, &keywords(&[], &TEXTURES)));
-    };
-    (entry.read)(&fields(parser, word, entry.block)?)
+fn placeholder_texture() -> TextureKindDescription {
+    TextureKindDescription::Checker { colors: [DVec3::ZERO; 2], coordinates: TexcoordTransformDescription::default() }
 }
 
-fn image(f: &Fields<'_>) -> Result<TextureKindDescription, SceneError> {
+fn parse_texture<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<TextureKindDescription, SceneError> {
+    let (entry, fields) = parse_table_block(parser, word, &TEXTURES)?;
+    (entry.parse)(&fields)
+}
+
+fn parse_image(f: &BlockFields<'_>) -> Result<TextureKindDescription, SceneError> {
     Ok(TextureKindDescription::Image {
-        path: f.require("file")?.text(),
-        encoding: if f.word("encoding")? == "linear" { PictureEncoding::Linear } else { PictureEncoding::Srgb },
-        wrap: match f.word("wrap")? {
+        path: f.value("file")?,
+        encoding: if f.word_value("encoding")? == "linear" { PictureEncoding::Linear } else { PictureEncoding::Srgb },
+        wrap: match f.word_value("wrap")? {
             "clamp" => Wrap::Clamp,
             "mirror" => Wrap::Mirror,
             _ => Wrap::Repeat,
         },
-        coordinates: coordinates(f)?,
+        coordinates: parse_coordinates(f)?,
     })
 }
 
-fn checker(f: &Fields<'_>) -> Result<TextureKindDescription, SceneError> {
-    Ok(TextureKindDescription::Checker { colors: colors(f)?, coordinates: coordinates(f)? })
+fn parse_checker(f: &BlockFields<'_>) -> Result<TextureKindDescription, SceneError> {
+    Ok(TextureKindDescription::Checker { colors: parse_colors(f)?, coordinates: parse_coordinates(f)? })
 }
 
-/// Returns a solid pattern.
-fn solid(f: &Fields<'_>, pattern: SolidPatternDescription) -> Result<TextureKindDescription, SceneError> {
+/// Parses a solid texture: one that depends on the position, not on texture coordinates.
+fn parse_solid_pattern(
+    f: &BlockFields<'_>,
+    pattern: SolidPatternDescription,
+) -> Result<TextureKindDescription, SceneError> {
     Ok(TextureKindDescription::Solid {
         pattern,
-        colors: colors(f)?,
-        octaves: f.whole("octaves")?,
-        frequency: f.number("frequency")?,
-        amplitude: f.number("amplitude")?,
-        maps: f.maps("Transform"),
+        colors: parse_colors(f)?,
+        octaves: f.value("octaves")?,
+        frequency: f.value("frequency")?,
+        amplitude: f.value("amplitude")?,
+        maps: f.optional_value("Transform").unwrap_or_default(),
     })
 }
 
-fn colors(f: &Fields<'_>) -> Result<[DVec3; 2], SceneError> {
-    Ok([f.vector("color0")?, f.vector("color1")?])
+fn parse_colors(f: &BlockFields<'_>) -> Result<[DVec3; 2], SceneError> {
+    Ok([f.value("color0")?, f.value("color1")?])
 }
 
-fn coordinates(f: &Fields<'_>) -> Result<TexcoordTransformDescription, SceneError> {
-    Ok(TexcoordTransformDescription { scale: f.pair("scale")?, rotate: f.number("rotate")?, offset: f.pair("offset")? })
+fn parse_coordinates(f: &BlockFields<'_>) -> Result<TexcoordTransformDescription, SceneError> {
+    Ok(TexcoordTransformDescription {
+        scale: f.value("scale")?,
+        rotate: f.value("rotate")?,
+        offset: f.value("offset")?,
+    })
 }
 
-/// Prints a texture.
-pub(super) fn write_texture(out: &mut Writer<'_, '_>, texture: &TextureDescription) -> fmt::Result {
+/// Writes a texture as scene text.
+pub(super) fn write_texture(out: &mut SceneWriter<'_, '_>, texture: &TextureDescription) -> fmt::Result {
     let block = match texture.kind {
         TextureKindDescription::Image { .. } => &IMAGE,
         TextureKindDescription::Checker { .. } => &CHECKER,
@@ -189,21 +156,21 @@ pub(super) fn write_texture(out: &mut Writer<'_, '_>, texture: &TextureDescripti
         TextureKindDescription::Solid { pattern: SolidPatternDescription::Marble, .. } => &MARBLE,
         TextureKindDescription::Solid { pattern: SolidPatternDescription::Wood, .. } => &WOOD,
     };
-    out.start_named(block, &texture.name)?;
+    out.begin_named_block(block, &texture.name)?;
     match &texture.kind {
         TextureKindDescription::Image { path, encoding, wrap, coordinates } => {
-            out.name("file", path)?;
+            out.write_name("file", path)?;
             let encoding = match encoding {
                 PictureEncoding::Srgb => "srgb",
                 PictureEncoding::Linear => "linear",
             };
-            out.field("encoding", encoding)?;
+            out.write_field("encoding", encoding)?;
             let wrap = match wrap {
                 Wrap::Repeat => "repeat",
                 Wrap::Clamp => "clamp",
                 Wrap::Mirror => "mirror",
             };
-            out.field("wrap", wrap)?;
+            out.write_field("wrap", wrap)?;
             write_coordinates(out, coordinates)?;
         }
         TextureKindDescription::Checker { colors, coordinates } => {
@@ -212,22 +179,22 @@ pub(super) fn write_texture(out: &mut Writer<'_, '_>, texture: &TextureDescripti
         }
         TextureKindDescription::Solid { pattern: _, colors, octaves, frequency, amplitude, maps } => {
             write_colors(out, colors)?;
-            out.field("octaves", octaves)?;
-            out.number("frequency", *frequency)?;
-            out.number("amplitude", *amplitude)?;
-            write_bare_maps(out, maps)?;
+            out.write_field("octaves", octaves)?;
+            out.write_number("frequency", *frequency)?;
+            out.write_number("amplitude", *amplitude)?;
+            write_transform_field(out, maps)?;
         }
     }
-    out.close()
+    out.end_block()
 }
 
-fn write_colors(out: &mut Writer<'_, '_>, colors: &[DVec3; 2]) -> fmt::Result {
-    out.vector("color0", colors[0])?;
-    out.vector("color1", colors[1])
+fn write_colors(out: &mut SceneWriter<'_, '_>, colors: &[DVec3; 2]) -> fmt::Result {
+    out.write_vector("color0", colors[0])?;
+    out.write_vector("color1", colors[1])
 }
 
-fn write_coordinates(out: &mut Writer<'_, '_>, coordinates: &TexcoordTransformDescription) -> fmt::Result {
-    out.pair("scale", coordinates.scale)?;
-    out.number("rotate", coordinates.rotate)?;
-    out.pair("offset", coordinates.offset)
+fn write_coordinates(out: &mut SceneWriter<'_, '_>, coordinates: &TexcoordTransformDescription) -> fmt::Result {
+    out.write_pair("scale", coordinates.scale)?;
+    out.write_number("rotate", coordinates.rotate)?;
+    out.write_pair("offset", coordinates.offset)
 }

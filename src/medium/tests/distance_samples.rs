@@ -7,17 +7,17 @@ use super::*;
 use glam::DAffine3;
 
 /// Coefficients with a different case per channel: mixed, absorbing only, and without extinction.
-fn colourful(density: Option<GridDensity>) -> Medium {
+fn absorbing_per_channel_medium(density: Option<GridDensity>) -> Medium {
     let [a, s, e] = [Vec3::new(0.1, 0.5, 0.0), Vec3::new(1.3, 0.0, 0.0), Vec3::new(0.2, 3.0, 1.0)];
-    make(a, s, e, density)
+    medium_with_density(a, s, e, density)
 }
 
 /// All channels scatter, blue most.
-fn bluish(density: Option<GridDensity>) -> Medium {
-    make(Vec3::new(0.0, 0.3, 0.1), Vec3::new(0.05, 0.4, 2.0), Vec3::new(0.0, 0.0, 0.5), density)
+fn bluish_medium(density: Option<GridDensity>) -> Medium {
+    medium_with_density(Vec3::new(0.0, 0.3, 0.1), Vec3::new(0.05, 0.4, 2.0), Vec3::new(0.0, 0.0, 0.5), density)
 }
 
-fn make(a: Vec3, s: Vec3, e: Vec3, density: Option<GridDensity>) -> Medium {
+fn medium_with_density(a: Vec3, s: Vec3, e: Vec3, density: Option<GridDensity>) -> Medium {
     match density {
         None => Medium::homogeneous(a, s, e, PhaseFunction::Isotropic),
         Some(field) => Medium::heterogeneous(a, s, e, PhaseFunction::Isotropic, Arc::new(field)),
@@ -25,7 +25,7 @@ fn make(a: Vec3, s: Vec3, e: Vec3, density: Option<GridDensity>) -> Medium {
 }
 
 /// Compares all estimates along `ray` up to `distance`; `depth` is τ as a function of distance.
-fn check(medium: &Medium, ray: &Ray, distance: f32, depth: impl Fn(f64) -> f64, name: &str) {
+fn check_estimates(medium: &Medium, ray: &Ray, distance: f32, depth: impl Fn(f64) -> f64, name: &str) {
     let sigma = medium.extinction().as_dvec3();
     let tau = depth(f64::from(distance));
     let left = (-sigma * tau).to_array().map(libm::exp);
@@ -34,19 +34,19 @@ fn check(medium: &Medium, ray: &Ray, distance: f32, depth: impl Fn(f64) -> f64, 
     let limit = |whole: DVec3, at_zero: f64| DVec3::select(sigma.cmpgt(DVec3::ZERO), whole, DVec3::splat(at_zero));
     let gathered = limit((1.0 - left) / sigma, tau);
     let moment = limit((1.0 - left * (1.0 + sigma * tau)) / (sigma * sigma), 0.5 * tau * tau);
-    let mut random = rng(2);
+    let mut random = test_rng(2);
     let n = if medium.is_homogeneous() { 200_000 } else { 100_000 };
 
-    let mut light = [Mean::default(), Mean::default()];
+    let mut light = [RunningMean::default(), RunningMean::default()];
     for _ in 0..n {
         light[0].add(medium.transmittance(ray, distance, &mut random).as_dvec3());
-        light[1].add(medium.emitted(ray, distance, &mut random).as_dvec3());
+        light[1].add(medium.emitted_radiance(ray, distance, &mut random).as_dvec3());
     }
-    light[0].bounded(left, DVec3::ONE, &format!("{name}: transmittance"));
-    light[1].agrees(gathered * medium.emission.as_dvec3(), &format!("{name}: emission"));
+    light[0].assert_near_bounded(left, DVec3::ONE, &format!("{name}: transmittance"));
+    light[1].assert_near(gathered * medium.emission.as_dvec3(), &format!("{name}: emission"));
 
     for throughput in [Vec3::ONE, Vec3::new(0.01, 0.3, 2.0)] {
-        let mut means = [Mean::default(), Mean::default(), Mean::default()];
+        let mut means = [RunningMean::default(), RunningMean::default(), RunningMean::default()];
         let whole = throughput.element_sum();
         for _ in 0..n {
             let distance_sample = medium.distance_sample(ray, distance, throughput, &mut random);
@@ -66,9 +66,13 @@ fn check(medium: &Medium, ray: &Ray, distance: f32, depth: impl Fn(f64) -> f64, 
         let scattering = medium.scattering.as_dvec3();
         // The mean of throughput times weight does not grow.
         let most = f64::from(whole) / throughput.as_dvec3();
-        means[0].bounded(left, most, &format!("{name}: through of {throughput}"));
-        means[1].bounded(gathered * scattering, most, &format!("{name}: scattered of {throughput}"));
-        means[2].bounded(moment * scattering, most * tau, &format!("{name}: depth of scattering of {throughput}"));
+        means[0].assert_near_bounded(left, most, &format!("{name}: through of {throughput}"));
+        means[1].assert_near_bounded(gathered * scattering, most, &format!("{name}: scattered of {throughput}"));
+        means[2].assert_near_bounded(
+            moment * scattering,
+            most * tau,
+            &format!("{name}: depth of scattering of {throughput}"),
+        );
     }
 }
 
@@ -76,12 +80,12 @@ fn check(medium: &Medium, ray: &Ray, distance: f32, depth: impl Fn(f64) -> f64, 
 fn homogeneous_media_match_beer_lambert() {
     let ray = Ray::new(Vec3::ZERO, Vec3::X);
     for distance in [0.01, 1.5, 12.0] {
-        check(&colourful(None), &ray, distance, |t| t, "homogeneous");
-        check(&bluish(None), &ray, distance, |t| t, "bluish");
+        check_estimates(&absorbing_per_channel_medium(None), &ray, distance, |t| t, "homogeneous");
+        check_estimates(&bluish_medium(None), &ray, distance, |t| t, "bluish");
     }
-    let medium = bluish(None);
+    let medium = bluish_medium(None);
     for distance in [0.0f32, 0.3, 7.0, 400.0] {
-        let found = medium.transmittance(&ray, distance, &mut rng(3));
+        let found = medium.transmittance(&ray, distance, &mut test_rng(3));
         for i in 0..3 {
             let truth = libm::exp(-f64::from(medium.extinction()[i]) * f64::from(distance)) as f32;
             assert!((found[i] - truth).abs() <= f32::EPSILON * truth, "{distance}");
@@ -92,8 +96,8 @@ fn homogeneous_media_match_beer_lambert() {
 #[test]
 fn distance_weights_match_their_pdf() {
     let ray = Ray::new(Vec3::ZERO, Vec3::X);
-    let (medium, throughput) = (bluish(None), Vec3::new(0.01, 0.3, 2.0));
-    let mut random = rng(4);
+    let (medium, throughput) = (bluish_medium(None), Vec3::new(0.01, 0.3, 2.0));
+    let mut random = test_rng(4);
     for _ in 0..1000 {
         let distance_sample = medium.distance_sample(&ray, f32::INFINITY, throughput, &mut random);
         let t = distance_sample.scattered.expect("every channel has extinction");
@@ -110,11 +114,11 @@ fn distance_weights_match_their_pdf() {
     let sum: f64 =
         (0..n).map(|i| f64::from(medium.distance_pdf((i as f32 + 0.5) * (end / n as f32), throughput).unwrap())).sum();
     assert!((sum * f64::from(end) / f64::from(n) - 1.0).abs() < 1e-5, "{sum}");
-    assert!(bluish(Some(constant(1.0))).distance_pdf(1.0, throughput).is_none());
+    assert!(bluish_medium(Some(constant_density_grid(1.0))).distance_pdf(1.0, throughput).is_none());
 }
 
 /// A rotated and sheared box of constant density.
-fn constant(density: f32) -> GridDensity {
+fn constant_density_grid(density: f32) -> GridDensity {
     let turn = DAffine3::from_axis_angle(DVec3::new(1.0, 2.0, -0.5).normalize(), 0.8);
     let place =
         turn * DAffine3::from_scale(DVec3::new(4.0, 30.0, 20.0)) * DAffine3::from_translation(DVec3::splat(-0.5));
@@ -123,15 +127,15 @@ fn constant(density: f32) -> GridDensity {
 
 #[test]
 fn constant_grid_equals_homogeneous_slab() {
-    let field = constant(1.7);
+    let field = constant_density_grid(1.7);
     let axis = field.placement().matrix3.x_axis.normalize().as_vec3();
     // The slab reaches from 1 to 5 along the ray, whose direction is off by an ulp.
     let ray = Ray::new(axis * -3.0, axis);
     let depth = |t: f64| 1.7f32 as f64 * (t - 1.0).clamp(0.0, 4.0);
     for distance in [0.5, 2.0, 30.0] {
-        check(&colourful(Some(field.clone())), &ray, distance, depth, "slab");
+        check_estimates(&absorbing_per_channel_medium(Some(field.clone())), &ray, distance, depth, "slab");
     }
-    check(&bluish(Some(field)), &ray, 30.0, depth, "bluish slab");
+    check_estimates(&bluish_medium(Some(field)), &ray, 30.0, depth, "bluish slab");
 }
 
 /// ρ = x/2, but constant in the outer half of the outer of 20 cells; from 0 to x = 4, seen straight
@@ -157,8 +161,8 @@ fn linear_density_matches_its_optical_depth() {
         let start = if dx > 0.0 { -1.0 } else { 3.5 };
         let ray = Ray::new(Vec3::new(start, 0.3, 0.2), direction);
         let depth = |t: f64| (across(f64::from(start) + dx * t) - across(f64::from(start))) / dx;
-        check(&bluish(Some(field.clone())), &ray, 3.0, depth, name);
-        check(&colourful(Some(field.clone())), &ray, 30.0, depth, name);
+        check_estimates(&bluish_medium(Some(field.clone())), &ray, 3.0, depth, name);
+        check_estimates(&absorbing_per_channel_medium(Some(field.clone())), &ray, 30.0, depth, name);
     }
 }
 
@@ -182,6 +186,6 @@ fn clouds_match_their_optical_depth() {
         let i = ((t / step) as usize).min(n - 1);
         table[i] + (table[i + 1] - table[i]) * (t / step - i as f64)
     };
-    check(&bluish(Some(field.clone())), &ray, distance, depth, "cloud");
-    check(&colourful(Some(field)), &ray, distance, depth, "cloud");
+    check_estimates(&bluish_medium(Some(field.clone())), &ray, distance, depth, "cloud");
+    check_estimates(&absorbing_per_channel_medium(Some(field)), &ray, distance, depth, "cloud");
 }

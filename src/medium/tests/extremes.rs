@@ -5,27 +5,28 @@ use glam::DAffine3;
 
 const X: Vec3 = Vec3::X;
 
-fn grid(values: Vec<f32>, size: [u32; 3]) -> Option<Arc<GridDensity>> {
+fn density_grid(values: Vec<f32>, size: [u32; 3]) -> Option<Arc<GridDensity>> {
     let place = DAffine3::from_translation(DVec3::new(0.0, -0.5, -0.5));
     Some(Arc::new(GridDensity::new(size, values, place).unwrap()))
 }
 
-fn medium(a: Vec3, s: Vec3, e: Vec3, density: Option<Arc<GridDensity>>) -> Medium {
+fn test_medium(a: Vec3, s: Vec3, e: Vec3, density: Option<Arc<GridDensity>>) -> Medium {
     Medium { absorption: a, scattering: s, emission: e, phase: PhaseFunction::Isotropic, density }
 }
 
 #[test]
 fn empty_media_have_no_effect() {
     let ray = Ray::new(Vec3::ZERO, X);
-    let nothing = medium(Vec3::ZERO, Vec3::ZERO, Vec3::ZERO, None);
-    let thin = medium(Vec3::ONE, Vec3::ONE, Vec3::ONE, grid(vec![0.0; 8], [2; 3]));
-    let elsewhere = medium(Vec3::ONE, Vec3::ONE, Vec3::ONE, grid(vec![1.0; 8], [2; 3])).translated(DVec3::Y * 2.0);
+    let nothing = test_medium(Vec3::ZERO, Vec3::ZERO, Vec3::ZERO, None);
+    let thin = test_medium(Vec3::ONE, Vec3::ONE, Vec3::ONE, density_grid(vec![0.0; 8], [2; 3]));
+    let elsewhere =
+        test_medium(Vec3::ONE, Vec3::ONE, Vec3::ONE, density_grid(vec![1.0; 8], [2; 3])).translated(DVec3::Y * 2.0);
     for (medium, empty) in [(nothing, true), (thin, true), (elsewhere, false)] {
         assert_eq!(medium.is_empty(), empty);
         for distance in [0.0, 1.0, f32::INFINITY] {
-            let random = &mut rng(6);
+            let random = &mut test_rng(6);
             assert_eq!(medium.transmittance(&ray, distance, random), Vec3::ONE);
-            assert_eq!(medium.emitted(&ray, distance, random), Vec3::ZERO);
+            assert_eq!(medium.emitted_radiance(&ray, distance, random), Vec3::ZERO);
             let distance_sample = medium.distance_sample(&ray, distance, Vec3::ONE, random);
             assert_eq!(distance_sample, DistanceSample { scattered: None, weight: Vec3::ONE });
         }
@@ -37,12 +38,13 @@ fn empty_media_have_no_effect() {
 #[ignore = "long: paths through optical depths of ten thousand"]
 fn large_optical_depths_stay_finite() {
     let ray = Ray::new(Vec3::ZERO, X);
-    for density in [None, grid(vec![1.0; 20], [20, 1, 1])] {
+    for density in [None, density_grid(vec![1.0; 20], [20, 1, 1])] {
         let scale = 1e4;
-        let grey = medium(Vec3::splat(0.25 * scale), Vec3::splat(0.75 * scale), Vec3::splat(scale), density.clone());
-        let white = medium(Vec3::ZERO, Vec3::splat(scale), Vec3::ZERO, density.clone());
-        let mixed = medium(Vec3::ZERO, Vec3::new(scale, 1.0, 0.0), Vec3::X, density);
-        let random = &mut rng(7);
+        let grey =
+            test_medium(Vec3::splat(0.25 * scale), Vec3::splat(0.75 * scale), Vec3::splat(scale), density.clone());
+        let white = test_medium(Vec3::ZERO, Vec3::splat(scale), Vec3::ZERO, density.clone());
+        let mixed = test_medium(Vec3::ZERO, Vec3::new(scale, 1.0, 0.0), Vec3::X, density);
+        let random = &mut test_rng(7);
         for distance in [1.0, f32::INFINITY] {
             for _ in 0..10_000 {
                 for (medium, albedo) in [(&grey, 0.75), (&white, 1.0)] {
@@ -68,7 +70,8 @@ fn large_optical_depths_stay_finite() {
             // Two mean free paths in a million leave e⁻²⁰⁰⁰⁰ and no more than the roulette keeps.
             assert_eq!(grey.transmittance(&ray, distance, random), Vec3::ZERO);
             assert!(
-                (grey.emitted(&ray, f32::INFINITY, random) - 1.0).abs().max_element() < 1e-6 || !grey.is_homogeneous()
+                (grey.emitted_radiance(&ray, f32::INFINITY, random) - 1.0).abs().max_element() < 1e-6
+                    || !grey.is_homogeneous()
             );
         }
     }
@@ -83,8 +86,8 @@ fn collision_roulette_is_unbiased() {
     let mut values = vec![0.0; 512];
     values[511] = 1.0;
     let ray = Ray::new(Vec3::new(0.0, -0.4, -0.4), X);
-    let medium = medium(Vec3::splat(65_000.0), Vec3::splat(1000.0), Vec3::ZERO, grid(values, [8; 3]));
-    let (random, n) = (&mut rng(8), 2000);
+    let medium = test_medium(Vec3::splat(65_000.0), Vec3::splat(1000.0), Vec3::ZERO, density_grid(values, [8; 3]));
+    let (random, n) = (&mut test_rng(8), 2000);
     let (mut left, mut flown) = (0.0, 0.0);
     for _ in 0..n {
         left += medium.transmittance(&ray, 1.0, random).x;
@@ -100,11 +103,12 @@ fn tracking_ends_at_extreme_densities() {
     let mut values = vec![0.0; 512];
     values[100] = f32::MAX;
     let ray = Ray::new(Vec3::new(-1.0, -0.4, -0.4), Vec3::new(1.0, 0.3, 0.2).normalize());
-    let medium = medium(Vec3::splat(f32::MAX), Vec3::ONE, Vec3::ONE, grid(values, [8; 3]));
-    let random = &mut rng(9);
+    let medium = test_medium(Vec3::splat(f32::MAX), Vec3::ONE, Vec3::ONE, density_grid(values, [8; 3]));
+    let random = &mut test_rng(9);
     for _ in 0..100 {
         let distance_sample = medium.distance_sample(&ray, f32::INFINITY, Vec3::ONE, random);
-        let light = medium.transmittance(&ray, f32::INFINITY, random) + medium.emitted(&ray, f32::INFINITY, random);
+        let light =
+            medium.transmittance(&ray, f32::INFINITY, random) + medium.emitted_radiance(&ray, f32::INFINITY, random);
         assert!(distance_sample.weight.is_finite() && light.is_finite(), "{distance_sample:?} {light}");
     }
 }
@@ -112,12 +116,12 @@ fn tracking_ends_at_extreme_densities() {
 #[test]
 fn medium_predicates_are_correct() {
     let (zero, one) = (Vec3::ZERO, Vec3::ONE);
-    let glow = medium(zero, zero, one, None);
+    let glow = test_medium(zero, zero, one, None);
     assert!(glow.emits() && !glow.scatters() && !glow.is_empty() && glow.is_homogeneous());
-    let fog = medium(zero, one, zero, grid(vec![2.0], [1; 3]));
+    let fog = test_medium(zero, one, zero, density_grid(vec![2.0], [1; 3]));
     assert!(!fog.emits() && fog.scatters() && !fog.is_homogeneous());
     assert_eq!([fog.density_at(X * 0.5), fog.density_at(X * 1.5)], [2.0, 0.0]);
     assert_eq!(fog.translated(DVec3::X).density_at(X * 1.5), 2.0);
     assert_eq!(glow.translated(DVec3::X).density_at(X), 1.0);
-    assert_eq!(glow.emitted(&Ray::new(zero, X), 3.0, &mut rng(10)), one * 3.0);
+    assert_eq!(glow.emitted_radiance(&Ray::new(zero, X), 3.0, &mut test_rng(10)), one * 3.0);
 }

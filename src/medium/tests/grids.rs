@@ -41,7 +41,7 @@ fn grid_values_are_at_cell_centers() {
     assert!((field.density(Vec3::ZERO) - value(0.0, 0.0, 0.0)).abs() < 0.02, "the edge is as its cell");
     assert_eq!(field.density(Vec3::new(0.5, 0.5, 1.001)), 0.0);
     assert_eq!(field.density(Vec3::splat(f32::NAN)), 0.0);
-    assert!(field.maximum() >= value(2.0, 3.0, 4.0) - 0.02 && field.size() == size);
+    assert!(field.max_density() >= value(2.0, 3.0, 4.0) - 0.02 && field.size() == size);
     assert!((240..1000).contains(&field.memory()), "60 densities of 4 bytes, and a little: {}", field.memory());
 }
 
@@ -49,7 +49,7 @@ fn grid_values_are_at_cell_centers() {
 /// rounding.
 #[test]
 fn majorants_bound_the_density_along_rays() {
-    let mut random = rng(11);
+    let mut random = test_rng(11);
     let size = [19, 7, 33];
     let values = (0..19 * 7 * 33).map(|_| 0.1 + random.random::<f32>() * random.random::<f32>()).collect();
     let place = DAffine3::from_scale_rotation_translation(
@@ -73,12 +73,12 @@ fn majorants_bound_the_density_along_rays() {
         let [a, b] = [a, b].map(|p| place.transform_point3(p).as_vec3());
         let Some(direction) = (b - a).try_normalize() else { continue };
         let ray = Ray::new(a, direction);
-        let blocks: Vec<_> = field.along(&ray, f32::INFINITY).blocks().collect();
+        let blocks: Vec<_> = field.ray_in_grid(&ray, f32::INFINITY).majorant_blocks().collect();
         crossed += blocks.len();
         let (start, end) = cube_interval(&field, &ray);
         assert!((blocks[0].0 - start).abs() < 1e-9 && (blocks.last().unwrap().1 - end).abs() < 1e-9, "{i}");
         assert!(blocks.windows(2).all(|pair| pair[0].1 == pair[1].0), "{i}");
-        let line = field.along(&ray, f32::INFINITY);
+        let line = field.ray_in_grid(&ray, f32::INFINITY);
         for (t0, t1, majorant) in blocks {
             assert!(t1 > t0);
             for part in [0.0, 0.3, 0.7, 1.0] {
@@ -87,7 +87,7 @@ fn majorants_bound_the_density_along_rays() {
             }
         }
         let short = 0.3f32;
-        let last = field.along(&ray, short).blocks().last().map_or(0.0, |b| b.1);
+        let last = field.ray_in_grid(&ray, short).majorant_blocks().last().map_or(0.0, |b| b.1);
         assert!(last <= f64::from(short));
     }
     assert!(crossed > 60_000, "{crossed}");

@@ -6,7 +6,7 @@ use rand::RngExt;
 
 /// A random walk from the origin with absorption by roulette: number of collisions and end
 /// position.
-fn walk(medium: &Medium, random: &mut SmallRng) -> (f64, DVec3) {
+fn random_walk(medium: &Medium, random: &mut SmallRng) -> (f64, DVec3) {
     let (mut p, mut direction, mut collisions) = (Vec3::ZERO, Vec3::X, 0.0);
     loop {
         let distance_sample = medium.distance_sample(&Ray::new(p, direction), f32::INFINITY, Vec3::ONE, random);
@@ -21,17 +21,17 @@ fn walk(medium: &Medium, random: &mut SmallRng) -> (f64, DVec3) {
 }
 
 /// Mean collisions are 1/(1−a); ⟨r²⟩ = 2/(σt²(1−a)(1−ag)) at the point of absorption.
-fn check(medium: &Medium, sigma: f64, albedo: f64) {
-    let mut random = rng(5);
-    let (mut collisions, mut square) = (Mean::default(), Mean::default());
+fn check_random_walk(medium: &Medium, sigma: f64, albedo: f64) {
+    let mut random = test_rng(5);
+    let (mut collisions, mut square) = (RunningMean::default(), RunningMean::default());
     for _ in 0..100_000 {
-        let (n, p) = walk(medium, &mut random);
+        let (n, p) = random_walk(medium, &mut random);
         collisions.add(DVec3::splat(n));
         square.add(DVec3::splat(p.length_squared()));
     }
     let g = f64::from(medium.phase.mean_cosine());
-    collisions.agrees(DVec3::splat(1.0 / (1.0 - albedo)), "collisions");
-    square.agrees(DVec3::splat(2.0 / (sigma * sigma * (1.0 - albedo) * (1.0 - albedo * g))), "r²");
+    collisions.assert_near(DVec3::splat(1.0 / (1.0 - albedo)), "collisions");
+    square.assert_near(DVec3::splat(2.0 / (sigma * sigma * (1.0 - albedo) * (1.0 - albedo * g))), "r²");
 }
 
 #[test]
@@ -39,7 +39,7 @@ fn homogeneous_random_walks_match_diffusion() {
     let phases = [PhaseFunction::Isotropic, PhaseFunction::Rayleigh].into_iter();
     for phase in phases.chain([-0.5, 0.7, 0.99, -0.99].map(PhaseFunction::HenyeyGreenstein)) {
         let medium = Medium::homogeneous(Vec3::splat(0.5), Vec3::splat(2.0), Vec3::ZERO, phase);
-        check(&medium, 2.5, 0.8);
+        check_random_walk(&medium, 2.5, 0.8);
     }
 }
 
@@ -55,5 +55,5 @@ fn grid_random_walks_match_diffusion() {
         PhaseFunction::HenyeyGreenstein(0.7),
         field,
     );
-    check(&medium, 2.5, 0.8);
+    check_random_walk(&medium, 2.5, 0.8);
 }

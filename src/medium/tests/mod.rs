@@ -13,19 +13,19 @@ use super::*;
 use crate::sampling::{Key, Purpose};
 use rand::rngs::SmallRng;
 
-fn rng(n: u64) -> SmallRng {
+fn test_rng(n: u64) -> SmallRng {
     Key::new(23).purpose_key(Purpose::Test).child_key(n).rng()
 }
 
 /// Running mean and variance of each channel.
 #[derive(Default)]
-struct Mean {
+struct RunningMean {
     n: f64,
     sum: DVec3,
     squares: DVec3,
 }
 
-impl Mean {
+impl RunningMean {
     fn add(&mut self, x: DVec3) {
         self.n += 1.0;
         self.sum += x;
@@ -33,15 +33,15 @@ impl Mean {
     }
 
     /// Agreement within five standard errors, plus 10⁻⁶ for the rounding of f32 weights.
-    fn agrees(&self, truth: DVec3, what: &str) {
-        self.bounded(truth, DVec3::ZERO, what);
+    fn assert_near(&self, truth: DVec3, what: &str) {
+        self.assert_near_bounded(truth, DVec3::ZERO, what);
     }
 
     /// Agreement of values up to `most` with rare large contributions.
     ///
     /// The bound adds 29·most/n to five standard errors (empirical Bernstein bound of Maurer and
     /// Pontil 2009, ln(2/δ) = 12.5).
-    fn bounded(&self, truth: DVec3, most: DVec3, what: &str) {
+    fn assert_near_bounded(&self, truth: DVec3, most: DVec3, what: &str) {
         let mean = self.sum / self.n;
         for i in 0..3 {
             let error = ((self.squares[i] / self.n - mean[i] * mean[i]).max(0.0) / self.n).sqrt();

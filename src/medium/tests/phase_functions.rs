@@ -9,41 +9,41 @@ const RINGS: usize = 40;
 const SECTORS: usize = 8;
 const POINTS: usize = 200;
 
-fn phases() -> Vec<PhaseFunction> {
+fn phase_functions() -> Vec<PhaseFunction> {
     let mut phases = vec![PhaseFunction::Isotropic, PhaseFunction::Rayleigh];
     phases.extend([-0.99, -0.5, -1e-4, 0.0, 1e-4, 0.3, 0.9, 0.99].map(PhaseFunction::HenyeyGreenstein));
     phases
 }
 
 /// Rings are narrow in the lobe; x in [0, 1] is the angle from its axis.
-struct Rings {
+struct AngleBins {
     width: f64,
     backwards: bool,
 }
 
-impl Rings {
-    fn of(phase: PhaseFunction) -> Self {
+impl AngleBins {
+    fn for_phase(phase: PhaseFunction) -> Self {
         let g = f64::from(phase.mean_cosine());
         Self { width: 1.0 - g.abs(), backwards: g < 0.0 }
     }
 
-    fn angle(&self, x: f64) -> f64 {
+    fn angle_at(&self, x: f64) -> f64 {
         let angle = x * PI * self.width / (PI + self.width - PI * x);
         if self.backwards { PI - angle } else { angle }
     }
 
-    fn ring(&self, angle: f64) -> usize {
+    fn bin_of_angle(&self, angle: f64) -> usize {
         let angle = if self.backwards { PI - angle } else { angle };
         let x = angle * (PI + self.width) / (PI * (angle + self.width));
         ((x * RINGS as f64) as usize).min(RINGS - 1)
     }
 
     /// Integral of f(cos)·p(cos) over each ring.
-    fn integrate(&self, phase: PhaseFunction, f: impl Fn(f64) -> f64) -> Vec<f64> {
+    fn integrate_bins(&self, phase: PhaseFunction, f: impl Fn(f64) -> f64) -> Vec<f64> {
         let n = RINGS * POINTS;
         let mut rings = vec![0.0; RINGS];
         for i in 0..n {
-            let [low, middle, high] = [0.0, 0.5, 1.0].map(|d| self.angle((i as f64 + d) / n as f64));
+            let [low, middle, high] = [0.0, 0.5, 1.0].map(|d| self.angle_at((i as f64 + d) / n as f64));
             let cos = libm::cos(middle);
             let area = TAU * (libm::cos(low) - libm::cos(high)).abs();
             rings[i / POINTS] += area * f(cos) * f64::from(phase.evaluate(cos as f32));
@@ -56,10 +56,10 @@ impl Rings {
 /// rule errs by less.
 #[test]
 fn phase_functions_are_normalised_with_mean_cosine() {
-    for phase in phases() {
-        let rings = Rings::of(phase);
-        let total: f64 = rings.integrate(phase, |_| 1.0).iter().sum();
-        let mean: f64 = rings.integrate(phase, |cos| cos).iter().sum();
+    for phase in phase_functions() {
+        let rings = AngleBins::for_phase(phase);
+        let total: f64 = rings.integrate_bins(phase, |_| 1.0).iter().sum();
+        let mean: f64 = rings.integrate_bins(phase, |cos| cos).iter().sum();
         let off = (total - 1.0).abs().max((mean - f64::from(phase.mean_cosine())).abs());
         assert!(off < 1e-3, "{phase:?}: {total}, {mean}");
         if phase.mean_cosine().abs() < 0.95 {
@@ -72,15 +72,15 @@ fn phase_functions_are_normalised_with_mean_cosine() {
 fn phase_samples_follow_their_pdf() {
     let n = 100_000;
     let travels = [Vec3::Z, Vec3::NEG_Z, Vec3::new(0.3, -0.5, 0.6).normalize()];
-    let mut random = rng(1);
-    for phase in phases() {
+    let mut random = test_rng(1);
+    for phase in phase_functions() {
         for travel in travels {
-            let rings = Rings::of(phase);
-            let expected = rings.integrate(phase, |_| 1.0);
+            let rings = AngleBins::for_phase(phase);
+            let expected = rings.integrate_bins(phase, |_| 1.0);
             let axis = travel.as_dvec3().normalize();
             let side = axis.any_orthonormal_vector();
             let mut counts = vec![0u32; RINGS * SECTORS];
-            let mut mean = Mean::default();
+            let mut mean = RunningMean::default();
             for _ in 0..n {
                 let (next, pdf) = phase.sample(travel, Vec2::new(random.random(), random.random()));
                 assert!((next.length() - 1.0).abs() < 3e-7 && pdf > 0.0 && pdf.is_finite(), "{phase:?} {next} {pdf}");
@@ -92,17 +92,17 @@ fn phase_samples_follow_their_pdf() {
                 let slope = 3.0 * a / ((1.0 - a) * (1.0 - a) + 2.0 * a * (1.0 - z.abs()));
                 let again = f64::from(phase.evaluate(travel.dot(next)));
                 assert!((f64::from(pdf) / again - 1.0).abs() < 2.4e-7 * (slope + 4.0), "{phase:?} {z}: {pdf} {again}");
-                let ring = rings.ring(libm::atan2(libm::hypot(x, y), z));
+                let ring = rings.bin_of_angle(libm::atan2(libm::hypot(x, y), z));
                 let sector = (libm::atan2(y, x) / TAU + 0.5) * SECTORS as f64;
                 counts[ring * SECTORS + (sector as usize).min(SECTORS - 1)] += 1;
                 mean.add(DVec3::splat(z));
             }
-            mean.agrees(DVec3::splat(f64::from(phase.mean_cosine())), "mean cosine");
+            mean.assert_near(DVec3::splat(f64::from(phase.mean_cosine())), "mean cosine");
             let cells = counts
                 .iter()
                 .enumerate()
                 .map(|(i, c)| (f64::from(n) * expected[i / SECTORS] / SECTORS as f64, f64::from(*c)));
-            let p = p_value(cells);
+            let p = chi_square_p_value(cells);
             // Šidák: one false alarm in 400 runs of the 30 cases.
             assert!(p > 8e-5, "{phase:?} along {travel}: p = {p:e}");
         }
@@ -110,7 +110,7 @@ fn phase_samples_follow_their_pdf() {
 }
 
 /// p value of the fit (Wilson–Hilferty); neighbours are pooled until they expect 5.
-fn p_value(cells: impl Iterator<Item = (f64, f64)>) -> f64 {
+fn chi_square_p_value(cells: impl Iterator<Item = (f64, f64)>) -> f64 {
     let (mut pool, mut chi2, mut used) = ((0.0, 0.0), 0.0, 0u32);
     for (expected, found) in cells {
         pool = (pool.0 + expected, pool.1 + found);
@@ -128,7 +128,7 @@ fn p_value(cells: impl Iterator<Item = (f64, f64)>) -> f64 {
 #[test]
 fn extreme_asymmetry_is_stable() {
     let last = 1.0 - f32::EPSILON / 2.0;
-    for phase in phases() {
+    for phase in phase_functions() {
         for cos in [-1.0, 1.0, -1.0 - 1e-6, 1.0 + 1e-6] {
             assert!(phase.evaluate(cos) > 0.0 && phase.evaluate(cos).is_finite(), "{phase:?} {cos}");
         }

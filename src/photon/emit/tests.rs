@@ -14,7 +14,7 @@ fn sun_over_ball(height: f64) -> Scene {
     builder.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 0.5)), white, Rgb::ZERO);
     builder.plane(Plane::new(DVec3::Y * height, DVec3::Y), white, Rgb::ZERO);
     let direction = DVec3::new(0.3, -1.0, 0.1);
-    builder.source(DeltaLightKind::Directional { direction }, LightStrength::Physical(Rgb::ONE));
+    builder.delta_light(DeltaLightKind::Directional { direction }, LightStrength::Physical(Rgb::ONE));
     let eye = Camera::perspective(DVec3::Z * 9.0, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap();
     builder.build(eye).unwrap()
 }
@@ -26,11 +26,11 @@ fn directional_light_reaches_unbounded_planes() {
     builder.plane(Plane::new(DVec3::NEG_Y, DVec3::Y), white, Rgb::ZERO);
     builder.plane(Plane::new(DVec3::Z * -3.0, DVec3::Z), white, Rgb::ZERO);
     let direction = DVec3::new(0.1, -1.0, -0.5);
-    builder.source(DeltaLightKind::Directional { direction }, LightStrength::Physical(Rgb::ONE));
+    builder.delta_light(DeltaLightKind::Directional { direction }, LightStrength::Physical(Rgb::ONE));
     let eye = Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap();
     let scene = builder.build(eye).unwrap();
     // As far as the farther plane, with room.
-    assert!(scene.domain().radius >= 3.0);
+    assert!(scene.photon_domain().radius >= 3.0);
     let source = PhotonSource::in_all_directions(&scene).unwrap();
     let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: 0 };
     let photons = pass.trace(Key::new(1), 4096, &|_| {}).deposits.photons;

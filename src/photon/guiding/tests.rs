@@ -21,7 +21,7 @@ const LAMP: DVec3 = DVec3::new(0.0, 6.0, 0.0);
 
 fn delta_light_scene(kind: DeltaLightKind) -> Scene {
     scene_with_lamps(|b| {
-        b.source(kind, LightStrength::Physical(Rgb::new(1.0, 2.0, 3.0)));
+        b.delta_light(kind, LightStrength::Physical(Rgb::new(1.0, 2.0, 3.0)));
     })
 }
 
@@ -147,7 +147,7 @@ fn guiding_is_unbiased() {
             assert!(a.mean() > 0.0);
             assert!(a.agrees_within_5_sigma(b), "{name}, region {region}: {} became {}", a.mean(), b.mean());
         }
-        let power = f64::from(color::channel_mean(scene.lights()[0].power(scene.domain())));
+        let power = f64::from(color::channel_mean(scene.lights()[0].power(scene.photon_domain())));
         let mut given = PassStatistics::default();
         [power; 2].iter().for_each(|p| given.add(*p));
         assert!(after[3].agrees_within_5_sigma(&given), "{name} emits {} of {power}", after[3].mean());
@@ -162,7 +162,7 @@ fn aiming_and_guiding_together_are_unbiased() {
         let glass = b.material(Material::dielectric(1.5, Rgb::ZERO));
         b.shape(Shape::Sphere(Sphere::new(DVec3::new(6.5, 1.2, 6.5), 0.8)), glass, Rgb::ZERO);
         b.shape(Shape::Sphere(Sphere::new(DVec3::new(-6.5, 1.2, -5.5), 1.2)), glass, Rgb::ZERO);
-        b.source(DeltaLightKind::Point { position: LAMP }, LightStrength::Physical(Rgb::ONE));
+        b.delta_light(DeltaLightKind::Point { position: LAMP }, LightStrength::Physical(Rgb::ONE));
     });
     let visible = visible_corner_map(&scene);
     let pilot = GuidingPilot { mask: StoreMask::CAUSTIC, max_bounces: 20, visible: &visible, paths: 1 << 15, seed: 1 };
@@ -222,11 +222,11 @@ fn guiding_reduces_visible_variance() {
 fn guiding_prefers_the_visible_lamp() {
     let scene = scene_with_lamps(|b| {
         let strength = LightStrength::Power(Rgb::ONE);
-        b.source(DeltaLightKind::Point { position: DVec3::new(0.0, 3.0, -12.0) }, strength);
-        b.source(DeltaLightKind::Point { position: LAMP }, strength);
+        b.delta_light(DeltaLightKind::Point { position: DVec3::new(0.0, 3.0, -12.0) }, strength);
+        b.delta_light(DeltaLightKind::Point { position: LAMP }, strength);
     });
     let (guided, _) = guided_source(&scene, &visible_corner_map(&scene));
-    let share = guided.choice.probability(1);
+    let share = guided.light_distribution.probability(1);
     assert!((share - (1.0 - 0.5 * DEFENSIVE_FRACTION as f32)).abs() < 1e-6, "{share}");
 }
 

@@ -13,11 +13,11 @@ pub(super) fn cull_index_matched(
     materials: &[Material],
     has_ambient_medium: bool,
 ) -> (Vec<Object>, MeshData) {
-    let is_air = |material: u32| materials[material as usize].boundary().is_some_and(|body| body.is_air());
+    let is_air = |material: u32| materials[material as usize].bounded_body().is_some_and(|body| body.is_air());
     if has_ambient_medium || !(0..materials.len() as u32).any(is_air) {
         return (objects, mesh);
     }
-    let substances = objects.iter().filter(|object| may_be_substance(materials, object.material));
+    let substances = objects.iter().filter(|object| may_bound_visible_body(materials, object.material));
     let substances: Vec<Option<Extent>> = substances.map(|object| object.extent(&mesh)).collect();
     let is_culled = |object: &Object| {
         let extent = object.extent(&mesh);
@@ -44,19 +44,19 @@ pub(super) fn cull_index_matched(
 }
 
 /// True if a material may bound a body that light can distinguish from air.
-fn may_be_substance(materials: &[Material], material: u32) -> bool {
+fn may_bound_visible_body(materials: &[Material], material: u32) -> bool {
     let material = &materials[material as usize];
-    match material.parts() {
+    match material.mix_parts() {
         Some(parts) => parts.into_iter().any(|part| may_bound_body(materials, part)),
-        None => material.boundary().is_some_and(|body| !body.is_air()),
+        None => material.bounded_body().is_some_and(|body| !body.is_air()),
     }
 }
 
 /// True if a material, or a part of a mix, bounds a body.
 pub(super) fn may_bound_body(materials: &[Material], material: u32) -> bool {
     let material = &materials[material as usize];
-    match material.parts() {
+    match material.mix_parts() {
         Some(parts) => parts.into_iter().any(|part| may_bound_body(materials, part)),
-        None => material.boundary().is_some(),
+        None => material.bounded_body().is_some(),
     }
 }

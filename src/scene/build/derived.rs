@@ -1,6 +1,6 @@
 //! Quantities derived from object placement.
 
-use super::light_contact::light_contact;
+use super::light_contact_distance::light_contact_distance;
 use crate::light::Light;
 use crate::math::{BoundingSphere, Bounds};
 use crate::scene::Scene;
@@ -8,16 +8,16 @@ use crate::scene::interiors::{InteriorStack, interior_at};
 use glam::Vec3;
 
 /// Radius of the domain if unbounded planes receive light, in radii of the bounded shapes.
-const OPEN_DOMAIN: f32 = 4.0;
+const OPEN_DOMAIN_FACTOR: f32 = 4.0;
 
 /// Radius of the ambient medium, in distances of the farthest light or camera. Without a bound,
 /// most photons would scatter far away.
-const AMBIENT_EXTENT: f32 = 2.0;
+const AMBIENT_EXTENT_FACTOR: f32 = 2.0;
 
 /// Quantities that follow from the placement of objects, lights and camera at one time.
 #[derive(Clone, Debug)]
-pub(in crate::scene) struct Derived {
-    /// See [`Scene::domain`].
+pub(in crate::scene) struct DerivedQuantities {
+    /// See [`Scene::photon_domain`].
     pub domain: BoundingSphere,
     /// The ball that the ambient medium fills.
     pub ambient_extent: BoundingSphere,
@@ -25,11 +25,11 @@ pub(in crate::scene) struct Derived {
     pub camera_interior: InteriorStack,
     /// The bodies around each light.
     pub light_interiors: Vec<InteriorStack>,
-    /// See [`Scene::light_contact`].
-    pub light_contact: Vec<f32>,
+    /// See [`Scene::light_contact_distance`].
+    pub light_contact_distance: Vec<f32>,
 }
 
-impl Default for Derived {
+impl Default for DerivedQuantities {
     fn default() -> Self {
         let nowhere = BoundingSphere { center: Vec3::ZERO, radius: 0.0 };
         Self {
@@ -37,15 +37,15 @@ impl Default for Derived {
             ambient_extent: nowhere,
             camera_interior: InteriorStack::EMPTY,
             light_interiors: Vec::new(),
-            light_contact: Vec::new(),
+            light_contact_distance: Vec::new(),
         }
     }
 }
 
 /// Derives all quantities from the geometry, lights and camera of `scene`.
-pub(in crate::scene) fn derive(scene: &Scene) -> Derived {
+pub(in crate::scene) fn derive_quantities(scene: &Scene) -> DerivedQuantities {
     let planes = scene.geometry.planes.iter().map(|plane| plane.point_and_normal().0.length());
-    let domain = domain(scene.geometry.bounds(), planes);
+    let domain = photon_domain(scene.geometry.bounds(), planes);
     let camera = scene.camera.center().as_vec3();
     let positions = scene.lights.iter().filter_map(Light::emission_point).chain([camera]);
     let farthest = positions.map(|p| p.distance(domain.center)).fold(domain.radius, f32::max);
@@ -56,18 +56,18 @@ pub(in crate::scene) fn derive(scene: &Scene) -> Derived {
         let start = |light: &Light| light.emission_point().map_or(InteriorStack::EMPTY, |p| interior_at(scene, p));
         light_interiors = scene.lights.iter().map(start).collect();
     }
-    Derived {
+    DerivedQuantities {
         domain,
-        ambient_extent: BoundingSphere { center: domain.center, radius: farthest * AMBIENT_EXTENT },
+        ambient_extent: BoundingSphere { center: domain.center, radius: farthest * AMBIENT_EXTENT_FACTOR },
         camera_interior,
         light_interiors,
-        light_contact: scene.lights.iter().map(|light| light_contact(scene, domain, light)).collect(),
+        light_contact_distance: scene.lights.iter().map(|light| light_contact_distance(scene, domain, light)).collect(),
     }
 }
 
 /// The domain around the bounded shapes, or around the camera at the origin if there are none.
 /// `planes` are the distances of unbounded planes \[length].
-fn domain(bounds: Bounds, planes: impl Iterator<Item = f32>) -> BoundingSphere {
+fn photon_domain(bounds: Bounds, planes: impl Iterator<Item = f32>) -> BoundingSphere {
     let ball = bounds.bounding_sphere();
     let Some(farthest) = planes.reduce(f32::max) else { return ball };
     let radius = if ball.radius > 0.0 {
@@ -77,5 +77,5 @@ fn domain(bounds: Bounds, planes: impl Iterator<Item = f32>) -> BoundingSphere {
     } else {
         1.0
     };
-    BoundingSphere { center: ball.center, radius: radius * OPEN_DOMAIN }
+    BoundingSphere { center: ball.center, radius: radius * OPEN_DOMAIN_FACTOR }
 }

@@ -1,11 +1,11 @@
 //! Collecting the lights of a scene.
 
 use super::object::{Object, ObjectGeometry};
-use super::place::{Mappings, PlacedGeometry};
+use super::place::{PlacedGeometry, PlacedMappings};
 use crate::light::{AreaLight, EmissionTexture, EnvironmentLight, Light, LightSurface};
 use crate::math::Motion;
 use crate::sampling::DiscreteDistribution;
-use crate::scene::animation::{MID_SHUTTER, constant_strength, source_at};
+use crate::scene::animation::{MID_SHUTTER, delta_light_at, physical_strength_mid_shutter};
 use crate::scene::delta_light::{legacy_area_light, resolve_light};
 use crate::scene::{BuildError, DeltaLightKind, LegacyLight, LightStrength};
 use crate::texture::Texture;
@@ -23,7 +23,7 @@ pub(super) struct DeltaLight {
 
 /// The lights in scene coordinates: delta lights at rest, moving ones, area lights, and the
 /// environment.
-pub(super) struct Lights {
+pub(super) struct CollectedLights {
     pub lights: Vec<Light>,
     pub legacy_lights: Vec<LegacyLight>,
     /// Moving delta lights, by their index.
@@ -37,22 +37,23 @@ pub(super) fn collect_lights(
     sources: &[DeltaLight],
     objects: &[Object],
     geometry: &PlacedGeometry,
-    mappings: &Mappings,
+    mappings: &PlacedMappings,
     textures: &[Arc<Texture>],
     environment: Option<EnvironmentLight>,
     origin: DVec3,
-) -> Result<Lights, BuildError> {
-    let mut found = Lights { lights: Vec::new(), legacy_lights: Vec::new(), moving: Vec::new(), of_object: Vec::new() };
+) -> Result<CollectedLights, BuildError> {
+    let mut found =
+        CollectedLights { lights: Vec::new(), legacy_lights: Vec::new(), moving: Vec::new(), of_object: Vec::new() };
     for source in sources.iter().filter(|source| source.motion.is_none()) {
-        found.add(resolve_light(&source.kind, source.strength, origin));
+        found.add_light(resolve_light(&source.kind, source.strength, origin));
     }
     for source in sources {
         let Some(motion) = &source.motion else { continue };
         let motion = motion.followed_by(DAffine3::from_translation(-origin));
-        let strength = constant_strength(&source.kind, source.strength, &motion);
-        let placed = source_at(&source.kind, &motion, MID_SHUTTER).ok_or(BuildError::Flattened)?;
+        let strength = physical_strength_mid_shutter(&source.kind, source.strength, &motion);
+        let placed = delta_light_at(&source.kind, &motion, MID_SHUTTER).ok_or(BuildError::Flattened)?;
         found.moving.push((found.lights.len(), source.kind.clone(), strength, motion));
-        found.add(resolve_light(&placed, strength, DVec3::ZERO));
+        found.add_light(resolve_light(&placed, strength, DVec3::ZERO));
     }
     let mut shapes = geometry.shapes.iter();
     for (object, mapping) in objects.iter().zip(&mappings.of_object) {
@@ -79,7 +80,7 @@ pub(super) fn collect_lights(
             });
             let light = Light::Area(AreaLight { surface, radiance: object.emission, texture });
             let legacy = legacy_area_light(&light);
-            found.add((light, legacy))
+            found.add_light((light, legacy))
         });
         found.of_object.push(light);
     }
@@ -88,9 +89,9 @@ pub(super) fn collect_lights(
     Ok(found)
 }
 
-impl Lights {
+impl CollectedLights {
     /// Adds a light and returns its index.
-    fn add(&mut self, (light, legacy): (Light, LegacyLight)) -> u32 {
+    fn add_light(&mut self, (light, legacy): (Light, LegacyLight)) -> u32 {
         self.lights.push(light);
         self.legacy_lights.push(legacy);
         self.lights.len() as u32 - 1
@@ -98,7 +99,7 @@ impl Lights {
 }
 
 /// The lights with their mean radiance in place of emission textures; empty if there are none.
-pub(in crate::scene) fn mean_lights(lights: &[Light]) -> Vec<Light> {
+pub(in crate::scene) fn mean_emission_lights(lights: &[Light]) -> Vec<Light> {
     let textured = |light: &Light| matches!(light, Light::Area(area) if area.texture.is_some());
     if !lights.iter().any(textured) {
         return Vec::new();

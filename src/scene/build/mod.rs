@@ -2,17 +2,17 @@
 
 mod cull_index_matched;
 mod derived;
-mod light_contact;
+mod light_contact_distance;
 mod lights;
 mod object;
 mod place;
 mod recenter;
 mod validate;
 
-pub(super) use derived::{Derived, derive};
-pub(super) use lights::mean_lights;
+pub(super) use derived::{DerivedQuantities, derive_quantities};
+pub(super) use lights::mean_emission_lights;
 
-use super::interiors::{CoincidentFlags, find_flags};
+use super::interiors::{CoincidentFlags, find_coincident_flags};
 use super::{BuildError, DeltaLightKind, LightStrength, Material, Scene};
 use crate::camera::Camera;
 use crate::color::{DispersionFormula, Rgb};
@@ -23,9 +23,9 @@ use crate::shape::{MappingKind, Plane, Shape, Triangle};
 use crate::texture::Texture;
 use cull_index_matched::{cull_index_matched, may_bound_body};
 use glam::{DVec2, DVec3, Vec3};
-use lights::{DeltaLight, Lights, collect_lights};
+use lights::{CollectedLights, DeltaLight, collect_lights};
 use object::{MeshData, Object, ObjectGeometry};
-use place::{Placed, place_camera, place_objects};
+use place::{PlacedObjects, place_camera, place_objects};
 use recenter::choose_origin;
 use std::sync::Arc;
 use validate::{validate_extent, validate_objects, validate_power};
@@ -98,12 +98,12 @@ impl SceneBuilder {
 
     /// Adds a shape. An `emission` above zero \[W/(m² sr)] makes it an area light.
     pub fn shape(&mut self, shape: Shape, material: u32, emission: Rgb) -> &mut Self {
-        self.object(ObjectGeometry::Shape(shape), None, material, emission)
+        self.add_object(ObjectGeometry::Shape(shape), None, material, emission)
     }
 
     /// Adds an unbounded plane.
     pub fn plane(&mut self, plane: Plane, material: u32, emission: Rgb) -> &mut Self {
-        self.object(ObjectGeometry::Plane(plane), None, material, emission)
+        self.add_object(ObjectGeometry::Plane(plane), None, material, emission)
     }
 
     /// Adds a mesh: positions, unit normals (one a vertex, or none), and triangles that index its
@@ -118,21 +118,27 @@ impl SceneBuilder {
         material: u32,
         emission: Rgb,
     ) -> &mut Self {
-        let range = self.mesh.add(positions, normals, triangles);
-        self.object(ObjectGeometry::Mesh(range), None, material, emission)
+        let range = self.mesh.add_mesh(positions, normals, triangles);
+        self.add_object(ObjectGeometry::Mesh(range), None, material, emission)
     }
 
     /// Adds a shape that moves while the shutter is open.
     pub fn moving_shape(&mut self, shape: Shape, motion: Motion, material: u32, emission: Rgb) -> &mut Self {
-        self.object(ObjectGeometry::Shape(shape), Some(motion), material, emission)
+        self.add_object(ObjectGeometry::Shape(shape), Some(motion), material, emission)
     }
 
     /// Adds an unbounded plane that moves while the shutter is open.
     pub fn moving_plane(&mut self, plane: Plane, motion: Motion, material: u32, emission: Rgb) -> &mut Self {
-        self.object(ObjectGeometry::Plane(plane), Some(motion), material, emission)
+        self.add_object(ObjectGeometry::Plane(plane), Some(motion), material, emission)
     }
 
-    fn object(&mut self, geometry: ObjectGeometry, motion: Option<Motion>, material: u32, emission: Rgb) -> &mut Self {
+    fn add_object(
+        &mut self,
+        geometry: ObjectGeometry,
+        motion: Option<Motion>,
+        material: u32,
+        emission: Rgb,
+    ) -> &mut Self {
         self.objects.push(Object { geometry, motion, material, emission, emission_texture: None, mapping: None });
         self
     }
@@ -164,14 +170,14 @@ impl SceneBuilder {
     }
 
     /// Adds a point, spot or directional light.
-    pub fn source(&mut self, kind: DeltaLightKind, strength: LightStrength) -> &mut Self {
+    pub fn delta_light(&mut self, kind: DeltaLightKind, strength: LightStrength) -> &mut Self {
         self.sources.push(DeltaLight { kind, strength, motion: None });
         self
     }
 
     /// Adds a light that moves while the shutter is open. The motion acts about the light's own
     /// position.
-    pub fn moving_source(&mut self, kind: DeltaLightKind, strength: LightStrength, motion: &Motion) -> &mut Self {
+    pub fn moving_delta_light(&mut self, kind: DeltaLightKind, strength: LightStrength, motion: &Motion) -> &mut Self {
         let motion = kind.position().map_or_else(|| motion.clone(), |position| motion.around_point(position));
         self.sources.push(DeltaLight { kind, strength, motion: Some(motion) });
         self
@@ -192,13 +198,13 @@ impl SceneBuilder {
         let (objects, mesh) =
             cull_index_matched(self.objects, self.mesh, &self.materials, self.ambient_medium.is_some());
         let origin = choose_origin(&objects, &mesh, &camera)?;
-        let Placed { objects, geometry, mappings, mut animation } = place_objects(objects, mesh, origin)?;
+        let PlacedObjects { objects, geometry, mappings, mut animation } = place_objects(objects, mesh, origin)?;
         validate_extent(&geometry, &animation)?;
-        let Lights { lights, legacy_lights, moving, of_object } =
+        let CollectedLights { lights, legacy_lights, moving, of_object } =
             collect_lights(&self.sources, &objects, &geometry, &mappings, &self.textures, self.environment, origin)?;
         animation.lights = moving;
         let camera = place_camera(&camera, self.camera_motion, origin, &mut animation)?;
-        let geometry = geometry.index(&objects, &mappings, &of_object);
+        let geometry = geometry.build_hierarchies(&objects, &mappings, &of_object);
         let mut scene = Scene {
             camera,
             background: self.background,
@@ -209,16 +215,17 @@ impl SceneBuilder {
             ambient_medium: self.ambient_medium,
             textures: self.textures,
             mappings: mappings.list,
-            mean_lights: mean_lights(&lights),
+            mean_emission_lights: mean_emission_lights(&lights),
             lights,
             legacy_lights,
             animation: (!animation.is_empty()).then(|| Arc::new(animation)),
             origin,
             coincident: CoincidentFlags::default(),
-            derived: Derived::default(),
+            derived: DerivedQuantities::default(),
         };
-        scene.coincident = find_flags(&scene.geometry, |material| may_bound_body(&scene.materials, material));
-        scene.derived = derive(&scene);
+        scene.coincident =
+            find_coincident_flags(&scene.geometry, |material| may_bound_body(&scene.materials, material));
+        scene.derived = derive_quantities(&scene);
         validate_power(&scene)?;
         Ok(scene)
     }

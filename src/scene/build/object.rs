@@ -55,7 +55,7 @@ impl Object {
     ///
     /// Coplanar hits resolve to the lowest index. Emitters come first, so light sampling agrees
     /// with intersection.
-    pub fn rank(&self) -> u8 {
+    pub fn numbering_rank(&self) -> u8 {
         match (&self.geometry, &self.motion) {
             (ObjectGeometry::Shape(_), None) if self.emits() => 0,
             (ObjectGeometry::Shape(_), None) => 1,
@@ -81,7 +81,7 @@ pub(super) struct MeshData {
 
 impl MeshData {
     /// Adds a mesh, and returns the range of its triangles.
-    pub fn add(&mut self, positions: &[DVec3], normals: &[Vec3], triangles: &[Triangle]) -> Range<u32> {
+    pub fn add_mesh(&mut self, positions: &[DVec3], normals: &[Vec3], triangles: &[Triangle]) -> Range<u32> {
         let (base, first) = (self.positions.len() as u32, self.triangles.len() as u32);
         self.positions.extend_from_slice(positions);
         if !normals.is_empty() {

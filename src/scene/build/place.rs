@@ -12,12 +12,12 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// Objects in scene coordinates.
-pub(super) struct Placed {
+pub(super) struct PlacedObjects {
     /// The objects in the order in which the scene numbers them: shapes, meshes, planes; moving
     /// ones last of each.
     pub objects: Vec<Object>,
     pub geometry: PlacedGeometry,
-    pub mappings: Mappings,
+    pub mappings: PlacedMappings,
     /// Moving shapes, planes and mappings; lights and camera are added later.
     pub animation: Animation,
 }
@@ -34,7 +34,7 @@ pub(super) struct PlacedGeometry {
 }
 
 /// Texture mappings in scene coordinates.
-pub(super) struct Mappings {
+pub(super) struct PlacedMappings {
     /// The first maps objects without a mapping of their own.
     pub list: Vec<TextureMapping>,
     /// Index into `list` by object.
@@ -42,8 +42,12 @@ pub(super) struct Mappings {
 }
 
 /// Numbers the objects, and places them relative to `origin` at mid-shutter.
-pub(super) fn place_objects(mut objects: Vec<Object>, mesh: MeshData, origin: DVec3) -> Result<Placed, BuildError> {
-    objects.sort_by_key(Object::rank);
+pub(super) fn place_objects(
+    mut objects: Vec<Object>,
+    mesh: MeshData,
+    origin: DVec3,
+) -> Result<PlacedObjects, BuildError> {
+    objects.sort_by_key(Object::numbering_rank);
     let recenter = DAffine3::from_translation(-origin);
     let mut animation = Animation::default();
     let (mut shapes, mut planes, mut mesh_ranges) = (Vec::new(), Vec::new(), Vec::new());
@@ -67,12 +71,13 @@ pub(super) fn place_objects(mut objects: Vec<Object>, mesh: MeshData, origin: DV
     let mappings = place_mappings(&objects, origin, &mut animation)?;
     let mesh = Arc::new(mesh.recentered(origin));
     let geometry = PlacedGeometry { shapes, first_moving, planes, mesh, mesh_ranges };
-    Ok(Placed { objects, geometry, mappings, animation })
+    Ok(PlacedObjects { objects, geometry, mappings, animation })
 }
 
-fn place_mappings(objects: &[Object], origin: DVec3, animation: &mut Animation) -> Result<Mappings, BuildError> {
+fn place_mappings(objects: &[Object], origin: DVec3, animation: &mut Animation) -> Result<PlacedMappings, BuildError> {
     let recenter = DAffine3::from_translation(-origin);
-    let mut mappings = Mappings { list: vec![TextureMapping::default().translated(-origin)], of_object: Vec::new() };
+    let mut mappings =
+        PlacedMappings { list: vec![TextureMapping::default().translated(-origin)], of_object: Vec::new() };
     for object in objects {
         let Some((form, motion)) = &object.mapping else {
             mappings.of_object.push(0);
@@ -106,7 +111,12 @@ pub(super) fn place_camera(
 
 impl PlacedGeometry {
     /// Builds the hierarchies. `light_of_object` holds the area light that each object is.
-    pub fn index(self, objects: &[Object], mappings: &Mappings, light_of_object: &[Option<u32>]) -> geometry::Geometry {
+    pub fn build_hierarchies(
+        self,
+        objects: &[Object],
+        mappings: &PlacedMappings,
+        light_of_object: &[Option<u32>],
+    ) -> geometry::Geometry {
         let attributes = objects.iter().zip(light_of_object).zip(&mappings.of_object);
         let attributes = attributes.map(|((object, light), mapping)| ObjectAttributes {
             material: object.material,

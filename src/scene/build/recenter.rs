@@ -9,17 +9,17 @@ use glam::{DVec3, Vec2};
 
 /// Greatest distance from the origin in sizes of an object. Single precision then rounds its
 /// coordinates by at most 2⁻²⁴·2¹² = 2⁻¹² of its size.
-const MAX_SIZES: f64 = 4096.0;
+const MAX_DISTANCE_IN_SIZES: f64 = 4096.0;
 
 /// Bisections that find the least distance: as many as double precision has digits.
 const BISECTIONS: u32 = 64;
 
 /// The camera position, and the distance to what it sees.
-type View = (DVec3, f64);
+type CameraView = (DVec3, f64);
 
 /// Something that single precision must resolve.
 #[derive(Clone, Copy, Debug)]
-struct Target {
+struct PrecisionTarget {
     center: DVec3,
     size: f64,
 }
@@ -38,17 +38,17 @@ pub(super) fn choose_origin(objects: &[Object], mesh: &MeshData, camera: &Camera
             (ObjectGeometry::Shape(shape), Some(motion)) => {
                 let at =
                     |time| shape_at(shape, motion, time).map(|shape| shape.bounds_f64()).ok_or(BuildError::Flattened);
-                moving.push(union(union(at(0.0)?, at(MID_SHUTTER)?), at(1.0)?));
+                moving.push(extent_union(extent_union(at(0.0)?, at(MID_SHUTTER)?), at(1.0)?));
             }
             (ObjectGeometry::Mesh(_), _) => meshes.extend(object.extent(mesh)),
             (ObjectGeometry::Plane(_), _) => {}
         }
     }
     let boxes = [resting, moving, meshes].concat();
-    Ok(origin(&boxes, view(camera, &shapes)).unwrap_or(camera.center()))
+    Ok(origin_for_extents(&boxes, camera_view(camera, &shapes)).unwrap_or(camera.center()))
 }
 
-fn union((a, b): Extent, (c, d): Extent) -> Extent {
+fn extent_union((a, b): Extent, (c, d): Extent) -> Extent {
     (a.min(c), b.max(d))
 }
 
@@ -58,25 +58,26 @@ fn union((a, b): Extent, (c, d): Extent) -> Extent {
 /// An example of the second: objects on a huge sphere that is their floor. The second point is at
 /// most twice as far from any object as the first, so no coordinate loses more than one binary
 /// digit by it.
-fn origin(boxes: &[Extent], view: Option<View>) -> Option<DVec3> {
-    let (min, max) = boxes.iter().copied().reduce(union)?;
+fn origin_for_extents(boxes: &[Extent], view: Option<CameraView>) -> Option<DVec3> {
+    let (min, max) = boxes.iter().copied().reduce(extent_union)?;
     let center = min * 0.5 + max * 0.5;
-    let target = |(min, max): &Extent| Target { center: *min * 0.5 + *max * 0.5, size: (*max - *min).max_element() };
+    let target =
+        |(min, max): &Extent| PrecisionTarget { center: *min * 0.5 + *max * 0.5, size: (*max - *min).max_element() };
     // The camera may be outside of the box, but the origin must not.
-    let view = view.map(|(center, size)| Target { center: center.clamp(min, max), size });
-    let targets: Vec<Target> = boxes.iter().map(target).chain(view).filter(|t| t.size > 0.0).collect();
+    let view = view.map(|(center, size)| PrecisionTarget { center: center.clamp(min, max), size });
+    let targets: Vec<PrecisionTarget> = boxes.iter().map(target).chain(view).filter(|t| t.size > 0.0).collect();
     let distance = |m: DVec3| targets.iter().map(|t| (t.center - m).abs().max_element() / t.size).fold(0.0, f64::max);
     let most = distance(center);
-    if most.is_nan() || most <= MAX_SIZES {
+    if most.is_nan() || most <= MAX_DISTANCE_IN_SIZES {
         return Some(center);
     }
-    let nearest = DVec3::from_array([0, 1, 2].map(|axis| minimax(&targets, axis, most)));
+    let nearest = DVec3::from_array([0, 1, 2].map(|axis| minimax_coordinate(&targets, axis, most)));
     Some(nearest.clamp(min, max))
 }
 
 /// The camera position, and the distance of the nearest shape in the center or the corners of its
 /// image.
-fn view(camera: &Camera, shapes: &[&Shape]) -> Option<View> {
+fn camera_view(camera: &Camera, shapes: &[&Shape]) -> Option<CameraView> {
     let (position, (width, height)) = (camera.center(), camera.size());
     let local = camera.translated(-position);
     let size = Vec2::new(width as f32, height as f32);
@@ -90,7 +91,7 @@ fn view(camera: &Camera, shapes: &[&Shape]) -> Option<View> {
 
 /// The coordinate along `axis` at which the greatest distance of `targets`, in own sizes, is least.
 /// `most` is an upper bound of that distance.
-fn minimax(targets: &[Target], axis: usize, most: f64) -> f64 {
+fn minimax_coordinate(targets: &[PrecisionTarget], axis: usize, most: f64) -> f64 {
     let within = |t: f64| {
         let ends =
             targets.iter().map(|target| (target.center[axis] - t * target.size, target.center[axis] + t * target.size));
@@ -110,26 +111,26 @@ fn minimax(targets: &[Target], axis: usize, most: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn ball(center: DVec3, radius: f64) -> Extent {
+    fn ball_extent(center: DVec3, radius: f64) -> Extent {
         (center - radius, center + radius)
     }
 
     #[test]
     fn objects_of_similar_size_lie_around_the_box_center() {
-        let boxes = [ball(DVec3::ZERO, 1.0), ball(DVec3::new(100.0, 0.0, 3.0), 0.1)];
-        let off = origin(&boxes, None).unwrap() - DVec3::new(49.55, 0.0, 1.05);
+        let boxes = [ball_extent(DVec3::ZERO, 1.0), ball_extent(DVec3::new(100.0, 0.0, 3.0), 0.1)];
+        let off = origin_for_extents(&boxes, None).unwrap() - DVec3::new(49.55, 0.0, 1.05);
         assert!(off.length() < 1e-12, "{off}");
-        assert_eq!(origin(&[], Some((DVec3::ONE, 1.0))), None);
+        assert_eq!(origin_for_extents(&[], Some((DVec3::ONE, 1.0))), None);
     }
 
     #[test]
     fn small_objects_on_a_huge_one_determine_the_origin() {
-        let floor = ball(DVec3::new(0.0, -1e5, 0.0), 1e5);
-        let boxes = [floor, ball(DVec3::new(2.0, 0.5, 0.0), 0.5), ball(DVec3::new(-2.0, 0.5, 0.0), 0.25)];
-        let found = origin(&boxes, None).unwrap();
+        let floor = ball_extent(DVec3::new(0.0, -1e5, 0.0), 1e5);
+        let boxes = [floor, ball_extent(DVec3::new(2.0, 0.5, 0.0), 0.5), ball_extent(DVec3::new(-2.0, 0.5, 0.0), 0.25)];
+        let found = origin_for_extents(&boxes, None).unwrap();
         // Four times 0.5/0.75 from the larger ball.
         assert!((found.x - (2.0 - 4.0 / 1.5)).abs() < 1e-9 && (found.y - 0.5).abs() < 1.0, "{found}");
-        assert!((origin(&[floor], Some((DVec3::Y, 1.0))).unwrap().y).abs() < 2.0);
-        assert_eq!(origin(&[floor], None), Some(DVec3::Y * -1e5));
+        assert!((origin_for_extents(&[floor], Some((DVec3::Y, 1.0))).unwrap().y).abs() < 2.0);
+        assert_eq!(origin_for_extents(&[floor], None), Some(DVec3::Y * -1e5));
     }
 }

@@ -47,7 +47,7 @@ pub(super) fn validate_extent(geometry: &PlacedGeometry, animation: &Animation) 
 
 /// Checks that the power of each light is finite. Lights are chosen by the mean of their channels.
 pub(super) fn validate_power(scene: &Scene) -> Result<(), BuildError> {
-    let domain = scene.domain();
+    let domain = scene.photon_domain();
     match scene.lights.iter().position(|light| !color::channel_mean(light.power(domain)).is_finite()) {
         Some(i) => Err(BuildError::TooBright(i)),
         None => Ok(()),

@@ -30,12 +30,12 @@ impl Body {
 
     /// A region of `medium` behind a null interface.
     #[must_use]
-    pub fn region(medium: u32) -> Self {
+    pub fn medium_region(medium: u32) -> Self {
         Self { medium: Some(medium), null_interface: true, ..Self::new(1.0) }
     }
 
     /// Rank where bodies overlap; the greatest wins.
-    pub(in crate::scene) fn rank(&self) -> (u8, bool) {
+    pub(in crate::scene) fn overlap_rank(&self) -> (u8, bool) {
         (self.priority, !self.null_interface)
     }
 

@@ -1,6 +1,6 @@
 //! Finding the bodies around a point.
 
-use super::{CoincidentFace, InteriorStack, faces_at};
+use super::{CoincidentFace, InteriorStack, coincident_faces_at};
 use crate::math::Ray;
 use crate::scene::{Effects, RayCone, Scene};
 use glam::Vec3;
@@ -12,12 +12,12 @@ pub(in crate::scene) fn interior_at(scene: &Scene, p: Vec3) -> InteriorStack {
     let mut entered: Vec<u32> = Vec::new();
     let (mut left, mut crossed): (Vec<u32>, Vec<u32>) = (Vec::new(), Vec::new());
     while let Some(hit) = scene.intersect(&ray) {
-        let surface = scene.interaction(&ray, &hit, &RayCone::point(Effects::NONE), || 0.0);
-        if surface.material.boundary().is_some() {
-            let own = CoincidentFace::of(&surface, surface.is_entering());
-            let coincident = faces_at(scene, &surface);
+        let surface = scene.interaction(&ray, &hit, &RayCone::zero_width(Effects::NONE), || 0.0);
+        if surface.material.bounded_body().is_some() {
+            let own = CoincidentFace::from_surface(&surface, surface.is_entering());
+            let coincident = coincident_faces_at(scene, &surface);
             let count = |material| entered.iter().filter(|m| **m == material).count();
-            // As in `InteriorStack::beyond`, but a body left without being entered was around from
+            // As in `InteriorStack::stack_after_crossing`, but a body left without being entered was around from
             // the start.
             let spare = usize::from(!own.entering && count(own.material) > 0);
             let pending_entry =
@@ -37,7 +37,7 @@ pub(in crate::scene) fn interior_at(scene: &Scene, p: Vec3) -> InteriorStack {
                 }
             }
         }
-        ray = surface.leave(ray.direction);
+        ray = surface.spawn_ray(ray.direction);
     }
     let mut stack = InteriorStack::EMPTY;
     // The body that the ray leaves first was entered last.

@@ -8,11 +8,13 @@ mod spectral;
 mod stack;
 
 pub use body::Body;
-pub(super) use coincident::{CoincidentFace, CoincidentFaces, CoincidentFlags, faces_at, find_flags};
+pub(super) use coincident::{
+    CoincidentFace, CoincidentFaces, CoincidentFlags, coincident_faces_at, find_coincident_flags,
+};
 pub(crate) use for_interior::for_interior;
 pub(super) use locate::interior_at;
 pub use spectral::SpectralInterior;
-pub(super) use stack::Interface;
+pub(super) use stack::BodyInterface;
 pub use stack::InteriorStack;
 
 use super::{Effects, Scene, SurfaceInteraction};
@@ -20,7 +22,7 @@ use crate::bsdf::Bsdf;
 use crate::color::{Rgb, Wavelength};
 use crate::math::Ray;
 use crate::sampling::Key;
-use coincident::{Sides, sides};
+use coincident::{BoundarySides, boundary_sides};
 use glam::Vec3;
 
 /// The record of interiors that paths keep.
@@ -69,7 +71,7 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
 
     /// The medium around.
     #[inline]
-    fn medium(&self, _: &Scene) -> Option<CurrentMedium> {
+    fn current_medium(&self, _: &Scene) -> Option<CurrentMedium> {
         None
     }
 
@@ -89,24 +91,24 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
     }
 
     /// Adds the body that `surface` bounds, if the path can only have started inside it.
-    fn infer_start(&mut self, surface: &SurfaceInteraction<'_>);
+    fn infer_starting_body(&mut self, surface: &SurfaceInteraction<'_>);
 
     /// The event at `surface`. Sets its BSDF by the refractive indices on both sides. `key` is that
     /// of the vertex.
     fn resolve_boundary(&mut self, scene: &Scene, surface: &mut SurfaceInteraction<'_>, key: Key) -> BoundaryEvent;
 
     /// Crosses the boundary that `surface` may be, in unit `direction`.
-    fn cross(&mut self, surface: &SurfaceInteraction<'_>, direction: Vec3);
+    fn cross_boundary(&mut self, surface: &SurfaceInteraction<'_>, direction: Vec3);
 
     /// Factor of the throughput before scattering at `surface`, for a wavelength sampled there.
     #[inline]
-    fn weight_at(&mut self, _: &SurfaceInteraction<'_>) -> Rgb {
+    fn wavelength_weight_before_scattering(&mut self, _: &SurfaceInteraction<'_>) -> Rgb {
         Rgb::ONE
     }
 
     /// Factor of the throughput after scattering at `surface`, for a wavelength sampled there.
     #[inline]
-    fn weight_beyond(&mut self, _: &SurfaceInteraction<'_>, _: bool) -> Rgb {
+    fn wavelength_weight_after_scattering(&mut self, _: &SurfaceInteraction<'_>, _: bool) -> Rgb {
         Rgb::ONE
     }
 }
@@ -138,7 +140,7 @@ impl Interior for NoInterior {
     }
 
     #[inline]
-    fn infer_start(&mut self, _: &SurfaceInteraction<'_>) {}
+    fn infer_starting_body(&mut self, _: &SurfaceInteraction<'_>) {}
 
     #[inline]
     fn resolve_boundary(&mut self, _: &Scene, _: &mut SurfaceInteraction<'_>, _: Key) -> BoundaryEvent {
@@ -146,7 +148,7 @@ impl Interior for NoInterior {
     }
 
     #[inline]
-    fn cross(&mut self, _: &SurfaceInteraction<'_>, _: Vec3) {}
+    fn cross_boundary(&mut self, _: &SurfaceInteraction<'_>, _: Vec3) {}
 }
 
 impl Interior for InteriorStack {
@@ -162,39 +164,40 @@ impl Interior for InteriorStack {
 
     #[inline]
     fn optical_depth(&self, scene: &Scene, distance: f32) -> Rgb {
-        match self.top(&scene.materials) {
+        match self.top_body(&scene.materials) {
             Some((_, body)) if body.absorption != Rgb::ZERO => body.absorption * distance,
             _ => Rgb::ZERO,
         }
     }
 
     #[inline]
-    fn infer_start(&mut self, surface: &SurfaceInteraction<'_>) {
-        if surface.material.boundary().is_some() && !surface.is_entering() && !self.contains(surface.material_index) {
-            self.insert_at_bottom(surface.material_index);
+    fn infer_starting_body(&mut self, surface: &SurfaceInteraction<'_>) {
+        if surface.material.bounded_body().is_some() && !surface.is_entering() && !self.contains(surface.material_index)
+        {
+            self.insert_outermost(surface.material_index);
         }
     }
 
     #[inline]
     fn resolve_boundary(&mut self, scene: &Scene, surface: &mut SurfaceInteraction<'_>, _: Key) -> BoundaryEvent {
-        let Some(body) = surface.material.boundary() else { return BoundaryEvent::Surface };
+        let Some(body) = surface.material.bounded_body() else { return BoundaryEvent::Surface };
         let (event, body, interface) = resolve_interface(self, scene, surface, *body);
         if event != BoundaryEvent::NullInterface {
-            surface.bsdf = Bsdf::dielectric(interface.eta(&body, |body| body.index), surface.roughness);
+            surface.bsdf = Bsdf::dielectric(interface.relative_ior(&body, |body| body.index), surface.roughness);
         }
         event
     }
 
     #[inline]
-    fn cross(&mut self, surface: &SurfaceInteraction<'_>, direction: Vec3) {
-        if surface.material.boundary().is_none() {
+    fn cross_boundary(&mut self, surface: &SurfaceInteraction<'_>, direction: Vec3) {
+        if surface.material.bounded_body().is_none() {
             return;
         }
         if surface.coincident.is_empty() {
-            self.cross_boundary(surface.material_index, direction, surface.point.ng);
+            self.enter_or_leave(surface.material_index, direction, surface.point.ng);
         } else {
             let entering = direction.dot(surface.point.ng) < 0.0;
-            *self = self.beyond(CoincidentFace::of(surface, entering), &surface.coincident);
+            *self = self.stack_after_crossing(CoincidentFace::from_surface(surface, entering), &surface.coincident);
         }
     }
 }
@@ -208,18 +211,23 @@ fn resolve_interface(
     scene: &Scene,
     surface: &mut SurfaceInteraction<'_>,
     body: Body,
-) -> (BoundaryEvent, Body, Interface) {
-    surface.coincident = faces_at(scene, surface);
+) -> (BoundaryEvent, Body, BodyInterface) {
+    surface.coincident = coincident_faces_at(scene, surface);
     let entering = surface.is_entering();
     if !surface.coincident.is_empty() {
-        let Sides { near, far, null_interface, roughness } = sides(stack, scene, surface, &body, entering);
+        let BoundarySides { near, far, null_interface, roughness } =
+            boundary_sides(stack, scene, surface, &body, entering);
         surface.roughness = roughness;
         let (inner, outer) = if entering { (far, near) } else { (near, far) };
         let real = inner.map(|(material, _)| material) != outer.map(|(material, _)| material);
-        let interface = Interface { real, outside: outer.map(|(_, body)| *body) };
+        let interface = BodyInterface { real, outside: outer.map(|(_, body)| *body) };
         let inner = inner.map_or_else(|| Body::new(1.0), |(_, body)| *body);
-        return (if null_interface { BoundaryEvent::NullInterface } else { interface.event() }, inner, interface);
+        return (
+            if null_interface { BoundaryEvent::NullInterface } else { interface.boundary_event() },
+            inner,
+            interface,
+        );
     }
-    let interface = stack.interface(surface.material_index, &body, entering, &scene.materials);
-    (if body.null_interface { BoundaryEvent::NullInterface } else { interface.event() }, body, interface)
+    let interface = stack.interface_at(surface.material_index, &body, entering, &scene.materials);
+    (if body.null_interface { BoundaryEvent::NullInterface } else { interface.boundary_event() }, body, interface)
 }

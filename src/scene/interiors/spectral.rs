@@ -12,7 +12,7 @@ use glam::Vec3;
 ///
 /// The reflectances of all wavelengths then differ by less than a third. They differ more towards
 /// total reflection, and where both indices are nearly equal.
-const FAINT: std::ops::Range<f32> = 0.004..0.2;
+const UNDISPERSED_REFLECTANCES: std::ops::Range<f32> = 0.004..0.2;
 
 /// An [`InteriorStack`], and the wavelength of the path once one is sampled.
 ///
@@ -45,11 +45,11 @@ impl Interior for SpectralInterior {
     }
 
     #[inline]
-    fn medium(&self, scene: &Scene) -> Option<CurrentMedium> {
+    fn current_medium(&self, scene: &Scene) -> Option<CurrentMedium> {
         if !self.effects.has(Effect::Media) {
             return None;
         }
-        let (medium, ambient) = match self.stack.top(&scene.materials) {
+        let (medium, ambient) = match self.stack.top_body(&scene.materials) {
             Some((_, body)) => (body.medium, false),
             None => (scene.ambient_medium, true),
         };
@@ -67,14 +67,14 @@ impl Interior for SpectralInterior {
     }
 
     #[inline]
-    fn infer_start(&mut self, surface: &SurfaceInteraction<'_>) {
-        self.stack.infer_start(surface);
+    fn infer_starting_body(&mut self, surface: &SurfaceInteraction<'_>) {
+        self.stack.infer_starting_body(surface);
     }
 
     #[inline]
     fn resolve_boundary(&mut self, scene: &Scene, surface: &mut SurfaceInteraction<'_>, key: Key) -> BoundaryEvent {
         let (Some(body), true) =
-            (surface.material.boundary(), self.effects.has(Effect::Dispersion) && !scene.glasses.is_empty())
+            (surface.material.bounded_body(), self.effects.has(Effect::Dispersion) && !scene.glasses.is_empty())
         else {
             return self.stack.resolve_boundary(scene, surface, key);
         };
@@ -85,23 +85,23 @@ impl Interior for SpectralInterior {
         let disperses = body.glass.is_some() || interface.outside.is_some_and(|body| body.glass.is_some());
         if disperses && interface.real && self.wavelength.is_none() {
             self.wavelength = Some(Wavelength::sample(key.uniform_1d(Dimension::Wavelength)));
-            self.sampled_at = Some(Dielectric { eta: interface.eta(&body, |body| body.index) });
+            self.sampled_at = Some(Dielectric { eta: interface.relative_ior(&body, |body| body.index) });
         }
         let index = |body: &Body| match (body.glass, self.wavelength) {
             (Some(glass), Some(wavelength)) => scene.glasses[glass as usize].index(wavelength.nanometres()),
             _ => body.index,
         };
-        surface.bsdf = Bsdf::dielectric(interface.eta(&body, index), surface.roughness);
+        surface.bsdf = Bsdf::dielectric(interface.relative_ior(&body, index), surface.roughness);
         event
     }
 
     #[inline]
-    fn cross(&mut self, surface: &SurfaceInteraction<'_>, direction: Vec3) {
-        self.stack.cross(surface, direction);
+    fn cross_boundary(&mut self, surface: &SurfaceInteraction<'_>, direction: Vec3) {
+        self.stack.cross_boundary(surface, direction);
     }
 
     #[inline]
-    fn weight_at(&mut self, surface: &SurfaceInteraction<'_>) -> Rgb {
+    fn wavelength_weight_before_scattering(&mut self, surface: &SurfaceInteraction<'_>) -> Rgb {
         // Next-event estimation happens here too, so the weight is due now.
         if surface.bsdf.is_specular() || self.sampled_at.take().is_none() {
             return Rgb::ONE;
@@ -110,7 +110,7 @@ impl Interior for SpectralInterior {
     }
 
     #[inline]
-    fn weight_beyond(&mut self, surface: &SurfaceInteraction<'_>, transmitted: bool) -> Rgb {
+    fn wavelength_weight_after_scattering(&mut self, surface: &SurfaceInteraction<'_>, transmitted: bool) -> Rgb {
         let (Some(plain), Some(wavelength)) = (self.sampled_at.take(), self.wavelength) else { return Rgb::ONE };
         let weight = wavelength.weight();
         if !transmitted && let Bsdf::Dielectric(own) = surface.bsdf {
@@ -119,7 +119,7 @@ impl Interior for SpectralInterior {
                 glass.split(surface.wo, point.ns, point.ng, Transport::Importance).reflected.1
             };
             let (plain, own) = (reflected(plain), reflected(own));
-            if FAINT.contains(&plain) && own > 0.0 {
+            if UNDISPERSED_REFLECTANCES.contains(&plain) && own > 0.0 {
                 // The mean over wavelengths of R(λ)·w(λ), with R of the d line as a control variate
                 // for the white part.
                 self.wavelength = None;

@@ -17,7 +17,7 @@ pub struct InteriorStack {
 
 /// A boundary in its surroundings.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::scene) struct Interface {
+pub(in crate::scene) struct BodyInterface {
     /// True if light interacts with the boundary. False if a body of higher priority fills both
     /// sides.
     pub real: bool,
@@ -25,16 +25,16 @@ pub(in crate::scene) struct Interface {
     pub outside: Option<Body>,
 }
 
-impl Interface {
+impl BodyInterface {
     /// The event at this boundary, unless it is a null interface.
     #[inline]
-    pub fn event(&self) -> BoundaryEvent {
+    pub fn boundary_event(&self) -> BoundaryEvent {
         if self.real { BoundaryEvent::Surface } else { BoundaryEvent::Hidden }
     }
 
     /// Relative refractive index: the index inside `body` over the index outside.
     #[inline]
-    pub fn eta(&self, body: &Body, index: impl Fn(&Body) -> f32) -> f32 {
+    pub fn relative_ior(&self, body: &Body, index: impl Fn(&Body) -> f32) -> f32 {
         index(body) / self.outside.as_ref().map_or(1.0, index)
     }
 }
@@ -71,7 +71,7 @@ impl InteriorStack {
     }
 
     /// Inserts a body at the bottom of the stack: the path must have started inside it.
-    pub(in crate::scene) fn insert_at_bottom(&mut self, material: u32) {
+    pub(in crate::scene) fn insert_outermost(&mut self, material: u32) {
         if usize::from(self.count) < MAX_BODIES {
             self.bodies.copy_within(0..usize::from(self.count), 1);
             self.bodies[0] = material;
@@ -87,23 +87,27 @@ impl InteriorStack {
 
     /// The body that determines absorption and medium, with its material.
     #[inline]
-    pub(in crate::scene) fn top<'a>(&self, materials: &'a [Material]) -> Option<(u32, &'a Body)> {
-        self.highest(materials, |_| true)
+    pub(in crate::scene) fn top_body<'a>(&self, materials: &'a [Material]) -> Option<(u32, &'a Body)> {
+        self.highest_priority_body(materials, |_| true)
     }
 
     /// The body that determines the refractive index, with its material.
     #[inline]
-    pub(in crate::scene) fn refractive_top<'a>(&self, materials: &'a [Material]) -> Option<(u32, &'a Body)> {
-        self.highest(materials, |body| !body.null_interface)
+    pub(in crate::scene) fn top_refracting_body<'a>(&self, materials: &'a [Material]) -> Option<(u32, &'a Body)> {
+        self.highest_priority_body(materials, |body| !body.null_interface)
     }
 
     #[inline]
-    fn highest<'a>(&self, materials: &'a [Material], counts: impl Fn(&Body) -> bool) -> Option<(u32, &'a Body)> {
+    fn highest_priority_body<'a>(
+        &self,
+        materials: &'a [Material],
+        counts: impl Fn(&Body) -> bool,
+    ) -> Option<(u32, &'a Body)> {
         let mut top: Option<(u32, &Body)> = None;
         for index in self.bodies() {
-            if let Some(body) = materials[*index as usize].boundary()
+            if let Some(body) = materials[*index as usize].bounded_body()
                 && counts(body)
-                && top.is_none_or(|(_, t)| body.rank() >= t.rank())
+                && top.is_none_or(|(_, t)| body.overlap_rank() >= t.overlap_rank())
             {
                 top = Some((*index, body));
             }
@@ -114,28 +118,28 @@ impl InteriorStack {
     /// The interface at the boundary of `body`, of material `material`, for a path that enters or
     /// leaves it.
     #[inline]
-    pub(in crate::scene) fn interface(
+    pub(in crate::scene) fn interface_at(
         &self,
         material: u32,
         body: &Body,
         entering: bool,
         materials: &[Material],
-    ) -> Interface {
+    ) -> BodyInterface {
         let mut around = *self;
         let real = if entering {
-            self.refractive_top(materials).is_none_or(|(_, top)| body.priority >= top.priority)
+            self.top_refracting_body(materials).is_none_or(|(_, top)| body.priority >= top.priority)
         } else {
             // Among bodies of equal priority, the path leaves the one entered last.
-            let top = self.refractive_top(materials).is_none_or(|(index, _)| index == material);
+            let top = self.top_refracting_body(materials).is_none_or(|(index, _)| index == material);
             around.leave(material);
             top
         };
-        Interface { real, outside: around.refractive_top(materials).map(|(_, body)| *body) }
+        BodyInterface { real, outside: around.top_refracting_body(materials).map(|(_, body)| *body) }
     }
 
     /// Crosses a boundary in unit `direction`. `ng` points out of the body.
     #[inline]
-    pub(in crate::scene) fn cross_boundary(&mut self, material: u32, direction: Vec3, ng: Vec3) {
+    pub(in crate::scene) fn enter_or_leave(&mut self, material: u32, direction: Vec3, ng: Vec3) {
         if direction.dot(ng) < 0.0 { self.enter(material) } else { self.leave(material) }
     }
 }

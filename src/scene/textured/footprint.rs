@@ -28,10 +28,10 @@ impl<'a> Footprint<'a> {
         wo: Vec3,
         cone: &RayCone,
     ) -> Self {
-        let mapping = &mappings[geometry.object(hit.kind).mapping as usize];
+        let mapping = &mappings[geometry.object_attributes(hit.kind).mapping as usize];
         let p = mapping.point_to_object(point.p);
-        let coords = mapping.tex_coord_at(p, || geometry.surface_coords(hit, point));
-        let mut context = TextureEvalContext::sharp(coords.uv, p);
+        let coords = mapping.tex_coord_at(p, || geometry.surface_texture_coords(hit, point));
+        let mut context = TextureEvalContext::unfiltered(coords.uv, p);
         let width = f64::from(cone.width());
         if width > 0.0 {
             let (wo, n) = (wo.as_dvec3(), point.ng.as_dvec3());
@@ -48,7 +48,7 @@ impl<'a> Footprint<'a> {
     }
 
     /// The lookup context moved by `step` along the surface.
-    pub fn moved(&self, step: DVec3) -> TextureEvalContext {
+    pub fn context_moved_by(&self, step: DVec3) -> TextureEvalContext {
         let uv = self.context.uv + DVec2::new(self.coords.du.dot(step), self.coords.dv.dot(step));
         TextureEvalContext { uv, p: self.context.p + self.mapping.vector_to_object(step), ..self.context }
     }
@@ -57,7 +57,7 @@ impl<'a> Footprint<'a> {
     ///
     /// It spans the finest detail of `texture`, and at least half of `width`, the diameter of the
     /// footprint.
-    pub fn bump_step(&self, texture: &Texture, direction: DVec3, width: f64) -> f64 {
+    pub fn bump_map_step(&self, texture: &Texture, direction: DVec3, width: f64) -> f64 {
         let change = if texture.is_solid() {
             self.mapping.vector_to_object(direction).length()
         } else {

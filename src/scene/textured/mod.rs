@@ -58,65 +58,69 @@ impl<T: Copy> Textured<T> {
 /// Gives material parameters their values at one point (compare pbrt-v4's `TextureEvaluator`).
 pub trait ParameterEvaluator {
     /// Value of a colour.
-    fn color(&self, parameter: &Textured<Rgb>) -> Rgb;
+    fn evaluate_color(&self, parameter: &Textured<Rgb>) -> Rgb;
 
     /// Value of a number.
-    fn number(&self, parameter: &Textured<f32>) -> f32;
+    fn evaluate_scalar(&self, parameter: &Textured<f32>) -> f32;
 
-    /// Roughness α of a conductor. The side of [`PHOTON_STORAGE_ALPHA`] on which it lies must not
-    /// depend on the footprint: camera paths and photon paths divide light transport by it.
-    fn conductor_roughness(&self, parameter: &Textured<f32>) -> f32;
+    /// Roughness α of a conductor. The side of [`PHOTON_STORAGE_ALPHA`] on which it lies must not depend on
+    /// the footprint: camera paths and photon paths divide light transport by it.
+    fn evaluate_conductor_roughness(&self, parameter: &Textured<f32>) -> f32;
 }
 
 /// Evaluates parameters to their means.
 #[derive(Clone, Copy, Debug)]
-pub struct MeanParameters;
+pub struct MeanEvaluator;
 
-impl ParameterEvaluator for MeanParameters {
-    fn color(&self, parameter: &Textured<Rgb>) -> Rgb {
+impl ParameterEvaluator for MeanEvaluator {
+    fn evaluate_color(&self, parameter: &Textured<Rgb>) -> Rgb {
         parameter.mean()
     }
 
-    fn number(&self, parameter: &Textured<f32>) -> f32 {
+    fn evaluate_scalar(&self, parameter: &Textured<f32>) -> f32 {
         parameter.mean()
     }
 
-    fn conductor_roughness(&self, parameter: &Textured<f32>) -> f32 {
+    fn evaluate_conductor_roughness(&self, parameter: &Textured<f32>) -> f32 {
         parameter.mean()
     }
 }
 
 /// Evaluates parameters by texture lookups at one point.
 #[derive(Clone, Copy, Debug)]
-pub struct TextureLookups<'a> {
+pub struct TextureEvaluator<'a> {
     /// The textures of the scene.
     pub textures: &'a [Arc<Texture>],
     /// The point, with the footprint to filter over.
     pub at: TextureEvalContext,
 }
 
-impl ParameterEvaluator for TextureLookups<'_> {
-    fn color(&self, parameter: &Textured<Rgb>) -> Rgb {
+impl ParameterEvaluator for TextureEvaluator<'_> {
+    fn evaluate_color(&self, parameter: &Textured<Rgb>) -> Rgb {
         match *parameter {
             Textured::Constant(value) => value,
-            Textured::Texture { texture, factor, .. } => factor * self.textures[texture as usize].color(&self.at),
+            Textured::Texture { texture, factor, .. } => {
+                factor * self.textures[texture as usize].evaluate_color(&self.at)
+            }
         }
     }
 
-    fn number(&self, parameter: &Textured<f32>) -> f32 {
+    fn evaluate_scalar(&self, parameter: &Textured<f32>) -> f32 {
         match *parameter {
             Textured::Constant(value) => value,
-            Textured::Texture { texture, factor, .. } => factor * self.textures[texture as usize].number(&self.at),
+            Textured::Texture { texture, factor, .. } => {
+                factor * self.textures[texture as usize].evaluate_scalar(&self.at)
+            }
         }
     }
 
-    fn conductor_roughness(&self, parameter: &Textured<f32>) -> f32 {
+    fn evaluate_conductor_roughness(&self, parameter: &Textured<f32>) -> f32 {
         if !parameter.is_textured() {
             return parameter.mean();
         }
-        let unfiltered = Self { at: TextureEvalContext::sharp(self.at.uv, self.at.p), ..*self };
-        let alpha = self.number(parameter);
-        if unfiltered.number(parameter) > PHOTON_STORAGE_ALPHA {
+        let unfiltered = Self { at: TextureEvalContext::unfiltered(self.at.uv, self.at.p), ..*self };
+        let alpha = self.evaluate_scalar(parameter);
+        if unfiltered.evaluate_scalar(parameter) > PHOTON_STORAGE_ALPHA {
             alpha.max(PHOTON_STORAGE_ALPHA.next_up())
         } else {
             alpha.min(PHOTON_STORAGE_ALPHA)

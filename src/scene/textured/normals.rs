@@ -48,8 +48,8 @@ pub(in crate::scene) fn perturbed_normal(
             let frame = Frame::from_normal(point.ns);
             let slope = |direction: Vec3| {
                 let direction = direction.as_dvec3();
-                let step = direction * footprint.bump_step(texture, direction, width);
-                let value = |step: DVec3| f64::from(texture.number(&footprint.moved(step)));
+                let step = direction * footprint.bump_map_step(texture, direction, width);
+                let value = |step: DVec3| f64::from(texture.evaluate_scalar(&footprint.context_moved_by(step)));
                 let slope = f64::from(height) * (value(step) - value(-step)) / (2.0 * step.length());
                 if slope.is_finite() { direction * slope } else { DVec3::ZERO }
             };
@@ -57,9 +57,9 @@ pub(in crate::scene) fn perturbed_normal(
             n - slope(frame.s) - slope(frame.t)
         }
         NormalPerturbation::NormalMap(texture) => {
-            let color = textures[texture as usize].color(&footprint.context);
+            let color = textures[texture as usize].evaluate_color(&footprint.context);
             let [x, y, z] = (color.as_dvec3() * 2.0 - 1.0).to_array();
-            match tangents(&footprint.coords, n) {
+            match texture_tangents(&footprint.coords, n) {
                 Some([u, v]) => u * x + v * y + n * z,
                 None => n,
             }
@@ -77,7 +77,7 @@ pub(in crate::scene) fn perturbed_normal(
 
 /// Orthonormal tangents: along growing u, and towards growing v. `None` where texture coordinates
 /// are constant.
-fn tangents(coords: &TexCoord, n: DVec3) -> Option<[DVec3; 2]> {
+fn texture_tangents(coords: &TexCoord, n: DVec3) -> Option<[DVec3; 2]> {
     // v is constant across its gradient.
     let across = coords.dv.cross(n).try_normalize()?;
     let u = if across.dot(coords.du) < 0.0 { -across } else { across };

@@ -179,9 +179,12 @@ fn effect_article_html(finding: &EffectResult) -> Result<String, StudyError> {
         signed_count_text(cost.rays),
         signed_count_text(cost.gathered_photons),
     );
-    for (term, text) in
-        [("On, because", because.as_str()), ("Without it", effect.lack()), ("Costs", &costs), ("Changes", &changes)]
-    {
+    for (term, text) in [
+        ("On, because", because.as_str()),
+        ("Without it", effect.symptom_if_missing()),
+        ("Costs", &costs),
+        ("Changes", &changes),
+    ] {
         let _ = writeln!(article, "<dt>{term}</dt><dd>{}</dd>", escape_html(text));
     }
     article += "</dl>\n";
@@ -206,7 +209,7 @@ fn omitted_effects_html(findings: &EffectStudyResult) -> String {
     for decision in off {
         let reason = escape_html(&decision.reason.to_string());
         let text = if decision.is_forced() {
-            format!("forced off, though {reason}: {}", decision.effect.lack())
+            format!("forced off, though {reason}: {}", decision.effect.symptom_if_missing())
         } else {
             reason
         };

@@ -26,12 +26,12 @@ fn lookups_keep_the_mean_at_all_levels() {
                 let mut sum = DVec3::ZERO;
                 for at in 0..columns * rows {
                     let (x, y) = ((at % columns) as f64 + 0.5, (at / columns) as f64 + 0.5);
-                    sum += picture.at(DVec2::new(x / columns as f64, y / rows as f64), size).as_dvec3();
+                    sum += picture.box_mean(DVec2::new(x / columns as f64, y / rows as f64), size).as_dvec3();
                 }
                 let error = (sum / (columns * rows) as f64 - picture.mean().as_dvec3()).abs().max_element();
                 assert!(error < 2e-5, "{width} × {height}, {wrap:?}, level {i}: {error}");
             }
-            let whole = picture.at(DVec2::new(0.3, 0.9), DVec2::splat(1e3));
+            let whole = picture.box_mean(DVec2::new(0.3, 0.9), DVec2::splat(1e3));
             assert!((whole - picture.mean()).abs().max_element() < 2e-5, "{wrap:?}");
         }
     }
@@ -44,7 +44,7 @@ fn pixels_have_their_positions_and_wrap() {
     let image = Image::from_pixels(3, 2, pixels).unwrap();
     let at = |wrap, column: f64, row: f64| {
         let uv = DVec2::new((column + 0.5) / 3.0, 1.0 - (row + 0.5) / 2.0);
-        f64::from(Picture::new(&image, wrap).unwrap().at(uv, DVec2::ZERO).x)
+        f64::from(Picture::new(&image, wrap).unwrap().box_mean(uv, DVec2::ZERO).x)
     };
     for wrap in [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror] {
         for (row, line) in values.iter().enumerate() {

@@ -5,7 +5,7 @@ mod floor;
 mod paired;
 mod similar;
 
-use crate::support::image;
+use crate::support::render_one_pass;
 use caustica::color::Rgb;
 use caustica::format::SceneFile;
 use caustica::format::description::{Group, GroupItem, ObjectDescription, ShapeDescription};
@@ -86,7 +86,7 @@ fn few() -> Settings {
 
 fn pictures(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32) -> Vec<Vec<Rgb>> {
     let integrator = algorithm.prepare(scene, settings);
-    (0..passes).map(|pass| image(&*integrator, pass)).collect()
+    (0..passes).map(|pass| render_one_pass(&*integrator, pass)).collect()
 }
 
 fn summaries(images: &[Vec<Rgb>]) -> Vec<Vec<f64>> {
@@ -106,7 +106,7 @@ fn differ(a: &[Vec<Rgb>], b: &[Vec<Rgb>]) -> usize {
 /// transforms, a point, a corner of the bounding box, the center, the camera, and their
 /// differences. Single precision rounds by 2⁻²⁴ = 6·10⁻⁸ once the scene is recentered.
 fn far_away(file: &SceneFile, scene: &Scene) -> (Scene, f64) {
-    let distance = 1e6 * 2.0 * f64::from(scene.domain().radius);
+    let distance = 1e6 * 2.0 * f64::from(scene.photon_domain().radius);
     let moved = placed(file, &Similarity { shift: AWAY * distance, ..Similarity::NONE });
     (moved, 6.0 * AWAY.length() * distance * f64::EPSILON / 2.0)
 }
@@ -120,7 +120,7 @@ fn scaled_and_moved_scenes_give_same_image() {
         let scene = placed(file, &Similarity::NONE);
         // Pilots of radii take as long as everything else, so nine of ten scenes have a fixed
         // radius.
-        let radius = |scene: &Scene| (number % 10 > 0).then(|| scene.domain().radius * 0.01);
+        let radius = |scene: &Scene| (number % 10 > 0).then(|| scene.photon_domain().radius * 0.01);
         let passes =
             |scene: &Scene, n: u32| pictures(scene, Algorithm::Hybrid, Settings { radius: radius(scene), ..few() }, n);
         let render = |scene: &Scene| passes(scene, PASSES);
@@ -185,9 +185,12 @@ fn rotated_scenes_have_same_flux_and_radiance() {
         let here = placed(file, &Similarity::NONE);
         let turn = Similarity { turn: (ASKEW.0.normalize(), ASKEW.1), ..Similarity::NONE };
         let there = placed(file, &turn);
-        let near =
-            if unbounded(&file.description.root) { 0.5 * f64::from(here.domain().radius) } else { f64::INFINITY };
-        let middle = here.origin() + here.domain().center.as_dvec3();
+        let near = if unbounded(&file.description.root) {
+            0.5 * f64::from(here.photon_domain().radius)
+        } else {
+            f64::INFINITY
+        };
+        let middle = here.origin() + here.photon_domain().center.as_dvec3();
         let stored = mean_difference(
             &fluxes(&there, turn.place(middle), near),
             &fluxes(&here, middle, near),

@@ -17,8 +17,8 @@ fn numbers_end_at_the_first_invalid_character() {
         ("nan", "", ""),
         ("-inf", "", ""),
     ] {
-        assert_eq!(Lexer::new("", text).number().text, float, "{text}");
-        assert_eq!(Lexer::new("", text).integer().text, integer, "{text}");
+        assert_eq!(Lexer::new("", text).number_token().text, float, "{text}");
+        assert_eq!(Lexer::new("", text).integer_token().text, integer, "{text}");
     }
 }
 
@@ -27,7 +27,7 @@ fn comments_start_only_where_a_token_could() {
     let mut lexer = Lexer::new("", "\u{feff} # one\r\n// two\n a//b#c# three");
     let token = lexer.peek();
     assert_eq!(token.text, "a//b#c#");
-    lexer.take(token);
+    lexer.consume(token);
     assert_eq!(lexer.peek().text, "three");
     assert!(Lexer::new("", "# end").peek().is_end());
 }
@@ -41,9 +41,9 @@ fn names_may_hold_braces_and_spaces() {
         (r#""a \"b\" \\ c"}"#, r#"a "b" \ c"#),
         ("}", ""),
     ] {
-        assert_eq!(Lexer::new("", text).name().unwrap().value, name, "{text}");
+        assert_eq!(Lexer::new("", text).read_name().unwrap().value, name, "{text}");
     }
     for text in ["\"open", "\"open\n\"", r#""C:\mesh.obj""#, "\"\\"] {
-        assert!(Lexer::new("", text).name().is_err(), "{text}");
+        assert!(Lexer::new("", text).read_name().is_err(), "{text}");
     }
 }

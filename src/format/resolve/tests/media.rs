@@ -16,7 +16,7 @@ fn filled(media: &str, materials: &str) -> String {
 }
 
 fn body(scene: &Scene, material: usize) -> Body {
-    *scene.materials()[material].boundary().unwrap()
+    *scene.materials()[material].bounded_body().unwrap()
 }
 
 /// The medium that fills the first material.
@@ -56,9 +56,9 @@ fn media_fill_bodies_and_regions() {
         "Dielectric { medium b priority 3 roughness .5 } Clear { medium a priority 7 } Clear { }",
     ));
     let glass = Body { medium: Some(1), priority: 3, ..Body::new(1.5) };
-    assert_eq!(found.materials()[0], Material::rough_body(glass, 0.5));
-    assert_eq!(body(&found, 1), Body { priority: 7, ..Body::region(0) });
-    assert_eq!(body(&found, 2), Body { medium: None, ..Body::region(0) });
+    assert_eq!(found.materials()[0], Material::rough_boundary(glass, 0.5));
+    assert_eq!(body(&found, 1), Body { priority: 7, ..Body::medium_region(0) });
+    assert_eq!(body(&found, 2), Body { medium: None, ..Body::medium_region(0) });
     assert_eq!(found.ambient_medium(), None);
     let found = scene("Background { medium fog } Media { Medium no { } Medium fog { scattering 1 1 1 } } Group { }");
     assert_eq!(found.ambient_medium(), Some(1));

@@ -33,7 +33,7 @@ fn refusal(text: &str) -> SceneError {
 /// The first surface from `origin` along `direction`, and its place in the coordinates of the file.
 fn look(scene: &Scene, origin: DVec3, direction: Vec3) -> Option<(SurfaceInteraction<'_>, DVec3)> {
     let ray = Ray::new((origin - scene.origin()).as_vec3(), direction);
-    let surface = scene.interaction(&ray, &scene.intersect(&ray)?, &RayCone::point(Effects::ALL), || 0.0);
+    let surface = scene.interaction(&ray, &scene.intersect(&ray)?, &RayCone::zero_width(Effects::ALL), || 0.0);
     Some((surface, surface.point.p.as_dvec3() + scene.origin()))
 }
 
@@ -261,7 +261,7 @@ fn area_lights_have_the_given_strength() {
     // Rectangle and disc are dark from behind, and all of them are black.
     assert_eq!(look(&scene, dvec3(1.0, 0.5, -9.0), Vec3::Z).unwrap().0.emission, Vec3::ZERO);
     assert!(scene.materials().iter().skip(1).all(|m| *m == Material::black()));
-    let power = |i: usize| scene.lights()[i].power(scene.domain());
+    let power = |i: usize| scene.lights()[i].power(scene.photon_domain());
     assert!(close(power(0), vec3(6.0, 0.0, 0.0)) && close(power(1), vec3(0.0, 4.0, 0.0)));
     assert!(close(power(2), vec3(0.0, 0.0, 9.0)) && close(power(3), vec3(1.0, 2.0, 3.0) * PI));
 }
@@ -309,13 +309,13 @@ fn a_spotlight_angle_includes_the_penumbra() {
         }
     };
     let sharp = spot("lookAt 0 0 0 angle 60");
-    assert_eq!((sharp.axis, sharp.inner), (Vec3::NEG_Y, sharp.outer));
-    assert!((1.0 - sharp.outer - 0.75f32.sqrt()).abs() < 1e-6);
+    assert_eq!((sharp.axis, sharp.inner_one_minus_cos), (Vec3::NEG_Y, sharp.outer_one_minus_cos));
+    assert!((1.0 - sharp.outer_one_minus_cos - 0.75f32.sqrt()).abs() < 1e-6);
     let soft = spot("direction 0 0 7 angle 180 penumbra 30");
     assert_eq!(soft.axis, Vec3::Z);
-    assert!((soft.inner - 0.5).abs() < 1e-6 && (soft.outer - 1.0).abs() < 1e-6);
+    assert!((soft.inner_one_minus_cos - 0.5).abs() < 1e-6 && (soft.outer_one_minus_cos - 1.0).abs() < 1e-6);
     let all_rim = spot("direction 0 0 1 angle 60 penumbra 30");
-    assert_eq!(all_rim.inner, 0.0);
+    assert_eq!(all_rim.inner_one_minus_cos, 0.0);
 }
 
 #[test]

@@ -31,7 +31,7 @@ fn oriented_lights_have_their_power_and_axis() {
     for text in [projector, goniometric, map] {
         let scene = resolved(text).unwrap();
         let light = &scene.lights()[0];
-        assert!((light.power(scene.domain()).x - 6.0).abs() < 1e-4, "{text}");
+        assert!((light.power(scene.photon_domain()).x - 6.0).abs() < 1e-4, "{text}");
         let below = light.position().unwrap() - Vec3::Y * 3.0;
         assert!(light.sample_li(below, glam::Vec2::ZERO).is_some(), "{text}");
         let above = light.position().unwrap() + Vec3::Y * 3.0;

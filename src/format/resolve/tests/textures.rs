@@ -126,7 +126,7 @@ fn each_part_of_an_object_emits_by_its_texture() {
     let emits = |objects: &str| -> Vec<bool> {
         let materials = "Diffuse plain { reflectance 0 0 0 } Diffuse panel { reflectance 0 0 0 emission t }";
         let text = format!("Textures {{ Checker t {{ }} }} Materials {{ {materials} }} Group {{ {objects} }}");
-        scene(&text).objects().map(|o| o.has_emission_texture).collect()
+        scene(&text).object_summaries().map(|o| o.has_emission_texture).collect()
     };
     let patches = format!("MaterialName panel BezierPatch {{ controls {} {} }}", net(0.0), net(5.0));
     assert_eq!(emits(&patches), [true, true]);

@@ -6,14 +6,14 @@
 
 mod search;
 
-pub(in crate::scene) use search::{CoincidentFlags, find_flags};
+pub(in crate::scene) use search::{CoincidentFlags, find_coincident_flags};
 
 use super::{Body, InteriorStack};
 use crate::math::{Ray, offset_ray_origin};
 use crate::scene::{Scene, SurfaceInteraction};
 
 /// Boundaries that may coincide with one hit; more are dropped.
-const MAX_FACES: usize = 3;
+const MAX_COINCIDENT_FACES: usize = 3;
 
 /// A boundary that a path crosses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -29,18 +29,18 @@ pub(in crate::scene) struct CoincidentFace {
 impl CoincidentFace {
     /// The face of `surface`, a boundary.
     #[inline]
-    pub fn of(surface: &SurfaceInteraction<'_>, entering: bool) -> Self {
-        Self { material: surface.material_index, entering, object: surface.coincident_object.unwrap_or(0) }
+    pub fn from_surface(surface: &SurfaceInteraction<'_>, entering: bool) -> Self {
+        Self { material: surface.material_index, entering, object: surface.coincidence_group.unwrap_or(0) }
     }
 }
 
 /// The boundaries that coincide with one hit, in the order of their materials.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(in crate::scene) struct CoincidentFaces([Option<CoincidentFace>; MAX_FACES]);
+pub(in crate::scene) struct CoincidentFaces([Option<CoincidentFace>; MAX_COINCIDENT_FACES]);
 
 impl CoincidentFaces {
     /// No other boundary.
-    pub const NONE: Self = Self([None; MAX_FACES]);
+    pub const NONE: Self = Self([None; MAX_COINCIDENT_FACES]);
 
     #[inline]
     pub fn is_empty(&self) -> bool {
@@ -51,7 +51,7 @@ impl CoincidentFaces {
         self.0.iter().flatten().copied()
     }
 
-    fn add(&mut self, face: CoincidentFace) {
+    fn add_face(&mut self, face: CoincidentFace) {
         if let Some(slot) = self.0.iter_mut().find(|f| f.is_none_or(|f| f == face)) {
             *slot = Some(face);
         }
@@ -59,7 +59,7 @@ impl CoincidentFaces {
 }
 
 /// The two sides of coincident boundaries.
-pub(super) struct Sides<'a> {
+pub(super) struct BoundarySides<'a> {
     /// The refracting body on the near side of the path, with its material; `None` is air.
     pub near: Option<(u32, &'a Body)>,
     /// The refracting body on the far side.
@@ -76,11 +76,11 @@ impl InteriorStack {
     /// The path may have crossed some of them just before. An entry into a body that is on the
     /// stack is therefore skipped, unless `own` is about to leave that body. So is an exit from a
     /// body that is not on the stack.
-    pub(super) fn beyond(&self, own: CoincidentFace, coincident: &CoincidentFaces) -> Self {
+    pub(super) fn stack_after_crossing(&self, own: CoincidentFace, coincident: &CoincidentFaces) -> Self {
         let mut far = *self;
         let count = |material: u32| self.bodies().iter().filter(|m| **m == material).count();
         let spare = |material: u32| usize::from(!own.entering && own.material == material);
-        let mut faces = [None; MAX_FACES + 1];
+        let mut faces = [None; MAX_COINCIDENT_FACES + 1];
         let pending = coincident.iter().filter(|f| !f.entering || count(f.material) <= spare(f.material));
         faces.iter_mut().zip(pending.chain([own])).for_each(|(slot, face)| *slot = Some(face));
         // Sorting makes the order of simultaneous entries independent of the boundary that was hit.
@@ -92,35 +92,35 @@ impl InteriorStack {
 }
 
 /// The two sides of `surface`, the boundary of `body`, and all coincident boundaries.
-pub(super) fn sides<'a>(
+pub(super) fn boundary_sides<'a>(
     stack: &InteriorStack,
     scene: &'a Scene,
     surface: &SurfaceInteraction<'_>,
     body: &Body,
     entering: bool,
-) -> Sides<'a> {
-    let far = stack.beyond(CoincidentFace::of(surface, entering), &surface.coincident);
+) -> BoundarySides<'a> {
+    let far = stack.stack_after_crossing(CoincidentFace::from_surface(surface, entering), &surface.coincident);
     let mut null_interface = body.null_interface;
     let mut roughness = if null_interface { 0.0 } else { surface.roughness };
     for face in surface.coincident.iter() {
         let material = &scene.materials[face.material as usize];
-        if material.boundary().is_some_and(|other| !other.null_interface) {
+        if material.bounded_body().is_some_and(|other| !other.null_interface) {
             null_interface = false;
             roughness = material.mean_boundary_roughness().max(roughness);
         }
     }
-    let (near, far) = (stack.refractive_top(&scene.materials), far.refractive_top(&scene.materials));
-    Sides { near, far, null_interface, roughness }
+    let (near, far) = (stack.top_refracting_body(&scene.materials), far.top_refracting_body(&scene.materials));
+    BoundarySides { near, far, null_interface, roughness }
 }
 
 /// The boundaries within the position error of `surface`, a boundary, except its own.
 #[inline]
-pub(in crate::scene) fn faces_at(scene: &Scene, surface: &SurfaceInteraction<'_>) -> CoincidentFaces {
-    if surface.coincident_object.is_some() { find_faces(scene, surface) } else { CoincidentFaces::NONE }
+pub(in crate::scene) fn coincident_faces_at(scene: &Scene, surface: &SurfaceInteraction<'_>) -> CoincidentFaces {
+    if surface.coincidence_group.is_some() { find_coincident_faces(scene, surface) } else { CoincidentFaces::NONE }
 }
 
 #[inline(never)]
-fn find_faces(scene: &Scene, surface: &SurfaceInteraction<'_>) -> CoincidentFaces {
+fn find_coincident_faces(scene: &Scene, surface: &SurfaceInteraction<'_>) -> CoincidentFaces {
     let (point, wo) = (&surface.point, surface.wo);
     let [near, far] = [wo, -wo].map(|w| offset_ray_origin(point.p, point.error, point.ng, w));
     let length = (far - near).length();
@@ -129,15 +129,15 @@ fn find_faces(scene: &Scene, surface: &SurfaceInteraction<'_>) -> CoincidentFace
         return faces;
     }
     let across = Ray { origin: near, direction: (far - near) / length, t_max: length };
-    let own = CoincidentFace::of(surface, surface.is_entering());
+    let own = CoincidentFace::from_surface(surface, surface.is_entering());
     let geometry = &scene.geometry;
     geometry.for_each_hit(&across, |hit| {
         let point = geometry.surface_point(&across, &hit);
         let entering = across.direction.dot(point.ng) < 0.0;
-        let material = geometry.object(hit.kind).material;
-        let face = CoincidentFace { material, entering, object: geometry.seam_object(hit.kind) };
-        if face != own && scene.materials[material as usize].boundary().is_some() {
-            faces.add(face);
+        let material = geometry.object_attributes(hit.kind).material;
+        let face = CoincidentFace { material, entering, object: geometry.coincidence_group(hit.kind) };
+        if face != own && scene.materials[material as usize].bounded_body().is_some() {
+            faces.add_face(face);
         }
     });
     faces.0.sort_unstable_by_key(|face| face.map_or((true, None), |face| (false, Some(face))));

@@ -42,7 +42,7 @@ impl CoincidentFlags {
 }
 
 /// A triangle, or a whole shape.
-struct Face {
+struct BoundaryFace {
     primitive: Primitive,
     bounds: Bounds,
     /// Index of its extent.
@@ -50,13 +50,13 @@ struct Face {
 }
 
 /// The extent of a mesh or a shape.
-struct Extent {
+struct BoundaryExtent {
     bounds: Bounds,
     /// Distance within which another face counts as coincident \[length].
     margin: f32,
 }
 
-impl Extent {
+impl BoundaryExtent {
     fn new(bounds: Bounds) -> Self {
         let size = bounds.min.abs().max(bounds.max.abs()).max_element() + bounds.extent().max_element();
         Self { bounds: bounds.expanded(size * MARGIN), margin: size * MARGIN }
@@ -65,7 +65,10 @@ impl Extent {
 
 /// Flags the primitives of `geometry` on which another boundary may lie. `is_boundary` says it of a
 /// material index.
-pub(in crate::scene) fn find_flags(geometry: &Geometry, is_boundary: impl Fn(u32) -> bool) -> CoincidentFlags {
+pub(in crate::scene) fn find_coincident_flags(
+    geometry: &Geometry,
+    is_boundary: impl Fn(u32) -> bool,
+) -> CoincidentFlags {
     let bounds_body = |object: usize| is_boundary(geometry.objects[object].material);
     let at_rest = geometry.first_moving as usize;
     let boundary_shapes: Vec<usize> = (0..at_rest).filter(|i| bounds_body(*i)).collect();
@@ -77,32 +80,32 @@ pub(in crate::scene) fn find_flags(geometry: &Geometry, is_boundary: impl Fn(u32
         let others = boundary_shapes.len() + mesh_bounds.iter().flatten().count();
         return CoincidentFlags { anywhere: anywhere + others > 1, ..CoincidentFlags::default() };
     }
-    let mut extents: Vec<Extent> =
-        boundary_shapes.iter().map(|i| Extent::new(Shape::bounds(&geometry.shapes[*i]))).collect();
+    let mut extents: Vec<BoundaryExtent> =
+        boundary_shapes.iter().map(|i| BoundaryExtent::new(Shape::bounds(&geometry.shapes[*i]))).collect();
     let mut extent_of_mesh = vec![None; mesh_bounds.len()];
     for (extent, bounds) in extent_of_mesh.iter_mut().zip(&mesh_bounds) {
         if let Some(bounds) = bounds {
             *extent = Some(extents.len() as u32);
-            extents.push(Extent::new(*bounds));
+            extents.push(BoundaryExtent::new(*bounds));
         }
     }
-    let overlapping = overlapping(&extents);
-    if !overlapping.contains(&true) {
+    let extents_that_overlap = extents_that_overlap(&extents);
+    if !extents_that_overlap.contains(&true) {
         return CoincidentFlags::default();
     }
-    let mut faces: Vec<Face> = Vec::new();
-    for (object, i) in boundary_shapes.iter().enumerate().filter(|(object, _)| overlapping[*object]) {
+    let mut faces: Vec<BoundaryFace> = Vec::new();
+    for (object, i) in boundary_shapes.iter().enumerate().filter(|(object, _)| extents_that_overlap[*object]) {
         let primitive = Primitive::Other(*i as u32);
-        faces.push(Face { primitive, bounds: extents[object].bounds, object: object as u32 });
+        faces.push(BoundaryFace { primitive, bounds: extents[object].bounds, object: object as u32 });
     }
     for (i, object) in geometry.triangle_object.iter().enumerate() {
         let mesh = *object as usize - geometry.shapes.len();
-        if let Some(object) = extent_of_mesh[mesh].filter(|object| overlapping[*object as usize]) {
+        if let Some(object) = extent_of_mesh[mesh].filter(|object| extents_that_overlap[*object as usize]) {
             let bounds = Bounds::from_points(geometry.mesh.corners(i)).expanded(extents[object as usize].margin);
-            faces.push(Face { primitive: Primitive::Triangle(i as u32), bounds, object });
+            faces.push(BoundaryFace { primitive: Primitive::Triangle(i as u32), bounds, object });
         }
     }
-    let near = |a: &Face, b: &Face| {
+    let near = |a: &BoundaryFace, b: &BoundaryFace| {
         let margin = f64::from(extents[a.object as usize].margin + extents[b.object as usize].margin);
         match (a.primitive, b.primitive) {
             (Primitive::Triangle(i), Primitive::Triangle(j)) => {
@@ -112,7 +115,7 @@ pub(in crate::scene) fn find_flags(geometry: &Geometry, is_boundary: impl Fn(u32
             (Primitive::Other(_), _) | (_, Primitive::Other(_)) => true,
         }
     };
-    let found = Join::run(&faces, &near);
+    let found = SpatialSelfJoin::near_faces(&faces, &near);
     let mut triangles = vec![false; geometry.triangle_object.len()];
     let mut shapes = vec![false; geometry.shapes.len()];
     for (face, found) in faces.iter().zip(found) {
@@ -139,9 +142,13 @@ fn boundary_mesh_bounds(geometry: &Geometry, bounds_body: impl Fn(usize) -> bool
 }
 
 /// For each extent, true if its box overlaps another's.
-fn overlapping(extents: &[Extent]) -> Vec<bool> {
-    let face = |(extent, i): (&Extent, u32)| Face { primitive: Primitive::Other(i), bounds: extent.bounds, object: i };
-    Join::run(&extents.iter().zip(0..).map(face).collect::<Vec<Face>>(), &|_, _| true)
+fn extents_that_overlap(extents: &[BoundaryExtent]) -> Vec<bool> {
+    let face = |(extent, i): (&BoundaryExtent, u32)| BoundaryFace {
+        primitive: Primitive::Other(i),
+        bounds: extent.bounds,
+        object: i,
+    };
+    SpatialSelfJoin::near_faces(&extents.iter().zip(0..).map(face).collect::<Vec<BoundaryFace>>(), &|_, _| true)
 }
 
 /// True if triangle `b` lies entirely on one side of the plane of `a`, farther than `margin`.
@@ -153,7 +160,7 @@ fn on_one_side(a: &[DVec3; 3], b: &[DVec3; 3], margin: f64) -> bool {
 }
 
 /// A node of the search tree: a range of faces, and two children or none.
-struct Node {
+struct JoinNode {
     bounds: Bounds,
     members: Range<usize>,
     children: Option<[usize; 2]>,
@@ -162,42 +169,42 @@ struct Node {
 }
 
 /// A spatial self-join: finds the faces that are near a face of another object.
-struct Join<'a> {
-    faces: &'a [Face],
-    near: &'a dyn Fn(&Face, &Face) -> bool,
+struct SpatialSelfJoin<'a> {
+    faces: &'a [BoundaryFace],
+    near: &'a dyn Fn(&BoundaryFace, &BoundaryFace) -> bool,
     /// Face indices in the order of the nodes.
     order: Vec<u32>,
-    nodes: Vec<Node>,
+    nodes: Vec<JoinNode>,
     found: Vec<bool>,
     /// Pairs that may still be tested.
     budget: usize,
 }
 
-impl<'a> Join<'a> {
-    fn run(faces: &'a [Face], near: &'a dyn Fn(&Face, &Face) -> bool) -> Vec<bool> {
+impl<'a> SpatialSelfJoin<'a> {
+    fn near_faces(faces: &'a [BoundaryFace], near: &'a dyn Fn(&BoundaryFace, &BoundaryFace) -> bool) -> Vec<bool> {
         let order = (0..faces.len() as u32).collect();
         if faces.is_empty() {
             return Vec::new();
         }
         let (nodes, found, budget) = (Vec::new(), vec![false; faces.len()], faces.len().saturating_mul(PAIRS_PER_FACE));
         let mut join = Self { faces, near, order, nodes, found, budget };
-        join.build(0..faces.len());
+        join.build_subtree(0..faces.len());
         if join.join_node_with_itself(0).is_none() {
             join.found.fill(true);
         }
         join.found
     }
 
-    fn face(&self, member: usize) -> &'a Face {
+    fn member_face(&self, member: usize) -> &'a BoundaryFace {
         &self.faces[self.order[member] as usize]
     }
 
-    fn build(&mut self, members: Range<usize>) -> usize {
-        let bounds = members.clone().fold(Bounds::EMPTY, |all, i| all.union(self.face(i).bounds));
-        let object = self.face(members.start).object;
-        let object = members.clone().all(|i| self.face(i).object == object).then_some(object);
+    fn build_subtree(&mut self, members: Range<usize>) -> usize {
+        let bounds = members.clone().fold(Bounds::EMPTY, |all, i| all.union(self.member_face(i).bounds));
+        let object = self.member_face(members.start).object;
+        let object = members.clone().all(|i| self.member_face(i).object == object).then_some(object);
         let index = self.nodes.len();
-        self.nodes.push(Node { bounds, members: members.clone(), children: None, object });
+        self.nodes.push(JoinNode { bounds, members: members.clone(), children: None, object });
         if members.len() > LEAF_FACES {
             let axis = bounds.extent().max_position();
             let faces = self.faces;
@@ -205,7 +212,8 @@ impl<'a> Join<'a> {
             let half = members.len() / 2;
             self.order[members.clone()].select_nth_unstable_by(half, |a, b| middle(a).total_cmp(&middle(b)));
             let cut = members.start + half;
-            self.nodes[index].children = Some([self.build(members.start..cut), self.build(cut..members.end)]);
+            self.nodes[index].children =
+                Some([self.build_subtree(members.start..cut), self.build_subtree(cut..members.end)]);
         }
         index
     }
@@ -221,7 +229,7 @@ impl<'a> Join<'a> {
                 self.join_node_with_itself(b)?;
                 self.join_node_pair(a, b)
             }
-            None => self.compare(self.nodes[node].members.clone(), self.nodes[node].members.clone()),
+            None => self.compare_all_pairs(self.nodes[node].members.clone(), self.nodes[node].members.clone()),
         }
     }
 
@@ -237,15 +245,15 @@ impl<'a> Join<'a> {
                 children.into_iter().try_for_each(|child| self.join_node_pair(child, b))
             }
             (_, Some(children)) => children.into_iter().try_for_each(|child| self.join_node_pair(a, child)),
-            (None, None) => self.compare(first.members.clone(), second.members.clone()),
+            (None, None) => self.compare_all_pairs(first.members.clone(), second.members.clone()),
         }
     }
 
-    fn compare(&mut self, first: Range<usize>, second: Range<usize>) -> Option<()> {
+    fn compare_all_pairs(&mut self, first: Range<usize>, second: Range<usize>) -> Option<()> {
         self.budget = self.budget.checked_sub(first.len() * second.len())?;
         for i in first {
             for j in second.clone() {
-                let (a, b) = (self.face(i), self.face(j));
+                let (a, b) = (self.member_face(i), self.member_face(j));
                 let [i, j] = [i, j].map(|member| self.order[member] as usize);
                 if a.object != b.object
                     && !(self.found[i] && self.found[j])

@@ -8,11 +8,11 @@ fn face(material: u32, entering: bool) -> CoincidentFace {
 
 fn coincident(list: &[CoincidentFace]) -> CoincidentFaces {
     let mut faces = CoincidentFaces::NONE;
-    list.iter().for_each(|f| faces.add(*f));
+    list.iter().for_each(|f| faces.add_face(*f));
     faces
 }
 
-fn inside(bodies: &[u32]) -> InteriorStack {
+fn stack_of(bodies: &[u32]) -> InteriorStack {
     let mut inside = InteriorStack::EMPTY;
     bodies.iter().for_each(|b| inside.enter(*b));
     inside
@@ -22,46 +22,58 @@ fn inside(bodies: &[u32]) -> InteriorStack {
 /// hit.
 #[test]
 fn shared_faces_are_crossed_together() {
-    let glass = inside(&[0]);
+    let glass = stack_of(&[0]);
     for (own, other) in [(face(0, false), face(1, true)), (face(1, true), face(0, false))] {
-        assert_eq!(glass.beyond(own, &coincident(&[other])).bodies(), &[1], "{own:?}");
+        assert_eq!(glass.stack_after_crossing(own, &coincident(&[other])).bodies(), &[1], "{own:?}");
     }
     for (own, other) in [(face(1, false), face(0, true)), (face(0, true), face(1, false))] {
-        assert_eq!(inside(&[1]).beyond(own, &coincident(&[other])).bodies(), &[0], "{own:?}");
+        assert_eq!(stack_of(&[1]).stack_after_crossing(own, &coincident(&[other])).bodies(), &[0], "{own:?}");
     }
     // Both at once from the open, and out again; then two parts of one body that share a face.
-    assert_eq!(InteriorStack::EMPTY.beyond(face(1, true), &coincident(&[face(0, true)])).bodies(), &[0, 1]);
-    assert_eq!(inside(&[0, 1]).beyond(face(1, false), &coincident(&[face(0, false)])).bodies(), &[0u32; 0]);
-    assert_eq!(glass.beyond(face(0, false), &coincident(&[face(0, true)])).bodies(), &[0]);
-    assert_eq!(glass.beyond(face(0, true), &coincident(&[face(0, false)])).bodies(), &[0]);
+    assert_eq!(
+        InteriorStack::EMPTY.stack_after_crossing(face(1, true), &coincident(&[face(0, true)])).bodies(),
+        &[0, 1]
+    );
+    assert_eq!(
+        stack_of(&[0, 1]).stack_after_crossing(face(1, false), &coincident(&[face(0, false)])).bodies(),
+        &[0u32; 0]
+    );
+    assert_eq!(glass.stack_after_crossing(face(0, false), &coincident(&[face(0, true)])).bodies(), &[0]);
+    assert_eq!(glass.stack_after_crossing(face(0, true), &coincident(&[face(0, false)])).bodies(), &[0]);
 }
 
 #[test]
 fn objects_of_one_material_count_separately() {
     let part = |object: u32, entering: bool| CoincidentFace { material: 0, entering, object };
-    let beyond = |around: &[u32], own: CoincidentFace, other: CoincidentFace| {
-        inside(around).beyond(own, &coincident(&[other])).bodies().len()
+    let stack_after_crossing = |around: &[u32], own: CoincidentFace, other: CoincidentFace| {
+        stack_of(around).stack_after_crossing(own, &coincident(&[other])).bodies().len()
     };
-    assert_eq!(beyond(&[], part(0, true), part(1, true)), 2);
-    assert_eq!(beyond(&[0, 0], part(1, false), part(0, false)), 0);
-    assert_eq!(beyond(&[0], part(0, false), part(1, true)), 1);
+    assert_eq!(stack_after_crossing(&[], part(0, true), part(1, true)), 2);
+    assert_eq!(stack_after_crossing(&[0, 0], part(1, false), part(0, false)), 0);
+    assert_eq!(stack_after_crossing(&[0], part(0, false), part(1, true)), 1);
 }
 
 #[test]
 fn a_boundary_just_crossed_is_not_crossed_again() {
     // The liquid overlaps the glass slightly, so the path is already inside it.
-    assert_eq!(inside(&[0, 1]).beyond(face(0, false), &coincident(&[face(1, true)])).bodies(), &[1]);
+    assert_eq!(stack_of(&[0, 1]).stack_after_crossing(face(0, false), &coincident(&[face(1, true)])).bodies(), &[1]);
     // A small gap: the path left the glass just before it enters the liquid.
-    assert_eq!(InteriorStack::EMPTY.beyond(face(1, true), &coincident(&[face(0, false)])).bodies(), &[1]);
+    assert_eq!(InteriorStack::EMPTY.stack_after_crossing(face(1, true), &coincident(&[face(0, false)])).bodies(), &[1]);
     // A film thinner than its error is no film.
-    assert_eq!(InteriorStack::EMPTY.beyond(face(1, true), &coincident(&[face(1, false)])).bodies(), &[0u32; 0]);
-    assert_eq!(inside(&[0]).beyond(face(0, false), &coincident(&[face(1, true), face(1, false)])).bodies(), &[0u32; 0]);
+    assert_eq!(
+        InteriorStack::EMPTY.stack_after_crossing(face(1, true), &coincident(&[face(1, false)])).bodies(),
+        &[0u32; 0]
+    );
+    assert_eq!(
+        stack_of(&[0]).stack_after_crossing(face(0, false), &coincident(&[face(1, true), face(1, false)])).bodies(),
+        &[0u32; 0]
+    );
 }
 
 #[test]
 fn faces_are_unique_and_limited_in_number() {
     let many: Vec<CoincidentFace> = (0..5).map(|m| face(m % 4, true)).collect();
-    assert_eq!(coincident(&many).iter().count(), MAX_FACES);
+    assert_eq!(coincident(&many).iter().count(), MAX_COINCIDENT_FACES);
     assert_eq!(coincident(&[face(1, true), face(1, true)]).iter().count(), 1);
     assert!(CoincidentFaces::NONE.is_empty());
 }

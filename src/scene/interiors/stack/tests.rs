@@ -3,16 +3,16 @@
 use super::*;
 
 fn materials() -> Vec<Material> {
-    let body = |index, priority| Material::body(Body { priority, ..Body::new(index) });
+    let body = |index, priority| Material::smooth_boundary(Body { priority, ..Body::new(index) });
     // Water, ice, glass.
     vec![body(1.33, 0), body(1.31, 1), body(1.5, 2)]
 }
 
 fn body(i: usize) -> Body {
-    *materials()[i].boundary().unwrap()
+    *materials()[i].bounded_body().unwrap()
 }
 
-fn inside(bodies: &[u32]) -> InteriorStack {
+fn stack_of(bodies: &[u32]) -> InteriorStack {
     let mut inside = InteriorStack::EMPTY;
     bodies.iter().for_each(|b| inside.enter(*b));
     inside
@@ -22,13 +22,13 @@ fn inside(bodies: &[u32]) -> InteriorStack {
 fn the_highest_priority_wins_in_any_entry_order() {
     let m = materials();
     for order in [[0, 1, 2], [2, 1, 0], [1, 2, 0]] {
-        assert_eq!(inside(&order).top(&m).unwrap().0, 2);
+        assert_eq!(stack_of(&order).top_body(&m).unwrap().0, 2);
     }
-    assert!(!inside(&[2]).interface(0, &body(0), true, &m).real, "water begins inside the glass");
-    assert!(!inside(&[2, 0]).interface(0, &body(0), false, &m).real);
-    let out = inside(&[2, 0]).interface(2, &body(2), false, &m);
-    assert_eq!(out, Interface { real: true, outside: Some(body(0)) }, "glass to the water that began inside it");
-    assert_eq!(out.eta(&body(2), |b| b.index), 1.5 / 1.33);
+    assert!(!stack_of(&[2]).interface_at(0, &body(0), true, &m).real, "water begins inside the glass");
+    assert!(!stack_of(&[2, 0]).interface_at(0, &body(0), false, &m).real);
+    let out = stack_of(&[2, 0]).interface_at(2, &body(2), false, &m);
+    assert_eq!(out, BodyInterface { real: true, outside: Some(body(0)) }, "glass to the water that began inside it");
+    assert_eq!(out.relative_ior(&body(2), |b| b.index), 1.5 / 1.33);
 }
 
 /// The index ratio agrees from both sides, so a path and its reverse see one interface.
@@ -40,11 +40,11 @@ fn a_boundary_has_one_interface_from_both_sides() {
             if around.contains(&material) {
                 continue;
             }
-            let outside = inside(around);
-            let inwards = outside.interface(material, &body(material as usize), true, &m);
+            let outside = stack_of(around);
+            let inwards = outside.interface_at(material, &body(material as usize), true, &m);
             let mut within = outside;
             within.enter(material);
-            assert_eq!(inwards, within.interface(material, &body(material as usize), false, &m));
+            assert_eq!(inwards, within.interface_at(material, &body(material as usize), false, &m));
         }
     }
 }
@@ -53,30 +53,30 @@ fn a_boundary_has_one_interface_from_both_sides() {
 fn equal_priorities_nest_and_equal_materials_merge() {
     let mut m = materials();
     for material in &mut m {
-        *material = material.with_body(Body { priority: 0, ..*material.boundary().unwrap() });
+        *material = material.with_body(Body { priority: 0, ..*material.bounded_body().unwrap() });
     }
-    assert_eq!(inside(&[2, 0]).top(&m).unwrap().0, 0, "the last one entered counts");
+    assert_eq!(stack_of(&[2, 0]).top_body(&m).unwrap().0, 0, "the last one entered counts");
     let glass = Body { priority: 0, ..body(2) };
-    let crossing = inside(&[2]).interface(2, &glass, true, &m);
-    assert_eq!(crossing.eta(&glass, |b| b.index), 1.0, "glass in the same glass is no boundary");
+    let crossing = stack_of(&[2]).interface_at(2, &glass, true, &m);
+    assert_eq!(crossing.relative_ior(&glass, |b| b.index), 1.0, "glass in the same glass is no boundary");
 }
 
 #[test]
 fn null_interfaces_yield_and_do_not_refract() {
     let mut m = materials();
-    m.push(Material::body(Body::region(0)));
-    m.push(Material::body(Body { priority: 9, ..Body::region(1) }));
-    assert_eq!(inside(&[0, 3]).top(&m).unwrap().0, 0, "the body that refracts wins among equals");
-    assert_eq!(inside(&[3]).top(&m).unwrap().0, 3);
-    assert_eq!(inside(&[2, 4]).top(&m).unwrap().0, 4, "smoke that displaces glass");
-    assert_eq!(inside(&[2, 4]).refractive_top(&m).unwrap().0, 2, "but the glass bends light");
-    let into = inside(&[4]).interface(2, &body(2), true, &m);
-    assert_eq!(into, Interface { real: true, outside: None });
+    m.push(Material::smooth_boundary(Body::medium_region(0)));
+    m.push(Material::smooth_boundary(Body { priority: 9, ..Body::medium_region(1) }));
+    assert_eq!(stack_of(&[0, 3]).top_body(&m).unwrap().0, 0, "the body that refracts wins among equals");
+    assert_eq!(stack_of(&[3]).top_body(&m).unwrap().0, 3);
+    assert_eq!(stack_of(&[2, 4]).top_body(&m).unwrap().0, 4, "smoke that displaces glass");
+    assert_eq!(stack_of(&[2, 4]).top_refracting_body(&m).unwrap().0, 2, "but the glass bends light");
+    let into = stack_of(&[4]).interface_at(2, &body(2), true, &m);
+    assert_eq!(into, BodyInterface { real: true, outside: None });
 }
 
 #[test]
 fn a_full_stack_drops_the_outermost_body() {
-    let mut deep = inside(&[0; MAX_BODIES]);
+    let mut deep = stack_of(&[0; MAX_BODIES]);
     deep.enter(2);
     assert_eq!((deep.bodies().len(), deep.bodies().last()), (MAX_BODIES, Some(&2)));
     deep.leave(2);

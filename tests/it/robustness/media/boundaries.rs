@@ -1,6 +1,6 @@
 //! Paths across a million boundaries of nested bodies.
 
-use crate::support::image;
+use crate::support::render_one_pass;
 use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
@@ -62,12 +62,15 @@ fn nest(b: &mut SceneBuilder, filled: Filled, turns: u32) {
     for i in 0..NEST {
         let absorption = Rgb::splat(sigma(i, turns) as f32);
         let body = match filled {
-            Filled::Media => {
-                Body::region(b.medium(Medium::homogeneous(absorption, Rgb::ZERO, Rgb::ZERO, PhaseFunction::Isotropic)))
-            }
+            Filled::Media => Body::medium_region(b.medium(Medium::homogeneous(
+                absorption,
+                Rgb::ZERO,
+                Rgb::ZERO,
+                PhaseFunction::Isotropic,
+            ))),
             Filled::Bodies => Body { absorption, null_interface: true, ..Body::new(1.0) },
         };
-        let body = b.material(Material::body(body));
+        let body = b.material(Material::smooth_boundary(body));
         b.shape(sheet(DVec3::X * half(i), y, z), body, Rgb::ZERO);
         b.shape(sheet(-DVec3::X * half(i), z, y), body, Rgb::ZERO);
     }
@@ -100,7 +103,7 @@ fn camera_ray_obeys_beer_over_million_boundaries() {
         nest(&mut b, filled, TURNS);
         let scene = b.build(along_x()).unwrap();
         let begun = Instant::now();
-        let image = image(&*Algorithm::Path.prepare(&scene, settings(TURNS - 1)), 0);
+        let image = render_one_pass(&*Algorithm::Path.prepare(&scene, settings(TURNS - 1)), 0);
         // Takes half a second on an idle machine.
         assert!(begun.elapsed() < Duration::from_secs(60));
         (f64::from(image[0].y) / expected - 1.0).abs()
@@ -120,7 +123,7 @@ fn photons_obey_beer_over_million_boundaries() {
         b.shape(sheet(-DVec3::X, y, z), silver, Rgb::ZERO);
         nest(&mut b, filled, TURNS);
         let spot = DeltaLightKind::Spot { position: -0.95 * DVec3::X, axis: DVec3::X, inner: 0.9e-3, outer: 1e-3 };
-        b.source(spot, LightStrength::Power(Rgb::ONE));
+        b.delta_light(spot, LightStrength::Power(Rgb::ONE));
         let scene = b.build(along_x()).unwrap();
         let source = PhotonSource::in_all_directions(&scene).unwrap();
         let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: TURNS - 1 };
@@ -144,11 +147,11 @@ fn shadow_rays_cross_more_bodies_than_stack_holds() {
         nest(&mut b, filled, 1);
         b.shape(sheet(-DVec3::X, DVec3::Y * 2.0, DVec3::Z * 2.0), white, Rgb::ZERO);
         let sun = DeltaLightKind::Directional { direction: -DVec3::X };
-        b.source(sun, LightStrength::Physical(Rgb::splat(std::f32::consts::PI)));
+        b.delta_light(sun, LightStrength::Physical(Rgb::splat(std::f32::consts::PI)));
         let camera = Camera::orthographic(-0.95 * DVec3::X, -DVec3::X, DVec3::Z, 1e-3, 1, 1).unwrap();
         let scene = b.build(camera).unwrap();
         for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Distributed] {
-            let found = f64::from(image(&*algorithm.prepare(&scene, settings(10)), 0)[0].y);
+            let found = f64::from(render_one_pass(&*algorithm.prepare(&scene, settings(10)), 0)[0].y);
             // The same bound for one crossing, with a few operations of shading.
             let slack = (DEPTH + 100.0 * 8.0 * DEPTH + 16.0) / 16_777_216.0;
             assert!((found / libm::exp(-DEPTH) - 1.0).abs() < slack, "{filled:?}, {}: {found}", algorithm.name());

@@ -1,7 +1,7 @@
 //! Lights of zero power, lights inside walls, and scenes that are black.
 
 use super::{WITH_PHOTONS, finite, flat_camera, rendered, settings, sheet};
-use crate::support::{image, mean_and_error, pixels};
+use crate::support::{mean_and_error, render_one_pass, render_passes};
 use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, Settings};
@@ -28,7 +28,7 @@ fn lit_by(powers: &[Option<f32>]) -> Scene {
     for (i, power) in powers.iter().enumerate() {
         let position = DVec3::new(i as f64 * 0.3 - 0.5, 2.0, 0.7);
         if let Some(power) = power {
-            b.source(DeltaLightKind::Point { position }, LightStrength::Power(Rgb::splat(*power)));
+            b.delta_light(DeltaLightKind::Point { position }, LightStrength::Power(Rgb::splat(*power)));
         }
     }
     let camera = Camera::perspective(DVec3::new(0.0, 1.0, 5.0), DVec3::new(0.0, -0.1, -1.0), DVec3::Y, 0.6, 12, 12);
@@ -42,7 +42,7 @@ fn zero_power_lights_change_nothing() {
     let (dark, lit) = (Some(0.0), Some(50.0));
     ALL.par_iter().for_each(|algorithm| {
         let settings = || Settings { radius: Some(0.1), ..settings(10_000, 4) };
-        let seen = |powers: &[Option<f32>]| pixels(&lit_by(powers), *algorithm, settings(), 2);
+        let seen = |powers: &[Option<f32>]| render_passes(&lit_by(powers), *algorithm, settings(), 2);
         let one = seen(&[None, lit]);
         assert!(one.iter().any(|v| *v != Rgb::ZERO), "{}", algorithm.name());
         for powers in [&[dark, lit][..], &[None, lit, dark], &[dark, lit, dark, dark, dark, dark, dark]] {
@@ -74,7 +74,7 @@ fn point_in_the_floor(turn: DQuat, at: DVec3) -> Scene {
     let (x, y, z) = (turn * DVec3::X, turn * DVec3::Y, turn * DVec3::Z);
     b.shape(sheet(at, z * 2.0, x * 2.0), black, Rgb::ZERO);
     b.shape(sheet(at + y, x * 2.0, z * 2.0), white, Rgb::ZERO);
-    b.source(DeltaLightKind::Point { position: at }, LightStrength::Power(Rgb::ONE));
+    b.delta_light(DeltaLightKind::Point { position: at }, LightStrength::Power(Rgb::ONE));
     let camera = Camera::orthographic(at + 0.5 * y, y, z, 2.0, 16, 16).unwrap();
     b.build(camera).unwrap()
 }
@@ -141,7 +141,7 @@ fn area_light_in_ceiling_plane_loses_no_light() {
         for (i, turn) in turns().take(6).enumerate() {
             let scene = lamp_in_the_ceiling(turn, i % 2 == 0);
             let method = algorithm.prepare(&scene, settings(1000, 64));
-            let mean = |i| image(&*method, i).iter().map(|v| f64::from(v.y)).sum::<f64>() / 16.0;
+            let mean = |i| render_one_pass(&*method, i).iter().map(|v| f64::from(v.y)).sum::<f64>() / 16.0;
             let (mean, error) = mean_and_error(&(0..16).map(mean).collect::<Vec<f64>>());
             let off = (mean - expected).abs();
             assert!(off < 7.0 * error + 1e-4 * expected, "{} {i}: {}", algorithm.name(), mean / expected);
@@ -161,7 +161,7 @@ fn blocked_lights_emit_no_photons() {
     b.shape(sheet(DVec3::ZERO, DVec3::Z * 4.0, DVec3::X * 4.0), white, Rgb::ZERO);
     b.shape(Shape::Sphere(Sphere::new(DVec3::new(1.0, 1.0, 0.0), 0.3)), glass, Rgb::ZERO);
     b.shape(Shape::Sphere(Sphere::new(DVec3::Y, 0.1)), black, Rgb::ZERO);
-    b.source(DeltaLightKind::Point { position: DVec3::Y }, LightStrength::Power(Rgb::ONE));
+    b.delta_light(DeltaLightKind::Point { position: DVec3::Y }, LightStrength::Power(Rgb::ONE));
     b.shape(sheet(DVec3::Y * 2.0, DVec3::X, DVec3::Z), black, Rgb::ZERO);
     b.shape(sheet(DVec3::Y * 1.999_99, DVec3::Z * 0.1, DVec3::X * 0.1), black, Rgb::ONE);
     let scene = b.build(flat_camera(DVec3::new(0.0, 3.0, 0.0), -DVec3::Y, 4.0, 8)).unwrap();

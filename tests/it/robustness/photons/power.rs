@@ -1,7 +1,7 @@
 //! Light powers at the limits of single precision.
 
 use super::{HUE, WITH_PHOTONS, finite, flat_camera, rendered, settings, sheet};
-use crate::support::{image, key, mean_and_error};
+use crate::support::{mean_and_error, render_one_pass, test_key};
 use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, Settings, Silent};
@@ -32,13 +32,13 @@ fn room(scale: f32, fog: bool) -> Scene {
     b.shape(Shape::Sphere(Sphere::new(DVec3::new(-0.5, -0.7, -0.3), 0.3)), mirror, Rgb::ZERO);
     b.shape(sheet(DVec3::Y * 0.99, x * 0.2, z * 0.2), white, Rgb::new(0.5, 0.4, 0.3) * scale);
     let power = LightStrength::Power(Rgb::new(0.3, 0.2, 0.1) * scale);
-    b.source(DeltaLightKind::Point { position: DVec3::new(-0.5, 0.5, 0.3) }, power);
+    b.delta_light(DeltaLightKind::Point { position: DVec3::new(-0.5, 0.5, 0.3) }, power);
     let spot = DeltaLightKind::Spot { position: DVec3::new(0.5, 0.8, 0.5), axis: -DVec3::Y, inner: 0.3, outer: 0.5 };
-    b.source(spot, power);
+    b.delta_light(spot, power);
     if fog {
         let milk = Medium::homogeneous(Rgb::splat(0.2), Rgb::splat(0.8), Rgb::ZERO, PhaseFunction::Isotropic);
         let milk = b.medium(milk);
-        let clear = b.material(Material::body(Body::region(milk)));
+        let clear = b.material(Material::smooth_boundary(Body::medium_region(milk)));
         b.shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 0.1, -0.2), 0.4)), clear, Rgb::ZERO);
     }
     let camera = Camera::perspective(DVec3::Z * 3.4, -DVec3::Z, DVec3::Y, 0.8, 16, 16).unwrap();
@@ -115,11 +115,11 @@ fn point_light_flux_matches_closed_form() {
         b.shape(sheet(DVec3::ZERO, DVec3::Z * 4.0, DVec3::X * 4.0), white, Rgb::ZERO);
         b.shape(sheet(DVec3::Y * 0.5, DVec3::Z * 40.0, DVec3::X * 40.0), pane, Rgb::ZERO);
         let point = DeltaLightKind::Point { position: DVec3::Y };
-        b.source(point, LightStrength::Power(Rgb::splat(power as f32)));
+        b.delta_light(point, LightStrength::Power(Rgb::splat(power as f32)));
         let scene = b.build(flat_camera(DVec3::Y * 0.2, -DVec3::Y, 0.2, 8)).unwrap();
         let settings = Settings { radius: Some(0.05), gather_k: Some(0), ..settings(20_000, 4) };
         let method = Algorithm::Sppm.prepare(&scene, settings);
-        let mean = |i| image(&*method, i).iter().map(|v| f64::from(v.y)).sum::<f64>() / 64.0 / power;
+        let mean = |i| render_one_pass(&*method, i).iter().map(|v| f64::from(v.y)).sum::<f64>() / 64.0 / power;
         let (mean, error) = mean_and_error(&(0..16).map(mean).collect::<Vec<f64>>());
         let expected = 0.5 / PI / (4.0 * PI) * (1.0 - 0.01);
         let slack = expected * (0.05 * 0.05 / 2.0 + 1e-4 + HUE);
@@ -138,7 +138,7 @@ fn photons_beyond_float_range_are_reported() {
         let white = b.material(Material::diffuse(Rgb::splat(0.5)));
         b.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), white, Rgb::ZERO);
         for power in powers {
-            b.source(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Rgb::splat(*power)));
+            b.delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Rgb::splat(*power)));
         }
         b.build(flat_camera(DVec3::Y * -0.2, -DVec3::Y, 0.2, 4))
     };
@@ -147,7 +147,7 @@ fn photons_beyond_float_range_are_reported() {
     let source = PhotonSource::in_all_directions(&scene).unwrap();
     let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
     let rejected = |paths| {
-        let traced = pass.trace(key(9), paths, &|_| {});
+        let traced = pass.trace(test_key(9), paths, &|_| {});
         (traced.deposits.len(), traced.deposits.rejected)
     };
     assert_eq!((rejected(1), rejected(16)), ((0, 1), (16, 0)));

@@ -29,7 +29,7 @@ fn behind_a_pane() -> Scene {
     let pane = b.material(Material::thin(1.0, Rgb::ONE));
     b.shape(sheet(DVec3::ZERO, DVec3::Z, DVec3::X), white, Rgb::ZERO);
     b.shape(sheet(DVec3::Y * 0.5, DVec3::Z, DVec3::X), pane, Rgb::ZERO);
-    b.source(DeltaLightKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(Rgb::ONE));
+    b.delta_light(DeltaLightKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(Rgb::ONE));
     b.build(flat_camera(DVec3::Y * 0.2, -DVec3::Y, 0.5, 4)).unwrap()
 }
 

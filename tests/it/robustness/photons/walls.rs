@@ -28,7 +28,10 @@ fn wall(thickness: f64, shelf: bool) -> Scene {
             if shelf { sheet(-y * thickness, z * 2.0, x * 2.0) } else { sheet(-y * thickness, x * 2.0, z * 2.0) };
         b.shape(under, white, Rgb::ZERO);
     }
-    b.source(DeltaLightKind::Directional { direction: -y }, LightStrength::Physical(Rgb::splat(IRRADIANCE as f32)));
+    b.delta_light(
+        DeltaLightKind::Directional { direction: -y },
+        LightStrength::Physical(Rgb::splat(IRRADIANCE as f32)),
+    );
     let camera = if shelf { flat_camera(-y * 0.5 * thickness, -y, 3.0, 24) } else { flat_camera(-y, y, 3.0, 24) };
     b.build(camera).unwrap()
 }

@@ -1,6 +1,6 @@
 //! A thousand internal reflections: nothing is lost, nothing drifts out, and every path ends.
 
-use crate::support::{key, pixels};
+use crate::support::{render_passes, test_key};
 use caustica::bsdf::Transport;
 use caustica::camera::Camera;
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
@@ -49,7 +49,7 @@ fn cube(triangles: bool) -> SceneBuilder {
 fn follow(scene: &Scene, direction: Vec3, mut see: impl FnMut(Vec3, Vec3)) {
     let mut path = scene.start_light_path::<InteriorStack>(0, Ray::new(Vec3::ZERO, direction), Effects::NONE);
     for bounce in 0..BOUNCES {
-        let PathEvent::Surface(vertex) = path.next_vertex(scene, key(1), |_| None) else {
+        let PathEvent::Surface(vertex) = path.next_vertex(scene, test_key(1), |_| None) else {
             panic!("out after {bounce}")
         };
         let surface = vertex.surface;
@@ -65,7 +65,8 @@ fn follow(scene: &Scene, direction: Vec3, mut see: impl FnMut(Vec3, Vec3)) {
 /// Returns directions that hit all faces of a cube of index 1.5 beyond the critical angle, whose
 /// cosine is 0.745.
 fn trapped_directions(n: u64) -> Vec<Vec3> {
-    let all = (0..).map(|i| warp::square_to_uniform_sphere(key(2).child_key(i).uniform_2d(Dimension::LightDirection)));
+    let all =
+        (0..).map(|i| warp::square_to_uniform_sphere(test_key(2).child_key(i).uniform_2d(Dimension::LightDirection)));
     all.filter(|d| d.abs().max_element() < 0.74).take(n as usize).collect()
 }
 
@@ -75,7 +76,7 @@ fn trapped_directions(n: u64) -> Vec<Vec3> {
 fn trapped_rays_stay_in_cube() {
     for triangles in [false, true] {
         let mut b = cube(triangles);
-        b.source(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
+        b.delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
         let scene = built(b);
         trapped_directions(400).par_iter().for_each(|direction| {
             let drift = BOUNCES as f32 * 3.0 * f32::EPSILON / 2.0;
@@ -94,7 +95,7 @@ fn trapped_rays_stay_in_slab() {
     let glass = b.material(Material::dielectric(1.5, Vec3::ZERO));
     b.plane(Plane::new(DVec3::Y, DVec3::Y), glass, Vec3::ZERO);
     b.plane(Plane::new(DVec3::NEG_Y, DVec3::NEG_Y), glass, Vec3::ZERO);
-    b.source(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
+    b.delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
     let middle = Camera::perspective(DVec3::ZERO, DVec3::ONE, DVec3::Y, 0.1, 4, 4).unwrap();
     let scene = b.build(middle).unwrap();
     for i in 1..100 {
@@ -115,7 +116,7 @@ fn trapped_rays_stay_in_ball() {
     let mut b = SceneBuilder::new();
     let glass = b.material(Material::dielectric(1.5, Vec3::ZERO));
     b.shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, -0.9, 0.0), 1.0)), glass, Vec3::ZERO);
-    b.source(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
+    b.delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
     let scene = built(b);
     // Light starts 0.9 off the center, which the scene moves to the origin.
     let drift = BOUNCES as f32 * 7.0 * 1.74 * f32::EPSILON / 2.0;
@@ -127,7 +128,7 @@ fn trapped_rays_stay_in_ball() {
         assert!(expected > 0.7, "beyond the critical angle");
         let mut path = scene.start_light_path::<InteriorStack>(0, Ray::new(start, direction), Effects::NONE);
         for bounce in 0..BOUNCES {
-            let PathEvent::Surface(vertex) = path.next_vertex(&scene, key(1), |_| None) else {
+            let PathEvent::Surface(vertex) = path.next_vertex(&scene, test_key(1), |_| None) else {
                 panic!("out after {bounce}")
             };
             let s = vertex.surface.sample(1.0 - f32::EPSILON / 2.0, Vec2::ZERO, Transport::Importance).unwrap();
@@ -150,11 +151,11 @@ fn trapped_photons_keep_flux_and_terminate() {
         let mut b = cube(triangles);
         // Every direction within 5° of the diagonal hits faces beyond 49°.
         let source = DeltaLightKind::Spot { position: DVec3::ZERO, axis: DVec3::ONE, inner: 0.08, outer: 0.08 };
-        b.source(source, LightStrength::Power(Vec3::new(1.0, 2.0, 3.0)));
+        b.delta_light(source, LightStrength::Power(Vec3::new(1.0, 2.0, 3.0)));
         let scene = built(b);
         let source = PhotonSource::in_all_directions(&scene).unwrap();
         let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: BOUNCES };
-        let traced = pass.trace(key(3), 1024, &|_| {});
+        let traced = pass.trace(test_key(3), 1024, &|_| {});
         assert_eq!(traced.audit.stopped, traced.audit.emitted);
         assert_eq!(
             (traced.audit.escaped, traced.audit.absorbed, traced.audit.roulette),
@@ -170,12 +171,12 @@ fn trapped_camera_paths_terminate() {
     for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Distributed, Algorithm::Whitted] {
         let mut b = cube(true);
         b.background(Vec3::ONE);
-        b.source(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
+        b.delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
         let camera_paths =
             CameraPathSettings { samples: Some(4), max_bounces: BOUNCES, ..CameraPathSettings::default() };
         let settings =
             Settings { camera_paths, photons: 100, caustic_photons: 100, balance: false, ..Settings::default() };
-        let image = pixels(&built(b), algorithm, settings, 1);
+        let image = render_passes(&built(b), algorithm, settings, 1);
         assert!(image.iter().all(|p| *p == Vec3::ZERO), "{algorithm:?}: {image:?}");
     }
 }

@@ -15,7 +15,7 @@ fn balls(places: &[(DVec3, f64)], plane: bool) -> Result<Scene, BuildError> {
     if plane {
         b.plane(Plane::new(DVec3::ZERO, DVec3::Y), white, Rgb::ZERO);
     }
-    b.source(DeltaLightKind::Point { position: DVec3::ONE }, LightStrength::Physical(Rgb::ONE));
+    b.delta_light(DeltaLightKind::Point { position: DVec3::ONE }, LightStrength::Physical(Rgb::ONE));
     b.build(Camera::perspective(DVec3::Z * 5.0, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 4).unwrap())
 }
 

@@ -15,7 +15,7 @@ fn cubes(scale: f64, shift: DVec3) -> [usize; 2] {
     let halves = |f: [u32; 4]| [[f[0], f[1], f[2]], [f[0], f[2], f[3]]];
     let triangles: Vec<[u32; 3]> = faces.into_iter().flat_map(halves).collect();
     for (index, scale, shift) in [(1.3, 1.0, DVec3::ZERO), (1.5, scale, shift)] {
-        let glass = builder.material(Material::body(Body::new(index)));
+        let glass = builder.material(Material::smooth_boundary(Body::new(index)));
         let placed: Vec<DVec3> = corners.iter().map(|p| *p * scale + shift).collect();
         builder.mesh(&placed, &[], &triangles, glass, Rgb::ZERO);
     }
@@ -45,34 +45,34 @@ fn a_join_agrees_with_brute_force() {
         (key >> 8) as f32 / 16_777_216.0
     };
     for (count, size) in [(3, 0.5), (200, 0.1), (3000, 0.02)] {
-        let faces: Vec<Face> = (0..count)
+        let faces: Vec<BoundaryFace> = (0..count)
             .map(|i| {
                 let min = Vec3::new(chance(), chance(), chance());
                 let max = min + Vec3::new(chance(), chance(), chance()) * size;
-                Face { primitive: Primitive::Other(i), bounds: Bounds { min, max }, object: i % 3 }
+                BoundaryFace { primitive: Primitive::Other(i), bounds: Bounds { min, max }, object: i % 3 }
             })
             .collect();
-        let one = |a: &Face| faces.iter().any(|b| a.object != b.object && a.bounds.overlaps(&b.bounds));
+        let one = |a: &BoundaryFace| faces.iter().any(|b| a.object != b.object && a.bounds.overlaps(&b.bounds));
         let expected: Vec<bool> = faces.iter().map(one).collect();
         assert!(count < 100 || expected.contains(&true) && expected.contains(&false));
-        assert_eq!(Join::run(&faces, &|_, _| true), expected, "{count}");
+        assert_eq!(SpatialSelfJoin::near_faces(&faces, &|_, _| true), expected, "{count}");
     }
 }
 
 #[test]
 fn too_many_overlaps_flag_every_face() {
     let bounds = Bounds { min: Vec3::ZERO, max: Vec3::ONE };
-    let face = |i| Face { primitive: Primitive::Other(i), bounds, object: i % 2 };
-    let faces: Vec<Face> = (0..3000).map(face).collect();
-    assert_eq!(Join::run(&faces, &|_, _| false), vec![true; 3000]);
-    assert_eq!(Join::run(&faces[..100], &|_, _| false), vec![false; 100]);
+    let face = |i| BoundaryFace { primitive: Primitive::Other(i), bounds, object: i % 2 };
+    let faces: Vec<BoundaryFace> = (0..3000).map(face).collect();
+    assert_eq!(SpatialSelfJoin::near_faces(&faces, &|_, _| false), vec![true; 3000]);
+    assert_eq!(SpatialSelfJoin::near_faces(&faces[..100], &|_, _| false), vec![false; 100]);
 }
 
 #[test]
 fn unbounded_boundaries_may_coincide_anywhere() {
     let scene = |planes: u32, balls: u32| {
         let mut builder = SceneBuilder::new();
-        let glass = builder.material(Material::body(Body::new(1.5)));
+        let glass = builder.material(Material::smooth_boundary(Body::new(1.5)));
         for i in 0..balls {
             let center = DVec3::X * 10.0 * f64::from(i);
             builder.shape(Shape::Sphere(Sphere::new(center, 1.0)), glass, Rgb::ZERO);

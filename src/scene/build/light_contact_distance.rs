@@ -6,23 +6,23 @@ use crate::scene::Scene;
 use glam::Vec3;
 
 /// Distance at which the light of a light in a surface starts, in position errors.
-const CLEARANCE: f32 = 40.0;
+const CONTACT_POSITION_ERRORS: f32 = 40.0;
 
 /// Roundings of double precision in the difference of two described positions.
 ///
 /// A map has four, its product with another one, and the difference one, for each position; and as
 /// many for room.
-const ROUNDINGS: f64 = 24.0;
+const POSITION_ROUNDINGS: f64 = 24.0;
 
 /// Distance within which a light counts as lying in a surface \[length]: see
-/// [`Scene::light_contact`].
+/// [`Scene::light_contact_distance`].
 ///
 /// It covers the rounding of the light's position, and the position errors of the surfaces that it
 /// touches. Those of a huge triangle are large all over it. Surfaces elsewhere do not matter.
-pub(super) fn light_contact(scene: &Scene, domain: BoundingSphere, light: &Light) -> f32 {
+pub(super) fn light_contact_distance(scene: &Scene, domain: BoundingSphere, light: &Light) -> f32 {
     let Some(position) = light.position() else { return 0.0 };
-    let own =
-        position.length() * rounding_error_bound(1) + (scene.origin.length() * ROUNDINGS * 0.5 * f64::EPSILON) as f32;
+    let own = position.length() * rounding_error_bound(1)
+        + (scene.origin.length() * POSITION_ROUNDINGS * 0.5 * f64::EPSILON) as f32;
     // No error exceeds that of a triangle across the domain, √3·18 roundings. An axis hits a
     // surface as near within √3 of that.
     let reach =
@@ -42,5 +42,5 @@ pub(super) fn light_contact(scene: &Scene, domain: BoundingSphere, light: &Light
             from = (from + hit.t + surface_error).max(from.next_up());
         }
     }
-    (CLEARANCE * error).min(reach)
+    (CONTACT_POSITION_ERRORS * error).min(reach)
 }

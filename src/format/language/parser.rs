@@ -1,0 +1,389 @@
+//! Parsing of the elements of scene text: blocks, numbers, names and counts. Recovers from errors.
+
+use super::super::MAX_NESTING_DEPTH;
+use super::super::description::{Span, Spanned};
+use super::super::error::{MAX_ERRORS, SceneError};
+use super::lexer::{Lexer, Token};
+use super::scope::ParserScope;
+use super::suggest::{keyword_synonym, nearest_word};
+use super::text::clip_for_message;
+
+/// Parser of a scene text, with its position, the definitions so far and the errors so far.
+pub(super) struct Parser<'a> {
+    /// Text and current position.
+    pub lexer: Lexer<'a>,
+    /// Textures, media and materials defined so far.
+    pub scope: ParserScope<'a>,
+    /// Errors so far, in no particular order.
+    pub errors: Vec<SceneError>,
+    /// Keywords of the blocks around the current position, outermost first.
+    open_blocks: Vec<Token<'a>>,
+    /// Number of `Group`, `Transform` and `Moving` blocks around the current position.
+    nesting_depth: usize,
+    /// Number of blocks that were parsed to their end.
+    closed_blocks: usize,
+    /// True if the text ended inside a block.
+    has_unclosed_block: bool,
+}
+
+/// State of the parser at the start of an entry. After an error, the parser restores its nesting.
+#[derive(Clone, Copy)]
+pub(super) struct NestingMark {
+    open_blocks: usize,
+    nesting_depth: usize,
+    closed_blocks: usize,
+}
+
+impl<'a> Parser<'a> {
+    /// Returns a parser at the start of `text`; errors call the text `name`.
+    pub fn new(name: &'a str, text: &'a str) -> Self {
+        Self {
+            lexer: Lexer::new(name, text),
+            scope: ParserScope::default(),
+            errors: Vec::new(),
+            open_blocks: Vec::new(),
+            nesting_depth: 0,
+            closed_blocks: 0,
+            has_unclosed_block: false,
+        }
+    }
+
+    /// Returns all errors as one, in the order of the text; `None` if there are none.
+    ///
+    /// `last` is the error that ended the parsing, if one did.
+    pub fn into_joined_error(mut self, last: Option<SceneError>) -> Option<SceneError> {
+        // A text that ends inside a block often does so because of an earlier error.
+        self.errors.extend(last.filter(|_| !self.has_unclosed_block || self.errors.is_empty()));
+        SceneError::join(self.errors)
+    }
+
+    /// Runs `parse_entry`. Records its error, if any, and skips to the next entry.
+    ///
+    /// Entries start with the words `allowed`.
+    ///
+    /// # Errors
+    /// The error itself, if the text has ended or the list of errors is full.
+    pub fn recover_from_error(
+        &mut self,
+        allowed: &[&str],
+        parse_entry: impl FnOnce(&mut Self) -> Result<(), SceneError>,
+    ) -> Result<(), SceneError> {
+        let mark = self.nesting_mark();
+        if let Err(error) = parse_entry(self) {
+            self.record_error(error)?;
+            self.skip_to_next_entry(mark, allowed);
+        }
+        Ok(())
+    }
+
+    /// Records `error`; returns it instead if the text has ended or the list of errors is full.
+    #[inline(never)]
+    pub fn record_error(&mut self, error: SceneError) -> Result<(), SceneError> {
+        if self.has_unclosed_block || self.errors.len() + 1 >= MAX_ERRORS {
+            return Err(error);
+        }
+        self.errors.push(error);
+        Ok(())
+    }
+
+    /// Returns the parser's state for [`skip_to_next_entry`](Self::skip_to_next_entry).
+    pub fn nesting_mark(&self) -> NestingMark {
+        NestingMark {
+            open_blocks: self.open_blocks.len(),
+            nesting_depth: self.nesting_depth,
+            closed_blocks: self.closed_blocks,
+        }
+    }
+
+    /// Skips the rest of an entry with an error, which started at `mark`.
+    ///
+    /// If blocks are open since `mark`, skips past their ends. Else, if a block was closed since
+    /// `mark`, skips nothing. Else skips to a word of `allowed` or a `}`, or past one block.
+    #[inline(never)]
+    pub fn skip_to_next_entry(&mut self, mark: NestingMark, allowed: &[&str]) {
+        let mut braces = self.open_blocks.len().saturating_sub(mark.open_blocks);
+        let has_open_blocks = braces > 0;
+        self.open_blocks.truncate(mark.open_blocks);
+        self.nesting_depth = mark.nesting_depth;
+        if !has_open_blocks && self.closed_blocks > mark.closed_blocks {
+            return;
+        }
+        loop {
+            let token = self.lexer.peek();
+            let stops = braces == 0 && (has_open_blocks || token.text == "}" || allowed.contains(&token.text));
+            if token.is_end() || stops {
+                return;
+            }
+            if token.text == "\"" && self.lexer.read_quoted_string().is_ok() {
+                continue;
+            }
+            self.lexer.consume(token);
+            match token.text {
+                "{" => braces += 1,
+                "}" => {
+                    braces -= 1;
+                    if braces == 0 {
+                        return;
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Parses a block of an optional field `count` and entries that start with words of `allowed`.
+    ///
+    /// `parse_entry` parses an entry after its keyword. `what` names an entry in the error of a
+    /// wrong count.
+    pub fn parse_list_block(
+        &mut self,
+        keyword: Token<'a>,
+        (count, what): (&str, &str),
+        allowed: &[&str],
+        mut parse_entry: impl FnMut(&mut Self, Token<'a>) -> Result<(), SceneError>,
+    ) -> Result<(), SceneError> {
+        let mut stated = None;
+        let mut found = 0;
+        self.open_block(keyword)?;
+        while let Some(word) = self.next_word()? {
+            let is_count = word.text == count;
+            found += usize::from(!is_count);
+            self.recover_from_error(allowed, |parser| {
+                if is_count {
+                    parser.parse_count(word, &mut stated)
+                } else if allowed.contains(&word.text) {
+                    parse_entry(parser, word)
+                } else {
+                    Err(parser.unexpected_word_error(word, allowed))
+                }
+            })?;
+        }
+        self.check_entry_count(count, stated, found, what)
+    }
+
+    /// Parses the `{` after a block's keyword.
+    pub fn open_block(&mut self, keyword: Token<'a>) -> Result<(), SceneError> {
+        self.open_blocks.push(keyword);
+        self.expect_punctuation("{")
+    }
+
+    /// Parses the `}` of a block.
+    pub fn close_block(&mut self) -> Result<(), SceneError> {
+        self.expect_punctuation("}")?;
+        self.open_blocks.pop();
+        self.closed_blocks += 1;
+        Ok(())
+    }
+
+    /// Parses the `{` of a `Group`, `Transform` or `Moving` block, whose nesting is limited.
+    pub fn open_nested_block(&mut self, keyword: Token<'a>) -> Result<(), SceneError> {
+        if self.nesting_depth == MAX_NESTING_DEPTH {
+            let message = format!("groups and transforms nest more than {MAX_NESTING_DEPTH} deep");
+            let help = "list the objects side by side instead".to_owned();
+            return Err(self.lexer.error_at(keyword.span(), message, "too deep", help));
+        }
+        self.nesting_depth += 1;
+        self.open_block(keyword)
+    }
+
+    /// Leaves a block of [`open_nested_block`](Self::open_nested_block) after its `}`.
+    pub fn leave_nested_block(&mut self) {
+        self.nesting_depth -= 1;
+    }
+
+    /// True if the text ended inside a block.
+    pub fn has_unclosed_block(&self) -> bool {
+        self.has_unclosed_block
+    }
+
+    /// Closes the innermost block as if a `}` stood before `word`, and moves back to `word`.
+    pub fn close_block_before(&mut self, word: Token<'a>) {
+        self.open_blocks.pop();
+        self.closed_blocks += 1;
+        self.lexer.rewind_to(word);
+    }
+
+    /// Parses the punctuation `mark`, or returns an error if another token follows.
+    pub fn expect_punctuation(&mut self, mark: &str) -> Result<(), SceneError> {
+        let token = self.lexer.peek();
+        if token.text == mark {
+            self.lexer.consume(token);
+            return Ok(());
+        }
+        if token.is_end() {
+            return Err(self.unclosed_block_error());
+        }
+        let block = self.innermost_block_name();
+        let message = format!("expected `{mark}` in {block}, found `{}`", clip_for_message(token.text));
+        Err(self.lexer.error_at(token.span(), message, "here", format!("put `{mark}` before it")))
+    }
+
+    /// Parses the next word of the innermost block. Closes the block and returns `None` at its `}`.
+    pub fn next_word(&mut self) -> Result<Option<Token<'a>>, SceneError> {
+        let token = self.lexer.peek();
+        if token.is_end() {
+            return Err(self.unclosed_block_error());
+        }
+        self.lexer.consume(token);
+        if token.text == "}" {
+            self.open_blocks.pop();
+            self.closed_blocks += 1;
+            return Ok(None);
+        }
+        Ok(Some(token))
+    }
+
+    /// Parses the `N` finite numbers of the field `owner`.
+    pub fn parse_numbers<const N: usize>(&mut self, owner: Token<'a>) -> Result<Spanned<[f64; N]>, SceneError> {
+        let mut values = [0.0; N];
+        let mut span: Option<Span> = None;
+        for value in &mut values {
+            let token = self.lexer.number_token();
+            if token.is_end() {
+                return Err(self.missing_number_error(owner, N, "number"));
+            }
+            // The token is a number, which becomes infinite if it overflows.
+            *value = token.text.parse().unwrap_or(f64::NAN);
+            if !value.is_finite() {
+                let message = format!("`{}` is too large for a number", clip_for_message(token.text));
+                let help = "numbers reach up to 1.7e308".to_owned();
+                return Err(self.lexer.error_at(token.span(), message, "too large", help));
+            }
+            let start = span.map_or(token.start, |s| s.start);
+            span = Some(Span { start, len: token.start + token.text.len() - start });
+        }
+        Ok(Spanned::new(values, span.unwrap_or_default()))
+    }
+
+    /// Parses the whole number of the field `owner`.
+    pub fn parse_integer(&mut self, owner: Token<'a>) -> Result<Spanned<u32>, SceneError> {
+        let fraction = { self.lexer }.number_token();
+        let token = self.lexer.integer_token();
+        if token.is_end() {
+            return Err(self.missing_number_error(owner, 1, "whole number"));
+        }
+        let name = owner.text;
+        let help = format!("write a whole number: `{name} 1`");
+        if token.text.len() < fraction.text.len() {
+            let message = format!("`{name}` wants a whole number, found `{}`", clip_for_message(fraction.text));
+            return Err(self.lexer.error_at(fraction.span(), message, "not whole", help));
+        }
+        match token.text.parse() {
+            Ok(value) => Ok(Spanned::new(value, token.span())),
+            Err(_) => {
+                let message = format!("`{name}` lies outside 0 … {}", u32::MAX);
+                Err(self.lexer.error_at(token.span(), message, "out of range", help))
+            }
+        }
+    }
+
+    /// Returns the error of a field `owner` that lacks its `wanted` numbers of this `kind`.
+    fn missing_number_error(&mut self, owner: Token<'a>, wanted: usize, kind: &str) -> SceneError {
+        let token = self.lexer.peek();
+        if token.is_end() {
+            return self.unclosed_block_error();
+        }
+        let (name, found) = (owner.text, clip_for_message(token.text));
+        let bare = token.text.trim_start_matches(['+', '-']).to_ascii_lowercase();
+        if ["nan", "inf", "infinity"].contains(&bare.as_str()) {
+            let message = format!("`{found}` is not a finite number");
+            return self.lexer.error_at(token.span(), message, "not finite", format!("give `{name}` a finite value"));
+        }
+        let message = match wanted {
+            1 => format!("`{name}` wants a {kind}, found `{found}`"),
+            n => format!("`{name}` wants {n} numbers, found `{found}`"),
+        };
+        let help = match wanted {
+            _ if token.text.starts_with(',') => "separate numbers by spaces, not by commas".to_owned(),
+            1 => format!("write a {kind}: `{name} 1`"),
+            3 => format!("write three numbers: `{name} 0 0 1`"),
+            n => format!("write {n} numbers, separated by spaces"),
+        };
+        self.lexer.error_at(token.span(), message, &format!("a {kind} belongs here"), help)
+    }
+
+    /// Parses the path or name of the field `owner`, quoted or bare.
+    pub fn parse_name(&mut self, owner: Token<'a>) -> Result<Spanned<String>, SceneError> {
+        let read = self.lexer.read_name()?;
+        if !read.value.is_empty() {
+            return Ok(read);
+        }
+        let token = self.lexer.peek();
+        if token.is_end() && read.span.len == 0 {
+            return Err(self.unclosed_block_error());
+        }
+        let span = if read.span.len == 0 { token.span() } else { read.span };
+        let name = owner.text;
+        let help = format!("write a name after `{name}`, in quotes if it holds spaces");
+        Err(self.lexer.error_at(span, format!("`{name}` wants a name"), "a name belongs here", help))
+    }
+
+    /// Parses the count that the field `word` states. A second count is an error.
+    pub fn parse_count(&mut self, word: Token<'a>, count: &mut Option<Spanned<u32>>) -> Result<(), SceneError> {
+        if count.is_some() {
+            return Err(self.repeated_word_error(word));
+        }
+        *count = Some(self.parse_integer(word)?);
+        Ok(())
+    }
+
+    /// Returns an error if the field `name` states a `count` other than `found`.
+    pub fn check_entry_count(
+        &self,
+        name: &str,
+        count: Option<Spanned<u32>>,
+        found: usize,
+        what: &str,
+    ) -> Result<(), SceneError> {
+        match count {
+            Some(count) if count.value as usize != found => {
+                let follow = if found == 1 { " follows" } else { "s follow" };
+                let message = format!("`{name}` is {}, but {found} {what}{follow}", count.value);
+                let help = format!("write `{name} {found}`, or leave the count out");
+                Err(self.lexer.error_at(count.span, message, "does not match", help))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Returns the error of a second field or block that is allowed once.
+    pub fn repeated_word_error(&self, word: Token<'a>) -> SceneError {
+        let message = format!("`{}` is given twice in {}", word.text, self.innermost_block_name());
+        self.lexer.error_at(word.span(), message, "the second", "keep one of them".to_owned())
+    }
+
+    /// Returns the error of a text that ends inside a block.
+    pub fn unclosed_block_error(&mut self) -> SceneError {
+        self.has_unclosed_block = true;
+        let block = self.open_blocks.last().copied().unwrap_or(Token { text: "", start: 0 });
+        let message = format!("the file ends inside `{}`", block.text);
+        self.lexer.error_at(block.span(), message, "opened here", "close it with `}`".to_owned())
+    }
+
+    /// Returns the keyword of the innermost block in backticks, or "the file".
+    fn innermost_block_name(&self) -> String {
+        self.open_blocks.last().map_or("the file".to_owned(), |block| format!("`{}`", block.text))
+    }
+
+    /// Returns the error of a word that is not among those `allowed` here, with a suggestion.
+    #[inline(never)]
+    pub fn unexpected_word_error(&self, word: Token<'a>, allowed: &[&str]) -> SceneError {
+        let block = self.innermost_block_name();
+        let help = if let Some(synonym) = keyword_synonym(word.text, allowed) {
+            format!("write `{synonym}`")
+        } else if let Some(nearest) = nearest_word(word.text, allowed.iter().copied()) {
+            format!("did you mean `{nearest}`?")
+        } else if self.open_blocks.is_empty() && word.text == "}" {
+            "it closes nothing: remove it, or look for one too many before it".to_owned()
+        } else {
+            let or = if self.open_blocks.is_empty() { "" } else { "; or is a `}` missing before it?" };
+            format!("{block} may hold {}{or}", allowed.join(", "))
+        };
+        self.lexer.error_at(
+            word.span(),
+            format!("unexpected `{}` in {block}", clip_for_message(word.text)),
+            "not known here",
+            help,
+        )
+    }
+}
