@@ -60,7 +60,7 @@ pub(super) fn delta_light_at(kind: &DeltaLightKind, motion: &Motion, time: f64) 
 
 /// A moving camera at `time`; `None` if the motion flattens it.
 pub(super) fn camera_at(camera: &Camera, motion: &Motion, time: f64) -> Option<Camera> {
-    Some(camera.moved(&motion_transform_at(motion, time)?))
+    Some(camera.transformed(&motion_transform_at(motion, time)?))
 }
 
 /// The texture mapping of a moving object at `time`; `None` if the motion flattens it.
