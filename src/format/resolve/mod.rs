@@ -264,7 +264,8 @@ impl Resolver<'_> {
             let message = format!("meshes of the format `.{extension}` are not read");
             return Err(self.bad_file(path, &message, "convert it to OBJ or PLY, which are read"));
         }
-        let found = candidates(self.folder, written).find(|p| p.is_file()).inspect(|file| self.monitor.names(file));
+        let found =
+            candidates(self.folder, written).find(|p| p.is_file()).inspect(|file| self.monitor.on_file_named(file));
         found.ok_or_else(|| {
             let places: Vec<String> = candidates(self.folder, written).map(|p| format!("`{}`", p.display())).collect();
             let message = format!("the {kind} `{}` does not exist", path.value);
