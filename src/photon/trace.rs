@@ -56,7 +56,7 @@ impl PhotonPass<'_> {
     /// Calls `done` after each chunk with its number of paths, from any thread. The result does not
     /// depend on the number of threads: chunks have a fixed size and are joined in order.
     pub fn trace(&self, pass_key: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> PhotonPassResult {
-        for_interior!(self.source, self.trace_with_interior(pass_key, paths, done))
+        for_interior!(self.source, <I> self.trace_with_interior::<I>(pass_key, paths, done))
     }
 
     fn trace_with_interior<I: Interior>(

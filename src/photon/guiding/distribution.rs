@@ -118,8 +118,9 @@ impl GuidingFit {
     /// cross-validated between two halves of the samples against overfitting. `uniform` is the
     /// uniform fraction of the guided pdf.
     pub fn new(light: &Light, samples: &[&GuidingSample], uniform: f64) -> Self {
-        let EmissionDimensions { position, direction } = light.emission_dimensions();
-        let most = (if position { MAX_SUBDIVISIONS } else { 0 }, if direction { MAX_SUBDIVISIONS } else { 0 });
+        let EmissionDimensions { uses_position, uses_direction } = light.emission_dimensions();
+        let most =
+            (if uses_position { MAX_SUBDIVISIONS } else { 0 }, if uses_direction { MAX_SUBDIVISIONS } else { 0 });
         let half = |i: usize| samples.iter().copied().skip(i).step_by(2);
         let cost = |halves: &[GuidingCells; 2]| {
             halves[0].second_moment(uniform, half(1)) + halves[1].second_moment(uniform, half(0))

@@ -1,7 +1,7 @@
 //! Files of every kind, truncated at every position.
 
 use super::{project_path, readers};
-use caustica::format::{grid, mesh, mtl, parse_bytes};
+use caustica::format::{grid, mesh, mtl, parse_scene_bytes};
 use caustica::image::{
     BitDepth, Image, OutputFormat, PictureContent, ToneCurve, ToneMap, WriteOptions, decode, encode,
 };
@@ -60,9 +60,9 @@ fn truncated_scenes_are_refused() {
     for name in ["scenes/glass-ball.txt", "scenes/smoke.txt", "scenes/textures.txt", "tests/scenes/lens.txt"] {
         let whole = fs::read(project_path(name)).unwrap();
         let whole = whole.trim_ascii_end();
-        assert!(parse_bytes(name, whole).is_ok() && whole.ends_with(b"}"), "{name}");
+        assert!(parse_scene_bytes(name, whole).is_ok() && whole.ends_with(b"}"), "{name}");
         for cut in 0..whole.len() {
-            let error = parse_bytes(name, &whole[..cut]).expect_err("a part is no scene");
+            let error = parse_scene_bytes(name, &whole[..cut]).expect_err("a part is no scene");
             assert!(error.to_string().starts_with(name) && !error.remedy().is_empty(), "{name} cut at {cut}: {error}");
         }
     }
