@@ -86,7 +86,7 @@ fn check_lens(lens: &Lens) -> Result<(), MessageAndRemedy> {
 
 /// Returns the lens of a camera at `center`; `angle` is the vertical field of view in degrees.
 fn resolve_lens(lens: &description::LensDescription, angle: f64, center: DVec3, direction: DVec3) -> Lens {
-    let radius = match lens.opening {
+    let radius = match lens.aperture {
         ApertureDescription::Radius(radius) => radius,
         ApertureDescription::FNumber { number, sensor } => {
             let focal_length = 0.5 * sensor / libm::tan(0.5 * angle.to_radians());
