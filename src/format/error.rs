@@ -88,8 +88,8 @@ impl SourceCode for SourceText {
 /// Error of a scene file: defect, position and remedy.
 ///
 /// It may carry further errors of the same file. `Display` gives `file:line:column: message`, or
-/// `file: message` for an error without a position. [`miette`] adds the offending text, the remedy and
-/// the further errors.
+/// `file: message` for an error without a position. [`miette`] adds the offending text, the remedy
+/// and the further errors.
 ///
 /// ```
 /// let error = caustica::format::parse("a.txt", "Group {\n  Spere { }\n}").unwrap_err();

@@ -1,9 +1,9 @@
 //! The description of a scene as written: plain data in double precision, with text positions for
 //! errors. Names and files are not looked up yet.
 //!
-//! Lengths are in the scene's own unit, which is the metre if a light's power is in watts. Angles are
-//! in degrees, colors in linear RGB. [`parse`](super::parse) checks all values; a description built
-//! by hand is unchecked.
+//! Lengths are in the scene's own unit, which is the metre if a light's power is in watts. Angles
+//! are in degrees, colors in linear RGB. [`parse`](super::parse) checks all values; a description
+//! built by hand is unchecked.
 
 mod lights;
 mod materials;
@@ -182,8 +182,8 @@ pub enum DirectionOrTarget {
 /// [`MAX_NESTING_DEPTH`](super::MAX_NESTING_DEPTH) deep.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Group {
-    /// Entries in the order of the file. A material applies to all objects after it, even beyond the
-    /// end of the group.
+    /// Entries in the order of the file. A material applies to all objects after it, even beyond
+    /// the end of the group.
     pub items: Vec<GroupItem>,
 }
 
@@ -205,7 +205,8 @@ pub enum ObjectDescription {
     Group(Group),
     /// A transformed object.
     Transform {
-        /// Steps that [`TransformStep::composed_matrix`] composes: the first listed is applied last.
+        /// Steps that [`TransformStep::composed_matrix`] composes: the first listed is applied
+        /// last.
         maps: Vec<TransformStep>,
         /// The object.
         object: Box<Spanned<ObjectDescription>>,
@@ -317,8 +318,8 @@ pub enum ShapeDescription {
         /// Degrees along u and v, each from 1 to
         /// [`MAX_DEGREE`](crate::shape::parametric::MAX_DEGREE).
         degree: [u32; 2],
-        /// Control points (x, y, z, weight): (degree u + 1) · (degree v + 1) for each patch. The index
-        /// along v varies fastest.
+        /// Control points (x, y, z, weight): (degree u + 1) · (degree v + 1) for each patch. The
+        /// index along v varies fastest.
         controls: Vec<DVec4>,
     },
     /// A rational B-spline surface (NURBS).

@@ -42,7 +42,8 @@ const MAX_DIRECTION_ERROR: f64 = 1.0 / 16_777_216.0;
 
 /// Greatest tangent of the angle between the picture's center and corner.
 ///
-/// There, `MAX_DIRECTION_ERROR` moves the corner by 1/256 of its distance from the picture's center.
+/// There, `MAX_DIRECTION_ERROR` moves the corner by 1/256 of its distance from the picture's
+/// center.
 const MAX_CORNER_TANGENT: f64 = 65_536.0;
 
 /// Returns an error if single precision cannot distinguish the pixels of a perspective picture.
