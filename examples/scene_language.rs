@@ -5,5 +5,5 @@ use std::path::Path;
 fn main() -> std::io::Result<()> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/guide/scene-language.md");
     let page = std::fs::read_to_string(&path)?;
-    std::fs::write(path, caustica::format::with_reference(&page))
+    std::fs::write(path, caustica::format::update_reference_tables(&page))
 }

@@ -14,7 +14,7 @@ use caustica::format::{SourceText, parse, resolve};
 use caustica::image::{self, Image, WriteOptions};
 use caustica::integrate::{Algorithm, Settings, Silent};
 use clap::{CommandFactory, Parser};
-use it::support::shell::words;
+use it::support::shell::shell_words;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -67,7 +67,7 @@ fn blocks(page: &str, language: &str) -> Vec<String> {
 /// environment settings are removed.
 fn commands(block: &str) -> Vec<Vec<String>> {
     let joined = block.replace("\\\n", " ");
-    let lines = joined.lines().map(|line| words(line.trim().trim_start_matches("$ ")));
+    let lines = joined.lines().map(|line| shell_words(line.trim().trim_start_matches("$ ")));
     let setting = |word: &String| {
         word.split_once('=').is_some_and(|(name, _)| name.chars().all(|c| c.is_ascii_uppercase() || c == '_'))
     };
@@ -205,10 +205,10 @@ fn commands_parse_like_a_shell() {
     assert_eq!(read.len(), 2);
     assert_eq!(caustica(&read[0]).unwrap(), ["render", "my scene.txt", "-o", "a b.png"]);
     assert_eq!(caustica(&read[1]).unwrap(), ["render", "x"]);
-    assert_eq!(caustica(&words("cargo run --example caustica -- x")), None);
-    let mut arguments = words("render x --size 9x9 --photons=2M --time 5m");
+    assert_eq!(caustica(&shell_words("cargo run --example caustica -- x")), None);
+    let mut arguments = shell_words("render x --size 9x9 --photons=2M --time 5m");
     shrink(&mut arguments, false);
-    assert_eq!(arguments, words("render x --time 5m --size 32x24 --passes 1 --photons 1k"));
+    assert_eq!(arguments, shell_words("render x --time 5m --size 32x24 --passes 1 --photons 1k"));
     assert_eq!(blocks("```sh\na\n```\n```text\nb\n```\n  ```sh\n  c\n  ```\n", "sh"), ["a\n", "  c\n"]);
 }
 

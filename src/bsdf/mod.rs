@@ -210,9 +210,9 @@ impl Bsdf {
     /// for each photon.
     ///
     /// The noise of such an estimate grows as the lobe narrows. Diffuse and Phong BSDFs store
-    /// photons, and so do conductors rougher than [`PHOTON_STORAGE_ALPHA`]. On smoother conductors few
-    /// photons fall into the lobe, and sampling the lobe works better. Dielectrics store none, even
-    /// rough ones: an estimate would blur what lies behind them.
+    /// photons, and so do conductors rougher than [`PHOTON_STORAGE_ALPHA`]. On smoother conductors
+    /// few photons fall into the lobe, and sampling the lobe works better. Dielectrics store none,
+    /// even rough ones: an estimate would blur what lies behind them.
     #[inline]
     #[must_use]
     pub fn stores_photons(&self) -> bool {

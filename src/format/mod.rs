@@ -21,7 +21,7 @@ pub use convert::ConvertedScene;
 pub use error::{SceneError, SourceText};
 pub use file::{IMPORTERS, SceneFile};
 pub use import::{EmbeddedAssets, ImportedScene, SceneImporter, SceneReadError};
-pub use language::{parse, parse_bytes, with_reference};
+pub use language::{parse, parse_scene_bytes, update_reference_tables};
 pub use line_error::LineError;
 pub use resolve::{resolve, resolve_monitored};
 

@@ -1,6 +1,6 @@
 //! Division of the work of a pass between camera rays and photons.
 //!
-//! The noise of a pass is a sum of parts. Part i has variance σᵢ²/nᵢ and work cᵢ·nᵢ for n samples.
+//! The noise of a pass is a sum of parts. NoiseSource i has variance σᵢ²/nᵢ and work cᵢ·nᵢ for n samples.
 //! For constant work the variance is least if nᵢ ∝ σᵢ/√cᵢ. Gather radii stay, so the bias stays.
 
 use crate::color::{self, Rgb};
@@ -24,17 +24,17 @@ const MAX_CHANGE: f64 = 4.0;
 // docs/measurements/.
 
 /// Work of a ray of a camera path with its shading, in rays of photons.
-const CAMERA_RAY: f64 = 2.0;
+const CAMERA_RAY_WORK: f64 = 2.0;
 
 /// Work of storing and indexing a photon, in rays of photons.
-const STORED: f64 = 1.5;
+const STORED_PHOTON_WORK: f64 = 1.5;
 
 /// Work of a photon in an estimate, in rays of photons.
-const GATHERED: f64 = 0.2;
+const GATHERED_PHOTON_WORK: f64 = 0.2;
 
-/// One source of noise.
+/// One source of noise in a pass: camera rays, or the photon paths of one map.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Part {
+pub(super) struct NoiseSource {
     /// Variance of one sample: of a camera ray in every pixel, or of a photon path.
     pub variance: f64,
     /// Work of one sample, in rays of photons.
@@ -43,7 +43,7 @@ pub(super) struct Part {
     pub count: f64,
 }
 
-impl Part {
+impl NoiseSource {
     fn is_active(&self) -> bool {
         self.variance > 0.0 && self.cost > 0.0 && self.count > 0.0 && self.variance.is_finite()
     }
@@ -53,7 +53,7 @@ impl Part {
 /// [`MAX_CHANGE`].
 ///
 /// A part without noise keeps its number; its work is not counted.
-pub(super) fn divide(parts: &[Part; 3]) -> [f64; 3] {
+pub(super) fn divide_work(parts: &[NoiseSource; 3]) -> [f64; 3] {
     let work = |numbers: &[f64; 3]| -> f64 {
         let active = parts.iter().zip(numbers).filter(|(p, _)| p.is_active());
         active.map(|(p, n)| p.cost * n).sum()
@@ -78,23 +78,23 @@ pub(super) fn divide(parts: &[Part; 3]) -> [f64; 3] {
 }
 
 /// Work of camera paths, in rays of photons.
-pub(super) fn tracing(counters: &Counters) -> f64 {
-    CAMERA_RAY * (counters.camera_rays + counters.continuation_rays + counters.shadow_rays) as f64
+pub(super) fn camera_path_work(counters: &Counters) -> f64 {
+    CAMERA_RAY_WORK * (counters.camera_rays + counters.continuation_rays + counters.shadow_rays) as f64
 }
 
 /// Work of photon estimates, in rays of photons.
-pub(super) fn gathering(counters: &Counters) -> f64 {
-    GATHERED * counters.gathered_photons as f64
+pub(super) fn gathering_work(counters: &Counters) -> f64 {
+    GATHERED_PHOTON_WORK * counters.gathered_photons as f64
 }
 
 /// Work of storing and indexing photons, in rays of photons.
-pub(super) fn storing(photons: u64) -> f64 {
-    STORED * photons as f64
+pub(super) fn photon_storage_work(photons: u64) -> f64 {
+    STORED_PHOTON_WORK * photons as f64
 }
 
 /// Variance of two independent estimates of the same points, relative to the mean radiance `light`
 /// there.
-pub(super) fn noise(one: &[Rgb], other: &[Rgb], light: &[f64]) -> f64 {
+pub(super) fn relative_variance(one: &[Rgb], other: &[Rgb], light: &[f64]) -> f64 {
     let mut sorted: Vec<f64> = light.iter().copied().filter(|l| *l > 0.0).collect();
     sorted.sort_by(f64::total_cmp);
     let Some(median) = sorted.get(sorted.len() / 2) else { return 0.0 };

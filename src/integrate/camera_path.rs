@@ -73,6 +73,14 @@ pub(super) struct PathState<I> {
     sampler: Sampler,
 }
 
+/// The function that [`film::render_tiles`](super::film::render_tiles) calls for each camera ray:
+/// [`radiance`] of `paths`.
+pub(super) fn tracer<'a, I: Interior>(
+    paths: &'a PathContext<'a>,
+) -> impl Fn(&Ray, Sampler, &mut Worker, &mut Vec<PathState<I>>) -> Rgb + Sync {
+    |ray, sampler, worker, stack| radiance(paths, ray, sampler, worker, stack)
+}
+
 /// Radiance that arrives along camera ray `ray` \[W/(m² sr)]. `stack` is empty before and after.
 pub(super) fn radiance<I: Interior>(
     paths: &PathContext<'_>,
@@ -83,7 +91,7 @@ pub(super) fn radiance<I: Interior>(
 ) -> Rgb {
     let PathContext { scene, policy, nee, .. } = *paths;
     let mut radiance = Rgb::ZERO;
-    let mut branch = Some(PathState::at_camera(paths, ray, sampler));
+    let mut branch = Some(PathState::from_camera_ray(paths, ray, sampler));
     while let Some(mut path) = branch {
         loop {
             // Find the next vertex; add in-scattering and emission of the media along the segment.
@@ -98,19 +106,19 @@ pub(super) fn radiance<I: Interior>(
                 PathEvent::Scattered { transmittance, crossed } => {
                     path.throughput *= transmittance;
                     path.history.casters += u32::from(crossed);
-                    if media::scatter(&mut path, phase) {
+                    if media::scatter_in_medium(&mut path, phase) {
                         continue;
                     }
                     break;
                 }
                 PathEvent::Escaped { crossed } => {
-                    path.cross_hidden_boundaries(crossed);
-                    radiance += path.throughput * escaped(paths, &path);
+                    path.note_crossed_boundaries(crossed);
+                    radiance += path.throughput * escaped_radiance(paths, &path);
                     break;
                 }
             };
             path.throughput *= hit.transmittance;
-            path.cross_hidden_boundaries(hit.crossed);
+            path.note_crossed_boundaries(hit.crossed);
 
             // Add emission, weighted against next-event estimation.
             if hit.surface.emission != Rgb::ZERO && counts_emission(policy, &path) {
@@ -124,7 +132,7 @@ pub(super) fn radiance<I: Interior>(
                 if hit.surface.bsdf.is_black() || !policy.effects.has(Effect::Specular) {
                     break;
                 }
-                if at_caster(paths, &mut path, &hit, &interior, worker, &mut radiance, stack) {
+                if scatter_at_caster(paths, &mut path, &hit, &interior, worker, &mut radiance, stack) {
                     continue;
                 }
                 break;
@@ -152,7 +160,7 @@ pub(super) fn radiance<I: Interior>(
                     Continuation::Always => true,
                 };
             if let (true, DirectionSampling::Guided, Some(maps)) = (continues, policy.directions, paths.maps) {
-                scatter::collect_guides(maps, paths.min_gather_distance, &vertex, worker);
+                scatter::collect_guide_directions(maps, paths.min_gather_distance, &vertex, worker);
             }
 
             // Add direct light by next-event estimation.
@@ -182,7 +190,7 @@ pub(super) fn radiance<I: Interior>(
 /// The function stays out of line, so that scenes without casters do not carry its code through
 /// their loop.
 #[inline(never)]
-fn at_caster<I: Interior>(
+fn scatter_at_caster<I: Interior>(
     paths: &PathContext<'_>,
     path: &mut PathState<I>,
     caster: &SurfaceVertex<'_>,
@@ -211,9 +219,9 @@ fn at_caster<I: Interior>(
         let weaker = split.reflected.1.min(split.transmitted.1) * color::channel_mean(path.throughput);
         let has_room = stack.len() < MAX_BRANCHES;
         if has_room && path.history.receivers == 0 && weaker > MIN_SPLIT_THROUGHPUT.max(policy.min_throughput) {
-            stack.push(path.leaving(surface, split.reflected.0, Rgb::splat(split.reflected.1), false));
+            stack.push(path.after_scattering(surface, split.reflected.0, Rgb::splat(split.reflected.1), false));
             let weight = Rgb::splat(split.transmitted.1 / split.squeeze);
-            *path = path.leaving(surface, split.transmitted.0, weight, true);
+            *path = path.after_scattering(surface, split.transmitted.0, weight, true);
             return true;
         }
     }
@@ -229,10 +237,10 @@ fn continue_path<I: Interior>(
     worker: &mut Worker,
 ) -> bool {
     let Some(sample) = scatter::sample(policy.directions, vertex, worker) else { return false };
-    let mut next = path.leaving(vertex.surface, sample.wi, sample.weight, sample.transmitted);
+    let mut next = path.after_scattering(vertex.surface, sample.wi, sample.weight, sample.transmitted);
     next.prev = (!sample.specular).then_some(PrevVertex {
         p: vertex.surface.point.p,
-        hemisphere: vertex.hemisphere(),
+        hemisphere: vertex.scattering_hemisphere(),
         history: vertex.history,
         pdf: sample.pdf,
     });
@@ -312,7 +320,7 @@ fn emission_weight(nee: &NextEventEstimator<'_>, prev: &PrevVertex, hit: &Surfac
 }
 
 /// Radiance of the environment or the background along a path that hits nothing \[W/(m² sr)].
-fn escaped<I: Interior>(paths: &PathContext<'_>, path: &PathState<I>) -> Rgb {
+fn escaped_radiance<I: Interior>(paths: &PathContext<'_>, path: &PathState<I>) -> Rgb {
     let PathContext { scene, policy, nee, .. } = *paths;
     let direction = path.path_ray.ray.direction;
     match scene.environment().filter(|_| policy.effects.has(Effect::Environment)) {
@@ -345,7 +353,7 @@ impl<'a> PathContext<'a> {
 
 impl<I: Interior> PathState<I> {
     /// Path that starts with camera ray `ray`.
-    fn at_camera(paths: &PathContext<'_>, ray: &Ray, sampler: Sampler) -> Self {
+    fn from_camera_ray(paths: &PathContext<'_>, ray: &Ray, sampler: Sampler) -> Self {
         let path_ray = paths.scene.start_camera_path(*ray, paths.policy.effects);
         let history = PathHistory::default();
         Self { path_ray, throughput: Rgb::ONE, bounce: 0, history, prev: None, sampler }
@@ -354,7 +362,7 @@ impl<I: Interior> PathState<I> {
     /// Notes boundaries on the segment that light passes but shadow rays do not: they count as a
     /// caster.
     #[inline]
-    fn cross_hidden_boundaries(&mut self, crossed: bool) {
+    fn note_crossed_boundaries(&mut self, crossed: bool) {
         if crossed {
             self.history.casters += 1;
             self.prev = None;
@@ -377,7 +385,13 @@ impl<I: Interior> PathState<I> {
     /// The path after it leaves `surface` in unit `direction`; `weight` is BSDF times cosine over
     /// pdf.
     #[inline]
-    fn leaving(&self, surface: &SurfaceInteraction<'_>, direction: Vec3, weight: Rgb, transmitted: bool) -> Self {
+    fn after_scattering(
+        &self,
+        surface: &SurfaceInteraction<'_>,
+        direction: Vec3,
+        weight: Rgb,
+        transmitted: bool,
+    ) -> Self {
         let mut path_ray = self.path_ray;
         let weight = weight * path_ray.leave(surface, direction, transmitted);
         let sampler = self.sampler.next_vertex_sampler(self.bounce, transmitted);

@@ -5,6 +5,8 @@
 //! before the first pass estimate both. All passes use the result, so they stay independent. No ray
 //! of the pilot is used again, so the mean stays unbiased.
 
+use super::camera_path;
+use super::film;
 use super::map_builder::PassBudget;
 use super::pass::{Pass, Silent};
 use super::pass_renderer::PassRenderer;
@@ -14,10 +16,10 @@ use crate::scene::for_interior;
 use std::sync::Arc;
 
 /// Pictures of the pilot, of one camera ray per pixel each.
-const PICTURES: u32 = 4;
+const PILOT_PICTURES: u32 = 4;
 
 /// Photon paths of a pass per path that the pilot traces.
-const PILOT_PART: u32 = 16;
+const PILOT_DIVISOR: u32 = 16;
 
 /// Least and most rays of a pixel, in parts of the mean.
 const MIN_DENSITY: f64 = 0.5;
@@ -25,28 +27,31 @@ const MAX_DENSITY: f64 = 8.0;
 
 /// Camera rays of each pixel in parts of the mean, by rows from the top; `None` if rays make no
 /// noise.
-pub(super) fn find_density(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>> {
+pub(super) fn find_ray_density(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>> {
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
-    let budget = PassBudget { key, pass: 0, part: PILOT_PART, limited: true };
-    let maps = renderer.map_builder.build_within(&budget, &Silent, &mut Pass::default());
+    let budget = PassBudget { key, pass: 0, part: PILOT_DIVISOR, limited: true };
+    let maps = renderer.map_builder.build_with_budget(&budget, &Silent, &mut Pass::default());
     // Moving objects rest at one time, as in a pass.
     let pilot = renderer.with_one_sample();
-    let pictures: Vec<Vec<f64>> = (0..PICTURES)
+    let pictures: Vec<Vec<f64>> = (0..PILOT_PICTURES)
         .map(|i| {
-            let mut out = Pass::default();
             // No render reaches these passes, so no random number is used twice.
-            let paths = pilot.paths(Some(&maps), u32::MAX - i);
-            for_interior!(pilot.policy.effects, pilot.render_pixels(&paths, &Silent, &mut out));
-            out.image.iter().map(|v| f64::from(color::channel_mean(*v))).collect()
+            let pass = u32::MAX - i;
+            let (paths, sampling, key) =
+                (pilot.path_context(Some(&maps), pass), pilot.film_sampling(), pilot.camera_key(pass));
+            let picture = for_interior!(pilot.policy.effects, <I> {
+                film::render_tiles(&sampling, key, &Silent, camera_path::tracer::<I>(&paths))
+            });
+            picture.image.iter().map(|v| f64::from(color::channel_mean(*v))).collect()
         })
         .collect();
     let (width, height) = renderer.scene.camera().size();
-    density(&pictures, width as usize, height as usize, renderer.samples)
+    ray_density(&pictures, width as usize, height as usize, renderer.samples)
 }
 
 /// Camera rays of each pixel in parts of the mean, from independent `pictures`; see
-/// [`PathIntegrator::find_density`].
-fn density(pictures: &[Vec<f64>], width: usize, height: usize, samples: u32) -> Option<Arc<[f32]>> {
+/// [`PathIntegrator::find_ray_density`].
+fn ray_density(pictures: &[Vec<f64>], width: usize, height: usize, samples: u32) -> Option<Arc<[f32]>> {
     let n = pictures.len() as f64;
     let mean: Vec<f64> =
         (0..width * height).map(|i| pictures.iter().map(|picture| picture[i]).sum::<f64>() / n).collect();
@@ -113,7 +118,7 @@ mod tests {
             (0..width * height).map(value).collect::<Vec<f64>>()
         };
         let pictures: Vec<Vec<f64>> = (0..64).map(picture).collect();
-        let shares = density(&pictures, width, height, 16).unwrap();
+        let shares = ray_density(&pictures, width, height, 16).unwrap();
         let mean = shares.iter().map(|d| f64::from(*d)).sum::<f64>() / shares.len() as f64;
         assert!((mean - 1.0).abs() < 1e-3, "{mean}");
         for (i, share) in shares.iter().enumerate() {
@@ -126,12 +131,12 @@ mod tests {
             }
         }
         // With one ray per pixel, no pixel can give one away.
-        assert!(density(&pictures, width, height, 1).unwrap().iter().all(|share| *share == 1.0));
+        assert!(ray_density(&pictures, width, height, 1).unwrap().iter().all(|share| *share == 1.0));
         // A pixel that needs almost nothing takes nothing from the others.
         let mut faint = pictures.clone();
         (0..64).for_each(|i| faint[i][0] = 1.0 + 1e-12 * i as f64);
-        assert_eq!(density(&faint, width, height, 16).unwrap()[20..], shares[20..]);
-        assert!(density(&[vec![1.0; 128], vec![1.0; 128]], width, height, 16).is_none());
-        assert!(density(&[vec![0.0; 128], vec![0.0; 128]], width, height, 16).is_none());
+        assert_eq!(ray_density(&faint, width, height, 16).unwrap()[20..], shares[20..]);
+        assert!(ray_density(&[vec![1.0; 128], vec![1.0; 128]], width, height, 16).is_none());
+        assert!(ray_density(&[vec![0.0; 128], vec![0.0; 128]], width, height, 16).is_none());
     }
 }

@@ -1,7 +1,7 @@
 //! Pixels of a pass, rendered in parallel by tiles.
 
-use super::gather_guide::Guide;
-use super::nested_estimates::{NestedEstimates, NestedSum};
+use super::gather_guide::GatherGuide;
+use super::nested_estimates::{NestedEstimateSum, NestedEstimates};
 use super::pass::{Monitor, Stage};
 use crate::camera::{Camera, Filter, FilterSample};
 use crate::color::Rgb;
@@ -14,7 +14,7 @@ use glam::{DVec3, Vec2};
 use rayon::prelude::*;
 
 /// Edge of a tile in pixels. Neighbouring pixels share photons and boxes in the caches.
-const EDGE: u32 = 16;
+const TILE_SIZE: u32 = 16;
 
 /// Working memory of one tile. Each tile starts with a fresh one, so results do not depend on the
 /// thread.
@@ -28,11 +28,11 @@ pub(super) struct Worker {
     /// Buffers of lookups of guiding photons.
     pub guides: Scratch,
     /// Directions of photons near the current vertex.
-    pub guide: Guide,
+    pub guide: GatherGuide,
     /// True if photon estimates are made at nested bandwidths.
     pub nests_estimates: bool,
     /// Nested estimates of the current pixel.
-    pub nested: NestedSum,
+    pub nested: NestedEstimateSum,
     /// Transmittance along the current segment of a medium.
     pub transmittance: TransmittanceCurve,
     /// Visible points, recorded for a pilot.
@@ -79,19 +79,19 @@ struct Tile<'a> {
 
 impl<'a> Tile<'a> {
     /// Cuts a picture of `width` columns, at least one.
-    fn cut(image: &'a mut [Rgb], nested: &'a mut [NestedEstimates], width: u32) -> Vec<Self> {
+    fn split_image(image: &'a mut [Rgb], nested: &'a mut [NestedEstimates], width: u32) -> Vec<Self> {
         let height = image.len() as u32 / width;
         let empty = |index| Tile { index, image: Vec::new(), nested: Vec::new() };
-        let mut tiles: Vec<Self> = (0..width.div_ceil(EDGE) * height.div_ceil(EDGE)).map(empty).collect();
-        pieces(image, width).for_each(|(tile, row)| tiles[tile].image.push(row));
-        pieces(nested, width).for_each(|(tile, row)| tiles[tile].nested.push(row));
+        let mut tiles: Vec<Self> = (0..width.div_ceil(TILE_SIZE) * height.div_ceil(TILE_SIZE)).map(empty).collect();
+        tile_rows(image, width).for_each(|(tile, row)| tiles[tile].image.push(row));
+        tile_rows(nested, width).for_each(|(tile, row)| tiles[tile].nested.push(row));
         tiles
     }
 }
 
 /// Rows of all tiles from the top, each with the index of its tile.
-fn pieces<T>(picture: &mut [T], width: u32) -> impl Iterator<Item = (usize, &mut [T])> {
-    let (width, edge) = (width as usize, EDGE as usize);
+fn tile_rows<T>(picture: &mut [T], width: u32) -> impl Iterator<Item = (usize, &mut [T])> {
+    let (width, edge) = (width as usize, TILE_SIZE as usize);
     let tile = move |x: usize, y: usize| y / edge * width.div_ceil(edge) + x;
     let rows = picture.chunks_mut(width).enumerate();
     rows.flat_map(move |(y, row)| row.chunks_mut(edge).enumerate().map(move |(x, piece)| (tile(x, y), piece)))
@@ -99,7 +99,7 @@ fn pieces<T>(picture: &mut [T], width: u32) -> impl Iterator<Item = (usize, &mut
 
 impl FilmSampling<'_> {
     /// Number of rays of a pixel, at least one; pixels are counted by rows from the top.
-    fn rays(&self, pixel: usize) -> u32 {
+    fn ray_count(&self, pixel: usize) -> u32 {
         let exact = |density: &[f32]| (self.samples as f32 * density[pixel]).round().max(1.0) as u32;
         self.density.map_or(self.samples, exact)
     }
@@ -131,7 +131,7 @@ pub(super) fn render_tiles<T: Default>(
     radiance: impl Fn(&Ray, Sampler, &mut Worker, &mut T) -> Rgb + Sync,
 ) -> FilmImage {
     let (width, height) = sampling.camera.size();
-    let (columns, every) = (width.div_ceil(EDGE), sampling.every);
+    let (columns, every) = (width.div_ceil(TILE_SIZE), sampling.every);
     let pixels = width as usize * height as usize;
     let is_signed = sampling.filter.is_some_and(Filter::is_signed);
     monitor.begin(Stage::Camera, pixels as u64 / u64::from(every));
@@ -139,18 +139,18 @@ pub(super) fn render_tiles<T: Default>(
     // Cut the picture into tiles.
     let mut image = vec![Rgb::ZERO; pixels];
     let mut nested = vec![NestedEstimates::default(); if sampling.nested { pixels } else { 0 }];
-    let mut tiles = Tile::cut(&mut image, &mut nested, width);
-    tiles.retain(|tile| is_rendered(tile.index, columns, every));
-    let indices = |tile: &Tile<'_>| pixels_of(tile.index, columns, width, height).map(|(x, y)| y * width + x);
+    let mut tiles = Tile::split_image(&mut image, &mut nested, width);
+    tiles.retain(|tile| is_tile_rendered(tile.index, columns, every));
+    let indices = |tile: &Tile<'_>| tile_pixels(tile.index, columns, width, height).map(|(x, y)| y * width + x);
     let rendered_pixels = if every > 1 { tiles.iter().flat_map(indices).collect() } else { Vec::new() };
 
     let work = tiles.into_par_iter().map(|mut tile| {
         let mut worker = Worker { nests_estimates: sampling.nested, ..Worker::default() };
         let mut tile_state = T::default();
         let mut rendered = 0;
-        for (x, y) in pixels_of(tile.index, columns, width, height) {
+        for (x, y) in tile_pixels(tile.index, columns, width, height) {
             let (pixel, corner) = (key.pixel_key(x, y), Vec2::new(x as f32, y as f32));
-            let samples = sampling.rays(y as usize * width as usize + x as usize);
+            let samples = sampling.ray_count(y as usize * width as usize + x as usize);
             let mut sum = PixelSum::default();
             for sample in 0..samples {
                 // Trace one camera ray.
@@ -172,8 +172,8 @@ pub(super) fn render_tiles<T: Default>(
                     worker.nested.end_ray(finite.then_some(weight));
                 }
             }
-            let (column, row) = ((x % EDGE) as usize, (y % EDGE) as usize);
-            let total = if is_signed { sum.weighted() } else { sum.plain() };
+            let (column, row) = ((x % TILE_SIZE) as usize, (y % TILE_SIZE) as usize);
+            let total = if is_signed { sum.weighted_sum() } else { sum.unweighted_sum() };
             tile.image[row][column] = (total / f64::from(samples)).as_vec3();
             if sampling.nested {
                 tile.nested[row][column] = worker.nested.end_pixel(samples);
@@ -193,13 +193,13 @@ pub(super) fn render_tiles<T: Default>(
 /// Interval at which about `wanted` tiles of a picture are rendered; at least 2, so that about half
 /// of the tiles or fewer are rendered.
 pub(super) fn tile_interval((width, height): (u32, u32), wanted: u32) -> u32 {
-    (width.div_ceil(EDGE) * height.div_ceil(EDGE) / wanted).max(2)
+    (width.div_ceil(TILE_SIZE) * height.div_ceil(TILE_SIZE) / wanted).max(2)
 }
 
 /// True if `tile` is among the rendered ones, one out of `every`.
 ///
 /// Rendered tiles lie on slanting lines, evenly in rows and columns.
-fn is_rendered(tile: u32, columns: u32, every: u32) -> bool {
+fn is_tile_rendered(tile: u32, columns: u32, every: u32) -> bool {
     // A slant that shares a factor with the interval would leave columns out.
     let slant = (1..=every.div_ceil(2)).rev().find(|slant| gcd(*slant, every) == 1).unwrap_or(1);
     (tile % columns + tile / columns * slant).is_multiple_of(every)
@@ -210,9 +210,9 @@ fn gcd(a: u32, b: u32) -> u32 {
 }
 
 /// Column and row of each pixel of a tile.
-fn pixels_of(tile: u32, columns: u32, width: u32, height: u32) -> impl Iterator<Item = (u32, u32)> {
-    let (left, top) = (tile % columns * EDGE, tile / columns * EDGE);
-    (top..height.min(top + EDGE)).flat_map(move |y| (left..width.min(left + EDGE)).map(move |x| (x, y)))
+fn tile_pixels(tile: u32, columns: u32, width: u32, height: u32) -> impl Iterator<Item = (u32, u32)> {
+    let (left, top) = (tile % columns * TILE_SIZE, tile / columns * TILE_SIZE);
+    (top..height.min(top + TILE_SIZE)).flat_map(move |y| (left..width.min(left + TILE_SIZE)).map(move |x| (x, y)))
 }
 
 /// Sums over the samples of a pixel.
@@ -238,7 +238,7 @@ impl PixelSum {
     }
 
     /// Sum of the values.
-    fn plain(&self) -> DVec3 {
+    fn unweighted_sum(&self) -> DVec3 {
         self.values.value()
     }
 
@@ -247,7 +247,7 @@ impl PixelSum {
     /// Unequal weights make noise even if all values are equal. Where a weight falls short of 1,
     /// the mean of the other values fills in. The sum stays unbiased, and is exact for equal
     /// values.
-    fn weighted(&self) -> DVec3 {
+    fn weighted_sum(&self) -> DVec3 {
         let (values, weighted) = (self.values.value(), self.weighted.value());
         let others = f64::from(self.count) - 1.0;
         if others < 1.0 {

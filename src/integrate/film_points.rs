@@ -17,7 +17,7 @@ pub(super) type FilmPoint = (Vec2, Sampler);
 
 /// Radiance along the camera rays through `points` \[W/(m² sr)], and the workers that traced them.
 pub(super) fn trace_points(paths: &PathContext<'_>, points: &[FilmPoint]) -> (Vec<Rgb>, Vec<Worker>) {
-    for_interior!(paths.policy.effects, trace_points_in(paths, points))
+    for_interior!(paths.policy.effects, <I> trace_points_in::<I>(paths, points))
 }
 
 fn trace_points_in<I: Interior>(paths: &PathContext<'_>, points: &[FilmPoint]) -> (Vec<Rgb>, Vec<Worker>) {

@@ -4,7 +4,7 @@ use crate::math::{Frame, warp};
 use glam::{Vec2, Vec3};
 
 /// Number of photons that guide a gather ray.
-pub(super) const GUIDES: u32 = 32;
+pub(super) const GUIDE_PHOTONS: u32 = 32;
 
 /// 1 − cosine of the half angle (0.2 rad) of the cone around each photon's direction.
 ///
@@ -16,11 +16,11 @@ const ONE_MINUS_COS: f32 = 0.02;
 ///
 /// Hey and Purgathofer 2002, "Importance Sampling with Hemispherical Particle Footprints".
 #[derive(Debug, Default)]
-pub(super) struct Guide {
+pub(super) struct GatherGuide {
     directions: Vec<Vec3>,
 }
 
-impl Guide {
+impl GatherGuide {
     /// Removes all directions.
     pub fn clear(&mut self) {
         self.directions.clear();

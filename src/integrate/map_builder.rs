@@ -3,12 +3,12 @@
 use super::pass::{Expected, Monitor, Pass, PhotonReport, Stage};
 use super::photon_maps::{PhotonEstimator, PhotonMaps};
 use super::policy::{MapRequest, PathPolicy};
-use super::radius_law::{RadiusLaw, shrink, shrink_in};
+use super::radius_law::{RadiusLaw, radius_ratio, shrink};
 use super::radius_pilot::{
-    GuidingReports, Radii, VolumeRadii, find_radius, find_volume_radii, min_disc_radius, pilot_paths,
+    GuidingReports, Radii, VolumeRadii, find_gather_radius, find_volume_radii, min_disc_radius, pilot_path_count,
 };
 use super::settings::{CameraPathSettings, Settings};
-use super::visible_pilot::visible_points;
+use super::visible_pilot::find_visible_points;
 use super::volume_estimate::{VolumeEstimate, VolumeMap};
 use crate::photon::{
     AFTER_CAUSTIC_THINNING, Bandwidth, GuidingPilot, Photon, PhotonMap, PhotonPass, PhotonPassResult, PhotonSource,
@@ -60,22 +60,22 @@ const PROBE_PATHS: u32 = 4096;
 
 /// Photon paths of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct PathCounts {
+pub(super) struct PhotonPathCounts {
     /// Paths of the global map.
     pub photons: u32,
     /// Paths aimed at caustic casters.
     pub caustic_photons: u32,
 }
 
-impl PathCounts {
+impl PhotonPathCounts {
     /// These counts divided by `part`, rounded up.
-    pub fn divided(self, part: u32) -> Self {
+    pub fn divided_by(self, part: u32) -> Self {
         Self { photons: self.photons.div_ceil(part), caustic_photons: self.caustic_photons.div_ceil(part) }
     }
 }
 
 /// Limit on the photons of an estimate if one of `part` paths is traced; 0 stays unlimited.
-fn divided_k(k: u32, part: u32) -> u32 {
+fn pilot_gather_limit(k: u32, part: u32) -> u32 {
     if k == 0 { 0 } else { k.div_ceil(part).max(MIN_PILOT_K) }
 }
 
@@ -110,7 +110,7 @@ struct MapRadii {
 
 /// Kernel radii in media, of each map.
 #[derive(Clone, Copy, Debug, Default)]
-struct MapVolumeRadii {
+struct VolumeRadiiPerMap {
     caustic: VolumeRadii,
     global: VolumeRadii,
 }
@@ -126,11 +126,11 @@ pub(super) struct PhotonMapBuilder<'a> {
     global_source: Option<PhotonSource<'a>>,
     /// Emission aimed at caustic casters; `None` if not requested or without light.
     caustic_source: Option<PhotonSource<'a>>,
-    pub counts: PathCounts,
+    pub counts: PhotonPathCounts,
     /// Largest gather radii of the first pass; `None` without maps.
     pub radii: Option<Radii>,
     /// Kernel radii in media.
-    volume_radii: MapVolumeRadii,
+    volume_radii: VolumeRadiiPerMap,
     /// Least disc radius of the first pass \[length].
     min_radius: f32,
     pub guiding_reports: GuidingReports,
@@ -145,13 +145,13 @@ impl<'a> PhotonMapBuilder<'a> {
             if paths == 0 || mask == StoreMask::NONE {
                 return None;
             }
-            restricted(new_source()?, policy.effects)
+            restrict_to_effects(new_source()?, policy.effects)
         };
         // Caustics forced on in a scene without lit casters start in all directions.
         let aimed = || PhotonSource::aimed_at_casters(scene).or_else(|| PhotonSource::in_all_directions(scene));
         let caustic_source = source(request.aimed, settings.caustic_photons, &aimed);
         let global_source = source(request.global, settings.photons, &|| PhotonSource::in_all_directions(scene));
-        let counts = PathCounts { photons: settings.photons, caustic_photons: settings.caustic_photons };
+        let counts = PhotonPathCounts { photons: settings.photons, caustic_photons: settings.caustic_photons };
         let mut builder = Self {
             scene,
             settings,
@@ -161,7 +161,7 @@ impl<'a> PhotonMapBuilder<'a> {
             caustic_source,
             counts,
             radii: None,
-            volume_radii: MapVolumeRadii::default(),
+            volume_radii: VolumeRadiiPerMap::default(),
             min_radius: 0.0,
             guiding_reports: GuidingReports::default(),
         };
@@ -170,7 +170,7 @@ impl<'a> PhotonMapBuilder<'a> {
         }
         builder.guide_emission();
         builder.radii = builder.has_photons().then(|| builder.find_radii());
-        if builder.lights_media() {
+        if builder.stores_volume_photons() {
             builder.volume_radii = builder.find_volume_radii();
         }
         builder
@@ -181,7 +181,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let request = policy.photon_maps();
         let keep = |source: &Option<PhotonSource<'a>>, mask: StoreMask| {
             let source = source.clone().filter(|_| mask != StoreMask::NONE)?;
-            restricted(source, policy.effects)
+            restrict_to_effects(source, policy.effects)
         };
         Self {
             settings: self.settings.clone(),
@@ -208,16 +208,16 @@ impl<'a> PhotonMapBuilder<'a> {
     /// Guides emission to visible points if that is much more efficient.
     fn guide_emission(&mut self) {
         // Points on surfaces do not describe what is visible in media.
-        if !self.has_photons() || self.lights_media() {
+        if !self.has_photons() || self.stores_volume_photons() {
             return;
         }
         let (scene, settings) = (self.scene, &self.settings);
         let radius = scene.photon_domain().radius * VISIBLE_RADIUS;
-        let visible = visible_points(scene, &settings.camera_paths, self.policy.effects, radius);
+        let visible = find_visible_points(scene, &settings.camera_paths, self.policy.effects, radius);
         let guide = |source: &mut Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
             let unguided = source.take()?;
             let CameraPathSettings { max_bounces, seed, .. } = settings.camera_paths;
-            let paths = pilot_paths(paths, GuidingPilot::PATHS);
+            let paths = pilot_path_count(paths, GuidingPilot::PATHS);
             let pilot = GuidingPilot { mask, max_bounces, visible: &visible, paths, seed };
             let (guided, report) = unguided.clone().with_guided_emission(&pilot);
             *source = Some(if report.gain > MIN_GUIDING_GAIN { guided } else { unguided });
@@ -239,12 +239,12 @@ impl<'a> PhotonMapBuilder<'a> {
                 let source = source.as_ref()?;
                 let photon_pass =
                     PhotonPass { scene: self.scene, source, mask, max_bounces: settings.camera_paths.max_bounces };
-                find_radius(&photon_pass, paths, k, settings.camera_paths.seed, self.min_radius)
+                find_gather_radius(&photon_pass, paths, k, settings.camera_paths.seed, self.min_radius)
             };
             // A pilot may find no photon although passes will, for example if objects move.
             settings.radius.or_else(found).unwrap_or(self.scene.photon_domain().radius * DEFAULT_RADIUS)
         };
-        let (source, mask, paths) = self.global_map();
+        let (source, mask, paths) = self.global_map_inputs();
         let default_k = if self.request.aimed.separates_after_caustic { AFTER_CAUSTIC_COUNT } else { GLOBAL_COUNT };
         let global = radius(source, mask, paths, default_k);
         let caustic = radius(&self.caustic_source, StoreMask::CAUSTIC, settings.caustic_photons, CAUSTIC_K);
@@ -253,7 +253,7 @@ impl<'a> PhotonMapBuilder<'a> {
 
     /// Source, stored photons and effective number of paths of the global map: see
     /// [`PhotonMaps::global`].
-    fn global_map(&self) -> (&Option<PhotonSource<'a>>, StoreMask, u32) {
+    fn global_map_inputs(&self) -> (&Option<PhotonSource<'a>>, StoreMask, u32) {
         if self.request.aimed.separates_after_caustic {
             let mask = StoreMask { after_caustic: true, ..StoreMask::NONE };
             (&self.caustic_source, mask, self.settings.caustic_photons / AFTER_CAUSTIC_THINNING)
@@ -263,14 +263,14 @@ impl<'a> PhotonMapBuilder<'a> {
     }
 
     /// True if photons are stored in media.
-    fn lights_media(&self) -> bool {
+    fn stores_volume_photons(&self) -> bool {
         let effects = self.policy.effects;
         let media = effects.has(Effect::Media) && effects.has(Effect::Interiors);
         media && self.has_photons() && self.scene.media_in_use().iter().any(|medium| medium.scatters())
     }
 
     /// Kernel radii within which most camera rays find enough photons in media.
-    fn find_volume_radii(&self) -> MapVolumeRadii {
+    fn find_volume_radii(&self) -> VolumeRadiiPerMap {
         let settings = &self.settings;
         let found = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
             let source = source.as_ref()?;
@@ -283,20 +283,21 @@ impl<'a> PhotonMapBuilder<'a> {
                 return VolumeRadii { beams: radius, points: radius };
             }
             let default = self.scene.photon_domain().radius * DEFAULT_RADIUS;
-            found(source, self.in_media(mask), paths).unwrap_or(VolumeRadii { beams: default, points: default })
+            found(source, self.with_volume_storage(mask), paths)
+                .unwrap_or(VolumeRadii { beams: default, points: default })
         };
-        let (source, mask, paths) = self.global_map();
+        let (source, mask, paths) = self.global_map_inputs();
         let caustic = radii(&self.caustic_source, StoreMask::CAUSTIC, settings.caustic_photons);
-        MapVolumeRadii { caustic, global: radii(source, StoreMask { direct: false, ..mask }, paths) }
+        VolumeRadiiPerMap { caustic, global: radii(source, StoreMask { direct: false, ..mask }, paths) }
     }
 
     /// `mask`, with photons in media stored in the form that their estimator takes.
-    fn in_media(&self, mask: StoreMask) -> StoreMask {
+    fn with_volume_storage(&self, mask: StoreMask) -> StoreMask {
         StoreMask { beams: self.settings.volume == VolumeEstimate::Beams, ..mask }
     }
 
     /// Law by which radii change from pass to pass.
-    pub fn law(&self) -> RadiusLaw {
+    pub fn radius_law(&self) -> RadiusLaw {
         let alpha = if self.policy.shrinking_radii { self.settings.alpha } else { 1.0 };
         RadiusLaw { alpha, kernel: self.settings.kernel }
     }
@@ -317,9 +318,10 @@ impl<'a> PhotonMapBuilder<'a> {
                 PhotonPass { scene: self.scene, source, mask, max_bounces: settings.camera_paths.max_bounces };
             let traced = photon_pass.trace(key, probe, &|_| {});
             let scale = |n: usize| (n as f64 * f64::from(paths) / f64::from(probe)) as u64;
-            let in_media = |volume: &VolumePhotons| volume.points.len() + BEAM_SIZE * volume.beams.len();
-            let one = scale(traced.deposits.photons.len() + in_media(&traced.deposits.volume));
-            let other = scale(traced.deposits.after_caustic.len() + in_media(&traced.deposits.after_volume));
+            let with_volume_storage = |volume: &VolumePhotons| volume.points.len() + BEAM_SIZE * volume.beams.len();
+            let one = scale(traced.deposits.photons.len() + with_volume_storage(&traced.deposits.volume));
+            let other =
+                scale(traced.deposits.after_caustic.len() + with_volume_storage(&traced.deposits.after_caustic_volume));
             Expected { paths: paths.into(), photons: one + other, most: one.max(other) }
         };
         let guides = if self.request.guides { self.counts.photons / GUIDE_INTERVAL } else { 0 };
@@ -338,24 +340,24 @@ impl<'a> PhotonMapBuilder<'a> {
     /// Traces and indexes the photons of pass `pass`; adds the work to `out`.
     pub fn build(&self, pass: u32, monitor: &dyn Monitor, out: &mut Pass) -> PhotonMaps<'a> {
         let key = Key::new(self.settings.camera_paths.seed);
-        self.build_within(&PassBudget { key, pass, part: 1, limited: true }, monitor, out)
+        self.build_with_budget(&PassBudget { key, pass, part: 1, limited: true }, monitor, out)
     }
 
     /// Traces and indexes photons within `budget`; adds the work to `out`.
-    pub fn build_within(&self, budget: &PassBudget, monitor: &dyn Monitor, out: &mut Pass) -> PhotonMaps<'a> {
+    pub fn build_with_budget(&self, budget: &PassBudget, monitor: &dyn Monitor, out: &mut Pass) -> PhotonMaps<'a> {
         let PassBudget { pass, part, .. } = *budget;
-        let counts = self.counts.divided(part);
+        let counts = self.counts.divided_by(part);
         let key = |purpose| budget.key.purpose_key(purpose).pass_key(pass);
 
         // Discs keep their size if counts are balanced, so the usual limit changes with the count.
         let ratio = f64::from(self.counts.caustic_photons) / f64::from(self.settings.caustic_photons.max(1));
         let usual_k = (f64::from(CAUSTIC_K) * ratio).round().max(1.0) as u32;
-        let caustic_k = divided_k(self.settings.gather_k.unwrap_or(usual_k), part);
-        let global_k = divided_k(self.settings.gather_k.unwrap_or(0), part);
+        let caustic_k = pilot_gather_limit(self.settings.gather_k.unwrap_or(usual_k), part);
+        let global_k = pilot_gather_limit(self.settings.gather_k.unwrap_or(0), part);
         let radii = self.radii.unwrap_or(Radii { global: 1.0, caustic: 1.0 });
 
         // Trace the paths aimed at casters, and index the caustic map.
-        let aimed = self.trace(
+        let aimed = self.trace_photons(
             self.caustic_source.as_ref(),
             self.request.aimed,
             counts.caustic_photons,
@@ -363,12 +365,12 @@ impl<'a> PhotonMapBuilder<'a> {
             monitor,
             out,
         );
-        out.caustic = report(&aimed);
+        out.caustic = photon_report(&aimed);
         let index = |photons: MapPhotons, radii: MapRadii, k, out: &mut Pass| {
             let start = Instant::now();
             let count = (photons.surface.len() + photons.volume.len()) as u64;
             monitor.begin(Stage::Indexing, count);
-            let estimator = self.estimator(photons, radii, k, budget);
+            let estimator = self.build_estimator(photons, radii, k, budget);
             monitor.advance(count);
             out.seconds.indexing += start.elapsed().as_secs_f64();
             estimator
@@ -379,9 +381,9 @@ impl<'a> PhotonMapBuilder<'a> {
 
         // Trace the paths of the global map, unless the aimed paths hold its light.
         let global_photons = if self.request.aimed.separates_after_caustic {
-            MapPhotons { surface: aimed.deposits.after_caustic, volume: aimed.deposits.after_volume }
+            MapPhotons { surface: aimed.deposits.after_caustic, volume: aimed.deposits.after_caustic_volume }
         } else {
-            let traced = self.trace(
+            let traced = self.trace_photons(
                 self.global_source.as_ref(),
                 self.request.global,
                 counts.photons,
@@ -389,7 +391,7 @@ impl<'a> PhotonMapBuilder<'a> {
                 monitor,
                 out,
             );
-            out.global = report(&traced);
+            out.global = photon_report(&traced);
             MapPhotons { surface: traced.deposits.photons, volume: traced.deposits.volume }
         };
         let global_radii = MapRadii { surface: radii.global, volume: self.volume_radii.global };
@@ -398,7 +400,7 @@ impl<'a> PhotonMapBuilder<'a> {
         // Trace the photons that guide gather rays.
         let guides = if self.request.guides {
             let paths = counts.photons / GUIDE_INTERVAL;
-            self.trace(
+            self.trace_photons(
                 self.global_source.as_ref(),
                 StoreMask::GLOBAL,
                 paths,
@@ -416,13 +418,19 @@ impl<'a> PhotonMapBuilder<'a> {
 
     /// Indexes `photons` for estimates of pass `budget.pass`, of at most `k` photons each (0: no
     /// limit).
-    fn estimator(&self, photons: MapPhotons, radii: MapRadii, k: u32, budget: &PassBudget) -> PhotonEstimator<'a> {
-        let (pass, RadiusLaw { alpha, kernel }) = (budget.pass, self.law());
+    fn build_estimator(
+        &self,
+        photons: MapPhotons,
+        radii: MapRadii,
+        k: u32,
+        budget: &PassBudget,
+    ) -> PhotonEstimator<'a> {
+        let (pass, RadiusLaw { alpha, kernel }) = (budget.pass, self.radius_law());
         let area = shrink(alpha, pass);
-        let (beam_dimensions, point_dimensions) = self.settings.volume.dimensions();
+        let (beam_dimensions, point_dimensions) = self.settings.volume.kernel_dimensions();
         let volume_radii = (
-            radii.volume.beams * shrink_in(beam_dimensions, alpha, pass),
-            radii.volume.points * shrink_in(point_dimensions, alpha, pass),
+            radii.volume.beams * radius_ratio(beam_dimensions, alpha, pass),
+            radii.volume.points * radius_ratio(point_dimensions, alpha, pass),
         );
         let band = WAVELENGTH_BAND * area.sqrt() as f32;
         let volume = VolumeMap::build(photons.volume, volume_radii, self.settings.volume, band);
@@ -433,7 +441,7 @@ impl<'a> PhotonMapBuilder<'a> {
         PhotonEstimator { scene: self.scene, map, bandwidth, kernel, volume }
     }
 
-    fn trace(
+    fn trace_photons(
         &self,
         source: Option<&PhotonSource<'_>>,
         mask: StoreMask,
@@ -445,7 +453,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let Some(source) = source else { return PhotonPassResult::default() };
         let start = Instant::now();
         monitor.begin(Stage::Photons, u64::from(paths));
-        let (mask, max_bounces) = (self.in_media(mask), self.settings.camera_paths.max_bounces);
+        let (mask, max_bounces) = (self.with_volume_storage(mask), self.settings.camera_paths.max_bounces);
         let photon_pass = PhotonPass { scene: self.scene, source, mask, max_bounces };
         let traced = photon_pass.trace(key, paths, &|n| monitor.advance(n));
         out.counters.photon_rays += traced.rays;
@@ -456,12 +464,12 @@ impl<'a> PhotonMapBuilder<'a> {
 }
 
 /// `source`, restricted to `effects`; `None` if no light is left.
-fn restricted<'a>(source: PhotonSource<'a>, effects: Effects) -> Option<PhotonSource<'a>> {
+fn restrict_to_effects<'a>(source: PhotonSource<'a>, effects: Effects) -> Option<PhotonSource<'a>> {
     let source = source.with_effects(effects);
     if effects.has(Effect::Environment) { Some(source) } else { source.without_environment() }
 }
 
-fn report(traced: &PhotonPassResult) -> PhotonReport {
+fn photon_report(traced: &PhotonPassResult) -> PhotonReport {
     PhotonReport { emitted: traced.paths, stored: traced.deposits.len() as u64, audit: traced.audit }
 }
 
@@ -471,7 +479,7 @@ mod tests {
 
     #[test]
     fn divided_limits_still_give_a_density() {
-        assert_eq!([0, 1, 2, 5, 50].map(|k| divided_k(k, 4)), [0, 2, 2, 2, 13]);
-        assert_eq!([0, 2, 50].map(|k| divided_k(k, 1)), [0, 2, 50]);
+        assert_eq!([0, 1, 2, 5, 50].map(|k| pilot_gather_limit(k, 4)), [0, 2, 2, 2, 13]);
+        assert_eq!([0, 2, 50].map(|k| pilot_gather_limit(k, 1)), [0, 2, 50]);
     }
 }

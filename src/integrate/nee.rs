@@ -22,7 +22,7 @@ const FEW_LIGHTS: usize = 4;
 
 /// Lights that one vertex sends shadow rays to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum RayScheme {
+enum ShadowRayScheme {
     /// All lights, with this many rays each.
     All(u32),
     /// This many rays, each to a stochastically chosen light.
@@ -43,7 +43,7 @@ pub(super) struct NextEventEstimator<'a> {
     /// Chooses lights if a scheme needs that.
     light_sampler: Option<LightBvhSampler>,
     /// Schemes before the first receiver, and after it.
-    schemes: [RayScheme; 2],
+    schemes: [ShadowRayScheme; 2],
 }
 
 impl<'a> NextEventEstimator<'a> {
@@ -58,15 +58,19 @@ impl<'a> NextEventEstimator<'a> {
         let lights = &all[..skipped.unwrap_or(all.len())];
         let sampled = |n: u32| {
             let surfaces = if centers { 1 } else { lights.iter().filter(|l| !l.is_delta()).count() as u32 };
-            if lights.len() > n as usize { RayScheme::Chosen(n) } else { RayScheme::All((n / surfaces.max(1)).max(1)) }
+            if lights.len() > n as usize {
+                ShadowRayScheme::Chosen(n)
+            } else {
+                ShadowRayScheme::All((n / surfaces.max(1)).max(1))
+            }
         };
         let schemes = match light_sampling {
-            LightSampling::Centers => [RayScheme::All(1); 2],
+            LightSampling::Centers => [ShadowRayScheme::All(1); 2],
             LightSampling::Rays(n) => [sampled(n); 2],
-            LightSampling::OneRay if lights.len() <= FEW_LIGHTS => [RayScheme::All(1), sampled(1)],
+            LightSampling::OneRay if lights.len() <= FEW_LIGHTS => [ShadowRayScheme::All(1), sampled(1)],
             LightSampling::OneRay => [sampled(1); 2],
         };
-        let light_sampler = if schemes.iter().any(|s| matches!(s, RayScheme::Chosen(_))) {
+        let light_sampler = if schemes.iter().any(|s| matches!(s, ShadowRayScheme::Chosen(_))) {
             LightBvhSampler::new(lights, scene.photon_domain())
         } else {
             None
@@ -75,7 +79,7 @@ impl<'a> NextEventEstimator<'a> {
         Self { scene, lights, effects, directions, has_null_interfaces, centers, light_sampler, schemes }
     }
 
-    fn scheme(&self, history: PathHistory) -> RayScheme {
+    fn shadow_ray_scheme(&self, history: PathHistory) -> ShadowRayScheme {
         self.schemes[usize::from(history.receivers > 0)]
     }
 
@@ -85,12 +89,12 @@ impl<'a> NextEventEstimator<'a> {
     /// If the path `continues`, it may hit a light itself. The estimate is then weighted by the
     /// balance heuristic.
     pub fn estimate<I: Interior>(&self, vertex: &PathVertex<'_, I>, continues: bool, worker: &mut Worker) -> Rgb {
-        let rays = match (self.scheme(vertex.history), &self.light_sampler) {
-            (RayScheme::All(rays), _) => rays,
-            (RayScheme::Chosen(rays), Some(sampler)) => {
+        let rays = match (self.shadow_ray_scheme(vertex.history), &self.light_sampler) {
+            (ShadowRayScheme::All(rays), _) => rays,
+            (ShadowRayScheme::Chosen(rays), Some(sampler)) => {
                 return self.estimate_chosen(sampler, rays, vertex, continues, worker);
             }
-            (RayScheme::Chosen(_), None) => return Rgb::ZERO,
+            (ShadowRayScheme::Chosen(_), None) => return Rgb::ZERO,
         };
         let mut sum = Rgb::ZERO;
         for (i, light) in self.lights.iter().enumerate() {
@@ -123,8 +127,10 @@ impl<'a> NextEventEstimator<'a> {
         // rounded up.
         let start = vertex.shadow_sampler.get_1d(Dimension::Light);
         for i in 0..rays {
-            let u = stratum(i, start, rays);
-            let Some((light, probability, _)) = light_sampler.sample(point.p, vertex.hemisphere(), u) else { continue };
+            let u = stratified_point(i, start, rays);
+            let Some((light, probability, _)) = light_sampler.sample(point.p, vertex.scattering_hemisphere(), u) else {
+                continue;
+            };
             let sampler = vertex.shadow_sampler.nth_shadow_ray_sampler(i as usize);
             let u = if self.centers { CENTER } else { sampler.get_2d(Dimension::LightPosition) };
             sum += self.shadow_ray(light, vertex, u, probability * rays as f32, continues, worker);
@@ -136,12 +142,12 @@ impl<'a> NextEventEstimator<'a> {
     /// direction `wi` \[1/sr].
     #[inline]
     pub fn pdf(&self, prev: &PrevVertex, light: usize, wi: Vec3, hit: Option<&SurfacePoint>) -> f32 {
-        let rays = match (self.scheme(prev.history), &self.light_sampler) {
-            (RayScheme::All(rays), _) => rays as f32,
-            (RayScheme::Chosen(rays), Some(sampler)) => {
+        let rays = match (self.shadow_ray_scheme(prev.history), &self.light_sampler) {
+            (ShadowRayScheme::All(rays), _) => rays as f32,
+            (ShadowRayScheme::Chosen(rays), Some(sampler)) => {
                 sampler.probability(prev.p, prev.hemisphere, light) * rays as f32
             }
-            (RayScheme::Chosen(_), None) => 0.0,
+            (ShadowRayScheme::Chosen(_), None) => 0.0,
         };
         rays * self.lights[light].pdf_li(prev.p, wi, hit)
     }
@@ -175,7 +181,7 @@ impl<'a> NextEventEstimator<'a> {
         worker.counters.shadow_rays += 1;
         let ray = match sample.target {
             ShadowTarget::Point(target) => {
-                surface.spawn_ray_to(self.ray_end(light, &sample, target, surface.point.p), sample.wi)
+                surface.spawn_ray_to(self.shadow_ray_end(light, &sample, target, surface.point.p), sample.wi)
             }
             ShadowTarget::Infinity => surface.spawn_ray(sample.wi),
         };
@@ -193,7 +199,7 @@ impl<'a> NextEventEstimator<'a> {
     ///
     /// It stops short of a light without a surface, which may stand in the surface of an object.
     #[inline]
-    fn ray_end(&self, light: usize, sample: &DirectSample, target: Vec3, p: Vec3) -> Vec3 {
+    fn shadow_ray_end(&self, light: usize, sample: &DirectSample, target: Vec3, p: Vec3) -> Vec3 {
         if sample.pdf.is_some() {
             return target;
         }
@@ -208,11 +214,11 @@ impl<'a> NextEventEstimator<'a> {
         vertex: &PathVertex<'_, I>,
         sample: &DirectSample,
     ) -> Rgb {
-        let path_ray = vertex.leaving(sample.wi);
+        let path_ray = vertex.outgoing_path_ray(sample.wi);
         let ray = match sample.target {
-            ShadowTarget::Point(target) => {
-                vertex.surface.spawn_ray_to(self.ray_end(light, sample, target, vertex.surface.point.p), sample.wi)
-            }
+            ShadowTarget::Point(target) => vertex
+                .surface
+                .spawn_ray_to(self.shadow_ray_end(light, sample, target, vertex.surface.point.p), sample.wi),
             ShadowTarget::Infinity => path_ray.ray,
         };
         self.scene.shadow_transmittance(&ray, path_ray.inside, vertex.shadow_sampler.sample_key())
@@ -234,6 +240,6 @@ impl<'a> NextEventEstimator<'a> {
 /// Point of stratum `i` of `count` in \[0, 1); `start` in \[0, 1) is its position within the
 /// stratum.
 #[inline]
-fn stratum(i: u32, start: f32, count: u32) -> f32 {
+fn stratified_point(i: u32, start: f32, count: u32) -> f32 {
     ((i as f32 + start) / count as f32).min(1.0 - f32::EPSILON / 2.0)
 }

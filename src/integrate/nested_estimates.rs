@@ -31,13 +31,13 @@ pub struct NestedEstimates {
 
 /// Sum of the discs of estimates from one map.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct DiscSum {
+pub(super) struct GatherDiscSum {
     radius: f32,
     photons: f32,
     count: u32,
 }
 
-impl DiscSum {
+impl GatherDiscSum {
     /// Adds a disc of `radius` \[length].
     pub fn add(&mut self, radius: f32, photons: u32) {
         self.radius += radius;
@@ -53,18 +53,18 @@ impl DiscSum {
 
 /// Accumulates nested estimates over one camera ray, and over the rays of one pixel.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct NestedSum {
+pub(super) struct NestedEstimateSum {
     /// Steps of the current ray.
     ray: [Rgb; LEVELS - 1],
     /// Steps of the pixel's rays, weighted by the filter.
     pixel: [DVec3; LEVELS - 1],
     /// Discs in the caustic map.
-    pub caustic: DiscSum,
+    pub caustic: GatherDiscSum,
     /// Discs in the global map.
-    pub global: DiscSum,
+    pub global: GatherDiscSum,
 }
 
-impl NestedSum {
+impl NestedEstimateSum {
     /// Adds an estimate with weight `throughput` in the pixel; `radiance` holds its value at each
     /// level.
     #[inline]
@@ -100,7 +100,7 @@ mod tests {
 
     #[test]
     fn a_pixel_is_the_mean_of_its_accepted_rays() {
-        let mut sum = NestedSum::default();
+        let mut sum = NestedEstimateSum::default();
         let levels = |a: f32, b: f32, c: f32| [a, b, c].map(Rgb::splat);
         sum.add(Rgb::splat(0.5), levels(4.0, 2.0, 1.0));
         sum.add(Rgb::ONE, levels(1.0, 1.0, 2.0));

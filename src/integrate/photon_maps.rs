@@ -1,7 +1,7 @@
 //! The photon maps of a pass, and radiance estimates from them.
 
 use super::film::Worker;
-use super::nested_estimates::DiscSum;
+use super::nested_estimates::GatherDiscSum;
 use super::vertex::{MediumVertex, PathVertex};
 use super::volume_estimate::{VolumeMap, wavelength_overlap};
 use crate::bsdf::Transport;
@@ -96,7 +96,7 @@ impl PhotonEstimator<'_> {
         &self,
         vertex: &PathVertex<'_, I>,
         samples: u32,
-        scratch: fn(&mut Worker) -> (&mut Scratch, &mut DiscSum),
+        scratch: fn(&mut Worker) -> (&mut Scratch, &mut GatherDiscSum),
         worker: &mut Worker,
     ) -> Rgb {
         if self.map.is_empty() {
@@ -107,7 +107,7 @@ impl PhotonEstimator<'_> {
         let ns = if surface.wo.dot(surface.point.ng) < 0.0 { -surface.point.ns } else { surface.point.ns };
         let wavelength = vertex.interior.wavelength();
         let brdf = |photon: &PhotonData| {
-            let brdf = surface.bsdf.evaluate(surface.wo, photon.from(), ns, ns, Transport::Radiance);
+            let brdf = surface.bsdf.evaluate(surface.wo, photon.incident_direction(), ns, ns, Transport::Radiance);
             if I::SPECTRAL {
                 brdf * wavelength_overlap(wavelength, photon.wavelength(), self.volume.band)
             } else {

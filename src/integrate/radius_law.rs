@@ -31,7 +31,7 @@ pub fn shrink(alpha: f64, pass: u32) -> f64 {
 /// becomes 4/(4 + d), which balances variance N^−α and squared bias N^4(α−1)/d. Discs (d = 2) keep
 /// their α.
 #[must_use]
-pub(super) fn shrink_in(dimensions: u32, alpha: f64, pass: u32) -> f32 {
+pub(super) fn radius_ratio(dimensions: u32, alpha: f64, pass: u32) -> f32 {
     let d = f64::from(dimensions);
     let own = 1.0 - (1.0 - alpha) * 3.0 * d / (4.0 + d);
     libm::pow(shrink(own, pass), 1.0 / d) as f32
@@ -44,11 +44,11 @@ mod tests {
     #[test]
     fn kernels_shrink_by_their_dimension() {
         for pass in [0, 1, 17, 1000] {
-            assert!((f64::from(shrink_in(2, ALPHA, pass)) - shrink(ALPHA, pass).sqrt()).abs() < 1e-6);
+            assert!((f64::from(radius_ratio(2, ALPHA, pass)) - shrink(ALPHA, pass).sqrt()).abs() < 1e-6);
         }
         // N^(α−1)/d: −1/5, −1/6 and −1/7.
         for (dimensions, power) in [(1, -0.2), (2, -1.0 / 6.0), (3, -1.0 / 7.0)] {
-            let ratio = f64::from(shrink_in(dimensions, ALPHA, 99_999) / shrink_in(dimensions, ALPHA, 9999));
+            let ratio = f64::from(radius_ratio(dimensions, ALPHA, 99_999) / radius_ratio(dimensions, ALPHA, 9999));
             assert!((libm::log10(ratio) - power).abs() < 1e-3, "{dimensions}: {ratio}");
         }
     }
@@ -57,7 +57,7 @@ mod tests {
     /// is below 1/N.
     #[test]
     fn the_product_is_the_ratio_of_gammas() {
-        assert_eq!((shrink(ALPHA, 0), shrink(1.0, 1000), shrink_in(3, 1.0, 1000)), (1.0, 1.0, 1.0));
+        assert_eq!((shrink(ALPHA, 0), shrink(1.0, 1000), radius_ratio(3, 1.0, 1000)), (1.0, 1.0, 1.0));
         for pass in [1u32, 10, 1000, 1_000_000] {
             let n = f64::from(pass) + 1.0;
             let closed = libm::exp(libm::lgamma(n + ALPHA) - libm::lgamma(1.0 + ALPHA) - libm::lgamma(n + 1.0));

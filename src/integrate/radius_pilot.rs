@@ -24,7 +24,7 @@ const PROBES: usize = 512;
 
 /// Quantile of the probes' k-th distances that becomes the radius: the rest of the photons is too
 /// sparse to serve.
-const QUANTILE: f64 = 0.75;
+const RADIUS_QUANTILE: f64 = 0.75;
 
 /// Greatest radius as part of the scene's: beyond it, estimates blur the whole scene.
 const MAX_RADIUS: f32 = 0.1;
@@ -72,7 +72,7 @@ pub struct GuidingReports {
 
 /// Number of paths of a pilot for passes of `paths` paths: `most`, or less if that would outweigh
 /// the passes.
-pub(super) fn pilot_paths(paths: u32, most: u32) -> u32 {
+pub(super) fn pilot_path_count(paths: u32, most: u32) -> u32 {
     paths.saturating_mul(MAX_PASSES).max(MIN_PATHS).min(most)
 }
 
@@ -81,10 +81,10 @@ pub(super) fn pilot_paths(paths: u32, most: u32) -> u32 {
 ///
 /// A smaller pilot finds it; `None` if the pilot stores no photon. The radius is at least
 /// `min_radius`. Otherwise it depends on the scene, the seed and the counts alone.
-pub(super) fn find_radius(pass: &PhotonPass<'_>, paths: u32, k: u32, seed: u64, min_radius: f32) -> Option<f32> {
+pub(super) fn find_gather_radius(pass: &PhotonPass<'_>, paths: u32, k: u32, seed: u64, min_radius: f32) -> Option<f32> {
     let scene = pass.scene;
     let key = Key::new(seed).purpose_key(Purpose::Pilot);
-    let pilot = pilot_paths(paths, MAX_PATHS);
+    let pilot = pilot_path_count(paths, MAX_PATHS);
     let traced = pass.trace(key, pilot, &|_| {});
     let photons = &traced.deposits.photons;
     if photons.is_empty() {
@@ -99,7 +99,7 @@ pub(super) fn find_radius(pass: &PhotonPass<'_>, paths: u32, k: u32, seed: u64, 
     };
     let mut radii: Vec<f32> = photons.iter().step_by(step).map(distance).collect();
     radii.sort_by(f32::total_cmp);
-    let quantile = ((radii.len() - 1) as f64 * QUANTILE) as usize;
+    let quantile = ((radii.len() - 1) as f64 * RADIUS_QUANTILE) as usize;
     let mut coordinates: Vec<f32> = photons.iter().step_by(step).map(|p| p.position.abs().max_element()).collect();
     coordinates.sort_by(f32::total_cmp);
     // Photons at the origin alone give no distance.
@@ -148,17 +148,17 @@ pub(super) fn find_volume_radii(
 ) -> Option<VolumeRadii> {
     let scene = pass.scene;
     let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::Pilot);
-    let pilot = pilot_paths(paths, MAX_PATHS);
+    let pilot = pilot_path_count(paths, MAX_PATHS);
     let traced = pass.trace(key, pilot, &|_| {});
     let mut volume = traced.deposits.volume;
-    volume.beams.extend(traced.deposits.after_volume.beams);
-    volume.points.extend(traced.deposits.after_volume.points);
+    volume.beams.extend(traced.deposits.after_caustic_volume.beams);
+    volume.points.extend(traced.deposits.after_caustic_volume.points);
     if volume.is_empty() {
         return None;
     }
     let size = scene.photon_domain().radius.max(f32::MIN_POSITIVE);
     let trial = size * TRIAL_RADIUS;
-    let camera_paths = medium_segments(scene, effects, key);
+    let camera_paths = trace_medium_segments(scene, effects, key);
     let more = f64::from(paths) / f64::from(pilot);
     let radius = |counts: Vec<f64>, dimensions: u32| {
         let mut counts: Vec<f64> = counts.into_iter().filter(|n| *n > 0.0).collect();
@@ -167,7 +167,7 @@ pub(super) fn find_volume_radii(
         let ratio = libm::pow(MEDIAN_COUNT / (median * more), 1.0 / f64::from(dimensions)) as f32;
         (trial * ratio).clamp(size * MIN_RADIUS, size * MAX_RADIUS)
     };
-    let (beam_dimensions, point_dimensions) = settings.volume.dimensions();
+    let (beam_dimensions, point_dimensions) = settings.volume.kernel_dimensions();
     let (beams, points) = (PhotonBeamMap::build(volume.beams, trial), VolumePhotonMap::build(volume.points, trial));
     let beams = camera_paths.iter().map(|segments| {
         let mut count = 0.0;
@@ -190,7 +190,7 @@ pub(super) fn find_volume_radii(
 }
 
 /// Segments of scattering media along camera paths, over casters to the first receiver.
-fn medium_segments(scene: &Scene, effects: Effects, key: Key) -> Vec<Vec<Ray>> {
+fn trace_medium_segments(scene: &Scene, effects: Effects, key: Key) -> Vec<Vec<Ray>> {
     let (width, height) = scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);
     let along_path = |i| {

@@ -78,8 +78,9 @@ impl<'a> RayCast<'a> {
             }
             ray = surface.spawn_ray(ray.direction);
         };
-        let look = appearance(self.scene, &surface, &hit, &cone);
-        surface.emission + self.scene.legacy_lights().iter().map(|light| phong(&surface, &look, light)).sum::<Rgb>()
+        let look = phong_appearance(self.scene, &surface, &hit, &cone);
+        surface.emission
+            + self.scene.legacy_lights().iter().map(|light| phong_radiance(&surface, &look, light)).sum::<Rgb>()
     }
 }
 
@@ -96,46 +97,46 @@ struct PhongAppearance {
 
 impl PhongAppearance {
     /// Coefficients without a highlight.
-    fn matte(diffuse: Rgb) -> Self {
+    fn from_diffuse(diffuse: Rgb) -> Self {
         Self { diffuse, specular: Rgb::ZERO, shininess: 0.0 }
     }
 
     /// The appearance of a material in the course's shading model, with parameters from
     /// `parameters`.
-    fn of(material: &MaterialKind, parameters: &impl ParameterEvaluator) -> Self {
+    fn from_material(material: &MaterialKind, parameters: &impl ParameterEvaluator) -> Self {
         match material {
             MaterialKind::Diffuse { reflectance } | MaterialKind::Mirror { reflectance } => {
-                Self::matte(parameters.evaluate_color(reflectance))
+                Self::from_diffuse(parameters.evaluate_color(reflectance))
             }
-            MaterialKind::Thin { transmittance, .. } => Self::matte(parameters.evaluate_color(transmittance)),
+            MaterialKind::Thin { transmittance, .. } => Self::from_diffuse(parameters.evaluate_color(transmittance)),
             MaterialKind::Phong { diffuse, specular, shininess } => Self {
                 diffuse: parameters.evaluate_color(diffuse),
                 specular: parameters.evaluate_color(specular),
                 shininess: *shininess,
             },
-            MaterialKind::Conductor { eta, k, .. } => Self::matte(conductor_reflectance(1.0, *eta, *k)),
-            MaterialKind::Dielectric { body, .. } => Self::matte((-body.absorption).map(libm::expf)),
+            MaterialKind::Conductor { eta, k, .. } => Self::from_diffuse(conductor_reflectance(1.0, *eta, *k)),
+            MaterialKind::Dielectric { body, .. } => Self::from_diffuse((-body.absorption).map(libm::expf)),
             // An interaction has resolved each mix to a leaf.
-            MaterialKind::Black | MaterialKind::Mix { .. } => Self::matte(Rgb::ZERO),
+            MaterialKind::Black | MaterialKind::Mix { .. } => Self::from_diffuse(Rgb::ZERO),
         }
     }
 }
 
 /// The appearance of the surface at `hit`.
-fn appearance(scene: &Scene, surface: &SurfaceInteraction<'_>, hit: &Hit, cone: &RayCone) -> PhongAppearance {
+fn phong_appearance(scene: &Scene, surface: &SurfaceInteraction<'_>, hit: &Hit, cone: &RayCone) -> PhongAppearance {
     let material = surface.material;
     if !(material.is_textured() && cone.effects.has(Effect::Textures)) {
-        return PhongAppearance::of(material.kind(), &MeanEvaluator);
+        return PhongAppearance::from_material(material.kind(), &MeanEvaluator);
     }
     let at = scene.texture_context(hit, &surface.point, surface.wo, cone);
-    PhongAppearance::of(material.kind(), &TextureEvaluator { textures: scene.textures(), at })
+    PhongAppearance::from_material(material.kind(), &TextureEvaluator { textures: scene.textures(), at })
 }
 
 /// Phong's model for one light: c·(kd·max(0, N·L) + ks·max(0, V·R)ˢ) with R = 2(N·L)N − L.
 ///
 /// By the course's definition, surfaces that face away from the light keep their highlight. Normals
 /// are not flipped towards the viewer, and 0⁰ is 1.
-fn phong(surface: &SurfaceInteraction<'_>, look: &PhongAppearance, light: &LegacyLight) -> Rgb {
+fn phong_radiance(surface: &SurfaceInteraction<'_>, look: &PhongAppearance, light: &LegacyLight) -> Rgb {
     let (to_light, color) = match light {
         LegacyLight::Point(position, color) => ((*position - surface.point.p).normalize_or_zero(), *color),
         LegacyLight::Directional(direction, color) => (-*direction, *color),

@@ -1,7 +1,7 @@
 //! Direction sampling at the vertices of camera paths.
 
 use super::film::Worker;
-use super::gather_guide::GUIDES;
+use super::gather_guide::GUIDE_PHOTONS;
 use super::photon_maps::PhotonMaps;
 use super::policy::DirectionSampling;
 use super::vertex::PathVertex;
@@ -18,7 +18,7 @@ use std::cell::RefCell;
 const GUIDE_RADIUS: f32 = 4.0;
 
 /// Fills the worker's guide with the directions of photons near `vertex`.
-pub(super) fn collect_guides<I: Interior>(
+pub(super) fn collect_guide_directions<I: Interior>(
     maps: &PhotonMaps<'_>,
     min_gather_distance: f32,
     vertex: &PathVertex<'_, I>,
@@ -27,11 +27,11 @@ pub(super) fn collect_guides<I: Interior>(
     let Worker { guide, guides, .. } = worker;
     guide.clear();
     let guide = RefCell::new(guide);
-    let bandwidth = Bandwidth { radius: min_gather_distance * GUIDE_RADIUS, k: GUIDES };
+    let bandwidth = Bandwidth { radius: min_gather_distance * GUIDE_RADIUS, k: GUIDE_PHOTONS };
     let (p, normal) = (vertex.surface.point.p, vertex.surface.facing_normal());
     // The estimate itself is not used: the lookup visits the photons.
     let _ = maps.guides.estimate(p, normal, bandwidth, Kernel::Cone, guides, |flux| {
-        guide.borrow_mut().push(flux.from());
+        guide.borrow_mut().push(flux.incident_direction());
         Rgb::ZERO
     });
 }

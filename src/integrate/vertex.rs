@@ -44,13 +44,13 @@ pub(super) struct PathVertex<'a, I> {
 impl<I: Interior> PathVertex<'_, I> {
     /// Normal of the hemisphere from which light scatters; `None` for surfaces that transmit.
     #[inline]
-    pub fn hemisphere(&self) -> Option<Vec3> {
+    pub fn scattering_hemisphere(&self) -> Option<Vec3> {
         (!self.surface.bsdf.transmits()).then(|| self.surface.facing_normal())
     }
 
     /// Path ray that leaves in unit direction `wi`.
     #[inline]
-    pub fn leaving(&self, wi: Vec3) -> PathRay<I> {
+    pub fn outgoing_path_ray(&self, wi: Vec3) -> PathRay<I> {
         let cone = RayCone::zero_width(Effects::NONE);
         let mut path_ray = PathRay { ray: Ray::new(self.surface.point.p, wi), inside: *self.interior, cone };
         let transmitted = wi.dot(self.surface.point.ng) * self.surface.wo.dot(self.surface.point.ng) < 0.0;
@@ -62,7 +62,7 @@ impl<I: Interior> PathVertex<'_, I> {
     /// surfaces are ignored.
     #[inline]
     pub fn transmittance(&self, scene: &Scene, wi: Vec3, distance: f32) -> Rgb {
-        let path_ray = self.leaving(wi);
+        let path_ray = self.outgoing_path_ray(wi);
         if I::SPECTRAL {
             let ray = Ray { t_max: distance, ..path_ray.ray };
             return scene.interior_transmittance(&ray, &path_ray.inside, self.shadow_sampler.sample_key());

@@ -22,7 +22,7 @@ const MAX_RADIUS: f32 = 0.1;
 ///
 /// A photon counts as visible within `radius` \[length] of a point, or less if the visible part of
 /// the scene is small.
-pub(super) fn visible_points(
+pub(super) fn find_visible_points(
     scene: &Scene,
     settings: &CameraPathSettings,
     effects: Effects,

@@ -24,7 +24,7 @@ pub enum VolumeEstimate {
 
 impl VolumeEstimate {
     /// Dimensions of the kernel in homogeneous media, and in others.
-    pub(super) fn dimensions(self) -> (u32, u32) {
+    pub(super) fn kernel_dimensions(self) -> (u32, u32) {
         match self {
             Self::Beams => (1, 2),
             Self::BeamRadiance => (2, 2),
@@ -43,7 +43,7 @@ pub(super) struct VolumeMap {
 }
 
 /// Kernel sums at the full radius and at the nested smaller ones.
-struct NestedSums {
+struct NestedKernelSums {
     sums: [Rgb; LEVELS],
     /// Factor on the normalization of the kernel at half the squared radius.
     level_scale: f32,
@@ -53,7 +53,7 @@ struct NestedSums {
     nested: bool,
 }
 
-impl NestedSums {
+impl NestedKernelSums {
     /// Empty sums of a kernel in `dimensions` dimensions.
     fn new(dimensions: u32, power: i32, nested: bool) -> Self {
         let level_scale = [1.0, std::f32::consts::SQRT_2, 2.0, 2.0 * std::f32::consts::SQRT_2][dimensions as usize];
@@ -80,7 +80,7 @@ impl NestedSums {
     }
 
     /// All sums times `factor`.
-    fn times(self, factor: Rgb) -> [Rgb; LEVELS] {
+    fn scaled_by(self, factor: Rgb) -> [Rgb; LEVELS] {
         self.sums.map(|sum| sum * factor)
     }
 }
@@ -117,14 +117,14 @@ impl VolumeMap {
         let mut levels = [Rgb::ZERO; LEVELS];
         let mut add = |sums: [Rgb; LEVELS]| levels.iter_mut().zip(sums).for_each(|(level, sum)| *level += sum);
         if medium.is_homogeneous() {
-            add(self.sum_beams(vertex, count, nested));
+            add(self.estimate_by_beams(vertex, count, nested));
         }
         if !self.points.is_empty() {
             add(match self.estimate {
-                VolumeEstimate::Points => self.sum_points_at_sample(vertex, rng, count, nested),
+                VolumeEstimate::Points => self.estimate_at_sampled_point(vertex, rng, count, nested),
                 VolumeEstimate::Beams | VolumeEstimate::BeamRadiance => {
                     curve.sample(medium, ray, ray.t_max, rng);
-                    self.sum_points_along_ray(vertex, curve, count, nested)
+                    self.estimate_along_ray(vertex, curve, count, nested)
                 }
             });
         }
@@ -135,10 +135,15 @@ impl VolumeMap {
     }
 
     /// Estimate of photon beams by a one-dimensional kernel around the ray.
-    fn sum_beams<I: Interior>(&self, vertex: &MediumVertex<'_, I>, count: &mut u64, nested: bool) -> [Rgb; LEVELS] {
+    fn estimate_by_beams<I: Interior>(
+        &self,
+        vertex: &MediumVertex<'_, I>,
+        count: &mut u64,
+        nested: bool,
+    ) -> [Rgb; LEVELS] {
         let MediumSegment { ray, medium, index, inside, .. } = vertex.segment;
         let (own, extinction) = (inside.wavelength(), medium.extinction());
-        let mut sums = NestedSums::new(1, 1, nested);
+        let mut sums = NestedKernelSums::new(1, 1, nested);
         self.beams.visit(ray, |beam, crossing| {
             if beam.medium != *index {
                 return;
@@ -149,11 +154,11 @@ impl VolumeMap {
             let radiance = beam.flux * transmittance * wavelength_overlap(own, beam.wavelength, self.band);
             sums.add(radiance, phase * crossing.weight, crossing.x2);
         });
-        sums.times(medium.scattering)
+        sums.scaled_by(medium.scattering)
     }
 
     /// Estimate of scattered photons by a two-dimensional kernel around the ray.
-    fn sum_points_along_ray<I: Interior>(
+    fn estimate_along_ray<I: Interior>(
         &self,
         vertex: &MediumVertex<'_, I>,
         curve: &TransmittanceCurve,
@@ -162,7 +167,7 @@ impl VolumeMap {
     ) -> [Rgb; LEVELS] {
         let MediumSegment { ray, medium, index, inside, .. } = vertex.segment;
         let own = inside.wavelength();
-        let mut sums = NestedSums::new(2, 2, nested);
+        let mut sums = NestedKernelSums::new(2, 2, nested);
         self.points.visit(ray, |photon, t, cos, weight, x2| {
             if photon.medium != *index {
                 return;
@@ -176,12 +181,12 @@ impl VolumeMap {
                 x2,
             );
         });
-        sums.times(Rgb::ONE)
+        sums.scaled_by(Rgb::ONE)
     }
 
     /// Estimate of scattered photons by a three-dimensional kernel around one sampled point of the
     /// ray.
-    fn sum_points_at_sample<I: Interior>(
+    fn estimate_at_sampled_point<I: Interior>(
         &self,
         vertex: &MediumVertex<'_, I>,
         rng: &mut impl Rng,
@@ -193,7 +198,7 @@ impl VolumeMap {
         let distance_sample = medium.distance_sample(ray, ray.t_max, vertex.throughput, rng);
         let Some(t) = distance_sample.scattered else { return [Rgb::ZERO; LEVELS] };
         let p = ray.at(t);
-        let mut sums = NestedSums::new(3, 1, nested);
+        let mut sums = NestedKernelSums::new(3, 1, nested);
         self.points.around(p, |photon, weight, x2| {
             if photon.medium != *index {
                 return;
@@ -203,12 +208,12 @@ impl VolumeMap {
             sums.add(photon.flux() * wavelength_overlap(own, photon.wavelength, self.band), phase * weight, x2);
         });
         // The weight is σs·T over the pdf, but the photons are scattered light already.
-        sums.times(over_scattering(distance_sample.weight, medium, p))
+        sums.scaled_by(divide_by_scattering(distance_sample.weight, medium, p))
     }
 }
 
 /// `weight` over σs at `p`; 0 in channels without scattering.
-fn over_scattering(weight: Rgb, medium: &Medium, p: Vec3) -> Rgb {
+fn divide_by_scattering(weight: Rgb, medium: &Medium, p: Vec3) -> Rgb {
     let scattering = medium.scattering * medium.density_at(p);
     Rgb::select(scattering.cmpgt(Rgb::ZERO), weight / scattering, Rgb::ZERO)
 }

@@ -1,7 +1,7 @@
 //! Pilot that measures the noise and the work of a pass, at few points of the film and with few
 //! photons.
 
-use super::balance::{self, Balance, Part};
+use super::balance::{self, Balance, NoiseSource};
 use super::film_points::{FilmPoint, trace_points};
 use super::map_builder::PassBudget;
 use super::pass::{Pass, PhotonReport, Silent};
@@ -17,7 +17,7 @@ use glam::Vec2;
 const POINTS: u32 = 1024;
 
 /// Photon paths of a pass per path that the pilot traces.
-const PILOT_PART: u32 = 16;
+const PILOT_DIVISOR: u32 = 16;
 
 /// Radiance and work of camera paths through the pilot's points.
 struct PointEstimates {
@@ -37,24 +37,24 @@ pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
     let counts = renderer.map_builder.counts;
     let build = |trial| {
         let mut out = Pass::default();
-        let budget = PassBudget { key: key.trial_key(trial), pass: 0, part: PILOT_PART, limited: false };
-        (renderer.map_builder.build_within(&budget, &Silent, &mut out), out)
+        let budget = PassBudget { key: key.trial_key(trial), pass: 0, part: PILOT_DIVISOR, limited: false };
+        (renderer.map_builder.build_with_budget(&budget, &Silent, &mut out), out)
     };
     let ((mut maps, made), (mut other_maps, _)) = (build(0), build(1));
 
     // Estimate the radiance at each point four times: as is, and with one source of noise
     // replaced each time.
-    let (points, other_points) = (film_points(renderer.scene, key, 0), film_points(renderer.scene, key, 1));
-    let reference = estimate(renderer, Some(&maps), &points);
-    let other_camera = estimate(renderer, Some(&maps), &other_points);
+    let (points, other_points) = (pilot_film_points(renderer.scene, key, 0), pilot_film_points(renderer.scene, key, 1));
+    let reference = estimate_at_points(renderer, Some(&maps), &points);
+    let other_camera = estimate_at_points(renderer, Some(&maps), &other_points);
     std::mem::swap(&mut maps.caustic, &mut other_maps.caustic);
     // One set of paths may fill both maps.
     let one_source = renderer.map_builder.request.aimed.separates_after_caustic;
     if one_source {
         std::mem::swap(&mut maps.global, &mut other_maps.global);
     }
-    let other_caustic = estimate(renderer, Some(&maps), &points);
-    let other_global = if one_source { None } else { Some(estimate(renderer, Some(&other_maps), &points)) };
+    let other_caustic = estimate_at_points(renderer, Some(&maps), &points);
+    let other_global = if one_source { None } else { Some(estimate_at_points(renderer, Some(&other_maps), &points)) };
 
     // Measure the noise of each source, relative to the mean radiance.
     let mean: Vec<f64> = (0..points.len())
@@ -64,24 +64,24 @@ pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
             values.iter().sum::<f64>() / 3.0
         })
         .collect();
-    let noise = |other: &PointEstimates| balance::noise(&reference.radiance, &other.radiance, &mean);
+    let noise = |other: &PointEstimates| balance::relative_variance(&reference.radiance, &other.radiance, &mean);
 
     // Measure the work of each source.
-    let pixel_count = pixels(renderer.scene);
+    let pixel_count = pixel_count(renderer.scene);
     let points = f64::from(POINTS);
     // Estimates of a pass hold more photons than those of the pilot.
-    let gathered = balance::gathering(&reference.counters) / points * pixel_count * f64::from(PILOT_PART);
+    let gathered = balance::gathering_work(&reference.counters) / points * pixel_count * f64::from(PILOT_DIVISOR);
     let paths = (made.global.emitted + made.caustic.emitted) as f64;
     let rays = made.counters.photon_rays as f64;
     let photons = |noise: f64, report: &PhotonReport, count: u32| {
         let emitted = report.emitted as f64;
         let cost = rays / paths
-            + balance::storing(report.stored) / emitted.max(1.0)
-            + gathered / (paths * f64::from(PILOT_PART));
-        Part { variance: noise * emitted, cost, count: f64::from(count) }
+            + balance::photon_storage_work(report.stored) / emitted.max(1.0)
+            + gathered / (paths * f64::from(PILOT_DIVISOR));
+        NoiseSource { variance: noise * emitted, cost, count: f64::from(count) }
     };
-    let tracing = balance::tracing(&reference.counters) / points * pixel_count;
-    let camera = Part {
+    let tracing = balance::camera_path_work(&reference.counters) / points * pixel_count;
+    let camera = NoiseSource {
         variance: noise(&other_camera),
         cost: if renderer.policy.reads_photons_each_sample() { tracing + gathered } else { tracing },
         count: f64::from(renderer.samples),
@@ -91,7 +91,7 @@ pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
     let global = photons(global_noise, &made.global, counts.photons);
 
     // Divide the work between the sources.
-    let [samples, photons, caustic_photons] = balance::divide(&[camera, global, caustic]);
+    let [samples, photons, caustic_photons] = balance::divide_work(&[camera, global, caustic]);
     let paths = |n: f64, emitted: u64| (emitted > 0).then(|| n.round().min(f64::from(u32::MAX)) as u32);
     Some(Balance {
         samples: samples.round().max(1.0) as u32,
@@ -104,15 +104,15 @@ pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
 pub(super) fn measure_work(renderer: &PassRenderer<'_>) -> Counters {
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
     let mut out = Pass::default();
-    let budget = PassBudget { key, pass: 0, part: PILOT_PART, limited: true };
-    let maps = renderer.map_builder.build_within(&budget, &Silent, &mut out);
-    let counters = estimate(renderer, Some(&maps), &film_points(renderer.scene, key, 0)).counters;
+    let budget = PassBudget { key, pass: 0, part: PILOT_DIVISOR, limited: true };
+    let maps = renderer.map_builder.build_with_budget(&budget, &Silent, &mut out);
+    let counters = estimate_at_points(renderer, Some(&maps), &pilot_film_points(renderer.scene, key, 0)).counters;
     let Counters { continuation_rays, shadow_rays, gathers, gathered_photons, .. } = counters;
     let scaled = |n: u64, factor: f64| (n as f64 * factor).round() as u64;
-    let pixel_count = pixels(renderer.scene);
+    let pixel_count = pixel_count(renderer.scene);
     let samples = f64::from(renderer.samples) * pixel_count / f64::from(POINTS);
     let estimates = if renderer.policy.reads_photons_each_sample() { samples } else { pixel_count / f64::from(POINTS) };
-    let photons = f64::from(PILOT_PART);
+    let photons = f64::from(PILOT_DIVISOR);
     Counters {
         camera_rays: u64::from(renderer.samples) * pixel_count as u64,
         continuation_rays: scaled(continuation_rays, samples),
@@ -125,21 +125,25 @@ pub(super) fn measure_work(renderer: &PassRenderer<'_>) -> Counters {
     }
 }
 
-fn estimate(renderer: &PassRenderer<'_>, maps: Option<&PhotonMaps<'_>>, points: &[FilmPoint]) -> PointEstimates {
-    let (radiance, workers) = trace_points(&renderer.paths(maps, 0), points);
+fn estimate_at_points(
+    renderer: &PassRenderer<'_>,
+    maps: Option<&PhotonMaps<'_>>,
+    points: &[FilmPoint],
+) -> PointEstimates {
+    let (radiance, workers) = trace_points(&renderer.path_context(maps, 0), points);
     let mut counters = Counters::default();
     workers.iter().for_each(|worker| counters += worker.counters);
     PointEstimates { radiance, counters }
 }
 
-fn pixels(scene: &Scene) -> f64 {
+fn pixel_count(scene: &Scene) -> f64 {
     let (width, height) = scene.camera().size();
     f64::from(width) * f64::from(height)
 }
 
 /// Points of the film, spread over the picture. Points with equal index in two sets lie in one
 /// pixel.
-fn film_points(scene: &Scene, key: Key, set: u32) -> Vec<FilmPoint> {
+fn pilot_film_points(scene: &Scene, key: Key, set: u32) -> Vec<FilmPoint> {
     let (width, height) = scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);
     let key = key.purpose_key(Purpose::Camera);

@@ -1,4 +1,4 @@
-//! Area lights: surfaces that emit.
+//! Area lights: emitting surfaces.
 
 use super::light_bounds::{DirectionCone, LightBounds, NORMAL_ERROR, angle_between};
 use super::source::{DirectSample, EmissionSample, LightGeometry, LightSource, ShadowTarget};
@@ -6,18 +6,17 @@ use super::{Light, PhotonAim};
 use crate::color::Rgb;
 use crate::math::{BoundingSphere, Bounds, Frame, Ray, offset_ray_origin, warp};
 use crate::sampling::DiscreteDistribution;
-use crate::shape::{Mesh, Shape, ShapeSample, SurfacePoint, TexCoord, TextureMapping};
+use crate::shape::{
+    Mesh, Shape, ShapeSample, SolidAngleSample, SolidAngleSampling, SurfacePoint, TRIANGLE_HIT_ERROR, TexCoord,
+    TextureMapping,
+};
 use crate::texture::{Texture, TextureEvalContext};
 use glam::{DVec3, Vec2, Vec3};
 use std::f32::consts::PI;
 use std::f64::consts::{FRAC_PI_2, PI as PI_F64};
 use std::sync::Arc;
 
-/// Relative error of a ray's hit on a distant triangle. The shear of the triangle test rounds a few
-/// times in f32.
-const TRIANGLE_ERROR: f32 = 4.0 * f32::EPSILON;
-
-/// Surface of an area light.
+/// The surface of an area light.
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "lights lie in one array and are sampled where they lie")]
 pub enum LightSurface {
@@ -25,43 +24,43 @@ pub enum LightSurface {
     Shape(Shape),
     /// Consecutive triangles of a mesh.
     Triangles {
-        /// The mesh.
+        /// The mesh that contains the triangles.
         mesh: Arc<Mesh>,
         /// Index of the first triangle.
         first: u32,
-        /// Distribution over the triangles from `first` on, by area.
+        /// Distribution over the triangles by area; index 0 is the triangle `first`.
         choice: DiscreteDistribution,
     },
 }
 
-/// A surface that emits from its outer side.
+/// A surface that emits on its outer side.
 #[derive(Clone, Debug)]
 pub struct AreaLight {
-    /// The surface.
+    /// The emitting surface.
     pub surface: LightSurface,
-    /// Radiance \[W/(m² sr)]; its mean over the surface if a texture varies it.
+    /// Emitted radiance \[W/(m² sr)], mean over the surface if there is a texture.
     pub radiance: Rgb,
-    /// Texture of the radiance; `None` for uniform radiance.
+    /// Texture of the radiance; `None` if the radiance is uniform.
     pub texture: Option<Arc<EmissionTexture>>,
 }
 
-/// A texture that varies the radiance of a surface.
+/// A texture that defines the emitted radiance of a surface.
 #[derive(Clone, Debug)]
 pub struct EmissionTexture {
-    /// The texture.
+    /// The texture of the radiance, up to a factor.
     pub texture: Arc<Texture>,
-    /// Mapping of the texture onto the surface.
+    /// Mapping from surface points to texture coordinates.
     pub mapping: TextureMapping,
     /// Factor from texture value to radiance \[W/(m² sr)].
     pub scale: Rgb,
 }
 
-/// Parametric coordinates of a sampled surface point.
+/// The parametric coordinates of a sampled point of a light's surface.
 #[derive(Clone, Copy, Debug)]
 enum SurfaceCoord {
-    /// Coordinates of an analytic shape.
+    /// Parametric coordinates on an analytic shape.
     Shape(Vec2),
-    /// Index of a triangle, and barycentric coordinates.
+    /// Index of a triangle in the mesh, and barycentric coordinates in the triangle.
     Triangle(u32, Vec2),
 }
 
@@ -75,7 +74,7 @@ impl LightSurface {
         }
     }
 
-    /// Pdf per area \[1/length²] with which [`LightSurface::sample`] samples a point.
+    /// Pdf per area \[1/length²] with which [`LightSurface::sample`] samples `point`.
     #[inline]
     #[must_use]
     pub fn pdf(&self, point: &SurfacePoint) -> f32 {
@@ -85,13 +84,14 @@ impl LightSurface {
         }
     }
 
-    /// Samples a point of the surface by `u` in \[0, 1)², with its pdf per area.
+    /// Samples a point of the surface by `u` in \[0, 1)².
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> ShapeSample {
         self.sample_with_coord(u).0
     }
 
+    /// Samples a point of the surface, with its parametric coordinates.
     #[inline]
     fn sample_with_coord(&self, u: Vec2) -> (ShapeSample, SurfaceCoord) {
         match self {
@@ -123,13 +123,13 @@ impl LightSurface {
         }
     }
 
-    /// A point from which light leaves, offset from the surface.
+    /// A point from which light leaves, offset from the surface to its outer side.
     pub(super) fn emission_point(&self) -> Vec3 {
         let point = self.sample(Vec2::splat(0.5)).point;
         offset_ray_origin(point.p, point.error, point.ng, point.ng)
     }
 
-    /// Center of the bounds of an analytic shape; a point of a mesh.
+    /// Center of the bounding box of an analytic shape, or a point of a mesh.
     pub(super) fn center(&self) -> Vec3 {
         match self {
             Self::Shape(shape) => shape.bounds().center(),
@@ -137,25 +137,24 @@ impl LightSurface {
         }
     }
 
-    /// A point of a planar analytic shape; `None` for curved shapes and meshes.
-    fn planar_point(&self) -> Option<SurfacePoint> {
+    /// One point of a planar analytic shape; `None` for curved shapes and meshes.
+    fn point_if_planar(&self) -> Option<SurfacePoint> {
         match self {
             Self::Shape(shape) => shape.point_if_planar(),
             Self::Triangles { .. } => None,
         }
     }
 
-    /// Bounding box, and cone of the surface normals.
+    /// Bounding box, and a cone that contains all outer normals.
     fn bounds(&self) -> (Bounds, DirectionCone) {
         match self {
             Self::Shape(shape) => {
                 let cone = |point: SurfacePoint| DirectionCone { axis: point.ng.as_dvec3(), angle: NORMAL_ERROR };
-                (shape.bounds(), self.planar_point().map_or(DirectionCone::ALL, cone))
+                (shape.bounds(), self.point_if_planar().map_or(DirectionCone::ALL, cone))
             }
             Self::Triangles { mesh, first, choice } => {
                 let triangles = || *first as usize..*first as usize + choice.len();
-                // Shading normals choose the side; without agreement at all corners, either side
-                // may emit.
+                // Shading normals choose the outer side. If they disagree, both sides may emit.
                 let normal = |i| {
                     let [a, b, c] = [Vec2::ZERO, Vec2::X, Vec2::Y].map(|b| mesh.surface_point(i, b).ng);
                     (a == b && b == c).then(|| a.as_dvec3())
@@ -173,7 +172,7 @@ impl LightSurface {
 }
 
 impl EmissionTexture {
-    /// Radiance at a point of the surface \[W/(m² sr)].
+    /// Emitted radiance at the surface point of `context` \[W/(m² sr)].
     #[must_use]
     pub fn radiance(&self, context: &TextureEvalContext) -> Rgb {
         self.texture.evaluate_color(context) * self.scale
@@ -181,19 +180,25 @@ impl EmissionTexture {
 }
 
 impl AreaLight {
-    /// A light with uniform radiance \[W/(m² sr)].
+    /// Creates a light with uniform radiance \[W/(m² sr)].
     #[must_use]
     pub fn uniform(surface: LightSurface, radiance: Rgb) -> Self {
         Self { surface, radiance, texture: None }
     }
 
-    /// Samples a point of the surface by area, with the radiance there.
+    /// Emitted flux \[W].
+    fn flux(&self) -> Rgb {
+        self.radiance * (PI * self.surface.area() as f32)
+    }
+
+    /// Samples a point of the surface by area, with the emitted radiance there.
     #[inline]
     fn sample(&self, u: Vec2) -> (ShapeSample, Rgb) {
         let (sample, coord) = self.surface.sample_with_coord(u);
         (sample, self.radiance_at(&sample.point, coord))
     }
 
+    /// Emitted radiance at a point of the surface \[W/(m² sr)].
     #[inline]
     fn radiance_at(&self, point: &SurfacePoint, coord: SurfaceCoord) -> Rgb {
         match &self.texture {
@@ -206,13 +211,13 @@ impl AreaLight {
         }
     }
 
-    /// Samples a point by area, the unit direction to it from `p`, and its pdf \[1/sr].
+    /// Samples a point of the surface by area, as seen from `p`; `None` if it shows its back.
     #[inline]
-    fn sample_by_area(&self, p: Vec3, u: Vec2) -> Option<((SurfacePoint, Vec3, f32), SurfaceCoord)> {
+    fn sample_by_area(&self, p: Vec3, u: Vec2) -> Option<(SolidAngleSample, SurfaceCoord)> {
         let (ShapeSample { point, pdf, .. }, coord) = self.surface.sample_with_coord(u);
         let (d2, wi, _) = crate::math::direction_and_distance(p, point.p)?;
         let cos = -wi.dot(point.ng);
-        (cos > 0.0).then(|| ((point, wi, d2 * pdf / cos), coord))
+        (cos > 0.0).then(|| (SolidAngleSample { point, wi, pdf: d2 * pdf / cos }, coord))
     }
 }
 
@@ -224,25 +229,21 @@ impl LightSource for AreaLight {
 
     #[inline]
     fn sample_li(&self, p: Vec3, u: Vec2) -> Option<DirectSample> {
-        // Solid-angle samples have no coordinates; the mapping of these shapes does not need them.
+        // Shapes with solid-angle sampling map textures by position, without coordinates.
         const NO_COORD: SurfaceCoord = SurfaceCoord::Shape(Vec2::ZERO);
-        let ((point, wi, pdf), coord) = match &self.surface {
-            // Only the visible cap counts; from inside, the outer side of a sphere is invisible.
-            LightSurface::Shape(Shape::Sphere(sphere)) => {
-                let (point, pdf) = sphere.sample_visible(p, u)?;
-                let (_, wi, _) = crate::math::direction_and_distance(p, point.p)?;
-                ((point, wi, pdf), NO_COORD)
-            }
-            LightSurface::Shape(Shape::Rectangle(rectangle)) => match rectangle.sample_visible(p, u) {
-                Some(sample) => (sample, NO_COORD),
-                None => self.sample_by_area(p, u)?,
-            },
-            LightSurface::Shape(_) | LightSurface::Triangles { .. } => self.sample_by_area(p, u)?,
+        let by_solid_angle = match &self.surface {
+            LightSurface::Shape(shape) => shape.sample_solid_angle(p, u),
+            LightSurface::Triangles { .. } => SolidAngleSampling::Unsupported,
+        };
+        let (SolidAngleSample { point, wi, pdf }, coord) = match by_solid_angle {
+            SolidAngleSampling::Sampled(sample) => (sample, NO_COORD),
+            SolidAngleSampling::Invisible => return None,
+            SolidAngleSampling::Unsupported => self.sample_by_area(p, u)?,
         };
         // The rounded direction of a shadow ray moves its end in proportion to its length.
         let relative_error = match &self.surface {
-            LightSurface::Triangles { .. } | LightSurface::Shape(Shape::Instance(_)) => TRIANGLE_ERROR,
-            LightSurface::Shape(_) => f32::EPSILON,
+            LightSurface::Shape(shape) => shape.relative_hit_error(),
+            LightSurface::Triangles { .. } => TRIANGLE_HIT_ERROR,
         };
         let error = point.error + (point.p - p).abs() * relative_error;
         let target = ShadowTarget::Point(offset_ray_origin(point.p, error, point.ng, -wi));
@@ -256,12 +257,11 @@ impl LightSource for AreaLight {
         if cos <= 0.0 {
             return 0.0;
         }
-        let by_area = || (hit.p - p).length_squared() * self.surface.pdf(hit) / cos;
-        match &self.surface {
-            LightSurface::Shape(Shape::Sphere(sphere)) => sphere.pdf_visible(p),
-            LightSurface::Shape(Shape::Rectangle(rectangle)) => rectangle.pdf_visible(p).unwrap_or_else(by_area),
-            LightSurface::Shape(_) | LightSurface::Triangles { .. } => by_area(),
-        }
+        let by_solid_angle = match &self.surface {
+            LightSurface::Shape(shape) => shape.solid_angle_pdf(p),
+            LightSurface::Triangles { .. } => None,
+        };
+        by_solid_angle.unwrap_or_else(|| (hit.p - p).length_squared() * self.surface.pdf(hit) / cos)
     }
 
     fn sample_le(&self, _domain: BoundingSphere, position: Vec2, direction: Vec2) -> Option<EmissionSample> {
@@ -292,27 +292,20 @@ impl LightSource for AreaLight {
         Some(EmissionSample { ray, flux: radiance * (cos / (pdf * pdf_direction)) })
     }
 
-    /// Flux \[W]: π times radiance times area.
     fn power(&self, _domain: BoundingSphere) -> Rgb {
-        self.radiance * (PI * self.surface.area() as f32)
+        self.flux()
     }
 
     fn bounds(&self) -> Option<LightBounds> {
         let (space, normals) = self.surface.bounds();
-        let flux = self.radiance * (PI * self.surface.area() as f32);
-        Some(LightBounds::new(space, normals, FRAC_PI_2, flux))
-    }
-
-    fn peak_strength(&self) -> Option<Rgb> {
-        None
+        Some(LightBounds::new(space, normals, FRAC_PI_2, self.flux()))
     }
 
     fn may_illuminate(&self, sphere: BoundingSphere) -> bool {
-        self.surface.planar_point().is_none_or(|point| (sphere.center - point.p).dot(point.ng) >= -sphere.radius)
+        self.surface.point_if_planar().is_none_or(|point| (sphere.center - point.p).dot(point.ng) >= -sphere.radius)
     }
 
     fn untextured_light(&self) -> Option<Light> {
-        let plain = || Light::Area(Self { texture: None, ..self.clone() });
-        self.texture.as_ref().map(|_| plain())
+        self.texture.is_some().then(|| Light::Area(Self { texture: None, ..self.clone() }))
     }
 }

@@ -1,7 +1,6 @@
 //! Directional lights.
 
 use super::PhotonAim;
-use super::light_bounds::LightBounds;
 use super::source::{DirectSample, EmissionSample, LightGeometry, LightSource, ShadowTarget};
 use crate::color::Rgb;
 use crate::math::{BoundingSphere, Frame, Ray, warp};
@@ -9,10 +8,10 @@ use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
-/// Parallel light from infinity.
+/// A delta light at infinity whose rays are parallel.
 #[derive(Clone, Copy, Debug)]
 pub struct DirectionalLight {
-    /// Unit direction of travel.
+    /// Unit direction in which the light travels.
     pub direction: Vec3,
     /// Irradiance at normal incidence \[W/m²].
     pub irradiance: Rgb,
@@ -56,23 +55,15 @@ impl LightSource for DirectionalLight {
         self.irradiance * (PI * domain.radius * domain.radius)
     }
 
-    fn bounds(&self) -> Option<LightBounds> {
-        None
-    }
-
     fn peak_strength(&self) -> Option<Rgb> {
         Some(self.irradiance)
     }
-
-    fn may_illuminate(&self, _sphere: BoundingSphere) -> bool {
-        true
-    }
 }
 
-/// A ray along unit `direction` from a uniform point of a disc across `domain`, with the disc's
-/// area.
+/// Samples a ray along unit `direction` by `u` in \[0, 1)², with the area of all starting points.
 ///
-/// `None` if the area is zero.
+/// Starting points are uniform on a disc with the radius of the sphere `domain`. The disc is
+/// perpendicular to `direction` and touches the sphere. Returns `None` if its area is zero.
 pub(super) fn sample_ray_across_sphere(domain: BoundingSphere, direction: Vec3, u: Vec2) -> Option<(Ray, f32)> {
     let frame = Frame::from_normal(direction);
     let d = warp::square_to_uniform_disc(u) * domain.radius;

@@ -1,7 +1,6 @@
 //! Environment lights.
 
 use super::directional::sample_ray_across_sphere;
-use super::light_bounds::LightBounds;
 use super::source::{DirectSample, EmissionSample, LightGeometry, LightSource, ShadowTarget};
 use super::{EmissionPictureError, EquirectangularMap, PhotonAim};
 use crate::color::Rgb;
@@ -11,18 +10,18 @@ use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
-/// Radiance from infinity in all directions, given by an equirectangular map that may be rotated
-/// about +y.
+/// Light at infinity whose radiance in each direction is the value of an equirectangular map.
 #[derive(Clone, Debug)]
 pub struct EnvironmentLight {
     map: EquirectangularMap,
-    /// Sine and cosine of the rotation about +y.
+    /// Sine and cosine of the angle by which the map is rotated about +y.
     rotation: [f32; 2],
 }
 
 impl EnvironmentLight {
-    /// The light of a map times `scale` \[W/(m² sr)], rotated by `angle` \[radians] about +y,
-    /// anticlockwise from above.
+    /// Creates a light with the radiance `map` times `scale` \[W/(m² sr)].
+    ///
+    /// The map is rotated by `angle` \[radians] about +y, anticlockwise as seen from +y.
     ///
     /// # Errors
     /// [`EmissionPictureError::Value`] if a scaled pixel is negative or not finite.
@@ -31,7 +30,7 @@ impl EnvironmentLight {
         Ok(Self { map: EquirectangularMap::new(map, scale)?, rotation })
     }
 
-    /// A light with the same radiance in all directions \[W/(m² sr)].
+    /// Creates a light with equal radiance in all directions \[W/(m² sr)].
     ///
     /// # Errors
     /// [`EmissionPictureError::Value`] if the radiance is negative or not finite.
@@ -39,7 +38,7 @@ impl EnvironmentLight {
         Self::new(Image::from_pixels(1, 1, vec![radiance])?, 0.0, Rgb::ONE)
     }
 
-    /// World direction in the frame of the map.
+    /// Transforms a direction from world space to the frame of the map.
     #[inline]
     fn world_to_map(&self, d: Vec3) -> Vec3 {
         let [sin, cos] = self.rotation;
@@ -60,16 +59,17 @@ impl EnvironmentLight {
         self.map.pdf(self.world_to_map(direction))
     }
 
-    /// Samples a unit direction by the radiance of the pixels, with its pdf \[1/sr]; `None` if the
-    /// map is black.
+    /// Samples the unit direction towards a point of the map, with its pdf \[1/sr].
+    ///
+    /// The pdf is proportional to the mean radiance of each pixel. Returns `None` if the map is
+    /// black.
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> Option<(Vec3, f32)> {
         let d = self.map.sample(u)?;
         let [sin, cos] = self.rotation;
         let direction = Vec3::new(cos * d.x + sin * d.z, d.y, cos * d.z - sin * d.x);
-        // Rounding may move the direction to the next pixel; the pdf must be that of the next
-        // pixel.
+        // Rounding may move the direction to the next pixel, so the pdf is looked up again.
         let pdf = self.pdf(direction);
         (pdf > 0.0).then_some((direction, pdf))
     }
@@ -111,20 +111,8 @@ impl LightSource for EnvironmentLight {
         Some(EmissionSample { ray: Ray::new(start, -from), flux: self.radiance(from) / (pdf * pdf_start) })
     }
 
-    /// Flux \[W] through a disc with the radius of `domain`, over all directions: π r² ∫ L dω.
+    /// Flux \[W] through discs with the radius r of `domain`, over all directions: π r² ∫ L dω.
     fn power(&self, domain: BoundingSphere) -> Rgb {
         self.map.integral() * (PI * domain.radius * domain.radius)
-    }
-
-    fn bounds(&self) -> Option<LightBounds> {
-        None
-    }
-
-    fn peak_strength(&self) -> Option<Rgb> {
-        None
-    }
-
-    fn may_illuminate(&self, _sphere: BoundingSphere) -> bool {
-        true
     }
 }

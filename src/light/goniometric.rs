@@ -1,37 +1,35 @@
-//! Goniometric lights: points with a measured intensity distribution.
+//! Goniometric lights: point lights with a measured intensity distribution.
 
-use super::light_bounds::{DirectionCone, LightBounds};
-use super::point::{sample_le_of_point, sample_li_of_point};
-use super::source::{DirectSample, EmissionSample, LightGeometry, LightSource};
-use super::{EmissionPictureError, EquirectangularMap, PhotonAim};
+use super::point::PositionalLight;
+use super::source::EmissionSample;
+use super::{EmissionPictureError, EquirectangularMap};
 use crate::color::Rgb;
 use crate::image::Image;
-use crate::math::{BoundingSphere, Bounds, Ray};
-use crate::shape::SurfacePoint;
+use crate::math::Ray;
 use glam::{DVec3, Vec2, Vec3};
-use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
-/// Rows of the map that a profile is resampled to: a quarter of a degree each.
+/// Number of rows of the map that an intensity profile is resampled to: 4 per degree.
 const PROFILE_ROWS: u32 = 720;
 
-/// A point with an intensity that depends on the direction, given by an equirectangular map.
+/// A point light whose intensity in each direction is the value of an equirectangular map.
 #[derive(Clone, Debug)]
 pub struct GoniometricLight {
     /// Position in world space.
     pub position: Vec3,
-    /// Unit axes of the map: +x is right of its center, +y its top, −z its center.
+    /// Axes x, y and z of the map as unit vectors in world space.
     axes: [Vec3; 3],
-    /// Distribution of the intensity over directions.
+    /// Intensity by direction, as a multiple of `scale`.
     map: Arc<EquirectangularMap>,
     /// Factor from map value to intensity \[W/sr].
     pub scale: Rgb,
 }
 
 impl GoniometricLight {
-    /// A light with a map whose value 1 means intensity `scale` \[W/sr].
+    /// Creates a light at `position` in world space; map value 1 means intensity `scale` \[W/sr].
     ///
-    /// `direction` is the center of the map and `up` its top, which is not parallel to `direction`.
+    /// The center of the map lies along `direction`, its top towards `up`. The two must not be
+    /// parallel.
     #[must_use]
     pub fn new(position: Vec3, direction: DVec3, up: DVec3, map: Arc<EquirectangularMap>, scale: Rgb) -> Self {
         let forward = direction.normalize();
@@ -40,30 +38,23 @@ impl GoniometricLight {
         Self { position, axes, map, scale }
     }
 
-    /// World direction in the frame of the map.
+    /// Transforms a direction from world space to the frame of the map.
     #[inline]
     fn world_to_map(&self, w: Vec3) -> Vec3 {
         Vec3::from(self.axes.map(|axis| axis.dot(w)))
     }
 
-    /// Intensity in unit direction `w` \[W/sr].
-    #[inline]
-    #[must_use]
-    pub fn intensity(&self, w: Vec3) -> Rgb {
-        self.map.value_in_direction(self.world_to_map(w)) * self.scale
-    }
-
-    /// Pdf \[1/sr] with which emission samples unit `w`.
+    /// Pdf \[1/sr] with which photon emission without an aim samples unit direction `w`.
     #[must_use]
     pub fn pdf(&self, w: Vec3) -> f32 {
         self.map.pdf(self.world_to_map(w))
     }
 }
 
-/// Map of a profile that is symmetric about +y.
+/// Returns the map of an intensity profile, which is symmetric about +y.
 ///
-/// `profile` lists angles from +y \[degrees], ascending from at least 0 to at most 180, with the
-/// value at each. Values are linear between angles, and zero outside of them.
+/// `profile` lists pairs of an angle from +y \[degrees] and the value there. Angles ascend, from 0
+/// or more to 180 or less. The value is linear between listed angles, and 0 outside of them.
 ///
 /// # Errors
 /// [`EmissionPictureError`] if a value is negative or not finite.
@@ -80,55 +71,30 @@ pub fn map_from_intensity_profile(profile: &[(f64, f64)]) -> Result<Equirectangu
     EquirectangularMap::new(Image::from_pixels(1, PROFILE_ROWS, pixels)?, Rgb::ONE)
 }
 
-impl LightSource for GoniometricLight {
+impl PositionalLight for GoniometricLight {
     #[inline]
-    fn geometry(&self) -> LightGeometry<'_> {
-        LightGeometry::Point(self.position)
+    fn position(&self) -> Vec3 {
+        self.position
     }
 
     #[inline]
-    fn sample_li(&self, p: Vec3, _u: Vec2) -> Option<DirectSample> {
-        sample_li_of_point(p, self.position, |w| self.intensity(w))
+    fn intensity(&self, w: Vec3) -> Rgb {
+        self.map.value_in_direction(self.world_to_map(w)) * self.scale
     }
 
-    #[inline]
-    fn pdf_li(&self, _p: Vec3, _wi: Vec3, _hit: Option<&SurfacePoint>) -> f32 {
-        0.0
-    }
-
-    fn sample_le(&self, _domain: BoundingSphere, _position: Vec2, direction: Vec2) -> Option<EmissionSample> {
-        let d = self.map.sample(direction)?;
+    fn sample_emission(&self, u: Vec2) -> Option<EmissionSample> {
+        let d = self.map.sample(u)?;
         let [x, y, z] = self.axes;
         let w = (x * d.x + y * d.y + z * d.z).normalize();
         let pdf = self.pdf(w);
         (pdf > 0.0).then(|| EmissionSample { ray: Ray::new(self.position, w), flux: self.intensity(w) / pdf })
     }
 
-    fn sample_le_towards(
-        &self,
-        aim: &PhotonAim,
-        _domain: BoundingSphere,
-        _position: Vec2,
-        direction: Vec2,
-    ) -> Option<EmissionSample> {
-        sample_le_of_point(aim, self.position, direction, |w| self.intensity(w))
-    }
-
-    /// Flux \[W]: the exact integral of the interpolated map.
-    fn power(&self, _domain: BoundingSphere) -> Rgb {
+    fn flux(&self) -> Rgb {
         self.map.integral() * self.scale
     }
 
-    fn bounds(&self) -> Option<LightBounds> {
-        let flux = self.map.integral() * self.scale;
-        Some(LightBounds::new(Bounds::from_points([self.position]), DirectionCone::ALL, FRAC_PI_2, flux))
-    }
-
-    fn peak_strength(&self) -> Option<Rgb> {
-        Some(self.scale)
-    }
-
-    fn may_illuminate(&self, _sphere: BoundingSphere) -> bool {
-        true
+    fn peak_intensity(&self) -> Rgb {
+        self.scale
     }
 }

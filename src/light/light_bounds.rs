@@ -1,4 +1,4 @@
-//! Bounds of lights in space and direction, and the importance of a group of lights at a point.
+//! Bounds of lights in space and direction, and estimates of the light that arrives at a point.
 //!
 //! Sources: Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree
 //! Splitting"; Pharr, Jakob, Humphreys 2023, section 12.6.3.
@@ -8,20 +8,20 @@ use crate::math::Bounds;
 use glam::{DQuat, DVec3, Vec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Bounds of a group of lights in space and direction.
+/// Bounds of the positions and emitted directions of one or more lights.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LightBounds {
-    /// Bounding box.
+    /// Bounding box in world space.
     pub space: Bounds,
-    /// Cone of the surface normals, or of the beam.
+    /// Cone that contains all surface normals, or all axes of beams.
     normals: DirectionCone,
-    /// Largest angle between normal and emitted direction, at most π/2 \[radians].
+    /// Largest angle \[radians] between an emitted direction and its normal, at most π/2.
     spread: f64,
-    /// Emitted flux, mean over the channels \[W].
+    /// Total flux \[W], mean of the color channels.
     flux: f64,
 }
 
-/// All directions within an angle of an axis.
+/// The set of directions within an angle around an axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DirectionCone {
     /// Unit axis.
@@ -30,13 +30,14 @@ pub(super) struct DirectionCone {
     pub angle: f64,
 }
 
-/// Error of unit normals in f32 \[radians].
+/// Bound of the rounding error of a unit normal in f32 \[radians].
 pub(super) const NORMAL_ERROR: f64 = 1e-6;
 
 impl DirectionCone {
-    /// All directions.
+    /// The cone of all directions.
     pub const ALL: Self = Self { axis: DVec3::Z, angle: PI };
 
+    /// A cone that contains both cones.
     fn union(self, other: Self) -> Self {
         let between = angle_between(self.axis, other.axis);
         if (between + other.angle).min(PI) <= self.angle {
@@ -62,18 +63,20 @@ pub(super) fn angle_between(a: DVec3, b: DVec3) -> f64 {
 }
 
 impl LightBounds {
-    /// Bounds of one light with the given flux \[W]; `spread` is in radians.
+    /// Creates the bounds of one light with the given flux \[W].
+    ///
+    /// `spread` is the largest angle \[radians] between an emitted direction and its normal.
     pub fn new(space: Bounds, normals: DirectionCone, spread: f64, flux: Rgb) -> Self {
         Self { space, normals, spread, flux: f64::from(color::channel_mean(flux)) }
     }
 
-    /// The bounds with their box grown by `margin` and by the rounding of its coordinates.
+    /// Copy with the box expanded by `margin` and by the rounding errors of its coordinates.
     pub fn expanded(self, margin: f32) -> Self {
         let far = self.space.min.abs().max(self.space.max.abs()).max_element();
         Self { space: self.space.expanded(margin + far * 1e-6), ..self }
     }
 
-    /// Bounds of two groups together.
+    /// Bounds of all lights of `self` and `other`.
     pub fn union(self, other: Self) -> Self {
         Self {
             space: self.space.union(other.space),
@@ -83,8 +86,9 @@ impl LightBounds {
         }
     }
 
-    /// Solid angle of the emitted directions \[sr]; directions beyond the normals are weighted by
-    /// the cosine.
+    /// Solid angle of the emitted directions \[sr].
+    ///
+    /// A direction outside the cone of normals is weighted by the cosine of its angle to the cone.
     fn solid_angle(&self) -> f64 {
         let o = self.normals.angle;
         let w = (o + self.spread).min(PI);
@@ -93,32 +97,36 @@ impl LightBounds {
         2.0 * PI * (1.0 - cos) + FRAC_PI_2 * falloff
     }
 
-    /// Cost of the group in a light tree: flux times solid angle times squared extent.
+    /// Cost of a node with these bounds: flux × solid angle × squared diagonal of the box.
     pub fn split_cost(&self) -> f64 {
         self.flux * self.solid_angle() * f64::from(self.space.extent().length_squared())
     }
 }
 
-/// Lower bound of squared distances, relative to a group's squared radius.
+/// Least squared distance in importances, as a multiple of the squared bounding radius.
 ///
-/// The mean of 1/d² over a ball around a point is 3/R². A box has the volume of a ball with 0.7 of
-/// its half diagonal.
-const MIN_DISTANCE2: f64 = 1.0 / 6.0;
+/// The mean of 1/d² over a ball of radius R is 3/R². A cube has the volume of a ball whose radius
+/// is 0.7 of the half diagonal, so R² is about half of the squared bounding radius.
+const MIN_SQUARED_DISTANCE: f64 = 1.0 / 6.0;
 
-/// Light bounds in the form for fast queries: a bounding sphere instead of the box, cosines instead
-/// of angles.
+/// Bounds of lights, prepared for fast evaluation of their importance at a point.
+///
+/// A bounding sphere replaces the box, and cosines replace angles.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LightImportance {
+    /// Center of the bounding sphere.
     center: Vec3,
-    radius2: f64,
+    radius_squared: f64,
+    /// Axis of the cone of normals.
     axis: Vec3,
+    /// Half angle of the cone of normals.
     normals: CosSin,
     cos_spread: f64,
     /// Approximate radiant intensity along the normals \[W/sr].
     intensity: f64,
 }
 
-/// Cosine and sine of an angle between 0 and π.
+/// Cosine and sine, in this order, of an angle between 0 and π.
 #[derive(Clone, Copy, Debug)]
 struct CosSin(f64, f64);
 
@@ -127,7 +135,7 @@ impl CosSin {
         Self(cos, (1.0 - cos * cos).max(0.0).sqrt())
     }
 
-    /// Difference of two angles, at least zero.
+    /// The difference of the two angles, or the angle 0 if `other` is larger.
     #[inline]
     fn subtract_clamped(self, other: Self) -> Self {
         if self.0 >= other.0 {
@@ -146,7 +154,7 @@ impl From<LightBounds> for LightImportance {
         let (sin, cos) = libm::sincos(bounds.normals.angle);
         Self {
             center: sphere.center,
-            radius2: radius * radius,
+            radius_squared: radius * radius,
             axis: bounds.normals.axis.as_vec3(),
             normals: CosSin(cos, sin),
             cos_spread: libm::cos(bounds.spread),
@@ -156,16 +164,17 @@ impl From<LightBounds> for LightImportance {
 }
 
 impl LightImportance {
-    /// Approximate irradiance at `p`, on the side of the unit normal `n` if given; 0 only if no
-    /// light can arrive.
+    /// Approximate irradiance at `p`, on the side of unit normal `n` if given.
+    ///
+    /// The result is 0 only if no light can arrive.
     #[inline]
     pub fn importance_at(&self, p: Vec3, n: Option<Vec3>) -> f64 {
         let to = p.as_dvec3() - self.center.as_dvec3();
         let d2 = to.length_squared();
-        let (w, subtended) = if d2 <= self.radius2 {
+        let (w, subtended) = if d2 <= self.radius_squared {
             (to, CosSin(-1.0, 0.0))
         } else {
-            (to / d2.sqrt(), CosSin((1.0 - self.radius2 / d2).sqrt(), (self.radius2 / d2).sqrt()))
+            (to / d2.sqrt(), CosSin((1.0 - self.radius_squared / d2).sqrt(), (self.radius_squared / d2).sqrt()))
         };
         let angle = |cos: f64| CosSin::from_cos(cos.clamp(-1.0, 1.0));
         let emitted = angle(w.dot(self.axis.as_dvec3())).subtract_clamped(self.normals).subtract_clamped(subtended).0;
@@ -177,6 +186,6 @@ impl LightImportance {
         if received <= 0.0 {
             return 0.0;
         }
-        self.intensity * emitted * received / d2.max(self.radius2 * MIN_DISTANCE2)
+        self.intensity * emitted * received / d2.max(self.radius_squared * MIN_SQUARED_DISTANCE)
     }
 }

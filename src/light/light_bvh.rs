@@ -6,20 +6,20 @@ use crate::color;
 use crate::math::{BoundingSphere, Bounds};
 use glam::Vec3;
 
-/// Samples one of many lights by power, distance and orientation.
+/// Samples one of many lights for a point, by flux, distance and orientation.
 ///
-/// A binary tree over the lights at finite positions is descended at random by the importance of
-/// its children (Conty Estevez and Kulla 2018; Pharr, Jakob, Humphreys 2023, section 12.6.3).
-/// Infinite lights have no bounds; they share a fixed probability.
+/// A binary tree holds the lights at finite positions. Sampling descends the tree, and chooses each
+/// child with a probability proportional to its importance (Conty Estevez and Kulla 2018; Pharr,
+/// Jakob, Humphreys 2023, section 12.6.3). Infinite lights share a fixed probability.
 #[derive(Clone, Debug)]
 pub struct LightBvhSampler {
-    /// Nodes in depth-first order: the first child follows its parent.
+    /// Nodes in depth-first order: the first child comes directly after its parent.
     nodes: Vec<Node>,
     /// Indices of the infinite lights.
     infinite: Vec<u32>,
-    /// Storage slot of each light, by the light's index.
+    /// Location of each light, by the light's index.
     locations: Vec<LightLocation>,
-    /// Probability to choose an infinite light.
+    /// Probability of sampling any of the infinite lights.
     infinite_probability: f64,
 }
 
@@ -31,45 +31,45 @@ struct Node {
 
 #[derive(Clone, Copy, Debug)]
 enum NodeKind {
-    /// An inner node, with the index of its second child.
+    /// An inner node; the number is the index of its second child.
     Inner(u32),
-    /// A leaf, with the index of its light.
+    /// A leaf; the number is the index of its light.
     Leaf(u32),
 }
 
-/// Index of a light and its bounds.
+/// The index of a light, and its bounds.
 type BoundedLight = (u32, LightBounds);
 
-/// Position at which the sampler stores a light.
+/// The place at which a [`LightBvhSampler`] stores a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum LightLocation {
-    /// Nowhere: the light has no power.
+    /// The light is not stored, because it has no power.
     Absent,
-    /// Among the infinite lights.
+    /// The light is in the list of infinite lights.
     Infinite,
-    /// In the tree. The bits of the trail, lowest first, choose the children from the root on: 1 is
-    /// the second child.
+    /// The light is in the tree. The bits, lowest first, lead from the root to its leaf: 0 is the
+    /// first child, 1 the second.
     Tree(u64),
 }
 
-/// Depth from which inner nodes are split in halves, so that trails of 2³² lights fit in 64 bits.
+/// Depth from which nodes are split in halves, so that trails fit in 64 bits even for 2³² lights.
 const HALVING_DEPTH: u32 = 31;
 
-/// Number of buckets along each axis for the search of a split plane.
+/// Number of buckets along each axis in the search for a split plane.
 const BUCKETS: usize = 12;
 
 /// Largest f32 below 1.
 const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
 impl LightBvhSampler {
-    /// A sampler of `lights`; `domain` is the bounding sphere of the bounded shapes. `None` if no
-    /// light has power.
+    /// Creates a sampler of `lights`; `domain` is the bounding sphere of the scene.
+    ///
+    /// Returns `None` if no light has power.
     #[must_use]
     pub fn new(lights: &[Light], domain: BoundingSphere) -> Option<Self> {
         let mut locations = vec![LightLocation::Absent; lights.len()];
         let (mut infinite, mut bounded) = (Vec::new(), Vec::new());
-        // Positions are rounded to f32: a light that seems to lie in the plane of a surface may be
-        // above it.
+        // Positions are rounded, so a light in the plane of a surface may count as above it.
         let margin = 1e-6 * (domain.center.abs().max_element() + domain.radius);
         for (i, light) in lights.iter().enumerate().filter(|(_, l)| color::channel_mean(l.power(domain)) > 0.0) {
             match light.bounds(margin) {
@@ -93,8 +93,7 @@ impl LightBvhSampler {
         Some(sampler)
     }
 
-    /// Adds the subtree of at least one light; `trail` leads from the root of the tree to the root
-    /// of the subtree.
+    /// Adds a subtree of one or more lights; `trail` leads from the root of the tree to its root.
     fn build_subtree(&mut self, lights: &mut [BoundedLight], depth: u32, trail: u64) {
         let whole = lights[1..].iter().fold(lights[0].1, |all, l| all.union(l.1));
         let index = self.nodes.len();
@@ -110,11 +109,11 @@ impl LightBvhSampler {
         self.nodes.push(Node { importance: whole.into(), kind: NodeKind::Leaf(light) });
     }
 
-    /// Samples the index of a light by `u` in \[0, 1), its probability, and a remapped `u` that is
-    /// uniform again.
+    /// Samples a light by `u` in \[0, 1).
     ///
-    /// With a unit normal `n`, only light that arrives on its side counts. `None` if no light of
-    /// the reached group can light `p`.
+    /// Returns the index of the light, its probability, and a remapped `u` that is uniform again.
+    /// If a unit normal `n` is given, only light that arrives on its side counts. Returns `None` if
+    /// no light of the node that the descent reached can illuminate `p`.
     #[inline]
     #[must_use]
     pub fn sample(&self, p: Vec3, n: Option<Vec3>, u: f32) -> Option<(usize, f32, f32)> {
@@ -149,7 +148,9 @@ impl LightBvhSampler {
         (probability > 0.0).then_some((light as usize, probability, (u as f32).min(BELOW_ONE)))
     }
 
-    /// Probability with which [`LightBvhSampler::sample`] samples a light, equal to the bit.
+    /// Probability with which [`LightBvhSampler::sample`] samples the light with this index.
+    ///
+    /// Both methods return equal bits.
     #[inline]
     #[must_use]
     pub fn probability(&self, p: Vec3, n: Option<Vec3>, light: usize) -> f32 {
@@ -172,7 +173,7 @@ impl LightBvhSampler {
         probability as f32
     }
 
-    /// Probabilities of the two children of an inner node; `None` if neither can light `p`.
+    /// Probabilities of the two children of an inner node; `None` if neither can illuminate `p`.
     #[inline]
     fn child_probabilities(&self, parent: usize, second: usize, p: Vec3, n: Option<Vec3>) -> Option<[f64; 2]> {
         let [a, b] = [parent + 1, second].map(|i| self.nodes[i].importance.importance_at(p, n));
@@ -182,8 +183,10 @@ impl LightBvhSampler {
     }
 }
 
-/// Splits at least two lights in two non-empty parts, at the bucket boundary of least cost; else in
-/// halves.
+/// Splits two or more lights into two non-empty parts.
+///
+/// The split is at the bucket boundary of least cost. It is in the middle of the widest axis from
+/// depth [`HALVING_DEPTH`] on, or if no bucket boundary separates the lights.
 fn split_lights(lights: &mut [BoundedLight], depth: u32) -> (&mut [BoundedLight], &mut [BoundedLight]) {
     let center = |l: &BoundedLight| l.1.space.center();
     let centers = Bounds::from_points(lights.iter().map(center));

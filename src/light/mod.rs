@@ -1,7 +1,7 @@
-//! Light sources: direct light at a point, and emission of photons.
+//! Light sources, which are sampled for direct light and for photon emission.
 //!
-//! Each kind of light has a file of its own, which implements `LightSource`. [`Light`] is the enum
-//! over the kinds.
+//! Each kind of light has a file of its own. The file implements `LightSource`, or `PositionalLight`
+//! if the light is a point. [`Light`] is the enum over the kinds.
 
 mod area;
 mod directional;
@@ -40,27 +40,27 @@ use light_bounds::LightBounds;
 use source::{LightGeometry, LightSource};
 use std::sync::Arc;
 
-/// A light source of any kind.
+/// A light source of the resolved scene.
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "lights lie in one array and are sampled where they lie")]
 pub enum Light {
-    /// A point with equal intensity in all directions.
+    /// A point light with equal intensity in all directions.
     Point(PointLight),
-    /// A point with its intensity confined to a cone.
+    /// A point light that emits into a cone.
     Spot(SpotLight),
-    /// A pinhole that projects a picture.
+    /// A point light that projects a picture.
     Projector(ProjectorLight),
-    /// A point with an intensity given by a map over all directions.
+    /// A point light whose intensity is a map over all directions.
     Goniometric(GoniometricLight),
     /// Parallel light from infinity.
     Directional(DirectionalLight),
-    /// A surface that emits from its outer side.
+    /// A surface that emits on its outer side.
     Area(AreaLight),
-    /// Radiance from infinity in all directions.
+    /// Light from infinity that arrives from all directions.
     Environment(Arc<EnvironmentLight>),
 }
 
-/// Evaluates an expression for the light of whatever kind.
+/// Evaluates the expression `$e` for the light `$light` inside the enum.
 macro_rules! dispatch {
     ($self:expr, $light:ident => $e:expr) => {
         match $self {
@@ -76,33 +76,37 @@ macro_rules! dispatch {
 }
 
 impl Light {
-    /// Samples direct light at `p` by `u` in \[0, 1)², before visibility; `None` if none can
-    /// arrive.
+    /// Samples a direction from which light arrives at `p` by `u` in \[0, 1)².
+    ///
+    /// Occlusion is left to the caller. Returns `None` if no light can arrive from the sampled point
+    /// of the light.
     #[inline]
     #[must_use]
     pub fn sample_li(&self, p: Vec3, u: Vec2) -> Option<DirectSample> {
         dispatch!(self, light => light.sample_li(p, u))
     }
 
-    /// Pdf \[1/sr] with which [`Light::sample_li`] at `p` samples unit `wi`; 0 for delta lights.
+    /// Pdf \[1/sr] with which [`Light::sample_li`] at `p` samples unit direction `wi`.
     ///
-    /// `hit` is the point of the light's surface in that direction; `None` for a ray that escapes.
+    /// `hit` is the point that a ray along `wi` hits on the light's surface; `None` if the ray
+    /// escapes to infinity. Delta lights return 0.
     #[inline]
     #[must_use]
     pub fn pdf_li(&self, p: Vec3, wi: Vec3, hit: Option<&SurfacePoint>) -> f32 {
         dispatch!(self, light => light.pdf_li(p, wi, hit))
     }
 
-    /// Samples an emitted ray by `position` and `direction` in \[0, 1)²; `None` if it carries
-    /// nothing.
+    /// Samples an emitted ray by the sample points `position` and `direction` in \[0, 1)².
     ///
-    /// Light from infinity starts on a disc across the bounding sphere `domain` of the scene.
+    /// `domain` is the bounding sphere of the scene. Light from infinity starts on a disc that
+    /// touches it. Returns `None` if the ray carries no light.
     #[must_use]
     pub fn sample_le(&self, domain: BoundingSphere, position: Vec2, direction: Vec2) -> Option<EmissionSample> {
         dispatch!(self, light => light.sample_le(domain, position, direction))
     }
 
-    /// Samples an emitted ray towards the spheres of `aim`; no sampled ray misses all of them.
+    /// Samples an emitted ray that enters a sphere of `aim`; other arguments as for
+    /// [`Light::sample_le`].
     #[must_use]
     pub fn sample_le_towards(
         &self,
@@ -114,27 +118,27 @@ impl Light {
         dispatch!(self, light => light.sample_le_towards(aim, domain, position, direction))
     }
 
-    /// Which of the two sample points of [`Light::sample_le`] the emitted ray depends on.
+    /// The sample points of [`Light::sample_le`] on which the emitted ray depends.
     #[must_use]
     pub fn emission_dimensions(&self) -> EmissionDimensions {
         match self.geometry() {
-            LightGeometry::Point(_) => EmissionDimensions { position: false, direction: true },
-            LightGeometry::Parallel(_) => EmissionDimensions { position: true, direction: false },
+            LightGeometry::Point(_) => EmissionDimensions { uses_position: false, uses_direction: true },
+            LightGeometry::Parallel(_) => EmissionDimensions { uses_position: true, uses_direction: false },
             LightGeometry::Surface(_) | LightGeometry::AllDirections => {
-                EmissionDimensions { position: true, direction: true }
+                EmissionDimensions { uses_position: true, uses_direction: true }
             }
         }
     }
 
-    /// Emitted flux \[W]; for light from infinity, the flux through a disc with the radius of
-    /// `domain`.
+    /// Emitted flux \[W], mean over a texture. `domain` is the bounding sphere of the scene.
+    ///
+    /// For light from infinity, the flux goes through discs with the radius of `domain`.
     #[must_use]
     pub fn power(&self, domain: BoundingSphere) -> Rgb {
         dispatch!(self, light => light.power(domain))
     }
 
-    /// True if the light is sampled by a delta distribution: it has no extent, and shadows have
-    /// hard edges.
+    /// True if light arrives at each point from one direction only, so that shadows have hard edges.
     #[inline]
     #[must_use]
     pub fn is_delta(&self) -> bool {
@@ -144,7 +148,7 @@ impl Light {
         }
     }
 
-    /// True if the light comes from infinity.
+    /// True for directional lights and environment lights, whose light comes from infinity.
     #[inline]
     #[must_use]
     pub fn is_infinite(&self) -> bool {
@@ -154,7 +158,7 @@ impl Light {
         }
     }
 
-    /// Position of a light without extent; `None` for all other lights.
+    /// World-space position of a light at one point; `None` for all other lights.
     #[must_use]
     pub fn position(&self) -> Option<Vec3> {
         match self.geometry() {
@@ -163,8 +167,9 @@ impl Light {
         }
     }
 
-    /// A point from which light leaves, offset from the light's own surface; `None` for light from
-    /// infinity.
+    /// One world-space point from which light leaves; `None` for light from infinity.
+    ///
+    /// The point of an area light is offset from its surface.
     #[must_use]
     pub fn emission_point(&self) -> Option<Vec3> {
         match self.geometry() {
@@ -174,8 +179,9 @@ impl Light {
         }
     }
 
-    /// Center of the light's bounds, for the shading of ray casting; `None` for light from
-    /// infinity.
+    /// Center of the light in world space; `None` for light from infinity.
+    ///
+    /// For a mesh, this is a point of its surface.
     #[must_use]
     pub fn center(&self) -> Option<Vec3> {
         match self.geometry() {
@@ -185,56 +191,60 @@ impl Light {
         }
     }
 
-    /// Peak intensity \[W/sr] or irradiance \[W/m²] of a delta light; `None` for all other lights.
+    /// Strength of a delta light; `None` for all other lights.
+    ///
+    /// The strength of a directional light is its irradiance at normal incidence \[W/m²]. That of a
+    /// point light is the intensity where it is brightest, or where its pattern is 1 \[W/sr].
     #[must_use]
     pub fn peak_strength(&self) -> Option<Rgb> {
         dispatch!(self, light => light.peak_strength())
     }
 
-    /// False only if no unoccluded ray from the light can enter `sphere`; `None` stands for all
-    /// space.
+    /// False only if no ray from the light can enter `sphere`, regardless of occlusion.
+    ///
+    /// `None` stands for all space. `domain` is the bounding sphere of the scene.
     #[must_use]
     pub fn may_illuminate(&self, sphere: Option<BoundingSphere>, domain: BoundingSphere) -> bool {
         let Some(sphere) = sphere else { return true };
-        let margin =
-            POSITION_ERROR * (sphere.center.abs().max_element() + domain.radius + domain.center.abs().max_element());
+        let farthest = sphere.center.abs().max_element() + domain.radius + domain.center.abs().max_element();
+        let margin = RELATIVE_POSITION_ERROR * farthest;
         dispatch!(self, light => light.may_illuminate(BoundingSphere { radius: sphere.radius + margin, ..sphere }))
     }
 
-    /// True only if no light travels within the plane through `p` with unit normal `n`.
+    /// True only if no emitted ray lies within the plane through `p` with unit normal `n`.
     ///
-    /// Rounding decides whether objects in such a plane occlude such light.
+    /// Rounding decides whether an object in the plane occludes a ray in the plane.
     #[must_use]
     pub fn emits_nothing_in_plane(&self, p: Vec3, n: Vec3) -> bool {
         match self.geometry() {
             LightGeometry::Point(position) => {
-                let margin = POSITION_ERROR * (position.abs().max_element() + p.abs().max_element());
+                let margin = RELATIVE_POSITION_ERROR * (position.abs().max_element() + p.abs().max_element());
                 (position - p).dot(n).abs() > margin
             }
-            LightGeometry::Parallel(direction) => direction.dot(n).abs() > POSITION_ERROR,
+            LightGeometry::Parallel(direction) => direction.dot(n).abs() > RELATIVE_POSITION_ERROR,
             LightGeometry::Surface(_) | LightGeometry::AllDirections => false,
         }
     }
 
-    /// The light with its mean radiance instead of a texture.
+    /// Copy of the light in which the mean radiance replaces a texture.
     #[must_use]
     pub fn with_mean_emission(&self) -> Self {
         dispatch!(self, light => light.untextured_light()).unwrap_or_else(|| self.clone())
     }
 
-    /// Where the light emits from.
+    /// The place or direction from which the light emits.
     #[inline]
     fn geometry(&self) -> LightGeometry<'_> {
         dispatch!(self, light => light.geometry())
     }
 
-    /// Bounds of positions and directions, the box grown by `margin`; `None` for light from
+    /// Bounds in space and direction, with the box expanded by `margin`; `None` for light from
     /// infinity.
     fn bounds(&self, margin: f32) -> Option<LightBounds> {
         dispatch!(self, light => light.bounds()).map(|bounds| bounds.expanded(margin))
     }
 }
 
-/// Relative error of f32 positions, with respect to their distance from the origin and from each
-/// other.
-const POSITION_ERROR: f32 = 1e-5;
+/// Bound of the rounding errors of f32 positions, relative to their distances from the origin and
+/// from each other.
+const RELATIVE_POSITION_ERROR: f32 = 1e-5;

@@ -1,4 +1,4 @@
-//! Description of point lights with an orientation, in the coordinates of a scene description.
+//! Unresolved point lights with an orientation: projectors and goniometric lights.
 
 use super::{EquirectangularMap, GoniometricLight, Light, ProjectedPicture, ProjectorLight};
 use crate::color::{self, Rgb};
@@ -6,30 +6,30 @@ use crate::math::{BoundingSphere, Transform};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
-/// Intensity of a light by direction, in the frame of the light.
+/// Radiant intensity of a point light by direction, in the light's own frame.
 #[derive(Clone, Debug)]
 pub enum IntensityPattern {
-    /// The picture of a projector.
+    /// The picture of a projector, which emits into a pyramid.
     ProjectedPicture(Arc<ProjectedPicture>),
-    /// An equirectangular map.
+    /// An equirectangular map over all directions.
     Map(Arc<EquirectangularMap>),
 }
 
-/// A point light with an orientation and an intensity pattern.
+/// A point light with an orientation and an intensity pattern, in coordinates of the description.
 #[derive(Clone, Debug)]
 pub struct OrientedPointLight {
-    /// Position.
+    /// Position of the light.
     pub position: DVec3,
-    /// Axis of projection, or center of the map; of any length above zero.
+    /// Direction of the center of the pattern, of any length above zero.
     pub direction: DVec3,
-    /// Upper side of the pattern, not parallel to `direction`.
+    /// Direction of the top of the pattern, not parallel to `direction`.
     pub up: DVec3,
-    /// Intensity by direction.
+    /// Intensity by direction, up to a factor.
     pub pattern: IntensityPattern,
 }
 
 impl OrientedPointLight {
-    /// The image under an affine map.
+    /// Copy under the affine map `map`.
     #[must_use]
     pub fn transformed(&self, map: &Transform) -> Self {
         let (position, direction, up) =
@@ -37,13 +37,14 @@ impl OrientedPointLight {
         Self { position, direction, up, pattern: self.pattern.clone() }
     }
 
-    /// The light at `position` in world space; pattern value 1 means intensity `scale` \[W/sr].
+    /// Creates the light at `position` in world space; pattern value 1 means intensity `scale`
+    /// \[W/sr].
     #[must_use]
-    pub fn light(&self, position: Vec3, scale: Rgb) -> Light {
+    pub fn to_light(&self, position: Vec3, scale: Rgb) -> Light {
         let (direction, up) = (self.direction, self.up);
         match &self.pattern {
-            IntensityPattern::ProjectedPicture(slide) => {
-                Light::Projector(ProjectorLight::new(position, direction, up, slide.clone(), scale))
+            IntensityPattern::ProjectedPicture(picture) => {
+                Light::Projector(ProjectorLight::new(position, direction, up, picture.clone(), scale))
             }
             IntensityPattern::Map(map) => {
                 Light::Goniometric(GoniometricLight::new(position, direction, up, map.clone(), scale))
@@ -51,11 +52,12 @@ impl OrientedPointLight {
         }
     }
 
-    /// Scale of the intensity per flux \[1/sr]: the inverse integral of the pattern, mean over the
-    /// channels.
+    /// Radiant intensity at pattern value 1 per radiant flux \[1/sr].
+    ///
+    /// This is 1 over the integral of the pattern over all directions, averaged over the channels.
     #[must_use]
     pub fn intensity_scale_per_watt(&self) -> f32 {
         let nowhere = BoundingSphere { center: Vec3::ZERO, radius: 0.0 };
-        1.0 / color::channel_mean(self.light(Vec3::ZERO, Rgb::ONE).power(nowhere)).max(f32::MIN_POSITIVE)
+        1.0 / color::channel_mean(self.to_light(Vec3::ZERO, Rgb::ONE).power(nowhere)).max(f32::MIN_POSITIVE)
     }
 }

@@ -1,40 +1,45 @@
-//! Photon emission aimed at chosen spheres.
+//! Sampling of photons towards chosen spheres.
 
 use crate::math::{BoundingSphere, Bounds, Frame, warp};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
-/// Bounding spheres at which photon emission aims; an analytic form of Jensen's projection maps.
+/// Bounding spheres at which photon emission aims: an analytic form of projection maps (Jensen
+/// 2001).
 ///
-/// From a point, each sphere subtends a cone. Directions are sampled from the mixture of these
-/// cones, each weighted by its solid angle. The pdf of the mixture is the number of cones that
-/// contain the direction, over the sum of the solid angles. Overlaps therefore cause no bias.
+/// From a point, each sphere subtends a cone. A cone is chosen by its solid angle, then a direction
+/// uniformly in the cone. The pdf is the number of cones that contain the direction, over the sum
+/// of the solid angles. So overlaps of the cones cause no bias.
 #[derive(Clone, Debug, Default)]
 pub struct PhotonAim {
     spheres: Vec<BoundingSphere>,
 }
 
-/// Maximum number of spheres; each costs a few operations per emitted photon.
+/// Maximum number of spheres. Each emitted photon visits all of them.
 const MAX_SPHERES: usize = 32;
 
-/// The cone that a sphere subtends.
+/// The cone of directions that a sphere subtends from a point.
 #[derive(Clone, Copy)]
 struct SubtendedCone {
+    /// Unit axis.
     axis: Vec3,
+    /// 1 − cosine of the half angle.
     one_minus_cos: f32,
 }
 
-/// Directions from a point to a sphere.
+/// The directions from a point to a sphere.
 enum SubtendedDirections {
-    /// The directions of a cone.
+    /// The point is outside the sphere, which subtends a cone.
     Cone(SubtendedCone),
-    /// All directions: the point is inside the sphere.
+    /// The point is inside the sphere, so all directions lead to it.
     All,
-    /// No direction: the sphere is below the horizon.
+    /// The sphere is below the horizon, so no direction leads to it.
     None,
 }
 
-/// Directions from `p` to `sphere`, above the plane with normal `horizon`.
+/// Returns the directions from `p` to `sphere`.
+///
+/// If `horizon` is given, it is the normal of a plane through `p`. A sphere below it is left out.
 fn directions_to_sphere(sphere: &BoundingSphere, p: Vec3, horizon: Option<Vec3>) -> SubtendedDirections {
     let to = sphere.center - p;
     let d2 = to.length_squared();
@@ -50,9 +55,9 @@ fn directions_to_sphere(sphere: &BoundingSphere, p: Vec3, horizon: Option<Vec3>)
 }
 
 impl PhotonAim {
-    /// Aims at `spheres`; neighbours are merged if there are many.
+    /// Creates an aim at `spheres`. If there are too many, neighbours are merged.
     ///
-    /// The spheres grow by a few ulps, so that rounding leaves nothing outside.
+    /// Each sphere grows by the rounding errors of the objects inside.
     #[must_use]
     pub fn new(spheres: impl IntoIterator<Item = BoundingSphere>) -> Self {
         let mut spheres: Vec<BoundingSphere> = spheres.into_iter().collect();
@@ -63,10 +68,11 @@ impl PhotonAim {
         Self { spheres }
     }
 
-    /// Samples a unit direction from `p` towards a sphere, with its pdf \[1/sr]; `None` if no
-    /// sphere is in view.
+    /// Samples a unit direction from `p` towards a sphere by `u` in \[0, 1)². Returns its pdf
+    /// \[1/sr], too.
     ///
-    /// `horizon` is the normal of a plane through `p`; spheres below the plane are left out.
+    /// If `horizon` is given, it is the normal of a plane through `p`. Spheres below it are left
+    /// out. Returns `None` if no sphere is left.
     #[must_use]
     pub fn sample_direction(&self, p: Vec3, horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, f32)> {
         let mut cones = [SubtendedCone { axis: Vec3::Z, one_minus_cos: 0.0 }; MAX_SPHERES];
@@ -95,10 +101,10 @@ impl PhotonAim {
         Some((direction, count as f32 / (TAU * total)))
     }
 
-    /// Samples the start of a ray along unit `direction` that enters a sphere, with its pdf per
-    /// area.
+    /// Samples the start of a ray along unit `direction` that enters a sphere.
     ///
-    /// All starts lie in the plane across `direction` at `upstream` before the origin.
+    /// Returns the start with its pdf per area \[1/length²]. All starts lie in one plane, which is
+    /// perpendicular to `direction` and contains the point −`upstream`·`direction`.
     #[must_use]
     pub fn sample_parallel_start(&self, direction: Vec3, upstream: f32, u: Vec2) -> Option<(Vec3, f32)> {
         let areas = || self.spheres.iter().map(|s| PI * s.radius * s.radius);
@@ -114,9 +120,10 @@ impl PhotonAim {
     }
 }
 
-/// Chooses the interval that contains `at` in consecutive intervals of the given widths.
+/// Finds the interval that contains `at`. Intervals of the given widths follow each other from 0.
 ///
-/// Returns the position in the interval, in \[0, 1), and its index. `None` if there is no interval.
+/// Returns the relative position in the interval, in \[0, 1), and the index of the interval.
+/// Returns `None` if there is no interval.
 #[inline]
 fn choose_interval(widths: impl Iterator<Item = f32>, mut at: f32) -> Option<(f32, usize)> {
     let mut chosen = None;
@@ -130,7 +137,10 @@ fn choose_interval(widths: impl Iterator<Item = f32>, mut at: f32) -> Option<(f3
     chosen
 }
 
-/// Samples all directions above `horizon`; `None` in the horizon itself, where the pdf is 0.
+/// Samples a unit direction by `u`, with its pdf \[1/sr]: cosine-weighted above `horizon`, or
+/// uniform over the sphere if there is no horizon.
+///
+/// Returns `None` in the plane of the horizon, where the pdf is 0.
 fn sample_sphere_or_hemisphere(horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, f32)> {
     match horizon {
         Some(n) => {
@@ -141,8 +151,9 @@ fn sample_sphere_or_hemisphere(horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, 
     }
 }
 
-/// Halves the spheres at the median of their widest axis until `most` groups are left, then bounds
-/// each group.
+/// Replaces `spheres` by at most `most` bounding spheres of groups of neighbours.
+///
+/// Groups are halved at the median of the widest axis.
 fn merge_spheres(spheres: &mut Vec<BoundingSphere>, most: usize) {
     if spheres.len() <= most {
         return;

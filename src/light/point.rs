@@ -1,8 +1,8 @@
-//! Point lights.
+//! Point lights, and the code that all lights at one position share.
 
 use super::light_bounds::{DirectionCone, LightBounds};
 use super::source::{DirectSample, EmissionSample, LightGeometry, LightSource, ShadowTarget};
-use super::{POSITION_ERROR, PhotonAim};
+use super::{PhotonAim, RELATIVE_POSITION_ERROR};
 use crate::color::Rgb;
 use crate::math::{BoundingSphere, Bounds, Ray, warp};
 use crate::shape::SurfacePoint;
@@ -19,15 +19,72 @@ pub struct PointLight {
     pub intensity: Rgb,
 }
 
-impl LightSource for PointLight {
+/// A light at one position, whose intensity depends on the direction.
+pub(super) trait PositionalLight {
+    /// Position in world space.
+    fn position(&self) -> Vec3;
+
+    /// Radiant intensity in unit direction `w` \[W/sr].
+    fn intensity(&self, w: Vec3) -> Rgb;
+
+    /// Samples an emitted ray by `u` in \[0, 1)²; `None` if it carries no light.
+    fn sample_emission(&self, u: Vec2) -> Option<EmissionSample>;
+
+    /// Radiant flux \[W].
+    fn flux(&self) -> Rgb;
+
+    /// Radiant intensity where the light is brightest, or where its pattern is 1 \[W/sr].
+    fn peak_intensity(&self) -> Rgb;
+
+    /// Cone of axes, and the largest angle \[radians] from an axis at which light is emitted.
+    ///
+    /// [`LightBounds::new`] takes both.
+    fn emission_cone(&self) -> (DirectionCone, f64) {
+        (DirectionCone::ALL, FRAC_PI_2)
+    }
+
+    /// False only if no ray from the light can enter `sphere`.
+    fn may_illuminate(&self, _sphere: BoundingSphere) -> bool {
+        true
+    }
+}
+
+impl PositionalLight for PointLight {
+    #[inline]
+    fn position(&self) -> Vec3 {
+        self.position
+    }
+
+    #[inline]
+    fn intensity(&self, _w: Vec3) -> Rgb {
+        self.intensity
+    }
+
+    fn sample_emission(&self, u: Vec2) -> Option<EmissionSample> {
+        Some(EmissionSample { ray: Ray::new(self.position, warp::square_to_uniform_sphere(u)), flux: self.flux() })
+    }
+
+    fn flux(&self) -> Rgb {
+        self.intensity * (4.0 * PI)
+    }
+
+    fn peak_intensity(&self) -> Rgb {
+        self.intensity
+    }
+}
+
+impl<L: PositionalLight> LightSource for L {
     #[inline]
     fn geometry(&self) -> LightGeometry<'_> {
-        LightGeometry::Point(self.position)
+        LightGeometry::Point(self.position())
     }
 
     #[inline]
     fn sample_li(&self, p: Vec3, _u: Vec2) -> Option<DirectSample> {
-        sample_li_of_point(p, self.position, |_| self.intensity)
+        let (d2, wi, _) = crate::math::direction_and_distance(p, self.position())?;
+        let weight = self.intensity(-wi) / d2;
+        let target = ShadowTarget::Point(self.position());
+        (weight != Rgb::ZERO).then_some(DirectSample { wi, target, weight, pdf: None })
     }
 
     #[inline]
@@ -35,11 +92,8 @@ impl LightSource for PointLight {
         0.0
     }
 
-    fn sample_le(&self, domain: BoundingSphere, _position: Vec2, direction: Vec2) -> Option<EmissionSample> {
-        Some(EmissionSample {
-            ray: Ray::new(self.position, warp::square_to_uniform_sphere(direction)),
-            flux: self.power(domain),
-        })
+    fn sample_le(&self, _domain: BoundingSphere, _position: Vec2, direction: Vec2) -> Option<EmissionSample> {
+        self.sample_emission(direction)
     }
 
     fn sample_le_towards(
@@ -49,59 +103,43 @@ impl LightSource for PointLight {
         _position: Vec2,
         direction: Vec2,
     ) -> Option<EmissionSample> {
-        sample_le_of_point(aim, self.position, direction, |_| self.intensity)
+        let (w, pdf) = aim.sample_direction(self.position(), None, direction)?;
+        let intensity = self.intensity(w);
+        (intensity != Rgb::ZERO).then(|| EmissionSample { ray: Ray::new(self.position(), w), flux: intensity / pdf })
     }
 
     fn power(&self, _domain: BoundingSphere) -> Rgb {
-        self.intensity * (4.0 * PI)
+        self.flux()
     }
 
     fn bounds(&self) -> Option<LightBounds> {
-        let space = Bounds::from_points([self.position]);
-        Some(LightBounds::new(space, DirectionCone::ALL, FRAC_PI_2, self.intensity * (4.0 * PI)))
+        let (axes, spread) = self.emission_cone();
+        Some(LightBounds::new(Bounds::from_points([self.position()]), axes, spread, self.flux()))
     }
 
     fn peak_strength(&self) -> Option<Rgb> {
-        Some(self.intensity)
+        Some(self.peak_intensity())
     }
 
-    fn may_illuminate(&self, _sphere: BoundingSphere) -> bool {
-        true
+    fn may_illuminate(&self, sphere: BoundingSphere) -> bool {
+        PositionalLight::may_illuminate(self, sphere)
     }
 }
 
-/// Samples direct light from a point; `intensity` takes the unit direction from the point.
-#[inline]
-pub(super) fn sample_li_of_point(p: Vec3, position: Vec3, intensity: impl Fn(Vec3) -> Rgb) -> Option<DirectSample> {
-    let (d2, wi, _) = crate::math::direction_and_distance(p, position)?;
-    let weight = intensity(-wi) / d2;
-    (weight != Rgb::ZERO).then_some(DirectSample { wi, target: ShadowTarget::Point(position), weight, pdf: None })
-}
-
-/// False only if a cone of light around unit `axis` cannot reach `sphere`.
+/// False only if no ray from `position` inside the cone around unit `axis` can enter `sphere`.
 ///
-/// `outer` is 1 − cosine of the cone's half angle.
-pub(super) fn cone_may_illuminate(position: Vec3, axis: Vec3, outer: f32, sphere: BoundingSphere) -> bool {
+/// `one_minus_cos` is 1 − cosine of the cone's half angle.
+pub(super) fn cone_may_illuminate(position: Vec3, axis: Vec3, one_minus_cos: f32, sphere: BoundingSphere) -> bool {
     let to = sphere.center - position;
     let distance = to.length();
     // A cone wider than a right angle is not convex: the test below does not hold for it.
-    if distance <= sphere.radius || outer > 1.0 {
+    if distance <= sphere.radius || one_minus_cos > 1.0 {
         return true;
     }
-    // 2 asin of half the chord keeps its digits in narrow beams. The sphere subtends asin(r/d).
+    // Narrow cones: 2 asin(chord/2) is accurate, acos is not. The sphere subtends asin(r/d).
     let angle = 2.0 * libm::asinf((0.5 * (to / distance - axis).length()).min(1.0));
-    angle <= 2.0 * libm::asinf((0.5 * outer).sqrt()) + libm::asinf(sphere.radius / distance) + POSITION_ERROR
-}
-
-/// Samples emission from a point towards the spheres of `aim`; `intensity` takes the unit direction
-/// from the point.
-pub(super) fn sample_le_of_point(
-    aim: &PhotonAim,
-    position: Vec3,
-    u: Vec2,
-    intensity: impl Fn(Vec3) -> Rgb,
-) -> Option<EmissionSample> {
-    let (w, pdf) = aim.sample_direction(position, None, u)?;
-    let intensity = intensity(w);
-    (intensity != Rgb::ZERO).then(|| EmissionSample { ray: Ray::new(position, w), flux: intensity / pdf })
+    angle
+        <= 2.0 * libm::asinf((0.5 * one_minus_cos).sqrt())
+            + libm::asinf(sphere.radius / distance)
+            + RELATIVE_POSITION_ERROR
 }

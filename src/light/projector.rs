@@ -1,32 +1,32 @@
 //! Projector lights.
 
-use super::light_bounds::{DirectionCone, LightBounds, NORMAL_ERROR};
-use super::point::{cone_may_illuminate, sample_le_of_point, sample_li_of_point};
-use super::source::{DirectSample, EmissionSample, LightGeometry, LightSource};
+use super::EmissionPictureError;
+use super::light_bounds::{DirectionCone, NORMAL_ERROR};
+use super::point::{PositionalLight, cone_may_illuminate};
+use super::source::EmissionSample;
 use super::spherical_map::scale_emission_picture;
-use super::{EmissionPictureError, PhotonAim};
 use crate::color::{self, Rgb};
 use crate::image::Image;
-use crate::math::{BoundingSphere, Bounds, Ray};
+use crate::math::{BoundingSphere, Ray};
 use crate::sampling::PiecewiseConstant2d;
-use crate::shape::SurfacePoint;
 use glam::{DVec2, DVec3, UVec2, Vec2, Vec3};
 use std::sync::Arc;
 
-/// A pinhole that projects a picture: its intensity is the value of the pixel in each direction.
+/// A point light that projects a picture: its intensity in each direction is that of one pixel.
 #[derive(Clone, Debug)]
 pub struct ProjectorLight {
     /// Position of the pinhole in world space.
     pub position: Vec3,
-    /// Unit axes: right and up on the picture, and the direction of projection.
+    /// Unit vectors in world space: right and up on the picture, and the direction of projection.
     axes: [Vec3; 3],
-    /// The projected picture.
     picture: Arc<ProjectedPicture>,
-    /// Factor from pixel value to intensity \[W/sr].
+    /// Factor from pixel value to radiant intensity \[W/sr].
     pub scale: Rgb,
 }
 
-/// A picture in the plane at distance 1 before a pinhole, piecewise constant in its pixels.
+/// The picture of a projector, in the plane at distance 1 before the pinhole.
+///
+/// Its value is constant in each pixel. Local directions have the components right, up, forward.
 #[derive(Clone, Debug)]
 pub struct ProjectedPicture {
     picture: Image,
@@ -34,13 +34,15 @@ pub struct ProjectedPicture {
     half_size: DVec2,
     /// Distribution over the pixels, by value times solid angle.
     distribution: PiecewiseConstant2d,
-    /// Integral of the picture over all directions \[value · sr].
+    /// Integral of the picture over all directions \[pixel value · sr].
     integral: DVec3,
 }
 
 impl ProjectedPicture {
-    /// A picture with a full vertical angle of view \[radians], below π. `None` if the picture is
-    /// black.
+    /// Creates the projection of `picture` with the full vertical angle of view `angle`
+    /// \[radians], below π.
+    ///
+    /// Returns `None` if the picture is black.
     ///
     /// # Errors
     /// [`EmissionPictureError::Value`] if a pixel is negative or not finite.
@@ -49,7 +51,7 @@ impl ProjectedPicture {
         let (width, height) = (picture.width() as usize, picture.height() as usize);
         let y = libm::tan(0.5 * angle);
         let half_size = DVec2::new(y * width as f64 / height as f64, y);
-        // Solid angle of the rectangle between the axes and (x, y) in the plane at distance 1.
+        // Solid angle of the rectangle between the axis and the upper left corner of pixel (x, y).
         let corner_solid_angle = |x: usize, y: usize| {
             let p = half_size * (DVec2::new(x as f64 / width as f64, y as f64 / height as f64) * 2.0 - 1.0);
             libm::atan2(p.x * p.y, (1.0 + p.length_squared()).sqrt())
@@ -67,13 +69,12 @@ impl ProjectedPicture {
         Ok(Some(Self { picture, half_size, distribution, integral }))
     }
 
-    /// Value of a pixel (column, row).
+    /// Value of the pixel in column x and row y.
     fn pixel_value(&self, pixel: UVec2) -> Rgb {
         self.picture.pixels()[(pixel.y * self.picture.width() + pixel.x) as usize]
     }
 
-    /// Pixel (column, row) in a direction of the frame (right, up, forward); `None` beside the
-    /// picture.
+    /// Column and row of the pixel in a local direction; `None` beside the picture.
     #[inline]
     fn pixel_in_direction(&self, local: Vec3) -> Option<UVec2> {
         let p = DVec2::new(f64::from(local.x), -f64::from(local.y)) / f64::from(local.z) / self.half_size;
@@ -84,8 +85,8 @@ impl ProjectedPicture {
         Some(((0.5 * p + 0.5) * size.as_dvec2()).as_uvec2().min(size - 1))
     }
 
-    /// Samples a direction in the frame (right, up, forward), with the value there and its pdf
-    /// \[1/sr].
+    /// Samples a local unit direction by `u` in \[0, 1)². Returns it with the pixel's value and
+    /// its pdf \[1/sr].
     fn sample(&self, u: Vec2) -> Option<(Vec3, Rgb, f32)> {
         let (pixel, within, pdf) = self.distribution.sample(u);
         let size = DVec2::new(f64::from(self.picture.width()), f64::from(self.picture.height()));
@@ -95,21 +96,20 @@ impl ProjectedPicture {
         (pdf > 0.0).then(|| (local.as_vec3(), self.pixel_value(pixel), pdf as f32))
     }
 
-    /// Pdf \[1/sr] with which [`ProjectedPicture::sample`] samples a unit direction of the frame (right, up,
-    /// forward).
+    /// Pdf \[1/sr] with which [`ProjectedPicture::sample`] samples a local unit direction.
     fn pdf(&self, local: Vec3) -> f32 {
         let factor = self.area_pdf_to_solid_angle(f64::from(local.z)) as f32;
         self.pixel_in_direction(local).map_or(0.0, |pixel| self.distribution.pdf(pixel) * factor)
     }
 
-    /// Factor from pdf on the unit square of the picture to pdf per solid angle.
+    /// Factor from a pdf over the unit square of the picture to a pdf per solid angle \[1/sr].
     ///
-    /// An area element of the plane at distance 1 subtends dA cos³.
+    /// `cos` is the cosine between direction and axis. The area dA at distance 1 subtends dA cos³.
     fn area_pdf_to_solid_angle(&self, cos: f64) -> f64 {
         1.0 / (4.0 * self.half_size.x * self.half_size.y * cos * cos * cos)
     }
 
-    /// 1 − cosine of the angle from the axis to a corner.
+    /// 1 − cosine of the angle between the axis and a corner of the picture.
     fn one_minus_cos_to_corner(&self) -> f64 {
         let drop = self.half_size.length_squared();
         let hypotenuse = (1.0 + drop).sqrt();
@@ -118,10 +118,11 @@ impl ProjectedPicture {
 }
 
 impl ProjectorLight {
-    /// A projector with a picture whose pixel value 1 means intensity `scale` \[W/sr].
+    /// Creates a projector at `position` in world space; pixel value 1 means intensity `scale`
+    /// \[W/sr].
     ///
-    /// `direction` is the axis of projection; `up` is the upper side of the picture, and not
-    /// parallel to it.
+    /// `direction` is the axis of projection. The top of the picture lies towards `up`, which must
+    /// not be parallel to `direction`.
     #[must_use]
     pub fn new(position: Vec3, direction: DVec3, up: DVec3, picture: Arc<ProjectedPicture>, scale: Rgb) -> Self {
         let forward = direction.normalize();
@@ -130,75 +131,49 @@ impl ProjectorLight {
         Self { position, axes, picture, scale }
     }
 
-    /// Intensity in unit direction `w` \[W/sr].
-    #[inline]
-    #[must_use]
-    pub fn intensity(&self, w: Vec3) -> Rgb {
-        self.picture
-            .pixel_in_direction(self.world_to_picture(w))
-            .map_or(Rgb::ZERO, |pixel| self.picture.pixel_value(pixel) * self.scale)
-    }
-
-    /// Pdf \[1/sr] with which emission samples unit `w`.
+    /// Pdf \[1/sr] with which photon emission without an aim samples unit direction `w`.
     #[must_use]
     pub fn pdf(&self, w: Vec3) -> f32 {
         self.picture.pdf(self.world_to_picture(w))
     }
 
-    /// World direction in the frame of the picture: right, up, forward.
+    /// Transforms a direction from world space to the local frame of the picture.
     #[inline]
     fn world_to_picture(&self, w: Vec3) -> Vec3 {
         Vec3::from(self.axes.map(|axis| axis.dot(w)))
     }
 }
 
-impl LightSource for ProjectorLight {
+impl PositionalLight for ProjectorLight {
     #[inline]
-    fn geometry(&self) -> LightGeometry<'_> {
-        LightGeometry::Point(self.position)
+    fn position(&self) -> Vec3 {
+        self.position
     }
 
     #[inline]
-    fn sample_li(&self, p: Vec3, _u: Vec2) -> Option<DirectSample> {
-        sample_li_of_point(p, self.position, |w| self.intensity(w))
+    fn intensity(&self, w: Vec3) -> Rgb {
+        let pixel = self.picture.pixel_in_direction(self.world_to_picture(w));
+        pixel.map_or(Rgb::ZERO, |pixel| self.picture.pixel_value(pixel) * self.scale)
     }
 
-    #[inline]
-    fn pdf_li(&self, _p: Vec3, _wi: Vec3, _hit: Option<&SurfacePoint>) -> f32 {
-        0.0
-    }
-
-    fn sample_le(&self, _domain: BoundingSphere, _position: Vec2, direction: Vec2) -> Option<EmissionSample> {
-        let (local, value, pdf) = self.picture.sample(direction)?;
+    fn sample_emission(&self, u: Vec2) -> Option<EmissionSample> {
+        let (local, value, pdf) = self.picture.sample(u)?;
         let [right, up, forward] = self.axes;
         let w = (right * local.x + up * local.y + forward * local.z).normalize();
         Some(EmissionSample { ray: Ray::new(self.position, w), flux: value * self.scale / pdf })
     }
 
-    fn sample_le_towards(
-        &self,
-        aim: &PhotonAim,
-        _domain: BoundingSphere,
-        _position: Vec2,
-        direction: Vec2,
-    ) -> Option<EmissionSample> {
-        sample_le_of_point(aim, self.position, direction, |w| self.intensity(w))
-    }
-
-    /// Flux \[W]: the exact integral over the solid angles of the pixels.
-    fn power(&self, _domain: BoundingSphere) -> Rgb {
+    fn flux(&self) -> Rgb {
         (self.picture.integral * self.scale.as_dvec3()).as_vec3()
     }
 
-    fn bounds(&self) -> Option<LightBounds> {
-        let angle = libm::atan(self.picture.half_size.length()) + NORMAL_ERROR;
-        let cone = DirectionCone { axis: self.axes[2].as_dvec3(), angle };
-        let flux = (self.picture.integral * self.scale.as_dvec3()).as_vec3();
-        Some(LightBounds::new(Bounds::from_points([self.position]), cone, 0.0, flux))
+    fn peak_intensity(&self) -> Rgb {
+        self.scale
     }
 
-    fn peak_strength(&self) -> Option<Rgb> {
-        Some(self.scale)
+    fn emission_cone(&self) -> (DirectionCone, f64) {
+        let angle = libm::atan(self.picture.half_size.length()) + NORMAL_ERROR;
+        (DirectionCone { axis: self.axes[2].as_dvec3(), angle }, 0.0)
     }
 
     fn may_illuminate(&self, sphere: BoundingSphere) -> bool {

@@ -1,4 +1,4 @@
-//! The interface that every kind of light implements, and its sample records.
+//! The trait that every kind of light implements, and the records that its methods return.
 
 use super::light_bounds::LightBounds;
 use super::{Light, LightSurface, PhotonAim};
@@ -7,67 +7,65 @@ use crate::math::{BoundingSphere, Ray};
 use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 
-/// End of a shadow ray.
+/// The end of a shadow ray towards a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ShadowTarget {
-    /// A point, already offset from the light's own surface.
+    /// A point of the light, offset from the light's own surface by the rounding error.
     Point(Vec3),
-    /// The ray has no end.
+    /// The light is at infinity, so the ray has no end.
     Infinity,
 }
 
-/// Direct light that arrives at a point from one sampled direction, before visibility.
+/// A sampled direction from which direct light arrives at a point; occlusion is not tested yet.
 #[derive(Clone, Copy, Debug)]
 pub struct DirectSample {
     /// Unit direction towards the light.
     pub wi: Vec3,
     /// End of the shadow ray.
     pub target: ShadowTarget,
-    /// Radiance over `pdf`, without the cosine at the lit surface; for delta lights, irradiance at
-    /// normal incidence.
+    /// Radiance over `pdf`, without the cosine at the lit surface. For delta lights: irradiance at
+    /// normal incidence \[W/m²].
     pub weight: Rgb,
-    /// Pdf of `wi` \[1/sr], equal to [`Light::pdf_li`]; `None` for delta lights, which BSDF
-    /// sampling cannot hit.
+    /// Pdf of `wi` \[1/sr], equal to [`Light::pdf_li`]; `None` for delta lights.
     pub pdf: Option<f32>,
 }
 
-/// A ray that leaves a light, with its flux.
+/// A sampled ray that leaves a light, with its flux.
 #[derive(Clone, Copy, Debug)]
 pub struct EmissionSample {
-    /// Ray with unit direction.
+    /// The ray, with a unit direction.
     pub ray: Ray,
-    /// Flux over the pdf of the ray \[W]. Its mean is the light's power, or the aimed part of it.
+    /// Flux of the ray over its pdf \[W]. The mean is the flux of all rays that can be sampled.
     pub flux: Rgb,
 }
 
-/// Which sample points an emitted ray depends on.
+/// The sample points of [`Light::sample_le`] on which the emitted ray depends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EmissionDimensions {
-    /// True if the sample point of positions matters.
-    pub position: bool,
-    /// True if the sample point of directions matters.
-    pub direction: bool,
+    /// True if the ray depends on the argument `position`.
+    pub uses_position: bool,
+    /// True if the ray depends on the argument `direction`.
+    pub uses_direction: bool,
 }
 
-/// Where a light emits from.
+/// The place or direction from which a light emits.
 pub(super) enum LightGeometry<'a> {
-    /// One position: a delta light.
+    /// A delta light at one position in world space.
     Point(Vec3),
-    /// Infinity, in one unit direction of travel: a delta light.
+    /// A delta light at infinity, whose rays travel in this unit direction.
     Parallel(Vec3),
-    /// A surface.
+    /// An emitting surface.
     Surface(&'a LightSurface),
-    /// Infinity, in all directions.
+    /// Light at infinity that arrives from all directions.
     AllDirections,
 }
 
-/// One kind of light. [`Light`] documents the methods, and derives further ones from `geometry`.
+/// A kind of light. [`Light`] documents the methods, and derives further ones from `geometry`.
 ///
-/// Direct light must come from `sample_li`: photon methods store no light that arrives directly, so
-/// light that only `sample_le` emits would be lost at its first hit. Both must describe the same
-/// radiance, and `pdf_li` the pdf of `sample_li`.
+/// `sample_li` and `sample_le` must describe the same emitted radiance. Photon maps store no direct
+/// light, so light that only `sample_le` emits would be lost at its first hit.
 pub(super) trait LightSource {
-    /// Where the light emits from.
+    /// The place or direction from which the light emits.
     fn geometry(&self) -> LightGeometry<'_>;
 
     /// Implements [`Light::sample_li`].
@@ -91,16 +89,22 @@ pub(super) trait LightSource {
     /// Implements [`Light::power`].
     fn power(&self, domain: BoundingSphere) -> Rgb;
 
-    /// Bounds of positions and directions, without a margin; `None` for light from infinity.
-    fn bounds(&self) -> Option<LightBounds>;
+    /// Bounds in space and direction, without a margin; `None` for light from infinity.
+    fn bounds(&self) -> Option<LightBounds> {
+        None
+    }
 
-    /// Implements [`Light::peak_strength`].
-    fn peak_strength(&self) -> Option<Rgb>;
+    /// Implements [`Light::peak_strength`]; `None` unless this is a delta light.
+    fn peak_strength(&self) -> Option<Rgb> {
+        None
+    }
 
     /// Implements [`Light::may_illuminate`] for a sphere that is already grown by rounding errors.
-    fn may_illuminate(&self, sphere: BoundingSphere) -> bool;
+    fn may_illuminate(&self, _sphere: BoundingSphere) -> bool {
+        true
+    }
 
-    /// The light with its mean radiance; `None` if no texture varies its radiance.
+    /// Copy of the light that emits its mean radiance; `None` if no texture varies the radiance.
     fn untextured_light(&self) -> Option<Light> {
         None
     }

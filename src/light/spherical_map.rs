@@ -1,4 +1,4 @@
-//! Equirectangular maps over all directions, with importance sampling.
+//! Equirectangular maps: pictures of all directions, with importance sampling.
 
 use crate::color::{self, Rgb};
 use crate::image::{Image, SizeError};
@@ -7,17 +7,17 @@ use glam::{DVec2, DVec3, UVec2, Vec2, Vec3};
 use libm::{atan2, cos, hypot, sin};
 use std::f64::consts::{PI, TAU};
 
-/// Reason why a picture cannot be the emission of a light.
+/// The reason why a picture cannot define the emission of a light.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EmissionPictureError {
     /// A pixel is negative or not finite after scaling. Pixels count from the top left.
     #[error("the value in column {x}, row {y} is {value}: repair the picture so that all are finite and none below 0")]
     Value {
-        /// Column.
+        /// Column of the pixel.
         x: u32,
-        /// Row.
+        /// Row of the pixel.
         y: u32,
-        /// The scaled value.
+        /// The scaled value of the pixel.
         value: Rgb,
     },
     /// The picture has no pixels.
@@ -25,7 +25,7 @@ pub enum EmissionPictureError {
     Size(#[from] SizeError),
 }
 
-/// Multiplies a picture by `scale`.
+/// Multiplies all pixels of a picture by `scale`.
 ///
 /// # Errors
 /// [`EmissionPictureError::Value`] if a scaled pixel is negative or not finite.
@@ -41,23 +41,23 @@ pub(super) fn scale_emission_picture(mut picture: Image, scale: Rgb) -> Result<I
     Ok(picture)
 }
 
-/// A function of direction, given by an equirectangular map.
+/// A function of direction that an equirectangular picture defines.
 ///
-/// The top row of the map is +y, its center is −z, and the direction to the right of the center is
-/// +x. Values are interpolated bilinearly between pixels, also across the seam.
+/// The top edge of the picture is +y, its center is −z, and +x is to the right of the center.
+/// Values are interpolated bilinearly, also across the left and right edge.
 #[derive(Clone, Debug)]
 pub struct EquirectangularMap {
     map: Image,
-    /// Distribution over the pixels; `None` if the map is black.
+    /// Distribution over the pixels, by mean value times solid angle; `None` if the map is black.
     distribution: Option<PiecewiseConstant2d>,
-    /// Cosine with +y of the upper edge of each row, and of the lower edge of the last row.
+    /// Cosines of the angles from +y to the upper edges of all rows, then to the map's lower edge.
     row_edge_cosines: Vec<f64>,
-    /// Integral of the map over all directions \[value · sr].
+    /// Integral of the map over all directions \[pixel value · sr].
     integral: Rgb,
 }
 
 impl EquirectangularMap {
-    /// The map times `scale`.
+    /// Creates a map whose values are the pixels of `map` times `scale`.
     ///
     /// # Errors
     /// [`EmissionPictureError::Value`] if a scaled pixel is negative or not finite.
@@ -82,7 +82,7 @@ impl EquirectangularMap {
         Ok(Self { distribution, row_edge_cosines, integral, map })
     }
 
-    /// Integral of the map over all directions \[value · sr].
+    /// Integral of the map over all directions \[pixel value · sr].
     pub(super) fn integral(&self) -> Rgb {
         self.integral
     }
@@ -90,7 +90,7 @@ impl EquirectangularMap {
     /// Value of the map in unit `direction`.
     #[inline]
     pub(super) fn value_in_direction(&self, direction: Vec3) -> Rgb {
-        let at = self.pixel(direction) - 0.5;
+        let at = self.pixel_coordinates(direction) - 0.5;
         let (w, h) = (self.map.width() as i64, self.map.height() as i64);
         let (x, y) = (at.x.floor(), at.y.floor());
         let (fx, fy) = ((at.x - x) as f32, (at.y - y) as f32);
@@ -101,9 +101,9 @@ impl EquirectangularMap {
         row(y as i64).lerp(row(y as i64 + 1), fy)
     }
 
-    /// Column and row of unit `direction`, in pixels from the top left corner of the map.
+    /// Coordinates of unit `direction` on the map \[pixels], right and down from its top left corner.
     #[inline]
-    fn pixel(&self, direction: Vec3) -> DVec2 {
+    fn pixel_coordinates(&self, direction: Vec3) -> DVec2 {
         let [x, y, z] = direction.to_array().map(f64::from);
         let (u, v) = (0.5 + atan2(x, -z) / TAU, atan2(hypot(x, z), y) / PI);
         DVec2::new(u * f64::from(self.map.width()), v * f64::from(self.map.height()))
@@ -115,19 +115,18 @@ impl EquirectangularMap {
         let Some(distribution) = &self.distribution else {
             return 0.0;
         };
-        let at = self.pixel(direction);
-        // Rounding may give a column or row beyond the last: the seam and −y.
+        let at = self.pixel_coordinates(direction);
+        // At the right edge and at −y, rounding may give a column or row beyond the last.
         let column = at.x as u32 % self.map.width();
         let row = (at.y as u32).min(self.map.height() - 1);
         let height = self.row_edge_cosines[row as usize] - self.row_edge_cosines[row as usize + 1];
         distribution.pdf(UVec2::new(column, row)) / (TAU * f64::from(self.map.height()) * height) as f32
     }
 
-    /// Samples a unit direction by the values of the pixels, uniformly within each pixel; `None` if
-    /// the map is black.
+    /// Samples a unit direction by `u` in \[0, 1)², with a pdf that is constant in each pixel.
     ///
-    /// Rounding may move the direction to the next pixel: its pdf is [`EquirectangularMap::pdf`], which
-    /// may be zero.
+    /// Rounding may move the direction to the next pixel, so [`EquirectangularMap::pdf`] of the
+    /// result may be zero. Returns `None` if the map is black.
     #[inline]
     pub(super) fn sample(&self, u: Vec2) -> Option<Vec3> {
         let (cell, within, _) = self.distribution.as_ref()?.sample(u);
@@ -141,10 +140,11 @@ impl EquirectangularMap {
     }
 }
 
-/// Integral over the cosine with +y of the interpolation weight of row `y` of `h`.
+/// Integral of the interpolation weight of row `y` of `h` rows, over the cosine of the angle θ
+/// from +y.
 ///
-/// The weight is a hat function of the angle from +y. Beyond the centers of the first and the last
-/// row it is constant.
+/// The weight is a hat function of θ. It is 1 above the center of the first row, and 1 below the
+/// center of the last row.
 fn row_interpolation_integral(y: usize, h: usize) -> f64 {
     let step = PI / h as f64;
     let center = (y as f64 + 0.5) * step;

@@ -1,13 +1,13 @@
-//! Energy account of photon tracing.
+//! Energy audit of photon tracing.
 
 use crate::color::Rgb;
 use glam::DVec3;
 use std::ops::AddAssign;
 
-/// Energy account of a photon pass \[W].
+/// Energy audit of a photon pass: sums of flux \[W] by channel.
 ///
-/// Emitted = absorbed + escaped + stopped + roulette, up to rounding. The expectation of `roulette`
-/// is zero.
+/// Emitted = absorbed + escaped + stopped + roulette, up to rounding. The expected value of
+/// `roulette` is zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct EnergyAudit {
     /// Flux emitted by the lights.
@@ -16,7 +16,7 @@ pub struct EnergyAudit {
     pub absorbed: [f64; 3],
     /// Flux that escaped from the scene.
     pub escaped: [f64; 3],
-    /// Flux of paths that reached the bounce limit, or that nothing stored can follow.
+    /// Flux of paths that ended at the bounce limit, or where no stored kind of photon can follow.
     pub stopped: [f64; 3],
     /// Flux removed by Russian roulette minus flux added by it.
     pub roulette: [f64; 3],
@@ -37,7 +37,7 @@ impl AddAssign for EnergyAudit {
     }
 }
 
-/// Adds `flux` to an account.
+/// Adds `flux` \[W] to one sum of the audit.
 pub(super) fn add_flux(account: &mut [f64; 3], flux: Rgb) {
     *account = (DVec3::from(*account) + flux.as_dvec3()).to_array();
 }

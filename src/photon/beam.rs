@@ -1,4 +1,4 @@
-//! Photon beams and their intersections with camera rays.
+//! Photon beams in participating media, and the map that finds beams near a camera ray.
 
 use super::packet::{BeamPiece, BeamPiecePacket, LANES, LineQuery, set_bits};
 use crate::accel::Boxes;
@@ -7,31 +7,31 @@ use crate::math::{Bounds, Ray, morton_order, rounding_error_bound};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-/// A photon beam: the segment of a photon path through a medium.
+/// A photon beam: the segment of a photon path through a homogeneous medium.
 ///
-/// The beam starts where the photon entered or scattered, and ends where the photon would leave the
-/// medium.
+/// The beam starts where the photon entered the medium or scattered. It extends to the medium's
+/// boundary along the photon's direction, beyond the sampled scattering point (long beam).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhotonBeam {
-    /// Start \[length].
+    /// Position of the start.
     pub start: Vec3,
     /// Unit direction of travel.
     pub direction: Vec3,
-    /// Length \[length].
+    /// Distance from start to end.
     pub length: f32,
     /// Flux at the start \[W].
     pub flux: Rgb,
     /// Index of the medium.
     pub medium: u32,
-    /// Wavelength code; 0 for all wavelengths.
+    /// Byte code of the wavelength; 0 if the beam carries all wavelengths.
     pub wavelength: u8,
 }
 
 impl PhotonBeam {
-    /// A beam; `None` if it is invalid.
+    /// A beam from its fields, or `None` if they are invalid.
     ///
-    /// A beam is invalid if a position or the flux is not finite, if the flux is zero or negative,
-    /// or if length or direction is zero.
+    /// They are invalid if start, end or flux is not finite, if the flux is zero or negative, or if
+    /// `length` or `direction` is zero.
     #[must_use]
     pub fn new(start: Vec3, direction: Vec3, length: f32, flux: Rgb, medium: u32, wavelength: u8) -> Option<Self> {
         let beam = Self { start, direction, length, flux, medium, wavelength };
@@ -45,35 +45,39 @@ impl PhotonBeam {
         flux && self.length > 0.0 && self.direction != Vec3::ZERO && self.start.is_finite() && end.is_finite()
     }
 
-    /// The point at `s` along the beam.
+    /// The point at distance `s` from the start.
     fn point_at(&self, s: f64) -> DVec3 {
         self.start.as_dvec3() + self.direction.as_dvec3() * s
     }
 }
 
-/// Closest approach of a ray and a beam.
+/// Closest approach of a camera ray and a photon beam.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeamIntersection {
-    /// Distance along the ray.
+    /// Distance from the ray's origin to the closest point on the ray.
     pub t: f32,
-    /// Distance along the beam.
+    /// Distance from the beam's start to the closest point on the beam.
     pub s: f32,
     /// Cosine of the angle between the directions of ray and beam.
     pub cos: f32,
-    /// K₁(d)/sin θ \[1/length]: the 1D kernel at the distance d of the lines, over the sine of
-    /// their angle.
+    /// Weight of the beam estimate, K₁(d)/sin θ \[1/length].
+    ///
+    /// K₁ is the 1D Epanechnikov kernel, d the distance of the two lines, and θ their angle.
     pub weight: f32,
-    /// Squared distance of the lines over the squared radius.
+    /// Squared distance of the two lines, divided by the squared blur radius.
     pub x2: f32,
 }
 
-/// Sine below which two unit directions count as parallel. Each direction is rounded and normalised
-/// in four operations.
+/// Sine of the angle below which two unit directions count as parallel.
+///
+/// It is twice the rounding error of a direction that was normalised in four operations.
 const MIN_SINE: f64 = 2.0 * rounding_error_bound(4) as f64;
 
 impl BeamIntersection {
-    /// `None` if the lines are at least `radius` apart or parallel, or if the closest approach is
-    /// outside a segment.
+    /// Closest approach of `ray` and `beam`.
+    ///
+    /// Returns `None` if the lines are parallel or at least `radius` apart, or if a closest point
+    /// lies beyond an end of the ray or the beam.
     #[inline]
     fn new(ray: &Ray, beam: &PhotonBeam, radius: f64) -> Option<Self> {
         let (d, b) = (ray.direction.as_dvec3(), beam.direction.as_dvec3());
@@ -94,11 +98,11 @@ impl BeamIntersection {
     }
 }
 
-/// Photon beams in a bounding volume hierarchy.
+/// Photon beams in a bounding volume hierarchy, for the beam × beam estimate with a 1D blur.
 ///
-/// Beam × beam estimate with a 1D blur (Jarosz et al. 2011, "A comprehensive theory of volumetric
-/// radiance estimation", section 4.3). Radiance towards the ray's origin is Σ flux · σs · p(cos) ·
-/// T(ray, t) · T(beam, s) · weight.
+/// Radiance towards the ray's origin is Σ flux · σs · p(cos) · T(ray, t) · T(beam, s) · weight over
+/// the beams near the ray (Jarosz et al. 2011, "A comprehensive theory of volumetric radiance
+/// estimation", section 4.3).
 pub struct PhotonBeamMap {
     beams: Vec<PhotonBeam>,
     packets: Vec<BeamPiecePacket>,
@@ -107,11 +111,11 @@ pub struct PhotonBeamMap {
     radius: f32,
 }
 
-/// Largest mean number of pieces per beam.
+/// Upper bound of the mean number of pieces per beam.
 const MAX_PIECES: f64 = 4.0;
 
 impl PhotonBeamMap {
-    /// Builds the map for a blur of the given radius \[length], without invalid beams.
+    /// Builds the map for a blur `radius` \[length]. Invalid beams are left out.
     ///
     /// The result does not depend on the number of threads.
     #[must_use]
@@ -122,12 +126,13 @@ impl PhotonBeamMap {
         let beam = |piece: &BeamPiece| &beams[piece.beam as usize];
         let center = |p: &BeamPiece| beam(p).point_at(0.5 * (f64::from(p.from) + f64::from(p.to))).as_vec3();
         let order = morton_order(&pieces, center);
-        let run = |run: &[u32]| {
-            let pieces = || run.iter().map(|i| pieces[*i as usize]);
-            let bounds = pieces().fold(Bounds::EMPTY, |all, p| all.union(p.bounds(beam(&p), radius)));
+        let packet_and_bounds = |indices: &[u32]| {
+            let pieces = || indices.iter().map(|i| pieces[*i as usize]);
+            let bounds = pieces().fold(Bounds::EMPTY, |all, p| all.union(p.expanded_bounds(beam(&p), radius)));
             (BeamPiecePacket::new(pieces().map(|p| (p, beam(&p).start, beam(&p).direction))), bounds)
         };
-        let (packets, bounds): (Vec<BeamPiecePacket>, Vec<Bounds>) = order.par_chunks(LANES).map(run).unzip();
+        let (packets, bounds): (Vec<BeamPiecePacket>, Vec<Bounds>) =
+            order.par_chunks(LANES).map(packet_and_bounds).unzip();
         Self { boxes: Boxes::build(&bounds), beams, packets, radius }
     }
 
@@ -149,10 +154,10 @@ impl PhotonBeamMap {
         self.radius
     }
 
-    /// Visits every beam whose line passes within the radius of the ray, once per beam.
+    /// Calls `visitor` once for each beam that passes within the blur radius of `ray`.
     ///
-    /// The ray has a unit direction. The closest approach must lie within both segments. Allocates
-    /// nothing.
+    /// `ray` must have a unit direction. The closest points must lie between the ends of ray and
+    /// beam.
     #[inline]
     pub fn visit(&self, ray: &Ray, mut visitor: impl FnMut(&PhotonBeam, BeamIntersection)) {
         let query = LineQuery::new(ray, self.radius);
@@ -172,14 +177,16 @@ impl PhotonBeamMap {
 }
 
 impl BeamPiece {
-    /// True if the point at distance `s` belongs to this piece; each point belongs to exactly one.
+    /// True if this piece of `beam` contains the point at distance `s` along the beam.
+    ///
+    /// Each point of a beam belongs to exactly one piece.
     #[inline]
     fn contains(&self, s: f32, beam: &PhotonBeam) -> bool {
         s >= self.from && (s < self.to || self.to >= beam.length)
     }
 
-    /// Bounding box grown by `radius`, rounded outwards.
-    fn bounds(&self, beam: &PhotonBeam, radius: f32) -> Bounds {
+    /// Bounding box of the piece, expanded by `radius` and rounded outwards.
+    fn expanded_bounds(&self, beam: &PhotonBeam, radius: f32) -> Bounds {
         let (a, b, r) = (beam.point_at(self.from.into()), beam.point_at(self.to.into()), f64::from(radius));
         let down = (a.min(b) - r).as_vec3().to_array().map(f32::next_down);
         let up = (a.max(b) + r).as_vec3().to_array().map(f32::next_up);
@@ -187,29 +194,33 @@ impl BeamPiece {
     }
 }
 
-/// Cuts beams into pieces; `length` applies to beams of box growth 1.
+/// Splits each beam into pieces of equal length, so that bounding boxes become small.
+///
+/// `length` is the largest length of pieces of a beam along a diagonal of the cube. Other
+/// directions have longer pieces, see [`sqrt_half_box_area`].
 fn split_beams(beams: &[PhotonBeam], length: f64) -> Vec<BeamPiece> {
-    let of = |(index, beam): (usize, &PhotonBeam)| {
+    let pieces_of = |(index, beam): (usize, &PhotonBeam)| {
         let (index, whole) = (index as u32, beam.length);
         let count = (f64::from(whole) * sqrt_half_box_area(beam) / length).ceil().max(1.0) as u32;
         let at = move |k: u32| whole * (k as f32 / count as f32);
         (0..count).map(move |k| BeamPiece { beam: index, from: at(k), to: at(k + 1) })
     };
-    beams.par_iter().enumerate().flat_map_iter(of).collect()
+    beams.par_iter().enumerate().flat_map_iter(pieces_of).collect()
 }
 
-/// Growth of the bounding box with the length of a beam: 0 along an axis, 1 along a diagonal of the
-/// cube.
+/// Root of half the surface area of the bounding box of a unit segment in the beam's direction.
 ///
-/// A beam of length L in n pieces has boxes of total area L² c/n + 12 n r² plus a constant, where c
-/// is the square of the growth. The minimum is at n = L √c/(√12 r).
+/// The value g is 0 along an axis, and 1 along a diagonal of the cube. Boxes of n pieces of a beam
+/// of length L, expanded by r, have half the area L²g²/n + 12nr² + constant. The minimum is at n =
+/// Lg/(√12 r).
 fn sqrt_half_box_area(beam: &PhotonBeam) -> f64 {
     let b = beam.direction.abs();
     f64::from(b.x * b.y + b.y * b.z + b.z * b.x).sqrt()
 }
 
-/// Length of pieces, for beams of box growth 1, that minimises the total box area within
-/// [`MAX_PIECES`].
+/// Length of the pieces of a diagonal beam that minimises the area of all bounding boxes.
+///
+/// The mean number of pieces per beam stays below [`MAX_PIECES`].
 fn optimal_piece_length(beams: &[PhotonBeam], radius: f32) -> f64 {
     let total: f64 = beams.iter().map(|b| f64::from(b.length) * sqrt_half_box_area(b)).sum();
     let most = (MAX_PIECES - 1.0) * beams.len().max(1) as f64;

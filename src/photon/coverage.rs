@@ -1,4 +1,4 @@
-//! Boundary bias of density estimates: the fraction of the disc that is surface.
+//! Correction of boundary bias: the fraction of an estimate's disc that is surface.
 
 use super::Kernel;
 use super::estimate::{FLATNESS, LEVELS, SAME_SIDE};
@@ -7,18 +7,19 @@ use crate::sampling::{Dimension, Key, sobol_2d};
 use crate::scene::Scene;
 use glam::Vec3;
 
-/// Number of probe rays per disc.
+/// Number of probe rays for each disc.
 const PROBES: u32 = 16;
 
-/// Lower bound of the coverage; it limits the correction of an estimate.
+/// Least coverage; it limits the correction of an estimate to a factor of 20.
 const MIN_COVERAGE: f32 = 0.05;
 
-/// Integral of the kernel over the surface around `p`, relative to the integral over the flat disc.
+/// Integral of the kernel over the real surface around `p`, divided by its integral over a flat
+/// disc.
 ///
-/// A density estimate divides by the area of a disc. Where the surface ends, bends or is occluded,
-/// fewer photons contribute (Jensen 2001, section 7.2.3: boundary bias); on a slope, more do. Probe
-/// rays across the disc measure the ratio. The estimate over this ratio is the mean over the
-/// surface. On a flat surface the result is exactly 1.
+/// A density estimate assumes that the whole disc of `radius` \[length] around `p` is surface.
+/// Where the surface ends, bends or is occluded, it is too dark (boundary bias, Jensen 2001,
+/// section 7.2.3). Division by the coverage corrects the bias. Probe rays along −`normal` estimate
+/// the coverage. It is exactly 1 on a flat surface, and may exceed 1 on a slope.
 #[must_use]
 pub fn coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kernel, key: Key) -> f32 {
     let frame = Frame::from_normal(normal);
@@ -26,7 +27,7 @@ pub fn coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kerne
     let (mut covered, mut whole) = (0.0, 0.0);
     for i in 0..PROBES {
         let d = warp::square_to_uniform_disc(sobol_2d(i, key, Dimension::Probe));
-        let shape = kernel.shape(d.length_squared());
+        let shape = kernel.unnormalized(d.length_squared());
         whole += shape;
         let above = p + (frame.s * d.x + frame.t * d.y) * radius + normal * height;
         let ray = Ray { t_max: 2.0 * height, ..Ray::new(above, -normal) };
@@ -34,8 +35,9 @@ pub fn coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kerne
         let cos = scene.normal_at(&ray, &hit).dot(normal).abs();
         if cos > SAME_SIDE {
             let rise = (height - hit.t) / radius;
-            // The plane itself is hit within rounding, and must count as flat.
-            let shape = if rise.abs() < 1e-3 { shape } else { kernel.shape_within(d.length_squared() + rise * rise) };
+            // A flat surface is hit at `height` up to rounding errors, and must count as flat.
+            let shape =
+                if rise.abs() < 1e-3 { shape } else { kernel.unnormalized_or_zero(d.length_squared() + rise * rise) };
             let cos = if cos > 0.999_999 { 1.0 } else { cos };
             covered += shape / cos;
         }
@@ -43,10 +45,11 @@ pub fn coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kerne
     if whole > 0.0 { (covered / whole).max(MIN_COVERAGE) } else { 1.0 }
 }
 
-/// Coverage of the disc and of the finer discs in it, see
-/// [`NestedRadianceEstimate`](super::NestedRadianceEstimate).
+/// Coverage of the nested discs of a [`NestedRadianceEstimate`](super::NestedRadianceEstimate),
+/// largest disc first.
 ///
-/// Each disc has its own probe rays: the mean of the inverse is biased for few rays.
+/// Each disc has its own 16 probe rays. Shared probe rays would leave few in the smallest disc, and
+/// the inverse of a ratio from few rays is biased.
 #[must_use]
 pub fn nested_disc_coverage(
     scene: &Scene,

@@ -1,4 +1,4 @@
-//! Storage of the photons that a pass deposits.
+//! Photons stored by a photon pass.
 
 use super::{Photon, PhotonBeam, PhotonKind, PhotonPass, VolumePhoton};
 use crate::color::{Rgb, Wavelength};
@@ -6,15 +6,15 @@ use crate::math::Ray;
 use crate::scene::SurfaceInteraction;
 use glam::Vec3;
 
-/// Optical depth at which a beam without an end is cut: 2·10⁻⁹ of its flux is left.
+/// Optical depth at which an infinitely long beam is cut; 2·10⁻⁹ of its flux is left there.
 const MAX_OPTICAL_DEPTH: f32 = 20.0;
 
-/// Photons stored in participating media.
+/// Photon beams and photon points stored in participating media.
 #[derive(Clone, Debug, Default)]
 pub struct VolumePhotons {
-    /// Photon beams through homogeneous media.
+    /// Photon beams, in homogeneous media.
     pub beams: Vec<PhotonBeam>,
-    /// Photon points where media scattered light.
+    /// Photons at scattering points.
     pub points: Vec<VolumePhoton>,
 }
 
@@ -25,7 +25,7 @@ impl VolumePhotons {
         self.beams.len() + self.points.len()
     }
 
-    /// True if nothing is stored.
+    /// True if there are no beams and no points.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -37,20 +37,21 @@ impl VolumePhotons {
     }
 }
 
-/// Photons that a pass stored, in the order of their paths.
+/// All photons stored by a photon pass, in the order of path indices.
 #[derive(Debug, Default)]
 pub struct Deposits {
-    /// Photons on surfaces.
+    /// Photons on surfaces, except those in `after_caustic`.
     pub photons: Vec<Photon>,
-    /// Photons on surfaces of paths that continued after a caustic, if
-    /// [`StoreMask::separates_after_caustic`](super::StoreMask) is set.
+    /// Surface photons of [`PhotonKind::AfterCaustic`].
+    ///
+    /// Empty unless [`StoreMask::separates_after_caustic`](super::StoreMask) is set; `photons` then
+    /// holds the other kinds.
     pub after_caustic: Vec<Photon>,
-    /// Photons in media, of the kinds of `photons`.
+    /// Photons in media, of the same kinds as `photons`.
     pub volume: VolumePhotons,
-    /// Photons in media, of the kinds of `after_caustic`.
-    pub after_volume: VolumePhotons,
-    /// Number of invalid photons that were not stored: flux or position is not finite, or a channel
-    /// is negative.
+    /// Photons in media, of the same kinds as `after_caustic`.
+    pub after_caustic_volume: VolumePhotons,
+    /// Number of photons not stored because flux or position was not finite, or flux was negative.
     pub rejected: u64,
 }
 
@@ -58,16 +59,16 @@ impl Deposits {
     /// Total number of stored photons.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.photons.len() + self.after_caustic.len() + self.volume.len() + self.after_volume.len()
+        self.photons.len() + self.after_caustic.len() + self.volume.len() + self.after_caustic_volume.len()
     }
 
-    /// True if nothing is stored.
+    /// True if the pass stored no photon.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Concatenates the deposits of consecutive chunks of paths.
+    /// Concatenates the deposits of consecutive chunks of photon paths.
     pub(super) fn concatenate(chunks: Vec<Self>) -> Self {
         let mut all = Self::default();
         all.photons.reserve_exact(chunks.iter().map(|chunk| chunk.photons.len()).sum());
@@ -76,18 +77,18 @@ impl Deposits {
             all.photons.extend_from_slice(&chunk.photons);
             all.after_caustic.extend_from_slice(&chunk.after_caustic);
             all.volume.extend(chunk.volume);
-            all.after_volume.extend(chunk.after_volume);
+            all.after_caustic_volume.extend(chunk.after_caustic_volume);
             all.rejected += chunk.rejected;
         }
         all
     }
 
-    /// Stores one deposit of `pass`, unless it is invalid.
+    /// Stores one deposit of `pass`. An invalid deposit is counted in `rejected` instead.
     #[inline]
     pub(super) fn store_deposit(&mut self, pass: &PhotonPass<'_>, deposit: &Deposit<'_>) {
-        let thinned = pass.mask.separates_after_caustic && deposit.kind == PhotonKind::AfterCaustic;
-        let (photons, volume) = if thinned {
-            (&mut self.after_caustic, &mut self.after_volume)
+        let is_separate = pass.mask.separates_after_caustic && deposit.kind == PhotonKind::AfterCaustic;
+        let (photons, volume) = if is_separate {
+            (&mut self.after_caustic, &mut self.after_caustic_volume)
         } else {
             (&mut self.photons, &mut self.volume)
         };
@@ -98,10 +99,10 @@ impl Deposits {
                 let photon = Photon::new(surface.point.p, flux, surface.wo, surface.facing_normal());
                 photon.map(|photon| photons.push(photon.with_wavelength(code)))
             }
-            DepositPlace::PhotonBeam { ray, medium } => {
+            DepositPlace::Beam { ray, medium } => {
                 let length = beam_length(pass, ray, medium);
                 let beam = PhotonBeam::new(ray.origin, ray.direction, length, flux, medium, code);
-                // A beam of zero length carries nothing, and is no error.
+                // A beam of zero length contributes nothing, so it is not an error.
                 beam.map(|beam| volume.beams.push(beam)).or((length == 0.0).then_some(()))
             }
             DepositPlace::Point { position, direction, medium } => {
@@ -113,32 +114,32 @@ impl Deposits {
     }
 }
 
-/// Flux that a density estimate can use.
+/// Flux that a photon path deposits on a surface or in a medium.
 pub(super) struct Deposit<'a> {
     /// History of the path.
     pub kind: PhotonKind,
-    /// Surface, beam or point that receives the flux.
+    /// Where the flux is deposited.
     pub place: DepositPlace<'a>,
     /// Flux \[W].
     pub flux: Rgb,
-    /// Wavelength of a path that chose one.
+    /// Wavelength of the path; `None` if the path carries all wavelengths.
     pub wavelength: Option<Wavelength>,
 }
 
-/// Surface, beam or point at which a photon path deposits flux.
+/// Surface point, beam or medium point where a photon path deposits flux.
 pub(super) enum DepositPlace<'a> {
-    /// On a surface.
+    /// A point on a surface.
     Surface(&'a SurfaceInteraction<'a>),
-    /// Along a ray through a homogeneous medium.
-    PhotonBeam {
-        /// The ray, of unit direction.
+    /// A path segment through a homogeneous medium.
+    Beam {
+        /// The segment, with unit direction.
         ray: &'a Ray,
         /// Index of the medium.
         medium: u32,
     },
-    /// At a scattering point in a medium.
+    /// A scattering point in a medium.
     Point {
-        /// The point.
+        /// Position of the point.
         position: Vec3,
         /// Unit direction of travel before scattering.
         direction: Vec3,
@@ -147,9 +148,10 @@ pub(super) enum DepositPlace<'a> {
     },
 }
 
-/// Length of a beam along `ray`.
+/// Length of the photon beam along `ray`, which starts in `medium`.
 ///
-/// A ray without an end is cut where almost no flux is left, or far outside the scene.
+/// A ray of infinite length is cut at [`MAX_OPTICAL_DEPTH`], or at a point outside the scene's
+/// bounding sphere.
 fn beam_length(pass: &PhotonPass<'_>, ray: &Ray, medium: u32) -> f32 {
     if ray.t_max.is_finite() {
         return ray.t_max;

@@ -1,4 +1,4 @@
-//! Emission of photon paths: choice of the light, position and direction.
+//! Emission of photon paths: samples a light, a position and a direction.
 
 use super::guiding::GuidingDistribution;
 use crate::color::{self, Rgb};
@@ -8,56 +8,59 @@ use crate::sampling::{Dimension, DiscreteDistribution, Key, Purpose, sobol_2d};
 use crate::scene::{Effect, Effects, Interior, InteriorKind, PathRay, Scene};
 use glam::Vec2;
 
-/// Samples per light for the estimate of its aimed power.
+/// Samples that estimate the power of each light towards the casters.
 const POWER_SAMPLES: u32 = 256;
 
-/// Fraction of the light probabilities that follows total power, so that no light is lost by a bad
-/// estimate.
+/// Fraction of each light's probability that follows its total power (defensive sampling).
+///
+/// A light whose aimed power was estimated as zero keeps a probability above zero.
 const DEFENSIVE_FRACTION: f64 = 0.1;
 
-/// Source of photon paths from all lights of a scene.
+/// Samples the emission of photon paths from all lights of a scene.
 #[derive(Clone, Debug)]
 pub struct PhotonSource<'a> {
     pub(super) scene: &'a Scene,
-    /// Distribution over the lights.
-    pub(super) choice: DiscreteDistribution,
-    /// Spheres to aim at; `None` emits in all directions.
+    /// Probabilities of the lights.
+    pub(super) light_distribution: DiscreteDistribution,
+    /// Bounding spheres of the casters, to which photons are emitted; `None` emits everywhere.
     aim: Option<PhotonAim>,
-    /// Guiding distribution of each guided light.
+    /// Guiding distribution of each light, `None` for a light without; empty without guiding.
     pub(super) guiding: Vec<Option<GuidingDistribution>>,
-    /// The effects that photons simulate.
+    /// Effects that photon paths simulate.
     effects: Effects,
 }
 
-/// Primary sample of one photon path.
+/// Random numbers that determine the light, position and direction of an emitted photon path.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrimaryEmissionSample {
     /// Index of the light.
     pub light: usize,
     /// Probability of the light.
     pub probability: f32,
-    /// Sample point of the position, in \[0, 1)².
+    /// Primary sample of the position on the light, in \[0, 1)².
     pub position: Vec2,
-    /// Sample point of the direction, in \[0, 1)².
+    /// Primary sample of the direction, in \[0, 1)².
     pub direction: Vec2,
-    /// Pdf of `position` and `direction` together; 1 without guiding.
+    /// Joint pdf of `position` and `direction` on \[0, 1)⁴; 1 without guiding.
     pub pdf: f32,
 }
 
 impl<'a> PhotonSource<'a> {
-    /// A source that emits in all directions, from each light in proportion to its power; `None` if
-    /// no light has power.
+    /// A source that emits from each light in all its directions; `None` if no light has power.
+    ///
+    /// Lights are chosen in proportion to their power.
     #[must_use]
     pub fn in_all_directions(scene: &'a Scene) -> Option<Self> {
-        let choice = DiscreteDistribution::new(light_powers(scene))?;
+        let light_distribution = DiscreteDistribution::new(light_powers(scene))?;
         let effects = effects_of_scene(scene);
-        Some(Self { scene, choice, aim: None, guiding: Vec::new(), effects })
+        Some(Self { scene, light_distribution, aim: None, guiding: Vec::new(), effects })
     }
 
-    /// A source that aims at the casters, from each light in proportion to the aimed power.
+    /// A source that emits only towards the bounding spheres of caustic casters.
     ///
-    /// `None` if no light can reach a caster. The aimed power is estimated by a pilot that depends
-    /// on the scene alone.
+    /// Lights are chosen in proportion to their power towards the spheres, estimated by sampling.
+    /// If casters are unbounded, the source emits in all directions. Returns `None` if no light can
+    /// reach a caster.
     #[must_use]
     pub fn aimed_at_casters(scene: &'a Scene) -> Option<Self> {
         let Some(spheres) = scene.caster_bounding_spheres() else {
@@ -65,7 +68,7 @@ impl<'a> PhotonSource<'a> {
         };
         let domain = scene.photon_domain();
         let reaching = |(light, power): (&Light, f64)| {
-            // A light may reach moving objects at another time.
+            // A light that misses a moving caster now may reach it at another shutter time.
             let reaches =
                 scene.has_motion() || spheres.iter().any(|sphere| light.may_illuminate(Some(*sphere), domain));
             if reaches { power } else { 0.0 }
@@ -77,60 +80,66 @@ impl<'a> PhotonSource<'a> {
         let (total, total_aimed) = (light_powers.iter().sum::<f64>(), aimed.iter().sum::<f64>());
         let weight = |(power, aimed): (&f64, &f64)| {
             let plain = power / total;
-            // Zero estimated power does not prove that no light reaches a caster.
+            // An estimate of zero does not prove that no light reaches a caster.
             if total_aimed > 0.0 {
                 DEFENSIVE_FRACTION * plain + (1.0 - DEFENSIVE_FRACTION) * aimed / total_aimed
             } else {
                 plain
             }
         };
-        let choice =
+        let light_distribution =
             if total > 0.0 { DiscreteDistribution::new(light_powers.iter().zip(&aimed).map(weight)) } else { None };
         let effects = effects_of_scene(scene);
-        choice.map(|choice| Self { scene, choice, aim: Some(aim), guiding: Vec::new(), effects })
+        light_distribution.map(|light_distribution| Self {
+            scene,
+            light_distribution,
+            aim: Some(aim),
+            guiding: Vec::new(),
+            effects,
+        })
     }
 
-    /// The source without the environment light; `None` if no other light has power.
+    /// Returns the source without the environment light; `None` if no other light has power.
     #[must_use]
     pub fn without_environment(self) -> Option<Self> {
-        // Without an environment, the source stays equal to the bit: new probabilities would differ
-        // by rounding.
-        let Some(sky) = self.scene.environment() else { return Some(self) };
-        let weight = |i| if i == sky { 0.0 } else { f64::from(self.choice.probability(i)) };
-        let choice = DiscreteDistribution::new((0..self.scene.lights().len()).map(weight))?;
-        Some(Self { choice, ..self })
+        // Recomputed probabilities would differ by rounding.
+        let Some(environment) = self.scene.environment() else { return Some(self) };
+        let weight = |i| if i == environment { 0.0 } else { f64::from(self.light_distribution.probability(i)) };
+        let light_distribution = DiscreteDistribution::new((0..self.scene.lights().len()).map(weight))?;
+        Some(Self { light_distribution, ..self })
     }
 
-    /// The source for `scene`, its own scene at another time. It aims at the casters of that time.
+    /// Returns the source for `scene`, which is the same scene at another shutter time.
+    ///
+    /// An aimed source then aims at the caster positions of that time.
     #[must_use]
     pub fn at<'b>(&self, scene: &'b Scene) -> PhotonSource<'b> {
         let spheres = if self.aim.is_some() { scene.caster_bounding_spheres() } else { None };
         let aim = spheres.map(PhotonAim::new);
-        let (choice, guiding) = (self.choice.clone(), self.guiding.clone());
-        PhotonSource { scene, choice, aim, guiding, ..*self }
+        let (light_distribution, guiding) = (self.light_distribution.clone(), self.guiding.clone());
+        PhotonSource { scene, light_distribution, aim, guiding, ..*self }
     }
 
-    /// The source with photons that simulate `effects`.
+    /// Returns the source with photon paths that simulate `effects`.
     #[must_use]
     pub fn with_effects(self, effects: Effects) -> Self {
         Self { effects, ..self }
     }
 
-    /// Which interiors its photons track.
+    /// Kind of interior that the photon paths must track.
     pub(super) fn interior_kind(&self) -> InteriorKind {
         self.effects.interior_kind()
     }
 
-    /// The lights, with or without their emission textures.
+    /// Lights of the scene; with mean emission if emission textures are not simulated.
     pub(super) fn lights(&self) -> &'a [Light] {
         if self.effects.has(Effect::Textures) { self.scene.lights() } else { self.scene.mean_emission_lights() }
     }
 
-    /// Starts path `index` of `paths`, with its flux \[W]; `None` if it carries no flux.
+    /// Starts photon path `index` of `paths`; returns its ray and flux \[W], `None` without flux.
     ///
-    /// Lights are chosen by systematic sampling over the indices. Positions and directions are
-    /// scrambled Sobol points keyed by the pass: each path is uniform by itself, and all paths
-    /// together are stratified.
+    /// Lights are chosen by systematic sampling over path indices. Positions and directions are
+    /// Sobol' points, scrambled with the key `pass`.
     #[must_use]
     pub fn emit<I: Interior>(&self, pass: Key, index: u32, paths: u32) -> Option<(PathRay<I>, Rgb)> {
         let point = self.primary_emission_sample(pass, index, paths);
@@ -138,11 +147,11 @@ impl<'a> PhotonSource<'a> {
         Some((ray, flux / (point.probability * paths as f32 * point.pdf)))
     }
 
-    /// Primary sample of path `index` of `paths`.
+    /// Samples light, position and direction of photon path `index` of `paths`.
     #[inline]
     pub(super) fn primary_emission_sample(&self, pass: Key, index: u32, paths: u32) -> PrimaryEmissionSample {
         let u = (f64::from(index) + f64::from(pass.uniform_1d(Dimension::Light))) / f64::from(paths);
-        let (light, probability) = self.choice.sample((u as f32).min(1.0 - f32::EPSILON / 2.0));
+        let (light, probability) = self.light_distribution.sample((u as f32).min(1.0 - f32::EPSILON / 2.0));
         let position = sobol_2d(index, pass, Dimension::LightPosition);
         let direction = sobol_2d(index, pass, Dimension::LightDirection);
         let (position, direction, pdf) = match self.guiding.get(light) {
@@ -152,7 +161,10 @@ impl<'a> PhotonSource<'a> {
         PrimaryEmissionSample { light, probability, position, direction, pdf }
     }
 
-    /// Starts a path, with its flux \[W] as if its light were the only one and not guided.
+    /// Starts the photon path of a primary sample; returns its ray and flux \[W].
+    ///
+    /// The flux is not divided by the probability of the light, the guiding pdf or the number of
+    /// paths.
     #[inline]
     pub(super) fn start_path<I: Interior>(&self, point: &PrimaryEmissionSample) -> Option<(PathRay<I>, Rgb)> {
         let light = &self.lights()[point.light];
@@ -172,17 +184,17 @@ impl<'a> PhotonSource<'a> {
     }
 }
 
-/// All effects, without interiors if `scene` has none.
+/// All effects, except interiors if `scene` has none.
 fn effects_of_scene(scene: &Scene) -> Effects {
     if scene.has_interiors() { Effects::ALL } else { Effects::ALL.without(Effect::Interiors) }
 }
 
-/// Power of each light, mean over the channels \[W].
+/// Power of each light \[W], averaged over RGB.
 fn light_powers(scene: &Scene) -> impl Iterator<Item = f64> {
     scene.lights().iter().map(|light| f64::from(color::channel_mean(light.power(scene.photon_domain()))))
 }
 
-/// Estimated power of a light towards the spheres of `aim`, mean over the channels \[W].
+/// Estimated power of a light towards the spheres of `aim` \[W], averaged over RGB.
 fn estimate_aimed_power(scene: &Scene, aim: &PhotonAim, light: usize) -> f64 {
     let key = Key::new(0).purpose_key(Purpose::LightWeights).light_key(light);
     let flux = |i| {

@@ -53,7 +53,7 @@ impl Scratch {
     }
 
     /// Sets the first radius of the next search.
-    pub(super) fn set_first_radius(&mut self, radius: f32) {
+    pub(super) fn set_first_search_radius(&mut self, radius: f32) {
         self.last = radius;
     }
 }
@@ -235,11 +235,11 @@ impl<const N: usize> Sums<N> {
     #[inline]
     fn add(&mut self, d2: f32, height: f32, reflected: Rgb) {
         let x = d2 * self.inverse;
-        self.sums[0] += reflected * self.kernel.shape(x);
+        self.sums[0] += reflected * self.kernel.unnormalized(x);
         let finer = [(2.0 * x, std::f32::consts::FRAC_1_SQRT_2), (4.0 * x, 0.5)];
         for (sum, (x, highest)) in self.sums[1..].iter_mut().zip(finer) {
             if height <= highest {
-                *sum += reflected * self.kernel.shape_within(x);
+                *sum += reflected * self.kernel.unnormalized_or_zero(x);
             }
         }
         self.pending += 1;
@@ -257,7 +257,7 @@ impl<const N: usize> Sums<N> {
         self.flush();
         let mut r2 = self.r2;
         let radiance = self.whole.map(|sum| {
-            let scaled = sum.as_vec3() * self.kernel.scale(r2);
+            let scaled = sum.as_vec3() * self.kernel.normalization(r2);
             r2 *= 0.5;
             scaled
         });

@@ -1,22 +1,22 @@
-//! Kernels of density estimation.
+//! Kernels of photon density estimation.
 
 use std::f32::consts::FRAC_1_PI;
 use std::str::FromStr;
 
-/// A radially symmetric kernel on a disc, with integral 1.
+/// A radially symmetric kernel on a disc of radius r, with integral 1; d is the distance from its
+/// center.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Kernel {
     /// 1/(πr²).
     Box,
     /// 3(1 − d/r)/(πr²): Jensen's cone filter with k = 1 (Jensen 2001, section 7.2).
     Cone,
-    /// 2(1 − d²/r²)/(πr²): least mean squared error among all kernels (Silverman 1986, section
-    /// 4.2).
+    /// 2(1 − d²/r²)/(πr²): the kernel of least mean squared error (Silverman 1986, section 4.2).
     #[default]
     Epanechnikov,
 }
 
-/// The name is not that of a kernel.
+/// Error: a text is not the name of a kernel.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown kernel `{0}`: use box, cone or epanechnikov")]
 pub struct UnknownKernel(String);
@@ -35,11 +35,10 @@ impl FromStr for Kernel {
 }
 
 impl Kernel {
-    /// Unnormalised weight at squared distance `x` over the squared radius. [`Kernel::scale`]
-    /// normalises it.
+    /// Unnormalised kernel value at `x` = d²/r² < 1. [`Kernel::normalization`] is its factor.
     #[inline]
     #[must_use]
-    pub fn shape(self, x: f32) -> f32 {
+    pub fn unnormalized(self, x: f32) -> f32 {
         match self {
             Self::Box => 1.0,
             Self::Cone => (1.0 - x.sqrt()).max(0.0),
@@ -47,17 +46,17 @@ impl Kernel {
         }
     }
 
-    /// Unnormalised kernel value at squared distance `x` over the squared radius; 0 for x ≥ 1.
+    /// Unnormalised kernel value at `x` = d²/r², which may be at least 1; the value is then 0.
     #[inline]
     #[must_use]
-    pub fn shape_within(self, x: f32) -> f32 {
-        if x < 1.0 { self.shape(x) } else { 0.0 }
+    pub fn unnormalized_or_zero(self, x: f32) -> f32 {
+        if x < 1.0 { self.unnormalized(x) } else { 0.0 }
     }
 
-    /// Factor from [`Kernel::shape`] to the normalised kernel \[1/length²].
+    /// Factor that normalises [`Kernel::unnormalized`] for the squared radius `r2` \[1/length²].
     #[inline]
     #[must_use]
-    pub fn scale(self, r2: f32) -> f32 {
+    pub fn normalization(self, r2: f32) -> f32 {
         let norm = match self {
             Self::Box => 1.0,
             Self::Cone => 3.0,
@@ -66,46 +65,25 @@ impl Kernel {
         norm * FRAC_1_PI / r2
     }
 
-    /// True if the kernel is zero at its edge.
+    /// True if the kernel is zero at distance r.
     ///
-    /// The k-th neighbour defines the edge. Such a kernel gives it no weight, and the estimate over
-    /// k neighbours is unbiased. Other kernels must leave it out.
+    /// In a k-nearest-neighbour estimate, the k-th photon lies at distance r. It must have no
+    /// weight, or the estimate is biased. If this function returns false, the caller must leave the
+    /// k-th photon out.
     #[must_use]
     pub fn vanishes_at_edge(self) -> bool {
         self != Self::Box
     }
 
-    /// π∫K²: relative variance of an estimate, times the number of photons, for photons of equal
-    /// flux.
-    #[must_use]
-    pub fn noise_factor(self) -> f32 {
-        match self {
-            Self::Box => 1.0,
-            Self::Cone => 1.5,
-            Self::Epanechnikov => 4.0 / 3.0,
-        }
-    }
-
-    /// Variance of the difference to the same kernel on half the area, over the variance of the
-    /// estimate.
+    /// Variance of E(r) − E(r/√2), divided by the variance of E(r).
     ///
-    /// Both estimates use the same photons.
+    /// E(r) is the density estimate with radius r. Both estimates use the same photons.
     #[must_use]
-    pub fn step_noise(self) -> f32 {
+    pub fn difference_variance(self) -> f32 {
         match self {
             Self::Box => 1.0,
             Self::Cone => std::f32::consts::SQRT_2 - 1.0,
             Self::Epanechnikov => 0.5,
-        }
-    }
-
-    /// Second moment µ₂ of the unit kernel along an axis. The bias of an estimate is (r²/2)·µ₂·∇²E.
-    #[must_use]
-    pub fn second_moment(self) -> f32 {
-        match self {
-            Self::Box => 0.25,
-            Self::Cone => 0.15,
-            Self::Epanechnikov => 1.0 / 6.0,
         }
     }
 }
@@ -114,30 +92,27 @@ impl Kernel {
 mod tests {
     use super::*;
 
-    /// Integral, noise factor and second moment by the midpoint rule in d, error O(n⁻²).
+    /// Integral and variance of the difference by the midpoint rule in d, error O(n⁻²).
     #[test]
     fn kernel_constants_match_quadrature() {
         let n = 100_000;
         let r = 1.7f32;
         for kernel in [Kernel::Box, Kernel::Cone, Kernel::Epanechnikov] {
-            let (mut integral, mut square, mut second, mut step) = (0.0f64, 0.0f64, 0.0f64, 0.0f64);
+            let (mut integral, mut square, mut step) = (0.0f64, 0.0f64, 0.0f64);
             for i in 0..n {
                 let d = (i as f32 + 0.5) / n as f32 * r;
                 let ring = f64::from(std::f32::consts::TAU * d * r / n as f32);
-                let k = f64::from(kernel.shape(d * d / (r * r)) * kernel.scale(r * r));
+                let k = f64::from(kernel.unnormalized(d * d / (r * r)) * kernel.normalization(r * r));
                 integral += k * ring;
                 square += k * k * ring * f64::from(std::f32::consts::PI * r * r);
                 let x = 2.0 * d * d / (r * r);
-                let finer = f64::from(kernel.shape_within(x) * kernel.scale(0.5 * r * r));
+                let finer = f64::from(kernel.unnormalized_or_zero(x) * kernel.normalization(0.5 * r * r));
                 step += (k - finer) * (k - finer) * ring * f64::from(std::f32::consts::PI * r * r);
-                second += k * ring * f64::from(d * d / (r * r)) * 0.5;
             }
             assert!((integral - 1.0).abs() < 1e-5, "{kernel:?} {integral}");
-            assert!((square - f64::from(kernel.noise_factor())).abs() < 1e-5, "{kernel:?} {square}");
             // The box ends within a ring of the sum, whose weight is 1/n.
-            let share = f64::from(kernel.step_noise());
-            assert!((step / square - share).abs() < 5e-5, "{kernel:?} {}", step / square);
-            assert!((second - f64::from(kernel.second_moment())).abs() < 1e-5, "{kernel:?} {second}");
+            let expected = f64::from(kernel.difference_variance());
+            assert!((step / square - expected).abs() < 5e-5, "{kernel:?} {}", step / square);
         }
     }
 }

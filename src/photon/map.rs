@@ -108,15 +108,15 @@ fn merge_coincident(photons: &mut Vec<Photon>) {
             continue;
         }
         let mut run = run.to_vec();
-        run.sort_by_key(|p| p.data.side());
-        for side in run.chunk_by(|a, b| a.data.side() == b.data.side()) {
+        run.sort_by_key(|p| p.data.quantized_normal());
+        for side in run.chunk_by(|a, b| a.data.quantized_normal() == b.data.quantized_normal()) {
             let flux: glam::DVec3 = side.iter().map(|p| p.data.flux().as_dvec3()).sum();
-            let from: Vec3 = side.iter().map(|p| p.data.from() * p.data.flux().element_sum()).sum();
+            let from: Vec3 = side.iter().map(|p| p.data.incident_direction() * p.data.flux().element_sum()).sum();
             let normal = side[0].data.normal().normalize();
             let position = side[0].position;
             // The position is already rotated: the offset of the plane is that of the crowd.
             let photon = Photon::new(position, flux.as_vec3(), from.normalize_or(normal), normal);
-            merged.extend(photon.map(|p| Photon { position, data: p.data.at_offset_of(&side[0].data) }));
+            merged.extend(photon.map(|p| Photon { position, data: p.data.with_plane_offset_of(&side[0].data) }));
         }
     }
     *photons = merged;

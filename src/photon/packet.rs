@@ -1,13 +1,14 @@
-//! Packets of eight points or beam pieces for SIMD rejection tests.
+//! Packets of eight points or eight beam pieces, tested against a line with SIMD instructions.
 //!
-//! The tests are conservative: they accept everything that exact arithmetic accepts. Error bounds
-//! use γ(n) of Higham 2002, section 3.1, for unit directions.
+//! The tests may accept too much, but never reject what exact arithmetic accepts. Their error
+//! bounds use γ(n) (Higham 2002, "Accuracy and Stability of Numerical Algorithms", section 3.1) and
+//! assume unit directions.
 
 use crate::math::{Ray, rounding_error_bound};
 use glam::Vec3;
 use wide::f32x8;
 
-/// Number of items per packet.
+/// Number of points or beam pieces in a packet.
 pub(super) const LANES: usize = 8;
 
 type Vectors = [f32x8; 3];
@@ -31,13 +32,13 @@ fn cross(a: Vectors, b: Vectors) -> Vectors {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// Upper bound of the length: the 1-norm.
+/// The 1-norm |x| + |y| + |z|, an upper bound of the length.
 #[inline]
 fn norm1(v: Vectors) -> f32x8 {
     v[0].abs() + v[1].abs() + v[2].abs()
 }
 
-/// A line and a radius, broadcast to all lanes.
+/// A line and a search radius, broadcast to all SIMD lanes.
 pub(super) struct LineQuery {
     origin: Vectors,
     direction: Vectors,
@@ -45,13 +46,13 @@ pub(super) struct LineQuery {
 }
 
 impl LineQuery {
-    /// The line of `ray` with a radius \[length].
+    /// Query for the infinite line through `ray`, with a search `radius` \[length].
     pub fn new(ray: &Ray, radius: f32) -> Self {
         Self { origin: broadcast(ray.origin), direction: broadcast(ray.direction), radius: f32x8::splat(radius) }
     }
 }
 
-/// Indices of the set bits of a mask, lowest first.
+/// Indices of the set bits of `mask`, lowest first.
 #[inline]
 pub(super) fn set_bits(mut mask: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
@@ -63,7 +64,7 @@ pub(super) fn set_bits(mut mask: u32) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Eight points; vacant lanes are at infinity.
+/// Positions of up to eight points; unused lanes hold infinity.
 pub(super) struct PointPacket(Vectors);
 
 impl PointPacket {
@@ -78,10 +79,10 @@ impl PointPacket {
         Self(packet)
     }
 
-    /// Mask of the points that may lie within the radius of the line.
+    /// Bit mask of the points that may lie within the search radius of the line.
     ///
-    /// Rounding errors: γ(1) of the point, γ(4) of its projection, γ(3) of the difference, all
-    /// times √3 over three axes.
+    /// The bound γ(24) covers the rounding errors of difference (γ(1)), projection (γ(4)) and
+    /// rejection (γ(3)), times √3 for three axes.
     #[inline]
     pub fn points_near_line(&self, query: &LineQuery) -> u32 {
         let to = subtract(self.0, query.origin);
@@ -92,10 +93,9 @@ impl PointPacket {
         dot(off, off).simd_le(reach * reach).to_bitmask()
     }
 
-    /// Mask of the points nearer to `center` than a radius, and their squared distances over the
-    /// squared radius.
+    /// Bit mask of the points within a radius of `center`, and d²/radius² of all eight points.
     ///
-    /// `per_radius` is the inverse of the radius.
+    /// `per_radius` is 1/radius, and d is the distance from `center`.
     #[inline]
     pub fn points_within_radius(&self, center: Vec3, per_radius: f32) -> (u32, f32x8) {
         let scale = f32x8::splat(per_radius);
@@ -106,18 +106,18 @@ impl PointPacket {
     }
 }
 
-/// BeamPiece of a beam between two distances along it. The end belongs to the next piece.
+/// A piece of a photon beam, from one distance along the beam to another. The end is excluded.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BeamPiece {
     /// Index of the beam.
     pub beam: u32,
-    /// Distance of the start.
+    /// Distance of the piece's start along the beam \[length].
     pub from: f32,
-    /// Distance of the end.
+    /// Distance of the piece's end along the beam \[length].
     pub to: f32,
 }
 
-/// Eight beam pieces; vacant lanes are empty intervals.
+/// Up to eight beam pieces; unused lanes hold empty intervals.
 pub(super) struct BeamPiecePacket {
     start: Vectors,
     direction: Vectors,
@@ -128,7 +128,7 @@ pub(super) struct BeamPiecePacket {
 }
 
 impl BeamPiecePacket {
-    /// A packet of at most eight pieces, each with the start and direction of its beam.
+    /// A packet of at most eight pieces, each with the start and unit direction of its beam.
     pub fn new(pieces: impl Iterator<Item = (BeamPiece, Vec3, Vec3)>) -> Self {
         let nowhere = [f32x8::ZERO; 3];
         let (from, to) = (f32x8::splat(f32::INFINITY), f32x8::splat(f32::NEG_INFINITY));
@@ -145,16 +145,16 @@ impl BeamPiecePacket {
         all
     }
 
-    /// The piece in one lane.
+    /// The beam piece in lane `slot`.
     pub fn piece_in_lane(&self, slot: usize) -> BeamPiece {
         BeamPiece { beam: self.beams[slot], from: self.from.as_array()[slot], to: self.to.as_array()[slot] }
     }
 
-    /// Mask of the pieces that the line may pass within the radius.
+    /// Bit mask of the beam pieces that may lie within the search radius of the line.
     ///
-    /// Rounding errors: the common normal errs by √3 γ(2) ≤ γ(4); distances along it by γ(8) of the
-    /// distance of the origins. The squared normal times positions along the beam errs by γ(14) of
-    /// that distance and of the position.
+    /// The bound γ(16) covers all rounding errors. The common normal has error √3 γ(2) ≤ γ(4).
+    /// Distances along the normal have error γ(8), relative to the distance of the origins.
+    /// Positions along the beam have error γ(14), relative to that distance plus the position.
     #[inline]
     pub fn pieces_near_line(&self, query: &LineQuery) -> u32 {
         let error = f32x8::splat(rounding_error_bound(16));

@@ -1,4 +1,4 @@
-//! Photon points in participating media.
+//! Volume photons: photons stored at scattering points in participating media.
 
 use super::packet::{LANES, LineQuery, PointPacket, set_bits};
 use super::record::{PackedFlux, decode_octahedral, encode_octahedral};
@@ -9,40 +9,42 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::f64::consts::FRAC_1_PI;
 
-/// A photon at a scattering point in a medium, in 32 bytes.
+/// A photon stored at a scattering point in a medium, in 32 bytes.
 ///
-/// Relative precision: 2⁻²⁴ in power, 1.5·10⁻⁵ in hue; 10⁻⁴ rad in direction.
+/// Its direction is precise to 10⁻⁴ rad, its flux to 1.5·10⁻⁵.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VolumePhoton {
-    /// Position.
+    /// Position of the scattering point.
     pub position: Vec3,
     /// Index of the medium.
     pub medium: u32,
-    power: PackedFlux,
+    flux: PackedFlux,
+    /// Direction of travel before scattering, in octahedral coordinates.
     direction: [u16; 2],
-    /// Wavelength code; 0 for all wavelengths.
+    /// Byte code of the wavelength; 0 if the photon carries all wavelengths.
     pub wavelength: u8,
 }
 
 impl VolumePhoton {
-    /// Packs a position, the scattered flux \[W], and the unit direction of travel.
+    /// Packs a photon that scatters `flux` \[W] at `position`.
     ///
-    /// `None` if position or flux is not finite, or if the flux is zero or negative.
+    /// `direction` is the unit direction of travel before scattering. Returns `None` if the
+    /// position is not finite or the flux is invalid.
     #[inline]
     #[must_use]
     pub fn new(position: Vec3, flux: Rgb, direction: Vec3, medium: u32, wavelength: u8) -> Option<Self> {
-        let power = PackedFlux::new(flux).filter(|_| position.is_finite())?;
-        Some(Self { position, medium, power, direction: encode_octahedral(direction), wavelength })
+        let flux = PackedFlux::new(flux).filter(|_| position.is_finite())?;
+        Some(Self { position, medium, flux, direction: encode_octahedral(direction), wavelength })
     }
 
-    /// Flux \[W].
+    /// Scattered flux \[W].
     #[inline]
     #[must_use]
     pub fn flux(&self) -> Rgb {
-        self.power.flux()
+        self.flux.flux()
     }
 
-    /// Unit direction of travel.
+    /// Unit direction of travel before scattering.
     #[inline]
     #[must_use]
     pub fn direction(&self) -> Vec3 {
@@ -52,17 +54,17 @@ impl VolumePhoton {
 
 /// Volume photons in a bounding volume hierarchy.
 pub struct VolumePhotonMap {
-    /// Photons in the order of a Morton curve.
+    /// Photons in Morton order.
     photons: Vec<VolumePhoton>,
-    /// Positions of the photons.
+    /// Positions of the photons, eight in a packet.
     packets: Vec<PointPacket>,
-    /// Bounding boxes of the packets.
+    /// Bounding boxes of the packets, expanded by the radius.
     boxes: Boxes,
     radius: f32,
 }
 
 impl VolumePhotonMap {
-    /// Builds the map for a blur of the given radius \[length].
+    /// Builds the map for a blur `radius` \[length].
     ///
     /// The result does not depend on the number of threads.
     #[must_use]
@@ -70,11 +72,12 @@ impl VolumePhotonMap {
         let order = morton_order(&photons, |p| p.position);
         let photons: Vec<VolumePhoton> = order.par_iter().map(|i| photons[*i as usize]).collect();
         let radius = radius.max(0.0);
-        let run = |run: &[VolumePhoton]| {
-            let positions = || run.iter().map(|p| p.position);
+        let packet_and_bounds = |photons: &[VolumePhoton]| {
+            let positions = || photons.iter().map(|p| p.position);
             (PointPacket::new(positions()), Bounds::from_points(positions()).expanded(radius))
         };
-        let (packets, bounds): (Vec<PointPacket>, Vec<Bounds>) = photons.par_chunks(LANES).map(run).unzip();
+        let (packets, bounds): (Vec<PointPacket>, Vec<Bounds>) =
+            photons.par_chunks(LANES).map(packet_and_bounds).unzip();
         Self { boxes: Boxes::build(&bounds), photons, packets, radius }
     }
 
@@ -96,13 +99,12 @@ impl VolumePhotonMap {
         self.radius
     }
 
-    /// Visits every photon within the radius of the ray, which has a unit direction.
+    /// Visits each photon within the blur radius of `ray`, whose direction is a unit vector.
     ///
-    /// The visitor receives the distance along the ray, the cosine between the directions, the 2D
-    /// kernel K₂ \[1/length²], and the squared distance over the squared radius.
-    ///
-    /// Beam radiance estimate (Jarosz, Zwicker and Jensen 2008, section 5): radiance towards the
-    /// ray's origin is Σ flux · p(cos) · T(t) · weight. Allocates nothing.
+    /// `visitor` receives the photon, the distance t along the ray, the cosine of the angle between
+    /// ray and photon direction, the 2D kernel K₂ \[1/length²], and the squared distance over the
+    /// squared radius. Radiance towards the ray's origin is Σ flux · p(cos) · T(t) · K₂ (beam
+    /// radiance estimate, Jarosz, Zwicker and Jensen 2008, section 5).
     #[inline]
     pub fn visit(&self, ray: &Ray, mut visitor: impl FnMut(&VolumePhoton, f32, f32, f32, f32)) {
         let query = LineQuery::new(ray, self.radius);
@@ -124,11 +126,11 @@ impl VolumePhotonMap {
         });
     }
 
-    /// Visits every photon within the radius of `p`.
+    /// Visits each photon within the blur radius of the point `p`.
     ///
-    /// The visitor receives the 3D kernel K₃ \[1/length³] and the squared distance over the squared
-    /// radius. Σ flux · p(cos) · weight is the in-scattered radiance per length (Jensen and
-    /// Christensen 1998, section 3.2). Allocates nothing.
+    /// `visitor` receives the photon, the 3D kernel K₃ \[1/length³], and the squared distance over
+    /// the squared radius. In-scattered radiance per length is Σ flux · p(cos) · K₃ (Jensen and
+    /// Christensen 1998, section 3.2).
     #[inline]
     pub fn around(&self, p: Vec3, mut visitor: impl FnMut(&VolumePhoton, f32, f32)) {
         let per_radius = 1.0 / self.radius;

@@ -1,11 +1,13 @@
-//! Packed photon records.
+//! Compact storage of surface photons.
 
 use crate::color::Rgb;
 use glam::{Vec2, Vec3};
 
-/// Flux \[W] in 8 bytes: the sum of the channels in f32, and two fractions of 16 bits.
+/// RGB flux \[W] in 8 bytes: the sum of the channels in f32, and the fractions of red and green in
+/// 16 bits each.
 ///
-/// Relative precision from 10⁻³⁷ to 10³⁸ W: 2⁻²⁴ in power, 1.5·10⁻⁵ in hue.
+/// Between 10⁻³⁷ and 10³⁸ W, the sum has relative precision 2⁻²⁴. Each channel is precise to
+/// 1.5·10⁻⁵ of the sum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub(super) struct PackedFlux {
     sum: f32,
@@ -14,7 +16,7 @@ pub(super) struct PackedFlux {
 }
 
 impl PackedFlux {
-    /// Packs a flux \[W]; `None` if it is not finite, zero or negative.
+    /// Packs a flux \[W]; `None` if it is zero or not finite, or if a channel is negative.
     #[inline]
     pub fn new(flux: Rgb) -> Option<Self> {
         let sum = flux.x + flux.y + flux.z;
@@ -29,55 +31,56 @@ impl PackedFlux {
     #[inline]
     pub fn flux(self) -> Rgb {
         let (red, green) = (f32::from(self.red), f32::from(self.green));
-        // The last product comes last: a fraction of a very small sum would be subnormal.
+        // Multiplying by the sum first would give subnormal numbers if the sum is very small.
         Rgb::new(red, green, (65_535.0 - red - green).max(0.0)) * (1.0 / 65_535.0) * self.sum
     }
 }
 
-/// Direction, tangent plane and flux of a stored photon, in 20 bytes.
+/// All data of a stored photon except its position, in 20 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct PhotonData {
-    power: PackedFlux,
-    from: [u16; 2],
+    flux: PackedFlux,
+    /// Direction towards the previous path vertex, in octahedral coordinates.
+    incident: [u16; 2],
+    /// Geometric normal, times [`NORMAL_SCALE`].
     normal: [i8; 3],
-    /// Wavelength code; 0 for all wavelengths.
+    /// Byte code of the wavelength; 0 if the photon carries all wavelengths.
     wavelength: u8,
-    /// normal · position: offset of the tangent plane from the origin.
-    offset: f32,
+    /// Distance of the tangent plane from the origin: normal · position.
+    plane_offset: f32,
 }
 
-/// A photon deposited on a surface, in 32 bytes.
+/// A photon stored on a surface, in 32 bytes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Photon {
-    /// Position.
+    /// Position on the surface.
     pub position: Vec3,
-    /// Direction, tangent plane and flux.
+    /// Incident direction, tangent plane, flux and wavelength.
     pub data: PhotonData,
 }
 
 impl Photon {
-    /// Packs a position, flux \[W], the unit direction towards the previous vertex, and the unit
-    /// geometric normal on that side.
+    /// Packs a photon that arrives at `position` with `flux` \[W].
     ///
-    /// `None` if position or flux is not finite, or if the flux is zero or negative.
+    /// `incident` is the unit direction towards the previous path vertex. `normal` is the unit
+    /// geometric normal on the side of `incident`. Returns `None` if the position is not finite or
+    /// the flux is invalid.
     #[inline]
     #[must_use]
-    pub fn new(position: Vec3, flux: Rgb, from: Vec3, normal: Vec3) -> Option<Self> {
-        let power = PackedFlux::new(flux).filter(|_| position.is_finite())?;
+    pub fn new(position: Vec3, flux: Rgb, incident: Vec3, normal: Vec3) -> Option<Self> {
+        let flux = PackedFlux::new(flux).filter(|_| position.is_finite())?;
         let mut data = PhotonData {
-            power,
-            from: encode_octahedral(from),
+            flux,
+            incident: encode_octahedral(incident),
             normal: [normal.x, normal.y, normal.z].map(|c| (c * NORMAL_SCALE).round() as i8),
             wavelength: 0,
-            offset: 0.0,
+            plane_offset: 0.0,
         };
-        data.offset = data.normal().dot(position);
+        data.plane_offset = data.normal().dot(position);
         Some(Self { position, data })
     }
-}
 
-impl Photon {
-    /// The photon with a wavelength code.
+    /// Returns the photon with the byte code of its wavelength; 0 means all wavelengths.
     #[inline]
     #[must_use]
     pub fn with_wavelength(self, wavelength: u8) -> Self {
@@ -85,10 +88,10 @@ impl Photon {
     }
 }
 
-/// Scale of quantised normals.
+/// Scale of normals that are stored as 8-bit integers.
 const NORMAL_SCALE: f32 = 127.0;
 
-/// Tangent plane of an estimate, prepared for comparison with many photons.
+/// Tangent plane at a query point, scaled for comparison with stored photons.
 #[derive(Clone, Copy, Debug)]
 pub struct TangentPlane {
     point: Vec3,
@@ -105,55 +108,57 @@ impl TangentPlane {
 }
 
 impl PhotonData {
-    /// Cosine between the photon's normal and that of `plane`, and signed height \[length] of the
-    /// plane's point over the photon's tangent plane.
+    /// Compares the photon with the tangent plane of a query point.
+    ///
+    /// Returns the cosine between the two normals, and the signed height \[length] of the query
+    /// point over the photon's tangent plane.
     #[inline]
     #[must_use]
     pub fn normal_cosine_and_height(&self, plane: &TangentPlane) -> (f32, f32) {
         let normal = Vec3::from(self.normal.map(f32::from));
-        (normal.dot(plane.normal), normal.dot(plane.point) - self.offset)
+        (normal.dot(plane.normal), normal.dot(plane.point) - self.plane_offset)
     }
 
     /// Flux \[W].
     #[inline]
     #[must_use]
     pub fn flux(&self) -> Rgb {
-        self.power.flux()
+        self.flux.flux()
     }
 
-    /// Wavelength code; 0 for all wavelengths.
+    /// Byte code of the wavelength; 0 if the photon carries all wavelengths.
     #[inline]
     #[must_use]
     pub fn wavelength(&self) -> u8 {
         self.wavelength
     }
 
-    /// Unit direction towards the previous vertex, within 10⁻⁴ rad.
+    /// Unit direction towards the previous path vertex, precise to 10⁻⁴ rad.
     #[inline]
     #[must_use]
-    pub fn from(&self) -> Vec3 {
-        decode_octahedral(self.from)
+    pub fn incident_direction(&self) -> Vec3 {
+        decode_octahedral(self.incident)
     }
 
-    /// Approximate unit normal on the side where the photon landed, within 0.01.
+    /// Geometric normal on the side where the photon arrived; within 0.01 of the unit normal.
     #[inline]
     #[must_use]
     pub fn normal(&self) -> Vec3 {
         Vec3::from(self.normal.map(f32::from)) / NORMAL_SCALE
     }
 
-    /// The record on the tangent plane of another record with the same normal.
-    pub(super) fn at_offset_of(self, other: &Self) -> Self {
-        Self { offset: other.offset, ..self }
+    /// Returns this data with the plane offset of `other`, which must have an equal normal.
+    pub(super) fn with_plane_offset_of(self, other: &Self) -> Self {
+        Self { plane_offset: other.plane_offset, ..self }
     }
 
-    /// The quantised normal, equal for photons on the same side of a surface.
-    pub(super) fn side(&self) -> [i8; 3] {
+    /// The normal as stored: unit normal times 127, rounded.
+    pub(super) fn quantized_normal(&self) -> [i8; 3] {
         self.normal
     }
 }
 
-/// Octahedral coordinates of a unit vector, 16 bits each (Cigolle et al. 2014, JCGT 3(2)).
+/// Octahedral encoding of a unit vector in two 16-bit coordinates (Cigolle et al. 2014, JCGT 3(2)).
 #[inline]
 pub(super) fn encode_octahedral(v: Vec3) -> [u16; 2] {
     let p = Vec2::new(v.x, v.y) / (v.x.abs() + v.y.abs() + v.z.abs());
@@ -161,7 +166,7 @@ pub(super) fn encode_octahedral(v: Vec3) -> [u16; 2] {
     [p.x, p.y].map(|c| ((c * 0.5 + 0.5) * 65_535.0 + 0.5) as u16)
 }
 
-/// Unit vector of octahedral coordinates.
+/// Unit vector of 16-bit octahedral coordinates.
 #[inline]
 pub(super) fn decode_octahedral(e: [u16; 2]) -> Vec3 {
     let [x, y] = e.map(|c| f32::from(c) * (2.0 / 65_535.0) - 1.0);
@@ -170,6 +175,7 @@ pub(super) fn decode_octahedral(e: [u16; 2]) -> Vec3 {
     p.extend(z).normalize()
 }
 
+/// Maps between the upper and the lower half of the octahedron, in the plane of its coordinates.
 #[inline]
 fn fold_octahedron(p: Vec2) -> Vec2 {
     Vec2::new((1.0 - p.y.abs()) * 1f32.copysign(p.x), (1.0 - p.x.abs()) * 1f32.copysign(p.y))
@@ -195,7 +201,7 @@ mod tests {
             let scale = [1e-33, 1.0, 1e30][i as usize % 3];
             let flux = key.uniform_2d(Dimension::Film).extend(key.uniform_1d(Dimension::Light)) * scale;
             let packed = Photon::new(normal, flux, from, normal).unwrap().data;
-            assert!((packed.from() - from).length() < 1e-4);
+            assert!((packed.incident_direction() - from).length() < 1e-4);
             assert!((packed.normal() - normal).length() < 0.01);
             let (cosine, height) = packed.normal_cosine_and_height(&TangentPlane::new(normal * 3.0, -normal));
             assert!((cosine + 1.0).abs() < 0.01 && (height - 2.0).abs() < 0.02);

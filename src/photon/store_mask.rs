@@ -1,45 +1,49 @@
-//! Kinds of photons by their path history, and the choice of stored kinds.
+//! Kinds of photons by path history, and the selection of stored kinds.
 
-/// Path history of a photon. A caster is defined by
-/// [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics).
+/// History of the photon path up to a stored photon.
+///
+/// A *caster* is a surface with [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics), such
+/// as glass or a mirror. A *receiver* is a surface or medium that stores photons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PhotonKind {
-    /// The path leads directly from a light.
+    /// Direct light: the path has no vertex between light and photon.
     Direct,
-    /// The path has only scattered at casters.
+    /// Caustic light: all vertices between light and photon are on casters.
     Caustic,
-    /// The path has continued from a storing surface that it reached as a caustic path.
+    /// Light reflected from a caustic: the first receiver on the path lies behind casters.
     AfterCaustic,
-    /// The path has continued from a storing surface that it reached directly.
+    /// Other indirect light: the path reached its first receiver directly from the light.
     Global,
 }
 
-/// Which kinds of photons are stored.
+/// Selects the kinds of photons that a photon pass stores.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StoreMask {
-    /// Store direct photons.
+    /// True to store [`PhotonKind::Direct`].
     pub direct: bool,
-    /// Store caustic photons.
+    /// True to store [`PhotonKind::Caustic`].
     pub caustic: bool,
-    /// Store photons that continue after a caustic.
+    /// True to store [`PhotonKind::AfterCaustic`].
     pub after_caustic: bool,
-    /// Store global photons.
+    /// True to store [`PhotonKind::Global`].
     pub global: bool,
-    /// Store photons after a caustic apart from the others. Their density is smooth, so only one in
-    /// [`AFTER_CAUSTIC_THINNING`] paths is continued, with the flux of all.
+    /// True to store [`PhotonKind::AfterCaustic`] in lists of its own.
+    ///
+    /// Its density is smooth. Russian roulette therefore continues one of
+    /// [`AFTER_CAUSTIC_THINNING`] paths after a caustic, with correspondingly more flux.
     pub separates_after_caustic: bool,
-    /// Store beams in homogeneous media; otherwise store points.
+    /// True to store photon beams in homogeneous media; false to store photon points.
     pub beams: bool,
 }
 
 impl StoreMask {
-    /// Direct photons only.
+    /// Stores direct photons only.
     pub const DIRECT: Self = Self { direct: true, ..Self::NONE };
-    /// Caustic photons only: a path ends at the first storing surface.
+    /// Stores caustic photons only, so a path ends at its first receiver.
     pub const CAUSTIC: Self = Self { caustic: true, ..Self::NONE };
-    /// Photons that continue from a storing surface.
+    /// Stores photons of paths that have scattered at a receiver.
     pub const GLOBAL: Self = Self { after_caustic: true, global: true, ..Self::NONE };
-    /// No photons.
+    /// Stores no photons.
     pub const NONE: Self = Self {
         direct: false,
         caustic: false,
@@ -48,7 +52,7 @@ impl StoreMask {
         separates_after_caustic: false,
         beams: true,
     };
-    /// All kinds.
+    /// Stores all kinds of photons.
     pub const ALL: Self = Self { direct: true, caustic: true, after_caustic: true, global: true, ..Self::NONE };
 
     /// True if photons of `kind` are stored on surfaces.
@@ -61,12 +65,14 @@ impl StoreMask {
         }
     }
 
-    /// True if photons of `kind` are stored in media. Next-event estimation covers direct light.
+    /// True if photons of `kind` are stored in media.
+    ///
+    /// Direct photons are not: next-event estimation computes direct light in media.
     pub(super) fn stores_in_media(self, kind: PhotonKind) -> bool {
         kind != PhotonKind::Direct && self.stores_on_surfaces(kind)
     }
 
-    /// True if a path that continues as `kind` can deposit a stored photon.
+    /// True if a path of history `kind` may still deposit a photon that the mask stores.
     pub(super) fn can_reach_stored_kind(self, kind: PhotonKind) -> bool {
         match kind {
             PhotonKind::Direct => true,
@@ -77,18 +83,18 @@ impl StoreMask {
     }
 }
 
-/// Number of paths after a caustic that are represented by one.
+/// Number of paths after a caustic that one continued path represents.
 pub const AFTER_CAUSTIC_THINNING: u32 = 8;
 
 impl PhotonKind {
-    /// The kind after a caster that the path passed without a vertex.
+    /// History after the path has crossed a caster's boundary without a scattering vertex.
     pub(super) fn after_crossed_caster(self) -> Self {
         if self == Self::Direct { Self::Caustic } else { self }
     }
 
-    /// The kind after scattering at a surface or in a medium; media count as storing surfaces.
-    pub(super) fn after_scattering(self, stores: bool) -> Self {
-        match (stores, self) {
+    /// History after scattering at a receiver or, if `is_receiver` is false, at a caster.
+    pub(super) fn after_scattering(self, is_receiver: bool) -> Self {
+        match (is_receiver, self) {
             (false, Self::Direct) => Self::Caustic,
             (false, other) => other,
             (true, Self::Direct | Self::Global) => Self::Global,

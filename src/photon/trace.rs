@@ -1,4 +1,4 @@
-//! Photon tracing: paths from the lights through the scene.
+//! Photon tracing: follows photon paths from the lights and stores photons.
 
 use super::audit::add_flux;
 use super::deposits::{Deposit, DepositPlace};
@@ -17,48 +17,46 @@ use rayon::prelude::*;
 pub struct PhotonPassResult {
     /// Stored photons.
     pub deposits: Deposits,
-    /// Energy account.
+    /// Sums of emitted, absorbed and escaped flux \[W].
     pub audit: EnergyAudit,
-    /// Number of traced rays.
+    /// Number of traced rays: path segments between surfaces or scattering points.
     pub rays: u64,
     /// Number of emitted paths.
     pub paths: u64,
 }
 
-/// Totals over photon paths.
+/// Flux and ray counts, summed over photon paths.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PathTally {
-    /// Energy account.
+    /// Sums of emitted, absorbed and escaped flux \[W].
     pub audit: EnergyAudit,
     /// Number of traced rays.
     pub rays: u64,
 }
 
-/// One pass of photons from a source.
+/// Inputs of a photon pass, which traces photon paths and stores photons.
 #[derive(Debug)]
 pub struct PhotonPass<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    /// Emitter of the photon paths.
+    /// Samples the emission of each photon path.
     pub source: &'a PhotonSource<'a>,
-    /// Which photons are stored.
+    /// Kinds of photons to store.
     pub mask: StoreMask,
-    /// Number of bounces after which a path ends.
+    /// Largest number of scattering events per path.
     pub max_bounces: u32,
 }
 
-/// Paths per parallel chunk: large enough to amortise scheduling, small enough to balance the load.
+/// Photon paths per parallel task: enough to amortise scheduling, few enough to balance the load.
 const CHUNK: u32 = 4096;
 
 impl PhotonPass<'_> {
-    /// Traces `paths` photon paths.
+    /// Traces `paths` photon paths with random numbers from `pass_key`.
     ///
-    /// `done` receives the number of paths of each finished chunk, from any thread.
-    ///
-    /// The result does not depend on the number of threads: chunks are fixed and concatenated in
-    /// order.
+    /// Calls `done` after each chunk with its number of paths, from any thread. The result does not
+    /// depend on the number of threads: chunks have a fixed size and are joined in order.
     pub fn trace(&self, pass_key: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> PhotonPassResult {
-        for_interior!(self.source, self.trace_with_interior(pass_key, paths, done))
+        for_interior!(self.source, <I> self.trace_with_interior::<I>(pass_key, paths, done))
     }
 
     fn trace_with_interior<I: Interior>(
@@ -97,7 +95,8 @@ impl PhotonPass<'_> {
 
     /// Follows one photon path until it is absorbed, escapes or is stopped.
     ///
-    /// `deposit` receives all flux of stored kinds that a density estimate can use.
+    /// Calls `deposit` for each surface point, beam and medium point where `mask` stores photons.
+    /// `flux` \[W] is the flux at emission.
     #[inline]
     pub(super) fn follow_photon_path<I: Interior>(
         &self,
@@ -191,7 +190,7 @@ impl PhotonPass<'_> {
             } else {
                 let (direction, _) = phase_function.sample(ray.ray.direction, key.uniform_2d(Dimension::Phase));
                 ray.turn(direction);
-                // Absorption along the segment counts for Russian roulette.
+                // In a medium, the throughput ratio includes absorption along the segment.
                 before / color::channel_mean(emitted)
             };
 
@@ -206,10 +205,11 @@ impl PhotonPass<'_> {
         }
     }
 
-    /// Samples the scattering distance of `flux` in a medium segment; `None` if the flux passes
-    /// through.
+    /// Samples the scattering distance in a medium segment; `None` if the path leaves the segment.
     ///
-    /// `weight` is the product of the weights of all segments since the last vertex.
+    /// `flux` \[W] is the flux at the last vertex. `weight` is the product of the sampling weights
+    /// of all segments since that vertex; this segment's weight is multiplied to it. Deposits a
+    /// beam or a point if `mask` stores `kind`.
     #[inline]
     fn sample_medium_segment<I: Interior>(
         &self,
@@ -230,7 +230,7 @@ impl PhotonPass<'_> {
         let as_beam = self.mask.beams && medium.is_homogeneous();
         if stored && as_beam {
             let flux = flux * weight.as_vec3() * segment.left;
-            deposit(Deposit { kind, place: DepositPlace::PhotonBeam { ray, medium: *index }, flux, wavelength });
+            deposit(Deposit { kind, place: DepositPlace::Beam { ray, medium: *index }, flux, wavelength });
         }
         let sample = medium.distance_sample(ray, ray.t_max, flux * weight.as_vec3(), rng);
         *weight *= sample.weight.as_dvec3();

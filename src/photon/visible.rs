@@ -1,46 +1,47 @@
-//! Importance of points for the picture.
+//! Importance of photons for the picture, from the density of visible points.
 
 use super::{Bandwidth, Kernel, Photon, PhotonMap, Scratch};
 use crate::color::Rgb;
 use crate::math::Bounds;
 use glam::Vec3;
 
-/// A point that a camera path sees.
+/// A surface point that a camera path reaches, with its importance for the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VisiblePoint {
     /// Position.
     pub position: Vec3,
     /// Unit geometric normal on the visible side.
     pub normal: Vec3,
-    /// Derivative of the picture with respect to irradiance: throughput times BRDF, up to a common
-    /// factor.
+    /// Path throughput times BRDF, up to a common factor: how much irradiance changes the picture.
     pub weight: f32,
 }
 
-/// Visible points in a kd-tree; their density is the importance of photons.
+/// Visible points in a kd-tree. Their weighted density is the importance of photons.
 ///
-/// Visible points are the importons of Peter and Pietrek 1998, "Importance driven construction
-/// of photon maps", for directly visible surfaces.
+/// They correspond to the importons of Peter and Pietrek 1998, "Importance Driven Construction of
+/// Photon Maps".
 #[derive(Debug)]
 pub struct VisiblePointMap {
+    /// Visible points, stored as photons whose flux is the squared weight.
     points: PhotonMap,
     bandwidth: Bandwidth,
-    /// First radius of searches: most points have a larger spacing \[length].
-    dense: f32,
+    /// Radius at which a search begins \[length]; 90 % of the points need a larger one.
+    first_search_radius: f32,
 }
 
-/// Number of nearest points per estimate.
+/// Number of nearest visible points per density estimate.
 const NEIGHBOURS: u32 = 16;
 
-/// Number of points where the spacing is measured.
+/// Number of visible points at which the distance to the 16th neighbour is measured.
 const PROBES: usize = 256;
 
 impl VisiblePointMap {
-    /// Builds the map. Photons count within `radius` \[length] of a point, on its side of the
-    /// surface.
+    /// Builds the map of visible `points`.
     ///
-    /// `radius` is that of the photon estimates. It grows if the points are too sparse to cover the
-    /// visible surfaces. Points that are not finite or have no weight are left out.
+    /// `radius` \[length] is the radius of the render's photon estimates. A photon has importance
+    /// if a visible point lies within this radius on its side of the surface. A larger radius is
+    /// used if the points are too sparse to cover the visible surfaces. Points with zero weight or
+    /// non-finite position are left out.
     #[must_use]
     pub fn new(points: impl IntoIterator<Item = VisiblePoint>, radius: f32) -> Self {
         let point = |p: VisiblePoint| Photon::new(p.position, Rgb::splat(p.weight * p.weight), p.normal, p.normal);
@@ -53,20 +54,19 @@ impl VisiblePointMap {
         let mut spacings: Vec<f32> = probes.iter().filter_map(spacing).collect();
         spacings.sort_by(f32::total_cmp);
         let typical = spacings.get(spacings.len() / 2).copied().unwrap_or(0.0);
-        let dense = spacings.get(spacings.len() / 10).copied().unwrap_or(0.0);
-        Self { points, bandwidth: Bandwidth { radius: radius.max(typical), k: NEIGHBOURS }, dense }
+        let first_search_radius = spacings.get(spacings.len() / 10).copied().unwrap_or(0.0);
+        Self { points, bandwidth: Bandwidth { radius: radius.max(typical), k: NEIGHBOURS }, first_search_radius }
     }
 
-    /// Sum of squared weights per area at `p`, on the side of the unit geometric `normal`.
+    /// Sum of squared weights of visible points per area around `p` \[1/length²].
     ///
-    /// A photon of flux Φ changes the irradiance of the n points around it by ΦK each. It adds Φ²
-    /// times this importance, times a factor of the kernel, to the sum of squared changes of the
-    /// picture.
+    /// Only points on the side of the unit geometric `normal` count. A photon of flux Φ at `p`
+    /// changes the picture by a sum of squares proportional to Φ² times this importance.
     #[inline]
     #[must_use]
     pub fn importance(&self, p: Vec3, normal: Vec3, scratch: &mut Scratch) -> f32 {
-        // Consecutive photons are far apart: the last search radius is no good guess.
-        scratch.set_first_radius(self.dense);
+        // Consecutive photons are far apart, so the radius of the last search is a poor start.
+        scratch.set_first_search_radius(self.first_search_radius);
         self.points.estimate(p, normal, self.bandwidth, Kernel::Box, scratch, |_| Rgb::ONE).radiance.x
     }
 }

@@ -113,8 +113,8 @@ pub(super) fn resolve_light(kind: &DeltaLightKind, strength: LightStrength, orig
             let mut spot = SpotLight {
                 position: center,
                 axis: axis.normalize().as_vec3(),
-                inner: one_minus_cos(*inner) as f32,
-                outer: one_minus_cos(*outer) as f32,
+                inner_one_minus_cos: one_minus_cos(*inner) as f32,
+                outer_one_minus_cos: one_minus_cos(*outer) as f32,
                 peak: Rgb::ONE,
             };
             let (peak, color) = to_intensity(position, 1.0 / spot.flux().x);
@@ -124,7 +124,7 @@ pub(super) fn resolve_light(kind: &DeltaLightKind, strength: LightStrength, orig
         DeltaLightKind::Oriented(source) => {
             let center = (source.position - origin).as_vec3();
             let (scale, color) = to_intensity(&source.position, source.intensity_scale_per_watt());
-            (source.light(center, scale), LegacyLight::Point(center, color))
+            (source.to_light(center, scale), LegacyLight::Point(center, color))
         }
         DeltaLightKind::Directional { direction } => {
             let (irradiance, color) = match strength {

@@ -1,9 +1,9 @@
 //! The course's scenes, meshes and images: how they are read, and what ray casting makes of them.
 //!
 //! The data may not be distributed, so it lies outside the repository: see
-//! [`crate::support::course`].
+//! [`crate::support::course_data_folder`].
 
-use crate::support::course;
+use crate::support::course_data_folder;
 use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::format::description::{CurveBasis, Group, GroupItem, ObjectDescription, ProfileCurve, ShapeDescription};
@@ -44,7 +44,7 @@ fn count_differing_pixels(ours: &RgbBytes, theirs: &RgbBytes) -> usize {
 /// An exact implementation differs by at most one level, except at four edge pixels of scene01.
 #[test]
 fn scenes_01_to_07_match_expected_images() {
-    let Some(course) = course("") else { return };
+    let Some(course) = course_data_folder("") else { return };
     let scenes = [
         ("scene01_basic", 4),
         ("scene02_cube", 0),
@@ -65,7 +65,7 @@ fn scenes_01_to_07_match_expected_images() {
 /// Curves have no surface. A surface of revolution has one, and it faces the camera.
 #[test]
 fn scenes_08_to_10_show_surfaces_of_revolution() {
-    let Some(course) = course("") else { return };
+    let Some(course) = course_data_folder("") else { return };
     let background = |name: &str| {
         let picture = ray_cast(&course.join(format!("testcases/{name}.txt")));
         let corner = picture.pixels()[0];
@@ -139,7 +139,7 @@ fn scene_of(fill: impl FnOnce(&mut SceneBuilder, u32)) -> Scene {
 /// the axis, and edge-on. Pixels may differ only next to an outline of the mesh.
 #[test]
 fn scenes_09_and_10_match_fine_meshes() {
-    let Some(course) = course("") else { return };
+    let Some(course) = course_data_folder("") else { return };
     for name in ["scene09_norm", "scene10_wineglass"] {
         let file = SceneFile::read(&course.join(format!("testcases/{name}.txt"))).unwrap();
         let curve = profile(&file.description.root).unwrap();
@@ -216,7 +216,7 @@ fn scenes_09_and_10_match_fine_meshes() {
 
 #[test]
 fn course_scenes_parse_and_print_back() {
-    let Some(folder) = course("testcases") else { return };
+    let Some(folder) = course_data_folder("testcases") else { return };
     let mut scenes = 0;
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
@@ -234,7 +234,7 @@ fn course_scenes_parse_and_print_back() {
 
 #[test]
 fn course_meshes_load() {
-    let Some(folder) = course("mesh") else { return };
+    let Some(folder) = course_data_folder("mesh") else { return };
     // Numbers of distinct vertices and of faces, counted by `grep -c`.
     for (name, vertices, triangles, normals) in [
         ("cube.obj", 8, 12, false),
@@ -250,7 +250,7 @@ fn course_meshes_load() {
 
 #[test]
 fn course_meshes_are_repaired_without_loss() {
-    let Some(folder) = course("mesh") else { return };
+    let Some(folder) = course_data_folder("mesh") else { return };
     // Closed surfaces: Euler's formula gives the vertices from the triangles.
     for (name, triangles) in
         [("cube.obj", 12), ("bunny_200.obj", 200), ("bunny_1k.obj", 1000), ("bunny_1k_vn.obj", 1000)]
@@ -269,7 +269,7 @@ fn course_meshes_are_repaired_without_loss() {
 
 #[test]
 fn course_images_decode() {
-    let Some(folder) = course("expected") else { return };
+    let Some(folder) = course_data_folder("expected") else { return };
     let mut images = 0;
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();

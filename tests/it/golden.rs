@@ -8,7 +8,7 @@
 //! That moves a byte by one level, and only at the border of two levels. So a difference of 1 level
 //! is allowed in 1 of 200 bytes.
 
-use crate::support::project;
+use crate::support::project_path;
 use caustica::format::SceneFile;
 use caustica::image::{self, Image, RgbBytes, WriteOptions, metrics};
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings, Silent};
@@ -59,7 +59,7 @@ fn difference(ours: &RgbBytes, golden: &RgbBytes) -> Option<String> {
 
 #[test]
 fn scenes_match_golden_images() {
-    let (scenes, golden, new) = (project("scenes"), project("tests/golden"), project("target/golden"));
+    let (scenes, golden, new) = (project_path("scenes"), project_path("tests/golden"), project_path("target/golden"));
     let bless = std::env::var_os("CAUSTICA_BLESS").is_some();
     fs::create_dir_all(&new).unwrap();
     assert!(!stems(&scenes, "txt").is_empty(), "{} holds no scenes", scenes.display());
@@ -85,8 +85,8 @@ fn scenes_match_golden_images() {
 
 #[test]
 fn every_golden_image_has_a_scene() {
-    let scenes = stems(&project("scenes"), "txt");
-    for name in stems(&project("tests/golden"), "png") {
+    let scenes = stems(&project_path("scenes"), "txt");
+    for name in stems(&project_path("tests/golden"), "png") {
         assert!(scenes.contains(&name), "tests/golden/{name}.png belongs to no scene: delete it");
     }
 }

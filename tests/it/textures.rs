@@ -1,6 +1,6 @@
 //! Rendered textures: closed forms for means, slopes and energy, and noise reduction by filtering.
 
-use crate::support::scene_in;
+use crate::support::scene_from_text_in;
 use caustica::camera::{Filter, FilterKind};
 use caustica::color::{self, Rgb};
 use caustica::image;
@@ -11,7 +11,7 @@ use caustica::scene::{Effects, Hit, RayCone, Scene, SurfaceInteraction};
 use glam::{DVec2, DVec3, Vec3};
 
 fn scene(text: &str) -> Scene {
-    scene_in("", text)
+    scene_from_text_in("", text)
 }
 
 fn picture(scene: &Scene, algorithm: Algorithm, samples: u32, passes: u32, effects: EffectOverrides) -> Vec<Vec<Rgb>> {

@@ -1,6 +1,6 @@
 //! One seed gives one image, on any number of threads and for any single pass.
 
-use crate::support::scene_in;
+use crate::support::scene_from_text_in;
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, CameraPathSettings, Pass, PhotonReport, Settings, Silent};
 use caustica::scene::Scene;
@@ -37,7 +37,7 @@ Group {
 const PHOTONS: u32 = 30_001;
 
 fn scene() -> Scene {
-    scene_in("", TEXT)
+    scene_from_text_in("", TEXT)
 }
 
 fn settings() -> Settings {

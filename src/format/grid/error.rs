@@ -4,7 +4,7 @@ use crate::format::line_error::{LineError, MessageAndRemedy};
 use crate::stats::format_bytes;
 use std::path::{Path, PathBuf};
 
-/// Reason why a file of densities could not be read.
+/// Reason why a density grid file could not be read.
 #[derive(Debug, thiserror::Error)]
 pub enum GridError {
     /// The file cannot be opened or read.
@@ -18,7 +18,7 @@ pub enum GridError {
     /// A line cannot be understood.
     #[error(transparent)]
     Line(#[from] LineError),
-    /// The number of values differs from the size.
+    /// The file does not have the length that its size line implies.
     #[error(
         "{}: {found} bytes follow the empty line, but {} × {} × {} cells of type f32 take {expected}: write the file anew, or \
          correct its size",
@@ -29,12 +29,12 @@ pub enum GridError {
         path: PathBuf,
         /// Cells along x, y and z.
         size: [u32; 3],
-        /// Bytes that the cells take.
+        /// Bytes that the values of all cells take.
         expected: u64,
         /// Bytes that follow the header.
         found: u64,
     },
-    /// A value is no valid density.
+    /// A density is negative or not finite.
     #[error(
         "{}: the density of cell ({}, {}, {}), counted from 0, is {value}: it must be finite and at least 0",
         path.display(), cell[0], cell[1], cell[2]
@@ -44,7 +44,7 @@ pub enum GridError {
         path: PathBuf,
         /// Column, row and layer of the cell, from 0.
         cell: [u32; 3],
-        /// The value.
+        /// The invalid density.
         value: f32,
     },
     /// The grid takes more memory than is free.
@@ -57,7 +57,7 @@ pub enum GridError {
         path: PathBuf,
         /// Number of cells.
         cells: usize,
-        /// Bytes of the grid and of its reader.
+        /// Bytes that reading the grid takes.
         needed: u64,
         /// Bytes of memory that are free, if known.
         free: Option<u64>,

@@ -7,8 +7,8 @@
 //!
 //! ```
 //!
-//! The values are decimal words for the type `text`, and little-endian single precision for `f32`.
-//! Header lines that begin with `#` are comments.
+//! Values of type `f32` are little-endian single precision. Values of type `text` are decimal
+//! numbers, separated by white space. Header lines that begin with `#` are comments.
 
 mod error;
 #[cfg(test)]
@@ -22,19 +22,19 @@ use std::fs::File;
 use std::io::{BufReader, BufWriter, Read, Write};
 use std::path::Path;
 
-/// Largest number of cells.
+/// Largest accepted number of cells of a grid.
 pub const MAX_CELLS: u64 = 1 << 30;
 
-/// Bytes per cell: its density, and as much again for majorants and the slack of lists.
+/// Memory per cell \[bytes]: 4 for its density, and 4 for majorants and unused list capacity.
 pub(super) const BYTES_PER_CELL: u64 = 8;
 
-/// Largest number of bytes before the values.
+/// Largest accepted size of a header, with its empty line \[bytes].
 const MAX_HEADER_BYTES: u64 = 4096;
 
-/// Bytes per read.
+/// Size of the read buffer \[bytes].
 const READ_CHUNK_BYTES: usize = 1 << 16;
 
-/// Densities on a regular grid.
+/// Densities of a medium on a regular grid of cells, as in a grid file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DensityGrid {
     /// Number of cells along x, y and z, each at least 1.
@@ -43,12 +43,12 @@ pub struct DensityGrid {
     pub values: Vec<f32>,
 }
 
-/// Encoding of the values.
+/// Encoding of the values in a grid file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GridEncoding {
     /// Little-endian single precision.
     F32,
-    /// Decimal words.
+    /// Decimal numbers.
     Text,
 }
 
@@ -57,28 +57,25 @@ struct GridHeader {
     size: [u32; 3],
     cells: usize,
     encoding: GridEncoding,
-    /// Lines and bytes of the header, with the empty line.
+    /// Number of lines, with the empty line.
     lines: usize,
+    /// Number of bytes, with the empty line.
     bytes: u64,
 }
 
-/// Reads a grid file.
-///
-/// Memory is allocated once the file is known to be long enough for its header.
+/// Reads a grid file, without a limit on memory.
 ///
 /// # Errors
-///
 /// [`GridError`].
 pub fn read(path: &Path) -> Result<DensityGrid, GridError> {
     read_with_memory_limit(path, None)
 }
 
-/// Like [`read`], limited to `free` bytes of memory if that number is known.
+/// Reads a grid file. Fails before allocating if the grid takes more than `free` bytes.
 ///
-/// A grid that takes more is refused before any memory is allocated.
+/// `free` is `None` if the free memory is unknown.
 ///
 /// # Errors
-///
 /// [`GridError`].
 pub fn read_with_memory_limit(path: &Path, free: Option<u64>) -> Result<DensityGrid, GridError> {
     let unreadable = |source| GridError::Unreadable { path: path.into(), source };
@@ -86,10 +83,12 @@ pub fn read_with_memory_limit(path: &Path, free: Option<u64>) -> Result<DensityG
     decode(path, length, file, free)
 }
 
-/// Like [`read_with_memory_limit`], from the `length` bytes of a file that errors call `path`.
+/// Reads a grid from the bytes of an open `file`.
+///
+/// `length` is the file's size in bytes. `path` only appears in errors. `free` limits the memory,
+/// see [`read_with_memory_limit`].
 ///
 /// # Errors
-///
 /// [`GridError`].
 pub fn decode(path: &Path, length: u64, mut file: impl Read, free: Option<u64>) -> Result<DensityGrid, GridError> {
     let unreadable = |source| GridError::Unreadable { path: path.into(), source };
@@ -111,7 +110,6 @@ pub fn decode(path: &Path, length: u64, mut file: impl Read, free: Option<u64>) 
 /// Writes a grid file.
 ///
 /// # Errors
-///
 /// The cause reported by the system.
 pub fn write(path: &Path, grid: &DensityGrid, encoding: GridEncoding) -> std::io::Result<()> {
     let mut out = BufWriter::new(File::create(path)?);
@@ -130,8 +128,9 @@ pub fn write(path: &Path, grid: &DensityGrid, encoding: GridEncoding) -> std::io
     out.flush()
 }
 
-/// Parses the header from the first bytes of a file; an error holds the line, from 1, and the
-/// problem.
+/// Parses the header from the first bytes of a file.
+///
+/// An error holds the line number, from 1, and the problem.
 fn parse_header(start: &[u8]) -> Result<GridHeader, (usize, MessageAndRemedy)> {
     if start.starts_with(b" BDV") {
         return Err((1, ("this is an OpenVDB file".to_owned(), "sample it on a grid, and write that as `type f32`")));
@@ -172,7 +171,7 @@ fn parse_header(start: &[u8]) -> Result<GridHeader, (usize, MessageAndRemedy)> {
     Err((lines.max(1), (message, "write one after at most 4096 bytes")))
 }
 
-/// Parses the words of a size; returns the size and the number of cells.
+/// Parses the three words of a `size` line; returns the size and the number of cells.
 fn parse_size(words: [&str; 3]) -> Result<([u32; 3], usize), MessageAndRemedy> {
     let mut size = [0_u32; 3];
     for (side, word) in size.iter_mut().zip(words) {
@@ -188,13 +187,13 @@ fn parse_size(words: [&str; 3]) -> Result<([u32; 3], usize), MessageAndRemedy> {
     }
 }
 
-/// Column, row and layer of cell `i`.
+/// Column, row and layer, from 0, of the cell whose value has index `i`.
 fn cell_coordinates(size: [u32; 3], i: usize) -> [u32; 3] {
     let (row, layer) = (size[0] as usize, size[0] as usize * size[1] as usize);
     [i % row, i % layer / row, i / layer].map(|i| i as u32)
 }
 
-/// Values of a file, after its header.
+/// Context for reading the values that follow the header of a grid file.
 struct GridBody<'a> {
     path: &'a Path,
     header: &'a GridHeader,
@@ -205,7 +204,7 @@ struct GridBody<'a> {
 }
 
 impl GridBody<'_> {
-    /// A list with room for the values, if they and `more` bytes are free.
+    /// Empty list with capacity for all values; fails unless they and `more` bytes fit into memory.
     fn reserve_values(&self, more: u64) -> Result<Vec<f32>, GridError> {
         let Self { path, header, free, .. } = *self;
         let needed = BYTES_PER_CELL * header.cells as u64 + more;

@@ -3,19 +3,19 @@
 use super::*;
 use proptest::prelude::*;
 
-fn in_file<T>(bytes: &[u8], then: impl FnOnce(&Path) -> T) -> T {
+fn with_temporary_file<T>(bytes: &[u8], then: impl FnOnce(&Path) -> T) -> T {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.grid");
     std::fs::write(&path, bytes).unwrap();
     then(&path)
 }
 
-fn of(bytes: &[u8]) -> Result<DensityGrid, GridError> {
-    in_file(bytes, read)
+fn read_from_bytes(bytes: &[u8]) -> Result<DensityGrid, GridError> {
+    with_temporary_file(bytes, read)
 }
 
-fn bytes_of(grid: &DensityGrid, encoding: GridEncoding) -> Vec<u8> {
-    in_file(&[], |path| {
+fn encoded_bytes(grid: &DensityGrid, encoding: GridEncoding) -> Vec<u8> {
+    with_temporary_file(&[], |path| {
         write(path, grid, encoding).unwrap();
         std::fs::read(path).unwrap()
     })
@@ -23,8 +23,8 @@ fn bytes_of(grid: &DensityGrid, encoding: GridEncoding) -> Vec<u8> {
 
 /// The error of `bytes` names the file, the problem and the remedy.
 #[track_caller]
-fn refused(bytes: &[u8], place: &str, message: &str, remedy: &str) {
-    let error = of(bytes).unwrap_err().to_string();
+fn assert_refused(bytes: &[u8], place: &str, message: &str, remedy: &str) {
+    let error = read_from_bytes(bytes).unwrap_err().to_string();
     assert!(error.contains(&format!("a.grid:{place}")), "`{place}` is not in `{error}`");
     assert!(error.contains(message) && error.contains(remedy), "{error}");
 }
@@ -33,66 +33,66 @@ fn refused(bytes: &[u8], place: &str, message: &str, remedy: &str) {
 fn grid_values_are_text_or_f32_x_fastest() {
     let grid = DensityGrid { size: [3, 2, 1], values: vec![0.0, 1.0, 2.5, 3.0, 1e-30, 5e7] };
     let text = b"caustica-grid 1\r\n# smoke\r\ntype text\r\nsize 3 2 1\r\n\r\n0 1 2.5\n3\t1e-30\r\n\n  5e7 ";
-    assert_eq!(of(text).unwrap(), grid);
+    assert_eq!(read_from_bytes(text).unwrap(), grid);
     let mut singles = b"caustica-grid 1\nsize 3 2 1\ntype f32\n\n".to_vec();
     singles.extend(grid.values.iter().flat_map(|v| v.to_le_bytes()));
-    assert_eq!(of(&singles).unwrap(), grid);
-    assert_eq!(bytes_of(&grid, GridEncoding::F32), singles);
+    assert_eq!(read_from_bytes(&singles).unwrap(), grid);
+    assert_eq!(encoded_bytes(&grid, GridEncoding::F32), singles);
     assert_eq!(
-        of(b"caustica-grid 1\ntype text\nsize 1 1 1\n\n7").unwrap(),
+        read_from_bytes(b"caustica-grid 1\ntype text\nsize 1 1 1\n\n7").unwrap(),
         DensityGrid { size: [1; 3], values: vec![7.0] }
     );
 }
 
 #[test]
 fn grid_headers_are_checked_by_line() {
-    refused(b"", "1", "no empty line", "at most 4096 bytes");
-    refused(b"P5\n", "1", "this is no grid", "`caustica-grid 1`");
-    refused(b"\xff\xfe\n", "1", "this is no grid", "`caustica-grid 1`");
-    refused(b" BDV\0\0", "1", "OpenVDB", "sample it on a grid");
-    refused(b"caustica-grid 2\n", "1", "this version is not known", "version 1");
+    assert_refused(b"", "1", "no empty line", "at most 4096 bytes");
+    assert_refused(b"P5\n", "1", "this is no grid", "`caustica-grid 1`");
+    assert_refused(b"\xff\xfe\n", "1", "this is no grid", "`caustica-grid 1`");
+    assert_refused(b" BDV\0\0", "1", "OpenVDB", "sample it on a grid");
+    assert_refused(b"caustica-grid 2\n", "1", "this version is not known", "version 1");
     let body = |lines: &str| format!("caustica-grid 1\n{lines}").into_bytes();
-    refused(&body("size 1 1\n"), "2", "says nothing of a grid", "`size NX NY NZ`");
-    refused(&body("size 1 1 1\nsize 1 1 1\n"), "3", "says nothing of a grid", "each once");
-    refused(&body("size 1 0 1\n"), "2", "`0` is no number of cells", "whole numbers from 1 on");
-    refused(&body("size 1 -1 1\n"), "2", "`-1` is no number of cells", "whole numbers");
-    refused(&body("size 1 1 4294967296\n"), "2", "`4294967296` is no number of cells", "whole numbers");
-    refused(&body("type f64\n"), "2", "this type is not known", "`type f32` or `type text`");
-    refused(&body("type text\n\n"), "3", "the size is missing", "ahead of the empty line");
-    refused(&body("size 1 1 1\n\n"), "3", "the type is missing", "ahead of the empty line");
-    refused(&body("# \nsize 1 1 1"), "3", "no empty line", "at most 4096 bytes");
+    assert_refused(&body("size 1 1\n"), "2", "says nothing of a grid", "`size NX NY NZ`");
+    assert_refused(&body("size 1 1 1\nsize 1 1 1\n"), "3", "says nothing of a grid", "each once");
+    assert_refused(&body("size 1 0 1\n"), "2", "`0` is no number of cells", "whole numbers from 1 on");
+    assert_refused(&body("size 1 -1 1\n"), "2", "`-1` is no number of cells", "whole numbers");
+    assert_refused(&body("size 1 1 4294967296\n"), "2", "`4294967296` is no number of cells", "whole numbers");
+    assert_refused(&body("type f64\n"), "2", "this type is not known", "`type f32` or `type text`");
+    assert_refused(&body("type text\n\n"), "3", "the size is missing", "ahead of the empty line");
+    assert_refused(&body("size 1 1 1\n\n"), "3", "the type is missing", "ahead of the empty line");
+    assert_refused(&body("# \nsize 1 1 1"), "3", "no empty line", "at most 4096 bytes");
     let long = format!("size 1 1 1\ntype text\n{}\n1", "# very long\n".repeat(400));
-    refused(&body(&long), "", "no empty line", "at most 4096 bytes");
+    assert_refused(&body(&long), "", "no empty line", "at most 4096 bytes");
 }
 
 #[test]
 fn grid_sizes_must_match_the_file_length() {
     let body = |size: &str, kind: &str| format!("caustica-grid 1\nsize {size}\ntype {kind}\n\n1 1").into_bytes();
-    refused(&body("4294967295 4294967295 4294967295", "f32"), "2", "are too many", "at most 2³⁰");
-    refused(&body("1025 1024 1024", "f32"), "2", "are too many", "at most 2³⁰");
-    refused(
+    assert_refused(&body("4294967295 4294967295 4294967295", "f32"), "2", "are too many", "at most 2³⁰");
+    assert_refused(&body("1025 1024 1024", "f32"), "2", "are too many", "at most 2³⁰");
+    assert_refused(
         &body("1024 1024 1024", "f32"),
         " 3 bytes",
         "1024 × 1024 × 1024 cells of type f32 take 4294967296",
         "correct its size",
     );
-    refused(
+    assert_refused(
         &body("1024 1024 1024", "text"),
         "4",
         "at most 2 numbers follow, but the size asks for 1073741824",
         "one number for each",
     );
-    refused(&body("1 1 1", "f32"), " 3 bytes", "take 4", "correct its size");
+    assert_refused(&body("1 1 1", "f32"), " 3 bytes", "take 4", "correct its size");
 }
 
 #[test]
 fn text_grids_hold_one_number_per_cell() {
     let body = |words: &str| format!("caustica-grid 1\nsize 2 1 2\ntype text\n\n{words}").into_bytes();
-    refused(&body("1 2\n3      "), "6", "3 numbers follow, but the size asks for 4", "x running fastest");
-    refused(&body("1 2\n3 4\n5"), "7", "more than 4 numbers follow", "nothing behind them");
-    refused(&body("1 2\n3 four"), "6", "`four` is no number", "parted by spaces or lines");
-    refused(&body("1 2,\n3 4"), "5", "`2,` is no number", "parted by spaces or lines");
-    refused(b"caustica-grid 1\nsize 1 1 1\ntype text\n\n\xff", "5", "is no number", "parted by spaces or lines");
+    assert_refused(&body("1 2\n3      "), "6", "3 numbers follow, but the size asks for 4", "x running fastest");
+    assert_refused(&body("1 2\n3 4\n5"), "7", "more than 4 numbers follow", "nothing behind them");
+    assert_refused(&body("1 2\n3 four"), "6", "`four` is no number", "parted by spaces or lines");
+    assert_refused(&body("1 2,\n3 4"), "5", "`2,` is no number", "parted by spaces or lines");
+    assert_refused(b"caustica-grid 1\nsize 1 1 1\ntype text\n\n\xff", "5", "is no number", "parted by spaces or lines");
 }
 
 #[test]
@@ -102,11 +102,11 @@ fn invalid_densities_are_reported_by_cell() {
         // (1, 2, 3) of 2 × 3 × 4.
         values[1 + 2 * (2 + 3 * 3)] = bad;
         for encoding in [GridEncoding::F32, GridEncoding::Text] {
-            let bytes = bytes_of(&DensityGrid { size: [2, 3, 4], values: values.clone() }, encoding);
-            refused(&bytes, " the density of cell (1, 2, 3)", &format!("is {shown}"), "finite and at least 0");
+            let bytes = encoded_bytes(&DensityGrid { size: [2, 3, 4], values: values.clone() }, encoding);
+            assert_refused(&bytes, " the density of cell (1, 2, 3)", &format!("is {shown}"), "finite and at least 0");
         }
     }
-    refused(b"caustica-grid 1\nsize 1 1 1\ntype text\n\n1e99", "", "is inf", "finite");
+    assert_refused(b"caustica-grid 1\nsize 1 1 1\ntype text\n\n1e99", "", "is inf", "finite");
 }
 
 #[test]
@@ -121,7 +121,7 @@ fn unreadable_grid_files_are_refused() {
     }
 }
 
-fn grid() -> impl Strategy<Value = DensityGrid> {
+fn any_grid() -> impl Strategy<Value = DensityGrid> {
     let value = prop_oneof![Just(0.0), proptest::num::f32::POSITIVE | proptest::num::f32::SUBNORMAL];
     ([1..5_u32, 1..5_u32, 1..5_u32], proptest::collection::vec(value, 64)).prop_map(|(size, mut values)| {
         values.truncate(size.iter().product::<u32>() as usize);
@@ -129,34 +129,34 @@ fn grid() -> impl Strategy<Value = DensityGrid> {
     })
 }
 
-fn encoding() -> impl Strategy<Value = GridEncoding> {
+fn any_encoding() -> impl Strategy<Value = GridEncoding> {
     prop_oneof![Just(GridEncoding::F32), Just(GridEncoding::Text)]
 }
 
 proptest! {
     #[test]
-    fn grids_read_back_bit_for_bit(grid in grid(), encoding in encoding()) {
-        prop_assert_eq!(of(&bytes_of(&grid, encoding)).unwrap(), grid);
+    fn grids_read_back_bit_for_bit(grid in any_grid(), encoding in any_encoding()) {
+        prop_assert_eq!(read_from_bytes(&encoded_bytes(&grid, encoding)).unwrap(), grid);
     }
 
     /// A text that lacks only its last digits still has all its values; any other damaged file is
     /// refused.
     #[test]
-    fn files_that_are_cut_or_go_on_are_refused(grid in grid(), encoding in encoding(), at in any::<prop::sample::Index>()) {
-        let bytes = bytes_of(&grid, encoding);
-        let cut = of(&bytes[..at.index(bytes.len())]);
+    fn files_that_are_cut_or_go_on_are_refused(grid in any_grid(), encoding in any_encoding(), at in any::<prop::sample::Index>()) {
+        let bytes = encoded_bytes(&grid, encoding);
+        let cut = read_from_bytes(&bytes[..at.index(bytes.len())]);
         prop_assert!(cut.is_err() || (encoding == GridEncoding::Text && cut.unwrap().values.len() == grid.values.len()));
         let more: &[u8] = if encoding == GridEncoding::F32 { &[0] } else { b" 1" };
-        prop_assert!(of(&[&bytes, more].concat()).is_err());
+        prop_assert!(read_from_bytes(&[&bytes, more].concat()).is_err());
     }
 
     #[test]
-    fn the_reader_never_panics(grid in grid(), encoding in encoding(), at in any::<prop::sample::Index>(), new in any::<[u8; 3]>()) {
-        let mut bytes = bytes_of(&grid, encoding);
+    fn the_reader_never_panics(grid in any_grid(), encoding in any_encoding(), at in any::<prop::sample::Index>(), new in any::<[u8; 3]>()) {
+        let mut bytes = encoded_bytes(&grid, encoding);
         let at = at.index(bytes.len());
         let end = bytes.len().min(at + 3);
         bytes[at..end].copy_from_slice(&new[..end - at]);
-        match of(&bytes) {
+        match read_from_bytes(&bytes) {
             Ok(read) => prop_assert!(read.values.iter().all(|v| v.is_finite() && *v >= 0.0)),
             Err(error) => prop_assert!(error.to_string().contains("a.grid")),
         }

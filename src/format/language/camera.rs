@@ -62,10 +62,8 @@ static PICTURE_SIZE_FIELDS: [FieldSchema; 2] = [
         .course_syntax(),
 ];
 
-static PERSPECTIVE: BlockSchema = block(
-    "PerspectiveCamera",
-    "perspective through a pinhole or a thin lens",
-    &[
+static PERSPECTIVE: BlockSchema = block("PerspectiveCamera", "perspective through a pinhole or a thin lens")
+    .fields(&[
         field("angle", FieldKind::Number, "vertical field of view")
             .range(FieldRange::Between(0.0, 180.0))
             .required()
@@ -86,30 +84,29 @@ static PERSPECTIVE: BlockSchema = block(
         field("blades", FieldKind::Whole, "edges of the lens opening, visible in blurred highlights")
             .range(FieldRange::Special("0 or 3 … 64"))
             .absence_means("0: round"),
-    ],
-)
-.shared_fields(&[&VIEW_FIELDS, &PICTURE_SIZE_FIELDS])
-.course_syntax();
+    ])
+    .shared_fields(&[&VIEW_FIELDS, &PICTURE_SIZE_FIELDS])
+    .course_syntax();
 
-static ORTHOGRAPHIC: BlockSchema = block(
-    "OrthographicCamera",
-    "parallel projection",
-    &[field("size", FieldKind::Number, "height of the visible region").range(FieldRange::UpTo(0.0, 1e12)).required()],
-)
-.shared_fields(&[&VIEW_FIELDS, &PICTURE_SIZE_FIELDS]);
+static ORTHOGRAPHIC: BlockSchema = block("OrthographicCamera", "parallel projection")
+    .fields(&[field("size", FieldKind::Number, "height of the visible region")
+        .range(FieldRange::UpTo(0.0, 1e12))
+        .required()])
+    .shared_fields(&[&VIEW_FIELDS, &PICTURE_SIZE_FIELDS]);
 
-static ENVIRONMENT: BlockSchema = block(
-    "EnvironmentCamera",
-    "all directions by longitude and latitude, with the direction of view in the middle",
-    &[
-        field("width", FieldKind::Whole, "picture width").range(PICTURE_SIZE_RANGE).or_numbers(&[960.0]).unit("pixels"),
-        field("height", FieldKind::Whole, "picture height")
-            .range(PICTURE_SIZE_RANGE)
-            .absence_means("half of the width")
-            .unit("pixels"),
-    ],
-)
-.shared_fields(&[&VIEW_FIELDS]);
+static ENVIRONMENT: BlockSchema =
+    block("EnvironmentCamera", "all directions by longitude and latitude, with the direction of view in the middle")
+        .fields(&[
+            field("width", FieldKind::Whole, "picture width")
+                .range(PICTURE_SIZE_RANGE)
+                .or_numbers(&[960.0])
+                .unit("pixels"),
+            field("height", FieldKind::Whole, "picture height")
+                .range(PICTURE_SIZE_RANGE)
+                .absence_means("half of the width")
+                .unit("pixels"),
+        ])
+        .shared_fields(&[&VIEW_FIELDS]);
 
 /// Default sensor height: that of a sensor of 36 × 24 mm if the unit of length is the metre.
 const DEFAULT_SENSOR_HEIGHT: f64 = 0.024;

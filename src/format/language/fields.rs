@@ -10,7 +10,7 @@ use super::parser::Parser;
 use super::schema::{BlockParser, BlockSchema, FieldDefault, FieldKind, FieldSchema, block_keywords, find_block};
 use super::suggest::nearest_word;
 use super::text::{clip_for_message, is_nonfinite_number};
-use super::transforms::parse_transform_block;
+use super::transforms::parse_transform_steps;
 
 /// Value of a field. The [`FieldKind`] of the field determines which members are set.
 #[derive(Default)]
@@ -214,7 +214,7 @@ fn parse_field_value<'a>(
             read.span
         }
         FieldKind::TransformSteps => {
-            value.steps = parse_transform_block(parser, word)?;
+            value.steps = parse_transform_steps(parser, word)?;
             word.span()
         }
         FieldKind::Curve => {

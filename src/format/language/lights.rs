@@ -40,48 +40,31 @@ const MOVABLE_COUNT: usize = 8;
 
 static POINT_STRENGTH_FIELDS: [FieldSchema; 3] = [
     field("color", FieldKind::Color, "color of MIT 6.837, without distance falloff; give one of the three")
-        .range(FieldRange::NonNegative)
         .course_syntax(),
-    field("intensity", FieldKind::Color, "radiant intensity; on the axis of a spotlight")
-        .range(FieldRange::NonNegative)
-        .unit("W/sr"),
-    field("power", FieldKind::Color, "radiant flux").range(FieldRange::NonNegative).unit("W"),
+    field("intensity", FieldKind::Color, "radiant intensity; on the axis of a spotlight").unit("W/sr"),
+    field("power", FieldKind::Color, "radiant flux").unit("W"),
 ];
 
 static AREA_STRENGTH_FIELDS: [FieldSchema; 2] = [
-    field("radiance", FieldKind::Color, "radiance of the emitting side; give one of both")
-        .range(FieldRange::NonNegative)
-        .unit("W/(m² sr)"),
-    field("power", FieldKind::Color, "radiant flux").range(FieldRange::NonNegative).unit("W"),
+    field("radiance", FieldKind::Color, "radiance of the emitting side; give one of both").unit("W/(m² sr)"),
+    field("power", FieldKind::Color, "radiant flux").unit("W"),
 ];
 
-static POINT: BlockSchema = block(
-    "PointLight",
-    "point light, equal in all directions",
-    &[field("position", FieldKind::Point, "position").required().course_syntax()],
-)
-.shared_fields(&[&POINT_STRENGTH_FIELDS])
-.course_syntax();
+static POINT: BlockSchema = block("PointLight", "point light, equal in all directions")
+    .fields(&[field("position", FieldKind::Point, "position").required().course_syntax()])
+    .shared_fields(&[&POINT_STRENGTH_FIELDS])
+    .course_syntax();
 
-static DIRECTIONAL: BlockSchema = block(
-    "DirectionalLight",
-    "parallel light from infinity",
-    &[
+static DIRECTIONAL: BlockSchema = block("DirectionalLight", "parallel light from infinity")
+    .fields(&[
         field("direction", FieldKind::Direction, "direction in which the light travels").required().course_syntax(),
-        field("color", FieldKind::Color, "color of MIT 6.837; give this or `irradiance`")
-            .range(FieldRange::NonNegative)
-            .course_syntax(),
-        field("irradiance", FieldKind::Color, "irradiance of a surface that faces the light")
-            .range(FieldRange::NonNegative)
-            .unit("W/m²"),
-    ],
-)
-.course_syntax();
+        field("color", FieldKind::Color, "color of MIT 6.837; give this or `irradiance`").course_syntax(),
+        field("irradiance", FieldKind::Color, "irradiance of a surface that faces the light").unit("W/m²"),
+    ])
+    .course_syntax();
 
-static SPOT: BlockSchema = block(
-    "SpotLight",
-    "point light limited to a cone",
-    &[
+static SPOT: BlockSchema = block("SpotLight", "point light limited to a cone")
+    .fields(&[
         field("position", FieldKind::Point, "apex of the cone").required(),
         field("direction", FieldKind::Direction, "axis of the cone; give this or `lookAt`"),
         field("lookAt", FieldKind::Point, "point on the axis of the cone"),
@@ -93,9 +76,8 @@ static SPOT: BlockSchema = block(
             .range(FieldRange::Special("≥ 0"))
             .or_numbers(&[0.0])
             .unit("degrees"),
-    ],
-)
-.shared_fields(&[&POINT_STRENGTH_FIELDS]);
+    ])
+    .shared_fields(&[&POINT_STRENGTH_FIELDS]);
 
 static ORIENTATION_FIELDS: [FieldSchema; 4] = [
     field("position", FieldKind::Point, "position").required(),
@@ -106,31 +88,22 @@ static ORIENTATION_FIELDS: [FieldSchema; 4] = [
 ];
 
 static PATTERN_STRENGTH_FIELDS: [FieldSchema; 2] = [
-    field("intensity", FieldKind::Color, "radiant intensity where the picture or profile is 1")
-        .range(FieldRange::NonNegative)
-        .unit("W/sr"),
-    field("power", FieldKind::Color, "radiant flux, of white light through the picture; give one of both")
-        .range(FieldRange::NonNegative)
-        .unit("W"),
+    field("intensity", FieldKind::Color, "radiant intensity where the picture or profile is 1").unit("W/sr"),
+    field("power", FieldKind::Color, "radiant flux, of white light through the picture; give one of both").unit("W"),
 ];
 
-static PROJECTOR: BlockSchema = block(
-    "ProjectorLight",
-    "pinhole that projects a picture",
-    &[
+static PROJECTOR: BlockSchema = block("ProjectorLight", "pinhole that projects a picture")
+    .fields(&[
         field("angle", FieldKind::Number, "full vertical angle of the picture")
             .range(FieldRange::Between(0.0, 180.0))
             .required()
             .unit("degrees"),
         field("file", FieldKind::Name, "projected picture: PNG, OpenEXR or Radiance HDR").required(),
-    ],
-)
-.shared_fields(&[&ORIENTATION_FIELDS, &PATTERN_STRENGTH_FIELDS]);
+    ])
+    .shared_fields(&[&ORIENTATION_FIELDS, &PATTERN_STRENGTH_FIELDS]);
 
-static GONIOMETRIC: BlockSchema = block(
-    "GoniometricLight",
-    "point light with a measured intensity distribution",
-    &[
+static GONIOMETRIC: BlockSchema = block("GoniometricLight", "point light with a measured intensity distribution")
+    .fields(&[
         field(
             "file",
             FieldKind::Name,
@@ -141,58 +114,46 @@ static GONIOMETRIC: BlockSchema = block(
             FieldKind::Name,
             "text file with an angle from the axis in degrees and an intensity per line, in ascending order",
         ),
-    ],
-)
-.shared_fields(&[&ORIENTATION_FIELDS, &PATTERN_STRENGTH_FIELDS]);
+    ])
+    .shared_fields(&[&ORIENTATION_FIELDS, &PATTERN_STRENGTH_FIELDS]);
 
-static SPHERE: BlockSchema = block(
-    "SphereLight",
-    "sphere that emits outward",
-    &[
+static SPHERE: BlockSchema = block("SphereLight", "sphere that emits outward")
+    .fields(&[
         field("center", FieldKind::Point, "center").required(),
         field("radius", FieldKind::Number, "radius").range(FieldRange::Positive).required(),
-    ],
-)
-.shared_fields(&[&AREA_STRENGTH_FIELDS]);
+    ])
+    .shared_fields(&[&AREA_STRENGTH_FIELDS]);
 
-static DISC: BlockSchema = block(
-    "DiscLight",
-    "disc that emits on the side of its normal",
-    &[
+static DISC: BlockSchema = block("DiscLight", "disc that emits on the side of its normal")
+    .fields(&[
         field("center", FieldKind::Point, "center").required(),
         field("normal", FieldKind::Direction, "normal of the emitting side").required(),
         field("radius", FieldKind::Number, "radius").range(FieldRange::Positive).required(),
-    ],
-)
-.shared_fields(&[&AREA_STRENGTH_FIELDS]);
+    ])
+    .shared_fields(&[&AREA_STRENGTH_FIELDS]);
 
-static RECTANGLE: BlockSchema = block(
-    "RectangleLight",
-    "parallelogram that emits on the side of `edge0` × `edge1`",
-    &[
+static RECTANGLE: BlockSchema = block("RectangleLight", "parallelogram that emits on the side of `edge0` × `edge1`")
+    .fields(&[
         field("corner", FieldKind::Point, "corner where both edges start").required(),
         field("edge0", FieldKind::Direction, "vector to the first neighbouring corner").required(),
         field("edge1", FieldKind::Direction, "vector to the other neighbouring corner").required(),
-    ],
-)
-.shared_fields(&[&AREA_STRENGTH_FIELDS]);
+    ])
+    .shared_fields(&[&AREA_STRENGTH_FIELDS]);
 
 static ENVIRONMENT: BlockSchema = block(
     "EnvironmentLight",
     "light from infinity in all directions; at most one a scene, shown instead of the `Background`",
-    &[
-        field("radiance", FieldKind::Color, "constant radiance; give this or `file`")
-            .range(FieldRange::NonNegative)
-            .unit("W/(m² sr)"),
-        field("file", FieldKind::Name, "picture of all directions: PNG, OpenEXR or Radiance HDR"),
-        field("scale", FieldKind::Number, "with `file`: factor from picture values to radiance")
-            .range(FieldRange::NonNegative)
-            .or_numbers(&[1.0]),
-        field("rotate", FieldKind::Number, "with `file`: rotation about the y axis, right-handed")
-            .or_numbers(&[0.0])
-            .unit("degrees"),
-    ],
-);
+)
+.fields(&[
+    field("radiance", FieldKind::Color, "constant radiance; give this or `file`").unit("W/(m² sr)"),
+    field("file", FieldKind::Name, "picture of all directions: PNG, OpenEXR or Radiance HDR"),
+    field("scale", FieldKind::Number, "with `file`: factor from picture values to radiance")
+        .range(FieldRange::NonNegative)
+        .or_numbers(&[1.0]),
+    field("rotate", FieldKind::Number, "with `file`: rotation about the y axis, right-handed")
+        .or_numbers(&[0.0])
+        .unit("degrees"),
+]);
 
 /// Parses a `Lights` block, which holds at most one `EnvironmentLight`.
 pub(super) fn parse_lights_block<'a>(

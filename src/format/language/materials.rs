@@ -50,7 +50,6 @@ const PRIORITY_FIELD: FieldSchema =
 
 static EMISSION_FIELDS: [FieldSchema; 2] = [
     field("emission", FieldKind::ColorOrTexture, "emitted radiance; not for `Clear`")
-        .range(FieldRange::NonNegative)
         .absence_means("0 0 0")
         .unit("W/(m² sr)"),
     field("emissionScale", FieldKind::Number, "with a texture as `emission`: factor of its values")
@@ -66,16 +65,12 @@ static NORMAL_PERTURBATION_FIELDS: [FieldSchema; 3] = [
     field("normalMap", FieldKind::Name, "instead of `bump`: texture or picture of normals").absence_means("none"),
 ];
 
-static PHONG: BlockSchema = block(
-    "PhongMaterial",
-    "Phong's reflection model",
-    &[
+static PHONG: BlockSchema = block("PhongMaterial", "Phong's reflection model")
+    .fields(&[
         field("diffuseColor", FieldKind::ColorOrTexture, "diffuse reflectance kd")
-            .range(FieldRange::NonNegative)
             .or_numbers(&[1.0, 1.0, 1.0])
             .course_syntax(),
         field("specularColor", FieldKind::ColorOrTexture, "specular coefficient ks")
-            .range(FieldRange::NonNegative)
             .or_numbers(&[0.0, 0.0, 0.0])
             .course_syntax(),
         field("shininess", FieldKind::Number, "Phong exponent")
@@ -85,30 +80,23 @@ static PHONG: BlockSchema = block(
         field("texture", FieldKind::Name, "texture or picture that `diffuseColor` is multiplied by")
             .absence_means("none")
             .course_syntax(),
-    ],
-)
-.aliases(&["Material", "Phong"])
-.shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS])
-.course_syntax();
+    ])
+    .aliases(&["Material", "Phong"])
+    .shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS])
+    .course_syntax();
 
-static DIFFUSE: BlockSchema = block(
-    "Diffuse",
-    "Lambertian reflection",
-    &[field("reflectance", FieldKind::ColorOrTexture, "albedo").range(UNIT_RANGE).required()],
-)
-.shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
+static DIFFUSE: BlockSchema = block("Diffuse", "Lambertian reflection")
+    .fields(&[field("reflectance", FieldKind::ColorOrTexture, "albedo").range(UNIT_RANGE).required()])
+    .shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
 
-static MIRROR: BlockSchema = block(
-    "Mirror",
-    "perfect mirror",
-    &[field("reflectance", FieldKind::ColorOrTexture, "reflectance").range(UNIT_RANGE).or_numbers(&[1.0, 1.0, 1.0])],
-)
-.shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
+static MIRROR: BlockSchema = block("Mirror", "perfect mirror")
+    .fields(&[field("reflectance", FieldKind::ColorOrTexture, "reflectance")
+        .range(UNIT_RANGE)
+        .or_numbers(&[1.0, 1.0, 1.0])])
+    .shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
 
-static DIELECTRIC: BlockSchema = block(
-    "Dielectric",
-    "boundary of a body of glass, water or the like",
-    &[
+static DIELECTRIC: BlockSchema = block("Dielectric", "boundary of a body of glass, water or the like")
+    .fields(&[
         INDEX_FIELD,
         field("abbe", FieldKind::Number, "with `indexOfRefraction`: Abbe number")
             .range(FieldRange::Positive)
@@ -134,52 +122,39 @@ static DIELECTRIC: BlockSchema = block(
         ROUGHNESS_FIELD,
         PRIORITY_FIELD,
         field("medium", FieldKind::Name, "medium that fills the body").absence_means("none"),
-    ],
-)
-.shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
+    ])
+    .shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
 
-static CLEAR: BlockSchema = block(
-    "Clear",
-    "null interface: boundary of a region without a surface",
-    &[field("medium", FieldKind::Name, "medium that fills the region").absence_means("none"), PRIORITY_FIELD],
-)
-.shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
+static CLEAR: BlockSchema = block("Clear", "null interface: boundary of a region without a surface")
+    .fields(&[field("medium", FieldKind::Name, "medium that fills the region").absence_means("none"), PRIORITY_FIELD])
+    .shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
 
-static CONDUCTOR: BlockSchema = block(
-    "Conductor",
-    "metal; opaque, reflects on both sides",
-    &[
+static CONDUCTOR: BlockSchema = block("Conductor", "metal; opaque, reflects on both sides")
+    .fields(&[
         field("metal", FieldKind::Name, "a metal by name; give this, or `eta` and `k`"),
         field("eta", FieldKind::Color, "η of the complex index η + ik for red, green and blue")
             .range(FieldRange::Within(MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX)),
         field("k", FieldKind::Color, "k of the complex index").range(FieldRange::Within(0.0, MAX_REFRACTIVE_INDEX)),
         ROUGHNESS_FIELD,
-    ],
-)
-.shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
+    ])
+    .shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
 
-static THIN: BlockSchema = block(
-    "Thin",
-    "pane without thickness; the index is relative to the surroundings",
-    &[
+static THIN: BlockSchema = block("Thin", "pane without thickness; the index is relative to the surroundings")
+    .fields(&[
         INDEX_FIELD,
         field("transmittance", FieldKind::ColorOrTexture, "transmittance of the inside at normal incidence")
             .range(TRANSMITTANCE_RANGE)
             .or_numbers(&[1.0, 1.0, 1.0]),
-    ],
-)
-.shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
+    ])
+    .shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
 
-static MIX: BlockSchema = block(
-    "Mix",
-    "one of two materials at each point, chosen at random",
-    &[
+static MIX: BlockSchema = block("Mix", "one of two materials at each point, chosen at random")
+    .fields(&[
         field("first", FieldKind::Name, "name of a material that stands before this one").required(),
         field("second", FieldKind::Name, "name of a material that stands before this one").required(),
         field("amount", FieldKind::NumberOrTexture, "share of the second material").range(UNIT_RANGE).required(),
-    ],
-)
-.shared_fields(&[&EMISSION_FIELDS]);
+    ])
+    .shared_fields(&[&EMISSION_FIELDS]);
 
 /// Parses a `Materials` block; its materials replace those of an earlier one.
 pub(super) fn parse_materials_block<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result<(), SceneError> {

@@ -16,7 +16,7 @@ use super::parser::Parser;
 use super::schema::{
     BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, MAX_COEFFICIENT, block, block_keywords, field,
 };
-use super::transforms::write_transform_block;
+use super::transforms::write_transform_field;
 use super::writer::SceneWriter;
 
 /// All kinds of media.
@@ -59,39 +59,36 @@ static EXTENT_FIELDS: [FieldSchema; 3] = [
     field("Transform", FieldKind::TransformSteps, "maps from the space of the box to the world").absence_means("none"),
 ];
 
-static MEDIUM: BlockSchema = block(
-    "Medium",
-    "a medium of constant density, or with the densities of a grid",
-    &[
+static MEDIUM: BlockSchema = block("Medium", "a medium of constant density, or with the densities of a grid")
+    .fields(&[
         field("grid", FieldKind::Name, "file of densities").absence_means("none: density 1 everywhere"),
         field("densityScale", FieldKind::Number, "with `grid`: factor of its densities")
             .range(FieldRange::Positive)
             .or_numbers(&[1.0]),
-    ],
-)
-.shared_fields(&[&OPTICAL_FIELDS, &EXTENT_FIELDS]);
+    ])
+    .shared_fields(&[&OPTICAL_FIELDS, &EXTENT_FIELDS]);
 
-static CLOUD: BlockSchema = block(
-    "Cloud",
-    "a medium with noise as density, from 0 to 1, in the ellipsoid inscribed in its box",
-    &[
-        field("cover", FieldKind::Number, "amount of noise: 0 is empty, 1 is noise everywhere")
-            .range(FieldRange::Within(0.0, 1.0))
-            .or_numbers(&[0.5]),
-        field("softness", FieldKind::Number, "share of the radius over which the edge fades")
-            .range(FieldRange::Within(0.0, 1.0))
-            .or_numbers(&[0.3]),
-        field("octaves", FieldKind::Whole, "octaves of noise").range(FieldRange::Within(1.0, 16.0)).or_numbers(&[5.0]),
-        field("frequency", FieldKind::Number, "periods of the first octave along a side of the box")
-            .range(FieldRange::Positive)
-            .or_numbers(&[4.0]),
-        field("seed", FieldKind::Whole, "seed of the noise").or_numbers(&[0.0]),
-        field("resolution", FieldKind::Whole, "grid cells along the longest side")
-            .range(FieldRange::Within(2.0, 512.0))
-            .or_numbers(&[96.0]),
-    ],
-)
-.shared_fields(&[&OPTICAL_FIELDS, &EXTENT_FIELDS]);
+static CLOUD: BlockSchema =
+    block("Cloud", "a medium with noise as density, from 0 to 1, in the ellipsoid inscribed in its box")
+        .fields(&[
+            field("cover", FieldKind::Number, "amount of noise: 0 is empty, 1 is noise everywhere")
+                .range(FieldRange::Within(0.0, 1.0))
+                .or_numbers(&[0.5]),
+            field("softness", FieldKind::Number, "share of the radius over which the edge fades")
+                .range(FieldRange::Within(0.0, 1.0))
+                .or_numbers(&[0.3]),
+            field("octaves", FieldKind::Whole, "octaves of noise")
+                .range(FieldRange::Within(1.0, 16.0))
+                .or_numbers(&[5.0]),
+            field("frequency", FieldKind::Number, "periods of the first octave along a side of the box")
+                .range(FieldRange::Positive)
+                .or_numbers(&[4.0]),
+            field("seed", FieldKind::Whole, "seed of the noise").or_numbers(&[0.0]),
+            field("resolution", FieldKind::Whole, "grid cells along the longest side")
+                .range(FieldRange::Within(2.0, 512.0))
+                .or_numbers(&[96.0]),
+        ])
+        .shared_fields(&[&OPTICAL_FIELDS, &EXTENT_FIELDS]);
 
 /// Parses a `Media` block; its media replace those of an earlier one.
 pub(super) fn parse_media_block<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result<(), SceneError> {
@@ -242,5 +239,5 @@ pub(super) fn write_medium(out: &mut SceneWriter<'_, '_>, medium: &MediumDescrip
 fn write_extent(out: &mut SceneWriter<'_, '_>, extent: &TransformedBoxDescription) -> fmt::Result {
     out.write_vector("min", extent.min)?;
     out.write_vector("max", extent.max)?;
-    write_transform_block(out, &extent.maps)
+    write_transform_field(out, &extent.maps)
 }

@@ -1,8 +1,7 @@
-//! The scene language: from text to description and back.
+//! The scene language: parsing of text to a [`SceneDescription`], and printing of it as text.
 //!
-//! Each part of the language has one file: tables of its blocks, the functions that read them, and
-//! those that print them. Errors that the text alone shows are reported here, with their position.
-//! Files are looked up later, by [`resolve`](super::resolve).
+//! Each part of the language has one file with the tables of its blocks and the functions that
+//! parse and print them. The parser opens no other file: [`resolve`](super::resolve) does.
 
 mod camera;
 mod curves;
@@ -40,30 +39,26 @@ use materials::{MATERIALS, parse_materials_block, write_material};
 use media::{MEDIA, parse_media_block, write_medium};
 use objects::{parse_group, write_group};
 use parser::Parser;
-use schema::{BlockSchema, FieldKind, FieldRange, block, block_keywords, block_schemas, field, find_block};
+use schema::{BlockSchema, FieldKind, block, block_keywords, block_schemas, field, find_block};
 use shapes::SHAPES;
 pub(super) use suggest::nearest_word;
 use textures::{TEXTURES, parse_textures_block, write_texture};
 use writer::SceneWriter;
 
-static BACKGROUND: BlockSchema = block(
-    "Background",
-    "what lies behind all objects",
-    &[
+static BACKGROUND: BlockSchema = block("Background", "what lies behind all objects")
+    .fields(&[
         field("color", FieldKind::Color, "radiance of rays that leave the scene")
-            .range(FieldRange::NonNegative)
             .or_numbers(&[0.5, 0.5, 0.5])
             .unit("W/(m² sr)")
             .course_syntax(),
         field("medium", FieldKind::Name, "medium that fills the space outside all bodies").absence_means("none"),
-    ],
-)
-.course_syntax();
+    ])
+    .course_syntax();
 
-/// Blocks of a file besides cameras and `Background`.
-const LIST_BLOCK_KEYWORDS: [&str; 6] = ["Moving", "Lights", "Textures", "Media", "Materials", "Group"];
+/// Keywords of the blocks of a file, except cameras and `Background`.
+const FILE_BLOCK_KEYWORDS: [&str; 6] = ["Moving", "Lights", "Textures", "Media", "Materials", "Group"];
 
-/// Tables that the reference documents, with the names of their sections.
+/// Returns the sections of the language reference: name and blocks.
 fn reference_sections() -> [(&'static str, Vec<&'static BlockSchema>); 7] {
     [
         ("cameras", block_schemas(&CAMERAS)),
@@ -76,19 +71,18 @@ fn reference_sections() -> [(&'static str, Vec<&'static BlockSchema>); 7] {
     ]
 }
 
-/// Iterates over all blocks that have a table.
+/// Iterates over the schemas of all blocks.
 #[cfg(test)]
 fn all_blocks() -> impl Iterator<Item = &'static BlockSchema> {
     reference_sections().into_iter().flat_map(|(_, blocks)| blocks)
 }
 
-/// Returns `page` with its reference tables replaced by those of the language.
+/// Returns a Markdown `page` with its reference tables of the scene language brought up to date.
 ///
-/// A table stands between the lines `<!-- reference: NAME -->` and `<!-- end of reference -->`;
-/// NAME is one of cameras, background, lights, textures, media, materials and shapes. Other text
-/// stays.
+/// A table stands between the lines `<!-- reference: NAME -->` and `<!-- end of reference -->`.
+/// NAME is one of cameras, background, lights, textures, media, materials and shapes.
 #[must_use]
-pub fn with_reference(page: &str) -> String {
+pub fn update_reference_tables(page: &str) -> String {
     const END: &str = "<!-- end of reference -->";
     let mut page = page.to_owned();
     for (name, blocks) in reference_sections() {
@@ -100,29 +94,28 @@ pub fn with_reference(page: &str) -> String {
     page
 }
 
-/// Reads `text` as a scene; errors call it `name`.
+/// Parses the `text` of a scene; errors call the text `name`.
 ///
 /// # Errors
 /// Up to 20 errors as one [`SceneError`], each with its position and remedy.
 pub fn parse(name: &str, text: &str) -> Result<SceneDescription, SceneError> {
     let mut parser = Parser::new(name, text);
-    let result = parse_file(&mut parser);
-    let (description, last) = match result {
+    let (description, last_error) = match parse_file(&mut parser) {
         Ok(description) => (Some(description), None),
         Err(error) => (None, Some(error)),
     };
-    match (parser.into_joined_error(last), description) {
+    match (parser.into_joined_error(last_error), description) {
         (None, Some(description)) => Ok(description),
         (Some(error), _) => Err(error),
         (None, None) => unreachable!("a scene is read, or has an error"),
     }
 }
 
-/// Reads a file's `bytes` as a scene; errors call it `name`.
+/// Parses the `bytes` of a scene text; errors call the text `name`.
 ///
 /// # Errors
-/// As for [`parse`], and if the bytes are not UTF-8.
-pub fn parse_bytes(name: &str, bytes: &[u8]) -> Result<SceneDescription, SceneError> {
+/// The errors of [`parse`], or an error if the bytes are not UTF-8.
+pub fn parse_scene_bytes(name: &str, bytes: &[u8]) -> Result<SceneDescription, SceneError> {
     let error = match std::str::from_utf8(bytes) {
         Ok(text) => return parse(name, text),
         Err(error) => error,
@@ -138,38 +131,39 @@ pub fn parse_bytes(name: &str, bytes: &[u8]) -> Result<SceneDescription, SceneEr
     Err(SceneError::at(&source, Span { start: at, len: 3 }, message, "not text", help))
 }
 
-/// Blocks of a file that are no part of the scope.
+/// Parsed blocks of a file; the parser's scope holds the others.
 #[derive(Default)]
-struct Parts {
+struct FileBlocks {
     camera: Option<Spanned<CameraDescription>>,
+    /// Radiance of the background \[W/(m² sr)], and the medium outside all bodies.
     background: Option<(DVec3, Option<Spanned<String>>)>,
     lights: Vec<Spanned<LightDescription>>,
     root: Option<Group>,
 }
 
-/// Reads a whole file.
+/// Parses all blocks of a file.
 fn parse_file(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneError> {
-    let allowed = [&block_keywords(&[], &CAMERAS)[..], &[BACKGROUND.keyword], &LIST_BLOCK_KEYWORDS].concat();
-    let mut parts = Parts::default();
+    let allowed = [&block_keywords(&[], &CAMERAS)[..], &[BACKGROUND.keyword], &FILE_BLOCK_KEYWORDS].concat();
+    let mut blocks = FileBlocks::default();
     loop {
         let word = parser.lexer.peek();
         if word.is_end() {
             break;
         }
         parser.lexer.consume(word);
-        parser.recover_from_error(&allowed, |parser| parse_file_block(parser, word, &allowed, &mut parts))?;
+        parser.recover_from_error(&allowed, |parser| parse_file_block(parser, word, &allowed, &mut blocks))?;
     }
     if let Some(block) = parser.scope.late_materials {
         let message = "these `Materials` replace those that the `Group` before them uses".to_owned();
         let help = "put all materials into one block before the Group".to_owned();
         return Err(parser.lexer.error_at(block.span(), message, "too late", help));
     }
-    let Parts { camera, background, lights, root } = parts;
+    let FileBlocks { camera, background, lights, root } = blocks;
     let (background, ambient_medium) = background.unwrap_or((DVec3::splat(0.5), None));
     if let Some(name) = &ambient_medium {
         parser.scope.check_medium_exists(parser.lexer, name, "in the file")?;
     }
-    // A block may be missing because it could not be read.
+    // Errors in blocks come before missing blocks: a block may be missing because of its errors.
     if let Some(error) = parser.errors.pop() {
         return Err(error);
     }
@@ -186,30 +180,29 @@ fn parse_file(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneError> {
     Ok(SceneDescription { camera, background, ambient_medium, lights, textures, media, materials, root })
 }
 
-/// Reads the block that starts with `word`. It replaces an earlier one of its kind, as in MIT
-/// 6.837.
+/// Parses the block that starts with `word`; it replaces an earlier block of its kind.
 fn parse_file_block<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,
     allowed: &[&str],
-    parts: &mut Parts,
+    blocks: &mut FileBlocks,
 ) -> Result<(), SceneError> {
     match word.text {
-        "Moving" => parts.camera = Some(parse_moving_camera(parser, word)?),
+        "Moving" => blocks.camera = Some(parse_moving_camera(parser, word)?),
         "Background" => {
             let f = parse_block_fields(parser, word, &BACKGROUND)?;
-            parts.background = Some((f.value("color")?, f.get("medium").map(|medium| medium.value())));
+            blocks.background = Some((f.value("color")?, f.optional_value("medium")));
         }
-        "Lights" => parts.lights = parse_lights_block(parser, word)?,
+        "Lights" => blocks.lights = parse_lights_block(parser, word)?,
         "Textures" => parse_textures_block(parser, word)?,
         "Media" => parse_media_block(parser, word)?,
         "Materials" => parse_materials_block(parser, word)?,
         "Group" => {
             (parser.scope.group_uses_materials, parser.scope.late_materials) = (false, None);
-            parts.root = Some(parse_group(parser, word)?);
+            blocks.root = Some(parse_group(parser, word)?);
         }
         text if find_block(&CAMERAS, text).is_some() => {
-            parts.camera = Some(Spanned::new(parse_camera(parser, word)?, word.span()));
+            blocks.camera = Some(Spanned::new(parse_camera(parser, word)?, word.span()));
         }
         _ => return Err(parser.unexpected_word_error(word, allowed)),
     }
@@ -217,7 +210,7 @@ fn parse_file_block<'a>(
 }
 
 impl Display for SceneDescription {
-    /// Prints the scene as text in one canonical form, which reads back as an equal description.
+    /// Prints the scene as text in a canonical form, which parses to an equal description.
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let out = &mut SceneWriter::new(f);
         write_camera(out, &self.camera)?;
@@ -233,7 +226,7 @@ impl Display for SceneDescription {
     }
 }
 
-/// Prints a list block with its count; nothing if it is empty.
+/// Writes a list block with the number of its entries; nothing if `list` is empty.
 fn write_list_block<T>(
     out: &mut SceneWriter<'_, '_>,
     keyword: &str,

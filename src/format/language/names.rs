@@ -1,4 +1,4 @@
-//! Names of textures, media and materials, between a block's keyword and its `{`.
+//! Parsing of the names that textures, media and materials have before their `{`.
 
 use super::super::description::Spanned;
 use super::super::error::SceneError;
@@ -6,7 +6,9 @@ use super::lexer::Token;
 use super::parser::Parser;
 use super::text::{clip_for_message, is_identifier};
 
-/// Reads the name before the `{` of a block, if there is one; `what` is what it names.
+/// Parses the optional name between a block's keyword and its `{`.
+///
+/// Errors call the block `what`, such as "material".
 pub(super) fn parse_block_name(parser: &mut Parser<'_>, what: &str) -> Result<Option<Spanned<String>>, SceneError> {
     let token = parser.lexer.peek();
     let name = match token.text {
@@ -30,20 +32,23 @@ pub(super) fn parse_block_name(parser: &mut Parser<'_>, what: &str) -> Result<Op
     Ok(Some(name))
 }
 
-/// Reads the name of the texture or medium that starts with `word`; refuses none, and one that is
-/// `taken`.
+/// Parses the mandatory name of a texture or medium after its keyword `word`.
+///
+/// # Errors
+/// If there is no name, or if `is_taken` is true for it. Errors call the block `one`, and two
+/// blocks `many`.
 pub(super) fn parse_unique_block_name<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,
     (one, many): (&str, &str),
-    taken: impl Fn(&Parser<'a>, &str) -> bool,
+    is_taken: impl Fn(&Parser<'a>, &str) -> bool,
 ) -> Result<String, SceneError> {
     let Some(name) = parse_block_name(parser, one)? else {
         let message = format!("this `{}` has no name", word.text);
         let help = format!("name it, so that materials can use it: `{} name {{ … }}`", word.text);
         return Err(parser.lexer.error_at(word.span(), message, &format!("this {one}"), help));
     };
-    if taken(parser, &name.value) {
+    if is_taken(parser, &name.value) {
         let message = format!("two {many} are called `{}`", clip_for_message(&name.value));
         return Err(parser.lexer.error_at(name.span, message, "the second", "give it another name".to_owned()));
     }

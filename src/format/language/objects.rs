@@ -1,29 +1,28 @@
-//! Groups, transforms and moving objects.
+//! Parsing and printing of groups, transformed objects and moving objects.
 
 use std::fmt;
 
-use super::super::description::{Group, GroupItem, ObjectDescription, Spanned};
+use super::super::description::{Group, GroupItem, ObjectDescription, Spanned, TransformStep};
 use super::super::error::SceneError;
 use super::lexer::Token;
 use super::materials::{parse_material_index, parse_material_reference};
 use super::parser::{NestingMark, Parser};
 use super::schema::block_keywords;
 use super::shapes::{SHAPES, parse_shape, write_shape};
-use super::transforms::{parse_moving_block, parse_transform, write_transform_steps};
+use super::transforms::{parse_moving_block, parse_transform_block, write_transform_steps};
 use super::writer::SceneWriter;
 
-/// Keywords of objects that hold objects.
+/// Keywords of objects that contain other objects.
 const NESTING_OBJECT_KEYWORDS: [&str; 3] = ["Group", "Transform", "Moving"];
 
-/// Keywords of the other entries of a group.
+/// Keywords of a group's entries that are not objects.
 const OTHER_ITEM_KEYWORDS: [&str; 3] = ["numObjects", "MaterialIndex", "MaterialName"];
 
-/// Returns the keywords of all objects.
 fn object_keywords() -> Vec<&'static str> {
     block_keywords(&NESTING_OBJECT_KEYWORDS, &SHAPES)
 }
 
-/// Reads a `Group` block.
+/// Parses a `Group` block.
 pub(super) fn parse_group<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Group, SceneError> {
     parser.open_nested_block(keyword)?;
     let mut items = Vec::new();
@@ -52,10 +51,10 @@ pub(super) fn parse_group<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Re
     Ok(Group { items })
 }
 
-// The functions below are not inlined into `group`: it recurses, and its stack frame must stay
-// small.
+// The functions below are not inlined into `parse_group`: it recurses, and its stack frame must
+// stay small.
 
-/// Appends an item; returns its error if it has one.
+/// Appends a parsed item to `items`, or returns the error.
 #[inline(never)]
 fn push_item(item: Result<GroupItem, SceneError>, items: &mut Vec<GroupItem>) -> Option<SceneError> {
     match item {
@@ -67,7 +66,7 @@ fn push_item(item: Result<GroupItem, SceneError>, items: &mut Vec<GroupItem>) ->
     }
 }
 
-/// Records `error` and continues with the next entry of the group that `mark` is in.
+/// Records `error`, and skips to the next entry of the group that is open at `mark`.
 #[inline(never)]
 fn skip_to_next_item(parser: &mut Parser<'_>, error: SceneError, mark: NestingMark) -> Result<(), SceneError> {
     parser.record_error(error)?;
@@ -80,12 +79,11 @@ fn unexpected_item_error<'a>(parser: &Parser<'a>, word: Token<'a>) -> SceneError
     parser.unexpected_word_error(word, &[&OTHER_ITEM_KEYWORDS[..], &object_keywords()].concat())
 }
 
-/// True if `word` is the keyword of an object.
 fn is_object_keyword(word: &str) -> bool {
     NESTING_OBJECT_KEYWORDS.contains(&word) || SHAPES.iter().any(|entry| entry.block.is_keyword(word))
 }
 
-/// Reads an object into memory of its own, so that recursion keeps small frames on the stack.
+/// Parses an object into a box, so that the stack frames of the recursion stay small.
 fn parse_boxed_object<'a>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
@@ -93,12 +91,12 @@ fn parse_boxed_object<'a>(
     parse_object(parser, keyword).map(Box::new)
 }
 
-/// Reads an object.
+/// Parses the object that starts with `keyword`.
 fn parse_object<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Spanned<ObjectDescription>, SceneError> {
     let object = match keyword.text {
         "Group" => ObjectDescription::Group(parse_group(parser, keyword)?),
         "Transform" => {
-            let (maps, object) = parse_transform(parser, keyword, &object_keywords(), parse_boxed_object)?;
+            let (maps, object) = parse_transform_block(parser, keyword, &object_keywords(), parse_boxed_object)?;
             ObjectDescription::Transform { maps, object }
         }
         "Moving" => {
@@ -113,7 +111,7 @@ fn parse_object<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Spann
     Ok(Spanned::new(object, keyword.span()))
 }
 
-/// Prints a group.
+/// Writes a group as scene text.
 pub(super) fn write_group(out: &mut SceneWriter<'_, '_>, group: &Group) -> fmt::Result {
     out.begin_block("Group")?;
     let objects = group.items.iter().filter(|item| matches!(item, GroupItem::Object(_))).count();
@@ -140,11 +138,11 @@ fn write_object(out: &mut SceneWriter<'_, '_>, object: &Spanned<ObjectDescriptio
 fn write_transformed_object(
     out: &mut SceneWriter<'_, '_>,
     keyword: &str,
-    maps: &[super::super::description::TransformStep],
+    steps: &[TransformStep],
     object: &Spanned<ObjectDescription>,
 ) -> fmt::Result {
     out.begin_block(keyword)?;
-    write_transform_steps(out, maps)?;
+    write_transform_steps(out, steps)?;
     write_object(out, object)?;
     out.end_block()
 }

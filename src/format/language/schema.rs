@@ -134,19 +134,19 @@ pub(super) struct BlockParser<P: 'static> {
     pub parse: P,
 }
 
-/// An optional field of any value; the methods of [`FieldSchema`] change that.
+/// An optional field. A color must not be negative; any other value is allowed.
 pub(super) const fn field(name: &'static str, kind: FieldKind, help: &'static str) -> FieldSchema {
-    let (range, default) = (FieldRange::Any, FieldDefault::Absent(""));
+    let range = match kind {
+        FieldKind::Color | FieldKind::ColorOrTexture => FieldRange::NonNegative,
+        _ => FieldRange::Any,
+    };
+    let default = FieldDefault::Absent("");
     FieldSchema { name, alias: "", kind, range, unit: "", default, help, is_course_syntax: false }
 }
 
-/// A block without aliases and shared fields.
-pub(super) const fn block(
-    keyword: &'static str,
-    help: &'static str,
-    own_fields: &'static [FieldSchema],
-) -> BlockSchema {
-    BlockSchema { keyword, aliases: &[], own_fields, shared_fields: &[], help, is_course_syntax: false }
+/// A block without fields and aliases.
+pub(super) const fn block(keyword: &'static str, help: &'static str) -> BlockSchema {
+    BlockSchema { keyword, aliases: &[], own_fields: &[], shared_fields: &[], help, is_course_syntax: false }
 }
 
 impl FieldSchema {
@@ -307,6 +307,12 @@ impl BlockSchema {
     /// Sets other accepted keywords.
     pub const fn aliases(mut self, aliases: &'static [&'static str]) -> Self {
         self.aliases = aliases;
+        self
+    }
+
+    /// Sets the fields of this kind of block alone.
+    pub const fn fields(mut self, fields: &'static [FieldSchema]) -> Self {
+        self.own_fields = fields;
         self
     }
 

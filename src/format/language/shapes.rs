@@ -39,7 +39,6 @@ const DEGREE_RANGE: FieldRange = FieldRange::Within(1.0, MAX_DEGREE as f64);
 
 static EMISSION_FIELDS: [FieldSchema; 1] =
     [field("emission", FieldKind::Color, "radiance instead of the material's; not for a `Plane`")
-        .range(FieldRange::NonNegative)
         .absence_means("the material's")
         .unit("W/(m² sr)")];
 
@@ -48,92 +47,69 @@ static DEGREE_FIELDS: [FieldSchema; 2] = [
     field("degreeV", FieldKind::Whole, "degree along v").range(DEGREE_RANGE).or_numbers(&[3.0]),
 ];
 
-static SPHERE: BlockSchema = block(
-    "Sphere",
-    "all points at distance `radius` from `center`",
-    &[
+static SPHERE: BlockSchema = block("Sphere", "all points at distance `radius` from `center`")
+    .fields(&[
         field("center", FieldKind::Point, "center").required().course_syntax(),
         field("radius", FieldKind::Number, "radius").range(FieldRange::Positive).required().course_syntax(),
-    ],
-)
-.shared_fields(&[&EMISSION_FIELDS])
-.course_syntax();
+    ])
+    .shared_fields(&[&EMISSION_FIELDS])
+    .course_syntax();
 
-static PLANE: BlockSchema = block(
-    "Plane",
-    "infinite plane",
-    &[
+static PLANE: BlockSchema = block("Plane", "infinite plane")
+    .fields(&[
         field("normal", FieldKind::Direction, "normal; its length scales `offset`").required().course_syntax(),
         field("offset", FieldKind::Number, "normal · x of the points x of the plane").required().course_syntax(),
-    ],
-)
-.shared_fields(&[&EMISSION_FIELDS])
-.course_syntax();
+    ])
+    .shared_fields(&[&EMISSION_FIELDS])
+    .course_syntax();
 
-static DISC: BlockSchema = block(
-    "Disc",
-    "flat disc",
-    &[
+static DISC: BlockSchema = block("Disc", "flat disc")
+    .fields(&[
         field("center", FieldKind::Point, "center").required(),
         field("normal", FieldKind::Direction, "normal").required(),
         field("radius", FieldKind::Number, "radius").range(FieldRange::Positive).required(),
-    ],
-)
-.shared_fields(&[&EMISSION_FIELDS]);
+    ])
+    .shared_fields(&[&EMISSION_FIELDS]);
 
-static RECTANGLE: BlockSchema = block(
-    "Rectangle",
-    "parallelogram with normal `edge0` × `edge1`",
-    &[
+static RECTANGLE: BlockSchema = block("Rectangle", "parallelogram with normal `edge0` × `edge1`")
+    .fields(&[
         field("corner", FieldKind::Point, "corner where both edges start").required(),
         field("edge0", FieldKind::Direction, "vector to the first neighbouring corner").required(),
         field("edge1", FieldKind::Direction, "vector to the other neighbouring corner").required(),
-    ],
-)
-.shared_fields(&[&EMISSION_FIELDS]);
+    ])
+    .shared_fields(&[&EMISSION_FIELDS]);
 
-static BOX: BlockSchema = block(
-    "Box",
-    "closed box with edges along the axes",
-    &[
+static BOX: BlockSchema = block("Box", "closed box with edges along the axes")
+    .fields(&[
         field("min", FieldKind::Point, "corner with the lowest coordinates").required(),
         field("max", FieldKind::Point, "opposite corner; above `min` in every coordinate").required(),
-    ],
-)
-.shared_fields(&[&EMISSION_FIELDS]);
+    ])
+    .shared_fields(&[&EMISSION_FIELDS]);
 
 static CAPS_FIELDS: [FieldSchema; 1] =
     [field("caps", FieldKind::Word(&["yes", "no"]), "`no` leaves both ends open").or_word("yes")];
 
-static CYLINDER: BlockSchema = block(
-    "Cylinder",
-    "cylinder of any direction, closed unless `caps` is `no`",
-    &[
+static CYLINDER: BlockSchema = block("Cylinder", "cylinder of any direction, closed unless `caps` is `no`")
+    .fields(&[
         field("bottom", FieldKind::Point, "center of one end").required(),
         field("top", FieldKind::Point, "center of the other end").required(),
         field("radius", FieldKind::Number, "radius").range(FieldRange::Positive).required(),
-    ],
-)
-.shared_fields(&[&CAPS_FIELDS, &EMISSION_FIELDS]);
+    ])
+    .shared_fields(&[&CAPS_FIELDS, &EMISSION_FIELDS]);
 
-static CONE: BlockSchema = block(
-    "Cone",
-    "cone or truncated cone of any direction, closed unless `caps` is `no`",
-    &[
+static CONE: BlockSchema = block("Cone", "cone or truncated cone of any direction, closed unless `caps` is `no`")
+    .fields(&[
         field("bottom", FieldKind::Point, "center of the base").required(),
         field("top", FieldKind::Point, "apex, or center of the other end").required(),
         field("radius", FieldKind::Number, "radius of the base").range(FieldRange::Positive).required(),
         field("topRadius", FieldKind::Number, "radius of the other end")
             .range(FieldRange::NonNegative)
             .or_numbers(&[0.0]),
-    ],
-)
-.shared_fields(&[&CAPS_FIELDS, &EMISSION_FIELDS]);
+    ])
+    .shared_fields(&[&CAPS_FIELDS, &EMISSION_FIELDS]);
 
-static TRIANGLE: BlockSchema = block(
-    "Triangle",
-    "triangle; its area may be 0",
-    &[
+static TRIANGLE: BlockSchema = block("Triangle", "triangle; its area may be 0")
+    .fields(&[
         field("vertex0", FieldKind::Point, "first vertex").required().course_syntax(),
         field("vertex1", FieldKind::Point, "second vertex").required().course_syntax(),
         field("vertex2", FieldKind::Point, "third vertex").required().course_syntax(),
@@ -144,15 +120,12 @@ static TRIANGLE: BlockSchema = block(
             .absence_means("0 0"),
         field("uv1", FieldKind::Pair, "texture coordinates at the second vertex").absence_means("1 0"),
         field("uv2", FieldKind::Pair, "texture coordinates at the third vertex").absence_means("0 1"),
-    ],
-)
-.shared_fields(&[&EMISSION_FIELDS])
-.course_syntax();
+    ])
+    .shared_fields(&[&EMISSION_FIELDS])
+    .course_syntax();
 
-static MESH: BlockSchema = block(
-    "TriangleMesh",
-    "triangle mesh in a file of its own",
-    &[
+static MESH: BlockSchema = block("TriangleMesh", "triangle mesh in a file of its own")
+    .fields(&[
         field("obj_file", FieldKind::Name, "OBJ or PLY file").alias("file").required().course_syntax(),
         field("materials", FieldKind::Word(&["scene", "file"]), "materials of the scene or of the file's MTL files")
             .or_word("scene"),
@@ -161,47 +134,37 @@ static MESH: BlockSchema = block(
             .range(FieldRange::Within(0.0, 180.0))
             .absence_means("faces without normals are flat")
             .unit("degrees"),
-    ],
-)
-.shared_fields(&[&EMISSION_FIELDS])
-.course_syntax();
+    ])
+    .shared_fields(&[&EMISSION_FIELDS])
+    .course_syntax();
 
-static REVOLUTION: BlockSchema = block(
-    "RevSurface",
-    "surface of revolution: the points (x cos θ, y, x sin θ) of a profile",
-    &[field("profile", FieldKind::Curve, "curve of points (x, y), turned about the y axis").required().course_syntax()],
-)
-.shared_fields(&[&EMISSION_FIELDS])
-.course_syntax();
+static REVOLUTION: BlockSchema =
+    block("RevSurface", "surface of revolution: the points (x cos θ, y, x sin θ) of a profile")
+        .fields(&[field("profile", FieldKind::Curve, "curve of points (x, y), turned about the y axis")
+            .required()
+            .course_syntax()])
+        .shared_fields(&[&EMISSION_FIELDS])
+        .course_syntax();
 
-static BEZIER_CURVE: BlockSchema = block(
-    "BezierCurve",
-    "one Bézier curve; without `profile` it has no surface and is not visible",
-    &[BEZIER_CONTROLS],
-)
-.shared_fields(&[&EMISSION_FIELDS])
-.course_syntax();
+static BEZIER_CURVE: BlockSchema =
+    block("BezierCurve", "one Bézier curve; without `profile` it has no surface and is not visible")
+        .fields(&[BEZIER_CONTROLS])
+        .shared_fields(&[&EMISSION_FIELDS])
+        .course_syntax();
 
-static BSPLINE_CURVE: BlockSchema = block(
-    "BsplineCurve",
-    "a uniform cubic B-spline; without `profile` it has no surface and is not visible",
-    &[BSPLINE_CONTROLS],
-)
-.shared_fields(&[&EMISSION_FIELDS])
-.course_syntax();
+static BSPLINE_CURVE: BlockSchema =
+    block("BsplineCurve", "a uniform cubic B-spline; without `profile` it has no surface and is not visible")
+        .fields(&[BSPLINE_CONTROLS])
+        .shared_fields(&[&EMISSION_FIELDS])
+        .course_syntax();
 
-static BEZIER_PATCH: BlockSchema = block(
-    "BezierPatch",
-    "one or more Bézier patches of the same degrees",
-    &[field("controls", FieldKind::WeightedPoints, "control points, patch after patch, those along v first")
-        .required()],
-)
-.shared_fields(&[&DEGREE_FIELDS, &EMISSION_FIELDS]);
+static BEZIER_PATCH: BlockSchema = block("BezierPatch", "one or more Bézier patches of the same degrees")
+    .fields(&[field("controls", FieldKind::WeightedPoints, "control points, patch after patch, those along v first")
+        .required()])
+    .shared_fields(&[&DEGREE_FIELDS, &EMISSION_FIELDS]);
 
-static NURBS: BlockSchema = block(
-    "NurbsSurface",
-    "rational B-spline surface",
-    &[
+static NURBS: BlockSchema = block("NurbsSurface", "rational B-spline surface")
+    .fields(&[
         field("countU", FieldKind::Whole, "number of control points along u")
             .range(FieldRange::Special("above the degree"))
             .required(),
@@ -215,9 +178,8 @@ static NURBS: BlockSchema = block(
             .range(FieldRange::Special("nondecreasing"))
             .absence_means("uniform"),
         field("controls", FieldKind::WeightedPoints, "control points, those along v first").required(),
-    ],
-)
-.shared_fields(&[&DEGREE_FIELDS, &EMISSION_FIELDS]);
+    ])
+    .shared_fields(&[&DEGREE_FIELDS, &EMISSION_FIELDS]);
 
 /// Parses a shape, and the emitted radiance that replaces its material's.
 // Not inlined: its callers recurse, and their stack frames must stay small.

@@ -1,24 +1,24 @@
-//! Checks of words and numbers that several parts of the language share.
+//! Checks of words and vectors, and shortening of text for messages.
 
 use glam::DVec3;
 
-/// True if `v` can be normalised: its squared length neither vanishes nor overflows.
+/// True if the squared length of `v` neither underflows nor overflows.
 pub(super) fn is_normalizable(v: DVec3) -> bool {
     v.length_squared().is_normal()
 }
 
-/// True if a name needs no quotes.
+/// True if `name` is a letter or `_`, then letters, digits and `_`, `-` or `.`; all ASCII.
 pub(super) fn is_identifier(name: &str) -> bool {
     name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
         && name.bytes().all(|b| b.is_ascii_alphanumeric() || b"_-.".contains(&b))
 }
 
-/// True if `word` is a number that is not finite.
+/// True if `word` is "nan", "inf" or "infinity" in any case.
 pub(super) fn is_nonfinite_number(word: &str) -> bool {
     ["nan", "inf", "infinity"].contains(&word.to_ascii_lowercase().as_str())
 }
 
-/// Returns at most 40 characters of `text` for a message, with control characters escaped.
+/// Returns at most 40 characters of `text` on one line, with control characters escaped.
 pub(super) fn clip_for_message(text: &str) -> String {
     let start: String = text.chars().take(40).collect();
     let more = if start.len() < text.len() { "…" } else { "" };

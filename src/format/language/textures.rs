@@ -14,7 +14,7 @@ use super::lexer::Token;
 use super::names::parse_unique_block_name;
 use super::parser::Parser;
 use super::schema::{BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, block, block_keywords, field};
-use super::transforms::write_transform_block;
+use super::transforms::write_transform_field;
 use super::writer::SceneWriter;
 
 /// All kinds of textures.
@@ -38,10 +38,8 @@ static COORDINATE_FIELDS: [FieldSchema; 3] = [
 ];
 
 static COLOR_FIELDS: [FieldSchema; 2] = [
-    field("color0", FieldKind::Color, "first color; of a checker where ⌊u⌋ + ⌊v⌋ is even")
-        .range(FieldRange::NonNegative)
-        .or_numbers(&[0.0, 0.0, 0.0]),
-    field("color1", FieldKind::Color, "second color").range(FieldRange::NonNegative).or_numbers(&[1.0, 1.0, 1.0]),
+    field("color0", FieldKind::Color, "first color; of a checker where ⌊u⌋ + ⌊v⌋ is even").or_numbers(&[0.0, 0.0, 0.0]),
+    field("color1", FieldKind::Color, "second color").or_numbers(&[1.0, 1.0, 1.0]),
 ];
 
 // The last octave is 32,768 times finer than the first.
@@ -56,29 +54,26 @@ static PATTERN_FIELDS: [FieldSchema; 4] = [
         .absence_means("none"),
 ];
 
-static IMAGE: BlockSchema = block(
-    "Image",
-    "a picture, which covers the unit square of texture coordinates",
-    &[
+static IMAGE: BlockSchema = block("Image", "a picture, which covers the unit square of texture coordinates")
+    .fields(&[
         field("file", FieldKind::Name, "picture: PNG, OpenEXR or Radiance HDR").required(),
         field("encoding", FieldKind::Word(&["srgb", "linear"]), "encoding of a PNG; other formats are always linear")
             .or_word("srgb"),
         field("wrap", FieldKind::Word(&["repeat", "clamp", "mirror"]), "continuation beyond the edges")
             .or_word("repeat"),
-    ],
-)
-.shared_fields(&[&COORDINATE_FIELDS]);
+    ])
+    .shared_fields(&[&COORDINATE_FIELDS]);
 
-static CHECKER: BlockSchema = block("Checker", "squares of side 1 in texture coordinates", &[])
-    .shared_fields(&[&COLOR_FIELDS, &COORDINATE_FIELDS]);
+static CHECKER: BlockSchema =
+    block("Checker", "squares of side 1 in texture coordinates").shared_fields(&[&COLOR_FIELDS, &COORDINATE_FIELDS]);
 
-static NOISE: BlockSchema = block("Noise", "solid noise, t = ½ + ½ a N, clamped to 0 … 1: clouds, lumps", &[])
+static NOISE: BlockSchema = block("Noise", "solid noise, t = ½ + ½ a N, clamped to 0 … 1: clouds, lumps")
     .shared_fields(&[&COLOR_FIELDS, &PATTERN_FIELDS]);
 
-static MARBLE: BlockSchema = block("Marble", "solid veins across the x axis, t = ½ + ½ sin 2π(f x + a N)", &[])
+static MARBLE: BlockSchema = block("Marble", "solid veins across the x axis, t = ½ + ½ sin 2π(f x + a N)")
     .shared_fields(&[&COLOR_FIELDS, &PATTERN_FIELDS]);
 
-static WOOD: BlockSchema = block("Wood", "solid rings about the y axis, t = ½ + ½ sin 2π(f √(x² + z²) + a N)", &[])
+static WOOD: BlockSchema = block("Wood", "solid rings about the y axis, t = ½ + ½ sin 2π(f √(x² + z²) + a N)")
     .shared_fields(&[&COLOR_FIELDS, &PATTERN_FIELDS]);
 
 /// Parses a `Textures` block; its textures replace those of an earlier one.
@@ -187,7 +182,7 @@ pub(super) fn write_texture(out: &mut SceneWriter<'_, '_>, texture: &TextureDesc
             out.write_field("octaves", octaves)?;
             out.write_number("frequency", *frequency)?;
             out.write_number("amplitude", *amplitude)?;
-            write_transform_block(out, maps)?;
+            write_transform_field(out, maps)?;
         }
     }
     out.end_block()

@@ -1,4 +1,4 @@
-//! Transforms and motions: maps, then the object that they transform.
+//! Parsing and printing of transform steps, and of `Transform` and `Moving` blocks.
 
 use std::fmt;
 
@@ -12,100 +12,103 @@ use super::text::{clip_for_message, is_normalizable};
 use super::writer::{SceneWriter, SpacedNumbers};
 use crate::math::Transform;
 
-/// Keywords of the maps.
+/// Keywords of transform steps.
 const STEP_KEYWORDS: [&str; 9] =
     ["Scale", "UniformScale", "Translate", "XRotate", "YRotate", "ZRotate", "Rotate", "Matrix4f", "Matrix"];
 
-/// Reads what a keyword starts.
+/// Parser of the object or light that starts with a keyword.
 type ParseObject<'a, T> = fn(&mut Parser<'a>, Token<'a>) -> Result<T, SceneError>;
 
-/// Reads a `Transform` block: maps, then one object that starts with a word of `allowed`.
-pub(super) fn parse_transform<'a, T>(
+/// Parses a `Transform` block: transform steps, then one object.
+///
+/// `parse_object` parses the object, which starts with a word of `allowed`.
+pub(super) fn parse_transform_block<'a, T>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
     allowed: &[&str],
-    read: ParseObject<'a, T>,
+    parse_object: ParseObject<'a, T>,
 ) -> Result<(Vec<TransformStep>, T), SceneError> {
-    let placed = parse_steps_and_object(parser, keyword, allowed, read)?;
-    check_not_singular(parser, keyword, &placed.0)?;
-    Ok(placed)
+    let (steps, object) = parse_steps_and_object(parser, keyword, allowed, parse_object)?;
+    check_not_singular(parser, keyword, &steps)?;
+    Ok((steps, object))
 }
 
-/// Reads a `Moving` block: maps that grow while the shutter is open, then one entry that starts
-/// with a word of `allowed`.
+/// Parses a `Moving` block: the steps of a motion while the shutter is open, then what moves.
+///
+/// `parse_object` parses the moving object, light or camera, which starts with a word of `allowed`.
 pub(super) fn parse_moving_block<'a, T>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
     allowed: &[&str],
-    read: ParseObject<'a, T>,
+    parse_object: ParseObject<'a, T>,
 ) -> Result<(Vec<TransformStep>, T), SceneError> {
-    let placed = parse_steps_and_object(parser, keyword, allowed, read)?;
-    check_motion_steps(parser, keyword, &placed.0)?;
-    Ok(placed)
+    let (steps, object) = parse_steps_and_object(parser, keyword, allowed, parse_object)?;
+    check_motion_steps(parser, keyword, &steps)?;
+    Ok((steps, object))
 }
 
-/// Reads maps, then one entry that starts with a word of `allowed`.
+/// Parses a block of transform steps and one object, which starts with a word of `allowed`.
 fn parse_steps_and_object<'a, T>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
     allowed: &[&str],
-    read: ParseObject<'a, T>,
+    parse_object: ParseObject<'a, T>,
 ) -> Result<(Vec<TransformStep>, T), SceneError> {
     parser.open_nested_block(keyword)?;
-    let mut maps = Vec::new();
-    let word = parse_steps_before_object(parser, keyword, allowed, &mut maps)?;
-    let placed = read(parser, word)?;
+    let mut steps = Vec::new();
+    let word = parse_steps_before_object(parser, keyword, allowed, &mut steps)?;
+    let object = parse_object(parser, word)?;
     close_transform(parser, keyword)?;
-    Ok((maps, placed))
+    Ok((steps, object))
 }
 
-// The functions below are not inlined into `placed`: it recurses, and its stack frame must stay
-// small.
+// The functions below are not inlined into `parse_steps_and_object`: it recurses, and its stack
+// frame must stay small.
 
-/// Reads maps up to a word of `allowed`, which it returns.
+/// Parses transform steps up to a word of `allowed`, and returns that word.
 #[inline(never)]
 fn parse_steps_before_object<'a>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
     allowed: &[&str],
-    maps: &mut Vec<TransformStep>,
+    steps: &mut Vec<TransformStep>,
 ) -> Result<Token<'a>, SceneError> {
     let name = keyword.text;
     loop {
         match parser.next_word()? {
             None => {
-                let objects = allowed.contains(&"Sphere");
-                let what = if objects { "object" } else { "camera or light" };
+                let allows_shapes = allowed.contains(&"Sphere");
+                let what = if allows_shapes { "object" } else { "camera or light" };
                 let message = format!("`{name}` holds no {what}");
-                let example = if objects { "Sphere" } else { allowed[allowed.len() - 1] };
+                let example = if allows_shapes { "Sphere" } else { allowed[allowed.len() - 1] };
                 let help = format!("put one after its maps: `{name} {{ Translate 2 2 2 {example} {{ … }} }}`");
                 return Err(parser.lexer.error_at(keyword.span(), message, "this block", help));
             }
-            Some(word) if STEP_KEYWORDS.contains(&word.text) => maps.push(parse_transform_step(parser, word)?),
+            Some(word) if STEP_KEYWORDS.contains(&word.text) => steps.push(parse_transform_step(parser, word)?),
             Some(word) if allowed.contains(&word.text) => return Ok(word),
             Some(word) => return Err(parser.unexpected_word_error(word, &[&STEP_KEYWORDS[..], allowed].concat())),
         }
     }
 }
 
-/// Reads `{ maps }` without an object.
-pub(super) fn parse_transform_block<'a>(
+/// Parses transform steps in braces, without an object.
+pub(super) fn parse_transform_steps<'a>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
 ) -> Result<Vec<TransformStep>, SceneError> {
-    let mut maps = Vec::new();
+    let mut steps = Vec::new();
     parser.open_block(keyword)?;
     while let Some(word) = parser.next_word()? {
         if !STEP_KEYWORDS.contains(&word.text) {
             return Err(parser.unexpected_word_error(word, &STEP_KEYWORDS));
         }
-        maps.push(parse_transform_step(parser, word)?);
+        steps.push(parse_transform_step(parser, word)?);
     }
-    check_not_singular(parser, keyword, &maps)?;
-    Ok(maps)
+    check_not_singular(parser, keyword, &steps)?;
+    Ok(steps)
 }
 
-/// Reads the `}` after the object of a block.
+/// Parses the `}` after the object of a `Transform` or `Moving` block.
 #[inline(never)]
 fn close_transform<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<(), SceneError> {
     if let Some(word) = parser.next_word()? {
@@ -117,21 +120,21 @@ fn close_transform<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<()
     Ok(())
 }
 
-/// Refuses maps whose product is singular.
+/// Returns an error if the product of `steps` is singular.
 #[inline(never)]
-fn check_not_singular<'a>(parser: &Parser<'a>, keyword: Token<'a>, maps: &[TransformStep]) -> Result<(), SceneError> {
-    match Transform::new(TransformStep::composed_matrix(maps)) {
+fn check_not_singular<'a>(parser: &Parser<'a>, keyword: Token<'a>, steps: &[TransformStep]) -> Result<(), SceneError> {
+    match Transform::new(TransformStep::composed_matrix(steps)) {
         Ok(_) => Ok(()),
         Err(_) => Err(singular_transform_error(parser, keyword.span(), "this `Transform` flattens its object")),
     }
 }
 
-/// Refuses maps that cannot grow from the identity.
+/// Returns an error if no motion leads from the identity to one of `steps`.
 #[inline(never)]
-fn check_motion_steps<'a>(parser: &Parser<'a>, keyword: Token<'a>, maps: &[TransformStep]) -> Result<(), SceneError> {
+fn check_motion_steps<'a>(parser: &Parser<'a>, keyword: Token<'a>, steps: &[TransformStep]) -> Result<(), SceneError> {
     const FLAT: (&str, &str) = ("a scale of 0 or below", "a motion cannot go through flat: scale by more than 0");
-    for map in maps {
-        let (what, help) = match *map {
+    for step in steps {
+        let (what, help) = match *step {
             TransformStep::Matrix(_) => {
                 ("a matrix", "write Translate, Rotate and Scale instead, or put it into a Transform inside")
             }
@@ -151,10 +154,10 @@ fn check_motion_steps<'a>(parser: &Parser<'a>, keyword: Token<'a>, maps: &[Trans
     Ok(())
 }
 
-/// Reads the numbers of one map.
+/// Parses the numbers of the transform step that starts with `word`.
 #[inline(never)]
 fn parse_transform_step<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<TransformStep, SceneError> {
-    let (map, span) = match word.text {
+    let (step, span) = match word.text {
         "Scale" | "Translate" => {
             let v = parser.parse_numbers(word)?;
             let vector = DVec3::from_array(v.value);
@@ -187,32 +190,31 @@ fn parse_transform_step<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<
         }
         "XRotate" | "YRotate" | "ZRotate" | "UniformScale" => {
             let v = parser.parse_numbers::<1>(word)?;
-            let map = match (word.text, v.value[0]) {
+            let step = match (word.text, v.value[0]) {
                 ("XRotate", angle) => TransformStep::RotateX(angle),
                 ("YRotate", angle) => TransformStep::RotateY(angle),
                 ("ZRotate", angle) => TransformStep::RotateZ(angle),
                 (_, scale) => TransformStep::UniformScale(scale),
             };
-            (map, v.span)
+            (step, v.span)
         }
         _ => return Err(parser.unexpected_word_error(word, &STEP_KEYWORDS)),
     };
-    match Transform::new(map.matrix()) {
-        Ok(_) => Ok(map),
+    match Transform::new(step.matrix()) {
+        Ok(_) => Ok(step),
         Err(_) => Err(singular_transform_error(parser, span, &format!("`{}` flattens its object", word.text))),
     }
 }
 
-/// Returns the error of a map or product that is singular.
 fn singular_transform_error(parser: &Parser<'_>, span: Span, message: &str) -> SceneError {
     let help = "scales must not be 0, nor the columns of a matrix lie in one plane; for flat shapes use Disc, \
                 Rectangle or Triangle";
     parser.lexer.error_at(span, message.to_owned(), "singular", help.to_owned())
 }
 
-/// Prints maps one a line.
-pub(super) fn write_transform_steps(out: &mut SceneWriter<'_, '_>, maps: &[TransformStep]) -> fmt::Result {
-    maps.iter().try_for_each(|map| match *map {
+/// Writes transform steps, one on each line.
+pub(super) fn write_transform_steps(out: &mut SceneWriter<'_, '_>, steps: &[TransformStep]) -> fmt::Result {
+    steps.iter().try_for_each(|step| match *step {
         TransformStep::Scale(s) => out.write_line(format_args!("Scale {}", SpacedNumbers(&s.to_array()))),
         TransformStep::UniformScale(s) => out.write_line(format_args!("UniformScale {}", SpacedNumbers(&[s]))),
         TransformStep::Translate(t) => out.write_line(format_args!("Translate {}", SpacedNumbers(&t.to_array()))),
@@ -228,12 +230,12 @@ pub(super) fn write_transform_steps(out: &mut SceneWriter<'_, '_>, maps: &[Trans
     })
 }
 
-/// Prints a `Transform` without an object; nothing if there are no maps.
-pub(super) fn write_transform_block(out: &mut SceneWriter<'_, '_>, maps: &[TransformStep]) -> fmt::Result {
-    if maps.is_empty() {
+/// Writes the field `Transform` of a texture or medium; nothing if there are no steps.
+pub(super) fn write_transform_field(out: &mut SceneWriter<'_, '_>, steps: &[TransformStep]) -> fmt::Result {
+    if steps.is_empty() {
         return Ok(());
     }
     out.begin_block("Transform")?;
-    write_transform_steps(out, maps)?;
+    write_transform_steps(out, steps)?;
     out.end_block()
 }

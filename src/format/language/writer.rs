@@ -1,4 +1,4 @@
-//! Printing of scene text, one line a field.
+//! Printing of scene text, one field on each line.
 
 use std::fmt::{Display, Formatter, Result};
 
@@ -8,84 +8,84 @@ use super::super::description::{Spanned, TexturedValue};
 use super::schema::BlockSchema;
 use super::text::{is_identifier, is_nonfinite_number};
 
-/// Prints indented lines of scene text.
+/// Writer of indented lines of scene text.
 pub(super) struct SceneWriter<'f, 'a> {
     out: &'f mut Formatter<'a>,
     depth: usize,
-    /// The block whose fields are printed; its table must know them.
+    /// Block whose fields are written. Debug builds check that its schema has them.
     block: Option<&'static BlockSchema>,
 }
 
 impl<'f, 'a> SceneWriter<'f, 'a> {
-    /// A writer at the left margin.
+    /// Returns a writer at the left margin.
     pub fn new(out: &'f mut Formatter<'a>) -> Self {
         Self { out, depth: 0, block: None }
     }
 }
 
 impl SceneWriter<'_, '_> {
-    /// Prints one line.
+    /// Writes one line at the current indent.
     pub fn write_line(&mut self, text: impl Display) -> Result {
         writeln!(self.out, "{:1$}{text}", "", 4 * self.depth)
     }
 
-    /// Prints the start of a block without a table.
+    /// Writes the start of a block that has no schema.
     pub fn begin_block(&mut self, keyword: impl Display) -> Result {
         self.write_line(format_args!("{keyword} {{"))?;
         self.depth += 1;
         Ok(())
     }
 
-    /// Prints the end of a block.
+    /// Writes the end of a block.
     pub fn end_block(&mut self) -> Result {
         self.depth -= 1;
         self.write_line("}")
     }
 
-    /// Prints the start of `block`; the fields that follow are its own.
+    /// Writes the start of `block`, whose fields follow.
     pub fn begin_table_block(&mut self, block: &'static BlockSchema) -> Result {
         self.block = Some(block);
         self.begin_block(block.keyword)
     }
 
-    /// Prints the start of `block` with the name of the texture, medium or material.
+    /// Writes the start of a texture, medium or material called `name`.
     pub fn begin_named_block(&mut self, block: &'static BlockSchema, name: &str) -> Result {
         self.block = Some(block);
         self.begin_block(format_args!("{} {}", block.keyword, QuotedUnlessIdentifier(name)))
     }
 
-    /// Prints the field `name`.
+    /// Writes the field `name`.
     pub fn write_field(&mut self, name: &str, value: impl Display) -> Result {
         debug_assert!(self.block.is_none_or(|block| block.find_field(name).is_some()), "no table has `{name}`");
         self.write_line(format_args!("{name} {value}"))
     }
 
-    /// Prints a field of one number.
+    /// Writes a field with one number.
     pub fn write_number(&mut self, name: &str, value: f64) -> Result {
         self.write_field(name, ShortestNumber(value))
     }
 
-    /// Prints a field of two numbers.
+    /// Writes a field with two numbers.
     pub fn write_pair(&mut self, name: &str, value: DVec2) -> Result {
         self.write_field(name, SpacedNumbers(&value.to_array()))
     }
 
-    /// Prints a field of three numbers.
+    /// Writes a field with three numbers.
     pub fn write_vector(&mut self, name: &str, value: DVec3) -> Result {
         self.write_field(name, SpacedNumbers(&value.to_array()))
     }
 
-    /// Prints a field of a name or path.
+    /// Writes a field with a name or path.
     pub fn write_name(&mut self, name: &str, value: &str) -> Result {
         self.write_field(name, QuotedIfNeeded(value))
     }
 
-    /// Prints the material in force for the objects that follow.
+    /// Writes the name of the material for the objects that follow.
     pub fn write_material_name(&mut self, name: &str) -> Result {
         self.write_line(format_args!("MaterialName {}", QuotedIfNeeded(name)))
     }
 
-    /// Prints a field of a colour or texture.
+    /// Writes a field with a color or a texture's name.
     pub fn write_color_or_texture(&mut self, name: &str, value: &TexturedValue<DVec3>) -> Result {
         match value {
             TexturedValue::Plain(value) => self.write_vector(name, *value),
@@ -93,7 +93,7 @@ impl SceneWriter<'_, '_> {
         }
     }
 
-    /// Prints a field of a number or texture.
+    /// Writes a field with a number or a texture's name.
     pub fn write_number_or_texture(&mut self, name: &str, value: &TexturedValue<f64>) -> Result {
         match value {
             TexturedValue::Plain(value) => self.write_number(name, *value),
@@ -101,18 +101,18 @@ impl SceneWriter<'_, '_> {
         }
     }
 
-    /// Prints a field of a texture where numbers may stand too.
+    /// Writes a texture's name in a field that accepts numbers, too.
     pub fn write_texture_name(&mut self, name: &str, texture: &Spanned<String>) -> Result {
         self.write_field(name, QuotedUnlessIdentifier(texture))
     }
 
-    /// Prints the points of a curve, a line each.
+    /// Writes a field with points, one on each line.
     pub fn write_points(&mut self, name: &str, points: &[DVec3]) -> Result {
         self.write_line(name)?;
         points.iter().try_for_each(|p| self.write_line(format_args!("    [ {} ]", SpacedNumbers(&p.to_array()))))
     }
 
-    /// Prints the points of a net, a line each; with their weights unless all are 1.
+    /// Writes a field with weighted points, one on each line. Omits the weights if all are 1.
     pub fn write_weighted_points(&mut self, name: &str, points: &[DVec4]) -> Result {
         self.write_line(name)?;
         let numbers = if points.iter().all(|p| p.w == 1.0) { 3 } else { 4 };
@@ -122,7 +122,8 @@ impl SceneWriter<'_, '_> {
     }
 }
 
-/// The shortest text that reads back as the same number; by exponent if that is far from 1.
+/// Displays a number by the shortest text that parses to it; very large and small ones have an
+/// exponent.
 struct ShortestNumber(f64);
 
 impl Display for ShortestNumber {
@@ -134,7 +135,7 @@ impl Display for ShortestNumber {
     }
 }
 
-/// SpacedNumbers separated by spaces.
+/// Displays numbers, separated by spaces.
 pub(super) struct SpacedNumbers<'a>(pub &'a [f64]);
 
 impl Display for SpacedNumbers<'_> {
@@ -147,7 +148,7 @@ impl Display for SpacedNumbers<'_> {
     }
 }
 
-/// A path or name; in quotes only where it would not read back without.
+/// Displays a path or name, in quotes if it would not parse without them.
 struct QuotedIfNeeded<'a>(&'a str);
 
 impl Display for QuotedIfNeeded<'_> {
@@ -163,7 +164,9 @@ impl Display for QuotedIfNeeded<'_> {
     }
 }
 
-/// A name where numbers or `{` may stand too; in quotes unless it is an identifier.
+/// Displays a name, in quotes unless it is an identifier.
+///
+/// For places where a number or `{` may stand, too.
 struct QuotedUnlessIdentifier<'a>(&'a str);
 
 impl Display for QuotedUnlessIdentifier<'_> {
@@ -176,7 +179,7 @@ impl Display for QuotedUnlessIdentifier<'_> {
     }
 }
 
-/// A name in quotes.
+/// Displays a string in quotes, with a backslash before each quote and backslash.
 struct QuotedString<'a>(&'a str);
 
 impl Display for QuotedString<'_> {

@@ -1,4 +1,4 @@
-//! Errors of reading meshes, and checked reading of their bytes.
+//! Errors of reading meshes, and reading of files within a memory limit.
 
 use crate::format::line_error::{LineError, MessageAndRemedy};
 use crate::image::open_file;
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// Reason why a mesh or its materials could not be read.
 #[derive(Debug, thiserror::Error)]
 pub enum MeshError {
-    /// The file does not exist.
+    /// The mesh file does not exist.
     #[error("there is no mesh file {}: check the path, which counts from the scene file's folder or the one above it", path.display())]
     Missing {
         /// Path of the file.
@@ -32,14 +32,14 @@ pub enum MeshError {
     /// A line cannot be understood.
     #[error(transparent)]
     Line(#[from] LineError),
-    /// A position in a binary file holds invalid data.
+    /// A binary file holds invalid data.
     #[error("{}: byte {byte}, {element}: {message}: {remedy}", path.display())]
     Byte {
         /// Path of the file.
         path: PathBuf,
-        /// Byte offset, from 0.
+        /// Offset of the invalid data from the start of the file \[bytes].
         byte: usize,
-        /// Name and index, from 0, of the vertex, face or other element.
+        /// Name and index, from 0, of the invalid PLY element, such as `face 12`.
         element: String,
         /// Description of the defect.
         message: String,
@@ -52,7 +52,7 @@ pub enum MeshError {
         /// Path of the file.
         path: PathBuf,
     },
-    /// The mesh has more vertices than an index can count.
+    /// The mesh has more vertices than a signed 32-bit index can count.
     #[error("the mesh {} has more than 2147483647 vertices: split it", path.display())]
     TooLarge {
         /// Path of the file.
@@ -66,7 +66,7 @@ pub enum MeshError {
     Memory {
         /// Path of the file.
         path: PathBuf,
-        /// Bytes of the mesh and of its reader.
+        /// Bytes that reading the mesh takes.
         needed: u64,
         /// Bytes of memory that are free.
         free: u64,
@@ -79,7 +79,7 @@ pub enum MeshError {
         /// Name of the material.
         name: String,
     },
-    /// A material cannot be rendered.
+    /// An MTL material cannot be converted to a material of the scene language.
     #[error("{}: {message}: {remedy}", path.display())]
     BadMaterial {
         /// Path of the mesh whose material files define it.
@@ -89,7 +89,7 @@ pub enum MeshError {
         /// Remedy.
         remedy: &'static str,
     },
-    /// Crate `tobj` refuses lines that the check has accepted.
+    /// Crate `tobj` refuses lines that Caustica's own check has accepted.
     #[error("cannot read the mesh {}: {source}: export it anew as plain triangles", path.display())]
     Malformed {
         /// Path of the file.
@@ -105,7 +105,7 @@ impl MeshError {
     }
 }
 
-/// Reads the bytes of a file if `free` bytes of memory suffice.
+/// Reads the bytes of a file. Fails before allocating if they exceed `free` bytes.
 pub(in crate::format) fn read_file_bytes(path: &Path, free: Option<u64>) -> Result<Vec<u8>, MeshError> {
     let refused = |source: std::io::Error| match source.kind() {
         std::io::ErrorKind::NotFound => MeshError::Missing { path: path.into() },
@@ -118,7 +118,7 @@ pub(in crate::format) fn read_file_bytes(path: &Path, free: Option<u64>) -> Resu
     Ok(bytes)
 }
 
-/// Checks that `needed` bytes are free, before they are allocated for a mesh.
+/// Fails if `needed` exceeds `free` bytes; `None` sets no limit. Errors name `path`.
 pub(in crate::format) fn check_memory(path: &Path, needed: u64, free: Option<u64>) -> Result<(), MeshError> {
     match free {
         Some(free) if needed > free => Err(MeshError::Memory { path: path.into(), needed, free }),

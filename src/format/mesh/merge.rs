@@ -7,7 +7,7 @@ use hashbrown::HashTable;
 use hashbrown::hash_table::Entry;
 use std::hash::Hash;
 
-/// Numbers values by their keys, in the order of first use.
+/// List of values with distinct keys, and a hash table that finds the index of a key.
 pub(in crate::format) struct KeyIndexer<T> {
     hasher: RandomState,
     table: HashTable<u32>,
@@ -16,41 +16,40 @@ pub(in crate::format) struct KeyIndexer<T> {
 
 impl<T> KeyIndexer<T> {
     pub fn with_capacity(n: usize) -> Self {
-        // Numbers depend only on the order of values, so any seed works.
+        // Indices depend only on the order of values, so any seed works.
         let hasher = RandomState::with_seeds(1, 2, 3, 4);
         Self { hasher, table: HashTable::with_capacity(n), list: Vec::with_capacity(n) }
     }
 
-    /// Number of the first value whose key equals that of `thing`; the next free number if there is
-    /// none.
+    /// Index of the value whose key equals the key of `value`. Appends `value` if there is none.
     #[inline]
-    pub fn index_of<K: Hash + Eq>(&mut self, thing: T, key: impl Fn(&T) -> K) -> u32 {
+    pub fn index_of<K: Hash + Eq>(&mut self, value: T, key: impl Fn(&T) -> K) -> u32 {
         let Self { hasher, table, list } = self;
-        let own = key(&thing);
+        let own = key(&value);
         let equal = |i: &u32| key(&list[*i as usize]) == own;
         match table.entry(hasher.hash_one(&own), equal, |&i| hasher.hash_one(key(&list[i as usize]))) {
             Entry::Occupied(found) => *found.get(),
             Entry::Vacant(place) => {
                 let next = list.len() as u32;
                 place.insert(next);
-                list.push(thing);
+                list.push(value);
                 next
             }
         }
     }
 
-    /// The first value of each number.
+    /// The values in the order of their indices.
     pub fn into_values(self) -> Vec<T> {
         self.list
     }
 }
 
-/// Bit patterns of the components.
+/// Bit patterns of the three coordinates of `p`.
 pub(in crate::format) fn coordinate_bits(p: DVec3) -> [u64; 3] {
     p.to_array().map(f64::to_bits)
 }
 
-/// Bit patterns of a position, in which both zeros are equal.
+/// Bit patterns of the coordinates of `p`, with −0 replaced by 0.
 fn position_bits(p: DVec3) -> [u64; 3] {
     coordinate_bits(p + DVec3::ZERO)
 }
@@ -58,13 +57,14 @@ fn position_bits(p: DVec3) -> [u64; 3] {
 const UNKNOWN: u32 = u32::MAX;
 
 impl TriangleMesh {
-    /// Merges vertices that are equal bit for bit, removes unused ones, and renumbers by first use.
+    /// Merges vertices that are equal bit for bit, and removes unused vertices.
     ///
-    /// If one corner of a triangle has no normal, none of its corners keeps one.
+    /// Vertices are in the order of first use afterwards. If one corner of a triangle has no normal,
+    /// its other corners lose theirs.
     pub fn merge_equal_vertices(&mut self) {
         let normals = self.normals.as_deref();
         let mut known: Vec<u32> = vec![UNKNOWN; self.positions.len()];
-        // A vertex, and whether it loses its normal.
+        // Index of a vertex, and true if it loses its normal.
         let mut numbers: KeyIndexer<(u32, bool)> = KeyIndexer::with_capacity(self.positions.len());
         let key = |&(v, flat): &(u32, bool)| {
             let normal = normals.filter(|_| !flat).map_or(DVec3::ZERO, |n| n[v as usize]);
@@ -99,18 +99,18 @@ impl TriangleMesh {
         self.select_vertices(vertices.iter().map(|(v, _)| *v));
     }
 
-    /// Replaces positions and texture coordinates by those of the listed vertices.
+    /// Makes `list` the new list of vertices: copies their positions and texture coordinates.
     ///
-    /// The caller replaces the normals.
+    /// The caller replaces normals and triangles.
     pub(super) fn select_vertices(&mut self, list: impl Iterator<Item = u32> + Clone) {
         self.positions = list.clone().map(|v| self.positions[v as usize]).collect();
         let texcoord = |texcoords: Vec<DVec2>| list.map(|v| texcoords[v as usize]).collect();
         self.texcoords = self.texcoords.take().map(texcoord);
     }
 
-    /// Position number of each vertex, and the number of positions.
+    /// Index of each vertex's position among the distinct positions, and the number of those.
     ///
-    /// Vertices at one position have the same number.
+    /// Coordinates −0 and 0 are equal here.
     #[must_use]
     pub fn position_indices(&self) -> (Vec<u32>, usize) {
         let mut numbers = KeyIndexer::with_capacity(self.positions.len());

@@ -32,40 +32,39 @@ use std::path::Path;
 /// Material index of a triangle that has no material.
 pub const NO_MATERIAL: u32 = u32::MAX;
 
-/// Triangles with shared vertices.
+/// Indexed triangle mesh, as in a mesh file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TriangleMesh {
-    /// Vertex positions. After reading, a triangle uses each of them.
+    /// Vertex positions. After reading, at least one triangle uses each of them.
     pub positions: Vec<DVec3>,
-    /// Vertex indices, counter-clockwise seen from outside. Triangles without area are kept.
-    pub triangles: Vec<[u32; 3]>,
-    /// Unit shading normals per vertex.
+    /// Vertex indices of each triangle, counter-clockwise seen from outside.
     ///
-    /// If the file has none for a triangle, they are zero at all its corners.
+    /// Reading keeps triangles without area.
+    pub triangles: Vec<[u32; 3]>,
+    /// Unit shading normal of each vertex; zero for all corners of a triangle without normals.
     pub normals: Option<Vec<DVec3>>,
-    /// Texture coordinates per vertex; zero if the file has none.
+    /// Texture coordinates of each vertex; zero for vertices without.
     pub texcoords: Option<Vec<DVec2>>,
-    /// Names of the materials; a triangle uses each of them.
+    /// Names of the materials. After reading, at least one triangle uses each of them.
     pub materials: Vec<String>,
-    /// Index into `materials` of each triangle, or [`NO_MATERIAL`]; empty if `materials` is empty.
+    /// Index into `materials`, or [`NO_MATERIAL`], of each triangle; empty if `materials` is empty.
     pub triangle_materials: Vec<u32>,
 }
 
-/// Mesh as read from a file, with facts about the file.
+/// Mesh that was read from a file, with facts about the file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadedMesh {
-    /// The mesh. Vertices are shared if position, normal and texture coordinates are equal bit for
-    /// bit.
+    /// The mesh. No two of its vertices have bitwise equal position, normal and texture coordinates.
     pub mesh: TriangleMesh,
-    /// Material files that the mesh names, as written.
+    /// Arguments of the `mtllib` lines of an OBJ file, as written.
     pub libraries: Vec<String>,
-    /// Number of vertices in the file.
+    /// Number of vertices in the file, before equal ones are merged.
     pub vertices: usize,
-    /// Number of vertices in the file that no face uses; `mesh` lacks them.
+    /// Number of vertices in the file that no face uses. `mesh` does not contain them.
     pub isolated: usize,
-    /// True if the file indexes positions, normals and texture coordinates separately.
+    /// True if a vertex of the file is only a position, as in OBJ files.
     ///
-    /// Its vertices are then positions.
+    /// Such files index normals and texture coordinates separately.
     pub positions_only: bool,
 }
 
@@ -81,15 +80,15 @@ impl LoadedMesh {
     }
 }
 
-/// Receiver of progress reports while meshes are read. `()` ignores them.
+/// Receiver of progress reports while mesh files are read. `()` ignores them.
 pub trait MeshReadMonitor: Sync {
-    /// Receives the path of each file that the scene names, before it is read.
+    /// Called with the path of each file that the scene names, before the file is read.
     fn names(&self, _path: &Path) {}
-    /// A file of `bytes` bytes is about to be read.
+    /// Called before parsing the mesh file at `path`, whose size is `bytes`.
     fn begin(&self, path: &Path, bytes: u64);
-    /// Another `bytes` bytes have been processed.
+    /// Called when another `bytes` bytes of the file have been parsed.
     fn advance(&self, bytes: u64);
-    /// The file has been read.
+    /// Called with the mesh when the file at `path` has been parsed.
     fn end(&self, path: &Path, mesh: &TriangleMesh);
 }
 
@@ -99,23 +98,22 @@ impl MeshReadMonitor for () {
     fn end(&self, _: &Path, _: &TriangleMesh) {}
 }
 
-/// Reads the triangles of a PLY or OBJ file; polygons become fans about their first corner.
+/// Reads the triangles of a PLY or OBJ file, without a limit on memory.
 ///
-/// A file without the signature or extension of PLY is read as OBJ.
+/// Polygons become triangle fans about their first corner. A file is read as OBJ if it has neither
+/// the signature nor the extension of PLY.
 ///
 /// # Errors
-///
 /// [`MeshError`], which names the file.
 pub fn load(path: &Path, monitor: &dyn MeshReadMonitor) -> Result<LoadedMesh, MeshError> {
     load_with_memory_limit(path, monitor, None)
 }
 
-/// Like [`load`], limited to `free` bytes of memory if that number is known.
+/// Reads a mesh file. Fails before allocating if the mesh takes more than `free` bytes.
 ///
-/// A mesh that takes more is refused before any memory is allocated.
+/// `free` is `None` if the free memory is unknown. [`load`] describes the formats.
 ///
 /// # Errors
-///
 /// [`MeshError`], which names the file.
 pub fn load_with_memory_limit(
     path: &Path,
@@ -127,10 +125,11 @@ pub fn load_with_memory_limit(
     decode(path, bytes, monitor, free)
 }
 
-/// Like [`load_with_memory_limit`], from the bytes of a file that errors call `path`.
+/// Parses the bytes of a PLY or OBJ file. [`load_with_memory_limit`] describes the rules.
+///
+/// `path` appears in errors, and its extension helps to find the format.
 ///
 /// # Errors
-///
 /// [`MeshError`].
 pub fn decode(
     path: &Path,
@@ -153,13 +152,14 @@ pub fn decode(
     Ok(loaded)
 }
 
-/// `v` at unit length; zero if `v` is too short or too long.
+/// `v` scaled to unit length; zero if its squared length is zero, subnormal or not finite.
 ///
-/// A vector of unit length within rounding is returned unchanged, so that written normals read back
-/// bit for bit.
+/// A vector whose length differs from 1 by rounding only is returned unchanged. So normals that
+/// were written to a file read back bit for bit.
 pub(in crate::format) fn unit_normal(v: DVec3) -> DVec3 {
     let squared = v.length_squared();
-    // Normalisation errs by 2.5 ulps per component, so by about 5 in the square; the sum adds 3.
+    // Normalisation errs by 2.5 ulps per component, so by about 5 ulps in the square. The sum of
+    // squares adds 3 ulps.
     if (squared - 1.0).abs() <= 8.0 * f64::EPSILON {
         v
     } else if squared.is_normal() {

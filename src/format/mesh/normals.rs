@@ -6,13 +6,12 @@ use super::topology::{MeshTopology, ParityUnionFind};
 use glam::DVec3;
 
 impl TriangleMesh {
-    /// Computes normals for triangles that have none: means of the adjacent face normals, weighted
-    /// by angle.
+    /// Computes smooth shading normals for all triangles that have none.
     ///
-    /// Source: Thürmer and Wüthrich 1998, "Computing vertex normals from polygonal facets". Faces
-    /// share a normal if edges connect them at which their normals differ by at most `angle`
-    /// degrees. Vertices are split at all other edges, at borders, at edges of more than two faces,
-    /// and where windings disagree.
+    /// A normal is the mean of the adjacent face normals, weighted by their corner angles (Thürmer
+    /// and Wüthrich 1998, "Computing vertex normals from polygonal facets"). Two faces share normals
+    /// along an edge if their face normals differ by at most `angle` \[degrees]. Vertices are split
+    /// at sharper edges, at edges of one or more than two faces, and where windings disagree.
     pub fn compute_smooth_normals(&mut self, angle: f64) {
         let missing: Vec<bool> = match &self.normals {
             Some(normals) => {
@@ -36,13 +35,13 @@ impl TriangleMesh {
         self.assign_group_normals(&missing, &groups, &sums);
     }
 
-    /// Unit normal by the winding; zero for triangles without area.
+    /// Unit normal of a triangle, by its winding; zero for triangles without area.
     pub(super) fn face_normal(&self, triangle: [u32; 3]) -> DVec3 {
         let [a, b, c] = triangle.map(|v| self.positions[v as usize]);
         normalize_scaled(normalize_scaled(b - a).cross(normalize_scaled(c - a)))
     }
 
-    /// Angle of a corner \[radians]; corners are numbered through all triangles.
+    /// Angle of a triangle at one corner \[radians]. Corner 3t + k is corner k of triangle t.
     fn corner_angle(&self, corner: usize) -> f64 {
         let triangle = self.triangles[corner / 3];
         let [p, q, r] = [0, 1, 2].map(|k| self.positions[triangle[(corner + k) % 3] as usize]);
@@ -50,14 +49,16 @@ impl TriangleMesh {
         libm::atan2(e.cross(f).length(), e.dot(f))
     }
 
-    /// Group of each corner, numbered by first use; the corners of a group share their normal.
+    /// Smoothing group of each corner; corners of a group share one normal.
+    ///
+    /// Corner 3t + k is corner k of triangle t. Groups are numbered in the order of first use.
     fn smoothing_groups(&self, faces: &[DVec3], angle: f64) -> Vec<u32> {
-        // Products of unit vectors err by some ulps; an angle equal to the limit counts as smooth.
+        // Products of unit vectors err by some ulps. An angle equal to the limit counts as smooth.
         let least = if angle >= 180.0 { f64::NEG_INFINITY } else { libm::cos(angle.to_radians()) - 8.0 * f64::EPSILON };
         let topology = MeshTopology::new(self);
         let mut union = ParityUnionFind::new(3 * self.triangles.len());
-        for sides in topology.edges() {
-            let &[a, b] = sides else { continue };
+        for half_edges in topology.half_edges_by_edge() {
+            let &[a, b] = half_edges else { continue };
             let smooth = faces[a.triangle as usize].dot(faces[b.triangle as usize]) >= least;
             if a.forward != b.forward && smooth {
                 let ([a0, a1], [b0, b1]) = (a.corner_indices(), b.corner_indices());
@@ -76,7 +77,9 @@ impl TriangleMesh {
         numbers
     }
 
-    /// Assigns the normal of its group to each corner that lacks one.
+    /// Gives each corner of the `missing` triangles the normal of its group, and splits vertices.
+    ///
+    /// `sums` holds the weighted sum of face normals of each group.
     fn assign_group_normals(&mut self, missing: &[bool], groups: &[u32], sums: &[DVec3]) {
         const KEEPS: u32 = u32::MAX;
         let mut numbers: KeyIndexer<(u32, u32)> = KeyIndexer::with_capacity(self.positions.len());
@@ -97,7 +100,7 @@ impl TriangleMesh {
     }
 }
 
-/// `v` at unit length, however short or long it is; zero for zero.
+/// `v` scaled to unit length, without overflow or underflow; zero if `v` is zero or not finite.
 fn normalize_scaled(v: DVec3) -> DVec3 {
     let size = v.abs().max_element();
     if size > 0.0 && size.is_finite() { (v / size).normalize_or_zero() } else { DVec3::ZERO }

@@ -7,14 +7,14 @@ use glam::DVec3;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-/// Largest number of closed surfaces that are tested for containing each other.
-const MOST_NESTED: usize = 256;
+/// Largest number of closed components for which nesting is computed, since its cost is quadratic.
+const MAX_NESTED_COMPONENTS: usize = 256;
 
-/// Connected component: faces connected by edges of two faces.
+/// Connected component of a mesh: triangles that are connected by edges of exactly two triangles.
 #[derive(Debug, Default)]
 struct SurfaceComponent {
     faces: Vec<u32>,
-    /// True if all its edges have two faces.
+    /// True if every edge has exactly two triangles.
     closed: bool,
     /// True if windings can be made consistent.
     orientable: bool,
@@ -24,18 +24,18 @@ struct SurfaceComponent {
 }
 
 impl TriangleMesh {
-    /// Makes windings consistent on each connected surface; returns the number of flipped
-    /// triangles.
+    /// Makes the windings of each connected component consistent and outward.
     ///
-    /// Closed surfaces face outward by their volume. They face inward if an odd number of others of
-    /// the same material contain them, like the wall of a hollow. Open surfaces keep the winding of
-    /// most of their faces. One-sided surfaces are not changed.
+    /// Returns the number of flipped triangles. Closed components face outward by the sign of their
+    /// volume. A closed component is the wall of a cavity, and faces inward, if an odd number of
+    /// others of the same material contain it. Open components keep the winding of most of their
+    /// triangles. Non-orientable components are not changed.
     pub fn orient_outward(&mut self) -> usize {
         let topology = MeshTopology::new(self);
         let mut windings = ParityUnionFind::new(self.triangles.len());
         let mut twisted = Vec::new();
-        for sides in topology.edges() {
-            if let &[a, b] = sides
+        for half_edges in topology.half_edges_by_edge() {
+            if let &[a, b] = half_edges
                 && !windings.join(a.triangle as usize, b.triangle as usize, a.forward == b.forward)
             {
                 twisted.push(a.triangle as usize);
@@ -53,10 +53,10 @@ impl TriangleMesh {
         for t in twisted {
             components.entry(windings.find(t).0).and_modify(|component| component.orientable = false);
         }
-        for sides in topology.edges().filter(|sides| sides.len() != 2) {
-            for side in sides {
+        for half_edges in topology.half_edges_by_edge().filter(|half_edges| half_edges.len() != 2) {
+            for half_edge in half_edges {
                 components
-                    .entry(windings.find(side.triangle as usize).0)
+                    .entry(windings.find(half_edge.triangle as usize).0)
                     .and_modify(|component| component.closed = false);
             }
         }
@@ -78,7 +78,7 @@ impl TriangleMesh {
         turn.into_iter().filter(|turned| *turned).count()
     }
 
-    /// Flips all triangles and normals.
+    /// Reverses the winding of all triangles and the direction of all normals.
     pub fn reverse_orientation(&mut self) {
         self.triangles.iter_mut().for_each(|[_, b, c]| std::mem::swap(b, c));
         self.normals.iter_mut().flatten().for_each(|n| *n = -*n);
@@ -99,7 +99,9 @@ impl TriangleMesh {
         self.triangles[triangle as usize].map(|v| self.positions[v as usize])
     }
 
-    /// Six times the signed volume of a closed component, with the triangles in `turn` flipped.
+    /// Six times the signed volume of a closed component \[length³].
+    ///
+    /// Triangles marked in `turn` count as flipped.
     fn six_times_signed_volume(&self, component: &SurfaceComponent, turn: &[bool]) -> f64 {
         let middle = 0.5 * (component.low + component.high);
         let six = |t: &u32| {
@@ -110,13 +112,14 @@ impl TriangleMesh {
         component.faces.iter().map(six).sum()
     }
 
-    /// Number of other closed components of its material that contain each closed component.
+    /// For each closed component, the number of closed components of its material that contain it.
     ///
-    /// `turn` marks the triangles to flip for consistent windings.
+    /// Triangles marked in `turn` count as flipped. All numbers are 0 if there are more than
+    /// [`MAX_NESTED_COMPONENTS`] closed components, and for open components.
     fn nesting_depths(&self, components: &[SurfaceComponent], turn: &[bool]) -> Vec<usize> {
         let closed = |component: &SurfaceComponent| component.closed && component.orientable;
         let mut depths = vec![0; components.len()];
-        if components.iter().filter(|component| closed(component)).count() > MOST_NESTED {
+        if components.iter().filter(|component| closed(component)).count() > MAX_NESTED_COMPONENTS {
             return depths;
         }
         for (depth, inner) in depths.iter_mut().zip(components).filter(|(_, inner)| closed(inner)) {
@@ -136,10 +139,10 @@ impl TriangleMesh {
         depths
     }
 
-    /// True if the closed component contains `p`, by the solid angles of its faces.
+    /// True if the closed component contains the point `p`.
     ///
-    /// Triangles in `turn` count as flipped. Source: van Oosterom and Strackee 1983, "The solid
-    /// angle of a plane triangle".
+    /// The test sums the solid angles of its triangles (van Oosterom and Strackee 1983, "The solid
+    /// angle of a plane triangle"). Triangles marked in `turn` count as flipped.
     fn component_contains(&self, component: &SurfaceComponent, turn: &[bool], p: DVec3) -> bool {
         let angle = |t: &u32| {
             let [a, b, c] = self.corner_positions(*t).map(|q| q - p);
@@ -152,7 +155,9 @@ impl TriangleMesh {
         component.faces.iter().map(angle).sum::<f64>().abs() > TAU
     }
 
-    /// Flips triangles, and those normals at their corners that would then point backwards.
+    /// Flips the triangles marked in `turn`.
+    ///
+    /// A shading normal of such a triangle is reversed if it would point to the back.
     fn flip_marked_triangles(&mut self, turn: &[bool]) {
         let Some(normals) = &self.normals else {
             for (triangle, _) in self.triangles.iter_mut().zip(turn).filter(|(_, turn)| **turn) {

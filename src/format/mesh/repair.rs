@@ -4,36 +4,36 @@ use super::TriangleMesh;
 use super::topology::MeshTopology;
 use serde::Serialize;
 
-/// Repairs to make, in the order of the fields.
+/// Selection of the repairs to make on a mesh. They are made in the order of the fields.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MeshRepairs {
-    /// Vertices within this distance \[length] are merged; 0 merges equal positions.
+    /// Distance \[length] within which vertices are merged; 0 merges equal positions.
     pub weld: Option<f64>,
-    /// Removes triangles that have the three positions of an earlier one.
+    /// True to remove triangles that have the same three positions as an earlier one.
     pub duplicates: bool,
-    /// Removes triangles without area.
+    /// True to remove triangles without area, except those that close a surface.
     pub degenerate: bool,
-    /// Makes windings consistent; see [`TriangleMesh::orient_outward`].
+    /// True to make windings consistent, see [`TriangleMesh::orient_outward`].
     pub orient: bool,
 }
 
 impl MeshRepairs {
-    /// Default distance for merging vertices, relative to the mesh's diagonal.
+    /// Default distance for merging vertices, relative to the diagonal of the mesh's bounds.
     ///
     /// It is below the resolution of single precision.
     pub const DEFAULT_WELD_TOLERANCE: f64 = 1e-9;
 }
 
-/// Counts of the repairs made.
+/// Numbers of repairs that were made on a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct RepairCounts {
-    /// Positions merged with others.
+    /// Number of positions merged with others.
     pub welded: usize,
-    /// Duplicate triangles removed.
+    /// Number of removed triangles that had the same three positions as an earlier one.
     pub duplicates: usize,
-    /// Triangles without area removed.
+    /// Number of removed triangles without area.
     pub degenerate: usize,
-    /// Triangles flipped.
+    /// Number of flipped triangles.
     pub turned: usize,
 }
 
@@ -59,20 +59,20 @@ impl TriangleMesh {
         done
     }
 
-    /// Degenerate triangles, except triangles that close a surface.
+    /// True for each triangle without area that can be removed without opening the surface.
     ///
-    /// If a corner of one triangle lies on another's edge, a degenerate triangle fills the gap
-    /// between them.
+    /// At a T-junction, a corner lies on the edge of another triangle. A degenerate triangle whose
+    /// three edges all have two triangles closes the gap there, so it stays.
     fn removable_degenerates(&self) -> Vec<bool> {
         let topology = MeshTopology::new(self);
         let mut closing = vec![0_u8; self.triangles.len()];
-        for sides in topology.edges().filter(|sides| sides.len() == 2) {
-            sides.iter().for_each(|side| closing[side.triangle as usize] += 1);
+        for half_edges in topology.half_edges_by_edge().filter(|half_edges| half_edges.len() == 2) {
+            half_edges.iter().for_each(|half_edge| closing[half_edge.triangle as usize] += 1);
         }
         self.triangles.iter().zip(closing).map(|(t, edges)| self.triangle_area(*t) == 0.0 && edges < 3).collect()
     }
 
-    /// Removes triangles and returns their number.
+    /// Removes the `unwanted` triangles and returns their number.
     fn remove_triangles(&mut self, unwanted: &[bool]) -> usize {
         let before = self.triangles.len();
         let mut keep = unwanted.iter().map(|unwanted| !unwanted);
@@ -83,7 +83,7 @@ impl TriangleMesh {
         before - self.triangles.len()
     }
 
-    /// Removes unused materials.
+    /// Removes materials that no triangle uses, and renumbers the others.
     fn remove_unused_materials(&mut self) {
         let mut used = vec![false; self.materials.len()];
         for number in &self.triangle_materials {

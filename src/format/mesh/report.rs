@@ -1,19 +1,19 @@
-//! Facts about a mesh: size, area, volume and topology.
+//! Measurements of a mesh: size, area, volume and topology.
 
 use super::TriangleMesh;
 use super::topology::{MeshTopology, ParityUnionFind};
 use glam::DVec3;
 use serde::Serialize;
 
-/// Facts about a mesh.
+/// Measurements of a mesh.
 ///
-/// Edges and surfaces are defined by vertex positions, so seams of normals or texture coordinates
-/// are no borders.
+/// Topology is defined by vertex positions. So vertices that differ only by normals or texture
+/// coordinates are connected.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MeshReport {
     /// Number of vertices.
     pub vertices: usize,
-    /// Number of vertices that repeat another one bit for bit.
+    /// Number of vertices that equal an earlier one bit for bit.
     pub repeated_vertices: usize,
     /// Number of vertices that no triangle uses.
     pub isolated_vertices: usize,
@@ -25,43 +25,43 @@ pub struct MeshReport {
     pub normals: bool,
     /// True if the mesh has texture coordinates.
     pub texture_coordinates: bool,
-    /// Lowest coordinates of the used vertices.
+    /// Lower corner of the bounds of all triangles.
     pub min: [f64; 3],
-    /// Highest coordinates of the used vertices.
+    /// Upper corner of the bounds of all triangles.
     pub max: [f64; 3],
     /// Total area of the triangles \[length²].
     pub area: f64,
-    /// Enclosed volume by the divergence theorem \[length³]; `None` unless closed and consistently
-    /// wound.
+    /// Enclosed volume \[length³]; `None` if the mesh is open or its windings are inconsistent.
     pub volume: Option<f64>,
-    /// True if every edge has more than one face.
+    /// True if every edge has at least two triangles.
     pub closed: bool,
-    /// True if each edge has at most two faces, and edges connect all faces around each vertex.
+    /// True if each edge has at most two triangles, and all triangles around a vertex are connected
+    /// by edges.
     pub manifold: bool,
     /// True if windings can be made consistent.
     pub orientable: bool,
-    /// Number of edges with one face.
+    /// Number of edges with one triangle.
     pub boundary_edges: usize,
-    /// Number of edges with more than two faces.
+    /// Number of edges with more than two triangles.
     pub non_manifold_edges: usize,
-    /// Number of positions where surfaces touch without a common edge.
+    /// Number of positions whose triangles are not all connected by edges.
     pub non_manifold_vertices: usize,
-    /// Number of edges whose two faces have opposite windings.
+    /// Number of edges whose two triangles have opposite windings.
     pub inconsistent_edges: usize,
     /// Number of triangles without area.
     pub degenerate_faces: usize,
-    /// Number of triangles that have the three positions of an earlier one, in any order.
+    /// Number of triangles that have the same three positions as an earlier one, in any order.
     pub duplicate_faces: usize,
-    /// Number of surfaces connected by edges.
+    /// Number of connected components; triangles are connected by common edges.
     pub components: usize,
-    /// Positions − edges + faces, without faces of fewer than three positions.
+    /// Euler characteristic: positions − edges + triangles with three different positions.
     pub euler_characteristic: i64,
-    /// Number of handles of all components; `None` unless closed, manifold and orientable.
+    /// Sum of the genera of all components; `None` unless closed, manifold and orientable.
     pub genus: Option<i64>,
 }
 
 impl TriangleMesh {
-    /// Computes the facts about the mesh.
+    /// Measures the mesh.
     #[must_use]
     pub fn report(&self) -> MeshReport {
         let topology = MeshTopology::new(self);
@@ -70,11 +70,11 @@ impl TriangleMesh {
         let corners = self.triangles.iter().flatten().map(|v| self.positions[*v as usize]);
         let (min, max) =
             corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
-        let surface = TopologyCounts::new(self, &topology);
-        let closed = surface.boundary == 0 && surface.faces > 0;
-        let manifold = surface.crowded == 0 && surface.pinched == 0;
-        let euler = surface.places as i64 - surface.edges as i64 + surface.faces as i64;
-        let handles = closed && manifold && surface.orientable;
+        let counts = TopologyCounts::new(self, &topology);
+        let closed = counts.boundary_edges == 0 && counts.faces > 0;
+        let manifold = counts.non_manifold_edges == 0 && counts.non_manifold_vertices == 0;
+        let euler = counts.positions as i64 - counts.edges as i64 + counts.faces as i64;
+        let handles = closed && manifold && counts.orientable;
         let mut shared = self.clone();
         shared.merge_equal_vertices();
         let isolated = used.iter().filter(|used| !**used).count();
@@ -89,23 +89,23 @@ impl TriangleMesh {
             min: min.to_array(),
             max: max.to_array(),
             area: self.triangles.iter().map(|t| self.triangle_area(*t)).sum(),
-            volume: (closed && surface.balanced).then(|| self.signed_volume(0.5 * (min + max))),
+            volume: (closed && counts.balanced).then(|| self.signed_volume(0.5 * (min + max))),
             closed,
             manifold,
-            orientable: surface.orientable,
-            boundary_edges: surface.boundary,
-            non_manifold_edges: surface.crowded,
-            non_manifold_vertices: surface.pinched,
-            inconsistent_edges: surface.inconsistent,
+            orientable: counts.orientable,
+            boundary_edges: counts.boundary_edges,
+            non_manifold_edges: counts.non_manifold_edges,
+            non_manifold_vertices: counts.non_manifold_vertices,
+            inconsistent_edges: counts.inconsistent_edges,
             degenerate_faces: self.triangles.iter().filter(|t| self.triangle_area(**t) == 0.0).count(),
             duplicate_faces: self.duplicate_triangles(&topology).iter().filter(|d| **d).count(),
-            components: surface.components,
+            components: counts.components,
             euler_characteristic: euler,
-            genus: handles.then_some(surface.components as i64 - euler / 2),
+            genus: handles.then_some(counts.components as i64 - euler / 2),
         }
     }
 
-    /// Diagonal of the box around all vertices \[length]; 0 if it is not finite.
+    /// Diagonal of the bounding box of all vertices \[length]; 0 if it is not finite.
     #[must_use]
     pub fn bounds_diagonal(&self) -> f64 {
         let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
@@ -121,7 +121,9 @@ impl TriangleMesh {
         0.5 * (b - a).cross(c - a).length()
     }
 
-    /// Signed volume of a closed mesh \[length³], summed about the point `about` near it.
+    /// Signed volume of a closed mesh \[length³], by the divergence theorem.
+    ///
+    /// `about` is the origin of the sum; a point near the mesh keeps cancellation small.
     fn signed_volume(&self, about: DVec3) -> f64 {
         let six = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|v| self.positions[v as usize] - about);
@@ -130,13 +132,13 @@ impl TriangleMesh {
         self.triangles.iter().map(six).sum::<f64>() / 6.0
     }
 
-    /// True for each triangle that has the three positions of an earlier one.
+    /// True for each triangle that has the same three positions as an earlier one.
     pub(super) fn duplicate_triangles(&self, topology: &MeshTopology) -> Vec<bool> {
         let mut keys: Vec<([u32; 3], u32)> = Vec::with_capacity(self.triangles.len());
         for (t, triangle) in
             self.triangles.iter().enumerate().filter(|(_, triangle)| topology.has_distinct_positions(**triangle))
         {
-            let mut places = triangle.map(|v| topology.places[v as usize]);
+            let mut places = triangle.map(|v| topology.vertex_positions[v as usize]);
             places.sort_unstable();
             keys.push((places, t as u32));
         }
@@ -149,17 +151,19 @@ impl TriangleMesh {
     }
 }
 
-/// Counts over the edges of a mesh.
+/// Numbers of topological elements and defects of a mesh; see [`MeshReport`].
 struct TopologyCounts {
-    places: usize,
+    /// Positions that triangles use.
+    positions: usize,
     edges: usize,
+    /// Triangles with three different positions.
     faces: usize,
-    boundary: usize,
-    crowded: usize,
-    pinched: usize,
-    inconsistent: usize,
+    boundary_edges: usize,
+    non_manifold_edges: usize,
+    non_manifold_vertices: usize,
+    inconsistent_edges: usize,
     orientable: bool,
-    /// True if each edge is traversed equally often in both directions.
+    /// True if the triangles of each edge traverse it equally often in both directions.
     balanced: bool,
     components: usize,
 }
@@ -169,13 +173,13 @@ impl TopologyCounts {
         let whole: Vec<usize> =
             (0..mesh.triangles.len()).filter(|t| topology.has_distinct_positions(mesh.triangles[*t])).collect();
         let mut this = Self {
-            places: 0,
+            positions: 0,
             edges: 0,
             faces: whole.len(),
-            boundary: 0,
-            crowded: 0,
-            pinched: 0,
-            inconsistent: 0,
+            boundary_edges: 0,
+            non_manifold_edges: 0,
+            non_manifold_vertices: 0,
+            inconsistent_edges: 0,
             orientable: true,
             balanced: true,
             components: 0,
@@ -183,38 +187,38 @@ impl TopologyCounts {
         let mut surfaces = ParityUnionFind::new(mesh.triangles.len());
         let mut windings = ParityUnionFind::new(mesh.triangles.len());
         let mut fans = ParityUnionFind::new(3 * mesh.triangles.len());
-        for sides in topology.edges() {
+        for half_edges in topology.half_edges_by_edge() {
             this.edges += 1;
-            let forward = sides.iter().filter(|side| side.forward).count();
-            this.balanced &= 2 * forward == sides.len();
-            match sides {
-                [_] => this.boundary += 1,
+            let forward = half_edges.iter().filter(|half_edge| half_edge.forward).count();
+            this.balanced &= 2 * forward == half_edges.len();
+            match half_edges {
+                [_] => this.boundary_edges += 1,
                 [a, b] => {
                     let against = a.forward == b.forward;
-                    this.inconsistent += usize::from(against);
+                    this.inconsistent_edges += usize::from(against);
                     this.orientable &= windings.join(a.triangle as usize, b.triangle as usize, against);
                 }
-                _ => this.crowded += 1,
+                _ => this.non_manifold_edges += 1,
             }
-            for side in &sides[1..] {
-                surfaces.join(sides[0].triangle as usize, side.triangle as usize, false);
-                for (a, b) in sides[0].corner_indices().into_iter().zip(side.corner_indices()) {
+            for half_edge in &half_edges[1..] {
+                surfaces.join(half_edges[0].triangle as usize, half_edge.triangle as usize, false);
+                for (a, b) in half_edges[0].corner_indices().into_iter().zip(half_edge.corner_indices()) {
                     fans.join(a, b, false);
                 }
             }
         }
-        let mut fan_count = vec![0_u8; topology.place_count];
+        let mut fan_count = vec![0_u8; topology.position_count];
         for t in whole {
             this.components += usize::from(surfaces.find(t).0 == t);
             for (k, v) in mesh.triangles[t].into_iter().enumerate() {
                 if fans.find(3 * t + k).0 == 3 * t + k {
-                    let count = &mut fan_count[topology.places[v as usize] as usize];
+                    let count = &mut fan_count[topology.vertex_positions[v as usize] as usize];
                     *count = count.saturating_add(1);
                 }
             }
         }
-        this.places = fan_count.iter().filter(|count| **count > 0).count();
-        this.pinched = fan_count.iter().filter(|count| **count > 1).count();
+        this.positions = fan_count.iter().filter(|count| **count > 0).count();
+        this.non_manifold_vertices = fan_count.iter().filter(|count| **count > 1).count();
         this
     }
 }

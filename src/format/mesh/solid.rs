@@ -1,4 +1,4 @@
-//! Checks whether a mesh bounds a solid body, as dielectrics need.
+//! Check that a mesh bounds a solid body, which dielectric materials and media need.
 
 use super::TriangleMesh;
 use super::topology::MeshTopology;
@@ -10,15 +10,15 @@ use std::fmt::{Display, Formatter, Result as Written};
 pub enum SolidDefect {
     /// The surface has open edges, so it has no inside.
     Open {
-        /// Number of edges with a single triangle.
+        /// Number of edges with one triangle.
         boundary_edges: usize,
     },
-    /// Neighbouring triangles disagree about the outer side.
+    /// Triangles that share an edge disagree about which side is outside.
     InconsistentWinding {
         /// Number of edges where they disagree.
         edges: usize,
     },
-    /// The outer side faces the enclosed volume.
+    /// All triangles agree, but their outer side faces the enclosed volume.
     InsideOut,
 }
 
@@ -42,20 +42,22 @@ impl Display for SolidDefect {
 pub const SOLID_CHECK_BYTES: u64 = 120;
 
 impl TriangleMesh {
-    /// First defect that keeps the mesh from bounding a solid body; `None` if it is closed and
-    /// faces outward.
+    /// First defect that keeps the mesh from bounding a solid body; `None` if the mesh is closed
+    /// and faces outward.
     ///
-    /// The outer side follows the rule of the renderer: shading normals decide it where a triangle
-    /// has them, else the winding does. Triangles without area are ignored.
+    /// Shading normals decide which side of a triangle is outside, and the winding decides for
+    /// triangles without normals. The renderer uses this rule too. Triangles with two corners at one
+    /// position are ignored.
     #[must_use]
     pub fn solid_defect(&self) -> Option<SolidDefect> {
         let topology = MeshTopology::new(self);
         let flipped: Vec<bool> = self.triangles.iter().map(|t| self.normals_oppose_winding(*t)).collect();
         let (mut open, mut inconsistent) = (0, 0);
-        for sides in topology.edges() {
-            let forward = sides.iter().filter(|side| side.forward != flipped[side.triangle as usize]).count();
-            open += usize::from(sides.len() == 1);
-            inconsistent += usize::from(sides.len() > 1 && 2 * forward != sides.len());
+        for half_edges in topology.half_edges_by_edge() {
+            let forward =
+                half_edges.iter().filter(|half_edge| half_edge.forward != flipped[half_edge.triangle as usize]).count();
+            open += usize::from(half_edges.len() == 1);
+            inconsistent += usize::from(half_edges.len() > 1 && 2 * forward != half_edges.len());
         }
         if open > 0 {
             return Some(SolidDefect::Open { boundary_edges: open });
@@ -63,7 +65,7 @@ impl TriangleMesh {
         if inconsistent > 0 {
             return Some(SolidDefect::InconsistentWinding { edges: inconsistent });
         }
-        // The origin near the mesh keeps the digits of the volume.
+        // An origin near the mesh keeps cancellation small.
         let origin = self.triangles.first().map_or(DVec3::ZERO, |t| self.positions[t[0] as usize]);
         let six_volumes = self.triangles.iter().zip(&flipped).map(|(t, flipped)| {
             let [a, b, c] = t.map(|v| self.positions[v as usize] - origin);

@@ -1,15 +1,14 @@
-//! Parts of a mesh with a common material.
+//! Splitting of a mesh into parts with one material each.
 
 use super::TriangleMesh;
 
 const UNKNOWN: u32 = u32::MAX;
 
 impl TriangleMesh {
-    /// Splits the mesh by material; returns the material index and the part, in the order of first
-    /// use.
+    /// Splits the mesh by material; returns pairs of material index and part.
     ///
-    /// [`NO_MATERIAL`](super::NO_MATERIAL) marks the triangles without material. Parts have no
-    /// materials of their own.
+    /// Pairs are in the order of the first triangle of each material. Triangles without material have
+    /// index [`NO_MATERIAL`](super::NO_MATERIAL). The lists of materials of the parts are empty.
     #[must_use]
     pub fn split_by_material(&self) -> Vec<(u32, Self)> {
         let number = |t: usize| self.triangle_materials.get(t).copied().unwrap_or(super::NO_MATERIAL);

@@ -1,23 +1,24 @@
-//! Connectivity of triangles by the positions of their corners.
+//! Connectivity of triangles: corners with equal positions are one vertex.
 
 use super::TriangleMesh;
 use rayon::prelude::*;
 
-/// Side of a triangle along an edge.
+/// Half-edge: one side of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct HalfEdge {
-    /// Position numbers of the edge, the lower one first.
-    pub places: [u32; 2],
+    /// Position indices of both ends, the lower one first. Half-edges of one edge have equal pairs.
+    pub positions: [u32; 2],
     pub triangle: u32,
-    /// Corner at which the side starts; it ends at the next corner.
+    /// Corner of the triangle, 0 to 2, at which the half-edge starts; it ends at the next corner.
     pub corner: u8,
-    /// True if the side starts at the lower position.
+    /// True if the half-edge starts at the lower position index.
     pub forward: bool,
 }
 
 impl HalfEdge {
-    /// Indices, among all corners of the mesh, of the corners at the lower and at the higher
-    /// position.
+    /// Corners at the lower and at the higher position index.
+    ///
+    /// Corner 3t + k is corner k of triangle t.
     pub fn corner_indices(&self) -> [usize; 2] {
         let base = 3 * self.triangle as usize;
         let (start, end) = (base + self.corner as usize, base + (self.corner as usize + 1) % 3);
@@ -25,54 +26,52 @@ impl HalfEdge {
     }
 }
 
-/// Positions and edges of a mesh.
+/// Distinct positions and edges of a mesh.
 #[derive(Debug)]
 pub(super) struct MeshTopology {
-    /// Position number of each vertex.
-    pub places: Vec<u32>,
-    /// Number of positions.
-    pub place_count: usize,
-    /// Sides of the triangles with three positions, sorted by edge.
-    sides: Vec<HalfEdge>,
+    /// Index of each vertex's position among the distinct positions.
+    pub vertex_positions: Vec<u32>,
+    /// Number of distinct positions.
+    pub position_count: usize,
+    /// Half-edges of the triangles with three different positions, sorted by edge.
+    half_edges: Vec<HalfEdge>,
 }
 
 impl MeshTopology {
     pub fn new(mesh: &TriangleMesh) -> Self {
-        let (places, place_count) = mesh.position_indices();
-        let mut sides = Vec::with_capacity(3 * mesh.triangles.len());
+        let (vertex_positions, position_count) = mesh.position_indices();
+        let mut half_edges = Vec::with_capacity(3 * mesh.triangles.len());
         for (t, triangle) in mesh.triangles.iter().enumerate() {
-            let [a, b, c] = triangle.map(|v| places[v as usize]);
+            let [a, b, c] = triangle.map(|v| vertex_positions[v as usize]);
             if a == b || b == c || c == a {
                 continue;
             }
             for (corner, [from, to]) in [[a, b], [b, c], [c, a]].into_iter().enumerate() {
-                let places = [from.min(to), from.max(to)];
-                sides.push(HalfEdge { places, triangle: t as u32, corner: corner as u8, forward: from < to });
+                let positions = [from.min(to), from.max(to)];
+                half_edges.push(HalfEdge { positions, triangle: t as u32, corner: corner as u8, forward: from < to });
             }
         }
-        sides.par_sort_unstable_by_key(|side| (side.places, side.triangle, side.corner));
-        Self { places, place_count, sides }
+        half_edges.par_sort_unstable_by_key(|half_edge| (half_edge.positions, half_edge.triangle, half_edge.corner));
+        Self { vertex_positions, position_count, half_edges }
     }
 
-    /// Sides of each edge.
-    pub fn edges(&self) -> impl Iterator<Item = &[HalfEdge]> {
-        self.sides.chunk_by(|a, b| a.places == b.places)
+    /// The half-edges of each edge, one slice per edge.
+    pub fn half_edges_by_edge(&self) -> impl Iterator<Item = &[HalfEdge]> {
+        self.half_edges.chunk_by(|a, b| a.positions == b.positions)
     }
 
-    /// True if a triangle has three different positions.
+    /// True if the corners of `triangle` have three different positions.
     pub fn has_distinct_positions(&self, triangle: [u32; 3]) -> bool {
-        let [a, b, c] = triangle.map(|v| self.places[v as usize]);
+        let [a, b, c] = triangle.map(|v| self.vertex_positions[v as usize]);
         a != b && b != c && c != a
     }
 }
 
-/// Union–find structure that also tracks which elements are flipped relative to each other.
-///
-/// Source: Tarjan 1975, extended by a parity.
+/// Disjoint sets (Tarjan 1975) whose elements have a parity: flipped or not relative to the root.
 #[derive(Debug)]
 pub(super) struct ParityUnionFind {
     parent: Vec<u32>,
-    /// True if the element is flipped relative to its parent.
+    /// True for each element that is flipped relative to its parent.
     turned: Vec<bool>,
 }
 
@@ -81,7 +80,7 @@ impl ParityUnionFind {
         Self { parent: (0..n as u32).collect(), turned: vec![false; n] }
     }
 
-    /// Lowest element of the set of `i`, and whether `i` is flipped relative to it.
+    /// Root of the set of `i`, which is its lowest element, and true if `i` is flipped relative to it.
     pub fn find(&mut self, i: usize) -> (usize, bool) {
         let (mut root, mut turned) = (i, false);
         while self.parent[root] as usize != root {
@@ -99,15 +98,15 @@ impl ParityUnionFind {
         (root, turned)
     }
 
-    /// Joins the sets of `a` and `b`, `turned` relative to each other; false if that contradicts
-    /// earlier joins.
+    /// Joins the sets of `a` and `b`. `turned` is true if `a` and `b` are flipped relative to each
+    /// other. Returns false if that contradicts earlier joins.
     pub fn join(&mut self, a: usize, b: usize, turned: bool) -> bool {
         let ((a, a_turned), (b, b_turned)) = (self.find(a), self.find(b));
         let turned = turned ^ a_turned ^ b_turned;
         if a == b {
             return !turned;
         }
-        // The least becomes the root, so that roots do not depend on the order of joins.
+        // The lowest element becomes the root, so roots do not depend on the order of joins.
         let (low, high) = (a.min(b), a.max(b));
         self.parent[high] = low as u32;
         self.turned[high] = turned;

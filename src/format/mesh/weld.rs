@@ -7,16 +7,16 @@ use std::collections::HashMap;
 
 const NONE: u32 = u32::MAX;
 
-/// Beyond this, squares of distances would not be finite.
-const FARTHEST: f64 = 1e150;
+/// Largest tolerance whose square is finite \[length].
+const MAX_TOLERANCE: f64 = 1e150;
 
 impl TriangleMesh {
-    /// Moves each vertex to the first one within `tolerance`, and merges equal vertices.
+    /// Moves each vertex to the first vertex within `tolerance` \[length], and merges equal vertices.
     ///
-    /// Returns by how much the number of positions decreases.
+    /// Returns the decrease of the number of distinct positions.
     pub fn weld_vertices(&mut self, tolerance: f64) -> usize {
         let (_, before) = self.position_indices();
-        let mut kept = WeldGrid::new(tolerance.clamp(0.0, FARTHEST), &self.positions);
+        let mut kept = WeldGrid::new(tolerance.clamp(0.0, MAX_TOLERANCE), &self.positions);
         for p in &mut self.positions {
             *p = kept.find_or_insert(*p);
         }
@@ -26,13 +26,13 @@ impl TriangleMesh {
     }
 }
 
-/// Grid of the positions that were kept, with cells twice as wide as the tolerance.
+/// Hash grid of the positions that are kept. Its cells are twice as wide as the tolerance.
 struct WeldGrid {
     tolerance: f64,
     low: DVec3,
     cell: f64,
     first: HashMap<[i64; 3], u32, RandomState>,
-    /// Each position, and the previous one in its cell.
+    /// Each kept position, and the index of the previous one in its cell or [`NONE`].
     points: Vec<(DVec3, u32)>,
 }
 
@@ -40,7 +40,7 @@ impl WeldGrid {
     fn new(tolerance: f64, positions: &[DVec3]) -> Self {
         let (low, high) =
             positions.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
-        // Cells narrower than this could not be counted.
+        // At most 10¹² cells span the mesh, so cell indices fit into i64.
         let cell = (2.0 * tolerance).max((high - low).max_element() * 1e-12);
         Self {
             tolerance,
@@ -51,7 +51,7 @@ impl WeldGrid {
         }
     }
 
-    /// First kept position within the tolerance of `p`; if there is none, `p` is kept and returned.
+    /// First kept position within the tolerance of `p`. If there is none, keeps `p` and returns it.
     fn find_or_insert(&mut self, p: DVec3) -> DVec3 {
         let at = (p - self.low) / self.cell;
         let corner = at.floor();

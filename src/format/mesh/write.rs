@@ -18,8 +18,9 @@ pub enum MeshFormat {
 }
 
 impl MeshFormat {
-    /// Format for the extension of a path; `text` selects PLY as text. `None` for unknown
-    /// extensions.
+    /// Format by the extension of `path`; `None` if the extension is unknown.
+    ///
+    /// `text` selects the text form of PLY.
     #[must_use]
     pub fn from_path(path: &Path, text: bool) -> Option<Self> {
         let is = |name: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(name));
@@ -33,13 +34,12 @@ impl MeshFormat {
 }
 
 impl TriangleMesh {
-    /// Writes the file completely or not at all.
+    /// Writes a mesh file completely or not at all. All numbers read back bit for bit.
     ///
-    /// Numbers read back bit for bit. An OBJ file names the materials and their `libraries`; PLY
-    /// has none.
+    /// An OBJ file names the materials, and the material files in `libraries`. A PLY file has no
+    /// materials.
     ///
     /// # Errors
-    ///
     /// [`WriteError`].
     pub fn write(&self, path: &Path, format: MeshFormat, libraries: &[String]) -> Result<(), WriteError> {
         replace_file_with(path, |file| {
@@ -54,7 +54,9 @@ impl TriangleMesh {
     }
 }
 
-/// Shortest decimal that reads back as the same number, with an exponent if it is far from 1.
+/// Displays a number as the shortest decimal that reads back bit for bit.
+///
+/// Numbers below 10⁻⁵ or from 10¹⁶ have an exponent.
 pub(in crate::format) struct ShortestDecimal<T>(pub T);
 
 impl<T: Copy + Into<f64> + Display + std::fmt::LowerExp> Display for ShortestDecimal<T> {

@@ -1,23 +1,23 @@
-//! Checks the relevant lines of an MTL file.
+//! Checks the lines of an MTL file and rewrites them for the parser `tobj`.
 
 use super::super::line_error::{MessageAndRemedy, escaped_excerpt};
 use std::fmt::Write;
 
 const REPAIR: &str = "repair it or export the materials anew";
 
-/// The relevant lines of `text`, each in the form that the reader knows.
+/// Valid lines of `text`, rewritten for `tobj`; lines with unknown keywords are dropped.
 ///
-/// An error holds the first invalid line, from 1, and the problem.
+/// An error holds the number of the first invalid line, from 1, and the problem.
 pub(super) fn check_mtl_lines(text: &str) -> Result<String, (usize, MessageAndRemedy)> {
-    let mut sound = String::new();
+    let mut valid_lines = String::new();
     let mut named = false;
     for (i, line) in text.lines().enumerate() {
-        check_line(line.trim(), &mut named, &mut sound).map_err(|wrong| (i + 1, wrong))?;
+        check_line(line.trim(), &mut named, &mut valid_lines).map_err(|wrong| (i + 1, wrong))?;
     }
-    Ok(sound)
+    Ok(valid_lines)
 }
 
-fn check_line(line: &str, named: &mut bool, sound: &mut String) -> Result<(), MessageAndRemedy> {
+fn check_line(line: &str, named: &mut bool, valid_lines: &mut String) -> Result<(), MessageAndRemedy> {
     let (keyword, rest) = line.split_once(|c: char| c.is_ascii_whitespace()).unwrap_or((line, ""));
     let rest = rest.trim();
     // Writing to a string cannot fail.
@@ -27,7 +27,7 @@ fn check_line(line: &str, named: &mut bool, sound: &mut String) -> Result<(), Me
                 return Err(("`newmtl` gives no name".to_owned(), "write a name after it"));
             }
             *named = true;
-            let _ = writeln!(sound, "newmtl {rest}");
+            let _ = writeln!(valid_lines, "newmtl {rest}");
             return Ok(());
         }
         "Kd" | "Ks" | "Ke" | "Tf" | "Ns" | "Ni" | "d" | "Tr" | "illum" | "map_Kd" if !*named => {
@@ -35,21 +35,21 @@ fn check_line(line: &str, named: &mut bool, sound: &mut String) -> Result<(), Me
         }
         "Kd" | "Ks" | "Ke" | "Tf" => {
             let [r, g, b] = parse_color_or_grey(keyword, rest)?;
-            let _ = writeln!(sound, "{keyword} {r} {g} {b}");
+            let _ = writeln!(valid_lines, "{keyword} {r} {g} {b}");
         }
         // Some exporters write a negative exponent for no highlight.
         "Ns" => {
-            let _ = writeln!(sound, "Ns {}", parse_single_precision(keyword, rest)?.max(0.0));
+            let _ = writeln!(valid_lines, "Ns {}", parse_single_precision(keyword, rest)?.max(0.0));
         }
         "Ni" => {
-            let _ = writeln!(sound, "Ni {}", parse_finite_number(keyword, rest)?);
+            let _ = writeln!(valid_lines, "Ni {}", parse_finite_number(keyword, rest)?);
         }
         "d" | "Tr" => {
             let written = parse_finite_number(keyword, rest.strip_prefix("-halo").unwrap_or(rest))?;
             if !(0.0..=1.0).contains(&written) {
                 return Err((format!("`{keyword}` is {written}"), "it must lie between 0 and 1"));
             }
-            let _ = writeln!(sound, "d {}", if keyword == "d" { written } else { 1.0 - written });
+            let _ = writeln!(valid_lines, "d {}", if keyword == "d" { written } else { 1.0 - written });
         }
         "illum" => {
             let model = rest.split_ascii_whitespace().next().unwrap_or_default();
@@ -59,14 +59,14 @@ fn check_line(line: &str, named: &mut bool, sound: &mut String) -> Result<(), Me
                     "it must be one of 0 to 10",
                 ));
             }
-            let _ = writeln!(sound, "illum {model}");
+            let _ = writeln!(valid_lines, "illum {model}");
         }
         "map_Kd" => {
             let path = skip_map_options(rest);
             if path.is_empty() {
                 return Err(("`map_Kd` names no picture".to_owned(), "write its path after it"));
             }
-            let _ = writeln!(sound, "map_Kd {path}");
+            let _ = writeln!(valid_lines, "map_Kd {path}");
         }
         _ => {}
     }
@@ -81,7 +81,7 @@ fn parse_finite_number(keyword: &str, rest: &str) -> Result<f64, MessageAndRemed
     }
 }
 
-/// Parses a number that single precision can hold.
+/// Parses a finite number whose magnitude is at most `f32::MAX`.
 fn parse_single_precision(keyword: &str, rest: &str) -> Result<f64, MessageAndRemedy> {
     match parse_finite_number(keyword, rest)? {
         number if number.abs() <= f64::from(f32::MAX) => Ok(number),
@@ -89,7 +89,7 @@ fn parse_single_precision(keyword: &str, rest: &str) -> Result<f64, MessageAndRe
     }
 }
 
-/// Parses three numbers, or one that stands for all.
+/// Parses an RGB colour of three numbers, or a grey of one number; none may be negative.
 fn parse_color_or_grey(keyword: &str, rest: &str) -> Result<[f64; 3], MessageAndRemedy> {
     let words: Vec<&str> = rest.split_ascii_whitespace().take_while(|word| !word.starts_with('#')).collect();
     let numbers = match words[..] {
@@ -107,7 +107,7 @@ fn parse_color_or_grey(keyword: &str, rest: &str) -> Result<[f64; 3], MessageAnd
     }
 }
 
-/// The path after the options of a map, which are ignored.
+/// The picture path in the arguments of a texture line, after its options.
 fn skip_map_options(mut rest: &str) -> &str {
     let next = |text: &str| text.split_ascii_whitespace().next().unwrap_or_default().to_owned();
     let after = |text: &'_ str, word: &str| text[word.len()..].trim_start().len();

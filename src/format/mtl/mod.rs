@@ -1,6 +1,6 @@
 //! Materials from and to MTL files, which accompany OBJ files.
 //!
-//! Each line is checked here, and crate `tobj` parses the valid ones.
+//! Submodule `check` checks each line; crate `tobj` parses the valid lines.
 
 mod check;
 #[cfg(test)]
@@ -15,16 +15,15 @@ use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 pub use write::write;
 
-/// Bytes of memory per byte of the file: a line `newmtl a` becomes a material of `tobj` and one of
-/// ours.
+/// Bound of the memory for parsing, per byte of the file.
 ///
-/// Measured: 76 for a file of such lines.
+/// A file that consists of lines `newmtl a` takes 76 bytes per byte (measured).
 const PER_BYTE: u64 = 100;
 
-/// Material of an MTL file; undefined properties are `None`.
+/// Material of an MTL file. A property that the file does not define is `None`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MtlMaterial {
-    /// Name by which `usemtl` refers to it.
+    /// Name, which lines `usemtl` of the mesh file use.
     pub name: String,
     /// Diffuse reflectance (Kd).
     pub diffuse: Option<DVec3>,
@@ -34,7 +33,7 @@ pub struct MtlMaterial {
     pub emission: Option<DVec3>,
     /// Transmittance (Tf).
     pub filter: Option<DVec3>,
-    /// Exponent of the highlight (Ns).
+    /// Phong exponent of the highlight (Ns).
     pub shininess: Option<f64>,
     /// Opacity (d, or 1 − Tr): 1 is opaque.
     pub dissolve: Option<f64>,
@@ -42,16 +41,16 @@ pub struct MtlMaterial {
     pub index: Option<f64>,
     /// Number of the illumination model (illum).
     pub illumination: Option<u8>,
-    /// Picture that multiplies Kd (map_Kd); its path is relative to the same folder as that of the
-    /// MTL file.
+    /// Path of the picture that multiplies Kd (map_Kd), starting with the folder of the MTL file.
     pub texture: Option<PathBuf>,
 }
 
-/// Reads the materials of the `libraries` that the mesh at `mesh` names, in their order.
+/// Reads the material files of a mesh, in the order of `libraries`.
 ///
-/// The last definition of a name counts. A line `mtllib` may hold several paths, or one path with
-/// spaces if such a file exists. Files that take more than `free` bytes, if that number is
-/// known, are refused before that.
+/// `mesh` is the path of the mesh file, and `libraries` its `mtllib` arguments. An argument is one
+/// path, or several paths separated by spaces if the first reading names no file. If a
+/// material is defined several times, the last definition counts. Fails before allocating if a
+/// file takes more than `free` bytes; `None` sets no limit.
 ///
 /// # Errors
 /// [`MeshError`], which names the file.
@@ -79,11 +78,12 @@ pub fn load_libraries(mesh: &Path, libraries: &[String], free: Option<u64>) -> R
     Ok(materials)
 }
 
-/// Materials that a mesh read from `path` names, in the order of its names.
+/// Reads the materials of a mesh, in the order of its list of material names.
+///
+/// `path` is the path of the mesh file. `free` limits the memory, see [`load_libraries`].
 ///
 /// # Errors
-///
-/// [`MeshError`] if a material file is missing or invalid, or if none defines a name.
+/// [`MeshError`] if a material file is missing or invalid, or if a material is not defined.
 pub fn load_mesh_materials(path: &Path, loaded: &LoadedMesh, free: Option<u64>) -> Result<Vec<MtlMaterial>, MeshError> {
     let library = load_libraries(path, &loaded.libraries, free)?;
     let by_name: HashMap<&str, &MtlMaterial> = library.iter().map(|m| (m.name.as_str(), m)).collect();
@@ -94,16 +94,17 @@ pub fn load_mesh_materials(path: &Path, loaded: &LoadedMesh, free: Option<u64>) 
     loaded.mesh.materials.iter().map(find).collect()
 }
 
-/// Parses the bytes of a material file that errors call `path`.
+/// Parses the bytes of an MTL file.
+///
+/// Errors name `path`. Paths of pictures are relative to its folder.
 ///
 /// # Errors
-///
 /// [`MeshError`].
 pub fn decode(path: &Path, bytes: &[u8]) -> Result<Vec<MtlMaterial>, MeshError> {
-    let sound = check::check_mtl_lines(&String::from_utf8_lossy(strip_byte_order_mark(bytes)))
+    let valid_lines = check::check_mtl_lines(&String::from_utf8_lossy(strip_byte_order_mark(bytes)))
         .map_err(|(line, wrong)| MeshError::at_line(path, line, wrong))?;
     let malformed = |source| MeshError::Malformed { path: path.into(), source };
-    let (materials, _) = tobj::load_mtl_buf(&mut sound.as_bytes()).map_err(malformed)?;
+    let (materials, _) = tobj::load_mtl_buf(&mut valid_lines.as_bytes()).map_err(malformed)?;
     let vector = |v: Option<[f64; 3]>| v.map(DVec3::from_array);
     let folder = path.parent().unwrap_or(Path::new(""));
     Ok(materials
@@ -112,7 +113,7 @@ pub fn decode(path: &Path, bytes: &[u8]) -> Result<Vec<MtlMaterial>, MeshError> 
             diffuse: vector(m.diffuse),
             specular: vector(m.specular),
             emission: vector(m.emissive),
-            // `tobj` keeps it as text, which the check has written.
+            // `tobj` keeps `Tf` as text. The check has rewritten it as three numbers.
             filter: m.unknown_param.get("Tf").map(|text| {
                 let mut numbers = text.split(' ').map(|word| word.parse().unwrap_or_default());
                 DVec3::from_array([(); 3].map(|()| numbers.next().unwrap_or_default()))
@@ -127,7 +128,7 @@ pub fn decode(path: &Path, bytes: &[u8]) -> Result<Vec<MtlMaterial>, MeshError> 
         .collect())
 }
 
-/// Path with separators that every system accepts.
+/// Path with backslashes replaced by slashes, which all systems accept as separators.
 fn path_with_slashes(path: &str) -> PathBuf {
     PathBuf::from(path.replace('\\', "/"))
 }

@@ -1,23 +1,23 @@
 use super::*;
 use crate::format::description::{DielectricAbsorption, EmissionDescription, MaterialKindDescription};
 
-fn read_text(text: &str) -> Result<Vec<MtlMaterial>, MeshError> {
+fn decode_text(text: &str) -> Result<Vec<MtlMaterial>, MeshError> {
     decode(Path::new("folder/a.mtl"), text.as_bytes())
 }
 
-fn one(text: &str) -> MtlMaterial {
-    let materials = read_text(&format!("newmtl m\n{text}")).unwrap();
+fn read_single_material(text: &str) -> MtlMaterial {
+    let materials = decode_text(&format!("newmtl m\n{text}")).unwrap();
     assert_eq!(materials.len(), 1);
     materials[0].clone()
 }
 
-fn kind(text: &str) -> MaterialKindDescription {
-    one(text).to_description().unwrap().kind
+fn converted_material_kind(text: &str) -> MaterialKindDescription {
+    read_single_material(text).to_description().unwrap().kind
 }
 
 #[test]
 fn a_byte_order_mark_is_skipped() {
-    assert_eq!(read_text("\u{feff}newmtl a\nKd 1 0 0\n").unwrap(), read_text("newmtl a\nKd 1 0 0\n").unwrap());
+    assert_eq!(decode_text("\u{feff}newmtl a\nKd 1 0 0\n").unwrap(), decode_text("newmtl a\nKd 1 0 0\n").unwrap());
 }
 
 #[test]
@@ -37,13 +37,13 @@ fn every_supported_mtl_line_is_read() {
         illumination: Some(2),
         texture: Some(PathBuf::from("folder/pictures/a b.png")),
     };
-    assert_eq!(one(text), expected);
-    assert_eq!(one(""), MtlMaterial { name: "m".to_owned(), ..MtlMaterial::default() });
-    let two = read_text("# head\n\nnewmtl a b\nKd 1 1 1\nnewmtl c\nd 1\n").unwrap();
+    assert_eq!(read_single_material(text), expected);
+    assert_eq!(read_single_material(""), MtlMaterial { name: "m".to_owned(), ..MtlMaterial::default() });
+    let two = decode_text("# head\n\nnewmtl a b\nKd 1 1 1\nnewmtl c\nd 1\n").unwrap();
     assert_eq!((two[0].name.as_str(), two[1].name.as_str(), two[1].diffuse), ("a b", "c", None));
     // Some exporters write a negative exponent for no highlight.
-    assert_eq!(one("Ns -1.96").shininess, Some(0.0));
-    assert_eq!(one("d -halo .5").dissolve, Some(0.5));
+    assert_eq!(read_single_material("Ns -1.96").shininess, Some(0.0));
+    assert_eq!(read_single_material("d -halo .5").dissolve, Some(0.5));
 }
 
 #[test]
@@ -69,10 +69,10 @@ fn invalid_lines_are_reported() {
         ("map_Kd -s 1 1 1", "`map_Kd` names no picture"),
         ("newmtl", "`newmtl` gives no name"),
     ] {
-        let error = read_text(&format!("newmtl m\n\n{line}\n")).unwrap_err().to_string();
+        let error = decode_text(&format!("newmtl m\n\n{line}\n")).unwrap_err().to_string();
         assert!(error.starts_with("folder/a.mtl:3: ") && error.contains(message), "{error}");
     }
-    let early = read_text("Kd 1 1 1\n").unwrap_err().to_string();
+    let early = decode_text("Kd 1 1 1\n").unwrap_err().to_string();
     assert!(early.contains("a.mtl:1: `Kd` stands before any `newmtl`"), "{early}");
 }
 
@@ -93,38 +93,38 @@ fn mtl_materials_become_scene_materials() {
             priority: 0,
         }
     };
-    assert_eq!(kind(""), phong(1.0, 0.0, 0.0));
-    assert_eq!(kind("Kd .5 .5 .5\nKs .25\nNs 10\nillum 2"), phong(0.5, 0.25, 10.0));
-    assert_eq!(kind("Kd .5 .5 .5\nKs .25\nNs 10"), phong(0.5, 0.25, 10.0));
-    assert_eq!(kind("Kd .5 .5 .5\nKs .25\nNs 10\nillum 1"), phong(0.5, 0.0, 10.0));
+    assert_eq!(converted_material_kind(""), phong(1.0, 0.0, 0.0));
+    assert_eq!(converted_material_kind("Kd .5 .5 .5\nKs .25\nNs 10\nillum 2"), phong(0.5, 0.25, 10.0));
+    assert_eq!(converted_material_kind("Kd .5 .5 .5\nKs .25\nNs 10"), phong(0.5, 0.25, 10.0));
+    assert_eq!(converted_material_kind("Kd .5 .5 .5\nKs .25\nNs 10\nillum 1"), phong(0.5, 0.0, 10.0));
     for model in [4, 6, 7, 9] {
-        assert_eq!(kind(&format!("Kd .5\nNi 1.33\nd 1\nillum {model}")), glass(1.33));
+        assert_eq!(converted_material_kind(&format!("Kd .5\nNi 1.33\nd 1\nillum {model}")), glass(1.33));
     }
-    assert_eq!(kind("Kd .5\nd .1"), glass(1.5));
-    assert_eq!(kind("Kd .5\nTr .9\nNi 1.7\nTf 1 1 1"), glass(1.7));
+    assert_eq!(converted_material_kind("Kd .5\nd .1"), glass(1.5));
+    assert_eq!(converted_material_kind("Kd .5\nTr .9\nNi 1.7\nTf 1 1 1"), glass(1.7));
     let color = DVec3::new(0.9, 1.0, 0.5);
-    match kind("d 0\nTf .9 1 .5") {
+    match converted_material_kind("d 0\nTf .9 1 .5") {
         MaterialKindDescription::Dielectric { attenuation, .. } => {
             assert_eq!(attenuation, DielectricAbsorption::Tint { color, distance: 1.0 });
         }
         other => panic!("{other:?}"),
     }
     for model in [3, 5, 8] {
-        let mirror = kind(&format!("Kd 0\nKs .9 .8 2\nillum {model}"));
+        let mirror = converted_material_kind(&format!("Kd 0\nKs .9 .8 2\nillum {model}"));
         assert_eq!(mirror, MaterialKindDescription::Mirror { reflectance: DVec3::new(0.9, 0.8, 1.0).into() });
     }
-    assert_eq!(kind("Kd .1\nKs .9\nillum 3"), phong(0.1, 0.9, 0.0));
+    assert_eq!(converted_material_kind("Kd .1\nKs .9\nillum 3"), phong(0.1, 0.9, 0.0));
     let whole = std::path::absolute("folder/a.png").unwrap();
-    let lamp = one("Kd 0\nKe 3 2 1\nmap_Kd a.png").to_description().unwrap();
+    let lamp = read_single_material("Kd 0\nKe 3 2 1\nmap_Kd a.png").to_description().unwrap();
     assert_eq!(lamp.emission, Some(EmissionDescription::Radiance(DVec3::new(3.0, 2.0, 1.0))));
     assert!(
         matches!(lamp.kind, MaterialKindDescription::Phong { texture: Some(path), .. } if Path::new(&path.value) == whole)
     );
-    assert_eq!(one("Ke 0 0 0").to_description().unwrap().emission, None);
-    let (message, _) = one("d 0\nNi 0").to_description().unwrap_err();
+    assert_eq!(read_single_material("Ke 0 0 0").to_description().unwrap().emission, None);
+    let (message, _) = read_single_material("d 0\nNi 0").to_description().unwrap_err();
     assert!(message.contains("`m`") && message.contains("`Ni` is 0"), "{message}");
     // The index of an opaque material is not used.
-    assert_eq!(kind("Ni 0"), phong(1.0, 0.0, 0.0));
+    assert_eq!(converted_material_kind("Ni 0"), phong(1.0, 0.0, 0.0));
 }
 
 #[test]
@@ -133,7 +133,9 @@ fn materials_write_and_read_back() {
     let path = folder.path().join("out.mtl");
     let full = MtlMaterial {
         texture: Some(folder.path().join("pictures/a b.png")),
-        ..one("Kd .1 .2 .3\nKs .5\nKe 1e-9 1e20 3\nTf .9 .8 .7\nNs 20.123456789012345\nNi 1.5\nd .1\nillum 2")
+        ..read_single_material(
+            "Kd .1 .2 .3\nKs .5\nKe 1e-9 1e20 3\nTf .9 .8 .7\nNs 20.123456789012345\nNi 1.5\nd .1\nillum 2",
+        )
     };
     let elsewhere =
         MtlMaterial { name: "n".to_owned(), texture: Some(PathBuf::from("/else/c.png")), ..Default::default() };
@@ -166,7 +168,7 @@ proptest::proptest! {
     fn no_text_makes_the_reader_panic(
         words in proptest::collection::vec("newmtl|K[dse]|Tf|N[si]|d|Tr|illum|map_Kd|-s|-o|\n|\\\\|-?[0-9.]{1,4}|.{0,3}", 0..60),
     ) {
-        for material in read_text(&words.join(" ")).unwrap_or_default() {
+        for material in decode_text(&words.join(" ")).unwrap_or_default() {
             let _ = material.to_description();
         }
     }

@@ -1,4 +1,4 @@
-//! Translation of MTL materials to the scene language.
+//! Conversion of MTL materials to materials of the scene language.
 
 use super::MtlMaterial;
 use crate::format::description::{
@@ -8,27 +8,28 @@ use crate::format::line_error::MessageAndRemedy;
 use glam::DVec3;
 use std::path::{PathBuf, absolute};
 
-/// Index of refraction of transparent materials that define none.
-const GLASS: f64 = 1.5;
+/// Index of refraction of transparent materials that define none: that of glass.
+const DEFAULT_INDEX: f64 = 1.5;
 
 impl MtlMaterial {
-    /// Closest material of the scene language.
+    /// Converts to the closest material of the scene language.
     ///
-    /// - A Dielectric of index `Ni`, tinted by `Tf`, if the illumination model is one of glass or
-    ///   refraction (4, 6, 7, 9) or `d` is below 1.
-    /// - A Mirror of `Ks` if the model is one of reflection (3, 5, 8) and `Kd` is black.
-    /// - Else Phong's model of `Kd` and of the picture, with `Ks` and `Ns` if the model has
-    ///   highlights (2 and up, or undefined).
+    /// - Dielectric with index `Ni` and tint `Tf`, if the illumination model is 4, 6, 7 or 9 (glass,
+    ///   refraction) or `d` is below 1.
+    /// - Mirror with reflectance `Ks`, if the model is 3, 5 or 8 (reflection), `Kd` is black and
+    ///   there is no picture.
+    /// - Phong with `Kd` and the picture otherwise. It has the highlight of `Ks` and `Ns`, except in
+    ///   models 0 and 1.
     ///
     /// # Errors
-    /// A message and a remedy if the index of a transparent material is out of range.
+    /// A message and a remedy if the index of a dielectric is not in \[0.001, 1000].
     pub fn to_description(&self) -> Result<MaterialDescription, MessageAndRemedy> {
         let model = self.illumination;
         let diffuse = self.diffuse.unwrap_or(DVec3::ONE);
         let specular = self.specular.unwrap_or(DVec3::ZERO);
         let transparent = matches!(model, Some(4 | 6 | 7 | 9)) || self.dissolve.is_some_and(|d| d < 1.0);
         let kind = if transparent {
-            let index = self.index.unwrap_or(GLASS);
+            let index = self.index.unwrap_or(DEFAULT_INDEX);
             if !(0.001..=1000.0).contains(&index) {
                 let message = format!("the material `{}` is transparent and its `Ni` is {index}", self.name);
                 return Err((message, "give it an index of refraction between 0.001 and 1000"));
@@ -64,7 +65,7 @@ impl MtlMaterial {
     }
 }
 
-/// Absolute path of a picture, since MTL paths are not relative to the scene file.
+/// Absolute path of a picture. The scene language takes relative paths as relative to the scene.
 fn absolute_texture_path(path: &PathBuf) -> Spanned<String> {
     let whole = absolute(path).unwrap_or_else(|_| path.clone());
     Spanned::new(whole.display().to_string(), Span::default())

@@ -6,9 +6,9 @@ use crate::image::{WriteError, replace_file};
 use std::fmt::Write;
 use std::path::{Path, absolute};
 
-/// Writes a material file completely or not at all.
+/// Writes an MTL file completely or not at all.
 ///
-/// Pictures in the folder of `path` or below get relative paths, others absolute paths.
+/// Paths of pictures inside the folder of `path` are written relative to it, others absolute.
 ///
 /// # Errors
 /// [`WriteError`].

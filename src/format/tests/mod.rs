@@ -29,7 +29,7 @@ fn examples_of_the_reference_parse_and_print_back() {
 #[test]
 fn the_reference_tables_match_the_program() {
     let page = include_str!("../../../docs/guide/scene-language.md");
-    assert!(super::with_reference(page) == page, "run `cargo run --example scene_language`");
+    assert!(super::update_reference_tables(page) == page, "run `cargo run --example scene_language`");
     assert_eq!(page.matches("<!-- reference: ").count(), 7);
 }
 
@@ -122,7 +122,7 @@ proptest! {
 
     #[test]
     fn random_bytes_never_panic(bytes in vec(any::<u8>(), 0..200)) {
-        if let Err(error) = super::parse_bytes("bytes", &bytes) {
+        if let Err(error) = super::parse_scene_bytes("bytes", &bytes) {
             prop_assert!(!error.to_string().is_empty());
         }
     }

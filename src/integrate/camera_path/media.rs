@@ -102,7 +102,7 @@ fn photon_radiance<I: Interior>(
 
 /// Continues `path` from a scattering event in a sampled direction; false if Russian roulette ends
 /// it.
-pub(super) fn scatter<I: Interior>(path: &mut PathState<I>, phase: PhaseFunction) -> bool {
+pub(super) fn scatter_in_medium<I: Interior>(path: &mut PathState<I>, phase: PhaseFunction) -> bool {
     let mut next = *path;
     let (direction, pdf) = phase.sample(next.path_ray.ray.direction, path.sampler.get_2d(Dimension::Phase));
     next.path_ray.turn(direction);

@@ -58,9 +58,9 @@ fn signed_filters_are_unbiased_and_keep_flat_areas_noiseless() {
 #[test]
 fn rendered_tiles_are_enough_and_in_all_columns() {
     for size in [(96u32, 72u32), (640, 480), (1920, 1080), (16, 16), (4000, 16)] {
-        let (columns, rows) = (size.0.div_ceil(EDGE), size.1.div_ceil(EDGE));
+        let (columns, rows) = (size.0.div_ceil(TILE_SIZE), size.1.div_ceil(TILE_SIZE));
         let every = tile_interval(size, 48);
-        let rendered: Vec<u32> = (0..columns * rows).filter(|tile| is_rendered(*tile, columns, every)).collect();
+        let rendered: Vec<u32> = (0..columns * rows).filter(|tile| is_tile_rendered(*tile, columns, every)).collect();
         assert!(rendered.len() as u32 >= 40.min(columns * rows / 2).max(1), "{size:?} {every}: {}", rendered.len());
         let columns_rendered: std::collections::HashSet<u32> = rendered.iter().map(|tile| tile % columns).collect();
         assert!(rows < every || columns_rendered.len() as u32 == columns, "{size:?} {every}");
@@ -70,11 +70,11 @@ fn rendered_tiles_are_enough_and_in_all_columns() {
 #[test]
 fn tiles_cover_every_pixel_once() {
     for (width, height) in [(1u32, 1u32), (16, 16), (17, 33), (100, 1)] {
-        let columns = width.div_ceil(EDGE);
+        let columns = width.div_ceil(TILE_SIZE);
         let mut seen = vec![Rgb::ZERO; (width * height) as usize];
-        for mut tile in Tile::cut(&mut seen, &mut [], width) {
-            for (x, y) in pixels_of(tile.index, columns, width, height) {
-                tile.image[(y % EDGE) as usize][(x % EDGE) as usize] += Rgb::new(1.0, x as f32, y as f32);
+        for mut tile in Tile::split_image(&mut seen, &mut [], width) {
+            for (x, y) in tile_pixels(tile.index, columns, width, height) {
+                tile.image[(y % TILE_SIZE) as usize][(x % TILE_SIZE) as usize] += Rgb::new(1.0, x as f32, y as f32);
             }
         }
         let expected = |i| Rgb::new(1.0, (i % width) as f32, (i / width) as f32);

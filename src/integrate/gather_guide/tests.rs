@@ -8,7 +8,7 @@ use crate::sampling::{Dimension, Key, Purpose};
 fn samples_follow_the_pdf() {
     let one = 1.0 / f64::from(warp::uniform_cone_pdf(ONE_MINUS_COS));
     for (directions, cones) in [(vec![Vec3::Z], 1.0), (vec![Vec3::Z, Vec3::X], 2.0), (vec![Vec3::Y, Vec3::Y], 1.0)] {
-        let guide = Guide { directions };
+        let guide = GatherGuide { directions };
         let n = 20_000;
         let covered = (0..n).map(|i| {
             let key = Key::new(2).purpose_key(Purpose::Test).child_key(i);
@@ -18,7 +18,7 @@ fn samples_follow_the_pdf() {
         let mean = covered.sum::<f64>() / n as f64;
         assert!((mean / (cones * one) - 1.0).abs() < 2e-3, "{mean} {cones}");
     }
-    assert_eq!((Guide::default().sample(0.5, Vec2::ZERO), Guide::default().pdf(Vec3::Z)), (None, None));
+    assert_eq!((GatherGuide::default().sample(0.5, Vec2::ZERO), GatherGuide::default().pdf(Vec3::Z)), (None, None));
 }
 
 fn uniform(i: u64) -> (f32, Vec2) {
@@ -30,7 +30,7 @@ fn uniform(i: u64) -> (f32, Vec2) {
 /// error below √(1/(nc)).
 #[test]
 fn the_pdf_integrates_to_one() {
-    let guide = Guide { directions: vec![Vec3::Z, Vec3::X, Vec3::X] };
+    let guide = GatherGuide { directions: vec![Vec3::Z, Vec3::X, Vec3::X] };
     let n = 200_000;
     let density = |i| f64::from(guide.pdf(warp::square_to_uniform_sphere(uniform(i).1)).unwrap_or(0.0));
     let whole = 4.0 * std::f64::consts::PI * (0..n).map(density).sum::<f64>() / n as f64;
@@ -43,7 +43,7 @@ fn the_pdf_integrates_to_one() {
 #[test]
 fn each_cone_is_sampled_evenly() {
     let directions = vec![Vec3::X, Vec3::Y, Vec3::Z];
-    let mut guide = Guide { directions: directions.clone() };
+    let mut guide = GatherGuide { directions: directions.clone() };
     let n = 30_000;
     let samples: Vec<Vec3> = (0..n).filter_map(|i| guide.sample(uniform(i).0, uniform(i).1)).collect();
     for direction in directions {

@@ -1,6 +1,6 @@
 //! Next-event estimation along a segment through a medium: single scattering.
 
-use super::{CENTER, NextEventEstimator, RayScheme, stratum};
+use super::{CENTER, NextEventEstimator, ShadowRayScheme, stratified_point};
 use crate::color::Rgb;
 use crate::integrate::film::Worker;
 use crate::integrate::vertex::MediumVertex;
@@ -39,15 +39,15 @@ impl NextEventEstimator<'_> {
             Some(ScatterPoint { p: segment.ray.at(t), weight: distance_sample.weight })
         };
         let mut sum = Rgb::ZERO;
-        match (self.scheme(vertex.history), &self.light_sampler) {
-            (RayScheme::All(rays), _) => {
+        match (self.shadow_ray_scheme(vertex.history), &self.light_sampler) {
+            (ShadowRayScheme::All(rays), _) => {
                 for (i, light) in self.lights.iter().enumerate() {
                     let rays = if !light.is_delta() && !self.centers { rays } else { 1 };
                     let sampler = vertex.shadow_sampler.nth_shadow_ray_sampler(i);
                     for ray in 0..rays {
                         let sampler = sampler.split_sample(ray, rays);
                         let pivot = light.emission_point().filter(|_| segment.medium.is_homogeneous());
-                        let point = pivot.map_or_else(path_point, |pivot| sample_near(vertex, pivot, sampler));
+                        let point = pivot.map_or_else(path_point, |pivot| sample_near_pivot(vertex, pivot, sampler));
                         if let Some(point) = point {
                             sum +=
                                 self.shadow_ray_in_medium(&point, i, vertex, sampler, rays as f32, continues, worker);
@@ -55,18 +55,18 @@ impl NextEventEstimator<'_> {
                     }
                 }
             }
-            (RayScheme::Chosen(rays), Some(light_sampler)) => {
+            (ShadowRayScheme::Chosen(rays), Some(light_sampler)) => {
                 let Some(point) = path_point() else { return Rgb::ZERO };
                 let start = vertex.shadow_sampler.get_1d(Dimension::Light);
                 for i in 0..rays {
-                    let u = stratum(i, start, rays);
+                    let u = stratified_point(i, start, rays);
                     let Some((light, probability, _)) = light_sampler.sample(point.p, None, u) else { continue };
                     let sampler = vertex.shadow_sampler.nth_shadow_ray_sampler(i as usize);
                     let rays = probability * rays as f32;
                     sum += self.shadow_ray_in_medium(&point, light, vertex, sampler, rays, continues, worker);
                 }
             }
-            (RayScheme::Chosen(_), None) => {}
+            (ShadowRayScheme::Chosen(_), None) => {}
         }
         sum
     }
@@ -99,7 +99,7 @@ impl NextEventEstimator<'_> {
         }
         let (ray, t_max) = match sample.target {
             ShadowTarget::Point(target) => (
-                Ray::between_points(point.p, self.ray_end(light, &sample, target, point.p)),
+                Ray::between_points(point.p, self.shadow_ray_end(light, &sample, target, point.p)),
                 (target - point.p).length(),
             ),
             ShadowTarget::Infinity => (Ray::new(point.p, sample.wi), f32::INFINITY),
@@ -124,10 +124,10 @@ impl NextEventEstimator<'_> {
 ///
 /// Equiangular sampling: Kulla and Fajardo 2012, "Importance Sampling Techniques for Path Tracing
 /// in Participating Media".
-fn sample_near<I: Interior>(vertex: &MediumVertex<'_, I>, pivot: Vec3, sampler: Sampler) -> Option<ScatterPoint> {
+fn sample_near_pivot<I: Interior>(vertex: &MediumVertex<'_, I>, pivot: Vec3, sampler: Sampler) -> Option<ScatterPoint> {
     let MediumSegment { ray, medium, .. } = vertex.segment;
     let mut rng = sampler.sample_key().medium_distance_key().rng();
-    let angles = Equiangular::new(ray, pivot);
+    let angles = EquiangularDistribution::new(ray, pivot);
     let Vec2 { x: which, y: u } = sampler.get_2d(Dimension::Medium);
     let t = if which < 0.5 {
         medium.distance_sample(ray, ray.t_max, vertex.throughput, &mut rng).scattered?
@@ -143,7 +143,7 @@ fn sample_near<I: Interior>(vertex: &MediumVertex<'_, I>, pivot: Vec3, sampler: 
 }
 
 /// Equiangular distribution of distances along a ray, as seen from a point.
-struct Equiangular {
+struct EquiangularDistribution {
     /// Ray parameter of the position closest to the point \[length].
     closest: f32,
     /// Distance between ray and point \[length].
@@ -154,7 +154,7 @@ struct Equiangular {
     to: f32,
 }
 
-impl Equiangular {
+impl EquiangularDistribution {
     fn new(ray: &Ray, pivot: Vec3) -> Self {
         let to = pivot - ray.origin;
         let closest = to.dot(ray.direction);

@@ -12,8 +12,8 @@ fn lights() -> Vec<Light> {
         Light::Spot(SpotLight {
             position: Vec3::new(0.3, 3.0, 0.1),
             axis: Vec3::NEG_Y,
-            inner: 0.05,
-            outer: 0.2,
+            inner_one_minus_cos: 0.05,
+            outer_one_minus_cos: 0.2,
             peak: Rgb::splat(2.0),
         }),
         Light::Projector(projector()),
@@ -113,7 +113,8 @@ fn pdf(light: &Light, w: Vec3) -> f64 {
     match light {
         Light::Point(_) => uniform,
         Light::Spot(spot) => {
-            f64::from(u8::from(1.0 - w.dot(spot.axis) < spot.outer)) * 2.0 * uniform / f64::from(spot.outer)
+            f64::from(u8::from(1.0 - w.dot(spot.axis) < spot.outer_one_minus_cos)) * 2.0 * uniform
+                / f64::from(spot.outer_one_minus_cos)
         }
         Light::Projector(projector) => f64::from(projector.pdf(w)),
         Light::Goniometric(light) => f64::from(light.pdf(w)),

@@ -3,6 +3,7 @@
 use super::environment::sky_map;
 use super::*;
 use crate::image::Image;
+use crate::light::point::PositionalLight;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 

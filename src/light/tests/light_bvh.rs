@@ -25,7 +25,13 @@ fn strewn(n: u64) -> Vec<Light> {
             1 => {
                 // Half of them have no rim.
                 let outer = if i % 12 == 1 { 0.4 } else { 0.1 };
-                Light::Spot(SpotLight { position: place, axis, inner: 0.1, outer, peak: Rgb::splat(strength) })
+                Light::Spot(SpotLight {
+                    position: place,
+                    axis,
+                    inner_one_minus_cos: 0.1,
+                    outer_one_minus_cos: outer,
+                    peak: Rgb::splat(strength),
+                })
             }
             2 => area(Shape::Sphere(SphereShape::new(center, 0.1)), 30.0 * strength),
             3 => area(Shape::Rectangle(Rectangle::new(center, s * 0.3, t * 0.2)), 15.0 * strength),

@@ -81,7 +81,8 @@ fn edge_coverage_matches_kernel_integral() {
     for kernel in KERNELS {
         let beyond = (0..2000).map(|i| {
             let t = 0.5 + (f64::from(i) + 0.5) / 4000.0;
-            2.0 * libm::acos(0.5 / t) * f64::from(kernel.shape((t * t) as f32) * kernel.scale(1.0)) * t / 4000.0
+            2.0 * libm::acos(0.5 / t) * f64::from(kernel.unnormalized((t * t) as f32) * kernel.normalization(1.0)) * t
+                / 4000.0
         });
         assert_coverage(&square_scene(), DVec3::X * 0.75, kernel, 1.0 - beyond.sum::<f64>());
     }

@@ -1,48 +1,51 @@
-//! Guiding distributions, fitted to the samples of a pilot.
+//! Guiding distributions over primary samples of emission, fitted to pilot samples.
 
 use crate::light::{EmissionDimensions, Light};
 use crate::sampling::SquareGridDistribution;
 use glam::Vec2;
 
-/// Sample of one pilot path.
+/// Emission of one pilot path and its measured effect on the picture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GuidingSample {
     /// Index of the light.
     pub light: usize,
-    /// Sample point of the position, in \[0, 1)².
+    /// Primary sample of the position on the light, in \[0, 1)².
     pub position: Vec2,
-    /// Sample point of the direction, in \[0, 1)².
+    /// Primary sample of the direction, in \[0, 1)².
     pub direction: Vec2,
-    /// Inverse pdf of position and direction.
+    /// Inverse of the joint pdf of `position` and `direction`.
     pub weight: f64,
-    /// Sum of the squared changes of the picture, as if its light were the only one and not guided.
+    /// Sum of the squared changes of the picture by the path's photons.
+    ///
+    /// The flux of the path is not divided by the pdf or by the probability of the light.
     pub square: f64,
 }
 
-/// Least mean number of samples per cell of the finest level.
+/// Least mean number of samples per cell.
 const MIN_SAMPLES_PER_CELL: usize = 4;
 
-/// Largest number of subdivisions of both squares together: 4096 cells.
+/// Largest number of subdivisions of the two squares together; it gives 4096 cells.
 const MAX_SUBDIVISIONS: u32 = 6;
 
-/// Weight of a cell's parent, in samples (shrinkage).
+/// Number of samples that the value of a cell's parent counts as (shrinkage estimator).
 const PARENT_WEIGHT: f64 = 8.0;
 
-/// Numbers of subdivisions of the square of positions and of the square of directions.
+/// Numbers of subdivisions of the positions' and of the directions' unit square.
 type CellResolution = (u32, u32);
 
-/// Mean squared changes in the cells of one level. Cells of positions are the outer index.
+/// Mean squared change of the picture in each cell of a grid over \[0, 1)⁴.
 #[derive(Clone, Debug)]
 struct GuidingCells {
-    level: CellResolution,
+    resolution: CellResolution,
+    /// Mean squared changes. The cell of the position is the outer index.
     squares: Vec<f64>,
 }
 
 impl GuidingCells {
     fn new<'s>(
-        level: CellResolution,
+        resolution: CellResolution,
         samples: impl Iterator<Item = &'s GuidingSample>,
-        parents: Option<&Self>,
+        parent_cells: Option<&Self>,
     ) -> Self {
         #[derive(Clone, Copy, Default)]
         struct Sum {
@@ -50,10 +53,10 @@ impl GuidingCells {
             weight: f64,
             square: f64,
         }
-        let (positions, directions) = (1usize << level.0, 1usize << level.1);
+        let (positions, directions) = (1usize << resolution.0, 1usize << resolution.1);
         let mut sums = vec![Sum::default(); (positions * directions) * (positions * directions)];
         for s in samples {
-            let sum = &mut sums[cell_index(level, s.position, s.direction)];
+            let sum = &mut sums[cell_index(resolution, s.position, s.direction)];
             sum.count += 1.0;
             sum.weight += s.weight;
             sum.square += s.weight * s.square;
@@ -61,57 +64,63 @@ impl GuidingCells {
         let center = |i: usize, side: usize| (Vec2::new((i % side) as f32, (i / side) as f32) + 0.5) / side as f32;
         let square = |(i, sum): (usize, &Sum)| {
             let inner = directions * directions;
-            let parent = parents
-                .map(|p| p.squares[cell_index(p.level, center(i / inner, positions), center(i % inner, directions))]);
+            let parent = parent_cells.map(|p| {
+                p.squares[cell_index(p.resolution, center(i / inner, positions), center(i % inner, directions))]
+            });
             let own = if sum.count > 0.0 { sum.square / sum.weight } else { 0.0 };
             parent.map_or(own, |parent| (sum.count * own + PARENT_WEIGHT * parent) / (sum.count + PARENT_WEIGHT))
         };
         let squares = sums.iter().enumerate().map(square).collect();
-        Self { level, squares }
+        Self { resolution, squares }
     }
 
-    /// Mean of the root mean squares: the standard deviation of a guided estimate.
+    /// Mean over cells of the root mean square: the root of the second moment of an ideally guided
+    /// estimate.
     fn guided_deviation(&self) -> f64 {
         self.squares.iter().map(|s| s.sqrt()).sum::<f64>() / self.squares.len() as f64
     }
 
-    /// Pdf of each cell, proportional to the root mean square, with a uniform fraction.
+    /// Pdf in each cell: a `uniform` fraction, and the rest in proportion to the root mean square.
     fn cell_pdfs(&self, uniform: f64) -> Vec<f64> {
         let mean = self.guided_deviation();
         let pdf = |s: &f64| if mean > 0.0 { uniform + (1.0 - uniform) * s.sqrt() / mean } else { 1.0 };
         self.squares.iter().map(pdf).collect()
     }
 
-    /// Second moment of an estimate that is guided by these cells, measured with other `samples`.
+    /// Sum of squared contributions of `samples` if these cells guided the emission.
+    ///
+    /// `samples` must not be those that the cells were fitted to.
     fn second_moment<'s>(&self, uniform: f64, samples: impl Iterator<Item = &'s GuidingSample>) -> f64 {
         let cell_pdfs = self.cell_pdfs(uniform);
-        samples.map(|s| s.weight * s.square / cell_pdfs[cell_index(self.level, s.position, s.direction)]).sum()
+        samples.map(|s| s.weight * s.square / cell_pdfs[cell_index(self.resolution, s.position, s.direction)]).sum()
     }
 }
 
+/// Index into [`GuidingCells::squares`] of the cell that contains a sample.
 #[inline]
-fn cell_index(level: CellResolution, position: Vec2, direction: Vec2) -> usize {
-    let directions = 1usize << level.1;
-    SquareGridDistribution::cell_index(1 << level.0, position) * directions * directions
+fn cell_index(resolution: CellResolution, position: Vec2, direction: Vec2) -> usize {
+    let directions = 1usize << resolution.1;
+    SquareGridDistribution::cell_index(1 << resolution.0, position) * directions * directions
         + SquareGridDistribution::cell_index(directions, direction)
 }
 
-/// Cells fitted to the samples of one light.
+/// Grid of cells fitted to the pilot samples of one light.
 #[derive(Clone, Debug)]
 pub(super) struct GuidingFit {
     cells: GuidingCells,
 }
 
 impl GuidingFit {
-    /// Fits cells to the samples of a light; `uniform` is the fraction of the distribution that
-    /// stays uniform.
+    /// Fits a grid of cells to the samples of `light`.
     ///
-    /// Each step subdivides the square of positions or that of directions, whichever gives the
-    /// smaller second moment. The best level of all steps is kept. Second moments are
-    /// cross-validated between two halves of the samples against overfitting.
+    /// Each step subdivides the positions' or the directions' unit square, whichever gives the
+    /// smaller second moment. The best resolution of all steps is kept. Second moments are
+    /// cross-validated between two halves of the samples against overfitting. `uniform` is the
+    /// uniform fraction of the guided pdf.
     pub fn new(light: &Light, samples: &[&GuidingSample], uniform: f64) -> Self {
-        let EmissionDimensions { position, direction } = light.emission_dimensions();
-        let most = (if position { MAX_SUBDIVISIONS } else { 0 }, if direction { MAX_SUBDIVISIONS } else { 0 });
+        let EmissionDimensions { uses_position, uses_direction } = light.emission_dimensions();
+        let most =
+            (if uses_position { MAX_SUBDIVISIONS } else { 0 }, if uses_direction { MAX_SUBDIVISIONS } else { 0 });
         let half = |i: usize| samples.iter().copied().skip(i).step_by(2);
         let cost = |halves: &[GuidingCells; 2]| {
             halves[0].second_moment(uniform, half(1)) + halves[1].second_moment(uniform, half(0))
@@ -123,14 +132,16 @@ impl GuidingFit {
             if MIN_SAMPLES_PER_CELL << (2 * subdivisions) > samples.len() {
                 break;
             }
-            let (p, d) = cells.level;
-            let finer = [(p + 1, d), (p, d + 1)].into_iter().filter(|level| level.0 <= most.0 && level.1 <= most.1);
-            let refined = finer.map(|level| {
-                let halves = [0, 1].map(|i| GuidingCells::new(level, half(i), Some(&halves[i])));
+            let (p, d) = cells.resolution;
+            let finer = [(p + 1, d), (p, d + 1)]
+                .into_iter()
+                .filter(|resolution| resolution.0 <= most.0 && resolution.1 <= most.1);
+            let refined = finer.map(|resolution| {
+                let halves = [0, 1].map(|i| GuidingCells::new(resolution, half(i), Some(&halves[i])));
                 (cost(&halves), halves)
             });
             let Some((least, refined)) = refined.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
-            cells = GuidingCells::new(refined[0].level, samples.iter().copied(), Some(&cells));
+            cells = GuidingCells::new(refined[0].resolution, samples.iter().copied(), Some(&cells));
             halves = refined;
             if least < best.0 {
                 best = (least, cells.clone());
@@ -139,14 +150,15 @@ impl GuidingFit {
         Self { cells: best.1 }
     }
 
-    /// Standard deviation of a guided path of this light, which determines its probability.
+    /// Root of the second moment of guided paths of this light. Light probabilities are
+    /// proportional to it.
     pub fn guided_deviation(&self) -> f64 {
         self.cells.guided_deviation()
     }
 
-    /// The guiding distribution with a uniform fraction; `None` for a single cell.
+    /// The guiding distribution with a `uniform` fraction; `None` if the fit has a single cell.
     pub fn to_distribution(&self, uniform: f64) -> Option<GuidingDistribution> {
-        let (p, d) = self.cells.level;
+        let (p, d) = self.cells.resolution;
         if (p, d) == (0, 0) {
             return None;
         }
@@ -163,20 +175,20 @@ impl GuidingFit {
     }
 }
 
-/// Distribution of the sample points of emission: of positions, and of directions within each cell
-/// of positions.
+/// Piecewise constant pdf over primary samples of position and direction, in \[0, 1)⁴.
 #[derive(Clone, Debug)]
 pub(in crate::photon) struct GuidingDistribution {
-    /// Cells of positions along each side.
+    /// Number of position cells along each side of the unit square.
     side: usize,
+    /// Marginal pdf of positions.
     positions: SquareGridDistribution,
-    /// Distribution of directions within each cell of positions.
+    /// Conditional pdf of directions for each position cell.
     directions: Vec<SquareGridDistribution>,
 }
 
 impl GuidingDistribution {
-    /// Maps two uniform points of \[0, 1)² to the sample points of a position and a direction, with
-    /// their pdf.
+    /// Maps two uniform points of \[0, 1)² to primary samples of position and direction, and
+    /// returns their pdf.
     #[inline]
     pub fn sample(&self, position: Vec2, direction: Vec2) -> (Vec2, Vec2, f32) {
         let (position, pdf) = self.positions.sample(position);
@@ -185,7 +197,7 @@ impl GuidingDistribution {
         (position, direction, pdf * conditional)
     }
 
-    /// Pdf of the sample points of a position and a direction.
+    /// Joint pdf of primary samples of position and direction.
     #[cfg(test)]
     pub fn pdf(&self, position: Vec2, direction: Vec2) -> f32 {
         self.positions.pdf(position)

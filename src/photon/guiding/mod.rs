@@ -1,4 +1,4 @@
-//! Emission guiding: a pilot finds which emitted photons change the picture.
+//! Emission guiding: a pilot learns which emitted photon paths affect the picture.
 
 mod distribution;
 #[cfg(test)]
@@ -11,71 +11,73 @@ use super::trace::PathTally;
 use super::{PhotonPass, PhotonSource, Scratch, StoreMask, VisiblePointMap};
 use crate::color;
 use crate::sampling::{DiscreteDistribution, Key, Purpose};
-use crate::scene::{Interior, InteriorKind, InteriorStack, NoInterior, SpectralInterior};
+use crate::scene::{Interior, for_interior};
 use distribution::{GuidingFit, GuidingSample};
 use rayon::prelude::*;
 
-/// Rounds of a pilot. Each round samples by the distribution of the rounds before.
+/// Number of rounds of a pilot. Each round is guided by the samples of the rounds before.
 const ROUNDS: u32 = 2;
 
-/// Paths per parallel chunk.
+/// Photon paths per parallel task.
 const CHUNK: u32 = 4096;
 
-/// Fraction of the emission that stays unguided (defensive sampling). It bounds path weights by its
-/// inverse.
+/// Fraction of the guided pdf that is the unguided pdf (defensive sampling).
+///
+/// It bounds the weights of guided paths by 5 times the unguided weight.
 const DEFENSIVE_FRACTION: f64 = 0.2;
 
 /// Settings of the pilot for emission guiding.
 #[derive(Clone, Copy, Debug)]
 pub struct GuidingPilot<'a> {
-    /// Photons that count.
+    /// Kinds of photons that the render stores. Other photons have no effect on the picture.
     pub mask: StoreMask,
-    /// Number of bounces after which a path ends.
+    /// Largest number of scattering events per path.
     pub max_bounces: u32,
-    /// Visible points, where photons count.
+    /// Points seen by the camera. Their density gives the importance of a photon.
     pub visible: &'a VisiblePointMap,
-    /// Number of paths; [`GuidingPilot::PATHS`] suffices for most scenes.
+    /// Number of photon paths of the pilot; [`GuidingPilot::PATHS`] suffices for most scenes.
     pub paths: u32,
     /// Seed of the render.
     pub seed: u64,
 }
 
 impl GuidingPilot<'_> {
-    /// Default number of paths: enough to resolve 1000 cells if 1 % of the paths are visible.
+    /// Default number of photon paths of the pilot.
+    ///
+    /// If 1 % of the paths reach a visible point, the pilot has 1300 useful samples.
     pub const PATHS: u32 = 1 << 17;
 }
 
 /// Result of a pilot for emission guiding.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct GuidingReport {
-    /// Number of traced paths.
+    /// Number of photon paths that the pilot traced.
     pub paths: u64,
-    /// Number of traced rays.
+    /// Number of rays that the pilot traced.
     pub rays: u64,
-    /// Fraction of unguided paths that light a visible point.
+    /// Fraction of the unguided photon paths that store a photon near a visible point.
     pub useful: f64,
-    /// Factor by which guiding reduces the paths needed for equal variance of the picture; 1
-    /// without guiding.
+    /// Estimated number of unguided photon paths over guided ones for equal variance of the
+    /// picture; 1 without guiding.
     ///
-    /// The last round of the pilot measures the distribution of the rounds before.
+    /// It is the ratio of second moments of the first, unguided round and the last, guided round.
     pub gain: f64,
 }
 
 impl PhotonSource<'_> {
-    /// The source with guided emission: lights, positions and directions are sampled by their
-    /// effect on the picture.
+    /// Returns the source with importance-sampled lights, positions and directions.
     ///
-    /// For each path, a pilot measures the sum of the squared changes of the picture by its
-    /// photons. The guided pdf is proportional to the root of the mean square, which minimises the
-    /// variance (Pharr, Jakob, Humphreys 2023, section 2.2.2). It is mixed with the unguided pdf,
-    /// so every mean is unbiased and weights are bounded. If the pilot lights no visible point, the
-    /// source stays unguided. The result depends only on the scene, this source and `pilot`.
+    /// A pilot traces photon paths and sums, for each path, the squared changes of the picture by
+    /// its photons. The guided pdf is proportional to the root mean square of that change, which
+    /// minimises the variance. It is mixed with the unguided pdf, which bounds the weights and
+    /// keeps the estimate unbiased. If no photon of the pilot reaches a visible point, the source
+    /// stays unguided. The result depends only on the scene, this source and `pilot`.
     #[must_use]
     pub fn with_guided_emission(mut self, pilot: &GuidingPilot<'_>) -> (Self, GuidingReport) {
-        let unguided = self.choice.clone();
+        let unguided = self.light_distribution.clone();
         let mut report = GuidingReport { gain: 1.0, ..GuidingReport::default() };
         let mut samples = Vec::new();
-        let mut first = 0.0;
+        let mut unguided_moment = 0.0;
         for round in 0..ROUNDS {
             let found = self.trace_round(pilot, round);
             report.paths += found.samples.len() as u64;
@@ -83,9 +85,9 @@ impl PhotonSource<'_> {
             if round == 0 {
                 let useful = found.samples.iter().filter(|s| s.square > 0.0).count();
                 report.useful = useful as f64 / found.samples.len().max(1) as f64;
-                first = found.second_moment;
-            } else if found.second_moment > 0.0 && first > 0.0 {
-                report.gain = first / found.second_moment;
+                unguided_moment = found.second_moment;
+            } else if found.second_moment > 0.0 && unguided_moment > 0.0 {
+                report.gain = unguided_moment / found.second_moment;
             }
             samples.extend(found.samples);
             self.fit_guiding(&samples, &unguided);
@@ -93,7 +95,7 @@ impl PhotonSource<'_> {
         (self, report)
     }
 
-    /// Traces one round of the pilot.
+    /// Traces the photon paths of one pilot round.
     fn trace_round(&self, pilot: &GuidingPilot<'_>, round: u32) -> RoundSamples {
         let key = Key::new(pilot.seed).purpose_key(Purpose::GuidingTraining).training_round_key(round);
         let paths = pilot.paths / ROUNDS;
@@ -101,11 +103,7 @@ impl PhotonSource<'_> {
             .into_par_iter()
             .map(|chunk| {
                 let range = chunk * CHUNK..paths.min((chunk + 1).saturating_mul(CHUNK));
-                match self.interior_kind() {
-                    InteriorKind::Spectral => self.trace_chunk::<SpectralInterior>(pilot, key, range, paths),
-                    InteriorKind::Bodies => self.trace_chunk::<InteriorStack>(pilot, key, range, paths),
-                    InteriorKind::Nothing => self.trace_chunk::<NoInterior>(pilot, key, range, paths),
-                }
+                for_interior!(self, <I> self.trace_chunk::<I>(pilot, key, range, paths))
             })
             .collect();
         let mut total = RoundSamples::default();
@@ -139,7 +137,7 @@ impl PhotonSource<'_> {
                     square += flux * flux * f64::from(importance);
                 });
             }
-            // One path with an infinite change must not dominate the distribution.
+            // An infinite change cannot be normalised, so it is ignored.
             let square = if square.is_finite() { square } else { 0.0 };
             let weight = 1.0 / f64::from(point.pdf);
             let contribution = weight / f64::from(point.probability);
@@ -151,28 +149,30 @@ impl PhotonSource<'_> {
         found
     }
 
-    /// Fits the guiding distributions to the samples of all rounds.
+    /// Fits the probabilities and guiding distributions of all lights to the samples of all rounds.
+    ///
+    /// `unguided` holds the light probabilities before guiding.
     fn fit_guiding(&mut self, samples: &[GuidingSample], unguided: &DiscreteDistribution) {
         let lights = self.scene.lights();
-        let mut of_light: Vec<Vec<&GuidingSample>> = vec![Vec::new(); lights.len()];
+        let mut samples_by_light: Vec<Vec<&GuidingSample>> = vec![Vec::new(); lights.len()];
         for sample in samples {
-            of_light[sample.light].push(sample);
+            samples_by_light[sample.light].push(sample);
         }
         let fits: Vec<GuidingFit> = lights
             .par_iter()
-            .zip(&of_light)
+            .zip(&samples_by_light)
             .map(|(light, samples)| GuidingFit::new(light, samples, DEFENSIVE_FRACTION))
             .collect();
         let total: f64 = fits.iter().map(GuidingFit::guided_deviation).sum();
         if !(total > 0.0 && total.is_finite()) {
             return;
         }
-        // The mixture is over all lights: a light with a higher guided probability needs a smaller
-        // fraction of its own.
+        // The defensive fraction holds for the joint pdf of light, position and direction. A light
+        // that guiding makes more probable needs a smaller uniform fraction.
         let defensive = |i: usize| DEFENSIVE_FRACTION * f64::from(unguided.probability(i));
         let chosen = |i: usize| defensive(i) + (1.0 - DEFENSIVE_FRACTION) * fits[i].guided_deviation() / total;
         if let Some(choice) = DiscreteDistribution::new((0..lights.len()).map(chosen)) {
-            self.choice = choice;
+            self.light_distribution = choice;
             self.guiding =
                 fits.iter().enumerate().map(|(i, fit)| fit.to_distribution(defensive(i) / chosen(i))).collect();
         }
@@ -183,7 +183,8 @@ impl PhotonSource<'_> {
 #[derive(Debug, Default)]
 struct RoundSamples {
     samples: Vec<GuidingSample>,
-    /// Sum over the paths of their squared contributions.
+    /// Sum of the squared weighted contributions of the paths to the picture.
     second_moment: f64,
+    /// Number of traced rays.
     rays: u64,
 }

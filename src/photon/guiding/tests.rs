@@ -226,7 +226,7 @@ fn guiding_prefers_the_visible_lamp() {
         b.delta_light(DeltaLightKind::Point { position: LAMP }, strength);
     });
     let (guided, _) = guided_source(&scene, &visible_corner_map(&scene));
-    let share = guided.choice.probability(1);
+    let share = guided.light_distribution.probability(1);
     assert!((share - (1.0 - 0.5 * DEFENSIVE_FRACTION as f32)).abs() < 1e-6, "{share}");
 }
 

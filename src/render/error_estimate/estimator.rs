@@ -163,7 +163,7 @@ impl ErrorEstimator {
     /// Predicts the error of later passes from `estimate`; `None` before [`MIN_PASSES`] passes.
     #[must_use]
     pub fn forecast(&self, estimate: &ErrorEstimate) -> Option<ErrorForecast> {
-        let law = self.law.map(|law| (law.alpha, law.kernel.step_noise()));
+        let law = self.law.map(|law| (law.alpha, law.kernel.difference_variance()));
         estimate.error.is_finite().then(|| ErrorForecast::new(estimate, law))
     }
 

@@ -7,7 +7,7 @@
 
 use super::compare::{Estimate, Grid, Renders, compare, compare_renders};
 use super::methods::{Effort, Method};
-use crate::support::{flux_where, scene, trace};
+use crate::support::{flux_where, scene_from_text, trace_photon_passes};
 use caustica::photon::StoreMask;
 use caustica::scene::Scene;
 use glam::DVec3;
@@ -33,9 +33,9 @@ const CEILING: &str = "Rectangle { corner -1.5 1.3 -1.5  edge0 3 0 0  edge1 0 0 
 const BALL: &str = "Sphere { center 0 1.1 0  radius .5 }";
 const COARSE: &str = "Transform { Translate 0 1.2 0  UniformScale .7  TriangleMesh { obj_file coarse-ball.obj } }";
 
-fn room(light: &str, materials: &str, objects: &str) -> Scene {
+fn furnished_room(light: &str, materials: &str, objects: &str) -> Scene {
     let floor = "Rectangle { corner -2 0 -2  edge0 0 0 4  edge1 4 0 0 }";
-    scene(&format!(
+    scene_from_text(&format!(
         "PerspectiveCamera {{ center 0 {HALF} 0  direction 0 -1 0  up 0 0 1  angle 90  width 8  height 8 }}
         Background {{ color 0 0 0 }}
         Lights {{ {light} }}
@@ -45,8 +45,8 @@ fn room(light: &str, materials: &str, objects: &str) -> Scene {
 }
 
 /// Returns the window's mean irradiance times ρ/π, by photons.
-fn by_photons(scene: &Scene, mask: StoreMask, passes: u32) -> Estimate {
-    let traced = trace(scene, mask, 1000, passes, 1 << 17);
+fn flux_by_photons(scene: &Scene, mask: StoreMask, passes: u32) -> Estimate {
+    let traced = trace_photon_passes(scene, mask, 1000, passes, 1 << 17);
     let window = |p: DVec3| p.y.abs() < 1e-3 && p.x.abs() < HALF && p.z.abs() < HALF;
     let per_area = ALBEDO / PI / (4.0 * HALF * HALF);
     let samples: Vec<DVec3> =
@@ -59,13 +59,13 @@ fn by_photons(scene: &Scene, mask: StoreMask, passes: u32) -> Estimate {
 
 /// Compares both sides. `least` is the least fraction of the flux that must involve the object, so
 /// that the comparison tests it.
-fn check(what: &str, scene: &Scene, least: f64) {
-    check_with(PASSES, what, scene, least);
+fn check_adjoint(what: &str, scene: &Scene, least: f64) {
+    check_adjoint_with_settings(PASSES, what, scene, least);
 }
 
-fn check_with(passes: u32, what: &str, scene: &Scene, least: f64) {
-    let photons = by_photons(scene, StoreMask::ALL, passes);
-    let direct = by_photons(scene, StoreMask::DIRECT, 2);
+fn check_adjoint_with_settings(passes: u32, what: &str, scene: &Scene, least: f64) {
+    let photons = flux_by_photons(scene, StoreMask::ALL, passes);
+    let direct = flux_by_photons(scene, StoreMask::DIRECT, 2);
     let part = 1.0 - direct.mean[0].x / photons.mean[0].x;
     assert!(part >= least, "{what}: only {part} comes by the object");
     let effort = Effort { passes, samples: 384, photons: 0, caustic: 0, radius: 1.0 };
@@ -89,7 +89,7 @@ fn reflections_agree_from_camera_and_light() {
             "Diffuse a { reflectance .9 .7 .5 } Mirror b { reflectance .9 .8 .7 } Mix m { first a second b amount .4 }",
         ),
     ] {
-        check(name, &room(UP, material, &format!("MaterialName m {CEILING}")), 0.95);
+        check_adjoint(name, &furnished_room(UP, material, &format!("MaterialName m {CEILING}")), 0.95);
     }
 }
 
@@ -101,7 +101,7 @@ fn refractions_agree_from_camera_and_light() {
         ("very frosted glass", "Dielectric m { indexOfRefraction 1.5  roughness .6 }", BALL),
         ("pane", "Thin m { indexOfRefraction 1.5  transmittance .9 .5 .9 }", CEILING),
     ] {
-        check(name, &room(DOWN, material, &format!("MaterialName m {object}")), 0.3);
+        check_adjoint(name, &furnished_room(DOWN, material, &format!("MaterialName m {object}")), 0.3);
     }
 }
 
@@ -117,10 +117,10 @@ fn shading_normals_agree_from_camera_and_light() {
         ("glass", DOWN, "Dielectric m { indexOfRefraction 1.5 }", 0.3),
         ("frosted glass", DOWN, "Dielectric m { indexOfRefraction 1.5  roughness .2 }", 0.3),
     ] {
-        check_with(
+        check_adjoint_with_settings(
             UNEVEN,
             &format!("smoothly shaded {name}"),
-            &room(light, material, &format!("MaterialName m {COARSE}")),
+            &furnished_room(light, material, &format!("MaterialName m {COARSE}")),
             least,
         );
     }
@@ -138,7 +138,7 @@ fn nested_dielectrics_agree_from_camera_and_light() {
         MaterialName water Sphere { center 0 1.1 0  radius .42 }
         MaterialName ice Sphere { center .1 1.35 0  radius .22 }
         MaterialName oil Sphere { center -.4 1.1 .1  radius .25 }";
-    check("nested bodies", &room(DOWN, materials, objects), 0.3);
+    check_adjoint("nested bodies", &furnished_room(DOWN, materials, objects), 0.3);
 }
 
 /// A light inside dielectric bodies.
@@ -150,17 +150,17 @@ fn enclosed_light_agrees_from_camera_and_light() {
         Dielectric air { indexOfRefraction 1  priority 1 }";
     let objects = "MaterialName glass Sphere { center 0 1.1 0  radius .45 }
         MaterialName air Sphere { center 0 1.1 0  radius .38 }";
-    check("lamp in a bulb", &room(lamp, bulb, objects), 0.99);
+    check_adjoint("lamp in a bulb", &furnished_room(lamp, bulb, objects), 0.99);
     let ball = "MaterialName glass Sphere { center 0 1.1 0  radius .45 }";
     let solid = "Dielectric glass { indexOfRefraction 1.5  absorption .3 1 2 }";
-    check("lamp in solid glass", &room(lamp, solid, ball), 0.99);
+    check_adjoint("lamp in solid glass", &furnished_room(lamp, solid, ball), 0.99);
     let frosted = "Dielectric glass { indexOfRefraction 1.5  roughness .3  absorption .3 1 2 }";
-    check("lamp in frosted glass", &room(lamp, frosted, ball), 0.99);
+    check_adjoint("lamp in frosted glass", &furnished_room(lamp, frosted, ball), 0.99);
     let water = "Dielectric water { indexOfRefraction 1.33  absorption .3 .6 1 }  Diffuse m { reflectance .9 .7 .5 }";
     let objects = "MaterialName water Sphere { center 0 1.2 0  radius .7 }
         MaterialName m Sphere { center -.25 .9 .1  radius .25 }";
     let lamp = "SphereLight { center .2 1.3 0  radius .2  radiance 6 5 4 }";
-    check("lamp and matt ball under water", &room(lamp, water, objects), 0.99);
+    check_adjoint("lamp and matt ball under water", &furnished_room(lamp, water, objects), 0.99);
 }
 
 /// Photons land by the geometric normal; a camera sees them by the shading normal. A coarse ball
@@ -168,7 +168,7 @@ fn enclosed_light_agrees_from_camera_and_light() {
 #[test]
 #[ignore = "long: t-test of adjoint transport"]
 fn diffuse_shading_normals_agree_from_camera_and_light() {
-    let scene = scene(&format!(
+    let scene = scene_from_text(&format!(
         "PerspectiveCamera {{ center 0 .1 0  direction 0 1 0  up 0 0 1  angle 45  width 32  height 32 }}
         Background {{ color 0 0 0 }}
         Lights {{ RectangleLight {{ corner .5 .1 -.5  edge0 .8 0 0  edge1 0 0 1  radiance 6 5 4 }} }}

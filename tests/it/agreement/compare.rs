@@ -1,7 +1,7 @@
 //! Comparison of images by tiles, with standard errors.
 
 use super::methods::{Effort, Method, passes};
-use crate::support::{HUE, student_tail};
+use crate::support::{HUE_ROUNDING, student_t_tail};
 use caustica::color::Rgb;
 use caustica::scene::Scene;
 use glam::DVec3;
@@ -25,7 +25,7 @@ impl Grid {
     }
 
     /// Returns a grid with the whole image as one tile.
-    pub fn whole(&self) -> Self {
+    pub fn single_window(&self) -> Self {
         Self { edge: self.width.max(self.height), kept: self.kept.clone(), ..*self }
     }
 
@@ -33,7 +33,7 @@ impl Grid {
     pub fn window(&self, columns: std::ops::Range<usize>, rows: std::ops::Range<usize>) -> Self {
         let at = |i: usize| (i % self.width, i / self.width);
         let kept = (0..self.width * self.height).map(|i| columns.contains(&at(i).0) && rows.contains(&at(i).1));
-        Self { kept: kept.collect(), ..self.whole() }
+        Self { kept: kept.collect(), ..self.single_window() }
     }
 
     fn columns(&self) -> usize {
@@ -41,7 +41,7 @@ impl Grid {
     }
 
     /// Returns the sum and number of the kept pixels of each tile.
-    pub fn sums(&self, pixels: impl Iterator<Item = DVec3>) -> Vec<(DVec3, f64)> {
+    pub fn window_sums(&self, pixels: impl Iterator<Item = DVec3>) -> Vec<(DVec3, f64)> {
         let mut sums = vec![(DVec3::ZERO, 0.0); self.columns() * self.height.div_ceil(self.edge)];
         for (i, value) in pixels.enumerate().filter(|(i, _)| self.kept.is_empty() || self.kept[*i]) {
             let sum = &mut sums[i / self.width / self.edge * self.columns() + i % self.width / self.edge];
@@ -50,8 +50,8 @@ impl Grid {
         sums
     }
 
-    fn means(&self, image: &[Rgb]) -> Vec<DVec3> {
-        self.sums(image.iter().map(|v| v.as_dvec3())).iter().map(|(sum, n)| sum / n.max(1.0)).collect()
+    fn window_means(&self, image: &[Rgb]) -> Vec<DVec3> {
+        self.window_sums(image.iter().map(|v| v.as_dvec3())).iter().map(|(sum, n)| sum / n.max(1.0)).collect()
     }
 
     /// Returns for each tile the mean over itself and its neighbours.
@@ -116,7 +116,7 @@ impl Renders {
 }
 
 fn tiles(grid: &Grid, images: &[Vec<Rgb>]) -> Vec<Vec<DVec3>> {
-    images.iter().map(|image| grid.means(image)).collect()
+    images.iter().map(|image| grid.window_means(image)).collect()
 }
 
 /// Returns the means of tiles and their variances, measured between passes.
@@ -149,7 +149,7 @@ pub fn compare(what: &str, ours: &Estimate, theirs: &Estimate, sharp: f64) {
             let (a, b) = (ours.mean[i][c], theirs.mean[i][c]);
             let sigma = (ours.variance[i][c] + theirs.variance[i][c]).sqrt();
             // Stored hues are rounded.
-            let allowed = ours.bias[i][c] + theirs.bias[i][c] + HUE * theirs.mean[i].element_sum() + 1e-12;
+            let allowed = ours.bias[i][c] + theirs.bias[i][c] + HUE_ROUNDING * theirs.mean[i].element_sum() + 1e-12;
             let excess = ((a - b).abs() - allowed).max(0.0);
             let t = if excess == 0.0 { 0.0 } else { excess / sigma };
             beyond += u32::from((a - b).abs() > 2.0 * sigma);
@@ -161,11 +161,11 @@ pub fn compare(what: &str, ours: &Estimate, theirs: &Estimate, sharp: f64) {
         }
     }
     let tests = 3.0 * ours.mean.len() as f64;
-    let p = (student_tail(worst, dof) * tests).min(1.0);
-    let whole = |e: &Estimate| e.mean.iter().map(|m| m.element_sum()).sum::<f64>();
+    let p = (student_t_tail(worst, dof) * tests).min(1.0);
+    let sum = |e: &Estimate| e.mean.iter().map(|m| m.element_sum()).sum::<f64>();
     let line = format!(
         "{what}: {tests} numbers, ratio of sums {:.4}, {:.1} % beyond 2σ, error bar {:.2} %, worst t {worst:.1}, p of all {p:.1e}: {place}",
-        whole(ours) / whole(theirs),
+        sum(ours) / sum(theirs),
         100.0 * f64::from(beyond) / tests,
         100.0 * blunt / level
     );
@@ -179,6 +179,6 @@ pub fn compare(what: &str, ours: &Estimate, theirs: &Estimate, sharp: f64) {
 pub fn compare_renders(what: &str, ours: &Renders, theirs: &Renders, grid: &Grid, (tiles, whole): (f64, f64)) {
     let what = format!("{what}, {} against {}", ours.name, theirs.name);
     compare(&what, &ours.over(grid), &theirs.over(grid), tiles);
-    let all = grid.whole();
+    let all = grid.single_window();
     compare(&format!("{what}, whole"), &ours.over(&all), &theirs.over(&all), whole);
 }

@@ -2,7 +2,7 @@
 
 use super::compare::{Estimate, Grid, Renders, compare};
 use super::methods::{ALL, Effort, Method};
-use crate::support::{ALPHA, camera, faces, grey, midpoint, student_tail, vec3};
+use crate::support::{FALSE_ALARM_RATE, box_faces, dvec3, grey, midpoint_integral, square_camera, student_t_tail};
 use caustica::scene::{Body, Material, Scene, SceneBuilder};
 use caustica::shape::{Rectangle, Shape, Sphere};
 use glam::{DVec3, Vec3};
@@ -12,22 +12,22 @@ const ALBEDO: Vec3 = Vec3::new(0.7, 0.5, 0.2);
 const SIZE: (u32, u32) = (12, 12);
 
 /// Builds a closed box of diffuse walls with radiance 1 everywhere and a ball inside.
-fn furnace(albedo: Vec3, ball: Option<Material>, at: DVec3) -> Scene {
+fn furnace_scene(albedo: Vec3, ball: Option<Material>, at: DVec3) -> Scene {
     let mut b = SceneBuilder::new();
     let wall = b.material(if albedo == Vec3::ZERO { Material::black() } else { Material::diffuse(albedo) });
-    for face in faces(-DVec3::ONE, DVec3::ONE, true) {
+    for face in box_faces(-DVec3::ONE, DVec3::ONE, true) {
         b.shape(face, wall, Vec3::ONE - albedo);
     }
     if let Some(material) = ball {
         let material = b.material(material);
-        b.shape(Shape::Sphere(Sphere::new(vec3(0.0, 0.0, -0.3), 0.4)), material, Vec3::ZERO);
+        b.shape(Shape::Sphere(Sphere::new(dvec3(0.0, 0.0, -0.3), 0.4)), material, Vec3::ZERO);
     }
     // From (0, 0, 0.95) the view is 1.2 wide on the wall behind the ball, or lies within the ball's
     // outline.
-    b.build(camera(vec3(0.0, 0.0, 0.95), at, if albedo == Vec3::ZERO { 22.0 } else { 34.0 }, SIZE.0)).unwrap()
+    b.build(square_camera(dvec3(0.0, 0.0, 0.95), at, if albedo == Vec3::ZERO { 22.0 } else { 34.0 }, SIZE.0)).unwrap()
 }
 
-fn lossless() -> Vec<(&'static str, Material)> {
+fn lossless_materials() -> Vec<(&'static str, Material)> {
     vec![
         ("mirror", Material::mirror(Vec3::ONE)),
         ("glass", Material::dielectric(1.5, Vec3::ZERO)),
@@ -37,7 +37,7 @@ fn lossless() -> Vec<(&'static str, Material)> {
     ]
 }
 
-fn constant(value: DVec3) -> Estimate {
+fn constant_estimate(value: DVec3) -> Estimate {
     Estimate { mean: vec![value], variance: vec![DVec3::ZERO], bias: vec![DVec3::ZERO], dof: f64::INFINITY }
 }
 
@@ -48,13 +48,13 @@ const EFFORT: Effort = Effort { passes: 12, samples: 4, photons: 10_000, caustic
 #[test]
 #[ignore = "long: furnace of every lossless material by every integrator"]
 fn lossless_materials_vanish_in_furnace() {
-    let balls = lossless().into_iter().map(|(name, m)| (name, Some(m))).chain([("nothing", None)]);
+    let balls = lossless_materials().into_iter().map(|(name, m)| (name, Some(m))).chain([("nothing", None)]);
     for (name, ball) in balls {
-        let scene = furnace(ALBEDO, ball, DVec3::ZERO);
+        let scene = furnace_scene(ALBEDO, ball, DVec3::ZERO);
         for method in ALL {
             let renders = Renders::new(method, &scene, EFFORT);
             let ours = renders.over(&Grid::new(SIZE, 12));
-            compare(&format!("furnace with {name}, {method:?}"), &ours, &constant(DVec3::ONE), 0.045);
+            compare(&format!("furnace with {name}, {method:?}"), &ours, &constant_estimate(DVec3::ONE), 0.045);
         }
     }
 }
@@ -71,15 +71,15 @@ fn rough_materials_lose_only_stated_energy() {
     let stored = Material::conductor(Vec3::ZERO, Vec3::splat(2.0), 0.5);
     for (name, ball, least) in [("metal", rough, 0.96), ("frosted glass", frosted, 0.95), ("rough metal", stored, 0.6)]
     {
-        let scene = furnace(Vec3::ZERO, Some(ball), DVec3::ZERO);
+        let scene = furnace_scene(Vec3::ZERO, Some(ball), DVec3::ZERO);
         for method in ALL {
             let ours = Renders::new(method, &scene, Effort { samples: 16, ..EFFORT }).over(&Grid::new(SIZE, 12));
             let (mean, error) = (ours.mean[0].x, ours.variance[0].x.sqrt());
             eprintln!("{name}, {method:?}: {mean:.5} ± {error:.1e}");
             assert!(error < 0.01);
-            let p = |excess: f64| if excess <= 0.0 { 1.0 } else { student_tail(excess / error, ours.dof) };
-            assert!(p(mean - 1.0 - 1e-5) >= ALPHA, "{name}, {method:?} gains: {mean} ± {error}");
-            assert!(p(least - mean) >= ALPHA, "{name}, {method:?} loses too much: {mean} ± {error}");
+            let p = |excess: f64| if excess <= 0.0 { 1.0 } else { student_t_tail(excess / error, ours.dof) };
+            assert!(p(mean - 1.0 - 1e-5) >= FALSE_ALARM_RATE, "{name}, {method:?} gains: {mean} ± {error}");
+            assert!(p(least - mean) >= FALSE_ALARM_RATE, "{name}, {method:?} loses too much: {mean} ± {error}");
         }
     }
 }
@@ -91,9 +91,9 @@ fn phong_albedo(kd: f64, ks: f64, s: f64, theta: f64) -> f64 {
     let ring = |t: f64| {
         let (st, ct) = (libm::sin(t), libm::cos(t));
         let lobe = |phi: f64| libm::pow((cos * ct - sin * st * libm::cos(phi)).max(0.0), s);
-        st * ct * midpoint(0.0, 2.0 * PI, 300, lobe)
+        st * ct * midpoint_integral(0.0, 2.0 * PI, 300, lobe)
     };
-    kd + ks / PI * midpoint(0.0, 0.5 * PI, 300, ring)
+    kd + ks / PI * midpoint_integral(0.0, 0.5 * PI, 300, ring)
 }
 
 /// A square of Phong's material is seen at grazing angles at one point: a narrow view of a plane
@@ -105,20 +105,21 @@ fn glossy_material_shows_its_furnace_albedo() {
         let mut b = SceneBuilder::new();
         let black = b.material(Material::black());
         let gloss = b.material(Material::phong(grey(kd), grey(ks), s as f32));
-        for face in faces(-DVec3::ONE, DVec3::ONE, true) {
+        for face in box_faces(-DVec3::ONE, DVec3::ONE, true) {
             b.shape(face, black, Vec3::ONE);
         }
-        let square = Rectangle::new(vec3(-0.4, 0.0, -0.4), DVec3::Z * 0.8, DVec3::X * 0.8);
+        let square = Rectangle::new(dvec3(-0.4, 0.0, -0.4), DVec3::Z * 0.8, DVec3::X * 0.8);
         b.shape(Shape::Rectangle(square), gloss, Vec3::ZERO);
-        let eye = vec3(libm::sin(theta), libm::cos(theta), 0.0) * 0.8;
-        let scene = b.build(camera(eye, DVec3::ZERO, 0.5, 8)).unwrap();
+        let eye = dvec3(libm::sin(theta), libm::cos(theta), 0.0) * 0.8;
+        let scene = b.build(square_camera(eye, DVec3::ZERO, 0.5, 8)).unwrap();
         let expected = phong_albedo(kd, ks, s, theta);
         assert!(expected < 1.0);
         for method in ALL {
             let renders = Renders::new(method, &scene, Effort { samples: 64, ..EFFORT });
             let ours = renders.over(&Grid::new((8, 8), 8));
             // Midpoints and the half degree of the view are accurate to a thousandth.
-            let truth = Estimate { bias: vec![DVec3::splat(1e-3 * expected)], ..constant(DVec3::splat(expected)) };
+            let truth =
+                Estimate { bias: vec![DVec3::splat(1e-3 * expected)], ..constant_estimate(DVec3::splat(expected)) };
             compare(&format!("gloss at {theta}, {method:?}"), &ours, &truth, 0.04);
         }
     }
@@ -130,10 +131,10 @@ fn glossy_material_shows_its_furnace_albedo() {
 fn integrators_agree_on_glossy_walls() {
     let mut b = SceneBuilder::new();
     let wall = b.material(Material::phong(grey(0.25), grey(1.5), 4.0));
-    for face in faces(-DVec3::ONE, DVec3::ONE, true) {
+    for face in box_faces(-DVec3::ONE, DVec3::ONE, true) {
         b.shape(face, wall, Vec3::splat(0.25));
     }
-    let scene = b.build(camera(vec3(0.0, 0.0, 0.9), vec3(0.3, 0.1, -1.0), 30.0, SIZE.0)).unwrap();
+    let scene = b.build(square_camera(dvec3(0.0, 0.0, 0.9), dvec3(0.3, 0.1, -1.0), 30.0, SIZE.0)).unwrap();
     let grid = Grid::new(SIZE, 12);
     let path = Renders::new(Method::Path, &scene, EFFORT);
     let (mean, error) = (path.over(&grid).mean[0].x, path.over(&grid).variance[0].x.sqrt());

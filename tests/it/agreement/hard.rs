@@ -5,12 +5,12 @@
 
 use super::compare::{Grid, Renders, compare_renders};
 use super::methods::{Effort, Method};
-use crate::support::file;
+use crate::support::scene_from_file;
 
 const SIZE: (u32, u32) = (64, 48);
 
-fn check(name: &str) {
-    let scene = file(&format!("tests/scenes/{name}.txt"), SIZE);
+fn check_methods_agree(name: &str) {
+    let scene = scene_from_file(&format!("tests/scenes/{name}.txt"), SIZE);
     let grid = Grid::new(SIZE, 8);
     let effort = Effort { passes: 10, samples: 4, photons: 20_000, caustic: 60_000, radius: 0.03 };
     let path = Renders::new(Method::Path, &scene, Effort { samples: 36, ..effort });
@@ -23,17 +23,17 @@ fn check(name: &str) {
 #[test]
 #[ignore = "long: t-tests between integrators"]
 fn light_in_bulb_reaches_the_room() {
-    check("bulb");
+    check_methods_agree("bulb");
 }
 
 #[test]
 #[ignore = "long: t-tests between integrators"]
 fn caustics_appear_through_water_and_mirrors() {
-    check("caustic-seen");
+    check_methods_agree("caustic-seen");
 }
 
 #[test]
 #[ignore = "long: t-tests between integrators"]
 fn rough_surfaces_cast_caustics() {
-    check("frosted");
+    check_methods_agree("frosted");
 }

@@ -2,7 +2,7 @@
 
 use super::compare::{Estimate, Grid, Renders, compare};
 use super::methods::{Effort, Method};
-use crate::support::{file, reference};
+use crate::support::{reference_image, scene_from_file};
 use glam::{DVec3, Vec3};
 
 /// Relative rounding of a reference pixel, stored as a 16-bit float.
@@ -20,7 +20,7 @@ struct Reference {
 
 impl Reference {
     fn read(name: &str) -> Self {
-        let (mean, error) = (reference(&format!("{name}.exr")), reference(&format!("{name}-stderr.exr")));
+        let (mean, error) = (reference_image(&format!("{name}.exr")), reference_image(&format!("{name}-stderr.exr")));
         let calm = |(v, e): (&Vec3, &Vec3)| e.element_sum() <= 0.5 * v.element_sum();
         let kept: Vec<bool> = mean.pixels().iter().zip(error.pixels()).map(calm).collect();
         let fireflies = kept.iter().filter(|k| !**k).count();
@@ -35,8 +35,9 @@ impl Reference {
     }
 
     fn over(&self, grid: &Grid) -> Estimate {
-        let mean = grid.sums(self.mean.iter().copied()).iter().map(|(s, n)| s / n.max(1.0)).collect::<Vec<_>>();
-        let variance = grid.sums(self.variance.iter().copied()).iter().map(|(s, n)| s / (n * n).max(1.0)).collect();
+        let mean = grid.window_sums(self.mean.iter().copied()).iter().map(|(s, n)| s / n.max(1.0)).collect::<Vec<_>>();
+        let variance =
+            grid.window_sums(self.variance.iter().copied()).iter().map(|(s, n)| s / (n * n).max(1.0)).collect();
         Estimate { bias: mean.iter().map(|m| *m * ROUNDING).collect(), mean, variance, dof: f64::INFINITY }
     }
 }
@@ -45,7 +46,7 @@ impl Reference {
 /// the whole image.
 fn compare_all(name: &str, methods: &[(Method, Effort)], windows: &[(&str, [usize; 4])], sharp: [f64; 3]) {
     let reference = Reference::read(name);
-    let scene = file(&format!("tests/scenes/{name}.txt"), reference.size);
+    let scene = scene_from_file(&format!("tests/scenes/{name}.txt"), reference.size);
     for (method, effort) in methods {
         let rare = name == "cbox-caustic" && *method == Method::Path;
         let grid = Grid { kept: reference.kept.clone(), ..Grid::new(reference.size, if rare { 16 } else { 4 }) };
@@ -57,7 +58,7 @@ fn compare_all(name: &str, methods: &[(Method, Effort)], windows: &[(&str, [usiz
         for (what, [left, right, top, bottom]) in windows {
             against(what, &grid.window(*left..*right, *top..*bottom), sharp[1]);
         }
-        against("whole", &grid.whole(), sharp[2]);
+        against("whole", &grid.single_window(), sharp[2]);
     }
 }
 

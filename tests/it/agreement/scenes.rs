@@ -2,15 +2,15 @@
 
 use super::compare::{Grid, Renders, compare_renders};
 use super::methods::{Effort, Method};
-use crate::support::file;
+use crate::support::scene_from_file;
 
 /// Compares integrators with `Sppm`. `radius` is that of the first pass, in the scene's units.
 ///
 /// `Path` is compared only where lights are large.
-fn check(name: &str, radius: f64, methods: &[Method]) {
+fn check_methods_agree(name: &str, radius: f64, methods: &[Method]) {
     // Fireflies of light through a goblet need more pixels for the same sharpness.
     let size = if name == "goblet" { (80, 60) } else { (64, 48) };
-    let scene = file(&format!("scenes/{name}.txt"), size);
+    let scene = scene_from_file(&format!("scenes/{name}.txt"), size);
     let grid = Grid::new(size, size.0 as usize / 8);
     // Bright streaks narrower than a pixel dominate the noise.
     let samples = if name == "projector" { 10 } else { 2 };
@@ -28,51 +28,59 @@ const PHOTONS: [Method; 3] = [Method::Sppm, Method::PmDirect, Method::PmGatherin
 #[test]
 #[ignore = "long: t-tests between integrators"]
 fn integrators_agree_on_glass_ball() {
-    check("glass-ball", 0.04, &[Method::Path, Method::Sppm, Method::Ppm, Method::PmDirect, Method::PmGathering]);
+    check_methods_agree(
+        "glass-ball",
+        0.04,
+        &[Method::Path, Method::Sppm, Method::Ppm, Method::PmDirect, Method::PmGathering],
+    );
 }
 
 #[test]
 #[ignore = "long: t-tests between integrators"]
 fn integrators_agree_on_matte() {
-    check("matte", 0.06, &[Method::Path, Method::Sppm, Method::Ppm, Method::PmDirect, Method::PmGathering]);
+    check_methods_agree(
+        "matte",
+        0.06,
+        &[Method::Path, Method::Sppm, Method::Ppm, Method::PmDirect, Method::PmGathering],
+    );
 }
 
 #[test]
 #[ignore = "long: t-tests between integrators"]
 fn integrators_agree_on_many_lights() {
-    check("many-lights", 0.05, &PHOTONS);
+    check_methods_agree("many-lights", 0.05, &PHOTONS);
 }
 
 #[test]
 #[ignore = "long: t-tests between integrators"]
 fn integrators_agree_on_goblet() {
-    check("goblet", 0.06, &PHOTONS);
+    check_methods_agree("goblet", 0.06, &PHOTONS);
 }
 
 #[test]
 #[ignore = "long: t-tests between integrators"]
 fn integrators_agree_on_projector() {
-    check("projector", 0.06, &PHOTONS);
+    check_methods_agree("projector", 0.06, &PHOTONS);
 }
 
 #[test]
 fn integrators_agree_on_ball_lens() {
-    check("ball-lens", 0.06, &PHOTONS);
+    check_methods_agree("ball-lens", 0.06, &PHOTONS);
 }
 
 #[test]
 #[ignore = "long: t-tests between integrators"]
 fn integrators_agree_on_gem() {
-    check("gem", 0.08, &PHOTONS);
+    check_methods_agree("gem", 0.08, &PHOTONS);
 }
 
 #[test]
 fn integrators_agree_on_ring() {
-    check("ring", 0.06, &PHOTONS);
+    check_methods_agree("ring", 0.06, &PHOTONS);
 }
 
 #[test]
 #[ignore = "long: t-tests between integrators"]
 fn integrators_agree_on_pool() {
-    check("pool", 0.04, &PHOTONS);
+    check_methods_agree("pool", 0.04, &PHOTONS);
 }

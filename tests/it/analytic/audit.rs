@@ -8,22 +8,22 @@ use glam::{DVec3, Vec3};
 
 /// Builds a room with coloured walls and an open front that holds every material: a light, an
 /// absorbing ball, a mirror and a glossy ball.
-fn everything() -> Scene {
+fn scene_of_all_kinds() -> Scene {
     let mut b = SceneBuilder::new();
     let walls = b.material(Material::diffuse(Vec3::new(0.9, 0.4, 0.1)));
     let gloss = b.material(Material::phong(Vec3::new(0.2, 0.3, 0.4), Vec3::splat(2.0), 20.0));
     let glass = b.material(Material::dielectric(1.5, Vec3::new(0.1, 1.0, 3.0)));
     let mirror = b.material(Material::mirror(Vec3::new(0.95, 0.8, 0.6)));
-    for face in faces(-DVec3::ONE, DVec3::ONE, true).into_iter().take(5) {
+    for face in box_faces(-DVec3::ONE, DVec3::ONE, true).into_iter().take(5) {
         b.shape(face, walls, Vec3::ZERO);
     }
     let mut ball = |p, m, e| {
         b.shape(Shape::Sphere(Sphere::new(p, 0.3)), m, e);
     };
-    ball(vec3(-0.5, -0.5, 0.0), gloss, Vec3::ZERO);
-    ball(vec3(0.5, -0.5, 0.0), glass, Vec3::ZERO);
-    ball(vec3(0.0, 0.5, -0.5), mirror, Vec3::ZERO);
-    ball(vec3(-0.6, 0.6, 0.6), walls, Vec3::new(3.0, 2.0, 1.0));
+    ball(dvec3(-0.5, -0.5, 0.0), gloss, Vec3::ZERO);
+    ball(dvec3(0.5, -0.5, 0.0), glass, Vec3::ZERO);
+    ball(dvec3(0.0, 0.5, -0.5), mirror, Vec3::ZERO);
+    ball(dvec3(-0.6, 0.6, 0.6), walls, Vec3::new(3.0, 2.0, 1.0));
     b.delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::new(5.0, 6.0, 7.0)));
     photon_only_scene(b)
 }
@@ -34,11 +34,11 @@ fn everything() -> Scene {
 /// balance holds within 4u · 3 · mean · (rays per path). Sums are in double precision.
 #[test]
 fn flux_is_conserved_up_to_rounding() {
-    let scene = everything();
+    let scene = scene_of_all_kinds();
     for (mask, bounces) in
         [(StoreMask::ALL, 1000), (StoreMask::GLOBAL, 3), (StoreMask::CAUSTIC, 1000), (StoreMask::ALL, 0)]
     {
-        for PhotonPassResult { audit, rays, paths, .. } in trace(&scene, mask, bounces, 4, 1 << 14) {
+        for PhotonPassResult { audit, rays, paths, .. } in trace_photon_passes(&scene, mask, bounces, 4, 1 << 14) {
             let mean = audit.emitted.iter().sum::<f64>() / 3.0;
             let bound = 12.0 * mean * rays as f64 / paths as f64 / 16_777_216.0;
             for c in 0..3 {
@@ -53,7 +53,7 @@ fn flux_is_conserved_up_to_rounding() {
 /// is measured; it must be below 10⁻³ of the emitted flux, or the test would be blind.
 #[test]
 fn roulette_is_unbiased() {
-    let passes = trace(&everything(), StoreMask::ALL, 1000, 64, 1 << 13);
+    let passes = trace_photon_passes(&scene_of_all_kinds(), StoreMask::ALL, 1000, 64, 1 << 13);
     for c in 0..3 {
         let share: Vec<f64> = passes.iter().map(|t| 1.0 + t.audit.roulette[c] / t.audit.emitted[c]).collect();
         assert_mean(&format!("roulette's share, channel {c}"), &share, 1.0, 0.0, 2e-3);
@@ -71,11 +71,11 @@ fn path_lengths_in_grey_room_are_geometric() {
     for albedo in [0.3, 0.75] {
         let mut b = SceneBuilder::new();
         let wall = b.material(Material::diffuse(grey(albedo)));
-        for face in faces(-DVec3::ONE, DVec3::ONE, true) {
+        for face in box_faces(-DVec3::ONE, DVec3::ONE, true) {
             b.shape(face, wall, Vec3::ZERO);
         }
         b.delta_light(DeltaLightKind::Point { position: DVec3::splat(0.2) }, LightStrength::Power(grey(N)));
-        let passes = trace(&photon_only_scene(b), StoreMask::ALL, 10_000, 20_000, N as u32);
+        let passes = trace_photon_passes(&photon_only_scene(b), StoreMask::ALL, 10_000, 20_000, N as u32);
         let landed: Vec<f64> = passes.iter().map(|t| t.deposits.photons.len() as f64).collect();
         assert_mean(&format!("photons a path, ρ = {albedo}"), &landed, N / (1.0 - albedo), 0.0, 2e-3);
         let variance = N * albedo / ((1.0 - albedo) * (1.0 - albedo));

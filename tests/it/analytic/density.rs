@@ -28,15 +28,15 @@ fn moments(bandwidth: Bandwidth, kernel: Kernel, variance: impl Fn(f64) -> f64) 
     let mut b = SceneBuilder::new();
     let wall = b.material(Material::diffuse(grey(0.5)));
     b.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), wall, grey(0.0));
-    b.delta_light(DeltaLightKind::Point { position: vec3(0.4, 0.1, -0.3) }, LightStrength::Power(grey(1.0)));
+    b.delta_light(DeltaLightKind::Point { position: dvec3(0.4, 0.1, -0.3) }, LightStrength::Power(grey(1.0)));
     let scene = photon_only_scene(b);
     let mut moments = Moments { mean: vec![], variance: vec![], expected: vec![] };
-    for traced in trace(&scene, StoreMask::GLOBAL, 1000, 48, 1 << 15) {
+    for traced in trace_photon_passes(&scene, StoreMask::GLOBAL, 1000, 48, 1 << 15) {
         let n = traced.deposits.photons.len() as f64;
         let density = flux_where(&scene, &traced.deposits.photons, |_| true).x / (4.0 * PI);
         let map = PhotonMap::build(traced.deposits.photons);
-        let at = |p: &DVec3| irradiance(&scene, &map, *p, -*p, bandwidth, kernel).x / density - 1.0;
-        let deviations: Vec<f64> = spread(PROBES).iter().map(at).collect();
+        let at = |p: &DVec3| estimated_irradiance(&scene, &map, *p, -*p, bandwidth, kernel).x / density - 1.0;
+        let deviations: Vec<f64> = fibonacci_directions(PROBES).iter().map(at).collect();
         let count = f64::from(PROBES);
         moments.mean.push(1.0 + deviations.iter().sum::<f64>() / count);
         moments.variance.push(deviations.iter().map(|d| d * d).sum::<f64>() / count);
@@ -45,7 +45,7 @@ fn moments(bandwidth: Bandwidth, kernel: Kernel, variance: impl Fn(f64) -> f64) 
     moments
 }
 
-fn check(what: &str, m: &Moments) {
+fn check_density_moments(what: &str, m: &Moments) {
     // Distances round to f32 relative to coordinates of 1, so d² of 0.01 has a relative error near
     // 10⁻⁵.
     assert_mean(&format!("{what}: mean"), &m.mean, 1.0, 1e-4, 6e-3);
@@ -59,11 +59,11 @@ fn check(what: &str, m: &Moments) {
 fn fixed_radius_noise_matches_kernel() {
     for kernel in KERNELS {
         let radius = 0.1;
-        let m = moments(fixed(radius), kernel, |n| {
+        let m = moments(fixed_bandwidth(radius), kernel, |n| {
             let inside = n * radius * radius / 4.0;
             kernel_noise_factor(kernel) / inside - 1.0 / n
         });
-        check(&format!("fixed radius, {kernel:?}"), &m);
+        check_density_moments(&format!("fixed radius, {kernel:?}"), &m);
     }
 }
 
@@ -81,7 +81,7 @@ fn nearest_neighbour_mean_and_variance_match_theory() {
             let m = moments(Bandwidth { radius: 0.4, k }, kernel, |n| {
                 (n - 1.0) * (kf + kernel_noise_factor(kernel) - 2.0) / (n * (kf - 2.0)) - 1.0
             });
-            check(&format!("{k} nearest, {kernel:?}"), &m);
+            check_density_moments(&format!("{k} nearest, {kernel:?}"), &m);
         }
     }
 }

@@ -15,8 +15,8 @@ const ABSORPTION: DVec3 = DVec3::new(0.0, 0.5, 3.0);
 ///
 /// They are (1−R)²τ/(1−R²τ²) and R + R(1−R)²τ²/(1−R²τ²), with R the mean of both polarisations and
 /// τ = exp(−a·thickness/cosθt).
-fn slab(angle: f64, absorption: f64) -> (f64, f64) {
-    let r = fresnel(libm::cos(angle), N);
+fn slab_transmittance(angle: f64, absorption: f64) -> (f64, f64) {
+    let r = fresnel_reflectance(libm::cos(angle), N);
     let sin_t = libm::sin(angle) / N;
     let tau = libm::exp(-absorption * THICKNESS / (1.0 - sin_t * sin_t).sqrt());
     let rest = (1.0 - r) * (1.0 - r) * tau / (1.0 - r * r * tau * tau);
@@ -24,15 +24,15 @@ fn slab(angle: f64, absorption: f64) -> (f64, f64) {
 }
 
 fn per_channel(angle: f64) -> (DVec3, DVec3) {
-    let [red, green, blue] = ABSORPTION.to_array().map(|a| slab(angle, a));
+    let [red, green, blue] = ABSORPTION.to_array().map(|a| slab_transmittance(angle, a));
     (DVec3::new(red.0, green.0, blue.0), DVec3::new(red.1, green.1, blue.1))
 }
 
 /// Known values without absorption: .923077 at normal incidence, .83623 at 60°.
 #[test]
 fn slab_formula_matches_literature() {
-    assert!((slab(0.0, 0.0).0 - 12.0 / 13.0).abs() < 1e-12);
-    assert!((slab(PI / 3.0, 0.0).0 - 0.83623).abs() < 5e-6);
+    assert!((slab_transmittance(0.0, 0.0).0 - 12.0 / 13.0).abs() < 1e-12);
+    assert!((slab_transmittance(PI / 3.0, 0.0).0 - 0.83623).abs() < 5e-6);
     assert!((hemispherical_reflectance(N) - 0.091_778_0).abs() < 1e-7);
 }
 
@@ -42,8 +42,8 @@ fn add_slab(b: &mut SceneBuilder) {
     b.plane(Plane::new(-DVec3::Y * THICKNESS, -DVec3::Y), glass, Vec3::ZERO);
 }
 
-fn beam(angle: f64) -> DVec3 {
-    vec3(libm::sin(angle), -libm::cos(angle), 0.0)
+fn beam_scene(angle: f64) -> DVec3 {
+    dvec3(libm::sin(angle), -libm::cos(angle), 0.0)
 }
 
 /// Collimated light hits a slab before a wall. The wall's flux, the reflected flux and the absorbed
@@ -59,11 +59,11 @@ fn photons_pass_slab_by_its_transmittance() {
         // Two grains above the slab set the width of the beam. Photons start within four times the
         // radius of their bounding sphere, and one in 10⁶ of them hits a grain.
         for x in [-0.5, 0.5] {
-            b.shape(Shape::Sphere(Sphere::new(vec3(x, 5.0, 0.0), 1e-3)), white, Vec3::ZERO);
+            b.shape(Shape::Sphere(Sphere::new(dvec3(x, 5.0, 0.0), 1e-3)), white, Vec3::ZERO);
         }
-        b.delta_light(DeltaLightKind::Directional { direction: beam(angle) }, LightStrength::Physical(Vec3::ONE));
+        b.delta_light(DeltaLightKind::Directional { direction: beam_scene(angle) }, LightStrength::Physical(Vec3::ONE));
         let scene = photon_only_scene(b);
-        let passes = trace(&scene, StoreMask::CAUSTIC, 1000, PASSES, 1 << 15);
+        let passes = trace_photon_passes(&scene, StoreMask::CAUSTIC, 1000, PASSES, 1 << 15);
         let (through, back) = per_channel(angle);
         let share = |part: fn(&caustica::photon::EnergyAudit) -> [f64; 3]| {
             let of =
@@ -90,16 +90,18 @@ fn camera_sees_slab_transmittance() {
         let mut b = SceneBuilder::new();
         add_slab(&mut b);
         let black = b.material(Material::black());
-        let corner = vec3(-100.0, -1.0, -100.0);
+        let corner = dvec3(-100.0, -1.0, -100.0);
         let wall = Rectangle::new(corner, DVec3::Z * 200.0, DVec3::X * 200.0);
         b.shape(Shape::Rectangle(wall), black, emitted.as_vec3());
         b.background(sky.as_vec3());
-        let eye = -beam(angle) * 2.0;
-        let scene = b.build(camera(eye, DVec3::ZERO, 0.01, 8)).unwrap();
+        let eye = -beam_scene(angle) * 2.0;
+        let scene = b.build(square_camera(eye, DVec3::ZERO, 0.01, 8)).unwrap();
         let (through, back) = per_channel(angle);
-        let settings =
-            caustica::integrate::Settings { camera_paths: camera_rays(1, 1000).camera_paths, ..settings(0, 0, 0.1) };
-        let samples = seen(&scene, settings, 64);
+        let settings = caustica::integrate::Settings {
+            camera_paths: camera_ray_settings(1, 1000).camera_paths,
+            ..fixed_radius_settings(0, 0, 0.1)
+        };
+        let samples = mean_radiance_per_pass(&scene, settings, 64);
         // Weak branches are sampled and strong ones are split, which leaves little noise. Over the
         // field of view reflectance changes by at most 1.7·10⁻⁴ rad times its slope. That change is
         // odd about the middle, so only its second order counts, below 10⁻⁶.
@@ -114,20 +116,20 @@ fn camera_sees_slab_transmittance() {
 fn total_reflection_traps_light_in_cube() {
     let mut b = SceneBuilder::new();
     let glass = b.material(Material::dielectric(N as f32, Vec3::ZERO));
-    for face in faces(-DVec3::ONE, DVec3::ONE, false) {
+    for face in box_faces(-DVec3::ONE, DVec3::ONE, false) {
         b.shape(face, glass, Vec3::ZERO);
     }
     b.delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
     let scene = photon_only_scene(b);
     let escaped = |bounces, paths| {
-        let passes = trace(&scene, StoreMask::CAUSTIC, bounces, PASSES, paths);
+        let passes = trace_photon_passes(&scene, StoreMask::CAUSTIC, bounces, PASSES, paths);
         passes.iter().map(|t| t.audit.escaped[0] / t.audit.emitted[0]).collect::<Vec<f64>>()
     };
     let critical = (1.0 - 1.0 / (N * N)).sqrt();
     let cone = 0.5 * (1.0 - critical);
     assert!((cone - 0.127_322).abs() < 5e-7);
     // At the first face: ∫ (1 − R) over the escape cones.
-    let first = midpoint(critical, 1.0, 100_000, |c| 3.0 * (1.0 - fresnel(c, 1.0 / N)));
+    let first = midpoint_integral(critical, 1.0, 100_000, |c| 3.0 * (1.0 - fresnel_reflectance(c, 1.0 / N)));
     assert_mean("out of a cube at once", &escaped(1, 1 << 15), first, 1e-5, 2e-3);
     // A ray hits its own pair of faces in at least a quarter of 300 bounces. Within δ of the
     // critical cosine T is about 10√δ, so about 2/(75·10)² of the light is still inside.

@@ -1,6 +1,9 @@
 //! Dispersion: prisms separate wavelengths, and white light stays white in sum.
 
-use crate::support::{PASSES, assert_mean, assert_mean_rgb, fresnel, photon_position, scene_in, trace_from};
+use crate::support::{
+    PASSES, assert_mean, assert_mean_rgb, fresnel_reflectance, photon_position, scene_from_text_in,
+    trace_passes_from_source,
+};
 use caustica::color::Wavelength;
 use caustica::integrate::{Algorithm, Settings, Silent};
 use caustica::photon::{Photon, PhotonSource, StoreMask};
@@ -10,7 +13,7 @@ use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_3, PI};
 
 fn scene(text: &str) -> Scene {
-    scene_in("scenes", text)
+    scene_from_text_in("scenes", text)
 }
 
 /// Returns the refractive index of N-BK7 by SCHOTT's catalogue, at a wavelength in nm.
@@ -21,7 +24,7 @@ fn bk7(nm: f64) -> f64 {
 }
 
 /// Returns the deviation \[rad] of a ray that enters a prism of 60° under `angle` \[rad].
-fn deviation(angle: f64, n: f64) -> f64 {
+fn prism_deviation(angle: f64, n: f64) -> f64 {
     let inner = FRAC_PI_3 - libm::asin(libm::sin(angle) / n);
     angle + libm::asin(n * libm::sin(inner)) - FRAC_PI_3
 }
@@ -37,9 +40,9 @@ fn middle_wavelength(photon: &Photon) -> Option<f64> {
 #[test]
 fn prism_deviates_wavelengths_by_their_indices() {
     let angle = libm::asin(0.5 * bk7(587.5618));
-    let least = deviation(angle, bk7(587.5618));
+    let least = prism_deviation(angle, bk7(587.5618));
     assert!((least.to_degrees() - 38.6467).abs() < 1e-4);
-    let spread = deviation(angle, bk7(486.1327)) - deviation(angle, bk7(656.2725));
+    let spread = prism_deviation(angle, bk7(486.1327)) - prism_deviation(angle, bk7(656.2725));
     assert!((spread.to_degrees() - 0.70973).abs() < 1e-4, "{}", spread.to_degrees());
     // Inside the prism the line d is parallel to x.
     let (sin, cos) = (libm::sin(0.5 * least), libm::cos(0.5 * least));
@@ -76,7 +79,7 @@ fn prism_deviates_wavelengths_by_their_indices() {
         high = 2.0 * root / 3.0
     ));
     let source = PhotonSource::aimed_at_casters(&scene).unwrap();
-    let passes = trace_from(&scene, &source, StoreMask::CAUSTIC, 100, PASSES, 1 << 16);
+    let passes = trace_passes_from_source(&scene, &source, StoreMask::CAUSTIC, 100, PASSES, 1 << 16);
     let down = |photon: &Photon| {
         let p = photon_position(&scene, photon);
         (-libm::atan2(p.y, p.x)).to_degrees() + 0.5 * least.to_degrees()
@@ -97,18 +100,19 @@ fn prism_deviates_wavelengths_by_their_indices() {
                     .iter()
                     .filter(|p| codes.contains(&p.data.wavelength()) && photon_position(&scene, p).x > 0.0)
                     .map(|p| {
-                        let own = deviation(angle, bk7(middle_wavelength(p).unwrap())) - deviation(angle, bk7(nm));
+                        let own = prism_deviation(angle, bk7(middle_wavelength(p).unwrap()))
+                            - prism_deviation(angle, bk7(nm));
                         down(p) - own.to_degrees()
                     })
                     // A band is ±.005° wide. Light that the base reflects at grazing incidence
                     // leaves in the direction of d, whatever its wavelength: off by .2° and more.
-                    .filter(|turned| (turned - deviation(angle, bk7(nm)).to_degrees()).abs() < 0.01)
+                    .filter(|turned| (turned - prism_deviation(angle, bk7(nm)).to_degrees()).abs() < 0.01)
                     .collect();
                 assert!(turned.len() > 20, "{line}: only {} photons", turned.len());
                 turned.iter().sum::<f64>() / turned.len() as f64
             })
             .collect();
-        let expected = deviation(angle, bk7(nm)).to_degrees();
+        let expected = prism_deviation(angle, bk7(nm)).to_degrees();
         assert_mean(&format!("prism, line {line}"), &samples, expected, 5e-4, 1e-5);
         found.push(samples.iter().sum::<f64>() / samples.len() as f64);
     }
@@ -144,7 +148,7 @@ fn dispersed_beam_sums_to_white() {
         for dispersion in [true, false] {
             let effects = if dispersion { Effects::ALL } else { Effects::ALL.without(Effect::Dispersion) };
             let source = PhotonSource::in_all_directions(&scene).unwrap().with_effects(effects);
-            let passes = trace_from(&scene, &source, StoreMask::CAUSTIC, 10_000, PASSES, 1 << 15);
+            let passes = trace_passes_from_source(&scene, &source, StoreMask::CAUSTIC, 10_000, PASSES, 1 << 15);
             let with_wavelength = passes[0].deposits.photons.iter().filter(|p| p.data.wavelength() != 0).count();
             assert_eq!(
                 with_wavelength > passes[0].deposits.photons.len() / 2,
@@ -215,7 +219,7 @@ fn white_light_through_slab_stays_white() {
                 -cos
             ));
             let part = |n: f64| {
-                let r = fresnel(cos, n);
+                let r = fresnel_reflectance(cos, n);
                 if behind { (1.0 - r) / (1.0 + r) } else { 2.0 * r / (1.0 + r) }
             };
             let (parted, plain) = (mean_over_wavelengths(cauchy, part), DVec3::splat(part(cauchy(587.56))));
@@ -243,9 +247,9 @@ fn white_light_through_slab_stays_white() {
 ///
 /// The ray passes the axis at height `b` and is reflected inside `k` − 1 times. With k = 0 it is
 /// reflected outside.
-fn through_ball(b: f64, n: f64, k: u32) -> (DVec2, DVec2, f64) {
+fn ball_deflection(b: f64, n: f64, k: u32) -> (DVec2, DVec2, f64) {
     let (outer, inner) = (libm::asin(b), libm::asin(b / n));
-    let r = fresnel((1.0 - b * b).sqrt(), n);
+    let r = fresnel_reflectance((1.0 - b * b).sqrt(), n);
     let part = if k == 0 { r } else { (1.0 - r) * (1.0 - r) * libm::pow(r, f64::from(k) - 1.0) };
     // The ray hits the ball at the angle π − outer, seen from the center. Each inner segment turns
     // that by π − 2·inner backwards.
@@ -261,7 +265,7 @@ fn ring_fluxes(n: f64, far: f64, edges: &[f64]) -> Vec<(f64, f64)> {
     for i in 0..STEPS {
         let b = (f64::from(i) + 0.5) / f64::from(STEPS);
         for k in 0..12 {
-            let (p, d, part) = through_ball(b, n, k);
+            let (p, d, part) = ball_deflection(b, n, k);
             if d.x >= 0.0 {
                 continue;
             }
@@ -325,7 +329,7 @@ fn rainbow_stands_at_42_degrees() {
     assert!((edge - 42.08).abs() < 0.005, "{edge}");
     let scene = drop_scene("indexOfRefraction 1.333", FAR);
     let source = PhotonSource::aimed_at_casters(&scene).unwrap();
-    let passes = trace_from(&scene, &source, StoreMask::CAUSTIC, 100, PASSES, 1 << 18);
+    let passes = trace_passes_from_source(&scene, &source, StoreMask::CAUSTIC, 100, PASSES, 1 << 18);
     // An offset by the ball's radius is .06°. Within it the edge depends on the exit point, which
     // the plane's rays include.
     let edges = [20.0, 35.0, 40.0, 41.0, 41.5, 41.9, edge + 0.06, 43.0, 46.0, 49.5, 51.5, 55.0];
@@ -351,7 +355,7 @@ fn rainbow_is_red_outside() {
     let index = |nm: f64| 1.324 + 0.00308e6 / (nm * nm);
     let scene = drop_scene("cauchy 1.324 .00308", FAR);
     let source = PhotonSource::aimed_at_casters(&scene).unwrap();
-    let passes = trace_from(&scene, &source, StoreMask::CAUSTIC, 100, PASSES, 1 << 18);
+    let passes = trace_passes_from_source(&scene, &source, StoreMask::CAUSTIC, 100, PASSES, 1 << 18);
     let mut means = Vec::new();
     for (from, to) in [(440.0, 460.0), (540.0, 560.0), (620.0, 640.0)] {
         let of_band = |p: &Photon| middle_wavelength(p).is_some_and(|nm| nm >= from && nm < to);

@@ -12,49 +12,56 @@ const RADIUS: f64 = 0.2;
 
 /// Returns photon maps of the unit square under collimated light from above. If `shade` is true, an
 /// occluder covers x < 0.5.
-fn maps(shade: bool) -> (caustica::scene::Scene, Vec<PhotonMap>) {
+fn floor_photon_maps(shade: bool) -> (caustica::scene::Scene, Vec<PhotonMap>) {
     let mut b = SceneBuilder::new();
     let white = b.material(Material::diffuse(grey(0.8)));
     let black = b.material(Material::black());
     b.shape(Shape::Rectangle(Rectangle::new(DVec3::ZERO, DVec3::Z, DVec3::X)), white, grey(0.0));
     if shade {
-        let corner = vec3(-0.5, 0.3, -0.5);
+        let corner = dvec3(-0.5, 0.3, -0.5);
         b.shape(Shape::Rectangle(Rectangle::new(corner, DVec3::Z * 2.0, DVec3::X)), black, grey(0.0));
     }
     b.delta_light(DeltaLightKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(grey(IRRADIANCE)));
     let scene = photon_only_scene(b);
-    let passes = trace(&scene, StoreMask::ALL, 0, PASSES, 1 << 16);
+    let passes = trace_photon_passes(&scene, StoreMask::ALL, 0, PASSES, 1 << 16);
     let maps = passes.into_iter().map(|t| PhotonMap::build(t.deposits.photons)).collect();
     (scene, maps)
 }
 
-fn compare(what: &str, shade: bool, x: f64, z: f64, kernel: Kernel, part: f64) {
-    let (scene, maps) = maps(shade);
-    let probe = Probe { scene: &scene, at: vec3(x, 0.0, z), normal: DVec3::Y, radius: RADIUS, kernel };
+fn compare_with_kernel_mean(what: &str, shade: bool, x: f64, z: f64, kernel: Kernel, part: f64) {
+    let (scene, maps) = floor_photon_maps(shade);
+    let probe = EstimatePoint { scene: &scene, at: dvec3(x, 0.0, z), normal: DVec3::Y, radius: RADIUS, kernel };
     assert_estimates(what, &probe, &maps, IRRADIANCE * part, 0.0, 6e-3);
 }
 
 /// Returns the lit fraction of a disc whose center is `t` radii inside a straight edge.
-fn straight(t: f64) -> f64 {
+fn straight_edge_density(t: f64) -> f64 {
     (PI - libm::acos(t) + t * (1.0 - t * t).sqrt()) / PI
 }
 
 #[test]
 fn disc_over_edge_has_closed_form_bias() {
     for t in [0.0, 0.3, 0.7, 1.0] {
-        compare("edge", false, t * RADIUS, 0.5, Kernel::Box, straight(t));
+        compare_with_kernel_mean("edge", false, t * RADIUS, 0.5, Kernel::Box, straight_edge_density(t));
     }
-    compare("shadow line", true, 0.5 + 0.3 * RADIUS, 0.5, Kernel::Box, straight(0.3));
-    compare("inside the shadow", true, 0.5 - 0.3 * RADIUS, 0.5, Kernel::Box, 1.0 - straight(0.3));
+    compare_with_kernel_mean("shadow line", true, 0.5 + 0.3 * RADIUS, 0.5, Kernel::Box, straight_edge_density(0.3));
+    compare_with_kernel_mean(
+        "inside the shadow",
+        true,
+        0.5 - 0.3 * RADIUS,
+        0.5,
+        Kernel::Box,
+        1.0 - straight_edge_density(0.3),
+    );
 }
 
 /// By symmetry, for every kernel: all in the middle, half at an edge, a quarter in a corner.
 #[test]
 fn edges_and_corners_halve_and_quarter_estimates() {
     for kernel in KERNELS {
-        compare("middle", false, 0.5, 0.5, kernel, 1.0);
-        compare("edge", false, 0.5, 1.0, kernel, 0.5);
-        compare("corner", false, 0.0, 1.0, kernel, 0.25);
+        compare_with_kernel_mean("middle", false, 0.5, 0.5, kernel, 1.0);
+        compare_with_kernel_mean("edge", false, 0.5, 1.0, kernel, 0.5);
+        compare_with_kernel_mean("corner", false, 0.0, 1.0, kernel, 0.25);
     }
 }
 
@@ -63,8 +70,8 @@ fn edges_and_corners_halve_and_quarter_estimates() {
 #[test]
 fn kernels_over_edge_have_closed_form_bias() {
     for kernel in [Kernel::Cone, Kernel::Epanechnikov] {
-        let part = blurred(kernel, RADIUS, |d: DVec2| f64::from(u8::from(d.x > -0.4 * RADIUS)));
-        compare("edge", false, 0.4 * RADIUS, 0.5, kernel, part);
+        let part = kernel_weighted_mean(kernel, RADIUS, |d: DVec2| f64::from(u8::from(d.x > -0.4 * RADIUS)));
+        compare_with_kernel_mean("edge", false, 0.4 * RADIUS, 0.5, kernel, part);
     }
 }
 
@@ -75,19 +82,19 @@ fn kernels_over_edge_have_closed_form_bias() {
 fn estimates_do_not_leak_between_surfaces() {
     let mut b = SceneBuilder::new();
     let white = b.material(Material::diffuse(grey(0.8)));
-    let sheet = |y: f64| Shape::Rectangle(Rectangle::new(vec3(0.0, y, 0.0), DVec3::Z, DVec3::X));
+    let sheet = |y: f64| Shape::Rectangle(Rectangle::new(dvec3(0.0, y, 0.0), DVec3::Z, DVec3::X));
     b.shape(sheet(0.0), white, grey(0.0));
     b.shape(sheet(-0.06), white, grey(0.0));
     let wall = Rectangle::new(DVec3::ZERO, DVec3::Y, DVec3::Z);
     b.shape(Shape::Rectangle(wall), white, grey(0.0));
     b.delta_light(DeltaLightKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(grey(IRRADIANCE)));
     let scene = photon_only_scene(b);
-    let photons = trace(&scene, StoreMask::ALL, 0, 1, 1 << 14).remove(0).deposits.photons;
+    let photons = trace_photon_passes(&scene, StoreMask::ALL, 0, 1, 1 << 14).remove(0).deposits.photons;
     let map = PhotonMap::build(photons);
-    let at = |p, n| irradiance(&scene, &map, p, n, fixed(RADIUS), Kernel::Box).x;
-    let middle = vec3(0.5, 0.0, 0.5);
+    let at = |p, n| estimated_irradiance(&scene, &map, p, n, fixed_bandwidth(RADIUS), Kernel::Box).x;
+    let middle = dvec3(0.5, 0.0, 0.5);
     assert!(at(middle, DVec3::Y) > 0.5 * IRRADIANCE);
     assert_eq!(at(middle, -DVec3::Y), 0.0, "through the sheet");
     assert_eq!(at(middle - DVec3::Y * 0.06, DVec3::Y), 0.0, "down the step");
-    assert_eq!(at(vec3(0.0, 0.02, 0.5), DVec3::X), 0.0, "around the corner");
+    assert_eq!(at(dvec3(0.0, 0.02, 0.5), DVec3::X), 0.0, "around the corner");
 }

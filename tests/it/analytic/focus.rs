@@ -13,12 +13,12 @@ const IRRADIANCE: f64 = 2.0;
 
 /// Builds a glass ball of radius 1 under light from above, and a screen at depth `z` below its
 /// center.
-fn lens(z: f64) -> Scene {
+fn lens_scene(z: f64) -> Scene {
     let mut b = SceneBuilder::new();
     let glass = b.material(Material::dielectric(N as f32, grey(0.0)));
     let white = b.material(Material::diffuse(grey(0.5)));
     b.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), glass, grey(0.0));
-    let corner = vec3(-1.5, -z, -1.5);
+    let corner = dvec3(-1.5, -z, -1.5);
     b.shape(Shape::Rectangle(Rectangle::new(corner, DVec3::Z * 3.0, DVec3::X * 3.0)), white, grey(0.0));
     b.delta_light(DeltaLightKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(grey(IRRADIANCE)));
     photon_only_scene(b)
@@ -28,24 +28,24 @@ fn lens(z: f64) -> Scene {
 /// both surfaces.
 ///
 /// Both have equal reflectance. `None` if the ray turns back upwards.
-fn landing(h: f64, z: f64) -> Option<(f64, f64)> {
+fn landing_radius(h: f64, z: f64) -> Option<(f64, f64)> {
     let deviation = 2.0 * (libm::asin(h) - libm::asin(h / N));
-    let r = fresnel((1.0 - h * h).sqrt(), N);
+    let r = fresnel_reflectance((1.0 - h * h).sqrt(), N);
     let crossing = h / libm::sin(deviation);
     let down = libm::cos(deviation) > 0.0;
     down.then(|| ((z - crossing).abs() * libm::tan(deviation), (1.0 - r) * (1.0 - r)))
 }
 
 /// Integrates the landing flux over the beam, weighted by a function of the radius on the screen.
-fn over_beam(z: f64, weight: impl Fn(f64) -> f64) -> f64 {
-    let ring = |h: f64| landing(h, z).map_or(0.0, |(rho, part)| TAU * h * IRRADIANCE * part * weight(rho));
-    midpoint(0.0, 1.0, 400_000, ring)
+fn beam_average(z: f64, weight: impl Fn(f64) -> f64) -> f64 {
+    let ring = |h: f64| landing_radius(h, z).map_or(0.0, |(rho, part)| TAU * h * IRRADIANCE * part * weight(rho));
+    midpoint_integral(0.0, 1.0, 400_000, ring)
 }
 
 /// With two bounces photons pass straight through. Those reflected outside land beyond .7.
-fn passes(scene: &Scene, aimed: bool) -> Vec<PhotonPassResult> {
+fn trace_focus_passes(scene: &Scene, aimed: bool) -> Vec<PhotonPassResult> {
     let source = if aimed { PhotonSource::aimed_at_casters(scene) } else { PhotonSource::in_all_directions(scene) };
-    trace_from(scene, &source.unwrap(), StoreMask::CAUSTIC, 2, PASSES, 1 << 16)
+    trace_passes_from_source(scene, &source.unwrap(), StoreMask::CAUSTIC, 2, PASSES, 1 << 16)
 }
 
 /// Flux within r of the axis before, at and behind the paraxial focus at nR/(2(n − 1)) = 1.5. A
@@ -53,16 +53,16 @@ fn passes(scene: &Scene, aimed: bool) -> Vec<PhotonPassResult> {
 #[test]
 fn ball_lens_focus_flux_obeys_snell_and_fresnel() {
     for z in [1.1, 1.3, 1.5, 2.5] {
-        let scene = lens(z);
+        let scene = lens_scene(z);
         for aimed in [true, false] {
-            let passes = passes(&scene, aimed);
+            let passes = trace_focus_passes(&scene, aimed);
             for radius in [0.05, 0.1, 0.2, 0.4, 0.6] {
-                let expected = over_beam(z, |rho| f64::from(u8::from(rho <= radius)));
+                let expected = beam_average(z, |rho| f64::from(u8::from(rho <= radius)));
                 let inside = |p: DVec3| p.x * p.x + p.z * p.z <= radius * radius;
                 let samples: Vec<f64> =
                     passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, inside).x).collect();
                 let what = format!("z = {z}, within {radius}, aimed: {aimed}");
-                assert_mean(&what, &samples, expected, expected * HUE + 4e-5, 0.04);
+                assert_mean(&what, &samples, expected, expected * HUE_ROUNDING + 4e-5, 0.04);
             }
         }
     }
@@ -72,13 +72,13 @@ fn ball_lens_focus_flux_obeys_snell_and_fresnel() {
 #[test]
 fn focus_estimate_is_beam_convolved_with_kernel() {
     for z in [1.3, 1.5] {
-        let scene = lens(z);
+        let scene = lens_scene(z);
         let maps: Vec<PhotonMap> =
-            passes(&scene, true).into_iter().map(|t| PhotonMap::build(t.deposits.photons)).collect();
+            trace_focus_passes(&scene, true).into_iter().map(|t| PhotonMap::build(t.deposits.photons)).collect();
         for kernel in KERNELS {
             for radius in [0.03, 0.1] {
-                let expected = over_beam(z, |rho| kernel_at(kernel, rho, radius));
-                let probe = Probe { scene: &scene, at: vec3(0.0, -z, 0.0), normal: DVec3::Y, radius, kernel };
+                let expected = beam_average(z, |rho| kernel_at(kernel, rho, radius));
+                let probe = EstimatePoint { scene: &scene, at: dvec3(0.0, -z, 0.0), normal: DVec3::Y, radius, kernel };
                 assert_estimates("focus", &probe, &maps, expected, 2e-4, 0.02);
             }
         }

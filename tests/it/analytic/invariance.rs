@@ -9,15 +9,15 @@ use glam::{DQuat, DVec2, DVec3, Vec3};
 
 /// A similarity transform of space.
 #[derive(Clone, Copy)]
-struct Place {
+struct Placement {
     turn: DQuat,
     scale: f64,
     origin: DVec3,
 }
 
-const HERE: Place = Place { turn: DQuat::IDENTITY, scale: 1.0, origin: DVec3::ZERO };
+const HERE: Placement = Placement { turn: DQuat::IDENTITY, scale: 1.0, origin: DVec3::ZERO };
 
-impl Place {
+impl Placement {
     fn point(&self, p: DVec3) -> DVec3 {
         self.origin + self.vector(p)
     }
@@ -29,7 +29,7 @@ impl Place {
 
 /// Builds a room with a glass ball, a mirror ball, a curved mirror mesh, an area light and a point
 /// light, transformed by `at`.
-fn room(at: Place) -> Scene {
+fn room_scene(at: Placement) -> Scene {
     let mut b = SceneBuilder::new();
     let white = b.material(Material::diffuse(Vec3::new(0.7, 0.6, 0.4)));
     let glass = b.material(Material::dielectric(1.5, Vec3::ZERO));
@@ -43,49 +43,49 @@ fn room(at: Place) -> Scene {
     let mut ball = |p, radius: f64, material| {
         b.shape(Shape::Sphere(Sphere::new(at.point(p), radius * at.scale)), material, Vec3::ZERO);
     };
-    ball(vec3(-0.3, -0.4, 0.3), 0.35, glass);
-    ball(vec3(0.5, -0.6, -0.3), 0.3, mirror);
-    let lamp = Disc::with_normal(at.point(vec3(0.2, 0.9, 0.2)), at.vector(-DVec3::Y), 0.15 * at.scale);
+    ball(dvec3(-0.3, -0.4, 0.3), 0.35, glass);
+    ball(dvec3(0.5, -0.6, -0.3), 0.3, mirror);
+    let lamp = Disc::with_normal(at.point(dvec3(0.2, 0.9, 0.2)), at.vector(-DVec3::Y), 0.15 * at.scale);
     b.shape(Shape::Disc(lamp), black, Vec3::new(20.0, 30.0, 40.0));
-    let sail = [vec3(-0.9, -0.9, -0.4), vec3(-0.4, -0.9, -0.9), vec3(-0.9, 0.3, -0.8)].map(|p| at.point(p));
+    let sail = [dvec3(-0.9, -0.9, -0.4), dvec3(-0.4, -0.9, -0.9), dvec3(-0.9, 0.3, -0.8)].map(|p| at.point(p));
     b.mesh(&sail, &[], &[[0, 1, 2]], mirror, Vec3::ZERO);
-    let point = DeltaLightKind::Point { position: at.point(vec3(0.6, 0.5, 0.8)) };
+    let point = DeltaLightKind::Point { position: at.point(dvec3(0.6, 0.5, 0.8)) };
     // Intensity scales with area, like the power of an area light of given radiance.
     b.delta_light(point, LightStrength::Physical(grey(0.4 * at.scale * at.scale)));
-    let (eye, target) = (at.point(vec3(2.5, 1.0, 2.5)), at.point(vec3(0.0, -0.4, 0.0)));
+    let (eye, target) = (at.point(dvec3(2.5, 1.0, 2.5)), at.point(dvec3(0.0, -0.4, 0.0)));
     let up = at.turn * DVec3::Y;
     let view = caustica::camera::Camera::perspective(eye, target - eye, up, 0.8, 48, 48).unwrap();
     b.build(view).unwrap()
 }
 
-fn by_neighbours() -> Settings {
+fn estimates_at_photons() -> Settings {
     Settings {
         gather_k: Some(30),
         radius: None,
-        camera_paths: camera_rays(2, 1000).camera_paths,
-        ..settings(20_000, 20_000, 1.0)
+        camera_paths: camera_ray_settings(2, 1000).camera_paths,
+        ..fixed_radius_settings(20_000, 20_000, 1.0)
     }
 }
 
-fn image(scene: &Scene, pass: u32) -> Vec<Vec3> {
-    Algorithm::Sppm.prepare(scene, by_neighbours()).pass(pass, &Silent).image
+fn mean_image(scene: &Scene, pass: u32) -> Vec<Vec3> {
+    Algorithm::Sppm.prepare(scene, estimates_at_photons()).pass(pass, &Silent).image
 }
 
 /// Fails if passes of two settings differ in the mean. Passes are compared in pairs.
-fn same(what: &str, a: &[DVec3], b: &[DVec3], sharp: f64) {
+fn assert_same_images(what: &str, a: &[DVec3], b: &[DVec3], sharp: f64) {
     for c in 0..3 {
         let level = b.iter().map(|v| v[c]).sum::<f64>() / b.len() as f64;
         let samples: Vec<f64> = a.iter().zip(b).map(|(a, b)| level + a[c] - b[c]).collect();
-        assert_mean(&format!("{what}, channel {c}"), &samples, level, level * HUE, sharp);
+        assert_mean(&format!("{what}, channel {c}"), &samples, level, level * HUE_ROUNDING, sharp);
     }
 }
 
 #[test]
 fn thread_count_changes_no_bit() {
-    let scene = room(HERE);
+    let scene = room_scene(HERE);
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| image(&scene, 1))
+        pool.install(|| mean_image(&scene, 1))
     };
     let one = on(1);
     assert!(one.iter().all(|v| v.is_finite()) && one.iter().any(|v| v.x > 0.0));
@@ -97,9 +97,9 @@ fn thread_count_changes_no_bit() {
 /// A power of two changes exponents only, so no rounding may differ.
 #[test]
 fn scaling_by_a_power_of_two_changes_no_bit() {
-    let here = image(&room(HERE), 0);
+    let here = mean_image(&room_scene(HERE), 0);
     for scale in [0.125, 4.0, 1024.0] {
-        let there = image(&room(Place { scale, ..HERE }), 0);
+        let there = mean_image(&room_scene(Placement { scale, ..HERE }), 0);
         let differ = here.iter().zip(&there).filter(|(a, b)| a != b).count();
         assert_eq!(differ, 0, "pixels that differ at scale {scale}");
     }
@@ -107,15 +107,15 @@ fn scaling_by_a_power_of_two_changes_no_bit() {
 
 /// Returns the flux that arrives through the ball on a patch of the floor, per squared scale. The
 /// patch is in the room's coordinates.
-fn arrived(at: Place, aimed: bool, mask: StoreMask, passes: u32, paths: u32) -> Vec<DVec3> {
-    let scene = room(at);
+fn stored_photon_fluxes(at: Placement, aimed: bool, mask: StoreMask, passes: u32, paths: u32) -> Vec<DVec3> {
+    let scene = room_scene(at);
     let source = if aimed { PhotonSource::aimed_at_casters(&scene) } else { PhotonSource::in_all_directions(&scene) };
     let inside = |p: DVec3| {
         let local = at.turn.inverse() * (p - at.origin) / at.scale;
         let floor = DVec2::new(local.x, local.z);
         local.y < -0.999 && (floor - DVec2::new(-0.4, 0.25)).length() < 0.3
     };
-    trace_from(&scene, &source.unwrap(), mask, 50, passes, paths)
+    trace_passes_from_source(&scene, &source.unwrap(), mask, 50, passes, paths)
         .iter()
         .map(|t| flux_where(&scene, &t.deposits.photons, inside) / (at.scale * at.scale))
         .collect()
@@ -123,18 +123,28 @@ fn arrived(at: Place, aimed: bool, mask: StoreMask, passes: u32, paths: u32) -> 
 
 #[test]
 fn similarity_transforms_preserve_flux() {
-    let here = arrived(HERE, true, StoreMask::CAUSTIC, PASSES, 1 << 15);
-    let all = arrived(HERE, false, StoreMask::ALL, PASSES, 1 << 15);
-    let turn = DQuat::from_axis_angle(vec3(1.0, 2.0, -1.0).normalize(), 1.0);
+    let here = stored_photon_fluxes(HERE, true, StoreMask::CAUSTIC, PASSES, 1 << 15);
+    let all = stored_photon_fluxes(HERE, false, StoreMask::ALL, PASSES, 1 << 15);
+    let turn = DQuat::from_axis_angle(dvec3(1.0, 2.0, -1.0).normalize(), 1.0);
     for (name, place) in [
-        ("turned", Place { turn, ..HERE }),
-        ("scaled by 1000", Place { scale: 1000.0, ..HERE }),
-        ("scaled by 1/3000", Place { scale: 1.0 / 3000.0, ..HERE }),
-        ("moved", Place { origin: vec3(2e5, -1e5, 3e5), ..HERE }),
-        ("all at once", Place { turn, scale: 37.0, origin: vec3(2e7, 3e6, -1e7) }),
+        ("turned", Placement { turn, ..HERE }),
+        ("scaled by 1000", Placement { scale: 1000.0, ..HERE }),
+        ("scaled by 1/3000", Placement { scale: 1.0 / 3000.0, ..HERE }),
+        ("moved", Placement { origin: dvec3(2e5, -1e5, 3e5), ..HERE }),
+        ("all at once", Placement { turn, scale: 37.0, origin: dvec3(2e7, 3e6, -1e7) }),
     ] {
-        same(&format!("{name}, caustics"), &arrived(place, true, StoreMask::CAUSTIC, PASSES, 1 << 15), &here, 5e-3);
-        same(&format!("{name}, all"), &arrived(place, false, StoreMask::ALL, PASSES, 1 << 15), &all, 0.02);
+        assert_same_images(
+            &format!("{name}, caustics"),
+            &stored_photon_fluxes(place, true, StoreMask::CAUSTIC, PASSES, 1 << 15),
+            &here,
+            5e-3,
+        );
+        assert_same_images(
+            &format!("{name}, all"),
+            &stored_photon_fluxes(place, false, StoreMask::ALL, PASSES, 1 << 15),
+            &all,
+            0.02,
+        );
     }
 }
 
@@ -142,14 +152,14 @@ fn similarity_transforms_preserve_flux() {
 /// and by a few photons that took another path.
 #[test]
 fn similarity_transforms_preserve_radiance() {
-    let mean = |at: Place| seen(&room(at), by_neighbours(), 8);
+    let mean = |at: Placement| mean_radiance_per_pass(&room_scene(at), estimates_at_photons(), 8);
     let here = mean(HERE);
     for (name, place) in [
-        ("scaled by 1000", Place { scale: 1000.0, ..HERE }),
-        ("moved", Place { origin: vec3(2e5, -1e5, 3e5), ..HERE }),
-        ("turned", Place { turn: DQuat::from_axis_angle(vec3(1.0, 2.0, -1.0).normalize(), 1.0), ..HERE }),
+        ("scaled by 1000", Placement { scale: 1000.0, ..HERE }),
+        ("moved", Placement { origin: dvec3(2e5, -1e5, 3e5), ..HERE }),
+        ("turned", Placement { turn: DQuat::from_axis_angle(dvec3(1.0, 2.0, -1.0).normalize(), 1.0), ..HERE }),
     ] {
-        same(&format!("{name}, picture"), &mean(place), &here, 0.01);
+        assert_same_images(&format!("{name}, picture"), &mean(place), &here, 0.01);
     }
 }
 
@@ -158,11 +168,11 @@ fn similarity_transforms_preserve_radiance() {
 /// counted.
 #[test]
 fn aimed_emission_preserves_caustics() {
-    let aimed = arrived(HERE, true, StoreMask::CAUSTIC, 32, 1 << 15);
-    let everywhere = arrived(HERE, false, StoreMask::CAUSTIC, 32, 1 << 17);
-    same("aimed against everywhere", &aimed, &everywhere, 5e-3);
-    let scene = room(HERE);
-    let count = |mask| trace(&scene, mask, 50, 1, 1 << 14)[0].deposits.photons.len();
+    let aimed = stored_photon_fluxes(HERE, true, StoreMask::CAUSTIC, 32, 1 << 15);
+    let everywhere = stored_photon_fluxes(HERE, false, StoreMask::CAUSTIC, 32, 1 << 17);
+    assert_same_images("aimed against everywhere", &aimed, &everywhere, 5e-3);
+    let scene = room_scene(HERE);
+    let count = |mask| trace_photon_passes(&scene, mask, 50, 1, 1 << 14)[0].deposits.photons.len();
     let apart = [StoreMask::DIRECT, StoreMask::CAUSTIC, StoreMask::GLOBAL];
     assert_eq!(apart.map(count).iter().sum::<usize>(), count(StoreMask::ALL), "classes are disjoint and complete");
     assert_eq!(count(apart[1]), count(StoreMask::CAUSTIC));

@@ -35,7 +35,7 @@ fn emit(b: &mut SceneBuilder, shape: Shape) {
 ///
 /// γᵢ is the angle of edge i, Γᵢ the unit normal of its plane through the point.
 fn rectangle(p: DVec2) -> f64 {
-    let corner = |x: f64, z: f64| vec3(x * HALF.x - p.x, HEIGHT, z * HALF.y - p.y).normalize();
+    let corner = |x: f64, z: f64| dvec3(x * HALF.x - p.x, HEIGHT, z * HALF.y - p.y).normalize();
     let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
     let edges = (0..4).map(|i| (corners[i], corners[(i + 1) % 4]));
     let sum: f64 = edges.map(|(a, b)| libm::acos(a.dot(b)) * a.cross(b).normalize().y).sum();
@@ -46,7 +46,7 @@ const LAMPS: [Lamp; 6] = [
     Lamp {
         name: "point",
         add: |b| {
-            let place = DeltaLightKind::Point { position: vec3(0.0, HEIGHT, 0.0) };
+            let place = DeltaLightKind::Point { position: dvec3(0.0, HEIGHT, 0.0) };
             b.delta_light(place, LightStrength::Physical(grey(INTENSITY)));
         },
         irradiance: |p| {
@@ -57,7 +57,7 @@ const LAMPS: [Lamp; 6] = [
     Lamp {
         name: "spot",
         add: |b| {
-            let (position, axis) = (vec3(0.0, HEIGHT, 0.0), -DVec3::Y);
+            let (position, axis) = (dvec3(0.0, HEIGHT, 0.0), -DVec3::Y);
             b.delta_light(
                 DeltaLightKind::Spot { position, axis, inner: 0.3, outer: 0.8 },
                 LightStrength::Physical(grey(INTENSITY)),
@@ -72,7 +72,7 @@ const LAMPS: [Lamp; 6] = [
     },
     Lamp {
         name: "disc",
-        add: |b| emit(b, Shape::Disc(Disc::with_normal(vec3(0.0, HEIGHT, 0.0), -DVec3::Y, DISC))),
+        add: |b| emit(b, Shape::Disc(Disc::with_normal(dvec3(0.0, HEIGHT, 0.0), -DVec3::Y, DISC))),
         irradiance: |p| {
             let (h2, a2, r2) = (HEIGHT * HEIGHT, p.length_squared(), DISC * DISC);
             let s = h2 + a2 + r2;
@@ -81,7 +81,7 @@ const LAMPS: [Lamp; 6] = [
     },
     Lamp {
         name: "ball",
-        add: |b| emit(b, Shape::Sphere(Sphere::new(vec3(0.0, HEIGHT, 0.0), BALL))),
+        add: |b| emit(b, Shape::Sphere(Sphere::new(dvec3(0.0, HEIGHT, 0.0), BALL))),
         irradiance: |p| {
             let d2 = HEIGHT * HEIGHT + p.length_squared();
             PI * RADIANCE * BALL * BALL / d2 * HEIGHT / d2.sqrt()
@@ -90,7 +90,7 @@ const LAMPS: [Lamp; 6] = [
     Lamp {
         name: "rectangle",
         add: |b| {
-            let corner = vec3(-HALF.x, HEIGHT, -HALF.y);
+            let corner = dvec3(-HALF.x, HEIGHT, -HALF.y);
             let (x, z) = (DVec3::X * 2.0 * HALF.x, DVec3::Z * 2.0 * HALF.y);
             emit(b, Shape::Rectangle(Rectangle::new(corner, x, z)));
         },
@@ -100,7 +100,7 @@ const LAMPS: [Lamp; 6] = [
         name: "triangles",
         add: |b| {
             let black = b.material(Material::black());
-            let corner = |x: f64, z: f64| vec3(x * HALF.x, HEIGHT, z * HALF.y);
+            let corner = |x: f64, z: f64| dvec3(x * HALF.x, HEIGHT, z * HALF.y);
             let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
             // Triangles of unequal area reveal a choice of triangle that does not follow area.
             let middle = corner(0.7, 0.2);
@@ -120,7 +120,10 @@ fn under(lamp: &Lamp) -> SceneBuilder {
 }
 
 fn maps(scene: &Scene) -> Vec<PhotonMap> {
-    trace(scene, DIRECT, 0, PASSES, 1 << 17).into_iter().map(|t| PhotonMap::build(t.deposits.photons)).collect()
+    trace_photon_passes(scene, DIRECT, 0, PASSES, 1 << 17)
+        .into_iter()
+        .map(|t| PhotonMap::build(t.deposits.photons))
+        .collect()
 }
 
 /// The expected estimate is irradiance averaged by the kernel, at any radius and position.
@@ -131,8 +134,9 @@ fn estimates_have_exact_kernel_bias() {
         let maps = maps(&scene);
         for (at, radius) in [(DVec2::ZERO, 0.6), (DVec2::ZERO, 0.15), (DVec2::new(0.5, 0.3), 0.3)] {
             for kernel in KERNELS {
-                let expected = blurred(kernel, radius, |d| (lamp.irradiance)(at + d));
-                let probe = Probe { scene: &scene, at: vec3(at.x, 0.0, at.y), normal: DVec3::Y, radius, kernel };
+                let expected = kernel_weighted_mean(kernel, radius, |d| (lamp.irradiance)(at + d));
+                let probe =
+                    EstimatePoint { scene: &scene, at: dvec3(at.x, 0.0, at.y), normal: DVec3::Y, radius, kernel };
                 assert_estimates(lamp.name, &probe, &maps, expected, 1e-5, 0.018);
             }
         }
@@ -147,7 +151,7 @@ fn wide_box_kernel_has_closed_form_bias() {
     let maps = maps(&scene);
     for radius in [0.1, 0.4, 1.6] {
         let expected = 2.0 * INTENSITY / (radius * radius) * (1.0 - HEIGHT / libm::hypot(HEIGHT, radius));
-        let probe = Probe { scene: &scene, at: DVec3::ZERO, normal: DVec3::Y, radius, kernel: Kernel::Box };
+        let probe = EstimatePoint { scene: &scene, at: DVec3::ZERO, normal: DVec3::Y, radius, kernel: Kernel::Box };
         assert_estimates("below a point", &probe, &maps, expected, 0.0, 8e-3);
     }
 }
@@ -162,14 +166,14 @@ fn photons_store_their_incident_direction() {
         / (radius * radius);
     let origin = (-scene.origin()).as_vec3();
     let one = |map: &PhotonMap| {
-        let brdf = |flux: &PhotonData| Vec3::splat(flux.from().y);
+        let brdf = |flux: &PhotonData| Vec3::splat(flux.incident_direction().y);
         let mut scratch = Scratch::new();
-        f64::from(map.estimate(origin, Vec3::Y, fixed(radius), Kernel::Box, &mut scratch, brdf).radiance.x)
+        f64::from(map.estimate(origin, Vec3::Y, fixed_bandwidth(radius), Kernel::Box, &mut scratch, brdf).radiance.x)
     };
     let samples: Vec<f64> = maps(&scene).iter().map(one).collect();
     // Directions are stored to 10⁻⁴ rad. Adding 11,000 photons is accurate to 11,000 · 2⁻²⁴ =
     // 7·10⁻⁴ of the sum.
-    assert_mean("cosine-weighted flux", &samples, expected, expected * (8e-4 + 2.0 * HUE), 4e-3);
+    assert_mean("cosine-weighted flux", &samples, expected, expected * (8e-4 + 2.0 * HUE_ROUNDING), 4e-3);
 }
 
 /// Shadow rays give L = ρE/π. The view covers 0.02 of a unit. Over it irradiance is linear up to
@@ -178,10 +182,10 @@ fn photons_store_their_incident_direction() {
 fn direct_light_matches_irradiance_of_each_light() {
     for lamp in &LAMPS {
         for at in [DVec2::ZERO, DVec2::new(0.5, 0.3)] {
-            let target = vec3(at.x, 0.0, at.y);
-            let eye = target + vec3(2.0, 1.0, 0.3);
-            let scene = under(lamp).build(camera(eye, target, 0.2, 16)).unwrap();
-            let samples = red(&seen(&scene, settings(0, 0, 0.1), PASSES));
+            let target = dvec3(at.x, 0.0, at.y);
+            let eye = target + dvec3(2.0, 1.0, 0.3);
+            let scene = under(lamp).build(square_camera(eye, target, 0.2, 16)).unwrap();
+            let samples = red_channels(&mean_radiance_per_pass(&scene, fixed_radius_settings(0, 0, 0.1), PASSES));
             let expected = ALBEDO / PI * (lamp.irradiance)(at);
             assert_mean(&format!("{} seen at {at}", lamp.name), &samples, expected, expected * 3e-4, 2e-3);
         }
@@ -192,11 +196,11 @@ fn direct_light_matches_irradiance_of_each_light() {
 #[test]
 fn disc_flux_below_point_light_matches_solid_angle() {
     let scene = photon_only_scene(under(&LAMPS[0]));
-    let passes = trace(&scene, DIRECT, 0, PASSES, 1 << 16);
+    let passes = trace_photon_passes(&scene, DIRECT, 0, PASSES, 1 << 16);
     for radius in [0.3, 1.0, 5.0] {
         let inside = |p: DVec3| p.x * p.x + p.z * p.z < radius * radius;
         let samples: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, inside).x).collect();
         let expected = TAU * INTENSITY * (1.0 - HEIGHT / libm::hypot(HEIGHT, radius));
-        assert_mean(&format!("flux within {radius}"), &samples, expected, expected * 2.0 * HUE, 3e-3);
+        assert_mean(&format!("flux within {radius}"), &samples, expected, expected * 2.0 * HUE_ROUNDING, 3e-3);
     }
 }

@@ -1,6 +1,6 @@
 //! Depth of field and motion blur.
 
-use crate::support::{assert_mean, camera_rays, mean_and_error, scene_in};
+use crate::support::{assert_mean, camera_ray_settings, mean_and_error, scene_from_text_in};
 use caustica::integrate::{Algorithm, Silent};
 use caustica::math::Ray;
 use caustica::sampling::{Dimension, Key, Purpose};
@@ -8,12 +8,12 @@ use caustica::scene::{Effects, RayCone, Scene};
 use glam::{DVec2, Vec3};
 
 fn scene(text: &str) -> Scene {
-    scene_in("scenes", text)
+    scene_from_text_in("scenes", text)
 }
 
 /// Returns the mean radiance of the first channel by rows, pass by pass.
-fn pictures(scene: &Scene, algorithm: Algorithm, samples: u32, passes: u32) -> Vec<Vec<f64>> {
-    let prepared = algorithm.prepare(scene, camera_rays(samples, 4));
+fn lens_images(scene: &Scene, algorithm: Algorithm, samples: u32, passes: u32) -> Vec<Vec<f64>> {
+    let prepared = algorithm.prepare(scene, camera_ray_settings(samples, 4));
     let pass = |i| prepared.pass(i, &Silent).image.iter().map(|v| f64::from(v.x)).collect();
     (0..passes).map(pass).collect()
 }
@@ -40,7 +40,7 @@ fn circle_of_confusion_matches_thin_lens() {
                  Lights {{ DiscLight {{ center 0 0 -{distance}  normal 0 0 1  radius {lamp}  radiance 1 1 1 }} }}
                  Group {{ }}"
             ));
-            let moments: Vec<DVec2> = pictures(&scene, Algorithm::Path, 64, 24)
+            let moments: Vec<DVec2> = lens_images(&scene, Algorithm::Path, 64, 24)
                 .iter()
                 .map(|image| {
                     let at = |i: usize| DVec2::new((i % 64) as f64 + 0.5 - 32.0, (i / 64) as f64 + 0.5 - 32.0);
@@ -74,7 +74,7 @@ fn moving_edge_blurs_to_a_ramp() {
          Background { color 0 0 0 }
          Group { Moving { Translate 16 0 0  Rectangle { corner -108 -50 0  edge0 100 0 0  edge1 0 100 0  emission 1 1 1 } } }",
     );
-    let images = pictures(&scene, Algorithm::Path, 16, PASSES);
+    let images = lens_images(&scene, Algorithm::Path, 16, PASSES);
     for x in 0..32 {
         let pixels = images.iter().map(|image| (0..4).map(|y| image[y * 32 + x]).sum::<f64>() / 4.0);
         let found = pixels.sum::<f64>() / f64::from(PASSES);
@@ -105,7 +105,7 @@ fn moving_light_gives_mean_irradiance_over_time() {
     let expected = 3.0 * (integral(3.0) - integral(-1.0)) / 4.0 / std::f64::consts::PI;
     let peak = 3.0 / 4.0 / std::f64::consts::PI;
     for algorithm in [Algorithm::Path, Algorithm::Distributed, Algorithm::Hybrid, Algorithm::Sppm] {
-        let images = pictures(&scene, algorithm, 1, PASSES);
+        let images = lens_images(&scene, algorithm, 1, PASSES);
         let found = images.iter().map(|image| image[0]).sum::<f64>() / f64::from(PASSES);
         assert!((found - expected).abs() < 2.0 * peak / f64::from(PASSES), "{algorithm:?}: {found}, not {expected}");
     }
@@ -124,7 +124,7 @@ fn adaptive_rays_change_only_noise() {
          Group { }",
     );
     let look = |adaptive| {
-        let mut settings = camera_rays(16, 4);
+        let mut settings = camera_ray_settings(16, 4);
         settings.camera_paths.adaptive = adaptive;
         let prepared = Algorithm::Path.prepare(&scene, settings);
         let passes: Vec<_> = (0..PASSES).map(|i| prepared.pass(i, &Silent)).collect();
@@ -155,7 +155,7 @@ fn legacy_light_keeps_its_strength_in_motion() {
     // Half way the light is at height 4, and the floor has its colour.
     for (time, height) in [(0.0, 2.0), (0.5, 4.0), (1.0, 6.0)] {
         let placed = scene.at(time);
-        let seen = pictures(&placed, Algorithm::Whitted, 1, 1)[0][0];
+        let seen = lens_images(&placed, Algorithm::Whitted, 1, 1)[0][0];
         let expected = 0.5 * 16.0 / (height * height);
         assert!((seen / expected - 1.0).abs() < 1e-5, "{time}: {seen}, not {expected}");
     }
@@ -171,7 +171,7 @@ fn orthographic_rays_start_in_correct_medium() {
          Materials { Dielectric dark { indexOfRefraction 1  absorption 9 9 9 } }
          Group { MaterialName dark  Sphere { center 0 0 0  radius .7 } }",
     );
-    let image = &pictures(&scene, Algorithm::Whitted, 1, 1)[0];
+    let image = &lens_images(&scene, Algorithm::Whitted, 1, 1)[0];
     // What a filter of two pixels covers in the middle passes .69 or more of glass. The corners
     // miss the glass.
     assert!(image[50 * 101 + 50] < libm::exp(-9.0 * 0.69), "{}", image[50 * 101 + 50]);

@@ -1,6 +1,9 @@
 //! Participating media: absorption, single and multiple scattering, furnaces and extreme depths.
 
-use crate::support::{PASSES, assert_mean, fresnel, mean_and_error, midpoint, scene_in, settings};
+use crate::support::{
+    PASSES, assert_mean, fixed_radius_settings, fresnel_reflectance, mean_and_error, midpoint_integral,
+    scene_from_text_in,
+};
 use caustica::integrate::{Algorithm, Settings, Silent, VolumeEstimate};
 use caustica::plan::{Effect, EffectOverrides};
 use caustica::scene::Scene;
@@ -13,7 +16,7 @@ const ESTIMATES: [VolumeEstimate; 3] = [VolumeEstimate::Beams, VolumeEstimate::B
 const ROUNDING: f64 = 1e-5;
 
 fn scene(text: &str) -> Scene {
-    scene_in("scenes", text)
+    scene_from_text_in("scenes", text)
 }
 
 /// Returns the mean over all pixels, pass by pass.
@@ -70,7 +73,7 @@ fn single() -> EffectOverrides {
 }
 
 fn with(samples: u32, effects: EffectOverrides) -> Settings {
-    let mut settings = settings(20_000, 20_000, 0.1);
+    let mut settings = fixed_radius_settings(20_000, 20_000, 0.1);
     settings.camera_paths.samples = Some(samples);
     settings.camera_paths.effects = effects;
     settings
@@ -86,7 +89,7 @@ fn absorbing_slab_obeys_beer_and_fresnel() {
         let angle = degrees.to_radians();
         let (sin, cos) = (libm::sin(angle), libm::cos(angle));
         let inner = (1.0 - sin * sin / 2.25).sqrt();
-        let r = fresnel(cos, 1.5);
+        let r = fresnel_reflectance(cos, 1.5);
         let expected = per_channel(SIGMA, |sigma| {
             let tau = libm::exp(-sigma * THICK / inner);
             (1.0 - r) * (1.0 - r) * tau / (1.0 - r * r * tau * tau)
@@ -139,7 +142,7 @@ fn henyey_greenstein(g: f64, cos: f64) -> f64 {
 ///
 /// `sigma` is σt; the result is per σs.
 fn airlight(lamp: DVec3, end: f64, sigma: f64, g: f64) -> f64 {
-    midpoint(0.0, end, 100_000, |t| {
+    midpoint_integral(0.0, end, 100_000, |t| {
         let way = -DVec3::Z * t - lamp;
         let d = way.length();
         henyey_greenstein(g, way.z / d) * libm::exp(-sigma * (t + d)) / (d * d)
@@ -155,7 +158,7 @@ fn airlight_from_point_light(d: f64, gamma: f64, sigma: f64) -> f64 {
     let (a0, a1) = (libm::exp(-tau * libm::cos(gamma)) / (2.0 * PI * d * libm::sin(gamma)), tau * libm::sin(gamma));
     let end = FRAC_PI_4 + 0.5 * libm::atan(f64::INFINITY);
     assert_eq!(end, FRAC_PI_2);
-    a0 * midpoint(0.5 * gamma, end, 100_000, |v| libm::exp(-a1 * libm::tan(v)))
+    a0 * midpoint_integral(0.5 * gamma, end, 100_000, |v| libm::exp(-a1 * libm::tan(v)))
 }
 
 /// Airlight around a light in fog, before a black wall far away.
@@ -226,7 +229,7 @@ fn scattering_ball_loses_no_light() {
 /// Returns the mean of `f` over the marginal along one axis of a disc with weight 3/π(1 − x²)²:
 /// 16/(5π)(1 − x²)^(5/2).
 fn over_disc(f: impl Fn(f64) -> f64) -> f64 {
-    midpoint(-1.0, 1.0, 2000, |x| 16.0 / (5.0 * PI) * libm::pow(1.0 - x * x, 2.5) * f(x))
+    midpoint_integral(-1.0, 1.0, 2000, |x| 16.0 / (5.0 * PI) * libm::pow(1.0 - x * x, 2.5) * f(x))
 }
 
 /// Returns the expected point estimate along a ray of length `wide` across light that grows upwards
@@ -235,12 +238,12 @@ fn over_disc(f: impl Fn(f64) -> f64) -> f64 {
 /// Balls of radius `r` have weight 15/(8π)(1 − x²). The part beyond both ends is lost. The slice at
 /// x and y has 5/(2π)(1 − x² − y²)^(3/2) of the weight.
 fn expected_point_estimate(sigma: f64, wide: f64, r: f64) -> f64 {
-    midpoint(-1.0, 1.0, 400, |x| {
+    midpoint_integral(-1.0, 1.0, 400, |x| {
         let (from, to) = ((-r * x).max(0.0), (wide - r * x).min(wide));
         let along = (libm::exp(-sigma * from) - libm::exp(-sigma * to)) / sigma;
         let half = (1.0 - x * x).sqrt();
         let slice = |y: f64| 2.5 / PI * libm::pow((half * half - y * y).max(0.0), 1.5) * libm::exp(sigma * r * y);
-        along * midpoint(-half, half, 400, slice)
+        along * midpoint_integral(-half, half, 400, slice)
     })
 }
 
@@ -285,7 +288,7 @@ fn photon_beam_estimate_matches_formula() {
         assert_mean_each(&format!("beam, {}", algorithm.name()), &samples, expected(&whole), DVec3::ZERO, 0.01);
     }
     let behind = scene("MaterialName pane  Rectangle { corner -1.2 1 -1.2  edge0 0 0 2.4  edge1 2.4 0 0 }");
-    let r = fresnel(1.0, 1.5);
+    let r = fresnel_reflectance(1.0, 1.5);
     let through = (1.0 - r) / (1.0 + r);
     let path = seen(&behind, Algorithm::Path, with(64, single()), 2);
     assert!(path.iter().all(|v| *v == DVec3::ZERO), "no path finds it: {path:?}");

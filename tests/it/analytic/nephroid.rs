@@ -16,7 +16,7 @@ const FACETS: u32 = 2000;
 
 /// Builds a mirror x² + z² = 1, z > 0, 0 < y < 1, with its concave side inwards, a `screen`, and
 /// light along `direction`.
-fn cup(screen: Rectangle, direction: DVec3) -> Scene {
+fn cup_scene(screen: Rectangle, direction: DVec3) -> Scene {
     let mut b = SceneBuilder::new();
     let mirror = b.material(Material::mirror(grey(REFLECTANCE)));
     let white = b.material(Material::diffuse(grey(0.5)));
@@ -24,7 +24,7 @@ fn cup(screen: Rectangle, direction: DVec3) -> Scene {
     for i in 0..=FACETS {
         let (sin, cos) = libm::sincos(PI * (f64::from(i) / f64::from(FACETS) - 0.5));
         for y in [0.0, 1.0] {
-            corners.push(vec3(sin, y, cos));
+            corners.push(dvec3(sin, y, cos));
             normals.push(Vec3::new(-sin as f32, 0.0, -cos as f32));
         }
         if i > 0 {
@@ -39,8 +39,8 @@ fn cup(screen: Rectangle, direction: DVec3) -> Scene {
 }
 
 /// Returns photons after one reflection.
-fn once_reflected(scene: &Scene) -> Vec<PhotonPassResult> {
-    trace(scene, StoreMask::CAUSTIC, 1, PASSES, 1 << 17)
+fn reflected_ray(scene: &Scene) -> Vec<PhotonPassResult> {
+    trace_photon_passes(scene, StoreMask::CAUSTIC, 1, PASSES, 1 << 17)
 }
 
 /// Light along the axis reaches a screen in the plane of the axis edge on, so only reflected light
@@ -48,9 +48,9 @@ fn once_reflected(scene: &Scene) -> Vec<PhotonPassResult> {
 /// beam. So between 1/2 and z lands the fraction sin(acos(1/2z)) of the beam, from both sides.
 #[test]
 fn flux_along_cup_axis_matches_closed_form() {
-    let screen = Rectangle::new(vec3(0.0, 0.0, 0.4), DVec3::Z * 0.59, DVec3::Y);
-    let scene = cup(screen, DVec3::Z);
-    let passes = once_reflected(&scene);
+    let screen = Rectangle::new(dvec3(0.0, 0.0, 0.4), DVec3::Z * 0.59, DVec3::Y);
+    let scene = cup_scene(screen, DVec3::Z);
+    let passes = reflected_ray(&scene);
     let part = |z: f64| (1.0 - 1.0 / (4.0 * z * z)).max(0.0).sqrt();
     for (from, to) in [(0.5, 0.51), (0.51, 0.55), (0.55, 0.7), (0.7, 0.95), (0.5, 0.95)] {
         let inside = |p: DVec3| p.z > from && p.z <= to;
@@ -63,7 +63,8 @@ fn flux_along_cup_axis_matches_closed_form() {
     }
     // Points are kept 16 errors of 5·2⁻²³ off the edges of facets. That moves a ray sideways by
     // 10⁻⁵ at most.
-    let sideways = |p: &Photon| (0.5 - 1e-5 - photon_position(&scene, p).z) * f64::from(p.data.from().x.abs());
+    let sideways =
+        |p: &Photon| (0.5 - 1e-5 - photon_position(&scene, p).z) * f64::from(p.data.incident_direction().x.abs());
     let most = passes.iter().flat_map(|t| &t.deposits.photons).map(sideways).fold(0.0, f64::max);
     assert!(most < 1e-5, "no ray crosses the axis before half the radius: {most}");
 }
@@ -71,9 +72,9 @@ fn flux_along_cup_axis_matches_closed_form() {
 const SLOPE: f64 = 0.5;
 
 /// Builds the cup's floor under light that also falls, by `SLOPE` per unit.
-fn floor() -> Scene {
-    let screen = Rectangle::new(vec3(-1.0, 0.0, 0.0), DVec3::Z, DVec3::X * 2.0);
-    cup(screen, vec3(0.0, -SLOPE, 1.0))
+fn floor_irradiance() -> Scene {
+    let screen = Rectangle::new(dvec3(-1.0, 0.0, 0.0), DVec3::Z, DVec3::X * 2.0);
+    cup_scene(screen, dvec3(0.0, -SLOPE, 1.0))
 }
 
 /// Returns the floor's irradiance at (x, z), averaged by a kernel.
@@ -81,7 +82,7 @@ fn floor() -> Scene {
 /// Seen from above, the ray at angle θ runs s beyond the wall along (−sin2θ, −cos2θ). It falls
 /// evenly, so it lights the floor evenly along s: dΦ = E sinα cosθ dθ ds, with α the slope's angle.
 /// It ends at the next wall, s = 2cosθ, or where the cup's height is spent.
-fn on_floor(at: DVec2, kernel: Kernel, radius: f64) -> f64 {
+fn floor_point(at: DVec2, kernel: Kernel, radius: f64) -> f64 {
     let falling = IRRADIANCE * REFLECTANCE * SLOPE / (1.0 + SLOPE * SLOPE).sqrt();
     let ray = |theta: f64| {
         let (sin, cos) = libm::sincos(theta);
@@ -98,26 +99,29 @@ fn on_floor(at: DVec2, kernel: Kernel, radius: f64) -> f64 {
         if from >= to {
             return 0.0;
         }
-        cos * midpoint(from, to, 60, |s| kernel_at(kernel, (start + along * s - at).length(), radius))
+        cos * midpoint_integral(from, to, 60, |s| kernel_at(kernel, (start + along * s - at).length(), radius))
     };
-    falling * midpoint(-0.5 * PI, 0.5 * PI, 40_000, ray)
+    falling * midpoint_integral(-0.5 * PI, 0.5 * PI, 40_000, ray)
 }
 
 /// Returns the fold (3cos t − cos 3t, 3sin t − sin 3t)/4 as (x, z).
-fn fold(t: f64) -> DVec2 {
+fn nephroid_fold(t: f64) -> DVec2 {
     DVec2::new(3.0 * libm::sin(t) - libm::sin(3.0 * t), 3.0 * libm::cos(t) - libm::cos(3.0 * t)) * 0.25
 }
 
 #[test]
 fn cup_floor_flux_matches_ray_tracing() {
-    let scene = floor();
+    let scene = floor_irradiance();
     let maps: Vec<PhotonMap> =
-        once_reflected(&scene).into_iter().map(|t| PhotonMap::build(t.deposits.photons)).collect();
+        reflected_ray(&scene).into_iter().map(|t| PhotonMap::build(t.deposits.photons)).collect();
     // At the cusp, on both sides of it, on the fold, and away from it.
-    for at in [DVec2::new(0.0, 0.5), DVec2::new(0.0, 0.56), DVec2::new(0.0, 0.42), fold(0.6), DVec2::new(-0.5, 0.2)] {
+    for at in
+        [DVec2::new(0.0, 0.5), DVec2::new(0.0, 0.56), DVec2::new(0.0, 0.42), nephroid_fold(0.6), DVec2::new(-0.5, 0.2)]
+    {
         for kernel in KERNELS {
-            let expected = on_floor(at, kernel, 0.05);
-            let probe = Probe { scene: &scene, at: vec3(at.x, 0.0, at.y), normal: DVec3::Y, radius: 0.05, kernel };
+            let expected = floor_point(at, kernel, 0.05);
+            let probe =
+                EstimatePoint { scene: &scene, at: dvec3(at.x, 0.0, at.y), normal: DVec3::Y, radius: 0.05, kernel };
             assert_estimates("floor of a cup", &probe, &maps, expected, 1e-3, 0.03);
         }
     }
@@ -128,16 +132,16 @@ fn cup_floor_flux_matches_ray_tracing() {
 /// ±.03 along the fold, the curve departs from its tangent by less than .03²/2 = 5·10⁻⁴.
 #[test]
 fn flux_peaks_at_the_nephroid() {
-    let scene = floor();
-    let passes = once_reflected(&scene);
+    let scene = floor_irradiance();
+    let passes = reflected_ray(&scene);
     for t in [0.4, 0.6, -0.8] {
-        let tangent = (fold(t + 1e-5) - fold(t - 1e-5)).normalize();
+        let tangent = (nephroid_fold(t + 1e-5) - nephroid_fold(t - 1e-5)).normalize();
         // The normal that points to the wall.
-        let outward = if tangent.perp().dot(fold(t)) > 0.0 { tangent.perp() } else { -tangent.perp() };
+        let outward = if tangent.perp().dot(nephroid_fold(t)) > 0.0 { tangent.perp() } else { -tangent.perp() };
         let mut cells = [0f64; 12];
         for p in passes.iter().flat_map(|t| &t.deposits.photons) {
             let p = photon_position(&scene, p);
-            let d = DVec2::new(p.x, p.z) - fold(t);
+            let d = DVec2::new(p.x, p.z) - nephroid_fold(t);
             let cell = (d.dot(outward) * 100.0 + 6.0).floor();
             if d.dot(tangent).abs() < 0.03 && (0.0..12.0).contains(&cell) {
                 cells[cell as usize] += 1.0;

@@ -13,11 +13,11 @@ use std::f64::consts::PI;
 fn cube_faces_exchange_flux_by_form_factors() {
     let mut b = SceneBuilder::new();
     let white = b.material(Material::diffuse(grey(0.5)));
-    for (i, face) in faces(DVec3::ZERO, DVec3::ONE, true).into_iter().enumerate() {
+    for (i, face) in box_faces(DVec3::ZERO, DVec3::ONE, true).into_iter().enumerate() {
         b.shape(face, white, grey(if i == 1 { 1.0 } else { 0.0 }));
     }
     let scene = photon_only_scene(b);
-    let passes = trace(&scene, StoreMask::DIRECT, 0, PASSES, 1 << 16);
+    let passes = trace_photon_passes(&scene, StoreMask::DIRECT, 0, PASSES, 1 << 16);
     // Assigns photons to the nearest face.
     let on = |face: usize| {
         move |p: DVec3| {
@@ -28,11 +28,11 @@ fn cube_faces_exchange_flux_by_form_factors() {
     for (face, name, factor) in [(0, "floor", 0.199_825), (2, "left", 0.200_044), (5, "front", 0.200_044)] {
         let samples: Vec<f64> =
             passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, on(face)).x / PI).collect();
-        assert_mean(&format!("form factor of the {name}"), &samples, factor, 5e-7 + factor * HUE, 2e-3);
+        assert_mean(&format!("form factor of the {name}"), &samples, factor, 5e-7 + factor * HUE_ROUNDING, 2e-3);
     }
     let total: f64 = passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, |_| true).x / PI).sum();
     // Closure: all flux that leaves the ceiling lands, up to hue rounding.
-    assert!((total / f64::from(PASSES) - 1.0).abs() < 2.0 * HUE, "{total}");
+    assert!((total / f64::from(PASSES) - 1.0).abs() < 2.0 * HUE_ROUNDING, "{total}");
 }
 
 const FLOOR: DVec3 = DVec3::new(0.8, 0.5, 0.3);
@@ -41,12 +41,12 @@ const LIGHT: DVec3 = DVec3::new(1.0, 2.0, 0.5);
 
 /// Builds a diffuse floor and an emissive diffuse ceiling between four perfect mirrors, equivalent
 /// to two infinite plates.
-fn plates() -> Scene {
+fn plates_scene() -> Scene {
     let mut b = SceneBuilder::new();
     let floor = b.material(Material::diffuse(FLOOR.as_vec3()));
     let ceiling = b.material(Material::diffuse(CEILING.as_vec3()));
     let mirror = b.material(Material::mirror(Vec3::ONE));
-    for (i, face) in faces(vec3(-1.0, 0.0, -1.0), vec3(1.0, 0.7, 1.0), true).into_iter().enumerate() {
+    for (i, face) in box_faces(dvec3(-1.0, 0.0, -1.0), dvec3(1.0, 0.7, 1.0), true).into_iter().enumerate() {
         let (material, light) = match i {
             0 => (floor, Vec3::ZERO),
             1 => (ceiling, LIGHT.as_vec3()),
@@ -55,15 +55,15 @@ fn plates() -> Scene {
         b.shape(face, material, light);
     }
     // The view covers |x|, |z| < 0.5 of the floor.
-    b.build(camera(vec3(0.0, 0.6, 0.0), DVec3::ZERO, 2.0 * libm::atan(0.5 / 0.6) * 180.0 / PI, 12)).unwrap()
+    b.build(square_camera(dvec3(0.0, 0.6, 0.0), DVec3::ZERO, 2.0 * libm::atan(0.5 / 0.6) * 180.0 / PI, 12)).unwrap()
 }
 
 /// The floor's irradiance is the ceiling's radiosity, E/(1 − ρ₁ρ₂) with E = πL. The ceiling's
 /// irradiance is ρ₁ times that.
 #[test]
 fn infinite_plates_have_geometric_series_of_flux() {
-    let scene = plates();
-    let passes = trace(&scene, StoreMask::ALL, 10_000, PASSES, 1 << 15);
+    let scene = plates_scene();
+    let passes = trace_photon_passes(&scene, StoreMask::ALL, 10_000, PASSES, 1 << 15);
     let floor = LIGHT * PI / (DVec3::ONE - FLOOR * CEILING);
     for (name, low, expected) in [("floor", true, floor), ("ceiling", false, floor * FLOOR)] {
         let on = |t: &PhotonPassResult| flux_where(&scene, &t.deposits.photons, |p| (p.y < 0.35) == low) / 4.0;
@@ -81,10 +81,10 @@ fn infinite_plates_have_geometric_series_of_flux() {
 #[test]
 #[ignore = "long: t-tests over many bounces"]
 fn direct_caustic_and_global_light_sum_to_total() {
-    let scene = plates();
+    let scene = plates_scene();
     let expected = LIGHT / (DVec3::ONE - FLOOR * CEILING) * FLOOR;
-    let settings = settings(1 << 16, 1 << 16, 0.2);
-    assert_mean_rgb("radiance of the floor", &seen(&scene, settings, PASSES), expected, 6e-3);
+    let settings = fixed_radius_settings(1 << 16, 1 << 16, 0.2);
+    assert_mean_rgb("radiance of the floor", &mean_radiance_per_pass(&scene, settings, PASSES), expected, 6e-3);
 }
 
 /// A point light between two infinite mirrors over a floor is a row of images at 2ka + (−1)ᵏx, each
@@ -102,9 +102,9 @@ fn parallel_mirrors_show_row_of_lights() {
     b.plane(Plane::new(DVec3::ZERO, DVec3::Y), floor, grey(0.0));
     b.plane(Plane::new(DVec3::X * A, -DVec3::X), mirror, grey(0.0));
     b.plane(Plane::new(-DVec3::X * A, DVec3::X), mirror, grey(0.0));
-    b.delta_light(DeltaLightKind::Point { position: vec3(X, H, 0.0) }, LightStrength::Physical(grey(1.0)));
+    b.delta_light(DeltaLightKind::Point { position: dvec3(X, H, 0.0) }, LightStrength::Physical(grey(1.0)));
     let scene = photon_only_scene(b);
-    let at = vec3(-0.2, 0.0, 0.1);
+    let at = dvec3(-0.2, 0.0, 0.1);
     let irradiance_of = |k: i32, p: DVec3| {
         let image = 2.0 * f64::from(k) * A + if k % 2 == 0 { X } else { -X };
         let d2 = H * H + (p.x - image) * (p.x - image) + p.z * p.z;
@@ -114,14 +114,14 @@ fn parallel_mirrors_show_row_of_lights() {
     for class in [PhotonKind::Direct, PhotonKind::Caustic] {
         let mask =
             StoreMask { direct: class == PhotonKind::Direct, caustic: class == PhotonKind::Caustic, ..StoreMask::NONE };
-        let passes = trace(&scene, mask, 1000, PASSES, 1 << 16);
+        let passes = trace_photon_passes(&scene, mask, 1000, PASSES, 1 << 16);
         let maps: Vec<PhotonMap> = passes.into_iter().map(|t| PhotonMap::build(t.deposits.photons)).collect();
         for kernel in [Kernel::Box, Kernel::Epanechnikov] {
-            let expected = blurred(kernel, R, |d| {
-                let p = at + vec3(d.x, 0.0, d.y);
+            let expected = kernel_weighted_mean(kernel, R, |d| {
+                let p = at + dvec3(d.x, 0.0, d.y);
                 if class == PhotonKind::Direct { irradiance_of(0, p) } else { bent(p) }
             });
-            let probe = Probe { scene: &scene, at, normal: DVec3::Y, radius: R, kernel };
+            let probe = EstimatePoint { scene: &scene, at, normal: DVec3::Y, radius: R, kernel };
             assert_estimates(&format!("{class:?} light of a row"), &probe, &maps, expected, 1e-5, 0.01);
         }
     }

@@ -10,7 +10,7 @@ const TILE: usize = 4;
 const TILES: usize = EDGE / TILE;
 
 /// Returns the mean over the kept pixels of each tile.
-fn tiles(pixels: &[f64], kept: &[bool]) -> Vec<f64> {
+fn tile_means(pixels: &[f64], kept: &[bool]) -> Vec<f64> {
     let mut sums = vec![(0.0, 0.0); TILES * TILES];
     for (i, value) in pixels.iter().enumerate().filter(|(i, _)| kept[*i]) {
         let sum = &mut sums[i / EDGE / TILE * TILES + i % EDGE / TILE];
@@ -19,7 +19,7 @@ fn tiles(pixels: &[f64], kept: &[bool]) -> Vec<f64> {
     sums.iter().map(|(sum, n)| if *n > 0.0 { sum / n } else { 0.0 }).collect()
 }
 
-fn means(image: &[Vec3]) -> Vec<f64> {
+fn mean_tiles(image: &[Vec3]) -> Vec<f64> {
     image.iter().map(|v| f64::from(color::channel_mean(*v))).collect()
 }
 
@@ -31,25 +31,27 @@ fn means(image: &[Vec3]) -> Vec<f64> {
 #[test]
 #[ignore = "long: t-tests of 1024 tiles"]
 fn sppm_matches_caustic_reference_by_tiles() {
-    let (mean, error) = (reference("cbox-caustic.exr"), reference("cbox-caustic-stderr.exr"));
-    let (reference, error) = (means(mean.pixels()), means(error.pixels()));
+    let (mean, error) = (reference_image("cbox-caustic.exr"), reference_image("cbox-caustic-stderr.exr"));
+    let (reference, error) = (mean_tiles(mean.pixels()), mean_tiles(error.pixels()));
     let kept: Vec<bool> = reference.iter().zip(&error).map(|(r, e)| *e <= 0.5 * r).collect();
     let left_out = kept.iter().filter(|k| !**k).count();
     assert!(left_out < EDGE * EDGE / 100, "{left_out} fireflies in the reference");
 
-    let scene = file("tests/scenes/cbox-caustic.txt", (EDGE as u32, EDGE as u32));
+    let scene = scene_from_file("tests/scenes/cbox-caustic.txt", (EDGE as u32, EDGE as u32));
     let render = |radius: f64| -> Vec<Vec<f64>> {
-        let settings =
-            Settings { camera_paths: camera_rays(8, 1000).camera_paths, ..settings(50_000, 150_000, radius) };
+        let settings = Settings {
+            camera_paths: camera_ray_settings(8, 1000).camera_paths,
+            ..fixed_radius_settings(50_000, 150_000, radius)
+        };
         let method = Algorithm::Sppm.prepare(&scene, settings);
-        (0..PASSES).map(|i| means(&method.pass(i, &Silent).image)).collect()
+        (0..PASSES).map(|i| mean_tiles(&method.pass(i, &Silent).image)).collect()
     };
     let (narrow, wide) = (render(0.012), render(0.024));
-    let by_pass = |passes: &[Vec<f64>]| passes.iter().map(|p| tiles(p, &kept)).collect::<Vec<_>>();
+    let by_pass = |passes: &[Vec<f64>]| passes.iter().map(|p| tile_means(p, &kept)).collect::<Vec<_>>();
     let (narrow_tiles, wide_tiles) = (by_pass(&narrow), by_pass(&wide));
-    let expected = tiles(&reference, &kept);
+    let expected = tile_means(&reference, &kept);
     // Channels may be correlated. The mean of their errors bounds the error of their mean.
-    let variance = tiles(&error.iter().map(|e| e * e).collect::<Vec<_>>(), &kept);
+    let variance = tile_means(&error.iter().map(|e| e * e).collect::<Vec<_>>(), &kept);
     let (mut beyond_two, mut worst) = (0, 1.0f64);
     for tile in 0..TILES * TILES {
         let column = |passes: &[Vec<f64>]| passes.iter().map(|p| p[tile]).collect::<Vec<f64>>();
@@ -57,7 +59,7 @@ fn sppm_matches_caustic_reference_by_tiles() {
         let (blurred, _) = mean_and_error(&column(&wide_tiles));
         let sigma = (sigma * sigma + variance[tile] / (TILE * TILE) as f64).sqrt();
         let excess = ((ours - expected[tile]).abs() - (blurred - ours).abs()).max(0.0);
-        let p = student_tail(excess / sigma, f64::from(PASSES - 1));
+        let p = student_t_tail(excess / sigma, f64::from(PASSES - 1));
         beyond_two += u32::from((ours - expected[tile]).abs() > 2.0 * sigma);
         worst = worst.min(p);
         assert!(

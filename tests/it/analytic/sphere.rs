@@ -10,7 +10,7 @@ use std::f64::consts::{PI, TAU};
 
 const FLUX: f64 = 8.0;
 
-fn sphere(radius: f64, albedo: f64, light: DVec3) -> SceneBuilder {
+fn sphere_scene(radius: f64, albedo: f64, light: DVec3) -> SceneBuilder {
     let mut b = SceneBuilder::new();
     let wall = b.material(Material::diffuse(grey(albedo)));
     b.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, radius)), wall, grey(0.0));
@@ -29,7 +29,7 @@ fn chi_square(counts: &[u32]) -> f64 {
 }
 
 /// Returns the index of an equal-area cell: zones of equal height, cut by azimuth.
-fn cell(p: DVec3, radius: f64) -> usize {
+fn sphere_cell(p: DVec3, radius: f64) -> usize {
     const N: f64 = 32.0;
     let z = ((p.z / radius * 0.5 + 0.5) * N).clamp(0.0, N - 1.0) as usize;
     let turn = ((libm::atan2(p.y, p.x) / TAU + 0.5) * N).clamp(0.0, N - 1.0) as usize;
@@ -41,11 +41,11 @@ fn cell(p: DVec3, radius: f64) -> usize {
 /// The limit of 4.9 σ has a false-alarm rate of 10⁻⁶.
 #[test]
 fn reflected_photons_cover_sphere_uniformly() {
-    let scene = photon_only_scene(sphere(2.0, 0.6, vec3(0.3, -0.2, 1.6)));
+    let scene = photon_only_scene(sphere_scene(2.0, 0.6, dvec3(0.3, -0.2, 1.6)));
     for bounces in [1, 1000] {
         let mut counts = vec![0; 32 * 32];
-        for t in trace(&scene, StoreMask::GLOBAL, bounces, 4, 1 << 16) {
-            t.deposits.photons.iter().for_each(|p| counts[cell(photon_position(&scene, p), 2.0)] += 1);
+        for t in trace_photon_passes(&scene, StoreMask::GLOBAL, bounces, 4, 1 << 16) {
+            t.deposits.photons.iter().for_each(|p| counts[sphere_cell(photon_position(&scene, p), 2.0)] += 1);
         }
         let z = chi_square(&counts);
         eprintln!("chi-square of {bounces} bounces: z = {z:.2}");
@@ -56,9 +56,9 @@ fn reflected_photons_cover_sphere_uniformly() {
 /// Bounce k carries ρᵏΦ. Paths are keyed, so a higher bounce limit adds photons and changes none.
 #[test]
 fn flux_by_bounce_is_power_of_albedo() {
-    let scene = photon_only_scene(sphere(2.0, 0.6, vec3(0.3, -0.2, 1.6)));
+    let scene = photon_only_scene(sphere_scene(2.0, 0.6, dvec3(0.3, -0.2, 1.6)));
     let landed = |n| {
-        let passes = trace(&scene, StoreMask::GLOBAL, n, PASSES, 1 << 14);
+        let passes = trace_photon_passes(&scene, StoreMask::GLOBAL, n, PASSES, 1 << 14);
         passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, |_| true).x).collect::<Vec<f64>>()
     };
     let mut before = landed(0);
@@ -68,7 +68,7 @@ fn flux_by_bounce_is_power_of_albedo() {
         expected *= 0.6;
         let now = landed(k);
         let bounce: Vec<f64> = now.iter().zip(&before).map(|(a, b)| a - b).collect();
-        assert_mean(&format!("flux of bounce {k}"), &bounce, expected, expected * HUE, 0.012);
+        assert_mean(&format!("flux of bounce {k}"), &bounce, expected, expected * HUE_ROUNDING, 0.012);
         before = now;
     }
 }
@@ -78,9 +78,9 @@ fn flux_by_bounce_is_power_of_albedo() {
 #[test]
 fn sphere_estimates_match_uniform_irradiance() {
     let (radius, albedo) = (2.0, 0.6);
-    let scene = photon_only_scene(sphere(radius, albedo, vec3(0.3, -0.2, 1.6)));
+    let scene = photon_only_scene(sphere_scene(radius, albedo, dvec3(0.3, -0.2, 1.6)));
     let expected = albedo * FLUX / (4.0 * PI * radius * radius * (1.0 - albedo));
-    let maps: Vec<PhotonMap> = trace(&scene, StoreMask::GLOBAL, 1000, PASSES, 1 << 15)
+    let maps: Vec<PhotonMap> = trace_photon_passes(&scene, StoreMask::GLOBAL, 1000, PASSES, 1 << 15)
         .into_iter()
         .map(|t| PhotonMap::build(t.deposits.photons))
         .collect();
@@ -88,8 +88,8 @@ fn sphere_estimates_match_uniform_irradiance() {
     // accurate to 2·10⁻⁵.
     for kernel in KERNELS {
         let mean = |map: &PhotonMap| {
-            let at = |p: &DVec3| irradiance(&scene, map, *p * radius, -*p, fixed(0.5), kernel).x;
-            spread(200).iter().map(at).sum::<f64>() / 200.0
+            let at = |p: &DVec3| estimated_irradiance(&scene, map, *p * radius, -*p, fixed_bandwidth(0.5), kernel).x;
+            fibonacci_directions(200).iter().map(at).sum::<f64>() / 200.0
         };
         let samples: Vec<f64> = maps.iter().map(mean).collect();
         assert_mean(&format!("irradiance of a sphere, {kernel:?}"), &samples, expected, expected * 2e-4, 3e-3);
@@ -101,12 +101,12 @@ fn sphere_estimates_match_uniform_irradiance() {
 #[test]
 fn sphere_interior_has_uniform_radiance() {
     let (radius, albedo) = (2.0, 0.6);
-    let b = sphere(radius, albedo, DVec3::ZERO);
-    let scene = b.build(camera(vec3(0.5, 0.3, 0.1), vec3(-1.0, 0.2, 0.4), 60.0, 12)).unwrap();
+    let b = sphere_scene(radius, albedo, DVec3::ZERO);
+    let scene = b.build(square_camera(dvec3(0.5, 0.3, 0.1), dvec3(-1.0, 0.2, 0.4), 60.0, 12)).unwrap();
     let expected = albedo * FLUX / (4.0 * PI * PI * radius * radius * (1.0 - albedo));
-    let samples = red(&seen(&scene, settings(1 << 16, 0, 0.4), PASSES));
-    assert_mean("radiance of a sphere", &samples, expected, expected * 2.0 * HUE, 4e-3);
-    let direct = red(&seen(&scene, settings(0, 0, 0.4), 4));
+    let samples = red_channels(&mean_radiance_per_pass(&scene, fixed_radius_settings(1 << 16, 0, 0.4), PASSES));
+    assert_mean("radiance of a sphere", &samples, expected, expected * 2.0 * HUE_ROUNDING, 4e-3);
+    let direct = red_channels(&mean_radiance_per_pass(&scene, fixed_radius_settings(0, 0, 0.4), 4));
     // Unit vectors, intensity and 1/d² round to a few ulps of f32 each.
     assert!(direct.iter().all(|l| (l / (expected * (1.0 - albedo)) - 1.0).abs() < 1e-5), "{direct:?}");
 }
@@ -127,16 +127,22 @@ fn cavity_returns_effective_albedo() {
         let f = 0.5 * (1.0 - height);
         let flux = PI * PI * (1.0 - height * height);
         let series = 1.0 / (1.0 - albedo * (1.0 - f));
-        let passes = trace(&scene, StoreMask::ALL, 1000, PASSES, 1 << 15);
+        let passes = trace_photon_passes(&scene, StoreMask::ALL, 1000, PASSES, 1 << 15);
         let landed: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, |_| true).x).collect();
-        assert_mean(&format!("landed in a cavity, f = {f}"), &landed, flux * series, flux * series * HUE, 3e-3);
+        assert_mean(
+            &format!("landed in a cavity, f = {f}"),
+            &landed,
+            flux * series,
+            flux * series * HUE_ROUNDING,
+            3e-3,
+        );
         let returned: Vec<f64> =
             passes.iter().zip(&landed).map(|(t, l)| t.audit.absorbed[0] - (1.0 - albedo) * l).collect();
         assert_mean(
             &format!("returned by a cavity, f = {f}"),
             &returned,
             flux * albedo * f * series,
-            flux * HUE,
+            flux * HUE_ROUNDING,
             0.012,
         );
     }

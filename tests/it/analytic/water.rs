@@ -12,13 +12,13 @@ const SKY: f64 = 3.0;
 
 /// Builds an infinite pool of depth 1 under an infinite sky, by an emissive black ceiling and
 /// perfect mirrors around.
-fn pool(albedo: f64, eye: DVec3, at: DVec3) -> Scene {
+fn pool_scene(albedo: f64, eye: DVec3, at: DVec3) -> Scene {
     let mut b = SceneBuilder::new();
     let floor = b.material(Material::diffuse(grey(albedo)));
     let black = b.material(Material::black());
     let mirror = b.material(Material::mirror(Vec3::ONE));
     let water = b.material(Material::dielectric(N as f32, Vec3::ZERO));
-    for (i, face) in faces(vec3(-1.0, -1.0, -1.0), vec3(1.0, 0.5, 1.0), true).into_iter().enumerate() {
+    for (i, face) in box_faces(dvec3(-1.0, -1.0, -1.0), dvec3(1.0, 0.5, 1.0), true).into_iter().enumerate() {
         let (material, light) = match i {
             0 => (floor, 0.0),
             1 => (black, SKY),
@@ -26,9 +26,9 @@ fn pool(albedo: f64, eye: DVec3, at: DVec3) -> Scene {
         };
         b.shape(face, material, grey(light));
     }
-    let surface = Rectangle::new(vec3(-1.0, 0.0, -1.0), DVec3::Z * 2.0, DVec3::X * 2.0);
+    let surface = Rectangle::new(dvec3(-1.0, 0.0, -1.0), DVec3::Z * 2.0, DVec3::X * 2.0);
     b.shape(Shape::Rectangle(surface), water, Vec3::ZERO);
-    b.build(camera(eye, at, 30.0, 10)).unwrap()
+    b.build(square_camera(eye, at, 30.0, 10)).unwrap()
 }
 
 /// The floor first receives πL(1 − Fe). Floor and water surface then exchange it, with the internal
@@ -45,16 +45,16 @@ fn irradiance_of_floor(albedo: f64) -> f64 {
 #[test]
 fn flux_is_conserved_under_water() {
     let albedo = 0.7;
-    let scene = pool(albedo, DVec3::ZERO, DVec3::Z);
+    let scene = pool_scene(albedo, DVec3::ZERO, DVec3::Z);
     // Two rectangles that touch at the water's edge may let one ray in a million slip between them.
     for (name, mask, expected) in [
         ("first", StoreMask::CAUSTIC, PI * SKY * (1.0 - hemispherical_reflectance(N))),
         ("all", StoreMask::ALL, irradiance_of_floor(albedo)),
     ] {
-        let passes = trace(&scene, mask, 10_000, PASSES, 1 << 15);
+        let passes = trace_photon_passes(&scene, mask, 10_000, PASSES, 1 << 15);
         let samples: Vec<f64> =
             passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, |_| true).x / 4.0).collect();
-        assert_mean(&format!("{name} flux under water"), &samples, expected, expected * (1e-5 + HUE), 4e-3);
+        assert_mean(&format!("{name} flux under water"), &samples, expected, expected * (1e-5 + HUE_ROUNDING), 4e-3);
     }
 }
 
@@ -65,27 +65,39 @@ fn flux_is_conserved_under_water() {
 #[ignore = "long: t-tests over many bounces"]
 fn radiance_scales_by_squared_index_under_water() {
     let albedo = 0.7;
-    let down = pool(albedo, vec3(0.0, 0.4, 0.0), -DVec3::Y);
-    let mean_reflectance = over_view(|cos| fresnel(cos, N));
+    let down = pool_scene(albedo, dvec3(0.0, 0.4, 0.0), -DVec3::Y);
+    let mean_reflectance = view_average(|cos| fresnel_reflectance(cos, N));
     let floor = albedo / PI * irradiance_of_floor(albedo) / (N * N);
     let expected = mean_reflectance * SKY + (1.0 - mean_reflectance) * floor;
     let settings = caustica::integrate::Settings {
-        camera_paths: camera_rays(2, 1000).camera_paths,
-        ..settings(1 << 16, 1 << 16, 0.3)
+        camera_paths: camera_ray_settings(2, 1000).camera_paths,
+        ..fixed_radius_settings(1 << 16, 1 << 16, 0.3)
     };
-    assert_mean("looking into a pool", &red(&seen(&down, settings.clone(), PASSES)), expected, expected * 1e-4, 5e-3);
+    assert_mean(
+        "looking into a pool",
+        &red_channels(&mean_radiance_per_pass(&down, settings.clone(), PASSES)),
+        expected,
+        expected * 1e-4,
+        5e-3,
+    );
 
-    let up = pool(albedo, vec3(0.0, -0.9, 0.0), DVec3::Y);
+    let up = pool_scene(albedo, dvec3(0.0, -0.9, 0.0), DVec3::Y);
     // Within 21°, the corner of the view, there is no total reflection. Reflected rays show the
     // floor.
-    let through = over_view(|cos| 1.0 - fresnel(cos, 1.0 / N));
+    let through = view_average(|cos| 1.0 - fresnel_reflectance(cos, 1.0 / N));
     let expected = through * N * N * SKY + (1.0 - through) * floor * N * N;
-    assert_mean("looking out of a pool", &red(&seen(&up, settings, PASSES)), expected, expected * 1e-4, 2e-3);
+    assert_mean(
+        "looking out of a pool",
+        &red_channels(&mean_radiance_per_pass(&up, settings, PASSES)),
+        expected,
+        expected * 1e-4,
+        2e-3,
+    );
 }
 
 /// Returns the mean over a square view of 30° of a function of the cosine with its axis.
-fn over_view(f: impl Fn(f64) -> f64) -> f64 {
+fn view_average(f: impl Fn(f64) -> f64) -> f64 {
     let half = libm::tan(15f64.to_radians());
-    let row = |y: f64| midpoint(-half, half, 200, |x| f(1.0 / (1.0 + x * x + y * y).sqrt()));
-    midpoint(-half, half, 200, row) / (4.0 * half * half)
+    let row = |y: f64| midpoint_integral(-half, half, 200, |x| f(1.0 / (1.0 + x * x + y * y).sqrt()));
+    midpoint_integral(-half, half, 200, row) / (4.0 * half * half)
 }

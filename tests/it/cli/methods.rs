@@ -1,11 +1,11 @@
 //! Tests of `caustica study` of integrators.
 
 use super::{CliSandbox, ProgramRun};
-use crate::support::shell::words;
+use crate::support::shell::shell_words;
 use serde_json::Value;
 
 fn run(sandbox: &CliSandbox, line: &str) -> ProgramRun {
-    let words = words(line);
+    let words = shell_words(line);
     sandbox.run(&words.iter().map(String::as_str).collect::<Vec<_>>())
 }
 
@@ -44,7 +44,7 @@ fn study_commands_repeat_it_bit_for_bit() {
         rendered.expect(0, &["wrote "]);
         // Against the image that the command renders, the last image of the first seed has zero
         // error.
-        let picture = words(command).pop().unwrap();
+        let picture = shell_words(command).pop().unwrap();
         let again = json(&run(&sandbox, &format!("{} {LEAST}", line.replace("a.exr,b.exr", &picture))));
         let same = again["methods"].as_array().unwrap().iter().find(|m| m["label"] == method["label"]).unwrap();
         let last = same["checkpoints"].as_array().unwrap().last().unwrap();

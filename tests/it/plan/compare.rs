@@ -1,6 +1,6 @@
 //! Renders one scene with different effects and compares bits.
 
-use crate::support::scene_in;
+use crate::support::scene_from_text_in;
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, CameraPathSettings, FinalGathering, Settings, Silent};
 use caustica::plan::{Decision, EffectOverrides};
@@ -104,5 +104,5 @@ pub fn difference(scene: &Scene, how: &RenderSettings, forced: EffectOverrides) 
 /// Builds the scene of `text`. File names in it are relative to the root of the repository.
 #[track_caller]
 pub fn scene(text: &str) -> Scene {
-    scene_in("", text)
+    scene_from_text_in("", text)
 }

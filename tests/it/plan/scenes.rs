@@ -1,7 +1,7 @@
 //! The plan changes no bit of the repository's scenes or the course's.
 
 use super::compare::{RenderSettings, difference};
-use crate::support::{self, project};
+use crate::support::{self, project_path};
 use caustica::format::SceneFile;
 use caustica::integrate::Algorithm;
 use caustica::plan::{Effect, EffectOverrides, Plan};
@@ -40,7 +40,7 @@ fn differences(path: &Path, scene: &Scene, algorithms: &[Algorithm]) -> Vec<Stri
 #[test]
 fn shipped_scenes_match_with_all_effects_on() {
     let mut wrong = Vec::new();
-    let paths = ["scenes", "tests/scenes"].into_iter().flat_map(|folder| files(&project(folder)));
+    let paths = ["scenes", "tests/scenes"].into_iter().flat_map(|folder| files(&project_path(folder)));
     for (i, path) in paths.enumerate() {
         let scene = read(&path).unwrap();
         let others = &Algorithm::ALL[1..];
@@ -51,7 +51,7 @@ fn shipped_scenes_match_with_all_effects_on() {
 
 /// Returns the course's scenes; none if they are absent and may be skipped.
 fn course() -> Vec<(PathBuf, Scene)> {
-    let Some(folder) = support::course("testcases") else { return Vec::new() };
+    let Some(folder) = support::course_data_folder("testcases") else { return Vec::new() };
     let scene = |path: PathBuf| match read(&path) {
         Ok(scene) => (path, scene),
         Err(error) => panic!("{}: {error}", path.display()),

@@ -1,6 +1,6 @@
 //! A scene in parts that can be written as text, so that tests know its contents.
 
-use crate::support::project;
+use crate::support::project_path;
 use glam::{DMat3, DVec3};
 use std::fmt::{self, Display, Write};
 use std::fs;
@@ -361,7 +361,7 @@ fn across(n: DVec3, directions: &[DVec3]) -> impl Iterator<Item = DVec3> {
 }
 
 fn vertices(path: &str) -> Vec<DVec3> {
-    let text = fs::read_to_string(project(path)).unwrap();
+    let text = fs::read_to_string(project_path(path)).unwrap();
     let lines = text.lines().filter_map(|line| line.strip_prefix("v "));
     let numbers = |line: &str| line.split_whitespace().map(|x| x.parse().unwrap()).collect::<Vec<f64>>();
     lines.map(|line| DVec3::from_slice(&numbers(line))).collect()

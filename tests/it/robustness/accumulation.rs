@@ -2,7 +2,7 @@
 
 mod outputs;
 
-use crate::support::image;
+use crate::support::render_one_pass;
 use caustica::color::Rgb;
 use caustica::format::SceneFile;
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
@@ -97,7 +97,7 @@ fn passes_rendered_backwards_give_same_image() {
     let integrator = Algorithm::Path.prepare(&scene, Settings { camera_paths, ..Settings::default() });
     let film = |passes: &mut dyn Iterator<Item = u32>| {
         let mut film = Film::new(24, 18);
-        passes.for_each(|pass| film.add(&image(&*integrator, pass)));
+        passes.for_each(|pass| film.add(&render_one_pass(&*integrator, pass)));
         film
     };
     let (forwards, backwards) = (film(&mut (0..40)), film(&mut (0..40).rev()));

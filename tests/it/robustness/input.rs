@@ -11,7 +11,7 @@ mod memory;
 mod pipes;
 mod readers;
 
-use crate::support::project;
+use crate::support::project_path;
 use std::fs;
 use std::path::PathBuf;
 use std::process::{Command, Output};

@@ -5,7 +5,7 @@ mod floor;
 mod paired;
 mod similar;
 
-use crate::support::image;
+use crate::support::render_one_pass;
 use caustica::color::Rgb;
 use caustica::format::SceneFile;
 use caustica::format::description::{Group, GroupItem, ObjectDescription, ShapeDescription};
@@ -86,7 +86,7 @@ fn few() -> Settings {
 
 fn pictures(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32) -> Vec<Vec<Rgb>> {
     let integrator = algorithm.prepare(scene, settings);
-    (0..passes).map(|pass| image(&*integrator, pass)).collect()
+    (0..passes).map(|pass| render_one_pass(&*integrator, pass)).collect()
 }
 
 fn summaries(images: &[Vec<Rgb>]) -> Vec<Vec<f64>> {

@@ -1,6 +1,6 @@
 //! Checks that `tests/data` is intact.
 
-use super::project;
+use super::project_path;
 use std::collections::BTreeSet;
 use std::fs;
 
@@ -62,7 +62,7 @@ fn sha256_matches_its_standard() {
 
 #[test]
 fn reference_data_matches_its_checksums() {
-    let folder = project("tests/data");
+    let folder = project_path("tests/data");
     let list = fs::read_to_string(folder.join("SHA256SUMS")).unwrap();
     let mut listed = BTreeSet::new();
     for line in list.lines() {

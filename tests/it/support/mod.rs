@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 pub use transport::*;
 
 /// Returns the path of a file or folder, given relative to the repository's root.
-pub fn project(name: &str) -> PathBuf {
+pub fn project_path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
 }
 
@@ -26,8 +26,8 @@ pub fn project(name: &str) -> PathBuf {
 /// `CAUSTICA_COURSE` names the data's folder; it is `../shared/course` by default. If the data is
 /// absent, the test fails, unless `CAUSTICA_SKIP_MISSING` is set: then it prints a line and
 /// returns `None`.
-pub fn course(subfolder: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("CAUSTICA_COURSE").map_or_else(|| project("../shared/course"), PathBuf::from);
+pub fn course_data_folder(subfolder: &str) -> Option<PathBuf> {
+    let root = std::env::var_os("CAUSTICA_COURSE").map_or_else(|| project_path("../shared/course"), PathBuf::from);
     let folder = root.join(subfolder);
     if folder.is_dir() {
         return Some(folder);
@@ -43,37 +43,37 @@ pub fn course(subfolder: &str) -> Option<PathBuf> {
 }
 
 /// Returns a reference image of `tests/data`.
-pub fn reference(name: &str) -> Image {
-    let path = project("tests/data").join(name);
+pub fn reference_image(name: &str) -> Image {
+    let path = project_path("tests/data").join(name);
     image::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
 /// Builds the scene of `text`. File names in it are relative to `tests/scenes`.
 #[track_caller]
-pub fn scene(text: &str) -> Scene {
-    scene_in("tests/scenes", text)
+pub fn scene_from_text(text: &str) -> Scene {
+    scene_from_text_in("tests/scenes", text)
 }
 
 /// Builds the scene of `text`. File names in it are relative to `folder`, a folder of the
 /// repository.
 #[track_caller]
-pub fn scene_in(folder: &str, text: &str) -> Scene {
+pub fn scene_from_text_in(folder: &str, text: &str) -> Scene {
     let source = SourceText::new("test", text);
-    let resolved = parse("test", text).and_then(|d| resolve(&d, &source, &project(folder)));
+    let resolved = parse("test", text).and_then(|d| resolve(&d, &source, &project_path(folder)));
     resolved.unwrap_or_else(|e| panic!("{e:?}\n{text}"))
 }
 
 /// Builds the scene of a file of the repository, with an image of `width` × `height` pixels.
-pub fn file(name: &str, (width, height): (u32, u32)) -> Scene {
-    let mut file = SceneFile::read(&project(name)).unwrap();
+pub fn scene_from_file(name: &str, (width, height): (u32, u32)) -> Scene {
+    let mut file = SceneFile::read(&project_path(name)).unwrap();
     (file.description.camera.value.width, file.description.camera.value.height) = (width, height);
     file.resolve().unwrap()
 }
 
 /// Renders passes 0 to `passes` − 1 and returns their pixels, one image after the other.
-pub fn pixels(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32) -> Vec<Rgb> {
+pub fn render_passes(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32) -> Vec<Rgb> {
     let prepared = algorithm.prepare(scene, settings);
-    (0..passes).flat_map(|i| image(&*prepared, i)).collect()
+    (0..passes).flat_map(|i| render_one_pass(&*prepared, i)).collect()
 }
 
 /// Renders one pass and returns its pixels. Fails if the pass rejected a sample or a photon.
@@ -81,7 +81,7 @@ pub fn pixels(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u
 /// The renderer drops non-finite samples and photons, and counts them. The pixels alone would hide
 /// such an error.
 #[track_caller]
-pub fn image(integrator: &dyn Integrator, pass: u32) -> Vec<Rgb> {
+pub fn render_one_pass(integrator: &dyn Integrator, pass: u32) -> Vec<Rgb> {
     let pass = integrator.pass(pass, &Silent);
     let rejected = (pass.counters.rejected_samples, pass.counters.rejected_photons);
     assert_eq!(rejected, (0, 0), "rejected samples and photons");
@@ -89,6 +89,6 @@ pub fn image(integrator: &dyn Integrator, pass: u32) -> Vec<Rgb> {
 }
 
 /// Returns the random key of the test with this number.
-pub fn key(number: u64) -> Key {
+pub fn test_key(number: u64) -> Key {
     Key::new(number).purpose_key(Purpose::Test)
 }

@@ -1,7 +1,7 @@
 //! Splits command lines into words like a POSIX shell.
 
 /// Returns the words of a line, with quotes by ' or " removed, up to a comment.
-pub fn words(line: &str) -> Vec<String> {
+pub fn shell_words(line: &str) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     let (mut word, mut quote) = (None::<String>, None);
     for c in line.chars() {

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 /// False-alarm rate of one comparison, two-sided.
-pub const ALPHA: f64 = 1e-6;
+pub const FALSE_ALARM_RATE: f64 = 1e-6;
 
 /// Returns the mean of independent samples and its standard error.
 pub fn mean_and_error(samples: &[f64]) -> (f64, f64) {
@@ -16,7 +16,7 @@ pub fn mean_and_error(samples: &[f64]) -> (f64, f64) {
 /// Integrates `f` from `a` to `b` by `n` midpoints.
 ///
 /// The error is (b−a)³/(24n²)·max|f″| for smooth f, and (b−a)/n·|jump| at a jump.
-pub fn midpoint(a: f64, b: f64, n: u32, f: impl Fn(f64) -> f64) -> f64 {
+pub fn midpoint_integral(a: f64, b: f64, n: u32, f: impl Fn(f64) -> f64) -> f64 {
     let h = (b - a) / f64::from(n);
     (0..n).map(|i| f(a + (f64::from(i) + 0.5) * h)).sum::<f64>() * h
 }
@@ -24,13 +24,13 @@ pub fn midpoint(a: f64, b: f64, n: u32, f: impl Fn(f64) -> f64) -> f64 {
 /// Returns P(|T| ≥ t) for Student's T with `dof` degrees of freedom.
 ///
 /// With T = √ν tanφ the density of φ is proportional to cosᵛ⁻¹φ.
-pub fn student_tail(t: f64, dof: f64) -> f64 {
+pub fn student_t_tail(t: f64, dof: f64) -> f64 {
     let norm = libm::exp(libm::lgamma(0.5 * (dof + 1.0)) - libm::lgamma(0.5 * dof)) / PI.sqrt();
     let density = |phi: f64| libm::pow(libm::cos(phi).max(0.0), dof - 1.0);
-    2.0 * norm * midpoint(libm::atan(t.abs() / dof.sqrt()), 0.5 * PI, 4000, density)
+    2.0 * norm * midpoint_integral(libm::atan(t.abs() / dof.sqrt()), 0.5 * PI, 4000, density)
 }
 
-/// Fails if `samples` contradict a mean of `expected`, known to ±`slack`, at rate [`ALPHA`].
+/// Fails if `samples` contradict a mean of `expected`, known to ±`slack`, at rate [`FALSE_ALARM_RATE`].
 ///
 /// Also fails if their standard error exceeds `sharp` · `expected`, because the test would be
 /// blind.
@@ -38,9 +38,9 @@ pub fn student_tail(t: f64, dof: f64) -> f64 {
 pub fn assert_mean(what: &str, samples: &[f64], expected: f64, slack: f64, sharp: f64) {
     let (mean, error) = mean_and_error(samples);
     let excess = ((mean - expected).abs() - slack).max(0.0);
-    let p = if excess == 0.0 { 1.0 } else { student_tail(excess / error, samples.len() as f64 - 1.0) };
+    let p = if excess == 0.0 { 1.0 } else { student_t_tail(excess / error, samples.len() as f64 - 1.0) };
     let line = format!("{what}: {mean:.6e} ± {error:.1e}, expected {expected:.6e} (p = {p:.1e})");
     eprintln!("{line}");
-    assert!(p >= ALPHA, "{line}");
+    assert!(p >= FALSE_ALARM_RATE, "{line}");
     assert!(error <= sharp * expected.abs(), "{line}: too blunt, {:.1e}", error / expected.abs());
 }

@@ -1,6 +1,6 @@
 //! Photon passes, density estimates and closed forms for tests of light transport.
 
-use super::{assert_mean, midpoint};
+use super::{assert_mean, midpoint_integral};
 use caustica::camera::{Camera, Filter, FilterKind};
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings, Silent};
@@ -21,9 +21,9 @@ pub const KERNELS: [Kernel; 3] = [Kernel::Box, Kernel::Cone, Kernel::Epanechniko
 
 /// Relative rounding of a channel of a stored grey photon: half a step of 1/65535 of the channel
 /// sum.
-pub const HUE: f64 = 1.5 / 65_535.0;
+pub const HUE_ROUNDING: f64 = 1.5 / 65_535.0;
 
-pub fn vec3(x: f64, y: f64, z: f64) -> DVec3 {
+pub fn dvec3(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
 }
 
@@ -33,20 +33,20 @@ pub fn grey(x: f64) -> Rgb {
 
 /// Returns a camera with a square image of `size` pixels and a full field of view of `angle`
 /// degrees.
-pub fn camera(eye: DVec3, at: DVec3, angle: f64, size: u32) -> Camera {
+pub fn square_camera(eye: DVec3, at: DVec3, angle: f64, size: u32) -> Camera {
     let up = if (at - eye).normalize().y.abs() > 0.9 { DVec3::Z } else { DVec3::Y };
     Camera::perspective(eye, at - eye, up, angle.to_radians(), size, size).unwrap()
 }
 
 /// Builds a scene for photons alone: its camera has one pixel and sees nothing of interest.
 pub fn photon_only_scene(builder: SceneBuilder) -> Scene {
-    builder.build(camera(DVec3::ZERO, DVec3::Z, 40.0, 1)).unwrap()
+    builder.build(square_camera(DVec3::ZERO, DVec3::Z, 40.0, 1)).unwrap()
 }
 
 /// Returns the faces of a box: floor, ceiling, left, right, back, front.
 ///
 /// Their outer sides face inwards or outwards.
-pub fn faces(lo: DVec3, hi: DVec3, inwards: bool) -> [Shape; 6] {
+pub fn box_faces(lo: DVec3, hi: DVec3, inwards: bool) -> [Shape; 6] {
     let (x, y, z) = (DVec3::X * (hi.x - lo.x), DVec3::Y * (hi.y - lo.y), DVec3::Z * (hi.z - lo.z));
     let face = |corner, e0, e1| {
         let (e0, e1) = if inwards { (e0, e1) } else { (e1, e0) };
@@ -56,18 +56,24 @@ pub fn faces(lo: DVec3, hi: DVec3, inwards: bool) -> [Shape; 6] {
 }
 
 /// Returns the keys of independent passes.
-pub fn keys(passes: u32) -> impl Iterator<Item = Key> {
+pub fn pass_keys(passes: u32) -> impl Iterator<Item = Key> {
     (0..u64::from(passes)).map(|pass| Key::new(20_240_229).purpose_key(Purpose::Test).child_key(pass))
 }
 
 /// Traces independent passes of `paths` photon paths each, emitted in all directions.
-pub fn trace(scene: &Scene, mask: StoreMask, max_bounces: u32, passes: u32, paths: u32) -> Vec<PhotonPassResult> {
+pub fn trace_photon_passes(
+    scene: &Scene,
+    mask: StoreMask,
+    max_bounces: u32,
+    passes: u32,
+    paths: u32,
+) -> Vec<PhotonPassResult> {
     let source = PhotonSource::in_all_directions(scene).unwrap();
-    trace_from(scene, &source, mask, max_bounces, passes, paths)
+    trace_passes_from_source(scene, &source, mask, max_bounces, passes, paths)
 }
 
 /// Traces independent passes of `paths` photon paths each, emitted by `source`.
-pub fn trace_from(
+pub fn trace_passes_from_source(
     scene: &Scene,
     source: &PhotonSource<'_>,
     mask: StoreMask,
@@ -76,7 +82,7 @@ pub fn trace_from(
     paths: u32,
 ) -> Vec<PhotonPassResult> {
     let pass = PhotonPass { scene, source, mask, max_bounces };
-    keys(passes).map(|key| pass.trace(key, paths, &|_| {})).collect()
+    pass_keys(passes).map(|key| pass.trace(key, paths, &|_| {})).collect()
 }
 
 /// Returns a photon's position in the coordinates of the scene description.
@@ -91,32 +97,39 @@ pub fn flux_where(scene: &Scene, photons: &[Photon], inside: impl Fn(DVec3) -> b
 
 /// Estimates irradiance \[W/m²] at point `p` with normal `n`, in the coordinates of the
 /// description.
-pub fn irradiance(scene: &Scene, map: &PhotonMap, p: DVec3, n: DVec3, bandwidth: Bandwidth, kernel: Kernel) -> DVec3 {
+pub fn estimated_irradiance(
+    scene: &Scene,
+    map: &PhotonMap,
+    p: DVec3,
+    n: DVec3,
+    bandwidth: Bandwidth,
+    kernel: Kernel,
+) -> DVec3 {
     let p = (p - scene.origin()).as_vec3();
     let mut scratch = Scratch::new();
     map.estimate(p, n.as_vec3(), bandwidth, kernel, &mut scratch, |_| Vec3::ONE).radiance.as_dvec3()
 }
 
 /// Returns a bandwidth of fixed radius.
-pub fn fixed(radius: f64) -> Bandwidth {
+pub fn fixed_bandwidth(radius: f64) -> Bandwidth {
     Bandwidth { radius: radius as f32, k: 0 }
 }
 
 /// Returns settings with a fixed radius and the given numbers of paths for both maps.
-pub fn settings(photons: u32, caustic_photons: u32, radius: f64) -> Settings {
+pub fn fixed_radius_settings(photons: u32, caustic_photons: u32, radius: f64) -> Settings {
     Settings {
         photons,
         caustic_photons,
         gather_k: Some(0),
         radius: Some(radius as f32),
         kernel: Kernel::Epanechnikov,
-        ..camera_rays(16, 1000)
+        ..camera_ray_settings(16, 1000)
     }
 }
 
 /// Returns default settings with a box filter, a fixed seed, and the given rays per pixel and
 /// bounce limit.
-pub fn camera_rays(samples: u32, max_bounces: u32) -> Settings {
+pub fn camera_ray_settings(samples: u32, max_bounces: u32) -> Settings {
     let filter = Filter::new(FilterKind::Box);
     let camera_paths =
         CameraPathSettings { samples: Some(samples), max_bounces, seed: 5, filter, ..CameraPathSettings::default() };
@@ -124,14 +137,14 @@ pub fn camera_rays(samples: u32, max_bounces: u32) -> Settings {
 }
 
 /// Renders with `sppm` and returns the mean radiance of the image, one value per pass.
-pub fn seen(scene: &Scene, settings: Settings, passes: u32) -> Vec<DVec3> {
+pub fn mean_radiance_per_pass(scene: &Scene, settings: Settings, passes: u32) -> Vec<DVec3> {
     let method = Algorithm::Sppm.prepare(scene, settings);
     let mean = |image: Vec<Rgb>| image.iter().map(|v| v.as_dvec3()).sum::<DVec3>() / image.len() as f64;
     (0..passes).map(|i| mean(method.pass(i, &Silent).image)).collect()
 }
 
 /// Returns the red channels.
-pub fn red(values: &[DVec3]) -> Vec<f64> {
+pub fn red_channels(values: &[DVec3]) -> Vec<f64> {
     values.iter().map(|v| v.x).collect()
 }
 
@@ -140,7 +153,7 @@ pub fn red(values: &[DVec3]) -> Vec<f64> {
 /// Red and green are stored to half a step of the channel sum; blue is the remainder.
 #[track_caller]
 pub fn assert_mean_rgb(what: &str, samples: &[DVec3], expected: DVec3, sharp: f64) {
-    let slack = expected.element_sum() * HUE * 2.0 / 3.0;
+    let slack = expected.element_sum() * HUE_ROUNDING * 2.0 / 3.0;
     for (c, name) in ["red", "green", "blue"].iter().enumerate() {
         let channel: Vec<f64> = samples.iter().map(|v| v[c]).collect();
         assert_mean(&format!("{what}, {name}"), &channel, expected[c], slack, sharp);
@@ -148,7 +161,7 @@ pub fn assert_mean_rgb(what: &str, samples: &[DVec3], expected: DVec3, sharp: f6
 }
 
 /// Position and parameters of a density estimate.
-pub struct Probe<'a> {
+pub struct EstimatePoint<'a> {
     pub scene: &'a Scene,
     pub at: DVec3,
     pub normal: DVec3,
@@ -162,13 +175,21 @@ pub struct Probe<'a> {
 /// single precision. Their rounding error is at most 64·2⁻²⁴ of the sum (Higham 2002, section 4.2).
 /// For photons of equal power it is systematic.
 #[track_caller]
-pub fn assert_estimates(what: &str, probe: &Probe<'_>, maps: &[PhotonMap], expected: f64, quadrature: f64, sharp: f64) {
+pub fn assert_estimates(
+    what: &str,
+    probe: &EstimatePoint<'_>,
+    maps: &[PhotonMap],
+    expected: f64,
+    quadrature: f64,
+    sharp: f64,
+) {
     let (p, n) = ((probe.at - probe.scene.origin()).as_vec3(), probe.normal.as_vec3());
-    let one =
-        |map: &PhotonMap| map.estimate(p, n, fixed(probe.radius), probe.kernel, &mut Scratch::new(), |_| Vec3::ONE);
+    let one = |map: &PhotonMap| {
+        map.estimate(p, n, fixed_bandwidth(probe.radius), probe.kernel, &mut Scratch::new(), |_| Vec3::ONE)
+    };
     let estimates: Vec<_> = maps.iter().map(one).collect();
     let most = estimates.iter().map(|e| e.count).max().unwrap_or(0);
-    let slack = expected * (quadrature + 2.0 * HUE + f64::from(most.min(64)) / 16_777_216.0);
+    let slack = expected * (quadrature + 2.0 * HUE_ROUNDING + f64::from(most.min(64)) / 16_777_216.0);
     let samples: Vec<f64> = estimates.iter().map(|e| f64::from(e.radiance.x)).collect();
     let what = format!("{what}, {:?} of {} at {:.3}", probe.kernel, probe.radius, probe.at);
     assert_mean(&what, &samples, expected, slack, sharp);
@@ -200,17 +221,17 @@ pub fn kernel_noise_factor(kernel: Kernel) -> f64 {
 /// Returns the expected value, bias included, of an estimate with radius `r`.
 ///
 /// `density` is the photon density at an offset from the disc's center.
-pub fn blurred(kernel: Kernel, r: f64, density: impl Fn(DVec2) -> f64) -> f64 {
+pub fn kernel_weighted_mean(kernel: Kernel, r: f64, density: impl Fn(DVec2) -> f64) -> f64 {
     const TURNS: u32 = 96;
     let ring = |d: f64| {
         let around = |i: u32| density(DVec2::from_angle(TAU * (f64::from(i) + 0.5) / f64::from(TURNS)) * d);
         (0..TURNS).map(around).sum::<f64>() / f64::from(TURNS)
     };
-    midpoint(0.0, r, 400, |d| TAU * d * kernel_at(kernel, d, r) * ring(d))
+    midpoint_integral(0.0, r, 400, |d| TAU * d * kernel_at(kernel, d, r) * ring(d))
 }
 
 /// Returns the Fresnel reflectance of a dielectric of relative index `n` for unpolarised light.
-pub fn fresnel(cos_i: f64, n: f64) -> f64 {
+pub fn fresnel_reflectance(cos_i: f64, n: f64) -> f64 {
     let sin2_t = (1.0 - cos_i * cos_i) / (n * n);
     if sin2_t >= 1.0 {
         return 1.0;
@@ -223,11 +244,11 @@ pub fn fresnel(cos_i: f64, n: f64) -> f64 {
 
 /// Returns the reflectance for uniform incident radiance: ∫ R 2cosθ dcosθ.
 pub fn hemispherical_reflectance(n: f64) -> f64 {
-    midpoint(0.0, 1.0, 200_000, |c| 2.0 * c * fresnel(c, n))
+    midpoint_integral(0.0, 1.0, 200_000, |c| 2.0 * c * fresnel_reflectance(c, n))
 }
 
 /// Returns `n` evenly spread unit vectors (Fibonacci lattice).
-pub fn spread(n: u32) -> Vec<DVec3> {
+pub fn fibonacci_directions(n: u32) -> Vec<DVec3> {
     let golden = PI * (3.0 - 5f64.sqrt());
     let at = |i: u32| {
         let z = 1.0 - 2.0 * (f64::from(i) + 0.5) / f64::from(n);

@@ -1,4 +1,4 @@
-//! Checks the lines of an OBJ file that define its faces.
+//! Checks the lines of an OBJ file, in parallel, and copies the valid lines for `tobj`.
 
 use crate::format::line_error::{MessageAndRemedy, escaped_excerpt};
 use crate::format::mesh::MeshReadMonitor;
@@ -8,56 +8,56 @@ use std::fmt::Write;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-/// Least number of bytes in a chunk of lines.
-const CHUNK: usize = 1 << 22;
+/// Smallest size of a chunk of lines that one thread checks \[bytes].
+const MIN_CHUNK_BYTES: usize = 1 << 22;
 
-/// Invalid line.
-pub(super) struct InvalidLine {
+/// Error: an invalid line of an OBJ file.
+pub(super) struct InvalidObjLine {
     /// Line number, from 1.
     pub line: usize,
     pub wrong: MessageAndRemedy,
 }
 
-/// True for the position, texture coordinate and normal that a corner of a face names.
+/// True for each kind of index that a face corner has: position, texture coordinate, normal.
 type PresentIndices = [bool; 3];
 
-/// Names of the lists that the three indices of a corner refer to.
-const LISTS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
+/// Names, for error messages, of the lists that the three indices of a face corner refer to.
+const LIST_NAMES: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
-/// Checked content of a file.
+/// Checked content of an OBJ file.
 #[derive(Default)]
 pub(super) struct CheckedObj {
-    /// Lines `v`, `vt`, `vn` and `f` in the order of the file, with finite numbers and valid
-    /// indices.
+    /// Valid lines `v`, `vt`, `vn` and `f` in the order of the file, one text per chunk.
     ///
-    /// Groups are divided by `g`. Within a group, all corners name the same lists, and all faces
-    /// have one material.
+    /// Lines `g` divide the faces into groups. Within a group, all faces have one material, and all
+    /// corners have the same kinds of indices.
     pub texts: Vec<String>,
-    /// Material of each group; empty if it has none.
+    /// Name of each group's material; empty for groups without material.
     pub groups: Vec<String>,
-    /// Material files, as written.
+    /// Arguments of the lines `mtllib`, as written.
     pub libraries: Vec<String>,
-    /// Number of values on all lines `v`, `vt` and `vn`.
+    /// Number of coordinates on all lines `v`, `vt` and `vn`.
     pub numbers: usize,
-    /// Number of corners of all faces.
+    /// Number of corners of all faces, before triangulation.
     pub corners: usize,
-    /// Number of vertices in the file.
+    /// Number of lines `v`.
     pub vertices: usize,
-    /// Number of vertices that no face names.
+    /// Number of lines `v` that no face uses.
     pub isolated: usize,
 }
 
-/// Extracts the valid lines; fails at the first invalid line.
-pub(super) fn check_obj_lines(text: &str, monitor: &dyn MeshReadMonitor) -> Result<CheckedObj, InvalidLine> {
+/// Checks all lines of an OBJ file; fails at the first invalid line.
+pub(super) fn check_obj_lines(text: &str, monitor: &dyn MeshReadMonitor) -> Result<CheckedObj, InvalidObjLine> {
     let chunks = line_chunks(text);
-    let tallies: Vec<LineCounts> = chunks.par_iter().map(|chunk| LineCounts::count(&text[chunk.clone()])).collect();
+    let chunk_counts: Vec<LineCounts> =
+        chunks.par_iter().map(|chunk| LineCounts::count(&text[chunk.clone()])).collect();
     let mut before = Vec::with_capacity(chunks.len());
     let mut total = LineCounts::default();
-    for tally in &tallies {
+    for counts in &chunk_counts {
         before.push(total);
-        total.add(tally);
+        total.add(counts);
     }
-    let used: Vec<AtomicBool> = (0..total.counts[0]).map(|_| AtomicBool::new(false)).collect();
+    let used: Vec<AtomicBool> = (0..total.lists[0]).map(|_| AtomicBool::new(false)).collect();
     let checked: Vec<_> = chunks
         .par_iter()
         .zip(&before)
@@ -67,29 +67,28 @@ pub(super) fn check_obj_lines(text: &str, monitor: &dyn MeshReadMonitor) -> Resu
             checked
         })
         .collect();
-    let [v, vt, vn] = total.counts;
-    let mut sound = CheckedObj { vertices: v, numbers: 3 * v + 2 * vt + 3 * vn, ..CheckedObj::default() };
+    let [v, vt, vn] = total.lists;
+    let mut result = CheckedObj { vertices: v, numbers: 3 * v + 2 * vt + 3 * vn, ..CheckedObj::default() };
     let mut material = String::new();
     for chunk in checked {
         let mut chunk: ChunkChecker<'_> = chunk?;
         let name = |number: &usize| number.checked_sub(1).map_or(&material, |i| &chunk.names[i]).clone();
-        sound.groups.extend(chunk.groups.iter().map(name));
+        result.groups.extend(chunk.groups.iter().map(name));
         material = chunk.names.pop().unwrap_or(material);
-        sound.corners += chunk.corners;
-        sound.libraries.append(&mut chunk.libraries);
-        sound.texts.push(chunk.sound);
+        result.corners += chunk.corners;
+        result.libraries.append(&mut chunk.libraries);
+        result.texts.push(chunk.valid_lines);
     }
-    sound.isolated = used.iter().filter(|used| !used.load(Relaxed)).count();
-    Ok(sound)
+    result.isolated = used.iter().filter(|used| !used.load(Relaxed)).count();
+    Ok(result)
 }
 
-/// Byte ranges that begin and end at line boundaries; a line continued by a backslash is not
-/// divided.
+/// Divides `text` at line ends into byte ranges. A line continued by a backslash stays whole.
 fn line_chunks(text: &str) -> Vec<Range<usize>> {
     let mut chunks = Vec::new();
     let mut start = 0;
     while start < text.len() {
-        let mut end = text.len().min(start + CHUNK);
+        let mut end = text.len().min(start + MIN_CHUNK_BYTES);
         loop {
             end = memchr::memchr(b'\n', &text.as_bytes()[end..]).map_or(text.len(), |i| end + i + 1);
             if end == text.len() || !text[start..end].trim_end().ends_with('\\') {
@@ -102,41 +101,44 @@ fn line_chunks(text: &str) -> Vec<Range<usize>> {
     chunks
 }
 
-/// Number of lines, and of entries in each list.
+/// Numbers of lines in a part of an OBJ file.
 #[derive(Clone, Copy, Default)]
 struct LineCounts {
-    lines: usize,
-    counts: [usize; 3],
+    /// All lines.
+    all: usize,
+    /// Lines `v`, `vt` and `vn`.
+    lists: [usize; 3],
 }
 
 impl LineCounts {
     fn count(text: &str) -> Self {
-        let mut tally = Self::default();
+        let mut counts = Self::default();
         for_each_statement(text, |_, line| {
             match line.split_ascii_whitespace().next() {
-                Some("v") => tally.counts[0] += 1,
-                Some("vt") => tally.counts[1] += 1,
-                Some("vn") => tally.counts[2] += 1,
+                Some("v") => counts.lists[0] += 1,
+                Some("vt") => counts.lists[1] += 1,
+                Some("vn") => counts.lists[2] += 1,
                 _ => {}
             }
             Ok::<(), ()>(())
         })
         .unwrap_or_default();
-        tally.lines = memchr::memchr_iter(b'\n', text.as_bytes()).count();
-        tally
+        counts.all = memchr::memchr_iter(b'\n', text.as_bytes()).count();
+        counts
     }
 
     fn add(&mut self, other: &Self) {
-        self.lines += other.lines;
-        for (count, more) in self.counts.iter_mut().zip(other.counts) {
+        self.all += other.all;
+        for (count, more) in self.lists.iter_mut().zip(other.lists) {
             *count += more;
         }
     }
 }
 
-/// Calls `visit` with the index, from 0, and the text of each relevant line.
+/// Calls `visit` with the index, from 0, and the text of each line that may hold a statement.
 ///
-/// A backslash at the end continues a line.
+/// Lines that end with a backslash are joined with the next line. Lines that begin with other
+/// letters than the known keywords are skipped.
 fn for_each_statement<E>(text: &str, mut visit: impl FnMut(usize, &str) -> Result<(), E>) -> Result<(), E> {
     let mut lines = text.lines().enumerate();
     while let Some((i, first)) = lines.next() {
@@ -155,28 +157,30 @@ fn for_each_statement<E>(text: &str, mut visit: impl FnMut(usize, &str) -> Resul
     Ok(())
 }
 
-/// Part of the text while it is checked.
+/// State of checking one chunk of the file.
 struct ChunkChecker<'u> {
-    sound: String,
-    /// Numbers of vertices, texture coordinates and normals so far, in the whole file.
-    counts: [usize; 3],
-    /// Lists that the corners of the last face name, and the index of its material.
+    valid_lines: String,
+    /// Lines `v`, `vt` and `vn` so far, counted from the start of the file.
+    list_lengths: [usize; 3],
+    /// Kinds of indices of the last face's corners, and the index of its material.
     group: Option<(PresentIndices, usize)>,
-    /// Names of materials; index 0 is the material in force before the chunk.
+    /// Names of the materials of the chunk; name i has index i + 1. Index 0 is the material that
+    /// the previous chunk ends with.
     names: Vec<String>,
     /// Index of the material of each group.
     groups: Vec<usize>,
     libraries: Vec<String>,
     /// Number of corners of the chunk's faces.
     corners: usize,
+    /// True for each position that a face uses, for the whole file.
     used: &'u [AtomicBool],
 }
 
 impl<'u> ChunkChecker<'u> {
-    fn check_chunk(text: &str, before: &LineCounts, used: &'u [AtomicBool]) -> Result<Self, InvalidLine> {
+    fn check_chunk(text: &str, before: &LineCounts, used: &'u [AtomicBool]) -> Result<Self, InvalidObjLine> {
         let mut chunk = Self {
-            sound: String::with_capacity(text.len()),
-            counts: before.counts,
+            valid_lines: String::with_capacity(text.len()),
+            list_lengths: before.lists,
             group: None,
             names: Vec::new(),
             groups: Vec::new(),
@@ -185,7 +189,7 @@ impl<'u> ChunkChecker<'u> {
             used,
         };
         for_each_statement(text, |i, line| {
-            chunk.check_line(line).map_err(|wrong| InvalidLine { line: before.lines + i + 1, wrong })
+            chunk.check_line(line).map_err(|wrong| InvalidObjLine { line: before.all + i + 1, wrong })
         })?;
         Ok(chunk)
     }
@@ -213,8 +217,9 @@ impl<'u> ChunkChecker<'u> {
         }
     }
 
-    /// Copies `most` numbers; at least `fewest` must be present, the others are 0, and the rest is
-    /// dropped.
+    /// Copies a line of a list with exactly `most` numbers.
+    ///
+    /// At least `fewest` must be present. Missing numbers become 0, and further ones are dropped.
     fn copy_numbers<'w>(
         &mut self,
         list: usize,
@@ -223,7 +228,7 @@ impl<'u> ChunkChecker<'u> {
         most: usize,
         mut words: impl Iterator<Item = &'w str>,
     ) -> Result<(), MessageAndRemedy> {
-        self.sound.push_str(keyword);
+        self.valid_lines.push_str(keyword);
         for k in 0..most {
             let word = match words.next() {
                 Some(word) => word,
@@ -238,11 +243,11 @@ impl<'u> ChunkChecker<'u> {
                     "repair it or export the mesh anew",
                 ));
             }
-            self.sound.push(' ');
-            self.sound.push_str(word);
+            self.valid_lines.push(' ');
+            self.valid_lines.push_str(word);
         }
-        self.sound.push('\n');
-        self.counts[list] += 1;
+        self.valid_lines.push('\n');
+        self.list_lengths[list] += 1;
         Ok(())
     }
 
@@ -255,21 +260,26 @@ impl<'u> ChunkChecker<'u> {
             if corners == 0 && self.group != group {
                 self.group = group;
                 self.groups.push(self.names.len());
-                self.sound.push_str("g\n");
+                self.valid_lines.push_str("g\n");
             }
             if self.group != group {
                 let message = "only some corners of the face name a normal or texture coordinate".to_owned();
                 return Err((message, "write all corners of a face alike"));
             }
             self.used[indices[0] - 1].store(true, Relaxed);
-            self.sound.push_str(if corners == 0 { "f " } else { " " });
+            self.valid_lines.push_str(if corners == 0 { "f " } else { " " });
             if word.contains('-') {
                 let index_or_empty = |index: usize| if index == 0 { String::new() } else { index.to_string() };
                 // Writing to a string cannot fail.
-                let _ =
-                    write!(self.sound, "{}/{}/{}", indices[0], index_or_empty(indices[1]), index_or_empty(indices[2]));
+                let _ = write!(
+                    self.valid_lines,
+                    "{}/{}/{}",
+                    indices[0],
+                    index_or_empty(indices[1]),
+                    index_or_empty(indices[2])
+                );
             } else {
-                self.sound.push_str(word);
+                self.valid_lines.push_str(word);
             }
             corners += 1;
         }
@@ -277,11 +287,14 @@ impl<'u> ChunkChecker<'u> {
             return Err((format!("a face with {corners} corners"), "a face needs at least 3"));
         }
         self.corners += corners;
-        self.sound.push('\n');
+        self.valid_lines.push('\n');
         Ok(())
     }
 
-    /// Indices from 1 of a corner such as `3/1/2`, `3//2` or `-1`; 0 for an omitted index.
+    /// Parses a face corner such as `3/1/2`, `3//2` or `-1`.
+    ///
+    /// Returns the indices of position, texture coordinate and normal, counted from 1; 0 for an
+    /// omitted index.
     fn parse_corner(&self, word: &str) -> Result<[usize; 3], MessageAndRemedy> {
         let mut indices = [0; 3];
         for (k, part) in word.split('/').enumerate() {
@@ -292,7 +305,7 @@ impl<'u> ChunkChecker<'u> {
             if part.is_empty() {
                 continue;
             }
-            let known = self.counts[k];
+            let known = self.list_lengths[k];
             let index = match part.parse::<i64>() {
                 Ok(i) if i > 0 => usize::try_from(i).ok(),
                 Ok(i) if i < 0 => usize::try_from(i.unsigned_abs()).ok().and_then(|i| (known + 1).checked_sub(i)),
@@ -302,7 +315,7 @@ impl<'u> ChunkChecker<'u> {
                 Some(i) if (1..=known).contains(&i) => indices[k] = i,
                 _ => {
                     let message =
-                        format!("`{}` names no {} ({known} stand before it)", escaped_excerpt(word), LISTS[k]);
+                        format!("`{}` names no {} ({known} stand before it)", escaped_excerpt(word), LIST_NAMES[k]);
                     return Err((message, "indices count from 1, or from -1 backwards"));
                 }
             }
@@ -311,7 +324,7 @@ impl<'u> ChunkChecker<'u> {
     }
 }
 
-/// True if a word is a number that is finite in double precision.
+/// True if `word` is a number that is finite in double precision.
 fn is_finite_number(word: &str) -> bool {
     let digits = word.strip_prefix(['-', '+']).unwrap_or(word).as_bytes();
     let (mut numerals, mut points) = (0, 0);

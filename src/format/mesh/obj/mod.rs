@@ -1,9 +1,8 @@
-//! Triangle meshes from and to Wavefront OBJ files.
+//! Reading and writing of triangle meshes as Wavefront OBJ files.
 //!
-//! Crate `tobj` parses the numbers and divides polygons. On unchecked files, it reports no line
-//! numbers, stops at comments that are not UTF-8, assigns normals to wrong vertices if only some
-//! faces have them, and overflows on invalid indices. So each line is checked here first, and only
-//! valid lines are passed on.
+//! Submodule `check` checks each line, and crate `tobj` parses the valid lines. `tobj` alone
+//! reports no line numbers and stops at comments that are not UTF-8. It assigns normals to wrong
+//! vertices if only some faces have them, and overflows on invalid indices.
 
 mod check;
 #[cfg(test)]
@@ -18,49 +17,52 @@ use std::io::{BufRead, Read};
 use std::path::Path;
 pub(super) use write::write;
 
-/// Bytes that a coordinate takes: in a list of `tobj`, in its mesh and in ours.
+/// Memory per coordinate \[bytes]: 8 each in a list of `tobj`, in its mesh and in [`TriangleMesh`].
 const PER_NUMBER: u64 = 8 * 3;
 
-/// Bytes that a corner of a triangle takes: three indices in `tobj` (24), one in its mesh, one in
-/// ours.
+/// Memory per corner of a face \[bytes]: three indices in `tobj` (24), one in its mesh (4), and
+/// one in [`TriangleMesh`] (4).
 const PER_CORNER: u64 = 32;
 
-/// Reads the triangles of an OBJ file; lines, points, groups and object names are ignored.
+/// Parses the triangles of an OBJ file; line and point elements, groups and names are ignored.
+///
+/// `path` appears in errors only. Fails before allocating if the mesh takes more than `free`
+/// bytes.
 pub(super) fn read(
     path: &Path,
     bytes: Vec<u8>,
     monitor: &dyn MeshReadMonitor,
     free: Option<u64>,
 ) -> Result<LoadedMesh, MeshError> {
-    // Only comments and names may have other encodings. The valid lines are copied.
+    // Comments and names may have other encodings than UTF-8.
     let length = bytes.len() as u64;
     check_memory(path, length, free)?;
     let text = String::from_utf8(bytes).unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned());
-    let sound = check::check_obj_lines(text.strip_prefix('\u{feff}').unwrap_or(&text), monitor)
+    let checked = check::check_obj_lines(text.strip_prefix('\u{feff}').unwrap_or(&text), monitor)
         .map_err(|e| MeshError::at_line(path, e.line, e.wrong))?;
     drop(text);
-    // One of the two texts is freed, and the following steps take less.
-    check_memory(path, PER_NUMBER * sound.numbers as u64 + PER_CORNER * sound.corners as u64, free)?;
+    // The original text is freed, and the following steps take less than it.
+    check_memory(path, PER_NUMBER * checked.numbers as u64 + PER_CORNER * checked.corners as u64, free)?;
     let malformed = |source| MeshError::Malformed { path: path.into(), source };
     let options = tobj::LoadOptions { single_index: true, triangulate: true, ..Default::default() };
     let no_materials = |_: &Path| Ok(Default::default());
-    let mut reader = MonitoredObjReader { texts: &sound.texts, at: 0, monitor };
+    let mut reader = MonitoredObjReader { texts: &checked.texts, at: 0, monitor };
     reader.skip_empty_texts();
     let (models, _) = tobj::load_obj_buf(&mut reader, &options, no_materials).map_err(malformed)?;
-    let mesh = join_models(&models, &sound).ok_or_else(|| MeshError::TooLarge { path: path.into() })?;
+    let mesh = join_models(&models, &checked).ok_or_else(|| MeshError::TooLarge { path: path.into() })?;
     Ok(LoadedMesh {
         mesh,
-        libraries: sound.libraries,
-        vertices: sound.vertices,
-        isolated: sound.isolated,
+        libraries: checked.libraries,
+        vertices: checked.vertices,
+        isolated: checked.isolated,
         positions_only: true,
     })
 }
 
-/// Reader over consecutive texts that reports progress.
+/// Reader of a list of texts as one stream, which reports progress to a monitor.
 struct MonitoredObjReader<'t> {
     texts: &'t [String],
-    /// Number of bytes read of the first text.
+    /// Number of bytes read from the first of `texts`.
     at: usize,
     monitor: &'t dyn MeshReadMonitor,
 }
@@ -83,7 +85,7 @@ impl BufRead for MonitoredObjReader<'_> {
 }
 
 impl MonitoredObjReader<'_> {
-    /// Skips empty texts, which would look like the end of the file.
+    /// Removes empty texts from the front; they would look like the end of the file.
     fn skip_empty_texts(&mut self) {
         while let [first, rest @ ..] = self.texts
             && first.is_empty()
@@ -101,14 +103,14 @@ impl Read for MonitoredObjReader<'_> {
     }
 }
 
-/// Joins all groups into one mesh; `None` if there are too many vertices.
-fn join_models(models: &[tobj::Model], sound: &CheckedObj) -> Option<TriangleMesh> {
+/// Joins all groups into one mesh; `None` if it has more than `i32::MAX` vertices.
+fn join_models(models: &[tobj::Model], checked: &CheckedObj) -> Option<TriangleMesh> {
     let mut mesh = TriangleMesh::default();
     let has = |list: fn(&tobj::Mesh) -> &Vec<f64>| models.iter().any(|model| !list(&model.mesh).is_empty());
     let (has_normals, has_texcoords) = (has(|mesh| &mesh.normals), has(|mesh| &mesh.texcoords));
     let (mut normals, mut texcoords) = (Vec::new(), Vec::new());
     let mut numbers: HashMap<&str, u32> = HashMap::new();
-    for (model, material) in models.iter().zip(&sound.groups) {
+    for (model, material) in models.iter().zip(&checked.groups) {
         let part = &model.mesh;
         let base = u32::try_from(mesh.positions.len()).ok()?;
         let (points, _) = part.positions.as_chunks::<3>();

@@ -11,12 +11,12 @@ fn read(text: &str) -> Result<TriangleMesh, MeshError> {
     super::read(Path::new("a.obj"), text.into(), &(), None).map(|loaded| loaded.mesh)
 }
 
-fn faces(text: &str) -> TriangleMesh {
+fn read_mesh_text(text: &str) -> TriangleMesh {
     read(&format!("{SQUARE}{text}")).unwrap()
 }
 
 #[track_caller]
-fn refused(text: &str, message: &str) {
+fn assert_refused(text: &str, message: &str) {
     let error = read(&format!("{SQUARE}{text}")).unwrap_err().to_string();
     assert!(error.contains(message), "`{message}` is not in `{error}`");
     assert!(error.contains("a.obj"));
@@ -24,13 +24,13 @@ fn refused(text: &str, message: &str) {
 
 #[test]
 fn polygons_are_triangulated_as_fans() {
-    let mesh = faces("f 1 2 3 4");
+    let mesh = read_mesh_text("f 1 2 3 4");
     assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
     assert_eq!(mesh.positions[2], DVec3::new(1.0, 1.0, 0.0));
     assert_eq!((mesh.normals, mesh.texcoords), (None, None));
-    assert_eq!(faces("v 0 .5 0 # w\nf 1 2 3 4 5").triangles.len(), 3);
-    assert_eq!(faces("f 1 2 \\\r\n 3 4").triangles.len(), 2);
-    assert_eq!(faces("f -4 -3 -2"), faces("f 1 2 3"));
+    assert_eq!(read_mesh_text("v 0 .5 0 # w\nf 1 2 3 4 5").triangles.len(), 3);
+    assert_eq!(read_mesh_text("f 1 2 \\\r\n 3 4").triangles.len(), 2);
+    assert_eq!(read_mesh_text("f -4 -3 -2"), read_mesh_text("f 1 2 3"));
 }
 
 #[test]
@@ -42,7 +42,7 @@ fn a_byte_order_mark_is_skipped() {
 #[test]
 fn unsupported_obj_statements_are_skipped() {
     let odd = "mtllib none.mtl\n# C:\\\no \u{fffd}\ng a b\ns off\nl 1 2\np 1\ncurv 0 1 2\nvp 1\n";
-    assert_eq!(faces(&format!("{odd}f 1 2 3\n{odd}f 1 3 4")), faces("f 1 2 3\nf 1 3 4"));
+    assert_eq!(read_mesh_text(&format!("{odd}f 1 2 3\n{odd}f 1 3 4")), read_mesh_text("f 1 2 3\nf 1 3 4"));
     // A weight and a colour.
     let coloured = "v 0 0 0 2\nv 1 0 0 1 0 0\nv 0 1 0\nf 1 2 3";
     assert_eq!(read(coloured).unwrap(), read("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3").unwrap());
@@ -51,19 +51,19 @@ fn unsupported_obj_statements_are_skipped() {
 #[test]
 fn only_bitwise_equal_vertices_are_merged() {
     let again = "v 0 0 0\nv 1 1 0\nv -0 0 0\n";
-    assert_eq!(faces(&format!("{again}f 1 2 3\nf 5 6 4")).positions.len(), 4);
-    assert_eq!(faces(&format!("{again}f 1 2 3\ng b\nf 5 6 4")).positions.len(), 4);
+    assert_eq!(read_mesh_text(&format!("{again}f 1 2 3\nf 5 6 4")).positions.len(), 4);
+    assert_eq!(read_mesh_text(&format!("{again}f 1 2 3\ng b\nf 5 6 4")).positions.len(), 4);
     // Zero has two signs, so two bit patterns.
-    assert_eq!(faces(&format!("{again}f 1 2 3\nf 7 3 4")).positions.len(), 5);
+    assert_eq!(read_mesh_text(&format!("{again}f 1 2 3\nf 7 3 4")).positions.len(), 5);
     // A crease keeps its two normals.
-    let crease = faces("vn 0 0 1\nvn 0 1 1\nf 1//1 2//1 3//1\nf 1//2 3//1 4//1");
+    let crease = read_mesh_text("vn 0 0 1\nvn 0 1 1\nf 1//1 2//1 3//1\nf 1//2 3//1 4//1");
     assert_eq!(crease.positions.len(), 5);
 }
 
 #[test]
 fn normals_stay_with_their_faces() {
     // `tobj` alone would give the last face's normals to the first face's vertices.
-    let mesh = faces("vn 0 0 2\nf 1 2 3\nf 1//1 3//1 4//1");
+    let mesh = read_mesh_text("vn 0 0 2\nf 1 2 3\nf 1//1 3//1 4//1");
     let normals = mesh.normals.unwrap();
     assert_eq!(mesh.triangles, [[0, 1, 2], [3, 4, 5]]);
     assert_eq!(normals[..3], [DVec3::ZERO; 3]);
@@ -73,8 +73,8 @@ fn normals_stay_with_their_faces() {
 #[test]
 fn zero_length_normals_make_faces_flat() {
     let normals = "vn 0 0 1\nvn 0 0 0\nvn 1e-200 0 0\nvn 1e300 0 0\n";
-    assert_eq!(faces(&format!("{normals}f 1//1 2//2 3//1\nf 1//1 3//3 4//1\nf 1//4 2//1 4//1")).normals, None);
-    let mesh = faces(&format!("{normals}f 1//1 2//1 3//1\nf 1//1 3//2 4//1"));
+    assert_eq!(read_mesh_text(&format!("{normals}f 1//1 2//2 3//1\nf 1//1 3//3 4//1\nf 1//4 2//1 4//1")).normals, None);
+    let mesh = read_mesh_text(&format!("{normals}f 1//1 2//1 3//1\nf 1//1 3//2 4//1"));
     let normals = mesh.normals.unwrap();
     for (triangle, normal) in mesh.triangles.iter().zip([DVec3::Z, DVec3::ZERO]) {
         assert!(triangle.iter().all(|&i| normals[i as usize] == normal));
@@ -83,7 +83,7 @@ fn zero_length_normals_make_faces_flat() {
 
 #[test]
 fn texture_coordinates_are_read() {
-    let mesh = faces("vt 0 0\nvt 1 0 5\nvt .5\nf 1/1 2/2 3/3\nf 1 3 4");
+    let mesh = read_mesh_text("vt 0 0\nvt 1 0 5\nvt .5\nf 1/1 2/2 3/3\nf 1 3 4");
     let texcoords = mesh.texcoords.unwrap();
     assert_eq!(texcoords[..3], [DVec2::ZERO, DVec2::X, DVec2::new(0.5, 0.0)]);
     assert_eq!(texcoords.len(), mesh.positions.len());
@@ -92,27 +92,27 @@ fn texture_coordinates_are_read() {
 #[test]
 fn invalid_lines_are_reported() {
     let remedy = "indices count from 1, or from -1 backwards";
-    refused("f 1 2 5", "a.obj:5: `5` names no vertex (4 stand before it)");
-    refused("f 1 2 5", remedy);
+    assert_refused("f 1 2 5", "a.obj:5: `5` names no vertex (4 stand before it)");
+    assert_refused("f 1 2 5", remedy);
     for index in ["0", "-5", "9223372036854775807", "-9223372036854775808", "99999999999999999999", "x", "1.5"] {
-        refused(&format!("\nf 1 2 {index}"), "a.obj:6: ");
-        refused(&format!("f 1 2 {index}"), remedy);
-        refused(&format!("vn 0 0 1\nf 1//1 2//1 3//{index}"), "names no normal (1 stand before it)");
-        refused(&format!("vt 0 0\nf 1/1 2/1 3/{index}"), "names no texture coordinate");
+        assert_refused(&format!("\nf 1 2 {index}"), "a.obj:6: ");
+        assert_refused(&format!("f 1 2 {index}"), remedy);
+        assert_refused(&format!("vn 0 0 1\nf 1//1 2//1 3//{index}"), "names no normal (1 stand before it)");
+        assert_refused(&format!("vt 0 0\nf 1/1 2/1 3/{index}"), "names no texture coordinate");
     }
     for face in ["f", "f 1", "f 1 2", "f # 1 2 3"] {
-        refused(face, "a face needs at least 3");
+        assert_refused(face, "a face needs at least 3");
     }
     for corner in ["/", "//1", "1/1/1/1"] {
-        refused(&format!("vn 0 0 1\nvt 0 0\nf {corner} 2 3"), "write v, v/vt, v//vn or v/vt/vn");
+        assert_refused(&format!("vn 0 0 1\nvt 0 0\nf {corner} 2 3"), "write v, v/vt, v//vn or v/vt/vn");
     }
-    refused("vn 0 0 1\nf 1//1 2//1 3", "write all corners of a face alike");
+    assert_refused("vn 0 0 1\nf 1//1 2//1 3", "write all corners of a face alike");
     for number in ["nan", "inf", "-1e999", "one"] {
-        refused(&format!("v 0 0 {number}"), &format!("a.obj:5: `{number}` is not a finite number"));
-        refused(&format!("vn 0 0 {number}"), "is not a finite number");
-        refused(&format!("vt 0 {number}"), "is not a finite number");
+        assert_refused(&format!("v 0 0 {number}"), &format!("a.obj:5: `{number}` is not a finite number"));
+        assert_refused(&format!("vn 0 0 {number}"), "is not a finite number");
+        assert_refused(&format!("vt 0 {number}"), "is not a finite number");
     }
-    refused("v 0 0", "`v` holds 2 numbers");
+    assert_refused("v 0 0", "`v` holds 2 numbers");
 }
 
 #[test]
@@ -134,7 +134,7 @@ fn usemtl_sets_the_material_of_later_faces() {
     assert_eq!(loaded.mesh.materials, ["red paint", "c#1"]);
     assert_eq!(loaded.mesh.triangle_materials, [NO_MATERIAL, 0, 1, 1, 0, NO_MATERIAL]);
     assert_eq!((loaded.vertices, loaded.isolated, loaded.mesh.positions.len()), (4, 0, 4));
-    let plain = faces("mtllib a.mtl\nf 1 2 3");
+    let plain = read_mesh_text("mtllib a.mtl\nf 1 2 3");
     assert!(plain.materials.is_empty() && plain.triangle_materials.is_empty());
 }
 

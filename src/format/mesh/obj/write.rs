@@ -1,10 +1,11 @@
-//! Meshes as OBJ text.
+//! Writes meshes as OBJ text.
 
 use crate::format::mesh::{KeyIndexer, NO_MATERIAL, ShortestDecimal, TriangleMesh, coordinate_bits};
 use glam::DVec3;
 use std::io::{Result, Write};
 
-/// Writes the mesh; equal positions, normals and texture coordinates are written once.
+/// Writes a mesh as OBJ text with one line for each distinct position, texture coordinate and
+/// normal. `libraries` are the arguments of its `mtllib` lines.
 pub(in crate::format) fn write(mesh: &TriangleMesh, libraries: &[String], out: &mut impl Write) -> Result<()> {
     writeln!(out, "# Caustica {}", env!("CARGO_PKG_VERSION"))?;
     for library in libraries {
@@ -59,7 +60,7 @@ pub(in crate::format) fn write(mesh: &TriangleMesh, libraries: &[String], out: &
     Ok(())
 }
 
-/// Number of each key, and the keys without repetition.
+/// Returns the index of each key among the distinct keys, and the distinct keys.
 fn index_distinct_keys<const N: usize>(keys: impl ExactSizeIterator<Item = [u64; N]>) -> (Vec<u32>, Vec<[u64; N]>) {
     let mut numbers = KeyIndexer::with_capacity(keys.len());
     let list = keys.map(|key| numbers.index_of(key, |key| *key)).collect();

@@ -1,8 +1,8 @@
-//! Header of a PLY file: the elements that follow and their properties.
+//! Parser of PLY headers, which declare the elements of the body and their properties.
 
 use crate::format::line_error::{MessageAndRemedy, escaped_excerpt};
 
-/// Encoding of the body.
+/// Encoding of the body of a PLY file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PlyEncoding {
     Ascii,
@@ -10,7 +10,7 @@ pub(super) enum PlyEncoding {
     Big,
 }
 
-/// Type of a number.
+/// Number type of a PLY property.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NumberType {
     I8,
@@ -38,7 +38,7 @@ impl NumberType {
         })
     }
 
-    /// Bytes per number in binary files.
+    /// Size of a number in binary files \[bytes].
     pub fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -53,22 +53,24 @@ impl NumberType {
     }
 }
 
-/// Meaning of a property for a mesh.
+/// Use of a property when a mesh is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PropertyRole {
-    /// Number of a vertex: 0–2 are the position, 3–5 the normal, 6–7 the texture coordinates.
+    /// Coordinate of a vertex: 0–2 of the position, 3–5 of the normal, 6–7 texture coordinates.
     Slot(usize),
     /// Vertex indices of a face.
     Corners,
-    /// No meaning; the property is skipped.
+    /// Unused property, which is skipped.
     Other,
 }
 
+/// Property of a PLY element: a number, or a list of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PlyProperty {
     pub role: PropertyRole,
-    /// Type of the length, for lists.
+    /// Type of the list's length; `None` if the property is a number.
     pub list: Option<NumberType>,
+    /// Type of the number, or of each number of the list.
     pub item: NumberType,
 }
 
@@ -79,30 +81,36 @@ pub(super) enum ElementKind {
     Other,
 }
 
+/// Declaration of a PLY element, such as `element vertex 8` and its properties.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PlyElement {
     pub kind: ElementKind,
     pub name: String,
+    /// Number of elements of this kind in the body.
     pub count: u64,
     pub properties: Vec<PlyProperty>,
-    /// Line of its declaration, from 1.
+    /// Line number of the declaration, from 1.
     line: usize,
 }
 
+/// Parsed and checked header of a PLY file.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PlyHeader {
     pub encoding: PlyEncoding,
     pub elements: Vec<PlyElement>,
-    /// Byte offset of the body.
+    /// Number of bytes of the header, which is the offset of the body.
     pub bytes: usize,
     /// Number of lines of the header.
     pub lines: usize,
 }
 
-/// Line number, from 1, and the problem.
+/// Error of a header line: its number, from 1, and the problem.
 pub(super) type HeaderError = (usize, MessageAndRemedy);
 
-const NOT_PLY: &str = "export it anew as PLY";
+/// Remedy for files that violate the PLY format.
+const EXPORT_ANEW: &str = "export it anew as PLY";
+
+/// Names of vertex properties with their [`PropertyRole::Slot`].
 const VERTEX_PROPERTY_SLOTS: [(&str, usize); 14] = [
     ("x", 0),
     ("y", 1),
@@ -129,7 +137,7 @@ impl PlyHeader {
             let number = header.lines + 1;
             let wrong = |message: String, remedy| Err((number, (message, remedy)));
             let Some(end) = rest.iter().position(|b| matches!(b, b'\n' | b'\r')) else {
-                return wrong("the header ends without `end_header`".to_owned(), NOT_PLY);
+                return wrong("the header ends without `end_header`".to_owned(), EXPORT_ANEW);
             };
             let line = String::from_utf8_lossy(&rest[..end]);
             header.bytes += end + if rest[end..].starts_with(b"\r\n") { 2 } else { 1 };
@@ -137,7 +145,7 @@ impl PlyHeader {
             let mut words = line.split_ascii_whitespace();
             match words.next() {
                 _ if number == 1 && line.trim() != "ply" => {
-                    return wrong("the first line is not `ply`".to_owned(), NOT_PLY);
+                    return wrong("the first line is not `ply`".to_owned(), EXPORT_ANEW);
                 }
                 Some("format") => {
                     encoding = Some(match words.next() {
@@ -153,7 +161,7 @@ impl PlyHeader {
                 Some("element") => {
                     let element = parse_element(words, number).map_err(|e| (number, e))?;
                     if element.kind != ElementKind::Other && header.elements.iter().any(|e| e.kind == element.kind) {
-                        return wrong(format!("`{}` is declared twice", element.name), NOT_PLY);
+                        return wrong(format!("`{}` is declared twice", element.name), EXPORT_ANEW);
                     }
                     header.elements.push(element);
                 }
@@ -162,15 +170,17 @@ impl PlyHeader {
                         let property = parse_property(words, element.kind).map_err(|e| (number, e))?;
                         element.properties.push(property);
                     }
-                    None => return wrong("a property stands before any element".to_owned(), NOT_PLY),
+                    None => return wrong("a property stands before any element".to_owned(), EXPORT_ANEW),
                 },
                 Some("end_header") => break,
                 Some("ply" | "comment" | "obj_info") | None => {}
-                Some(word) => return wrong(format!("`{}` is no line of a PLY header", escaped_excerpt(word)), NOT_PLY),
+                Some(word) => {
+                    return wrong(format!("`{}` is no line of a PLY header", escaped_excerpt(word)), EXPORT_ANEW);
+                }
             }
         }
         let Some(encoding) = encoding else {
-            return Err((header.lines, ("the header names no format".to_owned(), NOT_PLY)));
+            return Err((header.lines, ("the header names no format".to_owned(), EXPORT_ANEW)));
         };
         header.encoding = encoding;
         header.elements.iter().try_for_each(PlyElement::check_properties)?;
@@ -178,7 +188,7 @@ impl PlyHeader {
         Ok(header)
     }
 
-    /// Refuses counts that the file cannot hold, so that memory may be reserved for them.
+    /// Fails if a declared count exceeds what a file of `bytes` bytes can hold.
     fn check_counts_fit(&self, bytes: usize) -> Result<(), HeaderError> {
         // The last number of a text may lack white space after it.
         let mut left = bytes - self.bytes + usize::from(self.encoding == PlyEncoding::Ascii);
@@ -201,7 +211,7 @@ impl PlyHeader {
 }
 
 impl PlyElement {
-    /// Least number of bytes of one element in the file.
+    /// Smallest size of one element in the file \[bytes].
     pub fn min_bytes(&self, encoding: PlyEncoding) -> usize {
         let one = |p: &PlyProperty| {
             // A face has at least three corners.

@@ -1,6 +1,4 @@
-//! Triangle meshes from and to PLY files (Turk 1994, "The PLY Polygon File Format").
-//!
-//! The text form and both binary forms are read.
+//! Reading and writing of triangle meshes as PLY files (Turk 1994, "The PLY Polygon File Format").
 
 mod header;
 mod numbers;
@@ -16,21 +14,25 @@ use numbers::{BinaryNumberReader, NumberReader, TextNumberReader};
 use std::path::Path;
 pub(super) use write::write;
 
-/// Bytes that a vertex takes while equal vertices are merged: position, normal and texture
-/// coordinates (64), a rewritten copy of these, its flag (1), its new index (4), a hash entry (20).
+/// Memory per vertex while equal vertices are merged \[bytes].
+///
+/// It covers position, normal and texture coordinates (64), a copy of them (64), a flag (1), an
+/// index (4), and an entry of a hash table (20).
 const PER_VERTEX: u64 = 160;
 
-/// Bytes that a triangle takes, with the slack of growing lists.
+/// Memory per triangle, with unused list capacity \[bytes].
 const PER_TRIANGLE: u64 = 24;
 
-/// Bytes that a corner of the current face takes, with the slack of growing lists.
+/// Memory per corner of the current face, with unused list capacity \[bytes].
 const PER_CORNER: u64 = 8;
 
-/// Elements between two reports to the monitor.
-const STRIDE: u64 = 1 << 16;
+/// Number of elements between two progress reports.
+const PROGRESS_STRIDE: u64 = 1 << 16;
 
-/// Reads the triangles of a PLY file; elements and properties without a meaning for meshes are
-/// skipped.
+/// Parses the triangles of a PLY file; skips elements and properties that meshes do not use.
+///
+/// `path` appears in errors only. Fails before allocating if the mesh takes more than `free`
+/// bytes.
 pub(super) fn read(
     path: &Path,
     bytes: &[u8],
@@ -75,9 +77,9 @@ pub(super) fn read(
     Ok(loaded)
 }
 
-/// Failure to read one element, with its position in the file.
+/// Error: one element of the body cannot be read.
 struct ElementError {
-    /// Line in text, byte offset in binary files.
+    /// Line number in text files, byte offset in binary files.
     position: usize,
     /// Name and index of the element, such as `face 12`.
     element: String,
@@ -118,21 +120,21 @@ impl ElementError {
     }
 }
 
-/// A mesh while its file is read.
+/// State of reading a PLY body into a mesh.
 struct MeshReader<'m> {
     loaded: LoadedMesh,
-    /// True for vertices that a face uses.
+    /// True for each vertex that a face uses.
     used: Vec<bool>,
     /// Number of vertices that the header declares.
     vertices: u64,
     monitor: &'m dyn MeshReadMonitor,
-    /// Bytes of memory that the mesh may take.
+    /// Memory that the mesh may take \[bytes]; `None` without a limit.
     free: Option<u64>,
 }
 
 impl MeshReader<'_> {
     fn read_elements<R: NumberReader>(&mut self, header: &PlyHeader, mut numbers: R) -> Result<(), ElementError> {
-        // The header check has found at least one byte of the file per vertex.
+        // The header check has ensured that the file holds at least one byte per vertex.
         self.used = vec![false; self.vertices as usize];
         let mut reported = 0;
         for element in header.elements.iter().filter(|e| !e.properties.is_empty()) {
@@ -146,13 +148,13 @@ impl MeshReader<'_> {
                     ElementKind::Other => skip_element(element, &mut numbers).map_err(ElementErrorCause::from),
                 };
                 read.map_err(|cause| ElementError {
-                    // Text errors name the line of the last word, binary errors the element's first
-                    // byte.
+                    // Errors in text name the line of the last word. Errors in binary files name the
+                    // first byte of the element.
                     position: if header.encoding == PlyEncoding::Ascii { numbers.error_position() } else { start },
                     element: format!("{} {i}", element.name),
                     cause,
                 })?;
-                if i % STRIDE == STRIDE - 1 {
+                if i % PROGRESS_STRIDE == PROGRESS_STRIDE - 1 {
                     self.monitor.advance((numbers.bytes_read() - reported) as u64);
                     reported = numbers.bytes_read();
                 }
@@ -161,7 +163,8 @@ impl MeshReader<'_> {
         Ok(())
     }
 
-    /// Reserves memory for the element's count, which the header check has found plausible.
+    /// Reserves memory for the element's count. The header check has ensured that the file can
+    /// hold so many elements.
     fn reserve_lists(&mut self, element: &PlyElement) {
         let mesh = &mut self.loaded.mesh;
         let n = element.count as usize;
@@ -204,7 +207,7 @@ impl MeshReader<'_> {
         Ok(())
     }
 
-    /// Checks the memory for a face of `n` corners, which becomes `n − 2` triangles.
+    /// Fails if a face of `n` corners, which becomes `n − 2` triangles, would exceed the memory.
     #[inline]
     fn check_face_memory(&self, n: u64) -> Result<(), ElementErrorCause> {
         let triangles = self.loaded.mesh.triangles.len() as u64 + n - 2;
@@ -281,7 +284,7 @@ fn skip_list<R: NumberReader>(numbers: &mut R, length: NumberType, item: NumberT
     Ok(())
 }
 
-/// Refuses a list of `n` entries that the rest of the file cannot hold, before it takes any memory.
+/// Fails if the rest of the file cannot hold a list of `n` entries of type `item`.
 #[inline]
 fn check_list_length<R: NumberReader>(numbers: &R, n: u64, item: NumberType) -> Result<(), MessageAndRemedy> {
     let most = numbers.remaining_capacity(item);

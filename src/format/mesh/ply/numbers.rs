@@ -1,25 +1,25 @@
-//! Sequential readers of the numbers in a PLY body, one for binary files and one for text.
+//! Sequential readers of the numbers in a PLY body: one for binary files, one for text.
 
 use super::header::NumberType;
 use crate::format::line_error::{MessageAndRemedy, escaped_excerpt};
 
 const CUT: &str = "the file is cut short, or its counts are wrong";
 
-/// Reads the numbers of a PLY body in the order of the file.
+/// Sequential reader of the numbers in a PLY body.
 pub(super) trait NumberReader {
     /// Returns the next number of the body.
     fn read_number(&mut self, kind: NumberType) -> Result<f64, MessageAndRemedy>;
-    /// Returns the next number of the body, which has an integer type.
+    /// Returns the next number of the body; `kind` is an integer type.
     fn read_integer(&mut self, kind: NumberType) -> Result<i64, MessageAndRemedy>;
-    /// Returns the position for error messages: the byte offset in binary files, the line in text.
+    /// Returns the position for errors: a byte offset in binary files, a line number in text.
     fn error_position(&self) -> usize;
-    /// Returns the number of bytes read so far, counted from the start of the file.
+    /// Returns the offset of the next byte from the start of the file.
     fn bytes_read(&self) -> usize;
-    /// Returns the largest number of values of type `kind` that the rest of the file can hold.
+    /// Returns the largest number of values of type `kind` that fit into the rest of the file.
     fn remaining_capacity(&self, kind: NumberType) -> u64;
 }
 
-/// Binary body, big-endian if `BIG`.
+/// Reader of a binary PLY body, which is big-endian if `BIG` is true.
 pub(super) struct BinaryNumberReader<'b, const BIG: bool> {
     pub bytes: &'b [u8],
     /// Offset of the next byte.
@@ -60,7 +60,7 @@ impl<const BIG: bool> NumberReader for BinaryNumberReader<'_, BIG> {
             NumberType::U16 => u16::from_le_bytes(self.take_bytes()?).into(),
             NumberType::I32 => i32::from_le_bytes(self.take_bytes()?).into(),
             NumberType::U32 => u32::from_le_bytes(self.take_bytes()?).into(),
-            // The header check admits integer types only.
+            // The header check accepts lists and indices of integer types only.
             NumberType::F32 | NumberType::F64 => return Err(invalid_number_problem("")),
         })
     }
@@ -79,12 +79,12 @@ impl<const BIG: bool> NumberReader for BinaryNumberReader<'_, BIG> {
     }
 }
 
-/// Text body: numbers between white space.
+/// Reader of a text PLY body, whose numbers are separated by white space.
 pub(super) struct TextNumberReader<'b> {
     pub bytes: &'b [u8],
     /// Offset of the next byte.
     pub offset: usize,
-    /// Line of the last word, from 1.
+    /// Line number of the last word, from 1.
     pub line: usize,
 }
 
@@ -149,7 +149,7 @@ impl NumberReader for TextNumberReader<'_> {
 
     #[inline]
     fn remaining_capacity(&self, _: NumberType) -> u64 {
-        // A separator and a digit each.
+        // A number takes at least a digit and a separator.
         ((self.bytes.len() - self.offset) / 2) as u64
     }
 }

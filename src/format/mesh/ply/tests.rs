@@ -8,17 +8,17 @@ fn read_bytes(bytes: &[u8]) -> Result<TriangleMesh, MeshError> {
     read(Path::new("a.ply"), bytes, &(), None).map(|loaded| loaded.mesh)
 }
 
-fn header(encoding: &str, vertices: impl std::fmt::Display, faces: impl std::fmt::Display) -> String {
+fn header_text(encoding: &str, vertices: impl std::fmt::Display, faces: impl std::fmt::Display) -> String {
     let (v, f) = (format!("element vertex {vertices}\n{VERTEX}"), format!("element face {faces}\n{FACE}"));
     format!("ply\nformat {encoding} 1.0\n{v}{f}end_header\n")
 }
 
-fn ascii(vertices: usize, faces: usize, body: &str) -> Result<TriangleMesh, MeshError> {
-    read_bytes(format!("{}{body}", header("ascii", vertices, faces)).as_bytes())
+fn read_ascii_body(vertices: usize, faces: usize, body: &str) -> Result<TriangleMesh, MeshError> {
+    read_bytes(format!("{}{body}", header_text("ascii", vertices, faces)).as_bytes())
 }
 
 #[track_caller]
-fn refused(bytes: &[u8], message: &str) {
+fn assert_refused(bytes: &[u8], message: &str) {
     let error = read_bytes(bytes).unwrap_err().to_string();
     assert!(error.contains(message), "`{message}` is not in `{error}`");
     assert!(error.starts_with("a.ply:") && error.matches(": ").count() >= 2, "{error}");
@@ -28,11 +28,11 @@ const SQUARE: &str = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
 
 #[test]
 fn polygons_are_triangulated_as_fans() {
-    let mesh = ascii(4, 2, &format!("{SQUARE}4 0 1 2 3\n3 0 2 3\n")).unwrap();
+    let mesh = read_ascii_body(4, 2, &format!("{SQUARE}4 0 1 2 3\n3 0 2 3\n")).unwrap();
     assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 2, 3]]);
     assert_eq!(mesh.positions[2], DVec3::new(1.0, 1.0, 0.0));
     // Any white space separates numbers.
-    assert_eq!(ascii(4, 1, "0 0 0 1\r\n0 0 1 1 0\t0 1 0 4 0 1 2\n3").unwrap().triangles.len(), 2);
+    assert_eq!(read_ascii_body(4, 1, "0 0 0 1\r\n0 0 1 1 0\t0 1 0 4 0 1 2\n3").unwrap().triangles.len(), 2);
 }
 
 #[test]
@@ -147,14 +147,14 @@ fn invalid_headers_are_reported_by_line() {
         ("format spoken 1.0", "a.ply:3: unknown format `spoken`"),
         ("\u{1b}[31m", "is no line of a PLY header"),
     ] {
-        refused(with(line).as_bytes(), message);
+        assert_refused(with(line).as_bytes(), message);
     }
-    refused(b"ply\nend_header\n", "names no format");
-    refused(b"ply\nformat ascii 1.0\nelement vertex 3", "a.ply:3: the header ends without");
-    refused(b"", "a.ply:1: the header ends without");
-    refused(b"v 0 0 0\n", "a.ply:1: the first line is not `ply`");
+    assert_refused(b"ply\nend_header\n", "names no format");
+    assert_refused(b"ply\nformat ascii 1.0\nelement vertex 3", "a.ply:3: the header ends without");
+    assert_refused(b"", "a.ply:1: the header ends without");
+    assert_refused(b"v 0 0 0\n", "a.ply:1: the first line is not `ply`");
     let twice = format!("element vertex 0\n{VERTEX}element vertex 0");
-    refused(with(&twice).as_bytes(), "`vertex` is declared twice");
+    assert_refused(with(&twice).as_bytes(), "`vertex` is declared twice");
 }
 
 #[test]
@@ -162,13 +162,13 @@ fn oversized_counts_are_refused() {
     for count in ["4", "4294967295", "18446744073709551615"] {
         for encoding in ["ascii", "binary_little_endian", "binary_big_endian"] {
             let body = if encoding == "ascii" { "0 0 0 1 0 0 0 1 0 3 0 1 2".as_bytes() } else { &[0; 49] };
-            let text = |v: &str, f: &str| [header(encoding, v, f).as_bytes(), body].concat();
-            refused(&text(count, "1"), "a.ply:");
-            refused(
+            let text = |v: &str, f: &str| [header_text(encoding, v, f).as_bytes(), body].concat();
+            assert_refused(&text(count, "1"), "a.ply:");
+            assert_refused(
                 &text(count, "1"),
                 if count == "4" { "" } else { "a.ply:3: 4294967295" }.split(' ').next().unwrap(),
             );
-            refused(&text("3", "4294967295"), "a.ply:7: 4294967295 times `face` need");
+            assert_refused(&text("3", "4294967295"), "a.ply:7: 4294967295 times `face` need");
         }
     }
     // A list of 4294967295 corners, or a negative number of corners.
@@ -177,15 +177,18 @@ fn oversized_counts_are_refused() {
         let header = format!("{start}property list {count} int vertex_indices\nend_header\n");
         [header.as_bytes(), &[0; 12], &[n; 4], &[0; 40]].concat()
     };
-    refused(&listed("uint", 0xff), "face 0: a list of 4294967295 entries, but the rest of the file holds at most 10");
-    refused(&listed("int", 0xff), "face 0: a face with -1 corners");
-    refused(&listed("char", 0xff), "a face with -1 corners");
-    refused(&listed("uchar", 2), "a face with 2 corners");
+    assert_refused(
+        &listed("uint", 0xff),
+        "face 0: a list of 4294967295 entries, but the rest of the file holds at most 10",
+    );
+    assert_refused(&listed("int", 0xff), "face 0: a face with -1 corners");
+    assert_refused(&listed("char", 0xff), "a face with -1 corners");
+    assert_refused(&listed("uchar", 2), "a face with 2 corners");
 }
 
 #[test]
 fn invalid_bodies_are_reported_with_position() {
-    let ascii = |body: &str| format!("{}{body}", header("ascii", 4, 1));
+    let ascii = |body: &str| format!("{}{body}", header_text("ascii", 4, 1));
     for (body, message) in [
         ("0 0 0\n1 0 nan\n0 0 0\n0 0 0\n3 0 1 2", "a.ply:11: `z` is NaN"),
         ("0 0 0\n1 0 1e99\n0 0 0\n0 0 0\n3 0 1 2", "a.ply:11: `z` is inf"),
@@ -198,37 +201,37 @@ fn invalid_bodies_are_reported_with_position() {
         ("0 0 0\n1 0 0\n1 1 0\n0 1 0\n-3 0 1 2", "a face with -3 corners"),
         ("0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1      ", "the file ends here"),
     ] {
-        refused(ascii(body).as_bytes(), message);
+        assert_refused(ascii(body).as_bytes(), message);
     }
     let binary = |x: f32, index: i32| {
-        let mut bytes = header("binary_little_endian", 1, 1).into_bytes();
+        let mut bytes = header_text("binary_little_endian", 1, 1).into_bytes();
         bytes.extend([x.to_le_bytes(), [0; 4], [0; 4]].concat());
         bytes.extend([[3].as_slice(), &[0; 8], &index.to_le_bytes()].concat());
         bytes
     };
     assert_eq!(read_bytes(&binary(1.0, 0)).unwrap().triangles, [[0; 3]]);
-    let start = header("binary_little_endian", 1, 1).len();
-    refused(&binary(f32::NAN, 0), &format!("a.ply: byte {start}, vertex 0: `x` is NaN"));
-    refused(&binary(1.0, 1), &format!("a.ply: byte {}, face 0: there is no vertex 1", start + 12));
-    refused(&binary(1.0, -1), "there is no vertex -1");
+    let start = header_text("binary_little_endian", 1, 1).len();
+    assert_refused(&binary(f32::NAN, 0), &format!("a.ply: byte {start}, vertex 0: `x` is NaN"));
+    assert_refused(&binary(1.0, 1), &format!("a.ply: byte {}, face 0: there is no vertex 1", start + 12));
+    assert_refused(&binary(1.0, -1), "there is no vertex -1");
 }
 
 #[test]
 fn lists_longer_than_the_file_are_malformed() {
     // The file is malformed, whatever the memory.
-    let text = format!("{}{SQUARE}4000000000 0 1 2\n", header("ascii", 4, 1).replace("uchar int", "uint int"));
+    let text = format!("{}{SQUARE}4000000000 0 1 2\n", header_text("ascii", 4, 1).replace("uchar int", "uint int"));
     let error = read(Path::new("a.ply"), text.as_bytes(), &(), Some(100_000)).unwrap_err().to_string();
     assert!(error.contains("a list of 4000000000 entries") && error.contains("cut short"), "{error}");
     let skipped = "property list uint float weights\n";
     let text = format!("ply\nformat ascii 1.0\nelement vertex 1\n{VERTEX}{skipped}end_header\n0 0 0 9 1 1\n");
-    refused(text.as_bytes(), "a list of 9 entries");
+    assert_refused(text.as_bytes(), "a list of 9 entries");
 }
 
 #[test]
 fn byte_order_marks_are_skipped() {
     for encoding in ["ascii", "binary_little_endian"] {
         let body: &[u8] = if encoding == "ascii" { b"0 0 0 1 0 0 0 1 0 3 0 1 2" } else { &[3; 49] };
-        let plain = [header(encoding, 3, 1).as_bytes(), body].concat();
+        let plain = [header_text(encoding, 3, 1).as_bytes(), body].concat();
         let marked = [b"\xef\xbb\xbf".as_slice(), &plain].concat();
         let decoded = |bytes: &[u8]| crate::format::mesh::decode(Path::new("a"), bytes.to_vec(), &(), None);
         if encoding == "ascii" {
@@ -241,8 +244,8 @@ fn byte_order_marks_are_skipped() {
 
 #[test]
 fn non_utf8_bytes_are_refused() {
-    let bytes = [header("ascii", 3, 1).as_bytes(), b"0 0 0 1 0 0 0 1 0 3 0 \xff 2"].concat();
-    refused(&bytes, "a.ply:10: there are bytes here that are no text");
+    let bytes = [header_text("ascii", 3, 1).as_bytes(), b"0 0 0 1 0 0 0 1 0 3 0 \xff 2"].concat();
+    assert_refused(&bytes, "a.ply:10: there are bytes here that are no text");
 }
 
 proptest::proptest! {
@@ -261,7 +264,7 @@ proptest::proptest! {
     fn a_changed_byte_never_panics_the_reader(at in proptest::num::usize::ANY, new in proptest::num::u8::ANY) {
         for encoding in ["ascii", "binary_little_endian"] {
             let body: &[u8] = if encoding == "ascii" { b"0 0 0 1 0 0 0 1 0 3 0 1 2" } else { &[0; 49] };
-            let mut bytes = [header(encoding, 3, 1).as_bytes(), body].concat();
+            let mut bytes = [header_text(encoding, 3, 1).as_bytes(), body].concat();
             let at = at % bytes.len();
             bytes[at] = new;
             let _ = read_bytes(&bytes);
@@ -286,7 +289,7 @@ fn face_memory_is_checked_before_allocation() {
     }
     // The same in text, with many faces.
     let body = "3 0 1 2\n4 0 1 2 3\n".repeat(1000);
-    let file = format!("{}{SQUARE}{body}", header("ascii", 4, 2000)).into_bytes();
+    let file = format!("{}{SQUARE}{body}", header_text("ascii", 4, 2000)).into_bytes();
     let reading = |free| read(Path::new("a.ply"), &file, &(), Some(free));
     assert!(reading(73_000).is_ok() && matches!(reading(71_000), Err(MeshError::Memory { .. })));
 }

@@ -1,12 +1,14 @@
-//! Meshes as PLY.
+//! Writes meshes as PLY.
 
 use crate::format::mesh::{ShortestDecimal, TriangleMesh};
 use std::io::{Result, Write};
 
-/// Properties of each vertex, as `float` if that is exact for all vertices, else as `double`.
+/// Vertex properties of one kind, such as the position.
 struct VertexColumns<'m> {
     names: &'static [&'static str],
+    /// True if all values are exact in single precision, so they are written as `float`.
     single: bool,
+    /// Values at the vertex with a given index.
     get: Box<dyn Fn(usize) -> [f64; 3] + 'm>,
 }
 
@@ -18,7 +20,7 @@ impl<'m> VertexColumns<'m> {
     }
 }
 
-/// Writes the mesh, as text or as little-endian binary.
+/// Writes a mesh as PLY: as text if `text` is true, else as little-endian binary.
 pub(in crate::format) fn write(mesh: &TriangleMesh, text: bool, out: &mut impl Write) -> Result<()> {
     let n = mesh.positions.len();
     let mut columns = vec![VertexColumns::new(&["x", "y", "z"], n, |v| mesh.positions[v].to_array())];

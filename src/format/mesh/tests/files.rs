@@ -11,14 +11,14 @@ use std::path::Path;
 const FORMS: [(MeshFormat, &str); 3] =
     [(MeshFormat::Obj, "a.obj"), (MeshFormat::Ply, "b.ply"), (MeshFormat::PlyText, "c.PLY")];
 
-fn number() -> impl Strategy<Value = f64> {
+fn any_number() -> impl Strategy<Value = f64> {
     use proptest::num::f64::{NEGATIVE, NORMAL, POSITIVE, SUBNORMAL, ZERO};
     let any = POSITIVE | NEGATIVE | NORMAL | SUBNORMAL | ZERO;
     prop_oneof![any, any.prop_map(|x| f64::from(x as f32)).prop_filter("finite", |x| x.is_finite()), -9.0..9.0]
 }
 
-fn point() -> impl Strategy<Value = DVec3> {
-    [number(), number(), number()].prop_map(DVec3::from_array)
+fn any_point() -> impl Strategy<Value = DVec3> {
+    [any_number(), any_number(), any_number()].prop_map(DVec3::from_array)
 }
 
 /// A mesh as it is after reading: with normals at all corners of a triangle or at none.
@@ -26,9 +26,9 @@ fn any_mesh() -> impl Strategy<Value = TriangleMesh> {
     let single = any::<bool>();
     let shape = (1..12_usize, single).prop_flat_map(|(n, single)| {
         let round = move |p: DVec3| if single { p.as_vec3().as_dvec3() } else { p };
-        let points = vec(point().prop_map(round), n).prop_filter("finite", |ps| ps.iter().all(|p| p.is_finite()));
+        let points = vec(any_point().prop_map(round), n).prop_filter("finite", |ps| ps.iter().all(|p| p.is_finite()));
         let normals = option::of(vec([-1.0..1.0, -1.0..1.0, -1.0..1.0], n));
-        let texcoords = option::of(vec([number(), number()], n));
+        let texcoords = option::of(vec([any_number(), any_number()], n));
         let corner = 0..n as u32;
         let triangles = vec([corner.clone(), corner.clone(), corner], 1..12);
         (points, normals, texcoords, triangles, vec(0..3_u32, 12), any::<bool>())
@@ -58,14 +58,14 @@ fn any_mesh() -> impl Strategy<Value = TriangleMesh> {
     })
 }
 
-fn written(mesh: &TriangleMesh, folder: &Path, (form, name): (MeshFormat, &str)) -> LoadedMesh {
+fn write_and_load(mesh: &TriangleMesh, folder: &Path, (form, name): (MeshFormat, &str)) -> LoadedMesh {
     let path = folder.join(name);
     assert_eq!(MeshFormat::from_path(&path, form == MeshFormat::PlyText), Some(form));
     mesh.write(&path, form, &["a b.mtl".to_owned()]).unwrap();
     load(&path, &()).unwrap()
 }
 
-fn bits(mesh: &TriangleMesh) -> Vec<u64> {
+fn mesh_bits(mesh: &TriangleMesh) -> Vec<u64> {
     let points = mesh.positions.iter().chain(mesh.normals.iter().flatten()).flat_map(|p| p.to_array());
     let texcoords = mesh.texcoords.iter().flatten().flat_map(|t| t.to_array());
     points.chain(texcoords).map(f64::to_bits).collect()
@@ -76,7 +76,7 @@ proptest! {
     fn meshes_read_back_bit_for_bit(mesh in any_mesh()) {
         let folder = tempfile::tempdir().unwrap();
         for form in FORMS {
-            let read = written(&mesh, folder.path(), form);
+            let read = write_and_load(&mesh, folder.path(), form);
             prop_assert_eq!(read.isolated, 0);
             let mut expected = mesh.clone();
             if form.0 == MeshFormat::Obj {
@@ -85,7 +85,7 @@ proptest! {
                 (expected.materials, expected.triangle_materials) = (Vec::new(), Vec::new());
                 prop_assert_eq!(read.vertices, mesh.positions.len());
             }
-            prop_assert_eq!(bits(&read.mesh), bits(&expected));
+            prop_assert_eq!(mesh_bits(&read.mesh), mesh_bits(&expected));
             prop_assert_eq!(read.mesh, expected);
         }
     }
@@ -94,11 +94,11 @@ proptest! {
 #[test]
 fn ply_writes_single_precision_values_as_float() {
     let folder = tempfile::tempdir().unwrap();
-    let long = torus(30, 20);
+    let long = torus_mesh(30, 20);
     let short =
         TriangleMesh { positions: long.positions.iter().map(|p| p.as_vec3().as_dvec3()).collect(), ..long.clone() };
     let size = |mesh: &TriangleMesh, name: &str| {
-        written(mesh, folder.path(), (MeshFormat::Ply, name));
+        write_and_load(mesh, folder.path(), (MeshFormat::Ply, name));
         std::fs::metadata(folder.path().join(name)).unwrap().len()
     };
     // Four bytes less for each coordinate, and two letters less in three words of the header.

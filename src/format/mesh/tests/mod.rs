@@ -9,7 +9,7 @@ use super::TriangleMesh;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-fn mesh(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> TriangleMesh {
+fn triangle_mesh(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> TriangleMesh {
     TriangleMesh {
         positions: positions.iter().copied().map(DVec3::from_array).collect(),
         triangles: triangles.to_vec(),
@@ -17,22 +17,22 @@ fn mesh(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> TriangleMesh {
     }
 }
 
-fn tetrahedron() -> TriangleMesh {
+fn tetrahedron_mesh() -> TriangleMesh {
     let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    mesh(&points, &[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    triangle_mesh(&points, &[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
 }
 
 /// Cube from −1 to 1.
-fn cube() -> TriangleMesh {
+fn cube_mesh() -> TriangleMesh {
     let points: Vec<[f64; 3]> =
         (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2 & 1].map(|bit| f64::from(2 * bit - 1))).collect();
     let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let triangles: Vec<[u32; 3]> = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    mesh(&points, &triangles)
+    triangle_mesh(&points, &triangles)
 }
 
 /// Torus of `n` by `m` quads around the z axis, each divided into two triangles.
-fn torus(n: u32, m: u32) -> TriangleMesh {
+fn torus_mesh(n: u32, m: u32) -> TriangleMesh {
     let circle = |i: u32, n: u32| libm::sincos(TAU * f64::from(i) / f64::from(n));
     let point = |i: u32, j: u32| {
         let ((s, c), (t, d)) = (circle(i, n), circle(j, m));
@@ -42,11 +42,11 @@ fn torus(n: u32, m: u32) -> TriangleMesh {
     let k = |i: u32, j: u32| i % n * m + j % m;
     let quad = |i, j| [k(i, j), k(i + 1, j), k(i + 1, j + 1), k(i, j + 1)];
     let quads = (0..n).flat_map(|i| (0..m).map(move |j| quad(i, j)));
-    mesh(&points, &quads.flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect::<Vec<_>>())
+    triangle_mesh(&points, &quads.flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect::<Vec<_>>())
 }
 
 /// Moebius band of `n` quads.
-fn moebius(n: u32) -> TriangleMesh {
+fn moebius_band_mesh(n: u32) -> TriangleMesh {
     let point = |i: u32, side: f64| {
         let angle = TAU * f64::from(i) / f64::from(n);
         let ((s, c), (t, d)) = (libm::sincos(angle), libm::sincos(0.5 * angle));
@@ -61,13 +61,13 @@ fn moebius(n: u32) -> TriangleMesh {
             [[a, b, c], [b, d, c]]
         })
         .collect();
-    mesh(&points, &triangles)
+    triangle_mesh(&points, &triangles)
 }
 
 /// Unit sphere: a cube with faces of `n` by `n` quads, projected.
-fn ball(n: u32) -> TriangleMesh {
+fn sphere_mesh(n: u32) -> TriangleMesh {
     let mut ball = TriangleMesh::default();
-    let cube = cube();
+    let cube = cube_mesh();
     for face in cube.triangles.chunks(2) {
         let [a, b, c] = face[0].map(|v| cube.positions[v as usize]);
         let base = ball.positions.len() as u32;

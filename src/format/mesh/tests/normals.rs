@@ -4,7 +4,7 @@ use super::*;
 
 #[test]
 fn the_smoothing_angle_decides_a_cubes_normals() {
-    let mut flat = cube();
+    let mut flat = cube_mesh();
     flat.compute_smooth_normals(30.0);
     assert_eq!(flat.positions.len(), 24);
     let normals = flat.normals.clone().unwrap();
@@ -13,7 +13,7 @@ fn the_smoothing_angle_decides_a_cubes_normals() {
         assert!(t.iter().all(|v| normals[*v as usize] == face), "{face}");
     }
     for angle in [90.0, 180.0] {
-        let mut round = cube();
+        let mut round = cube_mesh();
         round.compute_smooth_normals(angle);
         assert_eq!(round.positions.len(), 8);
         for (p, n) in round.positions.iter().zip(round.normals.as_ref().unwrap()) {
@@ -22,7 +22,7 @@ fn the_smoothing_angle_decides_a_cubes_normals() {
             assert!((*n - p.normalize()).length() < 4e-16 * 4.0, "{n} at {p}");
         }
     }
-    let mut sharp = cube();
+    let mut sharp = cube_mesh();
     sharp.compute_smooth_normals(89.9);
     assert_eq!(sharp.positions.len(), 24);
 }
@@ -30,7 +30,7 @@ fn the_smoothing_angle_decides_a_cubes_normals() {
 #[test]
 fn a_ball_has_the_normals_of_a_sphere() {
     let n = 24;
-    let mut ball = ball(n);
+    let mut ball = sphere_mesh(n);
     ball.compute_smooth_normals(180.0);
     assert_eq!(ball.positions.len() as u32, 6 * n * n + 2);
     for (p, normal) in ball.positions.iter().zip(ball.normals.as_ref().unwrap()) {
@@ -50,7 +50,7 @@ fn vertex_normals_are_weighted_by_angle() {
     // One face of the cube's corner is divided twice there: the number of triangles must not
     // matter.
     let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 0.0], [0.2, 1.0, 0.0]];
-    let mut corner = mesh(&points, &[[0, 1, 4], [0, 4, 5], [0, 5, 2], [0, 3, 1], [0, 2, 3]]);
+    let mut corner = triangle_mesh(&points, &[[0, 1, 4], [0, 4, 5], [0, 5, 2], [0, 3, 1], [0, 2, 3]]);
     corner.compute_smooth_normals(180.0);
     let normal = corner.normals.unwrap()[0];
     assert!((normal - DVec3::new(1.0, 1.0, 1.0).normalize()).length() < 1e-15, "{normal}");
@@ -58,7 +58,7 @@ fn vertex_normals_are_weighted_by_angle() {
 
 #[test]
 fn normals_of_the_file_are_kept() {
-    let mut cube = cube();
+    let mut cube = cube_mesh();
     cube.compute_smooth_normals(180.0);
     let before = cube.clone();
     cube.compute_smooth_normals(10.0);
@@ -81,14 +81,14 @@ fn normals_of_the_file_are_kept() {
 
 #[test]
 fn degenerate_faces_do_not_affect_normals() {
-    let mut cube = cube();
+    let mut cube = cube_mesh();
     cube.triangles.push([0, 0, 1]);
     cube.compute_smooth_normals(30.0);
     let normals = cube.normals.as_ref().unwrap();
     assert!(cube.triangles[..12].iter().flatten().all(|v| normals[*v as usize].is_normalized()));
     assert_eq!(normals.iter().filter(|n| **n == DVec3::ZERO).count(), 2);
     // Tiny faces count like others.
-    let mut tiny = scaled_and_moved(super::cube(), 1e-170, DVec3::ZERO);
+    let mut tiny = scaled_and_moved(super::cube_mesh(), 1e-170, DVec3::ZERO);
     tiny.compute_smooth_normals(180.0);
     assert!(tiny.normals.unwrap().iter().all(|n| n.is_normalized()));
 }

@@ -3,7 +3,7 @@
 use super::super::{MeshRepairs, MeshReport};
 use super::*;
 
-fn all(mesh: &TriangleMesh) -> MeshRepairs {
+fn all_repairs(mesh: &TriangleMesh) -> MeshRepairs {
     MeshRepairs {
         weld: Some(MeshRepairs::DEFAULT_WELD_TOLERANCE * mesh.bounds_diagonal()),
         duplicates: true,
@@ -15,7 +15,7 @@ fn all(mesh: &TriangleMesh) -> MeshRepairs {
 #[track_caller]
 fn repaired_mesh(mut broken: TriangleMesh, whole: &MeshReport) -> TriangleMesh {
     assert_ne!(broken.report(), *whole, "nothing is broken");
-    let repair = all(&broken);
+    let repair = all_repairs(&broken);
     broken.repair(&repair);
     let report = broken.report();
     // Sums may be taken in another order.
@@ -28,7 +28,7 @@ fn repaired_mesh(mut broken: TriangleMesh, whole: &MeshReport) -> TriangleMesh {
 
 #[test]
 fn every_kind_of_defect_is_repaired() {
-    for whole in [cube(), torus(12, 8), ball(5)] {
+    for whole in [cube_mesh(), torus_mesh(12, 8), sphere_mesh(5)] {
         let report = whole.report();
         let mut turned = whole.clone();
         turned.triangles.iter_mut().step_by(3).for_each(|t| t.swap(0, 1));
@@ -62,10 +62,10 @@ fn every_kind_of_defect_is_repaired() {
 
 #[test]
 fn an_intact_mesh_stays_unchanged() {
-    for mut whole in [cube(), torus(12, 8), ball(4), moebius(9)] {
+    for mut whole in [cube_mesh(), torus_mesh(12, 8), sphere_mesh(4), moebius_band_mesh(9)] {
         whole.merge_equal_vertices();
         let before = whole.clone();
-        let repair = all(&whole);
+        let repair = all_repairs(&whole);
         assert_eq!(whole.repair(&repair), Default::default());
         assert_eq!(whole, before);
     }
@@ -76,18 +76,18 @@ fn cavities_face_inward() {
     let shells = [(1.0, 1.0), (0.5, -1.0), (0.25, 1.0)];
     let mut nested = TriangleMesh::default();
     for (i, (size, _)) in shells.into_iter().enumerate() {
-        let mut shell = scaled_and_moved(cube(), size, DVec3::splat(0.01));
+        let mut shell = scaled_and_moved(cube_mesh(), size, DVec3::splat(0.01));
         if i != 1 {
             shell.reverse_orientation();
         }
         nested = union_of(nested, &shell);
     }
-    nested = union_of(nested, &scaled_and_moved(cube(), 1.0, DVec3::new(5.0, 0.0, 0.0)));
+    nested = union_of(nested, &scaled_and_moved(cube_mesh(), 1.0, DVec3::new(5.0, 0.0, 0.0)));
     nested.orient_outward();
     let volume: f64 = shells.iter().map(|(size, sign)| 8.0 * sign * size * size * size).sum();
     assert!((nested.report().volume.unwrap() - volume - 8.0).abs() < 1e-12);
     // A shell of another material is no hollow.
-    let mut other = union_of(cube(), &scaled_and_moved(cube(), 0.5, DVec3::ZERO));
+    let mut other = union_of(cube_mesh(), &scaled_and_moved(cube_mesh(), 0.5, DVec3::ZERO));
     other.materials = vec!["a".to_owned(), "b".to_owned()];
     other.triangle_materials = [[0; 12], [1; 12]].concat();
     other.orient_outward();
@@ -96,13 +96,13 @@ fn cavities_face_inward() {
 
 #[test]
 fn open_surfaces_keep_the_majority_orientation() {
-    let mut open = cube();
+    let mut open = cube_mesh();
     open.reverse_orientation();
     open.triangles.truncate(10);
     open.triangles[4].swap(0, 1);
     let turned = open.orient_outward();
     assert_eq!((turned, open.report().inconsistent_edges), (1, 0));
-    let mut one_sided = moebius(9);
+    let mut one_sided = moebius_band_mesh(9);
     let before = one_sided.clone();
     assert_eq!(one_sided.orient_outward(), 0);
     assert_eq!(one_sided.triangles, before.triangles);
@@ -110,7 +110,7 @@ fn open_surfaces_keep_the_majority_orientation() {
 
 #[test]
 fn only_wrong_normals_are_flipped() {
-    let mut right = ball(3);
+    let mut right = sphere_mesh(3);
     right.compute_smooth_normals(180.0);
     let mut wound = right.clone();
     wound.triangles.iter_mut().for_each(|t| t.swap(0, 1));
@@ -132,11 +132,11 @@ fn only_wrong_normals_are_flipped() {
 #[test]
 fn welding_keeps_the_first_vertex_in_range() {
     let points = [[0.0; 3], [0.9, 0.0, 0.0], [1.8, 0.0, 0.0], [1.8, 5.0, 0.0]];
-    let mut row = mesh(&points, &[[0, 1, 3], [1, 2, 3]]);
+    let mut row = triangle_mesh(&points, &[[0, 1, 3], [1, 2, 3]]);
     assert_eq!(row.weld_vertices(1.0), 1);
     assert_eq!(row.positions, [[0.0; 3], [1.8, 5.0, 0.0], [1.8, 0.0, 0.0]].map(DVec3::from_array));
     assert_eq!(row.triangles, [[0, 0, 1], [0, 2, 1]]);
-    let mut far = scaled_and_moved(cube(), 1e100, DVec3::ZERO);
+    let mut far = scaled_and_moved(cube_mesh(), 1e100, DVec3::ZERO);
     assert_eq!((far.weld_vertices(0.0), far.weld_vertices(1e-300)), (0, 0));
     assert_eq!(far.weld_vertices(f64::MAX), 7);
 }
@@ -145,16 +145,16 @@ fn welding_keeps_the_first_vertex_in_range() {
 fn a_degenerate_triangle_that_closes_a_slit_stays() {
     // The edge 0–1 of the first face contains vertex 3 of the others.
     let points = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0], [1.0, -1.0, 0.0]];
-    let mut slit = mesh(&points, &[[0, 1, 2], [0, 4, 3], [3, 4, 1], [0, 3, 1]]);
+    let mut slit = triangle_mesh(&points, &[[0, 1, 2], [0, 4, 3], [3, 4, 1], [0, 3, 1]]);
     let before = slit.report();
-    let repair = all(&slit);
+    let repair = all_repairs(&slit);
     assert_eq!((slit.repair(&repair).degenerate, before.boundary_edges), (0, 4));
     assert_eq!(slit.report(), before);
 }
 
 #[test]
 fn triangles_keep_their_materials() {
-    let mut cube = cube();
+    let mut cube = cube_mesh();
     cube.materials = ["a", "b", "c"].map(str::to_owned).to_vec();
     cube.triangle_materials = (0..12).map(|t| [0, 1, 2, super::super::NO_MATERIAL][t / 3]).collect();
     cube.triangles[3] = [0, 0, 1];

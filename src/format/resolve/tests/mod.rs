@@ -309,13 +309,13 @@ fn a_spotlight_angle_includes_the_penumbra() {
         }
     };
     let sharp = spot("lookAt 0 0 0 angle 60");
-    assert_eq!((sharp.axis, sharp.inner), (Vec3::NEG_Y, sharp.outer));
-    assert!((1.0 - sharp.outer - 0.75f32.sqrt()).abs() < 1e-6);
+    assert_eq!((sharp.axis, sharp.inner_one_minus_cos), (Vec3::NEG_Y, sharp.outer_one_minus_cos));
+    assert!((1.0 - sharp.outer_one_minus_cos - 0.75f32.sqrt()).abs() < 1e-6);
     let soft = spot("direction 0 0 7 angle 180 penumbra 30");
     assert_eq!(soft.axis, Vec3::Z);
-    assert!((soft.inner - 0.5).abs() < 1e-6 && (soft.outer - 1.0).abs() < 1e-6);
+    assert!((soft.inner_one_minus_cos - 0.5).abs() < 1e-6 && (soft.outer_one_minus_cos - 1.0).abs() < 1e-6);
     let all_rim = spot("direction 0 0 1 angle 60 penumbra 30");
-    assert_eq!(all_rim.inner, 0.0);
+    assert_eq!(all_rim.inner_one_minus_cos, 0.0);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Fields of view from a millionth of a degree to nearly 180°, and up directions.
 
 use super::{refused, resolved};
-use crate::support::image;
+use crate::support::render_one_pass;
 use caustica::camera::{Camera, Filter, FilterKind};
 use caustica::color;
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
@@ -103,7 +103,7 @@ fn visible_light_has_correct_mean_at_extreme_angles() {
                 ..CameraPathSettings::default()
             };
             let settings = Settings { camera_paths, balance: false, ..Settings::default() };
-            let image = image(&*Algorithm::Path.prepare(&scene, settings), 0);
+            let image = render_one_pass(&*Algorithm::Path.prepare(&scene, settings), 0);
             assert!(image.iter().all(|p| p.is_finite()), "{angle}°");
             let mean = image.iter().map(|p| f64::from(color::channel_mean(*p))).sum::<f64>() / image.len() as f64 / 2.0;
             let rays = f64::from(side * side * 256);

@@ -1,7 +1,7 @@
 //! Lenses of zero aperture, and focus distances of zero, near zero or near infinity.
 
 use super::{refused, resolved};
-use crate::support::image;
+use crate::support::render_one_pass;
 use caustica::camera::{Camera, Lens};
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use glam::{DVec3, Vec2};
@@ -27,7 +27,7 @@ fn zero_aperture_equals_pinhole_bit_for_bit() {
         let settings =
             Settings { camera_paths, photons: 2000, caustic_photons: 2000, balance: false, ..Settings::default() };
         let scene = resolved(&scene(lens)).unwrap();
-        let image = image(&*algorithm.prepare(&scene, settings), 0);
+        let image = render_one_pass(&*algorithm.prepare(&scene, settings), 0);
         assert!(image.iter().all(|p| p.is_finite()));
         image.iter().flat_map(|p| p.to_array().map(f32::to_bits)).collect::<Vec<_>>()
     };
@@ -126,7 +126,7 @@ fn extreme_lenses_give_finite_images() {
         let settings =
             Settings { camera_paths, photons: 500, caustic_photons: 500, balance: false, ..Settings::default() };
         let scene = resolved(&scene(lens)).unwrap();
-        let image = image(&*Algorithm::Hybrid.prepare(&scene, settings), 0);
+        let image = render_one_pass(&*Algorithm::Hybrid.prepare(&scene, settings), 0);
         assert!(image.iter().all(|p| p.is_finite()), "{lens}");
     }
 }

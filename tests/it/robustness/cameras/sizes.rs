@@ -1,7 +1,7 @@
 //! Images of one pixel, one column and one row.
 
 use super::resolved;
-use crate::support::image;
+use crate::support::render_one_pass;
 use caustica::camera::{Filter, FilterKind};
 use caustica::color::Rgb;
 use caustica::image::flip::{FlipOptions, flip};
@@ -110,7 +110,7 @@ fn images_20000_pixels_long_are_correct() {
             ..CameraPathSettings::default()
         };
         let settings = Settings { camera_paths, balance: false, ..Settings::default() };
-        let image = image(&*Algorithm::Path.prepare(&scene, settings), 0);
+        let image = render_one_pass(&*Algorithm::Path.prepare(&scene, settings), 0);
         for (i, pixel) in image.iter().enumerate() {
             match i as u32 {
                 i if i < edge => assert_eq!(*pixel, Rgb::ZERO, "{width}×{height}: pixel {i}"),

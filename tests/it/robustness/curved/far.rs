@@ -1,7 +1,7 @@
 //! Spheres and lights seen from a million radii away.
 
 use crate::robustness::transforms::dd::{DoubleDouble, DoubleDoubleVec};
-use crate::support::image;
+use crate::support::render_one_pass;
 use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
@@ -144,7 +144,7 @@ fn far_sphere_light_loses_no_flux() {
             CameraPathSettings { samples: Some(16), max_bounces: 1, seed: 5, ..CameraPathSettings::default() };
         let method = Algorithm::Path.prepare(&scene, Settings { camera_paths, ..Settings::default() });
         let expected = 0.5 / 1.09f64.sqrt();
-        for pixel in image(&*method, 0) {
+        for pixel in render_one_pass(&*method, 0) {
             let off = f64::from(pixel.x) / expected - 1.0;
             // A few units of the squared distance, and some hundred roundings of shading.
             assert!(off.abs() < 4.0 / distance + 100.0 / 16_777_216.0, "{distance}: off by {off}");

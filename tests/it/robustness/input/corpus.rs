@@ -1,6 +1,6 @@
 //! Replays the kept fuzz inputs through the functions of the fuzz targets.
 
-use super::{project, readers};
+use super::{project_path, readers};
 use std::fs;
 
 /// A function that reads bytes.
@@ -20,7 +20,7 @@ const KINDS: [(&str, Replay); 7] = [
 #[test]
 fn fuzz_corpus_gives_results_or_typed_errors() {
     for (kind, replay) in KINDS {
-        let folder = project("tests/corpus").join(kind);
+        let folder = project_path("tests/corpus").join(kind);
         let entries = fs::read_dir(&folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
         let paths: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
         assert!(paths.len() >= 10, "{kind} holds {} files", paths.len());

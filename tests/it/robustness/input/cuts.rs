@@ -1,7 +1,7 @@
 //! Files of every kind, truncated at every position.
 
-use super::{project, readers};
-use caustica::format::{grid, mesh, mtl, parse_bytes};
+use super::{project_path, readers};
+use caustica::format::{grid, mesh, mtl, parse_scene_bytes};
 use caustica::image::{
     BitDepth, Image, OutputFormat, PictureContent, ToneCurve, ToneMap, WriteOptions, decode, encode,
 };
@@ -58,11 +58,11 @@ fn truncated_sized_files_are_refused() {
 #[test]
 fn truncated_scenes_are_refused() {
     for name in ["scenes/glass-ball.txt", "scenes/smoke.txt", "scenes/textures.txt", "tests/scenes/lens.txt"] {
-        let whole = fs::read(project(name)).unwrap();
+        let whole = fs::read(project_path(name)).unwrap();
         let whole = whole.trim_ascii_end();
-        assert!(parse_bytes(name, whole).is_ok() && whole.ends_with(b"}"), "{name}");
+        assert!(parse_scene_bytes(name, whole).is_ok() && whole.ends_with(b"}"), "{name}");
         for cut in 0..whole.len() {
-            let error = parse_bytes(name, &whole[..cut]).expect_err("a part is no scene");
+            let error = parse_scene_bytes(name, &whole[..cut]).expect_err("a part is no scene");
             assert!(error.to_string().starts_with(name) && !error.remedy().is_empty(), "{name} cut at {cut}: {error}");
         }
     }
@@ -71,7 +71,7 @@ fn truncated_scenes_are_refused() {
 /// Lists of lines have no stated length. The rest is read, or refused with its line.
 #[test]
 fn truncated_line_lists_are_read_to_their_end() {
-    let obj = fs::read(project("tests/scenes/coarse-ball.obj")).unwrap();
+    let obj = fs::read(project_path("tests/scenes/coarse-ball.obj")).unwrap();
     let start = obj.len().saturating_sub(1500);
     let whole = mesh::decode(Path::new("a.obj"), obj.clone(), &(), None).unwrap().mesh.triangles.len();
     let mut most = 0;

@@ -3,7 +3,7 @@
 //! Fuzz targets and the corpus replay share these functions.
 
 use caustica::format::description::{DensityDescription, SceneDescription};
-use caustica::format::{SourceText, grid, mesh, mtl, parse, parse_bytes, resolve};
+use caustica::format::{SourceText, grid, mesh, mtl, parse, parse_scene_bytes, resolve};
 use caustica::image::{PictureContent, decode};
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings, Silent};
 use caustica::light::EnvironmentLight;
@@ -22,7 +22,7 @@ const CLOUD: u32 = 24;
 const NOWHERE: &str = "/nowhere/at/all";
 
 fn described(bytes: &[u8]) -> Option<SceneDescription> {
-    match parse_bytes("fuzz.txt", bytes) {
+    match parse_scene_bytes("fuzz.txt", bytes) {
         Ok(description) => Some(description),
         Err(error) => {
             // Computing the message checks that the error's position lies within the text.

@@ -1,6 +1,6 @@
 //! Paths across a million boundaries of nested bodies.
 
-use crate::support::image;
+use crate::support::render_one_pass;
 use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
@@ -103,7 +103,7 @@ fn camera_ray_obeys_beer_over_million_boundaries() {
         nest(&mut b, filled, TURNS);
         let scene = b.build(along_x()).unwrap();
         let begun = Instant::now();
-        let image = image(&*Algorithm::Path.prepare(&scene, settings(TURNS - 1)), 0);
+        let image = render_one_pass(&*Algorithm::Path.prepare(&scene, settings(TURNS - 1)), 0);
         // Takes half a second on an idle machine.
         assert!(begun.elapsed() < Duration::from_secs(60));
         (f64::from(image[0].y) / expected - 1.0).abs()
@@ -151,7 +151,7 @@ fn shadow_rays_cross_more_bodies_than_stack_holds() {
         let camera = Camera::orthographic(-0.95 * DVec3::X, -DVec3::X, DVec3::Z, 1e-3, 1, 1).unwrap();
         let scene = b.build(camera).unwrap();
         for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Distributed] {
-            let found = f64::from(image(&*algorithm.prepare(&scene, settings(10)), 0)[0].y);
+            let found = f64::from(render_one_pass(&*algorithm.prepare(&scene, settings(10)), 0)[0].y);
             // The same bound for one crossing, with a few operations of shading.
             let slack = (DEPTH + 100.0 * 8.0 * DEPTH + 16.0) / 16_777_216.0;
             assert!((found / libm::exp(-DEPTH) - 1.0).abs() < slack, "{filled:?}, {}: {found}", algorithm.name());

@@ -1,6 +1,6 @@
 //! Energy: in surroundings of radiance 1 nothing shaded is brighter than 1.
 
-use crate::support::{mean_and_error, pixels, scene, student_tail};
+use crate::support::{mean_and_error, render_passes, scene_from_text, student_t_tail};
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::scene::Scene;
@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 /// Builds an object of a lossless material under a uniform sky.
 fn furnace(object: &str, relief: &str, material: &str, view: &str) -> Scene {
-    scene(&format!(
+    scene_from_text(&format!(
         "PerspectiveCamera {{ {view}  up 0 0 1  width {SIDE}  height {SIDE} }}
         Lights {{ EnvironmentLight {{ radiance 1 1 1 }} }}
         Textures {{ Noise lumps {{ frequency 5  octaves 3 }} Checker down {{ color0 .9 .2 0  color1 .9 .2 0 }} }}
@@ -67,7 +67,7 @@ fn shading_normals_never_exceed_furnace() {
                 camera_paths,
                 ..Settings::default()
             };
-            let all = pixels(&scene, algorithm, settings, PASSES);
+            let all = render_passes(&scene, algorithm, settings, PASSES);
             assert!(all.iter().all(|p| p.is_finite() && p.min_element() >= 0.0), "{what}");
             let of = |part: fn(usize) -> bool| {
                 let mean = |image: &[Rgb]| {
@@ -85,7 +85,7 @@ fn shading_normals_never_exceed_furnace() {
                 let (mean, error) = part;
                 // Colours and sums are in single precision.
                 let excess = mean - 1.0 - 1e-5;
-                let p = if excess <= 0.0 { 1.0 } else { student_tail(excess / error, f64::from(PASSES - 1)) };
+                let p = if excess <= 0.0 { 1.0 } else { student_t_tail(excess / error, f64::from(PASSES - 1)) };
                 assert!(p >= 2e-6, "{what}: {mean} ± {error}");
                 assert!(mean > 0.2 && error < sharp, "{what}: {mean} ± {error}");
             }

@@ -1,6 +1,6 @@
 //! Shading normals let no light through the back of a surface.
 
-use crate::support::{key, pixels, scene};
+use crate::support::{render_passes, scene_from_text, test_key};
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::math::{Ray, warp};
 use caustica::photon::{Photon, PhotonPass, PhotonSource, StoreMask};
@@ -39,7 +39,7 @@ fn settings() -> Settings {
 /// the scene is lit for a camera outside.
 fn dark(inside: &Scene, what: &str) {
     for algorithm in Algorithm::ALL.into_iter().filter(|a| *a != Algorithm::Raycast) {
-        let image = pixels(inside, algorithm, settings(), 2);
+        let image = render_passes(inside, algorithm, settings(), 2);
         let lit: Vec<_> = image.iter().enumerate().filter(|(_, p)| p.max_element() != 0.0).collect();
         assert!(lit.is_empty(), "{what}: {algorithm:?} lets light in at {lit:?}");
     }
@@ -52,7 +52,7 @@ fn coarse_ball_is_dark_inside() {
     for kind in KINDS {
         for relief in ["", "bump lumps  bumpHeight .5"] {
             let ball = |center: &str| {
-                scene(&format!(
+                scene_from_text(&format!(
                     "PerspectiveCamera {{ center {center}  direction 0 0 -1  up 0 1 0  angle 90  width 12  height 12 }}
                     Lights {{
                         EnvironmentLight {{ radiance 1 1 1 }}
@@ -66,11 +66,11 @@ fn coarse_ball_is_dark_inside() {
             };
             let inside = ball("0 0 .5");
             dark(&inside, &format!("{kind} {relief}"));
-            let lit = pixels(&ball("0 0 3"), Algorithm::Path, settings(), 1);
+            let lit = render_passes(&ball("0 0 3"), Algorithm::Path, settings(), 1);
             assert!(lit.iter().all(|p| p.max_element() > 0.0), "{kind} is lit from outside");
             let source = PhotonSource::in_all_directions(&inside).unwrap();
             let pass = PhotonPass { scene: &inside, source: &source, mask: StoreMask::ALL, max_bounces: 20 };
-            let traced = pass.trace(key(70), 1 << 14, &|_| {});
+            let traced = pass.trace(test_key(70), 1 << 14, &|_| {});
             // A photon stores the side it landed on. Outwards is away from the ball's center.
             let outwards = |p: &Photon| p.data.normal().dot(p.position + inside.origin().as_vec3()) > 0.0;
             assert!(traced.deposits.photons.iter().all(outwards), "{kind}: photons inside");
@@ -84,7 +84,7 @@ fn coarse_ball_is_dark_inside() {
 fn bumps_below_horizon_leak_no_light() {
     for relief in ["bump lumps  bumpHeight 1000", "bump lumps  bumpHeight -1e9", "normalMap down", "normalMap aside"] {
         for kind in KINDS {
-            let walls = scene(&format!(
+            let walls = scene_from_text(&format!(
                 "PerspectiveCamera {{ center 0 0 2  direction 0 0 -1  up 0 1 0  angle 60  width 12  height 12 }}
                 Background {{ color 0 0 0 }}
                 Lights {{ PointLight {{ position 0 0 -2  power 99 99 99 }}
@@ -97,7 +97,7 @@ fn bumps_below_horizon_leak_no_light() {
             let mut least = 1.0f32;
             for i in 0..2000u64 {
                 let direction =
-                    warp::square_to_uniform_sphere(key(71).child_key(i).uniform_2d(Dimension::LightDirection));
+                    warp::square_to_uniform_sphere(test_key(71).child_key(i).uniform_2d(Dimension::LightDirection));
                 let ray = Ray::new(-direction * 2.0, direction);
                 let Some(hit) = walls.intersect(&ray) else { continue };
                 let point = walls.interaction(&ray, &hit, &RayCone::zero_width(Effects::ALL), || 0.5).point;

@@ -3,7 +3,7 @@
 //!
 //! For uniform incident light, photons arrive in proportion to the cosine to the geometric normal.
 
-use crate::support::{key, midpoint, scene};
+use crate::support::{midpoint_integral, scene_from_text, test_key};
 use caustica::bsdf::{Bsdf, Conductor, Dielectric, Phong, ThinDielectric, Transport, photon_deposit_factor};
 use caustica::math::{Frame, warp};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
@@ -52,7 +52,7 @@ fn photon_weights_conserve_flux_with_bounded_tail() {
     for degrees in [5.0, 37.0, 70.0, 87.0] {
         let ns = tilted(degrees);
         let (c, s) = (f64::from(ns.z), f64::from((1.0 - ns.z * ns.z).sqrt()));
-        let factor = |i: u64| f64::from(photon_deposit_factor(arrival(key(60).child_key(i)), ns, Vec3::Z));
+        let factor = |i: u64| f64::from(photon_deposit_factor(arrival(test_key(60).child_key(i)), ns, Vec3::Z));
         let (kept, error) = mean((0..N).into_par_iter().map(factor));
         let cut = s * s / (MOST - c);
         assert!(kept <= 1.0 + error && kept >= 1.0 - cut - error, "{degrees}°: {kept} ± {error}");
@@ -86,11 +86,11 @@ fn diffuse_scatters_where_both_normals_agree() {
         };
         // Second derivatives are a few hundred at most, where samples cross the bound: an error of
         // 10⁻⁷.
-        let expected = midpoint(-libm::atan(c / s), FRAC_PI_2, 20_000, part);
+        let expected = midpoint_integral(-libm::atan(c / s), FRAC_PI_2, 20_000, part);
         // Light from beyond the shading horizon hits the normal from behind, and the normal is
         // flipped: (1 − c)/2 of each.
         let (agreeing, error) = mean((0..N).into_par_iter().map(|i| {
-            let wo = arrival(key(61).child_key(i));
+            let wo = arrival(test_key(61).child_key(i));
             if wo.dot(ns) > 0.0 { scattered(&Bsdf::Diffuse(Vec3::ONE), wo, ns, i, Transport::Importance) } else { 0.0 }
         }));
         assert!((agreeing - expected).abs() <= error + 1e-6, "{degrees}°: {agreeing} ± {error}, {expected}");
@@ -100,7 +100,7 @@ fn diffuse_scatters_where_both_normals_agree() {
 
 /// Returns the remaining weight of a photon that arrives from `wo`.
 fn scattered(bsdf: &Bsdf, wo: Vec3, ns: Vec3, i: u64, transport: Transport) -> f64 {
-    let key = key(62).child_key(i);
+    let key = test_key(62).child_key(i);
     let (lobe, u) = (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
     bsdf.sample(wo, ns, Vec3::Z, lobe, u, transport).map_or(0.0, |s| {
         let adjoint = if transport == Transport::Importance { s.adjoint_correction(wo, ns, Vec3::Z) } else { 1.0 };
@@ -154,7 +154,7 @@ fn no_surface_reflects_more_than_it_receives() {
             for ns in [ns, -ns] {
                 // The outer side is that of both normals.
                 let turn = if ns.z < 0.0 { -1.0 } else { 1.0 };
-                let from = |i: u64| arrival(key(63).child_key(i)) * Vec3::new(1.0, 1.0, turn);
+                let from = |i: u64| arrival(test_key(63).child_key(i)) * Vec3::new(1.0, 1.0, turn);
                 let values =
                     (0..N).into_par_iter().map(|i| scattered(&bsdf, from(i), ns * turn, i, Transport::Importance));
                 let (kept, error) = mean(values);
@@ -173,7 +173,7 @@ fn no_surface_reflects_more_than_it_receives() {
 #[test]
 fn coarse_ball_flux_matches_its_faces() {
     const L: f64 = 2.0;
-    let scene = scene(&format!(
+    let scene = scene_from_text(&format!(
         "PerspectiveCamera {{ center 0 0 4  direction 0 0 -1  up 0 1 0  angle 40  width 1  height 1 }}
         Lights {{ EnvironmentLight {{ radiance {L} {L} {L} }} }}
         Materials {{ Diffuse white {{ reflectance 1 1 1 }} }}
@@ -186,7 +186,7 @@ fn coarse_ball_flux_matches_its_faces() {
     let expected = std::f64::consts::PI * L * 5.0 * 3f64.sqrt() * edge * edge;
     let s2 = libm::pow(libm::sin(37.4f64.to_radians()), 2.0);
     let traced: Vec<_> =
-        (0..16u64).into_par_iter().map(|i| pass.trace(key(64).child_key(i), 1 << 15, &|_| {})).collect();
+        (0..16u64).into_par_iter().map(|i| pass.trace(test_key(64).child_key(i), 1 << 15, &|_| {})).collect();
     let samples: Vec<f64> = traced
         .iter()
         .map(|t| {

@@ -1,7 +1,7 @@
 //! All photons at one point: the focus of a parabolic mirror.
 
 use super::{HUE, WITH_PHOTONS, finite, flat_camera, rendered, settings};
-use crate::support::{image, mean_and_error};
+use crate::support::{mean_and_error, render_one_pass};
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
@@ -99,7 +99,7 @@ fn image_of_focus_shows_all_flux() {
             let settings = Settings { radius: Some(radius), gather_k: k, ..settings(1_000, samples) };
             let camera_paths = CameraPathSettings { seed, ..settings.camera_paths };
             let method = Algorithm::Sppm.prepare(&scene, Settings { camera_paths, ..settings });
-            let pass = |i| image(&*method, i).iter().map(|v| f64::from(v.y)).sum::<f64>();
+            let pass = |i| render_one_pass(&*method, i).iter().map(|v| f64::from(v.y)).sum::<f64>();
             (0..8).map(pass).sum::<f64>() / f64::from(8 * pixels * pixels)
         };
         let samples: Vec<f64> = (0..16).into_par_iter().map(mean).collect();

@@ -1,7 +1,7 @@
 //! Lights of zero power, lights inside walls, and scenes that are black.
 
 use super::{WITH_PHOTONS, finite, flat_camera, rendered, settings, sheet};
-use crate::support::{image, mean_and_error, pixels};
+use crate::support::{mean_and_error, render_one_pass, render_passes};
 use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, Settings};
@@ -42,7 +42,7 @@ fn zero_power_lights_change_nothing() {
     let (dark, lit) = (Some(0.0), Some(50.0));
     ALL.par_iter().for_each(|algorithm| {
         let settings = || Settings { radius: Some(0.1), ..settings(10_000, 4) };
-        let seen = |powers: &[Option<f32>]| pixels(&lit_by(powers), *algorithm, settings(), 2);
+        let seen = |powers: &[Option<f32>]| render_passes(&lit_by(powers), *algorithm, settings(), 2);
         let one = seen(&[None, lit]);
         assert!(one.iter().any(|v| *v != Rgb::ZERO), "{}", algorithm.name());
         for powers in [&[dark, lit][..], &[None, lit, dark], &[dark, lit, dark, dark, dark, dark, dark]] {
@@ -141,7 +141,7 @@ fn area_light_in_ceiling_plane_loses_no_light() {
         for (i, turn) in turns().take(6).enumerate() {
             let scene = lamp_in_the_ceiling(turn, i % 2 == 0);
             let method = algorithm.prepare(&scene, settings(1000, 64));
-            let mean = |i| image(&*method, i).iter().map(|v| f64::from(v.y)).sum::<f64>() / 16.0;
+            let mean = |i| render_one_pass(&*method, i).iter().map(|v| f64::from(v.y)).sum::<f64>() / 16.0;
             let (mean, error) = mean_and_error(&(0..16).map(mean).collect::<Vec<f64>>());
             let off = (mean - expected).abs();
             assert!(off < 7.0 * error + 1e-4 * expected, "{} {i}: {}", algorithm.name(), mean / expected);

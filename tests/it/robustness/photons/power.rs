@@ -1,7 +1,7 @@
 //! Light powers at the limits of single precision.
 
 use super::{HUE, WITH_PHOTONS, finite, flat_camera, rendered, settings, sheet};
-use crate::support::{image, key, mean_and_error};
+use crate::support::{mean_and_error, render_one_pass, test_key};
 use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, Settings, Silent};
@@ -119,7 +119,7 @@ fn point_light_flux_matches_closed_form() {
         let scene = b.build(flat_camera(DVec3::Y * 0.2, -DVec3::Y, 0.2, 8)).unwrap();
         let settings = Settings { radius: Some(0.05), gather_k: Some(0), ..settings(20_000, 4) };
         let method = Algorithm::Sppm.prepare(&scene, settings);
-        let mean = |i| image(&*method, i).iter().map(|v| f64::from(v.y)).sum::<f64>() / 64.0 / power;
+        let mean = |i| render_one_pass(&*method, i).iter().map(|v| f64::from(v.y)).sum::<f64>() / 64.0 / power;
         let (mean, error) = mean_and_error(&(0..16).map(mean).collect::<Vec<f64>>());
         let expected = 0.5 / PI / (4.0 * PI) * (1.0 - 0.01);
         let slack = expected * (0.05 * 0.05 / 2.0 + 1e-4 + HUE);
@@ -147,7 +147,7 @@ fn photons_beyond_float_range_are_reported() {
     let source = PhotonSource::in_all_directions(&scene).unwrap();
     let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
     let rejected = |paths| {
-        let traced = pass.trace(key(9), paths, &|_| {});
+        let traced = pass.trace(test_key(9), paths, &|_| {});
         (traced.deposits.len(), traced.deposits.rejected)
     };
     assert_eq!((rejected(1), rejected(16)), ((0, 1), (16, 0)));

@@ -1,6 +1,6 @@
 //! Cameras inside glass, and bodies that overlap by priority.
 
-use crate::support::{assert_mean, pixels};
+use crate::support::{assert_mean, render_passes};
 use caustica::camera::Camera;
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::light::EnvironmentLight;
@@ -13,7 +13,7 @@ fn seen(scene: &Scene, renders: u64) -> Vec<f64> {
     let one = |seed| {
         let camera_paths =
             CameraPathSettings { samples: Some(4), max_bounces: 1000, seed, ..CameraPathSettings::default() };
-        let image = pixels(scene, Algorithm::Path, Settings { camera_paths, ..Settings::default() }, 1);
+        let image = render_passes(scene, Algorithm::Path, Settings { camera_paths, ..Settings::default() }, 1);
         image.iter().map(|p| f64::from(p.x)).sum::<f64>() / image.len() as f64
     };
     (0..renders).map(one).collect()

@@ -1,7 +1,7 @@
 //! A single interface: the critical angle to the last bit, indices from 10⁻⁶ to 10⁶, and the choice
 //! between lobes.
 
-use crate::support::key;
+use crate::support::test_key;
 use caustica::bsdf::{Bsdf, Dielectric, ThinDielectric, Transport, dielectric_reflectance, refract};
 use caustica::math::{Frame, warp};
 use caustica::sampling::Dimension;
@@ -16,7 +16,7 @@ fn exact(x: f32) -> i128 {
 /// Returns relative indices below 1, where total reflection occurs: those of common glasses, and
 /// values ever nearer to 1.
 fn indices() -> impl Iterator<Item = f32> {
-    let random = |i: u64| key(3).child_key(i).uniform_1d(Dimension::Light);
+    let random = |i: u64| test_key(3).child_key(i).uniform_1d(Dimension::Light);
     (0..4000u64).map(move |i| match i % 3 {
         0 => 1.0 / (1.0 + 3.0 * random(i)),
         // From 10⁻⁷ to a tenth below 1, evenly by logarithm.
@@ -56,7 +56,7 @@ fn total_reflection_begins_at_exact_ulp() {
 #[test]
 fn fresnel_is_finite_around_critical_angle() {
     for i in 0..3000u64 {
-        let key = key(4).child_key(i);
+        let key = test_key(4).child_key(i);
         let n = warp::square_to_uniform_sphere(key.uniform_2d(Dimension::LightDirection));
         let eta = 1.0 / (1.05 + 2.0 * key.uniform_1d(Dimension::Light));
         let around = Frame::from_normal(n);
@@ -130,7 +130,7 @@ fn densest_body_transmits_exact_fraction() {
     // Whatever the incident direction, light continues within 10⁻⁶ rad of the normal. The result
     // rounds by √3·2⁻²⁵, and n has length 1 to 2⁻²³.
     for i in 0..1000u64 {
-        let key = key(5).child_key(i);
+        let key = test_key(5).child_key(i);
         let n = warp::square_to_uniform_sphere(key.uniform_2d(Dimension::LightDirection));
         let wo = Frame::from_normal(n)
             .to_world(warp::square_to_cosine_hemisphere(key.uniform_2d(Dimension::BsdfDirection)))
@@ -150,7 +150,7 @@ fn densest_body_transmits_exact_fraction() {
 #[test]
 fn refraction_keeps_the_sine_at_any_index() {
     for i in 0..20_000u64 {
-        let key = key(6).child_key(i);
+        let key = test_key(6).child_key(i);
         let n = warp::square_to_uniform_sphere(key.uniform_2d(Dimension::LightDirection));
         let wo = warp::square_to_uniform_sphere(key.uniform_2d(Dimension::BsdfDirection));
         let wo = if wo.dot(n) < 0.0 { -wo } else { wo };

@@ -1,6 +1,6 @@
 //! Bodies of relative index 1 change nothing, exactly.
 
-use crate::support::{assert_mean, key, pixels, scene};
+use crate::support::{assert_mean, render_passes, scene_from_text, test_key};
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 
@@ -9,7 +9,7 @@ use caustica::scene::Scene;
 /// Builds a room with a light, a diffuse wall, a mirror and a ball of glass, with `more` in its
 /// middle.
 fn room(more: &str) -> Scene {
-    scene(&format!(
+    scene_from_text(&format!(
         "PerspectiveCamera {{ center 0 1 3.4  direction 0 0 -1  up 0 1 0  angle 50  width 16  height 12 }}
         Background {{ color .1 .2 .3 }}
         Lights {{ RectangleLight {{ corner -.5 1.99 -.5  edge0 1 0 0  edge1 0 0 1  radiance 6 5 4 }} }}
@@ -53,10 +53,10 @@ fn index_matched_bodies_change_no_bit() {
     };
     let without = room("");
     for algorithm in Algorithm::ALL {
-        let expected = pixels(&without, algorithm, settings(), 2);
+        let expected = render_passes(&without, algorithm, settings(), 2);
         assert!(expected.iter().any(|p| p.max_element() > 0.2), "{algorithm:?} sees nothing");
         for body in BODIES {
-            let seen = pixels(&room(body), algorithm, settings(), 2);
+            let seen = render_passes(&room(body), algorithm, settings(), 2);
             assert!(seen == expected, "{algorithm:?} sees {body}");
         }
     }
@@ -67,7 +67,7 @@ fn index_matched_bodies_change_no_photon() {
     let trace = |scene: &Scene| {
         let source = PhotonSource::in_all_directions(scene).unwrap();
         let pass = PhotonPass { scene, source: &source, mask: StoreMask::ALL, max_bounces: 30 };
-        let traced = pass.trace(key(1), 1 << 13, &|_| {});
+        let traced = pass.trace(test_key(1), 1 << 13, &|_| {});
         (traced.deposits.photons, traced.audit, traced.rays)
     };
     let expected = trace(&room(""));
@@ -80,8 +80,8 @@ fn index_matched_bodies_change_no_photon() {
 /// A body of index 1 that has an effect stays: a bubble in glass, and a boundary of fog.
 #[test]
 fn bubble_is_not_culled_as_index_matched() {
-    let pixels = |more: &str| -> Vec<f64> {
-        let scene = scene(&format!(
+    let radiances = |more: &str| -> Vec<f64> {
+        let scene = scene_from_text(&format!(
             "PerspectiveCamera {{ center 0 0 3  direction 0 0 -1  up 0 1 0  angle .1  width 1  height 1 }}
             Background {{ color 1 1 1 }}
             Materials {{
@@ -94,7 +94,7 @@ fn bubble_is_not_culled_as_index_matched() {
             camera_paths: CameraPathSettings { samples: Some(1024), ..CameraPathSettings::default() },
             ..Settings::default()
         };
-        pixels(&scene, Algorithm::Path, settings, 16).iter().map(|p| f64::from(p.x)).collect()
+        render_passes(&scene, Algorithm::Path, settings, 16).iter().map(|p| f64::from(p.x)).collect()
     };
     // Along the axis each interface reflects R. What leaves has radiance 1 on either side.
     let r: f64 = 0.04;
@@ -109,6 +109,6 @@ fn bubble_is_not_culled_as_index_matched() {
     let (wall_through, wall_back) = wall(libm::exp(-0.2));
     let hollow = wall_back + wall_through * wall_through / (1.0 - wall_back);
     // Rays are up to .0037 off the axis, so path lengths are shorter by less than its square.
-    assert_mean("a ball", &pixels(""), through + back, 2e-5, 0.005);
-    assert_mean("a bubble", &pixels("MaterialName air Sphere { center 0 0 0  radius .8 }"), hollow, 2e-5, 0.005);
+    assert_mean("a ball", &radiances(""), through + back, 2e-5, 0.005);
+    assert_mean("a bubble", &radiances("MaterialName air Sphere { center 0 0 0  radius .8 }"), hollow, 2e-5, 0.005);
 }

@@ -1,7 +1,7 @@
 //! Bodies that share a face: a liquid in its glass, with faces that coincide, are an ulp apart, or
 //! overlap.
 
-use crate::support::{assert_mean, key, pixels, scene};
+use crate::support::{assert_mean, render_passes, scene_from_text, test_key};
 use caustica::camera::Camera;
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::light::EnvironmentLight;
@@ -133,7 +133,7 @@ fn passed(scene: &Scene) -> Vec<f64> {
     let source = PhotonSource::in_all_directions(scene).unwrap();
     let pass = PhotonPass { scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 1000 };
     let part = |i| {
-        let traced = pass.trace(key(40).child_key(i), 1 << 11, &|_| {});
+        let traced = pass.trace(test_key(40).child_key(i), 1 << 11, &|_| {});
         traced.audit.stopped[0] / traced.audit.emitted[0]
     };
     (0..16).map(part).collect()
@@ -213,7 +213,8 @@ fn camera_in_liquid_starts_in_liquid() {
             let samples: Vec<f64> = (0..16)
                 .map(|seed| {
                     let camera_paths = CameraPathSettings { seed, ..camera_paths.clone() };
-                    let image = pixels(&scene, Algorithm::Path, Settings { camera_paths, ..Settings::default() }, 1);
+                    let image =
+                        render_passes(&scene, Algorithm::Path, Settings { camera_paths, ..Settings::default() }, 1);
                     image.iter().map(|p| f64::from(p.x)).sum::<f64>() / 64.0
                 })
                 .collect();
@@ -243,7 +244,7 @@ fn round_vessel_holds_its_liquid() {
         format!("RevSurface {{ profile BezierCurve {{ controls {points} }} }}")
     };
     let passed = |priority: u32, objects: &str| {
-        let scene = scene(&format!(
+        let scene = scene_from_text(&format!(
             "PerspectiveCamera {{ center 0 9 0  direction 0 -1 0  up 0 0 1  angle 9  width 1  height 1 }}
             Lights {{ SpotLight {{ position 0 3 .3  direction 0 -1 0  angle 20  power 1 1 1 }} }}
             Materials {{

@@ -1,6 +1,6 @@
 //! A thousand internal reflections: nothing is lost, nothing drifts out, and every path ends.
 
-use crate::support::{key, pixels};
+use crate::support::{render_passes, test_key};
 use caustica::bsdf::Transport;
 use caustica::camera::Camera;
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
@@ -49,7 +49,7 @@ fn cube(triangles: bool) -> SceneBuilder {
 fn follow(scene: &Scene, direction: Vec3, mut see: impl FnMut(Vec3, Vec3)) {
     let mut path = scene.start_light_path::<InteriorStack>(0, Ray::new(Vec3::ZERO, direction), Effects::NONE);
     for bounce in 0..BOUNCES {
-        let PathEvent::Surface(vertex) = path.next_vertex(scene, key(1), |_| None) else {
+        let PathEvent::Surface(vertex) = path.next_vertex(scene, test_key(1), |_| None) else {
             panic!("out after {bounce}")
         };
         let surface = vertex.surface;
@@ -65,7 +65,8 @@ fn follow(scene: &Scene, direction: Vec3, mut see: impl FnMut(Vec3, Vec3)) {
 /// Returns directions that hit all faces of a cube of index 1.5 beyond the critical angle, whose
 /// cosine is 0.745.
 fn trapped_directions(n: u64) -> Vec<Vec3> {
-    let all = (0..).map(|i| warp::square_to_uniform_sphere(key(2).child_key(i).uniform_2d(Dimension::LightDirection)));
+    let all =
+        (0..).map(|i| warp::square_to_uniform_sphere(test_key(2).child_key(i).uniform_2d(Dimension::LightDirection)));
     all.filter(|d| d.abs().max_element() < 0.74).take(n as usize).collect()
 }
 
@@ -127,7 +128,7 @@ fn trapped_rays_stay_in_ball() {
         assert!(expected > 0.7, "beyond the critical angle");
         let mut path = scene.start_light_path::<InteriorStack>(0, Ray::new(start, direction), Effects::NONE);
         for bounce in 0..BOUNCES {
-            let PathEvent::Surface(vertex) = path.next_vertex(&scene, key(1), |_| None) else {
+            let PathEvent::Surface(vertex) = path.next_vertex(&scene, test_key(1), |_| None) else {
                 panic!("out after {bounce}")
             };
             let s = vertex.surface.sample(1.0 - f32::EPSILON / 2.0, Vec2::ZERO, Transport::Importance).unwrap();
@@ -154,7 +155,7 @@ fn trapped_photons_keep_flux_and_terminate() {
         let scene = built(b);
         let source = PhotonSource::in_all_directions(&scene).unwrap();
         let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: BOUNCES };
-        let traced = pass.trace(key(3), 1024, &|_| {});
+        let traced = pass.trace(test_key(3), 1024, &|_| {});
         assert_eq!(traced.audit.stopped, traced.audit.emitted);
         assert_eq!(
             (traced.audit.escaped, traced.audit.absorbed, traced.audit.roulette),
@@ -175,7 +176,7 @@ fn trapped_camera_paths_terminate() {
             CameraPathSettings { samples: Some(4), max_bounces: BOUNCES, ..CameraPathSettings::default() };
         let settings =
             Settings { camera_paths, photons: 100, caustic_photons: 100, balance: false, ..Settings::default() };
-        let image = pixels(&built(b), algorithm, settings, 1);
+        let image = render_passes(&built(b), algorithm, settings, 1);
         assert!(image.iter().all(|p| *p == Vec3::ZERO), "{algorithm:?}: {image:?}");
     }
 }

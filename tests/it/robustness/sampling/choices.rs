@@ -1,7 +1,7 @@
 //! Discrete choice by weights that differ by hundreds of orders of magnitude.
 
 use super::{ENDS, corners};
-use crate::support::key;
+use crate::support::test_key;
 use caustica::image::Image;
 use caustica::light::{EnvironmentLight, Light, LightBvhSampler, PointLight};
 use caustica::math::BoundingSphere;
@@ -36,7 +36,7 @@ fn chosen_elements_have_positive_probability() {
             .map(|i| {
                 libm::pow(
                     10.0,
-                    600.0 * f64::from(key(80).child_key(n).child_key(i).uniform_1d(Dimension::Light)) - 320.0,
+                    600.0 * f64::from(test_key(80).child_key(n).child_key(i).uniform_1d(Dimension::Light)) - 320.0,
                 )
             })
             .collect();
@@ -87,7 +87,7 @@ fn environments_are_sampled_by_radiance() {
 fn chosen_light_has_positive_probability() {
     let mut lights: Vec<Light> = (0..40u64)
         .map(|i| {
-            let u = key(81).child_key(i);
+            let u = test_key(81).child_key(i);
             let exponent = 60.0 * u.uniform_1d(Dimension::Light) - 30.0;
             let place = u.uniform_2d(Dimension::LightPosition).extend(0.5) * 10.0;
             Light::Point(PointLight { position: place, intensity: Vec3::splat(libm::powf(10.0, exponent)) })

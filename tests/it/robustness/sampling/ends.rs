@@ -2,7 +2,7 @@
 //! and directions.
 
 use super::{ENDS, corners};
-use crate::support::scene;
+use crate::support::scene_from_text;
 use caustica::camera::{Camera, Filter, FilterKind, Lens};
 use caustica::color::Wavelength;
 use caustica::light::{Light, PhotonAim};
@@ -92,7 +92,7 @@ fn other_samplers_are_valid_at_extreme_samples() {
 
 /// Builds a scene with one light of each kind.
 fn lights() -> Scene {
-    scene(
+    scene_from_text(
         "PerspectiveCamera { center 0 0 9  direction 0 0 -1  up 0 1 0  angle 40  width 1  height 1 }
         Lights {
             PointLight { position 1 0 0  power 1 1 1 }

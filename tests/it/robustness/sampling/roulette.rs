@@ -1,7 +1,7 @@
 //! Russian roulette at its ends: a path of survival probability 0 ends without a division by it,
 //! one of probability 1 always survives.
 
-use crate::support::{assert_mean, key, pixels, scene};
+use crate::support::{assert_mean, render_passes, scene_from_text, test_key};
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::photon::{Deposits, PhotonPass, PhotonPassResult, PhotonSource, StoreMask};
 use caustica::scene::Scene;
@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 /// Builds a closed room whose walls reflect `albedo` and emit `radiance`, with a light.
 fn room(albedo: &str, radiance: f64) -> Scene {
-    scene(&format!(
+    scene_from_text(&format!(
         "PerspectiveCamera {{ center 0 0 .9  direction 0 0 -1  up 0 1 0  angle 60  width 6  height 6 }}
         Lights {{ PointLight {{ position .1 .2 .3  power 1 2 3 }} }}
         Materials {{ Diffuse wall {{ reflectance {albedo}  emission {radiance} {radiance} {radiance} }} }}
@@ -29,7 +29,7 @@ const BOUNCES: u32 = 60;
 fn trace(scene: &Scene, index: u64) -> PhotonPassResult {
     let source = PhotonSource::in_all_directions(scene).unwrap();
     let pass = PhotonPass { scene, source: &source, mask: StoreMask::ALL, max_bounces: BOUNCES };
-    pass.trace(key(90).child_key(index), PATHS, &|_| {})
+    pass.trace(test_key(90).child_key(index), PATHS, &|_| {})
 }
 
 /// If walls reflect everything, no photon ends before the limit, and none gains or loses a bit of
@@ -95,14 +95,14 @@ fn camera_paths_follow_same_roulette() {
     for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Distributed] {
         let quick =
             Settings { photons: 100, caustic_photons: 100, radius: Some(0.1), balance: false, ..settings(4, 10, 0) };
-        let image = pixels(&dark, algorithm, quick, 1);
+        let image = render_passes(&dark, algorithm, quick, 1);
         assert!(image.iter().all(|p| (*p - 0.25).abs().max_element() < 1e-6), "{algorithm:?}: {image:?}");
     }
     let white = room("1 1 1", 0.001);
     let lamp = room("1 1 1", 0.0);
     for (bounces, samples) in [(0u32, 512), (3, 192), (12, 96)] {
         let mean = |scene: &Scene, seed| {
-            let image = pixels(scene, Algorithm::Path, settings(samples, bounces, seed), 1);
+            let image = render_passes(scene, Algorithm::Path, settings(samples, bounces, seed), 1);
             image.iter().map(|p| f64::from(p.x)).sum::<f64>() / image.len() as f64
         };
         // Both rooms see the light by the same paths.

@@ -1,6 +1,6 @@
 //! Comparison of passes of two renders that share their random numbers.
 
-use crate::support::{mean_and_error, student_tail};
+use crate::support::{mean_and_error, student_t_tail};
 use caustica::color::Rgb;
 use glam::DVec3;
 
@@ -47,7 +47,7 @@ pub fn mean_difference(ours: &[Vec<f64>], theirs: &[Vec<f64>], slack: f64, detec
         let differences: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a - b).collect();
         let (mean, error) = mean_and_error(&differences);
         let excess = (mean.abs() - slack * level.abs()).max(0.0);
-        let p = if excess == 0.0 { 1.0 } else { student_tail(excess / error, dof) };
+        let p = if excess == 0.0 { 1.0 } else { student_t_tail(excess / error, dof) };
         let blunt = i < 3 && error > sharp * brightest;
         let why = if blunt { "the error bar is too wide" } else { "the means differ" };
         (p < RATE || blunt).then(|| format!("number {i}: {why}: {mean:.3e} ± {error:.1e} of {level:.6e}, p = {p:.1e}"))
@@ -59,7 +59,7 @@ fn quantile(rate: f64, dof: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1e4);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        if student_tail(middle, dof) > rate { low = middle } else { high = middle }
+        if student_t_tail(middle, dof) > rate { low = middle } else { high = middle }
     }
     high
 }
