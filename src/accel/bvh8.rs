@@ -12,10 +12,28 @@ const PACKET: u32 = 1 << 30;
 
 /// Stack sizes: the first suffices for every tree of depth [`MAX_DEPTH`]; smaller ones are faster
 /// to clear.
-const DEEPEST_STACK: usize = 512;
-const USUAL_STACK: usize = 96;
-const SMALL_STACK: usize = 32;
+pub(super) const DEEPEST_STACK: usize = 512;
+pub(super) const USUAL_STACK: usize = 96;
+pub(super) const SMALL_STACK: usize = 32;
 const _: () = assert!((ARITY - 1) * (MAX_DEPTH as usize + 1) + ARITY <= DEEPEST_STACK);
+
+/// Evaluates an expression with the smallest stack size that suffices for `$bvh`, as the constant
+/// `$stack`.
+macro_rules! with_stack_size {
+    ($bvh:expr, <$stack:ident> $body:expr) => {
+        if $bvh.stack <= $crate::accel::bvh8::SMALL_STACK {
+            const $stack: usize = $crate::accel::bvh8::SMALL_STACK;
+            $body
+        } else if $bvh.stack <= $crate::accel::bvh8::USUAL_STACK {
+            const $stack: usize = $crate::accel::bvh8::USUAL_STACK;
+            $body
+        } else {
+            const $stack: usize = $crate::accel::bvh8::DEEPEST_STACK;
+            $body
+        }
+    };
+}
+pub(super) use with_stack_size;
 
 /// Padding of a triangle's box, in units of its extent, and stretch of a ray's interval in a box.
 ///
@@ -43,7 +61,7 @@ pub(super) struct Bvh8 {
     nodes: Vec<Node>,
     packets: Vec<Packet>,
     /// Largest number of entries that a traversal can leave on its stack.
-    stack: usize,
+    pub(super) stack: usize,
 }
 
 impl Bvh8 {
@@ -109,23 +127,13 @@ impl Bvh8 {
     /// Calls `leaf` for every packet and other primitive whose box the ray enters before the limit.
     ///
     /// `leaf` returns the new limit, which is `t_max` at first; a negative limit ends the
-    /// traversal. With `SORTED`, children are visited from near to far.
+    /// traversal. With `SORTED`, children are visited from near to far. `STACK` comes from
+    /// [`with_stack_size`].
     #[inline]
-    pub fn traverse<const SORTED: bool, F: FnMut(u32, f32) -> f32>(&self, precalc: &RayPrecalc, leaf: F) {
-        if self.stack <= SMALL_STACK {
-            self.traverse_with::<SORTED, SMALL_STACK, F>(precalc, leaf);
-        } else if self.stack <= USUAL_STACK {
-            self.traverse_with::<SORTED, USUAL_STACK, F>(precalc, leaf);
-        } else {
-            self.traverse_with::<SORTED, DEEPEST_STACK, F>(precalc, leaf);
-        }
-    }
-
-    #[inline]
-    fn traverse_with<const SORTED: bool, const STACK: usize, F: FnMut(u32, f32) -> f32>(
+    pub fn traverse<const SORTED: bool, const STACK: usize>(
         &self,
         precalc: &RayPrecalc,
-        mut leaf: F,
+        mut leaf: impl FnMut(u32, f32) -> f32,
     ) {
         if self.nodes.is_empty() {
             return;
@@ -139,6 +147,7 @@ impl Bvh8 {
         let mut current = 0;
         loop {
             if current < PACKET {
+                // Test the eight boxes of a node.
                 let node = &self.nodes[current as usize];
                 let (mut hits, near) = node.boxes.enter(&slabs, limit);
                 if hits != 0 {
@@ -174,11 +183,13 @@ impl Bvh8 {
                     continue;
                 }
             } else {
+                // Test the primitives of a leaf.
                 limit = leaf(current, limit);
                 if limit < 0.0 {
                     return;
                 }
             }
+            // Continue with the next entry that is not beyond the limit.
             loop {
                 if top == 0 {
                     return;

@@ -16,7 +16,7 @@ pub use along::Boxes;
 
 use crate::math::{Bounds, Ray};
 use build::OTHER;
-use bvh8::Bvh8;
+use bvh8::{Bvh8, with_stack_size};
 use glam::Vec3;
 use packet::TriangleHit;
 use ray_precalc::RayPrecalc;
@@ -91,7 +91,7 @@ impl Hierarchy {
         }
         let precalc = RayPrecalc::new(ray);
         let mut best = Best { key: 0, hit: TriangleHit { t: precalc.t_max, weights: [0.0; 2], total: 1.0 } };
-        self.bvh.traverse::<true, _>(&precalc, |leaf, _| {
+        let test_leaf = |leaf, _| {
             if leaf & OTHER == 0 {
                 self.bvh.packet(leaf).hits(&precalc, |triangle, hit| best.offer(triangle, hit));
             } else {
@@ -104,7 +104,8 @@ impl Hierarchy {
                 }
             }
             best.hit.t
-        });
+        };
+        with_stack_size!(self.bvh, <STACK> self.bvh.traverse::<true, STACK>(&precalc, test_leaf));
         best.finish(ray, &precalc)
     }
 
@@ -126,14 +127,15 @@ impl Hierarchy {
                 visit(hit);
             }
         };
-        self.bvh.traverse::<false, _>(&precalc, |leaf, limit| {
+        let test_leaf = |leaf, limit| {
             if leaf & OTHER == 0 {
                 self.bvh.packet(leaf).hits(&precalc, &mut show);
             } else if let Some((t, u, v)) = other(leaf ^ OTHER, ray) {
                 show(leaf, TriangleHit { t: t * precalc.per_unit, weights: [u, v].map(f64::from), total: 1.0 });
             }
             limit
-        });
+        };
+        with_stack_size!(self.bvh, <STACK> self.bvh.traverse::<false, STACK>(&precalc, test_leaf));
     }
 
     /// True if there is a hit with `0 < t < t_max`.
@@ -149,10 +151,11 @@ impl Hierarchy {
         }
         let precalc = RayPrecalc::new(ray);
         let mut found = false;
-        self.bvh.traverse::<false, _>(&precalc, |leaf, limit| {
+        let test_leaf = |leaf, limit| {
             found = if leaf & OTHER == 0 { self.bvh.packet(leaf).any(&precalc) } else { other(leaf ^ OTHER, ray) };
             if found { f32::NEG_INFINITY } else { limit }
-        });
+        };
+        with_stack_size!(self.bvh, <STACK> self.bvh.traverse::<false, STACK>(&precalc, test_leaf));
         found
     }
 }

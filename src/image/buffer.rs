@@ -2,15 +2,15 @@
 
 use glam::Vec3;
 
-/// Largest number of pixels of a picture (16384 × 16384).
+/// Largest number of pixels of a picture: 2²⁸, such as 16384 × 16384.
 ///
-/// The limit keeps a wrong size in a file or an option from allocating absurd memory.
+/// The limit protects memory from wrong sizes in files and options.
 pub const MAX_PIXELS: u64 = 1 << 28;
 
-/// A size that no picture can have.
+/// Error: the size of a picture is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SizeError {
-    /// A side of zero pixels.
+    /// Width or height is zero.
     #[error("a picture of {width} × {height} pixels is empty: both sides must be at least 1")]
     Empty {
         /// Width in pixels.
@@ -18,7 +18,7 @@ pub enum SizeError {
         /// Height in pixels.
         height: u32,
     },
-    /// More than [`MAX_PIXELS`].
+    /// The picture has more than [`MAX_PIXELS`] pixels.
     #[error("a picture of {width} × {height} pixels is too large: at most {MAX_PIXELS} pixels are allowed")]
     TooLarge {
         /// Width in pixels.
@@ -26,22 +26,19 @@ pub enum SizeError {
         /// Height in pixels.
         height: u32,
     },
-    /// The number of pixels is not width × height.
+    /// The number of given pixels is not width × height.
     #[error("a picture of {width} × {height} pixels cannot be made of {found} pixels")]
     Count {
         /// Width in pixels.
         width: u32,
         /// Height in pixels.
         height: u32,
-        /// Pixels given.
+        /// Number of given pixels.
         found: usize,
     },
 }
 
-/// Number of pixels of a picture with these sides.
-///
-/// # Errors
-/// [`SizeError`] if a side is zero or there are more than [`MAX_PIXELS`].
+/// Number of pixels of a picture of valid size `width` × `height`.
 pub(super) fn pixel_count(width: u32, height: u32) -> Result<usize, SizeError> {
     if width == 0 || height == 0 {
         return Err(SizeError::Empty { width, height });
@@ -53,7 +50,7 @@ pub(super) fn pixel_count(width: u32, height: u32) -> Result<usize, SizeError> {
     Ok(count as usize)
 }
 
-/// A picture with one `T` per pixel, in rows from the top left.
+/// A picture with one value of type `T` per pixel, in rows from the top left.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Raster<T> {
     width: u32,
@@ -61,10 +58,10 @@ pub struct Raster<T> {
     pixels: Vec<T>,
 }
 
-/// A picture of linear radiance: RGB with Rec. 709 primaries, in f32.
+/// A picture of linear radiance: RGB with Rec. 709 primaries \[W/(m² sr)].
 pub type Image = Raster<Vec3>;
 
-/// A picture of 8-bit RGB as stored in a file, with its transfer function.
+/// A picture of 8-bit RGB levels as stored in a PNG file, not linearised.
 pub type RgbBytes = Raster<[u8; 3]>;
 
 impl Image {
@@ -108,7 +105,7 @@ impl<T: Copy> Raster<T> {
         &self.pixels
     }
 
-    /// All pixels in rows from the top left, mutable.
+    /// Mutable pixels in rows from the top left.
     #[must_use]
     pub fn pixels_mut(&mut self) -> &mut [T] {
         &mut self.pixels

@@ -1,4 +1,4 @@
-//! Errors of reading and writing pictures. Each names the path and a remedy.
+//! Errors of reading and writing pictures. Messages name the file and, if known, a remedy.
 
 use std::io;
 use std::path::PathBuf;
@@ -6,27 +6,27 @@ use std::path::PathBuf;
 use super::buffer::SizeError;
 use crate::stats::format_bytes;
 
-/// Why a picture was not written. An existing file at the path is unchanged.
+/// Error: a picture was not written. An existing file at the path is unchanged.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
-    /// The extension names no picture format.
+    /// The extension is neither `.png` nor `.exr`.
     #[error("`{}` names no known picture format: give it the extension .png or .exr", path.display())]
     Extension {
         /// The path as given.
         path: PathBuf,
     },
-    /// The extension is not `.exr`, the only format with layers.
+    /// The file shall have layers, but its extension is not `.exr`.
     #[error("`{}` cannot hold layers: give it the extension .exr", path.display())]
     NoLayers {
         /// The path as given.
         path: PathBuf,
     },
-    /// A channel that the format cannot hold.
+    /// OpenEXR cannot store a channel.
     #[error("the channel `{channel}` cannot be stored: {reason}")]
     Channel {
-        /// Full name of the channel.
+        /// Name of the channel with its layer, such as `noise.R`.
         channel: String,
-        /// The violated rule.
+        /// The rule that the channel violates.
         reason: &'static str,
     },
     /// The folder of the file does not exist.
@@ -49,25 +49,25 @@ pub enum WriteError {
         /// The path as given.
         path: PathBuf,
     },
-    /// The system reported an error.
+    /// The operating system reported an error.
     #[error("cannot {action} `{}`: {source}", path.display())]
     Io {
         /// The operation that failed.
         action: &'static str,
         /// Path of the file or folder.
         path: PathBuf,
-        /// Error of the system.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// Metadata that the format cannot hold.
+    /// The file format cannot store a metadata pair.
     #[error("metadata `{key}` cannot be stored: {reason}")]
     Metadata {
-        /// Key of the metadata.
+        /// Key of the pair.
         key: String,
-        /// The violated rule.
+        /// The rule that the pair violates.
         reason: &'static str,
     },
-    /// The exposure is NaN or out of range.
+    /// The exposure is NaN or outside ±[`MAX_EXPOSURE_STOPS`](super::MAX_EXPOSURE_STOPS).
     #[error("an exposure of {stops} stops is out of range: choose one from -{limit} to {limit}")]
     Exposure {
         /// Exposure in stops.
@@ -75,23 +75,23 @@ pub enum WriteError {
         /// Largest absolute exposure in stops.
         limit: f32,
     },
-    /// The encoder reported an error.
+    /// The encoder of the file format failed.
     #[error("cannot encode the picture: {0}")]
     Encode(String),
 }
 
-/// Why a picture was not read.
+/// Error: a picture was not read.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
-    /// The system reported an error.
+    /// The operating system reported an error.
     #[error("cannot read `{}`: {source}", path.display())]
     Io {
-        /// Path of the file or folder.
+        /// The file.
         path: PathBuf,
-        /// Error of the system.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// The signature is not that of PNG, OpenEXR or Radiance HDR.
+    /// The first bytes are not a signature of PNG, OpenEXR or Radiance HDR.
     #[error("`{}` is not a PNG, OpenEXR or Radiance HDR picture: convert it to one of these", path.display())]
     UnknownFormat {
         /// The file.
@@ -105,7 +105,7 @@ pub enum ReadError {
         /// Cause and, if known, remedy.
         reason: String,
     },
-    /// The file states an invalid size.
+    /// The header of the file contains an invalid picture size.
     #[error("cannot decode `{}`: {source}", path.display())]
     Size {
         /// The file.
@@ -121,14 +121,14 @@ pub enum ReadError {
     Memory {
         /// The file.
         path: PathBuf,
-        /// Bytes that reading the picture takes.
+        /// Peak memory while the picture is read \[bytes].
         needed: u64,
-        /// Free bytes.
+        /// Memory that may be used \[bytes].
         free: u64,
     },
 }
 
-/// Failure of a decoder, which does not know the path.
+/// Error of a decoder, which does not know the path of the file.
 pub(super) enum DecodeFailure {
     Reason(String),
     Size(SizeError),
@@ -142,7 +142,7 @@ impl From<SizeError> for DecodeFailure {
 }
 
 impl DecodeFailure {
-    /// The error for the file at `path`.
+    /// Converts the failure to a [`ReadError`] of the file at `path`.
     pub(super) fn into_read_error(self, path: PathBuf) -> ReadError {
         match self {
             Self::Reason(reason) => ReadError::Decode { path, reason },
@@ -152,26 +152,25 @@ impl DecodeFailure {
     }
 }
 
-/// Refuses a file of `file` bytes whose header states `raw` bytes of uncompressed data, if that is
-/// impossible.
+/// Fails if `file` bytes cannot contain `uncompressed` bytes of data, as its header claims.
 ///
-/// DEFLATE expands one byte to at most 1032 bytes (zlib technical details: 258 bytes for two bits).
-/// The check keeps a false header from allocating memory.
-pub(super) fn check_compression_ratio(raw: u64, file: usize) -> Result<(), DecodeFailure> {
-    if raw > 1032 * file as u64 {
+/// DEFLATE compresses at most 1032 bytes into one (zlib technical details). The check prevents
+/// allocations for a wrong header.
+pub(super) fn check_compression_ratio(uncompressed: u64, file: usize) -> Result<(), DecodeFailure> {
+    if uncompressed > 1032 * file as u64 {
         return Err(DecodeFailure::Reason("the file is too short for the size that it states".into()));
     }
     Ok(())
 }
 
-/// Peak bytes per pixel while a picture is read and made a texture or an environment light.
+/// Peak memory while a picture is read and made a texture or an environment light \[bytes/pixel].
 ///
-/// The peak is an OpenEXR file: four channels twice in single precision (32), RGB (12), and slack
-/// (4). Later stages take less: the picture with its MIP pyramid (12 + 16), or with the tables of
-/// light sampling (12 + 24).
+/// Reading OpenEXR needs most: four channels twice in single precision (32), RGB (12), and a
+/// reserve (4). A picture with its MIP pyramid takes 12 + 16 bytes. A picture with the tables of
+/// light sampling takes 12 + 24 bytes.
 const PEAK_BYTES_PER_PIXEL: u64 = 48;
 
-/// Refuses a picture that does not fit into `free` bytes, before it is allocated.
+/// Fails if reading a picture of `pixels` pixels needs more than `free` bytes; `None` is no limit.
 pub(super) fn check_memory(pixels: usize, free: Option<u64>) -> Result<(), DecodeFailure> {
     let needed = PEAK_BYTES_PER_PIXEL * pixels as u64;
     match free {

@@ -1,6 +1,6 @@
-//! Reads and writes OpenEXR with float RGB.
+//! Reads and writes RGB pictures as OpenEXR files.
 //!
-//! Radiance is stored without exposure or tone curve. 16-bit files clamp it to their range.
+//! Files hold linear radiance without exposure or tone curve. Half precision clamps it to ±65504.
 
 use std::io::Cursor;
 
@@ -24,7 +24,7 @@ pub(super) const REC_709: Chromaticities = Chromaticities {
     white: Vec2(0.3127, 0.3290),
 };
 
-/// Encodes `image` as an OpenEXR file with lossless ZIP compression.
+/// Encodes `image` as the bytes of an OpenEXR file with lossless compression.
 pub(super) fn encode(
     image: &Image,
     floats: FloatDepth,
@@ -32,7 +32,7 @@ pub(super) fn encode(
 ) -> Result<(Vec<u8>, WriteReport), WriteError> {
     let (width, pixels) = (image.width() as usize, image.pixels());
     let size = (width, image.height() as usize);
-    // The sample type is the return type of a closure, so layers of 16 and 32 bits differ in type.
+    // Layers of 16 and 32 bits have different types, so a macro replaces a function.
     macro_rules! file {
         ($sample:expr) => {{
             let channels = SpecificChannels::rgb(|Vec2(x, y): Vec2<usize>| {
@@ -59,27 +59,28 @@ pub(super) fn encode(
     Ok((file, WriteReport { non_finite: count(&|p| !p.is_finite()), too_bright, negative: 0 }))
 }
 
-/// Largest finite number in half precision.
+/// Largest finite number in half precision (IEEE 754 binary16).
 const LARGEST_HALF: f32 = 65_504.0;
 
-/// Nearest number in half precision. A finite number stays finite.
+/// Rounds to half precision. A finite number is clamped to ±65504 and stays finite.
 fn to_clamped_half(x: f32) -> f16 {
     f16::from_f32(if x.is_finite() { x.clamp(-LARGEST_HALF, LARGEST_HALF) } else { x })
 }
 
-/// Layer attributes that hold `metadata`.
+/// OpenEXR layer attributes with `metadata` in the attribute `comments`.
 pub(super) fn layer_attributes(metadata: &[(String, String)]) -> LayerAttributes {
     let mut attributes = LayerAttributes::default();
     if !metadata.is_empty() {
-        // One attribute holds all pairs: custom attributes are in a hash map, whose order varies by
-        // run.
+        // Custom attributes would be stored in the order of a hash map, which varies by run.
         let lines: Vec<String> = metadata.iter().map(|(key, text)| format!("{key}: {text}")).collect();
         attributes.comments = Some(Text::from_slice_unchecked(lines.join("\n").as_bytes()));
     }
     attributes
 }
 
-/// Pixels of a display window that is accepted with any amount of data: more than 3840 × 2160.
+/// Largest display window \[pixels] that may be mostly empty; larger than 3840 × 2160.
+///
+/// A larger window is checked against the size of the file.
 const ACCEPTED_WINDOW: u64 = 1 << 23;
 
 impl From<exr::error::Error> for DecodeFailure {
@@ -88,21 +89,23 @@ impl From<exr::error::Error> for DecodeFailure {
     }
 }
 
-/// Reads the first layer with channels R, G and B, of any sample type. Other channels are ignored.
+/// Decodes the first layer with channels R, G and B of any sample type. Other channels are ignored.
+///
+/// Fails if reading needs more than `free` bytes.
 pub(super) fn read(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     for header in &MetaData::read_from_buffered(Cursor::new(file), false)?.headers {
         let Vec2(width, height) = header.layer_size;
         let side = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         let pixels = pixel_count(side(width), side(height))? as u64;
-        // DWA stores a flat 8 × 8 block as one value before DEFLATE. JPEG 2000 is not decoded here.
-        // No other codec beats DEFLATE.
+        // DWA stores a uniform 8 × 8 block as one value before DEFLATE. JPEG 2000 is not supported.
+        // All other codecs compress at most as much as DEFLATE.
         let block = match header.compression {
             Compression::Uncompressed | Compression::RLE | Compression::ZIP1 | Compression::ZIP16 => 1,
             Compression::PIZ | Compression::PXR24 | Compression::B44 | Compression::B44A => 1,
             Compression::DWAA(_) | Compression::DWAB(_) | Compression::HTJ2K32 | Compression::HTJ2K256 => 64,
         };
         check_compression_ratio(pixels * 2 / block, file.len())?;
-        // The picture has the size of the display window. Pixels outside the data window are black.
+        // The decoder returns the display window. Pixels outside the data window are black.
         let Vec2(width, height) = header.shared_attributes.display_window.size;
         let shown = pixel_count(side(width), side(height))? as u64;
         if shown > ACCEPTED_WINDOW {
@@ -112,7 +115,7 @@ pub(super) fn read(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailur
     }
 
     let mut reader = ::image::ImageReader::with_format(Cursor::new(file), ::image::ImageFormat::OpenExr);
-    // The limit of the crate is 0.5 GB, less than a large picture needs. Memory is checked above.
+    // The default limit of 0.5 GB is too low for large pictures. Memory is checked above.
     reader.no_limits();
     let picture = reader.decode().map_err(|error| DecodeFailure::Reason(error.to_string()))?.into_rgb32f();
     let (width, height) = picture.dimensions();

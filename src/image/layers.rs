@@ -1,4 +1,4 @@
-//! Writes several layers into one OpenEXR file.
+//! Writes OpenEXR files with several layers.
 
 use super::buffer::pixel_count;
 use super::error::WriteError;
@@ -15,23 +15,25 @@ use std::path::Path;
 /// Longest name of a channel in OpenEXR \[bytes].
 const MAX_NAME: usize = 255;
 
-/// A named group of channels.
+/// A layer of an OpenEXR file: a named group of channels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExrLayer {
-    /// Name of the layer; empty for the picture itself.
+    /// Name of the layer; empty for the layer that viewers show as the picture.
     pub name: String,
-    /// Names and values of the channels, in rows from the top. The picture has `R`, `G` and `B`.
+    /// Channels: the name, and one value per pixel in rows from the top.
+    ///
+    /// The unnamed layer should have channels `R`, `G` and `B`.
     pub channels: Vec<(String, Vec<f32>)>,
 }
 
 impl ExrLayer {
-    /// Name of a channel in the file: `noise.R`, or `R` in the unnamed layer.
+    /// Name of a channel with its layer, such as `noise.R`; `R` in the unnamed layer.
     fn full_channel_name(&self, channel: &str) -> String {
         if self.name.is_empty() { channel.to_owned() } else { format!("{}.{channel}", self.name) }
     }
 }
 
-/// Checks before a long render that [`write_layers`] can write to `path`. Leaves no trace.
+/// Checks whether [`write_layers`] can write to `path`, without changing a file.
 ///
 /// # Errors
 /// [`WriteError::NoLayers`] if the extension is not `.exr`, or the error of [`check_replaceable`].
@@ -48,10 +50,11 @@ fn check_layer_extension(path: &Path) -> Result<(), WriteError> {
     }
 }
 
-/// Writes layers of `size` (width, height) as 32-bit floats into one part of an OpenEXR file.
+/// Writes `layers` of `size` (width, height) as an OpenEXR file with 32-bit channels.
 ///
-/// Returns the number of values that are NaN or infinite. The file is replaced atomically (see
-/// [`replace_file`]). Viewers take the text before the last dot of a channel's name as its layer.
+/// Returns the number of values that are NaN or infinite. The file is replaced atomically, see
+/// [`replace_file`]. All layers are in one part of the file, so channel names have the prefix
+/// `LAYER.`.
 ///
 /// # Errors
 /// [`WriteError`]; an existing file is then unchanged. [`WriteError::Channel`] if a name is empty,

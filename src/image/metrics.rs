@@ -1,10 +1,10 @@
-//! Metrics of the difference between two pictures.
+//! Error metrics between two pictures.
 
 use super::buffer::{Image, RgbBytes};
 use super::relative::RelativeScale;
 use serde::Serialize;
 
-/// Why two pictures cannot be compared.
+/// Error: two pictures cannot be compared.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum MetricError {
     /// The sizes differ.
@@ -20,22 +20,22 @@ pub enum MetricError {
     NonFinite {
         /// `first` or `second`.
         which: &'static str,
-        /// Column from the left.
+        /// Column from the left, from 0.
         x: u32,
-        /// Row from the top.
+        /// Row from the top, from 0.
         y: u32,
     },
     /// An option is out of range.
     #[error("{name} is {value}, which is out of range")]
     Parameter {
-        /// `epsilon`, `clip`, `exposure` or `pixels per degree`.
+        /// Name of the option: `epsilon`, `clip`, `exposure` or `pixels per degree`.
         name: &'static str,
         /// The given value.
         value: f64,
     },
 }
 
-/// Root mean square of the difference over all pixels and channels.
+/// Root mean square error over all pixels and channels \[W/(m² sr)].
 ///
 /// # Errors
 /// [`MetricError`] if the sizes differ or a pixel is not finite.
@@ -48,11 +48,11 @@ pub fn rmse(a: &Image, b: &Image) -> Result<f64, MetricError> {
     Ok((sum / (3.0 * b.pixels().len() as f64)).sqrt())
 }
 
-/// Mean of (a − b)² / (b² + ε) over pixels and channels; b is the `reference` (Rousselle et al.
-/// 2011).
+/// Relative mean square error: mean of (a − b)² / (b² + ε) over pixels and channels (Rousselle et
+/// al. 2011).
 ///
-/// ε has the unit of b²; 0.01 is common. `clip` limits the contribution of each pixel, so that one
-/// firefly does not dominate.
+/// b is the `reference`. ε has the unit of b²; 0.01 is common. `clip` limits the contribution of
+/// each pixel, so that a firefly does not dominate.
 ///
 /// # Errors
 /// [`MetricError`] if the sizes differ, a pixel is not finite, or ε or `clip` is not positive.
@@ -81,28 +81,29 @@ pub fn max_abs_difference(a: &Image, b: &Image) -> Result<f64, MetricError> {
     Ok(pixel_pairs(a, b)?.fold(0.0, |most, (a, b)| (a.as_dvec3() - b.as_dvec3()).abs().max_element().max(most)))
 }
 
-/// Largest difference of a channel and its position.
+/// Largest absolute difference of one channel, with its pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LargestDifference {
-    /// Absolute difference.
+    /// Absolute difference \[W/(m² sr)].
     pub difference: f64,
-    /// Column from the left.
+    /// Column of the pixel from the left, from 0.
     pub x: u32,
-    /// Row from the top.
+    /// Row of the pixel from the top, from 0.
     pub y: u32,
 }
 
-/// Largest differences of two pictures, and the number of pixels that differ.
+/// Largest difference in each channel, and the number of pixels that differ.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PixelDifferences {
-    /// Largest difference of red, green and blue; the first of equal ones. `None` if a channel is
-    /// equal.
+    /// Largest difference in red, green and blue; `None` if a channel is equal in all pixels.
+    ///
+    /// If several pixels have the largest difference, the first one is given.
     pub largest: [Option<LargestDifference>; 3],
     /// Number of pixels that differ in at least one channel.
     pub pixels: usize,
 }
 
-/// Compares two pictures. Zeros of both signs are equal.
+/// Finds the largest differences of two pictures. 0 and −0 are equal.
 ///
 /// # Errors
 /// [`MetricError`] if the sizes differ or a pixel is not finite.
@@ -123,7 +124,7 @@ pub fn largest_differences(a: &Image, b: &Image) -> Result<PixelDifferences, Met
     Ok(found)
 }
 
-/// Root mean square error on the [`RelativeScale`] of the `reference`.
+/// Relative root mean square error; [`RelativeScale`] of the `reference` defines its scale.
 ///
 /// # Errors
 /// [`MetricError`] if the sizes differ or a pixel is not finite.
@@ -137,7 +138,7 @@ pub fn relative_error(a: &Image, reference: &Image) -> Result<f64, MetricError> 
     Ok(RelativeScale::from_image(reference).mean(square).sqrt())
 }
 
-/// Difference of two 8-bit pictures.
+/// Differences of the levels of two 8-bit pictures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ByteDifference {
     /// Number of channel values that differ.
@@ -146,7 +147,7 @@ pub struct ByteDifference {
     pub largest: u8,
 }
 
-/// Compares two 8-bit pictures.
+/// Compares the levels of two 8-bit pictures.
 ///
 /// # Errors
 /// [`MetricError::Size`] if the sizes differ.
@@ -162,7 +163,7 @@ fn check_equal_sizes(a: (u32, u32), b: (u32, u32)) -> Result<(), MetricError> {
     if a == b { Ok(()) } else { Err(MetricError::Size { a, b }) }
 }
 
-/// Refuses pictures of different sizes, and pixels that are not finite.
+/// Fails if the sizes of two pictures differ or a pixel is not finite.
 pub(super) fn check_comparable(a: &Image, b: &Image) -> Result<(), MetricError> {
     check_equal_sizes((a.width(), a.height()), (b.width(), b.height()))?;
     for (which, image) in [("first", a), ("second", b)] {
@@ -174,7 +175,7 @@ pub(super) fn check_comparable(a: &Image, b: &Image) -> Result<(), MetricError> 
     Ok(())
 }
 
-/// Pairs of pixels, all finite. The difference of two finite f32 is finite in f64.
+/// Pairs of corresponding pixels; fails if the sizes differ or a pixel is not finite.
 fn pixel_pairs<'a>(
     a: &'a Image,
     b: &'a Image,

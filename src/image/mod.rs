@@ -1,6 +1,6 @@
-//! Pictures: pixel buffers, tone curves, image files, and image metrics.
+//! Pictures: pixel buffers, tone mapping, picture files, and error metrics.
 //!
-//! PNG and OpenEXR are read and written; Radiance HDR is read.
+//! PNG and OpenEXR can be read and written; Radiance HDR can be read.
 
 mod buffer;
 mod error;

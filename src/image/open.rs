@@ -1,12 +1,12 @@
-//! Opening regular files.
+//! Opens regular files for reading.
 
 use std::fs::{self, File};
 use std::io;
 use std::path::Path;
 
-/// Opens a regular file. Returns it with its length \[bytes].
+/// Opens a regular file; returns it with its length \[bytes].
 ///
-/// Pipes and devices are refused before they are opened: reading them might never end.
+/// Fails for pipes and devices, because reading from them might never end.
 pub(crate) fn open_file(path: &Path) -> io::Result<(File, u64)> {
     let found = fs::metadata(path)?;
     if !found.is_file() {

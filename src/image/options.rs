@@ -16,9 +16,9 @@ pub enum BitDepth {
 /// Bits per channel of an OpenEXR file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FloatDepth {
-    /// Half precision: 11 significant bits, up to 65504.
+    /// 16 bits: half precision, with 11 significant bits, up to 65504.
     Half,
-    /// Single precision.
+    /// 32 bits: single precision.
     #[default]
     Single,
 }
@@ -26,21 +26,23 @@ pub enum FloatDepth {
 /// Options of [`write`](fn@super::write).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WriteOptions {
-    /// Exposure and tone curve of PNG.
+    /// Exposure and tone curve of PNG files. OpenEXR files hold linear radiance.
     pub tone: ToneMap,
     /// Bits per channel of PNG.
     pub depth: BitDepth,
     /// Bits per channel of OpenEXR.
     pub floats: FloatDepth,
-    /// Pairs of key and text: text chunks of PNG, lines `key: text` of the attribute `comments` of
-    /// OpenEXR. A key has 1 to 79 printable ASCII characters, without leading, trailing or repeated
-    /// spaces. A text has no NUL.
+    /// Pairs of key and text.
+    ///
+    /// PNG stores them as text chunks, OpenEXR as lines `key: text` of the attribute `comments`. A
+    /// key has 1 to 79 printable ASCII characters, without leading, trailing or repeated spaces. A
+    /// text has no NUL character.
     pub metadata: Vec<(String, String)>,
 }
 
-/// Checks the rules of PNG keywords (ISO/IEC 15948, 11.3.4.2), restricted to ASCII.
+/// Checks keys by the rules of PNG keywords, restricted to ASCII (ISO/IEC 15948, 11.3.4.2).
 ///
-/// The rules apply to OpenEXR too, so that both formats accept the same pairs.
+/// The rules also apply to OpenEXR, so both formats accept the same metadata.
 pub(super) fn check_metadata(metadata: &[(String, String)]) -> Result<(), WriteError> {
     for (key, text) in metadata {
         let violated = if !(1..=79).contains(&key.len()) {

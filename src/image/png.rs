@@ -1,4 +1,4 @@
-//! Reads and writes PNG (ISO/IEC 15948).
+//! Reads and writes PNG files (ISO/IEC 15948).
 
 use std::io::Cursor;
 
@@ -11,7 +11,9 @@ use super::error::{DecodeFailure, WriteError, check_compression_ratio, check_mem
 use super::options::{BitDepth, WriteOptions};
 use super::tone::{Quantizer, ToneCurve, WriteReport, srgb_decode};
 
-/// Encodes `image` as a PNG file. All curves except [`ToneCurve::Course`] add an sRGB chunk.
+/// Encodes `image` as the bytes of a PNG file.
+///
+/// The file has an sRGB chunk unless the tone curve is [`ToneCurve::Course`].
 pub(super) fn encode(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, WriteReport), WriteError> {
     let (samples, report) = quantize_image(image, options)?;
     let mut file = Vec::new();
@@ -27,7 +29,7 @@ pub(super) fn encode(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, 
         encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
     }
     for (key, text) in &options.metadata {
-        // Older readers support only tEXt, which is Latin-1.
+        // Older readers know only tEXt chunks, which are Latin-1. Other text needs iTXt.
         if text.is_ascii() {
             encoder.add_text_chunk(key.clone(), text.clone()).map_err(refused)?;
         } else {
@@ -40,9 +42,7 @@ pub(super) fn encode(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, 
     Ok((file, report))
 }
 
-/// The samples in file order; 16-bit samples are big-endian.
-///
-/// Rows are independent and counts are integers, so the result does not depend on the threads.
+/// Converts radiance to the samples of a PNG file; 16-bit samples are big-endian.
 fn quantize_image(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, WriteReport), WriteError> {
     let (white, size) = match options.depth {
         BitDepth::Eight => (255, 1),
@@ -73,19 +73,20 @@ impl From<DecodingError> for DecodeFailure {
     }
 }
 
-/// Stored samples, expanded to three per pixel.
-struct Decoded {
+/// Samples of a PNG file, converted to RGB without alpha.
+struct DecodedPng {
     width: u32,
     height: u32,
     /// One or two bytes per sample, big-endian.
     samples: Vec<u8>,
     /// True if samples have 16 bits.
     sixteen: bool,
-    /// Exponent of the gAMA chunk, unless an sRGB chunk overrides it.
+    /// Value of the gAMA chunk; `None` without one or if the file has an sRGB chunk.
     gamma: Option<f64>,
 }
 
-fn decode_samples(file: &[u8], free: Option<u64>) -> Result<Decoded, DecodeFailure> {
+/// Decodes samples; fails if reading the picture needs more than `free` bytes.
+fn decode_samples(file: &[u8], free: Option<u64>) -> Result<DecodedPng, DecodeFailure> {
     let mut decoder = Decoder::new(Cursor::new(file));
     decoder.set_transformations(png::Transformations::EXPAND);
     let mut reader = decoder.read_info()?;
@@ -127,13 +128,13 @@ fn decode_samples(file: &[u8], free: Option<u64>) -> Result<Decoded, DecodeFailu
             samples.extend_from_slice(&pixel[at..at + size]);
         }
     }
-    Ok(Decoded { width, height, samples, sixteen, gamma })
+    Ok(DecodedPng { width, height, samples, sixteen, gamma })
 }
 
-/// Reads linear radiance.
+/// Decodes linear radiance.
 ///
-/// The transfer function is that of the gAMA chunk if there is no sRGB chunk, else sRGB, the
-/// convention for unlabelled PNG files.
+/// The transfer function is sRGB. A file with a gAMA chunk and no sRGB chunk has that gamma
+/// instead.
 pub(super) fn read(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     let decoded = decode_samples(file, free)?;
     match decoded.gamma {
@@ -142,14 +143,14 @@ pub(super) fn read(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailur
     }
 }
 
-/// Reads the samples without a transfer function, from 0 to 1.
+/// Decodes samples as numbers from 0 to 1, without a transfer function.
 pub(super) fn read_data(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     apply_transfer_function(decode_samples(file, free)?, |signal| signal as f32)
 }
 
-/// Converts samples by a transfer function from signals in [0, 1].
-fn apply_transfer_function(decoded: Decoded, linear: impl Fn(f64) -> f32) -> Result<Image, DecodeFailure> {
-    let Decoded { width, height, samples, sixteen, .. } = decoded;
+/// Converts samples to an image by the function `linear` of a signal in [0, 1].
+fn apply_transfer_function(decoded: DecodedPng, linear: impl Fn(f64) -> f32) -> Result<Image, DecodeFailure> {
+    let DecodedPng { width, height, samples, sixteen, .. } = decoded;
     let table: Vec<f32> = if sixteen {
         (0..=65_535).map(|level| linear(f64::from(level) / 65_535.0)).collect()
     } else {
@@ -164,7 +165,7 @@ fn apply_transfer_function(decoded: Decoded, linear: impl Fn(f64) -> f32) -> Res
     Ok(Image::from_pixels(width, height, pixels)?)
 }
 
-/// Reads the bytes of an 8-bit file.
+/// Decodes the levels of an 8-bit file, without a transfer function.
 pub(super) fn read_bytes(file: &[u8]) -> Result<RgbBytes, DecodeFailure> {
     let decoded = decode_samples(file, None)?;
     if decoded.sixteen {

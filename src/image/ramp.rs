@@ -1,4 +1,4 @@
-//! Colour maps.
+//! Colour maps for showing scalar values.
 
 use super::tone::srgb_decode;
 use glam::{DVec3, Vec3};
@@ -22,20 +22,21 @@ const MAGMA: [[u8; 3]; 9] = [
 const BLUE_RED: [[u8; 3]; 5] =
     [[0x05, 0x71, 0xb0], [0x92, 0xc5, 0xde], [0xf7, 0xf7, 0xf7], [0xf4, 0xa5, 0x82], [0xca, 0x00, 0x20]];
 
-/// Colour of `t` in [0, 1], as linear RGB; larger is lighter. Other values are clamped.
+/// Colour of `t` in \[0, 1] by the colour map magma, as linear RGB. Larger values are lighter.
 #[must_use]
 pub fn sequential_color(t: f64) -> Vec3 {
     interpolate_color_map(&MAGMA, t)
 }
 
-/// Colour of `t` in [−1, 1], as linear RGB: blue, nearly white at 0, red. Other values are clamped.
+/// Colour of `t` in \[−1, 1] from blue over near-white to red, as linear RGB.
 #[must_use]
 pub fn diverging_color(t: f64) -> Vec3 {
     interpolate_color_map(&BLUE_RED, 0.5 + 0.5 * t)
 }
 
-/// Interpolates between colours in sRGB signals, whose equal steps look more equal than those of
-/// light.
+/// Interpolates between equidistant colours at `t`, clamped to \[0, 1]; returns linear RGB.
+///
+/// Interpolation is in sRGB signals, which are perceptually more uniform than linear RGB.
 fn interpolate_color_map(steps: &[[u8; 3]], t: f64) -> Vec3 {
     let last = steps.len() - 1;
     let position = t.clamp(0.0, 1.0) * last as f64;

@@ -1,4 +1,4 @@
-//! Reads pictures from files.
+//! Reads picture files.
 
 use std::io::{Cursor, Read};
 use std::path::Path;
@@ -14,22 +14,22 @@ use super::{exr, png};
 
 const PNG_SIGNATURE: [u8; 4] = *b"\x89PNG";
 const EXR_SIGNATURE: [u8; 4] = *b"\x76\x2f\x31\x01";
-/// Common start of `#?RADIANCE` and `#?RGBE`.
+/// Common first bytes of the two Radiance HDR signatures, `#?RADIANCE` and `#?RGBE`.
 const HDR_SIGNATURE: [u8; 3] = *b"#?R";
 
-/// File format that can be read.
+/// Picture file format that can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InputFormat {
-    /// PNG: display levels.
+    /// PNG, which holds display levels.
     Png,
-    /// OpenEXR: radiance.
+    /// OpenEXR, which holds linear radiance.
     Exr,
-    /// Radiance HDR: radiance.
+    /// Radiance HDR, which holds linear radiance.
     Hdr,
 }
 
 impl InputFormat {
-    /// Format by the signature of a file, whatever its name is.
+    /// File format by the first bytes of `file`; `None` if they are no known signature.
     fn from_signature(file: &[u8]) -> Option<Self> {
         match file {
             _ if file.starts_with(&PNG_SIGNATURE) => Some(Self::Png),
@@ -40,12 +40,12 @@ impl InputFormat {
     }
 }
 
-/// Reads a PNG, OpenEXR or Radiance HDR picture as linear radiance. Its signature selects the
-/// format.
+/// Reads a PNG, OpenEXR or Radiance HDR picture as linear radiance.
 ///
-/// A PNG is decoded by its gAMA chunk if it has one and no sRGB chunk, else by the sRGB curve. Of
-/// an OpenEXR file the first layer with channels R, G and B is read. The exposures that a Radiance
-/// HDR file states are undone. Other exposures and tone curves are not.
+/// The first bytes of the file determine the format. A PNG is linearised by the sRGB curve, or by
+/// its gAMA chunk if it has no sRGB chunk. OpenEXR: the first layer with channels R, G and B is
+/// read. Radiance HDR: pixels are divided by the exposures in the header. Tone curves are not
+/// undone.
 ///
 /// # Errors
 /// [`ReadError`] if the file is missing, damaged, of another format, transparent, or larger than
@@ -54,7 +54,7 @@ pub fn read(path: &Path) -> Result<Image, ReadError> {
     Ok(read_with_format(path)?.0)
 }
 
-/// Reads a picture like [`read`], and returns its format.
+/// Reads a picture as linear radiance like [`read`], and returns its file format.
 ///
 /// # Errors
 /// [`ReadError`], see [`read`].
@@ -63,7 +63,7 @@ pub fn read_with_format(path: &Path) -> Result<(Image, InputFormat), ReadError> 
     decode(path, &file, PictureContent::Radiance, None)
 }
 
-/// Reads a picture like [`read`], without a transfer function for PNG: data from 0 to 1.
+/// Reads a picture like [`read`], but PNG samples as data from 0 to 1 without a transfer function.
 ///
 /// # Errors
 /// [`ReadError`], see [`read`].
@@ -71,17 +71,16 @@ pub fn read_data(path: &Path) -> Result<Image, ReadError> {
     read_with_memory_limit(path, PictureContent::Data, None)
 }
 
-/// Meaning of the samples of a picture.
+/// Content of a picture file, which determines how PNG samples are decoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureContent {
-    /// Radiance. The transfer function of a PNG is undone.
+    /// Colours. PNG samples are linearised.
     Radiance,
-    /// Data such as roughness. Samples of a PNG are taken without a transfer function, from 0 to 1.
+    /// Data such as roughness. PNG samples become numbers from 0 to 1 without a transfer function.
     Data,
 }
 
-/// Reads a picture like [`read`]. One that needs more than `free` bytes is refused before
-/// allocation.
+/// Reads a picture like [`read`], if that needs at most `free` bytes of memory; `None` is no limit.
 ///
 /// # Errors
 /// [`ReadError`], see [`read`]; also if the memory does not suffice.
@@ -90,7 +89,8 @@ pub fn read_with_memory_limit(path: &Path, meaning: PictureContent, free: Option
     Ok(decode(path, &file, meaning, free.map(|free| free.saturating_sub(file.len() as u64)))?.0)
 }
 
-/// Decodes the bytes of a file like [`read_with_memory_limit`], and returns its format. Errors name `path`.
+/// Decodes the bytes of a file like [`read_with_memory_limit`], and returns its format. Errors name
+/// `path`.
 ///
 /// # Errors
 /// [`ReadError`], see [`read_with_memory_limit`].
@@ -110,7 +110,7 @@ pub fn decode(
     Ok((image.map_err(|failure| failure.into_read_error(path.to_owned()))?, format))
 }
 
-/// Reads the bytes of an 8-bit PNG, for exact comparisons.
+/// Reads the levels of an 8-bit PNG without a transfer function, for exact comparisons.
 ///
 /// # Errors
 /// [`ReadError`], see [`read`]; also if the file is not an 8-bit PNG.
@@ -126,13 +126,13 @@ pub fn read_bytes(path: &Path) -> Result<RgbBytes, ReadError> {
     bytes.map_err(|failure| failure.into_read_error(path.to_owned()))
 }
 
-/// Reads a Radiance HDR picture (Ward 1991, "Real Pixels") and divides it by its stated exposure.
+/// Decodes a Radiance HDR picture (Ward 1991, "Real Pixels") and divides it by its exposure.
 fn read_hdr(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     let reason = |error: ::image::ImageError| DecodeFailure::Reason(error.to_string());
     // Strict decoding accepts only one of the two signatures.
     let decoder = HdrDecoder::new_nonstrict(Cursor::new(file)).map_err(reason)?;
     let header = decoder.metadata();
-    // A run of at most 127 bytes takes two, far below the bound of DEFLATE.
+    // Run-length coding stores at most 127 bytes in two, so the bound of DEFLATE holds.
     let pixels = pixel_count(header.width, header.height)?;
     check_compression_ratio(4 * pixels as u64, file.len())?;
     check_memory(pixels, free)?;
@@ -145,7 +145,7 @@ fn read_hdr(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     Ok(Image::from_pixels(header.width, header.height, pixels)?)
 }
 
-/// Reads a file of at most `free` bytes.
+/// Reads all bytes of a file; fails if they are more than `free`.
 fn read_file_bytes(path: &Path, free: Option<u64>) -> Result<Vec<u8>, ReadError> {
     let refused = |source| ReadError::Io { path: path.to_owned(), source };
     let (mut file, needed) = open_file(path).map_err(refused)?;

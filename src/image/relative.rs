@@ -1,30 +1,31 @@
-//! Scale of relative errors.
+//! Scale of relative errors between pictures.
 
 use super::Image;
 use glam::{DVec3, Vec3};
 
-/// Half width of the neighbourhood \[pixels].
+/// Half width of the 5 × 5 neighbourhood that is averaged \[pixels].
 const HALF_WIDTH: usize = 2;
 
-/// Scale of relative errors: the local mean radiance and the median of the picture.
+/// Per-pixel weights that turn squared errors into relative squared errors.
 ///
 /// The relative squared error is the mean of e² / (L² + m²) over pixels and channels. L is the mean
-/// radiance of the 5 × 5 neighbourhood over pixels and channels. m is the median of L over pixels
-/// with L > 0. Bright regions thus count relative to themselves, dark regions relative to the
-/// median, and noise of a single pixel hardly changes the scale. In a black picture L² + m² is 1.
+/// radiance of the pixel's 5 × 5 neighbourhood in the reference. m is the median of L over pixels
+/// with L > 0. So errors in bright regions are relative to the local radiance, and in dark regions
+/// to the median. In a black picture, L² + m² is 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RelativeScale {
+    /// 1 / (3 (L² + m²)) of each pixel, in rows from the top.
     weights: Vec<f64>,
 }
 
 impl RelativeScale {
-    /// Scale of a reference picture. Pixels that are not finite do not enter the means.
+    /// Scale of a reference picture. Local means leave out pixels that are not finite.
     #[must_use]
     pub fn from_image(picture: &Image) -> Self {
         Self::from_pixels((picture.width(), picture.height()), picture.pixels())
     }
 
-    /// Scale of a reference with `size` (width, height) and pixels in rows from the top.
+    /// Scale of a reference picture with `size` (width, height) and pixels in rows from the top.
     ///
     /// # Panics
     /// If the number of pixels is not width · height.
@@ -57,20 +58,25 @@ impl RelativeScale {
         Self { weights }
     }
 
-    /// Factor of the squared error of each pixel, summed over channels; in rows from the top.
+    /// Weight of each pixel, in rows from the top.
+    ///
+    /// Weight times squared error, summed over channels, is the pixel's relative squared error.
     #[must_use]
     pub fn weights(&self) -> &[f64] {
         &self.weights
     }
 
-    /// Relative e², or product of two errors, of pixel `i`, summed over channels and clamped to
-    /// [−1, 1].
+    /// Relative squared error of pixel `i`, clamped to \[−1, 1].
+    ///
+    /// `product` is the squared error, or a product of two errors, summed over channels.
     #[must_use]
     pub fn clamped_relative_product(&self, i: usize, product: f64) -> f64 {
         (self.weights[i] * product).clamp(-1.0, 1.0)
     }
 
-    /// Mean over pixels of the relative `product(i)`: e², or a product of two errors, per channel.
+    /// Mean over pixels of the clamped relative squared error.
+    ///
+    /// `product(i)` is the squared error, or a product of two errors, of pixel i by channel.
     #[must_use]
     pub fn mean(&self, product: impl Fn(usize) -> DVec3) -> f64 {
         let sum: f64 =

@@ -1,4 +1,4 @@
-//! Atomic replacement of files: a reader sees the old file or the complete new one.
+//! Atomic replacement of files: other programs see the old file or the complete new one.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -9,11 +9,11 @@ use tempfile::NamedTempFile;
 
 use super::error::WriteError;
 
-/// Replaces the file at `path` by `bytes`. A failure leaves the old file.
+/// Replaces the file at `path` by `bytes`. The old file stays if that fails.
 ///
-/// The bytes are written to a temporary file in the same folder, flushed to the disk, and renamed
-/// to the path. A symbolic link is followed. A replaced file keeps its permissions. A new file has
-/// the default ones.
+/// The bytes are written to a temporary file in the same folder. The temporary file is flushed to
+/// the disk and renamed to `path`. Symbolic links are followed. A replaced file keeps its
+/// permissions. A new file has default permissions.
 ///
 /// # Errors
 /// [`WriteError`] if the folder is missing, if the path is a folder, device or read-only file, or
@@ -22,7 +22,7 @@ pub fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     replace_file_with(path, |file| file.write_all(bytes))
 }
 
-/// Replaces the file at `path` by the output of `fill`. See [`replace_file`].
+/// Replaces the file at `path` by what `fill` writes, atomically like [`replace_file`].
 ///
 /// # Errors
 /// [`WriteError`] like [`replace_file`], or if `fill` fails.
@@ -38,7 +38,7 @@ pub fn replace_file_with(path: &Path, fill: impl FnOnce(&mut File) -> io::Result
     }
 }
 
-/// Checks before long work that [`replace_file`] can write to `path`. Leaves no trace.
+/// Checks whether [`replace_file`] can write to `path`, without changing the file.
 ///
 /// # Errors
 /// [`WriteError`] that [`replace_file`] would return.
@@ -46,28 +46,28 @@ pub fn check_replaceable(path: &Path) -> Result<(), WriteError> {
     ReplaceTarget::inspect(path)?.create_temporary_file().map(drop)
 }
 
-/// The absolute path that [`replace_file`] would replace, with all links resolved.
+/// Absolute path of the file that [`replace_file`] would write, with symbolic links resolved.
 ///
-/// Two paths name the same file if and only if they have the same final path. A path whose folder
-/// does not exist is returned unchanged.
+/// Two paths to one file have equal results. A path whose folder does not exist is returned
+/// unchanged.
 #[must_use]
 pub fn canonical_output_path(path: &Path) -> PathBuf {
     let in_folder = || Some(fs::canonicalize(parent_folder(path)).ok()?.join(path.file_name()?));
     fs::canonicalize(path).ok().or_else(in_folder).unwrap_or_else(|| path.to_owned())
 }
 
-/// The folder of a file.
+/// Folder of `file`; `.` for a bare file name.
 fn parent_folder(file: &Path) -> &Path {
     file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Start and end of the names of temporary files.
+/// Prefix and suffix of the names of temporary files.
 const TEMPORARY_NAME: (&str, &str) = (".caustica-", ".tmp");
 
-/// Age after which a temporary file belongs to a run that was killed.
+/// Age at which a temporary file counts as left by a killed process.
 const ABANDONED_AGE: Duration = Duration::from_secs(3600);
 
-/// Removes temporary files that killed runs left in a folder. Failures are ignored.
+/// Removes temporary files that killed processes left in `folder`. Failures are ignored.
 fn remove_abandoned_files(folder: &Path) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
@@ -85,12 +85,12 @@ fn remove_abandoned_files(folder: &Path) {
     }
 }
 
-/// The file to replace.
+/// A file that is about to be replaced or created.
 struct ReplaceTarget {
-    /// Path with links resolved.
+    /// Path with symbolic links resolved.
     file: PathBuf,
     folder: PathBuf,
-    /// Permissions of the existing file, if there is one.
+    /// Permissions of the existing file; `None` if there is none.
     existing: Option<fs::Permissions>,
 }
 
@@ -113,7 +113,7 @@ impl ReplaceTarget {
         Ok(Self { file, folder, existing })
     }
 
-    /// Creates a temporary file in the folder, with the permissions that the target is to have.
+    /// Creates a temporary file in the target's folder, with the target's permissions.
     fn create_temporary_file(&self) -> Result<NamedTempFile, WriteError> {
         let refused = |source| WriteError::Io { action: "create a file in", path: self.folder.clone(), source };
         remove_abandoned_files(&self.folder);

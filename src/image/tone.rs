@@ -1,4 +1,4 @@
-//! Tone curves: from linear radiance to display levels.
+//! Tone mapping: converts linear radiance to display levels.
 
 use std::fmt;
 use std::str::FromStr;
@@ -10,7 +10,7 @@ use super::error::WriteError;
 /// Largest absolute exposure \[stops].
 pub const MAX_EXPOSURE_STOPS: f32 = 64.0;
 
-/// Curve from exposed linear radiance to a signal in [0, 1].
+/// Tone curve: maps linear radiance, after exposure, to a display signal in \[0, 1].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ToneCurve {
     /// Clamp, then the sRGB transfer function (IEC 61966-2-1), rounded to the nearest level.
@@ -26,10 +26,10 @@ pub enum ToneCurve {
 }
 
 impl ToneCurve {
-    /// All curves, in the order of messages.
+    /// All curves, in the order of help texts.
     pub const ALL: [Self; 3] = [Self::Srgb, Self::Filmic, Self::Course];
 
-    /// The name that [`FromStr`] accepts.
+    /// Name of the curve on the command line.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -46,7 +46,7 @@ impl fmt::Display for ToneCurve {
     }
 }
 
-/// An unknown name of a tone curve.
+/// Error: a text is not the name of a tone curve.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown tone curve `{0}`: choose srgb, filmic or course")]
 pub struct UnknownToneCurve(pub String);
@@ -62,30 +62,31 @@ impl FromStr for ToneCurve {
     }
 }
 
-/// An exposure followed by a curve.
+/// A tone map: an exposure followed by a tone curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ToneMap {
-    /// The curve.
+    /// Tone curve after the exposure.
     pub curve: ToneCurve,
-    /// Exposure: radiance is multiplied by 2 to this power. Within ±[`MAX_EXPOSURE_STOPS`].
+    /// Exposure \[stops], within ±[`MAX_EXPOSURE_STOPS`]; radiance is multiplied by 2 to this
+    /// power.
     pub exposure_stops: f32,
 }
 
-/// Numbers of pixels that a format could not hold. A pixel counts at most once per field.
+/// Numbers of pixels whose values the file format could not store.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WriteReport {
-    /// Pixels with a NaN or infinite channel, a defect of the renderer or the scene. PNG stores NaN
-    /// as 0.
+    /// Number of pixels with a NaN or infinite channel. PNG stores NaN as 0.
     pub non_finite: usize,
-    /// Finite pixels with a channel clamped to white; in 16-bit OpenEXR, to ±65504. Always 0 in
-    /// 32-bit OpenEXR.
+    /// Number of finite pixels with a channel clamped to white, or to ±65504 in 16-bit OpenEXR.
+    ///
+    /// Always 0 for 32-bit OpenEXR.
     pub too_bright: usize,
-    /// Finite pixels with a negative channel, clamped to black. Always 0 in OpenEXR.
+    /// Number of finite pixels with a negative channel clamped to black; always 0 for OpenEXR.
     pub negative: usize,
 }
 
 impl WriteReport {
-    /// Sum of two reports.
+    /// Sums two reports.
     pub(super) fn merge(self, other: Self) -> Self {
         Self {
             non_finite: self.non_finite + other.non_finite,
@@ -95,7 +96,7 @@ impl WriteReport {
     }
 }
 
-/// A tone map with a checked exposure, for levels of a given depth.
+/// Converts radiance to integer levels by a tone map.
 #[derive(Clone, Copy)]
 pub(super) struct Quantizer {
     curve: ToneCurve,
@@ -104,7 +105,7 @@ pub(super) struct Quantizer {
 }
 
 impl Quantizer {
-    /// A quantizer for levels from 0 to `white`.
+    /// A quantizer for levels from 0 to `white`; fails if the exposure is out of range.
     pub(super) fn new(tone: ToneMap, white: u16) -> Result<Self, WriteError> {
         if tone.exposure_stops.abs() <= MAX_EXPOSURE_STOPS {
             Ok(Self { curve: tone.curve, scale: libm::exp2f(tone.exposure_stops), white })
@@ -113,10 +114,10 @@ impl Quantizer {
         }
     }
 
-    /// The levels of a pixel. Values that they cannot hold are counted in `report`.
+    /// Levels of the channels of a pixel. Counts values outside the range of levels in `report`.
     pub(super) fn quantize_pixel(&self, pixel: Vec3, report: &mut WriteReport) -> [u16; 3] {
         let exposed = pixel * self.scale;
-        // Exposure may overflow a finite value. That is too bright, not a defect.
+        // A finite value that overflows by the exposure is too bright, but not a defect.
         if !pixel.is_finite() {
             report.non_finite += 1;
         } else {
@@ -139,25 +140,25 @@ impl Quantizer {
         match self.curve {
             ToneCurve::Srgb => nearest(f64::from(c)),
             ToneCurve::Filmic => nearest(filmic_curve(f64::from(c))),
-            // The ray caster of the course multiplies in f32.
+            // The course's ray caster multiplies in f32.
             ToneCurve::Course => (f32::from(self.white) * c.clamp(0.0, 1.0)) as u16,
         }
     }
 }
 
-/// Narkowicz's fit, x(2.51x + 0.03) / (x(2.43x + 0.59) + 0.14). It exceeds 1 above x = 7.24.
+/// Narkowicz's fit of the ACES film curve at radiance `x`; it exceeds 1 above x = 7.24.
 fn filmic_curve(x: f64) -> f64 {
-    // Above 8 the curve exceeds white, and infinity would give NaN. Below 0 the fit has a pole.
+    // Above 8 the curve exceeds 1, and infinity would give NaN. Below 0 the fit has a pole.
     let x = x.clamp(0.0, 8.0);
     x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)
 }
 
-/// sRGB signal of linear light in [0, 1] (IEC 61966-2-1).
+/// sRGB signal of a linear value in \[0, 1] (IEC 61966-2-1).
 pub(super) fn srgb_encode(linear: f64) -> f64 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * libm::pow(linear, 1.0 / 2.4) - 0.055 }
 }
 
-/// Linear light of an sRGB signal in [0, 1] (IEC 61966-2-1).
+/// Linear value of an sRGB signal in \[0, 1] (IEC 61966-2-1).
 pub(super) fn srgb_decode(signal: f64) -> f64 {
     if signal <= 0.040_45 { signal / 12.92 } else { libm::pow((signal + 0.055) / 1.055, 2.4) }
 }

@@ -1,4 +1,4 @@
-//! Writes pictures to files.
+//! Writes picture files.
 
 use std::path::Path;
 
@@ -9,17 +9,17 @@ use super::replace::{check_replaceable, replace_file};
 use super::tone::WriteReport;
 use super::{exr, png};
 
-/// File format that can be written.
+/// Picture file format that can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutputFormat {
-    /// PNG with 8 or 16 bits per channel, after the tone map.
+    /// PNG with 8 or 16 bits per channel; a tone map converts radiance to levels.
     Png,
-    /// OpenEXR with 16- or 32-bit float RGB: linear radiance without a tone map.
+    /// OpenEXR with 16 or 32 bits per channel; it holds linear radiance.
     Exr,
 }
 
 impl OutputFormat {
-    /// Format of a path by its extension, in upper or lower case.
+    /// File format by the extension of `path`, in upper or lower case.
     ///
     /// # Errors
     /// [`WriteError::Extension`] if the extension is neither `.png` nor `.exr`.
@@ -32,7 +32,7 @@ impl OutputFormat {
     }
 }
 
-/// Encodes a picture to the bytes of a file.
+/// Encodes a picture as the bytes of a file.
 ///
 /// # Errors
 /// [`WriteError::Exposure`] or [`WriteError::Metadata`] if an option is invalid, or
@@ -49,10 +49,10 @@ pub fn encode(
     }
 }
 
-/// Writes a picture in the format of the path's extension. The file is replaced atomically (see
-/// [`replace_file`]).
+/// Writes a picture to `path`, whose extension determines the file format.
 ///
-/// Returns how many pixels the format could not hold, which callers should show to the user.
+/// Returns the numbers of clamped and non-finite pixels. The file is replaced atomically, see
+/// [`replace_file`].
 ///
 /// # Errors
 /// [`WriteError`]; an existing file is then unchanged.
@@ -62,7 +62,7 @@ pub fn write(path: &Path, image: &Image, options: &WriteOptions) -> Result<Write
     Ok(report)
 }
 
-/// Checks before a long render that [`write`](fn@write) can write to `path`. Leaves no trace.
+/// Checks whether [`write`](fn@write) can write to `path`, without changing the file.
 ///
 /// # Errors
 /// [`WriteError`] that [`write`](fn@write) would return.

@@ -4,6 +4,8 @@
 //! variance of the pixels is least if n is proportional to σ over the radiance. A few pictures
 //! before the first pass estimate both. No pass uses rays of the pilot, so the mean stays unbiased.
 
+use super::camera_path;
+use super::film;
 use super::map_builder::PassBudget;
 use super::pass::{Pass, Silent};
 use super::pass_renderer::PassRenderer;
@@ -33,11 +35,14 @@ pub(super) fn find_ray_density(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>
     let pilot = renderer.with_one_sample();
     let pictures: Vec<Vec<f64>> = (0..PILOT_PICTURES)
         .map(|i| {
-            let mut out = Pass::default();
             // No render reaches these passes, so no random number is used twice.
-            let paths = pilot.paths(Some(&maps), u32::MAX - i);
-            for_interior!(pilot.policy.effects, pilot.render_pixels(&paths, &Silent, &mut out));
-            out.image.iter().map(|v| f64::from(color::channel_mean(*v))).collect()
+            let pass = u32::MAX - i;
+            let (paths, sampling, key) =
+                (pilot.path_context(Some(&maps), pass), pilot.film_sampling(), pilot.camera_key(pass));
+            let picture = for_interior!(pilot.policy.effects, <I> {
+                film::render_tiles(&sampling, key, &Silent, camera_path::tracer::<I>(&paths))
+            });
+            picture.image.iter().map(|v| f64::from(color::channel_mean(*v))).collect()
         })
         .collect();
     let (width, height) = renderer.scene.camera().size();

@@ -19,7 +19,7 @@ pub(super) type FilmPoint = (Vec2, Sampler);
 ///
 /// Returns their radiance \[W/(m² sr)], and the workers' counters and recorded points.
 pub(super) fn trace_points(paths: &PathContext<'_>, points: &[FilmPoint]) -> (Vec<Rgb>, Vec<Worker>) {
-    for_interior!(paths.policy.effects, trace_points_in(paths, points))
+    for_interior!(paths.policy.effects, <I> trace_points_in::<I>(paths, points))
 }
 
 fn trace_points_in<I: Interior>(paths: &PathContext<'_>, points: &[FilmPoint]) -> (Vec<Rgb>, Vec<Worker>) {

@@ -1,23 +1,18 @@
-//! Everything that renders the camera paths of a pass, apart from the choice of settings by pilots.
+//! Inputs of a pass: the scene, its policy, photon maps, camera rays and random keys.
 
-use super::camera_path::{self, PathContext, PathState};
-use super::film::{self, FilmSampling, Worker};
+use super::camera_path::PathContext;
+use super::film::{self, FilmSampling};
 use super::map_builder::PhotonMapBuilder;
 use super::nee::NextEventEstimator;
-use super::pass::{Monitor, Pass, Silent};
 use super::photon_maps::PhotonMaps;
 use super::policy::PathPolicy;
 use super::settings::Settings;
-use crate::math::Ray;
 use crate::plan::Effect;
-use crate::sampling::{Key, Purpose, Sampler};
-use crate::scene::{Interior, Scene};
+use crate::sampling::{Key, Purpose};
+use crate::scene::Scene;
 use std::sync::Arc;
-use std::time::Instant;
 
 /// Number of tiles that each pass traces by fresh paths if passes share their camera paths.
-///
-/// Fresh paths measure the error that all passes share.
 const FRESH_TILE_COUNT: u32 = 48;
 
 /// A scene with a policy, and the numbers of camera rays and photons of a pass.
@@ -80,41 +75,39 @@ impl<'a> PassRenderer<'a> {
     }
 
     /// Inputs of the camera paths of pass `pass`.
-    pub fn paths<'b>(&'b self, maps: Option<&'b PhotonMaps<'b>>, pass: u32) -> PathContext<'b> {
+    pub fn path_context<'b>(&'b self, maps: Option<&'b PhotonMaps<'b>>, pass: u32) -> PathContext<'b> {
         let max_bounces = self.settings.camera_paths.max_bounces;
         PathContext::new(self.scene, &self.policy, &self.nee, maps, pass, max_bounces)
     }
 
-    /// Renders all pixels by camera paths into `out`.
-    pub fn render_pixels<I: Interior>(&self, paths: &PathContext<'_>, monitor: &dyn Monitor, out: &mut Pass) {
-        let start = Instant::now();
-        let (policy, camera, eye) = (paths.policy, paths.scene.camera(), &self.settings.camera_paths);
-        let nested = eye.estimate_error && policy.reads_photons();
-        let mut sampling = FilmSampling {
-            camera,
-            filter: Some(&eye.filter),
-            samples: self.samples,
-            lens: policy.effects.has(Effect::Lens),
-            density: self.density.as_deref(),
-            nested,
-            every: 1,
-        };
-        let radiance = |ray: &Ray, sampler: Sampler, worker: &mut Worker, stack: &mut Vec<PathState<I>>| {
-            camera_path::radiance(paths, ray, sampler, worker, stack)
-        };
-        let key = Key::new(eye.seed).purpose_key(Purpose::Camera);
-        let pass_key = if policy.shares_paths { key.shared_paths_key() } else { key.pass_key(paths.pass) };
-        let rendered = film::render_tiles(&sampling, pass_key, monitor, radiance);
-        (out.image, out.nested) = (rendered.image, rendered.nested);
-        out.counters += rendered.counters;
+    /// Random key of the camera paths of pass `pass`.
+    pub fn camera_key(&self, pass: u32) -> Key {
+        let key = Key::new(self.settings.camera_paths.seed).purpose_key(Purpose::Camera);
+        if self.policy.shares_paths { key.shared_paths_key() } else { key.pass_key(pass) }
+    }
 
-        // Trace some tiles by fresh paths if passes share theirs.
-        if nested && policy.shares_paths {
-            let every = film::tile_interval(camera.size(), FRESH_TILE_COUNT);
-            sampling = FilmSampling { nested: false, every, ..sampling };
-            let fresh = film::render_tiles(&sampling, key.fresh_paths_key(paths.pass), &Silent, radiance);
-            out.fresh = fresh.pixels.iter().map(|i| (*i, fresh.image[*i as usize])).collect();
+    /// Camera rays of a pass.
+    pub fn film_sampling(&self) -> FilmSampling<'_> {
+        FilmSampling {
+            camera: self.scene.camera(),
+            filter: Some(&self.settings.camera_paths.filter),
+            samples: self.samples,
+            lens: self.policy.effects.has(Effect::Lens),
+            density: self.density.as_deref(),
+            nested: self.settings.camera_paths.estimate_error && self.policy.reads_photons(),
+            every: 1,
         }
-        out.seconds.camera += start.elapsed().as_secs_f64();
+    }
+
+    /// Camera rays and random key of the tiles that pass `pass` also traces by fresh paths, to
+    /// measure the error that passes with the same camera paths share; `None` if they share none.
+    pub fn fresh_tiles(&self, pass: u32) -> Option<(FilmSampling<'_>, Key)> {
+        let sampling = self.film_sampling();
+        if !(sampling.nested && self.policy.shares_paths) {
+            return None;
+        }
+        let every = film::tile_interval(sampling.camera.size(), FRESH_TILE_COUNT);
+        let key = Key::new(self.settings.camera_paths.seed).purpose_key(Purpose::Camera).fresh_paths_key(pass);
+        Some((FilmSampling { nested: false, every, ..sampling }, key))
     }
 }

@@ -1,9 +1,11 @@
 //! The integrator of all algorithms that a [`PathPolicy`](super::policy::PathPolicy) expresses.
 
 use super::balance::Balance;
+use super::camera_path;
 use super::density_pilot::find_ray_density;
+use super::film::{self, FilmSampling};
 use super::integrator::Integrator;
-use super::pass::{Expected, Monitor, Pass};
+use super::pass::{Expected, Monitor, Pass, Silent};
 use super::pass_renderer::PassRenderer;
 use super::policy::PolicyFn;
 use super::radius_law::RadiusLaw;
@@ -14,6 +16,7 @@ use crate::plan::{Effects, Plan};
 use crate::sampling::{Dimension, Key, Purpose};
 use crate::scene::{Scene, for_interior};
 use crate::stats::Counters;
+use std::time::Instant;
 
 /// Integrator whose camera paths follow a [`PathPolicy`](super::policy::PathPolicy).
 #[derive(Debug)]
@@ -44,8 +47,23 @@ impl Integrator for PathIntegrator<'_> {
         let maps = map_builder.has_photons().then(|| map_builder.build(pass, monitor, &mut out));
 
         // Trace camera paths.
-        let paths = renderer.paths(maps.as_ref(), pass);
-        for_interior!(paths.policy.effects, renderer.render_pixels(&paths, monitor, &mut out));
+        let start = Instant::now();
+        let paths = renderer.path_context(maps.as_ref(), pass);
+        let render = |sampling: &FilmSampling<'_>, key: Key, monitor: &dyn Monitor| {
+            for_interior!(paths.policy.effects, <I> {
+                film::render_tiles(sampling, key, monitor, camera_path::tracer::<I>(&paths))
+            })
+        };
+        let picture = render(&renderer.film_sampling(), renderer.camera_key(pass), monitor);
+        (out.image, out.nested) = (picture.image, picture.nested);
+        out.counters += picture.counters;
+
+        // Trace some tiles by fresh paths if passes share theirs.
+        if let Some((sampling, key)) = renderer.fresh_tiles(pass) {
+            let fresh = render(&sampling, key, &Silent);
+            out.fresh = fresh.pixels.iter().map(|i| (*i, fresh.image[*i as usize])).collect();
+        }
+        out.seconds.camera += start.elapsed().as_secs_f64();
         out
     }
 

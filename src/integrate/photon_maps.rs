@@ -4,7 +4,7 @@ use super::film::Worker;
 use super::nested_estimates::GatherDiscSum;
 use super::vertex::{MediumVertex, PathVertex};
 use super::volume_estimate::{VolumeMap, wavelength_overlap};
-use crate::bsdf::Transport;
+use crate::bsdf::TransportMode;
 use crate::color::Rgb;
 use crate::photon::{
     Bandwidth, Kernel, NestedRadianceEstimate, PhotonData, PhotonMap, Scratch, coverage, nested_disc_coverage,
@@ -108,7 +108,7 @@ impl PhotonEstimator<'_> {
         let ns = if surface.wo.dot(surface.point.ng) < 0.0 { -surface.point.ns } else { surface.point.ns };
         let wavelength = vertex.interior.wavelength();
         let brdf = |photon: &PhotonData| {
-            let brdf = surface.bsdf.evaluate(surface.wo, photon.incident_direction(), ns, ns, Transport::Radiance);
+            let brdf = surface.bsdf.evaluate(surface.wo, photon.incident_direction(), ns, ns, TransportMode::Radiance);
             if I::SPECTRAL {
                 brdf * wavelength_overlap(wavelength, photon.wavelength(), self.volume.band)
             } else {

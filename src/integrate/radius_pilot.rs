@@ -2,7 +2,7 @@
 
 use super::settings::Settings;
 use super::volume_estimate::VolumeEstimate;
-use crate::bsdf::Transport;
+use crate::bsdf::TransportMode;
 use crate::math::Ray;
 use crate::photon::{GuidingReport, Photon, PhotonBeamMap, PhotonMap, PhotonPass, VolumePhotonMap};
 use crate::plan::Effects;
@@ -208,8 +208,8 @@ fn trace_medium_segments(scene: &Scene, effects: Effects, key: Key) -> Vec<Vec<R
                 break;
             }
             let (lobe, u) = (sampler.get_1d(Dimension::BsdfLobe), sampler.get_2d(Dimension::BsdfDirection));
-            let Some(sample) = surface.sample(lobe, u, Transport::Radiance) else { break };
-            let _ = path_ray.leave(&surface, sample.wi, sample.transmitted);
+            let Some(sample) = surface.sample(lobe, u, TransportMode::Radiance) else { break };
+            let _ = path_ray.leave(&surface, sample.wi, sample.is_transmitted);
         }
         segments
     };

@@ -128,7 +128,7 @@ fn estimate_at_points(
     maps: Option<&PhotonMaps<'_>>,
     points: &[FilmPoint],
 ) -> PointEstimates {
-    let (radiance, workers) = trace_points(&renderer.paths(maps, 0), points);
+    let (radiance, workers) = trace_points(&renderer.path_context(maps, 0), points);
     let mut counters = Counters::default();
     workers.iter().for_each(|worker| counters += worker.counters);
     PointEstimates { radiance, counters }

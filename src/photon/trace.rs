@@ -3,7 +3,7 @@
 use super::audit::add_flux;
 use super::deposits::{Deposit, DepositPlace};
 use super::{AFTER_CAUSTIC_THINNING, Deposits, EnergyAudit, PhotonKind, PhotonSource, StoreMask};
-use crate::bsdf::{Transport, photon_deposit_factor};
+use crate::bsdf::{TransportMode, photon_deposit_factor};
 use crate::color::{self, Rgb};
 use crate::medium::PhaseFunction;
 use crate::sampling::{Dimension, Key};
@@ -56,7 +56,7 @@ impl PhotonPass<'_> {
     /// Calls `done` after each chunk with its number of paths, from any thread. The result does not
     /// depend on the number of threads: chunks have a fixed size and are joined in order.
     pub fn trace(&self, pass_key: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> PhotonPassResult {
-        for_interior!(self.source, self.trace_with_interior(pass_key, paths, done))
+        for_interior!(self.source, <I> self.trace_with_interior::<I>(pass_key, paths, done))
     }
 
     fn trace_with_interior<I: Interior>(
@@ -178,11 +178,11 @@ impl PhotonPass<'_> {
             let before = color::channel_mean(flux);
             let ratio = if let Some(surface) = &surface {
                 let (lobe, u) = (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
-                let Some(sample) = surface.sample(lobe, u, Transport::Importance) else {
+                let Some(sample) = surface.sample(lobe, u, TransportMode::Importance) else {
                     return add_flux(&mut audit.absorbed, flux);
                 };
                 let adjoint = sample.adjoint_correction(surface.wo, surface.point.ns, surface.point.ng);
-                let interior_weight = ray.leave(surface, sample.wi, sample.transmitted);
+                let interior_weight = ray.leave(surface, sample.wi, sample.is_transmitted);
                 let scattered = flux * sample.weight * adjoint * interior_weight;
                 add_flux(&mut audit.absorbed, flux - scattered);
                 flux = scattered;

@@ -1,4 +1,4 @@
-//! Colour pipeline of ꟻLIP (section 4.1 of Andersson et al. 2020).
+//! Colour differences of ꟻLIP (Andersson et al. 2020, section 4.1).
 
 use glam::{DMat3, DVec3, Vec3};
 use std::sync::LazyLock;
@@ -16,39 +16,41 @@ const XYZ: DMat3 = DMat3::from_cols_array(&[
     70_074_185.0 / 73_733_382.0,
 ]);
 
-/// Matrix from linear RGB to XYZ relative to white, and its inverse.
+/// Matrix from linear RGB to XYZ divided by the XYZ of white, and its inverse.
 static RELATIVE_XYZ: LazyLock<(DMat3, DMat3)> = LazyLock::new(|| {
     let white = XYZ * DVec3::ONE;
     let to = DMat3::from_diagonal(white.recip()) * XYZ;
     (to, to.inverse())
 });
 
-/// Exponent of colour differences: q_c of the paper.
+/// Exponent of colour differences, q_c of the paper.
 const COLOR_EXPONENT: f64 = 0.7;
-/// Knee of the error mapping: fraction of the largest difference, and its error (p_c and p_t).
+/// Knee of the map from colour difference to error (p_c and p_t of the paper).
+///
+/// The difference at the knee, over the largest difference, and the error there.
 const KNEE: (f64, f64) = (0.4, 0.95);
 
-/// YCxCz of linear RGB: a linear transform of XYZ with the scale of CIELAB.
+/// Converts linear RGB to YCxCz, an opponent space that is linear in XYZ and scaled like CIELAB.
 pub(super) fn rgb_to_ycxcz(rgb: Vec3) -> Vec3 {
     let DVec3 { x, y, z } = RELATIVE_XYZ.0 * rgb.as_dvec3();
     DVec3::new(116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)).as_vec3()
 }
 
-/// Luminance relative to white, from the channel Y of YCxCz.
+/// Luminance relative to white of the channel Y of YCxCz.
 pub(super) fn relative_luminance(y: f64) -> f64 {
     (y + 16.0) / 116.0
 }
 
-/// CIELAB of YCxCz with chroma scaled by lightness (Hunt 1952).
+/// Converts YCxCz to CIELAB with Hunt adjustment: chroma is multiplied by L*/100 (Hunt 1952).
 ///
-/// Colours outside of the RGB cube are clamped first.
+/// The colour is clamped to the RGB cube first.
 pub(super) fn hunt_adjusted_lab(ycxcz: DVec3) -> DVec3 {
     let y = relative_luminance(ycxcz.x);
     let relative = DVec3::new(y + ycxcz.y / 500.0, y, y - ycxcz.z / 200.0);
     hunt_lab_from_rgb((RELATIVE_XYZ.1 * relative).clamp(DVec3::ZERO, DVec3::ONE))
 }
 
-/// CIELAB of linear RGB with chroma scaled by lightness.
+/// Converts linear RGB to CIELAB with Hunt adjustment: chroma is multiplied by L*/100.
 fn hunt_lab_from_rgb(rgb: DVec3) -> DVec3 {
     const DELTA: f64 = 6.0 / 29.0;
     let root = |t: f64| {
@@ -60,18 +62,20 @@ fn hunt_lab_from_rgb(rgb: DVec3) -> DVec3 {
     DVec3::new(lightness, 5.0 * lightness * (x - y), 2.0 * lightness * (y - z))
 }
 
-/// HyAB distance: difference of lightness plus distance of chroma (Abasi et al. 2020).
+/// HyAB distance: |ΔL*| plus the Euclidean distance in (a*, b*) (Abasi et al. 2020).
 fn hyab_distance(a: DVec3, b: DVec3) -> f64 {
     let d = a - b;
     d.x.abs() + (d.y * d.y + d.z * d.z).sqrt()
 }
 
-/// Largest colour difference: green against blue.
+/// Largest colour difference in the RGB cube: green against blue.
 static LARGEST: LazyLock<f64> = LazyLock::new(|| {
     libm::pow(hyab_distance(hunt_lab_from_rgb(DVec3::Y), hunt_lab_from_rgb(DVec3::Z)), COLOR_EXPONENT)
 });
 
-/// Error of two colours in [0, 1]: HyAB to a power, with large differences compressed.
+/// Error of two colours in \[0, 1]: a power of the HyAB distance, compressed above the knee.
+///
+/// `a` and `b` are Hunt-adjusted CIELAB.
 pub(super) fn color_error(a: DVec3, b: DVec3) -> f64 {
     let error = libm::pow(hyab_distance(a, b), COLOR_EXPONENT);
     let (fraction, at_knee) = KNEE;

@@ -4,22 +4,23 @@ use super::color::relative_luminance;
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// Contrast sensitivity functions: a and b of a·√(π/b)·exp(−π²x²/b), x in degrees (table 1).
+/// Contrast sensitivity of the luminance channel: a and b of a·√(π/b)·exp(−π²x²/b), x in degrees
+/// (Andersson et al. 2020, table 1).
 const LUMINANCE: (f64, f64) = (1.0, 0.0047);
 const RED_GREEN: (f64, f64) = (1.0, 0.0053);
 const BLUE_YELLOW: [(f64, f64); 2] = [(34.1, 0.04), (13.5, 0.025)];
 
-/// Width of the edge detector from peak to trough \[degrees] (section 4.2).
+/// Width of the edge detector from peak to trough \[degrees] (Andersson et al. 2020, section 4.2).
 const DETECTOR: f64 = 0.082;
 
-/// Weights of a symmetric one-dimensional filter, from its left end.
+/// Weights of a one-dimensional filter with an odd number of taps, from left to right.
 type FilterWeights = Vec<f32>;
 
-/// Separable filters for a number of pixels per degree.
+/// Separable filters of ꟻLIP, scaled to the pixels per degree of visual angle.
 pub(super) struct FlipFilters {
     luminance: FilterWeights,
     red_green: FilterWeights,
-    /// Two Gaussians, each with its weight in the sum.
+    /// Weighted sum of two Gaussians: weight and Gaussian.
     blue_yellow: [(f32, FilterWeights); 2],
     /// A Gaussian and its first and second derivative.
     detector: [FilterWeights; 3],
@@ -27,7 +28,7 @@ pub(super) struct FlipFilters {
 
 impl FlipFilters {
     pub fn new(pixels_per_degree: f64) -> Self {
-        // As in the paper, all filters have the radius of the widest: three standard deviations.
+        // All filters have the radius of the widest, three standard deviations, as in the paper.
         let radius = (3.0 * (BLUE_YELLOW[0].1 / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil() as i32;
         let gaussian = |b: f64| {
             sample_at_integers(radius, |x| {
@@ -59,7 +60,9 @@ impl FlipFilters {
     }
 }
 
-/// A Gaussian of sum 1, and its derivatives. Their positive weights sum to 1, the negative ones to
+/// Detector filters: a Gaussian, its first derivative (edges) and its second derivative (points).
+///
+/// The Gaussian has sum 1. The positive weights of each derivative sum to 1, the negative ones to
 /// −1.
 fn feature_detectors(pixels_per_degree: f64) -> [FilterWeights; 3] {
     let deviation = 0.5 * DETECTOR * pixels_per_degree;
@@ -83,23 +86,23 @@ fn normalize_signed_weights(raw: &[f64]) -> FilterWeights {
     to_single_precision(raw.iter().map(|w| if *w < 0.0 { w / negative } else { w / positive }))
 }
 
-/// Values at the integers from −`radius` to `radius`.
+/// Samples the function `value` at the integers from −`radius` to `radius`.
 fn sample_at_integers(radius: i32, value: impl Fn(f64) -> f64) -> Vec<f64> {
     (-radius..=radius).map(|x| value(f64::from(x))).collect()
 }
 
-/// Weights in single precision.
+/// Rounds filter weights to single precision.
 fn to_single_precision(weights: impl Iterator<Item = f64>) -> FilterWeights {
     weights.map(|w| w as f32).collect()
 }
 
-/// Filtered row of a picture, with the buffers for it.
+/// Buffers for one filtered row of a picture.
 pub(super) struct RowFilter {
-    /// Row after the vertical filter, with its ends repeated on both sides.
+    /// Row after vertical filtering, extended by its end pixels on both sides.
     padded: Vec<f32>,
-    /// Y, Cx, Cz, and the second Gaussian of Cz.
+    /// Blurred Y, Cx and Cz, and Cz blurred with the second Gaussian.
     blurred: [Vec<f32>; 4],
-    /// Edges and then points, each horizontally and vertically.
+    /// Horizontal edges, vertical edges, horizontal points, vertical points.
     features: [Vec<f32>; 4],
 }
 
@@ -132,25 +135,26 @@ impl RowFilter {
         filter_row(&planes[0], row, second, gaussian, padded, point_down);
     }
 
-    /// Blurred YCxCz of column `x`.
+    /// Blurred YCxCz colour in column `x`.
     pub fn filtered_color(&self, x: usize) -> DVec3 {
         let [y, cx, cz, _] = &self.blurred;
         DVec3::new(y[x].into(), cx[x].into(), cz[x].into())
     }
 
-    /// Strength of the luminance edge at column `x`.
+    /// Magnitude of the luminance edge in column `x`.
     pub fn edge_strength(&self, x: usize) -> f64 {
         feature_magnitude(self.features[0][x], self.features[1][x])
     }
 
-    /// Strength of the luminance point at column `x`.
+    /// Magnitude of the luminance point in column `x`.
     pub fn point_strength(&self, x: usize) -> f64 {
         feature_magnitude(self.features[2][x], self.features[3][x])
     }
 }
 
-/// Magnitude of a feature in relative luminance. Detectors have sum 0, so an offset does not
-/// matter.
+/// Magnitude of a feature from its horizontal and vertical detector, in relative luminance.
+///
+/// Detector weights have sum 0, so the offset between channel Y and luminance cancels.
 fn feature_magnitude(across: f32, down: f32) -> f64 {
     let scale = relative_luminance(1.0) - relative_luminance(0.0);
     let (a, d) = (f64::from(across), f64::from(down));
@@ -177,7 +181,7 @@ fn filter_row(plane: &[f32], row: usize, down: &[f32], across: &[f32], padded: &
     }
 }
 
-/// Adds weighted values.
+/// Adds `weight` times `values` to `sum`.
 fn add_weighted(sum: &mut [f32], weight: f32, values: &[f32]) {
     for (s, v) in sum.iter_mut().zip(values) {
         *s += weight * v;

@@ -1,4 +1,4 @@
-//! ꟻLIP: the visible difference of two pictures that alternate at one position.
+//! ꟻLIP: a perceptual metric of the difference seen when two pictures alternate.
 //!
 //! LDR-ꟻLIP: Andersson et al. 2020, "ꟻLIP: A Difference Evaluator for Alternating Images", HPG.
 //! HDR-ꟻLIP: Andersson et al. 2021, "Visualizing Errors in Rendered High Dynamic Range Images",
@@ -17,14 +17,15 @@ use glam::Vec3;
 use rayon::prelude::*;
 use tone::{film_curve, hdr_exposures};
 
-/// Pixels per degree of the papers' viewer: a screen 0.7 m wide with 3840 pixels, seen from 0.7 m.
+/// Default pixels per degree of visual angle: a 0.7 m wide screen of 3840 pixels, seen from 0.7 m.
 pub const PIXELS_PER_DEGREE: f64 = 3840.0 * std::f64::consts::PI / 180.0;
 
-/// Range of pixels per degree. Below it filters are narrower than a pixel, above it wider than
-/// pictures.
+/// Accepted pixels per degree of visual angle.
+///
+/// Below the range, filters are narrower than a pixel. Above it, they are wider than most pictures.
 pub const PIXELS_PER_DEGREE_RANGE: std::ops::RangeInclusive<f64> = 1.0..=1000.0;
 
-/// Tone mapping before the comparison.
+/// Variant of ꟻLIP, which determines the tone mapping before the comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FlipMode {
     /// Display values: radiance is multiplied by 2 to this power and clamped to [0, 1]. The
@@ -40,9 +41,9 @@ pub enum FlipMode {
 /// Options of [`flip`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlipOptions {
-    /// Pixels per degree of the viewer's field of view, within [`PIXELS_PER_DEGREE_RANGE`].
+    /// Pixels per degree of visual angle, within [`PIXELS_PER_DEGREE_RANGE`].
     pub pixels_per_degree: f64,
-    /// Tone mapping.
+    /// Variant of the metric.
     pub mode: FlipMode,
 }
 
@@ -52,16 +53,16 @@ impl Default for FlipOptions {
     }
 }
 
-/// Visible difference of two pictures.
+/// ꟻLIP errors of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlipResult {
-    /// Error of each pixel from 0 (equal) to 1, in rows from the top.
+    /// Error of each pixel in \[0, 1], in rows from the top; 0 is equal.
     pub map: Vec<f32>,
-    /// Mean over pixels.
+    /// Mean error over pixels.
     pub mean: f64,
 }
 
-/// ꟻLIP of `test` against `reference`. Negative radiance counts as black.
+/// Computes the ꟻLIP error of `test` against `reference`. Negative radiance counts as black.
 ///
 /// [`FlipMode::Ldr`] is symmetric. [`FlipMode::Hdr`] derives its exposures from the reference.
 ///
@@ -106,7 +107,7 @@ pub fn flip(reference: &Image, test: &Image, options: &FlipOptions) -> Result<Fl
     Ok(FlipResult { map, mean })
 }
 
-/// A picture in opponent channels: luminance, red-green, blue-yellow.
+/// A picture in the opponent colour space YCxCz: luminance, red-green, blue-yellow.
 struct OpponentImage {
     width: usize,
     /// Planes Y, Cx and Cz, each in rows.
@@ -114,7 +115,7 @@ struct OpponentImage {
 }
 
 impl OpponentImage {
-    /// Converts a picture. `shown` maps radiance to linear display values in [0, 1].
+    /// Converts `image`; `shown` maps radiance to linear display values in \[0, 1].
     fn from_image(image: &Image, shown: impl Fn(Vec3) -> Vec3 + Sync) -> Self {
         let triples: Vec<Vec3> = image.pixels().par_iter().map(|&p| rgb_to_ycxcz(shown(p))).collect();
         let plane = |channel: usize| triples.iter().map(|t| t[channel]).collect();
@@ -122,9 +123,7 @@ impl OpponentImage {
     }
 }
 
-/// Raises each pixel of `map` to at least the error of the pair.
-///
-/// Rows are independent, so the result does not depend on the threads.
+/// Sets each pixel of `map` to the maximum of its value and the ꟻLIP error of the two pictures.
 fn accumulate_max_error(reference: &OpponentImage, test: &OpponentImage, filters: &FlipFilters, map: &mut [f32]) {
     let width = reference.width;
     let scratch = || (RowFilter::new(width, filters), RowFilter::new(width, filters));

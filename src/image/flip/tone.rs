@@ -3,14 +3,15 @@
 use crate::image::Image;
 use glam::{DVec3, Vec3};
 
-/// Narkowicz's fit of the ACES film curve, (k₀x² + k₁x) / (k₂x² + k₃x + k₄), with his factor 0.6 in
-/// x.
+/// Coefficients k₀ … k₄ of the film curve (k₀x² + k₁x) / (k₂x² + k₃x + k₄).
+///
+/// They are Narkowicz's fit of the ACES film curve with his exposure factor 0.6.
 const FILM: [f64; 5] = [0.36 * 2.51, 0.6 * 0.03, 0.36 * 2.43, 0.6 * 0.59, 0.14];
 
-/// Signal of the film curve that counts as close to white.
+/// Output of the film curve that counts as close to white.
 const NEAR_WHITE: f64 = 0.85;
 
-/// Linear display value in [0, 1] of radiance multiplied by `scale`.
+/// Film curve: linear display value in \[0, 1] of `radiance` times `scale`.
 pub(super) fn film_curve(radiance: Vec3, scale: f64) -> Vec3 {
     let x = radiance.as_dvec3().max(DVec3::ZERO) * scale;
     let [k0, k1, k2, k3, k4] = FILM;
@@ -18,7 +19,7 @@ pub(super) fn film_curve(radiance: Vec3, scale: f64) -> Vec3 {
     level.min(DVec3::ONE).as_vec3()
 }
 
-/// Exposures \[stops] for a reference with finite pixels; 0 for a black one.
+/// Exposures of HDR-ꟻLIP \[stops] for a reference with finite pixels; 0 alone for a black one.
 pub(super) fn hdr_exposures(reference: &Image) -> Vec<f64> {
     let luminance = |p: &Vec3| p.as_dvec3().dot(DVec3::new(0.2126, 0.7152, 0.0722));
     let mut lit: Vec<f64> = reference.pixels().iter().map(luminance).filter(|y| *y > 0.0).collect();
@@ -31,9 +32,9 @@ pub(super) fn hdr_exposures(reference: &Image) -> Vec<f64> {
     (0..count as u32).map(|i| first + f64::from(i) * (last - first) / (count - 1.0)).collect()
 }
 
-/// Input of the film curve with the signal t = [`NEAR_WHITE`].
+/// Input x of the film curve whose output t is [`NEAR_WHITE`].
 ///
-/// The input x is the positive root of (k₀ − k₂t)x² + (k₁ − k₃t)x − k₄t.
+/// x is the positive root of (k₀ − k₂t)x² + (k₁ − k₃t)x − k₄t.
 fn film_input_near_white() -> f64 {
     let [k0, k1, k2, k3, k4] = FILM;
     let (a, half, c) = (k0 - k2 * NEAR_WHITE, 0.5 * (k1 - k3 * NEAR_WHITE), -k4 * NEAR_WHITE);

@@ -103,7 +103,7 @@ impl PhotonSource<'_> {
             .into_par_iter()
             .map(|chunk| {
                 let range = chunk * CHUNK..paths.min((chunk + 1).saturating_mul(CHUNK));
-                for_interior!(self, self.trace_chunk(pilot, key, range, paths))
+                for_interior!(self, <I> self.trace_chunk::<I>(pilot, key, range, paths))
             })
             .collect();
         let mut total = RoundSamples::default();

@@ -1,22 +1,25 @@
 //! Choice of the interior type of camera and photon paths.
 
-/// Calls a generic function or method with the [`Interior`](crate::scene::Interior) type that
-/// `$needs` requires: a value with a method `interior_kind`, for example the effects.
+/// Evaluates an expression with the [`Interior`](crate::scene::Interior) type that `$needs`
+/// requires: a value with a method `interior_kind`, for example the effects.
 ///
-/// Paths are compiled once per type, so that scenes without bodies or media do not pay for them.
+/// `for_interior!(effects, <I> trace::<I>(scene))` names the type `I`. Paths are compiled once per
+/// type, so that scenes without bodies or media do not pay for them.
 macro_rules! for_interior {
-    ($needs:expr, $object:ident . $method:ident ($($argument:expr),*)) => {
+    ($needs:expr, <$interior:ident> $body:expr) => {
         match $needs.interior_kind() {
-            $crate::scene::InteriorKind::Spectral => $object.$method::<$crate::scene::SpectralInterior>($($argument),*),
-            $crate::scene::InteriorKind::Bodies => $object.$method::<$crate::scene::InteriorStack>($($argument),*),
-            $crate::scene::InteriorKind::Nothing => $object.$method::<$crate::scene::NoInterior>($($argument),*),
-        }
-    };
-    ($needs:expr, $function:ident ($($argument:expr),*)) => {
-        match $needs.interior_kind() {
-            $crate::scene::InteriorKind::Spectral => $function::<$crate::scene::SpectralInterior>($($argument),*),
-            $crate::scene::InteriorKind::Bodies => $function::<$crate::scene::InteriorStack>($($argument),*),
-            $crate::scene::InteriorKind::Nothing => $function::<$crate::scene::NoInterior>($($argument),*),
+            $crate::scene::InteriorKind::Spectral => {
+                type $interior = $crate::scene::SpectralInterior;
+                $body
+            }
+            $crate::scene::InteriorKind::Bodies => {
+                type $interior = $crate::scene::InteriorStack;
+                $body
+            }
+            $crate::scene::InteriorKind::Nothing => {
+                type $interior = $crate::scene::NoInterior;
+                $body
+            }
         }
     };
 }
