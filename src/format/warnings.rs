@@ -12,8 +12,8 @@ use std::path::Path;
 
 /// Returns warnings about unused textures and materials, and about defective dielectric meshes.
 ///
-/// Each warning is one line, in the order of the text. Dielectric meshes are read again. A mesh that
-/// cannot be read is skipped, because resolving reports it as an error.
+/// Each warning is one line, in the order of the text. Dielectric meshes are read again. A mesh
+/// that cannot be read is skipped, because resolving reports it as an error.
 pub(super) fn scene_warnings(
     description: &SceneDescription,
     source: &SourceText,
