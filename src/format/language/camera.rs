@@ -169,13 +169,13 @@ fn parse_lens(f: &BlockFields<'_>, view: &CameraView) -> Result<Option<LensDescr
         f.forbid_fields(&["sensorHeight", "focusDistance", "focusAt", "blades"], rule)?;
         return Ok(None);
     }
-    let opening = f.require_one_of(&["aperture", "fNumber"])?;
-    let opening = if opening.name() == "aperture" {
+    let aperture = f.require_one_of(&["aperture", "fNumber"])?;
+    let aperture = if aperture.name() == "aperture" {
         f.forbid_fields(&["sensorHeight"], "has no effect without `fNumber`")?;
-        ApertureDescription::Radius(opening.value())
+        ApertureDescription::Radius(aperture.value())
     } else {
         let sensor = f.optional_value("sensorHeight").unwrap_or(DEFAULT_SENSOR_HEIGHT);
-        ApertureDescription::FNumber { number: opening.value(), sensor }
+        ApertureDescription::FNumber { number: aperture.value(), sensor }
     };
     let focus = if f.get("focusDistance").is_some() || f.get("focusAt").is_some() {
         let focus = f.require_one_of(&["focusDistance", "focusAt"])?;
@@ -198,7 +198,7 @@ fn parse_lens(f: &BlockFields<'_>, view: &CameraView) -> Result<Option<LensDescr
         let is_valid = blades == 0 || (3..=64).contains(&blades);
         field.ensure(is_valid, "must be 0, for a round opening, or lie between 3 and 64")?;
     }
-    Ok(Some(LensDescription { opening, focus, blades }))
+    Ok(Some(LensDescription { aperture, focus, blades }))
 }
 
 /// Parses `direction` or `lookAt`; returns it, and the direction from `center`, of any length.
@@ -259,7 +259,7 @@ pub(super) fn write_direction_or_target(out: &mut SceneWriter<'_, '_>, aim: Dire
 
 /// Writes the fields of a thin lens.
 fn write_lens(out: &mut SceneWriter<'_, '_>, lens: &LensDescription) -> fmt::Result {
-    match lens.opening {
+    match lens.aperture {
         ApertureDescription::Radius(radius) => out.write_number("aperture", radius)?,
         ApertureDescription::FNumber { number, sensor } => {
             out.write_number("fNumber", number)?;
