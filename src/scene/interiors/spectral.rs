@@ -1,28 +1,29 @@
-//! The record of interiors for paths in media and for paths with a wavelength.
+//! The interior of paths in media and of paths with a wavelength.
 
 use super::{Body, BoundaryEvent, CurrentMedium, Interior, InteriorStack, resolve_interface};
-use crate::bsdf::{Bsdf, Dielectric, Transport};
+use crate::bsdf::{Bsdf, Dielectric, TransportMode};
 use crate::color::{Rgb, Wavelength};
 use crate::math::Ray;
 use crate::sampling::{Dimension, Key};
 use crate::scene::{Effect, Effects, Scene, SurfaceInteraction};
 use glam::Vec3;
 
-/// Reflectances at which reflected light keeps all wavelengths.
+/// Range of reflectances at which a reflected path keeps all wavelengths.
 ///
-/// The reflectances of all wavelengths then differ by less than a third. They differ more towards
+/// Here the reflectances of all wavelengths differ by less than a third. They differ more near
 /// total reflection, and where both indices are nearly equal.
 const UNDISPERSED_REFLECTANCES: std::ops::Range<f32> = 0.004..0.2;
 
-/// An [`InteriorStack`], and the wavelength of the path once one is sampled.
+/// An [`InteriorStack`] with the wavelength of the path.
 ///
-/// A path samples its wavelength at the first dispersive surface, and keeps it. Faint reflections
-/// from such a surface keep all wavelengths.
+/// A path samples its wavelength at the first dispersive surface, and keeps it. A faint reflection
+/// at that surface keeps all wavelengths.
 #[derive(Clone, Copy, Debug)]
 pub struct SpectralInterior {
     stack: InteriorStack,
     wavelength: Option<Wavelength>,
-    /// The interface of the d line at the surface where the wavelength was just sampled.
+    /// The boundary's BSDF for the d line, where a wavelength is sampled but its weight not yet
+    /// applied.
     sampled_at: Option<Dielectric>,
     effects: Effects,
 }
@@ -113,12 +114,10 @@ impl Interior for SpectralInterior {
     fn wavelength_weight_after_scattering(&mut self, surface: &SurfaceInteraction<'_>, transmitted: bool) -> Rgb {
         let (Some(plain), Some(wavelength)) = (self.sampled_at.take(), self.wavelength) else { return Rgb::ONE };
         let weight = wavelength.weight();
-        if !transmitted && let Bsdf::Dielectric(own) = surface.bsdf {
-            let reflected = |glass: Dielectric| {
-                let point = &surface.point;
-                glass.split(surface.wo, point.ns, point.ng, Transport::Importance).reflected.1
-            };
-            let (plain, own) = (reflected(plain), reflected(own));
+        let (wo, ns, ng) = (surface.wo, surface.point.ns, surface.point.ng);
+        if !transmitted && let Some(own) = surface.bsdf.reflect_and_refract(wo, ns, ng, TransportMode::Importance) {
+            let plain = plain.reflect_and_refract(wo, ns, ng, TransportMode::Importance);
+            let (plain, own) = (plain.reflected.1, own.reflected.1);
             if UNDISPERSED_REFLECTANCES.contains(&plain) && own > 0.0 {
                 // The mean over wavelengths of R(λ)·w(λ), with R of the d line as a control variate
                 // for the white part.
