@@ -56,38 +56,23 @@ fn position_bits(p: DVec3) -> [u64; 3] {
 
 const UNASSIGNED: u32 = u32::MAX;
 
-impl TriangleMesh {
-    /// Merges vertices that are equal bit for bit, and removes unused vertices.
-    ///
-    /// Afterwards, vertices are in the order of first use. If one corner of a triangle has no
-    /// normal, its other corners lose theirs.
-    pub fn merge_equal_vertices(&mut self) {
-        let normals = self.normals.as_deref();
-        let mut known: Vec<u32> = vec![UNASSIGNED; self.positions.len()];
-        // Index of a vertex, and true if it loses its normal.
-        let mut numbers: KeyIndexer<(u32, bool)> = KeyIndexer::with_capacity(self.positions.len());
-        let key = |&(v, flat): &(u32, bool)| {
-            let normal = normals.filter(|_| !flat).map_or(DVec3::ZERO, |n| n[v as usize]);
-            let texcoord = self.texcoords.as_ref().map_or(DVec2::ZERO, |t| t[v as usize]);
-            (
-                coordinate_bits(self.positions[v as usize]),
-                coordinate_bits(normal),
-                texcoord.to_array().map(f64::to_bits),
-            )
-        };
-        for triangle in &mut self.triangles {
-            let flat = normals.is_some_and(|n| triangle.iter().any(|&v| n[v as usize] == DVec3::ZERO));
-            for v in triangle {
-                let seen = known[*v as usize];
-                if seen != UNASSIGNED && !flat {
-                    *v = seen;
-                    continue;
-                }
-                let number = numbers.index_of((*v, flat), key);
-                if !flat {
-                    known[*v as usize] = number;
-                }
-                *v = number;
+pub(super) fn merge_equal_vertices(mesh: &mut TriangleMesh) {
+    let normals = mesh.normals.as_deref();
+    let mut known: Vec<u32> = vec![UNASSIGNED; mesh.positions.len()];
+    // Index of a vertex, and true if it loses its normal.
+    let mut numbers: KeyIndexer<(u32, bool)> = KeyIndexer::with_capacity(mesh.positions.len());
+    let key = |&(v, flat): &(u32, bool)| {
+        let normal = normals.filter(|_| !flat).map_or(DVec3::ZERO, |n| n[v as usize]);
+        let texcoord = mesh.texcoords.as_ref().map_or(DVec2::ZERO, |t| t[v as usize]);
+        (coordinate_bits(mesh.positions[v as usize]), coordinate_bits(normal), texcoord.to_array().map(f64::to_bits))
+    };
+    for triangle in &mut mesh.triangles {
+        let flat = normals.is_some_and(|n| triangle.iter().any(|&v| n[v as usize] == DVec3::ZERO));
+        for v in triangle {
+            let seen = known[*v as usize];
+            if seen != UNASSIGNED && !flat {
+                *v = seen;
+                continue;
             }
             let number = numbers.index_of((*v, flat), key);
             if !flat {

@@ -55,8 +55,8 @@ pub struct TriangleMesh {
 impl TriangleMesh {
     /// Merges vertices that are equal bit for bit, and removes unused vertices.
     ///
-    /// Vertices are in the order of first use afterwards. If one corner of a triangle has no normal,
-    /// its other corners lose theirs.
+    /// Afterwards, vertices are in the order of first use. If one corner of a triangle has no
+    /// normal, its other corners lose theirs.
     pub fn merge_equal_vertices(&mut self) {
         merge::merge_equal_vertices(self);
     }
@@ -69,7 +69,7 @@ impl TriangleMesh {
         merge::position_indices(self)
     }
 
-    /// Moves each vertex to the first vertex within `tolerance` \[length], and merges equal vertices.
+    /// Moves each vertex to the first vertex within `tolerance` \[length], and merges equal ones.
     ///
     /// Returns the decrease of the number of distinct positions.
     pub fn weld_vertices(&mut self, tolerance: f64) -> usize {
@@ -84,9 +84,9 @@ impl TriangleMesh {
     /// Computes smooth shading normals for all triangles that have none.
     ///
     /// A normal is the mean of the adjacent face normals, weighted by their corner angles (Thürmer
-    /// and Wüthrich 1998, "Computing vertex normals from polygonal facets"). Two faces share normals
-    /// along an edge if their face normals differ by at most `angle` \[degrees]. Vertices are split
-    /// at sharper edges, at edges of one or more than two faces, and where windings disagree.
+    /// and Wüthrich 1998, "Computing vertex normals from polygonal facets"). Two faces share their
+    /// normals along an edge if the face normals differ by at most `angle` \[degrees]. Vertices are
+    /// split at sharper edges, at edges of one or more than two faces, and where windings disagree.
     pub fn compute_smooth_normals(&mut self, angle: f64) {
         normals::compute_smooth_normals(self, angle);
     }
@@ -108,8 +108,8 @@ impl TriangleMesh {
 
     /// Splits the mesh by material; returns pairs of material index and part.
     ///
-    /// Pairs are in the order of the first triangle of each material. Triangles without material have
-    /// index [`NO_MATERIAL`]. The lists of materials of the parts are empty.
+    /// Pairs are in the order of the first triangle of each material. Triangles without material
+    /// have index [`NO_MATERIAL`]. Parts have empty lists of materials.
     #[must_use]
     pub fn split_by_material(&self) -> Vec<(u32, Self)> {
         split::split_by_material(self)
@@ -117,8 +117,8 @@ impl TriangleMesh {
 
     /// Measures the mesh.
     #[must_use]
-    pub fn report(&self) -> MeshReport {
-        report::report(self)
+    pub fn mesh_report(&self) -> MeshReport {
+        report::mesh_report(self)
     }
 
     /// Diagonal of the bounding box of all vertices \[length]; 0 if it is not finite.
@@ -137,8 +137,8 @@ impl TriangleMesh {
     /// and faces outward.
     ///
     /// Shading normals decide which side of a triangle is outside, and the winding decides for
-    /// triangles without normals. The renderer uses this rule too. Triangles with two corners at one
-    /// position are ignored.
+    /// triangles without normals. The renderer uses this rule too. Triangles with two corners at
+    /// one position are ignored.
     #[must_use]
     pub fn solid_defect(&self) -> Option<SolidDefect> {
         solid::solid_defect(self)

@@ -24,41 +24,42 @@ struct SurfaceComponent {
     material: u32,
 }
 
-impl TriangleMesh {
-    /// Makes the windings of each connected component consistent and outward.
-    ///
-    /// Returns the number of flipped triangles. Closed components face outward by the sign of their
-    /// volume. A closed component is the wall of a cavity, and faces inward, if an odd number of
-    /// others of the same material contain it. Open components keep the winding of most of their
-    /// triangles. Non-orientable components are not changed.
-    pub fn orient_outward(&mut self) -> usize {
-        let topology = MeshTopology::new(self);
-        let mut windings = ParityUnionFind::new(self.triangles.len());
-        let mut twisted = Vec::new();
-        for half_edges in topology.half_edges_by_edge() {
-            if let &[a, b] = half_edges
-                && !windings.union_sets(a.triangle as usize, b.triangle as usize, a.forward == b.forward)
-            {
-                twisted.push(a.triangle as usize);
-            }
-        }
-        let mut turn = vec![false; self.triangles.len()];
-        let mut components: BTreeMap<usize, SurfaceComponent> = BTreeMap::new();
-        for (t, turn) in
-            turn.iter_mut().enumerate().filter(|(t, _)| topology.has_distinct_positions(self.triangles[*t]))
+pub(super) fn orient_outward(mesh: &mut TriangleMesh) -> usize {
+    let topology = MeshTopology::new(mesh);
+    let mut windings = ParityUnionFind::new(mesh.triangles.len());
+    let mut twisted = Vec::new();
+    for half_edges in topology.half_edges_by_edge() {
+        if let &[a, b] = half_edges
+            && !windings.union_sets(a.triangle as usize, b.triangle as usize, a.forward == b.forward)
         {
-            let (root, against) = windings.find_root(t);
-            *turn = against;
-            components.entry(root).or_insert_with(|| self.empty_component(t)).add_triangle(self, t);
+            twisted.push(a.triangle as usize);
         }
-        for t in twisted {
-            components.entry(windings.find_root(t).0).and_modify(|component| component.orientable = false);
+    }
+    let mut turn = vec![false; mesh.triangles.len()];
+    let mut components: BTreeMap<usize, SurfaceComponent> = BTreeMap::new();
+    for (t, turn) in turn.iter_mut().enumerate().filter(|(t, _)| topology.has_distinct_positions(mesh.triangles[*t])) {
+        let (root, against) = windings.find_root(t);
+        *turn = against;
+        components.entry(root).or_insert_with(|| empty_component(mesh, t)).add_triangle(mesh, t);
+    }
+    for t in twisted {
+        components.entry(windings.find_root(t).0).and_modify(|component| component.orientable = false);
+    }
+    for half_edges in topology.half_edges_by_edge().filter(|half_edges| half_edges.len() != 2) {
+        for half_edge in half_edges {
+            components
+                .entry(windings.find_root(half_edge.triangle as usize).0)
+                .and_modify(|component| component.closed = false);
         }
-        for half_edges in topology.half_edges_by_edge().filter(|half_edges| half_edges.len() != 2) {
-            for half_edge in half_edges {
-                components
-                    .entry(windings.find_root(half_edge.triangle as usize).0)
-                    .and_modify(|component| component.closed = false);
+    }
+    let components: Vec<SurfaceComponent> = components.into_values().collect();
+    let depths = nesting_depths(mesh, &components, &turn);
+    for (component, depth) in components.iter().zip(depths) {
+        let turned = component.faces.iter().filter(|t| turn[**t as usize]).count();
+        let other_way = match (component.orientable, component.closed) {
+            (false, _) => {
+                component.faces.iter().for_each(|t| turn[*t as usize] = false);
+                continue;
             }
             (_, true) => (six_times_signed_volume(mesh, component, &turn) < 0.0) != (depth % 2 == 1),
             (_, false) => 2 * turned > component.faces.len(),

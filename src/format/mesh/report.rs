@@ -60,49 +60,44 @@ pub struct MeshReport {
     pub genus: Option<i64>,
 }
 
-impl TriangleMesh {
-    /// Measures the mesh.
-    #[must_use]
-    pub fn mesh_report(&self) -> MeshReport {
-        let topology = MeshTopology::new(self);
-        let mut used = vec![false; self.positions.len()];
-        self.triangles.iter().flatten().for_each(|v| used[*v as usize] = true);
-        let corners = self.triangles.iter().flatten().map(|v| self.positions[*v as usize]);
-        let (min, max) =
-            corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
-        let counts = TopologyCounts::new(self, &topology);
-        let closed = counts.boundary_edges == 0 && counts.faces > 0;
-        let manifold = counts.non_manifold_edges == 0 && counts.non_manifold_vertices == 0;
-        let euler = counts.positions as i64 - counts.edges as i64 + counts.faces as i64;
-        let handles = closed && manifold && counts.orientable;
-        let mut shared = self.clone();
-        shared.merge_equal_vertices();
-        let isolated = used.iter().filter(|used| !**used).count();
-        MeshReport {
-            vertices: self.positions.len(),
-            repeated_vertices: (self.positions.len() - isolated).saturating_sub(shared.positions.len()),
-            isolated_vertices: isolated,
-            triangles: self.triangles.len(),
-            materials: self.materials.clone(),
-            normals: self.normals.is_some(),
-            texture_coordinates: self.texcoords.is_some(),
-            min: min.to_array(),
-            max: max.to_array(),
-            area: self.triangles.iter().map(|t| self.triangle_area(*t)).sum(),
-            volume: (closed && counts.balanced).then(|| self.signed_volume(0.5 * (min + max))),
-            closed,
-            manifold,
-            orientable: counts.orientable,
-            boundary_edges: counts.boundary_edges,
-            non_manifold_edges: counts.non_manifold_edges,
-            non_manifold_vertices: counts.non_manifold_vertices,
-            inconsistent_edges: counts.inconsistent_edges,
-            degenerate_faces: self.triangles.iter().filter(|t| self.triangle_area(**t) == 0.0).count(),
-            duplicate_faces: self.duplicate_triangles(&topology).iter().filter(|d| **d).count(),
-            components: counts.components,
-            euler_characteristic: euler,
-            genus: handles.then_some(counts.components as i64 - euler / 2),
-        }
+pub(super) fn mesh_report(mesh: &TriangleMesh) -> MeshReport {
+    let topology = MeshTopology::new(mesh);
+    let mut used = vec![false; mesh.positions.len()];
+    mesh.triangles.iter().flatten().for_each(|v| used[*v as usize] = true);
+    let corners = mesh.triangles.iter().flatten().map(|v| mesh.positions[*v as usize]);
+    let (min, max) = corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+    let counts = TopologyCounts::new(mesh, &topology);
+    let closed = counts.boundary_edges == 0 && counts.faces > 0;
+    let manifold = counts.non_manifold_edges == 0 && counts.non_manifold_vertices == 0;
+    let euler = counts.positions as i64 - counts.edges as i64 + counts.faces as i64;
+    let handles = closed && manifold && counts.orientable;
+    let mut shared = mesh.clone();
+    shared.merge_equal_vertices();
+    let isolated = used.iter().filter(|used| !**used).count();
+    MeshReport {
+        vertices: mesh.positions.len(),
+        repeated_vertices: (mesh.positions.len() - isolated).saturating_sub(shared.positions.len()),
+        isolated_vertices: isolated,
+        triangles: mesh.triangles.len(),
+        materials: mesh.materials.clone(),
+        normals: mesh.normals.is_some(),
+        texture_coordinates: mesh.texcoords.is_some(),
+        min: min.to_array(),
+        max: max.to_array(),
+        area: mesh.triangles.iter().map(|t| mesh.triangle_area(*t)).sum(),
+        volume: (closed && counts.balanced).then(|| signed_volume(mesh, 0.5 * (min + max))),
+        closed,
+        manifold,
+        orientable: counts.orientable,
+        boundary_edges: counts.boundary_edges,
+        non_manifold_edges: counts.non_manifold_edges,
+        non_manifold_vertices: counts.non_manifold_vertices,
+        inconsistent_edges: counts.inconsistent_edges,
+        degenerate_faces: mesh.triangles.iter().filter(|t| mesh.triangle_area(**t) == 0.0).count(),
+        duplicate_faces: duplicate_triangles(mesh, &topology).iter().filter(|d| **d).count(),
+        components: counts.components,
+        euler_characteristic: euler,
+        genus: handles.then_some(counts.components as i64 - euler / 2),
     }
 }
 

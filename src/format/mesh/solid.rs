@@ -42,38 +42,15 @@ impl Display for SolidDefect {
 /// Bytes of memory per triangle that [`TriangleMesh::solid_defect`] takes.
 pub const SOLID_CHECK_BYTES: u64 = 120;
 
-impl TriangleMesh {
-    /// First defect that keeps the mesh from bounding a solid body; `None` if the mesh is closed
-    /// and faces outward.
-    ///
-    /// Shading normals decide which side of a triangle is outside, and the winding decides for
-    /// triangles without normals. The renderer uses this rule too. Triangles with two corners at
-    /// one position are ignored.
-    #[must_use]
-    pub fn solid_defect(&self) -> Option<SolidDefect> {
-        let topology = MeshTopology::new(self);
-        let flipped: Vec<bool> = self.triangles.iter().map(|t| self.normals_oppose_winding(*t)).collect();
-        let (mut open, mut inconsistent) = (0, 0);
-        for half_edges in topology.half_edges_by_edge() {
-            let forward =
-                half_edges.iter().filter(|half_edge| half_edge.forward != flipped[half_edge.triangle as usize]).count();
-            open += usize::from(half_edges.len() == 1);
-            inconsistent += usize::from(half_edges.len() > 1 && 2 * forward != half_edges.len());
-        }
-        if open > 0 {
-            return Some(SolidDefect::Open { boundary_edges: open });
-        }
-        if inconsistent > 0 {
-            return Some(SolidDefect::InconsistentWinding { edges: inconsistent });
-        }
-        // An origin near the mesh keeps cancellation small.
-        let origin = self.triangles.first().map_or(DVec3::ZERO, |t| self.positions[t[0] as usize]);
-        let six_volumes = self.triangles.iter().zip(&flipped).map(|(t, flipped)| {
-            let [a, b, c] = t.map(|v| self.positions[v as usize] - origin);
-            let six = a.dot(b.cross(c));
-            if *flipped { -six } else { six }
-        });
-        (six_volumes.sum::<f64>() < 0.0).then_some(SolidDefect::InsideOut)
+pub(super) fn solid_defect(mesh: &TriangleMesh) -> Option<SolidDefect> {
+    let topology = MeshTopology::new(mesh);
+    let flipped: Vec<bool> = mesh.triangles.iter().map(|t| normals_oppose_winding(mesh, *t)).collect();
+    let (mut open, mut inconsistent) = (0, 0);
+    for half_edges in topology.half_edges_by_edge() {
+        let forward =
+            half_edges.iter().filter(|half_edge| half_edge.forward != flipped[half_edge.triangle as usize]).count();
+        open += usize::from(half_edges.len() == 1);
+        inconsistent += usize::from(half_edges.len() > 1 && 2 * forward != half_edges.len());
     }
     if open > 0 {
         return Some(SolidDefect::Open { boundary_edges: open });
