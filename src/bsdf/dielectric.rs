@@ -1,34 +1,38 @@
 //! Smooth dielectric interfaces.
 
-use super::{BsdfSample, Transport, refract};
+use super::{BsdfSample, TransportMode, refract};
 use crate::color::Rgb;
 use glam::Vec3;
 
-/// A smooth interface; its normal points outside.
+/// A smooth interface between two transparent media. Its normal points to the outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dielectric {
-    /// Relative refractive index: inside over outside.
+    /// Refractive index of the inside over that of the outside.
     pub eta: f32,
 }
 
-/// Reflection and refraction at a dielectric, with the weights of following both.
+/// The reflected and the refracted ray at a smooth dielectric.
 #[derive(Clone, Copy, Debug)]
 pub struct DielectricSplit {
-    /// The reflected direction and its reflectance.
+    /// Unit direction of reflection, and the Fresnel reflectance.
     pub reflected: (Vec3, f32),
-    /// The refracted direction and its transmittance; 0 under total internal reflection.
+    /// Unit direction of refraction, and the Fresnel transmittance; 0 under total reflection.
     pub transmitted: (Vec3, f32),
-    /// Divisor of transmitted radiance: (n_near/n_far)² for radiance, 1 for flux.
-    pub squeeze: f32,
-    /// True if both used the geometric normal: see [`BsdfSample::flat`].
+    /// Divisor of transmitted radiance: (n_far/n_near)² for radiance, 1 for flux.
+    ///
+    /// The near side is that of `wo`.
+    pub radiance_divisor: f32,
+    /// True if the geometric normal was used for the reflected and for the refracted direction.
+    ///
+    /// See [`BsdfSample::uses_geometric_normal`].
     pub uses_geometric_normal: [bool; 2],
 }
 
 impl Dielectric {
-    /// Reflection and refraction of direction `wo`.
+    /// Reflects and refracts unit direction `wo`, which points away from the interface.
     #[inline]
     #[must_use]
-    pub fn split(&self, wo: Vec3, ns: Vec3, ng: Vec3, transport: Transport) -> DielectricSplit {
+    pub fn reflect_and_refract(&self, wo: Vec3, ns: Vec3, ng: Vec3, transport: TransportMode) -> DielectricSplit {
         let outside = wo.dot(ng) >= 0.0;
         let (near_ns, near_ng, eta) = if outside { (ns, ng, self.eta) } else { (-ns, -ng, 1.0 / self.eta) };
         // If the shading normal would send light to the wrong side, use the geometric normal.
@@ -38,40 +42,41 @@ impl Dielectric {
             bent = refract(wo, near_ng, eta);
             uses_geometric_normal = true;
         }
-        let squeeze = match transport {
-            Transport::Radiance => eta * eta,
-            Transport::Importance => 1.0,
+        let radiance_divisor = match transport {
+            TransportMode::Radiance => eta * eta,
+            TransportMode::Importance => 1.0,
         };
-        let (mirrored, mirrored_flat) = reflect_above_surface(wo, near_ns, ng);
+        let (mirrored, mirror_uses_geometric_normal) = reflect_above_surface(wo, near_ns, ng);
         DielectricSplit {
             reflected: (mirrored, bent.reflectance),
             transmitted: (bent.transmitted, bent.transmittance),
-            squeeze,
-            uses_geometric_normal: [mirrored_flat, uses_geometric_normal],
+            radiance_divisor,
+            uses_geometric_normal: [mirror_uses_geometric_normal, uses_geometric_normal],
         }
     }
 
-    /// Samples reflection or refraction by the reflectance.
+    /// Samples reflection or refraction with the Fresnel reflectance as probability.
     ///
-    /// `lobe` has steps of 2⁻²⁴. A weight corrects the rounding of a small transmittance.
+    /// `lobe` is a random number in \[0, 1).
     #[inline]
-    pub(super) fn sample(&self, wo: Vec3, ns: Vec3, ng: Vec3, lobe: f32, transport: Transport) -> BsdfSample {
-        let split = self.split(wo, ns, ng, transport);
+    pub(super) fn sample(&self, wo: Vec3, ns: Vec3, ng: Vec3, lobe: f32, transport: TransportMode) -> BsdfSample {
+        let split = self.reflect_and_refract(wo, ns, ng, transport);
         if lobe < split.reflected.1 {
-            let (wi, uses_geometric_normal) = (split.reflected.0, split.uses_geometric_normal[0]);
-            BsdfSample { wi, weight: Rgb::ONE, pdf: 0.0, specular: true, transmitted: false, uses_geometric_normal }
+            BsdfSample::specular(split.reflected.0, Rgb::ONE, false, split.uses_geometric_normal[0])
         } else {
+            // 1 − reflectance rounds a small transmittance; the weight corrects it.
             let through = 1.0 - split.reflected.1;
             let exact = if through < 0.5 { split.transmitted.1 / through } else { 1.0 };
-            let weight = Rgb::splat(exact / split.squeeze);
-            let (wi, uses_geometric_normal) = (split.transmitted.0, split.uses_geometric_normal[1]);
-            BsdfSample { wi, weight, pdf: 0.0, specular: true, transmitted: true, uses_geometric_normal }
+            let weight = Rgb::splat(exact / split.radiance_divisor);
+            BsdfSample::specular(split.transmitted.0, weight, true, split.uses_geometric_normal[1])
         }
     }
 }
 
-/// Mirror image of `wo` about `ns`, or about `ng` if the former lies below the surface; true for
-/// the latter.
+/// Reflects `wo` about the shading normal `ns`; about the geometric normal `ng` if the result would
+/// lie below the surface.
+///
+/// Returns the unit direction, and true if `ng` was used.
 #[inline]
 pub(super) fn reflect_above_surface(wo: Vec3, ns: Vec3, ng: Vec3) -> (Vec3, bool) {
     let mirrored = |n: Vec3| n * (2.0 * wo.dot(n)) - wo;

@@ -1,13 +1,13 @@
-//! Fresnel's equations and Snell's law for unpolarised light at smooth interfaces.
+//! Fresnel's equations and Snell's law, for unpolarised light.
 
 use crate::color::Rgb;
 use glam::{DVec3, Vec3};
 
-/// Fresnel reflectance of a dielectric, and the cosine on the far side.
+/// Fresnel reflectance of a dielectric, and the cosine between the refracted ray and the normal.
 ///
-/// `cos_i ≥ 0` is the cosine on the near side, `eta` the far index over the near index. Total
-/// internal reflection returns `(1, 0)`; an `eta` of 1 reflects exactly nothing. (Pharr, Jakob,
-/// Humphreys 2023, section 9.3.5.)
+/// `cos_i` ≥ 0 is the cosine of incidence. `eta` is the refractive index of the far side over that
+/// of the near side. Total internal reflection returns `(1, 0)`. Source: Pharr, Jakob, Humphreys
+/// 2023, section 9.3.5.
 #[inline]
 #[must_use]
 pub fn dielectric_reflectance(cos_i: f32, eta: f32) -> (f32, f32) {
@@ -18,12 +18,13 @@ pub fn dielectric_reflectance(cos_i: f32, eta: f32) -> (f32, f32) {
     (reflectance as f32, cos_t as f32)
 }
 
-/// [`dielectric_reflectance`] for a cosine in \[0, 1].
+/// Fresnel reflectance and refracted cosine in f64, for `cos_i` in \[0, 1].
 ///
-/// (η − 1)(η + 1) and cos² of f32 numbers are exact in f64. So their sum has the sign of cos²θt,
-/// even within an ulp of the critical angle.
+/// Arguments and result are those of [`dielectric_reflectance`].
 #[inline]
 pub(super) fn fresnel_reflectance(cos_i: f64, eta: f64) -> (f64, f64) {
+    // Both products are exact if the factors were f32 numbers. So the sum has the right sign even
+    // within an ulp of the critical angle.
     let cos2_t = ((eta - 1.0) * (eta + 1.0) + cos_i * cos_i) / (eta * eta);
     if cos2_t <= 0.0 {
         return (1.0, 0.0);
@@ -32,7 +33,7 @@ pub(super) fn fresnel_reflectance(cos_i: f64, eta: f64) -> (f64, f64) {
     (fresnel_reflectance_from_cosines(cos_i, cos_t, eta), cos_t)
 }
 
-/// Fresnel reflectance for two cosines that obey Snell's law.
+/// Fresnel reflectance, from the cosines of incidence and refraction.
 #[inline]
 fn fresnel_reflectance_from_cosines(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
     let parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
@@ -40,22 +41,23 @@ fn fresnel_reflectance_from_cosines(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
     0.5 * (parallel * parallel + perpendicular * perpendicular)
 }
 
-/// Fresnel transmittance for two cosines that obey Snell's law: 1 − reflectance, without
-/// cancellation.
+/// Fresnel transmittance, from the cosines of incidence and refraction.
+///
+/// The result equals 1 − reflectance, but keeps its digits if it is small.
 #[inline]
 pub(super) fn fresnel_transmittance(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
     let (parallel, perpendicular) = (eta * cos_i + cos_t, cos_i + eta * cos_t);
     2.0 * eta * cos_i * cos_t * (1.0 / (parallel * parallel) + 1.0 / (perpendicular * perpendicular))
 }
 
-/// Fresnel reflectance of a conductor with complex relative index `eta` + i`k`, per channel.
+/// Fresnel reflectance of a conductor with complex relative index `eta` + i`k`, by channel.
 ///
-/// `cos_i ≥ 0` is the cosine outside. (Born and Wolf 1999, section 14.2; Pharr, Jakob, Humphreys
-/// 2023, section 9.3.6.) With (a + ib)² = (η + ik)² − sin²θ, both polarisations are quotients of
-/// sums of squares, in which nothing cancels.
+/// `cos_i` ≥ 0 is the cosine of incidence. Sources: Born and Wolf 1999, section 14.2; Pharr, Jakob,
+/// Humphreys 2023, section 9.3.6.
 #[inline]
 #[must_use]
 pub fn conductor_reflectance(cos_i: f32, eta: Rgb, k: Rgb) -> Rgb {
+    // With (a + ib)² = (η + ik)² − sin²θ, both polarisations are quotients of sums of squares.
     // A cosine of exactly 0 would lead to 0/0 at index 1.
     let cos = cos_i.clamp(1e-6, 1.0);
     let sin2 = (1.0 - cos) * (1.0 + cos);
@@ -79,22 +81,21 @@ pub fn conductor_reflectance(cos_i: f32, eta: Rgb, k: Rgb) -> Rgb {
     Rgb::new(channel(eta.x, k.x), channel(eta.y, k.y), channel(eta.z, k.z))
 }
 
-/// Reflection and refraction at an interface.
+/// The result of [`refract`].
 #[derive(Clone, Copy, Debug)]
 pub struct Refraction {
     /// Fresnel reflectance.
     pub reflectance: f32,
-    /// Fresnel transmittance, accurate even if tiny; 0 under total internal reflection.
+    /// Fresnel transmittance; 0 under total internal reflection.
     pub transmittance: f32,
     /// Unit direction of the refracted ray; undefined if `transmittance` is 0.
     pub transmitted: Vec3,
 }
 
-/// Refraction by Snell's law.
+/// Refracts unit direction `wo` at a smooth interface by Snell's law.
 ///
-/// `wo` points away from the interface on the side of `n`; `eta` is the far index over the near
-/// index. The sine comes from the cross product. Towards an index of 10⁶ light leaves within 10⁻⁶
-/// rad of the normal, where a cosine in f32 is 1.
+/// `wo` points away from the interface, on the side of the normal `n`. `eta` is the refractive index
+/// of the far side over that of the side of `wo`.
 #[inline]
 #[must_use]
 pub fn refract(wo: Vec3, n: Vec3, eta: f32) -> Refraction {
@@ -102,6 +103,8 @@ pub fn refract(wo: Vec3, n: Vec3, eta: f32) -> Refraction {
         return Refraction { reflectance: 0.0, transmittance: 1.0, transmitted: -wo };
     }
     let (o, n, eta) = (wo.as_dvec3(), n.as_dvec3(), f64::from(eta));
+    // The sine comes from the cross product. If `eta` is 10⁶, light leaves within 10⁻⁶ rad of the
+    // normal, where the cosine in f32 is 1.
     let (dot, cross2, n2) = (o.dot(n), o.cross(n).length_squared(), n.length_squared());
     let all2 = dot * dot + cross2;
     let (cos2, sin2) = (dot * dot / all2, cross2 / all2);

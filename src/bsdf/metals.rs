@@ -6,10 +6,10 @@
 
 use crate::color::Rgb;
 
-/// Name, η and k of each metal.
+/// Name of a metal, and the real part η and imaginary part k of its refractive index.
 type Metal = (&'static str, Rgb, Rgb);
 
-const TABLE: [Metal; 8] = [
+const METAL_TABLE: [Metal; 8] = [
     // Rakić 1995, Applied Optics 34, 4755.
     ("aluminium", Rgb::new(1.558, 1.015, 0.633), Rgb::new(7.712, 6.627, 5.454)),
     // Johnson and Christy 1974, Physical Review B 9, 5056.
@@ -29,21 +29,23 @@ const TABLE: [Metal; 8] = [
     ("titanium", Rgb::new(2.741, 2.542, 2.267), Rgb::new(3.814, 3.435, 3.038)),
 ];
 
-/// The names of metals that [`metal`] accepts, in alphabetical order.
-pub const METALS: [&str; TABLE.len()] = {
-    let mut names = [""; TABLE.len()];
+/// Names of the metals that [`named_metal`] accepts, in alphabetical order.
+pub const METALS: [&str; METAL_TABLE.len()] = {
+    let mut names = [""; METAL_TABLE.len()];
     let mut i = 0;
-    while i < TABLE.len() {
-        names[i] = TABLE[i].0;
+    while i < METAL_TABLE.len() {
+        names[i] = METAL_TABLE[i].0;
         i += 1;
     }
     names
 };
 
-/// η and k of a named metal; `None` if the name is not in [`METALS`].
+/// Refractive index η + ik of a metal; `None` if the name is not in [`METALS`].
+///
+/// Returns η and k for linear red, green and blue.
 #[must_use]
 pub fn named_metal(name: &str) -> Option<(Rgb, Rgb)> {
-    TABLE.iter().find(|m| m.0 == name).map(|m| (m.1, m.2))
+    METAL_TABLE.iter().find(|m| m.0 == name).map(|m| (m.1, m.2))
 }
 
 #[cfg(test)]

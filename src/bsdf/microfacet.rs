@@ -1,27 +1,29 @@
 //! Isotropic GGX microfacets (Trowbridge and Reitz 1975; Walter et al. 2007).
 //!
-//! α is the parameter of the distribution, not its square root. Directions are f32, computations
-//! f64: at α = 10⁻³ a lobe spans only some ten thousand roundings of a direction. No formula here
-//! uses 1 − cos² of a facet, or the tangent of a grazing angle.
+//! Roughness α is the parameter of the distribution, not its square root. Computations are f64,
+//! because a lobe at α = 10⁻³ is only some 10⁴ rounding errors of f32 directions wide.
+//!
+//! Unit vectors `wo` and `wi` point away from the surface. `n` is the macroscopic normal on the side
+//! of `wo`.
 
 use crate::math::{Frame, sin_cos_turns};
 use glam::{DVec3, Vec2, Vec3};
 use std::f64::consts::FRAC_1_PI;
 
-/// The GGX distribution at one roughness.
+/// The GGX distribution of microfacet normals with roughness `alpha`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ggx {
     alpha: f64,
 }
 
-/// The facet that scatters one direction into another.
+/// The microfacets that scatter `wi` to `wo`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Microfacet {
-    /// D: facet area per solid angle and surface area \[1/sr].
+    /// D(m): area of the microfacets per surface area and per solid angle of normals \[1/sr].
     pub density: f64,
-    /// Cosine between `wo` and the facet normal.
+    /// Cosine between `wo` and the microfacet normal m.
     pub cos: f64,
-    /// Jacobian: solid angle of facet normals over solid angle of `wi`.
+    /// Jacobian dω(m)/dω(wi): solid angle of microfacet normals over solid angle of `wi`.
     pub jacobian: f64,
 }
 
@@ -31,61 +33,63 @@ impl Ggx {
         Self { alpha: f64::from(alpha) }
     }
 
-    /// D(m) for the normal m along `h`, of any length, about unit `n` \[1/sr].
+    /// D(m) \[1/sr] for microfacet normal m = `h`/|`h`|.
     #[inline]
-    pub(super) fn density(self, h: DVec3, n: DVec3) -> f64 {
+    pub(super) fn normal_density(self, h: DVec3, n: DVec3) -> f64 {
         let a2 = self.alpha * self.alpha;
         let (along, across, length2) = (h.dot(n), h.cross(n).length_squared(), h.length_squared());
         let slope = a2 * along * along + across;
         if slope > 0.0 { FRAC_1_PI * a2 * length2 * length2 / (slope * slope) } else { 0.0 }
     }
 
-    /// cosθ·(1 + 2Λ(θ)) = √(cos²θ + α²sin²θ), with Smith's Λ of this distribution.
+    /// √(cos²θ + α² sin²θ) = cosθ·(1 + 2Λ(θ)), where Λ is Smith's function.
     #[inline]
     fn smith_root(self, cos: f64) -> f64 {
         let cos2 = cos * cos;
         (cos2 + self.alpha * self.alpha * (1.0 - cos2).max(0.0)).sqrt()
     }
 
-    /// Smith masking G₁ = 1/(1 + Λ), over the cosine.
+    /// G₁(θ)/cosθ, where G₁ = 1/(1 + Λ) is Smith's masking function.
     #[inline]
     fn masking_over_cos(self, cos: f64) -> f64 {
         2.0 / (cos + self.smith_root(cos))
     }
 
-    /// Masking-shadowing G₂ over both cosines, for directions on one side: height-correlated, 1/(1
-    /// + Λₒ + Λᵢ) (Heitz 2014, section 5.3).
+    /// G₂/(cosθₒ·cosθᵢ), where G₂ is masking-shadowing for directions on one side.
+    ///
+    /// G₂ = 1/(1 + Λₒ + Λᵢ) is height-correlated (Heitz 2014, section 5.3).
     #[inline]
     pub(super) fn reflection_masking_shadowing(self, cos_o: f64, cos_i: f64) -> f64 {
         2.0 / (cos_i * self.smith_root(cos_o) + cos_o * self.smith_root(cos_i))
     }
 
-    /// Masking-shadowing G₂ over both cosines, for directions on opposite sides: G₁G₁ (Walter et
-    /// al. 2007).
+    /// G₂/(cosθₒ·cosθᵢ), where G₂ is masking-shadowing for directions on opposite sides.
     ///
-    /// A facet that is high for one side is low for the other, so height correlation would transmit
-    /// too much. The exact Beta function costs two gammas.
+    /// G₂ is the product of both G₁ (Walter et al. 2007). Height correlation would transmit too
+    /// much, because a microfacet that is high for one side is low for the other.
     #[inline]
     pub(super) fn transmission_masking_shadowing(self, cos_o: f64, cos_i: f64) -> f64 {
         self.masking_over_cos(cos_o) * self.masking_over_cos(cos_i)
     }
 
-    /// Unshadowed fraction of light that leaves a facet visible from `wo`: G₂/G₁(wo).
+    /// G₂/G₁(wo): fraction of the light from microfacets visible from `wo` that is not shadowed.
+    ///
+    /// `masking_shadowing` is G₂/(cosθₒ·cosθᵢ).
     #[inline]
     pub(super) fn unshadowed_fraction(self, masking_shadowing: f64, cos_o: f64, cos_i: f64) -> f64 {
         masking_shadowing * cos_i / self.masking_over_cos(cos_o)
     }
 
-    /// Solid-angle pdf of `wi` if [`Ggx::sample_visible_normal`] samples the facet \[1/sr].
+    /// Solid-angle pdf of `wi` \[1/sr] if [`Ggx::sample_visible_normal`] samples the normal of
+    /// `facet`.
     #[inline]
     pub(super) fn scattered_direction_pdf(self, facet: &Microfacet, cos_o: f64) -> f64 {
         self.masking_over_cos(cos_o) * facet.cos * facet.density * facet.jacobian
     }
 
-    /// Samples a unit facet normal by the area visible from `wo`, which is on the side of `n`.
+    /// Samples a unit microfacet normal by `u`, proportionally to the area visible from `wo`.
     ///
-    /// The method samples the spherical cap of directions that a unit hemisphere reflects (Dupuy
-    /// and Benyoub 2023).
+    /// Source: Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps".
     #[inline]
     pub(super) fn sample_visible_normal(self, wo: DVec3, n: Vec3, u: Vec2) -> DVec3 {
         let frame = Frame::from_normal(n);
@@ -100,20 +104,19 @@ impl Ggx {
         (s * (self.alpha * x) + t * (self.alpha * y) + n * (cap - drop)).normalize()
     }
 
-    /// The facet that reflects `wi` to `wo`.
+    /// The microfacets that reflect `wi` to `wo`; both directions are on the side of `n`.
     #[inline]
     pub(super) fn reflecting_facet(self, wo: DVec3, wi: DVec3, n: DVec3) -> Microfacet {
         let h = wo + wi;
         // wo · m is half the length of wo + wi.
         let cos = 0.5 * h.length();
-        Microfacet { density: self.density(h, n), cos, jacobian: 0.25 / cos }
+        Microfacet { density: self.normal_density(h, n), cos, jacobian: 0.25 / cos }
     }
 
-    /// The facet that refracts `wi`, on the side of relative index `eta`, to `wo` on the side of
-    /// `n`.
+    /// The microfacets that refract `wi` to `wo`, and the cosine between −m and `wi`.
     ///
-    /// Also returns the cosine between `wi` and the far side of the facet; `None` if no upward
-    /// facet does.
+    /// `wi` is on the side opposite to `n`; `eta` is the refractive index there over that on the
+    /// side of `wo`. Returns `None` if no microfacet refracts `wi` to `wo`.
     #[inline]
     pub(super) fn refracting_facet(self, wo: DVec3, wi: DVec3, n: DVec3, eta: f64) -> Option<(Microfacet, f64)> {
         let h = wo + wi * eta;
@@ -125,6 +128,6 @@ impl Ggx {
         let inverse = 1.0 / length2.sqrt();
         let cos_t = -i * inverse;
         let jacobian = eta * eta * cos_t / length2;
-        Some((Microfacet { density: self.density(h, n), cos: o * inverse, jacobian }, cos_t))
+        Some((Microfacet { density: self.normal_density(h, n), cos: o * inverse, jacobian }, cos_t))
     }
 }

@@ -1,8 +1,8 @@
 //! Bidirectional scattering distribution functions (BSDFs).
 //!
-//! Directions are unit vectors that point away from the surface: `wo` to the previous vertex of the
-//! path, `wi` to the next one. `ns` is the shading normal and `ng` the geometric normal, in one
-//! half space.
+//! Directions are unit vectors in world space that point away from the surface: `wo` to the previous
+//! vertex of the path, `wi` to the next one. `ns` is the shading normal, `ng` the geometric normal.
+//! Both normals are on the outer side of the surface.
 
 mod adjoint;
 mod conductor;
@@ -28,79 +28,93 @@ use crate::math::{Frame, warp};
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
 
-/// Roughness α below which a surface counts as smooth: its lobe is narrower than pixels and lights
-/// resolve.
+/// Roughness α below which a surface counts as smooth.
 pub const SMOOTH_ALPHA: f32 = 1e-3;
 
-/// Roughness α of a conductor above which photons are stored: its lobe is broad enough for density
-/// estimation.
+/// Roughness α of a conductor above which photons are stored on it.
 pub const PHOTON_STORAGE_ALPHA: f32 = 0.3;
 
-/// Width of a refracted lobe \[rad] below which it counts as a delta: ten roundings of a unit
-/// vector in f32.
+/// Width of a refracted lobe \[radians] below which a rough dielectric counts as smooth.
+///
+/// The width is about ten rounding errors of a unit vector in f32.
 const MIN_LOBE_WIDTH: f32 = 1e-6;
 
-/// Spread that scattering at a diffuse surface adds to a ray cone, as a tangent.
+/// Tangent of the angle by which scattering at a diffuse surface widens a ray cone.
 pub(crate) const DIFFUSE_CONE_SPREAD: f32 = 0.2;
 
-/// The quantity that a path transports.
+/// The quantity that a path carries from vertex to vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Transport {
-    /// Radiance, on camera paths. Refraction into a denser medium scales it by n².
+pub enum TransportMode {
+    /// Radiance, on camera paths. Refraction scales radiance by the squared relative index.
     Radiance,
-    /// Flux, on light paths. Refraction does not scale it.
+    /// Flux, on light paths. Refraction does not scale flux.
     Importance,
 }
 
-/// A sampled direction.
+/// A direction sampled from a BSDF.
 #[derive(Clone, Copy, Debug)]
 pub struct BsdfSample {
     /// Unit direction in which the path continues.
     pub wi: Vec3,
-    /// f·|cos|/pdf. For delta lobes, the weight of the lobe over the probability of its choice.
+    /// f(wo, wi)·|cosθ|/pdf. For a delta lobe: its reflectance or transmittance over the probability
+    /// of its choice.
     pub weight: Rgb,
-    /// Solid-angle pdf of `wi`, as [`Bsdf::pdf`] returns it \[1/sr]; 0 for delta lobes.
+    /// Solid-angle pdf of `wi` \[1/sr], equal to [`Bsdf::pdf`]; 0 for a delta lobe.
     pub pdf: f32,
-    /// True if the lobe is a delta.
-    pub specular: bool,
+    /// True if the direction was sampled from a delta lobe.
+    pub is_specular: bool,
     /// True if the path crosses the surface.
-    pub transmitted: bool,
-    /// True if a smooth surface scattered by its geometric normal, because the shading normal would
-    /// have sent light to the wrong side.
+    pub is_transmitted: bool,
+    /// True if a smooth surface scattered by its geometric normal.
+    ///
+    /// This happens if the shading normal would send light to the wrong side of the surface.
     pub uses_geometric_normal: bool,
 }
 
-/// The BSDF at one point of a surface. Small and copied; each hit makes one.
+impl BsdfSample {
+    /// Creates a sample of a delta lobe.
+    #[inline]
+    fn specular(wi: Vec3, weight: Rgb, is_transmitted: bool, uses_geometric_normal: bool) -> Self {
+        Self { wi, weight, pdf: 0.0, is_specular: true, is_transmitted, uses_geometric_normal }
+    }
+
+    /// Creates a sample of a lobe that has a finite pdf.
+    #[inline]
+    pub(crate) fn non_specular(wi: Vec3, weight: Rgb, pdf: f32, is_transmitted: bool) -> Self {
+        Self { wi, weight, pdf, is_specular: false, is_transmitted, uses_geometric_normal: false }
+    }
+}
+
+/// The BSDF at one point of a surface.
 ///
-/// Every BSDF but a black one is wholly a *receiver* ([`stores_photons`](Self::stores_photons)) or
-/// wholly a *caster* ([`casts_caustics`](Self::casts_caustics)). A receiver has no delta lobe:
-/// light over such a lobe would be neither in a photon estimate nor in a caustic.
+/// A BSDF that is not black either stores photons ([`stores_photons`](Self::stores_photons)) or
+/// casts caustics ([`casts_caustics`](Self::casts_caustics)), never both. A BSDF that stores photons
+/// has no delta lobe, because neither photons nor caustics would carry the light of that lobe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bsdf {
-    /// Absorbs all light.
+    /// A surface that absorbs all light.
     Black,
-    /// Lambertian reflection on both sides with this reflectance.
+    /// Lambertian reflection on both sides; the value is the reflectance.
     Diffuse(Rgb),
-    /// Lambertian plus Phong lobe, on both sides.
+    /// Lambertian reflection plus a Phong lobe, on both sides.
     Phong(Phong),
-    /// Perfect reflection with this reflectance.
+    /// Mirror reflection on both sides; the value is the reflectance.
     Mirror(Rgb),
-    /// A smooth interface between two refractive indices.
+    /// A smooth interface between two transparent media.
     Dielectric(Dielectric),
-    /// A metal, polished or rough.
+    /// A smooth or rough metal.
     Conductor(Conductor),
-    /// A rough interface between two refractive indices.
+    /// A rough interface between two transparent media.
     RoughDielectric(RoughDielectric),
-    /// A thin sheet.
+    /// A thin transparent sheet.
     ThinDielectric(ThinDielectric),
 }
 
 impl Bsdf {
-    /// A dielectric interface with relative index `eta` (inside over outside) and roughness α in
-    /// \[0, 1].
+    /// Creates a dielectric interface with roughness `alpha` in \[0, 1].
     ///
-    /// The interface is smooth if α is below [`SMOOTH_ALPHA`], or if an index near 1 refracts so
-    /// little that roughness has no effect.
+    /// `eta` is the refractive index of the inside over that of the outside. The interface is smooth
+    /// if `alpha` is below [`SMOOTH_ALPHA`], or if `eta` is so near to 1 that roughness has no effect.
     #[must_use]
     pub fn dielectric(eta: f32, alpha: f32) -> Self {
         if alpha < SMOOTH_ALPHA || alpha * (eta - 1.0).abs() < MIN_LOBE_WIDTH {
@@ -110,7 +124,7 @@ impl Bsdf {
         }
     }
 
-    /// Phong's model; Lambertian reflection where `specular` is zero. Scaled to conserve energy.
+    /// Creates a Phong BRDF, scaled to conserve energy; Lambertian if `specular` is zero.
     #[must_use]
     pub fn phong(diffuse: Rgb, specular: Rgb, shininess: f32) -> Self {
         if specular == Rgb::ZERO {
@@ -120,7 +134,7 @@ impl Bsdf {
         }
     }
 
-    /// True if it scatters no light.
+    /// True if the BSDF scatters no light.
     #[inline]
     #[must_use]
     pub fn is_black(&self) -> bool {
@@ -136,7 +150,7 @@ impl Bsdf {
         }
     }
 
-    /// True if it is Lambertian reflection alone.
+    /// True if the BSDF is purely Lambertian.
     #[inline]
     #[must_use]
     pub fn is_diffuse(&self) -> bool {
@@ -152,7 +166,9 @@ impl Bsdf {
         }
     }
 
-    /// One lobe, chosen by `u` in \[0, 1), divided by the probability of its choice.
+    /// Selects one lobe by `u` in \[0, 1).
+    ///
+    /// The returned BSDF is the lobe divided by the probability of its selection.
     #[inline]
     #[must_use]
     pub fn select_lobe(self, u: f32) -> Self {
@@ -168,12 +184,18 @@ impl Bsdf {
         }
     }
 
-    /// Reflection and refraction of `wo`, if a path may follow both; `None` for other BSDFs.
+    /// Reflects and refracts `wo` at a smooth dielectric; `None` for all other BSDFs.
     #[inline]
     #[must_use]
-    pub fn split(&self, wo: Vec3, ns: Vec3, ng: Vec3, transport: Transport) -> Option<DielectricSplit> {
+    pub fn reflect_and_refract(
+        &self,
+        wo: Vec3,
+        ns: Vec3,
+        ng: Vec3,
+        transport: TransportMode,
+    ) -> Option<DielectricSplit> {
         match self {
-            Self::Dielectric(dielectric) => Some(dielectric.split(wo, ns, ng, transport)),
+            Self::Dielectric(dielectric) => Some(dielectric.reflect_and_refract(wo, ns, ng, transport)),
             Self::Black
             | Self::Diffuse(_)
             | Self::Phong(_)
@@ -184,8 +206,7 @@ impl Bsdf {
         }
     }
 
-    /// True if all lobes are deltas, so that next-event estimation and photon estimates contribute
-    /// nothing.
+    /// True if all lobes are deltas.
     #[inline]
     #[must_use]
     pub fn is_specular(&self) -> bool {
@@ -196,7 +217,7 @@ impl Bsdf {
         }
     }
 
-    /// True if light can cross the surface.
+    /// True if the BSDF has a transmitted lobe.
     #[inline]
     #[must_use]
     pub fn transmits(&self) -> bool {
@@ -206,13 +227,12 @@ impl Bsdf {
         }
     }
 
-    /// True for a *receiver*: photons are stored here, for density estimates that evaluate the BSDF
-    /// for each photon.
+    /// True if photons are stored on the surface, for density estimates that evaluate this BSDF.
     ///
-    /// The noise of such an estimate grows as the lobe narrows. Diffuse and Phong BSDFs store
-    /// photons, and so do conductors rougher than [`PHOTON_STORAGE_ALPHA`]. On smoother conductors few
-    /// photons fall into the lobe, and sampling the lobe works better. Dielectrics store none, even
-    /// rough ones: an estimate would blur what lies behind them.
+    /// Diffuse and Phong BSDFs store photons, and so do conductors rougher than
+    /// [`PHOTON_STORAGE_ALPHA`]. On smoother conductors, few photons fall into the lobe, so sampling
+    /// the BSDF has less noise. Dielectrics store none, because an estimate would blur the objects
+    /// behind them.
     #[inline]
     #[must_use]
     pub fn stores_photons(&self) -> bool {
@@ -227,23 +247,20 @@ impl Bsdf {
         }
     }
 
-    /// True for a *caster*: light that it scatters to a receiver is a caustic. Every BSDF is a
-    /// receiver ([`stores_photons`](Self::stores_photons)), or a caster, or black.
+    /// True if the surface is a *caster*: light that it scatters to a surface that stores photons
+    /// belongs to the caustic map.
     ///
-    /// Casters are mirrors, dielectrics and thin panes of any roughness, and conductors of
-    /// roughness α up to [`PHOTON_STORAGE_ALPHA`].
-    ///
-    /// Camera paths continue where no photons are stored. Light paths through such vertices belong
-    /// to the caustic map, so that each path counts once, however broad the lobe.
+    /// Casters are mirrors, thin sheets, dielectrics of any roughness, and conductors of roughness α
+    /// up to [`PHOTON_STORAGE_ALPHA`].
     #[inline]
     #[must_use]
     pub fn casts_caustics(&self) -> bool {
         !self.stores_photons() && !self.is_black()
     }
 
-    /// Spread that scattering here adds to a ray cone, as a tangent; 0 for deltas.
+    /// Tangent of the angle by which scattering widens a ray cone; 0 for delta lobes.
     ///
-    /// The spread is about a fifth of the lobe's width, as many paths sample one lobe.
+    /// The angle is about a fifth of the lobe's width, because many paths sample each lobe.
     #[inline]
     #[must_use]
     pub fn ray_cone_spread(&self) -> f32 {
@@ -255,14 +272,14 @@ impl Bsdf {
         }
     }
 
-    /// f(wo, wi) \[1/sr], without the cosine; 0 for deltas.
+    /// BSDF f(wo, wi) \[1/sr], without the cosine; 0 for delta lobes.
     ///
     /// The value is also 0 if `ns` and `ng` disagree on whether `wo` and `wi` lie on one side.
     #[inline]
     #[must_use]
-    pub fn evaluate(&self, wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3, transport: Transport) -> Rgb {
-        let Some(directions_cross_surface) = directions_cross_surface(wo, wi, ns, ng) else { return Rgb::ZERO };
-        if directions_cross_surface && !self.transmits() {
+    pub fn evaluate(&self, wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3, transport: TransportMode) -> Rgb {
+        let Some(crosses) = directions_cross_surface(wo, wi, ns, ng) else { return Rgb::ZERO };
+        if crosses && !self.transmits() {
             return Rgb::ZERO;
         }
         match self {
@@ -279,8 +296,8 @@ impl Bsdf {
     #[inline]
     #[must_use]
     pub fn pdf(&self, wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> f32 {
-        let Some(directions_cross_surface) = directions_cross_surface(wo, wi, ns, ng) else { return 0.0 };
-        if directions_cross_surface && !self.transmits() {
+        let Some(crosses) = directions_cross_surface(wo, wi, ns, ng) else { return 0.0 };
+        if crosses && !self.transmits() {
             return 0.0;
         }
         match self {
@@ -292,63 +309,58 @@ impl Bsdf {
         }
     }
 
-    /// Samples the direction in which the path continues; `None` if it is absorbed.
+    /// Samples the direction in which a path continues; `None` if the path is absorbed.
     ///
-    /// `lobe` and `u` are uniform in \[0, 1). The result agrees with `ng`: reflected directions
-    /// stay on the side of `wo`, transmitted ones leave it.
+    /// `lobe` in \[0, 1) selects the lobe, and `u` in \[0, 1)² the direction. With respect to `ng`,
+    /// reflected directions are on the side of `wo` and transmitted directions on the other side.
     #[inline]
     #[must_use]
-    pub fn sample(&self, wo: Vec3, ns: Vec3, ng: Vec3, lobe: f32, u: Vec2, transport: Transport) -> Option<BsdfSample> {
-        let face_forward = face_forward(ns, wo);
+    pub fn sample(
+        &self,
+        wo: Vec3,
+        ns: Vec3,
+        ng: Vec3,
+        lobe: f32,
+        u: Vec2,
+        transport: TransportMode,
+    ) -> Option<BsdfSample> {
+        let facing_ns = face_forward(ns, wo);
         let sample = match self {
             Self::Black => return None,
             Self::Diffuse(reflectance) => {
                 let local = warp::square_to_cosine_hemisphere(u);
-                // The rim of the disc lies in the horizon, where the pdf is 0, so no MIS weight
-                // exists.
+                // The pdf is 0 in the horizon, so no MIS weight exists there.
                 if local.z <= 0.0 {
                     return None;
                 }
-                let wi = Frame::from_normal(face_forward).to_world(local);
+                let wi = Frame::from_normal(facing_ns).to_world(local);
                 let pdf = warp::cosine_hemisphere_pdf(local.z);
-                BsdfSample {
-                    wi,
-                    weight: *reflectance,
-                    pdf,
-                    specular: false,
-                    transmitted: false,
-                    uses_geometric_normal: false,
-                }
+                BsdfSample::non_specular(wi, *reflectance, pdf, false)
             }
-            Self::Phong(phong) => phong.sample(wo, face_forward, lobe, u)?,
+            Self::Phong(phong) => phong.sample(wo, facing_ns, lobe, u)?,
             Self::Mirror(reflectance) => {
-                let (wi, uses_geometric_normal) = dielectric::reflect_above_surface(wo, face_forward, ng);
-                BsdfSample {
-                    wi,
-                    weight: *reflectance,
-                    pdf: 0.0,
-                    specular: true,
-                    transmitted: false,
-                    uses_geometric_normal,
-                }
+                let (wi, uses_geometric_normal) = dielectric::reflect_above_surface(wo, facing_ns, ng);
+                BsdfSample::specular(wi, *reflectance, false, uses_geometric_normal)
             }
             Self::Dielectric(dielectric) => dielectric.sample(wo, ns, ng, lobe, transport),
-            Self::Conductor(conductor) => conductor.sample(wo, face_forward, ng, u)?,
-            Self::RoughDielectric(glass) => glass.sample(wo, face_forward, ng, lobe, u, transport)?,
-            Self::ThinDielectric(thin) => thin.sample(wo, face_forward, ng, lobe)?,
+            Self::Conductor(conductor) => conductor.sample(wo, facing_ns, ng, u)?,
+            Self::RoughDielectric(glass) => glass.sample(wo, facing_ns, ng, lobe, u, transport)?,
+            Self::ThinDielectric(thin) => thin.sample(wo, facing_ns, ng, lobe)?,
         };
-        let directions_cross_surface = (sample.wi.dot(ng) < 0.0) != (wo.dot(ng) < 0.0);
-        (directions_cross_surface == sample.transmitted).then_some(sample)
+        let crosses = (sample.wi.dot(ng) < 0.0) != (wo.dot(ng) < 0.0);
+        (crosses == sample.is_transmitted).then_some(sample)
     }
 }
 
-/// `n`, flipped to the side of `wo`.
+/// Returns `n` or −`n`, whichever is on the side of `wo`.
 #[inline]
 fn face_forward(n: Vec3, wo: Vec3) -> Vec3 {
     if wo.dot(n) < 0.0 { -n } else { n }
 }
 
-/// True if `wo` and `wi` lie on different sides; `None` if the normals disagree on it.
+/// True if `wo` and `wi` lie on different sides of the surface.
+///
+/// Returns `None` if the shading normal and the geometric normal disagree.
 #[inline]
 fn directions_cross_surface(wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> Option<bool> {
     let (shading, geometric) = (wo.dot(ns) * wi.dot(ns), wo.dot(ng) * wi.dot(ng));

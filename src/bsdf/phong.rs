@@ -6,22 +6,26 @@ use crate::math::{Frame, warp};
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
 
-/// f(wo, wi) = (kd + ks·cosˢα)/π, with α the angle between `wi` and the mirror direction of `wo`.
+/// The modified Phong BRDF f(wo, wi) = (kd + ks·cosˢα)/π (Lafortune and Willems 1994).
 ///
-/// See Lafortune and Willems 1994. The lobe peaks at ks·c under irradiance π·c, as in the course's
-/// model. It reflects at most 2ks/(s+2), so [`Phong::new`] scales both to keep kd + 2ks/(s+2) ≤ 1.
+/// α is the angle between `wi` and the mirror direction of `wo`. The glossy lobe reflects at most
+/// 2ks/(s + 2), so [`Phong::new`] scales both coefficients to keep kd + 2ks/(s + 2) ≤ 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Phong {
+    /// Coefficient kd.
     diffuse: Rgb,
+    /// Coefficient ks.
     specular: Rgb,
+    /// Exponent s.
     shininess: f32,
-    /// Probability of sampling the lobe.
-    lobe: f32,
+    /// Probability of sampling the glossy lobe.
+    glossy_probability: f32,
 }
 
 impl Phong {
-    /// Coefficients in \[0, ∞) and exponent ≥ 0. All channels are scaled by one factor to conserve
-    /// energy.
+    /// Creates the BRDF from coefficients ≥ 0 and an exponent ≥ 0.
+    ///
+    /// If it would reflect more light than arrives, one factor scales all channels.
     #[must_use]
     pub fn new(diffuse: Rgb, specular: Rgb, shininess: f32) -> Self {
         let total = diffuse + specular * (2.0 / (shininess + 2.0));
@@ -29,40 +33,51 @@ impl Phong {
         let (diffuse, specular) = (diffuse * scale, specular * scale);
         let glossy = color::channel_mean(specular) * 2.0 / (shininess + 2.0);
         let sum = glossy + color::channel_mean(diffuse);
-        Self { diffuse, specular, shininess, lobe: if sum > 0.0 { glossy / sum } else { 0.0 } }
+        Self { diffuse, specular, shininess, glossy_probability: if sum > 0.0 { glossy / sum } else { 0.0 } }
     }
 
-    /// Samples one of the two parts by `chance` in \[0, 1), divided by its probability: a
-    /// Lambertian BSDF, or the lobe alone.
+    /// Selects the glossy or the diffuse lobe by `chance` in \[0, 1).
+    ///
+    /// The returned BSDF is the lobe divided by the probability of its selection.
     #[must_use]
     pub fn select_lobe(&self, chance: f32) -> Bsdf {
-        if chance < self.lobe {
-            Bsdf::Phong(Self { diffuse: Rgb::ZERO, specular: self.specular / self.lobe, lobe: 1.0, ..*self })
+        if chance < self.glossy_probability {
+            Bsdf::Phong(Self {
+                diffuse: Rgb::ZERO,
+                specular: self.specular / self.glossy_probability,
+                glossy_probability: 1.0,
+                ..*self
+            })
         } else {
-            Bsdf::Diffuse(self.diffuse / (1.0 - self.lobe))
+            Bsdf::Diffuse(self.diffuse / (1.0 - self.glossy_probability))
         }
     }
 
-    /// Cosine between `wi` and the mirror direction of `wo`, at most 1. Rounding above 1 would
-    /// overflow at exponents beyond 10⁸.
+    /// Cosine between `wi` and the mirror direction of `wo`.
+    ///
+    /// It is at most 1. Above 1, powers with large exponents would overflow.
     #[inline]
     fn cos_to_mirror_direction(wo: Vec3, wi: Vec3, n: Vec3) -> f32 {
         (n * (2.0 * wo.dot(n)) - wo).dot(wi).min(1.0)
     }
 
+    /// BRDF f(wo, wi) \[1/sr], for `wo` and `wi` on one side of `n`.
     #[inline]
     pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3) -> Rgb {
         let cos = Self::cos_to_mirror_direction(wo, wi, n);
-        // 0⁰ is 1, as in the course's model.
+        // 0⁰ counts as 1.
         let lobe = if cos > 0.0 || self.shininess == 0.0 { libm::powf(cos.max(0.0), self.shininess) } else { 0.0 };
         (self.diffuse + self.specular * lobe) * FRAC_1_PI
     }
 
-    /// Samples the mixture of both lobes; `n` is on the side of `wo`.
+    /// Samples the glossy or the diffuse lobe; `n` is on the side of `wo`.
+    ///
+    /// `lobe` in \[0, 1) selects the lobe, and `u` in \[0, 1)² the direction. Returns `None` if the
+    /// direction points into the surface.
     #[inline]
     pub(super) fn sample(&self, wo: Vec3, n: Vec3, lobe: f32, u: Vec2) -> Option<BsdfSample> {
         let mirror = n * (2.0 * wo.dot(n)) - wo;
-        let wi = if lobe < self.lobe {
+        let wi = if lobe < self.glossy_probability {
             Frame::from_normal(mirror.normalize()).to_world(warp::square_to_power_cosine(u, self.shininess))
         } else {
             Frame::from_normal(n).to_world(warp::square_to_cosine_hemisphere(u))
@@ -73,20 +88,14 @@ impl Phong {
         }
         let pdf = self.pdf(wo, wi, n);
         let weight = self.evaluate(wo, wi, n) * (cos / pdf);
-        (pdf > 0.0).then_some(BsdfSample {
-            wi,
-            weight,
-            pdf,
-            specular: false,
-            transmitted: false,
-            uses_geometric_normal: false,
-        })
+        (pdf > 0.0).then(|| BsdfSample::non_specular(wi, weight, pdf, false))
     }
 
-    /// Solid-angle pdf of the mixture \[1/sr], for directions on one side of `n`.
+    /// Solid-angle pdf of `wi` \[1/sr], for `wo` and `wi` on one side of `n`.
     #[inline]
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3, n: Vec3) -> f32 {
         let glossy = warp::power_cosine_pdf(Self::cos_to_mirror_direction(wo, wi, n), self.shininess);
-        self.lobe * glossy + (1.0 - self.lobe) * warp::cosine_hemisphere_pdf(wi.dot(n).abs())
+        self.glossy_probability * glossy
+            + (1.0 - self.glossy_probability) * warp::cosine_hemisphere_pdf(wi.dot(n).abs())
     }
 }

@@ -2,32 +2,36 @@
 
 use super::fresnel::{fresnel_reflectance, fresnel_transmittance};
 use super::microfacet::{Ggx, Microfacet};
-use super::{BsdfSample, Transport};
+use super::{BsdfSample, TransportMode};
 use crate::color::Rgb;
 use glam::{DVec3, Vec2, Vec3};
 
-/// GGX facets that are smooth interfaces (Walter et al. 2007); the normal points outside.
+/// A rough interface between two transparent media, with GGX microfacets (Walter et al. 2007).
 ///
-/// Only single scattering is modelled. At index 1.5 and normal incidence the loss is 0.1 % from
-/// outside and 1.2 % from inside at α = 0.1, 3.2 and 25 % at 0.5, 11 and 58 % at 1. At 85° it is 8
-/// and 14 %, 29 and 32 %, 59 and 53 %. [`super::Bsdf::dielectric`] makes it.
+/// The normal points to the outside. Multiple scattering between microfacets is lost. At index 1.5
+/// and normal incidence, the loss is 0.1 % from outside and 1.2 % from inside for α = 0.1. It is 3.2
+/// and 25 % for α = 0.5, and 11 and 58 % for α = 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoughDielectric {
+    /// Refractive index of the inside over that of the outside.
     eta: f32,
+    /// Roughness α.
     alpha: f32,
 }
 
-/// The scattering event at a facet between two directions.
+/// Scattering by the microfacets that reflect or refract `wi` to `wo`.
 struct FacetScattering {
     facet: Microfacet,
     /// Fresnel reflectance or transmittance.
     fresnel: f64,
-    /// Masking-shadowing over both cosines.
+    /// G₂/(cosθₒ·cosθᵢ), where G₂ is masking-shadowing.
     masking_shadowing: f64,
 }
 
 impl RoughDielectric {
-    /// `eta`: index inside over index outside, not 1; `alpha` in \[[`super::SMOOTH_ALPHA`], 1].
+    /// Creates an interface with relative index `eta`, inside over outside, and roughness `alpha`.
+    ///
+    /// `eta` is not 1, and `alpha` is at least [`super::SMOOTH_ALPHA`].
     #[inline]
     pub(super) fn new(eta: f32, alpha: f32) -> Self {
         Self { eta, alpha }
@@ -38,13 +42,17 @@ impl RoughDielectric {
         self.alpha
     }
 
-    /// Index of the far side over that of the side of `wo`.
+    /// Refractive index of the far side over that of the side of `wo`.
     #[inline]
     fn far_over_near_index(&self, wo: Vec3, ng: Vec3) -> f64 {
         let eta = f64::from(self.eta);
         if wo.dot(ng) >= 0.0 { eta } else { 1.0 / eta }
     }
 
+    /// Scattering from `i` to `o` by microfacets; `None` if no microfacet refracts `i` to `o`.
+    ///
+    /// `eta` is the refractive index of the far side over that of the side of `o`, which is the side
+    /// of `n`.
     #[inline]
     fn facet_scattering(&self, o: DVec3, i: DVec3, n: DVec3, eta: f64) -> Option<FacetScattering> {
         let ggx = Ggx::new(self.alpha);
@@ -61,10 +69,11 @@ impl RoughDielectric {
         })
     }
 
-    /// f(wo, wi) \[1/sr]. `n` is the shading normal on the side of `wo`. Both normals agree on the
-    /// side of `wi`.
+    /// BSDF f(wo, wi) \[1/sr], where `n` is the shading normal on the side of `wo`.
+    ///
+    /// Both normals must agree on whether `wi` is on the side of `wo`.
     #[inline]
-    pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3, ng: Vec3, transport: Transport) -> Rgb {
+    pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3, ng: Vec3, transport: TransportMode) -> Rgb {
         let (eta, i, n) = (self.far_over_near_index(wo, ng), wi.as_dvec3(), n.as_dvec3());
         let Some(FacetScattering { facet, fresnel, masking_shadowing }) =
             self.facet_scattering(wo.as_dvec3(), i, n, eta)
@@ -75,7 +84,7 @@ impl RoughDielectric {
         Rgb::splat((fresnel * facet.density * facet.cos * facet.jacobian * masking_shadowing / radiance_divisor) as f32)
     }
 
-    /// Solid-angle pdf of `wi` \[1/sr]; arguments as in [`Self::evaluate`].
+    /// Solid-angle pdf of `wi` \[1/sr], with the arguments of [`Self::evaluate`].
     #[inline]
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3, n: Vec3, ng: Vec3) -> f32 {
         let (o, n) = (wo.as_dvec3(), n.as_dvec3());
@@ -83,10 +92,10 @@ impl RoughDielectric {
             .map_or(0.0, |m| (m.fresnel * Ggx::new(self.alpha).scattered_direction_pdf(&m.facet, o.dot(n))) as f32)
     }
 
-    /// Samples a visible facet, then reflection or refraction by Fresnel; `n` is on the side of
-    /// `wo`.
+    /// Samples a visible microfacet by `u`, then reflection or refraction by `lobe`.
     ///
-    /// `None` if the facet scatters to the wrong side.
+    /// `n` is on the side of `wo`. Returns `None` if the microfacet reflects through the surface, or
+    /// refracts to the side of `wo`.
     #[inline]
     pub(super) fn sample(
         &self,
@@ -95,39 +104,34 @@ impl RoughDielectric {
         ng: Vec3,
         lobe: f32,
         u: Vec2,
-        transport: Transport,
+        transport: TransportMode,
     ) -> Option<BsdfSample> {
         let (ggx, o, eta) = (Ggx::new(self.alpha), wo.as_dvec3(), self.far_over_near_index(wo, ng));
         let m = ggx.sample_visible_normal(o, n, u);
         let cos = o.dot(m);
         let (reflectance, cos_t) = fresnel_reflectance(cos, eta);
-        let transmitted = f64::from(lobe) >= reflectance;
-        let wi = if transmitted { m * (cos / eta - cos_t) - o / eta } else { m * (2.0 * cos) - o };
+        let is_transmitted = f64::from(lobe) >= reflectance;
+        let wi = if is_transmitted { m * (cos / eta - cos_t) - o / eta } else { m * (2.0 * cos) - o };
         let wi = wi.normalize().as_vec3();
 
         // Use the rounded direction, as `evaluate` and `pdf` do.
         let (i, n) = (wi.as_dvec3(), n.as_dvec3());
         let (cos_o, cos_i) = (o.dot(n), i.dot(n));
-        if (cos_i < 0.0) != transmitted {
+        if (cos_i < 0.0) != is_transmitted {
             return None;
         }
         let FacetScattering { facet, fresnel, masking_shadowing } = self.facet_scattering(o, i, n, eta)?;
         let pdf = (fresnel * ggx.scattered_direction_pdf(&facet, cos_o)) as f32;
         let unshadowed_fraction = ggx.unshadowed_fraction(masking_shadowing, cos_o, cos_i.abs());
-        let weight = Rgb::splat((unshadowed_fraction / radiance_divisor(eta, transmitted, transport)) as f32);
-        (pdf > 0.0).then_some(BsdfSample {
-            wi,
-            weight,
-            pdf,
-            specular: false,
-            transmitted,
-            uses_geometric_normal: false,
-        })
+        let weight = Rgb::splat((unshadowed_fraction / radiance_divisor(eta, is_transmitted, transport)) as f32);
+        (pdf > 0.0).then(|| BsdfSample::non_specular(wi, weight, pdf, is_transmitted))
     }
 }
 
-/// Divisor on transmission: (n_far/n_near)² for radiance, 1 for flux.
+/// Divisor of transmitted radiance: `eta`² for radiance, 1 for flux and for reflection.
+///
+/// `eta` is the refractive index of the far side over that of the near side.
 #[inline]
-fn radiance_divisor(eta: f64, directions_cross_surface: bool, transport: Transport) -> f64 {
-    if directions_cross_surface && transport == Transport::Radiance { eta * eta } else { 1.0 }
+fn radiance_divisor(eta: f64, is_transmitted: bool, transport: TransportMode) -> f64 {
+    if is_transmitted && transport == TransportMode::Radiance { eta * eta } else { 1.0 }
 }

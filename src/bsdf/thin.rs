@@ -1,37 +1,37 @@
-//! ThinDielectric sheets, whose transmitted light is not displaced.
+//! Thin sheets, which transmit light without displacement.
 
 use super::fresnel::{fresnel_reflectance, fresnel_transmittance};
 use super::{BsdfSample, dielectric};
 use crate::color::{self, Rgb};
 use glam::Vec3;
 
-/// Two parallel smooth interfaces with all reflections between them; symmetric.
+/// A thin sheet: two parallel smooth interfaces, with all reflections between them.
 ///
-/// Light passes straight through. Both sides are one medium, so radiance is not scaled.
+/// Transmitted light keeps its direction. Both sides are one medium, so radiance is not scaled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinDielectric {
-    /// Index of the sheet over that of its surroundings.
+    /// Refractive index of the sheet over that of its surroundings.
     pub eta: f32,
-    /// Transmittance of one perpendicular crossing, in \[0, 1].
+    /// Internal transmittance of the sheet along its normal, in \[0, 1].
     pub transmittance: Rgb,
 }
 
-/// Reflection and transmission at a sheet, with the weights of following both.
+/// The reflected and the transmitted ray at a thin sheet.
 #[derive(Clone, Copy, Debug)]
 pub struct ThinDielectricSplit {
-    /// The reflected direction and its reflectance.
+    /// Unit direction of reflection, and the reflectance of the sheet.
     pub reflected: (Vec3, Rgb),
-    /// The transmitted direction and its transmittance.
+    /// Unit direction of transmission, and the transmittance of the sheet.
     pub transmitted: (Vec3, Rgb),
-    /// True if reflection used the geometric normal: see [`BsdfSample::flat`].
+    /// True if reflection used the geometric normal instead of the shading normal.
     pub uses_geometric_normal: bool,
 }
 
 impl ThinDielectric {
-    /// Reflectance and transmittance of the sheet, where `cos ≥ 0` is the cosine outside.
+    /// Reflectance and transmittance of the sheet, where `cos` ≥ 0 is the cosine of incidence.
     ///
-    /// With R of one interface and τ of one crossing: R + (1−R)²τ²R/(1−R²τ²) and (1−R)²τ/(1−R²τ²),
-    /// sums of geometric series.
+    /// Let R be the reflectance of one interface and τ the internal transmittance. The reflectance is
+    /// R + (1−R)²τ²R/(1−R²τ²) and the transmittance (1−R)²τ/(1−R²τ²).
     #[inline]
     #[must_use]
     pub fn reflectance_and_transmittance(&self, cos: f32) -> (Rgb, Rgb) {
@@ -50,10 +50,10 @@ impl ThinDielectric {
         (Rgb::splat(r) + through * kept * r, through)
     }
 
-    /// Reflection and transmission of direction `wo`.
+    /// Reflects and transmits unit direction `wo`, which points away from the sheet.
     #[inline]
     #[must_use]
-    pub fn split(&self, wo: Vec3, ns: Vec3, ng: Vec3) -> ThinDielectricSplit {
+    pub fn reflect_and_transmit(&self, wo: Vec3, ns: Vec3, ng: Vec3) -> ThinDielectricSplit {
         let (mirrored, uses_geometric_normal) = dielectric::reflect_above_surface(wo, ns, ng);
         // The cosine to the normal that reflected, which is not always `ns`.
         let cos = wo.dot((wo + mirrored).normalize_or_zero());
@@ -61,25 +61,23 @@ impl ThinDielectric {
         ThinDielectricSplit { reflected: (mirrored, reflected), transmitted: (-wo, transmitted), uses_geometric_normal }
     }
 
-    /// Samples reflection or transmission by their mean weights.
+    /// Samples reflection or transmission by `lobe` in \[0, 1); `None` if the sheet absorbs all
+    /// light.
+    ///
+    /// Probabilities are proportional to the means of reflectance and transmittance over the
+    /// channels.
     #[inline]
     pub(super) fn sample(&self, wo: Vec3, ns: Vec3, ng: Vec3, lobe: f32) -> Option<BsdfSample> {
-        let ThinDielectricSplit { reflected, transmitted, uses_geometric_normal } = self.split(wo, ns, ng);
+        let ThinDielectricSplit { reflected, transmitted, uses_geometric_normal } =
+            self.reflect_and_transmit(wo, ns, ng);
         let (r, t) = (color::channel_mean(reflected.1), color::channel_mean(transmitted.1));
         let reflects = r / (r + t);
         if r + t == 0.0 {
             return None;
         }
-        let directions_cross_surface = lobe >= reflects;
+        let is_transmitted = lobe >= reflects;
         let ((wi, share), probability) =
-            if directions_cross_surface { (transmitted, 1.0 - reflects) } else { (reflected, reflects) };
-        Some(BsdfSample {
-            wi,
-            weight: share / probability,
-            pdf: 0.0,
-            specular: true,
-            transmitted: directions_cross_surface,
-            uses_geometric_normal: uses_geometric_normal && !directions_cross_surface,
-        })
+            if is_transmitted { (transmitted, 1.0 - reflects) } else { (reflected, reflects) };
+        Some(BsdfSample::specular(wi, share / probability, is_transmitted, uses_geometric_normal && !is_transmitted))
     }
 }

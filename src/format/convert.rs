@@ -6,7 +6,7 @@ use super::description::{
 };
 use super::file::SceneFile;
 use super::mesh::TriangleMesh;
-use super::resolve::candidates;
+use super::resolve::file_candidates;
 use crate::image::Image;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -51,7 +51,7 @@ impl ConvertedScene {
             if let Some(name) = names.get(path.as_str()) {
                 path.clone_from(name);
             } else if !same_folder {
-                let file = candidates(scene.folder(), Path::new(path.as_str())).find(|file| file.is_file());
+                let file = file_candidates(scene.folder(), Path::new(path.as_str())).find(|file| file.is_file());
                 let file = file.and_then(|file| absolute(&file));
                 if let Some(file) = file.as_deref().and_then(Path::to_str) {
                     file.clone_into(path);

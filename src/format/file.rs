@@ -1,8 +1,8 @@
-//! Scene files: reading by the importer of their format, then resolving.
+//! A scene file: read by the importer of its format, and resolved.
 
 use super::SceneError;
 use super::description::SceneDescription;
-use super::import::{EmbeddedAssets, ImportedScene, SceneImporter, SceneReadError};
+use super::import::{EmbeddedAssets, ImportedScene, SceneImporter, SceneReadError, lowercase_extension};
 use super::mesh::MeshReadMonitor;
 use super::resolve::resolve_with_assets;
 use super::scene_text::SceneTextImporter;
@@ -11,15 +11,15 @@ use crate::scene::Scene;
 use crate::stats::MemoryLimit;
 use std::path::{Path, PathBuf};
 
-/// Importers of all scene formats. A file of another extension is read as scene text.
+/// Importers of all scene formats. A file with another extension is read as scene text.
 pub const IMPORTERS: [&dyn SceneImporter; 1] = [&SceneTextImporter];
 
-/// A scene file that was read but not resolved: its description may still be changed.
+/// A scene file that was read but not resolved. Its description may still be changed.
 #[derive(Clone, Debug)]
 pub struct SceneFile {
     /// The scene.
     pub description: SceneDescription,
-    /// The file's text, for errors.
+    /// Text that the spans of the description refer to.
     pub source: SourceText,
     /// Meshes and pictures that the file itself holds.
     pub assets: EmbeddedAssets,
@@ -35,20 +35,20 @@ impl SceneFile {
         Self::read_within_memory(path, MemoryLimit::Unbounded)
     }
 
-    /// Like [`SceneFile::read`], but refuses a file that takes more than `memory` before reading
-    /// it.
+    /// Reads the file at `path` by the importer of its extension; refuses a scene that would exceed
+    /// `memory`.
     ///
     /// # Errors
     /// [`SceneReadError`].
     pub fn read_within_memory(path: &Path, memory: MemoryLimit) -> Result<Self, SceneReadError> {
-        let is = |own: &&str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(own));
-        let importer = IMPORTERS.into_iter().find(|importer| importer.extensions().iter().any(is));
+        let extension = lowercase_extension(path);
+        let importer = IMPORTERS.into_iter().find(|importer| importer.extensions().contains(&&*extension));
         let ImportedScene { description, source, assets } =
             importer.unwrap_or(&SceneTextImporter).import(path, memory)?;
         Ok(Self { description, source, assets, folder: path.parent().unwrap_or(Path::new("")).to_owned() })
     }
 
-    /// Resolves the description. Meshes are looked up beside the file and in the folder above.
+    /// Builds the scene. Files that it names are looked up in its folder, then in the parent folder.
     ///
     /// # Errors
     /// [`SceneError`].
@@ -56,8 +56,9 @@ impl SceneFile {
         self.resolve_monitored(&(), MemoryLimit::Unbounded)
     }
 
-    /// Like [`SceneFile::resolve`], within `memory`; `monitor` receives the progress of reading
-    /// meshes.
+    /// Builds the scene within `memory`; `monitor` receives the progress of reading meshes.
+    ///
+    /// Files are looked up like those of [`SceneFile::resolve`].
     ///
     /// # Errors
     /// [`SceneError`].
@@ -65,11 +66,12 @@ impl SceneFile {
         resolve_with_assets(&self.description, &self.source, &self.folder, &self.assets, monitor, memory)
     }
 
-    /// Returns warnings about the scene, one line each: unused textures and materials, and
-    /// defective dielectric meshes. Reads these meshes again.
+    /// Returns warnings about unused textures and materials, and about defective dielectric meshes.
+    ///
+    /// Each warning is one line. These meshes are read again.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        warnings::warnings(&self.description, &self.source, &self.folder, &self.assets)
+        warnings::scene_warnings(&self.description, &self.source, &self.folder, &self.assets)
     }
 
     /// Returns warnings about unused textures and materials, one line each. Reads no file.

@@ -1,4 +1,4 @@
-//! The seam for scene formats: the importer trait, and what an importer returns.
+//! The interface of scene importers: trait, result, embedded assets and errors.
 
 use super::description::SceneDescription;
 use super::mesh::TriangleMesh;
@@ -9,55 +9,56 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Reads scenes of one file format.
+/// Reader of scenes in one file format.
 ///
-/// A new format is a type that implements this trait in a folder of its own, and one line in
-/// [`IMPORTERS`](super::IMPORTERS).
+/// A new format is a folder with a type that implements this trait, its `mod` line, and one line in
+/// [`IMPORTERS`](super::IMPORTERS). No other list changes: an importer is chosen by its extensions
+/// before an extension is reported as unread.
 pub trait SceneImporter: Sync {
-    /// Returns the format's name for messages.
+    /// Returns the format's name, for messages.
     fn name(&self) -> &'static str;
 
     /// Returns the file extensions of the format, in lower case and without the dot.
     fn extensions(&self) -> &'static [&'static str];
 
-    /// Reads the file at `path`, which takes at most `memory`.
+    /// Reads the file at `path`; refuses it if the scene would exceed `memory`.
     ///
     /// # Errors
-    /// [`SceneReadError`]; its [`SceneError`] may lack a position and may carry further errors.
+    /// [`SceneReadError`]. The [`SceneError`] of a binary format may lack a position.
     fn import(&self, path: &Path, memory: MemoryLimit) -> Result<ImportedScene, SceneReadError>;
 }
 
-/// A scene as an importer read it.
+/// A scene that an importer read from a file.
 #[derive(Clone, Debug)]
 pub struct ImportedScene {
     /// The scene.
     pub description: SceneDescription,
-    /// The text that the description's spans refer to; empty if the format is not text.
+    /// Text that the spans of the description refer to; empty for a binary format.
     pub source: SourceText,
     /// Meshes and pictures that the file itself holds.
     pub assets: EmbeddedAssets,
 }
 
-/// Meshes and pictures in memory, by the paths that the description names them with.
+/// Meshes and pictures that a scene file itself holds, by the paths in its description.
 ///
 /// A path that is listed here is not looked up in the file system.
 #[derive(Clone, Debug, Default)]
 pub struct EmbeddedAssets {
     /// Meshes of `TriangleMesh` shapes.
     pub meshes: BTreeMap<String, Arc<TriangleMesh>>,
-    /// Pictures of textures and environments, in linear values.
+    /// Pictures of textures and lights; their values are linear.
     pub pictures: BTreeMap<String, Arc<Image>>,
 }
 
 impl EmbeddedAssets {
-    /// True if `path` names a mesh or picture in memory.
+    /// True if `path` names an embedded mesh or picture.
     #[must_use]
     pub fn contains(&self, path: &str) -> bool {
         self.meshes.contains_key(path) || self.pictures.contains_key(path)
     }
 }
 
-/// Reason why a scene file could not be read.
+/// Error of reading a scene file.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum SceneReadError {
     /// The file could not be opened or read.
@@ -69,19 +70,51 @@ pub enum SceneReadError {
         /// Error of the system.
         source: std::io::Error,
     },
-    /// The file exceeds the memory limit.
+    /// The scene would exceed the memory limit.
     #[error("the scene `{}` takes about {} of memory, and {} are free", path.display(), format_bytes(*needed), format_bytes(*free))]
     #[diagnostic(help("put large parts into meshes, or allow more memory (--memory)"))]
     Memory {
         /// Path of the file.
         path: PathBuf,
-        /// Bytes that the scene takes.
+        /// Estimated memory of the scene \[bytes].
         needed: u64,
-        /// Bytes that are free.
+        /// Free memory \[bytes].
         free: u64,
     },
     /// The content of the file has errors.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Language(#[from] SceneError),
+}
+
+/// Extensions of scene formats that no importer reads. Meshes in these formats are not read either.
+const UNREAD_SCENE_EXTENSIONS: [&str; 14] =
+    ["glb", "gltf", "usd", "usda", "usdc", "usdz", "blend", "fbx", "dae", "pbrt", "xml", "3ds", "abc", "x3d"];
+
+/// Extensions of mesh formats that are not read.
+const UNREAD_MESH_EXTENSIONS: [&str; 2] = ["stl", "off"];
+
+/// Extensions of mesh formats that scenes can name.
+const MESH_EXTENSIONS: [&str; 2] = ["obj", "ply"];
+
+/// True if neither scene text nor a readable mesh has this extension.
+pub(super) fn is_unread_format(extension: &str) -> bool {
+    UNREAD_SCENE_EXTENSIONS.contains(&extension) || UNREAD_MESH_EXTENSIONS.contains(&extension)
+}
+
+/// Returns the remedy for a file with this extension that is given as a scene; `None` if the file may
+/// be scene text.
+pub(super) fn remedy_for_foreign_scene(extension: &str) -> Option<&'static str> {
+    if UNREAD_SCENE_EXTENSIONS.contains(&extension) {
+        Some("export the meshes as OBJ or PLY, and name them in a scene text: `TriangleMesh { file a.obj }`")
+    } else if MESH_EXTENSIONS.contains(&extension) || UNREAD_MESH_EXTENSIONS.contains(&extension) {
+        Some("write a scene text that names the mesh: `TriangleMesh { file a.obj }`")
+    } else {
+        None
+    }
+}
+
+/// Returns the extension of a path in lower case, without the dot; empty if it has none.
+pub(super) fn lowercase_extension(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
 }

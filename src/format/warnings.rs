@@ -6,50 +6,51 @@ use super::description::{
 };
 use super::import::EmbeddedAssets;
 use super::mesh::{self, MeshReport};
-use super::resolve::candidates;
+use super::resolve::file_candidates;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// Returns warnings, one line each, in the order of the text.
+/// Returns warnings about unused textures and materials, and about defective dielectric meshes.
 ///
-/// Meshes of dielectrics are read again; one that cannot be read is the resolver's to report.
-pub(super) fn warnings(
+/// Each warning is one line, in the order of the text. Dielectric meshes are read again. A mesh that
+/// cannot be read is skipped, because resolving reports it as an error.
+pub(super) fn scene_warnings(
     description: &SceneDescription,
     source: &SourceText,
     folder: &Path,
     assets: &EmbeddedAssets,
 ) -> Vec<String> {
-    let uses = Uses::of(description);
-    let mut found = unused(description, &uses);
+    let uses = SceneUses::collect(description);
+    let mut found = unused_item_messages(description, &uses);
     for (path, span) in &uses.dielectric_meshes {
         let report = match assets.meshes.get(*path) {
             Some(mesh) => Some(mesh.report()),
-            None => candidates(folder, Path::new(path))
+            None => file_candidates(folder, Path::new(path))
                 .find(|file| file.is_file())
                 .and_then(|file| mesh::load(&file, &()).ok())
                 .map(|loaded| loaded.mesh.report()),
         };
-        if let Some(defect) = report.as_ref().and_then(defect) {
+        if let Some(defect) = report.as_ref().and_then(boundary_defect) {
             let remedy = "`caustica mesh --repair` may repair it";
             found.push((*span, format!("the dielectric mesh `{path}` {defect}; {remedy}")));
         }
     }
-    lines(found, source)
+    warning_lines(found, source)
 }
 
 /// Returns warnings about unused textures and materials, one line each, in the order of the text.
 pub(super) fn unused_item_warnings(description: &SceneDescription, source: &SourceText) -> Vec<String> {
-    lines(unused(description, &Uses::of(description)), source)
+    warning_lines(unused_item_messages(description, &SceneUses::collect(description)), source)
 }
 
-/// Returns one line for each message, in the order of the text.
-fn lines(mut found: Vec<(Span, String)>, source: &SourceText) -> Vec<String> {
+/// Returns one warning line for each message, in the order of the text.
+fn warning_lines(mut found: Vec<(Span, String)>, source: &SourceText) -> Vec<String> {
     found.sort_by_key(|(span, _)| span.start);
     found.into_iter().map(|(span, message)| source.warning(span, &message)).collect()
 }
 
 /// Returns messages about textures and materials that nothing refers to.
-fn unused(description: &SceneDescription, uses: &Uses<'_>) -> Vec<(Span, String)> {
+fn unused_item_messages(description: &SceneDescription, uses: &SceneUses<'_>) -> Vec<(Span, String)> {
     let mut found = Vec::new();
     for texture in &description.textures {
         if !uses.textures.contains(texture.name.as_str()) {
@@ -65,8 +66,8 @@ fn unused(description: &SceneDescription, uses: &Uses<'_>) -> Vec<(Span, String)
     found
 }
 
-/// Returns what makes a mesh unfit as the boundary of a body; `None` if it is fit.
-fn defect(report: &MeshReport) -> Option<String> {
+/// Returns why a mesh is not a valid boundary of a body; `None` if it is valid or empty.
+fn boundary_defect(report: &MeshReport) -> Option<String> {
     if report.triangles == 0 {
         return None;
     }
@@ -80,30 +81,29 @@ fn defect(report: &MeshReport) -> Option<String> {
     inside_out.then(|| "is inside out: its normals point into the body".to_owned())
 }
 
-/// Materials, textures and meshes that the objects of a scene refer to.
+/// Materials, textures and dielectric meshes that a scene uses.
 #[derive(Default)]
-struct Uses<'a> {
-    /// Indices of materials that an object has.
+struct SceneUses<'a> {
+    /// Indices of materials that objects have directly, not as a part of a mix.
     materials: BTreeSet<usize>,
     /// Names of textures that a material refers to.
     textures: BTreeSet<&'a str>,
-    /// Paths of meshes with a dielectric material, with the first object of each.
+    /// Paths of meshes with a dielectric material, and the span of the first use of each.
     dielectric_meshes: BTreeMap<&'a str, Span>,
 }
 
-impl<'a> Uses<'a> {
-    /// Returns the uses of a scene.
-    fn of(description: &'a SceneDescription) -> Self {
+impl<'a> SceneUses<'a> {
+    fn collect(description: &'a SceneDescription) -> Self {
         let mut uses = Self::default();
-        uses.group(description, &description.root, &mut 0);
+        uses.collect_group(description, &description.root, &mut 0);
         for material in &description.materials {
-            uses.textures.extend(material.textures().into_iter().map(|name| name.as_str()));
+            uses.textures.extend(material.texture_names().into_iter().map(|name| name.as_str()));
         }
         uses
     }
 
-    /// Collects the uses of a group; `material` is the index of the material in force.
-    fn group(&mut self, description: &'a SceneDescription, group: &'a Group, material: &mut usize) {
+    /// Collects the uses of a group; `material` is the index of the current material.
+    fn collect_group(&mut self, description: &'a SceneDescription, group: &'a Group, material: &mut usize) {
         for item in &group.items {
             match item {
                 GroupItem::MaterialIndex(index) => *material = index.value as usize,
@@ -111,22 +111,22 @@ impl<'a> Uses<'a> {
                     let named = |m: &Spanned<MaterialDescription>| m.name.as_deref() == Some(name.as_str());
                     *material = description.materials.iter().position(named).unwrap_or(*material);
                 }
-                GroupItem::Object(object) => self.object(description, object, material),
+                GroupItem::Object(object) => self.collect_object(description, object, material),
             }
         }
     }
 
-    /// Collects the uses of an object.
-    fn object(
+    /// Collects the uses of an object; `material` is the index of the current material.
+    fn collect_object(
         &mut self,
         description: &'a SceneDescription,
         object: &'a Spanned<ObjectDescription>,
         material: &mut usize,
     ) {
         match &object.value {
-            ObjectDescription::Group(group) => self.group(description, group, material),
+            ObjectDescription::Group(group) => self.collect_group(description, group, material),
             ObjectDescription::Transform { object, .. } | ObjectDescription::Moving { object, .. } => {
-                self.object(description, object, material);
+                self.collect_object(description, object, material);
             }
             ObjectDescription::Shape { shape, .. } => {
                 self.materials.insert(*material);
@@ -144,7 +144,7 @@ impl<'a> Uses<'a> {
         let materials = &description.materials;
         let name = materials[index].name.as_deref();
         let part_of = |mix: &Spanned<MaterialDescription>| {
-            mix.kind.parts().is_some_and(|parts| parts.iter().any(|part| Some(part.as_str()) == name))
+            mix.kind.mix_parts().is_some_and(|parts| parts.iter().any(|part| Some(part.as_str()) == name))
         };
         // The parts of a mix stand before it, so the recursion ends.
         let in_mix = |(mix, _): (usize, &Spanned<MaterialDescription>)| mix > index && self.is_used(description, mix);

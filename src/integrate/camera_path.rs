@@ -13,7 +13,7 @@ use super::photon_maps::{MapLookup, PhotonMaps};
 use super::policy::{Continuation, DirectionSampling, PathPolicy, PhotonLookups};
 use super::scatter;
 use super::vertex::{PathHistory, PathVertex, PrevVertex};
-use crate::bsdf::Transport;
+use crate::bsdf::TransportMode;
 use crate::color::{self, Rgb};
 use crate::math::Ray;
 use crate::medium::PhaseFunction;
@@ -215,12 +215,14 @@ fn scatter_at_caster<I: Interior>(
     }
 
     // Follow both branches at a smooth dielectric seen directly or over casters.
-    if let Some(split) = surface.bsdf.split(surface.wo, surface.point.ns, surface.point.ng, Transport::Radiance) {
+    if let Some(split) =
+        surface.bsdf.reflect_and_refract(surface.wo, surface.point.ns, surface.point.ng, TransportMode::Radiance)
+    {
         let weaker = split.reflected.1.min(split.transmitted.1) * color::channel_mean(path.throughput);
         let has_room = stack.len() < MAX_BRANCHES;
         if has_room && path.history.receivers == 0 && weaker > MIN_SPLIT_THROUGHPUT.max(policy.min_throughput) {
             stack.push(path.after_scattering(surface, split.reflected.0, Rgb::splat(split.reflected.1), false));
-            let weight = Rgb::splat(split.transmitted.1 / split.squeeze);
+            let weight = Rgb::splat(split.transmitted.1 / split.radiance_divisor);
             *path = path.after_scattering(surface, split.transmitted.0, weight, true);
             return true;
         }
@@ -237,8 +239,8 @@ fn continue_path<I: Interior>(
     worker: &mut Worker,
 ) -> bool {
     let Some(sample) = scatter::sample(policy.directions, vertex, worker) else { return false };
-    let mut next = path.after_scattering(vertex.surface, sample.wi, sample.weight, sample.transmitted);
-    next.prev = (!sample.specular).then_some(PrevVertex {
+    let mut next = path.after_scattering(vertex.surface, sample.wi, sample.weight, sample.is_transmitted);
+    next.prev = (!sample.is_specular).then_some(PrevVertex {
         p: vertex.surface.point.p,
         hemisphere: vertex.scattering_hemisphere(),
         history: vertex.history,
@@ -284,7 +286,7 @@ fn photon_radiance<I: Interior>(
 fn record_visible<I: Interior>(vertex: &PathVertex<'_, I>, worker: &mut Worker) {
     let surface = vertex.surface;
     let normal = surface.facing_normal();
-    let brdf = surface.bsdf.evaluate(surface.wo, normal, normal, normal, Transport::Radiance);
+    let brdf = surface.bsdf.evaluate(surface.wo, normal, normal, normal, TransportMode::Radiance);
     let weight = color::channel_mean(vertex.throughput * brdf);
     worker.visible.push(VisiblePoint { position: surface.point.p, normal, weight });
 }

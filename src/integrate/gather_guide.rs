@@ -3,7 +3,7 @@
 use crate::math::{Frame, warp};
 use glam::{Vec2, Vec3};
 
-/// Number of photons that guide a gather ray.
+/// Number of nearby photons whose directions guide a gather ray.
 pub(super) const GUIDE_PHOTONS: u32 = 32;
 
 /// 1 − cosine of the half angle (0.2 rad) of the cone around each photon's direction.
@@ -12,7 +12,7 @@ pub(super) const GUIDE_PHOTONS: u32 = 32;
 /// direction, they cover a tenth.
 const ONE_MINUS_COS: f32 = 0.02;
 
-/// Mixture of equal cones around directions.
+/// Distribution of directions: an equal mixture of cones around the directions of photons.
 ///
 /// Hey and Purgathofer 2002, "Importance Sampling with Hemispherical Particle Footprints".
 #[derive(Debug, Default)]

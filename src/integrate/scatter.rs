@@ -5,7 +5,7 @@ use super::gather_guide::GUIDE_PHOTONS;
 use super::photon_maps::PhotonMaps;
 use super::policy::DirectionSampling;
 use super::vertex::PathVertex;
-use crate::bsdf::{BsdfSample, Transport};
+use crate::bsdf::{BsdfSample, TransportMode};
 use crate::color::Rgb;
 use crate::photon::{Bandwidth, Kernel};
 use crate::sampling::Dimension;
@@ -48,7 +48,7 @@ pub(super) fn sample<I: Interior>(
     if is_guided(sampling, vertex) {
         return sample_guided(vertex, worker);
     }
-    surface.sample(lobe, u, Transport::Radiance)
+    surface.sample(lobe, u, TransportMode::Radiance)
 }
 
 /// Pdf of unit direction `wi` by [`sample`] \[1/sr].
@@ -82,23 +82,16 @@ fn sample_guided<I: Interior>(vertex: &PathVertex<'_, I>, worker: &Worker) -> Op
     let (lobe, u) = (vertex.sampler.get_1d(Dimension::BsdfLobe), vertex.sampler.get_2d(Dimension::BsdfDirection));
     let mixed = |wi| pdf(DirectionSampling::Guided, vertex, wi, worker);
     if lobe >= 0.5 {
-        let mut sample = surface.sample(2.0 * lobe - 1.0, u, Transport::Radiance)?;
+        let mut sample = surface.sample(2.0 * lobe - 1.0, u, TransportMode::Radiance)?;
         let mixed = mixed(sample.wi);
         sample.weight *= sample.pdf / mixed;
         sample.pdf = mixed;
         return Some(sample);
     }
     let Some(wi) = worker.guide.sample(2.0 * lobe, u) else {
-        return surface.sample(2.0 * lobe, u, Transport::Radiance);
+        return surface.sample(2.0 * lobe, u, TransportMode::Radiance);
     };
     let reflected = surface.bsdf_cosine(wi);
     let pdf = mixed(wi);
-    (reflected != Rgb::ZERO && pdf > 0.0).then_some(BsdfSample {
-        wi,
-        weight: reflected / pdf,
-        pdf,
-        specular: false,
-        transmitted: false,
-        uses_geometric_normal: false,
-    })
+    (reflected != Rgb::ZERO && pdf > 0.0).then(|| BsdfSample::non_specular(wi, reflected / pdf, pdf, false))
 }

@@ -12,16 +12,16 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// The empty box, neutral for [`Bounds::union`].
+    /// The empty box: its union with a box is that box.
     pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
 
-    /// Smallest box around `points`; empty for none.
+    /// Smallest box that contains `points`; empty if there are none.
     #[must_use]
     pub fn from_points(points: impl IntoIterator<Item = Vec3>) -> Self {
         points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
     }
 
-    /// Smallest box around both boxes.
+    /// Smallest box that contains both boxes.
     #[inline]
     #[must_use]
     pub fn union(self, other: Self) -> Self {
@@ -56,7 +56,7 @@ impl Bounds {
         if self.is_empty() { Vec3::ZERO } else { self.min * 0.5 + self.max * 0.5 }
     }
 
-    /// The box grown by `margin` on every side.
+    /// The box expanded by `margin` on every side.
     #[inline]
     #[must_use]
     pub fn expanded(self, margin: f32) -> Self {
@@ -72,14 +72,14 @@ impl Bounds {
         })
     }
 
-    /// A sphere that contains the box.
+    /// Sphere through the corners of the box.
     #[must_use]
     pub fn bounding_sphere(&self) -> BoundingSphere {
         BoundingSphere { center: self.center(), radius: 0.5 * self.extent().length() }
     }
 }
 
-/// Bounding sphere.
+/// Sphere that bounds an object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoundingSphere {
     /// Centre.
@@ -89,7 +89,7 @@ pub struct BoundingSphere {
 }
 
 impl BoundingSphere {
-    /// Smallest sphere around both spheres.
+    /// Smallest sphere that contains both spheres, up to rounding.
     #[must_use]
     pub fn union(self, other: Self) -> Self {
         let d = other.center - self.center;

@@ -1,16 +1,15 @@
-//! Compensated sums of very many values.
+//! Compensated summation.
 
 use glam::DVec3;
 
-/// Sum of three channels that keeps the rounding error of each addition.
+/// Compensated sum of vectors: it also sums the rounding error of each addition.
 ///
-/// Method: cascaded exact two-sums (Knuth; Ogita, Rump and Oishi 2005, Sum2). The relative error of
-/// n values is at most 2⁻⁵³, plus n²·2⁻¹⁰⁶ of the sum of their magnitudes, in any order. A sum that
-/// overflows is infinite, like a plain sum.
+/// Method: Sum2 of Ogita, Rump and Oishi 2005. The error is at most 2⁻⁵³ of the sum, plus n²·2⁻¹⁰⁶
+/// of the sum of absolute values, for n values in any order. A sum that overflows is infinite.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CompensatedSum {
     high: DVec3,
-    /// Rounding errors that `high` lacks.
+    /// Sum of the rounding errors of `high`.
     low: DVec3,
 }
 
@@ -38,7 +37,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_a_large_value_swallows_comes_back() {
+    fn sums_keep_small_terms_beside_large_ones() {
         let mut sum = CompensatedSum::default();
         for x in [1e16, 1.0, 1.0, -1e16, 0.5] {
             sum.add(DVec3::new(x, -x, 0.0));
@@ -47,7 +46,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_finite_stays() {
+    fn non_finite_sums_stay_non_finite() {
         let mut sum = CompensatedSum::default();
         sum.add(DVec3::new(f64::INFINITY, f64::NAN, f64::MAX));
         sum.add(DVec3::new(1.0, 1.0, f64::MAX));

@@ -1,12 +1,13 @@
-//! Numbers with twice the digits of f64, for values that cancel: cofactors and determinants.
+//! Double-double arithmetic: 106 significant bits, for cofactors and determinants that cancel.
 
 use glam::DVec3;
 
-/// Unevaluated sum of a number and its rounding error (Dekker 1971).
+/// Unevaluated sum of an f64 and its rounding error (Dekker 1971).
 #[derive(Clone, Copy)]
 struct DoubleDouble(f64, f64);
 
 impl DoubleDouble {
+    /// a · b without rounding error, by the algorithm of Dekker.
     fn exact_product(a: f64, b: f64) -> Self {
         // Halves of 26 bits have exact products.
         let halves = |x: f64| {
@@ -38,7 +39,7 @@ impl DoubleDouble {
     }
 }
 
-/// Vector of three [`DoubleDouble`] components.
+/// Vector with double-double components.
 #[derive(Clone, Copy)]
 pub(super) struct DoubleDoubleVec3([DoubleDouble; 3]);
 
@@ -61,13 +62,17 @@ impl DoubleDoubleVec3 {
     }
 }
 
-/// Cross product a × b, each component correct to its last digit even if products cancel.
+/// Cross product a × b in double-double arithmetic, correct to the last digit even if products
+/// cancel.
 #[must_use]
 pub fn exact_cross(a: DVec3, b: DVec3) -> DVec3 {
     DoubleDoubleVec3::cross(a, b).round_to_f64()
 }
 
-/// Dot product a · b, correct to its last digit unless it is below 10⁻³⁰ of the products.
+/// Dot product a · b in double-double arithmetic.
+///
+/// The result is correct to the last digit, unless it is smaller than 10⁻³⁰ times the products of
+/// the components.
 #[must_use]
 pub fn exact_dot(a: DVec3, b: DVec3) -> f64 {
     let [x, y, z] = [
@@ -83,7 +88,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_cancels_keeps_its_digits() {
+    fn cancelling_products_keep_their_digits() {
         // (2²⁷ + 1)² − 2²⁷(2²⁷ + 2) = 1. No f64 holds the squares.
         let n = 134_217_728.0;
         let c = exact_cross(DVec3::new(n + 1.0, n, 0.0), DVec3::new(n + 2.0, n + 1.0, 0.0));

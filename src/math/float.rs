@@ -1,10 +1,10 @@
-//! Floating-point helpers with stated errors.
+//! Scalar functions with bounded rounding errors.
 
 use glam::Vec3;
 
-/// Bound on the relative error of `n` chained f32 operations: nε/(1 − nε), ε = 2⁻²⁴.
+/// γₙ = nε/(1 − nε) with ε = 2⁻²⁴: bound on the relative error of `n` chained f32 operations.
 ///
-/// Source: Higham 2002, section 3.1.
+/// Source: Higham 2002, section 3.1; pbrt calls it `gamma`.
 #[inline]
 #[must_use]
 pub const fn rounding_error_bound(n: u32) -> f32 {
@@ -12,11 +12,10 @@ pub const fn rounding_error_bound(n: u32) -> f32 {
     e / (1.0 - e)
 }
 
-/// Real roots of `a t² + 2 b t + c`, ascending; `None` for a negative discriminant.
+/// Real roots of a t² + 2 b t + c, ascending; `None` if the discriminant is negative.
 ///
-/// `discriminant` is `b² − a c`, computed as exactly as the caller can. `a` must not be zero. The
-/// root of larger magnitude comes from a sum without cancellation, the other from Viète's formula
-/// (Higham 2002, section 1.8).
+/// The coefficient of t is 2 b, not b. `discriminant` is b² − a c, computed by the caller, and `a`
+/// must not be 0. The formula avoids cancellation (Higham 2002, section 1.8).
 #[inline]
 #[must_use]
 pub fn quadratic_roots(a: f64, b: f64, c: f64, discriminant: f64) -> Option<(f64, f64)> {
@@ -31,10 +30,10 @@ pub fn quadratic_roots(a: f64, b: f64, c: f64, discriminant: f64) -> Option<(f64
     Some(if t0 < t1 { (t0, t1) } else { (t1, t0) })
 }
 
-/// Sine and cosine of `turns` full turns, for `turns` in \[−1, 1], within an ulp.
+/// Sine and cosine of the angle 2π·`turns`, for `turns` in \[−1, 1], within one ulp.
 ///
-/// Quarter turns are subtracted exactly, so the rest needs no range reduction. The rest is a Taylor
-/// polynomial with a remainder below 2⁻³⁰ for |x| ≤ π/4 (Cody and Waite 1980, chapter 8).
+/// Whole quarter turns are subtracted exactly. Taylor polynomials evaluate the remaining angle,
+/// with an error below 2⁻³⁰ (Cody and Waite 1980, chapter 8).
 #[inline]
 #[must_use]
 pub fn sin_cos_turns(turns: f32) -> (f32, f32) {
@@ -52,9 +51,9 @@ pub fn sin_cos_turns(turns: f32) -> (f32, f32) {
     }
 }
 
-/// Squared distance from `from` to `to`, the unit direction, and the distance.
+/// Squared distance from `from` to `to`, the unit direction between them, and the distance.
 ///
-/// `None` if the points coincide.
+/// `None` if the squared distance is 0 or not finite.
 #[inline]
 #[must_use]
 pub fn direction_and_distance(from: Vec3, to: Vec3) -> Option<(f32, Vec3, f32)> {

@@ -2,19 +2,19 @@
 
 use glam::Vec3;
 
-/// Right-handed orthonormal frame whose third axis is a given unit vector.
+/// Right-handed orthonormal frame (s, t, n).
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
-    /// First tangent.
+    /// First axis, perpendicular to `n`.
     pub s: Vec3,
-    /// Second tangent.
+    /// Second axis, perpendicular to `n`.
     pub t: Vec3,
-    /// The given direction.
+    /// Third axis, a unit vector; usually a surface normal.
     pub n: Vec3,
 }
 
 impl Frame {
-    /// Frame around the unit vector `n`, without branches (Duff et al. 2017, JCGT 6(1)).
+    /// Frame with the unit vector `n` as third axis (Duff et al. 2017, JCGT 6(1)).
     #[inline]
     #[must_use]
     pub fn from_normal(n: Vec3) -> Self {

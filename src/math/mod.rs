@@ -1,4 +1,4 @@
-//! Arithmetic of geometry: rays, boxes, frames, transforms, warps, and bounds on rounding errors.
+//! Geometric primitives: rays, boxes, frames, transforms, sampling warps and error bounds.
 
 mod bounds;
 mod compensated_sum;

@@ -1,13 +1,13 @@
-//! Orders points so that neighbours in the order are close together.
+//! Morton order: a linear order of points that keeps close points together.
 
 use super::Bounds;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Indices of `items` in the order of a Morton curve through their positions, which must be finite.
+/// Indices of `items`, sorted by the Morton codes of their positions.
 ///
-/// Items of one cell keep their order; a cell is the 2²⁰th part of the extent. The result does not
-/// depend on the number of threads.
+/// `place` returns an item's position, which must be finite. Each axis has 2²⁰ cells, and items in
+/// one cell keep their order. The result does not depend on the number of threads.
 #[must_use]
 pub fn morton_order<T: Sync>(items: &[T], place: impl Fn(&T) -> Vec3 + Sync) -> Vec<u32> {
     let bounds = Bounds::from_points(items.iter().map(&place));
@@ -18,7 +18,7 @@ pub fn morton_order<T: Sync>(items: &[T], place: impl Fn(&T) -> Vec3 + Sync) -> 
     keyed.par_iter().map(|(_, i)| *i).collect()
 }
 
-/// Interleaves 20 bits of each coordinate.
+/// Interleaves the lowest 21 bits of the three coordinates.
 #[inline]
 fn morton_code(p: Vec3) -> u64 {
     let spread = |x: f32| {

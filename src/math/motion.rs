@@ -1,18 +1,18 @@
-//! Affine maps that change while the shutter is open.
+//! Affine maps that depend on the time while the shutter is open.
 
 use glam::{DAffine3, DMat3, DVec3};
 
-/// One factor of a [`Motion`].
+/// One affine map of the product that makes up a [`Motion`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MotionStep {
     /// A map that does not depend on time.
     Fixed(DAffine3),
-    /// Translation by the vector, scaled by time.
+    /// Translation by the vector times `time`.
     Translate(DVec3),
-    /// Right-handed rotation about a unit axis through the origin \[degrees], scaled by time.
+    /// Right-handed rotation about a unit axis through the origin, by the angle \[degrees] times
+    /// `time`.
     Rotate(DVec3, f64),
-    /// Scale along each axis, from 1 at time 0 linearly to the factor at time 1; factors are above
-    /// 0.
+    /// Scale along each axis, linear in time, from 1 at time 0 to these factors above 0 at time 1.
     Scale(DVec3),
 }
 
@@ -29,23 +29,25 @@ impl MotionStep {
     }
 }
 
-/// Affine map for each time in \[0, 1], from the opening to the closing of the shutter.
+/// Affine map as a function of time: 0 is the opening of the shutter, 1 its closing.
 ///
-/// The motion is a product of steps. Rotations move points along true circles.
+/// The map is a product of steps, so points under a rotation move along true circles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Motion {
-    /// The first step is applied last. No two neighbours are both fixed.
+    /// Factors from left to right: points are mapped by the last one first. Adjacent fixed steps
+    /// are merged.
     steps: Vec<MotionStep>,
 }
 
 impl Motion {
-    /// A motion that is `map` at all times.
+    /// Motion that equals `map` at all times.
     #[must_use]
     pub fn constant(map: DAffine3) -> Self {
         Self::default().preceded_by([MotionStep::Fixed(map)])
     }
 
-    /// The product of `steps`, the first of them applied last, applied after this motion.
+    /// Product of this motion and `steps`, from left to right: points are mapped by the last step
+    /// first, and by this motion last.
     #[must_use]
     pub fn preceded_by(&self, steps: impl IntoIterator<Item = MotionStep>) -> Self {
         let mut all = self.steps.clone();
@@ -58,14 +60,15 @@ impl Motion {
         Self { steps: all }
     }
 
-    /// The motion with `center` in place of the origin.
+    /// The motion conjugated by a translation, so that its fixed point is `place` instead of the
+    /// origin.
     #[must_use]
     pub fn around_point(&self, place: DVec3) -> Self {
         let back = MotionStep::Fixed(DAffine3::from_translation(-place));
         self.followed_by(DAffine3::from_translation(place)).preceded_by([back])
     }
 
-    /// The motion followed by `map`.
+    /// Product of `map` and this motion: points are mapped by this motion first.
     #[must_use]
     pub fn followed_by(&self, map: DAffine3) -> Self {
         Self::constant(map).preceded_by(self.steps.iter().copied())
@@ -84,15 +87,15 @@ impl Motion {
     }
 }
 
-/// Rotation matrix about a unit `axis`, by Rodrigues: cos·I + (1 − cos)·aaᵀ + sin·\[a\]×.
+/// Rotation matrix about a unit `axis` by an angle in radians, right-handed (Rodrigues).
 #[must_use]
 pub fn rotation_matrix(axis: DVec3, radians: f64) -> DMat3 {
     rotation_from_sin_cos(axis, libm::sincos(radians))
 }
 
-/// Rotation matrix about a unit `axis` by an angle in degrees.
+/// Rotation matrix about a unit `axis` by an angle in degrees, right-handed.
 ///
-/// Multiples of 90° map axes to axes exactly, which radians cannot.
+/// Multiples of 90° are exact.
 #[must_use]
 pub fn rotation_matrix_degrees(axis: DVec3, degrees: f64) -> DMat3 {
     let sin_cos = if degrees % 90.0 == 0.0 {
@@ -103,6 +106,7 @@ pub fn rotation_matrix_degrees(axis: DVec3, degrees: f64) -> DMat3 {
     rotation_from_sin_cos(axis, sin_cos)
 }
 
+/// Rotation matrix about a unit `axis` by Rodrigues: cos·I + (1 − cos)·aaᵀ + sin·\[a\]×.
 fn rotation_from_sin_cos(axis: DVec3, (sin, cos): (f64, f64)) -> DMat3 {
     let column = |e: DVec3| e * cos + axis * ((1.0 - cos) * axis.dot(e)) + axis.cross(e) * sin;
     DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z))

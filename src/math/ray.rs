@@ -1,36 +1,36 @@
-//! Rays, and their start points on surfaces.
+//! Rays, and robust ray origins on surfaces.
 
 use glam::Vec3;
 
-/// Half line `origin + t · direction` with `0 < t < t_max`.
+/// Ray `origin + t · direction` with 0 < t < `t_max`.
 ///
-/// The direction may have any length; `t` is in units of that length.
+/// The direction need not be a unit vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Start point \[scene units].
+    /// Origin in world or object space \[length].
     pub origin: Vec3,
-    /// Direction, of any length above zero.
+    /// Direction with any length above zero.
     pub direction: Vec3,
-    /// Exclusive upper bound of `t`.
+    /// Exclusive upper bound of the ray parameter t.
     pub t_max: f32,
 }
 
 impl Ray {
-    /// A ray without end.
+    /// Ray with infinite `t_max`.
     #[inline]
     #[must_use]
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
         Self { origin, direction, t_max: f32::INFINITY }
     }
 
-    /// The open segment from `origin` to `target`: its `t` runs from 0 to 1.
+    /// Ray from `origin` to `target`, with t = 1 at `target`.
     #[inline]
     #[must_use]
     pub fn between_points(origin: Vec3, target: Vec3) -> Self {
         Self { origin, direction: target - origin, t_max: 1.0 }
     }
 
-    /// The point at parameter `t`.
+    /// Point at the ray parameter `t`.
     #[inline]
     #[must_use]
     pub fn at(&self, t: f32) -> Vec3 {
@@ -38,11 +38,12 @@ impl Ray {
     }
 }
 
-/// Origin of a ray in `direction` that cannot hit the surface at `p` again.
+/// Origin for a ray that leaves the surface point `p` in `direction` without hitting the surface at
+/// `p` again.
 ///
-/// `error` bounds the error of `p` along each axis; `normal` is the unit geometric normal. The
-/// origin moves along the normal until the box of possible points is behind it, then is rounded
-/// outwards (Pharr, Jakob, Humphreys 2023, section 6.8.6).
+/// `error` bounds the error of `p` along each axis, and `normal` is the unit geometric normal. `p`
+/// is moved along the normal beyond the box of possible points, then rounded outward (Pharr, Jakob,
+/// Humphreys 2023, section 6.8.6).
 #[inline]
 #[must_use]
 pub fn offset_ray_origin(p: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {

@@ -1,10 +1,10 @@
-//! Affine maps in double precision, with their inverses.
+//! Invertible affine maps in f64.
 
 use super::double_double::DoubleDoubleVec3;
 use super::exact_dot;
 use glam::{DAffine3, DMat3, DVec3};
 
-/// Error: the linear part of a transform has no inverse, so shapes under it have no extent.
+/// Error: the linear part of an affine map has no inverse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the transform is singular: it flattens space")]
 pub struct SingularTransformError;
@@ -18,25 +18,26 @@ pub struct Transform {
     determinant: f64,
 }
 
-/// Largest entry of the inverse, in units of the columns, that has trustworthy digits.
+/// Largest accepted entry of the inverse of the matrix whose columns are scaled to about unit
+/// length.
 ///
-/// A rounding of an entry then changes the inverse by less than a fiftieth.
+/// Up to this limit, a rounding error in the matrix changes the inverse by less than 2 %.
 const MAX_INVERSE_ENTRY: f64 = 1e14;
 
 impl Transform {
     /// The identity map.
     pub const IDENTITY: Self = Self { forward: DAffine3::IDENTITY, inverse: DAffine3::IDENTITY, determinant: 1.0 };
 
-    /// Pairs `forward` with its inverse.
+    /// Transform with the object-to-world map `forward`; computes the inverse.
     ///
-    /// Cofactors of nearly coplanar columns cancel, and an error of their determinant would scale
-    /// the whole inverse. Both are computed with twice the digits, so each entry is correct to its
-    /// last two bits, whatever the condition number.
+    /// Cofactors and determinant are computed in double-double arithmetic, since they cancel if the
+    /// columns are nearly coplanar. Each entry of the inverse is correct to its last two bits.
     ///
     /// # Errors
     ///
-    /// [`SingularTransformError`] if an entry is not finite, or if the columns, scaled to about unit length, have
-    /// an inverse with entries above 10¹⁴. The scale itself may be anything with a finite inverse.
+    /// [`SingularTransformError`] if an entry is not finite, or if the columns, scaled to about
+    /// unit length, have an inverse with entries above 10¹⁴. The scale itself may be anything with
+    /// a finite inverse.
     pub fn new(forward: DAffine3) -> Result<Self, SingularTransformError> {
         let m = forward.matrix3;
         let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis].map(|v| floor_power_of_two(overflow_safe_length(v)));
@@ -61,40 +62,42 @@ impl Transform {
         if inverse.is_finite() { Ok(Self { forward, inverse, determinant }) } else { Err(SingularTransformError) }
     }
 
-    /// The map from object space to world space.
+    /// Map from object space to world space.
     #[must_use]
     pub fn forward(&self) -> &DAffine3 {
         &self.forward
     }
 
-    /// The map from world space to object space.
+    /// Map from world space to object space.
     #[must_use]
     pub fn inverse(&self) -> &DAffine3 {
         &self.inverse
     }
 
-    /// Maps a point from object space to world space.
+    /// Transforms a point from object space to world space.
     #[inline]
     #[must_use]
     pub fn transform_point(&self, p: DVec3) -> DVec3 {
         self.forward.transform_point3(p)
     }
 
-    /// Maps a direction from object space to world space; its length changes too.
+    /// Transforms a vector from object space to world space, without the translation.
     #[inline]
     #[must_use]
     pub fn transform_vector(&self, v: DVec3) -> DVec3 {
         self.forward.transform_vector3(v)
     }
 
-    /// Maps a normal from object space to world space by the inverse transpose; not normalised.
+    /// Transforms a normal from object space to world space by the inverse transpose.
+    ///
+    /// The result is not normalised.
     #[inline]
     #[must_use]
     pub fn transform_normal(&self, n: DVec3) -> DVec3 {
         self.inverse.matrix3.transpose() * n
     }
 
-    /// The map followed by a translation in world space.
+    /// The map followed by a world-space translation by `by`.
     #[must_use]
     pub fn translated(&self, by: DVec3) -> Self {
         let (mut forward, mut inverse) = (self.forward, self.inverse);
@@ -109,7 +112,7 @@ impl Transform {
         self.determinant
     }
 
-    /// Common scale factor; `None` unless the map is a similarity.
+    /// Scale factor of a map that scales all lengths equally, else `None`.
     #[must_use]
     pub fn uniform_scale(&self) -> Option<f64> {
         let m: DMat3 = self.forward.matrix3;
@@ -126,18 +129,19 @@ impl Transform {
     }
 }
 
-/// Translation of the inverse: −M⁻¹t, which may be far smaller than its terms.
+/// Translation of the inverse map: −M⁻¹t, in double-double arithmetic.
 fn inverse_translation(inverse: DMat3, t: DVec3) -> DVec3 {
     let rows = inverse.transpose();
     -DVec3::new(exact_dot(rows.x_axis, t), exact_dot(rows.y_axis, t), exact_dot(rows.z_axis, t))
 }
 
-/// Largest power of two that is at most `x`; 0 for numbers that are not normal.
+/// Largest power of two that is at most `x` > 0; 0 for subnormal `x` and 0, infinity for infinity
+/// or NaN.
 fn floor_power_of_two(x: f64) -> f64 {
     f64::from_bits(x.to_bits() & 0x7ff0_0000_0000_0000)
 }
 
-/// |v| without overflow or underflow of the squares.
+/// Length of `v`, computed without overflow or underflow of the squares.
 fn overflow_safe_length(v: DVec3) -> f64 {
     let largest = v.abs().max_element();
     if largest > 0.0 { largest * (v / largest).length() } else { 0.0 }

@@ -1,13 +1,13 @@
-//! Warps of the unit square to discs, hemispheres, spheres, cones and triangles, with their pdfs.
+//! Sampling warps: maps from uniform points `u` in \[0, 1)² to other distributions.
 //!
-//! Every warp takes `u` in \[0, 1)². Directions are in a frame whose third axis is the pole. Pdfs
-//! of directions are per steradian.
+//! Directions are unit vectors in a local frame whose z axis is the pole. Pdfs of directions are
+//! per steradian.
 
 use super::sin_cos_turns;
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, TAU};
 
-/// Uniform point of the unit disc, pdf 1/π, by concentric squares (Shirley and Chiu 1997).
+/// Maps `u` in \[0, 1)² to a uniform point of the unit disc (Shirley and Chiu 1997).
 #[inline]
 #[must_use]
 pub fn square_to_uniform_disc(u: Vec2) -> Vec2 {
@@ -21,7 +21,7 @@ pub fn square_to_uniform_disc(u: Vec2) -> Vec2 {
     Vec2::new(cos, sin) * radius
 }
 
-/// Cosine-weighted direction of the upper hemisphere; its pdf is [`cosine_hemisphere_pdf`].
+/// Maps `u` in \[0, 1)² to a cosine-weighted direction of the hemisphere z ≥ 0.
 #[inline]
 #[must_use]
 pub fn square_to_cosine_hemisphere(u: Vec2) -> Vec3 {
@@ -29,14 +29,14 @@ pub fn square_to_cosine_hemisphere(u: Vec2) -> Vec3 {
     d.extend((1.0 - d.length_squared()).max(0.0).sqrt())
 }
 
-/// Pdf cosθ/π of [`square_to_cosine_hemisphere`]; 0 below the horizon.
+/// Pdf cosθ/π of [`square_to_cosine_hemisphere`] \[1/sr]; 0 for a negative cosine.
 #[inline]
 #[must_use]
 pub fn cosine_hemisphere_pdf(cos_theta: f32) -> f32 {
     cos_theta.max(0.0) * FRAC_1_PI
 }
 
-/// Uniform direction of the sphere, pdf 1/(4π).
+/// Maps `u` in \[0, 1)² to a uniform direction of the sphere.
 #[inline]
 #[must_use]
 pub fn square_to_uniform_sphere(u: Vec2) -> Vec3 {
@@ -45,10 +45,10 @@ pub fn square_to_uniform_sphere(u: Vec2) -> Vec3 {
     direction_from_height(z, 2.0 * (u.x * (1.0 - u.x)).sqrt(), u.y)
 }
 
-/// Uniform direction whose cosine with the pole is at least `1 − one_minus_cos`.
+/// Maps `u` in \[0, 1)² to a uniform direction of the cone cosθ ≥ 1 − `one_minus_cos` around the
+/// pole.
 ///
-/// The pdf of the direction is [`uniform_cone_pdf`]. The complement of the cosine keeps its digits for
-/// narrow cones.
+/// The argument is 1 − cosθ, since cosθ itself has too few digits for narrow cones.
 #[inline]
 #[must_use]
 pub fn square_to_uniform_cone(u: Vec2, one_minus_cos: f32) -> Vec3 {
@@ -56,14 +56,14 @@ pub fn square_to_uniform_cone(u: Vec2, one_minus_cos: f32) -> Vec3 {
     direction_from_height(1.0 - drop, (drop * (2.0 - drop)).max(0.0).sqrt(), u.y)
 }
 
-/// Pdf 1/(2π(1 − cosθ)) of [`square_to_uniform_cone`].
+/// Pdf 1/(2π(1 − cosθ)) of [`square_to_uniform_cone`] \[1/sr].
 #[inline]
 #[must_use]
 pub fn uniform_cone_pdf(one_minus_cos: f32) -> f32 {
     1.0 / (TAU * one_minus_cos)
 }
 
-/// Direction of the upper hemisphere with pdf (n+1)/(2π) cosⁿθ, the lobe of Phong's model; `n ≥ 0`.
+/// Maps `u` in \[0, 1)² to a direction with the pdf (n+1)/(2π)·cosⁿθ, for n ≥ 0: a Phong lobe.
 #[inline]
 #[must_use]
 pub fn square_to_power_cosine(u: Vec2, n: f32) -> Vec3 {
@@ -72,16 +72,17 @@ pub fn square_to_power_cosine(u: Vec2, n: f32) -> Vec3 {
     direction_from_height(cos, (1.0 - cos * cos).max(0.0).sqrt(), u.y)
 }
 
-/// Pdf of [`square_to_power_cosine`].
+/// Pdf (n+1)/(2π)·cosⁿθ of [`square_to_power_cosine`] \[1/sr]; 0 for a cosine of 0 or less.
 #[inline]
 #[must_use]
 pub fn power_cosine_pdf(cos_theta: f32, n: f32) -> f32 {
     if cos_theta > 0.0 { (n + 1.0) / TAU * libm::powf(cos_theta, n) } else { 0.0 }
 }
 
-/// Uniform point of a triangle, as the weights of its second and third corner.
+/// Maps `u` in \[0, 1)² to the barycentric weights of the second and third corner of a triangle.
 ///
-/// Source: Heitz 2019, "A low-distortion map between triangle and square".
+/// The points are uniform by area. Source: Heitz 2019, "A low-distortion map between triangle and
+/// square".
 #[inline]
 #[must_use]
 pub fn square_to_uniform_triangle(u: Vec2) -> Vec2 {
@@ -94,6 +95,7 @@ pub fn square_to_uniform_triangle(u: Vec2) -> Vec2 {
     }
 }
 
+/// Vector at height `z` and distance `radius` from the z axis, at the azimuth 2π·`turn`.
 #[inline]
 fn direction_from_height(z: f32, radius: f32, turn: f32) -> Vec3 {
     let (sin, cos) = sin_cos_turns(turn);

@@ -3,7 +3,7 @@
 use super::audit::add_flux;
 use super::deposits::{Deposit, DepositPlace};
 use super::{AFTER_CAUSTIC_THINNING, Deposits, EnergyAudit, PhotonKind, PhotonSource, StoreMask};
-use crate::bsdf::{Transport, photon_deposit_factor};
+use crate::bsdf::{TransportMode, photon_deposit_factor};
 use crate::color::{self, Rgb};
 use crate::medium::PhaseFunction;
 use crate::sampling::{Dimension, Key};
@@ -178,11 +178,11 @@ impl PhotonPass<'_> {
             let before = color::channel_mean(flux);
             let ratio = if let Some(surface) = &surface {
                 let (lobe, u) = (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
-                let Some(sample) = surface.sample(lobe, u, Transport::Importance) else {
+                let Some(sample) = surface.sample(lobe, u, TransportMode::Importance) else {
                     return add_flux(&mut audit.absorbed, flux);
                 };
                 let adjoint = sample.adjoint_correction(surface.wo, surface.point.ns, surface.point.ng);
-                let interior_weight = ray.leave(surface, sample.wi, sample.transmitted);
+                let interior_weight = ray.leave(surface, sample.wi, sample.is_transmitted);
                 let scattered = flux * sample.weight * adjoint * interior_weight;
                 add_flux(&mut audit.absorbed, flux - scattered);
                 flux = scattered;

@@ -8,13 +8,14 @@ pub struct DiscreteDistribution {
     total: f64,
 }
 
-/// Least probability above zero: the least normal number of f32.
+/// Smallest probability above 0: the smallest normal f32.
 const MIN_PROBABILITY: f64 = f32::MIN_POSITIVE as f64;
 
 impl DiscreteDistribution {
-    /// Distribution in proportion to `weights`; weights below 10⁻³⁸ of the sum count as zero.
+    /// Distribution with probabilities in proportion to `weights`.
     ///
-    /// `None` if there are no weights, if one is negative, or if their sum is zero or not finite.
+    /// Weights below about 10⁻³⁸ of the sum count as 0. `None` if there are no weights, if one is
+    /// negative, or if their sum is 0 or not finite.
     #[must_use]
     pub fn new(weights: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut cumulative: Vec<f64> = weights.into_iter().collect();
@@ -52,7 +53,9 @@ impl DiscreteDistribution {
         self.cumulative.is_empty()
     }
 
-    /// Item for uniform `u` in \[0, 1), and its probability, which is never zero.
+    /// Samples an item; returns its index and its probability, which is above 0.
+    ///
+    /// `u` is uniform in \[0, 1).
     #[inline]
     #[must_use]
     pub fn sample(&self, u: f32) -> (usize, f32) {
@@ -61,7 +64,9 @@ impl DiscreteDistribution {
         (i, self.probability(i))
     }
 
-    /// Remainder of the number `u` that sampled item `i`: uniform in \[0, 1) again.
+    /// New uniform number in \[0, 1) from the number `u` that sampled item `i`.
+    ///
+    /// It is the position of `u` within the item's interval of cumulative probability.
     #[inline]
     #[must_use]
     pub fn remapped_sample(&self, u: f32, i: usize) -> f32 {

@@ -1,14 +1,12 @@
-//! Keyed randomness: every random number is a pure function of its name.
+//! Keyed random numbers: each number is a hash of seed, purpose, pass, path, vertex and dimension.
 //!
-//! A name is (seed, purpose, pass, path, vertex, dimension). No number depends on the thread or on
-//! the count of earlier draws. A skipped effect therefore shifts no other number, and any pass can
-//! be computed alone.
+//! No number depends on the thread or on earlier draws. So a skipped effect changes no other
+//! number, and any pass can be computed alone.
 //!
 //! # Map of the key space
-//! A [`Key`] is derived from its parent by one 64-bit word, and a number from a key by its
-//! [`Dimension`]. The functions below make every word that the renderer uses. Two uses may share a
-//! word of one parent only if their dimensions differ. The last column says why no numbers
-//! coincide.
+//! A [`Key`] is a hash of its parent key and one 64-bit word. A random number is a hash of a key
+//! and a [`Dimension`]. The table lists all words that the renderer uses. Two functions may use one
+//! word of a parent only if their dimensions differ. The last column says why keys are distinct.
 //!
 //! | parent | function | word | distinct because |
 //! | --- | --- | --- | --- |
@@ -35,61 +33,61 @@
 use glam::Vec2;
 use rand::{SeedableRng, rngs::SmallRng};
 
-/// Use of a sequence of random numbers; two purposes never share numbers.
+/// Part of the renderer that uses random numbers; two purposes never share numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u64)]
 pub enum Purpose {
-    /// Photons of the global map.
+    /// Photon paths of the global map.
     GlobalPhotons = 1,
-    /// Photons aimed at caustic casters.
+    /// Photon paths emitted toward casters, which are surfaces that form caustics.
     CausticPhotons,
     /// Camera paths.
     Camera,
-    /// The pilot that finds gather radii before the first pass.
+    /// Pilot simulation that finds gather radii before the first pass.
     Pilot,
-    /// The pilot that weights the lights for aimed emission.
+    /// Pilot simulation that finds the light probabilities for caustic photons.
     LightWeights,
     /// Statistical tests.
     Test,
-    /// The pilot that finds points visible to the camera.
+    /// Pilot simulation that finds points visible to the camera.
     VisiblePoints,
-    /// The pilot that trains emission guiding.
+    /// Pilot simulation that trains the guiding of photon emission.
     GuidingTraining,
-    /// Photons that guide gather rays.
+    /// Photon paths that guide gather rays.
     GatherRayGuides,
-    /// The pilot that balances camera rays against photons.
+    /// Pilot simulation that divides the work between camera rays and photons.
     RayPhotonBalance,
     /// Shutter times of passes.
     Shutter,
 }
 
-/// Name of one random decision at one vertex of a path.
+/// Random decision at one vertex of a path; each has its own random numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u64)]
 pub enum Dimension {
-    /// Choice of the light to emit from or to sample.
+    /// Choice of a light, for photon emission or next-event estimation.
     Light = 1,
-    /// Position on a light.
+    /// Position on a light source.
     LightPosition,
-    /// Direction of emission from a light.
+    /// Direction in which a light emits a photon.
     LightDirection,
-    /// Choice of the target of aimed emission.
+    /// Choice of the object toward which a light emits a photon.
     LightTarget,
     /// Position within a pixel, or on the film.
     Film,
     /// Choice of the lobe of a BSDF.
     BsdfLobe,
-    /// Direction within a lobe.
+    /// Direction sampled from a BSDF lobe.
     BsdfDirection,
-    /// Russian roulette of the continuation.
+    /// Russian roulette that decides whether a path continues.
     Roulette,
-    /// Choice of a leaf of a mix material.
+    /// Choice of one component of a mix material.
     Mix,
-    /// Position of a probe in the disc of a photon estimate.
+    /// Position of a probe ray in the gather disc of a photon density estimate.
     Probe,
-    /// Choice of one lobe to evaluate (`distributed`).
+    /// Choice between diffuse and glossy lobe in the algorithm `distributed`.
     ChosenLobe,
-    /// Russian roulette before shading of a faint path.
+    /// Russian roulette before shading a vertex of low throughput, and for photons after a caustic.
     ShadingRoulette,
     /// Position on the lens.
     Lens,
@@ -103,11 +101,11 @@ pub enum Dimension {
     Medium,
 }
 
-/// Position in the tree of random decisions; see the map in the module documentation.
+/// Hashed name of a source of random numbers; the module documentation lists all keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Key(u64);
 
-/// Bit that separates the keys of medium tracking from the keys of path vertices and shadow rays.
+/// Bit that distinguishes keys of medium tracking from keys of path vertices and shadow rays.
 const MEDIUM_TRACKING_BIT: u64 = 1 << 63;
 
 impl Key {
@@ -117,7 +115,7 @@ impl Key {
         Self(hash_bits(seed ^ 0x6a09_e667_f3bc_c909))
     }
 
-    /// Child key for word `n`. Code of the renderer uses the named functions below.
+    /// Child key of word `n`. Renderer code calls the specific functions below instead.
     #[inline]
     #[must_use]
     pub fn child_key(self, n: u64) -> Self {
@@ -136,13 +134,14 @@ impl Key {
         self.child_key(u64::from(pass))
     }
 
-    /// Key of the camera paths that all passes share.
+    /// Key of camera paths that all passes have in common.
     #[must_use]
     pub fn shared_paths_key(self) -> Self {
         self.child_key(0)
     }
 
-    /// Key of camera paths that pass `pass` traces anew although all passes share their paths.
+    /// Key of camera paths of pass `pass` alone, for integrators whose passes otherwise share
+    /// camera paths.
     #[must_use]
     pub fn fresh_paths_key(self, pass: u32) -> Self {
         self.child_key(u64::from(pass) + 1)
@@ -176,7 +175,7 @@ impl Key {
         self.child_key(MEDIUM_TRACKING_BIT | u64::from(pass))
     }
 
-    /// Key of the scattering distance for one shadow ray from a medium.
+    /// Key of the scattering distance along one shadow ray.
     #[inline]
     #[must_use]
     pub fn medium_distance_key(self) -> Self {
@@ -189,7 +188,7 @@ impl Key {
         self.child_key(u64::from(trial))
     }
 
-    /// Key of film point `point` of set `set` of a pilot.
+    /// Key of point `point` of set `set` of film points in a pilot.
     #[must_use]
     pub fn film_point_key(self, set: u32, point: u32) -> Self {
         self.child_key(u64::from(set) << 32 | u64::from(point))
@@ -207,7 +206,7 @@ impl Key {
         self.child_key(u64::from(round))
     }
 
-    /// 64 random bits for a dimension.
+    /// 64 random bits for one dimension.
     #[inline]
     #[must_use]
     pub fn random_bits(self, dimension: Dimension) -> u64 {
@@ -229,14 +228,14 @@ impl Key {
         Vec2::new(unit_from_24_bits((bits >> 40) as u32), unit_from_24_bits((bits >> 8) as u32 & 0xff_ffff))
     }
 
-    /// Random generator for decisions that take an unknown number of draws.
+    /// Sequential random number generator, for decisions that need an unknown count of numbers.
     #[must_use]
     pub fn rng(self) -> SmallRng {
         SmallRng::seed_from_u64(self.0)
     }
 }
 
-/// Maps a 24-bit integer to \[0, 1) exactly.
+/// Converts a 24-bit integer to a number in \[0, 1) without rounding.
 #[inline]
 pub(super) fn unit_from_24_bits(bits: u32) -> f32 {
     bits as f32 * (1.0 / 16_777_216.0)

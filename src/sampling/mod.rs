@@ -1,5 +1,4 @@
-//! Random numbers as pure functions of keys, low-discrepancy points, and discrete and piecewise
-//! distributions.
+//! Keyed random numbers, low-discrepancy points, and discrete and piecewise constant distributions.
 
 mod discrete_distribution;
 mod key;

@@ -1,22 +1,22 @@
-//! Piecewise constant distribution on the unit square, for rectangular grids.
+//! Piecewise constant distribution on the unit square, over a rectangular grid.
 
 use super::DiscreteDistribution;
 use glam::{UVec2, Vec2};
 
-/// Distribution on \[0, 1)² with a constant density in each cell of a grid.
+/// Distribution on \[0, 1)² with a constant pdf in each cell of a rectangular grid.
 #[derive(Clone, Debug)]
 pub struct PiecewiseConstant2d {
+    /// Marginal distribution of the rows.
     rows: DiscreteDistribution,
-    /// Distribution of the columns in each row; `None` in a row without weight.
+    /// Conditional distribution of the columns in each row; `None` in a row of weight 0.
     columns: Vec<Option<DiscreteDistribution>>,
     width: usize,
 }
 
 impl PiecewiseConstant2d {
-    /// Distribution in proportion to `weight(column, row)` of `width` by `height` cells.
+    /// Distribution in proportion to `weight(column, row)` for `width` × `height` cells.
     ///
-    /// `None` if there are no cells, if a weight is negative, or if their sum is zero or not
-    /// finite.
+    /// `None` if there are no cells, if a weight is negative, or if their sum is 0 or not finite.
     #[must_use]
     pub fn new(width: usize, height: usize, weight: impl Fn(usize, usize) -> f64) -> Option<Self> {
         let mut negative = false;
@@ -31,8 +31,10 @@ impl PiecewiseConstant2d {
         (!negative).then_some(Self { rows, columns, width })
     }
 
-    /// Cell (column, row) for uniform `u` in \[0, 1)², the position in the cell in \[0, 1)², and
-    /// the pdf in the square.
+    /// Samples a point; returns its cell (column, row), its position in the cell in \[0, 1)², and
+    /// its pdf on the unit square.
+    ///
+    /// `u` is uniform in \[0, 1)².
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> (UVec2, Vec2, f32) {
@@ -46,7 +48,7 @@ impl PiecewiseConstant2d {
         (cell, Vec2::new(columns.remapped_sample(u.x, column), within), self.pdf(cell))
     }
 
-    /// Pdf in the unit square of cell (column, row).
+    /// Pdf on the unit square in the cell (column, row).
     #[inline]
     #[must_use]
     pub fn pdf(&self, cell: UVec2) -> f32 {

@@ -1,12 +1,11 @@
-//! Random numbers of one sample among several, stratified together.
+//! Random numbers of samples that are stratified together.
 
 use super::{Dimension, Key, sobol_2d};
 use glam::Vec2;
 
-/// Sampler of sample `index` out of `count` that share a key.
+/// Source of random numbers for sample `index` of `count` samples with a common key.
 ///
-/// Each number alone is uniform. The numbers of all `count` samples are stratified in each
-/// dimension.
+/// Each number is uniform. In each dimension, the numbers of the `count` samples are stratified.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampler {
     key: Key,
@@ -15,51 +14,55 @@ pub struct Sampler {
 }
 
 impl Sampler {
-    /// Sampler of sample `index` of `count`.
+    /// Sampler for sample `index` of `count`.
     #[must_use]
     pub fn new(key: Key, index: u32, count: u32) -> Self {
         Self { key, index, count }
     }
 
-    /// This sample at the child key for word `n`. Code of the renderer uses the named functions
-    /// below.
+    /// Sampler for the same sample with the child key of word `n`.
+    ///
+    /// Renderer code calls the specific functions below instead.
     #[inline]
     #[must_use]
     pub fn child_sampler(self, n: u64) -> Self {
         Self { key: self.key.child_key(n), ..self }
     }
 
-    /// Sampler of the vertex that follows after `bounce` bounces; `transmitted` tells the branches
-    /// of a split apart.
+    /// Sampler for the path vertex after `bounce` bounces.
+    ///
+    /// `transmitted` distinguishes the two branches of a path that splits into reflection and
+    /// transmission.
     #[inline]
     #[must_use]
     pub fn next_vertex_sampler(self, bounce: u32, transmitted: bool) -> Self {
         self.child_sampler(u64::from(bounce) << 1 | u64::from(transmitted))
     }
 
-    /// Sampler of the vertex after `bounce` bounces of a pilot's path, which never splits.
+    /// Sampler for the vertex after `bounce` bounces of a pilot's path, which never splits.
     #[inline]
     #[must_use]
     pub fn bounce_sampler(self, bounce: u32) -> Self {
         self.child_sampler(u64::from(bounce))
     }
 
-    /// Sampler of the shadow rays of this vertex in pass `pass`. It differs between passes that
-    /// share camera paths.
+    /// Sampler for the shadow rays of this vertex in pass `pass`.
+    ///
+    /// Passes that share camera paths still get different shadow rays.
     #[inline]
     #[must_use]
     pub fn shadow_ray_sampler(self, pass: u32) -> Self {
         self.child_sampler(u64::from(pass) << 32)
     }
 
-    /// Sampler of the shadow rays to light `index`, or of chosen shadow ray `index`.
+    /// Sampler for shadow ray `index` of this vertex, or for the shadow rays to light `index`.
     #[inline]
     #[must_use]
     pub fn nth_shadow_ray_sampler(self, index: usize) -> Self {
         self.child_sampler(index as u64)
     }
 
-    /// Splits this sample into `count` samples; returns sample `index` of them.
+    /// Sampler for subsample `index` of `count` subsamples of this sample.
     #[inline]
     #[must_use]
     pub fn split_sample(self, index: u32, count: u32) -> Self {
@@ -70,14 +73,14 @@ impl Sampler {
         }
     }
 
-    /// Key of this sample alone.
+    /// Key that belongs to this sample alone.
     #[inline]
     #[must_use]
     pub fn sample_key(self) -> Key {
         self.key.child_key(u64::from(self.index))
     }
 
-    /// Index of this sample, and the number of samples.
+    /// Index of this sample, and the number of samples with its key.
     #[inline]
     #[must_use]
     pub fn index_and_count(self) -> (u32, u32) {

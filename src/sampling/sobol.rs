@@ -3,12 +3,11 @@
 use super::{Dimension, Key, key::unit_from_24_bits};
 use glam::Vec2;
 
-/// Point `index` of a two-dimensional Sobol' sequence, shuffled and scrambled by `key` and
-/// `dimension`.
+/// Point `index` of a two-dimensional Sobol' sequence with Owen scrambling, in \[0, 1)².
 ///
-/// Every aligned run of 2ᵏ indices puts one point into each elementary interval of area 2⁻ᵏ. Each
-/// point alone is uniform, so means are unbiased. Different keys give independent sequences. Burley
-/// 2020, "Practical Hash-based Owen Scrambling", JCGT 9(4).
+/// `key` and `dimension` seed the scrambling; different seeds give independent sequences. Each
+/// point is uniform. Every aligned run of 2ᵏ indices has one point in each elementary interval of
+/// area 2⁻ᵏ. Source: Burley 2020, "Practical Hash-based Owen Scrambling", JCGT 9(4).
 #[inline]
 #[must_use]
 pub fn sobol_2d(index: u32, key: Key, dimension: Dimension) -> Vec2 {
@@ -21,7 +20,8 @@ pub fn sobol_2d(index: u32, key: Key, dimension: Dimension) -> Vec2 {
     )
 }
 
-/// Second Sobol' dimension, whose generator matrix is Pascal's triangle modulo 2.
+/// Second Sobol' coordinate of `index` as a 32-bit fraction; the generator matrix is Pascal's
+/// triangle modulo 2.
 #[inline]
 fn sobol_second_dimension(index: u32) -> u32 {
     let mut v = index.reverse_bits();
@@ -33,13 +33,14 @@ fn sobol_second_dimension(index: u32) -> u32 {
     v
 }
 
-/// Nested uniform scrambling: a hash of the higher bits flips each bit.
+/// Owen scrambling: flips each bit by a hash of the higher bits.
 #[inline]
 fn owen_scramble(x: u32, seed: u32) -> u32 {
     laine_karras_hash(x.reverse_bits(), seed).reverse_bits()
 }
 
-/// Hash in which each bit depends on lower bits only (Laine and Karras 2011; constants by Vegdahl).
+/// Hash in which each bit depends on lower bits only (Laine and Karras 2011, with constants of
+/// Vegdahl).
 #[inline]
 fn laine_karras_hash(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);

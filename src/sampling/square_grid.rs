@@ -1,34 +1,35 @@
-//! Piecewise constant distribution on the unit square, for square grids of a power of two.
+//! Piecewise constant distribution on the unit square, over a square grid.
 
 use glam::Vec2;
 
-/// Distribution on \[0, 1)² with a constant density in each of `side` × `side` cells.
+/// Distribution on \[0, 1)² with a constant pdf in each of `side` × `side` cells.
 ///
-/// Samples come by inversion, first of the row and then of the column. Inversion is monotonic along
-/// each axis, so stratified points stay stratified. Probabilities are multiples of 2⁻²⁴, the
-/// resolution of the uniform numbers: even the smallest cell is sampled exactly as often as its
-/// density says.
+/// Sampling inverts the marginal distribution of rows, then that of columns in the row. Stratified
+/// points stay stratified, since inversion is monotonic. Probabilities are multiples of 2⁻²⁴, the
+/// spacing of uniform numbers, so pdfs are exact even for the smallest cells.
 #[derive(Clone, Debug)]
 pub struct SquareGridDistribution {
     side: usize,
-    /// `side + 1` ascending bounds of the rows, from 0 to 1.
+    /// Cumulative probabilities of the rows: `side + 1` numbers from 0 to 1.
     rows: Vec<f32>,
-    /// `side + 1` ascending bounds of the columns for each row.
+    /// Cumulative probabilities of the columns in each row: `side + 1` numbers per row.
     columns: Vec<f32>,
 }
 
-/// Number of steps of 2⁻²⁴ in \[0, 1).
+/// Number of steps of 2⁻²⁴ between 0 and 1.
 const STEPS: f64 = 16_777_216.0;
 
-/// Steps that each cell with a weight above zero gets at least, so that points within it still
-/// spread.
+/// Minimum probability of a row, or of a column in its row, if its weight is above 0, in steps of
+/// 2⁻²⁴.
+///
+/// With fewer steps, samples would hit only a few distinct positions of the cell.
 const MIN_CELL_STEPS: f64 = 64.0;
 
 impl SquareGridDistribution {
     /// Distribution in proportion to `side`² `weights`, row by row.
     ///
-    /// `None` if `side` is not a power of two up to 1024, if the number of weights differs, if one
-    /// is negative or not finite, or if all are zero.
+    /// `None` if `side` is not a power of two up to 1024, or if the number of weights is not
+    /// `side`². Also `None` if a weight is negative or not finite, or if all are 0.
     #[must_use]
     pub fn new(side: usize, weights: &[f64]) -> Option<Self> {
         let valid = weights.iter().all(|w| *w >= 0.0 && w.is_finite());
@@ -46,7 +47,7 @@ impl SquareGridDistribution {
         Some(Self { side, rows, columns })
     }
 
-    /// Point for uniform `u` in \[0, 1)², and the density there.
+    /// Samples a point; returns it and its pdf. `u` is uniform in \[0, 1)².
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> (Vec2, f32) {
@@ -57,7 +58,7 @@ impl SquareGridDistribution {
         (Vec2::new(within(column, x), within(row, y)) / self.side as f32, self.cell_pdf(width, height))
     }
 
-    /// Density at `u` in \[0, 1)².
+    /// Pdf at the point `u` in \[0, 1)².
     #[inline]
     #[must_use]
     pub fn pdf(&self, u: Vec2) -> f32 {
@@ -67,7 +68,7 @@ impl SquareGridDistribution {
         self.cell_pdf(columns[column + 1] - columns[column], self.rows[row + 1] - self.rows[row])
     }
 
-    /// Index of the cell at `u`, row by row, in a grid of `side`² cells.
+    /// Index of the cell that contains `u`, row by row, in a grid of `side`² cells.
     #[inline]
     #[must_use]
     pub fn cell_index(side: usize, u: Vec2) -> usize {
@@ -75,19 +76,22 @@ impl SquareGridDistribution {
         cell(u.y) * side + cell(u.x)
     }
 
+    /// Cumulative probabilities of the columns in `row`.
     fn column_bounds(&self, row: usize) -> &[f32] {
         let stride = self.side + 1;
         &self.columns[row * stride..(row + 1) * stride]
     }
 
+    /// Pdf of a cell from the probabilities of its column (`width`) and row (`height`).
     fn cell_pdf(&self, width: f32, height: f32) -> f32 {
         let side = self.side as f32;
         (width * side) * (height * side)
     }
 }
 
-/// Bounds of intervals in proportion to `weights`, in whole steps; equal intervals if all weights
-/// are zero.
+/// Cumulative probabilities in proportion to `weights`, rounded to multiples of 2⁻²⁴.
+///
+/// The probabilities are equal if all weights are 0.
 fn cumulative_bounds(weights: &[f64]) -> Vec<f32> {
     let total: f64 = weights.iter().sum();
     let weight = |w: &f64| if total > 0.0 { *w / total } else { 1.0 / weights.len() as f64 };
@@ -101,7 +105,7 @@ fn cumulative_bounds(weights: &[f64]) -> Vec<f32> {
     std::iter::once(0.0).chain(inner).collect()
 }
 
-/// Interval that contains `u`, the position in it in \[0, 1), and its length, which is never zero.
+/// Index of the interval that contains `u`, the relative position of `u` in it, and its length > 0.
 #[inline]
 fn find_interval(bounds: &[f32], u: f32) -> (usize, f32, f32) {
     let i = bounds.partition_point(|b| *b <= u).clamp(1, bounds.len() - 1) - 1;

@@ -2,7 +2,7 @@
 
 use super::Material;
 use super::interiors::CoincidentFaces;
-use crate::bsdf::{Bsdf, BsdfSample, Transport};
+use crate::bsdf::{Bsdf, BsdfSample, TransportMode};
 use crate::color::Rgb;
 use crate::math::{Ray, offset_ray_origin};
 use crate::shape::SurfacePoint;
@@ -73,7 +73,7 @@ impl SurfaceInteraction<'_> {
     #[must_use]
     pub fn bsdf_cosine(&self, wi: Vec3) -> Rgb {
         let SurfacePoint { ns, ng, .. } = self.point;
-        self.bsdf.evaluate(self.wo, wi, ns, ng, Transport::Radiance) * wi.dot(ns).abs()
+        self.bsdf.evaluate(self.wo, wi, ns, ng, TransportMode::Radiance) * wi.dot(ns).abs()
     }
 
     /// Solid-angle pdf with which [`SurfaceInteraction::sample`] samples `wi` \[1/sr].
@@ -86,7 +86,7 @@ impl SurfaceInteraction<'_> {
     /// Samples the direction in which the path continues; `None` if it is absorbed.
     #[inline]
     #[must_use]
-    pub fn sample(&self, lobe: f32, u: Vec2, transport: Transport) -> Option<BsdfSample> {
+    pub fn sample(&self, lobe: f32, u: Vec2, transport: TransportMode) -> Option<BsdfSample> {
         self.bsdf.sample(self.wo, self.point.ns, self.point.ng, lobe, u, transport)
     }
 }

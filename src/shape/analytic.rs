@@ -1,4 +1,4 @@
-//! The interface that every kind of shape implements.
+//! The trait that every bounded shape implements.
 
 use super::hit::ShapeHit;
 use super::surface_point::{ShapeSample, SolidAngleSampling, SurfacePoint};
@@ -6,44 +6,45 @@ use super::texture_mapping::TexCoord;
 use crate::math::{BoundingSphere, Ray, Transform};
 use glam::{DVec3, Vec2, Vec3};
 
-/// A bounded shape in world space. [`Shape`](super::Shape) dispatches to it.
+/// Bounded shape in world space; [`Shape`](super::Shape) dispatches to it.
 pub(super) trait AnalyticShape: Sized {
-    /// Nearest hit within the ray.
+    /// Nearest hit with a ray parameter in (0, `ray.t_max`).
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit>;
 
-    /// True if the ray hits the shape.
+    /// True if the ray hits the shape at a parameter in (0, `ray.t_max`).
     #[inline]
     fn occludes(&self, ray: &Ray) -> bool {
         self.intersect(ray).is_some()
     }
 
-    /// Point that `ray` hits at `t`; `uv` holds the coordinates of the [`ShapeHit`].
+    /// Surface point of the [`ShapeHit`] (`t`, `uv.x`, `uv.y`) of `ray`.
     fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint;
 
-    /// Intrinsic texture coordinates at the surface point `p`; `uv` holds the coordinates of the
+    /// Intrinsic texture coordinates at the surface point `p`; `uv` are the last two numbers of its
     /// [`ShapeHit`].
     fn tex_coord(&self, _p: Vec3, uv: Vec2) -> TexCoord {
         TexCoord { uv: uv.as_dvec2(), ..TexCoord::default() }
     }
 
-    /// Lower and upper corner of a box around the shape.
+    /// Lower and upper corner of an axis-aligned box that contains the shape.
     fn bounds_f64(&self) -> (DVec3, DVec3);
 
-    /// Image under a translation.
+    /// The shape translated by `by`.
     fn translated(&self, by: DVec3) -> Self;
 
-    /// Image under an affine map, with the same outer side.
+    /// Image of the shape under `map`, with the same outer side.
     ///
-    /// `None` if the image is not of this kind, or if it has no extent that numbers can hold.
+    /// `None` if the image is another kind of shape, or if the product of the transforms is
+    /// singular.
     fn transformed(&self, map: &Transform) -> Option<Self>;
 
     /// Area of the surface \[length²].
     fn area(&self) -> f64;
 
-    /// Samples a point of the surface by `u` in \[0, 1)².
+    /// Samples a point of the surface; `u` is uniform in \[0, 1)².
     fn sample(&self, u: Vec2) -> ShapeSample;
 
-    /// Pdf per area \[1/length²] of [`AnalyticShape::sample`] at a point of the surface.
+    /// Pdf of [`AnalyticShape::sample`] at the given point, per area \[1/length²].
     #[inline]
     fn pdf(&self, _point: &SurfacePoint) -> f32 {
         (1.0 / self.area()) as f32
@@ -72,7 +73,7 @@ pub(super) trait AnalyticShape: Sized {
         None
     }
 
-    /// Sphere around the shape, if a tighter one is known than that around its box.
+    /// Sphere that contains the shape; `None` if the sphere around the bounding box must do.
     fn bounding_sphere(&self) -> Option<BoundingSphere> {
         None
     }

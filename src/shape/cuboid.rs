@@ -1,4 +1,4 @@
-//! Boxes, and the parallelepipeds that affine maps make of them.
+//! Boxes and parallelepipeds.
 
 use super::analytic::AnalyticShape;
 use super::hit::{ShapeHit, exact_t, nearer_hit};
@@ -8,22 +8,21 @@ use super::texture_mapping::{TexCoord, upright_axes};
 use crate::math::{Ray, Transform};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3};
 
-/// Surface of the cube \[−1, 1]³ under an affine map.
+/// Surface of the cube \[−1, 1]³ under an affine map: a box or parallelepiped.
 ///
-/// Faces are numbered 2·axis, plus 1 on the positive side. The second coordinate of a hit is the
-/// face.
+/// Faces are numbered 2·axis, plus 1 on the positive side. The last number of a
+/// [`ShapeHit`] is the face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid {
     to_world: Transform,
-    /// World area of a face across each object axis \[length²].
+    /// World area of the face perpendicular to each object axis \[length²].
     face_areas: DVec3,
-    /// Object-space length along each axis that a world-space unit spans at most.
+    /// Largest object-space change of each coordinate per world-space unit length.
     inverse_widths: DVec3,
 }
 
 impl Cuboid {
-    /// The axis-aligned box between the corners `min` and `max`; `None` if it has no extent that
-    /// numbers can hold.
+    /// Axis-aligned box between the corners `min` and `max`; `None` if it has no volume.
     #[must_use]
     pub fn new(min: DVec3, max: DVec3) -> Option<Self> {
         let (center, half) = (0.5 * min + 0.5 * max, 0.5 * max - 0.5 * min);
@@ -31,7 +30,7 @@ impl Cuboid {
         Transform::new(map).ok().map(Self::from_transform)
     }
 
-    /// The cube \[−1, 1]³ under `to_world`.
+    /// Image of the cube \[−1, 1]³ under `to_world`.
     #[must_use]
     pub fn from_transform(to_world: Transform) -> Self {
         let [x, y, z] = half_edges(&to_world);
@@ -41,7 +40,7 @@ impl Cuboid {
         Self { to_world, face_areas, inverse_widths }
     }
 
-    /// The point of the face nearest to the object-space point `p`, kept off the edges: see
+    /// Projects the object-space point `p` to the face and moves it away from the edges: see
     /// [`EDGE_MARGIN`].
     #[inline]
     fn move_off_edges(&self, p: DVec3, face: usize) -> DVec3 {
@@ -52,7 +51,7 @@ impl Cuboid {
         inside
     }
 
-    /// The surface at the object-space point `p` of a face.
+    /// World-space surface point at the object-space point `p` of a face.
     #[inline]
     fn face_point(&self, p: DVec3, face: usize) -> SurfacePoint {
         let mut normal = DVec3::ZERO;
@@ -63,18 +62,19 @@ impl Cuboid {
     }
 }
 
+/// Half edges of the parallelepiped in world space: the columns of the linear map.
 fn half_edges(to_world: &Transform) -> [DVec3; 3] {
     let m = to_world.forward().matrix3;
     [m.x_axis, m.y_axis, m.z_axis]
 }
 
-/// Coordinate of the plane of a face along its axis: −1 or 1.
+/// Coordinate of a face along its axis: −1 or 1.
 #[inline]
 fn face_sign(face: usize) -> f64 {
     if face % 2 == 1 { 1.0 } else { -1.0 }
 }
 
-/// The face that a second hit coordinate encodes.
+/// Number of the face that `uv.y` of a hit encodes.
 #[inline]
 fn hit_face(uv: Vec2) -> usize {
     (uv.y as usize).min(5)
@@ -117,7 +117,7 @@ impl AnalyticShape for Cuboid {
         self.face_point(self.move_off_edges(p, face), face)
     }
 
-    /// Each face is a unit square, as of a picture that hangs upright on a wall.
+    /// Maps each face to the unit square; a picture appears upright from outside.
     fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
         let face = hit_face(uv);
         let p = self.to_world.inverse().transform_point3(p.as_dvec3());

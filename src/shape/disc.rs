@@ -1,4 +1,4 @@
-//! Discs, and their images under affine maps, which are ellipses.
+//! Discs, and ellipses in a plane.
 
 use super::analytic::AnalyticShape;
 use super::hit::{ShapeHit, ray_to_f64, t_in_range};
@@ -6,19 +6,21 @@ use super::surface_point::{EDGE_MARGIN, ShapeSample, SurfacePoint};
 use crate::math::{Ray, Transform, exact_cross, warp};
 use glam::{DVec2, DVec3, Vec2};
 
-/// The points `center + x·a + y·b` with x² + y² ≤ 1; the outer side is that of `a × b`.
+/// Disc or ellipse: the points `center + x·a + y·b` with x² + y² ≤ 1.
+///
+/// The outer side is the side of `a × b`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc {
     center: DVec3,
     a: DVec3,
     b: DVec3,
     normal: DVec3,
-    /// Rows that map an offset in the plane to (x, y).
+    /// Dual basis of (a, b): dot products with an offset from the centre give (x, y).
     dual: [DVec3; 2],
 }
 
 impl Disc {
-    /// A disc spanned by the half axes `a` and `b`, which must not be parallel.
+    /// Ellipse with the conjugate half diameters `a` and `b`, which must not be parallel.
     #[must_use]
     pub fn new(center: DVec3, a: DVec3, b: DVec3) -> Self {
         let cross = exact_cross(a, b);
@@ -26,7 +28,7 @@ impl Disc {
         Self { center, a, b, normal: cross / n2.sqrt(), dual: [exact_cross(b, cross) / n2, exact_cross(cross, a) / n2] }
     }
 
-    /// A round disc perpendicular to `normal`, which may have any length above zero.
+    /// Circular disc perpendicular to `normal`, which may have any length above zero.
     #[must_use]
     pub fn with_normal(center: DVec3, normal: DVec3, radius: f64) -> Self {
         let (a, b) = normal.normalize().any_orthonormal_pair();
@@ -34,7 +36,7 @@ impl Disc {
         Self::new(center, a * radius, b * radius)
     }
 
-    /// The point `p`, kept off the rim: see [`EDGE_MARGIN`].
+    /// Moves the point `p` away from the rim: see [`EDGE_MARGIN`].
     #[inline]
     fn move_off_rim(&self, p: DVec3) -> DVec3 {
         let offset = p - self.center;

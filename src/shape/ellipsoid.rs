@@ -1,4 +1,4 @@
-//! Ellipsoids: the unit sphere under an affine map.
+//! Ellipsoids.
 
 use super::analytic::AnalyticShape;
 use super::hit::{ShapeHit, exact_t, nearer_hit};
@@ -8,9 +8,9 @@ use super::surface_point::{ShapeSample, SurfacePoint};
 use crate::math::{Ray, Transform, quadratic_roots, warp};
 use glam::{DAffine3, DMat3, DVec3, Vec2};
 
-/// Unit sphere under an affine map.
+/// Ellipsoid: the unit sphere under an affine map.
 ///
-/// Rays are transformed to object space without normalisation, so `t` is the same in both spaces.
+/// Object-space ray directions are not normalised, so `t` is equal in both spaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ellipsoid {
     to_world: Transform,
@@ -18,7 +18,7 @@ pub struct Ellipsoid {
 }
 
 impl Ellipsoid {
-    /// Image of the unit sphere at the origin.
+    /// Image of the unit sphere at the origin under `to_world`.
     #[must_use]
     pub fn new(to_world: Transform) -> Self {
         let mut ellipsoid = Self { to_world, area: 0.0 };
@@ -33,19 +33,20 @@ impl Ellipsoid {
         Some(Self::new(Transform::new(*map.forward() * place).ok()?))
     }
 
+    /// World-space surface point at a point of the unit sphere.
     #[inline]
     fn surface_at(&self, object: DVec3) -> SurfacePoint {
         let p = self.to_world.transform_point(object);
         SurfacePoint::from_f64(p, self.to_world.transform_normal(object).normalize(), world_scale(&self.to_world))
     }
 
-    /// World area per object area at the object-space point `n`: |det M| · |M⁻ᵀ n|.
+    /// World area per area of the unit sphere at its point `n`: |det M| · |M⁻ᵀ n|.
     #[inline]
     fn area_stretch(&self, n: DVec3) -> f64 {
         self.to_world.determinant().abs() * self.to_world.transform_normal(n).length()
     }
 
-    /// World area: the mean stretch over the sphere, by midpoints in (z, φ).
+    /// World area \[length²], by the midpoint rule in (z, φ).
     fn integrate_area(&self) -> f64 {
         const N: u32 = 256;
         let mut sum = 0.0;

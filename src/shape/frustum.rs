@@ -1,4 +1,4 @@
-//! Cylinders, cones and truncated cones, and their images under affine maps.
+//! Cylinders, cones and truncated cones.
 
 use super::analytic::AnalyticShape;
 use super::hit::{ShapeHit, exact_t, nearer_hit};
@@ -10,14 +10,15 @@ use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3};
 use libm::{atan2, hypot, sincos};
 use std::f64::consts::{PI, TAU};
 
-/// Midpoints around the axis at which the area of the side is summed.
+/// Number of angles at which the area of the side is summed.
 const AREA_STEPS: u32 = 512;
 
-/// Surface of x² + z² ≤ ρ(y)², 0 ≤ y ≤ 1, under an affine map; ρ is linear, with 1 as its larger
-/// end.
+/// Cylinder, cone or truncated cone: the surface of x² + z² ≤ ρ(y)², 0 ≤ y ≤ 1, under an affine
+/// map.
 ///
-/// The second coordinate of a hit is the `FrustumPart`. The outer side of an open frustum faces away
-/// from the axis.
+/// The radius ρ is linear in y, and the larger of ρ(0) and ρ(1) is 1. The last number of a
+/// [`ShapeHit`] is the `FrustumPart`. The outer side faces away from the axis, also if the ends are
+/// open.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frustum {
     to_world: Transform,
@@ -40,7 +41,7 @@ enum FrustumPart {
 }
 
 impl FrustumPart {
-    /// The part that a second hit coordinate encodes.
+    /// Part that `uv.y` of a hit encodes.
     #[inline]
     fn from_hit_coordinates(uv: Vec2) -> Self {
         match uv.y as u32 {
@@ -52,23 +53,21 @@ impl FrustumPart {
 }
 
 impl Frustum {
-    /// A cylinder between the centres of its ends; `None` if it has no extent that numbers can
-    /// hold.
+    /// Cylinder between the centres of its ends; `None` if its height or radius is 0.
     #[must_use]
     pub fn cylinder(bottom: DVec3, top: DVec3, radius: f64, capped: bool) -> Option<Self> {
         Self::new(bottom, top, [radius; 2], capped)
     }
 
-    /// A cone from the centre of its base to its apex; `None` if it has no extent that numbers can
-    /// hold.
+    /// Cone from the centre of its base to its apex; `None` if its height or radius is 0.
     #[must_use]
     pub fn cone(base: DVec3, apex: DVec3, radius: f64, capped: bool) -> Option<Self> {
         Self::new(base, apex, [radius, 0.0], capped)
     }
 
-    /// A truncated cone between the centres of its ends, with their radii. One radius may be 0.
+    /// Truncated cone between the centres of its ends, with the radii there.
     ///
-    /// `None` if it has no extent that numbers can hold.
+    /// One radius may be 0. `None` if the height or both radii are 0.
     #[must_use]
     pub fn new(bottom: DVec3, top: DVec3, radii: [f64; 2], capped: bool) -> Option<Self> {
         let (axis, radius) = (top - bottom, radii[0].max(radii[1]));
@@ -78,6 +77,7 @@ impl Frustum {
         Some(Self::from_transform(to_world, radii.map(|r| r / radius), capped))
     }
 
+    /// Image of the frustum with the given object-space radii under `to_world`.
     fn from_transform(to_world: Transform, radii: [f64; 2], capped: bool) -> Self {
         let mut frustum = Self { to_world, radii, capped, areas: [0.0; 3] };
         let around: f64 = (0..AREA_STEPS)
@@ -108,17 +108,17 @@ impl Frustum {
         self.radii[0] - self.radius_decrease() * y
     }
 
-    /// World area of an area element whose object-space normal, with the element as length, is `n`.
+    /// World area of the surface element whose object-space area vector is `n`.
     #[inline]
     fn area_stretch(&self, n: DVec3) -> f64 {
         self.to_world.determinant().abs() * self.to_world.transform_normal(n).length()
     }
 
-    /// Range of τ in which the infinite cone contains the line; `None` if it misses.
+    /// Interval of τ in which the line is inside the infinite cone; `None` if the line misses.
     ///
-    /// The cone's mirror image beyond its apex may be included. With ρ as a third coordinate of
-    /// negative signature, the discriminant is a sum of squared cross products, which keeps its
-    /// digits for grazing rays.
+    /// The interval may cover the mirror image of the cone beyond its apex. The discriminant is
+    /// computed from cross products in the Minkowski metric (x, z, iρ), so it keeps its digits for
+    /// grazing rays.
     #[inline]
     fn cone_interval(&self, ray: &ObjectRay) -> Option<[f64; 2]> {
         const ALL: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
@@ -146,8 +146,8 @@ impl Frustum {
         Some(if slope > 0.0 { [after, f64::INFINITY] } else { [f64::NEG_INFINITY, before] })
     }
 
-    /// Largest displacements by rounding of a hit near the object-space point `p`, along y and
-    /// across it.
+    /// Safe distances from the rims for a hit at the object-space point `p`: along y, and
+    /// perpendicular to y. See [`EDGE_MARGIN`].
     #[inline]
     fn rounding_margins(&self, p: DVec3) -> (f64, f64) {
         let largest = self.to_world.transform_point(p).abs().max_element();
@@ -157,7 +157,8 @@ impl Frustum {
         ((unit * rows.y_axis.length()).min(0.25), (unit * across).min(0.25))
     }
 
-    /// The surface of the side at height `y` in the unit direction (x, z) from the axis.
+    /// Surface point of the side at height `y`, in the unit direction `radial` = (x, z) from the
+    /// axis.
     #[inline]
     fn side_point(&self, y: f64, radial: DVec2) -> SurfacePoint {
         let rho = self.radius_at(y);
@@ -165,13 +166,14 @@ impl Frustum {
         self.surface_at(DVec3::new(radial.x * rho, y, radial.y * rho), normal, FrustumPart::Side)
     }
 
-    /// The surface of a cap at the point (x, z).
+    /// Surface point of a cap at `p` = (x, z).
     #[inline]
     fn cap_point(&self, p: DVec2, part: FrustumPart) -> SurfacePoint {
         let (y, normal) = if part == FrustumPart::Top { (1.0, DVec3::Y) } else { (0.0, DVec3::NEG_Y) };
         self.surface_at(DVec3::new(p.x, y, p.y), normal, part)
     }
 
+    /// World-space surface point at the object-space point `p`; `normal` may have any length.
     #[inline]
     fn surface_at(&self, p: DVec3, normal: DVec3, part: FrustumPart) -> SurfacePoint {
         let normal = self.to_world.transform_normal(normal).normalize();
@@ -179,7 +181,7 @@ impl Frustum {
         SurfacePoint { uv: Vec2::new(0.0, part as u32 as f32), ..point }
     }
 
-    /// The height y at which the side below has the fraction `v` of its area.
+    /// Height y below which the side has the fraction `v` of its object-space area.
     #[inline]
     fn height_at_area_fraction(&self, v: f64) -> f64 {
         let [bottom, top] = self.radii;
@@ -189,8 +191,9 @@ impl Frustum {
 }
 
 impl AnalyticShape for Frustum {
-    /// Intersects the intervals inside the cone and between the planes of the ends, so no ray
-    /// escapes at a rim.
+    /// Intersects the ray's interval inside the cone with its interval between the end planes.
+    ///
+    /// No ray can escape at a rim, since side and caps are not tested separately.
     #[inline]
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
         let local = ObjectRay::new(ray, &self.to_world);
@@ -211,7 +214,7 @@ impl AnalyticShape for Frustum {
             return None;
         }
         let hit = |(tau, part): (f64, FrustumPart)| {
-            // An open end is no hit: as a distance behind the ray.
+            // An open end is no hit: it counts as behind the ray.
             let t = if self.capped || part == FrustumPart::Side { local.ray_parameter(tau) } else { f64::NEG_INFINITY };
             (t, part as u32 as f32)
         };
@@ -225,7 +228,7 @@ impl AnalyticShape for Frustum {
         let from_axis = DVec2::new(p.x, p.z);
         match FrustumPart::from_hit_coordinates(uv) {
             FrustumPart::Side => {
-                // Off the rims, and off an apex by as much.
+                // Keeps away from the rims and from an apex.
                 let off = |rho: f64| {
                     if rho < across { ((across - rho) / self.radius_decrease().abs()).max(along) } else { along }
                 };
@@ -241,8 +244,9 @@ impl AnalyticShape for Frustum {
         }
     }
 
-    /// On the side, u goes once around the axis and v from bottom to top. Each cap touches the unit
-    /// square from inside.
+    /// On the side, u runs once around the axis, and v from bottom to top.
+    ///
+    /// Each cap is the disc inscribed in the unit square.
     fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
         let p = self.to_world.inverse().transform_point3(p.as_dvec3());
         let world = |row: DVec3| self.to_world.transform_normal(row);

@@ -1,43 +1,44 @@
-//! Ray parameters of hits, and the conversions between f32 rays and f64 solutions.
+//! Hit records, and conversions between f32 rays and f64 solutions.
 
 use crate::math::Ray;
 use glam::{DVec3, Vec2};
 
-/// Hit of a ray: the ray parameter t, and two coordinates whose meaning depends on the shape.
+/// Hit (t, u, v) of a ray: the ray parameter, and two numbers that each kind of shape defines.
 pub type ShapeHit = (f32, f32, f32);
 
-/// Origin and direction of the ray in double precision.
+/// Origin and direction of the ray.
 #[inline]
 pub(super) fn ray_to_f64(ray: &Ray) -> (DVec3, DVec3) {
     (ray.origin.as_dvec3(), ray.direction.as_dvec3())
 }
 
-/// `t` rounded to f32; `None` outside the ray's range.
+/// `t` rounded to f32; `None` outside (0, `ray.t_max`).
 #[inline]
 pub(super) fn t_in_range(ray: &Ray, t: f64) -> Option<f32> {
     let t = t as f32;
     (t > 0.0 && t < ray.t_max).then_some(t)
 }
 
-/// Hit at `t` whose first coordinate is the relative residual of rounding `t` to f32.
+/// Hit (t, r, `second`), where r is the relative error of rounding `t` to f32.
 ///
-/// At a distance, the residual can be a large part of the shape. In a thin shape it can swap the
-/// near and the far side.
+/// [`exact_t`] restores the f64 value. Without it, the error at a large distance could exceed the
+/// shape's thickness.
 #[inline]
 pub(super) fn hit_with_residual(ray: &Ray, t: f64, second: f32) -> Option<ShapeHit> {
     t_in_range(ray, t).map(|rounded| (rounded, (t / f64::from(rounded) - 1.0) as f32, second))
 }
 
-/// The nearer of two hits that lies within the ray; each is t and a second coordinate.
+/// The first of two hits (t, second) with t in (0, `ray.t_max`); the near hit must not be behind
+/// the far one.
 ///
-/// A near hit beyond the end of the ray hides the far one.
+/// `None` if the near hit is beyond the end of the ray.
 #[inline]
 pub(super) fn nearer_hit(ray: &Ray, near: (f64, f32), far: (f64, f32)) -> Option<ShapeHit> {
     hit_with_residual(ray, near.0, near.1)
         .or_else(|| if near.0 > 0.0 { None } else { hit_with_residual(ray, far.0, far.1) })
 }
 
-/// The f64 parameter t of a hit by [`hit_with_residual`].
+/// Ray parameter in f64 of a hit that [`hit_with_residual`] made.
 #[inline]
 pub(super) fn exact_t(t: f32, uv: Vec2) -> f64 {
     f64::from(t) * (1.0 + f64::from(uv.x))

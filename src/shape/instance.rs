@@ -1,4 +1,4 @@
-//! Instances: one set of triangles under several maps, or under a map that moves.
+//! Instances: meshes under affine maps, with shared triangles.
 
 use super::analytic::AnalyticShape;
 use super::hit::{ShapeHit, t_in_range};
@@ -12,11 +12,11 @@ use crate::sampling::DiscreteDistribution;
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::{Arc, OnceLock};
 
-/// Mesh with its own hierarchy, in object space.
+/// Mesh in object space with a bounding volume hierarchy.
 pub struct MeshWithBvh {
     mesh: Mesh,
     hierarchy: Hierarchy,
-    /// Distribution of triangles by area, made when a light needs it.
+    /// Distribution of triangles by area; built at its first use.
     choice: OnceLock<Option<DiscreteDistribution>>,
 }
 
@@ -27,16 +27,14 @@ impl std::fmt::Debug for MeshWithBvh {
 }
 
 impl MeshWithBvh {
-    /// Builds the hierarchy of a mesh.
-    ///
-    /// Hits are most accurate if the mesh is centred near the origin.
+    /// Builds the hierarchy of a mesh; hits are most accurate if the mesh is near the origin.
     #[must_use]
     pub fn new(mesh: Mesh) -> Self {
         let corners: Vec<[Vec3; 3]> = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
         Self { hierarchy: Hierarchy::build(&corners, &[]), mesh, choice: OnceLock::new() }
     }
 
-    /// Distribution of triangles by area; `None` if there is no area.
+    /// Distribution of triangles by object-space area; `None` if the total area is 0.
     fn area_distribution(&self) -> Option<&DiscreteDistribution> {
         let make = || DiscreteDistribution::new((0..self.mesh.triangles.len()).map(|i| self.mesh.triangle_area(i)));
         self.choice.get_or_init(make).as_ref()
@@ -45,18 +43,18 @@ impl MeshWithBvh {
 
 /// Mesh under an affine map.
 ///
-/// Rays are transformed to object space without normalisation, so `t` is the same in both spaces.
-/// The first coordinate of a hit holds the bits of the triangle's index.
+/// Object-space ray directions are not normalised, so `t` is equal in both spaces. The second
+/// number of a [`ShapeHit`] holds the bits of the triangle's index.
 #[derive(Clone, Debug)]
 pub struct Instance {
     mesh: Arc<MeshWithBvh>,
     to_world: Transform,
-    /// World area per object area, exact for similarities.
+    /// World area per object-space area: exact for uniform scales, else |det M|^⅔.
     area_scale: f64,
 }
 
 impl Instance {
-    /// Places `mesh` by `to_world`.
+    /// Instance of `mesh` under `to_world`.
     #[must_use]
     pub fn new(mesh: Arc<MeshWithBvh>, to_world: Transform) -> Self {
         let edge = libm::cbrt(to_world.determinant().abs());
@@ -69,10 +67,10 @@ impl Instance {
         self.mesh.mesh.triangles.len()
     }
 
-    /// The object-space ray from where it comes within twice the mesh's radius, and `t` there.
+    /// Object-space ray whose origin is moved to at most two radii from the mesh's centre, and the
+    /// value of t at that origin.
     ///
-    /// The error of rounding to f32 is then proportional to the mesh's size, however distant the
-    /// ray's origin is.
+    /// Rounding errors to f32 are then proportional to the mesh's size at any distance.
     #[inline]
     fn clipped_object_ray(&self, ray: &Ray) -> (Ray, f64) {
         let (o, d) = object_ray(ray, &self.to_world);
@@ -84,7 +82,8 @@ impl Instance {
         (Ray { origin, direction: d.as_vec3(), t_max: (f64::from(ray.t_max) - start) as f32 }, start)
     }
 
-    /// The surface of triangle `i` at barycentric weights `b` of its second and third corner.
+    /// World-space surface point of triangle `i`; `b` holds the barycentric weights of its second
+    /// and third corner.
     fn surface_at(&self, i: usize, b: Vec2) -> SurfacePoint {
         let own = self.mesh.mesh.surface_point(i, b);
         let p = self.to_world.transform_point(own.p.as_dvec3()).as_vec3();
@@ -182,9 +181,9 @@ impl AnalyticShape for Instance {
     }
 }
 
-/// Nearest weights inside the triangle, for a point that rounding may have moved outside.
+/// Clamps barycentric weights of the second and third corner to the triangle.
 ///
-/// Not-finite weights become those of the first corner.
+/// Weights that are not finite become 0, which is the first corner.
 fn clamp_to_triangle(weights: glam::DVec2) -> Vec2 {
     let w = if weights.is_finite() { weights.max(glam::DVec2::ZERO) } else { glam::DVec2::ZERO };
     let sum = w.x + w.y;

@@ -4,7 +4,7 @@ use super::surface_point::{EDGE_MARGIN, SurfacePoint};
 use super::texture_mapping::TexCoord;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
-/// Corner indices of one triangle.
+/// Vertex indices of one triangle.
 pub type Triangle = [u32; 3];
 
 /// Triangles with shared vertices, in world space.
@@ -35,7 +35,10 @@ impl Mesh {
         0.5 * (b - a).cross(c - a).length()
     }
 
-    /// The surface of triangle `i` at barycentric weights `b` of its second and third corner.
+    /// Surface point of triangle `i`; `b` holds the barycentric weights of its second and third
+    /// corner.
+    ///
+    /// The point is moved off nearby edges, so that the next ray cannot escape through them.
     #[inline]
     #[must_use]
     pub fn surface_point(&self, i: usize, b: Vec2) -> SurfacePoint {
@@ -73,9 +76,10 @@ impl Mesh {
         }
     }
 
-    /// Texture coordinates of triangle `i` at barycentric weights `b`.
+    /// Texture coordinates of triangle `i`; `b` holds the barycentric weights of its second and
+    /// third corner.
     ///
-    /// Their gradients are zero if the mesh has no texture coordinates or the triangle has no area.
+    /// Gradients are zero if the mesh has no texture coordinates or the triangle has no area.
     #[must_use]
     pub fn tex_coord(&self, i: usize, b: Vec2) -> TexCoord {
         if self.texcoords.is_empty() {
@@ -96,6 +100,7 @@ impl Mesh {
         TexCoord { uv, du: w1 * t1.x + w2 * t2.x, dv: w1 * t1.y + w2 * t2.y }
     }
 
+    /// Interpolated unit shading normal; `None` if the mesh has no normals or they cancel.
     #[inline]
     fn shading_normal(&self, i: usize, b1: f64, b2: f64) -> Option<Vec3> {
         if self.normals.is_empty() {
@@ -106,10 +111,11 @@ impl Mesh {
     }
 }
 
-/// The weights `b`, moved so that the point stays off every edge: see [`EDGE_MARGIN`].
+/// Barycentric weights `b` of the second and third corner, moved away from the edges: see
+/// [`EDGE_MARGIN`].
 ///
-/// `edges` lead from the first corner to the others. The least height over an edge is `room` times
-/// the length of the cross product, or a quarter of the triangle's height.
+/// `edges` are the vectors from the first corner to the others. `room` is the minimum distance to
+/// an edge, divided by twice the triangle's area. No weight is raised above a quarter.
 #[cold]
 fn move_weights_off_edges(b: DVec2, room: f64, [e1, e2]: [DVec3; 2]) -> DVec2 {
     let least = [e2 - e1, e2, e1].map(|edge| (room * edge.length()).min(0.25));
@@ -128,7 +134,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn coordinates_are_those_of_the_corners_and_grow_along_the_edges() {
+    fn texture_coordinates_interpolate_the_corners() {
         let mesh = Mesh {
             positions: vec![Vec3::ZERO, Vec3::new(2.0, 0.0, 0.0), Vec3::new(1.0, 1.0, 0.0)],
             texcoords: vec![Vec2::new(0.5, 0.25), Vec2::new(1.0, 0.25), Vec2::new(0.5, 1.0)],

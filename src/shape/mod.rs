@@ -1,8 +1,7 @@
-//! Shapes of the resolved scene, in world space around the scene's centre; curved ones are solved
-//! in double precision.
+//! Shapes of the resolved scene, in world space.
 //!
-//! A new kind of shape is a file that implements `AnalyticShape`, a variant of [`Shape`] and a
-//! line of `dispatch!`.
+//! Intersections other than those of triangles are computed in f64. Every kind of shape implements
+//! `AnalyticShape` and is a variant of [`Shape`].
 
 mod analytic;
 mod cuboid;
@@ -46,25 +45,25 @@ use surface_point::round_outward;
 pub enum Shape {
     /// Sphere.
     Sphere(Sphere),
-    /// Sphere under an affine map.
+    /// Ellipsoid: a sphere under an affine map.
     Ellipsoid(Ellipsoid),
-    /// Disc or planar ellipse.
+    /// Disc, or ellipse in a plane.
     Disc(Disc),
-    /// Parallelogram.
+    /// Rectangle or parallelogram.
     Rectangle(Rectangle),
     /// Box or parallelepiped.
     Cuboid(Cuboid),
     /// Cylinder, cone or truncated cone.
     Frustum(Frustum),
-    /// Triangle mesh with its own hierarchy, under an affine map.
+    /// Triangle mesh with its own bounding volume hierarchy, under an affine map.
     Instance(Instance),
     /// Surface of revolution.
     Revolution(Revolution),
-    /// Tensor-product surface.
+    /// Tensor-product surface: Bézier patch, B-spline or NURBS.
     Patch(Patch),
 }
 
-/// Evaluates an expression for the shape `$s` of any kind; `$wrap` makes a [`Shape`] of that kind.
+/// Evaluates `$e` with `$s` as the concrete shape and `$wrap` as its variant of [`Shape`].
 macro_rules! dispatch {
     ($self:expr, $s:ident, $wrap:ident => $e:expr) => {
         match $self {
@@ -109,70 +108,71 @@ macro_rules! dispatch {
 }
 
 impl Shape {
-    /// Nearest hit within the ray.
+    /// Nearest hit with a ray parameter in (0, `ray.t_max`).
     #[inline]
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
         dispatch!(self, s, _w => s.intersect(ray))
     }
 
-    /// True if the ray hits the shape.
+    /// True if the ray hits the shape at a parameter in (0, `ray.t_max`).
     #[inline]
     #[must_use]
     pub fn occludes(&self, ray: &Ray) -> bool {
         dispatch!(self, s, _w => s.occludes(ray))
     }
 
-    /// Point that `ray` hits at `t`; `uv` holds the coordinates of the [`ShapeHit`].
+    /// Surface point of the [`ShapeHit`] (`t`, `uv.x`, `uv.y`) of `ray`.
     #[inline]
     #[must_use]
     pub fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
         dispatch!(self, s, _w => s.surface_point(ray, t, uv))
     }
 
-    /// Intrinsic texture coordinates at the surface point `p`; `uv` holds the coordinates of the
+    /// Intrinsic texture coordinates at the surface point `p`; `uv` are the last two numbers of its
     /// [`ShapeHit`].
     ///
-    /// Shapes without intrinsic texture coordinates return `uv`.
+    /// Shapes without intrinsic texture coordinates return `uv` and gradients of zero.
     #[must_use]
     pub fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
         dispatch!(self, s, _w => s.tex_coord(p, uv))
     }
 
-    /// Box around the shape.
+    /// Axis-aligned box that contains the shape, rounded outward to f32.
     #[must_use]
     pub fn bounds(&self) -> Bounds {
         let (min, max) = self.bounds_f64();
         round_outward(min, max)
     }
 
-    /// Lower and upper corner of a box around the shape, in double precision.
+    /// Lower and upper corner of an axis-aligned box that contains the shape.
     #[must_use]
     pub fn bounds_f64(&self) -> (DVec3, DVec3) {
         dispatch!(self, s, _w => s.bounds_f64())
     }
 
-    /// Sphere around the shape; tight for spheres.
+    /// Sphere that contains the shape: exact for [`Sphere`], else around the bounding box.
     #[must_use]
     pub fn bounding_sphere(&self) -> math::BoundingSphere {
         let tight = dispatch!(self, s, _w => s.bounding_sphere());
         tight.unwrap_or_else(|| self.bounds().bounding_sphere())
     }
 
-    /// A point of the surface if the whole shape lies in one plane, else `None`.
+    /// A point of the surface if the shape lies in a plane, else `None`.
     #[must_use]
     pub fn point_if_planar(&self) -> Option<SurfacePoint> {
         dispatch!(self, s, _w => s.point_if_planar())
     }
 
-    /// Image under a translation.
+    /// The shape translated by `by`.
     #[must_use]
     pub fn translated(&self, by: DVec3) -> Self {
         dispatch!(self, s, wrap => wrap(s.translated(by)))
     }
 
-    /// Image under an affine map, with the same outer side; `None` if it has no extent that numbers
-    /// can hold.
+    /// Image of the shape under `map`, with the same outer side.
+    ///
+    /// `None` if the product of the transforms is singular.
     #[must_use]
     pub fn transformed(&self, map: &Transform) -> Option<Self> {
         if let (Self::Sphere(s), None) = (self, map.uniform_scale()) {
@@ -187,13 +187,13 @@ impl Shape {
         dispatch!(self, s, _w => s.area())
     }
 
-    /// Samples a point of the surface by `u` in \[0, 1)².
+    /// Samples a point of the surface; `u` is uniform in \[0, 1)².
     #[must_use]
     pub fn sample(&self, u: Vec2) -> ShapeSample {
         dispatch!(self, s, _w => s.sample(u))
     }
 
-    /// Pdf per area \[1/length²] of [`Shape::sample`] at a point of the surface.
+    /// Pdf of [`Shape::sample`] at `point`, per area \[1/length²].
     #[inline]
     #[must_use]
     pub fn pdf(&self, point: &SurfacePoint) -> f32 {

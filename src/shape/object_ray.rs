@@ -4,7 +4,7 @@ use super::hit::ray_to_f64;
 use crate::math::{Ray, Transform};
 use glam::DVec3;
 
-/// Origin and direction of the ray in object space; the ray parameter t stays the same.
+/// Origin and unnormalised direction of the ray in object space, where t has its world-space value.
 #[inline]
 pub(super) fn object_ray(ray: &Ray, to_world: &Transform) -> (DVec3, DVec3) {
     let (o, d) = ray_to_f64(ray);
@@ -12,17 +12,18 @@ pub(super) fn object_ray(ray: &Ray, to_world: &Transform) -> (DVec3, DVec3) {
     (inverse.transform_point3(o), inverse.transform_vector3(d))
 }
 
-/// Line of a ray in object space, by its length τ from the point nearest to the object's origin.
+/// Object-space line of a ray, with arc length τ as parameter.
 ///
-/// Distant rays keep their digits, since all solutions happen near the object's origin.
+/// τ is 0 at the point nearest to the object's origin. Shapes lie near that origin, so solutions
+/// for τ keep their digits even if the ray starts far away.
 pub(super) struct ObjectRay {
-    /// Point of the line nearest to the object's origin: τ = 0.
+    /// Point of the line at τ = 0, nearest to the object's origin.
     pub base: DVec3,
     /// Unit direction.
     pub direction: DVec3,
-    /// Length from the ray's origin to `base`; negative if `base` is behind the origin.
+    /// Signed distance from the ray's origin to `base`; negative if `base` is behind the origin.
     pub start: f64,
-    /// Object-space length of a unit of the ray parameter t.
+    /// Change of τ per unit of the ray parameter t.
     pub length: f64,
 }
 
@@ -52,7 +53,7 @@ impl ObjectRay {
     }
 }
 
-/// Bound on the world coordinates of the cube \[−1, 1]³ under `to_world`.
+/// Bound on the absolute world coordinates of the cube \[−1, 1]³ under `to_world`.
 #[inline]
 pub(super) fn world_scale(to_world: &Transform) -> f64 {
     // One ulp in object space is as long in world space as the longest column.

@@ -5,13 +5,13 @@ use super::surface_point::SurfacePoint;
 use crate::math::{Ray, Transform};
 use glam::{DVec3, Vec3};
 
-/// Cosine to the normal below which a ray counts as parallel to the plane.
+/// Cosine between ray and normal below which the ray counts as parallel to the plane.
 ///
-/// Rounding contributes, in units of 2⁻⁵³: 2π for an angle up to a full turn, 2π for a second one,
-/// and 3 for the product of normal and direction.
+/// The bound covers rounding errors of two rotations by up to a full turn (2π each) and of the dot
+/// product (3), in units of 2⁻⁵³.
 const PARALLEL_COSINE: f64 = 8.0 * f64::EPSILON;
 
-/// The points with `normal · x = offset`; the outer side is that of the unit normal.
+/// Infinite plane `normal · x = offset`; the normal is a unit vector and points to the outer side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
     normal: DVec3,
@@ -19,32 +19,32 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// The plane through `point` perpendicular to `normal`, which may have any length above zero.
+    /// Plane through `point` perpendicular to `normal`, which may have any length above zero.
     #[must_use]
     pub fn new(point: DVec3, normal: DVec3) -> Self {
         let normal = normal.normalize();
         Self { normal, offset: normal.dot(point) }
     }
 
-    /// Image under a translation.
+    /// The plane translated by `by`.
     #[must_use]
     pub fn translated(self, by: DVec3) -> Self {
         Self { offset: self.offset + self.normal.dot(by), ..self }
     }
 
-    /// Image under an affine map, with the same outer side.
+    /// Image of the plane under `map`, with the same outer side.
     #[must_use]
     pub fn transformed(&self, map: &Transform) -> Self {
         Self::new(map.transform_point(self.normal * self.offset), map.transform_normal(self.normal))
     }
 
-    /// Point nearest to the origin, and the unit normal.
+    /// Point of the plane nearest to the origin, and the unit normal.
     #[must_use]
     pub fn point_and_normal(&self) -> (Vec3, Vec3) {
         ((self.normal * self.offset).as_vec3(), self.normal.as_vec3())
     }
 
-    /// Hit of the ray; its coordinates are 0.
+    /// Hit (t, 0, 0) of the ray, if t is in (0, `ray.t_max`).
     #[inline]
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
@@ -56,7 +56,7 @@ impl Plane {
         t_in_range(ray, (self.offset - self.normal.dot(o)) / across).map(|t| (t, 0.0, 0.0))
     }
 
-    /// Point that `ray` hits at `t`.
+    /// Surface point of `ray` at its hit `t`.
     #[inline]
     #[must_use]
     pub fn surface_point(&self, ray: &Ray, t: f32) -> SurfacePoint {

@@ -1,4 +1,4 @@
-//! Rectangles, and their images under affine maps, which are parallelograms.
+//! Rectangles and parallelograms.
 
 use super::analytic::AnalyticShape;
 use super::hit::{ShapeHit, ray_to_f64, t_in_range};
@@ -7,43 +7,50 @@ use crate::math::{Ray, Transform, exact_cross};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use libm::{atan2, cos, hypot, sin};
 
-/// Largest cosine between edges that count as perpendicular: some ulps of a chain of transforms.
+/// Largest cosine between edges that count as perpendicular; it allows for rounding by a chain of
+/// transforms.
 const PERPENDICULAR_COSINE: f64 = 1e-12;
 
-/// Solid angle \[sr] below which points are sampled by area, since it is a difference of larger
-/// angles.
+/// Solid angle \[sr] below which points are sampled by area.
+///
+/// The solid angle is a difference of larger angles, so small values have few correct digits.
 const MIN_SOLID_ANGLE: f64 = 1e-4;
 
 /// Squared ratio of diagonal to distance below which points are sampled by area.
 ///
-/// The pdf per steradian hardly varies over so distant a rectangle, and sampling by area takes a
-/// tenth of the time.
+/// For such distant rectangles, sampling by area has little more variance and takes a tenth of the
+/// time.
 const FAR_SIZE_RATIO2: f64 = 0.2;
 
-/// The points `corner + x·e0 + y·e1` with x, y in \[0, 1]; the outer side is that of `e0 × e1`.
+/// Rectangle or parallelogram: the points `corner + x·e0 + y·e1` with x, y in \[0, 1].
+///
+/// The outer side is the side of `e0 × e1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rectangle {
     corner: DVec3,
     edges: [DVec3; 2],
     normal: DVec3,
-    /// Rows that map an offset in the plane to (x, y).
+    /// Dual basis of the edges: dot products with an offset from the corner give (x, y).
     dual: [DVec3; 2],
     /// True if the edges are perpendicular.
     is_right_angled: bool,
 }
 
-/// Rectangle in the frame of a viewpoint: x and y along the edges, z along the normal.
+/// Rectangle relative to a viewpoint, with coordinates x and y along the edges.
 struct RectangleView {
+    /// Range of x relative to the viewpoint.
     x: [f64; 2],
+    /// Range of y relative to the viewpoint.
     y: [f64; 2],
+    /// Distance from the viewpoint to the rectangle's plane.
     z: f64,
-    /// Unit edges.
+    /// Unit vectors along the edges.
     axes: [DVec3; 2],
     solid_angle: f64,
 }
 
 impl Rectangle {
-    /// A parallelogram spanned by two edges, which must not be parallel.
+    /// Parallelogram with a corner and two edge vectors, which must not be parallel.
     #[must_use]
     pub fn new(corner: DVec3, e0: DVec3, e1: DVec3) -> Self {
         let cross = exact_cross(e0, e1);
@@ -53,7 +60,7 @@ impl Rectangle {
         Self { corner, edges: [e0, e1], normal: cross / n2.sqrt(), dual, is_right_angled }
     }
 
-    /// The point `p`, kept off the edges: see [`EDGE_MARGIN`].
+    /// Moves the point `p` away from the edges: see [`EDGE_MARGIN`].
     #[inline]
     fn move_off_edges(&self, p: DVec3) -> DVec3 {
         let offset = p - self.corner;
@@ -70,8 +77,8 @@ impl Rectangle {
         SurfacePoint::from_f64(p, self.normal, self.corner.abs().max_element() + reach)
     }
 
-    /// Returns the view of the outer side from `from`; `None` from behind, or if sampling by area
-    /// is preferred.
+    /// Rectangle relative to the viewpoint `from`; `None` if `from` is on the inner side or
+    /// sampling by area is better.
     fn rectangle_view(&self, from: Vec3) -> Option<RectangleView> {
         let to = self.corner - from.as_dvec3();
         let z = -self.normal.dot(to);
@@ -92,10 +99,10 @@ impl Rectangle {
         (solid_angle >= MIN_SOLID_ANGLE).then_some(RectangleView { x, y, z, axes, solid_angle })
     }
 
-    /// Samples the outer side uniformly by solid angle as seen from `from`.
+    /// Samples a point uniformly by solid angle as seen from `from`.
     ///
-    /// Returns the point, the unit direction to it, and the pdf per steradian. `None` whenever
-    /// [`Rectangle::pdf_visible`] is `None`.
+    /// Returns the point, the unit direction from `from` to it, and the pdf per steradian. `None`
+    /// if and only if [`Rectangle::pdf_visible`] is `None`.
     #[must_use]
     pub fn sample_visible(&self, from: Vec3, u: Vec2) -> Option<(SurfacePoint, Vec3, f32)> {
         let view = self.rectangle_view(from)?;
@@ -107,11 +114,11 @@ impl Rectangle {
         Some((point, wi.as_vec3(), (1.0 / view.solid_angle) as f32))
     }
 
-    /// Pdf per steradian of [`Rectangle::sample_visible`]: one over the solid angle seen from
-    /// `from`.
+    /// Pdf of [`Rectangle::sample_visible`]: the reciprocal of the solid angle seen from `from`
+    /// \[1/sr].
     ///
-    /// `None` from behind, if the edges are not perpendicular, or if the solid angle is too small:
-    /// sampling by area is then better.
+    /// `None` if `from` is on the inner side, if the edges are not perpendicular, or if the
+    /// rectangle looks so small that sampling by area is better.
     #[must_use]
     pub fn pdf_visible(&self, from: Vec3) -> Option<f32> {
         self.rectangle_view(from).map(|view| (1.0 / view.solid_angle) as f32)
@@ -182,7 +189,9 @@ impl AnalyticShape for Rectangle {
     }
 }
 
-/// Solid angle of the strip from 0 to `x`, across `y`, at distance `z` > 0; it has the sign of `x`.
+/// Solid angle \[sr] of the rectangle from 0 to `x` and from `y[0]` to `y[1]`, at distance `z` > 0.
+///
+/// The result has the sign of `x`.
 fn strip_solid_angle(x: f64, y: [f64; 2], z: f64) -> f64 {
     let [to_first, to_last] = y.map(|y| atan2(x * y, z * (x * x + y * y + z * z).sqrt()));
     to_last - to_first
@@ -192,9 +201,8 @@ impl RectangleView {
     /// Maps `u` in \[0, 1)² to a point (x, y) of the rectangle, uniformly by solid angle.
     ///
     /// Source: Ureña, Fajardo, King 2013, "An Area-Preserving Parametrization for Spherical
-    /// Rectangles". With β the angles of the edges across y, [`strip_solid_angle`] is asin(c sin β₁) − asin(c
-    /// sin β₀), where x/z is the tangent of asin c. The solution for x/z uses products of sines,
-    /// which keep their digits at grazing views.
+    /// Rectangles". The equation for x is solved by products of sines, which keep their digits at
+    /// grazing views.
     fn sample(&self, u: Vec2) -> (f64, f64) {
         let Self { x: [x0, x1], y: [y0, y1], z, .. } = *self;
         let angle = strip_solid_angle(x0, self.y, z) + f64::from(u.x) * self.solid_angle;

@@ -6,7 +6,7 @@ use super::surface_point::{ShapeSample, SolidAngleSample, SolidAngleSampling, Su
 use crate::math::{BoundingSphere, Frame, Ray, Transform, direction_and_distance, quadratic_roots, warp};
 use glam::{DVec3, Vec2, Vec3};
 
-/// Sphere, intersected in double precision.
+/// Sphere; intersections are computed in f64.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
     /// Centre.
@@ -16,16 +16,16 @@ pub struct Sphere {
 }
 
 impl Sphere {
-    /// A sphere; `radius` must be above zero.
+    /// Sphere with a radius above zero.
     #[must_use]
     pub fn new(center: DVec3, radius: f64) -> Self {
         Self { center, radius }
     }
 
-    /// Roots t of |o + t d − c| = r, ascending.
+    /// Both solutions t of |o + t d − c| = r, ascending; `None` if the line misses the sphere.
     ///
-    /// The discriminant is r² minus the squared distance of the line from the centre, which does
-    /// not cancel for distant spheres (Haines et al. 2019, Ray Tracing Gems, chapter 7).
+    /// The discriminant comes from the distance between line and centre, which avoids cancellation
+    /// for distant spheres (Haines et al. 2019, Ray Tracing Gems, chapter 7).
     #[inline]
     fn intersection_roots(&self, ray: &Ray) -> Option<(f64, f64)> {
         let (o, d) = ray_to_f64(ray);
@@ -38,14 +38,14 @@ impl Sphere {
         quadratic_roots(a, b, (distance - self.radius) * (distance + self.radius), discriminant)
     }
 
-    /// The surface in the unit direction `n` from the centre.
+    /// Surface point in the unit direction `n` from the centre.
     #[inline]
     fn surface_at(&self, n: DVec3) -> SurfacePoint {
         SurfacePoint::from_f64(self.center + n * self.radius, n, self.center.abs().max_element() + self.radius)
     }
 
-    /// Samples the visible cap uniformly by solid angle; returns the point and the pdf per
-    /// steradian.
+    /// Samples a visible point uniformly by solid angle as seen from `from`; returns the point and
+    /// the pdf per steradian.
     ///
     /// `None` if `from` is on or inside the sphere. Source: Pharr, Jakob, Humphreys 2023, section
     /// 6.2.4.
@@ -71,8 +71,8 @@ impl Sphere {
         Some((self.surface_at(n.normalize()), warp::uniform_cone_pdf(one_minus_cos as f32)))
     }
 
-    /// Pdf per steradian of [`Sphere::sample_visible`]: one over the solid angle seen from `from`;
-    /// 0 from inside.
+    /// Pdf of [`Sphere::sample_visible`]: the reciprocal of the solid angle seen from `from`
+    /// \[1/sr]; 0 if `from` is on or inside the sphere.
     #[must_use]
     pub fn pdf_visible(&self, from: Vec3) -> f32 {
         let sin2 = self.radius * self.radius / (self.center - from.as_dvec3()).length_squared();
@@ -104,7 +104,7 @@ impl AnalyticShape for Sphere {
         Self { center: self.center + by, ..*self }
     }
 
-    /// `None` unless the map is a similarity: see [`Ellipsoid`](super::Ellipsoid).
+    /// `None` if the map scales unevenly: the image is then an [`Ellipsoid`](super::Ellipsoid).
     fn transformed(&self, map: &Transform) -> Option<Self> {
         map.uniform_scale().map(|scale| Self::new(map.transform_point(self.center), self.radius * scale))
     }

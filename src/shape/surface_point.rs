@@ -1,4 +1,4 @@
-//! Points on surfaces, with bounds on their rounding errors.
+//! Points of surfaces, with bounds on their rounding errors.
 
 use crate::math::Bounds;
 use glam::{DVec3, Vec2, Vec3};
@@ -8,20 +8,21 @@ use glam::{DVec3, Vec2, Vec3};
 pub struct SurfacePoint {
     /// Position.
     pub p: Vec3,
-    /// Bound on the position error along each axis; it includes the error of the next ray's
-    /// intersection test.
+    /// Bound on the error of `p` along each axis, including the error of an intersection test of a
+    /// ray that starts here.
     pub error: Vec3,
     /// Geometric unit normal, on the outer side of the shape.
     pub ng: Vec3,
     /// Shading unit normal, in the hemisphere around `ng`.
     pub ns: Vec3,
-    /// Coordinates whose meaning depends on the shape.
+    /// Last two numbers of the [`ShapeHit`](super::ShapeHit), or the zero vector.
     pub uv: Vec2,
 }
 
 impl SurfacePoint {
-    /// Flat-shaded point from an f64 solution on a shape whose coordinates have magnitudes up to
-    /// `scale`.
+    /// Rounds an f64 point to f32 and bounds its error; the shading normal is the geometric one.
+    ///
+    /// `scale` bounds the absolute coordinates of the shape.
     #[inline]
     pub(super) fn from_f64(p: DVec3, normal: DVec3, scale: f64) -> Self {
         let ng = normal.as_vec3();
@@ -37,7 +38,7 @@ pub struct ShapeSample {
     pub point: SurfacePoint,
     /// Probability density per area \[1/length²].
     pub pdf: f32,
-    /// Coordinates of a [`ShapeHit`](super::ShapeHit) at the point.
+    /// Last two numbers of the [`ShapeHit`](super::ShapeHit) at the point.
     pub uv: Vec2,
 }
 
@@ -75,17 +76,16 @@ pub(super) fn rounding_error(p: Vec3, scale: f64) -> Vec3 {
     p.abs() * f32::EPSILON + Vec3::splat((scale * (32.0 * f64::EPSILON)) as f32)
 }
 
-/// Least distance of hit points from the edges of a face, in units of their largest error along an
-/// axis.
+/// Minimum distance of hit points from the edges of a face, in units of the largest position error
+/// along an axis.
 ///
-/// A ray leaves a point that is off by up to √3 errors, from a start as far away along the normal.
-/// At an edge where two faces meet at angle θ, both displacements can move the start beyond the
-/// other face. The ray then escapes through the edge or hits a wall twice. At distance s from the
-/// edge, the start stays inside while s·sin θ > √3·(1 + cos θ) errors. 16 errors are enough for θ ≥
-/// 12.4°.
+/// The origin of the next ray is off by up to √3 errors, and is then offset by as much along the
+/// normal. Near an edge of two faces, the origin could end up behind the other face, and the ray
+/// would escape. At distance s from an edge with angle θ, the origin stays inside if s·sin θ >
+/// √3·(1 + cos θ) errors. 16 errors are enough for θ ≥ 12.4°.
 pub(super) const EDGE_MARGIN: f64 = 16.0;
 
-/// f32 bounding box that contains the f64 box from `min` to `max`.
+/// f32 box that contains the f64 box from `min` to `max`: each side is rounded outward.
 pub(super) fn round_outward(min: DVec3, max: DVec3) -> Bounds {
     let down = |x: f64| (x as f32).next_down();
     let up = |x: f64| (x as f32).next_up();

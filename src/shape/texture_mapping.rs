@@ -1,17 +1,17 @@
-//! Texture coordinates of surfaces, and their gradients.
+//! Texture coordinates of surfaces, and their gradients in world space.
 
 use crate::math::Transform;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::f64::consts::{FRAC_1_PI, TAU};
 
-/// Texture coordinates at a point of a surface.
+/// Texture coordinates at a surface point, with their gradients.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TexCoord {
     /// Coordinates u and v.
     pub uv: DVec2,
-    /// Gradient of u in world space \[1/length]; only its part in the tangent plane is meaningful.
+    /// Gradient of u in world space \[1/length]; only its tangential part is meaningful.
     pub du: DVec3,
-    /// Gradient of v, like `du`.
+    /// Gradient of v in world space \[1/length]; only its tangential part is meaningful.
     pub dv: DVec3,
 }
 
@@ -26,62 +26,62 @@ impl TexCoord {
     }
 }
 
-/// Rule that assigns texture coordinates, in object space.
+/// Function from object-space points to texture coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MappingKind {
-    /// Longitude and latitude: u runs once around the y axis, eastward, with ½ at +z; v runs from 0
-    /// at −y to 1 at +y.
+    /// Longitude u and latitude v around the y axis.
+    ///
+    /// u is ½ at +z and ¾ at +x; v runs from 0 at −y to 1 at +y.
     Spherical {
         /// Centre of the sphere.
         center: DVec3,
     },
-    /// Orthogonal projection to a plane: (p − origin) · rows.
+    /// Linear coordinates: u and v are the dot products of p − origin with the two rows.
     Planar {
         /// Point with u = v = 0.
         origin: DVec3,
         /// Gradients of u and v \[1/length].
         rows: [DVec3; 2],
     },
-    /// Intrinsic coordinates of the surface: vertices of a mesh, parameters of a patch, faces of a
-    /// box.
+    /// Intrinsic coordinates of the shape, such as those of mesh vertices.
     Uv,
 }
 
-/// Texture mapping of an object: a rule in object space, and the object's placement.
+/// Texture mapping of an object, defined in object space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextureMapping {
     kind: MappingKind,
     to_world: Transform,
 }
 
-/// Unit directions of increasing u and v on a plane perpendicular to `normal`.
+/// Unit directions of increasing u and v on a plane with the outer normal `normal`.
 ///
-/// The directions match a picture that hangs upright on a wall: u points right for a viewer of
-/// the outer side, v points up along y. On a horizontal plane, u is x.
+/// A picture on a wall appears upright: v is as near to +y as possible, and u points right for a
+/// viewer on the outer side. On a horizontal plane, u is +x.
 #[must_use]
 pub fn upright_axes(normal: DVec3) -> [DVec3; 2] {
     let n = normal.normalize_or(DVec3::Y);
-    // Rounding aside, the plane is horizontal.
     let right = DVec3::Y.cross(n);
+    // A shorter vector is a rounding error of a horizontal plane.
     let u = if right.length() > 1e-9 { right.normalize() } else { DVec3::X };
     [u, n.cross(u)]
 }
 
 impl MappingKind {
-    /// Planar mapping whose coordinates are lengths from the object-space origin.
+    /// Mapping of a plane: u and v are lengths from the object-space origin.
     #[must_use]
     pub fn for_plane(normal: DVec3) -> Self {
         Self::Planar { origin: DVec3::ZERO, rows: upright_axes(normal) }
     }
 
-    /// Planar mapping in which the disc touches the unit square from inside.
+    /// Mapping of a disc, which becomes the disc inscribed in the unit square.
     #[must_use]
     pub fn for_disc(center: DVec3, normal: DVec3, radius: f64) -> Self {
         let [u, v] = upright_axes(normal);
         Self::Planar { origin: center - (u + v) * radius, rows: [u / (2.0 * radius), v / (2.0 * radius)] }
     }
 
-    /// Planar mapping in which the parallelogram fills the unit square: u along `e0`, v along `e1`.
+    /// Mapping of a parallelogram to the unit square: u along `e0`, v along `e1`.
     #[must_use]
     pub fn for_rectangle(corner: DVec3, e0: DVec3, e1: DVec3) -> Self {
         let cross = e0.cross(e1);
@@ -97,31 +97,31 @@ impl Default for TextureMapping {
 }
 
 impl TextureMapping {
-    /// Mapping of `kind` for an object under `to_world`.
+    /// Mapping of an object with the transform `to_world`.
     #[must_use]
     pub fn new(kind: MappingKind, to_world: Transform) -> Self {
         Self { kind, to_world }
     }
 
-    /// The mapping of the object after a translation in world space.
+    /// Mapping of the object after a world-space translation by `by`.
     #[must_use]
     pub fn translated(&self, by: DVec3) -> Self {
         Self { to_world: self.to_world.translated(by), ..*self }
     }
 
-    /// The world-space point `p` in object space.
+    /// Transforms the world-space point `p` to object space.
     #[must_use]
     pub fn point_to_object(&self, p: Vec3) -> DVec3 {
         self.to_world.inverse().transform_point3(p.as_dvec3())
     }
 
-    /// The world-space vector `step` in object space.
+    /// Transforms the world-space vector `step` to object space.
     #[must_use]
     pub fn vector_to_object(&self, step: DVec3) -> DVec3 {
         self.to_world.inverse().transform_vector3(step)
     }
 
-    /// Texture coordinates at the object-space point `p`; `own` gives the intrinsic coordinates.
+    /// Texture coordinates at the object-space point `p`; `own` computes the intrinsic ones.
     #[must_use]
     pub fn tex_coord_at(&self, p: DVec3, own: impl FnOnce() -> TexCoord) -> TexCoord {
         let world = |row: DVec3| self.to_world.transform_normal(row);

@@ -23,8 +23,8 @@ impl MemoryLimit {
     /// Bytes that may still be taken; `None` if no limit is known.
     ///
     /// Under [`MemoryLimit::Limit`] this is the limit less the bytes in use and a fixed reserve, so
-    /// one machine refuses what another refuses. Under [`MemoryLimit::System`] it is the memory that
-    /// the system can give without swapping (Linux only).
+    /// one machine refuses what another refuses. Under [`MemoryLimit::System`] it is the memory
+    /// that the system can give without swapping (Linux only).
     #[must_use]
     pub fn available_bytes(self) -> Option<u64> {
         match self {

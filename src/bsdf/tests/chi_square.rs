@@ -165,9 +165,9 @@ fn samplers_match_their_pdfs() {
         for i in 0..SAMPLES {
             let key = key.child_key(i);
             let (lobe, u) = (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
-            let sample = case.bsdf.sample(case.wo, case.ns, case.ng, lobe, u, Transport::Radiance);
+            let sample = case.bsdf.sample(case.wo, case.ns, case.ng, lobe, u, TransportMode::Radiance);
             let cell = sample.map_or(expected.len() - 1, |s| {
-                let side = usize::from(s.transmitted);
+                let side = usize::from(s.is_transmitted);
                 side * RINGS * SECTORS + grids[side].cell(s.wi)
             });
             counts[cell] += 1;

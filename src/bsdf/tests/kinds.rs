@@ -30,8 +30,8 @@ fn every_bsdf_stores_photons_or_casts_caustics() {
 fn receivers_never_sample_delta_lobes() {
     for bsdf in family().into_iter().chain(all_kinds()).filter(Bsdf::stores_photons) {
         for (cos, i) in [1.0, 0.6, 0.1, -0.6].into_iter().flat_map(|cos| (0..500).map(move |i| (cos, i))) {
-            let sample = draw(&bsdf, direction(cos), i, Transport::Importance);
-            assert!(sample.is_none_or(|sample| !sample.specular), "{bsdf:?} at {cos}");
+            let sample = draw(&bsdf, direction(cos), i, TransportMode::Importance);
+            assert!(sample.is_none_or(|sample| !sample.is_specular), "{bsdf:?} at {cos}");
         }
     }
 }
@@ -41,7 +41,7 @@ fn delta_lobes_have_zero_pdf() {
     for bsdf in family().iter().filter(|b| b.is_specular()) {
         let wo = direction(0.6);
         for wi in [Vec3::new(-wo.x, 0.0, wo.z), -wo] {
-            assert_eq!(bsdf.evaluate(wo, wi, Vec3::Z, Vec3::Z, Transport::Radiance), Rgb::ZERO);
+            assert_eq!(bsdf.evaluate(wo, wi, Vec3::Z, Vec3::Z, TransportMode::Radiance), Rgb::ZERO);
             assert_eq!(bsdf.pdf(wo, wi, Vec3::Z, Vec3::Z), 0.0);
         }
     }
@@ -63,8 +63,8 @@ fn an_index_of_one_transmits_all_light() {
     assert!(Bsdf::Conductor(Conductor::new(Rgb::ONE, Rgb::ONE, 0.0009)).is_specular());
     for i in 0..100 {
         let wo = direction(0.3);
-        let s = draw(&none, wo, i, Transport::Radiance).unwrap();
-        assert_eq!((s.wi, s.weight, s.transmitted), (-wo, Rgb::ONE, true));
+        let s = draw(&none, wo, i, TransportMode::Radiance).unwrap();
+        assert_eq!((s.wi, s.weight, s.is_transmitted), (-wo, Rgb::ONE, true));
     }
 }
 
@@ -108,8 +108,8 @@ fn thin_sheets_sample_both_directions() {
         let (r, t) = pane.reflectance_and_transmittance(f32::abs(cos));
         let (mut back, mut through) = (Rgb::ZERO, Rgb::ZERO);
         for i in 0..n {
-            let s = draw(&Bsdf::ThinDielectric(pane), wo, i, Transport::Radiance).unwrap();
-            if s.transmitted {
+            let s = draw(&Bsdf::ThinDielectric(pane), wo, i, TransportMode::Radiance).unwrap();
+            if s.is_transmitted {
                 assert_eq!(s.wi, -wo);
                 through += s.weight / n as f32;
             } else {
@@ -123,5 +123,5 @@ fn thin_sheets_sample_both_directions() {
         assert!((through - t).abs().max_element() < tolerance, "{cos}: {through} {t}");
     }
     let opaque = Bsdf::ThinDielectric(ThinDielectric { eta: 1.0, transmittance: Rgb::ZERO });
-    assert!(draw(&opaque, Vec3::Z, 0, Transport::Radiance).is_none());
+    assert!(draw(&opaque, Vec3::Z, 0, TransportMode::Radiance).is_none());
 }

@@ -5,7 +5,7 @@ mod rough;
 use super::*;
 use crate::sampling::{Dimension, Key, Purpose};
 
-fn draw(bsdf: &Bsdf, wo: Vec3, i: u64, transport: Transport) -> Option<BsdfSample> {
+fn draw(bsdf: &Bsdf, wo: Vec3, i: u64, transport: TransportMode) -> Option<BsdfSample> {
     let key = Key::new(11).purpose_key(Purpose::Test).child_key(i);
     let (lobe, u) = (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
     bsdf.sample(wo, Vec3::Z, Vec3::Z, lobe, u, transport)
@@ -46,7 +46,7 @@ fn energy_is_not_gained() {
         for cos in [1.0, 0.7, 0.2, 0.01, 1e-4, -0.5, -0.01] {
             let (mut sum, mut squares) = (glam::DVec3::ZERO, glam::DVec3::ZERO);
             for i in 0..n {
-                let w = draw(&bsdf, direction(cos), i, Transport::Importance).map_or(Rgb::ZERO, |s| s.weight);
+                let w = draw(&bsdf, direction(cos), i, TransportMode::Importance).map_or(Rgb::ZERO, |s| s.weight);
                 assert!(w.is_finite() && w.min_element() >= 0.0);
                 sum += w.as_dvec3();
                 squares += w.as_dvec3() * w.as_dvec3();
@@ -75,12 +75,13 @@ fn sampling_and_evaluation_agree() {
                 let m = s / n as f64;
                 (m, (q / n as f64 - m * m) / n as f64)
             };
-            let (a, va) = moments(&|i| f64::from(draw(bsdf, wo, i, Transport::Importance).map_or(0.0, |s| s.weight.y)));
+            let (a, va) =
+                moments(&|i| f64::from(draw(bsdf, wo, i, TransportMode::Importance).map_or(0.0, |s| s.weight.y)));
             let (b, vb) = moments(&|i| {
                 let u = Key::new(12).purpose_key(Purpose::Test).child_key(i).uniform_2d(Dimension::BsdfDirection);
                 let wi = warp::square_to_uniform_cone(u, 1.0);
                 f64::from(
-                    bsdf.evaluate(wo, wi, Vec3::Z, Vec3::Z, Transport::Importance).y * wi.z
+                    bsdf.evaluate(wo, wi, Vec3::Z, Vec3::Z, TransportMode::Importance).y * wi.z
                         / warp::uniform_cone_pdf(1.0),
                 )
             });
@@ -99,8 +100,8 @@ fn reflection_is_reciprocal() {
                 Frame::from_normal(Vec3::Z).to_world(direction(b) * Vec3::new(-0.8, 1.0, 1.0)).normalize(),
             );
             let (there, back) = (
-                bsdf.evaluate(wo, wi, Vec3::Z, Vec3::Z, Transport::Importance),
-                bsdf.evaluate(wi, wo, Vec3::Z, Vec3::Z, Transport::Importance),
+                bsdf.evaluate(wo, wi, Vec3::Z, Vec3::Z, TransportMode::Importance),
+                bsdf.evaluate(wi, wo, Vec3::Z, Vec3::Z, TransportMode::Importance),
             );
             assert!((there - back).abs().max_element() < 1e-5, "{bsdf:?}");
         }
@@ -117,12 +118,12 @@ fn dielectric_weights_are_fresnel() {
         let eta = if cos > 0.0 { 1.5 } else { 1.0 / 1.5 };
         let (r, _) = dielectric_reflectance(cos.abs(), eta);
         let reflected = (0..n)
-            .filter(|i| draw(&glass, direction(cos), *i, Transport::Importance).is_some_and(|s| !s.transmitted))
+            .filter(|i| draw(&glass, direction(cos), *i, TransportMode::Importance).is_some_and(|s| !s.is_transmitted))
             .count();
         let sigma = (f64::from(r * (1.0 - r)) / n as f64).sqrt();
         assert!((reflected as f64 / n as f64 - f64::from(r)).abs() < 5.0 * sigma);
         let through =
-            (0..n).find_map(|i| draw(&glass, direction(cos), i, Transport::Radiance).filter(|s| s.transmitted));
+            (0..n).find_map(|i| draw(&glass, direction(cos), i, TransportMode::Radiance).filter(|s| s.is_transmitted));
         assert!((through.unwrap().weight.x * eta * eta - 1.0).abs() < 1e-6);
     }
 }
@@ -136,8 +137,8 @@ fn shading_normals_never_leak_light() {
             let key = Key::new(13).purpose_key(Purpose::Test).child_key(i);
             let wo = warp::square_to_uniform_sphere(key.uniform_2d(Dimension::LightDirection));
             let (lobe, u) = (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
-            if let Some(s) = bsdf.sample(wo, ns, Vec3::Z, lobe, u, Transport::Importance) {
-                assert_eq!(s.transmitted, (s.wi.z < 0.0) != (wo.z < 0.0), "{bsdf:?}");
+            if let Some(s) = bsdf.sample(wo, ns, Vec3::Z, lobe, u, TransportMode::Importance) {
+                assert_eq!(s.is_transmitted, (s.wi.z < 0.0) != (wo.z < 0.0), "{bsdf:?}");
                 assert!((s.wi.length() - 1.0).abs() < 1e-4);
             }
         }

@@ -37,8 +37,8 @@ fn kept(bsdf: &Bsdf, wo: Vec3) -> (f64, f64) {
         let u = (Vec2::new((i % steps) as f32, (i / steps) as f32) + 0.5) / steps as f32;
         // A third coordinate of the lattice, by the golden ratio.
         let lobe = (f64::from(i) * 0.618_033_988_749_895).fract() as f32;
-        if let Some(s) = bsdf.sample(wo, Vec3::Z, Vec3::Z, lobe, u, Transport::Importance) {
-            *if s.transmitted { &mut transmitted } else { &mut reflected } += f64::from(s.weight.x);
+        if let Some(s) = bsdf.sample(wo, Vec3::Z, Vec3::Z, lobe, u, TransportMode::Importance) {
+            *if s.is_transmitted { &mut transmitted } else { &mut reflected } += f64::from(s.weight.x);
         }
     }
     let n = f64::from(steps * steps);
@@ -63,7 +63,7 @@ fn samples_agree_with_evaluation_and_pdf() {
                 let key = Key::new(23).purpose_key(Purpose::Test).child_key(i as u64);
                 let (lobe, u) = (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
                 let ns = (Vec3::Z + 0.5 * other * (i % 2) as f32).normalize();
-                for transport in [Transport::Radiance, Transport::Importance] {
+                for transport in [TransportMode::Radiance, TransportMode::Importance] {
                     let Some(s) = bsdf.sample(wo, ns, Vec3::Z, lobe, u, transport) else { continue };
                     let (f, pdf) = (bsdf.evaluate(wo, s.wi, ns, Vec3::Z, transport), bsdf.pdf(wo, s.wi, ns, Vec3::Z));
                     assert!(s.pdf > 0.0 && s.pdf.is_finite() && s.weight.is_finite(), "{bsdf:?} {wo}: {s:?}");
@@ -71,7 +71,7 @@ fn samples_agree_with_evaluation_and_pdf() {
                     let weight = f * (s.wi.dot(ns).abs() / pdf);
                     let error = (weight - s.weight).abs().max_element();
                     assert!(error <= 1e-3 * weight.max_element(), "{bsdf:?} {wo} {ns}: {weight} {s:?}");
-                    assert_eq!(s.transmitted, s.wi.z * wo.z < 0.0);
+                    assert_eq!(s.is_transmitted, s.wi.z * wo.z < 0.0);
                     checked += 1;
                 }
             }
@@ -94,11 +94,11 @@ fn interfaces_are_reciprocal_up_to_squared_index() {
         let index = |v: Vec3| if v.z > 0.0 { outer_over_inner } else { 1.0 };
         for (wo, wi) in directions(10_000) {
             let f = |o, i, transport| bsdf.evaluate(o, i, Vec3::Z, Vec3::Z, transport).x;
-            let (there, back) = (f(wo, wi, Transport::Radiance), f(wi, wo, Transport::Radiance));
+            let (there, back) = (f(wo, wi, TransportMode::Radiance), f(wi, wo, TransportMode::Radiance));
             let (n_o, n_i) = (index(wo), index(wi));
             assert!(close(there / (n_o * n_o), back / (n_i * n_i)), "{bsdf:?} {wo} {wi}: {there} {back}");
             // The adjoint: flux from wo to wi equals radiance seen from wi along wo.
-            let adjoint = f(wo, wi, Transport::Importance);
+            let adjoint = f(wo, wi, TransportMode::Importance);
             assert!(close(adjoint, back), "{bsdf:?} {wo} {wi}: {adjoint} {back}");
             assert!(close(adjoint / (n_i * n_i), there / (n_o * n_o)), "{bsdf:?} {wo} {wi}");
             through += u32::from(wo.z * wi.z < 0.0 && there > 0.0);
@@ -163,15 +163,15 @@ fn narrow_lobes_approach_deltas() {
     assert!(!glass.is_specular() && !metal(SMOOTH_ALPHA).is_specular());
     for cos in [1.0, 0.6, 0.3, -0.9, -0.3] {
         let wo = direction(cos);
-        let smooth = Dielectric { eta: GLASS }.split(wo, Vec3::Z, Vec3::Z, Transport::Importance);
+        let smooth = Dielectric { eta: GLASS }.reflect_and_refract(wo, Vec3::Z, Vec3::Z, TransportMode::Importance);
         let (r, t) = kept(&glass, wo);
         // The lattice of 65,536 has an error of at most its inverse root; Fresnel's curvature over
         // α adds 10⁻⁵.
         let tolerance = 1.0 / 256.0;
         assert!((r - f64::from(smooth.reflected.1)).abs() < tolerance, "{cos}: {r} {smooth:?}");
         assert!((t - f64::from(smooth.transmitted.1)).abs() < tolerance, "{cos}: {t} {smooth:?}");
-        let mirror = metal(0.0).sample(wo, Vec3::Z, Vec3::Z, 0.0, Vec2::ZERO, Transport::Radiance).unwrap();
-        assert!(mirror.specular && (mirror.wi - (Vec3::Z * (2.0 * wo.z) - wo)).length() < 1e-6);
+        let mirror = metal(0.0).sample(wo, Vec3::Z, Vec3::Z, 0.0, Vec2::ZERO, TransportMode::Radiance).unwrap();
+        assert!(mirror.is_specular && (mirror.wi - (Vec3::Z * (2.0 * wo.z) - wo)).length() < 1e-6);
         assert!((kept(&metal(SMOOTH_ALPHA), wo).0 - f64::from(mirror.weight.x)).abs() < 1e-4);
         let fresnel = conductor_reflectance(cos.abs(), eta, k);
         assert!((mirror.weight - fresnel).abs().max_element() < 1e-6);
@@ -194,7 +194,7 @@ fn projected_facet_area_is_one() {
                 let h = glam::DVec3::new(tan2.sqrt(), 0.0, 1.0);
                 // cosθ dω = π d(sin²θ) = π cos⁴θ d(tan²θ).
                 let measure = std::f64::consts::PI * cos2 * cos2 * a2 / ((1.0 - x) * (1.0 - x));
-                ggx.density(h, glam::DVec3::Z) * measure / f64::from(steps)
+                ggx.normal_density(h, glam::DVec3::Z) * measure / f64::from(steps)
             })
             .sum();
         assert!((total - 1.0).abs() < 1e-9, "{alpha}: {total}");

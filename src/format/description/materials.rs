@@ -89,8 +89,8 @@ impl MaterialDescription {
     /// Returns the names of the textures that the material follows. The texture of
     /// [`MaterialKindDescription::Phong`] may be the path of a picture instead.
     #[must_use]
-    pub fn textures(&self) -> Vec<&Spanned<String>> {
-        let mut textures = self.kind.textures();
+    pub fn texture_names(&self) -> Vec<&Spanned<String>> {
+        let mut textures = self.kind.texture_names();
         match &self.normal_perturbation {
             Some(
                 NormalPerturbationDescription::Bump { texture, .. } | NormalPerturbationDescription::NormalMap(texture),
@@ -118,7 +118,7 @@ impl MaterialDescription {
 
 impl MaterialKindDescription {
     /// Returns the names of the textures that its parameters follow.
-    fn textures(&self) -> Vec<&Spanned<String>> {
+    fn texture_names(&self) -> Vec<&Spanned<String>> {
         match self {
             Self::Phong { diffuse, specular, texture, .. } => {
                 [diffuse.texture(), specular.texture(), texture.as_ref()].into_iter().flatten().collect()
@@ -149,7 +149,7 @@ impl MaterialKindDescription {
 
     /// Returns the names of the materials that a mix chooses from; `None` for other kinds.
     #[must_use]
-    pub fn parts(&self) -> Option<[&Spanned<String>; 2]> {
+    pub fn mix_parts(&self) -> Option<[&Spanned<String>; 2]> {
         match self {
             Self::Mix { first, second, .. } => Some([first, second]),
             Self::Phong { .. }

@@ -176,8 +176,8 @@ pub enum DirectionOrTarget {
     LookAt(DVec3),
 }
 
-/// A list of objects. As parsed, groups and transforms nest at most [`MAX_NESTING_DEPTH`](super::MAX_NESTING_DEPTH)
-/// deep.
+/// A list of objects. As parsed, groups and transforms nest at most
+/// [`MAX_NESTING_DEPTH`](super::MAX_NESTING_DEPTH) deep.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Group {
     /// Entries in the order of the file: a material holds for all objects after it, also past the

@@ -72,7 +72,8 @@ pub enum TextureKindDescription {
         frequency: f64,
         /// Factor of the noise, at least 0.
         amplitude: f64,
-        /// Maps from the pattern's space to the object's, composed by [`TransformStep::composed_matrix`].
+        /// Maps from the pattern's space to the object's, composed by
+        /// [`TransformStep::composed_matrix`].
         maps: Vec<TransformStep>,
     },
 }

@@ -1,12 +1,13 @@
-//! Words, numbers and strings of a scene text, each with its position.
+//! Splitting of scene text into words, numbers and strings, each with its position.
 
 use super::super::description::{Span, Spanned};
 use super::super::error::{SceneError, SourceText};
 
-/// A word or one of `{ } [ ]`; empty at the end of the file.
+/// Piece of a scene text: a word, a number or one of `{ } [ ] "`; empty at the end of the file.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Token<'a> {
     pub text: &'a str,
+    /// Position in the scene text \[bytes].
     pub start: usize,
 }
 
@@ -20,19 +21,22 @@ impl Token<'_> {
     }
 }
 
-/// Reads tokens by the type that the parser expects: `20width` starts with a number if one is
-/// expected, else it is a word.
+/// Lexer whose tokens depend on the type that the parser expects.
+///
+/// For example, `20width` starts with the number 20 if a number is expected, else it is a word.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lexer<'a> {
     name: &'a str,
     text: &'a str,
-    at: usize,
+    /// Position of the next unread byte.
+    position: usize,
 }
 
 impl<'a> Lexer<'a> {
+    /// Returns a lexer behind the byte order mark of `text`, if it has one.
     pub fn new(name: &'a str, text: &'a str) -> Self {
-        let at = if text.starts_with('\u{feff}') { 3 } else { 0 };
-        Self { name, text, at }
+        let position = if text.starts_with('\u{feff}') { 3 } else { 0 };
+        Self { name, text, position }
     }
 
     pub fn source(&self) -> SourceText {
@@ -47,82 +51,83 @@ impl<'a> Lexer<'a> {
         SceneError::at(&self.source(), span, message, label, help)
     }
 
-    /// Returns the next token, which stays unread.
+    /// Returns the next word or punctuation, which stays unread.
     pub fn peek(&mut self) -> Token<'a> {
         self.skip_space_and_comments();
-        let rest = &self.text[self.at..];
+        let rest = &self.text[self.position..];
         let len = match rest.bytes().next() {
             Some(b'{' | b'}' | b'[' | b']' | b'"') => 1,
             _ => rest.bytes().position(|b| is_space(b) || b"{}[]\"".contains(&b)).unwrap_or(rest.len()),
         };
-        Token { text: &rest[..len], start: self.at }
+        Token { text: &rest[..len], start: self.position }
     }
 
-    /// Reads what [`peek`](Self::peek) showed.
+    /// Moves past `token`.
     pub fn consume(&mut self, token: Token<'_>) {
-        self.at = token.start + token.text.len();
+        self.position = token.start + token.text.len();
     }
 
-    /// Makes `token`, which was read, the next one again.
+    /// Moves back to the start of `token`.
     pub fn rewind_to(&mut self, token: Token<'_>) {
-        self.at = token.start;
+        self.position = token.start;
     }
 
-    /// Reads the longest number that starts here, like `%f` of C's `scanf`; empty if there is none.
+    /// Reads the longest decimal number that starts here; empty if there is none.
     pub fn number_token(&mut self) -> Token<'a> {
         self.skip_space_and_comments();
         self.take_prefix(float_prefix_length)
     }
 
-    /// Reads the longest whole number that starts here, like `%d` of C's `scanf`; empty if there is
-    /// none.
+    /// Reads the longest whole number that starts here; empty if there is none.
     pub fn integer_token(&mut self) -> Token<'a> {
         self.skip_space_and_comments();
         self.take_prefix(integer_prefix_length)
     }
 
+    /// Reads the first bytes of the unread text; `length` returns their number.
     fn take_prefix(&mut self, length: fn(&[u8]) -> usize) -> Token<'a> {
-        let rest = &self.text[self.at..];
-        let token = Token { text: &rest[..length(rest.as_bytes())], start: self.at };
+        let rest = &self.text[self.position..];
+        let token = Token { text: &rest[..length(rest.as_bytes())], start: self.position };
         self.consume(token);
         token
     }
 
-    /// Reads a quoted string, or else the text up to white space or to a `}` that closes no `{` in
-    /// it; empty if there is none.
+    /// Reads a string in quotes, or else the text before white space.
+    ///
+    /// Bare text also ends before a `}` that closes no `{` in it. It may be empty.
     pub fn read_name(&mut self) -> Result<Spanned<String>, SceneError> {
         self.skip_space_and_comments();
-        let rest = &self.text[self.at..];
+        let rest = &self.text[self.position..];
         if rest.starts_with('"') {
             return self.read_quoted_string();
         }
-        let mut open = 0_usize;
+        let mut open_braces = 0_usize;
         let mut len = rest.len();
         for (i, b) in rest.bytes().enumerate() {
-            if is_space(b) || (b == b'}' && open == 0) {
+            if is_space(b) || (b == b'}' && open_braces == 0) {
                 len = i;
                 break;
             }
             match b {
-                b'{' => open += 1,
-                b'}' => open -= 1,
+                b'{' => open_braces += 1,
+                b'}' => open_braces -= 1,
                 _ => {}
             }
         }
-        let span = Span { start: self.at, len };
-        self.at += len;
+        let span = Span { start: self.position, len };
+        self.position += len;
         Ok(Spanned::new(rest[..len].to_owned(), span))
     }
 
-    /// Reads a string in quotes on one line, with a backslash before each `"` and `\` in it.
+    /// Reads a string in quotes on one line; a backslash stands before each `"` and `\` in it.
     pub fn read_quoted_string(&mut self) -> Result<Spanned<String>, SceneError> {
-        let start = self.at;
+        let start = self.position;
         let mut value = String::new();
         let mut chars = self.text[start..].char_indices().skip(1);
         loop {
             match chars.next() {
                 Some((i, '"')) => {
-                    self.at = start + i + 1;
+                    self.position = start + i + 1;
                     return Ok(Spanned::new(value, Span { start, len: i + 1 }));
                 }
                 Some((i, '\\')) => match chars.next() {
@@ -147,11 +152,11 @@ impl<'a> Lexer<'a> {
     /// Skips white space and comments.
     fn skip_space_and_comments(&mut self) {
         let bytes = self.text.as_bytes();
-        while let Some(&b) = bytes.get(self.at) {
+        while let Some(&b) = bytes.get(self.position) {
             if is_space(b) {
-                self.at += 1;
-            } else if b == b'#' || bytes[self.at..].starts_with(b"//") {
-                self.at = self.text[self.at..].find('\n').map_or(bytes.len(), |i| self.at + i);
+                self.position += 1;
+            } else if b == b'#' || bytes[self.position..].starts_with(b"//") {
+                self.position = self.text[self.position..].find('\n').map_or(bytes.len(), |i| self.position + i);
             } else {
                 break;
             }
@@ -159,19 +164,22 @@ impl<'a> Lexer<'a> {
     }
 }
 
-/// True for white space as in C's `isspace`.
+/// True if `b` is a space, tab, line feed, vertical tab, form feed or carriage return.
 fn is_space(b: u8) -> bool {
     matches!(b, b' ' | b'\t'..=b'\r')
 }
 
+/// Returns the number of leading digits.
 fn digit_count(bytes: &[u8]) -> usize {
     bytes.iter().take_while(|b| b.is_ascii_digit()).count()
 }
 
+/// Returns 1 if the text starts with a sign, else 0.
 fn sign_length(bytes: &[u8]) -> usize {
     usize::from(matches!(bytes.first(), Some(b'+' | b'-')))
 }
 
+/// Returns the length of the whole number that the text starts with; 0 if there is none.
 fn integer_prefix_length(bytes: &[u8]) -> usize {
     let sign = sign_length(bytes);
     match digit_count(&bytes[sign..]) {
@@ -180,6 +188,7 @@ fn integer_prefix_length(bytes: &[u8]) -> usize {
     }
 }
 
+/// Returns the length of the decimal number that the text starts with; 0 if there is none.
 fn float_prefix_length(bytes: &[u8]) -> usize {
     let mut len = sign_length(bytes);
     let whole = digit_count(&bytes[len..]);

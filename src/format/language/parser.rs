@@ -1,4 +1,4 @@
-//! Token-level reading of scene text: blocks, numbers, names, counts, and recovery from errors.
+//! Parsing of the elements of scene text: blocks, numbers, names and counts. Recovers from errors.
 
 use super::super::MAX_NESTING_DEPTH;
 use super::super::description::{Span, Spanned};
@@ -8,106 +8,109 @@ use super::scope::ParserScope;
 use super::suggest::{keyword_synonym, nearest_word};
 use super::text::clip_for_message;
 
-/// A scene text that is being read.
+/// Parser of a scene text, with its position, the definitions so far and the errors so far.
 pub(super) struct Parser<'a> {
-    /// The text that is left.
+    /// Text and current position.
     pub lexer: Lexer<'a>,
     /// Textures, media and materials defined so far.
     pub scope: ParserScope<'a>,
     /// Errors so far, in no particular order.
     pub errors: Vec<SceneError>,
     /// Keywords of the blocks around the current position, outermost first.
-    open: Vec<Token<'a>>,
-    /// Number of groups and transforms around the current position.
-    depth: usize,
-    /// Number of blocks that were read to their end.
-    closed: usize,
+    open_blocks: Vec<Token<'a>>,
+    /// Number of `Group`, `Transform` and `Moving` blocks around the current position.
+    nesting_depth: usize,
+    /// Number of blocks that were parsed to their end.
+    closed_blocks: usize,
     /// True if the text ended inside a block.
-    ended: bool,
+    has_unclosed_block: bool,
 }
 
-/// Nesting at the start of an entry, to which the parser returns after an error in it.
+/// State of the parser at the start of an entry. After an error, the parser restores its nesting.
 #[derive(Clone, Copy)]
 pub(super) struct NestingMark {
-    level: usize,
-    depth: usize,
-    closed: usize,
+    open_blocks: usize,
+    nesting_depth: usize,
+    closed_blocks: usize,
 }
 
 impl<'a> Parser<'a> {
-    /// A parser at the start of `text`; errors call the text `name`.
+    /// Returns a parser at the start of `text`; errors call the text `name`.
     pub fn new(name: &'a str, text: &'a str) -> Self {
         Self {
             lexer: Lexer::new(name, text),
             scope: ParserScope::default(),
             errors: Vec::new(),
-            open: Vec::new(),
-            depth: 0,
-            closed: 0,
-            ended: false,
+            open_blocks: Vec::new(),
+            nesting_depth: 0,
+            closed_blocks: 0,
+            has_unclosed_block: false,
         }
     }
 
-    /// Returns all errors as one, in the order of the text; `last` is the error that ended the
-    /// reading, if one did.
+    /// Returns all errors as one, in the order of the text; `None` if there are none.
+    ///
+    /// `last` is the error that ended the parsing, if one did.
     pub fn into_joined_error(mut self, last: Option<SceneError>) -> Option<SceneError> {
         // A text that ends inside a block often does so because of an earlier error.
-        self.errors.extend(last.filter(|_| !self.ended || self.errors.is_empty()));
+        self.errors.extend(last.filter(|_| !self.has_unclosed_block || self.errors.is_empty()));
         SceneError::join(self.errors)
     }
 
-    /// Runs `read`. Records its error, if any, and continues at the next of the words `allowed` or
-    /// at the block's end.
+    /// Runs `parse_entry`. Records its error, if any, and skips to the next entry.
+    ///
+    /// Entries start with the words `allowed`.
     ///
     /// # Errors
     /// The error itself, if the text has ended or the list of errors is full.
-    pub fn recover_from_error<T>(
+    pub fn recover_from_error(
         &mut self,
         allowed: &[&str],
-        read: impl FnOnce(&mut Self) -> Result<T, SceneError>,
-    ) -> Result<Option<T>, SceneError> {
+        parse_entry: impl FnOnce(&mut Self) -> Result<(), SceneError>,
+    ) -> Result<(), SceneError> {
         let mark = self.nesting_mark();
-        match read(self) {
-            Ok(value) => Ok(Some(value)),
-            Err(error) => {
-                self.record_error(error)?;
-                self.skip_to_next_entry(mark, allowed);
-                Ok(None)
-            }
+        if let Err(error) = parse_entry(self) {
+            self.record_error(error)?;
+            self.skip_to_next_entry(mark, allowed);
         }
+        Ok(())
     }
 
-    /// Records an error, or returns it if the text has ended or the list of errors is full.
+    /// Records `error`; returns it instead if the text has ended or the list of errors is full.
     #[inline(never)]
     pub fn record_error(&mut self, error: SceneError) -> Result<(), SceneError> {
-        if self.ended || self.errors.len() + 1 >= MAX_ERRORS {
+        if self.has_unclosed_block || self.errors.len() + 1 >= MAX_ERRORS {
             return Err(error);
         }
         self.errors.push(error);
         Ok(())
     }
 
-    /// Returns the nesting at the current position.
+    /// Returns the parser's state for [`skip_to_next_entry`](Self::skip_to_next_entry).
     pub fn nesting_mark(&self) -> NestingMark {
-        NestingMark { level: self.open.len(), depth: self.depth, closed: self.closed }
+        NestingMark {
+            open_blocks: self.open_blocks.len(),
+            nesting_depth: self.nesting_depth,
+            closed_blocks: self.closed_blocks,
+        }
     }
 
-    /// Skips the rest of the blocks opened since `mark`.
+    /// Skips the rest of an entry with an error, which started at `mark`.
     ///
-    /// If none were, skips to the next of the words `allowed`, past one block in braces, or to a
-    /// `}`. If a block was read to its end since `mark`, skips nothing.
+    /// If blocks are open since `mark`, skips past their ends. Else, if a block was closed since
+    /// `mark`, skips nothing. Else skips to a word of `allowed` or a `}`, or past one block.
     #[inline(never)]
     pub fn skip_to_next_entry(&mut self, mark: NestingMark, allowed: &[&str]) {
-        let mut braces = self.open.len().saturating_sub(mark.level);
-        let closes = braces > 0;
-        self.open.truncate(mark.level);
-        self.depth = mark.depth;
-        if !closes && self.closed > mark.closed {
+        let mut braces = self.open_blocks.len().saturating_sub(mark.open_blocks);
+        let has_open_blocks = braces > 0;
+        self.open_blocks.truncate(mark.open_blocks);
+        self.nesting_depth = mark.nesting_depth;
+        if !has_open_blocks && self.closed_blocks > mark.closed_blocks {
             return;
         }
         loop {
             let token = self.lexer.peek();
-            let stops = braces == 0 && (closes || token.text == "}" || allowed.contains(&token.text));
+            let stops = braces == 0 && (has_open_blocks || token.text == "}" || allowed.contains(&token.text));
             if token.is_end() || stops {
                 return;
             }
@@ -128,17 +131,16 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Reads the list block of `keyword`: a count named `count`, and entries that start with a word
-    /// of `allowed`.
+    /// Parses a block of an optional field `count` and entries that start with words of `allowed`.
     ///
-    /// Each entry goes to `read` with its keyword. `what` names one entry in the error of a wrong
-    /// count.
+    /// `parse_entry` parses an entry after its keyword. `what` names an entry in the error of a
+    /// wrong count.
     pub fn parse_list_block(
         &mut self,
         keyword: Token<'a>,
         (count, what): (&str, &str),
         allowed: &[&str],
-        mut read: impl FnMut(&mut Self, Token<'a>) -> Result<(), SceneError>,
+        mut parse_entry: impl FnMut(&mut Self, Token<'a>) -> Result<(), SceneError>,
     ) -> Result<(), SceneError> {
         let mut stated = None;
         let mut found = 0;
@@ -150,7 +152,7 @@ impl<'a> Parser<'a> {
                 if is_count {
                     parser.parse_count(word, &mut stated)
                 } else if allowed.contains(&word.text) {
-                    read(parser, word)
+                    parse_entry(parser, word)
                 } else {
                     Err(parser.unexpected_word_error(word, allowed))
                 }
@@ -159,49 +161,49 @@ impl<'a> Parser<'a> {
         self.check_entry_count(count, stated, found, what)
     }
 
-    /// Reads the `{` after a block's keyword.
+    /// Parses the `{` after a block's keyword.
     pub fn open_block(&mut self, keyword: Token<'a>) -> Result<(), SceneError> {
-        self.open.push(keyword);
+        self.open_blocks.push(keyword);
         self.expect_punctuation("{")
     }
 
-    /// Reads the `}` of a block without fields.
+    /// Parses the `}` of a block.
     pub fn close_block(&mut self) -> Result<(), SceneError> {
         self.expect_punctuation("}")?;
-        self.open.pop();
-        self.closed += 1;
+        self.open_blocks.pop();
+        self.closed_blocks += 1;
         Ok(())
     }
 
-    /// Opens a block that may hold blocks of its own kind.
+    /// Parses the `{` of a `Group`, `Transform` or `Moving` block, whose nesting is limited.
     pub fn open_nested_block(&mut self, keyword: Token<'a>) -> Result<(), SceneError> {
-        if self.depth == MAX_NESTING_DEPTH {
+        if self.nesting_depth == MAX_NESTING_DEPTH {
             let message = format!("groups and transforms nest more than {MAX_NESTING_DEPTH} deep");
             let help = "list the objects side by side instead".to_owned();
             return Err(self.lexer.error_at(keyword.span(), message, "too deep", help));
         }
-        self.depth += 1;
+        self.nesting_depth += 1;
         self.open_block(keyword)
     }
 
-    /// Ends what [`descend`](Self::open_nested_block) began, once its `}` was read.
+    /// Leaves a block of [`open_nested_block`](Self::open_nested_block) after its `}`.
     pub fn leave_nested_block(&mut self) {
-        self.depth -= 1;
+        self.nesting_depth -= 1;
     }
 
     /// True if the text ended inside a block.
     pub fn has_unclosed_block(&self) -> bool {
-        self.ended
+        self.has_unclosed_block
     }
 
-    /// Closes the innermost block without reading a `}`, and makes `word` unread again.
+    /// Closes the innermost block as if a `}` stood before `word`, and moves back to `word`.
     pub fn close_block_before(&mut self, word: Token<'a>) {
-        self.open.pop();
-        self.closed += 1;
+        self.open_blocks.pop();
+        self.closed_blocks += 1;
         self.lexer.rewind_to(word);
     }
 
-    /// Reads the punctuation `mark`.
+    /// Parses the punctuation `mark`, or returns an error if another token follows.
     pub fn expect_punctuation(&mut self, mark: &str) -> Result<(), SceneError> {
         let token = self.lexer.peek();
         if token.text == mark {
@@ -216,7 +218,7 @@ impl<'a> Parser<'a> {
         Err(self.lexer.error_at(token.span(), message, "here", format!("put `{mark}` before it")))
     }
 
-    /// Reads the next word of the innermost block; `None` at its `}`.
+    /// Parses the next word of the innermost block. Closes the block and returns `None` at its `}`.
     pub fn next_word(&mut self) -> Result<Option<Token<'a>>, SceneError> {
         let token = self.lexer.peek();
         if token.is_end() {
@@ -224,14 +226,14 @@ impl<'a> Parser<'a> {
         }
         self.lexer.consume(token);
         if token.text == "}" {
-            self.open.pop();
-            self.closed += 1;
+            self.open_blocks.pop();
+            self.closed_blocks += 1;
             return Ok(None);
         }
         Ok(Some(token))
     }
 
-    /// Reads the `N` numbers of the field `owner`.
+    /// Parses the `N` finite numbers of the field `owner`.
     pub fn parse_numbers<const N: usize>(&mut self, owner: Token<'a>) -> Result<Spanned<[f64; N]>, SceneError> {
         let mut values = [0.0; N];
         let mut span: Option<Span> = None;
@@ -240,7 +242,7 @@ impl<'a> Parser<'a> {
             if token.is_end() {
                 return Err(self.missing_number_error(owner, N, "number"));
             }
-            // The prefix is a number by construction; what overflows becomes infinite.
+            // The token is a number, which becomes infinite if it overflows.
             *value = token.text.parse().unwrap_or(f64::NAN);
             if !value.is_finite() {
                 let message = format!("`{}` is too large for a number", clip_for_message(token.text));
@@ -253,7 +255,7 @@ impl<'a> Parser<'a> {
         Ok(Spanned::new(values, span.unwrap_or_default()))
     }
 
-    /// Reads the whole number of the field `owner`.
+    /// Parses the whole number of the field `owner`.
     pub fn parse_integer(&mut self, owner: Token<'a>) -> Result<Spanned<u32>, SceneError> {
         let fraction = { self.lexer }.number_token();
         let token = self.lexer.integer_token();
@@ -275,7 +277,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Returns the error of a field `owner` whose numbers do not follow.
+    /// Returns the error of a field `owner` that lacks its `wanted` numbers of this `kind`.
     fn missing_number_error(&mut self, owner: Token<'a>, wanted: usize, kind: &str) -> SceneError {
         let token = self.lexer.peek();
         if token.is_end() {
@@ -300,7 +302,7 @@ impl<'a> Parser<'a> {
         self.lexer.error_at(token.span(), message, &format!("a {kind} belongs here"), help)
     }
 
-    /// Reads the path or name after `owner`, quoted or bare.
+    /// Parses the path or name of the field `owner`, quoted or bare.
     pub fn parse_name(&mut self, owner: Token<'a>) -> Result<Spanned<String>, SceneError> {
         let read = self.lexer.read_name()?;
         if !read.value.is_empty() {
@@ -316,7 +318,7 @@ impl<'a> Parser<'a> {
         Err(self.lexer.error_at(span, format!("`{name}` wants a name"), "a name belongs here", help))
     }
 
-    /// Reads a count, which [`check_count`](Self::check_entry_count) compares with the number of entries.
+    /// Parses the count that the field `word` states. A second count is an error.
     pub fn parse_count(&mut self, word: Token<'a>, count: &mut Option<Spanned<u32>>) -> Result<(), SceneError> {
         if count.is_some() {
             return Err(self.repeated_word_error(word));
@@ -325,7 +327,7 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// Refuses a count that differs from the number of entries `found`.
+    /// Returns an error if the field `name` states a `count` other than `found`.
     pub fn check_entry_count(
         &self,
         name: &str,
@@ -344,7 +346,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Returns the error of a word that its block holds already.
+    /// Returns the error of a second field or block that is allowed once.
     pub fn repeated_word_error(&self, word: Token<'a>) -> SceneError {
         let message = format!("`{}` is given twice in {}", word.text, self.innermost_block_name());
         self.lexer.error_at(word.span(), message, "the second", "keep one of them".to_owned())
@@ -352,18 +354,18 @@ impl<'a> Parser<'a> {
 
     /// Returns the error of a text that ends inside a block.
     pub fn unclosed_block_error(&mut self) -> SceneError {
-        self.ended = true;
-        let block = self.open.last().copied().unwrap_or(Token { text: "", start: 0 });
+        self.has_unclosed_block = true;
+        let block = self.open_blocks.last().copied().unwrap_or(Token { text: "", start: 0 });
         let message = format!("the file ends inside `{}`", block.text);
         self.lexer.error_at(block.span(), message, "opened here", "close it with `}`".to_owned())
     }
 
-    /// Returns the innermost block in words.
+    /// Returns the keyword of the innermost block in backticks, or "the file".
     fn innermost_block_name(&self) -> String {
-        self.open.last().map_or("the file".to_owned(), |block| format!("`{}`", block.text))
+        self.open_blocks.last().map_or("the file".to_owned(), |block| format!("`{}`", block.text))
     }
 
-    /// Returns the error of a word that is none of those `allowed` here.
+    /// Returns the error of a word that is not among those `allowed` here, with a suggestion.
     #[inline(never)]
     pub fn unexpected_word_error(&self, word: Token<'a>, allowed: &[&str]) -> SceneError {
         let block = self.innermost_block_name();
@@ -371,10 +373,10 @@ impl<'a> Parser<'a> {
             format!("write `{synonym}`")
         } else if let Some(nearest) = nearest_word(word.text, allowed.iter().copied()) {
             format!("did you mean `{nearest}`?")
-        } else if self.open.is_empty() && word.text == "}" {
+        } else if self.open_blocks.is_empty() && word.text == "}" {
             "it closes nothing: remove it, or look for one too many before it".to_owned()
         } else {
-            let or = if self.open.is_empty() { "" } else { "; or is a `}` missing before it?" };
+            let or = if self.open_blocks.is_empty() { "" } else { "; or is a `}` missing before it?" };
             format!("{block} may hold {}{or}", allowed.join(", "))
         };
         self.lexer.error_at(

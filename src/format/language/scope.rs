@@ -47,7 +47,7 @@ impl ParserScope<'_> {
     /// Appends a material, without its name.
     pub fn add_material(&mut self, material: Spanned<MaterialDescription>) {
         let kind = &material.value.kind;
-        let components = match kind.parts() {
+        let components = match kind.mix_parts() {
             Some([first, second]) => {
                 let (a, b) = (self.material_components(&first.value), self.material_components(&second.value));
                 MaterialComponents {

@@ -1,35 +1,29 @@
-//! Resolves the camera of a description.
+//! Builds the camera of a description.
 
-use super::aim;
+use super::aim_direction;
 use crate::camera::{Camera, Lens};
 use crate::format::description::{
     self, ApertureDescription, FocusDescription, ProjectionDescription, SceneDescription,
 };
+use crate::format::line_error::MessageAndRemedy;
 use crate::format::{SceneError, SourceText};
 use glam::DVec3;
 
-pub(super) fn camera(description: &SceneDescription, source: &SourceText) -> Result<Camera, SceneError> {
+/// Returns the camera of a description; an error if single precision cannot represent its view.
+pub(super) fn resolve_camera(description: &SceneDescription, source: &SourceText) -> Result<Camera, SceneError> {
     let described = &description.camera;
     let description::CameraDescription { center, up, width, height, .. } = described.value;
-    let direction = aim(described.aim, center);
+    let direction = aim_direction(described.aim, center);
+    let refuse =
+        |(message, help): MessageAndRemedy| SceneError::at(source, described.span, message, "this camera", help);
     let camera = match described.projection {
         ProjectionDescription::Perspective { angle, lens } => {
-            check_angle(angle, (width, height))
-                .map_err(|(message, help)| SceneError::at(source, described.span, message, "this camera", help))?;
+            check_field_of_view(angle, (width, height)).map_err(refuse)?;
             let camera = Camera::perspective(center, direction, up, angle.to_radians(), width, height);
             match lens {
                 Some(lens) => {
                     let lens = resolve_lens(&lens, angle, center, direction);
-                    if !(lens.radius < LARGEST && lens.focus < LARGEST) {
-                        let help = "close it, or focus nearer";
-                        let message = "the lens is larger, or focused farther, than single precision can hold";
-                        return Err(SceneError::at(source, described.span, message, "this camera", help));
-                    }
-                    if lens.focus < NEAREST {
-                        let help = "focus at a distance of at least 1e-12";
-                        let message = "the lens is focused nearer than single precision can hold";
-                        return Err(SceneError::at(source, described.span, message, "this camera", help));
-                    }
+                    check_lens(&lens).map_err(refuse)?;
                     camera.map(|camera| camera.with_lens(lens))
                 }
                 None => camera,
@@ -40,29 +34,30 @@ pub(super) fn camera(description: &SceneDescription, source: &SourceText) -> Res
         }
         ProjectionDescription::Environment => Camera::panorama(center, direction, up, width, height),
     };
-    camera.map_err(|e| SceneError::at(source, described.span, e.to_string(), "this camera", "give another `up`"))
+    camera.map_err(|e| refuse((e.to_string(), "give another `up`")))
 }
 
-/// Greatest error of a direction in single precision, in rad: half an ulp below 1 in each
-/// component, so √3 · 2⁻²⁵.
-const ERROR: f64 = 1.0 / 16_777_216.0;
+/// Greatest rounding error of a unit vector in single precision \[rad]: about 2⁻²⁴.
+const MAX_DIRECTION_ERROR: f64 = 1.0 / 16_777_216.0;
 
-/// Tangent of the angle from picture center to corner at which that error moves the corner by 1/256
-/// of the distance.
-const WIDEST: f64 = 65_536.0;
+/// Greatest tangent of the angle between the picture's center and corner.
+///
+/// There, `MAX_DIRECTION_ERROR` moves the corner by 1/256 of its distance from the picture's center.
+const MAX_CORNER_TANGENT: f64 = 65_536.0;
 
-/// Refuses an angle at which single precision cannot distinguish pixels; the error is message and
-/// remedy.
-fn check_angle(angle: f64, (width, height): (u32, u32)) -> Result<(), (String, &'static str)> {
+/// Returns an error if single precision cannot distinguish the pixels of a perspective picture.
+///
+/// `angle` is the vertical field of view in degrees, and the size is that of the picture in pixels.
+fn check_field_of_view(angle: f64, (width, height): (u32, u32)) -> Result<(), MessageAndRemedy> {
     let (width, height) = (f64::from(width), f64::from(height));
     let pixel = 2.0 * libm::tan(0.5 * angle.to_radians()) / height;
-    if pixel < ERROR {
+    if pixel < MAX_DIRECTION_ERROR {
         let message =
             format!("the pixels are {pixel:.1e} rad wide, less than the error of directions in single precision");
         return Err((message, "choose a larger `angle` or fewer pixels, or an OrthographicCamera"));
     }
     let corner = 0.5 * pixel * libm::hypot(width, height);
-    if corner > WIDEST {
+    if corner > MAX_CORNER_TANGENT {
         let message =
             format!("the corners lie {corner:.1e} times as far aside as ahead, which single precision cannot hold");
         return Err((message, "choose a smaller `angle` or a picture less long, or an EnvironmentCamera"));
@@ -70,12 +65,26 @@ fn check_angle(angle: f64, (width, height): (u32, u32)) -> Result<(), (String, &
     Ok(())
 }
 
-/// Least focus distance: squares of shorter lengths underflow in single precision.
-const NEAREST: f64 = 1e-12;
+/// Least focus distance. Squares of shorter lengths underflow in single precision.
+const MIN_FOCUS_DISTANCE: f64 = 1e-12;
 
-/// Greatest length whose squares and products single precision can hold.
-const LARGEST: f64 = 1e12;
+/// Greatest lens radius and focus distance whose squares and products single precision can hold.
+const MAX_LENS_LENGTH: f64 = 1e12;
 
+/// Returns an error if single precision cannot hold the lens.
+fn check_lens(lens: &Lens) -> Result<(), MessageAndRemedy> {
+    if !(lens.radius < MAX_LENS_LENGTH && lens.focus < MAX_LENS_LENGTH) {
+        let message = "the lens is larger, or focused farther, than single precision can hold";
+        return Err((message.to_owned(), "close it, or focus nearer"));
+    }
+    if lens.focus < MIN_FOCUS_DISTANCE {
+        let message = "the lens is focused nearer than single precision can hold";
+        return Err((message.to_owned(), "focus at a distance of at least 1e-12"));
+    }
+    Ok(())
+}
+
+/// Returns the lens of a camera at `center`; `angle` is the vertical field of view in degrees.
 fn resolve_lens(lens: &description::LensDescription, angle: f64, center: DVec3, direction: DVec3) -> Lens {
     let radius = match lens.opening {
         ApertureDescription::Radius(radius) => radius,

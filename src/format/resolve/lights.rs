@@ -1,6 +1,6 @@
 //! Adds the lights of a description to the scene.
 
-use super::{Resolver, aim, rgb};
+use super::{Resolver, aim_direction, rgb};
 use crate::color::Rgb;
 use crate::format::SceneError;
 use crate::format::description::{
@@ -18,6 +18,7 @@ use crate::shape::{Disc, Rectangle, Shape, Sphere};
 use glam::DVec3;
 use std::sync::Arc;
 
+/// Adds a light of the description, which moves by `motion` about its own position.
 pub(super) fn add_light(
     r: &mut Resolver<'_>,
     light: &Spanned<LightDescription>,
@@ -29,55 +30,44 @@ pub(super) fn add_light(
             add_light(r, light, &motion)?;
         }
         LightDescription::Point { position, strength } => {
-            add_source(r, DeltaLightKind::Point { position: *position }, point(*strength), motion);
+            add_delta_light(r, DeltaLightKind::Point { position: *position }, point_light_strength(*strength), motion);
         }
         LightDescription::Spot { position, aim: target, angle, penumbra, strength } => {
             let outer = 0.5 * angle.to_radians();
             let kind = DeltaLightKind::Spot {
                 position: *position,
-                axis: aim(*target, *position),
+                axis: aim_direction(*target, *position),
                 inner: (outer - penumbra.to_radians()).max(0.0),
                 outer,
             };
-            add_source(r, kind, point(*strength), motion);
+            add_delta_light(r, kind, point_light_strength(*strength), motion);
         }
         LightDescription::Oriented { position, aim: target, up, pattern, strength } => {
-            let direction = aim(*target, *position);
+            let direction = aim_direction(*target, *position);
             let vertical = direction.cross(DVec3::Y).length() < 1e-6 * direction.length();
             let up = up.unwrap_or(if vertical { DVec3::NEG_Z } else { DVec3::Y });
-            let source = oriented(r, *position, direction, up, pattern)?;
-            add_source(r, DeltaLightKind::Oriented(source), point(*strength), motion);
+            let source = make_oriented_light(r, *position, direction, up, pattern)?;
+            add_delta_light(r, DeltaLightKind::Oriented(source), point_light_strength(*strength), motion);
         }
         LightDescription::Directional { direction, strength } => {
             let strength = match strength {
                 DirectionalLightStrength::Color(c) => LightStrength::Course(rgb(*c)),
                 DirectionalLightStrength::Irradiance(e) => LightStrength::Physical(rgb(*e)),
             };
-            add_source(r, DeltaLightKind::Directional { direction: *direction }, strength, motion);
+            add_delta_light(r, DeltaLightKind::Directional { direction: *direction }, strength, motion);
         }
         LightDescription::Sphere { center, radius, strength } => {
-            add_area_light(r, Shape::Sphere(Sphere::new(*center, *radius)), *center, *strength, motion, light.span)?;
+            let sphere = Shape::Sphere(Sphere::new(*center, *radius));
+            add_area_light(r, sphere, *center, *strength, motion, light.span)?;
         }
         LightDescription::Disc { center, normal, radius, strength } => {
-            add_area_light(
-                r,
-                Shape::Disc(Disc::with_normal(*center, *normal, *radius)),
-                *center,
-                *strength,
-                motion,
-                light.span,
-            )?;
+            let disc = Shape::Disc(Disc::with_normal(*center, *normal, *radius));
+            add_area_light(r, disc, *center, *strength, motion, light.span)?;
         }
         LightDescription::Rectangle { corner, edge0, edge1, strength } => {
-            let middle = *corner + 0.5 * (*edge0 + *edge1);
-            add_area_light(
-                r,
-                Shape::Rectangle(Rectangle::new(*corner, *edge0, *edge1)),
-                middle,
-                *strength,
-                motion,
-                light.span,
-            )?;
+            let rectangle = Shape::Rectangle(Rectangle::new(*corner, *edge0, *edge1));
+            let center = *corner + 0.5 * (*edge0 + *edge1);
+            add_area_light(r, rectangle, center, *strength, motion, light.span)?;
         }
         LightDescription::Environment(radiance) => {
             let environment = make_environment(r, radiance, light.span)?;
@@ -94,42 +84,41 @@ fn make_environment(
 ) -> Result<EnvironmentLight, SceneError> {
     match described {
         EnvironmentRadiance::Constant(radiance) => EnvironmentLight::constant(rgb(*radiance))
-            .map_err(|e| r.refuse(span, &e.to_string(), "give a radiance that single precision can hold")),
+            .map_err(|e| r.error_at(span, &e.to_string(), "give a radiance that single precision can hold")),
         EnvironmentRadiance::Picture { path, scale, rotate } => {
-            let file = r.file("picture", path)?;
-            let map = r.read_picture(path, &file, PictureContent::Radiance)?;
+            let map = r.read_picture(path, PictureContent::Radiance)?;
             EnvironmentLight::new(map, rotate.to_radians(), Rgb::splat(*scale as f32))
-                .map_err(|e| r.bad_file(path, &e, "repair the picture, or scale it less"))
+                .map_err(|e| r.file_error(path, &e, "repair the picture, or scale it less"))
         }
     }
 }
 
-/// Returns the oriented point light of a pattern.
-fn oriented(
+/// Returns a projector or goniometric light; `direction` and `up` orient its pattern.
+fn make_oriented_light(
     r: &Resolver<'_>,
     position: DVec3,
     direction: DVec3,
     up: DVec3,
     pattern: &LightPattern,
 ) -> Result<OrientedPointLight, SceneError> {
-    let read = |path: &Spanned<String>| r.read_picture(path, &r.file("picture", path)?, PictureContent::Radiance);
+    let read = |path: &Spanned<String>| r.read_picture(path, PictureContent::Radiance);
     let (pattern, direction, up) = match pattern {
         LightPattern::Picture { path, angle } => {
-            let slide = ProjectedPicture::new(read(path)?, angle.to_radians());
-            let slide = slide.map_err(|e| r.bad_file(path, &e, "repair the picture or name another"))?;
-            let black = || r.bad_file(path, &"the picture is black", "name a picture with light in it");
-            (IntensityPattern::ProjectedPicture(Arc::new(slide.ok_or_else(black)?)), direction, up)
+            let picture = ProjectedPicture::new(read(path)?, angle.to_radians());
+            let picture = picture.map_err(|e| r.file_error(path, &e, "repair the picture or name another"))?;
+            let black = || r.file_error(path, &"the picture is black", "name a picture with light in it");
+            (IntensityPattern::ProjectedPicture(Arc::new(picture.ok_or_else(black)?)), direction, up)
         }
         LightPattern::Map(path) => {
             let map = EquirectangularMap::new(read(path)?, Rgb::ONE);
-            let map = map.map_err(|e| r.bad_file(path, &e, "repair the picture or name another"))?;
+            let map = map.map_err(|e| r.file_error(path, &e, "repair the picture or name another"))?;
             (IntensityPattern::Map(Arc::new(map)), direction, up)
         }
         LightPattern::Profile(path) => {
             let help = "write an angle from 0 to 180 degrees and an intensity per line, in ascending order";
-            let refuse = |message: &str| r.bad_file(path, &message, help);
-            let text = std::fs::read_to_string(r.file("profile", path)?).map_err(|e| refuse(&e.to_string()))?;
-            let profile = profile(&text).ok_or_else(|| refuse("the profile is not a table of angles"))?;
+            let refuse = |message: &str| r.file_error(path, &message, help);
+            let text = std::fs::read_to_string(r.find_file("profile", path)?).map_err(|e| refuse(&e.to_string()))?;
+            let profile = parse_profile(&text).ok_or_else(|| refuse("the profile is not a table of angles"))?;
             let map = map_from_intensity_profile(&profile).map_err(|e| refuse(&e.to_string()))?;
             // Profiles are symmetric about the top of their map, which lies along the axis.
             (IntensityPattern::Map(Arc::new(map)), direction.any_orthogonal_vector(), direction)
@@ -138,9 +127,10 @@ fn oriented(
     Ok(OrientedPointLight { position, direction, up, pattern })
 }
 
-/// Pairs of angle \[degrees] and intensity, one per line; `#` starts a comment. `None` if the table
-/// is invalid.
-fn profile(text: &str) -> Option<Vec<(f64, f64)>> {
+/// Parses the pairs of angle \[degrees] and intensity of a profile; `None` if the table is invalid.
+///
+/// Each line holds one pair, in ascending order of angle. `#` starts a comment.
+fn parse_profile(text: &str) -> Option<Vec<(f64, f64)>> {
     let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default().trim());
     let pair = |line: &str| {
         let mut numbers = line.split_whitespace().map(str::parse::<f64>);
@@ -155,7 +145,8 @@ fn profile(text: &str) -> Option<Vec<(f64, f64)>> {
     (pairs.len() >= 2 && ascending && in_range).then_some(pairs)
 }
 
-fn add_source(r: &mut Resolver<'_>, kind: DeltaLightKind, strength: LightStrength, motion: &Motion) {
+/// Adds a light without extent.
+fn add_delta_light(r: &mut Resolver<'_>, kind: DeltaLightKind, strength: LightStrength, motion: &Motion) {
     if motion.is_constant() {
         r.builder.delta_light(kind, strength);
     } else {
@@ -163,11 +154,11 @@ fn add_source(r: &mut Resolver<'_>, kind: DeltaLightKind, strength: LightStrengt
     }
 }
 
-/// Adds a black emitting surface that moves about `place`.
+/// Adds a black emitting surface, which moves by `motion` about the point `center`.
 fn add_area_light(
     r: &mut Resolver<'_>,
     shape: Shape,
-    place: DVec3,
+    center: DVec3,
     strength: AreaLightStrength,
     motion: &Motion,
     span: Span,
@@ -176,21 +167,20 @@ fn add_area_light(
         AreaLightStrength::Radiance(l) => l,
         AreaLightStrength::Power(w) => w / (std::f64::consts::PI * shape.area()),
     };
-    r.check_radiance(rgb(radiance), span)?;
+    r.require_finite_radiance(rgb(radiance), span)?;
     let black = r.builder.material(Material::black());
     if motion.is_constant() {
         r.builder.shape(shape, black, rgb(radiance));
     } else {
-        r.builder.moving_shape(shape, motion.around_point(place), black, rgb(radiance));
+        r.builder.moving_shape(shape, motion.around_point(center), black, rgb(radiance));
     }
     Ok(())
 }
 
-fn point(strength: PointLightStrength) -> LightStrength {
-    let take = |c: DVec3| rgb(c);
+fn point_light_strength(strength: PointLightStrength) -> LightStrength {
     match strength {
-        PointLightStrength::Color(c) => LightStrength::Course(take(c)),
-        PointLightStrength::Intensity(i) => LightStrength::Physical(take(i)),
-        PointLightStrength::Power(w) => LightStrength::Power(take(w)),
+        PointLightStrength::Color(c) => LightStrength::Course(rgb(c)),
+        PointLightStrength::Intensity(i) => LightStrength::Physical(rgb(i)),
+        PointLightStrength::Power(w) => LightStrength::Power(rgb(w)),
     }
 }

@@ -1,7 +1,7 @@
-//! Resolves the materials of a description.
+//! Adds the materials of a description to the scene.
 
-use super::media::fill_body;
-use super::textures::TextureNeeds;
+use super::media::with_body_medium;
+use super::textures::{ANY_TEXTURE_VALUE, TextureRequirements};
 use super::{Resolver, rgb};
 use crate::bsdf::{METALS, named_metal};
 use crate::color::{DispersionFormula, GLASSES, Rgb, glass_by_name};
@@ -12,111 +12,121 @@ use crate::format::description::{
 use crate::format::language::nearest_word;
 use crate::scene::{Body, Material};
 
-impl Resolver<'_> {
-    /// Adds all materials under the indices of the description; a white one if there is none.
-    pub(super) fn materials(&mut self) -> Result<(), SceneError> {
-        for (index, described) in self.description.materials.iter().enumerate() {
-            let mut needs = TextureNeeds::default();
-            let material = self.material(&described.kind, &mut needs)?;
-            let material = fill_body(self, material, described)?;
-            let normals = self.normals(described, &mut needs)?;
-            if let Some(EmissionDescription::Texture { name, .. }) = &described.emission {
-                needs.add(&self.known(name, &(0.0..=f32::MAX))?);
-            }
-            self.add_needs_of_parts(&described.kind, &mut needs);
-            self.texture_needs.push(needs);
-            self.builder.material(material.with_normal_perturbation(normals));
-            if let Some(name) = &described.name {
-                self.names.entry(name).or_insert(index as u32);
+/// Adds all materials under the indices of the description; a white diffuse one if there is none.
+pub(super) fn add_materials(r: &mut Resolver<'_>) -> Result<(), SceneError> {
+    for (index, described) in r.description.materials.iter().enumerate() {
+        let mut requirements = TextureRequirements::default();
+        let material = resolve_material(r, &described.kind, &mut requirements)?;
+        let material = with_body_medium(r, material, described)?;
+        let normals = r.resolve_normal_perturbation(described, &mut requirements)?;
+        if let Some(EmissionDescription::Texture { name, .. }) = &described.emission {
+            requirements.add(&r.texture_by_name(name, &ANY_TEXTURE_VALUE)?);
+        }
+        for part in described.kind.mix_parts().into_iter().flatten() {
+            if let Some(part) = r.material_indices.get(part.as_str()).map(|i| r.texture_requirements[*i as usize]) {
+                requirements.uses_textures |= part.uses_textures;
+                requirements.needs_texcoords |= part.needs_texcoords;
             }
         }
-        if self.description.materials.is_empty() {
-            self.builder.material(Material::diffuse(Rgb::ONE));
+        r.texture_requirements.push(requirements);
+        r.builder.material(material.with_normal_perturbation(normals));
+        if let Some(name) = &described.name {
+            r.material_indices.entry(name).or_insert(index as u32);
         }
-        Ok(())
     }
-
-    /// Index of the material with a name.
-    pub(super) fn named(&self, name: &Spanned<String>) -> Result<u32, SceneError> {
-        self.names.get(name.as_str()).copied().ok_or_else(|| {
-            let message = format!("there is no material named `{}`", name.value);
-            SceneError::at(self.source, name.span, message, "unknown name", "define it in Materials first")
-        })
+    if r.description.materials.is_empty() {
+        r.builder.material(Material::diffuse(Rgb::ONE));
     }
+    Ok(())
+}
 
-    /// A material without medium and with unperturbed normals. Adds the textures that it uses to
-    /// `needs`.
-    pub(super) fn material(
-        &mut self,
-        kind: &MaterialKindDescription,
-        needs: &mut TextureNeeds,
-    ) -> Result<Material, SceneError> {
-        Ok(match kind {
-            MaterialKindDescription::Phong { diffuse, specular, shininess, texture } => {
-                let diffuse = self.phong_diffuse(diffuse, texture.as_ref(), needs)?;
-                let specular = self.color(specular, &(0.0..=f32::MAX), needs)?;
-                Material::phong(diffuse, specular, *shininess as f32)
-            }
-            MaterialKindDescription::Diffuse { reflectance } => {
-                Material::diffuse(self.reflectance(reflectance, needs)?)
-            }
-            MaterialKindDescription::Mirror { reflectance } => Material::mirror(self.reflectance(reflectance, needs)?),
-            MaterialKindDescription::Dielectric { refraction, attenuation, roughness, priority } => {
-                let roughness = self.fraction(roughness, needs)?;
-                let (index, glass) = self.refraction(refraction)?;
-                let absorption = rgb(attenuation.coefficient());
-                Material::rough_boundary(Body { absorption, priority: *priority, glass, ..Body::new(index) }, roughness)
-            }
-            MaterialKindDescription::Clear { priority } => {
-                Material::smooth_boundary(Body { priority: *priority, null_interface: true, ..Body::new(1.0) })
-            }
-            MaterialKindDescription::Conductor { metal, roughness } => {
-                let (eta, k) = self.metal(metal)?;
-                Material::conductor(eta, k, self.fraction(roughness, needs)?)
-            }
-            MaterialKindDescription::Thin { index, transmittance } => {
-                Material::thin(*index as f32, self.reflectance(transmittance, needs)?)
-            }
-            MaterialKindDescription::Mix { first, second, amount } => {
-                let (first, second) = (self.named(first)?, self.named(second)?);
-                Material::mix(first, second, self.fraction(amount, needs)?)
-            }
-        })
-    }
+/// Returns the index of the material with a name; an error if there is none.
+pub(super) fn material_index(r: &Resolver<'_>, name: &Spanned<String>) -> Result<u32, SceneError> {
+    r.material_indices.get(name.as_str()).copied().ok_or_else(|| {
+        let message = format!("there is no material named `{}`", name.value);
+        SceneError::at(r.source, name.span, message, "unknown name", "define it in Materials first")
+    })
+}
 
-    /// The refractive index at the d line, and the index of the glass if it depends on the
-    /// wavelength.
-    fn refraction(&mut self, described: &RefractiveIndexDescription) -> Result<(f32, Option<u32>), SceneError> {
-        let glass = match described {
-            RefractiveIndexDescription::Index(index) => return Ok((*index as f32, None)),
-            RefractiveIndexDescription::Named(name) => self.glass_named(name)?,
-            RefractiveIndexDescription::Abbe { index, abbe } => DispersionFormula::from_abbe_number(*index, *abbe),
-            RefractiveIndexDescription::Glass(glass) => *glass,
-        };
-        Ok((glass.d_line_index(), Some(self.builder.glass(glass))))
-    }
-
-    /// The glass with a name.
-    fn glass_named(&self, name: &Spanned<String>) -> Result<DispersionFormula, SceneError> {
-        glass_by_name(name).ok_or_else(|| {
-            let names = || GLASSES.iter().map(|g| g.0);
-            let message = format!("no glass is called `{}`", name.value);
-            let guess = nearest_word(name, names()).map_or(String::new(), |n| format!("did you mean `{n}`? "));
-            let known = names().collect::<Vec<_>>().join(", ");
-            let help = format!("{guess}known are {known}; of others, give `cauchy`, or `indexOfRefraction` and `abbe`");
-            SceneError::at(self.source, name.span, message, "unknown name", help)
-        })
-    }
-
-    /// The complex refractive index η + i·k.
-    fn metal(&self, described: &MetalDescription) -> Result<(Rgb, Rgb), SceneError> {
-        match described {
-            MetalDescription::Index { eta, k } => Ok((rgb(*eta), rgb(*k))),
-            MetalDescription::Named(name) => named_metal(name).ok_or_else(|| {
-                let message = format!("no metal is called `{}`", name.value);
-                let help = format!("known are {}; of others, give `eta` and `k`", METALS.join(", "));
-                SceneError::at(self.source, name.span, message, "unknown name", help)
-            }),
+/// Returns a material without medium and with unperturbed normals.
+///
+/// Adds the requirements of its textures to `requirements`.
+pub(super) fn resolve_material(
+    r: &mut Resolver<'_>,
+    kind: &MaterialKindDescription,
+    requirements: &mut TextureRequirements,
+) -> Result<Material, SceneError> {
+    Ok(match kind {
+        MaterialKindDescription::Phong { diffuse, specular, shininess, texture } => {
+            let diffuse = r.phong_diffuse_parameter(diffuse, texture.as_ref(), requirements)?;
+            let specular = r.color_parameter(specular, &ANY_TEXTURE_VALUE, requirements)?;
+            Material::phong(diffuse, specular, *shininess as f32)
         }
+        MaterialKindDescription::Diffuse { reflectance } => {
+            Material::diffuse(r.reflectance_parameter(reflectance, requirements)?)
+        }
+        MaterialKindDescription::Mirror { reflectance } => {
+            Material::mirror(r.reflectance_parameter(reflectance, requirements)?)
+        }
+        MaterialKindDescription::Dielectric { refraction, attenuation, roughness, priority } => {
+            let roughness = r.fraction_parameter(roughness, requirements)?;
+            let (index, glass) = add_refractive_index(r, refraction)?;
+            let absorption = rgb(attenuation.coefficient());
+            Material::rough_boundary(Body { absorption, priority: *priority, glass, ..Body::new(index) }, roughness)
+        }
+        MaterialKindDescription::Clear { priority } => {
+            Material::smooth_boundary(Body { priority: *priority, null_interface: true, ..Body::new(1.0) })
+        }
+        MaterialKindDescription::Conductor { metal, roughness } => {
+            let (eta, k) = complex_refractive_index(r, metal)?;
+            Material::conductor(eta, k, r.fraction_parameter(roughness, requirements)?)
+        }
+        MaterialKindDescription::Thin { index, transmittance } => {
+            Material::thin(*index as f32, r.reflectance_parameter(transmittance, requirements)?)
+        }
+        MaterialKindDescription::Mix { first, second, amount } => {
+            let (first, second) = (material_index(r, first)?, material_index(r, second)?);
+            Material::mix(first, second, r.fraction_parameter(amount, requirements)?)
+        }
+    })
+}
+
+/// Returns the refractive index at the d line (587.56 nm), and the index of an added glass.
+///
+/// The second is `None` if the refractive index does not depend on the wavelength.
+fn add_refractive_index(
+    r: &mut Resolver<'_>,
+    described: &RefractiveIndexDescription,
+) -> Result<(f32, Option<u32>), SceneError> {
+    let glass = match described {
+        RefractiveIndexDescription::Index(index) => return Ok((*index as f32, None)),
+        RefractiveIndexDescription::Named(name) => known_glass(r, name)?,
+        RefractiveIndexDescription::Abbe { index, abbe } => DispersionFormula::from_abbe_number(*index, *abbe),
+        RefractiveIndexDescription::Glass(glass) => *glass,
+    };
+    Ok((glass.d_line_index(), Some(r.builder.glass(glass))))
+}
+
+/// Returns the glass with a name; an error that lists all names if there is none.
+fn known_glass(r: &Resolver<'_>, name: &Spanned<String>) -> Result<DispersionFormula, SceneError> {
+    glass_by_name(name).ok_or_else(|| {
+        let names = || GLASSES.iter().map(|g| g.0);
+        let message = format!("no glass is called `{}`", name.value);
+        let guess = nearest_word(name, names()).map_or(String::new(), |n| format!("did you mean `{n}`? "));
+        let known = names().collect::<Vec<_>>().join(", ");
+        let help = format!("{guess}known are {known}; of others, give `cauchy`, or `indexOfRefraction` and `abbe`");
+        SceneError::at(r.source, name.span, message, "unknown name", help)
+    })
+}
+
+/// Returns η and k of the complex refractive index η + ik.
+fn complex_refractive_index(r: &Resolver<'_>, described: &MetalDescription) -> Result<(Rgb, Rgb), SceneError> {
+    match described {
+        MetalDescription::Index { eta, k } => Ok((rgb(*eta), rgb(*k))),
+        MetalDescription::Named(name) => named_metal(name).ok_or_else(|| {
+            let message = format!("no metal is called `{}`", name.value);
+            let help = format!("known are {}; of others, give `eta` and `k`", METALS.join(", "));
+            SceneError::at(r.source, name.span, message, "unknown name", help)
+        }),
     }
 }

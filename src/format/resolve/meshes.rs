@@ -1,7 +1,11 @@
-//! Adds meshes from files: each file is read once, smoothed on request, and split by material.
+//! Adds meshes from files: each file is read once, smoothed if asked for, and split by material.
 
-use super::placement::{Instanced, Placing, place_instance, place_mesh, set_mapping, set_texcoords};
-use super::textures::TextureNeeds;
+use super::materials::resolve_material;
+use super::placement::{
+    NormalizedMesh, ObjectEmission, Placement, add_instance, add_still_mesh, set_emission_texture, set_mapping,
+    set_texcoords,
+};
+use super::textures::TextureRequirements;
 use super::{Resolver, rgb};
 use crate::color::Rgb;
 use crate::format::SceneError;
@@ -15,31 +19,27 @@ use crate::stats::format_bytes;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// Copies of a mesh share its triangles if that saves at least this many.
-const WORTH_SHARING: usize = 50_000;
+/// Least number of triangles that must be saved for copies of a mesh to become instances.
+const MIN_SHARED_TRIANGLES: usize = 50_000;
 
-const REPAIR: &str = "repair the mesh or name another";
+const MESH_REMEDY: &str = "repair the mesh or name another";
 
-/// Bytes per placed triangle while its hierarchy is built, including its share of vertices.
+/// Bytes per triangle of the scene while its hierarchy is built, including its share of vertices.
 ///
 /// Measured: 436 to 482, on grids of a million triangles with normals and texture coordinates.
-const PER_TRIANGLE: u64 = 500;
+const MEMORY_PER_TRIANGLE: u64 = 500;
 
-/// A file with the options of its use; the smoothing angle as its bits.
+/// Path and options of a mesh that was read: the flags of [`MeshOptions`], and the bits of its angle.
 pub(super) type MeshKey = (PathBuf, bool, bool, Option<u64>);
 
-/// Parts of a mesh, one for each material.
-pub(super) struct Pieces {
-    list: Vec<Piece>,
-}
-
-struct Piece {
+/// Triangles of a mesh file that have one material.
+pub(super) struct MeshPart {
     mesh: Rc<TriangleMesh>,
-    /// The file's own material; `None` for the scene's.
-    own: Option<MtlMaterial>,
+    /// Material of the mesh's file; `None` for the scene's current material.
+    file_material: Option<MtlMaterial>,
 }
 
-/// A material of a mesh file.
+/// A material of a mesh's file, as added to the scene.
 #[derive(Clone, Debug)]
 pub(super) struct MtlMaterial {
     name: Rc<str>,
@@ -50,65 +50,65 @@ pub(super) struct MtlMaterial {
 /// Adds the mesh of a file.
 pub(super) fn add_mesh(
     r: &mut Resolver<'_>,
-    placing: &Placing<'_>,
+    placement: &Placement<'_>,
     path: &Spanned<String>,
     options: MeshOptions,
+    object_emission: &ObjectEmission,
 ) -> Result<(), SceneError> {
-    let pieces = mesh_pieces(r, path, options)?;
-    let again = r.uses.get(path.as_str()).map_or(0, |n| n - 1);
-    let in_force = r.material;
-    for Piece { mesh, own } in &pieces.list {
-        let emission = match own {
-            Some(own) if !placing.emission.of_object => own.emission,
-            _ => placing.emission.radiance,
+    let parts = load_mesh_parts(r, path, options)?;
+    let current_material = r.material;
+    for MeshPart { mesh, file_material } in parts.iter() {
+        let emission = match file_material {
+            Some(material) if !object_emission.is_of_object => material.emission,
+            _ => object_emission.radiance,
         };
-        r.material = own.as_ref().map_or(in_force, |own| own.index);
-        let name = own.as_ref().map(|own| &*own.name);
-        r.check_coordinates(mesh.texcoords.is_some(), path, name)?;
-        add_piece(r, path, placing, mesh, again, emission)?;
-        if let (Some((texture, scale)), None) = (placing.emission.texture, own) {
-            r.builder.emission_texture(texture, scale);
+        r.material = file_material.as_ref().map_or(current_material, |material| material.index);
+        let name = file_material.as_ref().map(|material| &*material.name);
+        r.require_texcoords(mesh.texcoords.is_some(), path, name)?;
+        add_mesh_part(r, placement, path, mesh, emission)?;
+        if file_material.is_none() {
+            set_emission_texture(r, object_emission);
         }
     }
-    r.material = in_force;
+    r.material = current_material;
     Ok(())
 }
 
-/// Adds triangles of the material in force; the scene has `again` more copies of them.
-fn add_piece(
+/// Adds triangles that have the current material and emit radiance `emission`.
+///
+/// They become an instance if they move, or if copies of a large mesh can share them.
+fn add_mesh_part(
     r: &mut Resolver<'_>,
+    placement: &Placement<'_>,
     path: &Spanned<String>,
-    placing: &Placing<'_>,
     mesh: &Rc<TriangleMesh>,
-    again: usize,
     emission: Rgb,
 ) -> Result<(), SceneError> {
     let (normals, texcoords) = (mesh.normals.as_deref(), mesh.texcoords.as_deref());
-    let shared = emission == Rgb::ZERO && again * mesh.triangles.len() >= WORTH_SHARING;
-    let instanced = shared || !placing.to_world.is_constant();
-    // Copies that share their triangles share the tree over them.
-    if !(instanced && r.instanced.contains_key(&Rc::as_ptr(mesh))) {
-        check_trees(r, path, mesh.triangles.len())?;
+    let further_copies = r.mesh_uses.get(path.as_str()).map_or(0, |uses| uses - 1);
+    let is_shared = emission == Rgb::ZERO && further_copies * mesh.triangles.len() >= MIN_SHARED_TRIANGLES;
+    let is_instance = is_shared || !placement.to_world.is_constant();
+    let key = Rc::as_ptr(mesh);
+    // Instances of one mesh share its hierarchy.
+    if !(is_instance && r.shared_meshes.contains_key(&key)) {
+        check_triangle_memory(r, path, mesh.triangles.len())?;
     }
-    if instanced {
-        let instance = r
-            .instanced
-            .entry(Rc::as_ptr(mesh))
-            .or_insert_with(|| Rc::new(Instanced::new(&mesh.positions, normals, texcoords, &mesh.triangles)));
-        let instance = Rc::clone(instance);
-        place_instance(r, &instance, placing.to_world, placing.map, placing.span, emission)?;
+    if is_instance {
+        let normalize = || Rc::new(NormalizedMesh::new(&mesh.positions, normals, texcoords, &mesh.triangles));
+        let normalized = Rc::clone(r.shared_meshes.entry(key).or_insert_with(normalize));
+        add_instance(r, placement, &normalized, emission)?;
     } else {
-        place_mesh(r, placing.map, &mesh.positions, normals, &mesh.triangles, emission);
+        add_still_mesh(r, &placement.at_open, &mesh.positions, normals, &mesh.triangles, emission);
         set_texcoords(r, texcoords);
     }
-    set_mapping(r, MappingKind::Uv, placing.to_world);
+    set_mapping(r, MappingKind::Uv, placement.to_world);
     Ok(())
 }
 
-/// Counts triangles towards the memory limit; refuses the mesh if they exceed it.
-fn check_trees(r: &mut Resolver<'_>, path: &Spanned<String>, triangles: usize) -> Result<(), SceneError> {
+/// Counts triangles towards the memory limit; an error if their hierarchies would exceed it.
+fn check_triangle_memory(r: &mut Resolver<'_>, path: &Spanned<String>, triangles: usize) -> Result<(), SceneError> {
     r.triangles += triangles as u64;
-    let needed = PER_TRIANGLE * r.triangles;
+    let needed = MEMORY_PER_TRIANGLE * r.triangles;
     let Some(free) = r.memory.available_bytes().filter(|free| needed > *free) else { return Ok(()) };
     let (needed, free) = (format_bytes(needed), format_bytes(free));
     let message = format!(
@@ -116,84 +116,94 @@ fn check_trees(r: &mut Resolver<'_>, path: &Spanned<String>, triangles: usize) -
         r.triangles
     );
     let help = "simplify meshes, or let the scene have more memory (--memory)";
-    Err(r.bad_file(path, &message, help).marked_out_of_memory())
+    Err(r.file_error(path, &message, help).marked_out_of_memory())
 }
 
-/// Returns the parts of the mesh of a path, read once.
-fn mesh_pieces(r: &mut Resolver<'_>, path: &Spanned<String>, options: MeshOptions) -> Result<Rc<Pieces>, SceneError> {
-    let file = r.file("mesh", path)?;
+/// Returns the parts of the mesh at `path`, one for each material; each file is read once.
+fn load_mesh_parts(
+    r: &mut Resolver<'_>,
+    path: &Spanned<String>,
+    options: MeshOptions,
+) -> Result<Rc<[MeshPart]>, SceneError> {
+    let file = r.find_file("mesh", path)?;
     let MeshOptions { uses_file_materials, ignores_normals, max_smoothing_angle } = options;
     let key = (file.clone(), uses_file_materials, ignores_normals, max_smoothing_angle.map(f64::to_bits));
-    if let Some(pieces) = r.meshes.get(&key) {
-        return Ok(pieces.clone());
+    if let Some(parts) = r.meshes.get(&key) {
+        return Ok(parts.clone());
     }
     let loaded = match r.assets.meshes.get(path.as_str()) {
         Some(mesh) => Ok(LoadedMesh { mesh: (**mesh).clone(), ..LoadedMesh::default() }),
         None => mesh::load_with_memory_limit(&file, r.monitor, r.memory.available_bytes()),
     };
-    let mut loaded = loaded.map_err(|e| r.refuse_file(path, &e, matches!(e, MeshError::Memory { .. }), REPAIR))?;
+    let mut loaded = loaded.map_err(|e| mesh_error(r, path, &e))?;
     if ignores_normals {
         loaded.mesh.normals = None;
     }
     if let Some(angle) = max_smoothing_angle {
         loaded.mesh.compute_smooth_normals(angle);
     }
-    let mut list = Vec::new();
+    let mut parts = Vec::new();
     if uses_file_materials && !loaded.mesh.materials.is_empty() {
-        let own = mesh_materials(r, path, &file, &loaded)?;
+        let materials = add_file_materials(r, path, &file, &loaded)?;
         for (number, part) in loaded.mesh.split_by_material() {
-            let own = own.get(number as usize).cloned().filter(|_| number != NO_MATERIAL);
-            list.push(Piece { mesh: Rc::new(part), own });
+            let file_material = materials.get(number as usize).cloned().filter(|_| number != NO_MATERIAL);
+            parts.push(MeshPart { mesh: Rc::new(part), file_material });
         }
     } else {
-        list.push(Piece { mesh: Rc::new(loaded.mesh), own: None });
+        parts.push(MeshPart { mesh: Rc::new(loaded.mesh), file_material: None });
     }
-    let pieces = Rc::new(Pieces { list });
-    r.meshes.insert(key, pieces.clone());
-    Ok(pieces)
+    let parts: Rc<[MeshPart]> = parts.into();
+    r.meshes.insert(key, parts.clone());
+    Ok(parts)
 }
 
-/// Returns the materials that the mesh of a file names.
-fn mesh_materials(
+/// Adds the materials that a mesh names; those of each file are added once.
+///
+/// Returns them in the order in which the mesh counts its materials.
+fn add_file_materials(
     r: &mut Resolver<'_>,
     path: &Spanned<String>,
     file: &Path,
     loaded: &LoadedMesh,
-) -> Result<Rc<Vec<MtlMaterial>>, SceneError> {
-    if let Some(own) = r.own_materials.get(file) {
-        return Ok(own.clone());
+) -> Result<Rc<[MtlMaterial]>, SceneError> {
+    if let Some(materials) = r.file_materials.get(file) {
+        return Ok(materials.clone());
     }
-    let library = mtl::load_mesh_materials(file, loaded, r.memory.available_bytes());
-    let library = library.map_err(|e| r.refuse_file(path, &e, matches!(e, MeshError::Memory { .. }), REPAIR))?;
-    let mut own = Vec::with_capacity(library.len());
-    for found in library {
+    let library =
+        mtl::load_mesh_materials(file, loaded, r.memory.available_bytes()).map_err(|e| mesh_error(r, path, &e))?;
+    let mut materials = Vec::with_capacity(library.len());
+    for material in library {
         let bad = |(message, remedy)| MeshError::BadMaterial { path: file.into(), message, remedy };
-        let meaning = found.to_description().map_err(|e| r.bad_file(path, &bad(e), REPAIR))?;
-        own.push(own_material(r, path, meaning)?);
+        let description = material.to_description().map_err(|e| r.file_error(path, &bad(e), MESH_REMEDY))?;
+        materials.push(add_file_material(r, path, description)?);
     }
-    let own = Rc::new(own);
-    r.own_materials.insert(file.to_owned(), own.clone());
-    Ok(own)
+    let materials: Rc<[MtlMaterial]> = materials.into();
+    r.file_materials.insert(file.to_owned(), materials.clone());
+    Ok(materials)
 }
 
-/// Adds a material of a mesh file; errors have the position of the mesh's path.
-fn own_material(
+/// Adds a material of a mesh's file; errors have the position of the mesh's path.
+fn add_file_material(
     r: &mut Resolver<'_>,
     path: &Spanned<String>,
-    mut meaning: MaterialDescription,
+    mut description: MaterialDescription,
 ) -> Result<MtlMaterial, SceneError> {
-    if let MaterialKindDescription::Phong { texture: Some(picture), .. } = &mut meaning.kind {
+    if let MaterialKindDescription::Phong { texture: Some(picture), .. } = &mut description.kind {
         picture.span = path.span;
     }
-    let mut needs = TextureNeeds::default();
-    let material = r.material(&meaning.kind, &mut needs)?;
-    let normals = r.normals(&meaning, &mut needs)?;
+    let mut requirements = TextureRequirements::default();
+    let material = resolve_material(r, &description.kind, &mut requirements)?;
+    let normals = r.resolve_normal_perturbation(&description, &mut requirements)?;
     let index = r.builder.material(material.with_normal_perturbation(normals));
-    r.texture_needs.resize(index as usize + 1, TextureNeeds::default());
-    r.texture_needs[index as usize] = needs;
-    let emission = match meaning.emission {
+    r.texture_requirements.resize(index as usize + 1, TextureRequirements::default());
+    r.texture_requirements[index as usize] = requirements;
+    let emission = match description.emission {
         Some(EmissionDescription::Radiance(radiance)) => rgb(radiance),
         _ => Rgb::ZERO,
     };
-    Ok(MtlMaterial { name: meaning.name.unwrap_or_default().into(), index, emission })
+    Ok(MtlMaterial { name: description.name.unwrap_or_default().into(), index, emission })
+}
+
+fn mesh_error(r: &Resolver<'_>, path: &Spanned<String>, error: &MeshError) -> SceneError {
+    r.file_or_memory_error(path, error, matches!(error, MeshError::Memory { .. }), MESH_REMEDY)
 }

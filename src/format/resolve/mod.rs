@@ -1,4 +1,5 @@
-//! From description to resolved scene: looks up names and files, and applies transforms.
+//! Builds the scene that renderers use from a description: looks up names, reads files, and
+//! applies transforms.
 
 mod camera;
 mod lights;
@@ -16,7 +17,7 @@ use super::description::{
     Span, Spanned, TransformStep,
 };
 use super::error::MAX_ERRORS;
-use super::import::EmbeddedAssets;
+use super::import::{EmbeddedAssets, is_unread_format, lowercase_extension};
 use super::mesh::{MeshReadMonitor, TriangleMesh};
 use super::{SceneError, SourceText};
 use crate::color::Rgb;
@@ -25,31 +26,30 @@ use crate::medium::Medium;
 use crate::scene::{Scene, SceneBuilder};
 use crate::stats::MemoryLimit;
 use glam::{DAffine3, DVec3};
-use placement::EmissionOverride;
-use placement::Instanced;
+use placement::{NormalizedMesh, ObjectEmission};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-use textures::{KnownTexture, TextureNeeds};
+use textures::{ANY_TEXTURE_VALUE, AddedTexture, TextureRequirements};
 
-/// Returns the scene of a description. Meshes, pictures and grids are looked up in `folder`, then
-/// in its parent.
+/// Returns the resolved scene of a description.
+///
+/// Meshes, pictures and grids are looked up in `folder`, then in its parent folder.
 ///
 /// # Errors
-/// [`SceneError`] with the position in `source`: a mesh, picture or grid that is missing or broken,
-/// an unknown metal or glass, a singular product of transforms, an object that cannot emit, a
-/// medium that cannot fill its body.
+/// [`SceneError`] with a position in `source`. Examples: a missing file, an unknown glass, a singular
+/// transform, an object that cannot emit.
 pub fn resolve(description: &SceneDescription, source: &SourceText, folder: &Path) -> Result<Scene, SceneError> {
     resolve_monitored(description, source, folder, &(), MemoryLimit::Unbounded)
 }
 
-/// Like [`resolve`], within `memory`; `monitor` receives the progress of reading meshes.
+/// Returns the resolved scene of a description that fits into `memory`.
 ///
-/// Pictures, grids, and meshes with their hierarchies are refused before they exceed the memory
-/// limit.
+/// Files are looked up like those of [`resolve`]. `monitor` receives the progress of reading
+/// meshes. A file that would exceed the memory limit is refused before it is read.
 ///
 /// # Errors
-/// [`SceneError`], as for [`resolve`], or [for lack of memory](SceneError::is_out_of_memory).
+/// [`SceneError`] for an invalid scene, or [for lack of memory](SceneError::is_out_of_memory).
 pub fn resolve_monitored(
     description: &SceneDescription,
     source: &SourceText,
@@ -60,10 +60,13 @@ pub fn resolve_monitored(
     resolve_with_assets(description, source, folder, &EmbeddedAssets::default(), monitor, memory)
 }
 
-/// Like [`resolve_monitored`]; paths that `assets` lists are not looked up in the file system.
+/// Returns the resolved scene of a description whose file holds `assets`.
+///
+/// The paths of `assets` are not looked up in the file system. Other paths, `monitor` and `memory`
+/// are those of [`resolve_monitored`].
 ///
 /// # Errors
-/// [`SceneError`], as for [`resolve_monitored`].
+/// [`SceneError`] for an invalid scene, or [for lack of memory](SceneError::is_out_of_memory).
 pub(super) fn resolve_with_assets(
     description: &SceneDescription,
     source: &SourceText,
@@ -72,7 +75,7 @@ pub(super) fn resolve_with_assets(
     monitor: &dyn MeshReadMonitor,
     memory: MemoryLimit,
 ) -> Result<Scene, SceneError> {
-    let camera = camera::camera(description, source)?;
+    let camera = camera::resolve_camera(description, source)?;
     let mut resolver = Resolver {
         source,
         folder,
@@ -80,23 +83,23 @@ pub(super) fn resolve_with_assets(
         errors: Vec::new(),
         description,
         builder: SceneBuilder::new(),
-        names: HashMap::new(),
+        material_indices: HashMap::new(),
         monitor,
         memory,
         triangles: 0,
-        known: HashMap::new(),
+        textures: HashMap::new(),
         pictures: HashMap::new(),
         media: HashMap::new(),
-        texture_needs: Vec::new(),
+        texture_requirements: Vec::new(),
         meshes: HashMap::new(),
-        own_materials: HashMap::new(),
-        uses: uses(&description.root),
-        instanced: HashMap::new(),
+        file_materials: HashMap::new(),
+        mesh_uses: count_mesh_uses(&description.root),
+        shared_meshes: HashMap::new(),
         material: 0,
-        placing: None,
+        transform_span: None,
     };
-    let last = resolver.all().err();
-    resolver.errors.extend(last);
+    let final_error = resolver.add_description().err();
+    resolver.errors.extend(final_error);
     if let Some(error) = SceneError::join(resolver.errors) {
         return Err(error);
     }
@@ -105,69 +108,71 @@ pub(super) fn resolve_with_assets(
     })
 }
 
-/// Extensions of mesh formats that are not read.
-const FOREIGN_MESHES: [&str; 14] =
-    ["stl", "off", "glb", "gltf", "fbx", "dae", "3ds", "usd", "usda", "usdc", "usdz", "abc", "blend", "x3d"];
+const SINGULAR_REMEDY: &str = "no scale may be zero, and no axis of a matrix may be a mix of the others";
 
-const ROOM: &str = "use a smaller file, or let the scene have more memory (--memory)";
+const MEMORY_REMEDY: &str = "use a smaller file, or let the scene have more memory (--memory)";
 
+/// State of resolving: the scene so far, and what names and paths refer to.
 struct Resolver<'a> {
     source: &'a SourceText,
     folder: &'a Path,
     assets: &'a EmbeddedAssets,
-    /// Errors of objects so far; resolving goes on to find more.
+    /// Errors of lights and objects. Resolving continues after them, to report several at once.
     errors: Vec<SceneError>,
     description: &'a SceneDescription,
     builder: SceneBuilder,
-    /// Indices of the materials so far, by name.
-    names: HashMap<&'a str, u32>,
+    /// Indices of the materials added so far, by name.
+    material_indices: HashMap<&'a str, u32>,
     /// Textures, by name.
-    known: HashMap<&'a str, KnownTexture>,
-    /// Pictures that materials name by path, each as light or as numbers.
-    pictures: HashMap<(PathBuf, bool), KnownTexture>,
+    textures: HashMap<&'a str, AddedTexture>,
+    /// Picture textures that materials name by path; the key's flag is true for sRGB encoding.
+    pictures: HashMap<(PathBuf, bool), AddedTexture>,
     /// Media with their indices, by name.
     media: HashMap<&'a str, (u32, Medium)>,
-    /// Texture coordinates that each material needs.
-    texture_needs: Vec<TextureNeeds>,
+    /// Requirements of each material's textures, by material index.
+    texture_requirements: Vec<TextureRequirements>,
     monitor: &'a dyn MeshReadMonitor,
     memory: MemoryLimit,
-    /// Triangles so far that hierarchies will be built over.
+    /// Number of triangles so far over which hierarchies will be built; shared ones count once.
     triangles: u64,
-    /// Meshes that were read, by file and options.
-    meshes: HashMap<meshes::MeshKey, Rc<meshes::Pieces>>,
+    /// Parts of the meshes that were read, by file and options.
+    meshes: HashMap<meshes::MeshKey, Rc<[meshes::MeshPart]>>,
     /// Materials of mesh files, in the order in which the meshes name them.
-    own_materials: HashMap<PathBuf, Rc<Vec<meshes::MtlMaterial>>>,
+    file_materials: HashMap<PathBuf, Rc<[meshes::MtlMaterial]>>,
     /// Number of objects that name each mesh path.
-    uses: HashMap<&'a str, usize>,
-    /// Shared copies, by mesh.
-    instanced: HashMap<*const TriangleMesh, Rc<Instanced>>,
-    /// Index of the material in force; it holds beyond the group that set it.
+    mesh_uses: HashMap<&'a str, usize>,
+    /// Geometry that instances of a mesh share.
+    shared_meshes: HashMap<*const TriangleMesh, Rc<NormalizedMesh>>,
+    /// Index of the current material, which stays current after the end of a group.
     material: u32,
-    /// Span of the innermost transform, for errors about the product.
-    placing: Option<Span>,
+    /// Span of the innermost transform around the current object, for errors.
+    transform_span: Option<Span>,
 }
 
 impl Resolver<'_> {
-    /// Adds everything that the description names to the builder.
-    fn all(&mut self) -> Result<(), SceneError> {
+    /// Adds all parts of the description to the builder.
+    fn add_description(&mut self) -> Result<(), SceneError> {
         let description = self.description;
         self.builder.background(rgb(description.background));
-        self.textures()?;
+        self.add_textures()?;
         media::add_media(self)?;
-        media::fill_background(self)?;
-        self.materials()?;
+        media::add_ambient_medium(self)?;
+        materials::add_materials(self)?;
         for light in &description.lights {
             let result = lights::add_light(self, light, &Motion::default());
-            self.record(result)?;
+            self.record_error(result)?;
         }
         if !description.camera.motion.is_empty() {
-            self.builder.moving_camera(growing_motion(&description.camera.motion));
+            let steps = description.camera.motion.iter().map(TransformStep::motion_step);
+            self.builder.moving_camera(Motion::default().preceded_by(steps));
         }
-        self.group(&description.root, &Motion::default())
+        self.add_group(&description.root, &Motion::default())
     }
 
-    /// Records an error and goes on, unless memory is exhausted or there are many errors already.
-    fn record(&mut self, result: Result<(), SceneError>) -> Result<(), SceneError> {
+    /// Records the error of `result`, if any, so that resolving can continue.
+    ///
+    /// Returns the error instead if memory is exhausted or `MAX_ERRORS` is reached.
+    fn record_error(&mut self, result: Result<(), SceneError>) -> Result<(), SceneError> {
         match result {
             Err(error) if error.is_out_of_memory() || self.errors.len() + 1 >= MAX_ERRORS => Err(error),
             Err(error) => {
@@ -178,131 +183,160 @@ impl Resolver<'_> {
         }
     }
 
-    fn group(&mut self, group: &Group, to_world: &Motion) -> Result<(), SceneError> {
+    /// Adds the objects of a group under the motion `to_world`.
+    fn add_group(&mut self, group: &Group, to_world: &Motion) -> Result<(), SceneError> {
         for item in &group.items {
             match item {
                 GroupItem::MaterialIndex(index) => self.material = index.value,
-                GroupItem::MaterialName(name) => self.material = self.named(name)?,
+                GroupItem::MaterialName(name) => self.material = materials::material_index(self, name)?,
                 GroupItem::Object(object) => {
-                    let placing = self.placing;
-                    let result = self.object(object, to_world);
-                    self.placing = placing;
-                    self.record(result)?;
+                    let transform_span = self.transform_span;
+                    let result = self.add_object(object, to_world);
+                    self.transform_span = transform_span;
+                    self.record_error(result)?;
                 }
             }
         }
         Ok(())
     }
 
-    fn object(&mut self, object: &Spanned<ObjectDescription>, to_world: &Motion) -> Result<(), SceneError> {
+    /// Adds an object under the motion `to_world`.
+    ///
+    /// The caller restores `transform_span`.
+    fn add_object(&mut self, object: &Spanned<ObjectDescription>, to_world: &Motion) -> Result<(), SceneError> {
         match &object.value {
-            ObjectDescription::Group(group) => self.group(group, to_world),
+            ObjectDescription::Group(group) => self.add_group(group, to_world),
             ObjectDescription::Transform { maps, object: inner } => {
-                let outer = self.placing.replace(object.span);
-                let product = to_world.preceded_by([MotionStep::Fixed(TransformStep::composed_matrix(maps))]);
-                self.object(inner, &product)?;
-                self.placing = outer;
-                Ok(())
+                self.transform_span = Some(object.span);
+                let step = MotionStep::Fixed(TransformStep::composed_matrix(maps));
+                self.add_object(inner, &to_world.preceded_by([step]))
             }
             ObjectDescription::Moving { maps, object: inner } => {
-                let outer = self.placing.replace(object.span);
-                self.object(inner, &to_world.preceded_by(maps.iter().map(TransformStep::motion_step)))?;
-                self.placing = outer;
-                Ok(())
+                self.transform_span = Some(object.span);
+                self.add_object(inner, &to_world.preceded_by(maps.iter().map(TransformStep::motion_step)))
             }
             ObjectDescription::Shape { shape, emission } => {
-                let own = self.description.materials.get(self.material as usize).and_then(|m| m.emission.as_ref());
-                let (radiance, texture) = match (emission, own) {
-                    (Some(emission), _) | (None, Some(EmissionDescription::Radiance(emission))) => {
-                        (rgb(*emission), None)
-                    }
-                    (None, Some(EmissionDescription::Texture { name, scale })) => {
-                        let known = self.known(name, &(0.0..=f32::MAX))?;
-                        let scale = Rgb::splat(*scale as f32);
-                        (known.mean * scale, Some((known.index, scale)))
-                    }
-                    (None, None) => (Rgb::ZERO, None),
-                };
-                self.check_radiance(radiance, object.span)?;
-                media::check_clear(self, radiance, object.span)?;
-                let emission = EmissionOverride { radiance, of_object: emission.is_some(), texture };
+                let emission = self.object_emission(*emission)?;
+                self.require_finite_radiance(emission.radiance, object.span)?;
+                media::refuse_clear_emission(self, emission.radiance, object.span)?;
                 shapes::add_shape(self, shape, object.span, to_world, &emission)
             }
         }
     }
 
-    /// Refuses a radiance that single precision cannot hold.
-    fn check_radiance(&self, radiance: Rgb, span: Span) -> Result<(), SceneError> {
+    /// Returns the emission of an object that has the current material: `own` if given, else that of
+    /// the material.
+    fn object_emission(&self, own: Option<DVec3>) -> Result<ObjectEmission, SceneError> {
+        let material = self.description.materials.get(self.material as usize);
+        let (radiance, texture) = match (own, material.and_then(|m| m.emission.as_ref())) {
+            (Some(emission), _) => (rgb(emission), None),
+            (None, Some(EmissionDescription::Radiance(emission))) => (rgb(*emission), None),
+            (None, Some(EmissionDescription::Texture { name, scale })) => {
+                let texture = self.texture_by_name(name, &ANY_TEXTURE_VALUE)?;
+                let scale = Rgb::splat(*scale as f32);
+                (texture.mean * scale, Some((texture.index, scale)))
+            }
+            (None, None) => (Rgb::ZERO, None),
+        };
+        Ok(ObjectEmission { radiance, is_of_object: own.is_some(), texture })
+    }
+
+    /// Returns an error at `span` if single precision cannot hold `radiance`.
+    fn require_finite_radiance(&self, radiance: Rgb, span: Span) -> Result<(), SceneError> {
         if radiance.is_finite() {
             return Ok(());
         }
         let help = "let it emit less, or choose other units";
-        Err(self.refuse(span, "its radiance is above 3.4e38, which single precision holds", help))
+        Err(self.error_at(span, "its radiance is above 3.4e38, which single precision holds", help))
     }
 
-    /// Returns an error at `span`.
-    fn refuse(&self, span: Span, message: &str, help: &str) -> SceneError {
+    fn error_at(&self, span: Span, message: &str, help: &str) -> SceneError {
         SceneError::at(self.source, span, message, "here", help)
     }
 
-    fn transform(&self, to_world: DAffine3, span: Span) -> Result<Transform, SceneError> {
+    /// Returns the transform of a matrix; an error if the matrix is singular.
+    ///
+    /// The error points at the innermost transform, or at `span` if there is none.
+    fn invertible_transform(&self, to_world: DAffine3, span: Span) -> Result<Transform, SceneError> {
         Transform::new(to_world).map_err(|e| {
-            let culprit = self.placing.unwrap_or(span);
-            let help = "no scale may be zero, and no axis of a matrix may be a mix of the others";
-            SceneError::at(self.source, culprit, e.to_string(), "together with the transforms around it", help)
+            let culprit = self.transform_span.unwrap_or(span);
+            SceneError::at(
+                self.source,
+                culprit,
+                e.to_string(),
+                "together with the transforms around it",
+                SINGULAR_REMEDY,
+            )
         })
     }
 
-    /// Returns the file of a path; `kind` names its type in errors.
-    fn file(&self, kind: &str, path: &Spanned<String>) -> Result<PathBuf, SceneError> {
+    /// Returns the path of an existing file that a description names; `kind` is its type for errors.
+    ///
+    /// An embedded asset keeps the path that the description gives it.
+    fn find_file(&self, kind: &str, path: &Spanned<String>) -> Result<PathBuf, SceneError> {
         let written = Path::new(&path.value);
         if self.assets.contains(path) {
             return Ok(written.to_owned());
         }
-        let extension = written.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-        if kind == "mesh" && FOREIGN_MESHES.contains(&extension.as_str()) {
+        let extension = lowercase_extension(written);
+        if kind == "mesh" && is_unread_format(&extension) {
             let message = format!("meshes of the format `.{extension}` are not read");
-            return Err(self.bad_file(path, &message, "convert it to OBJ or PLY, which are read"));
+            return Err(self.file_error(path, &message, "convert it to OBJ or PLY, which are read"));
         }
-        let found = candidates(self.folder, written).find(|p| p.is_file()).inspect(|file| self.monitor.names(file));
+        let found =
+            file_candidates(self.folder, written).find(|p| p.is_file()).inspect(|file| self.monitor.names(file));
         found.ok_or_else(|| {
-            let places: Vec<String> = candidates(self.folder, written).map(|p| format!("`{}`", p.display())).collect();
+            let places: Vec<String> =
+                file_candidates(self.folder, written).map(|p| format!("`{}`", p.display())).collect();
             let message = format!("the {kind} `{}` does not exist", path.value);
-            self.bad_file(path, &message, &format!("put the file at {}", places.join(" or ")))
+            self.file_error(path, &message, &format!("put the file at {}", places.join(" or ")))
         })
     }
 
-    /// Returns the error of a file: it exceeds the memory limit, or `help` is the remedy.
-    fn refuse_file(&self, path: &Spanned<String>, message: &impl ToString, exhausts: bool, help: &str) -> SceneError {
-        if exhausts {
-            self.bad_file(path, message, ROOM).marked_out_of_memory()
+    /// Returns an error at a file's path. If the file exceeds the memory limit, the error is marked so
+    /// and has a remedy of its own; otherwise `help` is the remedy.
+    fn file_or_memory_error(
+        &self,
+        path: &Spanned<String>,
+        message: &impl ToString,
+        is_too_large: bool,
+        help: &str,
+    ) -> SceneError {
+        if is_too_large {
+            self.file_error(path, message, MEMORY_REMEDY).marked_out_of_memory()
         } else {
-            self.bad_file(path, message, help)
+            self.file_error(path, message, help)
         }
     }
 
-    fn bad_file(&self, path: &Spanned<String>, message: &impl ToString, help: &str) -> SceneError {
+    /// Returns an error at a file's path.
+    fn file_error(&self, path: &Spanned<String>, message: &impl ToString, help: &str) -> SceneError {
         SceneError::at(self.source, path.span, message.to_string(), "named here", help)
     }
 }
 
-/// Iterates over the paths where a file may be: beside the scene file, and in the folder above it.
-pub(super) fn candidates<'a>(folder: &'a Path, path: &'a Path) -> impl Iterator<Item = PathBuf> {
+/// Iterates over the paths where a relative `path` may be: in the scene's folder, then in its parent.
+///
+/// An absolute path has one candidate.
+pub(super) fn file_candidates<'a>(folder: &'a Path, path: &'a Path) -> impl Iterator<Item = PathBuf> {
     let above = if folder.as_os_str().is_empty() { Path::new("..").to_owned() } else { folder.join("..") };
     [folder.join(path), above.join(path)].into_iter().take(if path.is_absolute() { 1 } else { 2 })
 }
 
 /// Returns the number of objects that name each mesh path.
-fn uses(group: &Group) -> HashMap<&str, usize> {
-    fn count<'a>(object: &'a ObjectDescription, uses: &mut HashMap<&'a str, usize>) {
+fn count_mesh_uses(group: &Group) -> HashMap<&str, usize> {
+    fn count_in_group<'a>(group: &'a Group, uses: &mut HashMap<&'a str, usize>) {
+        for item in &group.items {
+            if let GroupItem::Object(object) = item {
+                count_in_object(object, uses);
+            }
+        }
+    }
+    fn count_in_object<'a>(object: &'a ObjectDescription, uses: &mut HashMap<&'a str, usize>) {
         match object {
-            ObjectDescription::Group(group) => group.items.iter().for_each(|item| {
-                if let GroupItem::Object(object) = item {
-                    count(object, uses);
-                }
-            }),
+            ObjectDescription::Group(group) => count_in_group(group, uses),
             ObjectDescription::Transform { object, .. } | ObjectDescription::Moving { object, .. } => {
-                count(object, uses)
+                count_in_object(object, uses)
             }
             ObjectDescription::Shape { shape: ShapeDescription::Mesh { path, .. }, .. } => {
                 *uses.entry(path).or_insert(0) += 1
@@ -311,20 +345,12 @@ fn uses(group: &Group) -> HashMap<&str, usize> {
         }
     }
     let mut uses = HashMap::new();
-    for item in &group.items {
-        if let GroupItem::Object(object) = item {
-            count(object, &mut uses);
-        }
-    }
+    count_in_group(group, &mut uses);
     uses
 }
 
-/// Returns the motion of maps that grow while the shutter is open.
-fn growing_motion(maps: &[TransformStep]) -> Motion {
-    Motion::default().preceded_by(maps.iter().map(TransformStep::motion_step))
-}
-
-fn aim(aim: DirectionOrTarget, from: DVec3) -> DVec3 {
+/// Returns the direction, of any length, from `from`.
+fn aim_direction(aim: DirectionOrTarget, from: DVec3) -> DVec3 {
     match aim {
         DirectionOrTarget::Direction(direction) => direction,
         DirectionOrTarget::LookAt(point) => point - from,

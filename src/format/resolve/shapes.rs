@@ -1,18 +1,20 @@
-//! Adds the shapes of a description to the scene, in world space.
+//! Adds the shapes of a description to the scene.
 
 use super::Resolver;
+use super::meshes::add_mesh;
 use super::placement::{
-    EmissionOverride, Instanced, Placing, place, place_instance, place_mesh, set_emission_texture, set_mapping,
-    set_texcoords,
+    NormalizedMesh, ObjectEmission, Placement, add_instance, add_placed_shape, add_still_mesh, set_emission_texture,
+    set_mapping, set_texcoords,
 };
 use crate::color::Rgb;
 use crate::format::SceneError;
 use crate::format::description::{CurveBasis, ProfileCurve, ShapeDescription, Span};
-use crate::math::{Motion, Transform};
+use crate::math::Motion;
 use crate::shape::parametric::{SplineBasis, SplineError};
 use crate::shape::{Cuboid, Disc, Frustum, MappingKind, Patch, Plane, Rectangle, Revolution, Shape, Sphere};
-use glam::DVec2;
+use glam::{DVec2, DVec4};
 
+/// Adds a shape of the description, with the texture mapping and emission of the current material.
 // Not inlined: its callers recurse, and their stack frames must stay small.
 #[inline(never)]
 pub(super) fn add_shape(
@@ -20,86 +22,73 @@ pub(super) fn add_shape(
     shape: &ShapeDescription,
     span: Span,
     to_world: &Motion,
-    emission_override: &EmissionOverride,
+    object_emission: &ObjectEmission,
 ) -> Result<(), SceneError> {
-    let emission = emission_override.radiance;
-    let map = r.transform(to_world.at_time(0.0), span)?;
-    let material = r.material;
+    let emission = object_emission.radiance;
+    let placement = Placement { to_world, at_open: r.invertible_transform(to_world.at_time(0.0), span)?, span };
     match shape {
         ShapeDescription::Sphere { center, radius } => {
-            place(r, Shape::Sphere(Sphere::new(*center, *radius)), to_world, &map, span, emission)?;
+            add_placed_shape(r, &placement, Shape::Sphere(Sphere::new(*center, *radius)), emission)?;
             set_mapping(r, MappingKind::Spherical { center: *center }, to_world);
         }
         ShapeDescription::Plane { normal, offset } => {
             if emission != Rgb::ZERO {
                 let help = "use a Rectangle or a Disc, or give the plane a material without emission";
-                return Err(r.refuse(span, "an infinite plane cannot emit light", help));
+                return Err(r.error_at(span, "an infinite plane cannot emit light", help));
             }
-            let on = *normal * (*offset / normal.length_squared());
-            let plane = Plane::new(on, *normal);
+            let point = *normal * (*offset / normal.length_squared());
+            let plane = Plane::new(point, *normal);
             if to_world.is_constant() {
-                r.builder.plane(plane.transformed(&map), material, emission);
+                r.builder.plane(plane.transformed(&placement.at_open), r.material, emission);
             } else {
-                r.builder.moving_plane(plane, to_world.clone(), material, emission);
+                r.builder.moving_plane(plane, to_world.clone(), r.material, emission);
             }
             set_mapping(r, MappingKind::for_plane(*normal), to_world);
         }
         ShapeDescription::Disc { center, normal, radius } => {
-            place(r, Shape::Disc(Disc::with_normal(*center, *normal, *radius)), to_world, &map, span, emission)?;
+            add_placed_shape(r, &placement, Shape::Disc(Disc::with_normal(*center, *normal, *radius)), emission)?;
             set_mapping(r, MappingKind::for_disc(*center, *normal, *radius), to_world);
         }
         ShapeDescription::Rectangle { corner, edge0, edge1 } => {
-            place(r, Shape::Rectangle(Rectangle::new(*corner, *edge0, *edge1)), to_world, &map, span, emission)?;
+            let rectangle = Rectangle::new(*corner, *edge0, *edge1);
+            add_placed_shape(r, &placement, Shape::Rectangle(rectangle), emission)?;
             set_mapping(r, MappingKind::for_rectangle(*corner, *edge0, *edge1), to_world);
         }
         ShapeDescription::Box { min, max } => {
-            place_solid(r, Cuboid::new(*min, *max).map(Shape::Cuboid), to_world, &map, span, emission)?;
+            add_solid(r, &placement, Cuboid::new(*min, *max).map(Shape::Cuboid), emission)?;
         }
         ShapeDescription::Cylinder { ends: [bottom, top], radius, is_capped } => {
-            let solid = Frustum::cylinder(*bottom, *top, *radius, *is_capped).map(Shape::Frustum);
-            place_solid(r, solid, to_world, &map, span, emission)?;
+            let cylinder = Frustum::cylinder(*bottom, *top, *radius, *is_capped);
+            add_solid(r, &placement, cylinder.map(Shape::Frustum), emission)?;
         }
         ShapeDescription::Cone { ends: [bottom, top], radii, is_capped } => {
-            let solid = Frustum::new(*bottom, *top, *radii, *is_capped).map(Shape::Frustum);
-            place_solid(r, solid, to_world, &map, span, emission)?;
+            let cone = Frustum::new(*bottom, *top, *radii, *is_capped);
+            add_solid(r, &placement, cone.map(Shape::Frustum), emission)?;
         }
         ShapeDescription::Triangle { vertices, normals, uv } => {
             let normals = normals.as_ref().map(|n| n.as_slice());
             let uv = uv.as_deref().copied().unwrap_or([DVec2::ZERO, DVec2::X, DVec2::Y]);
             if to_world.is_constant() {
-                place_mesh(r, &map, vertices, normals, &[[0, 1, 2]], emission);
+                add_still_mesh(r, &placement.at_open, vertices, normals, &[[0, 1, 2]], emission);
                 set_texcoords(r, Some(&uv));
             } else {
-                let instance = Instanced::new(vertices, normals, Some(&uv), &[[0, 1, 2]]);
-                place_instance(r, &instance, to_world, &map, span, emission)?;
+                let mesh = NormalizedMesh::new(vertices, normals, Some(&uv), &[[0, 1, 2]]);
+                add_instance(r, &placement, &mesh, emission)?;
             }
             set_mapping(r, MappingKind::Uv, to_world);
         }
         ShapeDescription::Mesh { path, options } => {
-            super::meshes::add_mesh(
-                r,
-                &Placing { to_world, map: &map, span, emission: emission_override },
-                path,
-                *options,
-            )?;
+            // Each part of a mesh gets its own emission texture.
+            return add_mesh(r, &placement, path, *options, object_emission);
         }
         ShapeDescription::Revolution { profile } => {
-            let surface = revolution(profile, r.memory.available_bytes()).map_err(|e| refuse_spline(r, span, &e))?;
-            place(r, Shape::Revolution(surface), to_world, &map, span, emission)?;
+            let surface =
+                make_revolution(profile, r.memory.available_bytes()).map_err(|e| spline_error(r, span, &e))?;
+            add_placed_shape(r, &placement, Shape::Revolution(surface), emission)?;
             set_mapping(r, MappingKind::Uv, to_world);
         }
         ShapeDescription::Patches { degree, controls } => {
-            let [u, v] = degree.map(|d| SplineBasis::bezier(d as usize + 1));
-            let bases = [&u.map_err(|e| refuse_spline(r, span, &e))?, &v.map_err(|e| refuse_spline(r, span, &e))?];
-            // Queried once: it takes longer than many a patch.
-            let mut free = r.memory.available_bytes();
-            for net in controls.chunks(bases[0].control_count() * bases[1].control_count()) {
-                let patch = Patch::with_memory_limit(bases, net, free).map_err(|e| refuse_spline(r, span, &e))?;
-                free = free.map(|free| free.saturating_sub(patch.memory_bytes()));
-                place(r, Shape::Patch(patch), to_world, &map, span, emission)?;
-                set_mapping(r, MappingKind::Uv, to_world);
-                set_emission_texture(r, emission_override);
-            }
+            return add_patches(r, &placement, *degree, controls, object_emission);
         }
         ShapeDescription::Nurbs { degree, count, knots, controls } => {
             let basis = |i: usize| match (degree[i] as usize, count[i] as usize) {
@@ -107,39 +96,58 @@ pub(super) fn add_shape(
                 (degree, count) => SplineBasis::new(degree, count, knots[i].clone()),
             };
             let surface = || Patch::with_memory_limit([&basis(0)?, &basis(1)?], controls, r.memory.available_bytes());
-            let surface = surface().map_err(|e| refuse_spline(r, span, &e))?;
-            place(r, Shape::Patch(surface), to_world, &map, span, emission)?;
+            let surface = surface().map_err(|e| spline_error(r, span, &e))?;
+            add_placed_shape(r, &placement, Shape::Patch(surface), emission)?;
             set_mapping(r, MappingKind::Uv, to_world);
         }
         // A curve has no surface.
-        ShapeDescription::Curve(_) => {}
+        ShapeDescription::Curve(_) => return Ok(()),
     }
-    // Shapes of several parts have set it for each part.
-    if !matches!(shape, ShapeDescription::Mesh { .. } | ShapeDescription::Patches { .. } | ShapeDescription::Curve(_)) {
-        set_emission_texture(r, emission_override);
-    }
+    set_emission_texture(r, object_emission);
     Ok(())
 }
 
-/// Adds a box, cylinder or cone, whose faces have texture coordinates of their own.
-fn place_solid(
+/// Adds a box, cylinder or cone; an error if it is `None`, because it has no extent.
+fn add_solid(
     r: &mut Resolver<'_>,
+    placement: &Placement<'_>,
     solid: Option<Shape>,
-    to_world: &Motion,
-    map: &Transform,
-    span: Span,
     emission: Rgb,
 ) -> Result<(), SceneError> {
-    let solid = solid.ok_or_else(|| r.refuse(span, "this shape has no extent", "make it larger"))?;
-    place(r, solid, to_world, map, span, emission)?;
-    set_mapping(r, MappingKind::Uv, to_world);
+    let no_extent = || r.error_at(placement.span, "this shape has no extent", "make it larger");
+    add_placed_shape(r, placement, solid.ok_or_else(no_extent)?, emission)?;
+    set_mapping(r, MappingKind::Uv, placement.to_world);
     Ok(())
 }
 
-fn refuse_spline(r: &Resolver<'_>, span: Span, error: &SplineError) -> SceneError {
+/// Adds Bézier patches of one degree, each as a shape with its own emission texture.
+fn add_patches(
+    r: &mut Resolver<'_>,
+    placement: &Placement<'_>,
+    degree: [u32; 2],
+    controls: &[DVec4],
+    object_emission: &ObjectEmission,
+) -> Result<(), SceneError> {
+    let span = placement.span;
+    let [u, v] = degree.map(|d| SplineBasis::bezier(d as usize + 1));
+    let bases = [&u.map_err(|e| spline_error(r, span, &e))?, &v.map_err(|e| spline_error(r, span, &e))?];
+    // Queried once, because a query takes longer than building a small patch.
+    let mut free = r.memory.available_bytes();
+    for net in controls.chunks(bases[0].control_count() * bases[1].control_count()) {
+        let patch = Patch::with_memory_limit(bases, net, free).map_err(|e| spline_error(r, span, &e))?;
+        free = free.map(|free| free.saturating_sub(patch.memory_bytes()));
+        add_placed_shape(r, placement, Shape::Patch(patch), object_emission.radiance)?;
+        set_mapping(r, MappingKind::Uv, placement.to_world);
+        set_emission_texture(r, object_emission);
+    }
+    Ok(())
+}
+
+/// Returns the error of an invalid curve or surface, with a remedy.
+fn spline_error(r: &Resolver<'_>, span: Span, error: &SplineError) -> SceneError {
     if matches!(error, SplineError::Memory { .. }) {
         let help = "bend surfaces less, or let the scene have more memory (--memory)";
-        return r.refuse(span, &error.to_string(), help).marked_out_of_memory();
+        return r.error_at(span, &error.to_string(), help).marked_out_of_memory();
     }
     let help = match error {
         SplineError::Degree(_) => "join curves of lower degree, or use a B-spline",
@@ -148,10 +156,11 @@ fn refuse_spline(r: &Resolver<'_>, span: Span, error: &SplineError) -> SceneErro
         SplineError::NoArea => "move control points off the axis and away from each other, or leave it out",
         _ => "give control points and knots that fit",
     };
-    r.refuse(span, &error.to_string(), help)
+    r.error_at(span, &error.to_string(), help)
 }
 
-fn revolution(profile: &ProfileCurve, free: Option<u64>) -> Result<Revolution, SplineError> {
+/// Returns the surface of revolution of a profile curve; `free` bounds its memory in bytes.
+fn make_revolution(profile: &ProfileCurve, free: Option<u64>) -> Result<Revolution, SplineError> {
     let basis = match profile.basis {
         CurveBasis::Bezier => SplineBasis::bezier(profile.controls.len()),
         CurveBasis::Bspline => SplineBasis::uniform_knots(3, profile.controls.len()),

@@ -1,11 +1,11 @@
-//! Resolves the textures of a description, and material parameters that follow them.
+//! Adds the textures of a description to the scene, and resolves textured material parameters.
 
-use super::{Resolver, rgb};
+use super::{Resolver, SINGULAR_REMEDY, rgb};
 use crate::color::{self, Rgb};
 use crate::format::SceneError;
 use crate::format::description::{
-    self, MaterialDescription, MaterialKindDescription, PictureEncoding, SolidPatternDescription, Spanned,
-    TexcoordTransformDescription, TextureKindDescription, TexturedValue, TransformStep, Wrap,
+    self, MaterialDescription, PictureEncoding, SolidPatternDescription, Spanned, TexcoordTransformDescription,
+    TextureKindDescription, TexturedValue, TransformStep, Wrap,
 };
 use crate::image::{self, Image, PictureContent};
 use crate::math::Transform;
@@ -13,49 +13,53 @@ use crate::scene::{NormalPerturbation, Textured};
 use crate::texture::{self, Checker, Picture, SolidPattern, SolidTexture, Texture};
 use glam::DVec3;
 use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-/// A texture added to the scene.
+/// A texture of the scene, by its index there.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct KnownTexture {
+pub(super) struct AddedTexture {
     pub index: u32,
+    /// Mean of all values.
     pub mean: Rgb,
+    /// Least and greatest value of any channel.
     range: (f32, f32),
-    solid: bool,
-    /// True if its values encode light (sRGB) rather than numbers.
-    light: bool,
+    /// True if the texture varies in space, not with texture coordinates.
+    is_solid: bool,
+    /// True for a picture whose description declares the sRGB encoding.
+    is_srgb: bool,
 }
 
-/// Requirements of a material's textures on its surfaces.
+/// What a material's textures need from the surfaces that have the material.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct TextureNeeds {
-    /// True if any texture is used.
-    pub textured: bool,
-    /// True if texture coordinates are needed.
-    pub coordinates: bool,
+pub(super) struct TextureRequirements {
+    /// True if the material uses any texture.
+    pub uses_textures: bool,
+    /// True if a texture is looked up by texture coordinates.
+    pub needs_texcoords: bool,
 }
 
-/// The range of all texture values.
-const ANY: RangeInclusive<f32> = 0.0..=f32::MAX;
+/// The range of parameters without an upper bound, such as radiance.
+pub(super) const ANY_TEXTURE_VALUE: RangeInclusive<f32> = 0.0..=f32::MAX;
 
-/// The range of reflectance, transmittance and roughness.
-const UNIT: RangeInclusive<f32> = 0.0..=1.0;
+/// The range of reflectance, transmittance, roughness and mix amounts.
+const UNIT_RANGE: RangeInclusive<f32> = 0.0..=1.0;
 
 impl<'a> Resolver<'a> {
-    pub(super) fn textures(&mut self) -> Result<(), SceneError> {
+    /// Adds all textures of the description.
+    pub(super) fn add_textures(&mut self) -> Result<(), SceneError> {
         for texture in &self.description.textures {
-            let made = match &texture.kind {
+            let added = match &texture.kind {
                 TextureKindDescription::Image { path, encoding, wrap, coordinates } => {
-                    self.picture(path, *encoding, *wrap, *coordinates)?
+                    self.add_picture_texture(path, *encoding, *wrap, *coordinates)?
                 }
                 TextureKindDescription::Checker { colors, coordinates } => {
-                    let checker = Texture::Checker(Checker { colors: colors.map(rgb) }, uv_map(coordinates));
-                    self.add(checker, false)
+                    let checker =
+                        Texture::Checker(Checker { colors: colors.map(rgb) }, texcoord_transform(coordinates));
+                    self.add_texture(checker, false)
                 }
                 TextureKindDescription::Solid { pattern, colors, octaves, frequency, amplitude, maps } => {
-                    let help = "no scale may be zero, and no axis of a matrix may be a mix of the others";
                     let to_object = Transform::new(TransformStep::composed_matrix(maps))
-                        .map_err(|e| self.refuse(texture.span, &e.to_string(), help))?;
+                        .map_err(|e| self.error_at(texture.span, &e.to_string(), SINGULAR_REMEDY))?;
                     let solid = SolidTexture {
                         kind: match pattern {
                             SolidPatternDescription::Noise => SolidPattern::Noise,
@@ -68,226 +72,213 @@ impl<'a> Resolver<'a> {
                         amplitude: *amplitude,
                         to_pattern: *to_object.inverse(),
                     };
-                    self.add(Texture::Solid(solid), false)
+                    self.add_texture(Texture::Solid(solid), false)
                 }
             };
-            self.known.insert(&texture.name, made);
+            self.textures.insert(&texture.name, added);
         }
         Ok(())
     }
 
-    fn add(&mut self, texture: Texture, light: bool) -> KnownTexture {
-        let (mean, range, solid) = (texture.mean(), texture.range(), texture.is_solid());
-        KnownTexture { index: self.builder.texture(texture), mean, range, solid, light }
+    fn add_texture(&mut self, texture: Texture, is_srgb: bool) -> AddedTexture {
+        let (mean, range, is_solid) = (texture.mean(), texture.range(), texture.is_solid());
+        AddedTexture { index: self.builder.texture(texture), mean, range, is_solid, is_srgb }
     }
 
-    fn picture(
+    /// Reads a picture and adds it as a texture.
+    fn add_picture_texture(
         &mut self,
         path: &Spanned<String>,
         encoding: PictureEncoding,
         wrap: Wrap,
         coordinates: TexcoordTransformDescription,
-    ) -> Result<KnownTexture, SceneError> {
-        let file = self.file("picture", path)?;
-        let image = self.read_picture(
-            path,
-            &file,
-            match encoding {
-                PictureEncoding::Srgb => PictureContent::Radiance,
-                PictureEncoding::Linear => PictureContent::Data,
-            },
-        )?;
+    ) -> Result<AddedTexture, SceneError> {
+        let content = match encoding {
+            PictureEncoding::Srgb => PictureContent::Radiance,
+            PictureEncoding::Linear => PictureContent::Data,
+        };
+        let image = self.read_picture(path, content)?;
         let picture = Picture::new(&image, wrap)
-            .map_err(|e| self.bad_file(path, &e, "a texture's values must be finite and not negative"))?;
-        Ok(self.add(Texture::Picture(picture, uv_map(&coordinates)), encoding == PictureEncoding::Srgb))
+            .map_err(|e| self.file_error(path, &e, "a texture's values must be finite and not negative"))?;
+        Ok(self.add_texture(
+            Texture::Picture(picture, texcoord_transform(&coordinates)),
+            encoding == PictureEncoding::Srgb,
+        ))
     }
 
-    pub(super) fn read_picture(
-        &self,
-        path: &Spanned<String>,
-        file: &Path,
-        meaning: PictureContent,
-    ) -> Result<Image, SceneError> {
-        let help = "repair the picture or name another: PNG, OpenEXR or Radiance HDR";
+    /// Returns the picture of a path: an embedded one, else that of a file.
+    pub(super) fn read_picture(&self, path: &Spanned<String>, content: PictureContent) -> Result<Image, SceneError> {
         if let Some(picture) = self.assets.pictures.get(path.as_str()) {
             return Ok((**picture).clone());
         }
-        let read = image::read_with_memory_limit(file, meaning, self.memory.available_bytes());
-        read.map_err(|e| self.refuse_file(path, &e, matches!(e, image::ReadError::Memory { .. }), help))
+        let file = self.find_file("picture", path)?;
+        let help = "repair the picture or name another: PNG, OpenEXR or Radiance HDR";
+        image::read_with_memory_limit(&file, content, self.memory.available_bytes())
+            .map_err(|e| self.file_or_memory_error(path, &e, matches!(e, image::ReadError::Memory { .. }), help))
     }
 
-    /// The texture with a name, whose values lie in `range`.
-    pub(super) fn known(
+    /// Returns the texture with a name; an error if a value of the texture is outside `range`.
+    pub(super) fn texture_by_name(
         &self,
         name: &Spanned<String>,
         range: &RangeInclusive<f32>,
-    ) -> Result<KnownTexture, SceneError> {
-        let known = self.known.get(name.as_str()).copied().ok_or_else(|| {
+    ) -> Result<AddedTexture, SceneError> {
+        let texture = self.textures.get(name.as_str()).copied().ok_or_else(|| {
             let message = format!("no texture is called `{}`", name.value);
             SceneError::at(self.source, name.span, message, "unknown name", "define it in Textures first")
         })?;
-        let (least, most) = known.range;
+        let (least, most) = texture.range;
         if range.contains(&least) && range.contains(&most) {
-            return Ok(known);
+            return Ok(texture);
         }
         let message = format!("the texture `{}` goes from {least} to {most}", name.value);
         let help = format!("its values must lie between {} and {} here", range.start(), range.end());
         Err(SceneError::at(self.source, name.span, message, "out of range", help))
     }
 
-    /// The texture with a name, else the picture at that path, read once per encoding.
-    fn known_or_picture(
+    /// Returns the texture with a name, or else of the picture at that path.
+    ///
+    /// Each picture is read once for each encoding.
+    fn texture_or_picture(
         &mut self,
         name: &Spanned<String>,
         encoding: PictureEncoding,
-    ) -> Result<KnownTexture, SceneError> {
-        if self.known.contains_key(name.as_str()) {
-            return self.known(name, &ANY);
+    ) -> Result<AddedTexture, SceneError> {
+        if self.textures.contains_key(name.as_str()) {
+            return self.texture_by_name(name, &ANY_TEXTURE_VALUE);
         }
-        let key: (PathBuf, bool) = (self.file("texture or picture", name)?, encoding == PictureEncoding::Srgb);
-        if let Some(known) = self.pictures.get(&key) {
-            return Ok(*known);
+        let key: (PathBuf, bool) = (self.find_file("texture or picture", name)?, encoding == PictureEncoding::Srgb);
+        if let Some(texture) = self.pictures.get(&key) {
+            return Ok(*texture);
         }
-        let known = self.picture(name, encoding, Wrap::Repeat, TexcoordTransformDescription::default())?;
-        self.pictures.insert(key, known);
-        Ok(known)
+        let texture =
+            self.add_picture_texture(name, encoding, Wrap::Repeat, TexcoordTransformDescription::default())?;
+        self.pictures.insert(key, texture);
+        Ok(texture)
     }
 
-    /// A colour parameter, whose texture has values in `range`.
-    pub(super) fn color(
+    /// Resolves a color parameter. A texture with values outside `range` is an error.
+    pub(super) fn color_parameter(
         &self,
         value: &TexturedValue<DVec3>,
         range: &RangeInclusive<f32>,
-        needs: &mut TextureNeeds,
+        requirements: &mut TextureRequirements,
     ) -> Result<Textured<Rgb>, SceneError> {
         match value {
             TexturedValue::Plain(color) => Ok(Textured::Constant(rgb(*color))),
             TexturedValue::Texture(name) => {
-                let known = self.known(name, range)?;
-                needs.add(&known);
-                Ok(Textured::Texture { texture: known.index, factor: Rgb::ONE, mean: known.mean })
+                let texture = self.texture_by_name(name, range)?;
+                requirements.add(&texture);
+                Ok(Textured::Texture { texture: texture.index, factor: Rgb::ONE, mean: texture.mean })
             }
         }
     }
 
-    /// A number parameter in \[0, 1].
-    pub(super) fn fraction(
+    /// Resolves a number parameter in \[0, 1].
+    pub(super) fn fraction_parameter(
         &self,
         value: &TexturedValue<f64>,
-        needs: &mut TextureNeeds,
+        requirements: &mut TextureRequirements,
     ) -> Result<Textured<f32>, SceneError> {
         match value {
             TexturedValue::Plain(number) => Ok(Textured::Constant(*number as f32)),
             TexturedValue::Texture(name) => {
-                let known = self.known(name, &UNIT)?;
-                needs.add(&known);
-                Ok(Textured::Texture { texture: known.index, factor: 1.0, mean: color::channel_mean(known.mean) })
+                let texture = self.texture_by_name(name, &UNIT_RANGE)?;
+                requirements.add(&texture);
+                Ok(Textured::Texture { texture: texture.index, factor: 1.0, mean: color::channel_mean(texture.mean) })
             }
         }
     }
 
-    /// A reflectance or transmittance: a colour parameter in \[0, 1].
-    pub(super) fn reflectance(
+    /// Resolves a reflectance or transmittance, each channel in \[0, 1].
+    pub(super) fn reflectance_parameter(
         &self,
         value: &TexturedValue<DVec3>,
-        needs: &mut TextureNeeds,
+        requirements: &mut TextureRequirements,
     ) -> Result<Textured<Rgb>, SceneError> {
-        self.color(value, &UNIT, needs)
+        self.color_parameter(value, &UNIT_RANGE, requirements)
     }
 
-    /// The diffuse colour of the course's material times its texture.
-    pub(super) fn phong_diffuse(
+    /// Resolves the diffuse color of a `Phong` material times the texture or picture named `texture`.
+    pub(super) fn phong_diffuse_parameter(
         &mut self,
         diffuse: &TexturedValue<DVec3>,
         texture: Option<&Spanned<String>>,
-        needs: &mut TextureNeeds,
+        requirements: &mut TextureRequirements,
     ) -> Result<Textured<Rgb>, SceneError> {
-        let Some(name) = texture else { return self.color(diffuse, &ANY, needs) };
+        let Some(name) = texture else { return self.color_parameter(diffuse, &ANY_TEXTURE_VALUE, requirements) };
         let TexturedValue::Plain(factor) = diffuse else {
             let help = "give `diffuseColor` in numbers, or leave `texture` out";
             return Err(SceneError::at(self.source, name.span, "two textures for one colour", "the second", help));
         };
-        let known = self.known_or_picture(name, PictureEncoding::Srgb)?;
-        needs.add(&known);
+        let texture = self.texture_or_picture(name, PictureEncoding::Srgb)?;
+        requirements.add(&texture);
         let factor = rgb(*factor);
-        Ok(Textured::Texture { texture: known.index, factor, mean: factor * known.mean })
+        Ok(Textured::Texture { texture: texture.index, factor, mean: factor * texture.mean })
     }
 
-    /// The perturbation of a material's normals.
-    pub(super) fn normals(
+    /// Resolves the bump map or normal map of a material.
+    pub(super) fn resolve_normal_perturbation(
         &mut self,
         material: &MaterialDescription,
-        needs: &mut TextureNeeds,
+        requirements: &mut TextureRequirements,
     ) -> Result<NormalPerturbation, SceneError> {
         Ok(match &material.normal_perturbation {
             None => NormalPerturbation::None,
             Some(description::NormalPerturbationDescription::Bump { texture, height }) => {
-                let known = self.known_or_picture(texture, PictureEncoding::Linear)?;
+                let texture = self.texture_or_picture(texture, PictureEncoding::Linear)?;
                 if *height == 0.0 {
                     return Ok(NormalPerturbation::None);
                 }
-                needs.add(&known);
-                NormalPerturbation::BumpMap { texture: known.index, height: *height as f32 }
+                requirements.add(&texture);
+                NormalPerturbation::BumpMap { texture: texture.index, height: *height as f32 }
             }
             Some(description::NormalPerturbationDescription::NormalMap(name)) => {
-                let known = self.known_or_picture(name, PictureEncoding::Linear)?;
-                if known.light {
+                let texture = self.texture_or_picture(name, PictureEncoding::Linear)?;
+                if texture.is_srgb {
                     let message = format!("the texture `{}` is read as a picture of light", name.value);
                     let help = "give it `encoding linear`: normals are numbers";
                     return Err(SceneError::at(self.source, name.span, message, "no normals", help));
                 }
                 // Tangents follow texture coordinates, even if the texture is solid.
-                *needs = TextureNeeds { textured: true, coordinates: true };
-                NormalPerturbation::NormalMap(known.index)
+                *requirements = TextureRequirements { uses_textures: true, needs_texcoords: true };
+                NormalPerturbation::NormalMap(texture.index)
             }
         })
     }
 
-    /// Refuses a mesh without texture coordinates if the current material needs them.
+    /// Returns an error if the mesh at `path` lacks texture coordinates that its material needs.
     ///
-    /// `there` is true if the mesh has them. `own` is the name of the mesh's own material, if it
-    /// has one.
-    pub(super) fn check_coordinates(
+    /// `file_material` is the name of a material from the mesh's file; `None` for the scene's current
+    /// material.
+    pub(super) fn require_texcoords(
         &self,
-        there: bool,
+        has_texcoords: bool,
         path: &Spanned<String>,
-        own: Option<&str>,
+        file_material: Option<&str>,
     ) -> Result<(), SceneError> {
-        let needs = self.texture_needs.get(self.material as usize).copied().unwrap_or_default();
-        if there || !needs.coordinates {
+        let requirements = self.texture_requirements.get(self.material as usize).copied().unwrap_or_default();
+        if has_texcoords || !requirements.needs_texcoords {
             return Ok(());
         }
         let described = self.description.materials.get(self.material as usize);
-        let name = own.or_else(|| described.and_then(|m| m.name.as_deref()));
+        let name = file_material.or_else(|| described.and_then(|m| m.name.as_deref()));
         let material = name.map_or(format!("material {}", self.material), |name| format!("the material `{name}`"));
         let message = format!("the mesh `{}` has no texture coordinates, which {material} needs", path.value);
         let help = "export it with texture coordinates (lines `vt`), or use Noise, Marble or Wood, which need none";
-        Err(self.bad_file(path, &message, help))
-    }
-
-    /// Adds the needs of a mix's parts.
-    pub(super) fn add_needs_of_parts(&self, kind: &MaterialKindDescription, needs: &mut TextureNeeds) {
-        if let MaterialKindDescription::Mix { first, second, .. } = kind {
-            for part in [first, second] {
-                if let Some(of_part) = self.names.get(part.as_str()).map(|i| self.texture_needs[*i as usize]) {
-                    needs.textured |= of_part.textured;
-                    needs.coordinates |= of_part.coordinates;
-                }
-            }
-        }
+        Err(self.file_error(path, &message, help))
     }
 }
 
-impl TextureNeeds {
-    /// Adds the needs of one texture.
-    pub fn add(&mut self, known: &KnownTexture) {
-        self.textured = true;
-        self.coordinates |= !known.solid;
+impl TextureRequirements {
+    /// Adds the requirements of one texture.
+    pub fn add(&mut self, texture: &AddedTexture) {
+        self.uses_textures = true;
+        self.needs_texcoords |= !texture.is_solid;
     }
 }
 
-/// The affine map of texture coordinates.
-fn uv_map(coordinates: &TexcoordTransformDescription) -> texture::Coordinates {
+fn texcoord_transform(coordinates: &TexcoordTransformDescription) -> texture::Coordinates {
     let TexcoordTransformDescription { scale, rotate, offset } = *coordinates;
     texture::Coordinates::new(scale, rotate.to_radians(), offset)
 }

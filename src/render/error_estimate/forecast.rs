@@ -29,7 +29,8 @@ pub enum PassesNeeded {
 ///
 /// Let aᵢ be the disc area in pass i over that of pass 0. Noise has two parts: one falls as 1/n,
 /// that of photon estimates as Σ(1/aᵢ)/n². The noise of D₀ tells how large the second part is. Blur
-/// follows the mean of aᵢ^p with the measured power p. Fireflies follow `Fireflies::squared_error_after`.
+/// follows the mean of aᵢ^p with the measured power p. Fireflies follow
+/// `Fireflies::squared_error_after`.
 #[derive(Clone, Copy, Debug)]
 pub struct ErrorForecast {
     alpha: f64,

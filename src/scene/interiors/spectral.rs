@@ -1,7 +1,7 @@
 //! The record of interiors for paths in media and for paths with a wavelength.
 
 use super::{Body, BoundaryEvent, CurrentMedium, Interior, InteriorStack, resolve_interface};
-use crate::bsdf::{Bsdf, Dielectric, Transport};
+use crate::bsdf::{Bsdf, Dielectric, TransportMode};
 use crate::color::{Rgb, Wavelength};
 use crate::math::Ray;
 use crate::sampling::{Dimension, Key};
@@ -113,12 +113,10 @@ impl Interior for SpectralInterior {
     fn wavelength_weight_after_scattering(&mut self, surface: &SurfaceInteraction<'_>, transmitted: bool) -> Rgb {
         let (Some(plain), Some(wavelength)) = (self.sampled_at.take(), self.wavelength) else { return Rgb::ONE };
         let weight = wavelength.weight();
-        if !transmitted && let Bsdf::Dielectric(own) = surface.bsdf {
-            let reflected = |glass: Dielectric| {
-                let point = &surface.point;
-                glass.split(surface.wo, point.ns, point.ng, Transport::Importance).reflected.1
-            };
-            let (plain, own) = (reflected(plain), reflected(own));
+        let (wo, ns, ng) = (surface.wo, surface.point.ns, surface.point.ng);
+        if !transmitted && let Some(own) = surface.bsdf.reflect_and_refract(wo, ns, ng, TransportMode::Importance) {
+            let plain = plain.reflect_and_refract(wo, ns, ng, TransportMode::Importance);
+            let (plain, own) = (plain.reflected.1, own.reflected.1);
             if UNDISPERSED_REFLECTANCES.contains(&plain) && own > 0.0 {
                 // The mean over wavelengths of R(λ)·w(λ), with R of the d line as a control variate
                 // for the white part.

@@ -14,12 +14,13 @@ struct Node {
     children: [u32; WIDTH],
 }
 
-/// Lower and upper corner of a box.
+/// Lower and upper corner of an axis-aligned box.
 pub type BoxCorners = [DVec3; 2];
 
-/// Line with its length τ as parameter.
+/// Line with arc length τ as parameter.
 #[derive(Clone, Copy, Debug)]
 pub struct Line {
+    /// Point at τ = 0.
     pub base: DVec3,
     /// Unit direction.
     pub direction: DVec3,
@@ -34,14 +35,14 @@ impl Line {
     }
 }
 
-/// Hierarchy over boxes in any order.
+/// Bounding volume hierarchy over boxes, with eight children per node.
 #[derive(Debug)]
 pub struct BoxBvh {
     nodes: Vec<Node>,
 }
 
 impl BoxBvh {
-    /// Builds a hierarchy over at least one box; each box is grown by `margin`.
+    /// Builds a hierarchy over one or more boxes, each expanded by `margin` on every side.
     pub fn new(boxes: &[BoxCorners], margin: f64) -> Self {
         let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
         let mut tree = Self { nodes: Vec::new() };
@@ -81,9 +82,10 @@ impl BoxBvh {
         index as u32
     }
 
-    /// Visits the boxes that `line` hits within `range` of τ, approximately from near to far.
+    /// Calls `visit` with the index of each box that `line` hits within `range` of τ, roughly from
+    /// near to far.
     ///
-    /// `visit` reduces the end of the range at a hit.
+    /// `visit` moves the end of the range to a hit that it finds.
     #[inline]
     pub fn visit_hit_leaves(&self, line: &Line, mut range: [f64; 2], mut visit: impl FnMut(usize, &mut [f64; 2])) {
         let mut stack = [(0u32, 0.0); 12 * WIDTH];
@@ -133,8 +135,9 @@ fn enclosing_box(boxes: &[BoxCorners], part: &[u32]) -> BoxCorners {
         .fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[min, max], [a, b]| [min.min(a), max.max(b)])
 }
 
-/// Partitions until each `share` in turn is compact: splits along the longest axis, at a multiple
-/// of `share`.
+/// Reorders `part` so that each run of `share` indices has boxes close together.
+///
+/// The function splits recursively along the longest axis, at multiples of `share`.
 fn partition_into_shares(boxes: &[BoxCorners], part: &mut [u32], share: usize) {
     if part.len() <= share {
         return;

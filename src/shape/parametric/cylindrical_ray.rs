@@ -1,9 +1,8 @@
-//! Rays in the coordinates of a surface of revolution: height and distance from the axis.
+//! Rays in cylindrical coordinates: height, and distance from the axis.
 
 use glam::{DVec2, DVec3};
 
-/// Squared sine of the angle to the axis above which a distance from the axis bounds the ray
-/// parameter well.
+/// Squared sine of the angle between ray and axis; rays below it are not clipped to radii exactly.
 const MIN_SLANT2: f64 = 1e-2;
 
 /// Interval of the ray parameter; empty unless `lo <= hi`.
@@ -19,21 +18,20 @@ impl Interval {
     }
 }
 
-/// Line with its length τ as parameter, counted from the point nearest to the surface's centre.
+/// Line with arc length τ as parameter; τ is 0 at the point nearest to the surface's centre.
 ///
-/// In the plane of profiles, the line is the convex curve ρ(τ) = |(x, z)|, y(τ). Neither rays
-/// perpendicular to the axis nor rays along it are special.
+/// In the half plane of (ρ, y), the line is a curve with convex ρ(τ) = |(x, z)| and linear y(τ).
 #[derive(Clone, Copy, Debug)]
 pub struct CylindricalRay {
+    /// Point at τ = 0.
     pub base: DVec3,
     /// Unit direction.
     pub direction: DVec3,
-    /// Coefficients of the squared distance from the axis: `squares[0] + 2·squares[1]·τ +
-    /// squares[2]·τ²`.
+    /// Coefficients of ρ²: `squares[0] + 2·squares[1]·τ + squares[2]·τ²`.
     pub squares: [f64; 3],
     /// τ of the point nearest to the axis; not finite for rays along the axis.
     pub nearest: f64,
-    /// Squared distance from the axis at `nearest`.
+    /// Minimum of ρ², at τ = `nearest`.
     pub least: f64,
 }
 
@@ -52,8 +50,7 @@ impl CylindricalRay {
         }
     }
 
-    /// Distance from the axis and its derivative by τ; the derivative is 0 on the axis, where it
-    /// jumps.
+    /// Distance ρ from the axis at τ = `t`, and dρ/dτ, which is set to 0 on the axis.
     #[inline]
     pub fn radius_and_slope(&self, t: f64) -> (f64, f64) {
         let (x, z) = (self.base.x + t * self.direction.x, self.base.z + t * self.direction.z);
@@ -67,8 +64,10 @@ impl CylindricalRay {
         self.base.y + t * self.direction.y
     }
 
-    /// Intervals within `t` in which the line may have a distance in `x` and a height in `y`; at
-    /// most two.
+    /// Parts of the interval `t` where ρ may be in `x` and the height in `y`, both widened by
+    /// `margin`.
+    ///
+    /// There are at most two parts, since ρ(τ) is convex. Missing parts are empty.
     #[inline]
     pub fn clip_to_ring(&self, x: [f64; 2], y: [f64; 2], t: Interval, margin: f64) -> [Interval; 2] {
         const NOWHERE: Interval = Interval { lo: 1.0, hi: 0.0 };
@@ -109,7 +108,7 @@ impl CylindricalRay {
     }
 }
 
-/// Distance from the axis and the unit direction away from the axis.
+/// Distance from the y axis, and the unit direction (x, z) away from it.
 #[inline]
 pub fn polar_radius_and_direction(p: DVec3) -> (f64, DVec2) {
     let across = DVec2::new(p.x, p.z);

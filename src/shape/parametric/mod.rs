@@ -1,10 +1,11 @@
 //! Parametric surfaces, intersected directly, without triangles.
 //!
-//! A surface is divided once into short pieces. Each piece is a polynomial around its centre, with
-//! bounds on the terms beyond the linear ones. A ray traverses a hierarchy of the pieces' boxes. In
-//! each piece, the bounds prove that there is no root, or at most one, which Newton's method then
-//! finds or excludes. Otherwise the piece is halved. A ray that is tangent within rounding is a hit
-//! where the surface is curved, and a miss where it runs inside a flat part.
+//! The builder divides a surface into nearly flat pieces, called leaves. A leaf stores a polynomial
+//! around its centre, and bounds on the terms of degree 2 and above. A ray traverses a bounding
+//! volume hierarchy of the leaves. In a leaf, the bounds prove that there is no hit, or at most
+//! one, which Newton's method then finds or excludes. Otherwise the leaf is halved.
+//!
+//! A tangent ray hits a curved surface and misses a flat one, within rounding errors.
 
 mod box_bvh;
 mod cylindrical_ray;

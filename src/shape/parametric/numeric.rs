@@ -1,9 +1,8 @@
 //! Constants of the numerical methods for parametric surfaces.
 
-/// Error of a hit, in units of 32 ulps of the surface's size.
+/// Bound on the position error of a hit, in units of 32 ulps of the surface's size.
 ///
-/// The value covers sums over the degree, and the distance within which a tangent ray counts as
-/// a hit.
+/// The bound covers polynomial evaluation and the tolerance for tangent rays.
 pub(super) const HIT_ERROR_SCALE: f64 = 256.0;
 
 /// Points and weights of five-point Gauss–Legendre quadrature on \[−1, 1].

@@ -16,45 +16,49 @@ use crate::shape::texture_mapping::TexCoord;
 use glam::{DVec2, DVec3, DVec4, Vec2, Vec3};
 use std::sync::Arc;
 
-/// Sine of the angle between the derivatives, relative to the leaf's size, below which a point is a
-/// pole or lies on a collapsed edge.
-const COLLAPSED_SINE: f64 = 1e-7;
+/// Length of ∂u × ∂v, relative to that at the leaf's centre, below which the normal is taken from
+/// inside the leaf. This happens at poles and collapsed edges.
+const COLLAPSED_NORMAL_RATIO: f64 = 1e-7;
 
-/// The points Σ Bᵢ(u) Bⱼ(v) wᵢⱼ pᵢⱼ / Σ Bᵢ(u) Bⱼ(v) wᵢⱼ of a net of control points, with u and v in
-/// \[0, 1].
+/// Tensor-product surface: the points Σ Bᵢ(u) Bⱼ(v) wᵢⱼ pᵢⱼ / Σ Bᵢ(u) Bⱼ(v) wᵢⱼ.
 ///
-/// The outer side is that of ∂u × ∂v, also under maps that mirror.
+/// The pᵢⱼ are control points with weights wᵢⱼ, and u and v are in \[0, 1]. The outer side is the
+/// side of ∂u × ∂v; a mirroring transform maps it along.
 #[derive(Clone, Debug)]
 pub struct Patch {
     net: Arc<SubdividedPatch>,
-    /// Map from the net's space, whose origin is the centre of the control points.
+    /// Map from object space, whose origin is the centre of the control points.
     to_world: Transform,
     /// World area \[length²].
     area: f64,
 }
 
+/// Patch in object space, divided into leaves.
 #[derive(Debug)]
 struct SubdividedPatch {
     degree: [usize; 2],
     leaves: Vec<PatchLeaf>,
     powers: Vec<Coefficients<4>>,
-    /// Knots between spans, in both directions.
+    /// Start of each knot span, along u and along v.
     breaks: [Vec<f64>; 2],
-    /// Subdivision of each pair of spans, row by row.
+    /// Root of the subdivision of each pair of knot spans; v varies fastest.
     roots: Vec<SubdivisionNode>,
     cuts: Vec<SubdivisionCut>,
     tree: BoxBvh,
     /// Distribution of leaves by area.
     choice: DiscreteDistribution,
-    /// Half the size of a bounding box that is centred on the origin.
+    /// Half the edge lengths of the bounding box, whose centre is the origin.
     half: DVec3,
+    /// Radius of the bounding sphere around the origin.
     size: f64,
+    /// Bound on the rounding error of an evaluated point.
     noise: f64,
+    /// Upper bound of the memory in bytes.
     bytes: u64,
 }
 
 impl Patch {
-    /// A surface of control points (x, y, z, weight), those along v consecutive.
+    /// Surface with control points (x, y, z, weight), row by row: v varies fastest.
     ///
     /// # Errors
     ///
@@ -64,11 +68,11 @@ impl Patch {
         Self::with_memory_limit(bases, controls, None)
     }
 
-    /// Like [`Patch::new`], limited to `free` bytes of memory if that number is known.
+    /// Surface like that of [`Patch::new`] that uses at most `free` bytes of memory, if given.
     ///
     /// # Errors
     ///
-    /// [`SplineError`], also if the memory does not suffice.
+    /// Those of [`Patch::new`], and [`SplineError::Memory`] if the limit does not suffice.
     pub fn with_memory_limit(
         bases: [&SplineBasis; 2],
         controls: &[DVec4],
@@ -142,10 +146,9 @@ impl Patch {
         self.net.bytes
     }
 
-    /// The ray in the net's space, the length from its origin to τ = 0, and the length per unit of
-    /// t.
+    /// The ray's line in object space, and its `start` and `length` of [`ObjectRay`].
     ///
-    /// `None` if the ray passes the bounding sphere by.
+    /// `None` if the line misses the bounding sphere.
     fn object_line(&self, ray: &Ray) -> Option<(Line, f64, f64)> {
         let ObjectRay { base, direction, start, length } = ObjectRay::new(ray, &self.to_world);
         let size = self.net.size * (1.0 + 1e-9);
@@ -225,7 +228,7 @@ impl AnalyticShape for Patch {
         self.area
     }
 
-    /// Chooses a leaf by its area, then samples its parameters uniformly.
+    /// Samples a leaf in proportion to its area, then uniform parameters in the leaf.
     fn sample(&self, u: Vec2) -> ShapeSample {
         let net = &*self.net;
         let (leaf, _) = net.choice.sample(u.x);
@@ -273,7 +276,7 @@ impl SubdividedPatch {
         PatchPiece { powers, middle: point, columns: q + 1, bounds, noise: self.noise }
     }
 
-    /// The leaf that contains the parameters `uv`, and the position in the leaf, in \[−1, 1]².
+    /// Leaf that contains the parameters `uv`, and the position in that leaf in \[−1, 1]².
     fn find_leaf(&self, uv: Vec2) -> (usize, DVec2) {
         let uv = uv.as_dvec2();
         let stretch = |axis: usize| self.breaks[axis].partition_point(|b| *b <= uv[axis]).saturating_sub(1);
@@ -292,11 +295,11 @@ impl SubdividedPatch {
         }
     }
 
-    /// ∂u × ∂v at any length, or its limit from inside the leaf if it vanishes.
+    /// Object-space normal ∂u × ∂v, not normalised; its limit from inside the leaf if it vanishes.
     fn leaf_normal(&self, leaf: usize, at: DVec2) -> DVec3 {
         let piece = self.leaf_piece(leaf);
         let [_, middle_x, middle_y] = piece.point_and_derivatives(DVec2::ZERO);
-        let least = COLLAPSED_SINE * middle_x.cross(middle_y).length();
+        let least = COLLAPSED_NORMAL_RATIO * middle_x.cross(middle_y).length();
         let mut inward = 0.0;
         loop {
             let [_, along_x, along_y] = piece.point_and_derivatives(at * (1.0 - inward));
@@ -309,7 +312,7 @@ impl SubdividedPatch {
     }
 }
 
-/// World area of a leaf by Gauss quadrature.
+/// World area of a leaf, by Gauss–Legendre quadrature.
 fn leaf_area(piece: &PatchPiece<'_>, to_world: &Transform) -> f64 {
     let element = |x: f64, y: f64| {
         let [_, along_x, along_y] = piece.point_and_derivatives(DVec2::new(x, y));

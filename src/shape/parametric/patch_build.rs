@@ -6,49 +6,54 @@ use super::polynomial::{Coefficients, bernstein_to_powers, split_bezier};
 use super::spline::{MIN_SPAN, SplineError};
 use glam::{DVec2, DVec3, Vec2};
 
-/// Relative change of the derivatives below which a piece is divided no further.
+/// Relative change of the derivatives over a piece below which the piece is not divided.
 const MAX_RELATIVE_BEND: f64 = 1.0 / 16.0;
 
-/// Largest number of halvings of a Bézier patch that never becomes flat: at poles, cusps and
-/// collapsed edges.
+/// Maximum number of nested halvings, reached at poles, cusps and collapsed edges, which never
+/// become flat.
 const MAX_HALVINGS: u32 = 14;
 
-/// Relative size of pieces below which curvature causes no further division.
+/// Size of a piece, relative to its Bézier patch, below which the piece is not divided.
 const MIN_RELATIVE_SIZE: f64 = 1.0 / 256.0;
 
-/// Bytes of a leaf besides its coefficients: itself, its box and area, its share of the tree and of
-/// the cuts.
+/// Bytes of a leaf without its coefficients: the leaf, its box and area, its share of the hierarchy
+/// and of the subdivision.
 const BYTES_PER_LEAF: u64 = 512;
 
 /// Nearly flat piece of the surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PatchLeaf {
-    /// Centre and half width along u and v.
+    /// Centre in (u, v).
     pub middle: DVec2,
+    /// Half width along u and v.
     pub half: DVec2,
     /// Point at the centre.
     pub point: DVec3,
     pub bounds: HigherTerms,
 }
 
-/// Node of the subdivision of a patch.
+/// Node of the subdivision tree of a patch; holds an index of the leaves or of the cuts.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum SubdivisionNode {
     Leaf(u32),
     Cut(u32),
 }
 
-/// Division of a piece into two.
+/// Inner node of the subdivision tree: a piece divided into two.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SubdivisionCut {
     /// 0 for u, 1 for v.
     pub axis: usize,
+    /// Parameter of the division.
     pub at: f64,
+    /// The parts below and above `at`.
     pub parts: [SubdivisionNode; 2],
 }
 
 impl PatchLeaf {
-    /// Parameters on the whole surface, rounded so that they fall into this leaf again.
+    /// Parameters (u, v) of the point `at` in \[−1, 1]² of this leaf.
+    ///
+    /// Rounding to f32 never moves them to a neighbouring leaf.
     pub fn leaf_to_surface_uv(&self, at: DVec2) -> Vec2 {
         let (low, high) = (self.middle - self.half, self.middle + self.half);
         let round = |x: f64, low: f64, high: f64| {
@@ -66,9 +71,10 @@ impl PatchLeaf {
     }
 }
 
+/// Collects the leaves of a patch while it is subdivided.
 pub(super) struct PatchBuilder {
     degree: [usize; 2],
-    /// Bytes of memory that the surface may take.
+    /// Memory limit of the surface in bytes, if any.
     free: Option<u64>,
     pub leaves: Vec<PatchLeaf>,
     pub powers: Vec<Coefficients<4>>,
@@ -83,11 +89,11 @@ impl PatchBuilder {
         Self { degree, free, leaves, powers, boxes, roots: Vec::new(), cuts: Vec::new() }
     }
 
-    /// Adds the Bézier patch that spans `ranges` of u and v.
+    /// Subdivides the Bézier patch over the `ranges` of u and v, and adds its leaves.
     ///
     /// # Errors
     ///
-    /// [`SplineError::Memory`].
+    /// [`SplineError::Memory`] if the leaves exceed the memory limit.
     pub fn add_bezier_patch(&mut self, controls: &[Coefficients<4>], ranges: [[f64; 2]; 2]) -> Result<(), SplineError> {
         let [min, max] = control_point_bounds(controls);
         let root = self.subdivide(controls, ranges, MIN_RELATIVE_SIZE * (max - min).length(), MAX_HALVINGS)?;
@@ -95,9 +101,7 @@ impl PatchBuilder {
         Ok(())
     }
 
-    /// Estimated memory in bytes, with a quarter for the slack of lists.
-    ///
-    /// Measured: 26.7 MB for an estimate of 34.1 MB.
+    /// Upper bound of the memory in bytes, with a quarter for the unused capacity of lists.
     pub fn memory_bytes(&self) -> u64 {
         let own = BYTES_PER_LEAF * self.leaves.len() as u64 + (size_of::<Coefficients<4>>() * self.powers.len()) as u64;
         own + own / 4
@@ -168,13 +172,13 @@ fn xyz(c: &Coefficients<4>) -> DVec3 {
     DVec3::new(c[0], c[1], c[2])
 }
 
-/// Bounding box of the control points.
+/// Axis-aligned bounding box of the control points.
 fn control_point_bounds(controls: &[Coefficients<4>]) -> BoxCorners {
     let points = controls.iter().map(|c| xyz(c) / c[3]);
     points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[min, max], p| [min.min(p), max.max(p)])
 }
 
-/// Axis along which to halve a piece; `None` if the piece is flat enough.
+/// Parameter axis (0 or 1) along which to halve a piece; `None` if the piece is flat enough.
 fn axis_to_halve(a: &[Coefficients<4>], columns: usize) -> Option<usize> {
     let (along_x, along_y) = (xyz(&a[columns]), xyz(&a[1]));
     let normal = along_x.cross(along_y);
@@ -204,7 +208,7 @@ fn axis_to_halve(a: &[Coefficients<4>], columns: usize) -> Option<usize> {
     })
 }
 
-/// Halves of a net, divided across an axis.
+/// The control nets of both halves of a patch that is divided at the middle of a parameter axis.
 fn halve_net(
     controls: &[Coefficients<4>],
     columns: usize,

@@ -1,34 +1,35 @@
-//! Short pieces of surfaces, and their intersection with lines.
+//! Nearly flat pieces of rational surfaces, and their intersection with lines.
 
 use super::box_bvh::Line;
 use super::polynomial::{Coefficients, MAX_DEGREE, evaluate_2d_with_derivatives, reparametrize, reparametrize_rows};
 use super::profile::{MAX_DERIVATIVE_CHANGE, MAX_FIRST_STEP, NEWTON_CONVERGENCE_RATE, PIECE_OVERLAP, POINT_SIZE};
 use glam::{DVec2, DVec3};
 
-/// Piece of a rational surface: coefficients of w·(x, y, z), relative to its centre, and of w.
+/// Piece of a rational surface, with both parameters in \[−1, 1].
 ///
-/// Both parameters are in \[−1, 1]. The weight w is 1 at the centre.
+/// The coefficients are those of w·(x, y, z), relative to the centre, and of w. The weight w is 1
+/// at the centre.
 #[derive(Clone, Copy, Debug)]
 pub struct PatchPiece<'a> {
+    /// Polynomial coefficients; powers of y vary fastest.
     pub powers: &'a [Coefficients<4>],
     /// Position of the centre.
     pub middle: DVec3,
-    /// Number of coefficients in a row: the degree in y plus 1.
+    /// Number of coefficients per power of x: the degree in y plus 1.
     pub columns: usize,
     pub bounds: HigherTerms,
     /// Bound on the rounding error of a point.
     pub noise: f64,
 }
 
-/// Constant and linear terms, and bounds on the terms beyond.
-///
-/// The bounds are the sums of |aᵢⱼ|, for the remainder, and of (i + j)|aᵢⱼ|, for the change of the
-/// derivatives.
+/// Constant and linear terms of a polynomial, and bounds on its higher terms.
 #[derive(Clone, Copy, Debug)]
 pub struct HigherTerms {
     /// The constant term, the term in y, and the term in x.
     linear: [Coefficients<4>; 3],
+    /// Bound on the sum of the higher terms: Σ |aᵢⱼ|.
     rest: Coefficients<4>,
+    /// Bound on the change of the derivatives: Σ (i + j)|aᵢⱼ|.
     turn: Coefficients<4>,
 }
 
@@ -47,38 +48,39 @@ impl HigherTerms {
         beyond
     }
 
-    /// Bounds for w·((x, y, z) − base).
+    /// Converts `sums`, bounds for (w·(x, y, z), w), to bounds for w·((x, y, z) − base).
     #[inline]
     fn bound_relative_to(sums: &Coefficients<4>, base: DVec3) -> DVec3 {
         split_off_weight(sums).0 + base.abs() * sums[3]
     }
 }
 
+/// Separates coefficients into those of w·(x, y, z) and of w.
 #[inline]
 fn split_off_weight(a: &Coefficients<4>) -> (DVec3, f64) {
     (DVec3::new(a[0], a[1], a[2]), a[3])
 }
 
-/// w·((x, y, z) − base), or a derivative of it.
+/// Converts (w·(x, y, z), w) to w·((x, y, z) − base); derivatives convert alike.
 #[inline]
 fn relative_to_base(a: &Coefficients<4>, base: DVec3) -> DVec3 {
     let (p, w) = split_off_weight(a);
     p - base * w
 }
 
-/// Result of a root test in a box.
+/// Number of roots that a test found in a box of parameters.
 enum RootTest {
     NoRoot,
-    /// Exactly one root.
+    /// Exactly one root, with its parameters and τ.
     Root(DVec2, f64),
-    /// Unknown: the box must be divided.
+    /// Unknown; the box must be divided.
     Unclear,
-    /// The line runs inside the surface, up to rounding, over the whole box.
+    /// The line lies in the surface over the whole box, up to rounding.
     Inside,
 }
 
 impl PatchPiece<'_> {
-    /// Parameters of the nearest hit within `range` of τ; the end of the range is moved to it.
+    /// Parameters of the nearest hit within `range` of τ; moves the end of `range` to that hit.
     #[inline]
     pub fn nearest_hit(&self, line: &Line, range: &mut [f64; 2], size: f64) -> Option<DVec2> {
         // Bounds on the change of weights grow with the distance of the line's base, so the base is
@@ -101,20 +103,20 @@ impl PatchPiece<'_> {
         Some(found)
     }
 
-    /// The line relative to the centre of the piece, with its base as near as possible, and the τ
-    /// of that base.
+    /// The line with its base moved next to the piece's centre, relative to that centre, and the τ
+    /// of the new base.
     #[inline]
     fn relative_line(&self, line: &Line) -> (Line, f64) {
         let start = (self.middle - line.base).dot(line.direction);
         (Line { base: line.base + line.direction * start - self.middle, ..*line }, start)
     }
 
-    /// Newton step from the parameters `at`.
+    /// Newton step for the intersection with `line` from the parameters `at`.
     pub fn newton_step_at(&self, line: &Line, at: DVec2) -> DVec2 {
         newton_step(self.powers, self.columns, &self.relative_line(line).0, at).0
     }
 
-    /// The point and its derivatives by both parameters.
+    /// Point at the parameters `at`, and its derivatives by x and y.
     #[inline]
     pub fn point_and_derivatives(&self, at: DVec2) -> [DVec3; 3] {
         let [value, along_x, along_y] = evaluate_2d_with_derivatives(self.powers, self.columns, at.x, at.y);
@@ -123,8 +125,9 @@ impl PatchPiece<'_> {
         [p + self.middle, relative_to_base(&along_x, p) / w, relative_to_base(&along_y, p) / w]
     }
 
-    /// Halves the piece along its longer side until each box has no root, one root, or the size of
-    /// rounding.
+    /// Nearest hit by recursive halving of the parameter box along its longer side.
+    ///
+    /// Halving ends when a box has no root, one root, or the size of a rounding error.
     #[cold]
     #[inline(never)]
     fn bisect_for_hits<const ROOM: usize>(&self, line: &Line, range: &mut [f64; 2], size: f64) -> Option<DVec2> {
@@ -176,7 +179,8 @@ impl PatchPiece<'_> {
         found
     }
 
-    /// Half the size of the piece's bounding box; `None` if the line misses it within the range.
+    /// Half the edge lengths of the piece's bounding box; `None` if the line misses that box within
+    /// `range` of τ.
     fn half_size_if_hit(&self, bounds: &HigherTerms, line: &Line, range: [f64; 2]) -> Option<DVec3> {
         let [middle, along_y, along_x] = bounds.linear.map(|a| relative_to_base(&a, line.base));
         let reach =
@@ -193,11 +197,12 @@ impl PatchPiece<'_> {
     }
 }
 
-/// τ of the piece's centre, projected to the line.
+/// τ of the projection of the piece's centre to the line.
 fn center_tau(a: &[Coefficients<4>], line: &Line) -> f64 {
     relative_to_base(&a[0], line.base).dot(line.direction) / a[0][3]
 }
 
+/// True if the piece extends farther along its parameter x than along y.
 fn is_longer_in_x(a: &[Coefficients<4>], columns: usize) -> bool {
     let (mut x, mut y) = (DVec3::ZERO, DVec3::ZERO);
     for (i, row) in a.chunks_exact(columns).enumerate() {
@@ -210,7 +215,7 @@ fn is_longer_in_x(a: &[Coefficients<4>], columns: usize) -> bool {
     x.max_element() > y.max_element()
 }
 
-/// Tests for roots of w·(point − base) = w·τ·direction with both parameters in \[−1, 1].
+/// Tests for solutions of point(x, y) = base + τ·direction with x and y in \[−1, 1].
 #[inline]
 fn test_roots(a: &[Coefficients<4>], columns: usize, bounds: &HigherTerms, line: &Line, noise: f64) -> RootTest {
     let d = line.direction;
@@ -237,7 +242,7 @@ fn test_roots(a: &[Coefficients<4>], columns: usize, bounds: &HigherTerms, line:
     if least + turn_x + turn_y <= blur { RootTest::Inside } else { RootTest::Unclear }
 }
 
-/// Newton step from the parameters `at`, and τ after it.
+/// Newton step from the parameters `at`, and the value of τ after the step.
 #[inline]
 fn newton_step(a: &[Coefficients<4>], columns: usize, line: &Line, at: DVec2) -> (DVec2, f64) {
     let values = evaluate_2d_with_derivatives(a, columns, at.x, at.y);
@@ -249,7 +254,9 @@ fn newton_step(a: &[Coefficients<4>], columns: usize, line: &Line, at: DVec2) ->
     (step, (miss + along_x * step.x + along_y * step.y).dot(d) / w)
 }
 
-/// The only possible root, or `None`, by the criterion of [`super::profile`].
+/// Parameters and τ of the only possible root, by Newton's method; `None` if there is none.
+///
+/// Iterates must converge as fast as [`NEWTON_CONVERGENCE_RATE`] guarantees for a root.
 fn newton_root(
     a: &[Coefficients<4>],
     columns: usize,

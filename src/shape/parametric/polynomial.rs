@@ -1,21 +1,22 @@
-//! Polynomials on \[−1, 1] in powers of the distance from the centre.
+//! Polynomials on \[−1, 1] in the power basis.
 //!
-//! On a short piece of a curve or surface, coefficients decrease quickly with the power. This form
-//! is then as stable as the Bernstein form and faster to evaluate. The sum of the coefficients
-//! beyond the linear terms bounds these terms.
+//! On a short piece of a curve or surface, coefficients decrease quickly with the power. The power
+//! basis is then as stable as the Bernstein basis and faster to evaluate.
 
-/// Largest degree of a curve or surface; the stack used by evaluation grows with its square.
+/// Largest degree of a curve or surface; stack memory grows with its square.
 pub const MAX_DEGREE: usize = 24;
 
-/// Coefficients with `N` components.
+/// One polynomial coefficient with `N` components.
 pub type Coefficients<const N: usize> = [f64; N];
 
+/// a + s·b.
 #[inline]
 fn add_scaled<const N: usize>(a: Coefficients<N>, b: Coefficients<N>, s: f64) -> Coefficients<N> {
     std::array::from_fn(|i| a[i] + s * b[i])
 }
 
-/// Halves of a Bézier curve divided at `s` in \[0, 1], by de Casteljau's algorithm.
+/// Control points of both parts of a Bézier curve divided at `s` in \[0, 1], by de Casteljau's
+/// algorithm.
 pub fn split_bezier<const N: usize>(
     controls: &[Coefficients<N>],
     s: f64,
@@ -32,10 +33,10 @@ pub fn split_bezier<const N: usize>(
     (first, last)
 }
 
-/// Converts Bernstein coefficients to powers around the centre, in place.
+/// Converts Bernstein coefficients on \[0, 1] to the power basis on \[−1, 1], in place.
 ///
-/// The coefficients are at `first`, `first + stride`, … of `c`. The k-th result is 2⁻ⁿ C(n, k) Σᵢ
-/// C(n − k, i) Δᵏbᵢ.
+/// The coefficients are `c[first]`, `c[first + stride]`, … The k-th result is
+/// 2⁻ⁿ C(n, k) Σᵢ C(n − k, i) Δᵏbᵢ.
 pub fn bernstein_to_powers<const N: usize>(c: &mut [Coefficients<N>], first: usize, stride: usize, degree: usize) {
     let mut differences = [[0.0; N]; MAX_DEGREE + 1];
     for (i, d) in differences[..=degree].iter_mut().enumerate() {
@@ -55,11 +56,12 @@ pub fn bernstein_to_powers<const N: usize>(c: &mut [Coefficients<N>], first: usi
     }
 }
 
+/// Binomial coefficient C(n, k).
 fn binomial(n: usize, k: usize) -> f64 {
     (0..k).fold(1u64, |b, i| b * (n - i) as u64 / (i as u64 + 1)) as f64
 }
 
-/// Replaces a(x) by a(`middle` + `half`·x), by the shift of Shaw and Traub.
+/// Replaces the polynomial a(x) by a(`middle` + `half`·x), with the algorithm of Shaw and Traub.
 #[inline]
 pub fn reparametrize<const N: usize>(a: &mut [Coefficients<N>], middle: f64, half: f64) {
     let mut scale = 1.0;
@@ -74,7 +76,7 @@ pub fn reparametrize<const N: usize>(a: &mut [Coefficients<N>], middle: f64, hal
     }
 }
 
-/// Replaces a(x, y) by a(`middle` + `half`·x, y); the rows are polynomials in y.
+/// Replaces the polynomial a(x, y) by a(`middle` + `half`·x, y); powers of y vary fastest.
 #[inline]
 pub fn reparametrize_rows<const N: usize>(a: &mut [Coefficients<N>], columns: usize, middle: f64, half: f64) {
     let rows = a.len() / columns;
@@ -91,7 +93,7 @@ pub fn reparametrize_rows<const N: usize>(a: &mut [Coefficients<N>], columns: us
     }
 }
 
-/// Value and derivative at `x`.
+/// Value and derivative of a polynomial at `x`, by Horner's scheme.
 #[inline]
 pub fn evaluate_with_derivative<const N: usize>(a: &[Coefficients<N>], x: f64) -> (Coefficients<N>, Coefficients<N>) {
     let (mut value, mut slope) = ([0.0; N], [0.0; N]);

@@ -1,52 +1,52 @@
-//! Profiles: pieces of curves in the half plane of distance from the axis and height, and their
-//! intersection with rays.
+//! Pieces of profile curves in the half plane of radius and height, and their intersection with
+//! rays.
 
 use super::cylindrical_ray::{CylindricalRay, Interval};
 use super::polynomial::{Coefficients, MAX_DEGREE, evaluate_with_derivative, reparametrize};
 
-/// Polynomial piece of a profile: (ρ, y) for x in \[−1, 1], in powers of x.
+/// Polynomial piece of a profile: radius and height (ρ, y) as functions of x in \[−1, 1].
 #[derive(Clone, Copy, Debug)]
 pub struct ProfilePiece<'a> {
+    /// Coefficients of the powers of x.
     pub powers: &'a [Coefficients<2>],
     /// Bound on the rounding error of a point.
     pub noise: f64,
 }
 
-/// Relative deviation from a constant derivative below which Newton's method converges surely
-/// inside a box.
+/// Relative change of the Jacobian over a box below which Newton's method is certain to converge.
 ///
-/// Let J̄ be the mean Jacobian between an iterate and the root, and J that at the iterate. If both
-/// are within q of the centre's Jacobian, then |1 − J⁻¹J̄| ≤ 2q/(1 − q), which is [`NEWTON_CONVERGENCE_RATE`].
+/// Let J be the Jacobian at an iterate and J̄ its mean between iterate and root. If both differ
+/// from the Jacobian at the centre by at most the fraction q, then |1 − J⁻¹J̄| ≤ 2q/(1 − q), which
+/// is [`NEWTON_CONVERGENCE_RATE`].
 pub const MAX_DERIVATIVE_CHANGE: f64 = 0.25;
 
-/// Largest ratio of the distances to the root after and before a Newton step.
+/// Largest ratio of the distances to a root after and before a Newton step.
 pub const NEWTON_CONVERGENCE_RATE: f64 = 2.0 / 3.0;
 
-/// Longest first step to a root inside the box, in half widths: |J⁻¹J̄| times the box's width.
+/// Longest first Newton step to a root inside the box, in half widths of the box: |J⁻¹J̄| times 2.
 pub const MAX_FIRST_STEP: f64 = 2.0 * (1.0 + NEWTON_CONVERGENCE_RATE);
 
-/// Distance outside a piece, in its half widths, at which a root still counts as inside.
+/// Distance outside a piece, in half widths, at which a root still counts as inside.
 ///
-/// Neighbours overlap by this distance, so no root is lost between them.
+/// Adjacent pieces overlap by this distance, so no root is lost between them.
 pub const PIECE_OVERLAP: f64 = 1e-10;
 
-/// Size, relative to the surface, below which a double root counts as one point.
+/// Size of a box, relative to the surface, below which a double root counts as one hit.
 pub const POINT_SIZE: f64 = 1e-6;
 
-/// Result of a root test in a box.
+/// Number of roots that a test found in a box of parameters.
 enum RootTest {
     NoRoot,
     /// Exactly one root, at (x, τ).
     Root(f64, f64),
-    /// Unknown: the box must be divided.
+    /// Unknown; the box must be divided.
     Unclear,
-    /// The ray runs inside the surface, up to rounding, over the whole box.
+    /// The ray lies in the surface over the whole box, up to rounding.
     Inside,
 }
 
-/// Bounds on the terms beyond the linear ones, and on the change of the derivative.
-///
-/// The bounds are the sums of |aₖ| and of k|aₖ|.
+/// Bounds on the terms of degree 2 and above, and on the change of the derivative: Σ |aₖ| and
+/// Σ k|aₖ|.
 #[inline]
 fn higher_term_bounds(a: &[Coefficients<2>]) -> (Coefficients<2>, Coefficients<2>) {
     let (mut rest, mut turn) = ([0.0; 2], [0.0; 2]);
@@ -60,9 +60,9 @@ fn higher_term_bounds(a: &[Coefficients<2>]) -> (Coefficients<2>, Coefficients<2
 }
 
 impl ProfilePiece<'_> {
-    /// Nearest hit within `t`, as (x, τ); the end of `t` is moved to it.
+    /// Nearest hit (x, τ) within `t`; moves the end of `t` to that hit.
     ///
-    /// Boxes in x are halved until each has no root, one root, or the size of rounding.
+    /// Intervals of x are halved until each has no root, one root, or the size of a rounding error.
     pub fn nearest_hit(&self, ray: &CylindricalRay, t: &mut Interval, size: f64) -> Option<(f64, f64)> {
         let degree = self.powers.len() - 1;
         let mut boxes = [(0.0, 0.0); 64];
@@ -120,7 +120,8 @@ impl ProfilePiece<'_> {
     }
 }
 
-/// Tests for roots of ρ(x) − |ray(τ)| and y(x) − ray(τ).y with x in \[−1, 1] and τ in `t`.
+/// Tests for points where profile and ray have equal radius and height, with x in \[−1, 1] and τ in
+/// `t`.
 #[inline]
 fn test_roots(
     a: &[Coefficients<2>],
@@ -168,8 +169,9 @@ fn test_roots(
     if most <= blur { RootTest::Inside } else { RootTest::Unclear }
 }
 
-/// The only possible root, or `None`; roots within `tolerance` of the box, in its half widths,
-/// count.
+/// The only possible root (x, τ), by Newton's method; `None` if there is none.
+///
+/// Roots outside the box by at most `tolerance` half widths count.
 fn newton_root(
     a: &[Coefficients<2>],
     ray: &CylindricalRay,

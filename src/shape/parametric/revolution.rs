@@ -19,30 +19,30 @@ use libm::{atan2, hypot, sincos};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Longest step along a ray, relative to the surface's size, that corrects the rounding of
-/// coordinates.
+/// Longest Newton step along a ray, relative to the surface's size, that refines a hit.
 ///
-/// A longer step means that the ray runs along the surface.
+/// A longer step means that the ray is nearly tangent.
 const MAX_RELATIVE_STEP: f64 = 1e-4;
 
-/// Points around the axis for the area under maps that stretch; the sum converges like a Fourier
-/// series.
+/// Number of angles at which the area is summed.
 const AREA_ANGLES: u32 = 64;
 
-/// The points (X cos θ, Y, X sin θ) of a profile (X, Y), under an affine map.
+/// Surface of revolution: the points (X cos θ, Y, X sin θ) of a profile curve (X, Y), under an
+/// affine map.
 ///
-/// Surface parameters are the position on the profile in \[0, 1], by its knots, and θ/2π. The outer
-/// side is on the right of the profile's direction, with x to the right and y up. So a profile at x
-/// > 0 that goes up faces away from the axis.
+/// Surface parameters are the curve parameter of the profile in \[0, 1], and θ/2π. The outer side
+/// is on the right of the profile's direction: a profile at X > 0 that goes up faces away from the
+/// axis.
 #[derive(Clone, Debug)]
 pub struct Revolution {
     profile: Arc<RevolutionProfile>,
-    /// Map from the profile's space, in which the range of y is centred.
+    /// Map from object space, whose origin is at the middle height of the profile.
     to_world: Transform,
     /// World area \[length²].
     area: f64,
 }
 
+/// Profile curve in object space, divided into leaves.
 #[derive(Debug)]
 struct RevolutionProfile {
     leaves: Vec<ProfileLeaf>,
@@ -50,13 +50,14 @@ struct RevolutionProfile {
     tree: RingBvh,
     /// Largest distance of the surface from the origin.
     size: f64,
+    /// Bound on the rounding error of an evaluated point.
     noise: f64,
-    /// Distribution of leaves by area, in the profile's space.
+    /// Distribution of leaves by object-space area.
     choice: DiscreteDistribution,
 }
 
 impl Revolution {
-    /// A surface with a profile of control points (x, y).
+    /// Surface of revolution around the y axis; the profile has the control points (x, y).
     ///
     /// # Errors
     ///
@@ -66,11 +67,11 @@ impl Revolution {
         Self::with_memory_limit(basis, controls, None)
     }
 
-    /// Like [`Revolution::new`], limited to `free` bytes of memory if that number is known.
+    /// Surface like that of [`Revolution::new`] that uses at most `free` bytes of memory, if given.
     ///
     /// # Errors
     ///
-    /// [`SplineError`], also if the memory does not suffice.
+    /// Those of [`Revolution::new`], and [`SplineError::Memory`] if the limit does not suffice.
     pub fn with_memory_limit(basis: &SplineBasis, controls: &[DVec2], free: Option<u64>) -> Result<Self, SplineError> {
         if controls.len() != basis.control_count() {
             return Err(SplineError::Controls { controls: controls.len(), degree: basis.degree() });
@@ -105,24 +106,24 @@ impl Revolution {
         Ok(Self { profile: Arc::new(profile), to_world, area })
     }
 
-    /// The ray in the profile's space, the length from its origin to τ = 0, and the length per unit
-    /// of t.
+    /// The ray in object space, and its `start` and `length` of [`ObjectRay`].
     ///
-    /// `None` if the ray passes the bounding sphere by.
+    /// `None` if the line misses the bounding sphere.
     fn profile_ray(&self, ray: &Ray) -> Option<(CylindricalRay, f64, f64)> {
         let ObjectRay { base, direction, start, length } = ObjectRay::new(ray, &self.to_world);
         let size = self.profile.size * (1.0 + 1e-9);
         (base.length_squared() <= size * size).then(|| (CylindricalRay::new(base, direction), start, length))
     }
 
-    /// Angle θ/2π in \[0, 1) of a point of a leaf.
+    /// Angle θ/2π in \[0, 1] of the object-space point `p` of a leaf.
     fn angle_in_turns(&self, p: DVec3, leaf: usize) -> f64 {
         let side = self.profile.leaves[leaf].side;
         let turn = atan2(side * p.z, side * p.x) / TAU;
         if turn < 0.0 { turn + 1.0 } else { turn }
     }
 
-    /// The surface of a leaf at parameter x, in the unit direction `radial` from the axis.
+    /// World-space surface point of a leaf at parameter x, in the unit direction `radial` = (x, z)
+    /// from the axis.
     fn surface_at(&self, leaf: usize, x: f64, radial: DVec2, uv: Vec2) -> SurfacePoint {
         let profile = &self.profile;
         let p = self.to_world.transform_point(profile.leaf_point(leaf, x, radial));
@@ -211,7 +212,7 @@ impl AnalyticShape for Revolution {
         self.area
     }
 
-    /// Chooses a leaf by its area, then samples its parameters uniformly.
+    /// Samples a leaf in proportion to its area, then uniform parameters in the leaf.
     fn sample(&self, u: Vec2) -> ShapeSample {
         let (leaf, _) = self.profile.choice.sample(u.x);
         let x = f64::from(self.profile.choice.remapped_sample(u.x, leaf)) * 2.0 - 1.0;
@@ -254,25 +255,25 @@ impl RevolutionProfile {
         &self.powers[self.leaves[leaf].first as usize..end]
     }
 
-    /// Point at parameter x of a leaf, in the unit direction `radial` from the axis.
+    /// Object-space point at parameter x of a leaf, in the unit direction `radial` from the axis.
     fn leaf_point(&self, leaf: usize, x: f64, radial: DVec2) -> DVec3 {
         let ([radius, height], _) = evaluate_with_derivative(self.leaf_powers(leaf), x);
         DVec3::new(radius * radial.x, height, radius * radial.y)
     }
 
-    /// Unit direction from the axis at the angle θ/2π = `turns`.
+    /// Unit direction (x, z) from the axis to the points of a leaf at the angle θ = 2π·`turns`.
     fn radial_direction(&self, leaf: usize, turns: f32) -> DVec2 {
         let (sin, cos) = sincos(f64::from(turns) * TAU);
         DVec2::new(cos, sin) * self.leaves[leaf].side
     }
 
-    /// Position on the whole profile of parameter x of a leaf.
+    /// Profile parameter in \[0, 1] at parameter x in \[−1, 1] of a leaf.
     fn leaf_to_profile(&self, leaf: usize, x: f64) -> f64 {
         let [middle, half] = self.leaves[leaf].place;
         middle + half * x
     }
 
-    /// The leaf at a position on the whole profile, and the parameter x in the leaf.
+    /// Leaf at the profile parameter `place` in \[0, 1], and the parameter x in that leaf.
     fn find_leaf(&self, place: f64) -> (usize, f64) {
         let after = self.leaves.partition_point(|l| l.place[0] - l.place[1] <= place);
         let leaf = after.saturating_sub(1);
@@ -280,7 +281,7 @@ impl RevolutionProfile {
         (leaf, ((place - middle) / half).clamp(-1.0, 1.0))
     }
 
-    /// Normal of any length, on the right of the profile's direction.
+    /// Object-space normal on the outer side, not normalised.
     fn leaf_normal(&self, leaf: usize, x: f64, radial: DVec2) -> DVec3 {
         let powers = self.leaf_powers(leaf);
         let extent = powers[1..].iter().flatten().fold(0.0, |m: f64, c| m.max(c.abs()));
@@ -297,12 +298,13 @@ impl RevolutionProfile {
         DVec3::new(dh * radial.x, -dx, dh * radial.y) * side
     }
 
-    /// Area per unit of x and of θ.
+    /// Object-space area per unit of x and per radian of θ.
     fn area_element(&self, leaf: usize, x: f64) -> f64 {
         let ([radius, _], [dx, dh]) = evaluate_with_derivative(self.leaf_powers(leaf), x);
         radius.abs() * hypot(dx, dh)
     }
 
+    /// World area of a leaf under `to_world` \[length²].
     fn leaf_area(&self, leaf: usize, to_world: &Transform) -> f64 {
         let determinant = to_world.determinant().abs();
         let mut sum = 0.0;

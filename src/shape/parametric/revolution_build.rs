@@ -5,39 +5,44 @@ use super::ring_bvh::Ring;
 use super::spline::{MIN_SPAN, SplineError};
 use libm::hypot;
 
-/// Relative bend of a piece below which it is divided no further.
+/// Relative change of the derivative over a piece below which the piece is not divided.
 const MAX_RELATIVE_BEND: f64 = 1.0 / 16.0;
 
-/// Largest number of halvings of a Bézier piece that never becomes flat: at cusps and coincident
-/// control points.
+/// Maximum number of nested halvings, reached at cusps and coincident control points, which never
+/// become flat.
 pub(super) const MAX_HALVINGS: u32 = 9;
 
-/// Bytes of a leaf besides its coefficients: itself, its ring and area, its share of the tree.
+/// Bytes of a leaf without its coefficients: the leaf, its ring and area, its share of the
+/// hierarchy.
 const BYTES_PER_LEAF: u64 = 256;
 
+/// Nearly flat piece of a profile, on one side of the axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ProfileLeaf {
+    /// Index of the first polynomial coefficient.
     pub first: u32,
     /// Sign of the profile's x: 1 or −1.
     pub side: f64,
-    /// Centre and half width of its interval of the profile.
+    /// Centre and half width of the leaf's interval of the profile parameter.
     pub place: [f64; 2],
+    /// Bounds of the leaf.
     pub ring: Ring,
 }
 
+/// Collects the leaves of a profile while it is subdivided.
 pub(super) struct ProfileBuilder {
     pub leaves: Vec<ProfileLeaf>,
     pub powers: Vec<Coefficients<2>>,
-    /// Bytes of memory that the surface may take.
+    /// Memory limit of the surface in bytes, if any.
     pub free: Option<u64>,
 }
 
 impl ProfileBuilder {
-    /// Divides a Bézier curve until it is nearly flat and on one side of the axis.
+    /// Adds a Bézier curve, divided into leaves that are nearly flat and on one side of the axis.
     ///
     /// # Errors
     ///
-    /// [`SplineError::Memory`].
+    /// [`SplineError::Memory`] if the leaves exceed the memory limit.
     pub fn subdivide(
         &mut self,
         controls: &[Coefficients<2>],
@@ -84,7 +89,9 @@ impl ProfileBuilder {
     }
 }
 
-/// Parameter at which the curve crosses the axis, if its control points change sides exactly once.
+/// Parameter in (0, 1) at which a Bézier curve crosses the axis.
+///
+/// `None` unless the x of its control points changes sign exactly once.
 fn axis_crossing(controls: &[Coefficients<2>]) -> Option<f64> {
     let sides: Vec<bool> = controls.iter().map(|c| c[0]).filter(|x| *x != 0.0).map(|x| x > 0.0).collect();
     let [first, .., _] = sides[..] else { return None };

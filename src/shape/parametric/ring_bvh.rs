@@ -1,5 +1,4 @@
-//! Hierarchy of rings, which are ranges of distance from the axis and of height, with eight
-//! children per node.
+//! Bounding volume hierarchy of rings around the y axis, with eight children per node.
 
 use super::cylindrical_ray::{CylindricalRay, Interval};
 
@@ -8,7 +7,7 @@ const WIDTH: usize = 8;
 /// Bit that marks a child as a leaf.
 pub const LEAF: u32 = 1 << 31;
 
-/// Squared distances and heights of eight rings, grown so that rounding loses nothing.
+/// Bounds of eight rings: squared radii and heights, expanded by the rounding error of the test.
 #[derive(Debug)]
 struct Node {
     inner2: [f64; WIDTH],
@@ -18,7 +17,7 @@ struct Node {
     children: [u32; WIDTH],
 }
 
-/// Ring between two distances from the axis and two heights.
+/// Ring around the y axis: a range of distances from the axis and a range of heights.
 #[derive(Clone, Copy, Debug)]
 pub struct Ring {
     pub radius: [f64; 2],
@@ -32,14 +31,14 @@ impl Ring {
     }
 }
 
-/// Hierarchy over rings in the order of the profile.
+/// Bounding volume hierarchy over rings, ordered along the profile.
 #[derive(Debug)]
 pub struct RingBvh {
     nodes: Vec<Node>,
 }
 
 impl RingBvh {
-    /// Builds a hierarchy over at least one ring, of a surface within `size` of the origin.
+    /// Builds a hierarchy over one or more rings; no point is farther than `size` from the origin.
     pub fn new(rings: &[Ring], size: f64) -> Self {
         let mut tree = Self { nodes: Vec::new() };
         tree.build_node(rings, 0, 1e-12 * size);
@@ -69,9 +68,10 @@ impl RingBvh {
         index as u32
     }
 
-    /// Visits the leaves that `ray` may hit within `t`, approximately from near to far.
+    /// Calls `visit` with the index of each ring that `ray` may hit within `t`, roughly from near
+    /// to far.
     ///
-    /// `visit` shortens `t` at a hit.
+    /// `visit` moves the end of `t` to a hit that it finds.
     #[inline]
     pub fn visit_hit_leaves(&self, ray: &CylindricalRay, mut t: Interval, mut visit: impl FnMut(usize, &mut Interval)) {
         let dy = ray.direction.y;

@@ -1,9 +1,9 @@
-//! Bézier and B-spline curves and nets of control points, and their Bézier pieces.
+//! B-spline bases, and the Bézier pieces of B-spline curves.
 
 use super::polynomial::{Coefficients, MAX_DEGREE};
 use crate::stats::format_bytes;
 
-/// Reason why control points and knots define no curve or surface.
+/// Error: control points and knots define no curve or surface.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum SplineError {
     /// The degree is 0, or above [`MAX_DEGREE`].
@@ -27,7 +27,7 @@ pub enum SplineError {
         /// Degree of the curve.
         degree: usize,
     },
-    /// This knot, counted from 0, is less than the knot before it.
+    /// The knot with this index is less than the knot before it.
     #[error("knot {0} (counted from 0) is less than the one before it")]
     Decreasing(usize),
     /// The first and the last knot of the curve's range are equal.
@@ -38,10 +38,10 @@ pub enum SplineError {
         /// Index of the last knot of the range.
         last: usize,
     },
-    /// The span that begins at this knot, counted from 0, is too short for single precision.
+    /// The span that begins at the knot with this index is too short for f32 parameters.
     #[error("the stretch that begins at knot {0} (counted from 0) is shorter than 1/4194304 of the curve's range")]
     Narrow(usize),
-    /// The number of control points does not make a net.
+    /// The number of control points is not the product of rows and columns.
     #[error("{controls} control points do not make a net of {rows} × {columns}")]
     Net {
         /// Number of control points.
@@ -51,18 +51,18 @@ pub enum SplineError {
         /// Number of columns, along v.
         columns: usize,
     },
-    /// The weight of this control point, counted from 0, is not above 0.
+    /// The weight of the control point with this index is not above 0.
     #[error("the weight of control point {0} (counted from 0) is not above 0")]
     Weight(usize),
-    /// A coordinate, weight or knot is not finite, or its square is not.
+    /// The absolute value of a coordinate, weight or knot is not below 10¹⁰⁰.
     #[error("a control point or knot is too large")]
     TooLarge,
-    /// The surface takes more memory than is free.
+    /// The surface takes more memory than its limit.
     #[error("the surface takes {} of memory or more, and {} are free", format_bytes(*needed), format_bytes(*free))]
     Memory {
-        /// Bytes in use when the limit was exceeded.
+        /// Bytes needed when construction stopped; the whole surface needs at least as many.
         needed: u64,
-        /// Bytes that the surface may take.
+        /// Memory limit in bytes.
         free: u64,
     },
     /// The whole surface lies in a line or a point.
@@ -70,12 +70,12 @@ pub enum SplineError {
     NoArea,
 }
 
-/// Shortest span relative to the range.
+/// Length of the shortest accepted knot span, relative to the range.
 ///
-/// Single-precision coordinates below 1 are 2⁻²⁴ apart, and each span needs several of them.
+/// f32 parameters near 1 are 2⁻²⁴ apart, and each span needs several distinct values.
 pub(super) const MIN_SPAN: f64 = 1.0 / 4_194_304.0;
 
-/// Checked degree and knots of one direction.
+/// B-spline basis: the degree and the knots along one parameter, checked for consistency.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SplineBasis {
     degree: usize,
@@ -83,17 +83,17 @@ pub struct SplineBasis {
     knots: Vec<f64>,
 }
 
-/// Interval between two different knots.
+/// Interval between two consecutive, different knots.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct KnotSpan {
-    /// Index of the knot at its start.
+    /// Index of the knot at the start.
     knot: usize,
-    /// Position within the curve's range, which is \[0, 1].
+    /// Start and end, if the range of the whole curve is scaled to \[0, 1].
     pub range: [f64; 2],
 }
 
 impl SplineBasis {
-    /// A single Bézier curve with `controls` control points.
+    /// Basis of a single Bézier curve with `controls` control points.
     ///
     /// # Errors
     ///
@@ -105,23 +105,26 @@ impl SplineBasis {
         Ok(Self { degree, controls, knots })
     }
 
-    /// A uniform, unclamped B-spline with knots i/(n + p); it does not reach its first and last
-    /// control point.
+    /// Uniform basis with the knots i/(n + p), for n control points and degree p.
+    ///
+    /// The curve is unclamped: it does not reach its first and last control points.
     ///
     /// # Errors
     ///
-    /// [`SplineError`] if degree and number do not fit.
+    /// [`SplineError`] if there are too few control points for the degree.
     pub fn uniform_knots(degree: usize, controls: usize) -> Result<Self, SplineError> {
         check_degree(degree)?;
         let last = controls + degree;
         Self::new(degree, controls, (0..=last).map(|i| i as f64 / last as f64).collect())
     }
 
-    /// A B-spline with non-decreasing knots; its range is from knot p to knot n, counted from 0.
+    /// Basis with non-decreasing knots.
+    ///
+    /// The curve ranges from knot p to knot n, counted from 0, for degree p and n control points.
     ///
     /// # Errors
     ///
-    /// [`SplineError`] if degree, numbers and knots do not fit.
+    /// [`SplineError`] if degree, number of control points and knots are inconsistent.
     pub fn new(degree: usize, controls: usize, knots: Vec<f64>) -> Result<Self, SplineError> {
         check_degree(degree)?;
         if controls <= degree {
@@ -158,7 +161,7 @@ impl SplineBasis {
         self.controls
     }
 
-    /// The spans with a length above 0.
+    /// Knot spans with a length above 0, ascending.
     pub(super) fn knot_spans(&self) -> impl Iterator<Item = KnotSpan> {
         let (first, last) = (self.knots[self.degree], self.knots[self.controls]);
         let place = move |knot: f64| (knot - first) / (last - first);
@@ -167,11 +170,11 @@ impl SplineBasis {
             .map(move |k| KnotSpan { knot: k, range: [place(self.knots[k]), place(self.knots[k + 1])] })
     }
 
-    /// Bézier control points of a span, from the control points at `first`, `first + stride`, … of
-    /// `controls`.
+    /// Bézier control points of the curve over a knot span.
     ///
-    /// The j-th is the polar form with j arguments at the end knot and p − j at the start knot
-    /// (Ramshaw 1989). Each step is a weighted mean, so nothing cancels.
+    /// The control points of the curve are `controls[first]`, `controls[first + stride]`, … Result
+    /// j is the polar form with j arguments at the end knot and p − j at the start knot (Ramshaw
+    /// 1989). Each step is a weighted mean, so nothing cancels.
     pub(super) fn bezier_piece<const N: usize>(
         &self,
         span: KnotSpan,

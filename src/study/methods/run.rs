@@ -92,8 +92,8 @@ impl<'a> MethodStudy<'a> {
     /// Prepares `variants`, each with `seeds` seeds from that of its settings upwards.
     ///
     /// # Errors
-    /// [`MethodVariantError`] if there is no variant, two have one label, or there are fewer than two
-    /// seeds.
+    /// [`MethodVariantError`] if there is no variant, two have one label, or there are fewer than
+    /// two seeds.
     pub fn prepare(scene: &'a Scene, variants: Vec<MethodVariant>, seeds: u32) -> Result<Self, MethodVariantError> {
         let made_by = |variant: MethodVariant| {
             let (algorithm, settings) = (variant.algorithm, variant.settings.clone());

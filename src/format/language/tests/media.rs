@@ -2,27 +2,23 @@
 
 use super::*;
 use crate::format::description::{
-    DensityDescription, MediumCoefficients, MediumDescription, PhaseFunctionDescription, Span, Spanned, TransformStep,
+    DensityDescription, MediumCoefficients, MediumDescription, PhaseFunctionDescription, TransformStep,
     TransformedBoxDescription,
 };
 
-fn named(name: &str) -> Spanned<String> {
-    Spanned::new(name.to_owned(), Span::default())
-}
-
-fn media(body: &str) -> Vec<MediumDescription> {
-    let d = scene(&format!("Media {{ {body} }} Group {{ }}")).unwrap();
+fn parse_media(body: &str) -> Vec<MediumDescription> {
+    let d = parse_with_camera(&format!("Media {{ {body} }} Group {{ }}")).unwrap();
     d.media.into_iter().map(|m| m.value).collect()
 }
 
 #[track_caller]
-fn bad(body: &str, message: &str, help: &str) {
-    refused(&format!("Media {{ {body} }}"), message, help);
+fn rejects_media(body: &str, message: &str, help: &str) {
+    rejects(&format!("Media {{ {body} }}"), message, help);
 }
 
 #[test]
 fn media_read_all_their_fields() {
-    let media = media(
+    let media = parse_media(
         "numMedia 4 Medium a { } Medium \"b c\" { scattering 1 2 3 absorption 4 5 6 emission 7 8 9 phase rayleigh }
          Medium d { albedo 1 .5 0 extinction 10 20 30 anisotropy -.5 } Medium e { phase henyey-greenstein anisotropy .99 }",
     );
@@ -59,7 +55,7 @@ fn media_read_all_their_fields() {
 
 #[test]
 fn densities_come_from_grids_or_noise() {
-    let [smoke, plain, cloud] = &media(
+    let [smoke, plain, cloud] = &parse_media(
         "Medium smoke { grid dir/s.grid densityScale 3 min -1 0 1 max 1 2 3 Transform { YRotate 30 } }
          Cloud plain { min 0 0 0 max 1 1 1 }
          Cloud full { cover 1 softness 0 octaves 16 frequency 2.5 seed 4294967295 resolution 512 min 0 0 0 max 1 1 1 }",
@@ -71,7 +67,7 @@ fn densities_come_from_grids_or_noise() {
         max: DVec3::new(1.0, 2.0, 3.0),
         maps: vec![TransformStep::RotateY(30.0)],
     };
-    assert_eq!(smoke.density, DensityDescription::Grid { path: named("dir/s.grid"), scale: 3.0, extent });
+    assert_eq!(smoke.density, DensityDescription::Grid { path: spanned_name("dir/s.grid"), scale: 3.0, extent });
     let extent = TransformedBoxDescription { min: DVec3::ZERO, max: DVec3::ONE, maps: vec![] };
     let expected = |cover, softness, octaves, frequency, seed, resolution| {
         let extent = extent.clone();
@@ -85,58 +81,68 @@ fn densities_come_from_grids_or_noise() {
 fn materials_and_background_refer_to_media() {
     let text = "Background { medium fog color 0 0 0 } Media { Medium fog { } Medium milk { } }
         Materials { Dielectric { medium milk } Clear c { medium \"fog\" priority 255 } Clear { } } Group { }";
-    let d = scene(text).unwrap();
-    assert_eq!((d.background, d.ambient_medium.as_ref()), (DVec3::ZERO, Some(&named("fog"))));
+    let d = parse_with_camera(text).unwrap();
+    assert_eq!((d.background, d.ambient_medium.as_ref()), (DVec3::ZERO, Some(&spanned_name("fog"))));
     let found: Vec<_> = d.materials.iter().map(|m| (&m.kind, m.medium.clone())).collect();
     assert!(matches!(found[0].0, MaterialKindDescription::Dielectric { .. }));
-    assert_eq!(found[0].1, Some(named("milk")));
-    assert_eq!(found[1], (&MaterialKindDescription::Clear { priority: 255 }, Some(named("fog"))));
+    assert_eq!(found[0].1, Some(spanned_name("milk")));
+    assert_eq!(found[1], (&MaterialKindDescription::Clear { priority: 255 }, Some(spanned_name("fog"))));
     assert_eq!(found[2], (&MaterialKindDescription::Clear { priority: 0 }, None));
-    let again = scene("Background { medium fog } Background { } Group { }").unwrap();
+    let again = parse_with_camera("Background { medium fog } Background { } Group { }").unwrap();
     assert_eq!(again.ambient_medium, None, "a block that comes again replaces the one before");
 }
 
 #[test]
 fn medium_errors_have_position_and_remedy() {
-    bad("‹Medium› { }", "this `Medium` has no name", "`Medium name {");
-    bad("Medium a { } Cloud ‹a› { }", "two media are called `a`", "another name");
-    bad("‹Mediun› a { }", "unexpected `Mediun` in `Media`", "did you mean `Medium`?");
-    bad("numMedia ‹2› Medium a { }", "`numMedia` is 2, but 1 medium follows", "`numMedia 1`");
-    bad("Medium a { ‹scatering› 1 1 1 }", "unexpected `scatering`", "did you mean `scattering`?");
+    rejects_media("‹Medium› { }", "this `Medium` has no name", "`Medium name {");
+    rejects_media("Medium a { } Cloud ‹a› { }", "two media are called `a`", "another name");
+    rejects_media("‹Mediun› a { }", "unexpected `Mediun` in `Media`", "did you mean `Medium`?");
+    rejects_media("numMedia ‹2› Medium a { }", "`numMedia` is 2, but 1 medium follows", "`numMedia 1`");
+    rejects_media("Medium a { ‹scatering› 1 1 1 }", "unexpected `scatering`", "did you mean `scattering`?");
     for field in ["scattering", "absorption", "emission", "albedo 1 1 1 extinction"] {
         let name = field.rsplit(' ').next().unwrap();
         for value in ["-1 0 0", "0 0 1e13"] {
-            bad(&format!("Medium a {{ {field} ‹{value}› }}"), &format!("`{name}` of `Medium`"), "between 0 and 1e12");
+            rejects_media(
+                &format!("Medium a {{ {field} ‹{value}› }}"),
+                &format!("`{name}` of `Medium`"),
+                "between 0 and 1e12",
+            );
         }
-        bad(&format!("Medium a {{ {field} ‹nan› 1 1 }}"), "not a finite number", "finite");
+        rejects_media(&format!("Medium a {{ {field} ‹nan› 1 1 }}"), "not a finite number", "finite");
     }
-    bad("Medium a { extinction 1 1 1 albedo ‹1 1.5 1› }", "`albedo` of `Medium`", "between 0 and 1");
-    bad("‹Medium› a { extinction 1 1 1 }", "`Medium` has no `albedo`", "add `albedo`");
-    bad("Medium a { albedo ‹1 1 1› }", "`albedo` of `Medium`", "without `extinction`");
-    bad("Medium a { absorption 1 1 1 ‹extinction› 1 1 1 }", "both `absorption` and `extinction`", "keep one of");
-    bad("Medium a { albedo 1 1 1 ‹scattering› 1 1 1 }", "both `albedo` and `scattering`", "keep one of");
-    bad("Medium a { phase ‹mie› }", "`phase` of `Medium` cannot be `mie`", "`isotropic`, `rayleigh`");
+    rejects_media("Medium a { extinction 1 1 1 albedo ‹1 1.5 1› }", "`albedo` of `Medium`", "between 0 and 1");
+    rejects_media("‹Medium› a { extinction 1 1 1 }", "`Medium` has no `albedo`", "add `albedo`");
+    rejects_media("Medium a { albedo ‹1 1 1› }", "`albedo` of `Medium`", "without `extinction`");
+    rejects_media(
+        "Medium a { absorption 1 1 1 ‹extinction› 1 1 1 }",
+        "both `absorption` and `extinction`",
+        "keep one of",
+    );
+    rejects_media("Medium a { albedo 1 1 1 ‹scattering› 1 1 1 }", "both `albedo` and `scattering`", "keep one of");
+    rejects_media("Medium a { phase ‹mie› }", "`phase` of `Medium` cannot be `mie`", "`isotropic`, `rayleigh`");
     for g in ["1", "-1", "2", ".99999999"] {
-        bad(&format!("Medium a {{ anisotropy ‹{g}› }}"), "`anisotropy` of `Medium`", "inside -1 … 1");
+        rejects_media(&format!("Medium a {{ anisotropy ‹{g}› }}"), "`anisotropy` of `Medium`", "inside -1 … 1");
     }
-    bad("Medium a { phase rayleigh anisotropy ‹.5› }", "`anisotropy` of `Medium`", "leave one of both out");
-    bad("‹Medium› a { phase henyey-greenstein }", "`Medium` has no `anisotropy`", "add `anisotropy`");
+    rejects_media("Medium a { phase rayleigh anisotropy ‹.5› }", "`anisotropy` of `Medium`", "leave one of both out");
+    rejects_media("‹Medium› a { phase henyey-greenstein }", "`Medium` has no `anisotropy`", "add `anisotropy`");
 }
 
 #[test]
 fn density_errors_have_position_and_remedy() {
     let extent = "min 0 0 0 max 1 1 1";
     for field in ["min ‹0 0 0›", "max ‹0 0 0›", "densityScale ‹2›"] {
-        bad(&format!("Medium a {{ {field} }}"), "of `Medium` cannot be", "has no effect without `grid`");
+        rejects_media(&format!("Medium a {{ {field} }}"), "of `Medium` cannot be", "has no effect without `grid`");
     }
-    bad("‹Medium› a { grid b }", "`Medium` has no `min`", "add `min`");
-    bad("Medium a { grid b min 0 0 0 max ‹1 0 1› }", "`max` of `Medium`", "above `min` in each component");
-    bad("Medium a { grid b min 0 0 -1.7e308 max ‹1 1 1.7e308› }", "`max` of `Medium`", "above `min`");
-    bad(&format!("Medium a {{ grid b {extent} densityScale ‹0› }}"), "`densityScale` of `Medium`", "above 0");
-    bad(&format!("Medium a {{ ‹cover› 1 grid b {extent} }}"), "unexpected `cover` in `Medium`", "may hold");
-    bad(&format!("Cloud a {{ ‹grid› b {extent} }}"), "unexpected `grid` in `Cloud`", "may hold");
-    bad("‹Cloud› a { min 0 0 0 }", "`Cloud` has no `max`", "add `max`");
-    let cloud = |field: &str, help: &str| bad(&format!("Cloud a {{ {extent} {field} }}"), "of `Cloud` cannot be", help);
+    rejects_media("‹Medium› a { grid b }", "`Medium` has no `min`", "add `min`");
+    rejects_media("Medium a { grid b min 0 0 0 max ‹1 0 1› }", "`max` of `Medium`", "above `min` in each component");
+    rejects_media("Medium a { grid b min 0 0 -1.7e308 max ‹1 1 1.7e308› }", "`max` of `Medium`", "above `min`");
+    rejects_media(&format!("Medium a {{ grid b {extent} densityScale ‹0› }}"), "`densityScale` of `Medium`", "above 0");
+    rejects_media(&format!("Medium a {{ ‹cover› 1 grid b {extent} }}"), "unexpected `cover` in `Medium`", "may hold");
+    rejects_media(&format!("Cloud a {{ ‹grid› b {extent} }}"), "unexpected `grid` in `Cloud`", "may hold");
+    rejects_media("‹Cloud› a { min 0 0 0 }", "`Cloud` has no `max`", "add `max`");
+    let cloud = |field: &str, help: &str| {
+        rejects_media(&format!("Cloud a {{ {extent} {field} }}"), "of `Cloud` cannot be", help)
+    };
     cloud("cover ‹1.5›", "between 0 and 1");
     cloud("softness ‹-.1›", "between 0 and 1");
     cloud("octaves ‹0›", "from 1 to 16");
@@ -148,23 +154,23 @@ fn density_errors_have_position_and_remedy() {
 
 #[test]
 fn medium_reference_errors_have_position_and_remedy() {
-    refused("Materials { Mirror { } } ‹Media› { }", "behind the `Materials`", "ahead of the Materials");
+    rejects("Materials { Mirror { } } ‹Media› { }", "behind the `Materials`", "ahead of the Materials");
     let fill = |name: &str| {
         format!("Media {{ Medium fog {{ }} Medium milk {{ }} }} Materials {{ Clear {{ medium {name} }} }}")
     };
-    refused(&fill("‹fogg›"), "no medium is called `fogg`", "did you mean `fog`?");
-    refused(&fill("‹water›"), "no medium is called `water`", "known are fog, milk");
-    refused("Materials { Dielectric { medium ‹fog› } }", "no medium is called `fog`", "`Media { Medium name");
-    refused("Background { medium ‹frog› } Media { Medium fog { } } Group { }", "called `frog`", "did you mean `fog`?");
-    refused("Background { medium ‹fog› } Group { }", "no medium is called `fog`", "in the file");
-    let clear = |field: &str, help: &str| refused(&format!("Materials {{ Clear {{ {field} }} }}"), "of `Clear`", help);
+    rejects(&fill("‹fogg›"), "no medium is called `fogg`", "did you mean `fog`?");
+    rejects(&fill("‹water›"), "no medium is called `water`", "known are fog, milk");
+    rejects("Materials { Dielectric { medium ‹fog› } }", "no medium is called `fog`", "`Media { Medium name");
+    rejects("Background { medium ‹frog› } Media { Medium fog { } } Group { }", "called `frog`", "did you mean `fog`?");
+    rejects("Background { medium ‹fog› } Group { }", "no medium is called `fog`", "in the file");
+    let clear = |field: &str, help: &str| rejects(&format!("Materials {{ Clear {{ {field} }} }}"), "of `Clear`", help);
     clear("emission ‹1 1 1›", "give `emission` to its medium");
     clear("emissionScale ‹2›", "give `emission` to its medium");
     clear("bump ‹lumps› bumpHeight 1", "leave it out");
     clear("normalMap ‹lumps›", "leave it out");
     clear("priority ‹256›", "from 0 to 255");
-    refused("Materials { Clear { ‹roughness› 1 } }", "unexpected `roughness` in `Clear`", "may hold");
-    refused("Materials { Mirror { ‹medium› fog } }", "unexpected `medium` in `Mirror`", "may hold");
+    rejects("Materials { Clear { ‹roughness› 1 } }", "unexpected `roughness` in `Clear`", "may hold");
+    rejects("Materials { Mirror { ‹medium› fog } }", "unexpected `medium` in `Mirror`", "may hold");
     let mix = "Materials { Clear a { } Mirror b { } Mix { first b second ‹a› amount 1 } }";
-    refused(mix, "a mix cannot be `Clear`", "`Dielectric { indexOfRefraction 1 … }`");
+    rejects(mix, "a mix cannot be `Clear`", "`Dielectric { indexOfRefraction 1 … }`");
 }

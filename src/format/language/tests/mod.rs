@@ -12,30 +12,44 @@ use crate::format::description::{
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 width 200 height 200 }";
 
-/// Line 1 of the text is `CAMERA`, so `body` starts at line 2.
-fn scene(body: &str) -> Result<SceneDescription, SceneError> {
+/// Parses a scene of `CAMERA` in line 1 and `body` from line 2 on.
+fn parse_with_camera(body: &str) -> Result<SceneDescription, SceneError> {
     parse("scene.txt", &format!("{CAMERA}\n{body}"))
 }
 
-fn check(result: Result<SceneDescription, SceneError>, place: (usize, usize), text: &str, message: &str, help: &str) {
+/// Asserts position and text of an error, and parts of its message and help.
+fn assert_error(
+    result: Result<SceneDescription, SceneError>,
+    (line, column): (usize, usize),
+    text: &str,
+    message: &str,
+    help: &str,
+) {
     let error = result.expect_err(message);
-    assert_eq!((error.line(), error.column(), error.text()), (place.0, place.1, text), "{error}");
+    assert_eq!((error.line(), error.column(), error.text()), (line, column, text), "{error}");
     assert!(error.message().contains(message), "`{message}` is not in `{}`", error.message());
     assert!(error.remedy().contains(help), "`{help}` is not in `{}`", error.remedy());
 }
 
-/// `body` marks the offending text by `‹` and `›`.
+/// Asserts that the first error of `body` is at the text between `‹` and `›`.
+///
+/// The error must contain `message`, and its remedy `help`.
 #[track_caller]
-fn refused(body: &str, message: &str, help: &str) {
+fn rejects(body: &str, message: &str, help: &str) {
     let (before, rest) = body.split_once('‹').unwrap();
     let (text, after) = rest.split_once('›').unwrap();
     let line = 2 + before.matches('\n').count();
     let column = before.rsplit('\n').next().unwrap_or_default().chars().count() + 1;
-    check(scene(&format!("{before}{text}{after}")), (line, column), text, message, help);
+    assert_error(parse_with_camera(&format!("{before}{text}{after}")), (line, column), text, message, help);
 }
 
-fn first(body: &str) -> ObjectDescription {
-    let d = scene(body).unwrap();
+fn spanned_name(name: &str) -> Spanned<String> {
+    Spanned::new(name.to_owned(), Span::default())
+}
+
+/// Returns the first object of the root group.
+fn first_object(body: &str) -> ObjectDescription {
+    let d = parse_with_camera(body).unwrap();
     let object = d.root.items.into_iter().find_map(|item| match item {
         GroupItem::Object(object) => Some(object.value),
         _ => None,
@@ -69,17 +83,20 @@ fn values_beyond_single_precision_are_refused() {
     ] {
         let textures = if before.contains("bump") { "Textures { Checker a { } } " } else { "" };
         let name = before.rsplit(' ').next().unwrap();
-        refused(&format!("{textures}{before} ‹{value}› }} }}"), &format!("`{name}` of"), largest);
+        rejects(&format!("{textures}{before} ‹{value}› }} }}"), &format!("`{name}` of"), largest);
     }
-    refused("Materials { Dielectric { absorption ‹0 2e12 0› } }", "`absorption` of", "between 0 and 1e12");
+    rejects("Materials { Dielectric { absorption ‹0 2e12 0› } }", "`absorption` of", "between 0 and 1e12");
     // ln 2 / 1e-13 is 7e12.
-    refused(
+    rejects(
         "Materials { Dielectric { tint 1 .5 1 tintDistance ‹1e-13› } }",
         "`tintDistance` of",
         "an absorption above 1e12",
     );
     assert!(
-        scene("Materials { Dielectric { tint 1 .5 1 tintDistance 1e-12 } Phong { shininess 3e38 } } Group { }").is_ok()
+        parse_with_camera(
+            "Materials { Dielectric { tint 1 .5 1 tintDistance 1e-12 } Phong { shininess 3e38 } } Group { }"
+        )
+        .is_ok()
     );
 }
 
@@ -107,14 +124,14 @@ fn absent_fields_take_their_defaults() {
 
 #[test]
 fn the_last_group_replaces_earlier_ones() {
-    let d = scene("Group { Sphere { center 0 0 0 radius 1 } } Group { }").unwrap();
+    let d = parse_with_camera("Group { Sphere { center 0 0 0 radius 1 } } Group { }").unwrap();
     assert!(d.root.items.is_empty());
-    let d = scene("Lights { PointLight { position 0 0 0 power 1 1 1 } } Lights { } Group { }").unwrap();
+    let d = parse_with_camera("Lights { PointLight { position 0 0 0 power 1 1 1 } } Lights { } Group { }").unwrap();
     assert!(d.lights.is_empty());
-    scene("Materials { Mirror a { } } Materials { Mirror a { } } Group { MaterialName a }").unwrap();
-    // The first group's material is gone, but so is the first group.
-    scene("Materials { Mirror {} } Group { MaterialIndex 0 } Materials { } Group { }").unwrap();
-    refused(
+    parse_with_camera("Materials { Mirror a { } } Materials { Mirror a { } } Group { MaterialName a }").unwrap();
+    // The second `Materials` and the second `Group` replace the first ones.
+    parse_with_camera("Materials { Mirror {} } Group { MaterialIndex 0 } Materials { } Group { }").unwrap();
+    rejects(
         "Materials { Mirror {} } Group { MaterialIndex 0 } ‹Materials› { }",
         "replace those that the `Group` before them uses",
         "one block before the Group",
@@ -123,81 +140,82 @@ fn the_last_group_replaces_earlier_ones() {
 
 #[test]
 fn names_may_be_quoted_or_bare() {
-    let mesh = |body: &str| match first(body) {
+    let mesh = |body: &str| match first_object(body) {
         ObjectDescription::Shape { shape: ShapeDescription::Mesh { path, .. }, .. } => path.value,
         other => panic!("{other:?}"),
     };
     assert_eq!(mesh("Group { TriangleMesh { obj_file mesh/cube.obj } }"), "mesh/cube.obj");
     assert_eq!(mesh("Group{TriangleMesh{obj_file mesh/cube.obj}}"), "mesh/cube.obj");
     assert_eq!(mesh(r#"Group { TriangleMesh { obj_file "my \"mesh\" \\ {.obj" } }"#), r#"my "mesh" \ {.obj"#);
-    refused("Group { TriangleMesh { obj_file ‹}› }", "`obj_file` wants a name", "write a name after `obj_file`");
-    refused("Group { TriangleMesh { obj_file ‹\"\"› } }", "`obj_file` wants a name", "in quotes if it holds spaces");
-    refused("Group { TriangleMesh { obj_file ‹\"›a.obj\n\" } }", "does not end on its line", "close it");
-    refused(r#"Group { TriangleMesh { obj_file "C:‹\›a.obj" } }"#, "a backslash in quotes", "`/` between folders");
+    rejects("Group { TriangleMesh { obj_file ‹}› }", "`obj_file` wants a name", "write a name after `obj_file`");
+    rejects("Group { TriangleMesh { obj_file ‹\"\"› } }", "`obj_file` wants a name", "in quotes if it holds spaces");
+    rejects("Group { TriangleMesh { obj_file ‹\"›a.obj\n\" } }", "does not end on its line", "close it");
+    rejects(r#"Group { TriangleMesh { obj_file "C:‹\›a.obj" } }"#, "a backslash in quotes", "`/` between folders");
 }
 
 #[test]
 fn counts_must_match() {
-    scene("Lights { numLights 0 } Materials { numMaterials 0 } Group { numObjects 0 }").unwrap();
+    parse_with_camera("Lights { numLights 0 } Materials { numMaterials 0 } Group { numObjects 0 }").unwrap();
     // Materials are not objects.
-    scene("Materials { Mirror { } } Group { MaterialIndex 0 numObjects 1 MaterialIndex 0 Group { } }").unwrap();
-    refused("Group { numObjects ‹2›\n Group { } }", "`numObjects` is 2, but 1 object follows", "write `numObjects 1`");
-    refused("Lights { numLights ‹4000000000› } Group { }", "is 4000000000, but 0 lights", "write `numLights 0`");
-    refused("Materials { numMaterials ‹1› Mirror { } Mirror { } }", "is 1, but 2 materials", "leave the count out");
-    refused("Group { numObjects 0 ‹numObjects› 0 }", "given twice in `Group`", "keep one");
-    refused("Group { numObjects ‹-1› }", "lies outside 0 … 4294967295", "whole number");
-    refused("Group { numObjects ‹1.5› Group { } }", "wants a whole number, found `1.5`", "`numObjects 1`");
-    refused("Group { numObjects ‹one› }", "wants a whole number, found `one`", "`numObjects 1`");
+    parse_with_camera("Materials { Mirror { } } Group { MaterialIndex 0 numObjects 1 MaterialIndex 0 Group { } }")
+        .unwrap();
+    rejects("Group { numObjects ‹2›\n Group { } }", "`numObjects` is 2, but 1 object follows", "write `numObjects 1`");
+    rejects("Lights { numLights ‹4000000000› } Group { }", "is 4000000000, but 0 lights", "write `numLights 0`");
+    rejects("Materials { numMaterials ‹1› Mirror { } Mirror { } }", "is 1, but 2 materials", "leave the count out");
+    rejects("Group { numObjects 0 ‹numObjects› 0 }", "given twice in `Group`", "keep one");
+    rejects("Group { numObjects ‹-1› }", "lies outside 0 … 4294967295", "whole number");
+    rejects("Group { numObjects ‹1.5› Group { } }", "wants a whole number, found `1.5`", "`numObjects 1`");
+    rejects("Group { numObjects ‹one› }", "wants a whole number, found `one`", "`numObjects 1`");
 }
 
 #[test]
 fn numbers_must_be_finite() {
     let sphere = |radius: &str| format!("Group {{ Sphere {{ center 0 0 0 radius ‹{radius}› }} }}");
-    refused(&sphere("nan"), "`nan` is not a finite number", "give `radius` a finite value");
-    refused(&sphere("-Inf"), "`-Inf` is not a finite number", "finite");
-    refused(&sphere("1e999"), "`1e999` is too large", "1.7e308");
-    refused(&sphere("abc"), "`radius` wants a number, found `abc`", "`radius 1`");
-    refused("Group { Sphere { center 0 0 ‹radius› 1 } }", "`center` wants 3 numbers, found `radius`", "three numbers");
-    refused("Group { Sphere { center 1‹,2,3› radius 1 } }", "found `,2,3`", "not by commas");
-    refused("Group { Transform { Matrix4f { 1 0 ‹}› } }", "wants 16 numbers, found `}`", "write 16 numbers");
+    rejects(&sphere("nan"), "`nan` is not a finite number", "give `radius` a finite value");
+    rejects(&sphere("-Inf"), "`-Inf` is not a finite number", "finite");
+    rejects(&sphere("1e999"), "`1e999` is too large", "1.7e308");
+    rejects(&sphere("abc"), "`radius` wants a number, found `abc`", "`radius 1`");
+    rejects("Group { Sphere { center 0 0 ‹radius› 1 } }", "`center` wants 3 numbers, found `radius`", "three numbers");
+    rejects("Group { Sphere { center 1‹,2,3› radius 1 } }", "found `,2,3`", "not by commas");
+    rejects("Group { Transform { Matrix4f { 1 0 ‹}› } }", "wants 16 numbers, found `}`", "write 16 numbers");
 }
 
 #[test]
 fn impossible_shapes_are_refused() {
     for radius in ["0", "-1"] {
         let body = format!("Group {{ Sphere {{ center 0 0 0 radius ‹{radius}› }} }}");
-        refused(&body, &format!("`radius` of `Sphere` cannot be `{radius}`"), "must be above 0");
+        rejects(&body, &format!("`radius` of `Sphere` cannot be `{radius}`"), "must be above 0");
     }
-    refused("Group { Disc { center 0 0 0 normal 0 0 1 radius ‹0› } }", "`radius` of `Disc`", "above 0");
-    refused("Group { Plane { normal ‹0 0 0› offset 1 } }", "`normal` of `Plane` cannot be `0 0 0`", "length above 0");
-    refused("Group { Plane { normal ‹1e200 0 0› offset 1 } }", "cannot be `1e200 0 0`", "below 1e154");
-    refused(
+    rejects("Group { Disc { center 0 0 0 normal 0 0 1 radius ‹0› } }", "`radius` of `Disc`", "above 0");
+    rejects("Group { Plane { normal ‹0 0 0› offset 1 } }", "`normal` of `Plane` cannot be `0 0 0`", "length above 0");
+    rejects("Group { Plane { normal ‹1e200 0 0› offset 1 } }", "cannot be `1e200 0 0`", "below 1e154");
+    rejects(
         "Group { Rectangle { corner 0 0 0 edge0 1 2 3 edge1 ‹.1 .2 .3› } }",
         "`edge1` of `Rectangle`",
         "the area would be 0",
     );
-    refused("Group { Rectangle { corner 0 0 0 edge0 ‹0 0 0› edge1 1 0 0 } }", "`edge0`", "length above 0");
+    rejects("Group { Rectangle { corner 0 0 0 edge0 ‹0 0 0› edge1 1 0 0 } }", "`edge0`", "length above 0");
     // Meshes hold triangles without area, so they are no error.
-    scene("Group { Triangle { vertex0 0 0 0 vertex1 0 0 0 vertex2 0 0 0 } }").unwrap();
+    parse_with_camera("Group { Triangle { vertex0 0 0 0 vertex1 0 0 0 vertex2 0 0 0 } }").unwrap();
     let three = "vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0";
-    refused(&format!("Group {{ ‹Triangle› {{ {three} normal1 0 0 1 }} }}"), "has no `normal0`", "add `normal0`");
-    refused("Group { BsplineCurve { ‹controls› [0 0 0] } }", "`controls` of `BsplineCurve`", "at least 4 points");
-    refused("Group { RevSurface { profile BezierCurve { ‹controls› } } }", "`controls`", "at least 2 points");
-    refused("Group { RevSurface { profile ‹Sphere› } }", "`profile` wants a curve", "`profile BezierCurve { … }`");
+    rejects(&format!("Group {{ ‹Triangle› {{ {three} normal1 0 0 1 }} }}"), "has no `normal0`", "add `normal0`");
+    rejects("Group { BsplineCurve { ‹controls› [0 0 0] } }", "`controls` of `BsplineCurve`", "at least 4 points");
+    rejects("Group { RevSurface { profile BezierCurve { ‹controls› } } }", "`controls`", "at least 2 points");
+    rejects("Group { RevSurface { profile ‹Sphere› } }", "`profile` wants a curve", "`profile BezierCurve { … }`");
 }
 
 #[test]
 fn impossible_colors_are_refused() {
-    refused("Background { color ‹0 -1 0› }", "cannot be `0 -1 0`", "negative");
-    refused("Lights { PointLight { position 0 0 0 power ‹-1 0 0› } }", "`power` of `PointLight`", "not be negative");
-    refused("Group { Sphere { center 0 0 0 radius 1 emission ‹-1 0 0› } }", "`emission`", "not be negative");
-    refused("Materials { Phong { diffuseColor ‹-1 0 0› } }", "`diffuseColor` of `Phong`", "not be negative");
-    refused("Materials { Phong { shininess ‹-1› } }", "`shininess` of `Phong` cannot be `-1`", "not be negative");
-    refused("Materials { Diffuse { reflectance ‹1 1.1 1› } }", "cannot be `1 1.1 1`", "between 0 and 1");
-    refused("Materials { Dielectric { tint ‹1 0 1› } }", "`tint` of `Dielectric`", "above 0 and at most at 1");
-    refused("Materials { Dielectric { absorption ‹-1 0 1› } }", "`absorption`", "between 0 and 1e12");
-    refused("Materials { Dielectric { tint 1 1 1 tintDistance ‹0› } }", "`tintDistance`", "above 0");
-    refused("Materials { Dielectric { tintDistance ‹1› } }", "`tintDistance`", "no effect without `tint`");
+    rejects("Background { color ‹0 -1 0› }", "cannot be `0 -1 0`", "negative");
+    rejects("Lights { PointLight { position 0 0 0 power ‹-1 0 0› } }", "`power` of `PointLight`", "not be negative");
+    rejects("Group { Sphere { center 0 0 0 radius 1 emission ‹-1 0 0› } }", "`emission`", "not be negative");
+    rejects("Materials { Phong { diffuseColor ‹-1 0 0› } }", "`diffuseColor` of `Phong`", "not be negative");
+    rejects("Materials { Phong { shininess ‹-1› } }", "`shininess` of `Phong` cannot be `-1`", "not be negative");
+    rejects("Materials { Diffuse { reflectance ‹1 1.1 1› } }", "cannot be `1 1.1 1`", "between 0 and 1");
+    rejects("Materials { Dielectric { tint ‹1 0 1› } }", "`tint` of `Dielectric`", "above 0 and at most at 1");
+    rejects("Materials { Dielectric { absorption ‹-1 0 1› } }", "`absorption`", "between 0 and 1e12");
+    rejects("Materials { Dielectric { tint 1 1 1 tintDistance ‹0› } }", "`tintDistance`", "above 0");
+    rejects("Materials { Dielectric { tintDistance ‹1› } }", "`tintDistance`", "no effect without `tint`");
 }
 
 #[test]
@@ -223,18 +241,18 @@ fn impossible_cameras_are_refused() {
         ("center 1 2 3 ‹center› 1 2 3", "`center` is given twice", "keep one"),
     ] {
         let (result, place, text) = camera(fields);
-        check(result, place, &text, message, help);
+        assert_error(result, place, &text, message, help);
     }
     let result = parse("scene.txt", "Group { }\n PerspectiveCamera { center 0 0 0 angle 9 }");
-    check(result, (2, 2), "PerspectiveCamera", "has no `direction` or `lookAt`", "add `direction` or `lookAt`");
+    assert_error(result, (2, 2), "PerspectiveCamera", "has no `direction` or `lookAt`", "add `direction` or `lookAt`");
     let result = parse("scene.txt", "PerspectiveCamera { center 0 0 0 direction 0 0 1 }");
-    check(result, (1, 1), "PerspectiveCamera", "has no `angle`", "add `angle` to it");
+    assert_error(result, (1, 1), "PerspectiveCamera", "has no `angle`", "add `angle` to it");
 }
 
 #[test]
 fn lights_need_exactly_one_strength() {
     let body = "Lights { SpotLight { position 0 0 0 lookAt 0 0 1 angle 60 penumbra 9 intensity 1 2 3 } } Group { }";
-    let d = scene(body).unwrap();
+    let d = parse_with_camera(body).unwrap();
     assert_eq!(
         d.lights[0].value,
         LightDescription::Spot {
@@ -246,47 +264,47 @@ fn lights_need_exactly_one_strength() {
         }
     );
     let spot = |fields: &str| format!("Lights {{ SpotLight {{ position 0 0 0 {fields} }} }}");
-    refused(&spot("direction 0 0 1 angle ‹0› power 1 1 1"), "cannot be `0`", "above 0 and at most at 360 degrees");
-    refused(&spot("direction 0 0 1 angle 60 penumbra ‹31› power 1 1 1"), "cannot be `31`", "half of the cone's angle");
-    refused(&spot("lookAt ‹0 0 0› angle 60 power 1 1 1"), "`lookAt`", "some distance from `position`");
-    refused(
+    rejects(&spot("direction 0 0 1 angle ‹0› power 1 1 1"), "cannot be `0`", "above 0 and at most at 360 degrees");
+    rejects(&spot("direction 0 0 1 angle 60 penumbra ‹31› power 1 1 1"), "cannot be `31`", "half of the cone's angle");
+    rejects(&spot("lookAt ‹0 0 0› angle 60 power 1 1 1"), "`lookAt`", "some distance from `position`");
+    rejects(
         "Lights { ‹PointLight› { position 0 0 0 } }",
         "has no `color` or `intensity` or `power`",
         "add `color` or `intensity` or `power`",
     );
-    refused(
+    rejects(
         "Lights { PointLight { position 0 0 0 color 1 1 1 ‹power› 1 1 1 } }",
         "both `color` and `power`",
         "keep one",
     );
-    refused("Lights { ‹DirectionalLight› { direction 0 0 1 } }", "has no `color` or `irradiance`", "add");
-    refused("Lights { ‹SphereLight› { center 0 0 1 radius 1 } }", "has no `radiance` or `power`", "add");
-    refused("Lights { SphereLight { center 0 0 1 radius ‹0› power 1 1 1 } }", "`radius`", "above 0");
-    refused("Materials { Dielectric { tint 1 1 1 ‹absorption› 1 1 1 } }", "both `tint` and `absorption`", "keep one");
+    rejects("Lights { ‹DirectionalLight› { direction 0 0 1 } }", "has no `color` or `irradiance`", "add");
+    rejects("Lights { ‹SphereLight› { center 0 0 1 radius 1 } }", "has no `radiance` or `power`", "add");
+    rejects("Lights { SphereLight { center 0 0 1 radius ‹0› power 1 1 1 } }", "`radius`", "above 0");
+    rejects("Materials { Dielectric { tint 1 1 1 ‹absorption› 1 1 1 } }", "both `tint` and `absorption`", "keep one");
 }
 
 #[test]
 fn singular_transforms_are_refused() {
     let transform = |maps: &str| format!("Group {{ Transform {{ {maps} Sphere {{ center 0 0 0 radius 1 }} }} }}");
-    refused(&transform("Scale ‹1 0 1›"), "`Scale` flattens its object", "scales must not be 0");
-    refused(&transform("UniformScale ‹0›"), "`UniformScale` flattens", "scales must not be 0");
-    refused(&transform("Matrix { ‹1 0 0 0 0 1 0 0 1 1 0 0 0 0 0 1› }"), "`Matrix` flattens", "columns of a matrix");
-    refused(&transform("Matrix4f { ‹1 0 0 1 0 1 0 0 0 0 1 0 0 0 0 1› }"), "fourth row of `Matrix4f`", "the last is 1");
-    refused(&transform("Rotate { ‹0 0 0 90› }"), "the axis of `Rotate`", "axis and degrees");
-    refused(&transform("Rotate { 0 0 1 90 ‹5› }"), "expected `}` in `Rotate`, found `5`", "put `}` before it");
+    rejects(&transform("Scale ‹1 0 1›"), "`Scale` flattens its object", "scales must not be 0");
+    rejects(&transform("UniformScale ‹0›"), "`UniformScale` flattens", "scales must not be 0");
+    rejects(&transform("Matrix { ‹1 0 0 0 0 1 0 0 1 1 0 0 0 0 0 1› }"), "`Matrix` flattens", "columns of a matrix");
+    rejects(&transform("Matrix4f { ‹1 0 0 1 0 1 0 0 0 0 1 0 0 0 0 1› }"), "fourth row of `Matrix4f`", "the last is 1");
+    rejects(&transform("Rotate { ‹0 0 0 90› }"), "the axis of `Rotate`", "axis and degrees");
+    rejects(&transform("Rotate { 0 0 1 90 ‹5› }"), "expected `}` in `Rotate`, found `5`", "put `}` before it");
     let thin = "Scale 1e-15 1 1";
-    refused(
+    rejects(
         &format!("Group {{ ‹Transform› {{ {thin} ZRotate 45 {thin} Group {{ }} }} }}"),
         "this `Transform` flattens",
         "scales must not be 0",
     );
-    refused("Group { ‹Transform› { Scale 1 1 1 } }", "holds no object", "put one after its maps");
-    refused(
+    rejects("Group { ‹Transform› { Scale 1 1 1 } }", "holds no object", "put one after its maps");
+    rejects(
         "Group { Transform { Group { } ‹Group› { } } }",
         "unexpected `Group` after the object",
         "several objects into a Group",
     );
-    refused(
+    rejects(
         "Group { Transform { Group { } ‹Scale› 1 1 1 } }",
         "unexpected `Scale` after the object",
         "maps stand before",
@@ -295,31 +313,32 @@ fn singular_transforms_are_refused() {
 
 #[test]
 fn unknown_words_get_a_suggestion() {
-    refused("Group { ‹Spere› { } }", "unexpected `Spere` in `Group`", "did you mean `Sphere`?");
-    refused("Group { Sphere { ‹radios› 1 } }", "unexpected `radios` in `Sphere`", "did you mean `radius`?");
-    refused("‹Light› { }", "unexpected `Light` in the file", "did you mean `Lights`?");
-    refused("Lights { ‹pointLight› { } }", "unexpected `pointLight`", "did you mean `PointLight`?");
-    refused("Materials { ‹Glass› { } }", "unexpected `Glass`", "write `Dielectric`");
-    refused("Group { Sphere { center 0 0 0\n‹Plane› {", "unexpected `Plane`", "is a `}` missing before it?");
-    refused("Group { } ‹}›", "unexpected `}` in the file", "closes nothing");
-    refused("Group ‹Sphere›", "expected `{` in `Group`, found `Sphere`", "put `{` before it");
+    rejects("Group { ‹Spere› { } }", "unexpected `Spere` in `Group`", "did you mean `Sphere`?");
+    rejects("Group { Sphere { ‹radios› 1 } }", "unexpected `radios` in `Sphere`", "did you mean `radius`?");
+    rejects("‹Light› { }", "unexpected `Light` in the file", "did you mean `Lights`?");
+    rejects("Lights { ‹pointLight› { } }", "unexpected `pointLight`", "did you mean `PointLight`?");
+    rejects("Materials { ‹Glass› { } }", "unexpected `Glass`", "write `Dielectric`");
+    rejects("Group { Sphere { center 0 0 0\n‹Plane› {", "unexpected `Plane`", "is a `}` missing before it?");
+    rejects("Group { } ‹}›", "unexpected `}` in the file", "closes nothing");
+    rejects("Group ‹Sphere›", "expected `{` in `Group`, found `Sphere`", "put `{` before it");
     let long = "x".repeat(1000);
-    let error = scene(&format!("Group {{ {long}\u{1b}[31m }}")).unwrap_err();
+    let error = parse_with_camera(&format!("Group {{ {long}\u{1b}[31m }}")).unwrap_err();
     assert!(error.message().len() < 100 && !error.message().contains('\u{1b}'));
 }
 
 #[test]
 fn unknown_materials_are_refused() {
     let two = "Materials { Diffuse red { reflectance 1 0 0 } Mirror \"blue sky\" { } }";
-    scene(&format!("{two} Group {{ MaterialName red MaterialName \"blue sky\" MaterialIndex 1 }}")).unwrap();
-    refused(&format!("{two} Group {{ MaterialIndex ‹2› }}"), "there is no material 2", "numbered from 0 to 1");
-    refused(&format!("{two} Group {{ MaterialName ‹rde› }}"), "no material is called `rde`", "did you mean `red`?");
-    refused(&format!("{two} Group {{ MaterialName ‹green› }}"), "no material is called", "ahead of the Group");
-    refused("Materials { Mirror { } } Group { MaterialIndex ‹1› }", "no material 1", "the one material is number 0");
-    refused("Group { MaterialIndex ‹0› } Materials { Mirror { } }", "no material 0", "put `Materials { … }` ahead");
-    refused("Materials { Mirror a { } Mirror ‹a› { } }", "two materials are called `a`", "another name");
-    refused("Materials { Mirror ‹1a› { } }", "`1a` is not a plain name", "put it in quotes");
-    refused("Materials { Mirror ‹\"\"› { } }", "name is empty", "leave the quotes out");
+    parse_with_camera(&format!("{two} Group {{ MaterialName red MaterialName \"blue sky\" MaterialIndex 1 }}"))
+        .unwrap();
+    rejects(&format!("{two} Group {{ MaterialIndex ‹2› }}"), "there is no material 2", "numbered from 0 to 1");
+    rejects(&format!("{two} Group {{ MaterialName ‹rde› }}"), "no material is called `rde`", "did you mean `red`?");
+    rejects(&format!("{two} Group {{ MaterialName ‹green› }}"), "no material is called", "ahead of the Group");
+    rejects("Materials { Mirror { } } Group { MaterialIndex ‹1› }", "no material 1", "the one material is number 0");
+    rejects("Group { MaterialIndex ‹0› } Materials { Mirror { } }", "no material 0", "put `Materials { … }` ahead");
+    rejects("Materials { Mirror a { } Mirror ‹a› { } }", "two materials are called `a`", "another name");
+    rejects("Materials { Mirror ‹1a› { } }", "`1a` is not a plain name", "put it in quotes");
+    rejects("Materials { Mirror ‹\"\"› { } }", "name is empty", "leave the quotes out");
 }
 
 #[test]
@@ -334,24 +353,24 @@ fn an_unclosed_block_is_reported_where_it_opens() {
         "Group { RevSurface { profile ‹BezierCurve› { controls [ 1 2 3",
         "Materials { ‹Mirror›",
     ] {
-        refused(body, "the file ends inside", "close it with `}`");
+        rejects(body, "the file ends inside", "close it with `}`");
     }
-    check(parse("a", ""), (1, 1), "", "the file has no camera", "add `PerspectiveCamera {");
-    check(scene(""), (1, 1), "", "the file has no Group", "add `Group { … }`");
+    assert_error(parse("a", ""), (1, 1), "", "the file has no camera", "add `PerspectiveCamera {");
+    assert_error(parse_with_camera(""), (1, 1), "", "the file has no Group", "add `Group { … }`");
 }
 
 #[test]
 fn nesting_is_limited() {
     let nested = |n: usize, open: &str| format!("{}{}", open.repeat(n), "}".repeat(n));
-    let deepest = scene(&nested(MAX_NESTING_DEPTH, "Group { numObjects 1 ").replace("1 }", "0 }")).unwrap();
+    let deepest = parse_with_camera(&nested(MAX_NESTING_DEPTH, "Group { numObjects 1 ").replace("1 }", "0 }")).unwrap();
     assert_eq!(parse("again", &deepest.to_string()).unwrap(), deepest);
     for n in [MAX_NESTING_DEPTH + 1, 10_000, 1_000_000] {
         for open in ["Group { numObjects 1\n", "Group {\n", "Group { Transform {\n"] {
-            let error = scene(&nested(n, open)).unwrap_err();
+            let error = parse_with_camera(&nested(n, open)).unwrap_err();
             assert!(error.message().contains("nest more than 512 deep"), "{error}");
             assert!(error.remedy().contains("side by side"));
         }
-        let error = scene(&"Group { numObjects 1\n".repeat(n)).unwrap_err();
+        let error = parse_with_camera(&"Group { numObjects 1\n".repeat(n)).unwrap_err();
         assert_eq!((error.line(), error.column(), error.text()), (2 + MAX_NESTING_DEPTH, 1, "Group"));
     }
 }
@@ -359,19 +378,22 @@ fn nesting_is_limited() {
 #[test]
 fn objects_side_by_side_are_unlimited() {
     let body = "Group { } Transform { Group { } }".repeat(2 * MAX_NESTING_DEPTH);
-    assert_eq!(scene(&format!("Group {{ {body} }}")).unwrap().root.items.len(), 4 * MAX_NESTING_DEPTH);
+    assert_eq!(parse_with_camera(&format!("Group {{ {body} }}")).unwrap().root.items.len(), 4 * MAX_NESTING_DEPTH);
 }
 
 #[test]
 fn the_deepest_nesting_fits_a_small_stack() {
     let run = || {
         let open = "Group { Transform { Scale 1 1 1 ".repeat(MAX_NESTING_DEPTH / 2);
-        let d = scene(&format!("{open} Sphere {{ center 0 0 0 radius 1 }} {}", "}}".repeat(MAX_NESTING_DEPTH / 2)))
-            .unwrap();
+        let d = parse_with_camera(&format!(
+            "{open} Sphere {{ center 0 0 0 radius 1 }} {}",
+            "}}".repeat(MAX_NESTING_DEPTH / 2)
+        ))
+        .unwrap();
         let copy = d.clone();
         assert!(copy == d && parse("again", &copy.to_string()).unwrap() == d && !format!("{d:?}").is_empty());
     };
-    // Half of what Rust gives a thread.
+    // Half of the default stack of a Rust thread.
     std::thread::Builder::new().stack_size(1 << 20).spawn(run).unwrap().join().unwrap();
 }
 
@@ -386,7 +408,7 @@ fn bytes_that_are_not_utf8_are_refused() {
 
 #[test]
 fn mesh_options_are_read() {
-    let options = |fields: &str| match first(&format!("Group {{ TriangleMesh {{ {fields} }} }}")) {
+    let options = |fields: &str| match first_object(&format!("Group {{ TriangleMesh {{ {fields} }} }}")) {
         ObjectDescription::Shape { shape: ShapeDescription::Mesh { path, options }, .. } => {
             assert_eq!(path.value, "a.obj");
             options
@@ -398,17 +420,17 @@ fn mesh_options_are_read() {
     assert_eq!(options("file a.obj materials scene normals file"), default);
     let all = MeshOptions { uses_file_materials: true, ignores_normals: true, max_smoothing_angle: Some(40.0) };
     assert_eq!(options("smoothAngle 40 normals none materials file file a.obj"), all);
-    refused("Group { TriangleMesh { obj_file a ‹file› b } }", "both `obj_file` and `file`", "keep one of");
-    refused("Group { ‹TriangleMesh› { } }", "no `obj_file` or `file`", "add");
-    refused("Group { TriangleMesh { file a materials ‹mine› } }", "cannot be `mine`", "`scene` or `file`");
-    refused("Group { TriangleMesh { file a normals ‹smooth› } }", "cannot be `smooth`", "`file` or `none`");
-    refused("Group { TriangleMesh { file a smoothAngle ‹181› } }", "cannot be `181`", "between 0 and 180");
-    refused("Group { TriangleMesh { file a smoothAngle ‹-1› } }", "cannot be `-1`", "between 0 and 180");
+    rejects("Group { TriangleMesh { obj_file a ‹file› b } }", "both `obj_file` and `file`", "keep one of");
+    rejects("Group { ‹TriangleMesh› { } }", "no `obj_file` or `file`", "add");
+    rejects("Group { TriangleMesh { file a materials ‹mine› } }", "cannot be `mine`", "`scene` or `file`");
+    rejects("Group { TriangleMesh { file a normals ‹smooth› } }", "cannot be `smooth`", "`file` or `none`");
+    rejects("Group { TriangleMesh { file a smoothAngle ‹181› } }", "cannot be `181`", "between 0 and 180");
+    rejects("Group { TriangleMesh { file a smoothAngle ‹-1› } }", "cannot be `-1`", "between 0 and 180");
 }
 
-/// Positions and texts of all errors of a scene whose first line is `CAMERA`.
-fn all_errors(body: &str) -> Vec<(usize, String)> {
-    let error = scene(body).unwrap_err();
+/// Returns line and text of all errors of a scene of `CAMERA` and `body`.
+fn error_positions(body: &str) -> Vec<(usize, String)> {
+    let error = parse_with_camera(body).unwrap_err();
     std::iter::once(&error).chain(error.others()).map(|e| (e.line(), e.text().to_owned())).collect()
 }
 
@@ -434,26 +456,27 @@ fn all_errors_of_a_file_are_reported() {
         (8, "blue"),
         (9, "Camera"),
     ];
-    assert_eq!(all_errors(body), expected.map(|(line, text)| (line, text.to_owned())));
+    assert_eq!(error_positions(body), expected.map(|(line, text)| (line, text.to_owned())));
 }
 
 #[test]
 fn one_missing_brace_is_one_error() {
-    let errors = all_errors("Group {\n Sphere { center 0 0 0 radius 1\n Disc { }\n Sphere { center 0 0 0 radius 1 } }");
+    let errors =
+        error_positions("Group {\n Sphere { center 0 0 0 radius 1\n Disc { }\n Sphere { center 0 0 0 radius 1 } }");
     assert_eq!(errors, [(4, "Disc".to_owned()), (4, "Disc".to_owned())]);
-    assert_eq!(all_errors("Group { Sphere { center 0 0 0 radius 1 ").len(), 1);
-    assert_eq!(all_errors("Group { Sphere { center 0 0 radius 1").len(), 1);
+    assert_eq!(error_positions("Group { Sphere { center 0 0 0 radius 1 ").len(), 1);
+    assert_eq!(error_positions("Group { Sphere { center 0 0 radius 1").len(), 1);
 }
 
 #[test]
 fn at_most_twenty_errors_are_reported() {
-    assert_eq!(all_errors(&format!("Group {{ {} }}", "Spere { } ".repeat(50))).len(), 20);
+    assert_eq!(error_positions(&format!("Group {{ {} }}", "Spere { } ".repeat(50))).len(), 20);
 }
 
 #[test]
 fn keywords_of_other_renderers_get_a_suggestion() {
-    refused("Lights { ‹SunLight› { } }", "unexpected `SunLight`", "write `DirectionalLight`");
-    refused("Lights { ‹DistantLight› { } }", "unexpected `DistantLight`", "write `DirectionalLight`");
-    refused("Materials { Dielectric { ‹ior› 1.5 } }", "unexpected `ior`", "write `indexOfRefraction`");
-    refused("Materials { Diffuse { ‹albedo› 1 1 1 } }", "unexpected `albedo`", "write `reflectance`");
+    rejects("Lights { ‹SunLight› { } }", "unexpected `SunLight`", "write `DirectionalLight`");
+    rejects("Lights { ‹DistantLight› { } }", "unexpected `DistantLight`", "write `DirectionalLight`");
+    rejects("Materials { Dielectric { ‹ior› 1.5 } }", "unexpected `ior`", "write `indexOfRefraction`");
+    rejects("Materials { Diffuse { ‹albedo› 1 1 1 } }", "unexpected `albedo`", "write `reflectance`");
 }

@@ -1,11 +1,12 @@
 //! Tests of the index of refraction: by name, by Abbe number, by equation.
 
-use super::surfaces::{bad, materials, named};
+use super::spanned_name;
+use super::surfaces::{parse_material_kinds, rejects_material};
 use crate::color::DispersionFormula;
 use crate::format::description::{MaterialKindDescription, RefractiveIndexDescription};
 
-fn refraction(fields: &str) -> RefractiveIndexDescription {
-    match materials(&format!("Dielectric {{ {fields} }}")).remove(0) {
+fn parse_refractive_index(fields: &str) -> RefractiveIndexDescription {
+    match parse_material_kinds(&format!("Dielectric {{ {fields} }}")).remove(0) {
         MaterialKindDescription::Dielectric { refraction, .. } => refraction,
         other => panic!("{other:?}"),
     }
@@ -13,20 +14,26 @@ fn refraction(fields: &str) -> RefractiveIndexDescription {
 
 #[test]
 fn five_parametrizations_of_the_index_are_read() {
-    assert_eq!(refraction(""), RefractiveIndexDescription::Index(1.5));
-    assert_eq!(refraction("indexOfRefraction 1.7"), RefractiveIndexDescription::Index(1.7));
-    assert_eq!(refraction("glass BK7"), RefractiveIndexDescription::Named(named("BK7")));
+    assert_eq!(parse_refractive_index(""), RefractiveIndexDescription::Index(1.5));
+    assert_eq!(parse_refractive_index("indexOfRefraction 1.7"), RefractiveIndexDescription::Index(1.7));
+    assert_eq!(parse_refractive_index("glass BK7"), RefractiveIndexDescription::Named(spanned_name("BK7")));
     assert_eq!(
-        refraction("abbe 30 indexOfRefraction 1.6"),
+        parse_refractive_index("abbe 30 indexOfRefraction 1.6"),
         RefractiveIndexDescription::Abbe { index: 1.6, abbe: 30.0 }
     );
     let cauchy = |c| RefractiveIndexDescription::Glass(DispersionFormula::Cauchy { a: 1.5, b: 0.0042, c });
-    assert_eq!(refraction("cauchy 1.5 .0042"), cauchy(0.0));
-    assert_eq!(refraction("cauchy 1.5 .0042 -1e-5 roughness .1"), cauchy(-1e-5));
+    assert_eq!(parse_refractive_index("cauchy 1.5 .0042"), cauchy(0.0));
+    assert_eq!(parse_refractive_index("cauchy 1.5 .0042 -1e-5 roughness .1"), cauchy(-1e-5));
     let glass = DispersionFormula::Sellmeier { b: [1.1, 0.2, 0.0, 0.0], c: [0.01, 100.0, 0.0, 0.0] };
-    assert_eq!(refraction("sellmeierC .01 100 sellmeierB 1.1 .2"), RefractiveIndexDescription::Glass(glass));
+    assert_eq!(
+        parse_refractive_index("sellmeierC .01 100 sellmeierB 1.1 .2"),
+        RefractiveIndexDescription::Glass(glass)
+    );
     let glass = DispersionFormula::Sellmeier { b: [0.1, 0.2, 0.3, 0.4], c: [0.01, 0.02, 0.03, 9.0] };
-    assert_eq!(refraction("sellmeierB .1 .2 .3 .4 sellmeierC .01 .02 .03 9"), RefractiveIndexDescription::Glass(glass));
+    assert_eq!(
+        parse_refractive_index("sellmeierB .1 .2 .3 .4 sellmeierC .01 .02 .03 9"),
+        RefractiveIndexDescription::Glass(glass)
+    );
 }
 
 #[test]
@@ -35,36 +42,52 @@ fn two_indices_of_refraction_are_refused() {
     for second in ["glass› BK7", "cauchy› 1.5 0", "sellmeierB› 1 sellmeierC .01"] {
         let name = &second[..second.find('›').unwrap()];
         let message = format!("both `indexOfRefraction` and `{name}`");
-        bad(&of(&format!("indexOfRefraction 1.5 ‹{second}")), &message, "keep one of `indexOfRefraction` or `glass`");
+        rejects_material(
+            &of(&format!("indexOfRefraction 1.5 ‹{second}")),
+            &message,
+            "keep one of `indexOfRefraction` or `glass`",
+        );
     }
-    bad(&of("glass BK7 ‹cauchy› 1.5 0"), "both `glass` and `cauchy`", "keep one of");
-    bad(&of("abbe ‹30›"), "`abbe` of `Dielectric` cannot be `30`", "has no effect without `indexOfRefraction`");
-    bad(&of("glass BK7 abbe ‹30›"), "`abbe`", "has no effect without `indexOfRefraction`");
-    bad(&of("cauchy 1.5 0 sellmeierC ‹.01›"), "`sellmeierC`", "has no effect without `sellmeierB`");
-    bad("‹Dielectric› { sellmeierB 1 }", "has no `sellmeierC`", "add `sellmeierC`");
-    bad(&of("glass ‹}›"), "`glass` wants a name", "write a name after `glass`");
-    bad("Thin { ‹glass› BK7 }", "unexpected `glass`", "");
+    rejects_material(&of("glass BK7 ‹cauchy› 1.5 0"), "both `glass` and `cauchy`", "keep one of");
+    rejects_material(
+        &of("abbe ‹30›"),
+        "`abbe` of `Dielectric` cannot be `30`",
+        "has no effect without `indexOfRefraction`",
+    );
+    rejects_material(&of("glass BK7 abbe ‹30›"), "`abbe`", "has no effect without `indexOfRefraction`");
+    rejects_material(&of("cauchy 1.5 0 sellmeierC ‹.01›"), "`sellmeierC`", "has no effect without `sellmeierB`");
+    rejects_material("‹Dielectric› { sellmeierB 1 }", "has no `sellmeierC`", "add `sellmeierC`");
+    rejects_material(&of("glass ‹}›"), "`glass` wants a name", "write a name after `glass`");
+    rejects_material("Thin { ‹glass› BK7 }", "unexpected `glass`", "");
 }
 
 #[test]
 fn impossible_indices_are_refused() {
     let of = |fields: &str| format!("Dielectric {{ {fields} }}");
     let range = "the index must lie between 0.001 and 1000 from 380 to 720 nm";
-    bad(&of("indexOfRefraction 1.5 abbe ‹0›"), "`abbe` of `Dielectric` cannot be `0`", "must be above 0");
-    bad(&of("indexOfRefraction 1.5 abbe ‹-30›"), "`abbe`", "must be above 0");
-    bad(&of("indexOfRefraction 1.5 abbe ‹.1›"), "`abbe`", &format!("`abbe` is too small: {range}"));
-    bad(&of("indexOfRefraction 1.5 abbe ‹1e-300›"), "`abbe`", range);
-    bad(&of("indexOfRefraction ‹0› abbe 30"), "`indexOfRefraction`", "between 0.001 and 1000");
-    bad(&of("indexOfRefraction 1.5 abbe ‹1e999›"), "too large for a number", "1.7e308");
-    bad(&of("cauchy ‹1.5›"), "`cauchy` of `Dielectric`", "of n = A + B/λ² + C/λ⁴");
-    bad(&of("cauchy ‹1 2 3 4›"), "`cauchy`", "B in µm²");
+    rejects_material(&of("indexOfRefraction 1.5 abbe ‹0›"), "`abbe` of `Dielectric` cannot be `0`", "must be above 0");
+    rejects_material(&of("indexOfRefraction 1.5 abbe ‹-30›"), "`abbe`", "must be above 0");
+    rejects_material(&of("indexOfRefraction 1.5 abbe ‹.1›"), "`abbe`", &format!("`abbe` is too small: {range}"));
+    rejects_material(&of("indexOfRefraction 1.5 abbe ‹1e-300›"), "`abbe`", range);
+    rejects_material(&of("indexOfRefraction ‹0› abbe 30"), "`indexOfRefraction`", "between 0.001 and 1000");
+    rejects_material(&of("indexOfRefraction 1.5 abbe ‹1e999›"), "too large for a number", "1.7e308");
+    rejects_material(&of("cauchy ‹1.5›"), "`cauchy` of `Dielectric`", "of n = A + B/λ² + C/λ⁴");
+    rejects_material(&of("cauchy ‹1 2 3 4›"), "`cauchy`", "B in µm²");
     // B in nm².
-    bad(&of("cauchy ‹1.5 4200›"), "`cauchy`", &format!("wants B in µm² and C in µm⁴: {range}"));
-    bad(&of("cauchy ‹1.5 -1›"), "`cauchy`", range);
-    bad(&of("cauchy ‹1e308 1e308›"), "`cauchy`", range);
-    bad(&of("sellmeierB ‹1 1 1 1 1› sellmeierC 1 1 1 1 1"), "`sellmeierB`", "one to four numbers");
-    bad(&of("sellmeierB 1 2 sellmeierC ‹.1›"), "`sellmeierC`", "as many numbers as `sellmeierB`, which has 2");
+    rejects_material(&of("cauchy ‹1.5 4200›"), "`cauchy`", &format!("wants B in µm² and C in µm⁴: {range}"));
+    rejects_material(&of("cauchy ‹1.5 -1›"), "`cauchy`", range);
+    rejects_material(&of("cauchy ‹1e308 1e308›"), "`cauchy`", range);
+    rejects_material(&of("sellmeierB ‹1 1 1 1 1› sellmeierC 1 1 1 1 1"), "`sellmeierB`", "one to four numbers");
+    rejects_material(
+        &of("sellmeierB 1 2 sellmeierC ‹.1›"),
+        "`sellmeierC`",
+        "as many numbers as `sellmeierB`, which has 2",
+    );
     // A resonance at 500 nm.
-    bad(&of("sellmeierB 1 sellmeierC ‹.25›"), "`sellmeierC`", &format!("squares of wavelengths, in µm²: {range}"));
-    bad(&of("sellmeierB -5 sellmeierC ‹.01›"), "`sellmeierC`", range);
+    rejects_material(
+        &of("sellmeierB 1 sellmeierC ‹.25›"),
+        "`sellmeierC`",
+        &format!("squares of wavelengths, in µm²: {range}"),
+    );
+    rejects_material(&of("sellmeierB -5 sellmeierC ‹.01›"), "`sellmeierC`", range);
 }

@@ -1,29 +1,25 @@
 //! Tests of dielectrics, conductors, thin panes, mixes, environments and patches.
 
-use super::{refused, scene};
+use super::{parse_with_camera, rejects, spanned_name};
 use crate::format::description::{
     DielectricAbsorption, EnvironmentRadiance, GroupItem, LightDescription, MaterialKindDescription, MetalDescription,
-    ObjectDescription, ShapeDescription, Span, Spanned,
+    ObjectDescription, ShapeDescription, Spanned,
 };
 use glam::DVec3;
 
-pub(super) fn materials(body: &str) -> Vec<MaterialKindDescription> {
-    let d = scene(&format!("Materials {{ {body} }} Group {{ }}")).unwrap();
+pub(super) fn parse_material_kinds(body: &str) -> Vec<MaterialKindDescription> {
+    let d = parse_with_camera(&format!("Materials {{ {body} }} Group {{ }}")).unwrap();
     d.materials.into_iter().map(|m| m.value.kind).collect()
 }
 
-pub(super) fn named(name: &str) -> Spanned<String> {
-    Spanned::new(name.to_owned(), Span::default())
-}
-
 #[track_caller]
-pub(super) fn bad(body: &str, message: &str, help: &str) {
-    refused(&format!("Materials {{ {body} }}"), message, help);
+pub(super) fn rejects_material(body: &str, message: &str, help: &str) {
+    rejects(&format!("Materials {{ {body} }}"), message, help);
 }
 
 #[test]
 fn dielectrics_read_roughness_and_priority() {
-    let kinds = materials("Dielectric { } Dielectric { priority 255 roughness .25 indexOfRefraction 1000 }");
+    let kinds = parse_material_kinds("Dielectric { } Dielectric { priority 255 roughness .25 indexOfRefraction 1000 }");
     let attenuation = DielectricAbsorption::None;
     assert_eq!(
         kinds[0],
@@ -38,88 +34,116 @@ fn dielectrics_read_roughness_and_priority() {
             priority: 255
         }
     );
-    bad("Dielectric { priority ‹256› }", "`priority` of `Dielectric` cannot be `256`", "from 0 to 255");
-    bad("Dielectric { priority ‹1.5› }", "wants a whole number, found `1.5`", "`priority 1`");
-    bad("Dielectric { roughness ‹1.1› }", "`roughness` of `Dielectric` cannot be `1.1`", "between 0 and 1");
-    bad("Dielectric { roughness ‹-.1› }", "`roughness`", "between 0 and 1");
-    bad("Dielectric { ‹roughnes› .1 }", "unexpected `roughnes`", "did you mean `roughness`?");
+    rejects_material("Dielectric { priority ‹256› }", "`priority` of `Dielectric` cannot be `256`", "from 0 to 255");
+    rejects_material("Dielectric { priority ‹1.5› }", "wants a whole number, found `1.5`", "`priority 1`");
+    rejects_material(
+        "Dielectric { roughness ‹1.1› }",
+        "`roughness` of `Dielectric` cannot be `1.1`",
+        "between 0 and 1",
+    );
+    rejects_material("Dielectric { roughness ‹-.1› }", "`roughness`", "between 0 and 1");
+    rejects_material("Dielectric { ‹roughnes› .1 }", "unexpected `roughnes`", "did you mean `roughness`?");
     for index in ["0", "-1.5", "9e-4", "1e4"] {
-        bad(&format!("Dielectric {{ indexOfRefraction ‹{index}› }}"), "`indexOfRefraction`", "between 0.001 and 1000");
+        rejects_material(
+            &format!("Dielectric {{ indexOfRefraction ‹{index}› }}"),
+            "`indexOfRefraction`",
+            "between 0.001 and 1000",
+        );
     }
 }
 
 #[test]
 fn conductors_are_named_or_given_by_their_index() {
-    let kinds = materials("Conductor { metal gold } Conductor { k 3 4 0 roughness 1 eta .1 .2 .3 }");
+    let kinds = parse_material_kinds("Conductor { metal gold } Conductor { k 3 4 0 roughness 1 eta .1 .2 .3 }");
     assert_eq!(
         kinds[0],
-        MaterialKindDescription::Conductor { metal: MetalDescription::Named(named("gold")), roughness: 0.0.into() }
+        MaterialKindDescription::Conductor {
+            metal: MetalDescription::Named(spanned_name("gold")),
+            roughness: 0.0.into()
+        }
     );
     let metal = MetalDescription::Index { eta: DVec3::new(0.1, 0.2, 0.3), k: DVec3::new(3.0, 4.0, 0.0) };
     assert_eq!(kinds[1], MaterialKindDescription::Conductor { metal, roughness: 1.0.into() });
-    bad("‹Conductor› { }", "has no `metal` or `eta`", "add `metal` or `eta`");
-    bad("‹Conductor› { eta 1 1 1 }", "`Conductor` has no `k`", "add `k`");
-    bad("‹Conductor› { k 1 1 1 }", "`Conductor` has no `eta`", "add `eta`");
-    bad("Conductor { eta 1 1 1 ‹metal› gold k 1 1 1 }", "both `eta` and `metal`", "keep one of");
-    bad("Conductor { metal gold ‹k› 1 1 1 }", "both `metal` and `k`", "keep one of");
-    bad("Conductor { eta ‹1 0 1› k 1 1 1 }", "`eta` of `Conductor` cannot be `1 0 1`", "0.001 and 1000 in each");
-    bad("Conductor { eta 1 1 1 k ‹1 1 -1› }", "`k` of `Conductor`", "between 0 and 1000 in each");
-    bad("Conductor { eta 1 1 1 k ‹1e4 0 0› }", "`k` of `Conductor`", "between 0 and 1000 in each");
-    bad("Conductor { metal gold roughness ‹2› }", "`roughness` of `Conductor`", "between 0 and 1");
+    rejects_material("‹Conductor› { }", "has no `metal` or `eta`", "add `metal` or `eta`");
+    rejects_material("‹Conductor› { eta 1 1 1 }", "`Conductor` has no `k`", "add `k`");
+    rejects_material("‹Conductor› { k 1 1 1 }", "`Conductor` has no `eta`", "add `eta`");
+    rejects_material("Conductor { eta 1 1 1 ‹metal› gold k 1 1 1 }", "both `eta` and `metal`", "keep one of");
+    rejects_material("Conductor { metal gold ‹k› 1 1 1 }", "both `metal` and `k`", "keep one of");
+    rejects_material(
+        "Conductor { eta ‹1 0 1› k 1 1 1 }",
+        "`eta` of `Conductor` cannot be `1 0 1`",
+        "0.001 and 1000 in each",
+    );
+    rejects_material("Conductor { eta 1 1 1 k ‹1 1 -1› }", "`k` of `Conductor`", "between 0 and 1000 in each");
+    rejects_material("Conductor { eta 1 1 1 k ‹1e4 0 0› }", "`k` of `Conductor`", "between 0 and 1000 in each");
+    rejects_material("Conductor { metal gold roughness ‹2› }", "`roughness` of `Conductor`", "between 0 and 1");
 }
 
 #[test]
 fn thin_panes_read_their_fields() {
-    let kinds = materials("Thin { } Thin { transmittance .5 1 .25 indexOfRefraction 1.3 }");
+    let kinds = parse_material_kinds("Thin { } Thin { transmittance .5 1 .25 indexOfRefraction 1.3 }");
     assert_eq!(kinds[0], MaterialKindDescription::Thin { index: 1.5, transmittance: DVec3::ONE.into() });
     assert_eq!(
         kinds[1],
         MaterialKindDescription::Thin { index: 1.3, transmittance: DVec3::new(0.5, 1.0, 0.25).into() }
     );
-    bad("Thin { transmittance ‹1 0 1› }", "`transmittance` of `Thin`", "above 0 and at most at 1");
-    bad("Thin { transmittance ‹1 1 1.1› }", "`transmittance` of `Thin`", "above 0 and at most at 1");
-    bad("Thin { indexOfRefraction ‹0› }", "`indexOfRefraction` of `Thin`", "between 0.001 and 1000");
+    rejects_material("Thin { transmittance ‹1 0 1› }", "`transmittance` of `Thin`", "above 0 and at most at 1");
+    rejects_material("Thin { transmittance ‹1 1 1.1› }", "`transmittance` of `Thin`", "above 0 and at most at 1");
+    rejects_material("Thin { indexOfRefraction ‹0› }", "`indexOfRefraction` of `Thin`", "between 0.001 and 1000");
 }
 
 #[test]
 fn mixes_refer_to_earlier_materials() {
     let parts = "Mirror a { } Diffuse \"b c\" { reflectance 1 1 1 }";
-    let kinds =
-        materials(&format!("{parts} Mix m {{ first a second \"b c\" amount .3 }} Mix {{ amount 1 second m first m }}"));
-    assert_eq!(kinds[2], MaterialKindDescription::Mix { first: named("a"), second: named("b c"), amount: 0.3.into() });
-    assert_eq!(kinds[3], MaterialKindDescription::Mix { first: named("m"), second: named("m"), amount: 1.0.into() });
+    let kinds = parse_material_kinds(&format!(
+        "{parts} Mix m {{ first a second \"b c\" amount .3 }} Mix {{ amount 1 second m first m }}"
+    ));
+    assert_eq!(
+        kinds[2],
+        MaterialKindDescription::Mix { first: spanned_name("a"), second: spanned_name("b c"), amount: 0.3.into() }
+    );
+    assert_eq!(
+        kinds[3],
+        MaterialKindDescription::Mix { first: spanned_name("m"), second: spanned_name("m"), amount: 1.0.into() }
+    );
     let mix = |fields: &str| format!("{parts} Mix glaze {{ {fields} }} Mirror later {{ }}");
-    bad(&mix("first ‹later› second a amount 0"), "no material is called `later`", "stand before it");
-    bad(&mix("first a second ‹B_C› amount 0"), "no material is called `B_C`", "did you mean `b c`?");
-    bad(&mix("first a second ‹glaze› amount 0"), "`glaze` is a part of itself", "before it as `second`");
-    bad(&mix("first a second a amount ‹1.5›"), "`amount` of `Mix` cannot be `1.5`", "between 0 and 1");
-    bad(&mix("first a second a amount ‹-1›"), "`amount` of `Mix`", "between 0 and 1");
+    rejects_material(&mix("first ‹later› second a amount 0"), "no material is called `later`", "stand before it");
+    rejects_material(&mix("first a second ‹B_C› amount 0"), "no material is called `B_C`", "did you mean `b c`?");
+    rejects_material(&mix("first a second ‹glaze› amount 0"), "`glaze` is a part of itself", "before it as `second`");
+    rejects_material(&mix("first a second a amount ‹1.5›"), "`amount` of `Mix` cannot be `1.5`", "between 0 and 1");
+    rejects_material(&mix("first a second a amount ‹-1›"), "`amount` of `Mix`", "between 0 and 1");
     for missing in ["first", "second", "amount"] {
         let given = ["first a", "second a", "amount 0"].into_iter().filter(|f| !f.starts_with(missing));
         let fields = given.collect::<Vec<_>>().join(" ");
         let help = format!("add `{missing}` to it");
-        bad(&format!("{parts} ‹Mix› {{ {fields} }}"), &format!("`Mix` has no `{missing}`"), &help);
+        rejects_material(&format!("{parts} ‹Mix› {{ {fields} }}"), &format!("`Mix` has no `{missing}`"), &help);
     }
     // Materials that are replaced are gone.
     let body = "Materials { Mirror a { } Dielectric g { } } Materials { Mix { first ‹a› second g amount 0 } }";
-    refused(body, "no material is called `a`", "stand before it");
+    rejects(body, "no material is called `a`", "stand before it");
 }
 
 #[test]
 fn mixes_nest_up_to_a_depth() {
     let mix = |i: usize, part: &str| format!("Mix m{i} {{ first m{} second {part} amount .5 }} ", i - 1);
     let deepest: String = (1..=8).map(|i| mix(i, "m0")).collect();
-    assert_eq!(materials(&format!("Mirror m0 {{ }} {deepest}")).len(), 9);
-    bad(&format!("Mirror m0 {{ }} {deepest} Mix {{ first m0 second ‹m8› amount 0 }}"), "more than 8 deep", "fewer");
+    assert_eq!(parse_material_kinds(&format!("Mirror m0 {{ }} {deepest}")).len(), 9);
+    rejects_material(
+        &format!("Mirror m0 {{ }} {deepest} Mix {{ first m0 second ‹m8› amount 0 }}"),
+        "more than 8 deep",
+        "fewer",
+    );
 }
 
 #[test]
 fn a_mix_has_at_most_one_dielectric() {
     let bodies = "Dielectric g { } Dielectric w { } Mirror a { } Mix ga { first g second a amount .5 }";
-    materials(&format!("{bodies} Mix {{ first ga second g amount .5 }} Mix {{ first a second w amount .5 }}"));
+    parse_material_kinds(&format!(
+        "{bodies} Mix {{ first ga second g amount .5 }} Mix {{ first a second w amount .5 }}"
+    ));
     let mix = |second: &str| format!("{bodies} Mix {{ second {second} first ga amount 0 }}");
-    bad(&mix("‹w›"), "cannot be two different Dielectrics", "or with itself");
-    bad(
+    rejects_material(&mix("‹w›"), "cannot be two different Dielectrics", "or with itself");
+    rejects_material(
         &format!("{bodies} Mix x {{ first a second w amount 0 }} Mix {{ first ga second ‹x› amount 0 }}"),
         "two",
         "mix a",
@@ -129,11 +153,11 @@ fn a_mix_has_at_most_one_dielectric() {
 #[test]
 fn environments_are_constant_or_a_picture() {
     let light = |fields: &str| {
-        let d = scene(&format!("Lights {{ EnvironmentLight {{ {fields} }} }} Group {{ }}")).unwrap();
+        let d = parse_with_camera(&format!("Lights {{ EnvironmentLight {{ {fields} }} }} Group {{ }}")).unwrap();
         d.lights[0].value.clone()
     };
     let picture = |name: &str, scale: f64, rotate: f64| {
-        LightDescription::Environment(EnvironmentRadiance::Picture { path: named(name), scale, rotate })
+        LightDescription::Environment(EnvironmentRadiance::Picture { path: spanned_name(name), scale, rotate })
     };
     assert_eq!(
         light("radiance 1 2 3"),
@@ -141,24 +165,24 @@ fn environments_are_constant_or_a_picture() {
     );
     assert_eq!(light("file sky.exr"), picture("sky.exr", 1.0, 0.0));
     assert_eq!(light("rotate -400 scale 0 file \"my sky.png\""), picture("my sky.png", 0.0, -400.0));
-    let bad = |fields: &str, message: &str, help: &str| {
-        refused(&format!("Lights {{ EnvironmentLight {{ {fields} }} }}"), message, help);
+    let rejects_light = |fields: &str, message: &str, help: &str| {
+        rejects(&format!("Lights {{ EnvironmentLight {{ {fields} }} }}"), message, help);
     };
-    bad("file a.exr ‹radiance› 1 1 1", "both `file` and `radiance`", "keep one of `file` or `radiance`");
-    bad("radiance ‹-1 0 0›", "`radiance` of `EnvironmentLight`", "not be negative");
-    bad("file a.exr scale ‹-1›", "`scale` of `EnvironmentLight`", "not be negative");
-    bad("radiance 1 1 1 scale ‹2›", "`scale` of `EnvironmentLight`", "no effect without `file`");
-    bad("rotate ‹90› radiance 1 1 1", "`rotate` of `EnvironmentLight`", "no effect without `file`");
-    refused("Lights { ‹EnvironmentLight› { } }", "has no `file` or `radiance`", "add `file` or `radiance`");
+    rejects_light("file a.exr ‹radiance› 1 1 1", "both `file` and `radiance`", "keep one of `file` or `radiance`");
+    rejects_light("radiance ‹-1 0 0›", "`radiance` of `EnvironmentLight`", "not be negative");
+    rejects_light("file a.exr scale ‹-1›", "`scale` of `EnvironmentLight`", "not be negative");
+    rejects_light("radiance 1 1 1 scale ‹2›", "`scale` of `EnvironmentLight`", "no effect without `file`");
+    rejects_light("rotate ‹90› radiance 1 1 1", "`rotate` of `EnvironmentLight`", "no effect without `file`");
+    rejects("Lights { ‹EnvironmentLight› { } }", "has no `file` or `radiance`", "add `file` or `radiance`");
     let one = "EnvironmentLight { radiance 1 1 1 }";
-    refused(&format!("Lights {{ {one} ‹EnvironmentLight› {{ }} }}"), "`EnvironmentLight` is given twice", "keep one");
-    scene(&format!("Lights {{ {one} }} Lights {{ {one} }} Group {{ }}")).unwrap();
+    rejects(&format!("Lights {{ {one} ‹EnvironmentLight› {{ }} }}"), "`EnvironmentLight` is given twice", "keep one");
+    parse_with_camera(&format!("Lights {{ {one} }} Lights {{ {one} }} Group {{ }}")).unwrap();
 }
 
 #[test]
 fn patch_control_points_must_fit_the_degrees() {
     let object = |body: &str| {
-        let d = scene(&format!("Group {{ {body} }}")).unwrap();
+        let d = parse_with_camera(&format!("Group {{ {body} }}")).unwrap();
         match d.root.items.into_iter().next() {
             Some(GroupItem::Object(Spanned { value: ObjectDescription::Shape { shape, .. }, .. })) => shape,
             other => panic!("{other:?}"),
@@ -179,20 +203,32 @@ fn patch_control_points_must_fit_the_degrees() {
         }
         other => panic!("{other:?}"),
     }
-    let bad = |body: &str, message: &str, help: &str| refused(&format!("Group {{ {body} }}"), message, help);
-    bad(&format!("BezierPatch {{ ‹controls› {four} }}"), "`controls` of `BezierPatch`", "16 points for each patch");
-    bad("BezierPatch { ‹controls› }", "`controls` of `BezierPatch`", "16 points for each patch");
-    bad("‹BezierPatch› { }", "`BezierPatch` has no `controls`", "add `controls`");
-    bad("BezierPatch { degreeU ‹25› }", "`degreeU` of `BezierPatch` cannot be `25`", "from 1 to 24");
-    bad("BezierPatch { degreeV ‹0› }", "`degreeV`", "from 1 to 24");
-    bad("BezierPatch { controls [ 0 0 0 ‹0› ] }", "the weight of a point of `controls` cannot be `0`", "above 0");
-    bad("BezierPatch { controls [ 0 0 0 ‹-1› ] }", "the weight", "above 0");
-    bad("NurbsSurface { countU ‹3› countV 4 }", "`countU` of `NurbsSurface` cannot be `3`", "above the degree");
-    bad(&nurbs("knotsU ‹0 1 2› controls"), "`knotsU`", "count + degree + 1 = 4 numbers, and holds 3");
-    bad(&nurbs("knotsV ‹0 1 .5 2› controls"), "`knotsV`", "must not decrease");
-    bad(&nurbs("‹controls› [ 0 0 0 ]"), "`controls`", "countU · countV = 4 points, and holds 1");
-    bad("‹NurbsSurface› { countU 4 }", "has no `countV`", "add `countV`");
-    bad(
+    let rejects_shape = |body: &str, message: &str, help: &str| rejects(&format!("Group {{ {body} }}"), message, help);
+    rejects_shape(
+        &format!("BezierPatch {{ ‹controls› {four} }}"),
+        "`controls` of `BezierPatch`",
+        "16 points for each patch",
+    );
+    rejects_shape("BezierPatch { ‹controls› }", "`controls` of `BezierPatch`", "16 points for each patch");
+    rejects_shape("‹BezierPatch› { }", "`BezierPatch` has no `controls`", "add `controls`");
+    rejects_shape("BezierPatch { degreeU ‹25› }", "`degreeU` of `BezierPatch` cannot be `25`", "from 1 to 24");
+    rejects_shape("BezierPatch { degreeV ‹0› }", "`degreeV`", "from 1 to 24");
+    rejects_shape(
+        "BezierPatch { controls [ 0 0 0 ‹0› ] }",
+        "the weight of a point of `controls` cannot be `0`",
+        "above 0",
+    );
+    rejects_shape("BezierPatch { controls [ 0 0 0 ‹-1› ] }", "the weight", "above 0");
+    rejects_shape(
+        "NurbsSurface { countU ‹3› countV 4 }",
+        "`countU` of `NurbsSurface` cannot be `3`",
+        "above the degree",
+    );
+    rejects_shape(&nurbs("knotsU ‹0 1 2› controls"), "`knotsU`", "count + degree + 1 = 4 numbers, and holds 3");
+    rejects_shape(&nurbs("knotsV ‹0 1 .5 2› controls"), "`knotsV`", "must not decrease");
+    rejects_shape(&nurbs("‹controls› [ 0 0 0 ]"), "`controls`", "countU · countV = 4 points, and holds 1");
+    rejects_shape("‹NurbsSurface› { countU 4 }", "has no `countV`", "add `countV`");
+    rejects_shape(
         "NurbsSurface { countU ‹4294967295› countV 4294967295 degreeU 24 ‹controls› }"
             .replace("‹4294967295›", "4294967295")
             .as_str(),

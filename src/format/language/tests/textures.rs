@@ -2,14 +2,10 @@
 
 use super::*;
 use crate::format::description::{
-    EmissionDescription, NormalPerturbationDescription, PictureEncoding, SolidPatternDescription, Span, Spanned,
+    EmissionDescription, NormalPerturbationDescription, PictureEncoding, SolidPatternDescription,
     TexcoordTransformDescription, TextureKindDescription, TexturedValue, Wrap,
 };
 use glam::DVec2;
-
-fn named(name: &str) -> Spanned<String> {
-    Spanned::new(name.to_owned(), Span::default())
-}
 
 const TILES: &str = "Textures { Checker tiles { } }";
 
@@ -20,11 +16,11 @@ fn textures_read_all_their_fields() {
         Checker c { color0 1 2 3 }
         Marble m { color1 .5 .5 .5 octaves 16 frequency 2.5 amplitude 0 Transform { Scale 2 2 2 YRotate 30 } } }
         Group { }";
-    let d = scene(text).unwrap();
+    let d = parse_with_camera(text).unwrap();
     let [a, c, m] = &d.textures[..] else { panic!("{:?}", d.textures) };
     let coordinates =
         TexcoordTransformDescription { scale: DVec2::new(2.0, -3.0), rotate: 90.0, offset: DVec2::new(0.5, 1.0) };
-    let path = named("dir/a.png");
+    let path = spanned_name("dir/a.png");
     let kind =
         TextureKindDescription::Image { path, encoding: PictureEncoding::Linear, wrap: Wrap::Mirror, coordinates };
     assert_eq!((a.name.as_str(), &a.kind), ("a b", &kind));
@@ -51,25 +47,28 @@ fn texture_names_replace_numbers() {
             Conductor {{ metal gold roughness tiles }}
             Diffuse {{ reflectance 1 1 1 emission 1 2 3 }} }} Group {{ }}"
     );
-    let d = scene(&text).unwrap();
+    let d = parse_with_camera(&text).unwrap();
     let [a, b, c, e] = &d.materials[..] else { panic!("{:?}", d.materials) };
-    assert_eq!(a.kind, MaterialKindDescription::Diffuse { reflectance: TexturedValue::Texture(named("tiles")) });
-    assert_eq!(a.emission, Some(EmissionDescription::Texture { name: named("tiles"), scale: 3.0 }));
+    assert_eq!(a.kind, MaterialKindDescription::Diffuse { reflectance: TexturedValue::Texture(spanned_name("tiles")) });
+    assert_eq!(a.emission, Some(EmissionDescription::Texture { name: spanned_name("tiles"), scale: 3.0 }));
     assert_eq!(
         a.normal_perturbation,
-        Some(NormalPerturbationDescription::Bump { texture: named("lumps.png"), height: -0.5 })
+        Some(NormalPerturbationDescription::Bump { texture: spanned_name("lumps.png"), height: -0.5 })
     );
-    assert_eq!(b.normal_perturbation, Some(NormalPerturbationDescription::NormalMap(named("tiles"))));
+    assert_eq!(b.normal_perturbation, Some(NormalPerturbationDescription::NormalMap(spanned_name("tiles"))));
     match (&b.kind, &c.kind) {
         (MaterialKindDescription::Phong { texture, .. }, MaterialKindDescription::Conductor { roughness, .. }) => {
-            assert_eq!((texture, roughness), (&Some(named("wood.png")), &TexturedValue::Texture(named("tiles"))));
+            assert_eq!(
+                (texture, roughness),
+                (&Some(spanned_name("wood.png")), &TexturedValue::Texture(spanned_name("tiles")))
+            );
         }
         other => panic!("{other:?}"),
     }
     assert_eq!(e.emission, Some(EmissionDescription::Radiance(DVec3::new(1.0, 2.0, 3.0))));
     let uv = "uv0 0 1 uv1 1 1 uv2 .5 0";
     let triangle = format!("Group {{ Triangle {{ vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0 {uv} }} }}");
-    match &scene(&triangle).unwrap().root.items[0] {
+    match &parse_with_camera(&triangle).unwrap().root.items[0] {
         GroupItem::Object(object) => match &object.value {
             ObjectDescription::Shape { shape: ShapeDescription::Triangle { uv: Some(uv), .. }, .. } => {
                 assert_eq!(**uv, [DVec2::Y, DVec2::ONE, DVec2::new(0.5, 0.0)]);
@@ -82,20 +81,20 @@ fn texture_names_replace_numbers() {
 
 #[test]
 fn texture_errors_have_position_and_remedy() {
-    refused("Textures { ‹Checker› { } }", "this `Checker` has no name", "`Checker name { … }`");
-    refused("Textures { Checker a { } Noise ‹a› { } }", "two textures are called `a`", "another name");
-    refused("Textures { ‹Cheker› a { } }", "unexpected `Cheker` in `Textures`", "did you mean `Checker`?");
-    refused("Textures { Checker a { color0 ‹-1 0 0› } }", "`color0` of `Checker`", "not be negative");
-    refused("Textures { Checker a { scale ‹1 0› } }", "`scale` of `Checker`", "must not be 0");
-    refused("Textures { ‹Image› a { } }", "`Image` has no `file`", "add `file`");
-    refused("Textures { Image a { file b.png wrap ‹tile› } }", "`wrap` of `Image` cannot be `tile`", "`mirror`");
-    refused("Textures { Image a { file b.png encoding ‹gamma› } }", "`encoding`", "`srgb` or `linear`");
-    refused("Textures { Noise a { octaves ‹0› } }", "`octaves` of `Noise`", "from 1 to 16");
-    refused("Textures { Wood a { frequency ‹0› } }", "`frequency` of `Wood`", "above 0");
-    refused("Textures { Wood a { amplitude ‹-1› } }", "`amplitude` of `Wood`", "not be negative");
-    refused("Textures { Wood a { Transform { ‹Sphere› { } } } }", "unexpected `Sphere`", "may hold Scale");
-    refused("Materials { Mirror { } } ‹Textures› { }", "behind the `Materials`", "ahead of the Materials");
-    let refuse = |body: &str, message: &str, help: &str| refused(&format!("{TILES} {body}"), message, help);
+    rejects("Textures { ‹Checker› { } }", "this `Checker` has no name", "`Checker name { … }`");
+    rejects("Textures { Checker a { } Noise ‹a› { } }", "two textures are called `a`", "another name");
+    rejects("Textures { ‹Cheker› a { } }", "unexpected `Cheker` in `Textures`", "did you mean `Checker`?");
+    rejects("Textures { Checker a { color0 ‹-1 0 0› } }", "`color0` of `Checker`", "not be negative");
+    rejects("Textures { Checker a { scale ‹1 0› } }", "`scale` of `Checker`", "must not be 0");
+    rejects("Textures { ‹Image› a { } }", "`Image` has no `file`", "add `file`");
+    rejects("Textures { Image a { file b.png wrap ‹tile› } }", "`wrap` of `Image` cannot be `tile`", "`mirror`");
+    rejects("Textures { Image a { file b.png encoding ‹gamma› } }", "`encoding`", "`srgb` or `linear`");
+    rejects("Textures { Noise a { octaves ‹0› } }", "`octaves` of `Noise`", "from 1 to 16");
+    rejects("Textures { Wood a { frequency ‹0› } }", "`frequency` of `Wood`", "above 0");
+    rejects("Textures { Wood a { amplitude ‹-1› } }", "`amplitude` of `Wood`", "not be negative");
+    rejects("Textures { Wood a { Transform { ‹Sphere› { } } } }", "unexpected `Sphere`", "may hold Scale");
+    rejects("Materials { Mirror { } } ‹Textures› { }", "behind the `Materials`", "ahead of the Materials");
+    let refuse = |body: &str, message: &str, help: &str| rejects(&format!("{TILES} {body}"), message, help);
     refuse("Materials { Diffuse { reflectance ‹tile› } }", "no texture is called `tile`", "did you mean `tiles`?");
     refuse("Materials { Diffuse { reflectance ‹wood› } }", "no texture is called `wood`", "`Textures {");
     refuse("Materials { Diffuse { reflectance ‹nan› 1 1 } }", "not a finite number", "finite");

@@ -4,7 +4,7 @@
 //! For uniform incident light, photons arrive in proportion to the cosine to the geometric normal.
 
 use crate::support::{midpoint_integral, scene_from_text, test_key};
-use caustica::bsdf::{Bsdf, Conductor, Dielectric, Phong, ThinDielectric, Transport, photon_deposit_factor};
+use caustica::bsdf::{Bsdf, Conductor, Dielectric, Phong, ThinDielectric, TransportMode, photon_deposit_factor};
 use caustica::math::{Frame, warp};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::{Dimension, Key};
@@ -91,7 +91,11 @@ fn diffuse_scatters_where_both_normals_agree() {
         // flipped: (1 − c)/2 of each.
         let (agreeing, error) = mean((0..N).into_par_iter().map(|i| {
             let wo = arrival(test_key(61).child_key(i));
-            if wo.dot(ns) > 0.0 { scattered(&Bsdf::Diffuse(Vec3::ONE), wo, ns, i, Transport::Importance) } else { 0.0 }
+            if wo.dot(ns) > 0.0 {
+                scattered(&Bsdf::Diffuse(Vec3::ONE), wo, ns, i, TransportMode::Importance)
+            } else {
+                0.0
+            }
         }));
         assert!((agreeing - expected).abs() <= error + 1e-6, "{degrees}°: {agreeing} ± {error}, {expected}");
         assert!(error < 0.05 * expected, "{degrees}°: {error}");
@@ -99,11 +103,11 @@ fn diffuse_scatters_where_both_normals_agree() {
 }
 
 /// Returns the remaining weight of a photon that arrives from `wo`.
-fn scattered(bsdf: &Bsdf, wo: Vec3, ns: Vec3, i: u64, transport: Transport) -> f64 {
+fn scattered(bsdf: &Bsdf, wo: Vec3, ns: Vec3, i: u64, transport: TransportMode) -> f64 {
     let key = test_key(62).child_key(i);
     let (lobe, u) = (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
     bsdf.sample(wo, ns, Vec3::Z, lobe, u, transport).map_or(0.0, |s| {
-        let adjoint = if transport == Transport::Importance { s.adjoint_correction(wo, ns, Vec3::Z) } else { 1.0 };
+        let adjoint = if transport == TransportMode::Importance { s.adjoint_correction(wo, ns, Vec3::Z) } else { 1.0 };
         let weight = f64::from(s.weight.x * adjoint);
         assert!(weight.is_finite() && weight >= 0.0, "{bsdf:?} {wo} {ns}: {s:?}");
         weight
@@ -156,7 +160,7 @@ fn no_surface_reflects_more_than_it_receives() {
                 let turn = if ns.z < 0.0 { -1.0 } else { 1.0 };
                 let from = |i: u64| arrival(test_key(63).child_key(i)) * Vec3::new(1.0, 1.0, turn);
                 let values =
-                    (0..N).into_par_iter().map(|i| scattered(&bsdf, from(i), ns * turn, i, Transport::Importance));
+                    (0..N).into_par_iter().map(|i| scattered(&bsdf, from(i), ns * turn, i, TransportMode::Importance));
                 let (kept, error) = mean(values);
                 let most =
                     if bsdf.transmits() && !keeps && turn < 0.0 { out_of_glass(f64::from(ns.z.abs())) } else { 1.0 };
@@ -223,7 +227,7 @@ fn grazing_factors_are_finite() {
                 for n in [ns, -ns + 2.0 * ns.z * Vec3::Z] {
                     // A photon of 1 W must have a finite weight where directions round to 2⁻²⁴.
                     if z > 1e-37 {
-                        scattered(&bsdf, wo, n, i, Transport::Importance);
+                        scattered(&bsdf, wo, n, i, TransportMode::Importance);
                     }
                 }
             }

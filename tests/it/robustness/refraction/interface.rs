@@ -2,7 +2,7 @@
 //! between lobes.
 
 use crate::support::test_key;
-use caustica::bsdf::{Bsdf, Dielectric, ThinDielectric, Transport, dielectric_reflectance, refract};
+use caustica::bsdf::{Bsdf, Dielectric, ThinDielectric, TransportMode, dielectric_reflectance, refract};
 use caustica::math::{Frame, warp};
 use caustica::sampling::Dimension;
 use glam::{DVec3, Vec2, Vec3};
@@ -79,7 +79,7 @@ fn fresnel_is_finite_around_critical_angle() {
             let s = Bsdf::Dielectric(Dielectric { eta: 1.0 / eta });
             for lobe in [0.0, 0.5, 1.0 - f32::EPSILON / 2.0] {
                 // From inside: the interface's normal points away.
-                let s = s.sample(wo, -n, -n, lobe, Vec2::ZERO, Transport::Radiance);
+                let s = s.sample(wo, -n, -n, lobe, Vec2::ZERO, TransportMode::Radiance);
                 assert!(s.is_some_and(|s| s.wi.is_finite() && s.weight.is_finite()), "{wo} {n} {eta}");
             }
         }
@@ -187,13 +187,15 @@ fn lobe_choice_matches_probability_over_all_numbers() {
         let wo = Vec3::new(((1.0 - cos) * (1.0 + cos)).sqrt(), 0.0, cos);
         let draw = |step: u32| {
             let glass = Bsdf::Dielectric(Dielectric { eta });
-            glass.sample(wo, Vec3::Z, Vec3::Z, step as f32 / STEPS as f32, Vec2::ZERO, Transport::Importance).unwrap()
+            glass
+                .sample(wo, Vec3::Z, Vec3::Z, step as f32 / STEPS as f32, Vec2::ZERO, TransportMode::Importance)
+                .unwrap()
         };
         // Reflection comes first.
         let (mut low, mut high) = (0, STEPS);
         while low < high {
             let middle = low + (high - low) / 2;
-            if draw(middle).transmitted { high = middle } else { low = middle + 1 }
+            if draw(middle).is_transmitted { high = middle } else { low = middle + 1 }
         }
         let bent = refract(wo, Vec3::Z, eta);
         let t = f64::from(bent.transmittance);

@@ -1,7 +1,7 @@
 //! A thousand internal reflections: nothing is lost, nothing drifts out, and every path ends.
 
 use crate::support::{render_passes, test_key};
-use caustica::bsdf::Transport;
+use caustica::bsdf::TransportMode;
 use caustica::camera::Camera;
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::math::{Ray, warp};
@@ -55,8 +55,8 @@ fn follow(scene: &Scene, direction: Vec3, mut see: impl FnMut(Vec3, Vec3)) {
         let surface = vertex.surface;
         assert!(surface.wo.dot(surface.point.ng) < 0.0, "from outside after {bounce}");
         // The largest number below 1 selects transmission if there is any.
-        let s = surface.sample(1.0 - f32::EPSILON / 2.0, Vec2::ZERO, Transport::Importance).unwrap();
-        assert!(!s.transmitted && s.weight == Vec3::ONE, "through after {bounce}");
+        let s = surface.sample(1.0 - f32::EPSILON / 2.0, Vec2::ZERO, TransportMode::Importance).unwrap();
+        assert!(!s.is_transmitted && s.weight == Vec3::ONE, "through after {bounce}");
         see(surface.point.p, s.wi);
         path.leave(&surface, s.wi, false);
     }
@@ -131,9 +131,9 @@ fn trapped_rays_stay_in_ball() {
             let PathEvent::Surface(vertex) = path.next_vertex(&scene, test_key(1), |_| None) else {
                 panic!("out after {bounce}")
             };
-            let s = vertex.surface.sample(1.0 - f32::EPSILON / 2.0, Vec2::ZERO, Transport::Importance).unwrap();
+            let s = vertex.surface.sample(1.0 - f32::EPSILON / 2.0, Vec2::ZERO, TransportMode::Importance).unwrap();
             let p = vertex.surface.point.p;
-            assert!(!s.transmitted && (p.length() - 1.0).abs() < 2.0 * f32::EPSILON);
+            assert!(!s.is_transmitted && (p.length() - 1.0).abs() < 2.0 * f32::EPSILON);
             assert!(
                 (p.cross(s.wi).length() - expected).abs() < drift,
                 "{bounce}: {}",

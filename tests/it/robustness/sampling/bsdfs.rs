@@ -1,7 +1,7 @@
 //! BSDFs at extreme samples, roughnesses and angles.
 
 use super::{ENDS, corners};
-use caustica::bsdf::{Bsdf, Conductor, Dielectric, Phong, SMOOTH_ALPHA, ThinDielectric, Transport, named_metal};
+use caustica::bsdf::{Bsdf, Conductor, Dielectric, Phong, SMOOTH_ALPHA, ThinDielectric, TransportMode, named_metal};
 use glam::{Vec2, Vec3};
 
 /// Returns each BSDF with an upper bound of its importance weight.
@@ -50,7 +50,7 @@ fn bsdf_samples_have_finite_weight_and_pdf() {
             for ns in [Vec3::Z, tilted] {
                 for lobe in ENDS {
                     for u in corners() {
-                        for transport in [Transport::Radiance, Transport::Importance] {
+                        for transport in [TransportMode::Radiance, TransportMode::Importance] {
                             let what = || format!("{bsdf:?} from {wo} by {ns}, {lobe} {u}, {transport:?}");
                             let Some(s) = bsdf.sample(wo, ns, Vec3::Z, lobe, u, transport) else { continue };
                             assert!(s.wi.is_finite() && (s.wi.length() - 1.0).abs() < 1e-5, "{}: {s:?}", what());
@@ -58,12 +58,12 @@ fn bsdf_samples_have_finite_weight_and_pdf() {
                             // Some hundred roundings.
                             let bound = most * (1.0 + 50.0 * f32::EPSILON);
                             assert!(
-                                transport == Transport::Radiance || s.weight.max_element() <= bound,
+                                transport == TransportMode::Radiance || s.weight.max_element() <= bound,
                                 "{}: {s:?}",
                                 what()
                             );
-                            assert!(s.specular || s.pdf > 0.0 && s.pdf.is_finite(), "{}: {s:?}", what());
-                            assert_eq!(s.transmitted, (s.wi.z < 0.0) != (wo.z < 0.0), "{}: {s:?}", what());
+                            assert!(s.is_specular || s.pdf > 0.0 && s.pdf.is_finite(), "{}: {s:?}", what());
+                            assert_eq!(s.is_transmitted, (s.wi.z < 0.0) != (wo.z < 0.0), "{}: {s:?}", what());
                             let f = bsdf.evaluate(wo, s.wi, ns, Vec3::Z, transport);
                             let pdf = bsdf.pdf(wo, s.wi, ns, Vec3::Z);
                             assert!(
@@ -88,7 +88,7 @@ fn bsdfs_never_sample_the_horizon() {
     let white = Bsdf::Diffuse(Vec3::ONE);
     let rim = [Vec2::new(0.0, 0.5), Vec2::new(0.5, 0.0)];
     for u in rim {
-        assert!(white.sample(Vec3::Z, Vec3::Z, Vec3::Z, 0.0, u, Transport::Radiance).is_none(), "{u}");
+        assert!(white.sample(Vec3::Z, Vec3::Z, Vec3::Z, 0.0, u, TransportMode::Radiance).is_none(), "{u}");
     }
 }
 
