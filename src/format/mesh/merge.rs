@@ -54,16 +54,16 @@ fn position_bits(p: DVec3) -> [u64; 3] {
     coordinate_bits(p + DVec3::ZERO)
 }
 
-const UNKNOWN: u32 = u32::MAX;
+const UNASSIGNED: u32 = u32::MAX;
 
 impl TriangleMesh {
     /// Merges vertices that are equal bit for bit, and removes unused vertices.
     ///
-    /// Vertices are in the order of first use afterwards. If one corner of a triangle has no normal,
-    /// its other corners lose theirs.
+    /// Afterwards, vertices are in the order of first use. If one corner of a triangle has no
+    /// normal, its other corners lose theirs.
     pub fn merge_equal_vertices(&mut self) {
         let normals = self.normals.as_deref();
-        let mut known: Vec<u32> = vec![UNKNOWN; self.positions.len()];
+        let mut known: Vec<u32> = vec![UNASSIGNED; self.positions.len()];
         // Index of a vertex, and true if it loses its normal.
         let mut numbers: KeyIndexer<(u32, bool)> = KeyIndexer::with_capacity(self.positions.len());
         let key = |&(v, flat): &(u32, bool)| {
@@ -79,7 +79,7 @@ impl TriangleMesh {
             let flat = normals.is_some_and(|n| triangle.iter().any(|&v| n[v as usize] == DVec3::ZERO));
             for v in triangle {
                 let seen = known[*v as usize];
-                if seen != UNKNOWN && !flat {
+                if seen != UNASSIGNED && !flat {
                     *v = seen;
                     continue;
                 }

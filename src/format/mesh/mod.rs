@@ -54,7 +54,7 @@ pub struct TriangleMesh {
 /// Mesh that was read from a file, with facts about the file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadedMesh {
-    /// The mesh. No two of its vertices have bitwise equal position, normal and texture coordinates.
+    /// The mesh. No two vertices are equal bit for bit in position, normal and texture coordinates.
     pub mesh: TriangleMesh,
     /// Arguments of the `mtllib` lines of an OBJ file, as written.
     pub libraries: Vec<String>,
@@ -83,19 +83,19 @@ impl LoadedMesh {
 /// Receiver of progress reports while mesh files are read. `()` ignores them.
 pub trait MeshReadMonitor: Sync {
     /// Called with the path of each file that the scene names, before the file is read.
-    fn names(&self, _path: &Path) {}
+    fn on_file_named(&self, _path: &Path) {}
     /// Called before parsing the mesh file at `path`, whose size is `bytes`.
-    fn begin(&self, path: &Path, bytes: u64);
+    fn on_read_start(&self, path: &Path, bytes: u64);
     /// Called when another `bytes` bytes of the file have been parsed.
-    fn advance(&self, bytes: u64);
+    fn on_bytes_parsed(&self, bytes: u64);
     /// Called with the mesh when the file at `path` has been parsed.
-    fn end(&self, path: &Path, mesh: &TriangleMesh);
+    fn on_read_end(&self, path: &Path, mesh: &TriangleMesh);
 }
 
 impl MeshReadMonitor for () {
-    fn begin(&self, _: &Path, _: u64) {}
-    fn advance(&self, _: u64) {}
-    fn end(&self, _: &Path, _: &TriangleMesh) {}
+    fn on_read_start(&self, _: &Path, _: u64) {}
+    fn on_bytes_parsed(&self, _: u64) {}
+    fn on_read_end(&self, _: &Path, _: &TriangleMesh) {}
 }
 
 /// Reads the triangles of a PLY or OBJ file, without a limit on memory.
@@ -137,7 +137,7 @@ pub fn decode(
     monitor: &dyn MeshReadMonitor,
     free: Option<u64>,
 ) -> Result<LoadedMesh, MeshError> {
-    monitor.begin(path, bytes.len() as u64);
+    monitor.on_read_start(path, bytes.len() as u64);
     let named = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply"));
     let text = strip_byte_order_mark(&bytes);
     let loaded = if named || text.starts_with(b"ply\n") || text.starts_with(b"ply\r") {
@@ -148,7 +148,7 @@ pub fn decode(
     if loaded.mesh.triangles.is_empty() {
         return Err(MeshError::NoFaces { path: path.into() });
     }
-    monitor.end(path, &loaded.mesh);
+    monitor.on_read_end(path, &loaded.mesh);
     Ok(loaded)
 }
 

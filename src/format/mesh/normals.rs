@@ -9,9 +9,9 @@ impl TriangleMesh {
     /// Computes smooth shading normals for all triangles that have none.
     ///
     /// A normal is the mean of the adjacent face normals, weighted by their corner angles (Thürmer
-    /// and Wüthrich 1998, "Computing vertex normals from polygonal facets"). Two faces share normals
-    /// along an edge if their face normals differ by at most `angle` \[degrees]. Vertices are split
-    /// at sharper edges, at edges of one or more than two faces, and where windings disagree.
+    /// and Wüthrich 1998, "Computing vertex normals from polygonal facets"). Two faces share their
+    /// normals along an edge if the face normals differ by at most `angle` \[degrees]. Vertices are
+    /// split at sharper edges, at edges of one or more than two faces, and where windings disagree.
     pub fn compute_smooth_normals(&mut self, angle: f64) {
         let missing: Vec<bool> = match &self.normals {
             Some(normals) => {
@@ -38,14 +38,14 @@ impl TriangleMesh {
     /// Unit normal of a triangle, by its winding; zero for triangles without area.
     pub(super) fn face_normal(&self, triangle: [u32; 3]) -> DVec3 {
         let [a, b, c] = triangle.map(|v| self.positions[v as usize]);
-        normalize_scaled(normalize_scaled(b - a).cross(normalize_scaled(c - a)))
+        normalize_without_overflow(normalize_without_overflow(b - a).cross(normalize_without_overflow(c - a)))
     }
 
     /// Angle of a triangle at one corner \[radians]. Corner 3t + k is corner k of triangle t.
     fn corner_angle(&self, corner: usize) -> f64 {
         let triangle = self.triangles[corner / 3];
         let [p, q, r] = [0, 1, 2].map(|k| self.positions[triangle[(corner + k) % 3] as usize]);
-        let (e, f) = (normalize_scaled(q - p), normalize_scaled(r - p));
+        let (e, f) = (normalize_without_overflow(q - p), normalize_without_overflow(r - p));
         libm::atan2(e.cross(f).length(), e.dot(f))
     }
 
@@ -62,15 +62,15 @@ impl TriangleMesh {
             let smooth = faces[a.triangle as usize].dot(faces[b.triangle as usize]) >= least;
             if a.forward != b.forward && smooth {
                 let ([a0, a1], [b0, b1]) = (a.corner_indices(), b.corner_indices());
-                union.join(a0, b0, false);
-                union.join(a1, b1, false);
+                union.union_sets(a0, b0, false);
+                union.union_sets(a1, b1, false);
             }
         }
         let mut numbers = vec![u32::MAX; 3 * self.triangles.len()];
         let mut next = 0;
         for corner in 0..numbers.len() {
             // The root is the lowest index, so it is numbered already.
-            let (root, _) = union.find(corner);
+            let (root, _) = union.find_root(corner);
             numbers[corner] = if root == corner { next } else { numbers[root] };
             next += u32::from(root == corner);
         }
@@ -81,17 +81,17 @@ impl TriangleMesh {
     ///
     /// `sums` holds the weighted sum of face normals of each group.
     fn assign_group_normals(&mut self, missing: &[bool], groups: &[u32], sums: &[DVec3]) {
-        const KEEPS: u32 = u32::MAX;
+        const KEEPS_NORMAL: u32 = u32::MAX;
         let mut numbers: KeyIndexer<(u32, u32)> = KeyIndexer::with_capacity(self.positions.len());
         for (t, triangle) in self.triangles.iter_mut().enumerate() {
             for (k, v) in triangle.iter_mut().enumerate() {
-                let group = if missing[t] { groups[3 * t + k] } else { KEEPS };
+                let group = if missing[t] { groups[3 * t + k] } else { KEEPS_NORMAL };
                 *v = numbers.index_of((*v, group), |key| *key);
             }
         }
         let vertices = numbers.into_values();
         let normal = |&(v, group): &(u32, u32)| match (group, &self.normals) {
-            (KEEPS, Some(normals)) => normals[v as usize],
+            (KEEPS_NORMAL, Some(normals)) => normals[v as usize],
             _ => sums.get(group as usize).copied().unwrap_or_default().normalize_or_zero(),
         };
         self.normals = Some(vertices.iter().map(normal).collect());
@@ -101,7 +101,7 @@ impl TriangleMesh {
 }
 
 /// `v` scaled to unit length, without overflow or underflow; zero if `v` is zero or not finite.
-fn normalize_scaled(v: DVec3) -> DVec3 {
+fn normalize_without_overflow(v: DVec3) -> DVec3 {
     let size = v.abs().max_element();
     if size > 0.0 && size.is_finite() { (v / size).normalize_or_zero() } else { DVec3::ZERO }
 }

@@ -36,7 +36,7 @@ impl TriangleMesh {
         let mut twisted = Vec::new();
         for half_edges in topology.half_edges_by_edge() {
             if let &[a, b] = half_edges
-                && !windings.join(a.triangle as usize, b.triangle as usize, a.forward == b.forward)
+                && !windings.union_sets(a.triangle as usize, b.triangle as usize, a.forward == b.forward)
             {
                 twisted.push(a.triangle as usize);
             }
@@ -46,17 +46,17 @@ impl TriangleMesh {
         for (t, turn) in
             turn.iter_mut().enumerate().filter(|(t, _)| topology.has_distinct_positions(self.triangles[*t]))
         {
-            let (root, against) = windings.find(t);
+            let (root, against) = windings.find_root(t);
             *turn = against;
             components.entry(root).or_insert_with(|| self.empty_component(t)).add_triangle(self, t);
         }
         for t in twisted {
-            components.entry(windings.find(t).0).and_modify(|component| component.orientable = false);
+            components.entry(windings.find_root(t).0).and_modify(|component| component.orientable = false);
         }
         for half_edges in topology.half_edges_by_edge().filter(|half_edges| half_edges.len() != 2) {
             for half_edge in half_edges {
                 components
-                    .entry(windings.find(half_edge.triangle as usize).0)
+                    .entry(windings.find_root(half_edge.triangle as usize).0)
                     .and_modify(|component| component.closed = false);
             }
         }

@@ -63,7 +63,7 @@ pub struct MeshReport {
 impl TriangleMesh {
     /// Measures the mesh.
     #[must_use]
-    pub fn report(&self) -> MeshReport {
+    pub fn mesh_report(&self) -> MeshReport {
         let topology = MeshTopology::new(self);
         let mut used = vec![false; self.positions.len()];
         self.triangles.iter().flatten().for_each(|v| used[*v as usize] = true);
@@ -196,22 +196,22 @@ impl TopologyCounts {
                 [a, b] => {
                     let against = a.forward == b.forward;
                     this.inconsistent_edges += usize::from(against);
-                    this.orientable &= windings.join(a.triangle as usize, b.triangle as usize, against);
+                    this.orientable &= windings.union_sets(a.triangle as usize, b.triangle as usize, against);
                 }
                 _ => this.non_manifold_edges += 1,
             }
             for half_edge in &half_edges[1..] {
-                surfaces.join(half_edges[0].triangle as usize, half_edge.triangle as usize, false);
+                surfaces.union_sets(half_edges[0].triangle as usize, half_edge.triangle as usize, false);
                 for (a, b) in half_edges[0].corner_indices().into_iter().zip(half_edge.corner_indices()) {
-                    fans.join(a, b, false);
+                    fans.union_sets(a, b, false);
                 }
             }
         }
         let mut fan_count = vec![0_u8; topology.position_count];
         for t in whole {
-            this.components += usize::from(surfaces.find(t).0 == t);
+            this.components += usize::from(surfaces.find_root(t).0 == t);
             for (k, v) in mesh.triangles[t].into_iter().enumerate() {
-                if fans.find(3 * t + k).0 == 3 * t + k {
+                if fans.find_root(3 * t + k).0 == 3 * t + k {
                     let count = &mut fan_count[topology.vertex_positions[v as usize] as usize];
                     *count = count.saturating_add(1);
                 }

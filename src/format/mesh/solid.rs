@@ -46,8 +46,8 @@ impl TriangleMesh {
     /// and faces outward.
     ///
     /// Shading normals decide which side of a triangle is outside, and the winding decides for
-    /// triangles without normals. The renderer uses this rule too. Triangles with two corners at one
-    /// position are ignored.
+    /// triangles without normals. The renderer uses this rule too. Triangles with two corners at
+    /// one position are ignored.
     #[must_use]
     pub fn solid_defect(&self) -> Option<SolidDefect> {
         let topology = MeshTopology::new(self);

@@ -2,20 +2,20 @@
 
 use super::TriangleMesh;
 
-const UNKNOWN: u32 = u32::MAX;
+const UNASSIGNED: u32 = u32::MAX;
 
 impl TriangleMesh {
     /// Splits the mesh by material; returns pairs of material index and part.
     ///
-    /// Pairs are in the order of the first triangle of each material. Triangles without material have
-    /// index [`NO_MATERIAL`](super::NO_MATERIAL). The lists of materials of the parts are empty.
+    /// Pairs are in the order of the first triangle of each material. Triangles without material
+    /// have index [`NO_MATERIAL`](super::NO_MATERIAL). Parts have empty lists of materials.
     #[must_use]
     pub fn split_by_material(&self) -> Vec<(u32, Self)> {
         let number = |t: usize| self.triangle_materials.get(t).copied().unwrap_or(super::NO_MATERIAL);
         let mut order: Vec<usize> = (0..self.triangles.len()).collect();
         // The sort is stable: triangles of one material stay in order.
         order.sort_by_key(|t| number(*t));
-        let mut known = vec![UNKNOWN; self.positions.len()];
+        let mut known = vec![UNASSIGNED; self.positions.len()];
         let mut parts: Vec<(usize, u32, Self)> = Vec::new();
         for group in order.chunk_by(|a, b| number(*a) == number(*b)) {
             let mut part = Self::default();
@@ -23,7 +23,7 @@ impl TriangleMesh {
             for t in group {
                 let triangle = self.triangles[*t].map(|v| {
                     let number = &mut known[v as usize];
-                    if *number == UNKNOWN {
+                    if *number == UNASSIGNED {
                         *number = used.len() as u32;
                         used.push(v);
                     }
@@ -38,7 +38,7 @@ impl TriangleMesh {
             if let Some(texcoords) = &self.texcoords {
                 part.texcoords = Some(used.iter().map(|v| texcoords[*v as usize]).collect());
             }
-            used.iter().for_each(|v| known[*v as usize] = UNKNOWN);
+            used.iter().for_each(|v| known[*v as usize] = UNASSIGNED);
             parts.push((group[0], number(group[0]), part));
         }
         parts.sort_by_key(|(first, ..)| *first);

@@ -199,7 +199,8 @@ impl<'a> Resolver<'a> {
         self.color_parameter(value, &UNIT_RANGE, requirements)
     }
 
-    /// Resolves the diffuse color of a `Phong` material times the texture or picture named `texture`.
+    /// Resolves the diffuse color of a `Phong` material times the texture or picture named
+    /// `texture`.
     pub(super) fn phong_diffuse_parameter(
         &mut self,
         diffuse: &TexturedValue<DVec3>,
@@ -249,8 +250,8 @@ impl<'a> Resolver<'a> {
 
     /// Returns an error if the mesh at `path` lacks texture coordinates that its material needs.
     ///
-    /// `file_material` is the name of a material from the mesh's file; `None` for the scene's current
-    /// material.
+    /// `file_material` is the name of a material from the mesh's file; `None` for the scene's
+    /// current material.
     pub(super) fn require_texcoords(
         &self,
         has_texcoords: bool,
