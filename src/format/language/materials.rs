@@ -31,7 +31,9 @@ pub(super) static MATERIALS: [BlockParser<ParseMaterial>; 8] = [
     BlockParser { block: &MIX, parse: parse_mix_material },
 ];
 
-/// Function that converts a block's fields to a material. The parser's scope holds the materials before it.
+/// Function that converts a block's fields to a material.
+///
+/// The parser's scope holds the materials that precede the block.
 type ParseMaterial = for<'a> fn(&Parser<'a>, &BlockFields<'a>) -> Result<MaterialKindDescription, SceneError>;
 
 /// Largest accepted depth of nested mixes. Each level can double the number of leaf materials.
