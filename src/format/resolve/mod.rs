@@ -284,8 +284,9 @@ impl Resolver<'_> {
             let message = format!("meshes of the format `.{extension}` are not read");
             return Err(self.file_error(path, &message, "convert it to OBJ or PLY, which are read"));
         }
-        let found =
-            file_candidates(self.folder, written).find(|p| p.is_file()).inspect(|file| self.monitor.names(file));
+        let found = file_candidates(self.folder, written)
+            .find(|p| p.is_file())
+            .inspect(|file| self.monitor.on_file_named(file));
         found.ok_or_else(|| {
             let places: Vec<String> =
                 file_candidates(self.folder, written).map(|p| format!("`{}`", p.display())).collect();

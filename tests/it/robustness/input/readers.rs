@@ -85,7 +85,7 @@ fn loaded(name: &str, bytes: &[u8]) {
                 loaded.mesh.split_by_material().iter().map(|(_, part)| part.triangles.len()).sum::<usize>(),
                 loaded.mesh.triangles.len()
             );
-            assert!(loaded.mesh.report().components <= loaded.mesh.triangles.len());
+            assert!(loaded.mesh.mesh_report().components <= loaded.mesh.triangles.len());
             loaded.mesh.repair(&mesh::MeshRepairs {
                 weld: Some(1e-9),
                 duplicates: true,
