@@ -8,7 +8,7 @@ fn render_report(error: &SceneError) -> String {
 }
 
 fn error_in_text(text: &str, start: usize, len: usize) -> SceneError {
-    SceneError::at(&SourceText::new("a.txt", text), Span { start, len }, "no such word", "here", "write `right`")
+    SceneError::at_span(&SourceText::new("a.txt", text), Span { start, len }, "no such word", "here", "write `right`")
 }
 
 #[test]
@@ -37,7 +37,7 @@ fn any_span_can_be_reported() {
             assert!(render_report(&error_in_text(text, start, len)).contains("write `right`"));
         }
     }
-    let file = SceneError::of_file(&SourceText::new("a.txt", ""), "nothing here", "write something");
+    let file = SceneError::for_whole_file(&SourceText::new("a.txt", ""), "nothing here", "write something");
     assert!(
         render_report(&file).contains("a.txt:1:1: nothing here") && render_report(&file).contains("write something")
     );
@@ -54,11 +54,11 @@ fn control_characters_are_escaped() {
 #[test]
 fn several_errors_are_reported_in_order() {
     let errors = [error_in_text("one two", 4, 3), error_in_text("one two", 0, 3)].to_vec();
-    let joined = SceneError::join(errors).unwrap();
-    assert_eq!((joined.text(), joined.others().len(), joined.others()[0].text()), ("one", 1, "two"));
+    let joined = SceneError::from_errors(errors).unwrap();
+    assert_eq!((joined.text(), joined.further_errors().len(), joined.further_errors()[0].text()), ("one", 1, "two"));
     let report = render_report(&joined);
     assert!(report.contains("a.txt:1:1:") && report.contains("a.txt:1:5"), "{report}");
-    assert!(SceneError::join(Vec::new()).is_none());
+    assert!(SceneError::from_errors(Vec::new()).is_none());
 }
 
 #[test]
