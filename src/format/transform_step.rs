@@ -1,9 +1,9 @@
-//! Steps of a `Transform` block.
+//! Steps of a transform: scales, translations, rotations and matrices.
 
 use crate::math::{self, MotionStep};
 use glam::{DAffine3, DMat4, DVec3};
 
-/// One step of a transform.
+/// One step of a transform or motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TransformStep {
     /// Scale factors along the axes.
@@ -30,24 +30,24 @@ pub enum TransformStep {
 }
 
 impl TransformStep {
-    /// The map from the object's space to the surrounding space.
+    /// Returns the map from object space to the surrounding space.
     #[must_use]
     pub fn matrix(&self) -> DAffine3 {
         match *self {
             Self::Scale(s) => DAffine3::from_scale(s),
             Self::UniformScale(s) => DAffine3::from_scale(DVec3::splat(s)),
             Self::Translate(t) => DAffine3::from_translation(t),
-            Self::RotateX(angle) => turn(DVec3::X, angle),
-            Self::RotateY(angle) => turn(DVec3::Y, angle),
-            Self::RotateZ(angle) => turn(DVec3::Z, angle),
-            Self::Rotate { axis, angle } => turn(axis.normalize_or_zero(), angle),
+            Self::RotateX(angle) => rotation_about_axis(DVec3::X, angle),
+            Self::RotateY(angle) => rotation_about_axis(DVec3::Y, angle),
+            Self::RotateZ(angle) => rotation_about_axis(DVec3::Z, angle),
+            Self::Rotate { axis, angle } => rotation_about_axis(axis.normalize_or_zero(), angle),
             Self::Matrix(m) => DAffine3::from_mat4(m),
         }
     }
 
-    /// The step as a motion from the identity at time 0 to the whole step at time 1.
+    /// Returns the step as a motion from the identity at time 0 to the full step at time 1.
     ///
-    /// A matrix has no such motion and applies at all times.
+    /// A matrix cannot be interpolated and applies at all times.
     #[must_use]
     pub fn motion_step(&self) -> MotionStep {
         match *self {
@@ -62,21 +62,21 @@ impl TransformStep {
         }
     }
 
-    /// Product of all `maps`.
+    /// Returns the composition of steps in the order of the MIT 6.837 scene language.
     ///
-    /// Each step applies before those listed ahead of it (M ← M T). A matrix applies after them (M
-    /// ← T M), as in MIT 6.837.
+    /// The last listed step is applied first: M ← M T. A matrix is applied after all steps listed
+    /// before it: M ← T M.
     #[must_use]
-    pub fn composed_matrix(maps: &[Self]) -> DAffine3 {
-        maps.iter().fold(DAffine3::IDENTITY, |m, map| match map {
-            Self::Matrix(_) => map.matrix() * m,
-            _ => m * map.matrix(),
+    pub fn composed_matrix(steps: &[Self]) -> DAffine3 {
+        steps.iter().fold(DAffine3::IDENTITY, |m, step| match step {
+            Self::Matrix(_) => step.matrix() * m,
+            _ => m * step.matrix(),
         })
     }
 }
 
-/// Rotation about a unit `axis` by `angle` \[degrees].
-fn turn(axis: DVec3, angle: f64) -> DAffine3 {
+/// Returns the rotation about a unit `axis` by `angle` \[degrees].
+fn rotation_about_axis(axis: DVec3, angle: f64) -> DAffine3 {
     DAffine3::from_mat3(math::rotation_matrix_degrees(axis, angle))
 }
 

@@ -123,7 +123,7 @@ pub(super) fn radiance<I: Interior>(
                 let weight = path.prev.map_or(1.0, |prev| emission_weight(nee, &prev, &hit.surface));
                 radiance += path.throughput * hit.surface.emission * weight;
             }
-            let interior = path.path_ray.inside;
+            let interior = path.path_ray.interior;
 
             // Reflect and refract at casters.
             if !hit.surface.bsdf.stores_photons() {

@@ -220,7 +220,7 @@ impl<'a> NextEventEstimator<'a> {
                 .spawn_ray_to(self.shadow_ray_end(light, sample, target, vertex.surface.point.p), sample.wi),
             ShadowTarget::Infinity => path_ray.ray,
         };
-        self.scene.shadow_transmittance(&ray, path_ray.inside, vertex.shadow_sampler.sample_key())
+        self.scene.shadow_transmittance(&ray, path_ray.interior, vertex.shadow_sampler.sample_key())
     }
 
     /// Returns the transmittance between `vertex` and a light that no surface occludes.

@@ -143,8 +143,8 @@ impl VolumeMap {
         count: &mut u64,
         nested: bool,
     ) -> [Rgb; LEVELS] {
-        let MediumSegment { ray, medium, index, inside, .. } = vertex.segment;
-        let (own, extinction) = (inside.wavelength(), medium.extinction());
+        let MediumSegment { ray, medium, index, interior, .. } = vertex.segment;
+        let (own, extinction) = (interior.wavelength(), medium.extinction());
         let mut sums = NestedKernelSums::new(1, 1, nested);
         self.beams.visit(ray, |beam, crossing| {
             if beam.medium != *index {
@@ -167,8 +167,8 @@ impl VolumeMap {
         count: &mut u64,
         nested: bool,
     ) -> [Rgb; LEVELS] {
-        let MediumSegment { ray, medium, index, inside, .. } = vertex.segment;
-        let own = inside.wavelength();
+        let MediumSegment { ray, medium, index, interior, .. } = vertex.segment;
+        let own = interior.wavelength();
         let mut sums = NestedKernelSums::new(2, 2, nested);
         self.points.visit(ray, |photon, t, cos, weight, x2| {
             if photon.medium != *index {
@@ -195,8 +195,8 @@ impl VolumeMap {
         count: &mut u64,
         nested: bool,
     ) -> [Rgb; LEVELS] {
-        let MediumSegment { ray, medium, index, inside, .. } = vertex.segment;
-        let own = inside.wavelength();
+        let MediumSegment { ray, medium, index, interior, .. } = vertex.segment;
+        let own = interior.wavelength();
         let distance_sample = medium.distance_sample(ray, ray.t_max, vertex.throughput, rng);
         let Some(t) = distance_sample.scattered else { return [Rgb::ZERO; LEVELS] };
         let p = ray.at(t);

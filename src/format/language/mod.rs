@@ -46,10 +46,10 @@ use textures::{TEXTURES, parse_textures_block, write_texture};
 use writer::SceneWriter;
 
 static BACKGROUND: BlockSchema = block("Background", "what lies behind all objects")
-    .fields(&[
+    .with_fields(&[
         field("color", FieldKind::Color, "radiance of rays that leave the scene")
             .or_numbers(&[0.5, 0.5, 0.5])
-            .unit("W/(m² sr)")
+            .with_unit("W/(m² sr)")
             .course_syntax(),
         field("medium", FieldKind::Name, "medium that fills the space outside all bodies").absence_means("none"),
     ])
@@ -73,7 +73,7 @@ fn reference_sections() -> [(&'static str, Vec<&'static BlockSchema>); 7] {
 
 /// Iterates over the schemas of all blocks.
 #[cfg(test)]
-fn all_blocks() -> impl Iterator<Item = &'static BlockSchema> {
+fn all_block_schemas() -> impl Iterator<Item = &'static BlockSchema> {
     reference_sections().into_iter().flat_map(|(_, blocks)| blocks)
 }
 
@@ -214,8 +214,8 @@ impl Display for SceneDescription {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let out = &mut SceneWriter::new(f);
         write_camera(out, &self.camera)?;
-        out.begin_table_block(&BACKGROUND)?;
-        out.write_vector("color", self.background)?;
+        out.begin_schema_block(&BACKGROUND)?;
+        out.write_vec3("color", self.background)?;
         self.ambient_medium.as_ref().map_or(Ok(()), |medium| out.write_name("medium", medium))?;
         out.end_block()?;
         write_list_block(out, "Lights", "numLights", &self.lights, write_light)?;

@@ -26,7 +26,7 @@ pub(super) struct Parser<'a> {
     has_unclosed_block: bool,
 }
 
-/// State of the parser at the start of an entry. After an error, the parser restores its nesting.
+/// Block nesting at the start of an entry. The parser returns to it after an error.
 #[derive(Clone, Copy)]
 pub(super) struct NestingMark {
     open_blocks: usize,
@@ -86,7 +86,7 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// Returns the parser's state for [`skip_to_next_entry`](Self::skip_to_next_entry).
+    /// Returns the current block nesting, for [`skip_to_next_entry`](Self::skip_to_next_entry).
     pub fn nesting_mark(&self) -> NestingMark {
         NestingMark {
             open_blocks: self.open_blocks.len(),

@@ -224,8 +224,8 @@ impl Resolver<'_> {
         }
     }
 
-    /// Returns the emission of an object that has the current material: `own` if given, else that of
-    /// the material.
+    /// Returns the emission of an object that has the current material: `own` if given, else that
+    /// of the material.
     fn object_emission(&self, own: Option<DVec3>) -> Result<ObjectEmission, SceneError> {
         let material = self.description.materials.get(self.material as usize);
         let (radiance, texture) = match (own, material.and_then(|m| m.emission.as_ref())) {
@@ -270,7 +270,8 @@ impl Resolver<'_> {
         })
     }
 
-    /// Returns the path of an existing file that a description names; `kind` is its type for errors.
+    /// Returns the path of an existing file that a description names; `kind` is its type for
+    /// errors.
     ///
     /// An embedded asset keeps the path that the description gives it.
     fn find_file(&self, kind: &str, path: &Spanned<String>) -> Result<PathBuf, SceneError> {
@@ -283,8 +284,9 @@ impl Resolver<'_> {
             let message = format!("meshes of the format `.{extension}` are not read");
             return Err(self.file_error(path, &message, "convert it to OBJ or PLY, which are read"));
         }
-        let found =
-            file_candidates(self.folder, written).find(|p| p.is_file()).inspect(|file| self.monitor.names(file));
+        let found = file_candidates(self.folder, written)
+            .find(|p| p.is_file())
+            .inspect(|file| self.monitor.on_file_named(file));
         found.ok_or_else(|| {
             let places: Vec<String> =
                 file_candidates(self.folder, written).map(|p| format!("`{}`", p.display())).collect();
@@ -293,8 +295,8 @@ impl Resolver<'_> {
         })
     }
 
-    /// Returns an error at a file's path. If the file exceeds the memory limit, the error is marked so
-    /// and has a remedy of its own; otherwise `help` is the remedy.
+    /// Returns an error at a file's path. If the file exceeds the memory limit, the error is marked
+    /// so and has a remedy of its own; otherwise `help` is the remedy.
     fn file_or_memory_error(
         &self,
         path: &Spanned<String>,
@@ -315,7 +317,8 @@ impl Resolver<'_> {
     }
 }
 
-/// Iterates over the paths where a relative `path` may be: in the scene's folder, then in its parent.
+/// Iterates over the paths where a relative `path` may be: in the scene's folder, then in its
+/// parent.
 ///
 /// An absolute path has one candidate.
 pub(super) fn file_candidates<'a>(folder: &'a Path, path: &'a Path) -> impl Iterator<Item = PathBuf> {

@@ -5,7 +5,7 @@ use crate::color::{self, Rgb};
 use crate::format::SceneError;
 use crate::format::description::{
     self, MaterialDescription, PictureEncoding, SolidPatternDescription, Spanned, TexcoordTransformDescription,
-    TextureKindDescription, TexturedValue, TransformStep, Wrap,
+    TextureKindDescription, TexturedValue, TransformStep, WrapMode,
 };
 use crate::image::{self, Image, PictureContent};
 use crate::math::Transform;
@@ -90,7 +90,7 @@ impl<'a> Resolver<'a> {
         &mut self,
         path: &Spanned<String>,
         encoding: PictureEncoding,
-        wrap: Wrap,
+        wrap: WrapMode,
         coordinates: TexcoordTransformDescription,
     ) -> Result<AddedTexture, SceneError> {
         let content = match encoding {
@@ -152,7 +152,7 @@ impl<'a> Resolver<'a> {
             return Ok(*texture);
         }
         let texture =
-            self.add_picture_texture(name, encoding, Wrap::Repeat, TexcoordTransformDescription::default())?;
+            self.add_picture_texture(name, encoding, WrapMode::Repeat, TexcoordTransformDescription::default())?;
         self.pictures.insert(key, texture);
         Ok(texture)
     }
@@ -199,7 +199,8 @@ impl<'a> Resolver<'a> {
         self.color_parameter(value, &UNIT_RANGE, requirements)
     }
 
-    /// Resolves the diffuse color of a `Phong` material times the texture or picture named `texture`.
+    /// Resolves the diffuse color of a `Phong` material times the texture or picture named
+    /// `texture`.
     pub(super) fn phong_diffuse_parameter(
         &mut self,
         diffuse: &TexturedValue<DVec3>,
@@ -249,8 +250,8 @@ impl<'a> Resolver<'a> {
 
     /// Returns an error if the mesh at `path` lacks texture coordinates that its material needs.
     ///
-    /// `file_material` is the name of a material from the mesh's file; `None` for the scene's current
-    /// material.
+    /// `file_material` is the name of a material from the mesh's file; `None` for the scene's
+    /// current material.
     pub(super) fn require_texcoords(
         &self,
         has_texcoords: bool,
@@ -278,7 +279,7 @@ impl TextureRequirements {
     }
 }
 
-fn texcoord_transform(coordinates: &TexcoordTransformDescription) -> texture::Coordinates {
+fn texcoord_transform(coordinates: &TexcoordTransformDescription) -> texture::UvTransform {
     let TexcoordTransformDescription { scale, rotate, offset } = *coordinates;
-    texture::Coordinates::new(scale, rotate.to_radians(), offset)
+    texture::UvTransform::new(scale, rotate.to_radians(), offset)
 }

@@ -38,7 +38,7 @@ fn aim_direction(aim: DirectionOrTarget, center: DVec3) -> DVec3 {
 }
 
 fn projection() -> impl Strategy<Value = ProjectionDescription> {
-    let opening = prop_oneof![
+    let aperture = prop_oneof![
         prop_oneof![Just(0.0), positive()].prop_map(ApertureDescription::Radius),
         (positive(), positive()).prop_map(|(number, sensor)| ApertureDescription::FNumber { number, sensor }),
     ];
@@ -46,7 +46,8 @@ fn projection() -> impl Strategy<Value = ProjectionDescription> {
     let focus =
         prop_oneof![positive().prop_map(FocusDescription::Distance), Just(FocusDescription::Point(DVec3::ZERO))];
     let blades = prop_oneof![Just(0), 3..=64_u32];
-    let lens = (opening, focus, blades).prop_map(|(opening, focus, blades)| LensDescription { opening, focus, blades });
+    let lens =
+        (aperture, focus, blades).prop_map(|(aperture, focus, blades)| LensDescription { aperture, focus, blades });
     prop_oneof![
         (1e-9..179.999, option::of(lens)).prop_map(|(angle, lens)| ProjectionDescription::Perspective { angle, lens }),
         (1e-12..1e12).prop_map(|size| ProjectionDescription::Orthographic { size }),
@@ -136,7 +137,7 @@ fn texture() -> impl Strategy<Value = TextureKindDescription> {
             .prop_map(|(scale, rotate, offset)| TexcoordTransformDescription { scale, rotate, offset })
     };
     let encoding = prop_oneof![Just(PictureEncoding::Srgb), Just(PictureEncoding::Linear)];
-    let wrap = prop_oneof![Just(Wrap::Repeat), Just(Wrap::Clamp), Just(Wrap::Mirror)];
+    let wrap = prop_oneof![Just(WrapMode::Repeat), Just(WrapMode::Clamp), Just(WrapMode::Mirror)];
     let pattern = prop_oneof![
         Just(SolidPatternDescription::Noise),
         Just(SolidPatternDescription::Marble),

@@ -48,7 +48,7 @@ fn cross_medium<I: Interior>(
 ) -> Option<f32> {
     let MediumSegment { medium, ray, .. } = segment;
     let policy = paths.policy;
-    let throughput = path.throughput * weight.as_vec3() * segment.left;
+    let throughput = path.throughput * weight.as_vec3() * segment.transmittance_before;
 
     // Add emission.
     if medium.emits() {

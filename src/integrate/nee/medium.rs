@@ -109,14 +109,14 @@ impl NextEventEstimator<'_> {
             worker.counters.shadow_rays += 1;
             if self.scene.occluded(&ray) {
                 return if self.has_null_interfaces {
-                    scattered * self.scene.shadow_transmittance(&ray, segment.inside, sampler.sample_key())
+                    scattered * self.scene.shadow_transmittance(&ray, segment.interior, sampler.sample_key())
                 } else {
                     Rgb::ZERO
                 };
             }
         }
         let ray = Ray { t_max, ..Ray::new(point.p, sample.wi) };
-        scattered * self.scene.interior_transmittance(&ray, &segment.inside, sampler.sample_key())
+        scattered * self.scene.interior_transmittance(&ray, &segment.interior, sampler.sample_key())
     }
 }
 
