@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3, Vec3};
 
 /// Continuation of a picture beyond its edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Wrap {
+pub enum WrapMode {
     /// The picture repeats.
     #[default]
     Repeat,
@@ -44,7 +44,7 @@ pub enum PictureError {
 #[derive(Clone, Debug)]
 pub struct Picture {
     levels: Vec<MipLevel>,
-    wrap: Wrap,
+    wrap: WrapMode,
     mean: Rgb,
     range: (f32, f32),
 }
@@ -62,7 +62,7 @@ impl Picture {
     ///
     /// # Errors
     /// [`PictureError`] if a value is negative or not finite.
-    pub fn new(image: &Image, wrap: Wrap) -> Result<Self, PictureError> {
+    pub fn new(image: &Image, wrap: WrapMode) -> Result<Self, PictureError> {
         let (width, pixels) = (image.width(), image.pixels());
         if let Some(i) = pixels.iter().position(|p| !(p.is_finite() && p.min_element() >= 0.0)) {
             let (x, y) = ((i % width as usize) as u32, (i / width as usize) as u32);
@@ -114,7 +114,7 @@ impl Picture {
     }
 }
 
-impl Wrap {
+impl WrapMode {
     /// Equivalent coordinate near 0, where f64 resolves pixels; 0 if `x` is not finite.
     fn fold_coordinate(self, x: f64) -> f64 {
         let folded = match self {
@@ -140,7 +140,7 @@ impl Wrap {
 }
 
 impl MipLevel {
-    fn interpolate(&self, uv: DVec2, wrap: Wrap) -> Rgb {
+    fn interpolate(&self, uv: DVec2, wrap: WrapMode) -> Rgb {
         let x = uv.x * self.width as f64 - 0.5;
         let y = (1.0 - uv.y) * self.height as f64 - 0.5;
         let (column, row) = (x.floor() as i64, y.floor() as i64);

@@ -1,6 +1,6 @@
 //! Textures of a description.
 
-pub use crate::texture::Wrap;
+pub use crate::texture::WrapMode;
 use glam::{DVec2, DVec3};
 
 use super::{Spanned, TransformStep};
@@ -49,7 +49,7 @@ pub enum TextureKindDescription {
         /// Encoding of values in integer formats such as PNG; others are linear.
         encoding: PictureEncoding,
         /// Values beyond the edges.
-        wrap: Wrap,
+        wrap: WrapMode,
         /// Transform of the texture coordinates.
         coordinates: TexcoordTransformDescription,
     },

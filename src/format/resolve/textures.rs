@@ -5,7 +5,7 @@ use crate::color::{self, Rgb};
 use crate::format::SceneError;
 use crate::format::description::{
     self, MaterialDescription, PictureEncoding, SolidPatternDescription, Spanned, TexcoordTransformDescription,
-    TextureKindDescription, TexturedValue, TransformStep, Wrap,
+    TextureKindDescription, TexturedValue, TransformStep, WrapMode,
 };
 use crate::image::{self, Image, PictureContent};
 use crate::math::Transform;
@@ -90,7 +90,7 @@ impl<'a> Resolver<'a> {
         &mut self,
         path: &Spanned<String>,
         encoding: PictureEncoding,
-        wrap: Wrap,
+        wrap: WrapMode,
         coordinates: TexcoordTransformDescription,
     ) -> Result<AddedTexture, SceneError> {
         let content = match encoding {
@@ -152,7 +152,7 @@ impl<'a> Resolver<'a> {
             return Ok(*texture);
         }
         let texture =
-            self.add_picture_texture(name, encoding, Wrap::Repeat, TexcoordTransformDescription::default())?;
+            self.add_picture_texture(name, encoding, WrapMode::Repeat, TexcoordTransformDescription::default())?;
         self.pictures.insert(key, texture);
         Ok(texture)
     }
@@ -278,7 +278,7 @@ impl TextureRequirements {
     }
 }
 
-fn texcoord_transform(coordinates: &TexcoordTransformDescription) -> texture::Coordinates {
+fn texcoord_transform(coordinates: &TexcoordTransformDescription) -> texture::UvTransform {
     let TexcoordTransformDescription { scale, rotate, offset } = *coordinates;
-    texture::Coordinates::new(scale, rotate.to_radians(), offset)
+    texture::UvTransform::new(scale, rotate.to_radians(), offset)
 }

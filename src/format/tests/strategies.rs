@@ -137,7 +137,7 @@ fn random_texture_kind() -> impl Strategy<Value = TextureKindDescription> {
             .prop_map(|(scale, rotate, offset)| TexcoordTransformDescription { scale, rotate, offset })
     };
     let encoding = prop_oneof![Just(PictureEncoding::Srgb), Just(PictureEncoding::Linear)];
-    let wrap = prop_oneof![Just(Wrap::Repeat), Just(Wrap::Clamp), Just(Wrap::Mirror)];
+    let wrap = prop_oneof![Just(WrapMode::Repeat), Just(WrapMode::Clamp), Just(WrapMode::Mirror)];
     let pattern = prop_oneof![
         Just(SolidPatternDescription::Noise),
         Just(SolidPatternDescription::Marble),
