@@ -48,7 +48,7 @@ impl<'a> Lexer<'a> {
     }
 
     pub fn error_at(&self, span: Span, message: String, label: &str, help: String) -> SceneError {
-        SceneError::at(&self.source(), span, message, label, help)
+        SceneError::at_span(&self.source(), span, message, label, help)
     }
 
     /// Returns the next word or punctuation, which stays unread.

@@ -272,7 +272,7 @@ fn parse_dielectric_absorption(f: &BlockFields<'_>) -> Result<DielectricAbsorpti
     };
     let attenuation = DielectricAbsorption::Tint { color, distance: f.value("tintDistance")? };
     if let Some(field) = f.get("tintDistance") {
-        let is_valid = attenuation.coefficient().max_element() <= MAX_COEFFICIENT;
+        let is_valid = attenuation.absorption_coefficient().max_element() <= MAX_COEFFICIENT;
         field.ensure(is_valid, "must be longer: over it, `tint` is an absorption above 1e12")?;
     }
     Ok(attenuation)

@@ -54,7 +54,7 @@ impl<'a> Parser<'a> {
     pub fn into_joined_error(mut self, last: Option<SceneError>) -> Option<SceneError> {
         // A text that ends inside a block often does so because of an earlier error.
         self.errors.extend(last.filter(|_| !self.has_unclosed_block || self.errors.is_empty()));
-        SceneError::join(self.errors)
+        SceneError::from_errors(self.errors)
     }
 
     /// Runs `parse_entry`. Records its error, if any, and skips to the next entry.
