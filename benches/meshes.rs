@@ -78,7 +78,7 @@ fn merge_equal_vertices(bencher: Bencher) {
 #[divan::bench(sample_count = 3, sample_size = 1)]
 fn report(bencher: Bencher) {
     let mesh = torus(false);
-    bencher.counter(ItemsCount::new(TRIANGLES)).bench(|| mesh.report());
+    bencher.counter(ItemsCount::new(TRIANGLES)).bench(|| mesh.mesh_report());
 }
 
 #[divan::bench(sample_count = 3, sample_size = 1)]

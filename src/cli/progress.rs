@@ -181,7 +181,7 @@ impl Monitor for Progress {
 const LARGE_MESH_TRIANGLES: usize = 1_000_000;
 
 impl MeshReadMonitor for Progress {
-    fn begin(&self, path: &Path, bytes: u64) {
+    fn on_read_start(&self, path: &Path, bytes: u64) {
         let style = ProgressStyle::with_template("reading {prefix} {bar:16} {percent:>3} %  {rate}");
         let style = style.map(|style| {
             style.with_key("rate", |state: &ProgressState, out: &mut dyn fmt::Write| {
@@ -191,14 +191,14 @@ impl MeshReadMonitor for Progress {
         self.restart_bar(style, path.display().to_string(), bytes);
     }
 
-    fn advance(&self, bytes: u64) {
+    fn on_bytes_parsed(&self, bytes: u64) {
         if let Self::Bar(bar, _) = self {
             bar.inc(bytes);
         }
     }
 
     /// Reports a large mesh, and shows that the triangles so far are indexed.
-    fn end(&self, path: &Path, mesh: &TriangleMesh) {
+    fn on_read_end(&self, path: &Path, mesh: &TriangleMesh) {
         let n = mesh.triangles.len();
         if n >= LARGE_MESH_TRIANGLES {
             self.print_line(&format!("read {}: {n} triangles", path.display()));
@@ -235,19 +235,19 @@ impl<'a> InputFileCollector<'a> {
 }
 
 impl MeshReadMonitor for InputFileCollector<'_> {
-    fn names(&self, path: &Path) {
+    fn on_file_named(&self, path: &Path) {
         self.files.lock().unwrap_or_else(PoisonError::into_inner).push(path.to_owned());
     }
 
-    fn begin(&self, path: &Path, bytes: u64) {
-        self.progress.begin(path, bytes);
+    fn on_read_start(&self, path: &Path, bytes: u64) {
+        self.progress.on_read_start(path, bytes);
     }
 
-    fn advance(&self, bytes: u64) {
-        self.progress.advance(bytes);
+    fn on_bytes_parsed(&self, bytes: u64) {
+        self.progress.on_bytes_parsed(bytes);
     }
 
-    fn end(&self, path: &Path, mesh: &TriangleMesh) {
-        self.progress.end(path, mesh);
+    fn on_read_end(&self, path: &Path, mesh: &TriangleMesh) {
+        self.progress.on_read_end(path, mesh);
     }
 }

@@ -1,4 +1,4 @@
-//! Writing any imported scene as scene text, with the meshes and pictures that it holds beside it.
+//! Converts an imported scene to scene text, and embedded meshes and pictures to files.
 
 use super::description::{
     DensityDescription, Group, GroupItem, ObjectDescription, SceneDescription, ShapeDescription, Spanned,
@@ -12,23 +12,22 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// A scene as the files that represent it.
+/// A scene as scene text, with the files that its embedded assets become.
 #[derive(Clone, Debug)]
 pub struct ConvertedScene {
     /// The scene in the scene language.
     pub text: String,
-    /// Meshes in memory, each with the PLY file to write it to.
+    /// Embedded meshes, each with the path of the PLY file to write.
     pub meshes: Vec<(PathBuf, Arc<TriangleMesh>)>,
-    /// Pictures in memory, each with the OpenEXR file to write it to.
+    /// Embedded pictures, each with the path of the OpenEXR file to write.
     pub pictures: Vec<(PathBuf, Arc<Image>)>,
 }
 
 impl ConvertedScene {
-    /// Converts `scene` to a scene text at `output`, which other files are named after. Writes
-    /// nothing.
+    /// Converts a scene to text for the file `output`; writes no file.
     ///
-    /// A relative path of a file that exists becomes absolute if `output` is in another folder than
-    /// the scene.
+    /// Names of mesh and picture files begin with the stem of `output`. If `output` is not in the
+    /// scene's folder, relative paths of existing files become absolute.
     #[must_use]
     pub fn new(scene: &SceneFile, output: &Path) -> Self {
         let mut description = scene.description.clone();
@@ -46,13 +45,13 @@ impl ConvertedScene {
             pictures.push((folder.join(&name), Arc::clone(picture)));
             names.insert(path.clone(), name);
         }
-        let same_folder = absolute(folder) == absolute(scene.folder());
-        for_each_path(&mut description, &mut |path| {
+        let same_folder = canonical_path(folder) == canonical_path(scene.folder());
+        visit_file_paths(&mut description, &mut |path| {
             if let Some(name) = names.get(path.as_str()) {
                 path.clone_from(name);
             } else if !same_folder {
                 let file = file_candidates(scene.folder(), Path::new(path.as_str())).find(|file| file.is_file());
-                let file = file.and_then(|file| absolute(&file));
+                let file = file.and_then(|file| canonical_path(&file));
                 if let Some(file) = file.as_deref().and_then(Path::to_str) {
                     file.clone_into(path);
                 }
@@ -62,15 +61,14 @@ impl ConvertedScene {
     }
 }
 
-/// Returns the absolute path of a file or folder, with all links resolved; `None` if it does not
-/// exist.
-fn absolute(path: &Path) -> Option<PathBuf> {
+/// Returns the absolute path of a file or folder, without links; `None` if it does not exist.
+fn canonical_path(path: &Path) -> Option<PathBuf> {
     let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
     path.canonicalize().ok()
 }
 
-/// Calls `visit` with each path of a file that the description names.
-fn for_each_path(description: &mut SceneDescription, visit: &mut impl FnMut(&mut String)) {
+/// Calls `visit` for each file path of the description.
+fn visit_file_paths(description: &mut SceneDescription, visit: &mut impl FnMut(&mut String)) {
     for light in &mut description.lights {
         if let Some(path) = light.value.file_path_mut() {
             visit(path);
@@ -89,7 +87,7 @@ fn for_each_path(description: &mut SceneDescription, visit: &mut impl FnMut(&mut
             DensityDescription::Homogeneous | DensityDescription::Cloud { .. } => {}
         }
     }
-    // These fields hold the name of a texture, or else a path.
+    // These fields hold either the name of a texture or a path.
     let mut visit_path = |name: &mut Spanned<String>| {
         if !textures.contains(&name.value) {
             visit(&mut name.value);
@@ -98,23 +96,23 @@ fn for_each_path(description: &mut SceneDescription, visit: &mut impl FnMut(&mut
     for material in &mut description.materials {
         material.value.texture_names_or_paths_mut().for_each(&mut visit_path);
     }
-    group_paths(&mut description.root, visit);
+    visit_group_paths(&mut description.root, visit);
 }
 
-fn group_paths(group: &mut Group, visit: &mut impl FnMut(&mut String)) {
+fn visit_group_paths(group: &mut Group, visit: &mut impl FnMut(&mut String)) {
     for item in &mut group.items {
         match item {
-            GroupItem::Object(object) => object_paths(&mut object.value, visit),
+            GroupItem::Object(object) => visit_object_paths(&mut object.value, visit),
             GroupItem::MaterialIndex(_) | GroupItem::MaterialName(_) => {}
         }
     }
 }
 
-fn object_paths(object: &mut ObjectDescription, visit: &mut impl FnMut(&mut String)) {
+fn visit_object_paths(object: &mut ObjectDescription, visit: &mut impl FnMut(&mut String)) {
     match object {
-        ObjectDescription::Group(group) => group_paths(group, visit),
+        ObjectDescription::Group(group) => visit_group_paths(group, visit),
         ObjectDescription::Transform { object, .. } | ObjectDescription::Moving { object, .. } => {
-            object_paths(&mut object.value, visit)
+            visit_object_paths(&mut object.value, visit)
         }
         ObjectDescription::Shape { shape: ShapeDescription::Mesh { path, .. }, .. } => visit(&mut path.value),
         ObjectDescription::Shape { .. } => {}

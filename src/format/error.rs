@@ -1,4 +1,4 @@
-//! Errors of a scene file, with position and remedy.
+//! Errors of a scene file, each with its position in the text and a remedy.
 
 use std::fmt::{Debug, Display, Formatter};
 use std::sync::Arc;
@@ -10,12 +10,12 @@ use super::description::Span;
 /// Greatest number of errors that are reported at once.
 pub(super) const MAX_ERRORS: usize = 20;
 
-/// Bytes shown on either side of an error, at most: a file may be one long line.
-const WINDOW: usize = 200;
-/// Bytes underlined, at most.
-const UNDERLINED: usize = 80;
+/// Greatest number of bytes shown on either side of an error, because a file may be one long line.
+const CONTEXT_BYTES: usize = 200;
+/// Greatest number of bytes that are underlined.
+const MAX_UNDERLINED_BYTES: usize = 80;
 
-/// Text of a scene file with the file's name; cheap to clone.
+/// Name and text of a scene file; cheap to clone.
 #[derive(Clone, Debug)]
 pub struct SourceText {
     name: Arc<str>,
@@ -23,7 +23,7 @@ pub struct SourceText {
 }
 
 impl SourceText {
-    /// A source of `text`, as read from the file `name`.
+    /// Returns the text that was read from the file `name`.
     #[must_use]
     pub fn new(name: &str, text: &str) -> Self {
         Self { name: name.into(), text: text.into() }
@@ -41,9 +41,8 @@ impl SourceText {
         &self.text
     }
 
-    /// Returns `message` as a warning at `span`, in one line; without a position if there is no
-    /// text.
-    pub(super) fn warning(&self, span: Span, message: &str) -> String {
+    /// Returns a one-line warning at `span`; it has no position if the text is empty.
+    pub(super) fn warning_at_span(&self, span: Span, message: &str) -> String {
         if self.text.is_empty() {
             return format!("{}: warning: {message}", self.name);
         }
@@ -51,7 +50,7 @@ impl SourceText {
         format!("{}:{}:{}: warning: {message}", self.name, line + 1, column + 1)
     }
 
-    /// Returns line and column of the byte `at`, both from 0; columns count characters.
+    /// Returns line and column, both from 0, of the byte at offset `at`. Columns count characters.
     fn line_and_column(&self, at: usize) -> (usize, usize) {
         let before = &self.text[..self.text.floor_char_boundary(at)];
         let start = before.rfind('\n').map_or(0, |i| i + 1);
@@ -74,10 +73,10 @@ impl SourceCode for SourceText {
         let start = if lines_before == 0 {
             from
         } else {
-            let window = text.ceil_char_boundary(from.saturating_sub(WINDOW));
+            let window = text.ceil_char_boundary(from.saturating_sub(CONTEXT_BYTES));
             text[window..from].rmatch_indices('\n').nth(lines_before).map_or(window, |(i, _)| window + i + 1)
         };
-        let window = text.floor_char_boundary(to.saturating_add(WINDOW));
+        let window = text.floor_char_boundary(to.saturating_add(CONTEXT_BYTES));
         let end = text[to..window].match_indices('\n').nth(lines_after).map_or(window, |(i, _)| to + i);
         let (line, column) = self.line_and_column(start);
         let shown = SourceSpan::from(start..end);
@@ -86,11 +85,11 @@ impl SourceCode for SourceText {
     }
 }
 
-/// Error of a scene file: defect, position and remedy. It may carry further errors of the
-/// same file.
+/// Error of a scene file: defect, position and remedy.
 ///
-/// `Display` gives `file:line:column: message`, without the numbers if the error has no position;
-/// [`miette`] adds the offending text, the remedy and the further errors.
+/// It may carry further errors of the same file. `Display` gives `file:line:column: message`, or
+/// `file: message` for an error without a position. [`miette`] adds the offending text, the remedy
+/// and the further errors.
 ///
 /// ```
 /// let error = caustica::format::parse("a.txt", "Group {\n  Spere { }\n}").unwrap_err();
@@ -98,11 +97,11 @@ impl SourceCode for SourceText {
 /// assert_eq!(error.remedy(), "did you mean `Sphere`?");
 /// ```
 #[derive(Clone, Debug, thiserror::Error)]
-pub struct SceneError(Box<Parts>);
+pub struct SceneError(Box<SceneErrorData>);
 
 impl Display for SceneError {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
-        let Parts { source, line, column, message, .. } = &*self.0;
+        let SceneErrorData { source, line, column, message, .. } = &*self.0;
         match line {
             0 => write!(f, "{}: {message}", source.name),
             _ => write!(f, "{}:{line}:{column}: {message}", source.name),
@@ -111,25 +110,27 @@ impl Display for SceneError {
 }
 
 #[derive(Clone, Debug)]
-struct Parts {
+struct SceneErrorData {
     source: SourceText,
     span: Span,
-    /// Text and span with control characters escaped, if there are any near the span.
+    /// Text and span with escaped control characters; `None` if there are none near the span.
     escaped: Option<(SourceText, Span)>,
     message: String,
     label: Option<String>,
     help: String,
     line: usize,
     column: usize,
-    exhausts: bool,
-    others: Vec<SceneError>,
+    /// True if the scene is valid but exceeds the memory limit.
+    is_out_of_memory: bool,
+    further_errors: Vec<SceneError>,
 }
 
 impl SceneError {
-    /// An error at `span`: `message` describes the defect, `label` stands under the text, `help` is
-    /// the remedy.
+    /// Returns an error at `span`.
+    ///
+    /// `message` describes the defect, `label` stands under the text, and `help` is the remedy.
     #[must_use]
-    pub fn at(
+    pub fn at_span(
         source: &SourceText,
         span: Span,
         message: impl Into<String>,
@@ -139,70 +140,81 @@ impl SceneError {
         Self::new(source, span, message.into(), Some(label.into()), help.into())
     }
 
-    /// An error of the file as a whole, at its first character.
+    /// Returns an error of the whole file, whose position is the first character.
     #[must_use]
-    pub fn of_file(source: &SourceText, message: impl Into<String>, help: impl Into<String>) -> Self {
+    pub fn for_whole_file(source: &SourceText, message: impl Into<String>, help: impl Into<String>) -> Self {
         Self::new(source, Span::default(), message.into(), None, help.into())
     }
 
-    /// An error of an imported file without a position in a text.
+    /// Returns an error of the file named `file` without a position in a text.
     #[must_use]
     pub fn without_position(file: &str, message: impl Into<String>, help: impl Into<String>) -> Self {
-        let mut error = Self::of_file(&SourceText::new(file, ""), message, help);
+        let mut error = Self::for_whole_file(&SourceText::new(file, ""), message, help);
         (error.0.line, error.0.column) = (0, 0);
         error
     }
 
-    /// Returns `errors` as one error in the order of the text, with the others as further errors;
-    /// `None` if empty.
+    /// Returns the first of `errors` in the order of the text, which carries the others; `None` if
+    /// `errors` is empty.
     ///
-    /// At most 20 are kept. Errors must not carry further errors already.
+    /// At most 20 errors are kept. None of them may carry further errors.
     #[must_use]
-    pub fn join(mut errors: Vec<Self>) -> Option<Self> {
+    pub fn from_errors(mut errors: Vec<Self>) -> Option<Self> {
         errors.sort_by_key(|error| error.0.span.start);
         errors.truncate(MAX_ERRORS);
         let mut errors = errors.into_iter();
         let mut first = errors.next()?;
-        first.0.others.extend(errors);
+        first.0.further_errors.extend(errors);
         Some(first)
     }
 
     /// Returns the further errors of the file, in the order of the text.
     #[must_use]
-    pub fn others(&self) -> &[Self] {
-        &self.0.others
+    pub fn further_errors(&self) -> &[Self] {
+        &self.0.further_errors
     }
 
     fn new(source: &SourceText, span: Span, message: String, label: Option<String>, help: String) -> Self {
-        // Underline within the line and the text only, wherever the span came from.
+        // Clamp the span to its first line and to the text: an importer may pass any span.
         let text = source.text();
         let start = text.floor_char_boundary(span.start.min(text.len()));
-        let most = span.len.min(UNDERLINED);
+        let most = span.len.min(MAX_UNDERLINED_BYTES);
         let mut end = text.floor_char_boundary(start.saturating_add(most).min(text.len())).max(start);
         if let Some(i) = text[start..end].find(['\n', '\r']) {
             end = start + i;
         }
         let (line, column) = source.line_and_column(start);
         let span = Span { start, len: end - start };
-        let (source, escaped) = (source.clone(), escape(source, span));
-        let (line, column, exhausts, others) = (line + 1, column + 1, false, Vec::new());
-        Self(Box::new(Parts { source, span, escaped, message, label, help, line, column, exhausts, others }))
+        let (source, escaped) = (source.clone(), escape_near_span(source, span));
+        let (line, column, is_out_of_memory, further_errors) = (line + 1, column + 1, false, Vec::new());
+        Self(Box::new(SceneErrorData {
+            source,
+            span,
+            escaped,
+            message,
+            label,
+            help,
+            line,
+            column,
+            is_out_of_memory,
+            further_errors,
+        }))
     }
 
-    /// The error, marked as one of a valid scene that exceeds the memory limit.
+    /// Returns the error, marked as one of a valid scene that exceeds the memory limit.
     #[must_use]
     pub fn marked_out_of_memory(mut self) -> Self {
-        self.0.exhausts = true;
+        self.0.is_out_of_memory = true;
         self
     }
 
     /// True if the scene is valid but exceeds the memory limit.
     #[must_use]
     pub fn is_out_of_memory(&self) -> bool {
-        self.0.exhausts
+        self.0.is_out_of_memory
     }
 
-    /// Returns the description of the error, without its position.
+    /// Returns the description of the defect, without its position.
     #[must_use]
     pub fn message(&self) -> &str {
         &self.0.message
@@ -220,7 +232,7 @@ impl SceneError {
         self.0.source.name()
     }
 
-    /// Returns the offending text.
+    /// Returns the text at the error's position; empty if there is none.
     #[must_use]
     pub fn text(&self) -> &str {
         &self.0.source.text[self.0.span.start..][..self.0.span.len]
@@ -256,20 +268,19 @@ impl Diagnostic for SceneError {
     }
 
     fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn Diagnostic> + 'a>> {
-        let others = &self.0.others;
+        let others = &self.0.further_errors;
         (!others.is_empty()).then(|| Box::new(others.iter().map(|e| e as &dyn Diagnostic)) as Box<_>)
     }
 }
 
-/// Returns the text with control characters escaped, and the span in it, if there are such
-/// characters near the span.
+/// Returns the text with escaped control characters near `span`, and the span in the new text.
 ///
-/// A terminal must not obey what a scene file holds.
-fn escape(source: &SourceText, span: Span) -> Option<(SourceText, Span)> {
+/// `None` if there are no such characters. They are escaped because a terminal would execute them.
+fn escape_near_span(source: &SourceText, span: Span) -> Option<(SourceText, Span)> {
     let text = source.text();
     let is_unsafe = |c: char| c.is_control() && !['\n', '\r', '\t'].contains(&c);
-    let from = text.floor_char_boundary(span.start.saturating_sub(WINDOW));
-    let to = text.ceil_char_boundary((span.start + span.len).saturating_add(WINDOW).min(text.len()));
+    let from = text.floor_char_boundary(span.start.saturating_sub(CONTEXT_BYTES));
+    let to = text.ceil_char_boundary((span.start + span.len).saturating_add(CONTEXT_BYTES).min(text.len()));
     if !text[from..to].contains(is_unsafe) {
         return None;
     }

@@ -48,7 +48,8 @@ impl SceneFile {
         Ok(Self { description, source, assets, folder: path.parent().unwrap_or(Path::new("")).to_owned() })
     }
 
-    /// Builds the scene. Files that it names are looked up in its folder, then in the parent folder.
+    /// Builds the scene. Files that it names are looked up in its folder, then in the parent
+    /// folder.
     ///
     /// # Errors
     /// [`SceneError`].

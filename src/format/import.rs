@@ -102,8 +102,8 @@ pub(super) fn is_unread_format(extension: &str) -> bool {
     UNREAD_SCENE_EXTENSIONS.contains(&extension) || UNREAD_MESH_EXTENSIONS.contains(&extension)
 }
 
-/// Returns the remedy for a file with this extension that is given as a scene; `None` if the file may
-/// be scene text.
+/// Returns the remedy for a file with this extension that is given as a scene; `None` if the file
+/// may be scene text.
 pub(super) fn remedy_for_foreign_scene(extension: &str) -> Option<&'static str> {
     if UNREAD_SCENE_EXTENSIONS.contains(&extension) {
         Some("export the meshes as OBJ or PLY, and name them in a scene text: `TriangleMesh { file a.obj }`")

@@ -1,11 +1,11 @@
-//! Helpers that the file readers share: messages about bad input, and the byte order mark.
+//! Helpers of all file readers: errors with a line number, excerpts of bad input, byte order mark.
 
 use std::path::{Path, PathBuf};
 
-/// Description of the defect in a file, and a remedy.
+/// Description of a defect in a file, and its remedy.
 pub(in crate::format) type MessageAndRemedy = (String, &'static str);
 
-/// Line of an input file that cannot be understood.
+/// Error in one line of an input file.
 #[derive(Debug, thiserror::Error)]
 #[error("{}:{line}: {message}: {remedy}", path.display())]
 pub struct LineError {
@@ -25,12 +25,12 @@ impl LineError {
     }
 }
 
-/// `word` with control characters escaped, cut to 40 characters for an error message.
+/// Returns at most 40 characters of `word`, with control characters escaped.
 pub(in crate::format) fn escaped_excerpt(word: &str) -> String {
     word.escape_debug().take(40).collect()
 }
 
-/// `bytes` without the UTF-8 byte order mark that some editors write at the start of a text file.
+/// Returns `bytes` without a leading UTF-8 byte order mark, which some editors write.
 pub(in crate::format) fn strip_byte_order_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }

@@ -1,4 +1,6 @@
-//! Scene files: from text to description and back, and from description to the resolved scene.
+//! Scene files: importers, the scene language, and resolving a description into a scene.
+//!
+//! Meshes, material libraries and density grids have readers and writers of their own.
 
 mod convert;
 pub mod description;
@@ -25,5 +27,5 @@ pub use language::{parse, parse_scene_bytes, update_reference_tables};
 pub use line_error::LineError;
 pub use resolve::{resolve, resolve_monitored};
 
-/// Greatest depth of nested groups and transforms.
+/// Greatest depth of nested groups and transforms in a scene file.
 pub const MAX_NESTING_DEPTH: usize = 512;

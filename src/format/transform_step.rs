@@ -1,9 +1,9 @@
-//! Steps of a `Transform` block.
+//! Steps of a transform: scales, translations, rotations and matrices.
 
 use crate::math::{self, MotionStep};
 use glam::{DAffine3, DMat4, DVec3};
 
-/// One step of a transform.
+/// One step of a transform or motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TransformStep {
     /// Scale factors along the axes.
@@ -30,24 +30,24 @@ pub enum TransformStep {
 }
 
 impl TransformStep {
-    /// The map from the object's space to the surrounding space.
+    /// Returns the map from object space to the surrounding space.
     #[must_use]
     pub fn matrix(&self) -> DAffine3 {
         match *self {
             Self::Scale(s) => DAffine3::from_scale(s),
             Self::UniformScale(s) => DAffine3::from_scale(DVec3::splat(s)),
             Self::Translate(t) => DAffine3::from_translation(t),
-            Self::RotateX(angle) => turn(DVec3::X, angle),
-            Self::RotateY(angle) => turn(DVec3::Y, angle),
-            Self::RotateZ(angle) => turn(DVec3::Z, angle),
-            Self::Rotate { axis, angle } => turn(axis.normalize_or_zero(), angle),
+            Self::RotateX(angle) => rotation_about_axis(DVec3::X, angle),
+            Self::RotateY(angle) => rotation_about_axis(DVec3::Y, angle),
+            Self::RotateZ(angle) => rotation_about_axis(DVec3::Z, angle),
+            Self::Rotate { axis, angle } => rotation_about_axis(axis.normalize_or_zero(), angle),
             Self::Matrix(m) => DAffine3::from_mat4(m),
         }
     }
 
-    /// The step as a motion from the identity at time 0 to the whole step at time 1.
+    /// Returns the step as a motion from the identity at time 0 to the full step at time 1.
     ///
-    /// A matrix has no such motion and applies at all times.
+    /// A matrix cannot be interpolated and applies at all times.
     #[must_use]
     pub fn motion_step(&self) -> MotionStep {
         match *self {
@@ -62,21 +62,21 @@ impl TransformStep {
         }
     }
 
-    /// Product of all `maps`.
+    /// Returns the composition of steps in the order of the MIT 6.837 scene language.
     ///
-    /// Each step applies before those listed ahead of it (M ← M T). A matrix applies after them (M
-    /// ← T M), as in MIT 6.837.
+    /// The last listed step is applied first: M ← M T. A matrix is applied after all steps listed
+    /// before it: M ← T M.
     #[must_use]
-    pub fn composed_matrix(maps: &[Self]) -> DAffine3 {
-        maps.iter().fold(DAffine3::IDENTITY, |m, map| match map {
-            Self::Matrix(_) => map.matrix() * m,
-            _ => m * map.matrix(),
+    pub fn composed_matrix(steps: &[Self]) -> DAffine3 {
+        steps.iter().fold(DAffine3::IDENTITY, |m, step| match step {
+            Self::Matrix(_) => step.matrix() * m,
+            _ => m * step.matrix(),
         })
     }
 }
 
-/// Rotation about a unit `axis` by `angle` \[degrees].
-fn turn(axis: DVec3, angle: f64) -> DAffine3 {
+/// Returns the rotation about a unit `axis` by `angle` \[degrees].
+fn rotation_about_axis(axis: DVec3, angle: f64) -> DAffine3 {
     DAffine3::from_mat3(math::rotation_matrix_degrees(axis, angle))
 }
 
@@ -84,31 +84,37 @@ fn turn(axis: DVec3, angle: f64) -> DAffine3 {
 mod tests {
     use super::*;
 
-    fn close(a: DVec3, b: DVec3) -> bool {
+    fn is_close(a: DVec3, b: DVec3) -> bool {
         // Few roundings of numbers below 10.
         (a - b).abs().max_element() < 1e-14
     }
 
     #[test]
     fn turns_are_right_handed() {
-        assert!(close(TransformStep::RotateX(90.0).matrix().transform_point3(DVec3::Y), DVec3::Z));
-        assert!(close(TransformStep::RotateY(90.0).matrix().transform_point3(DVec3::Z), DVec3::X));
-        assert!(close(TransformStep::RotateZ(90.0).matrix().transform_point3(DVec3::X), DVec3::Y));
+        assert!(is_close(TransformStep::RotateX(90.0).matrix().transform_point3(DVec3::Y), DVec3::Z));
+        assert!(is_close(TransformStep::RotateY(90.0).matrix().transform_point3(DVec3::Z), DVec3::X));
+        assert!(is_close(TransformStep::RotateZ(90.0).matrix().transform_point3(DVec3::X), DVec3::Y));
         let diagonal = TransformStep::Rotate { axis: DVec3::splat(5.0), angle: 120.0 }.matrix();
-        assert!(close(diagonal.transform_point3(DVec3::X), DVec3::Y));
-        assert!(close(diagonal.transform_point3(DVec3::Y), DVec3::Z));
+        assert!(is_close(diagonal.transform_point3(DVec3::X), DVec3::Y));
+        assert!(is_close(diagonal.transform_point3(DVec3::Y), DVec3::Z));
     }
 
     #[test]
     fn the_first_map_is_applied_last() {
         let maps = [TransformStep::Translate(DVec3::X), TransformStep::Scale(DVec3::splat(2.0))];
-        assert!(close(TransformStep::composed_matrix(&maps).transform_point3(DVec3::ONE), DVec3::new(3.0, 2.0, 2.0)));
+        assert!(is_close(
+            TransformStep::composed_matrix(&maps).transform_point3(DVec3::ONE),
+            DVec3::new(3.0, 2.0, 2.0)
+        ));
     }
 
     #[test]
     fn a_matrix_is_applied_after_those_before_it() {
         let double = TransformStep::Matrix(DMat4::from_scale(DVec3::splat(2.0)));
         let maps = [TransformStep::Translate(DVec3::X), double];
-        assert!(close(TransformStep::composed_matrix(&maps).transform_point3(DVec3::ZERO), DVec3::new(2.0, 0.0, 0.0)));
+        assert!(is_close(
+            TransformStep::composed_matrix(&maps).transform_point3(DVec3::ZERO),
+            DVec3::new(2.0, 0.0, 0.0)
+        ));
     }
 }

@@ -12,8 +12,8 @@ use std::path::Path;
 
 /// Returns warnings about unused textures and materials, and about defective dielectric meshes.
 ///
-/// Each warning is one line, in the order of the text. Dielectric meshes are read again. A mesh that
-/// cannot be read is skipped, because resolving reports it as an error.
+/// Each warning is one line, in the order of the text. Dielectric meshes are read again. A mesh
+/// that cannot be read is skipped, because resolving reports it as an error.
 pub(super) fn scene_warnings(
     description: &SceneDescription,
     source: &SourceText,
@@ -24,11 +24,11 @@ pub(super) fn scene_warnings(
     let mut found = unused_item_messages(description, &uses);
     for (path, span) in &uses.dielectric_meshes {
         let report = match assets.meshes.get(*path) {
-            Some(mesh) => Some(mesh.report()),
+            Some(mesh) => Some(mesh.mesh_report()),
             None => file_candidates(folder, Path::new(path))
                 .find(|file| file.is_file())
                 .and_then(|file| mesh::load(&file, &()).ok())
-                .map(|loaded| loaded.mesh.report()),
+                .map(|loaded| loaded.mesh.mesh_report()),
         };
         if let Some(defect) = report.as_ref().and_then(boundary_defect) {
             let remedy = "`caustica mesh --repair` may repair it";
@@ -46,7 +46,7 @@ pub(super) fn unused_item_warnings(description: &SceneDescription, source: &Sour
 /// Returns one warning line for each message, in the order of the text.
 fn warning_lines(mut found: Vec<(Span, String)>, source: &SourceText) -> Vec<String> {
     found.sort_by_key(|(span, _)| span.start);
-    found.into_iter().map(|(span, message)| source.warning(span, &message)).collect()
+    found.into_iter().map(|(span, message)| source.warning_at_span(span, &message)).collect()
 }
 
 /// Returns messages about textures and materials that nothing refers to.

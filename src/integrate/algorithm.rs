@@ -9,33 +9,33 @@ use super::{distributed, hybrid, path, pm, ppm, sppm, whitted};
 use crate::plan::{Effect, Effects, Plan};
 use crate::scene::Scene;
 
-/// Rendering algorithm.
+/// Rendering algorithm, as `--integrator` names it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Algorithm {
-    /// Path tracing for what next-event estimation finds, photons for the rest.
+    /// Path tracing with next-event estimation, and photon mapping for caustics.
     Hybrid,
     /// Path tracing.
     Path,
     /// Stochastic progressive photon mapping.
     Sppm,
-    /// Progressive photon mapping.
+    /// Progressive photon mapping with camera paths that all passes share.
     Ppm,
-    /// Photon mapping with two maps of fixed radii.
+    /// Photon mapping with a global and a caustic map of fixed gather radii.
     Pm,
-    /// Distributed ray tracing.
+    /// Distributed ray tracing (Cook, Porter and Carpenter 1984).
     Distributed,
-    /// Recursive ray tracing.
+    /// Recursive ray tracing (Whitted 1980).
     Whitted,
-    /// Ray casting with Phong's model, as the course defines it.
+    /// Ray casting with Phong's shading model and no shadows, for scenes of MIT course 6.837.
     Raycast,
 }
 
 impl Algorithm {
-    /// All algorithms.
+    /// All algorithms, `hybrid` first.
     pub const ALL: [Self; 8] =
         [Self::Hybrid, Self::Path, Self::Sppm, Self::Ppm, Self::Pm, Self::Distributed, Self::Whitted, Self::Raycast];
 
-    /// Name on the command line.
+    /// Returns the name on the command line, such as `sppm`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -59,7 +59,7 @@ impl Algorithm {
         }
     }
 
-    /// Default number of passes.
+    /// Returns the default number of passes of a render.
     #[must_use]
     pub fn passes(self) -> u32 {
         match self {
@@ -70,7 +70,7 @@ impl Algorithm {
         }
     }
 
-    /// Effects that the algorithm can simulate.
+    /// Returns the effects of light that the algorithm can simulate.
     #[must_use]
     pub fn simulates(self) -> Effects {
         use Effect::{
@@ -92,7 +92,7 @@ impl Algorithm {
         }
     }
 
-    /// Prepares the algorithm for `scene`. Pilots find the settings that are not set.
+    /// Makes the integrator for `scene`. Small pilot simulations choose the settings left open.
     #[must_use]
     pub fn prepare(self, scene: &Scene, settings: Settings) -> Box<dyn Integrator + '_> {
         let plan = Plan::new(scene, self.simulates(), settings.camera_paths.effects);

@@ -1,43 +1,43 @@
 //! Division of the work of a pass between camera rays and photons.
 //!
-//! The noise of a pass is a sum of parts. NoiseSource i has variance σᵢ²/nᵢ and work cᵢ·nᵢ for n samples.
-//! For constant work the variance is least if nᵢ ∝ σᵢ/√cᵢ. Gather radii stay, so the bias stays.
+//! The variance of a pass is a sum over sources. Source i has variance σᵢ²/nᵢ and work cᵢ·nᵢ.
+//! For constant work the variance is least if nᵢ ∝ σᵢ/√cᵢ. Gather radii and bias do not change.
 
 use crate::color::{self, Rgb};
 use crate::stats::Counters;
 
-/// Numbers of samples of a pass.
+/// Numbers of camera rays and photon paths of a pass, chosen by a pilot for least noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Balance {
-    /// Camera rays per pixel.
+    /// Number of camera rays per pixel.
     pub samples: u32,
-    /// Photon paths of the global map; `None` without that map.
+    /// Number of photon paths of the global map; `None` without that map.
     pub photons: Option<u32>,
-    /// Photon paths aimed at caustic casters; `None` without such paths.
+    /// Number of photon paths aimed at objects that cast caustics; `None` without such paths.
     pub caustic_photons: Option<u32>,
 }
 
-/// Greatest factor by which a number may change: a pilot is uncertain.
+/// Largest factor by which a number of samples may change, because a pilot is uncertain.
 const MAX_CHANGE: f64 = 4.0;
 
-// Work is counted in rays of photons, of 0.1 µs each; the other costs follow from
+// The unit of work is the time of one photon ray, about 0.1 µs. The ratios come from
 // docs/measurements/.
 
-/// Work of a ray of a camera path with its shading, in rays of photons.
+/// Work of one ray of a camera path with its shading, relative to a photon ray.
 const CAMERA_RAY_WORK: f64 = 2.0;
 
-/// Work of storing and indexing a photon, in rays of photons.
+/// Work of storing and indexing one photon, relative to tracing a photon ray.
 const STORED_PHOTON_WORK: f64 = 1.5;
 
-/// Work of a photon in an estimate, in rays of photons.
+/// Work of one gathered photon in a density estimate, relative to tracing a photon ray.
 const GATHERED_PHOTON_WORK: f64 = 0.2;
 
 /// One source of noise in a pass: camera rays, or the photon paths of one map.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct NoiseSource {
-    /// Variance of one sample: of a camera ray in every pixel, or of a photon path.
+    /// Variance if there is one sample: one camera ray per pixel, or one photon path.
     pub variance: f64,
-    /// Work of one sample, in rays of photons.
+    /// Work of one sample, relative to tracing a photon ray.
     pub cost: f64,
     /// Default number of samples.
     pub count: f64,
@@ -49,10 +49,10 @@ impl NoiseSource {
     }
 }
 
-/// Numbers of samples of each part that do the default work with the least noise, within
-/// [`MAX_CHANGE`].
+/// Returns the number of samples of each source that gives least noise for the default work.
 ///
-/// A part without noise keeps its number; its work is not counted.
+/// No number changes by more than a factor of [`MAX_CHANGE`]. A source without noise keeps its
+/// number, and its work is not counted.
 pub(super) fn divide_work(parts: &[NoiseSource; 3]) -> [f64; 3] {
     let work = |numbers: &[f64; 3]| -> f64 {
         let active = parts.iter().zip(numbers).filter(|(p, _)| p.is_active());
@@ -77,23 +77,24 @@ pub(super) fn divide_work(parts: &[NoiseSource; 3]) -> [f64; 3] {
     numbers(low)
 }
 
-/// Work of camera paths, in rays of photons.
+/// Returns the work of tracing camera paths, in photon rays of equal work.
 pub(super) fn camera_path_work(counters: &Counters) -> f64 {
     CAMERA_RAY_WORK * (counters.camera_rays + counters.continuation_rays + counters.shadow_rays) as f64
 }
 
-/// Work of photon estimates, in rays of photons.
+/// Returns the work of photon density estimates, in photon rays of equal work.
 pub(super) fn gathering_work(counters: &Counters) -> f64 {
     GATHERED_PHOTON_WORK * counters.gathered_photons as f64
 }
 
-/// Work of storing and indexing photons, in rays of photons.
+/// Returns the work of storing and indexing photons, in photon rays of equal work.
 pub(super) fn photon_storage_work(photons: u64) -> f64 {
     STORED_PHOTON_WORK * photons as f64
 }
 
-/// Variance of two independent estimates of the same points, relative to the mean radiance `light`
-/// there.
+/// Returns the mean relative variance of radiance estimates at points of the film.
+///
+/// `one` and `other` are independent estimates. `light` is the mean radiance at each point.
 pub(super) fn relative_variance(one: &[Rgb], other: &[Rgb], light: &[f64]) -> f64 {
     let mut sorted: Vec<f64> = light.iter().copied().filter(|l| *l > 0.0).collect();
     sorted.sort_by(f64::total_cmp);

@@ -1,9 +1,8 @@
-//! Pilot that finds how many camera rays each pixel needs.
+//! Pilot for adaptive sampling: it finds how many camera rays each pixel needs.
 //!
 //! The mean of n rays of a pixel has variance σ²/n. For a given total of rays, the mean relative
 //! variance of the pixels is least if n is proportional to σ over the radiance. A few pictures
-//! before the first pass estimate both. All passes use the result, so they stay independent. No ray
-//! of the pilot is used again, so the mean stays unbiased.
+//! before the first pass estimate both. No pass uses rays of the pilot, so the mean stays unbiased.
 
 use super::camera_path;
 use super::film;
@@ -15,18 +14,19 @@ use crate::sampling::{Key, Purpose};
 use crate::scene::for_interior;
 use std::sync::Arc;
 
-/// Pictures of the pilot, of one camera ray per pixel each.
+/// Number of pictures of the pilot, with one camera ray per pixel each.
 const PILOT_PICTURES: u32 = 4;
 
-/// Photon paths of a pass per path that the pilot traces.
+/// Divisor of the number of photon paths of a pass: the pilot traces that part of them.
 const PILOT_DIVISOR: u32 = 16;
 
-/// Least and most rays of a pixel, in parts of the mean.
+/// Smallest and largest number of rays of a pixel, relative to the mean over all pixels.
 const MIN_DENSITY: f64 = 0.5;
 const MAX_DENSITY: f64 = 8.0;
 
-/// Camera rays of each pixel in parts of the mean, by rows from the top; `None` if rays make no
-/// noise.
+/// Returns the number of camera rays of each pixel relative to the mean, by rows from the top.
+///
+/// Returns `None` if the pilot's pictures have no noise.
 pub(super) fn find_ray_density(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>> {
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
     let budget = PassBudget { key, pass: 0, part: PILOT_DIVISOR, limited: true };
@@ -63,8 +63,8 @@ fn ray_density(pictures: &[Vec<f64>], width: usize, height: usize, samples: u32)
     let mut sorted: Vec<f64> = mean.iter().copied().filter(|l| *l > 0.0).collect();
     sorted.sort_by(f64::total_cmp);
     let median = *sorted.get(sorted.len() / 2)?;
-    // Few pictures say little about one pixel. Close neighbours add detail, wider ones add rare
-    // events.
+    // Few pictures say little about one pixel. Means over neighbours reduce the noise: a small box
+    // keeps detail, a larger one includes rare bright samples.
     let box_mean = |values: &[f64], i: usize, reach: usize| {
         let (x, y) = (i % width, i / width);
         let columns = x.saturating_sub(reach)..width.min(x + reach + 1);
@@ -89,7 +89,7 @@ fn ray_density(pictures: &[Vec<f64>], width: usize, height: usize, samples: u32)
     let share = |scale: f64, w: f64| (scale * w).clamp(least, MAX_DENSITY);
     let total = |scale: f64| wanted.iter().map(|w| share(scale, *w)).sum::<f64>() / wanted.len() as f64;
     let (mut low, mut high) = (0.0, 1.0 / largest);
-    // If few pixels need rays, their upper bound leaves some rays unused.
+    // If few pixels need rays, the upper bound leaves some rays unused.
     while total(high) < 1.0 && high * largest < MAX_DENSITY * 1e6 {
         high *= 2.0;
     }

@@ -2,15 +2,15 @@
 //!
 //! # Algorithm
 //! - **Prepare**: nothing.
-//! - **Each pass**: trace camera paths. Lights with an extent, glossy lobes and the pixel's area
-//!   are sampled by chance. A path continues at receivers only if the lobe chosen there is not
-//!   diffuse. Diffuse surfaces do not light others.
+//! - **Each pass**: trace camera paths that sample area lights, glossy lobes, the lens and the
+//!   pixel at random. A path continues only if the chosen BSDF lobe is not diffuse, so diffuse
+//!   surfaces do not light each other.
 
 use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
 use super::settings::Settings;
 use crate::plan::Effects;
 
-/// Policy of `distributed`.
+/// Returns the rules of camera paths for distributed ray tracing.
 pub(super) fn policy(effects: Effects, _: &Settings) -> PathPolicy {
     PathPolicy {
         effects,

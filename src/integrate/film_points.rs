@@ -9,13 +9,15 @@ use crate::scene::{Interior, for_interior};
 use glam::Vec2;
 use rayon::prelude::*;
 
-/// Points per parallel task.
+/// Number of film points per parallel task.
 const CHUNK: usize = 64;
 
 /// A film position in pixels, with the sampler of its camera path.
 pub(super) type FilmPoint = (Vec2, Sampler);
 
-/// Radiance along the camera rays through `points` \[W/(m² sr)], and the workers that traced them.
+/// Traces camera paths through `points` of the film.
+///
+/// Returns their radiance \[W/(m² sr)], and the workers' counters and recorded points.
 pub(super) fn trace_points(paths: &PathContext<'_>, points: &[FilmPoint]) -> (Vec<Rgb>, Vec<Worker>) {
     for_interior!(paths.policy.effects, <I> trace_points_in::<I>(paths, points))
 }

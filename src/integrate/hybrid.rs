@@ -1,5 +1,4 @@
-//! `hybrid`: path tracing for all light paths that next-event estimation finds, photons for exactly
-//! the rest.
+//! `hybrid`: path tracing with next-event estimation, and photon mapping for caustics.
 //!
 //! # Algorithm
 //! - **Prepare**: aim photon emission at caustic casters, guide it to what the camera sees, find
@@ -8,15 +7,16 @@
 //!   and in a second map at later ones. Then trace camera paths. All paths do next-event estimation
 //!   and continue at receivers. One path of each pixel reads both maps at its first receiver.
 //!
-//! A light path that goes over casters to a receiver is a caustic. Only photons carry it, so a
-//! camera path does not count emission that it hits by such a path. Gather radii shrink from pass
-//! to pass, so the mean converges.
+//! A *receiver* is a surface that stores photons. A *caster* is any other surface that is not
+//! black. A light path over casters to a receiver is a caustic. Only photons carry it, so a camera
+//! path that hits a light by such a path ignores the emission. Gather radii shrink from pass to
+//! pass, so the mean converges.
 
 use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
 use super::settings::Settings;
 use crate::plan::{Effect, Effects};
 
-/// Policy of `hybrid`.
+/// Returns the rules of camera paths for `hybrid`.
 pub(super) fn policy(effects: Effects, _: &Settings) -> PathPolicy {
     let interreflection = effects.has(Effect::Interreflection);
     PathPolicy {

@@ -7,47 +7,46 @@ use super::radius_pilot::{GuidingReports, Radii};
 use crate::plan::{Effects, Plan};
 use crate::stats::Counters;
 
-/// An algorithm, prepared to render the passes of one scene.
+/// A rendering algorithm, prepared to render passes of one scene.
 ///
-/// Pass `i` is a function of the scene, the settings and `i`: any pass can be computed alone. The
-/// picture of a render is the mean of its passes.
+/// The picture is the mean of all passes. Pass `i` depends only on the scene, the settings and
+/// `i`, so any pass can be computed alone.
 pub trait Integrator: Sync {
-    /// Renders pass `pass`, counted from 0.
+    /// Renders the pass with number `pass`, counted from 0.
     fn pass(&self, pass: u32, monitor: &dyn Monitor) -> Pass;
 
-    /// The effects that are simulated, and why.
+    /// Returns the decision for each effect of light: is it simulated, and why.
     fn plan(&self) -> &Plan;
 
-    /// Estimated work of the first pass if only `effects` of the plan are simulated; excludes
-    /// pilots.
+    /// Estimates the ray and photon counts of the first pass, if only `effects` are simulated.
     fn expected_work(&self, effects: Effects) -> Counters;
 
-    /// Estimated memory of a pass, from few paths.
+    /// Estimates how many photons a pass stores, by tracing a few photon paths.
     fn expected(&self) -> Expected {
         Expected::default()
     }
 
-    /// Numbers of camera rays and photons that a pilot chose; `None` if none did.
+    /// Returns the numbers of camera rays and photons that a pilot chose; `None` without a pilot.
     fn balance(&self) -> Option<Balance> {
         None
     }
 
-    /// Largest gather radii of the first pass; `None` without photons.
+    /// Returns the largest gather radii of the first pass; `None` without photons.
     fn radii(&self) -> Option<Radii> {
         None
     }
 
-    /// Radius law of the photon estimates; `None` without estimates.
+    /// Returns how gather radii shrink from pass to pass; `None` without photons.
     fn radius_law(&self) -> Option<RadiusLaw> {
         None
     }
 
-    /// True if passes return nested estimates, for error estimation.
+    /// True if passes return [`NestedEstimates`](super::NestedEstimates) for error estimation.
     fn nests_estimates(&self) -> bool {
         false
     }
 
-    /// Results of emission guiding.
+    /// Returns how much emission guiding helps each photon map.
     fn guiding_reports(&self) -> GuidingReports {
         GuidingReports::default()
     }

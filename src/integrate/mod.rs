@@ -1,9 +1,8 @@
-//! Algorithms that render a scene.
+//! Rendering algorithms: path tracing, photon mapping and ray casting.
 //!
-//! [`Integrator`] is the one interface. `PathIntegrator` implements it for every algorithm that a
-//! `PathPolicy` expresses: read `hybrid.rs` for such a policy, and `camera_path.rs` for the loop
-//! that it steers. An algorithm that a policy cannot express implements [`Integrator`] itself, as
-//! `raycast.rs` does.
+//! All implement [`Integrator`]. `PathIntegrator` implements it for every algorithm that a
+//! `PathPolicy` describes: `hybrid.rs` makes such a policy, and `camera_path.rs` holds the loop
+//! that follows it. Ray casting implements [`Integrator`] directly, in `raycast.rs`.
 
 mod algorithm;
 mod balance;

@@ -1,35 +1,35 @@
-//! Photon estimates of a pixel at nested bandwidths, for error estimation.
+//! Photon density estimates of a pixel with discs of several sizes, to estimate their bias.
 
 use crate::color::Rgb;
 use crate::photon::LEVELS;
 use glam::DVec3;
 use serde::Serialize;
 
-/// Mean disc of the photon estimates of a pixel from one map.
+/// Mean radius and photon count of a pixel's density estimates from one photon map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Discs {
-    /// Radius \[length].
+    /// Mean gather radius \[length].
     pub radius: f32,
-    /// Photons.
+    /// Mean number of photons within the gather radius.
     pub photons: f32,
 }
 
-/// Photon light of a pixel, estimated by discs of the full area and of smaller nested areas.
+/// Differences between a pixel's photon estimates with discs of full, half and quarter area.
 ///
-/// The bias of an estimate grows with its disc. Differences between nested discs measure that bias:
-/// they share most of their noise.
+/// The bias of a density estimate grows with its disc. Estimates with nested discs share most of
+/// their noise, so their differences measure the bias.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NestedEstimates {
-    /// Estimate minus that of half the area, then that minus the one of a quarter of the area
+    /// Radiance by the full disc minus that by half its area, and half minus a quarter of the area
     /// \[W/(m² sr)].
     pub steps: [Rgb; LEVELS - 1],
-    /// Discs in the caustic map; `None` if no estimate was made.
+    /// Mean disc in the caustic map; `None` if no estimate was made.
     pub caustic: Option<Discs>,
-    /// Discs in the global map; `None` if no estimate was made.
+    /// Mean disc in the global map; `None` if no estimate was made.
     pub global: Option<Discs>,
 }
 
-/// Sum of the discs of estimates from one map.
+/// Sums of the gather radii and photon counts of estimates from one map.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct GatherDiscSum {
     radius: f32,
@@ -38,7 +38,7 @@ pub(super) struct GatherDiscSum {
 }
 
 impl GatherDiscSum {
-    /// Adds a disc of `radius` \[length].
+    /// Adds an estimate with gather radius `radius` \[length] and `photons` photons.
     pub fn add(&mut self, radius: f32, photons: u32) {
         self.radius += radius;
         self.photons += photons as f32;
@@ -51,22 +51,23 @@ impl GatherDiscSum {
     }
 }
 
-/// Accumulates nested estimates over one camera ray, and over the rays of one pixel.
+/// Accumulator of nested estimates over one camera ray, and over all rays of one pixel.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct NestedEstimateSum {
-    /// Steps of the current ray.
+    /// Differences between discs of neighbouring sizes, for the current camera ray.
     ray: [Rgb; LEVELS - 1],
-    /// Steps of the pixel's rays, weighted by the filter.
+    /// Sum of these differences over the pixel's rays, weighted by the pixel filter.
     pixel: [DVec3; LEVELS - 1],
-    /// Discs in the caustic map.
+    /// Sum of the gather discs in the caustic map.
     pub caustic: GatherDiscSum,
-    /// Discs in the global map.
+    /// Sum of the gather discs in the global map.
     pub global: GatherDiscSum,
 }
 
 impl NestedEstimateSum {
-    /// Adds an estimate with weight `throughput` in the pixel; `radiance` holds its value at each
-    /// level.
+    /// Adds one estimate: its radiance for each disc size, largest disc first.
+    ///
+    /// `throughput` is the factor from its radiance to that of the pixel.
     #[inline]
     pub fn add(&mut self, throughput: Rgb, radiance: [Rgb; LEVELS]) {
         for (sum, pair) in self.ray.iter_mut().zip(radiance.windows(2)) {
@@ -74,7 +75,7 @@ impl NestedEstimateSum {
         }
     }
 
-    /// Ends a ray with filter weight `weight`; `None` if the picture rejects the ray.
+    /// Adds the current ray to the pixel with filter weight `weight`; `None` drops the ray.
     #[inline]
     pub fn end_ray(&mut self, weight: Option<f32>) {
         if let Some(weight) = weight.filter(|_| self.ray.iter().all(|step| step.is_finite())) {
@@ -85,7 +86,7 @@ impl NestedEstimateSum {
         self.ray = [Rgb::ZERO; LEVELS - 1];
     }
 
-    /// Returns the mean over the `rays` rays of the pixel, and starts the next pixel.
+    /// Returns the mean over the `rays` camera rays of the pixel, and resets for the next pixel.
     pub fn end_pixel(&mut self, rays: u32) -> NestedEstimates {
         let steps = self.pixel.map(|sum| (sum / f64::from(rays)).as_vec3());
         let estimates = NestedEstimates { steps, caustic: self.caustic.mean(), global: self.global.mean() };

@@ -1,4 +1,4 @@
-//! Result of a pass, and its progress.
+//! Result of a pass, and progress reports about it.
 
 use super::nested_estimates::NestedEstimates;
 use crate::color::Rgb;
@@ -7,26 +7,26 @@ use crate::stats::Counters;
 use serde::Serialize;
 use std::ops::AddAssign;
 
-/// Stage of a pass.
+/// Stage of the rendering of a pass, for progress reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// Tracing photons from the lights; counted in paths.
+    /// Photon tracing. Its unit of progress is a photon path.
     Photons,
-    /// Indexing photons; counted in photons.
+    /// Construction of the photon maps. Its unit of progress is a photon.
     Indexing,
-    /// Tracing camera paths; counted in pixels.
+    /// Tracing of camera paths. Its unit of progress is a pixel.
     Camera,
 }
 
-/// Receiver of progress reports, from any thread.
+/// Callback interface for the progress of a render. Any thread may call it.
 pub trait Monitor: Sync {
-    /// Starts a stage of `total` units.
+    /// Reports the start of a stage of `total` units.
     fn begin(&self, stage: Stage, total: u64);
-    /// Reports `units` more units as done.
+    /// Reports that `units` further units of the stage are done.
     fn advance(&self, units: u64);
 }
 
-/// Monitor that ignores all reports.
+/// [`Monitor`] that ignores all reports.
 #[derive(Clone, Copy, Debug)]
 pub struct Silent;
 
@@ -35,36 +35,36 @@ impl Monitor for Silent {
     fn advance(&self, _: u64) {}
 }
 
-/// Wall time of each stage \[s].
+/// Wall time of each stage of a pass \[s].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Seconds {
-    /// Time of tracing photons.
+    /// Time of photon tracing \[s].
     pub photons: f64,
-    /// Time of indexing photons.
+    /// Time of building the photon maps \[s].
     pub indexing: f64,
-    /// Time of tracing camera paths.
+    /// Time of tracing camera paths \[s].
     pub camera: f64,
 }
 
-/// Photons of one map.
+/// Counts and energy balance of the photons of one map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct PhotonReport {
-    /// Emitted paths.
+    /// Number of emitted photon paths.
     pub emitted: u64,
-    /// Stored photons.
+    /// Number of stored photons.
     pub stored: u64,
-    /// Balance of their flux \[W].
+    /// Flux by where it ended: absorbed, escaped or stopped \[W].
     pub audit: EnergyAudit,
 }
 
-/// Expected memory of a pass.
+/// Expected numbers of photons of a pass, for a check of memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Expected {
-    /// Photon paths of all maps.
+    /// Number of photon paths of all maps.
     pub paths: u64,
-    /// Stored photons of all maps, estimated.
+    /// Expected number of stored photons of all maps.
     pub photons: u64,
-    /// Stored photons of the largest map, estimated.
+    /// Expected number of stored photons of the largest map.
     pub most: u64,
 }
 
@@ -73,18 +73,19 @@ pub struct Expected {
 pub struct Pass {
     /// Mean radiance of each pixel, by rows from the top \[W/(m² sr)].
     pub image: Vec<Rgb>,
-    /// Work done.
+    /// Counts of rays and photons.
     pub counters: Counters,
-    /// Time of each stage.
+    /// Wall time of each stage.
     pub seconds: Seconds,
-    /// Photons of the global map.
+    /// Report on the photons of the global map.
     pub global: PhotonReport,
-    /// Photons of the caustic map.
+    /// Report on the photons of the caustic map.
     pub caustic: PhotonReport,
-    /// Nested photon estimates of each pixel; empty unless requested.
+    /// Photon estimates with smaller discs for each pixel; empty unless an error is estimated.
     pub nested: Vec<NestedEstimates>,
-    /// Some pixels by fresh camera paths, each with its index in `image`; empty unless passes share
-    /// their paths.
+    /// Some pixels (index in `image`, radiance) by camera paths that no other pass traces.
+    ///
+    /// Empty unless all passes share the camera paths of `image`.
     pub fresh: Vec<(u32, Rgb)>,
 }
 

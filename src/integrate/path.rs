@@ -2,15 +2,14 @@
 //!
 //! # Algorithm
 //! - **Prepare**: nothing.
-//! - **Each pass**: trace camera paths. At each receiver a path does next-event estimation and
-//!   continues in a direction sampled by the BSDF. Light that both could find is weighted by the
-//!   balance heuristic.
+//! - **Each pass**: trace camera paths. At each surface a path does next-event estimation and
+//!   continues in a direction sampled from the BSDF. The balance heuristic combines both.
 
 use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
 use super::settings::Settings;
 use crate::plan::{Effect, Effects};
 
-/// Policy of `path`.
+/// Returns the rules of camera paths for path tracing.
 pub(super) fn policy(effects: Effects, _: &Settings) -> PathPolicy {
     let interreflection = effects.has(Effect::Interreflection);
     PathPolicy {

@@ -1,4 +1,4 @@
-//! The photon maps of a pass, and radiance estimates from them.
+//! Photon maps of a pass, and radiance estimates from them.
 
 use super::film::Worker;
 use super::nested_estimates::GatherDiscSum;
@@ -12,17 +12,17 @@ use crate::photon::{
 use crate::scene::{Interior, Scene};
 use rand::Rng;
 
-/// Photon map of surfaces and media, with the bandwidth of its estimates.
+/// Photon map of surfaces and media, with the gather radius and kernel of its estimates.
 pub(super) struct PhotonEstimator<'a> {
     pub scene: &'a Scene,
     pub map: PhotonMap,
     pub bandwidth: Bandwidth,
     pub kernel: Kernel,
-    /// Photons of this map in media.
+    /// Photons in media.
     pub volume: VolumeMap,
 }
 
-/// Maps that one lookup reads.
+/// Photon maps that one lookup reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MapLookup {
     /// The caustic map.
@@ -31,25 +31,25 @@ pub(super) enum MapLookup {
     Both,
 }
 
-/// The photon maps of one pass.
+/// Photon maps of one pass.
 pub(super) struct PhotonMaps<'a> {
-    /// Photons that went over casters to their first receiver.
+    /// Caustic map: photons that went over specular surfaces to the first surface that stores them.
     pub caustic: PhotonEstimator<'a>,
-    /// The global map: photons that left a receiver.
+    /// Global map: photons of all other indirect light.
     ///
-    /// If aimed paths store light after caustics apart, the map holds that light alone. If gather
-    /// rays read the map, it holds direct light too.
+    /// In `hybrid` it holds only light that continues from a caustic. If gather rays read the map,
+    /// it also holds direct light.
     pub global: PhotonEstimator<'a>,
-    /// Photons of few paths, whose directions guide gather rays.
+    /// Photons of a few paths. Their directions guide gather rays.
     pub guides: PhotonMap,
 }
 
 impl PhotonMaps<'_> {
-    /// Radiance that `vertex` reflects to its viewer from the light in the maps of `lookup`, times
-    /// `samples` \[W/(m² sr)].
+    /// Estimates the radiance that `vertex` reflects to its viewer from the photons of `lookup`
+    /// \[W/(m² sr)].
     ///
-    /// If one of a pixel's `samples` paths reads the maps for all of them, its estimate counts that
-    /// many times.
+    /// The result is multiplied by `samples`: if only one of a pixel's camera paths reads the maps,
+    /// it does so for all of them.
     #[inline]
     pub fn radiance<I: Interior>(
         &self,
@@ -66,8 +66,8 @@ impl PhotonMaps<'_> {
         (caustic + global) * samples as f32
     }
 
-    /// Radiance that a medium scatters to the start of a segment from the light in both maps, times
-    /// `samples`.
+    /// Estimates the radiance that a medium scatters from photons to the start of a segment
+    /// \[W/(m² sr)], times `samples`.
     #[inline]
     pub fn radiance_in_medium<I: Interior>(
         &self,
@@ -82,15 +82,16 @@ impl PhotonMaps<'_> {
 }
 
 impl PhotonEstimator<'_> {
-    /// Largest radius of an estimate \[length].
+    /// Returns the largest gather radius \[length].
     pub fn radius(&self) -> f32 {
         self.bandwidth.radius
     }
 
-    /// Radiance that `vertex` reflects to its viewer from the light in the map \[W/(m² sr)].
+    /// Estimates the radiance that `vertex` reflects to its viewer from the photons of the map
+    /// \[W/(m² sr)].
     ///
-    /// `scratch` yields the map's buffers of the worker. `samples` is the weight of the estimate in
-    /// its pixel.
+    /// `scratch` returns the worker's buffers for this map. `samples` is a factor on the nested
+    /// estimates of the pixel.
     #[inline]
     fn radiance<I: Interior>(
         &self,
@@ -136,8 +137,8 @@ impl PhotonEstimator<'_> {
         let covered = coverage(self.scene, p, normal, whole.radius, kernel, key);
         let estimate = whole.radiance / covered;
         if covered != 1.0 {
-            // Probes of this pass's own, even if passes share their paths: the noise of shared
-            // probes is not blur.
+            // The coverage probes differ from pass to pass, even if passes share camera paths.
+            // Otherwise the noise of shared probes would count as bias.
             let key = vertex.shadow_sampler.sample_key();
             let levels = nested_disc_coverage(self.scene, p, normal, whole.radius, kernel, key);
             radiance.iter_mut().zip(levels).for_each(|(radiance, covered)| *radiance /= covered);

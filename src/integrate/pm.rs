@@ -4,17 +4,16 @@
 //! - **Prepare**: aim and guide photon emission, find gather radii, and balance camera rays against
 //!   photons.
 //! - **Each pass**: trace new photons into a caustic map and a global map. Trace camera paths with
-//!   next-event estimation. At the first receiver a path reads the caustic map.
-//!   - *Direct visualization*: it also reads the global map there and ends.
-//!   - *Final gathering*: it sends a gather ray and reads both maps at the end of it, which hides
-//!     the blur of the global map and its seams at edges. A gather ray too short to help does not
-//!     end the path: it continues from there.
+//!   next-event estimation. A path reads the caustic map at the first surface that stores photons.
+//!   - *Direct visualization*: the path also reads the global map there, and ends.
+//!   - *Final gathering*: the path sends a gather ray and reads both maps at its end. This hides
+//!     the blur of the global map. A path continues where a gather ray is too short for that.
 
 use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
 use super::settings::{FinalGathering, Settings};
 use crate::plan::{Effect, Effects};
 
-/// Policy of `pm`.
+/// Returns the rules of camera paths for photon mapping with fixed radii.
 pub(super) fn policy(effects: Effects, settings: &Settings) -> PathPolicy {
     let (samples, light_sampling) = match settings.final_gathering {
         FinalGathering::None => (1, LightSampling::Rays(4)),

@@ -1,111 +1,108 @@
-//! The values that tell algorithms apart.
+//! Rules that distinguish the algorithms.
 //!
 //! A [`PathPolicy`] says what a camera path does at its vertices. Each algorithm's file makes one
-//! from the effects of the plan. Everything else follows from the policy: see
+//! from the simulated effects. The policy also decides which photon maps are built: see
 //! [`PathPolicy::photon_maps`].
 
 use super::settings::Settings;
 use crate::photon::StoreMask;
 use crate::plan::{Effect, Effects};
 
-/// Makes the policy of an algorithm for a set of simulated effects.
+/// Function that makes an algorithm's policy for a set of simulated effects.
 pub(super) type PolicyFn = fn(Effects, &Settings) -> PathPolicy;
 
-/// Rules of an algorithm for camera paths.
+/// Rules of an algorithm for its camera paths and photon lookups.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PathPolicy {
-    /// Effects to simulate, as the plan decided.
+    /// Effects of light to simulate.
     pub effects: Effects,
-    /// Camera rays per pixel and pass by default.
+    /// Default number of camera rays per pixel and pass.
     pub samples: u32,
     /// True if every pass traces the same camera paths.
     pub shares_paths: bool,
-    /// True if vertices do next-event estimation.
+    /// True if camera paths do next-event estimation.
     pub direct_light: bool,
-    /// How next-event estimation chooses its shadow rays.
+    /// Number and targets of the shadow rays of next-event estimation.
     pub light_sampling: LightSampling,
-    /// Receivers at which a path continues.
+    /// Surfaces at which a path continues after next-event estimation and photon lookups.
     pub continuation: Continuation,
-    /// Direction sampling at receivers.
+    /// Sampling strategy for directions at surfaces that store photons.
     pub directions: DirectionSampling,
-    /// True if a path also counts emission that reaches it as a caustic; false leaves caustics to
-    /// photons.
+    /// True if camera paths also find caustics; false leaves caustics to photons.
     pub counts_caustics: bool,
     /// Throughput below which a path ends; 0 uses Russian roulette instead.
     pub min_throughput: f32,
-    /// Photon lookups of a path.
+    /// Places where a path reads photon maps.
     pub photons: PhotonLookups,
     /// True if gather radii shrink from pass to pass.
     pub shrinking_radii: bool,
 }
 
-/// Rule by which next-event estimation chooses shadow rays.
+/// Number and targets of the shadow rays of next-event estimation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LightSampling {
     /// This many shadow rays per vertex.
     Rays(u32),
-    /// One shadow ray per vertex. If the scene has few lights, one per light before the first
-    /// receiver.
+    /// One shadow ray per vertex. In a scene with few lights, the first receiver sends one to each.
     OneRay,
     /// One shadow ray to the center of every light.
     Centers,
 }
 
-/// Receivers at which a path continues.
+/// Receivers (surfaces that store photons) at which a path continues.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Continuation {
-    /// None: a path ends at its first receiver.
+    /// No receiver: a path ends at its first one.
     Never,
     /// Receivers whose sampled lobe is not diffuse.
     Glossy,
-    /// The first receiver, and those at the end of a gather ray too short to read the global map.
+    /// The first receiver, and receivers at the end of a gather ray that is too short.
     GatherRays,
     /// All receivers and scattering events in media.
     Always,
 }
 
-/// Direction sampling at receivers.
+/// Sampling strategy for directions at receivers (surfaces that store photons).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum DirectionSampling {
-    /// By the BSDF.
+    /// Sampling from the BSDF.
     Bsdf,
-    /// By one stochastically chosen lobe of the BSDF, which alone is evaluated.
+    /// Sampling from one randomly chosen lobe of the BSDF, which replaces the whole BSDF.
     OneLobe,
-    /// In equal parts by the BSDF and by the directions of nearby photons.
+    /// Sampling from the BSDF or from the directions of nearby photons, with equal probability.
     Guided,
 }
 
-/// Photon lookups of a path.
+/// Places where a camera path reads photon maps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PhotonLookups {
-    /// None.
+    /// No lookup.
     Never,
-    /// The caustic map and the map of light after caustics, at the first receiver, by one sample of
-    /// each pixel.
+    /// Both maps at the first receiver, but only by the first camera path of each pixel.
     ///
-    /// The other samples of the pixel would read the same photons.
+    /// The pixel's other paths would read almost the same photons.
     OncePerPixel,
-    /// The caustic map and the global map, at the first receiver.
+    /// The caustic map and the global map at the first receiver of each path.
     FirstReceiver,
-    /// The caustic map before a gather ray, both maps at its end.
+    /// The caustic map at the start of a gather ray, both maps at its end.
     GatherRays,
-    /// No lookup. Each first receiver is recorded as a visible point, for a pilot.
+    /// No lookup. The first receiver of each path is recorded as a visible point for a pilot.
     RecordVisible,
 }
 
-/// Photon maps that a policy reads, as the photons to store from each source.
+/// Photons to store for the maps that a policy reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct MapRequest {
     /// Photons to store from paths aimed at caustic casters.
     pub aimed: StoreMask,
     /// Photons to store from paths in all directions.
     pub global: StoreMask,
-    /// True if photons are needed that guide gather rays.
+    /// True if a further photon map guides the directions of gather rays.
     pub guides: bool,
 }
 
 impl PathPolicy {
-    /// True if paths estimate radiance from photons.
+    /// True if camera paths estimate radiance from photon maps.
     pub fn reads_photons(&self) -> bool {
         match self.photons {
             PhotonLookups::OncePerPixel | PhotonLookups::FirstReceiver | PhotonLookups::GatherRays => true,
@@ -113,17 +110,17 @@ impl PathPolicy {
         }
     }
 
-    /// True if every camera path estimates radiance from photons, false if one per pixel does.
+    /// True if every camera path reads photon maps; false if one per pixel does.
     pub fn reads_photons_each_sample(&self) -> bool {
         self.photons != PhotonLookups::OncePerPixel
     }
 
-    /// True if the numbers of camera rays and photons may be traded for each other.
+    /// True if a pilot may trade camera rays for photons.
     pub fn can_be_balanced(&self) -> bool {
         !self.shares_paths
     }
 
-    /// The photon maps that this policy reads, without the light of effects that are off.
+    /// Returns the photons to store for this policy, without the light of effects that are off.
     pub fn photon_maps(&self) -> MapRequest {
         let caustics = self.effects.has(Effect::Caustics);
         let bounces = self.effects.has(Effect::CausticBounces);

@@ -1,21 +1,19 @@
 //! `ppm`: progressive photon mapping (Hachisuka, Ogaki and Jensen 2008).
 //!
 //! # Algorithm
-//! - **Prepare**: as `sppm`, but camera rays are not balanced against photons.
-//! - **Each pass**: trace new photons, but the same camera paths as all other passes. The gather
-//!   points of the picture therefore stay. Radii follow the law of independent passes (Knaus and
-//!   Zwicker 2011) instead of statistics kept at each gather point, so any pass can be computed
-//!   alone.
+//! - **Prepare**: aim and guide photon emission, and find gather radii.
+//! - **Each pass**: trace new photons. All passes trace the same camera paths, so the gather points
+//!   stay fixed. Gather radii shrink by the law of independent passes (Knaus and Zwicker 2011), not
+//!   by statistics of each gather point. So any pass can be computed alone.
 //!
-//! More passes do not refine what the camera samples once, such as the edge of an object within a
-//! pixel.
+//! More passes reduce the noise of photons, but not the noise of camera paths.
 
 use super::policy::{LightSampling, PathPolicy};
 use super::settings::Settings;
 use super::sppm;
 use crate::plan::Effects;
 
-/// Policy of `ppm`.
+/// Returns the rules of camera paths for progressive photon mapping.
 pub(super) fn policy(effects: Effects, settings: &Settings) -> PathPolicy {
     PathPolicy {
         // No later pass adds camera rays.

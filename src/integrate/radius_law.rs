@@ -1,23 +1,23 @@
-//! Radius law of independent passes.
+//! Law by which gather radii shrink from pass to pass (Knaus and Zwicker 2011).
 
 use crate::photon::Kernel;
 
-/// Default exponent α of the radius law.
+/// Default exponent α by which gather radii shrink over the passes.
 ///
-/// Variance falls as N^−α, squared bias as N^2(α−1); ⅔ balances both (Kaplanyan and Dachsbacher
-/// 2013).
+/// After N passes variance falls as N^−α and squared bias as N^2(α−1). The value ⅔ balances both
+/// (Kaplanyan and Dachsbacher 2013).
 pub const ALPHA: f64 = 2.0 / 3.0;
 
-/// Law by which gather radii change from pass to pass, with the kernel of the estimates.
+/// Exponent by which gather radii shrink from pass to pass, and the kernel of density estimates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RadiusLaw {
     /// Exponent α: the variance of photon estimates falls as n^−α over n passes; 1 for fixed radii.
     pub alpha: f64,
-    /// Kernel of the estimates.
+    /// Kernel of photon density estimates.
     pub kernel: Kernel,
 }
 
-/// Squared radius of pass `pass` (counted from 0) relative to the first pass.
+/// Returns the squared gather radius of pass `pass`, counted from 0, relative to the first pass.
 ///
 /// It is the product of (i + α)/(i + 1) for i = 1 … pass (Knaus and Zwicker 2011, equation 15).
 #[must_use]
@@ -25,11 +25,10 @@ pub fn shrink(alpha: f64, pass: u32) -> f64 {
     (1..=pass).map(f64::from).map(|i| (i + alpha) / (i + 1.0)).product()
 }
 
-/// Radius of pass `pass` relative to the first pass, for a kernel in `dimensions` dimensions.
+/// Returns the kernel radius of pass `pass` relative to the first pass, in d = `dimensions`.
 ///
-/// The measure of the kernel follows [`shrink`], with 1 − α scaled by 3d/(4 + d). The default α
-/// becomes 4/(4 + d), which balances variance N^−α and squared bias N^4(α−1)/d. Discs (d = 2) keep
-/// their α.
+/// The kernel's area or volume follows [`shrink`], with 1 − α scaled by 3d/(4 + d). Then the
+/// default α becomes 4/(4 + d), which balances variance and squared bias in d dimensions.
 #[must_use]
 pub(super) fn radius_ratio(dimensions: u32, alpha: f64, pass: u32) -> f32 {
     let d = f64::from(dimensions);

@@ -1,4 +1,4 @@
-//! Pilot that finds gather radii.
+//! Pilots that find the gather radii of the first pass.
 
 use super::settings::Settings;
 use super::volume_estimate::VolumeEstimate;
@@ -10,58 +10,55 @@ use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::scene::{PathEvent, Scene, SpectralInterior, SurfaceVertex};
 use glam::Vec2;
 
-/// Most paths of the pilot. Its radii are scaled to the number of paths of a pass.
+/// Largest number of photon paths of the pilot. Its radii are scaled to the paths of a pass.
 const MAX_PATHS: u32 = 1 << 16;
 
-/// Most passes that a pilot may cost.
+/// Largest number of photon paths of a pilot, in multiples of the paths of a pass.
 const MAX_PASSES: u32 = 4;
 
-/// Least number of paths, even if that exceeds [`MAX_PASSES`].
+/// Smallest number of photon paths of a pilot, even if that exceeds [`MAX_PASSES`].
 const MIN_PATHS: u32 = 1 << 14;
 
-/// Stored photons for which the pilot finds the k-th neighbour.
+/// Number of stored photons for which the pilot finds the distance of the k-th neighbour.
 const PROBES: usize = 512;
 
-/// Quantile of the probes' k-th distances that becomes the radius: the rest of the photons is too
-/// sparse to serve.
+/// Quantile of the k-th neighbour distances that becomes the gather radius.
 const RADIUS_QUANTILE: f64 = 0.75;
 
-/// Greatest radius as part of the scene's: beyond it, estimates blur the whole scene.
+/// Largest gather radius relative to the scene's radius. Larger ones would blur the whole scene.
 const MAX_RADIUS: f32 = 0.1;
 
-/// Least radius as part of the distance to the origin: below it, single precision resolves too few
-/// positions.
+/// Smallest gather radius relative to the distance from the origin, for single precision.
 const MIN_RADIUS: f32 = 1e-6;
 
-/// Least radius as part of the width of a pixel on the closest surface: no ray hits a smaller spot
-/// of light.
+/// Smallest gather radius relative to the width of a pixel on the closest visible surface.
 const PIXEL_PART: f32 = 0.125;
 
-/// Camera rays along each edge of the picture that find the closest surface.
+/// Side length of the grid of camera rays that find the closest visible surface.
 const DISTANCE_RAYS: u32 = 8;
 
-/// Camera rays of the pilot for media.
+/// Number of camera rays of the pilot for media.
 const MEDIA_RAYS: u32 = 512;
 
-/// Most casters that the rays of the pilot for media follow.
+/// Largest number of specular bounces of a camera ray of the pilot for media.
 const MAX_CASTERS: u32 = 8;
 
-/// Median number of beams or photons that rays should find, among rays that find any.
+/// Desired median number of beams or photons per ray, among rays that find any.
 const MEDIAN_COUNT: f64 = 64.0;
 
-/// Trial radius of the pilot for media, as part of the scene's.
+/// Kernel radius that the pilot for media tries, relative to the scene's radius.
 const TRIAL_RADIUS: f32 = 0.02;
 
-/// Largest gather radii of the first pass \[length].
+/// Largest gather radii on surfaces in the first pass \[length].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Radii {
-    /// Radius of the global map.
+    /// Gather radius of the global map \[length].
     pub global: f32,
-    /// Radius of the caustic map.
+    /// Gather radius of the caustic map \[length].
     pub caustic: f32,
 }
 
-/// Results of emission guiding for each map; `None` if nothing was guided.
+/// Gains of emission guiding for each photon map; `None` if a pilot did not try it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct GuidingReports {
     /// Result for the global map.
@@ -70,17 +67,15 @@ pub struct GuidingReports {
     pub caustic: Option<GuidingReport>,
 }
 
-/// Number of paths of a pilot for passes of `paths` paths: `most`, or less if that would outweigh
-/// the passes.
+/// Returns the number of photon paths of a pilot: `most`, or fewer if a pass has few `paths`.
 pub(super) fn pilot_path_count(paths: u32, most: u32) -> u32 {
     paths.saturating_mul(MAX_PASSES).max(MIN_PATHS).min(most)
 }
 
-/// Radius within which three of four photons of a pass of `paths` paths have `k` neighbours
-/// \[length].
+/// Returns the radius within which three of four stored photons have `k` neighbours \[length].
 ///
-/// A smaller pilot finds it; `None` if the pilot stores no photon. The radius is at least
-/// `min_radius`. Otherwise it depends on the scene, the seed and the counts alone.
+/// The radius is for a pass of `paths` photon paths, and at least `min_radius`. Returns `None` if
+/// the pilot stores no photon.
 pub(super) fn find_gather_radius(pass: &PhotonPass<'_>, paths: u32, k: u32, seed: u64, min_radius: f32) -> Option<f32> {
     let scene = pass.scene;
     let key = Key::new(seed).purpose_key(Purpose::Pilot);
@@ -109,8 +104,9 @@ pub(super) fn find_gather_radius(pass: &PhotonPass<'_>, paths: u32, k: u32, seed
     Some(scaled.max(min_radius).clamp(size.min(far) * MIN_RADIUS, size * MAX_RADIUS))
 }
 
-/// Least disc radius of the first pass \[length]: part of the width of a pixel on the closest
-/// visible surface.
+/// Returns the smallest gather radius of the first pass \[length].
+///
+/// It is a fraction of the width of a pixel on the closest visible surface.
 pub(super) fn min_disc_radius(scene: &Scene) -> f32 {
     let (width, spread) = scene.camera().pixel_footprint();
     let (columns, rows) = scene.camera().size();
@@ -123,7 +119,7 @@ pub(super) fn min_disc_radius(scene: &Scene) -> f32 {
     ((width + spread * distance) * PIXEL_PART).min(scene.photon_domain().radius * MAX_RADIUS)
 }
 
-/// Kernel radii of estimates in media \[length].
+/// Kernel radii of photon estimates in media \[length].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct VolumeRadii {
     pub beams: f32,
@@ -136,10 +132,10 @@ impl Default for VolumeRadii {
     }
 }
 
-/// Kernel radii within which most rays find enough photons of a pass of `paths` paths in media
-/// \[length].
+/// Returns kernel radii within which most camera rays find enough photons in media \[length].
 ///
-/// A smaller pilot finds them; `None` if it stores nothing in media.
+/// The radii are for a pass of `paths` photon paths. Returns `None` if the pilot stores no photon
+/// in media.
 pub(super) fn find_volume_radii(
     pass: &PhotonPass<'_>,
     effects: Effects,
@@ -189,7 +185,8 @@ pub(super) fn find_volume_radii(
     Some(VolumeRadii { beams, points: radius(points.collect(), point_dimensions) })
 }
 
-/// Segments of scattering media along camera paths, over casters to the first receiver.
+/// Returns the segments of camera paths through scattering media, up to a surface that stores
+/// photons.
 fn trace_medium_segments(scene: &Scene, effects: Effects, key: Key) -> Vec<Vec<Ray>> {
     let (width, height) = scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);

@@ -1,4 +1,4 @@
-//! Settings of all algorithms.
+//! Settings of the rendering algorithms.
 
 use super::radius_law::ALPHA;
 use super::volume_estimate::VolumeEstimate;
@@ -6,23 +6,22 @@ use crate::camera::{Filter, FilterKind};
 use crate::photon::Kernel;
 use crate::plan::EffectOverrides;
 
-/// Settings of camera paths.
+/// Settings of camera paths, which all algorithms use.
 #[derive(Clone, Debug)]
 pub struct CameraPathSettings {
     /// Camera rays per pixel and pass; `None` uses the default of the algorithm.
     pub samples: Option<u32>,
-    /// Bounces after which a path ends.
+    /// Largest number of bounces of a camera or photon path.
     pub max_bounces: u32,
     /// Seed of all random numbers.
     pub seed: u64,
-    /// Reconstruction filter.
+    /// Reconstruction filter of pixels.
     pub filter: Filter,
     /// True if a pilot distributes camera rays over the pixels by their noise.
     pub adaptive: bool,
-    /// True if passes return nested photon estimates, for error estimation. The picture stays the
-    /// same.
+    /// True if passes also return photon estimates of smaller radii, for error estimation.
     pub estimate_error: bool,
-    /// Effects forced on or off against the plan.
+    /// Effects of light that are forced on or off, whatever the plan decides.
     pub effects: EffectOverrides,
 }
 
@@ -40,48 +39,47 @@ impl Default for CameraPathSettings {
     }
 }
 
-/// All settings. Algorithms without photons use those of camera paths alone.
+/// Settings of all algorithms. Algorithms without photons read only `camera_paths`.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Settings of camera paths.
+    /// Settings of camera paths, which also apply to algorithms without photons.
     pub camera_paths: CameraPathSettings,
-    /// Photon paths of the global map per pass.
+    /// Number of photon paths of the global map per pass.
     pub photons: u32,
-    /// Photon paths aimed at caustic casters per pass.
+    /// Number of photon paths per pass that are aimed at objects that cast caustics.
     pub caustic_photons: u32,
     /// True if a pilot may trade camera rays for photon paths, to get less noise for the same work.
     ///
-    /// The three counts above then are starting values.
+    /// `photons`, `caustic_photons` and the camera rays per pixel are then starting values.
     pub balance: bool,
-    /// Limit on the photons of an estimate, 0 for no limit.
+    /// Largest number of photons of a density estimate, 0 for no limit.
     ///
     /// `None` sets [`CAUSTIC_K`](super::CAUSTIC_K) in the caustic map, and no limit in the global
-    /// global map. The last photon only bounds the disc, so 1 counts as 2.
+    /// global map. The farthest photon only sets the radius, so 1 counts as 2.
     pub gather_k: Option<u32>,
-    /// Largest gather radius of the first pass \[length]; `None` lets a pilot find one for each
-    /// map.
+    /// Largest gather radius of the first pass \[length]; `None` lets a pilot choose one per map.
     pub radius: Option<f32>,
-    /// Exponent of the radius law in (0, 1]; 1 keeps radii fixed.
+    /// Exponent α in (0, 1] by which gather radii shrink over the passes; 1 keeps them fixed.
     /// [`Algorithm::Pm`](super::Algorithm::Pm) ignores it.
     pub alpha: f64,
-    /// Kernel of the estimates.
+    /// Kernel of photon density estimates.
     pub kernel: Kernel,
     /// Estimator of photon light in media.
     pub volume: VolumeEstimate,
-    /// How [`Algorithm::Pm`](super::Algorithm::Pm) reads the global map.
+    /// Final gathering of [`Algorithm::Pm`](super::Algorithm::Pm).
     pub final_gathering: FinalGathering,
 }
 
-/// Lookup of the global map in photon mapping.
+/// Where photon mapping reads the global map: at visible surfaces or by final gathering.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FinalGathering {
-    /// Direct visualization: lookup at the first receiver.
+    /// At the visible surface, without final gathering (direct visualization of the map).
     None,
-    /// Lookup at the end of a gather ray, sampled by the BSDF.
+    /// At the end of a gather ray whose direction is sampled from the BSDF.
     #[default]
     Bsdf,
-    /// Lookup at the end of a gather ray, sampled in equal parts by the BSDF and by the directions
-    /// of nearby photons.
+    /// At the end of a gather ray. Its direction is sampled from the BSDF or from the directions of
+    /// nearby photons, with equal probability.
     Importance,
 }
 

@@ -4,15 +4,15 @@
 //! # Algorithm
 //! - **Prepare**: aim and guide photon emission, find gather radii, and balance camera rays against
 //!   photons.
-//! - **Each pass**: trace new photons into a caustic map and a global map. Trace new camera paths,
-//!   which do next-event estimation and read both maps at their first receiver, and end there.
-//!   Gather radii shrink from pass to pass.
+//! - **Each pass**: trace new photons into a caustic map and a global map. Trace new camera paths.
+//!   A camera path ends at the first surface that stores photons. There it does next-event
+//!   estimation and reads both maps. Gather radii shrink from pass to pass.
 
 use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
 use super::settings::Settings;
 use crate::plan::Effects;
 
-/// Policy of `sppm`.
+/// Returns the rules of camera paths for stochastic progressive photon mapping.
 pub(super) fn policy(effects: Effects, _: &Settings) -> PathPolicy {
     PathPolicy {
         effects,

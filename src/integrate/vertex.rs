@@ -6,53 +6,53 @@ use crate::sampling::Sampler;
 use crate::scene::{Effects, Interior, MediumSegment, PathRay, RayCone, Scene, SurfaceInteraction};
 use glam::Vec3;
 
-/// Receivers and casters on a camera path, up to a vertex.
+/// Counts of surface kinds on a camera path, up to a vertex.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct PathHistory {
-    /// Receivers, and scattering events in media, since the camera.
+    /// Number of surfaces that store photons, and of scattering events in media, since the camera.
     pub receivers: u32,
-    /// Casters since the last receiver, or since the camera.
+    /// Number of specular or near-specular surfaces since the last receiver, or since the camera.
     pub casters: u32,
 }
 
 impl PathHistory {
-    /// True if emission found now arrives as a caustic: from the light over casters to a receiver.
+    /// True if a light that the path hits now would form a caustic on the path's last receiver.
     #[inline]
     pub fn is_caustic(self) -> bool {
         self.receivers > 0 && self.casters > 0
     }
 }
 
-/// Vertex of a camera path on a surface: a receiver or a caster, which may be a delta.
+/// Vertex of a camera path on a surface.
 pub(super) struct PathVertex<'a, I> {
-    /// The surface.
+    /// Surface point with its BSDF and the direction to the viewer.
     pub surface: &'a SurfaceInteraction<'a>,
-    /// Interior on the viewer's side of the surface.
+    /// Nested bodies and medium on the viewer's side of the surface.
     pub interior: &'a I,
-    /// Receivers and casters before this vertex; a caster counts itself.
+    /// Receivers and casters before this vertex. A caster counts itself.
     pub history: PathHistory,
-    /// Weight of outgoing radiance in the pixel.
+    /// Factor from radiance that leaves the vertex to radiance of the pixel.
     pub throughput: Rgb,
     /// Distance from the previous vertex \[length].
     pub distance: f32,
-    /// Random numbers of the vertex.
+    /// Sampler of the vertex's random decisions.
     pub sampler: Sampler,
-    /// Random numbers of its shadow rays.
+    /// Sampler of the vertex's shadow rays.
     pub shadow_sampler: Sampler,
 }
 
 impl<I: Interior> PathVertex<'_, I> {
-    /// Normal of the hemisphere from which light scatters; `None` for surfaces that transmit.
+    /// Returns the normal of the hemisphere whose light is reflected; `None` if the BSDF transmits.
     #[inline]
     pub fn scattering_hemisphere(&self) -> Option<Vec3> {
         (!self.surface.bsdf.transmits()).then(|| self.surface.facing_normal())
     }
 
-    /// Path ray that leaves in unit direction `wi`.
+    /// Returns the path ray that leaves the surface in unit direction `wi`.
     #[inline]
     pub fn outgoing_path_ray(&self, wi: Vec3) -> PathRay<I> {
         let cone = RayCone::zero_width(Effects::NONE);
-        let mut path_ray = PathRay { ray: Ray::new(self.surface.point.p, wi), inside: *self.interior, cone };
+        let mut path_ray = PathRay { ray: Ray::new(self.surface.point.p, wi), interior: *self.interior, cone };
         let transmitted = wi.dot(self.surface.point.ng) * self.surface.wo.dot(self.surface.point.ng) < 0.0;
         path_ray.leave(self.surface, wi, transmitted);
         path_ray
@@ -65,36 +65,35 @@ impl<I: Interior> PathVertex<'_, I> {
         let path_ray = self.outgoing_path_ray(wi);
         if I::SPECTRAL {
             let ray = Ray { t_max: distance, ..path_ray.ray };
-            return scene.interior_transmittance(&ray, &path_ray.inside, self.shadow_sampler.sample_key());
+            return scene.interior_transmittance(&ray, &path_ray.interior, self.shadow_sampler.sample_key());
         }
-        path_ray.inside.transmittance(scene, distance)
+        path_ray.interior.transmittance(scene, distance)
     }
 }
 
-/// Segment of a camera path through a scattering medium.
+/// Segment of a camera path through a medium, from which light scatters to the viewer.
 pub(super) struct MediumVertex<'a, I> {
-    /// The segment.
+    /// Ray and medium of the segment.
     pub segment: &'a MediumSegment<'a, I>,
     /// Receivers and casters before the segment.
     pub history: PathHistory,
-    /// Weight in the pixel of radiance that leaves the start of the segment.
+    /// Factor from radiance at the start of the segment to radiance of the pixel.
     pub throughput: Rgb,
-    /// Random numbers of the segment.
+    /// Sampler of the segment's random decisions.
     pub sampler: Sampler,
-    /// Random numbers of its shadow rays.
+    /// Sampler of the segment's shadow rays.
     pub shadow_sampler: Sampler,
 }
 
-/// Previous vertex of a camera path, for multiple importance sampling.
+/// Previous vertex of a camera path, for multiple importance sampling of emission.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrevVertex {
     /// Position of the vertex.
     pub p: Vec3,
-    /// Normal of the hemisphere from which light scatters there; `None` if that is the whole
-    /// sphere.
+    /// Normal of the hemisphere whose light scatters there; `None` for the whole sphere.
     pub hemisphere: Option<Vec3>,
     /// Receivers and casters before the vertex.
     pub history: PathHistory,
-    /// Pdf of the direction that the path took from there \[1/sr].
+    /// Pdf of the direction in which the path left the vertex \[1/sr].
     pub pdf: f32,
 }

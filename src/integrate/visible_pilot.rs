@@ -12,16 +12,16 @@ use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::scene::Scene;
 use glam::Vec2;
 
-/// Least and greatest number of camera rays; in between, four per pixel.
+/// Smallest and largest number of camera rays of the pilot. Between them it is four per pixel.
 const RAYS: (u32, u32) = (2000, 20_000);
 
-/// Greatest radius around visible points, as part of the extent of all visible points.
+/// Largest radius around visible points, relative to the diagonal of their bounding box.
 const MAX_RADIUS: f32 = 0.1;
 
-/// Points that the camera sees directly or over casters, spread over the picture.
+/// Returns points that the camera sees directly, or by reflection and refraction.
 ///
-/// A photon counts as visible within `radius` \[length] of a point, or less if the visible part of
-/// the scene is small.
+/// A photon within `radius` \[length] of such a point counts as visible. The radius is smaller if
+/// the visible part of the scene is small.
 pub(super) fn find_visible_points(
     scene: &Scene,
     settings: &CameraPathSettings,
@@ -44,7 +44,7 @@ pub(super) fn find_visible_points(
     VisiblePointMap::new(visible, radius)
 }
 
-/// Policy of paths that record their first receivers and compute no light.
+/// Returns the rules of camera paths that record visible points and compute no light.
 fn policy(effects: Effects) -> PathPolicy {
     PathPolicy {
         effects,

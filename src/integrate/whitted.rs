@@ -2,18 +2,18 @@
 //!
 //! # Algorithm
 //! - **Prepare**: nothing.
-//! - **Each pass**: trace camera rays over mirrors and glass, split by the Fresnel reflectance.
-//!   Shade the first receiver by shadow rays to the center of each light. A branch ends where it is
-//!   too deep or too faint.
+//! - **Each pass**: follow camera rays over mirrors and glass, where they split by the Fresnel
+//!   reflectance. Shade other surfaces by shadow rays to the center of each light. A branch ends if
+//!   it is too deep or too faint.
 
 use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
 use super::settings::Settings;
 use crate::plan::Effects;
 
-/// Throughput of one level of an 8-bit picture; fainter branches end.
+/// Throughput below which a branch ends: one level of an 8-bit picture.
 const MIN_THROUGHPUT: f32 = 1.0 / 256.0;
 
-/// Policy of `whitted`.
+/// Returns the rules of camera paths for recursive ray tracing.
 pub(super) fn policy(effects: Effects, _: &Settings) -> PathPolicy {
     PathPolicy {
         effects,

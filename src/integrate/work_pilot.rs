@@ -1,5 +1,4 @@
-//! Pilot that measures the noise and the work of a pass, at few points of the film and with few
-//! photons.
+//! Pilot that measures the noise and work of a pass with few camera rays and few photons.
 
 use super::balance::{self, Balance, NoiseSource};
 use super::film_points::{FilmPoint, trace_points};
@@ -13,22 +12,21 @@ use crate::scene::Scene;
 use crate::stats::Counters;
 use glam::Vec2;
 
-/// Points of the film.
+/// Number of film points of the pilot.
 const POINTS: u32 = 1024;
 
-/// Photon paths of a pass per path that the pilot traces.
+/// Divisor of the number of photon paths of a pass: the pilot traces that part of them.
 const PILOT_DIVISOR: u32 = 16;
 
-/// Radiance and work of camera paths through the pilot's points.
+/// Radiance and ray counts of camera paths through the pilot's film points.
 struct PointEstimates {
     radiance: Vec<Rgb>,
     counters: Counters,
 }
 
-/// Numbers of camera rays and photons that give the least noise for the same work; `None`
-/// without photons.
+/// Returns the numbers of camera rays and photons with least noise for the work of the defaults.
 ///
-/// The result depends on the scene and the settings alone.
+/// Returns `None` without photons. The result depends only on the scene and the settings.
 pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
     if !renderer.map_builder.has_photons() {
         return None;
@@ -48,7 +46,7 @@ pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
     let reference = estimate_at_points(renderer, Some(&maps), &points);
     let other_camera = estimate_at_points(renderer, Some(&maps), &other_points);
     std::mem::swap(&mut maps.caustic, &mut other_maps.caustic);
-    // One set of paths may fill both maps.
+    // The aimed paths may fill both maps.
     let one_source = renderer.map_builder.request.aimed.separates_after_caustic;
     if one_source {
         std::mem::swap(&mut maps.global, &mut other_maps.global);
@@ -69,7 +67,7 @@ pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
     // Measure the work of each source.
     let pixel_count = pixel_count(renderer.scene);
     let points = f64::from(POINTS);
-    // Estimates of a pass hold more photons than those of the pilot.
+    // An estimate of a pass gathers more photons than one of the pilot, by the same factor.
     let gathered = balance::gathering_work(&reference.counters) / points * pixel_count * f64::from(PILOT_DIVISOR);
     let paths = (made.global.emitted + made.caustic.emitted) as f64;
     let rays = made.counters.photon_rays as f64;
@@ -100,7 +98,7 @@ pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
     })
 }
 
-/// Estimated work of a pass, scaled up from few points of the film and few photons.
+/// Estimates the ray and photon counts of a pass from few camera rays and few photons.
 pub(super) fn measure_work(renderer: &PassRenderer<'_>) -> Counters {
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
     let mut out = Pass::default();
@@ -141,8 +139,9 @@ fn pixel_count(scene: &Scene) -> f64 {
     f64::from(width) * f64::from(height)
 }
 
-/// Points of the film, spread over the picture. Points with equal index in two sets lie in one
-/// pixel.
+/// Returns film points that are spread over the picture.
+///
+/// Points with the same index in two sets lie in the same pixel.
 fn pilot_film_points(scene: &Scene, key: Key, set: u32) -> Vec<FilmPoint> {
     let (width, height) = scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);

@@ -11,23 +11,25 @@ pub struct Cloud {
     /// Number of noise octaves; each has half the wavelength and half the amplitude of the one
     /// before.
     pub octaves: u32,
-    /// Wavelengths of the first octave along the cube's side.
+    /// Number of wavelengths of the first octave along a side of the cube.
     pub scale: f64,
     /// Coverage from 0 (empty) to 1 (noise everywhere).
     pub cover: f64,
-    /// Fraction of the radius, from 0 to 1, over which the edge thins out; 0 is a hard edge.
+    /// Fraction of the radius, from 0 to 1, over which the density falls to 0 at the edge; 0 is a
+    /// hard edge.
     pub softness: f64,
     /// Seed of the noise.
     pub seed: u64,
 }
 
 impl Cloud {
-    /// Density from 0 to 1 at points of the unit cube, filtered to `width` in sides of the cube; 0
-    /// is unfiltered.
+    /// Function that returns the density, from 0 to 1, at a point of the unit cube.
+    ///
+    /// Noise is filtered to `width`, in sides of the cube; 0 is unfiltered.
     pub fn density(&self, width: f64) -> impl Fn(DVec3) -> f32 + Sync + use<> {
         let mut rng = Key::new(self.seed).rng();
-        // Clouds of different seeds do not overlap in noise space, and coordinates keep their
-        // digits.
+        // The shift separates the noise of different seeds, and is small enough for coordinates to
+        // keep their digits.
         let shift = DVec3::from_array(std::array::from_fn(|_| 65536.0 * rng.random::<f64>()));
         let Self { octaves, scale, cover, softness, .. } = *self;
         move |p| {
@@ -44,7 +46,7 @@ impl Cloud {
     }
 }
 
-/// Smooth step from 0 to 1.
+/// Cubic step from 0 at `x` ≤ 0 to 1 at `x` ≥ 1.
 fn smoothstep(x: f64) -> f64 {
     let x = x.clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
@@ -78,9 +80,9 @@ mod tests {
         }
     }
 
-    /// The ball is π/6 of the cube, and noise is as often above as below its middle, 1/2: full
-    /// cover is π/12, within what some 4π/3·2³ = 34 independent wavelengths of spread ¼ allow, five
-    /// times over.
+    /// The ball is π/6 of the cube, and the noise is symmetric about ½. So the mean at full cover
+    /// is π/12. The bound is five standard errors for 4π/3·2³ = 34 independent wavelengths of
+    /// standard deviation ¼.
     #[test]
     fn cover_softness_and_seed_have_their_effect() {
         let full = mean_density(Cloud { cover: 1.0, softness: 0.0, ..CLOUD });

@@ -6,7 +6,7 @@ use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Cells along each side of a block, which has one majorant.
+/// Number of cells along each side of a block. A block has one majorant.
 pub(super) const BLOCK_SIDE: u32 = 8;
 
 /// Reason why a density grid is invalid.
@@ -54,7 +54,7 @@ pub struct GridDensity {
     placement: Transform,
 }
 
-/// The data that all placements share.
+/// The densities and majorants that all placements of a grid share.
 #[derive(Debug)]
 struct GridData {
     size: [u32; 3],
@@ -129,7 +129,7 @@ impl GridDensity {
         if inside { self.grid.interpolate(q * self.grid.cell_counts()) } else { 0.0 }
     }
 
-    /// Majorant of the whole grid.
+    /// The greatest density of the grid.
     #[must_use]
     pub fn max_density(&self) -> f32 {
         self.grid.max_density
@@ -153,7 +153,7 @@ impl GridDensity {
         size_of::<GridData>() + size_of::<f32>() * (self.grid.values.len() + self.grid.majorants.len())
     }
 
-    /// The part of `ray` up to `distance`, in the space of the cells.
+    /// `ray` up to `distance`, in grid space, where cells have side 1.
     pub(super) fn ray_in_grid(&self, ray: &Ray, distance: f32) -> GridRay<'_> {
         let cells = self.grid.cell_counts();
         let inverse = self.placement.inverse();
@@ -163,7 +163,7 @@ impl GridDensity {
     }
 }
 
-/// A ray in the space of the cells, which have side 1.
+/// A ray in grid space, where cells have side 1.
 pub(super) struct GridRay<'a> {
     grid: &'a GridData,
     origin: DVec3,
@@ -172,8 +172,8 @@ pub(super) struct GridRay<'a> {
 }
 
 impl GridRay<'_> {
-    /// Distances where the ray enters and leaves each block of positive density, with its majorant,
-    /// from near to far.
+    /// Distances of entry and exit, and the majorant, of each block of positive density along the
+    /// ray, from near to far.
     pub(super) fn majorant_blocks(&self) -> impl Iterator<Item = (f64, f64, f64)> {
         let GridData { blocks, majorants, .. } = self.grid;
         let side = f64::from(BLOCK_SIDE);
@@ -186,20 +186,19 @@ impl GridRay<'_> {
         )
     }
 
-    /// Density at distance `t`, which lies in the box.
+    /// Density at distance `t`, where the ray must be in the grid.
     pub(super) fn density(&self, t: f64) -> f64 {
         f64::from(self.grid.interpolate(self.origin + self.step * t))
     }
 }
 
 impl GridData {
-    /// Number of cells along each axis.
     fn cell_counts(&self) -> DVec3 {
         let [x, y, z] = self.size.map(f64::from);
         DVec3::new(x, y, z)
     }
 
-    /// Density at `q` in cells; outside of the box, that of the nearest point.
+    /// Trilinear density at `q` in grid space; outside the grid, the density at its nearest point.
     fn interpolate(&self, q: DVec3) -> f32 {
         let last = self.cell_counts() - 1.0;
         let q = (q - 0.5).clamp(DVec3::ZERO, last);
@@ -233,7 +232,7 @@ fn cell_count(size: [u32; 3]) -> Result<usize, GridDensityError> {
     cells.filter(|n| n.checked_mul(size_of::<f32>()).is_some()).ok_or(GridDensityError::TooLarge(x, y, z))
 }
 
-/// Majorant of each block: the largest value of its cells and their neighbours.
+/// Majorant of each block: the greatest value of its cells and their neighbours.
 fn block_majorants(size: [u32; 3], values: &[f32], blocks: [u32; 3]) -> Vec<f32> {
     let [nx, ny, _] = size.map(|n| n as usize);
     let [bx, by, bz] = blocks;

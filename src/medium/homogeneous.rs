@@ -32,17 +32,18 @@ pub(super) fn transmittance_f64(sigma: Rgb, distance: f32) -> DVec3 {
     exp_neg(optical_depth(sigma, f64::from(distance.max(0.0))))
 }
 
-/// Samples a distance by one channel, chosen in proportion to its throughput.
+/// Samples a distance by the extinction of one channel, chosen in proportion to its throughput.
 ///
-/// The weight is that of the mixture of all channels (balance heuristic), so it is at most the
-/// inverse of the channel's probability. A channel without extinction is always passed.
+/// The weight uses the mixture pdf of all channels (balance heuristic), so it is at most the
+/// inverse of the channel's probability. If the chosen channel has no extinction, the ray passes
+/// through.
 pub(super) fn distance_sample(medium: &Medium, distance: f32, throughput: Rgb, rng: &mut impl Rng) -> DistanceSample {
     let sigma = medium.extinction();
     let probability = channel_probabilities(throughput);
     let mut choice = rng.random::<f64>();
     let mut channel = 0;
-    // Rounding may leave a rest behind the last channel; then the last channel of positive
-    // probability is chosen.
+    // Rounding may leave a rest behind the last channel. The last channel of positive probability
+    // is then chosen.
     for i in 0..3 {
         if probability[i] > 0.0 {
             channel = i;
@@ -68,7 +69,7 @@ pub(super) fn distance_sample(medium: &Medium, distance: f32, throughput: Rgb, r
     }
 }
 
-/// Pdf \[1/length] of scattering at `t`, over all channels.
+/// Pdf \[1/length] of scattering at distance `t`, for the mixture of all channels.
 pub(super) fn distance_pdf(sigma: Rgb, t: f32, throughput: Rgb) -> f32 {
     if t < 0.0 {
         return 0.0;
@@ -76,7 +77,7 @@ pub(super) fn distance_pdf(sigma: Rgb, t: f32, throughput: Rgb) -> f32 {
     channel_probabilities(throughput).dot(sigma.as_dvec3() * exp_neg(optical_depth(sigma, f64::from(t)))) as f32
 }
 
-/// Emitted radiance: ∫ ε exp(−σt) dt = ε(1 − exp(−σd))/σ.
+/// Radiance emitted along `distance`: ∫ ε exp(−σt) dt = ε(1 − exp(−σd))/σ.
 pub(super) fn emitted_radiance(medium: &Medium, distance: f32) -> Rgb {
     let sigma = medium.extinction();
     let distance = f64::from(distance.max(0.0));

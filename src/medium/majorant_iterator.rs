@@ -10,15 +10,15 @@ pub(super) struct MajorantIterator {
     step: DVec3,
     count: [u32; 3],
     cell: [u32; 3],
-    /// Distance of the next face across each axis.
+    /// Distance of the next block face across each axis.
     next: [f64; 3],
     t: f64,
     end: f64,
 }
 
 impl MajorantIterator {
-    /// Blocks along `origin + t·step`, 0 < t < `distance`, in the box from 0 to `far`. `count` is
-    /// the number of blocks along each side.
+    /// Iterates over the blocks along `origin + t·step`, 0 < t < `distance`, in the box from 0 to
+    /// `far`. `count` is the number of blocks along each side.
     pub(super) fn new(origin: DVec3, step: DVec3, far: DVec3, count: [u32; 3], distance: f64) -> Self {
         let (mut t, mut end) = (0.0, distance);
         for axis in 0..3 {
@@ -40,7 +40,7 @@ impl MajorantIterator {
         blocks
     }
 
-    /// Distance at which the ray leaves its block across `axis`.
+    /// Distance at which the ray leaves its current block across `axis`.
     fn face_distance(&self, axis: usize) -> f64 {
         let (o, s, cell) = (self.origin[axis], self.step[axis], f64::from(self.cell[axis]));
         if s > 0.0 {
@@ -54,7 +54,7 @@ impl MajorantIterator {
 }
 
 impl Iterator for MajorantIterator {
-    /// Distances where the ray enters and leaves a block, and the index of the block, x fastest.
+    /// Distances of entry into and exit from a block, and the block's index, x fastest.
     type Item = (f64, f64, usize);
 
     fn next(&mut self) -> Option<Self::Item> {

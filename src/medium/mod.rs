@@ -40,27 +40,25 @@ pub struct Medium {
 pub struct DistanceSample {
     /// Distance of the scattering point; `None` if the ray passes through.
     pub scattered: Option<f32>,
-    /// Weight of the throughput: σs·T over the pdf of the distance, or T over the probability of
-    /// passing through.
-    ///
-    /// Zero in channels without throughput.
+    /// Factor of the throughput: σs·T over the pdf of the distance, or T over the probability of
+    /// passing through. Zero in channels without throughput.
     pub weight: Rgb,
 }
 
-/// Transmittance as a function of distance along a ray; an unbiased estimate at each distance.
+/// Transmittance as a function of distance along a ray.
 ///
-/// The estimates at different distances are correlated.
+/// Each value is an unbiased estimate. Values at different distances are correlated.
 #[derive(Clone, Debug, Default)]
 pub struct TransmittanceCurve {
     /// Extinction of a homogeneous medium; zero for a grid.
     extinction: Rgb,
-    /// Distances of tentative collisions, with the transmittance behind each.
+    /// Distances of tentative collisions, with the transmittance beyond each.
     steps: Vec<(f32, Rgb)>,
 }
 
 impl TransmittanceCurve {
-    /// Samples the transmittance along the first `distance` of `ray`, which has a unit direction.
-    /// Keeps its memory.
+    /// Samples the curve along the first `distance` of `ray`, which has a unit direction. Reuses
+    /// allocated memory.
     pub fn sample(&mut self, medium: &Medium, ray: &Ray, distance: f32, rng: &mut impl Rng) {
         self.steps.clear();
         self.extinction = Rgb::ZERO;
@@ -135,7 +133,7 @@ impl Medium {
         self.emission != Rgb::ZERO && !self.is_empty()
     }
 
-    /// Density at a point in world space.
+    /// Density at point `p` in scene coordinates.
     #[must_use]
     pub fn density_at(&self, p: Vec3) -> f32 {
         self.density.as_ref().map_or(1.0, |grid| grid.density(p))
@@ -153,8 +151,7 @@ impl Medium {
         }
     }
 
-    /// Transmittance in f64, for products over many segments: f32 loses the digits of values near
-    /// 1.
+    /// Transmittance in f64, for products over many segments: f32 loses digits of values near 1.
     #[must_use]
     pub fn transmittance_f64(&self, ray: &Ray, distance: f32, rng: &mut impl Rng) -> DVec3 {
         match &self.density {
@@ -166,9 +163,11 @@ impl Medium {
     /// Samples the distance of the first scattering within `distance` along `ray`, which has a unit
     /// direction.
     ///
-    /// The mean of `throughput` times the weight does not exceed the mean of `throughput`. In a
-    /// homogeneous grey medium, the weight is σs/σt at a scattering point, and 1 behind the medium.
-    /// A medium without scattering is always passed; the weight is its
+    /// The mean of `throughput` times the weight does not exceed that of `throughput`. In a
+    /// homogeneous grey medium, the weight is σs/σt at a scattering point, and 1 after passing
+    /// through.
+    ///
+    /// The ray always passes through a medium without scattering; the weight is the
     /// [`transmittance`](Self::transmittance). The distance may be infinite.
     #[must_use]
     pub fn distance_sample(&self, ray: &Ray, distance: f32, throughput: Rgb, rng: &mut impl Rng) -> DistanceSample {
@@ -181,8 +180,8 @@ impl Medium {
         }
     }
 
-    /// Pdf \[1/length] with which [`distance_sample`](Self::distance_sample) scatters at `t`;
-    /// `None` in a heterogeneous medium.
+    /// Pdf \[1/length] with which [`distance_sample`](Self::distance_sample) scatters at distance
+    /// `t`; `None` in a heterogeneous medium.
     #[must_use]
     pub fn distance_pdf(&self, t: f32, throughput: Rgb) -> Option<f32> {
         if !self.scatters() {
@@ -215,8 +214,7 @@ impl Medium {
     }
 }
 
-/// Probabilities of the channels in proportion to their throughput; equal if the throughput is
-/// zero.
+/// Probabilities of the channels, in proportion to throughput; equal if the throughput is zero.
 fn channel_probabilities(throughput: Rgb) -> DVec3 {
     // `max` takes 0 over a NaN.
     let part = throughput.to_array().map(|x| f64::from(x.max(0.0)));
@@ -225,7 +223,7 @@ fn channel_probabilities(throughput: Rgb) -> DVec3 {
     if sum > 0.0 && sum.is_finite() { part / sum } else { DVec3::splat(1.0 / 3.0) }
 }
 
-/// A weight in f32; zero for channels of zero probability.
+/// Converts weight `w` to f32, with zero in channels of zero probability.
 fn mask_weight(w: DVec3, probabilities: DVec3) -> Rgb {
     let most = f64::from(f32::MAX);
     DVec3::select(probabilities.cmpgt(DVec3::ZERO), w.min(DVec3::splat(most)), DVec3::ZERO).as_vec3()

@@ -16,8 +16,8 @@ pub enum PhaseFunction {
 }
 
 impl PhaseFunction {
-    /// Value \[1/sr], equal to the pdf, for the cosine between the directions of travel before and
-    /// after; 1 is forwards.
+    /// Value of the phase function \[1/sr]. `cos` is the cosine between the directions of travel
+    /// before and after scattering; 1 is forwards.
     #[inline]
     #[must_use]
     pub fn evaluate(&self, cos: f32) -> f32 {
@@ -35,8 +35,8 @@ impl PhaseFunction {
         }
     }
 
-    /// Samples the direction after scattering of light that travels in unit `direction`, with its
-    /// pdf \[1/sr].
+    /// Samples the direction of travel after scattering, with its pdf \[1/sr]. `direction` is the
+    /// unit direction of travel before.
     ///
     /// The pdf equals [`evaluate`](Self::evaluate), so the weight of a sample is 1.
     #[inline]
@@ -63,7 +63,7 @@ impl PhaseFunction {
     }
 }
 
-/// Samples cosine and sine of the Henyey–Greenstein function by inversion.
+/// Samples cosine and sine of the scattering angle of the Henyey–Greenstein function by inversion.
 ///
 /// With D = 1 − g + 2gu, the inverse (Witt 1977) gives 1 − cos = 2(1−g)²(1−u)(1+gu)/D² and 1 + cos
 /// = 2(1+g)²u(1−g(1−u))/D². Neither cancels for g from 0 to 1.
@@ -78,8 +78,8 @@ fn sample_henyey_greenstein(g: f32, u: f32) -> (f32, f32) {
     (cos, (drop * rise).max(0.0).sqrt())
 }
 
-/// Samples cosine and sine of Rayleigh scattering by inversion: the real root of cos³ + 3cos = 8u −
-/// 4 (Cardano).
+/// Samples cosine and sine of the angle of Rayleigh scattering by inversion. The cosine is the real
+/// root of cos³ + 3cos = 8u − 4 (Cardano).
 fn sample_rayleigh(u: f32) -> (f32, f32) {
     let q = 4.0 * f64::from(u) - 2.0;
     let root = libm::cbrt(q.abs() + (q * q + 1.0).sqrt());

@@ -1,7 +1,7 @@
 //! Heterogeneous media, by null-collision methods.
 //!
-//! Tentative collisions are sampled at the rate of a local majorant; the difference to the majorant
-//! is null collisions (Woodcock 1965). Absorption is a weight and is never sampled.
+//! Tentative collisions are sampled at the rate of a local majorant. Each is a real collision or a
+//! null collision (Woodcock 1965). Absorption reduces the weight and ends no path.
 
 use super::grid_density::{GridDensity, GridRay};
 use super::{DistanceSample, Medium, TransmittanceCurve, channel_probabilities, mask_weight};
@@ -17,28 +17,28 @@ const ROULETTE_THRESHOLD: f64 = 0.1;
 /// time at high majorants.
 const COLLISIONS_PER_ROULETTE: u32 = 1 << 14;
 
-/// Least mean number of tentative collisions per ray for the estimate of emission.
+/// Smallest mean number of tentative collisions per ray in an estimate of emission.
 const MIN_EMISSION_COLLISIONS: f64 = 4.0;
 
-/// Least mean number of tentative collisions per ray for a transmittance curve.
+/// Smallest mean number of tentative collisions per ray for a transmittance curve.
 const MIN_CURVE_COLLISIONS: f64 = 16.0;
 
 /// A tentative collision.
 struct TentativeCollision {
     /// Distance along the ray.
     t: f64,
-    /// Density of the medium over the rate of tentative collisions per unit coefficient.
+    /// Density over the rate of tentative collisions. Times a coefficient, it is a collision
+    /// probability.
     density: f64,
 }
 
-/// Decision to continue or stop tracking.
 enum TrackingDecision {
     Continue,
     Stop,
 }
 
-/// Visits tentative collisions at `rate` times the local majorant; false if `visit` stopped
-/// tracking.
+/// Visits tentative collisions along `line`, at `rate` times the local majorant. Returns false if
+/// `visit` stopped the tracking.
 fn track_collisions<R: Rng>(
     line: &GridRay,
     rate: f64,
@@ -72,7 +72,8 @@ fn sample_exponential(rng: &mut impl Rng) -> f64 {
     -libm::log(1.0 - rng.random::<f64>())
 }
 
-/// Russian roulette by the remaining weight; `None` stops, else the factor of the weight.
+/// Russian roulette on the weight `left` after `steps` collisions. Returns the factor of the
+/// weight, or `None` to stop.
 fn russian_roulette(left: f64, steps: u32, rng: &mut impl Rng) -> Option<f64> {
     let faint = if left < ROULETTE_THRESHOLD { left / ROULETTE_THRESHOLD } else { 1.0 };
     let stay = if steps.is_multiple_of(COLLISIONS_PER_ROULETTE) { 0.5 * faint } else { faint };
@@ -123,7 +124,7 @@ pub(super) fn transmittance_curve(
     }
 }
 
-/// Applies Russian roulette to the remaining transmittance.
+/// Applies Russian roulette to the transmittance `left`.
 fn transmittance_roulette(left: &mut DVec3, steps: &mut u32, rng: &mut impl Rng) -> TrackingDecision {
     *left = left.max(DVec3::ZERO);
     *steps = steps.wrapping_add(1);
@@ -138,8 +139,8 @@ fn transmittance_roulette(left: &mut DVec3, steps: &mut u32, rng: &mut impl Rng)
 
 /// Samples a scattering distance by spectral tracking (Kutz, Habel, Li, Novák 2017, section 4.3).
 ///
-/// A collision scatters or is null in proportion to the throughput of each case over all channels.
-/// The mean over the channels never grows.
+/// A collision is scattering or null, with probabilities in proportion to the resulting throughput,
+/// averaged over channels. This average never exceeds that at the start.
 pub(super) fn distance_sample(
     medium: &Medium,
     grid: &GridDensity,
@@ -182,7 +183,7 @@ pub(super) fn distance_sample(
     DistanceSample { scattered, weight: if lost { Rgb::ZERO } else { mask_weight(left, probabilities) } }
 }
 
-/// Emitted radiance: the sum over tentative collisions of emission times transmittance.
+/// Emitted radiance: the sum of transmittance times emission over tentative collisions.
 pub(super) fn emitted_radiance(
     medium: &Medium,
     grid: &GridDensity,

@@ -1,8 +1,7 @@
-//! Animation: what moves while the shutter is open.
+//! Animation: the moving parts of a scene, and the scene at a given time.
 //!
-//! Each pass renders one time of the shutter. Photons and camera rays agree on object positions, so
-//! no estimate blurs over time, and rays carry no time. Moving shapes have a small hierarchy of
-//! their own, rebuilt for each pass.
+//! Each pass renders one instant of the shutter interval, so rays carry no time. Only the hierarchy
+//! over moving shapes is rebuilt for each pass.
 
 use super::build::{derive_quantities, mean_emission_lights};
 use super::delta_light::{legacy_area_light, resolve_light};
@@ -17,18 +16,18 @@ use std::sync::Arc;
 /// The time for which a scene is built: the middle of the shutter interval.
 pub(super) const MID_SHUTTER: f64 = 0.5;
 
-/// All that moves, with motions into scene coordinates.
+/// The moving parts of a scene. Their motions map to scene coordinates.
 #[derive(Debug, Default)]
 pub(super) struct Animation {
-    /// Moving shapes: the last shapes of the scene.
+    /// Moving shapes, which the scene lists after the shapes at rest.
     pub shapes: Vec<(Shape, Motion)>,
-    /// Moving planes: the last planes of the scene.
+    /// Moving planes, which the scene lists after the planes at rest.
     pub planes: Vec<(Plane, Motion)>,
-    /// Moving lights, by their index.
+    /// Moving delta lights: index in the scene, description, strength and motion.
     pub lights: Vec<(usize, DeltaLightKind, LightStrength, Motion)>,
-    /// The moving camera before its motion, which acts about its own position.
+    /// The camera before its motion, and the motion about the camera's position.
     pub camera: Option<(Camera, Motion)>,
-    /// Moving texture mappings, by their index.
+    /// Moving texture mappings: index in the scene, kind and motion.
     pub mappings: Vec<(usize, MappingKind, Motion)>,
 }
 
@@ -38,40 +37,40 @@ impl Animation {
     }
 }
 
-/// The map of `motion` at `time`; `None` if it is singular or not finite.
+/// The transform of `motion` at `time`; `None` if it is singular or not finite.
 fn motion_transform_at(motion: &Motion, time: f64) -> Option<Transform> {
     Transform::new(motion.at_time(time)).ok()
 }
 
-/// A moving shape at `time`; `None` if the motion flattens it.
+/// `shape` moved by `motion` at `time`; `None` if the transform is singular.
 pub(super) fn shape_at(shape: &Shape, motion: &Motion, time: f64) -> Option<Shape> {
     shape.transformed(&motion_transform_at(motion, time)?)
 }
 
-/// A moving plane at `time`; `None` if the motion flattens it.
+/// `plane` moved by `motion` at `time`; `None` if the transform is singular.
 pub(super) fn plane_at(plane: &Plane, motion: &Motion, time: f64) -> Option<Plane> {
     Some(plane.transformed(&motion_transform_at(motion, time)?))
 }
 
-/// A moving light at `time`; `None` if the motion flattens it.
+/// The light moved by `motion` at `time`; `None` if the transform is singular.
 pub(super) fn delta_light_at(kind: &DeltaLightKind, motion: &Motion, time: f64) -> Option<DeltaLightKind> {
     Some(kind.transformed(&motion_transform_at(motion, time)?))
 }
 
-/// A moving camera at `time`; `None` if the motion flattens it.
+/// `camera` moved by `motion` at `time`; `None` if the transform is singular.
 pub(super) fn camera_at(camera: &Camera, motion: &Motion, time: f64) -> Option<Camera> {
     Some(camera.transformed(&motion_transform_at(motion, time)?))
 }
 
-/// The texture mapping of a moving object at `time`; `None` if the motion flattens it.
+/// The texture mapping moved by `motion` at `time`; `None` if the transform is singular.
 pub(super) fn mapping_at(kind: MappingKind, motion: &Motion, time: f64) -> Option<TextureMapping> {
     Some(TextureMapping::new(kind, motion_transform_at(motion, time)?))
 }
 
-/// The physical strength of a moving light.
+/// Strength of a moving light in physical units, computed at mid-shutter.
 ///
-/// The course's colour depends on the distance to the origin. It holds at mid-shutter, and the
-/// light keeps its strength.
+/// A [`LightStrength::Course`] colour depends on the light's distance to the origin. The light
+/// keeps the strength that this colour means at mid-shutter.
 pub(super) fn physical_strength_mid_shutter(
     kind: &DeltaLightKind,
     strength: LightStrength,
@@ -83,8 +82,8 @@ pub(super) fn physical_strength_mid_shutter(
     resolve_light(&placed, strength, DVec3::ZERO).0.peak_strength().map_or(strength, LightStrength::Physical)
 }
 
-/// `scene` at `time`: see [`Scene::at`]. What a singular motion flattens stays at its mid-shutter
-/// position.
+/// `scene` at `time`: see [`Scene::at`]. An object whose motion is singular then stays at its
+/// mid-shutter position.
 pub(super) fn scene_at(scene: &Scene, time: f64) -> Scene {
     let mut moved = scene.clone();
     let Some(animation) = &scene.animation else { return moved };
@@ -120,7 +119,7 @@ pub(super) fn scene_at(scene: &Scene, time: f64) -> Scene {
     moved
 }
 
-/// Replaces shape `i`, and the area light that it is.
+/// Replaces shape `i`, and the surface of its area light if it has one.
 fn replace_shape(scene: &mut Scene, i: usize, shape: Shape) {
     let object = scene.geometry.objects[i];
     if let Some(light) = object.light {

@@ -1,4 +1,5 @@
-//! Delta lights of a scene description, and the lights of the course's shading model.
+//! Delta lights of a scene description, and their counterparts in the shading model of MIT course
+//! 6.837.
 
 use crate::color::Rgb;
 use crate::light::{DirectionalLight, Light, OrientedPointLight, PointLight, SpotLight};
@@ -6,36 +7,36 @@ use crate::math::{BoundingSphere, Transform};
 use glam::{DVec3, Vec3};
 use std::f32::consts::PI;
 
-/// Light of the course's shading model: a position or direction, and a colour without falloff.
+/// Light in the shading model of MIT course 6.837. Its colour does not fall off with distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LegacyLight {
-    /// At a position.
+    /// Position and colour.
     Point(Vec3, Rgb),
-    /// Along a unit direction of travel.
+    /// Unit direction in which the light travels, and colour.
     Directional(Vec3, Rgb),
 }
 
 /// Strength of a point, spot or directional light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightStrength {
-    /// The course's colour: radiance that a white diffuse surface at the origin reflects when it
-    /// faces the light.
+    /// Colour in the shading model of MIT course 6.837: the radiance that a white diffuse surface
+    /// at the origin reflects when it faces the light.
     Course(Rgb),
-    /// Intensity \[W/sr], or irradiance \[W/m²] for parallel light.
+    /// Intensity \[W/sr], or irradiance \[W/m²] of a directional light.
     Physical(Rgb),
-    /// Flux \[W]; for points and spots.
+    /// Flux \[W] of a light with a position; irradiance \[W/m²] of a directional light.
     Power(Rgb),
 }
 
 /// A point, spot or directional light in the coordinates of the description.
 #[derive(Clone, Debug)]
 pub enum DeltaLightKind {
-    /// Isotropic, from one position.
+    /// Emits equally in all directions.
     Point {
         /// Position.
         position: DVec3,
     },
-    /// Into a cone, from one position.
+    /// Emits into a cone.
     Spot {
         /// Position.
         position: DVec3,
@@ -56,7 +57,7 @@ pub enum DeltaLightKind {
 }
 
 impl DeltaLightKind {
-    /// The position, if it is finite.
+    /// The position; `None` for a directional light.
     #[must_use]
     pub fn position(&self) -> Option<DVec3> {
         match *self {
@@ -66,7 +67,7 @@ impl DeltaLightKind {
         }
     }
 
-    /// The image under an affine map.
+    /// This light, transformed by `map`.
     #[must_use]
     pub fn transformed(&self, map: &Transform) -> Self {
         match *self {
@@ -86,10 +87,10 @@ fn one_minus_cos(x: f64) -> f64 {
     2.0 * sin * sin
 }
 
-/// A light relative to `origin`, and its counterpart in the course's shading model.
+/// The light relative to `origin`, and its counterpart in the shading model of MIT course 6.837.
 ///
-/// A course colour c means irradiance π·c on a facing surface at the origin, where white diffuse
-/// surfaces reflect radiance c.
+/// A course colour c stands for irradiance π·c on a surface at the origin that faces the light. A
+/// white diffuse surface there reflects radiance c.
 pub(super) fn resolve_light(kind: &DeltaLightKind, strength: LightStrength, origin: DVec3) -> (Light, LegacyLight) {
     // A light at the origin counts as one unit away.
     let distance2 = |p: &DVec3| {
@@ -136,8 +137,10 @@ pub(super) fn resolve_light(kind: &DeltaLightKind, strength: LightStrength, orig
     }
 }
 
-/// An area light in the course's shading model: a point at its center. Its irradiance at the origin
-/// is as if it faced it.
+/// Counterpart of an area light in the shading model of MIT course 6.837: a point light at the area
+/// light's center.
+///
+/// The colour assumes that the area light faces the origin.
 pub(super) fn legacy_area_light(light: &Light) -> LegacyLight {
     let center = light.center().unwrap_or(Vec3::ZERO);
     let nowhere = BoundingSphere { center: Vec3::ZERO, radius: 0.0 };

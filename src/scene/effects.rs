@@ -10,26 +10,26 @@ const SPECULAR_ALIAS: &str = "casters";
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u16)]
 pub enum Effect {
-    /// Reflection and refraction at casters on camera paths; a caster is defined by
-    /// [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics).
+    /// Specular reflection and refraction on camera paths, at surfaces for which
+    /// [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics) is true.
     Specular,
-    /// Caustics: light that goes over casters to a receiver.
+    /// Caustics: light that specular surfaces focus onto other surfaces.
     Caustics,
-    /// Light of caustics that receivers reflect to other receivers.
+    /// Interreflection of caustics: their light, reflected between surfaces that are not specular.
     CausticBounces,
-    /// Light that receivers reflect to each other.
+    /// Interreflection between surfaces that are not specular.
     Interreflection,
-    /// Final gathering: lookups of the global map at the ends of gather rays.
+    /// Final gathering: gather rays that end in lookups of the global photon map.
     Gathering,
     /// Occlusion of shadow rays.
     Shadows,
-    /// Extent of lights: soft shadows, and emission that paths hit.
+    /// Size of area lights: soft shadows, and emission of surfaces that paths hit.
     SoftShadows,
     /// Environment light.
     Environment,
     /// Absorption in bodies, and bodies that overlap.
     Interiors,
-    /// Camera rays from all of the lens: depth of field.
+    /// Camera rays from the whole lens: depth of field.
     Lens,
     /// Motion of objects while the shutter is open.
     Motion,
@@ -85,12 +85,14 @@ impl Effect {
         }
     }
 
-    /// Flaw of a picture that needs the effect but does not simulate it.
+    /// Visible error of a picture that is rendered without this effect, in a scene that needs it.
     #[must_use]
     pub const fn symptom_if_missing(self) -> &'static str {
         match self {
-            Self::Specular => "mirrors, glass and smooth metal are black",
-            Self::Caustics => "caustics of glass, mirrors and smooth metal are missing: their shadows are too dark",
+            Self::Specular => "mirrors, glass and low-roughness conductors are black",
+            Self::Caustics => {
+                "caustics of glass, mirrors and low-roughness conductors are missing: their shadows are too dark"
+            }
             Self::CausticBounces => "surfaces lit by caustics do not light other surfaces",
             Self::Interreflection => {
                 "diffuse surfaces do not light each other: surfaces without direct light are black"
@@ -182,7 +184,7 @@ impl Effects {
         set
     }
 
-    /// True if the set contains `effect`.
+    /// True if the set contains `effect`, and the program is compiled with it.
     #[inline]
     #[must_use]
     pub const fn has(self, effect: Effect) -> bool {
@@ -201,7 +203,7 @@ impl Effects {
         Self(self.0 & !Self::bit_mask(effect))
     }
 
-    /// The record of interiors that paths need to simulate these effects.
+    /// The kind of [`Interior`](super::Interior) that paths need to simulate these effects.
     #[must_use]
     pub const fn interior_kind(self) -> InteriorKind {
         match self.has(Effect::Interiors) {

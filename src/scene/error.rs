@@ -1,6 +1,6 @@
-//! The reasons why parts do not make a scene.
+//! Errors of building a scene.
 
-/// The reason why parts do not make a scene.
+/// Reason why a scene cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BuildError {
     /// An unbounded plane emits: its power would be infinite.
@@ -9,7 +9,7 @@ pub enum BuildError {
     /// After recentering, a coordinate does not fit single precision.
     #[error("the scene spans more than single precision can hold: the farthest coordinate is {0:e} from its middle")]
     TooLarge(f64),
-    /// Squares of lengths do not fit single precision.
+    /// The scene is so small that squared lengths underflow in single precision.
     #[error(
         "the scene is smaller than single precision can hold: the farthest coordinate is {0:e} from its middle; choose a larger unit of length"
     )]
@@ -20,7 +20,7 @@ pub enum BuildError {
     /// A motion scales an object to zero extent.
     #[error("a motion flattens what it moves: choose scales that are not so small")]
     Flattened,
-    /// There are more triangles than indices.
+    /// The number of triangles exceeds 31 bits.
     #[error("{0} triangles are more than the 2³¹ that can be indexed")]
     TooManyTriangles(usize),
 }

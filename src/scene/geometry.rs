@@ -12,21 +12,21 @@ use std::sync::Arc;
 pub(super) struct ObjectAttributes {
     /// Index of the material.
     pub material: u32,
-    /// Index of the area light that the object is.
+    /// Index of the object's area light; `None` if it does not emit.
     pub light: Option<u32>,
     /// Index of the texture mapping.
     pub mapping: u32,
 }
 
-/// The nearest intersection of a ray with the scene, before its surface is evaluated.
+/// An intersection of a ray with the scene: distance and primitive, without surface properties.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit {
-    /// Ray parameter.
+    /// Distance in units of the ray direction's length.
     pub t: f32,
     pub(super) kind: HitKind,
 }
 
-/// The primitive that a ray hits, with its surface parameters.
+/// Index of the primitive that a ray hits, with barycentric coordinates or surface parameters.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum HitKind {
     Triangle(u32, Vec2),
@@ -39,7 +39,7 @@ pub(super) enum HitKind {
 /// Objects are numbered: shapes at rest, moving shapes, meshes, planes at rest, moving planes.
 #[derive(Clone)]
 pub(super) struct Geometry {
-    /// Attributes by object.
+    /// Attributes by object index.
     pub objects: Vec<ObjectAttributes>,
     /// Shapes at rest, then moving shapes.
     pub shapes: Vec<Shape>,
@@ -48,20 +48,20 @@ pub(super) struct Geometry {
     /// Planes at rest, then moving planes.
     pub planes: Vec<Plane>,
     pub mesh: Arc<Mesh>,
-    /// Triangles of each mesh object.
+    /// Range of triangle indices of each mesh object.
     pub mesh_ranges: Arc<[Range<u32>]>,
-    /// Object of each triangle.
+    /// Object index of each triangle.
     pub triangle_object: Arc<[u32]>,
     /// Bounds of all bounded objects at rest.
     pub static_bounds: Bounds,
-    /// Over triangles and shapes at rest.
+    /// Hierarchy over triangles and shapes at rest.
     pub hierarchy: Arc<Hierarchy>,
-    /// Over moving shapes, if there are any.
+    /// Hierarchy over moving shapes, if there are any.
     pub moving: Option<Arc<Hierarchy>>,
 }
 
 impl Geometry {
-    /// Geometry of objects at one time, with its hierarchies.
+    /// Builds the hierarchies over the given primitives.
     pub fn new(
         objects: Vec<ObjectAttributes>,
         shapes: Vec<Shape>,
@@ -101,7 +101,6 @@ impl Geometry {
         self.moving = (!boxes.is_empty()).then(|| Arc::new(Hierarchy::build(&[], &boxes)));
     }
 
-    /// The shapes that move.
     pub fn moving_shapes(&self) -> &[Shape] {
         &self.shapes[self.first_moving as usize..]
     }
@@ -111,22 +110,20 @@ impl Geometry {
         self.moving_shapes().iter().map(Shape::bounds).fold(self.static_bounds, Bounds::union)
     }
 
-    /// Object number of plane 0.
+    /// Object index of the first plane.
     fn first_plane_index(&self) -> usize {
         self.shapes.len() + self.mesh_ranges.len()
     }
 
-    /// Attributes of the planes.
     pub fn plane_attributes(&self) -> &[ObjectAttributes] {
         &self.objects[self.first_plane_index()..]
     }
 
-    /// Attributes of the meshes.
     pub fn mesh_attributes(&self) -> &[ObjectAttributes] {
         &self.objects[self.shapes.len()..self.first_plane_index()]
     }
 
-    /// Number of the object that a primitive belongs to.
+    /// Index of the object to which the primitive belongs.
     #[inline]
     pub fn object_index(&self, kind: HitKind) -> u32 {
         match kind {
@@ -136,13 +133,13 @@ impl Geometry {
         }
     }
 
-    /// Attributes of the object that a primitive belongs to.
+    /// Attributes of the object to which the primitive belongs.
     #[inline]
     pub fn object_attributes(&self, kind: HitKind) -> &ObjectAttributes {
         &self.objects[self.object_index(kind) as usize]
     }
 
-    /// Calls `visit` with every intersection along `ray`, in no order.
+    /// Calls `visit` for every intersection along `ray`, in no particular order.
     pub fn for_each_hit(&self, ray: &Ray, mut visit: impl FnMut(Hit)) {
         let mut search = |hierarchy: &Hierarchy, first: u32| {
             hierarchy.each(
@@ -169,7 +166,7 @@ impl Geometry {
         }
     }
 
-    /// Position and normals at a hit of `ray`, whose direction must be of unit length.
+    /// Position and normals at `hit` of `ray`, which must have a unit direction.
     #[inline]
     pub fn surface_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         match hit.kind {
@@ -179,7 +176,7 @@ impl Geometry {
         }
     }
 
-    /// The surface's own texture coordinates at a hit; zero on planes.
+    /// Texture coordinates that the primitive itself defines at `hit`; zero on planes.
     pub fn surface_texture_coords(&self, hit: &Hit, point: &SurfacePoint) -> TexCoord {
         match hit.kind {
             HitKind::Triangle(i, b) => self.mesh.tex_coord(i as usize, b),
@@ -188,17 +185,14 @@ impl Geometry {
         }
     }
 
-    /// The object of a primitive, with all patches and surfaces of revolution as one object.
+    /// Number that groups boundaries for the coincidence test: the object index, or `u32::MAX` if
+    /// the shape shares seams with others.
     ///
-    /// They share seams, where a ray hits two of them. Other shapes keep their points off their
-    /// edges.
+    /// A ray at a seam hits two shapes, which must count as one boundary.
     pub fn coincidence_group(&self, kind: HitKind) -> u32 {
         match kind {
-            HitKind::Shape(i, _) => match self.shapes[i as usize] {
-                Shape::Patch(_) | Shape::Revolution(_) => u32::MAX,
-                _ => i,
-            },
-            HitKind::Triangle(..) | HitKind::Plane(_) => self.object_index(kind),
+            HitKind::Shape(i, _) if self.shapes[i as usize].shares_seams() => u32::MAX,
+            HitKind::Triangle(..) | HitKind::Shape(..) | HitKind::Plane(_) => self.object_index(kind),
         }
     }
 }

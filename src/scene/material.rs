@@ -12,9 +12,9 @@ use std::sync::Arc;
 pub struct Material {
     kind: MaterialKind,
     normals: NormalPerturbation,
-    /// The BSDF of mean parameters. Untextured materials copy it at each hit.
+    /// The BSDF with textures replaced by their means. Untextured materials use it at each hit.
     mean_bsdf: Bsdf,
-    /// True if a parameter of `mean_bsdf` follows a texture.
+    /// True if a texture determines a parameter of the BSDF.
     textured: bool,
 }
 
@@ -51,14 +51,15 @@ pub enum MaterialKind {
         /// Roughness α in \[0, 1].
         roughness: Textured<f32>,
     },
-    /// A thin sheet: light passes without being displaced.
+    /// A thin dielectric sheet. Transmitted light continues without deflection or displacement.
     Thin {
         /// Refractive index of the sheet relative to its surroundings.
         eta: f32,
         /// Colour that one perpendicular crossing transmits, in (0, 1].
         transmittance: Textured<Rgb>,
     },
-    /// The boundary of a body. The refractive index on its other side is known only along a path.
+    /// The dielectric boundary of a body. A path determines the refractive index on the outer side
+    /// when it arrives.
     Dielectric {
         /// The body inside.
         body: Body,
@@ -77,7 +78,8 @@ pub enum MaterialKind {
 }
 
 impl MaterialKind {
-    /// The BSDF at one point; black for a mix, which must be resolved first.
+    /// The BSDF for parameter values from `parameters`; black for a mix, which must be resolved
+    /// first.
     fn bsdf(&self, parameters: &impl ParameterEvaluator) -> Bsdf {
         match *self {
             Self::Black | Self::Mix { .. } => Bsdf::Black,
@@ -98,19 +100,19 @@ impl MaterialKind {
         }
     }
 
-    /// The body and the roughness of a dielectric boundary.
+    /// The body and the roughness α, if this is a dielectric boundary.
     #[inline]
     fn as_dielectric(&self) -> Option<(&Body, &Textured<f32>)> {
         if let Self::Dielectric { body, roughness } = self { Some((body, roughness)) } else { None }
     }
 
-    /// The parts of a mix, and the probability of the second.
+    /// Indices of both materials of a mix, and the probability of the second.
     #[inline]
     pub(super) fn as_mix(&self) -> Option<([u32; 2], &Textured<f32>)> {
         if let Self::Mix { first, second, amount } = self { Some(([*first, *second], amount)) } else { None }
     }
 
-    /// True if a parameter follows a texture.
+    /// True if a texture determines a parameter of the BSDF.
     fn is_textured(&self) -> bool {
         match self {
             Self::Black => false,
@@ -137,13 +139,14 @@ impl Material {
         Self { normals, ..self }
     }
 
-    /// Lambertian reflection.
+    /// A diffuse (Lambertian) material.
     #[must_use]
     pub fn diffuse(reflectance: impl Into<Textured<Rgb>>) -> Self {
         Self::new(MaterialKind::Diffuse { reflectance: reflectance.into() })
     }
 
-    /// Phong's model. The BSDF is scaled to conserve energy (see [`crate::bsdf::Phong`]).
+    /// A material of Phong's model. The BSDF is scaled to conserve energy (see
+    /// [`crate::bsdf::Phong`]).
     #[must_use]
     pub fn phong(diffuse: impl Into<Textured<Rgb>>, specular: impl Into<Textured<Rgb>>, shininess: f32) -> Self {
         Self::new(MaterialKind::Phong { diffuse: diffuse.into(), specular: specular.into(), shininess })
@@ -173,8 +176,8 @@ impl Material {
         Self::new(MaterialKind::Dielectric { body, roughness: roughness.into() })
     }
 
-    /// Material `second` with probability `amount`, else material `first`. Both indices must exist
-    /// already.
+    /// A mix: material `second` with probability `amount`, else material `first`. Both indices must
+    /// exist already.
     #[must_use]
     pub fn mix(first: u32, second: u32, amount: impl Into<Textured<f32>>) -> Self {
         Self::new(MaterialKind::Mix { first, second, amount: amount.into() })
@@ -186,7 +189,8 @@ impl Material {
         Self::new(MaterialKind::Conductor { eta, k, roughness: roughness.into() })
     }
 
-    /// A thin sheet of index `eta` that transmits `transmittance` in (0, 1] of perpendicular light.
+    /// A thin sheet of refractive index `eta`. `transmittance` in (0, 1] is the colour that one
+    /// perpendicular crossing transmits.
     #[must_use]
     pub fn thin(eta: f32, transmittance: impl Into<Textured<Rgb>>) -> Self {
         Self::new(MaterialKind::Thin { eta, transmittance: transmittance.into() })
@@ -210,7 +214,7 @@ impl Material {
         self.normals
     }
 
-    /// The body that this material bounds, if it bounds one.
+    /// The body that this material bounds; `None` if it bounds none.
     #[inline]
     #[must_use]
     pub fn bounded_body(&self) -> Option<&Body> {
@@ -226,26 +230,26 @@ impl Material {
         }
     }
 
-    /// The materials that a mix resolves to, by index; `None` for other materials.
+    /// Indices of both materials of a mix; `None` for other materials.
     #[must_use]
     pub fn mix_parts(&self) -> Option<[u32; 2]> {
         self.kind.as_mix().map(|(parts, _)| parts)
     }
 
-    /// The BSDF of mean parameters.
+    /// The BSDF with textures replaced by their means.
     #[inline]
     #[must_use]
     pub fn mean_bsdf(&self) -> Bsdf {
         self.mean_bsdf
     }
 
-    /// The BSDF at one point, with parameters from `parameters`. Black for a mix.
+    /// The BSDF for parameter values from `parameters`; black for a mix.
     #[must_use]
     pub fn bsdf(&self, parameters: &impl ParameterEvaluator) -> Bsdf {
         self.kind.bsdf(parameters)
     }
 
-    /// True if a parameter follows a texture.
+    /// True if a texture determines a parameter of the BSDF.
     #[inline]
     #[must_use]
     pub fn is_textured(&self) -> bool {
@@ -270,8 +274,10 @@ impl Material {
         self.kind.as_dielectric().map_or(0.0, |(_, roughness)| parameters.evaluate_scalar(roughness))
     }
 
-    /// Calls `visit` with BSDFs that cover all kinds that a hit may have: that of mean parameters,
-    /// and those at the extremes of a conductor's roughness texture.
+    /// Calls `visit` with at least one BSDF of each kind that the material can have at a hit.
+    ///
+    /// These are the BSDF of mean parameters, and for a textured conductor those of the least and
+    /// the greatest roughness.
     pub(super) fn for_each_possible_bsdf(&self, textures: &[Arc<Texture>], mut visit: impl FnMut(Bsdf)) {
         visit(self.mean_bsdf);
         match self.kind {

@@ -1,5 +1,5 @@
-//! The resolved scene that renderers see: checked, converted, recentered, and indexed for ray
-//! queries.
+//! The resolved scene: the data that renderers read, in single precision and relative to one
+//! origin.
 
 mod animation;
 mod build;
@@ -47,8 +47,8 @@ use interiors::{CoincidentFaces, CoincidentFlags};
 use std::sync::Arc;
 use textured::{Footprint, perturbed_normal};
 
-/// A scene ready to be rendered, at one time of the shutter. Coordinates are relative to
-/// [`Scene::origin`].
+/// A scene ready to be rendered, with moving objects placed at one time of the shutter interval.
+/// Coordinates are relative to [`Scene::origin`].
 #[derive(Clone)]
 pub struct Scene {
     camera: Camera,
@@ -59,10 +59,11 @@ pub struct Scene {
     media: Vec<Medium>,
     ambient_medium: Option<u32>,
     textures: Vec<Arc<Texture>>,
-    /// The first maps objects without a mapping of their own.
+    /// The first mapping belongs to objects that define none.
     mappings: Vec<TextureMapping>,
     lights: Vec<Light>,
-    /// Empty if no light follows a texture.
+    /// The lights with mean radiance in place of emission textures; empty if no light has a
+    /// texture.
     mean_emission_lights: Vec<Light>,
     legacy_lights: Vec<LegacyLight>,
     animation: Option<Arc<Animation>>,
@@ -89,15 +90,15 @@ impl Scene {
         &self.camera
     }
 
-    /// Radiance of rays that escape, if there is no environment. It is seen, but does not
-    /// illuminate.
+    /// Radiance of rays that leave the scene, if there is no environment light. The background
+    /// illuminates no surface.
     #[must_use]
     pub fn background(&self) -> Rgb {
         self.background
     }
 
-    /// Radiance along unit `direction` of a ray that escapes: from the environment, else the
-    /// background.
+    /// Radiance along a ray in unit `direction` that hits nothing: of the environment light, or
+    /// else the background.
     #[inline]
     #[must_use]
     pub fn escaped_radiance(&self, direction: Vec3) -> Rgb {
@@ -107,36 +108,36 @@ impl Scene {
         }
     }
 
-    /// Index of the environment among the lights, if there is one.
+    /// Index of the environment light in [`Scene::lights`], if there is one.
     #[must_use]
     pub fn environment(&self) -> Option<usize> {
         matches!(self.lights.last(), Some(Light::Environment(_))).then(|| self.lights.len() - 1)
     }
 
-    /// The lights. An environment comes last.
+    /// All lights. An environment light is the last.
     #[must_use]
     pub fn lights(&self) -> &[Light] {
         &self.lights
     }
 
-    /// The lights with their mean radiance in place of emission textures.
+    /// The lights, with emission textures replaced by their mean radiance.
     #[must_use]
     pub fn mean_emission_lights(&self) -> &[Light] {
         if self.mean_emission_lights.is_empty() { &self.lights } else { &self.mean_emission_lights }
     }
 
-    /// The lights of the course's shading model, in the order of [`Scene::lights`], without an
-    /// environment.
+    /// The lights for the shading model of MIT course 6.837, in the order of [`Scene::lights`]
+    /// without the environment.
     #[must_use]
     pub fn legacy_lights(&self) -> &[LegacyLight] {
         &self.legacy_lights
     }
 
-    /// Distance \[length] within which light `light` counts as lying in a surface, so that it
-    /// illuminates both sides. 0 for area lights and lights at infinity.
+    /// Distance \[length] below which a surface point touches light `light`. Such a light
+    /// illuminates both sides of the surface. 0 for area lights and lights at infinity.
     ///
-    /// Positions are rounded to 2⁻²⁴ of their coordinates, so the side on which such a light lies
-    /// is unknown. Its light passes the surface, unless the cosine to the normal is below 1/40.
+    /// Positions are rounded to 2⁻²⁴ of their coordinates, so the light's side of the surface is
+    /// unknown. The surface does not block the light, except at a cosine to the normal below 1/40.
     #[inline]
     #[must_use]
     pub fn light_contact_distance(&self, light: usize) -> f32 {
@@ -161,29 +162,31 @@ impl Scene {
         &self.media
     }
 
-    /// Index of the medium outside of all bodies.
+    /// Index of the medium outside all bodies, if there is one.
     ///
-    /// It fills a ball twice as large as one around the bounded shapes, the camera and the lights.
+    /// The medium fills a ball. Its radius is twice the distance from the center of the [photon
+    /// domain](Scene::photon_domain) to the farthest light, to the camera, or to the domain's edge.
     #[must_use]
     pub fn ambient_medium(&self) -> Option<u32> {
         self.ambient_medium
     }
 
-    /// The ball in which photons of lights at infinity are traced.
+    /// The ball onto which lights at infinity emit photons.
     ///
-    /// It holds all bounded shapes, with room around them if there are unbounded planes.
+    /// It contains all bounded shapes. In a scene with unbounded planes, its radius is four times
+    /// larger.
     #[must_use]
     pub fn photon_domain(&self) -> BoundingSphere {
         self.derived.domain
     }
 
-    /// The point of the description's coordinates that became the origin.
+    /// Origin of scene coordinates, in the coordinates of the scene description.
     #[must_use]
     pub fn origin(&self) -> DVec3 {
         self.origin
     }
 
-    /// Number of triangles, instances included.
+    /// Number of triangles, including those of instances.
     #[must_use]
     pub fn triangle_count(&self) -> usize {
         let instanced =
@@ -198,7 +201,7 @@ impl Scene {
         self.geometry.shapes.iter().filter(analytic).count() + self.geometry.planes.len()
     }
 
-    /// The nearest intersection.
+    /// The nearest intersection along `ray`.
     #[inline]
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
@@ -234,7 +237,7 @@ impl Scene {
         hit
     }
 
-    /// True if the ray hits anything.
+    /// True if `ray` hits any surface.
     #[inline]
     #[must_use]
     pub fn occluded(&self, ray: &Ray) -> bool {
@@ -246,10 +249,11 @@ impl Scene {
                 .is_some_and(|moving| moving.occluded(ray, |i, ray| shapes[(first_moving + i) as usize].occludes(ray)))
     }
 
-    /// The surface at a hit of `ray`, whose direction must be of unit length.
+    /// The surface at `hit` of `ray`, which must have a unit direction.
     ///
-    /// Textures are filtered over `cone`. `u_mix` in \[0, 1) resolves mixes. The boundary of a body
-    /// gets the BSDF that it has in air.
+    /// Textures are filtered over `cone`. `u_mix` returns a number in \[0, 1) that selects a part
+    /// of a mix. A dielectric boundary gets its BSDF in air; [`Interior::resolve_boundary`]
+    /// replaces it.
     #[inline]
     #[must_use]
     pub fn interaction(
@@ -297,21 +301,21 @@ impl Scene {
         surface
     }
 
-    /// The geometric normal at a hit of `ray`, whose direction must be of unit length.
+    /// Geometric unit normal at `hit` of `ray`, which must have a unit direction.
     #[inline]
     #[must_use]
     pub fn normal_at(&self, ray: &Ray, hit: &Hit) -> Vec3 {
         self.geometry.surface_point(ray, hit).ng
     }
 
-    /// Texture coordinates and filter axes at a hit, over the footprint of `cone`.
+    /// Texture coordinates at `hit`, with filter axes that cover the footprint of `cone`.
     #[inline(never)]
     #[must_use]
     pub fn texture_context(&self, hit: &Hit, point: &SurfacePoint, wo: Vec3, cone: &RayCone) -> TextureEvalContext {
         Footprint::new(&self.geometry, &self.mappings, hit, point, wo, cone).context
     }
 
-    /// The textures. Material parameters refer to them by index.
+    /// The textures, to which material parameters refer by index.
     #[must_use]
     pub fn textures(&self) -> &[Arc<Texture>] {
         &self.textures
@@ -334,8 +338,9 @@ impl Scene {
         }
     }
 
-    /// Resolves a mix to a leaf material, with `u` in \[0, 1). `context` is evaluated only if an
-    /// amount is textured.
+    /// Index of the leaf material to which material `index` resolves, for a uniform `u` in \[0, 1).
+    ///
+    /// `context` is called only if a mixing amount is textured and textures are simulated.
     fn resolve_mix(
         &self,
         mut index: u32,
@@ -350,7 +355,7 @@ impl Scene {
                 }
                 amount => amount.mean(),
             };
-            // Rescaled to the chosen part, the number is uniform again.
+            // Rescale `u` within the chosen interval, so that a nested mix can use it.
             (index, u) = if u < amount { (second, u / amount) } else { (first, (u - amount) / (1.0 - amount)) };
         }
         index

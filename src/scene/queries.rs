@@ -1,4 +1,4 @@
-//! Scene queries of planning and of path tracing, beyond ray queries.
+//! Queries about the objects, materials and paths of a scene.
 
 use super::animation::scene_at;
 use super::geometry::ObjectAttributes;
@@ -12,31 +12,31 @@ use crate::medium::Medium;
 use crate::sampling::Key;
 use glam::Vec3;
 
-/// A shape, mesh or plane in the terms of planning.
+/// Properties of one shape, mesh or plane that planning needs.
 #[derive(Clone, Copy, Debug)]
 pub struct ObjectSummary {
     /// Bounding sphere, tight for spheres; `None` for unbounded planes.
     pub ball: Option<BoundingSphere>,
-    /// A point and the unit normal of the plane in which the object lies, if it is known to be
-    /// flat. No two points of a flat object see each other.
+    /// Point and unit normal of the plane that contains the object; `None` if the object may not be
+    /// flat.
     pub plane: Option<(Vec3, Vec3)>,
     /// Index of the material.
     pub material: u32,
-    /// True if the object emits by a texture.
+    /// True if a texture determines the emission.
     pub has_emission_texture: bool,
 }
 
-/// A material that a hit may resolve to, with one BSDF that it may have.
+/// A material that is not a mix, with one BSDF that it can have.
 #[derive(Clone, Copy, Debug)]
 pub struct LeafMaterial<'a> {
-    /// The body that the material bounds.
+    /// The body that the material bounds, if it bounds one.
     pub bounded_body: Option<&'a Body>,
-    /// The BSDF of mean parameters, or at an extreme of a roughness texture.
+    /// The BSDF for mean parameters, or for an extreme value of a roughness texture.
     pub bsdf: Bsdf,
 }
 
 impl LeafMaterial<'_> {
-    /// True if the material focuses light: see [`Bsdf::casts_caustics`].
+    /// True if the material focuses light: see [`Bsdf::casts_caustics`]. A null interface does not.
     #[must_use]
     pub fn casts_caustics(&self) -> bool {
         match self.bounded_body {
@@ -53,15 +53,15 @@ impl Scene {
         self.animation.is_some()
     }
 
-    /// The scene at `time` in \[0, 1\], from the opening of the shutter to its closing.
+    /// The scene at `time`: 0 is the opening of the shutter, 1 its closing.
     ///
-    /// Triangles, their hierarchies, textures and the environment are shared.
+    /// The copy shares triangles, their hierarchies, textures and the environment light.
     #[must_use]
     pub fn at(&self, time: f64) -> Self {
         scene_at(self, time)
     }
 
-    /// All objects: shapes, then meshes with triangles, then planes.
+    /// Summaries of all objects: shapes, then meshes with triangles, then planes.
     pub fn object_summaries(&self) -> impl Iterator<Item = ObjectSummary> {
         let geometry = &self.geometry;
         let summary = |attributes: &ObjectAttributes, ball, plane| ObjectSummary {
@@ -89,21 +89,21 @@ impl Scene {
         matches!(light, Some(Light::Area(area)) if area.texture.is_some())
     }
 
-    /// The bodies that materials bound.
+    /// The body of each material that bounds one.
     pub fn bodies(&self) -> impl Iterator<Item = &Body> {
         self.materials.iter().filter_map(Material::bounded_body)
     }
 
-    /// True if paths need to record interiors: there are bodies, or an ambient medium.
+    /// True if paths must track interiors: there are bodies, or an ambient medium.
     #[must_use]
     pub fn has_interiors(&self) -> bool {
         self.ambient_medium.is_some() || self.bodies().next().is_some()
     }
 
-    /// Calls `visit` with every leaf that `material` may resolve to.
+    /// Calls `visit` with every leaf material to which `material` can resolve.
     ///
-    /// A conductor with a roughness texture is visited at the texture's extremes too, as they may
-    /// differ in kind.
+    /// A conductor with a roughness texture is visited with its mean, least and greatest roughness,
+    /// because their BSDFs may differ in kind.
     pub fn for_each_leaf_material(&self, material: u32, visit: &mut impl FnMut(LeafMaterial<'_>)) {
         let material = &self.materials[material as usize];
         match material.mix_parts() {
@@ -114,7 +114,7 @@ impl Scene {
         }
     }
 
-    /// The media in use, each once: in bodies that objects bound, and the ambient medium.
+    /// The media in use, each once: those of bodies that objects bound, and the ambient medium.
     #[must_use]
     pub fn media_in_use(&self) -> Vec<&Medium> {
         let mut indices: Vec<u32> = self.ambient_medium.into_iter().collect();
@@ -128,8 +128,8 @@ impl Scene {
         indices.into_iter().map(|index| &self.media[index as usize]).collect()
     }
 
-    /// Two flags of a material or any part of a mix: a parameter is textured, and normals are
-    /// perturbed.
+    /// Two flags for `material` and all parts of a mix: true if a parameter is textured, and true
+    /// if normals are perturbed.
     #[must_use]
     pub fn texture_usage(&self, material: u32) -> (bool, bool) {
         let material = &self.materials[material as usize];
@@ -139,8 +139,8 @@ impl Scene {
         parts.iter().fold(own, |all, part| (all.0 || part.0, all.1 || part.1))
     }
 
-    /// Bounding spheres of all objects that cast caustics, as targets of photons; `None` if one is
-    /// unbounded.
+    /// Bounding spheres of all objects that cast caustics, used as targets of photons; `None` if
+    /// such an object is unbounded.
     #[must_use]
     pub fn caster_bounding_spheres(&self) -> Option<Vec<BoundingSphere>> {
         let casts_caustics = |material: u32| {
@@ -151,28 +151,29 @@ impl Scene {
         self.object_summaries().filter(|o| casts_caustics(o.material)).map(|o| o.ball).collect()
     }
 
-    /// A camera path that starts along `ray` and simulates `effects`.
+    /// Starts a camera path along `ray` that simulates `effects`.
     #[inline]
     #[must_use]
     pub fn start_camera_path<I: Interior>(&self, ray: Ray, effects: Effects) -> PathRay<I> {
-        PathRay { ray, inside: I::at_camera(self, &ray, effects), cone: self.camera_ray_cone(effects) }
+        PathRay { ray, interior: I::at_camera(self, &ray, effects), cone: self.camera_ray_cone(effects) }
     }
 
-    /// The cone of a camera ray.
+    /// The ray cone at the start of a camera ray.
     #[inline]
     #[must_use]
     pub fn camera_ray_cone(&self, effects: Effects) -> RayCone {
         RayCone::from_pixel(self.camera.pixel_footprint(), effects)
     }
 
-    /// A light path that starts at light `light` along `ray` and simulates `effects`.
+    /// Starts a light path along `ray` from light `light` that simulates `effects`.
     #[inline]
     #[must_use]
     pub fn start_light_path<I: Interior>(&self, light: usize, ray: Ray, effects: Effects) -> PathRay<I> {
-        PathRay { ray, inside: I::at_light(self, light, effects), cone: RayCone::zero_width(effects) }
+        PathRay { ray, interior: I::at_light(self, light, effects), cone: RayCone::zero_width(effects) }
     }
 
-    /// `ray` with its origin moved back beyond all unbounded planes, for light from infinity.
+    /// `ray` with its origin moved back beyond all unbounded planes behind it. Used for light from
+    /// infinity.
     #[must_use]
     pub(crate) fn move_origin_beyond_planes(&self, ray: Ray) -> Ray {
         let back = Ray::new(ray.origin, -ray.direction);
@@ -181,25 +182,25 @@ impl Scene {
         if farthest == 0.0 {
             return ray;
         }
-        // The radius of the domain beyond, so that rounding does not lose the intersection itself.
+        // Go farther by the domain's radius, so that rounding does not lose the intersection.
         Ray { origin: back.at(farthest * 1.001 + self.photon_domain().radius), ..ray }
     }
 
-    /// Unbiased transmittance from the end of `ray` to its origin, which lies in `inside`; 0 if a
-    /// surface blocks it.
+    /// Unbiased transmittance along a shadow ray from a point in `interior`; 0 if a surface blocks
+    /// it.
     ///
-    /// The direction of a finite ray reaches from its origin to its end. That of an infinite ray is
-    /// a unit vector.
+    /// The direction of a finite ray is the vector from its origin to its end. An infinite ray has
+    /// a unit direction.
     #[must_use]
-    pub fn shadow_transmittance<I: Interior>(&self, ray: &Ray, inside: I, key: Key) -> Rgb {
-        path_ray::shadow_transmittance(self, ray, inside, key)
+    pub fn shadow_transmittance<I: Interior>(&self, ray: &Ray, interior: I, key: Key) -> Rgb {
+        path_ray::shadow_transmittance(self, ray, interior, key)
     }
 
-    /// Unbiased transmittance of the interior around the origin of `ray`, of unit direction;
-    /// surfaces are ignored.
+    /// Unbiased transmittance along `ray`, of unit direction, through the body and the medium
+    /// around its origin. Surfaces are ignored.
     #[inline]
     #[must_use]
-    pub fn interior_transmittance<I: Interior>(&self, ray: &Ray, inside: &I, key: Key) -> Rgb {
-        path_ray::interior_transmittance(self, ray, inside, key)
+    pub fn interior_transmittance<I: Interior>(&self, ray: &Ray, interior: &I, key: Key) -> Rgb {
+        path_ray::interior_transmittance(self, ray, interior, key)
     }
 }

@@ -3,7 +3,7 @@
 use super::Effects;
 use crate::bsdf::{Bsdf, DIFFUSE_CONE_SPREAD};
 
-/// Width of a camera cone in pixels. It is below 1, as the reconstruction filter widens too.
+/// Width of a camera cone \[pixels]. It is below 1 because the pixel filter blurs too.
 const CAMERA_CONE_PIXELS: f32 = 0.5;
 
 /// The cone around a ray over which textures are filtered (Amanatides 1984, "Ray tracing with
@@ -18,7 +18,7 @@ pub struct RayCone {
     width: f32,
     /// Growth of the diameter per length.
     spread: f32,
-    /// True for camera paths; false if the width stays zero.
+    /// True for camera paths. False for light paths, whose width stays zero.
     widens: bool,
     /// True after a non-specular scattering event.
     scattered: bool,
@@ -27,7 +27,7 @@ pub struct RayCone {
 }
 
 impl RayCone {
-    /// The cone of a camera path, from the width of a pixel \[length] and its growth per length.
+    /// The cone of a camera ray, from the width of a pixel \[length] and its growth per length.
     #[inline]
     #[must_use]
     pub fn from_pixel((width, spread): (f32, f32), effects: Effects) -> Self {
@@ -46,13 +46,13 @@ impl RayCone {
         Self { width: 0.0, spread: 0.0, widens: false, scattered: false, effects }
     }
 
-    /// Grows over `distance` \[length].
+    /// Widens the cone over `distance` \[length].
     #[inline]
     pub fn travel(&mut self, distance: f32) {
         self.width += self.spread * distance;
     }
 
-    /// Widens by scattering at a surface.
+    /// Widens the cone for scattering by `bsdf`.
     #[inline]
     pub(super) fn widen_at_surface(&mut self, bsdf: &Bsdf) {
         if self.widens {
@@ -61,7 +61,7 @@ impl RayCone {
         self.scattered |= !bsdf.is_specular();
     }
 
-    /// Widens by scattering in a medium.
+    /// Widens the cone for scattering in a medium.
     #[inline]
     pub(super) fn widen_in_medium(&mut self) {
         if self.widens {
@@ -77,10 +77,11 @@ impl RayCone {
         self.width
     }
 
-    /// The cone for emission textures.
+    /// The cone for lookups of emission textures: of zero width after a non-specular scattering
+    /// event.
     ///
-    /// After a non-specular event, next-event estimation samples lights at points. Lights that are
-    /// hit must agree.
+    /// Next-event estimation evaluates emission at a point. Emission that a path hits must agree
+    /// with it.
     #[inline]
     pub(super) fn for_emission_textures(&self) -> Self {
         if self.scattered { Self::zero_width(self.effects) } else { *self }

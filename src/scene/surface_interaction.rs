@@ -1,4 +1,4 @@
-//! The surface at a hit, ready for scattering.
+//! Surface properties at a hit.
 
 use super::Material;
 use super::interiors::CoincidentFaces;
@@ -13,21 +13,22 @@ use glam::{Vec2, Vec3};
 pub struct SurfaceInteraction<'a> {
     /// Position and normals.
     pub point: SurfacePoint,
-    /// Unit direction to the origin of the ray.
+    /// Unit direction towards the origin of the ray.
     pub wo: Vec3,
-    /// The material. For a mix, the leaf that it resolved to.
+    /// The material; for a mix, the leaf material that was selected.
     pub material: &'a Material,
     /// Index of the material.
     pub(super) material_index: u32,
-    /// The scattering function.
+    /// The BSDF.
     pub bsdf: Bsdf,
     /// Roughness α of a body's boundary; 0 for other materials.
     pub(super) roughness: f32,
-    /// The object hit, if another object's boundary may coincide with it there.
+    /// Group number of the boundary for the coincidence test; `None` if no other boundary can
+    /// coincide with it here.
     pub(super) coincidence_group: Option<u32>,
-    /// Boundaries that coincide with this one. Found when a path resolves the boundary.
+    /// Boundaries that coincide with this one, found when a path resolves the boundary.
     pub(super) coincident: CoincidentFaces,
-    /// Index of the area light that the object is.
+    /// Index of the object's area light.
     pub light: Option<u32>,
     /// Radiance emitted towards `wo` \[W/(m² sr)].
     pub emission: Rgb,
@@ -41,34 +42,35 @@ impl SurfaceInteraction<'_> {
         if self.wo.dot(self.point.ng) < 0.0 { -self.point.ng } else { self.point.ng }
     }
 
-    /// True if the surface is a null interface, which light does not notice.
+    /// True if the surface is a null interface, which light passes unchanged.
     #[inline]
     #[must_use]
     pub fn is_null_interface(&self) -> bool {
         self.material.bounded_body().is_some_and(|body| body.null_interface)
     }
 
-    /// True if the ray arrives from outside the object.
+    /// True if the ray arrives on the side of the geometric normal, the outside of a body.
     #[inline]
     pub(super) fn is_entering(&self) -> bool {
         self.wo.dot(self.point.ng) >= 0.0
     }
 
-    /// The ray that leaves in unit `direction`.
+    /// The ray from the surface in unit `direction`. Its origin is offset against
+    /// self-intersection.
     #[inline]
     #[must_use]
     pub fn spawn_ray(&self, direction: Vec3) -> Ray {
         Ray::new(offset_ray_origin(self.point.p, self.point.error, self.point.ng, direction), direction)
     }
 
-    /// The segment to `target`, which lies in unit `direction`.
+    /// The ray segment from the surface to `target`, which lies in unit `direction`.
     #[inline]
     #[must_use]
     pub fn spawn_ray_to(&self, target: Vec3, direction: Vec3) -> Ray {
         Ray::between_points(offset_ray_origin(self.point.p, self.point.error, self.point.ng, direction), target)
     }
 
-    /// f(wo, wi)·|wi · ns| \[1/sr]: the factor of incident radiance on a camera path.
+    /// BSDF times cosine, f(wo, wi)·|wi · ns| \[1/sr], for radiance along a camera path.
     #[inline]
     #[must_use]
     pub fn bsdf_cosine(&self, wi: Vec3) -> Rgb {

@@ -164,6 +164,23 @@ impl Shape {
         dispatch!(self, s, _w => s.point_if_planar())
     }
 
+    /// True if the shape may share its edges with neighbours, so that a ray can hit two shapes there.
+    ///
+    /// Other shapes keep their surface points off their edges.
+    #[must_use]
+    pub(crate) fn shares_seams(&self) -> bool {
+        match self {
+            Self::Revolution(_) | Self::Patch(_) => true,
+            Self::Sphere(_)
+            | Self::Ellipsoid(_)
+            | Self::Disc(_)
+            | Self::Rectangle(_)
+            | Self::Cuboid(_)
+            | Self::Frustum(_)
+            | Self::Instance(_) => false,
+        }
+    }
+
     /// The shape translated by `by`.
     #[must_use]
     pub fn translated(&self, by: DVec3) -> Self {

@@ -1,4 +1,4 @@
-//! Study of effects: renders the picture with and without each effect.
+//! Study of effects: renders a scene with all effects, and without each of them.
 
 use crate::image::metrics::{MetricError, rmse};
 use crate::image::{Image, SizeError, WriteError};
@@ -11,10 +11,10 @@ use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// Error of a study.
+/// Reason why a study failed.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
-    /// A pixel is not finite, or sizes differ.
+    /// A pixel is not finite, or two pictures differ in size.
     #[error("the pictures cannot be compared: {0}")]
     Metric(#[from] MetricError),
     /// The size of the picture is not allowed.
@@ -25,18 +25,18 @@ pub enum StudyError {
     Encode(#[from] WriteError),
 }
 
-/// Clock that measures seconds.
+/// Clock that measures the time of passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Clock {
-    /// Processor time of all threads of this process.
+pub enum ClockKind {
+    /// Processor time, summed over all threads of this process.
     Processor,
-    /// Wall time, if the system does not report processor time.
+    /// Wall time. It is used if the system does not report processor time.
     Wall,
 }
 
-impl Clock {
-    /// Processor time if the system reports it.
+impl ClockKind {
+    /// [`Self::Processor`] if the system reports processor time, else [`Self::Wall`].
     fn preferred_clock() -> Self {
         if cpu_seconds().is_some() { Self::Processor } else { Self::Wall }
     }
@@ -54,50 +54,50 @@ impl Clock {
     }
 }
 
-/// Time and work spent on one picture.
+/// Time and work of rendering one picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PictureCost {
-    /// Setup time, with pilots \[s].
+    /// Time of preparing the integrator, with pilots \[s].
     pub setup: f64,
     /// Time of each pass \[s].
     pub passes: Vec<f64>,
-    /// Work of all passes.
+    /// Sum of the work counters of all passes.
     pub counters: Counters,
 }
 
 impl PictureCost {
     /// Time of all passes, without setup \[s].
     #[must_use]
-    pub fn seconds(&self) -> f64 {
+    pub fn total_pass_seconds(&self) -> f64 {
         self.passes.iter().sum()
     }
 }
 
-/// Cost of an effect: the picture with it less the one without it.
+/// Cost of an effect: whole picture minus picture without the effect.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct EffectCost {
     /// Difference per pass \[s].
     pub seconds: f64,
-    /// Standard error of `seconds`, from the differences of the passes \[s]; `None` with one pass.
+    /// Standard error of `seconds` over passes \[s]; `None` with one pass.
     pub seconds_error: Option<f64>,
-    /// Time of all passes with the effect over that without it.
+    /// Time of all passes with the effect, divided by the time without it.
     pub ratio: f64,
     /// Difference of setup time \[s].
     pub setup: f64,
-    /// Difference of rays of all kinds per pass.
+    /// Difference of the number of rays per pass, of all kinds.
     pub rays: f64,
-    /// Difference of density estimates per pass.
+    /// Difference of the number of photon density estimates per pass.
     pub gathers: f64,
-    /// Difference of photons in density estimates per pass.
+    /// Difference of the number of photons found by density estimates per pass.
     pub gathered_photons: f64,
 }
 
 /// Change of the picture by an effect.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct EffectContribution {
-    /// Root of the mean squared difference over pixels and channels \[W/(m² sr)].
+    /// Root mean square over pixels and channels of the change \[W/(m² sr)].
     pub rmse: f64,
-    /// `rmse` over the mean radiance of the whole picture; `None` if that is black.
+    /// `rmse` divided by the mean radiance of the whole picture; `None` if that picture is black.
     pub relative_rmse: Option<f64>,
     /// Mean over pixels and channels of the radiance that the effect adds \[W/(m² sr)].
     pub adds: f64,
@@ -105,7 +105,7 @@ pub struct EffectContribution {
     pub takes: f64,
 }
 
-/// Result for one effect.
+/// Cost and contribution of one effect.
 #[derive(Clone, Debug)]
 pub struct EffectResult {
     /// The effect and the reason why it is simulated.
@@ -116,7 +116,7 @@ pub struct EffectResult {
     pub cost: EffectCost,
     /// Change of the picture.
     pub gain: EffectContribution,
-    /// The whole picture less the one without it.
+    /// Whole picture minus picture without the effect \[W/(m² sr)].
     pub difference: Image,
 }
 
@@ -125,31 +125,33 @@ pub struct EffectResult {
 pub struct EffectStudyResult {
     /// Plan of the whole picture.
     pub plan: Plan,
-    /// Clock that measures seconds.
-    pub clock: Clock,
-    /// The whole picture.
+    /// Clock that measured all times.
+    pub clock: ClockKind,
+    /// The whole picture: mean of the passes with all effects.
     pub picture: Image,
     /// Mean of the whole picture over pixels and channels \[W/(m² sr)].
     pub mean: f64,
     /// Time and work of the whole picture.
     pub whole: PictureCost,
-    /// Results, one per simulated effect.
+    /// Results, one for each effect that the plan simulates.
     pub effects: Vec<EffectResult>,
-    /// True if the study ended before all passes were made.
+    /// True if the study was interrupted before all passes were made.
     pub interrupted: bool,
 }
 
-/// Prepared pictures of a study: the whole one, and one without each simulated effect.
+/// Prepared study of effects: renders the whole picture, and a picture without each effect.
 ///
 /// All pictures share the seed and the numbers of rays and photons. Random numbers are keyed by
-/// decision, so pictures differ only by the effect and by what pilots find: photon aim and radii.
+/// their purpose, so decisions that do not involve the effect are equal. Pilots run for each
+/// picture, so photon aim and gather radii may differ.
 pub struct EffectStudy<'a> {
     size: (u32, u32),
-    clock: Clock,
-    /// Runs; the first one is the whole picture.
+    clock: ClockKind,
+    /// The whole picture, then one picture for each simulated effect.
     runs: Vec<PictureInProgress<'a>>,
 }
 
+/// A picture of a study between two passes.
 struct PictureInProgress<'a> {
     /// The omitted effect; `None` for the whole picture.
     without: Option<Decision>,
@@ -159,10 +161,10 @@ struct PictureInProgress<'a> {
 }
 
 impl<'a> EffectStudy<'a> {
-    /// Plans `scene` and prepares all pictures.
+    /// Plans the effects of `scene` and prepares an integrator for each picture.
     #[must_use]
     pub fn prepare(scene: &'a Scene, algorithm: Algorithm, settings: &Settings) -> Self {
-        let clock = Clock::preferred_clock();
+        let clock = ClockKind::preferred_clock();
         let plan = Plan::new(scene, algorithm.simulates(), settings.camera_paths.effects);
         let settings = settings_with_pilot_counts(scene, algorithm, settings);
         let size = scene.camera().size();
@@ -175,7 +177,7 @@ impl<'a> EffectStudy<'a> {
             let spent = PictureCost { setup, ..PictureCost::default() };
             PictureInProgress { without, integrator, film: Film::new(size.0, size.1), spent }
         };
-        let on = plan.decisions.iter().filter(|d| d.on).copied();
+        let on = plan.decisions.iter().filter(|d| d.is_simulated).copied();
         let runs = std::iter::once(None).chain(on.map(Some)).map(run).collect();
         Self { size, clock, runs }
     }
@@ -186,13 +188,13 @@ impl<'a> EffectStudy<'a> {
         self.runs[0].integrator.plan()
     }
 
-    /// Number of pictures.
+    /// Number of pictures: one more than there are simulated effects.
     #[must_use]
     pub fn picture_count(&self) -> usize {
         self.runs.len()
     }
 
-    /// Memory of the largest pass.
+    /// Numbers of photons that determine the memory of a pass: their maxima over all pictures.
     #[must_use]
     pub fn largest_pass_memory(&self) -> Expected {
         let all = self.runs.iter().map(|run| run.integrator.expected());
@@ -203,8 +205,10 @@ impl<'a> EffectStudy<'a> {
         })
     }
 
-    /// Renders `passes` passes of each picture, at least one. Stops early if `interrupted` becomes
-    /// true. `after` is called with the number of passes after each round.
+    /// Renders `passes` passes of each picture, but at least one.
+    ///
+    /// Calls `after` when each picture has one more pass, with their number. Stops early if
+    /// `interrupted` becomes true.
     ///
     /// # Errors
     /// [`StudyError`] if a pixel is not finite.
@@ -217,8 +221,8 @@ impl<'a> EffectStudy<'a> {
     ) -> Result<EffectStudyResult, StudyError> {
         let mut made = 0;
         while made == 0 || (made < passes && !interrupted.load(Ordering::Relaxed)) {
-            // Pictures take turns, each round from another start: a slow phase of the machine or a
-            // cold cache affects all alike.
+            // Pictures take turns, and each round starts with another one. So a slow phase of the
+            // machine or a cold cache affects all pictures equally.
             let first = made as usize % self.runs.len();
             let (late, early) = self.runs.split_at_mut(first);
             for run in early.iter_mut().chain(late) {
@@ -298,7 +302,7 @@ fn effect_cost(whole: &PictureCost, without: &PictureCost) -> EffectCost {
     EffectCost {
         seconds,
         seconds_error: (differences.len() > 1).then(|| (variance / n).sqrt()),
-        ratio: whole.seconds() / without.seconds(),
+        ratio: whole.total_pass_seconds() / without.total_pass_seconds(),
         setup: whole.setup - without.setup,
         rays: a_pass(Counters::total_rays),
         gathers: a_pass(|c| c.gathers),

@@ -1,4 +1,4 @@
-//! Studies of a scene: cost and contribution of effects, and convergence of methods.
+//! Studies of a scene: cost and contribution of its effects, and convergence of algorithms.
 
 mod effects;
 pub mod methods;
@@ -8,7 +8,7 @@ mod tests;
 mod work;
 
 pub use effects::{
-    Clock, EffectContribution, EffectCost, EffectResult, EffectStudy, EffectStudyResult, PictureCost, StudyError,
+    ClockKind, EffectContribution, EffectCost, EffectResult, EffectStudy, EffectStudyResult, PictureCost, StudyError,
 };
 pub use report::effects::{ReportContext, effects_html_page};
 pub use report::text;

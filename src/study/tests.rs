@@ -10,7 +10,7 @@ use glam::{DVec3, Vec3};
 use std::sync::atomic::AtomicBool;
 
 /// A sphere on a floor under a point light.
-fn ball(material: Material, width: u32, height: u32) -> Scene {
+fn sphere_on_floor(material: Material, width: u32, height: u32) -> Scene {
     let mut builder = SceneBuilder::new();
     let white = builder.material(Material::diffuse(Vec3::splat(0.5)));
     let own = builder.material(material);
@@ -26,21 +26,21 @@ fn ball(material: Material, width: u32, height: u32) -> Scene {
     builder.build(Camera::perspective(eye, view, DVec3::Y, 0.7, width, height).unwrap()).unwrap()
 }
 
-pub(super) fn matt(width: u32, height: u32) -> Scene {
-    ball(Material::diffuse(Vec3::splat(0.8)), width, height)
+pub(super) fn diffuse_sphere_on_floor(width: u32, height: u32) -> Scene {
+    sphere_on_floor(Material::diffuse(Vec3::splat(0.8)), width, height)
 }
 
-pub(super) fn glass_on_floor(width: u32, height: u32) -> Scene {
-    ball(Material::dielectric(1.5, Vec3::ZERO), width, height)
+pub(super) fn glass_sphere_on_floor(width: u32, height: u32) -> Scene {
+    sphere_on_floor(Material::dielectric(1.5, Vec3::ZERO), width, height)
 }
 
-fn few(effects: EffectOverrides) -> Settings {
+fn settings_with_few_photons(effects: EffectOverrides) -> Settings {
     let mut settings = Settings { photons: 0, caustic_photons: 4000, balance: false, ..Settings::default() };
     settings.camera_paths.effects = effects;
     settings
 }
 
-fn study(scene: &Scene, algorithm: Algorithm, settings: &Settings, passes: u32) -> EffectStudyResult {
+fn run_effect_study(scene: &Scene, algorithm: Algorithm, settings: &Settings, passes: u32) -> EffectStudyResult {
     let study = EffectStudy::prepare(scene, algorithm, settings);
     study.run(passes, &AtomicBool::new(false), &Silent, |_| {}).unwrap()
 }
@@ -49,20 +49,26 @@ fn study(scene: &Scene, algorithm: Algorithm, settings: &Settings, passes: u32) 
 #[test]
 fn unneeded_caustics_cost_rays_and_change_no_bit() {
     let overrides = EffectOverrides::PLANNED.with(Effect::Caustics);
-    let found = study(&matt(24, 18), Algorithm::Hybrid, &few(overrides), 2);
+    let found =
+        run_effect_study(&diffuse_sphere_on_floor(24, 18), Algorithm::Hybrid, &settings_with_few_photons(overrides), 2);
     let caustics = found.effects.iter().find(|f| f.decision.effect == Effect::Caustics).unwrap();
     assert_eq!((caustics.gain.rmse, caustics.gain.adds, caustics.gain.takes), (0.0, 0.0, 0.0));
     // Each of 4,000 paths has at least one ray.
     assert!(caustics.cost.rays >= 4000.0, "{:?}", caustics.cost);
-    let scene = matt(24, 18);
-    let work = expected_work(Algorithm::Hybrid.prepare(&scene, few(overrides)).as_ref());
+    let scene = diffuse_sphere_on_floor(24, 18);
+    let work = expected_work(Algorithm::Hybrid.prepare(&scene, settings_with_few_photons(overrides)).as_ref());
     assert!(work.added_by(Effect::Caustics).unwrap().rays >= 4000);
 }
 
 /// Point lights have no noise in `whitted`: shadows brighten no pixel.
 #[test]
 fn shadows_only_remove_light() {
-    let found = study(&matt(24, 18), Algorithm::Whitted, &few(EffectOverrides::PLANNED), 1);
+    let found = run_effect_study(
+        &diffuse_sphere_on_floor(24, 18),
+        Algorithm::Whitted,
+        &settings_with_few_photons(EffectOverrides::PLANNED),
+        1,
+    );
     let shadows = found.effects.iter().find(|f| f.decision.effect == Effect::Shadows).unwrap();
     assert_eq!(shadows.gain.adds, 0.0);
     assert!(shadows.gain.takes > 0.0 && shadows.gain.rmse > shadows.gain.takes);
@@ -73,13 +79,13 @@ fn shadows_only_remove_light() {
 }
 
 #[test]
-fn gains_are_the_difference_of_the_means() {
-    let scene = glass_on_floor(24, 18);
-    let found = study(&scene, Algorithm::Hybrid, &few(EffectOverrides::PLANNED), 3);
+fn contributions_equal_differences_of_means() {
+    let scene = glass_sphere_on_floor(24, 18);
+    let found = run_effect_study(&scene, Algorithm::Hybrid, &settings_with_few_photons(EffectOverrides::PLANNED), 3);
     let names: Vec<Effect> = found.effects.iter().map(|f| f.decision.effect).collect();
     assert_eq!(names, found.plan.simulated_effects().iter().collect::<Vec<_>>());
     let caustics = found.effects.iter().find(|f| f.decision.effect == Effect::Caustics).unwrap();
-    let settings = few(EffectOverrides::PLANNED.without(Effect::Caustics));
+    let settings = settings_with_few_photons(EffectOverrides::PLANNED.without(Effect::Caustics));
     let integrator = Algorithm::Hybrid.prepare(&scene, settings);
     let images = (0..3).map(|i| integrator.pass(i, &Silent).image);
     let sum: f64 = images.flatten().map(|p| p.as_dvec3().element_sum()).sum();
@@ -88,7 +94,7 @@ fn gains_are_the_difference_of_the_means() {
     let expected = found.mean - caustics.gain.adds + caustics.gain.takes;
     assert!((expected / mean_without - 1.0).abs() < 1e-6, "{expected} {mean_without}");
     assert!(caustics.gain.adds > caustics.gain.takes && caustics.cost.gathered_photons > 0.0);
-    let again = study(&scene, Algorithm::Hybrid, &few(EffectOverrides::PLANNED), 3);
+    let again = run_effect_study(&scene, Algorithm::Hybrid, &settings_with_few_photons(EffectOverrides::PLANNED), 3);
     assert_eq!(
         again.effects.iter().map(|f| f.gain).collect::<Vec<_>>(),
         found.effects.iter().map(|f| f.gain).collect::<Vec<_>>()
@@ -96,9 +102,9 @@ fn gains_are_the_difference_of_the_means() {
 }
 
 #[test]
-fn interrupts_end_after_a_pass_of_every_picture() {
-    let scene = matt(8, 6);
-    let study = EffectStudy::prepare(&scene, Algorithm::Whitted, &few(EffectOverrides::PLANNED));
+fn interrupted_effect_studies_finish_one_pass() {
+    let scene = diffuse_sphere_on_floor(8, 6);
+    let study = EffectStudy::prepare(&scene, Algorithm::Whitted, &settings_with_few_photons(EffectOverrides::PLANNED));
     let pictures = study.picture_count();
     let found = study.run(9, &AtomicBool::new(true), &Silent, |_| {}).unwrap();
     assert!(found.interrupted && found.effects.len() + 1 == pictures);
@@ -109,7 +115,8 @@ fn interrupts_end_after_a_pass_of_every_picture() {
 fn page_lists_every_effect() {
     let about = ReportContext { scene: "<a> & b".into(), integrator: "whitted", seed: 3, exposure: -1.0 };
     let overrides = EffectOverrides::PLANNED.with(Effect::Environment).without(Effect::Shadows);
-    let found = study(&matt(8, 6), Algorithm::Whitted, &few(overrides), 1);
+    let found =
+        run_effect_study(&diffuse_sphere_on_floor(8, 6), Algorithm::Whitted, &settings_with_few_photons(overrides), 1);
     let environment = found.plan.decisions.iter().find(|d| d.effect == Effect::Environment).unwrap();
     let page = effects_html_page(&about, &found).unwrap();
     assert!(

@@ -1,35 +1,35 @@
-//! Expected work of a plan, in counts instead of seconds, so that it is equal on all machines.
+//! Expected work of a plan in numbers of rays and photons, which do not depend on the machine.
 
 use crate::integrate::Integrator;
 use crate::plan::{Effect, Effects};
 
-/// Work of the first pass, or the difference between the first passes of two plans.
+/// Work of a pass, or the difference between the work of two passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WorkCounts {
-    /// Rays of every kind.
+    /// Number of rays of all kinds.
     pub rays: i64,
-    /// Photons in density estimates.
+    /// Number of photons found by density estimates.
     pub gathered_photons: i64,
 }
 
-/// Expected work of a plan and of each of its effects.
+/// Expected work of the first pass of a plan, in total and by effect.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ExpectedWork {
     /// Work with all effects of the plan.
     pub whole: WorkCounts,
-    /// Work that each simulated effect adds, in the order of [`Effect::ALL`].
+    /// Work that each simulated effect adds; effects are in the order of [`Effect::ALL`].
     pub effects: Vec<(Effect, WorkCounts)>,
 }
 
 impl ExpectedWork {
-    /// Work that `effect` adds; `None` if it is not simulated.
+    /// Work that `effect` adds; `None` if the plan does not simulate it.
     #[must_use]
     pub fn added_by(&self, effect: Effect) -> Option<WorkCounts> {
         self.effects.iter().find(|(e, _)| *e == effect).map(|(_, work)| *work)
     }
 }
 
-/// Expected work of the first pass and of each effect, without pilots.
+/// Expected work of the first pass; the work of pilots is not included.
 #[must_use]
 pub fn expected_work(integrator: &dyn Integrator) -> ExpectedWork {
     let effects = integrator.plan().simulated_effects();
@@ -49,14 +49,14 @@ pub fn expected_work(integrator: &dyn Integrator) -> ExpectedWork {
 mod tests {
     use super::*;
     use crate::integrate::{Algorithm, Settings, Silent};
-    use crate::study::tests::{glass_on_floor, matt};
+    use crate::study::tests::{diffuse_sphere_on_floor, glass_sphere_on_floor};
 
     /// Camera rays are counted exactly: one per pixel and sample.
     #[test]
-    fn camera_rays_are_exact() {
+    fn expected_camera_rays_are_exact() {
         let mut settings = Settings::default();
         settings.camera_paths.samples = Some(100);
-        let scene = matt(640, 480);
+        let scene = diffuse_sphere_on_floor(640, 480);
         let work = expected_work(Algorithm::Raycast.prepare(&scene, settings).as_ref());
         assert_eq!(
             work,
@@ -75,7 +75,7 @@ mod tests {
             radius: Some(0.5),
             ..Settings::default()
         };
-        let scene = glass_on_floor(128, 96);
+        let scene = glass_sphere_on_floor(128, 96);
         for algorithm in [Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Pm] {
             let integrator = algorithm.prepare(&scene, settings.clone());
             let counters = integrator.pass(0, &Silent).counters;

@@ -14,8 +14,8 @@ pub struct Checker {
 }
 
 impl Checker {
-    /// Exact mean over the box with sides `size` around `uv`: the pattern is a product of two
-    /// square waves.
+    /// Exact mean colour over the box with sides `size` around `uv`. The pattern is a product of
+    /// two square waves.
     #[must_use]
     pub fn box_mean(&self, uv: DVec2, size: DVec2) -> Rgb {
         let product = mean_square_wave(uv.x, size.x) * mean_square_wave(uv.y, size.y);

@@ -3,28 +3,28 @@
 use crate::color::Rgb;
 use glam::{DMat2, DVec2, DVec3};
 
-/// Most lookups along an anisotropic footprint. Beyond, each lookup covers a wider box.
+/// Maximum number of lookups along an anisotropic footprint. A longer footprint has wider boxes.
 const MAX_LOOKUPS: f64 = 16.0;
 
-/// Greatest footprint in texture periods. A texture is indistinguishable from its mean there.
+/// Greatest length of a footprint, in texture periods. There, a texture equals its mean.
 const MAX_PERIODS: f64 = 1e6;
 
-/// A point on a surface with its filter footprint; a footprint of no size evaluates the point
-/// alone.
+/// A point on a surface with its texture filter footprint. A footprint of zero size is a point
+/// lookup.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TextureEvalContext {
     /// Texture coordinates.
     pub uv: DVec2,
-    /// Changes of `uv` along both axes of the footprint, from side to side.
+    /// Change of `uv` along each axis of the footprint, over its full width.
     pub axes: [DVec2; 2],
-    /// The point in the space of its object.
+    /// The point in object space.
     pub p: DVec3,
-    /// Width of the footprint in that space \[length].
+    /// Width of the footprint in object space \[length].
     pub width: f64,
 }
 
 impl TextureEvalContext {
-    /// A point without a footprint.
+    /// A point with a footprint of zero size.
     #[must_use]
     pub fn unfiltered(uv: DVec2, p: DVec3) -> Self {
         Self { uv, p, ..Self::default() }
@@ -33,19 +33,19 @@ impl TextureEvalContext {
 
 /// An affine map of texture coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Coordinates {
+pub struct UvTransform {
     matrix: DMat2,
     offset: DVec2,
 }
 
-impl Default for Coordinates {
+impl Default for UvTransform {
     fn default() -> Self {
         Self::new(DVec2::ONE, 0.0, DVec2::ZERO)
     }
 }
 
-impl Coordinates {
-    /// (u, v) are scaled by `scale`, rotated anticlockwise by `turn` \[radians], then translated by
+impl UvTransform {
+    /// Scales (u, v) by `scale`, then rotates anticlockwise by `turn` \[radians], then adds
     /// `offset`.
     #[must_use]
     pub fn new(scale: DVec2, turn: f64, offset: DVec2) -> Self {
@@ -54,15 +54,15 @@ impl Coordinates {
         Self { matrix, offset }
     }
 
-    /// Greatest scale factor of a step.
+    /// Greatest scale factor of lengths.
     pub(super) fn max_scale(&self) -> f64 {
         self.matrix.x_axis.length().max(self.matrix.y_axis.length())
     }
 
     /// Mean of `lookup` over the footprint.
     ///
-    /// `lookup` takes a point, and the sides of a box around it. Boxes lie side by side along the
-    /// longer axis (Heckbert 1989, section 3.5; Greene and Heckbert 1986).
+    /// `lookup` returns the mean over a box, from its center and its sides. Boxes lie side by side
+    /// along the longer axis (Heckbert 1989, section 3.5; Greene and Heckbert 1986).
     pub(super) fn filter_anisotropic(&self, context: &TextureEvalContext, lookup: impl Fn(DVec2, DVec2) -> Rgb) -> Rgb {
         let uv = self.matrix * context.uv + self.offset;
         // Where coordinates are singular, as at a pole, the axes are unbounded.
@@ -90,7 +90,7 @@ mod tests {
     use super::*;
     use std::cell::RefCell;
 
-    fn filter_lookups(coordinates: &Coordinates, axes: [DVec2; 2]) -> Vec<(DVec2, DVec2)> {
+    fn filter_lookups(coordinates: &UvTransform, axes: [DVec2; 2]) -> Vec<(DVec2, DVec2)> {
         let seen = RefCell::new(Vec::new());
         let context = TextureEvalContext { uv: DVec2::new(0.25, 0.5), axes, ..TextureEvalContext::default() };
         coordinates.filter_anisotropic(&context, |uv, size| {
@@ -102,7 +102,7 @@ mod tests {
 
     #[test]
     fn coordinates_are_scaled_rotated_then_translated() {
-        let coordinates = Coordinates::new(DVec2::new(2.0, 4.0), std::f64::consts::FRAC_PI_2, DVec2::new(10.0, 20.0));
+        let coordinates = UvTransform::new(DVec2::new(2.0, 4.0), std::f64::consts::FRAC_PI_2, DVec2::new(10.0, 20.0));
         let [(uv, size)] = filter_lookups(&coordinates, [DVec2::ZERO; 2])[..] else { panic!("one lookup") };
         // (½, 2) rotated by 90° is (−2, ½).
         assert!((uv - DVec2::new(8.0, 20.5)).length() < 1e-12 && size == DVec2::ZERO);
@@ -113,16 +113,16 @@ mod tests {
     /// the footprint.
     #[test]
     fn anisotropic_footprints_are_tiled_by_lookups() {
-        let seen = filter_lookups(&Coordinates::default(), [DVec2::new(0.0, 0.1), DVec2::new(0.5, 0.0)]);
+        let seen = filter_lookups(&UvTransform::default(), [DVec2::new(0.0, 0.1), DVec2::new(0.5, 0.0)]);
         assert_eq!(seen.len(), 5);
         for (i, (uv, size)) in seen.iter().enumerate() {
             assert!((*uv - DVec2::new(0.05 + 0.1 * i as f64, 0.5)).length() < 1e-12, "{uv}");
             assert!((*size - 0.1).length() < 1e-12);
         }
         assert_eq!(
-            filter_lookups(&Coordinates::default(), [DVec2::X * 1e3, DVec2::Y * 1e-9]).len(),
+            filter_lookups(&UvTransform::default(), [DVec2::X * 1e3, DVec2::Y * 1e-9]).len(),
             MAX_LOOKUPS as usize
         );
-        assert_eq!(filter_lookups(&Coordinates::default(), [DVec2::splat(f64::INFINITY), DVec2::ZERO]).len(), 1);
+        assert_eq!(filter_lookups(&UvTransform::default(), [DVec2::splat(f64::INFINITY), DVec2::ZERO]).len(), 1);
     }
 }

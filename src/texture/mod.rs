@@ -7,8 +7,8 @@ mod picture;
 mod solid;
 
 pub use checker::Checker;
-pub use eval_context::{Coordinates, TextureEvalContext};
-pub use picture::{Picture, PictureError, Wrap};
+pub use eval_context::{TextureEvalContext, UvTransform};
+pub use picture::{Picture, PictureError, WrapMode};
 pub use solid::{SolidPattern, SolidTexture};
 
 use crate::color::{self, Rgb};
@@ -17,9 +17,9 @@ use crate::color::{self, Rgb};
 #[derive(Clone, Debug)]
 pub enum Texture {
     /// A picture over texture coordinates.
-    Picture(Picture, Coordinates),
+    Picture(Picture, UvTransform),
     /// A checkerboard of unit squares over texture coordinates.
-    Checker(Checker, Coordinates),
+    Checker(Checker, UvTransform),
     /// A solid texture: a pattern in space.
     Solid(SolidTexture),
 }
@@ -39,13 +39,13 @@ impl Texture {
         }
     }
 
-    /// Mean over the footprint, and over the three channels.
+    /// Mean over the footprint of `context` and over the three colour channels.
     #[must_use]
     pub fn evaluate_scalar(&self, context: &TextureEvalContext) -> f32 {
         color::channel_mean(self.evaluate_color(context))
     }
 
-    /// Mean over one period; for a solid texture, over all space.
+    /// Mean colour over one period; over all space for a solid texture.
     #[must_use]
     pub fn mean(&self) -> Rgb {
         match self {
@@ -55,7 +55,7 @@ impl Texture {
         }
     }
 
-    /// Least and greatest value of any channel. No lookup exceeds them.
+    /// Least and greatest channel value. No lookup exceeds this range.
     #[must_use]
     pub fn range(&self) -> (f32, f32) {
         match self {
@@ -65,15 +65,15 @@ impl Texture {
         }
     }
 
-    /// True if it is a pattern in space, which needs no texture coordinates.
+    /// True for a pattern in space, which needs no texture coordinates.
     #[must_use]
     pub fn is_solid(&self) -> bool {
         matches!(self, Self::Solid(_))
     }
 
-    /// Finite-difference step for bump maps: half of the finest detail.
+    /// Step for the finite differences of bump maps, a fraction of the finest detail.
     ///
-    /// The unit is the surface's texture coordinates; for a solid texture, lengths of the object.
+    /// Its unit is texture coordinates, or object-space length for a solid texture.
     #[must_use]
     pub fn bump_step(&self) -> f64 {
         match self {

@@ -4,9 +4,9 @@ use crate::color::Rgb;
 use crate::image::Image;
 use glam::{DVec2, DVec3, Vec3};
 
-/// How a picture continues beyond its edges.
+/// Continuation of a picture beyond its edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Wrap {
+pub enum WrapMode {
     /// The picture repeats.
     #[default]
     Repeat,
@@ -44,7 +44,7 @@ pub enum PictureError {
 #[derive(Clone, Debug)]
 pub struct Picture {
     levels: Vec<MipLevel>,
-    wrap: Wrap,
+    wrap: WrapMode,
     mean: Rgb,
     range: (f32, f32),
 }
@@ -62,7 +62,7 @@ impl Picture {
     ///
     /// # Errors
     /// [`PictureError`] if a value is negative or not finite.
-    pub fn new(image: &Image, wrap: Wrap) -> Result<Self, PictureError> {
+    pub fn new(image: &Image, wrap: WrapMode) -> Result<Self, PictureError> {
         let (width, pixels) = (image.width(), image.pixels());
         if let Some(i) = pixels.iter().position(|p| !(p.is_finite() && p.min_element() >= 0.0)) {
             let (x, y) = ((i % width as usize) as u32, (i / width as usize) as u32);
@@ -81,9 +81,10 @@ impl Picture {
         Ok(Self { levels, wrap, mean, range: (least, greatest) })
     }
 
-    /// Mean over a box with sides `size` around `uv`.
+    /// Mean colour over a box with sides `size` around `uv`.
     ///
-    /// Interpolates bilinearly in the two levels whose pixels are closest to the box's longer side.
+    /// Trilinear: interpolates bilinearly in the two levels whose pixels are closest in size to the
+    /// longer side.
     #[must_use]
     pub fn box_mean(&self, uv: DVec2, size: DVec2) -> Rgb {
         let uv = uv.map(|x| self.wrap.fold_coordinate(x));
@@ -113,8 +114,8 @@ impl Picture {
     }
 }
 
-impl Wrap {
-    /// An equivalent coordinate, close enough to 0 to keep its digits.
+impl WrapMode {
+    /// Equivalent coordinate near 0, where f64 resolves pixels; 0 if `x` is not finite.
     fn fold_coordinate(self, x: f64) -> f64 {
         let folded = match self {
             Self::Repeat => x - x.floor(),
@@ -124,7 +125,7 @@ impl Wrap {
         if folded.is_finite() { folded } else { 0.0 }
     }
 
-    /// The pixel of `n` that coordinate `i` refers to.
+    /// Index in 0..`n` of the pixel that index `i` refers to.
     fn wrapped_pixel(self, i: i64, n: usize) -> usize {
         let n = n as i64;
         (match self {
@@ -139,7 +140,7 @@ impl Wrap {
 }
 
 impl MipLevel {
-    fn interpolate(&self, uv: DVec2, wrap: Wrap) -> Rgb {
+    fn interpolate(&self, uv: DVec2, wrap: WrapMode) -> Rgb {
         let x = uv.x * self.width as f64 - 0.5;
         let y = (1.0 - uv.y) * self.height as f64 - 0.5;
         let (column, row) = (x.floor() as i64, y.floor() as i64);
@@ -152,8 +153,8 @@ impl MipLevel {
         upper.lerp(lower, fy)
     }
 
-    /// Returns the next MIP level: half as many columns and rows, rounded down. Each pixel is the
-    /// mean over its area.
+    /// The next coarser MIP level, with half as many columns and rows, rounded down. Each pixel is
+    /// the mean over its area.
     fn halved(&self) -> Self {
         let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
         let columns: Vec<Vec<(usize, f32)>> = (0..width).map(|j| covered_pixels(j, self.width, width)).collect();
@@ -170,7 +171,8 @@ impl MipLevel {
     }
 }
 
-/// The pixels of `n` that pixel `j` of `m` covers, with their weights.
+/// Fine pixels under coarse pixel `j`, in a row of `n` fine and `m` coarse pixels. Their weights
+/// sum to 1.
 fn covered_pixels(j: usize, n: usize, m: usize) -> Vec<(usize, f32)> {
     // In units of 1/m of a pixel: pixel j covers [j n, (j + 1) n], old pixel i covers [i m, (i + 1)
     // m].

@@ -5,28 +5,29 @@ use crate::color::Rgb;
 use glam::{DAffine3, DVec3};
 use std::f64::consts::PI;
 
-/// Pattern that blends two colours in space. N is the noise of [`SolidTexture`].
+/// The pattern of a [`SolidTexture`], a function of position with values in \[0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SolidPattern {
-    /// Clouds: ½ + ½ a N, clamped to \[0, 1].
+    /// Clouds: ½ + ½·amplitude·noise, clamped to \[0, 1].
     Noise,
-    /// Veins across the x axis: ½ + ½ sin 2π(f x + a N).
+    /// Veins across the x axis: ½ + ½ sin 2π(frequency·x + amplitude·noise).
     Marble,
-    /// Rings about the y axis: ½ + ½ sin 2π(f √(x² + z²) + a N).
+    /// Rings about the y axis: ½ + ½ sin 2π(frequency·√(x² + z²) + amplitude·noise).
     Wood,
 }
 
-/// A solid texture that blends two colours, as in MIT 6.837's scene language.
+/// A solid texture: a pattern in space that blends two colours, from the scene language of MIT
+/// course 6.837.
 ///
-/// N sums `octaves` octaves. The first has `frequency` f \[1/length], each next one twice the
-/// frequency and half the amplitude. `amplitude` a scales the noise.
+/// The noise is a sum of octaves. Each has twice the frequency and half the amplitude of the one
+/// before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolidTexture {
     /// The pattern.
     pub kind: SolidPattern,
     /// Colours at 0 and at 1.
     pub colors: [Rgb; 2],
-    /// Octaves of noise.
+    /// Number of octaves of noise.
     pub octaves: u32,
     /// Frequency of the first octave, and of veins and rings \[1/length].
     pub frequency: f64,
@@ -39,8 +40,8 @@ pub struct SolidTexture {
 impl SolidTexture {
     /// Mean colour over a ball of diameter `width` around `p` in object space.
     ///
-    /// Noise loses its fine octaves. A wave sin 2πs over a width w of s becomes sin 2πs ·
-    /// sin(πw)/(πw).
+    /// Fine octaves of the noise fade with the width. The mean of a wave sin 2πs over a width w of
+    /// s is sin 2πs · sin(πw)/(πw).
     #[must_use]
     pub fn color_at(&self, p: DVec3, width: f64) -> Rgb {
         let p = self.to_pattern.transform_point3(p) * self.frequency;
@@ -67,7 +68,8 @@ impl SolidTexture {
         (self.colors[0] + self.colors[1]) * 0.5
     }
 
-    /// Greatest scale factor of lengths from object space to pattern space.
+    /// Length of the longest image of a unit coordinate axis: the scale from object space to
+    /// pattern space.
     fn max_scale(&self) -> f64 {
         let m = self.to_pattern.matrix3;
         m.x_axis.length().max(m.y_axis.length()).max(m.z_axis.length())

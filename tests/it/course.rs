@@ -256,14 +256,14 @@ fn course_meshes_are_repaired_without_loss() {
         [("cube.obj", 12), ("bunny_200.obj", 200), ("bunny_1k.obj", 1000), ("bunny_1k_vn.obj", 1000)]
     {
         let mut mesh = mesh::load(&folder.join(name), &()).unwrap().mesh;
-        let before = mesh.report();
+        let before = mesh.mesh_report();
         assert!(before.closed && before.manifold && before.orientable, "{name}");
         assert_eq!((before.triangles, before.components, before.genus), (triangles, 1, Some(0)), "{name}");
         assert_eq!(before.vertices, triangles / 2 + 2, "{name}");
         assert!(before.volume.unwrap() > 0.0, "{name}");
         let weld = Some(MeshRepairs::DEFAULT_WELD_TOLERANCE * mesh.bounds_diagonal());
         let repaired = mesh.repair(&MeshRepairs { weld, duplicates: true, degenerate: true, orient: true });
-        assert_eq!((repaired, mesh.report()), (Default::default(), before), "{name}");
+        assert_eq!((repaired, mesh.mesh_report()), (Default::default(), before), "{name}");
     }
 }
 

@@ -60,7 +60,7 @@ pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, Failure> {
     })?;
     progress.remove_bar();
     check_mesh_memory(&arguments.mesh, &loaded.mesh, memory)?;
-    let mut before = loaded.mesh.report();
+    let mut before = loaded.mesh.mesh_report();
     before.vertices = loaded.vertices;
     before.isolated_vertices = loaded.isolated;
     before.repeated_vertices = loaded.repeated_vertices();
@@ -69,7 +69,7 @@ pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, Failure> {
     if arguments.has_changes() {
         let mut mesh = loaded.mesh.clone();
         repaired = Some(apply_mesh_changes(&mut mesh, arguments)?);
-        after = Some(mesh.report());
+        after = Some(mesh.mesh_report());
         changed = Some(mesh);
     }
     let report = MeshCommandReport {

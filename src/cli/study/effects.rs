@@ -15,7 +15,7 @@ use crate::stats::Counters;
 use crate::study::report::effects::{csv, markdown};
 use crate::study::text::{count_text, percent_text, signed_count_text, signed_milliseconds_text, three_digit_text};
 use crate::study::{
-    Clock, EffectContribution, EffectCost, EffectStudy, EffectStudyResult, PictureCost, ReportContext,
+    ClockKind, EffectContribution, EffectCost, EffectStudy, EffectStudyResult, PictureCost, ReportContext,
     effects_html_page,
 };
 use miette::IntoDiagnostic;
@@ -108,14 +108,14 @@ fn effect_study_json(arguments: &StudyArguments, found: &EffectStudyResult) -> m
 /// Returns all figures of a study of effects as a text table.
 fn table(integrator: &str, found: &EffectStudyResult) -> String {
     let clock = match found.clock {
-        Clock::Processor => "processor",
-        Clock::Wall => "wall",
+        ClockKind::Processor => "processor",
+        ClockKind::Wall => "wall",
     };
     let whole = &found.whole;
     let passes = whole.passes.len() as f64;
     let mut text = format!(
         "{integrator}: {:.1} ms of {clock} time, {} rays and {} gathered photons per pass; mean radiance {}\n",
-        1e3 * whole.seconds() / passes,
+        1e3 * whole.total_pass_seconds() / passes,
         count_text(whole.counters.total_rays() as f64 / passes),
         count_text(whole.counters.gathered_photons as f64 / passes),
         three_digit_text(found.mean),
@@ -145,7 +145,7 @@ fn table(integrator: &str, found: &EffectStudyResult) -> String {
             share(takes),
         );
     }
-    for decision in found.plan.decisions.iter().filter(|d| !d.on) {
+    for decision in found.plan.decisions.iter().filter(|d| !d.is_simulated) {
         let forced = if decision.is_forced() { ", forced, although " } else { ": " };
         let _ = writeln!(text, "  {:<16} off{forced}{}", decision.effect, decision.reason);
     }
@@ -163,7 +163,7 @@ struct EffectStudyReport<'f> {
     seed: u64,
     passes: usize,
     interrupted: bool,
-    clock: Clock,
+    clock: ClockKind,
     mean: f64,
     whole: PictureWork<'f>,
     effects: Vec<EffectRow<'f>>,
@@ -190,7 +190,7 @@ struct EffectRow<'f> {
 
 impl<'f> From<&'f PictureCost> for PictureWork<'f> {
     fn from(spent: &'f PictureCost) -> Self {
-        Self { setup: spent.setup, seconds: spent.seconds(), counters: &spent.counters }
+        Self { setup: spent.setup, seconds: spent.total_pass_seconds(), counters: &spent.counters }
     }
 }
 

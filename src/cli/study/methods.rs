@@ -187,7 +187,7 @@ fn render_references(
     let rendered = rendered.into_diagnostic().map_err(|e| Failure::new(Exit::Input, e))?;
     if let (Some(references), Some((a, b))) = (&rendered, &kind.save_truth) {
         let mut failures = OutputFailures::default();
-        for (path, picture) in [a, b].into_iter().zip(references.pair()) {
+        for (path, picture) in [a, b].into_iter().zip(references.both_pictures()) {
             if failures.ok_or_collect(write(path, picture, &WriteOptions::default())).is_some() {
                 progress.print_line(&format!("wrote {}", path.display()));
             }

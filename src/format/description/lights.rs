@@ -4,34 +4,34 @@ use glam::DVec3;
 
 use super::{DirectionOrTarget, Spanned, TransformStep};
 
-/// A source of light.
+/// A light of a description.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LightDescription {
-    /// A point light, equal in all directions.
+    /// A point light with equal intensity in all directions.
     Point {
         /// Position.
         position: DVec3,
         /// Strength.
         strength: PointLightStrength,
     },
-    /// Parallel light from infinitely far.
+    /// A directional light: parallel light from infinity.
     Directional {
         /// Direction in which the light travels, of any length.
         direction: DVec3,
         /// Strength.
         strength: DirectionalLightStrength,
     },
-    /// A point light limited to a cone.
+    /// A spotlight: a point light limited to a cone.
     Spot {
-        /// The cone's apex.
+        /// Position of the cone's apex.
         position: DVec3,
-        /// The cone's axis.
+        /// Direction of the cone's axis.
         aim: DirectionOrTarget,
-        /// Full opening of the cone in degrees, inside (0, 360].
+        /// Full opening angle of the cone in degrees, inside (0, 360].
         angle: f64,
-        /// Width of the soft rim inside the cone in degrees, at most half of `angle`.
+        /// Angular width of the soft rim inside the cone in degrees, at most half of `angle`.
         penumbra: f64,
-        /// Strength; along the axis, if it varies with direction.
+        /// Strength; an intensity or color is that along the axis.
         strength: PointLightStrength,
     },
     /// A sphere that emits outward.
@@ -58,9 +58,9 @@ pub enum LightDescription {
     Rectangle {
         /// The corner where both edges start.
         corner: DVec3,
-        /// From the corner to its first neighbour.
+        /// Edge vector from the corner to one neighbor.
         edge0: DVec3,
-        /// From the corner to its other neighbour.
+        /// Edge vector from the corner to the other neighbor.
         edge1: DVec3,
         /// Strength.
         strength: AreaLightStrength,
@@ -69,29 +69,31 @@ pub enum LightDescription {
     Oriented {
         /// Position.
         position: DVec3,
-        /// Axis of projection, or center of the map.
+        /// Axis of the projector or profile, or the center direction of the map.
         aim: DirectionOrTarget,
-        /// Upper side of the pattern; `None` for +y, or for −z if the aim is parallel to y.
+        /// Up direction of the pattern; `None` for +y, or for −z if `aim` is parallel to y.
         up: Option<DVec3>,
-        /// Intensity by direction.
+        /// Relative intensity by direction.
         pattern: LightPattern,
-        /// Intensity at pattern value 1, or flux. Never a color.
+        /// Intensity at pattern value 1, or flux; never a legacy color.
         strength: PointLightStrength,
     },
     /// A light that moves while the shutter is open.
     Moving {
-        /// Motion, like that of [`ObjectDescription::Moving`](super::ObjectDescription::Moving),
-        /// but about the light's own position.
+        /// Steps of the motion about the light's own position.
+        ///
+        /// They compose like those of
+        /// [`ObjectDescription::Moving`](super::ObjectDescription::Moving).
         maps: Vec<TransformStep>,
-        /// The light.
+        /// The light at its position when the shutter opens.
         light: Box<Spanned<LightDescription>>,
     },
-    /// Light from infinity in all directions. A scene has at most one.
+    /// An environment light: radiance from infinity in all directions. A scene has at most one.
     Environment(EnvironmentRadiance),
 }
 
 impl LightDescription {
-    /// Returns the path of the file that the light names.
+    /// Returns the path of the light's picture or profile; `None` if the light has no file.
     #[must_use]
     pub fn file_path_mut(&mut self) -> Option<&mut String> {
         match self {
@@ -133,21 +135,23 @@ impl LightDescription {
 pub enum EnvironmentRadiance {
     /// Constant radiance in W/(m² sr).
     Constant(DVec3),
-    /// A picture of all directions.
+    /// An equirectangular picture of all directions.
     Picture {
-        /// Path as written: not empty, no line breaks.
+        /// Path as written: not empty, without line breaks.
         path: Spanned<String>,
-        /// Factor from picture values to radiance, at least 0.
+        /// Factor from picture values to radiance in W/(m² sr), at least 0.
         scale: f64,
-        /// Rotation about the y axis, right-handed, in degrees.
+        /// Right-handed rotation about the y axis in degrees.
         rotate: f64,
     },
 }
 
-/// Intensity pattern of an oriented point light. Paths are not empty and have no line breaks.
+/// Intensity pattern of an oriented point light.
+///
+/// Paths are as written: not empty, without line breaks.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LightPattern {
-    /// A projected picture.
+    /// A picture that a projector casts.
     Picture {
         /// Path of the picture.
         path: Spanned<String>,
@@ -156,14 +160,14 @@ pub enum LightPattern {
     },
     /// An equirectangular picture of the intensity in all directions.
     Map(Spanned<String>),
-    /// A table of intensity by angle from the aim.
+    /// A table of intensity by the angle from the axis.
     Profile(Spanned<String>),
 }
 
 /// Strength of a point light or spotlight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PointLightStrength {
-    /// Color of MIT 6.837, which does not fall off with distance.
+    /// Color in the shading model of MIT 6.837, which does not fall off with distance.
     Color(DVec3),
     /// Radiant intensity in W/sr.
     Intensity(DVec3),
@@ -174,9 +178,9 @@ pub enum PointLightStrength {
 /// Strength of a directional light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DirectionalLightStrength {
-    /// Color of MIT 6.837.
+    /// Color in the shading model of MIT 6.837.
     Color(DVec3),
-    /// Irradiance in W/m² on a surface that faces the light.
+    /// Irradiance in W/m² of a surface perpendicular to the light.
     Irradiance(DVec3),
 }
 

@@ -5,33 +5,33 @@ use glam::DVec3;
 
 use super::{EmissionDescription, NormalPerturbationDescription, Spanned, TexturedValue};
 
-/// A material.
+/// A material of a description.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaterialDescription {
-    /// Name that `MaterialName` refers to: not empty, no line breaks.
+    /// Name that objects and mixes refer to: not empty, without line breaks.
     pub name: Option<String>,
     /// Reflection and transmission.
     pub kind: MaterialKindDescription,
-    /// Emitted radiance.
+    /// Emitted radiance; `None` for a material that does not emit.
     pub emission: Option<EmissionDescription>,
-    /// Perturbation of its shading normals.
+    /// Perturbation of shading normals by a bump map or normal map.
     pub normal_perturbation: Option<NormalPerturbationDescription>,
-    /// Name of the medium that fills the body of a `Dielectric` or `Clear`.
+    /// Name of the medium inside a body of a `Dielectric` or `Clear` material.
     pub medium: Option<Spanned<String>>,
 }
 
 /// Reflection and transmission of a material.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MaterialKindDescription {
-    /// Phong's model of MIT 6.837.
+    /// The Phong model of MIT 6.837.
     Phong {
-        /// kd.
+        /// Diffuse color kd.
         diffuse: TexturedValue<DVec3>,
-        /// ks.
+        /// Specular color ks.
         specular: TexturedValue<DVec3>,
-        /// The exponent, at least 0.
+        /// Phong exponent, at least 0.
         shininess: f64,
-        /// Name of a texture, else path of a picture, that multiplies kd.
+        /// Name of a texture, or else path of a picture, that multiplies kd.
         texture: Option<Spanned<String>>,
     },
     /// A Lambertian surface.
@@ -44,34 +44,35 @@ pub enum MaterialKindDescription {
         /// Reflectance, inside [0, 1].
         reflectance: TexturedValue<DVec3>,
     },
-    /// Boundary of a body of glass, water or the like.
+    /// Boundary of a body of glass, water or another dielectric.
     Dielectric {
         /// Index of refraction.
         refraction: RefractiveIndexDescription,
-        /// Absorption inside.
+        /// Absorption inside the body.
         attenuation: DielectricAbsorption,
         /// GGX α, inside [0, 1]; 0 is smooth.
         roughness: TexturedValue<f64>,
-        /// Priority where bodies overlap: the highest wins; ties go to the body entered last.
+        /// Priority where bodies overlap (Schmidt and Budge 2002): the highest wins. Of equal ones,
+        /// the body that was entered last wins.
         priority: u8,
     },
     /// Null interface: boundary of a region without a surface.
     Clear {
-        /// Priority, as for a dielectric.
+        /// Priority where bodies overlap: the highest wins.
         priority: u8,
     },
-    /// Opaque metal.
+    /// An opaque conductor.
     Conductor {
-        /// Index of the metal.
+        /// Complex index of refraction.
         metal: MetalDescription,
         /// GGX α, inside [0, 1]; 0 is smooth.
         roughness: TexturedValue<f64>,
     },
-    /// Pane without thickness: light passes straight through or is mirrored.
+    /// A pane without thickness: light passes straight through or is reflected.
     Thin {
         /// Index of refraction relative to the surroundings.
         index: f64,
-        /// Transmittance of the inside at normal incidence, inside (0, 1].
+        /// Transmittance of the pane's interior at normal incidence, inside (0, 1].
         transmittance: TexturedValue<DVec3>,
     },
     /// One of two materials at each point, chosen at random.
@@ -80,14 +81,16 @@ pub enum MaterialKindDescription {
         first: Spanned<String>,
         /// Name of a material that stands before the mix.
         second: Spanned<String>,
-        /// Probability of the second, inside [0, 1].
+        /// Probability of the second material, inside [0, 1].
         amount: TexturedValue<f64>,
     },
 }
 
 impl MaterialDescription {
-    /// Returns the names of the textures that the material follows. The texture of
-    /// [`MaterialKindDescription::Phong`] may be the path of a picture instead.
+    /// Returns the names of all textures that the material uses.
+    ///
+    /// The texture of a `Phong` material, a bump map or a normal map may be the path of a picture
+    /// instead of a name.
     #[must_use]
     pub fn texture_names(&self) -> Vec<&Spanned<String>> {
         let mut textures = self.kind.texture_names();
@@ -104,7 +107,7 @@ impl MaterialDescription {
         textures
     }
 
-    /// Returns the fields that hold the name of a texture, or else the path of a picture.
+    /// Returns the fields that hold either the name of a texture or the path of a picture.
     pub fn texture_names_or_paths_mut(&mut self) -> impl Iterator<Item = &mut Spanned<String>> {
         let normal_perturbation = match &mut self.normal_perturbation {
             Some(
@@ -117,23 +120,23 @@ impl MaterialDescription {
 }
 
 impl MaterialKindDescription {
-    /// Returns the names of the textures that its parameters follow.
+    /// Returns the names of the textures of all parameters.
     fn texture_names(&self) -> Vec<&Spanned<String>> {
         match self {
             Self::Phong { diffuse, specular, texture, .. } => {
-                [diffuse.texture(), specular.texture(), texture.as_ref()].into_iter().flatten().collect()
+                [diffuse.texture_name(), specular.texture_name(), texture.as_ref()].into_iter().flatten().collect()
             }
             Self::Diffuse { reflectance: value }
             | Self::Mirror { reflectance: value }
-            | Self::Thin { transmittance: value, .. } => value.texture().into_iter().collect(),
+            | Self::Thin { transmittance: value, .. } => value.texture_name().into_iter().collect(),
             Self::Dielectric { roughness: value, .. }
             | Self::Conductor { roughness: value, .. }
-            | Self::Mix { amount: value, .. } => value.texture().into_iter().collect(),
+            | Self::Mix { amount: value, .. } => value.texture_name().into_iter().collect(),
             Self::Clear { .. } => Vec::new(),
         }
     }
 
-    /// Returns the field that holds the name of a texture, or else the path of a picture.
+    /// Returns the field that holds either the name of a texture or the path of a picture.
     fn texture_name_or_path_mut(&mut self) -> Option<&mut Spanned<String>> {
         match self {
             Self::Phong { texture, .. } => texture.as_mut(),
@@ -147,7 +150,7 @@ impl MaterialKindDescription {
         }
     }
 
-    /// Returns the names of the materials that a mix chooses from; `None` for other kinds.
+    /// Returns the names of the two materials of a mix; `None` for other kinds.
     #[must_use]
     pub fn mix_parts(&self) -> Option<[&Spanned<String>; 2]> {
         match self {
@@ -177,7 +180,7 @@ impl MaterialKindDescription {
         }
     }
 
-    /// True for a null interface: the material has no surface.
+    /// True for a null interface, which has no surface.
     #[must_use]
     pub fn is_clear(&self) -> bool {
         match self {
@@ -193,21 +196,21 @@ impl MaterialKindDescription {
     }
 }
 
-/// Absolute index of refraction of a dielectric; that of air is 1.
+/// Index of refraction of a dielectric, relative to air.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RefractiveIndexDescription {
-    /// Equal for all wavelengths.
+    /// One index for all wavelengths.
     Index(f64),
     /// Index of a named glass.
     Named(Spanned<String>),
-    /// Cauchy's equation of two terms, by index and Abbe number.
+    /// Two-term Cauchy equation, given by index and Abbe number.
     Abbe {
         /// Index at the d line, 587.56 nm.
         index: f64,
         /// Abbe number, above 0.
         abbe: f64,
     },
-    /// Dispersion equation; indices lie in [0.001, 1000] from 380 to 720 nm.
+    /// Dispersion formula. Its indices lie in [0.001, 1000] from 380 to 720 nm.
     Glass(DispersionFormula),
 }
 
@@ -217,12 +220,12 @@ impl From<f64> for RefractiveIndexDescription {
     }
 }
 
-/// Complex index of a conductor.
+/// Complex index of refraction of a conductor.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MetalDescription {
     /// Index of a named metal.
     Named(Spanned<String>),
-    /// Complex index of refraction η + ik relative to the surroundings.
+    /// Index η + ik, relative to the surroundings.
     Index {
         /// η, above 0.
         eta: DVec3,
@@ -231,18 +234,18 @@ pub enum MetalDescription {
     },
 }
 
-/// Absorption inside a dielectric.
+/// Absorption inside a dielectric body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DielectricAbsorption {
     /// No absorption.
     None,
     /// Absorption coefficient in 1/length.
     Coefficient(DVec3),
-    /// Transmittance `color` over `distance`.
+    /// Transmittance over a given distance.
     Tint {
-        /// Transmittance, inside (0, 1].
+        /// Transmittance over `distance`, inside (0, 1].
         color: DVec3,
-        /// Distance, above 0.
+        /// Distance in scene units, above 0.
         distance: f64,
     },
 }
@@ -250,7 +253,7 @@ pub enum DielectricAbsorption {
 impl DielectricAbsorption {
     /// Returns the absorption coefficient in 1/length, by Beer's law.
     #[must_use]
-    pub fn coefficient(self) -> DVec3 {
+    pub fn absorption_coefficient(self) -> DVec3 {
         match self {
             Self::None => DVec3::ZERO,
             Self::Coefficient(sigma) => sigma,

@@ -4,18 +4,18 @@ use glam::DVec3;
 
 use super::{Spanned, TransformStep};
 
-/// A participating medium.
+/// A participating medium of a description.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MediumDescription {
-    /// Name that materials and the background refer to: not empty, no line breaks.
+    /// Name that materials and the background refer to: not empty, without line breaks.
     pub name: String,
     /// Absorption and scattering in 1/length at density 1.
     pub coefficients: MediumCoefficients,
-    /// Radiance in W/(m² sr) gained per length at density 1.
+    /// Emitted radiance per length at density 1, in W/(m² sr) per unit of length.
     pub emission: DVec3,
     /// Phase function.
     pub phase: PhaseFunctionDescription,
-    /// Density.
+    /// Density, a factor of coefficients and emission.
     pub density: DensityDescription,
 }
 
@@ -41,7 +41,7 @@ pub enum MediumCoefficients {
 /// Phase function of a medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PhaseFunctionDescription {
-    /// Equal in all directions.
+    /// Equal scattering in all directions.
     Isotropic,
     /// Rayleigh scattering: particles much smaller than the wavelength.
     Rayleigh,
@@ -49,46 +49,46 @@ pub enum PhaseFunctionDescription {
     HenyeyGreenstein(f64),
 }
 
-/// Density of a medium.
+/// Density of a medium by position, a factor of its coefficients.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DensityDescription {
-    /// 1 everywhere: a homogeneous medium.
+    /// Density 1 everywhere.
     Homogeneous,
-    /// Densities of a grid file.
+    /// Densities from a grid file.
     Grid {
-        /// Path as written: not empty, no line breaks.
+        /// Path as written: not empty, without line breaks.
         path: Spanned<String>,
-        /// Factor of the densities, above 0.
+        /// Factor of the file's densities, above 0.
         scale: f64,
         /// Box that the grid fills.
         extent: TransformedBoxDescription,
     },
-    /// Noise from 0 to 1 in the ellipsoid inscribed in a box.
+    /// A procedural cloud: noise from 0 to 1 in the ellipsoid inscribed in a box.
     Cloud {
-        /// Amount of noise, from 0 (empty) to 1 (everywhere).
+        /// Cloud cover, from 0 (empty) to 1 (everywhere).
         cover: f64,
-        /// Share of the radius over which the edge fades, inside [0, 1].
+        /// Fraction of the ellipsoid's radius over which the edge fades, inside [0, 1].
         softness: f64,
-        /// Octaves of noise, 1 … 16.
+        /// Number of noise octaves, from 1 to 16.
         octaves: u32,
-        /// Periods of the first octave along a side of the box, above 0.
+        /// Periods of the first octave along each side of the box, above 0.
         frequency: f64,
-        /// Seed of the noise.
+        /// Random seed of the noise.
         seed: u32,
-        /// Grid cells along the longest side, 2 … 512.
+        /// Number of grid cells along the longest side of the box, from 2 to 512.
         resolution: u32,
         /// Box that the grid fills.
         extent: TransformedBoxDescription,
     },
 }
 
-/// A box, transformed.
+/// A box under an affine transform.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TransformedBoxDescription {
-    /// Its least corner, before the maps.
+    /// Corner with the lowest coordinates, before the transform.
     pub min: DVec3,
-    /// Its greatest corner, in each component above the least.
+    /// Opposite corner, above `min` in every coordinate.
     pub max: DVec3,
-    /// From the space of the corners to the world.
+    /// Steps of the transform to world space; see [`TransformStep::composed_matrix`].
     pub maps: Vec<TransformStep>,
 }

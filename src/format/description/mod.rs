@@ -1,9 +1,9 @@
-//! The description of a scene, before any file is looked up: plain data in double precision, with
-//! spans for errors.
+//! The description of a scene as written: plain data in double precision, with text positions for
+//! errors. Names and files are not looked up yet.
 //!
-//! Lengths are in the scene's own unit (metres, if a light is given in watts), angles in degrees,
-//! colors linear RGB. [`parse`](super::parse) checks all values; a description built by hand is
-//! unchecked.
+//! Lengths are in the scene's own unit, which is the metre if a light's power is in watts. Angles
+//! are in degrees, colors in linear RGB. [`parse`](super::parse) checks all values; a description
+//! built by hand is unchecked.
 
 mod lights;
 mod materials;
@@ -27,13 +27,13 @@ pub use media::{
 };
 pub use textures::{
     EmissionDescription, NormalPerturbationDescription, PictureEncoding, SolidPatternDescription,
-    TexcoordTransformDescription, TextureDescription, TextureKindDescription, TexturedValue, Wrap,
+    TexcoordTransformDescription, TextureDescription, TextureKindDescription, TexturedValue, WrapMode,
 };
 
-/// A range of the scene's text, in bytes.
+/// A range of bytes in the text of a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Span {
-    /// First byte.
+    /// Offset of the first byte.
     pub start: usize,
     /// Number of bytes.
     pub len: usize,
@@ -41,18 +41,18 @@ pub struct Span {
 
 /// A value with the span of the text that it was read from. Equality ignores the span.
 ///
-/// The span of a block (camera, light, material, object) is its keyword; the span of a name or
-/// number is its own text.
+/// The span of a block (camera, light, material, object) is that of its keyword. The span of a name
+/// or number is that of the name or number itself.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Spanned<T> {
     /// The value.
     pub value: T,
-    /// Its position in the text.
+    /// Position in the scene's text.
     pub span: Span,
 }
 
 impl<T> Spanned<T> {
-    /// `value`, read from `span`.
+    /// Returns `value` with its position in the text.
     pub const fn new(value: T, span: Span) -> Self {
         Self { value, span }
     }
@@ -72,14 +72,14 @@ impl<T> Deref for Spanned<T> {
     }
 }
 
-/// A whole scene file.
+/// A whole scene, as its file describes it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneDescription {
-    /// The view to render.
+    /// Camera of the picture.
     pub camera: Spanned<CameraDescription>,
-    /// Radiance of rays that leave the scene.
+    /// Radiance of rays that leave the scene, in W/(m² sr).
     pub background: DVec3,
-    /// Name of the medium that fills the space outside all bodies.
+    /// Name of the medium outside all bodies; `None` for vacuum.
     pub ambient_medium: Option<Spanned<String>>,
     /// Lights, in the order of the file.
     pub lights: Vec<Spanned<LightDescription>>,
@@ -89,27 +89,28 @@ pub struct SceneDescription {
     pub media: Vec<Spanned<MediumDescription>>,
     /// Materials, in the order of the file; `MaterialIndex` counts them from 0.
     pub materials: Vec<Spanned<MaterialDescription>>,
-    /// The objects.
+    /// Objects, with the materials that apply to them.
     pub root: Group,
 }
 
-/// A camera.
+/// A camera of a description.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraDescription {
-    /// The pinhole, the lens center, or the center of an orthographic picture.
+    /// Position of the pinhole, of the lens center, or of the center of an orthographic picture.
     pub center: DVec3,
     /// Direction of view.
     pub aim: DirectionOrTarget,
-    /// A direction that appears upward; not parallel to the view.
+    /// Direction that appears upward in the picture; not parallel to the view.
     pub up: DVec3,
-    /// Projection.
+    /// Projection of the camera.
     pub projection: ProjectionDescription,
     /// Picture width in pixels.
     pub width: u32,
     /// Picture height in pixels.
     pub height: u32,
-    /// Motion while the shutter is open, like that of [`ObjectDescription::Moving`], but about the
-    /// camera's own position.
+    /// Steps of the motion while the shutter is open, about the camera's own position.
+    ///
+    /// They compose like those of [`ObjectDescription::Moving`].
     pub motion: Vec<TransformStep>,
 }
 
@@ -123,109 +124,113 @@ pub enum ProjectionDescription {
         /// Lens; `None` for a pinhole.
         lens: Option<LensDescription>,
     },
-    /// Parallel projection.
+    /// Orthographic projection.
     Orthographic {
-        /// Height of the visible region, above 0.
+        /// Height of the visible region in scene units, above 0.
         size: f64,
     },
-    /// All directions, by longitude and latitude.
+    /// Equirectangular projection of all directions.
     Environment,
 }
 
-/// A thin lens.
+/// A thin lens of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LensDescription {
-    /// Size of its opening.
-    pub opening: ApertureDescription,
-    /// Plane in focus.
+    /// Size of the aperture.
+    pub aperture: ApertureDescription,
+    /// Position of the plane in focus.
     pub focus: FocusDescription,
-    /// Number of blades of its diaphragm, at least 3; 0 for a round opening.
+    /// Number of diaphragm blades, at least 3; 0 for a round aperture.
     pub blades: u32,
 }
 
-/// Size of a lens opening.
+/// Size of a lens aperture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ApertureDescription {
     /// Lens radius, at least 0.
     Radius(f64),
-    /// Focal length over diameter, with the sensor height that determines the focal length; both
-    /// above 0.
+    /// Ratio of focal length to diameter. Sensor height and field of view give the focal length.
     FNumber {
-        /// The f-number.
+        /// The f-number, above 0.
         number: f64,
-        /// Height of the sensor.
+        /// Height of the sensor in scene units, above 0.
         sensor: f64,
     },
 }
 
-/// Plane in focus, perpendicular to the view.
+/// Position of the plane in focus, which is perpendicular to the view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FocusDescription {
     /// Distance from the lens, above 0.
     Distance(f64),
-    /// A point of the plane, in front of the camera.
+    /// A point on the plane, in front of the camera.
     Point(DVec3),
 }
 
-/// Direction of a camera or spotlight.
+/// Orientation of a camera or light: a direction, or a point to look at.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DirectionOrTarget {
     /// Direction of any length above 0.
     Direction(DVec3),
-    /// Point to look at.
+    /// Point that lies in the direction.
     LookAt(DVec3),
 }
 
-/// A list of objects. As parsed, groups and transforms nest at most
+/// A list of objects, with the materials that apply to them.
+///
+/// In a parsed scene, groups and transforms nest at most
 /// [`MAX_NESTING_DEPTH`](super::MAX_NESTING_DEPTH) deep.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Group {
-    /// Entries in the order of the file: a material holds for all objects after it, also past the
-    /// end of the group.
+    /// Entries in the order of the file. A material applies to all objects after it, even beyond
+    /// the end of the group.
     pub items: Vec<GroupItem>,
 }
 
 /// One entry of a group.
 #[derive(Clone, Debug, PartialEq)]
 pub enum GroupItem {
-    /// Index of the material of the objects that follow, from 0.
+    /// Index, from 0, of the material of the objects that follow.
     MaterialIndex(Spanned<u32>),
     /// Name of the material of the objects that follow.
     MaterialName(Spanned<String>),
-    /// An object.
+    /// An object or a nested group.
     Object(Spanned<ObjectDescription>),
 }
 
-/// An object of the scene.
+/// An object of a description: a surface, a group, or a transformed object.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ObjectDescription {
     /// Several objects.
     Group(Group),
     /// A transformed object.
     Transform {
-        /// Composed by [`TransformStep::composed_matrix`]: the first listed is applied last.
+        /// Steps that [`TransformStep::composed_matrix`] composes: the first listed is applied
+        /// last.
         maps: Vec<TransformStep>,
         /// The object.
         object: Box<Spanned<ObjectDescription>>,
     },
     /// An object that moves while the shutter is open.
     Moving {
-        /// Composed as in a transform. Each grows from the identity, when the shutter opens, to the
-        /// full map, when it closes. None is a matrix, and scales are above 0.
+        /// Steps of the motion: none is a matrix, and scales are above 0.
+        ///
+        /// Each step grows from the identity, when the shutter opens, to its full size, when the
+        /// shutter closes. The first listed is applied last.
         maps: Vec<TransformStep>,
         /// The object.
         object: Box<Spanned<ObjectDescription>>,
     },
     /// A surface.
     Shape {
-        /// Geometry.
+        /// Geometry in object space.
         shape: ShapeDescription,
-        /// Emitted radiance in W/(m² sr); `None` for that of its material.
+        /// Emitted radiance in W/(m² sr); `None` for the emission of the material.
         emission: Option<DVec3>,
     },
 }
 
-/// Geometry of a surface.
+/// Geometry of a surface, in object space.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ShapeDescription {
     /// All points at `radius` from `center`.
@@ -235,9 +240,9 @@ pub enum ShapeDescription {
         /// Radius.
         radius: f64,
     },
-    /// All points x with normal · x = offset.
+    /// The infinite plane of all points x with normal · x = offset.
     Plane {
-        /// Normal of any length, as given.
+        /// Normal of any length above 0.
         normal: DVec3,
         /// Distance from the origin in units of the normal's length.
         offset: f64,
@@ -255,9 +260,9 @@ pub enum ShapeDescription {
     Rectangle {
         /// The corner where both edges start.
         corner: DVec3,
-        /// From the corner to its first neighbour.
+        /// Edge vector from the corner to one neighbor.
         edge0: DVec3,
-        /// From the corner to its other neighbour.
+        /// Edge vector from the corner to the other neighbor.
         edge1: DVec3,
     },
     /// An axis-aligned box.
@@ -287,64 +292,66 @@ pub enum ShapeDescription {
     },
     /// A triangle; its area may be 0.
     Triangle {
-        /// Its corners.
+        /// Corners.
         vertices: [DVec3; 3],
         /// Shading normals at the corners, of any length.
         normals: Option<[DVec3; 3]>,
-        /// Texture coordinates at the corners; `None`: (0, 0), (1, 0), (0, 1).
+        /// Texture coordinates at the corners; `None` for (0, 0), (1, 0), (0, 1).
         uv: Option<Box<[DVec2; 3]>>,
     },
     /// A mesh in a file of its own.
     Mesh {
-        /// Path as written: not empty, no line breaks.
+        /// Path as written: not empty, without line breaks.
         path: Spanned<String>,
         /// Use of the file's materials and normals.
         options: MeshOptions,
     },
-    /// The points (x cos θ, y, x sin θ) of a profile (x, y).
+    /// Surface of revolution: the points (x cos θ, y, x sin θ) for all points (x, y) of a profile.
     Revolution {
-        /// The curve that turns about the y axis.
+        /// Profile curve, which rotates about the y axis.
         profile: ProfileCurve,
     },
-    /// A curve by itself; it has no surface and is not visible.
+    /// A curve without a surface, which is not visible.
     Curve(ProfileCurve),
-    /// Bézier patches of equal degrees.
+    /// Rational Bézier patches that have the same degrees.
     Patches {
         /// Degrees along u and v, each from 1 to
         /// [`MAX_DEGREE`](crate::shape::parametric::MAX_DEGREE).
         degree: [u32; 2],
-        /// (degree u + 1) · (degree v + 1) points with weights for each patch; the index
-        /// along v varies fastest.
+        /// Control points (x, y, z, weight): (degree u + 1) · (degree v + 1) for each patch. The
+        /// index along v varies fastest.
         controls: Vec<DVec4>,
     },
-    /// A B-spline surface with weights.
+    /// A rational B-spline surface (NURBS).
     Nurbs {
         /// Degrees along u and v, each from 1 to
         /// [`MAX_DEGREE`](crate::shape::parametric::MAX_DEGREE).
         degree: [u32; 2],
         /// Number of control points along u and v, each above the degree.
         count: [u32; 2],
-        /// Knots along u and v: count + degree + 1 nondecreasing numbers each; none for uniform
+        /// Knots along u and v: count + degree + 1 nondecreasing numbers each, or none for uniform
         /// knots.
         knots: [Vec<f64>; 2],
-        /// Points with weights; the index along v varies fastest.
+        /// Control points (x, y, z, weight); the index along v varies fastest.
         controls: Vec<DVec4>,
     },
 }
 
-/// Use of a mesh file. The default is that of MIT 6.837.
+/// Use of the materials and normals of a mesh file.
+///
+/// The default keeps the scene's material and the file's normals, and smooths nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MeshOptions {
-    /// True if faces have the file's own materials instead of the scene's.
+    /// True if faces have the materials of the mesh's file instead of the scene's.
     pub uses_file_materials: bool,
     /// True if the file's normals are ignored.
     pub ignores_normals: bool,
-    /// Greatest angle in degrees, inside [0, 180], between faces that are smoothed; `None` for flat
-    /// faces. Applies to faces without normals.
+    /// Greatest angle between faces that are smoothed, in degrees, inside [0, 180]; `None` for flat
+    /// faces. It applies to faces without normals in the file.
     pub max_smoothing_angle: Option<f64>,
 }
 
-/// A polynomial curve.
+/// A polynomial curve in the xy plane, the profile of a surface of revolution.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProfileCurve {
     /// Basis of the control points.
@@ -353,12 +360,12 @@ pub struct ProfileCurve {
     pub controls: Vec<DVec3>,
 }
 
-/// Basis of a curve's control points.
+/// Polynomial basis of a curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CurveBasis {
-    #[default]
     /// One Bézier curve of degree n − 1 for n control points.
+    #[default]
     Bezier,
-    /// A uniform cubic B-spline of n control points with knots i/(n + 3), unclamped.
+    /// A uniform, unclamped cubic B-spline of n control points with knots i/(n + 3).
     Bspline,
 }

@@ -1,11 +1,11 @@
 //! Textures of a description.
 
-pub use crate::texture::Wrap;
+pub use crate::texture::WrapMode;
 use glam::{DVec2, DVec3};
 
 use super::{Spanned, TransformStep};
 
-/// A constant, or the name of a texture.
+/// A material parameter: a constant, or the name of a texture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TexturedValue<T> {
     /// A constant.
@@ -22,7 +22,7 @@ impl<T> From<T> for TexturedValue<T> {
 
 impl<T> TexturedValue<T> {
     /// Returns the name of the texture; `None` for a constant.
-    pub fn texture(&self) -> Option<&Spanned<String>> {
+    pub fn texture_name(&self) -> Option<&Spanned<String>> {
         match self {
             Self::Plain(_) => None,
             Self::Texture(name) => Some(name),
@@ -30,10 +30,10 @@ impl<T> TexturedValue<T> {
     }
 }
 
-/// A texture.
+/// A texture of a description.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextureDescription {
-    /// Name that materials refer to: not empty, no line breaks.
+    /// Name that materials refer to: not empty, without line breaks.
     pub name: String,
     /// Pattern or picture.
     pub kind: TextureKindDescription,
@@ -44,69 +44,68 @@ pub struct TextureDescription {
 pub enum TextureKindDescription {
     /// A picture in a file of its own.
     Image {
-        /// Path as written: not empty, no line breaks.
+        /// Path as written: not empty, without line breaks.
         path: Spanned<String>,
-        /// Encoding of its values, if they are whole numbers.
+        /// Encoding of values in integer formats such as PNG; others are linear.
         encoding: PictureEncoding,
-        /// Continuation beyond its edges.
-        wrap: Wrap,
+        /// Values beyond the edges.
+        wrap: WrapMode,
         /// Transform of the texture coordinates.
         coordinates: TexcoordTransformDescription,
     },
-    /// Squares of side 1.
+    /// Checkerboard with squares of side 1 in texture coordinates.
     Checker {
         /// Colors where ⌊u⌋ + ⌊v⌋ is even, and where it is odd.
         colors: [DVec3; 2],
         /// Transform of the texture coordinates.
         coordinates: TexcoordTransformDescription,
     },
-    /// A solid pattern in the space of the object.
+    /// A solid texture: a function of the position in object space.
     Solid {
-        /// Kind of pattern.
+        /// Function of the position.
         pattern: SolidPatternDescription,
-        /// Colors that it interpolates.
+        /// Colors at pattern values 0 and 1.
         colors: [DVec3; 2],
-        /// Octaves of its noise, from 1 to 16.
+        /// Number of noise octaves, from 1 to 16.
         octaves: u32,
-        /// Frequency of the first octave, of veins and of rings, in 1/length, above 0.
+        /// Frequency of the first octave, and of veins and rings, in 1/length, above 0.
         frequency: f64,
-        /// Factor of the noise, at least 0.
+        /// Amplitude of the noise, at least 0.
         amplitude: f64,
-        /// Maps from the pattern's space to the object's, composed by
-        /// [`TransformStep::composed_matrix`].
+        /// Steps from pattern space to object space; see [`TransformStep::composed_matrix`].
         maps: Vec<TransformStep>,
     },
 }
 
-/// Kind of a solid pattern.
+/// Function of position of a solid texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SolidPatternDescription {
-    /// Noise.
+    /// Perlin noise.
     Noise,
-    /// Veins.
+    /// Parallel veins that noise distorts.
     Marble,
-    /// Rings.
+    /// Rings about an axis that noise distorts.
     Wood,
 }
 
-/// Encoding of the values of a picture.
+/// Encoding of integer picture values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PictureEncoding {
-    /// The sRGB transfer curve.
+    /// Values encoded by the sRGB transfer function.
     #[default]
     Srgb,
-    /// Linear.
+    /// Linear values, such as heights or normals.
     Linear,
 }
 
-/// Transform of texture coordinates: scale, then rotation, then offset.
+/// Transform of texture coordinates: a scale, then a rotation, then an offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TexcoordTransformDescription {
-    /// Factors of u and v, not 0.
+    /// Factors of u and v, neither of them 0.
     pub scale: DVec2,
-    /// Rotation, anticlockwise, in degrees.
+    /// Counterclockwise rotation in degrees.
     pub rotate: f64,
-    /// Offset.
+    /// Offset of u and v.
     pub offset: DVec2,
 }
 
@@ -121,25 +120,27 @@ impl Default for TexcoordTransformDescription {
 pub enum EmissionDescription {
     /// Constant radiance in W/(m² sr).
     Radiance(DVec3),
-    /// Values of a texture.
+    /// Radiance that a texture varies.
     Texture {
         /// Name of the texture.
         name: Spanned<String>,
-        /// Factor from values to radiance in W/(m² sr), at least 0.
+        /// Factor from texture values to radiance in W/(m² sr), at least 0.
         scale: f64,
     },
 }
 
-/// Perturbation of shading normals, by the name of a texture or else the path of a picture.
+/// Perturbation of shading normals by a texture.
+///
+/// The texture is given by its name, or else by the path of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NormalPerturbationDescription {
     /// Bump map.
     Bump {
         /// Texture of heights.
         texture: Spanned<String>,
-        /// Height of the value 1, in world units.
+        /// Height of texture value 1 in world units; may be negative.
         height: f64,
     },
-    /// Normal map.
+    /// Normal map in tangent space.
     NormalMap(Spanned<String>),
 }

@@ -96,13 +96,17 @@ pub fn decode(path: &Path, length: u64, mut file: impl Read, free: Option<u64>) 
     Read::take(&mut file, MAX_HEADER_BYTES).read_to_end(&mut start).map_err(unreadable)?;
     let header = parse_header(&start).map_err(|(line, wrong)| GridError::at_line(path, line, wrong))?;
     let rest = start[header.bytes as usize..].chain(file);
-    let body = GridBody { path, header: &header, length, free };
+    let body = GridBodyReader { path, header: &header, length, free };
     let values = match header.encoding {
         GridEncoding::F32 => body.read_binary_values(BufReader::with_capacity(READ_CHUNK_BYTES, rest))?,
         GridEncoding::Text => body.read_text_values(rest)?,
     };
     if let Some(i) = values.iter().position(|v| !(v.is_finite() && *v >= 0.0)) {
-        return Err(GridError::Cell { path: path.into(), cell: cell_coordinates(header.size, i), value: values[i] });
+        return Err(GridError::Cell {
+            path: path.into(),
+            cell: grid_cell_coordinates(header.size, i),
+            value: values[i],
+        });
     }
     Ok(DensityGrid { size: header.size, values })
 }
@@ -188,13 +192,13 @@ fn parse_size(words: [&str; 3]) -> Result<([u32; 3], usize), MessageAndRemedy> {
 }
 
 /// Column, row and layer, from 0, of the cell whose value has index `i`.
-fn cell_coordinates(size: [u32; 3], i: usize) -> [u32; 3] {
+fn grid_cell_coordinates(size: [u32; 3], i: usize) -> [u32; 3] {
     let (row, layer) = (size[0] as usize, size[0] as usize * size[1] as usize);
     [i % row, i % layer / row, i / layer].map(|i| i as u32)
 }
 
 /// Context for reading the values that follow the header of a grid file.
-struct GridBody<'a> {
+struct GridBodyReader<'a> {
     path: &'a Path,
     header: &'a GridHeader,
     /// Bytes of the whole file.
@@ -203,7 +207,7 @@ struct GridBody<'a> {
     free: Option<u64>,
 }
 
-impl GridBody<'_> {
+impl GridBodyReader<'_> {
     /// Empty list with capacity for all values; fails unless they and `more` bytes fit into memory.
     fn reserve_values(&self, more: u64) -> Result<Vec<f32>, GridError> {
         let Self { path, header, free, .. } = *self;

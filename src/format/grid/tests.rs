@@ -142,7 +142,7 @@ proptest! {
     /// A text that lacks only its last digits still has all its values; any other damaged file is
     /// refused.
     #[test]
-    fn files_that_are_cut_or_go_on_are_refused(grid in any_grid(), encoding in any_encoding(), at in any::<prop::sample::Index>()) {
+    fn truncated_or_longer_grid_files_are_refused(grid in any_grid(), encoding in any_encoding(), at in any::<prop::sample::Index>()) {
         let bytes = encoded_bytes(&grid, encoding);
         let cut = read_from_bytes(&bytes[..at.index(bytes.len())]);
         prop_assert!(cut.is_err() || (encoding == GridEncoding::Text && cut.unwrap().values.len() == grid.values.len()));

@@ -18,7 +18,7 @@ pub(super) const MAX_REFRACTIVE_INDEX: f64 = 1000.0;
 /// Field for the refractive index of dielectrics and thin panes.
 pub(super) const INDEX_FIELD: FieldSchema =
     field("indexOfRefraction", FieldKind::Number, "absolute index of refraction")
-        .range(FieldRange::Within(MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX))
+        .with_range(FieldRange::Within(MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX))
         .or_numbers(&[1.5]);
 
 /// Fields that state the refractive index; a block has at most one of them.

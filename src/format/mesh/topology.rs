@@ -80,8 +80,10 @@ impl ParityUnionFind {
         Self { parent: (0..n as u32).collect(), turned: vec![false; n] }
     }
 
-    /// Root of the set of `i`, which is its lowest element, and true if `i` is flipped relative to it.
-    pub fn find(&mut self, i: usize) -> (usize, bool) {
+    /// Root of the set of `i`, and true if `i` is flipped relative to it.
+    ///
+    /// The root is the lowest element of the set.
+    pub fn find_root(&mut self, i: usize) -> (usize, bool) {
         let (mut root, mut turned) = (i, false);
         while self.parent[root] as usize != root {
             turned ^= self.turned[root];
@@ -100,8 +102,8 @@ impl ParityUnionFind {
 
     /// Joins the sets of `a` and `b`. `turned` is true if `a` and `b` are flipped relative to each
     /// other. Returns false if that contradicts earlier joins.
-    pub fn join(&mut self, a: usize, b: usize, turned: bool) -> bool {
-        let ((a, a_turned), (b, b_turned)) = (self.find(a), self.find(b));
+    pub fn union_sets(&mut self, a: usize, b: usize, turned: bool) -> bool {
+        let ((a, a_turned), (b, b_turned)) = (self.find_root(a), self.find_root(b));
         let turned = turned ^ a_turned ^ b_turned;
         if a == b {
             return !turned;

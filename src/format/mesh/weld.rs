@@ -5,25 +5,20 @@ use ahash::RandomState;
 use glam::DVec3;
 use std::collections::HashMap;
 
-const NONE: u32 = u32::MAX;
+const NO_POINT: u32 = u32::MAX;
 
 /// Largest tolerance whose square is finite \[length].
 const MAX_TOLERANCE: f64 = 1e150;
 
-impl TriangleMesh {
-    /// Moves each vertex to the first vertex within `tolerance` \[length], and merges equal vertices.
-    ///
-    /// Returns the decrease of the number of distinct positions.
-    pub fn weld_vertices(&mut self, tolerance: f64) -> usize {
-        let (_, before) = self.position_indices();
-        let mut kept = WeldGrid::new(tolerance.clamp(0.0, MAX_TOLERANCE), &self.positions);
-        for p in &mut self.positions {
-            *p = kept.find_or_insert(*p);
-        }
-        self.merge_equal_vertices();
-        let (_, after) = self.position_indices();
-        before.saturating_sub(after)
+pub(super) fn weld_vertices(mesh: &mut TriangleMesh, tolerance: f64) -> usize {
+    let (_, before) = mesh.position_indices();
+    let mut kept = WeldGrid::new(tolerance.clamp(0.0, MAX_TOLERANCE), &mesh.positions);
+    for p in &mut mesh.positions {
+        *p = kept.find_or_insert(*p);
     }
+    mesh.merge_equal_vertices();
+    let (_, after) = mesh.position_indices();
+    before.saturating_sub(after)
 }
 
 /// Hash grid of the positions that are kept. Its cells are twice as wide as the tolerance.
@@ -32,7 +27,7 @@ struct WeldGrid {
     low: DVec3,
     cell: f64,
     first: HashMap<[i64; 3], u32, RandomState>,
-    /// Each kept position, and the index of the previous one in its cell or [`NONE`].
+    /// Each kept position, and the index of the previous one in its cell or [`NO_POINT`].
     points: Vec<(DVec3, u32)>,
 }
 
@@ -59,11 +54,11 @@ impl WeldGrid {
         let side = (at - corner).cmpge(DVec3::splat(0.5));
         let base = corner.to_array().map(|x| x as i64);
         let step = [side.x, side.y, side.z].map(|upper| if upper { 1 } else { -1 });
-        let mut found = NONE;
+        let mut found = NO_POINT;
         for neighbour in 0..8 {
             let cell = [0, 1, 2].map(|axis| base[axis] + if neighbour >> axis & 1 == 1 { step[axis] } else { 0 });
-            let mut i = self.first.get(&cell).copied().unwrap_or(NONE);
-            while i != NONE {
+            let mut i = self.first.get(&cell).copied().unwrap_or(NO_POINT);
+            while i != NO_POINT {
                 let (point, before) = self.points[i as usize];
                 if (point - p).length() <= self.tolerance {
                     found = found.min(i);
@@ -71,11 +66,11 @@ impl WeldGrid {
                 i = before;
             }
         }
-        if found != NONE {
+        if found != NO_POINT {
             return self.points[found as usize].0;
         }
         let number = self.points.len() as u32;
-        let before = self.first.insert(base, number).unwrap_or(NONE);
+        let before = self.first.insert(base, number).unwrap_or(NO_POINT);
         self.points.push((p, before));
         p
     }

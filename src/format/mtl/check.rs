@@ -3,7 +3,7 @@
 use super::super::line_error::{MessageAndRemedy, escaped_excerpt};
 use std::fmt::Write;
 
-const REPAIR: &str = "repair it or export the materials anew";
+const REPAIR_REMEDY: &str = "repair it or export the materials anew";
 
 /// Valid lines of `text`, rewritten for `tobj`; lines with unknown keywords are dropped.
 ///
@@ -77,7 +77,7 @@ fn parse_finite_number(keyword: &str, rest: &str) -> Result<f64, MessageAndRemed
     let word = rest.split_ascii_whitespace().next().unwrap_or_default();
     match word.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
-        _ => Err((format!("`{}` of `{keyword}` is not a finite number", escaped_excerpt(word)), REPAIR)),
+        _ => Err((format!("`{}` of `{keyword}` is not a finite number", escaped_excerpt(word)), REPAIR_REMEDY)),
     }
 }
 

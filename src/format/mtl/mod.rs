@@ -18,7 +18,7 @@ pub use write::write;
 /// Bound of the memory for parsing, per byte of the file.
 ///
 /// A file that consists of lines `newmtl a` takes 76 bytes per byte (measured).
-const PER_BYTE: u64 = 100;
+const MEMORY_PER_FILE_BYTE: u64 = 100;
 
 /// Material of an MTL file. A property that the file does not define is `None`.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -68,7 +68,7 @@ pub fn load_libraries(mesh: &Path, libraries: &[String], free: Option<u64>) -> R
                 MeshError::Missing { path } => MeshError::NoLibrary { path },
                 other => other,
             })?;
-            check_memory(&path, PER_BYTE * bytes.len() as u64, free)?;
+            check_memory(&path, MEMORY_PER_FILE_BYTE * bytes.len() as u64, free)?;
             materials.extend(decode(&path, &bytes)?);
         }
     }

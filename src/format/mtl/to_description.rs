@@ -14,12 +14,12 @@ const DEFAULT_INDEX: f64 = 1.5;
 impl MtlMaterial {
     /// Converts to the closest material of the scene language.
     ///
-    /// - Dielectric with index `Ni` and tint `Tf`, if the illumination model is 4, 6, 7 or 9 (glass,
-    ///   refraction) or `d` is below 1.
+    /// - Dielectric with index `Ni` and tint `Tf`, if the illumination model is 4, 6, 7 or 9
+    ///   (glass, refraction) or `d` is below 1.
     /// - Mirror with reflectance `Ks`, if the model is 3, 5 or 8 (reflection), `Kd` is black and
     ///   there is no picture.
-    /// - Phong with `Kd` and the picture otherwise. It has the highlight of `Ks` and `Ns`, except in
-    ///   models 0 and 1.
+    /// - Phong with `Kd` and the picture otherwise. It has the highlight of `Ks` and `Ns`, except
+    ///   in models 0 and 1.
     ///
     /// # Errors
     /// A message and a remedy if the index of a dielectric is not in \[0.001, 1000].

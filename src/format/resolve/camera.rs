@@ -15,7 +15,7 @@ pub(super) fn resolve_camera(description: &SceneDescription, source: &SourceText
     let description::CameraDescription { center, up, width, height, .. } = described.value;
     let direction = aim_direction(described.aim, center);
     let refuse =
-        |(message, help): MessageAndRemedy| SceneError::at(source, described.span, message, "this camera", help);
+        |(message, help): MessageAndRemedy| SceneError::at_span(source, described.span, message, "this camera", help);
     let camera = match described.projection {
         ProjectionDescription::Perspective { angle, lens } => {
             check_field_of_view(angle, (width, height)).map_err(refuse)?;
@@ -42,7 +42,8 @@ const MAX_DIRECTION_ERROR: f64 = 1.0 / 16_777_216.0;
 
 /// Greatest tangent of the angle between the picture's center and corner.
 ///
-/// There, `MAX_DIRECTION_ERROR` moves the corner by 1/256 of its distance from the picture's center.
+/// There, `MAX_DIRECTION_ERROR` moves the corner by 1/256 of its distance from the picture's
+/// center.
 const MAX_CORNER_TANGENT: f64 = 65_536.0;
 
 /// Returns an error if single precision cannot distinguish the pixels of a perspective picture.
@@ -86,7 +87,7 @@ fn check_lens(lens: &Lens) -> Result<(), MessageAndRemedy> {
 
 /// Returns the lens of a camera at `center`; `angle` is the vertical field of view in degrees.
 fn resolve_lens(lens: &description::LensDescription, angle: f64, center: DVec3, direction: DVec3) -> Lens {
-    let radius = match lens.opening {
+    let radius = match lens.aperture {
         ApertureDescription::Radius(radius) => radius,
         ApertureDescription::FNumber { number, sensor } => {
             let focal_length = 0.5 * sensor / libm::tan(0.5 * angle.to_radians());

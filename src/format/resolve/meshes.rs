@@ -29,7 +29,8 @@ const MESH_REMEDY: &str = "repair the mesh or name another";
 /// Measured: 436 to 482, on grids of a million triangles with normals and texture coordinates.
 const MEMORY_PER_TRIANGLE: u64 = 500;
 
-/// Path and options of a mesh that was read: the flags of [`MeshOptions`], and the bits of its angle.
+/// Path and options of a mesh that was read: the flags of [`MeshOptions`], and the bits of its
+/// angle.
 pub(super) type MeshKey = (PathBuf, bool, bool, Option<u64>);
 
 /// Triangles of a mesh file that have one material.

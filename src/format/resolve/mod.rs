@@ -100,11 +100,11 @@ pub(super) fn resolve_with_assets(
     };
     let final_error = resolver.add_description().err();
     resolver.errors.extend(final_error);
-    if let Some(error) = SceneError::join(resolver.errors) {
+    if let Some(error) = SceneError::from_errors(resolver.errors) {
         return Err(error);
     }
     resolver.builder.build(camera).map_err(|e| {
-        SceneError::of_file(source, e.to_string(), "choose units in which the scene is neither huge nor empty")
+        SceneError::for_whole_file(source, e.to_string(), "choose units in which the scene is neither huge nor empty")
     })
 }
 
@@ -224,8 +224,8 @@ impl Resolver<'_> {
         }
     }
 
-    /// Returns the emission of an object that has the current material: `own` if given, else that of
-    /// the material.
+    /// Returns the emission of an object that has the current material: `own` if given, else that
+    /// of the material.
     fn object_emission(&self, own: Option<DVec3>) -> Result<ObjectEmission, SceneError> {
         let material = self.description.materials.get(self.material as usize);
         let (radiance, texture) = match (own, material.and_then(|m| m.emission.as_ref())) {
@@ -251,7 +251,7 @@ impl Resolver<'_> {
     }
 
     fn error_at(&self, span: Span, message: &str, help: &str) -> SceneError {
-        SceneError::at(self.source, span, message, "here", help)
+        SceneError::at_span(self.source, span, message, "here", help)
     }
 
     /// Returns the transform of a matrix; an error if the matrix is singular.
@@ -260,7 +260,7 @@ impl Resolver<'_> {
     fn invertible_transform(&self, to_world: DAffine3, span: Span) -> Result<Transform, SceneError> {
         Transform::new(to_world).map_err(|e| {
             let culprit = self.transform_span.unwrap_or(span);
-            SceneError::at(
+            SceneError::at_span(
                 self.source,
                 culprit,
                 e.to_string(),
@@ -270,7 +270,8 @@ impl Resolver<'_> {
         })
     }
 
-    /// Returns the path of an existing file that a description names; `kind` is its type for errors.
+    /// Returns the path of an existing file that a description names; `kind` is its type for
+    /// errors.
     ///
     /// An embedded asset keeps the path that the description gives it.
     fn find_file(&self, kind: &str, path: &Spanned<String>) -> Result<PathBuf, SceneError> {
@@ -283,8 +284,9 @@ impl Resolver<'_> {
             let message = format!("meshes of the format `.{extension}` are not read");
             return Err(self.file_error(path, &message, "convert it to OBJ or PLY, which are read"));
         }
-        let found =
-            file_candidates(self.folder, written).find(|p| p.is_file()).inspect(|file| self.monitor.names(file));
+        let found = file_candidates(self.folder, written)
+            .find(|p| p.is_file())
+            .inspect(|file| self.monitor.on_file_named(file));
         found.ok_or_else(|| {
             let places: Vec<String> =
                 file_candidates(self.folder, written).map(|p| format!("`{}`", p.display())).collect();
@@ -293,8 +295,8 @@ impl Resolver<'_> {
         })
     }
 
-    /// Returns an error at a file's path. If the file exceeds the memory limit, the error is marked so
-    /// and has a remedy of its own; otherwise `help` is the remedy.
+    /// Returns an error at a file's path. If the file exceeds the memory limit, the error is marked
+    /// so and has a remedy of its own; otherwise `help` is the remedy.
     fn file_or_memory_error(
         &self,
         path: &Spanned<String>,
@@ -311,11 +313,12 @@ impl Resolver<'_> {
 
     /// Returns an error at a file's path.
     fn file_error(&self, path: &Spanned<String>, message: &impl ToString, help: &str) -> SceneError {
-        SceneError::at(self.source, path.span, message.to_string(), "named here", help)
+        SceneError::at_span(self.source, path.span, message.to_string(), "named here", help)
     }
 }
 
-/// Iterates over the paths where a relative `path` may be: in the scene's folder, then in its parent.
+/// Iterates over the paths where a relative `path` may be: in the scene's folder, then in its
+/// parent.
 ///
 /// An absolute path has one candidate.
 pub(super) fn file_candidates<'a>(folder: &'a Path, path: &'a Path) -> impl Iterator<Item = PathBuf> {

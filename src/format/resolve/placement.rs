@@ -30,7 +30,8 @@ pub(super) struct Placement<'p> {
     pub span: Span,
 }
 
-/// A mesh moved to the origin and scaled to an extent in \[1, 2), so that single precision suffices.
+/// A mesh moved to the origin and scaled to an extent in \[1, 2), so that single precision
+/// suffices.
 pub(super) struct NormalizedMesh {
     mesh: Arc<MeshWithBvh>,
     /// Map from normalized coordinates back to those of the original mesh.

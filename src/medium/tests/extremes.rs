@@ -77,7 +77,7 @@ fn large_optical_depths_stay_finite() {
     }
 }
 
-/// Only null collisions: density 0 along the ray in a block with a positive majorant.
+/// A ray of density 0 through a block with a positive majorant has only null collisions.
 ///
 /// The optical depth of the majorant is four times the roulette interval. 1/16 of the paths survive
 /// with weight 16: a standard error of 4/√n.

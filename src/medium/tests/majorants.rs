@@ -4,8 +4,8 @@ use super::*;
 use glam::{DAffine3, Vec2};
 use rand::RngExt;
 
-/// A random walk from the origin with absorption by roulette: number of collisions and end
-/// position.
+/// A random walk from the origin that absorbs by roulette. Returns the number of collisions and the
+/// end position.
 fn random_walk(medium: &Medium, random: &mut SmallRng) -> (f64, DVec3) {
     let (mut p, mut direction, mut collisions) = (Vec3::ZERO, Vec3::X, 0.0);
     loop {
@@ -43,7 +43,7 @@ fn homogeneous_random_walks_match_diffusion() {
     }
 }
 
-/// The walk in a grid so large that it never leaves: the probability is e⁻⁵⁰⁰.
+/// The random walk leaves this large grid with a probability of e⁻⁵⁰⁰.
 #[test]
 fn grid_random_walks_match_diffusion() {
     let place = DAffine3::from_scale(DVec3::splat(400.0)) * DAffine3::from_translation(DVec3::splat(-0.5));

@@ -32,12 +32,14 @@ impl RunningMean {
         self.squares += x * x;
     }
 
-    /// Agreement within five standard errors, plus 10⁻⁶ for the rounding of f32 weights.
+    /// Asserts that the mean is within five standard errors of `truth`, plus 10⁻⁶ for the rounding
+    /// of f32 weights.
     fn assert_near(&self, truth: DVec3, what: &str) {
         self.assert_near_bounded(truth, DVec3::ZERO, what);
     }
 
-    /// Agreement of values up to `most` with rare large contributions.
+    /// Asserts that the mean of values up to `most` agrees with `truth`, in spite of rare large
+    /// values.
     ///
     /// The bound adds 29·most/n to five standard errors (empirical Bernstein bound of Maurer and
     /// Pontil 2009, ln(2/δ) = 12.5).

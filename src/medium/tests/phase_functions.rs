@@ -15,7 +15,8 @@ fn phase_functions() -> Vec<PhaseFunction> {
     phases
 }
 
-/// Rings are narrow in the lobe; x in [0, 1] is the angle from its axis.
+/// Bins of the scattering angle that are narrow in the lobe; x in [0, 1] maps to the angle from its
+/// axis.
 struct AngleBins {
     width: f64,
     backwards: bool,
@@ -38,7 +39,7 @@ impl AngleBins {
         ((x * RINGS as f64) as usize).min(RINGS - 1)
     }
 
-    /// Integral of f(cos)·p(cos) over each ring.
+    /// Integral of f(cos)·p(cos) over each bin.
     fn integrate_bins(&self, phase: PhaseFunction, f: impl Fn(f64) -> f64) -> Vec<f64> {
         let n = RINGS * POINTS;
         let mut rings = vec![0.0; RINGS];
@@ -109,7 +110,7 @@ fn phase_samples_follow_their_pdf() {
     }
 }
 
-/// p value of the fit (Wilson–Hilferty); neighbours are pooled until they expect 5.
+/// p value of Pearson's test (Wilson–Hilferty). Neighbours are pooled until they expect 5 samples.
 fn chi_square_p_value(cells: impl Iterator<Item = (f64, f64)>) -> f64 {
     let (mut pool, mut chi2, mut used) = ((0.0, 0.0), 0.0, 0u32);
     for (expected, found) in cells {

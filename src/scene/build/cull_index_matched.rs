@@ -3,10 +3,11 @@
 use super::object::{Extent, MeshData, Object, ObjectGeometry};
 use crate::scene::Material;
 
-/// Drops bodies of index 1 that neither absorb nor hold a medium.
+/// Removes objects that bound a body of refractive index 1 without absorption or medium.
 ///
-/// Such a body matters where it displaces another body or the ambient medium. So all stay if there
-/// is an ambient medium, and each stays if its box overlaps that of a body of another sort.
+/// Such a body still matters where it displaces another body or the ambient medium. No object is
+/// removed if there is an ambient medium. An object that moves or emits stays. So does an object
+/// whose box overlaps that of a body unlike air.
 pub(super) fn cull_index_matched(
     mut objects: Vec<Object>,
     mut mesh: MeshData,

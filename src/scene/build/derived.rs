@@ -7,10 +7,10 @@ use crate::scene::Scene;
 use crate::scene::interiors::{InteriorStack, interior_at};
 use glam::Vec3;
 
-/// Radius of the domain if unbounded planes receive light, in radii of the bounded shapes.
+/// Radius of the photon domain over that of the bounded shapes, in a scene with unbounded planes.
 const OPEN_DOMAIN_FACTOR: f32 = 4.0;
 
-/// Radius of the ambient medium, in distances of the farthest light or camera. Without a bound,
+/// Radius of the ambient medium over the distance to the farthest light or camera. Without a bound,
 /// most photons would scatter far away.
 const AMBIENT_EXTENT_FACTOR: f32 = 2.0;
 
@@ -65,8 +65,9 @@ pub(in crate::scene) fn derive_quantities(scene: &Scene) -> DerivedQuantities {
     }
 }
 
-/// The domain around the bounded shapes, or around the camera at the origin if there are none.
-/// `planes` are the distances of unbounded planes \[length].
+/// The photon domain: a ball around the bounded shapes, or around the origin if there are none.
+///
+/// `planes` are the distances of unbounded planes from the origin \[length].
 fn photon_domain(bounds: Bounds, planes: impl Iterator<Item = f32>) -> BoundingSphere {
     let ball = bounds.bounding_sphere();
     let Some(farthest) = planes.reduce(f32::max) else { return ball };

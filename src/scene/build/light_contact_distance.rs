@@ -1,30 +1,30 @@
-//! Lights that lie in a surface.
+//! The distance below which a surface point touches a delta light.
 
 use crate::light::Light;
 use crate::math::{BoundingSphere, Ray, rounding_error_bound};
 use crate::scene::Scene;
 use glam::Vec3;
 
-/// Distance at which the light of a light in a surface starts, in position errors.
+/// Ratio of the contact distance to the position error.
 const CONTACT_POSITION_ERRORS: f32 = 40.0;
 
-/// Roundings of double precision in the difference of two described positions.
+/// Bound on the f64 roundings in the difference of two positions of the scene description.
 ///
-/// A map has four, its product with another one, and the difference one, for each position; and as
-/// many for room.
+/// Each position has up to six: four of a transform, one of a product of transforms, one of the
+/// difference. The bound is twice their sum.
 const POSITION_ROUNDINGS: f64 = 24.0;
 
-/// Distance within which a light counts as lying in a surface \[length]: see
+/// Distance below which a surface point touches `light` \[length]: see
 /// [`Scene::light_contact_distance`].
 ///
-/// It covers the rounding of the light's position, and the position errors of the surfaces that it
-/// touches. Those of a huge triangle are large all over it. Surfaces elsewhere do not matter.
+/// It covers the rounding of the light's position, and the position errors of the surfaces that the
+/// light touches.
 pub(super) fn light_contact_distance(scene: &Scene, domain: BoundingSphere, light: &Light) -> f32 {
     let Some(position) = light.position() else { return 0.0 };
     let own = position.length() * rounding_error_bound(1)
         + (scene.origin.length() * POSITION_ROUNDINGS * 0.5 * f64::EPSILON) as f32;
-    // No error exceeds that of a triangle across the domain, √3·18 roundings. An axis hits a
-    // surface as near within √3 of that.
+    // No position error exceeds that of a triangle across the domain, √3·18 roundings. Some axis
+    // hits a surface at that distance within √3 times the distance.
     let reach =
         rounding_error_bound(64) * (domain.radius + domain.center.abs().max_element() + position.length()) + own;
     let mut error = own;
@@ -38,7 +38,7 @@ pub(super) fn light_contact_distance(scene: &Scene, domain: BoundingSphere, ligh
             if (point.p - position).dot(point.ng).abs() <= own + surface_error {
                 error = error.max(own + surface_error);
             }
-            // The error is at least one step of the coordinates there, so the start moves on.
+            // Each step advances by at least one unit in the last place, so the loop ends.
             from = (from + hit.t + surface_error).max(from.next_up());
         }
     }

@@ -21,14 +21,14 @@ pub(super) struct DeltaLight {
     pub motion: Option<Motion>,
 }
 
-/// The lights in scene coordinates: delta lights at rest, moving ones, area lights, and the
-/// environment.
+/// The lights in scene coordinates, in this order: delta lights at rest, moving delta lights, area
+/// lights, environment light.
 pub(super) struct CollectedLights {
     pub lights: Vec<Light>,
     pub legacy_lights: Vec<LegacyLight>,
-    /// Moving delta lights, by their index.
+    /// Moving delta lights: index in `lights`, description, strength and motion.
     pub moving: Vec<(usize, DeltaLightKind, LightStrength, Motion)>,
-    /// The area light that each object is.
+    /// Index of each object's area light.
     pub of_object: Vec<Option<u32>>,
 }
 
@@ -98,7 +98,8 @@ impl CollectedLights {
     }
 }
 
-/// The lights with their mean radiance in place of emission textures; empty if there are none.
+/// The lights, with emission textures replaced by their mean radiance; empty if no light has a
+/// texture.
 pub(in crate::scene) fn mean_emission_lights(lights: &[Light]) -> Vec<Light> {
     let textured = |light: &Light| matches!(light, Light::Area(area) if area.texture.is_some());
     if !lights.iter().any(textured) {

@@ -30,7 +30,7 @@ use recenter::choose_origin;
 use std::sync::Arc;
 use validate::{validate_extent, validate_objects, validate_power};
 
-/// Gathers the parts of a scene in world coordinates.
+/// Builder of a [`Scene`] from parts in world coordinates.
 #[derive(Debug, Default)]
 pub struct SceneBuilder {
     background: Rgb,
@@ -54,7 +54,7 @@ impl SceneBuilder {
         Self::default()
     }
 
-    /// Sets the radiance of rays that escape.
+    /// Sets the radiance of rays that hit nothing.
     pub fn background(&mut self, color: Rgb) -> &mut Self {
         self.background = color;
         self
@@ -101,15 +101,15 @@ impl SceneBuilder {
         self.add_object(ObjectGeometry::Shape(shape), None, material, emission)
     }
 
-    /// Adds an unbounded plane.
+    /// Adds an unbounded plane. `emission` must be zero.
     pub fn plane(&mut self, plane: Plane, material: u32, emission: Rgb) -> &mut Self {
         self.add_object(ObjectGeometry::Plane(plane), None, material, emission)
     }
 
-    /// Adds a mesh: positions, unit normals (one a vertex, or none), and triangles that index its
-    /// vertices.
+    /// Adds a triangle mesh. `normals` are unit vectors, one per vertex, or empty. `triangles`
+    /// index the vertices.
     ///
-    /// Triangles without area are dropped, as no ray hits them.
+    /// Triangles without area are dropped, because no ray hits them.
     pub fn mesh(
         &mut self,
         positions: &[DVec3],
@@ -143,10 +143,10 @@ impl SceneBuilder {
         self
     }
 
-    /// Maps texture coordinates by `kind` onto the object added last, which `to_world` places.
+    /// Sets the texture mapping of the object added last. `to_world` places the mapping.
     ///
-    /// Solid textures are evaluated in the space of the mapping. Without a mapping, texture
-    /// coordinates are the object's own parameters, and the space of solid textures is the world.
+    /// Solid textures are evaluated in the space of the mapping. An object without a mapping has
+    /// its surface parameters as texture coordinates, and solid textures in world space.
     pub fn mapping(&mut self, kind: MappingKind, to_world: &Motion) -> &mut Self {
         if let Some(object) = self.objects.last_mut() {
             object.mapping = Some((kind, to_world.clone()));
@@ -154,8 +154,9 @@ impl SceneBuilder {
         self
     }
 
-    /// Makes the emission of the object added last follow `texture` times `scale` \[W/(m² sr)]. Its
-    /// mean must equal the emission that the object was added with.
+    /// Sets the emission of the object added last to `texture` times `scale` \[W/(m² sr)].
+    ///
+    /// The mean of the product must equal the emission that the object was added with.
     pub fn emission_texture(&mut self, texture: u32, scale: Rgb) -> &mut Self {
         if let Some(object) = self.objects.last_mut() {
             object.emission_texture = Some((texture, scale));
@@ -163,7 +164,7 @@ impl SceneBuilder {
         self
     }
 
-    /// Gives the vertices of the mesh added last texture coordinates, one each.
+    /// Sets the texture coordinates of the mesh added last, one per vertex.
     pub fn texcoords(&mut self, texcoords: &[DVec2]) -> &mut Self {
         self.mesh.add_texcoords(texcoords);
         self
@@ -175,8 +176,8 @@ impl SceneBuilder {
         self
     }
 
-    /// Adds a light that moves while the shutter is open. The motion acts about the light's own
-    /// position.
+    /// Adds a delta light that moves while the shutter is open. The motion acts about the light's
+    /// own position.
     pub fn moving_delta_light(&mut self, kind: DeltaLightKind, strength: LightStrength, motion: &Motion) -> &mut Self {
         let motion = kind.position().map_or_else(|| motion.clone(), |position| motion.around_point(position));
         self.sources.push(DeltaLight { kind, strength, motion: Some(motion) });
@@ -189,9 +190,10 @@ impl SceneBuilder {
         self
     }
 
-    /// Checks, recenters and indexes the scene.
+    /// Builds the scene: checks its parts, chooses the origin and builds hierarchies.
     ///
     /// # Errors
+    ///
     /// [`BuildError`] if the parts cannot be rendered.
     pub fn build(self, camera: Camera) -> Result<Scene, BuildError> {
         validate_objects(&self.objects, &self.mesh)?;

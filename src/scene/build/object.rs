@@ -6,14 +6,14 @@ use crate::shape::{MappingKind, Mesh, Plane, Shape, Triangle};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::ops::Range;
 
-/// The least and the greatest corner of a box, in double precision.
+/// Minimum and maximum corner of a box, in double precision.
 pub(super) type Extent = (DVec3, DVec3);
 
-/// An object in world coordinates, or in its own where it moves.
+/// An object in world coordinates, or in the space of its motion if it moves.
 #[derive(Debug)]
 pub(super) struct Object {
     pub geometry: ObjectGeometry,
-    /// Motion to world coordinates; `None` if the object rests.
+    /// Motion that maps to world coordinates; `None` if the object rests.
     pub motion: Option<Motion>,
     /// Index of the material.
     pub material: u32,
@@ -51,7 +51,7 @@ impl Object {
         self.emission != Rgb::ZERO
     }
 
-    /// Rank in the order in which a scene numbers its objects.
+    /// Sort key of objects: shapes, meshes, planes, with moving ones last of each kind.
     ///
     /// Coplanar hits resolve to the lowest index. Emitters come first, so light sampling agrees
     /// with intersection.
@@ -71,16 +71,17 @@ impl Object {
 #[derive(Debug, Default)]
 pub(super) struct MeshData {
     positions: Vec<DVec3>,
-    /// By vertex; zero where a mesh has none. Shorter than `positions` if the last meshes have
-    /// none.
+    /// Unit normals by vertex; zero for a mesh without normals. Shorter than `positions` if the
+    /// last meshes have none.
     normals: Vec<Vec3>,
-    /// By vertex, as with `normals`.
+    /// Texture coordinates by vertex; zero for a mesh without any. Shorter than `positions` if the
+    /// last meshes have none.
     texcoords: Vec<Vec2>,
     pub triangles: Vec<Triangle>,
 }
 
 impl MeshData {
-    /// Adds a mesh, and returns the range of its triangles.
+    /// Adds a mesh without its triangles of zero area. Returns the range of its triangles.
     pub fn add_mesh(&mut self, positions: &[DVec3], normals: &[Vec3], triangles: &[Triangle]) -> Range<u32> {
         let (base, first) = (self.positions.len() as u32, self.triangles.len() as u32);
         self.positions.extend_from_slice(positions);

@@ -13,12 +13,11 @@ use std::sync::Arc;
 
 /// Objects in scene coordinates.
 pub(super) struct PlacedObjects {
-    /// The objects in the order in which the scene numbers them: shapes, meshes, planes; moving
-    /// ones last of each.
+    /// The objects in the order of their indices: shapes, meshes, planes; moving ones last of each.
     pub objects: Vec<Object>,
     pub geometry: PlacedGeometry,
     pub mappings: PlacedMappings,
-    /// Moving shapes, planes and mappings; lights and camera are added later.
+    /// The moving shapes, planes and mappings. Lights and camera are added later.
     pub animation: Animation,
 }
 
@@ -29,19 +28,19 @@ pub(super) struct PlacedGeometry {
     pub first_moving: u32,
     pub planes: Vec<Plane>,
     pub mesh: Arc<Mesh>,
-    /// Triangles of each mesh object.
+    /// Range of triangle indices of each mesh object.
     pub mesh_ranges: Vec<Range<u32>>,
 }
 
 /// Texture mappings in scene coordinates.
 pub(super) struct PlacedMappings {
-    /// The first maps objects without a mapping of their own.
+    /// The first mapping belongs to objects that define none.
     pub list: Vec<TextureMapping>,
-    /// Index into `list` by object.
+    /// Index into `list` of each object's mapping.
     pub of_object: Vec<u32>,
 }
 
-/// Numbers the objects, and places them relative to `origin` at mid-shutter.
+/// Sorts the objects by index, and places them relative to `origin` at mid-shutter.
 pub(super) fn place_objects(
     mut objects: Vec<Object>,
     mesh: MeshData,
@@ -93,8 +92,7 @@ fn place_mappings(objects: &[Object], origin: DVec3, animation: &mut Animation) 
     Ok(mappings)
 }
 
-/// The camera relative to `origin` at mid-shutter. Its motion, if it has one, is added to
-/// `animation`.
+/// The camera relative to `origin` at mid-shutter. Adds its motion to `animation`, if it has one.
 pub(super) fn place_camera(
     camera: &Camera,
     motion: Option<Motion>,
@@ -110,7 +108,7 @@ pub(super) fn place_camera(
 }
 
 impl PlacedGeometry {
-    /// Builds the hierarchies. `light_of_object` holds the area light that each object is.
+    /// Builds the hierarchies. `light_of_object` holds the index of each object's area light.
     pub fn build_hierarchies(
         self,
         objects: &[Object],

@@ -7,25 +7,24 @@ use crate::scene::animation::{MID_SHUTTER, shape_at};
 use crate::shape::Shape;
 use glam::{DVec3, Vec2};
 
-/// Greatest distance from the origin in sizes of an object. Single precision then rounds its
-/// coordinates by at most 2⁻²⁴·2¹² = 2⁻¹² of its size.
+/// Largest accepted ratio of an object's distance from the origin to its size. Single precision
+/// then rounds coordinates by at most 2⁻²⁴·2¹² = 2⁻¹² of the size.
 const MAX_DISTANCE_IN_SIZES: f64 = 4096.0;
 
-/// Bisections that find the least distance: as many as double precision has digits.
+/// Number of bisection steps, enough for the digits of double precision.
 const BISECTIONS: u32 = 64;
 
-/// The camera position, and the distance to what it sees.
+/// Camera position, and distance to the nearest visible shape.
 type CameraView = (DVec3, f64);
 
-/// Something that single precision must resolve.
+/// A region whose details single precision must resolve.
 #[derive(Clone, Copy, Debug)]
 struct PrecisionTarget {
     center: DVec3,
     size: f64,
 }
 
-/// The origin of scene coordinates in the world: see [`origin`]. Without bounded objects, the
-/// camera.
+/// Origin of scene coordinates, in world coordinates. Without bounded objects, the camera position.
 pub(super) fn choose_origin(objects: &[Object], mesh: &MeshData, camera: &Camera) -> Result<DVec3, BuildError> {
     let (mut resting, mut moving, mut meshes) = (Vec::new(), Vec::new(), Vec::new());
     let mut shapes = Vec::new();
@@ -52,12 +51,14 @@ fn extent_union((a, b): Extent, (c, d): Extent) -> Extent {
     (a.min(c), b.max(d))
 }
 
-/// The center of the box around `boxes`, unless a box is too many of its own sizes away from it.
-/// Then the point from which the greatest distance, in own sizes, is least. `None` without boxes.
+/// Origin of scene coordinates for objects with bounding boxes `boxes`; `None` without boxes.
 ///
-/// An example of the second: objects on a huge sphere that is their floor. The second point is at
-/// most twice as far from any object as the first, so no coordinate loses more than one binary
-/// digit by it.
+/// It is the center of all boxes, if no object is farther from the center than
+/// [`MAX_DISTANCE_IN_SIZES`] times its size. Else it minimizes the greatest ratio of distance to
+/// size, for example for small objects on a huge sphere.
+///
+/// The second point is at most twice as far from any object as the first, so coordinates lose at
+/// most one binary digit.
 fn origin_for_extents(boxes: &[Extent], view: Option<CameraView>) -> Option<DVec3> {
     let (min, max) = boxes.iter().copied().reduce(extent_union)?;
     let center = min * 0.5 + max * 0.5;
@@ -75,8 +76,8 @@ fn origin_for_extents(boxes: &[Extent], view: Option<CameraView>) -> Option<DVec
     Some(nearest.clamp(min, max))
 }
 
-/// The camera position, and the distance of the nearest shape in the center or the corners of its
-/// image.
+/// Camera position, and distance of the nearest shape at the center or the corners of the image;
+/// `None` without such a shape.
 fn camera_view(camera: &Camera, shapes: &[&Shape]) -> Option<CameraView> {
     let (position, (width, height)) = (camera.center(), camera.size());
     let local = camera.translated(-position);
@@ -89,8 +90,9 @@ fn camera_view(camera: &Camera, shapes: &[&Shape]) -> Option<CameraView> {
     Some((position, f64::from(distances.reduce(f32::min)?)))
 }
 
-/// The coordinate along `axis` at which the greatest distance of `targets`, in own sizes, is least.
-/// `most` is an upper bound of that distance.
+/// Coordinate along `axis` that minimizes the greatest ratio of distance to size over `targets`.
+///
+/// `most` is an upper bound of that ratio.
 fn minimax_coordinate(targets: &[PrecisionTarget], axis: usize, most: f64) -> f64 {
     let within = |t: f64| {
         let ends =

@@ -8,14 +8,14 @@ use crate::scene::animation::{Animation, shape_at};
 use crate::scene::{BuildError, Scene};
 use crate::shape::Shape;
 
-/// Greatest coordinate. Squares and products of three coordinates stay finite in single precision.
+/// Largest accepted coordinate. The product of three coordinates stays finite in single precision.
 const MAX_COORDINATE: f32 = 1e12;
 
-/// Least extent, 2⁻³⁹. Its rounding error, 2⁻²⁴ of it, has a square of 2⁻¹²⁶, the least normal
-/// number.
+/// Smallest accepted extent, 2⁻³⁹. Its rounding error, 2⁻²⁴ of it, has a square of 2⁻¹²⁶, the least
+/// normal number.
 const MIN_EXTENT: f32 = 1.0 / 549_755_813_888.0;
 
-/// Checks what cannot be rendered at any place or size.
+/// Checks that no unbounded plane emits, and that triangle indices fit 31 bits.
 pub(super) fn validate_objects(objects: &[Object], mesh: &MeshData) -> Result<(), BuildError> {
     let emits = |object: &Object| matches!(object.geometry, ObjectGeometry::Plane(_)) && object.emits();
     if objects.iter().any(emits) {
@@ -45,7 +45,7 @@ pub(super) fn validate_extent(geometry: &PlacedGeometry, animation: &Animation) 
     }
 }
 
-/// Checks that the power of each light is finite. Lights are chosen by the mean of their channels.
+/// Checks that the power of each light, averaged over the channels, is finite.
 pub(super) fn validate_power(scene: &Scene) -> Result<(), BuildError> {
     let domain = scene.photon_domain();
     match scene.lights.iter().position(|light| !color::channel_mean(light.power(domain)).is_finite()) {

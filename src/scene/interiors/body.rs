@@ -2,7 +2,7 @@
 
 use crate::color::Rgb;
 
-/// The inside of a closed dielectric boundary.
+/// A volume enclosed by a dielectric boundary: its refractive index, absorption and medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
     /// Absolute refractive index; 1 is air. For a glass, the index at the d line.
@@ -16,25 +16,25 @@ pub struct Body {
     pub glass: Option<u32>,
     /// Index of the medium inside.
     pub medium: Option<u32>,
-    /// True if the boundary is a null interface: it bounds a medium, but neither reflects nor
-    /// refracts. Other bodies of equal priority displace it.
+    /// True if the boundary is a null interface, which light crosses without reflection or
+    /// refraction. A body of equal priority without this flag displaces the body.
     pub null_interface: bool,
 }
 
 impl Body {
-    /// An empty body with absolute refractive `index`.
+    /// A body of absolute refractive `index` that neither absorbs nor scatters.
     #[must_use]
     pub fn new(index: f32) -> Self {
         Self { index, absorption: Rgb::ZERO, priority: 0, glass: None, medium: None, null_interface: false }
     }
 
-    /// A region of `medium` behind a null interface.
+    /// A region filled with `medium`, bounded by a null interface.
     #[must_use]
     pub fn medium_region(medium: u32) -> Self {
         Self { medium: Some(medium), null_interface: true, ..Self::new(1.0) }
     }
 
-    /// Rank where bodies overlap; the greatest wins.
+    /// Sort key of overlapping bodies; the body of the greatest key wins.
     pub(in crate::scene) fn overlap_rank(&self) -> (u8, bool) {
         (self.priority, !self.null_interface)
     }

@@ -5,7 +5,7 @@ use crate::math::Ray;
 use crate::scene::{Effects, RayCone, Scene};
 use glam::Vec3;
 
-/// The bodies around a point: those that a ray from it leaves before it enters them.
+/// The bodies around point `p`: a ray from `p` leaves them without entering them first.
 pub(in crate::scene) fn interior_at(scene: &Scene, p: Vec3) -> InteriorStack {
     // Neither an axis nor a diagonal: the ray seldom hits flat boundaries edge-on.
     let mut ray = Ray::new(p, Vec3::new(0.267_261_24, 0.801_783_74, 0.534_522_5).normalize());
@@ -17,8 +17,8 @@ pub(in crate::scene) fn interior_at(scene: &Scene, p: Vec3) -> InteriorStack {
             let own = CoincidentFace::from_surface(&surface, surface.is_entering());
             let coincident = coincident_faces_at(scene, &surface);
             let count = |material| entered.iter().filter(|m| **m == material).count();
-            // As in `InteriorStack::stack_after_crossing`, but a body left without being entered was around from
-            // the start.
+            // Follows `InteriorStack::stack_after_crossing`, except that a body left without having
+            // been entered contains the start.
             let spare = usize::from(!own.entering && count(own.material) > 0);
             let pending_entry =
                 |face: &CoincidentFace| count(face.material) <= if face.material == own.material { spare } else { 0 };

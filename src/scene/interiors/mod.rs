@@ -25,25 +25,26 @@ use crate::sampling::Key;
 use coincident::{BoundarySides, boundary_sides};
 use glam::Vec3;
 
-/// The record of interiors that paths keep.
+/// The type of [`Interior`] that paths need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InteriorKind {
-    /// None: [`NoInterior`].
+    /// [`NoInterior`]: paths track nothing.
     Nothing,
-    /// The bodies around: [`InteriorStack`].
+    /// [`InteriorStack`]: paths track bodies.
     Bodies,
-    /// The bodies and media around, and a wavelength: [`SpectralInterior`].
+    /// [`SpectralInterior`]: paths track bodies, media and a wavelength.
     Spectral,
 }
 
-/// How light interacts with a boundary.
+/// The effect of a boundary on a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BoundaryEvent {
-    /// It scatters at a surface.
+    /// The path scatters at the surface.
     Surface,
-    /// It passes unchanged, but shadow rays end there: a body of higher priority fills both sides.
+    /// The path passes unchanged, but a shadow ray is blocked: a body of higher priority fills both
+    /// sides.
     Hidden,
-    /// It passes unchanged, and so do shadow rays: a null interface.
+    /// Paths and shadow rays pass unchanged: a null interface.
     NullInterface,
 }
 
@@ -52,30 +53,31 @@ pub enum BoundaryEvent {
 pub struct CurrentMedium {
     /// Index of the medium.
     pub medium: u32,
-    /// True if the medium fills the scene, false if it fills a body.
+    /// True for the ambient medium, false for the medium of a body.
     pub ambient: bool,
 }
 
-/// The record of interiors along a path: [`SpectralInterior`], [`InteriorStack`] or [`NoInterior`].
+/// The bodies and media around the current point of a path: [`SpectralInterior`], [`InteriorStack`]
+/// or [`NoInterior`].
 ///
-/// Path loops are compiled for each, so that scenes without bodies or media pay nothing for them.
+/// Path loops are compiled for each type, so that scenes without bodies or media pay nothing.
 pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
     /// True if paths may pass through media or carry a wavelength.
     const SPECTRAL: bool;
 
-    /// The record at the start of a camera path along `ray`.
+    /// The interior at the start of a camera path along `ray`.
     fn at_camera(scene: &Scene, ray: &Ray, effects: Effects) -> Self;
 
-    /// The record at the start of a light path from light `light`.
+    /// The interior at the start of a light path from light `light`.
     fn at_light(scene: &Scene, light: usize, effects: Effects) -> Self;
 
-    /// The medium around.
+    /// The medium at the current point.
     #[inline]
     fn current_medium(&self, _: &Scene) -> Option<CurrentMedium> {
         None
     }
 
-    /// The wavelength that the path has sampled.
+    /// The wavelength of the path; `None` before the first dispersive surface.
     #[inline]
     fn wavelength(&self) -> Option<Wavelength> {
         None
@@ -90,23 +92,26 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
         exp_neg(self.optical_depth(scene, distance))
     }
 
-    /// Adds the body that `surface` bounds, if the path can only have started inside it.
+    /// Adds the body that `surface` bounds, if the path leaves it without having entered it. The
+    /// path must then have started inside.
     fn infer_starting_body(&mut self, surface: &SurfaceInteraction<'_>);
 
-    /// The event at `surface`. Sets its BSDF by the refractive indices on both sides. `key` is that
-    /// of the vertex.
+    /// Determines how `surface` affects the path, and sets its BSDF for the refractive indices on
+    /// both sides. `key` is the random key of the vertex.
     fn resolve_boundary(&mut self, scene: &Scene, surface: &mut SurfaceInteraction<'_>, key: Key) -> BoundaryEvent;
 
-    /// Crosses the boundary that `surface` may be, in unit `direction`.
+    /// Enters or leaves the body that `surface` bounds, if any, in unit `direction`.
     fn cross_boundary(&mut self, surface: &SurfaceInteraction<'_>, direction: Vec3);
 
-    /// Factor of the throughput before scattering at `surface`, for a wavelength sampled there.
+    /// Factor of the path throughput that applies before scattering at `surface`; 1 unless a
+    /// wavelength was sampled there.
     #[inline]
     fn wavelength_weight_before_scattering(&mut self, _: &SurfaceInteraction<'_>) -> Rgb {
         Rgb::ONE
     }
 
-    /// Factor of the throughput after scattering at `surface`, for a wavelength sampled there.
+    /// Factor of the path throughput that applies after scattering at `surface`; 1 unless a
+    /// wavelength was sampled there.
     #[inline]
     fn wavelength_weight_after_scattering(&mut self, _: &SurfaceInteraction<'_>, _: bool) -> Rgb {
         Rgb::ONE
@@ -119,7 +124,7 @@ pub(super) fn exp_neg(depth: Rgb) -> Rgb {
     if depth == Rgb::ZERO { Rgb::ONE } else { (-depth).map(libm::expf) }
 }
 
-/// No record: bodies do not absorb, and lie in air.
+/// Tracks nothing: bodies do not absorb, and air surrounds each of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NoInterior;
 
@@ -202,9 +207,10 @@ impl Interior for InteriorStack {
     }
 }
 
-/// The event at `surface`, the boundary of `body`; the body on its inner side; and the interface.
+/// The event at `surface`, which bounds `body`; the body on the inner side; and the interface.
 ///
-/// Finds the boundaries that coincide with `surface`, and sets its roughness to their greatest.
+/// Finds the boundaries that coincide with `surface`, and sets the roughness of `surface` to the
+/// greatest of theirs.
 #[inline]
 fn resolve_interface(
     stack: &InteriorStack,

@@ -1,4 +1,4 @@
-//! The record of interiors for paths in media and for paths with a wavelength.
+//! The interior of paths in media and of paths with a wavelength.
 
 use super::{Body, BoundaryEvent, CurrentMedium, Interior, InteriorStack, resolve_interface};
 use crate::bsdf::{Bsdf, Dielectric, TransportMode};
@@ -8,21 +8,22 @@ use crate::sampling::{Dimension, Key};
 use crate::scene::{Effect, Effects, Scene, SurfaceInteraction};
 use glam::Vec3;
 
-/// Reflectances at which reflected light keeps all wavelengths.
+/// Range of reflectances at which a reflected path keeps all wavelengths.
 ///
-/// The reflectances of all wavelengths then differ by less than a third. They differ more towards
+/// Here the reflectances of all wavelengths differ by less than a third. They differ more near
 /// total reflection, and where both indices are nearly equal.
 const UNDISPERSED_REFLECTANCES: std::ops::Range<f32> = 0.004..0.2;
 
-/// An [`InteriorStack`], and the wavelength of the path once one is sampled.
+/// An [`InteriorStack`] with the wavelength of the path.
 ///
-/// A path samples its wavelength at the first dispersive surface, and keeps it. Faint reflections
-/// from such a surface keep all wavelengths.
+/// A path samples its wavelength at the first dispersive surface, and keeps it. A faint reflection
+/// at that surface keeps all wavelengths.
 #[derive(Clone, Copy, Debug)]
 pub struct SpectralInterior {
     stack: InteriorStack,
     wavelength: Option<Wavelength>,
-    /// The interface of the d line at the surface where the wavelength was just sampled.
+    /// The boundary's BSDF for the d line, where a wavelength is sampled but its weight not yet
+    /// applied.
     sampled_at: Option<Dielectric>,
     effects: Effects,
 }

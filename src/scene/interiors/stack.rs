@@ -7,7 +7,8 @@ use glam::Vec3;
 /// Capacity of the stack. Beyond it, the bodies entered first are dropped.
 const MAX_BODIES: usize = 12;
 
-/// The bodies around a point, in the order of entry (Schmidt and Budge 2002).
+/// The bodies around a point, by material index and in the order of entry (Schmidt and Budge 2002,
+/// "Simple Nested Dielectrics in Ray Traced Images").
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InteriorStack {
     /// Indices of materials.
@@ -15,7 +16,7 @@ pub struct InteriorStack {
     count: u8,
 }
 
-/// A boundary in its surroundings.
+/// The boundary of a body, with the body on its outer side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::scene) struct BodyInterface {
     /// True if light interacts with the boundary. False if a body of higher priority fills both
@@ -32,7 +33,7 @@ impl BodyInterface {
         if self.real { BoundaryEvent::Surface } else { BoundaryEvent::Hidden }
     }
 
-    /// Relative refractive index: the index inside `body` over the index outside.
+    /// Relative refractive index: `index` of `body`, divided by `index` of the outer side.
     #[inline]
     pub fn relative_ior(&self, body: &Body, index: impl Fn(&Body) -> f32) -> f32 {
         index(body) / self.outside.as_ref().map_or(1.0, index)
@@ -70,7 +71,7 @@ impl InteriorStack {
         }
     }
 
-    /// Inserts a body at the bottom of the stack: the path must have started inside it.
+    /// Inserts a body below all others: the path must have started inside it.
     pub(in crate::scene) fn insert_outermost(&mut self, material: u32) {
         if usize::from(self.count) < MAX_BODIES {
             self.bodies.copy_within(0..usize::from(self.count), 1);
@@ -79,19 +80,19 @@ impl InteriorStack {
         }
     }
 
-    /// True if the body is on the stack.
     #[inline]
     pub(in crate::scene) fn contains(&self, material: u32) -> bool {
         self.bodies().contains(&material)
     }
 
-    /// The body that determines absorption and medium, with its material.
+    /// The body of highest priority, with its material index. It determines absorption and medium.
     #[inline]
     pub(in crate::scene) fn top_body<'a>(&self, materials: &'a [Material]) -> Option<(u32, &'a Body)> {
         self.highest_priority_body(materials, |_| true)
     }
 
-    /// The body that determines the refractive index, with its material.
+    /// The body of highest priority that refracts, with its material index. It determines the
+    /// refractive index.
     #[inline]
     pub(in crate::scene) fn top_refracting_body<'a>(&self, materials: &'a [Material]) -> Option<(u32, &'a Body)> {
         self.highest_priority_body(materials, |body| !body.null_interface)
@@ -115,8 +116,8 @@ impl InteriorStack {
         top
     }
 
-    /// The interface at the boundary of `body`, of material `material`, for a path that enters or
-    /// leaves it.
+    /// The interface at the boundary of `body`, which has material index `material`. `entering` is
+    /// true if the path enters the body.
     #[inline]
     pub(in crate::scene) fn interface_at(
         &self,
@@ -137,7 +138,7 @@ impl InteriorStack {
         BodyInterface { real, outside: around.top_refracting_body(materials).map(|(_, body)| *body) }
     }
 
-    /// Crosses a boundary in unit `direction`. `ng` points out of the body.
+    /// Enters or leaves the body of `material` in unit `direction`. `ng` points out of the body.
     #[inline]
     pub(in crate::scene) fn enter_or_leave(&mut self, material: u32, direction: Vec3, ng: Vec3) {
         if direction.dot(ng) < 0.0 { self.enter(material) } else { self.leave(material) }

@@ -1,4 +1,4 @@
-//! The part of a surface over which one lookup filters a texture.
+//! The texture filter footprint of a ray cone on a surface.
 
 use crate::scene::RayCone;
 use crate::scene::geometry::{Geometry, Hit};
@@ -6,7 +6,7 @@ use crate::shape::{SurfacePoint, TexCoord, TextureMapping};
 use crate::texture::{Texture, TextureEvalContext};
 use glam::{DVec2, DVec3, Vec3};
 
-/// Least cosine to the viewer at which the footprint still grows.
+/// Lower bound of the cosine that divides the length of a footprint at grazing angles.
 const MIN_COS: f64 = 1e-3;
 
 /// The footprint of a ray cone on a surface, with derivatives of the texture coordinates.
@@ -18,8 +18,8 @@ pub(in crate::scene) struct Footprint<'a> {
 }
 
 impl<'a> Footprint<'a> {
-    /// The footprint of `cone` at a hit. Across the ray it is as wide as the cone. Along the
-    /// surface it is longer by the inverse cosine to the normal.
+    /// The footprint of `cone` at `hit`. One axis is as long as the cone is wide. The other is
+    /// longer by the inverse cosine to the normal.
     pub fn new(
         geometry: &Geometry,
         mappings: &'a [TextureMapping],
@@ -47,16 +47,16 @@ impl<'a> Footprint<'a> {
         Self { context, coords, mapping }
     }
 
-    /// The lookup context moved by `step` along the surface.
+    /// The lookup context at a point displaced by `step` along the surface.
     pub fn context_moved_by(&self, step: DVec3) -> TextureEvalContext {
         let uv = self.context.uv + DVec2::new(self.coords.du.dot(step), self.coords.dv.dot(step));
         TextureEvalContext { uv, p: self.context.p + self.mapping.vector_to_object(step), ..self.context }
     }
 
-    /// Length of the finite-difference step for a bump map along unit `direction` \[length].
+    /// Length of the finite-difference step of a bump map along unit `direction` \[length].
     ///
-    /// It spans the finest detail of `texture`, and at least half of `width`, the diameter of the
-    /// footprint.
+    /// The step spans the finest detail of `texture`, and at least half of `width`, the footprint's
+    /// diameter.
     pub fn bump_map_step(&self, texture: &Texture, direction: DVec3, width: f64) -> f64 {
         let change = if texture.is_solid() {
             self.mapping.vector_to_object(direction).length()

@@ -23,7 +23,7 @@ pub enum Textured<T> {
         texture: u32,
         /// Factor of the texture's values.
         factor: T,
-        /// Mean of the product. It stands for the texture where textures are not simulated.
+        /// Mean of texture times factor. It replaces the texture if textures are not simulated.
         mean: T,
     },
 }
@@ -35,7 +35,7 @@ impl<T> From<T> for Textured<T> {
 }
 
 impl<T: Copy> Textured<T> {
-    /// The constant, or the mean of texture and factor.
+    /// The constant, or the mean of texture times factor.
     #[inline]
     #[must_use]
     pub fn mean(&self) -> T {
@@ -55,20 +55,22 @@ impl<T: Copy> Textured<T> {
     }
 }
 
-/// Gives material parameters their values at one point (compare pbrt-v4's `TextureEvaluator`).
+/// Evaluates material parameters at one point (compare pbrt-v4's `TextureEvaluator`).
 pub trait ParameterEvaluator {
-    /// Value of a colour.
+    /// Value of a colour parameter.
     fn evaluate_color(&self, parameter: &Textured<Rgb>) -> Rgb;
 
-    /// Value of a number.
+    /// Value of a scalar parameter.
     fn evaluate_scalar(&self, parameter: &Textured<f32>) -> f32;
 
-    /// Roughness α of a conductor. The side of [`PHOTON_STORAGE_ALPHA`] on which it lies must not depend on
-    /// the footprint: camera paths and photon paths divide light transport by it.
+    /// Roughness α of a conductor.
+    ///
+    /// It is on the same side of [`PHOTON_STORAGE_ALPHA`] for every footprint, because camera paths
+    /// and photon paths divide light transport at that value.
     fn evaluate_conductor_roughness(&self, parameter: &Textured<f32>) -> f32;
 }
 
-/// Evaluates parameters to their means.
+/// Evaluates every parameter to its mean.
 #[derive(Clone, Copy, Debug)]
 pub struct MeanEvaluator;
 

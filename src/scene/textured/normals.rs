@@ -7,13 +7,13 @@ use crate::texture::Texture;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
-/// Least cosine between a shading normal and the geometric normal.
+/// Smallest accepted cosine between shading normal and geometric normal.
 const MIN_COS: f32 = 0.05;
 
-/// How a material perturbs shading normals.
+/// A material's perturbation of shading normals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NormalPerturbation {
-    /// Not at all.
+    /// No perturbation.
     None,
     /// A bump map: a texture of heights (Blinn 1978, "Simulation of Wrinkled Surfaces").
     BumpMap {
@@ -24,12 +24,12 @@ pub enum NormalPerturbation {
     },
     /// A normal map in tangent space, by the index of its texture.
     ///
-    /// Red points along growing u, green along growing v, blue outwards. Channels map \[0, 1] to
-    /// \[−1, 1].
+    /// Red points along increasing u, green along increasing v, blue outwards. Channel values in
+    /// \[0, 1] map to \[−1, 1].
     NormalMap(u32),
 }
 
-/// The shading normal at `point`, perturbed by `normals`; it lies in the half space of the
+/// The unit shading normal at `point`, perturbed by `normals`. It lies in the hemisphere of the
 /// geometric normal.
 ///
 /// `width` is the diameter of the footprint \[length].
@@ -75,10 +75,11 @@ pub(in crate::scene) fn perturbed_normal(
     (along * (1.0 - MIN_COS * MIN_COS).sqrt() + ng * MIN_COS).normalize()
 }
 
-/// Orthonormal tangents: along growing u, and towards growing v. `None` where texture coordinates
-/// are constant.
+/// Unit tangents perpendicular to `n` and to each other: along increasing u at constant v, and
+/// across it towards increasing v.
+///
+/// `None` if v is constant along the surface.
 fn texture_tangents(coords: &TexCoord, n: DVec3) -> Option<[DVec3; 2]> {
-    // v is constant across its gradient.
     let across = coords.dv.cross(n).try_normalize()?;
     let u = if across.dot(coords.du) < 0.0 { -across } else { across };
     let v = n.cross(u);

@@ -1,10 +1,10 @@
-//! Processor and wall clock.
+//! Clock that measures processor time and wall time together.
 
 use crate::stats::cpu_seconds;
 use std::ops::{AddAssign, Sub};
 use std::time::Instant;
 
-/// A point in time, or a duration.
+/// Point in time, or duration, on the processor clock and on the wall clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CpuWallTime {
     /// Processor time of all threads \[s]; wall time if the system does not report it.
@@ -28,10 +28,10 @@ impl AddAssign for CpuWallTime {
     }
 }
 
-/// Clock; a parameter so that tests can replace it.
+/// Function that returns the current time. Tests replace it by a synthetic clock.
 pub(super) type ClockFn<'c> = Box<dyn Fn() -> CpuWallTime + 'c>;
 
-/// This system's clocks.
+/// Clock of the operating system; its wall time starts at 0.
 pub(super) fn system_clock() -> ClockFn<'static> {
     let start = Instant::now();
     Box::new(move || {
@@ -47,7 +47,9 @@ pub(super) fn measure_time<T>(clock: &dyn Fn() -> CpuWallTime, work: impl FnOnce
     (done, clock() - before)
 }
 
-/// The processor, where the system tells (Linux), and the threads.
+/// Description such as `AMD EPYC, 8 threads`.
+///
+/// Systems other than Linux do not report the processor; its architecture is given instead.
 pub(super) fn machine_description(threads: usize) -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));

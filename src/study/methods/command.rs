@@ -1,20 +1,22 @@
-//! Commands that repeat a study or a picture.
+//! Shell commands that repeat a study or a picture.
 
 use super::MethodVariant;
 
-/// The scene of a study as the user gave it.
+/// Scene of a study, as given on the command line.
 #[derive(Clone, Debug, Default)]
 pub struct StudiedScene {
     /// Path of the scene file.
     pub scene: String,
-    /// Size of the picture \[pixels]; `None` for that of the scene.
+    /// Width and height of the picture \[pixels]; `None` for the size that the scene defines.
     pub size: Option<(u32, u32)>,
-    /// The command that repeats the study.
+    /// Shell command that repeats the study.
     pub command: String,
 }
 
 impl StudiedScene {
-    /// Command that renders `passes` passes of a variant: the same picture, bit for bit.
+    /// Shell command that renders `passes` passes of `variant`.
+    ///
+    /// Its picture equals that of the study bit for bit.
     pub(super) fn render_command(&self, variant: &MethodVariant, passes: u32) -> String {
         let mut words = ["caustica", "render"].map(str::to_owned).to_vec();
         // A path that begins with a dash would be read as a flag.
@@ -30,13 +32,14 @@ impl StudiedScene {
     }
 }
 
-/// File name with letters, digits and dots; other characters become one dash.
+/// File name made of `label`: each run of other characters than letters, digits and dots becomes
+/// a dash.
 fn label_to_file_name(label: &str) -> String {
     let parts = label.split(|c: char| !(c.is_ascii_alphanumeric() || c == '.')).filter(|part| !part.is_empty());
     parts.collect::<Vec<_>>().join("-")
 }
 
-/// Quotes `words` for a POSIX shell.
+/// Joins `words` to a command line, with quotes for a POSIX shell where necessary.
 #[must_use]
 pub fn shell_quoted(words: &[String]) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "_@%+=:,./-".contains(c);
@@ -56,7 +59,7 @@ mod tests {
     use crate::integrate::{Algorithm, Settings};
 
     #[test]
-    fn a_command_survives_a_shell() {
+    fn render_commands_are_quoted_for_shells() {
         let mut settings = Settings::default();
         settings.camera_paths.seed = 7;
         let flags = ["--integrator", "sppm", "--gather-k", "20"].map(str::to_owned).to_vec();

@@ -1,7 +1,8 @@
 //! Convergence of error, noise and bias: slopes, theory, verdicts, and time to reach an error.
 //!
-//! Slopes are least-squares lines of logarithms over the tail: checkpoints with at least 1/16 of
-//! the last one's passes. Intervals resample seeds; a seed brings all its checkpoints, since these
+//! A slope is that of the least-squares line through the tail of a log-log plot. The tail consists
+//! of the checkpoints with at least 1/16 of the passes of the last checkpoint. Confidence intervals
+//! come from a bootstrap over seeds. It resamples whole seeds, since the checkpoints of a seed
 //! share passes.
 
 mod slopes;

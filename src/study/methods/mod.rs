@@ -1,4 +1,4 @@
-//! Studies of methods: their error over time.
+//! Studies of methods: error against processor time of algorithms with their settings.
 
 mod clock;
 mod command;

@@ -1,4 +1,4 @@
-//! Reference pictures: two independent ones, or one that is taken as exact.
+//! Reference pictures: two independent pictures, or one that is taken as exact.
 
 use super::GroundTruth;
 use super::clock::{measure_time, system_clock};
@@ -13,13 +13,13 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Offset of the references' seeds from the first studied seed.
+/// Offsets of the seeds of both references from the first studied seed.
 const SEED_OFFSETS: [u64; 2] = [1 << 62, 1 << 63];
 
-/// First bytes of a PNG.
+/// First bytes of a PNG file.
 const PNG_SIGNATURE: [u8; 4] = *b"\x89PNG";
 
-/// Reason why a reference cannot be used.
+/// Reason why reference pictures cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum ReferenceError {
     /// The file cannot be read.
@@ -31,13 +31,13 @@ pub enum ReferenceError {
         /// Path of the file.
         path: PathBuf,
     },
-    /// The file is a PNG, which is clipped and rounded.
+    /// The file is a PNG, whose pixels are clipped and rounded.
     #[error("`{}` is a PNG, which is clipped and rounded: use OpenEXR or Radiance HDR", path.display())]
     NotLinear {
         /// Path of the file.
         path: PathBuf,
     },
-    /// The reference has another size.
+    /// The size of the reference differs from the size of the study.
     #[error(
         "`{}` has {} × {} pixels, but the study {} × {}: give --size {}x{}, or a reference of the study's size",
         path.display(), found.0, found.1, wanted.0, wanted.1, found.0, found.1
@@ -58,7 +58,7 @@ pub enum ReferenceError {
     Extent(#[from] SizeError),
 }
 
-/// Two references of equal size; all pixels are finite.
+/// Two reference pictures of equal size with finite pixels.
 #[derive(Clone, Debug)]
 pub struct References {
     source: String,
@@ -69,7 +69,9 @@ pub struct References {
 }
 
 impl References {
-    /// References `a` and `b`; without `b`, `a` is taken as exact.
+    /// Makes references of `a` and `b`. Without `b`, `a` is taken as exact.
+    ///
+    /// `source` describes their origin in reports.
     ///
     /// # Errors
     /// [`ReferenceError::Metric`] if sizes differ or a pixel is not finite.
@@ -86,7 +88,7 @@ impl References {
         Ok(Self { source, error, pair: [a, b], mean, scale })
     }
 
-    /// Reads one or two reference pictures of `size` pixels.
+    /// Reads one or two reference pictures, whose width and height must be `size` \[pixels].
     ///
     /// # Errors
     /// [`ReferenceError`].
@@ -102,11 +104,11 @@ impl References {
         }
     }
 
-    /// Renders two references, each for at least `seconds` of processor time; `None` if
-    /// interrupted. Filter, bounces and effects are those of `settings`, the seeds are far from
-    /// them. `after` is called with passes made and fraction of the time.
+    /// Renders two references with the settings `like`, except for seeds and sample counts.
     ///
-    /// The function finishes whole passes.
+    /// Makes whole passes, until each reference took at least `seconds` of processor time. Calls
+    /// `after` with the number of passes and the fraction of the time. Returns `None` if
+    /// `interrupted` becomes true.
     ///
     /// # Errors
     /// [`ReferenceError`] if a pixel is not finite.
@@ -152,15 +154,15 @@ impl References {
         Self::new(source, a?, Some(b?)).map(Some)
     }
 
-    /// Both pictures; one picture twice if it is exact.
+    /// Both reference pictures. They are equal if a single reference is taken as exact.
     #[must_use]
-    pub fn pair(&self) -> &[Image; 2] {
+    pub fn both_pictures(&self) -> &[Image; 2] {
         &self.pair
     }
 
-    /// Mean of both references and its origin.
+    /// Mean of both references A and B, with its origin and error.
     ///
-    /// Its error is that of its noise, ½√(mean of (A − B)²). A bias that both references share is
+    /// The error is that of its noise, ½√(mean of (A − B)²). A bias that both references share is
     /// unknown.
     #[must_use]
     pub fn ground_truth(&self) -> GroundTruth {
@@ -172,12 +174,14 @@ impl References {
         &self.mean
     }
 
-    /// Scale of relative errors.
+    /// Scale of relative errors, from the mean of both references.
     pub(super) fn relative_scale(&self) -> &RelativeScale {
         &self.scale
     }
 
-    /// (I − A)(I − B) for value I of pixel `i`, summed over channels.
+    /// Unbiased estimate of the squared error of pixel `i` with radiance `value`.
+    ///
+    /// It is (I − A)(I − B) summed over channels, for radiance I and references A and B.
     pub(super) fn unbiased_squared_error(&self, i: usize, value: DVec3) -> f64 {
         let [a, b] = self.pair.each_ref().map(|image| image.pixels()[i].as_dvec3());
         ((value - a) * (value - b)).element_sum()
@@ -197,8 +201,9 @@ fn read_reference(path: &Path, wanted: (u32, u32)) -> Result<Image, ReferenceErr
     Ok(image)
 }
 
-/// Algorithm for references, and the reason: `path` if there are no caustics, which it could miss;
-/// else `hybrid`, whose only bias is blur that shrinks.
+/// Returns the algorithm for rendering references, and the reason for it.
+///
+/// It is `hybrid` if the scene has caustics, which `path` may miss. Else it is `path`.
 #[must_use]
 pub fn reference_algorithm(scene: &Scene, overrides: EffectOverrides) -> (Algorithm, &'static str) {
     let plan = Plan::new(scene, Algorithm::Hybrid.simulates(), overrides);

@@ -4,36 +4,40 @@ use crate::image::Image;
 use crate::integrate::Algorithm;
 use serde::Serialize;
 
-/// Measurements of a method after some passes.
+/// Measurements of a method after a number of passes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Checkpoint {
-    /// Passes made.
+    /// Number of passes of each seed.
     pub passes: u32,
-    /// Processor time of the passes so far, mean over seeds, without setup \[s].
+    /// Processor time of these passes, without setup, mean over seeds \[s].
     pub seconds: f64,
-    /// Wall time of the passes so far, mean over seeds \[s].
+    /// Wall time of these passes, without setup, mean over seeds \[s].
     pub wall: f64,
-    /// Rays of every kind so far, mean over seeds.
+    /// Number of rays of all kinds, mean over seeds.
     pub rays: f64,
-    /// Photon paths so far, mean over seeds.
+    /// Number of emitted photon paths, mean over seeds.
     pub photons: f64,
-    /// Relative squared error of each seed's picture (see
-    /// [`RelativeScale`](crate::image::RelativeScale)). It is unbiased by the noise of the
-    /// references, so it may be negative.
+    /// Relative squared error of each seed's picture, on the
+    /// [`RelativeScale`](crate::image::RelativeScale).
+    ///
+    /// The noise of the references does not bias this estimate, so it may be negative.
     pub squares: Vec<f64>,
-    /// Relative variance between seeds.
+    /// Relative squared noise: variance between seeds, on the same scale as `squares`.
     pub noise2: f64,
-    /// Part of each seed in `noise2`: squared difference to the mean over S seeds, times S/(S − 1).
-    /// Their mean is `noise2`; empty with one seed.
+    /// Contribution of each of S seeds to `noise2`, which is the mean of this list.
+    ///
+    /// It is S/(S − 1) times the squared difference between the picture and the mean over seeds.
+    /// The list is empty with one seed.
     pub noises: Vec<f64>,
-    /// Relative squared bias; unbiased itself, so it may be negative.
+    /// Relative squared bias: mean of `squares` minus `noise2`.
+    ///
+    /// The estimate is unbiased, so it may be negative.
     pub bias2: f64,
-    /// Relative squared error that the error estimate of each seed reports.
+    /// Relative squared error of each seed by the renderer's own error estimate, where finite.
     pub estimated: Vec<f64>,
-    /// Root of the mean squared difference to the truth over pixels, channels and seeds \[W/(m²
-    /// sr)].
+    /// Root mean square difference to the truth over pixels, channels and seeds \[W/(m² sr)].
     pub rmse: f64,
-    /// FLIP of the first seed's picture to the truth, in \[0, 1].
+    /// Mean FLIP difference between the first seed's picture and the truth, in \[0, 1].
     pub flip: f64,
 }
 
@@ -50,33 +54,35 @@ impl Checkpoint {
 pub struct MethodResult {
     /// Unique label, such as `sppm` or `sppm --gather-k 20`.
     pub label: String,
-    /// The algorithm.
+    /// Rendering algorithm.
     pub algorithm: Algorithm,
-    /// Command that renders the last picture of the first seed.
+    /// Shell command that renders the last picture of the first seed.
     pub command: String,
-    /// Setup time of the first seed, with pilots \[s].
+    /// Processor time of preparing the integrator of the first seed, with pilots \[s].
     pub setup: f64,
-    /// Exponent α of the radius law [`shrink`](crate::integrate::shrink); 1 for fixed radii.
+    /// Parameter α of the radius law (Knaus and Zwicker 2011); 1 for fixed radii.
     pub alpha: f64,
-    /// Largest gather radii of the first pass, of the global and of the caustic map; `None` without
-    /// photons \[length].
+    /// Largest gather radius in the first pass of the global and of the caustic map \[length].
+    ///
+    /// `None` if the algorithm has no photons.
     pub radii: Option<[f32; 2]>,
-    /// Checkpoints by passes; each has twice the passes of the previous one, except the last.
+    /// Checkpoints in the order of passes, which are powers of two except at the last checkpoint.
     pub checkpoints: Vec<Checkpoint>,
-    /// The last picture of the first seed.
+    /// Picture of the first seed at the last checkpoint.
     pub picture: Image,
-    /// Relative error of each pixel of the last pictures: root of the mean square over seeds.
+    /// Relative error of each pixel at the last checkpoint: root mean square over seeds.
     pub error: Vec<f32>,
-    /// Mean over seeds of the last pictures, less the truth.
+    /// Mean over seeds of the pictures at the last checkpoint, minus the truth \[W/(m² sr)].
     pub difference: Image,
 }
 
-/// Reference picture.
+/// Picture that errors are measured against.
 #[derive(Clone, Debug)]
 pub struct GroundTruth {
-    /// Origin, such as `auto: 256 passes of hybrid, twice`.
+    /// Origin of the references, such as `auto: 256 passes of hybrid, twice`.
     pub source: String,
-    /// Relative error of the mean of both references from their noise; `None` if taken as exact.
+    /// Relative error of `picture` due to the noise of both references; `None` for a single
+    /// reference, which is taken as exact.
     pub error: Option<f64>,
     /// Mean of both references.
     pub picture: Image,
@@ -87,23 +93,24 @@ pub struct GroundTruth {
 pub struct MethodStudyResult {
     /// Path of the scene file.
     pub scene: String,
-    /// The command that repeats the study.
+    /// Shell command that repeats the study.
     pub command: String,
-    /// Program and version.
+    /// Program name and version.
     pub program: String,
-    /// Processor and threads.
+    /// Processor and number of threads.
     pub machine: String,
-    /// Seeds of each method.
+    /// Number of seeds of each method.
     pub seeds: u32,
     /// Limit of processor time per seed \[s].
     pub budget: f64,
-    /// Smallest fraction of the threads' time that the processor gave to this program; below 0.9
-    /// other programs disturbed.
+    /// Processor time divided by the product of wall time and threads; the minimum over methods.
+    ///
+    /// Below 0.9, other programs disturbed the measurement. It is 1 if processor time is unknown.
     pub share: f64,
     /// Reference picture.
     pub truth: GroundTruth,
-    /// Results by method.
+    /// Results of each method.
     pub methods: Vec<MethodResult>,
-    /// True if the study ended early.
+    /// True if the study was interrupted before its limits.
     pub interrupted: bool,
 }

@@ -1,4 +1,4 @@
-//! Runs methods side by side.
+//! Runs the methods of a study in turns, pass by pass.
 
 use super::clock::{ClockFn, measure_time, system_clock};
 use super::split::{mean_pixel, pixel_errors, separate_noise_and_bias};
@@ -16,40 +16,41 @@ use crate::stats::cpu_seconds;
 use crate::study::StudyError;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Minimum ratio of passes of the last two checkpoints; closer ones are merged.
+/// Minimum ratio of passes between the last two checkpoints; a closer one is dropped.
 const MIN_CHECKPOINT_RATIO: f64 = 1.3;
 
-/// Bytes per pixel of a film and its error estimator.
+/// Memory of a film and its error estimator \[bytes per pixel].
 const BYTES_PER_FILM_PIXEL: u64 = 24 + 192;
 
-/// Bytes per pixel of a picture.
+/// Memory of a picture \[bytes per pixel].
 const BYTES_PER_PICTURE_PIXEL: u64 = 12;
 
-/// Limits of a study; at least one pass of each method is made.
+/// Limits at which the methods of a study stop. At least one pass of each is made.
 #[derive(Clone, Copy, Debug)]
 pub struct StudyLimits {
-    /// Processor time per seed; the round in which its mean reaches this is the last \[s].
+    /// Processor time per seed \[s]. A method stops after the pass in which its mean over seeds
+    /// reaches this.
     pub budget: f64,
-    /// Largest number of passes.
+    /// Largest number of passes; `None` without a limit.
     pub passes: Option<u32>,
 }
 
 /// Progress event of a study.
 #[derive(Clone, Copy, Debug)]
 pub enum StudyProgress<'s> {
-    /// Rounds made; a round is one pass of each seed of each running method.
+    /// A round ended: one pass of each seed of each running method. Holds the number of rounds.
     Round(u32),
-    /// The method with this label reached a checkpoint.
+    /// A method reached a checkpoint. Holds the method's label and the checkpoint.
     Checkpoint(&'s str, &'s Checkpoint),
 }
 
-/// Creates the integrator for a seed.
+/// Function that prepares an integrator with the given seed.
 pub(super) type IntegratorFactory<'a> = Box<dyn Fn(u64) -> Box<dyn Integrator + 'a> + 'a>;
 
-/// Prepared methods of a study.
+/// Prepared study of methods.
 ///
-/// The integrators of all seeds stay in memory while their method runs. Those of the first seed are
-/// prepared at once, the others in the first round.
+/// The integrator of each method's first seed is prepared at once. Those of the other seeds are
+/// prepared in the first round. They stay in memory while their method runs.
 pub struct MethodStudy<'a> {
     size: (u32, u32),
     seeds: u32,
@@ -57,7 +58,7 @@ pub struct MethodStudy<'a> {
     runs: Vec<MethodRun<'a>>,
 }
 
-/// A running variant.
+/// State of one method during a study.
 struct MethodRun<'a> {
     variant: MethodVariant,
     make: IntegratorFactory<'a>,
@@ -70,17 +71,20 @@ struct MethodRun<'a> {
     rays: u64,
     photons: u64,
     checkpoints: Vec<Checkpoint>,
-    /// Last pictures; `None` while the method runs.
+    /// Pictures of the last checkpoint; `None` while the method runs.
     last: Option<FinalPictures>,
 }
 
+/// State of one seed of a method.
 struct SeedRun<'a> {
+    /// Prepared in the first pass, except for the first seed.
     integrator: Option<Box<dyn Integrator + 'a>>,
     film: Film,
     /// Created in the first pass.
     estimator: Option<ErrorEstimator>,
 }
 
+/// Pictures of a method at its last checkpoint; see [`MethodResult`].
 struct FinalPictures {
     passes: u32,
     picture: Image,
@@ -89,11 +93,12 @@ struct FinalPictures {
 }
 
 impl<'a> MethodStudy<'a> {
-    /// Prepares `variants`, each with `seeds` seeds from that of its settings upwards.
+    /// Prepares a study of `variants` with `seeds` consecutive seeds each.
+    ///
+    /// The first seed is that of the variant's settings.
     ///
     /// # Errors
-    /// [`MethodVariantError`] if there is no variant, two have one label, or there are fewer than
-    /// two seeds.
+    /// [`MethodVariantError`] if there is no variant, if labels repeat, or if `seeds` is below two.
     pub fn prepare(scene: &'a Scene, variants: Vec<MethodVariant>, seeds: u32) -> Result<Self, MethodVariantError> {
         let made_by = |variant: MethodVariant| {
             let (algorithm, settings) = (variant.algorithm, variant.settings.clone());
@@ -141,7 +146,7 @@ impl<'a> MethodStudy<'a> {
         Ok(Self { size, seeds, clock, runs })
     }
 
-    /// Memory of the largest pass.
+    /// Numbers of photons that determine the memory of a pass: their maxima over all methods.
     #[must_use]
     pub fn largest_pass_memory(&self) -> Expected {
         self.runs.iter().map(|run| run.expected).fold(Expected::default(), |a, b| Expected {
@@ -151,12 +156,13 @@ impl<'a> MethodStudy<'a> {
         })
     }
 
-    /// Bytes of the pictures of `variants` with `seeds` each.
+    /// Memory of all pictures of a study \[bytes], for a number of variants and of seeds.
     #[must_use]
     pub fn picture_bytes((width, height): (u32, u32), variants: usize, seeds: u32) -> u64 {
         let (variants, seeds) = (variants as u64, u64::from(seeds));
-        // Films; picture, error and difference of each variant; the references with mean and scale;
-        // the means of one variant.
+        // For each variant: films; last picture, difference and error map.
+        // Once: both references and their mean; their scale; pictures and temporary images of the
+        // seeds of one variant.
         let pixel = variants * (BYTES_PER_FILM_PIXEL * seeds + 2 * BYTES_PER_PICTURE_PIXEL + 4)
             + 3 * BYTES_PER_PICTURE_PIXEL
             + 8
@@ -164,8 +170,9 @@ impl<'a> MethodStudy<'a> {
         u64::from(width) * u64::from(height) * pixel
     }
 
-    /// Runs all variants in turns, pass by pass, until each reaches `limits` or `interrupted` is
-    /// true.
+    /// Runs all methods in turns, pass by pass, until each reaches `limits`.
+    ///
+    /// Stops early if `interrupted` becomes true. Calls `after` for each progress event.
     ///
     /// # Errors
     /// [`StudyError`] if a pixel is not finite, or the references have another size.
@@ -197,8 +204,10 @@ impl<'a> MethodStudy<'a> {
         Ok(self.into_result(subject, limits, references, cut))
     }
 
-    /// One pass of each seed of each running variant. Each round starts elsewhere: a slow phase of
-    /// the machine or a cold cache affects all alike.
+    /// Makes one pass of each seed of each running method.
+    ///
+    /// Each round starts with another seed. So a slow phase of the machine or a cold cache affects
+    /// all methods equally.
     fn run_round(&mut self, pass: u32, monitor: &dyn Monitor) {
         let seeds = self.seeds as usize;
         let running = (0..self.runs.len()).filter(|i| self.runs[*i].last.is_none());
@@ -218,7 +227,7 @@ impl<'a> MethodStudy<'a> {
     ) -> MethodStudyResult {
         let threads = rayon::current_num_threads();
         let share = |run: &MethodRun<'_>| run.time.processor / (run.time.wall * threads as f64);
-        // Without processor time the share is unknown.
+        // If the system does not report processor time, the share is unknown.
         let is_known = |share: &f64| share.is_finite() && cpu_seconds().is_some();
         let shares = self.runs.iter().map(share).filter(is_known);
         MethodStudyResult {
@@ -249,7 +258,10 @@ impl MethodRun<'_> {
         self.photons += pass.global.emitted + pass.caustic.emitted;
     }
 
-    /// Measures all seeds after `passes` passes. A last checkpoint replaces a close one before it.
+    /// Measures all seeds after `passes` passes and adds a checkpoint.
+    ///
+    /// `last` is true at the end of the method. The previous checkpoint is then dropped if it is
+    /// close.
     fn add_checkpoint(
         &mut self,
         passes: u32,
@@ -260,7 +272,7 @@ impl MethodRun<'_> {
         let pictures: Vec<Vec<Rgb>> = self.seeds.iter().map(|seed| seed.film.mean()).collect();
         let image = |pixels: Vec<Rgb>| Image::from_pixels(size.0, size.1, pixels);
         for picture in &pictures {
-            // Fails if a pixel is not finite.
+            // The metric fails if a pixel is not finite; its value is not used.
             rmse(&image(picture.clone())?, references.mean())?;
         }
         let measured = separate_noise_and_bias(references, &pictures);

@@ -1,10 +1,10 @@
-//! Splits errors into noise and bias.
+//! Separates the error of a method into noise and bias.
 
 use super::References;
 use crate::color::Rgb;
 use glam::DVec3;
 
-/// Error of a method from pictures of several seeds; see [`Checkpoint`](super::Checkpoint).
+/// Error, noise and bias of a method; [`Checkpoint`](super::Checkpoint) describes the fields.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct NoiseAndBias {
     pub squares: Vec<f64>,
@@ -14,17 +14,17 @@ pub(super) struct NoiseAndBias {
     pub rmse: f64,
 }
 
-/// Splits the error of at least two pictures with different seeds.
+/// Separates noise and bias from at least two pictures of one method with different seeds.
 ///
-/// Let I be a picture, A and B references, all independent. Then E[(I − A)(I − B)] = bias² +
-/// variance of I: the noise of the references cancels.
+/// Let I be a picture, and A and B references, all independent. Then E\[(I − A)(I − B)] is the
+/// squared bias plus the variance of I: the noise of the references cancels.
 pub(super) fn separate_noise_and_bias(references: &References, pictures: &[Vec<Rgb>]) -> NoiseAndBias {
     let seeds = pictures.len() as f64;
     let (mut squares, mut noises) = (vec![0.0; pictures.len()], vec![0.0; pictures.len()]);
     let mut plain = 0.0;
     let scale = references.relative_scale();
     let count = scale.weights().len();
-    // The mean contains each picture, which reduces the variance by this factor.
+    // The mean over seeds contains each picture, which reduces the variance by this factor.
     let whole = seeds / (seeds - 1.0);
     for i in 0..count {
         let mean = mean_pixel(pictures, i);
@@ -49,7 +49,7 @@ pub(super) fn mean_pixel(pictures: &[Vec<Rgb>], i: usize) -> DVec3 {
     pictures.iter().map(|picture| picture[i].as_dvec3()).sum::<DVec3>() / pictures.len() as f64
 }
 
-/// Relative error of each pixel, root of the mean square over seeds; 0 if noise hides it.
+/// Relative error of each pixel: root mean square over seeds; 0 if the mean square is negative.
 pub(super) fn pixel_errors(references: &References, pictures: &[Vec<Rgb>]) -> Vec<f32> {
     let scale = references.relative_scale();
     let square = |i: usize| {

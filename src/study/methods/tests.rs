@@ -12,7 +12,7 @@ use crate::image::{self, Image, WriteOptions};
 use crate::integrate::{Algorithm, CameraPathSettings, Integrator, Monitor, Pass, Settings, Silent};
 use crate::plan::{Effect, EffectOverrides, Effects, Plan};
 use crate::stats::{Counters, cpu_seconds};
-use crate::study::tests::{glass_on_floor, matt};
+use crate::study::tests::{diffuse_sphere_on_floor, glass_sphere_on_floor};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -20,7 +20,7 @@ const SIZE: (u32, u32) = (64, 64);
 const CHANNELS: f64 = 3.0 * 64.0 * 64.0;
 
 /// Uniform noise of standard deviation `sigma`, keyed by `key`.
-fn noise(sigma: f64, key: u64) -> f64 {
+fn uniform_noise(sigma: f64, key: u64) -> f64 {
     // Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators".
     let mut z = key.wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -30,19 +30,19 @@ fn noise(sigma: f64, key: u64) -> f64 {
 }
 
 /// Radiance 1 everywhere plus `bias` and noise.
-fn picture(bias: f64, sigma: f64, name: u64) -> Vec<Rgb> {
-    let value = |i: u64| 1.0 + bias + noise(sigma, (name << 32) + i);
+fn noisy_picture(bias: f64, sigma: f64, name: u64) -> Vec<Rgb> {
+    let value = |i: u64| 1.0 + bias + uniform_noise(sigma, (name << 32) + i);
     let pixel = |i: u64| glam::DVec3::new(value(3 * i), value(3 * i + 1), value(3 * i + 2)).as_vec3();
     (0..u64::from(SIZE.0 * SIZE.1)).map(pixel).collect()
 }
 
-fn image(pixels: Vec<Rgb>) -> Image {
+fn image_from_pixels(pixels: Vec<Rgb>) -> Image {
     Image::from_pixels(SIZE.0, SIZE.1, pixels).unwrap()
 }
 
 /// Two references with noise of this size.
-fn references(sigma: f64) -> References {
-    let [a, b] = [1000, 1001].map(|name| image(picture(0.0, sigma, name)));
+fn references_with_noise(sigma: f64) -> References {
+    let [a, b] = [1000, 1001].map(|name| image_from_pixels(noisy_picture(0.0, sigma, name)));
     References::new("here".into(), a, Some(b)).unwrap()
 }
 
@@ -55,8 +55,8 @@ fn assert_near(found: f64, expected: f64, sigma: f64) {
 #[test]
 fn noise_and_bias_are_separated() {
     let (bias, sigma, reference) = (0.1, 0.2, 0.2);
-    let pictures: Vec<_> = (0..4).map(|seed| picture(bias, sigma, seed)).collect();
-    let found = separate_noise_and_bias(&references(reference), &pictures);
+    let pictures: Vec<_> = (0..4).map(|seed| noisy_picture(bias, sigma, seed)).collect();
+    let found = separate_noise_and_bias(&references_with_noise(reference), &pictures);
     let (bias2, noise2, truth2) = (bias * bias, sigma * sigma, reference * reference);
     let of_mean = |v: f64| 0.5 * v / CHANNELS.sqrt();
     for square in &found.squares {
@@ -72,15 +72,15 @@ fn noise_and_bias_are_separated() {
 
 #[test]
 fn unbiased_pictures_have_no_bias() {
-    let pictures: Vec<_> = (0..4).map(|seed| picture(0.0, 0.2, seed)).collect();
-    let found = separate_noise_and_bias(&references(0.2), &pictures);
+    let pictures: Vec<_> = (0..4).map(|seed| noisy_picture(0.0, 0.2, seed)).collect();
+    let found = separate_noise_and_bias(&references_with_noise(0.2), &pictures);
     assert_near(found.bias2, 0.0, 0.5 * (0.01 + 0.04) / CHANNELS.sqrt());
 }
 
 #[test]
 fn error_map_has_the_mean_error() {
-    let truth = References::new("here".into(), image(picture(0.0, 0.0, 0)), None).unwrap();
-    let pictures = [picture(0.1, 0.0, 0), picture(-0.3, 0.0, 0)];
+    let truth = References::new("here".into(), image_from_pixels(noisy_picture(0.0, 0.0, 0)), None).unwrap();
+    let pictures = [noisy_picture(0.1, 0.0, 0), noisy_picture(-0.3, 0.0, 0)];
     let map = pixel_errors(&truth, &pictures);
     // √(½ · ½(.01 + .09)); f32 pixels near 1 are known to 6e-8, their errors of .1 to 6e-7.
     assert!(map.iter().all(|e| (f64::from(*e) - 0.025f64.sqrt()).abs() < 1e-6), "{}", map[0]);
@@ -126,7 +126,7 @@ impl Integrator for SyntheticRun<'_> {
         self.world.interrupted.fetch_or(interrupts && pass == 2 && self.seed == 0, Ordering::Relaxed);
         let name = (f64::to_bits(cost) >> 40) + 1000 * u64::from(pass) + self.seed;
         let counters = Counters { camera_rays: 10 + self.seed, shadow_rays: 5, ..Counters::default() };
-        let mut pass = Pass { image: picture(bias, sigma, name), counters, ..Pass::default() };
+        let mut pass = Pass { image: noisy_picture(bias, sigma, name), counters, ..Pass::default() };
         pass.global.emitted = 100;
         pass.caustic.emitted = 50;
         pass
@@ -154,7 +154,7 @@ fn run_study<'w>(world: &'w SharedState, fakes: &[SyntheticMethod], limits: Stud
     let study = MethodStudy::new(SIZE, fakes.iter().map(|f| variant(*f)).collect(), 2, clock).unwrap();
     let subject = StudiedScene { scene: "a.txt".into(), ..StudiedScene::default() };
     let mut reported = Vec::new();
-    let found = study.run(&subject, limits, &references(0.0), &world.interrupted, &Silent, |step| {
+    let found = study.run(&subject, limits, &references_with_noise(0.0), &world.interrupted, &Silent, |step| {
         if let StudyProgress::Checkpoint(label, checkpoint) = step {
             reported.push((label.to_owned(), checkpoint.passes));
         }
@@ -216,7 +216,7 @@ fn rounds_start_at_different_methods() {
 }
 
 #[test]
-fn interrupts_end_after_the_round() {
+fn interrupted_method_studies_finish_their_round() {
     let world = SharedState::default();
     let found = run_study(
         &world,
@@ -235,7 +235,7 @@ fn interrupts_end_after_the_round() {
 }
 
 #[test]
-fn errors_follow_the_passes() {
+fn measured_errors_match_synthetic_methods() {
     let found = run_study(
         &SharedState::default(),
         &[SLOW_METHOD, FAST_METHOD],
@@ -266,24 +266,27 @@ fn errors_follow_the_passes() {
 #[test]
 fn references_estimate_their_noise() {
     // The mean of both has half the variance of each: of light 1, √(.2²/2 / 2) = .1.
-    let truth = references(0.2).ground_truth();
+    let truth = references_with_noise(0.2).ground_truth();
     assert_near(truth.error.unwrap(), 0.1, 0.1 / (2.0 * CHANNELS).sqrt() + 5e-4);
-    let exact = References::new("here".into(), image(picture(0.0, 0.0, 0)), None).unwrap();
+    let exact = References::new("here".into(), image_from_pixels(noisy_picture(0.0, 0.0, 0)), None).unwrap();
     assert_eq!(exact.ground_truth().error, None);
 }
 
 #[test]
-fn references_use_a_complete_algorithm() {
-    let (matt, glass) = (matt(8, 6), glass_on_floor(8, 6));
-    assert_eq!(reference_algorithm(&matt, EffectOverrides::PLANNED).0, Algorithm::Path);
+fn reference_algorithm_depends_on_caustics() {
+    let (diffuse_sphere_on_floor, glass) = (diffuse_sphere_on_floor(8, 6), glass_sphere_on_floor(8, 6));
+    assert_eq!(reference_algorithm(&diffuse_sphere_on_floor, EffectOverrides::PLANNED).0, Algorithm::Path);
     assert_eq!(reference_algorithm(&glass, EffectOverrides::PLANNED).0, Algorithm::Hybrid);
     assert_eq!(reference_algorithm(&glass, EffectOverrides::PLANNED.without(Effect::Caustics)).0, Algorithm::Path);
     let render = |seed, interrupted| {
         let like = CameraPathSettings { seed, ..CameraPathSettings::default() };
-        References::render(&matt, &like, 0.0, &AtomicBool::new(interrupted), &Silent, |_, _| {}).unwrap()
+        References::render(&diffuse_sphere_on_floor, &like, 0.0, &AtomicBool::new(interrupted), &Silent, |_, _| {})
+            .unwrap()
     };
     let [first, second] = [0, 1].map(|seed| render(seed, false).unwrap());
-    assert!(first.pair()[0] != first.pair()[1] && first.pair()[0] != second.pair()[0]);
+    assert!(
+        first.both_pictures()[0] != first.both_pictures()[1] && first.both_pictures()[0] != second.both_pictures()[0]
+    );
     assert!(first.ground_truth().source.starts_with("auto: 1 pass of path, twice: "));
     assert!(render(0, true).is_none());
 }
@@ -292,7 +295,7 @@ fn references_use_a_complete_algorithm() {
 fn unusable_references_are_refused_with_a_remedy() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
-    let good = image(picture(0.0, 0.2, 0));
+    let good = image_from_pixels(noisy_picture(0.0, 0.2, 0));
     for name in ["a.exr", "a.png"] {
         image::write(&path(name), &good, &WriteOptions::default()).unwrap();
     }
@@ -302,8 +305,8 @@ fn unusable_references_are_refused_with_a_remedy() {
     assert!(matches!(refused("b.exr", SIZE), ReferenceError::Read(_)));
     let other = refused("a.exr", (64, 63)).to_string();
     assert!(other.contains("64 × 64 pixels, but the study 64 × 63: give --size 64x64"), "{other}");
-    let mut pixels = picture(0.0, 0.0, 0);
+    let mut pixels = noisy_picture(0.0, 0.0, 0);
     pixels[70].x = f32::NAN;
-    let broken = References::new(String::new(), good, Some(image(pixels))).unwrap_err();
+    let broken = References::new(String::new(), good, Some(image_from_pixels(pixels))).unwrap_err();
     assert!(broken.to_string().contains("column 6, row 1"), "{broken}");
 }

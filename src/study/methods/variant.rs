@@ -1,33 +1,32 @@
-//! Methods to compare.
+//! Methods that a study compares, and their checks.
 
 use crate::integrate::{Algorithm, Settings};
 use crate::plan::{Effect, EffectOverrides, Plan};
 use crate::scene::Scene;
 
-/// An algorithm with its settings.
+/// Method of a study: an algorithm with its settings.
 #[derive(Clone, Debug)]
 pub struct MethodVariant {
     /// Unique label, such as `sppm` or `sppm --gather-k 20`.
     pub label: String,
-    /// The algorithm.
+    /// Rendering algorithm.
     pub algorithm: Algorithm,
-    /// Settings, with the first seed.
+    /// Settings. Their seed is the first seed of the method.
     pub settings: Settings,
-    /// Flags of `caustica render` for the algorithm and its settings, without `--seed` and
-    /// `--passes`.
+    /// Flags of `caustica render` that select this method, without `--seed` and `--passes`.
     pub flags: Vec<String>,
 }
 
-/// Reason why variants cannot be compared.
+/// Reason why methods cannot be compared.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MethodVariantError {
-    /// The list is empty.
+    /// The list of methods is empty.
     #[error("there is no method to study")]
     None,
-    /// Two variants have one label.
+    /// Two methods have the same label.
     #[error("`{0}` is given twice")]
     Twice(String),
-    /// One seed cannot separate noise from bias.
+    /// There is only one seed per method, which cannot separate noise from bias.
     #[error("one seed cannot separate noise from bias: use at least two")]
     OneSeed,
 }
@@ -43,8 +42,10 @@ pub(super) fn check_variants(variants: &[MethodVariant], seeds: u32) -> Result<(
     twice.map_or(Ok(()), |(_, v)| Err(MethodVariantError::Twice(v.label.clone())))
 }
 
-/// Global-illumination methods that differ for a scene. Photon methods need a light and a receiver;
-/// `hybrid` equals `path` without caustics.
+/// Global illumination algorithms that give different results for `scene`.
+///
+/// Photon methods need a light, and a surface or medium that stores photons. `hybrid` is left out
+/// in scenes without caustics, where it equals `path`.
 #[must_use]
 pub fn applicable_methods(scene: &Scene, overrides: EffectOverrides) -> Vec<Algorithm> {
     let plan = Plan::new(scene, Algorithm::Hybrid.simulates(), overrides);
@@ -62,32 +63,35 @@ pub fn applicable_methods(scene: &Scene, overrides: EffectOverrides) -> Vec<Algo
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::tests::{glass_on_floor, matt};
+    use crate::study::tests::{diffuse_sphere_on_floor, glass_sphere_on_floor};
 
-    fn variant(label: &str) -> MethodVariant {
+    fn variant_with_label(label: &str) -> MethodVariant {
         let settings = Settings::default();
         MethodVariant { label: label.to_owned(), algorithm: Algorithm::Path, settings, flags: Vec::new() }
     }
 
     #[test]
     fn labels_and_seeds_are_checked() {
-        assert_eq!(check_variants(&[variant("a"), variant("b")], 2), Ok(()));
+        assert_eq!(check_variants(&[variant_with_label("a"), variant_with_label("b")], 2), Ok(()));
         assert_eq!(
-            check_variants(&[variant("a"), variant("b"), variant("a")], 2),
+            check_variants(&[variant_with_label("a"), variant_with_label("b"), variant_with_label("a")], 2),
             Err(MethodVariantError::Twice("a".into()))
         );
         assert_eq!(
-            (check_variants(&[], 2), check_variants(&[variant("a")], 1)),
+            (check_variants(&[], 2), check_variants(&[variant_with_label("a")], 1)),
             (Err(MethodVariantError::None), Err(MethodVariantError::OneSeed))
         );
     }
 
     #[test]
-    fn methods_apply_where_they_differ() {
+    fn applicable_methods_depend_on_caustics() {
         use Algorithm::{Hybrid, Path, Pm, Ppm, Sppm};
-        assert_eq!(applicable_methods(&glass_on_floor(4, 3), EffectOverrides::PLANNED), [Path, Pm, Ppm, Sppm, Hybrid]);
-        assert_eq!(applicable_methods(&matt(4, 3), EffectOverrides::PLANNED), [Path, Pm, Ppm, Sppm]);
+        assert_eq!(
+            applicable_methods(&glass_sphere_on_floor(4, 3), EffectOverrides::PLANNED),
+            [Path, Pm, Ppm, Sppm, Hybrid]
+        );
+        assert_eq!(applicable_methods(&diffuse_sphere_on_floor(4, 3), EffectOverrides::PLANNED), [Path, Pm, Ppm, Sppm]);
         let without = EffectOverrides::PLANNED.without(Effect::Caustics);
-        assert_eq!(applicable_methods(&glass_on_floor(4, 3), without), [Path, Pm, Ppm, Sppm]);
+        assert_eq!(applicable_methods(&glass_sphere_on_floor(4, 3), without), [Path, Pm, Ppm, Sppm]);
     }
 }

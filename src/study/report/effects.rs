@@ -1,4 +1,4 @@
-//! Report of a study of effects: an HTML page, and tables.
+//! HTML report of a study of effects; submodule `data` has CSV and Markdown.
 
 mod data;
 
@@ -8,10 +8,12 @@ use super::html::{escape_html, inline_png};
 use super::picture::{encode_png, exposure_text, negative_part, positive_part, visible_exposure};
 use super::text::{count_text, percent_text, signed_count_text, signed_milliseconds_text, three_digit_text};
 use crate::image::Image;
-use crate::study::{Clock, EffectResult, EffectStudyResult, StudyError};
+use crate::study::{ClockKind, EffectResult, EffectStudyResult, StudyError};
 use std::fmt::Write;
 
-/// A part of a difference below this fraction of the other is noise and not shown.
+/// Minimum ratio between light added and light removed for the smaller part to be shown.
+///
+/// A smaller part is mostly noise.
 const MIN_SHOWN_PART: f64 = 0.1;
 
 const STYLE: &str = "\
@@ -29,20 +31,20 @@ article { border-top: 1px solid #8886; padding: 1.5rem 0; }
 p { max-width: 48rem; } dl { display: grid; grid-template-columns: max-content 1fr; gap: .25rem 1rem; } dt { font-weight: 600; } dd { margin: 0; }
 ";
 
-/// Context of a report.
+/// Facts about a study that its report states.
 #[derive(Clone, Debug)]
 pub struct ReportContext {
-    /// The scene's name.
+    /// Name of the scene.
     pub scene: String,
-    /// The algorithm's name.
+    /// Name of the algorithm.
     pub integrator: &'static str,
-    /// The seed of all pictures.
+    /// Seed of all pictures.
     pub seed: u64,
     /// Exposure of the whole picture \[stops].
     pub exposure: f32,
 }
 
-/// HTML page, also well-formed XML.
+/// Report as an HTML page, which is also well-formed XML.
 ///
 /// # Errors
 /// [`StudyError`] if a picture cannot be encoded.
@@ -84,10 +86,10 @@ pub fn effects_html_page(about: &ReportContext, findings: &EffectStudyResult) ->
     Ok(page)
 }
 
-fn clock_text(clock: Clock) -> &'static str {
+fn clock_text(clock: ClockKind) -> &'static str {
     match clock {
-        Clock::Processor => "of processor time of all threads",
-        Clock::Wall => "of wall time",
+        ClockKind::Processor => "of processor time of all threads",
+        ClockKind::Wall => "of wall time",
     }
 }
 
@@ -137,7 +139,7 @@ fn effects_table_html(findings: &EffectStudyResult) -> String {
     let passes = whole.passes.len() as f64;
     let a_pass = |n: u64| count_text(n as f64 / passes);
     let cells = [
-        format!("{:.1}", 1e3 * whole.seconds() / passes),
+        format!("{:.1}", 1e3 * whole.total_pass_seconds() / passes),
         String::new(),
         format!("{:.1}", 1e3 * whole.setup),
         a_pass(whole.counters.total_rays()),
@@ -201,7 +203,7 @@ fn effect_article_html(finding: &EffectResult) -> Result<String, StudyError> {
 }
 
 fn omitted_effects_html(findings: &EffectStudyResult) -> String {
-    let off: Vec<_> = findings.plan.decisions.iter().filter(|d| !d.on).collect();
+    let off: Vec<_> = findings.plan.decisions.iter().filter(|d| !d.is_simulated).collect();
     if off.is_empty() {
         return String::new();
     }

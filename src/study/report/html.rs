@@ -3,7 +3,7 @@
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-/// Escapes `text` for HTML elements and double-quoted attributes.
+/// Escapes `text` for the content of HTML elements and double-quoted attributes.
 pub(super) fn escape_html(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
@@ -20,7 +20,7 @@ pub(super) fn escape_html(text: &str) -> String {
     escaped
 }
 
-/// Inline PNG of a page with alternative text.
+/// HTML image element with the inline bytes of a PNG; `words` is its alternative text.
 pub(super) fn inline_png(png: &[u8], (width, height): (u32, u32), words: &str) -> String {
     let data = STANDARD.encode(png);
     let words = escape_html(words);
@@ -32,12 +32,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn markup_in_text_is_text() {
+    fn html_markup_is_escaped() {
         assert_eq!(escape_html("a<b & \"c\">\u{7}é\n"), "a&lt;b &amp; &quot;c&quot;&gt;\u{fffd}é\n");
     }
 
     #[test]
-    fn pictures_travel_in_base_64() {
+    fn inline_pictures_are_base64() {
         let image = inline_png(b"\x89PNG", (2, 1), "a \"b\"");
         assert_eq!(
             image,

@@ -1,19 +1,21 @@
-//! Error maps: colour ramps, shared scales, and windows with the largest errors.
+//! Error maps: colour ramps, their scales, and windows with the largest errors.
 
 use crate::image::{Image, RelativeScale, SizeError};
 use crate::study::methods::MethodResult;
 use glam::{DVec3, Vec3};
 
-/// Lowest error of a ramp over the highest: two decades.
+/// Lowest error that a colour ramp resolves, as a fraction of the highest: two decades.
 pub(super) const MIN_RAMP_FRACTION: f64 = 0.01;
 
-/// Fraction of pixels within a scale; fireflies beyond it are clamped.
+/// Quantile of the pixel errors at the upper end of a colour scale. Larger errors are clamped.
 const SCALE_QUANTILE: f64 = 0.99;
 
-/// Edge of a crop \[pixels].
+/// Edge length of a crop \[pixels].
 pub(super) const CROP_SIZE: u32 = 64;
 
-/// Linear RGB of an OKLab colour (Ottosson 2020), clipped to the gamut of a display.
+/// Linear sRGB of a colour in polar OKLab coordinates (Ottosson 2020), clamped to \[0, 1].
+///
+/// `hue` is in degrees.
 fn oklch_to_linear_rgb(lightness: f64, chroma: f64, hue: f64) -> Vec3 {
     let (b, a) = libm::sincos(hue.to_radians());
     let (a, b) = (chroma * a, chroma * b);
@@ -30,16 +32,17 @@ fn oklch_to_linear_rgb(lightness: f64, chroma: f64, hue: f64) -> Vec3 {
     .as_vec3()
 }
 
-/// Ramp from black over violet, red and orange to light yellow, even in lightness, for `t` in \[0,
-/// 1].
+/// Colour ramp from black (`t` = 0) over violet, red and orange to light yellow (`t` = 1).
+///
+/// Lightness is linear in `t`. The result is linear RGB.
 pub(super) fn error_color_ramp(t: f64) -> Vec3 {
     let t = t.clamp(0.0, 1.0);
-    // Chroma is limited near black and white.
+    // Few chromas are displayable near black and white.
     let chroma = 0.2 * (1.0 - (2.0 * t - 1.0) * (2.0 * t - 1.0) * (2.0 * t - 1.0) * (2.0 * t - 1.0));
     oklch_to_linear_rgb(0.06 + 0.9 * t, chroma.max(0.0), 300.0 + 160.0 * t)
 }
 
-/// Ramp with blue below zero, black at zero, orange above, for `t` in \[−1, 1].
+/// Colour ramp from blue (`t` = −1) over black (`t` = 0) to orange (`t` = 1), in linear RGB.
 pub(super) fn signed_color_ramp(t: f64) -> Vec3 {
     let t = t.clamp(-1.0, 1.0);
     let hue = if t < 0.0 { 250.0 } else { 65.0 };
@@ -47,8 +50,8 @@ pub(super) fn signed_color_ramp(t: f64) -> Vec3 {
     oklch_to_linear_rgb(0.9 * t.abs(), 0.13 * t.abs().sqrt(), hue)
 }
 
-/// Upper end of a scale: the 99 % quantile, rounded up to 1, 2 or 5 of a decade; `None` if no value
-/// is positive.
+/// Upper end of a colour scale: 99 % quantile of the positive values, rounded up to 1, 2 or 5
+/// times a power of ten. `None` if no value is positive.
 pub(super) fn color_scale_maximum(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.filter(|v| *v > 0.0 && v.is_finite()).collect();
     if values.is_empty() {
@@ -61,7 +64,7 @@ pub(super) fn color_scale_maximum(values: impl Iterator<Item = f64>) -> Option<f
     Some(up * decade)
 }
 
-/// Map of the relative error of each pixel, in decades below `most`.
+/// Colour map of the relative error of each pixel, logarithmic from `most` / 100 to `most`.
 pub(super) fn error_map(method: &MethodResult, most: f64) -> Result<Image, SizeError> {
     let colour = |e: &f32| {
         let e = f64::from(*e);
@@ -75,14 +78,14 @@ pub(super) fn error_map(method: &MethodResult, most: f64) -> Result<Image, SizeE
     Image::from_pixels(picture.width(), picture.height(), method.error.iter().map(colour).collect())
 }
 
-/// Mean difference over channels, relative to local radiance.
+/// Difference of each pixel, mean over channels, divided by the local `scale` of the truth.
 pub(super) fn relative_differences(difference: &Image, scale: &RelativeScale) -> Vec<f64> {
-    // Weights include the mean over three channels.
+    // Weights contain a factor of 1/3 for the mean over channels.
     let pairs = difference.pixels().iter().zip(scale.weights());
     pairs.map(|(d, w)| d.as_dvec3().element_sum() / 3.0 * (3.0 * w).sqrt()).collect()
 }
 
-/// Map of relative differences, up to ±`most`.
+/// Colour map of relative differences from −`most` to `most`, with the size of `method`'s picture.
 pub(super) fn difference_map(method: &MethodResult, relative: &[f64], most: f64) -> Result<Image, SizeError> {
     let picture = &method.picture;
     Image::from_pixels(
@@ -92,7 +95,7 @@ pub(super) fn difference_map(method: &MethodResult, relative: &[f64], most: f64)
     )
 }
 
-/// A rectangle of pixels.
+/// Rectangle of pixels of a picture; `x` counts from the left, `y` from the top.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PixelWindow {
     pub(super) x: u32,
@@ -102,8 +105,8 @@ pub(super) struct PixelWindow {
 }
 
 impl PixelWindow {
-    /// The pixels inside the window.
-    pub(super) fn crop(self, image: &Image) -> Result<Image, SizeError> {
+    /// Copies the pixels of `image` inside the window.
+    pub(super) fn crop_image(self, image: &Image) -> Result<Image, SizeError> {
         let pixels = (self.y..self.y + self.height)
             .flat_map(|y| (self.x..self.x + self.width).map(move |x| image.get(x, y).unwrap_or(Vec3::ZERO)));
         Image::from_pixels(self.width, self.height, pixels.collect())
@@ -114,8 +117,9 @@ impl PixelWindow {
     }
 }
 
-/// Up to `count` disjoint windows with the largest squared errors; each method is weighted by its
-/// own mean.
+/// Up to `count` disjoint windows with the largest sums of squared errors over all methods.
+///
+/// The squared errors of each method are divided by their mean over the picture.
 pub(super) fn largest_error_windows(methods: &[MethodResult], count: usize) -> Vec<PixelWindow> {
     let Some(first) = methods.first() else { return Vec::new() };
     let (width, height) = (first.picture.width(), first.picture.height());
@@ -128,7 +132,7 @@ pub(super) fn largest_error_windows(methods: &[MethodResult], count: usize) -> V
             sum.iter_mut().zip(&method.error).for_each(|(sum, e)| *sum += square(e) / mean);
         }
     }
-    // Summed-area table: sum over all pixels left of and above.
+    // Summed-area table (Crow 1984): each entry is the sum over all pixels left and above.
     let mut table = vec![0.0; (w + 1) * (h + 1)];
     for y in 0..h {
         let mut row = 0.0;

@@ -1,4 +1,4 @@
-//! Report of a study of methods, as a page and as data.
+//! HTML report of a study of methods; submodule `data` has CSV, JSON and Markdown.
 
 mod analysis;
 mod data;
@@ -19,8 +19,10 @@ use warnings::study_warnings;
 const STYLE: &str = include_str!("methods/page.css");
 const SCRIPT: &str = include_str!("methods/flip.js");
 
-/// HTML page, also well-formed XML. It contains its pictures, style and a short script, and needs
-/// no other file. Without scripts the pictures stand below each other.
+/// Report as an HTML page, which is also well-formed XML.
+///
+/// The page contains its pictures, styles and a short script, and needs no other file. If scripts
+/// are disabled, the pictures stand below each other.
 ///
 /// # Errors
 /// [`StudyError`] if a picture cannot be encoded, or differs in size from the truth.
@@ -63,7 +65,7 @@ pub fn methods_html_page(found: &MethodStudyResult) -> Result<String, StudyError
     Ok(page)
 }
 
-/// Explanation of the terms.
+/// Explanation of errors and slopes at the end of the page.
 const READING_GUIDE_HTML: &str = "<h2>How to read this</h2>\n\
 <p>Errors are relative: the root of the mean squared difference to the truth, divided by local radiance and that of a typical \
 pixel. Noise differs between seeds; bias is common to all seeds. error² = noise² + bias². \

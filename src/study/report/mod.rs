@@ -1,4 +1,4 @@
-//! Reports of studies: pages, tables and data.
+//! Reports of studies: HTML pages, tables and data files.
 
 pub mod effects;
 mod html;

@@ -1,24 +1,24 @@
-//! Pictures of differences at an exposure that makes them visible.
+//! Encodes pictures for reports, at an exposure that makes them visible.
 
 use crate::image::{Image, MAX_EXPOSURE_STOPS, OutputFormat, ToneCurve, ToneMap, WriteOptions, encode};
 use crate::study::StudyError;
 use glam::Vec3;
 
-/// Fraction of the pixels above black that may be clipped.
-const CLIPPED: f64 = 0.01;
+/// Fraction of the non-black pixels that may be clipped.
+const MAX_CLIPPED_FRACTION: f64 = 0.01;
 
-/// PNG bytes of `image` at an exposure of `stops`.
+/// Bytes of `image` as a PNG at an exposure of `stops`.
 pub(super) fn encode_png(image: &Image, stops: f32) -> Result<Vec<u8>, StudyError> {
     let tone = ToneMap { curve: ToneCurve::Srgb, exposure_stops: stops };
     Ok(encode(OutputFormat::Png, image, &WriteOptions { tone, ..WriteOptions::default() })?.0)
 }
 
-/// The positive part of a difference.
+/// Positive part of a difference picture: negative channels become 0.
 pub(super) fn positive_part(difference: &Image) -> Result<Image, StudyError> {
     map_pixels(difference, |d| d.max(Vec3::ZERO))
 }
 
-/// The negative part of a difference, with its sign reversed.
+/// Negative part of a difference picture, with reversed sign: positive channels become 0.
 pub(super) fn negative_part(difference: &Image) -> Result<Image, StudyError> {
     map_pixels(difference, |d| (-d).max(Vec3::ZERO))
 }
@@ -28,18 +28,20 @@ fn map_pixels(difference: &Image, of: fn(Vec3) -> Vec3) -> Result<Image, StudyEr
     Ok(Image::from_pixels(difference.width(), difference.height(), pixels)?)
 }
 
-/// Exposure in whole stops at which `image` fills the range of a display; `None` if it is black.
+/// Exposure in whole stops at which `image` fills the range of a display; `None` if black.
+///
+/// One percent of the non-black pixels may be clipped.
 pub(super) fn visible_exposure(image: &Image) -> Option<f32> {
     let mut peaks: Vec<f32> = image.pixels().iter().map(|p| p.max_element()).filter(|p| *p > 0.0).collect();
     if peaks.is_empty() {
         return None;
     }
-    let at = ((peaks.len() - 1) as f64 * (1.0 - CLIPPED)) as usize;
+    let at = ((peaks.len() - 1) as f64 * (1.0 - MAX_CLIPPED_FRACTION)) as usize;
     let (_, peak, _) = peaks.select_nth_unstable_by(at, f32::total_cmp);
     Some((-libm::log2f(*peak)).floor().clamp(-MAX_EXPOSURE_STOPS, MAX_EXPOSURE_STOPS))
 }
 
-/// An exposure as text: `+1 stop`, `0 stops`, `-3 stops`.
+/// Text of an exposure, such as `+1 stop`, `0 stops` or `-3 stops`.
 pub(super) fn exposure_text(stops: f32) -> String {
     let sign = if stops > 0.0 { "+" } else { "" };
     format!("{sign}{stops} {}", if stops.abs() == 1.0 { "stop" } else { "stops" })
@@ -49,24 +51,27 @@ pub(super) fn exposure_text(stops: f32) -> String {
 mod tests {
     use super::*;
 
-    fn gray(values: &[f32]) -> Image {
+    fn gray_image(values: &[f32]) -> Image {
         Image::from_pixels(values.len() as u32, 1, values.iter().map(|v| Vec3::splat(*v)).collect()).unwrap()
     }
 
     #[test]
-    fn both_parts_make_the_difference() {
-        let difference = gray(&[0.5, -0.25, 0.0]);
-        assert_eq!(positive_part(&difference).unwrap(), gray(&[0.5, 0.0, 0.0]));
-        assert_eq!(negative_part(&difference).unwrap(), gray(&[0.0, 0.25, 0.0]));
+    fn positive_and_negative_parts_of_a_difference() {
+        let difference = gray_image(&[0.5, -0.25, 0.0]);
+        assert_eq!(positive_part(&difference).unwrap(), gray_image(&[0.5, 0.0, 0.0]));
+        assert_eq!(negative_part(&difference).unwrap(), gray_image(&[0.0, 0.25, 0.0]));
     }
 
     #[test]
-    fn exposure_shows_what_is_faint_and_ignores_a_firefly() {
+    fn visible_exposure_ignores_fireflies() {
         // 1/10 · 2³ = .8 fits, twice that does not.
         let mut faint = vec![0.1; 200];
         faint[7] = 1e6;
-        assert_eq!(visible_exposure(&gray(&faint)), Some(3.0));
-        assert_eq!((visible_exposure(&gray(&[0.0, 4.0])), visible_exposure(&gray(&[0.0; 3]))), (Some(-2.0), None));
-        assert_eq!(visible_exposure(&gray(&[f32::from_bits(1)])), Some(MAX_EXPOSURE_STOPS));
+        assert_eq!(visible_exposure(&gray_image(&faint)), Some(3.0));
+        assert_eq!(
+            (visible_exposure(&gray_image(&[0.0, 4.0])), visible_exposure(&gray_image(&[0.0; 3]))),
+            (Some(-2.0), None)
+        );
+        assert_eq!(visible_exposure(&gray_image(&[f32::from_bits(1)])), Some(MAX_EXPOSURE_STOPS));
     }
 }

@@ -1,6 +1,6 @@
-//! CSV rows and Markdown tables.
+//! CSV rows and Markdown elements.
 
-/// A row of comma-separated values with line end (RFC 4180).
+/// Row of comma-separated values with its line end (RFC 4180).
 pub(super) fn csv_row<T: AsRef<str>>(cells: &[T]) -> String {
     let quoted = |cell: &T| {
         let cell = cell.as_ref();
@@ -13,7 +13,7 @@ pub(super) fn csv_row<T: AsRef<str>>(cells: &[T]) -> String {
     cells.iter().map(quoted).collect::<Vec<_>>().join(",") + "\r\n"
 }
 
-/// A Markdown table.
+/// Markdown table; escapes all cells.
 pub(super) fn markdown_table(heads: &[&str], rows: &[Vec<String>]) -> String {
     let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
     let mut table = line(heads.iter().map(|head| escape_markdown(head)).collect());
@@ -38,7 +38,7 @@ pub(super) fn escape_markdown(text: &str) -> String {
     escaped
 }
 
-/// A Markdown code block for any text.
+/// Markdown code block of a shell command; its fence is longer than any run of backticks.
 pub(super) fn markdown_code_block(text: &str) -> String {
     let mut longest = 2;
     let mut run = 0;
@@ -55,12 +55,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_separates_is_quoted() {
+    fn csv_rows_quote_separators() {
         assert_eq!(csv_row(&["a", "b, \"c\"", "d\ne"]), "a,\"b, \"\"c\"\"\",\"d\ne\"\r\n");
     }
 
     #[test]
-    fn text_in_markdown_is_text() {
+    fn markdown_markup_is_escaped() {
         let table = markdown_table(&["a|b", "c"], &[vec!["x_y".into(), "1 %".into()]]);
         assert_eq!(table, "| a\\|b | c |\n| --- | --- |\n| x\\_y | 1 % |\n");
         assert_eq!(markdown_code_block("echo ```"), "````sh\necho ```\n````\n");

@@ -1,21 +1,23 @@
-//! Log-log plots as inline SVG, without scripts, for light and dark pages.
+//! Log-log plots as inline SVG, without scripts. Colours suit light and dark pages.
 
 use super::html::escape_html;
 use std::fmt::Write;
 
-/// Colours of Okabe and Ito (2008) by contrast with white and black; the last is that of the text.
+/// Colours of series (Okabe and Ito 2008), in the order of contrast with white and black.
+///
+/// The last is the colour of the text.
 const SERIES_COLORS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "currentColor"];
 
-/// Height of a label [px].
+/// Height of a series label \[px].
 const LABEL_HEIGHT: f64 = 16.0;
 
-/// Upper bound of a letter's width [px].
+/// Upper bound of the width of a letter \[px].
 const MAX_LETTER_WIDTH: f64 = 6.9;
 
-/// Letters of a label that are shown; its title has all.
+/// Largest number of letters of a label; longer labels are cut, and their tooltip is complete.
 const MAX_LABEL_LETTERS: usize = 30;
 
-/// Line style.
+/// Line style of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LineStyle {
     /// Solid, with markers.
@@ -24,7 +26,7 @@ pub(super) enum LineStyle {
     Dotted,
 }
 
-/// A polyline; points that are not positive and finite are left out.
+/// Measured line of a plot. Points with a coordinate that is not positive and finite are skipped.
 #[derive(Clone, Debug)]
 pub(super) struct PlotSeries {
     pub(super) label: String,
@@ -32,24 +34,24 @@ pub(super) struct PlotSeries {
     pub(super) style: usize,
     pub(super) stroke: LineStyle,
     pub(super) points: Vec<(f64, f64)>,
-    /// Interval of each point; `None` if unknown.
+    /// Confidence interval of each point; `None` if unknown. May be shorter than `points`.
     pub(super) bars: Vec<Option<[f64; 2]>>,
 }
 
-/// A line of a power law through a point.
+/// Reference line with a given slope through a point.
 #[derive(Clone, Debug)]
 pub(super) struct SlopeGuide {
     pub(super) label: String,
     pub(super) slope: f64,
     pub(super) through: (f64, f64),
-    /// True if the measured line lies above, so that the label goes below.
+    /// True to put the label below the line, since the measured line lies above.
     pub(super) below: bool,
 }
 
-/// A plot of relative errors over seconds.
+/// Log-log plot of relative error over seconds.
 #[derive(Clone, Debug)]
 pub(super) struct LogLogPlot<'a> {
-    /// Identifier, unique in the page.
+    /// HTML identifier, unique on the page.
     pub(super) id: &'a str,
     pub(super) title: &'a str,
     /// Alternative text.
@@ -59,25 +61,26 @@ pub(super) struct LogLogPlot<'a> {
     pub(super) guides: Vec<SlopeGuide>,
 }
 
-/// A logarithmic axis.
+/// Logarithmic axis from value `least` to value `most`.
 #[derive(Clone, Copy)]
 struct LogAxis {
     least: f64,
     most: f64,
-    /// Position of both ends [px].
+    /// Position of `least` \[px].
     from: f64,
+    /// Position of `most` \[px].
     to: f64,
 }
 
 impl LogAxis {
-    /// An axis that contains all values with a margin.
-    fn enclosing(values: impl Iterator<Item = f64>, (from, to): (f64, f64)) -> Option<Self> {
+    /// Axis that contains all drawable values with a margin; `None` if there are none.
+    fn enclosing_values(values: impl Iterator<Item = f64>, (from, to): (f64, f64)) -> Option<Self> {
         let (least, most) =
             values.filter(|v| is_drawable(*v)).fold((f64::MAX, 0.0), |(a, b): (f64, f64), v| (a.min(v), b.max(v)));
         if most <= 0.0 {
             return None;
         }
-        // At least a factor of four, so that a single point has ticks around it.
+        // The axis spans at least a factor of four, so a single point has ticks around it.
         let space = f64::max(1.12, (4.0 * least / most).sqrt());
         Some(Self { least: least / space, most: most * space, from, to })
     }
@@ -87,7 +90,7 @@ impl LogAxis {
         self.from + part * (self.to - self.from)
     }
 
-    /// Ticks: value, and true if it has a label.
+    /// Values of the ticks at 1, 2 and 5 times powers of ten; true for ticks with a label.
     fn ticks(&self) -> Vec<(f64, bool)> {
         let decades = libm::log10(self.most / self.least);
         let first = libm::floor(libm::log10(self.least)) as i32;
@@ -109,12 +112,12 @@ fn is_drawable(value: f64) -> bool {
     value > 0.0 && value.is_finite()
 }
 
-/// CSS colour of a style.
+/// CSS colour of the series with index `style`.
 pub(super) fn series_color(style: usize) -> &'static str {
     SERIES_COLORS[style % SERIES_COLORS.len()]
 }
 
-/// SVG marker of a style at a point.
+/// SVG marker at (`x`, `y`) \[px] of the series with index `style`.
 pub(super) fn marker_svg(style: usize, x: f64, y: f64) -> String {
     // Markers have about equal area.
     let path = |points: &[(f64, f64)]| {
@@ -144,14 +147,14 @@ pub(super) fn marker_svg(style: usize, x: f64, y: f64) -> String {
     }
 }
 
-/// The plot as SVG; `None` if there is nothing to draw.
+/// SVG element of a plot; `None` if there is nothing to draw.
 pub(super) fn plot_svg(plot: &LogLogPlot<'_>) -> Option<String> {
     let (width, height) = plot.size;
     let longest = plot.series.iter().map(|s| shortened_label(&s.label).chars().count()).max()?;
     let right = width - 18.0 - MAX_LETTER_WIDTH * longest as f64;
     let points = || plot.series.iter().flat_map(|s| s.points.iter().filter(|p| is_drawable(p.0) && is_drawable(p.1)));
-    let x = LogAxis::enclosing(points().map(|p| p.0), (58.0, right))?;
-    let y = LogAxis::enclosing(points().map(|p| p.1), (height - 46.0, 12.0))?;
+    let x = LogAxis::enclosing_values(points().map(|p| p.0), (58.0, right))?;
+    let y = LogAxis::enclosing_values(points().map(|p| p.1), (height - 46.0, 12.0))?;
     let LogLogPlot { id, .. } = plot;
     let mut svg = format!(
         "<svg id=\"{id}\" role=\"img\" aria-labelledby=\"{id}-title {id}-desc\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
@@ -222,7 +225,7 @@ fn draw_axes(svg: &mut String, x: &LogAxis, y: &LogAxis, (_, height): (f64, f64)
     );
 }
 
-/// One digit, written out: `0.05`, `20`, `1000`.
+/// Text of a tick value of one significant digit, such as `0.05`, `20` or `1000`.
 fn tick_text(value: f64) -> String {
     let decimals = libm::ceil(-libm::log10(value) - 1e-9).max(0.0) as usize;
     format!("{value:.decimals$}")
@@ -234,7 +237,7 @@ fn draw_guide(svg: &mut String, guide: &SlopeGuide, x: &LogAxis, y: &LogAxis) {
         return;
     }
     let height = |at: f64| y0 * libm::pow(at / x0, guide.slope);
-    // Ends of the guide at the top and bottom; a level line has none.
+    // Time at which the guide has a given value. A horizontal guide reaches no other value.
     let leaves = |value: f64| x0 * libm::pow(value / y0, 1.0 / guide.slope);
     let (mut from, mut to) = (x.least, x.most);
     if guide.slope < 0.0 {
@@ -247,7 +250,7 @@ fn draw_guide(svg: &mut String, guide: &SlopeGuide, x: &LogAxis, y: &LogAxis) {
     }
     let [(x1, y1), (x2, y2)] = [from, to].map(|at| (x.pixel_position(at), y.pixel_position(height(at))));
     let _ = writeln!(svg, "<line class=\"guide\" x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\"/>");
-    // The label is beside the start, away from the measured line.
+    // The label stands at 35 % of the guide, on the side away from the measured line.
     let (dx, dy, anchor) = if guide.below { (-5.0, 13.0, "end") } else { (5.0, -4.0, "start") };
     let (tx, ty) = (x1 + 0.35 * (x2 - x1) + dx, y1 + 0.35 * (y2 - y1) + dy);
     let _ = writeln!(
@@ -257,7 +260,7 @@ fn draw_guide(svg: &mut String, guide: &SlopeGuide, x: &LogAxis, y: &LogAxis) {
     );
 }
 
-/// Draws a line and returns its end.
+/// Draws a series and returns the position of its last point \[px]; `None` without points.
 fn draw_series(svg: &mut String, series: &PlotSeries, id: &str, x: &LogAxis, y: &LogAxis) -> Option<(f64, f64)> {
     let colour = series_color(series.style);
     let mut ends = Vec::new();
@@ -291,7 +294,9 @@ fn draw_series(svg: &mut String, series: &PlotSeries, id: &str, x: &LogAxis, y: 
     ends.last().copied()
 }
 
-/// Labels to the right of the plot, near the ends of their lines, without overlap.
+/// Draws the label of each series to the right of the plot, near the series' end.
+///
+/// Labels do not overlap if there is room for all.
 fn draw_labels(svg: &mut String, mut ends: Vec<((f64, f64), &PlotSeries)>, x: &LogAxis, y: &LogAxis) {
     ends.sort_by(|a, b| a.0.1.total_cmp(&b.0.1));
     let heights = separate_label_heights(&ends.iter().map(|(end, _)| end.1).collect::<Vec<_>>(), (y.to + 4.0, y.from));
@@ -317,7 +322,9 @@ fn shortened_label(label: &str) -> String {
     label.chars().take(MAX_LABEL_LETTERS - 1).chain(['…']).collect()
 }
 
-/// Sorted heights, moved apart as little as possible, within `range` if there is room.
+/// Moves the sorted label positions apart until no two overlap, and up from `bottom`.
+///
+/// They start at `top` or below, unless there is not enough room.
 fn separate_label_heights(heights: &[f64], (top, bottom): (f64, f64)) -> Vec<f64> {
     let mut placed: Vec<f64> = Vec::with_capacity(heights.len());
     for &height in heights {
@@ -337,20 +344,20 @@ fn separate_label_heights(heights: &[f64], (top, bottom): (f64, f64)) -> Vec<f64
 mod tests {
     use super::*;
 
-    fn series(label: &str, style: usize, points: &[(f64, f64)]) -> PlotSeries {
+    fn series_with_points(label: &str, style: usize, points: &[(f64, f64)]) -> PlotSeries {
         PlotSeries { label: label.into(), style, stroke: LineStyle::Solid, points: points.to_vec(), bars: Vec::new() }
     }
 
     #[test]
-    fn labels_do_not_touch() {
+    fn series_labels_do_not_overlap() {
         let placed = separate_label_heights(&[10.0, 11.0, 12.0, 80.0, 99.0, 100.0], (10.0, 100.0));
         assert!(placed.windows(2).all(|pair| pair[1] - pair[0] >= LABEL_HEIGHT - 1e-9), "{placed:?}");
         assert!(placed[0] >= 10.0 - 1e-9 && placed[5] <= 100.0 && placed[1] == 26.0);
     }
 
     #[test]
-    fn a_decade_is_as_long_as_any_other() {
-        let axis = LogAxis::enclosing([0.01, 10.0].into_iter(), (0.0, 300.0)).unwrap();
+    fn log_axis_decades_have_equal_length() {
+        let axis = LogAxis::enclosing_values([0.01, 10.0].into_iter(), (0.0, 300.0)).unwrap();
         assert!(
             (axis.pixel_position(1.0)
                 - axis.pixel_position(0.1)
@@ -363,13 +370,13 @@ mod tests {
         assert!(labelled.len() == 4 && labelled.iter().zip(expected).all(|(a, b)| (a / b - 1.0).abs() < 1e-12));
         assert_eq!([0.05, 0.5, 2.0, 100.0, 0.01].map(tick_text), ["0.05", "0.5", "2", "100", "0.01"]);
         // One point has ticks around it.
-        assert!(LogAxis::enclosing([3.0].into_iter(), (0.0, 1.0)).unwrap().ticks().len() >= 2);
+        assert!(LogAxis::enclosing_values([3.0].into_iter(), (0.0, 1.0)).unwrap().ticks().len() >= 2);
     }
 
     #[test]
-    fn what_has_no_logarithm_is_not_drawn() {
+    fn plots_skip_values_without_logarithm() {
         let draw = |points: &[(f64, f64)]| {
-            let all = vec![series("a<b", 0, points)];
+            let all = vec![series_with_points("a<b", 0, points)];
             plot_svg(&LogLogPlot { id: "p", title: "t", words: "w", size: (400.0, 300.0), series: all, guides: vec![] })
         };
         assert!(draw(&[(0.0, 1.0), (1.0, -1.0), (1.0, f64::NAN)]).is_none());

@@ -1,9 +1,9 @@
-//! Formats numbers for people.
+//! Formats numbers for reports and messages.
 
-/// A count with SI prefix: `250`, `1.9 k`, `12 M`, `-3.4 G`.
+/// Text of a count with SI prefix, such as `250`, `1.9 k`, `12 M` or `-3.4 G`.
 #[must_use]
 pub fn count_text(n: f64) -> String {
-    // 1000 of a unit is 1 of the next.
+    // Values that would round to 1000 of a unit use the next unit.
     let (scale, unit) = match n.abs() {
         999.5e6.. => (1e9, " G"),
         999.5e3.. => (1e6, " M"),
@@ -19,50 +19,50 @@ pub fn count_text(n: f64) -> String {
     }
 }
 
-/// Half a step of the last digit; below it no sign is written.
-const EVEN: f64 = 0.05;
+/// Half a step of the last digit in numbers with one decimal. Smaller numbers are written as 0.
+const HALF_STEP: f64 = 0.05;
 
-/// A signed count: `+1.9 k`, `0`, `-12`.
+/// Text of a count with its sign, such as `+1.9 k`, `0` or `-12`.
 #[must_use]
 pub fn signed_count_text(n: f64) -> String {
     if n >= 0.5 { format!("+{}", count_text(n)) } else { count_text(n) }
 }
 
-/// A difference of `seconds` in signed milliseconds: `+1.9`, `0.0`, `-12.0`.
+/// Text of a time difference in milliseconds with its sign, such as `+1.9`, `0.0` or `-12.0`.
 #[must_use]
 pub fn signed_milliseconds_text(seconds: f64) -> String {
     let ms = 1e3 * seconds;
-    if ms.abs() < EVEN { "0.0".to_owned() } else { format!("{ms:+.1}") }
+    if ms.abs() < HALF_STEP { "0.0".to_owned() } else { format!("{ms:+.1}") }
 }
 
-/// A fraction in percent: `0 %`, `< 0.1 %`, `2.3 %`, `120 %`.
+/// Text of a fraction in percent, such as `0 %`, `< 0.1 %`, `2.3 %` or `120 %`.
 #[must_use]
 pub fn percent_text(part: f64) -> String {
     match 100.0 * part {
         0.0 => "0 %".to_owned(),
-        p if p.abs() < EVEN => "< 0.1 %".to_owned(),
+        p if p.abs() < HALF_STEP => "< 0.1 %".to_owned(),
         p if p.abs() < 9.95 => format!("{p:.1} %"),
         p => format!("{p:.0} %"),
     }
 }
 
-/// An error in percent with three digits: `12.3 %`, `0.0450 %`.
+/// Text of a relative error in percent with three digits, such as `12.3 %` or `0.0450 %`.
 #[must_use]
 pub fn error_percent_text(part: f64) -> String {
     format!("{} %", three_digit_text(100.0 * part))
 }
 
-/// A slope with two digits: `−0.50`, `0.00`.
+/// Text of a slope with two decimals and a typographic minus, such as `−0.50` or `0.00`.
 #[must_use]
 pub fn slope_text(slope: f64) -> String {
     // Adding zero removes the sign of a zero.
     format!("{:.2}", (100.0 * slope).round() / 100.0 + 0.0).replace('-', "−")
 }
 
-/// A time: `0.25 s`, `12.3 s`, `4 min 10 s`, `2 h 5 min`, `3 days`.
+/// Text of a duration, such as `0.250 s`, `12.3 s`, `4 min 10 s`, `2 h 5 min` or `3 days`.
 #[must_use]
 pub fn duration_text(seconds: f64) -> String {
-    // 60 of a unit is 1 of the next.
+    // Values that would round to 60 of a unit use the next unit.
     match seconds {
         s if s.is_nan() || s < 59.95 => format!("{} s", three_digit_text(s)),
         s if s < 3599.5 => minutes_or_hours_text(s.round(), "min", "s"),
@@ -72,7 +72,7 @@ pub fn duration_text(seconds: f64) -> String {
     }
 }
 
-/// `small` units as larger units of sixty each, and the rest.
+/// Text of `small` units, divided into large units of sixty each and the rest.
 fn minutes_or_hours_text(small: f64, large_unit: &str, small_unit: &str) -> String {
     let (large, rest) = ((small / 60.0).floor(), small % 60.0);
     if rest == 0.0 {
@@ -82,7 +82,7 @@ fn minutes_or_hours_text(small: f64, large_unit: &str, small_unit: &str) -> Stri
     }
 }
 
-/// A number with three digits: `0`, `0.0123`, `12.3`, `1.23e-7`.
+/// Text of a number with three digits, such as `0`, `0.0123`, `12.3` or `1.23e-7`.
 #[must_use]
 pub fn three_digit_text(x: f64) -> String {
     match x.abs() {
@@ -102,7 +102,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn amounts_are_short() {
+    fn counts_have_si_prefixes() {
         let cases = [
             (0.0, "0"),
             (-0.3, "0"),
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn times_are_in_units_that_people_use() {
+    fn durations_have_readable_units() {
         let times = [0.25, 12.34, 59.96, 250.0, 3599.9, 7500.0, 3e5, f64::INFINITY].map(duration_text);
         assert_eq!(times, ["0.250 s", "12.3 s", "1 min", "4 min 10 s", "1 h", "2 h 5 min", "3 days", "∞"]);
         assert_eq!([-0.333, -0.001, 0.5].map(slope_text), ["−0.33", "0.00", "0.50"]);
@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn parts_times_and_numbers_keep_what_counts() {
+    fn percents_and_numbers_have_few_digits() {
         assert_eq!([0.0, 1e-5, -0.023, 1.2].map(percent_text), ["0 %", "< 0.1 %", "-2.3 %", "120 %"]);
         assert_eq!([1.23e-3, -4e-5, -0.5].map(signed_milliseconds_text), ["+1.2", "0.0", "-500.0"]);
         let numbers = [0.0, 1.234e-7, 0.00123, 0.0123, 0.123, 1.234, 12.34, 123.4, 12340.0].map(three_digit_text);

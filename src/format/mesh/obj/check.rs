@@ -50,7 +50,7 @@ pub(super) struct CheckedObj {
 pub(super) fn check_obj_lines(text: &str, monitor: &dyn MeshReadMonitor) -> Result<CheckedObj, InvalidObjLine> {
     let chunks = line_chunks(text);
     let chunk_counts: Vec<LineCounts> =
-        chunks.par_iter().map(|chunk| LineCounts::count(&text[chunk.clone()])).collect();
+        chunks.par_iter().map(|chunk| LineCounts::count_lines(&text[chunk.clone()])).collect();
     let mut before = Vec::with_capacity(chunks.len());
     let mut total = LineCounts::default();
     for counts in &chunk_counts {
@@ -63,7 +63,7 @@ pub(super) fn check_obj_lines(text: &str, monitor: &dyn MeshReadMonitor) -> Resu
         .zip(&before)
         .map(|(range, before)| {
             let checked = ChunkChecker::check_chunk(&text[range.clone()], before, &used);
-            monitor.advance(range.len() as u64 / 2);
+            monitor.on_bytes_parsed(range.len() as u64 / 2);
             checked
         })
         .collect();
@@ -111,7 +111,7 @@ struct LineCounts {
 }
 
 impl LineCounts {
-    fn count(text: &str) -> Self {
+    fn count_lines(text: &str) -> Self {
         let mut counts = Self::default();
         for_each_statement(text, |_, line| {
             match line.split_ascii_whitespace().next() {

@@ -18,11 +18,11 @@ use std::path::Path;
 pub(super) use write::write;
 
 /// Memory per coordinate \[bytes]: 8 each in a list of `tobj`, in its mesh and in [`TriangleMesh`].
-const PER_NUMBER: u64 = 8 * 3;
+const BYTES_PER_COORDINATE: u64 = 8 * 3;
 
 /// Memory per corner of a face \[bytes]: three indices in `tobj` (24), one in its mesh (4), and
 /// one in [`TriangleMesh`] (4).
-const PER_CORNER: u64 = 32;
+const BYTES_PER_CORNER: u64 = 32;
 
 /// Parses the triangles of an OBJ file; line and point elements, groups and names are ignored.
 ///
@@ -42,7 +42,11 @@ pub(super) fn read(
         .map_err(|e| MeshError::at_line(path, e.line, e.wrong))?;
     drop(text);
     // The original text is freed, and the following steps take less than it.
-    check_memory(path, PER_NUMBER * checked.numbers as u64 + PER_CORNER * checked.corners as u64, free)?;
+    check_memory(
+        path,
+        BYTES_PER_COORDINATE * checked.numbers as u64 + BYTES_PER_CORNER * checked.corners as u64,
+        free,
+    )?;
     let malformed = |source| MeshError::Malformed { path: path.into(), source };
     let options = tobj::LoadOptions { single_index: true, triangulate: true, ..Default::default() };
     let no_materials = |_: &Path| Ok(Default::default());
@@ -77,7 +81,7 @@ impl BufRead for MonitoredObjReader<'_> {
         if let Some(text) = self.texts.first()
             && self.at == text.len()
         {
-            self.monitor.advance(text.len() as u64 / 2);
+            self.monitor.on_bytes_parsed(text.len() as u64 / 2);
             (self.texts, self.at) = (&self.texts[1..], 0);
             self.skip_empty_texts();
         }

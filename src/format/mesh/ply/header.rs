@@ -24,7 +24,7 @@ pub(super) enum NumberType {
 }
 
 impl NumberType {
-    fn from_name(name: &str) -> Option<Self> {
+    fn from_type_name(name: &str) -> Option<Self> {
         Some(match name {
             "char" | "int8" => Self::I8,
             "uchar" | "uint8" => Self::U8,
@@ -39,7 +39,7 @@ impl NumberType {
     }
 
     /// Size of a number in binary files \[bytes].
-    pub fn size(self) -> usize {
+    pub fn byte_size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,
@@ -193,7 +193,7 @@ impl PlyHeader {
         // The last number of a text may lack white space after it.
         let mut left = bytes - self.bytes + usize::from(self.encoding == PlyEncoding::Ascii);
         for element in &self.elements {
-            let least = element.min_bytes(self.encoding);
+            let least = element.min_element_bytes(self.encoding);
             let needed = usize::try_from(element.count).ok().and_then(|n| n.checked_mul(least));
             match needed.and_then(|needed| left.checked_sub(needed)) {
                 Some(rest) => left = rest,
@@ -212,13 +212,13 @@ impl PlyHeader {
 
 impl PlyElement {
     /// Smallest size of one element in the file \[bytes].
-    pub fn min_bytes(&self, encoding: PlyEncoding) -> usize {
+    pub fn min_element_bytes(&self, encoding: PlyEncoding) -> usize {
         let one = |p: &PlyProperty| {
             // A face has at least three corners.
             let items = if p.role == PropertyRole::Corners { 3 } else { 0 };
             match encoding {
                 PlyEncoding::Ascii => 2 + 2 * items,
-                _ => p.list.unwrap_or(p.item).size() + items * p.item.size(),
+                _ => p.list.unwrap_or(p.item).byte_size() + items * p.item.byte_size(),
             }
         };
         self.properties.iter().map(one).sum()
@@ -262,7 +262,7 @@ fn parse_property<'w>(
     let mut next = || words.next().unwrap_or_default();
     let known = |name: &str| {
         let message = || format!("`{}` is no type of a number", escaped_excerpt(name));
-        NumberType::from_name(name)
+        NumberType::from_type_name(name)
             .ok_or_else(|| (message(), "known are char to uint, int8 to uint32, float and double"))
     };
     let first = next();

@@ -18,13 +18,13 @@ pub(super) use write::write;
 ///
 /// It covers position, normal and texture coordinates (64), a copy of them (64), a flag (1), an
 /// index (4), and an entry of a hash table (20).
-const PER_VERTEX: u64 = 160;
+const BYTES_PER_VERTEX: u64 = 160;
 
 /// Memory per triangle, with unused list capacity \[bytes].
-const PER_TRIANGLE: u64 = 24;
+const BYTES_PER_TRIANGLE: u64 = 24;
 
 /// Memory per corner of the current face, with unused list capacity \[bytes].
-const PER_CORNER: u64 = 8;
+const BYTES_PER_CORNER: u64 = 8;
 
 /// Number of elements between two progress reports.
 const PROGRESS_STRIDE: u64 = 1 << 16;
@@ -46,7 +46,7 @@ pub(super) fn read(
         return Err(MeshError::TooLarge { path: path.into() });
     }
     // The file can hold the header's counts, so the products do not overflow.
-    let needed = PER_VERTEX * count(ElementKind::Vertex) + PER_TRIANGLE * count(ElementKind::Face);
+    let needed = BYTES_PER_VERTEX * count(ElementKind::Vertex) + BYTES_PER_TRIANGLE * count(ElementKind::Face);
     check_memory(path, needed, free)?;
     let mut reader = MeshReader {
         loaded: LoadedMesh::default(),
@@ -148,14 +148,14 @@ impl MeshReader<'_> {
                     ElementKind::Other => skip_element(element, &mut numbers).map_err(ElementErrorCause::from),
                 };
                 read.map_err(|cause| ElementError {
-                    // Errors in text name the line of the last word. Errors in binary files name the
-                    // first byte of the element.
+                    // Errors in text name the line of the last word. Errors in binary files name
+                    // the first byte of the element.
                     position: if header.encoding == PlyEncoding::Ascii { numbers.error_position() } else { start },
                     element: format!("{} {i}", element.name),
                     cause,
                 })?;
                 if i % PROGRESS_STRIDE == PROGRESS_STRIDE - 1 {
-                    self.monitor.advance((numbers.bytes_read() - reported) as u64);
+                    self.monitor.on_bytes_parsed((numbers.bytes_read() - reported) as u64);
                     reported = numbers.bytes_read();
                 }
             }
@@ -211,7 +211,7 @@ impl MeshReader<'_> {
     #[inline]
     fn check_face_memory(&self, n: u64) -> Result<(), ElementErrorCause> {
         let triangles = self.loaded.mesh.triangles.len() as u64 + n - 2;
-        let needed = PER_VERTEX * self.vertices + PER_TRIANGLE * triangles + PER_CORNER * n;
+        let needed = BYTES_PER_VERTEX * self.vertices + BYTES_PER_TRIANGLE * triangles + BYTES_PER_CORNER * n;
         match self.free {
             Some(free) if needed > free => Err(ElementErrorCause::Memory { needed, free }),
             _ => Ok(()),

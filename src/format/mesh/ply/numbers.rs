@@ -3,7 +3,7 @@
 use super::header::NumberType;
 use crate::format::line_error::{MessageAndRemedy, escaped_excerpt};
 
-const CUT: &str = "the file is cut short, or its counts are wrong";
+const TRUNCATED_REMEDY: &str = "the file is cut short, or its counts are wrong";
 
 /// Sequential reader of the numbers in a PLY body.
 pub(super) trait NumberReader {
@@ -30,7 +30,7 @@ impl<const BIG: bool> BinaryNumberReader<'_, BIG> {
     #[inline]
     fn take_bytes<const N: usize>(&mut self) -> Result<[u8; N], MessageAndRemedy> {
         let next = self.bytes.get(self.offset..).and_then(|rest| rest.first_chunk::<N>());
-        let mut bytes = *next.ok_or_else(|| ("the file ends here".to_owned(), CUT))?;
+        let mut bytes = *next.ok_or_else(|| ("the file ends here".to_owned(), TRUNCATED_REMEDY))?;
         self.offset += N;
         if BIG {
             bytes.reverse();
@@ -75,7 +75,7 @@ impl<const BIG: bool> NumberReader for BinaryNumberReader<'_, BIG> {
 
     #[inline]
     fn remaining_capacity(&self, kind: NumberType) -> u64 {
-        ((self.bytes.len() - self.offset) / kind.size()) as u64
+        ((self.bytes.len() - self.offset) / kind.byte_size()) as u64
     }
 }
 
@@ -104,7 +104,7 @@ impl TextNumberReader<'_> {
         }
         self.offset = end;
         if start == end {
-            return Err(("the file ends here".to_owned(), CUT));
+            return Err(("the file ends here".to_owned(), TRUNCATED_REMEDY));
         }
         let not_text = |_| ("there are bytes here that are no text".to_owned(), "export it anew as PLY");
         std::str::from_utf8(&self.bytes[start..end]).map_err(not_text)

@@ -89,7 +89,7 @@ fn sphere_mesh(n: u32) -> TriangleMesh {
 }
 
 /// Union of two meshes.
-fn union_of(mut a: TriangleMesh, b: &TriangleMesh) -> TriangleMesh {
+fn union_of_meshes(mut a: TriangleMesh, b: &TriangleMesh) -> TriangleMesh {
     let base = a.positions.len() as u32;
     a.positions.extend(&b.positions);
     a.triangles.extend(b.triangles.iter().map(|t| t.map(|v| v + base)));

@@ -1,5 +1,6 @@
 //! Damaged meshes and their repair.
 
+use super::super::normals::face_normal;
 use super::super::{MeshRepairs, MeshReport};
 use super::*;
 
@@ -14,10 +15,10 @@ fn all_repairs(mesh: &TriangleMesh) -> MeshRepairs {
 
 #[track_caller]
 fn repaired_mesh(mut broken: TriangleMesh, whole: &MeshReport) -> TriangleMesh {
-    assert_ne!(broken.report(), *whole, "nothing is broken");
+    assert_ne!(broken.mesh_report(), *whole, "nothing is broken");
     let repair = all_repairs(&broken);
     broken.repair(&repair);
-    let report = broken.report();
+    let report = broken.mesh_report();
     // Sums may be taken in another order.
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b.abs();
     assert!(near(report.area, whole.area) && near(report.volume.unwrap(), whole.volume.unwrap()), "{report:?}");
@@ -29,13 +30,13 @@ fn repaired_mesh(mut broken: TriangleMesh, whole: &MeshReport) -> TriangleMesh {
 #[test]
 fn every_kind_of_defect_is_repaired() {
     for whole in [cube_mesh(), torus_mesh(12, 8), sphere_mesh(5)] {
-        let report = whole.report();
+        let report = whole.mesh_report();
         let mut turned = whole.clone();
         turned.triangles.iter_mut().step_by(3).for_each(|t| t.swap(0, 1));
         repaired_mesh(turned, &report);
         let mut inside_out = whole.clone();
         inside_out.reverse_orientation();
-        assert!(inside_out.report().volume.unwrap() < 0.0);
+        assert!(inside_out.mesh_report().volume.unwrap() < 0.0);
         repaired_mesh(inside_out, &report);
         let mut split = whole.clone();
         for (i, t) in split.triangles.iter_mut().enumerate() {
@@ -43,7 +44,7 @@ fn every_kind_of_defect_is_repaired() {
             split.positions.push(split.positions[t[0] as usize] + DVec3::splat(shift));
             t[0] = split.positions.len() as u32 - 1;
         }
-        assert!(!split.report().closed);
+        assert!(!split.mesh_report().closed);
         repaired_mesh(split, &report);
         let mut worn = whole.clone();
         let [a, b, c] = worn.triangles[5];
@@ -80,18 +81,18 @@ fn cavities_face_inward() {
         if i != 1 {
             shell.reverse_orientation();
         }
-        nested = union_of(nested, &shell);
+        nested = union_of_meshes(nested, &shell);
     }
-    nested = union_of(nested, &scaled_and_moved(cube_mesh(), 1.0, DVec3::new(5.0, 0.0, 0.0)));
+    nested = union_of_meshes(nested, &scaled_and_moved(cube_mesh(), 1.0, DVec3::new(5.0, 0.0, 0.0)));
     nested.orient_outward();
     let volume: f64 = shells.iter().map(|(size, sign)| 8.0 * sign * size * size * size).sum();
-    assert!((nested.report().volume.unwrap() - volume - 8.0).abs() < 1e-12);
+    assert!((nested.mesh_report().volume.unwrap() - volume - 8.0).abs() < 1e-12);
     // A shell of another material is no hollow.
-    let mut other = union_of(cube_mesh(), &scaled_and_moved(cube_mesh(), 0.5, DVec3::ZERO));
+    let mut other = union_of_meshes(cube_mesh(), &scaled_and_moved(cube_mesh(), 0.5, DVec3::ZERO));
     other.materials = vec!["a".to_owned(), "b".to_owned()];
     other.triangle_materials = [[0; 12], [1; 12]].concat();
     other.orient_outward();
-    assert!((other.report().volume.unwrap() - 9.0).abs() < 1e-12);
+    assert!((other.mesh_report().volume.unwrap() - 9.0).abs() < 1e-12);
 }
 
 #[test]
@@ -101,7 +102,7 @@ fn open_surfaces_keep_the_majority_orientation() {
     open.triangles.truncate(10);
     open.triangles[4].swap(0, 1);
     let turned = open.orient_outward();
-    assert_eq!((turned, open.report().inconsistent_edges), (1, 0));
+    assert_eq!((turned, open.mesh_report().inconsistent_edges), (1, 0));
     let mut one_sided = moebius_band_mesh(9);
     let before = one_sided.clone();
     assert_eq!(one_sided.orient_outward(), 0);
@@ -116,7 +117,7 @@ fn only_wrong_normals_are_flipped() {
     wound.triangles.iter_mut().for_each(|t| t.swap(0, 1));
     assert_eq!(wound.orient_outward(), right.triangles.len());
     for (t, p) in wound.triangles.iter().zip(&right.triangles) {
-        assert!(wound.face_normal(*t).dot(right.face_normal(*p)) > 0.999);
+        assert!(face_normal(&wound, *t).dot(face_normal(&right, *p)) > 0.999);
     }
     let sides = |mesh: &TriangleMesh| {
         let normals = mesh.normals.clone().unwrap();
@@ -146,10 +147,10 @@ fn a_degenerate_triangle_that_closes_a_slit_stays() {
     // The edge 0–1 of the first face contains vertex 3 of the others.
     let points = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0], [1.0, -1.0, 0.0]];
     let mut slit = triangle_mesh(&points, &[[0, 1, 2], [0, 4, 3], [3, 4, 1], [0, 3, 1]]);
-    let before = slit.report();
+    let before = slit.mesh_report();
     let repair = all_repairs(&slit);
     assert_eq!((slit.repair(&repair).degenerate, before.boundary_edges), (0, 4));
-    assert_eq!(slit.report(), before);
+    assert_eq!(slit.mesh_report(), before);
 }
 
 #[test]

@@ -11,18 +11,18 @@ fn assert_near(a: f64, b: f64) {
 
 #[test]
 fn closed_solids_have_their_area_volume_and_genus() {
-    let report = cube_mesh().report();
+    let report = cube_mesh().mesh_report();
     assert_near(report.area, 24.0);
     assert_near(report.volume.unwrap(), 8.0);
     assert_eq!((report.min, report.max), ([-1.0; 3], [1.0; 3]));
     assert_eq!((report.euler_characteristic, report.genus, report.components), (2, Some(0), 1));
     assert!(report.closed && report.manifold && report.orientable);
-    let report = tetrahedron_mesh().report();
+    let report = tetrahedron_mesh().mesh_report();
     assert_near(report.area, 1.5 + libm::sqrt(3.0) / 2.0);
     assert_near(report.volume.unwrap(), 1.0 / 6.0);
     assert_eq!((report.vertices, report.triangles, report.genus), (4, 4, Some(0)));
     let (n, m) = (40, 30);
-    let report = torus_mesh(n, m).report();
+    let report = torus_mesh(n, m).mesh_report();
     // A regular polygon revolved about the axis: the circle's 2π² R r², times the polygons' shares
     // of their circles.
     let inscribed = |n: u32| f64::from(n) / TAU * libm::sin(TAU / f64::from(n));
@@ -34,13 +34,13 @@ fn closed_solids_have_their_area_volume_and_genus() {
 
 #[test]
 fn open_and_one_sided_surfaces_are_reported() {
-    let report = moebius_band_mesh(20).report();
+    let report = moebius_band_mesh(20).mesh_report();
     assert!(!report.orientable && !report.closed && report.manifold);
     // One border runs around the band twice.
     assert_eq!((report.boundary_edges, report.euler_characteristic, report.volume, report.genus), (40, 0, None, None));
     let mut open = cube_mesh();
     open.triangles.truncate(10);
-    let report = open.report();
+    let report = open.mesh_report();
     assert_eq!((report.closed, report.boundary_edges, report.euler_characteristic), (false, 4, 1));
     assert_eq!(report.volume, None);
 }
@@ -49,22 +49,22 @@ fn open_and_one_sided_surfaces_are_reported() {
 fn defects_are_counted() {
     let mut odd = cube_mesh();
     odd.triangles[0].swap(1, 2);
-    let report = odd.report();
+    let report = odd.mesh_report();
     assert_eq!((report.inconsistent_edges, report.orientable, report.volume), (3, true, None));
     // Two cubes that share an edge: it has four faces; the surface is pinched nowhere else.
-    let two = union_of(cube_mesh(), &scaled_and_moved(cube_mesh(), 1.0, DVec3::new(2.0, 2.0, 0.0)));
-    let report = two.report();
+    let two = union_of_meshes(cube_mesh(), &scaled_and_moved(cube_mesh(), 1.0, DVec3::new(2.0, 2.0, 0.0)));
+    let report = two.mesh_report();
     assert_eq!((report.non_manifold_edges, report.manifold, report.components, report.genus), (1, false, 1, None));
     assert_eq!((report.repeated_vertices, report.non_manifold_vertices), (2, 0));
     assert_near(report.volume.unwrap(), 16.0);
     // Two cubes that share a corner.
-    let two = union_of(cube_mesh(), &scaled_and_moved(cube_mesh(), 1.0, DVec3::splat(2.0)));
-    let report = two.report();
+    let two = union_of_meshes(cube_mesh(), &scaled_and_moved(cube_mesh(), 1.0, DVec3::splat(2.0)));
+    let report = two.mesh_report();
     assert_eq!((report.non_manifold_edges, report.non_manifold_vertices, report.components), (0, 1, 2));
     let mut worn = cube_mesh();
     worn.positions.push(DVec3::ZERO);
     worn.triangles.extend([[0, 0, 1], [3, 1, 0], [0, 3, 1]]);
-    let report = worn.report();
+    let report = worn.mesh_report();
     assert_eq!((report.isolated_vertices, report.degenerate_faces, report.duplicate_faces), (1, 1, 2));
 }
 
@@ -73,14 +73,14 @@ fn texture_seams_are_not_borders() {
     let mut seam = cube_mesh();
     seam.compute_smooth_normals(30.0);
     assert_eq!(seam.positions.len(), 24);
-    let report = seam.report();
+    let report = seam.mesh_report();
     assert!(report.closed && report.normals);
     assert_eq!((report.genus, report.repeated_vertices), (Some(0), 0));
     // Both zeros are one position.
     let mut zeros = tetrahedron_mesh();
     zeros.positions.push(-DVec3::ZERO);
     zeros.triangles[0][0] = 4;
-    assert!(zeros.report().closed);
+    assert!(zeros.mesh_report().closed);
 }
 
 #[test]
@@ -92,7 +92,7 @@ fn solid_meshes_have_no_defect() {
     // A hollow: the inner wall faces inward.
     let mut inner = scaled_and_moved(cube_mesh(), 0.5, DVec3::ZERO);
     inner.reverse_orientation();
-    assert_eq!(union_of(cube_mesh(), &inner).solid_defect(), None);
+    assert_eq!(union_of_meshes(cube_mesh(), &inner).solid_defect(), None);
 }
 
 #[test]

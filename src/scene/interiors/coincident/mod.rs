@@ -1,8 +1,8 @@
-//! Coincident boundaries of bodies.
+//! Coincident boundaries of bodies, such as the face that a liquid shares with its glass.
 //!
-//! A path leaves a boundary from beyond the position error, so it would miss any other boundary
-//! there. If a liquid and its glass share a face, one of the two would never be crossed. So all of
-//! them are crossed at once, entries before exits, as if the bodies overlapped by nothing.
+//! A ray starts outside the position error of the boundary that it leaves, so it would miss a
+//! second boundary within that error. A path therefore crosses all coincident boundaries at once,
+//! entries before exits.
 
 mod search;
 
@@ -12,29 +12,30 @@ use super::{Body, InteriorStack};
 use crate::math::{Ray, offset_ray_origin};
 use crate::scene::{Scene, SurfaceInteraction};
 
-/// Boundaries that may coincide with one hit; more are dropped.
+/// Maximum number of other boundaries at one hit; more are ignored.
 const MAX_COINCIDENT_FACES: usize = 3;
 
-/// A boundary that a path crosses.
+/// A boundary of a body at a hit, and the direction in which the path crosses it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(in crate::scene) struct CoincidentFace {
     /// Index of the material.
     pub material: u32,
     /// True if the path enters the body.
     pub entering: bool,
-    /// The object that it belongs to; 0 if no other face is near.
-    pub object: u32,
+    /// Group number of the boundary (see `Geometry::coincidence_group`); 0 if no other boundary can
+    /// coincide.
+    pub group: u32,
 }
 
 impl CoincidentFace {
-    /// The face of `surface`, a boundary.
+    /// The boundary at `surface`, which must bound a body.
     #[inline]
     pub fn from_surface(surface: &SurfaceInteraction<'_>, entering: bool) -> Self {
-        Self { material: surface.material_index, entering, object: surface.coincidence_group.unwrap_or(0) }
+        Self { material: surface.material_index, entering, group: surface.coincidence_group.unwrap_or(0) }
     }
 }
 
-/// The boundaries that coincide with one hit, in the order of their materials.
+/// The other boundaries at one hit, sorted by material.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(in crate::scene) struct CoincidentFaces([Option<CoincidentFace>; MAX_COINCIDENT_FACES]);
 
@@ -58,11 +59,12 @@ impl CoincidentFaces {
     }
 }
 
-/// The two sides of coincident boundaries.
+/// The bodies on both sides of coincident boundaries.
 pub(super) struct BoundarySides<'a> {
-    /// The refracting body on the near side of the path, with its material; `None` is air.
+    /// The refracting body on the side of the arriving path, with its material index; `None` is
+    /// air.
     pub near: Option<(u32, &'a Body)>,
-    /// The refracting body on the far side.
+    /// The refracting body on the other side, with its material index; `None` is air.
     pub far: Option<(u32, &'a Body)>,
     /// True if all boundaries are null interfaces.
     pub null_interface: bool,
@@ -71,11 +73,11 @@ pub(super) struct BoundarySides<'a> {
 }
 
 impl InteriorStack {
-    /// The stack beyond the boundary `own` and all `coincident` ones.
+    /// The stack after a path crosses boundary `own` and all `coincident` ones.
     ///
-    /// The path may have crossed some of them just before. An entry into a body that is on the
-    /// stack is therefore skipped, unless `own` is about to leave that body. So is an exit from a
-    /// body that is not on the stack.
+    /// The path may have crossed some of them at its previous vertex. An entry into a body on the
+    /// stack is therefore skipped, unless `own` leaves that body. An exit from a body that is not
+    /// on the stack has no effect.
     pub(super) fn stack_after_crossing(&self, own: CoincidentFace, coincident: &CoincidentFaces) -> Self {
         let mut far = *self;
         let count = |material: u32| self.bodies().iter().filter(|m| **m == material).count();
@@ -91,7 +93,7 @@ impl InteriorStack {
     }
 }
 
-/// The two sides of `surface`, the boundary of `body`, and all coincident boundaries.
+/// The bodies on both sides of `surface`, which bounds `body`, and of all coincident boundaries.
 pub(super) fn boundary_sides<'a>(
     stack: &InteriorStack,
     scene: &'a Scene,
@@ -113,7 +115,7 @@ pub(super) fn boundary_sides<'a>(
     BoundarySides { near, far, null_interface, roughness }
 }
 
-/// The boundaries within the position error of `surface`, a boundary, except its own.
+/// The boundaries within the position error of `surface`, without its own.
 #[inline]
 pub(in crate::scene) fn coincident_faces_at(scene: &Scene, surface: &SurfaceInteraction<'_>) -> CoincidentFaces {
     if surface.coincidence_group.is_some() { find_coincident_faces(scene, surface) } else { CoincidentFaces::NONE }
@@ -135,7 +137,7 @@ fn find_coincident_faces(scene: &Scene, surface: &SurfaceInteraction<'_>) -> Coi
         let point = geometry.surface_point(&across, &hit);
         let entering = across.direction.dot(point.ng) < 0.0;
         let material = geometry.object_attributes(hit.kind).material;
-        let face = CoincidentFace { material, entering, object: geometry.coincidence_group(hit.kind) };
+        let face = CoincidentFace { material, entering, group: geometry.coincidence_group(hit.kind) };
         if face != own && scene.materials[material as usize].bounded_body().is_some() {
             faces.add_face(face);
         }

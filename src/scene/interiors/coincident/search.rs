@@ -1,4 +1,4 @@
-//! The search for boundaries of bodies that may coincide with those of other objects.
+//! The search for boundaries that may coincide with a boundary of another object.
 
 use crate::accel::Primitive;
 use crate::math::Bounds;
@@ -8,22 +8,22 @@ use glam::DVec3;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Faces in a leaf of the search tree.
+/// Maximum number of faces in a leaf of the search tree.
 const LEAF_FACES: usize = 8;
 
-/// Pairs tested per face. Beyond this budget, all faces are flagged.
+/// Budget of tested pairs per face. If it runs out, all faces are flagged.
 const PAIRS_PER_FACE: usize = 1000;
 
-/// Margin of a face, relative to coordinates and sizes: the position error of two points (see
-/// `SurfacePoint::error`), and room.
+/// Margin around a face, relative to its coordinates and size. It exceeds the position errors of
+/// two points (see `SurfacePoint::error`).
 const MARGIN: f32 = 16.0 * f32::EPSILON;
 
-/// Flags of primitives on which a boundary of another object may lie. Empty lists mean none.
+/// For each primitive, true if a boundary of another object may lie on it. Empty lists mean false.
 #[derive(Clone, Debug, Default)]
 pub(in crate::scene) struct CoincidentFlags {
     triangles: Arc<[bool]>,
     shapes: Arc<[bool]>,
-    /// True if every primitive counts as flagged: a moving or unbounded boundary may be anywhere.
+    /// True if all primitives are flagged, because a moving or unbounded boundary may be anywhere.
     anywhere: bool,
 }
 
@@ -41,11 +41,11 @@ impl CoincidentFlags {
     }
 }
 
-/// A triangle, or a whole shape.
+/// A triangle or a whole shape that bounds a body.
 struct BoundaryFace {
     primitive: Primitive,
     bounds: Bounds,
-    /// Index of its extent.
+    /// Index of the mesh or shape in the list of extents.
     object: u32,
 }
 
@@ -63,8 +63,9 @@ impl BoundaryExtent {
     }
 }
 
-/// Flags the primitives of `geometry` on which another boundary may lie. `is_boundary` says it of a
-/// material index.
+/// Finds the primitives of `geometry` on which another boundary may lie.
+///
+/// `is_boundary` returns true for a material index that bounds a body.
 pub(in crate::scene) fn find_coincident_flags(
     geometry: &Geometry,
     is_boundary: impl Fn(u32) -> bool,
@@ -164,7 +165,7 @@ struct JoinNode {
     bounds: Bounds,
     members: Range<usize>,
     children: Option<[usize; 2]>,
-    /// The object that all members belong to, if they share one.
+    /// The object of all members; `None` if they belong to several.
     object: Option<u32>,
 }
 

@@ -3,7 +3,7 @@
 use super::*;
 
 fn face(material: u32, entering: bool) -> CoincidentFace {
-    CoincidentFace { material, entering, object: material }
+    CoincidentFace { material, entering, group: material }
 }
 
 fn coincident(list: &[CoincidentFace]) -> CoincidentFaces {
@@ -44,7 +44,7 @@ fn shared_faces_are_crossed_together() {
 
 #[test]
 fn objects_of_one_material_count_separately() {
-    let part = |object: u32, entering: bool| CoincidentFace { material: 0, entering, object };
+    let part = |object: u32, entering: bool| CoincidentFace { material: 0, entering, group: object };
     let stack_after_crossing = |around: &[u32], own: CoincidentFace, other: CoincidentFace| {
         stack_of(around).stack_after_crossing(own, &coincident(&[other])).bodies().len()
     };

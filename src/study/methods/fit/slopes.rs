@@ -1,18 +1,18 @@
-//! Least-squares slopes of the tail with bootstrap intervals.
+//! Least-squares slopes of error over time or passes, with bootstrap intervals.
 
 use crate::sampling::{Dimension, Key};
 use crate::study::methods::{Checkpoint, MethodResult};
 
-/// Fraction of the last checkpoint's passes at which the tail begins.
+/// The tail begins at the number of passes of the last checkpoint divided by this.
 const TAIL_RATIO: u32 = 16;
 
-/// Minimum number of checkpoints of a fit; two points always lie on a line.
+/// Minimum number of checkpoints for a fit. Two are too few: they always lie on a line.
 const MIN_CHECKPOINTS: usize = 3;
 
-/// Bootstrap replicates.
+/// Number of bootstrap replicates.
 const BOOTSTRAP_REPLICATES: u64 = 1000;
 
-/// Slope of a line in log-log space.
+/// Slope of a quantity in a log-log plot: the exponent of its power law.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct SlopeEstimate {
     /// Least-squares slope.
@@ -21,29 +21,31 @@ pub struct SlopeEstimate {
     pub interval: Option<[f64; 2]>,
 }
 
-/// Slopes of a quantity.
+/// Slopes of error, noise or bias in a log-log plot.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct ConvergenceSlopes {
-    /// Slope over seconds.
+    /// Slope over processor time.
     pub by_time: SlopeEstimate,
     /// Slope over passes.
     pub by_passes: SlopeEstimate,
 }
 
-/// Fitted slopes of a method. A quantity that is not positive on the whole tail has none.
+/// Fitted slopes of a method.
+///
+/// A quantity has no slopes if its estimate is not positive at every checkpoint of the tail.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct ConvergenceFit {
-    /// Passes of each checkpoint in the tail.
+    /// Number of passes of each checkpoint in the tail.
     pub passes: Vec<u32>,
-    /// Relative error.
+    /// Slopes of the relative error.
     pub error: Option<ConvergenceSlopes>,
-    /// Relative noise.
+    /// Slopes of the relative noise.
     pub noise: Option<ConvergenceSlopes>,
-    /// Relative bias.
+    /// Slopes of the relative bias.
     pub bias: Option<ConvergenceSlopes>,
 }
 
-/// Fits the tail; `None` if it has fewer than three checkpoints.
+/// Fits slopes to the tail of a method's checkpoints; `None` if it has fewer than three.
 #[must_use]
 pub fn fit_convergence(method: &MethodResult) -> Option<ConvergenceFit> {
     let tail = tail_checkpoints(&method.checkpoints);
@@ -53,7 +55,7 @@ pub fn fit_convergence(method: &MethodResult) -> Option<ConvergenceFit> {
     let seeds = tail.iter().map(|c| c.squares.len()).min().unwrap_or(0);
     let has_noises = tail.iter().all(|c| c.noises.len() >= seeds);
     let mean = |values: &[f64], weights: &[f64]| values.iter().zip(weights).map(|(v, w)| v * w).sum::<f64>();
-    // Noise and bias can be resampled only if each seed's part is known.
+    // Noise and bias can be resampled only if the contribution of each seed is known.
     let apart = if has_noises { seeds } else { 0 };
     let error =
         fit_slopes(tail, seeds, |c, weights| weights.map_or_else(|| c.mean_squared_error(), |w| mean(&c.squares, w)));
@@ -64,15 +66,17 @@ pub fn fit_convergence(method: &MethodResult) -> Option<ConvergenceFit> {
     Some(ConvergenceFit { passes: tail.iter().map(|c| c.passes).collect(), error, noise, bias })
 }
 
-/// Checkpoints of the tail.
+/// Checkpoints with at least 1/16 of the passes of the last one, and with positive time.
 fn tail_checkpoints(checkpoints: &[Checkpoint]) -> &[Checkpoint] {
     let last = checkpoints.last().map_or(0, |c| c.passes);
     let early = |c: &&Checkpoint| u64::from(c.passes) * u64::from(TAIL_RATIO) < u64::from(last) || c.seconds <= 0.0;
     &checkpoints[checkpoints.iter().take_while(early).count()..]
 }
 
-/// Slopes of the root of `square`, a function of a checkpoint and seed weights (`None`: as
-/// measured).
+/// Slopes of the square root of `square` over the tail; `None` if `square` is not positive.
+///
+/// `square` returns the mean of a squared quantity at a checkpoint over seeds with the given
+/// weights, or with equal weights for `None`.
 fn fit_slopes(
     tail: &[Checkpoint],
     seeds: usize,
@@ -88,7 +92,7 @@ fn fit_slopes(
     let [by_time, by_passes] = of(None)?;
     let replicates: Vec<[f64; 2]> =
         (0..BOOTSTRAP_REPLICATES).filter_map(|replicate| of(Some(&bootstrap_seed_weights(replicate, seeds)))).collect();
-    // More failures than the interval's tails hold: it has no end.
+    // An interval needs all but 2.5 % of the replicates; in the others, `square` is not positive.
     let has_interval = seeds >= 2 && replicates.len() as u64 * 40 >= BOOTSTRAP_REPLICATES * 39;
     let slope = |value: f64, which: usize| {
         let interval = has_interval.then(|| {
@@ -100,7 +104,7 @@ fn fit_slopes(
     Some(ConvergenceSlopes { by_time: slope(by_time, 0), by_passes: slope(by_passes, 1) })
 }
 
-/// Weights of seeds resampled with replacement.
+/// Weights of the seeds in one bootstrap replicate: relative frequencies of draws with replacement.
 fn bootstrap_seed_weights(replicate: u64, seeds: usize) -> Vec<f64> {
     let key = Key::new(0xb007_57a9).child_key(replicate);
     let mut weights = vec![0.0; seeds];
@@ -111,7 +115,7 @@ fn bootstrap_seed_weights(replicate: u64, seeds: usize) -> Vec<f64> {
     weights
 }
 
-/// Slope of the least-squares line.
+/// Slope of the least-squares line through the points (`x`, `y`).
 pub(super) fn least_squares_slope(x: &[f64], y: &[f64]) -> f64 {
     let n = x.len() as f64;
     let (mx, my) = (x.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
@@ -126,27 +130,30 @@ fn standard_deviation(values: impl Iterator<Item = f64> + Clone) -> f64 {
     (values.map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0)).sqrt()
 }
 
-/// Half-width of a 95 % interval over a bootstrap's standard deviation: Student's t times √(S/(S −
-/// 1)), since a bootstrap divides by S (Hesterberg 2015, section 3.1).
+/// Half-width of a 95 % confidence interval, in standard deviations of the bootstrap.
+///
+/// It is the quantile of Student's t times √(S/(S − 1)) for S seeds. The root corrects the
+/// bootstrap, which divides by S (Hesterberg 2015, section 3.1).
 fn bootstrap_interval_factor(seeds: usize) -> f64 {
     let degrees = seeds as f64 - 1.0;
     student_t_quantile(seeds - 1) * (seeds as f64 / degrees).sqrt()
 }
 
-/// 97.5 % quantile of Student's t.
+/// 97.5 % quantile of Student's t distribution with the given degrees of freedom.
 pub(super) fn student_t_quantile(degrees: usize) -> f64 {
-    const FEW: [f64; 10] = [12.7062, 4.3027, 3.1824, 2.7764, 2.5706, 2.4469, 2.3646, 2.3060, 2.2622, 2.2281];
+    const FEW_DEGREES: [f64; 10] = [12.7062, 4.3027, 3.1824, 2.7764, 2.5706, 2.4469, 2.3646, 2.3060, 2.2622, 2.2281];
     let (z, n) = (1.959_964_f64, degrees as f64);
     let (z3, z5) = (z * z * z, z * z * z * z * z);
-    // Abramowitz and Stegun 26.7.5, whose next term is under 10⁻³ from 11 degrees.
+    // Abramowitz and Stegun 1964, equation 26.7.5. From 11 degrees on, the next term is below
+    // 10⁻³.
     let many = z
         + (z3 + z) / (4.0 * n)
         + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * n * n)
         + (3.0 * z5 * z * z + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * n * n * n);
-    FEW.get(degrees.wrapping_sub(1)).copied().unwrap_or(many)
+    FEW_DEGREES.get(degrees.wrapping_sub(1)).copied().unwrap_or(many)
 }
 
-/// 95 % interval of the mean over seeds by Student's t; `None` with fewer than two.
+/// 95 % confidence interval of the mean of `values` by Student's t; `None` for fewer than two.
 #[must_use]
 pub fn mean_confidence_interval(values: &[f64]) -> Option<[f64; 2]> {
     let n = values.len();
@@ -158,7 +165,7 @@ pub fn mean_confidence_interval(values: &[f64]) -> Option<[f64; 2]> {
     Some([mean - half, mean + half])
 }
 
-/// 95 % interval of the squared bias; `None` if the seeds' parts are unknown.
+/// 95 % confidence interval of the squared bias; `None` if the noise of single seeds is unknown.
 pub(super) fn squared_bias_interval(checkpoint: &Checkpoint) -> Option<[f64; 2]> {
     let Checkpoint { squares, noises, .. } = checkpoint;
     (squares.len() == noises.len())

@@ -77,7 +77,7 @@ fn fitted_verdict(method: &MethodResult) -> ConvergenceVerdict {
 /// logarithm differs from the logarithm of their law by 1/(SEEDS · PIXELS), which is nothing beside
 /// the interval.
 #[test]
-fn intervals_cover_the_law() {
+fn slope_intervals_cover_theory() {
     let passes = powers_of_two(9);
     let laws = [(Algorithm::Path, 0.0, 1.0), (Algorithm::Sppm, 2.0, ALPHA), (Algorithm::Pm, 0.0, 1.0)];
     for (algorithm, bias, alpha) in laws {
@@ -101,7 +101,7 @@ fn intervals_cover_the_law() {
 }
 
 #[test]
-fn slopes_are_recovered() {
+fn fitted_slopes_match_theory() {
     let passes = powers_of_two(9);
     let path = fit_convergence(&synthetic_method(Algorithm::Path, 0.0, 1.0, &passes, 1)).unwrap();
     let sppm = fit_convergence(&synthetic_method(Algorithm::Sppm, 4.0, ALPHA, &passes, 2)).unwrap();
@@ -190,7 +190,7 @@ fn method_without_noise() -> MethodResult {
 }
 
 #[test]
-fn efforts_follow_the_law() {
+fn times_to_error_follow_the_slope() {
     let method = method_without_noise();
     let fit = fit_convergence(&method);
     let verdict = judge_convergence(&method, fit.as_ref(), None);
@@ -216,7 +216,7 @@ fn efforts_follow_the_law() {
 }
 
 #[test]
-fn plateaus_are_never_left() {
+fn plateaus_never_reach_smaller_errors() {
     let method = synthetic_method(Algorithm::Pm, 3.0, 1.0, &powers_of_two(9), 8);
     let fit = fit_convergence(&method);
     let verdict = judge_convergence(&method, fit.as_ref(), None);

@@ -1,20 +1,20 @@
-//! Convergence rates from theory.
+//! Convergence rates that theory predicts.
 
 use super::slopes::least_squares_slope;
 use crate::integrate::Algorithm;
 
-/// Quantity that converges.
+/// Error of a method, or one of its two components.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ErrorComponent {
-    /// Root of the mean squared error.
+    /// Root mean square error, with noise and bias.
     Error,
-    /// Noise: differs between seeds.
+    /// Standard deviation between seeds.
     Noise,
-    /// Bias: common to all seeds.
+    /// Error of the mean over infinitely many seeds.
     Bias,
 }
 
-/// Range of slopes; both ends are equal if one law applies.
+/// Range of predicted slopes; both ends are equal if one power law applies.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct SlopeRange {
     /// Steepest (most negative) slope.
@@ -24,23 +24,26 @@ pub struct SlopeRange {
 }
 
 impl SlopeRange {
-    fn single(slope: f64) -> Self {
+    fn single_slope(slope: f64) -> Self {
         Self { steepest: slope, flattest: slope }
     }
 
-    fn union(self, o: Self) -> Self {
+    fn enclosing_range(self, o: Self) -> Self {
         Self { steepest: self.steepest.min(o.steepest), flattest: self.flattest.max(o.flattest) }
     }
 }
 
-/// Predicted slope of a quantity over `passes` in log-log space; `None` if the quantity is zero.
+/// Predicted slopes of error, noise or bias over `passes` in a log-log plot; `None` if zero.
 ///
-/// Noise of independent passes falls as n^−½. With shrinking radii, pass i has variance 1/shrink(i)
-/// and bias shrink(i) relative to the first. The mean of n passes then has Σ 1/shrink(i)/n² and Σ
-/// shrink(i)/n (Knaus and Zwicker 2011). Both roots approach n^−⅓ for α = ⅔. Path noise adds the
-/// first law, so measured slopes lie between. For `ppm`, the noise of shared camera paths stays.
-/// With fixed radii, bias stays. Light that `distributed` and `whitted` leave out stays too.
-/// The slopes of estimates in media differ from the laws above by at most ⅒.
+/// - The noise of independent passes falls as n^−½.
+/// - With shrinking radii, pass i has variance 1/shrink(i) and bias shrink(i), relative to the
+///   first pass. The mean of n passes has variance Σ 1/shrink(i)/n² and bias Σ shrink(i)/n (Knaus
+///   and Zwicker 2011). For α = ⅔, noise and bias approach n^−⅓.
+/// - Noise of camera paths adds to noise of photons, so measured slopes lie between both laws.
+/// - The noise of the camera paths that all passes of `ppm` share does not fall.
+/// - Bias does not fall with fixed radii, nor in algorithms that leave out light.
+///
+/// In media, slopes differ from these by at most ⅒.
 #[must_use]
 pub fn predicted_slopes(
     algorithm: Algorithm,
@@ -49,27 +52,27 @@ pub fn predicted_slopes(
     alpha: f64,
 ) -> Option<SlopeRange> {
     use Algorithm::{Distributed, Hybrid, Path, Pm, Ppm, Raycast, Sppm, Whitted};
-    let even = SlopeRange::single(-0.5);
+    let even = SlopeRange::single_slope(-0.5);
     let [variance, bias] = variance_and_bias_slopes(passes, alpha);
     let noise = match algorithm {
-        Sppm | Hybrid => SlopeRange::single(0.5 * variance).union(even),
-        // Seeds differ by shared camera paths, which no pass replaces.
-        Ppm => SlopeRange::single(0.0).union(even),
+        Sppm | Hybrid => SlopeRange::single_slope(0.5 * variance).enclosing_range(even),
+        // All passes share the camera paths, which differ between seeds.
+        Ppm => SlopeRange::single_slope(0.0).enclosing_range(even),
         Path | Pm | Distributed | Whitted | Raycast => even,
     };
     let bias = match algorithm {
         Path => None,
-        Sppm | Ppm | Hybrid => Some(SlopeRange::single(bias)),
-        Pm | Distributed | Whitted | Raycast => Some(SlopeRange::single(0.0)),
+        Sppm | Ppm | Hybrid => Some(SlopeRange::single_slope(bias)),
+        Pm | Distributed | Whitted | Raycast => Some(SlopeRange::single_slope(0.0)),
     };
     match quantity {
         ErrorComponent::Noise => Some(noise),
         ErrorComponent::Bias => bias,
-        ErrorComponent::Error => Some(bias.map_or(noise, |bias| noise.union(bias))),
+        ErrorComponent::Error => Some(bias.map_or(noise, |bias| noise.enclosing_range(bias))),
     }
 }
 
-/// Slopes of variance and bias of the mean of passes with shrinking radii.
+/// Slopes over `passes` of variance and bias of the mean of passes with shrinking radii.
 fn variance_and_bias_slopes(passes: &[u32], alpha: f64) -> [f64; 2] {
     let (mut shrink, mut shrunk, mut grown, mut made) = (1.0, 0.0, 0.0, 0u32);
     let mut logs: [Vec<f64>; 3] = Default::default();
@@ -96,7 +99,7 @@ mod tests {
     use crate::integrate::{ALPHA, shrink};
 
     #[test]
-    fn radii_that_shrink_fall_by_their_sums() {
+    fn variance_and_bias_slopes_match_sums_of_radii() {
         let sum = |n: u32, of: fn(f64) -> f64| (0..n).map(|i| of(shrink(ALPHA, i))).sum::<f64>();
         let [variance, bias] = variance_and_bias_slopes(&[16, 32], ALPHA);
         let expected = [(sum(32, |s| 1.0 / s) / 4.0) / sum(16, |s| 1.0 / s), sum(32, |s| s) / 2.0 / sum(16, |s| s)];
@@ -107,7 +110,7 @@ mod tests {
 
     /// Sums of i^⅓ and i^−⅓ differ from their integrals by a factor of n^−⅔, 2·10⁻³ at 10⁴.
     #[test]
-    fn far_out_both_roots_fall_as_a_third() {
+    fn noise_and_bias_approach_slope_minus_one_third() {
         let far: Vec<u32> = (0..4).map(|i| 10_000 << i).collect();
         for (quantity, steepest) in
             [(ErrorComponent::Noise, -0.5), (ErrorComponent::Bias, -1.0 / 3.0), (ErrorComponent::Error, -0.5)]
@@ -121,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn mixtures_lie_between() {
+    fn predicted_slopes_of_mixed_noise_are_a_range() {
         let passes = [4, 8, 16, 32, 64];
         let law = |algorithm, quantity| predicted_slopes(algorithm, quantity, &passes, ALPHA);
         let [variance, _] = variance_and_bias_slopes(&passes, ALPHA);
@@ -132,7 +135,7 @@ mod tests {
             );
         }
         assert_eq!(law(Algorithm::Path, ErrorComponent::Bias), None);
-        assert_eq!(law(Algorithm::Path, ErrorComponent::Error), Some(SlopeRange::single(-0.5)));
+        assert_eq!(law(Algorithm::Path, ErrorComponent::Error), Some(SlopeRange::single_slope(-0.5)));
         assert_eq!(law(Algorithm::Pm, ErrorComponent::Error), Some(SlopeRange { steepest: -0.5, flattest: 0.0 }));
     }
 }

@@ -1,17 +1,17 @@
-//! Time to reach an error.
+//! Time that methods take to reach an error, and the method with the least error.
 
 use super::slopes::{ConvergenceFit, SlopeEstimate};
 use super::verdict::ConvergenceVerdict;
 use crate::study::methods::{Checkpoint, MethodResult, MethodStudyResult};
 
-/// Effort to reach an error.
+/// Time and work that a method takes to reach an error.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct RenderEffort {
     /// Processor time without setup \[s].
     pub seconds: f64,
-    /// Passes.
+    /// Number of passes.
     pub passes: f64,
-    /// Photon paths.
+    /// Number of emitted photon paths.
     pub photons: f64,
 }
 
@@ -24,38 +24,38 @@ impl RenderEffort {
         Self { seconds: self.seconds * factor, passes: self.passes * factor, photons: self.photons * factor }
     }
 
-    /// Interpolates two efforts, in logarithms if both are positive.
+    /// Interpolates between `a` (`t` = 0) and `b` (`t` = 1); logarithmically if both are positive.
     fn interpolate(a: Self, b: Self, t: f64) -> Self {
         let mix = |a: f64, b: f64| if a > 0.0 && b > 0.0 { a * libm::pow(b / a, t) } else { a + (b - a) * t };
         Self { seconds: mix(a.seconds, b.seconds), passes: mix(a.passes, b.passes), photons: mix(a.photons, b.photons) }
     }
 }
 
-/// Time to reach a given error.
+/// Effort to reach a given error, and how it is known.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 #[serde(tag = "how", rename_all = "lowercase")]
 pub enum TimeToError {
-    /// At most the effort of the first checkpoint.
+    /// At most this effort: the first checkpoint has reached the error already.
     Within(RenderEffort),
-    /// Interpolated between checkpoints.
+    /// Interpolated between two checkpoints.
     Measured(RenderEffort),
-    /// Extrapolated by the fitted slope.
+    /// Extrapolated from the last checkpoint by the fitted slope.
     Predicted {
-        /// Effort by the slope itself.
+        /// Effort by the fitted slope.
         effort: RenderEffort,
-        /// Seconds at both ends of the slope's interval; the later may be infinite.
+        /// Processor times by both ends of the slope's confidence interval \[s]; may be infinite.
         seconds: Option<[f64; 2]>,
     },
-    /// Never, because bias stays above it.
+    /// Never reached, because bias remains above the error.
     Never {
         /// Relative error that remains.
         floor: f64,
     },
-    /// Unknown.
+    /// Unknown, because there is no fit or the error does not fall.
     Unknown,
 }
 
-/// Effort until the relative error of `method` is `error` and stays below.
+/// Effort after which the relative error of `method` stays at or below `error`.
 #[must_use]
 pub fn time_to_error(
     method: &MethodResult,
@@ -75,7 +75,7 @@ pub fn time_to_error(
         return extrapolate_time_to_error(before, fit, verdict, error);
     };
     let [log_before, log_after] = [before, after].map(|c| 0.5 * libm::log(c.mean_squared_error()));
-    // A value of zero or less has no logarithm; the checkpoint itself is below `error`.
+    // An estimate of zero or less has no logarithm. The later checkpoint itself is then used.
     let t = if log_after.is_finite() { (log_before - libm::log(error)) / (log_before - log_after) } else { 1.0 };
     TimeToError::Measured(RenderEffort::interpolate(
         RenderEffort::at_checkpoint(before),
@@ -110,7 +110,7 @@ fn extrapolate_time_to_error(
     TimeToError::Predicted { effort: RenderEffort::at_checkpoint(last).scaled_by(factor(value)), seconds }
 }
 
-/// Effort to reach a tenth of the error of the last checkpoint.
+/// Effort to reach a tenth of the error at the last checkpoint.
 #[must_use]
 pub fn time_to_tenth_of_error(
     method: &MethodResult,
@@ -125,8 +125,9 @@ pub fn time_to_tenth_of_error(
     }
 }
 
-/// Relative error after `seconds`, interpolated or extrapolated; `None` before the first
-/// checkpoint, or if unknown.
+/// Relative error after `seconds` of processor time, interpolated or extrapolated.
+///
+/// `None` before the first checkpoint, and where an error is not positive or has no fit.
 #[must_use]
 pub fn error_after_seconds(method: &MethodResult, fit: Option<&ConvergenceFit>, seconds: f64) -> Option<f64> {
     let error = |c: &Checkpoint| Some(c.mean_squared_error()).filter(|s| *s > 0.0).map(f64::sqrt);
@@ -147,16 +148,18 @@ pub fn error_after_seconds(method: &MethodResult, fit: Option<&ConvergenceFit>, 
     }
 }
 
-/// A checkpoint on the Pareto front: none is both earlier and better.
+/// Checkpoint on the Pareto front: no other checkpoint has both less time and less error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct ParetoPoint {
     /// Index of the method.
     pub method: usize,
-    /// Index of its checkpoint.
+    /// Index of the checkpoint among those of the method.
     pub checkpoint: usize,
 }
 
-/// Pareto front of error over time, early to late. Errors that noise hides are left out.
+/// Pareto front of error and time over all methods, in the order of time.
+///
+/// Checkpoints whose estimated squared error is not positive are left out.
 #[must_use]
 pub fn pareto_front(methods: &[MethodResult]) -> Vec<ParetoPoint> {
     let mut all: Vec<(f64, f64, ParetoPoint)> = Vec::new();
@@ -176,18 +179,18 @@ pub fn pareto_front(methods: &[MethodResult]) -> Vec<ParetoPoint> {
     all.into_iter().map(|(_, _, milestone)| milestone).collect()
 }
 
-/// Recommended method.
+/// Method with the least expected error after the time budget of a study.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct MethodRecommendation {
     /// Index of the method.
     pub method: usize,
     /// Expected relative error after the budget.
     pub error: f64,
-    /// Other methods within 10 % of that error.
+    /// Indices of the other methods whose error is at most 10 % larger.
     pub alike: Vec<usize>,
 }
 
-/// Method with the least error after the budget; `None` if no error is known.
+/// Recommends the method with the least error after the budget; `None` if no error is known.
 #[must_use]
 pub fn recommend_method(found: &MethodStudyResult, fits: &[Option<ConvergenceFit>]) -> Option<MethodRecommendation> {
     let errors: Vec<(usize, f64)> = found

@@ -1,4 +1,4 @@
-//! Verdicts: what a slope means.
+//! Judges whether the error of a method falls as theory predicts.
 
 use super::slopes::{ConvergenceFit, SlopeEstimate, mean_confidence_interval, squared_bias_interval};
 use super::theory::{ErrorComponent, SlopeRange, predicted_slopes};
@@ -7,77 +7,78 @@ use crate::study::methods::MethodResult;
 use crate::study::report::text::{error_percent_text, slope_text, three_digit_text};
 use std::fmt;
 
-/// Fraction of the squared error above which bias is its cause; the error is then within 12 % of
-/// the bias.
+/// Share of the squared bias in the squared error from which bias dominates the error.
+///
+/// The error then exceeds the bias by at most 12 %.
 pub const BIAS_DOMINATED_SHARE: f64 = 0.8;
 
-/// Behaviour of a method's error.
+/// Verdict on how the error of a method falls with the number of passes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ConvergenceVerdict {
     /// Too few checkpoints for a fit.
     TooFew,
-    /// The error is below what the references or seeds can resolve.
+    /// The error is too small to be measured with these references or seeds.
     TooSmall {
-        /// Relative error of the truth; `None` if unknown.
+        /// Relative error of the reference; `None` if it is taken as exact.
         truth: Option<f64>,
     },
-    /// Seeds are too few or too scattered for an interval.
+    /// The slope has no confidence interval: seeds are too few or too scattered.
     Wide {
         /// Slope over passes.
         slope: f64,
     },
-    /// Only bias is left, and it stays.
+    /// The error does not fall any more, because bias dominates it.
     Plateau {
-        /// Relative error that remains.
+        /// Relative bias that remains.
         floor: f64,
         /// Cause of the bias.
         cause: BiasCause,
     },
-    /// The error falls as noise does; an expected bias is too small to be seen.
+    /// The error falls as theory predicts; noise hides the predicted bias.
     Hidden {
         /// Slope over passes.
         slope: f64,
-        /// Upper bound of the bias at 97.5 % confidence.
+        /// Upper bound of the relative bias at 97.5 % confidence.
         most: f64,
     },
-    /// The slope agrees with theory.
+    /// The error falls as theory predicts.
     Expected {
         /// Slope over passes.
         slope: f64,
-        /// Bias that stays, if it is visible already.
+        /// Relative bias that will remain, if it is significant already.
         ahead: Option<f64>,
     },
-    /// The error falls more slowly than theory says.
+    /// The error falls more slowly than theory predicts.
     Slower {
         /// Slope over passes.
         slope: f64,
-        /// Range of slopes by theory.
+        /// Slopes that theory predicts.
         law: SlopeRange,
     },
-    /// The error falls faster than theory says.
+    /// The error falls faster than theory predicts.
     Faster {
         /// Slope over passes.
         slope: f64,
-        /// Range of slopes by theory.
+        /// Slopes that theory predicts.
         law: SlopeRange,
     },
 }
 
-/// Cause of an error that stays.
+/// Cause of a bias that more passes do not reduce.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BiasCause {
-    /// Photon estimates blur light over these radii, of the global and of the caustic map.
+    /// Blur by density estimates with these gather radii, of the global and of the caustic map.
     Radii([f32; 2]),
     /// The algorithm leaves out light by design.
     LeavesOut,
-    /// Theory has no cause.
+    /// No known cause.
     Unknown,
 }
 
-/// Verdict on a method, given the relative error `truth` of the reference.
+/// Judges the convergence of a method. `truth` is the relative error of the reference.
 ///
-/// The noise of references cancels, but their bias does not. Errors below that of the truth are
-/// therefore not judged.
+/// The bias of references does not cancel, unlike their noise. So errors below `truth` are not
+/// judged.
 #[must_use]
 pub fn judge_convergence(
     method: &MethodResult,
@@ -96,7 +97,7 @@ pub fn judge_convergence(
         return ConvergenceVerdict::Wide { slope };
     };
     let bias = law(ErrorComponent::Bias);
-    // A constant bias is no convergence.
+    // The slowest slope of noise and bias that falls at all. A constant bias does not count.
     let falling = bias.filter(|b| b.flattest < 0.0).map_or(noise.flattest, |b| b.flattest.max(noise.flattest));
     if low > falling && last.bias2 >= BIAS_DOMINATED_SHARE * last.mean_squared_error() {
         return ConvergenceVerdict::Plateau { floor: last.bias2.sqrt(), cause: bias_cause(method) };

@@ -1,4 +1,4 @@
-//! Tables of a study of effects, as CSV and Markdown.
+//! CSV and Markdown reports of a study of effects.
 
 use super::{ReportContext, clock_text, share_of_mean_text};
 use crate::study::report::plain::{csv_row, escape_markdown, markdown_table};
@@ -7,8 +7,9 @@ use crate::study::report::text::{
 };
 use crate::study::{EffectResult, EffectStudyResult};
 
-/// CSV with one row per effect, simulated or not; unknown cells are empty. Seconds, and radiance in
-/// W/(m² sr).
+/// Report as CSV with one row per effect; effects that are not simulated have empty cells.
+///
+/// Times are in seconds, radiance in W/(m² sr).
 #[must_use]
 pub fn csv(findings: &EffectStudyResult) -> String {
     let mut table = csv_row(&[
@@ -34,7 +35,7 @@ pub fn csv(findings: &EffectStudyResult) -> String {
             |of: &dyn Fn(&EffectResult) -> Option<f64>| found.and_then(of).map_or(String::new(), |v| v.to_string());
         table += &csv_row(&[
             decision.effect.to_string(),
-            decision.on.to_string(),
+            decision.is_simulated.to_string(),
             decision.is_forced().to_string(),
             decision.reason.to_string(),
             number_cell(&|f| Some(f.cost.seconds)),
@@ -53,7 +54,7 @@ pub fn csv(findings: &EffectStudyResult) -> String {
     table
 }
 
-/// The figures as Markdown.
+/// Report as Markdown.
 #[must_use]
 pub fn markdown(about: &ReportContext, findings: &EffectStudyResult) -> String {
     let passes = findings.whole.passes.len();
@@ -66,7 +67,7 @@ pub fn markdown(about: &ReportContext, findings: &EffectStudyResult) -> String {
         about.integrator,
         about.seed,
         clock_text(findings.clock),
-        1e3 * findings.whole.seconds() / passes as f64,
+        1e3 * findings.whole.total_pass_seconds() / passes as f64,
         a_pass(findings.whole.counters.total_rays()),
         a_pass(findings.whole.counters.gathered_photons),
         three_digit_text(findings.mean),
@@ -88,7 +89,7 @@ pub fn markdown(about: &ReportContext, findings: &EffectStudyResult) -> String {
     let heads =
         ["effect", "ms per pass", "time ratio", "rays per pass", "gathered photons", "changes", "adds", "takes"];
     text += &markdown_table(&heads, &rows);
-    for decision in findings.plan.decisions.iter().filter(|d| !d.on) {
+    for decision in findings.plan.decisions.iter().filter(|d| !d.is_simulated) {
         let state = if decision.is_forced() { "forced off, though " } else { "off: " };
         text += &format!("\n- {}: {state}{}", decision.effect, escape_markdown(&decision.reason.to_string()));
     }
@@ -101,12 +102,12 @@ mod tests {
     use crate::integrate::{Algorithm, Settings, Silent};
     use crate::plan::{Effect, EffectOverrides};
     use crate::study::EffectStudy;
-    use crate::study::tests::matt;
+    use crate::study::tests::diffuse_sphere_on_floor;
     use std::sync::atomic::AtomicBool;
 
     #[test]
     fn every_effect_has_a_row() {
-        let scene = matt(8, 6);
+        let scene = diffuse_sphere_on_floor(8, 6);
         let mut settings = Settings::default();
         settings.camera_paths.effects = EffectOverrides::PLANNED.with(Effect::Environment);
         let study = EffectStudy::prepare(&scene, Algorithm::Whitted, &settings);

@@ -20,7 +20,7 @@ fn ramps_rise_in_lightness() {
 }
 
 #[test]
-fn scales_hold_all_but_fireflies() {
+fn color_scales_ignore_fireflies() {
     let mut values = vec![0.017; 1000];
     values[0] = 1e9;
     values.push(f64::NAN);
@@ -29,7 +29,7 @@ fn scales_hold_all_but_fireflies() {
     assert_eq!(color_scale_maximum([0.0, -1.0].into_iter()), None);
 }
 
-fn method(width: u32, height: u32, error: Vec<f32>) -> MethodResult {
+fn method_with_pixel_errors(width: u32, height: u32, error: Vec<f32>) -> MethodResult {
     let image = Image::new(width, height).unwrap();
     MethodResult {
         label: String::new(),
@@ -46,28 +46,28 @@ fn method(width: u32, height: u32, error: Vec<f32>) -> MethodResult {
 }
 
 #[test]
-fn windows_are_where_errors_are() {
+fn windows_contain_the_largest_errors() {
     let mut error = vec![0.0; 200 * 100];
     error[90 * 200 + 180] = 3.0;
     error[5 * 200 + 20] = 1.0;
-    let found = largest_error_windows(&[method(200, 100, error)], 3);
+    let found = largest_error_windows(&[method_with_pixel_errors(200, 100, error)], 3);
     assert_eq!(found.len(), 2);
     assert!(found[0].overlaps(PixelWindow { x: 180, y: 90, width: 1, height: 1 }), "{found:?}");
     assert!(found[1].overlaps(PixelWindow { x: 20, y: 5, width: 1, height: 1 }) && !found[0].overlaps(found[1]));
-    let small = largest_error_windows(&[method(8, 4, vec![1.0; 32])], 3);
+    let small = largest_error_windows(&[method_with_pixel_errors(8, 4, vec![1.0; 32])], 3);
     assert_eq!(small, [PixelWindow { x: 0, y: 0, width: 8, height: 4 }]);
 }
 
 #[test]
-fn errors_are_colours_by_their_logarithm() {
-    let map = error_map(&method(4, 1, vec![0.0, 0.002, 0.02, 0.2]), 0.2).unwrap();
+fn error_maps_are_logarithmic() {
+    let map = error_map(&method_with_pixel_errors(4, 1, vec![0.0, 0.002, 0.02, 0.2]), 0.2).unwrap();
     let expected = [error_color_ramp(0.0), error_color_ramp(0.0), error_color_ramp(0.5), error_color_ramp(1.0)];
     assert!(map.pixels().iter().zip(expected).all(|(a, b)| (*a - b).length() < 1e-5));
 }
 
 /// Radiance 2 everywhere: differences are relative to √(2² + 2²).
 #[test]
-fn differences_are_relative_to_the_light_around() {
+fn differences_are_relative_to_local_radiance() {
     let truth = Image::from_pixels(2, 1, vec![Vec3::splat(2.0); 2]).unwrap();
     let difference = Image::from_pixels(2, 1, vec![Vec3::new(0.3, 0.0, 0.0), Vec3::splat(-1.0)]).unwrap();
     let found = relative_differences(&difference, &RelativeScale::from_image(&truth));

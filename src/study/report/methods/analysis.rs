@@ -1,4 +1,4 @@
-//! Analysis that all reports of a study of methods share.
+//! Analysis of a study of methods for all its reports.
 
 use crate::study::methods::fit::{
     ConvergenceFit, ConvergenceSlopes, ConvergenceVerdict, ErrorComponent, MethodRecommendation, ParetoPoint,
@@ -8,21 +8,21 @@ use crate::study::methods::fit::{
 use crate::study::methods::{MethodResult, MethodStudyResult};
 use crate::study::report::text::{self, count_text, duration_text, error_percent_text};
 
-/// Relative errors whose time is reported.
+/// Relative errors for which reports give the time to reach them.
 pub(super) const TARGET_ERRORS: [f64; 4] = [0.1, 0.05, 0.02, 0.01];
 
-/// Fits, verdicts and times to reach errors.
+/// Analysis of all methods of a study.
 pub(super) struct StudyAnalysis {
     pub(super) methods: Vec<MethodAnalysis>,
     pub(super) pareto: Vec<ParetoPoint>,
     pub(super) recommendation: Option<MethodRecommendation>,
 }
 
-/// Analysis of one method.
+/// Analysis of one method: slopes, verdict and times to reach errors.
 pub(super) struct MethodAnalysis {
     pub(super) fit: Option<ConvergenceFit>,
     pub(super) verdict: ConvergenceVerdict,
-    /// Times to reach [`TARGET_ERRORS`].
+    /// Effort to reach each of [`TARGET_ERRORS`].
     pub(super) reaches: [TimeToError; 4],
     pub(super) tenth: TimeToError,
 }
@@ -40,7 +40,7 @@ impl StudyAnalysis {
         Self { methods, pareto: pareto_front(&found.methods), recommendation }
     }
 
-    /// Recommendation in words, and its command.
+    /// Recommendation in words, and the shell command that renders with the method.
     pub(super) fn recommendation_text(&self, found: &MethodStudyResult) -> Option<(String, String)> {
         let MethodRecommendation { method, error: expected, alike } = self.recommendation.as_ref()?;
         let (best, judged) = (&found.methods[*method], &self.methods[*method]);
@@ -67,13 +67,13 @@ impl StudyAnalysis {
 }
 
 impl MethodAnalysis {
-    /// Slope by theory over the fitted passes.
+    /// Slopes that theory predicts for the passes of the fit; `None` without fit, or if zero.
     pub(super) fn predicted_slopes(&self, method: &MethodResult, quantity: ErrorComponent) -> Option<SlopeRange> {
         predicted_slopes(method.algorithm, quantity, &self.fit.as_ref()?.passes, method.alpha)
     }
 }
 
-/// Slope over passes with its interval: `−0.49 (−0.52 … −0.46)`.
+/// Text of a slope over passes with its interval, such as `−0.49 (−0.52 … −0.46)`.
 pub(super) fn slope_interval_text(slopes: Option<ConvergenceSlopes>) -> String {
     let Some(ConvergenceSlopes { by_passes, .. }) = slopes else { return "–".to_owned() };
     let interval = by_passes
@@ -82,12 +82,12 @@ pub(super) fn slope_interval_text(slopes: Option<ConvergenceSlopes>) -> String {
     format!("{}{interval}", text::slope_text(by_passes.value))
 }
 
-/// Slopes by theory: `−0.50`, `−0.50 … 0.00`.
+/// Text of predicted slopes, such as `−0.50` or `−0.50 … 0.00`.
 pub(super) fn slope_range_text(law: Option<SlopeRange>) -> String {
     law.map_or("none".to_owned(), |law| law.to_string())
 }
 
-/// Time to reach an error, and the other work.
+/// Texts of the time to reach an error, and of the work: passes and, if it has some, photons.
 pub(super) fn time_to_error_text(reach: &TimeToError, has_photons: bool) -> (String, Vec<String>) {
     let work = |effort: &RenderEffort| {
         let passes = Some(format!("{} passes", count_text(effort.passes.max(1.0))));

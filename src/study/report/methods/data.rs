@@ -1,4 +1,4 @@
-//! A study of methods as CSV, JSON and Markdown.
+//! CSV, JSON and Markdown reports of a study of methods.
 
 use super::analysis::{StudyAnalysis, TARGET_ERRORS, slope_interval_text, slope_range_text, time_to_error_text};
 use super::tables::root_percent_text;
@@ -12,12 +12,13 @@ use crate::study::report::plain::{csv_row, escape_markdown, markdown_code_block,
 use crate::study::report::text::{count_text, duration_text, error_percent_text};
 use serde::Serialize;
 
-/// Version of the schema of [`json`]: it grows when a field changes its meaning or goes.
+/// Schema version of [`json`]. It increases when a field is removed or changes its meaning.
 const SCHEMA: u32 = 1;
 
-/// CSV with one row per method and checkpoint. Seconds are processor time. Columns of squares end
-/// in 2; they may be negative if noise hides them. `squares` lists all seeds, separated by
-/// semicolons.
+/// Report as CSV with one row per method and checkpoint.
+///
+/// Column `seconds` is processor time. Columns whose name ends in 2 are squares; they may be
+/// negative if noise hides them. Column `squares` lists all seeds, separated by semicolons.
 #[must_use]
 pub fn csv(found: &MethodStudyResult) -> String {
     let mut table = csv_row(&[
@@ -113,7 +114,7 @@ struct MethodJson<'f> {
     tenth: TimeToError,
 }
 
-/// Slopes over passes of the fitted checkpoints.
+/// Slopes that theory predicts over the passes of the fit.
 #[derive(Serialize)]
 struct PredictedSlopesJson {
     error: Option<SlopeRange>,
@@ -128,7 +129,7 @@ struct TimeToErrorJson {
     reach: TimeToError,
 }
 
-/// JSON with everything but pixels. Infinite values are `null`.
+/// Report as JSON with everything but pixels. Infinite values are `null`.
 ///
 /// # Errors
 /// Never for valid UTF-8 strings.
@@ -177,7 +178,7 @@ pub fn json(found: &MethodStudyResult) -> Result<String, serde_json::Error> {
     Ok(serde_json::to_string_pretty(&report)? + "\n")
 }
 
-/// Tables, verdicts and commands as Markdown.
+/// Report as Markdown: tables, verdicts and commands.
 #[must_use]
 pub fn markdown(found: &MethodStudyResult) -> String {
     let analysis = StudyAnalysis::new(found);

@@ -1,4 +1,4 @@
-//! Figures of a page: plots, pictures and maps, each with its command.
+//! Figures of the HTML page: plots, pictures and error maps, each with a shell command.
 
 use super::analysis::{MethodAnalysis, StudyAnalysis};
 use super::tables::{method_marker_svg, root_percent_text, slopes_table_html};
@@ -18,13 +18,13 @@ use crate::study::report::text::{duration_text, error_percent_text, slope_text, 
 use glam::Vec3;
 use std::fmt::Write;
 
-/// Number of crops.
+/// Number of windows with large errors that the page shows.
 const CROP_COUNT: usize = 2;
 
-/// Magnification of a crop.
+/// Magnification of each window.
 const CROP_MAGNIFICATION: u32 = 4;
 
-/// HTML figure with caption and command.
+/// HTML figure of the element `what`, with caption and shell command.
 fn figure_html(class: &str, label: &str, what: &str, caption: &str, command: &str) -> String {
     let label = if label.is_empty() { String::new() } else { format!(" data-label=\"{}\"", escape_html(label)) };
     format!(
@@ -42,7 +42,7 @@ fn error_points(method: &MethodResult, square: fn(&Checkpoint) -> f64) -> Vec<(f
     method.checkpoints.iter().map(|c| (c.seconds, square(c).max(0.0).sqrt())).collect()
 }
 
-/// Plot of the errors of all methods over time.
+/// HTML figure that plots the errors of all methods over processor time.
 pub(super) fn error_plot_html(found: &MethodStudyResult) -> String {
     let bars = |method: &MethodResult| {
         method
@@ -62,7 +62,7 @@ pub(super) fn error_plot_html(found: &MethodStudyResult) -> String {
     let all = || series.iter().flat_map(|s| s.points.iter()).filter(|p| p.0 > 0.0 && p.1 > 0.0);
     let first = all().map(|p| p.0).fold(f64::INFINITY, f64::min);
     let most = all().map(|p| p.1).fold(0.0, f64::max);
-    // The guides lie above the measured lines, to be distinct from them.
+    // Guides start above all measured points.
     let guide =
         |slope: f64, label: &str| SlopeGuide { label: label.into(), slope, through: (first, 1.6 * most), below: false };
     let ends: Vec<String> = found
@@ -107,7 +107,7 @@ fn method_plot_svg(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> 
     let last = method.checkpoints.last()?;
     let guide = |quantity: ErrorComponent, name: &str, square: f64| {
         let law = judged.predicted_slopes(method, quantity)?;
-        // The guide lies below its line, which would hide it.
+        // The guide lies below the measured line, which would hide it.
         let through = (last.seconds, 0.8 * square.max(0.0).sqrt());
         Some(SlopeGuide {
             label: format!("{name} {}", slope_text(law.flattest)),
@@ -133,7 +133,7 @@ fn method_plot_svg(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> 
     plot_svg(&LogLogPlot { id: &id, title: &title, words: &words, size: (520.0, 340.0), series, guides })
 }
 
-/// The truth and all pictures, to be flipped in place.
+/// HTML of the truth and all pictures, which a script shows one at a time in one place.
 pub(super) fn flip_viewer_html(found: &MethodStudyResult) -> Result<String, StudyError> {
     let exposed = visible_exposure(&found.truth.picture).unwrap_or(0.0);
     let mut flip = "<div id=\"pictures\">\n<div id=\"flip-buttons\" role=\"group\" aria-label=\"Picture\" hidden=\"hidden\"></div>\n<div id=\"flip\">\n".to_owned();
@@ -166,11 +166,11 @@ pub(super) fn flip_viewer_html(found: &MethodStudyResult) -> Result<String, Stud
     )
 }
 
-/// Enlarged crops where errors are largest.
+/// HTML of enlarged crops of all pictures in the windows where errors are largest.
 pub(super) fn error_crops_html(found: &MethodStudyResult) -> Result<String, StudyError> {
     let mut crops = String::new();
     for window in largest_error_windows(&found.methods, CROP_COUNT) {
-        let truth = window.crop(&found.truth.picture)?;
+        let truth = window.crop_image(&found.truth.picture)?;
         let exposed = visible_exposure(&truth).unwrap_or(0.0);
         let place = format!(
             "columns {} to {}, rows {} to {}",
@@ -198,14 +198,14 @@ pub(super) fn error_crops_html(found: &MethodStudyResult) -> Result<String, Stud
         };
         add("truth", &truth, &found.command)?;
         for method in &found.methods {
-            add(&method.label, &window.crop(&method.picture)?, &method.command)?;
+            add(&method.label, &window.crop_image(&method.picture)?, &method.command)?;
         }
         crops += "</div>\n";
     }
     Ok(crops)
 }
 
-/// Legend: a colour bar with labels.
+/// Colour bar as SVG. `ticks` are labels with their places on the bar, from 0 to 1.
 fn color_legend_svg(id: &str, error_color_ramp: impl Fn(f64) -> Vec3, ticks: &[(f64, String)]) -> String {
     const STOPS: u32 = 24;
     let mut svg = format!(
@@ -232,13 +232,13 @@ fn color_legend_svg(id: &str, error_color_ramp: impl Fn(f64) -> Vec3, ticks: &[(
     svg + "</svg>\n"
 }
 
-/// sRGB bytes of linear light (IEC 61966-2-1).
+/// sRGB signal of a linear value (IEC 61966-2-1), plus half a step for rounding to 8 bits.
 fn srgb_encoded(linear: f32) -> f32 {
     let signal = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * libm::powf(linear, 1.0 / 2.4) - 0.055 };
     signal + 0.5 / 255.0
 }
 
-/// One article per method: slopes, and maps on shared scales.
+/// HTML articles, one per method: verdict, slopes, plot, and error maps on common scales.
 pub(super) fn method_articles_html(found: &MethodStudyResult, analysis: &StudyAnalysis) -> Result<String, StudyError> {
     let weights = RelativeScale::from_image(&found.truth.picture);
     let differences: Vec<Vec<f64>> =

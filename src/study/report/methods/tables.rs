@@ -1,4 +1,4 @@
-//! Tables of an HTML page.
+//! Tables of the HTML page.
 
 use super::analysis::{StudyAnalysis, TARGET_ERRORS, slope_interval_text, slope_range_text, time_to_error_text};
 use crate::study::methods::fit::{ConvergenceSlopes, ErrorComponent, TimeToError};
@@ -8,7 +8,7 @@ use crate::study::report::svg::{marker_svg, series_color};
 use crate::study::report::text::{count_text, duration_text, error_percent_text, three_digit_text};
 use std::fmt::Write;
 
-/// Marker of a method in its colour.
+/// Inline SVG of a method's plot marker in its colour; `style` is the index of the method.
 pub(super) fn method_marker_svg(style: usize) -> String {
     let colour = series_color(style);
     format!(
@@ -17,7 +17,7 @@ pub(super) fn method_marker_svg(style: usize) -> String {
     )
 }
 
-/// Head of a table; the first `left` columns hold words.
+/// Start of an HTML table with its head row. The first `left` columns are aligned left.
 fn table_head_html(columns: &[&str], left: usize) -> String {
     let mut table =
         "<div class=\"scroll\" role=\"region\" aria-label=\"table\" tabindex=\"0\"><table>\n<thead><tr>".to_owned();
@@ -30,7 +30,7 @@ fn table_head_html(columns: &[&str], left: usize) -> String {
 
 const TABLE_END: &str = "</tbody>\n</table></div>\n";
 
-/// Square root as a percentage; `≈ 0` if `square` is not positive.
+/// Text of the square root in percent; `≈ 0` if `square` is not positive.
 pub(super) fn root_percent_text(square: f64) -> String {
     if square > 0.0 { error_percent_text(square.sqrt()) } else { "≈ 0".to_owned() }
 }
@@ -156,7 +156,7 @@ pub(super) fn checkpoint_tables_html(found: &MethodStudyResult) -> String {
     all
 }
 
-/// Slopes of one method beside theory.
+/// HTML table with the slopes of one method, measured and predicted.
 pub(super) fn slopes_table_html(
     method: &crate::study::methods::MethodResult,
     judged: &super::analysis::MethodAnalysis,

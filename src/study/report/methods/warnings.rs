@@ -1,16 +1,17 @@
-//! Warnings of a study of methods.
+//! Warnings in reports of a study of methods.
 
 use crate::study::methods::MethodStudyResult;
 use crate::study::report::text::error_percent_text;
 
-/// Minimum share of the threads' time at which times are reliable.
+/// Minimum share of processor time in the time of all threads for times to be reliable.
 const MIN_THREAD_TIME_SHARE: f64 = 0.9;
 
-/// Errors above this multiple of the truth's error are reliable: 1/3² of the square is 6 % of the
-/// root.
+/// Minimum ratio of a method's error to the reference's error for the error to be reliable.
+///
+/// At a ratio of 3, the reference's error is 1/9 of the squared error, so 6 % of the error.
 const MIN_ERROR_OVER_TRUTH: f64 = 3.0;
 
-/// Reasons to doubt the figures.
+/// Reasons to doubt the results of a study.
 pub(super) fn study_warnings(found: &MethodStudyResult) -> Vec<String> {
     let mut warnings = Vec::new();
     if found.interrupted {

@@ -139,8 +139,8 @@ impl Similarity {
     }
 
     fn lens(&self, lens: &mut LensDescription) {
-        let LensDescription { opening, focus, blades: _ } = lens;
-        match opening {
+        let LensDescription { aperture, focus, blades: _ } = lens;
+        match aperture {
             ApertureDescription::Radius(radius) => self.length(radius),
             ApertureDescription::FNumber { number: _, sensor } => self.length(sensor),
         }
