@@ -22,7 +22,7 @@ impl<T> From<T> for TexturedValue<T> {
 
 impl<T> TexturedValue<T> {
     /// Returns the name of the texture; `None` for a constant.
-    pub fn texture(&self) -> Option<&Spanned<String>> {
+    pub fn texture_name(&self) -> Option<&Spanned<String>> {
         match self {
             Self::Plain(_) => None,
             Self::Texture(name) => Some(name),
