@@ -175,7 +175,7 @@ impl VolumeMap {
                 return;
             }
             *count += 1;
-            let transmittance = curve.at(t);
+            let transmittance = curve.transmittance_at(t);
             let phase = medium.phase.evaluate(-cos);
             sums.add(
                 photon.flux() * transmittance * wavelength_overlap(own, photon.wavelength, self.band),

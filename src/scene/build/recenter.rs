@@ -1,6 +1,6 @@
 //! Choosing the origin of scene coordinates.
 
-use super::object::{Extent, MeshData, Object, ObjectGeometry};
+use super::object::{Extent, MeshData, ObjectGeometry, SceneObject};
 use crate::camera::Camera;
 use crate::scene::BuildError;
 use crate::scene::animation::{MID_SHUTTER, shape_at};
@@ -25,7 +25,7 @@ struct PrecisionTarget {
 }
 
 /// Origin of scene coordinates, in world coordinates. Without bounded objects, the camera position.
-pub(super) fn choose_origin(objects: &[Object], mesh: &MeshData, camera: &Camera) -> Result<DVec3, BuildError> {
+pub(super) fn choose_origin(objects: &[SceneObject], mesh: &MeshData, camera: &Camera) -> Result<DVec3, BuildError> {
     let (mut resting, mut moving, mut meshes) = (Vec::new(), Vec::new(), Vec::new());
     let mut shapes = Vec::new();
     for object in objects {
