@@ -152,6 +152,11 @@ pub fn decode(
     Ok(loaded)
 }
 
+/// Lower and upper corner of the bounds of `points`; infinities if there are none.
+fn point_bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
+    points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
+}
+
 /// `v` scaled to unit length; zero if its squared length is zero, subnormal or not finite.
 ///
 /// A vector whose length differs from 1 by rounding only is returned unchanged. So normals that

@@ -1,7 +1,7 @@
 //! Measurements of a mesh: size, area, volume and topology.
 
-use super::TriangleMesh;
 use super::topology::{MeshTopology, ParityUnionFind};
+use super::{TriangleMesh, point_bounds};
 use glam::DVec3;
 use serde::Serialize;
 
@@ -68,8 +68,7 @@ impl TriangleMesh {
         let mut used = vec![false; self.positions.len()];
         self.triangles.iter().flatten().for_each(|v| used[*v as usize] = true);
         let corners = self.triangles.iter().flatten().map(|v| self.positions[*v as usize]);
-        let (min, max) =
-            corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+        let (min, max) = point_bounds(corners);
         let counts = TopologyCounts::new(self, &topology);
         let closed = counts.boundary_edges == 0 && counts.faces > 0;
         let manifold = counts.non_manifold_edges == 0 && counts.non_manifold_vertices == 0;
@@ -108,8 +107,7 @@ impl TriangleMesh {
     /// Diagonal of the bounding box of all vertices \[length]; 0 if it is not finite.
     #[must_use]
     pub fn bounds_diagonal(&self) -> f64 {
-        let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let (low, high) = self.positions.iter().fold(start, |(low, high), p| (low.min(*p), high.max(*p)));
+        let (low, high) = point_bounds(self.positions.iter().copied());
         let diagonal = (high - low).length();
         if diagonal.is_finite() { diagonal } else { 0.0 }
     }
