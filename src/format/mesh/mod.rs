@@ -65,7 +65,7 @@ pub struct LoadedMesh {
     /// True if a vertex of the file is only a position, as in OBJ files.
     ///
     /// Such files index normals and texture coordinates separately.
-    pub positions_only: bool,
+    pub has_separate_indices: bool,
 }
 
 impl LoadedMesh {
@@ -74,8 +74,11 @@ impl LoadedMesh {
     pub fn repeated_vertices(&self) -> usize {
         let used = self.vertices - self.isolated;
         let split = self.mesh.normals.is_some() || self.mesh.texcoords.is_some();
-        let kept =
-            if self.positions_only && split { self.mesh.distinct_position_count() } else { self.mesh.positions.len() };
+        let kept = if self.has_separate_indices && split {
+            self.mesh.distinct_position_count()
+        } else {
+            self.mesh.positions.len()
+        };
         used.saturating_sub(kept)
     }
 }

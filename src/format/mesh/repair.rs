@@ -10,11 +10,11 @@ pub struct MeshRepairs {
     /// Distance \[length] within which vertices are merged; 0 merges equal positions.
     pub weld: Option<f64>,
     /// True to remove triangles that have the same three positions as an earlier one.
-    pub duplicates: bool,
+    pub removes_duplicates: bool,
     /// True to remove triangles without area, except those that close a surface.
-    pub degenerate: bool,
+    pub removes_degenerates: bool,
     /// True to make windings consistent, see [`TriangleMesh::orient_outward`].
-    pub orient: bool,
+    pub orients_outward: bool,
 }
 
 impl MeshRepairs {
@@ -44,15 +44,15 @@ impl TriangleMesh {
         if let Some(tolerance) = repair.weld {
             done.welded = self.weld_vertices(tolerance);
         }
-        if repair.duplicates {
+        if repair.removes_duplicates {
             let duplicates = self.duplicate_triangles(&MeshTopology::new(self));
             done.duplicates = self.remove_triangles(&duplicates);
         }
-        if repair.degenerate {
+        if repair.removes_degenerates {
             let degenerate = self.removable_degenerates();
             done.degenerate = self.remove_triangles(&degenerate);
         }
-        if repair.orient {
+        if repair.orients_outward {
             done.turned = self.orient_outward();
         }
         self.merge_equal_vertices();

@@ -187,12 +187,12 @@ impl TopologyCounts {
         let mut fans = ParityUnionFind::new(3 * mesh.triangles.len());
         for half_edges in topology.half_edges_by_edge() {
             this.edges += 1;
-            let forward = half_edges.iter().filter(|half_edge| half_edge.forward).count();
+            let forward = half_edges.iter().filter(|half_edge| half_edge.is_forward).count();
             this.balanced &= 2 * forward == half_edges.len();
             match half_edges {
                 [_] => this.boundary_edges += 1,
                 [a, b] => {
-                    let against = a.forward == b.forward;
+                    let against = a.is_forward == b.is_forward;
                     this.inconsistent_edges += usize::from(against);
                     this.orientable &= windings.union_sets(a.triangle as usize, b.triangle as usize, against);
                 }

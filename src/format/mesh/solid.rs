@@ -54,8 +54,10 @@ impl TriangleMesh {
         let flipped: Vec<bool> = self.triangles.iter().map(|t| self.normals_oppose_winding(*t)).collect();
         let (mut open, mut inconsistent) = (0, 0);
         for half_edges in topology.half_edges_by_edge() {
-            let forward =
-                half_edges.iter().filter(|half_edge| half_edge.forward != flipped[half_edge.triangle as usize]).count();
+            let forward = half_edges
+                .iter()
+                .filter(|half_edge| half_edge.is_forward != flipped[half_edge.triangle as usize])
+                .count();
             open += usize::from(half_edges.len() == 1);
             inconsistent += usize::from(half_edges.len() > 1 && 2 * forward != half_edges.len());
         }
