@@ -144,7 +144,7 @@ impl VolumeMap {
         let MediumSegment { ray, medium, index, inside, .. } = vertex.segment;
         let (own, extinction) = (inside.wavelength(), medium.extinction());
         let mut sums = NestedKernelSums::new(1, 1, nested);
-        self.beams.visit(ray, |beam, crossing| {
+        self.beams.visit_near_ray(ray, |beam, crossing| {
             if beam.medium != *index {
                 return;
             }
@@ -168,7 +168,7 @@ impl VolumeMap {
         let MediumSegment { ray, medium, index, inside, .. } = vertex.segment;
         let own = inside.wavelength();
         let mut sums = NestedKernelSums::new(2, 2, nested);
-        self.points.visit(ray, |photon, t, cos, weight, x2| {
+        self.points.visit_near_ray(ray, |photon, t, cos, weight, x2| {
             if photon.medium != *index {
                 return;
             }
@@ -199,7 +199,7 @@ impl VolumeMap {
         let Some(t) = distance_sample.scattered else { return [Rgb::ZERO; LEVELS] };
         let p = ray.at(t);
         let mut sums = NestedKernelSums::new(3, 1, nested);
-        self.points.around(p, |photon, weight, x2| {
+        self.points.visit_near_point(p, |photon, weight, x2| {
             if photon.medium != *index {
                 return;
             }

@@ -158,7 +158,7 @@ impl PhotonMap {
         }
         let mut sums = KernelSums::<N>::new(kernel, radius * radius);
         let mut count = 0;
-        self.visit(p, radius, |data, d2| {
+        self.visit_within_radius(p, radius, |data, d2| {
             if is_on_query_surface(data, &plane, bandwidth.radius) {
                 count += 1;
                 sums.add(d2, height(data), brdf(data) * data.flux());
@@ -183,7 +183,7 @@ impl PhotonMap {
         loop {
             found.clear();
             let mut cutoff = f32::INFINITY;
-            self.visit(p, radius, |data, d2| {
+            self.visit_within_radius(p, radius, |data, d2| {
                 if d2 < cutoff && is_on_query_surface(data, &plane, bandwidth.radius) {
                     found.push((d2, *data));
                     if found.len() == 2 * k {

@@ -79,7 +79,7 @@ impl PhotonMap {
 
     /// Calls `visitor` with each photon within `radius` \[length] of `p` and its squared distance.
     #[inline]
-    pub fn visit(&self, p: Vec3, radius: f32, mut visitor: impl FnMut(&PhotonData, f32)) {
+    pub fn visit_within_radius(&self, p: Vec3, radius: f32, mut visitor: impl FnMut(&PhotonData, f32)) {
         let Some(tree) = &self.tree else { return };
         if !p.is_finite() {
             return;

@@ -27,26 +27,26 @@ pub enum PassesNeeded {
     TooMany,
 }
 
-/// Predicted error as a function of the number of passes.
+/// Predicted error as a function of the number of passes n.
 ///
-/// Let aᵢ be the disc area in pass i over that of pass 0. Noise has two parts: one falls as 1/n,
-/// that of photon estimates as Σ(1/aᵢ)/n². The noise of D₀ tells how large the second part is. Blur
-/// follows the mean of aᵢ^p with the measured power p. Fireflies follow
-/// `Fireflies::squared_error_after`.
+/// Let aᵢ be the disc area of photon estimates in pass i, divided by that in pass 0. The variance
+/// of photon estimates falls as Σ(1/aᵢ)/n², all other variance as 1/n. Blur follows the mean of
+/// aᵢ^p, with a measured exponent p. The shared-path error stays.
 #[derive(Clone, Copy, Debug)]
 pub struct ErrorForecast {
+    /// Exponent α of the radius law; 1 for fixed radii.
     alpha: f64,
-    /// Relative variance of a pass that does not depend on discs, without fireflies.
+    /// Relative variance of one pass, without photon estimates and fireflies.
     path_variance: f64,
     /// Relative variance of photon estimates in the first pass.
     photon_variance: f64,
-    /// Blur of the first pass.
+    /// Relative blur of the first pass.
     blur: f64,
     /// Exponent p: blur is proportional to area^p.
     power: f64,
     shared_paths: f64,
     fireflies: Fireflies,
-    /// Passes of the estimate that the forecast starts from.
+    /// Number of passes at the error estimate that the forecast extrapolates.
     passes: f64,
 }
 
