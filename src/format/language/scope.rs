@@ -23,7 +23,7 @@ pub(super) struct ParserScope<'a> {
     mix_summaries: Vec<MixSummary>,
     /// True if the last `Group` refers to a material.
     pub group_uses_materials: bool,
-    /// Keyword of a `Materials` block behind the last `Group`, if the group refers to materials.
+    /// Keyword of a `Materials` block after the last `Group`, if that group refers to materials.
     pub late_materials: Option<Token<'a>>,
 }
 
@@ -88,12 +88,11 @@ impl ParserScope<'_> {
         position: &str,
     ) -> Result<(), SceneError> {
         let names = || self.media.iter().map(|medium| medium.value.name.as_str());
-        let help = match self.media.is_empty() {
-            true => format!("define it {position}: `Media {{ Medium name {{ … }} }}`"),
-            false => {
-                let listed: Vec<String> = names().take(8).map(clip_for_message).collect();
-                format!("known are {}; define it with them", listed.join(", "))
-            }
+        let help = if self.media.is_empty() {
+            format!("define it {position}: `Media {{ Medium name {{ … }} }}`")
+        } else {
+            let listed: Vec<String> = names().take(8).map(clip_for_message).collect();
+            format!("known are {}; define it with them", listed.join(", "))
         };
         check_name_exists(lexer, "medium", name, names, help)
     }

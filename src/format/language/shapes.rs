@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::super::description::{CurveBasis, MeshOptions, ProfileCurve, ShapeDescription};
 use super::super::error::SceneError;
 use super::curves::{BEZIER_CONTROLS, BSPLINE_CONTROLS};
-use super::fields::{BlockFields, parse_block_by_keyword};
+use super::fields::{BlockFields, FromFieldValue, parse_block_by_keyword};
 use super::lexer::Token;
 use super::parser::Parser;
 use super::schema::{BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, block, field};
@@ -230,7 +230,12 @@ fn parse_cone(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
 }
 
 fn parse_mesh(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
-    Ok(ShapeDescription::Mesh { path: f.value("obj_file")?, options: parse_mesh_options(f)? })
+    let options = MeshOptions {
+        uses_file_materials: f.word_value("materials")? == "file",
+        ignores_normals: f.word_value("normals")? == "none",
+        max_smoothing_angle: f.optional_value("smoothAngle"),
+    };
+    Ok(ShapeDescription::Mesh { path: f.value("obj_file")?, options })
 }
 
 fn parse_revolution_surface(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
@@ -262,25 +267,19 @@ fn parse_ends_and_caps(f: &BlockFields<'_>) -> Result<([DVec3; 2], bool), SceneE
 }
 
 fn parse_triangle(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
-    let vertices = [f.value("vertex0")?, f.value("vertex1")?, f.value("vertex2")?];
-    let any = |names: [&str; 3]| names.iter().any(|name| f.get(name).is_some());
-    let normals = match any(["normal0", "normal1", "normal2"]) {
-        true => Some([f.value("normal0")?, f.value("normal1")?, f.value("normal2")?]),
-        false => None,
-    };
-    let uv = match any(["uv0", "uv1", "uv2"]) {
-        true => Some(Box::new([f.value("uv0")?, f.value("uv1")?, f.value("uv2")?])),
-        false => None,
-    };
-    Ok(ShapeDescription::Triangle { vertices, normals, uv })
+    Ok(ShapeDescription::Triangle {
+        vertices: [f.value("vertex0")?, f.value("vertex1")?, f.value("vertex2")?],
+        normals: parse_all_or_none(f, ["normal0", "normal1", "normal2"])?,
+        uv: parse_all_or_none(f, ["uv0", "uv1", "uv2"])?.map(Box::new),
+    })
 }
 
-fn parse_mesh_options(f: &BlockFields<'_>) -> Result<MeshOptions, SceneError> {
-    Ok(MeshOptions {
-        uses_file_materials: f.word_value("materials")? == "file",
-        ignores_normals: f.word_value("normals")? == "none",
-        max_smoothing_angle: f.optional_value("smoothAngle"),
-    })
+/// Parses three fields; `None` if all of them are absent.
+fn parse_all_or_none<T: FromFieldValue>(f: &BlockFields<'_>, names: [&str; 3]) -> Result<Option<[T; 3]>, SceneError> {
+    if names.iter().all(|name| f.get(name).is_none()) {
+        return Ok(None);
+    }
+    Ok(Some([f.value(names[0])?, f.value(names[1])?, f.value(names[2])?]))
 }
 
 fn parse_bezier_patches(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {

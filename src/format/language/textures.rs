@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::super::description::{
     PictureEncoding, SolidPatternDescription, Spanned, TexcoordTransformDescription, TextureDescription,
-    TextureKindDescription, Wrap,
+    TextureKindDescription, WrapMode,
 };
 use super::super::error::SceneError;
 use super::fields::{BlockFields, parse_block_by_keyword};
@@ -110,9 +110,9 @@ fn parse_image_texture(f: &BlockFields<'_>) -> Result<TextureKindDescription, Sc
         path: f.value("file")?,
         encoding: if f.word_value("encoding")? == "linear" { PictureEncoding::Linear } else { PictureEncoding::Srgb },
         wrap: match f.word_value("wrap")? {
-            "clamp" => Wrap::Clamp,
-            "mirror" => Wrap::Mirror,
-            _ => Wrap::Repeat,
+            "clamp" => WrapMode::Clamp,
+            "mirror" => WrapMode::Mirror,
+            _ => WrapMode::Repeat,
         },
         coordinates: parse_texcoord_transform(f)?,
     })
@@ -168,9 +168,9 @@ pub(super) fn write_texture(out: &mut SceneWriter<'_, '_>, texture: &TextureDesc
             };
             out.write_field("encoding", encoding)?;
             let wrap = match wrap {
-                Wrap::Repeat => "repeat",
-                Wrap::Clamp => "clamp",
-                Wrap::Mirror => "mirror",
+                WrapMode::Repeat => "repeat",
+                WrapMode::Clamp => "clamp",
+                WrapMode::Mirror => "mirror",
             };
             out.write_field("wrap", wrap)?;
             write_texcoord_transform(out, coordinates)?;
