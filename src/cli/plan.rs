@@ -40,7 +40,7 @@ pub(super) fn simulated_effects_line(plan: &Plan) -> String {
         let names: Vec<&str> = plan.decisions.iter().filter(|d| keep(d)).map(|d| d.effect.name()).collect();
         if names.is_empty() { "nothing".to_owned() } else { names.join(", ") }
     };
-    format!("plan: {}; without {}", names(|d| d.on), names(|d| !d.on))
+    format!("plan: {}; without {}", names(|d| d.is_simulated), names(|d| !d.is_simulated))
 }
 
 /// Prints the plan and the ray counts of a pass, and warns of omitted effects.
@@ -77,14 +77,14 @@ pub(super) fn count_with_noun(n: usize, one: &str, many: &str) -> String {
 
 /// Returns a warning for each effect that the scene needs but the plan omits.
 pub(super) fn omitted_effect_warnings(plan: &Plan) -> impl Iterator<Item = String> {
-    let lacking = plan.decisions.iter().filter(|d| d.needed && !d.on);
+    let lacking = plan.decisions.iter().filter(|d| d.is_needed && !d.is_simulated);
     lacking.map(|d| format!("warning: without {}: {}", d.effect, d.effect.symptom_if_missing()))
 }
 
 fn plan_table(algorithm: Algorithm, plan: &Plan, balance: Option<Balance>, work: &ExpectedWork) -> String {
     let mut text = format!("{} simulates\n", algorithm.name());
     for decision in &plan.decisions {
-        let state = match (decision.on, decision.is_forced()) {
+        let state = match (decision.is_simulated, decision.is_forced()) {
             (true, false) => "on",
             (true, true) => "on, forced",
             (false, false) => "off",
@@ -151,10 +151,10 @@ pub(super) struct EffectReport {
 pub(super) fn plan_effect_reports(plan: &Plan) -> Vec<EffectReport> {
     let report = |d: &Decision| EffectReport {
         effect: d.effect.name(),
-        on: d.on,
-        needed: d.needed,
+        on: d.is_simulated,
+        needed: d.is_needed,
         reason: d.reason.to_string(),
-        flaw: (d.needed && !d.on).then(|| d.effect.symptom_if_missing()),
+        flaw: (d.is_needed && !d.is_simulated).then(|| d.effect.symptom_if_missing()),
     };
     plan.decisions.iter().map(report).collect()
 }

@@ -89,8 +89,9 @@ pub fn read_with_memory_limit(path: &Path, meaning: PictureContent, free: Option
     Ok(decode(path, &file, meaning, free.map(|free| free.saturating_sub(file.len() as u64)))?.0)
 }
 
-/// Decodes the bytes of a file like [`read_with_memory_limit`], and returns its format. Errors name
-/// `path`.
+/// Decodes the bytes of a picture file, and returns its file format. Errors name `path`.
+///
+/// Fails if decoding needs more than `free` bytes of memory; `None` is no limit.
 ///
 /// # Errors
 /// [`ReadError`], see [`read_with_memory_limit`].

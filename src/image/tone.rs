@@ -13,15 +13,17 @@ pub const MAX_EXPOSURE_STOPS: f32 = 64.0;
 /// Tone curve: maps linear radiance, after exposure, to a display signal in \[0, 1].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ToneCurve {
-    /// Clamp, then the sRGB transfer function (IEC 61966-2-1), rounded to the nearest level.
+    /// Clamps to \[0, 1], then applies the sRGB transfer function (IEC 61966-2-1).
     #[default]
     Srgb,
-    /// Narkowicz's fit of the ACES film curve ("ACES Filmic Tone Mapping Curve", 2016), then
-    /// [`ToneCurve::Srgb`]. Highlights roll off and reach white at 7.2 times the radiance that
-    /// [`ToneCurve::Srgb`] clips.
+    /// Fit of the ACES film curve, then [`ToneCurve::Srgb`] (Narkowicz 2016, "ACES Filmic Tone
+    /// Mapping Curve").
+    ///
+    /// Highlights are compressed: white is reached at radiance 7.2 instead of 1.
     Filmic,
-    /// Curve of the course: trunc(255 · clamp(c)), without a transfer function or a colour space
-    /// label.
+    /// Clamps to \[0, 1] and truncates to levels, without a transfer function: trunc(255 · c).
+    ///
+    /// It reproduces the pictures of the course's ray caster.
     Course,
 }
 

@@ -1,9 +1,9 @@
-//! Camera paths: the one loop behind every algorithm but `raycast`.
+//! Camera paths: the loop of every algorithm except `raycast`.
 //!
 //! A *receiver* is a surface that stores photons: see [`Bsdf::stores_photons`]. A *caster* is any
-//! other surface that is not black: see [`Bsdf::casts_caustics`]. A light path that goes over
-//! casters to a receiver is a caustic. Where the policy leaves caustics to photons, a path does not
-//! count their emission, so each light path counts once.
+//! other surface that is not black: see [`Bsdf::casts_caustics`]. A light path over casters to a
+//! receiver is a caustic. If the policy leaves caustics to photons, camera paths ignore emission that
+//! they find by such light paths. So each light path counts once.
 
 mod media;
 
@@ -23,28 +23,27 @@ use crate::sampling::{Dimension, Sampler};
 use crate::scene::{Interior, PathEvent, PathRay, Scene, SurfaceInteraction, SurfaceVertex};
 use glam::Vec3;
 
-/// Throughput below which the weaker branch at a smooth dielectric is chosen by chance instead of
-/// split off.
+/// Throughput of the weaker branch at a smooth dielectric below which the path does not split.
 const MIN_SPLIT_THROUGHPUT: f32 = 0.001;
 
-/// Throughput below which Russian roulette begins. An earlier start adds more noise than it saves
-/// time.
+/// Throughput below which Russian roulette may end a path.
 const ROULETTE_THROUGHPUT: f32 = 0.125;
 
-/// Bounces over casters alone after which Russian roulette begins.
+/// Number of bounces without a receiver after which Russian roulette may end a path.
 const ROULETTE_BOUNCE: u32 = 8;
 
-/// Most branches of one camera path that may wait to be continued.
+/// Largest number of branches of one camera path that wait on the stack.
 const MAX_BRANCHES: usize = 16;
 
-/// Radius assumed for the global map if there is none \[length].
+/// Gather radius that replaces that of the global map if there is no map \[length].
 const NO_MAP_RADIUS: f32 = 1.0;
 
-/// Shortest gather ray, in radii of the global map. A shorter ray ends where the map says no more
-/// than at its start.
+/// Smallest length of a gather ray, relative to the gather radius of the global map.
+///
+/// The map is too blurred to distinguish the ends of a shorter ray.
 const MIN_GATHER_RADII: f32 = 2.0;
 
-/// Inputs that all camera paths of a pass share.
+/// Scene, policy, photon maps and limits that all camera paths of a pass share.
 pub(super) struct PathContext<'a> {
     pub scene: &'a Scene,
     pub policy: &'a PathPolicy,
@@ -52,24 +51,23 @@ pub(super) struct PathContext<'a> {
     /// `None` if the pass has no photons.
     pub maps: Option<&'a PhotonMaps<'a>>,
     pub pass: u32,
-    /// Bounces after which a path ends.
+    /// Number of bounces after which a path ends.
     pub max_bounces: u32,
-    /// Length of the shortest gather ray that reads the global map \[length].
+    /// Smallest length of a gather ray that reads the global map \[length].
     min_gather_distance: f32,
 }
 
-/// A branch of a camera path between two vertices.
+/// State of a camera path, or of a branch of it, between two vertices.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PathState<I> {
     path_ray: PathRay<I>,
-    /// Weight in the pixel of radiance that arrives along the ray.
+    /// Factor from radiance that arrives along the ray to radiance of the pixel.
     throughput: Rgb,
     bounce: u32,
     history: PathHistory,
-    /// Previous vertex if next-event estimation could have found emission from there; `None` after
-    /// a delta.
+    /// Previous vertex if it did next-event estimation; `None` after a specular bounce.
     prev: Option<PrevVertex>,
-    /// Random numbers of the next vertex.
+    /// Sampler of the next vertex's random decisions.
     sampler: Sampler,
 }
 
@@ -81,7 +79,7 @@ pub(super) fn tracer<'a, I: Interior>(
     |ray, sampler, worker, stack| radiance(paths, ray, sampler, worker, stack)
 }
 
-/// Radiance that arrives along camera ray `ray` \[W/(m² sr)]. `stack` is empty before and after.
+/// Returns the radiance along camera ray `ray` \[W/(m² sr)]. `stack` is empty before and after.
 pub(super) fn radiance<I: Interior>(
     paths: &PathContext<'_>,
     ray: &Ray,
@@ -125,7 +123,7 @@ pub(super) fn radiance<I: Interior>(
                 let weight = path.prev.map_or(1.0, |prev| emission_weight(nee, &prev, &hit.surface));
                 radiance += path.throughput * hit.surface.emission * weight;
             }
-            let interior = path.path_ray.inside;
+            let interior = path.path_ray.interior;
 
             // Reflect and refract at casters.
             if !hit.surface.bsdf.stores_photons() {
@@ -138,7 +136,7 @@ pub(super) fn radiance<I: Interior>(
                 break;
             }
 
-            // Skip shading of faint paths by Russian roulette: it costs as much as dozens of rays.
+            // End faint paths by Russian roulette before shading, which costs as much as many rays.
             let survival = color::channel_mean(path.throughput) / ROULETTE_THROUGHPUT;
             if survival < 1.0 && policy.min_throughput == 0.0 {
                 if path.sampler.get_1d(Dimension::ShadingRoulette) >= survival {
@@ -185,10 +183,9 @@ pub(super) fn radiance<I: Interior>(
     radiance
 }
 
-/// Shades a caster and continues the path from there; false if the path ends.
+/// Adds direct light at a caster and continues the path from it. Returns false if the path ends.
 ///
-/// The function stays out of line, so that scenes without casters do not carry its code through
-/// their loop.
+/// It is not inlined, so that the loop stays small for scenes without casters.
 #[inline(never)]
 fn scatter_at_caster<I: Interior>(
     paths: &PathContext<'_>,
@@ -230,7 +227,7 @@ fn scatter_at_caster<I: Interior>(
     continue_path(policy, path, &vertex, worker)
 }
 
-/// Continues `path` from `vertex` in a sampled direction; false if it ends there.
+/// Continues `path` from `vertex` in a sampled direction. Returns false if the path ends there.
 #[inline]
 fn continue_path<I: Interior>(
     policy: &PathPolicy,
@@ -257,7 +254,7 @@ fn continue_path<I: Interior>(
     true
 }
 
-/// Radiance that `vertex` reflects to its viewer from light that photons carried \[W/(m² sr)].
+/// Estimates the radiance that `vertex` reflects to its viewer from photon maps \[W/(m² sr)].
 #[inline]
 fn photon_radiance<I: Interior>(
     paths: &PathContext<'_>,
@@ -282,7 +279,7 @@ fn photon_radiance<I: Interior>(
     paths.maps.map_or(Rgb::ZERO, |maps| maps.radiance(vertex, lookup, samples, worker))
 }
 
-/// Records `vertex` as visible, weighted by its effect on the pixel.
+/// Records `vertex` as a visible point, weighted by its throughput and BRDF.
 fn record_visible<I: Interior>(vertex: &PathVertex<'_, I>, worker: &mut Worker) {
     let surface = vertex.surface;
     let normal = surface.facing_normal();
@@ -299,29 +296,30 @@ fn ends_gather_ray<I>(paths: &PathContext<'_>, vertex: &PathVertex<'_, I>) -> bo
         && vertex.distance > paths.min_gather_distance
 }
 
-/// True if the policy counts light found by a path of `history`, rather than leaving it to photons.
+/// True if a camera path with `history` counts light that it finds; false leaves it to photons.
 #[inline]
 fn counts_light(policy: &PathPolicy, history: PathHistory) -> bool {
     policy.counts_caustics || !history.is_caustic()
 }
 
-/// True if emission that the path hits counts.
+/// True if the path counts emission that it hits now.
 ///
-/// Without the effect of soft shadows, next-event estimation samples the centers of area lights. A
-/// path that arrives from a vertex with next-event estimation then counts no emission.
+/// If soft shadows are off, next-event estimation samples only the centers of area lights. Then a
+/// path counts no emission after a vertex with next-event estimation.
 #[inline]
 fn counts_emission<I>(policy: &PathPolicy, path: &PathState<I>) -> bool {
     (path.prev.is_none() || policy.effects.has(Effect::SoftShadows)) && counts_light(policy, path.history)
 }
 
-/// Weight of emission that a path hits, by the balance heuristic (Veach 1997, section 9.2.2).
+/// Returns the weight of emission that a path hits, by the balance heuristic (Veach 1997, section
+/// 9.2.2).
 #[inline]
 fn emission_weight(nee: &NextEventEstimator<'_>, prev: &PrevVertex, hit: &SurfaceInteraction<'_>) -> f32 {
     let Some(light) = hit.light else { return 1.0 };
     prev.pdf / (prev.pdf + nee.pdf(prev, light as usize, -hit.wo, Some(&hit.point)))
 }
 
-/// Radiance of the environment or the background along a path that hits nothing \[W/(m² sr)].
+/// Returns the radiance of environment or background along a path that hits nothing \[W/(m² sr)].
 fn escaped_radiance<I: Interior>(paths: &PathContext<'_>, path: &PathState<I>) -> Rgb {
     let PathContext { scene, policy, nee, .. } = *paths;
     let direction = path.path_ray.ray.direction;
@@ -339,7 +337,7 @@ fn escaped_radiance<I: Interior>(paths: &PathContext<'_>, path: &PathState<I>) -
 }
 
 impl<'a> PathContext<'a> {
-    /// Context of pass `pass`.
+    /// Makes the context of pass `pass`.
     pub fn new(
         scene: &'a Scene,
         policy: &'a PathPolicy,
@@ -354,15 +352,16 @@ impl<'a> PathContext<'a> {
 }
 
 impl<I: Interior> PathState<I> {
-    /// Path that starts with camera ray `ray`.
+    /// Starts a path with camera ray `ray`.
     fn from_camera_ray(paths: &PathContext<'_>, ray: &Ray, sampler: Sampler) -> Self {
         let path_ray = paths.scene.start_camera_path(*ray, paths.policy.effects);
         let history = PathHistory::default();
         Self { path_ray, throughput: Rgb::ONE, bounce: 0, history, prev: None, sampler }
     }
 
-    /// Notes boundaries on the segment that light passes but shadow rays do not: they count as a
-    /// caster.
+    /// Notes that the segment crossed a boundary that blocks shadow rays but not light.
+    ///
+    /// Such a boundary counts as a caster.
     #[inline]
     fn note_crossed_boundaries(&mut self, crossed: bool) {
         if crossed {
@@ -371,7 +370,7 @@ impl<I: Interior> PathState<I> {
         }
     }
 
-    /// The vertex of this path at `surface`.
+    /// Makes the vertex of this path at `surface`.
     fn vertex<'v>(
         &self,
         paths: &PathContext<'_>,
@@ -384,8 +383,9 @@ impl<I: Interior> PathState<I> {
         PathVertex { surface, interior, history, throughput, distance, sampler, shadow_sampler }
     }
 
-    /// The path after it leaves `surface` in unit `direction`; `weight` is BSDF times cosine over
-    /// pdf.
+    /// Returns the path after it leaves `surface` in unit `direction`.
+    ///
+    /// `weight` is the BSDF times the cosine over the pdf of the direction.
     #[inline]
     fn after_scattering(
         &self,
@@ -395,14 +395,15 @@ impl<I: Interior> PathState<I> {
         transmitted: bool,
     ) -> Self {
         let mut path_ray = self.path_ray;
-        let weight = weight * path_ray.leave(surface, direction, transmitted);
+        let weight = weight * path_ray.leave_surface(surface, direction, transmitted);
         let sampler = self.sampler.next_vertex_sampler(self.bounce, transmitted);
         let throughput = self.throughput * weight;
         Self { path_ray, throughput, bounce: self.bounce + 1, prev: None, sampler, ..*self }
     }
 
-    /// Plays Russian roulette by `sampler` of the vertex before; divides the throughput by the
-    /// survival probability.
+    /// Plays Russian roulette with `sampler`. Returns false if the path ends.
+    ///
+    /// If the path survives, its throughput is divided by the survival probability.
     #[inline]
     fn survives_roulette(&mut self, sampler: Sampler) -> bool {
         let survival = (color::channel_mean(self.throughput) / ROULETTE_THROUGHPUT).min(1.0);

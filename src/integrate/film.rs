@@ -1,4 +1,4 @@
-//! Pixels of a pass, rendered in parallel by tiles.
+//! Rendering of all pixels of a pass, in parallel by tiles.
 
 use super::gather_guide::GatherGuide;
 use super::nested_estimates::{NestedEstimateSum, NestedEstimates};
@@ -13,11 +13,12 @@ use crate::stats::Counters;
 use glam::{DVec3, Vec2};
 use rayon::prelude::*;
 
-/// Edge of a tile in pixels. Neighbouring pixels share photons and boxes in the caches.
+/// Edge length of a tile in pixels. Neighbouring pixels find photons and boxes in the caches.
 const TILE_SIZE: u32 = 16;
 
-/// Working memory of one tile. Each tile starts with a fresh one, so results do not depend on the
-/// thread.
+/// Counters and reusable buffers of one parallel task, such as a tile.
+///
+/// Each task starts with a new value, so results do not depend on the thread.
 #[derive(Debug, Default)]
 pub(super) struct Worker {
     pub counters: Counters,
@@ -27,36 +28,36 @@ pub(super) struct Worker {
     pub global: Scratch,
     /// Buffers of lookups of guiding photons.
     pub guides: Scratch,
-    /// Directions of photons near the current vertex.
+    /// Distribution of gather directions at the current vertex.
     pub guide: GatherGuide,
     /// True if photon estimates are made at nested bandwidths.
     pub nests_estimates: bool,
-    /// Nested estimates of the current pixel.
+    /// Sum of the nested photon estimates of the current pixel.
     pub nested: NestedEstimateSum,
     /// Transmittance along the current segment of a medium.
     pub transmittance: TransmittanceCurve,
-    /// Visible points, recorded for a pilot.
+    /// Visible points that a pilot records.
     pub visible: Vec<VisiblePoint>,
 }
 
-/// Camera rays of a picture.
+/// Camera, pixel filter and numbers of camera rays of a picture.
 pub(super) struct FilmSampling<'a> {
     pub camera: &'a Camera,
     /// Reconstruction filter; `None` sends one ray through the lower left corner of each pixel.
     pub filter: Option<&'a Filter>,
     /// Mean number of rays per pixel.
     pub samples: u32,
-    /// True if rays leave from all of the lens.
+    /// True if rays start at random points of the lens; false if at its center.
     pub lens: bool,
-    /// Rays of each pixel in parts of the mean; `None` gives all pixels the mean.
+    /// Number of rays of each pixel relative to the mean; `None` gives all pixels the mean.
     pub density: Option<&'a [f32]>,
     /// True if photon estimates are made at nested bandwidths.
     pub nested: bool,
-    /// Renders one tile out of this many and leaves the others black; 1 renders all.
+    /// Interval of rendered tiles: 1 renders all tiles, n renders one of n and leaves others black.
     pub every: u32,
 }
 
-/// A rendered picture.
+/// Rendered picture with the counters of its camera rays.
 pub(super) struct FilmImage {
     /// Radiance by rows from the top \[W/(m² sr)].
     pub image: Vec<Rgb>,
@@ -67,7 +68,7 @@ pub(super) struct FilmImage {
     pub counters: Counters,
 }
 
-/// A tile of a picture.
+/// Mutable rows of one tile of a picture.
 struct Tile<'a> {
     /// Index of the tile, by rows from the top.
     index: u32,
@@ -78,7 +79,7 @@ struct Tile<'a> {
 }
 
 impl<'a> Tile<'a> {
-    /// Cuts a picture of `width` columns, at least one.
+    /// Splits a picture of `width` columns into tiles, by rows from the top.
     fn split_image(image: &'a mut [Rgb], nested: &'a mut [NestedEstimates], width: u32) -> Vec<Self> {
         let height = image.len() as u32 / width;
         let empty = |index| Tile { index, image: Vec::new(), nested: Vec::new() };
@@ -89,7 +90,7 @@ impl<'a> Tile<'a> {
     }
 }
 
-/// Rows of all tiles from the top, each with the index of its tile.
+/// Returns the rows of all tiles from the top of the picture, each with the index of its tile.
 fn tile_rows<T>(picture: &mut [T], width: u32) -> impl Iterator<Item = (usize, &mut [T])> {
     let (width, edge) = (width as usize, TILE_SIZE as usize);
     let tile = move |x: usize, y: usize| y / edge * width.div_ceil(edge) + x;
@@ -98,14 +99,16 @@ fn tile_rows<T>(picture: &mut [T], width: u32) -> impl Iterator<Item = (usize, &
 }
 
 impl FilmSampling<'_> {
-    /// Number of rays of a pixel, at least one; pixels are counted by rows from the top.
+    /// Returns the number of camera rays of a pixel, at least one. `pixel` counts by rows from the
+    /// top.
     fn ray_count(&self, pixel: usize) -> u32 {
         let exact = |density: &[f32]| (self.samples as f32 * density[pixel]).round().max(1.0) as u32;
         self.density.map_or(self.samples, exact)
     }
 
-    /// Film position of a sample of the pixel whose upper left corner is `corner`, and its filter
-    /// weight.
+    /// Samples the pixel filter at the pixel whose upper left corner is `corner`.
+    ///
+    /// Returns the film position in pixels and the filter weight.
     #[inline]
     fn film_position(&self, corner: Vec2, sampler: Sampler) -> (Vec2, f32) {
         let Some(filter) = self.filter else { return (corner + Vec2::Y, 1.0) };
@@ -158,7 +161,7 @@ pub(super) fn render_tiles<T: Default>(
                 let (film, weight) = sampling.film_position(corner, sampler);
                 worker.counters.camera_rays += 1;
                 let lens = sampling.lens.then(|| sampler.get_2d(Dimension::Lens));
-                let ray = sampling.camera.ray(film, lens);
+                let ray = sampling.camera.generate_ray(film, lens);
                 let value = radiance(&ray, sampler, &mut worker, &mut tile_state);
 
                 // Add its radiance to the pixel.
@@ -190,15 +193,14 @@ pub(super) fn render_tiles<T: Default>(
     FilmImage { image, nested, pixels: rendered_pixels, counters }
 }
 
-/// Interval at which about `wanted` tiles of a picture are rendered; at least 2, so that about half
-/// of the tiles or fewer are rendered.
+/// Returns the interval of rendered tiles at which about `wanted` tiles are rendered; at least 2.
 pub(super) fn tile_interval((width, height): (u32, u32), wanted: u32) -> u32 {
     (width.div_ceil(TILE_SIZE) * height.div_ceil(TILE_SIZE) / wanted).max(2)
 }
 
-/// True if `tile` is among the rendered ones, one out of `every`.
+/// True if the tile with index `tile` is rendered when one of `every` tiles is.
 ///
-/// Rendered tiles lie on slanting lines, evenly in rows and columns.
+/// Rendered tiles lie on diagonal lines, so each row and column has its share.
 fn is_tile_rendered(tile: u32, columns: u32, every: u32) -> bool {
     // A slant that shares a factor with the interval would leave columns out.
     let slant = (1..=every.div_ceil(2)).rev().find(|slant| gcd(*slant, every) == 1).unwrap_or(1);
@@ -209,20 +211,20 @@ fn gcd(a: u32, b: u32) -> u32 {
     if b == 0 { a } else { gcd(b, a % b) }
 }
 
-/// Column and row of each pixel of a tile.
+/// Returns the column and row of each pixel of a tile.
 fn tile_pixels(tile: u32, columns: u32, width: u32, height: u32) -> impl Iterator<Item = (u32, u32)> {
     let (left, top) = (tile % columns * TILE_SIZE, tile / columns * TILE_SIZE);
     (top..height.min(top + TILE_SIZE)).flat_map(move |y| (left..width.min(left + TILE_SIZE)).map(move |x| (x, y)))
 }
 
-/// Sums over the samples of a pixel.
+/// Sums of the radiance and filter weights of a pixel's samples.
 #[derive(Default)]
 struct PixelSum {
-    /// Sum of values.
+    /// Sum of radiance values.
     values: CompensatedSum,
-    /// Sum of weighted values.
+    /// Sum of radiance values times filter weights.
     weighted: CompensatedSum,
-    /// Sum of weights minus 1.
+    /// Sum of (weight − 1).
     excess: f64,
     count: u32,
 }
@@ -237,16 +239,15 @@ impl PixelSum {
         self.count += 1;
     }
 
-    /// Sum of the values.
+    /// Returns the sum of the radiance values.
     fn unweighted_sum(&self) -> DVec3 {
         self.values.value()
     }
 
-    /// Sum of the weighted values, without the noise of the weights.
+    /// Returns the sum of the weighted values with less noise from unequal weights.
     ///
-    /// Unequal weights make noise even if all values are equal. Where a weight falls short of 1,
-    /// the mean of the other values fills in. The sum stays unbiased, and is exact for equal
-    /// values.
+    /// Each sample adds wᵢLᵢ + (1 − wᵢ)·(mean of the other values). The sum is unbiased, because
+    /// weights have mean 1, and exact if all values are equal.
     fn weighted_sum(&self) -> DVec3 {
         let (values, weighted) = (self.values.value(), self.weighted.value());
         let others = f64::from(self.count) - 1.0;

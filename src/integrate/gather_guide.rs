@@ -8,8 +8,7 @@ pub(super) const GUIDE_PHOTONS: u32 = 32;
 
 /// 1 − cosine of the half angle (0.2 rad) of the cone around each photon's direction.
 ///
-/// 32 such cones cover most of a hemisphere with uniform light. If all light comes from one
-/// direction, they cover a tenth.
+/// If they do not overlap, 32 such cones cover 64 % of a hemisphere.
 const ONE_MINUS_COS: f32 = 0.02;
 
 /// Distribution of directions: an equal mixture of cones around the directions of photons.
@@ -31,7 +30,8 @@ impl GatherGuide {
         self.directions.push(direction);
     }
 
-    /// Samples a unit direction by `choice` in \[0, 1) and `u` in \[0, 1)²; `None` without photons.
+    /// Samples a unit direction: a cone by `choice` in \[0, 1), and a direction in it by `u` in
+    /// \[0, 1)². Returns `None` without photons.
     #[inline]
     pub fn sample(&self, choice: f32, u: Vec2) -> Option<Vec3> {
         let chosen = ((choice * self.directions.len() as f32) as usize).min(self.directions.len().checked_sub(1)?);
@@ -42,7 +42,7 @@ impl GatherGuide {
         )
     }
 
-    /// Pdf of unit direction `w` \[1/sr]; `None` without photons.
+    /// Returns the pdf of unit direction `w` \[1/sr]; `None` without photons.
     #[inline]
     pub fn pdf(&self, w: Vec3) -> Option<f32> {
         if self.directions.is_empty() {

@@ -1,4 +1,4 @@
-//! Construction of the photon maps of any pass.
+//! Construction of the photon maps of a pass.
 
 use super::pass::{Expected, Monitor, Pass, PhotonReport, Stage};
 use super::photon_maps::{PhotonEstimator, PhotonMaps};
@@ -19,126 +19,123 @@ use crate::sampling::{Key, Purpose};
 use crate::scene::Scene;
 use std::time::Instant;
 
-/// Default limit on the photons of a caustic estimate.
+/// Default limit on the photons of a density estimate in the caustic map.
 pub const CAUSTIC_K: u32 = 50;
 
-/// Default number of photons that most discs of the global map should hold.
+/// Number of photons that most gather discs of the global map should hold.
 const GLOBAL_COUNT: u32 = 100;
 
-/// Default number of photons that most discs of the global map should hold if it holds light after
-/// caustics alone.
+/// Number of photons that most gather discs of the global map of `hybrid` should hold.
 const AFTER_CAUSTIC_COUNT: u32 = 50;
 
-/// Radius around visible points before gather radii are known, in radii of the scene.
+/// Radius around visible points in which a photon counts as visible, relative to the scene radius.
 const VISIBLE_RADIUS: f32 = 0.01;
 
-/// Gather radius if the pilot stores no photon, in radii of the scene.
+/// Gather radius if the pilot stores no photon, relative to the scene radius.
 const DEFAULT_RADIUS: f32 = 0.01;
 
-/// Least gain of guided emission, in paths saved; guided paths take longer, so a smaller gain is
-/// none.
+/// Smallest efficiency gain for which guided emission is used. Guided paths take longer to sample.
 const MIN_GUIDING_GAIN: f64 = 1.5;
 
-/// Paths of the global map per path whose photons guide gather rays.
+/// Divisor of the number of global photon paths: that part is traced to guide gather rays.
 const GUIDE_INTERVAL: u32 = 16;
 
-/// Half width of the wavelength kernel in the first pass \[nm].
+/// Half width of the density-estimation kernel over wavelengths in the first pass \[nm].
 const WAVELENGTH_BAND: f32 = 20.0;
 
-/// Least limit on the photons of an estimate: fewer are noise, however far the limit has shrunk.
+/// Smallest limit on the photons of an estimate. The limit shrinks from pass to pass down to this.
 const MIN_K: f64 = 8.0;
 
-/// Memory of a photon beam with its boxes, in photons.
+/// Memory of a photon beam with its bounding boxes, relative to that of a photon.
 const BEAM_SIZE: usize = 4;
 
-/// Least limit of a pilot: the k-th photon only bounds the disc, so one photon alone gives no
-/// density.
+/// Smallest photon limit of a pilot. The k-th photon only sets the radius, so one gives no density.
 const MIN_PILOT_K: u32 = 2;
 
-/// Paths that measure the number of photons stored per path.
+/// Largest number of paths traced to predict how many photons a pass stores.
 const PROBE_PATHS: u32 = 4096;
 
-/// Photon paths of a pass.
+/// Numbers of photon paths of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PhotonPathCounts {
-    /// Paths of the global map.
+    /// Number of paths of the global map.
     pub photons: u32,
-    /// Paths aimed at caustic casters.
+    /// Number of paths aimed at objects that cast caustics.
     pub caustic_photons: u32,
 }
 
 impl PhotonPathCounts {
-    /// These counts divided by `part`, rounded up.
+    /// Returns these counts divided by `part`, rounded up.
     pub fn divided_by(self, part: u32) -> Self {
         Self { photons: self.photons.div_ceil(part), caustic_photons: self.caustic_photons.div_ceil(part) }
     }
 }
 
-/// Limit on the photons of an estimate if one of `part` paths is traced; 0 stays unlimited.
+/// Returns the photon limit of a pilot that traces one of `part` paths; 0 means no limit.
 fn pilot_gather_limit(k: u32, part: u32) -> u32 {
     if k == 0 { 0 } else { k.div_ceil(part).max(MIN_PILOT_K) }
 }
 
-/// Effort of building the photon maps of one pass, or of a pilot.
+/// Random key and amount of photons for building the maps of a pass or of a pilot.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PassBudget {
-    /// Root key, shared by all passes.
+    /// Random key that all passes share.
     pub key: Key,
-    /// The pass, counted from 0.
+    /// Number of the pass, counted from 0.
     pub pass: u32,
-    /// Traces one of this many paths of a pass.
+    /// Divisor of the number of photon paths: 1 for a pass, larger for a pilot.
     pub part: u32,
-    /// True if estimates take a limited number of photons; false takes all photons within the
-    /// radius.
+    /// True if density estimates use a limited number of photons instead of all within the radius.
     pub limited: bool,
 }
 
-/// Photons of one map, before they are indexed.
+/// Photons of one map before its search structure is built.
 struct MapPhotons {
     surface: Vec<Photon>,
     volume: VolumePhotons,
 }
 
-/// Radii of one map in the first pass \[length].
+/// Gather radii of one map in the first pass \[length].
 #[derive(Clone, Copy)]
 struct MapRadii {
-    /// Largest gather radius on surfaces.
+    /// Largest gather radius on surfaces \[length].
     surface: f32,
-    /// Kernel radii in media.
+    /// Kernel radii in media \[length].
     volume: VolumeRadii,
 }
 
-/// Kernel radii in media, of each map.
+/// Kernel radii in media for both photon maps.
 #[derive(Clone, Copy, Debug, Default)]
 struct VolumeRadiiPerMap {
     caustic: VolumeRadii,
     global: VolumeRadii,
 }
 
-/// Builds the photon maps of any pass.
+/// Builder of the photon maps of any pass. It holds the photon sources and gather radii.
 #[derive(Debug)]
 pub(super) struct PhotonMapBuilder<'a> {
     scene: &'a Scene,
     settings: Settings,
     policy: PathPolicy,
     pub request: MapRequest,
-    /// Emission in all directions; `None` if not requested or without light.
+    /// Photon source in all directions; `None` if not requested or without light.
     global_source: Option<PhotonSource<'a>>,
-    /// Emission aimed at caustic casters; `None` if not requested or without light.
+    /// Photon source aimed at objects that cast caustics; `None` if not requested or without light.
     caustic_source: Option<PhotonSource<'a>>,
     pub counts: PhotonPathCounts,
     /// Largest gather radii of the first pass; `None` without maps.
     pub radii: Option<Radii>,
-    /// Kernel radii in media.
+    /// Kernel radii in media in the first pass \[length].
     volume_radii: VolumeRadiiPerMap,
-    /// Least disc radius of the first pass \[length].
+    /// Smallest gather radius of the first pass \[length].
     min_radius: f32,
     pub guiding_reports: GuidingReports,
 }
 
 impl<'a> PhotonMapBuilder<'a> {
-    /// Builder for the maps that `policy` reads. Pilots guide the emission and find radii that are
-    /// not set.
+    /// Makes a builder for the maps that `policy` reads.
+    ///
+    /// Pilots guide photon emission, and find the gather radii that `settings` leave open.
     pub fn new(scene: &'a Scene, settings: Settings, policy: PathPolicy) -> Self {
         let request = policy.photon_maps();
         let source = |mask: StoreMask, paths: u32, new_source: &dyn Fn() -> Option<PhotonSource<'a>>| {
@@ -176,7 +173,7 @@ impl<'a> PhotonMapBuilder<'a> {
         builder
     }
 
-    /// This builder for a policy with fewer effects; results of pilots are kept.
+    /// Returns this builder for a policy with fewer effects, with the results of its pilots.
     pub fn with_policy(&self, policy: &PathPolicy) -> Self {
         let request = policy.photon_maps();
         let keep = |source: &Option<PhotonSource<'a>>, mask: StoreMask| {
@@ -193,7 +190,7 @@ impl<'a> PhotonMapBuilder<'a> {
         }
     }
 
-    /// This builder for `scene`, its own scene at another time; results of pilots are kept.
+    /// Returns this builder for `scene`, the same scene at another time, with its pilots' results.
     pub fn at<'b>(&self, scene: &'b Scene) -> PhotonMapBuilder<'b> {
         let placed = |source: &Option<PhotonSource<'a>>| source.as_ref().map(|source| source.at(scene));
         PhotonMapBuilder {
@@ -205,7 +202,7 @@ impl<'a> PhotonMapBuilder<'a> {
         }
     }
 
-    /// Guides emission to visible points if that is much more efficient.
+    /// Guides photon emission towards visible points if a pilot finds that more efficient.
     fn guide_emission(&mut self) {
         // Points on surfaces do not describe what is visible in media.
         if !self.has_photons() || self.stores_volume_photons() {
@@ -230,7 +227,7 @@ impl<'a> PhotonMapBuilder<'a> {
         }
     }
 
-    /// Gather radii within which most estimates find enough photons.
+    /// Returns gather radii within which most density estimates find enough photons \[length].
     fn find_radii(&self) -> Radii {
         let settings = &self.settings;
         let radius = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32, default_k: u32| {
@@ -251,8 +248,7 @@ impl<'a> PhotonMapBuilder<'a> {
         Radii { global, caustic }
     }
 
-    /// Source, stored photons and effective number of paths of the global map: see
-    /// [`PhotonMaps::global`].
+    /// Returns the photon source, photons to store and effective path count of the global map.
     fn global_map_inputs(&self) -> (&Option<PhotonSource<'a>>, StoreMask, u32) {
         if self.request.aimed.separates_after_caustic {
             let mask = StoreMask { after_caustic: true, ..StoreMask::NONE };
@@ -269,7 +265,7 @@ impl<'a> PhotonMapBuilder<'a> {
         media && self.has_photons() && self.scene.media_in_use().iter().any(|medium| medium.scatters())
     }
 
-    /// Kernel radii within which most camera rays find enough photons in media.
+    /// Returns kernel radii within which most camera rays find enough photons in media \[length].
     fn find_volume_radii(&self) -> VolumeRadiiPerMap {
         let settings = &self.settings;
         let found = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
@@ -291,23 +287,23 @@ impl<'a> PhotonMapBuilder<'a> {
         VolumeRadiiPerMap { caustic, global: radii(source, StoreMask { direct: false, ..mask }, paths) }
     }
 
-    /// `mask`, with photons in media stored in the form that their estimator takes.
+    /// Returns `mask` with photons in media stored as beams or as points, as the estimator needs.
     fn with_volume_storage(&self, mask: StoreMask) -> StoreMask {
         StoreMask { beams: self.settings.volume == VolumeEstimate::Beams, ..mask }
     }
 
-    /// Law by which radii change from pass to pass.
+    /// Returns how gather radii shrink from pass to pass.
     pub fn radius_law(&self) -> RadiusLaw {
         let alpha = if self.policy.shrinking_radii { self.settings.alpha } else { 1.0 };
         RadiusLaw { alpha, kernel: self.settings.kernel }
     }
 
-    /// True if a pass traces photons.
+    /// True if passes trace photons.
     pub fn has_photons(&self) -> bool {
         self.caustic_source.is_some() || self.global_source.is_some()
     }
 
-    /// Estimated photons of a pass, from few paths.
+    /// Estimates how many photons a pass stores, by tracing few paths.
     pub fn expected(&self) -> Expected {
         let settings = &self.settings;
         let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::Pilot);
@@ -337,19 +333,19 @@ impl<'a> PhotonMapBuilder<'a> {
         })
     }
 
-    /// Traces and indexes the photons of pass `pass`; adds the work to `out`.
+    /// Traces the photons of pass `pass` and builds its maps. Adds ray counts and times to `out`.
     pub fn build(&self, pass: u32, monitor: &dyn Monitor, out: &mut Pass) -> PhotonMaps<'a> {
         let key = Key::new(self.settings.camera_paths.seed);
         self.build_with_budget(&PassBudget { key, pass, part: 1, limited: true }, monitor, out)
     }
 
-    /// Traces and indexes photons within `budget`; adds the work to `out`.
+    /// Traces photons within `budget` and builds their maps. Adds ray counts and times to `out`.
     pub fn build_with_budget(&self, budget: &PassBudget, monitor: &dyn Monitor, out: &mut Pass) -> PhotonMaps<'a> {
         let PassBudget { pass, part, .. } = *budget;
         let counts = self.counts.divided_by(part);
         let key = |purpose| budget.key.purpose_key(purpose).pass_key(pass);
 
-        // Discs keep their size if counts are balanced, so the usual limit changes with the count.
+        // The limit grows with the number of paths, so that discs keep their size.
         let ratio = f64::from(self.counts.caustic_photons) / f64::from(self.settings.caustic_photons.max(1));
         let usual_k = (f64::from(CAUSTIC_K) * ratio).round().max(1.0) as u32;
         let caustic_k = pilot_gather_limit(self.settings.gather_k.unwrap_or(usual_k), part);
@@ -416,8 +412,9 @@ impl<'a> PhotonMapBuilder<'a> {
         PhotonMaps { guides: PhotonMap::build(guides), caustic, global }
     }
 
-    /// Indexes `photons` for estimates of pass `budget.pass`, of at most `k` photons each (0: no
-    /// limit).
+    /// Builds the search structures of `photons` for pass `budget.pass`.
+    ///
+    /// Each density estimate uses at most `k` photons; 0 means no limit.
     fn build_estimator(
         &self,
         photons: MapPhotons,
@@ -463,7 +460,7 @@ impl<'a> PhotonMapBuilder<'a> {
     }
 }
 
-/// `source`, restricted to `effects`; `None` if no light is left.
+/// Returns `source` without the light of effects that are off; `None` if no light is left.
 fn restrict_to_effects<'a>(source: PhotonSource<'a>, effects: Effects) -> Option<PhotonSource<'a>> {
     let source = source.with_effects(effects);
     if effects.has(Effect::Environment) { Some(source) } else { source.without_environment() }

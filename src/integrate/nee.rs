@@ -1,4 +1,4 @@
-//! Next-event estimation: direct light by shadow rays.
+//! Next-event estimation: direct light of surfaces and media by shadow rays.
 
 mod medium;
 
@@ -14,18 +14,18 @@ use crate::scene::{Interior, Scene};
 use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 
-/// Sample that yields the center of a light.
+/// Sample in \[0, 1)² that gives the center of a light.
 const CENTER: Vec2 = Vec2::splat(0.5);
 
-/// Most lights of which each gets a shadow ray before the first receiver.
+/// Largest number of lights for which a camera path's first receiver sends a shadow ray to each.
 const FEW_LIGHTS: usize = 4;
 
-/// Lights that one vertex sends shadow rays to.
+/// Choice of the lights to which one vertex sends shadow rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ShadowRayScheme {
-    /// All lights, with this many rays each.
+    /// This many shadow rays to every light.
     All(u32),
-    /// This many rays, each to a stochastically chosen light.
+    /// This many shadow rays, each to a randomly chosen light.
     Chosen(u32),
 }
 
@@ -36,21 +36,21 @@ pub(super) struct NextEventEstimator<'a> {
     lights: &'a [Light],
     effects: Effects,
     directions: DirectionSampling,
-    /// True if some bodies let shadow rays pass.
+    /// True if the scene has surfaces that shadow rays pass through (null interfaces).
     has_null_interfaces: bool,
     /// True if lights are sampled at their centers.
     centers: bool,
-    /// Chooses lights if a scheme needs that.
+    /// Sampler that chooses lights; `None` if vertices sample all lights.
     light_sampler: Option<LightBvhSampler>,
-    /// Schemes before the first receiver, and after it.
+    /// Choice of lights up to the first receiver of a camera path, and after it.
     schemes: [ShadowRayScheme; 2],
 }
 
 impl<'a> NextEventEstimator<'a> {
-    /// Estimator of the direct light that `policy` simulates.
+    /// Makes an estimator of the direct light that `policy` simulates.
     pub fn new(scene: &'a Scene, policy: &PathPolicy) -> Self {
         let PathPolicy { effects, light_sampling, directions, .. } = *policy;
-        // The center of a light stands for all of it, with its mean emission.
+        // A light sampled at its center emits its mean radiance there.
         let centers = light_sampling == LightSampling::Centers || !effects.has(Effect::SoftShadows);
         let all = if centers || !effects.has(Effect::Textures) { scene.mean_emission_lights() } else { scene.lights() };
         let skipped = scene.environment().filter(|_| !effects.has(Effect::Environment));
@@ -83,11 +83,10 @@ impl<'a> NextEventEstimator<'a> {
         self.schemes[usize::from(history.receivers > 0)]
     }
 
-    /// Unbiased estimate of the radiance that `vertex` scatters to its viewer from the lights
-    /// \[W/(m² sr)].
+    /// Estimates the radiance of lights that `vertex` scatters to its viewer \[W/(m² sr)].
     ///
-    /// If the path `continues`, it may hit a light itself. The estimate is then weighted by the
-    /// balance heuristic.
+    /// The estimate is unbiased. If the path `continues`, it may hit a light itself, so the
+    /// estimate is weighted by the balance heuristic.
     pub fn estimate<I: Interior>(&self, vertex: &PathVertex<'_, I>, continues: bool, worker: &mut Worker) -> Rgb {
         let rays = match (self.shadow_ray_scheme(vertex.history), &self.light_sampler) {
             (ShadowRayScheme::All(rays), _) => rays,
@@ -195,9 +194,9 @@ impl<'a> NextEventEstimator<'a> {
         reflected * self.transmittance(vertex, &sample)
     }
 
-    /// End of a shadow ray from `p` to `target`.
+    /// Returns the end of a shadow ray from `p` to `target`.
     ///
-    /// It stops short of a light without a surface, which may stand in the surface of an object.
+    /// The ray ends shortly before a point light, which may touch the surface of an object.
     #[inline]
     fn shadow_ray_end(&self, light: usize, sample: &DirectSample, target: Vec3, p: Vec3) -> Vec3 {
         if sample.pdf.is_some() {
@@ -206,8 +205,8 @@ impl<'a> NextEventEstimator<'a> {
         target - sample.wi * self.scene.light_contact_distance(light).min(0.5 * (target - p).length())
     }
 
-    /// Transmittance of an occluded shadow ray: 0 unless all surfaces in its way are null
-    /// interfaces.
+    /// Returns the transmittance of an occluded shadow ray; 0 unless only null interfaces occlude
+    /// it.
     fn transmittance_through_interfaces<I: Interior>(
         &self,
         light: usize,
@@ -221,10 +220,10 @@ impl<'a> NextEventEstimator<'a> {
                 .spawn_ray_to(self.shadow_ray_end(light, sample, target, vertex.surface.point.p), sample.wi),
             ShadowTarget::Infinity => path_ray.ray,
         };
-        self.scene.shadow_transmittance(&ray, path_ray.inside, vertex.shadow_sampler.sample_key())
+        self.scene.shadow_transmittance(&ray, path_ray.interior, vertex.shadow_sampler.sample_key())
     }
 
-    /// Transmittance between `vertex` and a light that no surface hides.
+    /// Returns the transmittance between `vertex` and a light that no surface occludes.
     #[inline]
     fn transmittance<I: Interior>(&self, vertex: &PathVertex<'_, I>, sample: &DirectSample) -> Rgb {
         match sample.target {
@@ -237,8 +236,7 @@ impl<'a> NextEventEstimator<'a> {
     }
 }
 
-/// Point of stratum `i` of `count` in \[0, 1); `start` in \[0, 1) is its position within the
-/// stratum.
+/// Returns a point in \[0, 1) of stratum `i` of `count`. `start` in \[0, 1) is its place there.
 #[inline]
 fn stratified_point(i: u32, start: f32, count: u32) -> f32 {
     ((i as f32 + start) / count as f32).min(1.0 - f32::EPSILON / 2.0)

@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// Number of tiles that each pass traces by fresh paths if passes share their camera paths.
 const FRESH_TILE_COUNT: u32 = 48;
 
-/// A scene with a policy, and the numbers of camera rays and photons of a pass.
+/// Scene, rules and sample counts from which passes are rendered.
 #[derive(Debug)]
 pub(super) struct PassRenderer<'a> {
     pub scene: &'a Scene,
@@ -25,7 +25,7 @@ pub(super) struct PassRenderer<'a> {
     pub map_builder: PhotonMapBuilder<'a>,
     /// Mean number of camera rays per pixel and pass.
     pub samples: u32,
-    /// Camera rays of each pixel, in parts of `samples`; `None` gives all pixels the mean.
+    /// Number of camera rays of each pixel relative to `samples`; `None` gives all pixels the mean.
     pub density: Option<Arc<[f32]>>,
 }
 

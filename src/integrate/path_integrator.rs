@@ -23,7 +23,7 @@ use std::time::Instant;
 pub(super) struct PathIntegrator<'a> {
     renderer: PassRenderer<'a>,
     plan: Plan,
-    /// Makes the policy for other sets of effects.
+    /// Function that makes the policy for other sets of effects.
     make_policy: PolicyFn,
     balance: Option<Balance>,
 }
@@ -103,8 +103,9 @@ impl Integrator for PathIntegrator<'_> {
 }
 
 impl<'a> PathIntegrator<'a> {
-    /// Prepares an algorithm for `scene`: guides emission, finds radii, and balances camera rays
-    /// against photons.
+    /// Makes an integrator for `scene`.
+    ///
+    /// Pilots guide photon emission, find gather radii, and balance camera rays against photons.
     pub fn new(scene: &'a Scene, plan: Plan, settings: Settings, make_policy: PolicyFn) -> Self {
         let (effects, needed) = (plan.simulated_effects(), plan.needed_effects());
         let policy = make_policy(effects, &settings);
@@ -134,10 +135,9 @@ impl<'a> PathIntegrator<'a> {
     }
 }
 
-/// Time of a pass in \[0, 1) of the shutter interval.
+/// Returns the time of a pass within the shutter interval, in \[0, 1).
 ///
-/// The times of all passes are stratified: a power of two of them divides the interval in equal
-/// steps.
+/// The times are stratified: the first 2ⁿ passes divide the interval into equal steps.
 fn shutter_time(seed: u64, pass: u32) -> f64 {
     let start = Key::new(seed).purpose_key(Purpose::Shutter).uniform_1d(Dimension::Time);
     let step = f64::from(pass.reverse_bits()) / 4_294_967_296.0;

@@ -1,5 +1,6 @@
-//! `raycast`: ray casting with Phong's model, as the course defines it: no shadows, no falloff, no
-//! ambient term.
+//! `raycast`: ray casting with Phong's shading model as MIT course 6.837 defines it.
+//!
+//! It has no shadows, no distance falloff and no ambient term.
 
 use super::film::{self, FilmImage, FilmSampling};
 use super::integrator::Integrator;
@@ -18,13 +19,12 @@ use crate::scene::{
 use crate::stats::Counters;
 use std::time::Instant;
 
-/// Ray casting integrator.
+/// Integrator of `raycast`.
 #[derive(Debug)]
 pub(super) struct RayCast<'a> {
     scene: &'a Scene,
     plan: Plan,
-    /// Reconstruction filter; `None` sends one ray through the lower left corner of each pixel, as
-    /// the course does.
+    /// Reconstruction filter; `None` sends one ray through the lower left corner of each pixel.
     filter: Option<Filter>,
     samples: u32,
     seed: u64,
@@ -55,15 +55,15 @@ impl Integrator for RayCast<'_> {
 }
 
 impl<'a> RayCast<'a> {
-    /// Ray casting with one ray per pixel as in the course, or with filtered rays if `settings` ask
-    /// for several.
+    /// Makes an integrator with one ray per pixel corner, or with filtered rays if `settings` ask
+    /// for several per pixel.
     pub fn new(scene: &'a Scene, plan: Plan, settings: &CameraPathSettings) -> Self {
         let samples = settings.samples.unwrap_or(1);
         let filter = (samples > 1).then(|| settings.filter.clone());
         Self { scene, plan, filter, samples, seed: settings.seed }
     }
 
-    /// Radiance along a camera ray, by the course's model.
+    /// Returns the radiance along a camera ray by Phong's model.
     fn radiance(&self, ray: &Ray) -> Rgb {
         let mut ray = *ray;
         let mut cone = self.scene.camera_ray_cone(self.plan.simulated_effects());
@@ -71,8 +71,8 @@ impl<'a> RayCast<'a> {
             let Some(hit) = self.scene.intersect(&ray) else {
                 return self.scene.background();
             };
-            cone.travel(hit.t);
-            let surface = self.scene.interaction(&ray, &hit, &cone, || 0.0);
+            cone.widen_over_distance(hit.t);
+            let surface = self.scene.surface_interaction(&ray, &hit, &cone, || 0.0);
             if !surface.is_null_interface() {
                 break (hit, surface);
             }
@@ -84,25 +84,24 @@ impl<'a> RayCast<'a> {
     }
 }
 
-/// Coefficients of the course's shading model.
+/// Coefficients of Phong's shading model at a surface point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct PhongAppearance {
     /// Diffuse coefficient kd.
     diffuse: Rgb,
     /// Specular coefficient ks.
     specular: Rgb,
-    /// Exponent of the highlight.
+    /// Exponent of the specular highlight.
     shininess: f32,
 }
 
 impl PhongAppearance {
-    /// Coefficients without a highlight.
+    /// Makes coefficients without a specular highlight.
     fn from_diffuse(diffuse: Rgb) -> Self {
         Self { diffuse, specular: Rgb::ZERO, shininess: 0.0 }
     }
 
-    /// The appearance of a material in the course's shading model, with parameters from
-    /// `parameters`.
+    /// Converts a material to Phong coefficients. `parameters` evaluates its textured parameters.
     fn from_material(material: &MaterialKind, parameters: &impl ParameterEvaluator) -> Self {
         match material {
             MaterialKind::Diffuse { reflectance } | MaterialKind::Mirror { reflectance } => {
@@ -122,7 +121,7 @@ impl PhongAppearance {
     }
 }
 
-/// The appearance of the surface at `hit`.
+/// Returns the Phong coefficients of the surface at `hit`.
 fn phong_appearance(scene: &Scene, surface: &SurfaceInteraction<'_>, hit: &Hit, cone: &RayCone) -> PhongAppearance {
     let material = surface.material;
     if !(material.is_textured() && cone.effects.has(Effect::Textures)) {
@@ -132,7 +131,7 @@ fn phong_appearance(scene: &Scene, surface: &SurfaceInteraction<'_>, hit: &Hit, 
     PhongAppearance::from_material(material.kind(), &TextureEvaluator { textures: scene.textures(), at })
 }
 
-/// Phong's model for one light: c·(kd·max(0, N·L) + ks·max(0, V·R)ˢ) with R = 2(N·L)N − L.
+/// Returns c·(kd·max(0, N·L) + ks·max(0, V·R)ˢ) with R = 2(N·L)N − L, for one light of color c.
 ///
 /// By the course's definition, surfaces that face away from the light keep their highlight. Normals
 /// are not flipped towards the viewer, and 0⁰ is 1.

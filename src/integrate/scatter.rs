@@ -13,11 +13,10 @@ use crate::scene::Interior;
 use glam::Vec3;
 use std::cell::RefCell;
 
-/// Search radius of guiding photons, in lengths of the shortest gather ray that reads the global
-/// map.
+/// Search radius of guiding photons, relative to the smallest length of gather rays.
 const GUIDE_RADIUS: f32 = 4.0;
 
-/// Fills the worker's guide with the directions of photons near `vertex`.
+/// Sets the worker's gather guide to the directions of photons near `vertex`.
 pub(super) fn collect_guide_directions<I: Interior>(
     maps: &PhotonMaps<'_>,
     min_gather_distance: f32,
@@ -36,7 +35,7 @@ pub(super) fn collect_guide_directions<I: Interior>(
     });
 }
 
-/// Samples the direction in which a path leaves `vertex`; `None` ends the path.
+/// Samples the direction in which a camera path leaves `vertex`. Returns `None` if the path ends.
 #[inline]
 pub(super) fn sample<I: Interior>(
     sampling: DirectionSampling,
@@ -51,7 +50,7 @@ pub(super) fn sample<I: Interior>(
     surface.sample(lobe, u, TransportMode::Radiance)
 }
 
-/// Pdf of unit direction `wi` by [`sample`] \[1/sr].
+/// Returns the pdf with which [`sample`] chooses unit direction `wi` \[1/sr].
 #[inline]
 pub(super) fn pdf<I: Interior>(
     sampling: DirectionSampling,
@@ -66,8 +65,9 @@ pub(super) fn pdf<I: Interior>(
     worker.guide.pdf(wi).map_or(bsdf, |guide| 0.5 * (bsdf + guide))
 }
 
-/// True if directions at `vertex` are guided. Casters are not: the guide belongs to the last
-/// receiver.
+/// True if directions at `vertex` are sampled from nearby photons too.
+///
+/// False at specular surfaces: the guide describes the last surface that stores photons.
 #[inline]
 fn is_guided<I>(sampling: DirectionSampling, vertex: &PathVertex<'_, I>) -> bool {
     match sampling {
@@ -76,7 +76,7 @@ fn is_guided<I>(sampling: DirectionSampling, vertex: &PathVertex<'_, I>) -> bool
     }
 }
 
-/// Samples a direction in equal parts by the BSDF and by the guide.
+/// Samples a direction from the BSDF or from the gather guide, with equal probability.
 fn sample_guided<I: Interior>(vertex: &PathVertex<'_, I>, worker: &Worker) -> Option<BsdfSample> {
     let surface = vertex.surface;
     let (lobe, u) = (vertex.sampler.get_1d(Dimension::BsdfLobe), vertex.sampler.get_2d(Dimension::BsdfDirection));

@@ -52,9 +52,9 @@ impl<I: Interior> PathVertex<'_, I> {
     #[inline]
     pub fn outgoing_path_ray(&self, wi: Vec3) -> PathRay<I> {
         let cone = RayCone::zero_width(Effects::NONE);
-        let mut path_ray = PathRay { ray: Ray::new(self.surface.point.p, wi), inside: *self.interior, cone };
+        let mut path_ray = PathRay { ray: Ray::new(self.surface.point.p, wi), interior: *self.interior, cone };
         let transmitted = wi.dot(self.surface.point.ng) * self.surface.wo.dot(self.surface.point.ng) < 0.0;
-        path_ray.leave(self.surface, wi, transmitted);
+        path_ray.leave_surface(self.surface, wi, transmitted);
         path_ray
     }
 
@@ -65,9 +65,9 @@ impl<I: Interior> PathVertex<'_, I> {
         let path_ray = self.outgoing_path_ray(wi);
         if I::SPECTRAL {
             let ray = Ray { t_max: distance, ..path_ray.ray };
-            return scene.interior_transmittance(&ray, &path_ray.inside, self.shadow_sampler.sample_key());
+            return scene.interior_transmittance(&ray, &path_ray.interior, self.shadow_sampler.sample_key());
         }
-        path_ray.inside.transmittance(scene, distance)
+        path_ray.interior.transmittance(scene, distance)
     }
 }
 

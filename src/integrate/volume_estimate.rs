@@ -1,4 +1,4 @@
-//! Radiance estimates from photons in media, along segments of camera paths.
+//! Estimates of the radiance that media scatter from photons along a segment of a camera path.
 
 use super::film::Worker;
 use super::vertex::MediumVertex;
@@ -9,21 +9,20 @@ use crate::scene::{Interior, MediumSegment};
 use glam::Vec3;
 use rand::Rng;
 
-/// Estimator of photon light in media.
+/// Estimator of in-scattered radiance from photons in media.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum VolumeEstimate {
-    /// Photon beams near the ray (Jarosz et al. 2011). Media of varied density use `BeamRadiance`.
+    /// Photon beams near the ray (Jarosz et al. 2011). Heterogeneous media use `BeamRadiance`.
     #[default]
     Beams,
-    /// Scattered photons near the ray: the beam radiance estimate (Jarosz, Zwicker and Jensen
-    /// 2008).
+    /// Beam radiance estimate: photons near the ray (Jarosz, Zwicker and Jensen 2008).
     BeamRadiance,
-    /// Scattered photons near a point of the ray (Jensen and Christensen 1998).
+    /// Photons near one sampled point of the ray (Jensen and Christensen 1998).
     Points,
 }
 
 impl VolumeEstimate {
-    /// Dimensions of the kernel in homogeneous media, and in others.
+    /// Returns the dimensions of the kernel in homogeneous and in heterogeneous media.
     pub(super) fn kernel_dimensions(self) -> (u32, u32) {
         match self {
             Self::Beams => (1, 2),
@@ -33,34 +32,36 @@ impl VolumeEstimate {
     }
 }
 
-/// Photons in media of one map.
+/// Photons in media of one photon map, with their search structures.
 pub(super) struct VolumeMap {
     beams: PhotonBeamMap,
     points: VolumePhotonMap,
     estimate: VolumeEstimate,
-    /// Half width of the kernel over wavelengths \[nm], on surfaces too.
+    /// Half width of the kernel over wavelengths \[nm], for estimates in media and on surfaces.
     pub band: f32,
 }
 
-/// Kernel sums at the full radius and at the nested smaller ones.
+/// Sums of photon radiance by a kernel of the full radius and of smaller nested radii.
 struct NestedKernelSums {
     sums: [Rgb; LEVELS],
-    /// Factor on the normalization of the kernel at half the squared radius.
+    /// Factor by which the kernel's normalization grows when its squared radius is halved.
     level_scale: f32,
-    /// Exponent of the shape of the kernel, (1 − x²)^power.
+    /// Exponent in the kernel's shape (1 − x²)^power.
     power: i32,
     /// True if the smaller radii are summed too.
     nested: bool,
 }
 
 impl NestedKernelSums {
-    /// Empty sums of a kernel in `dimensions` dimensions.
+    /// Makes empty sums for a kernel in `dimensions` dimensions.
     fn new(dimensions: u32, power: i32, nested: bool) -> Self {
         let level_scale = [1.0, std::f32::consts::SQRT_2, 2.0, 2.0 * std::f32::consts::SQRT_2][dimensions as usize];
         Self { sums: [Rgb::ZERO; LEVELS], level_scale, power, nested }
     }
 
-    /// Adds `radiance` by a kernel of `weight` at squared distance `x2`, in squares of the radius.
+    /// Adds `radiance` times the kernel value `weight` of the full radius.
+    ///
+    /// `x2` is the squared distance relative to the squared full radius, in \[0, 1).
     #[inline]
     fn add(&mut self, radiance: Rgb, weight: f32, x2: f32) {
         self.sums[0] += radiance * weight;
@@ -79,14 +80,15 @@ impl NestedKernelSums {
         }
     }
 
-    /// All sums times `factor`.
+    /// Returns all sums times `factor`.
     fn scaled_by(self, factor: Rgb) -> [Rgb; LEVELS] {
         self.sums.map(|sum| sum * factor)
     }
 }
 
 impl VolumeMap {
-    /// Indexes stored photons for kernels of the given radii \[length]: of beams, and of points.
+    /// Builds the search structures of photons in media, for kernel radii of beams and of points
+    /// \[length].
     pub fn build(volume: VolumePhotons, (beams, points): (f32, f32), estimate: VolumeEstimate, band: f32) -> Self {
         let VolumePhotons { beams: stored_beams, points: stored_points } = volume;
         Self {
@@ -97,9 +99,9 @@ impl VolumeMap {
         }
     }
 
-    /// Radiance that a medium scatters to the start of a segment \[W/(m² sr)].
+    /// Estimates the radiance that a medium scatters to the start of a segment \[W/(m² sr)].
     ///
-    /// `samples` is the weight of the estimate in its pixel.
+    /// `samples` is a factor on the nested estimates of the pixel.
     pub fn radiance<I: Interior>(
         &self,
         vertex: &MediumVertex<'_, I>,
@@ -134,17 +136,17 @@ impl VolumeMap {
         levels[0]
     }
 
-    /// Estimate of photon beams by a one-dimensional kernel around the ray.
+    /// Estimates radiance from photon beams by a one-dimensional kernel around the ray.
     fn estimate_by_beams<I: Interior>(
         &self,
         vertex: &MediumVertex<'_, I>,
         count: &mut u64,
         nested: bool,
     ) -> [Rgb; LEVELS] {
-        let MediumSegment { ray, medium, index, inside, .. } = vertex.segment;
-        let (own, extinction) = (inside.wavelength(), medium.extinction());
+        let MediumSegment { ray, medium, index, interior, .. } = vertex.segment;
+        let (own, extinction) = (interior.wavelength(), medium.extinction());
         let mut sums = NestedKernelSums::new(1, 1, nested);
-        self.beams.visit(ray, |beam, crossing| {
+        self.beams.visit_near_ray(ray, |beam, crossing| {
             if beam.medium != *index {
                 return;
             }
@@ -157,7 +159,7 @@ impl VolumeMap {
         sums.scaled_by(medium.scattering)
     }
 
-    /// Estimate of scattered photons by a two-dimensional kernel around the ray.
+    /// Estimates radiance from scattered photons by a two-dimensional kernel around the ray.
     fn estimate_along_ray<I: Interior>(
         &self,
         vertex: &MediumVertex<'_, I>,
@@ -165,15 +167,15 @@ impl VolumeMap {
         count: &mut u64,
         nested: bool,
     ) -> [Rgb; LEVELS] {
-        let MediumSegment { ray, medium, index, inside, .. } = vertex.segment;
-        let own = inside.wavelength();
+        let MediumSegment { ray, medium, index, interior, .. } = vertex.segment;
+        let own = interior.wavelength();
         let mut sums = NestedKernelSums::new(2, 2, nested);
-        self.points.visit(ray, |photon, t, cos, weight, x2| {
+        self.points.visit_near_ray(ray, |photon, t, cos, weight, x2| {
             if photon.medium != *index {
                 return;
             }
             *count += 1;
-            let transmittance = curve.at(t);
+            let transmittance = curve.transmittance_at(t);
             let phase = medium.phase.evaluate(-cos);
             sums.add(
                 photon.flux() * transmittance * wavelength_overlap(own, photon.wavelength, self.band),
@@ -184,8 +186,8 @@ impl VolumeMap {
         sums.scaled_by(Rgb::ONE)
     }
 
-    /// Estimate of scattered photons by a three-dimensional kernel around one sampled point of the
-    /// ray.
+    /// Estimates radiance from scattered photons by a three-dimensional kernel around one sampled
+    /// point of the ray.
     fn estimate_at_sampled_point<I: Interior>(
         &self,
         vertex: &MediumVertex<'_, I>,
@@ -193,13 +195,13 @@ impl VolumeMap {
         count: &mut u64,
         nested: bool,
     ) -> [Rgb; LEVELS] {
-        let MediumSegment { ray, medium, index, inside, .. } = vertex.segment;
-        let own = inside.wavelength();
+        let MediumSegment { ray, medium, index, interior, .. } = vertex.segment;
+        let own = interior.wavelength();
         let distance_sample = medium.distance_sample(ray, ray.t_max, vertex.throughput, rng);
         let Some(t) = distance_sample.scattered else { return [Rgb::ZERO; LEVELS] };
         let p = ray.at(t);
         let mut sums = NestedKernelSums::new(3, 1, nested);
-        self.points.around(p, |photon, weight, x2| {
+        self.points.visit_near_point(p, |photon, weight, x2| {
             if photon.medium != *index {
                 return;
             }
@@ -212,16 +214,17 @@ impl VolumeMap {
     }
 }
 
-/// `weight` over σs at `p`; 0 in channels without scattering.
+/// Returns `weight` divided by the scattering coefficient at `p`; 0 in channels without scattering.
 fn divide_by_scattering(weight: Rgb, medium: &Medium, p: Vec3) -> Rgb {
     let scattering = medium.scattering * medium.density_at(p);
     Rgb::select(scattering.cmpgt(Rgb::ZERO), weight / scattering, Rgb::ZERO)
 }
 
-/// Factor on the flux of a photon with wavelength code `other`, for a path with wavelength `own`.
+/// Returns the factor on a photon's flux for the wavelengths of photon and camera path.
 ///
-/// If both have a wavelength, a box kernel of half width `band` \[nm] replaces the photon's own
-/// spectral weight.
+/// `other` is the photon's wavelength code, `own` the wavelength of the camera path. If both have a
+/// wavelength, a box kernel of half width `band` \[nm] replaces the photon's spectral weight.
+/// Otherwise the factor is 1.
 pub(super) fn wavelength_overlap(own: Option<Wavelength>, other: u8, band: f32) -> Rgb {
     let (Some(own), Some(other)) = (own, Wavelength::from_byte_code(other)) else { return Rgb::ONE };
     let apart = (own.nanometres() - other.nanometres()).abs();

@@ -154,7 +154,7 @@ impl PhotonPass<'_> {
                 && self.mask.stores_on_surfaces(kind)
             {
                 let flux = flux * photon_deposit_factor(surface.wo, surface.point.ns, surface.point.ng);
-                let wavelength = ray.inside.wavelength();
+                let wavelength = ray.interior.wavelength();
                 deposit(Deposit { kind, place: DepositPlace::Surface(surface), flux, wavelength });
             }
 
@@ -182,14 +182,14 @@ impl PhotonPass<'_> {
                     return add_flux(&mut audit.absorbed, flux);
                 };
                 let adjoint = sample.adjoint_correction(surface.wo, surface.point.ns, surface.point.ng);
-                let interior_weight = ray.leave(surface, sample.wi, sample.is_transmitted);
+                let interior_weight = ray.leave_surface(surface, sample.wi, sample.is_transmitted);
                 let scattered = flux * sample.weight * adjoint * interior_weight;
                 add_flux(&mut audit.absorbed, flux - scattered);
                 flux = scattered;
                 color::channel_mean(scattered) / before
             } else {
                 let (direction, _) = phase_function.sample(ray.ray.direction, key.uniform_2d(Dimension::Phase));
-                ray.turn(direction);
+                ray.scatter_towards(direction);
                 // In a medium, the throughput ratio includes absorption along the segment.
                 before / color::channel_mean(emitted)
             };
@@ -221,7 +221,7 @@ impl PhotonPass<'_> {
         deposit: &mut impl FnMut(Deposit<'_>),
     ) -> Option<f32> {
         let MediumSegment { ray, medium, index, .. } = segment;
-        let wavelength = segment.inside.wavelength();
+        let wavelength = segment.interior.wavelength();
         if !medium.scatters() {
             *weight *= medium.transmittance_f64(ray, ray.t_max, rng);
             return None;
@@ -229,7 +229,7 @@ impl PhotonPass<'_> {
         let stored = self.mask.stores_in_media(kind);
         let as_beam = self.mask.beams && medium.is_homogeneous();
         if stored && as_beam {
-            let flux = flux * weight.as_vec3() * segment.left;
+            let flux = flux * weight.as_vec3() * segment.transmittance_before;
             deposit(Deposit { kind, place: DepositPlace::Beam { ray, medium: *index }, flux, wavelength });
         }
         let sample = medium.distance_sample(ray, ray.t_max, flux * weight.as_vec3(), rng);
@@ -238,7 +238,7 @@ impl PhotonPass<'_> {
             && stored
             && !as_beam
         {
-            let flux = flux * weight.as_vec3() * segment.left;
+            let flux = flux * weight.as_vec3() * segment.transmittance_before;
             let place = DepositPlace::Point { position: ray.at(t), direction: ray.direction, medium: *index };
             deposit(Deposit { kind, place, flux, wavelength });
         }

@@ -1,40 +1,40 @@
-//! Decisions about effects, with their reasons.
+//! Decides which effects a render simulates, with reasons.
 
 use super::{Effect, EffectOverrides, Effects, SceneFeatures};
 use crate::scene::Scene;
 use std::fmt;
 
-/// Reason why the scene needs an effect, or does not.
+/// Reason why a render needs an effect, or does not need it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reason {
-    /// Number of objects that need the effect, and a text that describes the objects.
+    /// Objects need the effect: their number, and words that describe them.
     Objects(usize, &'static str),
-    /// Number of lights that need the effect, and a text that describes the lights.
+    /// Lights need the effect: their number, and words that describe them.
     Lights(usize, &'static str),
     /// The scene has an environment light.
-    Sky,
+    EnvironmentLight,
     /// Objects may occlude each other.
-    Crowded,
+    MayOcclude,
     /// The algorithm cannot simulate the effect.
-    NotOfAlgorithm,
+    UnsupportedByAlgorithm,
     /// No light has power.
     NoLight,
     /// The scene has no caustic casters: see
     /// [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics).
     NoCaster,
-    /// No light reaches a caustic caster directly.
+    /// No light can reach a caustic caster directly.
     NoLitCaster,
-    /// No surface stores photons.
+    /// No surface and no medium stores photons.
     NoReceiver,
-    /// All receivers absorb all light.
+    /// All surfaces that store photons are black.
     BlackReceivers,
-    /// The scene is one flat object.
+    /// The scene is one flat object, and no light lies in its plane.
     OneFlatObject,
-    /// All lights are points or directional.
+    /// All lights are delta lights, such as point lights.
     NoSoftLight,
     /// The scene has no environment light.
-    NoSky,
-    /// The scene has no bodies.
+    NoEnvironmentLight,
+    /// The scene has no objects with an interior that light enters.
     NoBody,
     /// The camera has a lens.
     Lens,
@@ -53,11 +53,11 @@ pub enum Reason {
     /// The scene has no media.
     NoMedium,
     /// A medium fills the space outside all bodies.
-    Filled,
+    AmbientMedium,
     /// No glass is dispersive.
     NoDispersion,
-    /// The effect needs another effect, which adds nothing.
-    Without(Effect),
+    /// The effect requires another effect, which the scene does not need.
+    Requires(Effect),
 }
 
 impl fmt::Display for Reason {
@@ -68,17 +68,17 @@ impl fmt::Display for Reason {
         match self {
             Self::Objects(n, what) => counted(f, *n, "object", what),
             Self::Lights(n, what) => counted(f, *n, "light", what),
-            Self::Sky => f.write_str("the scene has an environment light"),
-            Self::Crowded => f.write_str("objects may occlude each other"),
-            Self::NotOfAlgorithm => f.write_str("the algorithm does not simulate it"),
+            Self::EnvironmentLight => f.write_str("the scene has an environment light"),
+            Self::MayOcclude => f.write_str("objects may occlude each other"),
+            Self::UnsupportedByAlgorithm => f.write_str("the algorithm does not simulate it"),
             Self::NoLight => f.write_str("no light has power"),
-            Self::NoCaster => f.write_str("no object is a mirror, glass or smooth metal"),
-            Self::NoLitCaster => f.write_str("no light reaches a mirror, glass or smooth metal directly"),
+            Self::NoCaster => f.write_str("no object is a mirror, glass or low-roughness conductor"),
+            Self::NoLitCaster => f.write_str("no light reaches a mirror, glass or low-roughness conductor directly"),
             Self::NoReceiver => f.write_str("no surface or medium stores photons"),
             Self::BlackReceivers => f.write_str("all surfaces that store photons absorb all light"),
             Self::OneFlatObject => f.write_str("the scene is one flat object, and no light lies in its plane"),
             Self::NoSoftLight => f.write_str("all lights are points or directional"),
-            Self::NoSky => f.write_str("the scene has no environment light"),
+            Self::NoEnvironmentLight => f.write_str("the scene has no environment light"),
             Self::NoBody => f.write_str("light enters no object"),
             Self::Lens => f.write_str("the camera has a lens"),
             Self::NoLens => f.write_str("the camera has no lens"),
@@ -89,9 +89,9 @@ impl fmt::Display for Reason {
             Self::Media(1) => f.write_str("1 medium scatters, absorbs or emits"),
             Self::Media(n) => write!(f, "{n} media scatter, absorb or emit"),
             Self::NoMedium => f.write_str("the scene has no media"),
-            Self::Filled => f.write_str("a medium fills the space between objects"),
+            Self::AmbientMedium => f.write_str("a medium fills the space between objects"),
             Self::NoDispersion => f.write_str("no glass is dispersive"),
-            Self::Without(effect) => write!(f, "it needs {effect}, which adds nothing here"),
+            Self::Requires(effect) => write!(f, "it needs {effect}, which adds nothing here"),
         }
     }
 }
@@ -102,22 +102,22 @@ pub struct Decision {
     /// The effect.
     pub effect: Effect,
     /// True if the scene needs the effect.
-    pub needed: bool,
-    /// Reason why the scene needs the effect, or does not.
+    pub is_needed: bool,
+    /// Reason why the scene needs the effect, or does not need it.
     pub reason: Reason,
-    /// True if the effect is simulated.
-    pub on: bool,
+    /// True if the render simulates the effect.
+    pub is_simulated: bool,
 }
 
 impl Decision {
-    /// True if an override of the user contradicts the need of the scene.
+    /// True if the user forced the effect on or off, against the need of the scene.
     #[must_use]
     pub fn is_forced(&self) -> bool {
-        self.on != self.needed
+        self.is_simulated != self.is_needed
     }
 }
 
-/// The effects that a render simulates, with reasons.
+/// The plan of a render: a decision for each effect.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plan {
     /// Features of the scene.
@@ -127,44 +127,44 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Plan for `scene` by an algorithm that can simulate `simulated`.
+    /// Plans the render of `scene` by an algorithm that supports the effects `supported`.
     #[must_use]
-    pub fn new(scene: &Scene, simulated: Effects, overrides: EffectOverrides) -> Self {
+    pub fn new(scene: &Scene, supported: Effects, overrides: EffectOverrides) -> Self {
         let features = SceneFeatures::from_scene(scene);
         let mut needed = Effects::NONE;
         let decide = |effect| {
             let reason = match decide_effect(&features, effect, needed) {
-                _ if !simulated.has(effect) => Err(Reason::NotOfAlgorithm),
+                _ if !supported.has(effect) => Err(Reason::UnsupportedByAlgorithm),
                 reason => reason,
             };
             if reason.is_ok() {
                 needed = needed.with(effect);
             }
             let is_needed = reason.is_ok();
-            let on = if simulated.has(effect) { overrides.forced_state(effect).unwrap_or(is_needed) } else { false };
+            let is_simulated = supported.has(effect) && overrides.forced_state(effect).unwrap_or(is_needed);
             let reason = reason.unwrap_or_else(|why| why);
-            Decision { effect, needed: is_needed, reason, on }
+            Decision { effect, is_needed, reason, is_simulated }
         };
         let decisions = Effect::ALL.map(decide).to_vec();
         Self { features, decisions }
     }
 
-    /// Effects that are simulated and needed.
+    /// Simulated effects that the scene needs.
     #[must_use]
     pub fn needed_effects(&self) -> Effects {
-        self.decisions.iter().filter(|d| d.on && d.needed).fold(Effects::NONE, |on, d| on.with(d.effect))
+        self.decisions.iter().filter(|d| d.is_simulated && d.is_needed).fold(Effects::NONE, |on, d| on.with(d.effect))
     }
 
-    /// Effects that are simulated.
+    /// Effects that the render simulates.
     #[must_use]
     pub fn simulated_effects(&self) -> Effects {
-        self.decisions.iter().filter(|d| d.on).fold(Effects::NONE, |on, d| on.with(d.effect))
+        self.decisions.iter().filter(|d| d.is_simulated).fold(Effects::NONE, |on, d| on.with(d.effect))
     }
 }
 
-/// Reason why `effect` is needed, or the reason why it adds nothing as an error.
+/// Decides whether a scene needs `effect`: `Ok` with the reason if so, else `Err` with the reason.
 ///
-/// `before` holds the needed effects that stand earlier in [`Effect::ALL`].
+/// `before` holds the needed effects that precede `effect` in [`Effect::ALL`].
 fn decide_effect(features: &SceneFeatures, effect: Effect, before: Effects) -> Result<Reason, Reason> {
     let need = |condition: bool, otherwise: Reason| if condition { Ok(()) } else { Err(otherwise) };
     let any = |n: usize, otherwise: Reason| need(n > 0, otherwise);
@@ -174,7 +174,7 @@ fn decide_effect(features: &SceneFeatures, effect: Effect, before: Effects) -> R
     match effect {
         Effect::Specular => {
             any(features.casters, Reason::NoCaster)?;
-            Ok(Reason::Objects(features.casters, "of mirror, glass or smooth metal"))
+            Ok(Reason::Objects(features.casters, "of mirror, glass or low-roughness conductor"))
         }
         Effect::Caustics => {
             any(features.lights, Reason::NoLight)?;
@@ -184,7 +184,7 @@ fn decide_effect(features: &SceneFeatures, effect: Effect, before: Effects) -> R
             Ok(Reason::Objects(features.lit_casters, "may cast caustics"))
         }
         Effect::CausticBounces => {
-            need(before.has(Effect::Caustics), Reason::Without(Effect::Caustics))?;
+            need(before.has(Effect::Caustics), Reason::Requires(Effect::Caustics))?;
             any(scattering, Reason::BlackReceivers)?;
             Ok(Reason::Objects(scattering, "may reflect caustics"))
         }
@@ -194,19 +194,19 @@ fn decide_effect(features: &SceneFeatures, effect: Effect, before: Effects) -> R
             need(features.lights + features.emitting_media > 0 || hazy, Reason::NoLight)?;
             any(receivers, Reason::NoReceiver)?;
             any(scattering, Reason::BlackReceivers)?;
-            // Paths that continue at a receiver also find part of the light of soft lights. Those
-            // never avoid the plane.
+            // Scattered paths also find light of soft lights, by MIS. With a soft light,
+            // `one_flat_object` is always false.
             need(!features.one_flat_object, Reason::OneFlatObject)?;
             Ok(Reason::Objects(scattering, "may light other objects"))
         }
         Effect::Gathering => {
-            need(before.has(Effect::Interreflection), Reason::Without(Effect::Interreflection))?;
+            need(before.has(Effect::Interreflection), Reason::Requires(Effect::Interreflection))?;
             Ok(Reason::Objects(scattering, "may light other objects"))
         }
         Effect::Shadows => {
             any(features.lights, Reason::NoLight)?;
             need(!features.one_flat_object, Reason::OneFlatObject)?;
-            Ok(Reason::Crowded)
+            Ok(Reason::MayOcclude)
         }
         Effect::SoftShadows => {
             any(features.lights, Reason::NoLight)?;
@@ -214,12 +214,12 @@ fn decide_effect(features: &SceneFeatures, effect: Effect, before: Effects) -> R
             Ok(Reason::Lights(features.soft_lights, "with an extent"))
         }
         Effect::Environment => {
-            need(features.environment, Reason::NoSky)?;
-            Ok(Reason::Sky)
+            need(features.environment, Reason::NoEnvironmentLight)?;
+            Ok(Reason::EnvironmentLight)
         }
         Effect::Interiors => {
             if features.filled {
-                return Ok(Reason::Filled);
+                return Ok(Reason::AmbientMedium);
             }
             any(features.bodies, Reason::NoBody)?;
             Ok(Reason::Objects(features.bodies, "that light enters"))

@@ -1,9 +1,9 @@
-//! Effects that the user forces on or off.
+//! Effects that the user forces on or off, against the plan.
 
 use super::{Effect, Effects};
 use std::str::FromStr;
 
-/// Effects forced on or off; the plan decides about all others.
+/// Effects that the user forces on or off. The plan decides about all others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct EffectOverrides {
     on: Effects,
@@ -11,27 +11,26 @@ pub struct EffectOverrides {
 }
 
 impl EffectOverrides {
-    /// No effect forced.
+    /// No effect is forced on or off.
     pub const PLANNED: Self = Self { on: Effects::NONE, off: Effects::NONE };
-    /// All effects forced on.
+    /// All effects are forced on.
     pub const ALL: Self = Self { on: Effects::ALL, off: Effects::NONE };
-    /// All effects forced off: direct light from the center of each light remains.
+    /// All effects are forced off. Unshadowed direct light from the center of each light remains.
     pub const NONE: Self = Self { on: Effects::NONE, off: Effects::ALL };
 
-    /// Returns a copy of the overrides with `effect` forced on.
+    /// Returns the overrides with `effect` forced on.
     #[must_use]
     pub fn with(self, effect: Effect) -> Self {
         Self { on: self.on.with(effect), off: self.off.without(effect) }
     }
 
-    /// Returns a copy of the overrides with `effect` forced off.
+    /// Returns the overrides with `effect` forced off.
     #[must_use]
     pub fn without(self, effect: Effect) -> Self {
         Self { on: self.on.without(effect), off: self.off.with(effect) }
     }
 
-    /// Returns true if `effect` is forced on, false if it is forced off; `None` if the plan
-    /// decides.
+    /// True if `effect` is forced on, false if it is forced off; `None` if the plan decides.
     #[must_use]
     pub fn forced_state(self, effect: Effect) -> Option<bool> {
         if self.on.has(effect) {
@@ -44,7 +43,7 @@ impl EffectOverrides {
     }
 }
 
-/// Error: a word is no override.
+/// Error: a word is not an effect override.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "`{word}` is no effect override: write auto, all, none, or effects with a sign such as +caustics or -shadows, \
@@ -63,7 +62,9 @@ fn effect_names() -> String {
 impl FromStr for EffectOverrides {
     type Err = UnknownOverride;
 
-    /// Reads `auto`, `all`, `none`, `+effect` and `-effect`, separated by commas. Later words win.
+    /// Parses `auto`, `all`, `none`, `+effect` and `-effect`, separated by commas.
+    ///
+    /// If words contradict each other, the later one counts.
     fn from_str(text: &str) -> Result<Self, UnknownOverride> {
         let mut overrides = Self::PLANNED;
         for word in text.split(',').map(str::trim) {

@@ -1,8 +1,7 @@
-//! The plan of a render: which effects the scene needs, and which the user forces on or off.
+//! The plan of a render: which light-transport effects are simulated, and why.
 //!
-//! The plan leaves out an effect only if it certainly adds nothing. The picture is then
-//! bit-identical to one with all effects. If in doubt, an effect stays on. docs/theory/plan.md
-//! describes the decisions.
+//! The plan omits an effect only if the picture is certainly bit-identical without it. The user may
+//! force effects on or off. docs/theory/plan.md describes the decisions.
 
 mod decide;
 mod effect_overrides;

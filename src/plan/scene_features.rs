@@ -1,4 +1,4 @@
-//! Features of a scene that are certain without tracing a ray.
+//! Scene features that determine the plan, found without tracing a ray.
 
 use crate::color::Rgb;
 use crate::light::Light;
@@ -6,48 +6,54 @@ use crate::math::BoundingSphere;
 use crate::scene::{ObjectSummary, Scene};
 use glam::Vec3;
 
-/// Features of a scene, as counts. An uncertain feature has the value that keeps its effect on.
+/// Scene features that determine the plan.
+///
+/// An uncertain feature gets the value that makes the plan keep the effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct SceneFeatures {
-    /// Shapes, meshes and planes with a material.
+    /// Number of shapes, meshes and planes with a material.
     pub objects: usize,
-    /// Objects that store photons: see [`Bsdf::stores_photons`](crate::bsdf::Bsdf::stores_photons).
+    /// Number of objects that store photons, see
+    /// [`Bsdf::stores_photons`](crate::bsdf::Bsdf::stores_photons).
     pub receivers: usize,
-    /// Receivers that reflect or transmit some light.
+    /// Number of receivers that are not black.
     pub scattering_receivers: usize,
-    /// Caustic casters: see [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics).
+    /// Number of caustic casters, see [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics).
     pub casters: usize,
-    /// Casters that a light may reach directly.
+    /// Number of caustic casters that a light may reach directly.
     pub lit_casters: usize,
-    /// Objects that bound a body which light enters.
+    /// Number of objects with an interior that light enters, such as glass.
     pub bodies: usize,
-    /// Bodies of dispersive glass.
+    /// Number of bodies of dispersive glass.
     pub dispersive: usize,
-    /// Media with any coefficient above zero, in bodies or around the scene.
+    /// Number of media that scatter, absorb or emit.
     pub media: usize,
-    /// Media that scatter.
+    /// Number of media that scatter.
     pub scattering_media: usize,
-    /// Media that emit.
+    /// Number of media that emit.
     pub emitting_media: usize,
     /// True if a medium fills the space outside all bodies.
     pub filled: bool,
-    /// True if a background is visible. It lights nothing.
+    /// True if the background is not black. The background is visible to the camera and lights
+    /// nothing.
     pub background: bool,
-    /// Objects with textures.
+    /// Number of objects with textures.
     pub textured: usize,
-    /// Objects with bump or normal maps.
+    /// Number of objects with bump or normal maps.
     pub bump_mapped: usize,
-    /// Lights with power.
+    /// Number of lights with power.
     pub lights: usize,
-    /// Lights with an extent.
+    /// Number of lights with power that are not delta lights.
     pub soft_lights: usize,
     /// True if the scene has an environment light.
     pub environment: bool,
-    /// True if the camera has a lens.
+    /// True if the camera has a lens; false for a pinhole camera.
     pub lens: bool,
-    /// True if anything moves while the shutter is open.
+    /// True if an object or the camera moves while the shutter is open.
     pub moving: bool,
-    /// True if nothing can occlude: the scene is one flat object, and no light lies in its plane.
+    /// True if the scene is one flat object at rest, and no light lies in its plane.
+    ///
+    /// The object can then neither shadow nor light itself.
     pub one_flat_object: bool,
 }
 
@@ -78,8 +84,8 @@ impl SceneFeatures {
             moving: scene.has_motion(),
             one_flat_object: false,
         };
-        // The domain of a scene of planes alone is a point. Light from infinity has no power there,
-        // but it still lights.
+        // The bounding sphere of a scene of infinite planes may be a point, through which distant
+        // lights have no power. They still light the planes, so a unit sphere replaces it.
         let domain = BoundingSphere { center: Vec3::ZERO, radius: 1.0 };
         let lights: Vec<&Light> = scene.lights().iter().filter(|l| l.power(domain) != Rgb::ZERO).collect();
         features.lights = lights.len();
@@ -87,7 +93,7 @@ impl SceneFeatures {
         features.media = media.iter().filter(|medium| !medium.is_empty()).count();
         features.scattering_media = media.iter().filter(|medium| medium.scatters()).count();
         features.emitting_media = media.iter().filter(|medium| medium.emits()).count();
-        // A moving object has another plane at another time.
+        // A moving object lies in different planes at different times.
         if let [ObjectSummary { plane: Some((p, n)), .. }] = objects[..]
             && !features.moving
             && features.media == 0

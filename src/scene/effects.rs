@@ -89,8 +89,10 @@ impl Effect {
     #[must_use]
     pub const fn symptom_if_missing(self) -> &'static str {
         match self {
-            Self::Specular => "mirrors, glass and smooth metal are black",
-            Self::Caustics => "caustics of glass, mirrors and smooth metal are missing: their shadows are too dark",
+            Self::Specular => "mirrors, glass and low-roughness conductors are black",
+            Self::Caustics => {
+                "caustics of glass, mirrors and low-roughness conductors are missing: their shadows are too dark"
+            }
             Self::CausticBounces => "surfaces lit by caustics do not light other surfaces",
             Self::Interreflection => {
                 "diffuse surfaces do not light each other: surfaces without direct light are black"

@@ -1,4 +1,4 @@
-//! The ray of a camera or light path between two vertices. Both kinds of path share this loop.
+//! The ray of a camera path or light path, and the loop that traces it to the next vertex.
 
 use super::interiors::exp_neg;
 use super::{BoundaryEvent, CurrentMedium, Effects, Hit, Interior, RayCone, Scene, SurfaceInteraction};
@@ -9,31 +9,31 @@ use crate::sampling::{Dimension, Key};
 use glam::{DVec3, Vec3};
 use rand::RngExt;
 
-/// The ray of a path between two vertices.
+/// The ray that continues a path from its last vertex.
 #[derive(Clone, Copy, Debug)]
 pub struct PathRay<I> {
     /// The ray, of unit direction.
     pub ray: Ray,
-    /// The bodies and media around its origin.
-    pub inside: I,
+    /// The bodies and media around the origin of the ray.
+    pub interior: I,
     /// The cone over which textures are filtered.
     pub cone: RayCone,
 }
 
-/// A segment of a path that lies in one medium.
+/// A part of a path segment that lies in one medium.
 #[derive(Clone, Copy, Debug)]
 pub struct MediumSegment<'a, I> {
-    /// The segment: of unit direction, up to `t_max`, which may be infinite.
+    /// The part, as a ray of unit direction. `t_max` may be infinite.
     pub ray: Ray,
     /// Index of the medium.
     pub index: u32,
     /// The medium.
     pub medium: &'a Medium,
-    /// The bodies and media around.
-    pub inside: I,
-    /// Transmittance of the bodies before the segment.
-    pub left: Rgb,
-    /// True if the path has crossed a hidden boundary, which would end a shadow ray.
+    /// The bodies and media at the part.
+    pub interior: I,
+    /// Transmittance of bodies from the last vertex to the start of the part.
+    pub transmittance_before: Rgb,
+    /// True if the path has crossed a hidden boundary, which would block a shadow ray.
     pub crossed: bool,
 }
 
@@ -44,14 +44,14 @@ pub enum PathEvent<'a> {
     Surface(SurfaceVertex<'a>),
     /// A scattering event in a medium.
     Scattered {
-        /// Transmittance of the bodies along the segment.
+        /// Transmittance of the bodies along the path segment.
         transmittance: Rgb,
-        /// True if the path crossed a hidden boundary, which would end a shadow ray.
+        /// True if the path segment crosses a hidden boundary, which would block a shadow ray.
         crossed: bool,
     },
-    /// The ray leaves the scene.
+    /// The ray hits nothing.
     Escaped {
-        /// True if the path crossed a hidden boundary, which would end a shadow ray.
+        /// True if the path segment crosses a hidden boundary, which would block a shadow ray.
         crossed: bool,
     },
 }
@@ -61,19 +61,21 @@ pub enum PathEvent<'a> {
 pub struct SurfaceVertex<'a> {
     /// The surface.
     pub surface: SurfaceInteraction<'a>,
-    /// Transmittance of the bodies along the segment.
+    /// Transmittance of the bodies along the path segment, times the weight of a wavelength sampled at
+    /// the surface.
     pub transmittance: Rgb,
-    /// Length of the segment \[length].
+    /// Length of the path segment \[length].
     pub distance: f32,
-    /// True if the path crossed a hidden boundary, which would end a shadow ray.
+    /// True if the path segment crosses a hidden boundary, which would block a shadow ray.
     pub crossed: bool,
 }
 
 impl<I: Interior> PathRay<I> {
-    /// Traces the ray to the next vertex. `key` is that of the vertex.
+    /// Traces the ray to the next vertex, through boundaries that do not scatter. `key` is the
+    /// random key of that vertex.
     ///
-    /// `through` is called with every medium segment, in order. It returns the distance at which
-    /// light scatters there, or `None`.
+    /// `through` is called for every part of the way that lies in a medium, in order. It returns
+    /// the distance \[length] at which light scatters there, or `None`.
     #[inline]
     pub fn next_vertex<'a>(
         &mut self,
@@ -91,23 +93,24 @@ impl<I: Interior> PathRay<I> {
             let hit = scene.intersect(&self.ray);
             let cone = self.cone;
             let mut surface = hit.map(|hit| {
-                self.cone.travel(hit.t);
-                let surface = scene.interaction(&self.ray, &hit, &self.cone, || key.uniform_1d(Dimension::Mix));
-                self.inside.infer_starting_body(&surface);
+                self.cone.widen_over_distance(hit.t);
+                let surface = scene.surface_interaction(&self.ray, &hit, &self.cone, || key.uniform_1d(Dimension::Mix));
+                self.interior.infer_starting_body(&surface);
                 (surface, hit.t)
             });
 
             // Scatter in the medium before it.
             if I::SPECTRAL
                 && let Some((index, ray, from)) =
-                    medium_segment(scene, &self.ray, hit.map_or(f32::INFINITY, |hit| hit.t), &self.inside)
+                    medium_segment(scene, &self.ray, hit.map_or(f32::INFINITY, |hit| hit.t), &self.interior)
             {
-                let (medium, inside) = (&scene.media[index as usize], self.inside);
-                let segment = MediumSegment { ray, index, medium, inside, left: transmittance, crossed };
+                let (medium, interior) = (&scene.media[index as usize], self.interior);
+                let segment =
+                    MediumSegment { ray, index, medium, interior, transmittance_before: transmittance, crossed };
                 if let Some(t) = through(&segment) {
                     self.ray = Ray::new(ray.at(t), ray.direction);
                     self.cone = cone;
-                    self.cone.travel(from + t);
+                    self.cone.widen_over_distance(from + t);
                     return PathEvent::Scattered { transmittance, crossed };
                 }
             }
@@ -115,16 +118,16 @@ impl<I: Interior> PathRay<I> {
             // Escape, or absorb along the segment.
             let Some((surface, t)) = &mut surface else { return PathEvent::Escaped { crossed } };
             distance += *t;
-            let more = self.inside.optical_depth(scene, *t);
+            let more = self.interior.optical_depth(scene, *t);
             if more != Rgb::ZERO {
                 depth += more.as_dvec3();
                 transmittance = exp_neg(depth.as_vec3());
             }
 
             // Stop at a surface vertex.
-            match self.inside.resolve_boundary(scene, surface, key) {
+            match self.interior.resolve_boundary(scene, surface, key) {
                 BoundaryEvent::Surface => {
-                    transmittance *= self.inside.wavelength_weight_before_scattering(surface);
+                    transmittance *= self.interior.wavelength_weight_before_scattering(surface);
                     return PathEvent::Surface(SurfaceVertex { surface: *surface, transmittance, distance, crossed });
                 }
                 BoundaryEvent::Hidden => crossed = true,
@@ -133,32 +136,33 @@ impl<I: Interior> PathRay<I> {
 
             // Pass through a boundary that does not scatter.
             self.ray = surface.spawn_ray(self.ray.direction);
-            self.inside.cross_boundary(surface, self.ray.direction);
+            self.interior.cross_boundary(surface, self.ray.direction);
         }
     }
 
-    /// Continues from `surface` in unit `direction`. Returns a factor of the throughput, 1 unless a
-    /// wavelength was sampled there.
+    /// Continues the path from `surface` in unit `direction`; `transmitted` is true if it crosses
+    /// the surface. Returns a factor of the throughput: 1, or the weight of a sampled wavelength.
     #[inline]
-    pub fn leave(&mut self, surface: &SurfaceInteraction<'_>, direction: Vec3, transmitted: bool) -> Rgb {
+    pub fn leave_surface(&mut self, surface: &SurfaceInteraction<'_>, direction: Vec3, transmitted: bool) -> Rgb {
         self.ray = surface.spawn_ray(direction);
         self.cone.widen_at_surface(&surface.bsdf);
         if transmitted {
-            self.inside.cross_boundary(surface, direction);
+            self.interior.cross_boundary(surface, direction);
         }
-        self.inside.wavelength_weight_after_scattering(surface, transmitted)
+        self.interior.wavelength_weight_after_scattering(surface, transmitted)
     }
 
-    /// Continues in unit `direction` from a scattering event in a medium.
+    /// Continues the path in unit `direction` from a scattering event in a medium, at the origin of
+    /// the ray.
     #[inline]
-    pub fn turn(&mut self, direction: Vec3) {
+    pub fn scatter_towards(&mut self, direction: Vec3) {
         self.ray = Ray::new(self.ray.origin, direction);
         self.cone.widen_in_medium();
     }
 }
 
 /// See [`Scene::shadow_transmittance`].
-pub(super) fn shadow_transmittance<I: Interior>(scene: &Scene, ray: &Ray, mut inside: I, key: Key) -> Rgb {
+pub(super) fn shadow_transmittance<I: Interior>(scene: &Scene, ray: &Ray, mut interior: I, key: Key) -> Rgb {
     let target = ray.at(ray.t_max);
     let ends = ray.t_max.is_finite();
     let (mut depth, mut left) = (DVec3::ZERO, DVec3::ONE);
@@ -169,44 +173,44 @@ pub(super) fn shadow_transmittance<I: Interior>(scene: &Scene, ray: &Ray, mut in
         let unit = Ray::new(ray.origin, ray.direction / length);
         let hit = scene.intersect(&ray).map(|hit| Hit { t: hit.t * length, ..hit });
         let cone = RayCone::zero_width(Effects::NONE);
-        let surface = hit.map(|hit| scene.interaction(&unit, &hit, &cone, || rng.random()));
+        let surface = hit.map(|hit| scene.surface_interaction(&unit, &hit, &cone, || rng.random()));
         if let Some(surface) = &surface {
-            inside.infer_starting_body(surface);
+            interior.infer_starting_body(surface);
         }
         let distance = hit.map_or(ray.t_max * length, |hit| hit.t);
-        depth += inside.optical_depth(scene, finite_or_zero(distance)).as_dvec3();
-        if let Some((index, part, _)) = medium_segment(scene, &unit, distance, &inside) {
+        depth += interior.optical_depth(scene, finite_or_zero(distance)).as_dvec3();
+        if let Some((index, part, _)) = medium_segment(scene, &unit, distance, &interior) {
             left *= scene.media[index as usize].transmittance_f64(&part, part.t_max, &mut rng);
         }
         let transmittance = exp_neg(depth.as_vec3()) * left.as_vec3();
         let Some(mut surface) = surface else { return transmittance };
         if transmittance == Rgb::ZERO
-            || inside.resolve_boundary(scene, &mut surface, key) != BoundaryEvent::NullInterface
+            || interior.resolve_boundary(scene, &mut surface, key) != BoundaryEvent::NullInterface
         {
             return Rgb::ZERO;
         }
         ray = if ends { surface.spawn_ray_to(target, unit.direction) } else { surface.spawn_ray(unit.direction) };
-        inside.cross_boundary(&surface, unit.direction);
+        interior.cross_boundary(&surface, unit.direction);
     }
 }
 
 /// See [`Scene::interior_transmittance`].
 #[inline]
-pub(super) fn interior_transmittance<I: Interior>(scene: &Scene, ray: &Ray, inside: &I, key: Key) -> Rgb {
-    let bodies = inside.transmittance(scene, finite_or_zero(ray.t_max));
-    match medium_segment(scene, ray, ray.t_max, inside) {
+pub(super) fn interior_transmittance<I: Interior>(scene: &Scene, ray: &Ray, interior: &I, key: Key) -> Rgb {
+    let bodies = interior.transmittance(scene, finite_or_zero(ray.t_max));
+    match medium_segment(scene, ray, ray.t_max, interior) {
         Some((index, part, _)) => bodies * scene.media[index as usize].transmittance(&part, part.t_max, &mut key.rng()),
         None => bodies,
     }
 }
 
-/// The current medium, the part of `ray` up to `end` that lies in it, and the distance at which
-/// that part begins.
+/// Index of the current medium, the part of `ray` up to distance `end` that lies in it, and the
+/// distance at which that part begins.
 ///
-/// `ray` is of unit direction.
+/// `ray` must have a unit direction.
 #[inline]
-fn medium_segment<I: Interior>(scene: &Scene, ray: &Ray, end: f32, inside: &I) -> Option<(u32, Ray, f32)> {
-    let CurrentMedium { medium, ambient } = inside.current_medium(scene)?;
+fn medium_segment<I: Interior>(scene: &Scene, ray: &Ray, end: f32, interior: &I) -> Option<(u32, Ray, f32)> {
+    let CurrentMedium { medium, ambient } = interior.current_medium(scene)?;
     let whole = Ray { t_max: end, ..*ray };
     if !ambient {
         return Some((medium, whole, 0.0));
@@ -225,7 +229,8 @@ fn medium_segment<I: Interior>(scene: &Scene, ray: &Ray, end: f32, inside: &I) -
     Some((medium, Ray { t_max: to - from, ..part }, from))
 }
 
-/// `distance` if finite, else 0: a body without an end is open by mistake, so it absorbs nothing.
+/// `distance` if finite, else 0. A body without an end has an open boundary by mistake, so it
+/// absorbs nothing.
 fn finite_or_zero(distance: f32) -> f32 {
     if distance.is_finite() { distance } else { 0.0 }
 }

@@ -155,21 +155,21 @@ impl Scene {
     #[inline]
     #[must_use]
     pub fn start_camera_path<I: Interior>(&self, ray: Ray, effects: Effects) -> PathRay<I> {
-        PathRay { ray, inside: I::at_camera(self, &ray, effects), cone: self.camera_ray_cone(effects) }
+        PathRay { ray, interior: I::at_camera(self, &ray, effects), cone: self.camera_ray_cone(effects) }
     }
 
     /// The ray cone at the start of a camera ray.
     #[inline]
     #[must_use]
     pub fn camera_ray_cone(&self, effects: Effects) -> RayCone {
-        RayCone::from_pixel(self.camera.pixel(), effects)
+        RayCone::from_pixel(self.camera.pixel_footprint(), effects)
     }
 
     /// Starts a light path along `ray` from light `light` that simulates `effects`.
     #[inline]
     #[must_use]
     pub fn start_light_path<I: Interior>(&self, light: usize, ray: Ray, effects: Effects) -> PathRay<I> {
-        PathRay { ray, inside: I::at_light(self, light, effects), cone: RayCone::zero_width(effects) }
+        PathRay { ray, interior: I::at_light(self, light, effects), cone: RayCone::zero_width(effects) }
     }
 
     /// `ray` with its origin moved back beyond all unbounded planes behind it. Used for light from
@@ -186,21 +186,21 @@ impl Scene {
         Ray { origin: back.at(farthest * 1.001 + self.photon_domain().radius), ..ray }
     }
 
-    /// Unbiased transmittance along a shadow ray from a point in `inside`; 0 if a surface blocks
+    /// Unbiased transmittance along a shadow ray from a point in `interior`; 0 if a surface blocks
     /// it.
     ///
     /// The direction of a finite ray is the vector from its origin to its end. An infinite ray has
     /// a unit direction.
     #[must_use]
-    pub fn shadow_transmittance<I: Interior>(&self, ray: &Ray, inside: I, key: Key) -> Rgb {
-        path_ray::shadow_transmittance(self, ray, inside, key)
+    pub fn shadow_transmittance<I: Interior>(&self, ray: &Ray, interior: I, key: Key) -> Rgb {
+        path_ray::shadow_transmittance(self, ray, interior, key)
     }
 
     /// Unbiased transmittance along `ray`, of unit direction, through the body and the medium
     /// around its origin. Surfaces are ignored.
     #[inline]
     #[must_use]
-    pub fn interior_transmittance<I: Interior>(&self, ray: &Ray, inside: &I, key: Key) -> Rgb {
-        path_ray::interior_transmittance(self, ray, inside, key)
+    pub fn interior_transmittance<I: Interior>(&self, ray: &Ray, interior: &I, key: Key) -> Rgb {
+        path_ray::interior_transmittance(self, ray, interior, key)
     }
 }

@@ -177,7 +177,7 @@ impl<'a> EffectStudy<'a> {
             let spent = PictureCost { setup, ..PictureCost::default() };
             PictureInProgress { without, integrator, film: Film::new(size.0, size.1), spent }
         };
-        let on = plan.decisions.iter().filter(|d| d.on).copied();
+        let on = plan.decisions.iter().filter(|d| d.is_simulated).copied();
         let runs = std::iter::once(None).chain(on.map(Some)).map(run).collect();
         Self { size, clock, runs }
     }

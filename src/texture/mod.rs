@@ -7,8 +7,8 @@ mod picture;
 mod solid;
 
 pub use checker::Checker;
-pub use eval_context::{Coordinates, TextureEvalContext};
-pub use picture::{Picture, PictureError, Wrap};
+pub use eval_context::{TextureEvalContext, UvTransform};
+pub use picture::{Picture, PictureError, WrapMode};
 pub use solid::{SolidPattern, SolidTexture};
 
 use crate::color::{self, Rgb};
@@ -17,9 +17,9 @@ use crate::color::{self, Rgb};
 #[derive(Clone, Debug)]
 pub enum Texture {
     /// A picture over texture coordinates.
-    Picture(Picture, Coordinates),
+    Picture(Picture, UvTransform),
     /// A checkerboard of unit squares over texture coordinates.
-    Checker(Checker, Coordinates),
+    Checker(Checker, UvTransform),
     /// A solid texture: a pattern in space.
     Solid(SolidTexture),
 }

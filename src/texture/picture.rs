@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3, Vec3};
 
 /// Continuation of a picture beyond its edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Wrap {
+pub enum WrapMode {
     /// The picture repeats.
     #[default]
     Repeat,
@@ -44,7 +44,7 @@ pub enum PictureError {
 #[derive(Clone, Debug)]
 pub struct Picture {
     levels: Vec<MipLevel>,
-    wrap: Wrap,
+    wrap: WrapMode,
     mean: Rgb,
     range: (f32, f32),
 }
@@ -62,7 +62,7 @@ impl Picture {
     ///
     /// # Errors
     /// [`PictureError`] if a value is negative or not finite.
-    pub fn new(image: &Image, wrap: Wrap) -> Result<Self, PictureError> {
+    pub fn new(image: &Image, wrap: WrapMode) -> Result<Self, PictureError> {
         let (width, pixels) = (image.width(), image.pixels());
         if let Some(i) = pixels.iter().position(|p| !(p.is_finite() && p.min_element() >= 0.0)) {
             let (x, y) = ((i % width as usize) as u32, (i / width as usize) as u32);
@@ -76,7 +76,7 @@ impl Picture {
         let first = MipLevel { width: width as usize, height: image.height() as usize, pixels: pixels.to_vec() };
         let mut levels = vec![first];
         while let Some(last) = levels.last().filter(|l| l.width > 1 || l.height > 1) {
-            levels.push(last.halved());
+            levels.push(last.next_coarser_level());
         }
         Ok(Self { levels, wrap, mean, range: (least, greatest) })
     }
@@ -114,7 +114,7 @@ impl Picture {
     }
 }
 
-impl Wrap {
+impl WrapMode {
     /// Equivalent coordinate near 0, where f64 resolves pixels; 0 if `x` is not finite.
     fn fold_coordinate(self, x: f64) -> f64 {
         let folded = match self {
@@ -140,7 +140,7 @@ impl Wrap {
 }
 
 impl MipLevel {
-    fn interpolate(&self, uv: DVec2, wrap: Wrap) -> Rgb {
+    fn interpolate(&self, uv: DVec2, wrap: WrapMode) -> Rgb {
         let x = uv.x * self.width as f64 - 0.5;
         let y = (1.0 - uv.y) * self.height as f64 - 0.5;
         let (column, row) = (x.floor() as i64, y.floor() as i64);
@@ -155,7 +155,7 @@ impl MipLevel {
 
     /// The next coarser MIP level, with half as many columns and rows, rounded down. Each pixel is
     /// the mean over its area.
-    fn halved(&self) -> Self {
+    fn next_coarser_level(&self) -> Self {
         let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
         let columns: Vec<Vec<(usize, f32)>> = (0..width).map(|j| covered_pixels(j, self.width, width)).collect();
         let mut pixels = Vec::with_capacity(width * height);

@@ -145,7 +145,7 @@ fn table(integrator: &str, found: &EffectStudyResult) -> String {
             share(takes),
         );
     }
-    for decision in found.plan.decisions.iter().filter(|d| !d.on) {
+    for decision in found.plan.decisions.iter().filter(|d| !d.is_simulated) {
         let forced = if decision.is_forced() { ", forced, although " } else { ": " };
         let _ = writeln!(text, "  {:<16} off{forced}{}", decision.effect, decision.reason);
     }

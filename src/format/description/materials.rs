@@ -124,14 +124,14 @@ impl MaterialKindDescription {
     fn texture_names(&self) -> Vec<&Spanned<String>> {
         match self {
             Self::Phong { diffuse, specular, texture, .. } => {
-                [diffuse.texture(), specular.texture(), texture.as_ref()].into_iter().flatten().collect()
+                [diffuse.texture_name(), specular.texture_name(), texture.as_ref()].into_iter().flatten().collect()
             }
             Self::Diffuse { reflectance: value }
             | Self::Mirror { reflectance: value }
-            | Self::Thin { transmittance: value, .. } => value.texture().into_iter().collect(),
+            | Self::Thin { transmittance: value, .. } => value.texture_name().into_iter().collect(),
             Self::Dielectric { roughness: value, .. }
             | Self::Conductor { roughness: value, .. }
-            | Self::Mix { amount: value, .. } => value.texture().into_iter().collect(),
+            | Self::Mix { amount: value, .. } => value.texture_name().into_iter().collect(),
             Self::Clear { .. } => Vec::new(),
         }
     }
@@ -253,7 +253,7 @@ pub enum DielectricAbsorption {
 impl DielectricAbsorption {
     /// Returns the absorption coefficient in 1/length, by Beer's law.
     #[must_use]
-    pub fn coefficient(self) -> DVec3 {
+    pub fn absorption_coefficient(self) -> DVec3 {
         match self {
             Self::None => DVec3::ZERO,
             Self::Coefficient(sigma) => sigma,

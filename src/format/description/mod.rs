@@ -27,7 +27,7 @@ pub use media::{
 };
 pub use textures::{
     EmissionDescription, NormalPerturbationDescription, PictureEncoding, SolidPatternDescription,
-    TexcoordTransformDescription, TextureDescription, TextureKindDescription, TexturedValue, Wrap,
+    TexcoordTransformDescription, TextureDescription, TextureKindDescription, TexturedValue, WrapMode,
 };
 
 /// A range of bytes in the text of a scene.

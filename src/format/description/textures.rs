@@ -1,6 +1,6 @@
 //! Textures of a description.
 
-pub use crate::texture::Wrap;
+pub use crate::texture::WrapMode;
 use glam::{DVec2, DVec3};
 
 use super::{Spanned, TransformStep};
@@ -22,7 +22,7 @@ impl<T> From<T> for TexturedValue<T> {
 
 impl<T> TexturedValue<T> {
     /// Returns the name of the texture; `None` for a constant.
-    pub fn texture(&self) -> Option<&Spanned<String>> {
+    pub fn texture_name(&self) -> Option<&Spanned<String>> {
         match self {
             Self::Plain(_) => None,
             Self::Texture(name) => Some(name),
@@ -49,7 +49,7 @@ pub enum TextureKindDescription {
         /// Encoding of values in integer formats such as PNG; others are linear.
         encoding: PictureEncoding,
         /// Values beyond the edges.
-        wrap: Wrap,
+        wrap: WrapMode,
         /// Transform of the texture coordinates.
         coordinates: TexcoordTransformDescription,
     },

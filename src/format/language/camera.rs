@@ -9,7 +9,7 @@ use super::super::description::{
     ProjectionDescription, Spanned, TransformStep,
 };
 use super::super::error::SceneError;
-use super::fields::{BlockFields, parse_table_block};
+use super::fields::{BlockFields, parse_block_by_keyword};
 use super::lexer::Token;
 use super::parser::Parser;
 use super::schema::{BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, block, block_keywords, field};
@@ -17,14 +17,14 @@ use super::text::is_normalizable;
 use super::transforms::{parse_moving_block, write_transform_steps};
 use super::writer::SceneWriter;
 
-/// All kinds of cameras.
+/// Camera blocks of the scene language, with their parsers.
 pub(super) static CAMERAS: [BlockParser<ParseProjection>; 3] = [
     BlockParser { block: &PERSPECTIVE, parse: parse_perspective_projection },
     BlockParser { block: &ORTHOGRAPHIC, parse: parse_orthographic_projection },
     BlockParser { block: &ENVIRONMENT, parse: parse_environment_projection },
 ];
 
-/// Conversion of a camera's fields to its projection.
+/// Function that converts a camera's fields to its projection.
 type ParseProjection = fn(&BlockFields<'_>, &CameraView) -> Result<ProjectionDescription, SceneError>;
 
 /// Position and viewing direction of a camera.
@@ -51,62 +51,62 @@ static VIEW_FIELDS: [FieldSchema; 4] = [
 
 static PICTURE_SIZE_FIELDS: [FieldSchema; 2] = [
     field("width", FieldKind::Whole, "picture width")
-        .range(PICTURE_SIZE_RANGE)
+        .with_range(PICTURE_SIZE_RANGE)
         .or_numbers(&[960.0])
-        .unit("pixels")
+        .with_unit("pixels")
         .course_syntax(),
     field("height", FieldKind::Whole, "picture height")
-        .range(PICTURE_SIZE_RANGE)
+        .with_range(PICTURE_SIZE_RANGE)
         .or_numbers(&[720.0])
-        .unit("pixels")
+        .with_unit("pixels")
         .course_syntax(),
 ];
 
 static PERSPECTIVE: BlockSchema = block("PerspectiveCamera", "perspective through a pinhole or a thin lens")
-    .fields(&[
+    .with_fields(&[
         field("angle", FieldKind::Number, "vertical field of view")
-            .range(FieldRange::Between(0.0, 180.0))
+            .with_range(FieldRange::Between(0.0, 180.0))
             .required()
-            .unit("degrees")
+            .with_unit("degrees")
             .course_syntax(),
         field("aperture", FieldKind::Number, "lens radius")
-            .range(FieldRange::NonNegative)
+            .with_range(FieldRange::NonNegative)
             .absence_means("0: a pinhole"),
         field("fNumber", FieldKind::Number, "instead of `aperture`: focal length over lens diameter")
-            .range(FieldRange::Positive),
+            .with_range(FieldRange::Positive),
         field("sensorHeight", FieldKind::Number, "with `fNumber`: sensor height; sets the focal length")
-            .range(FieldRange::Positive)
+            .with_range(FieldRange::Positive)
             .absence_means("0.024: 24 mm if the unit is the metre"),
         field("focusDistance", FieldKind::Number, "distance along the view of the plane in focus, 10⁻¹² … 10¹²")
-            .range(FieldRange::Positive),
+            .with_range(FieldRange::Positive),
         field("focusAt", FieldKind::Point, "instead of `focusDistance`: a point of the plane in focus")
             .absence_means("the point of `lookAt`"),
         field("blades", FieldKind::Whole, "edges of the lens opening, visible in blurred highlights")
-            .range(FieldRange::Special("0 or 3 … 64"))
+            .with_range(FieldRange::Special("0 or 3 … 64"))
             .absence_means("0: round"),
     ])
-    .shared_fields(&[&VIEW_FIELDS, &PICTURE_SIZE_FIELDS])
+    .with_shared_fields(&[&VIEW_FIELDS, &PICTURE_SIZE_FIELDS])
     .course_syntax();
 
 static ORTHOGRAPHIC: BlockSchema = block("OrthographicCamera", "parallel projection")
-    .fields(&[field("size", FieldKind::Number, "height of the visible region")
-        .range(FieldRange::UpTo(0.0, 1e12))
+    .with_fields(&[field("size", FieldKind::Number, "height of the visible region")
+        .with_range(FieldRange::UpTo(0.0, 1e12))
         .required()])
-    .shared_fields(&[&VIEW_FIELDS, &PICTURE_SIZE_FIELDS]);
+    .with_shared_fields(&[&VIEW_FIELDS, &PICTURE_SIZE_FIELDS]);
 
 static ENVIRONMENT: BlockSchema =
     block("EnvironmentCamera", "all directions by longitude and latitude, with the direction of view in the middle")
-        .fields(&[
+        .with_fields(&[
             field("width", FieldKind::Whole, "picture width")
-                .range(PICTURE_SIZE_RANGE)
+                .with_range(PICTURE_SIZE_RANGE)
                 .or_numbers(&[960.0])
-                .unit("pixels"),
+                .with_unit("pixels"),
             field("height", FieldKind::Whole, "picture height")
-                .range(PICTURE_SIZE_RANGE)
+                .with_range(PICTURE_SIZE_RANGE)
                 .absence_means("half of the width")
-                .unit("pixels"),
+                .with_unit("pixels"),
         ])
-        .shared_fields(&[&VIEW_FIELDS]);
+        .with_shared_fields(&[&VIEW_FIELDS]);
 
 /// Default sensor height: that of a sensor of 36 × 24 mm if the unit of length is the metre.
 const DEFAULT_SENSOR_HEIGHT: f64 = 0.024;
@@ -130,9 +130,9 @@ pub(super) fn parse_moving_camera<'a>(
 
 /// Parses a camera block after its keyword `word`.
 pub(super) fn parse_camera<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<CameraDescription, SceneError> {
-    let (entry, f) = parse_table_block(parser, word, &CAMERAS)?;
+    let (entry, f) = parse_block_by_keyword(parser, word, &CAMERAS)?;
     let center = f.value("center")?;
-    let (aim, direction) = parse_aim(&f, "center", center)?;
+    let (aim, direction) = parse_direction_or_target(&f, "center", center)?;
     let up: DVec3 = f.value("up")?;
     // Below this sine of their angle, rounding decides which way is up.
     if up.normalize().cross(direction.normalize()).length() < 1e-9 {
@@ -204,7 +204,7 @@ fn parse_lens(f: &BlockFields<'_>, view: &CameraView) -> Result<Option<LensDescr
 /// Parses `direction` or `lookAt`; returns it, and the direction from `center`, of any length.
 ///
 /// `center_name` is the name of the field that holds `center`, for the error message.
-pub(super) fn parse_aim(
+pub(super) fn parse_direction_or_target(
     f: &BlockFields<'_>,
     center_name: &str,
     center: DVec3,
@@ -225,14 +225,14 @@ pub(super) fn write_camera(out: &mut SceneWriter<'_, '_>, camera: &CameraDescrip
         out.begin_block("Moving")?;
         write_transform_steps(out, &camera.motion)?;
     }
-    out.begin_table_block(match camera.projection {
+    out.begin_schema_block(match camera.projection {
         ProjectionDescription::Perspective { .. } => &PERSPECTIVE,
         ProjectionDescription::Orthographic { .. } => &ORTHOGRAPHIC,
         ProjectionDescription::Environment => &ENVIRONMENT,
     })?;
-    out.write_vector("center", camera.center)?;
-    write_aim(out, camera.aim)?;
-    out.write_vector("up", camera.up)?;
+    out.write_vec3("center", camera.center)?;
+    write_direction_or_target(out, camera.aim)?;
+    out.write_vec3("up", camera.up)?;
     match camera.projection {
         ProjectionDescription::Perspective { angle, lens } => {
             out.write_number("angle", angle)?;
@@ -250,10 +250,10 @@ pub(super) fn write_camera(out: &mut SceneWriter<'_, '_>, camera: &CameraDescrip
 }
 
 /// Writes the field `direction` or `lookAt`.
-pub(super) fn write_aim(out: &mut SceneWriter<'_, '_>, aim: DirectionOrTarget) -> fmt::Result {
+pub(super) fn write_direction_or_target(out: &mut SceneWriter<'_, '_>, aim: DirectionOrTarget) -> fmt::Result {
     match aim {
-        DirectionOrTarget::Direction(direction) => out.write_vector("direction", direction),
-        DirectionOrTarget::LookAt(point) => out.write_vector("lookAt", point),
+        DirectionOrTarget::Direction(direction) => out.write_vec3("direction", direction),
+        DirectionOrTarget::LookAt(point) => out.write_vec3("lookAt", point),
     }
 }
 
@@ -268,7 +268,7 @@ fn write_lens(out: &mut SceneWriter<'_, '_>, lens: &LensDescription) -> fmt::Res
     }
     match lens.focus {
         FocusDescription::Distance(distance) => out.write_number("focusDistance", distance)?,
-        FocusDescription::Point(point) => out.write_vector("focusAt", point)?,
+        FocusDescription::Point(point) => out.write_vec3("focusAt", point)?,
     }
     out.write_field("blades", lens.blades)
 }

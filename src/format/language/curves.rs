@@ -16,8 +16,8 @@ pub(super) const BSPLINE_CONTROLS: FieldSchema =
 
 /// Bézier curve as a profile.
 pub(super) static BEZIER_PROFILE: BlockSchema =
-    block("BezierCurve", "one Bézier curve").fields(&[BEZIER_CONTROLS]).course_syntax();
+    block("BezierCurve", "one Bézier curve").with_fields(&[BEZIER_CONTROLS]).course_syntax();
 
 /// Uniform cubic B-spline as a profile.
 pub(super) static BSPLINE_PROFILE: BlockSchema =
-    block("BsplineCurve", "a uniform cubic B-spline").fields(&[BSPLINE_CONTROLS]).course_syntax();
+    block("BsplineCurve", "a uniform cubic B-spline").with_fields(&[BSPLINE_CONTROLS]).course_syntax();

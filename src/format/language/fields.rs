@@ -12,7 +12,7 @@ use super::suggest::nearest_word;
 use super::text::{clip_for_message, is_nonfinite_number};
 use super::transforms::parse_transform_steps;
 
-/// Value of a field. The [`FieldKind`] of the field determines which members are set.
+/// Parsed value of a field. The [`FieldKind`] of the field determines which members are set.
 #[derive(Default)]
 pub(super) struct FieldValue {
     /// One, two or three numbers; the others are 0.
@@ -97,8 +97,8 @@ pub(super) struct PresentField<'f, 'a> {
     value: &'f Spanned<FieldValue>,
 }
 
-/// Parses the fields of a block of `table` after its `keyword`. Returns its table entry, too.
-pub(super) fn parse_table_block<'a, P>(
+/// Parses the block of `table` with this `keyword`; returns its table entry and its fields.
+pub(super) fn parse_block_by_keyword<'a, P>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
     table: &'static [BlockParser<P>],
@@ -299,7 +299,7 @@ fn parse_profile_curve(parser: &mut Parser<'_>) -> Result<Spanned<ProfileCurve>,
     };
     parser.lexer.consume(keyword);
     let f = parse_block_fields(parser, keyword, block)?;
-    Ok(Spanned::new(f.require("controls")?.curve(basis)?, keyword.span()))
+    Ok(Spanned::new(f.require("controls")?.curve_with_basis(basis)?, keyword.span()))
 }
 
 impl<'a> BlockFields<'a> {
@@ -347,7 +347,9 @@ impl<'a> BlockFields<'a> {
         Ok(PresentField { block: self, field, word: *word, value })
     }
 
-    /// Returns the color of the only present field of `variants`, in the variant beside its name.
+    /// Returns the color of the only present field among `variants`.
+    ///
+    /// A variant is the name of a field, and the enum constructor for its color.
     ///
     /// # Errors
     /// If none of the fields or several are present.
@@ -420,7 +422,7 @@ impl<'f, 'a> PresentField<'f, 'a> {
     }
 
     /// Returns the curve of a field of kind [`FieldKind::Curve`].
-    pub fn profile(&self) -> ProfileCurve {
+    pub fn profile_curve(&self) -> ProfileCurve {
         ProfileCurve { basis: self.value.basis, controls: self.value.points.clone() }
     }
 
@@ -428,7 +430,7 @@ impl<'f, 'a> PresentField<'f, 'a> {
     ///
     /// # Errors
     /// If `basis` needs more control points.
-    pub fn curve(&self, basis: CurveBasis) -> Result<ProfileCurve, SceneError> {
+    pub fn curve_with_basis(&self, basis: CurveBasis) -> Result<ProfileCurve, SceneError> {
         let controls = self.value.points.clone();
         let fewest = match basis {
             CurveBasis::Bezier => 2,

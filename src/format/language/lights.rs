@@ -9,8 +9,8 @@ use super::super::description::{
     PointLightStrength, Spanned,
 };
 use super::super::error::SceneError;
-use super::camera::{parse_aim, write_aim};
-use super::fields::{BlockFields, parse_table_block};
+use super::camera::{parse_direction_or_target, write_direction_or_target};
+use super::fields::{BlockFields, parse_block_by_keyword};
 use super::lexer::Token;
 use super::parser::Parser;
 use super::schema::{BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, block, block_keywords, field};
@@ -19,7 +19,7 @@ use super::text::is_normalizable;
 use super::transforms::{parse_moving_block, write_transform_steps};
 use super::writer::SceneWriter;
 
-/// All kinds of lights: the movable ones first.
+/// Light blocks of the scene language, with their parsers.
 pub(super) static LIGHTS: [BlockParser<ParseLight>; 9] = [
     BlockParser { block: &POINT, parse: parse_point_light },
     BlockParser { block: &DIRECTIONAL, parse: parse_directional_light },
@@ -32,52 +32,49 @@ pub(super) static LIGHTS: [BlockParser<ParseLight>; 9] = [
     BlockParser { block: &ENVIRONMENT, parse: parse_environment_light },
 ];
 
-/// Conversion of a block's fields to a light.
+/// Function that converts a block's fields to a light.
 type ParseLight = fn(&BlockFields<'_>) -> Result<LightDescription, SceneError>;
-
-/// Number of rows of [`LIGHTS`] with a position or direction, which `Moving` can change.
-const MOVABLE_COUNT: usize = 8;
 
 static POINT_STRENGTH_FIELDS: [FieldSchema; 3] = [
     field("color", FieldKind::Color, "color of MIT 6.837, without distance falloff; give one of the three")
         .course_syntax(),
-    field("intensity", FieldKind::Color, "radiant intensity; on the axis of a spotlight").unit("W/sr"),
-    field("power", FieldKind::Color, "radiant flux").unit("W"),
+    field("intensity", FieldKind::Color, "radiant intensity; on the axis of a spotlight").with_unit("W/sr"),
+    field("power", FieldKind::Color, "radiant flux").with_unit("W"),
 ];
 
 static AREA_STRENGTH_FIELDS: [FieldSchema; 2] = [
-    field("radiance", FieldKind::Color, "radiance of the emitting side; give one of both").unit("W/(m² sr)"),
-    field("power", FieldKind::Color, "radiant flux").unit("W"),
+    field("radiance", FieldKind::Color, "radiance of the emitting side; give one of both").with_unit("W/(m² sr)"),
+    field("power", FieldKind::Color, "radiant flux").with_unit("W"),
 ];
 
 static POINT: BlockSchema = block("PointLight", "point light, equal in all directions")
-    .fields(&[field("position", FieldKind::Point, "position").required().course_syntax()])
-    .shared_fields(&[&POINT_STRENGTH_FIELDS])
+    .with_fields(&[field("position", FieldKind::Point, "position").required().course_syntax()])
+    .with_shared_fields(&[&POINT_STRENGTH_FIELDS])
     .course_syntax();
 
 static DIRECTIONAL: BlockSchema = block("DirectionalLight", "parallel light from infinity")
-    .fields(&[
+    .with_fields(&[
         field("direction", FieldKind::Direction, "direction in which the light travels").required().course_syntax(),
         field("color", FieldKind::Color, "color of MIT 6.837; give this or `irradiance`").course_syntax(),
-        field("irradiance", FieldKind::Color, "irradiance of a surface that faces the light").unit("W/m²"),
+        field("irradiance", FieldKind::Color, "irradiance of a surface that faces the light").with_unit("W/m²"),
     ])
     .course_syntax();
 
 static SPOT: BlockSchema = block("SpotLight", "point light limited to a cone")
-    .fields(&[
+    .with_fields(&[
         field("position", FieldKind::Point, "apex of the cone").required(),
         field("direction", FieldKind::Direction, "axis of the cone; give this or `lookAt`"),
         field("lookAt", FieldKind::Point, "point on the axis of the cone"),
         field("angle", FieldKind::Number, "full opening angle of the cone")
-            .range(FieldRange::UpTo(0.0, 360.0))
+            .with_range(FieldRange::UpTo(0.0, 360.0))
             .required()
-            .unit("degrees"),
+            .with_unit("degrees"),
         field("penumbra", FieldKind::Number, "width of the soft rim inside the cone, at most half of `angle`")
-            .range(FieldRange::Special("≥ 0"))
+            .with_range(FieldRange::Special("≥ 0"))
             .or_numbers(&[0.0])
-            .unit("degrees"),
+            .with_unit("degrees"),
     ])
-    .shared_fields(&[&POINT_STRENGTH_FIELDS]);
+    .with_shared_fields(&[&POINT_STRENGTH_FIELDS]);
 
 static ORIENTATION_FIELDS: [FieldSchema; 4] = [
     field("position", FieldKind::Point, "position").required(),
@@ -88,22 +85,23 @@ static ORIENTATION_FIELDS: [FieldSchema; 4] = [
 ];
 
 static PATTERN_STRENGTH_FIELDS: [FieldSchema; 2] = [
-    field("intensity", FieldKind::Color, "radiant intensity where the picture or profile is 1").unit("W/sr"),
-    field("power", FieldKind::Color, "radiant flux, of white light through the picture; give one of both").unit("W"),
+    field("intensity", FieldKind::Color, "radiant intensity where the picture or profile is 1").with_unit("W/sr"),
+    field("power", FieldKind::Color, "radiant flux, of white light through the picture; give one of both")
+        .with_unit("W"),
 ];
 
 static PROJECTOR: BlockSchema = block("ProjectorLight", "pinhole that projects a picture")
-    .fields(&[
+    .with_fields(&[
         field("angle", FieldKind::Number, "full vertical angle of the picture")
-            .range(FieldRange::Between(0.0, 180.0))
+            .with_range(FieldRange::Between(0.0, 180.0))
             .required()
-            .unit("degrees"),
+            .with_unit("degrees"),
         field("file", FieldKind::Name, "projected picture: PNG, OpenEXR or Radiance HDR").required(),
     ])
-    .shared_fields(&[&ORIENTATION_FIELDS, &PATTERN_STRENGTH_FIELDS]);
+    .with_shared_fields(&[&ORIENTATION_FIELDS, &PATTERN_STRENGTH_FIELDS]);
 
 static GONIOMETRIC: BlockSchema = block("GoniometricLight", "point light with a measured intensity distribution")
-    .fields(&[
+    .with_fields(&[
         field(
             "file",
             FieldKind::Name,
@@ -115,44 +113,44 @@ static GONIOMETRIC: BlockSchema = block("GoniometricLight", "point light with a 
             "text file with an angle from the axis in degrees and an intensity per line, in ascending order",
         ),
     ])
-    .shared_fields(&[&ORIENTATION_FIELDS, &PATTERN_STRENGTH_FIELDS]);
+    .with_shared_fields(&[&ORIENTATION_FIELDS, &PATTERN_STRENGTH_FIELDS]);
 
 static SPHERE: BlockSchema = block("SphereLight", "sphere that emits outward")
-    .fields(&[
+    .with_fields(&[
         field("center", FieldKind::Point, "center").required(),
-        field("radius", FieldKind::Number, "radius").range(FieldRange::Positive).required(),
+        field("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).required(),
     ])
-    .shared_fields(&[&AREA_STRENGTH_FIELDS]);
+    .with_shared_fields(&[&AREA_STRENGTH_FIELDS]);
 
 static DISC: BlockSchema = block("DiscLight", "disc that emits on the side of its normal")
-    .fields(&[
+    .with_fields(&[
         field("center", FieldKind::Point, "center").required(),
         field("normal", FieldKind::Direction, "normal of the emitting side").required(),
-        field("radius", FieldKind::Number, "radius").range(FieldRange::Positive).required(),
+        field("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).required(),
     ])
-    .shared_fields(&[&AREA_STRENGTH_FIELDS]);
+    .with_shared_fields(&[&AREA_STRENGTH_FIELDS]);
 
 static RECTANGLE: BlockSchema = block("RectangleLight", "parallelogram that emits on the side of `edge0` × `edge1`")
-    .fields(&[
+    .with_fields(&[
         field("corner", FieldKind::Point, "corner where both edges start").required(),
         field("edge0", FieldKind::Direction, "vector to the first neighbouring corner").required(),
         field("edge1", FieldKind::Direction, "vector to the other neighbouring corner").required(),
     ])
-    .shared_fields(&[&AREA_STRENGTH_FIELDS]);
+    .with_shared_fields(&[&AREA_STRENGTH_FIELDS]);
 
 static ENVIRONMENT: BlockSchema = block(
     "EnvironmentLight",
     "light from infinity in all directions; at most one a scene, shown instead of the `Background`",
 )
-.fields(&[
-    field("radiance", FieldKind::Color, "constant radiance; give this or `file`").unit("W/(m² sr)"),
+.with_fields(&[
+    field("radiance", FieldKind::Color, "constant radiance; give this or `file`").with_unit("W/(m² sr)"),
     field("file", FieldKind::Name, "picture of all directions: PNG, OpenEXR or Radiance HDR"),
     field("scale", FieldKind::Number, "with `file`: factor from picture values to radiance")
-        .range(FieldRange::NonNegative)
+        .with_range(FieldRange::NonNegative)
         .or_numbers(&[1.0]),
     field("rotate", FieldKind::Number, "with `file`: rotation about the y axis, right-handed")
         .or_numbers(&[0.0])
-        .unit("degrees"),
+        .with_unit("degrees"),
 ]);
 
 /// Parses a `Lights` block, which holds at most one `EnvironmentLight`.
@@ -180,11 +178,12 @@ pub(super) fn parse_lights_block<'a>(
 /// Parses the light, or the `Moving` block with a light, that starts with `word`.
 fn parse_light<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Spanned<LightDescription>, SceneError> {
     if word.text == "Moving" {
-        let movable = block_keywords(&["Moving"], &LIGHTS[..MOVABLE_COUNT]);
+        let mut movable = block_keywords(&["Moving"], &LIGHTS);
+        movable.retain(|keyword| *keyword != ENVIRONMENT.keyword);
         let (maps, light) = parse_moving_block(parser, word, &movable, parse_light)?;
         return Ok(Spanned::new(LightDescription::Moving { maps, light: Box::new(light) }, word.span()));
     }
-    let (entry, fields) = parse_table_block(parser, word, &LIGHTS)?;
+    let (entry, fields) = parse_block_by_keyword(parser, word, &LIGHTS)?;
     Ok(Spanned::new((entry.parse)(&fields)?, word.span()))
 }
 
@@ -236,7 +235,7 @@ fn parse_rectangle_light(f: &BlockFields<'_>) -> Result<LightDescription, SceneE
 
 fn parse_spot_light(f: &BlockFields<'_>) -> Result<LightDescription, SceneError> {
     let position = f.value("position")?;
-    let (aim, _) = parse_aim(f, "position", position)?;
+    let (aim, _) = parse_direction_or_target(f, "position", position)?;
     let (angle, penumbra) = (f.value("angle")?, f.value("penumbra")?);
     if let Some(field) = f.get("penumbra") {
         let is_valid = (0.0..=angle / 2.0).contains(&penumbra);
@@ -248,7 +247,7 @@ fn parse_spot_light(f: &BlockFields<'_>) -> Result<LightDescription, SceneError>
 /// Parses the fields that projectors and goniometric lights share.
 fn parse_oriented_light(f: &BlockFields<'_>, pattern: LightPattern) -> Result<LightDescription, SceneError> {
     let position = f.value("position")?;
-    let (aim, direction) = parse_aim(f, "position", position)?;
+    let (aim, direction) = parse_direction_or_target(f, "position", position)?;
     let up: Option<DVec3> = f.optional_value("up");
     if let (Some(field), Some(up)) = (f.get("up"), up) {
         field.ensure(is_normalizable(up.cross(direction)), "must not be parallel to the axis of the light")?;
@@ -290,36 +289,36 @@ pub(super) fn write_light(out: &mut SceneWriter<'_, '_>, light: &LightDescriptio
             write_light(out, light)?;
         }
         LightDescription::Point { position, strength } => {
-            out.begin_table_block(&POINT)?;
-            out.write_vector("position", *position)?;
+            out.begin_schema_block(&POINT)?;
+            out.write_vec3("position", *position)?;
             write_point_strength(out, *strength)?;
         }
         LightDescription::Directional { direction, strength } => {
-            out.begin_table_block(&DIRECTIONAL)?;
-            out.write_vector("direction", *direction)?;
+            out.begin_schema_block(&DIRECTIONAL)?;
+            out.write_vec3("direction", *direction)?;
             match *strength {
-                DirectionalLightStrength::Color(c) => out.write_vector("color", c)?,
-                DirectionalLightStrength::Irradiance(c) => out.write_vector("irradiance", c)?,
+                DirectionalLightStrength::Color(c) => out.write_vec3("color", c)?,
+                DirectionalLightStrength::Irradiance(c) => out.write_vec3("irradiance", c)?,
             }
         }
         LightDescription::Spot { position, aim, angle, penumbra, strength } => {
-            out.begin_table_block(&SPOT)?;
-            out.write_vector("position", *position)?;
-            write_aim(out, *aim)?;
+            out.begin_schema_block(&SPOT)?;
+            out.write_vec3("position", *position)?;
+            write_direction_or_target(out, *aim)?;
             out.write_number("angle", *angle)?;
             out.write_number("penumbra", *penumbra)?;
             write_point_strength(out, *strength)?;
         }
         LightDescription::Oriented { position, aim, up, pattern, strength } => {
-            out.begin_table_block(if matches!(pattern, LightPattern::Picture { .. }) {
+            out.begin_schema_block(if matches!(pattern, LightPattern::Picture { .. }) {
                 &PROJECTOR
             } else {
                 &GONIOMETRIC
             })?;
-            out.write_vector("position", *position)?;
-            write_aim(out, *aim)?;
+            out.write_vec3("position", *position)?;
+            write_direction_or_target(out, *aim)?;
             if let Some(up) = up {
-                out.write_vector("up", *up)?;
+                out.write_vec3("up", *up)?;
             }
             match pattern {
                 LightPattern::Picture { path, angle } => {
@@ -332,27 +331,27 @@ pub(super) fn write_light(out: &mut SceneWriter<'_, '_>, light: &LightDescriptio
             write_point_strength(out, *strength)?;
         }
         LightDescription::Sphere { center, radius, strength } => {
-            out.begin_table_block(&SPHERE)?;
-            out.write_vector("center", *center)?;
+            out.begin_schema_block(&SPHERE)?;
+            out.write_vec3("center", *center)?;
             out.write_number("radius", *radius)?;
             write_area_strength(out, *strength)?;
         }
         LightDescription::Disc { center, normal, radius, strength } => {
-            out.begin_table_block(&DISC)?;
-            out.write_vector("center", *center)?;
-            out.write_vector("normal", *normal)?;
+            out.begin_schema_block(&DISC)?;
+            out.write_vec3("center", *center)?;
+            out.write_vec3("normal", *normal)?;
             out.write_number("radius", *radius)?;
             write_area_strength(out, *strength)?;
         }
         LightDescription::Rectangle { corner, edge0, edge1, strength } => {
-            out.begin_table_block(&RECTANGLE)?;
+            out.begin_schema_block(&RECTANGLE)?;
             write_parallelogram(out, *corner, *edge0, *edge1)?;
             write_area_strength(out, *strength)?;
         }
         LightDescription::Environment(radiance) => {
-            out.begin_table_block(&ENVIRONMENT)?;
+            out.begin_schema_block(&ENVIRONMENT)?;
             match radiance {
-                EnvironmentRadiance::Constant(radiance) => out.write_vector("radiance", *radiance)?,
+                EnvironmentRadiance::Constant(radiance) => out.write_vec3("radiance", *radiance)?,
                 EnvironmentRadiance::Picture { path, scale, rotate } => {
                     out.write_name("file", path)?;
                     out.write_number("scale", *scale)?;
@@ -366,15 +365,15 @@ pub(super) fn write_light(out: &mut SceneWriter<'_, '_>, light: &LightDescriptio
 
 fn write_point_strength(out: &mut SceneWriter<'_, '_>, strength: PointLightStrength) -> fmt::Result {
     match strength {
-        PointLightStrength::Color(c) => out.write_vector("color", c),
-        PointLightStrength::Intensity(c) => out.write_vector("intensity", c),
-        PointLightStrength::Power(c) => out.write_vector("power", c),
+        PointLightStrength::Color(c) => out.write_vec3("color", c),
+        PointLightStrength::Intensity(c) => out.write_vec3("intensity", c),
+        PointLightStrength::Power(c) => out.write_vec3("power", c),
     }
 }
 
 fn write_area_strength(out: &mut SceneWriter<'_, '_>, strength: AreaLightStrength) -> fmt::Result {
     match strength {
-        AreaLightStrength::Radiance(c) => out.write_vector("radiance", c),
-        AreaLightStrength::Power(c) => out.write_vector("power", c),
+        AreaLightStrength::Radiance(c) => out.write_vec3("radiance", c),
+        AreaLightStrength::Power(c) => out.write_vec3("power", c),
     }
 }

@@ -7,7 +7,7 @@ use super::super::description::{
     NormalPerturbationDescription, Spanned, TexturedValue,
 };
 use super::super::error::SceneError;
-use super::fields::{BlockFields, PresentField, parse_table_block};
+use super::fields::{BlockFields, PresentField, parse_block_by_keyword};
 use super::lexer::Token;
 use super::names::parse_block_name;
 use super::parser::Parser;
@@ -19,19 +19,21 @@ use super::text::clip_for_message;
 use super::writer::SceneWriter;
 use glam::DVec3;
 
-/// All kinds of materials.
+/// Material blocks of the scene language, with their parsers.
 pub(super) static MATERIALS: [BlockParser<ParseMaterial>; 8] = [
-    BlockParser { block: &PHONG, parse: parse_phong },
-    BlockParser { block: &DIFFUSE, parse: parse_diffuse },
-    BlockParser { block: &MIRROR, parse: parse_mirror },
+    BlockParser { block: &PHONG, parse: parse_phong_material },
+    BlockParser { block: &DIFFUSE, parse: parse_diffuse_material },
+    BlockParser { block: &MIRROR, parse: parse_mirror_material },
     BlockParser { block: &DIELECTRIC, parse: parse_dielectric },
-    BlockParser { block: &CLEAR, parse: parse_clear },
+    BlockParser { block: &CLEAR, parse: parse_null_interface },
     BlockParser { block: &CONDUCTOR, parse: parse_conductor },
-    BlockParser { block: &THIN, parse: parse_thin },
-    BlockParser { block: &MIX, parse: parse_mix },
+    BlockParser { block: &THIN, parse: parse_thin_dielectric },
+    BlockParser { block: &MIX, parse: parse_mix_material },
 ];
 
-/// Conversion of a block's fields to a material. The parser's scope holds the materials before it.
+/// Function that converts a block's fields to a material.
+///
+/// The parser's scope holds the materials that precede the block.
 type ParseMaterial = for<'a> fn(&Parser<'a>, &BlockFields<'a>) -> Result<MaterialKindDescription, SceneError>;
 
 /// Largest accepted depth of nested mixes. Each level can double the number of leaf materials.
@@ -41,32 +43,33 @@ const UNIT_RANGE: FieldRange = FieldRange::Within(0.0, 1.0);
 const TRANSMITTANCE_RANGE: FieldRange = FieldRange::UpTo(0.0, 1.0);
 const COEFFICIENT_RANGE: FieldRange = FieldRange::Within(0.0, MAX_COEFFICIENT);
 
-const ROUGHNESS_FIELD: FieldSchema =
-    field("roughness", FieldKind::NumberOrTexture, "GGX α; smooth below 0.001").range(UNIT_RANGE).or_numbers(&[0.0]);
+const ROUGHNESS_FIELD: FieldSchema = field("roughness", FieldKind::NumberOrTexture, "GGX α; smooth below 0.001")
+    .with_range(UNIT_RANGE)
+    .or_numbers(&[0.0]);
 const PRIORITY_FIELD: FieldSchema =
     field("priority", FieldKind::Whole, "where bodies overlap, the highest priority counts")
-        .range(FieldRange::Within(0.0, 255.0))
+        .with_range(FieldRange::Within(0.0, 255.0))
         .or_numbers(&[0.0]);
 
 static EMISSION_FIELDS: [FieldSchema; 2] = [
     field("emission", FieldKind::ColorOrTexture, "emitted radiance; not for `Clear`")
         .absence_means("0 0 0")
-        .unit("W/(m² sr)"),
+        .with_unit("W/(m² sr)"),
     field("emissionScale", FieldKind::Number, "with a texture as `emission`: factor of its values")
-        .range(FieldRange::NonNegative)
+        .with_range(FieldRange::NonNegative)
         .or_numbers(&[1.0]),
 ];
 
 static NORMAL_PERTURBATION_FIELDS: [FieldSchema; 3] = [
     field("bump", FieldKind::Name, "texture or picture of heights; not for `Clear`").absence_means("none"),
     field("bumpHeight", FieldKind::Number, "height of the value 1 of `bump`, required with it")
-        .range(FieldRange::Single)
-        .unit("length"),
+        .with_range(FieldRange::Single)
+        .with_unit("length"),
     field("normalMap", FieldKind::Name, "instead of `bump`: texture or picture of normals").absence_means("none"),
 ];
 
 static PHONG: BlockSchema = block("PhongMaterial", "Phong's reflection model")
-    .fields(&[
+    .with_fields(&[
         field("diffuseColor", FieldKind::ColorOrTexture, "diffuse reflectance kd")
             .or_numbers(&[1.0, 1.0, 1.0])
             .course_syntax(),
@@ -74,87 +77,91 @@ static PHONG: BlockSchema = block("PhongMaterial", "Phong's reflection model")
             .or_numbers(&[0.0, 0.0, 0.0])
             .course_syntax(),
         field("shininess", FieldKind::Number, "Phong exponent")
-            .range(FieldRange::NonNegative)
+            .with_range(FieldRange::NonNegative)
             .or_numbers(&[0.0])
             .course_syntax(),
         field("texture", FieldKind::Name, "texture or picture that `diffuseColor` is multiplied by")
             .absence_means("none")
             .course_syntax(),
     ])
-    .aliases(&["Material", "Phong"])
-    .shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS])
+    .with_aliases(&["Material", "Phong"])
+    .with_shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS])
     .course_syntax();
 
 static DIFFUSE: BlockSchema = block("Diffuse", "Lambertian reflection")
-    .fields(&[field("reflectance", FieldKind::ColorOrTexture, "albedo").range(UNIT_RANGE).required()])
-    .shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
+    .with_fields(&[field("reflectance", FieldKind::ColorOrTexture, "albedo").with_range(UNIT_RANGE).required()])
+    .with_shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
 
 static MIRROR: BlockSchema = block("Mirror", "perfect mirror")
-    .fields(&[field("reflectance", FieldKind::ColorOrTexture, "reflectance")
-        .range(UNIT_RANGE)
+    .with_fields(&[field("reflectance", FieldKind::ColorOrTexture, "reflectance")
+        .with_range(UNIT_RANGE)
         .or_numbers(&[1.0, 1.0, 1.0])])
-    .shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
+    .with_shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
 
 static DIELECTRIC: BlockSchema = block("Dielectric", "boundary of a body of glass, water or the like")
-    .fields(&[
+    .with_fields(&[
         INDEX_FIELD,
         field("abbe", FieldKind::Number, "with `indexOfRefraction`: Abbe number")
-            .range(FieldRange::Positive)
+            .with_range(FieldRange::Positive)
             .absence_means("none: no dispersion"),
         field("glass", FieldKind::Name, "instead of `indexOfRefraction`: a glass by name"),
         field("cauchy", FieldKind::Numbers, "instead of `indexOfRefraction`: Cauchy's equation; C is optional")
-            .range(FieldRange::Special("A, B \\[µm²], C \\[µm⁴]")),
+            .with_range(FieldRange::Special("A, B \\[µm²], C \\[µm⁴]")),
         field("sellmeierB", FieldKind::Numbers, "instead of `indexOfRefraction`: Sellmeier's equation")
-            .range(FieldRange::Special("1 to 4")),
+            .with_range(FieldRange::Special("1 to 4")),
         field("sellmeierC", FieldKind::Numbers, "squared resonance wavelengths for `sellmeierB`")
-            .range(FieldRange::Special("1 to 4"))
-            .unit("µm²"),
+            .with_range(FieldRange::Special("1 to 4"))
+            .with_unit("µm²"),
         field("absorption", FieldKind::Color, "absorption coefficient of the inside")
-            .range(COEFFICIENT_RANGE)
+            .with_range(COEFFICIENT_RANGE)
             .absence_means("0 0 0")
-            .unit("1/length"),
+            .with_unit("1/length"),
         field("tint", FieldKind::Color, "instead of `absorption`: transmittance over `tintDistance`")
-            .range(TRANSMITTANCE_RANGE),
+            .with_range(TRANSMITTANCE_RANGE),
         field("tintDistance", FieldKind::Number, "distance of `tint`; the absorption is at most 1e12")
-            .range(FieldRange::Positive)
+            .with_range(FieldRange::Positive)
             .or_numbers(&[1.0])
-            .unit("length"),
+            .with_unit("length"),
         ROUGHNESS_FIELD,
         PRIORITY_FIELD,
         field("medium", FieldKind::Name, "medium that fills the body").absence_means("none"),
     ])
-    .shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
+    .with_shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
 
 static CLEAR: BlockSchema = block("Clear", "null interface: boundary of a region without a surface")
-    .fields(&[field("medium", FieldKind::Name, "medium that fills the region").absence_means("none"), PRIORITY_FIELD])
-    .shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
+    .with_fields(&[
+        field("medium", FieldKind::Name, "medium that fills the region").absence_means("none"),
+        PRIORITY_FIELD,
+    ])
+    .with_shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
 
 static CONDUCTOR: BlockSchema = block("Conductor", "metal; opaque, reflects on both sides")
-    .fields(&[
+    .with_fields(&[
         field("metal", FieldKind::Name, "a metal by name; give this, or `eta` and `k`"),
         field("eta", FieldKind::Color, "η of the complex index η + ik for red, green and blue")
-            .range(FieldRange::Within(MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX)),
-        field("k", FieldKind::Color, "k of the complex index").range(FieldRange::Within(0.0, MAX_REFRACTIVE_INDEX)),
+            .with_range(FieldRange::Within(MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX)),
+        field("k", FieldKind::Color, "k of the complex index")
+            .with_range(FieldRange::Within(0.0, MAX_REFRACTIVE_INDEX)),
         ROUGHNESS_FIELD,
     ])
-    .shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
+    .with_shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
 
 static THIN: BlockSchema = block("Thin", "pane without thickness; the index is relative to the surroundings")
-    .fields(&[
+    .with_fields(&[
         INDEX_FIELD,
         field("transmittance", FieldKind::ColorOrTexture, "transmittance of the inside at normal incidence")
-            .range(TRANSMITTANCE_RANGE)
+            .with_range(TRANSMITTANCE_RANGE)
             .or_numbers(&[1.0, 1.0, 1.0]),
     ])
-    .shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
+    .with_shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
 
 static MIX: BlockSchema = block("Mix", "one of two materials at each point, chosen at random")
-    .fields(&[
+    .with_fields(&[
         field("first", FieldKind::Name, "name of a material that stands before this one").required(),
         field("second", FieldKind::Name, "name of a material that stands before this one").required(),
-        field("amount", FieldKind::NumberOrTexture, "share of the second material").range(UNIT_RANGE).required(),
+        field("amount", FieldKind::NumberOrTexture, "share of the second material").with_range(UNIT_RANGE).required(),
     ])
-    .shared_fields(&[&EMISSION_FIELDS]);
+    .with_shared_fields(&[&EMISSION_FIELDS]);
 
 /// Parses a `Materials` block; its materials replace those of an earlier one.
 pub(super) fn parse_materials_block<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result<(), SceneError> {
@@ -201,7 +208,7 @@ fn parse_material<'a>(
     word: Token<'a>,
     name: Option<String>,
 ) -> Result<MaterialDescription, SceneError> {
-    let (BlockParser { block, parse }, f) = parse_table_block(parser, word, &MATERIALS)?;
+    let (BlockParser { block, parse }, f) = parse_block_by_keyword(parser, word, &MATERIALS)?;
     let f = &f;
     let kind = parse(parser, f)?;
     let has_field = |name: &str| block.find_field(name).is_some();
@@ -213,7 +220,7 @@ fn parse_material<'a>(
     Ok(MaterialDescription { name, kind, emission: parse_emission(f)?, normal_perturbation, medium })
 }
 
-fn parse_phong(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescription, SceneError> {
+fn parse_phong_material(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescription, SceneError> {
     Ok(MaterialKindDescription::Phong {
         diffuse: f.value("diffuseColor")?,
         specular: f.value("specularColor")?,
@@ -222,24 +229,24 @@ fn parse_phong(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescri
     })
 }
 
-fn parse_diffuse(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescription, SceneError> {
+fn parse_diffuse_material(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescription, SceneError> {
     Ok(MaterialKindDescription::Diffuse { reflectance: f.value("reflectance")? })
 }
 
-fn parse_mirror(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescription, SceneError> {
+fn parse_mirror_material(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescription, SceneError> {
     Ok(MaterialKindDescription::Mirror { reflectance: f.value("reflectance")? })
 }
 
 fn parse_dielectric(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescription, SceneError> {
     Ok(MaterialKindDescription::Dielectric {
         refraction: parse_refraction(f)?,
-        attenuation: parse_attenuation(f)?,
+        attenuation: parse_dielectric_absorption(f)?,
         roughness: f.value("roughness")?,
         priority: f.value::<u32>("priority")? as u8,
     })
 }
 
-fn parse_clear(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescription, SceneError> {
+fn parse_null_interface(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescription, SceneError> {
     let advice = "needs a surface, and `Clear` has none: ";
     f.forbid_fields(&["emission", "emissionScale"], &format!("{advice}give `emission` to its medium"))?;
     f.forbid_fields(&["bump", "bumpHeight", "normalMap"], &format!("{advice}leave it out"))?;
@@ -250,12 +257,12 @@ fn parse_conductor(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDe
     Ok(MaterialKindDescription::Conductor { metal: parse_metal(f)?, roughness: f.value("roughness")? })
 }
 
-fn parse_thin(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescription, SceneError> {
+fn parse_thin_dielectric(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescription, SceneError> {
     Ok(MaterialKindDescription::Thin { index: f.value("indexOfRefraction")?, transmittance: f.value("transmittance")? })
 }
 
 /// Parses the absorption inside a dielectric.
-fn parse_attenuation(f: &BlockFields<'_>) -> Result<DielectricAbsorption, SceneError> {
+fn parse_dielectric_absorption(f: &BlockFields<'_>) -> Result<DielectricAbsorption, SceneError> {
     f.forbid_both("absorption", "tint")?;
     let Some(color) = f.optional_value("tint") else {
         f.forbid_fields(&["tintDistance"], "has no effect without `tint`")?;
@@ -265,7 +272,7 @@ fn parse_attenuation(f: &BlockFields<'_>) -> Result<DielectricAbsorption, SceneE
     };
     let attenuation = DielectricAbsorption::Tint { color, distance: f.value("tintDistance")? };
     if let Some(field) = f.get("tintDistance") {
-        let is_valid = attenuation.coefficient().max_element() <= MAX_COEFFICIENT;
+        let is_valid = attenuation.absorption_coefficient().max_element() <= MAX_COEFFICIENT;
         field.ensure(is_valid, "must be longer: over it, `tint` is an absorption above 1e12")?;
     }
     Ok(attenuation)
@@ -287,13 +294,13 @@ fn parse_metal(f: &BlockFields<'_>) -> Result<MetalDescription, SceneError> {
 }
 
 /// Parses a mix of two materials that stand before it.
-fn parse_mix<'a>(parser: &Parser<'a>, f: &BlockFields<'a>) -> Result<MaterialKindDescription, SceneError> {
+fn parse_mix_material<'a>(parser: &Parser<'a>, f: &BlockFields<'a>) -> Result<MaterialKindDescription, SceneError> {
     let first = parse_mix_component(parser, f.require("first")?)?;
     let second = parse_mix_component(parser, f.require("second")?)?;
     let amount = f.value("amount")?;
     let scope = &parser.scope;
     for component in [&first, &second] {
-        if scope.material_components(component).mix_depth == MAX_MIX_DEPTH {
+        if scope.mix_summary(component).mix_depth == MAX_MIX_DEPTH {
             let message = format!("mixes nest more than {MAX_MIX_DEPTH} deep");
             let help = "mix fewer materials, or materials that are no mixes".to_owned();
             return Err(f.error_at(component.span, message, "the deepest that may be", help));
@@ -307,8 +314,7 @@ fn parse_mix<'a>(parser: &Parser<'a>, f: &BlockFields<'a>) -> Result<MaterialKin
     }
     // A path could enter through one dielectric and leave through the other. The first would then
     // stay on the path's interior stack.
-    if let (Some(a), Some(b)) =
-        (scope.material_components(&first).dielectric, scope.material_components(&second).dielectric)
+    if let (Some(a), Some(b)) = (scope.mix_summary(&first).dielectric, scope.mix_summary(&second).dielectric)
         && a != b
     {
         let message = "a mix cannot be two different Dielectrics".to_owned();
@@ -353,7 +359,7 @@ fn parse_normal_perturbation(f: &BlockFields<'_>) -> Result<Option<NormalPerturb
     Ok(Some(NormalPerturbationDescription::Bump { texture, height: f.value("bumpHeight")? }))
 }
 
-/// Parses the index after `MaterialIndex`.
+/// Parses the index of a material after the word `MaterialIndex`.
 pub(super) fn parse_material_index<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Spanned<u32>, SceneError> {
     parser.scope.group_uses_materials = true;
     let index = parser.parse_integer(word)?;
@@ -370,7 +376,7 @@ pub(super) fn parse_material_index<'a>(parser: &mut Parser<'a>, word: Token<'a>)
     Err(parser.lexer.error_at(index.span, message, "out of range", help))
 }
 
-/// Parses the name after `MaterialName`.
+/// Parses the name of a material after the word `MaterialName`.
 pub(super) fn parse_material_reference<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,
@@ -395,7 +401,7 @@ pub(super) fn write_material(out: &mut SceneWriter<'_, '_>, material: &MaterialD
         MaterialKindDescription::Mix { .. } => &MIX,
     };
     match &material.name {
-        None => out.begin_table_block(block)?,
+        None => out.begin_schema_block(block)?,
         Some(name) => out.begin_named_block(block, name)?,
     }
     match &material.kind {
@@ -412,9 +418,9 @@ pub(super) fn write_material(out: &mut SceneWriter<'_, '_>, material: &MaterialD
             write_refraction(out, refraction)?;
             match *attenuation {
                 DielectricAbsorption::None => {}
-                DielectricAbsorption::Coefficient(absorption) => out.write_vector("absorption", absorption)?,
+                DielectricAbsorption::Coefficient(absorption) => out.write_vec3("absorption", absorption)?,
                 DielectricAbsorption::Tint { color, distance } => {
-                    out.write_vector("tint", color)?;
+                    out.write_vec3("tint", color)?;
                     out.write_number("tintDistance", distance)?;
                 }
             }
@@ -426,8 +432,8 @@ pub(super) fn write_material(out: &mut SceneWriter<'_, '_>, material: &MaterialD
             match metal {
                 MetalDescription::Named(name) => out.write_name("metal", name)?,
                 MetalDescription::Index { eta, k } => {
-                    out.write_vector("eta", *eta)?;
-                    out.write_vector("k", *k)?;
+                    out.write_vec3("eta", *eta)?;
+                    out.write_vec3("k", *k)?;
                 }
             }
             out.write_number_or_texture("roughness", roughness)?;
@@ -453,7 +459,7 @@ pub(super) fn write_material(out: &mut SceneWriter<'_, '_>, material: &MaterialD
     }
     match &material.emission {
         None => {}
-        Some(EmissionDescription::Radiance(radiance)) => out.write_vector("emission", *radiance)?,
+        Some(EmissionDescription::Radiance(radiance)) => out.write_vec3("emission", *radiance)?,
         Some(EmissionDescription::Texture { name, scale }) => {
             out.write_texture_name("emission", name)?;
             out.write_number("emissionScale", *scale)?;

@@ -9,7 +9,7 @@ use super::super::description::{
     TransformedBoxDescription,
 };
 use super::super::error::SceneError;
-use super::fields::{BlockFields, parse_table_block};
+use super::fields::{BlockFields, parse_block_by_keyword};
 use super::lexer::Token;
 use super::names::parse_unique_block_name;
 use super::parser::Parser;
@@ -19,38 +19,39 @@ use super::schema::{
 use super::transforms::write_transform_field;
 use super::writer::SceneWriter;
 
-/// All kinds of media.
+/// Medium blocks of the scene language, with their parsers.
 pub(super) static MEDIA: [BlockParser<ParseDensity>; 2] = [
     BlockParser { block: &MEDIUM, parse: parse_medium_density },
     BlockParser { block: &CLOUD, parse: parse_cloud_density },
 ];
 
-/// Conversion of a block's fields to the density of a medium.
+/// Function that converts a block's fields to the density of a medium.
 type ParseDensity = fn(&BlockFields<'_>) -> Result<DensityDescription, SceneError>;
 
 const COEFFICIENT_RANGE: FieldRange = FieldRange::Within(0.0, MAX_COEFFICIENT);
 
 static OPTICAL_FIELDS: [FieldSchema; 7] = [
     field("absorption", FieldKind::Color, "absorption coefficient σa")
-        .range(COEFFICIENT_RANGE)
+        .with_range(COEFFICIENT_RANGE)
         .or_numbers(&[0.0, 0.0, 0.0])
-        .unit("1/length"),
+        .with_unit("1/length"),
     field("scattering", FieldKind::Color, "scattering coefficient σs")
-        .range(COEFFICIENT_RANGE)
+        .with_range(COEFFICIENT_RANGE)
         .or_numbers(&[0.0, 0.0, 0.0])
-        .unit("1/length"),
+        .with_unit("1/length"),
     field("extinction", FieldKind::Color, "σa + σs, together with `albedo` instead of both")
-        .range(COEFFICIENT_RANGE)
-        .unit("1/length"),
-    field("albedo", FieldKind::Color, "σs/(σa + σs), together with `extinction`").range(FieldRange::Within(0.0, 1.0)),
+        .with_range(COEFFICIENT_RANGE)
+        .with_unit("1/length"),
+    field("albedo", FieldKind::Color, "σs/(σa + σs), together with `extinction`")
+        .with_range(FieldRange::Within(0.0, 1.0)),
     field("emission", FieldKind::Color, "radiance gained per length")
-        .range(COEFFICIENT_RANGE)
+        .with_range(COEFFICIENT_RANGE)
         .or_numbers(&[0.0, 0.0, 0.0])
-        .unit("W/(m² sr)/length"),
+        .with_unit("W/(m² sr)/length"),
     field("phase", FieldKind::Word(&["isotropic", "rayleigh", "henyey-greenstein"]), "phase function")
         .absence_means("`isotropic`; with `anisotropy`, `henyey-greenstein`"),
     field("anisotropy", FieldKind::Number, "mean cosine g; above 0 scatters forward")
-        .range(FieldRange::Special("−1 < g < 1")),
+        .with_range(FieldRange::Special("−1 < g < 1")),
 ];
 
 static EXTENT_FIELDS: [FieldSchema; 3] = [
@@ -60,39 +61,39 @@ static EXTENT_FIELDS: [FieldSchema; 3] = [
 ];
 
 static MEDIUM: BlockSchema = block("Medium", "a medium of constant density, or with the densities of a grid")
-    .fields(&[
+    .with_fields(&[
         field("grid", FieldKind::Name, "file of densities").absence_means("none: density 1 everywhere"),
         field("densityScale", FieldKind::Number, "with `grid`: factor of its densities")
-            .range(FieldRange::Positive)
+            .with_range(FieldRange::Positive)
             .or_numbers(&[1.0]),
     ])
-    .shared_fields(&[&OPTICAL_FIELDS, &EXTENT_FIELDS]);
+    .with_shared_fields(&[&OPTICAL_FIELDS, &EXTENT_FIELDS]);
 
 static CLOUD: BlockSchema =
     block("Cloud", "a medium with noise as density, from 0 to 1, in the ellipsoid inscribed in its box")
-        .fields(&[
+        .with_fields(&[
             field("cover", FieldKind::Number, "amount of noise: 0 is empty, 1 is noise everywhere")
-                .range(FieldRange::Within(0.0, 1.0))
+                .with_range(FieldRange::Within(0.0, 1.0))
                 .or_numbers(&[0.5]),
             field("softness", FieldKind::Number, "share of the radius over which the edge fades")
-                .range(FieldRange::Within(0.0, 1.0))
+                .with_range(FieldRange::Within(0.0, 1.0))
                 .or_numbers(&[0.3]),
             field("octaves", FieldKind::Whole, "octaves of noise")
-                .range(FieldRange::Within(1.0, 16.0))
+                .with_range(FieldRange::Within(1.0, 16.0))
                 .or_numbers(&[5.0]),
             field("frequency", FieldKind::Number, "periods of the first octave along a side of the box")
-                .range(FieldRange::Positive)
+                .with_range(FieldRange::Positive)
                 .or_numbers(&[4.0]),
             field("seed", FieldKind::Whole, "seed of the noise").or_numbers(&[0.0]),
             field("resolution", FieldKind::Whole, "grid cells along the longest side")
-                .range(FieldRange::Within(2.0, 512.0))
+                .with_range(FieldRange::Within(2.0, 512.0))
                 .or_numbers(&[96.0]),
         ])
-        .shared_fields(&[&OPTICAL_FIELDS, &EXTENT_FIELDS]);
+        .with_shared_fields(&[&OPTICAL_FIELDS, &EXTENT_FIELDS]);
 
 /// Parses a `Media` block; its media replace those of an earlier one.
 pub(super) fn parse_media_block<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result<(), SceneError> {
-    parser.scope.check_no_materials(parser.lexer, block)?;
+    parser.scope.check_precedes_materials(parser.lexer, block)?;
     parser.scope.media.clear();
     parser.parse_list_block(block, ("numMedia", "medium"), &block_keywords(&["numMedia"], &MEDIA), |parser, word| {
         let is_taken = |parser: &Parser<'a>, name: &str| parser.scope.media.iter().any(|m| m.value.name == name);
@@ -117,18 +118,18 @@ fn placeholder_medium(name: &str) -> MediumDescription {
 
 /// Parses the fields of a medium.
 fn parse_medium<'a>(parser: &mut Parser<'a>, word: Token<'a>, name: &str) -> Result<MediumDescription, SceneError> {
-    let (entry, f) = parse_table_block(parser, word, &MEDIA)?;
+    let (entry, f) = parse_block_by_keyword(parser, word, &MEDIA)?;
     let f = &f;
     Ok(MediumDescription {
         name: name.to_owned(),
-        coefficients: parse_coefficients(f)?,
+        coefficients: parse_medium_coefficients(f)?,
         emission: f.value("emission")?,
         phase: parse_phase_function(f)?,
         density: (entry.parse)(f)?,
     })
 }
 
-fn parse_coefficients(f: &BlockFields<'_>) -> Result<MediumCoefficients, SceneError> {
+fn parse_medium_coefficients(f: &BlockFields<'_>) -> Result<MediumCoefficients, SceneError> {
     for whole in ["extinction", "albedo"] {
         for part in ["absorption", "scattering"] {
             f.forbid_both(part, whole)?;
@@ -168,7 +169,7 @@ fn parse_medium_density(f: &BlockFields<'_>) -> Result<DensityDescription, Scene
         f.forbid_fields(&["min", "max", "Transform", "densityScale"], "has no effect without `grid`")?;
         return Ok(DensityDescription::Homogeneous);
     };
-    Ok(DensityDescription::Grid { path, scale: f.value("densityScale")?, extent: parse_extent(f)? })
+    Ok(DensityDescription::Grid { path, scale: f.value("densityScale")?, extent: parse_medium_box(f)? })
 }
 
 fn parse_cloud_density(f: &BlockFields<'_>) -> Result<DensityDescription, SceneError> {
@@ -179,11 +180,12 @@ fn parse_cloud_density(f: &BlockFields<'_>) -> Result<DensityDescription, SceneE
         frequency: f.value("frequency")?,
         seed: f.value("seed")?,
         resolution: f.value("resolution")?,
-        extent: parse_extent(f)?,
+        extent: parse_medium_box(f)?,
     })
 }
 
-fn parse_extent(f: &BlockFields<'_>) -> Result<TransformedBoxDescription, SceneError> {
+/// Parses the box of a grid or cloud, and the transform from the box's space to the world.
+fn parse_medium_box(f: &BlockFields<'_>) -> Result<TransformedBoxDescription, SceneError> {
     let (min, max): (DVec3, DVec3) = (f.value("min")?, f.value("max")?);
     let sides = max - min;
     let is_valid = sides.min_element() > 0.0 && sides.is_finite();
@@ -200,16 +202,16 @@ pub(super) fn write_medium(out: &mut SceneWriter<'_, '_>, medium: &MediumDescrip
     out.begin_named_block(block, &medium.name)?;
     match medium.coefficients {
         MediumCoefficients::AbsorptionScattering { absorption, scattering } => {
-            out.write_vector("absorption", absorption)?;
-            out.write_vector("scattering", scattering)?;
+            out.write_vec3("absorption", absorption)?;
+            out.write_vec3("scattering", scattering)?;
         }
         MediumCoefficients::ExtinctionAlbedo { extinction, albedo } => {
-            out.write_vector("extinction", extinction)?;
-            out.write_vector("albedo", albedo)?;
+            out.write_vec3("extinction", extinction)?;
+            out.write_vec3("albedo", albedo)?;
         }
     }
     if medium.emission != DVec3::ZERO {
-        out.write_vector("emission", medium.emission)?;
+        out.write_vec3("emission", medium.emission)?;
     }
     match medium.phase {
         PhaseFunctionDescription::Isotropic => {}
@@ -221,7 +223,7 @@ pub(super) fn write_medium(out: &mut SceneWriter<'_, '_>, medium: &MediumDescrip
         DensityDescription::Grid { path, scale, extent } => {
             out.write_name("grid", path)?;
             out.write_number("densityScale", *scale)?;
-            write_extent(out, extent)?;
+            write_medium_box(out, extent)?;
         }
         DensityDescription::Cloud { cover, softness, octaves, frequency, seed, resolution, extent } => {
             out.write_number("cover", *cover)?;
@@ -230,14 +232,14 @@ pub(super) fn write_medium(out: &mut SceneWriter<'_, '_>, medium: &MediumDescrip
             out.write_number("frequency", *frequency)?;
             out.write_field("seed", seed)?;
             out.write_field("resolution", resolution)?;
-            write_extent(out, extent)?;
+            write_medium_box(out, extent)?;
         }
     }
     out.end_block()
 }
 
-fn write_extent(out: &mut SceneWriter<'_, '_>, extent: &TransformedBoxDescription) -> fmt::Result {
-    out.write_vector("min", extent.min)?;
-    out.write_vector("max", extent.max)?;
+fn write_medium_box(out: &mut SceneWriter<'_, '_>, extent: &TransformedBoxDescription) -> fmt::Result {
+    out.write_vec3("min", extent.min)?;
+    out.write_vec3("max", extent.max)?;
     write_transform_field(out, &extent.maps)
 }

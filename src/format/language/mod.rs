@@ -46,10 +46,10 @@ use textures::{TEXTURES, parse_textures_block, write_texture};
 use writer::SceneWriter;
 
 static BACKGROUND: BlockSchema = block("Background", "what lies behind all objects")
-    .fields(&[
+    .with_fields(&[
         field("color", FieldKind::Color, "radiance of rays that leave the scene")
             .or_numbers(&[0.5, 0.5, 0.5])
-            .unit("W/(m² sr)")
+            .with_unit("W/(m² sr)")
             .course_syntax(),
         field("medium", FieldKind::Name, "medium that fills the space outside all bodies").absence_means("none"),
     ])
@@ -73,7 +73,7 @@ fn reference_sections() -> [(&'static str, Vec<&'static BlockSchema>); 7] {
 
 /// Iterates over the schemas of all blocks.
 #[cfg(test)]
-fn all_blocks() -> impl Iterator<Item = &'static BlockSchema> {
+fn all_block_schemas() -> impl Iterator<Item = &'static BlockSchema> {
     reference_sections().into_iter().flat_map(|(_, blocks)| blocks)
 }
 
@@ -128,7 +128,7 @@ pub fn parse_scene_bytes(name: &str, bytes: &[u8]) -> Result<SceneDescription, S
         [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => "the file looks like UTF-16: save it as UTF-8",
         _ => "save the file as UTF-8 text",
     };
-    Err(SceneError::at(&source, Span { start: at, len: 3 }, message, "not text", help))
+    Err(SceneError::at_span(&source, Span { start: at, len: 3 }, message, "not text", help))
 }
 
 /// Parsed blocks of a file; the parser's scope holds the others.
@@ -169,11 +169,11 @@ fn parse_file(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneError> {
     }
     let camera = camera.ok_or_else(|| {
         let help = "add `PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 }`";
-        SceneError::of_file(&parser.lexer.source(), "the file has no camera", help)
+        SceneError::for_whole_file(&parser.lexer.source(), "the file has no camera", help)
     })?;
     let root = root.ok_or_else(|| {
         let help = "add `Group { … }` with the objects of the scene";
-        SceneError::of_file(&parser.lexer.source(), "the file has no Group", help)
+        SceneError::for_whole_file(&parser.lexer.source(), "the file has no Group", help)
     })?;
     let scope = std::mem::take(&mut parser.scope);
     let (textures, media, materials) = (scope.textures, scope.media, scope.materials);
@@ -214,8 +214,8 @@ impl Display for SceneDescription {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let out = &mut SceneWriter::new(f);
         write_camera(out, &self.camera)?;
-        out.begin_table_block(&BACKGROUND)?;
-        out.write_vector("color", self.background)?;
+        out.begin_schema_block(&BACKGROUND)?;
+        out.write_vec3("color", self.background)?;
         self.ambient_medium.as_ref().map_or(Ok(()), |medium| out.write_name("medium", medium))?;
         out.end_block()?;
         write_list_block(out, "Lights", "numLights", &self.lights, write_light)?;

@@ -20,13 +20,13 @@ pub(super) struct Parser<'a> {
     open_blocks: Vec<Token<'a>>,
     /// Number of `Group`, `Transform` and `Moving` blocks around the current position.
     nesting_depth: usize,
-    /// Number of blocks that were parsed to their end.
+    /// Number of blocks parsed to their end since the start of the text.
     closed_blocks: usize,
     /// True if the text ended inside a block.
     has_unclosed_block: bool,
 }
 
-/// State of the parser at the start of an entry. After an error, the parser restores its nesting.
+/// Block nesting at the start of an entry. The parser returns to it after an error.
 #[derive(Clone, Copy)]
 pub(super) struct NestingMark {
     open_blocks: usize,
@@ -54,7 +54,7 @@ impl<'a> Parser<'a> {
     pub fn into_joined_error(mut self, last: Option<SceneError>) -> Option<SceneError> {
         // A text that ends inside a block often does so because of an earlier error.
         self.errors.extend(last.filter(|_| !self.has_unclosed_block || self.errors.is_empty()));
-        SceneError::join(self.errors)
+        SceneError::from_errors(self.errors)
     }
 
     /// Runs `parse_entry`. Records its error, if any, and skips to the next entry.
@@ -86,7 +86,7 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// Returns the parser's state for [`skip_to_next_entry`](Self::skip_to_next_entry).
+    /// Returns the current block nesting, for [`skip_to_next_entry`](Self::skip_to_next_entry).
     pub fn nesting_mark(&self) -> NestingMark {
         NestingMark {
             open_blocks: self.open_blocks.len(),

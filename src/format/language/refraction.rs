@@ -18,7 +18,7 @@ pub(super) const MAX_REFRACTIVE_INDEX: f64 = 1000.0;
 /// Field for the refractive index of dielectrics and thin panes.
 pub(super) const INDEX_FIELD: FieldSchema =
     field("indexOfRefraction", FieldKind::Number, "absolute index of refraction")
-        .range(FieldRange::Within(MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX))
+        .with_range(FieldRange::Within(MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX))
         .or_numbers(&[1.5]);
 
 /// Fields that state the refractive index; a block has at most one of them.
@@ -85,7 +85,7 @@ fn parse_sellmeier(
 /// The error's help text is the name of the field, then `advice` and the range.
 fn check_index_range(glass: &DispersionFormula, field: &PresentField<'_, '_>, advice: &str) -> Result<(), SceneError> {
     let within = glass
-        .range()
+        .index_range()
         .is_some_and(|ends| ends.iter().all(|n| (MIN_REFRACTIVE_INDEX..=MAX_REFRACTIVE_INDEX).contains(n)));
     field.ensure(within, &format!("{advice}: the index must lie between 0.001 and 1000 from 380 to 720 nm"))
 }

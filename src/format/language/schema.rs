@@ -70,7 +70,7 @@ pub(super) enum FieldRange {
     Between(f64, f64),
     /// Above the first bound, up to and including the second.
     UpTo(f64, f64),
-    /// A range in words, which the parser of the block checks instead of the table.
+    /// Range in words; the parser of the block checks it, not the table.
     Special(&'static str),
 }
 
@@ -134,7 +134,7 @@ pub(super) struct BlockParser<P: 'static> {
     pub parse: P,
 }
 
-/// An optional field. A color must not be negative; any other value is allowed.
+/// Returns the schema of an optional field. Colors must not be negative; other values are free.
 pub(super) const fn field(name: &'static str, kind: FieldKind, help: &'static str) -> FieldSchema {
     let range = match kind {
         FieldKind::Color | FieldKind::ColorOrTexture => FieldRange::NonNegative,
@@ -144,14 +144,14 @@ pub(super) const fn field(name: &'static str, kind: FieldKind, help: &'static st
     FieldSchema { name, alias: "", kind, range, unit: "", default, help, is_course_syntax: false }
 }
 
-/// A block without fields and aliases.
+/// Returns the schema of a block without fields and aliases.
 pub(super) const fn block(keyword: &'static str, help: &'static str) -> BlockSchema {
     BlockSchema { keyword, aliases: &[], own_fields: &[], shared_fields: &[], help, is_course_syntax: false }
 }
 
 impl FieldSchema {
     /// Limits each component of the value to `range`.
-    pub const fn range(mut self, range: FieldRange) -> Self {
+    pub const fn with_range(mut self, range: FieldRange) -> Self {
         self.range = range;
         self
     }
@@ -181,13 +181,13 @@ impl FieldSchema {
     }
 
     /// Sets the unit of the numbers.
-    pub const fn unit(mut self, unit: &'static str) -> Self {
+    pub const fn with_unit(mut self, unit: &'static str) -> Self {
         self.unit = unit;
         self
     }
 
     /// Sets the second accepted keyword.
-    pub const fn alias(mut self, alias: &'static str) -> Self {
+    pub const fn with_alias(mut self, alias: &'static str) -> Self {
         self.alias = alias;
         self
     }
@@ -249,7 +249,7 @@ impl FieldSchema {
     }
 
     /// Returns type, range and unit of the value in words, for the reference.
-    fn value_text(&self) -> String {
+    fn describe_value(&self) -> String {
         let noun = match self.kind {
             FieldKind::Point => "point",
             FieldKind::Direction => "direction",
@@ -282,7 +282,7 @@ impl FieldSchema {
     }
 
     /// Returns the default in words, for the reference.
-    fn default_text(&self) -> String {
+    fn describe_default(&self) -> String {
         match self.default {
             FieldDefault::Required => "required".to_owned(),
             FieldDefault::Absent(meaning) => meaning.to_owned(),
@@ -298,26 +298,26 @@ impl FieldSchema {
             let _ = write!(name, ", `{}`", self.alias);
         }
         let course = if self.is_course_syntax { " **Course**" } else { "" };
-        let (value, default) = (self.value_text(), self.default_text());
+        let (value, default) = (self.describe_value(), self.describe_default());
         let _ = writeln!(out, "| {blocks} | {name} | {value} | {default} | {}{course} |", self.help);
     }
 }
 
 impl BlockSchema {
     /// Sets other accepted keywords.
-    pub const fn aliases(mut self, aliases: &'static [&'static str]) -> Self {
+    pub const fn with_aliases(mut self, aliases: &'static [&'static str]) -> Self {
         self.aliases = aliases;
         self
     }
 
     /// Sets the fields of this kind of block alone.
-    pub const fn fields(mut self, fields: &'static [FieldSchema]) -> Self {
+    pub const fn with_fields(mut self, fields: &'static [FieldSchema]) -> Self {
         self.own_fields = fields;
         self
     }
 
     /// Sets the groups of fields that other blocks have too.
-    pub const fn shared_fields(mut self, groups: &'static [&'static [FieldSchema]]) -> Self {
+    pub const fn with_shared_fields(mut self, groups: &'static [&'static [FieldSchema]]) -> Self {
         self.shared_fields = groups;
         self
     }
@@ -417,11 +417,11 @@ impl std::fmt::Display for RangeBound {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::format::language::all_blocks;
+    use crate::format::language::all_block_schemas;
 
     #[test]
     fn every_table_is_consistent() {
-        for block in all_blocks() {
+        for block in all_block_schemas() {
             let mut words: Vec<&str> = block.field_keywords().collect();
             let count = words.len();
             words.sort_unstable();

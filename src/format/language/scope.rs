@@ -17,19 +17,19 @@ pub(super) struct ParserScope<'a> {
     pub media: Vec<Spanned<MediumDescription>>,
     /// Materials of the last `Materials` block, by index.
     pub materials: Vec<Spanned<MaterialDescription>>,
-    /// Index of each named material.
+    /// Index of each named material, by name.
     pub material_indices: HashMap<String, usize>,
-    /// Components of each material, by index.
-    components: Vec<MaterialComponents>,
+    /// Mix summary of each material, by index.
+    mix_summaries: Vec<MixSummary>,
     /// True if the last `Group` refers to a material.
     pub group_uses_materials: bool,
-    /// Keyword of a `Materials` block behind the last `Group`, if the group refers to materials.
+    /// Keyword of a `Materials` block after the last `Group`, if that group refers to materials.
     pub late_materials: Option<Token<'a>>,
 }
 
-/// Properties of a material that limit the mixes it can be a component of.
+/// Depth and dielectric of a material that may be a tree of mixes.
 #[derive(Clone, Copy, Default)]
-pub(super) struct MaterialComponents {
+pub(super) struct MixSummary {
     /// Index of the `Dielectric` among its leaf materials, if there is one.
     pub dielectric: Option<usize>,
     /// Depth of nested mixes; 0 for a material that is no mix.
@@ -41,35 +41,30 @@ impl ParserScope<'_> {
     pub fn clear_materials(&mut self) {
         self.materials.clear();
         self.material_indices.clear();
-        self.components.clear();
+        self.mix_summaries.clear();
     }
 
     /// Appends a material, without its name.
     pub fn add_material(&mut self, material: Spanned<MaterialDescription>) {
         let kind = &material.value.kind;
-        let components = match kind.mix_parts() {
+        let summary = match kind.mix_parts() {
             Some([first, second]) => {
-                let (a, b) = (self.material_components(&first.value), self.material_components(&second.value));
-                MaterialComponents {
-                    dielectric: a.dielectric.or(b.dielectric),
-                    mix_depth: a.mix_depth.max(b.mix_depth) + 1,
-                }
+                let (a, b) = (self.mix_summary(&first.value), self.mix_summary(&second.value));
+                MixSummary { dielectric: a.dielectric.or(b.dielectric), mix_depth: a.mix_depth.max(b.mix_depth) + 1 }
             }
-            None => {
-                MaterialComponents { dielectric: kind.is_dielectric().then_some(self.materials.len()), mix_depth: 0 }
-            }
+            None => MixSummary { dielectric: kind.is_dielectric().then_some(self.materials.len()), mix_depth: 0 },
         };
-        self.components.push(components);
+        self.mix_summaries.push(summary);
         self.materials.push(material);
     }
 
-    /// Returns the components of the material called `name`; the default if there is none.
-    pub fn material_components(&self, name: &str) -> MaterialComponents {
-        self.material_indices.get(name).and_then(|&index| self.components.get(index)).copied().unwrap_or_default()
+    /// Returns the mix summary of the material called `name`; the default if there is none.
+    pub fn mix_summary(&self, name: &str) -> MixSummary {
+        self.material_indices.get(name).and_then(|&index| self.mix_summaries.get(index)).copied().unwrap_or_default()
     }
 
-    /// Returns an error if materials stand before `block`, whose entries they may use.
-    pub fn check_no_materials(&self, lexer: Lexer<'_>, block: Token<'_>) -> Result<(), SceneError> {
+    /// Returns an error if a `Materials` block precedes `block`, which holds textures or media.
+    pub fn check_precedes_materials(&self, lexer: Lexer<'_>, block: Token<'_>) -> Result<(), SceneError> {
         if self.materials.is_empty() {
             return Ok(());
         }
@@ -93,12 +88,11 @@ impl ParserScope<'_> {
         position: &str,
     ) -> Result<(), SceneError> {
         let names = || self.media.iter().map(|medium| medium.value.name.as_str());
-        let help = match self.media.is_empty() {
-            true => format!("define it {position}: `Media {{ Medium name {{ … }} }}`"),
-            false => {
-                let listed: Vec<String> = names().take(8).map(clip_for_message).collect();
-                format!("known are {}; define it with them", listed.join(", "))
-            }
+        let help = if self.media.is_empty() {
+            format!("define it {position}: `Media {{ Medium name {{ … }} }}`")
+        } else {
+            let listed: Vec<String> = names().take(8).map(clip_for_message).collect();
+            format!("known are {}; define it with them", listed.join(", "))
         };
         check_name_exists(lexer, "medium", name, names, help)
     }

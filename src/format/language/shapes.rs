@@ -7,14 +7,14 @@ use glam::DVec3;
 use super::super::description::{CurveBasis, MeshOptions, ProfileCurve, ShapeDescription};
 use super::super::error::SceneError;
 use super::curves::{BEZIER_CONTROLS, BSPLINE_CONTROLS};
-use super::fields::{BlockFields, parse_table_block};
+use super::fields::{BlockFields, FromFieldValue, parse_block_by_keyword};
 use super::lexer::Token;
 use super::parser::Parser;
 use super::schema::{BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, block, field};
 use super::writer::{SceneWriter, SpacedNumbers};
 use crate::shape::parametric::MAX_DEGREE;
 
-/// All kinds of shapes.
+/// Shape blocks of the scene language, with their parsers.
 pub(super) static SHAPES: [BlockParser<ParseShape>; 14] = [
     BlockParser { block: &SPHERE, parse: parse_sphere },
     BlockParser { block: &PLANE, parse: parse_plane },
@@ -32,7 +32,7 @@ pub(super) static SHAPES: [BlockParser<ParseShape>; 14] = [
     BlockParser { block: &NURBS, parse: parse_nurbs_surface },
 ];
 
-/// Conversion of a block's fields to a shape.
+/// Function that converts a block's fields to a shape.
 type ParseShape = fn(&BlockFields<'_>) -> Result<ShapeDescription, SceneError>;
 
 const DEGREE_RANGE: FieldRange = FieldRange::Within(1.0, MAX_DEGREE as f64);
@@ -40,76 +40,76 @@ const DEGREE_RANGE: FieldRange = FieldRange::Within(1.0, MAX_DEGREE as f64);
 static EMISSION_FIELDS: [FieldSchema; 1] =
     [field("emission", FieldKind::Color, "radiance instead of the material's; not for a `Plane`")
         .absence_means("the material's")
-        .unit("W/(m² sr)")];
+        .with_unit("W/(m² sr)")];
 
 static DEGREE_FIELDS: [FieldSchema; 2] = [
-    field("degreeU", FieldKind::Whole, "degree along u").range(DEGREE_RANGE).or_numbers(&[3.0]),
-    field("degreeV", FieldKind::Whole, "degree along v").range(DEGREE_RANGE).or_numbers(&[3.0]),
+    field("degreeU", FieldKind::Whole, "degree along u").with_range(DEGREE_RANGE).or_numbers(&[3.0]),
+    field("degreeV", FieldKind::Whole, "degree along v").with_range(DEGREE_RANGE).or_numbers(&[3.0]),
 ];
 
 static SPHERE: BlockSchema = block("Sphere", "all points at distance `radius` from `center`")
-    .fields(&[
+    .with_fields(&[
         field("center", FieldKind::Point, "center").required().course_syntax(),
-        field("radius", FieldKind::Number, "radius").range(FieldRange::Positive).required().course_syntax(),
+        field("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).required().course_syntax(),
     ])
-    .shared_fields(&[&EMISSION_FIELDS])
+    .with_shared_fields(&[&EMISSION_FIELDS])
     .course_syntax();
 
 static PLANE: BlockSchema = block("Plane", "infinite plane")
-    .fields(&[
+    .with_fields(&[
         field("normal", FieldKind::Direction, "normal; its length scales `offset`").required().course_syntax(),
         field("offset", FieldKind::Number, "normal · x of the points x of the plane").required().course_syntax(),
     ])
-    .shared_fields(&[&EMISSION_FIELDS])
+    .with_shared_fields(&[&EMISSION_FIELDS])
     .course_syntax();
 
 static DISC: BlockSchema = block("Disc", "flat disc")
-    .fields(&[
+    .with_fields(&[
         field("center", FieldKind::Point, "center").required(),
         field("normal", FieldKind::Direction, "normal").required(),
-        field("radius", FieldKind::Number, "radius").range(FieldRange::Positive).required(),
+        field("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).required(),
     ])
-    .shared_fields(&[&EMISSION_FIELDS]);
+    .with_shared_fields(&[&EMISSION_FIELDS]);
 
 static RECTANGLE: BlockSchema = block("Rectangle", "parallelogram with normal `edge0` × `edge1`")
-    .fields(&[
+    .with_fields(&[
         field("corner", FieldKind::Point, "corner where both edges start").required(),
         field("edge0", FieldKind::Direction, "vector to the first neighbouring corner").required(),
         field("edge1", FieldKind::Direction, "vector to the other neighbouring corner").required(),
     ])
-    .shared_fields(&[&EMISSION_FIELDS]);
+    .with_shared_fields(&[&EMISSION_FIELDS]);
 
 static BOX: BlockSchema = block("Box", "closed box with edges along the axes")
-    .fields(&[
+    .with_fields(&[
         field("min", FieldKind::Point, "corner with the lowest coordinates").required(),
         field("max", FieldKind::Point, "opposite corner; above `min` in every coordinate").required(),
     ])
-    .shared_fields(&[&EMISSION_FIELDS]);
+    .with_shared_fields(&[&EMISSION_FIELDS]);
 
 static CAPS_FIELDS: [FieldSchema; 1] =
     [field("caps", FieldKind::Word(&["yes", "no"]), "`no` leaves both ends open").or_word("yes")];
 
 static CYLINDER: BlockSchema = block("Cylinder", "cylinder of any direction, closed unless `caps` is `no`")
-    .fields(&[
+    .with_fields(&[
         field("bottom", FieldKind::Point, "center of one end").required(),
         field("top", FieldKind::Point, "center of the other end").required(),
-        field("radius", FieldKind::Number, "radius").range(FieldRange::Positive).required(),
+        field("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).required(),
     ])
-    .shared_fields(&[&CAPS_FIELDS, &EMISSION_FIELDS]);
+    .with_shared_fields(&[&CAPS_FIELDS, &EMISSION_FIELDS]);
 
 static CONE: BlockSchema = block("Cone", "cone or truncated cone of any direction, closed unless `caps` is `no`")
-    .fields(&[
+    .with_fields(&[
         field("bottom", FieldKind::Point, "center of the base").required(),
         field("top", FieldKind::Point, "apex, or center of the other end").required(),
-        field("radius", FieldKind::Number, "radius of the base").range(FieldRange::Positive).required(),
+        field("radius", FieldKind::Number, "radius of the base").with_range(FieldRange::Positive).required(),
         field("topRadius", FieldKind::Number, "radius of the other end")
-            .range(FieldRange::NonNegative)
+            .with_range(FieldRange::NonNegative)
             .or_numbers(&[0.0]),
     ])
-    .shared_fields(&[&CAPS_FIELDS, &EMISSION_FIELDS]);
+    .with_shared_fields(&[&CAPS_FIELDS, &EMISSION_FIELDS]);
 
 static TRIANGLE: BlockSchema = block("Triangle", "triangle; its area may be 0")
-    .fields(&[
+    .with_fields(&[
         field("vertex0", FieldKind::Point, "first vertex").required().course_syntax(),
         field("vertex1", FieldKind::Point, "second vertex").required().course_syntax(),
         field("vertex2", FieldKind::Point, "third vertex").required().course_syntax(),
@@ -121,65 +121,69 @@ static TRIANGLE: BlockSchema = block("Triangle", "triangle; its area may be 0")
         field("uv1", FieldKind::Pair, "texture coordinates at the second vertex").absence_means("1 0"),
         field("uv2", FieldKind::Pair, "texture coordinates at the third vertex").absence_means("0 1"),
     ])
-    .shared_fields(&[&EMISSION_FIELDS])
+    .with_shared_fields(&[&EMISSION_FIELDS])
     .course_syntax();
 
 static MESH: BlockSchema = block("TriangleMesh", "triangle mesh in a file of its own")
-    .fields(&[
-        field("obj_file", FieldKind::Name, "OBJ or PLY file").alias("file").required().course_syntax(),
+    .with_fields(&[
+        field("obj_file", FieldKind::Name, "OBJ or PLY file").with_alias("file").required().course_syntax(),
         field("materials", FieldKind::Word(&["scene", "file"]), "materials of the scene or of the file's MTL files")
             .or_word("scene"),
         field("normals", FieldKind::Word(&["file", "none"]), "`none` ignores the file's normals").or_word("file"),
         field("smoothAngle", FieldKind::Number, "greatest angle between faces that are smoothed")
-            .range(FieldRange::Within(0.0, 180.0))
+            .with_range(FieldRange::Within(0.0, 180.0))
             .absence_means("faces without normals are flat")
-            .unit("degrees"),
+            .with_unit("degrees"),
     ])
-    .shared_fields(&[&EMISSION_FIELDS])
+    .with_shared_fields(&[&EMISSION_FIELDS])
     .course_syntax();
 
 static REVOLUTION: BlockSchema =
     block("RevSurface", "surface of revolution: the points (x cos θ, y, x sin θ) of a profile")
-        .fields(&[field("profile", FieldKind::Curve, "curve of points (x, y), turned about the y axis")
+        .with_fields(&[field("profile", FieldKind::Curve, "curve of points (x, y), turned about the y axis")
             .required()
             .course_syntax()])
-        .shared_fields(&[&EMISSION_FIELDS])
+        .with_shared_fields(&[&EMISSION_FIELDS])
         .course_syntax();
 
 static BEZIER_CURVE: BlockSchema =
     block("BezierCurve", "one Bézier curve; without `profile` it has no surface and is not visible")
-        .fields(&[BEZIER_CONTROLS])
-        .shared_fields(&[&EMISSION_FIELDS])
+        .with_fields(&[BEZIER_CONTROLS])
+        .with_shared_fields(&[&EMISSION_FIELDS])
         .course_syntax();
 
 static BSPLINE_CURVE: BlockSchema =
     block("BsplineCurve", "a uniform cubic B-spline; without `profile` it has no surface and is not visible")
-        .fields(&[BSPLINE_CONTROLS])
-        .shared_fields(&[&EMISSION_FIELDS])
+        .with_fields(&[BSPLINE_CONTROLS])
+        .with_shared_fields(&[&EMISSION_FIELDS])
         .course_syntax();
 
 static BEZIER_PATCH: BlockSchema = block("BezierPatch", "one or more Bézier patches of the same degrees")
-    .fields(&[field("controls", FieldKind::WeightedPoints, "control points, patch after patch, those along v first")
-        .required()])
-    .shared_fields(&[&DEGREE_FIELDS, &EMISSION_FIELDS]);
+    .with_fields(&[field(
+        "controls",
+        FieldKind::WeightedPoints,
+        "control points, patch after patch, those along v first",
+    )
+    .required()])
+    .with_shared_fields(&[&DEGREE_FIELDS, &EMISSION_FIELDS]);
 
 static NURBS: BlockSchema = block("NurbsSurface", "rational B-spline surface")
-    .fields(&[
+    .with_fields(&[
         field("countU", FieldKind::Whole, "number of control points along u")
-            .range(FieldRange::Special("above the degree"))
+            .with_range(FieldRange::Special("above the degree"))
             .required(),
         field("countV", FieldKind::Whole, "number of control points along v")
-            .range(FieldRange::Special("above the degree"))
+            .with_range(FieldRange::Special("above the degree"))
             .required(),
         field("knotsU", FieldKind::Numbers, "`countU` + `degreeU` + 1 knots along u")
-            .range(FieldRange::Special("nondecreasing"))
+            .with_range(FieldRange::Special("nondecreasing"))
             .absence_means("uniform"),
         field("knotsV", FieldKind::Numbers, "`countV` + `degreeV` + 1 knots along v")
-            .range(FieldRange::Special("nondecreasing"))
+            .with_range(FieldRange::Special("nondecreasing"))
             .absence_means("uniform"),
         field("controls", FieldKind::WeightedPoints, "control points, those along v first").required(),
     ])
-    .shared_fields(&[&DEGREE_FIELDS, &EMISSION_FIELDS]);
+    .with_shared_fields(&[&DEGREE_FIELDS, &EMISSION_FIELDS]);
 
 /// Parses a shape, and the emitted radiance that replaces its material's.
 // Not inlined: its callers recurse, and their stack frames must stay small.
@@ -188,7 +192,7 @@ pub(super) fn parse_shape<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,
 ) -> Result<(ShapeDescription, Option<DVec3>), SceneError> {
-    let (entry, f) = parse_table_block(parser, word, &SHAPES)?;
+    let (entry, f) = parse_block_by_keyword(parser, word, &SHAPES)?;
     Ok(((entry.parse)(&f)?, f.optional_value("emission")))
 }
 
@@ -226,19 +230,24 @@ fn parse_cone(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
 }
 
 fn parse_mesh(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
-    Ok(ShapeDescription::Mesh { path: f.value("obj_file")?, options: parse_mesh_options(f)? })
+    let options = MeshOptions {
+        uses_file_materials: f.word_value("materials")? == "file",
+        ignores_normals: f.word_value("normals")? == "none",
+        max_smoothing_angle: f.optional_value("smoothAngle"),
+    };
+    Ok(ShapeDescription::Mesh { path: f.value("obj_file")?, options })
 }
 
 fn parse_revolution_surface(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
-    Ok(ShapeDescription::Revolution { profile: f.require("profile")?.profile() })
+    Ok(ShapeDescription::Revolution { profile: f.require("profile")?.profile_curve() })
 }
 
 fn parse_bezier_curve(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
-    Ok(ShapeDescription::Curve(f.require("controls")?.curve(CurveBasis::Bezier)?))
+    Ok(ShapeDescription::Curve(f.require("controls")?.curve_with_basis(CurveBasis::Bezier)?))
 }
 
 fn parse_bspline_curve(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
-    Ok(ShapeDescription::Curve(f.require("controls")?.curve(CurveBasis::Bspline)?))
+    Ok(ShapeDescription::Curve(f.require("controls")?.curve_with_basis(CurveBasis::Bspline)?))
 }
 
 /// Parses corner and edges of a parallelogram whose area is not 0.
@@ -258,25 +267,19 @@ fn parse_ends_and_caps(f: &BlockFields<'_>) -> Result<([DVec3; 2], bool), SceneE
 }
 
 fn parse_triangle(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
-    let vertices = [f.value("vertex0")?, f.value("vertex1")?, f.value("vertex2")?];
-    let any = |names: [&str; 3]| names.iter().any(|name| f.get(name).is_some());
-    let normals = match any(["normal0", "normal1", "normal2"]) {
-        true => Some([f.value("normal0")?, f.value("normal1")?, f.value("normal2")?]),
-        false => None,
-    };
-    let uv = match any(["uv0", "uv1", "uv2"]) {
-        true => Some(Box::new([f.value("uv0")?, f.value("uv1")?, f.value("uv2")?])),
-        false => None,
-    };
-    Ok(ShapeDescription::Triangle { vertices, normals, uv })
+    Ok(ShapeDescription::Triangle {
+        vertices: [f.value("vertex0")?, f.value("vertex1")?, f.value("vertex2")?],
+        normals: parse_all_or_none(f, ["normal0", "normal1", "normal2"])?,
+        uv: parse_all_or_none(f, ["uv0", "uv1", "uv2"])?.map(Box::new),
+    })
 }
 
-fn parse_mesh_options(f: &BlockFields<'_>) -> Result<MeshOptions, SceneError> {
-    Ok(MeshOptions {
-        uses_file_materials: f.word_value("materials")? == "file",
-        ignores_normals: f.word_value("normals")? == "none",
-        max_smoothing_angle: f.optional_value("smoothAngle"),
-    })
+/// Parses three fields; `None` if all of them are absent.
+fn parse_all_or_none<T: FromFieldValue>(f: &BlockFields<'_>, names: [&str; 3]) -> Result<Option<[T; 3]>, SceneError> {
+    if names.iter().all(|name| f.get(name).is_none()) {
+        return Ok(None);
+    }
+    Ok(Some([f.value(names[0])?, f.value(names[1])?, f.value(names[2])?]))
 }
 
 fn parse_bezier_patches(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
@@ -306,7 +309,9 @@ fn parse_nurbs_surface(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneErr
     Ok(ShapeDescription::Nurbs { degree, count, knots, controls: controls.weighted_points().to_vec() })
 }
 
-/// Parses the `wanted` knots of the field `name`; empty if the field is absent.
+/// Parses the knots of the field `name`; empty if the field is absent.
+///
+/// `wanted` is the required number of knots.
 fn parse_knots(f: &BlockFields<'_>, name: &str, wanted: u64) -> Result<Vec<f64>, SceneError> {
     let Some(knots) = f.get(name) else { return Ok(Vec::new()) };
     let list = knots.number_list();
@@ -326,57 +331,57 @@ pub(super) fn write_shape(
 ) -> fmt::Result {
     match shape {
         ShapeDescription::Sphere { center, radius } => {
-            out.begin_table_block(&SPHERE)?;
-            out.write_vector("center", *center)?;
+            out.begin_schema_block(&SPHERE)?;
+            out.write_vec3("center", *center)?;
             out.write_number("radius", *radius)?;
         }
         ShapeDescription::Plane { normal, offset } => {
-            out.begin_table_block(&PLANE)?;
-            out.write_vector("normal", *normal)?;
+            out.begin_schema_block(&PLANE)?;
+            out.write_vec3("normal", *normal)?;
             out.write_number("offset", *offset)?;
         }
         ShapeDescription::Disc { center, normal, radius } => {
-            out.begin_table_block(&DISC)?;
-            out.write_vector("center", *center)?;
-            out.write_vector("normal", *normal)?;
+            out.begin_schema_block(&DISC)?;
+            out.write_vec3("center", *center)?;
+            out.write_vec3("normal", *normal)?;
             out.write_number("radius", *radius)?;
         }
         ShapeDescription::Rectangle { corner, edge0, edge1 } => {
-            out.begin_table_block(&RECTANGLE)?;
+            out.begin_schema_block(&RECTANGLE)?;
             write_parallelogram(out, *corner, *edge0, *edge1)?;
         }
         ShapeDescription::Box { min, max } => {
-            out.begin_table_block(&BOX)?;
-            out.write_vector("min", *min)?;
-            out.write_vector("max", *max)?;
+            out.begin_schema_block(&BOX)?;
+            out.write_vec3("min", *min)?;
+            out.write_vec3("max", *max)?;
         }
         ShapeDescription::Cylinder { ends, radius, is_capped } => {
-            out.begin_table_block(&CYLINDER)?;
-            write_ends(out, ends, *radius)?;
+            out.begin_schema_block(&CYLINDER)?;
+            write_ends_and_radius(out, ends, *radius)?;
             write_caps(out, *is_capped)?;
         }
         ShapeDescription::Cone { ends, radii, is_capped } => {
-            out.begin_table_block(&CONE)?;
-            write_ends(out, ends, radii[0])?;
+            out.begin_schema_block(&CONE)?;
+            write_ends_and_radius(out, ends, radii[0])?;
             if radii[1] != 0.0 {
                 out.write_number("topRadius", radii[1])?;
             }
             write_caps(out, *is_capped)?;
         }
         ShapeDescription::Triangle { vertices, normals, uv } => {
-            out.begin_table_block(&TRIANGLE)?;
+            out.begin_schema_block(&TRIANGLE)?;
             for (i, vertex) in vertices.iter().enumerate() {
-                out.write_vector(&format!("vertex{i}"), *vertex)?;
+                out.write_vec3(&format!("vertex{i}"), *vertex)?;
             }
             for (i, normal) in normals.iter().flatten().enumerate() {
-                out.write_vector(&format!("normal{i}"), *normal)?;
+                out.write_vec3(&format!("normal{i}"), *normal)?;
             }
             for (i, uv) in uv.iter().flat_map(|uv| uv.iter()).enumerate() {
-                out.write_pair(&format!("uv{i}"), *uv)?;
+                out.write_vec2(&format!("uv{i}"), *uv)?;
             }
         }
         ShapeDescription::Mesh { path, options } => {
-            out.begin_table_block(&MESH)?;
+            out.begin_schema_block(&MESH)?;
             let ply = path.to_ascii_lowercase().ends_with(".ply");
             out.write_name(if ply { "file" } else { "obj_file" }, path)?;
             if options.uses_file_materials {
@@ -388,23 +393,23 @@ pub(super) fn write_shape(
             options.max_smoothing_angle.map_or(Ok(()), |angle| out.write_number("smoothAngle", angle))?;
         }
         ShapeDescription::Revolution { profile } => {
-            out.begin_table_block(&REVOLUTION)?;
+            out.begin_schema_block(&REVOLUTION)?;
             out.begin_block(format_args!("profile {}", curve_block_schema(profile).keyword))?;
             out.write_points("controls", &profile.controls)?;
             out.end_block()?;
         }
         ShapeDescription::Curve(curve) => {
-            out.begin_table_block(curve_block_schema(curve))?;
+            out.begin_schema_block(curve_block_schema(curve))?;
             out.write_points("controls", &curve.controls)?;
         }
         ShapeDescription::Patches { degree, controls } => {
-            out.begin_table_block(&BEZIER_PATCH)?;
-            write_degrees(out, degree)?;
+            out.begin_schema_block(&BEZIER_PATCH)?;
+            write_surface_degrees(out, degree)?;
             out.write_weighted_points("controls", controls)?;
         }
         ShapeDescription::Nurbs { degree, count, knots, controls } => {
-            out.begin_table_block(&NURBS)?;
-            write_degrees(out, degree)?;
+            out.begin_schema_block(&NURBS)?;
+            write_surface_degrees(out, degree)?;
             out.write_field("countU", count[0])?;
             out.write_field("countV", count[1])?;
             for (name, knots) in ["knotsU", "knotsV"].into_iter().zip(knots).filter(|(_, k)| !k.is_empty()) {
@@ -413,7 +418,7 @@ pub(super) fn write_shape(
             out.write_weighted_points("controls", controls)?;
         }
     }
-    emission.map_or(Ok(()), |emission| out.write_vector("emission", emission))?;
+    emission.map_or(Ok(()), |emission| out.write_vec3("emission", emission))?;
     out.end_block()
 }
 
@@ -431,19 +436,19 @@ pub(super) fn write_parallelogram(
     edge0: DVec3,
     edge1: DVec3,
 ) -> fmt::Result {
-    out.write_vector("corner", corner)?;
-    out.write_vector("edge0", edge0)?;
-    out.write_vector("edge1", edge1)
+    out.write_vec3("corner", corner)?;
+    out.write_vec3("edge0", edge0)?;
+    out.write_vec3("edge1", edge1)
 }
 
-fn write_degrees(out: &mut SceneWriter<'_, '_>, degree: &[u32; 2]) -> fmt::Result {
+fn write_surface_degrees(out: &mut SceneWriter<'_, '_>, degree: &[u32; 2]) -> fmt::Result {
     out.write_field("degreeU", degree[0])?;
     out.write_field("degreeV", degree[1])
 }
 
-fn write_ends(out: &mut SceneWriter<'_, '_>, [bottom, top]: &[DVec3; 2], radius: f64) -> fmt::Result {
-    out.write_vector("bottom", *bottom)?;
-    out.write_vector("top", *top)?;
+fn write_ends_and_radius(out: &mut SceneWriter<'_, '_>, [bottom, top]: &[DVec3; 2], radius: f64) -> fmt::Result {
+    out.write_vec3("bottom", *bottom)?;
+    out.write_vec3("top", *top)?;
     out.write_number("radius", radius)
 }
 

@@ -6,10 +6,10 @@ use glam::DVec3;
 
 use super::super::description::{
     PictureEncoding, SolidPatternDescription, Spanned, TexcoordTransformDescription, TextureDescription,
-    TextureKindDescription, Wrap,
+    TextureKindDescription, WrapMode,
 };
 use super::super::error::SceneError;
-use super::fields::{BlockFields, parse_table_block};
+use super::fields::{BlockFields, parse_block_by_keyword};
 use super::lexer::Token;
 use super::names::parse_unique_block_name;
 use super::parser::Parser;
@@ -17,23 +17,23 @@ use super::schema::{BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema
 use super::transforms::write_transform_field;
 use super::writer::SceneWriter;
 
-/// All kinds of textures.
+/// Texture blocks of the scene language, with their parsers.
 pub(super) static TEXTURES: [BlockParser<ParseTexture>; 5] = [
-    BlockParser { block: &IMAGE, parse: parse_image },
-    BlockParser { block: &CHECKER, parse: parse_checker },
+    BlockParser { block: &IMAGE, parse: parse_image_texture },
+    BlockParser { block: &CHECKER, parse: parse_checker_texture },
     BlockParser { block: &NOISE, parse: |f| parse_solid_pattern(f, SolidPatternDescription::Noise) },
     BlockParser { block: &MARBLE, parse: |f| parse_solid_pattern(f, SolidPatternDescription::Marble) },
     BlockParser { block: &WOOD, parse: |f| parse_solid_pattern(f, SolidPatternDescription::Wood) },
 ];
 
-/// Conversion of a block's fields to a texture.
+/// Function that converts a block's fields to a texture.
 type ParseTexture = fn(&BlockFields<'_>) -> Result<TextureKindDescription, SceneError>;
 
 static COORDINATE_FIELDS: [FieldSchema; 3] = [
-    field("scale", FieldKind::Pair, "factors of u and v").range(FieldRange::NonZero).or_numbers(&[1.0, 1.0]),
+    field("scale", FieldKind::Pair, "factors of u and v").with_range(FieldRange::NonZero).or_numbers(&[1.0, 1.0]),
     field("rotate", FieldKind::Number, "rotation of (u, v) after that, anticlockwise")
         .or_numbers(&[0.0])
-        .unit("degrees"),
+        .with_unit("degrees"),
     field("offset", FieldKind::Pair, "offset of (u, v) after that").or_numbers(&[0.0, 0.0]),
 ];
 
@@ -44,41 +44,43 @@ static COLOR_FIELDS: [FieldSchema; 2] = [
 
 // The last octave is 32,768 times finer than the first.
 static PATTERN_FIELDS: [FieldSchema; 4] = [
-    field("octaves", FieldKind::Whole, "octaves of noise").range(FieldRange::Within(1.0, 16.0)).or_numbers(&[4.0]),
+    field("octaves", FieldKind::Whole, "octaves of noise").with_range(FieldRange::Within(1.0, 16.0)).or_numbers(&[4.0]),
     field("frequency", FieldKind::Number, "frequency f of the first octave, of veins and of rings")
-        .range(FieldRange::Positive)
+        .with_range(FieldRange::Positive)
         .or_numbers(&[1.0])
-        .unit("1/length"),
-    field("amplitude", FieldKind::Number, "factor a of the noise").range(FieldRange::NonNegative).or_numbers(&[1.0]),
+        .with_unit("1/length"),
+    field("amplitude", FieldKind::Number, "factor a of the noise")
+        .with_range(FieldRange::NonNegative)
+        .or_numbers(&[1.0]),
     field("Transform", FieldKind::TransformSteps, "maps from the pattern's space to the object's")
         .absence_means("none"),
 ];
 
 static IMAGE: BlockSchema = block("Image", "a picture, which covers the unit square of texture coordinates")
-    .fields(&[
+    .with_fields(&[
         field("file", FieldKind::Name, "picture: PNG, OpenEXR or Radiance HDR").required(),
         field("encoding", FieldKind::Word(&["srgb", "linear"]), "encoding of a PNG; other formats are always linear")
             .or_word("srgb"),
         field("wrap", FieldKind::Word(&["repeat", "clamp", "mirror"]), "continuation beyond the edges")
             .or_word("repeat"),
     ])
-    .shared_fields(&[&COORDINATE_FIELDS]);
+    .with_shared_fields(&[&COORDINATE_FIELDS]);
 
-static CHECKER: BlockSchema =
-    block("Checker", "squares of side 1 in texture coordinates").shared_fields(&[&COLOR_FIELDS, &COORDINATE_FIELDS]);
+static CHECKER: BlockSchema = block("Checker", "squares of side 1 in texture coordinates")
+    .with_shared_fields(&[&COLOR_FIELDS, &COORDINATE_FIELDS]);
 
 static NOISE: BlockSchema = block("Noise", "solid noise, t = ½ + ½ a N, clamped to 0 … 1: clouds, lumps")
-    .shared_fields(&[&COLOR_FIELDS, &PATTERN_FIELDS]);
+    .with_shared_fields(&[&COLOR_FIELDS, &PATTERN_FIELDS]);
 
 static MARBLE: BlockSchema = block("Marble", "solid veins across the x axis, t = ½ + ½ sin 2π(f x + a N)")
-    .shared_fields(&[&COLOR_FIELDS, &PATTERN_FIELDS]);
+    .with_shared_fields(&[&COLOR_FIELDS, &PATTERN_FIELDS]);
 
 static WOOD: BlockSchema = block("Wood", "solid rings about the y axis, t = ½ + ½ sin 2π(f √(x² + z²) + a N)")
-    .shared_fields(&[&COLOR_FIELDS, &PATTERN_FIELDS]);
+    .with_shared_fields(&[&COLOR_FIELDS, &PATTERN_FIELDS]);
 
 /// Parses a `Textures` block; its textures replace those of an earlier one.
 pub(super) fn parse_textures_block<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result<(), SceneError> {
-    parser.scope.check_no_materials(parser.lexer, block)?;
+    parser.scope.check_precedes_materials(parser.lexer, block)?;
     parser.scope.textures.clear();
     let allowed = block_keywords(&["numTextures"], &TEXTURES);
     parser.parse_list_block(block, ("numTextures", "texture"), &allowed, |parser, word| {
@@ -99,25 +101,25 @@ fn placeholder_texture() -> TextureKindDescription {
 }
 
 fn parse_texture<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<TextureKindDescription, SceneError> {
-    let (entry, fields) = parse_table_block(parser, word, &TEXTURES)?;
+    let (entry, fields) = parse_block_by_keyword(parser, word, &TEXTURES)?;
     (entry.parse)(&fields)
 }
 
-fn parse_image(f: &BlockFields<'_>) -> Result<TextureKindDescription, SceneError> {
+fn parse_image_texture(f: &BlockFields<'_>) -> Result<TextureKindDescription, SceneError> {
     Ok(TextureKindDescription::Image {
         path: f.value("file")?,
         encoding: if f.word_value("encoding")? == "linear" { PictureEncoding::Linear } else { PictureEncoding::Srgb },
         wrap: match f.word_value("wrap")? {
-            "clamp" => Wrap::Clamp,
-            "mirror" => Wrap::Mirror,
-            _ => Wrap::Repeat,
+            "clamp" => WrapMode::Clamp,
+            "mirror" => WrapMode::Mirror,
+            _ => WrapMode::Repeat,
         },
-        coordinates: parse_coordinates(f)?,
+        coordinates: parse_texcoord_transform(f)?,
     })
 }
 
-fn parse_checker(f: &BlockFields<'_>) -> Result<TextureKindDescription, SceneError> {
-    Ok(TextureKindDescription::Checker { colors: parse_colors(f)?, coordinates: parse_coordinates(f)? })
+fn parse_checker_texture(f: &BlockFields<'_>) -> Result<TextureKindDescription, SceneError> {
+    Ok(TextureKindDescription::Checker { colors: parse_pattern_colors(f)?, coordinates: parse_texcoord_transform(f)? })
 }
 
 /// Parses a solid texture: one that depends on the position, not on texture coordinates.
@@ -127,7 +129,7 @@ fn parse_solid_pattern(
 ) -> Result<TextureKindDescription, SceneError> {
     Ok(TextureKindDescription::Solid {
         pattern,
-        colors: parse_colors(f)?,
+        colors: parse_pattern_colors(f)?,
         octaves: f.value("octaves")?,
         frequency: f.value("frequency")?,
         amplitude: f.value("amplitude")?,
@@ -135,11 +137,11 @@ fn parse_solid_pattern(
     })
 }
 
-fn parse_colors(f: &BlockFields<'_>) -> Result<[DVec3; 2], SceneError> {
+fn parse_pattern_colors(f: &BlockFields<'_>) -> Result<[DVec3; 2], SceneError> {
     Ok([f.value("color0")?, f.value("color1")?])
 }
 
-fn parse_coordinates(f: &BlockFields<'_>) -> Result<TexcoordTransformDescription, SceneError> {
+fn parse_texcoord_transform(f: &BlockFields<'_>) -> Result<TexcoordTransformDescription, SceneError> {
     Ok(TexcoordTransformDescription {
         scale: f.value("scale")?,
         rotate: f.value("rotate")?,
@@ -166,19 +168,19 @@ pub(super) fn write_texture(out: &mut SceneWriter<'_, '_>, texture: &TextureDesc
             };
             out.write_field("encoding", encoding)?;
             let wrap = match wrap {
-                Wrap::Repeat => "repeat",
-                Wrap::Clamp => "clamp",
-                Wrap::Mirror => "mirror",
+                WrapMode::Repeat => "repeat",
+                WrapMode::Clamp => "clamp",
+                WrapMode::Mirror => "mirror",
             };
             out.write_field("wrap", wrap)?;
-            write_coordinates(out, coordinates)?;
+            write_texcoord_transform(out, coordinates)?;
         }
         TextureKindDescription::Checker { colors, coordinates } => {
-            write_colors(out, colors)?;
-            write_coordinates(out, coordinates)?;
+            write_pattern_colors(out, colors)?;
+            write_texcoord_transform(out, coordinates)?;
         }
         TextureKindDescription::Solid { pattern: _, colors, octaves, frequency, amplitude, maps } => {
-            write_colors(out, colors)?;
+            write_pattern_colors(out, colors)?;
             out.write_field("octaves", octaves)?;
             out.write_number("frequency", *frequency)?;
             out.write_number("amplitude", *amplitude)?;
@@ -188,13 +190,13 @@ pub(super) fn write_texture(out: &mut SceneWriter<'_, '_>, texture: &TextureDesc
     out.end_block()
 }
 
-fn write_colors(out: &mut SceneWriter<'_, '_>, colors: &[DVec3; 2]) -> fmt::Result {
-    out.write_vector("color0", colors[0])?;
-    out.write_vector("color1", colors[1])
+fn write_pattern_colors(out: &mut SceneWriter<'_, '_>, colors: &[DVec3; 2]) -> fmt::Result {
+    out.write_vec3("color0", colors[0])?;
+    out.write_vec3("color1", colors[1])
 }
 
-fn write_coordinates(out: &mut SceneWriter<'_, '_>, coordinates: &TexcoordTransformDescription) -> fmt::Result {
-    out.write_pair("scale", coordinates.scale)?;
+fn write_texcoord_transform(out: &mut SceneWriter<'_, '_>, coordinates: &TexcoordTransformDescription) -> fmt::Result {
+    out.write_vec2("scale", coordinates.scale)?;
     out.write_number("rotate", coordinates.rotate)?;
-    out.write_pair("offset", coordinates.offset)
+    out.write_vec2("offset", coordinates.offset)
 }

@@ -43,7 +43,7 @@ impl SceneWriter<'_, '_> {
     }
 
     /// Writes the start of `block`, whose fields follow.
-    pub fn begin_table_block(&mut self, block: &'static BlockSchema) -> Result {
+    pub fn begin_schema_block(&mut self, block: &'static BlockSchema) -> Result {
         self.block = Some(block);
         self.begin_block(block.keyword)
     }
@@ -66,12 +66,12 @@ impl SceneWriter<'_, '_> {
     }
 
     /// Writes a field with two numbers.
-    pub fn write_pair(&mut self, name: &str, value: DVec2) -> Result {
+    pub fn write_vec2(&mut self, name: &str, value: DVec2) -> Result {
         self.write_field(name, SpacedNumbers(&value.to_array()))
     }
 
     /// Writes a field with three numbers.
-    pub fn write_vector(&mut self, name: &str, value: DVec3) -> Result {
+    pub fn write_vec3(&mut self, name: &str, value: DVec3) -> Result {
         self.write_field(name, SpacedNumbers(&value.to_array()))
     }
 
@@ -88,7 +88,7 @@ impl SceneWriter<'_, '_> {
     /// Writes a field with a color or a texture's name.
     pub fn write_color_or_texture(&mut self, name: &str, value: &TexturedValue<DVec3>) -> Result {
         match value {
-            TexturedValue::Plain(value) => self.write_vector(name, *value),
+            TexturedValue::Plain(value) => self.write_vec3(name, *value),
             TexturedValue::Texture(texture) => self.write_texture_name(name, texture),
         }
     }

@@ -56,73 +56,59 @@ fn position_bits(p: DVec3) -> [u64; 3] {
 
 const UNASSIGNED: u32 = u32::MAX;
 
-impl TriangleMesh {
-    /// Merges vertices that are equal bit for bit, and removes unused vertices.
-    ///
-    /// Afterwards, vertices are in the order of first use. If one corner of a triangle has no
-    /// normal, its other corners lose theirs.
-    pub fn merge_equal_vertices(&mut self) {
-        let normals = self.normals.as_deref();
-        let mut known: Vec<u32> = vec![UNASSIGNED; self.positions.len()];
-        // Index of a vertex, and true if it loses its normal.
-        let mut numbers: KeyIndexer<(u32, bool)> = KeyIndexer::with_capacity(self.positions.len());
-        let key = |&(v, flat): &(u32, bool)| {
-            let normal = normals.filter(|_| !flat).map_or(DVec3::ZERO, |n| n[v as usize]);
-            let texcoord = self.texcoords.as_ref().map_or(DVec2::ZERO, |t| t[v as usize]);
-            (
-                coordinate_bits(self.positions[v as usize]),
-                coordinate_bits(normal),
-                texcoord.to_array().map(f64::to_bits),
-            )
-        };
-        for triangle in &mut self.triangles {
-            let flat = normals.is_some_and(|n| triangle.iter().any(|&v| n[v as usize] == DVec3::ZERO));
-            for v in triangle {
-                let seen = known[*v as usize];
-                if seen != UNASSIGNED && !flat {
-                    *v = seen;
-                    continue;
-                }
-                let number = numbers.index_of((*v, flat), key);
-                if !flat {
-                    known[*v as usize] = number;
-                }
-                *v = number;
+pub(super) fn merge_equal_vertices(mesh: &mut TriangleMesh) {
+    let normals = mesh.normals.as_deref();
+    let mut known: Vec<u32> = vec![UNASSIGNED; mesh.positions.len()];
+    // Index of a vertex, and true if it loses its normal.
+    let mut numbers: KeyIndexer<(u32, bool)> = KeyIndexer::with_capacity(mesh.positions.len());
+    let key = |&(v, flat): &(u32, bool)| {
+        let normal = normals.filter(|_| !flat).map_or(DVec3::ZERO, |n| n[v as usize]);
+        let texcoord = mesh.texcoords.as_ref().map_or(DVec2::ZERO, |t| t[v as usize]);
+        (coordinate_bits(mesh.positions[v as usize]), coordinate_bits(normal), texcoord.to_array().map(f64::to_bits))
+    };
+    for triangle in &mut mesh.triangles {
+        let flat = normals.is_some_and(|n| triangle.iter().any(|&v| n[v as usize] == DVec3::ZERO));
+        for v in triangle {
+            let seen = known[*v as usize];
+            if seen != UNASSIGNED && !flat {
+                *v = seen;
+                continue;
             }
+            let number = numbers.index_of((*v, flat), key);
+            if !flat {
+                known[*v as usize] = number;
+            }
+            *v = number;
         }
-        let vertices = numbers.into_values();
-        if let Some(normals) = self.normals.take() {
-            let normal = |&(v, flat): &(u32, bool)| if flat { DVec3::ZERO } else { normals[v as usize] };
-            let normals: Vec<DVec3> = vertices.iter().map(normal).collect();
-            self.normals = normals.iter().any(|n| *n != DVec3::ZERO).then_some(normals);
-        }
-        self.select_vertices(vertices.iter().map(|(v, _)| *v));
     }
+    let vertices = numbers.into_values();
+    if let Some(normals) = mesh.normals.take() {
+        let normal = |&(v, flat): &(u32, bool)| if flat { DVec3::ZERO } else { normals[v as usize] };
+        let normals: Vec<DVec3> = vertices.iter().map(normal).collect();
+        mesh.normals = normals.iter().any(|n| *n != DVec3::ZERO).then_some(normals);
+    }
+    select_vertices(mesh, vertices.iter().map(|(v, _)| *v));
+}
 
-    /// Makes `list` the new list of vertices: copies their positions and texture coordinates.
-    ///
-    /// The caller replaces normals and triangles.
-    pub(super) fn select_vertices(&mut self, list: impl Iterator<Item = u32> + Clone) {
-        self.positions = list.clone().map(|v| self.positions[v as usize]).collect();
-        let texcoord = |texcoords: Vec<DVec2>| list.map(|v| texcoords[v as usize]).collect();
-        self.texcoords = self.texcoords.take().map(texcoord);
-    }
+/// Makes `list` the new list of vertices: copies their positions and texture coordinates.
+///
+/// The caller replaces normals and triangles.
+pub(super) fn select_vertices(mesh: &mut TriangleMesh, list: impl Iterator<Item = u32> + Clone) {
+    mesh.positions = list.clone().map(|v| mesh.positions[v as usize]).collect();
+    let texcoord = |texcoords: Vec<DVec2>| list.map(|v| texcoords[v as usize]).collect();
+    mesh.texcoords = mesh.texcoords.take().map(texcoord);
+}
 
-    /// Index of each vertex's position among the distinct positions, and the number of those.
-    ///
-    /// Coordinates −0 and 0 are equal here.
-    #[must_use]
-    pub fn position_indices(&self) -> (Vec<u32>, usize) {
-        let mut numbers = KeyIndexer::with_capacity(self.positions.len());
-        let places = self.positions.iter().map(|p| numbers.index_of(position_bits(*p), |key| *key)).collect();
-        (places, numbers.into_values().len())
-    }
+pub(super) fn position_indices(mesh: &TriangleMesh) -> (Vec<u32>, usize) {
+    let mut numbers = KeyIndexer::with_capacity(mesh.positions.len());
+    let places = mesh.positions.iter().map(|p| numbers.index_of(position_bits(*p), |key| *key)).collect();
+    (places, numbers.into_values().len())
+}
 
-    pub(super) fn distinct_position_count(&self) -> usize {
-        let mut numbers = KeyIndexer::with_capacity(self.positions.len());
-        self.positions.iter().for_each(|p| {
-            numbers.index_of(coordinate_bits(*p), |key| *key);
-        });
-        numbers.into_values().len()
-    }
+pub(super) fn distinct_position_count(mesh: &TriangleMesh) -> usize {
+    let mut numbers = KeyIndexer::with_capacity(mesh.positions.len());
+    mesh.positions.iter().for_each(|p| {
+        numbers.index_of(coordinate_bits(*p), |key| *key);
+    });
+    numbers.into_values().len()
 }

@@ -26,6 +26,7 @@ pub use write::MeshFormat;
 pub(in crate::format) use write::ShortestDecimal;
 
 use super::line_error::strip_byte_order_mark;
+use crate::image::WriteError;
 use glam::{DVec2, DVec3};
 use std::path::Path;
 
@@ -49,6 +50,111 @@ pub struct TriangleMesh {
     pub materials: Vec<String>,
     /// Index into `materials`, or [`NO_MATERIAL`], of each triangle; empty if `materials` is empty.
     pub triangle_materials: Vec<u32>,
+}
+
+impl TriangleMesh {
+    /// Merges vertices that are equal bit for bit, and removes unused vertices.
+    ///
+    /// Afterwards, vertices are in the order of first use. If one corner of a triangle has no
+    /// normal, its other corners lose theirs.
+    pub fn merge_equal_vertices(&mut self) {
+        merge::merge_equal_vertices(self);
+    }
+
+    /// Index of each vertex's position among the distinct positions, and the number of those.
+    ///
+    /// Coordinates −0 and 0 are equal here.
+    #[must_use]
+    pub fn position_indices(&self) -> (Vec<u32>, usize) {
+        merge::position_indices(self)
+    }
+
+    /// Moves each vertex to the first vertex within `tolerance` \[length], and merges equal ones.
+    ///
+    /// Returns the decrease of the number of distinct positions.
+    pub fn weld_vertices(&mut self, tolerance: f64) -> usize {
+        weld::weld_vertices(self, tolerance)
+    }
+
+    /// Repairs the mesh and removes unused vertices.
+    pub fn repair(&mut self, repair: &MeshRepairs) -> RepairCounts {
+        repair::repair(self, repair)
+    }
+
+    /// Computes smooth shading normals for all triangles that have none.
+    ///
+    /// A normal is the mean of the adjacent face normals, weighted by their corner angles (Thürmer
+    /// and Wüthrich 1998, "Computing vertex normals from polygonal facets"). Two faces share their
+    /// normals along an edge if the face normals differ by at most `angle` \[degrees]. Vertices are
+    /// split at sharper edges, at edges of one or more than two faces, and where windings disagree.
+    pub fn compute_smooth_normals(&mut self, angle: f64) {
+        normals::compute_smooth_normals(self, angle);
+    }
+
+    /// Makes the windings of each connected component consistent and outward.
+    ///
+    /// Returns the number of flipped triangles. Closed components face outward by the sign of their
+    /// volume. A closed component is the wall of a cavity, and faces inward, if an odd number of
+    /// others of the same material contain it. Open components keep the winding of most of their
+    /// triangles. Non-orientable components are not changed.
+    pub fn orient_outward(&mut self) -> usize {
+        orient::orient_outward(self)
+    }
+
+    /// Reverses the winding of all triangles and the direction of all normals.
+    pub fn reverse_orientation(&mut self) {
+        orient::reverse_orientation(self);
+    }
+
+    /// Splits the mesh by material; returns pairs of material index and part.
+    ///
+    /// Pairs are in the order of the first triangle of each material. Triangles without material
+    /// have index [`NO_MATERIAL`]. Parts have empty lists of materials.
+    #[must_use]
+    pub fn split_by_material(&self) -> Vec<(u32, Self)> {
+        split::split_by_material(self)
+    }
+
+    /// Measures the mesh.
+    #[must_use]
+    pub fn mesh_report(&self) -> MeshReport {
+        report::mesh_report(self)
+    }
+
+    /// Diagonal of the bounding box of all vertices \[length]; 0 if it is not finite.
+    #[must_use]
+    pub fn bounds_diagonal(&self) -> f64 {
+        report::bounds_diagonal(self)
+    }
+
+    /// Area of a triangle \[length²].
+    #[must_use]
+    pub fn triangle_area(&self, triangle: [u32; 3]) -> f64 {
+        report::triangle_area(self, triangle)
+    }
+
+    /// First defect that keeps the mesh from bounding a solid body; `None` if the mesh is closed
+    /// and faces outward.
+    ///
+    /// Shading normals decide which side of a triangle is outside, and the winding decides for
+    /// triangles without normals. The renderer uses this rule too. Triangles with two corners at
+    /// one position are ignored.
+    #[must_use]
+    pub fn solid_defect(&self) -> Option<SolidDefect> {
+        solid::solid_defect(self)
+    }
+
+    /// Writes a mesh file completely or not at all. All numbers read back bit for bit.
+    ///
+    /// An OBJ file names the materials, and the material files in `libraries`. A PLY file has no
+    /// materials.
+    ///
+    /// # Errors
+    ///
+    /// [`WriteError`] if the file cannot be written.
+    pub fn write(&self, path: &Path, format: MeshFormat, libraries: &[String]) -> Result<(), WriteError> {
+        write::write(self, path, format, libraries)
+    }
 }
 
 /// Mesh that was read from a file, with facts about the file.
@@ -75,7 +181,7 @@ impl LoadedMesh {
         let used = self.vertices - self.isolated;
         let split = self.mesh.normals.is_some() || self.mesh.texcoords.is_some();
         let kept = if self.has_separate_indices && split {
-            self.mesh.distinct_position_count()
+            merge::distinct_position_count(&self.mesh)
         } else {
             self.mesh.positions.len()
         };

@@ -1,103 +1,95 @@
 //! Smooth shading normals for meshes without normals.
 
 use super::TriangleMesh;
-use super::merge::KeyIndexer;
+use super::merge::{KeyIndexer, select_vertices};
 use super::topology::{MeshTopology, ParityUnionFind};
 use glam::DVec3;
 
-impl TriangleMesh {
-    /// Computes smooth shading normals for all triangles that have none.
-    ///
-    /// A normal is the mean of the adjacent face normals, weighted by their corner angles (Thürmer
-    /// and Wüthrich 1998, "Computing vertex normals from polygonal facets"). Two faces share their
-    /// normals along an edge if the face normals differ by at most `angle` \[degrees]. Vertices are
-    /// split at sharper edges, at edges of one or more than two faces, and where windings disagree.
-    pub fn compute_smooth_normals(&mut self, angle: f64) {
-        let missing: Vec<bool> = match &self.normals {
-            Some(normals) => {
-                let zero = |t: &[u32; 3]| t.iter().any(|&v| normals[v as usize] == DVec3::ZERO);
-                self.triangles.iter().map(zero).collect()
-            }
-            None => vec![true; self.triangles.len()],
-        };
-        if !missing.contains(&true) {
-            return;
+pub(super) fn compute_smooth_normals(mesh: &mut TriangleMesh, angle: f64) {
+    let missing: Vec<bool> = match &mesh.normals {
+        Some(normals) => {
+            let zero = |t: &[u32; 3]| t.iter().any(|&v| normals[v as usize] == DVec3::ZERO);
+            mesh.triangles.iter().map(zero).collect()
         }
-        let faces: Vec<DVec3> = self.triangles.iter().map(|t| self.face_normal(*t)).collect();
-        let groups = self.smoothing_groups(&faces, angle);
-        let mut sums: Vec<DVec3> = Vec::new();
-        for (corner, group) in groups.iter().enumerate() {
-            if *group as usize == sums.len() {
-                sums.push(DVec3::ZERO);
-            }
-            sums[*group as usize] += faces[corner / 3] * self.corner_angle(corner);
-        }
-        self.assign_group_normals(&missing, &groups, &sums);
+        None => vec![true; mesh.triangles.len()],
+    };
+    if !missing.contains(&true) {
+        return;
     }
+    let faces: Vec<DVec3> = mesh.triangles.iter().map(|t| face_normal(mesh, *t)).collect();
+    let groups = smoothing_groups(mesh, &faces, angle);
+    let mut sums: Vec<DVec3> = Vec::new();
+    for (corner, group) in groups.iter().enumerate() {
+        if *group as usize == sums.len() {
+            sums.push(DVec3::ZERO);
+        }
+        sums[*group as usize] += faces[corner / 3] * corner_angle(mesh, corner);
+    }
+    assign_group_normals(mesh, &missing, &groups, &sums);
+}
 
-    /// Unit normal of a triangle, by its winding; zero for triangles without area.
-    pub(super) fn face_normal(&self, triangle: [u32; 3]) -> DVec3 {
-        let [a, b, c] = triangle.map(|v| self.positions[v as usize]);
-        normalize_without_overflow(normalize_without_overflow(b - a).cross(normalize_without_overflow(c - a)))
-    }
+/// Unit normal of a triangle, by its winding; zero for triangles without area.
+pub(super) fn face_normal(mesh: &TriangleMesh, triangle: [u32; 3]) -> DVec3 {
+    let [a, b, c] = triangle.map(|v| mesh.positions[v as usize]);
+    normalize_without_overflow(normalize_without_overflow(b - a).cross(normalize_without_overflow(c - a)))
+}
 
-    /// Angle of a triangle at one corner \[radians]. Corner 3t + k is corner k of triangle t.
-    fn corner_angle(&self, corner: usize) -> f64 {
-        let triangle = self.triangles[corner / 3];
-        let [p, q, r] = [0, 1, 2].map(|k| self.positions[triangle[(corner + k) % 3] as usize]);
-        let (e, f) = (normalize_without_overflow(q - p), normalize_without_overflow(r - p));
-        libm::atan2(e.cross(f).length(), e.dot(f))
-    }
+/// Angle of a triangle at one corner \[radians]. Corner 3t + k is corner k of triangle t.
+fn corner_angle(mesh: &TriangleMesh, corner: usize) -> f64 {
+    let triangle = mesh.triangles[corner / 3];
+    let [p, q, r] = [0, 1, 2].map(|k| mesh.positions[triangle[(corner + k) % 3] as usize]);
+    let (e, f) = (normalize_without_overflow(q - p), normalize_without_overflow(r - p));
+    libm::atan2(e.cross(f).length(), e.dot(f))
+}
 
-    /// Smoothing group of each corner; corners of a group share one normal.
-    ///
-    /// Corner 3t + k is corner k of triangle t. Groups are numbered in the order of first use.
-    fn smoothing_groups(&self, faces: &[DVec3], angle: f64) -> Vec<u32> {
-        // Products of unit vectors err by some ulps. An angle equal to the limit counts as smooth.
-        let least = if angle >= 180.0 { f64::NEG_INFINITY } else { libm::cos(angle.to_radians()) - 8.0 * f64::EPSILON };
-        let topology = MeshTopology::new(self);
-        let mut union = ParityUnionFind::new(3 * self.triangles.len());
-        for half_edges in topology.half_edges_by_edge() {
-            let &[a, b] = half_edges else { continue };
-            let smooth = faces[a.triangle as usize].dot(faces[b.triangle as usize]) >= least;
-            if a.is_forward != b.is_forward && smooth {
-                let ([a0, a1], [b0, b1]) = (a.corner_indices(), b.corner_indices());
-                union.union_sets(a0, b0, false);
-                union.union_sets(a1, b1, false);
-            }
+/// Smoothing group of each corner; corners of a group share one normal.
+///
+/// Corner 3t + k is corner k of triangle t. Groups are numbered in the order of first use.
+fn smoothing_groups(mesh: &TriangleMesh, faces: &[DVec3], angle: f64) -> Vec<u32> {
+    // Products of unit vectors err by some ulps. An angle equal to the limit counts as smooth.
+    let least = if angle >= 180.0 { f64::NEG_INFINITY } else { libm::cos(angle.to_radians()) - 8.0 * f64::EPSILON };
+    let topology = MeshTopology::new(mesh);
+    let mut union = ParityUnionFind::new(3 * mesh.triangles.len());
+    for half_edges in topology.half_edges_by_edge() {
+        let &[a, b] = half_edges else { continue };
+        let smooth = faces[a.triangle as usize].dot(faces[b.triangle as usize]) >= least;
+        if a.is_forward != b.is_forward && smooth {
+            let ([a0, a1], [b0, b1]) = (a.corner_indices(), b.corner_indices());
+            union.union_sets(a0, b0, false);
+            union.union_sets(a1, b1, false);
         }
-        let mut numbers = vec![u32::MAX; 3 * self.triangles.len()];
-        let mut next = 0;
-        for corner in 0..numbers.len() {
-            // The root is the lowest index, so it is numbered already.
-            let (root, _) = union.find_root(corner);
-            numbers[corner] = if root == corner { next } else { numbers[root] };
-            next += u32::from(root == corner);
-        }
-        numbers
     }
+    let mut numbers = vec![u32::MAX; 3 * mesh.triangles.len()];
+    let mut next = 0;
+    for corner in 0..numbers.len() {
+        // The root is the lowest index, so it is numbered already.
+        let (root, _) = union.find_root(corner);
+        numbers[corner] = if root == corner { next } else { numbers[root] };
+        next += u32::from(root == corner);
+    }
+    numbers
+}
 
-    /// Gives each corner of the `missing` triangles the normal of its group, and splits vertices.
-    ///
-    /// `sums` holds the weighted sum of face normals of each group.
-    fn assign_group_normals(&mut self, missing: &[bool], groups: &[u32], sums: &[DVec3]) {
-        const KEEPS_NORMAL: u32 = u32::MAX;
-        let mut numbers: KeyIndexer<(u32, u32)> = KeyIndexer::with_capacity(self.positions.len());
-        for (t, triangle) in self.triangles.iter_mut().enumerate() {
-            for (k, v) in triangle.iter_mut().enumerate() {
-                let group = if missing[t] { groups[3 * t + k] } else { KEEPS_NORMAL };
-                *v = numbers.index_of((*v, group), |key| *key);
-            }
+/// Gives each corner of the `missing` triangles the normal of its group, and splits vertices.
+///
+/// `sums` holds the weighted sum of face normals of each group.
+fn assign_group_normals(mesh: &mut TriangleMesh, missing: &[bool], groups: &[u32], sums: &[DVec3]) {
+    const KEEPS_NORMAL: u32 = u32::MAX;
+    let mut numbers: KeyIndexer<(u32, u32)> = KeyIndexer::with_capacity(mesh.positions.len());
+    for (t, triangle) in mesh.triangles.iter_mut().enumerate() {
+        for (k, v) in triangle.iter_mut().enumerate() {
+            let group = if missing[t] { groups[3 * t + k] } else { KEEPS_NORMAL };
+            *v = numbers.index_of((*v, group), |key| *key);
         }
-        let vertices = numbers.into_values();
-        let normal = |&(v, group): &(u32, u32)| match (group, &self.normals) {
-            (KEEPS_NORMAL, Some(normals)) => normals[v as usize],
-            _ => sums.get(group as usize).copied().unwrap_or_default().normalize_or_zero(),
-        };
-        self.normals = Some(vertices.iter().map(normal).collect());
-        self.select_vertices(vertices.iter().map(|(v, _)| *v));
-        self.merge_equal_vertices();
     }
+    let vertices = numbers.into_values();
+    let normal = |&(v, group): &(u32, u32)| match (group, &mesh.normals) {
+        (KEEPS_NORMAL, Some(normals)) => normals[v as usize],
+        _ => sums.get(group as usize).copied().unwrap_or_default().normalize_or_zero(),
+    };
+    mesh.normals = Some(vertices.iter().map(normal).collect());
+    select_vertices(mesh, vertices.iter().map(|(v, _)| *v));
+    mesh.merge_equal_vertices();
 }
 
 /// `v` scaled to unit length, without overflow or underflow; zero if `v` is zero or not finite.

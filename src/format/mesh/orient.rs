@@ -1,6 +1,7 @@
 //! Consistent windings with outward normals.
 
-use super::merge::KeyIndexer;
+use super::merge::{KeyIndexer, select_vertices};
+use super::normals::face_normal;
 use super::topology::{MeshTopology, ParityUnionFind};
 use super::{NO_MATERIAL, TriangleMesh};
 use glam::DVec3;
@@ -23,170 +24,158 @@ struct SurfaceComponent {
     material: u32,
 }
 
-impl TriangleMesh {
-    /// Makes the windings of each connected component consistent and outward.
-    ///
-    /// Returns the number of flipped triangles. Closed components face outward by the sign of their
-    /// volume. A closed component is the wall of a cavity, and faces inward, if an odd number of
-    /// others of the same material contain it. Open components keep the winding of most of their
-    /// triangles. Non-orientable components are not changed.
-    pub fn orient_outward(&mut self) -> usize {
-        let topology = MeshTopology::new(self);
-        let mut windings = ParityUnionFind::new(self.triangles.len());
-        let mut twisted = Vec::new();
-        for half_edges in topology.half_edges_by_edge() {
-            if let &[a, b] = half_edges
-                && !windings.union_sets(a.triangle as usize, b.triangle as usize, a.is_forward == b.is_forward)
-            {
-                twisted.push(a.triangle as usize);
-            }
-        }
-        let mut turn = vec![false; self.triangles.len()];
-        let mut components: BTreeMap<usize, SurfaceComponent> = BTreeMap::new();
-        for (t, turn) in
-            turn.iter_mut().enumerate().filter(|(t, _)| topology.has_distinct_positions(self.triangles[*t]))
+pub(super) fn orient_outward(mesh: &mut TriangleMesh) -> usize {
+    let topology = MeshTopology::new(mesh);
+    let mut windings = ParityUnionFind::new(mesh.triangles.len());
+    let mut twisted = Vec::new();
+    for half_edges in topology.half_edges_by_edge() {
+        if let &[a, b] = half_edges
+            && !windings.union_sets(a.triangle as usize, b.triangle as usize, a.is_forward == b.is_forward)
         {
-            let (root, against) = windings.find_root(t);
-            *turn = against;
-            components.entry(root).or_insert_with(|| self.empty_component(t)).add_triangle(self, t);
+            twisted.push(a.triangle as usize);
         }
-        for t in twisted {
-            components.entry(windings.find_root(t).0).and_modify(|component| component.is_orientable = false);
+    }
+    let mut turn = vec![false; mesh.triangles.len()];
+    let mut components: BTreeMap<usize, SurfaceComponent> = BTreeMap::new();
+    for (t, turn) in turn.iter_mut().enumerate().filter(|(t, _)| topology.has_distinct_positions(mesh.triangles[*t])) {
+        let (root, against) = windings.find_root(t);
+        *turn = against;
+        components.entry(root).or_insert_with(|| empty_component(mesh, t)).add_triangle(mesh, t);
+    }
+    for t in twisted {
+        components.entry(windings.find_root(t).0).and_modify(|component| component.is_orientable = false);
+    }
+    for half_edges in topology.half_edges_by_edge().filter(|half_edges| half_edges.len() != 2) {
+        for half_edge in half_edges {
+            components
+                .entry(windings.find_root(half_edge.triangle as usize).0)
+                .and_modify(|component| component.is_closed = false);
         }
-        for half_edges in topology.half_edges_by_edge().filter(|half_edges| half_edges.len() != 2) {
-            for half_edge in half_edges {
-                components
-                    .entry(windings.find_root(half_edge.triangle as usize).0)
-                    .and_modify(|component| component.is_closed = false);
+    }
+    let components: Vec<SurfaceComponent> = components.into_values().collect();
+    let depths = nesting_depths(mesh, &components, &turn);
+    for (component, depth) in components.iter().zip(depths) {
+        let turned = component.faces.iter().filter(|t| turn[**t as usize]).count();
+        let other_way = match (component.is_orientable, component.is_closed) {
+            (false, _) => {
+                component.faces.iter().for_each(|t| turn[*t as usize] = false);
+                continue;
             }
-        }
-        let components: Vec<SurfaceComponent> = components.into_values().collect();
-        let depths = self.nesting_depths(&components, &turn);
-        for (component, depth) in components.iter().zip(depths) {
-            let turned = component.faces.iter().filter(|t| turn[**t as usize]).count();
-            let other_way = match (component.is_orientable, component.is_closed) {
-                (false, _) => {
-                    component.faces.iter().for_each(|t| turn[*t as usize] = false);
-                    continue;
-                }
-                (_, true) => (self.six_times_signed_volume(component, &turn) < 0.0) != (depth % 2 == 1),
-                (_, false) => 2 * turned > component.faces.len(),
-            };
-            component.faces.iter().for_each(|t| turn[*t as usize] ^= other_way);
-        }
-        self.flip_marked_triangles(&turn);
-        turn.into_iter().filter(|turned| *turned).count()
-    }
-
-    /// Reverses the winding of all triangles and the direction of all normals.
-    pub fn reverse_orientation(&mut self) {
-        self.triangles.iter_mut().for_each(|[_, b, c]| std::mem::swap(b, c));
-        self.normals.iter_mut().flatten().for_each(|n| *n = -*n);
-    }
-
-    fn empty_component(&self, first: usize) -> SurfaceComponent {
-        SurfaceComponent {
-            is_closed: true,
-            is_orientable: true,
-            low: DVec3::INFINITY,
-            high: DVec3::NEG_INFINITY,
-            material: self.triangle_materials.get(first).copied().unwrap_or(NO_MATERIAL),
-            faces: Vec::new(),
-        }
-    }
-
-    fn corner_positions(&self, triangle: u32) -> [DVec3; 3] {
-        self.triangles[triangle as usize].map(|v| self.positions[v as usize])
-    }
-
-    /// Six times the signed volume of a closed component \[length³].
-    ///
-    /// Triangles marked in `turn` count as flipped.
-    fn six_times_signed_volume(&self, component: &SurfaceComponent, turn: &[bool]) -> f64 {
-        let middle = 0.5 * (component.low + component.high);
-        let six = |t: &u32| {
-            let [a, b, c] = self.corner_positions(*t).map(|p| p - middle);
-            let six = a.dot(b.cross(c));
-            if turn[*t as usize] { -six } else { six }
+            (_, true) => (six_times_signed_volume(mesh, component, &turn) < 0.0) != (depth % 2 == 1),
+            (_, false) => 2 * turned > component.faces.len(),
         };
-        component.faces.iter().map(six).sum()
+        component.faces.iter().for_each(|t| turn[*t as usize] ^= other_way);
     }
+    flip_marked_triangles(mesh, &turn);
+    turn.into_iter().filter(|turned| *turned).count()
+}
 
-    /// For each closed component, the number of closed components of its material that contain it.
-    ///
-    /// Triangles marked in `turn` count as flipped. All numbers are 0 if there are more than
-    /// [`MAX_NESTED_COMPONENTS`] closed components, and for open components.
-    fn nesting_depths(&self, components: &[SurfaceComponent], turn: &[bool]) -> Vec<usize> {
-        let closed = |component: &SurfaceComponent| component.is_closed && component.is_orientable;
-        let mut depths = vec![0; components.len()];
-        if components.iter().filter(|component| closed(component)).count() > MAX_NESTED_COMPONENTS {
-            return depths;
-        }
-        for (depth, inner) in depths.iter_mut().zip(components).filter(|(_, inner)| closed(inner)) {
-            let [a, b, c] = self.corner_positions(inner.faces[0]);
-            let middle = (a + b + c) / 3.0;
-            let around = |outer: &&SurfaceComponent| {
-                let other = !std::ptr::eq(*outer, inner);
-                let near = middle.cmpgt(outer.low).all() && middle.cmplt(outer.high).all();
-                other
-                    && closed(outer)
-                    && near
-                    && outer.material == inner.material
-                    && self.component_contains(outer, turn, middle)
-            };
-            *depth = components.iter().filter(around).count();
-        }
-        depths
+pub(super) fn reverse_orientation(mesh: &mut TriangleMesh) {
+    mesh.triangles.iter_mut().for_each(|[_, b, c]| std::mem::swap(b, c));
+    mesh.normals.iter_mut().flatten().for_each(|n| *n = -*n);
+}
+
+fn empty_component(mesh: &TriangleMesh, first: usize) -> SurfaceComponent {
+    SurfaceComponent {
+        is_closed: true,
+        is_orientable: true,
+        low: DVec3::INFINITY,
+        high: DVec3::NEG_INFINITY,
+        material: mesh.triangle_materials.get(first).copied().unwrap_or(NO_MATERIAL),
+        faces: Vec::new(),
     }
+}
 
-    /// True if the closed component contains the point `p`.
-    ///
-    /// The test sums the solid angles of its triangles (van Oosterom and Strackee 1983, "The solid
-    /// angle of a plane triangle"). Triangles marked in `turn` count as flipped.
-    fn component_contains(&self, component: &SurfaceComponent, turn: &[bool], p: DVec3) -> bool {
-        let angle = |t: &u32| {
-            let [a, b, c] = self.corner_positions(*t).map(|q| q - p);
-            let [la, lb, lc] = [a, b, c].map(DVec3::length);
-            let below = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-            let angle = 2.0 * libm::atan2(a.dot(b.cross(c)), below);
-            if turn[*t as usize] { -angle } else { angle }
+fn corner_positions(mesh: &TriangleMesh, triangle: u32) -> [DVec3; 3] {
+    mesh.triangles[triangle as usize].map(|v| mesh.positions[v as usize])
+}
+
+/// Six times the signed volume of a closed component \[length³].
+///
+/// Triangles marked in `turn` count as flipped.
+fn six_times_signed_volume(mesh: &TriangleMesh, component: &SurfaceComponent, turn: &[bool]) -> f64 {
+    let middle = 0.5 * (component.low + component.high);
+    let six = |t: &u32| {
+        let [a, b, c] = corner_positions(mesh, *t).map(|p| p - middle);
+        let six = a.dot(b.cross(c));
+        if turn[*t as usize] { -six } else { six }
+    };
+    component.faces.iter().map(six).sum()
+}
+
+/// For each closed component, the number of closed components of its material that contain it.
+///
+/// Triangles marked in `turn` count as flipped. All numbers are 0 if there are more than
+/// [`MAX_NESTED_COMPONENTS`] closed components, and for open components.
+fn nesting_depths(mesh: &TriangleMesh, components: &[SurfaceComponent], turn: &[bool]) -> Vec<usize> {
+    let closed = |component: &SurfaceComponent| component.is_closed && component.is_orientable;
+    let mut depths = vec![0; components.len()];
+    if components.iter().filter(|component| closed(component)).count() > MAX_NESTED_COMPONENTS {
+        return depths;
+    }
+    for (depth, inner) in depths.iter_mut().zip(components).filter(|(_, inner)| closed(inner)) {
+        let [a, b, c] = corner_positions(mesh, inner.faces[0]);
+        let middle = (a + b + c) / 3.0;
+        let around = |outer: &&SurfaceComponent| {
+            let other = !std::ptr::eq(*outer, inner);
+            let near = middle.cmpgt(outer.low).all() && middle.cmplt(outer.high).all();
+            other
+                && closed(outer)
+                && near
+                && outer.material == inner.material
+                && component_contains(mesh, outer, turn, middle)
         };
-        // The sum is 4π inside and 0 outside.
-        component.faces.iter().map(angle).sum::<f64>().abs() > TAU
+        *depth = components.iter().filter(around).count();
     }
+    depths
+}
 
-    /// Flips the triangles marked in `turn`.
-    ///
-    /// A shading normal of such a triangle is reversed if it would point to the back.
-    fn flip_marked_triangles(&mut self, turn: &[bool]) {
-        let Some(normals) = &self.normals else {
-            for (triangle, _) in self.triangles.iter_mut().zip(turn).filter(|(_, turn)| **turn) {
-                triangle.swap(1, 2);
-            }
-            return;
-        };
-        let mut numbers: KeyIndexer<(u32, bool)> = KeyIndexer::with_capacity(self.positions.len());
-        let mut triangles = Vec::with_capacity(self.triangles.len());
-        for (triangle, turn) in self.triangles.iter().zip(turn) {
-            let [a, b, c] = *triangle;
-            let turned = if *turn { [a, c, b] } else { *triangle };
-            let face = self.face_normal(turned);
-            triangles
-                .push(turned.map(|v| numbers.index_of((v, *turn && normals[v as usize].dot(face) < 0.0), |key| *key)));
+/// True if the closed component contains the point `p`.
+///
+/// The test sums the solid angles of its triangles (van Oosterom and Strackee 1983, "The solid
+/// angle of a plane triangle"). Triangles marked in `turn` count as flipped.
+fn component_contains(mesh: &TriangleMesh, component: &SurfaceComponent, turn: &[bool], p: DVec3) -> bool {
+    let angle = |t: &u32| {
+        let [a, b, c] = corner_positions(mesh, *t).map(|q| q - p);
+        let [la, lb, lc] = [a, b, c].map(DVec3::length);
+        let below = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+        let angle = 2.0 * libm::atan2(a.dot(b.cross(c)), below);
+        if turn[*t as usize] { -angle } else { angle }
+    };
+    // The sum is 4π inside and 0 outside.
+    component.faces.iter().map(angle).sum::<f64>().abs() > TAU
+}
+
+/// Flips the triangles marked in `turn`.
+///
+/// A shading normal of such a triangle is reversed if it would point to the back.
+fn flip_marked_triangles(mesh: &mut TriangleMesh, turn: &[bool]) {
+    let Some(normals) = &mesh.normals else {
+        for (triangle, _) in mesh.triangles.iter_mut().zip(turn).filter(|(_, turn)| **turn) {
+            triangle.swap(1, 2);
         }
-        let vertices = numbers.into_values();
-        let normal = |&(v, turned): &(u32, bool)| if turned { -normals[v as usize] } else { normals[v as usize] };
-        self.normals = Some(vertices.iter().map(normal).collect());
-        self.triangles = triangles;
-        self.select_vertices(vertices.iter().map(|(v, _)| *v));
-        self.merge_equal_vertices();
+        return;
+    };
+    let mut numbers: KeyIndexer<(u32, bool)> = KeyIndexer::with_capacity(mesh.positions.len());
+    let mut triangles = Vec::with_capacity(mesh.triangles.len());
+    for (triangle, turn) in mesh.triangles.iter().zip(turn) {
+        let [a, b, c] = *triangle;
+        let turned = if *turn { [a, c, b] } else { *triangle };
+        let face = face_normal(mesh, turned);
+        triangles.push(turned.map(|v| numbers.index_of((v, *turn && normals[v as usize].dot(face) < 0.0), |key| *key)));
     }
+    let vertices = numbers.into_values();
+    let normal = |&(v, turned): &(u32, bool)| if turned { -normals[v as usize] } else { normals[v as usize] };
+    mesh.normals = Some(vertices.iter().map(normal).collect());
+    mesh.triangles = triangles;
+    select_vertices(mesh, vertices.iter().map(|(v, _)| *v));
+    mesh.merge_equal_vertices();
 }
 
 impl SurfaceComponent {
     fn add_triangle(&mut self, mesh: &TriangleMesh, t: usize) {
         self.faces.push(t as u32);
-        for p in mesh.corner_positions(t as u32) {
+        for p in corner_positions(mesh, t as u32) {
             (self.low, self.high) = (self.low.min(p), self.high.max(p));
         }
     }

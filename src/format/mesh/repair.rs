@@ -1,6 +1,7 @@
 //! Repair of meshes.
 
 use super::TriangleMesh;
+use super::report::duplicate_triangles;
 use super::topology::MeshTopology;
 use serde::Serialize;
 
@@ -37,78 +38,75 @@ pub struct RepairCounts {
     pub turned: usize,
 }
 
-impl TriangleMesh {
-    /// Repairs the mesh and removes unused vertices.
-    pub fn repair(&mut self, repair: &MeshRepairs) -> RepairCounts {
-        let mut done = RepairCounts::default();
-        if let Some(tolerance) = repair.weld {
-            done.welded = self.weld_vertices(tolerance);
-        }
-        if repair.removes_duplicates {
-            let duplicates = self.duplicate_triangles(&MeshTopology::new(self));
-            done.duplicates = self.remove_triangles(&duplicates);
-        }
-        if repair.removes_degenerates {
-            let degenerate = self.removable_degenerates();
-            done.degenerate = self.remove_triangles(&degenerate);
-        }
-        if repair.orients_outward {
-            done.turned = self.orient_outward();
-        }
-        self.merge_equal_vertices();
-        done
+pub(super) fn repair(mesh: &mut TriangleMesh, repair: &MeshRepairs) -> RepairCounts {
+    let mut done = RepairCounts::default();
+    if let Some(tolerance) = repair.weld {
+        done.welded = mesh.weld_vertices(tolerance);
     }
-
-    /// True for each triangle without area that can be removed without opening the surface.
-    ///
-    /// At a T-junction, a corner lies on the edge of another triangle. A degenerate triangle whose
-    /// three edges all have two triangles closes the gap there, so it stays.
-    fn removable_degenerates(&self) -> Vec<bool> {
-        let topology = MeshTopology::new(self);
-        let mut closing = vec![0_u8; self.triangles.len()];
-        for half_edges in topology.half_edges_by_edge().filter(|half_edges| half_edges.len() == 2) {
-            half_edges.iter().for_each(|half_edge| closing[half_edge.triangle as usize] += 1);
-        }
-        self.triangles.iter().zip(closing).map(|(t, edges)| self.triangle_area(*t) == 0.0 && edges < 3).collect()
+    if repair.removes_duplicates {
+        let duplicates = duplicate_triangles(mesh, &MeshTopology::new(mesh));
+        done.duplicates = remove_triangles(mesh, &duplicates);
     }
-
-    /// Removes the `unwanted` triangles and returns their number.
-    fn remove_triangles(&mut self, unwanted: &[bool]) -> usize {
-        let before = self.triangles.len();
-        let mut keep = unwanted.iter().map(|unwanted| !unwanted);
-        self.triangle_materials.retain(|_| keep.next().unwrap_or(true));
-        let mut keep = unwanted.iter().map(|unwanted| !unwanted);
-        self.triangles.retain(|_| keep.next().unwrap_or(true));
-        self.remove_unused_materials();
-        before - self.triangles.len()
+    if repair.removes_degenerates {
+        let degenerate = removable_degenerates(mesh);
+        done.degenerate = remove_triangles(mesh, &degenerate);
     }
+    if repair.orients_outward {
+        done.turned = mesh.orient_outward();
+    }
+    mesh.merge_equal_vertices();
+    done
+}
 
-    /// Removes materials that no triangle uses, and renumbers the others.
-    fn remove_unused_materials(&mut self) {
-        let mut used = vec![false; self.materials.len()];
-        for number in &self.triangle_materials {
-            if let Some(used) = used.get_mut(*number as usize) {
-                *used = true;
-            }
+/// True for each triangle without area that can be removed without opening the surface.
+///
+/// At a T-junction, a corner lies on the edge of another triangle. A degenerate triangle whose
+/// three edges all have two triangles closes the gap there, so it stays.
+fn removable_degenerates(mesh: &TriangleMesh) -> Vec<bool> {
+    let topology = MeshTopology::new(mesh);
+    let mut closing = vec![0_u8; mesh.triangles.len()];
+    for half_edges in topology.half_edges_by_edge().filter(|half_edges| half_edges.len() == 2) {
+        half_edges.iter().for_each(|half_edge| closing[half_edge.triangle as usize] += 1);
+    }
+    mesh.triangles.iter().zip(closing).map(|(t, edges)| mesh.triangle_area(*t) == 0.0 && edges < 3).collect()
+}
+
+/// Removes the `unwanted` triangles and returns their number.
+fn remove_triangles(mesh: &mut TriangleMesh, unwanted: &[bool]) -> usize {
+    let before = mesh.triangles.len();
+    let mut keep = unwanted.iter().map(|unwanted| !unwanted);
+    mesh.triangle_materials.retain(|_| keep.next().unwrap_or(true));
+    let mut keep = unwanted.iter().map(|unwanted| !unwanted);
+    mesh.triangles.retain(|_| keep.next().unwrap_or(true));
+    remove_unused_materials(mesh);
+    before - mesh.triangles.len()
+}
+
+/// Removes materials that no triangle uses, and renumbers the others.
+fn remove_unused_materials(mesh: &mut TriangleMesh) {
+    let mut used = vec![false; mesh.materials.len()];
+    for number in &mesh.triangle_materials {
+        if let Some(used) = used.get_mut(*number as usize) {
+            *used = true;
         }
-        if used.iter().all(|used| *used) {
-            return;
-        }
-        let mut next = 0;
-        let renumbered: Vec<u32> = used
-            .iter()
-            .map(|used| {
-                next += u32::from(*used);
-                next.wrapping_sub(1)
-            })
-            .collect();
-        for number in &mut self.triangle_materials {
-            *number = renumbered.get(*number as usize).copied().unwrap_or(*number);
-        }
-        let mut keep = used.into_iter();
-        self.materials.retain(|_| keep.next().unwrap_or(true));
-        if self.materials.is_empty() {
-            self.triangle_materials.clear();
-        }
+    }
+    if used.iter().all(|used| *used) {
+        return;
+    }
+    let mut next = 0;
+    let renumbered: Vec<u32> = used
+        .iter()
+        .map(|used| {
+            next += u32::from(*used);
+            next.wrapping_sub(1)
+        })
+        .collect();
+    for number in &mut mesh.triangle_materials {
+        *number = renumbered.get(*number as usize).copied().unwrap_or(*number);
+    }
+    let mut keep = used.into_iter();
+    mesh.materials.retain(|_| keep.next().unwrap_or(true));
+    if mesh.materials.is_empty() {
+        mesh.triangle_materials.clear();
     }
 }

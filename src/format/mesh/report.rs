@@ -60,93 +60,85 @@ pub struct MeshReport {
     pub genus: Option<i64>,
 }
 
-impl TriangleMesh {
-    /// Measures the mesh.
-    #[must_use]
-    pub fn mesh_report(&self) -> MeshReport {
-        let topology = MeshTopology::new(self);
-        let mut used = vec![false; self.positions.len()];
-        self.triangles.iter().flatten().for_each(|v| used[*v as usize] = true);
-        let corners = self.triangles.iter().flatten().map(|v| self.positions[*v as usize]);
-        let (min, max) = point_bounds(corners);
-        let counts = TopologyCounts::new(self, &topology);
-        let closed = counts.boundary_edges == 0 && counts.faces > 0;
-        let manifold = counts.non_manifold_edges == 0 && counts.non_manifold_vertices == 0;
-        let euler = counts.positions as i64 - counts.edges as i64 + counts.faces as i64;
-        let handles = closed && manifold && counts.orientable;
-        let mut shared = self.clone();
-        shared.merge_equal_vertices();
-        let isolated = used.iter().filter(|used| !**used).count();
-        MeshReport {
-            vertices: self.positions.len(),
-            repeated_vertices: (self.positions.len() - isolated).saturating_sub(shared.positions.len()),
-            isolated_vertices: isolated,
-            triangles: self.triangles.len(),
-            materials: self.materials.clone(),
-            normals: self.normals.is_some(),
-            texture_coordinates: self.texcoords.is_some(),
-            min: min.to_array(),
-            max: max.to_array(),
-            area: self.triangles.iter().map(|t| self.triangle_area(*t)).sum(),
-            volume: (closed && counts.balanced).then(|| self.signed_volume(0.5 * (min + max))),
-            closed,
-            manifold,
-            orientable: counts.orientable,
-            boundary_edges: counts.boundary_edges,
-            non_manifold_edges: counts.non_manifold_edges,
-            non_manifold_vertices: counts.non_manifold_vertices,
-            inconsistent_edges: counts.inconsistent_edges,
-            degenerate_faces: self.triangles.iter().filter(|t| self.triangle_area(**t) == 0.0).count(),
-            duplicate_faces: self.duplicate_triangles(&topology).iter().filter(|d| **d).count(),
-            components: counts.components,
-            euler_characteristic: euler,
-            genus: handles.then_some(counts.components as i64 - euler / 2),
-        }
+pub(super) fn mesh_report(mesh: &TriangleMesh) -> MeshReport {
+    let topology = MeshTopology::new(mesh);
+    let mut used = vec![false; mesh.positions.len()];
+    mesh.triangles.iter().flatten().for_each(|v| used[*v as usize] = true);
+    let corners = mesh.triangles.iter().flatten().map(|v| mesh.positions[*v as usize]);
+    let (min, max) = point_bounds(corners);
+    let counts = TopologyCounts::new(mesh, &topology);
+    let closed = counts.boundary_edges == 0 && counts.faces > 0;
+    let manifold = counts.non_manifold_edges == 0 && counts.non_manifold_vertices == 0;
+    let euler = counts.positions as i64 - counts.edges as i64 + counts.faces as i64;
+    let handles = closed && manifold && counts.orientable;
+    let mut shared = mesh.clone();
+    shared.merge_equal_vertices();
+    let isolated = used.iter().filter(|used| !**used).count();
+    MeshReport {
+        vertices: mesh.positions.len(),
+        repeated_vertices: (mesh.positions.len() - isolated).saturating_sub(shared.positions.len()),
+        isolated_vertices: isolated,
+        triangles: mesh.triangles.len(),
+        materials: mesh.materials.clone(),
+        normals: mesh.normals.is_some(),
+        texture_coordinates: mesh.texcoords.is_some(),
+        min: min.to_array(),
+        max: max.to_array(),
+        area: mesh.triangles.iter().map(|t| mesh.triangle_area(*t)).sum(),
+        volume: (closed && counts.balanced).then(|| signed_volume(mesh, 0.5 * (min + max))),
+        closed,
+        manifold,
+        orientable: counts.orientable,
+        boundary_edges: counts.boundary_edges,
+        non_manifold_edges: counts.non_manifold_edges,
+        non_manifold_vertices: counts.non_manifold_vertices,
+        inconsistent_edges: counts.inconsistent_edges,
+        degenerate_faces: mesh.triangles.iter().filter(|t| mesh.triangle_area(**t) == 0.0).count(),
+        duplicate_faces: duplicate_triangles(mesh, &topology).iter().filter(|d| **d).count(),
+        components: counts.components,
+        euler_characteristic: euler,
+        genus: handles.then_some(counts.components as i64 - euler / 2),
     }
+}
 
-    /// Diagonal of the bounding box of all vertices \[length]; 0 if it is not finite.
-    #[must_use]
-    pub fn bounds_diagonal(&self) -> f64 {
-        let (low, high) = point_bounds(self.positions.iter().copied());
-        let diagonal = (high - low).length();
-        if diagonal.is_finite() { diagonal } else { 0.0 }
-    }
+pub(super) fn bounds_diagonal(mesh: &TriangleMesh) -> f64 {
+    let (low, high) = point_bounds(mesh.positions.iter().copied());
+    let diagonal = (high - low).length();
+    if diagonal.is_finite() { diagonal } else { 0.0 }
+}
 
-    /// Area of a triangle \[length²].
-    #[must_use]
-    pub fn triangle_area(&self, triangle: [u32; 3]) -> f64 {
-        let [a, b, c] = triangle.map(|v| self.positions[v as usize]);
-        0.5 * (b - a).cross(c - a).length()
-    }
+pub(super) fn triangle_area(mesh: &TriangleMesh, triangle: [u32; 3]) -> f64 {
+    let [a, b, c] = triangle.map(|v| mesh.positions[v as usize]);
+    0.5 * (b - a).cross(c - a).length()
+}
 
-    /// Signed volume of a closed mesh \[length³], by the divergence theorem.
-    ///
-    /// `about` is the origin of the sum; a point near the mesh keeps cancellation small.
-    fn signed_volume(&self, about: DVec3) -> f64 {
-        let six = |t: &[u32; 3]| {
-            let [a, b, c] = t.map(|v| self.positions[v as usize] - about);
-            a.dot(b.cross(c))
-        };
-        self.triangles.iter().map(six).sum::<f64>() / 6.0
-    }
+/// Signed volume of a closed mesh \[length³], by the divergence theorem.
+///
+/// `about` is the origin of the sum; a point near the mesh keeps cancellation small.
+fn signed_volume(mesh: &TriangleMesh, about: DVec3) -> f64 {
+    let six = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|v| mesh.positions[v as usize] - about);
+        a.dot(b.cross(c))
+    };
+    mesh.triangles.iter().map(six).sum::<f64>() / 6.0
+}
 
-    /// True for each triangle that has the same three positions as an earlier one.
-    pub(super) fn duplicate_triangles(&self, topology: &MeshTopology) -> Vec<bool> {
-        let mut keys: Vec<([u32; 3], u32)> = Vec::with_capacity(self.triangles.len());
-        for (t, triangle) in
-            self.triangles.iter().enumerate().filter(|(_, triangle)| topology.has_distinct_positions(**triangle))
-        {
-            let mut places = triangle.map(|v| topology.vertex_positions[v as usize]);
-            places.sort_unstable();
-            keys.push((places, t as u32));
-        }
-        keys.sort_unstable();
-        let mut duplicates = vec![false; self.triangles.len()];
-        for pair in keys.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
-            duplicates[pair[1].1 as usize] = true;
-        }
-        duplicates
+/// True for each triangle that has the same three positions as an earlier one.
+pub(super) fn duplicate_triangles(mesh: &TriangleMesh, topology: &MeshTopology) -> Vec<bool> {
+    let mut keys: Vec<([u32; 3], u32)> = Vec::with_capacity(mesh.triangles.len());
+    for (t, triangle) in
+        mesh.triangles.iter().enumerate().filter(|(_, triangle)| topology.has_distinct_positions(**triangle))
+    {
+        let mut places = triangle.map(|v| topology.vertex_positions[v as usize]);
+        places.sort_unstable();
+        keys.push((places, t as u32));
     }
+    keys.sort_unstable();
+    let mut duplicates = vec![false; mesh.triangles.len()];
+    for pair in keys.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
+        duplicates[pair[1].1 as usize] = true;
+    }
+    duplicates
 }
 
 /// Numbers of topological elements and defects of a mesh; see [`MeshReport`].

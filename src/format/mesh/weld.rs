@@ -10,20 +10,15 @@ const NO_POINT: u32 = u32::MAX;
 /// Largest tolerance whose square is finite \[length].
 const MAX_TOLERANCE: f64 = 1e150;
 
-impl TriangleMesh {
-    /// Moves each vertex to the first vertex within `tolerance` \[length], and merges equal ones.
-    ///
-    /// Returns the decrease of the number of distinct positions.
-    pub fn weld_vertices(&mut self, tolerance: f64) -> usize {
-        let (_, before) = self.position_indices();
-        let mut kept = WeldGrid::new(tolerance.clamp(0.0, MAX_TOLERANCE), &self.positions);
-        for p in &mut self.positions {
-            *p = kept.find_or_insert(*p);
-        }
-        self.merge_equal_vertices();
-        let (_, after) = self.position_indices();
-        before.saturating_sub(after)
+pub(super) fn weld_vertices(mesh: &mut TriangleMesh, tolerance: f64) -> usize {
+    let (_, before) = mesh.position_indices();
+    let mut kept = WeldGrid::new(tolerance.clamp(0.0, MAX_TOLERANCE), &mesh.positions);
+    for p in &mut mesh.positions {
+        *p = kept.find_or_insert(*p);
     }
+    mesh.merge_equal_vertices();
+    let (_, after) = mesh.position_indices();
+    before.saturating_sub(after)
 }
 
 /// Hash grid of the positions that are kept. Its cells are twice as wide as the tolerance.

@@ -33,25 +33,21 @@ impl MeshFormat {
     }
 }
 
-impl TriangleMesh {
-    /// Writes a mesh file completely or not at all. All numbers read back bit for bit.
-    ///
-    /// An OBJ file names the materials, and the material files in `libraries`. A PLY file has no
-    /// materials.
-    ///
-    /// # Errors
-    /// [`WriteError`].
-    pub fn write(&self, path: &Path, format: MeshFormat, libraries: &[String]) -> Result<(), WriteError> {
-        replace_file_with(path, |file| {
-            let mut out = BufWriter::with_capacity(1 << 20, file);
-            match format {
-                MeshFormat::Obj => obj::write(self, libraries, &mut out)?,
-                MeshFormat::Ply => ply::write(self, false, &mut out)?,
-                MeshFormat::PlyText => ply::write(self, true, &mut out)?,
-            }
-            out.flush()
-        })
-    }
+pub(super) fn write(
+    mesh: &TriangleMesh,
+    path: &Path,
+    format: MeshFormat,
+    libraries: &[String],
+) -> Result<(), WriteError> {
+    replace_file_with(path, |file| {
+        let mut out = BufWriter::with_capacity(1 << 20, file);
+        match format {
+            MeshFormat::Obj => obj::write(mesh, libraries, &mut out)?,
+            MeshFormat::Ply => ply::write(mesh, false, &mut out)?,
+            MeshFormat::PlyText => ply::write(mesh, true, &mut out)?,
+        }
+        out.flush()
+    })
 }
 
 /// Displays a number as the shortest decimal that reads back bit for bit.

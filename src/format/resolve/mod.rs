@@ -100,11 +100,11 @@ pub(super) fn resolve_with_assets(
     };
     let final_error = resolver.add_description().err();
     resolver.errors.extend(final_error);
-    if let Some(error) = SceneError::join(resolver.errors) {
+    if let Some(error) = SceneError::from_errors(resolver.errors) {
         return Err(error);
     }
     resolver.builder.build(camera).map_err(|e| {
-        SceneError::of_file(source, e.to_string(), "choose units in which the scene is neither huge nor empty")
+        SceneError::for_whole_file(source, e.to_string(), "choose units in which the scene is neither huge nor empty")
     })
 }
 
@@ -251,7 +251,7 @@ impl Resolver<'_> {
     }
 
     fn error_at(&self, span: Span, message: &str, help: &str) -> SceneError {
-        SceneError::at(self.source, span, message, "here", help)
+        SceneError::at_span(self.source, span, message, "here", help)
     }
 
     /// Returns the transform of a matrix; an error if the matrix is singular.
@@ -260,7 +260,7 @@ impl Resolver<'_> {
     fn invertible_transform(&self, to_world: DAffine3, span: Span) -> Result<Transform, SceneError> {
         Transform::new(to_world).map_err(|e| {
             let culprit = self.transform_span.unwrap_or(span);
-            SceneError::at(
+            SceneError::at_span(
                 self.source,
                 culprit,
                 e.to_string(),
@@ -313,7 +313,7 @@ impl Resolver<'_> {
 
     /// Returns an error at a file's path.
     fn file_error(&self, path: &Spanned<String>, message: &impl ToString, help: &str) -> SceneError {
-        SceneError::at(self.source, path.span, message.to_string(), "named here", help)
+        SceneError::at_span(self.source, path.span, message.to_string(), "named here", help)
     }
 }
 

@@ -1,4 +1,4 @@
-//! FlipFilters of ꟻLIP: blur by contrast sensitivity, and detectors of edges and points.
+//! Filters of ꟻLIP: contrast sensitivity functions, and detectors of edges and points.
 
 use super::color::relative_luminance;
 use glam::DVec3;
@@ -116,7 +116,7 @@ impl RowFilter {
         }
     }
 
-    /// FlipFilters a row of the planes Y, Cx and Cz.
+    /// Computes one row of all filters from the `planes` Y, Cx and Cz.
     pub fn filter(&mut self, planes: &[Vec<f32>; 3], row: usize, filters: &FlipFilters) {
         let [(share, kernel), (other_share, other)] = &filters.blue_yellow;
         let padded = &mut self.padded;
@@ -161,7 +161,9 @@ fn feature_magnitude(across: f32, down: f32) -> f64 {
     scale * (a * a + d * d).sqrt()
 }
 
-/// FlipFilters one row of a plane vertically and horizontally. Border pixels are repeated outside.
+/// Filters one row of a plane vertically by `down` and horizontally by `across`.
+///
+/// Border pixels are repeated outside the picture.
 fn filter_row(plane: &[f32], row: usize, down: &[f32], across: &[f32], padded: &mut [f32], out: &mut [f32]) {
     let width = out.len();
     let height = plane.len() / width;

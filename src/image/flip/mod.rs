@@ -28,13 +28,14 @@ pub const PIXELS_PER_DEGREE_RANGE: std::ops::RangeInclusive<f64> = 1.0..=1000.0;
 /// Variant of ꟻLIP, which determines the tone mapping before the comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FlipMode {
-    /// Display values: radiance is multiplied by 2 to this power and clamped to [0, 1]. The
-    /// exposure is within ±[`MAX_EXPOSURE_STOPS`].
-    Ldr(f32),
-    /// A film curve at hdr_exposures about one stop apart; each pixel keeps its largest error.
+    /// LDR-ꟻLIP at one exposure \[stops], within ±[`MAX_EXPOSURE_STOPS`].
     ///
-    /// The first exposure maps the brightest pixel of the reference close to white, the last one
-    /// the median over pixels that are not black.
+    /// Radiance is multiplied by 2 to this power and clamped to \[0, 1].
+    Ldr(f32),
+    /// HDR-ꟻLIP: the largest error of each pixel over exposures about one stop apart.
+    ///
+    /// The first exposure maps the brightest pixel of the reference close to white. The last one
+    /// does so with the median of the pixels that are not black.
     Hdr,
 }
 

@@ -11,10 +11,9 @@ use crate::scene::{Interior, MediumSegment, PathEvent};
 use glam::DVec3;
 use rand::rngs::SmallRng;
 
-/// Advances `path` to its next vertex and adds to `radiance` what the media along the segment emit
-/// and scatter.
+/// Advances `path` to its next vertex. Adds emission and in-scattering of media to `radiance`.
 ///
-/// Returns the event that ends the segment, and the phase function of a scattering event.
+/// Returns the event at the vertex, and the phase function if it is a scattering event.
 pub(super) fn next_vertex<'a, I: Interior>(
     paths: &PathContext<'a>,
     path: &mut PathState<I>,
@@ -34,10 +33,10 @@ pub(super) fn next_vertex<'a, I: Interior>(
     (event, phase)
 }
 
-/// Adds the radiance from one segment of a medium; returns the distance at which the path scatters,
-/// if it does.
+/// Adds the radiance from one segment of a medium to `radiance`.
 ///
-/// `weight` is the factor on the throughput for all segments since the last vertex.
+/// Returns the distance at which the path scatters, if it does. `weight` collects the factors on
+/// the throughput of all segments since the last vertex.
 fn cross_medium<I: Interior>(
     paths: &PathContext<'_>,
     path: &PathState<I>,
@@ -49,7 +48,7 @@ fn cross_medium<I: Interior>(
 ) -> Option<f32> {
     let MediumSegment { medium, ray, .. } = segment;
     let policy = paths.policy;
-    let throughput = path.throughput * weight.as_vec3() * segment.left;
+    let throughput = path.throughput * weight.as_vec3() * segment.transmittance_before;
 
     // Add emission.
     if medium.emits() {
@@ -82,7 +81,7 @@ fn cross_medium<I: Interior>(
     None
 }
 
-/// Radiance that a segment scatters to its start from light that photons carried \[W/(m² sr)].
+/// Estimates the radiance that a segment scatters to its start from photon maps \[W/(m² sr)].
 fn photon_radiance<I: Interior>(
     paths: &PathContext<'_>,
     vertex: &MediumVertex<'_, I>,
@@ -100,12 +99,13 @@ fn photon_radiance<I: Interior>(
     }
 }
 
-/// Continues `path` from a scattering event in a sampled direction; false if Russian roulette ends
-/// it.
+/// Continues `path` from a scattering event in a sampled direction.
+///
+/// Returns false if Russian roulette ends the path.
 pub(super) fn scatter_in_medium<I: Interior>(path: &mut PathState<I>, phase: PhaseFunction) -> bool {
     let mut next = *path;
     let (direction, pdf) = phase.sample(next.path_ray.ray.direction, path.sampler.get_2d(Dimension::Phase));
-    next.path_ray.turn(direction);
+    next.path_ray.scatter_towards(direction);
     next.prev = Some(PrevVertex { p: next.path_ray.ray.origin, hemisphere: None, history: path.history, pdf });
     next.history = PathHistory { receivers: path.history.receivers + 1, casters: 0 };
     next.bounce += 1;

@@ -1,4 +1,4 @@
-//! Next-event estimation along a segment through a medium: single scattering.
+//! Next-event estimation in media: light that scatters once into a segment of a camera path.
 
 use super::{CENTER, NextEventEstimator, ShadowRayScheme, stratified_point};
 use crate::color::Rgb;
@@ -20,12 +20,12 @@ struct ScatterPoint {
 }
 
 impl NextEventEstimator<'_> {
-    /// Unbiased estimate of the radiance that a medium scatters from the lights to the start of a
-    /// segment \[W/(m² sr)].
+    /// Estimates the radiance of lights that a medium scatters to the start of a segment
+    /// \[W/(m² sr)].
     ///
-    /// `distance_sample` is where the path itself would scatter. If the path `continues` from
-    /// there, it may hit a light. The estimate is then weighted by the balance heuristic over
-    /// directions.
+    /// The estimate is unbiased. `distance_sample` is where the path itself scatters. If the path
+    /// `continues` from there, it may hit a light, so the estimate is weighted by the balance
+    /// heuristic over directions.
     pub fn estimate_in_medium<I: Interior>(
         &self,
         vertex: &MediumVertex<'_, I>,
@@ -71,8 +71,9 @@ impl NextEventEstimator<'_> {
         sum
     }
 
-    /// Contribution of one shadow ray from `point` to light `light`, which gets `rays` of them in
-    /// expectation.
+    /// Returns the contribution of one shadow ray from `point` to the light with index `light`.
+    ///
+    /// `rays` is the expected number of shadow rays to that light.
     #[expect(clippy::too_many_arguments, reason = "one call's inputs, all of different kinds")]
     fn shadow_ray_in_medium<I: Interior>(
         &self,
@@ -108,19 +109,20 @@ impl NextEventEstimator<'_> {
             worker.counters.shadow_rays += 1;
             if self.scene.occluded(&ray) {
                 return if self.has_null_interfaces {
-                    scattered * self.scene.shadow_transmittance(&ray, segment.inside, sampler.sample_key())
+                    scattered * self.scene.shadow_transmittance(&ray, segment.interior, sampler.sample_key())
                 } else {
                     Rgb::ZERO
                 };
             }
         }
         let ray = Ray { t_max, ..Ray::new(point.p, sample.wi) };
-        scattered * self.scene.interior_transmittance(&ray, &segment.inside, sampler.sample_key())
+        scattered * self.scene.interior_transmittance(&ray, &segment.interior, sampler.sample_key())
     }
 }
 
-/// Samples a scattering point in a homogeneous medium, in equal parts by transmittance and
-/// equiangularly around `pivot`.
+/// Samples a scattering point in a homogeneous medium near `pivot`, such as a point light.
+///
+/// Half of the samples follow the transmittance, the other half equiangular sampling.
 ///
 /// Equiangular sampling: Kulla and Fajardo 2012, "Importance Sampling Techniques for Path Tracing
 /// in Participating Media".
@@ -142,15 +144,15 @@ fn sample_near_pivot<I: Interior>(vertex: &MediumVertex<'_, I>, pivot: Vec3, sam
     Some(ScatterPoint { p: ray.at(t), weight: transmittance * medium.scattering / pdf })
 }
 
-/// Equiangular distribution of distances along a ray, as seen from a point.
+/// Distribution of distances along a ray that is uniform in the angle seen from a point.
 struct EquiangularDistribution {
-    /// Ray parameter of the position closest to the point \[length].
+    /// Ray parameter of the ray's position closest to the point \[length].
     closest: f32,
     /// Distance between ray and point \[length].
     distance: f32,
-    /// Angle of the start of the ray \[rad].
+    /// Angle from the closest position to the start of the ray, seen from the point \[rad].
     from: f32,
-    /// Angle of the end of the ray \[rad].
+    /// Angle from the closest position to the end of the ray, seen from the point \[rad].
     to: f32,
 }
 
@@ -164,12 +166,12 @@ impl EquiangularDistribution {
         Self { closest, distance, from: angle(0.0), to: angle(ray.t_max) }
     }
 
-    /// Distance for uniform `u` in \[0, 1) \[length].
+    /// Returns the distance along the ray for uniform `u` in \[0, 1) \[length].
     fn sample(&self, u: f32) -> f32 {
         self.closest + self.distance * libm::tanf(self.from + (self.to - self.from) * u)
     }
 
-    /// Pdf of distance `t` \[1/length].
+    /// Returns the pdf of distance `t` along the ray \[1/length].
     fn pdf(&self, t: f32) -> f32 {
         let x = (t - self.closest) / self.distance;
         let range = self.to - self.from;

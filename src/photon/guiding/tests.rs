@@ -87,7 +87,7 @@ fn pass_key(pass: u64) -> Key {
     Key::new(5).purpose_key(Purpose::Test).child_key(pass)
 }
 
-/// PassStatistics of passes and its variance.
+/// Sums over passes for a mean and a variance.
 #[derive(Clone, Copy, Default)]
 struct PassStatistics {
     n: f64,

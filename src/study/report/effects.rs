@@ -203,7 +203,7 @@ fn effect_article_html(finding: &EffectResult) -> Result<String, StudyError> {
 }
 
 fn omitted_effects_html(findings: &EffectStudyResult) -> String {
-    let off: Vec<_> = findings.plan.decisions.iter().filter(|d| !d.on).collect();
+    let off: Vec<_> = findings.plan.decisions.iter().filter(|d| !d.is_simulated).collect();
     if off.is_empty() {
         return String::new();
     }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::sampling::{Dimension, Key, Purpose};
 
-fn image(width: u32, height: u32) -> Image {
+fn test_image(width: u32, height: u32) -> Image {
     let pixel = |i: u32| {
         let u = Key::new(9).purpose_key(Purpose::Test).child_key(u64::from(i)).uniform_2d(Dimension::Film);
         Vec3::new(u.x, u.y, u.x * u.y)
@@ -17,8 +17,8 @@ fn image(width: u32, height: u32) -> Image {
 #[test]
 fn lookups_keep_the_mean_at_all_levels() {
     for (width, height) in [(8, 8), (7, 5), (1, 9), (13, 6)] {
-        for wrap in [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror] {
-            let picture = Picture::new(&image(width, height), wrap).unwrap();
+        for wrap in [WrapMode::Repeat, WrapMode::Clamp, WrapMode::Mirror] {
+            let picture = Picture::new(&test_image(width, height), wrap).unwrap();
             for (i, level) in picture.levels.iter().enumerate() {
                 let (columns, rows) = (2 * level.width, 2 * level.height);
                 let size =
@@ -46,7 +46,7 @@ fn pixels_have_their_positions_and_wrap() {
         let uv = DVec2::new((column + 0.5) / 3.0, 1.0 - (row + 0.5) / 2.0);
         f64::from(Picture::new(&image, wrap).unwrap().box_mean(uv, DVec2::ZERO).x)
     };
-    for wrap in [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror] {
+    for wrap in [WrapMode::Repeat, WrapMode::Clamp, WrapMode::Mirror] {
         for (row, line) in values.iter().enumerate() {
             for (column, value) in line.iter().enumerate() {
                 assert!((at(wrap, column as f64, row as f64) - f64::from(*value)).abs() < 1e-5);
@@ -55,7 +55,7 @@ fn pixels_have_their_positions_and_wrap() {
         assert!((at(wrap, 0.25, 0.5) - 1.75).abs() < 1e-5, "half way down, a quarter to the right");
     }
     for (wrap, beyond) in
-        [(Wrap::Repeat, [0.0, 2.0, 1.0]), (Wrap::Clamp, [2.0, 0.0, 2.0]), (Wrap::Mirror, [2.0, 0.0, 1.0])]
+        [(WrapMode::Repeat, [0.0, 2.0, 1.0]), (WrapMode::Clamp, [2.0, 0.0, 2.0]), (WrapMode::Mirror, [2.0, 0.0, 1.0])]
     {
         for (column, value) in [(3.0, beyond[0]), (-1.0, beyond[1]), (4.0, beyond[2])] {
             assert!((at(wrap, column, 0.0) - value).abs() < 1e-5, "{wrap:?} {column}");
@@ -69,7 +69,7 @@ fn negative_or_nonfinite_values_are_refused() {
     let with = |value: f32| {
         let mut pixels = vec![Vec3::ONE; 6];
         pixels[4].y = value;
-        Picture::new(&Image::from_pixels(3, 2, pixels).unwrap(), Wrap::Repeat).err()
+        Picture::new(&Image::from_pixels(3, 2, pixels).unwrap(), WrapMode::Repeat).err()
     };
     assert_eq!(with(0.0), None);
     assert_eq!(with(-1.0), Some(PictureError::Negative { x: 1, y: 1 }));

@@ -96,7 +96,7 @@ pub fn difference(scene: &Scene, how: &RenderSettings, forced: EffectOverrides) 
     let decisions: Vec<String> = planned
         .decisions
         .iter()
-        .map(|d| format!("  {:16} {} {}", d.effect, if d.on { "on " } else { "off" }, d.reason))
+        .map(|d| format!("  {:16} {} {}", d.effect, if d.is_simulated { "on " } else { "off" }, d.reason))
         .collect();
     Some(format!("{found}\n{how:?}\nforced: {forced:?}\n{}", decisions.join("\n")))
 }

@@ -17,7 +17,7 @@ const LOOKS: u32 = 16;
 
 /// Returns a message if the plan wrongly switches an effect off.
 pub fn plan_contradiction(sketch: &Sketch, scene: &Scene, plan: &Plan) -> Option<String> {
-    let off = plan.decisions.iter().filter(|d| !d.on);
+    let off = plan.decisions.iter().filter(|d| !d.is_simulated);
     let wrong = off.filter(|d| !is_true(sketch, scene, plan, d.reason));
     let wrong: Vec<String> = wrong.map(|d| format!("{} is off because {}", d.effect, d.reason)).collect();
     (!wrong.is_empty()).then(|| wrong.join("; "))
@@ -52,7 +52,7 @@ fn is_true(sketch: &Sketch, scene: &Scene, plan: &Plan, reason: Reason) -> bool 
             let soft = |l: &Light| l.is_object() || matches!(l.kind, LightKind::Environment);
             !any_emission && !sketch.lights.iter().any(|l| emits(l) && soft(l))
         }
-        Reason::NoSky => !sketch.lights.iter().any(|l| matches!(l.kind, LightKind::Environment)),
+        Reason::NoEnvironmentLight => !sketch.lights.iter().any(|l| matches!(l.kind, LightKind::Environment)),
         Reason::NoBody => sketch.filling.is_none() && !any(&is_body),
         Reason::NoMedium => media.iter().all(|stuff| *stuff == MediumSketch::Nothing),
         Reason::NoDispersion => !any(&|m| matches!(m, Material::Prism(_))),
@@ -64,16 +64,16 @@ fn is_true(sketch: &Sketch, scene: &Scene, plan: &Plan, reason: Reason) -> bool 
             !any(&textured) && !masks && !all.iter().any(|o| o.emission == DVec3::ZERO && panel(o))
         }
         Reason::NoBump => !any(&|m| matches!(m, Material::Bumpy(..))),
-        Reason::Without(other) => is_off(plan, other),
+        Reason::Requires(other) => is_off(plan, other),
         Reason::Objects(..)
         | Reason::Lights(..)
-        | Reason::Sky
-        | Reason::Crowded
+        | Reason::EnvironmentLight
+        | Reason::MayOcclude
         | Reason::Lens
         | Reason::Moving
         | Reason::Media(_)
-        | Reason::Filled
-        | Reason::NotOfAlgorithm => false,
+        | Reason::AmbientMedium
+        | Reason::UnsupportedByAlgorithm => false,
     }
 }
 
@@ -86,7 +86,7 @@ fn is_nothing(sketch: &Sketch, object: &Object) -> bool {
 }
 
 fn is_off(plan: &Plan, effect: Effect) -> bool {
-    plan.decisions.iter().any(|d| d.effect == effect && !d.on)
+    plan.decisions.iter().any(|d| d.effect == effect && !d.is_simulated)
 }
 
 impl Light {

@@ -73,7 +73,7 @@ fn picture(scene: &Scene, algorithm: Algorithm, effects: EffectOverrides) -> Pic
 }
 
 fn called_for(picture: &Picture) -> Effects {
-    let called = picture.decisions.iter().filter(|d| d.needed);
+    let called = picture.decisions.iter().filter(|d| d.is_needed);
     called.fold(Effects::NONE, |all, d| all.with(d.effect))
 }
 
@@ -86,7 +86,7 @@ fn disabling_needed_effect_changes_image() {
         for effect in algorithm.simulates().iter() {
             let without = picture(&scene, algorithm, EffectOverrides::PLANNED.without(effect));
             let decision = without.decisions.iter().find(|d| d.effect == effect).unwrap();
-            assert!(decision.is_forced() && !decision.on);
+            assert!(decision.is_forced() && !decision.is_simulated);
             assert!(planned.difference(&without).is_some(), "{} without {effect}", algorithm.name());
         }
     }
@@ -97,7 +97,7 @@ fn disabling_unneeded_effect_changes_nothing() {
     for scene in [matt(), dark(), disc()] {
         for algorithm in ALGORITHMS {
             let planned = picture(&scene, algorithm, EffectOverrides::PLANNED);
-            let off = planned.decisions.iter().filter(|d| !d.needed);
+            let off = planned.decisions.iter().filter(|d| !d.is_needed);
             assert!(algorithm == Algorithm::Raycast || off.clone().any(|d| algorithm.simulates().has(d.effect)));
             let overrides = off.fold(EffectOverrides::PLANNED, |overrides, d| overrides.without(d.effect));
             let without = picture(&scene, algorithm, overrides);

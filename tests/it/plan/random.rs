@@ -18,12 +18,12 @@ const OFF: [Reason; 13] = [
     Reason::BlackReceivers,
     Reason::OneFlatObject,
     Reason::NoSoftLight,
-    Reason::NoSky,
+    Reason::NoEnvironmentLight,
     Reason::NoBody,
     Reason::NoTexture,
     Reason::NoBump,
-    Reason::Without(Effect::Caustics),
-    Reason::Without(Effect::Interreflection),
+    Reason::Requires(Effect::Caustics),
+    Reason::Requires(Effect::Interreflection),
 ];
 
 fn seeds(usual: u64) -> std::ops::Range<u64> {
@@ -48,7 +48,7 @@ fn random_plans_match_scene_contents() {
         let plan = Plan::new(&scene, Effects::ALL, EffectOverrides::PLANNED);
         wrong.extend(judge::plan_contradiction(&sketch, &scene, &plan).map(|o| format!("seed {seed}: {o}\n{text}")));
         for decision in &plan.decisions {
-            if decision.on {
+            if decision.is_simulated {
                 on = on.with(decision.effect);
             } else {
                 reasons.push(discriminant(&decision.reason));
@@ -75,7 +75,7 @@ fn adding_objects_removes_no_effect() {
             continue;
         }
         for (before, after) in before.decisions.iter().zip(&after.decisions) {
-            if before.on && !after.on {
+            if before.is_simulated && !after.is_simulated {
                 wrong.push(format!("seed {seed}: {}: {}\n{}", before.effect, after.reason, more.text()));
             }
         }
@@ -101,7 +101,7 @@ const PHOTONS: [Algorithm; 4] = [Algorithm::Hybrid, Algorithm::Pm, Algorithm::Sp
 
 /// Returns overrides that force all effects, or one that the scene does not need.
 fn forced(r: &mut Random, plan: &Plan) -> EffectOverrides {
-    let off: Vec<Effect> = plan.decisions.iter().filter(|d| !d.on).map(|d| d.effect).collect();
+    let off: Vec<Effect> = plan.decisions.iter().filter(|d| !d.is_simulated).map(|d| d.effect).collect();
     if off.is_empty() || r.chance(0.6) { EffectOverrides::ALL } else { EffectOverrides::PLANNED.with(r.pick(&off)) }
 }
 

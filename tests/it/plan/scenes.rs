@@ -100,7 +100,7 @@ fn course_plans_match_scene_text() {
                 let there = needs.is_none_or(|words| words.iter().any(|w| text.contains(w)));
                 let expected = there && algorithm.simulates().has(decision.effect);
                 let name = path.file_name().unwrap().to_string_lossy();
-                assert_eq!(decision.on, expected, "{name}, {}: {}", algorithm.name(), decision.effect);
+                assert_eq!(decision.is_simulated, expected, "{name}, {}: {}", algorithm.name(), decision.effect);
             }
         }
     }

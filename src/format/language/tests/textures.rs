@@ -3,7 +3,7 @@
 use super::*;
 use crate::format::description::{
     EmissionDescription, NormalPerturbationDescription, PictureEncoding, SolidPatternDescription,
-    TexcoordTransformDescription, TextureKindDescription, TexturedValue, Wrap,
+    TexcoordTransformDescription, TextureKindDescription, TexturedValue, WrapMode,
 };
 use glam::DVec2;
 
@@ -22,7 +22,7 @@ fn textures_read_all_their_fields() {
         TexcoordTransformDescription { scale: DVec2::new(2.0, -3.0), rotate: 90.0, offset: DVec2::new(0.5, 1.0) };
     let path = spanned_name("dir/a.png");
     let kind =
-        TextureKindDescription::Image { path, encoding: PictureEncoding::Linear, wrap: Wrap::Mirror, coordinates };
+        TextureKindDescription::Image { path, encoding: PictureEncoding::Linear, wrap: WrapMode::Mirror, coordinates };
     assert_eq!((a.name.as_str(), &a.kind), ("a b", &kind));
     let colors = [DVec3::new(1.0, 2.0, 3.0), DVec3::ONE];
     assert_eq!(

@@ -1,5 +1,6 @@
 //! Damaged meshes and their repair.
 
+use super::super::normals::face_normal;
 use super::super::{MeshRepairs, MeshReport};
 use super::*;
 
@@ -116,7 +117,7 @@ fn only_wrong_normals_are_flipped() {
     wound.triangles.iter_mut().for_each(|t| t.swap(0, 1));
     assert_eq!(wound.orient_outward(), right.triangles.len());
     for (t, p) in wound.triangles.iter().zip(&right.triangles) {
-        assert!(wound.face_normal(*t).dot(right.face_normal(*p)) > 0.999);
+        assert!(face_normal(&wound, *t).dot(face_normal(&right, *p)) > 0.999);
     }
     let sides = |mesh: &TriangleMesh| {
         let normals = mesh.normals.clone().unwrap();

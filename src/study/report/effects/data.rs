@@ -35,7 +35,7 @@ pub fn csv(findings: &EffectStudyResult) -> String {
             |of: &dyn Fn(&EffectResult) -> Option<f64>| found.and_then(of).map_or(String::new(), |v| v.to_string());
         table += &csv_row(&[
             decision.effect.to_string(),
-            decision.on.to_string(),
+            decision.is_simulated.to_string(),
             decision.is_forced().to_string(),
             decision.reason.to_string(),
             number_cell(&|f| Some(f.cost.seconds)),
@@ -89,7 +89,7 @@ pub fn markdown(about: &ReportContext, findings: &EffectStudyResult) -> String {
     let heads =
         ["effect", "ms per pass", "time ratio", "rays per pass", "gathered photons", "changes", "adds", "takes"];
     text += &markdown_table(&heads, &rows);
-    for decision in findings.plan.decisions.iter().filter(|d| !d.on) {
+    for decision in findings.plan.decisions.iter().filter(|d| !d.is_simulated) {
         let state = if decision.is_forced() { "forced off, though " } else { "off: " };
         text += &format!("\n- {}: {state}{}", decision.effect, escape_markdown(&decision.reason.to_string()));
     }

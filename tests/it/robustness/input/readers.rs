@@ -8,7 +8,7 @@ use caustica::image::{PictureContent, decode};
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings, Silent};
 use caustica::light::EnvironmentLight;
 use caustica::scene::Scene;
-use caustica::texture::{Picture, Wrap};
+use caustica::texture::{Picture, WrapMode};
 use glam::Vec3;
 use std::path::Path;
 
@@ -122,7 +122,7 @@ pub fn picture(bytes: &[u8]) {
             Ok((image, _)) => {
                 // Large images take long and reveal no more.
                 if image.pixels().len() <= 1 << 16 {
-                    let _ = Picture::new(&image, Wrap::Repeat);
+                    let _ = Picture::new(&image, WrapMode::Repeat);
                     let _ = EnvironmentLight::new(image, 0.3, Vec3::ONE);
                 }
             }
