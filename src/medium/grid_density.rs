@@ -149,7 +149,7 @@ impl GridDensity {
 
     /// Memory of the grid \[bytes].
     #[must_use]
-    pub fn memory(&self) -> usize {
+    pub fn memory_bytes(&self) -> usize {
         size_of::<GridData>() + size_of::<f32>() * (self.grid.values.len() + self.grid.majorants.len())
     }
 

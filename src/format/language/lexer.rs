@@ -33,7 +33,7 @@ pub(super) struct Lexer<'a> {
 }
 
 impl<'a> Lexer<'a> {
-    /// Returns a lexer behind the byte order mark of `text`, if it has one.
+    /// Returns a lexer at the start of `text`, after its byte order mark if it has one.
     pub fn new(name: &'a str, text: &'a str) -> Self {
         let position = if text.starts_with('\u{feff}') { 3 } else { 0 };
         Self { name, text, position }

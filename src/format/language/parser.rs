@@ -20,7 +20,7 @@ pub(super) struct Parser<'a> {
     open_blocks: Vec<Token<'a>>,
     /// Number of `Group`, `Transform` and `Moving` blocks around the current position.
     nesting_depth: usize,
-    /// Number of blocks that were parsed to their end.
+    /// Number of blocks parsed to their end since the start of the text.
     closed_blocks: usize,
     /// True if the text ended inside a block.
     has_unclosed_block: bool,
