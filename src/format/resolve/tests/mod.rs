@@ -33,7 +33,7 @@ fn resolve_error(text: &str) -> SceneError {
 /// Returns the first surface that a ray hits, and the hit point in file coordinates.
 fn visible_surface(scene: &Scene, origin: DVec3, direction: Vec3) -> Option<(SurfaceInteraction<'_>, DVec3)> {
     let ray = Ray::new((origin - scene.origin()).as_vec3(), direction);
-    let surface = scene.interaction(&ray, &scene.intersect(&ray)?, &RayCone::zero_width(Effects::ALL), || 0.0);
+    let surface = scene.surface_interaction(&ray, &scene.intersect(&ray)?, &RayCone::zero_width(Effects::ALL), || 0.0);
     Some((surface, surface.point.p.as_dvec3() + scene.origin()))
 }
 
@@ -329,10 +329,10 @@ fn the_camera_has_the_given_direction() {
         let camera = scene.camera();
         assert_eq!((camera.size(), scene.background()), ((30, 20), vec3(1.0, 2.0, 3.0)));
         assert!((camera.center() + scene.origin() - dvec3(2.0, 2.0, 3.0)).length() < 1e-12);
-        let middle = camera.ray(glam::vec2(15.0, 10.0), None).direction;
+        let middle = camera.generate_ray(glam::vec2(15.0, 10.0), None).direction;
         assert!(is_close(middle, vec3(-1.0, -2.0, -3.0).normalize()), "{middle}");
         // `up` appears upward.
-        assert!(camera.ray(glam::vec2(15.0, 0.0), None).direction.z > middle.z);
+        assert!(camera.generate_ray(glam::vec2(15.0, 0.0), None).direction.z > middle.z);
     }
     // The parser refuses an `up` along the view; a description may be changed after it.
     let text = format!("{CAMERA}Group {{ }}");
