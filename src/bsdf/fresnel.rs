@@ -94,8 +94,8 @@ pub struct Refraction {
 
 /// Refracts unit direction `wo` at a smooth interface by Snell's law.
 ///
-/// `wo` points away from the interface, on the side of the normal `n`. `eta` is the refractive index
-/// of the far side over that of the side of `wo`.
+/// `wo` points away from the interface, on the side of the normal `n`. `eta` is the refractive
+/// index of the far side over that of the side of `wo`.
 #[inline]
 #[must_use]
 pub fn refract(wo: Vec3, n: Vec3, eta: f32) -> Refraction {

@@ -3,8 +3,8 @@
 //! Roughness α is the parameter of the distribution, not its square root. Computations are f64,
 //! because a lobe at α = 10⁻³ is only some 10⁴ rounding errors of f32 directions wide.
 //!
-//! Unit vectors `wo` and `wi` point away from the surface. `n` is the macroscopic normal on the side
-//! of `wo`.
+//! Unit vectors `wo` and `wi` point away from the surface. `n` is the macroscopic normal on the
+//! side of `wo`.
 
 use crate::math::{Frame, sin_cos_turns};
 use glam::{DVec3, Vec2, Vec3};

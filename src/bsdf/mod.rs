@@ -1,8 +1,8 @@
 //! Bidirectional scattering distribution functions (BSDFs).
 //!
-//! Directions are unit vectors in world space that point away from the surface: `wo` to the previous
-//! vertex of the path, `wi` to the next one. `ns` is the shading normal, `ng` the geometric normal.
-//! Both normals are on the outer side of the surface.
+//! Directions are unit vectors in world space that point away from the surface: `wo` to the
+//! previous vertex of the path, `wi` to the next one. `ns` is the shading normal, `ng` the
+//! geometric normal. Both normals are on the outer side of the surface.
 
 mod adjoint;
 mod conductor;
@@ -56,8 +56,8 @@ pub enum TransportMode {
 pub struct BsdfSample {
     /// Unit direction in which the path continues.
     pub wi: Vec3,
-    /// f(wo, wi)·|cosθ|/pdf. For a delta lobe: its reflectance or transmittance over the probability
-    /// of its choice.
+    /// f(wo, wi)·|cosθ|/pdf. For a delta lobe: its reflectance or transmittance over the
+    /// probability of its choice.
     pub weight: Rgb,
     /// Solid-angle pdf of `wi` \[1/sr], equal to [`Bsdf::pdf`]; 0 for a delta lobe.
     pub pdf: f32,
@@ -88,8 +88,9 @@ impl BsdfSample {
 /// The BSDF at one point of a surface.
 ///
 /// A BSDF that is not black either stores photons ([`stores_photons`](Self::stores_photons)) or
-/// casts caustics ([`casts_caustics`](Self::casts_caustics)), never both. A BSDF that stores photons
-/// has no delta lobe, because neither photons nor caustics would carry the light of that lobe.
+/// casts caustics ([`casts_caustics`](Self::casts_caustics)), never both. A BSDF that stores
+/// photons has no delta lobe, because neither photons nor caustics would carry the light of that
+/// lobe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bsdf {
     /// A surface that absorbs all light.
@@ -113,8 +114,9 @@ pub enum Bsdf {
 impl Bsdf {
     /// Creates a dielectric interface with roughness `alpha` in \[0, 1].
     ///
-    /// `eta` is the refractive index of the inside over that of the outside. The interface is smooth
-    /// if `alpha` is below [`SMOOTH_ALPHA`], or if `eta` is so near to 1 that roughness has no effect.
+    /// `eta` is the refractive index of the inside over that of the outside. The interface is
+    /// smooth if `alpha` is below [`SMOOTH_ALPHA`], or if `eta` is so near to 1 that roughness has
+    /// no effect.
     #[must_use]
     pub fn dielectric(eta: f32, alpha: f32) -> Self {
         if alpha < SMOOTH_ALPHA || alpha * (eta - 1.0).abs() < MIN_LOBE_WIDTH {
@@ -230,9 +232,9 @@ impl Bsdf {
     /// True if photons are stored on the surface, for density estimates that evaluate this BSDF.
     ///
     /// Diffuse and Phong BSDFs store photons, and so do conductors rougher than
-    /// [`PHOTON_STORAGE_ALPHA`]. On smoother conductors, few photons fall into the lobe, so sampling
-    /// the BSDF has less noise. Dielectrics store none, because an estimate would blur the objects
-    /// behind them.
+    /// [`PHOTON_STORAGE_ALPHA`]. On smoother conductors, few photons fall into the lobe, so
+    /// sampling the BSDF has less noise. Dielectrics store none, because an estimate would blur the
+    /// objects behind them.
     #[inline]
     #[must_use]
     pub fn stores_photons(&self) -> bool {
@@ -250,8 +252,8 @@ impl Bsdf {
     /// True if the surface is a *caster*: light that it scatters to a surface that stores photons
     /// belongs to the caustic map.
     ///
-    /// Casters are mirrors, thin sheets, dielectrics of any roughness, and conductors of roughness α
-    /// up to [`PHOTON_STORAGE_ALPHA`].
+    /// Casters are mirrors, thin sheets, dielectrics of any roughness, and conductors of roughness
+    /// α up to [`PHOTON_STORAGE_ALPHA`].
     #[inline]
     #[must_use]
     pub fn casts_caustics(&self) -> bool {

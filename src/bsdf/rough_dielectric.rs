@@ -9,8 +9,8 @@ use glam::{DVec3, Vec2, Vec3};
 /// A rough interface between two transparent media, with GGX microfacets (Walter et al. 2007).
 ///
 /// The normal points to the outside. Multiple scattering between microfacets is lost. At index 1.5
-/// and normal incidence, the loss is 0.1 % from outside and 1.2 % from inside for α = 0.1. It is 3.2
-/// and 25 % for α = 0.5, and 11 and 58 % for α = 1.
+/// and normal incidence, the loss is 0.1 % from outside and 1.2 % from inside for α = 0.1. It is
+/// 3.2 and 25 % for α = 0.5, and 11 and 58 % for α = 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoughDielectric {
     /// Refractive index of the inside over that of the outside.
@@ -51,8 +51,8 @@ impl RoughDielectric {
 
     /// Scattering from `i` to `o` by microfacets; `None` if no microfacet refracts `i` to `o`.
     ///
-    /// `eta` is the refractive index of the far side over that of the side of `o`, which is the side
-    /// of `n`.
+    /// `eta` is the refractive index of the far side over that of the side of `o`, which is the
+    /// side of `n`.
     #[inline]
     fn facet_scattering(&self, o: DVec3, i: DVec3, n: DVec3, eta: f64) -> Option<FacetScattering> {
         let ggx = Ggx::new(self.alpha);
@@ -94,8 +94,8 @@ impl RoughDielectric {
 
     /// Samples a visible microfacet by `u`, then reflection or refraction by `lobe`.
     ///
-    /// `n` is on the side of `wo`. Returns `None` if the microfacet reflects through the surface, or
-    /// refracts to the side of `wo`.
+    /// `n` is on the side of `wo`. Returns `None` if the microfacet reflects through the surface,
+    /// or refracts to the side of `wo`.
     #[inline]
     pub(super) fn sample(
         &self,

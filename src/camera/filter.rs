@@ -1,29 +1,28 @@
 //! Pixel reconstruction filters.
 //!
-//! Offsets are sampled in proportion to the absolute weight, so all samples have the same weight or
-//! its negative.
+//! Offsets from the pixel center are sampled with a pdf proportional to the absolute filter value.
+//! So all samples have one weight, or its negative.
 
 use glam::Vec2;
 use std::str::FromStr;
 
-/// Kinds of reconstruction filters.
+/// The kind of a pixel reconstruction filter. Radii are in pixels, along each axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum FilterKind {
-    /// Constant over one pixel.
+    /// Box filter of radius ½.
     Box,
-    /// Tent of radius one pixel.
+    /// Tent filter of radius 1.
     Tent,
-    /// Gaussian with a standard deviation of ½ pixel, cut off at 1½ pixels.
+    /// Gaussian filter with standard deviation ½ and radius 1½.
     Gaussian,
-    /// Four-term Blackman–Harris window with a radius of 1½ pixels (Harris 1978).
+    /// Four-term Blackman–Harris window of radius 1½ (Harris 1978).
     #[default]
     BlackmanHarris,
-    /// Cubic of Mitchell and Netravali 1988 with B = C = ⅓ and a radius of two pixels. It is
-    /// sharper, and negative at its rim.
+    /// Cubic filter of Mitchell and Netravali 1988 with B = C = ⅓ and radius 2; partly negative.
     Mitchell,
 }
 
-/// The name is not that of a filter.
+/// The error of parsing a name that is not the name of a filter.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown filter `{0}`: use box, tent, gaussian, blackman-harris or mitchell")]
 pub struct UnknownFilter(String);
@@ -54,7 +53,7 @@ impl FilterKind {
         }
     }
 
-    /// Unnormalised weight at a distance of `x` pixels.
+    /// Unnormalized filter value at a distance of `x` pixels along one axis.
     #[must_use]
     pub fn weight(self, x: f64) -> f64 {
         match self {
@@ -78,38 +77,38 @@ impl FilterKind {
     }
 }
 
-/// Intervals of the quantile table.
+/// Number of intervals of the quantile table.
 const CELLS: usize = 1024;
 
-/// A separable filter, tabulated for sampling.
+/// A separable reconstruction filter, with a table for importance sampling.
 #[derive(Clone, Debug)]
 pub struct Filter {
-    /// Offsets at equal steps of the cumulative absolute weight.
+    /// Offsets \[pixels] at equal steps of the cumulative absolute filter value.
     quantiles: [f32; CELLS + 1],
-    /// Offset beyond which the weight is negative \[pixels]; infinite for a non-negative filter.
-    negative_from: f32,
-    /// Integral of the absolute weight over the integral of the weight, in one dimension.
+    /// Offset \[pixels] beyond which the filter is negative; infinite for a non-negative filter.
+    negative_beyond: f32,
+    /// Integral of the absolute filter value over the integral of the filter, in one dimension.
     absolute_over_signed: f32,
 }
 
-/// A sampled film offset.
+/// A sampled offset from the pixel center.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilterSample {
     /// Offset from the pixel center \[pixels].
     pub offset: Vec2,
-    /// Weight of the sample; 1 for non-negative filters, else 1 in the mean.
+    /// Weight of the sample: 1 for non-negative filters, else 1 on average.
     pub weight: f32,
 }
 
 impl Filter {
-    /// Tabulates the inverse of the cumulative absolute weight.
+    /// Creates a filter with its sampling table.
     #[must_use]
     pub fn new(kind: FilterKind) -> Self {
         const STEPS: usize = 4096;
         let radius = kind.radius();
         let at = |i: usize| radius * (2.0 * (i as f64) / STEPS as f64 - 1.0);
         let mut cumulative = vec![0.0; STEPS + 1];
-        let (mut signed, mut negative_from) = (0.0, f64::INFINITY);
+        let (mut signed, mut negative_beyond) = (0.0, f64::INFINITY);
         for i in 0..STEPS {
             let center = 0.5 * (at(i) + at(i + 1));
             let weight = kind.weight(center);
@@ -117,11 +116,11 @@ impl Filter {
             cumulative[i + 1] = cumulative[i] + weight.abs();
             // All filters are positive in the middle, and change sign at most once on each side.
             if weight < 0.0 && center > 0.0 {
-                negative_from = negative_from.min(at(i));
+                negative_beyond = negative_beyond.min(at(i));
             }
         }
         let total = cumulative[STEPS];
-        let absolute_over_signed = if negative_from.is_finite() { (total / signed) as f32 } else { 1.0 };
+        let absolute_over_signed = if negative_beyond.is_finite() { (total / signed) as f32 } else { 1.0 };
         let quantiles = std::array::from_fn(|q| {
             let target = total * q as f64 / CELLS as f64;
             let i = cumulative.partition_point(|c| *c < target).clamp(1, STEPS);
@@ -129,26 +128,28 @@ impl Filter {
             let part = if hi > lo { (target - lo) / (hi - lo) } else { 0.0 };
             (at(i - 1) + (at(i) - at(i - 1)) * part) as f32
         });
-        Self { quantiles, negative_from: negative_from as f32, absolute_over_signed }
+        Self { quantiles, negative_beyond: negative_beyond as f32, absolute_over_signed }
     }
 
-    /// True if parts of the filter are negative.
+    /// True if the filter is negative somewhere.
     #[must_use]
     pub fn is_signed(&self) -> bool {
-        self.negative_from.is_finite()
+        self.negative_beyond.is_finite()
     }
 
-    /// Samples an offset for `u` in \[0, 1)².
+    /// Samples an offset by `u` in \[0, 1)².
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> FilterSample {
         let offset = Vec2::new(self.sample_filter_quantile(u.x), self.sample_filter_quantile(u.y));
-        let sign =
-            |x: f32| if x.abs() < self.negative_from { self.absolute_over_signed } else { -self.absolute_over_signed };
+        let sign = |x: f32| {
+            if x.abs() < self.negative_beyond { self.absolute_over_signed } else { -self.absolute_over_signed }
+        };
         let weight = if self.is_signed() { sign(offset.x) * sign(offset.y) } else { 1.0 };
         FilterSample { offset, weight }
     }
 
+    /// Samples an offset along one axis \[pixels] by `u` in \[0, 1).
     #[inline]
     fn sample_filter_quantile(&self, u: f32) -> f32 {
         let x = u * CELLS as f32;

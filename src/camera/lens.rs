@@ -4,28 +4,31 @@ use crate::math::warp;
 use glam::Vec2;
 use std::f32::consts::TAU;
 
-/// A thin lens: rays from a point of the focal plane converge in one image point (Pharr, Jakob,
-/// Humphreys 2023, section 5.2.3).
+/// A thin lens, which blurs objects outside the focal plane (Pharr, Jakob, Humphreys 2023, section
+/// 5.2.3).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lens {
     /// Radius of the aperture \[length].
     pub radius: f64,
-    /// Distance of the focal plane along the viewing direction \[length].
+    /// Distance from the lens to the focal plane, along the viewing direction \[length].
     pub focus: f64,
-    /// Number of aperture blades: edges of a regular polygon with its corners at `radius`. Fewer
-    /// than three give a round aperture.
+    /// Number of edges of the aperture, a regular polygon with its corners at `radius`.
+    ///
+    /// If there are fewer than three, the aperture is a disc.
     pub blades: u32,
 }
 
 impl Lens {
-    /// Samples a point of the aperture uniformly by area, for `u` in \[0, 1)². Coordinates are
-    /// right and up from the center \[length]. A corner of the polygon points up.
+    /// Samples a point of the aperture uniformly by area, by `u` in \[0, 1)².
+    ///
+    /// Coordinates are right and up from the lens center \[length]. One corner of a polygon points
+    /// up.
     #[inline]
     pub(super) fn sample(&self, u: Vec2) -> glam::DVec2 {
         self.radius * self.sample_unit_aperture(u).as_dvec2()
     }
 
-    /// Samples a point of the aperture of radius 1.
+    /// Samples a point of the aperture, scaled to radius 1.
     fn sample_unit_aperture(&self, u: Vec2) -> Vec2 {
         if self.blades < 3 {
             return warp::square_to_uniform_disc(u);

@@ -1,4 +1,4 @@
-//! Cameras and reconstruction filters.
+//! Cameras, lenses and pixel reconstruction filters.
 
 mod filter;
 mod lens;
@@ -9,40 +9,43 @@ pub use lens::Lens;
 use crate::math::{Ray, Transform};
 use glam::{DVec3, Vec2};
 
-/// A camera: maps film points to rays.
+/// A camera, which maps points of the image to rays in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     center: DVec3,
     forward: DVec3,
-    /// Vectors of one pixel to the right and up, in the plane at distance 1. Unit vectors for a
-    /// panorama.
+    /// Direction of the right side of the image, with length `pixel_size`.
     right: DVec3,
+    /// Direction of the top of the image, with length `pixel_size`.
     up: DVec3,
-    /// Length of `right` and of `up`.
-    pixel: f64,
+    /// Width of a pixel, in the plane at distance 1 for a perspective camera; 1 for a panorama.
+    pixel_size: f64,
     projection: Projection,
     width: u32,
     height: u32,
 }
 
+/// The kind of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Projection {
-    /// Through a pinhole, or through a lens.
+    /// Rays through a pinhole (`None`), or through a lens.
     Perspective(Option<Lens>),
     /// Parallel rays.
     Orthographic,
-    /// All directions: longitude across, latitude down.
+    /// Rays in all directions: longitude across the image, latitude down.
     Panorama,
 }
 
-/// The up vector is parallel to the viewing direction, or one of them is zero.
+/// The error that the up vector is parallel to the viewing direction, or one of them is zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the up vector is parallel to the viewing direction: choose another one")]
 pub struct DegenerateUpVector;
 
 impl Camera {
-    /// A pinhole camera at `center` with the full vertical angle of view `angle` \[radians] and an
-    /// image of `width` × `height` pixels.
+    /// Creates a pinhole camera at `center` that looks along `direction`.
+    ///
+    /// `angle` is the full vertical angle of view \[radians]. The image has `width` × `height`
+    /// pixels, and its top is towards `up`.
     ///
     /// # Errors
     /// [`DegenerateUpVector`] if `direction × up` vanishes.
@@ -54,12 +57,14 @@ impl Camera {
         width: u32,
         height: u32,
     ) -> Result<Self, DegenerateUpVector> {
-        let pixel = 2.0 * libm::tan(0.5 * angle) / f64::from(height);
-        Self::new(center, direction, up, pixel, Projection::Perspective(None), (width, height))
+        let pixel_size = 2.0 * libm::tan(0.5 * angle) / f64::from(height);
+        Self::new(center, direction, up, pixel_size, Projection::Perspective(None), (width, height))
     }
 
-    /// An orthographic camera: rays start in the plane through `center` and run along `direction`.
-    /// The image shows `size` from top to bottom \[length].
+    /// Creates an orthographic camera, whose rays start in a plane through `center` and run along
+    /// `direction`.
+    ///
+    /// `size` is the height of the image in the scene \[length].
     ///
     /// # Errors
     /// [`DegenerateUpVector`] if `direction × up` vanishes.
@@ -74,9 +79,10 @@ impl Camera {
         Self::new(center, direction, up, size / f64::from(height), Projection::Orthographic, (width, height))
     }
 
-    /// A panoramic camera at `center` that covers all directions. Longitude runs across the image,
-    /// with `direction` in the center. Latitude runs from `up` at the top to its opposite; `up` is
-    /// first made perpendicular to `direction`.
+    /// Creates a camera at `center` whose equirectangular image covers all directions.
+    ///
+    /// `direction` is at the center of the image. The top of the image is `up`, made perpendicular
+    /// to `direction`.
     ///
     /// # Errors
     /// [`DegenerateUpVector`] if `direction × up` vanishes.
@@ -94,7 +100,7 @@ impl Camera {
         center: DVec3,
         direction: DVec3,
         up: DVec3,
-        pixel: f64,
+        pixel_size: f64,
         projection: Projection,
         (width, height): (u32, u32),
     ) -> Result<Self, DegenerateUpVector> {
@@ -105,11 +111,11 @@ impl Camera {
             return Err(DegenerateUpVector);
         }
         let right = right.normalize();
-        let up = right.cross(forward) * pixel;
-        Ok(Self { center, forward, right: right * pixel, up, pixel, projection, width, height })
+        let up = right.cross(forward) * pixel_size;
+        Ok(Self { center, forward, right: right * pixel_size, up, pixel_size, projection, width, height })
     }
 
-    /// The camera with a lens, if it is a perspective one. An aperture of radius 0 is a pinhole.
+    /// Copy with a lens if this is a perspective camera. A lens of radius 0 is a pinhole.
     #[must_use]
     pub fn with_lens(self, lens: Lens) -> Self {
         match self.projection {
@@ -129,31 +135,31 @@ impl Camera {
         }
     }
 
-    /// True if all rays start at the center, or at a lens around it.
+    /// True if all rays start at the center or at a lens around it.
     #[must_use]
     pub fn has_single_viewpoint(&self) -> bool {
         self.projection != Projection::Orthographic
     }
 
-    /// Image size (width, height) \[pixels].
+    /// Width and height of the image \[pixels].
     #[must_use]
     pub fn size(&self) -> (u32, u32) {
         (self.width, self.height)
     }
 
-    /// Position of the pinhole or of the lens center; for an orthographic camera, of the image
-    /// center.
+    /// World-space position of the pinhole or lens center. For an orthographic camera: the origin
+    /// of the ray through the image center.
     #[must_use]
     pub fn center(&self) -> DVec3 {
         self.center
     }
 
-    /// Width of a pixel footprint at the ray origin \[length], and its growth per length along the
-    /// ray.
+    /// Width of a pixel's footprint at the ray origin \[length], and the increase of the width per
+    /// length along the ray.
     #[inline]
     #[must_use]
-    pub fn pixel(&self) -> (f32, f32) {
-        let size = self.pixel as f32;
+    pub fn pixel_footprint(&self) -> (f32, f32) {
+        let size = self.pixel_size as f32;
         match self.projection {
             Projection::Perspective(_) => (0.0, size),
             Projection::Orthographic => (size, 0.0),
@@ -161,15 +167,15 @@ impl Camera {
         }
     }
 
-    /// The camera translated by `by`.
+    /// Copy translated by `by`.
     #[must_use]
     pub fn translated(self, by: DVec3) -> Self {
         Self { center: self.center + by, ..self }
     }
 
-    /// The camera under a rigid map.
+    /// Copy under the rigid map `map`.
     #[must_use]
-    pub fn moved(self, map: &Transform) -> Self {
+    pub fn transformed(self, map: &Transform) -> Self {
         let Self { center, forward, right, up, .. } = self;
         Self {
             center: map.transform_point(center),
@@ -180,16 +186,18 @@ impl Camera {
         }
     }
 
-    /// The ray of unit direction through image point `p`, in pixels from the top left. It starts at
-    /// the lens sample `lens` in \[0, 1)², or at the lens center.
+    /// Generates the ray through image point `p`, in pixels from the top left corner.
+    ///
+    /// The ray has a unit direction. It starts at the lens point sampled by `lens` in \[0, 1)², or
+    /// at the lens center for `None`.
     #[inline]
     #[must_use]
-    pub fn ray(&self, p: Vec2, lens: Option<Vec2>) -> Ray {
+    pub fn generate_ray(&self, p: Vec2, lens: Option<Vec2>) -> Ray {
         let x = f64::from(p.x) - 0.5 * f64::from(self.width);
         let y = 0.5 * f64::from(self.height) - f64::from(p.y);
         match (self.projection, lens) {
             (Projection::Perspective(Some(thin)), Some(u)) => {
-                let on_lens = thin.sample(u) / self.pixel;
+                let on_lens = thin.sample(u) / self.pixel_size;
                 let offset = self.right * on_lens.x + self.up * on_lens.y;
                 // Relative to the center: a small aperture with near focus would lose its digits in
                 // world coordinates.

@@ -8,7 +8,7 @@ fn wide() -> Camera {
 }
 
 fn assert_direction(camera: &Camera, p: Vec2, d: Vec3) {
-    let direction = camera.ray(p, None).direction;
+    let direction = camera.generate_ray(p, None).direction;
     assert!((direction - d.normalize()).length() < 1e-6, "{p}: {direction}");
 }
 
@@ -37,7 +37,7 @@ fn orthographic_rays_start_one_pixel_apart() {
         (Vec2::new(0.0, 0.0), Vec3::new(-2.0, 1.0, 1.0)),
     ] {
         assert_direction(&c, p, Vec3::NEG_Z);
-        assert_eq!(c.ray(p, None).origin, start);
+        assert_eq!(c.generate_ray(p, None).origin, start);
     }
 }
 
@@ -61,12 +61,12 @@ fn lens_rays_converge_in_the_focal_plane() {
     let lens = Lens { radius: 0.3, focus: 4.0, blades: 0 };
     let (open, shut) = (wide().with_lens(lens), wide().with_lens(Lens { radius: 0.0, ..lens }));
     for p in [Vec2::new(200.0, 100.0), Vec2::new(17.0, 3.0)] {
-        let through_middle = wide().ray(p, None);
-        assert_eq!(open.ray(p, None), through_middle);
+        let through_middle = wide().generate_ray(p, None);
+        assert_eq!(open.generate_ray(p, None), through_middle);
         let in_focus = through_middle.at(4.0 / -through_middle.direction.z);
         for u in [Vec2::new(0.1, 0.9), Vec2::new(0.7, 0.3)] {
-            assert_eq!(shut.ray(p, Some(u)), through_middle);
-            let ray = open.ray(p, Some(u));
+            assert_eq!(shut.generate_ray(p, Some(u)), through_middle);
+            let ray = open.generate_ray(p, Some(u));
             assert!(ray.origin.length() <= 0.3 && ray.origin != Vec3::ZERO);
             assert!((ray.at(4.0 / -ray.direction.z) - in_focus).length() < 1e-5);
         }
@@ -77,7 +77,7 @@ fn lens_rays_converge_in_the_focal_plane() {
 fn moved_camera_starts_rays_at_its_new_position() {
     let turn = DAffine3::from_quat(glam::DQuat::from_xyzw(0.0, 0.5f64.sqrt(), 0.0, 0.5f64.sqrt()));
     let map = Transform::new(DAffine3::from_translation(DVec3::X) * turn).unwrap();
-    let moved = wide().moved(&map);
+    let moved = wide().transformed(&map);
     assert_direction(&moved, Vec2::new(200.0, 100.0), Vec3::NEG_X);
     assert_eq!(moved.center(), DVec3::X);
 }

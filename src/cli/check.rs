@@ -67,6 +67,6 @@ fn camera_sees_objects(scene: &Scene) -> bool {
     scene.ambient_medium().is_some()
         || (0..RAYS_PER_SIDE * RAYS_PER_SIDE).any(|i| {
             let point = Vec2::new(position(i % RAYS_PER_SIDE, width), position(i / RAYS_PER_SIDE, height));
-            scene.intersect(&scene.camera().ray(point, lens)).is_some()
+            scene.intersect(&scene.camera().generate_ray(point, lens)).is_some()
         })
 }

@@ -1,25 +1,25 @@
-//! Dispersion: index of refraction by wavelength.
+//! Dispersion: refractive index of glass and other transparent media by wavelength.
 
-/// Fraunhofer lines F, d and C \[nm].
+/// Wavelengths of the Fraunhofer lines F, d and C \[nm].
 const LINES: [f64; 3] = [486.13, 587.56, 656.27];
-/// Shortest and longest simulated wavelength \[nm].
+/// Shortest and longest wavelength that is rendered \[nm].
 const BAND: [u32; 2] = [380, 720];
 
-/// Index of refraction of a transparent medium as a function of the wavelength λ.
+/// A formula for the refractive index n of a transparent medium at the wavelength λ \[µm].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DispersionFormula {
-    /// n = a + b/λ² + c/λ⁴.
+    /// Cauchy's equation: n = a + b/λ² + c/λ⁴.
     Cauchy {
-        /// The index at infinite wavelength.
+        /// Refractive index at infinite wavelength.
         a: f64,
         /// Coefficient of 1/λ² \[µm²].
         b: f64,
         /// Coefficient of 1/λ⁴ \[µm⁴].
         c: f64,
     },
-    /// n² = 1 + Σ bᵢ λ²/(λ² − cᵢ).
+    /// Sellmeier's equation: n² = 1 + Σ bᵢ λ²/(λ² − cᵢ).
     Sellmeier {
-        /// Strengths of the resonances; zero for an unused term.
+        /// Strengths of the resonances; 0 for an unused term.
         b: [f64; 4],
         /// Squared wavelengths of the resonances \[µm²].
         c: [f64; 4],
@@ -27,7 +27,8 @@ pub enum DispersionFormula {
 }
 
 impl DispersionFormula {
-    /// Cauchy's equation with two terms, by the index `nd` at the d line and the Abbe number `vd`.
+    /// Creates Cauchy's equation with two terms from the refractive index `nd` at the d line and
+    /// the Abbe number `vd`.
     #[must_use]
     pub fn from_abbe_number(nd: f64, vd: f64) -> Self {
         let [f, d, c] = LINES.map(inverse_wavelength_squared);
@@ -35,48 +36,50 @@ impl DispersionFormula {
         Self::Cauchy { a: nd - b * d, b, c: 0.0 }
     }
 
-    /// Index at a wavelength \[nm].
+    /// Refractive index at the wavelength `nm` \[nm].
     #[must_use]
-    pub fn index(&self, nm: f32) -> f32 {
+    pub fn refractive_index(&self, nm: f32) -> f32 {
         self.refractive_index_at(f64::from(nm)) as f32
     }
 
-    /// Index at the d line, 587.56 nm.
+    /// Refractive index at the d line, 587.56 nm.
     #[must_use]
     pub fn d_line_index(&self) -> f32 {
         self.refractive_index_at(LINES[1]) as f32
     }
 
-    /// Abbe number (n_d − 1)/(n_F − n_C), with the F line at 486.13 nm and the C line at 656.27 nm.
-    /// Smaller numbers disperse more.
+    /// Abbe number (n_d − 1)/(n_F − n_C); smaller numbers mean stronger dispersion.
+    ///
+    /// n_d, n_F and n_C are the refractive indices at 587.56, 486.13 and 656.27 nm.
     #[must_use]
     pub fn abbe_number(&self) -> f32 {
         let [f, d, c] = LINES.map(|nm| self.refractive_index_at(nm));
         ((d - 1.0) / (f - c)) as f32
     }
 
-    /// Bounds of the index between 380 and 720 nm, tight to the change within one nanometre.
+    /// Lower and upper bound of the refractive index between 380 and 720 nm.
     ///
-    /// `None` if the index is not positive and finite, as at a resonance in this range.
+    /// Returns `None` if the index is not positive and finite, for example near a resonance.
     #[must_use]
-    pub fn range(&self) -> Option<[f64; 2]> {
+    pub fn index_range(&self) -> Option<[f64; 2]> {
         let [mut least, mut most] = [f64::INFINITY, f64::NEG_INFINITY];
         for nm in BAND[0]..BAND[1] {
-            let [low, high] = self.bounds(f64::from(nm), f64::from(nm + 1))?;
+            let [low, high] = self.index_bounds_between(f64::from(nm), f64::from(nm + 1))?;
             least = least.min(low);
             most = most.max(high);
         }
         Some([least, most])
     }
 
-    /// Bounds of the index between two wavelengths \[nm]; each term is monotonic there.
-    fn bounds(&self, from: f64, to: f64) -> Option<[f64; 2]> {
+    /// Lower and upper bound of the refractive index between two wavelengths \[nm].
+    fn index_bounds_between(&self, from: f64, to: f64) -> Option<[f64; 2]> {
+        // Each term is monotonic between the wavelengths, so its bounds are at the ends.
         let mut sum = [0.0f64; 2];
         let mut add = |p: f64, q: f64| {
             sum[0] += p.min(q);
             sum[1] += p.max(q);
         };
-        let root = match *self {
+        let is_squared = match *self {
             Self::Cauchy { a, b, c } => {
                 let [p, q] = [from, to].map(inverse_wavelength_squared);
                 add(a, a);
@@ -96,10 +99,11 @@ impl DispersionFormula {
                 true
             }
         };
-        let sum = if root { sum.map(f64::sqrt) } else { sum };
+        let sum = if is_squared { sum.map(f64::sqrt) } else { sum };
         (sum[0] > 0.0 && sum[1].is_finite()).then_some(sum)
     }
 
+    /// Refractive index at the wavelength `nm` \[nm], in f64.
     fn refractive_index_at(&self, nm: f64) -> f64 {
         match *self {
             Self::Cauchy { a, b, c } => {
@@ -124,19 +128,20 @@ fn inverse_wavelength_squared(nm: f64) -> f64 {
     1.0 / wavelength_squared(nm)
 }
 
-/// A term of Sellmeier's equation; zero without strength, even at the resonance.
+/// Term b·x/(x − c) of Sellmeier's equation, where x is λ²; 0 if b is 0, even at x = c.
 fn sellmeier_term(b: f64, c: f64, x: f64) -> f64 {
     if b == 0.0 { 0.0 } else { b * x / (x - c) }
 }
 
+/// Sellmeier's equation with three terms.
 const fn three_term_sellmeier(b: [f64; 3], c: [f64; 3]) -> DispersionFormula {
     DispersionFormula::Sellmeier { b: [b[0], b[1], b[2], 0.0], c: [c[0], c[1], c[2], 0.0] }
 }
 
-/// Name, index and source of each substance that [`glass`] finds, in alphabetical order.
+/// Name, dispersion formula and source of each medium that [`glass_by_name`] finds, by name.
 ///
-/// Indices of glasses, fused silica and sapphire are relative to air; those of water and diamond to
-/// vacuum. The difference is below 0.0003. The coefficients are from the public-domain database of
+/// Refractive indices of water and diamond are relative to vacuum, all others to air. The
+/// difference is below 0.0003 of the index. Coefficients are from the public-domain database of
 /// refractiveindex.info.
 pub const GLASSES: [(&str, DispersionFormula, &str); 9] = [
     (
@@ -195,7 +200,7 @@ pub const GLASSES: [(&str, DispersionFormula, &str); 9] = [
     ),
 ];
 
-/// The substance with this name; `None` if it is not in [`GLASSES`].
+/// Dispersion formula of the medium `name`; `None` if it is not in [`GLASSES`].
 #[must_use]
 pub fn glass_by_name(name: &str) -> Option<DispersionFormula> {
     GLASSES.iter().find(|g| g.0 == name).map(|g| g.1)

@@ -1,4 +1,4 @@
-//! Linear colour, wavelengths, and dispersive indices of refraction.
+//! Linear RGB colors, sampled wavelengths, and refractive indices by wavelength.
 
 mod glass;
 mod rgb;

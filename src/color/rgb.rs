@@ -1,20 +1,19 @@
-//! Linear RGB.
+//! Linear RGB colors.
 
 use glam::Vec3;
 
-/// Linear RGB with the primaries and white point of Rec. 709. Radiometric quantities are per
-/// channel.
+/// A color or radiometric quantity in linear RGB, with the primaries and white point of Rec. 709.
 pub type Rgb = Vec3;
 
-/// Relative luminance of Rec. 709.
+/// Luminance of a linear RGB color by the weights of Rec. 709; 1 for white.
 #[inline]
 #[must_use]
 pub fn luminance(c: Rgb) -> f32 {
     c.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
 
-/// Mean of the channels. Light sampling and Russian roulette compare it, since all channels count
-/// equally.
+/// Mean of the three channels, the scalar by which light sampling and Russian roulette compare
+/// colors.
 #[inline]
 #[must_use]
 pub fn channel_mean(c: Rgb) -> f32 {

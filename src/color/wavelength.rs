@@ -1,29 +1,28 @@
 //! Sampled wavelengths and their weights in linear RGB.
 //!
-//! At a dispersive interface a path chooses one wavelength, and continues with this wavelength
-//! alone. Each linear channel has a response over the wavelengths, a density of integral one. A
-//! path samples the mean of the three responses, and its weight is [`Wavelength::weight`]. White
-//! light stays white in the mean.
+//! At the first dispersive interface, a path samples one wavelength and keeps it. Each RGB channel
+//! has a response over the wavelengths, which integrates to 1. The pdf of the wavelength is the
+//! mean of the three responses, and [`Wavelength::weight`] is the weight of the path. So white
+//! light stays white on average.
 //!
-//! Responses are the CIE 1931 (2°) colour matching functions in the fit of Wyman, Sloan and Shirley
-//! 2013 ("Simple Analytic Approximations to the CIE XYZ Color Matching Functions", JCGT 2(2)), in
-//! linear RGB of Rec. 709. Pure spectral colours are outside of this gamut; white is added to each
-//! until its least channel is zero. Up to 690 nm, the hues of the fit match the functions. The last
-//! thousandth of the light turns to orange.
+//! The responses are the CIE 1931 (2°) color matching functions in linear RGB of Rec. 709. They use
+//! the fit of Wyman, Sloan and Shirley 2013 ("Simple Analytic Approximations to the CIE XYZ Color
+//! Matching Functions", JCGT 2(2)). Spectral colors lie outside of this gamut, so white is added to
+//! each until no channel is negative.
 
 use super::Rgb;
 use glam::DVec3;
 use std::sync::LazyLock;
 
-/// Shortest wavelength \[nm\].
+/// Shortest rendered wavelength \[nm\].
 const SHORTEST: f32 = 380.0;
-/// Longest wavelength \[nm\].
+/// Longest rendered wavelength \[nm\].
 const LONGEST: f32 = 720.0;
-/// Number of cells of constant response: one per code of a byte except 0.
+/// Number of wavelength intervals of constant response: one for each value of a byte except 0.
 const CELLS: usize = 255;
-/// Width of a cell \[nm\].
+/// Width of an interval of constant response \[nm\].
 const STEP: f32 = (LONGEST - SHORTEST) / CELLS as f32;
-/// Distance of samples from cell edges, in cells: several f32 spacings at the longest wavelength.
+/// Least distance of samples from the ends of their interval, relative to the interval's width.
 const EDGE: f32 = 1.0 / 4096.0;
 
 /// A sampled wavelength between 380 and 720 nm.
@@ -31,12 +30,12 @@ const EDGE: f32 = 1.0 / 4096.0;
 pub struct Wavelength(f32);
 
 impl Wavelength {
-    /// Shortest wavelength \[nm].
+    /// Shortest rendered wavelength \[nm].
     pub const SHORTEST: f32 = SHORTEST;
-    /// Longest wavelength \[nm].
+    /// Longest rendered wavelength \[nm].
     pub const LONGEST: f32 = LONGEST;
 
-    /// Samples a wavelength by the mean response of the channels, for `u` in \[0, 1).
+    /// Samples a wavelength by `u` in \[0, 1), with the mean response of the channels as pdf.
     #[must_use]
     pub fn sample(u: f32) -> Self {
         let sums = &RESPONSE_TABLE.sums;
@@ -46,52 +45,54 @@ impl Wavelength {
         Self(SHORTEST + (response_cell as f32 + (within as f32).clamp(EDGE, 1.0 - EDGE)) * STEP)
     }
 
-    /// Wavelength \[nm].
+    /// The wavelength in nanometres.
     #[inline]
     #[must_use]
     pub fn nanometres(self) -> f32 {
         self.0
     }
 
-    /// Pdf of [`Wavelength::sample`] \[1/nm].
+    /// Pdf \[1/nm] with which [`Wavelength::sample`] samples this wavelength.
     #[must_use]
     pub fn pdf(self) -> f32 {
         RESPONSE_TABLE.pdfs[self.response_cell()]
     }
 
-    /// Weight of a path that sampled this wavelength: the responses over the pdf.
+    /// Weight of a path that sampled this wavelength: the channels' responses over the pdf.
     ///
-    /// The mean over the channels is one, and so is the expectation of each channel.
+    /// The mean over the channels is 1, and the expected value of each channel is 1.
     #[must_use]
     pub fn weight(self) -> Rgb {
         RESPONSE_TABLE.weights[self.response_cell()]
     }
 
-    /// Code of the wavelength in a byte, from 1 to 255, precise to 2/3 nm.
+    /// The wavelength as a number from 1 to 255, with an error of up to 2/3 nm.
     #[must_use]
-    pub fn code(self) -> u8 {
+    pub fn byte_code(self) -> u8 {
         1 + self.response_cell() as u8
     }
 
-    /// The central wavelength of a code, with the weight and pdf of the code; `None` for 0, which
-    /// stands for all wavelengths.
+    /// Decodes a wavelength from [`Wavelength::byte_code`]; `None` for 0, which stands for all
+    /// wavelengths.
     #[must_use]
     pub fn from_byte_code(code: u8) -> Option<Self> {
         let step = code.checked_sub(1)?;
         Some(Self(SHORTEST + (f32::from(step) + 0.5) * STEP))
     }
 
+    /// Index of the interval of constant response that contains the wavelength.
     fn response_cell(self) -> usize {
         ((self.0 - SHORTEST) / STEP).min(CELLS as f32 - 1.0) as usize
     }
 }
 
+/// Sampling table of the wavelengths, by intervals of constant response.
 struct ResponseTable {
-    /// Cumulative probability at the lower edge of each cell, and 1 at the end.
+    /// Cumulative probability at the start of each interval, then 1.
     sums: [f64; CELLS + 1],
-    /// Pdf in each cell \[1/nm].
+    /// Pdf in each interval \[1/nm].
     pdfs: [f32; CELLS],
-    /// Weight in each cell.
+    /// [`Wavelength::weight`] in each interval.
     weights: [Rgb; CELLS],
 }
 
@@ -111,12 +112,12 @@ static RESPONSE_TABLE: LazyLock<ResponseTable> = LazyLock::new(|| {
     table
 });
 
-/// Linear RGB with white added until no channel is negative.
+/// Adds white to a linear RGB color if a channel is negative, until that channel is 0.
 fn add_white_until_nonnegative(rgb: DVec3) -> DVec3 {
     rgb - rgb.min_element().min(0.0)
 }
 
-/// Colour matching functions for linear RGB of Rec. 709 at a wavelength \[nm].
+/// Color matching functions of linear Rec. 709 RGB at a wavelength \[nm]; they may be negative.
 fn color_matching_rgb(nm: f64) -> DVec3 {
     let lobe = |height: f64, peak: f64, below: f64, above: f64| {
         let t = (nm - peak) * if nm < peak { below } else { above };

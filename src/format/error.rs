@@ -42,7 +42,7 @@ impl SourceText {
     }
 
     /// Returns a one-line warning at `span`; it has no position if the text is empty.
-    pub(super) fn warning(&self, span: Span, message: &str) -> String {
+    pub(super) fn warning_at_span(&self, span: Span, message: &str) -> String {
         if self.text.is_empty() {
             return format!("{}: warning: {message}", self.name);
         }
@@ -130,7 +130,7 @@ impl SceneError {
     ///
     /// `message` describes the defect, `label` stands under the text, and `help` is the remedy.
     #[must_use]
-    pub fn at(
+    pub fn at_span(
         source: &SourceText,
         span: Span,
         message: impl Into<String>,
@@ -142,14 +142,14 @@ impl SceneError {
 
     /// Returns an error of the whole file, whose position is the first character.
     #[must_use]
-    pub fn of_file(source: &SourceText, message: impl Into<String>, help: impl Into<String>) -> Self {
+    pub fn for_whole_file(source: &SourceText, message: impl Into<String>, help: impl Into<String>) -> Self {
         Self::new(source, Span::default(), message.into(), None, help.into())
     }
 
     /// Returns an error of the file named `file` without a position in a text.
     #[must_use]
     pub fn without_position(file: &str, message: impl Into<String>, help: impl Into<String>) -> Self {
-        let mut error = Self::of_file(&SourceText::new(file, ""), message, help);
+        let mut error = Self::for_whole_file(&SourceText::new(file, ""), message, help);
         (error.0.line, error.0.column) = (0, 0);
         error
     }
@@ -159,7 +159,7 @@ impl SceneError {
     ///
     /// At most 20 errors are kept. None of them may carry further errors.
     #[must_use]
-    pub fn join(mut errors: Vec<Self>) -> Option<Self> {
+    pub fn from_errors(mut errors: Vec<Self>) -> Option<Self> {
         errors.sort_by_key(|error| error.0.span.start);
         errors.truncate(MAX_ERRORS);
         let mut errors = errors.into_iter();
@@ -170,7 +170,7 @@ impl SceneError {
 
     /// Returns the further errors of the file, in the order of the text.
     #[must_use]
-    pub fn others(&self) -> &[Self] {
+    pub fn further_errors(&self) -> &[Self] {
         &self.0.further_errors
     }
 

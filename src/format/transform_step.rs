@@ -20,9 +20,9 @@ pub enum TransformStep {
     RotateZ(f64),
     /// Right-handed rotation about an axis through the origin.
     Rotate {
-        /// Axis, of any length above 0.
+        /// Axis of rotation, of any length above 0.
         axis: DVec3,
-        /// Angle \[degrees].
+        /// Angle of rotation \[degrees].
         angle: f64,
     },
     /// Affine map; its fourth row is 0 0 0 1.
@@ -84,31 +84,37 @@ fn rotation_about_axis(axis: DVec3, angle: f64) -> DAffine3 {
 mod tests {
     use super::*;
 
-    fn close(a: DVec3, b: DVec3) -> bool {
+    fn is_close(a: DVec3, b: DVec3) -> bool {
         // Few roundings of numbers below 10.
         (a - b).abs().max_element() < 1e-14
     }
 
     #[test]
     fn turns_are_right_handed() {
-        assert!(close(TransformStep::RotateX(90.0).matrix().transform_point3(DVec3::Y), DVec3::Z));
-        assert!(close(TransformStep::RotateY(90.0).matrix().transform_point3(DVec3::Z), DVec3::X));
-        assert!(close(TransformStep::RotateZ(90.0).matrix().transform_point3(DVec3::X), DVec3::Y));
+        assert!(is_close(TransformStep::RotateX(90.0).matrix().transform_point3(DVec3::Y), DVec3::Z));
+        assert!(is_close(TransformStep::RotateY(90.0).matrix().transform_point3(DVec3::Z), DVec3::X));
+        assert!(is_close(TransformStep::RotateZ(90.0).matrix().transform_point3(DVec3::X), DVec3::Y));
         let diagonal = TransformStep::Rotate { axis: DVec3::splat(5.0), angle: 120.0 }.matrix();
-        assert!(close(diagonal.transform_point3(DVec3::X), DVec3::Y));
-        assert!(close(diagonal.transform_point3(DVec3::Y), DVec3::Z));
+        assert!(is_close(diagonal.transform_point3(DVec3::X), DVec3::Y));
+        assert!(is_close(diagonal.transform_point3(DVec3::Y), DVec3::Z));
     }
 
     #[test]
     fn the_first_map_is_applied_last() {
         let maps = [TransformStep::Translate(DVec3::X), TransformStep::Scale(DVec3::splat(2.0))];
-        assert!(close(TransformStep::composed_matrix(&maps).transform_point3(DVec3::ONE), DVec3::new(3.0, 2.0, 2.0)));
+        assert!(is_close(
+            TransformStep::composed_matrix(&maps).transform_point3(DVec3::ONE),
+            DVec3::new(3.0, 2.0, 2.0)
+        ));
     }
 
     #[test]
     fn a_matrix_is_applied_after_those_before_it() {
         let double = TransformStep::Matrix(DMat4::from_scale(DVec3::splat(2.0)));
         let maps = [TransformStep::Translate(DVec3::X), double];
-        assert!(close(TransformStep::composed_matrix(&maps).transform_point3(DVec3::ZERO), DVec3::new(2.0, 0.0, 0.0)));
+        assert!(is_close(
+            TransformStep::composed_matrix(&maps).transform_point3(DVec3::ZERO),
+            DVec3::new(2.0, 0.0, 0.0)
+        ));
     }
 }

@@ -46,7 +46,7 @@ pub(super) fn unused_item_warnings(description: &SceneDescription, source: &Sour
 /// Returns one warning line for each message, in the order of the text.
 fn warning_lines(mut found: Vec<(Span, String)>, source: &SourceText) -> Vec<String> {
     found.sort_by_key(|(span, _)| span.start);
-    found.into_iter().map(|(span, message)| source.warning(span, &message)).collect()
+    found.into_iter().map(|(span, message)| source.warning_at_span(span, &message)).collect()
 }
 
 /// Returns messages about textures and materials that nothing refers to.

@@ -2,8 +2,8 @@
 //!
 //! A *receiver* is a surface that stores photons: see [`Bsdf::stores_photons`]. A *caster* is any
 //! other surface that is not black: see [`Bsdf::casts_caustics`]. A light path over casters to a
-//! receiver is a caustic. If the policy leaves caustics to photons, camera paths ignore emission that
-//! they find by such light paths. So each light path counts once.
+//! receiver is a caustic. If the policy leaves caustics to photons, camera paths ignore emission
+//! that they find by such light paths. So each light path counts once.
 
 mod media;
 
@@ -395,7 +395,7 @@ impl<I: Interior> PathState<I> {
         transmitted: bool,
     ) -> Self {
         let mut path_ray = self.path_ray;
-        let weight = weight * path_ray.leave(surface, direction, transmitted);
+        let weight = weight * path_ray.leave_surface(surface, direction, transmitted);
         let sampler = self.sampler.next_vertex_sampler(self.bounce, transmitted);
         let throughput = self.throughput * weight;
         Self { path_ray, throughput, bounce: self.bounce + 1, prev: None, sampler, ..*self }

@@ -161,7 +161,7 @@ pub(super) fn render_tiles<T: Default>(
                 let (film, weight) = sampling.film_position(corner, sampler);
                 worker.counters.camera_rays += 1;
                 let lens = sampling.lens.then(|| sampler.get_2d(Dimension::Lens));
-                let ray = sampling.camera.ray(film, lens);
+                let ray = sampling.camera.generate_ray(film, lens);
                 let value = radiance(&ray, sampler, &mut worker, &mut tile_state);
 
                 // Add its radiance to the pixel.

@@ -29,7 +29,7 @@ fn trace_points_in<I: Interior>(paths: &PathContext<'_>, points: &[FilmPoint]) -
         let values = chunk.iter().map(|(film, sampler)| {
             worker.counters.camera_rays += 1;
             let lens = has_lens.then(|| sampler.get_2d(Dimension::Lens));
-            radiance(paths, &paths.scene.camera().ray(*film, lens), *sampler, &mut worker, &mut stack)
+            radiance(paths, &paths.scene.camera().generate_ray(*film, lens), *sampler, &mut worker, &mut stack)
         });
         (values.collect::<Vec<Rgb>>(), worker)
     });

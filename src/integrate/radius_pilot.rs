@@ -108,12 +108,12 @@ pub(super) fn find_gather_radius(pass: &PhotonPass<'_>, paths: u32, k: u32, seed
 ///
 /// It is a fraction of the width of a pixel on the closest visible surface.
 pub(super) fn min_disc_radius(scene: &Scene) -> f32 {
-    let (width, spread) = scene.camera().pixel();
+    let (width, spread) = scene.camera().pixel_footprint();
     let (columns, rows) = scene.camera().size();
     let position = |i: u32, size: u32| (i as f32 + 0.5) / DISTANCE_RAYS as f32 * size as f32;
     let rays = (0..DISTANCE_RAYS * DISTANCE_RAYS)
         .map(|i| Vec2::new(position(i % DISTANCE_RAYS, columns), position(i / DISTANCE_RAYS, rows)));
-    let hits = rays.filter_map(|p| scene.intersect(&scene.camera().ray(p, None)));
+    let hits = rays.filter_map(|p| scene.intersect(&scene.camera().generate_ray(p, None)));
     // If nothing is visible, any radius will do.
     let distance = hits.map(|hit| hit.t).min_by(f32::total_cmp).unwrap_or(0.0);
     ((width + spread * distance) * PIXEL_PART).min(scene.photon_domain().radius * MAX_RADIUS)
@@ -167,7 +167,7 @@ pub(super) fn find_volume_radii(
     let (beams, points) = (PhotonBeamMap::build(volume.beams, trial), VolumePhotonMap::build(volume.points, trial));
     let beams = camera_paths.iter().map(|segments| {
         let mut count = 0.0;
-        segments.iter().for_each(|ray| beams.visit(ray, |_, _| count += 1.0));
+        segments.iter().for_each(|ray| beams.visit_near_ray(ray, |_, _| count += 1.0));
         count
     });
     let beams = radius(beams.collect(), beam_dimensions);
@@ -175,9 +175,9 @@ pub(super) fn find_volume_radii(
         let mut count = 0.0;
         for ray in segments {
             if settings.volume == VolumeEstimate::Points {
-                points.around(ray.at(0.5 * ray.t_max.min(2.0 * size)), |_, _, _| count += 1.0);
+                points.visit_near_point(ray.at(0.5 * ray.t_max.min(2.0 * size)), |_, _, _| count += 1.0);
             } else {
-                points.visit(ray, |_, _, _, _, _| count += 1.0);
+                points.visit_near_ray(ray, |_, _, _, _, _| count += 1.0);
             }
         }
         count
@@ -192,7 +192,7 @@ fn trace_medium_segments(scene: &Scene, effects: Effects, key: Key) -> Vec<Vec<R
     let size = Vec2::new(width as f32, height as f32);
     let along_path = |i| {
         let sampler = Sampler::new(key, i, MEDIA_RAYS);
-        let ray = scene.camera().ray(sampler.get_2d(Dimension::Film) * size, None);
+        let ray = scene.camera().generate_ray(sampler.get_2d(Dimension::Film) * size, None);
         let mut path_ray = scene.start_camera_path::<SpectralInterior>(ray, effects);
         let mut segments = Vec::new();
         for bounce in 0..MAX_CASTERS {
@@ -209,7 +209,7 @@ fn trace_medium_segments(scene: &Scene, effects: Effects, key: Key) -> Vec<Vec<R
             }
             let (lobe, u) = (sampler.get_1d(Dimension::BsdfLobe), sampler.get_2d(Dimension::BsdfDirection));
             let Some(sample) = surface.sample(lobe, u, TransportMode::Radiance) else { break };
-            let _ = path_ray.leave(&surface, sample.wi, sample.is_transmitted);
+            let _ = path_ray.leave_surface(&surface, sample.wi, sample.is_transmitted);
         }
         segments
     };

@@ -71,8 +71,8 @@ impl<'a> RayCast<'a> {
             let Some(hit) = self.scene.intersect(&ray) else {
                 return self.scene.background();
             };
-            cone.travel(hit.t);
-            let surface = self.scene.interaction(&ray, &hit, &cone, || 0.0);
+            cone.widen_over_distance(hit.t);
+            let surface = self.scene.surface_interaction(&ray, &hit, &cone, || 0.0);
             if !surface.is_null_interface() {
                 break (hit, surface);
             }

@@ -54,7 +54,7 @@ impl<I: Interior> PathVertex<'_, I> {
         let cone = RayCone::zero_width(Effects::NONE);
         let mut path_ray = PathRay { ray: Ray::new(self.surface.point.p, wi), interior: *self.interior, cone };
         let transmitted = wi.dot(self.surface.point.ng) * self.surface.wo.dot(self.surface.point.ng) < 0.0;
-        path_ray.leave(self.surface, wi, transmitted);
+        path_ray.leave_surface(self.surface, wi, transmitted);
         path_ray
     }
 

@@ -1,7 +1,7 @@
 //! Light sources, which are sampled for direct light and for photon emission.
 //!
-//! Each kind of light has a file of its own. The file implements `LightSource`, or `PositionalLight`
-//! if the light is a point. [`Light`] is the enum over the kinds.
+//! Each kind of light has a file of its own. The file implements `LightSource`, or
+//! `PositionalLight` if the light is a point. [`Light`] is the enum over the kinds.
 
 mod area;
 mod directional;
@@ -78,8 +78,8 @@ macro_rules! dispatch {
 impl Light {
     /// Samples a direction from which light arrives at `p` by `u` in \[0, 1)².
     ///
-    /// Occlusion is left to the caller. Returns `None` if no light can arrive from the sampled point
-    /// of the light.
+    /// Occlusion is left to the caller. Returns `None` if no light can arrive from the sampled
+    /// point of the light.
     #[inline]
     #[must_use]
     pub fn sample_li(&self, p: Vec3, u: Vec2) -> Option<DirectSample> {
@@ -138,7 +138,8 @@ impl Light {
         dispatch!(self, light => light.power(domain))
     }
 
-    /// True if light arrives at each point from one direction only, so that shadows have hard edges.
+    /// True if light arrives at each point from one direction only, so that shadows have hard
+    /// edges.
     #[inline]
     #[must_use]
     pub fn is_delta(&self) -> bool {

@@ -101,7 +101,8 @@ impl EquirectangularMap {
         row(y as i64).lerp(row(y as i64 + 1), fy)
     }
 
-    /// Coordinates of unit `direction` on the map \[pixels], right and down from its top left corner.
+    /// Coordinates of unit `direction` on the map \[pixels], right and down from its top left
+    /// corner.
     #[inline]
     fn pixel_coordinates(&self, direction: Vec3) -> DVec2 {
         let [x, y, z] = direction.to_array().map(f64::from);

@@ -71,7 +71,7 @@ impl TransmittanceCurve {
     /// Transmittance up to distance `t`; exact in a homogeneous medium.
     #[inline]
     #[must_use]
-    pub fn at(&self, t: f32) -> Rgb {
+    pub fn transmittance_at(&self, t: f32) -> Rgb {
         if self.extinction != Rgb::ZERO {
             return homogeneous::transmittance(self.extinction, t);
         }

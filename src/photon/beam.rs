@@ -159,7 +159,7 @@ impl PhotonBeamMap {
     /// `ray` must have a unit direction. The closest points must lie between the ends of ray and
     /// beam.
     #[inline]
-    pub fn visit(&self, ray: &Ray, mut visitor: impl FnMut(&PhotonBeam, BeamIntersection)) {
+    pub fn visit_near_ray(&self, ray: &Ray, mut visitor: impl FnMut(&PhotonBeam, BeamIntersection)) {
         let query = LineQuery::new(ray, self.radius);
         self.boxes.along(ray, &mut |index| {
             let packet = &self.packets[index as usize];

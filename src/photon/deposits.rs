@@ -93,7 +93,7 @@ impl Deposits {
             (&mut self.photons, &mut self.volume)
         };
         let flux = deposit.flux;
-        let code = deposit.wavelength.map_or(0, Wavelength::code);
+        let code = deposit.wavelength.map_or(0, Wavelength::byte_code);
         let stored = match deposit.place {
             DepositPlace::Surface(surface) => {
                 let photon = Photon::new(surface.point.p, flux, surface.wo, surface.facing_normal());

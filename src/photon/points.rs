@@ -106,7 +106,7 @@ impl VolumePhotonMap {
     /// squared radius. Radiance towards the ray's origin is Σ flux · p(cos) · T(t) · K₂ (beam
     /// radiance estimate, Jarosz, Zwicker and Jensen 2008, section 5).
     #[inline]
-    pub fn visit(&self, ray: &Ray, mut visitor: impl FnMut(&VolumePhoton, f32, f32, f32, f32)) {
+    pub fn visit_near_ray(&self, ray: &Ray, mut visitor: impl FnMut(&VolumePhoton, f32, f32, f32, f32)) {
         let query = LineQuery::new(ray, self.radius);
         let r2 = f64::from(self.radius) * f64::from(self.radius);
         let scale = 3.0 * FRAC_1_PI / r2;
@@ -132,7 +132,7 @@ impl VolumePhotonMap {
     /// the squared radius. In-scattered radiance per length is Σ flux · p(cos) · K₃ (Jensen and
     /// Christensen 1998, section 3.2).
     #[inline]
-    pub fn around(&self, p: Vec3, mut visitor: impl FnMut(&VolumePhoton, f32, f32)) {
+    pub fn visit_near_point(&self, p: Vec3, mut visitor: impl FnMut(&VolumePhoton, f32, f32)) {
         let per_radius = 1.0 / self.radius;
         let scale = (15.0 / 8.0 * FRAC_1_PI) as f32 * per_radius * per_radius * per_radius;
         let here = Ray { origin: p, direction: Vec3::Z, t_max: 0.0 };

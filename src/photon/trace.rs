@@ -182,14 +182,14 @@ impl PhotonPass<'_> {
                     return add_flux(&mut audit.absorbed, flux);
                 };
                 let adjoint = sample.adjoint_correction(surface.wo, surface.point.ns, surface.point.ng);
-                let interior_weight = ray.leave(surface, sample.wi, sample.is_transmitted);
+                let interior_weight = ray.leave_surface(surface, sample.wi, sample.is_transmitted);
                 let scattered = flux * sample.weight * adjoint * interior_weight;
                 add_flux(&mut audit.absorbed, flux - scattered);
                 flux = scattered;
                 color::channel_mean(scattered) / before
             } else {
                 let (direction, _) = phase_function.sample(ray.ray.direction, key.uniform_2d(Dimension::Phase));
-                ray.turn(direction);
+                ray.scatter_towards(direction);
                 // In a medium, the throughput ratio includes absorption along the segment.
                 before / color::channel_mean(emitted)
             };

@@ -59,7 +59,7 @@ pub(super) fn delta_light_at(kind: &DeltaLightKind, motion: &Motion, time: f64) 
 
 /// `camera` moved by `motion` at `time`; `None` if the transform is singular.
 pub(super) fn camera_at(camera: &Camera, motion: &Motion, time: f64) -> Option<Camera> {
-    Some(camera.moved(&motion_transform_at(motion, time)?))
+    Some(camera.transformed(&motion_transform_at(motion, time)?))
 }
 
 /// The texture mapping moved by `motion` at `time`; `None` if the transform is singular.

@@ -45,7 +45,7 @@ use geometry::{Geometry, HitKind};
 use glam::{DVec3, Vec2, Vec3};
 use interiors::{CoincidentFaces, CoincidentFlags};
 use std::sync::Arc;
-use textured::{Footprint, perturbed_normal};
+use textured::{TextureFootprint, perturbed_normal};
 
 /// A scene ready to be rendered, with moving objects placed at one time of the shutter interval.
 /// Coordinates are relative to [`Scene::origin`].
@@ -156,7 +156,7 @@ impl Scene {
         &self.glasses
     }
 
-    /// The media.
+    /// The participating media.
     #[must_use]
     pub fn media(&self) -> &[Medium] {
         &self.media
@@ -256,7 +256,7 @@ impl Scene {
     /// replaces it.
     #[inline]
     #[must_use]
-    pub fn interaction(
+    pub fn surface_interaction(
         &self,
         ray: &Ray,
         hit: &Hit,
@@ -312,7 +312,7 @@ impl Scene {
     #[inline(never)]
     #[must_use]
     pub fn texture_context(&self, hit: &Hit, point: &SurfacePoint, wo: Vec3, cone: &RayCone) -> TextureEvalContext {
-        Footprint::new(&self.geometry, &self.mappings, hit, point, wo, cone).context
+        TextureFootprint::new(&self.geometry, &self.mappings, hit, point, wo, cone).context
     }
 
     /// The textures, to which material parameters refer by index.
@@ -324,7 +324,7 @@ impl Scene {
     /// Evaluates the textured parameters of a surface, and perturbs its shading normal.
     #[inline(never)]
     fn apply_textures(&self, surface: &mut SurfaceInteraction<'_>, hit: &Hit, cone: &RayCone) {
-        let footprint = Footprint::new(&self.geometry, &self.mappings, hit, &surface.point, surface.wo, cone);
+        let footprint = TextureFootprint::new(&self.geometry, &self.mappings, hit, &surface.point, surface.wo, cone);
         let material = surface.material;
         if material.is_textured() && cone.effects.has(Effect::Textures) {
             let lookups = TextureEvaluator { textures: &self.textures, at: footprint.context };

@@ -61,8 +61,8 @@ pub enum PathEvent<'a> {
 pub struct SurfaceVertex<'a> {
     /// The surface.
     pub surface: SurfaceInteraction<'a>,
-    /// Transmittance of the bodies along the path segment, times the weight of a wavelength sampled at
-    /// the surface.
+    /// Transmittance of the bodies along the path segment, times the weight of a wavelength sampled
+    /// at the surface.
     pub transmittance: Rgb,
     /// Length of the path segment \[length].
     pub distance: f32,
@@ -93,8 +93,8 @@ impl<I: Interior> PathRay<I> {
             let hit = scene.intersect(&self.ray);
             let cone = self.cone;
             let mut surface = hit.map(|hit| {
-                self.cone.travel(hit.t);
-                let surface = scene.interaction(&self.ray, &hit, &self.cone, || key.uniform_1d(Dimension::Mix));
+                self.cone.widen_over_distance(hit.t);
+                let surface = scene.surface_interaction(&self.ray, &hit, &self.cone, || key.uniform_1d(Dimension::Mix));
                 self.interior.infer_starting_body(&surface);
                 (surface, hit.t)
             });
@@ -110,7 +110,7 @@ impl<I: Interior> PathRay<I> {
                 if let Some(t) = through(&segment) {
                     self.ray = Ray::new(ray.at(t), ray.direction);
                     self.cone = cone;
-                    self.cone.travel(from + t);
+                    self.cone.widen_over_distance(from + t);
                     return PathEvent::Scattered { transmittance, crossed };
                 }
             }
@@ -143,7 +143,7 @@ impl<I: Interior> PathRay<I> {
     /// Continues the path from `surface` in unit `direction`; `transmitted` is true if it crosses
     /// the surface. Returns a factor of the throughput: 1, or the weight of a sampled wavelength.
     #[inline]
-    pub fn leave(&mut self, surface: &SurfaceInteraction<'_>, direction: Vec3, transmitted: bool) -> Rgb {
+    pub fn leave_surface(&mut self, surface: &SurfaceInteraction<'_>, direction: Vec3, transmitted: bool) -> Rgb {
         self.ray = surface.spawn_ray(direction);
         self.cone.widen_at_surface(&surface.bsdf);
         if transmitted {
@@ -155,7 +155,7 @@ impl<I: Interior> PathRay<I> {
     /// Continues the path in unit `direction` from a scattering event in a medium, at the origin of
     /// the ray.
     #[inline]
-    pub fn turn(&mut self, direction: Vec3) {
+    pub fn scatter_towards(&mut self, direction: Vec3) {
         self.ray = Ray::new(self.ray.origin, direction);
         self.cone.widen_in_medium();
     }
@@ -173,7 +173,7 @@ pub(super) fn shadow_transmittance<I: Interior>(scene: &Scene, ray: &Ray, mut in
         let unit = Ray::new(ray.origin, ray.direction / length);
         let hit = scene.intersect(&ray).map(|hit| Hit { t: hit.t * length, ..hit });
         let cone = RayCone::zero_width(Effects::NONE);
-        let surface = hit.map(|hit| scene.interaction(&unit, &hit, &cone, || rng.random()));
+        let surface = hit.map(|hit| scene.surface_interaction(&unit, &hit, &cone, || rng.random()));
         if let Some(surface) = &surface {
             interior.infer_starting_body(surface);
         }

@@ -162,7 +162,7 @@ impl Scene {
     #[inline]
     #[must_use]
     pub fn camera_ray_cone(&self, effects: Effects) -> RayCone {
-        RayCone::from_pixel(self.camera.pixel(), effects)
+        RayCone::from_pixel(self.camera.pixel_footprint(), effects)
     }
 
     /// Starts a light path along `ray` from light `light` that simulates `effects`.

@@ -48,7 +48,7 @@ impl RayCone {
 
     /// Widens the cone over `distance` \[length].
     #[inline]
-    pub fn travel(&mut self, distance: f32) {
+    pub fn widen_over_distance(&mut self, distance: f32) {
         self.width += self.spread * distance;
     }
 

@@ -1,26 +1,26 @@
-//! Memory limits, and the memory that this process uses.
+//! Memory limits, and measurement of the memory that this process uses.
 
 use std::sync::OnceLock;
 
-/// Limit on the memory that a load or a render may take.
+/// A limit of the memory that loading or rendering may take.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MemoryLimit {
-    /// No limit: the caller knows how much the work takes.
+    /// No limit.
     #[default]
     Unbounded,
-    /// The memory that the system has free.
+    /// The memory that the system can give without swapping.
     System,
-    /// Limit for the whole process \[format_bytes].
+    /// A limit of the memory of the whole process \[bytes].
     Limit(u64),
 }
 
-/// Bytes kept back for what no allocation counts: code, thread stacks, and slack of the allocator.
+/// Bytes reserved for memory that is not allocated on the heap, such as code and thread stacks.
 ///
-/// Measured with 2 threads: 10 to 13 MB of resident memory beyond the allocations.
+/// With 2 threads, 10 to 13 MB of resident memory were measured beyond the allocations.
 const RESERVED_BYTES: u64 = 14_000_000;
 
 impl MemoryLimit {
-    /// Bytes that may still be taken; `None` if no limit is known.
+    /// Bytes that may still be allocated; `None` if no limit is known.
     ///
     /// Under [`MemoryLimit::Limit`] this is the limit less the bytes in use and a fixed reserve, so
     /// one machine refuses what another refuses. Under [`MemoryLimit::System`] it is the memory
@@ -35,18 +35,18 @@ impl MemoryLimit {
     }
 }
 
-/// Reads the counters of a counting allocator.
+/// Access to the counters of a global allocator that counts its bytes.
 #[derive(Clone, Copy, Debug)]
 pub struct AllocationCounter {
-    /// Returns the allocated bytes that are not freed yet.
+    /// Returns the number of allocated bytes that are not freed yet.
     pub in_use: fn() -> u64,
-    /// Returns the largest value that `in_use` has had.
+    /// Returns the largest value of `in_use` so far.
     pub peak: fn() -> u64,
 }
 
 static COUNTER: OnceLock<AllocationCounter> = OnceLock::new();
 
-/// Makes memory limits use the counters of this process's global allocator.
+/// Registers the counters of this process's global allocator, for memory limits and reports.
 ///
 /// Without it, limits use the resident anonymous memory that Linux reports, and 0 elsewhere. Only
 /// the first call has an effect.
@@ -61,7 +61,7 @@ fn memory_in_use() -> u64 {
         .map_or_else(|| read_proc_bytes("/proc/self/status", "RssAnon:").unwrap_or(0), |counter| (counter.in_use)())
 }
 
-/// Peak memory of this process so far \[format_bytes]: allocated if allocations are counted, else
+/// Peak memory of this process so far \[bytes]: allocated if allocations are counted, else
 /// resident.
 ///
 /// `None` if allocations are not counted and the system does not report it (all but Linux).
@@ -70,7 +70,7 @@ pub fn peak_memory() -> Option<u64> {
     COUNTER.get().map_or_else(|| read_proc_bytes("/proc/self/status", "VmHWM:"), |counter| Some((counter.peak)()))
 }
 
-/// Value of a line such as `VmHWM: 1024 kB` of a `/proc` file \[format_bytes].
+/// Reads the value of a line such as `VmHWM: 1024 kB` from a file in `/proc` \[bytes].
 fn read_proc_bytes(file: &str, key: &str) -> Option<u64> {
     let text = std::fs::read_to_string(file).ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix(key))?;
@@ -78,7 +78,7 @@ fn read_proc_bytes(file: &str, key: &str) -> Option<u64> {
     Some(kib * 1024)
 }
 
-/// Bytes as text with a decimal unit: `512 format_bytes`, `3.2 kB`, `99.9 MB`, `1.0 GB`.
+/// A number of bytes as text with a decimal unit: `512 bytes`, `3.2 kB`, `99.9 MB`, `1.0 GB`.
 #[must_use]
 pub fn format_bytes(n: u64) -> String {
     match n {

@@ -1,6 +1,6 @@
-//! Counters of a render's work, memory limits, and processor time.
+//! Counters of rays and photons, memory limits, and processor time.
 //!
-//! Each worker has its own counters. They are summed once, so threads do not contend.
+//! Each worker has its own counters, which are summed at the end.
 
 mod memory;
 
@@ -20,9 +20,9 @@ pub struct Counters {
     pub shadow_rays: u64,
     /// Ray segments of photon paths.
     pub photon_rays: u64,
-    /// Photon density estimates.
+    /// Photon density estimates, each of which sums nearby photons.
     pub gathers: u64,
-    /// Photons summed by these estimates.
+    /// Photons summed by all photon density estimates.
     pub gathered_photons: u64,
     /// Radiance samples rejected because they were not finite.
     pub rejected_samples: u64,

@@ -22,17 +22,17 @@ pub enum PictureError {
     /// A value below zero.
     #[error("pixel {x}, {y} (from the top left) is negative")]
     Negative {
-        /// Column.
+        /// Column of the pixel, from the left.
         x: u32,
-        /// Row.
+        /// Row of the pixel, from the top.
         y: u32,
     },
     /// A value that is infinite or NaN.
     #[error("pixel {x}, {y} (from the top left) is not finite")]
     NotFinite {
-        /// Column.
+        /// Column of the pixel, from the left.
         x: u32,
-        /// Row.
+        /// Row of the pixel, from the top.
         y: u32,
     },
 }
@@ -76,7 +76,7 @@ impl Picture {
         let first = MipLevel { width: width as usize, height: image.height() as usize, pixels: pixels.to_vec() };
         let mut levels = vec![first];
         while let Some(last) = levels.last().filter(|l| l.width > 1 || l.height > 1) {
-            levels.push(last.halved());
+            levels.push(last.next_coarser_level());
         }
         Ok(Self { levels, wrap, mean, range: (least, greatest) })
     }
@@ -155,7 +155,7 @@ impl MipLevel {
 
     /// The next coarser MIP level, with half as many columns and rows, rounded down. Each pixel is
     /// the mean over its area.
-    fn halved(&self) -> Self {
+    fn next_coarser_level(&self) -> Self {
         let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
         let columns: Vec<Vec<(usize, f32)>> = (0..width).map(|j| covered_pixels(j, self.width, width)).collect();
         let mut pixels = Vec::with_capacity(width * height);

@@ -31,13 +31,13 @@ fn hit(scene: &Scene, from: DVec3, direction: DVec3) -> (Hit, Ray) {
 
 fn surface(scene: &Scene, from: DVec3, direction: DVec3) -> SurfaceInteraction<'_> {
     let (hit, ray) = hit(scene, from, direction);
-    scene.interaction(&ray, &hit, &RayCone::zero_width(Effects::ALL), || 0.5)
+    scene.surface_interaction(&ray, &hit, &RayCone::zero_width(Effects::ALL), || 0.5)
 }
 
 fn uv(scene: &Scene, from: [f64; 3], direction: [f64; 3]) -> DVec2 {
     let (hit, ray) = hit(scene, DVec3::from(from), DVec3::from(direction));
     let cone = RayCone::zero_width(Effects::ALL);
-    let surface = scene.interaction(&ray, &hit, &cone, || 0.5);
+    let surface = scene.surface_interaction(&ray, &hit, &cone, || 0.5);
     scene.texture_context(&hit, &surface.point, surface.wo, &cone).uv
 }
 

@@ -104,12 +104,12 @@ fn codes_round_trip() {
     assert_eq!(Wavelength::from_byte_code(0), None);
     for i in 0..=3400 {
         let w = refractive_index_at(SHORTEST + i as f32 * 0.1);
-        let back = Wavelength::from_byte_code(w.code()).unwrap();
+        let back = Wavelength::from_byte_code(w.byte_code()).unwrap();
         // Half a cell of 340/255 nm, and f32.
         assert!((back.nanometres() - w.nanometres()).abs() < 0.667, "{w:?} {back:?}");
         assert_eq!((back.weight(), back.pdf()), (w.weight(), w.pdf()));
     }
     for code in 1..=255 {
-        assert_eq!(Wavelength::from_byte_code(code).map(Wavelength::code), Some(code));
+        assert_eq!(Wavelength::from_byte_code(code).map(Wavelength::byte_code), Some(code));
     }
 }

@@ -1,22 +1,22 @@
 use super::*;
 
-fn render(error: &SceneError) -> String {
+fn render_report(error: &SceneError) -> String {
     let mut text = String::new();
     let handler = miette::GraphicalReportHandler::new_themed(miette::GraphicalTheme::unicode_nocolor());
     handler.render_report(&mut text, error).unwrap();
     text
 }
 
-fn error(text: &str, start: usize, len: usize) -> SceneError {
-    SceneError::at(&SourceText::new("a.txt", text), Span { start, len }, "no such word", "here", "write `right`")
+fn error_in_text(text: &str, start: usize, len: usize) -> SceneError {
+    SceneError::at_span(&SourceText::new("a.txt", text), Span { start, len }, "no such word", "here", "write `right`")
 }
 
 #[test]
 fn reports_show_position_text_and_remedy() {
-    let error = error("one\r\n  über wrong\r\nthree", 13, 5);
+    let error = error_in_text("one\r\n  über wrong\r\nthree", 13, 5);
     assert_eq!((error.line(), error.column(), error.text()), (2, 8, "wrong"));
     assert_eq!(error.to_string(), "a.txt:2:8: no such word");
-    let report = render(&error);
+    let report = render_report(&error);
     for part in ["a.txt:2:8", "no such word", "über wrong", "here", "write `right`"] {
         assert!(report.contains(part), "{part} is not in\n{report}");
     }
@@ -24,9 +24,9 @@ fn reports_show_position_text_and_remedy() {
 
 #[test]
 fn long_lines_are_truncated() {
-    let error = error(&"word ".repeat(100_000), 200_000, 100_000);
+    let error = error_in_text(&"word ".repeat(100_000), 200_000, 100_000);
     assert_eq!(error.column(), 200_001);
-    let report = render(&error);
+    let report = render_report(&error);
     assert!(report.len() < 3000 && report.contains("a.txt:1:200001"), "{report}");
 }
 
@@ -34,34 +34,36 @@ fn long_lines_are_truncated() {
 fn any_span_can_be_reported() {
     for text in ["", "\n", "ü", "a\r\nb"] {
         for (start, len) in [(0, 0), (0, 9), (1, 1), (9, 9), (usize::MAX, usize::MAX)] {
-            assert!(render(&error(text, start, len)).contains("write `right`"));
+            assert!(render_report(&error_in_text(text, start, len)).contains("write `right`"));
         }
     }
-    let file = SceneError::of_file(&SourceText::new("a.txt", ""), "nothing here", "write something");
-    assert!(render(&file).contains("a.txt:1:1: nothing here") && render(&file).contains("write something"));
+    let file = SceneError::for_whole_file(&SourceText::new("a.txt", ""), "nothing here", "write something");
+    assert!(
+        render_report(&file).contains("a.txt:1:1: nothing here") && render_report(&file).contains("write something")
+    );
 }
 
 #[test]
 fn control_characters_are_escaped() {
-    let error = error("one \u{1b}[31m wrong\u{7}", 10, 6);
-    let report = render(&error);
+    let error = error_in_text("one \u{1b}[31m wrong\u{7}", 10, 6);
+    let report = render_report(&error);
     assert!(!report.contains(['\u{1b}', '\u{7}']), "{report:?}");
     assert!(report.contains("\\u{1b}[31m wrong\\u{7}") && report.contains("a.txt:1:11"), "{report}");
 }
 
 #[test]
 fn several_errors_are_reported_in_order() {
-    let errors = [error("one two", 4, 3), error("one two", 0, 3)].to_vec();
-    let joined = SceneError::join(errors).unwrap();
-    assert_eq!((joined.text(), joined.others().len(), joined.others()[0].text()), ("one", 1, "two"));
-    let report = render(&joined);
+    let errors = [error_in_text("one two", 4, 3), error_in_text("one two", 0, 3)].to_vec();
+    let joined = SceneError::from_errors(errors).unwrap();
+    assert_eq!((joined.text(), joined.further_errors().len(), joined.further_errors()[0].text()), ("one", 1, "two"));
+    let report = render_report(&joined);
     assert!(report.contains("a.txt:1:1:") && report.contains("a.txt:1:5"), "{report}");
-    assert!(SceneError::join(Vec::new()).is_none());
+    assert!(SceneError::from_errors(Vec::new()).is_none());
 }
 
 #[test]
 fn errors_may_lack_a_position() {
     let error = SceneError::without_position("a.glb", "no such node", "export it again");
     assert_eq!(error.to_string(), "a.glb: no such node");
-    assert!(render(&error).contains("export it again"));
+    assert!(render_report(&error).contains("export it again"));
 }

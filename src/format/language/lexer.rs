@@ -33,7 +33,7 @@ pub(super) struct Lexer<'a> {
 }
 
 impl<'a> Lexer<'a> {
-    /// Returns a lexer behind the byte order mark of `text`, if it has one.
+    /// Returns a lexer at the start of `text`, after its byte order mark if it has one.
     pub fn new(name: &'a str, text: &'a str) -> Self {
         let position = if text.starts_with('\u{feff}') { 3 } else { 0 };
         Self { name, text, position }
@@ -48,7 +48,7 @@ impl<'a> Lexer<'a> {
     }
 
     pub fn error_at(&self, span: Span, message: String, label: &str, help: String) -> SceneError {
-        SceneError::at(&self.source(), span, message, label, help)
+        SceneError::at_span(&self.source(), span, message, label, help)
     }
 
     /// Returns the next word or punctuation, which stays unread.

@@ -19,7 +19,7 @@ use super::text::is_normalizable;
 use super::transforms::{parse_moving_block, write_transform_steps};
 use super::writer::SceneWriter;
 
-/// Light blocks of the scene language with their parsers, movable lights first.
+/// Light blocks of the scene language, with their parsers.
 pub(super) static LIGHTS: [BlockParser<ParseLight>; 9] = [
     BlockParser { block: &POINT, parse: parse_point_light },
     BlockParser { block: &DIRECTIONAL, parse: parse_directional_light },
@@ -34,9 +34,6 @@ pub(super) static LIGHTS: [BlockParser<ParseLight>; 9] = [
 
 /// Function that converts a block's fields to a light.
 type ParseLight = fn(&BlockFields<'_>) -> Result<LightDescription, SceneError>;
-
-/// Number of rows of [`LIGHTS`] with a position or direction, which `Moving` can change.
-const MOVABLE_COUNT: usize = 8;
 
 static POINT_STRENGTH_FIELDS: [FieldSchema; 3] = [
     field("color", FieldKind::Color, "color of MIT 6.837, without distance falloff; give one of the three")
@@ -181,7 +178,8 @@ pub(super) fn parse_lights_block<'a>(
 /// Parses the light, or the `Moving` block with a light, that starts with `word`.
 fn parse_light<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Spanned<LightDescription>, SceneError> {
     if word.text == "Moving" {
-        let movable = block_keywords(&["Moving"], &LIGHTS[..MOVABLE_COUNT]);
+        let mut movable = block_keywords(&["Moving"], &LIGHTS);
+        movable.retain(|keyword| *keyword != ENVIRONMENT.keyword);
         let (maps, light) = parse_moving_block(parser, word, &movable, parse_light)?;
         return Ok(Spanned::new(LightDescription::Moving { maps, light: Box::new(light) }, word.span()));
     }

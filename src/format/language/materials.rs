@@ -272,7 +272,7 @@ fn parse_dielectric_absorption(f: &BlockFields<'_>) -> Result<DielectricAbsorpti
     };
     let attenuation = DielectricAbsorption::Tint { color, distance: f.value("tintDistance")? };
     if let Some(field) = f.get("tintDistance") {
-        let is_valid = attenuation.coefficient().max_element() <= MAX_COEFFICIENT;
+        let is_valid = attenuation.absorption_coefficient().max_element() <= MAX_COEFFICIENT;
         field.ensure(is_valid, "must be longer: over it, `tint` is an absorption above 1e12")?;
     }
     Ok(attenuation)
@@ -359,7 +359,7 @@ fn parse_normal_perturbation(f: &BlockFields<'_>) -> Result<Option<NormalPerturb
     Ok(Some(NormalPerturbationDescription::Bump { texture, height: f.value("bumpHeight")? }))
 }
 
-/// Parses the index after `MaterialIndex`.
+/// Parses the index of a material after the word `MaterialIndex`.
 pub(super) fn parse_material_index<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Spanned<u32>, SceneError> {
     parser.scope.group_uses_materials = true;
     let index = parser.parse_integer(word)?;
@@ -376,7 +376,7 @@ pub(super) fn parse_material_index<'a>(parser: &mut Parser<'a>, word: Token<'a>)
     Err(parser.lexer.error_at(index.span, message, "out of range", help))
 }
 
-/// Parses the name after `MaterialName`.
+/// Parses the name of a material after the word `MaterialName`.
 pub(super) fn parse_material_reference<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,

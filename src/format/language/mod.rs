@@ -128,7 +128,7 @@ pub fn parse_scene_bytes(name: &str, bytes: &[u8]) -> Result<SceneDescription, S
         [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => "the file looks like UTF-16: save it as UTF-8",
         _ => "save the file as UTF-8 text",
     };
-    Err(SceneError::at(&source, Span { start: at, len: 3 }, message, "not text", help))
+    Err(SceneError::at_span(&source, Span { start: at, len: 3 }, message, "not text", help))
 }
 
 /// Parsed blocks of a file; the parser's scope holds the others.
@@ -169,11 +169,11 @@ fn parse_file(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneError> {
     }
     let camera = camera.ok_or_else(|| {
         let help = "add `PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 }`";
-        SceneError::of_file(&parser.lexer.source(), "the file has no camera", help)
+        SceneError::for_whole_file(&parser.lexer.source(), "the file has no camera", help)
     })?;
     let root = root.ok_or_else(|| {
         let help = "add `Group { … }` with the objects of the scene";
-        SceneError::of_file(&parser.lexer.source(), "the file has no Group", help)
+        SceneError::for_whole_file(&parser.lexer.source(), "the file has no Group", help)
     })?;
     let scope = std::mem::take(&mut parser.scope);
     let (textures, media, materials) = (scope.textures, scope.media, scope.materials);

@@ -20,7 +20,7 @@ pub(super) struct Parser<'a> {
     open_blocks: Vec<Token<'a>>,
     /// Number of `Group`, `Transform` and `Moving` blocks around the current position.
     nesting_depth: usize,
-    /// Number of blocks that were parsed to their end.
+    /// Number of blocks parsed to their end since the start of the text.
     closed_blocks: usize,
     /// True if the text ended inside a block.
     has_unclosed_block: bool,
@@ -54,7 +54,7 @@ impl<'a> Parser<'a> {
     pub fn into_joined_error(mut self, last: Option<SceneError>) -> Option<SceneError> {
         // A text that ends inside a block often does so because of an earlier error.
         self.errors.extend(last.filter(|_| !self.has_unclosed_block || self.errors.is_empty()));
-        SceneError::join(self.errors)
+        SceneError::from_errors(self.errors)
     }
 
     /// Runs `parse_entry`. Records its error, if any, and skips to the next entry.

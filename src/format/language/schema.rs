@@ -70,7 +70,7 @@ pub(super) enum FieldRange {
     Between(f64, f64),
     /// Above the first bound, up to and including the second.
     UpTo(f64, f64),
-    /// A range in words, which the parser of the block checks instead of the table.
+    /// Range in words; the parser of the block checks it, not the table.
     Special(&'static str),
 }
 
@@ -134,7 +134,7 @@ pub(super) struct BlockParser<P: 'static> {
     pub parse: P,
 }
 
-/// An optional field. A color must not be negative; any other value is allowed.
+/// Returns the schema of an optional field. Colors must not be negative; other values are free.
 pub(super) const fn field(name: &'static str, kind: FieldKind, help: &'static str) -> FieldSchema {
     let range = match kind {
         FieldKind::Color | FieldKind::ColorOrTexture => FieldRange::NonNegative,
@@ -144,7 +144,7 @@ pub(super) const fn field(name: &'static str, kind: FieldKind, help: &'static st
     FieldSchema { name, alias: "", kind, range, unit: "", default, help, is_course_syntax: false }
 }
 
-/// A block without fields and aliases.
+/// Returns the schema of a block without fields and aliases.
 pub(super) const fn block(keyword: &'static str, help: &'static str) -> BlockSchema {
     BlockSchema { keyword, aliases: &[], own_fields: &[], shared_fields: &[], help, is_course_syntax: false }
 }

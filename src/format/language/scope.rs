@@ -23,7 +23,7 @@ pub(super) struct ParserScope<'a> {
     mix_summaries: Vec<MixSummary>,
     /// True if the last `Group` refers to a material.
     pub group_uses_materials: bool,
-    /// Keyword of a `Materials` block behind the last `Group`, if the group refers to materials.
+    /// Keyword of a `Materials` block after the last `Group`, if that group refers to materials.
     pub late_materials: Option<Token<'a>>,
 }
 

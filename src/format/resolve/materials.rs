@@ -20,7 +20,7 @@ pub(super) fn add_materials(r: &mut Resolver<'_>) -> Result<(), SceneError> {
         let material = with_body_medium(r, material, described)?;
         let normals = r.resolve_normal_perturbation(described, &mut requirements)?;
         if let Some(EmissionDescription::Texture { name, .. }) = &described.emission {
-            requirements.add(&r.texture_by_name(name, &ANY_TEXTURE_VALUE)?);
+            requirements.add_requirements_of(&r.texture_by_name(name, &ANY_TEXTURE_VALUE)?);
         }
         for part in described.kind.mix_parts().into_iter().flatten() {
             if let Some(part) = r.material_indices.get(part.as_str()).map(|i| r.texture_requirements[*i as usize]) {
@@ -44,7 +44,7 @@ pub(super) fn add_materials(r: &mut Resolver<'_>) -> Result<(), SceneError> {
 pub(super) fn material_index(r: &Resolver<'_>, name: &Spanned<String>) -> Result<u32, SceneError> {
     r.material_indices.get(name.as_str()).copied().ok_or_else(|| {
         let message = format!("there is no material named `{}`", name.value);
-        SceneError::at(r.source, name.span, message, "unknown name", "define it in Materials first")
+        SceneError::at_span(r.source, name.span, message, "unknown name", "define it in Materials first")
     })
 }
 
@@ -71,7 +71,7 @@ pub(super) fn resolve_material(
         MaterialKindDescription::Dielectric { refraction, attenuation, roughness, priority } => {
             let roughness = r.fraction_parameter(roughness, requirements)?;
             let (index, glass) = add_refractive_index(r, refraction)?;
-            let absorption = rgb(attenuation.coefficient());
+            let absorption = rgb(attenuation.absorption_coefficient());
             Material::rough_boundary(Body { absorption, priority: *priority, glass, ..Body::new(index) }, roughness)
         }
         MaterialKindDescription::Clear { priority } => {
@@ -115,7 +115,7 @@ fn known_glass(r: &Resolver<'_>, name: &Spanned<String>) -> Result<DispersionFor
         let guess = nearest_word(name, names()).map_or(String::new(), |n| format!("did you mean `{n}`? "));
         let known = names().collect::<Vec<_>>().join(", ");
         let help = format!("{guess}known are {known}; of others, give `cauchy`, or `indexOfRefraction` and `abbe`");
-        SceneError::at(r.source, name.span, message, "unknown name", help)
+        SceneError::at_span(r.source, name.span, message, "unknown name", help)
     })
 }
 
@@ -126,7 +126,7 @@ fn complex_refractive_index(r: &Resolver<'_>, described: &MetalDescription) -> R
         MetalDescription::Named(name) => named_metal(name).ok_or_else(|| {
             let message = format!("no metal is called `{}`", name.value);
             let help = format!("known are {}; of others, give `eta` and `k`", METALS.join(", "));
-            SceneError::at(r.source, name.span, message, "unknown name", help)
+            SceneError::at_span(r.source, name.span, message, "unknown name", help)
         }),
     }
 }

@@ -40,14 +40,17 @@ fn make_medium(r: &Resolver<'_>, described: &Spanned<MediumDescription>) -> Resu
         description::PhaseFunctionDescription::HenyeyGreenstein(g) => PhaseFunction::HenyeyGreenstein(g as f32),
     };
     let (absorption, scattering, emission) = (rgb(absorption), rgb(scattering), rgb(described.emission));
-    Ok(match make_density(r, described)? {
+    Ok(match make_density_grid(r, described)? {
         None => Medium::homogeneous(absorption, scattering, emission, phase),
         Some(density) => Medium::heterogeneous(absorption, scattering, emission, phase, Arc::new(density)),
     })
 }
 
 /// Returns the density grid of a medium; `None` for a homogeneous one.
-fn make_density(r: &Resolver<'_>, described: &Spanned<MediumDescription>) -> Result<Option<GridDensity>, SceneError> {
+fn make_density_grid(
+    r: &Resolver<'_>,
+    described: &Spanned<MediumDescription>,
+) -> Result<Option<GridDensity>, SceneError> {
     let help = "give a box with an extent, and fewer cells if memory does not suffice";
     let refuse = |e: GridDensityError| r.error_at(described.span, &e.to_string(), help);
     let density = match &described.density {
@@ -108,7 +111,7 @@ pub(super) fn add_ambient_medium(r: &mut Resolver<'_>) -> Result<(), SceneError>
     let (index, medium) = medium_by_name(r, name)?;
     let refuse = |reason: &str, help: &str| {
         let message = format!("the medium `{}` cannot fill the scene: {reason}", name.value);
-        Err(SceneError::at(r.source, name.span, message, "fills the scene", help))
+        Err(SceneError::at_span(r.source, name.span, message, "fills the scene", help))
     };
     if !medium.is_homogeneous() {
         return refuse("it is not the same everywhere", "put it into a shape of a material `Clear { medium … }`");
@@ -145,7 +148,7 @@ pub(super) fn with_body_medium(
         if !medium.is_homogeneous() {
             let message = format!("the body absorbs, and so does the medium `{}`, which varies", name.value);
             let help = "leave out `absorption` and `tint`, or fill the body with a medium that is even";
-            return Err(SceneError::at(r.source, name.span, message, "fills this body", help));
+            return Err(SceneError::at_span(r.source, name.span, message, "fills this body", help));
         }
         medium.absorption += std::mem::replace(&mut body.absorption, Rgb::ZERO);
         index = r.builder.medium(medium);
@@ -168,7 +171,7 @@ pub(super) fn refuse_clear_emission(r: &Resolver<'_>, radiance: Rgb, span: Span)
 fn medium_by_name(r: &Resolver<'_>, name: &Spanned<String>) -> Result<(u32, Medium), SceneError> {
     r.media.get(name.as_str()).cloned().ok_or_else(|| {
         let message = format!("no medium is called `{}`", name.value);
-        SceneError::at(r.source, name.span, message, "unknown name", "define it in Media first")
+        SceneError::at_span(r.source, name.span, message, "unknown name", "define it in Media first")
     })
 }
 

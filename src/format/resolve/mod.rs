@@ -37,8 +37,8 @@ use textures::{ANY_TEXTURE_VALUE, AddedTexture, TextureRequirements};
 /// Meshes, pictures and grids are looked up in `folder`, then in its parent folder.
 ///
 /// # Errors
-/// [`SceneError`] with a position in `source`. Examples: a missing file, an unknown glass, a singular
-/// transform, an object that cannot emit.
+/// [`SceneError`] with a position in `source`. Examples: a missing file, an unknown glass, a
+/// singular transform, an object that cannot emit.
 pub fn resolve(description: &SceneDescription, source: &SourceText, folder: &Path) -> Result<Scene, SceneError> {
     resolve_monitored(description, source, folder, &(), MemoryLimit::Unbounded)
 }
@@ -100,11 +100,11 @@ pub(super) fn resolve_with_assets(
     };
     let final_error = resolver.add_description().err();
     resolver.errors.extend(final_error);
-    if let Some(error) = SceneError::join(resolver.errors) {
+    if let Some(error) = SceneError::from_errors(resolver.errors) {
         return Err(error);
     }
     resolver.builder.build(camera).map_err(|e| {
-        SceneError::of_file(source, e.to_string(), "choose units in which the scene is neither huge nor empty")
+        SceneError::for_whole_file(source, e.to_string(), "choose units in which the scene is neither huge nor empty")
     })
 }
 
@@ -164,7 +164,7 @@ impl Resolver<'_> {
         }
         if !description.camera.motion.is_empty() {
             let steps = description.camera.motion.iter().map(TransformStep::motion_step);
-            self.builder.moving_camera(Motion::default().preceded_by(steps));
+            self.builder.moving_camera(Motion::default().preceded_by_steps(steps));
         }
         self.add_group(&description.root, &Motion::default())
     }
@@ -209,11 +209,11 @@ impl Resolver<'_> {
             ObjectDescription::Transform { maps, object: inner } => {
                 self.transform_span = Some(object.span);
                 let step = MotionStep::Fixed(TransformStep::composed_matrix(maps));
-                self.add_object(inner, &to_world.preceded_by([step]))
+                self.add_object(inner, &to_world.preceded_by_steps([step]))
             }
             ObjectDescription::Moving { maps, object: inner } => {
                 self.transform_span = Some(object.span);
-                self.add_object(inner, &to_world.preceded_by(maps.iter().map(TransformStep::motion_step)))
+                self.add_object(inner, &to_world.preceded_by_steps(maps.iter().map(TransformStep::motion_step)))
             }
             ObjectDescription::Shape { shape, emission } => {
                 let emission = self.object_emission(*emission)?;
@@ -251,7 +251,7 @@ impl Resolver<'_> {
     }
 
     fn error_at(&self, span: Span, message: &str, help: &str) -> SceneError {
-        SceneError::at(self.source, span, message, "here", help)
+        SceneError::at_span(self.source, span, message, "here", help)
     }
 
     /// Returns the transform of a matrix; an error if the matrix is singular.
@@ -260,7 +260,7 @@ impl Resolver<'_> {
     fn invertible_transform(&self, to_world: DAffine3, span: Span) -> Result<Transform, SceneError> {
         Transform::new(to_world).map_err(|e| {
             let culprit = self.transform_span.unwrap_or(span);
-            SceneError::at(
+            SceneError::at_span(
                 self.source,
                 culprit,
                 e.to_string(),
@@ -313,7 +313,7 @@ impl Resolver<'_> {
 
     /// Returns an error at a file's path.
     fn file_error(&self, path: &Spanned<String>, message: &impl ToString, help: &str) -> SceneError {
-        SceneError::at(self.source, path.span, message.to_string(), "named here", help)
+        SceneError::at_span(self.source, path.span, message.to_string(), "named here", help)
     }
 }
 

@@ -29,7 +29,7 @@ pub(super) struct AddedTexture {
     is_srgb: bool,
 }
 
-/// What a material's textures need from the surfaces that have the material.
+/// Requirements of a material's textures on the surfaces that have the material.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct TextureRequirements {
     /// True if the material uses any texture.
@@ -125,7 +125,7 @@ impl<'a> Resolver<'a> {
     ) -> Result<AddedTexture, SceneError> {
         let texture = self.textures.get(name.as_str()).copied().ok_or_else(|| {
             let message = format!("no texture is called `{}`", name.value);
-            SceneError::at(self.source, name.span, message, "unknown name", "define it in Textures first")
+            SceneError::at_span(self.source, name.span, message, "unknown name", "define it in Textures first")
         })?;
         let (least, most) = texture.range;
         if range.contains(&least) && range.contains(&most) {
@@ -133,7 +133,7 @@ impl<'a> Resolver<'a> {
         }
         let message = format!("the texture `{}` goes from {least} to {most}", name.value);
         let help = format!("its values must lie between {} and {} here", range.start(), range.end());
-        Err(SceneError::at(self.source, name.span, message, "out of range", help))
+        Err(SceneError::at_span(self.source, name.span, message, "out of range", help))
     }
 
     /// Returns the texture with a name, or else of the picture at that path.
@@ -168,7 +168,7 @@ impl<'a> Resolver<'a> {
             TexturedValue::Plain(color) => Ok(Textured::Constant(rgb(*color))),
             TexturedValue::Texture(name) => {
                 let texture = self.texture_by_name(name, range)?;
-                requirements.add(&texture);
+                requirements.add_requirements_of(&texture);
                 Ok(Textured::Texture { texture: texture.index, factor: Rgb::ONE, mean: texture.mean })
             }
         }
@@ -184,7 +184,7 @@ impl<'a> Resolver<'a> {
             TexturedValue::Plain(number) => Ok(Textured::Constant(*number as f32)),
             TexturedValue::Texture(name) => {
                 let texture = self.texture_by_name(name, &UNIT_RANGE)?;
-                requirements.add(&texture);
+                requirements.add_requirements_of(&texture);
                 Ok(Textured::Texture { texture: texture.index, factor: 1.0, mean: color::channel_mean(texture.mean) })
             }
         }
@@ -210,10 +210,10 @@ impl<'a> Resolver<'a> {
         let Some(name) = texture else { return self.color_parameter(diffuse, &ANY_TEXTURE_VALUE, requirements) };
         let TexturedValue::Plain(factor) = diffuse else {
             let help = "give `diffuseColor` in numbers, or leave `texture` out";
-            return Err(SceneError::at(self.source, name.span, "two textures for one colour", "the second", help));
+            return Err(SceneError::at_span(self.source, name.span, "two textures for one colour", "the second", help));
         };
         let texture = self.texture_or_picture(name, PictureEncoding::Srgb)?;
-        requirements.add(&texture);
+        requirements.add_requirements_of(&texture);
         let factor = rgb(*factor);
         Ok(Textured::Texture { texture: texture.index, factor, mean: factor * texture.mean })
     }
@@ -231,7 +231,7 @@ impl<'a> Resolver<'a> {
                 if *height == 0.0 {
                     return Ok(NormalPerturbation::None);
                 }
-                requirements.add(&texture);
+                requirements.add_requirements_of(&texture);
                 NormalPerturbation::BumpMap { texture: texture.index, height: *height as f32 }
             }
             Some(description::NormalPerturbationDescription::NormalMap(name)) => {
@@ -239,7 +239,7 @@ impl<'a> Resolver<'a> {
                 if texture.is_srgb {
                     let message = format!("the texture `{}` is read as a picture of light", name.value);
                     let help = "give it `encoding linear`: normals are numbers";
-                    return Err(SceneError::at(self.source, name.span, message, "no normals", help));
+                    return Err(SceneError::at_span(self.source, name.span, message, "no normals", help));
                 }
                 // Tangents follow texture coordinates, even if the texture is solid.
                 *requirements = TextureRequirements { uses_textures: true, needs_texcoords: true };
@@ -272,8 +272,7 @@ impl<'a> Resolver<'a> {
 }
 
 impl TextureRequirements {
-    /// Adds the requirements of one texture.
-    pub fn add(&mut self, texture: &AddedTexture) {
+    pub fn add_requirements_of(&mut self, texture: &AddedTexture) {
         self.uses_textures = true;
         self.needs_texcoords |= !texture.is_solid;
     }

@@ -7,19 +7,19 @@ use super::super::description::{
     DensityDescription, MaterialDescription, MaterialKindDescription, MediumCoefficients, MediumDescription,
     PhaseFunctionDescription, Spanned, TransformedBoxDescription,
 };
-use super::strategies::{map, spanned};
-use super::values::{coefficient, name, point, share};
+use super::strategies::{random_transform_step, with_empty_span};
+use super::values::{random_coefficients, random_fractions, random_name, random_point};
 
-fn coefficients() -> impl Strategy<Value = MediumCoefficients> {
+fn random_medium_coefficients() -> impl Strategy<Value = MediumCoefficients> {
     prop_oneof![
-        (coefficient(), coefficient())
+        (random_coefficients(), random_coefficients())
             .prop_map(|(absorption, scattering)| MediumCoefficients::AbsorptionScattering { absorption, scattering }),
-        (coefficient(), share())
+        (random_coefficients(), random_fractions())
             .prop_map(|(extinction, albedo)| MediumCoefficients::ExtinctionAlbedo { extinction, albedo }),
     ]
 }
 
-fn phase() -> impl Strategy<Value = PhaseFunctionDescription> {
+fn random_phase_function() -> impl Strategy<Value = PhaseFunctionDescription> {
     prop_oneof![
         Just(PhaseFunctionDescription::Isotropic),
         Just(PhaseFunctionDescription::Rayleigh),
@@ -27,52 +27,56 @@ fn phase() -> impl Strategy<Value = PhaseFunctionDescription> {
     ]
 }
 
-fn extent() -> impl Strategy<Value = TransformedBoxDescription> {
-    let corners = (point(), point()).prop_filter_map("no extent", |(a, b)| {
+fn random_transformed_box() -> impl Strategy<Value = TransformedBoxDescription> {
+    let corners = (random_point(), random_point()).prop_filter_map("no extent", |(a, b)| {
         let (min, max) = (a.min(b), a.max(b));
         let sides = max - min;
         (sides.min_element() > 0.0 && sides.is_finite()).then_some((min, max))
     });
-    (corners, vec(map(), 0..3)).prop_map(|((min, max), maps)| TransformedBoxDescription { min, max, maps })
+    (corners, vec(random_transform_step(), 0..3)).prop_map(|((min, max), maps)| TransformedBoxDescription {
+        min,
+        max,
+        maps,
+    })
 }
 
-fn density() -> impl Strategy<Value = DensityDescription> {
+fn random_density() -> impl Strategy<Value = DensityDescription> {
     let shares = (0.0..=1.0, 0.0..=1.0);
     let noise = (1..=16_u32, 1e-9..1e9, any::<u32>(), 2..=512_u32);
     prop_oneof![
         2 => Just(DensityDescription::Homogeneous),
-        1 => (name(), 1e-9..1e9, extent())
-            .prop_map(|(path, scale, extent)| DensityDescription::Grid { path: spanned(path), scale, extent }),
-        1 => (shares, noise, extent()).prop_map(|((cover, softness), (octaves, frequency, seed, resolution), extent)| {
+        1 => (random_name(), 1e-9..1e9, random_transformed_box())
+            .prop_map(|(path, scale, extent)| DensityDescription::Grid { path: with_empty_span(path), scale, extent }),
+        1 => (shares, noise, random_transformed_box()).prop_map(|((cover, softness), (octaves, frequency, seed, resolution), extent)| {
             DensityDescription::Cloud { cover, softness, octaves, frequency, seed, resolution, extent }
         }),
     ]
 }
 
-/// Media with distinct names.
-pub fn media() -> impl Strategy<Value = Vec<Spanned<MediumDescription>>> {
-    let medium = (name(), coefficients(), coefficient(), phase(), density()).prop_map(
-        |(name, coefficients, emission, phase, density)| MediumDescription {
-            name,
-            coefficients,
-            emission,
-            phase,
-            density,
-        },
-    );
+/// Random media with distinct names.
+pub fn random_media() -> impl Strategy<Value = Vec<Spanned<MediumDescription>>> {
+    let medium =
+        (random_name(), random_medium_coefficients(), random_coefficients(), random_phase_function(), random_density())
+            .prop_map(|(name, coefficients, emission, phase, density)| MediumDescription {
+                name,
+                coefficients,
+                emission,
+                phase,
+                density,
+            });
     vec(medium, 0..4).prop_map(|drafts| {
         let mut media: Vec<Spanned<MediumDescription>> = Vec::new();
         for medium in drafts {
             if media.iter().all(|other| other.value.name != medium.name) {
-                media.push(spanned(medium));
+                media.push(with_empty_span(medium));
             }
         }
         media
     })
 }
 
-/// Fills bodies with `media`, and makes some otherwise unused ones `Clear`.
-pub fn fill(
+/// Fills random bodies with `media`, and makes some bodies that no mix contains `Clear`.
+pub fn fill_random_bodies(
     materials: &mut [Spanned<MaterialDescription>],
     media: &[Spanned<MediumDescription>],
     fills: &[Option<prop::sample::Index>],
@@ -88,7 +92,7 @@ pub fn fill(
     for (material, fill) in materials.iter_mut().zip(fills) {
         let material = &mut material.value;
         let MaterialKindDescription::Dielectric { priority, .. } = material.kind else { continue };
-        material.medium = fill.filter(|_| !media.is_empty()).map(|i| spanned(i.get(media).value.name.clone()));
+        material.medium = fill.filter(|_| !media.is_empty()).map(|i| with_empty_span(i.get(media).value.name.clone()));
         if priority % 2 == 0 && material.name.as_ref().is_none_or(|name| !parts.contains(name)) {
             material.kind = MaterialKindDescription::Clear { priority };
             (material.emission, material.normal_perturbation) = (None, None);

@@ -1,5 +1,4 @@
-//! Tests of the whole language: scenes of the course, examples of the reference, random
-//! descriptions.
+//! Tests of the scene language: examples of its reference, canonical form, random descriptions.
 
 mod media;
 mod refraction;
@@ -10,7 +9,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 
 use super::parse;
-use strategies::description;
+use strategies::random_description;
 
 #[test]
 fn examples_of_the_reference_parse_and_print_back() {
@@ -87,8 +86,8 @@ fn parsing_takes_linear_time() {
     assert!(large < 400.0 * small, "{small} s, then {large} s");
 }
 
-/// Words of the language and other characters, in random order.
-fn soup() -> impl Strategy<Value = String> {
+/// Random text of words of the language and other characters.
+fn random_words() -> impl Strategy<Value = String> {
     let words =
         include_str!("../../../docs/guide/scene-language.md").split_whitespace().map(str::to_owned).collect::<Vec<_>>();
     let word = prop_oneof![
@@ -102,7 +101,7 @@ fn soup() -> impl Strategy<Value = String> {
 
 proptest! {
     #[test]
-    fn descriptions_print_back(d in description()) {
+    fn descriptions_print_back(d in random_description()) {
         let text = d.to_string();
         match parse("printed", &text) {
             Ok(again) => prop_assert_eq!(again, d),
@@ -111,7 +110,7 @@ proptest! {
     }
 
     #[test]
-    fn random_words_never_panic(soup in soup(), start in 0..3_usize) {
+    fn random_words_never_panic(soup in random_words(), start in 0..3_usize) {
         let start = ["", "Group {", "PerspectiveCamera { center 0 0 0 direction 0 0 1 angle 9 } Group {"][start];
         if let Err(error) = parse("soup", &format!("{start}{soup}")) {
             prop_assert!(!error.remedy().is_empty());
@@ -128,7 +127,7 @@ proptest! {
     }
 
     #[test]
-    fn cut_or_changed_scenes_never_panic(d in description(), at in any::<prop::sample::Index>(), new in ".{0,2}") {
+    fn cut_or_changed_scenes_never_panic(d in random_description(), at in any::<prop::sample::Index>(), new in ".{0,2}") {
         let text = d.to_string();
         let cut = text.floor_char_boundary(at.index(text.len()));
         let _ = parse("cut", &text[..cut]);

@@ -105,7 +105,7 @@ fn photon_radiance<I: Interior>(
 pub(super) fn scatter_in_medium<I: Interior>(path: &mut PathState<I>, phase: PhaseFunction) -> bool {
     let mut next = *path;
     let (direction, pdf) = phase.sample(next.path_ray.ray.direction, path.sampler.get_2d(Dimension::Phase));
-    next.path_ray.turn(direction);
+    next.path_ray.scatter_towards(direction);
     next.prev = Some(PrevVertex { p: next.path_ray.ray.origin, hemisphere: None, history: path.history, pdf });
     next.history = PathHistory { receivers: path.history.receivers + 1, casters: 0 };
     next.bounce += 1;

@@ -6,7 +6,8 @@
 use super::*;
 use glam::DAffine3;
 
-/// Coefficients with a different case per channel: mixed, absorbing only, and without extinction.
+/// Coefficients with a different case per channel: scattering and absorption, absorption only, and
+/// no extinction.
 fn absorbing_per_channel_medium(density: Option<GridDensity>) -> Medium {
     let [a, s, e] = [Vec3::new(0.1, 0.5, 0.0), Vec3::new(1.3, 0.0, 0.0), Vec3::new(0.2, 3.0, 1.0)];
     medium_with_density(a, s, e, density)
@@ -51,7 +52,7 @@ fn check_estimates(medium: &Medium, ray: &Ray, distance: f32, depth: impl Fn(f64
         for _ in 0..n {
             let distance_sample = medium.distance_sample(ray, distance, throughput, &mut random);
             let w = distance_sample.weight.as_dvec3();
-            // Russian roulette may raise a faint walk, but never above where it began.
+            // Roulette may raise a small throughput, but never above the initial one.
             assert!(
                 (throughput * distance_sample.weight).element_sum() <= whole * (1.0 + 1e-6),
                 "{name}: {distance_sample:?}"

@@ -42,7 +42,11 @@ fn grid_values_are_at_cell_centers() {
     assert_eq!(field.density(Vec3::new(0.5, 0.5, 1.001)), 0.0);
     assert_eq!(field.density(Vec3::splat(f32::NAN)), 0.0);
     assert!(field.max_density() >= value(2.0, 3.0, 4.0) - 0.02 && field.size() == size);
-    assert!((240..1000).contains(&field.memory()), "60 densities of 4 bytes, and a little: {}", field.memory());
+    assert!(
+        (240..1000).contains(&field.memory_bytes()),
+        "60 densities of 4 bytes, and a little: {}",
+        field.memory_bytes()
+    );
 }
 
 /// Blocks along any ray join without gaps and cover the box once; majorants bound the density up to

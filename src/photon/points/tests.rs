@@ -76,7 +76,7 @@ fn assert_ray_query_matches_scan(map: &VolumePhotonMap, photons: &[VolumePhoton]
         }
     }
     let mut found = Vec::new();
-    map.visit(ray, |p, t, cos, weight, _| {
+    map.visit_near_ray(ray, |p, t, cos, weight, _| {
         assert_eq!(cos, ray.direction.dot(p.direction()));
         if f64::from(weight) * r * r > 1e-17 {
             found.push((p.medium, f64::from(t), f64::from(weight)));
@@ -96,7 +96,7 @@ fn assert_point_query_matches_scan(map: &VolumePhotonMap, photons: &[VolumePhoto
     let r = f64::from(map.radius());
     let x2 = |p: &VolumePhoton| (p.position.as_dvec3() - place.as_dvec3()).length_squared() / (r * r);
     let mut found = Vec::new();
-    map.around(place, |p, weight, _| {
+    map.visit_near_point(place, |p, weight, _| {
         let expected = 15.0 / (8.0 * PI * r * r * r) * (1.0 - x2(p));
         assert!((f64::from(weight) - expected).abs() * r * r * r < 1e-6, "{weight} {expected}");
         found.push(p.medium);
@@ -114,8 +114,8 @@ fn degenerate_point_maps_work() {
     let ray = Ray::new(Vec3::NEG_Z, Vec3::Z);
     let count = |map: &VolumePhotonMap| {
         let (mut line, mut ball) = (0, 0);
-        map.visit(&ray, |_, _, _, _, _| line += 1);
-        map.around(Vec3::ZERO, |_, _, _| ball += 1);
+        map.visit_near_ray(&ray, |_, _, _, _, _| line += 1);
+        map.visit_near_point(Vec3::ZERO, |_, _, _| ball += 1);
         (line, ball)
     };
     assert!(VolumePhotonMap::build(Vec::new(), 1.0).is_empty());
@@ -133,7 +133,7 @@ fn point_map_is_thread_independent() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
         let map = pool.install(|| VolumePhotonMap::build(random_photons(20_000, |i| random_point(i % 6000)), 0.1));
         let mut all = Vec::new();
-        map.visit(&ray, |p, _, _, _, _| all.push(p.medium));
+        map.visit_near_ray(&ray, |p, _, _, _, _| all.push(p.medium));
         all
     };
     assert!(with(1).len() > 100);
@@ -178,7 +178,7 @@ fn collimated_beam_radiance_is_exact() {
             scattered * libm::exp(-extinction * t) * f64::from(weight)
         };
         let mut line = 0.0;
-        map.visit(&ray, |p, t, cos, weight, _| {
+        map.visit_near_ray(&ray, |p, t, cos, weight, _| {
             assert!(cos.abs() < 1e-4);
             line += part(p, f64::from(t), weight);
         });
@@ -188,7 +188,7 @@ fn collimated_beam_radiance_is_exact() {
         let step = across / f64::from(steps);
         for k in 0..steps {
             let t = (f64::from(k) + 0.5) * step;
-            map.around(ray.at(t as f32), |p, weight, _| ball += part(p, t, weight) * step);
+            map.visit_near_point(ray.at(t as f32), |p, weight, _| ball += part(p, t, weight) * step);
         }
         balls.push(ball);
     }

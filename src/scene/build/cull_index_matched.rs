@@ -1,6 +1,6 @@
 //! Culling of bodies that light cannot distinguish from air.
 
-use super::object::{Extent, MeshData, Object, ObjectGeometry};
+use super::object::{Extent, MeshData, ObjectGeometry, SceneObject};
 use crate::scene::Material;
 
 /// Removes objects that bound a body of refractive index 1 without absorption or medium.
@@ -9,18 +9,18 @@ use crate::scene::Material;
 /// removed if there is an ambient medium. An object that moves or emits stays. So does an object
 /// whose box overlaps that of a body unlike air.
 pub(super) fn cull_index_matched(
-    mut objects: Vec<Object>,
+    mut objects: Vec<SceneObject>,
     mut mesh: MeshData,
     materials: &[Material],
     has_ambient_medium: bool,
-) -> (Vec<Object>, MeshData) {
+) -> (Vec<SceneObject>, MeshData) {
     let is_air = |material: u32| materials[material as usize].bounded_body().is_some_and(|body| body.is_air());
     if has_ambient_medium || !(0..materials.len() as u32).any(is_air) {
         return (objects, mesh);
     }
     let substances = objects.iter().filter(|object| may_bound_visible_body(materials, object.material));
     let substances: Vec<Option<Extent>> = substances.map(|object| object.extent(&mesh)).collect();
-    let is_culled = |object: &Object| {
+    let is_culled = |object: &SceneObject| {
         let extent = object.extent(&mesh);
         let overlaps = |other: &Option<Extent>| match (extent, other) {
             (Some((min, max)), Some((lo, hi))) => min.cmple(*hi).all() && lo.cmple(max).all(),

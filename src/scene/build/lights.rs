@@ -1,6 +1,6 @@
 //! Collecting the lights of a scene.
 
-use super::object::{Object, ObjectGeometry};
+use super::object::{ObjectGeometry, SceneObject};
 use super::place::{PlacedGeometry, PlacedMappings};
 use crate::light::{AreaLight, EmissionTexture, EnvironmentLight, Light, LightSurface};
 use crate::math::Motion;
@@ -35,7 +35,7 @@ pub(super) struct CollectedLights {
 /// Collects the lights, relative to `origin` and at mid-shutter.
 pub(super) fn collect_lights(
     sources: &[DeltaLight],
-    objects: &[Object],
+    objects: &[SceneObject],
     geometry: &PlacedGeometry,
     mappings: &PlacedMappings,
     textures: &[Arc<Texture>],
@@ -49,7 +49,7 @@ pub(super) fn collect_lights(
     }
     for source in sources {
         let Some(motion) = &source.motion else { continue };
-        let motion = motion.followed_by(DAffine3::from_translation(-origin));
+        let motion = motion.followed_by_map(DAffine3::from_translation(-origin));
         let strength = physical_strength_mid_shutter(&source.kind, source.strength, &motion);
         let placed = delta_light_at(&source.kind, &motion, MID_SHUTTER).ok_or(BuildError::Flattened)?;
         found.moving.push((found.lights.len(), source.kind.clone(), strength, motion));
@@ -84,7 +84,7 @@ pub(super) fn collect_lights(
         });
         found.of_object.push(light);
     }
-    // The environment comes last, as the course's shading model has no such light.
+    // The environment light comes last: [`LegacyLight`] has no counterpart of it.
     found.lights.extend(environment.map(|environment| Light::Environment(Arc::new(environment))));
     Ok(found)
 }

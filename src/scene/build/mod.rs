@@ -24,7 +24,7 @@ use crate::texture::Texture;
 use cull_index_matched::{cull_index_matched, may_bound_body};
 use glam::{DVec2, DVec3, Vec3};
 use lights::{CollectedLights, DeltaLight, collect_lights};
-use object::{MeshData, Object, ObjectGeometry};
+use object::{MeshData, ObjectGeometry, SceneObject};
 use place::{PlacedObjects, place_camera, place_objects};
 use recenter::choose_origin;
 use std::sync::Arc;
@@ -40,7 +40,7 @@ pub struct SceneBuilder {
     media: Vec<Medium>,
     ambient_medium: Option<u32>,
     textures: Vec<Arc<Texture>>,
-    objects: Vec<Object>,
+    objects: Vec<SceneObject>,
     /// The triangles of all mesh objects.
     mesh: MeshData,
     sources: Vec<DeltaLight>,
@@ -139,7 +139,7 @@ impl SceneBuilder {
         material: u32,
         emission: Rgb,
     ) -> &mut Self {
-        self.objects.push(Object { geometry, motion, material, emission, emission_texture: None, mapping: None });
+        self.objects.push(SceneObject { geometry, motion, material, emission, emission_texture: None, mapping: None });
         self
     }
 

@@ -11,7 +11,7 @@ pub(super) type Extent = (DVec3, DVec3);
 
 /// An object in world coordinates, or in the space of its motion if it moves.
 #[derive(Debug)]
-pub(super) struct Object {
+pub(super) struct SceneObject {
     pub geometry: ObjectGeometry,
     /// Motion that maps to world coordinates; `None` if the object rests.
     pub motion: Option<Motion>,
@@ -35,7 +35,7 @@ pub(super) enum ObjectGeometry {
     Plane(Plane),
 }
 
-impl Object {
+impl SceneObject {
     /// Bounding box of an object at rest; `None` for planes, moving objects, and meshes without
     /// triangles.
     pub fn extent(&self, mesh: &MeshData) -> Option<Extent> {

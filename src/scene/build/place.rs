@@ -1,6 +1,6 @@
 //! Placing objects relative to the origin of the scene, at mid-shutter.
 
-use super::object::{MeshData, Object, ObjectGeometry};
+use super::object::{MeshData, ObjectGeometry, SceneObject};
 use crate::camera::Camera;
 use crate::math::Motion;
 use crate::scene::BuildError;
@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// Objects in scene coordinates.
 pub(super) struct PlacedObjects {
     /// The objects in the order of their indices: shapes, meshes, planes; moving ones last of each.
-    pub objects: Vec<Object>,
+    pub objects: Vec<SceneObject>,
     pub geometry: PlacedGeometry,
     pub mappings: PlacedMappings,
     /// The moving shapes, planes and mappings. Lights and camera are added later.
@@ -42,16 +42,16 @@ pub(super) struct PlacedMappings {
 
 /// Sorts the objects by index, and places them relative to `origin` at mid-shutter.
 pub(super) fn place_objects(
-    mut objects: Vec<Object>,
+    mut objects: Vec<SceneObject>,
     mesh: MeshData,
     origin: DVec3,
 ) -> Result<PlacedObjects, BuildError> {
-    objects.sort_by_key(Object::numbering_rank);
+    objects.sort_by_key(SceneObject::numbering_rank);
     let recenter = DAffine3::from_translation(-origin);
     let mut animation = Animation::default();
     let (mut shapes, mut planes, mut mesh_ranges) = (Vec::new(), Vec::new(), Vec::new());
     for object in &objects {
-        let motion = object.motion.as_ref().map(|motion| motion.followed_by(recenter));
+        let motion = object.motion.as_ref().map(|motion| motion.followed_by_map(recenter));
         match (&object.geometry, motion) {
             (ObjectGeometry::Shape(shape), None) => shapes.push(shape.translated(-origin)),
             (ObjectGeometry::Shape(shape), Some(motion)) => {
@@ -73,7 +73,11 @@ pub(super) fn place_objects(
     Ok(PlacedObjects { objects, geometry, mappings, animation })
 }
 
-fn place_mappings(objects: &[Object], origin: DVec3, animation: &mut Animation) -> Result<PlacedMappings, BuildError> {
+fn place_mappings(
+    objects: &[SceneObject],
+    origin: DVec3,
+    animation: &mut Animation,
+) -> Result<PlacedMappings, BuildError> {
     let recenter = DAffine3::from_translation(-origin);
     let mut mappings =
         PlacedMappings { list: vec![TextureMapping::default().translated(-origin)], of_object: Vec::new() };
@@ -82,7 +86,7 @@ fn place_mappings(objects: &[Object], origin: DVec3, animation: &mut Animation) 
             mappings.of_object.push(0);
             continue;
         };
-        let (index, placed) = (mappings.list.len(), motion.followed_by(recenter));
+        let (index, placed) = (mappings.list.len(), motion.followed_by_map(recenter));
         mappings.list.push(mapping_at(*form, &placed, MID_SHUTTER).ok_or(BuildError::Flattened)?);
         mappings.of_object.push(index as u32);
         if !motion.is_constant() {
@@ -111,7 +115,7 @@ impl PlacedGeometry {
     /// Builds the hierarchies. `light_of_object` holds the index of each object's area light.
     pub fn build_hierarchies(
         self,
-        objects: &[Object],
+        objects: &[SceneObject],
         mappings: &PlacedMappings,
         light_of_object: &[Option<u32>],
     ) -> geometry::Geometry {

@@ -1,6 +1,6 @@
 //! Choosing the origin of scene coordinates.
 
-use super::object::{Extent, MeshData, Object, ObjectGeometry};
+use super::object::{Extent, MeshData, ObjectGeometry, SceneObject};
 use crate::camera::Camera;
 use crate::scene::BuildError;
 use crate::scene::animation::{MID_SHUTTER, shape_at};
@@ -25,7 +25,7 @@ struct PrecisionTarget {
 }
 
 /// Origin of scene coordinates, in world coordinates. Without bounded objects, the camera position.
-pub(super) fn choose_origin(objects: &[Object], mesh: &MeshData, camera: &Camera) -> Result<DVec3, BuildError> {
+pub(super) fn choose_origin(objects: &[SceneObject], mesh: &MeshData, camera: &Camera) -> Result<DVec3, BuildError> {
     let (mut resting, mut moving, mut meshes) = (Vec::new(), Vec::new(), Vec::new());
     let mut shapes = Vec::new();
     for object in objects {
@@ -82,7 +82,7 @@ fn camera_view(camera: &Camera, shapes: &[&Shape]) -> Option<CameraView> {
     let (position, (width, height)) = (camera.center(), camera.size());
     let local = camera.translated(-position);
     let size = Vec2::new(width as f32, height as f32);
-    let rays = [Vec2::splat(0.5), Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE].map(|p| local.ray(p * size, None));
+    let rays = [Vec2::splat(0.5), Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE].map(|p| local.generate_ray(p * size, None));
     let distances = shapes.iter().map(|shape| shape.translated(-position)).flat_map(|shape| {
         let nearest = rays.iter().filter_map(|ray| Some(shape.intersect(ray)?.0)).reduce(f32::min);
         nearest.into_iter()

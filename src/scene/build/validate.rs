@@ -1,6 +1,6 @@
-//! Checks of the parts of a scene.
+//! Checks that a scene can be rendered in single precision.
 
-use super::object::{MeshData, Object, ObjectGeometry};
+use super::object::{MeshData, ObjectGeometry, SceneObject};
 use super::place::PlacedGeometry;
 use crate::color;
 use crate::math::Bounds;
@@ -16,8 +16,8 @@ const MAX_COORDINATE: f32 = 1e12;
 const MIN_EXTENT: f32 = 1.0 / 549_755_813_888.0;
 
 /// Checks that no unbounded plane emits, and that triangle indices fit 31 bits.
-pub(super) fn validate_objects(objects: &[Object], mesh: &MeshData) -> Result<(), BuildError> {
-    let emits = |object: &Object| matches!(object.geometry, ObjectGeometry::Plane(_)) && object.emits();
+pub(super) fn validate_objects(objects: &[SceneObject], mesh: &MeshData) -> Result<(), BuildError> {
+    let emits = |object: &SceneObject| matches!(object.geometry, ObjectGeometry::Plane(_)) && object.emits();
     if objects.iter().any(emits) {
         return Err(BuildError::EmissivePlane);
     }

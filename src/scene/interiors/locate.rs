@@ -12,7 +12,7 @@ pub(in crate::scene) fn interior_at(scene: &Scene, p: Vec3) -> InteriorStack {
     let mut entered: Vec<u32> = Vec::new();
     let (mut left, mut crossed): (Vec<u32>, Vec<u32>) = (Vec::new(), Vec::new());
     while let Some(hit) = scene.intersect(&ray) {
-        let surface = scene.interaction(&ray, &hit, &RayCone::zero_width(Effects::NONE), || 0.0);
+        let surface = scene.surface_interaction(&ray, &hit, &RayCone::zero_width(Effects::NONE), || 0.0);
         if surface.material.bounded_body().is_some() {
             let own = CoincidentFace::from_surface(&surface, surface.is_entering());
             let coincident = coincident_faces_at(scene, &surface);
@@ -41,6 +41,6 @@ pub(in crate::scene) fn interior_at(scene: &Scene, p: Vec3) -> InteriorStack {
     }
     let mut stack = InteriorStack::EMPTY;
     // The body that the ray leaves first was entered last.
-    left.iter().rev().for_each(|material| stack.enter(*material));
+    left.iter().rev().for_each(|material| stack.push_body(*material));
     stack
 }

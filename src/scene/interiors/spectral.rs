@@ -89,7 +89,7 @@ impl Interior for SpectralInterior {
             self.sampled_at = Some(Dielectric { eta: interface.relative_ior(&body, |body| body.index) });
         }
         let index = |body: &Body| match (body.glass, self.wavelength) {
-            (Some(glass), Some(wavelength)) => scene.glasses[glass as usize].index(wavelength.nanometres()),
+            (Some(glass), Some(wavelength)) => scene.glasses[glass as usize].refractive_index(wavelength.nanometres()),
             _ => body.index,
         };
         surface.bsdf = Bsdf::dielectric(interface.relative_ior(&body, index), surface.roughness);

@@ -52,7 +52,7 @@ impl InteriorStack {
 
     /// Pushes a body that the path enters.
     #[inline]
-    pub(in crate::scene) fn enter(&mut self, material: u32) {
+    pub(in crate::scene) fn push_body(&mut self, material: u32) {
         if usize::from(self.count) == MAX_BODIES {
             self.bodies.copy_within(1.., 0);
             self.count -= 1;
@@ -63,7 +63,7 @@ impl InteriorStack {
 
     /// Removes a body that the path leaves, if it is on the stack.
     #[inline]
-    pub(in crate::scene) fn leave(&mut self, material: u32) {
+    pub(in crate::scene) fn remove_body(&mut self, material: u32) {
         let end = usize::from(self.count);
         if let Some(at) = self.bodies().iter().rposition(|m| *m == material) {
             self.bodies.copy_within(at + 1..end, at);
@@ -132,7 +132,7 @@ impl InteriorStack {
         } else {
             // Among bodies of equal priority, the path leaves the one entered last.
             let top = self.top_refracting_body(materials).is_none_or(|(index, _)| index == material);
-            around.leave(material);
+            around.remove_body(material);
             top
         };
         BodyInterface { real, outside: around.top_refracting_body(materials).map(|(_, body)| *body) }
@@ -141,7 +141,7 @@ impl InteriorStack {
     /// Enters or leaves the body of `material` in unit `direction`. `ng` points out of the body.
     #[inline]
     pub(in crate::scene) fn enter_or_leave(&mut self, material: u32, direction: Vec3, ng: Vec3) {
-        if direction.dot(ng) < 0.0 { self.enter(material) } else { self.leave(material) }
+        if direction.dot(ng) < 0.0 { self.push_body(material) } else { self.remove_body(material) }
     }
 }
 

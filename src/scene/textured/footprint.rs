@@ -10,14 +10,14 @@ use glam::{DVec2, DVec3, Vec3};
 const MIN_COS: f64 = 1e-3;
 
 /// The footprint of a ray cone on a surface, with derivatives of the texture coordinates.
-pub(in crate::scene) struct Footprint<'a> {
+pub(in crate::scene) struct TextureFootprint<'a> {
     /// The point and its filter axes, for texture lookups.
     pub context: TextureEvalContext,
     pub coords: TexCoord,
     mapping: &'a TextureMapping,
 }
 
-impl<'a> Footprint<'a> {
+impl<'a> TextureFootprint<'a> {
     /// The footprint of `cone` at `hit`. One axis is as long as the cone is wide. The other is
     /// longer by the inverse cosine to the normal.
     pub fn new(

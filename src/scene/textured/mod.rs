@@ -3,7 +3,7 @@
 mod footprint;
 mod normals;
 
-pub(super) use footprint::Footprint;
+pub(super) use footprint::TextureFootprint;
 pub use normals::NormalPerturbation;
 pub(super) use normals::perturbed_normal;
 

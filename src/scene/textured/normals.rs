@@ -1,6 +1,6 @@
 //! Shading normals perturbed by textures: bump maps and normal maps.
 
-use super::Footprint;
+use super::TextureFootprint;
 use crate::math::Frame;
 use crate::shape::{SurfacePoint, TexCoord};
 use crate::texture::Texture;
@@ -37,7 +37,7 @@ pub(in crate::scene) fn perturbed_normal(
     normals: NormalPerturbation,
     textures: &[Arc<Texture>],
     point: &SurfacePoint,
-    footprint: &Footprint<'_>,
+    footprint: &TextureFootprint<'_>,
     width: f64,
 ) -> Vec3 {
     let n = point.ns.as_dvec3();

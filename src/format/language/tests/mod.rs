@@ -431,7 +431,7 @@ fn mesh_options_are_read() {
 /// Returns line and text of all errors of a scene of `CAMERA` and `body`.
 fn error_positions(body: &str) -> Vec<(usize, String)> {
     let error = parse_with_camera(body).unwrap_err();
-    std::iter::once(&error).chain(error.others()).map(|e| (e.line(), e.text().to_owned())).collect()
+    std::iter::once(&error).chain(error.further_errors()).map(|e| (e.line(), e.text().to_owned())).collect()
 }
 
 #[test]

@@ -1,6 +1,6 @@
-//! Materials as they resolve.
+//! Tests of resolved materials.
 
-use super::{CAMERA, close, refusal, scene};
+use super::{CAMERA, is_close, resolve_error, resolve_text};
 use crate::bsdf::{METALS, conductor_reflectance, named_metal};
 use crate::color::{DispersionFormula, GLASSES};
 use crate::format::description::MaterialKindDescription;
@@ -11,8 +11,8 @@ use std::path::Path;
 
 const BALL: &str = "Group { Sphere { center 0 0 0 radius 1 } }";
 
-fn of(materials: &str) -> Scene {
-    scene(&format!("Materials {{ {materials} }} {BALL}"))
+fn resolve_materials(materials: &str) -> Scene {
+    resolve_text(&format!("Materials {{ {materials} }} {BALL}"))
 }
 
 #[test]
@@ -24,14 +24,14 @@ fn materials_are_resolved() {
         Mirror { reflectance .9 .8 .7 }
         Phong { diffuseColor .1 .2 .3 specularColor .4 .5 .6 shininess 7 }
     }";
-    let scene = scene(&format!("{materials} Group {{ Sphere {{ center 0 0 0 radius 1 }} }}"));
+    let scene = resolve_text(&format!("{materials} Group {{ Sphere {{ center 0 0 0 radius 1 }} }}"));
     let absorption = |i: usize| scene.materials()[i].bounded_body().unwrap().absorption;
     let body = Body { priority: 7, ..Body::new(1.7) };
     assert_eq!(scene.materials()[0], Material::rough_boundary(body, 0.25));
     assert_eq!((absorption(0), absorption(1)), (Vec3::ZERO, vec3(1.0, 2.0, 3.0)));
     // A half after two units, a quarter after two units: ln 2 / 2 and ln 2 a unit.
     let ln2 = std::f32::consts::LN_2;
-    assert!(close(absorption(2), vec3(0.5 * ln2, 0.0, ln2)));
+    assert!(is_close(absorption(2), vec3(0.5 * ln2, 0.0, ln2)));
     assert_eq!(scene.materials()[3], Material::mirror(vec3(0.9, 0.8, 0.7)));
     assert_eq!(scene.materials()[4], Material::phong(vec3(0.1, 0.2, 0.3), vec3(0.4, 0.5, 0.6), 7.0));
 }
@@ -40,15 +40,15 @@ fn materials_are_resolved() {
 fn metals_have_the_named_or_given_index() {
     for name in METALS {
         let (eta, k) = named_metal(name).unwrap();
-        let scene = of(&format!("Conductor {{ metal {name} roughness .5 }}"));
+        let scene = resolve_materials(&format!("Conductor {{ metal {name} roughness .5 }}"));
         assert_eq!(scene.materials()[0], Material::conductor(eta, k, 0.5), "{name}");
     }
-    let scene = of("Conductor { eta 1 2 3 k 4 5 6 }");
+    let scene = resolve_materials("Conductor { eta 1 2 3 k 4 5 6 }");
     assert_eq!(scene.materials()[0], Material::conductor(vec3(1.0, 2.0, 3.0), vec3(4.0, 5.0, 6.0), 0.0));
     // (n² − 2n + 1 + k²) / (n² + 2n + 1 + k²) head-on.
     let facing = conductor_reflectance(1.0, vec3(1.0, 2.0, 3.0), vec3(4.0, 5.0, 6.0));
-    assert!(close(facing, vec3(16.0 / 20.0, 26.0 / 34.0, 40.0 / 52.0)));
-    let error = refusal(&format!("Materials {{\nConductor {{ metal unobtainium }} }} {BALL}"));
+    assert!(is_close(facing, vec3(16.0 / 20.0, 26.0 / 34.0, 40.0 / 52.0)));
+    let error = resolve_error(&format!("Materials {{\nConductor {{ metal unobtainium }} }} {BALL}"));
     assert_eq!((error.line(), error.column(), error.text()), (3, 19, "unobtainium"));
     assert!(error.message().contains("no metal is called `unobtainium`"));
     assert!(METALS.iter().all(|name| error.remedy().contains(name)), "{}", error.remedy());
@@ -61,41 +61,43 @@ fn glasses_have_the_named_or_given_index() {
         (body.index, body.glass.map(|g| scene.glasses()[g as usize]))
     };
     for (name, glass, _) in GLASSES {
-        let scene = of(&format!("Dielectric {{ glass {name} }}"));
+        let scene = resolve_materials(&format!("Dielectric {{ glass {name} }}"));
         assert_eq!(index(&scene), (glass.d_line_index(), Some(glass)), "{name}");
     }
     let crown = DispersionFormula::from_abbe_number(1.5, 60.0);
-    assert_eq!(index(&of("Dielectric { indexOfRefraction 1.5 abbe 60 }")), (1.5, Some(crown)));
+    assert_eq!(index(&resolve_materials("Dielectric { indexOfRefraction 1.5 abbe 60 }")), (1.5, Some(crown)));
     let cauchy = DispersionFormula::Cauchy { a: 1.5, b: 0.004, c: 1e-5 };
-    assert_eq!(index(&of("Dielectric { cauchy 1.5 .004 1e-5 }")), (cauchy.d_line_index(), Some(cauchy)));
+    assert_eq!(index(&resolve_materials("Dielectric { cauchy 1.5 .004 1e-5 }")), (cauchy.d_line_index(), Some(cauchy)));
     let sellmeier = DispersionFormula::Sellmeier { b: [1.0, 0.5, 0.0, 0.0], c: [0.01, 90.0, 0.0, 0.0] };
-    let scene = of("Dielectric { sellmeierB 1 .5 sellmeierC .01 90 }");
+    let scene = resolve_materials("Dielectric { sellmeierB 1 .5 sellmeierC .01 90 }");
     assert_eq!(index(&scene), (sellmeier.d_line_index(), Some(sellmeier)));
-    assert_eq!(index(&of("Dielectric { indexOfRefraction 1.5 }")), (1.5, None));
+    assert_eq!(index(&resolve_materials("Dielectric { indexOfRefraction 1.5 }")), (1.5, None));
 }
 
 #[test]
 fn unknown_glasses_are_refused_with_suggestions() {
-    let error = refusal(&format!("Materials {{\nDielectric {{ glass diamant }} }} {BALL}"));
+    let error = resolve_error(&format!("Materials {{\nDielectric {{ glass diamant }} }} {BALL}"));
     assert_eq!((error.line(), error.column(), error.text()), (3, 20, "diamant"));
     assert!(error.message().contains("no glass is called `diamant`"));
     assert!(error.remedy().starts_with("did you mean `diamond`? known are BK7, "), "{}", error.remedy());
     assert!(GLASSES.iter().all(|g| error.remedy().contains(g.0)), "{}", error.remedy());
-    let error = refusal(&format!("Materials {{ Dielectric {{ glass unobtainium }} }} {BALL}"));
+    let error = resolve_error(&format!("Materials {{ Dielectric {{ glass unobtainium }} }} {BALL}"));
     assert!(error.remedy().starts_with("known are BK7, "), "{}", error.remedy());
 }
 
 #[test]
 fn panes_have_index_and_transmittance() {
-    let scene = of("Thin { indexOfRefraction 1.25 transmittance .5 1 .25 }");
+    let scene = resolve_materials("Thin { indexOfRefraction 1.25 transmittance .5 1 .25 }");
     assert_eq!(scene.materials()[0], Material::thin(1.25, vec3(0.5, 1.0, 0.25)));
 }
 
 #[test]
 fn mixes_refer_to_their_parts() {
-    let scene = of("Diffuse { reflectance 0 0 0 } Diffuse a { reflectance 1 0 .5 }
+    let scene = resolve_materials(
+        "Diffuse { reflectance 0 0 0 } Diffuse a { reflectance 1 0 .5 }
         Phong b { diffuseColor 0 1 .5 specularColor .5 .5 .5 shininess 8 }
-        Mix m { first a second b amount .25 } Mix { first m second a amount 1 }");
+        Mix m { first a second b amount .25 } Mix { first m second a amount 1 }",
+    );
     let mixes = &scene.materials()[3..];
     assert_eq!(mixes, [Material::mix(1, 2, 0.25), Material::mix(3, 1, 1.0)]);
 }

@@ -1,140 +1,140 @@
-//! Meshes with materials and normals, as scenes use them.
+//! Tests of meshes in scenes: file materials, normals, textures.
 
 use super::*;
 use crate::image::{self, Image, WriteOptions};
 
-const FACES: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 1\nv 2 1 1\nv 0 2 0\n";
+const OBJ_VERTICES: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 1\nv 2 1 1\nv 0 2 0\n";
 
-struct Folder(tempfile::TempDir);
+struct MeshFolder(tempfile::TempDir);
 
-impl Folder {
+impl MeshFolder {
     fn new(obj: &str, mtl: &str) -> Self {
         let folder = Self(tempfile::tempdir().unwrap());
-        folder.put("a.obj", &format!("mtllib a.mtl\n{FACES}{obj}"));
-        folder.put("a.mtl", mtl);
+        folder.write_file("a.obj", &format!("mtllib a.mtl\n{OBJ_VERTICES}{obj}"));
+        folder.write_file("a.mtl", mtl);
         folder
     }
 
-    fn put(&self, name: &str, text: &str) {
+    fn write_file(&self, name: &str, text: &str) {
         std::fs::write(self.0.path().join(name), text).unwrap();
     }
 
-    fn scene(&self, body: &str) -> Scene {
-        resolve_in(self.0.path(), &format!("{MATERIALS}Group {{ MaterialName b {body} }}")).unwrap()
+    fn resolve_body(&self, body: &str) -> Scene {
+        resolve_in_folder(self.0.path(), &format!("{MATERIALS}Group {{ MaterialName b {body} }}")).unwrap()
     }
 
-    fn refusal(&self, body: &str) -> String {
-        let error = resolve_in(self.0.path(), &format!("Group {{\n{body} }}")).unwrap_err();
+    fn error_message(&self, body: &str) -> String {
+        let error = resolve_in_folder(self.0.path(), &format!("Group {{\n{body} }}")).unwrap_err();
         assert_eq!((error.line(), error.text()), (3, "a.obj"));
         error.message().to_owned()
     }
 }
 
-/// The surface seen from the front, a quarter above the bottom edge.
-fn at(scene: &Scene, x: f64, y: f64) -> (SurfaceInteraction<'_>, DVec3) {
-    look(scene, dvec3(x, y, 9.0), Vec3::NEG_Z).unwrap()
+/// Returns the surface at (x, y) as seen from +z, and the hit point.
+fn front_surface_at(scene: &Scene, x: f64, y: f64) -> (SurfaceInteraction<'_>, DVec3) {
+    visible_surface(scene, dvec3(x, y, 9.0), Vec3::NEG_Z).unwrap()
 }
 
-fn colour(scene: &Scene, x: f64) -> Vec3 {
-    reflectance(scene, dvec3(x, 0.25, 9.0), Vec3::NEG_Z)
+fn reflectance_at(scene: &Scene, x: f64) -> Vec3 {
+    visible_reflectance(scene, dvec3(x, 0.25, 9.0), Vec3::NEG_Z)
 }
 
-const PARTS: &str = "f 1 2 3\nusemtl red\nf 2 5 6 3\nusemtl lamp\nf 1 3 4\nusemtl red\nf 4 3 7\n";
-const COLOURS: &str = "newmtl red\nKd .9 .1 .1\nillum 1\nnewmtl lamp\nKe 3 2 1\nKd .5\n";
+const OBJ_FACES: &str = "f 1 2 3\nusemtl red\nf 2 5 6 3\nusemtl lamp\nf 1 3 4\nusemtl red\nf 4 3 7\n";
+const MTL_TEXT: &str = "newmtl red\nKd .9 .1 .1\nillum 1\nnewmtl lamp\nKe 3 2 1\nKd .5\n";
 
 #[test]
 fn a_mesh_uses_scene_or_file_materials() {
-    let folder = Folder::new(PARTS, COLOURS);
-    let plain = folder.scene("TriangleMesh { obj_file a.obj }");
+    let folder = MeshFolder::new(OBJ_FACES, MTL_TEXT);
+    let plain = folder.resolve_body("TriangleMesh { obj_file a.obj }");
     assert_eq!((plain.materials().len(), plain.lights().len(), plain.triangle_count()), (2, 0, 5));
-    assert_eq!((colour(&plain, 0.5), colour(&plain, 1.5)), (Vec3::splat(0.2), Vec3::splat(0.2)));
-    assert_eq!(reflectance(&plain, dvec3(0.1, 0.8, 9.0), Vec3::NEG_Z), Vec3::splat(0.2));
-    let own = folder.scene("TriangleMesh { file a.obj materials file } Sphere { center 9 0 0 radius 1 }");
+    assert_eq!((reflectance_at(&plain, 0.5), reflectance_at(&plain, 1.5)), (Vec3::splat(0.2), Vec3::splat(0.2)));
+    assert_eq!(visible_reflectance(&plain, dvec3(0.1, 0.8, 9.0), Vec3::NEG_Z), Vec3::splat(0.2));
+    let own = folder.resolve_body("TriangleMesh { file a.obj materials file } Sphere { center 9 0 0 radius 1 }");
     assert_eq!((own.materials().len(), own.triangle_count()), (4, 5));
-    // What has no material of its own keeps the scene's, as does what follows.
-    assert_eq!((colour(&own, 0.5), colour(&own, 1.5)), (Vec3::splat(0.2), vec3(0.9, 0.1, 0.1)));
-    assert_eq!(colour(&own, 9.0), Vec3::splat(0.2));
-    assert_eq!(reflectance(&own, dvec3(0.1, 0.8, 9.0), Vec3::NEG_Z), Vec3::splat(0.5));
+    // Faces without a file material, and the objects that follow, keep the scene's material.
+    assert_eq!((reflectance_at(&own, 0.5), reflectance_at(&own, 1.5)), (Vec3::splat(0.2), vec3(0.9, 0.1, 0.1)));
+    assert_eq!(reflectance_at(&own, 9.0), Vec3::splat(0.2));
+    assert_eq!(visible_reflectance(&own, dvec3(0.1, 0.8, 9.0), Vec3::NEG_Z), Vec3::splat(0.5));
     let [Light::Area(lamp)] = own.lights() else { panic!("{:?}", own.lights()) };
     assert_eq!(lamp.radiance, vec3(3.0, 2.0, 1.0));
     // Materials are added once.
     let twice = "TriangleMesh { file a.obj materials file }".repeat(2);
-    assert_eq!(folder.scene(&twice).materials().len(), 4);
+    assert_eq!(folder.resolve_body(&twice).materials().len(), 4);
 }
 
 #[test]
 fn object_emission_overrides_file_emission() {
-    let folder = Folder::new(PARTS, COLOURS);
-    let scene = folder.scene("TriangleMesh { file a.obj materials file emission 7 7 7 }");
+    let folder = MeshFolder::new(OBJ_FACES, MTL_TEXT);
+    let scene = folder.resolve_body("TriangleMesh { file a.obj materials file emission 7 7 7 }");
     assert_eq!(scene.lights().len(), 3);
     let emits = |light: &Light| matches!(light, Light::Area(area) if area.radiance == Vec3::splat(7.0));
     assert!(scene.lights().iter().all(emits));
-    let dark = folder.scene("TriangleMesh { file a.obj materials file emission 0 0 0 }");
+    let dark = folder.resolve_body("TriangleMesh { file a.obj materials file emission 0 0 0 }");
     assert!(dark.lights().is_empty());
 }
 
 #[test]
 fn moving_and_instanced_meshes_use_file_materials() {
-    let folder = Folder::new(PARTS, COLOURS);
+    let folder = MeshFolder::new(OBJ_FACES, MTL_TEXT);
     let still = "Transform { Scale 2 2 2 TriangleMesh { file a.obj materials file emission 0 0 0 } }";
     let moving = still.replace("Transform { Scale", "Moving { Translate 0 0 -.001 Scale");
     for body in [still, &moving] {
-        let scene = folder.scene(body);
-        assert_eq!((colour(&scene, 1.0), colour(&scene, 3.0)), (Vec3::splat(0.2), vec3(0.9, 0.1, 0.1)));
+        let scene = folder.resolve_body(body);
+        assert_eq!((reflectance_at(&scene, 1.0), reflectance_at(&scene, 3.0)), (Vec3::splat(0.2), vec3(0.9, 0.1, 0.1)));
     }
 }
 
 #[test]
 fn invalid_file_materials_are_reported_at_the_mesh() {
     let body = "TriangleMesh { file a.obj materials file }";
-    let folder = Folder::new(PARTS, "newmtl red\n");
-    let message = folder.refusal(body);
+    let folder = MeshFolder::new(OBJ_FACES, "newmtl red\n");
+    let message = folder.error_message(body);
     assert!(message.contains("names a material `lamp` that its material files do not hold"), "{message}");
-    folder.put("a.mtl", "newmtl red\nd 0\nNi 0\nnewmtl lamp\n");
-    assert!(folder.refusal(body).contains("`red` is transparent and its `Ni` is 0"));
-    folder.put("a.mtl", "newmtl red\nd 2\n");
-    assert!(folder.refusal(body).contains("a.mtl:2: `d` is 2"));
+    folder.write_file("a.mtl", "newmtl red\nd 0\nNi 0\nnewmtl lamp\n");
+    assert!(folder.error_message(body).contains("`red` is transparent and its `Ni` is 0"));
+    folder.write_file("a.mtl", "newmtl red\nd 2\n");
+    assert!(folder.error_message(body).contains("a.mtl:2: `d` is 2"));
     std::fs::remove_file(folder.0.path().join("a.mtl")).unwrap();
-    assert!(folder.refusal(body).contains("there is no material file"));
+    assert!(folder.error_message(body).contains("there is no material file"));
     // Without `materials file`, the file keeps the material of the scene.
-    folder.scene("TriangleMesh { file a.obj }");
+    folder.resolve_body("TriangleMesh { file a.obj }");
 }
 
 #[test]
 fn mesh_options_select_the_normals() {
-    let folder = Folder::new("vn 0 1 1\nf 1//1 2//1 3//1\nf 2 5 6 3\n", "");
+    let folder = MeshFolder::new("vn 0 1 1\nf 1//1 2//1 3//1\nf 2 5 6 3\n", "");
     let normal = |options: &str, x: f64| {
-        let scene = folder.scene(&format!("TriangleMesh {{ file a.obj {options} }}"));
-        at(&scene, x, 0.25).0.point.ns
+        let scene = folder.resolve_body(&format!("TriangleMesh {{ file a.obj {options} }}"));
+        front_surface_at(&scene, x, 0.25).0.point.ns
     };
     let (written, flat) = (Vec3::new(0.0, 1.0, 1.0).normalize(), Vec3::new(-1.0, 0.0, 1.0).normalize());
-    assert!(close(normal("", 0.9), written) && close(normal("", 1.5), flat));
-    assert!(close(normal("normals none", 0.9), Vec3::Z));
+    assert!(is_close(normal("", 0.9), written) && is_close(normal("", 1.5), flat));
+    assert!(is_close(normal("normals none", 0.9), Vec3::Z));
     // Faces at 45° to each other.
-    assert!(close(normal("smoothAngle 44", 1.5), flat) && close(normal("smoothAngle 44", 0.9), written));
+    assert!(is_close(normal("smoothAngle 44", 1.5), flat) && is_close(normal("smoothAngle 44", 0.9), written));
     // At both ends of the edge the mean lies between the normals of the two faces, so it does
     // between them.
     let mean = normal("normals none smoothAngle 46", 1.000_001);
     assert!(mean.dot(Vec3::Z) < 0.999 && mean.dot(flat) < 0.999 && mean.y.abs() < 1e-6, "{mean}");
-    assert!(close(normal("normals none smoothAngle 44", 1.000_001), flat));
+    assert!(is_close(normal("normals none smoothAngle 44", 1.000_001), flat));
 }
 
 #[test]
 fn ply_files_are_read_as_meshes() {
-    let folder = Folder::new(PARTS, COLOURS);
+    let folder = MeshFolder::new(OBJ_FACES, MTL_TEXT);
     let mesh = crate::format::mesh::load(&folder.0.path().join("a.obj"), &()).unwrap().mesh;
     mesh.write(&folder.0.path().join("a.ply"), crate::format::mesh::MeshFormat::Ply, &[]).unwrap();
-    let scene = folder.scene("TriangleMesh { file a.ply materials file }");
-    assert_eq!((scene.triangle_count(), colour(&scene, 1.5)), (5, Vec3::splat(0.2)));
-    // Whatever it is called.
+    let scene = folder.resolve_body("TriangleMesh { file a.ply materials file }");
+    assert_eq!((scene.triangle_count(), reflectance_at(&scene, 1.5)), (5, Vec3::splat(0.2)));
+    // A PLY file is recognized by its content.
     std::fs::rename(folder.0.path().join("a.ply"), folder.0.path().join("b.obj")).unwrap();
-    assert_eq!(folder.scene("TriangleMesh { obj_file b.obj }").triangle_count(), 5);
+    assert_eq!(folder.resolve_body("TriangleMesh { obj_file b.obj }").triangle_count(), 5);
 }
 
 #[test]
 fn file_materials_can_have_textures() {
     let faces = "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl tile\nf 1/1 2/2 3/3 4/4\n";
-    let folder = Folder::new(faces, "newmtl tile\nKd .5 .5 .5\nmap_Kd pictures/tile.exr\nillum 1\n");
+    let folder = MeshFolder::new(faces, "newmtl tile\nKd .5 .5 .5\nmap_Kd pictures/tile.exr\nillum 1\n");
     std::fs::create_dir(folder.0.path().join("pictures")).unwrap();
     let picture = Image::from_pixels(2, 1, vec![Vec3::X, Vec3::Y]).unwrap();
     let path = folder.0.path().join("pictures/tile.exr");
@@ -142,30 +142,31 @@ fn file_materials_can_have_textures() {
     let body = "TriangleMesh { file a.obj materials file }";
     // At the middles of the two texels and off the edge between the triangles, with and without
     // materials of the scene, still and moving.
-    let colour = |scene: &Scene, x: f64| reflectance(scene, dvec3(x, 0.3, 9.0), Vec3::NEG_Z);
+    let reflectance_at = |scene: &Scene, x: f64| visible_reflectance(scene, dvec3(x, 0.3, 9.0), Vec3::NEG_Z);
     for text in [body.to_owned(), format!("Moving {{ Translate 0 0 -.001 {body} }}")] {
         for materials in ["", MATERIALS] {
-            let scene = resolve_in(folder.0.path(), &format!("{materials}Group {{ {text} }}")).unwrap();
+            let scene = resolve_in_folder(folder.0.path(), &format!("{materials}Group {{ {text} }}")).unwrap();
             assert!(
-                close(colour(&scene, 0.25), vec3(0.5, 0.0, 0.0)) && close(colour(&scene, 0.75), vec3(0.0, 0.5, 0.0))
+                is_close(reflectance_at(&scene, 0.25), vec3(0.5, 0.0, 0.0))
+                    && is_close(reflectance_at(&scene, 0.75), vec3(0.0, 0.5, 0.0))
             );
         }
     }
     std::fs::remove_file(path).unwrap();
-    assert!(folder.refusal(body).contains("tile.exr` does not exist"));
-    folder.put("a.obj", &format!("mtllib a.mtl\n{FACES}usemtl tile\nf 1 2 3\n"));
+    assert!(folder.error_message(body).contains("tile.exr` does not exist"));
+    folder.write_file("a.obj", &format!("mtllib a.mtl\n{OBJ_VERTICES}usemtl tile\nf 1 2 3\n"));
     image::write(&folder.0.path().join("pictures/tile.exr"), &picture, &WriteOptions::default()).unwrap();
-    let message = folder.refusal(body);
+    let message = folder.error_message(body);
     assert!(message.contains("`a.obj` has no texture coordinates, which the material `tile` needs"), "{message}");
 }
 
 #[test]
 fn textured_emission_applies_to_its_material_only() {
-    let folder = Folder::new(PARTS, "newmtl red\nKd .9 .1 .1\nillum 1\nnewmtl lamp\nKd .5\n");
+    let folder = MeshFolder::new(OBJ_FACES, "newmtl red\nKd .9 .1 .1\nillum 1\nnewmtl lamp\nKd .5\n");
     let textures = "Textures { Marble veins { color0 1 1 1 color1 2 2 2 } }";
     let materials = "Materials { Diffuse b { reflectance .2 .2 .2 emission veins } }";
     let text = format!("{textures}{materials}Group {{ TriangleMesh {{ file a.obj materials file }} }}");
-    let scene = resolve_in(folder.0.path(), &text).unwrap();
+    let scene = resolve_in_folder(folder.0.path(), &text).unwrap();
     // Only the part without a file material emits.
     let [Light::Area(lamp)] = scene.lights() else { panic!("{:?}", scene.lights()) };
     assert!(lamp.texture.is_some());

@@ -1,4 +1,4 @@
-//! Scenes as they resolve: seen by rays, in the coordinates of their files.
+//! Tests of resolved scenes by rays in the coordinates of the scene file.
 
 mod materials;
 mod media;
@@ -17,35 +17,35 @@ use std::f32::consts::PI;
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 5 direction 0 0 -1 angle 30 }\n";
 
-fn resolve_in(folder: &Path, text: &str) -> Result<Scene, SceneError> {
+fn resolve_in_folder(folder: &Path, text: &str) -> Result<Scene, SceneError> {
     let text = format!("{CAMERA}{text}");
     resolve(&parse("a.txt", &text).unwrap(), &SourceText::new("a.txt", &text), folder)
 }
 
-fn scene(text: &str) -> Scene {
-    resolve_in(Path::new(""), text).unwrap()
+fn resolve_text(text: &str) -> Scene {
+    resolve_in_folder(Path::new(""), text).unwrap()
 }
 
-fn refusal(text: &str) -> SceneError {
-    resolve_in(Path::new(""), text).unwrap_err()
+fn resolve_error(text: &str) -> SceneError {
+    resolve_in_folder(Path::new(""), text).unwrap_err()
 }
 
-/// The first surface from `origin` along `direction`, and its place in the coordinates of the file.
-fn look(scene: &Scene, origin: DVec3, direction: Vec3) -> Option<(SurfaceInteraction<'_>, DVec3)> {
+/// Returns the first surface that a ray hits, and the hit point in file coordinates.
+fn visible_surface(scene: &Scene, origin: DVec3, direction: Vec3) -> Option<(SurfaceInteraction<'_>, DVec3)> {
     let ray = Ray::new((origin - scene.origin()).as_vec3(), direction);
-    let surface = scene.interaction(&ray, &scene.intersect(&ray)?, &RayCone::zero_width(Effects::ALL), || 0.0);
+    let surface = scene.surface_interaction(&ray, &scene.intersect(&ray)?, &RayCone::zero_width(Effects::ALL), || 0.0);
     Some((surface, surface.point.p.as_dvec3() + scene.origin()))
 }
 
-fn reflectance(scene: &Scene, origin: DVec3, direction: Vec3) -> Vec3 {
-    match look(scene, origin, direction).unwrap().0.bsdf {
+fn visible_reflectance(scene: &Scene, origin: DVec3, direction: Vec3) -> Vec3 {
+    match visible_surface(scene, origin, direction).unwrap().0.bsdf {
         Bsdf::Diffuse(reflectance) => reflectance,
         other => panic!("{other:?}"),
     }
 }
 
-/// Few roundings of single precision for values up to ten.
-fn close(a: Vec3, b: Vec3) -> bool {
+/// True if vectors with components up to 10 differ by a few roundings of single precision.
+fn is_close(a: Vec3, b: Vec3) -> bool {
     (a - b).abs().max_element() < 1e-5
 }
 
@@ -55,17 +55,17 @@ const MATERIALS: &str = "Materials { Diffuse a { reflectance .1 .1 .1 } Diffuse 
 fn the_current_material_crosses_group_borders() {
     let ball = |x: i32| format!("Sphere {{ center {x} 0 0 radius .4 }}");
     let [zero, one, two, three, four] = [0, 1, 2, 3, 4].map(ball);
-    let scene = scene(&format!(
+    let scene = resolve_text(&format!(
         "{MATERIALS} Group {{ {zero} MaterialName b {one} Group {{ {two} MaterialIndex 0 {three} }} {four} }}"
     ));
-    let seen = [0, 1, 2, 3, 4].map(|x| reflectance(&scene, dvec3(f64::from(x), 0.0, 5.0), Vec3::NEG_Z).x);
+    let seen = [0, 1, 2, 3, 4].map(|x| visible_reflectance(&scene, dvec3(f64::from(x), 0.0, 5.0), Vec3::NEG_Z).x);
     assert_eq!(seen, [0.1, 0.2, 0.2, 0.1, 0.1]);
 }
 
 #[test]
 fn objects_before_any_material_use_the_first() {
     let ball = "Group { Sphere { center 0 0 0 radius 1 } }";
-    let at = |text: &str| reflectance(&scene(text), dvec3(0.0, 0.0, 5.0), Vec3::NEG_Z);
+    let at = |text: &str| visible_reflectance(&resolve_text(text), dvec3(0.0, 0.0, 5.0), Vec3::NEG_Z);
     assert_eq!(at(ball), Vec3::ONE);
     assert_eq!(at(&format!("{MATERIALS}{ball}")), Vec3::splat(0.1));
 }
@@ -86,10 +86,10 @@ fn outer_transforms_are_applied_last() {
     // A unit ball: doubled, moved to x = 3, turned to y = 3, moved up by 1.
     let ball = "Sphere { center 0 0 0 radius 1 }";
     let inner = format!("Transform {{ Translate 3 0 0 UniformScale 2 {ball} }}");
-    let scene = scene(&format!("Group {{ Transform {{ Translate 0 1 0 ZRotate 90 Group {{ {inner} }} }} }}"));
-    let (_, p) = look(&scene, dvec3(0.0, 4.0, 9.0), Vec3::NEG_Z).unwrap();
+    let scene = resolve_text(&format!("Group {{ Transform {{ Translate 0 1 0 ZRotate 90 Group {{ {inner} }} }} }}"));
+    let (_, p) = visible_surface(&scene, dvec3(0.0, 4.0, 9.0), Vec3::NEG_Z).unwrap();
     assert!((p - dvec3(0.0, 4.0, 2.0)).length() < 1e-5, "{p}");
-    assert!(look(&scene, dvec3(3.0, 1.0, 9.0), Vec3::NEG_Z).is_none());
+    assert!(visible_surface(&scene, dvec3(3.0, 1.0, 9.0), Vec3::NEG_Z).is_none());
 }
 
 #[test]
@@ -102,15 +102,15 @@ fn mirroring_preserves_the_outer_side() {
         "Sphere { center 0 0 0 radius 1 emission 1 1 1 }",
     ] {
         for scale in ["1 1 1", "-1 1 1", "1 -1 1", "-2 1 1", "-1 -3 1"] {
-            let scene = scene(&format!("Group {{ Transform {{ Scale {scale} {shape} }} }}"));
-            let (surface, _) = look(&scene, dvec3(0.1, 0.1, 5.0), Vec3::NEG_Z).unwrap();
+            let scene = resolve_text(&format!("Group {{ Transform {{ Scale {scale} {shape} }} }}"));
+            let (surface, _) = visible_surface(&scene, dvec3(0.1, 0.1, 5.0), Vec3::NEG_Z).unwrap();
             assert_eq!(surface.emission, Vec3::ONE, "{scale} {shape}");
             assert!(surface.point.ng.z > 0.0 && surface.point.ns.dot(surface.point.ng) > 0.0, "{scale} {shape}");
         }
         // Mirrored in its own plane's normal, a flat shape emits on its other side.
-        let scene = scene(&format!("Group {{ Transform {{ Scale 1 1 -1 {shape} }} }}"));
-        let from_front = look(&scene, dvec3(0.1, 0.1, 5.0), Vec3::NEG_Z).unwrap().0.emission;
-        let from_behind = look(&scene, dvec3(0.1, 0.1, -5.0), Vec3::Z).unwrap().0.emission;
+        let scene = resolve_text(&format!("Group {{ Transform {{ Scale 1 1 -1 {shape} }} }}"));
+        let from_front = visible_surface(&scene, dvec3(0.1, 0.1, 5.0), Vec3::NEG_Z).unwrap().0.emission;
+        let from_behind = visible_surface(&scene, dvec3(0.1, 0.1, -5.0), Vec3::Z).unwrap().0.emission;
         let flat = !shape.starts_with("Sphere");
         assert_eq!((from_front == Vec3::ONE, from_behind), (!flat, Vec3::ONE), "{shape}");
     }
@@ -120,16 +120,16 @@ fn mirroring_preserves_the_outer_side() {
 fn shading_normals_use_the_inverse_transpose() {
     let normals = "normal0 1 0 1 normal1 1 0 1 normal2 1 0 1";
     let triangle = format!("Triangle {{ vertex0 -1 -1 0 vertex1 1 -1 0 vertex2 0 1 0 {normals} }}");
-    let scene = scene(&format!("Group {{ Transform {{ Scale 2 1 1 {triangle} }} }}"));
-    let (surface, _) = look(&scene, dvec3(0.1, 0.1, 5.0), Vec3::NEG_Z).unwrap();
-    assert!(close(surface.point.ns, vec3(0.5, 0.0, 1.0).normalize()), "{}", surface.point.ns);
+    let scene = resolve_text(&format!("Group {{ Transform {{ Scale 2 1 1 {triangle} }} }}"));
+    let (surface, _) = visible_surface(&scene, dvec3(0.1, 0.1, 5.0), Vec3::NEG_Z).unwrap();
+    assert!(is_close(surface.point.ns, vec3(0.5, 0.0, 1.0).normalize()), "{}", surface.point.ns);
 }
 
 #[test]
 fn planes_move_with_their_transform() {
     // y = 1 doubled is y = 2, moved by −5 is y = −3; a normal of length 2 halves the offset.
-    let scene = scene("Group { Transform { Translate 0 -5 0 UniformScale 2 Plane { normal 0 2 0 offset 2 } } }");
-    let (surface, p) = look(&scene, dvec3(0.0, 3.0, 0.0), Vec3::NEG_Y).unwrap();
+    let scene = resolve_text("Group { Transform { Translate 0 -5 0 UniformScale 2 Plane { normal 0 2 0 offset 2 } } }");
+    let (surface, p) = visible_surface(&scene, dvec3(0.0, 3.0, 0.0), Vec3::NEG_Y).unwrap();
     assert!((p.y + 3.0).abs() < 1e-5 && surface.point.ng.y > 0.99, "{p}");
 }
 
@@ -137,20 +137,21 @@ fn planes_move_with_their_transform() {
 fn singular_products_are_reported_at_the_inner_transform() {
     let ball = "Sphere { center 0 0 0 radius 1 }";
     let huge = "Scale 1e300 1 1";
-    let error = refusal(&format!("Group {{\nTransform {{ {huge}\nTransform {{ {huge} {ball} }} }} }}"));
+    let error = resolve_error(&format!("Group {{\nTransform {{ {huge}\nTransform {{ {huge} {ball} }} }} }}"));
     assert_eq!((error.line(), error.text()), (4, "Transform"));
     assert!(error.message().contains("singular") && error.remedy().contains("scale"), "{error}");
     // The place is that of the innermost transform, also after another one has ended.
     let fine = format!("Transform {{ UniformScale 2 {ball} }}");
-    let error =
-        refusal(&format!("Group {{\nTransform {{ {huge} Group {{ {fine}\nTransform {{ {huge} {ball} }} }} }} }}"));
+    let error = resolve_error(&format!(
+        "Group {{\nTransform {{ {huge} Group {{ {fine}\nTransform {{ {huge} {ball} }} }} }} }}"
+    ));
     assert_eq!(error.line(), 4);
 }
 
 #[test]
 fn a_sphere_of_zero_volume_is_refused() {
     let error =
-        refusal("Group { Transform { UniformScale 1e-150\nScale 2 1 1 Sphere { center 0 0 0 radius 1e-300 } } }");
+        resolve_error("Group { Transform { UniformScale 1e-150\nScale 2 1 1 Sphere { center 0 0 0 radius 1e-300 } } }");
     assert_eq!((error.line(), error.text()), (3, "Sphere"));
     assert!(error.message().contains("squeezed flat"));
 }
@@ -160,8 +161,8 @@ fn object_emission_overrides_material_emission() {
     let materials = "Materials { Diffuse a { reflectance 0 0 0 emission 1 2 3 } }";
     let ball = |x: i32, more: &str| format!("Sphere {{ center {x} 0 0 radius .4 {more} }}");
     let (own, none, other) = (ball(0, ""), ball(1, "emission 0 0 0"), ball(2, "emission 4 5 6"));
-    let scene = scene(&format!("{materials} Group {{ {own} {none} {other} }}"));
-    let emission = |x: f64| look(&scene, dvec3(x, 0.0, 5.0), Vec3::NEG_Z).unwrap().0.emission;
+    let scene = resolve_text(&format!("{materials} Group {{ {own} {none} {other} }}"));
+    let emission = |x: f64| visible_surface(&scene, dvec3(x, 0.0, 5.0), Vec3::NEG_Z).unwrap().0.emission;
     assert_eq!([0.0, 1.0, 2.0].map(emission), [vec3(1.0, 2.0, 3.0), Vec3::ZERO, vec3(4.0, 5.0, 6.0)]);
     assert_eq!(scene.lights().len(), 2);
 }
@@ -177,26 +178,26 @@ fn unrenderable_objects_are_reported_with_position() {
         (format!("Group {{\nRevSurface {{ profile {axis} }} }}"), "RevSurface", "no area"),
         (format!("Group {{\nRevSurface {{ profile {long} }} }}"), "RevSurface", "the degree is 29"),
     ] {
-        let error = refusal(&text);
+        let error = resolve_error(&text);
         assert_eq!((error.line(), error.column(), error.text()), (3, 1, offending), "{error}");
         assert!(error.message().contains(message) && !error.remedy().is_empty(), "{error}");
     }
-    let error = refusal("Group { Sphere { center 0 0 0 radius 1e30 } }");
+    let error = resolve_error("Group { Sphere { center 0 0 0 radius 1e30 } }");
     assert!(error.message().contains("single precision") && !error.remedy().is_empty(), "{error}");
 }
 
 #[test]
 fn profiles_revolve_and_curves_are_invisible() {
     let curve = "BezierCurve { controls [ 2 -1 7 ] [ 2 1 7 ] }";
-    assert_eq!(scene(&format!("Group {{ {curve} }}")).shape_count(), 0);
+    assert_eq!(resolve_text(&format!("Group {{ {curve} }}")).shape_count(), 0);
     let turned = format!("Transform {{ Translate 1 0 0 ZRotate 90 RevSurface {{ profile {curve} }} }}");
-    let scene = scene(&format!("Group {{ {turned} }}"));
-    let (surface, p) = look(&scene, dvec3(1.0, 0.0, 5.0), Vec3::NEG_Z).unwrap();
+    let scene = resolve_text(&format!("Group {{ {turned} }}"));
+    let (surface, p) = visible_surface(&scene, dvec3(1.0, 0.0, 5.0), Vec3::NEG_Z).unwrap();
     assert!(
         (p.z - 2.0).abs() < 1e-6 && (surface.point.ng - Vec3::Z).length() < 1e-6,
         "a profile that goes up faces outward"
     );
-    assert!(look(&scene, dvec3(3.0, 0.0, 5.0), Vec3::NEG_Z).is_none());
+    assert!(visible_surface(&scene, dvec3(3.0, 0.0, 5.0), Vec3::NEG_Z).is_none());
 }
 
 #[test]
@@ -215,9 +216,9 @@ fn meshes_are_found_beside_or_above_the_scene() {
     write(&absolute, 40.0);
     let mesh = |path: &str| format!("TriangleMesh {{ obj_file \"{path}\" }}");
     let paths = ["beside.obj", "above.obj", "both.obj", &absolute.display().to_string()].map(mesh).join(" ");
-    let scene = resolve_in(&scenes, &format!("Group {{ {paths} {} }}", mesh("beside.obj"))).unwrap();
+    let scene = resolve_in_folder(&scenes, &format!("Group {{ {paths} {} }}", mesh("beside.obj"))).unwrap();
     assert_eq!(scene.triangle_count(), 5);
-    let there = |x: f64| look(&scene, dvec3(x + 0.1, -0.5, 5.0), Vec3::NEG_Z).is_some();
+    let there = |x: f64| visible_surface(&scene, dvec3(x + 0.1, -0.5, 5.0), Vec3::NEG_Z).is_some();
     assert_eq!([0.0, 10.0, 20.0, 30.0, 40.0].map(there), [true, true, true, false, true]);
 }
 
@@ -225,7 +226,7 @@ fn meshes_are_found_beside_or_above_the_scene() {
 fn unreadable_meshes_are_reported_at_their_path() {
     let folder = tempfile::tempdir().unwrap();
     let error = |path: &str| {
-        resolve_in(folder.path(), &format!("Group {{\nTriangleMesh {{ obj_file {path} }} }}")).unwrap_err()
+        resolve_in_folder(folder.path(), &format!("Group {{\nTriangleMesh {{ obj_file {path} }} }}")).unwrap_err()
     };
     let missing = error("no.obj");
     assert_eq!((missing.line(), missing.text()), (3, "no.obj"));
@@ -244,7 +245,7 @@ fn unreadable_meshes_are_reported_at_their_path() {
 
 #[test]
 fn area_lights_have_the_given_strength() {
-    let scene = scene(
+    let scene = resolve_text(
         "Lights {
             RectangleLight { corner 0 0 0 edge0 2 0 0 edge1 0 3 0 power 6 0 0 }
             DiscLight { center 10 0 0 normal 0 0 1 radius 2 power 0 4 0 }
@@ -252,18 +253,18 @@ fn area_lights_have_the_given_strength() {
             RectangleLight { corner 30 0 0 edge0 1 0 0 edge1 0 1 0 radiance 1 2 3 }
         } Group { }",
     );
-    let emission = |x: f64| look(&scene, dvec3(x, 0.5, 9.0), Vec3::NEG_Z).unwrap().0.emission;
+    let emission = |x: f64| visible_surface(&scene, dvec3(x, 0.5, 9.0), Vec3::NEG_Z).unwrap().0.emission;
     // A matt radiator of area A and radiance L sends out πAL.
-    assert!(close(emission(1.0), vec3(1.0 / PI, 0.0, 0.0)));
-    assert!(close(emission(10.0), vec3(0.0, 1.0 / (PI * PI), 0.0)));
-    assert!(close(emission(20.0), vec3(0.0, 0.0, 9.0 / (PI * 36.0 * PI))));
+    assert!(is_close(emission(1.0), vec3(1.0 / PI, 0.0, 0.0)));
+    assert!(is_close(emission(10.0), vec3(0.0, 1.0 / (PI * PI), 0.0)));
+    assert!(is_close(emission(20.0), vec3(0.0, 0.0, 9.0 / (PI * 36.0 * PI))));
     assert_eq!(emission(30.5), vec3(1.0, 2.0, 3.0));
     // Rectangle and disc are dark from behind, and all of them are black.
-    assert_eq!(look(&scene, dvec3(1.0, 0.5, -9.0), Vec3::Z).unwrap().0.emission, Vec3::ZERO);
+    assert_eq!(visible_surface(&scene, dvec3(1.0, 0.5, -9.0), Vec3::Z).unwrap().0.emission, Vec3::ZERO);
     assert!(scene.materials().iter().skip(1).all(|m| *m == Material::black()));
     let power = |i: usize| scene.lights()[i].power(scene.photon_domain());
-    assert!(close(power(0), vec3(6.0, 0.0, 0.0)) && close(power(1), vec3(0.0, 4.0, 0.0)));
-    assert!(close(power(2), vec3(0.0, 0.0, 9.0)) && close(power(3), vec3(1.0, 2.0, 3.0) * PI));
+    assert!(is_close(power(0), vec3(6.0, 0.0, 0.0)) && is_close(power(1), vec3(0.0, 4.0, 0.0)));
+    assert!(is_close(power(2), vec3(0.0, 0.0, 9.0)) && is_close(power(3), vec3(1.0, 2.0, 3.0) * PI));
 }
 
 #[test]
@@ -277,14 +278,14 @@ fn point_lights_have_the_given_strength() {
         DirectionalLight { direction 0 -2 0 color 1 2 3 }
         DirectionalLight { direction 0 -2 0 irradiance 1 2 3 }
     }";
-    let scene = scene(&format!("{lights}{ball}"));
+    let scene = resolve_text(&format!("{lights}{ball}"));
     let c = vec3(1.0, 2.0, 3.0);
     let strengths: Vec<Vec3> = scene
         .lights()
         .iter()
         .map(|light| match light {
             Light::Point(PointLight { position, intensity }) => {
-                assert!(close(*position, vec3(3.0, 0.0, 0.0)));
+                assert!(is_close(*position, vec3(3.0, 0.0, 0.0)));
                 *intensity
             }
             Light::Directional(DirectionalLight { direction, irradiance }) => {
@@ -303,7 +304,7 @@ fn point_lights_have_the_given_strength() {
 fn a_spotlight_angle_includes_the_penumbra() {
     let spot = |fields: &str| {
         let text = format!("Lights {{ SpotLight {{ position 0 4 0 {fields} intensity 1 1 1 }} }} Group {{ }}");
-        match &scene(&text).lights()[0] {
+        match &resolve_text(&text).lights()[0] {
             Light::Spot(spot) => *spot,
             other => panic!("{other:?}"),
         }
@@ -328,10 +329,10 @@ fn the_camera_has_the_given_direction() {
         let camera = scene.camera();
         assert_eq!((camera.size(), scene.background()), ((30, 20), vec3(1.0, 2.0, 3.0)));
         assert!((camera.center() + scene.origin() - dvec3(2.0, 2.0, 3.0)).length() < 1e-12);
-        let middle = camera.ray(glam::vec2(15.0, 10.0), None).direction;
-        assert!(close(middle, vec3(-1.0, -2.0, -3.0).normalize()), "{middle}");
+        let middle = camera.generate_ray(glam::vec2(15.0, 10.0), None).direction;
+        assert!(is_close(middle, vec3(-1.0, -2.0, -3.0).normalize()), "{middle}");
         // `up` appears upward.
-        assert!(camera.ray(glam::vec2(15.0, 0.0), None).direction.z > middle.z);
+        assert!(camera.generate_ray(glam::vec2(15.0, 0.0), None).direction.z > middle.z);
     }
     // The parser refuses an `up` along the view; a description may be changed after it.
     let text = format!("{CAMERA}Group {{ }}");
@@ -349,7 +350,7 @@ fn radiance_above_single_precision_is_refused() {
         ("Lights { DiscLight { center 0 0 0 normal 0 1 0 radius 1e-200 power 0 1 0 } } Group { }", "DiscLight"),
         (&format!("{checker} Group {{ MaterialIndex 0 Sphere {{ center 0 0 0 radius 1 }} }}"), "Sphere"),
     ] {
-        let error = refusal(text);
+        let error = resolve_error(text);
         assert!(error.text() == place && error.message().contains("3.4e38"), "{error}");
         assert!(error.remedy().contains("emit less"), "{error}");
     }

@@ -1,53 +1,54 @@
-//! Requirements of textures on files, fields and meshes.
+//! Tests of textures in scenes: files, value ranges, texture coordinates, emission.
 
 use super::*;
 use crate::image::{self, Image, WriteOptions};
 
-/// Material blocks and a ball of the last one.
-fn ball(textures: &str, materials: &str) -> String {
+/// Returns the text of a scene with a ball of the first material.
+fn text_of_ball(textures: &str, materials: &str) -> String {
     format!(
         "Textures {{ {textures} }}\nMaterials {{ {materials} }}\nGroup {{ MaterialIndex 0 Sphere {{ center 0 0 0 radius 1 }} }}"
     )
 }
 
-fn picture(path: &Path, value: f32) {
+fn write_picture(path: &Path, value: f32) {
     let pixels = Image::from_pixels(2, 2, vec![Vec3::splat(value); 4]).unwrap();
     image::write(path, &pixels, &WriteOptions::default()).unwrap();
 }
 
-fn bsdf(scene: &Scene) -> Bsdf {
-    look(scene, dvec3(0.0, 0.0, 5.0), Vec3::NEG_Z).unwrap().0.bsdf
+fn front_bsdf(scene: &Scene) -> Bsdf {
+    visible_surface(scene, dvec3(0.0, 0.0, 5.0), Vec3::NEG_Z).unwrap().0.bsdf
 }
 
 #[test]
 fn texture_values_out_of_range_are_refused() {
     for (field, kind) in [("reflectance", "Diffuse"), ("transmittance", "Thin"), ("roughness", "Dielectric")] {
-        let error = refusal(&ball("Checker loud { color1 2 0 0 }", &format!("{kind} {{ {field} loud }}")));
+        let error =
+            resolve_error(&text_of_ball("Checker loud { color1 2 0 0 }", &format!("{kind} {{ {field} loud }}")));
         assert_eq!((error.line(), error.text()), (3, "loud"), "{error}");
         assert!(error.message().contains("from 0 to 2") && error.remedy().contains("between 0 and 1"), "{error}");
     }
     // Radiance has no upper bound, nor has a colour that is scaled down.
-    scene(&ball("Checker loud { color1 2 0 0 }", "Phong { diffuseColor loud emission loud }"));
+    resolve_text(&text_of_ball("Checker loud { color1 2 0 0 }", "Phong { diffuseColor loud emission loud }"));
 }
 
 #[test]
 fn pictures_are_decoded_as_color_or_numbers() {
     let folder = tempfile::tempdir().unwrap();
-    picture(&folder.path().join("half.png"), 0.5);
-    picture(&folder.path().join("half.exr"), 0.5);
-    let with = |textures: &str, material: &str| resolve_in(folder.path(), &ball(textures, material));
-    let reflectance = |textures: &str, material: &str| match bsdf(&with(textures, material).unwrap()) {
+    write_picture(&folder.path().join("half.png"), 0.5);
+    write_picture(&folder.path().join("half.exr"), 0.5);
+    let with = |textures: &str, material: &str| resolve_in_folder(folder.path(), &text_of_ball(textures, material));
+    let front_reflectance = |textures: &str, material: &str| match front_bsdf(&with(textures, material).unwrap()) {
         Bsdf::Diffuse(reflectance) => reflectance.x,
         other => panic!("{other:?}"),
     };
     // Eight bits are off by half a level; .5 is level 188 of the sRGB curve.
-    assert!((reflectance("Image t { file half.png }", "Diffuse { reflectance t }") - 0.5).abs() < 0.003);
-    let numbers = reflectance("Image t { file half.png encoding linear }", "Diffuse { reflectance t }");
+    assert!((front_reflectance("Image t { file half.png }", "Diffuse { reflectance t }") - 0.5).abs() < 0.003);
+    let numbers = front_reflectance("Image t { file half.png encoding linear }", "Diffuse { reflectance t }");
     assert!((numbers - 188.0 / 255.0).abs() < 1e-6, "{numbers}");
-    assert_eq!(reflectance("Image t { file half.exr }", "Diffuse { reflectance t }"), 0.5);
-    // The course's field: a texture, else a picture, times the colour.
-    assert_eq!(reflectance("", "Phong { diffuseColor .5 1 1 texture half.exr }"), 0.25);
-    assert_eq!(reflectance("Checker half.exr { color0 1 1 1 }", "Phong { texture half.exr }"), 1.0);
+    assert_eq!(front_reflectance("Image t { file half.exr }", "Diffuse { reflectance t }"), 0.5);
+    // `texture` names a texture, or else a picture, which multiplies `diffuseColor`.
+    assert_eq!(front_reflectance("", "Phong { diffuseColor .5 1 1 texture half.exr }"), 0.25);
+    assert_eq!(front_reflectance("Checker half.exr { color0 1 1 1 }", "Phong { texture half.exr }"), 1.0);
 
     let error = with("Image t { file half.png }", "Diffuse { reflectance t normalMap t }").unwrap_err();
     assert!(error.text() == "t" && error.remedy().contains("encoding linear"), "{error}");
@@ -58,8 +59,10 @@ fn pictures_are_decoded_as_color_or_numbers() {
 #[test]
 fn unreadable_pictures_are_reported_at_their_path() {
     let folder = tempfile::tempdir().unwrap();
-    picture(&folder.path().join("dark.exr"), -1.0);
-    let with = |textures: &str, material: &str| resolve_in(folder.path(), &ball(textures, material)).unwrap_err();
+    write_picture(&folder.path().join("dark.exr"), -1.0);
+    let with = |textures: &str, material: &str| {
+        resolve_in_folder(folder.path(), &text_of_ball(textures, material)).unwrap_err()
+    };
     let missing = with("Image t { file no.png }", "Mirror { }");
     assert_eq!((missing.line(), missing.text()), (2, "no.png"), "{missing}");
     assert!(missing.message().contains("does not exist"));
@@ -80,7 +83,7 @@ fn meshes_without_texcoords_take_solid_textures_only() {
         let text = format!(
             "Textures {{ {texture} }} Materials {{ {material} }}\nGroup {{ MaterialIndex 0 TriangleMesh {{ obj_file bare.obj }} }}"
         );
-        resolve_in(folder.path(), &text)
+        resolve_in_folder(folder.path(), &text)
     };
     let error = with("Checker t { }", "Diffuse tiled { reflectance t }").unwrap_err();
     assert_eq!((error.line(), error.text()), (3, "bare.obj"), "{error}");
@@ -92,11 +95,11 @@ fn meshes_without_texcoords_take_solid_textures_only() {
     with("Noise t { }", "Diffuse { reflectance t bump t bumpHeight .1 }").unwrap();
 }
 
-/// A block of wood that is turned keeps its rings: the pattern is in the space of the object.
+/// A solid texture is in object space: a rotated object keeps its pattern.
 #[test]
 fn solid_textures_move_with_their_objects() {
     let of = |maps: &str| {
-        scene(&format!(
+        resolve_text(&format!(
             "Textures {{ Wood t {{ frequency 3 }} }} Materials {{ Diffuse {{ reflectance t }} }}
              Group {{ MaterialIndex 0 Transform {{ {maps} Sphere {{ center 0 0 0 radius 1 }} }} }}"
         ))
@@ -104,19 +107,19 @@ fn solid_textures_move_with_their_objects() {
     let plain = of("UniformScale 1");
     let (moved, turned) = (of("Translate 5 0 0 UniformScale 2"), of("XRotate 90"));
     for (x, y) in [(0.1, 0.2), (-0.5, 0.3), (0.0, -0.7)] {
-        let at = |scene: &Scene, p: DVec3| look(scene, p, Vec3::NEG_Z).unwrap().0.bsdf;
+        let at = |scene: &Scene, p: DVec3| visible_surface(scene, p, Vec3::NEG_Z).unwrap().0.bsdf;
         let expected = at(&plain, dvec3(x, y, 9.0));
-        let close = |found: Bsdf| match (found, expected) {
+        let is_close = |found: Bsdf| match (found, expected) {
             (Bsdf::Diffuse(a), Bsdf::Diffuse(b)) => assert!((a - b).abs().max_element() < 1e-4, "{a} {b}"),
             other => panic!("{other:?}"),
         };
-        close(at(&moved, dvec3(5.0 + 2.0 * x, 2.0 * y, 9.0)));
+        is_close(at(&moved, dvec3(5.0 + 2.0 * x, 2.0 * y, 9.0)));
         // XRotate takes (x, y, z) to (x, −z, y): where its z is seen from above.
-        close(look(&turned, dvec3(x, -9.0, y), Vec3::Y).unwrap().0.bsdf);
+        is_close(visible_surface(&turned, dvec3(x, -9.0, y), Vec3::Y).unwrap().0.bsdf);
     }
 }
 
-/// All patches of one block, but not what stood before a curve.
+/// Each patch emits by the texture. A curve does not pass its texture on to the object before it.
 #[test]
 fn each_part_of_an_object_emits_by_its_texture() {
     let net = |x: f64| {
@@ -126,7 +129,7 @@ fn each_part_of_an_object_emits_by_its_texture() {
     let emits = |objects: &str| -> Vec<bool> {
         let materials = "Diffuse plain { reflectance 0 0 0 } Diffuse panel { reflectance 0 0 0 emission t }";
         let text = format!("Textures {{ Checker t {{ }} }} Materials {{ {materials} }} Group {{ {objects} }}");
-        scene(&text).object_summaries().map(|o| o.has_emission_texture).collect()
+        resolve_text(&text).object_summaries().map(|o| o.has_emission_texture).collect()
     };
     let patches = format!("MaterialName panel BezierPatch {{ controls {} {} }}", net(0.0), net(5.0));
     assert_eq!(emits(&patches), [true, true]);

@@ -87,8 +87,8 @@ impl InteriorStack {
         faces.iter_mut().zip(pending.chain([own])).for_each(|(slot, face)| *slot = Some(face));
         // Sorting makes the order of simultaneous entries independent of the boundary that was hit.
         faces.sort_unstable();
-        faces.iter().flatten().filter(|f| f.entering).for_each(|f| far.enter(f.material));
-        faces.iter().flatten().filter(|f| !f.entering).for_each(|f| far.leave(f.material));
+        faces.iter().flatten().filter(|f| f.entering).for_each(|f| far.push_body(f.material));
+        faces.iter().flatten().filter(|f| !f.entering).for_each(|f| far.remove_body(f.material));
         far
     }
 }

@@ -2,11 +2,11 @@
 
 use super::*;
 
-fn face(material: u32, entering: bool) -> CoincidentFace {
+fn test_face(material: u32, entering: bool) -> CoincidentFace {
     CoincidentFace { material, entering, group: material }
 }
 
-fn coincident(list: &[CoincidentFace]) -> CoincidentFaces {
+fn faces_from_list(list: &[CoincidentFace]) -> CoincidentFaces {
     let mut faces = CoincidentFaces::NONE;
     list.iter().for_each(|f| faces.add_face(*f));
     faces
@@ -14,7 +14,7 @@ fn coincident(list: &[CoincidentFace]) -> CoincidentFaces {
 
 fn stack_of(bodies: &[u32]) -> InteriorStack {
     let mut inside = InteriorStack::EMPTY;
-    bodies.iter().for_each(|b| inside.enter(*b));
+    bodies.iter().for_each(|b| inside.push_body(*b));
     inside
 }
 
@@ -23,30 +23,30 @@ fn stack_of(bodies: &[u32]) -> InteriorStack {
 #[test]
 fn shared_faces_are_crossed_together() {
     let glass = stack_of(&[0]);
-    for (own, other) in [(face(0, false), face(1, true)), (face(1, true), face(0, false))] {
-        assert_eq!(glass.stack_after_crossing(own, &coincident(&[other])).bodies(), &[1], "{own:?}");
+    for (own, other) in [(test_face(0, false), test_face(1, true)), (test_face(1, true), test_face(0, false))] {
+        assert_eq!(glass.stack_after_crossing(own, &faces_from_list(&[other])).bodies(), &[1], "{own:?}");
     }
-    for (own, other) in [(face(1, false), face(0, true)), (face(0, true), face(1, false))] {
-        assert_eq!(stack_of(&[1]).stack_after_crossing(own, &coincident(&[other])).bodies(), &[0], "{own:?}");
+    for (own, other) in [(test_face(1, false), test_face(0, true)), (test_face(0, true), test_face(1, false))] {
+        assert_eq!(stack_of(&[1]).stack_after_crossing(own, &faces_from_list(&[other])).bodies(), &[0], "{own:?}");
     }
     // Both at once from the open, and out again; then two parts of one body that share a face.
     assert_eq!(
-        InteriorStack::EMPTY.stack_after_crossing(face(1, true), &coincident(&[face(0, true)])).bodies(),
+        InteriorStack::EMPTY.stack_after_crossing(test_face(1, true), &faces_from_list(&[test_face(0, true)])).bodies(),
         &[0, 1]
     );
     assert_eq!(
-        stack_of(&[0, 1]).stack_after_crossing(face(1, false), &coincident(&[face(0, false)])).bodies(),
+        stack_of(&[0, 1]).stack_after_crossing(test_face(1, false), &faces_from_list(&[test_face(0, false)])).bodies(),
         &[0u32; 0]
     );
-    assert_eq!(glass.stack_after_crossing(face(0, false), &coincident(&[face(0, true)])).bodies(), &[0]);
-    assert_eq!(glass.stack_after_crossing(face(0, true), &coincident(&[face(0, false)])).bodies(), &[0]);
+    assert_eq!(glass.stack_after_crossing(test_face(0, false), &faces_from_list(&[test_face(0, true)])).bodies(), &[0]);
+    assert_eq!(glass.stack_after_crossing(test_face(0, true), &faces_from_list(&[test_face(0, false)])).bodies(), &[0]);
 }
 
 #[test]
 fn objects_of_one_material_count_separately() {
     let part = |object: u32, entering: bool| CoincidentFace { material: 0, entering, group: object };
     let stack_after_crossing = |around: &[u32], own: CoincidentFace, other: CoincidentFace| {
-        stack_of(around).stack_after_crossing(own, &coincident(&[other])).bodies().len()
+        stack_of(around).stack_after_crossing(own, &faces_from_list(&[other])).bodies().len()
     };
     assert_eq!(stack_after_crossing(&[], part(0, true), part(1, true)), 2);
     assert_eq!(stack_after_crossing(&[0, 0], part(1, false), part(0, false)), 0);
@@ -56,24 +56,36 @@ fn objects_of_one_material_count_separately() {
 #[test]
 fn a_boundary_just_crossed_is_not_crossed_again() {
     // The liquid overlaps the glass slightly, so the path is already inside it.
-    assert_eq!(stack_of(&[0, 1]).stack_after_crossing(face(0, false), &coincident(&[face(1, true)])).bodies(), &[1]);
+    assert_eq!(
+        stack_of(&[0, 1]).stack_after_crossing(test_face(0, false), &faces_from_list(&[test_face(1, true)])).bodies(),
+        &[1]
+    );
     // A small gap: the path left the glass just before it enters the liquid.
-    assert_eq!(InteriorStack::EMPTY.stack_after_crossing(face(1, true), &coincident(&[face(0, false)])).bodies(), &[1]);
+    assert_eq!(
+        InteriorStack::EMPTY
+            .stack_after_crossing(test_face(1, true), &faces_from_list(&[test_face(0, false)]))
+            .bodies(),
+        &[1]
+    );
     // A film thinner than its error is no film.
     assert_eq!(
-        InteriorStack::EMPTY.stack_after_crossing(face(1, true), &coincident(&[face(1, false)])).bodies(),
+        InteriorStack::EMPTY
+            .stack_after_crossing(test_face(1, true), &faces_from_list(&[test_face(1, false)]))
+            .bodies(),
         &[0u32; 0]
     );
     assert_eq!(
-        stack_of(&[0]).stack_after_crossing(face(0, false), &coincident(&[face(1, true), face(1, false)])).bodies(),
+        stack_of(&[0])
+            .stack_after_crossing(test_face(0, false), &faces_from_list(&[test_face(1, true), test_face(1, false)]))
+            .bodies(),
         &[0u32; 0]
     );
 }
 
 #[test]
 fn faces_are_unique_and_limited_in_number() {
-    let many: Vec<CoincidentFace> = (0..5).map(|m| face(m % 4, true)).collect();
-    assert_eq!(coincident(&many).iter().count(), MAX_COINCIDENT_FACES);
-    assert_eq!(coincident(&[face(1, true), face(1, true)]).iter().count(), 1);
+    let many: Vec<CoincidentFace> = (0..5).map(|m| test_face(m % 4, true)).collect();
+    assert_eq!(faces_from_list(&many).iter().count(), MAX_COINCIDENT_FACES);
+    assert_eq!(faces_from_list(&[test_face(1, true), test_face(1, true)]).iter().count(), 1);
     assert!(CoincidentFaces::NONE.is_empty());
 }

@@ -8,13 +8,13 @@ fn materials() -> Vec<Material> {
     vec![body(1.33, 0), body(1.31, 1), body(1.5, 2)]
 }
 
-fn body(i: usize) -> Body {
+fn body_of_material(i: usize) -> Body {
     *materials()[i].bounded_body().unwrap()
 }
 
 fn stack_of(bodies: &[u32]) -> InteriorStack {
     let mut inside = InteriorStack::EMPTY;
-    bodies.iter().for_each(|b| inside.enter(*b));
+    bodies.iter().for_each(|b| inside.push_body(*b));
     inside
 }
 
@@ -24,11 +24,15 @@ fn the_highest_priority_wins_in_any_entry_order() {
     for order in [[0, 1, 2], [2, 1, 0], [1, 2, 0]] {
         assert_eq!(stack_of(&order).top_body(&m).unwrap().0, 2);
     }
-    assert!(!stack_of(&[2]).interface_at(0, &body(0), true, &m).real, "water begins inside the glass");
-    assert!(!stack_of(&[2, 0]).interface_at(0, &body(0), false, &m).real);
-    let out = stack_of(&[2, 0]).interface_at(2, &body(2), false, &m);
-    assert_eq!(out, BodyInterface { real: true, outside: Some(body(0)) }, "glass to the water that began inside it");
-    assert_eq!(out.relative_ior(&body(2), |b| b.index), 1.5 / 1.33);
+    assert!(!stack_of(&[2]).interface_at(0, &body_of_material(0), true, &m).real, "water begins inside the glass");
+    assert!(!stack_of(&[2, 0]).interface_at(0, &body_of_material(0), false, &m).real);
+    let out = stack_of(&[2, 0]).interface_at(2, &body_of_material(2), false, &m);
+    assert_eq!(
+        out,
+        BodyInterface { real: true, outside: Some(body_of_material(0)) },
+        "glass to the water that began inside it"
+    );
+    assert_eq!(out.relative_ior(&body_of_material(2), |b| b.index), 1.5 / 1.33);
 }
 
 /// The index ratio agrees from both sides, so a path and its reverse see one interface.
@@ -41,10 +45,10 @@ fn a_boundary_has_one_interface_from_both_sides() {
                 continue;
             }
             let outside = stack_of(around);
-            let inwards = outside.interface_at(material, &body(material as usize), true, &m);
+            let inwards = outside.interface_at(material, &body_of_material(material as usize), true, &m);
             let mut within = outside;
-            within.enter(material);
-            assert_eq!(inwards, within.interface_at(material, &body(material as usize), false, &m));
+            within.push_body(material);
+            assert_eq!(inwards, within.interface_at(material, &body_of_material(material as usize), false, &m));
         }
     }
 }
@@ -56,7 +60,7 @@ fn equal_priorities_nest_and_equal_materials_merge() {
         *material = material.with_body(Body { priority: 0, ..*material.bounded_body().unwrap() });
     }
     assert_eq!(stack_of(&[2, 0]).top_body(&m).unwrap().0, 0, "the last one entered counts");
-    let glass = Body { priority: 0, ..body(2) };
+    let glass = Body { priority: 0, ..body_of_material(2) };
     let crossing = stack_of(&[2]).interface_at(2, &glass, true, &m);
     assert_eq!(crossing.relative_ior(&glass, |b| b.index), 1.0, "glass in the same glass is no boundary");
 }
@@ -70,16 +74,16 @@ fn null_interfaces_yield_and_do_not_refract() {
     assert_eq!(stack_of(&[3]).top_body(&m).unwrap().0, 3);
     assert_eq!(stack_of(&[2, 4]).top_body(&m).unwrap().0, 4, "smoke that displaces glass");
     assert_eq!(stack_of(&[2, 4]).top_refracting_body(&m).unwrap().0, 2, "but the glass bends light");
-    let into = stack_of(&[4]).interface_at(2, &body(2), true, &m);
+    let into = stack_of(&[4]).interface_at(2, &body_of_material(2), true, &m);
     assert_eq!(into, BodyInterface { real: true, outside: None });
 }
 
 #[test]
 fn a_full_stack_drops_the_outermost_body() {
     let mut deep = stack_of(&[0; MAX_BODIES]);
-    deep.enter(2);
+    deep.push_body(2);
     assert_eq!((deep.bodies().len(), deep.bodies().last()), (MAX_BODIES, Some(&2)));
-    deep.leave(2);
-    deep.leave(7);
+    deep.remove_body(2);
+    deep.remove_body(7);
     assert_eq!(deep.bodies(), &[0; MAX_BODIES - 1]);
 }

@@ -40,7 +40,7 @@ fn perspective_directions_match_tangent_at_every_angle() {
                     let y = tangent * (1.0 - 2.0 * p.y / f64::from(height));
                     let x = tangent * (2.0 * p.x - f64::from(width)) / f64::from(height);
                     let expected = (forward + x * right + y * up).normalize();
-                    let found = camera.ray(p.as_vec2(), None).direction.as_dvec3();
+                    let found = camera.generate_ray(p.as_vec2(), None).direction.as_dvec3();
                     let off = (found - expected).abs().max_element();
                     assert!(off <= libm::exp2(-25.0) + 1e-14, "{angle}° {width}×{height} {p}: {off:e}");
                 }
@@ -56,7 +56,7 @@ fn narrow_images_keep_their_field_of_view() {
     for angle in [1e-300, 1e-30, 1e-6, 1e-3] {
         let radians = f64::to_radians(angle);
         let camera = Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, radians, 3, 3).unwrap();
-        let ends = [0.0, 3.0].map(|y| camera.ray(Vec2::new(1.5, y), None).direction);
+        let ends = [0.0, 3.0].map(|y| camera.generate_ray(Vec2::new(1.5, y), None).direction);
         assert!(ends.iter().all(|d| d.is_finite() && d.z == -1.0), "{ends:?}");
         let found = f64::from(ends[0].y) - f64::from(ends[1].y);
         // Below the range of single precision only zero is left.
@@ -184,7 +184,7 @@ fn up_nearly_along_view_is_kept() {
         ] {
             let up = forward + sine * across;
             let camera = Camera::perspective(DVec3::ZERO, forward, up, 1.0, 2, 2).unwrap();
-            let found = camera.ray(Vec2::new(1.0, 0.0), None).direction.as_dvec3();
+            let found = camera.generate_ray(Vec2::new(1.0, 0.0), None).direction.as_dvec3();
             let expected = (forward + libm::tan(0.5) * across).normalize();
             assert!((found - expected).abs().max_element() < 8e-8, "{sine} {forward}: {found} {expected}");
         }
@@ -204,7 +204,7 @@ fn orthographic_images_of_any_size_are_correct() {
                     let pixel = size / f64::from(height);
                     let middle = 0.5 * DVec2::new(f64::from(width), f64::from(height));
                     let expected = pixel * ((p.x - middle.x) * right + (middle.y - p.y) * up);
-                    let ray = camera.ray(p.as_vec2(), None);
+                    let ray = camera.generate_ray(p.as_vec2(), None);
                     let off = (ray.origin.as_dvec3() - expected).abs().max_element();
                     let bound = expected.abs().max_element() * libm::exp2(-24.0) + 1e-15 * pixel * middle.length();
                     assert!(off <= bound, "{size} {width}×{height} {p}: {off:e}");
@@ -229,7 +229,7 @@ fn panoramas_of_any_size_cover_the_sphere() {
                 let latitude = (0.5 - p.y / f64::from(height)) * std::f64::consts::PI;
                 let level = right * libm::sin(longitude) + forward * libm::cos(longitude);
                 let expected = level * libm::cos(latitude) + up * libm::sin(latitude);
-                let found = camera.ray(p.as_vec2(), None).direction.as_dvec3();
+                let found = camera.generate_ray(p.as_vec2(), None).direction.as_dvec3();
                 let off = (found - expected).abs().max_element();
                 assert!(off <= libm::exp2(-25.0) + 1e-14, "{width}×{height} {p}: {off:e}");
             }

@@ -90,11 +90,11 @@ fn lens_rays_converge_at_any_focus_distance() {
                 let flat = Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.0, 8, 6).unwrap().with_lens(lens);
                 for u in [(0.5, 0.5), (0.0, 0.0), (0.9, 0.2), (0.51, 0.5)].map(Vec2::from) {
                     for p in [(0.0, 0.0), (4.0, 3.0), (7.5, 1.0)].map(Vec2::from) {
-                        let on = flat.ray(p, Some(u)).origin.as_dvec3();
+                        let on = flat.generate_ray(p, Some(u)).origin.as_dvec3();
                         let tangent = libm::tan(0.5) / 3.0;
                         let (x, y) = (tangent * (f64::from(p.x) - 4.0), tangent * (3.0 - f64::from(p.y)));
                         let to = (forward + x * right + y * upright) * focus - (on.x * right + on.y * upright);
-                        let found = camera.ray(p, Some(u));
+                        let found = camera.generate_ray(p, Some(u));
                         let off = (found.direction.as_dvec3() - to.normalize()).abs().max_element();
                         // The lens point is accurate to 2⁻²⁴, which rotates the direction by as
                         // much at most.

@@ -58,7 +58,7 @@ fn follow(scene: &Scene, direction: Vec3, mut see: impl FnMut(Vec3, Vec3)) {
         let s = surface.sample(1.0 - f32::EPSILON / 2.0, Vec2::ZERO, TransportMode::Importance).unwrap();
         assert!(!s.is_transmitted && s.weight == Vec3::ONE, "through after {bounce}");
         see(surface.point.p, s.wi);
-        path.leave(&surface, s.wi, false);
+        path.leave_surface(&surface, s.wi, false);
     }
 }
 
@@ -139,7 +139,7 @@ fn trapped_rays_stay_in_ball() {
                 "{bounce}: {}",
                 p.cross(s.wi).length() - expected
             );
-            path.leave(&vertex.surface, s.wi, false);
+            path.leave_surface(&vertex.surface, s.wi, false);
         }
     }
 }

@@ -61,7 +61,7 @@ fn other_samplers_are_valid_at_extreme_samples() {
     for u in ENDS {
         let w = Wavelength::sample(u);
         assert!((Wavelength::SHORTEST..=Wavelength::LONGEST).contains(&w.nanometres()) && w.pdf() > 0.0);
-        assert!(w.weight().is_finite() && Wavelength::from_byte_code(w.code()).is_some());
+        assert!(w.weight().is_finite() && Wavelength::from_byte_code(w.byte_code()).is_some());
     }
     for (kind, radius) in [
         (FilterKind::Box, 0.5),
@@ -79,14 +79,14 @@ fn other_samplers_are_valid_at_extreme_samples() {
         let lens = Lens { radius: 0.5, focus: 2.0, blades };
         let eye = Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.0, 8, 6).unwrap().with_lens(lens);
         for u in corners() {
-            let ray = eye.ray(Vec2::new(4.0, 3.0), Some(u));
+            let ray = eye.generate_ray(Vec2::new(4.0, 3.0), Some(u));
             assert_unit_vector(ray.direction, &|| format!("{blades} {u}"));
             assert!(ray.origin.length() <= 0.5 * (1.0 + 1e-6), "{blades} {u}: {}", ray.origin);
         }
     }
     let all_around = Camera::panorama(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 8, 4).unwrap();
     for u in corners() {
-        assert_unit_vector(all_around.ray(u * Vec2::new(8.0, 4.0), None).direction, &|| format!("{u}"));
+        assert_unit_vector(all_around.generate_ray(u * Vec2::new(8.0, 4.0), None).direction, &|| format!("{u}"));
     }
 }
 

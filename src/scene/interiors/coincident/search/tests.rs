@@ -8,7 +8,7 @@ use crate::shape::{Plane, Sphere};
 use glam::{Vec2, Vec3};
 
 /// Counts of flagged triangles: of a cube of twelve, and of a smaller cube.
-fn cubes(scale: f64, shift: DVec3) -> [usize; 2] {
+fn flagged_triangles_of_cubes(scale: f64, shift: DVec3) -> [usize; 2] {
     let mut builder = SceneBuilder::new();
     let corners: Vec<DVec3> = (0..8).map(|i| DVec3::from([i & 1, i >> 1 & 1, i >> 2].map(f64::from))).collect();
     let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
@@ -27,7 +27,7 @@ fn cubes(scale: f64, shift: DVec3) -> [usize; 2] {
 
 #[test]
 fn only_faces_that_may_coincide_are_flagged() {
-    let beside = |x: f64| cubes(0.5, DVec3::new(x, 0.25, 0.25));
+    let beside = |x: f64| flagged_triangles_of_cubes(0.5, DVec3::new(x, 0.25, 0.25));
     // The shared wall, and the four walls of the small cube that end at it.
     assert_eq!(beside(1.0), [2, 10]);
     assert_eq!(beside(1.0 + 1e-7), [2, 10], "within the position error");
