@@ -1,7 +1,7 @@
 //! Boxes and parallelepipeds.
 
 use super::analytic::AnalyticShape;
-use super::hit::{ShapeHit, exact_t, nearer_hit};
+use super::hit::{ShapeHit, f64_ray_parameter, nearer_hit};
 use super::object_ray::{ObjectRay, world_scale};
 use super::surface_point::{EDGE_MARGIN, ShapeSample, SurfacePoint};
 use super::texture_mapping::{TexCoord, upright_axes};
@@ -76,7 +76,7 @@ fn face_sign(face: usize) -> f64 {
 
 /// Number of the face that `uv.y` of a hit encodes.
 #[inline]
-fn hit_face(uv: Vec2) -> usize {
+fn face_of_hit(uv: Vec2) -> usize {
     (uv.y as usize).min(5)
 }
 
@@ -112,14 +112,14 @@ impl AnalyticShape for Cuboid {
 
     #[inline]
     fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
-        let p = ObjectRay::new(ray, &self.to_world).at(exact_t(t, uv));
-        let face = hit_face(uv);
+        let p = ObjectRay::new(ray, &self.to_world).at(f64_ray_parameter(t, uv));
+        let face = face_of_hit(uv);
         self.face_point(self.move_off_edges(p, face), face)
     }
 
     /// Maps each face to the unit square; a picture appears upright from outside.
     fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
-        let face = hit_face(uv);
+        let face = face_of_hit(uv);
         let p = self.to_world.inverse().transform_point3(p.as_dvec3());
         let mut normal = DVec3::ZERO;
         normal[face / 2] = face_sign(face);

@@ -1,7 +1,7 @@
 //! Instances: meshes under affine maps, with shared triangles.
 
 use super::analytic::AnalyticShape;
-use super::hit::{ShapeHit, t_in_range};
+use super::hit::{ShapeHit, round_t_if_in_range};
 use super::mesh::Mesh;
 use super::object_ray::object_ray;
 use super::surface_point::{ShapeSample, SurfacePoint, TRIANGLE_HIT_ERROR, rounding_error};
@@ -110,7 +110,7 @@ impl AnalyticShape for Instance {
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
         let (near, start) = self.clipped_object_ray(ray);
         let hit = self.mesh.hierarchy.closest(&near, |_, _| None)?;
-        let t = t_in_range(ray, start + f64::from(hit.t))?;
+        let t = round_t_if_in_range(ray, start + f64::from(hit.t))?;
         match hit.primitive {
             Primitive::Triangle(i) => Some((t, f32::from_bits(i), 0.0)),
             Primitive::Other(_) => None,

@@ -9,7 +9,7 @@ use super::spline::{SplineBasis, SplineError};
 use crate::math::{Ray, Transform};
 use crate::sampling::DiscreteDistribution;
 use crate::shape::analytic::AnalyticShape;
-use crate::shape::hit::{ShapeHit, t_in_range};
+use crate::shape::hit::{ShapeHit, round_t_if_in_range};
 use crate::shape::object_ray::ObjectRay;
 use crate::shape::surface_point::{ShapeSample, SurfacePoint};
 use crate::shape::texture_mapping::TexCoord;
@@ -190,7 +190,7 @@ impl AnalyticShape for Patch {
             }
         });
         let (leaf, at, t) = found?;
-        let t = t_in_range(ray, (start + t) / length)?;
+        let t = round_t_if_in_range(ray, (start + t) / length)?;
         let uv = net.leaves[leaf].leaf_to_surface_uv(at);
         Some((t, uv.x, uv.y))
     }

@@ -10,7 +10,7 @@ use super::spline::{SplineBasis, SplineError};
 use crate::math::{Ray, Transform};
 use crate::sampling::DiscreteDistribution;
 use crate::shape::analytic::AnalyticShape;
-use crate::shape::hit::{ShapeHit, t_in_range};
+use crate::shape::hit::{ShapeHit, round_t_if_in_range};
 use crate::shape::object_ray::{ObjectRay, object_ray};
 use crate::shape::surface_point::{ShapeSample, SurfacePoint};
 use crate::shape::texture_mapping::TexCoord;
@@ -159,9 +159,9 @@ impl AnalyticShape for Revolution {
             }
         });
         let (leaf, x, at) = found?;
-        let t = t_in_range(ray, (start + at) / length)?;
+        let t = round_t_if_in_range(ray, (start + at) / length)?;
         let p = line.base + line.direction * at;
-        Some((t, self.profile.leaf_to_profile(leaf, x) as f32, self.angle_in_turns(p, leaf) as f32))
+        Some((t, self.profile.leaf_to_profile_parameter(leaf, x) as f32, self.angle_in_turns(p, leaf) as f32))
     }
 
     fn surface_point(&self, ray: &Ray, _t: f32, uv: Vec2) -> SurfacePoint {
@@ -216,7 +216,7 @@ impl AnalyticShape for Revolution {
     fn sample(&self, u: Vec2) -> ShapeSample {
         let (leaf, _) = self.profile.choice.sample(u.x);
         let x = f64::from(self.profile.choice.remapped_sample(u.x, leaf)) * 2.0 - 1.0;
-        let uv = Vec2::new(self.profile.leaf_to_profile(leaf, x) as f32, u.y);
+        let uv = Vec2::new(self.profile.leaf_to_profile_parameter(leaf, x) as f32, u.y);
         let point = self.surface_at(leaf, x, self.profile.radial_direction(leaf, u.y), uv);
         ShapeSample { pdf: self.pdf(&point), point, uv }
     }
@@ -268,7 +268,7 @@ impl RevolutionProfile {
     }
 
     /// Profile parameter in \[0, 1] at parameter x in \[−1, 1] of a leaf.
-    fn leaf_to_profile(&self, leaf: usize, x: f64) -> f64 {
+    fn leaf_to_profile_parameter(&self, leaf: usize, x: f64) -> f64 {
         let [middle, half] = self.leaves[leaf].place;
         middle + half * x
     }
