@@ -118,7 +118,7 @@ mod tests {
     use std::f64::consts::PI;
 
     #[test]
-    fn turning_points_go_along_circles_and_the_first_step_is_applied_last() {
+    fn rotations_move_points_along_circles() {
         let motion = Motion::constant_motion(DAffine3::from_translation(DVec3::Y)).preceded_by_steps([
             MotionStep::Rotate(DVec3::Y, 180.0),
             MotionStep::Translate(DVec3::X),
@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn still_maps_join() {
+    fn adjacent_fixed_steps_merge() {
         let (a, b) = (DAffine3::from_scale(DVec3::splat(2.0)), DAffine3::from_translation(DVec3::X));
         let motion = Motion::constant_motion(a).preceded_by_steps([MotionStep::Fixed(b)]);
         assert!(motion.is_constant() && motion.steps.len() == 1);

@@ -18,7 +18,7 @@ pub struct Cuboid {
     /// World area of the face perpendicular to each object axis \[length²].
     face_areas: DVec3,
     /// Largest object-space change of each coordinate per world-space unit length.
-    inverse_widths: DVec3,
+    max_gradients: DVec3,
 }
 
 impl Cuboid {
@@ -36,8 +36,8 @@ impl Cuboid {
         let [x, y, z] = half_edges(&to_world);
         let face_areas = 4.0 * DVec3::new(y.cross(z).length(), z.cross(x).length(), x.cross(y).length());
         let rows = to_world.inverse().matrix3.transpose();
-        let inverse_widths = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
-        Self { to_world, face_areas, inverse_widths }
+        let max_gradients = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
+        Self { to_world, face_areas, max_gradients }
     }
 
     /// Projects the object-space point `p` to the face and moves it away from the edges: see
@@ -45,7 +45,7 @@ impl Cuboid {
     #[inline]
     fn move_off_edges(&self, p: DVec3, face: usize) -> DVec3 {
         let largest = self.to_world.transform_point(p).abs().max_element();
-        let margin = (self.inverse_widths * (EDGE_MARGIN * f64::from(f32::EPSILON) * largest)).min(DVec3::splat(0.5));
+        let margin = (self.max_gradients * (EDGE_MARGIN * f64::from(f32::EPSILON) * largest)).min(DVec3::splat(0.5));
         let mut inside = p.clamp(margin - 1.0, 1.0 - margin);
         inside[face / 2] = face_sign(face);
         inside

@@ -17,7 +17,7 @@ pub struct MeshWithBvh {
     mesh: Mesh,
     hierarchy: Hierarchy,
     /// Distribution of triangles by area; built at its first use.
-    choice: OnceLock<Option<DiscreteDistribution>>,
+    triangle_distribution: OnceLock<Option<DiscreteDistribution>>,
 }
 
 impl std::fmt::Debug for MeshWithBvh {
@@ -31,13 +31,13 @@ impl MeshWithBvh {
     #[must_use]
     pub fn new(mesh: Mesh) -> Self {
         let corners: Vec<[Vec3; 3]> = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
-        Self { hierarchy: Hierarchy::build(&corners, &[]), mesh, choice: OnceLock::new() }
+        Self { hierarchy: Hierarchy::build(&corners, &[]), mesh, triangle_distribution: OnceLock::new() }
     }
 
     /// Distribution of triangles by object-space area; `None` if the total area is 0.
     fn area_distribution(&self) -> Option<&DiscreteDistribution> {
         let make = || DiscreteDistribution::new((0..self.mesh.triangles.len()).map(|i| self.mesh.triangle_area(i)));
-        self.choice.get_or_init(make).as_ref()
+        self.triangle_distribution.get_or_init(make).as_ref()
     }
 }
 

@@ -15,7 +15,7 @@ pub(in crate::shape::parametric) fn sphere_octant_patch() -> Patch {
     Patch::new([&basis, &basis], &controls).unwrap()
 }
 
-/// A crumpled patch with more leaves than the memory has room for.
+/// A crumpled patch with more leaves than the memory limit allows.
 #[test]
 fn leaf_memory_is_checked_before_allocation() {
     let basis = SplineBasis::single_bezier(6).unwrap();
@@ -31,7 +31,7 @@ fn leaf_memory_is_checked_before_allocation() {
     }
 }
 
-/// The narrowest accepted span, with a bend as sharp as the least size of a leaf.
+/// The patch has the narrowest knot span that is accepted, with a sharp bend.
 #[test]
 fn leaves_are_wider_than_float_spacing() {
     let basis = SplineBasis::new(2, 5, vec![0.0, 0.0, 0.0, 0.5, 0.5 + MIN_SPAN, 1.0, 1.0, 1.0]).unwrap();

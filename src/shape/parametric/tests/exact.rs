@@ -248,13 +248,13 @@ fn placed_shapes() -> Vec<(&'static str, Shape)> {
     cases.into_iter().chain(mirrored).collect()
 }
 
-/// True if a point sampled with this pdf may be at an apex, where the opposite side is arbitrarily
-/// near.
+/// True if a point sampled with this pdf may lie near an apex, where the surface comes close to
+/// itself.
 fn is_apex(shape: &Shape, pdf: f32) -> bool {
     f64::from(pdf) * shape.area() > 30.0
 }
 
-/// The shapes that do not intersect themselves; elsewhere two sheets may be arbitrarily near.
+/// Shapes of [`placed_shapes`] that do not intersect themselves.
 fn simple_shapes() -> impl Iterator<Item = (&'static str, Shape)> {
     placed_shapes().into_iter().filter(|(name, _)| *name != "loops")
 }
