@@ -1,6 +1,6 @@
 //! Volume photons: photons stored at scattering points in participating media.
 
-use super::packet::{LANES, LineQuery, PointPacket, set_bits};
+use super::packet::{LANES, LineQuery, PointPacket, set_bit_indices};
 use super::record::{PackedFlux, decode_octahedral, encode_octahedral};
 use crate::accel::Boxes;
 use crate::color::Rgb;
@@ -113,7 +113,7 @@ impl VolumePhotonMap {
         let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let per_d2 = 1.0 / d.length_squared();
         self.boxes.along(ray, &mut |run| {
-            for slot in set_bits(self.packets[run as usize].points_near_line(&query)) {
+            for slot in set_bit_indices(self.packets[run as usize].points_near_line(&query)) {
                 let photon = &self.photons[run as usize * LANES + slot];
                 let to = photon.position.as_dvec3() - o;
                 let t = to.dot(d) * per_d2;
@@ -138,7 +138,7 @@ impl VolumePhotonMap {
         let here = Ray { origin: p, direction: Vec3::Z, t_max: 0.0 };
         self.boxes.along(&here, &mut |run| {
             let (mask, x2) = self.packets[run as usize].points_within_radius(p, per_radius);
-            for slot in set_bits(mask) {
+            for slot in set_bit_indices(mask) {
                 let x2 = x2.as_array()[slot];
                 visitor(&self.photons[run as usize * LANES + slot], scale * (1.0 - x2), x2);
             }

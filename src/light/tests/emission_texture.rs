@@ -43,7 +43,7 @@ fn lights() -> Vec<(Light, Light)> {
     };
     let even = |emitter| Light::Area(AreaLight::uniform(emitter, Rgb::splat(BRIGHT)));
     vec![
-        (glowing(rectangle(e0), MappingKind::for_rectangle(corner, e0, e1)), even(rectangle(e0 * 0.5))),
+        (glowing(rectangle(e0), MappingKind::rectangle_mapping(corner, e0, e1)), even(rectangle(e0 * 0.5))),
         (glowing(emitter_of(mesh(2.0)), MappingKind::Uv), even(emitter_of(mesh(1.0)))),
     ]
 }

@@ -36,7 +36,7 @@ fn strewn(n: u64) -> Vec<Light> {
             2 => area(Shape::Sphere(SphereShape::new(center, 0.1)), 30.0 * strength),
             3 => area(Shape::Rectangle(Rectangle::new(center, s * 0.3, t * 0.2)), 15.0 * strength),
             4 => Light::Area(AreaLight::uniform(emitter_of(mesh(place)), Rgb::splat(strength))),
-            _ => area(Shape::Disc(Disc::with_normal(center, axis.as_dvec3(), 0.2)), 8.0 * strength),
+            _ => area(Shape::Disc(Disc::circular_disc(center, axis.as_dvec3(), 0.2)), 8.0 * strength),
         }
     };
     (0..n).map(light).collect()

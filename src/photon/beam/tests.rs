@@ -214,8 +214,7 @@ fn assert_mean(values: &[f64], truth: f64, precision: f64) {
     assert!((mean - truth).abs() < 4.0 * error, "{mean} is not {truth}, give or take {error}");
 }
 
-/// A collimated beam across a ray (analytic-truths 27): a blur along which the beams are uniform
-/// has no bias.
+/// A ray across a collimated beam. Beams are uniform across the blur, so the blur has no bias.
 #[test]
 fn collimated_beam_radiance_is_exact() {
     let (extinction, scattering, depth, across) = (1.3f64, 0.9f64, 0.7f64, 1.6f64);

@@ -70,7 +70,7 @@ fn assert_ray_query_matches_scan(map: &VolumePhotonMap, photons: &[VolumePhoton]
         let to = p.position.as_dvec3() - ray.origin.as_dvec3();
         let t = to.dot(d) / d.dot(d);
         let x2 = to.cross(d).length_squared() / (d.dot(d) * r * r);
-        // Rounding in f64 may decide about the rim, where the weight is as good as none.
+        // Rounding in f64 decides at the rim, where the weight is almost zero.
         if x2 < 1.0 - 1e-9 && t > 0.0 && t < f64::from(ray.t_max) {
             expected.push((p.medium, t, 3.0 / (PI * r * r) * (1.0 - x2) * (1.0 - x2)));
         }
@@ -149,11 +149,10 @@ fn assert_mean(values: &[f64], truth: f64, precision: f64) {
     assert!((mean - truth).abs() < 4.0 * error, "{mean} is not {truth}, give or take {error}");
 }
 
-/// A collimated beam crossed by a ray (analytic-truths 27 in the project's notes), from photons
-/// where they were stopped.
+/// A ray across a collimated beam has a closed form for single scattering.
 ///
-/// A blur over a radius r of a field of curvature σt² has a relative bias of r²σt²/16 in two
-/// dimensions and r²σt²/14 in three: here below 3·10⁻⁴, a tenth of the statistical error asked for.
+/// Photons are stored at their scattering points. The blur has relative bias r²σt²/16 in two
+/// dimensions and r²σt²/14 in three, here below 3·10⁻⁴.
 #[test]
 fn collimated_beam_radiance_is_exact() {
     let (extinction, scattering, depth, across) = (1.3f64, 0.9f64, 0.7f64, 1.6f64);
@@ -163,7 +162,7 @@ fn collimated_beam_radiance_is_exact() {
     for run in 0..24u64 {
         let n = 100_000u64;
         let (wide, high) = (across as f32 + 0.2, 0.11);
-        // What is left at 0.1 before the ray and beyond it: only photons between can count.
+        // Transmittance 0.1 before the ray and 0.1 beyond it. Only photons in between can count.
         let (before, beyond) = (libm::exp(-extinction * (depth - 0.1)), libm::exp(-extinction * (depth + 0.1)));
         let power = (irradiance * f64::from(wide * high) * (before - beyond) / n as f64) as f32;
         let one = |i: u64| {
