@@ -17,7 +17,7 @@ pub const IMPORTERS: [&dyn SceneImporter; 1] = [&SceneTextImporter];
 /// A scene file that was read but not resolved. Its description may still be changed.
 #[derive(Clone, Debug)]
 pub struct SceneFile {
-    /// The scene.
+    /// Description of the scene.
     pub description: SceneDescription,
     /// Text that the spans of the description refer to.
     pub source: SourceText,

@@ -31,7 +31,7 @@ pub trait SceneImporter: Sync {
 /// A scene that an importer read from a file.
 #[derive(Clone, Debug)]
 pub struct ImportedScene {
-    /// The scene.
+    /// Description of the scene.
     pub description: SceneDescription,
     /// Text that the spans of the description refer to; empty for a binary format.
     pub source: SourceText,
@@ -67,7 +67,7 @@ pub enum SceneReadError {
     Unreadable {
         /// Path of the file.
         path: PathBuf,
-        /// Error of the system.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The scene would exceed the memory limit.

@@ -15,7 +15,7 @@ pub struct LineError {
     pub line: usize,
     /// Description of the defect.
     pub message: String,
-    /// Remedy.
+    /// Advice on how to correct the line.
     pub remedy: &'static str,
 }
 

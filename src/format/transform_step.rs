@@ -20,9 +20,9 @@ pub enum TransformStep {
     RotateZ(f64),
     /// Right-handed rotation about an axis through the origin.
     Rotate {
-        /// Axis, of any length above 0.
+        /// Axis of rotation, of any length above 0.
         axis: DVec3,
-        /// Angle \[degrees].
+        /// Angle of rotation \[degrees].
         angle: f64,
     },
     /// Affine map; its fourth row is 0 0 0 1.

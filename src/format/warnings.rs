@@ -81,7 +81,7 @@ fn boundary_defect(report: &MeshReport) -> Option<String> {
     inside_out.then(|| "is inside out: its normals point into the body".to_owned())
 }
 
-/// Materials, textures and dielectric meshes that a scene uses.
+/// Materials, textures and dielectric meshes that the objects of a scene use.
 #[derive(Default)]
 struct SceneUses<'a> {
     /// Indices of materials that objects have directly, not as a part of a mix.

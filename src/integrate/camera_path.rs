@@ -2,8 +2,8 @@
 //!
 //! A *receiver* is a surface that stores photons: see [`Bsdf::stores_photons`]. A *caster* is any
 //! other surface that is not black: see [`Bsdf::casts_caustics`]. A light path over casters to a
-//! receiver is a caustic. If the policy leaves caustics to photons, camera paths ignore emission that
-//! they find by such light paths. So each light path counts once.
+//! receiver is a caustic. If the policy leaves caustics to photons, camera paths ignore emission
+//! that they find by such light paths. So each light path counts once.
 
 mod media;
 

@@ -192,7 +192,7 @@ impl<'a> PhotonMapBuilder<'a> {
 
     /// Returns this builder for `scene`, the same scene at another time, with its pilots' results.
     pub fn at<'b>(&self, scene: &'b Scene) -> PhotonMapBuilder<'b> {
-        let placed = |source: &Option<PhotonSource<'a>>| source.as_ref().map(|source| source.at(scene));
+        let placed = |source: &Option<PhotonSource<'a>>| source.as_ref().map(|source| source.for_scene_at_time(scene));
         PhotonMapBuilder {
             scene,
             settings: self.settings.clone(),

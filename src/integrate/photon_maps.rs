@@ -7,7 +7,7 @@ use super::volume_estimate::{VolumeMap, wavelength_overlap};
 use crate::bsdf::TransportMode;
 use crate::color::Rgb;
 use crate::photon::{
-    Bandwidth, Kernel, NestedRadianceEstimate, PhotonData, PhotonMap, Scratch, coverage, nested_disc_coverage,
+    Bandwidth, Kernel, NestedRadianceEstimate, PhotonData, PhotonMap, Scratch, disc_coverage, nested_disc_coverage,
 };
 use crate::scene::{Interior, Scene};
 use rand::Rng;
@@ -125,7 +125,7 @@ impl PhotonEstimator<'_> {
             if estimate.count == 0 {
                 return Rgb::ZERO;
             }
-            return estimate.radiance / coverage(self.scene, p, normal, estimate.radius, kernel, key);
+            return estimate.radiance / disc_coverage(self.scene, p, normal, estimate.radius, kernel, key);
         }
         let NestedRadianceEstimate { whole, mut radiance } =
             self.map.estimate_nested(p, normal, bandwidth, kernel, scratch, brdf);
@@ -134,7 +134,7 @@ impl PhotonEstimator<'_> {
         if whole.count == 0 {
             return Rgb::ZERO;
         }
-        let covered = coverage(self.scene, p, normal, whole.radius, kernel, key);
+        let covered = disc_coverage(self.scene, p, normal, whole.radius, kernel, key);
         let estimate = whole.radiance / covered;
         if covered != 1.0 {
             // The coverage probes differ from pass to pass, even if passes share camera paths.

@@ -167,7 +167,7 @@ pub(super) fn find_volume_radii(
     let (beams, points) = (PhotonBeamMap::build(volume.beams, trial), VolumePhotonMap::build(volume.points, trial));
     let beams = camera_paths.iter().map(|segments| {
         let mut count = 0.0;
-        segments.iter().for_each(|ray| beams.visit(ray, |_, _| count += 1.0));
+        segments.iter().for_each(|ray| beams.visit_near_ray(ray, |_, _| count += 1.0));
         count
     });
     let beams = radius(beams.collect(), beam_dimensions);
@@ -175,9 +175,9 @@ pub(super) fn find_volume_radii(
         let mut count = 0.0;
         for ray in segments {
             if settings.volume == VolumeEstimate::Points {
-                points.around(ray.at(0.5 * ray.t_max.min(2.0 * size)), |_, _, _| count += 1.0);
+                points.visit_near_point(ray.at(0.5 * ray.t_max.min(2.0 * size)), |_, _, _| count += 1.0);
             } else {
-                points.visit(ray, |_, _, _, _, _| count += 1.0);
+                points.visit_near_ray(ray, |_, _, _, _, _| count += 1.0);
             }
         }
         count

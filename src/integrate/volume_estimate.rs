@@ -146,7 +146,7 @@ impl VolumeMap {
         let MediumSegment { ray, medium, index, interior, .. } = vertex.segment;
         let (own, extinction) = (interior.wavelength(), medium.extinction());
         let mut sums = NestedKernelSums::new(1, 1, nested);
-        self.beams.visit(ray, |beam, crossing| {
+        self.beams.visit_near_ray(ray, |beam, crossing| {
             if beam.medium != *index {
                 return;
             }
@@ -170,7 +170,7 @@ impl VolumeMap {
         let MediumSegment { ray, medium, index, interior, .. } = vertex.segment;
         let own = interior.wavelength();
         let mut sums = NestedKernelSums::new(2, 2, nested);
-        self.points.visit(ray, |photon, t, cos, weight, x2| {
+        self.points.visit_near_ray(ray, |photon, t, cos, weight, x2| {
             if photon.medium != *index {
                 return;
             }
@@ -201,7 +201,7 @@ impl VolumeMap {
         let Some(t) = distance_sample.scattered else { return [Rgb::ZERO; LEVELS] };
         let p = ray.at(t);
         let mut sums = NestedKernelSums::new(3, 1, nested);
-        self.points.around(p, |photon, weight, x2| {
+        self.points.visit_near_point(p, |photon, weight, x2| {
             if photon.medium != *index {
                 return;
             }

@@ -42,14 +42,14 @@ pub struct Motion {
 impl Motion {
     /// Motion that equals `map` at all times.
     #[must_use]
-    pub fn constant(map: DAffine3) -> Self {
-        Self::default().preceded_by([MotionStep::Fixed(map)])
+    pub fn constant_motion(map: DAffine3) -> Self {
+        Self::default().preceded_by_steps([MotionStep::Fixed(map)])
     }
 
     /// Product of this motion and `steps`, from left to right: points are mapped by the last step
     /// first, and by this motion last.
     #[must_use]
-    pub fn preceded_by(&self, steps: impl IntoIterator<Item = MotionStep>) -> Self {
+    pub fn preceded_by_steps(&self, steps: impl IntoIterator<Item = MotionStep>) -> Self {
         let mut all = self.steps.clone();
         for step in steps {
             match (all.last_mut(), step) {
@@ -65,13 +65,13 @@ impl Motion {
     #[must_use]
     pub fn around_point(&self, place: DVec3) -> Self {
         let back = MotionStep::Fixed(DAffine3::from_translation(-place));
-        self.followed_by(DAffine3::from_translation(place)).preceded_by([back])
+        self.followed_by_map(DAffine3::from_translation(place)).preceded_by_steps([back])
     }
 
     /// Product of `map` and this motion: points are mapped by this motion first.
     #[must_use]
-    pub fn followed_by(&self, map: DAffine3) -> Self {
-        Self::constant(map).preceded_by(self.steps.iter().copied())
+    pub fn followed_by_map(&self, map: DAffine3) -> Self {
+        Self::constant_motion(map).preceded_by_steps(self.steps.iter().copied())
     }
 
     /// The map at `time` in \[0, 1].
@@ -118,8 +118,8 @@ mod tests {
     use std::f64::consts::PI;
 
     #[test]
-    fn turning_points_go_along_circles_and_the_first_step_is_applied_last() {
-        let motion = Motion::constant(DAffine3::from_translation(DVec3::Y)).preceded_by([
+    fn rotations_move_points_along_circles() {
+        let motion = Motion::constant_motion(DAffine3::from_translation(DVec3::Y)).preceded_by_steps([
             MotionStep::Rotate(DVec3::Y, 180.0),
             MotionStep::Translate(DVec3::X),
             MotionStep::Scale(DVec3::splat(3.0)),
@@ -136,11 +136,11 @@ mod tests {
     }
 
     #[test]
-    fn still_maps_join() {
+    fn adjacent_fixed_steps_merge() {
         let (a, b) = (DAffine3::from_scale(DVec3::splat(2.0)), DAffine3::from_translation(DVec3::X));
-        let motion = Motion::constant(a).preceded_by([MotionStep::Fixed(b)]);
+        let motion = Motion::constant_motion(a).preceded_by_steps([MotionStep::Fixed(b)]);
         assert!(motion.is_constant() && motion.steps.len() == 1);
         assert_eq!((motion.at_time(0.0), motion.at_time(0.7)), (a * b, a * b));
-        assert_eq!(motion.followed_by(b).at_time(0.5), b * a * b);
+        assert_eq!(motion.followed_by_map(b).at_time(0.5), b * a * b);
     }
 }

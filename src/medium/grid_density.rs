@@ -29,16 +29,16 @@ pub enum GridDensityError {
     /// A density is negative or not finite.
     #[error("the density of cell ({x}, {y}, {z}), counted from 0, is {value}: it must be finite and at least 0")]
     Cell {
-        /// Column.
+        /// Column of the cell, along x.
         x: u32,
-        /// Row.
+        /// Row of the cell, along y.
         y: u32,
-        /// Layer.
+        /// Layer of the cell, along z.
         z: u32,
-        /// The density.
+        /// Density of the cell.
         value: f32,
     },
-    /// The placement is singular.
+    /// The map from the unit cube to scene coordinates is singular.
     #[error("the grid cannot be placed: {0}")]
     Placement(#[from] SingularTransformError),
 }
@@ -50,7 +50,7 @@ pub enum GridDensityError {
 #[derive(Clone, Debug)]
 pub struct GridDensity {
     grid: Arc<GridData>,
-    /// Map from the unit cube to world space.
+    /// Map from the unit cube to scene coordinates.
     placement: Transform,
 }
 
@@ -67,11 +67,8 @@ struct GridData {
 }
 
 impl GridDensity {
-    /// A grid of `size` cells, x fastest, in the image of the unit cube under `placement`.
-    ///
-    /// # Errors
-    /// [`GridDensityError`] if the grid is empty, if the number of values is wrong, if a value is
-    /// negative or not finite, or if the placement is singular.
+    /// A grid of `size` cells with densities `values`, x fastest, in the image of the unit cube
+    /// under `placement`.
     pub fn new(size: [u32; 3], values: Vec<f32>, placement: DAffine3) -> Result<Self, GridDensityError> {
         let expected = cell_count(size)?;
         if values.len() != expected {
@@ -89,12 +86,8 @@ impl GridDensity {
         Ok(Self { grid: Arc::new(GridData { size, values, blocks, majorants, max_density }), placement })
     }
 
-    /// A grid with the values of `density` at the centers of the cells, in coordinates of the unit
-    /// cube.
-    ///
-    /// # Errors
-    /// The errors of [`GridDensity::new`], and [`GridDensityError::TooLarge`] if memory does not
-    /// suffice.
+    /// A grid with the values of function `density` at the centers of the cells, in coordinates of
+    /// the unit cube.
     pub fn from_fn(
         size: [u32; 3],
         placement: DAffine3,
@@ -121,7 +114,7 @@ impl GridDensity {
         Self { grid: Arc::clone(&self.grid), placement: self.placement.translated(by) }
     }
 
-    /// Density at a point in world space.
+    /// Density at point `p` in scene coordinates; 0 outside the grid.
     #[must_use]
     pub fn density(&self, p: Vec3) -> f32 {
         let q = self.placement.inverse().transform_point3(p.as_dvec3());
@@ -141,7 +134,7 @@ impl GridDensity {
         self.grid.size
     }
 
-    /// Map from the unit cube to world space.
+    /// Map from the unit cube to scene coordinates.
     #[must_use]
     pub fn placement(&self) -> &DAffine3 {
         self.placement.forward()

@@ -4,7 +4,7 @@ use crate::math::{Frame, sin_cos_turns};
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
-/// A phase function.
+/// A phase function: the distribution of directions after scattering in a medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PhaseFunction {
     /// Equal in all directions.
@@ -53,7 +53,7 @@ impl PhaseFunction {
         (next.normalize(), self.evaluate(cos))
     }
 
-    /// Mean cosine g.
+    /// Mean cosine g of the scattering angle, in (−1, 1).
     #[must_use]
     pub fn mean_cosine(&self) -> f32 {
         match *self {

@@ -1,6 +1,6 @@
 //! Photon beams in participating media, and the map that finds beams near a camera ray.
 
-use super::packet::{BeamPiece, BeamPiecePacket, LANES, LineQuery, set_bits};
+use super::packet::{BeamPiece, BeamPiecePacket, LANES, LineQuery, set_bit_indices};
 use crate::accel::Boxes;
 use crate::color::Rgb;
 use crate::math::{Bounds, Ray, morton_order, rounding_error_bound};
@@ -159,11 +159,11 @@ impl PhotonBeamMap {
     /// `ray` must have a unit direction. The closest points must lie between the ends of ray and
     /// beam.
     #[inline]
-    pub fn visit(&self, ray: &Ray, mut visitor: impl FnMut(&PhotonBeam, BeamIntersection)) {
+    pub fn visit_near_ray(&self, ray: &Ray, mut visitor: impl FnMut(&PhotonBeam, BeamIntersection)) {
         let query = LineQuery::new(ray, self.radius);
         self.boxes.along(ray, &mut |index| {
             let packet = &self.packets[index as usize];
-            for slot in set_bits(packet.pieces_near_line(&query)) {
+            for slot in set_bit_indices(packet.pieces_near_line(&query)) {
                 let piece = packet.piece_in_lane(slot);
                 let beam = &self.beams[piece.beam as usize];
                 if let Some(intersection) = BeamIntersection::new(ray, beam, f64::from(self.radius))

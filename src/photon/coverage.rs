@@ -21,7 +21,7 @@ const MIN_COVERAGE: f32 = 0.05;
 /// section 7.2.3). Division by the coverage corrects the bias. Probe rays along −`normal` estimate
 /// the coverage. It is exactly 1 on a flat surface, and may exceed 1 on a slope.
 #[must_use]
-pub fn coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kernel, key: Key) -> f32 {
+pub fn disc_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kernel, key: Key) -> f32 {
     let frame = Frame::from_normal(normal);
     let height = radius * FLATNESS;
     let (mut covered, mut whole) = (0.0, 0.0);
@@ -61,7 +61,7 @@ pub fn nested_disc_coverage(
 ) -> [f32; LEVELS] {
     let mut radius = radius;
     [(); LEVELS].map(|()| {
-        let covered = coverage(scene, p, normal, radius, kernel, key);
+        let covered = disc_coverage(scene, p, normal, radius, kernel, key);
         radius *= std::f32::consts::FRAC_1_SQRT_2;
         covered
     })

@@ -113,7 +113,7 @@ impl<'a> PhotonSource<'a> {
     ///
     /// An aimed source then aims at the caster positions of that time.
     #[must_use]
-    pub fn at<'b>(&self, scene: &'b Scene) -> PhotonSource<'b> {
+    pub fn for_scene_at_time<'b>(&self, scene: &'b Scene) -> PhotonSource<'b> {
         let spheres = if self.aim.is_some() { scene.caster_bounding_spheres() } else { None };
         let aim = spheres.map(PhotonAim::new);
         let (light_distribution, guiding) = (self.light_distribution.clone(), self.guiding.clone());

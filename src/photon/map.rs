@@ -1,4 +1,4 @@
-//! The photon map: a kd-tree of the crate kiddo.
+//! The photon map: surface photons in a kd-tree (crate kiddo).
 
 use super::{Photon, PhotonData};
 use crate::math::morton_order;
@@ -7,19 +7,20 @@ use kiddo::leaf_strategy::VecOfArenas;
 use kiddo::{Eytzinger, KdTree, SquaredEuclidean};
 use rayon::prelude::*;
 
-/// Photons per leaf.
+/// Largest number of photons in a leaf of the kd-tree.
 const BUCKET: usize = 32;
 
 type Tree = KdTree<f32, PhotonData, Eytzinger, VecOfArenas<f32, PhotonData, 3, BUCKET>, 3, BUCKET>;
 
-/// Photons in a kd-tree.
+/// Surface photons in a kd-tree.
 ///
-/// kiddo cycles through the axes by depth, which wastes every third split on an axis-aligned wall.
-/// Positions are therefore rotated by a fixed oblique rotation, at insertion and at queries.
+/// kiddo splits the axes in turn, so every third split is useless for photons on an axis-aligned
+/// wall. All positions, in the tree and in queries, are therefore rotated by a fixed oblique
+/// rotation.
 pub struct PhotonMap {
     tree: Option<Tree>,
     len: usize,
-    /// Least radius of estimates over nearest photons \[length].
+    /// Least radius of estimates from the k nearest photons \[length].
     pub(super) min_radius: f32,
 }
 
@@ -36,7 +37,7 @@ const ROTATION: Mat3 = Mat3::from_cols(
     Vec3::new(0.394_739_8, -0.071_392_5, 0.916_015_1),
 );
 
-/// Photons at one position beyond this number are merged: kiddo must keep them in one leaf.
+/// Largest number of photons at one position. More are merged, since kiddo needs them in one leaf.
 const MAX_COINCIDENT: usize = BUCKET;
 
 impl PhotonMap {
@@ -44,22 +45,21 @@ impl PhotonMap {
     #[must_use]
     pub fn build(mut photons: Vec<Photon>) -> Self {
         photons.par_iter_mut().for_each(|p| p.position = ROTATION * p.position);
-        // In Morton order, build and leaves are coherent in memory.
+        // Morton order makes memory access coherent.
         let order = morton_order(&photons, |p| p.position);
         photons = order.par_iter().map(|i| photons[*i as usize]).collect();
         merge_coincident(&mut photons);
         let len = photons.len();
         let at = |p: &Photon, axis: usize| p.position[axis];
-        // Construction fails only for mutable trees and for generated indices; neither is used
-        // here.
+        // Construction can fail only for mutable trees and generated indices, which are not used.
         let tree =
             if photons.is_empty() { None } else { Tree::new_from_source_parallel(&photons, at, |_, p| p.data).ok() };
         Self { tree, len, min_radius: 0.0 }
     }
 
-    /// The map with a least radius \[length] for estimates over nearest photons.
+    /// Returns the map with a least radius \[length] of estimates from the k nearest photons.
     ///
-    /// Near a focus, the nearest photons measure only the distance to the focus.
+    /// At a focus of a caustic, the distance to the k-th photon would approach zero.
     #[must_use]
     pub fn with_min_radius(self, min_radius: f32) -> Self {
         Self { min_radius, ..self }
@@ -77,10 +77,9 @@ impl PhotonMap {
         self.len == 0
     }
 
-    /// Visits every photon within `radius` of `p` with its flux and squared distance. Allocates
-    /// nothing.
+    /// Calls `visitor` with each photon within `radius` \[length] of `p` and its squared distance.
     #[inline]
-    pub fn visit(&self, p: Vec3, radius: f32, mut visitor: impl FnMut(&PhotonData, f32)) {
+    pub fn visit_within_radius(&self, p: Vec3, radius: f32, mut visitor: impl FnMut(&PhotonData, f32)) {
         let Some(tree) = &self.tree else { return };
         if !p.is_finite() {
             return;
@@ -92,12 +91,14 @@ impl PhotonMap {
     }
 }
 
-/// Merges crowds of photons at one position and on one side to one photon of their summed flux and
-/// mean direction.
+/// Merges photons that coincide in position and normal, if a position has more than
+/// [`MAX_COINCIDENT`].
+///
+/// A merged photon has the sum of the fluxes and the mean direction, weighted by flux.
 fn merge_coincident(photons: &mut Vec<Photon>) {
     let crowded = photons.chunk_by(|a, b| a.position == b.position).any(|run| run.len() > MAX_COINCIDENT);
-    // Equal positions share a Morton cell, but need not be adjacent in it. A crowd above the limit
-    // fills its cell.
+    // Photons are in Morton order. Equal positions share a Morton cell, but need not be adjacent in
+    // it unless they fill the cell.
     if !crowded {
         return;
     }
@@ -114,7 +115,7 @@ fn merge_coincident(photons: &mut Vec<Photon>) {
             let from: Vec3 = side.iter().map(|p| p.data.incident_direction() * p.data.flux().element_sum()).sum();
             let normal = side[0].data.normal().normalize();
             let position = side[0].position;
-            // The position is already rotated: the offset of the plane is that of the crowd.
+            // The position is rotated, so the plane offset is taken from an original photon.
             let photon = Photon::new(position, flux.as_vec3(), from.normalize_or(normal), normal);
             merged.extend(photon.map(|p| Photon { position, data: p.data.with_plane_offset_of(&side[0].data) }));
         }

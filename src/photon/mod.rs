@@ -18,7 +18,7 @@ mod visible;
 
 pub use audit::EnergyAudit;
 pub use beam::{BeamIntersection, PhotonBeam, PhotonBeamMap};
-pub use coverage::{coverage, nested_disc_coverage};
+pub use coverage::{disc_coverage, nested_disc_coverage};
 pub use deposits::{Deposits, VolumePhotons};
 pub use emit::PhotonSource;
 pub use estimate::{Bandwidth, LEVELS, NestedRadianceEstimate, RadianceEstimate, Scratch};

@@ -54,7 +54,7 @@ impl LineQuery {
 
 /// Indices of the set bits of `mask`, lowest first.
 #[inline]
-pub(super) fn set_bits(mut mask: u32) -> impl Iterator<Item = usize> {
+pub(super) fn set_bit_indices(mut mask: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         (mask != 0).then(|| {
             let slot = mask.trailing_zeros() as usize;

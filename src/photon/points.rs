@@ -1,6 +1,6 @@
 //! Volume photons: photons stored at scattering points in participating media.
 
-use super::packet::{LANES, LineQuery, PointPacket, set_bits};
+use super::packet::{LANES, LineQuery, PointPacket, set_bit_indices};
 use super::record::{PackedFlux, decode_octahedral, encode_octahedral};
 use crate::accel::Boxes;
 use crate::color::Rgb;
@@ -106,14 +106,14 @@ impl VolumePhotonMap {
     /// squared radius. Radiance towards the ray's origin is Σ flux · p(cos) · T(t) · K₂ (beam
     /// radiance estimate, Jarosz, Zwicker and Jensen 2008, section 5).
     #[inline]
-    pub fn visit(&self, ray: &Ray, mut visitor: impl FnMut(&VolumePhoton, f32, f32, f32, f32)) {
+    pub fn visit_near_ray(&self, ray: &Ray, mut visitor: impl FnMut(&VolumePhoton, f32, f32, f32, f32)) {
         let query = LineQuery::new(ray, self.radius);
         let r2 = f64::from(self.radius) * f64::from(self.radius);
         let scale = 3.0 * FRAC_1_PI / r2;
         let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let per_d2 = 1.0 / d.length_squared();
         self.boxes.along(ray, &mut |run| {
-            for slot in set_bits(self.packets[run as usize].points_near_line(&query)) {
+            for slot in set_bit_indices(self.packets[run as usize].points_near_line(&query)) {
                 let photon = &self.photons[run as usize * LANES + slot];
                 let to = photon.position.as_dvec3() - o;
                 let t = to.dot(d) * per_d2;
@@ -132,13 +132,13 @@ impl VolumePhotonMap {
     /// the squared radius. In-scattered radiance per length is Σ flux · p(cos) · K₃ (Jensen and
     /// Christensen 1998, section 3.2).
     #[inline]
-    pub fn around(&self, p: Vec3, mut visitor: impl FnMut(&VolumePhoton, f32, f32)) {
+    pub fn visit_near_point(&self, p: Vec3, mut visitor: impl FnMut(&VolumePhoton, f32, f32)) {
         let per_radius = 1.0 / self.radius;
         let scale = (15.0 / 8.0 * FRAC_1_PI) as f32 * per_radius * per_radius * per_radius;
         let here = Ray { origin: p, direction: Vec3::Z, t_max: 0.0 };
         self.boxes.along(&here, &mut |run| {
             let (mask, x2) = self.packets[run as usize].points_within_radius(p, per_radius);
-            for slot in set_bits(mask) {
+            for slot in set_bit_indices(mask) {
                 let x2 = x2.as_array()[slot];
                 visitor(&self.photons[run as usize * LANES + slot], scale * (1.0 - x2), x2);
             }

@@ -1,4 +1,4 @@
-//! The loop over passes, and when it ends.
+//! The loop over passes and its stop criteria.
 
 use super::error_estimate::{Confidence, ErrorEstimate, ErrorEstimator, ErrorForecast, PassesNeeded};
 use super::film::Film;
@@ -8,32 +8,33 @@ use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Conditions that end a render; the first one that holds after a pass ends it.
+/// Conditions that end a render. They are checked after each pass; one that holds suffices.
 #[derive(Clone, Copy, Debug)]
 pub struct StopCriteria<'a> {
-    /// Passes before `time` and `target` may end the render; at least one pass is always made.
+    /// Number of passes before `time` or `target` may end the render.
     pub min_passes: u32,
-    /// Largest number of passes.
+    /// Largest number of passes; `None` for no limit.
     pub passes: Option<u32>,
-    /// Wall time; the pass in which it elapses is finished.
+    /// Wall time after which the render ends; `None` for no limit. The last pass is completed.
     pub time: Option<Duration>,
-    /// Largest error.
+    /// Error at which the render ends; `None` for no target.
     pub target: Option<ErrorTarget>,
-    /// The render ends after the pass in which this becomes true.
+    /// Set to true by another thread to end the render after the current pass.
     pub interrupted: &'a AtomicBool,
 }
 
-/// Requested error of the picture.
+/// Error at which a render ends, with the confidence that the picture has reached it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ErrorTarget {
-    /// Relative error (see [`ErrorEstimate`]).
+    /// Relative error, see [`ErrorEstimate`]; 0.01 is 1 %.
     pub error: f64,
-    /// Probability that the true error is at most `error`.
+    /// Required probability that the true error is at most `error`.
     pub confidence: Confidence,
 }
 
 impl ErrorTarget {
-    /// Two-sided confidence whose upper end is the one-sided bound with the target's confidence.
+    /// Confidence of the two-sided error interval whose upper end is a bound of the target's
+    /// confidence.
     #[must_use]
     pub fn interval_confidence(self) -> Confidence {
         Confidence::new(2.0 * self.confidence.probability() - 1.0).unwrap_or(Confidence::LEAST)
@@ -48,56 +49,58 @@ pub enum EndReason {
     Passes,
     /// The time limit elapsed.
     Time,
-    /// The error reached its target.
+    /// The error target was reached.
     Target,
-    /// The target cannot be reached, and no other limit was set.
+    /// The error target is below the error that more passes leave, and no other limit was set.
     Floor,
-    /// The user interrupted it.
+    /// The user interrupted the render.
     Interrupted,
 }
 
-/// A finished render.
+/// Result of a render.
 #[derive(Debug)]
 pub struct RenderResult {
-    /// Sum of all passes.
+    /// Film with all passes; its mean is the picture.
     pub film: Film,
-    /// Error estimator of the passes; `None` if the integrator supports none or it is disabled.
+    /// Error estimator of the passes; `None` if the integrator does not return nested estimates.
     pub estimator: Option<ErrorEstimator>,
     /// Why the render ended.
     pub ended: EndReason,
-    /// Work of all passes.
+    /// Counts of rays and density estimates of all passes.
     pub counters: Counters,
-    /// Wall time of all passes, by stage.
+    /// Wall time of all passes \[s], by stage.
     pub seconds: Seconds,
-    /// Photons of the global map.
+    /// Numbers and flux of the photons of the global map.
     pub global: PhotonReport,
-    /// Photons of the caustic map.
+    /// Numbers and flux of the photons of the caustic map.
     pub caustic: PhotonReport,
-    /// Wall time of the render.
+    /// Wall time from the first pass to the end.
     pub wall: Duration,
 }
 
-/// State of a render after a pass.
+/// Progress of a render after a pass.
 #[derive(Clone, Copy, Debug)]
 pub struct PassProgress {
-    /// Passes made.
+    /// Number of passes so far.
     pub passes: u32,
-    /// Error and its forecast; `None` if the error was not estimated after this pass.
+    /// Estimated error and forecast; `None` if the error was not estimated after this pass.
     pub error: Option<(ErrorEstimate, ErrorForecast)>,
 }
 
-/// Growth of the number of passes between two error estimates. Each estimate costs a fraction of a
-/// pass.
-const ESTIMATE_EVERY: f64 = 1.05;
+/// Factor between the numbers of passes of two error estimates. Each costs a fraction of a pass.
+const ESTIMATE_INTERVAL_FACTOR: f64 = 1.05;
 
-/// Passes before a render may give up its target, and the fraction of the floor that must exceed
-/// it.
+/// Number of passes before a render may give up its error target.
 const GIVE_UP_PASSES: u32 = 16;
+
+/// A render gives up if this fraction of the predicted remaining error exceeds the target.
 const GIVE_UP_MARGIN: f64 = 0.8;
 
-/// Renders passes 0, 1, 2 … of an image of `size` pixels until a criterion of `stop` holds.
+/// Renders a picture of `size` (width, height) pixels, pass by pass, until a criterion of `stop`
+/// holds.
 ///
-/// `after_pass` is called after each pass. The error is estimated if the integrator supports it.
+/// Calls `after_pass` after each pass. The error is estimated if the integrator returns nested
+/// estimates.
 pub fn render(
     integrator: &dyn Integrator,
     size: (u32, u32),
@@ -129,7 +132,7 @@ pub fn render(
         rendered.caustic += pass.caustic;
         let passes = rendered.film.passes();
         let error = rendered.estimator.as_ref().filter(|_| f64::from(passes) >= next_estimate).and_then(|estimator| {
-            next_estimate = ESTIMATE_EVERY * f64::from(passes);
+            next_estimate = ESTIMATE_INTERVAL_FACTOR * f64::from(passes);
             let confidence = stop.target.map_or(Confidence::default(), ErrorTarget::interval_confidence);
             let estimate = estimator.estimate_with_confidence(&rendered.film, confidence);
             estimator.forecast(&estimate).map(|forecast| (estimate, forecast))
@@ -155,7 +158,7 @@ pub fn render(
 }
 
 impl StopCriteria<'_> {
-    /// The reason to end the render because of its error, if any.
+    /// Reason to end the render because of its estimated error; `None` to go on.
     fn end_reason_by_error(&self, estimate: &ErrorEstimate, forecast: &ErrorForecast) -> Option<EndReason> {
         let target = self.target?;
         if estimate.high <= target.error {

@@ -1,11 +1,12 @@
-//! Accumulates passes.
+//! Film: accumulates the passes of a render.
 
 use crate::color::Rgb;
 use crate::math::CompensatedSum;
 use glam::DVec3;
 
-/// Sum of passes by pixel, with compensated f64 sums: rounding does not grow with the number of
-/// passes.
+/// Sums of the pass images by pixel.
+///
+/// Sums are compensated (Kahan), so rounding errors do not grow with the number of passes.
 #[derive(Clone, Debug)]
 pub struct Film {
     width: u32,
@@ -21,7 +22,7 @@ impl Film {
         Self { width, height, sums: vec![CompensatedSum::default(); width as usize * height as usize], passes: 0 }
     }
 
-    /// Adds one pass; `image` holds the radiance of each pixel, by rows from the top \[W/(m² sr)].
+    /// Adds the image of one pass: radiance \[W/(m² sr)] of each pixel, in rows from the top.
     pub fn add(&mut self, image: &[Rgb]) {
         for (sum, value) in self.sums.iter_mut().zip(image) {
             sum.add(value.as_dvec3());
@@ -29,7 +30,7 @@ impl Film {
         self.passes += 1;
     }
 
-    /// Number of passes added.
+    /// Number of added passes.
     #[must_use]
     pub fn passes(&self) -> u32 {
         self.passes
@@ -41,13 +42,14 @@ impl Film {
         (self.width, self.height)
     }
 
-    /// Mean of the passes by pixel, by rows from the top; black without passes.
+    /// Mean radiance \[W/(m² sr)] of each pixel over the passes, in rows from the top; 0 without
+    /// passes.
     pub fn pixel_means(&self) -> impl Iterator<Item = DVec3> {
         let n = f64::from(self.passes.max(1));
         self.sums.iter().map(move |sum| sum.value() / n)
     }
 
-    /// [`Film::means`] in single precision.
+    /// Mean radiance of each pixel in single precision, see [`Film::pixel_means`].
     #[must_use]
     pub fn mean(&self) -> Vec<Rgb> {
         self.pixel_means().map(|mean| mean.as_vec3()).collect()

@@ -1,4 +1,4 @@
-//! The render loop: runs an integrator pass by pass, averages the passes and estimates their error.
+//! The render loop: runs passes of an integrator, averages them, and estimates the error.
 
 mod driver;
 pub mod error_estimate;

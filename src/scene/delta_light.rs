@@ -33,12 +33,12 @@ pub enum LightStrength {
 pub enum DeltaLightKind {
     /// Emits equally in all directions.
     Point {
-        /// Position.
+        /// Position of the light.
         position: DVec3,
     },
     /// Emits into a cone.
     Spot {
-        /// Position.
+        /// Position of the light.
         position: DVec3,
         /// Axis of the cone, of any length above zero.
         axis: DVec3,

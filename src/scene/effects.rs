@@ -33,7 +33,7 @@ pub enum Effect {
     Lens,
     /// Motion of objects while the shutter is open.
     Motion,
-    /// Textures.
+    /// Textures of materials and emission.
     Textures,
     /// Bump and normal maps.
     Bump,
@@ -162,7 +162,7 @@ impl std::fmt::Display for Effect {
     }
 }
 
-/// A set of effects.
+/// A set of effects, one bit each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effects(u16);
 

@@ -191,7 +191,7 @@ impl Geometry {
     /// A ray at a seam hits two shapes, which must count as one boundary.
     pub fn coincidence_group(&self, kind: HitKind) -> u32 {
         match kind {
-            HitKind::Shape(i, _) if self.shapes[i as usize].shares_seams() => u32::MAX,
+            HitKind::Shape(i, _) if self.shapes[i as usize].may_share_edges() => u32::MAX,
             HitKind::Triangle(..) | HitKind::Shape(..) | HitKind::Plane(_) => self.object_index(kind),
         }
     }

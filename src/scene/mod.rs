@@ -156,7 +156,7 @@ impl Scene {
         &self.glasses
     }
 
-    /// The media.
+    /// The participating media.
     #[must_use]
     pub fn media(&self) -> &[Medium] {
         &self.media

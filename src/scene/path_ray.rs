@@ -61,8 +61,8 @@ pub enum PathEvent<'a> {
 pub struct SurfaceVertex<'a> {
     /// The surface.
     pub surface: SurfaceInteraction<'a>,
-    /// Transmittance of the bodies along the path segment, times the weight of a wavelength sampled at
-    /// the surface.
+    /// Transmittance of the bodies along the path segment, times the weight of a wavelength sampled
+    /// at the surface.
     pub transmittance: Rgb,
     /// Length of the path segment \[length].
     pub distance: f32,

@@ -17,7 +17,7 @@ pub struct SurfaceInteraction<'a> {
     pub wo: Vec3,
     /// The material; for a mix, the leaf material that was selected.
     pub material: &'a Material,
-    /// Index of the material.
+    /// Index of `material` in the scene.
     pub(super) material_index: u32,
     /// The BSDF.
     pub bsdf: Bsdf,

@@ -1,4 +1,4 @@
-//! The trait that every bounded shape implements.
+//! Interface of bounded shapes.
 
 use super::hit::ShapeHit;
 use super::surface_point::{ShapeSample, SolidAngleSampling, SurfacePoint};
@@ -68,7 +68,7 @@ pub(super) trait AnalyticShape: Sized {
         f32::EPSILON
     }
 
-    /// A point of the surface if the whole shape lies in one plane.
+    /// A point of the surface if the shape lies in a plane, else `None`.
     fn point_if_planar(&self) -> Option<SurfacePoint> {
         None
     }

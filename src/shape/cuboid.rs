@@ -1,7 +1,7 @@
 //! Boxes and parallelepipeds.
 
 use super::analytic::AnalyticShape;
-use super::hit::{ShapeHit, exact_t, nearer_hit};
+use super::hit::{ShapeHit, f64_ray_parameter, nearer_hit};
 use super::object_ray::{ObjectRay, world_scale};
 use super::surface_point::{EDGE_MARGIN, ShapeSample, SurfacePoint};
 use super::texture_mapping::{TexCoord, upright_axes};
@@ -18,7 +18,7 @@ pub struct Cuboid {
     /// World area of the face perpendicular to each object axis \[length²].
     face_areas: DVec3,
     /// Largest object-space change of each coordinate per world-space unit length.
-    inverse_widths: DVec3,
+    max_gradients: DVec3,
 }
 
 impl Cuboid {
@@ -36,8 +36,8 @@ impl Cuboid {
         let [x, y, z] = half_edges(&to_world);
         let face_areas = 4.0 * DVec3::new(y.cross(z).length(), z.cross(x).length(), x.cross(y).length());
         let rows = to_world.inverse().matrix3.transpose();
-        let inverse_widths = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
-        Self { to_world, face_areas, inverse_widths }
+        let max_gradients = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
+        Self { to_world, face_areas, max_gradients }
     }
 
     /// Projects the object-space point `p` to the face and moves it away from the edges: see
@@ -45,7 +45,7 @@ impl Cuboid {
     #[inline]
     fn move_off_edges(&self, p: DVec3, face: usize) -> DVec3 {
         let largest = self.to_world.transform_point(p).abs().max_element();
-        let margin = (self.inverse_widths * (EDGE_MARGIN * f64::from(f32::EPSILON) * largest)).min(DVec3::splat(0.5));
+        let margin = (self.max_gradients * (EDGE_MARGIN * f64::from(f32::EPSILON) * largest)).min(DVec3::splat(0.5));
         let mut inside = p.clamp(margin - 1.0, 1.0 - margin);
         inside[face / 2] = face_sign(face);
         inside
@@ -76,7 +76,7 @@ fn face_sign(face: usize) -> f64 {
 
 /// Number of the face that `uv.y` of a hit encodes.
 #[inline]
-fn hit_face(uv: Vec2) -> usize {
+fn face_of_hit(uv: Vec2) -> usize {
     (uv.y as usize).min(5)
 }
 
@@ -112,14 +112,14 @@ impl AnalyticShape for Cuboid {
 
     #[inline]
     fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
-        let p = ObjectRay::new(ray, &self.to_world).at(exact_t(t, uv));
-        let face = hit_face(uv);
+        let p = ObjectRay::new(ray, &self.to_world).at(f64_ray_parameter(t, uv));
+        let face = face_of_hit(uv);
         self.face_point(self.move_off_edges(p, face), face)
     }
 
     /// Maps each face to the unit square; a picture appears upright from outside.
     fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
-        let face = hit_face(uv);
+        let face = face_of_hit(uv);
         let p = self.to_world.inverse().transform_point3(p.as_dvec3());
         let mut normal = DVec3::ZERO;
         normal[face / 2] = face_sign(face);

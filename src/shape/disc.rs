@@ -1,7 +1,7 @@
 //! Discs, and ellipses in a plane.
 
 use super::analytic::AnalyticShape;
-use super::hit::{ShapeHit, ray_to_f64, t_in_range};
+use super::hit::{ShapeHit, ray_to_f64, round_t_if_in_range};
 use super::surface_point::{EDGE_MARGIN, ShapeSample, SurfacePoint};
 use crate::math::{Ray, Transform, exact_cross, warp};
 use glam::{DVec2, DVec3, Vec2};
@@ -30,7 +30,7 @@ impl Disc {
 
     /// Circular disc perpendicular to `normal`, which may have any length above zero.
     #[must_use]
-    pub fn with_normal(center: DVec3, normal: DVec3, radius: f64) -> Self {
+    pub fn circular_disc(center: DVec3, normal: DVec3, radius: f64) -> Self {
         let (a, b) = normal.normalize().any_orthonormal_pair();
         // any_orthonormal_pair is right-handed with the given vector as third axis.
         Self::new(center, a * radius, b * radius)
@@ -67,7 +67,7 @@ impl AnalyticShape for Disc {
         let t = self.normal.dot(self.center - o) / self.normal.dot(d);
         let offset = o + d * t - self.center;
         let (x, y) = (self.dual[0].dot(offset), self.dual[1].dot(offset));
-        if x * x + y * y <= 1.0 { t_in_range(ray, t).map(|t| (t, x as f32, y as f32)) } else { None }
+        if x * x + y * y <= 1.0 { round_t_if_in_range(ray, t).map(|t| (t, x as f32, y as f32)) } else { None }
     }
 
     #[inline]

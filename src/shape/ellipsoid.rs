@@ -1,7 +1,7 @@
 //! Ellipsoids.
 
 use super::analytic::AnalyticShape;
-use super::hit::{ShapeHit, exact_t, nearer_hit};
+use super::hit::{ShapeHit, f64_ray_parameter, nearer_hit};
 use super::object_ray::{object_ray, world_scale};
 use super::sphere::Sphere;
 use super::surface_point::{ShapeSample, SurfacePoint};
@@ -81,7 +81,7 @@ impl AnalyticShape for Ellipsoid {
     #[inline]
     fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
         let (l, d) = object_ray(ray, &self.to_world);
-        self.surface_at((l + d * exact_t(t, uv)).normalize())
+        self.surface_at((l + d * f64_ray_parameter(t, uv)).normalize())
     }
 
     fn bounds_f64(&self) -> (DVec3, DVec3) {

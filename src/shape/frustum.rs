@@ -1,7 +1,7 @@
 //! Cylinders, cones and truncated cones.
 
 use super::analytic::AnalyticShape;
-use super::hit::{ShapeHit, exact_t, nearer_hit};
+use super::hit::{ShapeHit, f64_ray_parameter, nearer_hit};
 use super::object_ray::{ObjectRay, world_scale};
 use super::surface_point::{EDGE_MARGIN, ShapeSample, SurfacePoint};
 use super::texture_mapping::{TexCoord, upright_axes};
@@ -117,8 +117,7 @@ impl Frustum {
     /// Interval of τ in which the line is inside the infinite cone; `None` if the line misses.
     ///
     /// The interval may cover the mirror image of the cone beyond its apex. The discriminant is
-    /// computed from cross products in the Minkowski metric (x, z, iρ), so it keeps its digits for
-    /// grazing rays.
+    /// computed from squared cross products, so it keeps its digits for grazing rays.
     #[inline]
     fn cone_interval(&self, ray: &ObjectRay) -> Option<[f64; 2]> {
         const ALL: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
@@ -223,7 +222,7 @@ impl AnalyticShape for Frustum {
 
     #[inline]
     fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
-        let p = ObjectRay::new(ray, &self.to_world).at(exact_t(t, uv));
+        let p = ObjectRay::new(ray, &self.to_world).at(f64_ray_parameter(t, uv));
         let (along, across) = self.rounding_margins(p);
         let from_axis = DVec2::new(p.x, p.z);
         match FrustumPart::from_hit_coordinates(uv) {

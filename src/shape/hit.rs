@@ -14,32 +14,31 @@ pub(super) fn ray_to_f64(ray: &Ray) -> (DVec3, DVec3) {
 
 /// `t` rounded to f32; `None` outside (0, `ray.t_max`).
 #[inline]
-pub(super) fn t_in_range(ray: &Ray, t: f64) -> Option<f32> {
+pub(super) fn round_t_if_in_range(ray: &Ray, t: f64) -> Option<f32> {
     let t = t as f32;
     (t > 0.0 && t < ray.t_max).then_some(t)
 }
 
 /// Hit (t, r, `second`), where r is the relative error of rounding `t` to f32.
 ///
-/// [`exact_t`] restores the f64 value. Without it, the error at a large distance could exceed the
-/// shape's thickness.
+/// [`f64_ray_parameter`] restores the f64 value. Without it, the error at a large distance could
+/// exceed the shape's thickness.
 #[inline]
 pub(super) fn hit_with_residual(ray: &Ray, t: f64, second: f32) -> Option<ShapeHit> {
-    t_in_range(ray, t).map(|rounded| (rounded, (t / f64::from(rounded) - 1.0) as f32, second))
+    round_t_if_in_range(ray, t).map(|rounded| (rounded, (t / f64::from(rounded) - 1.0) as f32, second))
 }
 
-/// The first of two hits (t, second) with t in (0, `ray.t_max`); the near hit must not be behind
-/// the far one.
+/// First hit of the ray, given both intersections (t, second) of its line with a convex shape.
 ///
-/// `None` if the near hit is beyond the end of the ray.
+/// The far intersection counts only if the near one is behind the ray's origin.
 #[inline]
 pub(super) fn nearer_hit(ray: &Ray, near: (f64, f32), far: (f64, f32)) -> Option<ShapeHit> {
     hit_with_residual(ray, near.0, near.1)
         .or_else(|| if near.0 > 0.0 { None } else { hit_with_residual(ray, far.0, far.1) })
 }
 
-/// Ray parameter in f64 of a hit that [`hit_with_residual`] made.
+/// Ray parameter in f64 of a [`ShapeHit`] that [`hit_with_residual`] returned.
 #[inline]
-pub(super) fn exact_t(t: f32, uv: Vec2) -> f64 {
+pub(super) fn f64_ray_parameter(t: f32, uv: Vec2) -> f64 {
     f64::from(t) * (1.0 + f64::from(uv.x))
 }

@@ -1,7 +1,7 @@
 //! Instances: meshes under affine maps, with shared triangles.
 
 use super::analytic::AnalyticShape;
-use super::hit::{ShapeHit, t_in_range};
+use super::hit::{ShapeHit, round_t_if_in_range};
 use super::mesh::Mesh;
 use super::object_ray::object_ray;
 use super::surface_point::{ShapeSample, SurfacePoint, TRIANGLE_HIT_ERROR, rounding_error};
@@ -17,7 +17,7 @@ pub struct MeshWithBvh {
     mesh: Mesh,
     hierarchy: Hierarchy,
     /// Distribution of triangles by area; built at its first use.
-    choice: OnceLock<Option<DiscreteDistribution>>,
+    triangle_distribution: OnceLock<Option<DiscreteDistribution>>,
 }
 
 impl std::fmt::Debug for MeshWithBvh {
@@ -31,13 +31,13 @@ impl MeshWithBvh {
     #[must_use]
     pub fn new(mesh: Mesh) -> Self {
         let corners: Vec<[Vec3; 3]> = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
-        Self { hierarchy: Hierarchy::build(&corners, &[]), mesh, choice: OnceLock::new() }
+        Self { hierarchy: Hierarchy::build(&corners, &[]), mesh, triangle_distribution: OnceLock::new() }
     }
 
     /// Distribution of triangles by object-space area; `None` if the total area is 0.
     fn area_distribution(&self) -> Option<&DiscreteDistribution> {
         let make = || DiscreteDistribution::new((0..self.mesh.triangles.len()).map(|i| self.mesh.triangle_area(i)));
-        self.choice.get_or_init(make).as_ref()
+        self.triangle_distribution.get_or_init(make).as_ref()
     }
 }
 
@@ -110,7 +110,7 @@ impl AnalyticShape for Instance {
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
         let (near, start) = self.clipped_object_ray(ray);
         let hit = self.mesh.hierarchy.closest(&near, |_, _| None)?;
-        let t = t_in_range(ray, start + f64::from(hit.t))?;
+        let t = round_t_if_in_range(ray, start + f64::from(hit.t))?;
         match hit.primitive {
             Primitive::Triangle(i) => Some((t, f32::from_bits(i), 0.0)),
             Primitive::Other(_) => None,

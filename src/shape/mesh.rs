@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 /// Vertex indices of one triangle.
 pub type Triangle = [u32; 3];
 
-/// Triangles with shared vertices, in world space.
+/// Triangle mesh with shared vertices, in world or object space.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
     /// Vertex positions.

@@ -164,11 +164,12 @@ impl Shape {
         dispatch!(self, s, _w => s.point_if_planar())
     }
 
-    /// True if the shape may share its edges with neighbours, so that a ray can hit two shapes there.
+    /// True if the shape may share its edges with neighbours, so that a ray can hit two shapes
+    /// there.
     ///
     /// Other shapes keep their surface points off their edges.
     #[must_use]
-    pub(crate) fn shares_seams(&self) -> bool {
+    pub(crate) fn may_share_edges(&self) -> bool {
         match self {
             Self::Revolution(_) | Self::Patch(_) => true,
             Self::Sphere(_)

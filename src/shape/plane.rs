@@ -1,6 +1,6 @@
 //! Infinite planes, which have no bounding box.
 
-use super::hit::{ShapeHit, ray_to_f64, t_in_range};
+use super::hit::{ShapeHit, ray_to_f64, round_t_if_in_range};
 use super::surface_point::SurfacePoint;
 use crate::math::{Ray, Transform};
 use glam::{DVec3, Vec3};
@@ -53,7 +53,7 @@ impl Plane {
         if across * across <= PARALLEL_COSINE * PARALLEL_COSINE * d.length_squared() {
             return None;
         }
-        t_in_range(ray, (self.offset - self.normal.dot(o)) / across).map(|t| (t, 0.0, 0.0))
+        round_t_if_in_range(ray, (self.offset - self.normal.dot(o)) / across).map(|t| (t, 0.0, 0.0))
     }
 
     /// Surface point of `ray` at its hit `t`.

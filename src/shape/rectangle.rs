@@ -1,7 +1,7 @@
 //! Rectangles and parallelograms.
 
 use super::analytic::AnalyticShape;
-use super::hit::{ShapeHit, ray_to_f64, t_in_range};
+use super::hit::{ShapeHit, ray_to_f64, round_t_if_in_range};
 use super::surface_point::{EDGE_MARGIN, ShapeSample, SolidAngleSample, SolidAngleSampling, SurfacePoint};
 use crate::math::{Ray, Transform, exact_cross};
 use glam::{DVec2, DVec3, Vec2, Vec3};
@@ -139,7 +139,7 @@ impl AnalyticShape for Rectangle {
         let offset = o + d * t - self.corner;
         let (x, y) = (self.dual[0].dot(offset), self.dual[1].dot(offset));
         if (0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y) {
-            t_in_range(ray, t).map(|t| (t, x as f32, y as f32))
+            round_t_if_in_range(ray, t).map(|t| (t, x as f32, y as f32))
         } else {
             None
         }

@@ -1,7 +1,7 @@
 //! Spheres.
 
 use super::analytic::AnalyticShape;
-use super::hit::{ShapeHit, exact_t, nearer_hit, ray_to_f64};
+use super::hit::{ShapeHit, f64_ray_parameter, nearer_hit, ray_to_f64};
 use super::surface_point::{ShapeSample, SolidAngleSample, SolidAngleSampling, SurfacePoint};
 use crate::math::{BoundingSphere, Frame, Ray, Transform, direction_and_distance, quadratic_roots, warp};
 use glam::{DVec3, Vec2, Vec3};
@@ -93,7 +93,7 @@ impl AnalyticShape for Sphere {
     #[inline]
     fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
         let (o, d) = ray_to_f64(ray);
-        self.surface_at((o + d * exact_t(t, uv) - self.center).normalize())
+        self.surface_at((o + d * f64_ray_parameter(t, uv) - self.center).normalize())
     }
 
     fn bounds_f64(&self) -> (DVec3, DVec3) {

@@ -53,7 +53,7 @@ pub struct SolidAngleSample {
     pub pdf: f32,
 }
 
-/// The result of sampling a shape by solid angle.
+/// Result of sampling a shape by solid angle.
 #[derive(Clone, Copy, Debug)]
 pub enum SolidAngleSampling {
     /// A visible point.
@@ -66,11 +66,11 @@ pub enum SolidAngleSampling {
 
 /// Error of the position at which a ray hits a distant triangle, relative to the ray's length.
 ///
-/// The shear of the triangle test rounds a few times in f32.
+/// It is the rounding error in f32 of the shear in the triangle test.
 pub const TRIANGLE_HIT_ERROR: f32 = 4.0 * f32::EPSILON;
 
-/// Bound on the error of `p`: half an ulp of f32 per coordinate, and 32 ulps of f64 at `scale` for
-/// the next test.
+/// Bound on the error of `p` along each axis: the rounding to f32, plus 32 ulps of f64 at `scale`
+/// for the intersection test of the next ray.
 #[inline]
 pub(super) fn rounding_error(p: Vec3, scale: f64) -> Vec3 {
     p.abs() * f32::EPSILON + Vec3::splat((scale * (32.0 * f64::EPSILON)) as f32)

@@ -70,20 +70,20 @@ pub fn upright_axes(normal: DVec3) -> [DVec3; 2] {
 impl MappingKind {
     /// Mapping of a plane: u and v are lengths from the object-space origin.
     #[must_use]
-    pub fn for_plane(normal: DVec3) -> Self {
+    pub fn plane_mapping(normal: DVec3) -> Self {
         Self::Planar { origin: DVec3::ZERO, rows: upright_axes(normal) }
     }
 
     /// Mapping of a disc, which becomes the disc inscribed in the unit square.
     #[must_use]
-    pub fn for_disc(center: DVec3, normal: DVec3, radius: f64) -> Self {
+    pub fn disc_mapping(center: DVec3, normal: DVec3, radius: f64) -> Self {
         let [u, v] = upright_axes(normal);
         Self::Planar { origin: center - (u + v) * radius, rows: [u / (2.0 * radius), v / (2.0 * radius)] }
     }
 
     /// Mapping of a parallelogram to the unit square: u along `e0`, v along `e1`.
     #[must_use]
-    pub fn for_rectangle(corner: DVec3, e0: DVec3, e1: DVec3) -> Self {
+    pub fn rectangle_mapping(corner: DVec3, e0: DVec3, e1: DVec3) -> Self {
         let cross = e0.cross(e1);
         let n2 = cross.length_squared();
         Self::Planar { origin: corner, rows: [e1.cross(cross) / n2, cross.cross(e0) / n2] }

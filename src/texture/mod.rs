@@ -13,7 +13,7 @@ pub use solid::{SolidPattern, SolidTexture};
 
 use crate::color::{self, Rgb};
 
-/// A texture.
+/// A colour that varies over a surface or in space.
 #[derive(Clone, Debug)]
 pub enum Texture {
     /// A picture over texture coordinates.

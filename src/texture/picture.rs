@@ -22,17 +22,17 @@ pub enum PictureError {
     /// A value below zero.
     #[error("pixel {x}, {y} (from the top left) is negative")]
     Negative {
-        /// Column.
+        /// Column of the pixel, from the left.
         x: u32,
-        /// Row.
+        /// Row of the pixel, from the top.
         y: u32,
     },
     /// A value that is infinite or NaN.
     #[error("pixel {x}, {y} (from the top left) is not finite")]
     NotFinite {
-        /// Column.
+        /// Column of the pixel, from the left.
         x: u32,
-        /// Row.
+        /// Row of the pixel, from the top.
         y: u32,
     },
 }

@@ -144,7 +144,7 @@ fn scenes_09_and_10_match_fine_meshes() {
         let file = SceneFile::read(&course.join(format!("testcases/{name}.txt"))).unwrap();
         let curve = profile(&file.description.root).unwrap();
         let basis = match curve.basis {
-            CurveBasis::Bezier => SplineBasis::bezier(curve.controls.len()),
+            CurveBasis::Bezier => SplineBasis::single_bezier(curve.controls.len()),
             CurveBasis::Bspline => SplineBasis::uniform_knots(3, curve.controls.len()),
         };
         let controls: Vec<DVec2> = curve.controls.iter().map(|c| c.truncate()).collect();
@@ -262,7 +262,12 @@ fn course_meshes_are_repaired_without_loss() {
         assert_eq!(before.vertices, triangles / 2 + 2, "{name}");
         assert!(before.volume.unwrap() > 0.0, "{name}");
         let weld = Some(MeshRepairs::DEFAULT_WELD_TOLERANCE * mesh.bounds_diagonal());
-        let repaired = mesh.repair(&MeshRepairs { weld, duplicates: true, degenerate: true, orient: true });
+        let repaired = mesh.repair(&MeshRepairs {
+            weld,
+            removes_duplicates: true,
+            removes_degenerates: true,
+            orients_outward: true,
+        });
         assert_eq!((repaired, mesh.mesh_report()), (Default::default(), before), "{name}");
     }
 }

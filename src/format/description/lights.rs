@@ -9,16 +9,16 @@ use super::{DirectionOrTarget, Spanned, TransformStep};
 pub enum LightDescription {
     /// A point light with equal intensity in all directions.
     Point {
-        /// Position.
+        /// Position of the point light.
         position: DVec3,
-        /// Strength.
+        /// Strength of the light.
         strength: PointLightStrength,
     },
     /// A directional light: parallel light from infinity.
     Directional {
         /// Direction in which the light travels, of any length.
         direction: DVec3,
-        /// Strength.
+        /// Strength of the light.
         strength: DirectionalLightStrength,
     },
     /// A spotlight: a point light limited to a cone.
@@ -36,22 +36,22 @@ pub enum LightDescription {
     },
     /// A sphere that emits outward.
     Sphere {
-        /// Center.
+        /// Center of the sphere.
         center: DVec3,
-        /// Radius.
+        /// Radius of the sphere, above 0.
         radius: f64,
-        /// Strength.
+        /// Strength of the light.
         strength: AreaLightStrength,
     },
     /// A disc that emits on the side of its normal.
     Disc {
-        /// Center.
+        /// Center of the disc.
         center: DVec3,
         /// Normal of the emitting side, of any length.
         normal: DVec3,
-        /// Radius.
+        /// Radius of the disc, above 0.
         radius: f64,
-        /// Strength.
+        /// Strength of the light.
         strength: AreaLightStrength,
     },
     /// A parallelogram that emits on the side of `edge0 × edge1`.
@@ -62,12 +62,12 @@ pub enum LightDescription {
         edge0: DVec3,
         /// Edge vector from the corner to the other neighbor.
         edge1: DVec3,
-        /// Strength.
+        /// Strength of the light.
         strength: AreaLightStrength,
     },
     /// A point light with an orientation: a projector or a goniometric light.
     Oriented {
-        /// Position.
+        /// Position of the light.
         position: DVec3,
         /// Axis of the projector or profile, or the center direction of the map.
         aim: DirectionOrTarget,

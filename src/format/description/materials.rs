@@ -46,7 +46,7 @@ pub enum MaterialKindDescription {
     },
     /// Boundary of a body of glass, water or another dielectric.
     Dielectric {
-        /// Index of refraction.
+        /// Index of refraction of the body.
         refraction: RefractiveIndexDescription,
         /// Absorption inside the body.
         attenuation: DielectricAbsorption,
@@ -75,7 +75,7 @@ pub enum MaterialKindDescription {
         /// Transmittance of the pane's interior at normal incidence, inside (0, 1].
         transmittance: TexturedValue<DVec3>,
     },
-    /// One of two materials at each point, chosen at random.
+    /// Stochastic mix: one of two materials, chosen at random at each point.
     Mix {
         /// Name of a material that stands before the mix.
         first: Spanned<String>,
@@ -201,13 +201,13 @@ impl MaterialKindDescription {
 pub enum RefractiveIndexDescription {
     /// One index for all wavelengths.
     Index(f64),
-    /// Index of a named glass.
+    /// Name of a glass with a known dispersion formula.
     Named(Spanned<String>),
     /// Two-term Cauchy equation, given by index and Abbe number.
     Abbe {
         /// Index at the d line, 587.56 nm.
         index: f64,
-        /// Abbe number, above 0.
+        /// Abbe number, above 0; a smaller one means more dispersion.
         abbe: f64,
     },
     /// Dispersion formula. Its indices lie in [0.001, 1000] from 380 to 720 nm.
@@ -223,13 +223,13 @@ impl From<f64> for RefractiveIndexDescription {
 /// Complex index of refraction of a conductor.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MetalDescription {
-    /// Index of a named metal.
+    /// Name of a metal with a known complex index.
     Named(Spanned<String>),
     /// Index η + ik, relative to the surroundings.
     Index {
-        /// η, above 0.
+        /// Real part η of the complex index of refraction, above 0.
         eta: DVec3,
-        /// k, at least 0.
+        /// Imaginary part k of the complex index of refraction, at least 0.
         k: DVec3,
     },
 }
@@ -237,7 +237,7 @@ pub enum MetalDescription {
 /// Absorption inside a dielectric body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DielectricAbsorption {
-    /// No absorption.
+    /// A body that absorbs nothing.
     None,
     /// Absorption coefficient in 1/length.
     Coefficient(DVec3),

@@ -13,7 +13,7 @@ pub struct MediumDescription {
     pub coefficients: MediumCoefficients,
     /// Emitted radiance per length at density 1, in W/(m² sr) per unit of length.
     pub emission: DVec3,
-    /// Phase function.
+    /// Phase function of the medium.
     pub phase: PhaseFunctionDescription,
     /// Density, a factor of coefficients and emission.
     pub density: DensityDescription,
@@ -22,18 +22,18 @@ pub struct MediumDescription {
 /// Absorption and scattering of a medium, in one of two parametrizations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MediumCoefficients {
-    /// Absorption and scattering.
+    /// Absorption and scattering coefficients.
     AbsorptionScattering {
-        /// σa, at least 0.
+        /// Absorption coefficient σa in 1/length at density 1, at least 0.
         absorption: DVec3,
-        /// σs, at least 0.
+        /// Scattering coefficient σs in 1/length at density 1, at least 0.
         scattering: DVec3,
     },
-    /// Extinction and albedo.
+    /// Extinction coefficient and single-scattering albedo.
     ExtinctionAlbedo {
-        /// σt = σa + σs, at least 0.
+        /// Extinction coefficient σt = σa + σs in 1/length at density 1, at least 0.
         extinction: DVec3,
-        /// σs/σt, inside [0, 1].
+        /// Single-scattering albedo σs/σt, inside [0, 1].
         albedo: DVec3,
     },
 }

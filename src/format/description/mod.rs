@@ -35,7 +35,7 @@ pub use textures::{
 pub struct Span {
     /// Offset of the first byte.
     pub start: usize,
-    /// Number of bytes.
+    /// Length in bytes.
     pub len: usize,
 }
 
@@ -45,7 +45,7 @@ pub struct Span {
 /// or number is that of the name or number itself.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Spanned<T> {
-    /// The value.
+    /// The value that was read.
     pub value: T,
     /// Position in the scene's text.
     pub span: Span,
@@ -98,7 +98,7 @@ pub struct SceneDescription {
 pub struct CameraDescription {
     /// Position of the pinhole, of the lens center, or of the center of an orthographic picture.
     pub center: DVec3,
-    /// Direction of view.
+    /// View direction, or a point to look at.
     pub aim: DirectionOrTarget,
     /// Direction that appears upward in the picture; not parallel to the view.
     pub up: DVec3,
@@ -187,7 +187,7 @@ pub struct Group {
     pub items: Vec<GroupItem>,
 }
 
-/// One entry of a group.
+/// Entry of a group: an object, or the material of the objects that follow.
 #[derive(Clone, Debug, PartialEq)]
 pub enum GroupItem {
     /// Index, from 0, of the material of the objects that follow.
@@ -201,14 +201,14 @@ pub enum GroupItem {
 /// An object of a description: a surface, a group, or a transformed object.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ObjectDescription {
-    /// Several objects.
+    /// A nested group of objects.
     Group(Group),
-    /// A transformed object.
+    /// An object under an affine transform.
     Transform {
         /// Steps that [`TransformStep::composed_matrix`] composes: the first listed is applied
         /// last.
         maps: Vec<TransformStep>,
-        /// The object.
+        /// Object before the steps are applied.
         object: Box<Spanned<ObjectDescription>>,
     },
     /// An object that moves while the shutter is open.
@@ -218,10 +218,10 @@ pub enum ObjectDescription {
         /// Each step grows from the identity, when the shutter opens, to its full size, when the
         /// shutter closes. The first listed is applied last.
         maps: Vec<TransformStep>,
-        /// The object.
+        /// Object before the steps are applied.
         object: Box<Spanned<ObjectDescription>>,
     },
-    /// A surface.
+    /// A surface, with its own emission or that of its material.
     Shape {
         /// Geometry in object space.
         shape: ShapeDescription,
@@ -233,11 +233,11 @@ pub enum ObjectDescription {
 /// Geometry of a surface, in object space.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ShapeDescription {
-    /// All points at `radius` from `center`.
+    /// A sphere.
     Sphere {
-        /// Center.
+        /// Center of the sphere.
         center: DVec3,
-        /// Radius.
+        /// Radius of the sphere, above 0.
         radius: f64,
     },
     /// The infinite plane of all points x with normal · x = offset.
@@ -249,11 +249,11 @@ pub enum ShapeDescription {
     },
     /// A flat disc.
     Disc {
-        /// Center.
+        /// Center of the disc.
         center: DVec3,
-        /// Normal of any length.
+        /// Normal of the disc, of any length above 0.
         normal: DVec3,
-        /// Radius.
+        /// Radius of the disc, above 0.
         radius: f64,
     },
     /// A parallelogram with normal `edge0 × edge1`.
@@ -276,7 +276,7 @@ pub enum ShapeDescription {
     Cylinder {
         /// Centers of both ends, which differ.
         ends: [DVec3; 2],
-        /// Radius, above 0.
+        /// Radius of the cylinder, above 0.
         radius: f64,
         /// True if discs close both ends.
         is_capped: bool,
@@ -292,7 +292,7 @@ pub enum ShapeDescription {
     },
     /// A triangle; its area may be 0.
     Triangle {
-        /// Corners.
+        /// Corners of the triangle.
         vertices: [DVec3; 3],
         /// Shading normals at the corners, of any length.
         normals: Option<[DVec3; 3]>,
@@ -303,7 +303,7 @@ pub enum ShapeDescription {
     Mesh {
         /// Path as written: not empty, without line breaks.
         path: Spanned<String>,
-        /// Use of the file's materials and normals.
+        /// Use of the materials and normals of the mesh's file.
         options: MeshOptions,
     },
     /// Surface of revolution: the points (x cos θ, y, x sin θ) for all points (x, y) of a profile.
@@ -354,7 +354,7 @@ pub struct MeshOptions {
 /// A polynomial curve in the xy plane, the profile of a surface of revolution.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProfileCurve {
-    /// Basis of the control points.
+    /// Polynomial basis of the control points.
     pub basis: CurveBasis,
     /// Control points: at least 2 for Bézier curves and 4 for B-splines.
     pub controls: Vec<DVec3>,

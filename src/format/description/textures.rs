@@ -8,9 +8,9 @@ use super::{Spanned, TransformStep};
 /// A material parameter: a constant, or the name of a texture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TexturedValue<T> {
-    /// A constant.
+    /// A value that is constant over the surface.
     Plain(T),
-    /// Name of a texture.
+    /// Name of the texture that varies the value over the surface.
     Texture(Spanned<String>),
 }
 
@@ -35,11 +35,11 @@ impl<T> TexturedValue<T> {
 pub struct TextureDescription {
     /// Name that materials refer to: not empty, without line breaks.
     pub name: String,
-    /// Pattern or picture.
+    /// Picture, checkerboard or solid pattern.
     pub kind: TextureKindDescription,
 }
 
-/// Pattern or picture of a texture.
+/// Kind of a texture, with its parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TextureKindDescription {
     /// A picture in a file of its own.
@@ -115,7 +115,7 @@ impl Default for TexcoordTransformDescription {
     }
 }
 
-/// Emitted radiance of a material.
+/// Emitted radiance of a material: constant, or varied by a texture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EmissionDescription {
     /// Constant radiance in W/(m² sr).
@@ -134,7 +134,7 @@ pub enum EmissionDescription {
 /// The texture is given by its name, or else by the path of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NormalPerturbationDescription {
-    /// Bump map.
+    /// Bump map (Blinn 1978): heights along the surface normal.
     Bump {
         /// Texture of heights.
         texture: Spanned<String>,

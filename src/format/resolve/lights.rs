@@ -26,7 +26,7 @@ pub(super) fn add_light(
 ) -> Result<(), SceneError> {
     match &light.value {
         LightDescription::Moving { maps, light } => {
-            let motion = motion.preceded_by(maps.iter().map(TransformStep::motion_step));
+            let motion = motion.preceded_by_steps(maps.iter().map(TransformStep::motion_step));
             add_light(r, light, &motion)?;
         }
         LightDescription::Point { position, strength } => {
@@ -61,7 +61,7 @@ pub(super) fn add_light(
             add_area_light(r, sphere, *center, *strength, motion, light.span)?;
         }
         LightDescription::Disc { center, normal, radius, strength } => {
-            let disc = Shape::Disc(Disc::with_normal(*center, *normal, *radius));
+            let disc = Shape::Disc(Disc::circular_disc(*center, *normal, *radius));
             add_area_light(r, disc, *center, *strength, motion, light.span)?;
         }
         LightDescription::Rectangle { corner, edge0, edge1, strength } => {

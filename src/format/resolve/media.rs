@@ -94,7 +94,7 @@ fn make_density_grid(
     Ok(Some(density))
 }
 
-/// Returns the light inside all nested motions; `light` itself if it does not move.
+/// Returns the still light inside the nested motions of `light`.
 fn light_inside_motions(mut light: &Spanned<LightDescription>) -> &Spanned<LightDescription> {
     while let LightDescription::Moving { light: inner, .. } = &light.value {
         light = inner;
@@ -157,7 +157,7 @@ pub(super) fn with_body_medium(
     Ok(material.with_body(body))
 }
 
-/// Returns an error if an object with a `Clear` material emits `radiance`.
+/// Returns an error if `radiance` is above 0 and the current material is a null interface.
 pub(super) fn refuse_clear_emission(r: &Resolver<'_>, radiance: Rgb, span: Span) -> Result<(), SceneError> {
     let material = r.description.materials.get(r.material as usize);
     if radiance == Rgb::ZERO || !material.is_some_and(|m| m.kind.is_clear()) {

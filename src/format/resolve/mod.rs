@@ -37,8 +37,8 @@ use textures::{ANY_TEXTURE_VALUE, AddedTexture, TextureRequirements};
 /// Meshes, pictures and grids are looked up in `folder`, then in its parent folder.
 ///
 /// # Errors
-/// [`SceneError`] with a position in `source`. Examples: a missing file, an unknown glass, a singular
-/// transform, an object that cannot emit.
+/// [`SceneError`] with a position in `source`. Examples: a missing file, an unknown glass, a
+/// singular transform, an object that cannot emit.
 pub fn resolve(description: &SceneDescription, source: &SourceText, folder: &Path) -> Result<Scene, SceneError> {
     resolve_monitored(description, source, folder, &(), MemoryLimit::Unbounded)
 }
@@ -164,7 +164,7 @@ impl Resolver<'_> {
         }
         if !description.camera.motion.is_empty() {
             let steps = description.camera.motion.iter().map(TransformStep::motion_step);
-            self.builder.moving_camera(Motion::default().preceded_by(steps));
+            self.builder.moving_camera(Motion::default().preceded_by_steps(steps));
         }
         self.add_group(&description.root, &Motion::default())
     }
@@ -209,11 +209,11 @@ impl Resolver<'_> {
             ObjectDescription::Transform { maps, object: inner } => {
                 self.transform_span = Some(object.span);
                 let step = MotionStep::Fixed(TransformStep::composed_matrix(maps));
-                self.add_object(inner, &to_world.preceded_by([step]))
+                self.add_object(inner, &to_world.preceded_by_steps([step]))
             }
             ObjectDescription::Moving { maps, object: inner } => {
                 self.transform_span = Some(object.span);
-                self.add_object(inner, &to_world.preceded_by(maps.iter().map(TransformStep::motion_step)))
+                self.add_object(inner, &to_world.preceded_by_steps(maps.iter().map(TransformStep::motion_step)))
             }
             ObjectDescription::Shape { shape, emission } => {
                 let emission = self.object_emission(*emission)?;

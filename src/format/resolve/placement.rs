@@ -24,7 +24,7 @@ pub(super) struct ObjectEmission {
 pub(super) struct Placement<'p> {
     /// Motion from object space to world space.
     pub to_world: &'p Motion,
-    /// Map of `to_world` when the shutter opens.
+    /// Transform to world space at the time when the shutter opens.
     pub at_open: Transform,
     /// Span of the object, for errors.
     pub span: Span,
@@ -39,7 +39,7 @@ pub(super) struct NormalizedMesh {
 }
 
 impl NormalizedMesh {
-    /// Normalizes a mesh; its extent may be 0.
+    /// Returns the normalized mesh of `positions` and `triangles`, whose extent may be 0.
     pub(super) fn new(
         positions: &[DVec3],
         normals: Option<&[DVec3]>,

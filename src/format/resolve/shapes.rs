@@ -43,16 +43,16 @@ pub(super) fn add_shape(
             } else {
                 r.builder.moving_plane(plane, to_world.clone(), r.material, emission);
             }
-            set_mapping(r, MappingKind::for_plane(*normal), to_world);
+            set_mapping(r, MappingKind::plane_mapping(*normal), to_world);
         }
         ShapeDescription::Disc { center, normal, radius } => {
-            add_placed_shape(r, &placement, Shape::Disc(Disc::with_normal(*center, *normal, *radius)), emission)?;
-            set_mapping(r, MappingKind::for_disc(*center, *normal, *radius), to_world);
+            add_placed_shape(r, &placement, Shape::Disc(Disc::circular_disc(*center, *normal, *radius)), emission)?;
+            set_mapping(r, MappingKind::disc_mapping(*center, *normal, *radius), to_world);
         }
         ShapeDescription::Rectangle { corner, edge0, edge1 } => {
             let rectangle = Rectangle::new(*corner, *edge0, *edge1);
             add_placed_shape(r, &placement, Shape::Rectangle(rectangle), emission)?;
-            set_mapping(r, MappingKind::for_rectangle(*corner, *edge0, *edge1), to_world);
+            set_mapping(r, MappingKind::rectangle_mapping(*corner, *edge0, *edge1), to_world);
         }
         ShapeDescription::Box { min, max } => {
             add_solid(r, &placement, Cuboid::new(*min, *max).map(Shape::Cuboid), emission)?;
@@ -129,7 +129,7 @@ fn add_patches(
     object_emission: &ObjectEmission,
 ) -> Result<(), SceneError> {
     let span = placement.span;
-    let [u, v] = degree.map(|d| SplineBasis::bezier(d as usize + 1));
+    let [u, v] = degree.map(|d| SplineBasis::single_bezier(d as usize + 1));
     let bases = [&u.map_err(|e| spline_error(r, span, &e))?, &v.map_err(|e| spline_error(r, span, &e))?];
     // Queried once, because a query takes longer than building a small patch.
     let mut free = r.memory.available_bytes();
@@ -162,7 +162,7 @@ fn spline_error(r: &Resolver<'_>, span: Span, error: &SplineError) -> SceneError
 /// Returns the surface of revolution of a profile curve; `free` bounds its memory in bytes.
 fn make_revolution(profile: &ProfileCurve, free: Option<u64>) -> Result<Revolution, SplineError> {
     let basis = match profile.basis {
-        CurveBasis::Bezier => SplineBasis::bezier(profile.controls.len()),
+        CurveBasis::Bezier => SplineBasis::single_bezier(profile.controls.len()),
         CurveBasis::Bspline => SplineBasis::uniform_knots(3, profile.controls.len()),
     }?;
     let controls: Vec<DVec2> = profile.controls.iter().map(|c| c.truncate()).collect();

@@ -29,7 +29,7 @@ pub(super) struct AddedTexture {
     is_srgb: bool,
 }
 
-/// What a material's textures need from the surfaces that have the material.
+/// Requirements of a material's textures on the surfaces that have the material.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct TextureRequirements {
     /// True if the material uses any texture.

@@ -31,23 +31,23 @@ const KERNELS: [Kernel; 3] = [Kernel::Box, Kernel::Cone, Kernel::Epanechnikov];
 /// Mean over keys, and its standard error, at `p` of the description.
 fn mean_coverage(scene: &Scene, p: DVec3, normal: Vec3, radius: f32, kernel: Kernel) -> (f64, f64) {
     let (n, p) = (2000u64, (p - scene.origin()).as_vec3());
-    let one =
-        |i| f64::from(coverage(scene, p, normal, radius, kernel, Key::new(3).purpose_key(Purpose::Test).child_key(i)));
+    let one = |i| {
+        f64::from(disc_coverage(scene, p, normal, radius, kernel, Key::new(3).purpose_key(Purpose::Test).child_key(i)))
+    };
     let values: Vec<f64> = (0..n).map(one).collect();
     let mean = values.iter().sum::<f64>() / n as f64;
     let variance = values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1) as f64;
     (mean, (variance / n as f64).sqrt())
 }
 
-/// The kernel's weights are drawn with the probes, so the mean of the ratio is off by less than one
-/// over their number.
+/// Asserts the mean coverage within five standard errors plus 0.02 for the bias of the ratio.
 #[track_caller]
 fn assert_coverage(scene: &Scene, p: DVec3, kernel: Kernel, expected: f64) {
     let (mean, sigma) = mean_coverage(scene, p, Vec3::Y, 0.5, kernel);
     assert!((mean - expected).abs() < 5.0 * sigma + 0.02, "{kernel:?}: {mean} ± {sigma}, not {expected}");
 }
 
-/// Level or oblique, from its front and from behind, whatever its plane's rounding.
+/// Coverage is exactly 1 on level and oblique planes, from both sides, in spite of rounding.
 #[test]
 fn flat_surface_has_full_coverage() {
     let oblique = |i| (DVec3::new(5.0, 2.0, 0.3 * f64::from(i) - 1.0), DVec3::new(1.0, -4.0, 3.0));
@@ -58,14 +58,14 @@ fn flat_surface_has_full_coverage() {
         for (i, kernel) in (0..90).zip(KERNELS.into_iter().cycle()) {
             let key = Key::new(i).purpose_key(Purpose::Test);
             for radius in [0.5, 0.001] {
-                assert_eq!(coverage(&flat, p, normal, radius, kernel, key), 1.0);
-                assert_eq!(coverage(&flat, p, -normal, radius, kernel, key), 1.0);
+                assert_eq!(disc_coverage(&flat, p, normal, radius, kernel, key), 1.0);
+                assert_eq!(disc_coverage(&flat, p, -normal, radius, kernel, key), 1.0);
             }
         }
     }
 }
 
-/// analytic-truths 29: half at an edge, a quarter in a corner, by symmetry for every kernel.
+/// By symmetry, coverage is ½ at an edge and ¼ in a corner for every kernel.
 #[test]
 fn coverage_is_half_at_edges_quarter_at_corners() {
     for kernel in KERNELS {
@@ -74,8 +74,8 @@ fn coverage_is_half_at_edges_quarter_at_corners() {
     }
 }
 
-/// Half a radius from an edge, what lies beyond it is ∫ 2 acos(1/(2t)) K(t) t dt from ½ to 1: .196
-/// of the box, .109 of the cone and .127 of Epanechnikov's. 2000 midpoints leave less than 10⁻⁴.
+/// At half a radius from an edge, the kernel's integral beyond the edge is ∫ 2 acos(1/(2t)) K(t) t
+/// dt from ½ to 1. The midpoint rule with 2000 steps errs by less than 10⁻⁴.
 #[test]
 fn edge_coverage_matches_kernel_integral() {
     for kernel in KERNELS {
@@ -88,7 +88,7 @@ fn edge_coverage_matches_kernel_integral() {
     }
 }
 
-/// A slope of 75° faces another way, and a step of .4 radii is beyond what an estimate calls flat.
+/// A face tilted by 75° and a step of 0.4 radii do not count as the surface of the estimate.
 #[test]
 fn other_orientations_and_heights_are_not_covered() {
     let floor = rectangle_shape([0.0, 0.0, 1.0], DVec3::X, DVec3::Z * -2.0);
@@ -103,7 +103,7 @@ fn other_orientations_and_heights_are_not_covered() {
     }
 }
 
-/// The edge is .3 away: within the discs of .5 and .354, beyond that of .25.
+/// An edge at distance 0.3 cuts the discs of radius 0.5 and 0.354, but not that of 0.25.
 #[test]
 fn nested_discs_are_probed_independently() {
     let p = DVec3::X * 0.7;
@@ -121,12 +121,10 @@ fn nested_discs_are_probed_independently() {
 #[test]
 fn coverage_has_a_lower_bound() {
     let key = Key::new(0).purpose_key(Purpose::Test);
-    assert_eq!(coverage(&square_scene(), Vec3::new(0.0, 2.0, 0.0), Vec3::Y, 0.5, Kernel::Box, key), MIN_COVERAGE);
+    assert_eq!(disc_coverage(&square_scene(), Vec3::new(0.0, 2.0, 0.0), Vec3::Y, 0.5, Kernel::Box, key), MIN_COVERAGE);
 }
 
-/// The part of a sphere within chord r of a point has the area πr² exactly, so what is a disc to
-/// the eye covers a disc, on a ball and in a bowl: the slope makes up for what the chord leaves
-/// out. Probes beyond the chord are drawn in vain, which the ratio knows.
+/// The cap of a sphere within distance r of its pole has area πr², so its coverage is 1.
 #[test]
 fn sphere_has_full_box_coverage() {
     let ball = scene_of_shapes(&[Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0))]);

@@ -18,7 +18,7 @@ fn random_photons(n: u64, place: impl Fn(Vec3) -> Vec3) -> Vec<Photon> {
 
 fn count_photons_within(map: &PhotonMap, p: Vec3, r: f32) -> usize {
     let mut n = 0;
-    map.visit(p, r, |_, _| n += 1);
+    map.visit_within_radius(p, r, |_, _| n += 1);
     n
 }
 
@@ -54,7 +54,7 @@ fn queries_match_a_linear_scan() {
         for (i, r) in [(3usize, 0.05f32), (777, 0.2), (9999, 0.011)] {
             let p = photons[i].position;
             let mut power = 0.0;
-            map.visit(p, r, |data, _| power += data.flux().x);
+            map.visit_within_radius(p, r, |data, _| power += data.flux().x);
             let scan = |r: f32| photons.iter().filter(|q| (q.position - p).length() <= r).count() as f32;
             assert!(power >= scan(r - 1e-5) * 0.9999 && power <= scan(r + 1e-5) * 1.0001, "{power} {}", scan(r));
         }
@@ -77,7 +77,7 @@ fn coincident_photons_merge_to_their_total_flux() {
     let map = PhotonMap::build(photons);
     assert_eq!(map.len(), 1001);
     let mut power = 0.0;
-    map.visit(Vec3::splat(0.3), 1e-4, |data, d2| {
+    map.visit_within_radius(Vec3::splat(0.3), 1e-4, |data, d2| {
         assert_eq!(d2, 0.0);
         power += data.flux().x;
     });

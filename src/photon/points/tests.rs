@@ -70,13 +70,13 @@ fn assert_ray_query_matches_scan(map: &VolumePhotonMap, photons: &[VolumePhoton]
         let to = p.position.as_dvec3() - ray.origin.as_dvec3();
         let t = to.dot(d) / d.dot(d);
         let x2 = to.cross(d).length_squared() / (d.dot(d) * r * r);
-        // Rounding in f64 may decide about the rim, where the weight is as good as none.
+        // Rounding in f64 decides at the rim, where the weight is almost zero.
         if x2 < 1.0 - 1e-9 && t > 0.0 && t < f64::from(ray.t_max) {
             expected.push((p.medium, t, 3.0 / (PI * r * r) * (1.0 - x2) * (1.0 - x2)));
         }
     }
     let mut found = Vec::new();
-    map.visit(ray, |p, t, cos, weight, _| {
+    map.visit_near_ray(ray, |p, t, cos, weight, _| {
         assert_eq!(cos, ray.direction.dot(p.direction()));
         if f64::from(weight) * r * r > 1e-17 {
             found.push((p.medium, f64::from(t), f64::from(weight)));
@@ -96,7 +96,7 @@ fn assert_point_query_matches_scan(map: &VolumePhotonMap, photons: &[VolumePhoto
     let r = f64::from(map.radius());
     let x2 = |p: &VolumePhoton| (p.position.as_dvec3() - place.as_dvec3()).length_squared() / (r * r);
     let mut found = Vec::new();
-    map.around(place, |p, weight, _| {
+    map.visit_near_point(place, |p, weight, _| {
         let expected = 15.0 / (8.0 * PI * r * r * r) * (1.0 - x2(p));
         assert!((f64::from(weight) - expected).abs() * r * r * r < 1e-6, "{weight} {expected}");
         found.push(p.medium);
@@ -114,8 +114,8 @@ fn degenerate_point_maps_work() {
     let ray = Ray::new(Vec3::NEG_Z, Vec3::Z);
     let count = |map: &VolumePhotonMap| {
         let (mut line, mut ball) = (0, 0);
-        map.visit(&ray, |_, _, _, _, _| line += 1);
-        map.around(Vec3::ZERO, |_, _, _| ball += 1);
+        map.visit_near_ray(&ray, |_, _, _, _, _| line += 1);
+        map.visit_near_point(Vec3::ZERO, |_, _, _| ball += 1);
         (line, ball)
     };
     assert!(VolumePhotonMap::build(Vec::new(), 1.0).is_empty());
@@ -133,7 +133,7 @@ fn point_map_is_thread_independent() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
         let map = pool.install(|| VolumePhotonMap::build(random_photons(20_000, |i| random_point(i % 6000)), 0.1));
         let mut all = Vec::new();
-        map.visit(&ray, |p, _, _, _, _| all.push(p.medium));
+        map.visit_near_ray(&ray, |p, _, _, _, _| all.push(p.medium));
         all
     };
     assert!(with(1).len() > 100);
@@ -149,11 +149,10 @@ fn assert_mean(values: &[f64], truth: f64, precision: f64) {
     assert!((mean - truth).abs() < 4.0 * error, "{mean} is not {truth}, give or take {error}");
 }
 
-/// A collimated beam crossed by a ray (analytic-truths 27 in the project's notes), from photons
-/// where they were stopped.
+/// A ray across a collimated beam has a closed form for single scattering.
 ///
-/// A blur over a radius r of a field of curvature σt² has a relative bias of r²σt²/16 in two
-/// dimensions and r²σt²/14 in three: here below 3·10⁻⁴, a tenth of the statistical error asked for.
+/// Photons are stored at their scattering points. The blur has relative bias r²σt²/16 in two
+/// dimensions and r²σt²/14 in three, here below 3·10⁻⁴.
 #[test]
 fn collimated_beam_radiance_is_exact() {
     let (extinction, scattering, depth, across) = (1.3f64, 0.9f64, 0.7f64, 1.6f64);
@@ -163,7 +162,7 @@ fn collimated_beam_radiance_is_exact() {
     for run in 0..24u64 {
         let n = 100_000u64;
         let (wide, high) = (across as f32 + 0.2, 0.11);
-        // What is left at 0.1 before the ray and beyond it: only photons between can count.
+        // Transmittance 0.1 before the ray and 0.1 beyond it. Only photons in between can count.
         let (before, beyond) = (libm::exp(-extinction * (depth - 0.1)), libm::exp(-extinction * (depth + 0.1)));
         let power = (irradiance * f64::from(wide * high) * (before - beyond) / n as f64) as f32;
         let one = |i: u64| {
@@ -178,7 +177,7 @@ fn collimated_beam_radiance_is_exact() {
             scattered * libm::exp(-extinction * t) * f64::from(weight)
         };
         let mut line = 0.0;
-        map.visit(&ray, |p, t, cos, weight, _| {
+        map.visit_near_ray(&ray, |p, t, cos, weight, _| {
             assert!(cos.abs() < 1e-4);
             line += part(p, f64::from(t), weight);
         });
@@ -188,7 +187,7 @@ fn collimated_beam_radiance_is_exact() {
         let step = across / f64::from(steps);
         for k in 0..steps {
             let t = (f64::from(k) + 0.5) * step;
-            map.around(ray.at(t as f32), |p, weight, _| ball += part(p, t, weight) * step);
+            map.visit_near_point(ray.at(t as f32), |p, weight, _| ball += part(p, t, weight) * step);
         }
         balls.push(ball);
     }

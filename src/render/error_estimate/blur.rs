@@ -1,25 +1,29 @@
-//! Blur of photon estimates, extrapolated from two smaller discs.
+//! Blur (bias) of photon density estimates, extrapolated from estimates with two smaller discs.
+//!
+//! D₀ and D₁ are the differences defined in [`error_estimate`](super).
 
-/// Lower bound of D₀·D₁ / ‖D₀‖². BlurDifferences that oppose each other more are noise.
+/// Lower bound of D₀·D₁ / ‖D₀‖². Smaller values are due to noise.
 const MIN_CORRELATION: f64 = -0.5;
 
-/// D₀·D₁ / ‖D₀‖² at a straight light edge, Epanechnikov kernel. Larger values make the series
-/// diverge.
+/// D₀·D₁ / ‖D₀‖² at a straight edge of light, for the Epanechnikov kernel. It is an upper bound.
 const EDGE_CORRELATION: f64 = 0.7275;
 
-/// Pairs (‖D₁‖² / ‖D₀‖², ‖bias‖² / ‖D₀‖²) of features that are not smooth, Epanechnikov kernel.
+/// Pairs (‖D₁‖² / ‖D₀‖², ‖bias‖² / ‖D₀‖²) of features that are not smooth, for the Epanechnikov
+/// kernel.
 ///
-/// In order: a straight light edge, and bands of light of a half and a fifth of the disc's width.
-/// Photons within the disc cannot resolve finer features.
+/// The features are a straight edge of light, and bands of light with a half and a fifth of the
+/// disc's diameter. The photons in a disc cannot resolve finer features.
 const ROUGH: [(f64, f64); 3] = [(0.7074, 14.6), (0.957, 16.9), (1.3145, 45.2)];
 
-/// Largest assumed ratio of blur at half the area: that of an edge.
+/// Largest ratio of blur at half the disc area to blur at the full area: that of an edge.
 const MAX_RATIO: f64 = 0.841;
 
-/// Relative uncertainty of the extrapolated part. Edges and bands look alike and differ this much.
+/// Relative uncertainty of the extrapolated part of the blur.
+///
+/// Edges and bands of light have similar differences D₀ and D₁, but their blur differs this much.
 const EXTRAPOLATION_ERROR: f64 = 0.5;
 
-/// Mean squares and products of D₀ and D₁ over the picture, without noise in expectation.
+/// Mean squares and products of D₀ and D₁ over the picture, as unbiased estimates.
 pub(super) struct BlurDifferences {
     /// ‖D₀‖².
     pub d0: f64,
@@ -33,26 +37,26 @@ pub(super) struct BlurDifferences {
     pub d0_variance: f64,
 }
 
-/// Estimated blur of the picture.
+/// Estimated blur of the picture, relative to [`RelativeScale`](crate::image::RelativeScale).
 #[derive(Default)]
 pub(super) struct BlurEstimate {
-    /// Squared relative blur.
+    /// Mean squared relative blur.
     pub square: f64,
     /// Variance of `square`.
     pub variance: f64,
     /// Blur at half the disc area over blur at the full area.
     pub ratio: f64,
-    /// Blur over |D₀ + D₁|.
+    /// Blur divided by its measured part |D₀ + D₁|.
     pub extrapolation: f64,
 }
 
 impl BlurEstimate {
-    /// Extrapolates the sum of all differences from the first two.
+    /// Extrapolates the sum of all differences Dᵢ from D₀ and D₁.
     ///
-    /// In smooth light each difference is half of the previous one, so ‖bias‖² = 4‖D₀‖². At edges
-    /// and foci the ratio is q, and the correlation of neighbours is c: Dᵢ·Dⱼ = ‖D₀‖² q^(i+j)
-    /// c^|i−j|. Then ‖Σ Dᵢ‖² = ‖D₀‖² (1 + qc)/((1 − qc)(1 − q²)). The values q² and qc are
-    /// measured; each is pulled towards smooth light as far as noise hides it.
+    /// In smooth light, each difference is half of the previous one, so ‖bias‖² = 4‖D₀‖². At edges,
+    /// the model is Dᵢ·Dⱼ = ‖D₀‖² q^(i+j) c^|i−j|, with ratio q and correlation c. Then ‖Σ Dᵢ‖² =
+    /// ‖D₀‖² (1 + qc)/((1 − qc)(1 − q²)). q² and qc are measured, and shrunk towards ¼ and ½ if
+    /// they are noisy.
     pub(super) fn extrapolate(differences: &BlurDifferences) -> Self {
         let d0 = differences.d0.max(0.0);
         if d0 <= 0.0 {
@@ -78,8 +82,7 @@ impl BlurEstimate {
     }
 }
 
-/// ‖Σ Dᵢ‖² / ‖D₀‖² by the law of [`BlurEstimate::extrapolate`], limited to the values of [`ROUGH`]
-/// features.
+/// ‖Σ Dᵢ‖² / ‖D₀‖² by the model of [`BlurEstimate::extrapolate`], limited by [`ROUGH`].
 fn squared_bias_ratio(correlation: f64, squared: f64) -> f64 {
     let law = (1.0 + correlation) / ((1.0 - correlation) * (1.0 - squared.min(ROUGH[0].0)));
     let rough = ROUGH.windows(2).find(|pair| squared <= pair[1].0).map_or(ROUGH[2].1, |pair| {

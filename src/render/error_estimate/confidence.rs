@@ -1,17 +1,17 @@
-//! Confidence level of an error interval.
+//! Confidence level of error intervals.
 
 use serde::Serialize;
 
-/// Probability that an interval contains the true error; in (0, 1).
+/// Probability in (0, 1) that an interval contains the true error.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(transparent)]
 pub struct Confidence(f64);
 
 impl Confidence {
-    /// Confidence whose interval has no width to f64 precision.
+    /// Smallest confidence, 10⁻⁹; its interval has practically no width.
     pub const LEAST: Self = Self(1e-9);
 
-    /// Returns `None` unless 0 < `probability` < 1.
+    /// Confidence of the given `probability`; `None` unless 0 < `probability` < 1.
     #[must_use]
     pub fn new(probability: f64) -> Option<Self> {
         (probability > 0.0 && probability < 1.0).then_some(Self(probability))
@@ -23,11 +23,11 @@ impl Confidence {
         self.0
     }
 
-    /// Half-width of the central interval of a Gaussian with this probability \[standard
-    /// deviations].
+    /// Half width of the central interval of a Gaussian with this probability, in standard
+    /// deviations.
     #[must_use]
     pub fn gaussian_half_width(self) -> f64 {
-        // Sixty bisections reach f64 precision. Beyond 40 deviations the tail underflows.
+        // 60 bisections reach f64 precision. Beyond 40 deviations the tail underflows.
         let (mut low, mut high) = (0.0, 40.0);
         for _ in 0..60 {
             let middle = 0.5 * (low + high);

@@ -1,28 +1,32 @@
-//! Effective number of independent samples in the noise of a picture.
+//! Effective sample count: how many independent values the noise of a picture consists of.
 
 use crate::color::Rgb;
 
-/// Estimates the variance of independent pictures and their effective sample count.
+/// Estimates the variance of independent pictures, and the effective sample count of their noise.
 ///
-/// The difference of two pictures over √2 contains only noise. The mean of its squares is the
-/// variance v. The product of two such differences without a common picture has mean zero and
-/// variance tr Σ². The effective count is v² / tr Σ² (Satterthwaite).
+/// The difference of two pictures, divided by √2, contains only noise. The mean v of its squares is
+/// the variance. The product of two such differences without a common picture has mean zero and
+/// variance tr Σ², with Σ the covariance matrix of pixels. The effective sample count is v² / tr Σ²
+/// (Satterthwaite 1946).
 #[derive(Clone, Debug, Default)]
 pub(super) struct EffectiveSampleCount {
+    /// Number of added pictures.
     pictures: u32,
+    /// The last picture.
     previous: Vec<Rgb>,
-    /// The last two differences, alternating.
+    /// The last two differences; each new one replaces the older.
     differences: [Vec<Rgb>; 2],
     variances: RunningMoments,
     products: RunningMoments,
 }
 
-/// Sample count assumed before there are products; it weighs as much as [`PRIOR_PRODUCTS`]
-/// products.
+/// Prior of the effective sample count.
 const PRIOR_SAMPLES: f64 = 100.0;
+
+/// Number of measured products that the prior counts as.
 const PRIOR_PRODUCTS: f64 = 2.0;
 
-/// Running mean and variance (Welford).
+/// Running mean and sum of squared deviations (Welford 1962).
 #[derive(Clone, Copy, Debug, Default)]
 struct RunningMoments {
     count: f64,
@@ -40,8 +44,10 @@ impl RunningMoments {
 }
 
 impl EffectiveSampleCount {
-    /// Adds a picture; `weights` scale squared differences by pixel, each result is clamped to
-    /// `max`.
+    /// Adds a picture.
+    ///
+    /// `weights` are factors of the squared differences, one for each pixel. A weighted squared
+    /// difference is clamped to `max`.
     pub fn add(&mut self, picture: impl Iterator<Item = Rgb>, weights: &[f64], max: f64) {
         self.pictures += 1;
         if self.pictures == 1 {
@@ -64,15 +70,16 @@ impl EffectiveSampleCount {
             *old = difference;
         }
         self.variances.add(square / n);
-        // `old` held the difference before the last, the latest without a common picture.
+        // `old` held the difference before the last one. It shares no picture with the new one.
         if self.pictures > 3 {
             let product = product / n;
             self.products.add(product * product);
         }
     }
 
-    /// Relative variance of the squared error of one picture if its noise is Gaussian: 2 / sample
-    /// count.
+    /// Relative variance of the squared error of a picture: 2 / effective sample count.
+    ///
+    /// The formula holds for Gaussian noise.
     pub fn squared_error_variance(&self) -> f64 {
         let v = self.variances.mean;
         if v <= 0.0 {
@@ -82,13 +89,13 @@ impl EffectiveSampleCount {
         2.0 * ((mean / (v * v) * count + PRIOR_PRODUCTS / PRIOR_SAMPLES) / (count + PRIOR_PRODUCTS)).min(1.0)
     }
 
-    /// Relative variance of the estimated variance; fireflies make it large.
+    /// Relative variance of the estimated variance. Fireflies make it large.
     pub fn relative_variance_of_variance(&self) -> f64 {
         let RunningMoments { count, mean, m2 } = self.variances;
         if count < 2.0 || mean <= 0.0 {
             return if mean > 0.0 { 2.0 } else { 0.0 };
         }
-        // Consecutive differences share a picture: they count as two thirds of their number.
+        // Consecutive differences share a picture, so n of them count as 2n/3 independent ones.
         1.5 * m2 / (count - 1.0) / count / (mean * mean)
     }
 }

@@ -1,4 +1,4 @@
-//! Accumulates passes and estimates the error of their mean.
+//! The error estimator: accumulates passes and estimates the error of their mean.
 
 use super::blur::{BlurDifferences, BlurEstimate};
 use super::confidence::Confidence;
@@ -12,29 +12,32 @@ use crate::integrate::{Discs, NestedEstimates, Pass, RadiusLaw};
 use crate::render::film::Film;
 use glam::{DVec3, Vec3};
 
-/// Minimum number of passes for an error estimate.
+/// Least number of passes for an error estimate.
 pub const MIN_PASSES: u32 = 4;
 
-/// Estimates the error of a picture from its passes.
+/// Estimates the error of the mean of passes.
 #[derive(Clone, Debug)]
 pub struct ErrorEstimator {
-    law: Option<RadiusLaw>,
+    /// How gather radii shrink from pass to pass; `None` without photon density estimates.
+    radius_law: Option<RadiusLaw>,
+    /// Number of added passes.
     passes: u32,
-    /// Σ (x − mean)² by pixel and channel; f64, since squares of f32 values overflow f32.
-    deviations: Vec<DVec3>,
+    /// Σ (x − mean)² over passes, by pixel and channel, in f64 because squares may overflow f32.
+    squared_deviations: Vec<DVec3>,
     photon_estimates: Option<NestedEstimateSums>,
     shared_paths: SharedPathError,
     samples: EffectiveSampleCount,
     scale: Option<RelativeScale>,
 }
 
-/// Sums over passes of the photon estimates at smaller discs, by pixel.
+/// Sums over passes of the differences between nested photon estimates, by pixel.
 #[derive(Clone, Debug)]
 struct NestedEstimateSums {
-    /// Σ D₀ and Σ D₁.
+    /// Σ D₀ and Σ D₁ over passes, see [`error_estimate`](super).
     differences: [Vec<Vec3>; 2],
-    /// Σ D₀², Σ D₀·D₁ and Σ D₁², summed over channels.
+    /// Σ D₀², Σ D₀·D₁ and Σ D₁² over passes and channels.
     products: Vec<[f64; 3]>,
+    /// Discs of the estimates from the caustic and the global map.
     discs: Vec<[DiscMean; 2]>,
     samples: EffectiveSampleCount,
 }
@@ -46,28 +49,30 @@ struct DiscMean {
     passes: u32,
 }
 
-/// Error of each pixel, by rows from the top.
+/// Estimated error of each pixel, in rows from the top.
 #[derive(Clone, Debug, Default)]
 pub struct ErrorMaps {
     /// Standard error of the mean of the passes \[W/(m² sr)].
     pub noise: Vec<Vec3>,
-    /// Estimated blur of the mean of the passes, with its noise \[W/(m² sr)].
+    /// Estimated blur of the mean of the passes; a noisy estimate \[W/(m² sr)].
     pub bias: Vec<Vec3>,
-    /// Mean discs of estimates from the caustic map.
+    /// Mean radius and photon count of estimates from the caustic map.
     pub caustic: Vec<Discs>,
-    /// Mean discs of estimates from the global map.
+    /// Mean radius and photon count of estimates from the global map.
     pub global: Vec<Discs>,
 }
 
 impl ErrorEstimator {
-    /// An estimator without passes; `law` is how gather radii shrink, `None` without photon
+    /// An estimator without passes.
+    ///
+    /// `radius_law` says how gather radii shrink from pass to pass; `None` without photon density
     /// estimates.
     #[must_use]
-    pub fn new(law: Option<RadiusLaw>) -> Self {
+    pub fn new(radius_law: Option<RadiusLaw>) -> Self {
         Self {
-            law,
+            radius_law,
             passes: 0,
-            deviations: Vec::new(),
+            squared_deviations: Vec::new(),
             photon_estimates: None,
             shared_paths: SharedPathError::default(),
             samples: EffectiveSampleCount::default(),
@@ -75,23 +80,22 @@ impl ErrorEstimator {
         }
     }
 
-    /// Adds a pass; `film` must hold exactly the passes before it.
+    /// Adds a pass; `film` must hold the passes before it.
     pub fn add(&mut self, film: &Film, pass: &Pass) {
         let n = f64::from(self.passes);
-        self.deviations.resize(pass.image.len(), DVec3::ZERO);
-        for ((sum, value), before) in self.deviations.iter_mut().zip(&pass.image).zip(film.pixel_means()) {
+        self.squared_deviations.resize(pass.image.len(), DVec3::ZERO);
+        for ((sum, value), before) in self.squared_deviations.iter_mut().zip(&pass.image).zip(film.pixel_means()) {
             if n > 0.0 {
                 let delta = value.as_dvec3() - before;
                 *sum += delta * delta * (n / (n + 1.0));
             }
         }
-        // The scale gains little from every single pass; doubling intervals keep its cost low.
+        // The scale changes little from pass to pass, so it is updated when the number doubles.
         if self.passes.is_power_of_two() {
             self.scale = Some(RelativeScale::from_pixels(film.size(), &film.mean()));
         }
         let weights = self.scale.as_ref().map_or(&[][..], RelativeScale::weights);
-        // The relative squared error of a pixel of the mean is at most 1, that of one pass at most
-        // n.
+        // The relative squared error of a pixel is clamped to 1 in the mean, so to n in one pass.
         self.samples.add(pass.image.iter().copied(), weights, n + 1.0);
         if !pass.nested.is_empty() {
             let estimates = self.photon_estimates.get_or_insert_with(|| NestedEstimateSums::new(pass.nested.len()));
@@ -102,15 +106,15 @@ impl ErrorEstimator {
         self.passes += 1;
     }
 
-    /// Error estimate of the mean of the passes, with an interval of 90 % confidence.
+    /// Estimates the error of the mean of the passes, with an interval of 90 % confidence.
     ///
-    /// All numbers are infinite before [`MIN_PASSES`] passes.
+    /// `film` holds the same passes. The error is infinite before [`MIN_PASSES`] passes.
     #[must_use]
     pub fn estimate(&self, film: &Film) -> ErrorEstimate {
         self.estimate_with_confidence(film, Confidence::default())
     }
 
-    /// Like [`Self::estimate`], with an interval of the given confidence.
+    /// Estimates the error like [`Self::estimate`], with an interval of the given `confidence`.
     #[must_use]
     pub fn estimate_with_confidence(&self, film: &Film, confidence: Confidence) -> ErrorEstimate {
         let passes = self.passes;
@@ -123,7 +127,7 @@ impl ErrorEstimator {
         let scale = RelativeScale::from_pixels(film.size(), &film.mean());
         let mut fireflies = Fireflies::default();
         let fraction = 1.0 / scale.weights().len() as f64;
-        let noise2 = self.deviations.iter().zip(scale.weights()).map(|(deviation, weight)| {
+        let noise2 = self.squared_deviations.iter().zip(scale.weights()).map(|(deviation, weight)| {
             let square = weight * deviation.element_sum() / (n * (n - 1.0));
             if square > 1.0 {
                 fireflies.add(square, fraction);
@@ -135,8 +139,7 @@ impl ErrorEstimator {
         let blur = differences.as_ref().map(BlurEstimate::extrapolate).unwrap_or_default();
         let (shared2, shared_variance) = self.shared_paths.squared_error(&scale, film.size().0, n);
         let square = noise2 + blur.square + shared2;
-        // Two uncertainties: this picture's error scatters about its expectation, and the
-        // expectation is itself an estimate.
+        // The true error of this picture scatters about its expectation, which is estimated too.
         let scatter = self.samples.squared_error_variance();
         let realised = noise2 * noise2 * scatter + 2.0 * noise2 * (blur.square + shared2) * scatter;
         let estimated = noise2 * noise2 * self.samples.relative_variance_of_variance().max(scatter / (n - 1.0));
@@ -155,24 +158,24 @@ impl ErrorEstimator {
             blur_ratio: blur.ratio,
             extrapolation: blur.extrapolation,
             variance: noise2 * n,
-            step_variance: differences.map_or(0.0, |differences| differences.variance),
+            difference_variance: differences.map_or(0.0, |differences| differences.variance),
             fireflies,
         }
     }
 
-    /// Predicts the error of later passes from `estimate`; `None` before [`MIN_PASSES`] passes.
+    /// Predicts the error after more passes from `estimate`; `None` before [`MIN_PASSES`] passes.
     #[must_use]
     pub fn forecast(&self, estimate: &ErrorEstimate) -> Option<ErrorForecast> {
-        let law = self.law.map(|law| (law.alpha, law.kernel.difference_variance()));
+        let law = self.radius_law.map(|law| (law.alpha, law.kernel.difference_variance()));
         estimate.error.is_finite().then(|| ErrorForecast::new(estimate, law))
     }
 
-    /// Error of each pixel of `film`.
+    /// Estimated error of each pixel; `film` holds the same passes.
     #[must_use]
     pub fn error_maps(&self, film: &Film) -> ErrorMaps {
         let n = f64::from(self.passes.max(1));
         let over = (n * (n - 1.0)).max(1.0);
-        let noise = self.deviations.iter().map(|m2| (*m2 / over).map(f64::sqrt).as_vec3()).collect();
+        let noise = self.squared_deviations.iter().map(|m2| (*m2 / over).map(f64::sqrt).as_vec3()).collect();
         let Some(estimates) = &self.photon_estimates else { return ErrorMaps { noise, ..ErrorMaps::default() } };
         let factor = (self.estimate(film).extrapolation / n) as f32;
         let [d0, d1] = &estimates.differences;
@@ -208,7 +211,7 @@ impl NestedEstimateSums {
         }
     }
 
-    /// Mean squares and products over the picture, from pairs of different passes among `n`.
+    /// Means of D₀², D₀·D₁ and D₁² over the picture, from pairs of different passes among `n`.
     fn mean_differences(&self, scale: &RelativeScale, n: f64) -> BlurDifferences {
         let [d0, d1] = &self.differences;
         let pixels = scale.weights().len();
@@ -223,7 +226,7 @@ impl NestedEstimateSums {
         }
         let [d0, d0_d1, d1] = square.map(|sum| sum / pixels as f64);
         let variance = n * variance / pixels as f64;
-        // Two terms: the noise of pairs of passes, and its product with the expected difference.
+        // Terms: noise of pairs of passes, and products of noise and expected difference.
         let scatter = self.samples.squared_error_variance();
         let d0_variance = variance * variance * scatter / (n * (n - 1.0)) + 2.0 * d0.max(0.0) * variance * scatter / n;
         BlurDifferences { d0, d0_d1, d1, variance, d0_variance }
@@ -239,7 +242,7 @@ impl DiscMean {
         }
     }
 
-    /// Mean over passes with an estimate; 0 without one.
+    /// Mean radius and photon count over passes with an estimate; 0 without one.
     fn mean(self) -> Discs {
         let n = self.passes.max(1) as f32;
         Discs { radius: self.radius / n, photons: self.photons / n }

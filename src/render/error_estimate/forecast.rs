@@ -1,60 +1,66 @@
-//! Predicts the error after more passes.
+//! Forecast: predicts the error of a picture after more passes.
 
 use super::estimate::ErrorEstimate;
 use super::fireflies::Fireflies;
 use crate::integrate::shrink;
 
-/// Largest number of passes that is predicted.
+/// Largest number of passes of a forecast.
 const MAX_PASSES: u32 = 10_000_000;
 
-/// Passes up to here are summed one by one, later ones in leaps of 1/[`LEAP`] of the passes so far.
+/// Number of passes that are summed one by one. Later passes are summed in leaps.
 const EXACT_PASSES: u32 = 1024;
+
+/// A leap sums 1/128 of the passes so far at once.
 const LEAP: u32 = 128;
 
-/// Number of passes that reach a given error.
+/// Number of passes needed to reach a given error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PassesNeeded {
-    /// Total number of passes.
+    /// Total number of passes, including those made.
     Passes(u32),
-    /// No number of passes suffices, because bias stays.
+    /// No number of passes suffices, because the bias is too large.
     Never {
-        /// Relative error that remains.
+        /// Relative bias that remains.
         floor: f64,
     },
-    /// More than ten million passes.
+    /// More than ten million passes are needed.
     TooMany,
 }
 
-/// Predicted error as a function of the number of passes.
+/// Predicted error as a function of the number of passes n.
 ///
-/// Let aᵢ be the disc area in pass i over that of pass 0. Noise has two parts: one falls as 1/n,
-/// that of photon estimates as Σ(1/aᵢ)/n². The noise of D₀ tells how large the second part is. Blur
-/// follows the mean of aᵢ^p with the measured power p. Fireflies follow
-/// `Fireflies::squared_error_after`.
+/// Let aᵢ be the disc area of photon estimates in pass i, divided by that in pass 0. The variance
+/// of photon estimates falls as Σ(1/aᵢ)/n², all other variance as 1/n. Blur follows the mean of
+/// aᵢ^p, with a measured exponent p. The shared-path error stays.
 #[derive(Clone, Copy, Debug)]
 pub struct ErrorForecast {
+    /// Exponent α of the radius law; 1 for fixed radii.
     alpha: f64,
-    /// Relative variance of a pass that does not depend on discs, without fireflies.
+    /// Relative variance of one pass, without photon estimates and fireflies.
     path_variance: f64,
     /// Relative variance of photon estimates in the first pass.
     photon_variance: f64,
-    /// Blur of the first pass.
+    /// Relative blur of the first pass.
     blur: f64,
     /// Exponent p: blur is proportional to area^p.
     power: f64,
     shared_paths: f64,
     fireflies: Fireflies,
-    /// Passes of the estimate that the forecast starts from.
+    /// Number of passes at the error estimate that the forecast extrapolates.
     passes: f64,
 }
 
 impl ErrorForecast {
-    /// Extrapolates `estimate`; `law` holds α and the relative noise of D₀ of the kernel.
+    /// Forecast from an error estimate.
+    ///
+    /// `law` holds the exponent α of the radius law and
+    /// [`Kernel::difference_variance`](crate::photon::Kernel::difference_variance); `None` without
+    /// photon estimates.
     pub(super) fn new(estimate: &ErrorEstimate, law: Option<(f64, f32)>) -> Self {
         let n = f64::from(estimate.passes);
         let (fireflies, shared_paths) = (estimate.fireflies, estimate.shared_paths);
         let variance = (estimate.variance - n * fireflies.current_squared_error()).max(0.0);
-        let Some((alpha, step_noise)) = law else {
+        let Some((alpha, kernel_difference_variance)) = law else {
             return Self {
                 alpha: 1.0,
                 path_variance: variance,
@@ -69,7 +75,7 @@ impl ErrorForecast {
         let power = (-libm::log2(estimate.blur_ratio)).max(0.0);
         let mut sums = DiscAreaSums::new(alpha, power);
         (0..estimate.passes).for_each(|_| sums.add_pass());
-        let photon_variance = (estimate.step_variance / f64::from(step_noise)).min(variance);
+        let photon_variance = (estimate.difference_variance / f64::from(kernel_difference_variance)).min(variance);
         Self {
             alpha,
             path_variance: variance - photon_variance,
@@ -82,7 +88,7 @@ impl ErrorForecast {
         }
     }
 
-    /// Relative noise and bias after `passes` ≥ 1 passes.
+    /// Predicted relative noise and bias after `passes` ≥ 1 passes.
     #[cfg(test)]
     fn noise_and_bias_after(&self, passes: u32) -> (f64, f64) {
         let mut sums = DiscAreaSums::new(self.alpha, self.power);
@@ -90,7 +96,7 @@ impl ErrorForecast {
         self.noise_and_bias_of_sums(&sums)
     }
 
-    /// Relative noise and bias after the passes in `sums`.
+    /// Predicted relative noise and bias after the passes in `sums`.
     fn noise_and_bias_of_sums(&self, sums: &DiscAreaSums) -> (f64, f64) {
         let n = f64::from(sums.passes);
         let noise2 = (self.path_variance * n + self.photon_variance * sums.inverse_area) / (n * n)
@@ -99,7 +105,9 @@ impl ErrorForecast {
         (noise2.sqrt(), (blur * blur + self.shared_paths * self.shared_paths).sqrt())
     }
 
-    /// Least number of passes with an error of at most `target`; exact to 1 % above 1024 passes.
+    /// Least number of passes with a predicted relative error of at most `target`.
+    ///
+    /// Above 1024 passes, the number is exact to 1 %.
     #[must_use]
     pub fn passes_to_reach(&self, target: f64) -> PassesNeeded {
         let floor = if self.alpha < 1.0 { self.shared_paths } else { self.blur.hypot(self.shared_paths) };
@@ -122,12 +130,15 @@ impl ErrorForecast {
     }
 }
 
-/// Sums of powers of the disc area over passes.
+/// Sums over passes of powers of the disc area.
 struct DiscAreaSums {
+    /// Exponent α of the radius law.
     alpha: f64,
+    /// Exponent p of the blur.
     power: f64,
+    /// Number of summed passes.
     passes: u32,
-    /// Disc area of the next pass over that of the first.
+    /// Disc area of the next pass, divided by that of the first pass.
     area: f64,
     /// Σ 1/area.
     inverse_area: f64,
@@ -148,8 +159,7 @@ impl DiscAreaSums {
         self.area *= (i + self.alpha) / (i + 1.0);
     }
 
-    /// Adds 1/[`LEAP`] of the passes at once by the midpoint rule; area is about n^(α − 1) for
-    /// large n.
+    /// Adds 1/[`LEAP`] of the passes so far by the midpoint rule; for large n, area ∝ n^(α − 1).
     fn add_leap(&mut self) {
         let (n, count) = (f64::from(self.passes), self.passes / LEAP);
         let at = |i: f64| self.area * libm::pow(i / n, self.alpha - 1.0);

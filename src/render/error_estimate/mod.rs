@@ -1,13 +1,13 @@
-//! Error estimate of a picture from its own passes: noise, blur of photon estimates, shared-path
-//! error.
+//! Estimates the error of a picture from its passes, as a sum of three parts.
 //!
-//! - *Noise.* Passes are independent. The variance of their mean is s²/n (Welford).
-//! - *Blur.* A photon estimate L(r) is biased by its disc of radius r. Two differences measure the
-//!   bias: D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), from one set of photons. The whole series
-//!   sums to L(r) − L(0), which is the bias. Squares and products are taken between different
-//!   passes, so their noise has mean zero.
-//! - *Shared-path error.* `ppm` uses one set of camera paths in all passes. A few pixels are also
-//!   rendered with fresh paths; the mean difference is the error of the shared ones.
+//! - *Noise*: passes are independent, so the variance of the mean of n passes is s²/n. s² is the
+//!   sample variance.
+//! - *Blur*: the density estimate L(r) with disc radius r has bias L(r) − L(0). The differences D₀
+//!   = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2) are the first terms of a series that sums to the
+//!   bias. The estimates L share their photons. Squares and products of differences are taken
+//!   between different passes, so their noise has mean zero.
+//! - *Shared-path error*: `ppm` uses the same camera paths in all passes. A few pixels are also
+//!   rendered with fresh camera paths. Their mean difference is the error of the shared paths.
 
 mod blur;
 mod confidence;

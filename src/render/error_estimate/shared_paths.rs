@@ -1,17 +1,20 @@
-//! Error of camera paths that all passes share (`ppm`).
+//! Error of camera paths that all passes share, as in algorithm `ppm`.
 
 use crate::image::RelativeScale;
 use crate::integrate::Pass;
 use glam::DVec3;
 
-/// Edge of the blocks that count as one independent sample \[pixels]. Neighbouring pixels
-/// correlate.
+/// Edge of square blocks that count as one independent sample \[pixels].
+///
+/// Errors of neighbouring pixels correlate.
 const BLOCK: u32 = 16;
 
-/// Sums, at a few pixels, of shared-path radiance less radiance along fresh paths.
+/// Sums over passes of radiance along shared camera paths minus radiance along fresh ones.
+///
+/// A pass renders only a few pixels with fresh camera paths.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SharedPathError {
-    /// Pixel indices, by rows from the top.
+    /// Indices of the pixels with fresh paths, in rows from the top.
     pixels: Vec<u32>,
     /// Σ difference over passes, by channel.
     sums: Vec<DVec3>,
@@ -33,10 +36,10 @@ impl SharedPathError {
         }
     }
 
-    /// Mean relative squared error and its variance; 0 without shared paths.
+    /// Mean relative squared error of the shared paths, and its variance; 0 without shared paths.
     ///
-    /// `columns` is the width of the picture in pixels, `n` the number of passes. The variance
-    /// comes from the differences between blocks.
+    /// `columns` is the width of the picture \[pixels], and `n` the number of passes. The variance
+    /// follows from the differences between blocks.
     pub(super) fn squared_error(&self, scale: &RelativeScale, columns: u32, n: f64) -> (f64, f64) {
         if self.pixels.is_empty() {
             return (0.0, 0.0);
@@ -50,7 +53,7 @@ impl SharedPathError {
         };
         let values: Vec<_> = self.pixels.iter().zip(&self.sums).zip(&self.squares).map(one).collect();
         let mean = values.iter().map(|(_, value)| value).sum::<f64>() / values.len() as f64;
-        // Blocks at the border are smaller, so sums of deviations are compared, not means.
+        // Blocks at the border are smaller, so the variance is that of sums, not of means.
         let blocks = values.chunk_by(|a, b| a.0 == b.0);
         let sums: Vec<f64> = blocks.map(|block| block.iter().map(|(_, value)| value - mean).sum()).collect();
         let count = sums.len() as f64;

@@ -49,7 +49,7 @@ pub(super) fn collect_lights(
     }
     for source in sources {
         let Some(motion) = &source.motion else { continue };
-        let motion = motion.followed_by(DAffine3::from_translation(-origin));
+        let motion = motion.followed_by_map(DAffine3::from_translation(-origin));
         let strength = physical_strength_mid_shutter(&source.kind, source.strength, &motion);
         let placed = delta_light_at(&source.kind, &motion, MID_SHUTTER).ok_or(BuildError::Flattened)?;
         found.moving.push((found.lights.len(), source.kind.clone(), strength, motion));

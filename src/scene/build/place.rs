@@ -51,7 +51,7 @@ pub(super) fn place_objects(
     let mut animation = Animation::default();
     let (mut shapes, mut planes, mut mesh_ranges) = (Vec::new(), Vec::new(), Vec::new());
     for object in &objects {
-        let motion = object.motion.as_ref().map(|motion| motion.followed_by(recenter));
+        let motion = object.motion.as_ref().map(|motion| motion.followed_by_map(recenter));
         match (&object.geometry, motion) {
             (ObjectGeometry::Shape(shape), None) => shapes.push(shape.translated(-origin)),
             (ObjectGeometry::Shape(shape), Some(motion)) => {
@@ -86,7 +86,7 @@ fn place_mappings(
             mappings.of_object.push(0);
             continue;
         };
-        let (index, placed) = (mappings.list.len(), motion.followed_by(recenter));
+        let (index, placed) = (mappings.list.len(), motion.followed_by_map(recenter));
         mappings.list.push(mapping_at(*form, &placed, MID_SHUTTER).ok_or(BuildError::Flattened)?);
         mappings.of_object.push(index as u32);
         if !motion.is_constant() {

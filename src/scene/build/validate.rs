@@ -1,4 +1,4 @@
-//! Checks of the parts of a scene.
+//! Checks that a scene can be rendered in single precision.
 
 use super::object::{MeshData, ObjectGeometry, SceneObject};
 use super::place::PlacedGeometry;

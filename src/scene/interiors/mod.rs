@@ -118,7 +118,7 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
     }
 }
 
-/// exp(−depth).
+/// Transmittance exp(−depth) of an optical depth.
 #[inline]
 pub(super) fn exp_neg(depth: Rgb) -> Rgb {
     if depth == Rgb::ZERO { Rgb::ONE } else { (-depth).map(libm::expf) }

@@ -9,7 +9,7 @@ use super::spline::{SplineBasis, SplineError};
 use crate::math::{Ray, Transform};
 use crate::sampling::DiscreteDistribution;
 use crate::shape::analytic::AnalyticShape;
-use crate::shape::hit::{ShapeHit, t_in_range};
+use crate::shape::hit::{ShapeHit, round_t_if_in_range};
 use crate::shape::object_ray::ObjectRay;
 use crate::shape::surface_point::{ShapeSample, SurfacePoint};
 use crate::shape::texture_mapping::TexCoord;
@@ -46,7 +46,7 @@ struct SubdividedPatch {
     cuts: Vec<SubdivisionCut>,
     tree: BoxBvh,
     /// Distribution of leaves by area.
-    choice: DiscreteDistribution,
+    leaf_distribution: DiscreteDistribution,
     /// Half the edge lengths of the bounding box, whose centre is the origin.
     half: DVec3,
     /// Radius of the bounding sphere around the origin.
@@ -92,16 +92,17 @@ impl Patch {
         let bounds =
             |p: &[DVec3]| p.iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[a, b], p| [a.min(*p), b.max(*p)]);
         let [min, max] = bounds(&points);
-        let place = 0.5 * min + 0.5 * max;
-        let heaviest = controls.iter().fold(0.0, |m: f64, c| m.max(c.w));
-        let weigh = |(p, c): (&DVec3, &DVec4)| ((*p - place) * (c.w / heaviest)).extend(c.w / heaviest).to_array();
-        let weighed: Vec<Coefficients<4>> = points.iter().zip(controls).map(weigh).collect();
+        let center = 0.5 * min + 0.5 * max;
+        let max_weight = controls.iter().fold(0.0, |m: f64, c| m.max(c.w));
+        let to_homogeneous =
+            |(p, c): (&DVec3, &DVec4)| ((*p - center) * (c.w / max_weight)).extend(c.w / max_weight).to_array();
+        let homogeneous: Vec<Coefficients<4>> = points.iter().zip(controls).map(to_homogeneous).collect();
 
         let mut builder = PatchBuilder::new(bases.map(SplineBasis::degree), free);
         for u in bases[0].knot_spans() {
             // Along u for each column of the net, then along v.
             let columns: Vec<Vec<Coefficients<4>>> =
-                (0..columns).map(|j| bases[0].bezier_piece(u, &weighed, (j, columns))).collect();
+                (0..columns).map(|j| bases[0].bezier_piece(u, &homogeneous, (j, columns))).collect();
             for v in bases[1].knot_spans() {
                 let mut piece = Vec::new();
                 for i in 0..=bases[0].degree() {
@@ -120,11 +121,11 @@ impl Patch {
         let noise = size * f64::EPSILON * (64 + 4 * (p * p + q * q)) as f64;
         let bytes = builder.memory_bytes();
         let PatchBuilder { leaves, powers, roots, cuts, boxes, .. } = builder;
-        let nothing = DiscreteDistribution::new([1.0]).ok_or(SplineError::NoArea)?;
+        let placeholder = DiscreteDistribution::new([1.0]).ok_or(SplineError::NoArea)?;
         let mut net = SubdividedPatch {
             degree: [p, q],
             tree: BoxBvh::new(&boxes, 4.0 * noise),
-            choice: nothing,
+            leaf_distribution: placeholder,
             leaves,
             powers,
             breaks: bases.map(|b| b.knot_spans().map(|s| s.range[0]).collect()),
@@ -136,9 +137,9 @@ impl Patch {
             bytes,
         };
         let areas = (0..net.leaves.len()).map(|i| leaf_area(&net.leaf_piece(i), &Transform::IDENTITY));
-        net.choice = DiscreteDistribution::new(areas).ok_or(SplineError::NoArea)?;
-        let area = net.choice.weight_sum();
-        Ok(Self { net: Arc::new(net), to_world: Transform::IDENTITY.translated(place), area })
+        net.leaf_distribution = DiscreteDistribution::new(areas).ok_or(SplineError::NoArea)?;
+        let area = net.leaf_distribution.weight_sum();
+        Ok(Self { net: Arc::new(net), to_world: Transform::IDENTITY.translated(center), area })
     }
 
     /// Upper bound of the memory in bytes.
@@ -172,7 +173,7 @@ impl AnalyticShape for Patch {
         let to_world = Transform::new(*map.forward() * *self.to_world.forward()).ok()?;
         let net = &self.net;
         let area = match to_world.uniform_scale() {
-            Some(scale) => scale * scale * net.choice.weight_sum(),
+            Some(scale) => scale * scale * net.leaf_distribution.weight_sum(),
             None => (0..net.leaves.len()).map(|i| leaf_area(&net.leaf_piece(i), &to_world)).sum(),
         };
         Some(Self { net: Arc::clone(net), to_world, area })
@@ -190,7 +191,7 @@ impl AnalyticShape for Patch {
             }
         });
         let (leaf, at, t) = found?;
-        let t = t_in_range(ray, (start + t) / length)?;
+        let t = round_t_if_in_range(ray, (start + t) / length)?;
         let uv = net.leaves[leaf].leaf_to_surface_uv(at);
         Some((t, uv.x, uv.y))
     }
@@ -231,8 +232,8 @@ impl AnalyticShape for Patch {
     /// Samples a leaf in proportion to its area, then uniform parameters in the leaf.
     fn sample(&self, u: Vec2) -> ShapeSample {
         let net = &*self.net;
-        let (leaf, _) = net.choice.sample(u.x);
-        let at = DVec2::new(f64::from(net.choice.remapped_sample(u.x, leaf)), f64::from(u.y)) * 2.0 - 1.0;
+        let (leaf, _) = net.leaf_distribution.sample(u.x);
+        let at = DVec2::new(f64::from(net.leaf_distribution.remapped_sample(u.x, leaf)), f64::from(u.y)) * 2.0 - 1.0;
         let uv = net.leaves[leaf].leaf_to_surface_uv(at);
         let point = self.surface_at(leaf, at, uv);
         ShapeSample { pdf: self.pdf(&point), point, uv }
@@ -243,7 +244,7 @@ impl AnalyticShape for Patch {
         let (leaf, at) = net.find_leaf(seen.uv);
         let [_, along_x, along_y] = net.leaf_piece(leaf).point_and_derivatives(at);
         let element = self.to_world.transform_vector(along_x).cross(self.to_world.transform_vector(along_y)).length();
-        (f64::from(net.choice.probability(leaf)) / (4.0 * element)) as f32
+        (f64::from(net.leaf_distribution.probability(leaf)) / (4.0 * element)) as f32
     }
 
     fn tex_coord(&self, _p: Vec3, uv: Vec2) -> TexCoord {

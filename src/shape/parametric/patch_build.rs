@@ -142,8 +142,8 @@ impl PatchBuilder {
                 ranges
             };
             let index = self.cuts.len();
-            let nothing = SubdivisionNode::Leaf(0);
-            self.cuts.push(SubdivisionCut { axis, at, parts: [nothing; 2] });
+            let placeholder = SubdivisionNode::Leaf(0);
+            self.cuts.push(SubdivisionCut { axis, at, parts: [placeholder; 2] });
             let parts = [
                 self.subdivide(&first, part([start, at]), small, depth - 1)?,
                 self.subdivide(&last, part([at, end]), small, depth - 1)?,

@@ -68,7 +68,7 @@ fn relative_to_base(a: &Coefficients<4>, base: DVec3) -> DVec3 {
     p - base * w
 }
 
-/// Number of roots that a test found in a box of parameters.
+/// Result of a test for intersections in a box of parameters.
 enum RootTest {
     NoRoot,
     /// Exactly one root, with its parameters and τ.
@@ -149,7 +149,7 @@ impl PatchPiece<'_> {
                 a.chunks_exact_mut(columns).for_each(|row| reparametrize(row, middle.y, half.y));
             }
             let bounds = HigherTerms::from_powers(a, columns);
-            let Some(reach) = self.half_size_if_hit(&bounds, line, *range) else { continue };
+            let Some(reach) = self.half_extent_if_hit(&bounds, line, *range) else { continue };
             let point = || DVec2::new(middle.x, middle.y);
             let touched = match test_roots(a, columns, &bounds, line, self.noise) {
                 RootTest::NoRoot => None,
@@ -181,7 +181,7 @@ impl PatchPiece<'_> {
 
     /// Half the edge lengths of the piece's bounding box; `None` if the line misses that box within
     /// `range` of τ.
-    fn half_size_if_hit(&self, bounds: &HigherTerms, line: &Line, range: [f64; 2]) -> Option<DVec3> {
+    fn half_extent_if_hit(&self, bounds: &HigherTerms, line: &Line, range: [f64; 2]) -> Option<DVec3> {
         let [middle, along_y, along_x] = bounds.linear.map(|a| relative_to_base(&a, line.base));
         let reach =
             along_x.abs() + along_y.abs() + HigherTerms::bound_relative_to(&bounds.rest, line.base) + self.noise;

@@ -34,7 +34,7 @@ pub const PIECE_OVERLAP: f64 = 1e-10;
 /// Size of a box, relative to the surface, below which a double root counts as one hit.
 pub const POINT_SIZE: f64 = 1e-6;
 
-/// Number of roots that a test found in a box of parameters.
+/// Result of a test for intersections in a box of parameters.
 enum RootTest {
     NoRoot,
     /// Exactly one root, at (x, τ).

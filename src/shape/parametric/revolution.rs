@@ -10,7 +10,7 @@ use super::spline::{SplineBasis, SplineError};
 use crate::math::{Ray, Transform};
 use crate::sampling::DiscreteDistribution;
 use crate::shape::analytic::AnalyticShape;
-use crate::shape::hit::{ShapeHit, t_in_range};
+use crate::shape::hit::{ShapeHit, round_t_if_in_range};
 use crate::shape::object_ray::{ObjectRay, object_ray};
 use crate::shape::surface_point::{ShapeSample, SurfacePoint};
 use crate::shape::texture_mapping::TexCoord;
@@ -53,7 +53,7 @@ struct RevolutionProfile {
     /// Bound on the rounding error of an evaluated point.
     noise: f64,
     /// Distribution of leaves by object-space area.
-    choice: DiscreteDistribution,
+    leaf_distribution: DiscreteDistribution,
 }
 
 impl Revolution {
@@ -97,12 +97,12 @@ impl Revolution {
         let tree = RingBvh::new(&rings, size);
         let degree = basis.degree();
         let noise = size * f64::EPSILON * (64 + 4 * degree * degree) as f64;
-        let nothing = DiscreteDistribution::new([1.0]).ok_or(SplineError::NoArea)?;
-        let mut profile = RevolutionProfile { leaves, powers, tree, size, noise, choice: nothing };
+        let placeholder = DiscreteDistribution::new([1.0]).ok_or(SplineError::NoArea)?;
+        let mut profile = RevolutionProfile { leaves, powers, tree, size, noise, leaf_distribution: placeholder };
         let areas = (0..profile.leaves.len()).map(|i| profile.leaf_area(i, &Transform::IDENTITY));
-        profile.choice = DiscreteDistribution::new(areas).ok_or(SplineError::NoArea)?;
+        profile.leaf_distribution = DiscreteDistribution::new(areas).ok_or(SplineError::NoArea)?;
         let to_world = Transform::IDENTITY.translated(DVec3::new(0.0, middle, 0.0));
-        let area = profile.choice.weight_sum();
+        let area = profile.leaf_distribution.weight_sum();
         Ok(Self { profile: Arc::new(profile), to_world, area })
     }
 
@@ -140,7 +140,7 @@ impl AnalyticShape for Revolution {
         let to_world = Transform::new(*map.forward() * *self.to_world.forward()).ok()?;
         let profile = &self.profile;
         let area = match to_world.uniform_scale() {
-            Some(scale) => scale * scale * profile.choice.weight_sum(),
+            Some(scale) => scale * scale * profile.leaf_distribution.weight_sum(),
             None => (0..profile.leaves.len()).map(|i| profile.leaf_area(i, &to_world)).sum(),
         };
         Some(Self { profile: Arc::clone(profile), to_world, area })
@@ -159,9 +159,9 @@ impl AnalyticShape for Revolution {
             }
         });
         let (leaf, x, at) = found?;
-        let t = t_in_range(ray, (start + at) / length)?;
+        let t = round_t_if_in_range(ray, (start + at) / length)?;
         let p = line.base + line.direction * at;
-        Some((t, self.profile.leaf_to_profile(leaf, x) as f32, self.angle_in_turns(p, leaf) as f32))
+        Some((t, self.profile.leaf_to_profile_parameter(leaf, x) as f32, self.angle_in_turns(p, leaf) as f32))
     }
 
     fn surface_point(&self, ray: &Ray, _t: f32, uv: Vec2) -> SurfacePoint {
@@ -214,9 +214,9 @@ impl AnalyticShape for Revolution {
 
     /// Samples a leaf in proportion to its area, then uniform parameters in the leaf.
     fn sample(&self, u: Vec2) -> ShapeSample {
-        let (leaf, _) = self.profile.choice.sample(u.x);
-        let x = f64::from(self.profile.choice.remapped_sample(u.x, leaf)) * 2.0 - 1.0;
-        let uv = Vec2::new(self.profile.leaf_to_profile(leaf, x) as f32, u.y);
+        let (leaf, _) = self.profile.leaf_distribution.sample(u.x);
+        let x = f64::from(self.profile.leaf_distribution.remapped_sample(u.x, leaf)) * 2.0 - 1.0;
+        let uv = Vec2::new(self.profile.leaf_to_profile_parameter(leaf, x) as f32, u.y);
         let point = self.surface_at(leaf, x, self.profile.radial_direction(leaf, u.y), uv);
         ShapeSample { pdf: self.pdf(&point), point, uv }
     }
@@ -236,7 +236,7 @@ impl AnalyticShape for Revolution {
         let m = self.to_world.forward().matrix3;
         let stretch = self.to_world.determinant().abs() / (m.transpose() * point.ng.as_dvec3()).length();
         let element = self.profile.area_element(leaf, x) * stretch;
-        (f64::from(self.profile.choice.probability(leaf)) / (2.0 * TAU * element)) as f32
+        (f64::from(self.profile.leaf_distribution.probability(leaf)) / (2.0 * TAU * element)) as f32
     }
 }
 
@@ -268,7 +268,7 @@ impl RevolutionProfile {
     }
 
     /// Profile parameter in \[0, 1] at parameter x in \[−1, 1] of a leaf.
-    fn leaf_to_profile(&self, leaf: usize, x: f64) -> f64 {
+    fn leaf_to_profile_parameter(&self, leaf: usize, x: f64) -> f64 {
         let [middle, half] = self.leaves[leaf].place;
         middle + half * x
     }

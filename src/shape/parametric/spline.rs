@@ -98,7 +98,7 @@ impl SplineBasis {
     /// # Errors
     ///
     /// [`SplineError::Degree`] for fewer than 2 or too many control points.
-    pub fn bezier(controls: usize) -> Result<Self, SplineError> {
+    pub fn single_bezier(controls: usize) -> Result<Self, SplineError> {
         let degree = controls.saturating_sub(1);
         let knots = [0.0, 1.0].into_iter().flat_map(|k| std::iter::repeat_n(k, controls.min(MAX_DEGREE + 1))).collect();
         check_degree(degree)?;

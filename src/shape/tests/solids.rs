@@ -52,7 +52,7 @@ impl Solid {
         }
     }
 
-    /// The gauge of the side alone.
+    /// Convex function that is negative inside the infinite extension of the side and 0 on it.
     fn side_implicit_value(self, p: DVec3) -> f64 {
         match self {
             Self::Cube => self.implicit_value(p),
@@ -60,7 +60,8 @@ impl Solid {
         }
     }
 
-    /// Entry and exit parameters of a ray; `None` if it misses, and the least gauge along it.
+    /// Entry and exit parameters of a ray (`None` if it misses), and the minimum of
+    /// [`Solid::implicit_value`] along the ray.
     fn entry_and_exit(self, map: &Transform, ray: &Ray) -> (Option<[f64; 2]>, f64) {
         let o = map.inverse().transform_point3(ray.origin.as_dvec3());
         let d = map.inverse().transform_vector3(ray.direction.as_dvec3());
@@ -111,7 +112,7 @@ fn random_direction(i: u64) -> DVec3 {
     warp::square_to_uniform_sphere(test_key(i).uniform_2d(Dimension::LightDirection)).as_dvec3()
 }
 
-/// Points of edges and rims: where faces meet.
+/// Point `i` of a sequence of random points on the edges or rims of a solid.
 fn edge_point(solid: Solid, i: u64) -> DVec3 {
     let u = test_key(i).uniform_2d(Dimension::LightPosition).as_dvec2();
     match solid {
@@ -128,8 +129,7 @@ fn edge_point(solid: Solid, i: u64) -> DVec3 {
     }
 }
 
-/// The nearest hit agrees with bisection, for rays from outside and inside, through faces, edges
-/// and apexes.
+/// The rays start outside and inside, and pass through faces, edges and apexes.
 #[test]
 fn hits_agree_with_bisection() {
     for solid in SOLIDS {
@@ -191,7 +191,7 @@ fn hits_agree_with_bisection() {
     }
 }
 
-/// No ray from inside a closed solid escapes, whether it is aimed at a face, an edge or a corner.
+/// The rays are aimed at edges and rims of closed solids.
 #[test]
 fn inner_rays_never_escape() {
     for solid in SOLIDS.into_iter().filter(|s| s.is_closed()) {
@@ -287,8 +287,7 @@ fn areas_match_formulas() {
     near(cone_shape(DVec3::ZERO, DVec3::Y, [1.0, 1.0], false).transformed(&stretch).unwrap(), 2.0 * perimeter);
 }
 
-/// Samples fill equal areas of the surface alike: chi-square over bins, at a probability of failure
-/// of 10⁻⁶.
+/// Chi-square test over bins of the surface; the false-alarm rate is 10⁻⁶.
 #[test]
 fn samples_are_uniform_by_area() {
     let turn = DQuat::from_xyzw(0.1, -0.5, 0.7, 0.5).normalize();
@@ -355,8 +354,8 @@ fn samples_are_uniform_by_area() {
     }
 }
 
-/// The solid angle seen from a point, by area samples and by random directions, under a map that
-/// stretches.
+/// Compares two estimates of the solid angle seen from a point: from area samples, and from random
+/// directions.
 #[test]
 fn area_samples_measure_the_visible_solid_angle() {
     let map = &test_transforms()[1];

@@ -45,7 +45,7 @@ fn room_scene(at: Placement) -> Scene {
     };
     ball(dvec3(-0.3, -0.4, 0.3), 0.35, glass);
     ball(dvec3(0.5, -0.6, -0.3), 0.3, mirror);
-    let lamp = Disc::with_normal(at.point(dvec3(0.2, 0.9, 0.2)), at.vector(-DVec3::Y), 0.15 * at.scale);
+    let lamp = Disc::circular_disc(at.point(dvec3(0.2, 0.9, 0.2)), at.vector(-DVec3::Y), 0.15 * at.scale);
     b.shape(Shape::Disc(lamp), black, Vec3::new(20.0, 30.0, 40.0));
     let sail = [dvec3(-0.9, -0.9, -0.4), dvec3(-0.4, -0.9, -0.9), dvec3(-0.9, 0.3, -0.8)].map(|p| at.point(p));
     b.mesh(&sail, &[], &[[0, 1, 2]], mirror, Vec3::ZERO);

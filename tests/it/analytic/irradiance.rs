@@ -72,7 +72,7 @@ const LAMPS: [Lamp; 6] = [
     },
     Lamp {
         name: "disc",
-        add: |b| emit(b, Shape::Disc(Disc::with_normal(dvec3(0.0, HEIGHT, 0.0), -DVec3::Y, DISC))),
+        add: |b| emit(b, Shape::Disc(Disc::circular_disc(dvec3(0.0, HEIGHT, 0.0), -DVec3::Y, DISC))),
         irradiance: |p| {
             let (h2, a2, r2) = (HEIGHT * HEIGHT, p.length_squared(), DISC * DISC);
             let s = h2 + a2 + r2;

@@ -121,7 +121,7 @@ fn cavity_returns_effective_albedo() {
         let wall = b.material(Material::diffuse(grey(albedo)));
         let black = b.material(Material::black());
         b.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), wall, grey(0.0));
-        let plate = Disc::with_normal(DVec3::Z * height, -DVec3::Z, (1.0 - height * height).sqrt());
+        let plate = Disc::circular_disc(DVec3::Z * height, -DVec3::Z, (1.0 - height * height).sqrt());
         b.shape(Shape::Disc(plate), black, grey(1.0));
         let scene = photon_only_scene(b);
         let f = 0.5 * (1.0 - height);

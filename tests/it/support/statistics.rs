@@ -30,7 +30,8 @@ pub fn student_t_tail(t: f64, dof: f64) -> f64 {
     2.0 * norm * midpoint_integral(libm::atan(t.abs() / dof.sqrt()), 0.5 * PI, 4000, density)
 }
 
-/// Fails if `samples` contradict a mean of `expected`, known to ±`slack`, at rate [`FALSE_ALARM_RATE`].
+/// Fails if `samples` contradict a mean of `expected`, known to ±`slack`, at rate
+/// [`FALSE_ALARM_RATE`].
 ///
 /// Also fails if their standard error exceeds `sharp` · `expected`, because the test would be
 /// blind.

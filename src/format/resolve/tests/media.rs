@@ -41,7 +41,7 @@ fn coefficients_and_phase_functions_are_resolved() {
     assert_eq!((medium.absorption, medium.scattering), (vec3(0.0, 2.0, 8.0), vec3(8.0, 6.0, 0.0)));
     assert_eq!(medium.phase, PhaseFunction::HenyeyGreenstein(-0.25));
     assert_eq!(first_medium(&of("phase rayleigh")).phase, PhaseFunction::Rayleigh);
-    // What is nearest to 1 stays below it in single precision.
+    // An anisotropy next to 1 stays below 1 in single precision.
     for g in [".9999999", "-.9999999"] {
         assert!(first_medium(&of(&format!("anisotropy {g}"))).phase.mean_cosine().abs() < 1.0);
     }

@@ -51,7 +51,7 @@ fn a_mesh_uses_scene_or_file_materials() {
     assert_eq!(visible_reflectance(&plain, dvec3(0.1, 0.8, 9.0), Vec3::NEG_Z), Vec3::splat(0.2));
     let own = folder.resolve_body("TriangleMesh { file a.obj materials file } Sphere { center 9 0 0 radius 1 }");
     assert_eq!((own.materials().len(), own.triangle_count()), (4, 5));
-    // What has no material of its own keeps the scene's, as does what follows.
+    // Faces without a file material, and the objects that follow, keep the scene's material.
     assert_eq!((reflectance_at(&own, 0.5), reflectance_at(&own, 1.5)), (Vec3::splat(0.2), vec3(0.9, 0.1, 0.1)));
     assert_eq!(reflectance_at(&own, 9.0), Vec3::splat(0.2));
     assert_eq!(visible_reflectance(&own, dvec3(0.1, 0.8, 9.0), Vec3::NEG_Z), Vec3::splat(0.5));
@@ -126,7 +126,7 @@ fn ply_files_are_read_as_meshes() {
     mesh.write(&folder.0.path().join("a.ply"), crate::format::mesh::MeshFormat::Ply, &[]).unwrap();
     let scene = folder.resolve_body("TriangleMesh { file a.ply materials file }");
     assert_eq!((scene.triangle_count(), reflectance_at(&scene, 1.5)), (5, Vec3::splat(0.2)));
-    // Whatever it is called.
+    // A PLY file is recognized by its content.
     std::fs::rename(folder.0.path().join("a.ply"), folder.0.path().join("b.obj")).unwrap();
     assert_eq!(folder.resolve_body("TriangleMesh { obj_file b.obj }").triangle_count(), 5);
 }

@@ -254,7 +254,7 @@ fn area_lights_have_the_given_strength() {
         } Group { }",
     );
     let emission = |x: f64| visible_surface(&scene, dvec3(x, 0.5, 9.0), Vec3::NEG_Z).unwrap().0.emission;
-    // A matt radiator of area A and radiance L sends out πAL.
+    // A Lambertian emitter of area A and radiance L has flux πAL.
     assert!(is_close(emission(1.0), vec3(1.0 / PI, 0.0, 0.0)));
     assert!(is_close(emission(10.0), vec3(0.0, 1.0 / (PI * PI), 0.0)));
     assert!(is_close(emission(20.0), vec3(0.0, 0.0, 9.0 / (PI * 36.0 * PI))));

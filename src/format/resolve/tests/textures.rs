@@ -46,7 +46,7 @@ fn pictures_are_decoded_as_color_or_numbers() {
     let numbers = front_reflectance("Image t { file half.png encoding linear }", "Diffuse { reflectance t }");
     assert!((numbers - 188.0 / 255.0).abs() < 1e-6, "{numbers}");
     assert_eq!(front_reflectance("Image t { file half.exr }", "Diffuse { reflectance t }"), 0.5);
-    // The course's field: a texture, else a picture, times the colour.
+    // `texture` names a texture, or else a picture, which multiplies `diffuseColor`.
     assert_eq!(front_reflectance("", "Phong { diffuseColor .5 1 1 texture half.exr }"), 0.25);
     assert_eq!(front_reflectance("Checker half.exr { color0 1 1 1 }", "Phong { texture half.exr }"), 1.0);
 

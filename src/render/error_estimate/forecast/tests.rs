@@ -1,7 +1,13 @@
 use super::*;
 
-fn error_estimate_of(passes: u32, variance: f64, step_variance: f64, blur: f64, blur_ratio: f64) -> ErrorEstimate {
-    ErrorEstimate { passes, variance, step_variance, blur, blur_ratio, ..ErrorEstimate::default() }
+fn error_estimate_of(
+    passes: u32,
+    variance: f64,
+    difference_variance: f64,
+    blur: f64,
+    blur_ratio: f64,
+) -> ErrorEstimate {
+    ErrorEstimate { passes, variance, difference_variance, blur, blur_ratio, ..ErrorEstimate::default() }
 }
 
 /// A tenth of the pixels hold fireflies of sixteen times the limit. More passes find more of

@@ -8,7 +8,7 @@ fn revolve(basis: &SplineBasis, controls: &[[f64; 2]]) -> Revolution {
 }
 
 fn revolved_line(controls: [[f64; 2]; 2]) -> Revolution {
-    revolve(&SplineBasis::bezier(2).unwrap(), &controls)
+    revolve(&SplineBasis::single_bezier(2).unwrap(), &controls)
 }
 
 fn hit_parameter(s: &Revolution, o: Vec3, d: Vec3) -> Option<f32> {

@@ -1,6 +1,6 @@
 //! Surfaces with closed forms, difficult cases for solvers, and rays that leave a surface.
 
-use super::{Patch, Revolution, SplineBasis, cup_case, patch_case, test_cases, test_key, test_ray};
+use super::{Patch, Revolution, SplineBasis, cup_case, patch_case, test_key, test_ray, test_surfaces};
 use crate::math::{Frame, Ray, Transform, offset_ray_origin, warp};
 use crate::sampling::Dimension;
 use crate::shape::Shape;
@@ -110,7 +110,7 @@ fn a_nurbs_torus_matches_the_torus() {
 #[test]
 fn revolved_lines_match_quadric_intersections() {
     let line = |a: [f64; 2], b: [f64; 2]| {
-        let basis = SplineBasis::bezier(2).unwrap();
+        let basis = SplineBasis::single_bezier(2).unwrap();
         Shape::Revolution(Revolution::new(&basis, &[DVec2::from(a), DVec2::from(b)]).unwrap())
     };
     for (a, b) in
@@ -197,7 +197,7 @@ fn tangent_rays_terminate() {
 /// A ray along a flat patch misses. A ray along a bent patch hits its ridge.
 #[test]
 fn edge_on_rays_miss() {
-    let linear = SplineBasis::bezier(2).unwrap();
+    let linear = SplineBasis::single_bezier(2).unwrap();
     let corner = |x: f64, z: f64| DVec4::new(x, 0.0, z, 1.0);
     let flat = patch_case(
         "flat",
@@ -221,7 +221,7 @@ fn poles_and_collapsed_edges_have_normals() {
         let p = ball.surface_point(&ray, t, Vec2::new(u, v));
         assert!((t - 2.0).abs() < 1e-6 && (p.ng - Vec3::Y * side).length() < 1e-4, "{p:?}");
     }
-    for case in test_cases() {
+    for case in test_surfaces() {
         for i in 0..400 {
             let u = test_key(i).uniform_2d(Dimension::LightPosition);
             for uv in
@@ -243,18 +243,18 @@ fn placed_shapes() -> Vec<(&'static str, Shape)> {
     ))
     .unwrap();
     let moved = |s: Shape| s.transformed(&squash).unwrap();
-    let cases: Vec<(&str, Shape)> = test_cases().into_iter().map(|c| (c.name, c.shape)).collect();
+    let cases: Vec<(&str, Shape)> = test_surfaces().into_iter().map(|c| (c.name, c.shape)).collect();
     let mirrored: Vec<(&str, Shape)> = cases.iter().map(|(name, s)| (*name, moved(s.clone()))).collect();
     cases.into_iter().chain(mirrored).collect()
 }
 
-/// True if a point sampled with this pdf may be at an apex, where the opposite side is arbitrarily
-/// near.
+/// True if a point sampled with this pdf may lie near an apex, where the surface comes close to
+/// itself.
 fn is_apex(shape: &Shape, pdf: f32) -> bool {
     f64::from(pdf) * shape.area() > 30.0
 }
 
-/// The shapes that do not intersect themselves; elsewhere two sheets may be arbitrarily near.
+/// Shapes of [`placed_shapes`] that do not intersect themselves.
 fn simple_shapes() -> impl Iterator<Item = (&'static str, Shape)> {
     placed_shapes().into_iter().filter(|(name, _)| *name != "loops")
 }

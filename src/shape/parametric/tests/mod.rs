@@ -1,4 +1,4 @@
-//! Parametric surfaces against a reference that halves quads, and against closed forms.
+//! Tests of parametric surfaces against a reference by subdivision and against closed forms.
 
 mod exact;
 mod reference;
@@ -10,12 +10,12 @@ use crate::sampling::{Dimension, Key, Purpose};
 use glam::{DVec2, DVec4, Vec2, Vec3};
 use reference::{ReferenceHits, ReferencePiece, ReferenceSurface};
 
-/// A surface and the pieces of its reference.
+/// Parametric surface, and the reference pieces that describe the same surface.
 struct TestSurface {
     name: &'static str,
     shape: Shape,
     pieces: Vec<ReferencePiece>,
-    /// Divisor of the number of rays: the reference is slow for strongly bent pieces.
+    /// Divisor of the number of rays, for surfaces whose reference is slow.
     thin: u64,
 }
 
@@ -56,7 +56,7 @@ fn patch_case(name: &'static str, bases: [&SplineBasis; 2], controls: &[DVec4]) 
     TestSurface { name, shape, pieces, thin: 1 }
 }
 
-/// A cup with a wall, from the axis and back, with nearly coincident control points; x is negative.
+/// Surface of revolution like a cup; nearly coincident control points make sharp bends.
 fn cup_case() -> TestSurface {
     let profile = [
         [0.0, -0.3],
@@ -80,8 +80,8 @@ fn cup_case() -> TestSurface {
     revolution_case("cup", &SplineBasis::uniform_knots(3, profile.len()).unwrap(), &profile)
 }
 
-fn test_cases() -> Vec<TestSurface> {
-    let cubic = SplineBasis::bezier(4).unwrap();
+fn test_surfaces() -> Vec<TestSurface> {
+    let cubic = SplineBasis::single_bezier(4).unwrap();
     let wave = |rows: usize, columns: usize, seed: u64, height: f64| -> Vec<DVec4> {
         let place = |i: usize, n: usize| 2.0 * i as f64 / (n - 1) as f64 - 1.0;
         let point = |k: usize| {
@@ -96,7 +96,7 @@ fn test_cases() -> Vec<TestSurface> {
         }
         net
     };
-    let (twenty, ten) = (SplineBasis::bezier(21).unwrap(), SplineBasis::bezier(11).unwrap());
+    let (twenty, ten) = (SplineBasis::single_bezier(21).unwrap(), SplineBasis::single_bezier(11).unwrap());
     let coil: Vec<[f64; 2]> = (0..21)
         .map(|i| [1.5 + random_signed(600 + i), 0.3 * (i as f64 - 10.0) + 2.0 * random_signed(700 + i)])
         .collect();
@@ -121,7 +121,7 @@ fn test_cases() -> Vec<TestSurface> {
     ]
 }
 
-/// Rays of several kinds at a surface: from afar, from inside its box, and along the axes.
+/// Test ray `i` for a shape: from outside, from inside its bounding box, or parallel to an axis.
 fn test_ray(shape: &Shape, i: u64) -> Ray {
     let (min, max) = shape.bounds_f64();
     let (middle, half) = ((0.5 * (min + max)).as_vec3(), (0.5 * (max - min)).as_vec3());
@@ -146,9 +146,9 @@ fn test_ray(shape: &Shape, i: u64) -> Ray {
     }
 }
 
-/// Counts of a comparison.
+/// Numbers of rays in a comparison with the reference.
 #[derive(Debug, Default)]
-struct Comparison {
+struct ComparisonCounts {
     rays: u64,
     hits: u64,
     /// Results differ because the ray is tangent, or passes an edge within the error of the
@@ -156,17 +156,16 @@ struct Comparison {
     undecided: u64,
 }
 
-/// Compares the rays `from..to`.
+/// Compares solver and reference for test rays with these indices.
 ///
-/// The reference errs by `error` at most. A ray that dips deeper under a surface with radius of
-/// curvature R hits it at a cosine above √(2·error/R), here about 0.002. The facets' normals
-/// deviate by less.
-fn compare_with_reference(case: &TestSurface, rays: std::ops::Range<u64>) -> Comparison {
+/// Results may differ only where the ray grazes the surface or passes an edge. The position error
+/// of the reference is at most 10⁻⁶ of the surface's size.
+fn compare_with_reference(case: &TestSurface, rays: std::ops::Range<u64>) -> ComparisonCounts {
     let (min, max) = case.shape.bounds_f64();
     let size = 0.5 * (max - min).length();
     let error = 1e-6 * size;
     let grazing = 0.02;
-    let mut tally = Comparison::default();
+    let mut tally = ComparisonCounts::default();
     let mut found = ReferenceHits { hit: None, touches: Vec::new() };
     for i in rays {
         let ray = test_ray(&case.shape, i);
@@ -212,7 +211,7 @@ fn compare_with_reference(case: &TestSurface, rays: std::ops::Range<u64>) -> Com
 }
 
 fn check_agreement(rays: u64) {
-    for case in test_cases() {
+    for case in test_surfaces() {
         let start = std::time::Instant::now();
         let tally = compare_with_reference(&case, 0..rays / case.thin);
         eprintln!("{}: {tally:?} in {:.1?}", case.name, start.elapsed());

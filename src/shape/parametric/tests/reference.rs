@@ -19,8 +19,8 @@ pub struct ReferencePiece {
     bends: [f64; 3],
 }
 
-/// A quad that the ray nearly touches.
-pub struct Touch {
+/// Quad within the error bound of the ray.
+pub struct QuadTouch {
     /// Interval of the ray in the quad's box.
     pub t: [f64; 2],
     /// Cosine between ray and normal.
@@ -29,10 +29,11 @@ pub struct Touch {
     pub edge: bool,
 }
 
+/// Results of the reference for one ray.
 pub struct ReferenceHits {
     /// The nearest hit of a triangle.
     pub hit: Option<f64>,
-    pub touches: Vec<Touch>,
+    pub touches: Vec<QuadTouch>,
 }
 
 fn de_casteljau<T: Copy + std::ops::Mul<f64, Output = T> + std::ops::Add<Output = T>>(points: &mut [T], s: f64) -> T {
@@ -44,8 +45,8 @@ fn de_casteljau<T: Copy + std::ops::Mul<f64, Output = T> + std::ops::Add<Output 
     points[0]
 }
 
-/// Bounds on the second and the first derivative: the largest n(n − 1)|Δ²b| and n|Δb| along lines
-/// of a net.
+/// Bounds on the first and the second derivative along one axis of a control net: the largest n|Δb|
+/// and n(n − 1)|Δ²b|.
 fn derivative_bounds(points: &[DVec4], degree: [usize; 2], axis: usize) -> (DVec4, DVec4) {
     let columns = degree[1] + 1;
     let step = if axis == 0 { columns } else { 1 };
@@ -166,7 +167,7 @@ impl ReferencePiece {
             }
             let normal = (corners[2] - corners[0]).cross(corners[3] - corners[1]).normalize_or_zero();
             let edge = u0 == 0.0 || u1 == 1.0 || !turned && (v0 == 0.0 || v1 == 1.0);
-            found.touches.push(Touch { t: [lo, hi], cos: normal.dot(d).abs() / d.length(), edge });
+            found.touches.push(QuadTouch { t: [lo, hi], cos: normal.dot(d).abs() / d.length(), edge });
             for [i, j, k] in [[0, 1, 2], [0, 2, 3]] {
                 if let Some(t) = intersect_triangle(o, d, corners[i], corners[j], corners[k]) {
                     found.hit = Some(found.hit.map_or(t, |h: f64| h.min(t)));
@@ -176,7 +177,7 @@ impl ReferencePiece {
     }
 }
 
-/// The test of Möller and Trumbore, edges included.
+/// Ray parameter of a hit of the triangle abc, edges included (Möller and Trumbore 1997).
 fn intersect_triangle(o: DVec3, d: DVec3, a: DVec3, b: DVec3, c: DVec3) -> Option<f64> {
     let (e1, e2, s) = (b - a, c - a, o - a);
     let p = d.cross(e2);

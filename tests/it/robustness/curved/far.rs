@@ -16,7 +16,7 @@ use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
 use std::sync::Arc;
 
-fn pair(rng: &mut SmallRng) -> Vec2 {
+fn random_vec2(rng: &mut SmallRng) -> Vec2 {
     Vec2::new(rng.random(), rng.random())
 }
 
@@ -33,7 +33,7 @@ fn far_spheres_are_hit_correctly() {
     for distance in [3.0, 30.0, 1e3, 1e5, 1e6] {
         let (mut hits, mut doubtful) = (0, 0);
         for _ in 0..100_000 {
-            let from = center.as_vec3() + warp::square_to_uniform_sphere(pair(&mut rng)) * distance;
+            let from = center.as_vec3() + warp::square_to_uniform_sphere(random_vec2(&mut rng)) * distance;
             let aim = Vec3::new(rng.random(), rng.random(), rng.random()) * 2.4 - 1.2;
             let ray = Ray::new(from, (center.as_vec3() + aim - from).normalize());
             let l = DoubleDoubleVec::from(ray.origin.as_dvec3()) - DoubleDoubleVec::from(center);
@@ -73,7 +73,7 @@ fn far_lights_cast_no_shadow_on_themselves() {
     let squash = Transform::new(DAffine3::from_scale(DVec3::new(1.0, 0.6, 0.8))).unwrap();
     let ball = Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0));
     let egg = ball.transformed(&squash).unwrap();
-    let disc = Shape::Disc(Disc::with_normal(DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0), 1.0));
+    let disc = Shape::Disc(Disc::circular_disc(DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0), 1.0));
     let corners = [Vec3::new(-1.0, 0.1, -0.7), Vec3::new(1.0, -0.2, -0.5), Vec3::new(0.1, 0.7, 0.6)];
     let one = Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2]], ..Mesh::default() };
     let mesh = Arc::new(one.clone());
@@ -81,12 +81,12 @@ fn far_lights_cast_no_shadow_on_themselves() {
     let rectangle = Shape::Rectangle(Rectangle::new(-0.5 * (edges[0] + edges[1]), edges[0], edges[1]));
     // A dome, and a sail over a square: both are convex on the emissive side.
     let profile = [DVec2::new(0.8, -0.8), DVec2::new(1.0, 0.9), DVec2::new(0.0, 0.9)];
-    let bell = Shape::Revolution(Revolution::new(&SplineBasis::bezier(3).unwrap(), &profile).unwrap());
+    let bell = Shape::Revolution(Revolution::new(&SplineBasis::single_bezier(3).unwrap(), &profile).unwrap());
     let square = [1.0, -1.0, 1.0];
     let control =
         |i: usize, j: usize| DVec4::new(i as f64 - 1.0, 1.0 - 0.5 * (square[i] + square[j]), j as f64 - 1.0, 1.0);
     let net: Vec<DVec4> = (0..9).map(|i| control(i % 3, i / 3)).collect();
-    let basis = SplineBasis::bezier(3).unwrap();
+    let basis = SplineBasis::single_bezier(3).unwrap();
     let patch = Shape::Patch(Patch::new([&basis, &basis], &net).unwrap());
     let placed = Shape::Instance(Instance::new(Arc::new(MeshWithBvh::new(one)), squash));
     let emitters = [
@@ -106,8 +106,8 @@ fn far_lights_cast_no_shadow_on_themselves() {
         for distance in [2.0, 30.0, 1e3, 1e5, 1e6] {
             let mut tested = 0;
             for _ in 0..50_000 {
-                let p = warp::square_to_uniform_sphere(pair(&mut rng)) * distance;
-                let Some(sample) = light.sample_li(p, pair(&mut rng)) else { continue };
+                let p = warp::square_to_uniform_sphere(random_vec2(&mut rng)) * distance;
+                let Some(sample) = light.sample_li(p, random_vec2(&mut rng)) else { continue };
                 let ShadowTarget::Point(target) = sample.target else { panic!("{sample:?}") };
                 let ray = Ray::between_points(p, target);
                 let blocked = match &emitter {

@@ -126,7 +126,7 @@ fn coplanar_and_collinear_photons_are_found() {
             let (p, r) = (photons[i * 9973].position, [0.01f32, 0.1, 0.3][i % 3]);
             let margin = 3e-7 * (p.abs().max_element() + 1.0);
             let mut power = 0.0;
-            map.visit(p, r, |data, _| power += f64::from(data.flux().y));
+            map.visit_within_radius(p, r, |data, _| power += f64::from(data.flux().y));
             let scan = |r: f32| photons.iter().filter(|q| (q.position - p).length() <= r).count() as f64;
             let (low, high) = (scan(r - margin), scan(r + margin));
             assert!(power >= low * (1.0 - HUE) && power <= high * (1.0 + HUE), "{name}: {low} {power} {high}");
@@ -147,7 +147,7 @@ fn ten_million_photons_are_estimated_correctly() {
     (0..8u64).for_each(|i| {
         let (p, r) = (kept[(i * 1_234_567) as usize], 0.02f32);
         let mut found = 0;
-        map.visit(p, r, |_, _| found += 1);
+        map.visit_within_radius(p, r, |_, _| found += 1);
         let scan = |r: f32| kept.par_iter().filter(|q| (**q - p).length() <= r).count();
         // Rounding of distances for coordinates up to 1, rotated: 10⁻⁶.
         let (low, high) = (scan(r - 1e-6), scan(r + 1e-6));

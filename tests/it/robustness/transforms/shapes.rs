@@ -29,17 +29,17 @@ impl UnitShape {
     pub fn shape(self) -> Shape {
         match self {
             Self::Ball => Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)),
-            Self::Disc => Shape::Disc(Disc::with_normal(DVec3::ZERO, DVec3::Y, 1.0)),
+            Self::Disc => Shape::Disc(Disc::circular_disc(DVec3::ZERO, DVec3::Y, 1.0)),
             Self::Square => {
                 Shape::Rectangle(Rectangle::new(DVec3::new(-1.0, 0.0, -1.0), DVec3::Z * 2.0, DVec3::X * 2.0))
             }
             Self::Tube => {
-                let line = SplineBasis::bezier(2).unwrap();
+                let line = SplineBasis::single_bezier(2).unwrap();
                 let controls = [DVec2::new(1.0, -1.0), DVec2::new(1.0, 1.0)];
                 Shape::Revolution(Revolution::new(&line, &controls).unwrap())
             }
             Self::Bowl => {
-                let basis = SplineBasis::bezier(3).unwrap();
+                let basis = SplineBasis::single_bezier(3).unwrap();
                 // Blossoms of x and x².
                 let (place, square) = ([-1.0, 0.0, 1.0], [1.0, -1.0, 1.0]);
                 let control = |k: usize| DVec4::new(place[k % 3], square[k / 3] + square[k % 3], place[k / 3], 1.0);
