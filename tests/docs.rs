@@ -19,14 +19,14 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-fn root() -> &'static Path {
+fn repository_root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
 /// Returns README.md and all pages below docs/, as path from the repository's root and text.
-fn pages() -> Vec<(PathBuf, String)> {
+fn documentation_pages() -> Vec<(PathBuf, String)> {
     let mut paths = Vec::new();
-    let mut folders = vec![root().join("docs")];
+    let mut folders = vec![repository_root().join("docs")];
     while let Some(folder) = folders.pop() {
         for path in std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()) {
             if path.is_dir() {
@@ -37,13 +37,15 @@ fn pages() -> Vec<(PathBuf, String)> {
         }
     }
     paths.sort();
-    paths.push(root().join("README.md"));
-    let page = |path: &Path| (path.strip_prefix(root()).unwrap().to_owned(), std::fs::read_to_string(path).unwrap());
+    paths.push(repository_root().join("README.md"));
+    let page = |path: &Path| {
+        (path.strip_prefix(repository_root()).unwrap().to_owned(), std::fs::read_to_string(path).unwrap())
+    };
     paths.iter().map(|path| page(path)).collect()
 }
 
 /// Returns the contents of the fenced blocks of a language.
-fn blocks(page: &str, language: &str) -> Vec<String> {
+fn fenced_blocks(page: &str, language: &str) -> Vec<String> {
     let mut blocks = Vec::new();
     let mut open: Option<(bool, String)> = None;
     for line in page.lines() {
@@ -65,7 +67,7 @@ fn blocks(page: &str, language: &str) -> Vec<String> {
 
 /// Returns a shell block's commands as words. Continued lines are joined; comments, prompts and
 /// environment settings are removed.
-fn commands(block: &str) -> Vec<Vec<String>> {
+fn shell_commands(block: &str) -> Vec<Vec<String>> {
     let joined = block.replace("\\\n", " ");
     let lines = joined.lines().map(|line| shell_words(line.trim().trim_start_matches("$ ")));
     let setting = |word: &String| {
@@ -78,7 +80,7 @@ fn commands(block: &str) -> Vec<Vec<String>> {
 }
 
 /// Returns the arguments of `caustica` in a command, `None` for other programs.
-fn caustica(words: &[String]) -> Option<Vec<String>> {
+fn caustica_arguments(words: &[String]) -> Option<Vec<String>> {
     match words[0].rsplit('/').next() {
         Some("caustica") => Some(words[1..].to_vec()),
         Some("cargo") if words.get(1).is_some_and(|w| w == "run") && !words.iter().any(|w| w == "--example") => {
@@ -90,9 +92,9 @@ fn caustica(words: &[String]) -> Option<Vec<String>> {
 }
 
 /// Runs a documented command in a folder that stands for the repository's root, with small renders.
-fn perform(page: &str, line: &[String], folder: &Path) {
+fn run_documented_command(page: &str, line: &[String], folder: &Path) {
     let command_line = format!("{page}: {}", line.join(" "));
-    if let Some(arguments) = caustica(line) {
+    if let Some(arguments) = caustica_arguments(line) {
         let parsed =
             match Arguments::try_parse_from(std::iter::once("caustica").chain(arguments.iter().map(String::as_str))) {
                 Ok(parsed) => Some(parsed.command),
@@ -102,22 +104,22 @@ fn perform(page: &str, line: &[String], folder: &Path) {
         let mut arguments = arguments;
         let (scene, outputs): (Option<&Path>, Vec<&PathBuf>) = match &parsed {
             Some(Command::Render(render)) => {
-                shrink(&mut arguments, render.method.caustic_photons.is_some());
+                set_small_render_flags(&mut arguments, render.method.caustic_photons.is_some());
                 (Some(&render.scene.scene), render.output.iter().chain(&render.stats).collect())
             }
             Some(Command::Estimate(estimate)) => {
-                shrink(&mut arguments, estimate.method.caustic_photons.is_some());
+                set_small_render_flags(&mut arguments, estimate.method.caustic_photons.is_some());
                 let passes = arguments.iter().position(|word| word == "--passes").unwrap();
                 arguments.drain(passes..passes + 2);
-                put(&mut arguments, "--pilot", "0.1s");
+                set_flag(&mut arguments, "--pilot", "0.1s");
                 (Some(&estimate.scene.scene), Vec::new())
             }
             Some(Command::Plan(plan)) => (Some(&plan.scene.scene), Vec::new()),
             Some(Command::Study(study)) => {
-                shrink(&mut arguments, study.method.caustic_photons.is_some());
+                set_small_render_flags(&mut arguments, study.method.caustic_photons.is_some());
                 if !study.kind.effects {
-                    put(&mut arguments, "--budget", "0.1s");
-                    put(&mut arguments, "--truth-time", "0.2s");
+                    set_flag(&mut arguments, "--budget", "0.1s");
+                    set_flag(&mut arguments, "--truth-time", "0.2s");
                 }
                 (Some(&study.scene.scene), study.output.iter().collect())
             }
@@ -128,13 +130,13 @@ fn perform(page: &str, line: &[String], folder: &Path) {
             Some(Command::Completions { .. } | Command::Man) | None => (None, Vec::new()),
         };
         if let Some(scene) = scene.and_then(Path::to_str) {
-            let mapped = root().join(scene).to_str().unwrap().to_owned();
+            let mapped = repository_root().join(scene).to_str().unwrap().to_owned();
             arguments.iter_mut().filter(|a| *a == scene).for_each(|a| *a = mapped.clone());
         }
         for name in &outputs {
             assert!(name.is_relative(), "{command_line}\nwrites outside of the project");
             let parent = name.parent().unwrap();
-            if root().join(parent).is_dir() {
+            if repository_root().join(parent).is_dir() {
                 std::fs::create_dir_all(folder.join(parent)).unwrap();
             }
         }
@@ -153,13 +155,14 @@ fn perform(page: &str, line: &[String], folder: &Path) {
         }),
         ("cargo", "run") => {
             let name = line.iter().skip_while(|w| *w != "--example").nth(1).unwrap_or_else(|| panic!("{command_line}"));
-            let examples = root().join("examples");
+            let examples = repository_root().join("examples");
             let there = examples.join(format!("{name}.rs")).is_file() || examples.join(name).join("main.rs").is_file();
             assert!(there, "{command_line}\nthere is no such example");
         }
         ("cargo", "+nightly") => {
             let [target, corpus] = [6, 7].map(|i| word(i).to_owned());
-            let there = root().join(format!("fuzz/fuzz_targets/{target}.rs")).is_file() && root().join(corpus).is_dir();
+            let there = repository_root().join(format!("fuzz/fuzz_targets/{target}.rs")).is_file()
+                && repository_root().join(corpus).is_dir();
             assert!(line[2..4] == ["fuzz", "run"] && there, "{command_line}\nthere is no such target or corpus");
         }
         ("cargo", "build" | "test" | "bench" | "install" | "doc" | "clippy" | "fmt") | ("git" | "cd", _) => {}
@@ -168,16 +171,16 @@ fn perform(page: &str, line: &[String], folder: &Path) {
 }
 
 /// Replaces size, passes and photons by those of a small render.
-fn shrink(arguments: &mut Vec<String>, caustic: bool) {
+fn set_small_render_flags(arguments: &mut Vec<String>, caustic: bool) {
     let mut small = vec![("--size", "32x24"), ("--passes", "1"), ("--photons", "1k")];
     if caustic {
         small.push(("--caustic-photons", "1k"));
     }
-    small.into_iter().for_each(|(flag, value)| put(arguments, flag, value));
+    small.into_iter().for_each(|(flag, value)| set_flag(arguments, flag, value));
 }
 
 /// Sets a flag to a value, replacing an earlier one.
-fn put(arguments: &mut Vec<String>, flag: &str, value: &str) {
+fn set_flag(arguments: &mut Vec<String>, flag: &str, value: &str) {
     if let Some(at) = arguments.iter().position(|a| a == flag) {
         arguments.drain(at..at + 2);
     }
@@ -188,11 +191,11 @@ fn put(arguments: &mut Vec<String>, flag: &str, value: &str) {
 #[test]
 fn documented_commands_run() {
     let mut tried = 0;
-    for (name, page) in pages() {
+    for (name, page) in documentation_pages() {
         let folder = tempfile::tempdir().unwrap();
-        for line in blocks(&page, "sh").iter().flat_map(|block| commands(block)) {
-            perform(&name.to_string_lossy(), &line, folder.path());
-            tried += usize::from(caustica(&line).is_some());
+        for line in fenced_blocks(&page, "sh").iter().flat_map(|block| shell_commands(block)) {
+            run_documented_command(&name.to_string_lossy(), &line, folder.path());
+            tried += usize::from(caustica_arguments(&line).is_some());
         }
     }
     assert!(tried >= 4, "docs/guide/command-line.md alone has four");
@@ -201,20 +204,20 @@ fn documented_commands_run() {
 #[test]
 fn commands_parse_like_a_shell() {
     let block = "# a comment\n$ A_B=1 caustica render 'my scene.txt' \\\n  -o \"a b.png\"  # why\n\ncargo run --release -- render x\n";
-    let read = commands(block);
+    let read = shell_commands(block);
     assert_eq!(read.len(), 2);
-    assert_eq!(caustica(&read[0]).unwrap(), ["render", "my scene.txt", "-o", "a b.png"]);
-    assert_eq!(caustica(&read[1]).unwrap(), ["render", "x"]);
-    assert_eq!(caustica(&shell_words("cargo run --example caustica -- x")), None);
+    assert_eq!(caustica_arguments(&read[0]).unwrap(), ["render", "my scene.txt", "-o", "a b.png"]);
+    assert_eq!(caustica_arguments(&read[1]).unwrap(), ["render", "x"]);
+    assert_eq!(caustica_arguments(&shell_words("cargo run --example caustica -- x")), None);
     let mut arguments = shell_words("render x --size 9x9 --photons=2M --time 5m");
-    shrink(&mut arguments, false);
+    set_small_render_flags(&mut arguments, false);
     assert_eq!(arguments, shell_words("render x --time 5m --size 32x24 --passes 1 --photons 1k"));
-    assert_eq!(blocks("```sh\na\n```\n```text\nb\n```\n  ```sh\n  c\n  ```\n", "sh"), ["a\n", "  c\n"]);
+    assert_eq!(fenced_blocks("```sh\na\n```\n```text\nb\n```\n  ```sh\n  c\n  ```\n", "sh"), ["a\n", "  c\n"]);
 }
 
 /// Returns the cells of the table rows of a section of docs/guide/command-line.md.
-fn table(section: &str) -> Vec<Vec<String>> {
-    let page = std::fs::read_to_string(root().join("docs/guide/command-line.md")).unwrap();
+fn guide_table_rows(section: &str) -> Vec<Vec<String>> {
+    let page = std::fs::read_to_string(repository_root().join("docs/guide/command-line.md")).unwrap();
     let heading = format!("\n## {section}\n");
     let (_, after) = page.split_once(&heading).unwrap_or_else(|| panic!("no section {section}"));
     let rows = after.split("\n## ").next().unwrap().lines().filter(|line| line.starts_with("| "));
@@ -224,15 +227,15 @@ fn table(section: &str) -> Vec<Vec<String>> {
 
 #[test]
 fn docs_list_every_flag_with_default() {
-    flags_are_listed("render", "Flags");
-    flags_are_listed("diff", "Diff");
-    flags_are_listed("mesh", "Mesh");
+    assert_flags_are_listed("render", "Flags");
+    assert_flags_are_listed("diff", "Diff");
+    assert_flags_are_listed("mesh", "Mesh");
 }
 
-fn flags_are_listed(command: &str, section: &str) {
+fn assert_flags_are_listed(command: &str, section: &str) {
     let arguments = Arguments::command();
     let command = arguments.find_subcommand(command).unwrap();
-    let rows = table(section);
+    let rows = guide_table_rows(section);
     let bare = |text: &str| text.replace('`', "");
     let mut known = BTreeSet::new();
     for argument in command.get_arguments().filter(|a| a.get_id() != "help") {
@@ -267,13 +270,13 @@ fn flags_are_listed(command: &str, section: &str) {
 
 #[test]
 fn docs_list_every_exit_code() {
-    let codes: Vec<String> = table("Exit codes").iter().map(|row| row[0].replace('`', "")).collect();
+    let codes: Vec<String> = guide_table_rows("Exit codes").iter().map(|row| row[0].replace('`', "")).collect();
     let known = [Exit::Success, Exit::Input, Exit::Usage, Exit::Output, Exit::Differ, Exit::Interrupted];
     assert_eq!(codes, known.map(|exit| (exit as u8).to_string()));
 }
 
 /// Returns the anchor that GitHub gives a heading.
-fn anchor(heading: &str) -> String {
+fn heading_anchor(heading: &str) -> String {
     let text = heading.trim_start_matches('#').trim().to_lowercase();
     let kept = text.chars().filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'));
     kept.map(|c| if c == ' ' { '-' } else { c }).collect()
@@ -281,19 +284,19 @@ fn anchor(heading: &str) -> String {
 
 #[test]
 fn links_lead_to_files_and_headings() {
-    for (name, page) in pages() {
-        let folder = root().join(name.parent().unwrap());
+    for (name, page) in documentation_pages() {
+        let folder = repository_root().join(name.parent().unwrap());
         for (at, _) in page.match_indices("](") {
             let target = page[at + 2..].split(')').next().unwrap();
             if target.contains("://") {
                 continue;
             }
             let (file, heading) = target.split_once('#').unwrap_or((target, ""));
-            let path = if file.is_empty() { root().join(&name) } else { folder.join(file) };
+            let path = if file.is_empty() { repository_root().join(&name) } else { folder.join(file) };
             assert!(path.exists(), "{} links to {target}", name.display());
             if !heading.is_empty() {
                 let text = std::fs::read_to_string(&path).unwrap();
-                let found = text.lines().any(|l| l.starts_with('#') && anchor(l) == heading);
+                let found = text.lines().any(|l| l.starts_with('#') && heading_anchor(l) == heading);
                 assert!(found, "{} links to {target}", name.display());
             }
         }
@@ -306,12 +309,12 @@ const NAMED: [&str; 7] = ["src/", "tests/", "docs/", "scenes/", "examples/", "be
 #[test]
 fn paths_in_backticks_exist() {
     let mut tried = 0;
-    for (name, page) in pages() {
+    for (name, page) in documentation_pages() {
         let text = page.split("```").step_by(2).collect::<String>();
         for path in text.split('`').skip(1).step_by(2).filter(|p| NAMED.iter().any(|n| p.starts_with(n))) {
             let path = path.split([' ', '*', '<', '{']).next().unwrap();
             tried += 1;
-            assert!(root().join(path).exists(), "{} names {path}", name.display());
+            assert!(repository_root().join(path).exists(), "{} names {path}", name.display());
         }
     }
     assert!(tried > 20, "{tried} paths");
@@ -319,7 +322,7 @@ fn paths_in_backticks_exist() {
 
 #[test]
 fn scenes_of_language_page_render() {
-    let read = |page: &str| blocks(&std::fs::read_to_string(root().join(page)).unwrap(), "caustica");
+    let read = |page: &str| fenced_blocks(&std::fs::read_to_string(repository_root().join(page)).unwrap(), "caustica");
     let mut scenes = read("docs/guide/scene-language.md");
     scenes.extend(read("docs/guide/first-picture.md"));
     assert!(scenes.len() >= 2);

@@ -85,8 +85,8 @@ impl SourceFile {
     /// Returns the text with comments blanked out, line by line.
     ///
     /// A `//` inside a string also cuts the line. No check depends on what follows it.
-    fn code(&self) -> String {
-        code(&self.text)
+    fn without_comments(&self) -> String {
+        without_comments(&self.text)
     }
 
     /// Returns the module path below the crate, such as `["scene", "build", "lights"]`.
@@ -98,16 +98,16 @@ impl SourceFile {
 
 /// Returns every Rust file below `src/`, sorted by name.
 fn sources() -> Vec<SourceFile> {
-    below("src")
+    rust_files_below("src")
 }
 
 /// Returns every Rust file of tests, examples and benches, sorted by name.
 fn test_sources() -> Vec<SourceFile> {
-    ["tests", "examples", "benches"].into_iter().flat_map(below).collect()
+    ["tests", "examples", "benches"].into_iter().flat_map(rust_files_below).collect()
 }
 
 /// Returns every Rust file below a folder of the repository, sorted by name.
-fn below(folder: &str) -> Vec<SourceFile> {
+fn rust_files_below(folder: &str) -> Vec<SourceFile> {
     fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
         for entry in fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
@@ -126,13 +126,13 @@ fn below(folder: &str) -> Vec<SourceFile> {
     found.iter().map(|path| SourceFile { name: name(path), text: fs::read_to_string(path).unwrap() }).collect()
 }
 
-fn code(text: &str) -> String {
+fn without_comments(text: &str) -> String {
     text.lines().map(|line| line.split("//").next().unwrap_or("")).collect::<Vec<_>>().join("\n")
 }
 
 /// Splits the inside of a brace list at its top-level commas. `text` begins after the opening
 /// brace.
-fn list(text: &str) -> Vec<&str> {
+fn split_brace_list(text: &str) -> Vec<&str> {
     let (mut depth, mut start, mut items) = (0, 0, Vec::new());
     for (i, c) in text.char_indices() {
         match c {
@@ -154,7 +154,7 @@ fn list(text: &str) -> Vec<&str> {
 }
 
 /// Expands a `use` tree, such as `a::{b, c::{d, self}}`, to full paths.
-fn expand(tree: &str) -> Vec<Vec<String>> {
+fn expand_use_tree(tree: &str) -> Vec<Vec<String>> {
     let tree = tree.trim();
     let Some(brace) = tree.find('{') else {
         let path = tree.split(" as ").next().unwrap_or(tree);
@@ -162,12 +162,12 @@ fn expand(tree: &str) -> Vec<Vec<String>> {
     };
     let head: Vec<String> =
         tree[..brace].split("::").map(|part| part.trim().to_owned()).filter(|part| !part.is_empty()).collect();
-    let tails = list(&tree[brace + 1..]).into_iter().flat_map(expand);
+    let tails = split_brace_list(&tree[brace + 1..]).into_iter().flat_map(expand_use_tree);
     tails.map(|tail| head.iter().cloned().chain(tail).filter(|part| part != "self").collect()).collect()
 }
 
 /// Returns the length of the path or `use` tree at the head of `text`.
-fn tree_end(text: &str) -> usize {
+fn use_tree_length(text: &str) -> usize {
     let mut depth = 0;
     for (i, c) in text.char_indices() {
         match c {
@@ -181,7 +181,7 @@ fn tree_end(text: &str) -> usize {
 }
 
 /// Returns the paths that begin with `prefix::` anywhere in the code, brace lists expanded.
-fn paths(code: &str, prefix: &str) -> Vec<Vec<String>> {
+fn paths_with_prefix(code: &str, prefix: &str) -> Vec<Vec<String>> {
     let mark = format!("{prefix}::");
     let mut found = Vec::new();
     for (at, _) in code.match_indices(&mark) {
@@ -189,20 +189,20 @@ fn paths(code: &str, prefix: &str) -> Vec<Vec<String>> {
             continue;
         }
         let rest = &code[at..];
-        let end = tree_end(rest);
-        found.extend(expand(rest[..end].trim_end_matches(':')));
+        let end = use_tree_length(rest);
+        found.extend(expand_use_tree(rest[..end].trim_end_matches(':')));
     }
     found
 }
 
 /// Returns the storey of a room, counted from 0 at the bottom.
-fn storey(room: &str) -> Option<usize> {
+fn storey_of_room(room: &str) -> Option<usize> {
     STOREYS.iter().position(|rooms| rooms.contains(&room))
 }
 
 /// Returns why room `from` may not use room `to`, or `None` if it may.
-fn objection(from: &str, to: &str) -> Option<String> {
-    match (storey(from), storey(to)) {
+fn room_use_objection(from: &str, to: &str) -> Option<String> {
+    match (storey_of_room(from), storey_of_room(to)) {
         (Some(_), Some(_)) if from == to => None,
         (Some(a), Some(b)) if b < a => None,
         (Some(a), Some(b)) => Some(format!("{from} (storey {a}) uses {to} (storey {b})")),
@@ -213,7 +213,7 @@ fn objection(from: &str, to: &str) -> Option<String> {
 
 /// Fails with a list of the offences if there are more than `allowed`.
 #[track_caller]
-fn at_most(allowed: usize, rule: &str, offences: &[String]) {
+fn assert_at_most(allowed: usize, rule: &str, offences: &[String]) {
     let count = offences.len();
     eprintln!("{count} of {allowed} allowed offences: {rule}");
     assert!(count <= allowed, "{count} offences, {allowed} allowed: {rule}\n{}", offences.join("\n"));
@@ -225,20 +225,20 @@ fn rooms_use_only_lower_rooms() {
     let mut offences = Vec::new();
     for file in sources() {
         let Some((room, _)) = file.name.split_once('/') else { continue };
-        offences.extend(objection(room, room).map(|o| format!("src/{}: {o}", file.name)));
-        for path in paths(&file.code(), "crate") {
+        offences.extend(room_use_objection(room, room).map(|o| format!("src/{}: {o}", file.name)));
+        for path in paths_with_prefix(&file.without_comments(), "crate") {
             let Some(used) = path.get(1) else { continue };
             uses += 1;
-            offences.extend(objection(room, used).map(|o| format!("src/{}: {o}", file.name)));
+            offences.extend(room_use_objection(room, used).map(|o| format!("src/{}: {o}", file.name)));
         }
     }
     // A parser that finds no `use` would pass every tree.
     assert!(uses > 100, "only {uses} uses found");
-    at_most(0, "a room uses only rooms of lower storeys", &offences);
+    assert_at_most(0, "a room uses only rooms of lower storeys", &offences);
 }
 
 /// Returns the file that holds the module `path`, or the deepest ancestor that is a file.
-fn owner<'a>(modules: &'a BTreeMap<Vec<String>, String>, path: &[String]) -> Option<&'a String> {
+fn module_file<'a>(modules: &'a BTreeMap<Vec<String>, String>, path: &[String]) -> Option<&'a String> {
     (1..=path.len()).rev().find_map(|n| modules.get(&path[..n]))
 }
 
@@ -246,26 +246,27 @@ fn owner<'a>(modules: &'a BTreeMap<Vec<String>, String>, path: &[String]) -> Opt
 ///
 /// A module file and its own submodules belong together, so edges between ancestor and descendant
 /// are left out.
-fn edges(files: &[SourceFile]) -> BTreeMap<String, BTreeSet<String>> {
+fn use_edges(files: &[SourceFile]) -> BTreeMap<String, BTreeSet<String>> {
     let modules: BTreeMap<Vec<String>, String> = files.iter().map(|f| (f.module(), f.name.clone())).collect();
     let mut edges: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for file in files.iter().filter(|file| !file.is_test()) {
         let module = file.module();
-        let text = file.code();
+        let text = file.without_comments();
         // Inline tests may use anything.
         let text = text.split("#[cfg(test)]\nmod tests").next().unwrap_or("");
-        let mut targets: Vec<Vec<String>> = paths(text, "crate").into_iter().map(|p| p[1..].to_vec()).collect();
-        for path in paths(text, "super") {
+        let mut targets: Vec<Vec<String>> =
+            paths_with_prefix(text, "crate").into_iter().map(|p| p[1..].to_vec()).collect();
+        for path in paths_with_prefix(text, "super") {
             let ups = path.iter().take_while(|part| *part == "super").count();
             if ups <= module.len() {
                 targets.push(module[..module.len() - ups].iter().chain(&path[ups..]).cloned().collect());
             }
         }
-        for path in paths(text, "self") {
+        for path in paths_with_prefix(text, "self") {
             targets.push(module.iter().chain(&path[1..]).cloned().collect());
         }
         for target in targets.iter().filter(|target| target.first() == module.first()) {
-            let Some(other) = owner(&modules, target) else { continue };
+            let Some(other) = module_file(&modules, target) else { continue };
             let path: Vec<String> = modules.iter().find(|(_, name)| *name == other).unwrap().0.clone();
             if !path.starts_with(&module) && !module.starts_with(&path) {
                 edges.entry(file.name.clone()).or_default().insert(other.clone());
@@ -276,7 +277,7 @@ fn edges(files: &[SourceFile]) -> BTreeMap<String, BTreeSet<String>> {
 }
 
 /// Returns the strongly connected components of more than one node, each sorted.
-fn circles(edges: &BTreeMap<String, BTreeSet<String>>) -> Vec<Vec<String>> {
+fn import_cycles(edges: &BTreeMap<String, BTreeSet<String>>) -> Vec<Vec<String>> {
     let reach = |from: &String| {
         let (mut seen, mut stack) = (BTreeSet::new(), vec![from.clone()]);
         while let Some(node) = stack.pop() {
@@ -300,9 +301,9 @@ fn circles(edges: &BTreeMap<String, BTreeSet<String>>) -> Vec<Vec<String>> {
 
 #[test]
 fn files_of_a_room_form_no_circle() {
-    let edges = edges(&sources());
+    let edges = use_edges(&sources());
     assert!(edges.values().map(BTreeSet::len).sum::<usize>() > 100, "too few edges found");
-    let offences: Vec<String> = circles(&edges)
+    let offences: Vec<String> = import_cycles(&edges)
         .into_iter()
         .map(|circle| {
             let inside = |name: &String| edges[name].iter().filter(|n| circle.contains(n)).cloned().collect::<Vec<_>>();
@@ -311,12 +312,12 @@ fn files_of_a_room_form_no_circle() {
             format!("circle of {} files:\n{}", circle.len(), lines.join("\n"))
         })
         .collect();
-    at_most(CIRCLES_LEFT, "files of a room do not use each other in a circle", &offences);
+    assert_at_most(CIRCLES_LEFT, "files of a room do not use each other in a circle", &offences);
 }
 
 /// Returns the name of the type that an `impl` line is inherent to; `None` for trait
 /// implementations and other lines.
-fn inherent(line: &str) -> Option<String> {
+fn inherent_impl_type(line: &str) -> Option<String> {
     let rest = line.strip_prefix("impl")?;
     let rest = match rest.strip_prefix('<') {
         Some(generics) => {
@@ -339,7 +340,7 @@ fn inherent(line: &str) -> Option<String> {
 }
 
 /// Returns the name of the type that a line defines.
-fn defined(line: &str) -> Option<&str> {
+fn defined_type(line: &str) -> Option<&str> {
     let line = line.strip_prefix("pub").map_or(line, |rest| rest.split_once(' ').map_or("", |(_, rest)| rest));
     let rest = ["struct ", "enum ", "union "].iter().find_map(|keyword| line.strip_prefix(keyword))?;
     rest.split(|c: char| !c.is_alphanumeric() && c != '_').next()
@@ -352,11 +353,13 @@ fn a_type_has_impls_in_two_files_at_most() {
     // Private types of one name may exist in several files of a room.
     let mut definitions: BTreeSet<(String, String)> = BTreeSet::new();
     for file in &files {
-        definitions.extend(file.code().lines().filter_map(defined).map(|name| (name.to_owned(), file.name.clone())));
+        definitions.extend(
+            file.without_comments().lines().filter_map(defined_type).map(|name| (name.to_owned(), file.name.clone())),
+        );
     }
     let mut homes: BTreeMap<(String, String, String), BTreeSet<String>> = BTreeMap::new();
     for file in &files {
-        for name in file.code().lines().filter_map(inherent) {
+        for name in file.without_comments().lines().filter_map(inherent_impl_type) {
             let own = definitions.contains(&(name.clone(), file.name.clone()));
             let elsewhere = definitions.iter().find(|(n, home)| *n == name && home.starts_with(&room(file)));
             let home = if own { file.name.clone() } else { elsewhere.map_or(String::new(), |(_, home)| home.clone()) };
@@ -371,7 +374,7 @@ fn a_type_has_impls_in_two_files_at_most() {
             format!("{name}: {} files: {}", files.len(), files.iter().cloned().collect::<Vec<_>>().join(", "))
         })
         .collect();
-    at_most(SCATTERED_LEFT, "the impl blocks of a type stand in at most two files", &offences);
+    assert_at_most(SCATTERED_LEFT, "the impl blocks of a type stand in at most two files", &offences);
 }
 
 #[test]
@@ -384,14 +387,14 @@ fn inline_test_modules_are_short() {
             offences.push(format!("src/{}: {lines} lines", file.name));
         }
     }
-    at_most(LONG_TESTS_LEFT, "a longer test module stands in its own file", &offences);
+    assert_at_most(LONG_TESTS_LEFT, "a longer test module stands in its own file", &offences);
 }
 
 #[test]
 fn identifiers_avoid_retired_words() {
     let mut offences = Vec::new();
     for file in sources() {
-        for (i, line) in file.code().lines().enumerate() {
+        for (i, line) in file.without_comments().lines().enumerate() {
             for word in line.split(|c: char| !c.is_alphanumeric() && c != '_') {
                 if RETIRED.contains(&word) {
                     offences.push(format!("src/{}:{}: {word}", file.name, i + 1));
@@ -399,22 +402,22 @@ fn identifiers_avoid_retired_words() {
             }
         }
     }
-    at_most(RETIRED_LEFT, "identifiers avoid the retired words", &offences);
+    assert_at_most(RETIRED_LEFT, "identifiers avoid the retired words", &offences);
 }
 
 /// Returns the text of a doc comment line.
-fn doc(line: &str) -> Option<&str> {
+fn doc_comment_text(line: &str) -> Option<&str> {
     let line = line.trim_start();
     line.strip_prefix("///").or_else(|| line.strip_prefix("//!"))
 }
 
 /// Returns the doc comments that begin with a word of [`HEADLESS`].
-fn headless(files: &[SourceFile]) -> Vec<String> {
+fn comments_without_subject(files: &[SourceFile]) -> Vec<String> {
     let mut offences = Vec::new();
     for file in files {
         let mut inside = false;
         for (i, line) in file.text.lines().enumerate() {
-            let text = doc(line);
+            let text = doc_comment_text(line);
             if let Some(text) = text.filter(|_| !inside)
                 && HEADLESS.iter().any(|head| text.trim_start().starts_with(head))
             {
@@ -427,7 +430,7 @@ fn headless(files: &[SourceFile]) -> Vec<String> {
 }
 
 /// Returns the comment lines that are wider than [`COMMENT_WIDTH`].
-fn wide(files: &[SourceFile]) -> Vec<String> {
+fn too_wide_comments(files: &[SourceFile]) -> Vec<String> {
     let mut offences = Vec::new();
     for file in files {
         for (i, line) in file.text.lines().enumerate() {
@@ -442,14 +445,14 @@ fn wide(files: &[SourceFile]) -> Vec<String> {
 
 #[test]
 fn doc_comments_begin_with_their_subject() {
-    at_most(HEADLESS_LEFT, "a doc comment begins with its subject", &headless(&sources()));
-    at_most(0, "a doc comment of a test begins with its subject", &headless(&test_sources()));
+    assert_at_most(HEADLESS_LEFT, "a doc comment begins with its subject", &comments_without_subject(&sources()));
+    assert_at_most(0, "a doc comment of a test begins with its subject", &comments_without_subject(&test_sources()));
 }
 
 #[test]
 fn comment_lines_fit_in_100_columns() {
-    at_most(WIDE_LEFT, "comment lines have at most 100 characters", &wide(&sources()));
-    at_most(0, "comment lines of tests have at most 100 characters", &wide(&test_sources()));
+    assert_at_most(WIDE_LEFT, "comment lines have at most 100 characters", &too_wide_comments(&sources()));
+    assert_at_most(0, "comment lines of tests have at most 100 characters", &too_wide_comments(&test_sources()));
 }
 
 #[test]
@@ -471,27 +474,28 @@ fn source_has_no_todo() {
             }
         }
     }
-    at_most(0, "nothing is left for later", &offences);
+    assert_at_most(0, "nothing is left for later", &offences);
 }
 
 #[test]
 fn use_paths_are_read_in_every_form() {
     let text = "use crate::math::Ray;\nuse crate::{cli, scene::{Scene, Hit as H}, image};\n\
                 let x = crate::color::channel_mean(y); // crate::study\n macro { $crate::plan::Plan }";
-    let rooms: Vec<String> = paths(&code(text), "crate").into_iter().map(|path| path[1].clone()).collect();
+    let rooms: Vec<String> =
+        paths_with_prefix(&without_comments(text), "crate").into_iter().map(|path| path[1].clone()).collect();
     assert_eq!(rooms, ["math", "cli", "scene", "scene", "image", "color"]);
-    let found = paths("use super::super::a::{self, b::C};\npub(super) fn f() {}", "super");
+    let found = paths_with_prefix("use super::super::a::{self, b::C};\npub(super) fn f() {}", "super");
     assert_eq!(found, [vec!["super", "super", "a"], vec!["super", "super", "a", "b", "C"]]);
-    assert!(objection("photon", "scene").is_none() && objection("photon", "photon").is_none());
+    assert!(room_use_objection("photon", "scene").is_none() && room_use_objection("photon", "photon").is_none());
     for (from, to) in [("scene", "photon"), ("photon", "plan"), ("math", "color"), ("attic", "attic"), ("cli", "attic")]
     {
-        assert!(objection(from, to).is_some(), "{from} {to}");
+        assert!(room_use_objection(from, to).is_some(), "{from} {to}");
     }
 }
 
 #[test]
 fn inherent_impls_differ_from_trait_impls() {
-    let named = |line: &str| inherent(line);
+    let named = |line: &str| inherent_impl_type(line);
     assert_eq!(named("impl Scene {").as_deref(), Some("Scene"));
     assert_eq!(named("impl<'a, F: Fn(u32) -> Option<u8>> Walk<'a, F> {").as_deref(), Some("Walk"));
     assert_eq!(named("impl super::Parser<'_> {").as_deref(), Some("Parser"));
@@ -510,5 +514,5 @@ fn circles_are_found() {
         file("a/d.rs", "use super::{e::E, b::B};"),
         file("a/e.rs", "use super::Top; // use super::d::D\n#[cfg(test)]\nmod tests { use super::super::d::D; }"),
     ];
-    assert_eq!(circles(&edges(&files)), [["a/b.rs", "a/c.rs", "a/d.rs"]]);
+    assert_eq!(import_cycles(&use_edges(&files)), [["a/b.rs", "a/c.rs", "a/d.rs"]]);
 }

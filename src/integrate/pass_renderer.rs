@@ -12,7 +12,9 @@ use crate::sampling::{Key, Purpose};
 use crate::scene::Scene;
 use std::sync::Arc;
 
-/// Number of tiles that each pass traces by fresh paths if passes share their camera paths.
+/// Number of tiles that a pass also renders by camera paths of its own if passes share paths.
+///
+/// These tiles measure the error that the shared paths cause.
 const FRESH_TILE_COUNT: u32 = 48;
 
 /// Scene, rules and sample counts from which passes are rendered.
@@ -30,8 +32,9 @@ pub(super) struct PassRenderer<'a> {
 }
 
 impl<'a> PassRenderer<'a> {
-    /// Renderer with default numbers of camera rays and photons. Pilots guide emission and find
-    /// radii that are not set.
+    /// Makes a renderer with default numbers of camera rays and photons.
+    ///
+    /// Pilots guide photon emission, and find the gather radii that `settings` leave open.
     pub fn new(scene: &'a Scene, settings: Settings, policy: PathPolicy) -> Self {
         Self {
             scene,

@@ -6,12 +6,12 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Collects the dotted paths of all values that are not objects.
-fn paths(value: &Value, path: &str, found: &mut BTreeSet<String>) {
+fn json_paths(value: &Value, path: &str, found: &mut BTreeSet<String>) {
     match value {
         Value::Object(fields) => {
             for (name, value) in fields {
                 let path = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
-                paths(value, &path, found);
+                json_paths(value, &path, found);
             }
         }
         _ => assert!(found.insert(path.to_owned()), "{path} comes twice"),
@@ -19,7 +19,7 @@ fn paths(value: &Value, path: &str, found: &mut BTreeSet<String>) {
 }
 
 /// Returns the fields in the first column of the table under `## Statistics`.
-fn documented() -> BTreeSet<String> {
+fn documented_fields() -> BTreeSet<String> {
     let page =
         std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/guide/command-line.md")).unwrap();
     let section = page.split("\n## ").find(|s| s.starts_with("Statistics")).expect("a section `## Statistics`");
@@ -45,7 +45,7 @@ fn docs_describe_exactly_every_stats_field() {
     let balanced = CliSandbox::new();
     let arguments = "render box.txt -o a.png --integrator sppm --size 8x8 --passes 4 --stats a.json";
     balanced.run(&arguments.split(' ').collect::<Vec<_>>()).expect(0, &[]);
-    paths(&serde_json::from_slice(&balanced.bytes("a.json")).unwrap(), "", &mut found);
+    json_paths(&serde_json::from_slice(&balanced.bytes("a.json")).unwrap(), "", &mut found);
     // `photons` and `emission_guiding` hold the same fields for both maps. The page describes them
     // once.
     let found: BTreeSet<String> = found
@@ -56,7 +56,7 @@ fn docs_describe_exactly_every_stats_field() {
                 .replace("emission_guiding.caustic.", "emission_guiding.*.")
         })
         .collect();
-    assert_eq!(found, documented());
+    assert_eq!(found, documented_fields());
 }
 
 #[test]

@@ -84,7 +84,7 @@ fn adding_objects_removes_no_effect() {
 }
 
 /// Returns settings of a seed, on which the plan must not depend.
-fn how(r: &mut Random, algorithm: Algorithm) -> RenderSettings {
+fn random_settings(r: &mut Random, algorithm: Algorithm) -> RenderSettings {
     RenderSettings {
         passes: 1 + r.below(2) as u32,
         samples: r.pick(&[None, Some(1), Some(3)]),
@@ -100,7 +100,7 @@ const CHEAP: [Algorithm; 4] = [Algorithm::Path, Algorithm::Distributed, Algorith
 const PHOTONS: [Algorithm; 4] = [Algorithm::Hybrid, Algorithm::Pm, Algorithm::Sppm, Algorithm::Ppm];
 
 /// Returns overrides that force all effects, or one that the scene does not need.
-fn forced(r: &mut Random, plan: &Plan) -> EffectOverrides {
+fn random_forced_effects(r: &mut Random, plan: &Plan) -> EffectOverrides {
     let off: Vec<Effect> = plan.decisions.iter().filter(|d| !d.is_simulated).map(|d| d.effect).collect();
     if off.is_empty() || r.chance(0.6) { EffectOverrides::ALL } else { EffectOverrides::PLANNED.with(r.pick(&off)) }
 }
@@ -109,10 +109,10 @@ fn check(seed: u64, algorithm: Algorithm, change: impl FnOnce(&mut RenderSetting
     let text = sketch(seed).text();
     let scene = scene(&text);
     let r = &mut Random::new(!seed ^ algorithm as u64);
-    let mut how = how(r, algorithm);
+    let mut how = random_settings(r, algorithm);
     change(&mut how);
     let plan = Plan::new(&scene, algorithm.simulates(), EffectOverrides::PLANNED);
-    let found = difference(&scene, &how, forced(r, &plan)).map(|d| format!("seed {seed}: {d}\n{text}"));
+    let found = difference(&scene, &how, random_forced_effects(r, &plan)).map(|d| format!("seed {seed}: {d}\n{text}"));
     // Printed at once, because a search through many seeds takes long.
     found.inspect(|found| eprintln!("{found}"))
 }

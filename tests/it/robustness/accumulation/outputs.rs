@@ -11,7 +11,7 @@ use std::process::Command;
 /// beyond.
 const EDGES: [f32; 6] = [65_504.0, 65_504.004, 65_519.996, 65_520.0, 1e30, f32::MAX];
 
-fn written(value: f32, options: &WriteOptions, name: &str) -> (Vec3, WriteReport) {
+fn write_and_read_pixel(value: f32, options: &WriteOptions, name: &str) -> (Vec3, WriteReport) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     let report = image::write(&path, &Image::from_pixels(1, 1, vec![Vec3::new(0.5, value, 0.25)]).unwrap(), options);
@@ -22,21 +22,21 @@ fn written(value: f32, options: &WriteOptions, name: &str) -> (Vec3, WriteReport
 fn half_floats_saturate_at_65504_with_report() {
     let options = WriteOptions { floats: FloatDepth::Half, ..WriteOptions::default() };
     for value in EDGES.into_iter().flat_map(|x| [x, -x]) {
-        let (found, report) = written(value, &options, "a.exr");
+        let (found, report) = write_and_read_pixel(value, &options, "a.exr");
         assert_eq!(found, Vec3::new(0.5, 65_504f32.copysign(value), 0.25), "{value}");
         let beyond = usize::from(value.abs() > 65_504.0);
         assert_eq!(report, WriteReport { too_bright: beyond, ..WriteReport::default() }, "{value}");
-        let (found, report) = written(value, &WriteOptions::default(), "a.exr");
+        let (found, report) = write_and_read_pixel(value, &WriteOptions::default(), "a.exr");
         assert_eq!((found.y, report), (value, WriteReport::default()), "32 bits hold {value}");
     }
     // Values in range round to 11 digits, or below 2⁻¹⁴ to 2⁻²⁴, by half a step.
     for value in [1.0 / 3.0, 1234.567, libm::exp2f(-14.0) * 1.3, 6e-8] {
-        let (found, report) = written(value, &options, "a.exr");
+        let (found, report) = write_and_read_pixel(value, &options, "a.exr");
         let step = libm::exp2f((libm::log2f(value).floor() - 10.0).max(-24.0));
         assert!((found.y - value).abs() <= 0.5 * step && report == WriteReport::default(), "{value}: {found}");
     }
     for value in [f32::INFINITY, f32::NEG_INFINITY, f32::NAN] {
-        let (found, report) = written(value, &options, "a.exr");
+        let (found, report) = write_and_read_pixel(value, &options, "a.exr");
         assert!(found.y.to_bits() == value.to_bits() || found.y.is_nan() && value.is_nan(), "{value}: {found}");
         assert_eq!(report, WriteReport { non_finite: 1, ..WriteReport::default() }, "{value}");
     }
@@ -69,7 +69,7 @@ fn layers_report_non_finite_values() {
     assert_eq!(image::write_layers(&folder.path().join("a.exr"), (2, 2), &[layer], &[]).unwrap(), 2);
 }
 
-fn said(scene: &str, folder: &Path, arguments: &str) -> (Option<i32>, String) {
+fn run_messages(scene: &str, folder: &Path, arguments: &str) -> (Option<i32>, String) {
     std::fs::write(folder.join("scene.txt"), scene).unwrap();
     let mut command = Command::new(env!("CARGO_BIN_EXE_caustica"));
     command.current_dir(folder).args(["render", "scene.txt"]).args(arguments.split(' '));
@@ -87,7 +87,7 @@ fn program_reports_clipped_values() {
         Group { Sphere { center 0 -9 0 radius 1 } }";
     let folder = tempfile::tempdir().unwrap();
     let small = "--passes 2 --filter box --photons 1k --caustic-photons 1k";
-    let say = |more: &str| said(scene, folder.path(), &format!("{small} {more}"));
+    let say = |more: &str| run_messages(scene, folder.path(), &format!("{small} {more}"));
     let (code, text) = say("-o a.png --png-bits 16 -o half.exr --exr-bits 16");
     assert_eq!(code, Some(0), "{text}");
     assert!(text.contains("note: 32 pixels of a.png: clipped to white"), "{text}");

@@ -16,7 +16,7 @@ use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
 use std::sync::Arc;
 
-fn pair(rng: &mut SmallRng) -> Vec2 {
+fn random_vec2(rng: &mut SmallRng) -> Vec2 {
     Vec2::new(rng.random(), rng.random())
 }
 
@@ -33,7 +33,7 @@ fn far_spheres_are_hit_correctly() {
     for distance in [3.0, 30.0, 1e3, 1e5, 1e6] {
         let (mut hits, mut doubtful) = (0, 0);
         for _ in 0..100_000 {
-            let from = center.as_vec3() + warp::square_to_uniform_sphere(pair(&mut rng)) * distance;
+            let from = center.as_vec3() + warp::square_to_uniform_sphere(random_vec2(&mut rng)) * distance;
             let aim = Vec3::new(rng.random(), rng.random(), rng.random()) * 2.4 - 1.2;
             let ray = Ray::new(from, (center.as_vec3() + aim - from).normalize());
             let l = DoubleDoubleVec::from(ray.origin.as_dvec3()) - DoubleDoubleVec::from(center);
@@ -106,8 +106,8 @@ fn far_lights_cast_no_shadow_on_themselves() {
         for distance in [2.0, 30.0, 1e3, 1e5, 1e6] {
             let mut tested = 0;
             for _ in 0..50_000 {
-                let p = warp::square_to_uniform_sphere(pair(&mut rng)) * distance;
-                let Some(sample) = light.sample_li(p, pair(&mut rng)) else { continue };
+                let p = warp::square_to_uniform_sphere(random_vec2(&mut rng)) * distance;
+                let Some(sample) = light.sample_li(p, random_vec2(&mut rng)) else { continue };
                 let ShadowTarget::Point(target) = sample.target else { panic!("{sample:?}") };
                 let ray = Ray::between_points(p, target);
                 let blocked = match &emitter {

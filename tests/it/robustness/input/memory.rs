@@ -8,7 +8,7 @@ const LIMIT: u64 = 100_000_000;
 
 /// Renders under the limit and returns the peak memory \[bytes] of the process, `None` if it was
 /// refused for the limit.
-fn peak(sandbox: &InputSandbox, more: &[&str]) -> Option<u64> {
+fn peak_memory(sandbox: &InputSandbox, more: &[&str]) -> Option<u64> {
     let limit = LIMIT.to_string();
     let mut arguments =
         vec!["render", "a.txt", "-o", "a.png", "--stats", "a.json", "-q", "--threads", "2", "--memory", &limit];
@@ -27,7 +27,7 @@ fn peak(sandbox: &InputSandbox, more: &[&str]) -> Option<u64> {
 /// Checks inputs of growing size: some fit and stay within the limit, and the last ones are
 /// refused.
 #[track_caller]
-fn within(peaks: &[Option<u64>]) {
+fn assert_within_limit(peaks: &[Option<u64>]) {
     let fit = peaks.iter().take_while(|peak| peak.is_some()).count();
     assert!(fit > 0 && fit < peaks.len() && peaks[fit..].iter().all(Option::is_none), "{peaks:?}");
     assert!(peaks.iter().flatten().all(|peak| *peak <= LIMIT), "{peaks:?}");
@@ -58,11 +58,11 @@ fn accepted_images_stay_within_memory_limit() {
         "5",
         "--size",
     ];
-    within(&sizes.map(|size| peak(&sandbox, &[&flags[..], &[size]].concat())));
+    assert_within_limit(&sizes.map(|size| peak_memory(&sandbox, &[&flags[..], &[size]].concat())));
 }
 
 /// Returns a mesh of n × n squares in waves, cut into triangles.
-fn waves(n: u32, ply: bool) -> Vec<u8> {
+fn wave_mesh(n: u32, ply: bool) -> Vec<u8> {
     let points = (0..=n).flat_map(|y| (0..=n).map(move |x| (x, y)));
     let places: Vec<[f32; 3]> = points
         .map(|(x, y)| {
@@ -104,10 +104,10 @@ fn accepted_meshes_stay_within_memory_limit() {
     );
     for ply in [true, false] {
         let peaks = [270, 320].map(|n| {
-            sandbox.put("a.mesh", waves(n, ply));
-            peak(&sandbox, &["--integrator", "raycast"])
+            sandbox.put("a.mesh", wave_mesh(n, ply));
+            peak_memory(&sandbox, &["--integrator", "raycast"])
         });
-        within(&peaks);
+        assert_within_limit(&peaks);
     }
 }
 
@@ -122,9 +122,9 @@ fn accepted_patches_stay_within_memory_limit() {
             .map(|i| format!("[ {} {} {} ] ", number(3 * i), number(3 * i + 1), number(3 * i + 2)))
             .collect();
         sandbox.put("a.txt", scene(&format!("Group {{ BezierPatch {{ degreeU 5 degreeV 5 controls {points} }} }}")));
-        peak(&sandbox, &["--integrator", "raycast"])
+        peak_memory(&sandbox, &["--integrator", "raycast"])
     });
-    within(&peaks);
+    assert_within_limit(&peaks);
 }
 
 #[test]
@@ -146,9 +146,9 @@ fn accepted_textures_and_environments_stay_within_memory_limit() {
             sandbox.put("a.txt", scene(more));
             let peaks = files.each_ref().map(|file| {
                 sandbox.put("a.picture", file);
-                peak(&sandbox, &["--integrator", "raycast"])
+                peak_memory(&sandbox, &["--integrator", "raycast"])
             });
-            within(&peaks);
+            assert_within_limit(&peaks);
         }
     }
 }

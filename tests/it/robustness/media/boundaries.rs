@@ -27,12 +27,12 @@ const DEPTH: f64 = 1.0;
 const ROUNDING: f64 = (DEPTH + 2.0 * 5000.0 + 100.0 * 8.0 * DEPTH) / 16_777_216.0;
 
 /// Returns a rectangle around `center` with these edges.
-fn sheet(center: DVec3, edge0: DVec3, edge1: DVec3) -> Shape {
+fn rectangle_around(center: DVec3, edge0: DVec3, edge1: DVec3) -> Shape {
     Shape::Rectangle(Rectangle::new(center - 0.5 * (edge0 + edge1), edge0, edge1))
 }
 
 /// Returns half the thickness of body `i`, the outermost first.
-fn half(i: u32) -> f64 {
+fn half_thickness(i: u32) -> f64 {
     0.9 * f64::from(NEST - i) / f64::from(NEST)
 }
 
@@ -40,9 +40,9 @@ fn half(i: u32) -> f64 {
 /// [`DEPTH`].
 ///
 /// Neighbours differ, so that confusing two bodies is detected.
-fn sigma(i: u32, turns: u32) -> f64 {
+fn absorption_of_body(i: u32, turns: u32) -> f64 {
     let uneven = |i: u32| 1.0 + f64::from(i % 7);
-    let thickness = |i: u32| 2.0 * (half(i) - if i + 1 < NEST { half(i + 1) } else { 0.0 });
+    let thickness = |i: u32| 2.0 * (half_thickness(i) - if i + 1 < NEST { half_thickness(i + 1) } else { 0.0 });
     let total: f64 = (0..NEST).map(|i| uneven(i) * thickness(i)).sum();
     uneven(i) / total * DEPTH / f64::from(turns)
 }
@@ -57,10 +57,10 @@ enum Filled {
 }
 
 /// Adds nested slabs across the x axis with index-matched boundaries.
-fn nest(b: &mut SceneBuilder, filled: Filled, turns: u32) {
+fn nested_bodies(b: &mut SceneBuilder, filled: Filled, turns: u32) {
     let (y, z) = (DVec3::Y * 400.0, DVec3::Z * 400.0);
     for i in 0..NEST {
-        let absorption = Rgb::splat(sigma(i, turns) as f32);
+        let absorption = Rgb::splat(absorption_of_body(i, turns) as f32);
         let body = match filled {
             Filled::Media => Body::medium_region(b.medium(Medium::homogeneous(
                 absorption,
@@ -71,13 +71,13 @@ fn nest(b: &mut SceneBuilder, filled: Filled, turns: u32) {
             Filled::Bodies => Body { absorption, null_interface: true, ..Body::new(1.0) },
         };
         let body = b.material(Material::smooth_boundary(body));
-        b.shape(sheet(DVec3::X * half(i), y, z), body, Rgb::ZERO);
-        b.shape(sheet(-DVec3::X * half(i), z, y), body, Rgb::ZERO);
+        b.shape(rectangle_around(DVec3::X * half_thickness(i), y, z), body, Rgb::ZERO);
+        b.shape(rectangle_around(-DVec3::X * half_thickness(i), z, y), body, Rgb::ZERO);
     }
 }
 
 /// Returns a camera on the x axis that looks along it through one pixel.
-fn along_x() -> Camera {
+fn camera_along_x() -> Camera {
     Camera::orthographic(-0.95 * DVec3::X, DVec3::X, DVec3::Z, 1e-3, 1, 1).unwrap()
 }
 
@@ -98,10 +98,10 @@ fn camera_ray_obeys_beer_over_million_boundaries() {
         let mut b = SceneBuilder::new();
         let silver = b.material(Material::mirror(Rgb::ONE));
         let (y, z) = (DVec3::Y * 2.0, DVec3::Z * 2.0);
-        b.shape(sheet(DVec3::X, z, y), silver, Rgb::ONE);
-        b.shape(sheet(-DVec3::X, y, z), silver, Rgb::ZERO);
-        nest(&mut b, filled, TURNS);
-        let scene = b.build(along_x()).unwrap();
+        b.shape(rectangle_around(DVec3::X, z, y), silver, Rgb::ONE);
+        b.shape(rectangle_around(-DVec3::X, y, z), silver, Rgb::ZERO);
+        nested_bodies(&mut b, filled, TURNS);
+        let scene = b.build(camera_along_x()).unwrap();
         let begun = Instant::now();
         let image = render_one_pass(&*Algorithm::Path.prepare(&scene, settings(TURNS - 1)), 0);
         // Takes half a second on an idle machine.
@@ -119,12 +119,12 @@ fn photons_obey_beer_over_million_boundaries() {
         let mut b = SceneBuilder::new();
         let silver = b.material(Material::mirror(Rgb::ONE));
         let (y, z) = (DVec3::Y * 400.0, DVec3::Z * 400.0);
-        b.shape(sheet(DVec3::X, z, y), silver, Rgb::ZERO);
-        b.shape(sheet(-DVec3::X, y, z), silver, Rgb::ZERO);
-        nest(&mut b, filled, TURNS);
+        b.shape(rectangle_around(DVec3::X, z, y), silver, Rgb::ZERO);
+        b.shape(rectangle_around(-DVec3::X, y, z), silver, Rgb::ZERO);
+        nested_bodies(&mut b, filled, TURNS);
         let spot = DeltaLightKind::Spot { position: -0.95 * DVec3::X, axis: DVec3::X, inner: 0.9e-3, outer: 1e-3 };
         b.delta_light(spot, LightStrength::Power(Rgb::ONE));
-        let scene = b.build(along_x()).unwrap();
+        let scene = b.build(camera_along_x()).unwrap();
         let source = PhotonSource::in_all_directions(&scene).unwrap();
         let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: TURNS - 1 };
         let audit = pass.trace(Key::new(3).purpose_key(Purpose::Test), 2, &|_| {}).audit;
@@ -144,8 +144,8 @@ fn shadow_rays_cross_more_bodies_than_stack_holds() {
     for filled in [Filled::Media, Filled::Bodies] {
         let mut b = SceneBuilder::new();
         let white = b.material(Material::diffuse(Rgb::ONE));
-        nest(&mut b, filled, 1);
-        b.shape(sheet(-DVec3::X, DVec3::Y * 2.0, DVec3::Z * 2.0), white, Rgb::ZERO);
+        nested_bodies(&mut b, filled, 1);
+        b.shape(rectangle_around(-DVec3::X, DVec3::Y * 2.0, DVec3::Z * 2.0), white, Rgb::ZERO);
         let sun = DeltaLightKind::Directional { direction: -DVec3::X };
         b.delta_light(sun, LightStrength::Physical(Rgb::splat(std::f32::consts::PI)));
         let camera = Camera::orthographic(-0.95 * DVec3::X, -DVec3::X, DVec3::Z, 1e-3, 1, 1).unwrap();

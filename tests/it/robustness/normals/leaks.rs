@@ -37,7 +37,7 @@ fn settings() -> Settings {
 
 /// Checks that every pixel is 0 in all integrators with shadows and that no photon gets in, while
 /// the scene is lit for a camera outside.
-fn dark(inside: &Scene, what: &str) {
+fn assert_dark(inside: &Scene, what: &str) {
     for algorithm in Algorithm::ALL.into_iter().filter(|a| *a != Algorithm::Raycast) {
         let image = render_passes(inside, algorithm, settings(), 2);
         let lit: Vec<_> = image.iter().enumerate().filter(|(_, p)| p.max_element() != 0.0).collect();
@@ -65,7 +65,7 @@ fn coarse_ball_is_dark_inside() {
                 ))
             };
             let inside = ball("0 0 .5");
-            dark(&inside, &format!("{kind} {relief}"));
+            assert_dark(&inside, &format!("{kind} {relief}"));
             let lit = render_passes(&ball("0 0 3"), Algorithm::Path, settings(), 1);
             assert!(lit.iter().all(|p| p.max_element() > 0.0), "{kind} is lit from outside");
             let source = PhotonSource::in_all_directions(&inside).unwrap();
@@ -93,7 +93,7 @@ fn bumps_below_horizon_leak_no_light() {
                 Group {{ MaterialName {kind} Rectangle {{ corner -20 -20 0  edge0 40 0 0  edge1 0 40 0 }} }}",
                 materials(relief)
             ));
-            dark(&walls, &format!("{kind} {relief}"));
+            assert_dark(&walls, &format!("{kind} {relief}"));
             let mut least = 1.0f32;
             for i in 0..2000u64 {
                 let direction =

@@ -22,11 +22,11 @@ const Z: f64 = 4.9;
 const N: u64 = 1 << 18;
 
 /// Returns the direction that a photon comes from, distributed as photons arrive.
-fn arrival(key: Key) -> Vec3 {
+fn arrival_direction(key: Key) -> Vec3 {
     Frame::from_normal(Vec3::Z).to_world(warp::square_to_cosine_hemisphere(key.uniform_2d(Dimension::LightDirection)))
 }
 
-fn tilted(degrees: f32) -> Vec3 {
+fn tilted_normal(degrees: f32) -> Vec3 {
     let (sin, cos) = libm::sincosf(degrees.to_radians());
     Vec3::new(0.6 * sin, 0.8 * sin, cos)
 }
@@ -50,9 +50,10 @@ fn mean(values: impl ParallelIterator<Item = f64>) -> (f64, f64) {
 #[test]
 fn photon_weights_conserve_flux_with_bounded_tail() {
     for degrees in [5.0, 37.0, 70.0, 87.0] {
-        let ns = tilted(degrees);
+        let ns = tilted_normal(degrees);
         let (c, s) = (f64::from(ns.z), f64::from((1.0 - ns.z * ns.z).sqrt()));
-        let factor = |i: u64| f64::from(photon_deposit_factor(arrival(test_key(60).child_key(i)), ns, Vec3::Z));
+        let factor =
+            |i: u64| f64::from(photon_deposit_factor(arrival_direction(test_key(60).child_key(i)), ns, Vec3::Z));
         let (kept, error) = mean((0..N).into_par_iter().map(factor));
         let cut = s * s / (MOST - c);
         assert!(kept <= 1.0 + error && kept >= 1.0 - cut - error, "{degrees}°: {kept} ± {error}");
@@ -77,7 +78,7 @@ fn photon_weights_conserve_flux_with_bounded_tail() {
 #[test]
 fn diffuse_scatters_where_both_normals_agree() {
     for degrees in [5.0, 37.0, 70.0] {
-        let ns = tilted(degrees);
+        let ns = tilted_normal(degrees);
         let (c, s) = (f64::from(ns.z), f64::from((1.0 - ns.z * ns.z).sqrt()));
         let up_to = |z: f64| 0.5 * (1.0 + (2.0 * c * z - 1.0) / (z + (s * s + (z - c) * (z - c)).sqrt()));
         let part = |phi: f64| {
@@ -90,9 +91,9 @@ fn diffuse_scatters_where_both_normals_agree() {
         // Light from beyond the shading horizon hits the normal from behind, and the normal is
         // flipped: (1 − c)/2 of each.
         let (agreeing, error) = mean((0..N).into_par_iter().map(|i| {
-            let wo = arrival(test_key(61).child_key(i));
+            let wo = arrival_direction(test_key(61).child_key(i));
             if wo.dot(ns) > 0.0 {
-                scattered(&Bsdf::Diffuse(Vec3::ONE), wo, ns, i, TransportMode::Importance)
+                remaining_photon_weight(&Bsdf::Diffuse(Vec3::ONE), wo, ns, i, TransportMode::Importance)
             } else {
                 0.0
             }
@@ -103,7 +104,7 @@ fn diffuse_scatters_where_both_normals_agree() {
 }
 
 /// Returns the remaining weight of a photon that arrives from `wo`.
-fn scattered(bsdf: &Bsdf, wo: Vec3, ns: Vec3, i: u64, transport: TransportMode) -> f64 {
+fn remaining_photon_weight(bsdf: &Bsdf, wo: Vec3, ns: Vec3, i: u64, transport: TransportMode) -> f64 {
     let key = test_key(62).child_key(i);
     let (lobe, u) = (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
     bsdf.sample(wo, ns, Vec3::Z, lobe, u, transport).map_or(0.0, |s| {
@@ -154,13 +155,14 @@ fn out_of_glass(c: f64) -> f64 {
 fn no_surface_reflects_more_than_it_receives() {
     for (bsdf, keeps) in lossless() {
         for degrees in [5.0, 37.0, 70.0, 87.0] {
-            let ns = tilted(degrees);
+            let ns = tilted_normal(degrees);
             for ns in [ns, -ns] {
                 // The outer side is that of both normals.
                 let turn = if ns.z < 0.0 { -1.0 } else { 1.0 };
-                let from = |i: u64| arrival(test_key(63).child_key(i)) * Vec3::new(1.0, 1.0, turn);
-                let values =
-                    (0..N).into_par_iter().map(|i| scattered(&bsdf, from(i), ns * turn, i, TransportMode::Importance));
+                let from = |i: u64| arrival_direction(test_key(63).child_key(i)) * Vec3::new(1.0, 1.0, turn);
+                let values = (0..N)
+                    .into_par_iter()
+                    .map(|i| remaining_photon_weight(&bsdf, from(i), ns * turn, i, TransportMode::Importance));
                 let (kept, error) = mean(values);
                 let most =
                     if bsdf.transmits() && !keeps && turn < 0.0 { out_of_glass(f64::from(ns.z.abs())) } else { 1.0 };
@@ -217,7 +219,7 @@ fn coarse_ball_flux_matches_its_faces() {
 /// Factors are finite at every representable grazing angle.
 #[test]
 fn grazing_factors_are_finite() {
-    let ns = tilted(60.0);
+    let ns = tilted_normal(60.0);
     for exponent in 0..45 {
         let z = libm::powf(10.0, -(exponent as f32));
         let wo = DVec3::new(1.0, 0.0, f64::from(z)).normalize().as_vec3();
@@ -227,7 +229,7 @@ fn grazing_factors_are_finite() {
                 for n in [ns, -ns + 2.0 * ns.z * Vec3::Z] {
                     // A photon of 1 W must have a finite weight where directions round to 2⁻²⁴.
                     if z > 1e-37 {
-                        scattered(&bsdf, wo, n, i, TransportMode::Importance);
+                        remaining_photon_weight(&bsdf, wo, n, i, TransportMode::Importance);
                     }
                 }
             }

@@ -18,7 +18,7 @@ const ALL: [Algorithm; 5] = [Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm
 
 /// Builds a ball and a glass on a floor, lit by point lights of these powers; `None` leaves a
 /// position empty.
-fn lit_by(powers: &[Option<f32>]) -> Scene {
+fn scene_lit_by(powers: &[Option<f32>]) -> Scene {
     let mut b = SceneBuilder::new();
     let white = b.material(Material::diffuse(Rgb::splat(0.6)));
     let glass = b.material(Material::dielectric(1.5, Rgb::ZERO));
@@ -42,14 +42,14 @@ fn zero_power_lights_change_nothing() {
     let (dark, lit) = (Some(0.0), Some(50.0));
     ALL.par_iter().for_each(|algorithm| {
         let settings = || Settings { radius: Some(0.1), ..settings(10_000, 4) };
-        let seen = |powers: &[Option<f32>]| render_passes(&lit_by(powers), *algorithm, settings(), 2);
+        let seen = |powers: &[Option<f32>]| render_passes(&scene_lit_by(powers), *algorithm, settings(), 2);
         let one = seen(&[None, lit]);
         assert!(one.iter().any(|v| *v != Rgb::ZERO), "{}", algorithm.name());
         for powers in [&[dark, lit][..], &[None, lit, dark], &[dark, lit, dark, dark, dark, dark, dark]] {
             assert!(seen(powers) == one, "{}: {powers:?}", algorithm.name());
         }
         for powers in [&[dark][..], &[dark; 7], &[]] {
-            let scene = lit_by(powers);
+            let scene = scene_lit_by(powers);
             let out = rendered(&scene, *algorithm, settings(), 4);
             finite(algorithm.name(), &out);
             assert!(out.film.pixel_means().all(|v| v == DVec3::ZERO), "{}", algorithm.name());
@@ -59,7 +59,7 @@ fn zero_power_lights_change_nothing() {
 }
 
 /// Returns rotations that keep a plane's points in the plane up to rounding.
-fn turns() -> impl Iterator<Item = DQuat> {
+fn test_rotations() -> impl Iterator<Item = DQuat> {
     let turn = |i: i32| DQuat::from_axis_angle(DVec3::new(1.0, f64::from(i), 0.3).normalize(), 0.7 * f64::from(i));
     (0..12).map(turn)
 }
@@ -85,7 +85,7 @@ fn point_in_the_floor(turn: DQuat, at: DVec3) -> Scene {
 #[test]
 fn point_light_in_floor_lights_ceiling() {
     let places = [DVec3::ZERO, DVec3::new(0.1, 0.2, 0.3), DVec3::new(100.1, 0.7, -33.3)];
-    let all: Vec<(DVec3, DQuat)> = places.iter().flat_map(|at| turns().map(move |turn| (*at, turn))).collect();
+    let all: Vec<(DVec3, DQuat)> = places.iter().flat_map(|at| test_rotations().map(move |turn| (*at, turn))).collect();
     all.par_iter().for_each(|(at, turn)| {
         let scene = point_in_the_floor(*turn, *at);
         let source = PhotonSource::in_all_directions(&scene).unwrap();
@@ -138,7 +138,7 @@ fn area_light_in_ceiling_plane_loses_no_light() {
     }
     let expected = 0.5 / PI * 0.25 * sum / libm::pow(f64::from(n), 4.0);
     for algorithm in ALL {
-        for (i, turn) in turns().take(6).enumerate() {
+        for (i, turn) in test_rotations().take(6).enumerate() {
             let scene = lamp_in_the_ceiling(turn, i % 2 == 0);
             let method = algorithm.prepare(&scene, settings(1000, 64));
             let mean = |i| render_one_pass(&*method, i).iter().map(|v| f64::from(v.y)).sum::<f64>() / 16.0;
@@ -178,7 +178,7 @@ fn blocked_lights_emit_no_photons() {
 }
 
 /// Runs the program on a scene and returns its messages. Fails if it fails.
-fn said(lights_and_things: &str, more: &[&str]) -> String {
+fn run_messages(lights_and_things: &str, more: &[&str]) -> String {
     let folder = tempfile::tempdir().unwrap();
     let camera =
         "PerspectiveCamera { center 0 0 5 lookAt 0 0 0 angle 30 width 8 height 8 }\nBackground { color 0 0 0 }\n";
@@ -216,7 +216,7 @@ fn black_scenes_terminate_with_report() {
     ];
     cases.par_iter().enumerate().for_each(|(i, (text, reason))| {
         for method in ["hybrid", "sppm", "pm", "path"] {
-            let words = said(text, &["--photons", "1k", "--caustic-photons", "1k", "--integrator", method]);
+            let words = run_messages(text, &["--photons", "1k", "--caustic-photons", "1k", "--integrator", method]);
             assert!(words.contains(&format!("note: every pixel is black: {reason}")), "{method}: {words}");
             // The last scene has glass, so photons are emitted. None escapes from the enclosure.
             let sent = i == 3 && method != "path";

@@ -9,7 +9,7 @@ use caustica::shape::{Plane, Shape, Sphere};
 use glam::{DVec3, Vec3};
 
 /// Returns the mean radiance of independent renders.
-fn seen(scene: &Scene, renders: u64) -> Vec<f64> {
+fn mean_radiances(scene: &Scene, renders: u64) -> Vec<f64> {
     let one = |seed| {
         let camera_paths =
             CameraPathSettings { samples: Some(4), max_bounces: 1000, seed, ..CameraPathSettings::default() };
@@ -19,7 +19,7 @@ fn seen(scene: &Scene, renders: u64) -> Vec<f64> {
     (0..renders).map(one).collect()
 }
 
-fn narrow(center: DVec3, direction: DVec3, angle: f64) -> Camera {
+fn narrow_camera(center: DVec3, direction: DVec3, angle: f64) -> Camera {
     Camera::perspective(center, direction, DVec3::Z, angle, 4, 4).unwrap()
 }
 
@@ -41,7 +41,7 @@ fn sky_is_seen_through_snells_window() {
             b.plane(Plane::new(DVec3::NEG_Y * 2.0, DVec3::Y), black, Vec3::ZERO);
             b.environment(EnvironmentLight::constant(Vec3::ONE).unwrap());
             let direction = DVec3::new(libm::sin(angle), libm::cos(angle), 0.0);
-            let scene = b.build(narrow(DVec3::NEG_Y, direction, 1e-6)).unwrap();
+            let scene = b.build(narrow_camera(DVec3::NEG_Y, direction, 1e-6)).unwrap();
             let (sin_t, cos) = (n * libm::sin(angle), libm::cos(angle));
             let expected = if sin_t >= 1.0 {
                 0.0
@@ -50,7 +50,7 @@ fn sky_is_seen_through_snells_window() {
                 let (rs, rp) = ((n * cos - cos_t) / (n * cos + cos_t), (cos - n * cos_t) / (cos + n * cos_t));
                 n * n * (1.0 - 0.5 * (rs * rs + rp * rp))
             };
-            let samples = seen(&scene, 1);
+            let samples = mean_radiances(&scene, 1);
             // Directions err by 10⁻⁶ with the camera's angle. dT/dθ is at most 4n²·tanθt there,
             // below 23 at 0.999.
             assert!(
@@ -71,7 +71,7 @@ fn radiance_in_glass_scales_by_squared_index() {
         b.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), glass, Vec3::ZERO);
         b.environment(EnvironmentLight::constant(Vec3::ONE).unwrap());
         let camera = Camera::panorama(DVec3::X * off, DVec3::NEG_Z, DVec3::Y, 16, 8).unwrap();
-        let samples = seen(&b.build(camera).unwrap(), 16);
+        let samples = mean_radiances(&b.build(camera).unwrap(), 16);
         // Each of some ten interfaces rounds reflectance and square by 2⁻²³. After a thousand
         // bounces 10⁻⁹ is left.
         assert_mean(&format!("inside of {n}"), &samples, n * n, n * n * 20.0 * f64::from(f32::EPSILON), 0.01);
@@ -94,7 +94,7 @@ fn overlapping_bodies_resolve_by_priority() {
         }
         b.environment(EnvironmentLight::constant(Vec3::ONE).unwrap());
         // Looks across the row of balls, where light can leave.
-        b.build(narrow(DVec3::new(at, 0.0, 0.0), DVec3::Y, 0.3)).unwrap()
+        b.build(narrow_camera(DVec3::new(at, 0.0, 0.0), DVec3::Y, 0.3)).unwrap()
     };
     for (priorities, at, n) in [
         ([1, 0], -0.6, 1.5f64),
@@ -105,7 +105,7 @@ fn overlapping_bodies_resolve_by_priority() {
         ([0, 1], 0.6, 1.2),
     ] {
         for order in [false, true] {
-            let samples = seen(&scene(priorities, at, order), 16);
+            let samples = mean_radiances(&scene(priorities, at, order), 16);
             let slack = n * n * 20.0 * f64::from(f32::EPSILON);
             assert_mean(&format!("{priorities:?} at {at}"), &samples, n * n, slack, 0.01);
         }

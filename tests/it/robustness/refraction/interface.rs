@@ -8,14 +8,14 @@ use caustica::sampling::Dimension;
 use glam::{DVec3, Vec2, Vec3};
 
 /// Returns a positive f32 in units of 2⁻³⁶, which must divide it.
-fn exact(x: f32) -> i128 {
+fn to_fixed_point(x: f32) -> i128 {
     let (mantissa, exponent) = (i128::from(x.to_bits() & 0x7f_ffff | 0x80_0000), (x.to_bits() >> 23) as i32 - 150);
     mantissa << (exponent + 36)
 }
 
 /// Returns relative indices below 1, where total reflection occurs: those of common glasses, and
 /// values ever nearer to 1.
-fn indices() -> impl Iterator<Item = f32> {
+fn refractive_indices() -> impl Iterator<Item = f32> {
     let random = |i: u64| test_key(3).child_key(i).uniform_1d(Dimension::Light);
     (0..4000u64).map(move |i| match i % 3 {
         0 => 1.0 / (1.0 + 3.0 * random(i)),
@@ -32,7 +32,7 @@ fn indices() -> impl Iterator<Item = f32> {
 fn total_reflection_begins_at_exact_ulp() {
     let one = 1i128 << 72;
     let (mut total, mut not) = (0, 0);
-    for eta in indices().filter(|eta| *eta < 1.0) {
+    for eta in refractive_indices().filter(|eta| *eta < 1.0) {
         let critical = ((1.0 - f64::from(eta)) * (1.0 + f64::from(eta))).sqrt() as f32;
         for ulps in -3..=3i32 {
             let cos = f32::from_bits(critical.to_bits().wrapping_add_signed(ulps));
@@ -40,7 +40,7 @@ fn total_reflection_begins_at_exact_ulp() {
             if !(1.0 / 4096.0..1.0).contains(&cos) {
                 continue;
             }
-            let real = exact(eta) * exact(eta) + exact(cos) * exact(cos) > one;
+            let real = to_fixed_point(eta) * to_fixed_point(eta) + to_fixed_point(cos) * to_fixed_point(cos) > one;
             let (reflectance, cos_t) = dielectric_reflectance(cos, eta);
             assert_eq!(cos_t > 0.0, real, "η = {eta:e}, cos = {cos:e}");
             assert!(if real { (0.0..=1.0).contains(&reflectance) } else { reflectance == 1.0 });

@@ -9,7 +9,7 @@ use glam::{Vec2, Vec3};
 /// Diffuse surfaces, mirrors and visible microfacets weigh their reflectance at most. A Phong lobe
 /// of exponent s weighs (s + 2)/(s + 1) of its albedo. A pane's lobes are chosen by the mean of
 /// three channels.
-fn kinds() -> Vec<(Bsdf, f32)> {
+fn bsdf_kinds() -> Vec<(Bsdf, f32)> {
     let (eta, k) = named_metal("gold").unwrap();
     let mut kinds = vec![
         (Bsdf::Black, 0.0),
@@ -32,7 +32,7 @@ fn kinds() -> Vec<(Bsdf, f32)> {
     kinds
 }
 
-fn directions() -> Vec<Vec3> {
+fn test_directions() -> Vec<Vec3> {
     let cosines = [1.0, 1.0 - f32::EPSILON, 0.7, 0.1, 1e-3, 1e-5, 1e-7, 1e-12, 1e-38, 0.0];
     let at =
         |cos: f32| Vec3::new(0.6 * ((1.0 - cos) * (1.0 + cos)).sqrt(), 0.8 * ((1.0 - cos) * (1.0 + cos)).sqrt(), cos);
@@ -45,8 +45,8 @@ fn directions() -> Vec<Vec3> {
 fn bsdf_samples_have_finite_weight_and_pdf() {
     let tilted = Vec3::new(0.3, -0.5, 0.6).normalize();
     let mut drawn = 0u64;
-    for (bsdf, most) in kinds() {
-        for wo in directions() {
+    for (bsdf, most) in bsdf_kinds() {
+        for wo in test_directions() {
             for ns in [Vec3::Z, tilted] {
                 for lobe in ENDS {
                     for u in corners() {

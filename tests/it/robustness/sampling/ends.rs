@@ -12,7 +12,7 @@ use caustica::scene::Scene;
 use glam::{DVec3, Vec2, Vec3};
 
 #[track_caller]
-fn unit(v: Vec3, what: &dyn Fn() -> String) {
+fn assert_unit_vector(v: Vec3, what: &dyn Fn() -> String) {
     assert!(v.is_finite() && (v.length() - 1.0).abs() < 3e-6, "{}: {v}", what());
 }
 
@@ -23,16 +23,16 @@ fn warps_are_valid_at_extreme_samples() {
     for u in corners() {
         let what = || format!("{u}");
         assert!(warp::square_to_uniform_disc(u).length() <= 1.0 + f32::EPSILON, "{u}");
-        unit(warp::square_to_cosine_hemisphere(u), &what);
-        unit(warp::square_to_uniform_sphere(u), &what);
+        assert_unit_vector(warp::square_to_cosine_hemisphere(u), &what);
+        assert_unit_vector(warp::square_to_uniform_sphere(u), &what);
         for narrow in [0.0, 1e-38, 1e-10, 1.0, 2.0] {
             let v = warp::square_to_uniform_cone(u, narrow);
-            unit(v, &what);
+            assert_unit_vector(v, &what);
             assert!(1.0 - v.z <= narrow + f32::EPSILON, "{u} {narrow}");
         }
         for n in [0.0, 1.0, 1e4, 1e9, 1e30] {
             let v = warp::square_to_power_cosine(u, n);
-            unit(v, &what);
+            assert_unit_vector(v, &what);
             assert!(v.z > 0.0 && !warp::power_cosine_pdf(v.z, n).is_nan(), "{u} {n}");
         }
         let b = warp::square_to_uniform_triangle(u);
@@ -53,7 +53,7 @@ fn other_samplers_are_valid_at_extreme_samples() {
         for u in corners() {
             for along in [Vec3::Z, -Vec3::Z, Vec3::new(0.6, 0.0, -0.8)] {
                 let (next, pdf) = phase.sample(along, u);
-                unit(next, &|| format!("{phase:?} {u}"));
+                assert_unit_vector(next, &|| format!("{phase:?} {u}"));
                 assert!(pdf > 0.0 && pdf.is_finite(), "{phase:?} {u}: {pdf}");
             }
         }
@@ -80,18 +80,18 @@ fn other_samplers_are_valid_at_extreme_samples() {
         let eye = Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.0, 8, 6).unwrap().with_lens(lens);
         for u in corners() {
             let ray = eye.generate_ray(Vec2::new(4.0, 3.0), Some(u));
-            unit(ray.direction, &|| format!("{blades} {u}"));
+            assert_unit_vector(ray.direction, &|| format!("{blades} {u}"));
             assert!(ray.origin.length() <= 0.5 * (1.0 + 1e-6), "{blades} {u}: {}", ray.origin);
         }
     }
     let all_around = Camera::panorama(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 8, 4).unwrap();
     for u in corners() {
-        unit(all_around.generate_ray(u * Vec2::new(8.0, 4.0), None).direction, &|| format!("{u}"));
+        assert_unit_vector(all_around.generate_ray(u * Vec2::new(8.0, 4.0), None).direction, &|| format!("{u}"));
     }
 }
 
 /// Builds a scene with one light of each kind.
-fn lights() -> Scene {
+fn scene_of_all_lights() -> Scene {
     scene_from_text(
         "PerspectiveCamera { center 0 0 9  direction 0 0 -1  up 0 1 0  angle 40  width 1  height 1 }
         Lights {
@@ -117,7 +117,7 @@ fn lights() -> Scene {
 /// one of which contains it. Flux, radiance and pdfs are finite, and no pdf is 0.
 #[test]
 fn lights_are_valid_at_extreme_samples() {
-    let scene = lights();
+    let scene = scene_of_all_lights();
     assert_eq!(scene.lights().len(), 11);
     let ball = |center: Vec3, radius: f32| BoundingSphere { center, radius };
     for light in scene.lights() {
@@ -134,7 +134,7 @@ fn lights_are_valid_at_extreme_samples() {
         ];
         for (p, u) in points.into_iter().flat_map(|p| corners().map(move |u| (p, u))) {
             let Some(s) = light.sample_li(p, u) else { continue };
-            unit(s.wi, &|| format!("{light:?} from {p}, {u}"));
+            assert_unit_vector(s.wi, &|| format!("{light:?} from {p}, {u}"));
             assert!(s.weight.is_finite() && s.weight.min_element() >= 0.0, "{light:?} from {p}, {u}: {s:?}");
             assert!(s.pdf.is_none_or(|pdf| pdf > 0.0 && !pdf.is_nan()), "{light:?} from {p}, {u}: {s:?}");
         }
@@ -156,7 +156,7 @@ fn lights_are_valid_at_extreme_samples() {
                 ];
                 for e in emissions.into_iter().flatten() {
                     let what = || format!("{light:?} at {position}, {direction}: {e:?}");
-                    unit(e.ray.direction, &what);
+                    assert_unit_vector(e.ray.direction, &what);
                     assert!(
                         e.flux.is_finite() && e.flux.min_element() >= 0.0 && e.ray.origin.is_finite(),
                         "{}",
@@ -176,10 +176,10 @@ fn aimed_emission_has_pdf_at_horizon() {
     for u in corners() {
         for n in [Vec3::Z, Vec3::new(0.6, 0.0, 0.8)] {
             if let Some((w, pdf)) = aim.sample_direction(Vec3::X * 0.1, Some(n), u) {
-                unit(w, &|| format!("{u}"));
+                assert_unit_vector(w, &|| format!("{u}"));
                 assert!(pdf > 0.0 && (1.0 / pdf).is_finite(), "{u}: {pdf}");
             }
         }
     }
-    assert!(matches!(lights().lights()[0], Light::Point { .. }));
+    assert!(matches!(scene_of_all_lights().lights()[0], Light::Point { .. }));
 }

@@ -16,7 +16,7 @@ const RAYS: u64 = 100_000_000;
 /// Targets are corners, middles of edges and points on edges in f32: each lies beside the edge by
 /// its own rounding. From inside, every ray must hit. From outside of a `convex` mesh, every
 /// segment to a point inside must.
-fn leaks(mesh: &ClosedMesh, convex: bool, map: impl Fn(Vec3) -> Vec3, rays: u64, seed: u64) -> u64 {
+fn count_missed_rays(mesh: &ClosedMesh, convex: bool, map: impl Fn(Vec3) -> Vec3, rays: u64, seed: u64) -> u64 {
     let mut rng = SmallRng::seed_from_u64(seed);
     let corners = mesh.corners(&map);
     let tree = Hierarchy::build(&corners, &[]);
@@ -75,7 +75,7 @@ fn hundred_million_rays_pass_no_edge() {
     let each = RAYS.div_ceil(cases.len() as u64 * CHUNKS);
     let missed = (0..cases.len() as u64 * CHUNKS).into_par_iter().map(|i| {
         let (mesh, convex, place) = cases[(i / CHUNKS) as usize];
-        let missed = leaks(mesh, convex, place, each, i);
+        let missed = count_missed_rays(mesh, convex, place, each, i);
         assert_eq!(missed, 0, "{} of case {}", mesh.name, i / CHUNKS);
         each
     });

@@ -38,16 +38,16 @@ impl Walls {
     }
 }
 
-fn leave(s: &SurfacePoint, d: Vec3) -> Ray {
+fn leaving_ray(s: &SurfacePoint, d: Vec3) -> Ray {
     Ray::new(offset_ray_origin(s.p, s.error, s.ng, d), d)
 }
 
-fn places() -> Vec<fn(Vec3) -> Vec3> {
+fn placements() -> Vec<fn(Vec3) -> Vec3> {
     const BESIDE: Vec3 = Vec3::new(30.0, -70.0, 40.0);
     vec![|p| p, |p| p * 1e-6, |p| p * 1e6, |p| (p + BESIDE) * 3.0]
 }
 
-fn walled() -> [ClosedMesh; 4] {
+fn walled_scene() -> [ClosedMesh; 4] {
     [cube(), turned_cube(), sphere_mesh(3), torus_mesh(40, 20)]
 }
 
@@ -67,16 +67,16 @@ fn rays_leaving_edge_inwards_do_not_escape() {
             let d = map(point(&mut rng)) - map(Vec3::ZERO);
             let d = if d.dot(s.ng) > 0.0 { -d } else { d };
             left += 1;
-            match walls.closest(&leave(&s, d)) {
+            match walls.closest(&leaving_ray(&s, d)) {
                 None => lost += 1,
                 Some((j, _)) => again += u32::from(i == j),
             }
-            again += u32::from(walls.closest(&leave(&s, -d)).is_some_and(|(j, _)| i == j));
+            again += u32::from(walls.closest(&leaving_ray(&s, -d)).is_some_and(|(j, _)| i == j));
         }
         assert!(left > 99_000, "{} {left}", closed.name);
         assert_eq!((lost, again), (0, 0), "{}: lost, hit again, of {left}", closed.name);
     };
-    places().into_par_iter().for_each(|map| walled().into_iter().for_each(|closed| run((closed, map))));
+    placements().into_par_iter().for_each(|map| walled_scene().into_iter().for_each(|closed| run((closed, map))));
 }
 
 /// Straight through a body along its edges: entries and exits alternate, and the last one is an
@@ -99,14 +99,16 @@ fn entries_and_exits_of_bodies_balance() {
             while let Some((_, s)) = walls.closest(&ray) {
                 depth += if d.dot(s.ng) < 0.0 { 1 } else { -1 };
                 assert!(depth == 0 || depth == 1, "{}: inside {depth} times at {}", closed.name, s.p);
-                ray = leave(&s, d);
+                ray = leaving_ray(&s, d);
                 crossings += 1;
             }
             assert_eq!(depth, 0, "{} from {}", closed.name, ray.origin);
         }
         assert!(crossings > 199_000, "{} {crossings}", closed.name);
     };
-    places().into_par_iter().for_each(|map| walled().into_iter().take(3).for_each(|closed| run((closed, map))));
+    placements()
+        .into_par_iter()
+        .for_each(|map| walled_scene().into_iter().take(3).for_each(|closed| run((closed, map))));
 }
 
 /// Rays from the edges of a room of rectangles, axis-aligned and rotated, hit the room.
@@ -144,7 +146,7 @@ fn rectangle_rooms_trap_rays_from_their_edges() {
             let d = point(&mut rng);
             let d = if d.dot(s.ng) < 0.0 { -d } else { d };
             left += 1;
-            lost += u32::from(near(&leave(&s, d)).is_none());
+            lost += u32::from(near(&leaving_ray(&s, d)).is_none());
         }
         assert!(left > 190_000, "{left}");
         assert_eq!(lost, 0, "of {left}");
