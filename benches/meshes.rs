@@ -91,7 +91,8 @@ fn compute_smooth_normals(bencher: Bencher) {
 
 #[divan::bench(sample_count = 3, sample_size = 1)]
 fn repair(bencher: Bencher) {
-    let all = MeshRepairs { weld: Some(1e-9), duplicates: true, degenerate: true, orient: true };
+    let all =
+        MeshRepairs { weld: Some(1e-9), removes_duplicates: true, removes_degenerates: true, orients_outward: true };
     bencher.counter(ItemsCount::new(TRIANGLES)).with_inputs(|| torus(false)).bench_values(|mut mesh| {
         mesh.repair(&all);
         mesh

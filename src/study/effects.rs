@@ -243,23 +243,16 @@ impl<'a> EffectStudy<'a> {
         let image = |run: &PictureInProgress<'_>| Image::from_pixels(width, height, run.film.mean());
         let (picture, whole) = (image(&self.runs[0])?, self.runs[0].spent.clone());
         let mean = mean_over_image(picture.pixels().iter().map(|p| p.as_dvec3().element_sum()), &picture);
-        let find = |run: PictureInProgress<'_>| {
+        let mut effects = Vec::new();
+        for run in self.runs.into_iter().skip(1) {
+            let Some(decision) = run.without else { continue };
             let without = image(&run)?;
-            let PictureInProgress { without: left_out, spent, .. } = run;
             let gain = effect_contribution(&picture, &without, mean)?;
             let pairs = picture.pixels().iter().zip(without.pixels());
             let difference = Image::from_pixels(width, height, pairs.map(|(a, b)| *a - *b).collect())?;
-            let found = |decision| EffectResult {
-                decision,
-                cost: effect_cost(&whole, &spent),
-                without: spent,
-                gain,
-                difference,
-            };
-            Ok(left_out.map(found))
-        };
-        let effects = self.runs.into_iter().skip(1).filter_map(|run| find(run).transpose());
-        let effects = effects.collect::<Result<_, StudyError>>()?;
+            let cost = effect_cost(&whole, &run.spent);
+            effects.push(EffectResult { decision, without: run.spent, cost, gain, difference });
+        }
         Ok(EffectStudyResult { plan, clock: self.clock, mean, whole, effects, interrupted, picture })
     }
 }
@@ -280,8 +273,8 @@ fn settings_with_pilot_counts(scene: &Scene, algorithm: Algorithm, settings: &Se
 }
 
 /// Mean over pixels and channels; `channel_sums` are the sums over the channels of each pixel.
-fn mean_over_image(sums: impl Iterator<Item = f64>, of: &Image) -> f64 {
-    sums.sum::<f64>() / (3.0 * of.pixels().len() as f64)
+fn mean_over_image(channel_sums: impl Iterator<Item = f64>, image: &Image) -> f64 {
+    channel_sums.sum::<f64>() / (3.0 * image.pixels().len() as f64)
 }
 
 fn effect_contribution(whole: &Image, without: &Image, mean_of_whole: f64) -> Result<EffectContribution, StudyError> {

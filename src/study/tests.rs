@@ -1,4 +1,4 @@
-//! Studies of scenes with known results.
+//! Tests of studies of effects, on scenes with known results.
 
 use super::{EffectStudy, EffectStudyResult, ReportContext, effects_html_page, expected_work};
 use crate::camera::Camera;
@@ -60,7 +60,7 @@ fn unneeded_caustics_cost_rays_and_change_no_bit() {
     assert!(work.added_by(Effect::Caustics).unwrap().rays >= 4000);
 }
 
-/// Point lights have no noise in `whitted`: shadows brighten no pixel.
+/// `whitted` samples point lights without noise, so shadows brighten no pixel.
 #[test]
 fn shadows_only_remove_light() {
     let found = run_effect_study(

@@ -262,7 +262,12 @@ fn course_meshes_are_repaired_without_loss() {
         assert_eq!(before.vertices, triangles / 2 + 2, "{name}");
         assert!(before.volume.unwrap() > 0.0, "{name}");
         let weld = Some(MeshRepairs::DEFAULT_WELD_TOLERANCE * mesh.bounds_diagonal());
-        let repaired = mesh.repair(&MeshRepairs { weld, duplicates: true, degenerate: true, orient: true });
+        let repaired = mesh.repair(&MeshRepairs {
+            weld,
+            removes_duplicates: true,
+            removes_degenerates: true,
+            orients_outward: true,
+        });
         assert_eq!((repaired, mesh.mesh_report()), (Default::default(), before), "{name}");
     }
 }

@@ -135,9 +135,9 @@ fn apply_mesh_changes(mesh: &mut TriangleMesh, arguments: &MeshArguments) -> Res
     let all = arguments.repair;
     let repaired = mesh.repair(&MeshRepairs {
         weld: arguments.weld.or_else(|| all.then(|| MeshRepairs::DEFAULT_WELD_TOLERANCE * mesh.bounds_diagonal())),
-        duplicates: all || arguments.remove_duplicates,
-        degenerate: all || arguments.remove_degenerate,
-        orient: all || arguments.orient,
+        removes_duplicates: all || arguments.remove_duplicates,
+        removes_degenerates: all || arguments.remove_degenerate,
+        orients_outward: all || arguments.orient,
     });
     if arguments.flip {
         mesh.reverse_orientation();

@@ -47,12 +47,7 @@ pub(super) fn root_as_percent(square: f64) -> String {
 
 /// Returns the root mean square of the error estimates of all seeds; empty if there are none.
 fn rms_estimated_error(checkpoint: &Checkpoint) -> String {
-    let Checkpoint { estimated, .. } = checkpoint;
-    if estimated.is_empty() {
-        String::new()
-    } else {
-        root_as_percent(estimated.iter().sum::<f64>() / estimated.len() as f64)
-    }
+    checkpoint.mean_estimated_square().map_or(String::new(), root_as_percent)
 }
 
 /// Returns the rate in error ∝ time^rate between two checkpoints; `None` if it is unknown.

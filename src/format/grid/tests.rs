@@ -1,4 +1,4 @@
-//! Grid files: their syntax, and the refusal of damaged files.
+//! Tests of grid files: their syntax, and the refusal of damaged files.
 
 use super::*;
 use proptest::prelude::*;
@@ -21,7 +21,7 @@ fn encoded_bytes(grid: &DensityGrid, encoding: GridEncoding) -> Vec<u8> {
     })
 }
 
-/// The error of `bytes` names the file, the problem and the remedy.
+/// Asserts that reading `bytes` fails and that the error names file, problem and remedy.
 #[track_caller]
 fn assert_refused(bytes: &[u8], place: &str, message: &str, remedy: &str) {
     let error = read_from_bytes(bytes).unwrap_err().to_string();

@@ -171,7 +171,7 @@ pub struct LoadedMesh {
     /// True if a vertex of the file is only a position, as in OBJ files.
     ///
     /// Such files index normals and texture coordinates separately.
-    pub positions_only: bool,
+    pub has_separate_indices: bool,
 }
 
 impl LoadedMesh {
@@ -180,7 +180,7 @@ impl LoadedMesh {
     pub fn repeated_vertices(&self) -> usize {
         let used = self.vertices - self.isolated;
         let split = self.mesh.normals.is_some() || self.mesh.texcoords.is_some();
-        let kept = if self.positions_only && split {
+        let kept = if self.has_separate_indices && split {
             merge::distinct_position_count(&self.mesh)
         } else {
             self.mesh.positions.len()
@@ -259,6 +259,11 @@ pub fn decode(
     }
     monitor.on_read_end(path, &loaded.mesh);
     Ok(loaded)
+}
+
+/// Lower and upper corner of the bounds of `points`; infinities if there are none.
+fn point_bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
+    points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
 }
 
 /// `v` scaled to unit length; zero if its squared length is zero, subnormal or not finite.

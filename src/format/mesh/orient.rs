@@ -16,9 +16,9 @@ const MAX_NESTED_COMPONENTS: usize = 256;
 struct SurfaceComponent {
     faces: Vec<u32>,
     /// True if every edge has exactly two triangles.
-    closed: bool,
+    is_closed: bool,
     /// True if windings can be made consistent.
-    orientable: bool,
+    is_orientable: bool,
     low: DVec3,
     high: DVec3,
     material: u32,
@@ -30,7 +30,7 @@ pub(super) fn orient_outward(mesh: &mut TriangleMesh) -> usize {
     let mut twisted = Vec::new();
     for half_edges in topology.half_edges_by_edge() {
         if let &[a, b] = half_edges
-            && !windings.union_sets(a.triangle as usize, b.triangle as usize, a.forward == b.forward)
+            && !windings.union_sets(a.triangle as usize, b.triangle as usize, a.is_forward == b.is_forward)
         {
             twisted.push(a.triangle as usize);
         }
@@ -43,20 +43,20 @@ pub(super) fn orient_outward(mesh: &mut TriangleMesh) -> usize {
         components.entry(root).or_insert_with(|| empty_component(mesh, t)).add_triangle(mesh, t);
     }
     for t in twisted {
-        components.entry(windings.find_root(t).0).and_modify(|component| component.orientable = false);
+        components.entry(windings.find_root(t).0).and_modify(|component| component.is_orientable = false);
     }
     for half_edges in topology.half_edges_by_edge().filter(|half_edges| half_edges.len() != 2) {
         for half_edge in half_edges {
             components
                 .entry(windings.find_root(half_edge.triangle as usize).0)
-                .and_modify(|component| component.closed = false);
+                .and_modify(|component| component.is_closed = false);
         }
     }
     let components: Vec<SurfaceComponent> = components.into_values().collect();
     let depths = nesting_depths(mesh, &components, &turn);
     for (component, depth) in components.iter().zip(depths) {
         let turned = component.faces.iter().filter(|t| turn[**t as usize]).count();
-        let other_way = match (component.orientable, component.closed) {
+        let other_way = match (component.is_orientable, component.is_closed) {
             (false, _) => {
                 component.faces.iter().for_each(|t| turn[*t as usize] = false);
                 continue;
@@ -77,8 +77,8 @@ pub(super) fn reverse_orientation(mesh: &mut TriangleMesh) {
 
 fn empty_component(mesh: &TriangleMesh, first: usize) -> SurfaceComponent {
     SurfaceComponent {
-        closed: true,
-        orientable: true,
+        is_closed: true,
+        is_orientable: true,
         low: DVec3::INFINITY,
         high: DVec3::NEG_INFINITY,
         material: mesh.triangle_materials.get(first).copied().unwrap_or(NO_MATERIAL),
@@ -108,7 +108,7 @@ fn six_times_signed_volume(mesh: &TriangleMesh, component: &SurfaceComponent, tu
 /// Triangles marked in `turn` count as flipped. All numbers are 0 if there are more than
 /// [`MAX_NESTED_COMPONENTS`] closed components, and for open components.
 fn nesting_depths(mesh: &TriangleMesh, components: &[SurfaceComponent], turn: &[bool]) -> Vec<usize> {
-    let closed = |component: &SurfaceComponent| component.closed && component.orientable;
+    let closed = |component: &SurfaceComponent| component.is_closed && component.is_orientable;
     let mut depths = vec![0; components.len()];
     if components.iter().filter(|component| closed(component)).count() > MAX_NESTED_COMPONENTS {
         return depths;

@@ -11,11 +11,11 @@ pub struct MeshRepairs {
     /// Distance \[length] within which vertices are merged; 0 merges equal positions.
     pub weld: Option<f64>,
     /// True to remove triangles that have the same three positions as an earlier one.
-    pub duplicates: bool,
+    pub removes_duplicates: bool,
     /// True to remove triangles without area, except those that close a surface.
-    pub degenerate: bool,
+    pub removes_degenerates: bool,
     /// True to make windings consistent, see [`TriangleMesh::orient_outward`].
-    pub orient: bool,
+    pub orients_outward: bool,
 }
 
 impl MeshRepairs {
@@ -43,15 +43,15 @@ pub(super) fn repair(mesh: &mut TriangleMesh, repair: &MeshRepairs) -> RepairCou
     if let Some(tolerance) = repair.weld {
         done.welded = mesh.weld_vertices(tolerance);
     }
-    if repair.duplicates {
+    if repair.removes_duplicates {
         let duplicates = duplicate_triangles(mesh, &MeshTopology::new(mesh));
         done.duplicates = remove_triangles(mesh, &duplicates);
     }
-    if repair.degenerate {
+    if repair.removes_degenerates {
         let degenerate = removable_degenerates(mesh);
         done.degenerate = remove_triangles(mesh, &degenerate);
     }
-    if repair.orient {
+    if repair.orients_outward {
         done.turned = mesh.orient_outward();
     }
     mesh.merge_equal_vertices();

@@ -1,7 +1,7 @@
 //! Measurements of a mesh: size, area, volume and topology.
 
-use super::TriangleMesh;
 use super::topology::{MeshTopology, ParityUnionFind};
+use super::{TriangleMesh, point_bounds};
 use glam::DVec3;
 use serde::Serialize;
 
@@ -65,7 +65,7 @@ pub(super) fn mesh_report(mesh: &TriangleMesh) -> MeshReport {
     let mut used = vec![false; mesh.positions.len()];
     mesh.triangles.iter().flatten().for_each(|v| used[*v as usize] = true);
     let corners = mesh.triangles.iter().flatten().map(|v| mesh.positions[*v as usize]);
-    let (min, max) = corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+    let (min, max) = point_bounds(corners);
     let counts = TopologyCounts::new(mesh, &topology);
     let closed = counts.boundary_edges == 0 && counts.faces > 0;
     let manifold = counts.non_manifold_edges == 0 && counts.non_manifold_vertices == 0;
@@ -102,8 +102,7 @@ pub(super) fn mesh_report(mesh: &TriangleMesh) -> MeshReport {
 }
 
 pub(super) fn bounds_diagonal(mesh: &TriangleMesh) -> f64 {
-    let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let (low, high) = mesh.positions.iter().fold(start, |(low, high), p| (low.min(*p), high.max(*p)));
+    let (low, high) = point_bounds(mesh.positions.iter().copied());
     let diagonal = (high - low).length();
     if diagonal.is_finite() { diagonal } else { 0.0 }
 }
@@ -180,12 +179,12 @@ impl TopologyCounts {
         let mut fans = ParityUnionFind::new(3 * mesh.triangles.len());
         for half_edges in topology.half_edges_by_edge() {
             this.edges += 1;
-            let forward = half_edges.iter().filter(|half_edge| half_edge.forward).count();
+            let forward = half_edges.iter().filter(|half_edge| half_edge.is_forward).count();
             this.balanced &= 2 * forward == half_edges.len();
             match half_edges {
                 [_] => this.boundary_edges += 1,
                 [a, b] => {
-                    let against = a.forward == b.forward;
+                    let against = a.is_forward == b.is_forward;
                     this.inconsistent_edges += usize::from(against);
                     this.orientable &= windings.union_sets(a.triangle as usize, b.triangle as usize, against);
                 }

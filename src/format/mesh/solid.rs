@@ -48,7 +48,7 @@ pub(super) fn solid_defect(mesh: &TriangleMesh) -> Option<SolidDefect> {
     let (mut open, mut inconsistent) = (0, 0);
     for half_edges in topology.half_edges_by_edge() {
         let forward =
-            half_edges.iter().filter(|half_edge| half_edge.forward != flipped[half_edge.triangle as usize]).count();
+            half_edges.iter().filter(|half_edge| half_edge.is_forward != flipped[half_edge.triangle as usize]).count();
         open += usize::from(half_edges.len() == 1);
         inconsistent += usize::from(half_edges.len() > 1 && 2 * forward != half_edges.len());
     }

@@ -12,7 +12,7 @@ pub(super) struct HalfEdge {
     /// Corner of the triangle, 0 to 2, at which the half-edge starts; it ends at the next corner.
     pub corner: u8,
     /// True if the half-edge starts at the lower position index.
-    pub forward: bool,
+    pub is_forward: bool,
 }
 
 impl HalfEdge {
@@ -22,7 +22,7 @@ impl HalfEdge {
     pub fn corner_indices(&self) -> [usize; 2] {
         let base = 3 * self.triangle as usize;
         let (start, end) = (base + self.corner as usize, base + (self.corner as usize + 1) % 3);
-        if self.forward { [start, end] } else { [end, start] }
+        if self.is_forward { [start, end] } else { [end, start] }
     }
 }
 
@@ -48,7 +48,12 @@ impl MeshTopology {
             }
             for (corner, [from, to]) in [[a, b], [b, c], [c, a]].into_iter().enumerate() {
                 let positions = [from.min(to), from.max(to)];
-                half_edges.push(HalfEdge { positions, triangle: t as u32, corner: corner as u8, forward: from < to });
+                half_edges.push(HalfEdge {
+                    positions,
+                    triangle: t as u32,
+                    corner: corner as u8,
+                    is_forward: from < to,
+                });
             }
         }
         half_edges.par_sort_unstable_by_key(|half_edge| (half_edge.positions, half_edge.triangle, half_edge.corner));

@@ -1,6 +1,6 @@
 //! Merging of nearly coincident vertices.
 
-use super::TriangleMesh;
+use super::{TriangleMesh, point_bounds};
 use ahash::RandomState;
 use glam::DVec3;
 use std::collections::HashMap;
@@ -33,8 +33,7 @@ struct WeldGrid {
 
 impl WeldGrid {
     fn new(tolerance: f64, positions: &[DVec3]) -> Self {
-        let (low, high) =
-            positions.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
+        let (low, high) = point_bounds(positions.iter().copied());
         // At most 10¹² cells span the mesh, so cell indices fit into i64.
         let cell = (2.0 * tolerance).max((high - low).max_element() * 1e-12);
         Self {

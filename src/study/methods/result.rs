@@ -47,6 +47,14 @@ impl Checkpoint {
     pub fn mean_squared_error(&self) -> f64 {
         self.squares.iter().sum::<f64>() / self.squares.len().max(1) as f64
     }
+
+    /// Relative squared error by the renderer's own error estimate, mean over seeds; `None` if
+    /// unknown.
+    #[must_use]
+    pub fn mean_estimated_square(&self) -> Option<f64> {
+        let n = self.estimated.len() as f64;
+        (n > 0.0).then(|| self.estimated.iter().sum::<f64>() / n)
+    }
 }
 
 /// Results of one method.

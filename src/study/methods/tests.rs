@@ -1,4 +1,4 @@
-//! Studies of methods whose noise, bias and cost are known.
+//! Tests of studies, on synthetic methods with known noise, bias and cost.
 
 use super::clock::ClockFn;
 use super::run::IntegratorFactory;
@@ -29,7 +29,7 @@ fn uniform_noise(sigma: f64, key: u64) -> f64 {
     12f64.sqrt() * sigma * (uniform - 0.5)
 }
 
-/// Radiance 1 everywhere plus `bias` and noise.
+/// Picture of radiance 1 + `bias` with noise of standard deviation `sigma`, keyed by `name`.
 fn noisy_picture(bias: f64, sigma: f64, name: u64) -> Vec<Rgb> {
     let value = |i: u64| 1.0 + bias + uniform_noise(sigma, (name << 32) + i);
     let pixel = |i: u64| glam::DVec3::new(value(3 * i), value(3 * i + 1), value(3 * i + 2)).as_vec3();
@@ -40,7 +40,7 @@ fn image_from_pixels(pixels: Vec<Rgb>) -> Image {
     Image::from_pixels(SIZE.0, SIZE.1, pixels).unwrap()
 }
 
-/// Two references with noise of this size.
+/// Two references of radiance 1 with noise of standard deviation `sigma`.
 fn references_with_noise(sigma: f64) -> References {
     let [a, b] = [1000, 1001].map(|name| image_from_pixels(noisy_picture(0.0, sigma, name)));
     References::new("here".into(), a, Some(b)).unwrap()
@@ -50,8 +50,8 @@ fn assert_near(found: f64, expected: f64, sigma: f64) {
     assert!((found - expected).abs() < 4.0 * sigma, "{found} is not {expected} ± {sigma}");
 }
 
-/// At radiance 1 an error e counts e²/2. A product of two errors of variance v has a standard
-/// deviation of about v.
+/// At radiance 1, the relative squared error of an error e is e²/2. The product of two errors of
+/// variance v has a standard deviation of about v.
 #[test]
 fn noise_and_bias_are_separated() {
     let (bias, sigma, reference) = (0.1, 0.2, 0.2);
@@ -86,12 +86,12 @@ fn error_map_has_the_mean_error() {
     assert!(map.iter().all(|e| (f64::from(*e) - 0.025f64.sqrt()).abs() < 1e-6), "{}", map[0]);
 }
 
-/// A method of known noise, bias and cost.
+/// Synthetic method with known noise, bias and cost.
 #[derive(Clone, Copy)]
 struct SyntheticMethod {
     bias: f64,
     sigma: f64,
-    /// Processor time of a pass of the first seed \[s]; each next one takes half as much again.
+    /// Processor time of a pass of the first seed \[s]. Seed n takes 1 + n/2 times as much.
     cost: f64,
     /// True if the third pass of the first seed is interrupted.
     interrupts: bool,
@@ -104,7 +104,7 @@ const SLOW_METHOD: SyntheticMethod = SyntheticMethod { bias: 0.1, sigma: 0.1, co
 #[derive(Default)]
 struct SharedState {
     time: Mutex<CpuWallTime>,
-    /// Methods, seeds and passes in order.
+    /// Cost (which identifies the method), seed and pass of each pass, in order.
     log: Mutex<Vec<(f64, u64, u32)>>,
     interrupted: AtomicBool,
 }
@@ -119,7 +119,7 @@ impl Integrator for SyntheticRun<'_> {
     fn pass(&self, pass: u32, _: &dyn Monitor) -> Pass {
         let SyntheticMethod { bias, sigma, cost, interrupts } = self.fake;
         let processor = cost * (1.0 + 0.5 * self.seed as f64);
-        // The processor is elsewhere for a fifth of the time.
+        // Other programs have the processor for a fifth of the time.
         let wall = processor / (0.8 * rayon::current_num_threads() as f64);
         *self.world.time.lock().unwrap() += CpuWallTime { processor, wall };
         self.world.log.lock().unwrap().push((cost, self.seed, pass));
@@ -172,8 +172,8 @@ fn checkpoint_passes(found: &MethodStudyResult, method: usize) -> Vec<u32> {
     found.methods[method].checkpoints.iter().map(|c| c.passes).collect()
 }
 
-/// Two seeds whose passes take 1 and 1.5 of the cost take 1.25 in the mean: 1 s the slow ones, .25
-/// s the fast ones.
+/// Passes of the two seeds take 1 and 1.5 times the method's cost, so 1.25 times in the mean. That
+/// is 1 s for the slow method and 0.25 s for the fast one.
 #[test]
 fn methods_run_until_their_budget() {
     let world = SharedState::default();
@@ -265,7 +265,8 @@ fn measured_errors_match_synthetic_methods() {
 
 #[test]
 fn references_estimate_their_noise() {
-    // The mean of both has half the variance of each: of light 1, √(.2²/2 / 2) = .1.
+    // The mean of both references has half the variance of each. At radiance 1, the relative
+    // error is √(0.2²/2 / 2) = 0.1.
     let truth = references_with_noise(0.2).ground_truth();
     assert_near(truth.error.unwrap(), 0.1, 0.1 / (2.0 * CHANNELS).sqrt() + 5e-4);
     let exact = References::new("here".into(), image_from_pixels(noisy_picture(0.0, 0.0, 0)), None).unwrap();

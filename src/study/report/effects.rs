@@ -4,7 +4,7 @@ mod data;
 
 pub use data::{csv, markdown};
 
-use super::html::{escape_html, inline_png};
+use super::html::{escape_html, inline_png, number_cells_html};
 use super::picture::{encode_png, exposure_text, negative_part, positive_part, visible_exposure};
 use super::text::{count_text, percent_text, signed_count_text, signed_milliseconds_text, three_digit_text};
 use crate::image::Image;
@@ -132,7 +132,7 @@ fn effects_table_html(findings: &EffectStudyResult) -> String {
             share_of_mean_text(gain.takes, findings.mean),
         ];
         let _ = write!(table, "<tr><th scope=\"row\"><a href=\"#{0}\">{0}</a></th>", decision.effect);
-        cells.iter().for_each(|cell| table += &format!("<td class=\"n\">{}</td>", escape_html(cell)));
+        table += &number_cells_html(&cells);
         table += "</tr>\n";
     }
     let whole = &findings.whole;
@@ -146,7 +146,7 @@ fn effects_table_html(findings: &EffectStudyResult) -> String {
         a_pass(whole.counters.gathered_photons),
     ];
     table += "</tbody>\n<tfoot><tr><th scope=\"row\">the whole picture</th>";
-    cells.iter().for_each(|cell| table += &format!("<td class=\"n\">{}</td>", escape_html(cell)));
+    table += &number_cells_html(&cells);
     let _ = write!(
         table,
         "<td colspan=\"4\">mean radiance {} W/(m² sr)</td></tr></tfoot>\n</table></div>\n",

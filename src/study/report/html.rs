@@ -27,6 +27,11 @@ pub(super) fn inline_png(png: &[u8], (width, height): (u32, u32), words: &str) -
     format!("<img src=\"data:image/png;base64,{data}\" width=\"{width}\" height=\"{height}\" alt=\"{words}\"/>")
 }
 
+/// Cells of an HTML table row that hold numbers; escapes their text.
+pub(super) fn number_cells_html(cells: &[String]) -> String {
+    cells.iter().map(|cell| format!("<td class=\"n\">{}</td>", escape_html(cell))).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -59,7 +59,7 @@ pub(super) fn read(
         libraries: checked.libraries,
         vertices: checked.vertices,
         isolated: checked.isolated,
-        positions_only: true,
+        has_separate_indices: true,
     })
 }
 

@@ -7,7 +7,7 @@ use std::io::{Result, Write};
 struct VertexPropertyColumns<'m> {
     names: &'static [&'static str],
     /// True if all values are exact in single precision, so they are written as `float`.
-    single: bool,
+    is_single_precision: bool,
     /// Values at the vertex with a given index.
     get: Box<dyn Fn(usize) -> [f64; 3] + 'm>,
 }
@@ -15,8 +15,8 @@ struct VertexPropertyColumns<'m> {
 impl<'m> VertexPropertyColumns<'m> {
     fn new(names: &'static [&'static str], n: usize, get: impl Fn(usize) -> [f64; 3] + 'm) -> Self {
         let fits = |x: f64| f64::from(x as f32).to_bits() == x.to_bits();
-        let single = (0..n).all(|v| get(v)[..names.len()].iter().all(|x| fits(*x)));
-        Self { names, single, get: Box::new(get) }
+        let is_single_precision = (0..n).all(|v| get(v)[..names.len()].iter().all(|x| fits(*x)));
+        Self { names, is_single_precision, get: Box::new(get) }
     }
 }
 
@@ -35,7 +35,7 @@ pub(in crate::format) fn write(mesh: &TriangleMesh, text: bool, out: &mut impl W
     writeln!(out, "element vertex {n}")?;
     for column in &columns {
         for name in column.names {
-            writeln!(out, "property {} {name}", if column.single { "float" } else { "double" })?;
+            writeln!(out, "property {} {name}", if column.is_single_precision { "float" } else { "double" })?;
         }
     }
     writeln!(out, "element face {}\nproperty list uchar int vertex_indices\nend_header", mesh.triangles.len())?;
@@ -43,7 +43,7 @@ pub(in crate::format) fn write(mesh: &TriangleMesh, text: bool, out: &mut impl W
         let mut gap = "";
         for column in &columns {
             for x in &(column.get)(v)[..column.names.len()] {
-                match (text, column.single) {
+                match (text, column.is_single_precision) {
                     (true, true) => write!(out, "{gap}{}", ShortestDecimal(*x as f32))?,
                     (true, false) => write!(out, "{gap}{}", ShortestDecimal(*x))?,
                     (false, true) => out.write_all(&(*x as f32).to_le_bytes())?,

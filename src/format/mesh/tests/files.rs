@@ -1,4 +1,4 @@
-//! Meshes written to files and read back.
+//! Tests of mesh files: written meshes read back bit for bit.
 
 use super::super::{LoadedMesh, MeshFormat, NO_MATERIAL, load, unit_normal};
 use super::*;
@@ -21,7 +21,7 @@ fn any_point() -> impl Strategy<Value = DVec3> {
     [any_number(), any_number(), any_number()].prop_map(DVec3::from_array)
 }
 
-/// A mesh as it is after reading: with normals at all corners of a triangle or at none.
+/// Any mesh that a reader could return: each triangle has normals at all corners or at none.
 fn any_mesh() -> impl Strategy<Value = TriangleMesh> {
     let single = any::<bool>();
     let shape = (1..12_usize, single).prop_flat_map(|(n, single)| {

@@ -1,4 +1,4 @@
-//! Meshes with known properties.
+//! Tests of mesh processing, on meshes with known properties.
 
 mod files;
 mod normals;

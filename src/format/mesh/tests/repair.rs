@@ -7,9 +7,9 @@ use super::*;
 fn all_repairs(mesh: &TriangleMesh) -> MeshRepairs {
     MeshRepairs {
         weld: Some(MeshRepairs::DEFAULT_WELD_TOLERANCE * mesh.bounds_diagonal()),
-        duplicates: true,
-        degenerate: true,
-        orient: true,
+        removes_duplicates: true,
+        removes_degenerates: true,
+        orients_outward: true,
     }
 }
 
@@ -161,7 +161,7 @@ fn triangles_keep_their_materials() {
     cube.triangles[3] = [0, 0, 1];
     cube.triangles[4] = cube.triangles[0];
     cube.triangles[5] = [1, 1, 1];
-    cube.repair(&MeshRepairs { duplicates: true, degenerate: true, ..MeshRepairs::default() });
+    cube.repair(&MeshRepairs { removes_duplicates: true, removes_degenerates: true, ..MeshRepairs::default() });
     assert_eq!(cube.materials, ["a", "c"]);
     assert_eq!(cube.triangle_materials, [[0; 3], [1; 3], [super::super::NO_MATERIAL; 3]].concat());
     let parts: Vec<(u32, usize)> =

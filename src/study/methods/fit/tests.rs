@@ -1,4 +1,4 @@
-//! Methods whose laws are known, with the scatter of seeds.
+//! Tests of fits and verdicts, on synthetic methods with known convergence.
 
 use super::slopes::student_t_quantile;
 use super::*;
@@ -12,8 +12,9 @@ use rand::RngExt;
 const SEEDS: usize = 8;
 const PIXELS: usize = 64;
 
-/// Pixels whose error after n passes is that of a mean of passes of variance 1/shrink and bias
-/// `bias` · shrink.
+/// Synthetic method whose pass i has variance 1/shrink(i) and bias `bias` · shrink(i).
+///
+/// `name` selects its random numbers.
 fn synthetic_method(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32], name: u64) -> MethodResult {
     let mut rng = Key::new(77).child_key(name).rng();
     // Irwin–Hall: twelve uniform numbers less six have variance 1.
@@ -73,9 +74,10 @@ fn fitted_verdict(method: &MethodResult) -> ConvergenceVerdict {
     judge_convergence(method, fit_convergence(method).as_ref(), None)
 }
 
-/// An interval of 95 % misses 10 or more of 100 with a chance of 3 %; the law of the squares'
-/// logarithm differs from the logarithm of their law by 1/(SEEDS · PIXELS), which is nothing beside
-/// the interval.
+/// At least 90 of 100 intervals of 95 % confidence contain the predicted slope.
+///
+/// The chance of 10 or more misses is 3 %. The mean logarithm of the squares differs from the
+/// logarithm of their mean by 1/(SEEDS · PIXELS), which is small compared with the interval.
 #[test]
 fn slope_intervals_cover_theory() {
     let passes = powers_of_two(9);
@@ -179,7 +181,7 @@ fn errors_below_the_truth_are_not_judged() {
     assert!(matches!(fitted_verdict(&alone), ConvergenceVerdict::Wide { .. }));
 }
 
-/// Returns a method without noise: the error is .1/√n after n/4 seconds.
+/// Synthetic method without noise: after n passes and n/4 seconds, its error is 0.1/√n.
 fn method_without_noise() -> MethodResult {
     let mut method = synthetic_method(Algorithm::Path, 0.0, 1.0, &powers_of_two(9), 7);
     for c in &mut method.checkpoints {

@@ -1,7 +1,7 @@
 use super::*;
 use crate::integrate::Algorithm;
 
-/// Rec. 709.
+/// Luminance of a linear colour with the primaries of Rec. 709.
 fn luminance(c: Vec3) -> f32 {
     c.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }

@@ -46,7 +46,6 @@ pub fn csv(found: &MethodStudyResult) -> String {
             let number = |v: f64| v.to_string();
             let [low, high] =
                 mean_confidence_interval(&c.squares).map_or_else(Default::default, |ends| ends.map(number));
-            let estimated = c.estimated.iter().sum::<f64>() / c.estimated.len() as f64;
             table += &csv_row(&[
                 method.label.clone(),
                 method.algorithm.name().to_owned(),
@@ -61,7 +60,7 @@ pub fn csv(found: &MethodStudyResult) -> String {
                 high,
                 number(c.noise2),
                 number(c.bias2),
-                if c.estimated.is_empty() { String::new() } else { number(estimated) },
+                c.mean_estimated_square().map_or(String::new(), number),
                 number(c.rmse),
                 number(c.flip),
                 c.squares.iter().map(f64::to_string).collect::<Vec<_>>().join(";"),

@@ -3,7 +3,7 @@
 use super::analysis::{StudyAnalysis, TARGET_ERRORS, slope_interval_text, slope_range_text, time_to_error_text};
 use crate::study::methods::fit::{ConvergenceSlopes, ErrorComponent, TimeToError};
 use crate::study::methods::{Checkpoint, MethodStudyResult};
-use crate::study::report::html::escape_html;
+use crate::study::report::html::{escape_html, number_cells_html};
 use crate::study::report::svg::{marker_svg, series_color};
 use crate::study::report::text::{count_text, duration_text, error_percent_text, three_digit_text};
 use std::fmt::Write;
@@ -133,7 +133,6 @@ pub(super) fn checkpoint_tables_html(found: &MethodStudyResult) -> String {
             1,
         );
         for c in &method.checkpoints {
-            let estimated = c.estimated.iter().sum::<f64>() / c.estimated.len() as f64;
             let cells = [
                 duration_text(c.seconds),
                 duration_text(c.wall),
@@ -142,12 +141,12 @@ pub(super) fn checkpoint_tables_html(found: &MethodStudyResult) -> String {
                 root_percent_text(c.mean_squared_error()),
                 root_percent_text(c.noise2),
                 root_percent_text(c.bias2),
-                if c.estimated.is_empty() { "–".to_owned() } else { root_percent_text(estimated) },
+                c.mean_estimated_square().map_or("–".to_owned(), root_percent_text),
                 three_digit_text(c.rmse),
                 three_digit_text(c.flip),
             ];
             let _ = write!(all, "<tr><th scope=\"row\">{}</th>", c.passes);
-            cells.iter().for_each(|cell| all += &format!("<td class=\"n\">{}</td>", escape_html(cell)));
+            all += &number_cells_html(&cells);
             all += "</tr>\n";
         }
         all += TABLE_END;

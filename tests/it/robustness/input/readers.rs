@@ -88,9 +88,9 @@ fn loaded(name: &str, bytes: &[u8]) {
             assert!(loaded.mesh.mesh_report().components <= loaded.mesh.triangles.len());
             loaded.mesh.repair(&mesh::MeshRepairs {
                 weld: Some(1e-9),
-                duplicates: true,
-                degenerate: true,
-                orient: true,
+                removes_duplicates: true,
+                removes_degenerates: true,
+                orients_outward: true,
             });
             loaded.mesh.compute_smooth_normals(30.0);
         }
