@@ -21,7 +21,7 @@
 //! | pixel | `Sampler::next_vertex_sampler` | 2 · bounce + transmitted | two branches per split |
 //! | vertex | `Sampler::shadow_ray_sampler` | pass · 2³² | other dimensions than the next vertex |
 //! | vertex, sample | `Key::medium_tracking_key` | 2⁶³ + pass | above all words of vertices |
-//! | shadow rays | `Sampler::nth_shadow_ray_sampler` | light or ray | either lights or chosen rays |
+//! | shadow rays | `Sampler::nth_shadow_ray_sampler` | light or ray | lights or chosen rays |
 //! | shadow ray | `Key::medium_distance_key` | 1 | transmittance uses the parent itself |
 //! | film sample of a pilot | `Sampler::bounce_sampler` | bounce | one per vertex |
 //! | any sampler | `Sampler::sample_key` | sample | one per sample of the pixel |

@@ -57,7 +57,7 @@ impl Cuboid {
         let mut normal = DVec3::ZERO;
         normal[face / 2] = face_sign(face);
         let normal = self.to_world.transform_normal(normal).normalize();
-        let point = SurfacePoint::from_f64(self.to_world.transform_point(p), normal, world_scale(&self.to_world));
+        let point = SurfacePoint::from_f64(self.to_world.transform_point(p), normal, world_scale(&self.to_world, 1.0));
         SurfacePoint { uv: Vec2::new(0.0, face as f32), ..point }
     }
 }

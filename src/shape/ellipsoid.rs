@@ -37,7 +37,7 @@ impl Ellipsoid {
     #[inline]
     fn surface_at(&self, object: DVec3) -> SurfacePoint {
         let p = self.to_world.transform_point(object);
-        SurfacePoint::from_f64(p, self.to_world.transform_normal(object).normalize(), world_scale(&self.to_world))
+        SurfacePoint::from_f64(p, self.to_world.transform_normal(object).normalize(), world_scale(&self.to_world, 1.0))
     }
 
     /// World area per area of the unit sphere at its point `n`: |det M| · |M⁻ᵀ n|.

@@ -25,7 +25,7 @@ pub struct Frustum {
     /// ρ at y = 0 and at y = 1; the larger is 1, the smaller at least 0.
     radii: [f64; 2],
     /// True if discs close both ends.
-    capped: bool,
+    is_capped: bool,
     /// World areas of side, bottom and top \[length²]; 0 for missing caps.
     areas: [f64; 3],
 }
@@ -55,31 +55,31 @@ impl FrustumPart {
 impl Frustum {
     /// Cylinder between the centres of its ends; `None` if its height or radius is 0.
     #[must_use]
-    pub fn cylinder(bottom: DVec3, top: DVec3, radius: f64, capped: bool) -> Option<Self> {
-        Self::new(bottom, top, [radius; 2], capped)
+    pub fn cylinder(bottom: DVec3, top: DVec3, radius: f64, is_capped: bool) -> Option<Self> {
+        Self::new(bottom, top, [radius; 2], is_capped)
     }
 
     /// Cone from the centre of its base to its apex; `None` if its height or radius is 0.
     #[must_use]
-    pub fn cone(base: DVec3, apex: DVec3, radius: f64, capped: bool) -> Option<Self> {
-        Self::new(base, apex, [radius, 0.0], capped)
+    pub fn cone(base: DVec3, apex: DVec3, radius: f64, is_capped: bool) -> Option<Self> {
+        Self::new(base, apex, [radius, 0.0], is_capped)
     }
 
     /// Truncated cone between the centres of its ends, with the radii there.
     ///
     /// One radius may be 0. `None` if the height or both radii are 0.
     #[must_use]
-    pub fn new(bottom: DVec3, top: DVec3, radii: [f64; 2], capped: bool) -> Option<Self> {
+    pub fn new(bottom: DVec3, top: DVec3, radii: [f64; 2], is_capped: bool) -> Option<Self> {
         let (axis, radius) = (top - bottom, radii[0].max(radii[1]));
         let [u, v] = upright_axes(axis);
         let matrix3 = DMat3::from_cols(u * radius, axis, v * -radius);
         let to_world = Transform::new(DAffine3 { matrix3, translation: bottom }).ok()?;
-        Some(Self::from_transform(to_world, radii.map(|r| r / radius), capped))
+        Some(Self::from_transform(to_world, radii.map(|r| r / radius), is_capped))
     }
 
     /// Image of the frustum with the given object-space radii under `to_world`.
-    fn from_transform(to_world: Transform, radii: [f64; 2], capped: bool) -> Self {
-        let mut frustum = Self { to_world, radii, capped, areas: [0.0; 3] };
+    fn from_transform(to_world: Transform, radii: [f64; 2], is_capped: bool) -> Self {
+        let mut frustum = Self { to_world, radii, is_capped, areas: [0.0; 3] };
         let around: f64 = (0..AREA_STEPS)
             .map(|i| {
                 let (sin, cos) = sincos(f64::from(i) * TAU / f64::from(AREA_STEPS));
@@ -87,7 +87,7 @@ impl Frustum {
             })
             .sum();
         frustum.areas[0] = 0.5 * (radii[0] + radii[1]) * TAU * around / f64::from(AREA_STEPS);
-        if capped {
+        if is_capped {
             let m = to_world.forward().matrix3;
             let disc = PI * m.z_axis.cross(m.x_axis).length();
             frustum.areas[1] = disc * radii[0] * radii[0];
@@ -176,7 +176,7 @@ impl Frustum {
     #[inline]
     fn surface_at(&self, p: DVec3, normal: DVec3, part: FrustumPart) -> SurfacePoint {
         let normal = self.to_world.transform_normal(normal).normalize();
-        let point = SurfacePoint::from_f64(self.to_world.transform_point(p), normal, world_scale(&self.to_world));
+        let point = SurfacePoint::from_f64(self.to_world.transform_point(p), normal, world_scale(&self.to_world, 1.0));
         SurfacePoint { uv: Vec2::new(0.0, part as u32 as f32), ..point }
     }
 
@@ -214,7 +214,8 @@ impl AnalyticShape for Frustum {
         }
         let hit = |(tau, part): (f64, FrustumPart)| {
             // An open end is no hit: it counts as behind the ray.
-            let t = if self.capped || part == FrustumPart::Side { local.ray_parameter(tau) } else { f64::NEG_INFINITY };
+            let t =
+                if self.is_capped || part == FrustumPart::Side { local.ray_parameter(tau) } else { f64::NEG_INFINITY };
             (t, part as u32 as f32)
         };
         nearer_hit(ray, hit(near), hit(far))
@@ -283,7 +284,7 @@ impl AnalyticShape for Frustum {
 
     fn transformed(&self, map: &Transform) -> Option<Self> {
         let to_world = Transform::new(*map.forward() * *self.to_world.forward()).ok()?;
-        Some(Self::from_transform(to_world, self.radii, self.capped))
+        Some(Self::from_transform(to_world, self.radii, self.is_capped))
     }
 
     fn area(&self) -> f64 {
@@ -301,7 +302,7 @@ impl AnalyticShape for Frustum {
         let cap = |area: f64, x: f64, radius: f64, part| {
             self.cap_point(radial * (radius * (x / area).clamp(0.0, 1.0).sqrt()), part)
         };
-        let point = if x < side || !self.capped {
+        let point = if x < side || !self.is_capped {
             self.side_point(self.height_at_area_fraction((x / side).min(1.0)), radial)
         } else if x - side < bottom || self.areas[2] == 0.0 {
             cap(bottom, x - side, self.radii[0], FrustumPart::Bottom)

@@ -53,11 +53,10 @@ impl ObjectRay {
     }
 }
 
-/// Bound on the absolute world coordinates of the cube \[−1, 1]³ under `to_world`.
+/// Bound on the absolute world coordinates of object-space points with coordinates up to `size`.
 #[inline]
-pub(super) fn world_scale(to_world: &Transform) -> f64 {
-    // One ulp in object space is as long in world space as the longest column.
+pub(super) fn world_scale(to_world: &Transform, size: f64) -> f64 {
     let m = to_world.forward().matrix3;
-    let scale = m.x_axis.length() + m.y_axis.length() + m.z_axis.length();
-    scale + to_world.forward().translation.abs().max_element()
+    let widest = m.x_axis.length() + m.y_axis.length() + m.z_axis.length();
+    widest * size + to_world.forward().translation.abs().max_element()
 }

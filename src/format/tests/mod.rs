@@ -79,8 +79,8 @@ fn parsing_takes_linear_time() {
         assert_eq!(parse("a", &text).unwrap().root.items.len(), n);
         start.elapsed().as_secs_f64()
     };
-    // 40 times the text takes 40 times as long if time is linear, 1600 times if it is quadratic. The
-    // bound between them leaves room for noise from other processes.
+    // 40 times the text takes 40 times as long if time is linear, 1600 times if it is quadratic.
+    // The bound between them leaves room for noise from other processes.
     let least = |n: usize| (0..4).map(|_| time(n)).fold(f64::INFINITY, f64::min);
     let (small, large) = (least(2_000), least(80_000));
     assert!(large < 400.0 * small, "{small} s, then {large} s");

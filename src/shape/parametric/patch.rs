@@ -10,7 +10,7 @@ use crate::math::{Ray, Transform};
 use crate::sampling::DiscreteDistribution;
 use crate::shape::analytic::AnalyticShape;
 use crate::shape::hit::{ShapeHit, round_t_if_in_range};
-use crate::shape::object_ray::ObjectRay;
+use crate::shape::object_ray::{ObjectRay, world_scale};
 use crate::shape::surface_point::{ShapeSample, SurfacePoint};
 use crate::shape::texture_mapping::TexCoord;
 use glam::{DVec2, DVec3, DVec4, Vec2, Vec3};
@@ -89,9 +89,7 @@ impl Patch {
         if !points.iter().all(|p| p.abs().max_element() < 1e100) || !controls.iter().all(|c| c.w < 1e100) {
             return Err(SplineError::TooLarge);
         }
-        let bounds =
-            |p: &[DVec3]| p.iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[a, b], p| [a.min(*p), b.max(*p)]);
-        let [min, max] = bounds(&points);
+        let [min, max] = points.iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[a, b], p| [a.min(*p), b.max(*p)]);
         let center = 0.5 * min + 0.5 * max;
         let max_weight = controls.iter().fold(0.0, |m: f64, c| m.max(c.w));
         let to_homogeneous =
@@ -161,9 +159,7 @@ impl Patch {
         let [p, ..] = net.leaf_piece(leaf).point_and_derivatives(at);
         // The inverse transpose keeps the outer side of a mirror image.
         let normal = self.to_world.transform_normal(net.leaf_normal(leaf, at)).normalize();
-        let m = self.to_world.forward().matrix3;
-        let widest = m.x_axis.length() + m.y_axis.length() + m.z_axis.length();
-        let scale = widest * net.size + self.to_world.forward().translation.abs().max_element();
+        let scale = world_scale(&self.to_world, net.size);
         SurfacePoint { uv, ..SurfacePoint::from_f64(self.to_world.transform_point(p), normal, scale * HIT_ERROR_SCALE) }
     }
 }
