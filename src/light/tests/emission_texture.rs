@@ -43,13 +43,8 @@ fn textured_and_equivalent_lights() -> Vec<(Light, Light)> {
     };
     let even = |emitter| Light::Area(AreaLight::uniform(emitter, Rgb::splat(BRIGHT)));
     vec![
-<<<<<<< HEAD
-        (textured_area_light(rectangle(e0), MappingKind::for_rectangle(corner, e0, e1)), even(rectangle(e0 * 0.5))),
+        (textured_area_light(rectangle(e0), MappingKind::rectangle_mapping(corner, e0, e1)), even(rectangle(e0 * 0.5))),
         (textured_area_light(mesh_light_surface(mesh(2.0)), MappingKind::Uv), even(mesh_light_surface(mesh(1.0)))),
-=======
-        (glowing(rectangle(e0), MappingKind::rectangle_mapping(corner, e0, e1)), even(rectangle(e0 * 0.5))),
-        (glowing(emitter_of(mesh(2.0)), MappingKind::Uv), even(emitter_of(mesh(1.0)))),
->>>>>>> main
     ]
 }
 

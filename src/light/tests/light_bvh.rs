@@ -35,7 +35,7 @@ fn random_finite_lights(n: u64) -> Vec<Light> {
             }
             2 => area_light(Shape::Sphere(SphereShape::new(center, 0.1)), 30.0 * strength),
             3 => area_light(Shape::Rectangle(Rectangle::new(center, s * 0.3, t * 0.2)), 15.0 * strength),
-            4 => Light::Area(AreaLight::uniform(emitter_of(mesh(place)), Rgb::splat(strength))),
+            4 => Light::Area(AreaLight::uniform(mesh_light_surface(three_triangle_mesh(place)), Rgb::splat(strength))),
             _ => area_light(Shape::Disc(Disc::circular_disc(center, axis.as_dvec3(), 0.2)), 8.0 * strength),
         }
     };
