@@ -35,7 +35,7 @@ impl Ggx {
 
     /// D(m) \[1/sr] for microfacet normal m = `h`/|`h`|.
     #[inline]
-    pub(super) fn normal_density(self, h: DVec3, n: DVec3) -> f64 {
+    pub(super) fn microfacet_normal_density(self, h: DVec3, n: DVec3) -> f64 {
         let a2 = self.alpha * self.alpha;
         let (along, across, length2) = (h.dot(n), h.cross(n).length_squared(), h.length_squared());
         let slope = a2 * along * along + across;
@@ -110,7 +110,7 @@ impl Ggx {
         let h = wo + wi;
         // wo · m is half the length of wo + wi.
         let cos = 0.5 * h.length();
-        Microfacet { density: self.normal_density(h, n), cos, jacobian: 0.25 / cos }
+        Microfacet { density: self.microfacet_normal_density(h, n), cos, jacobian: 0.25 / cos }
     }
 
     /// The microfacets that refract `wi` to `wo`, and the cosine between −m and `wi`.
@@ -128,6 +128,6 @@ impl Ggx {
         let inverse = 1.0 / length2.sqrt();
         let cos_t = -i * inverse;
         let jacobian = eta * eta * cos_t / length2;
-        Some((Microfacet { density: self.normal_density(h, n), cos: o * inverse, jacobian }, cos_t))
+        Some((Microfacet { density: self.microfacet_normal_density(h, n), cos: o * inverse, jacobian }, cos_t))
     }
 }

@@ -133,7 +133,7 @@ impl Filter {
 
     /// True if the filter is negative somewhere.
     #[must_use]
-    pub fn is_signed(&self) -> bool {
+    pub fn has_negative_values(&self) -> bool {
         self.negative_beyond.is_finite()
     }
 
@@ -145,7 +145,7 @@ impl Filter {
         let sign = |x: f32| {
             if x.abs() < self.negative_beyond { self.absolute_over_signed } else { -self.absolute_over_signed }
         };
-        let weight = if self.is_signed() { sign(offset.x) * sign(offset.y) } else { 1.0 };
+        let weight = if self.has_negative_values() { sign(offset.x) * sign(offset.y) } else { 1.0 };
         FilterSample { offset, weight }
     }
 

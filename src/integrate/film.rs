@@ -113,7 +113,7 @@ impl FilmSampling<'_> {
     fn film_position(&self, corner: Vec2, sampler: Sampler) -> (Vec2, f32) {
         let Some(filter) = self.filter else { return (corner + Vec2::Y, 1.0) };
         // The correction for negative lobes is unbiased only if samples are independent.
-        let film = if filter.is_signed() {
+        let film = if filter.has_negative_values() {
             sampler.sample_key().uniform_2d(Dimension::Film)
         } else {
             sampler.get_2d(Dimension::Film)
@@ -136,7 +136,7 @@ pub(super) fn render_tiles<T: Default>(
     let (width, height) = sampling.camera.size();
     let (columns, every) = (width.div_ceil(TILE_SIZE), sampling.every);
     let pixels = width as usize * height as usize;
-    let is_signed = sampling.filter.is_some_and(Filter::is_signed);
+    let is_signed = sampling.filter.is_some_and(Filter::has_negative_values);
     monitor.begin(Stage::Camera, pixels as u64 / u64::from(every));
 
     // Cut the picture into tiles.

@@ -7,7 +7,7 @@ use super::policy::{DirectionSampling, LightSampling, PathPolicy};
 use super::scatter;
 use super::vertex::{PathHistory, PathVertex, PrevVertex};
 use crate::color::Rgb;
-use crate::light::{DirectSample, Light, LightBvhSampler, ShadowTarget};
+use crate::light::{DirectLightSample, Light, LightBvhSampler, ShadowTarget};
 use crate::plan::{Effect, Effects};
 use crate::sampling::Dimension;
 use crate::scene::{Interior, Scene};
@@ -198,7 +198,7 @@ impl<'a> NextEventEstimator<'a> {
     ///
     /// The ray ends shortly before a point light, which may touch the surface of an object.
     #[inline]
-    fn shadow_ray_end(&self, light: usize, sample: &DirectSample, target: Vec3, p: Vec3) -> Vec3 {
+    fn shadow_ray_end(&self, light: usize, sample: &DirectLightSample, target: Vec3, p: Vec3) -> Vec3 {
         if sample.pdf.is_some() {
             return target;
         }
@@ -211,7 +211,7 @@ impl<'a> NextEventEstimator<'a> {
         &self,
         light: usize,
         vertex: &PathVertex<'_, I>,
-        sample: &DirectSample,
+        sample: &DirectLightSample,
     ) -> Rgb {
         let path_ray = vertex.outgoing_path_ray(sample.wi);
         let ray = match sample.target {
@@ -225,7 +225,7 @@ impl<'a> NextEventEstimator<'a> {
 
     /// Returns the transmittance between `vertex` and a light that no surface occludes.
     #[inline]
-    fn transmittance<I: Interior>(&self, vertex: &PathVertex<'_, I>, sample: &DirectSample) -> Rgb {
+    fn transmittance<I: Interior>(&self, vertex: &PathVertex<'_, I>, sample: &DirectLightSample) -> Rgb {
         match sample.target {
             ShadowTarget::Point(target) => {
                 vertex.transmittance(self.scene, sample.wi, (target - vertex.surface.point.p).length())

@@ -1,7 +1,7 @@
 //! Area lights: emitting surfaces.
 
 use super::light_bounds::{DirectionCone, LightBounds, NORMAL_ERROR, angle_between};
-use super::source::{DirectSample, EmissionSample, LightGeometry, LightSource, ShadowTarget};
+use super::source::{DirectLightSample, EmissionSample, LightGeometry, LightSource, ShadowTarget};
 use super::{Light, PhotonAim};
 use crate::color::Rgb;
 use crate::math::{BoundingSphere, Bounds, Frame, Ray, offset_ray_origin, warp};
@@ -228,7 +228,7 @@ impl LightSource for AreaLight {
     }
 
     #[inline]
-    fn sample_li(&self, p: Vec3, u: Vec2) -> Option<DirectSample> {
+    fn sample_li(&self, p: Vec3, u: Vec2) -> Option<DirectLightSample> {
         // Shapes with solid-angle sampling map textures by position, without coordinates.
         const NO_COORD: SurfaceCoord = SurfaceCoord::Shape(Vec2::ZERO);
         let by_solid_angle = match &self.surface {
@@ -247,7 +247,7 @@ impl LightSource for AreaLight {
         };
         let error = point.error + (point.p - p).abs() * relative_error;
         let target = ShadowTarget::Point(offset_ray_origin(point.p, error, point.ng, -wi));
-        Some(DirectSample { wi, target, weight: self.radiance_at(&point, coord) / pdf, pdf: Some(pdf) })
+        Some(DirectLightSample { wi, target, weight: self.radiance_at(&point, coord) / pdf, pdf: Some(pdf) })
     }
 
     #[inline]

@@ -1,7 +1,7 @@
 //! Directional lights.
 
 use super::PhotonAim;
-use super::source::{DirectSample, EmissionSample, LightGeometry, LightSource, ShadowTarget};
+use super::source::{DirectLightSample, EmissionSample, LightGeometry, LightSource, ShadowTarget};
 use crate::color::Rgb;
 use crate::math::{BoundingSphere, Frame, Ray, warp};
 use crate::shape::SurfacePoint;
@@ -24,9 +24,9 @@ impl LightSource for DirectionalLight {
     }
 
     #[inline]
-    fn sample_li(&self, _p: Vec3, _u: Vec2) -> Option<DirectSample> {
+    fn sample_li(&self, _p: Vec3, _u: Vec2) -> Option<DirectLightSample> {
         let (wi, target) = (-self.direction, ShadowTarget::Infinity);
-        Some(DirectSample { wi, target, weight: self.irradiance, pdf: None })
+        Some(DirectLightSample { wi, target, weight: self.irradiance, pdf: None })
     }
 
     #[inline]

@@ -1,7 +1,7 @@
 //! Environment lights.
 
 use super::directional::sample_ray_across_sphere;
-use super::source::{DirectSample, EmissionSample, LightGeometry, LightSource, ShadowTarget};
+use super::source::{DirectLightSample, EmissionSample, LightGeometry, LightSource, ShadowTarget};
 use super::{EmissionPictureError, EquirectangularMap, PhotonAim};
 use crate::color::Rgb;
 use crate::image::Image;
@@ -82,9 +82,9 @@ impl LightSource for EnvironmentLight {
     }
 
     #[inline]
-    fn sample_li(&self, _p: Vec3, u: Vec2) -> Option<DirectSample> {
+    fn sample_li(&self, _p: Vec3, u: Vec2) -> Option<DirectLightSample> {
         let (wi, pdf) = self.sample(u)?;
-        Some(DirectSample { wi, target: ShadowTarget::Infinity, weight: self.radiance(wi) / pdf, pdf: Some(pdf) })
+        Some(DirectLightSample { wi, target: ShadowTarget::Infinity, weight: self.radiance(wi) / pdf, pdf: Some(pdf) })
     }
 
     #[inline]

@@ -28,7 +28,7 @@ pub use oriented::{IntensityPattern, OrientedPointLight};
 pub use photon_aim::PhotonAim;
 pub use point::PointLight;
 pub use projector::{ProjectedPicture, ProjectorLight};
-pub use source::{DirectSample, EmissionDimensions, EmissionSample, ShadowTarget};
+pub use source::{DirectLightSample, EmissionDimensions, EmissionSample, ShadowTarget};
 pub use spherical_map::{EmissionPictureError, EquirectangularMap};
 pub use spot::SpotLight;
 
@@ -82,7 +82,7 @@ impl Light {
     /// point of the light.
     #[inline]
     #[must_use]
-    pub fn sample_li(&self, p: Vec3, u: Vec2) -> Option<DirectSample> {
+    pub fn sample_li(&self, p: Vec3, u: Vec2) -> Option<DirectLightSample> {
         dispatch!(self, light => light.sample_li(p, u))
     }
 

@@ -1,7 +1,7 @@
 //! Point lights, and the code that all lights at one position share.
 
 use super::light_bounds::{DirectionCone, LightBounds};
-use super::source::{DirectSample, EmissionSample, LightGeometry, LightSource, ShadowTarget};
+use super::source::{DirectLightSample, EmissionSample, LightGeometry, LightSource, ShadowTarget};
 use super::{PhotonAim, RELATIVE_POSITION_ERROR};
 use crate::color::Rgb;
 use crate::math::{BoundingSphere, Bounds, Ray, warp};
@@ -80,11 +80,11 @@ impl<L: PositionalLight> LightSource for L {
     }
 
     #[inline]
-    fn sample_li(&self, p: Vec3, _u: Vec2) -> Option<DirectSample> {
+    fn sample_li(&self, p: Vec3, _u: Vec2) -> Option<DirectLightSample> {
         let (d2, wi, _) = crate::math::direction_and_distance(p, self.position())?;
         let weight = self.intensity(-wi) / d2;
         let target = ShadowTarget::Point(self.position());
-        (weight != Rgb::ZERO).then_some(DirectSample { wi, target, weight, pdf: None })
+        (weight != Rgb::ZERO).then_some(DirectLightSample { wi, target, weight, pdf: None })
     }
 
     #[inline]

@@ -18,7 +18,7 @@ pub enum ShadowTarget {
 
 /// A sampled direction from which direct light arrives at a point; occlusion is not tested yet.
 #[derive(Clone, Copy, Debug)]
-pub struct DirectSample {
+pub struct DirectLightSample {
     /// Unit direction towards the light.
     pub wi: Vec3,
     /// End of the shadow ray.
@@ -69,7 +69,7 @@ pub(super) trait LightSource {
     fn geometry(&self) -> LightGeometry<'_>;
 
     /// Implements [`Light::sample_li`].
-    fn sample_li(&self, p: Vec3, u: Vec2) -> Option<DirectSample>;
+    fn sample_li(&self, p: Vec3, u: Vec2) -> Option<DirectLightSample>;
 
     /// Implements [`Light::pdf_li`].
     fn pdf_li(&self, p: Vec3, wi: Vec3, hit: Option<&SurfacePoint>) -> f32;

@@ -194,7 +194,7 @@ fn projected_facet_area_is_one() {
                 let h = glam::DVec3::new(tan2.sqrt(), 0.0, 1.0);
                 // cosθ dω = π d(sin²θ) = π cos⁴θ d(tan²θ).
                 let measure = std::f64::consts::PI * cos2 * cos2 * a2 / ((1.0 - x) * (1.0 - x));
-                ggx.normal_density(h, glam::DVec3::Z) * measure / f64::from(steps)
+                ggx.microfacet_normal_density(h, glam::DVec3::Z) * measure / f64::from(steps)
             })
             .sum();
         assert!((total - 1.0).abs() < 1e-9, "{alpha}: {total}");

@@ -49,7 +49,7 @@ fn signed_weights_average_one() {
     let (weight, right) = (weight / f64::from(n), right / f64::from(n));
     let bound = 2.0 * 5.0 / f64::from(n).sqrt();
     assert!((weight - 1.0).abs() < bound && (right - within).abs() < bound, "{weight} {right} {within}");
-    assert!(filter.is_signed() && negative > 0 && !Filter::new(FilterKind::Gaussian).is_signed());
+    assert!(filter.has_negative_values() && negative > 0 && !Filter::new(FilterKind::Gaussian).has_negative_values());
 }
 
 #[test]
