@@ -293,8 +293,9 @@ impl Bsdf {
         }
     }
 
-    /// Solid-angle pdf with which [`Bsdf::sample`] samples `wi` \[1/sr]; 0 for deltas. Equal in
-    /// both transports.
+    /// Solid-angle pdf \[1/sr] with which [`Bsdf::sample`] samples `wi`; 0 for delta lobes.
+    ///
+    /// Both transport modes have one pdf.
     #[inline]
     #[must_use]
     pub fn pdf(&self, wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> f32 {

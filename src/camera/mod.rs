@@ -20,14 +20,14 @@ pub struct Camera {
     up: DVec3,
     /// Width of a pixel, in the plane at distance 1 for a perspective camera; 1 for a panorama.
     pixel_size: f64,
-    projection: Projection,
+    projection: CameraProjection,
     width: u32,
     height: u32,
 }
 
 /// The kind of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Projection {
+enum CameraProjection {
     /// Rays through a pinhole (`None`), or through a lens.
     Perspective(Option<Lens>),
     /// Parallel rays.
@@ -58,7 +58,7 @@ impl Camera {
         height: u32,
     ) -> Result<Self, DegenerateUpVector> {
         let pixel_size = 2.0 * libm::tan(0.5 * angle) / f64::from(height);
-        Self::new(center, direction, up, pixel_size, Projection::Perspective(None), (width, height))
+        Self::new(center, direction, up, pixel_size, CameraProjection::Perspective(None), (width, height))
     }
 
     /// Creates an orthographic camera, whose rays start in a plane through `center` and run along
@@ -76,7 +76,7 @@ impl Camera {
         width: u32,
         height: u32,
     ) -> Result<Self, DegenerateUpVector> {
-        Self::new(center, direction, up, size / f64::from(height), Projection::Orthographic, (width, height))
+        Self::new(center, direction, up, size / f64::from(height), CameraProjection::Orthographic, (width, height))
     }
 
     /// Creates a camera at `center` whose equirectangular image covers all directions.
@@ -93,7 +93,7 @@ impl Camera {
         width: u32,
         height: u32,
     ) -> Result<Self, DegenerateUpVector> {
-        Self::new(center, direction, up, 1.0, Projection::Panorama, (width, height))
+        Self::new(center, direction, up, 1.0, CameraProjection::Panorama, (width, height))
     }
 
     fn new(
@@ -101,7 +101,7 @@ impl Camera {
         direction: DVec3,
         up: DVec3,
         pixel_size: f64,
-        projection: Projection,
+        projection: CameraProjection,
         (width, height): (u32, u32),
     ) -> Result<Self, DegenerateUpVector> {
         let forward = direction.try_normalize().ok_or(DegenerateUpVector)?;
@@ -119,10 +119,10 @@ impl Camera {
     #[must_use]
     pub fn with_lens(self, lens: Lens) -> Self {
         match self.projection {
-            Projection::Perspective(_) => {
-                Self { projection: Projection::Perspective((lens.radius > 0.0).then_some(lens)), ..self }
+            CameraProjection::Perspective(_) => {
+                Self { projection: CameraProjection::Perspective((lens.radius > 0.0).then_some(lens)), ..self }
             }
-            Projection::Orthographic | Projection::Panorama => self,
+            CameraProjection::Orthographic | CameraProjection::Panorama => self,
         }
     }
 
@@ -130,15 +130,15 @@ impl Camera {
     #[must_use]
     pub fn lens(&self) -> Option<Lens> {
         match self.projection {
-            Projection::Perspective(lens) => lens,
-            Projection::Orthographic | Projection::Panorama => None,
+            CameraProjection::Perspective(lens) => lens,
+            CameraProjection::Orthographic | CameraProjection::Panorama => None,
         }
     }
 
     /// True if all rays start at the center or at a lens around it.
     #[must_use]
     pub fn has_single_viewpoint(&self) -> bool {
-        self.projection != Projection::Orthographic
+        self.projection != CameraProjection::Orthographic
     }
 
     /// Width and height of the image \[pixels].
@@ -161,9 +161,9 @@ impl Camera {
     pub fn pixel_footprint(&self) -> (f32, f32) {
         let size = self.pixel_size as f32;
         match self.projection {
-            Projection::Perspective(_) => (0.0, size),
-            Projection::Orthographic => (size, 0.0),
-            Projection::Panorama => (0.0, (std::f64::consts::TAU / f64::from(self.width)) as f32),
+            CameraProjection::Perspective(_) => (0.0, size),
+            CameraProjection::Orthographic => (size, 0.0),
+            CameraProjection::Panorama => (0.0, (std::f64::consts::TAU / f64::from(self.width)) as f32),
         }
     }
 
@@ -196,7 +196,7 @@ impl Camera {
         let x = f64::from(p.x) - 0.5 * f64::from(self.width);
         let y = 0.5 * f64::from(self.height) - f64::from(p.y);
         match (self.projection, lens) {
-            (Projection::Perspective(Some(thin)), Some(u)) => {
+            (CameraProjection::Perspective(Some(thin)), Some(u)) => {
                 let on_lens = thin.sample(u) / self.pixel_size;
                 let offset = self.right * on_lens.x + self.up * on_lens.y;
                 // Relative to the center: a small aperture with near focus would lose its digits in
@@ -204,15 +204,15 @@ impl Camera {
                 let in_focus = (self.right * x + self.up * y + self.forward) * thin.focus;
                 Ray::new((self.center + offset).as_vec3(), (in_focus - offset).normalize().as_vec3())
             }
-            (Projection::Perspective(_), _) => {
+            (CameraProjection::Perspective(_), _) => {
                 let direction = (self.right * x + self.up * y + self.forward).normalize();
                 Ray::new(self.center.as_vec3(), direction.as_vec3())
             }
-            (Projection::Orthographic, _) => {
+            (CameraProjection::Orthographic, _) => {
                 let origin = self.center + self.right * x + self.up * y;
                 Ray::new(origin.as_vec3(), self.forward.as_vec3())
             }
-            (Projection::Panorama, _) => {
+            (CameraProjection::Panorama, _) => {
                 let (sin_longitude, cos_longitude) = libm::sincos(std::f64::consts::TAU * x / f64::from(self.width));
                 let (sin_latitude, cos_latitude) = libm::sincos(std::f64::consts::PI * y / f64::from(self.height));
                 let level = self.right * sin_longitude + self.forward * cos_longitude;

@@ -3,7 +3,7 @@
 use super::*;
 use glam::{DAffine3, Vec3};
 
-fn wide() -> Camera {
+fn wide_angle_camera() -> Camera {
     Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 90f64.to_radians(), 400, 200).unwrap()
 }
 
@@ -14,7 +14,7 @@ fn assert_direction(camera: &Camera, p: Vec2, d: Vec3) {
 
 #[test]
 fn angle_is_vertical_and_rows_start_at_the_top() {
-    let c = wide();
+    let c = wide_angle_camera();
     assert_direction(&c, Vec2::new(200.0, 100.0), Vec3::NEG_Z);
     assert_direction(&c, Vec2::new(200.0, 0.0), Vec3::new(0.0, 1.0, -1.0));
     assert_direction(&c, Vec2::new(400.0, 100.0), Vec3::new(2.0, 0.0, -1.0));
@@ -59,9 +59,10 @@ fn panorama_covers_all_directions() {
 #[test]
 fn lens_rays_converge_in_the_focal_plane() {
     let lens = Lens { radius: 0.3, focus: 4.0, blades: 0 };
-    let (open, shut) = (wide().with_lens(lens), wide().with_lens(Lens { radius: 0.0, ..lens }));
+    let (open, shut) =
+        (wide_angle_camera().with_lens(lens), wide_angle_camera().with_lens(Lens { radius: 0.0, ..lens }));
     for p in [Vec2::new(200.0, 100.0), Vec2::new(17.0, 3.0)] {
-        let through_middle = wide().generate_ray(p, None);
+        let through_middle = wide_angle_camera().generate_ray(p, None);
         assert_eq!(open.generate_ray(p, None), through_middle);
         let in_focus = through_middle.at(4.0 / -through_middle.direction.z);
         for u in [Vec2::new(0.1, 0.9), Vec2::new(0.7, 0.3)] {
@@ -77,7 +78,7 @@ fn lens_rays_converge_in_the_focal_plane() {
 fn moved_camera_starts_rays_at_its_new_position() {
     let turn = DAffine3::from_quat(glam::DQuat::from_xyzw(0.0, 0.5f64.sqrt(), 0.0, 0.5f64.sqrt()));
     let map = Transform::new(DAffine3::from_translation(DVec3::X) * turn).unwrap();
-    let moved = wide().transformed(&map);
+    let moved = wide_angle_camera().transformed(&map);
     assert_direction(&moved, Vec2::new(200.0, 100.0), Vec3::NEG_X);
     assert_eq!(moved.center(), DVec3::X);
 }

@@ -14,23 +14,23 @@ use glam::Vec3;
 #[derive(Clone, Debug)]
 pub struct LightBvhSampler {
     /// Nodes in depth-first order: the first child comes directly after its parent.
-    nodes: Vec<Node>,
+    nodes: Vec<LightBvhNode>,
     /// Indices of the infinite lights.
     infinite: Vec<u32>,
     /// Location of each light, by the light's index.
-    locations: Vec<LightLocation>,
+    locations: Vec<LightBvhSlot>,
     /// Probability of sampling any of the infinite lights.
     infinite_probability: f64,
 }
 
 #[derive(Clone, Debug)]
-struct Node {
+struct LightBvhNode {
     importance: LightImportance,
-    kind: NodeKind,
+    kind: LightBvhNodeKind,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum NodeKind {
+enum LightBvhNodeKind {
     /// An inner node; the number is the index of its second child.
     Inner(u32),
     /// A leaf; the number is the index of its light.
@@ -42,7 +42,7 @@ type BoundedLight = (u32, LightBounds);
 
 /// The place at which a [`LightBvhSampler`] stores a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum LightLocation {
+enum LightBvhSlot {
     /// The light is not stored, because it has no power.
     Absent,
     /// The light is in the list of infinite lights.
@@ -67,7 +67,7 @@ impl LightBvhSampler {
     /// Returns `None` if no light has power.
     #[must_use]
     pub fn new(lights: &[Light], domain: BoundingSphere) -> Option<Self> {
-        let mut locations = vec![LightLocation::Absent; lights.len()];
+        let mut locations = vec![LightBvhSlot::Absent; lights.len()];
         let (mut infinite, mut bounded) = (Vec::new(), Vec::new());
         // Positions are rounded, so a light in the plane of a surface may count as above it.
         let margin = 1e-6 * (domain.center.abs().max_element() + domain.radius);
@@ -75,7 +75,7 @@ impl LightBvhSampler {
             match light.bounds(margin) {
                 Some(bounds) => bounded.push((i as u32, bounds)),
                 None => {
-                    locations[i] = LightLocation::Infinite;
+                    locations[i] = LightBvhSlot::Infinite;
                     infinite.push(i as u32);
                 }
             }
@@ -99,14 +99,14 @@ impl LightBvhSampler {
         let index = self.nodes.len();
         let [(light, _)] = *lights else {
             let (first, second) = split_lights(lights, depth);
-            self.nodes.push(Node { importance: whole.into(), kind: NodeKind::Inner(0) });
+            self.nodes.push(LightBvhNode { importance: whole.into(), kind: LightBvhNodeKind::Inner(0) });
             self.build_subtree(first, depth + 1, trail);
-            self.nodes[index].kind = NodeKind::Inner(self.nodes.len() as u32);
+            self.nodes[index].kind = LightBvhNodeKind::Inner(self.nodes.len() as u32);
             self.build_subtree(second, depth + 1, trail | 1 << depth);
             return;
         };
-        self.locations[light as usize] = LightLocation::Tree(trail);
-        self.nodes.push(Node { importance: whole.into(), kind: NodeKind::Leaf(light) });
+        self.locations[light as usize] = LightBvhSlot::Tree(trail);
+        self.nodes.push(LightBvhNode { importance: whole.into(), kind: LightBvhNodeKind::Leaf(light) });
     }
 
     /// Samples a light by `u` in \[0, 1).
@@ -129,8 +129,8 @@ impl LightBvhSampler {
             let mut index = 0;
             loop {
                 let second = match self.nodes[index].kind {
-                    NodeKind::Leaf(light) => break (light, probability),
-                    NodeKind::Inner(second) => second as usize,
+                    LightBvhNodeKind::Leaf(light) => break (light, probability),
+                    LightBvhNodeKind::Inner(second) => second as usize,
                 };
                 let children = self.child_probabilities(index, second, p, n)?;
                 if u < children[0] {
@@ -155,13 +155,13 @@ impl LightBvhSampler {
     #[must_use]
     pub fn probability(&self, p: Vec3, n: Option<Vec3>, light: usize) -> f32 {
         let mut trail = match self.locations[light] {
-            LightLocation::Absent => return 0.0,
-            LightLocation::Infinite => return (self.infinite_probability / self.infinite.len() as f64) as f32,
-            LightLocation::Tree(trail) => trail,
+            LightBvhSlot::Absent => return 0.0,
+            LightBvhSlot::Infinite => return (self.infinite_probability / self.infinite.len() as f64) as f32,
+            LightBvhSlot::Tree(trail) => trail,
         };
         let mut probability = 1.0 - self.infinite_probability;
         let mut index = 0;
-        while let NodeKind::Inner(second) = self.nodes[index].kind {
+        while let LightBvhNodeKind::Inner(second) = self.nodes[index].kind {
             let Some(children) = self.child_probabilities(index, second as usize, p, n) else {
                 return 0.0;
             };

@@ -13,19 +13,19 @@ const POINTS: usize = 24;
 const SAMPLES: u64 = 100_000;
 
 /// A polar grid. Rings are `width` wide near the pole, and widen towards its antipode.
-struct Grid {
+struct PolarGrid {
     frame: [DVec3; 3],
     width: f64,
 }
 
-impl Grid {
+impl PolarGrid {
     fn new(pole: Vec3, width: f64) -> Self {
         let n = pole.as_dvec3().normalize();
         let s = n.any_orthonormal_vector();
         Self { frame: [s, n.cross(s), n], width }
     }
 
-    fn cell(&self, v: Vec3) -> usize {
+    fn cell_of_direction(&self, v: Vec3) -> usize {
         let v = v.as_dvec3();
         let [x, y, z] = self.frame.map(|axis| axis.dot(v));
         let theta = libm::atan2(libm::hypot(x, y), z);
@@ -57,7 +57,7 @@ impl Grid {
     }
 }
 
-struct Case {
+struct ChiSquareCase {
     bsdf: Bsdf,
     /// Relative index of the far side; it determines the pole of transmission.
     eta: f32,
@@ -67,7 +67,7 @@ struct Case {
     ng: Vec3,
 }
 
-fn cases() -> Vec<Case> {
+fn chi_square_cases() -> Vec<ChiSquareCase> {
     let n = Vec3::new(0.3, -0.5, 0.6).normalize();
     let frame = Frame::from_normal(n);
     let mut cases = Vec::new();
@@ -93,10 +93,10 @@ fn cases() -> Vec<Case> {
                 let (sin, cos) = libm::sincosf(degrees.to_radians());
                 let wo = frame.to_world(Vec3::new(sin * 0.6, sin * 0.8, cos * side)).normalize();
                 let eta = if side > 0.0 { eta } else { 1.0 / eta };
-                cases.push(Case { bsdf, eta, width, wo, ns: n, ng: n });
+                cases.push(ChiSquareCase { bsdf, eta, width, wo, ns: n, ng: n });
                 if degrees == 45.0 {
                     let bent = (n + frame.s * 0.4).normalize();
-                    cases.push(Case { bsdf, eta, width, wo, ns: bent, ng: n });
+                    cases.push(ChiSquareCase { bsdf, eta, width, wo, ns: bent, ng: n });
                 }
             }
         }
@@ -105,17 +105,17 @@ fn cases() -> Vec<Case> {
 }
 
 /// Grids around the directions of specular reflection and refraction.
-fn grids(case: &Case) -> [Grid; 2] {
+fn grids_around_specular_directions(case: &ChiSquareCase) -> [PolarGrid; 2] {
     let n = face_forward(case.ns, case.wo);
     let cos = case.wo.dot(n);
     let bent = refract(case.wo, n, case.eta);
     let grazing = (n * cos - case.wo).normalize_or(-n);
     let (through, width) = if bent.reflectance < 1.0 { (bent.transmitted, case.width) } else { (grazing, 0.5) };
-    [Grid::new(n * (2.0 * cos) - case.wo, case.width), Grid::new(through, width)]
+    [PolarGrid::new(n * (2.0 * cos) - case.wo, case.width), PolarGrid::new(through, width)]
 }
 
 /// Probabilities of all cells: reflection, then transmission, then absorption.
-fn expectations(case: &Case, grids: &[Grid; 2]) -> Vec<f64> {
+fn expected_cell_probabilities(case: &ChiSquareCase, grids: &[PolarGrid; 2]) -> Vec<f64> {
     let mut cells = Vec::new();
     for (grid, side) in grids.iter().zip([1.0f32, -1.0]) {
         let side = side * case.wo.dot(case.ng);
@@ -129,7 +129,7 @@ fn expectations(case: &Case, grids: &[Grid; 2]) -> Vec<f64> {
 }
 
 /// Probability of a worse fit (Wilson–Hilferty). Cells that expect fewer than 5 samples are pooled.
-fn p_value(counts: &[u32], expected: &[f64]) -> f64 {
+fn chi_square_p_value(counts: &[u32], expected: &[f64]) -> f64 {
     let mut cells: Vec<(f64, f64)> = expected.iter().copied().zip(counts.iter().map(|c| f64::from(*c))).collect();
     cells.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (mut pool, mut chi2, mut used) = ((0.0, 0.0), 0.0, 0u32);
@@ -150,12 +150,12 @@ fn p_value(counts: &[u32], expected: &[f64]) -> f64 {
 /// 1.
 #[test]
 fn samplers_match_their_pdfs() {
-    let cases = cases();
+    let cases = chi_square_cases();
     // Šidák: one false alarm in 400 runs of the whole list.
     let least = 0.0025 / cases.len() as f64;
     for (index, case) in cases.iter().enumerate() {
-        let grids = grids(case);
-        let expected = expectations(case, &grids);
+        let grids = grids_around_specular_directions(case);
+        let expected = expected_cell_probabilities(case, &grids);
         let lost = *expected.last().unwrap();
         let name = format!("{:?} from {} by {}", case.bsdf, case.wo, case.ns);
         // Half the noise of counting all samples bounds the error of the midpoint rule.
@@ -168,12 +168,12 @@ fn samplers_match_their_pdfs() {
             let sample = case.bsdf.sample(case.wo, case.ns, case.ng, lobe, u, TransportMode::Radiance);
             let cell = sample.map_or(expected.len() - 1, |s| {
                 let side = usize::from(s.is_transmitted);
-                side * RINGS * SECTORS + grids[side].cell(s.wi)
+                side * RINGS * SECTORS + grids[side].cell_of_direction(s.wi)
             });
             counts[cell] += 1;
         }
         let scaled: Vec<f64> = expected.iter().map(|p| p.max(0.0) * SAMPLES as f64).collect();
-        let p = p_value(&counts, &scaled);
+        let p = chi_square_p_value(&counts, &scaled);
         assert!(p > least, "{name}: p = {p:e}");
     }
 }
@@ -182,10 +182,10 @@ fn samplers_match_their_pdfs() {
 /// from any horizon.
 #[test]
 fn pdfs_of_narrow_lobes_integrate_to_one() {
-    let narrow = |c: &&Case| c.width < 0.01 && c.ns == c.ng && c.wo.dot(c.ns).abs() > 0.5;
+    let narrow = |c: &&ChiSquareCase| c.width < 0.01 && c.ns == c.ng && c.wo.dot(c.ns).abs() > 0.5;
     let mut seen = 0;
-    for case in cases().iter().filter(narrow) {
-        let total = 1.0 - expectations(case, &grids(case)).last().unwrap();
+    for case in chi_square_cases().iter().filter(narrow) {
+        let total = 1.0 - expected_cell_probabilities(case, &grids_around_specular_directions(case)).last().unwrap();
         assert!((total - 1.0).abs() < 1e-3, "{:?} from {}: {total}", case.bsdf, case.wo);
         seen += 1;
     }

@@ -2,9 +2,9 @@
 
 use super::*;
 
-fn family() -> Vec<Bsdf> {
+fn representative_bsdfs() -> Vec<Bsdf> {
     let (eta, k) = named_metal("nickel").unwrap();
-    let mut family = materials().to_vec();
+    let mut family = basic_bsdfs().to_vec();
     family.extend([0.0, 0.05, PHOTON_STORAGE_ALPHA, 0.31, 1.0].map(|a| Bsdf::Conductor(Conductor::new(eta, k, a))));
     family.extend([0.0, 0.05, 0.31, 1.0].map(|a| Bsdf::dielectric(1.5, a)));
     family.push(Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, transmittance: Rgb::new(0.9, 0.5, 0.1) }));
@@ -13,24 +13,25 @@ fn family() -> Vec<Bsdf> {
 
 #[test]
 fn every_bsdf_stores_photons_or_casts_caustics() {
-    for bsdf in family() {
+    for bsdf in representative_bsdfs() {
         assert!(bsdf.stores_photons() != bsdf.casts_caustics(), "{bsdf:?}");
         assert!(!bsdf.is_specular() || bsdf.casts_caustics(), "{bsdf:?}");
     }
     assert!(!Bsdf::Black.stores_photons() && !Bsdf::Black.casts_caustics() && !Bsdf::Black.is_specular());
-    let metals: Vec<bool> = family()[5..10].iter().map(Bsdf::stores_photons).collect();
+    let metals: Vec<bool> = representative_bsdfs()[5..10].iter().map(Bsdf::stores_photons).collect();
     assert_eq!(metals, [false, false, false, true, true]);
-    let specular: Vec<bool> = family()[5..].iter().map(Bsdf::is_specular).collect();
+    let specular: Vec<bool> = representative_bsdfs()[5..].iter().map(Bsdf::is_specular).collect();
     assert_eq!(specular, [true, false, false, false, false, true, false, false, false, true]);
-    assert!(family()[10..].iter().all(Bsdf::casts_caustics));
+    assert!(representative_bsdfs()[10..].iter().all(Bsdf::casts_caustics));
 }
 
-/// Photon estimates skip delta lobes, so such a lobe of a receiver would lose its light.
+/// Photon estimates skip delta lobes. If a surface that stores photons had one, its light would be
+/// lost.
 #[test]
 fn receivers_never_sample_delta_lobes() {
-    for bsdf in family().into_iter().chain(all_kinds()).filter(Bsdf::stores_photons) {
+    for bsdf in representative_bsdfs().into_iter().chain(all_bsdf_kinds()).filter(Bsdf::stores_photons) {
         for (cos, i) in [1.0, 0.6, 0.1, -0.6].into_iter().flat_map(|cos| (0..500).map(move |i| (cos, i))) {
-            let sample = draw(&bsdf, direction(cos), i, TransportMode::Importance);
+            let sample = sample_bsdf(&bsdf, direction_with_cos(cos), i, TransportMode::Importance);
             assert!(sample.is_none_or(|sample| !sample.is_specular), "{bsdf:?} at {cos}");
         }
     }
@@ -38,8 +39,8 @@ fn receivers_never_sample_delta_lobes() {
 
 #[test]
 fn delta_lobes_have_zero_pdf() {
-    for bsdf in family().iter().filter(|b| b.is_specular()) {
-        let wo = direction(0.6);
+    for bsdf in representative_bsdfs().iter().filter(|b| b.is_specular()) {
+        let wo = direction_with_cos(0.6);
         for wi in [Vec3::new(-wo.x, 0.0, wo.z), -wo] {
             assert_eq!(bsdf.evaluate(wo, wi, Vec3::Z, Vec3::Z, TransportMode::Radiance), Rgb::ZERO);
             assert_eq!(bsdf.pdf(wo, wi, Vec3::Z, Vec3::Z), 0.0);
@@ -62,8 +63,8 @@ fn an_index_of_one_transmits_all_light() {
     assert!(matches!(Bsdf::dielectric(1.5, 0.001), Bsdf::RoughDielectric(_)));
     assert!(Bsdf::Conductor(Conductor::new(Rgb::ONE, Rgb::ONE, 0.0009)).is_specular());
     for i in 0..100 {
-        let wo = direction(0.3);
-        let s = draw(&none, wo, i, TransportMode::Radiance).unwrap();
+        let wo = direction_with_cos(0.3);
+        let s = sample_bsdf(&none, wo, i, TransportMode::Radiance).unwrap();
         assert_eq!((s.wi, s.weight, s.is_transmitted), (-wo, Rgb::ONE, true));
     }
 }
@@ -104,11 +105,11 @@ fn thin_sheets_sample_both_directions() {
     let pane = ThinDielectric { eta: 1.5, transmittance: Rgb::new(0.9, 0.5, 0.2) };
     let n = 50_000u64;
     for cos in [0.8, -0.8, 0.1] {
-        let wo = direction(cos);
+        let wo = direction_with_cos(cos);
         let (r, t) = pane.reflectance_and_transmittance(f32::abs(cos));
         let (mut back, mut through) = (Rgb::ZERO, Rgb::ZERO);
         for i in 0..n {
-            let s = draw(&Bsdf::ThinDielectric(pane), wo, i, TransportMode::Radiance).unwrap();
+            let s = sample_bsdf(&Bsdf::ThinDielectric(pane), wo, i, TransportMode::Radiance).unwrap();
             if s.is_transmitted {
                 assert_eq!(s.wi, -wo);
                 through += s.weight / n as f32;
@@ -123,5 +124,5 @@ fn thin_sheets_sample_both_directions() {
         assert!((through - t).abs().max_element() < tolerance, "{cos}: {through} {t}");
     }
     let opaque = Bsdf::ThinDielectric(ThinDielectric { eta: 1.0, transmittance: Rgb::ZERO });
-    assert!(draw(&opaque, Vec3::Z, 0, TransportMode::Radiance).is_none());
+    assert!(sample_bsdf(&opaque, Vec3::Z, 0, TransportMode::Radiance).is_none());
 }

@@ -5,17 +5,17 @@ mod rough;
 use super::*;
 use crate::sampling::{Dimension, Key, Purpose};
 
-fn draw(bsdf: &Bsdf, wo: Vec3, i: u64, transport: TransportMode) -> Option<BsdfSample> {
+fn sample_bsdf(bsdf: &Bsdf, wo: Vec3, i: u64, transport: TransportMode) -> Option<BsdfSample> {
     let key = Key::new(11).purpose_key(Purpose::Test).child_key(i);
     let (lobe, u) = (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
     bsdf.sample(wo, Vec3::Z, Vec3::Z, lobe, u, transport)
 }
 
-fn direction(cos: f32) -> Vec3 {
+fn direction_with_cos(cos: f32) -> Vec3 {
     Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos)
 }
 
-fn materials() -> [Bsdf; 5] {
+fn basic_bsdfs() -> [Bsdf; 5] {
     let rgb = Vec3::new(0.7, 0.2, 0.5);
     [
         Bsdf::Diffuse(rgb),
@@ -27,9 +27,9 @@ fn materials() -> [Bsdf; 5] {
 }
 
 /// One BSDF of each kind, and rough ones at both ends.
-fn all_kinds() -> Vec<Bsdf> {
+fn all_bsdf_kinds() -> Vec<Bsdf> {
     let (eta, k) = named_metal("copper").unwrap();
-    let mut all = materials().to_vec();
+    let mut all = basic_bsdfs().to_vec();
     all.extend([0.0, SMOOTH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::Conductor(Conductor::new(eta, k, alpha))));
     all.extend([SMOOTH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::dielectric(1.5, alpha)));
     all.extend([SMOOTH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::dielectric(1.0 / 1.5, alpha)));
@@ -42,11 +42,12 @@ fn all_kinds() -> Vec<Bsdf> {
 #[test]
 fn energy_is_not_gained() {
     let n = 40_000u64;
-    for bsdf in all_kinds() {
+    for bsdf in all_bsdf_kinds() {
         for cos in [1.0, 0.7, 0.2, 0.01, 1e-4, -0.5, -0.01] {
             let (mut sum, mut squares) = (glam::DVec3::ZERO, glam::DVec3::ZERO);
             for i in 0..n {
-                let w = draw(&bsdf, direction(cos), i, TransportMode::Importance).map_or(Rgb::ZERO, |s| s.weight);
+                let w = sample_bsdf(&bsdf, direction_with_cos(cos), i, TransportMode::Importance)
+                    .map_or(Rgb::ZERO, |s| s.weight);
                 assert!(w.is_finite() && w.min_element() >= 0.0);
                 sum += w.as_dvec3();
                 squares += w.as_dvec3() * w.as_dvec3();
@@ -62,9 +63,9 @@ fn energy_is_not_gained() {
 #[test]
 fn sampling_and_evaluation_agree() {
     let n = 200_000u64;
-    for bsdf in &materials()[..3] {
+    for bsdf in &basic_bsdfs()[..3] {
         for cos in [0.95, 0.4] {
-            let wo = direction(cos);
+            let wo = direction_with_cos(cos);
             let moments = |f: &dyn Fn(u64) -> f64| {
                 let (mut s, mut q) = (0.0, 0.0);
                 for i in 0..n {
@@ -75,8 +76,9 @@ fn sampling_and_evaluation_agree() {
                 let m = s / n as f64;
                 (m, (q / n as f64 - m * m) / n as f64)
             };
-            let (a, va) =
-                moments(&|i| f64::from(draw(bsdf, wo, i, TransportMode::Importance).map_or(0.0, |s| s.weight.y)));
+            let (a, va) = moments(&|i| {
+                f64::from(sample_bsdf(bsdf, wo, i, TransportMode::Importance).map_or(0.0, |s| s.weight.y))
+            });
             let (b, vb) = moments(&|i| {
                 let u = Key::new(12).purpose_key(Purpose::Test).child_key(i).uniform_2d(Dimension::BsdfDirection);
                 let wi = warp::square_to_uniform_cone(u, 1.0);
@@ -93,11 +95,11 @@ fn sampling_and_evaluation_agree() {
 
 #[test]
 fn reflection_is_reciprocal() {
-    for bsdf in &materials()[..3] {
+    for bsdf in &basic_bsdfs()[..3] {
         for (a, b) in [(0.9, 0.3), (0.1, 0.99), (0.5, 0.5)] {
             let (wo, wi) = (
-                direction(a),
-                Frame::from_normal(Vec3::Z).to_world(direction(b) * Vec3::new(-0.8, 1.0, 1.0)).normalize(),
+                direction_with_cos(a),
+                Frame::from_normal(Vec3::Z).to_world(direction_with_cos(b) * Vec3::new(-0.8, 1.0, 1.0)).normalize(),
             );
             let (there, back) = (
                 bsdf.evaluate(wo, wi, Vec3::Z, Vec3::Z, TransportMode::Importance),
@@ -118,12 +120,16 @@ fn dielectric_weights_are_fresnel() {
         let eta = if cos > 0.0 { 1.5 } else { 1.0 / 1.5 };
         let (r, _) = dielectric_reflectance(cos.abs(), eta);
         let reflected = (0..n)
-            .filter(|i| draw(&glass, direction(cos), *i, TransportMode::Importance).is_some_and(|s| !s.is_transmitted))
+            .filter(|i| {
+                sample_bsdf(&glass, direction_with_cos(cos), *i, TransportMode::Importance)
+                    .is_some_and(|s| !s.is_transmitted)
+            })
             .count();
         let sigma = (f64::from(r * (1.0 - r)) / n as f64).sqrt();
         assert!((reflected as f64 / n as f64 - f64::from(r)).abs() < 5.0 * sigma);
-        let through =
-            (0..n).find_map(|i| draw(&glass, direction(cos), i, TransportMode::Radiance).filter(|s| s.is_transmitted));
+        let through = (0..n).find_map(|i| {
+            sample_bsdf(&glass, direction_with_cos(cos), i, TransportMode::Radiance).filter(|s| s.is_transmitted)
+        });
         assert!((through.unwrap().weight.x * eta * eta - 1.0).abs() < 1e-6);
     }
 }
@@ -132,7 +138,7 @@ fn dielectric_weights_are_fresnel() {
 #[test]
 fn shading_normals_never_leak_light() {
     let ns = Vec3::new(0.9, 0.0, 0.3).normalize();
-    for bsdf in all_kinds() {
+    for bsdf in all_bsdf_kinds() {
         for i in 0..20_000u64 {
             let key = Key::new(13).purpose_key(Purpose::Test).child_key(i);
             let wo = warp::square_to_uniform_sphere(key.uniform_2d(Dimension::LightDirection));

@@ -5,7 +5,7 @@ use super::*;
 const GLASS: f32 = 1.5;
 
 /// Pairs of directions, uniform over the sphere.
-fn directions(count: u64) -> impl Iterator<Item = (Vec3, Vec3)> {
+fn random_direction_pairs(count: u64) -> impl Iterator<Item = (Vec3, Vec3)> {
     (0..count).map(|i| {
         let key = Key::new(19).purpose_key(Purpose::Test).child_key(i);
         let wo = warp::square_to_uniform_sphere(key.uniform_2d(Dimension::LightDirection));
@@ -14,11 +14,11 @@ fn directions(count: u64) -> impl Iterator<Item = (Vec3, Vec3)> {
 }
 
 /// Tolerance: roundings of f32 directions, magnified by 4/α in a lobe of width α.
-fn close(a: f32, b: f32) -> bool {
+fn is_close(a: f32, b: f32) -> bool {
     (a - b).abs() <= 1e-5 * a.abs().max(b.abs()) + 1e-12
 }
 
-fn rough() -> [Bsdf; 4] {
+fn rough_bsdfs() -> [Bsdf; 4] {
     let (eta, k) = named_metal("copper").unwrap();
     [
         Bsdf::Conductor(Conductor::new(eta, k, 0.2)),
@@ -29,8 +29,8 @@ fn rough() -> [Bsdf; 4] {
 }
 
 /// Mean weight of importance over a lattice of random numbers, by reflection and by transmission.
-/// It stands for the integral of f·cos over all directions.
-fn kept(bsdf: &Bsdf, wo: Vec3) -> (f64, f64) {
+/// The mean estimates the integral of f·cos over all directions.
+fn mean_sample_weights(bsdf: &Bsdf, wo: Vec3) -> (f64, f64) {
     let steps = 256u32;
     let (mut reflected, mut transmitted) = (0.0, 0.0);
     for i in 0..steps * steps {
@@ -59,7 +59,7 @@ fn samples_agree_with_evaluation_and_pdf() {
             Bsdf::Diffuse(eta * 0.2),
             Bsdf::Phong(Phong::new(eta, k, 30.0)),
         ] {
-            for (i, (wo, other)) in directions(2000).enumerate() {
+            for (i, (wo, other)) in random_direction_pairs(2000).enumerate() {
                 let key = Key::new(23).purpose_key(Purpose::Test).child_key(i as u64);
                 let (lobe, u) = (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
                 let ns = (Vec3::Z + 0.5 * other * (i % 2) as f32).normalize();
@@ -85,22 +85,22 @@ fn samples_agree_with_evaluation_and_pdf() {
 #[test]
 fn interfaces_are_reciprocal_up_to_squared_index() {
     let mut through = 0;
-    for bsdf in rough() {
+    for bsdf in rough_bsdfs() {
         let outer_over_inner = match bsdf {
-            Bsdf::RoughDielectric(_) if bsdf == rough()[2] => 1.0 / GLASS,
+            Bsdf::RoughDielectric(_) if bsdf == rough_bsdfs()[2] => 1.0 / GLASS,
             Bsdf::RoughDielectric(_) => GLASS,
             _ => 1.0,
         };
         let index = |v: Vec3| if v.z > 0.0 { outer_over_inner } else { 1.0 };
-        for (wo, wi) in directions(10_000) {
+        for (wo, wi) in random_direction_pairs(10_000) {
             let f = |o, i, transport| bsdf.evaluate(o, i, Vec3::Z, Vec3::Z, transport).x;
             let (there, back) = (f(wo, wi, TransportMode::Radiance), f(wi, wo, TransportMode::Radiance));
             let (n_o, n_i) = (index(wo), index(wi));
-            assert!(close(there / (n_o * n_o), back / (n_i * n_i)), "{bsdf:?} {wo} {wi}: {there} {back}");
+            assert!(is_close(there / (n_o * n_o), back / (n_i * n_i)), "{bsdf:?} {wo} {wi}: {there} {back}");
             // The adjoint: flux from wo to wi equals radiance seen from wi along wo.
             let adjoint = f(wo, wi, TransportMode::Importance);
-            assert!(close(adjoint, back), "{bsdf:?} {wo} {wi}: {adjoint} {back}");
-            assert!(close(adjoint / (n_i * n_i), there / (n_o * n_o)), "{bsdf:?} {wo} {wi}");
+            assert!(is_close(adjoint, back), "{bsdf:?} {wo} {wi}: {adjoint} {back}");
+            assert!(is_close(adjoint / (n_i * n_i), there / (n_o * n_o)), "{bsdf:?} {wo} {wi}");
             through += u32::from(wo.z * wi.z < 0.0 && there > 0.0);
         }
     }
@@ -122,7 +122,7 @@ fn a_white_conductor_has_the_documented_loss() {
     for (alpha, along, across) in stated {
         let white = Bsdf::Conductor(Conductor::new(Rgb::ZERO, Rgb::ONE, alpha));
         for (cos, stated) in [(1.0, along), (grazing, across)] {
-            let lost = 1.0 - kept(&white, direction(cos)).0;
+            let lost = 1.0 - mean_sample_weights(&white, direction_with_cos(cos)).0;
             assert!((lost - stated).abs() < 5e-4, "{alpha} at {cos}: {lost}, stated {stated}");
         }
     }
@@ -142,12 +142,12 @@ fn a_rough_dielectric_has_the_documented_loss() {
         let glass = Bsdf::dielectric(GLASS, alpha);
         for (sign, stated) in [(1.0, outside), (-1.0, inside)] {
             for (cos, stated) in [1.0, grazing].into_iter().zip(stated) {
-                let (r, t) = kept(&glass, direction(sign * cos));
+                let (r, t) = mean_sample_weights(&glass, direction_with_cos(sign * cos));
                 // Counted fractions have an error of some 1/√65,536.
                 assert!((1.0 - r - t - stated).abs() < 2e-3, "{alpha} at {}: {r} + {t}, {stated}", sign * cos);
             }
             for cos in [0.7, 0.2, 0.05] {
-                let (r, t) = kept(&glass, direction(sign * cos));
+                let (r, t) = mean_sample_weights(&glass, direction_with_cos(sign * cos));
                 assert!(r + t < 1.0, "{alpha} at {}: {r} + {t}", sign * cos);
             }
         }
@@ -162,9 +162,9 @@ fn narrow_lobes_approach_deltas() {
     let glass = Bsdf::dielectric(GLASS, SMOOTH_ALPHA);
     assert!(!glass.is_specular() && !metal(SMOOTH_ALPHA).is_specular());
     for cos in [1.0, 0.6, 0.3, -0.9, -0.3] {
-        let wo = direction(cos);
+        let wo = direction_with_cos(cos);
         let smooth = Dielectric { eta: GLASS }.reflect_and_refract(wo, Vec3::Z, Vec3::Z, TransportMode::Importance);
-        let (r, t) = kept(&glass, wo);
+        let (r, t) = mean_sample_weights(&glass, wo);
         // The lattice of 65,536 has an error of at most its inverse root; Fresnel's curvature over
         // α adds 10⁻⁵.
         let tolerance = 1.0 / 256.0;
@@ -172,7 +172,7 @@ fn narrow_lobes_approach_deltas() {
         assert!((t - f64::from(smooth.transmitted.1)).abs() < tolerance, "{cos}: {t} {smooth:?}");
         let mirror = metal(0.0).sample(wo, Vec3::Z, Vec3::Z, 0.0, Vec2::ZERO, TransportMode::Radiance).unwrap();
         assert!(mirror.is_specular && (mirror.wi - (Vec3::Z * (2.0 * wo.z) - wo)).length() < 1e-6);
-        assert!((kept(&metal(SMOOTH_ALPHA), wo).0 - f64::from(mirror.weight.x)).abs() < 1e-4);
+        assert!((mean_sample_weights(&metal(SMOOTH_ALPHA), wo).0 - f64::from(mirror.weight.x)).abs() < 1e-4);
         let fresnel = conductor_reflectance(cos.abs(), eta, k);
         assert!((mirror.weight - fresnel).abs().max_element() < 1e-6);
     }

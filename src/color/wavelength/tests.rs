@@ -9,7 +9,7 @@ fn refractive_index_at(nm: f32) -> Wavelength {
 }
 
 /// Degrees round the colour wheel from red over green to blue, from −90 to 270.
-fn hue(c: Rgb) -> f32 {
+fn hue_degrees(c: Rgb) -> f32 {
     let angle = libm::atan2f(3.0f32.sqrt() * (c.y - c.z), 2.0 * c.x - c.y - c.z).to_degrees();
     if angle < -90.0 { angle + 360.0 } else { angle }
 }
@@ -53,13 +53,13 @@ fn hues_follow_the_spectrum() {
     assert!(blue.weight().z > 2.2, "{}", blue.weight());
     // Outside these the spectral colours hardly change, and the fit's hue wanders by degrees.
     let cells = refractive_index_at(440.0).response_cell()..=refractive_index_at(640.0).response_cell();
-    let hues: Vec<f32> = cells.map(|response_cell| hue(RESPONSE_TABLE.weights[response_cell])).collect();
+    let hues: Vec<f32> = cells.map(|response_cell| hue_degrees(RESPONSE_TABLE.weights[response_cell])).collect();
     assert!(hues.windows(2).all(|pair| pair[0] > pair[1]), "{hues:?}");
     for nm in 400..440 {
-        assert!((hue(refractive_index_at(nm as f32).weight()) - 250.0).abs() < 10.0, "{nm}");
+        assert!((hue_degrees(refractive_index_at(nm as f32).weight()) - 250.0).abs() < 10.0, "{nm}");
     }
     for nm in 640..690 {
-        assert!(hue(refractive_index_at(nm as f32).weight()).abs() < 10.0, "{nm}");
+        assert!(hue_degrees(refractive_index_at(nm as f32).weight()).abs() < 10.0, "{nm}");
     }
     let beyond = RESPONSE_TABLE.sums[refractive_index_at(690.0).response_cell()];
     assert!(beyond > 0.999, "{beyond}");

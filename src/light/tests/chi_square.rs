@@ -8,9 +8,9 @@ use glam::{Vec2, Vec3};
 /// p value of Pearson's chi-square test of `counts` against `expected`, with one degree of freedom
 /// less than cells.
 ///
-/// Cells with fewer than ten expected samples are pooled: the chi-square distribution does not hold
+/// DirectionCells with fewer than ten expected samples are pooled: the chi-square distribution does not hold
 /// for them.
-pub fn p_value(counts: &[f64], expected: &[f64]) -> f64 {
+pub fn chi_square_p_value(counts: &[f64], expected: &[f64]) -> f64 {
     let (mut chi2, mut cells, mut pool) = (0.0, 0, (0.0, 0.0));
     let mut add = |count: f64, mean: f64| {
         chi2 += (count - mean) * (count - mean) / mean;
@@ -37,12 +37,12 @@ pub fn p_value(counts: &[f64], expected: &[f64]) -> f64 {
 }
 
 /// Significance level of each of `tests` for a total false alarm rate of 1 % (Šidák).
-pub fn sidak(tests: usize) -> f64 {
+pub fn sidak_significance_level(tests: usize) -> f64 {
     1.0 - libm::pow(0.99, 1.0 / tests as f64)
 }
 
 /// A cone of directions in cells of equal solid angle.
-pub struct Cells {
+pub struct DirectionCells {
     frame: Frame,
     one_minus_cos: f64,
 }
@@ -60,13 +60,13 @@ const FINER: usize = 16;
 pub const INTEGRAL_ERROR: f64 = 5e-4;
 const DRAWS: u64 = 300_000;
 
-impl Cells {
+impl DirectionCells {
     /// A cone around `axis` with half angle `half_angle` \[radians].
     pub fn new(axis: Vec3, half_angle: f64) -> Self {
         Self { frame: Frame::from_normal(axis.normalize()), one_minus_cos: 1.0 - libm::cos(half_angle) }
     }
 
-    fn of(&self, w: Vec3) -> Option<usize> {
+    fn cell_of_direction(&self, w: Vec3) -> Option<usize> {
         let v = self.frame.to_local(w);
         // 1 − cos = sin²/(1 + cos) keeps its digits in narrow cones.
         let drop = if v.z > 0.0 { v.truncate().length_squared() / (1.0 + v.z) } else { 1.0 - v.z };
@@ -112,7 +112,11 @@ impl Cells {
     ///
     /// Directions outside of the cone and missing samples form one more cell. Returns the p value
     /// and the integral of the density.
-    pub fn compare(&self, draw: &dyn Fn(Vec2) -> Option<Vec3>, density: &dyn Fn(Vec3) -> f64) -> (f64, f64) {
+    pub fn test_samples_against_pdf(
+        &self,
+        draw: &dyn Fn(Vec2) -> Option<Vec3>,
+        density: &dyn Fn(Vec3) -> f64,
+    ) -> (f64, f64) {
         let cells = self.integrate(density);
         let total = cells.iter().sum::<f64>();
         // A rest below the integration error is no cell of its own.
@@ -122,21 +126,21 @@ impl Cells {
         let mut counts = vec![0.0; expected.len()];
         for i in 0..DRAWS {
             let w = draw(key(i).uniform_2d(Dimension::LightPosition));
-            counts[w.and_then(|w| self.of(w)).unwrap_or(RINGS * SECTORS)] += 1.0;
+            counts[w.and_then(|w| self.cell_of_direction(w)).unwrap_or(RINGS * SECTORS)] += 1.0;
         }
-        (p_value(&counts, &expected), total)
+        (chi_square_p_value(&counts, &expected), total)
     }
 }
 
 #[test]
 fn chi_square_detects_a_wrong_pdf() {
-    let cells = Cells::new(Vec3::Y, std::f64::consts::PI);
+    let cells = DirectionCells::new(Vec3::Y, std::f64::consts::PI);
     let draw = |u| Some(crate::math::warp::square_to_uniform_sphere(u));
     let uniform = 0.25 / std::f64::consts::PI;
-    let (p, total) = cells.compare(&draw, &|_| uniform);
-    assert!(p > sidak(1) && (total - 1.0).abs() < 1e-9, "{p} {total}");
+    let (p, total) = cells.test_samples_against_pdf(&draw, &|_| uniform);
+    assert!(p > sidak_significance_level(1) && (total - 1.0).abs() < 1e-9, "{p} {total}");
     // Five per cent more above than below: 300,000 · 0.025² = 190 more of chi-square, whose
     // deviation is √(2 · 384) = 28.
-    let (p, _) = cells.compare(&draw, &|w| uniform * if w.y > 0.0 { 1.025 } else { 0.975 });
-    assert!(p < sidak(1), "{p}");
+    let (p, _) = cells.test_samples_against_pdf(&draw, &|w| uniform * if w.y > 0.0 { 1.025 } else { 0.975 });
+    assert!(p < sidak_significance_level(1), "{p}");
 }

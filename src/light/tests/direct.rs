@@ -1,6 +1,6 @@
 //! Direct light samples and their pdf.
 
-use super::chi_square::{Cells, INTEGRAL_ERROR, sidak};
+use super::chi_square::{DirectionCells, INTEGRAL_ERROR, sidak_significance_level};
 use super::*;
 use crate::math::Transform;
 use crate::sampling::DiscreteDistribution;
@@ -10,13 +10,13 @@ use std::sync::Arc;
 
 /// Three triangles of different size that share a corner, and occlude each other from some
 /// positions.
-pub fn mesh(origin: Vec3) -> Arc<Mesh> {
+pub fn three_triangle_mesh(origin: Vec3) -> Arc<Mesh> {
     let positions = [[0., 0., 0.], [1., 0., 0.], [0., 1.3, 0.], [0., 0., 0.6]].map(|p| Vec3::from(p) + origin);
     let triangles = vec![[0, 1, 2], [0, 3, 1], [0, 2, 3]];
     Arc::new(Mesh { positions: positions.to_vec(), triangles, ..Mesh::default() })
 }
 
-pub fn emitter_of(mesh: Arc<Mesh>) -> LightSurface {
+pub fn mesh_light_surface(mesh: Arc<Mesh>) -> LightSurface {
     let choice = DiscreteDistribution::new((0..mesh.triangles.len()).map(|i| mesh.triangle_area(i))).unwrap();
     LightSurface::Triangles { mesh, first: 0, choice }
 }
@@ -42,19 +42,19 @@ fn first_hit(emitter: &LightSurface, p: Vec3, wi: Vec3) -> Option<SurfacePoint> 
 }
 
 /// Light surfaces with a position that sees them; true if all their samples are visible from there.
-fn views() -> Vec<(LightSurface, Vec3, bool)> {
+fn surfaces_and_viewpoints() -> Vec<(LightSurface, Vec3, bool)> {
     let squash = Transform::new(DAffine3::from_scale_rotation_translation(
         DVec3::new(1.0, 0.2, 0.5),
         glam::DQuat::from_xyzw(0.5, 0.5, 0.5, 0.5),
         DVec3::new(0.3, 2.0, 1.0),
     ))
     .unwrap();
-    let rectangle = Rectangle::new(y(1.0), DVec3::new(2.0, 0.0, 0.5), DVec3::new(-0.2, 0.0, 0.8));
-    let slanted = Rectangle::new(y(1.0), DVec3::new(2.0, 0.0, 0.5), DVec3::new(0.2, 0.3, 0.8));
-    let disc = Disc::new(y(2.0), DVec3::X, DVec3::new(0.0, 0.3, 0.6));
+    let rectangle = Rectangle::new(on_y_axis(1.0), DVec3::new(2.0, 0.0, 0.5), DVec3::new(-0.2, 0.0, 0.8));
+    let slanted = Rectangle::new(on_y_axis(1.0), DVec3::new(2.0, 0.0, 0.5), DVec3::new(0.2, 0.3, 0.8));
+    let disc = Disc::new(on_y_axis(2.0), DVec3::X, DVec3::new(0.0, 0.3, 0.6));
     let shapes = [
-        (Shape::Sphere(SphereShape::new(y(2.0), 0.5)), Vec3::new(1.0, 0.0, 0.3), true),
-        (Shape::Sphere(SphereShape::new(y(2.0), 0.5)), Vec3::new(0.0, 1.49, 0.0), true),
+        (Shape::Sphere(SphereShape::new(on_y_axis(2.0), 0.5)), Vec3::new(1.0, 0.0, 0.3), true),
+        (Shape::Sphere(SphereShape::new(on_y_axis(2.0), 0.5)), Vec3::new(0.0, 1.49, 0.0), true),
         (Shape::Disc(disc), Vec3::new(0.7, 0.0, 0.3), true),
         (Shape::Ellipsoid(Ellipsoid::new(squash)), Vec3::new(1.0, 0.5, 0.3), false),
         (Shape::Rectangle(slanted), Vec3::new(0.3, 0.1, 0.2), true),
@@ -68,21 +68,23 @@ fn views() -> Vec<(LightSurface, Vec3, bool)> {
     ];
     let shapes = shapes.into_iter().map(|(shape, p, all)| (LightSurface::Shape(shape), p, all));
     let corners = [(Vec3::new(0.9, 1.1, 1.0), true), (Vec3::new(1.5, -0.5, 0.4), false)];
-    shapes.chain(corners.into_iter().map(|(p, all)| (emitter_of(mesh(Vec3::ZERO)), p, all))).collect()
+    shapes
+        .chain(corners.into_iter().map(|(p, all)| (mesh_light_surface(three_triangle_mesh(Vec3::ZERO)), p, all)))
+        .collect()
 }
 
 /// A cone around all samples.
-fn cone(light: &Light, p: Vec3) -> Cells {
+fn cells_around_samples(light: &Light, p: Vec3) -> DirectionCells {
     let draws = || (0..2000).filter_map(|i| light.sample_li(p, key(i).uniform_2d(Dimension::LightTarget)));
     let axis = draws().map(|s| s.wi).sum::<Vec3>().normalize();
     let widest = draws().map(|s| libm::acos(f64::from(s.wi.dot(axis)).min(1.0))).fold(0.0, f64::max);
-    Cells::new(axis, (widest * 1.5).min(std::f64::consts::PI))
+    DirectionCells::new(axis, (widest * 1.5).min(std::f64::consts::PI))
 }
 
 #[test]
 fn direct_samples_follow_pdf_li() {
-    let views = views();
-    let threshold = sidak(views.len());
+    let views = surfaces_and_viewpoints();
+    let threshold = sidak_significance_level(views.len());
     for (emitter, p, all) in views {
         // By area, the density of an ellipsoid grows without bound towards its outline, where
         // midpoints fail.
@@ -107,7 +109,7 @@ fn direct_samples_follow_pdf_li() {
             let point = first_hit(&emitter, p, wi).filter(|point| -wi.dot(point.ng) > least_cos);
             point.map_or(0.0, |point| f64::from(light.pdf_li(p, wi, Some(&point))))
         };
-        let (chance, total) = cone(&light, p).compare(&drawn, &density);
+        let (chance, total) = cells_around_samples(&light, p).test_samples_against_pdf(&drawn, &density);
         assert!(chance > threshold, "{light:?} {p}: p = {chance}");
         assert!(if all { (total - 1.0).abs() < INTEGRAL_ERROR } else { total < 0.999 }, "{light:?} {p}: {total}");
     }
@@ -119,17 +121,20 @@ fn direct_samples_follow_pdf_li() {
 fn rectangle_sampling_is_exact_near_its_plane() {
     let (a, b) = (2.0f64, 1.5);
     for h in [1e-1f64, 1e-3, 1e-6, 1e-12, 1e-30] {
-        let light = area(Shape::Rectangle(Rectangle::new(y(0.0), DVec3::X * a, DVec3::Z * b)), 5.0);
+        let light = area_light(Shape::Rectangle(Rectangle::new(on_y_axis(0.0), DVec3::X * a, DVec3::Z * b)), 5.0);
         // Below the corner: a quarter of the sky, in the limit.
         let term = |p: f64, q: f64| p / (h * h + p * p).sqrt() * libm::atan(q / (h * h + p * p).sqrt());
         let truth = 2.5 * (term(a, b) + term(b, a));
-        agrees(irradiance(&light, Vec3::new(0.0, -h as f32, 0.0), Vec3::Y), truth);
+        assert_within_5_sigma(irradiance(&light, Vec3::new(0.0, -h as f32, 0.0), Vec3::Y), truth);
         // On a wall that faces it from the side, one off: a perpendicular rectangle less the part
         // up to the light.
         let part = |x: f64| h / libm::hypot(x, h) * libm::atan(b / libm::hypot(x, h));
-        agrees(irradiance(&light, Vec3::new(-1.0, -h as f32, 0.0), Vec3::X), 2.5 * (part(1.0) - part(1.0 + a)));
+        assert_within_5_sigma(
+            irradiance(&light, Vec3::new(-1.0, -h as f32, 0.0), Vec3::X),
+            2.5 * (part(1.0) - part(1.0 + a)),
+        );
     }
-    let light = area(Shape::Rectangle(Rectangle::new(y(0.0), DVec3::X * a, DVec3::Z * b)), 5.0);
+    let light = area_light(Shape::Rectangle(Rectangle::new(on_y_axis(0.0), DVec3::X * a, DVec3::Z * b)), 5.0);
     for p in [Vec3::new(0.5, 0.0, 0.5), Vec3::new(-1.0, 0.0, 0.5), Vec3::new(0.5, 1.0, 0.5)] {
         assert!(light.sample_li(p, glam::Vec2::splat(0.3)).is_none(), "its plane and its back are black");
     }
@@ -138,13 +143,13 @@ fn rectangle_sampling_is_exact_near_its_plane() {
 /// Near the light, the variance of area sampling is unbounded; that of solid-angle sampling is not.
 #[test]
 fn solid_angle_sampling_has_less_variance_near_the_light() {
-    let rectangle = Rectangle::new(y(0.0), DVec3::X, DVec3::Z);
-    let light = area(Shape::Rectangle(rectangle), 1.0);
+    let rectangle = Rectangle::new(on_y_axis(0.0), DVec3::X, DVec3::Z);
+    let light = area_light(Shape::Rectangle(rectangle), 1.0);
     let emitter = LightSurface::Shape(Shape::Rectangle(rectangle));
     for (h, least) in [(0.05f32, 100.0), (0.3, 4.0), (1.0, 1.0)] {
         let p = Vec3::new(0.4, -h, 0.6);
         let (mean, variance) = irradiance(&light, p, Vec3::Y);
-        let by_area = estimate(100_000, |k| {
+        let by_area = estimate_mean_and_variance(100_000, |k| {
             let s = emitter.sample(k.uniform_2d(Dimension::LightPosition));
             let d = s.point.p - p;
             let cos = d.normalize().y;
@@ -155,7 +160,7 @@ fn solid_angle_sampling_has_less_variance_near_the_light() {
             "at distance {h}: relative variance {:.3e}, {gain:.1} times less than by area",
             variance * 1e5 / (mean * mean)
         );
-        agrees(by_area, mean);
+        assert_within_5_sigma(by_area, mean);
         assert!(gain > least, "{h}: {gain}");
     }
 }

@@ -1,12 +1,12 @@
 //! Photon emission, with and without aim.
 
-use super::chi_square::{Cells, INTEGRAL_ERROR, sidak};
-use super::environment::sky;
+use super::chi_square::{DirectionCells, INTEGRAL_ERROR, sidak_significance_level};
+use super::environment::random_sky_light;
 use super::intensity_maps::{goniometric, projector};
 use super::*;
 use glam::Vec2;
 
-fn lights() -> Vec<Light> {
+fn lights_of_all_kinds() -> Vec<Light> {
     vec![
         Light::Point(PointLight { position: Vec3::new(0.3, 3.0, 0.1), intensity: Rgb::splat(2.0) }),
         Light::Spot(SpotLight {
@@ -22,27 +22,27 @@ fn lights() -> Vec<Light> {
             direction: Vec3::new(0.1, -1.0, 0.2).normalize(),
             irradiance: Rgb::splat(2.0),
         }),
-        area(Shape::Disc(Disc::new(y(2.0), DVec3::X, DVec3::Z)), 2.0),
-        area(Shape::Sphere(SphereShape::new(y(2.0), 0.5)), 2.0),
-        Light::Environment(sky(0.7).into()),
+        area_light(Shape::Disc(Disc::new(on_y_axis(2.0), DVec3::X, DVec3::Z)), 2.0),
+        area_light(Shape::Sphere(SphereShape::new(on_y_axis(2.0), 0.5)), 2.0),
+        Light::Environment(random_sky_light(0.7).into()),
     ]
 }
 
 const DOMAIN: BoundingSphere = BoundingSphere { center: Vec3::new(0.1, 0.2, 0.0), radius: 4.0 };
 
-fn hits(ball: &BoundingSphere, e: &EmissionSample) -> bool {
+fn ray_hits_sphere(ball: &BoundingSphere, e: &EmissionSample) -> bool {
     let to = ball.center - e.ray.origin;
     to.dot(e.ray.direction) > 0.0 && to.cross(e.ray.direction).length() < ball.radius
 }
 
 #[test]
 fn mean_emitted_flux_equals_power() {
-    for light in lights() {
-        let emitted = estimate(200_000, |k| {
+    for light in lights_of_all_kinds() {
+        let emitted = estimate_mean_and_variance(200_000, |k| {
             let (a, b) = (k.uniform_2d(Dimension::LightPosition), k.uniform_2d(Dimension::LightDirection));
             light.sample_le(DOMAIN, a, b).map_or(0.0, |e| f64::from(e.flux.x))
         });
-        agrees(emitted, f64::from(light.power(DOMAIN).x));
+        assert_within_5_sigma(emitted, f64::from(light.power(DOMAIN).x));
     }
 }
 
@@ -55,12 +55,12 @@ fn aimed_emission_is_unbiased() {
         BoundingSphere { center: Vec3::new(-1.5, 0.0, 0.5), radius: 0.2 },
     ];
     let aim = PhotonAim::new(balls);
-    for light in lights() {
+    for light in lights_of_all_kinds() {
         for ball in &balls {
             let moments = |emit: &dyn Fn(Vec2, Vec2) -> Option<EmissionSample>| {
-                estimate(300_000, |k| {
+                estimate_mean_and_variance(300_000, |k| {
                     let (a, b) = (k.uniform_2d(Dimension::LightPosition), k.uniform_2d(Dimension::LightDirection));
-                    emit(a, b).filter(|e| hits(ball, e)).map_or(0.0, |e| f64::from(e.flux.x))
+                    emit(a, b).filter(|e| ray_hits_sphere(ball, e)).map_or(0.0, |e| f64::from(e.flux.x))
                 })
             };
             let (plain, aimed) = (
@@ -78,11 +78,11 @@ fn aimed_emission_is_unbiased() {
 fn a_light_inside_an_aim_sphere_emits_everywhere() {
     let aim = PhotonAim::new([BoundingSphere { center: Vec3::ZERO, radius: 1.0 }]);
     let light = Light::Point(PointLight { position: Vec3::new(0.2, 0.0, 0.0), intensity: Rgb::ONE });
-    let flux = estimate(1000, |k| {
+    let flux = estimate_mean_and_variance(1000, |k| {
         let u = k.uniform_2d(Dimension::LightDirection);
         light.sample_le_towards(&aim, DOMAIN, u, u).map_or(0.0, |e| f64::from(e.flux.x))
     });
-    agrees(flux, 4.0 * std::f64::consts::PI);
+    assert_within_5_sigma(flux, 4.0 * std::f64::consts::PI);
 }
 
 #[test]
@@ -96,9 +96,9 @@ fn merged_aim_spheres_lose_no_flux() {
     let aim = PhotonAim::new(balls.iter().copied());
     let light = Light::Point(PointLight { position: Vec3::new(0.0, 10.0, 0.0), intensity: Rgb::ONE });
     let count = |emit: &dyn Fn(Vec2) -> Option<EmissionSample>| {
-        estimate(100_000, |k| {
+        estimate_mean_and_variance(100_000, |k| {
             let e = emit(k.uniform_2d(Dimension::LightDirection));
-            e.map_or(0.0, |e| f64::from(e.flux.x) * balls.iter().filter(|b| hits(b, &e)).count() as f64)
+            e.map_or(0.0, |e| f64::from(e.flux.x) * balls.iter().filter(|b| ray_hits_sphere(b, &e)).count() as f64)
         })
     };
     let zero = Vec2::ZERO;
@@ -129,14 +129,15 @@ fn pdf(light: &Light, w: Vec3) -> f64 {
 
 #[test]
 fn emitted_directions_follow_their_pdf() {
-    let lights: Vec<Light> = lights().into_iter().filter(|light| !matches!(light, Light::Directional(_))).collect();
+    let lights: Vec<Light> =
+        lights_of_all_kinds().into_iter().filter(|light| !matches!(light, Light::Directional(_))).collect();
     for light in &lights {
         // On a sphere the direction depends on the position too, which is drawn by a hash of u.
         let position = |u: Vec2| key(u64::from(u.x.to_bits()) << 32 | u64::from(u.y.to_bits()));
         let draw = |u: Vec2| light.sample_le(DOMAIN, position(u).uniform_2d(Dimension::LightTarget), u);
-        let cells = Cells::new(Vec3::NEG_Y, std::f64::consts::PI);
-        let (chance, total) = cells.compare(&|u| draw(u).map(|e| e.ray.direction), &|w| pdf(light, w));
-        assert!(chance > sidak(lights.len()), "{light:?}: {chance}");
+        let cells = DirectionCells::new(Vec3::NEG_Y, std::f64::consts::PI);
+        let (chance, total) = cells.test_samples_against_pdf(&|u| draw(u).map(|e| e.ray.direction), &|w| pdf(light, w));
+        assert!(chance > sidak_significance_level(lights.len()), "{light:?}: {chance}");
         assert!((total - 1.0).abs() < INTEGRAL_ERROR, "{light:?}: {total}");
     }
 }

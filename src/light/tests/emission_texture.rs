@@ -1,6 +1,6 @@
 //! Textured area lights: a light with one black half equals a light of half the size.
 
-use super::direct::emitter_of;
+use super::direct::mesh_light_surface;
 use super::*;
 use crate::math::Transform;
 use crate::shape::{MappingKind, Mesh, TextureMapping};
@@ -11,13 +11,13 @@ use std::sync::Arc;
 const BRIGHT: f32 = 3.0;
 
 /// White where u < ½ and v < 1, else black.
-fn half() -> Arc<Texture> {
+fn half_white_texture() -> Arc<Texture> {
     let colors = [Rgb::ONE, Rgb::ZERO];
     Arc::new(Texture::Checker(Checker { colors }, UvTransform::new(DVec2::new(2.0, 1.0), 0.0, DVec2::ZERO)))
 }
 
-fn glowing(emitter: LightSurface, kind: MappingKind) -> Light {
-    let texture = half();
+fn textured_area_light(emitter: LightSurface, kind: MappingKind) -> Light {
+    let texture = half_white_texture();
     let scale = Rgb::splat(BRIGHT);
     let radiance = texture.mean() * scale;
     let glow = Arc::new(super::super::EmissionTexture {
@@ -29,7 +29,7 @@ fn glowing(emitter: LightSurface, kind: MappingKind) -> Light {
 }
 
 /// Lights above the origin that emit downwards; u runs along x.
-fn lights() -> Vec<(Light, Light)> {
+fn textured_and_equivalent_lights() -> Vec<(Light, Light)> {
     let (corner, e0, e1) = (DVec3::new(-1.0, 2.0, -0.5), DVec3::X * 2.0, DVec3::Z);
     let rectangle = |e0| LightSurface::Shape(Shape::Rectangle(Rectangle::new(corner, e0, e1)));
     let mesh = |width: f32| {
@@ -43,22 +43,22 @@ fn lights() -> Vec<(Light, Light)> {
     };
     let even = |emitter| Light::Area(AreaLight::uniform(emitter, Rgb::splat(BRIGHT)));
     vec![
-        (glowing(rectangle(e0), MappingKind::rectangle_mapping(corner, e0, e1)), even(rectangle(e0 * 0.5))),
-        (glowing(emitter_of(mesh(2.0)), MappingKind::Uv), even(emitter_of(mesh(1.0)))),
+        (textured_area_light(rectangle(e0), MappingKind::rectangle_mapping(corner, e0, e1)), even(rectangle(e0 * 0.5))),
+        (textured_area_light(mesh_light_surface(mesh(2.0)), MappingKind::Uv), even(mesh_light_surface(mesh(1.0)))),
     ]
 }
 
-fn differ(a: (f64, f64), b: (f64, f64)) -> bool {
+fn differ_significantly(a: (f64, f64), b: (f64, f64)) -> bool {
     (a.0 - b.0).abs() > 5.0 * (a.1 + b.1).sqrt() + 1e-6 * a.0
 }
 
 #[test]
 fn half_textured_light_equals_half_sized_light() {
-    for (whole, half) in lights() {
+    for (whole, half) in textured_and_equivalent_lights() {
         // Near, where rectangles are drawn by solid angle, and far, where they are drawn by area.
         for p in [Vec3::ZERO, Vec3::new(1.0, 1.5, 0.2), Vec3::new(-3.0, -9.0, 1.0)] {
             let [a, b] = [&whole, &half].map(|light| irradiance(light, p, Vec3::Y));
-            assert!(!differ(a, b) && b.0 > 0.0, "{p}: {a:?} {b:?}");
+            assert!(!differ_significantly(a, b) && b.0 > 0.0, "{p}: {a:?} {b:?}");
         }
     }
 }
@@ -68,13 +68,13 @@ fn half_textured_light_emits_half_the_flux() {
     let domain = BoundingSphere { center: Vec3::ZERO, radius: 4.0 };
     let ball = BoundingSphere { center: Vec3::new(0.3, 0.0, 0.1), radius: 0.7 };
     let aim = PhotonAim::new([ball]);
-    for (whole, half) in lights() {
+    for (whole, half) in textured_and_equivalent_lights() {
         // Equal powers by the mean, and what photons carry.
         assert!((whole.power(domain) - half.power(domain)).abs().max_element() < 1e-5);
         let draw = |k: Key| (k.uniform_2d(Dimension::LightPosition), k.uniform_2d(Dimension::LightDirection));
         for aimed in [false, true] {
             let [a, b] = [&whole, &half].map(|light| {
-                estimate(100_000, |k| {
+                estimate_mean_and_variance(100_000, |k| {
                     let (position, direction) = draw(k);
                     let emission = if aimed {
                         light.sample_le_towards(&aim, domain, position, direction)
@@ -84,7 +84,7 @@ fn half_textured_light_emits_half_the_flux() {
                     emission.map_or(0.0, |e| f64::from(e.flux.x))
                 })
             });
-            assert!(!differ(a, b) && b.0 > 0.0, "aimed: {aimed}: {a:?} {b:?}");
+            assert!(!differ_significantly(a, b) && b.0 > 0.0, "aimed: {aimed}: {a:?} {b:?}");
         }
     }
 }

@@ -1,13 +1,13 @@
 //! Environment lights.
 
-use super::chi_square::{Cells, INTEGRAL_ERROR, sidak};
+use super::chi_square::{DirectionCells, INTEGRAL_ERROR, sidak_significance_level};
 use super::*;
 use crate::image::Image;
 use glam::Vec2;
 use std::f64::consts::PI;
 
 /// A map with black parts, a bright sun and varying colours.
-pub fn sky_map() -> Image {
+pub fn random_sky_picture() -> Image {
     let pixel = |i: u32| {
         let (x, y) = (i % 12, i / 12);
         let grey = key(u64::from(i)).uniform_1d(Dimension::Film) * if y > 4 { 0.0 } else { 1.0 };
@@ -16,9 +16,9 @@ pub fn sky_map() -> Image {
     Image::from_pixels(12, 8, (0..96).map(pixel).collect()).unwrap()
 }
 
-/// The environment of [`sky_map`], rotated by an angle \[radians].
-pub fn sky(angle: f64) -> EnvironmentLight {
-    EnvironmentLight::new(sky_map(), angle, Rgb::splat(1.5)).unwrap()
+/// The environment of [`random_sky_picture`], rotated by an angle \[radians].
+pub fn random_sky_light(angle: f64) -> EnvironmentLight {
+    EnvironmentLight::new(random_sky_picture(), angle, Rgb::splat(1.5)).unwrap()
 }
 
 fn constant() -> EnvironmentLight {
@@ -27,18 +27,18 @@ fn constant() -> EnvironmentLight {
 
 #[test]
 fn environment_samples_follow_the_pdf() {
-    let skies = [constant(), sky(0.0), sky(0.4)];
+    let skies = [constant(), random_sky_light(0.0), random_sky_light(0.4)];
     for (i, environment) in skies.iter().enumerate() {
         for axis in [Vec3::Y, Vec3::new(0.3, -0.5, 1.0)] {
-            let cells = Cells::new(axis, PI);
+            let cells = DirectionCells::new(axis, PI);
             let draw = |u| {
                 environment.sample(u).map(|(w, pdf)| {
                     assert_eq!(pdf.to_bits(), environment.pdf(w).to_bits());
                     w
                 })
             };
-            let (chance, total) = cells.compare(&draw, &|w| f64::from(environment.pdf(w)));
-            assert!(chance > sidak(2 * skies.len()), "{i} {axis}: {chance}");
+            let (chance, total) = cells.test_samples_against_pdf(&draw, &|w| f64::from(environment.pdf(w)));
+            assert!(chance > sidak_significance_level(2 * skies.len()), "{i} {axis}: {chance}");
             assert!((total - 1.0).abs() < INTEGRAL_ERROR, "{i} {axis}: {total}");
         }
     }
@@ -46,7 +46,7 @@ fn environment_samples_follow_the_pdf() {
 
 #[test]
 fn pdf_is_positive_where_radiance_is() {
-    let environment = sky(0.3);
+    let environment = random_sky_light(0.3);
     let directions = (0..100_000).map(|i| warp::square_to_uniform_sphere(key(i).uniform_2d(Dimension::LightDirection)));
     let mut dark = 0;
     for w in directions.chain([Vec3::Y, Vec3::NEG_Y, Vec3::X, Vec3::Z, Vec3::NEG_Z]) {
@@ -63,13 +63,13 @@ fn power_is_the_integral_of_radiance() {
     let disc = BoundingSphere { center: Vec3::ONE, radius: 3.0 };
     let area = PI * 9.0;
     assert!((f64::from(constant().power(disc).x) / (area * 8.0 * PI) - 1.0).abs() < 1e-6);
-    for environment in [sky(0.0), sky(1.0)] {
+    for environment in [random_sky_light(0.0), random_sky_light(1.0)] {
         // Uniform directions: five sigma.
-        let seen = estimate(400_000, |k| {
+        let seen = estimate_mean_and_variance(400_000, |k| {
             let w = warp::square_to_uniform_sphere(k.uniform_2d(Dimension::LightDirection));
             4.0 * PI * area * f64::from(environment.radiance(w).x)
         });
-        agrees(seen, f64::from(environment.power(disc).x));
+        assert_within_5_sigma(seen, f64::from(environment.power(disc).x));
     }
 }
 
@@ -98,17 +98,17 @@ fn row_measures_match_quadrature() {
 #[test]
 fn a_constant_environment_lights_a_plane_by_pi_l() {
     let light = Light::Environment(constant().into());
-    agrees(irradiance(&light, Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.6, 0.0, 0.8)), 2.0 * PI);
+    assert_within_5_sigma(irradiance(&light, Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.6, 0.0, 0.8)), 2.0 * PI);
     let domain = BoundingSphere { center: Vec3::new(0.5, 0.0, 0.0), radius: 2.0 };
     let (a, ball) = (0.7f64, Vec3::new(-0.3, 0.2, 0.5));
-    let flux = estimate(200_000, |k| {
+    let flux = estimate_mean_and_variance(200_000, |k| {
         let (u, v) = (k.uniform_2d(Dimension::LightPosition), k.uniform_2d(Dimension::LightDirection));
         let e = light.sample_le(domain, u, v).unwrap();
         assert!((e.ray.origin - domain.center).dot(e.ray.direction) < -0.99 * domain.radius, "it starts outside");
         if (ball - e.ray.origin).cross(e.ray.direction).length() < a as f32 { f64::from(e.flux.x) } else { 0.0 }
     });
     let truth = PI * a * a * 4.0 * PI * 2.0;
-    agrees(flux, truth);
+    assert_within_5_sigma(flux, truth);
     // Aimed at the ball alone, every photon carries all of that; targets are larger than their
     // balls by some 10⁻⁵.
     let aim = PhotonAim::new([BoundingSphere { center: ball, radius: a as f32 }]);
@@ -122,14 +122,14 @@ fn a_constant_environment_lights_a_plane_by_pi_l() {
 /// Uniform sampling has the variance of the sun; importance sampling does not.
 #[test]
 fn importance_sampling_reduces_variance() {
-    let environment = sky(0.4);
+    let environment = random_sky_light(0.4);
     let n = environment.sample(Vec2::splat(0.5)).unwrap().0;
     let by_map = irradiance(&Light::Environment(environment.clone().into()), Vec3::ZERO, n);
-    let uniformly = estimate(100_000, |k| {
+    let uniformly = estimate_mean_and_variance(100_000, |k| {
         let w = warp::square_to_uniform_sphere(k.uniform_2d(Dimension::LightPosition));
         4.0 * PI * f64::from(environment.radiance(w).x * w.dot(n).max(0.0))
     });
-    agrees(uniformly, by_map.0);
+    assert_within_5_sigma(uniformly, by_map.0);
     eprintln!("uniform directions have {:.1} times the variance", uniformly.1 / by_map.1);
     assert!(uniformly.1 > 10.0 * by_map.1);
 }

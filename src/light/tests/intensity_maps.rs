@@ -1,6 +1,6 @@
 //! Projectors and goniometric lights.
 
-use super::environment::sky_map;
+use super::environment::random_sky_picture;
 use super::*;
 use crate::image::Image;
 use crate::light::point::PositionalLight;
@@ -20,11 +20,11 @@ pub fn projector() -> ProjectorLight {
 
 /// A map with a bright pixel, whose bright side points downwards.
 pub fn goniometric() -> GoniometricLight {
-    let map = EquirectangularMap::new(sky_map(), Rgb::ONE).unwrap();
+    let map = EquirectangularMap::new(random_sky_picture(), Rgb::ONE).unwrap();
     GoniometricLight::new(POSITION, DVec3::X, DVec3::new(0.2, -1.0, 0.1), Arc::new(map), Rgb::splat(2.0))
 }
 
-fn white(width: u32, height: u32) -> Image {
+fn white_picture(width: u32, height: u32) -> Image {
     Image::from_pixels(width, height, vec![Rgb::ONE; (width * height) as usize]).unwrap()
 }
 
@@ -32,7 +32,7 @@ fn white(width: u32, height: u32) -> Image {
 #[test]
 fn projector_power_is_exact_on_a_cube_face() {
     for size in [1, 2, 7] {
-        let slide = Arc::new(ProjectedPicture::new(white(size, size), FRAC_PI_2).unwrap().unwrap());
+        let slide = Arc::new(ProjectedPicture::new(white_picture(size, size), FRAC_PI_2).unwrap().unwrap());
         let light = ProjectorLight::new(Vec3::ZERO, DVec3::Z, DVec3::Y, slide, Rgb::splat(3.0));
         let power = f64::from(Light::Projector(light).power(BoundingSphere { center: Vec3::ZERO, radius: 1.0 }).x);
         assert!((power / (2.0 * PI) - 1.0).abs() < 1e-6, "{power}");

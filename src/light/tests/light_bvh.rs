@@ -1,21 +1,21 @@
 //! Light sampling with a hierarchy.
 
-use super::chi_square::{p_value, sidak};
-use super::direct::{emitter_of, mesh};
+use super::chi_square::{chi_square_p_value, sidak_significance_level};
+use super::direct::{mesh_light_surface, three_triangle_mesh};
 use super::*;
 use crate::color;
 use crate::sampling::DiscreteDistribution;
 
-fn vector(k: Key) -> Vec3 {
+fn random_vector(k: Key) -> Vec3 {
     let (a, b) = (k.uniform_2d(Dimension::LightPosition), k.uniform_2d(Dimension::LightTarget));
     a.extend(b.x) * 2.0 - Vec3::ONE
 }
 
 /// Lights of all finite kinds in a box; their strengths vary by a factor of 1000.
-fn strewn(n: u64) -> Vec<Light> {
+fn random_finite_lights(n: u64) -> Vec<Light> {
     let light = |i: u64| {
         let k = key(i).child_key(77);
-        let place = vector(k) * Vec3::new(10.0, 3.0, 10.0);
+        let place = random_vector(k) * Vec3::new(10.0, 3.0, 10.0);
         let axis = warp::square_to_uniform_sphere(k.uniform_2d(Dimension::LightDirection));
         let strength = libm::powf(10.0, 3.0 * k.uniform_1d(Dimension::Light) - 2.0);
         let center = place.as_dvec3();
@@ -33,16 +33,16 @@ fn strewn(n: u64) -> Vec<Light> {
                     peak: Rgb::splat(strength),
                 })
             }
-            2 => area(Shape::Sphere(SphereShape::new(center, 0.1)), 30.0 * strength),
-            3 => area(Shape::Rectangle(Rectangle::new(center, s * 0.3, t * 0.2)), 15.0 * strength),
-            4 => Light::Area(AreaLight::uniform(emitter_of(mesh(place)), Rgb::splat(strength))),
-            _ => area(Shape::Disc(Disc::circular_disc(center, axis.as_dvec3(), 0.2)), 8.0 * strength),
+            2 => area_light(Shape::Sphere(SphereShape::new(center, 0.1)), 30.0 * strength),
+            3 => area_light(Shape::Rectangle(Rectangle::new(center, s * 0.3, t * 0.2)), 15.0 * strength),
+            4 => Light::Area(AreaLight::uniform(mesh_light_surface(three_triangle_mesh(place)), Rgb::splat(strength))),
+            _ => area_light(Shape::Disc(Disc::circular_disc(center, axis.as_dvec3(), 0.2)), 8.0 * strength),
         }
     };
     (0..n).map(light).collect()
 }
 
-fn with_infinite(mut lights: Vec<Light>) -> Vec<Light> {
+fn with_infinite_lights(mut lights: Vec<Light>) -> Vec<Light> {
     let directional = |direction| Light::Directional(DirectionalLight { direction, irradiance: Rgb::ONE });
     lights.insert(3, directional(Vec3::NEG_Y));
     lights.push(directional(Vec3::X));
@@ -52,20 +52,20 @@ fn with_infinite(mut lights: Vec<Light>) -> Vec<Light> {
 
 const ROOM: BoundingSphere = BoundingSphere { center: Vec3::ZERO, radius: 15.0 };
 
-fn places(n: u64) -> impl Iterator<Item = (Vec3, Option<Vec3>)> {
+fn random_points_and_normals(n: u64) -> impl Iterator<Item = (Vec3, Option<Vec3>)> {
     (0..n).map(|i| {
         let k = key(i).child_key(5);
         let normal = warp::square_to_uniform_sphere(k.uniform_2d(Dimension::Film));
-        (vector(k) * Vec3::new(12.0, 4.0, 12.0), (i % 3 > 0).then_some(normal))
+        (random_vector(k) * Vec3::new(12.0, 4.0, 12.0), (i % 3 > 0).then_some(normal))
     })
 }
 
 #[test]
 fn light_probabilities_match_samples_and_sum_to_one() {
-    let lights = with_infinite(strewn(60));
+    let lights = with_infinite_lights(random_finite_lights(60));
     let choice = LightBvhSampler::new(&lights, ROOM).unwrap();
     let n = 20;
-    for (p, normal) in places(n) {
+    for (p, normal) in random_points_and_normals(n) {
         let mut expected: Vec<f64> = (0..lights.len()).map(|i| f64::from(choice.probability(p, normal, i))).collect();
         let total: f64 = expected.iter().sum();
         // Only where a normal shuts a group out is there anything left.
@@ -88,15 +88,15 @@ fn light_probabilities_match_samples_and_sum_to_one() {
             *e *= draws as f64;
         }
         let uniform = vec![remainders.iter().sum::<f64>() / 16.0; 16];
-        for chance in [p_value(&counts, &expected), p_value(&remainders, &uniform)] {
-            assert!(chance > sidak(2 * n as usize), "{p} {normal:?}: {chance}");
+        for chance in [chi_square_p_value(&counts, &expected), chi_square_p_value(&remainders, &uniform)] {
+            assert!(chance > sidak_significance_level(2 * n as usize), "{p} {normal:?}: {chance}");
         }
     }
 }
 
 #[test]
 fn infinite_lights_have_fixed_probability() {
-    let lights = with_infinite(strewn(10));
+    let lights = with_infinite_lights(random_finite_lights(10));
     let choice = LightBvhSampler::new(&lights, ROOM).unwrap();
     let p = Vec3::new(1.0, 2.0, 3.0);
     assert_eq!([3, 11].map(|i| choice.probability(p, None, i)), [1.0 / 3.0; 2]);
@@ -108,10 +108,10 @@ fn infinite_lights_have_fixed_probability() {
 
 #[test]
 fn contributing_lights_have_positive_probability() {
-    let lights = strewn(100);
+    let lights = random_finite_lights(100);
     let choice = LightBvhSampler::new(&lights, ROOM).unwrap();
     let mut shut_out = 0;
-    for (p, normal) in places(2000) {
+    for (p, normal) in random_points_and_normals(2000) {
         for (i, light) in lights.iter().enumerate() {
             if choice.probability(p, normal, i) > 0.0 {
                 continue;
@@ -148,7 +148,12 @@ fn degenerate_trees_contain_all_lights() {
 
 /// Relative variance of a single light sample at `p` for each method: (Σ E\[fᵢ²]/pᵢ − (Σ E\[fᵢ])²)
 /// over the squared mean.
-fn variances<const N: usize>(lights: &[Light], p: Vec3, n: Vec3, choices: [&dyn Fn(usize) -> f32; N]) -> [f64; N] {
+fn relative_variances<const N: usize>(
+    lights: &[Light],
+    p: Vec3,
+    n: Vec3,
+    choices: [&dyn Fn(usize) -> f32; N],
+) -> [f64; N] {
     let (mut mean, mut squares) = (0.0, [0.0; N]);
     let draws = 16;
     for (i, light) in lights.iter().enumerate() {
@@ -171,17 +176,21 @@ fn variances<const N: usize>(lights: &[Light], p: Vec3, n: Vec3, choices: [&dyn 
 fn light_bvh_has_less_variance_than_power_sampling() {
     let lamp = |i: u64| DVec3::new((i % 32) as f64 - 16.0, 3.0, (i / 32) as f64 - 16.0);
     let down = |i| Rectangle::new(lamp(i), DVec3::X * 0.3, DVec3::Z * 0.3);
-    let ceiling: Vec<Light> = (0..1000).map(|i| area(Shape::Rectangle(down(i)), 1.0)).collect();
-    for (lights, up, least) in [(strewn(1000), false, 5.0), (ceiling, true, 20.0)] {
+    let ceiling: Vec<Light> = (0..1000).map(|i| area_light(Shape::Rectangle(down(i)), 1.0)).collect();
+    for (lights, up, least) in [(random_finite_lights(1000), false, 5.0), (ceiling, true, 20.0)] {
         let choice = LightBvhSampler::new(&lights, ROOM).unwrap();
         let powers =
             DiscreteDistribution::new(lights.iter().map(|l| f64::from(color::channel_mean(l.power(ROOM))))).unwrap();
-        let mut gains: Vec<f64> = places(60)
+        let mut gains: Vec<f64> = random_points_and_normals(60)
             .filter_map(|(p, normal)| {
                 let n = if up { Vec3::Y } else { normal? };
                 let p = if up { p.with_y(0.0) } else { p };
-                let [tree, power] =
-                    variances(&lights, p, n, [&|i| choice.probability(p, Some(n), i), &|i| powers.probability(i)]);
+                let [tree, power] = relative_variances(
+                    &lights,
+                    p,
+                    n,
+                    [&|i| choice.probability(p, Some(n), i), &|i| powers.probability(i)],
+                );
                 (power / tree).is_finite().then_some(power / tree)
             })
             .collect();
