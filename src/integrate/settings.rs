@@ -54,7 +54,7 @@ pub struct Settings {
     pub balance: bool,
     /// Largest number of photons of a density estimate, 0 for no limit.
     ///
-    /// `None` sets [`CAUSTIC_K`](super::CAUSTIC_K) in the caustic map, and no limit in the global
+    /// `None` sets [`CAUSTIC_K`](super::CAUSTIC_K) in the caustic map, and no limit in the
     /// global map. The farthest photon only sets the radius, so 1 counts as 2.
     pub gather_k: Option<u32>,
     /// Largest gather radius of the first pass \[length]; `None` lets a pilot choose one per map.

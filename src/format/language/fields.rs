@@ -79,6 +79,9 @@ impl FromFieldValue for Vec<TransformStep> {
     }
 }
 
+/// Name of a color field, and the constructor of the value that the color gives.
+pub(super) type ColorVariant<'a, T> = (&'a str, fn(DVec3) -> T);
+
 /// Fields of a parsed block.
 pub(super) struct BlockFields<'a> {
     lexer: Lexer<'a>,
@@ -349,11 +352,9 @@ impl<'a> BlockFields<'a> {
 
     /// Returns the color of the only present field among `variants`.
     ///
-    /// A variant is the name of a field, and the enum constructor for its color.
-    ///
     /// # Errors
     /// If none of the fields or several are present.
-    pub fn require_color_variant<T>(&self, variants: &[(&str, fn(DVec3) -> T)]) -> Result<T, SceneError> {
+    pub fn require_color_variant<T>(&self, variants: &[ColorVariant<'_, T>]) -> Result<T, SceneError> {
         let names: Vec<&str> = variants.iter().map(|(name, _)| *name).collect();
         let field = self.require_one_of(&names)?;
         let index = names.iter().position(|name| *name == field.field.name).unwrap_or_default();
