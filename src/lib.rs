@@ -148,9 +148,9 @@ pub use image::Image;
 
 /// # Example: write a PNG with a filmic tone curve
 /// ```
-/// use caustica::image::{Curve, ToneMap};
+/// use caustica::image::{ToneCurve, ToneMap};
 /// let folder = tempfile::tempdir()?;
-/// let tone = ToneMap { curve: Curve::Filmic, exposure_stops: 1.0 };
+/// let tone = ToneMap { curve: ToneCurve::Filmic, exposure_stops: 1.0 };
 /// let options = caustica::WriteOptions { tone, ..Default::default() };
 /// let (path, image) = (folder.path().join("a.png"), caustica::Image::new(2, 2)?);
 /// let report = caustica::write_image(&path, &image, &options)?;
@@ -169,8 +169,8 @@ pub use integrate::Algorithm;
 /// # Example: print the start of each stage
 /// ```
 /// use caustica::integrate::Stage;
-/// struct Print;
-/// impl caustica::Monitor for Print {
+/// struct StagePrinter;
+/// impl caustica::Monitor for StagePrinter {
 ///     fn begin(&self, stage: Stage, total: u64) {
 ///         println!("{stage:?}: {total} units");
 ///     }

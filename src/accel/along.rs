@@ -1,7 +1,7 @@
 //! All boxes along a ray.
 
 use super::build::ARITY;
-use super::bvh8::{Node8, Slabs};
+use super::bvh8::{Node8, SlabTestRay};
 use super::ray_precalc::RayPrecalc;
 use crate::math::{Bounds, Ray, morton_order};
 use rayon::prelude::*;
@@ -14,7 +14,7 @@ use rayon::prelude::*;
 /// Boxes are sorted along a Morton curve and grouped by eight; so are the nodes above. This builds
 /// in a fraction of the time of the surface area heuristic. A better tree gains little, since
 /// queries return most of the boxes that they visit.
-pub struct Boxes {
+pub struct BoxTree {
     /// Box indices in Morton order.
     order: Vec<u32>,
     /// Nodes by level, from the boxes up to the root.
@@ -35,7 +35,7 @@ const STACK: usize = (ARITY - 1) * MOST_LEVELS + 1;
 /// enough for it to cross a flat box at up to 10¹⁹ times the largest coordinate.
 const PADDING: f32 = 1.0 / (1u64 << 63) as f32;
 
-impl Boxes {
+impl BoxTree {
     /// Builds a tree over at most 2³⁰ boxes; it never finds an empty box.
     ///
     /// The tree does not depend on the number of threads.
@@ -61,19 +61,19 @@ impl Boxes {
     ///
     /// The order depends only on the boxes. Allocates nothing.
     #[inline]
-    pub fn along(&self, ray: &Ray, visit: &mut impl FnMut(u32)) {
-        if !(RayPrecalc::fits(ray) && ray.t_max >= 0.0) || self.levels.is_empty() {
+    pub fn visit_boxes_along_ray(&self, ray: &Ray, visit: &mut impl FnMut(u32)) {
+        if !(RayPrecalc::can_hit_anything(ray) && ray.t_max >= 0.0) || self.levels.is_empty() {
             return;
         }
         let precalc = RayPrecalc::new(ray);
-        let slabs = Slabs::new(&precalc);
+        let slabs = SlabTestRay::new(&precalc);
         let mut stack = [0u32; STACK];
         stack[0] = ((self.levels.len() - 1) as u32) << NUMBER_BITS;
         let mut top = 1;
         while top > 0 {
             top -= 1;
             let (level, number) = (stack[top] >> NUMBER_BITS, stack[top] & ((1 << NUMBER_BITS) - 1));
-            let (mut hits, _) = self.levels[level as usize][number as usize].enter(&slabs, precalc.t_max);
+            let (mut hits, _) = self.levels[level as usize][number as usize].intersect_boxes(&slabs, precalc.t_max);
             while hits != 0 {
                 let child = number * ARITY as u32 + hits.trailing_zeros();
                 hits &= hits - 1;

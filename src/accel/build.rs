@@ -29,18 +29,18 @@ const OTHER_COST: f32 = 1.0;
 /// Padded box with its key: a triangle index, or [`OTHER`] and the index of another primitive.
 #[derive(Clone, Copy)]
 pub(super) struct Fragment {
-    pub bounds: Slab,
+    pub bounds: SimdBox,
     pub key: u32,
 }
 
 /// Box in vector registers.
 #[derive(Clone, Copy)]
-pub(super) struct Slab {
+pub(super) struct SimdBox {
     pub min: Vec3A,
     pub max: Vec3A,
 }
 
-impl Slab {
+impl SimdBox {
     pub const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
 
     #[inline]
@@ -66,7 +66,7 @@ impl Slab {
 /// The left child follows; the right child comes `2 · left` nodes later.
 #[derive(Clone, Copy)]
 pub(super) struct BinaryNode {
-    pub bounds: Slab,
+    pub bounds: SimdBox,
     pub size: u32,
     /// Number of fragments in the left subtree.
     pub left: u32,
@@ -78,17 +78,17 @@ pub(super) struct BinaryNode {
 }
 
 impl BinaryNode {
-    pub const VACANT: Self = Self { bounds: Slab::EMPTY, size: 0, left: 0, share: [0; ARITY + 1], leaf: true };
+    pub const VACANT: Self = Self { bounds: SimdBox::EMPTY, size: 0, left: 0, share: [0; ARITY + 1], leaf: true };
 }
 
 /// Number of triangles and of other primitives in a range.
 #[derive(Clone, Copy, Default)]
-struct Count {
+struct PrimitiveCount {
     triangles: u32,
     others: u32,
 }
 
-impl Count {
+impl PrimitiveCount {
     #[inline]
     fn add(&mut self, other: Self) {
         self.triangles += other.triangles;
@@ -109,8 +109,8 @@ impl Count {
 
 /// Result of building a subtree: its box, its contents, and its least cost in 1 to [`ARITY`] slots.
 struct Subtree {
-    bounds: Slab,
-    count: Count,
+    bounds: SimdBox,
+    count: PrimitiveCount,
     cost: [f32; ARITY + 1],
 }
 
@@ -126,10 +126,10 @@ fn build_node(fragments: &mut [Fragment], tree: &mut [BinaryNode], depth: u32) -
     let Some((root, rest)) = tree.split_first_mut().filter(|_| size > 1) else {
         let Fragment { bounds, key } = fragments[0];
         tree[0] = BinaryNode { bounds, size: 1, ..BinaryNode::VACANT };
-        let count = Count::of(key);
+        let count = PrimitiveCount::of(key);
         return Subtree { bounds, count, cost: [bounds.half_area() * count.cost(); ARITY + 1] };
     };
-    let left = split(fragments, depth);
+    let left = split_fragments(fragments, depth);
     let (low, high) = fragments.split_at_mut(left);
     let (low_tree, high_tree) = rest.split_at_mut(2 * left - 1);
     let (a, b) = if size > PARALLEL {
@@ -138,14 +138,15 @@ fn build_node(fragments: &mut [Fragment], tree: &mut [BinaryNode], depth: u32) -
         (build_node(low, low_tree, depth + 1), build_node(high, high_tree, depth + 1))
     };
     *root = BinaryNode { size: size as u32, left: left as u32, ..BinaryNode::VACANT };
-    cut(root, &a, &b)
+    finish_inner_node(root, &a, &b)
 }
 
-/// Computes the least cost of a node for each number of slots.
+/// Fills the node above subtrees `a` and `b`, and returns the summary of its own subtree.
 ///
-/// Each number of slots is divided between the children at the least cost. One slot holds a leaf or
-/// a wide node (after Ylitie, Karras and Laine 2017, section 3.1).
-fn cut(root: &mut BinaryNode, a: &Subtree, b: &Subtree) -> Subtree {
+/// Sets box, leaf flag and slot shares of `root`. For each number of slots of a wide node, the share
+/// is the number of slots of `a` at the least cost. One slot holds a leaf or a wide node (after
+/// Ylitie, Karras and Laine 2017, section 3.1).
+fn finish_inner_node(root: &mut BinaryNode, a: &Subtree, b: &Subtree) -> Subtree {
     let bounds = a.bounds.union(b.bounds);
     let mut count = a.count;
     count.add(b.count);
@@ -179,17 +180,18 @@ fn cut(root: &mut BinaryNode, a: &Subtree, b: &Subtree) -> Subtree {
 }
 
 /// Reorders the fragments into two non-empty parts and returns the size of the first.
-fn split(fragments: &mut [Fragment], depth: u32) -> usize {
+fn split_fragments(fragments: &mut [Fragment], depth: u32) -> usize {
     let size = fragments.len();
-    let centers =
-        fragments.iter().fold(Slab::EMPTY, |s, f| s.union(Slab { min: f.bounds.center(), max: f.bounds.center() }));
+    let centers = fragments
+        .iter()
+        .fold(SimdBox::EMPTY, |s, f| s.union(SimdBox { min: f.bounds.center(), max: f.bounds.center() }));
     let extent = centers.max - centers.min;
     if depth < HEURISTIC_DEPTH
         && size > 2
         && let Some((axis, edge)) = best_plane(fragments, centers)
     {
         let bins = Binning::new(centers, size);
-        return partition(fragments, |f| bins.of(f)[axis] <= edge);
+        return partition_fragments(fragments, |f| bins.of(f)[axis] <= edge);
     }
     let axis = extent.max_position();
     let by_center = |a: &Fragment, b: &Fragment| {
@@ -208,7 +210,7 @@ struct Binning {
 }
 
 impl Binning {
-    fn new(centers: Slab, size: usize) -> Self {
+    fn new(centers: SimdBox, size: usize) -> Self {
         let bins = BINS.min(4 + size / 8);
         // Just below the number of bins, so that the largest centre falls into the last bin.
         let scale = Vec3A::splat(bins as f32 * 0.999_99) / (centers.max - centers.min);
@@ -223,30 +225,30 @@ impl Binning {
 }
 
 /// Axis and last lower bin of the cheapest partition; `None` if centres coincide or costs overflow.
-fn best_plane(fragments: &[Fragment], centers: Slab) -> Option<(usize, usize)> {
+fn best_plane(fragments: &[Fragment], centers: SimdBox) -> Option<(usize, usize)> {
     let binning = Binning::new(centers, fragments.len());
-    let mut bins = [[(Slab::EMPTY, Count::default()); BINS]; 3];
+    let mut bins = [[(SimdBox::EMPTY, PrimitiveCount::default()); BINS]; 3];
     for f in fragments {
-        let (at, count) = (binning.of(f), Count::of(f.key));
+        let (at, count) = (binning.of(f), PrimitiveCount::of(f.key));
         for axis in 0..3 {
             let bin = &mut bins[axis][at[axis].min(BINS - 1)];
             bin.0 = bin.0.union(f.bounds);
             bin.1.add(count);
         }
     }
-    let cost = |bounds: Slab, count: Count| bounds.half_area() * (count.triangles + count.others) as f32;
+    let cost = |bounds: SimdBox, count: PrimitiveCount| bounds.half_area() * (count.triangles + count.others) as f32;
     let (mut least, mut best) = (f32::INFINITY, None);
     let extent = centers.max - centers.min;
     for axis in (0..3).filter(|&a| extent[a] > 0.0) {
         let bins = &bins[axis][..binning.bins];
         let mut upper = [0.0; BINS];
-        let (mut bounds, mut count) = (Slab::EMPTY, Count::default());
+        let (mut bounds, mut count) = (SimdBox::EMPTY, PrimitiveCount::default());
         for (at, bin) in bins.iter().enumerate().skip(1).rev() {
             bounds = bounds.union(bin.0);
             count.add(bin.1);
             upper[at - 1] = cost(bounds, count);
         }
-        let (mut bounds, mut count) = (Slab::EMPTY, Count::default());
+        let (mut bounds, mut count) = (SimdBox::EMPTY, PrimitiveCount::default());
         for (at, bin) in bins[..bins.len() - 1].iter().enumerate() {
             bounds = bounds.union(bin.0);
             count.add(bin.1);
@@ -263,7 +265,7 @@ fn best_plane(fragments: &[Fragment], centers: Slab) -> Option<(usize, usize)> {
 /// Moves fragments that satisfy `low` to the front and returns their number.
 ///
 /// The order depends only on the input.
-fn partition(fragments: &mut [Fragment], low: impl Fn(&Fragment) -> bool) -> usize {
+fn partition_fragments(fragments: &mut [Fragment], low: impl Fn(&Fragment) -> bool) -> usize {
     let mut end = 0;
     for at in 0..fragments.len() {
         if low(&fragments[at]) {
@@ -291,7 +293,7 @@ mod tests {
     fn depth_is_bounded_where_the_heuristic_would_go_deeper() {
         let series = (0..126u32).map(|i| (f32::from_bits((i + 64) << 23), i));
         let fragment = |(x, key): (f32, u32)| {
-            let bounds = Slab { min: Vec3A::splat(x * 0.9), max: Vec3A::splat(x) };
+            let bounds = SimdBox { min: Vec3A::splat(x * 0.9), max: Vec3A::splat(x) };
             Fragment { bounds, key }
         };
         let mut fragments: Vec<Fragment> = series.map(fragment).collect();

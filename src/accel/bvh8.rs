@@ -1,6 +1,6 @@
 //! Nodes of eight boxes, and their traversal.
 
-use super::build::{ARITY, BinaryNode, Fragment, MAX_DEPTH, OTHER, Slab, build_tree};
+use super::build::{ARITY, BinaryNode, Fragment, MAX_DEPTH, OTHER, SimdBox, build_tree};
 use super::packet::{LANES, Packet};
 use super::ray_precalc::RayPrecalc;
 use crate::math::{Bounds, rounding_error_bound};
@@ -89,7 +89,7 @@ impl Bvh8 {
     fn collapse(&mut self, source: &CollapseInput, at: usize, start: usize) -> usize {
         let mut chosen = [(0, 0); ARITY];
         let mut count = 0;
-        source.choose(at, start, ARITY, &mut |child| {
+        source.select_slot_nodes(at, start, ARITY, &mut |child| {
             chosen[count] = child;
             count += 1;
         });
@@ -143,13 +143,13 @@ impl Bvh8 {
         let mut stack = [0u64; STACK];
         let mut top = 0;
         let mut limit = precalc.t_max;
-        let slabs = Slabs::new(precalc);
+        let slabs = SlabTestRay::new(precalc);
         let mut current = 0;
         loop {
             if current < PACKET {
                 // Test the eight boxes of a node.
                 let node = &self.nodes[current as usize];
-                let (mut hits, near) = node.boxes.enter(&slabs, limit);
+                let (mut hits, near) = node.boxes.intersect_boxes(&slabs, limit);
                 if hits != 0 {
                     let slot = |hits: u32| hits.trailing_zeros() as usize & (ARITY - 1);
                     let entry =
@@ -207,13 +207,13 @@ impl Bvh8 {
 /// Origin and reciprocal direction of a ray along each axis, for eight boxes at a time.
 ///
 /// `near` is the index of the plane that the ray crosses first.
-pub(super) struct Slabs {
+pub(super) struct SlabTestRay {
     origin: [f32x8; 3],
     reciprocal: [f32x8; 3],
     near: [usize; 3],
 }
 
-impl Slabs {
+impl SlabTestRay {
     #[inline]
     pub fn new(precalc: &RayPrecalc) -> Self {
         let ([ox, oy, oz], [rx, ry, rz]) = (precalc.origin, precalc.reciprocal);
@@ -237,7 +237,7 @@ impl Node8 {
 
     /// Mask of the boxes that the ray enters before the limit, and the entry distances (Ize 2013).
     #[inline]
-    pub fn enter(&self, slabs: &Slabs, limit: f32) -> (u32, f32x8) {
+    pub fn intersect_boxes(&self, slabs: &SlabTestRay, limit: f32) -> (u32, f32x8) {
         let at = |axis: usize, side: usize| (self.0[axis][side & 1] - slabs.origin[axis]) * slabs.reciprocal[axis];
         let [nx, ny, nz] = slabs.near;
         let near = at(0, nx).fast_max(at(1, ny)).fast_max(at(2, nz)).fast_max(f32x8::ZERO);
@@ -256,7 +256,7 @@ struct CollapseInput<'a> {
 impl CollapseInput<'_> {
     /// Selects the binary nodes that fill `slots` slots below the node `at`, each with its first
     /// fragment.
-    fn choose(&self, at: usize, start: usize, mut slots: usize, take: &mut impl FnMut((usize, usize))) {
+    fn select_slot_nodes(&self, at: usize, start: usize, mut slots: usize, take: &mut impl FnMut((usize, usize))) {
         let branch = &self.tree[at];
         while slots > 1 && branch.share[slots] == 0 {
             slots -= 1;
@@ -265,8 +265,8 @@ impl CollapseInput<'_> {
             return take((at, start));
         }
         let (share, left) = (usize::from(branch.share[slots]), branch.left as usize);
-        self.choose(at + 1, start, share, take);
-        self.choose(at + 2 * left, start + left, slots - share, take);
+        self.select_slot_nodes(at + 1, start, share, take);
+        self.select_slot_nodes(at + 2 * left, start + left, slots - share, take);
     }
 }
 
@@ -284,5 +284,5 @@ fn padded((bounds, key): (Bounds, u32)) -> Fragment {
     let (min, max) = (bounds.min - margin, bounds.max + margin);
     let down = Vec3A::from(min.to_array().map(f32::next_down));
     let up = Vec3A::from(max.to_array().map(f32::next_up));
-    Fragment { bounds: Slab { min: down, max: up }, key }
+    Fragment { bounds: SimdBox { min: down, max: up }, key }
 }

@@ -12,7 +12,7 @@ mod ray_precalc;
 #[cfg(test)]
 mod tests;
 
-pub use along::Boxes;
+pub use along::BoxTree;
 
 use crate::math::{Bounds, Ray};
 use build::OTHER;
@@ -86,50 +86,50 @@ impl Hierarchy {
     where
         F: FnMut(u32, &Ray) -> Option<(f32, f32, f32)>,
     {
-        if !RayPrecalc::fits(ray) {
+        if !RayPrecalc::can_hit_anything(ray) {
             return None;
         }
         let precalc = RayPrecalc::new(ray);
-        let mut best = Best { key: 0, hit: TriangleHit { t: precalc.t_max, weights: [0.0; 2], total: 1.0 } };
+        let mut best = NearestHit { key: 0, hit: TriangleHit { t: precalc.t_max, weights: [0.0; 2], total: 1.0 } };
         let test_leaf = |leaf, _| {
             if leaf & OTHER == 0 {
-                self.bvh.packet(leaf).hits(&precalc, |triangle, hit| best.offer(triangle, hit));
+                self.bvh.packet(leaf).for_each_hit(&precalc, |triangle, hit| best.keep_nearer(triangle, hit));
             } else {
                 // `t_max` is exclusive, but this primitive wins ties against a higher key.
                 let t_max = if leaf < best.key { best.hit.t.next_up() } else { best.hit.t };
                 let shrunk = Ray { t_max: t_max * precalc.unit, ..*ray };
                 if let Some((t, u, v)) = other(leaf ^ OTHER, &shrunk) {
                     let weights = [u, v].map(f64::from);
-                    best.offer(leaf, TriangleHit { t: t * precalc.per_unit, weights, total: 1.0 });
+                    best.keep_nearer(leaf, TriangleHit { t: t * precalc.per_unit, weights, total: 1.0 });
                 }
             }
             best.hit.t
         };
         with_stack_size!(self.bvh, <STACK> self.bvh.traverse::<true, STACK>(&precalc, test_leaf));
-        best.finish(ray, &precalc)
+        best.to_primitive_hit(ray, &precalc)
     }
 
     /// Calls `visit` with every hit with `0 < t < t_max`, in an order that depends on the tree.
     ///
     /// `other` works like that of [`closest`](Self::closest), but its ray is not shortened.
-    pub fn each<F>(&self, ray: &Ray, mut other: F, mut visit: impl FnMut(PrimitiveHit))
+    pub fn for_each_hit<F>(&self, ray: &Ray, mut other: F, mut visit: impl FnMut(PrimitiveHit))
     where
         F: FnMut(u32, &Ray) -> Option<(f32, f32, f32)>,
     {
-        if !RayPrecalc::fits(ray) {
+        if !RayPrecalc::can_hit_anything(ray) {
             return;
         }
         let precalc = RayPrecalc::new(ray);
         let mut show = |key: u32, hit: TriangleHit| {
-            let mut only = Best { key: 0, hit: TriangleHit { t: precalc.t_max, weights: [0.0; 2], total: 1.0 } };
-            only.offer(key, hit);
-            if let Some(hit) = only.finish(ray, &precalc) {
+            let mut only = NearestHit { key: 0, hit: TriangleHit { t: precalc.t_max, weights: [0.0; 2], total: 1.0 } };
+            only.keep_nearer(key, hit);
+            if let Some(hit) = only.to_primitive_hit(ray, &precalc) {
                 visit(hit);
             }
         };
         let test_leaf = |leaf, limit| {
             if leaf & OTHER == 0 {
-                self.bvh.packet(leaf).hits(&precalc, &mut show);
+                self.bvh.packet(leaf).for_each_hit(&precalc, &mut show);
             } else if let Some((t, u, v)) = other(leaf ^ OTHER, ray) {
                 show(leaf, TriangleHit { t: t * precalc.per_unit, weights: [u, v].map(f64::from), total: 1.0 });
             }
@@ -146,13 +146,13 @@ impl Hierarchy {
     where
         F: FnMut(u32, &Ray) -> bool,
     {
-        if !RayPrecalc::fits(ray) {
+        if !RayPrecalc::can_hit_anything(ray) {
             return false;
         }
         let precalc = RayPrecalc::new(ray);
         let mut found = false;
         let test_leaf = |leaf, limit| {
-            found = if leaf & OTHER == 0 { self.bvh.packet(leaf).any(&precalc) } else { other(leaf ^ OTHER, ray) };
+            found = if leaf & OTHER == 0 { self.bvh.packet(leaf).has_hit(&precalc) } else { other(leaf ^ OTHER, ray) };
             if found { f32::NEG_INFINITY } else { limit }
         };
         with_stack_size!(self.bvh, <STACK> self.bvh.traverse::<false, STACK>(&precalc, test_leaf));
@@ -163,14 +163,14 @@ impl Hierarchy {
 /// Nearest hit so far, in the units of [`RayPrecalc`].
 ///
 /// The key breaks ties of `t`. Key 0 at the start excludes `t_max` itself.
-struct Best {
+struct NearestHit {
     key: u32,
     hit: TriangleHit,
 }
 
-impl Best {
+impl NearestHit {
     #[inline]
-    fn offer(&mut self, key: u32, hit: TriangleHit) {
+    fn keep_nearer(&mut self, key: u32, hit: TriangleHit) {
         let (t, least) = (hit.t, self.hit.t);
         if t > 0.0 && (t < least || t == least && key < self.key) {
             *self = Self { key, hit };
@@ -178,7 +178,7 @@ impl Best {
     }
 
     #[inline]
-    fn finish(&self, ray: &Ray, precalc: &RayPrecalc) -> Option<PrimitiveHit> {
+    fn to_primitive_hit(&self, ray: &Ray, precalc: &RayPrecalc) -> Option<PrimitiveHit> {
         let t = self.hit.t * precalc.unit;
         // A distance that the caller's unit cannot express is no hit.
         if !(self.hit.t < precalc.t_max && 0.0 < t && t < ray.t_max) {

@@ -52,8 +52,8 @@ impl Packet {
 
     /// Calls `found` with the index of each triangle that the ray hits, and the hit.
     #[inline]
-    pub fn hits(&self, precalc: &RayPrecalc, mut found: impl FnMut(u32, TriangleHit)) {
-        let mut lanes = self.candidates(precalc);
+    pub fn for_each_hit(&self, precalc: &RayPrecalc, mut found: impl FnMut(u32, TriangleHit)) {
+        let mut lanes = self.candidate_lanes(precalc);
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;
@@ -68,7 +68,7 @@ impl Packet {
     /// The mask has all hits, and near misses in which a difference of products rounds to zero.
     /// Rounding is monotone, so without fused operations a sign may be lost but is never wrong.
     #[inline]
-    pub fn candidates(&self, precalc: &RayPrecalc) -> u32 {
+    pub fn candidate_lanes(&self, precalc: &RayPrecalc) -> u32 {
         let [ax, ay, az] = precalc.axes;
         let [px, py, pz] = [&self.corners[ax], &self.corners[ay], &self.corners[az]];
         let ox = Lane::splat(precalc.origin[ax]);
@@ -88,7 +88,7 @@ impl Packet {
 
     /// Hit of the ray's line with the triangle in `lane`; `t` may have any sign.
     ///
-    /// The sheared corners equal those of [`candidates`](Self::candidates) bit for bit. Their
+    /// The sheared corners equal those of [`candidate_lanes`](Self::candidate_lanes) bit for bit. Their
     /// products are exact in f64, and a difference of exact numbers keeps its sign and all but its
     /// last digit. So neighbours agree on their common edge, and the hit lies on the triangle,
     /// however thin it appears.
@@ -118,8 +118,8 @@ impl Packet {
 
     /// True if a triangle is hit at `0 < t < t_max`.
     #[inline]
-    pub fn any(&self, precalc: &RayPrecalc) -> bool {
-        let mut lanes = self.candidates(precalc);
+    pub fn has_hit(&self, precalc: &RayPrecalc) -> bool {
+        let mut lanes = self.candidate_lanes(precalc);
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;

@@ -31,11 +31,11 @@ impl RayPrecalc {
     /// True if the ray can hit anything: origin and direction are finite, and the direction is not
     /// zero.
     #[inline]
-    pub fn fits(ray: &Ray) -> bool {
+    pub fn can_hit_anything(ray: &Ray) -> bool {
         ray.direction != Vec3::ZERO && ray.direction.is_finite() && ray.origin.is_finite()
     }
 
-    /// Constants of a ray that [fits](Self::fits).
+    /// Constants of a ray that [can_hit_anything](Self::can_hit_anything).
     #[inline]
     pub fn new(ray: &Ray) -> Self {
         let size = ray.direction.abs();

@@ -1,7 +1,7 @@
 //! `--aov`: the picture and maps of its estimated error as layers of one OpenEXR file.
 
 use crate::image::ExrLayer;
-use crate::integrate::Discs;
+use crate::integrate::MeanGatherDisc;
 use crate::render::RenderResult;
 use crate::render::error_estimate::{ErrorMaps, MIN_PASSES};
 use glam::Vec3;
@@ -17,8 +17,8 @@ pub(super) fn aov_layers(rendered: &RenderResult) -> Vec<ExrLayer> {
     layers.push(rgb_layer("noise", &noise));
     if !bias.is_empty() {
         layers.push(rgb_layer("bias", &bias));
-        let channels = |value: fn(&Discs) -> f32| {
-            let map = |discs: &[Discs]| discs.iter().map(value).collect::<Vec<f32>>();
+        let channels = |value: fn(&MeanGatherDisc) -> f32| {
+            let map = |discs: &[MeanGatherDisc]| discs.iter().map(value).collect::<Vec<f32>>();
             vec![("caustic".to_owned(), map(&caustic)), ("global".to_owned(), map(&global))]
         };
         layers.push(ExrLayer { name: "radius".to_owned(), channels: channels(|d| d.radius) });

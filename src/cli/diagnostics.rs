@@ -9,7 +9,7 @@ use crate::study::text::percent_text;
 use glam::DVec3;
 
 /// True if the scene has lights, but none of them has any power.
-pub(super) fn lights_have_no_power(scene: &Scene) -> bool {
+pub(super) fn all_lights_are_black(scene: &Scene) -> bool {
     !scene.lights().is_empty() && scene.lights().iter().all(|light| light.power(scene.photon_domain()) == Rgb::ZERO)
 }
 

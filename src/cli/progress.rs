@@ -235,7 +235,7 @@ impl<'a> InputFileCollector<'a> {
 }
 
 impl MeshReadMonitor for InputFileCollector<'_> {
-    fn on_file_named(&self, path: &Path) {
+    fn on_input_file_found(&self, path: &Path) {
         self.files.lock().unwrap_or_else(PoisonError::into_inner).push(path.to_owned());
     }
 

@@ -1,7 +1,7 @@
 //! `caustica render`: renders a scene and writes pictures, error maps and a JSON report.
 
 use super::check::quick_scene_warnings;
-use super::diagnostics::{black_picture_note, lights_have_no_power, no_photon_stored_note};
+use super::diagnostics::{all_lights_are_black, black_picture_note, no_photon_stored_note};
 use super::interrupt::{INTERRUPTED, listen_for_signals};
 use super::memory::{check_estimated_picture_memory, check_photon_memory, check_picture_memory};
 use super::outputs::{NamedFile, OutputFailures, check_distinct_files};
@@ -11,7 +11,7 @@ use super::report::{ErrorReport, RenderReport, RenderSetup};
 use super::scene::{load_scene_and_file, with_thread_pool};
 use super::settings::settings_from_arguments;
 use super::{Exit, Failure, RenderArguments, aov, forecast_text};
-use crate::image::{self, Image, OutputFormat, ToneCurve, ToneMap, WriteOptions, WriteReport};
+use crate::image::{self, ClippedPixelReport, Image, OutputFormat, ToneCurve, ToneMap, WriteOptions};
 use crate::integrate::{Algorithm, GuidingReports, Integrator};
 use crate::render::error_estimate::{Confidence, MIN_PASSES, PassesNeeded};
 use crate::render::{EndReason, ErrorTarget, PassProgress, RenderResult, StopCriteria, render};
@@ -93,7 +93,7 @@ fn load_and_render(arguments: &RenderArguments, progress: &Progress) -> Result<E
     setup.seconds = start.elapsed().as_secs_f64();
     let rendered = render_passes(arguments, integrator.as_ref(), size, start, progress);
     progress.remove_bar();
-    write_render_outputs(arguments, progress, setup, lights_have_no_power(&scene), &rendered)
+    write_render_outputs(arguments, progress, setup, all_lights_are_black(&scene), &rendered)
 }
 
 /// Prints the numbers of triangles, shapes and lights, and a note if there are none.
@@ -109,7 +109,7 @@ fn print_scene_summary(setup: &RenderSetup, scene: &Scene, progress: &Progress) 
         progress.print_line("note: the scene has no objects: the picture shows only the background");
     } else if setup.lights == 0 {
         progress.print_line("note: the scene has no lights: all objects are black");
-    } else if lights_have_no_power(scene) {
+    } else if all_lights_are_black(scene) {
         progress.print_line("note: no light of the scene has any power: all objects are black");
     }
 }
@@ -296,7 +296,7 @@ fn print_render_summary(
 }
 
 /// Reports pixels whose values the file format cannot hold.
-fn report_clipped_pixels(written: &WriteReport, path: &Path, exposure: f32, progress: &Progress) {
+fn report_clipped_pixels(written: &ClippedPixelReport, path: &Path, exposure: f32, progress: &Progress) {
     let pixels = |n: usize| format!("{} of {}", count_with_noun(n, "pixel", "pixels"), path.display());
     if written.non_finite > 0 {
         print_message(&format!("warning: {}: not finite", pixels(written.non_finite)));

@@ -14,7 +14,7 @@ use glam::Vec3;
 use super::buffer::{Image, pixel_count};
 use super::error::{DecodeFailure, WriteError, check_compression_ratio, check_memory};
 use super::options::FloatDepth;
-use super::tone::WriteReport;
+use super::tone::ClippedPixelReport;
 
 /// Rec. 709 primaries and the white point D65.
 pub(super) const REC_709: Chromaticities = Chromaticities {
@@ -29,7 +29,7 @@ pub(super) fn encode(
     image: &Image,
     floats: FloatDepth,
     metadata: &[(String, String)],
-) -> Result<(Vec<u8>, WriteReport), WriteError> {
+) -> Result<(Vec<u8>, ClippedPixelReport), WriteError> {
     let (width, pixels) = (image.width() as usize, image.pixels());
     let size = (width, image.height() as usize);
     // Layers of 16 and 32 bits have different types, so a macro replaces a function.
@@ -56,7 +56,7 @@ pub(super) fn encode(
         FloatDepth::Half => count(&|p| p.is_finite() && p.abs().max_element() > LARGEST_HALF),
         FloatDepth::Single => 0,
     };
-    Ok((file, WriteReport { non_finite: count(&|p| !p.is_finite()), too_bright, negative: 0 }))
+    Ok((file, ClippedPixelReport { non_finite: count(&|p| !p.is_finite()), too_bright, negative: 0 }))
 }
 
 /// Largest finite number in half precision (IEEE 754 binary16).

@@ -29,5 +29,5 @@ pub use read::{
 };
 pub use relative::RelativeScale;
 pub use replace::{canonical_output_path, check_replaceable, replace_file, replace_file_with};
-pub use tone::{MAX_EXPOSURE_STOPS, ToneCurve, ToneMap, UnknownToneCurve, WriteReport};
+pub use tone::{ClippedPixelReport, MAX_EXPOSURE_STOPS, ToneCurve, ToneMap, UnknownToneCurve};
 pub use write::{OutputFormat, check_writable, encode, write};

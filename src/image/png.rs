@@ -9,12 +9,12 @@ use rayon::prelude::*;
 use super::buffer::{Image, RgbBytes, pixel_count};
 use super::error::{DecodeFailure, WriteError, check_compression_ratio, check_memory};
 use super::options::{BitDepth, WriteOptions};
-use super::tone::{Quantizer, ToneCurve, WriteReport, srgb_decode};
+use super::tone::{ClippedPixelReport, Quantizer, ToneCurve, srgb_decode};
 
 /// Encodes `image` as the bytes of a PNG file.
 ///
 /// The file has an sRGB chunk unless the tone curve is [`ToneCurve::Course`].
-pub(super) fn encode(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, WriteReport), WriteError> {
+pub(super) fn encode(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, ClippedPixelReport), WriteError> {
     let (samples, report) = quantize_image(image, options)?;
     let mut file = Vec::new();
     let refused = |error: EncodingError| WriteError::Encode(error.to_string());
@@ -43,7 +43,7 @@ pub(super) fn encode(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, 
 }
 
 /// Converts radiance to the samples of a PNG file; 16-bit samples are big-endian.
-fn quantize_image(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, WriteReport), WriteError> {
+fn quantize_image(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, ClippedPixelReport), WriteError> {
     let (white, size) = match options.depth {
         BitDepth::Eight => (255, 1),
         BitDepth::Sixteen => (65_535, 2),
@@ -55,7 +55,7 @@ fn quantize_image(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, Wri
         .par_chunks_mut(width * 3 * size)
         .zip(image.pixels().par_chunks(width))
         .map(|(row, pixels)| {
-            let mut report = WriteReport::default();
+            let mut report = ClippedPixelReport::default();
             for (bytes, &pixel) in row.chunks_exact_mut(3 * size).zip(pixels) {
                 for (sample, level) in bytes.chunks_exact_mut(size).zip(quantizer.quantize_pixel(pixel, &mut report)) {
                     sample.copy_from_slice(&level.to_be_bytes()[2 - size..]);
@@ -63,7 +63,7 @@ fn quantize_image(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, Wri
             }
             report
         })
-        .reduce(WriteReport::default, WriteReport::merge);
+        .reduce(ClippedPixelReport::default, ClippedPixelReport::merge);
     Ok((samples, report))
 }
 

@@ -76,7 +76,7 @@ pub struct ToneMap {
 
 /// Numbers of pixels whose values the file format could not store.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct WriteReport {
+pub struct ClippedPixelReport {
     /// Number of pixels with a NaN or infinite channel. PNG stores NaN as 0.
     pub non_finite: usize,
     /// Number of finite pixels with a channel clamped to white, or to ±65504 in 16-bit OpenEXR.
@@ -87,7 +87,7 @@ pub struct WriteReport {
     pub negative: usize,
 }
 
-impl WriteReport {
+impl ClippedPixelReport {
     /// Sums two reports.
     pub(super) fn merge(self, other: Self) -> Self {
         Self {
@@ -117,7 +117,7 @@ impl Quantizer {
     }
 
     /// Levels of the channels of a pixel. Counts values outside the range of levels in `report`.
-    pub(super) fn quantize_pixel(&self, pixel: Vec3, report: &mut WriteReport) -> [u16; 3] {
+    pub(super) fn quantize_pixel(&self, pixel: Vec3, report: &mut ClippedPixelReport) -> [u16; 3] {
         let exposed = pixel * self.scale;
         // A finite value that overflows by the exposure is too bright, but not a defect.
         if !pixel.is_finite() {

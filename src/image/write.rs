@@ -6,7 +6,7 @@ use super::buffer::Image;
 use super::error::WriteError;
 use super::options::{WriteOptions, check_metadata};
 use super::replace::{check_replaceable, replace_file};
-use super::tone::WriteReport;
+use super::tone::ClippedPixelReport;
 use super::{exr, png};
 
 /// Picture file format that can be written.
@@ -41,7 +41,7 @@ pub fn encode(
     format: OutputFormat,
     image: &Image,
     options: &WriteOptions,
-) -> Result<(Vec<u8>, WriteReport), WriteError> {
+) -> Result<(Vec<u8>, ClippedPixelReport), WriteError> {
     check_metadata(&options.metadata)?;
     match format {
         OutputFormat::Png => png::encode(image, options),
@@ -56,7 +56,7 @@ pub fn encode(
 ///
 /// # Errors
 /// [`WriteError`]; an existing file is then unchanged.
-pub fn write(path: &Path, image: &Image, options: &WriteOptions) -> Result<WriteReport, WriteError> {
+pub fn write(path: &Path, image: &Image, options: &WriteOptions) -> Result<ClippedPixelReport, WriteError> {
     let (file, report) = encode(OutputFormat::from_path(path)?, image, options)?;
     replace_file(path, &file)?;
     Ok(report)

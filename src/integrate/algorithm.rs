@@ -3,7 +3,7 @@
 use super::integrator::Integrator;
 use super::path_integrator::PathIntegrator;
 use super::policy::PolicyFn;
-use super::raycast::RayCast;
+use super::raycast::RaycastIntegrator;
 use super::settings::Settings;
 use super::{distributed, hybrid, path, pm, ppm, sppm, whitted};
 use crate::plan::{Effect, Effects, Plan};
@@ -104,7 +104,7 @@ impl Algorithm {
             Self::Pm => pm::policy,
             Self::Distributed => distributed::policy,
             Self::Whitted => whitted::policy,
-            Self::Raycast => return Box::new(RayCast::new(scene, plan, &settings.camera_paths)),
+            Self::Raycast => return Box::new(RaycastIntegrator::new(scene, plan, &settings.camera_paths)),
         };
         Box::new(PathIntegrator::new(scene, plan, settings, policy))
     }

@@ -95,7 +95,7 @@ pub(super) fn radiance<I: Interior>(
             // Find the next vertex; add in-scattering and emission of the media along the segment.
             worker.counters.continuation_rays += u64::from(path.bounce > 0);
             let (event, phase) = if I::SPECTRAL {
-                media::next_vertex(paths, &mut path, worker, &mut radiance)
+                media::advance_to_vertex(paths, &mut path, worker, &mut radiance)
             } else {
                 (path.path_ray.next_vertex(scene, path.sampler.sample_key(), |_| None), PhaseFunction::Isotropic)
             };
@@ -119,7 +119,7 @@ pub(super) fn radiance<I: Interior>(
             path.note_crossed_boundaries(hit.crossed);
 
             // Add emission, weighted against next-event estimation.
-            if hit.surface.emission != Rgb::ZERO && counts_emission(policy, &path) {
+            if hit.surface.emission != Rgb::ZERO && keeps_emission_found(policy, &path) {
                 let weight = path.prev.map_or(1.0, |prev| emission_weight(nee, &prev, &hit.surface));
                 radiance += path.throughput * hit.surface.emission * weight;
             }
@@ -204,7 +204,7 @@ fn scatter_at_caster<I: Interior>(
 
     // Add direct light at glossy casters, unless photons carry the light that goes over this
     // caster.
-    if !surface.bsdf.is_specular() && policy.direct_light && counts_light(policy, path.history) {
+    if !surface.bsdf.is_specular() && policy.direct_light && keeps_light_found(policy, path.history) {
         *radiance += path.throughput * nee.estimate(&vertex, continues, worker);
     }
     if !continues {
@@ -298,7 +298,7 @@ fn ends_gather_ray<I>(paths: &PathContext<'_>, vertex: &PathVertex<'_, I>) -> bo
 
 /// True if a camera path with `history` counts light that it finds; false leaves it to photons.
 #[inline]
-fn counts_light(policy: &PathPolicy, history: PathHistory) -> bool {
+fn keeps_light_found(policy: &PathPolicy, history: PathHistory) -> bool {
     policy.counts_caustics || !history.is_caustic()
 }
 
@@ -307,8 +307,8 @@ fn counts_light(policy: &PathPolicy, history: PathHistory) -> bool {
 /// If soft shadows are off, next-event estimation samples only the centers of area lights. Then a
 /// path counts no emission after a vertex with next-event estimation.
 #[inline]
-fn counts_emission<I>(policy: &PathPolicy, path: &PathState<I>) -> bool {
-    (path.prev.is_none() || policy.effects.has(Effect::SoftShadows)) && counts_light(policy, path.history)
+fn keeps_emission_found<I>(policy: &PathPolicy, path: &PathState<I>) -> bool {
+    (path.prev.is_none() || policy.effects.has(Effect::SoftShadows)) && keeps_light_found(policy, path.history)
 }
 
 /// Returns the weight of emission that a path hits, by the balance heuristic (Veach 1997, section
@@ -327,7 +327,7 @@ fn escaped_radiance<I: Interior>(paths: &PathContext<'_>, path: &PathState<I>) -
         // The background is visible but lights nothing.
         None if path.history.receivers > 0 => Rgb::ZERO,
         None => scene.background(),
-        Some(_) if !counts_emission(policy, path) => Rgb::ZERO,
+        Some(_) if !keeps_emission_found(policy, path) => Rgb::ZERO,
         Some(light) => {
             let light_pdf = |prev: PrevVertex| nee.pdf(&prev, light, direction, None);
             let weight = path.prev.map_or(1.0, |prev| prev.pdf / (prev.pdf + light_pdf(prev)));

@@ -41,7 +41,7 @@ pub use algorithm::Algorithm;
 pub use balance::Balance;
 pub use integrator::Integrator;
 pub use map_builder::CAUSTIC_K;
-pub use nested_estimates::{Discs, NestedEstimates};
+pub use nested_estimates::{MeanGatherDisc, NestedEstimates};
 pub use pass::{Expected, Monitor, Pass, PhotonReport, Seconds, Silent, Stage};
 pub use radius_law::{ALPHA, RadiusLaw, shrink};
 pub use radius_pilot::{GuidingReports, Radii};

@@ -91,7 +91,7 @@ impl<'a> NextEventEstimator<'a> {
         let rays = match (self.shadow_ray_scheme(vertex.history), &self.light_sampler) {
             (ShadowRayScheme::All(rays), _) => rays,
             (ShadowRayScheme::Chosen(rays), Some(sampler)) => {
-                return self.estimate_chosen(sampler, rays, vertex, continues, worker);
+                return self.estimate_sampled_lights(sampler, rays, vertex, continues, worker);
             }
             (ShadowRayScheme::Chosen(_), None) => return Rgb::ZERO,
         };
@@ -112,7 +112,7 @@ impl<'a> NextEventEstimator<'a> {
         sum
     }
 
-    fn estimate_chosen<I: Interior>(
+    fn estimate_sampled_lights<I: Interior>(
         &self,
         light_sampler: &LightBvhSampler,
         rays: u32,

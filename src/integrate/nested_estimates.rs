@@ -7,7 +7,7 @@ use serde::Serialize;
 
 /// Mean radius and photon count of a pixel's density estimates from one photon map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Discs {
+pub struct MeanGatherDisc {
     /// Mean gather radius \[length].
     pub radius: f32,
     /// Mean number of photons within the gather radius.
@@ -24,9 +24,9 @@ pub struct NestedEstimates {
     /// \[W/(m² sr)].
     pub steps: [Rgb; LEVELS - 1],
     /// Mean disc in the caustic map; `None` if no estimate was made.
-    pub caustic: Option<Discs>,
+    pub caustic: Option<MeanGatherDisc>,
     /// Mean disc in the global map; `None` if no estimate was made.
-    pub global: Option<Discs>,
+    pub global: Option<MeanGatherDisc>,
 }
 
 /// Sums of the gather radii and photon counts of estimates from one map.
@@ -45,9 +45,9 @@ impl GatherDiscSum {
         self.count += 1;
     }
 
-    fn mean(self) -> Option<Discs> {
+    fn mean(self) -> Option<MeanGatherDisc> {
         let n = self.count as f32;
-        (self.count > 0).then(|| Discs { radius: self.radius / n, photons: self.photons / n })
+        (self.count > 0).then(|| MeanGatherDisc { radius: self.radius / n, photons: self.photons / n })
     }
 }
 
@@ -114,7 +114,7 @@ mod tests {
         sum.end_ray(Some(1.0));
         let estimates = sum.end_pixel(2);
         assert_eq!(estimates.steps, [Rgb::splat(0.5), Rgb::splat(-0.25)]);
-        assert_eq!((estimates.caustic, estimates.global), (Some(Discs { radius: 1.0, photons: 15.0 }), None));
+        assert_eq!((estimates.caustic, estimates.global), (Some(MeanGatherDisc { radius: 1.0, photons: 15.0 }), None));
         assert_eq!(sum.end_pixel(1), NestedEstimates::default());
     }
 }

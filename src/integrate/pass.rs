@@ -46,7 +46,7 @@ pub struct Seconds {
     pub camera: f64,
 }
 
-/// Counts and energy balance of the photons of one map.
+/// Counts and energy balance of one set of photon paths.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct PhotonReport {
     /// Number of emitted photon paths.
@@ -77,9 +77,9 @@ pub struct Pass {
     pub counters: Counters,
     /// Wall time of each stage.
     pub seconds: Seconds,
-    /// Report on the photons of the global map.
+    /// Report on the photon paths that start in all directions.
     pub global: PhotonReport,
-    /// Report on the photons of the caustic map.
+    /// Report on the photon paths that are aimed at caustic casters; these may fill both maps.
     pub caustic: PhotonReport,
     /// Photon estimates with smaller discs for each pixel; empty unless an error is estimated.
     pub nested: Vec<NestedEstimates>,

@@ -21,7 +21,7 @@ use std::time::Instant;
 
 /// Integrator of `raycast`.
 #[derive(Debug)]
-pub(super) struct RayCast<'a> {
+pub(super) struct RaycastIntegrator<'a> {
     scene: &'a Scene,
     plan: Plan,
     /// Reconstruction filter; `None` sends one ray through the lower left corner of each pixel.
@@ -30,7 +30,7 @@ pub(super) struct RayCast<'a> {
     seed: u64,
 }
 
-impl Integrator for RayCast<'_> {
+impl Integrator for RaycastIntegrator<'_> {
     fn pass(&self, pass: u32, monitor: &dyn Monitor) -> Pass {
         let start = Instant::now();
         let (camera, filter) = (self.scene.camera(), self.filter.as_ref());
@@ -54,7 +54,7 @@ impl Integrator for RayCast<'_> {
     }
 }
 
-impl<'a> RayCast<'a> {
+impl<'a> RaycastIntegrator<'a> {
     /// Makes an integrator with one ray per pixel corner, or with filtered rays if `settings` ask
     /// for several per pixel.
     pub fn new(scene: &'a Scene, plan: Plan, settings: &CameraPathSettings) -> Self {

@@ -1,7 +1,7 @@
 //! Photon beams in participating media, and the map that finds beams near a camera ray.
 
 use super::packet::{BeamPiece, BeamPiecePacket, LANES, LineQuery, set_bit_indices};
-use crate::accel::Boxes;
+use crate::accel::BoxTree;
 use crate::color::Rgb;
 use crate::math::{Bounds, Ray, morton_order, rounding_error_bound};
 use glam::{DVec3, Vec3};
@@ -107,7 +107,7 @@ pub struct PhotonBeamMap {
     beams: Vec<PhotonBeam>,
     packets: Vec<BeamPiecePacket>,
     /// Bounding boxes of the packets.
-    boxes: Boxes,
+    boxes: BoxTree,
     radius: f32,
 }
 
@@ -133,7 +133,7 @@ impl PhotonBeamMap {
         };
         let (packets, bounds): (Vec<BeamPiecePacket>, Vec<Bounds>) =
             order.par_chunks(LANES).map(packet_and_bounds).unzip();
-        Self { boxes: Boxes::build(&bounds), beams, packets, radius }
+        Self { boxes: BoxTree::build(&bounds), beams, packets, radius }
     }
 
     /// Number of beams.
@@ -161,7 +161,7 @@ impl PhotonBeamMap {
     #[inline]
     pub fn visit_near_ray(&self, ray: &Ray, mut visitor: impl FnMut(&PhotonBeam, BeamIntersection)) {
         let query = LineQuery::new(ray, self.radius);
-        self.boxes.along(ray, &mut |index| {
+        self.boxes.visit_boxes_along_ray(ray, &mut |index| {
             let packet = &self.packets[index as usize];
             for slot in set_bit_indices(packet.pieces_near_line(&query)) {
                 let piece = packet.piece_in_lane(slot);

@@ -75,9 +75,10 @@ impl Kernel {
         self != Self::Box
     }
 
-    /// Variance of E(r) − E(r/√2), divided by the variance of E(r).
+    /// Noise of a bias estimate: its variance relative to that of a density estimate.
     ///
-    /// E(r) is the density estimate with radius r. Both estimates use the same photons.
+    /// Let E(r) be the density estimate with radius r. The difference E(r) − E(r/√2), from the same
+    /// photons, shows the bias of E(r). This function returns its variance over that of E(r).
     #[must_use]
     pub fn difference_variance(self) -> f32 {
         match self {

@@ -2,7 +2,7 @@
 
 use super::packet::{LANES, LineQuery, PointPacket, set_bit_indices};
 use super::record::{PackedFlux, decode_octahedral, encode_octahedral};
-use crate::accel::Boxes;
+use crate::accel::BoxTree;
 use crate::color::Rgb;
 use crate::math::{Bounds, Ray, morton_order};
 use glam::Vec3;
@@ -59,7 +59,7 @@ pub struct VolumePhotonMap {
     /// Positions of the photons, eight in a packet.
     packets: Vec<PointPacket>,
     /// Bounding boxes of the packets, expanded by the radius.
-    boxes: Boxes,
+    boxes: BoxTree,
     radius: f32,
 }
 
@@ -78,7 +78,7 @@ impl VolumePhotonMap {
         };
         let (packets, bounds): (Vec<PointPacket>, Vec<Bounds>) =
             photons.par_chunks(LANES).map(packet_and_bounds).unzip();
-        Self { boxes: Boxes::build(&bounds), photons, packets, radius }
+        Self { boxes: BoxTree::build(&bounds), photons, packets, radius }
     }
 
     /// Number of photons.
@@ -112,7 +112,7 @@ impl VolumePhotonMap {
         let scale = 3.0 * FRAC_1_PI / r2;
         let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let per_d2 = 1.0 / d.length_squared();
-        self.boxes.along(ray, &mut |run| {
+        self.boxes.visit_boxes_along_ray(ray, &mut |run| {
             for slot in set_bit_indices(self.packets[run as usize].points_near_line(&query)) {
                 let photon = &self.photons[run as usize * LANES + slot];
                 let to = photon.position.as_dvec3() - o;
@@ -136,7 +136,7 @@ impl VolumePhotonMap {
         let per_radius = 1.0 / self.radius;
         let scale = (15.0 / 8.0 * FRAC_1_PI) as f32 * per_radius * per_radius * per_radius;
         let here = Ray { origin: p, direction: Vec3::Z, t_max: 0.0 };
-        self.boxes.along(&here, &mut |run| {
+        self.boxes.visit_boxes_along_ray(&here, &mut |run| {
             let (mask, x2) = self.packets[run as usize].points_within_radius(p, per_radius);
             for slot in set_bit_indices(mask) {
                 let x2 = x2.as_array()[slot];

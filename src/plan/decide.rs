@@ -174,7 +174,7 @@ fn decide_effect(features: &SceneFeatures, effect: Effect, before: Effects) -> R
     match effect {
         Effect::Specular => {
             any(features.casters, Reason::NoCaster)?;
-            Ok(Reason::Objects(features.casters, "of mirror, glass or low-roughness conductor"))
+            Ok(Reason::Objects(features.casters, "that can cast caustics"))
         }
         Effect::Caustics => {
             any(features.lights, Reason::NoLight)?;

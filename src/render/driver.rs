@@ -70,9 +70,9 @@ pub struct RenderResult {
     pub counters: Counters,
     /// Wall time of all passes \[s], by stage.
     pub seconds: Seconds,
-    /// Numbers and flux of the photons of the global map.
+    /// Counts and flux of the photon paths that start in all directions.
     pub global: PhotonReport,
-    /// Numbers and flux of the photons of the caustic map.
+    /// Counts and flux of the photon paths that are aimed at caustic casters.
     pub caustic: PhotonReport,
     /// Wall time from the first pass to the end.
     pub wall: Duration,

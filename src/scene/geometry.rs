@@ -142,7 +142,7 @@ impl Geometry {
     /// Calls `visit` for every intersection along `ray`, in no particular order.
     pub fn for_each_hit(&self, ray: &Ray, mut visit: impl FnMut(Hit)) {
         let mut search = |hierarchy: &Hierarchy, first: u32| {
-            hierarchy.each(
+            hierarchy.for_each_hit(
                 ray,
                 |i, ray| self.shapes[(first + i) as usize].intersect(ray),
                 |hit| {

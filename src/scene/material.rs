@@ -89,7 +89,7 @@ impl MaterialKind {
             }
             Self::Mirror { reflectance } => Bsdf::Mirror(parameters.evaluate_color(&reflectance)),
             Self::Conductor { eta, k, roughness } => {
-                Bsdf::Conductor(Conductor::new(eta, k, parameters.evaluate_conductor_roughness(&roughness)))
+                Bsdf::Conductor(Conductor::new(eta, k, parameters.evaluate_partition_roughness(&roughness)))
             }
             Self::Thin { eta, transmittance } => {
                 Bsdf::ThinDielectric(ThinDielectric { eta, transmittance: parameters.evaluate_color(&transmittance) })
@@ -278,7 +278,7 @@ impl Material {
     ///
     /// These are the BSDF of mean parameters, and for a textured conductor those of the least and
     /// the greatest roughness.
-    pub(super) fn for_each_possible_bsdf(&self, textures: &[Arc<Texture>], mut visit: impl FnMut(Bsdf)) {
+    pub(super) fn visit_bsdf_variants(&self, textures: &[Arc<Texture>], mut visit: impl FnMut(Bsdf)) {
         visit(self.mean_bsdf);
         match self.kind {
             MaterialKind::Conductor { eta, k, roughness: Textured::Texture { texture, .. } } => {

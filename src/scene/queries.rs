@@ -108,7 +108,7 @@ impl Scene {
         let material = &self.materials[material as usize];
         match material.mix_parts() {
             Some(parts) => parts.into_iter().for_each(|part| self.for_each_leaf_material(part, visit)),
-            None => material.for_each_possible_bsdf(&self.textures, |bsdf| {
+            None => material.visit_bsdf_variants(&self.textures, |bsdf| {
                 visit(LeafMaterial { bounded_body: material.bounded_body(), bsdf });
             }),
         }
@@ -189,8 +189,8 @@ impl Scene {
     /// Unbiased transmittance along a shadow ray from a point in `interior`; 0 if a surface blocks
     /// it.
     ///
-    /// The direction of a finite ray is the vector from its origin to its end. An infinite ray has
-    /// a unit direction.
+    /// If `ray.t_max` is finite, the direction of `ray` is the vector from its origin to its end,
+    /// so t = 1 at the end. If `ray.t_max` is infinite, the direction has unit length.
     #[must_use]
     pub fn shadow_transmittance<I: Interior>(&self, ray: &Ray, interior: I, key: Key) -> Rgb {
         path_ray::shadow_transmittance(self, ray, interior, key)

@@ -2,7 +2,7 @@
 
 use super::analytic::AnalyticShape;
 use super::hit::{ShapeHit, f64_ray_parameter, nearer_hit};
-use super::object_ray::{ObjectRay, world_scale};
+use super::object_ray::{ObjectRay, world_coordinate_bound};
 use super::surface_point::{EDGE_MARGIN, ShapeSample, SurfacePoint};
 use super::texture_mapping::{TexCoord, upright_axes};
 use crate::math::{Ray, Transform};
@@ -57,7 +57,11 @@ impl Cuboid {
         let mut normal = DVec3::ZERO;
         normal[face / 2] = face_sign(face);
         let normal = self.to_world.transform_normal(normal).normalize();
-        let point = SurfacePoint::from_f64(self.to_world.transform_point(p), normal, world_scale(&self.to_world, 1.0));
+        let point = SurfacePoint::from_f64(
+            self.to_world.transform_point(p),
+            normal,
+            world_coordinate_bound(&self.to_world, 1.0),
+        );
         SurfacePoint { uv: Vec2::new(0.0, face as f32), ..point }
     }
 }

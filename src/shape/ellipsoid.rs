@@ -2,7 +2,7 @@
 
 use super::analytic::AnalyticShape;
 use super::hit::{ShapeHit, f64_ray_parameter, nearer_hit};
-use super::object_ray::{object_ray, world_scale};
+use super::object_ray::{object_ray, world_coordinate_bound};
 use super::sphere::Sphere;
 use super::surface_point::{ShapeSample, SurfacePoint};
 use crate::math::{Ray, Transform, quadratic_roots, warp};
@@ -37,7 +37,11 @@ impl Ellipsoid {
     #[inline]
     fn surface_at(&self, object: DVec3) -> SurfacePoint {
         let p = self.to_world.transform_point(object);
-        SurfacePoint::from_f64(p, self.to_world.transform_normal(object).normalize(), world_scale(&self.to_world, 1.0))
+        SurfacePoint::from_f64(
+            p,
+            self.to_world.transform_normal(object).normalize(),
+            world_coordinate_bound(&self.to_world, 1.0),
+        )
     }
 
     /// World area per area of the unit sphere at its point `n`: |det M| · |M⁻ᵀ n|.

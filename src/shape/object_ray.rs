@@ -55,7 +55,7 @@ impl ObjectRay {
 
 /// Bound on the absolute world coordinates of object-space points with coordinates up to `size`.
 #[inline]
-pub(super) fn world_scale(to_world: &Transform, size: f64) -> f64 {
+pub(super) fn world_coordinate_bound(to_world: &Transform, size: f64) -> f64 {
     let m = to_world.forward().matrix3;
     let widest = m.x_axis.length() + m.y_axis.length() + m.z_axis.length();
     widest * size + to_world.forward().translation.abs().max_element()

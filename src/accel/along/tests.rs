@@ -8,18 +8,18 @@ fn key(i: u64) -> Key {
 }
 
 /// A point of the unit cube.
-fn place(i: u64) -> Vec3 {
+fn point_of_unit_cube(i: u64) -> Vec3 {
     key(i).uniform_2d(Dimension::LightPosition).extend(key(i).uniform_1d(Dimension::Light))
 }
 
-fn found(boxes: &Boxes, ray: &Ray) -> Vec<u32> {
+fn find_boxes(boxes: &BoxTree, ray: &Ray) -> Vec<u32> {
     let mut all = Vec::new();
-    boxes.along(ray, &mut |i| all.push(i));
+    boxes.visit_boxes_along_ray(ray, &mut |i| all.push(i));
     all
 }
 
 /// True if the segment crosses the closed box, up to rounding in f64.
-fn passes(b: &Bounds, ray: &Ray) -> bool {
+fn segment_crosses_box(b: &Bounds, ray: &Ray) -> bool {
     let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
     let (min, max) = (b.min.as_dvec3(), b.max.as_dvec3());
     let (mut near, mut far) = (0.0f64, f64::from(ray.t_max));
@@ -39,20 +39,23 @@ fn passes(b: &Bounds, ray: &Ray) -> bool {
 /// Checks that each crossed box is found once, and that no found box is missed by more than 10⁻⁵ of
 /// the scene.
 fn check(bounds: &[Bounds], rays: impl Iterator<Item = Ray>) -> usize {
-    let boxes = Boxes::build(bounds);
+    let boxes = BoxTree::build(bounds);
     let size =
         bounds.iter().filter(|b| !b.is_empty()).fold(0f32, |s, b| s.max(b.min.abs().max(b.max.abs()).max_element()));
     let mut count = 0;
     for ray in rays {
-        let mut all = found(&boxes, &ray);
+        let mut all = find_boxes(&boxes, &ray);
         all.sort_unstable();
         assert!(all.windows(2).all(|w| w[0] < w[1]), "a box was found twice");
         let margin = 1e-5 * size.max(ray.origin.abs().max_element());
         for (i, b) in bounds.iter().enumerate() {
-            let found = all.binary_search(&(i as u32)).is_ok();
+            let find_boxes = all.binary_search(&(i as u32)).is_ok();
             let empty = b.is_empty();
-            assert!(found || empty || !passes(b, &ray), "lost {i}: {b:?} on {ray:?}");
-            assert!(!found || !empty && passes(&b.expanded(margin), &ray), "{i} was found: {b:?} on {ray:?}");
+            assert!(find_boxes || empty || !segment_crosses_box(b, &ray), "lost {i}: {b:?} on {ray:?}");
+            assert!(
+                !find_boxes || !empty && segment_crosses_box(&b.expanded(margin), &ray),
+                "{i} was found: {b:?} on {ray:?}"
+            );
         }
         count += all.len();
     }
@@ -64,7 +67,7 @@ fn check(bounds: &[Bounds], rays: impl Iterator<Item = Ray>) -> usize {
 fn cube_test_rays(n: u64, scale: f32, shift: Vec3) -> impl Iterator<Item = Ray> {
     (0..n).map(move |i| {
         let i = i + 1_000_000;
-        let target = place(i);
+        let target = point_of_unit_cube(i);
         let direction = match i % 3 {
             0 => [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z][i as usize / 3 % 6],
             _ => warp::square_to_uniform_sphere(key(i).uniform_2d(Dimension::LightDirection)),
@@ -82,8 +85,11 @@ fn what_a_scan_finds_is_found() {
         for (scale, shift) in [(1.0, Vec3::ZERO), (1e-25, Vec3::ZERO), (1e15, Vec3::ZERO), (1.0, Vec3::splat(-3e3))] {
             let bounds: Vec<Bounds> = (0..n)
                 .map(|i| {
-                    let size = place(i + 50_000) * [0.02, 0.3, 0.0][i as usize % 3];
-                    Bounds { min: place(i) * scale + shift, max: (place(i) + size) * scale + shift }
+                    let size = point_of_unit_cube(i + 50_000) * [0.02, 0.3, 0.0][i as usize % 3];
+                    Bounds {
+                        min: point_of_unit_cube(i) * scale + shift,
+                        max: (point_of_unit_cube(i) + size) * scale + shift,
+                    }
                 })
                 .collect();
             let count = check(&bounds, cube_test_rays(300, scale, shift));
@@ -110,37 +116,38 @@ fn flat_boxes_are_found_by_rays_along_them() {
 fn empty_boxes_and_useless_rays_find_nothing() {
     let whole = Bounds { min: Vec3::ZERO, max: Vec3::ONE };
     let nothing = Bounds { min: Vec3::NAN, max: Vec3::ONE };
-    let boxes = Boxes::build(&[Bounds::EMPTY, whole, nothing]);
+    let boxes = BoxTree::build(&[Bounds::EMPTY, whole, nothing]);
     let ray = Ray::new(Vec3::splat(0.5), Vec3::X);
-    assert_eq!(found(&boxes, &ray), [1]);
+    assert_eq!(find_boxes(&boxes, &ray), [1]);
     for t_max in [-1.0, f32::NAN] {
-        assert!(found(&boxes, &Ray { t_max, ..ray }).is_empty());
+        assert!(find_boxes(&boxes, &Ray { t_max, ..ray }).is_empty());
     }
     for useless in [Vec3::ZERO, Vec3::NAN, Vec3::INFINITY] {
-        assert!(found(&boxes, &Ray { direction: useless, ..ray }).is_empty());
+        assert!(find_boxes(&boxes, &Ray { direction: useless, ..ray }).is_empty());
     }
-    assert!(found(&boxes, &Ray { origin: Vec3::NAN, ..ray }).is_empty());
-    assert!(found(&Boxes::build(&[Bounds::EMPTY]), &ray).is_empty());
+    assert!(find_boxes(&boxes, &Ray { origin: Vec3::NAN, ..ray }).is_empty());
+    assert!(find_boxes(&BoxTree::build(&[Bounds::EMPTY]), &ray).is_empty());
 }
 
 #[test]
 fn a_hundred_thousand_equal_boxes() {
     let b = Bounds { min: Vec3::splat(0.25), max: Vec3::splat(0.5) };
-    let boxes = Boxes::build(&vec![b; 100_000]);
-    let mut all = found(&boxes, &Ray::new(Vec3::new(0.3, 0.3, -1.0), Vec3::Z));
+    let boxes = BoxTree::build(&vec![b; 100_000]);
+    let mut all = find_boxes(&boxes, &Ray::new(Vec3::new(0.3, 0.3, -1.0), Vec3::Z));
     all.sort_unstable();
     assert!(all.iter().copied().eq(0..100_000));
-    assert!(found(&boxes, &Ray::new(Vec3::new(0.6, 0.3, -1.0), Vec3::Z)).is_empty());
+    assert!(find_boxes(&boxes, &Ray::new(Vec3::new(0.6, 0.3, -1.0), Vec3::Z)).is_empty());
 }
 
 #[test]
 fn the_tree_is_one_for_any_number_of_threads() {
-    let bounds: Vec<Bounds> =
-        (0..20_000).map(|i| Bounds { min: place(i % 7000), max: place(i % 7000) + 0.1 }).collect();
+    let bounds: Vec<Bounds> = (0..20_000)
+        .map(|i| Bounds { min: point_of_unit_cube(i % 7000), max: point_of_unit_cube(i % 7000) + 0.1 })
+        .collect();
     let with = |n| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
-        let boxes = pool.install(|| Boxes::build(&bounds));
-        cube_test_rays(50, 1.0, Vec3::ZERO).map(|ray| found(&boxes, &ray)).collect::<Vec<_>>()
+        let boxes = pool.install(|| BoxTree::build(&bounds));
+        cube_test_rays(50, 1.0, Vec3::ZERO).map(|ray| find_boxes(&boxes, &ray)).collect::<Vec<_>>()
     };
     assert_eq!(with(1), with(3));
 }

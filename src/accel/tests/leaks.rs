@@ -9,7 +9,7 @@ use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
 
 /// Checks that every ray from inside a closed mesh hits it, wherever it is aimed.
-fn leaks(
+fn assert_no_ray_leaks(
     vertices: &[Vec3],
     faces: &[[u32; 3]],
     inside: impl Fn(&mut SmallRng) -> Vec3,
@@ -49,15 +49,15 @@ fn closed_meshes_do_not_leak() {
             };
             let map = |p: Vec3| (p + Vec3::new(offset, -0.7 * offset, 0.4 * offset)) * scale;
             let (v, f) = cube();
-            total += leaks(&place(&v), &f, |r| map(point(r) * 0.9), rays, seed);
+            total += assert_no_ray_leaks(&place(&v), &f, |r| map(point(r) * 0.9), rays, seed);
             let (v, f) = icosphere(4);
-            total += leaks(&place(&v), &f, |r| map(point(r) * 0.5), rays, seed);
+            total += assert_no_ray_leaks(&place(&v), &f, |r| map(point(r) * 0.5), rays, seed);
             let (v, f) = torus(&mut rng, 90, 40, 0.02);
             let inside = |r: &mut SmallRng| {
                 let (s, c) = libm::sincosf(r.random_range(0.0..std::f32::consts::TAU));
                 map(Vec3::new(c, s, 0.0) + point(r) * 0.1)
             };
-            total += leaks(&place(&v), &f, inside, rays, seed);
+            total += assert_no_ray_leaks(&place(&v), &f, inside, rays, seed);
         }
     }
     assert_eq!(total, 0);

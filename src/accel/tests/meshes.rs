@@ -16,7 +16,7 @@ pub(super) fn direction(rng: &mut SmallRng) -> Vec3 {
     warp::square_to_uniform_sphere(Vec2::new(rng.random(), rng.random()))
 }
 
-pub(super) fn soup(rng: &mut SmallRng, count: usize, size: f32) -> Mesh {
+pub(super) fn random_triangles(rng: &mut SmallRng, count: usize, size: f32) -> Mesh {
     (0..count)
         .map(|_| {
             let p = point(rng);

@@ -8,7 +8,7 @@ use super::ray_precalc::RayPrecalc;
 use super::*;
 use crate::math::warp;
 use glam::{DVec3, Vec2};
-use meshes::{Mesh, cube, direction, mesh, point, soup};
+use meshes::{Mesh, cube, direction, mesh, point, random_triangles};
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
 
@@ -17,7 +17,7 @@ fn none(_: u32, _: &Ray) -> Option<(f32, f32, f32)> {
 }
 
 /// Intersects a sphere in plain f32; both sides of a comparison use it.
-fn ball(center: Vec3, radius: f32, ray: &Ray) -> Option<(f32, f32, f32)> {
+fn intersect_ball(center: Vec3, radius: f32, ray: &Ray) -> Option<(f32, f32, f32)> {
     let (o, d) = ((ray.origin - center).as_dvec3(), ray.direction.as_dvec3());
     let (a, b, c) = (d.length_squared(), o.dot(d), o.length_squared() - f64::from(radius * radius));
     let root = (b * b - a * c).sqrt();
@@ -26,14 +26,14 @@ fn ball(center: Vec3, radius: f32, ray: &Ray) -> Option<(f32, f32, f32)> {
 }
 
 /// Nearest hit by brute force.
-fn brute(triangles: &Mesh, balls: &[(Vec3, f32)], ray: &Ray) -> Option<PrimitiveHit> {
+fn brute_force_hit(triangles: &Mesh, balls: &[(Vec3, f32)], ray: &Ray) -> Option<PrimitiveHit> {
     let precalc = RayPrecalc::new(ray);
     let solid = |i: u32| {
         let packet = Packet::new(triangles, &[i]);
         let hit = packet.hit(0, &precalc).map(|c| (c.t * precalc.unit, c.barycentric().0, c.barycentric().1));
         (Primitive::Triangle(i), hit)
     };
-    let round = |i: u32| (Primitive::Other(i), ball(balls[i as usize].0, balls[i as usize].1, ray));
+    let round = |i: u32| (Primitive::Other(i), intersect_ball(balls[i as usize].0, balls[i as usize].1, ray));
     (0..triangles.len() as u32)
         .map(solid)
         .chain((0..balls.len() as u32).map(round))
@@ -43,17 +43,21 @@ fn brute(triangles: &Mesh, balls: &[(Vec3, f32)], ray: &Ray) -> Option<Primitive
 }
 
 /// Boxes around the spheres. The last of equal spheres is largest, so a traversal visits it first.
-fn boxes(balls: &[(Vec3, f32)]) -> Vec<Bounds> {
+fn boxes_of_balls(balls: &[(Vec3, f32)]) -> Vec<Bounds> {
     let slack = |i: usize| 1.0 + i as f32 / balls.len() as f32 * 0.5;
     balls.iter().enumerate().map(|(i, &(c, r))| Bounds { min: c, max: c }.expanded(r * slack(i))).collect()
 }
 
-fn agree(triangles: &Mesh, balls: &[(Vec3, f32)], rays: impl Iterator<Item = Ray>) -> (usize, usize) {
-    let tree = Hierarchy::build(triangles, &boxes(balls));
+fn assert_agrees_with_brute_force(
+    triangles: &Mesh,
+    balls: &[(Vec3, f32)],
+    rays: impl Iterator<Item = Ray>,
+) -> (usize, usize) {
+    let tree = Hierarchy::build(triangles, &boxes_of_balls(balls));
     let (mut hits, mut total) = (0, 0);
     for ray in rays {
-        let expected = brute(triangles, balls, &ray);
-        let solve = |i: u32, r: &Ray| ball(balls[i as usize].0, balls[i as usize].1, r);
+        let expected = brute_force_hit(triangles, balls, &ray);
+        let solve = |i: u32, r: &Ray| intersect_ball(balls[i as usize].0, balls[i as usize].1, r);
         assert_eq!(tree.closest(&ray, solve), expected, "{ray:?}");
         assert_eq!(tree.occluded(&ray, |i, r| solve(i, r).is_some()), expected.is_some(), "{ray:?}");
         total += 1;
@@ -94,7 +98,7 @@ fn soups_agree_with_brute_force() {
     for (count, size, spheres) in
         [(1, 1.0, 0), (3, 1.0, 1), (9, 0.7, 4), (60, 0.5, 0), (500, 0.2, 40), (3000, 0.05, 3), (0, 0.0, 17)]
     {
-        let triangles = soup(&mut rng, count, size);
+        let triangles = random_triangles(&mut rng, count, size);
         let balls: Vec<(Vec3, f32)> = (0..spheres).map(|_| (point(&mut rng), rng.random_range(0.0..0.3))).collect();
         let rays: Vec<Ray> = (0..1500)
             .map(|i| {
@@ -103,7 +107,7 @@ fn soups_agree_with_brute_force() {
                 Ray { origin: point(&mut rng) * 1.5, direction: direction(&mut rng) * length, t_max }
             })
             .collect();
-        let (hits, total) = agree(&triangles, &balls, rays.into_iter());
+        let (hits, total) = assert_agrees_with_brute_force(&triangles, &balls, rays.into_iter());
         assert!(hits > 0 && hits < total, "{count}: {hits} of {total}");
     }
 }
@@ -116,7 +120,8 @@ fn soups_agree_with_brute_force() {
 #[test]
 fn hits_agree_with_double_precision() {
     let mut rng = SmallRng::seed_from_u64(9);
-    let triangles = soup(&mut rng, 1, 0.8).into_iter().chain(soup(&mut rng, 5000, 0.8)).collect::<Mesh>();
+    let triangles =
+        random_triangles(&mut rng, 1, 0.8).into_iter().chain(random_triangles(&mut rng, 5000, 0.8)).collect::<Mesh>();
     let mut hits = 0;
     for triangle in &triangles {
         let tree = Hierarchy::build(&[*triangle], &[]);
@@ -154,14 +159,18 @@ fn hits_agree_with_double_precision() {
 #[test]
 fn ties_go_to_the_lower_primitive() {
     let mut rng = SmallRng::seed_from_u64(2);
-    let mut triangles = soup(&mut rng, 40, 1.0);
+    let mut triangles = random_triangles(&mut rng, 40, 1.0);
     triangles.extend(triangles.clone());
     triangles.extend_from_within(10..50);
     let balls: Vec<(Vec3, f32)> = (0..10).flat_map(|_| [(point(&mut rng), 0.4); 2]).collect();
     let mut shuffled = balls.clone();
     shuffled.rotate_left(7);
     for balls in [balls, shuffled] {
-        agree(&triangles, &balls, (0..2000).map(|_| Ray::new(point(&mut rng), direction(&mut rng))));
+        assert_agrees_with_brute_force(
+            &triangles,
+            &balls,
+            (0..2000).map(|_| Ray::new(point(&mut rng), direction(&mut rng))),
+        );
     }
     // A triangle and another primitive in the same plane.
     let wall = [[Vec3::new(-1.0, -1.0, 2.0), Vec3::new(3.0, -1.0, 2.0), Vec3::new(-1.0, 3.0, 2.0)]];
@@ -175,7 +184,7 @@ fn ties_go_to_the_lower_primitive() {
 #[test]
 fn distant_rays_agree_with_brute_force() {
     let mut rng = SmallRng::seed_from_u64(10);
-    let triangles = soup(&mut rng, 1000, 1e-4);
+    let triangles = random_triangles(&mut rng, 1000, 1e-4);
     let rays: Vec<Ray> = (0..5000)
         .map(|i| {
             let [a, b, c] = triangles[i % 1000];
@@ -184,7 +193,7 @@ fn distant_rays_agree_with_brute_force() {
             Ray::new(origin, target - origin)
         })
         .collect();
-    let (hits, _) = agree(&triangles, &[], rays.into_iter());
+    let (hits, _) = assert_agrees_with_brute_force(&triangles, &[], rays.into_iter());
     assert!(hits > 500, "{hits}");
 }
 
@@ -205,7 +214,7 @@ fn degenerate_rays_agree_with_brute_force() {
             let sign = if rng.random() { 1.0 } else { -1.0 };
             (origin != target).then(|| Ray::new(origin, (origin - target) * sign))
         });
-        let (hits, total) = agree(&triangles, &[], rays);
+        let (hits, total) = assert_agrees_with_brute_force(&triangles, &[], rays);
         assert!(hits > total / 4);
     }
 }
@@ -231,7 +240,7 @@ fn slivers_and_degenerate_triangles_agree_with_brute_force() {
         })
         .filter(|r| r.direction != Vec3::ZERO)
         .collect();
-    let (hits, _) = agree(&triangles, &[], rays.into_iter());
+    let (hits, _) = assert_agrees_with_brute_force(&triangles, &[], rays.into_iter());
     assert!(hits > 300, "{hits}");
 }
 
@@ -240,7 +249,7 @@ fn slivers_and_degenerate_triangles_agree_with_brute_force() {
 #[test]
 fn powers_of_two_of_scale_change_no_bit() {
     let mut rng = SmallRng::seed_from_u64(5);
-    let triangles = soup(&mut rng, 400, 0.3);
+    let triangles = random_triangles(&mut rng, 400, 0.3);
     let rays: Vec<Ray> = (0..2000).map(|_| Ray::new(point(&mut rng), direction(&mut rng))).collect();
     let tree = Hierarchy::build(&triangles, &[]);
     for (size, length) in [(2f32, 1f32), (1.0, 2.0), (1.0 / 1024.0, 1.0), (2e-20, 1e-24), (1e-20, 1e20), (1e17, 1e-3)] {
@@ -280,5 +289,9 @@ fn geometric_series_cannot_overflow_the_stack() {
         })
         .collect();
     let mut rng = SmallRng::seed_from_u64(8);
-    agree(&triangles, &[], (0..2000).map(|_| Ray::new(point(&mut rng) * 1e-3, direction(&mut rng))));
+    assert_agrees_with_brute_force(
+        &triangles,
+        &[],
+        (0..2000).map(|_| Ray::new(point(&mut rng) * 1e-3, direction(&mut rng))),
+    );
 }

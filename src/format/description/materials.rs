@@ -16,7 +16,7 @@ pub struct MaterialDescription {
     pub emission: Option<EmissionDescription>,
     /// Perturbation of shading normals by a bump map or normal map.
     pub normal_perturbation: Option<NormalPerturbationDescription>,
-    /// Name of the medium inside a body of a `Dielectric` or `Clear` material.
+    /// Name of the medium inside a body of a `Dielectric` or `NullInterface` material.
     pub medium: Option<Spanned<String>>,
 }
 
@@ -57,7 +57,7 @@ pub enum MaterialKindDescription {
         priority: u8,
     },
     /// Null interface: boundary of a region without a surface.
-    Clear {
+    NullInterface {
         /// Priority where bodies overlap: the highest wins.
         priority: u8,
     },
@@ -132,7 +132,7 @@ impl MaterialKindDescription {
             Self::Dielectric { roughness: value, .. }
             | Self::Conductor { roughness: value, .. }
             | Self::Mix { amount: value, .. } => value.texture_name().into_iter().collect(),
-            Self::Clear { .. } => Vec::new(),
+            Self::NullInterface { .. } => Vec::new(),
         }
     }
 
@@ -143,7 +143,7 @@ impl MaterialKindDescription {
             Self::Diffuse { .. }
             | Self::Mirror { .. }
             | Self::Dielectric { .. }
-            | Self::Clear { .. }
+            | Self::NullInterface { .. }
             | Self::Conductor { .. }
             | Self::Thin { .. }
             | Self::Mix { .. } => None,
@@ -159,7 +159,7 @@ impl MaterialKindDescription {
             | Self::Diffuse { .. }
             | Self::Mirror { .. }
             | Self::Dielectric { .. }
-            | Self::Clear { .. }
+            | Self::NullInterface { .. }
             | Self::Conductor { .. }
             | Self::Thin { .. } => None,
         }
@@ -173,7 +173,7 @@ impl MaterialKindDescription {
             Self::Phong { .. }
             | Self::Diffuse { .. }
             | Self::Mirror { .. }
-            | Self::Clear { .. }
+            | Self::NullInterface { .. }
             | Self::Conductor { .. }
             | Self::Thin { .. }
             | Self::Mix { .. } => false,
@@ -182,9 +182,9 @@ impl MaterialKindDescription {
 
     /// True for a null interface, which has no surface.
     #[must_use]
-    pub fn is_clear(&self) -> bool {
+    pub fn is_null_interface(&self) -> bool {
         match self {
-            Self::Clear { .. } => true,
+            Self::NullInterface { .. } => true,
             Self::Phong { .. }
             | Self::Diffuse { .. }
             | Self::Mirror { .. }

@@ -25,7 +25,7 @@ pub(super) static MATERIALS: [BlockParser<ParseMaterial>; 8] = [
     BlockParser { block: &DIFFUSE, parse: parse_diffuse_material },
     BlockParser { block: &MIRROR, parse: parse_mirror_material },
     BlockParser { block: &DIELECTRIC, parse: parse_dielectric },
-    BlockParser { block: &CLEAR, parse: parse_null_interface },
+    BlockParser { block: &NULL_INTERFACE, parse: parse_null_interface },
     BlockParser { block: &CONDUCTOR, parse: parse_conductor },
     BlockParser { block: &THIN, parse: parse_thin_dielectric },
     BlockParser { block: &MIX, parse: parse_mix_material },
@@ -128,7 +128,7 @@ static DIELECTRIC: BlockSchema = block("Dielectric", "boundary of a body of glas
     ])
     .with_shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
 
-static CLEAR: BlockSchema = block("Clear", "null interface: boundary of a region without a surface")
+static NULL_INTERFACE: BlockSchema = block("Clear", "null interface: boundary of a region without a surface")
     .with_fields(&[
         field("medium", FieldKind::Name, "medium that fills the region").absence_means("none"),
         PRIORITY_FIELD,
@@ -250,7 +250,7 @@ fn parse_null_interface(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialK
     let advice = "needs a surface, and `Clear` has none: ";
     f.forbid_fields(&["emission", "emissionScale"], &format!("{advice}give `emission` to its medium"))?;
     f.forbid_fields(&["bump", "bumpHeight", "normalMap"], &format!("{advice}leave it out"))?;
-    Ok(MaterialKindDescription::Clear { priority: f.value::<u32>("priority")? as u8 })
+    Ok(MaterialKindDescription::NullInterface { priority: f.value::<u32>("priority")? as u8 })
 }
 
 fn parse_conductor(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescription, SceneError> {
@@ -306,7 +306,9 @@ fn parse_mix_material<'a>(parser: &Parser<'a>, f: &BlockFields<'a>) -> Result<Ma
             return Err(f.error_at(component.span, message, "the deepest that may be", help));
         }
         let index = scope.material_indices.get(&component.value).copied();
-        if index.is_some_and(|index| matches!(scope.materials[index].kind, MaterialKindDescription::Clear { .. })) {
+        if index
+            .is_some_and(|index| matches!(scope.materials[index].kind, MaterialKindDescription::NullInterface { .. }))
+        {
             let message = "a mix cannot be `Clear`, which has no surface".to_owned();
             let help = "mix a `Dielectric { indexOfRefraction 1 … }` of the same medium instead".to_owned();
             return Err(f.error_at(component.span, message, "no surface", help));
@@ -395,7 +397,7 @@ pub(super) fn write_material(out: &mut SceneWriter<'_, '_>, material: &MaterialD
         MaterialKindDescription::Diffuse { .. } => &DIFFUSE,
         MaterialKindDescription::Mirror { .. } => &MIRROR,
         MaterialKindDescription::Dielectric { .. } => &DIELECTRIC,
-        MaterialKindDescription::Clear { .. } => &CLEAR,
+        MaterialKindDescription::NullInterface { .. } => &NULL_INTERFACE,
         MaterialKindDescription::Conductor { .. } => &CONDUCTOR,
         MaterialKindDescription::Thin { .. } => &THIN,
         MaterialKindDescription::Mix { .. } => &MIX,
@@ -427,7 +429,7 @@ pub(super) fn write_material(out: &mut SceneWriter<'_, '_>, material: &MaterialD
             out.write_number_or_texture("roughness", roughness)?;
             out.write_field("priority", priority)?;
         }
-        MaterialKindDescription::Clear { priority } => out.write_field("priority", priority)?,
+        MaterialKindDescription::NullInterface { priority } => out.write_field("priority", priority)?,
         MaterialKindDescription::Conductor { metal, roughness } => {
             match metal {
                 MetalDescription::Named(name) => out.write_name("metal", name)?,

@@ -94,13 +94,13 @@ pub fn update_reference_tables(page: &str) -> String {
     page
 }
 
-/// Parses the `text` of a scene; errors call the text `name`.
+/// Parses the `text` of a scene. Error messages print `name` as the name of the file.
 ///
 /// # Errors
 /// Up to 20 errors as one [`SceneError`], each with its position and remedy.
 pub fn parse(name: &str, text: &str) -> Result<SceneDescription, SceneError> {
     let mut parser = Parser::new(name, text);
-    let (description, last_error) = match parse_file(&mut parser) {
+    let (description, last_error) = match parse_all_blocks(&mut parser) {
         Ok(description) => (Some(description), None),
         Err(error) => (None, Some(error)),
     };
@@ -111,7 +111,7 @@ pub fn parse(name: &str, text: &str) -> Result<SceneDescription, SceneError> {
     }
 }
 
-/// Parses the `bytes` of a scene text; errors call the text `name`.
+/// Parses a scene text given as `bytes`. Error messages print `name` as the name of the file.
 ///
 /// # Errors
 /// The errors of [`parse`], or an error if the bytes are not UTF-8.
@@ -142,7 +142,7 @@ struct FileBlocks {
 }
 
 /// Parses all blocks of a file.
-fn parse_file(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneError> {
+fn parse_all_blocks(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneError> {
     let allowed = [&block_keywords(&[], &CAMERAS)[..], &[BACKGROUND.keyword], &FILE_BLOCK_KEYWORDS].concat();
     let mut blocks = FileBlocks::default();
     loop {

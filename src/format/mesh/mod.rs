@@ -192,7 +192,7 @@ impl LoadedMesh {
 /// Receiver of progress reports while mesh files are read. `()` ignores them.
 pub trait MeshReadMonitor: Sync {
     /// Called with the path of each file that the scene names, before the file is read.
-    fn on_file_named(&self, _path: &Path) {}
+    fn on_input_file_found(&self, _path: &Path) {}
     /// Called before parsing the mesh file at `path`, whose size is `bytes`.
     fn on_read_start(&self, path: &Path, bytes: u64);
     /// Called when another `bytes` bytes of the file have been parsed.

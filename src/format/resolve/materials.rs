@@ -58,35 +58,35 @@ pub(super) fn resolve_material(
 ) -> Result<Material, SceneError> {
     Ok(match kind {
         MaterialKindDescription::Phong { diffuse, specular, shininess, texture } => {
-            let diffuse = r.phong_diffuse_parameter(diffuse, texture.as_ref(), requirements)?;
-            let specular = r.color_parameter(specular, &ANY_TEXTURE_VALUE, requirements)?;
+            let diffuse = r.resolve_phong_diffuse_parameter(diffuse, texture.as_ref(), requirements)?;
+            let specular = r.resolve_color_parameter(specular, &ANY_TEXTURE_VALUE, requirements)?;
             Material::phong(diffuse, specular, *shininess as f32)
         }
         MaterialKindDescription::Diffuse { reflectance } => {
-            Material::diffuse(r.reflectance_parameter(reflectance, requirements)?)
+            Material::diffuse(r.resolve_reflectance_parameter(reflectance, requirements)?)
         }
         MaterialKindDescription::Mirror { reflectance } => {
-            Material::mirror(r.reflectance_parameter(reflectance, requirements)?)
+            Material::mirror(r.resolve_reflectance_parameter(reflectance, requirements)?)
         }
         MaterialKindDescription::Dielectric { refraction, attenuation, roughness, priority } => {
-            let roughness = r.fraction_parameter(roughness, requirements)?;
+            let roughness = r.resolve_fraction_parameter(roughness, requirements)?;
             let (index, glass) = add_refractive_index(r, refraction)?;
             let absorption = rgb(attenuation.absorption_coefficient());
             Material::rough_boundary(Body { absorption, priority: *priority, glass, ..Body::new(index) }, roughness)
         }
-        MaterialKindDescription::Clear { priority } => {
+        MaterialKindDescription::NullInterface { priority } => {
             Material::smooth_boundary(Body { priority: *priority, null_interface: true, ..Body::new(1.0) })
         }
         MaterialKindDescription::Conductor { metal, roughness } => {
             let (eta, k) = complex_refractive_index(r, metal)?;
-            Material::conductor(eta, k, r.fraction_parameter(roughness, requirements)?)
+            Material::conductor(eta, k, r.resolve_fraction_parameter(roughness, requirements)?)
         }
         MaterialKindDescription::Thin { index, transmittance } => {
-            Material::thin(*index as f32, r.reflectance_parameter(transmittance, requirements)?)
+            Material::thin(*index as f32, r.resolve_reflectance_parameter(transmittance, requirements)?)
         }
         MaterialKindDescription::Mix { first, second, amount } => {
             let (first, second) = (material_index(r, first)?, material_index(r, second)?);
-            Material::mix(first, second, r.fraction_parameter(amount, requirements)?)
+            Material::mix(first, second, r.resolve_fraction_parameter(amount, requirements)?)
         }
     })
 }

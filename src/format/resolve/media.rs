@@ -158,9 +158,9 @@ pub(super) fn with_body_medium(
 }
 
 /// Returns an error if `radiance` is above 0 and the current material is a null interface.
-pub(super) fn refuse_clear_emission(r: &Resolver<'_>, radiance: Rgb, span: Span) -> Result<(), SceneError> {
+pub(super) fn refuse_null_interface_emission(r: &Resolver<'_>, radiance: Rgb, span: Span) -> Result<(), SceneError> {
     let material = r.description.materials.get(r.material as usize);
-    if radiance == Rgb::ZERO || !material.is_some_and(|m| m.kind.is_clear()) {
+    if radiance == Rgb::ZERO || !material.is_some_and(|m| m.kind.is_null_interface()) {
         return Ok(());
     }
     let help = "give `emission` to its medium, or the object another material";

@@ -218,7 +218,7 @@ impl Resolver<'_> {
             ObjectDescription::Shape { shape, emission } => {
                 let emission = self.object_emission(*emission)?;
                 self.require_finite_radiance(emission.radiance, object.span)?;
-                media::refuse_clear_emission(self, emission.radiance, object.span)?;
+                media::refuse_null_interface_emission(self, emission.radiance, object.span)?;
                 shapes::add_shape(self, shape, object.span, to_world, &emission)
             }
         }
@@ -286,7 +286,7 @@ impl Resolver<'_> {
         }
         let found = file_candidates(self.folder, written)
             .find(|p| p.is_file())
-            .inspect(|file| self.monitor.on_file_named(file));
+            .inspect(|file| self.monitor.on_input_file_found(file));
         found.ok_or_else(|| {
             let places: Vec<String> =
                 file_candidates(self.folder, written).map(|p| format!("`{}`", p.display())).collect();

@@ -158,7 +158,7 @@ impl<'a> Resolver<'a> {
     }
 
     /// Resolves a color parameter. A texture with values outside `range` is an error.
-    pub(super) fn color_parameter(
+    pub(super) fn resolve_color_parameter(
         &self,
         value: &TexturedValue<DVec3>,
         range: &RangeInclusive<f32>,
@@ -175,7 +175,7 @@ impl<'a> Resolver<'a> {
     }
 
     /// Resolves a number parameter in \[0, 1].
-    pub(super) fn fraction_parameter(
+    pub(super) fn resolve_fraction_parameter(
         &self,
         value: &TexturedValue<f64>,
         requirements: &mut TextureRequirements,
@@ -191,23 +191,25 @@ impl<'a> Resolver<'a> {
     }
 
     /// Resolves a reflectance or transmittance, each channel in \[0, 1].
-    pub(super) fn reflectance_parameter(
+    pub(super) fn resolve_reflectance_parameter(
         &self,
         value: &TexturedValue<DVec3>,
         requirements: &mut TextureRequirements,
     ) -> Result<Textured<Rgb>, SceneError> {
-        self.color_parameter(value, &UNIT_RANGE, requirements)
+        self.resolve_color_parameter(value, &UNIT_RANGE, requirements)
     }
 
     /// Resolves the diffuse color of a `Phong` material times the texture or picture named
     /// `texture`.
-    pub(super) fn phong_diffuse_parameter(
+    pub(super) fn resolve_phong_diffuse_parameter(
         &mut self,
         diffuse: &TexturedValue<DVec3>,
         texture: Option<&Spanned<String>>,
         requirements: &mut TextureRequirements,
     ) -> Result<Textured<Rgb>, SceneError> {
-        let Some(name) = texture else { return self.color_parameter(diffuse, &ANY_TEXTURE_VALUE, requirements) };
+        let Some(name) = texture else {
+            return self.resolve_color_parameter(diffuse, &ANY_TEXTURE_VALUE, requirements);
+        };
         let TexturedValue::Plain(factor) = diffuse else {
             let help = "give `diffuseColor` in numbers, or leave `texture` out";
             return Err(SceneError::at_span(self.source, name.span, "two textures for one colour", "the second", help));

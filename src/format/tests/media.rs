@@ -94,7 +94,7 @@ pub fn fill_random_bodies(
         let MaterialKindDescription::Dielectric { priority, .. } = material.kind else { continue };
         material.medium = fill.filter(|_| !media.is_empty()).map(|i| with_empty_span(i.get(media).value.name.clone()));
         if priority % 2 == 0 && material.name.as_ref().is_none_or(|name| !parts.contains(name)) {
-            material.kind = MaterialKindDescription::Clear { priority };
+            material.kind = MaterialKindDescription::NullInterface { priority };
             (material.emission, material.normal_perturbation) = (None, None);
         }
     }

@@ -196,7 +196,7 @@ fn assign_texture_names(material: &mut MaterialDescription, textures: &[Spanned<
         MaterialKindDescription::Dielectric { roughness: degree, .. }
         | MaterialKindDescription::Conductor { roughness: degree, .. }
         | MaterialKindDescription::Mix { amount: degree, .. } => assign_texture_name(degree, textures, 0.5),
-        MaterialKindDescription::Clear { .. } => {}
+        MaterialKindDescription::NullInterface { .. } => {}
     }
     if let Some(EmissionDescription::Texture { name, .. }) = &mut material.emission {
         let number: usize = name.value.parse().unwrap();

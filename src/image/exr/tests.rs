@@ -19,7 +19,7 @@ fn single_precision_is_lossless() {
         |image: &Image| -> Vec<[u32; 3]> { image.pixels().iter().map(|p| p.to_array().map(f32::to_bits)).collect() };
     assert_eq!(bits(&image), bits(&image_of_extreme_values()));
     let non_finite = image_of_extreme_values().pixels().iter().filter(|p| !p.is_finite()).count();
-    assert_eq!(report, WriteReport { non_finite, too_bright: 0, negative: 0 });
+    assert_eq!(report, ClippedPixelReport { non_finite, too_bright: 0, negative: 0 });
 }
 
 #[test]

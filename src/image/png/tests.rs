@@ -27,7 +27,7 @@ fn eight_bit_levels_are_read_back() {
         let down = (255.0 * (1.0 - i as f32 / 34.0)) as u8;
         assert_eq!(*rgb, [up, 127, down], "pixel {i}");
     }
-    assert_eq!(report, WriteReport::default());
+    assert_eq!(report, ClippedPixelReport::default());
 }
 
 #[test]

@@ -2,7 +2,7 @@ use super::*;
 
 fn quantized_level(curve: ToneCurve, stops: f32, c: f32) -> u16 {
     let quantizer = Quantizer::new(ToneMap { curve, exposure_stops: stops }, 255).unwrap();
-    quantizer.quantize_pixel(Vec3::splat(c), &mut WriteReport::default())[1]
+    quantizer.quantize_pixel(Vec3::splat(c), &mut ClippedPixelReport::default())[1]
 }
 
 #[test]
@@ -57,12 +57,12 @@ fn filmic_follows_the_published_fit() {
 #[test]
 fn a_pixel_counts_once_per_field() {
     let quantizer = Quantizer::new(ToneMap { curve: ToneCurve::Srgb, exposure_stops: 60.0 }, 255).unwrap();
-    let mut report = WriteReport::default();
+    let mut report = ClippedPixelReport::default();
     quantizer.quantize_pixel(Vec3::new(f32::NAN, f32::INFINITY, -1.0), &mut report);
-    assert_eq!(report, WriteReport { non_finite: 1, too_bright: 0, negative: 0 });
+    assert_eq!(report, ClippedPixelReport { non_finite: 1, too_bright: 0, negative: 0 });
     // 10³⁰ · 2⁶⁰ overflows f32, but the pixel itself is finite.
     quantizer.quantize_pixel(Vec3::new(1e30, 1e30, -1.0), &mut report);
-    assert_eq!(report, WriteReport { non_finite: 1, too_bright: 1, negative: 1 });
+    assert_eq!(report, ClippedPixelReport { non_finite: 1, too_bright: 1, negative: 1 });
 }
 
 #[test]
@@ -70,7 +70,7 @@ fn white_itself_is_not_too_bright() {
     for (curve, white) in [(ToneCurve::Srgb, 1.0), (ToneCurve::Course, 1.0), (ToneCurve::Filmic, 7.24)] {
         let quantizer = Quantizer::new(ToneMap { curve, exposure_stops: 0.0 }, 255).unwrap();
         let count = |c: f32| {
-            let mut report = WriteReport::default();
+            let mut report = ClippedPixelReport::default();
             quantizer.quantize_pixel(Vec3::new(0.0, c, 0.0), &mut report);
             report.too_bright
         };

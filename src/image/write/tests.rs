@@ -20,7 +20,7 @@ fn written_pictures_are_read_back() {
     let (png, exr) = (folder.path().join("a.png"), folder.path().join("a.exr"));
     let options = WriteOptions::default();
     let report = write(&png, &image, &options).unwrap();
-    assert_eq!(report, WriteReport { non_finite: 1, too_bright: 1, negative: 0 });
+    assert_eq!(report, ClippedPixelReport { non_finite: 1, too_bright: 1, negative: 0 });
     assert_eq!(read(&png).unwrap().pixels(), [Vec3::new(1.0, 0.0, 1.0), Vec3::ZERO]);
     assert_eq!(write(&exr, &image, &options).unwrap().non_finite, 1);
     assert_eq!(read(&exr).unwrap().pixels()[0], image.pixels()[0]);

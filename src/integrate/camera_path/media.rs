@@ -14,7 +14,7 @@ use rand::rngs::SmallRng;
 /// Advances `path` to its next vertex. Adds emission and in-scattering of media to `radiance`.
 ///
 /// Returns the event at the vertex, and the phase function if it is a scattering event.
-pub(super) fn next_vertex<'a, I: Interior>(
+pub(super) fn advance_to_vertex<'a, I: Interior>(
     paths: &PathContext<'a>,
     path: &mut PathState<I>,
     worker: &mut Worker,

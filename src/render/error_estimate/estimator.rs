@@ -8,7 +8,7 @@ use super::fireflies::Fireflies;
 use super::forecast::ErrorForecast;
 use super::shared_paths::SharedPathError;
 use crate::image::RelativeScale;
-use crate::integrate::{Discs, NestedEstimates, Pass, RadiusLaw};
+use crate::integrate::{MeanGatherDisc, NestedEstimates, Pass, RadiusLaw};
 use crate::render::film::Film;
 use glam::{DVec3, Vec3};
 
@@ -57,9 +57,9 @@ pub struct ErrorMaps {
     /// Estimated blur of the mean of the passes; a noisy estimate \[W/(m² sr)].
     pub bias: Vec<Vec3>,
     /// Mean radius and photon count of estimates from the caustic map.
-    pub caustic: Vec<Discs>,
+    pub caustic: Vec<MeanGatherDisc>,
     /// Mean radius and photon count of estimates from the global map.
-    pub global: Vec<Discs>,
+    pub global: Vec<MeanGatherDisc>,
 }
 
 impl ErrorEstimator {
@@ -234,8 +234,8 @@ impl NestedEstimateSums {
 }
 
 impl DiscMean {
-    fn add(&mut self, discs: Option<Discs>) {
-        if let Some(Discs { radius, photons }) = discs {
+    fn add(&mut self, discs: Option<MeanGatherDisc>) {
+        if let Some(MeanGatherDisc { radius, photons }) = discs {
             self.radius += radius;
             self.photons += photons;
             self.passes += 1;
@@ -243,8 +243,8 @@ impl DiscMean {
     }
 
     /// Mean radius and photon count over passes with an estimate; 0 without one.
-    fn mean(self) -> Discs {
+    fn mean(self) -> MeanGatherDisc {
         let n = self.passes.max(1) as f32;
-        Discs { radius: self.radius / n, photons: self.photons / n }
+        MeanGatherDisc { radius: self.radius / n, photons: self.photons / n }
     }
 }

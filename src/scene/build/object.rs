@@ -55,7 +55,7 @@ impl SceneObject {
     ///
     /// Coplanar hits resolve to the lowest index. Emitters come first, so light sampling agrees
     /// with intersection.
-    pub fn numbering_rank(&self) -> u8 {
+    pub fn object_sort_key(&self) -> u8 {
         match (&self.geometry, &self.motion) {
             (ObjectGeometry::Shape(_), None) if self.emits() => 0,
             (ObjectGeometry::Shape(_), None) => 1,

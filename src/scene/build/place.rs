@@ -46,7 +46,7 @@ pub(super) fn place_objects(
     mesh: MeshData,
     origin: DVec3,
 ) -> Result<PlacedObjects, BuildError> {
-    objects.sort_by_key(SceneObject::numbering_rank);
+    objects.sort_by_key(SceneObject::object_sort_key);
     let recenter = DAffine3::from_translation(-origin);
     let mut animation = Animation::default();
     let (mut shapes, mut planes, mut mesh_ranges) = (Vec::new(), Vec::new(), Vec::new());

@@ -67,7 +67,7 @@ pub trait ParameterEvaluator {
     ///
     /// It is on the same side of [`PHOTON_STORAGE_ALPHA`] for every footprint, because camera paths
     /// and photon paths divide light transport at that value.
-    fn evaluate_conductor_roughness(&self, parameter: &Textured<f32>) -> f32;
+    fn evaluate_partition_roughness(&self, parameter: &Textured<f32>) -> f32;
 }
 
 /// Evaluates every parameter to its mean.
@@ -83,7 +83,7 @@ impl ParameterEvaluator for MeanEvaluator {
         parameter.mean()
     }
 
-    fn evaluate_conductor_roughness(&self, parameter: &Textured<f32>) -> f32 {
+    fn evaluate_partition_roughness(&self, parameter: &Textured<f32>) -> f32 {
         parameter.mean()
     }
 }
@@ -116,7 +116,7 @@ impl ParameterEvaluator for TextureEvaluator<'_> {
         }
     }
 
-    fn evaluate_conductor_roughness(&self, parameter: &Textured<f32>) -> f32 {
+    fn evaluate_partition_roughness(&self, parameter: &Textured<f32>) -> f32 {
         if !parameter.is_textured() {
             return parameter.mean();
         }

@@ -10,7 +10,7 @@ use crate::math::{Ray, Transform};
 use crate::sampling::DiscreteDistribution;
 use crate::shape::analytic::AnalyticShape;
 use crate::shape::hit::{ShapeHit, round_t_if_in_range};
-use crate::shape::object_ray::{ObjectRay, world_scale};
+use crate::shape::object_ray::{ObjectRay, world_coordinate_bound};
 use crate::shape::surface_point::{ShapeSample, SurfacePoint};
 use crate::shape::texture_mapping::TexCoord;
 use glam::{DVec2, DVec3, DVec4, Vec2, Vec3};
@@ -159,7 +159,7 @@ impl Patch {
         let [p, ..] = net.leaf_piece(leaf).point_and_derivatives(at);
         // The inverse transpose keeps the outer side of a mirror image.
         let normal = self.to_world.transform_normal(net.leaf_normal(leaf, at)).normalize();
-        let scale = world_scale(&self.to_world, net.size);
+        let scale = world_coordinate_bound(&self.to_world, net.size);
         SurfacePoint { uv, ..SurfacePoint::from_f64(self.to_world.transform_point(p), normal, scale * HIT_ERROR_SCALE) }
     }
 }

@@ -1,7 +1,7 @@
 //! Subdivision of Bézier patches until they are nearly flat.
 
 use super::box_bvh::BoxCorners;
-use super::patch_piece::HigherTerms;
+use super::patch_piece::LinearTermsWithBounds;
 use super::polynomial::{Coefficients, bernstein_to_powers, split_bezier};
 use super::spline::{MIN_SPAN, SplineError};
 use glam::{DVec2, DVec3, Vec2};
@@ -29,7 +29,7 @@ pub(super) struct PatchLeaf {
     pub half: DVec2,
     /// Point at the centre.
     pub point: DVec3,
-    pub bounds: HigherTerms,
+    pub bounds: LinearTermsWithBounds,
 }
 
 /// Node of the subdivision tree of a patch; holds an index of the leaves or of the cuts.
@@ -156,7 +156,7 @@ impl PatchBuilder {
             middle: 0.5 * DVec2::new(u0 + u1, v0 + v1),
             half: 0.5 * DVec2::new(u1 - u0, v1 - v0),
             point,
-            bounds: HigherTerms::from_powers(&powers, columns),
+            bounds: LinearTermsWithBounds::from_powers(&powers, columns),
         });
         self.powers.extend(powers);
         self.boxes.push(corners);

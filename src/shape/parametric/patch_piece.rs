@@ -17,14 +17,14 @@ pub struct PatchPiece<'a> {
     pub middle: DVec3,
     /// Number of coefficients per power of x: the degree in y plus 1.
     pub columns: usize,
-    pub bounds: HigherTerms,
+    pub bounds: LinearTermsWithBounds,
     /// Bound on the rounding error of a point.
     pub noise: f64,
 }
 
 /// Constant and linear terms of a polynomial, and bounds on its higher terms.
 #[derive(Clone, Copy, Debug)]
-pub struct HigherTerms {
+pub struct LinearTermsWithBounds {
     /// The constant term, the term in y, and the term in x.
     linear: [Coefficients<4>; 3],
     /// Bound on the sum of the higher terms: Σ |aᵢⱼ|.
@@ -33,7 +33,7 @@ pub struct HigherTerms {
     turn: Coefficients<4>,
 }
 
-impl HigherTerms {
+impl LinearTermsWithBounds {
     #[inline]
     pub fn from_powers(a: &[Coefficients<4>], columns: usize) -> Self {
         let mut beyond = Self { linear: [a[0], a[1], a[columns]], rest: [0.0; 4], turn: [0.0; 4] };
@@ -148,7 +148,7 @@ impl PatchPiece<'_> {
             if half.y < 1.0 {
                 a.chunks_exact_mut(columns).for_each(|row| reparametrize(row, middle.y, half.y));
             }
-            let bounds = HigherTerms::from_powers(a, columns);
+            let bounds = LinearTermsWithBounds::from_powers(a, columns);
             let Some(reach) = self.half_extent_if_hit(&bounds, line, *range) else { continue };
             let point = || DVec2::new(middle.x, middle.y);
             let touched = match test_roots(a, columns, &bounds, line, self.noise) {
@@ -181,10 +181,12 @@ impl PatchPiece<'_> {
 
     /// Half the edge lengths of the piece's bounding box; `None` if the line misses that box within
     /// `range` of τ.
-    fn half_extent_if_hit(&self, bounds: &HigherTerms, line: &Line, range: [f64; 2]) -> Option<DVec3> {
+    fn half_extent_if_hit(&self, bounds: &LinearTermsWithBounds, line: &Line, range: [f64; 2]) -> Option<DVec3> {
         let [middle, along_y, along_x] = bounds.linear.map(|a| relative_to_base(&a, line.base));
-        let reach =
-            along_x.abs() + along_y.abs() + HigherTerms::bound_relative_to(&bounds.rest, line.base) + self.noise;
+        let reach = along_x.abs()
+            + along_y.abs()
+            + LinearTermsWithBounds::bound_relative_to(&bounds.rest, line.base)
+            + self.noise;
         let (a1, a2) = ((middle - reach) * line.inverse, (middle + reach) * line.inverse);
         let (lo, hi) = (a1.min(a2).max_element(), a1.max(a2).min_element());
         // The bounds are on w·τ. The weight w is positive and close to its value at the centre.
@@ -217,7 +219,13 @@ fn is_longer_in_x(a: &[Coefficients<4>], columns: usize) -> bool {
 
 /// Tests for solutions of point(x, y) = base + τ·direction with x and y in \[−1, 1].
 #[inline]
-fn test_roots(a: &[Coefficients<4>], columns: usize, bounds: &HigherTerms, line: &Line, noise: f64) -> RootTest {
+fn test_roots(
+    a: &[Coefficients<4>],
+    columns: usize,
+    bounds: &LinearTermsWithBounds,
+    line: &Line,
+    noise: f64,
+) -> RootTest {
     let d = line.direction;
     let [miss, along_y, along_x] = bounds.linear.map(|a| relative_to_base(&a, line.base));
     let determinant = d.dot(along_x.cross(along_y));
@@ -226,11 +234,11 @@ fn test_roots(a: &[Coefficients<4>], columns: usize, bounds: &HigherTerms, line:
     let (for_x, for_y) = (d.cross(along_y), along_x.cross(d));
     let (size_x, size_y) = (for_x.abs(), for_y.abs());
     let (x, y) = (for_x.dot(miss), for_y.dot(miss));
-    let error = HigherTerms::bound_relative_to(&bounds.rest, line.base) + noise;
+    let error = LinearTermsWithBounds::bound_relative_to(&bounds.rest, line.base) + noise;
     if x.abs() > least + size_x.dot(error) || y.abs() > least + size_y.dot(error) {
         return RootTest::NoRoot;
     }
-    let turn = HigherTerms::bound_relative_to(&bounds.turn, line.base);
+    let turn = LinearTermsWithBounds::bound_relative_to(&bounds.turn, line.base);
     let (turn_x, turn_y) = (size_x.dot(turn), size_y.dot(turn));
     if turn_x.max(turn_y) < MAX_DERIVATIVE_CHANGE * least {
         let blur = noise * size_x.element_sum().max(size_y.element_sum()) / least;

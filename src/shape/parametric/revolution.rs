@@ -11,7 +11,7 @@ use crate::math::{Ray, Transform};
 use crate::sampling::DiscreteDistribution;
 use crate::shape::analytic::AnalyticShape;
 use crate::shape::hit::{ShapeHit, round_t_if_in_range};
-use crate::shape::object_ray::{ObjectRay, object_ray, world_scale};
+use crate::shape::object_ray::{ObjectRay, object_ray, world_coordinate_bound};
 use crate::shape::surface_point::{ShapeSample, SurfacePoint};
 use crate::shape::texture_mapping::TexCoord;
 use glam::{DVec2, DVec3, Vec2, Vec3};
@@ -127,7 +127,7 @@ impl Revolution {
     fn surface_at(&self, leaf: usize, x: f64, radial: DVec2, uv: Vec2) -> SurfacePoint {
         let profile = &self.profile;
         let p = self.to_world.transform_point(profile.leaf_point(leaf, x, radial));
-        let scale = world_scale(&self.to_world, profile.size);
+        let scale = world_coordinate_bound(&self.to_world, profile.size);
         let normal = self.to_world.transform_normal(profile.leaf_normal(leaf, x, radial)).normalize();
         SurfacePoint { uv, ..SurfacePoint::from_f64(p, normal, scale * HIT_ERROR_SCALE) }
     }

@@ -40,7 +40,7 @@ pub(super) struct PlotSeries {
 
 /// Reference line with a given slope through a point.
 #[derive(Clone, Debug)]
-pub(super) struct SlopeGuide {
+pub(super) struct SlopeGuideLine {
     pub(super) label: String,
     pub(super) slope: f64,
     pub(super) through: (f64, f64),
@@ -58,7 +58,7 @@ pub(super) struct LogLogPlot<'a> {
     pub(super) words: &'a str,
     pub(super) size: (f64, f64),
     pub(super) series: Vec<PlotSeries>,
-    pub(super) guides: Vec<SlopeGuide>,
+    pub(super) guides: Vec<SlopeGuideLine>,
 }
 
 /// Logarithmic axis from value `least` to value `most`.
@@ -163,7 +163,7 @@ pub(super) fn plot_svg(plot: &LogLogPlot<'_>) -> Option<String> {
         escape_html(plot.words)
     );
     draw_axes(&mut svg, &x, &y, plot.size);
-    plot.guides.iter().for_each(|guide| draw_guide(&mut svg, guide, &x, &y));
+    plot.guides.iter().for_each(|guide| draw_slope_guide(&mut svg, guide, &x, &y));
     let _ = writeln!(
         svg,
         "<clipPath id=\"{id}-clip\"><rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\"/></clipPath>",
@@ -176,7 +176,7 @@ pub(super) fn plot_svg(plot: &LogLogPlot<'_>) -> Option<String> {
     for series in &plot.series {
         ends.extend(draw_series(&mut svg, series, id, &x, &y).map(|end| (end, series)));
     }
-    draw_labels(&mut svg, ends, &x, &y);
+    draw_series_labels(&mut svg, ends, &x, &y);
     svg += "</svg>\n";
     Some(svg)
 }
@@ -231,7 +231,7 @@ fn tick_text(value: f64) -> String {
     format!("{value:.decimals$}")
 }
 
-fn draw_guide(svg: &mut String, guide: &SlopeGuide, x: &LogAxis, y: &LogAxis) {
+fn draw_slope_guide(svg: &mut String, guide: &SlopeGuideLine, x: &LogAxis, y: &LogAxis) {
     let (x0, y0) = guide.through;
     if !(is_drawable(x0) && is_drawable(y0)) {
         return;
@@ -297,7 +297,7 @@ fn draw_series(svg: &mut String, series: &PlotSeries, id: &str, x: &LogAxis, y: 
 /// Draws the label of each series to the right of the plot, near the series' end.
 ///
 /// Labels do not overlap if there is room for all.
-fn draw_labels(svg: &mut String, mut ends: Vec<((f64, f64), &PlotSeries)>, x: &LogAxis, y: &LogAxis) {
+fn draw_series_labels(svg: &mut String, mut ends: Vec<((f64, f64), &PlotSeries)>, x: &LogAxis, y: &LogAxis) {
     ends.sort_by(|a, b| a.0.1.total_cmp(&b.0.1));
     let heights = separate_label_heights(&ends.iter().map(|(end, _)| end.1).collect::<Vec<_>>(), (y.to + 4.0, y.from));
     for (((end_x, end_y), series), at) in ends.into_iter().zip(heights) {

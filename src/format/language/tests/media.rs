@@ -86,8 +86,8 @@ fn materials_and_background_refer_to_media() {
     let found: Vec<_> = d.materials.iter().map(|m| (&m.kind, m.medium.clone())).collect();
     assert!(matches!(found[0].0, MaterialKindDescription::Dielectric { .. }));
     assert_eq!(found[0].1, Some(spanned_name("milk")));
-    assert_eq!(found[1], (&MaterialKindDescription::Clear { priority: 255 }, Some(spanned_name("fog"))));
-    assert_eq!(found[2], (&MaterialKindDescription::Clear { priority: 0 }, None));
+    assert_eq!(found[1], (&MaterialKindDescription::NullInterface { priority: 255 }, Some(spanned_name("fog"))));
+    assert_eq!(found[2], (&MaterialKindDescription::NullInterface { priority: 0 }, None));
     let again = parse_with_camera("Background { medium fog } Background { } Group { }").unwrap();
     assert_eq!(again.ambient_medium, None, "a block that comes again replaces the one before");
 }

@@ -428,7 +428,7 @@ fn mesh_options_are_read() {
     rejects("Group { TriangleMesh { file a smoothAngle ‹-1› } }", "cannot be `-1`", "between 0 and 180");
 }
 
-/// Returns line and text of all errors of a scene of `CAMERA` and `body`.
+/// Parses `CAMERA` followed by `body`. Returns the line and the marked text of each error.
 fn error_positions(body: &str) -> Vec<(usize, String)> {
     let error = parse_with_camera(body).unwrap_err();
     std::iter::once(&error).chain(error.further_errors()).map(|e| (e.line(), e.text().to_owned())).collect()

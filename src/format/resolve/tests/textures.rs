@@ -4,7 +4,7 @@ use super::*;
 use crate::image::{self, Image, WriteOptions};
 
 /// Returns the text of a scene with a ball of the first material.
-fn text_of_ball(textures: &str, materials: &str) -> String {
+fn ball_scene_text(textures: &str, materials: &str) -> String {
     format!(
         "Textures {{ {textures} }}\nMaterials {{ {materials} }}\nGroup {{ MaterialIndex 0 Sphere {{ center 0 0 0 radius 1 }} }}"
     )
@@ -23,12 +23,12 @@ fn front_bsdf(scene: &Scene) -> Bsdf {
 fn texture_values_out_of_range_are_refused() {
     for (field, kind) in [("reflectance", "Diffuse"), ("transmittance", "Thin"), ("roughness", "Dielectric")] {
         let error =
-            resolve_error(&text_of_ball("Checker loud { color1 2 0 0 }", &format!("{kind} {{ {field} loud }}")));
+            resolve_error(&ball_scene_text("Checker loud { color1 2 0 0 }", &format!("{kind} {{ {field} loud }}")));
         assert_eq!((error.line(), error.text()), (3, "loud"), "{error}");
         assert!(error.message().contains("from 0 to 2") && error.remedy().contains("between 0 and 1"), "{error}");
     }
     // Radiance has no upper bound, nor has a colour that is scaled down.
-    resolve_text(&text_of_ball("Checker loud { color1 2 0 0 }", "Phong { diffuseColor loud emission loud }"));
+    resolve_text(&ball_scene_text("Checker loud { color1 2 0 0 }", "Phong { diffuseColor loud emission loud }"));
 }
 
 #[test]
@@ -36,7 +36,7 @@ fn pictures_are_decoded_as_color_or_numbers() {
     let folder = tempfile::tempdir().unwrap();
     write_picture(&folder.path().join("half.png"), 0.5);
     write_picture(&folder.path().join("half.exr"), 0.5);
-    let with = |textures: &str, material: &str| resolve_in_folder(folder.path(), &text_of_ball(textures, material));
+    let with = |textures: &str, material: &str| resolve_in_folder(folder.path(), &ball_scene_text(textures, material));
     let front_reflectance = |textures: &str, material: &str| match front_bsdf(&with(textures, material).unwrap()) {
         Bsdf::Diffuse(reflectance) => reflectance.x,
         other => panic!("{other:?}"),
@@ -61,7 +61,7 @@ fn unreadable_pictures_are_reported_at_their_path() {
     let folder = tempfile::tempdir().unwrap();
     write_picture(&folder.path().join("dark.exr"), -1.0);
     let with = |textures: &str, material: &str| {
-        resolve_in_folder(folder.path(), &text_of_ball(textures, material)).unwrap_err()
+        resolve_in_folder(folder.path(), &ball_scene_text(textures, material)).unwrap_err()
     };
     let missing = with("Image t { file no.png }", "Mirror { }");
     assert_eq!((missing.line(), missing.text()), (2, "no.png"), "{missing}");

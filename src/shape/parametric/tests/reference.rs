@@ -20,7 +20,7 @@ pub struct ReferencePiece {
 }
 
 /// Quad within the error bound of the ray.
-pub struct QuadTouch {
+pub struct QuadNearRay {
     /// Interval of the ray in the quad's box.
     pub t: [f64; 2],
     /// Cosine between ray and normal.
@@ -33,7 +33,7 @@ pub struct QuadTouch {
 pub struct ReferenceHits {
     /// The nearest hit of a triangle.
     pub hit: Option<f64>,
-    pub touches: Vec<QuadTouch>,
+    pub touches: Vec<QuadNearRay>,
 }
 
 fn de_casteljau<T: Copy + std::ops::Mul<f64, Output = T> + std::ops::Add<Output = T>>(points: &mut [T], s: f64) -> T {
@@ -167,7 +167,7 @@ impl ReferencePiece {
             }
             let normal = (corners[2] - corners[0]).cross(corners[3] - corners[1]).normalize_or_zero();
             let edge = u0 == 0.0 || u1 == 1.0 || !turned && (v0 == 0.0 || v1 == 1.0);
-            found.touches.push(QuadTouch { t: [lo, hi], cos: normal.dot(d).abs() / d.length(), edge });
+            found.touches.push(QuadNearRay { t: [lo, hi], cos: normal.dot(d).abs() / d.length(), edge });
             for [i, j, k] in [[0, 1, 2], [0, 2, 3]] {
                 if let Some(t) = intersect_triangle(o, d, corners[i], corners[j], corners[k]) {
                     found.hit = Some(found.hit.map_or(t, |h: f64| h.min(t)));

@@ -13,7 +13,7 @@ use crate::study::report::maps::{
     relative_differences, signed_color_ramp,
 };
 use crate::study::report::picture::{encode_png, exposure_text, visible_exposure};
-use crate::study::report::svg::{LineStyle, LogLogPlot, PlotSeries, SlopeGuide, plot_svg};
+use crate::study::report::svg::{LineStyle, LogLogPlot, PlotSeries, SlopeGuideLine, plot_svg};
 use crate::study::report::text::{duration_text, error_percent_text, slope_text, three_digit_text};
 use glam::Vec3;
 use std::fmt::Write;
@@ -63,8 +63,12 @@ pub(super) fn error_plot_html(found: &MethodStudyResult) -> String {
     let first = all().map(|p| p.0).fold(f64::INFINITY, f64::min);
     let most = all().map(|p| p.1).fold(0.0, f64::max);
     // Guides start above all measured points.
-    let guide =
-        |slope: f64, label: &str| SlopeGuide { label: label.into(), slope, through: (first, 1.6 * most), below: false };
+    let guide = |slope: f64, label: &str| SlopeGuideLine {
+        label: label.into(),
+        slope,
+        through: (first, 1.6 * most),
+        below: false,
+    };
     let ends: Vec<String> = found
         .methods
         .iter()
@@ -109,7 +113,7 @@ fn method_plot_svg(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> 
         let law = judged.predicted_slopes(method, quantity)?;
         // The guide lies below the measured line, which would hide it.
         let through = (last.seconds, 0.8 * square.max(0.0).sqrt());
-        Some(SlopeGuide {
+        Some(SlopeGuideLine {
             label: format!("{name} {}", slope_text(law.flattest)),
             slope: law.flattest,
             through,

@@ -1,7 +1,7 @@
 //! Values that a file format cannot hold are counted and reported.
 
 use caustica::image::{
-    self, BitDepth, ExrLayer, FloatDepth, Image, OutputFormat, ToneCurve, ToneMap, WriteOptions, WriteReport,
+    self, BitDepth, ClippedPixelReport, ExrLayer, FloatDepth, Image, OutputFormat, ToneCurve, ToneMap, WriteOptions,
 };
 use glam::Vec3;
 use std::path::Path;
@@ -11,7 +11,7 @@ use std::process::Command;
 /// beyond.
 const EDGES: [f32; 6] = [65_504.0, 65_504.004, 65_519.996, 65_520.0, 1e30, f32::MAX];
 
-fn write_and_read_pixel(value: f32, options: &WriteOptions, name: &str) -> (Vec3, WriteReport) {
+fn write_and_read_pixel(value: f32, options: &WriteOptions, name: &str) -> (Vec3, ClippedPixelReport) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     let report = image::write(&path, &Image::from_pixels(1, 1, vec![Vec3::new(0.5, value, 0.25)]).unwrap(), options);
@@ -25,20 +25,20 @@ fn half_floats_saturate_at_65504_with_report() {
         let (found, report) = write_and_read_pixel(value, &options, "a.exr");
         assert_eq!(found, Vec3::new(0.5, 65_504f32.copysign(value), 0.25), "{value}");
         let beyond = usize::from(value.abs() > 65_504.0);
-        assert_eq!(report, WriteReport { too_bright: beyond, ..WriteReport::default() }, "{value}");
+        assert_eq!(report, ClippedPixelReport { too_bright: beyond, ..ClippedPixelReport::default() }, "{value}");
         let (found, report) = write_and_read_pixel(value, &WriteOptions::default(), "a.exr");
-        assert_eq!((found.y, report), (value, WriteReport::default()), "32 bits hold {value}");
+        assert_eq!((found.y, report), (value, ClippedPixelReport::default()), "32 bits hold {value}");
     }
     // Values in range round to 11 digits, or below 2⁻¹⁴ to 2⁻²⁴, by half a step.
     for value in [1.0 / 3.0, 1234.567, libm::exp2f(-14.0) * 1.3, 6e-8] {
         let (found, report) = write_and_read_pixel(value, &options, "a.exr");
         let step = libm::exp2f((libm::log2f(value).floor() - 10.0).max(-24.0));
-        assert!((found.y - value).abs() <= 0.5 * step && report == WriteReport::default(), "{value}: {found}");
+        assert!((found.y - value).abs() <= 0.5 * step && report == ClippedPixelReport::default(), "{value}: {found}");
     }
     for value in [f32::INFINITY, f32::NEG_INFINITY, f32::NAN] {
         let (found, report) = write_and_read_pixel(value, &options, "a.exr");
         assert!(found.y.to_bits() == value.to_bits() || found.y.is_nan() && value.is_nan(), "{value}: {found}");
-        assert_eq!(report, WriteReport { non_finite: 1, ..WriteReport::default() }, "{value}");
+        assert_eq!(report, ClippedPixelReport { non_finite: 1, ..ClippedPixelReport::default() }, "{value}");
     }
 }
 
@@ -51,13 +51,13 @@ fn sixteen_bit_png_saturates_at_white_with_report() {
             let image = Image::from_pixels(1, 1, vec![Vec3::new(0.5, value, 0.25)]).unwrap();
             image::encode(OutputFormat::Png, &image, &options).unwrap().1
         };
-        let clean = WriteReport::default();
+        let clean = ClippedPixelReport::default();
         assert_eq!([report(0.0), report(-0.0), report(1.0)], [clean; 3]);
         for value in EDGES.into_iter().chain([1f32.next_up()]) {
-            assert_eq!(report(value), WriteReport { too_bright: 1, ..clean }, "{value}");
-            assert_eq!(report(-value), WriteReport { negative: 1, ..clean }, "{value}");
+            assert_eq!(report(value), ClippedPixelReport { too_bright: 1, ..clean }, "{value}");
+            assert_eq!(report(-value), ClippedPixelReport { negative: 1, ..clean }, "{value}");
         }
-        assert_eq!(report(f32::NAN), WriteReport { non_finite: 1, ..clean });
+        assert_eq!(report(f32::NAN), ClippedPixelReport { non_finite: 1, ..clean });
     }
 }
 

@@ -264,7 +264,7 @@ impl Similarity {
             MaterialKindDescription::Phong { .. }
             | MaterialKindDescription::Diffuse { .. }
             | MaterialKindDescription::Mirror { .. }
-            | MaterialKindDescription::Clear { .. }
+            | MaterialKindDescription::NullInterface { .. }
             | MaterialKindDescription::Conductor { .. }
             | MaterialKindDescription::Thin { .. }
             | MaterialKindDescription::Mix { .. } => {}
