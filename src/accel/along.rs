@@ -50,7 +50,7 @@ impl BoxTree {
         let mut bounds: Vec<Bounds> = order.par_iter().map(|i| padded(at(i), margin)).collect();
         let mut levels = Vec::new();
         while !bounds.is_empty() {
-            levels.push(bounds.par_chunks(ARITY).map(wide_node).collect());
+            levels.push(bounds.par_chunks(ARITY).map(node_of_boxes).collect());
             let around = |run: &[Bounds]| run.iter().fold(Bounds::EMPTY, |all, b| all.union(*b));
             bounds = if bounds.len() > ARITY { bounds.par_chunks(ARITY).map(around).collect() } else { Vec::new() };
         }
@@ -88,10 +88,10 @@ impl BoxTree {
     }
 }
 
-fn wide_node(run: &[Bounds]) -> Node8 {
-    let mut wide_node = Node8::VACANT;
-    run.iter().enumerate().for_each(|(slot, b)| wide_node.set(slot, b.min, b.max));
-    wide_node
+fn node_of_boxes(run: &[Bounds]) -> Node8 {
+    let mut node_of_boxes = Node8::VACANT;
+    run.iter().enumerate().for_each(|(slot, b)| node_of_boxes.set(slot, b.min, b.max));
+    node_of_boxes
 }
 
 /// The box grown by `margin`, and at least to the next number.

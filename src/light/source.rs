@@ -90,9 +90,7 @@ pub(super) trait LightSource {
     fn power(&self, domain: BoundingSphere) -> Rgb;
 
     /// Bounds in space and direction, without a margin; `None` for light from infinity.
-    fn bounds(&self) -> Option<LightBounds> {
-        None
-    }
+    fn bounds(&self) -> Option<LightBounds>;
 
     /// Implements [`Light::peak_strength`]; `None` unless this is a delta light.
     fn peak_strength(&self) -> Option<Rgb> {

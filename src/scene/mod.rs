@@ -62,6 +62,8 @@ pub struct Scene {
     /// The first mapping belongs to objects that define none.
     mappings: Vec<TextureMapping>,
     lights: Vec<Light>,
+    /// Index of the environment light in `lights`.
+    environment: Option<usize>,
     /// The lights with mean radiance in place of emission textures; empty if no light has a
     /// texture.
     mean_emission_lights: Vec<Light>,
@@ -102,16 +104,14 @@ impl Scene {
     #[inline]
     #[must_use]
     pub fn escaped_radiance(&self, direction: Vec3) -> Rgb {
-        match self.lights.last() {
-            Some(Light::Environment(environment)) => environment.radiance(direction),
-            _ => self.background,
-        }
+        let environment = self.environment.and_then(|index| self.lights[index].as_environment());
+        environment.map_or(self.background, |environment| environment.radiance(direction))
     }
 
     /// Index of the environment light in [`Scene::lights`], if there is one.
     #[must_use]
     pub fn environment(&self) -> Option<usize> {
-        matches!(self.lights.last(), Some(Light::Environment(_))).then(|| self.lights.len() - 1)
+        self.environment
     }
 
     /// All lights. An environment light is the last.
@@ -266,14 +266,14 @@ impl Scene {
         let point = self.geometry.surface_point(ray, hit);
         let object = self.geometry.object_attributes(hit.kind);
         let wo = -ray.direction;
-        let emission = match object.light.map(|l| &self.lights[l as usize]) {
-            Some(Light::Area(area)) if wo.dot(point.ng) > 0.0 => match &area.texture {
+        let emission = match object.light.and_then(|l| self.lights[l as usize].as_area()) {
+            Some(area) if wo.dot(point.ng) > 0.0 => match &area.texture {
                 Some(texture) if cone.effects.has(Effect::Textures) => {
                     texture.radiance(&self.texture_context(hit, &point, wo, &cone.for_emission_textures()))
                 }
-                _ => area.radiance,
+                Some(_) | None => area.radiance,
             },
-            _ => Rgb::ZERO,
+            Some(_) | None => Rgb::ZERO,
         };
         let mut material_index = object.material;
         let mut material = &self.materials[material_index as usize];

@@ -12,7 +12,7 @@ pub(super) use coincident::{
     CoincidentFace, CoincidentFaces, CoincidentFlags, coincident_faces_at, find_coincident_flags,
 };
 pub(crate) use for_interior::for_interior;
-pub(super) use locate::interior_at;
+pub(super) use locate::interior_stack_at;
 pub use spectral::SpectralInterior;
 pub(super) use stack::BodyInterface;
 pub use stack::InteriorStack;
@@ -160,7 +160,11 @@ impl Interior for InteriorStack {
     const SPECTRAL: bool = false;
 
     fn at_camera(scene: &Scene, ray: &Ray, _: Effects) -> Self {
-        if scene.camera.has_single_viewpoint() { scene.derived.camera_interior } else { interior_at(scene, ray.origin) }
+        if scene.camera.has_single_viewpoint() {
+            scene.derived.camera_interior
+        } else {
+            interior_stack_at(scene, ray.origin)
+        }
     }
 
     fn at_light(scene: &Scene, light: usize, _: Effects) -> Self {
