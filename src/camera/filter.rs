@@ -80,7 +80,10 @@ impl FilterKind {
 /// Number of intervals of the quantile table.
 const CELLS: usize = 1024;
 
-/// A separable reconstruction filter, with a table for importance sampling.
+/// Intervals of the density table, from the center to the filter's radius.
+const DENSITY_CELLS: usize = 256;
+
+/// A separable reconstruction filter, with tables for importance sampling and for evaluation.
 #[derive(Clone, Debug)]
 pub struct Filter {
     /// Offsets \[pixels] at equal steps of the cumulative absolute filter value.
@@ -89,6 +92,10 @@ pub struct Filter {
     negative_beyond: f32,
     /// Integral of the absolute filter value over the integral of the filter, in one dimension.
     absolute_over_signed: f32,
+    /// Radius \[pixels].
+    radius: f32,
+    /// Density in one dimension at equal steps from the center to the radius \[1/pixel].
+    densities: [f32; DENSITY_CELLS + 1],
 }
 
 /// A sampled offset from the pixel center.
@@ -128,7 +135,37 @@ impl Filter {
             let part = if hi > lo { (target - lo) / (hi - lo) } else { 0.0 };
             (at(i - 1) + (at(i) - at(i - 1)) * part) as f32
         });
-        Self { quantiles, negative_beyond: negative_beyond as f32, absolute_over_signed }
+        let integral = signed * 2.0 * radius / STEPS as f64;
+        let density = |i: usize| (kind.weight(radius * i as f64 / DENSITY_CELLS as f64) / integral) as f32;
+        Self {
+            quantiles,
+            negative_beyond: negative_beyond as f32,
+            absolute_over_signed,
+            radius: radius as f32,
+            densities: std::array::from_fn(density),
+        }
+    }
+
+    /// Radius beyond which the filter vanishes \[pixels].
+    #[inline]
+    #[must_use]
+    pub fn radius(&self) -> f32 {
+        self.radius
+    }
+
+    /// Filter density in one dimension at distance `x` from the pixel center \[1/pixel]. Its
+    /// integral is 1; it is negative where the filter is.
+    #[inline]
+    #[must_use]
+    pub fn density(&self, x: f32) -> f32 {
+        let x = x.abs();
+        if x >= self.radius {
+            return 0.0;
+        }
+        let x = x / self.radius * DENSITY_CELLS as f32;
+        let i = (x as usize).min(DENSITY_CELLS - 1);
+        let (lo, hi) = (self.densities[i], self.densities[i + 1]);
+        lo + (hi - lo) * (x - i as f32)
     }
 
     /// True if the filter is negative somewhere.

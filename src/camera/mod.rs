@@ -1,8 +1,10 @@
 //! Cameras, lenses and pixel reconstruction filters.
 
+mod connect;
 mod filter;
 mod lens;
 
+pub use connect::CameraConnection;
 pub use filter::{Filter, FilterKind, FilterSample, UnknownFilter};
 pub use lens::Lens;
 

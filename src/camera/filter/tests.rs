@@ -63,3 +63,27 @@ fn offsets_are_within_the_radius() {
     }
     assert!("lanczos".parse::<FilterKind>().unwrap_err().to_string().contains("blackman-harris"));
 }
+
+/// The density has integral 1 and the filter's second moment, and vanishes beyond the radius.
+///
+/// Linear interpolation between 256 values errs by less than 10⁻⁴ for these filters; midpoints
+/// split the jump of a filter at its radius.
+#[test]
+fn density_is_normalized() {
+    let kinds =
+        [FilterKind::Box, FilterKind::Tent, FilterKind::Gaussian, FilterKind::BlackmanHarris, FilterKind::Mitchell];
+    for kind in kinds {
+        let filter = Filter::new(kind);
+        let n = 40_000;
+        let r = kind.radius();
+        let xs = || (0..n).map(|i| r * (2.0 * (f64::from(i) + 0.5) / f64::from(n) - 1.0));
+        let step = 2.0 * r / f64::from(n);
+        let moment = |power: i32| xs().map(|x| x.powi(power) * f64::from(filter.density(x as f32))).sum::<f64>() * step;
+        let weights: f64 = xs().map(|x| kind.weight(x)).sum();
+        let second = xs().map(|x| x * x * kind.weight(x)).sum::<f64>() / weights;
+        assert!((moment(0) - 1.0).abs() < 1e-4, "{kind:?}: {}", moment(0));
+        assert!((moment(2) - second).abs() < 1e-4, "{kind:?}: {} {second}", moment(2));
+        assert_eq!(filter.density(filter.radius()), 0.0);
+        assert_eq!(filter.density(0.3), filter.density(-0.3));
+    }
+}

@@ -1,0 +1,95 @@
+//! Connections from points of the scene to the film, for light tracing.
+
+use super::{Camera, CameraProjection};
+use glam::{DVec2, DVec3, Vec2, Vec3};
+use std::f64::consts::{PI, TAU};
+
+/// The camera ray through a point of the scene, seen from the point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraConnection {
+    /// Film position \[pixels from the top left]; may lie outside the film.
+    pub film: Vec2,
+    /// Origin of the camera ray.
+    pub origin: Vec3,
+    /// Unit direction from the point to `origin`.
+    pub direction: Vec3,
+    /// Film area per area at the point perpendicular to `direction` \[pixels²/length²].
+    pub importance: f32,
+}
+
+impl Camera {
+    /// Connects `p` to the camera by the ray that [`Camera::ray`] returns for some film position
+    /// and for `lens`; `None` if `p` lies behind the camera.
+    ///
+    /// A camera ray carries the radiance of its film position, without a cosine. The importance is
+    /// therefore the Jacobian from the scene to the film (Veach 1997, section 8.3.2).
+    #[must_use]
+    pub fn connect(&self, p: Vec3, lens: Option<Vec2>) -> Option<CameraConnection> {
+        let p = p.as_dvec3();
+        match self.projection {
+            CameraProjection::Perspective(thin) => {
+                let (offset, focus) = match (thin, lens) {
+                    (Some(thin), Some(u)) => {
+                        let on_lens = thin.sample(u) / self.pixel_size;
+                        (self.right * on_lens.x + self.up * on_lens.y, thin.focus)
+                    }
+                    _ => (DVec3::ZERO, 1.0),
+                };
+                let to_point = p - self.center - offset;
+                let depth = to_point.dot(self.forward);
+                if depth <= 0.0 {
+                    return None;
+                }
+                let in_focus = offset + to_point * (focus / depth);
+                let distance = to_point.length();
+                // A pixel spans the solid angle pixel²·cos³θ, where cosθ is depth over distance.
+                let importance = distance / (self.pixel_size * self.pixel_size * depth * depth * depth);
+                self.connection(self.film_offset(in_focus / focus), self.center + offset, p, importance)
+            }
+            CameraProjection::Orthographic => {
+                let to_point = p - self.center;
+                let depth = to_point.dot(self.forward);
+                if depth <= 0.0 {
+                    return None;
+                }
+                let importance = 1.0 / (self.pixel_size * self.pixel_size);
+                self.connection(self.film_offset(to_point), p - self.forward * depth, p, importance)
+            }
+            CameraProjection::Panorama => {
+                let to_point = p - self.center;
+                let distance = to_point.length();
+                let (right, up, forward) =
+                    (to_point.dot(self.right), to_point.dot(self.up), to_point.dot(self.forward));
+                let level = right.hypot(forward);
+                let (width, height) = (f64::from(self.width), f64::from(self.height));
+                let offset =
+                    DVec2::new(libm::atan2(right, forward) * width / TAU, libm::atan2(up, level) * height / PI);
+                // A pixel spans the solid angle (2π/width)·(π/height)·cos(latitude).
+                let importance = width * height / (TAU * PI * distance * level);
+                self.connection(offset, self.center, p, importance)
+            }
+        }
+    }
+
+    /// Film position relative to the film's center \[pixels right and up] of a vector from the
+    /// camera's center to the plane at distance 1, or to the image plane of parallel rays.
+    fn film_offset(&self, v: DVec3) -> DVec2 {
+        DVec2::new(v.dot(self.right), v.dot(self.up)) / (self.pixel_size * self.pixel_size)
+    }
+
+    /// Connection of `p` to `origin`; `None` if the numbers are not finite or the points coincide.
+    fn connection(&self, offset: DVec2, origin: DVec3, p: DVec3, importance: f64) -> Option<CameraConnection> {
+        let film = DVec2::new(0.5 * f64::from(self.width) + offset.x, 0.5 * f64::from(self.height) - offset.y);
+        let direction = (origin - p).try_normalize()?;
+        let connection = CameraConnection {
+            film: film.as_vec2(),
+            origin: origin.as_vec3(),
+            direction: direction.as_vec3(),
+            importance: importance as f32,
+        };
+        (connection.film.is_finite() && connection.importance.is_finite()).then_some(connection)
+    }
+}
+
+#[cfg(test)]
+mod tests;
