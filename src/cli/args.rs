@@ -7,7 +7,7 @@ use super::number::{
 use super::{ConvertArguments, DiffArguments, MeshArguments};
 use crate::camera::FilterKind;
 use crate::image::{BitDepth, FloatDepth, ToneCurve};
-use crate::integrate::{Algorithm, FinalGathering, VolumeEstimate};
+use crate::integrate::{Algorithm, FinalGathering, LightTracing, VolumeEstimate};
 use crate::photon::Kernel;
 use crate::plan::EffectOverrides;
 use crate::render::error_estimate::Confidence;
@@ -109,6 +109,11 @@ pub struct MethodArguments {
     /// rays guided by photons)
     #[arg(long, value_enum, default_value = "bsdf", value_name = "NAME")]
     pub final_gathering: FinalGathering,
+
+    /// Light tracing of directly visible caustics by hybrid: off, weighted (against photon
+    /// estimates, per pixel) or full
+    #[arg(long, value_enum, default_value = "weighted", value_name = "NAME")]
+    pub light_tracing: LightTracing,
 
     /// Photon estimate in media: beams, beam-radiance or points
     #[arg(long, value_enum, default_value = "beams", value_name = "NAME")]

@@ -18,9 +18,9 @@ const BYTES_PER_ESTIMATED_PIXEL: u64 = 274;
 
 /// Bytes of memory per stored photon while the photon map is built.
 ///
-/// A photon takes 32 bytes, its sorted copy 32, and the copy's sort key 16. The tree later takes
-/// 33 bytes in place of the key. The rest is unused capacity of growing lists.
-const BYTES_PER_PHOTON: u64 = 100;
+/// A photon takes 32 bytes, its sorted copy 32, the copy's sort key 16, and its splat 20. The tree
+/// later takes 33 bytes in place of the key. The rest is unused capacity of growing lists.
+const BYTES_PER_PHOTON: u64 = 120;
 
 /// Reason why a render does not fit into memory.
 #[derive(Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
@@ -142,11 +142,11 @@ mod tests {
             check_photon_memory(expected(2 * index, index + 1), 0, None),
             Err(MemoryError::Indices { .. })
         ));
-        assert_eq!(check_photon_memory(expected(1000, 600), 0, Some(100_000)), Ok(()));
-        assert_eq!(check_photon_memory(expected(1000, 600), 7, Some(100_007)), Ok(()));
-        assert!(check_photon_memory(expected(1000, 600), 8, Some(100_007)).is_err());
+        assert_eq!(check_photon_memory(expected(1000, 600), 0, Some(120_000)), Ok(()));
+        assert_eq!(check_photon_memory(expected(1000, 600), 7, Some(120_007)), Ok(()));
+        assert!(check_photon_memory(expected(1000, 600), 8, Some(120_007)).is_err());
         assert!(matches!(
-            check_photon_memory(expected(1001, 600), 0, Some(100_000)),
+            check_photon_memory(expected(1001, 600), 0, Some(120_000)),
             Err(MemoryError::Photons { stored: 1001, .. })
         ));
     }

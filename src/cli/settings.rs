@@ -2,7 +2,7 @@
 
 use super::args::MethodArguments;
 use crate::camera::{Filter, FilterKind};
-use crate::integrate::{ALPHA, Algorithm, CameraPathSettings, FinalGathering, Settings, VolumeEstimate};
+use crate::integrate::{ALPHA, Algorithm, CameraPathSettings, FinalGathering, LightTracing, Settings, VolumeEstimate};
 use crate::photon::Kernel;
 use crate::plan::{Effect, EffectOverrides};
 use clap::ValueEnum;
@@ -43,6 +43,20 @@ impl ValueEnum for FinalGathering {
     }
 }
 
+impl ValueEnum for LightTracing {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[Self::Off, Self::Weighted, Self::Full]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(match self {
+            Self::Off => PossibleValue::new("off").help("Photon estimates carry all caustics"),
+            Self::Weighted => PossibleValue::new("weighted").help("Each pixel weights both techniques"),
+            Self::Full => PossibleValue::new("full").help("Light tracing carries all directly visible caustics"),
+        })
+    }
+}
+
 impl ValueEnum for VolumeEstimate {
     fn value_variants<'a>() -> &'a [Self] {
         &[Self::Beams, Self::BeamRadiance, Self::Points]
@@ -78,6 +92,7 @@ pub(super) fn settings_from_arguments(arguments: &MethodArguments, effects: Effe
         alpha: arguments.alpha.unwrap_or(ALPHA),
         kernel: arguments.kernel,
         volume: arguments.volume,
+        light_tracing: arguments.light_tracing,
         final_gathering: arguments.final_gathering,
     }
 }
@@ -86,7 +101,7 @@ pub(super) fn settings_from_arguments(arguments: &MethodArguments, effects: Effe
 ///
 /// `effects_flag` is the flag for `overrides`: `--effects` or `--simulate`.
 pub(super) fn method_flags(arguments: &MethodArguments, effects_flag: &str, overrides: EffectOverrides) -> Vec<String> {
-    let MethodArguments { kernel, final_gathering, volume, max_bounces, filter, .. } = *arguments;
+    let MethodArguments { kernel, final_gathering, volume, light_tracing, max_bounces, filter, .. } = *arguments;
     let number = |n: Option<u32>| n.map(|n| n.to_string());
     let unless_default = |is: bool, value: String| (!is).then_some(value);
     let named = [
@@ -102,6 +117,7 @@ pub(super) fn method_flags(arguments: &MethodArguments, effects_flag: &str, over
             "--final-gathering",
             unless_default(final_gathering == FinalGathering::default(), value_enum_name(final_gathering)),
         ),
+        ("--light-tracing", unless_default(light_tracing == LightTracing::default(), value_enum_name(light_tracing))),
         ("--volume", unless_default(volume == VolumeEstimate::default(), value_enum_name(volume))),
         (
             "--max-bounces",
@@ -167,7 +183,7 @@ mod tests {
     #[test]
     fn printed_flags_parse_to_the_same_arguments() {
         let all = "--integrator pm --photons 2000 --caustic-photons 30 --spp 3 --gather-k 20 --radius 0.012345679 --alpha 0.7 --kernel cone \
-                   --final-gathering importance --volume beam-radiance --max-bounces 7 --filter mitchell --effects \
+                   --final-gathering importance --volume beam-radiance --light-tracing full --max-bounces 7 --filter mitchell --effects \
                    -caustics,+lens --adaptive";
         let (method, overrides) = parse_render_arguments(all);
         let written = method_flags(&method, "--effects", overrides).join(" ");

@@ -29,7 +29,7 @@ const MAX_DENSITY: f64 = 8.0;
 /// Returns `None` if the pilot's pictures have no noise.
 pub(super) fn find_ray_density(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>> {
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
-    let budget = PassBudget { key, pass: 0, part: PILOT_DIVISOR, limited: true };
+    let budget = PassBudget { key, pass: 0, part: PILOT_DIVISOR, limited: true, connects: false };
     let maps = renderer.map_builder.build_with_budget(&budget, &Silent, &mut Pass::default());
     // Moving objects rest at one time, as in a pass.
     let pilot = renderer.with_one_sample();

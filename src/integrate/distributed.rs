@@ -7,7 +7,7 @@
 //!   surfaces do not light each other.
 
 use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
-use super::settings::Settings;
+use super::settings::{LightTracing, Settings};
 use crate::plan::Effects;
 
 /// Returns the rules of camera paths for distributed ray tracing.
@@ -24,5 +24,6 @@ pub(super) fn policy(effects: Effects, _: &Settings) -> PathPolicy {
         min_throughput: 0.0,
         photons: PhotonLookups::Never,
         shrinking_radii: true,
+        light_tracing: LightTracing::Off,
     }
 }

@@ -7,17 +7,21 @@ use super::radius_law::{RadiusLaw, radius_ratio, shrink};
 use super::radius_pilot::{
     GuidingReports, Radii, VolumeRadii, find_gather_radius, find_volume_radii, min_disc_radius, pilot_path_count,
 };
-use super::settings::{CameraPathSettings, Settings};
+use super::settings::{CameraPathSettings, LightTracing, Settings};
 use super::visible_pilot::find_visible_points;
 use super::volume_estimate::{VolumeEstimate, VolumeMap};
 use crate::photon::{
-    AFTER_CAUSTIC_THINNING, Bandwidth, GuidingPilot, Photon, PhotonMap, PhotonPass, PhotonPassResult, PhotonSource,
-    StoreMask, VolumePhotons,
+    AFTER_CAUSTIC_THINNING, Bandwidth, EstimateShares, GuidingPilot, LightTracer, Photon, PhotonMap, PhotonPass,
+    PhotonPassResult, PhotonSource, StoreMask, VolumePhotons,
 };
 use crate::plan::{Effect, Effects};
 use crate::sampling::{Key, Purpose};
 use crate::scene::Scene;
+use std::sync::Arc;
 use std::time::Instant;
+
+/// Most photon paths of the pilot that finds the shares of photon estimates.
+const MAX_SHARE_PILOT_PATHS: u32 = 1 << 20;
 
 /// Default limit on the photons of a density estimate in the caustic map.
 pub const CAUSTIC_K: u32 = 50;
@@ -87,6 +91,8 @@ pub(super) struct PassBudget {
     pub part: u32,
     /// True if density estimates use a limited number of photons instead of all within the radius.
     pub limited: bool,
+    /// True if light tracing connects caustic photons to the camera.
+    pub connects: bool,
 }
 
 /// Photons of one map before its search structure is built.
@@ -130,6 +136,8 @@ pub(super) struct PhotonMapBuilder<'a> {
     /// Smallest gather radius of the first pass \[length].
     min_radius: f32,
     pub guiding_reports: GuidingReports,
+    /// Shares of photon estimates beside light tracing; `None` without light tracing.
+    estimate_shares: Option<Arc<EstimateShares>>,
 }
 
 impl<'a> PhotonMapBuilder<'a> {
@@ -161,6 +169,7 @@ impl<'a> PhotonMapBuilder<'a> {
             volume_radii: VolumeRadiiPerMap::default(),
             min_radius: 0.0,
             guiding_reports: GuidingReports::default(),
+            estimate_shares: None,
         };
         if builder.has_photons() {
             builder.min_radius = min_disc_radius(scene);
@@ -182,6 +191,7 @@ impl<'a> PhotonMapBuilder<'a> {
         };
         Self {
             settings: self.settings.clone(),
+            estimate_shares: self.estimate_shares.clone(),
             policy: *policy,
             request,
             global_source: keep(&self.global_source, request.global),
@@ -196,6 +206,7 @@ impl<'a> PhotonMapBuilder<'a> {
         PhotonMapBuilder {
             scene,
             settings: self.settings.clone(),
+            estimate_shares: self.estimate_shares.clone(),
             global_source: placed(&self.global_source),
             caustic_source: placed(&self.caustic_source),
             ..*self
@@ -303,6 +314,33 @@ impl<'a> PhotonMapBuilder<'a> {
         self.caustic_source.is_some() || self.global_source.is_some()
     }
 
+    /// True if camera rays leave from all of the lens.
+    fn uses_lens(&self) -> bool {
+        self.policy.effects.has(Effect::Lens)
+    }
+
+    /// Finds the shares of photon estimates beside light tracing, for the current photon counts.
+    pub fn find_estimate_shares(&mut self) {
+        let size = self.scene.camera().size();
+        let Some(source) = self.caustic_source.as_ref().filter(|_| self.request.aimed.caustic) else { return };
+        let shares = match self.policy.light_tracing {
+            LightTracing::Off => return,
+            LightTracing::Full => EstimateShares::uniform(0, size),
+            LightTracing::Weighted => {
+                let paths = self.counts.caustic_photons.min(MAX_SHARE_PILOT_PATHS);
+                let camera_paths = &self.settings.camera_paths;
+                let max_bounces = camera_paths.max_bounces;
+                let photon_pass = PhotonPass { scene: self.scene, source, mask: StoreMask::CAUSTIC, max_bounces };
+                let key = Key::new(camera_paths.seed).purpose_key(Purpose::EstimateShares);
+                let light_tracer = LightTracer::new(self.scene, self.uses_lens(), None);
+                let traced = photon_pass.trace_and_connect(key, paths, Some(&light_tracer), &|_| {});
+                let ratio = f64::from(self.counts.caustic_photons) / f64::from(paths.max(1));
+                EstimateShares::from_splats(&traced.deposits.splats, size, ratio)
+            }
+        };
+        self.estimate_shares = Some(Arc::new(shares));
+    }
+
     /// Estimates how many photons a pass stores, by tracing few paths.
     pub fn expected(&self) -> Expected {
         let settings = &self.settings;
@@ -336,7 +374,7 @@ impl<'a> PhotonMapBuilder<'a> {
     /// Traces the photons of pass `pass` and builds its maps. Adds ray counts and times to `out`.
     pub fn build(&self, pass: u32, monitor: &dyn Monitor, out: &mut Pass) -> PhotonMaps<'a> {
         let key = Key::new(self.settings.camera_paths.seed);
-        self.build_with_budget(&PassBudget { key, pass, part: 1, limited: true }, monitor, out)
+        self.build_with_budget(&PassBudget { key, pass, part: 1, limited: true, connects: true }, monitor, out)
     }
 
     /// Traces photons within `budget` and builds their maps. Adds ray counts and times to `out`.
@@ -353,11 +391,14 @@ impl<'a> PhotonMapBuilder<'a> {
         let radii = self.radii.unwrap_or(Radii { global: 1.0, caustic: 1.0 });
 
         // Trace the paths aimed at casters, and index the caustic map.
+        let shares = self.estimate_shares.as_deref().filter(|_| budget.connects);
+        let light_tracer = shares.map(|shares| LightTracer::new(self.scene, self.uses_lens(), Some(shares)));
         let aimed = self.trace_photons(
             self.caustic_source.as_ref(),
             self.request.aimed,
             counts.caustic_photons,
             key(Purpose::CausticPhotons),
+            light_tracer.as_ref(),
             monitor,
             out,
         );
@@ -373,7 +414,8 @@ impl<'a> PhotonMapBuilder<'a> {
         };
         let caustic_radii = MapRadii { surface: radii.caustic, volume: self.volume_radii.caustic };
         let caustic_photons = MapPhotons { surface: aimed.deposits.photons, volume: aimed.deposits.volume };
-        let caustic = index(caustic_photons, caustic_radii, caustic_k, out);
+        let mut caustic = index(caustic_photons, caustic_radii, caustic_k, out);
+        caustic.has_estimate_shares = light_tracer.is_some();
 
         // Trace the paths of the global map, unless the aimed paths hold its light.
         let global_photons = if self.request.aimed.separates_after_caustic {
@@ -384,6 +426,7 @@ impl<'a> PhotonMapBuilder<'a> {
                 self.request.global,
                 counts.photons,
                 key(Purpose::GlobalPhotons),
+                None,
                 monitor,
                 out,
             );
@@ -401,6 +444,7 @@ impl<'a> PhotonMapBuilder<'a> {
                 StoreMask::GLOBAL,
                 paths,
                 key(Purpose::GatherRayGuides),
+                None,
                 monitor,
                 out,
             )
@@ -409,7 +453,7 @@ impl<'a> PhotonMapBuilder<'a> {
         } else {
             Vec::new()
         };
-        PhotonMaps { guides: PhotonMap::build(guides), caustic, global }
+        PhotonMaps { guides: PhotonMap::build(guides), caustic, global, splats: aimed.deposits.splats }
     }
 
     /// Builds the search structures of `photons` for pass `budget.pass`.
@@ -435,7 +479,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let shrunk_k = (f64::from(limit) * area).round().max(MIN_K) as u32;
         let bandwidth = Bandwidth { radius: radii.surface * area.sqrt() as f32, k: shrunk_k.min(limit) };
         let map = PhotonMap::build(photons.surface).with_min_radius(self.min_radius * area.sqrt() as f32);
-        PhotonEstimator { scene: self.scene, map, bandwidth, kernel, volume }
+        PhotonEstimator { scene: self.scene, map, bandwidth, kernel, volume, has_estimate_shares: false }
     }
 
     fn trace_photons(
@@ -444,6 +488,7 @@ impl<'a> PhotonMapBuilder<'a> {
         mask: StoreMask,
         paths: u32,
         key: Key,
+        light_tracer: Option<&LightTracer<'_>>,
         monitor: &dyn Monitor,
         out: &mut Pass,
     ) -> PhotonPassResult {
@@ -452,7 +497,7 @@ impl<'a> PhotonMapBuilder<'a> {
         monitor.begin(Stage::Photons, u64::from(paths));
         let (mask, max_bounces) = (self.with_volume_storage(mask), self.settings.camera_paths.max_bounces);
         let photon_pass = PhotonPass { scene: self.scene, source, mask, max_bounces };
-        let traced = photon_pass.trace(key, paths, &|n| monitor.advance(n));
+        let traced = photon_pass.trace_and_connect(key, paths, light_tracer, &|n| monitor.advance(n));
         out.counters.photon_rays += traced.rays;
         out.counters.rejected_photons += traced.deposits.rejected;
         out.seconds.photons += start.elapsed().as_secs_f64();

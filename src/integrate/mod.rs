@@ -46,5 +46,5 @@ pub use nested_estimates::{MeanGatherDisc, NestedEstimates};
 pub use pass::{Expected, Monitor, Pass, PhotonReport, Seconds, Silent, Stage};
 pub use radius_law::{ALPHA, RadiusLaw, shrink};
 pub use radius_pilot::{GuidingReports, Radii};
-pub use settings::{CameraPathSettings, FinalGathering, Settings};
+pub use settings::{CameraPathSettings, FinalGathering, LightTracing, Settings};
 pub use volume_estimate::VolumeEstimate;

@@ -6,7 +6,7 @@
 //!   continues in a direction sampled from the BSDF. The balance heuristic combines both.
 
 use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
-use super::settings::Settings;
+use super::settings::{LightTracing, Settings};
 use crate::plan::{Effect, Effects};
 
 /// Returns the rules of camera paths for path tracing.
@@ -24,5 +24,6 @@ pub(super) fn policy(effects: Effects, _: &Settings) -> PathPolicy {
         min_throughput: 0.0,
         photons: PhotonLookups::Never,
         shrinking_radii: true,
+        light_tracing: LightTracing::Off,
     }
 }

@@ -12,6 +12,7 @@ use super::radius_pilot::{GuidingReports, Radii};
 use super::settings::Settings;
 use super::tiles::{self, FilmSampling};
 use super::work_pilot::{find_balance, measure_work};
+use crate::photon::add_splats;
 use crate::plan::{Effects, Plan};
 use crate::sampling::{Dimension, Key, Purpose};
 use crate::scene::{Scene, for_interior};
@@ -44,7 +45,8 @@ impl Integrator for PathIntegrator<'_> {
 
         // Trace and index photons.
         let map_builder = &renderer.map_builder;
-        let maps = map_builder.has_photons().then(|| map_builder.build(pass, monitor, &mut out));
+        let mut maps = map_builder.has_photons().then(|| map_builder.build(pass, monitor, &mut out));
+        let splats = maps.as_mut().map(|maps| std::mem::take(&mut maps.splats)).unwrap_or_default();
 
         // Trace camera paths.
         let start = Instant::now();
@@ -57,6 +59,12 @@ impl Integrator for PathIntegrator<'_> {
         let picture = render(&renderer.film_sampling(), renderer.camera_key(pass), monitor);
         (out.image, out.nested) = (picture.image, picture.nested);
         out.counters += picture.counters;
+
+        // Add the light that photons sent to the camera.
+        if !splats.is_empty() {
+            let (width, _) = renderer.scene.camera().size();
+            add_splats(splats, &renderer.settings.camera_paths.filter, width, &mut out.image);
+        }
 
         // Trace some tiles by fresh paths if passes share theirs.
         if let Some((sampling, key)) = renderer.fresh_tiles(pass) {
@@ -128,6 +136,9 @@ impl<'a> PathIntegrator<'a> {
             counts.photons = photons.unwrap_or(counts.photons);
             counts.caustic_photons = caustic_photons.unwrap_or(counts.caustic_photons);
         }
+
+        // Divide directly visible caustics between photon estimates and light tracing.
+        renderer.map_builder.find_estimate_shares();
 
         // Distribute camera rays over the pixels.
         renderer.density = if settings.camera_paths.adaptive { find_ray_density(&renderer) } else { None };

@@ -1,13 +1,14 @@
 //! Photon maps of a pass, and radiance estimates from them.
 
 use super::nested_estimates::GatherDiscSum;
-use super::vertex::{MediumVertex, PathVertex};
+use super::vertex::{MediumVertex, PathHistory, PathVertex};
 use super::volume_estimate::{VolumeMap, wavelength_overlap};
 use super::worker::PathWorker;
 use crate::bsdf::TransportMode;
 use crate::color::Rgb;
 use crate::photon::{
-    Bandwidth, Kernel, NestedRadianceEstimate, PhotonData, PhotonMap, Scratch, disc_coverage, nested_disc_coverage,
+    Bandwidth, Kernel, NestedRadianceEstimate, PhotonData, PhotonMap, Scratch, Splat, disc_coverage,
+    nested_disc_coverage,
 };
 use crate::scene::{Interior, Scene};
 use rand::Rng;
@@ -20,6 +21,8 @@ pub(super) struct PhotonEstimator<'a> {
     pub kernel: Kernel,
     /// Photons in media.
     pub volume: VolumeMap,
+    /// True if light tracing carries part of the light of directly visible surfaces.
+    pub has_estimate_shares: bool,
 }
 
 /// Photon maps that one lookup reads.
@@ -42,6 +45,8 @@ pub(super) struct PhotonMaps<'a> {
     pub global: PhotonEstimator<'a>,
     /// Photons of a few paths. Their directions guide gather rays.
     pub guides: PhotonMap,
+    /// Light that caustic photons send to the camera; empty without light tracing.
+    pub splats: Vec<Splat>,
 }
 
 impl PhotonMaps<'_> {
@@ -107,8 +112,13 @@ impl PhotonEstimator<'_> {
         let surface = vertex.surface;
         let ns = if surface.wo.dot(surface.point.ng) < 0.0 { -surface.point.ns } else { surface.point.ns };
         let wavelength = vertex.interior.wavelength();
+        let is_shared = self.has_estimate_shares && vertex.history == PathHistory::default();
         let brdf = |photon: &PhotonData| {
-            let brdf = surface.bsdf.evaluate(surface.wo, photon.incident_direction(), ns, ns, TransportMode::Radiance);
+            let mut brdf =
+                surface.bsdf.evaluate(surface.wo, photon.incident_direction(), ns, ns, TransportMode::Radiance);
+            if is_shared {
+                brdf *= photon.estimate_share();
+            }
             if I::SPECTRAL {
                 brdf * wavelength_overlap(wavelength, photon.wavelength(), self.volume.band)
             } else {

@@ -10,7 +10,7 @@
 //!     the blur of the global map. A path continues where a gather ray is too short for that.
 
 use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
-use super::settings::{FinalGathering, Settings};
+use super::settings::{FinalGathering, LightTracing, Settings};
 use crate::plan::{Effect, Effects};
 
 /// Returns the rules of camera paths for photon mapping with fixed radii.
@@ -44,5 +44,6 @@ pub(super) fn policy(effects: Effects, settings: &Settings) -> PathPolicy {
         min_throughput: 0.0,
         photons,
         shrinking_radii: false,
+        light_tracing: LightTracing::Off,
     }
 }

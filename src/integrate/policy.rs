@@ -4,7 +4,7 @@
 //! from the simulated effects. The policy also decides which photon maps are built: see
 //! [`PathPolicy::photon_maps`].
 
-use super::settings::Settings;
+use super::settings::{LightTracing, Settings};
 use crate::photon::StoreMask;
 use crate::plan::{Effect, Effects};
 
@@ -36,6 +36,8 @@ pub(super) struct PathPolicy {
     pub photons: PhotonLookups,
     /// True if gather radii shrink from pass to pass.
     pub shrinking_radii: bool,
+    /// How directly visible caustics are divided between photon estimates and light tracing.
+    pub light_tracing: LightTracing,
 }
 
 /// Number and targets of the shadow rays of next-event estimation.

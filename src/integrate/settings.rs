@@ -64,6 +64,8 @@ pub struct Settings {
     pub alpha: f64,
     /// Kernel of photon density estimates.
     pub kernel: Kernel,
+    /// Light tracing of [`Algorithm::Hybrid`](super::Algorithm::Hybrid).
+    pub light_tracing: LightTracing,
     /// Estimator of photon light in media.
     pub volume: VolumeEstimate,
     /// Final gathering of [`Algorithm::Pm`](super::Algorithm::Pm).
@@ -83,6 +85,18 @@ pub enum FinalGathering {
     Importance,
 }
 
+/// Division of directly visible caustics between photon estimates and light tracing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LightTracing {
+    /// Photon estimates carry all of it.
+    Off,
+    /// A pilot finds the share of each technique for each pixel.
+    #[default]
+    Weighted,
+    /// Light tracing carries all of it.
+    Full,
+}
+
 impl Default for Settings {
     fn default() -> Self {
         Self {
@@ -94,6 +108,7 @@ impl Default for Settings {
             radius: None,
             alpha: ALPHA,
             kernel: Kernel::default(),
+            light_tracing: LightTracing::default(),
             volume: VolumeEstimate::default(),
             final_gathering: FinalGathering::default(),
         }

@@ -9,7 +9,7 @@
 //!   estimation and reads both maps. Gather radii shrink from pass to pass.
 
 use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
-use super::settings::Settings;
+use super::settings::{LightTracing, Settings};
 use crate::plan::Effects;
 
 /// Returns the rules of camera paths for stochastic progressive photon mapping.
@@ -26,5 +26,6 @@ pub(super) fn policy(effects: Effects, _: &Settings) -> PathPolicy {
         min_throughput: 0.0,
         photons: PhotonLookups::FirstReceiver,
         shrinking_radii: true,
+        light_tracing: LightTracing::Off,
     }
 }

@@ -4,7 +4,7 @@ use super::camera_path::PathContext;
 use super::film_points::trace_points;
 use super::nee::NextEventEstimator;
 use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
-use super::settings::CameraPathSettings;
+use super::settings::{CameraPathSettings, LightTracing};
 use crate::math::Bounds;
 use crate::photon::{VisiblePoint, VisiblePointMap};
 use crate::plan::Effects;
@@ -58,5 +58,6 @@ fn policy(effects: Effects) -> PathPolicy {
         min_throughput: 0.0,
         photons: PhotonLookups::RecordVisible,
         shrinking_radii: true,
+        light_tracing: LightTracing::Off,
     }
 }

@@ -7,7 +7,7 @@
 //!   it is too deep or too faint.
 
 use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
-use super::settings::Settings;
+use super::settings::{LightTracing, Settings};
 use crate::plan::Effects;
 
 /// Throughput below which a branch ends: one level of an 8-bit picture.
@@ -27,5 +27,6 @@ pub(super) fn policy(effects: Effects, _: &Settings) -> PathPolicy {
         min_throughput: MIN_THROUGHPUT,
         photons: PhotonLookups::Never,
         shrinking_radii: true,
+        light_tracing: LightTracing::Off,
     }
 }

@@ -35,7 +35,8 @@ pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
     let counts = renderer.map_builder.counts;
     let build = |trial| {
         let mut out = Pass::default();
-        let budget = PassBudget { key: key.trial_key(trial), pass: 0, part: PILOT_DIVISOR, limited: false };
+        let budget =
+            PassBudget { key: key.trial_key(trial), pass: 0, part: PILOT_DIVISOR, limited: false, connects: false };
         (renderer.map_builder.build_with_budget(&budget, &Silent, &mut out), out)
     };
     let ((mut maps, made), (mut other_maps, _)) = (build(0), build(1));
@@ -102,7 +103,7 @@ pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
 pub(super) fn measure_work(renderer: &PassRenderer<'_>) -> Counters {
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
     let mut out = Pass::default();
-    let budget = PassBudget { key, pass: 0, part: PILOT_DIVISOR, limited: true };
+    let budget = PassBudget { key, pass: 0, part: PILOT_DIVISOR, limited: true, connects: true };
     let maps = renderer.map_builder.build_with_budget(&budget, &Silent, &mut out);
     let counters = estimate_at_points(renderer, Some(&maps), &pilot_film_points(renderer.scene, key, 0)).counters;
     let Counters { continuation_rays, shadow_rays, gathers, gathered_photons, .. } = counters;

@@ -4,7 +4,7 @@ use super::{Photon, PhotonBeam, PhotonKind, PhotonPass, VolumePhoton};
 use crate::color::{Rgb, Wavelength};
 use crate::math::Ray;
 use crate::scene::SurfaceInteraction;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// Optical depth at which an infinitely long beam is cut; 2·10⁻⁹ of its flux is left there.
 const MAX_OPTICAL_DEPTH: f32 = 20.0;
@@ -53,6 +53,8 @@ pub struct Deposits {
     pub after_caustic_volume: VolumePhotons,
     /// Number of photons not stored because flux or position was not finite, or flux was negative.
     pub rejected: u64,
+    /// Light that caustic photons send to the camera, if light tracing is on.
+    pub splats: Vec<Splat>,
 }
 
 impl Deposits {
@@ -73,7 +75,9 @@ impl Deposits {
         let mut all = Self::default();
         all.photons.reserve_exact(chunks.iter().map(|chunk| chunk.photons.len()).sum());
         all.after_caustic.reserve_exact(chunks.iter().map(|chunk| chunk.after_caustic.len()).sum());
+        all.splats.reserve_exact(chunks.iter().map(|chunk| chunk.splats.len()).sum());
         for chunk in chunks {
+            all.splats.extend_from_slice(&chunk.splats);
             all.photons.extend_from_slice(&chunk.photons);
             all.after_caustic.extend_from_slice(&chunk.after_caustic);
             all.volume.extend(chunk.volume);
@@ -95,9 +99,14 @@ impl Deposits {
         let flux = deposit.flux;
         let code = deposit.wavelength.map_or(0, Wavelength::byte_code);
         let stored = match deposit.place {
-            DepositPlace::Surface(surface) => {
+            DepositPlace::Surface(surface, share) => {
                 let photon = Photon::new(surface.point.p, flux, surface.wo, surface.facing_normal());
-                photon.map(|photon| photons.push(photon.with_wavelength(code)))
+                let photon = photon.map(|photon| photon.with_wavelength(code));
+                photon.map(|photon| photons.push(share.map_or(photon, |steps| photon.with_estimate_share(steps))))
+            }
+            DepositPlace::Film(film) => {
+                let is_valid = flux.is_finite() && flux != Rgb::ZERO;
+                is_valid.then(|| self.splats.push(Splat { film, radiance: flux }))
             }
             DepositPlace::Beam { ray, medium } => {
                 let length = beam_length(pass, ray, medium);
@@ -114,6 +123,15 @@ impl Deposits {
     }
 }
 
+/// Light that a photon path sends to the camera from one vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Splat {
+    /// Film position \[pixels from the top left].
+    pub film: Vec2,
+    /// Integral over film area of the radiance that the splat stands for \[W/(m² sr)·pixel²].
+    pub radiance: Rgb,
+}
+
 /// Flux that a photon path deposits on a surface or in a medium.
 pub(super) struct Deposit<'a> {
     /// History of the path.
@@ -128,8 +146,11 @@ pub(super) struct Deposit<'a> {
 
 /// Surface point, beam or medium point where a photon path deposits flux.
 pub(super) enum DepositPlace<'a> {
-    /// A point on a surface.
-    Surface(&'a SurfaceInteraction<'a>),
+    /// A point on a surface. If light tracing carries part of the light, the share of estimates in
+    /// steps of 1/[`SHARE_STEPS`](super::record::SHARE_STEPS).
+    Surface(&'a SurfaceInteraction<'a>, Option<u8>),
+    /// A film position \[pixels from the top left], where a splat is recorded.
+    Film(Vec2),
     /// A path segment through a homogeneous medium.
     Beam {
         /// The segment, with unit direction.

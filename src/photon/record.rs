@@ -27,6 +27,12 @@ impl PackedFlux {
         Some(Self { sum, red: fraction(flux.x), green: fraction(flux.y) })
     }
 
+    /// Stores `steps` below 16 in the lowest bits of the sum: a relative change of at most 2⁻²⁰.
+    #[inline]
+    fn with_steps(self, steps: u8) -> Self {
+        Self { sum: f32::from_bits(self.sum.to_bits() & !15 | u32::from(steps)), ..self }
+    }
+
     /// The flux \[W].
     #[inline]
     pub fn flux(self) -> Rgb {
@@ -88,6 +94,19 @@ impl Photon {
     }
 }
 
+impl Photon {
+    /// Returns the photon with the share of its flux that estimates use where light tracing carries
+    /// the rest, in steps of 1/[`SHARE_STEPS`].
+    #[inline]
+    #[must_use]
+    pub fn with_estimate_share(self, steps: u8) -> Self {
+        Self { data: PhotonData { flux: self.data.flux.with_steps(steps), ..self.data }, ..self }
+    }
+}
+
+/// Steps of the share of estimates, which a photon stores in four bits.
+pub(super) const SHARE_STEPS: u8 = 15;
+
 /// Scale of normals that are stored as 8-bit integers.
 const NORMAL_SCALE: f32 = 127.0;
 
@@ -124,6 +143,14 @@ impl PhotonData {
     #[must_use]
     pub fn flux(&self) -> Rgb {
         self.flux.flux()
+    }
+
+    /// Share of the flux that estimates use where light tracing carries the rest. Meaningful only
+    /// after [`Photon::with_estimate_share`].
+    #[inline]
+    #[must_use]
+    pub fn estimate_share(&self) -> f32 {
+        (self.flux.sum.to_bits() & 15) as f32 * (1.0 / SHARE_STEPS as f32)
     }
 
     /// Byte code of the wavelength; 0 if the photon carries all wavelengths.

@@ -2,6 +2,7 @@
 
 use super::audit::add_flux;
 use super::deposits::{Deposit, DepositPlace};
+use super::light_tracing::LightTracer;
 use super::{AFTER_CAUSTIC_THINNING, Deposits, EnergyAudit, PhotonKind, PhotonSource, StoreMask};
 use crate::bsdf::{TransportMode, photon_deposit_factor};
 use crate::color::{self, Rgb};
@@ -56,13 +57,26 @@ impl PhotonPass<'_> {
     /// Calls `done` after each chunk with its number of paths, from any thread. The result does not
     /// depend on the number of threads: chunks have a fixed size and are joined in order.
     pub fn trace(&self, pass_key: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> PhotonPassResult {
-        for_interior!(self.source, <I> self.trace_with_interior::<I>(pass_key, paths, done))
+        self.trace_and_connect(pass_key, paths, None, done)
+    }
+
+    /// Works like [`PhotonPass::trace`]; `light_tracer` also connects caustic photons to the
+    /// camera.
+    pub fn trace_and_connect(
+        &self,
+        pass_key: Key,
+        paths: u32,
+        light_tracer: Option<&LightTracer<'_>>,
+        done: &(dyn Fn(u64) + Sync),
+    ) -> PhotonPassResult {
+        for_interior!(self.source, <I> self.trace_with_interior::<I>(pass_key, paths, light_tracer, done))
     }
 
     fn trace_with_interior<I: Interior>(
         &self,
         pass_key: Key,
         paths: u32,
+        light_tracer: Option<&LightTracer<'_>>,
         done: &(dyn Fn(u64) + Sync),
     ) -> PhotonPassResult {
         let chunks: Vec<(Deposits, PathTally)> = (0..paths.div_ceil(CHUNK))
@@ -74,7 +88,7 @@ impl PhotonPass<'_> {
                 for index in range {
                     if let Some((ray, flux)) = self.source.emit::<I>(pass_key, index, paths) {
                         let key = pass_key.path_key(index);
-                        self.follow_photon_path(ray, flux, key, &mut tally, |deposit| {
+                        self.follow_photon_path(ray, flux, key, light_tracer, &mut tally, |deposit| {
                             deposits.store_deposit(self, &deposit)
                         });
                     }
@@ -103,6 +117,7 @@ impl PhotonPass<'_> {
         mut ray: PathRay<I>,
         mut flux: Rgb,
         path: Key,
+        light_tracer: Option<&LightTracer<'_>>,
         tally: &mut PathTally,
         mut deposit: impl FnMut(Deposit<'_>),
     ) {
@@ -155,7 +170,10 @@ impl PhotonPass<'_> {
             {
                 let flux = flux * photon_deposit_factor(surface.wo, surface.point.ns, surface.point.ng);
                 let wavelength = ray.interior.wavelength();
-                deposit(Deposit { kind, place: DepositPlace::Surface(surface), flux, wavelength });
+                let share = light_tracer
+                    .filter(|_| kind == PhotonKind::Caustic)
+                    .map(|tracer| tracer.connect(surface, flux, &ray, key, rays, &mut deposit));
+                deposit(Deposit { kind, place: DepositPlace::Surface(surface, share), flux, wavelength });
             }
 
             // Stop if no stored kind can follow.

@@ -17,6 +17,7 @@
 //! | purpose `Camera` | `Key::fresh_paths_key` | pass + 1 | never the 0 of shared paths |
 //! | pass, round | `Key::path_key` | path | one per photon path |
 //! | path | `Key::bounce_key` | bounce | one per vertex of a photon path |
+//! | vertex of a photon path | `Key::camera_connection_key` | 1 | the only child of its parent |
 //! | pass of `Camera` | `Key::pixel_key` | y · 2³² + x | one per pixel |
 //! | pixel | `Sampler::next_vertex_sampler` | 2 · bounce + transmitted | two branches per split |
 //! | vertex | `Sampler::shadow_ray_sampler` | pass · 2³² | other dimensions than the next vertex |
@@ -59,6 +60,8 @@ pub enum Purpose {
     RayPhotonBalance,
     /// Shutter times of passes.
     Shutter,
+    /// Pilot simulation that divides caustics between photon estimates and light tracing.
+    EstimateShares,
 }
 
 /// Random decision at one vertex of a path; each has its own random numbers.
@@ -159,6 +162,13 @@ impl Key {
     #[must_use]
     pub fn bounce_key(self, bounce: u32) -> Self {
         self.child_key(u64::from(bounce))
+    }
+
+    /// Key of the connection of a photon to the camera.
+    #[inline]
+    #[must_use]
+    pub fn camera_connection_key(self) -> Self {
+        self.child_key(1)
     }
 
     /// Key of the pixel in column `x`, row `y`.

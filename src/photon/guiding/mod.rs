@@ -130,8 +130,8 @@ impl PhotonSource<'_> {
             let point = self.primary_emission_sample(key, index, paths);
             let mut square = 0.0;
             if let Some((ray, flux)) = self.start_path::<I>(&point) {
-                pass.follow_photon_path(ray, flux, key.path_key(index), &mut tally, |deposit: Deposit<'_>| {
-                    let DepositPlace::Surface(surface) = deposit.place else { return };
+                pass.follow_photon_path(ray, flux, key.path_key(index), None, &mut tally, |deposit: Deposit<'_>| {
+                    let DepositPlace::Surface(surface, _) = deposit.place else { return };
                     let flux = f64::from(color::channel_mean(deposit.flux));
                     let importance = pilot.visible.importance(surface.point.p, surface.facing_normal(), &mut scratch);
                     square += flux * flux * f64::from(importance);

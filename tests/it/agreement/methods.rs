@@ -3,7 +3,7 @@
 use caustica::camera::{Filter, FilterKind};
 use caustica::color::Rgb;
 use caustica::integrate::{
-    ALPHA, Algorithm, CameraPathSettings, FinalGathering, Integrator, Settings, Silent, VolumeEstimate,
+    ALPHA, Algorithm, CameraPathSettings, FinalGathering, Integrator, LightTracing, Settings, Silent, VolumeEstimate,
 };
 use caustica::photon::Kernel;
 use caustica::scene::Scene;
@@ -78,6 +78,7 @@ fn prepare<'a>(method: Method, scene: &'a Scene, effort: Effort, i: u32) -> Box<
         radius: Some(effort.radius as f32),
         alpha: ALPHA,
         kernel: Kernel::Epanechnikov,
+        light_tracing: LightTracing::Weighted,
         volume: match method {
             Method::SppmBeamRadiance => VolumeEstimate::BeamRadiance,
             Method::SppmPoints => VolumeEstimate::Points,

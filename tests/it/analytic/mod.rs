@@ -16,6 +16,7 @@ mod furnace;
 mod invariance;
 mod irradiance;
 mod lens;
+mod light_tracing;
 mod media;
 mod nephroid;
 mod plates;

@@ -1,0 +1,223 @@
+//! Light tracing: connects photon paths to the camera and splats their light on the film.
+//!
+//! A caustic on a surface that the camera sees directly can be found in two ways. A photon estimate
+//! blurs it over the estimate's disc. A connection of the photon to the camera does not blur, but
+//! it is noisy where few photons fall in a pixel. Each photon therefore gives one share of its flux
+//! to estimates and the rest to its splat. The share is a function of the film position alone, so
+//! every light path counts once.
+//!
+//! Method: Veach 1997, section 10.3; the shares take the place of multiple importance sampling
+//! weights (Georgiev et al. 2012).
+
+use super::PhotonKind;
+use super::deposits::{Deposit, DepositPlace, Splat};
+use super::record::SHARE_STEPS;
+use crate::bsdf::TransportMode;
+use crate::camera::{Camera, CameraConnection, Filter};
+use crate::color::{self, Rgb};
+use crate::math::Ray;
+use crate::sampling::{Dimension, Key};
+use crate::scene::{Interior, PathRay, Scene, SurfaceInteraction};
+use glam::{DVec3, Vec2};
+use rayon::prelude::*;
+
+/// Photons per pixel and pass at which estimates and splats get equal shares.
+///
+/// With fewer photons, a splat is noisier than an estimate.
+const EQUAL_SHARE_COUNT: f64 = 10.0;
+
+/// Share of its flux that a photon gives to estimates, for each pixel of the film.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct EstimateShares {
+    width: u32,
+    height: u32,
+    /// Shares in steps of 1/[`SHARE_STEPS`], by rows from the top.
+    steps: Vec<u8>,
+}
+
+impl EstimateShares {
+    /// Shares that follow the numbers of photons per pixel in `splats` of one photon pass.
+    ///
+    /// `ratio` is the number of photon paths of a pass over those of `splats`. The splat's part is
+    /// n²/(n² + 10²), where n is the effective number of photons per pixel in the neighbourhood of
+    /// 3 × 3 pixels. The power 2 keeps the heavy tail of estimates out of foci.
+    #[must_use]
+    pub fn from_splats(splats: &[Splat], (width, height): (u32, u32), ratio: f64) -> Self {
+        let index = |x: u32, y: u32| y as usize * width as usize + x as usize;
+        let mut sums = vec![(0.0, 0.0); width as usize * height as usize];
+        for splat in splats {
+            if let Some((x, y)) = pixel_of(splat.film, width, height) {
+                let value = f64::from(color::channel_mean(splat.radiance));
+                let sum = &mut sums[index(x, y)];
+                *sum = (sum.0 + value, sum.1 + value * value);
+            }
+        }
+        let share = |x: u32, y: u32| {
+            let (columns, rows) = (x.saturating_sub(1)..width.min(x + 2), y.saturating_sub(1)..height.min(y + 2));
+            let pixels = (columns.len() * rows.len()) as f64;
+            let (sum, squares) = rows
+                .flat_map(|y| columns.clone().map(move |x| index(x, y)))
+                .fold((0.0, 0.0), |(sum, squares), i| (sum + sums[i].0, squares + sums[i].1));
+            let count = if squares > 0.0 { ratio * sum * sum / squares / pixels } else { 0.0 };
+            let share = 1.0 / (1.0 + (count / EQUAL_SHARE_COUNT).powi(2));
+            (share * f64::from(SHARE_STEPS)).round() as u8
+        };
+        let steps = (0..height).flat_map(|y| (0..width).map(move |x| share(x, y))).collect();
+        Self { width, height, steps }
+    }
+
+    /// The same share for the whole film, in steps of 1/15.
+    #[must_use]
+    pub fn uniform(steps: u8, (width, height): (u32, u32)) -> Self {
+        Self { width, height, steps: vec![steps.min(SHARE_STEPS); width as usize * height as usize] }
+    }
+
+    /// Share at a film position in steps of 1/[`SHARE_STEPS`]; all of it outside the film.
+    #[inline]
+    fn steps_at(&self, film: Vec2) -> u8 {
+        pixel_of(film, self.width, self.height)
+            .map_or(SHARE_STEPS, |(x, y)| self.steps[y as usize * self.width as usize + x as usize])
+    }
+}
+
+/// Column and row of the pixel around a film position; `None` outside the film.
+#[inline]
+fn pixel_of(film: Vec2, width: u32, height: u32) -> Option<(u32, u32)> {
+    let inside = film.cmpge(Vec2::ZERO).all() && film.x < width as f32 && film.y < height as f32;
+    inside.then_some((film.x as u32, film.y as u32))
+}
+
+/// Connects caustic photons to the camera of a scene.
+#[derive(Clone, Copy, Debug)]
+pub struct LightTracer<'a> {
+    scene: &'a Scene,
+    camera: &'a Camera,
+    /// True if rays leave from all of the lens.
+    lens: bool,
+    /// True if connections pass some bodies.
+    has_null_interfaces: bool,
+    /// `None` gives all flux to both techniques, for a pilot.
+    shares: Option<&'a EstimateShares>,
+}
+
+impl<'a> LightTracer<'a> {
+    /// Light tracer for the camera of `scene`; `lens` is true if camera rays leave from all of the
+    /// lens.
+    #[must_use]
+    pub fn new(scene: &'a Scene, lens: bool, shares: Option<&'a EstimateShares>) -> Self {
+        let has_null_interfaces = scene.bodies().any(|body| body.null_interface);
+        Self { scene, camera: scene.camera(), lens, has_null_interfaces, shares }
+    }
+
+    /// Deposits the splat of a caustic photon that arrives at `surface` with `flux` \[W]. Returns
+    /// the share of the photon for estimates, in steps of 1/[`SHARE_STEPS`].
+    ///
+    /// `path_ray` has arrived at the surface; `key` is that of the vertex.
+    pub(super) fn connect<I: Interior>(
+        &self,
+        surface: &SurfaceInteraction<'_>,
+        flux: Rgb,
+        path_ray: &PathRay<I>,
+        key: Key,
+        rays: &mut u64,
+        deposit: &mut impl FnMut(Deposit<'_>),
+    ) -> u8 {
+        let p = surface.point.p;
+        // The share must not depend on the lens sample: it belongs to a position on the surface.
+        let Some(central) = self.camera.connect(p, None) else { return SHARE_STEPS };
+        let share = self.shares.map_or(SHARE_STEPS, |shares| shares.steps_at(central.film));
+        let splat_share = match self.shares {
+            None => 1.0,
+            Some(_) => 1.0 - f32::from(share) / f32::from(SHARE_STEPS),
+        };
+        if splat_share == 0.0 {
+            return share;
+        }
+        let connection = if self.lens && self.camera.lens().is_some() {
+            self.camera.connect(p, Some(key.uniform_2d(Dimension::Lens)))
+        } else {
+            Some(central)
+        };
+        if let Some(connection) = connection {
+            let radiance = splat_share * flux * self.camera_factor(surface, &connection);
+            if radiance != Rgb::ZERO {
+                *rays += 1;
+                let radiance = radiance * self.transmittance(surface, &connection, path_ray, key);
+                let place = DepositPlace::Film(connection.film);
+                deposit(Deposit { kind: PhotonKind::Caustic, place, flux: radiance, wavelength: None });
+            }
+        }
+        share
+    }
+
+    /// Factor from flux at `surface` to radiance times film area \[pixel²/(m² sr)], without
+    /// visibility.
+    fn camera_factor(&self, surface: &SurfaceInteraction<'_>, connection: &CameraConnection) -> Rgb {
+        let cosine = connection.direction.dot(surface.facing_normal());
+        if cosine <= 0.0 {
+            return Rgb::ZERO;
+        }
+        let ns = if surface.wo.dot(surface.point.ng) < 0.0 { -surface.point.ns } else { surface.point.ns };
+        let brdf = surface.bsdf.evaluate(connection.direction, surface.wo, ns, ns, TransportMode::Radiance);
+        brdf * (cosine * connection.importance)
+    }
+
+    /// Transmittance between `surface` and the camera; 0 if a surface blocks it.
+    fn transmittance<I: Interior>(
+        &self,
+        surface: &SurfaceInteraction<'_>,
+        connection: &CameraConnection,
+        path_ray: &PathRay<I>,
+        key: Key,
+    ) -> Rgb {
+        let ray = surface.spawn_ray_to(connection.origin, connection.direction);
+        let is_occluded = self.scene.occluded(&ray);
+        if is_occluded && !self.has_null_interfaces {
+            return Rgb::ZERO;
+        }
+        let key = key.camera_connection_key();
+        let mut leaving = *path_ray;
+        leaving.leave_surface(surface, connection.direction, false);
+        if is_occluded {
+            return self.scene.shadow_transmittance(&ray, leaving.interior, key);
+        }
+        let distance = (connection.origin - surface.point.p).length();
+        let unit = Ray { t_max: distance, ..Ray::new(surface.point.p, connection.direction) };
+        self.scene.interior_transmittance(&unit, &leaving.interior, key)
+    }
+}
+
+/// Adds `splats` through `filter` to the pixels of an image, by rows from the top \[W/(m² sr)].
+///
+/// The sums do not depend on the number of threads: each row adds its splats in a fixed order.
+pub fn add_splats(mut splats: Vec<Splat>, filter: &Filter, width: u32, image: &mut [Rgb]) {
+    let row_of = |splat: &Splat| splat.film.y.floor() as i32;
+    splats.par_sort_by_key(row_of);
+    let radius = filter.radius();
+    let reach = radius.ceil() as i32;
+    let empty_row = || vec![DVec3::ZERO; width as usize];
+    image.par_chunks_mut(width as usize).enumerate().for_each_init(empty_row, |sums, (y, pixels)| {
+        let y = y as i32;
+        let first = splats.partition_point(|splat| row_of(splat) < y - reach);
+        let end = splats.partition_point(|splat| row_of(splat) <= y + reach);
+        sums.fill(DVec3::ZERO);
+        for splat in &splats[first..end] {
+            // Pixel centers lie at halves.
+            let position = splat.film - 0.5;
+            let weight = filter.density(y as f32 - position.y);
+            if weight == 0.0 {
+                continue;
+            }
+            let radiance = splat.radiance.as_dvec3() * f64::from(weight);
+            let left = (position.x - radius).ceil().max(0.0) as usize;
+            let right = (position.x + radius + 1.0).clamp(0.0, width as f32) as usize;
+            for (x, sum) in sums.iter_mut().enumerate().take(right).skip(left) {
+                *sum += radiance * f64::from(filter.density(x as f32 - position.x));
+            }
+        }
+        pixels.iter_mut().zip(&*sums).for_each(|(pixel, sum)| *pixel += sum.as_vec3());
+    });
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,76 @@
+//! Shares of estimates, and splats on the film.
+
+use super::*;
+use crate::camera::FilterKind;
+
+const SIZE: (u32, u32) = (12, 8);
+
+fn splat_image(splats: &[Splat], filter: &Filter) -> Vec<DVec3> {
+    let mut image = vec![Rgb::ZERO; (SIZE.0 * SIZE.1) as usize];
+    add_splats(splats.to_vec(), filter, SIZE.0, &mut image);
+    image.into_iter().map(|v| v.as_dvec3()).collect()
+}
+
+fn splat_at(x: f32, y: f32) -> Splat {
+    Splat { film: Vec2::new(x, y), radiance: Rgb::new(1.0, 2.0, 3.0) }
+}
+
+/// A splat inside the film keeps its light: the filter's weights at pixel distances sum to 1 in the
+/// mean over positions, and exactly for a box.
+#[test]
+fn splats_keep_their_light() {
+    for kind in [FilterKind::Box, FilterKind::Tent, FilterKind::BlackmanHarris, FilterKind::Mitchell] {
+        let filter = Filter::new(kind);
+        let splats: Vec<Splat> = (0..100u16)
+            .map(|i| splat_at(4.0 + (f32::from(i % 10) + 0.5) / 10.0, 4.0 + (f32::from(i / 10) + 0.5) / 10.0))
+            .collect();
+        let sum = splat_image(&splats, &filter).into_iter().sum::<DVec3>() / 100.0;
+        assert!((sum - DVec3::new(1.0, 2.0, 3.0)).length() < 2e-3, "{kind:?}: {sum}");
+    }
+    let image = splat_image(&[splat_at(3.2, 5.9)], &Filter::new(FilterKind::Box));
+    assert_eq!(image[5 * 12 + 3], DVec3::new(1.0, 2.0, 3.0));
+    assert_eq!(image.iter().filter(|v| **v != DVec3::ZERO).count(), 1);
+}
+
+/// Splats at the rim and far outside touch only pixels of the film.
+#[test]
+fn splats_outside_the_film_are_clipped() {
+    let filter = Filter::new(FilterKind::BlackmanHarris);
+    for (x, y) in [(-0.4, 3.0), (12.4, 3.0), (5.0, -0.9), (5.0, 8.9), (-1e9, 3.0), (5.0, 1e9), (-50.0, -50.0)] {
+        let sum = splat_image(&[splat_at(x, y)], &filter).into_iter().sum::<DVec3>().x;
+        let near = x > -2.0 && x < 14.0 && y > -2.0 && y < 10.0;
+        assert!(if near { sum > 0.0 && sum < 0.9 } else { sum == 0.0 }, "{x} {y}: {sum}");
+    }
+}
+
+/// Ten photons per pixel give equal shares; few photons leave all to estimates, many to splats.
+#[test]
+fn shares_follow_photons_per_pixel() {
+    let splats = |count: u32| -> Vec<Splat> {
+        (0..SIZE.0 * SIZE.1)
+            .flat_map(|i| (0..count).map(move |_| splat_at((i % SIZE.0) as f32 + 0.5, (i / SIZE.0) as f32 + 0.5)))
+            .collect()
+    };
+    let step = |count: u32, ratio: f64| {
+        let shares = EstimateShares::from_splats(&splats(count), SIZE, ratio);
+        assert!(shares.steps.iter().all(|step| *step == shares.steps[0]), "uniform photons, uniform shares");
+        shares.steps_at(Vec2::new(6.0, 4.0))
+    };
+    assert_eq!((step(0, 1.0), step(1, 1.0), step(200, 1.0)), (15, 15, 0));
+    assert_eq!((step(10, 1.0), step(5, 2.0), step(20, 0.5)), (8, 8, 8));
+    let shares = EstimateShares::uniform(3, SIZE);
+    assert_eq!((shares.steps_at(Vec2::new(11.9, 7.9)), shares.steps_at(Vec2::new(12.0, 1.0))), (3, 15));
+}
+
+/// A photon stores its share in bits of its flux that no picture shows.
+#[test]
+fn photons_store_their_share() {
+    use crate::photon::Photon;
+    use glam::Vec3;
+    let photon = Photon::new(Vec3::ONE, Rgb::new(0.2, 0.5, 0.3), Vec3::Z, Vec3::Z).unwrap();
+    for steps in 0..=SHARE_STEPS {
+        let data = photon.with_estimate_share(steps).data;
+        assert!((data.estimate_share() - f32::from(steps) / 15.0).abs() < 1e-6);
+        assert!((data.flux() - photon.data.flux()).length() < 2e-6);
+    }
+}
