@@ -1,7 +1,7 @@
 //! All boxes along a ray.
 
 use super::build::ARITY;
-use super::bvh8::{Node8, SlabTestRay};
+use super::bvh8::{Boxes8, SlabTestRay};
 use super::ray_precalc::RayPrecalc;
 use crate::math::{Bounds, Ray, morton_order};
 use rayon::prelude::*;
@@ -20,7 +20,7 @@ pub struct BoxTree {
     /// Nodes by level, from the boxes up to the root.
     ///
     /// Child i of node n is node 8n + i of the level below.
-    levels: Vec<Vec<Node8>>,
+    levels: Vec<Vec<Boxes8>>,
 }
 
 /// A node's level and number share 32 bits, so at most 8¹⁰ boxes fit.
@@ -88,8 +88,8 @@ impl BoxTree {
     }
 }
 
-fn wide_node(run: &[Bounds]) -> Node8 {
-    let mut wide_node = Node8::VACANT;
+fn wide_node(run: &[Bounds]) -> Boxes8 {
+    let mut wide_node = Boxes8::VACANT;
     run.iter().enumerate().for_each(|(slot, b)| wide_node.set(slot, b.min, b.max));
     wide_node
 }

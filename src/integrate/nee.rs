@@ -230,7 +230,9 @@ impl<'a> NextEventEstimator<'a> {
             ShadowTarget::Point(target) => {
                 vertex.transmittance(self.scene, sample.wi, (target - vertex.surface.point.p).length())
             }
-            ShadowTarget::Infinity if I::SPECTRAL => vertex.transmittance(self.scene, sample.wi, f32::INFINITY),
+            ShadowTarget::Infinity if I::HAS_MEDIA_OR_WAVELENGTH => {
+                vertex.transmittance(self.scene, sample.wi, f32::INFINITY)
+            }
             ShadowTarget::Infinity => Rgb::ONE,
         }
     }

@@ -109,7 +109,7 @@ impl PhotonEstimator<'_> {
         let wavelength = vertex.interior.wavelength();
         let brdf = |photon: &PhotonData| {
             let brdf = surface.bsdf.evaluate(surface.wo, photon.incident_direction(), ns, ns, TransportMode::Radiance);
-            if I::SPECTRAL {
+            if I::HAS_MEDIA_OR_WAVELENGTH {
                 brdf * wavelength_overlap(wavelength, photon.wavelength(), self.volume.band)
             } else {
                 brdf

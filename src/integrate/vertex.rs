@@ -63,7 +63,7 @@ impl<I: Interior> PathVertex<'_, I> {
     #[inline]
     pub fn transmittance(&self, scene: &Scene, wi: Vec3, distance: f32) -> Rgb {
         let path_ray = self.outgoing_path_ray(wi);
-        if I::SPECTRAL {
+        if I::HAS_MEDIA_OR_WAVELENGTH {
             let ray = Ray { t_max: distance, ..path_ray.ray };
             return scene.interior_transmittance(&ray, &path_ray.interior, self.shadow_sampler.sample_key());
         }

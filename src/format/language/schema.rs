@@ -292,7 +292,7 @@ impl FieldSchema {
     }
 
     /// Appends the field's row of a reference table to `out`; `blocks` is the row's first cell.
-    fn write_reference_row(&self, blocks: &str, out: &mut String) {
+    fn write_language_manual_row(&self, blocks: &str, out: &mut String) {
         let mut name = format!("`{}`", self.name);
         if !self.alias.is_empty() {
             let _ = write!(name, ", `{}`", self.alias);
@@ -380,7 +380,7 @@ pub(super) fn reference_markdown(blocks: &[&'static BlockSchema]) -> String {
     for block in blocks {
         for (i, field) in block.own_fields.iter().enumerate() {
             let name = if i == 0 { format!("`{}`", block.keyword) } else { String::new() };
-            field.write_reference_row(&name, &mut out);
+            field.write_language_manual_row(&name, &mut out);
         }
     }
     // The name of its first field identifies a group of shared fields.
@@ -394,7 +394,7 @@ pub(super) fn reference_markdown(blocks: &[&'static BlockSchema]) -> String {
         let users: Vec<&str> = blocks.iter().filter(has).map(|block| block.keyword).collect();
         let users = if users.len() == blocks.len() { "all".to_owned() } else { join_in_backticks(&users) };
         for (i, field) in group.iter().enumerate() {
-            field.write_reference_row(if i == 0 { &users } else { "" }, &mut out);
+            field.write_language_manual_row(if i == 0 { &users } else { "" }, &mut out);
         }
     }
     out

@@ -63,7 +63,7 @@ pub struct CurrentMedium {
 /// Path loops are compiled for each type, so that scenes without bodies or media pay nothing.
 pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
     /// True if paths may pass through media or carry a wavelength.
-    const SPECTRAL: bool;
+    const HAS_MEDIA_OR_WAVELENGTH: bool;
 
     /// The interior at the start of a camera path along `ray`.
     fn at_camera(scene: &Scene, ray: &Ray, effects: Effects) -> Self;
@@ -129,7 +129,7 @@ pub(super) fn exp_neg(depth: Rgb) -> Rgb {
 pub struct NoInterior;
 
 impl Interior for NoInterior {
-    const SPECTRAL: bool = false;
+    const HAS_MEDIA_OR_WAVELENGTH: bool = false;
 
     fn at_camera(_: &Scene, _: &Ray, _: Effects) -> Self {
         Self
@@ -157,7 +157,7 @@ impl Interior for NoInterior {
 }
 
 impl Interior for InteriorStack {
-    const SPECTRAL: bool = false;
+    const HAS_MEDIA_OR_WAVELENGTH: bool = false;
 
     fn at_camera(scene: &Scene, ray: &Ray, _: Effects) -> Self {
         if scene.camera.has_single_viewpoint() { scene.derived.camera_interior } else { interior_at(scene, ray.origin) }

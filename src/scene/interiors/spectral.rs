@@ -35,7 +35,7 @@ impl SpectralInterior {
 }
 
 impl Interior for SpectralInterior {
-    const SPECTRAL: bool = true;
+    const HAS_MEDIA_OR_WAVELENGTH: bool = true;
 
     fn at_camera(scene: &Scene, ray: &Ray, effects: Effects) -> Self {
         Self::new(InteriorStack::at_camera(scene, ray, effects), effects)
