@@ -50,7 +50,7 @@ impl BoxTree {
         let mut bounds: Vec<Bounds> = order.par_iter().map(|i| padded(at(i), margin)).collect();
         let mut levels = Vec::new();
         while !bounds.is_empty() {
-            levels.push(bounds.par_chunks(ARITY).map(wide_node).collect());
+            levels.push(bounds.par_chunks(ARITY).map(boxes_from_bounds).collect());
             let around = |run: &[Bounds]| run.iter().fold(Bounds::EMPTY, |all, b| all.union(*b));
             bounds = if bounds.len() > ARITY { bounds.par_chunks(ARITY).map(around).collect() } else { Vec::new() };
         }
@@ -88,10 +88,10 @@ impl BoxTree {
     }
 }
 
-fn wide_node(run: &[Bounds]) -> Boxes8 {
-    let mut wide_node = Boxes8::VACANT;
-    run.iter().enumerate().for_each(|(slot, b)| wide_node.set(slot, b.min, b.max));
-    wide_node
+fn boxes_from_bounds(run: &[Bounds]) -> Boxes8 {
+    let mut boxes = Boxes8::VACANT;
+    run.iter().enumerate().for_each(|(slot, b)| boxes.set(slot, b.min, b.max));
+    boxes
 }
 
 /// The box grown by `margin`, and at least to the next number.

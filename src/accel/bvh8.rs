@@ -1,4 +1,4 @@
-//! Nodes of eight boxes, and their traversal.
+//! A tree of nodes with eight boxes each, and its traversal.
 
 use super::build::{ARITY, BinaryNode, Fragment, MAX_DEPTH, OTHER, SimdBox, build_tree};
 use super::packet::{LANES, Packet};

@@ -32,7 +32,7 @@ pub struct ConvertArguments {
 struct OutputExists(PathBuf);
 
 pub(super) fn run(arguments: &ConvertArguments) -> Result<Exit, Failure> {
-    let scene = SceneFile::read_within_memory(&arguments.scene, MemoryLimit::System).map_err(|e| {
+    let scene = SceneFile::read_monitored(&arguments.scene, &(), MemoryLimit::System).map_err(|e| {
         let exit = if matches!(e, SceneReadError::Memory { .. }) { Exit::Usage } else { Exit::Input };
         Failure::new(exit, e)
     })?;

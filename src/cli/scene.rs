@@ -21,7 +21,7 @@ pub(super) fn load_scene_and_file(
     monitor: &dyn MeshReadMonitor,
 ) -> Result<(SceneFile, Scene), Failure> {
     let memory = arguments.memory_limit();
-    let mut file = SceneFile::read_within_memory(&arguments.scene, memory).map_err(|e| {
+    let mut file = SceneFile::read_monitored(&arguments.scene, monitor, memory).map_err(|e| {
         let exit = if matches!(e, SceneReadError::Memory { .. }) { Exit::Usage } else { Exit::Input };
         Failure::new(exit, e)
     })?;

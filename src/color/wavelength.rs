@@ -40,9 +40,10 @@ impl Wavelength {
     pub fn sample(u: f32) -> Self {
         let sums = &RESPONSE_TABLE.sums;
         let u = f64::from(u);
-        let response_cell = sums.partition_point(|s| *s <= u).clamp(1, CELLS) - 1;
-        let within = (u - sums[response_cell]) / (sums[response_cell + 1] - sums[response_cell]);
-        Self(SHORTEST + (response_cell as f32 + (within as f32).clamp(EDGE, 1.0 - EDGE)) * STEP)
+        let response_interval_index = sums.partition_point(|s| *s <= u).clamp(1, CELLS) - 1;
+        let within =
+            (u - sums[response_interval_index]) / (sums[response_interval_index + 1] - sums[response_interval_index]);
+        Self(SHORTEST + (response_interval_index as f32 + (within as f32).clamp(EDGE, 1.0 - EDGE)) * STEP)
     }
 
     /// The wavelength in nanometres.
@@ -55,7 +56,7 @@ impl Wavelength {
     /// Pdf \[1/nm] with which [`Wavelength::sample`] samples this wavelength.
     #[must_use]
     pub fn pdf(self) -> f32 {
-        RESPONSE_TABLE.pdfs[self.response_cell()]
+        RESPONSE_TABLE.pdfs[self.response_interval_index()]
     }
 
     /// Weight of a path that sampled this wavelength: the channels' responses over the pdf.
@@ -63,13 +64,13 @@ impl Wavelength {
     /// The mean over the channels is 1, and the expected value of each channel is 1.
     #[must_use]
     pub fn weight(self) -> Rgb {
-        RESPONSE_TABLE.weights[self.response_cell()]
+        RESPONSE_TABLE.weights[self.response_interval_index()]
     }
 
     /// The wavelength as a number from 1 to 255, with an error of up to 2/3 nm.
     #[must_use]
     pub fn byte_code(self) -> u8 {
-        1 + self.response_cell() as u8
+        1 + self.response_interval_index() as u8
     }
 
     /// Decodes a wavelength from [`Wavelength::byte_code`]; `None` for 0, which stands for all
@@ -81,7 +82,7 @@ impl Wavelength {
     }
 
     /// Index of the interval of constant response that contains the wavelength.
-    fn response_cell(self) -> usize {
+    fn response_interval_index(self) -> usize {
         ((self.0 - SHORTEST) / STEP).min(CELLS as f32 - 1.0) as usize
     }
 }
@@ -97,17 +98,19 @@ struct ResponseTable {
 }
 
 static RESPONSE_TABLE: LazyLock<ResponseTable> = LazyLock::new(|| {
-    let center = |response_cell: usize| f64::from(SHORTEST) + (response_cell as f64 + 0.5) * f64::from(STEP);
-    let responses: [DVec3; CELLS] =
-        std::array::from_fn(|response_cell| add_white_until_nonnegative(color_matching_rgb(center(response_cell))));
+    let center =
+        |response_interval_index: usize| f64::from(SHORTEST) + (response_interval_index as f64 + 0.5) * f64::from(STEP);
+    let responses: [DVec3; CELLS] = std::array::from_fn(|response_interval_index| {
+        add_white_until_nonnegative(color_matching_rgb(center(response_interval_index)))
+    });
     let total: DVec3 = responses.iter().sum();
     let mut table = ResponseTable { sums: [0.0; CELLS + 1], pdfs: [0.0; CELLS], weights: [Rgb::ZERO; CELLS] };
-    for (response_cell, response) in responses.iter().enumerate() {
+    for (response_interval_index, response) in responses.iter().enumerate() {
         let response = response / total;
         let density = response.element_sum() / 3.0;
-        table.sums[response_cell + 1] = table.sums[response_cell] + density;
-        table.pdfs[response_cell] = (density / f64::from(STEP)) as f32;
-        table.weights[response_cell] = (response / density).as_vec3();
+        table.sums[response_interval_index + 1] = table.sums[response_interval_index] + density;
+        table.pdfs[response_interval_index] = (density / f64::from(STEP)) as f32;
+        table.weights[response_interval_index] = (response / density).as_vec3();
     }
     table
 });

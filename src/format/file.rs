@@ -12,7 +12,7 @@ use crate::stats::MemoryLimit;
 use std::path::{Path, PathBuf};
 
 /// Importers of all scene formats. A file with another extension is read as scene text.
-pub const IMPORTERS: [&dyn SceneImporter; 1] = [&SceneTextImporter];
+pub const IMPORTERS: &[&dyn SceneImporter] = &[&SceneTextImporter];
 
 /// A scene file that was read but not resolved. Its description may still be changed.
 #[derive(Clone, Debug)]
@@ -32,19 +32,23 @@ impl SceneFile {
     /// # Errors
     /// [`SceneReadError`].
     pub fn read(path: &Path) -> Result<Self, SceneReadError> {
-        Self::read_within_memory(path, MemoryLimit::Unbounded)
+        Self::read_monitored(path, &(), MemoryLimit::Unbounded)
     }
 
     /// Reads the file at `path` by the importer of its extension; refuses a scene that would exceed
-    /// `memory`.
+    /// `memory`. `monitor` receives the paths of other files that the importer opens.
     ///
     /// # Errors
     /// [`SceneReadError`].
-    pub fn read_within_memory(path: &Path, memory: MemoryLimit) -> Result<Self, SceneReadError> {
+    pub fn read_monitored(
+        path: &Path,
+        monitor: &dyn MeshReadMonitor,
+        memory: MemoryLimit,
+    ) -> Result<Self, SceneReadError> {
         let extension = lowercase_extension(path);
-        let importer = IMPORTERS.into_iter().find(|importer| importer.extensions().contains(&&*extension));
+        let importer = IMPORTERS.iter().copied().find(|importer| importer.extensions().contains(&&*extension));
         let ImportedScene { description, source, assets } =
-            importer.unwrap_or(&SceneTextImporter).import(path, memory)?;
+            importer.unwrap_or(&SceneTextImporter).import(path, monitor, memory)?;
         Ok(Self { description, source, assets, folder: path.parent().unwrap_or(Path::new("")).to_owned() })
     }
 

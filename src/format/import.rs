@@ -1,7 +1,7 @@
 //! The interface of scene importers: trait, result, embedded assets and errors.
 
 use super::description::SceneDescription;
-use super::mesh::TriangleMesh;
+use super::mesh::{MeshReadMonitor, TriangleMesh};
 use super::{SceneError, SourceText};
 use crate::image::Image;
 use crate::stats::{MemoryLimit, format_bytes};
@@ -12,8 +12,8 @@ use std::sync::Arc;
 /// Reader of scenes in one file format.
 ///
 /// A new format is a folder with a type that implements this trait, its `mod` line, and one line in
-/// [`IMPORTERS`](super::IMPORTERS). No other list changes: an importer is chosen by its extensions
-/// before an extension is reported as unread.
+/// [`IMPORTERS`](super::IMPORTERS). No other list changes: the file goes to the first importer of
+/// its extension, before `FOREIGN_SCENE_EXTENSIONS` is searched.
 pub trait SceneImporter: Sync {
     /// Returns the format's name, for messages.
     fn name(&self) -> &'static str;
@@ -23,9 +23,18 @@ pub trait SceneImporter: Sync {
 
     /// Reads the file at `path`; refuses it if the scene would exceed `memory`.
     ///
+    /// An importer that opens further files, such as buffers or included scenes, reports each to
+    /// [`MeshReadMonitor::on_input_file_found`] before it reads the file. The program then refuses
+    /// an output that would overwrite the file.
+    ///
     /// # Errors
     /// [`SceneReadError`]. The [`SceneError`] of a binary format may lack a position.
-    fn import(&self, path: &Path, memory: MemoryLimit) -> Result<ImportedScene, SceneReadError>;
+    fn import(
+        &self,
+        path: &Path,
+        monitor: &dyn MeshReadMonitor,
+        memory: MemoryLimit,
+    ) -> Result<ImportedScene, SceneReadError>;
 }
 
 /// A scene that an importer read from a file.
@@ -87,25 +96,27 @@ pub enum SceneReadError {
     Language(#[from] SceneError),
 }
 
-/// Extensions of scene formats that no importer reads. Meshes in these formats are not read either.
-const UNREAD_SCENE_EXTENSIONS: [&str; 14] =
-    ["glb", "gltf", "usd", "usda", "usdc", "usdz", "blend", "fbx", "dae", "pbrt", "xml", "3ds", "abc", "x3d"];
+/// Extensions of scene formats of other programs, whose meshes are not read.
+///
+/// The list may hold extensions of importers: it matters only for files without an importer.
+const FOREIGN_SCENE_EXTENSIONS: &[&str] =
+    &["glb", "gltf", "usd", "usda", "usdc", "usdz", "blend", "fbx", "dae", "pbrt", "xml", "3ds", "abc", "x3d"];
 
 /// Extensions of mesh formats that are not read.
-const UNREAD_MESH_EXTENSIONS: [&str; 2] = ["stl", "off"];
+const UNREAD_MESH_EXTENSIONS: &[&str] = &["stl", "off"];
 
 /// Extensions of mesh formats that scenes can name.
-const MESH_EXTENSIONS: [&str; 2] = ["obj", "ply"];
+const MESH_EXTENSIONS: &[&str] = &["obj", "ply"];
 
-/// True if neither scene text nor a readable mesh has this extension.
-pub(super) fn is_unread_format(extension: &str) -> bool {
-    UNREAD_SCENE_EXTENSIONS.contains(&extension) || UNREAD_MESH_EXTENSIONS.contains(&extension)
+/// True if the extension belongs to a known format from which no meshes are read.
+pub(super) fn is_unread_mesh_format(extension: &str) -> bool {
+    FOREIGN_SCENE_EXTENSIONS.contains(&extension) || UNREAD_MESH_EXTENSIONS.contains(&extension)
 }
 
 /// Returns the remedy for a file with this extension that is given as a scene; `None` if the file
 /// may be scene text.
 pub(super) fn remedy_for_foreign_scene(extension: &str) -> Option<&'static str> {
-    if UNREAD_SCENE_EXTENSIONS.contains(&extension) {
+    if FOREIGN_SCENE_EXTENSIONS.contains(&extension) {
         Some("export the meshes as OBJ or PLY, and name them in a scene text: `TriangleMesh { file a.obj }`")
     } else if MESH_EXTENSIONS.contains(&extension) || UNREAD_MESH_EXTENSIONS.contains(&extension) {
         Some("write a scene text that names the mesh: `TriangleMesh { file a.obj }`")

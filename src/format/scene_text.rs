@@ -4,6 +4,7 @@ use super::import::{
     EmbeddedAssets, ImportedScene, SceneImporter, SceneReadError, lowercase_extension, remedy_for_foreign_scene,
 };
 use super::language::parse_scene_bytes;
+use super::mesh::MeshReadMonitor;
 use super::{SceneError, SourceText};
 use crate::image::open_file;
 use crate::stats::MemoryLimit;
@@ -27,7 +28,12 @@ impl SceneImporter for SceneTextImporter {
         &["txt", "caustica"]
     }
 
-    fn import(&self, path: &Path, memory: MemoryLimit) -> Result<ImportedScene, SceneReadError> {
+    fn import(
+        &self,
+        path: &Path,
+        _monitor: &dyn MeshReadMonitor,
+        memory: MemoryLimit,
+    ) -> Result<ImportedScene, SceneReadError> {
         let unreadable = |source| SceneReadError::Unreadable { path: path.to_owned(), source };
         let (mut file, length) = open_file(path).map_err(unreadable)?;
         let name = path.display().to_string();

@@ -7,12 +7,12 @@
 
 mod media;
 
-use super::film::Worker;
 use super::nee::NextEventEstimator;
 use super::photon_maps::{MapLookup, PhotonMaps};
 use super::policy::{Continuation, DirectionSampling, PathPolicy, PhotonLookups};
 use super::scatter;
 use super::vertex::{PathHistory, PathVertex, PrevVertex};
+use super::worker::PathWorker;
 use crate::bsdf::TransportMode;
 use crate::color::{self, Rgb};
 use crate::math::Ray;
@@ -71,11 +71,11 @@ pub(super) struct PathState<I> {
     sampler: Sampler,
 }
 
-/// The function that [`film::render_tiles`](super::film::render_tiles) calls for each camera ray:
+/// The function that [`tiles::render_tiles`](super::tiles::render_tiles) calls for each camera ray:
 /// [`radiance`] of `paths`.
 pub(super) fn tracer<'a, I: Interior>(
     paths: &'a PathContext<'a>,
-) -> impl Fn(&Ray, Sampler, &mut Worker, &mut Vec<PathState<I>>) -> Rgb + Sync {
+) -> impl Fn(&Ray, Sampler, &mut PathWorker, &mut Vec<PathState<I>>) -> Rgb + Sync {
     |ray, sampler, worker, stack| radiance(paths, ray, sampler, worker, stack)
 }
 
@@ -84,7 +84,7 @@ pub(super) fn radiance<I: Interior>(
     paths: &PathContext<'_>,
     ray: &Ray,
     sampler: Sampler,
-    worker: &mut Worker,
+    worker: &mut PathWorker,
     stack: &mut Vec<PathState<I>>,
 ) -> Rgb {
     let PathContext { scene, policy, nee, .. } = *paths;
@@ -158,7 +158,7 @@ pub(super) fn radiance<I: Interior>(
                     Continuation::Always => true,
                 };
             if let (true, DirectionSampling::Guided, Some(maps)) = (continues, policy.directions, paths.maps) {
-                scatter::collect_guide_directions(maps, paths.min_gather_distance, &vertex, worker);
+                scatter::collect_gather_directions(maps, paths.min_gather_distance, &vertex, worker);
             }
 
             // Add direct light by next-event estimation.
@@ -192,7 +192,7 @@ fn scatter_at_caster<I: Interior>(
     path: &mut PathState<I>,
     caster: &SurfaceVertex<'_>,
     interior: &I,
-    worker: &mut Worker,
+    worker: &mut PathWorker,
     radiance: &mut Rgb,
     stack: &mut Vec<PathState<I>>,
 ) -> bool {
@@ -233,7 +233,7 @@ fn continue_path<I: Interior>(
     policy: &PathPolicy,
     path: &mut PathState<I>,
     vertex: &PathVertex<'_, I>,
-    worker: &mut Worker,
+    worker: &mut PathWorker,
 ) -> bool {
     let Some(sample) = scatter::sample(policy.directions, vertex, worker) else { return false };
     let mut next = path.after_scattering(vertex.surface, sample.wi, sample.weight, sample.is_transmitted);
@@ -260,7 +260,7 @@ fn photon_radiance<I: Interior>(
     paths: &PathContext<'_>,
     vertex: &PathVertex<'_, I>,
     ends_gather_ray: bool,
-    worker: &mut Worker,
+    worker: &mut PathWorker,
 ) -> Rgb {
     let samples = match paths.policy.photons {
         PhotonLookups::Never => return Rgb::ZERO,
@@ -280,7 +280,7 @@ fn photon_radiance<I: Interior>(
 }
 
 /// Records `vertex` as a visible point, weighted by its throughput and BRDF.
-fn record_visible<I: Interior>(vertex: &PathVertex<'_, I>, worker: &mut Worker) {
+fn record_visible<I: Interior>(vertex: &PathVertex<'_, I>, worker: &mut PathWorker) {
     let surface = vertex.surface;
     let normal = surface.facing_normal();
     let brdf = surface.bsdf.evaluate(surface.wo, normal, normal, normal, TransportMode::Radiance);

@@ -5,10 +5,10 @@
 //! before the first pass estimate both. No pass uses rays of the pilot, so the mean stays unbiased.
 
 use super::camera_path;
-use super::film;
 use super::map_builder::PassBudget;
 use super::pass::{Pass, Silent};
 use super::pass_renderer::PassRenderer;
+use super::tiles;
 use crate::color;
 use crate::sampling::{Key, Purpose};
 use crate::scene::for_interior;
@@ -40,7 +40,7 @@ pub(super) fn find_ray_density(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>
             let (paths, sampling, key) =
                 (pilot.path_context(Some(&maps), pass), pilot.film_sampling(), pilot.camera_key(pass));
             let picture = for_interior!(pilot.policy.effects, <I> {
-                film::render_tiles(&sampling, key, &Silent, camera_path::tracer::<I>(&paths))
+                tiles::render_tiles(&sampling, key, &Silent, camera_path::tracer::<I>(&paths))
             });
             picture.image.iter().map(|v| f64::from(color::channel_mean(*v))).collect()
         })

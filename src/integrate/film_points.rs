@@ -1,7 +1,7 @@
 //! Camera paths through chosen points of the film, for pilots.
 
 use super::camera_path::{PathContext, PathState, radiance};
-use super::film::Worker;
+use super::worker::PathWorker;
 use crate::color::Rgb;
 use crate::plan::Effect;
 use crate::sampling::{Dimension, Sampler};
@@ -18,17 +18,17 @@ pub(super) type FilmPoint = (Vec2, Sampler);
 /// Traces camera paths through `points` of the film.
 ///
 /// Returns their radiance \[W/(m² sr)], and the workers' counters and recorded points.
-pub(super) fn trace_camera_paths_at(paths: &PathContext<'_>, points: &[FilmPoint]) -> (Vec<Rgb>, Vec<Worker>) {
+pub(super) fn trace_camera_paths_at(paths: &PathContext<'_>, points: &[FilmPoint]) -> (Vec<Rgb>, Vec<PathWorker>) {
     for_interior!(paths.policy.effects, <I> trace_camera_paths_with_interior::<I>(paths, points))
 }
 
 fn trace_camera_paths_with_interior<I: Interior>(
     paths: &PathContext<'_>,
     points: &[FilmPoint],
-) -> (Vec<Rgb>, Vec<Worker>) {
+) -> (Vec<Rgb>, Vec<PathWorker>) {
     let has_lens = paths.policy.effects.has(Effect::Lens);
     let chunks = points.par_chunks(CHUNK).map(|chunk| {
-        let (mut worker, mut stack) = (Worker::default(), Vec::<PathState<I>>::new());
+        let (mut worker, mut stack) = (PathWorker::default(), Vec::<PathState<I>>::new());
         let values = chunk.iter().map(|(film, sampler)| {
             worker.counters.camera_rays += 1;
             let lens = has_lens.then(|| sampler.get_2d(Dimension::Lens));
@@ -36,6 +36,6 @@ fn trace_camera_paths_with_interior<I: Interior>(
         });
         (values.collect::<Vec<Rgb>>(), worker)
     });
-    let (radiance, workers): (Vec<Vec<Rgb>>, Vec<Worker>) = chunks.collect::<Vec<_>>().into_iter().unzip();
+    let (radiance, workers): (Vec<Vec<Rgb>>, Vec<PathWorker>) = chunks.collect::<Vec<_>>().into_iter().unzip();
     (radiance.concat(), workers)
 }

@@ -2,10 +2,10 @@
 
 mod medium;
 
-use super::film::Worker;
 use super::policy::{DirectionSampling, LightSampling, PathPolicy};
 use super::scatter;
 use super::vertex::{PathHistory, PathVertex, PrevVertex};
+use super::worker::PathWorker;
 use crate::color::Rgb;
 use crate::light::{DirectLightSample, Light, LightBvhSampler, ShadowTarget};
 use crate::plan::{Effect, Effects};
@@ -87,7 +87,7 @@ impl<'a> NextEventEstimator<'a> {
     ///
     /// The estimate is unbiased. If the path `continues`, it may hit a light itself, so the
     /// estimate is weighted by the balance heuristic.
-    pub fn estimate<I: Interior>(&self, vertex: &PathVertex<'_, I>, continues: bool, worker: &mut Worker) -> Rgb {
+    pub fn estimate<I: Interior>(&self, vertex: &PathVertex<'_, I>, continues: bool, worker: &mut PathWorker) -> Rgb {
         let rays = match (self.shadow_ray_scheme(vertex.history), &self.light_sampler) {
             (ShadowRayScheme::All(rays), _) => rays,
             (ShadowRayScheme::Chosen(rays), Some(sampler)) => {
@@ -118,7 +118,7 @@ impl<'a> NextEventEstimator<'a> {
         rays: u32,
         vertex: &PathVertex<'_, I>,
         continues: bool,
-        worker: &mut Worker,
+        worker: &mut PathWorker,
     ) -> Rgb {
         let point = &vertex.surface.point;
         let mut sum = Rgb::ZERO;
@@ -160,7 +160,7 @@ impl<'a> NextEventEstimator<'a> {
         u: Vec2,
         rays: f32,
         continues: bool,
-        worker: &mut Worker,
+        worker: &mut PathWorker,
     ) -> Rgb {
         let surface = vertex.surface;
         let Some(sample) = self.lights[light].sample_li(surface.point.p, u) else {

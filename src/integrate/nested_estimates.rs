@@ -77,7 +77,7 @@ impl NestedEstimateSum {
 
     /// Adds the current ray to the pixel with filter weight `weight`; `None` drops the ray.
     #[inline]
-    pub fn end_ray(&mut self, weight: Option<f32>) {
+    pub fn finish_camera_ray(&mut self, weight: Option<f32>) {
         if let Some(weight) = weight.filter(|_| self.ray.iter().all(|step| step.is_finite())) {
             for (sum, step) in self.pixel.iter_mut().zip(self.ray) {
                 *sum += step.as_dvec3() * f64::from(weight);
@@ -87,7 +87,7 @@ impl NestedEstimateSum {
     }
 
     /// Returns the mean over the `rays` camera rays of the pixel, and resets for the next pixel.
-    pub fn end_pixel(&mut self, rays: u32) -> NestedEstimates {
+    pub fn finish_pixel(&mut self, rays: u32) -> NestedEstimates {
         let steps = self.pixel.map(|sum| (sum / f64::from(rays)).as_vec3());
         let estimates = NestedEstimates { steps, caustic: self.caustic.mean(), global: self.global.mean() };
         *self = Self::default();
@@ -107,14 +107,14 @@ mod tests {
         sum.add(Rgb::ONE, levels(1.0, 1.0, 2.0));
         sum.caustic.add(0.5, 10);
         sum.caustic.add(1.5, 20);
-        sum.end_ray(Some(1.0));
+        sum.finish_camera_ray(Some(1.0));
         sum.add(Rgb::ONE, levels(100.0, 0.0, 0.0));
-        sum.end_ray(None);
+        sum.finish_camera_ray(None);
         sum.add(Rgb::ONE, levels(f32::INFINITY, 0.0, 0.0));
-        sum.end_ray(Some(1.0));
-        let estimates = sum.end_pixel(2);
+        sum.finish_camera_ray(Some(1.0));
+        let estimates = sum.finish_pixel(2);
         assert_eq!(estimates.steps, [Rgb::splat(0.5), Rgb::splat(-0.25)]);
         assert_eq!((estimates.caustic, estimates.global), (Some(MeanGatherDisc { radius: 1.0, photons: 15.0 }), None));
-        assert_eq!(sum.end_pixel(1), NestedEstimates::default());
+        assert_eq!(sum.finish_pixel(1), NestedEstimates::default());
     }
 }

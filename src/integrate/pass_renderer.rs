@@ -1,12 +1,12 @@
 //! Inputs of a pass: the scene, its policy, photon maps, camera rays and random keys.
 
 use super::camera_path::PathContext;
-use super::film::{self, FilmSampling};
 use super::map_builder::PhotonMapBuilder;
 use super::nee::NextEventEstimator;
 use super::photon_maps::PhotonMaps;
 use super::policy::PathPolicy;
 use super::settings::Settings;
+use super::tiles::{self, FilmSampling};
 use crate::plan::Effect;
 use crate::sampling::{Key, Purpose};
 use crate::scene::Scene;
@@ -109,7 +109,7 @@ impl<'a> PassRenderer<'a> {
         if !(sampling.nested && self.policy.shares_paths) {
             return None;
         }
-        let every = film::tile_interval(sampling.camera.size(), FRESH_TILE_COUNT);
+        let every = tiles::tile_interval(sampling.camera.size(), FRESH_TILE_COUNT);
         let key = Key::new(self.settings.camera_paths.seed).purpose_key(Purpose::Camera).fresh_paths_key(pass);
         Some((FilmSampling { nested: false, every, ..sampling }, key))
     }

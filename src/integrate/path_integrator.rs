@@ -3,7 +3,6 @@
 use super::balance::Balance;
 use super::camera_path;
 use super::density_pilot::find_ray_density;
-use super::film::{self, FilmSampling};
 use super::integrator::Integrator;
 use super::pass::{Expected, Monitor, Pass, Silent};
 use super::pass_renderer::PassRenderer;
@@ -11,6 +10,7 @@ use super::policy::PolicyFn;
 use super::radius_law::RadiusLaw;
 use super::radius_pilot::{GuidingReports, Radii};
 use super::settings::Settings;
+use super::tiles::{self, FilmSampling};
 use super::work_pilot::{find_balance, measure_work};
 use crate::plan::{Effects, Plan};
 use crate::sampling::{Dimension, Key, Purpose};
@@ -51,7 +51,7 @@ impl Integrator for PathIntegrator<'_> {
         let paths = renderer.path_context(maps.as_ref(), pass);
         let render = |sampling: &FilmSampling<'_>, key: Key, monitor: &dyn Monitor| {
             for_interior!(paths.policy.effects, <I> {
-                film::render_tiles(sampling, key, monitor, camera_path::tracer::<I>(&paths))
+                tiles::render_tiles(sampling, key, monitor, camera_path::tracer::<I>(&paths))
             })
         };
         let picture = render(&renderer.film_sampling(), renderer.camera_key(pass), monitor);

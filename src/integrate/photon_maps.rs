@@ -1,9 +1,9 @@
 //! Photon maps of a pass, and radiance estimates from them.
 
-use super::film::Worker;
 use super::nested_estimates::GatherDiscSum;
 use super::vertex::{MediumVertex, PathVertex};
 use super::volume_estimate::{VolumeMap, wavelength_overlap};
+use super::worker::PathWorker;
 use crate::bsdf::TransportMode;
 use crate::color::Rgb;
 use crate::photon::{
@@ -56,7 +56,7 @@ impl PhotonMaps<'_> {
         vertex: &PathVertex<'_, I>,
         lookup: MapLookup,
         samples: u32,
-        worker: &mut Worker,
+        worker: &mut PathWorker,
     ) -> Rgb {
         let caustic = self.caustic.radiance(vertex, samples, |w| (&mut w.caustic, &mut w.nested.caustic), worker);
         let global = match lookup {
@@ -74,7 +74,7 @@ impl PhotonMaps<'_> {
         vertex: &MediumVertex<'_, I>,
         samples: u32,
         rng: &mut impl Rng,
-        worker: &mut Worker,
+        worker: &mut PathWorker,
     ) -> Rgb {
         let caustic = self.caustic.volume.radiance(vertex, samples, rng, worker);
         (caustic + self.global.volume.radiance(vertex, samples, rng, worker)) * samples as f32
@@ -97,8 +97,8 @@ impl PhotonEstimator<'_> {
         &self,
         vertex: &PathVertex<'_, I>,
         samples: u32,
-        scratch: fn(&mut Worker) -> (&mut Scratch, &mut GatherDiscSum),
-        worker: &mut Worker,
+        scratch: fn(&mut PathWorker) -> (&mut Scratch, &mut GatherDiscSum),
+        worker: &mut PathWorker,
     ) -> Rgb {
         if self.map.is_empty() {
             return Rgb::ZERO;

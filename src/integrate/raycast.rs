@@ -2,10 +2,10 @@
 //!
 //! It has no shadows, no distance falloff and no ambient term.
 
-use super::film::{self, FilmImage, FilmSampling};
 use super::integrator::Integrator;
 use super::pass::{Monitor, Pass, Seconds};
 use super::settings::CameraPathSettings;
+use super::tiles::{self, FilmImage, FilmSampling};
 use crate::bsdf::conductor_reflectance;
 use crate::camera::Filter;
 use crate::color::Rgb;
@@ -38,7 +38,7 @@ impl Integrator for RaycastIntegrator<'_> {
         let sampling = FilmSampling { camera, filter, samples, lens: false, density: None, nested: false, every: 1 };
         let key = Key::new(self.seed).purpose_key(Purpose::Camera).pass_key(pass);
         let FilmImage { image, counters, .. } =
-            film::render_tiles(&sampling, key, monitor, |ray, _, _, (): &mut ()| self.radiance(ray));
+            tiles::render_tiles(&sampling, key, monitor, |ray, _, _, (): &mut ()| self.radiance(ray));
         let seconds = Seconds { camera: start.elapsed().as_secs_f64(), ..Seconds::default() };
         Pass { image, counters, seconds, ..Pass::default() }
     }

@@ -1,10 +1,10 @@
 //! Direction sampling at the vertices of camera paths.
 
-use super::film::Worker;
 use super::gather_guide::GUIDE_PHOTONS;
 use super::photon_maps::PhotonMaps;
 use super::policy::DirectionSampling;
 use super::vertex::PathVertex;
+use super::worker::PathWorker;
 use crate::bsdf::{BsdfSample, TransportMode};
 use crate::color::Rgb;
 use crate::photon::{Bandwidth, Kernel};
@@ -17,19 +17,19 @@ use std::cell::RefCell;
 const GUIDE_RADIUS: f32 = 4.0;
 
 /// Sets the worker's gather guide to the directions of photons near `vertex`.
-pub(super) fn collect_guide_directions<I: Interior>(
+pub(super) fn collect_gather_directions<I: Interior>(
     maps: &PhotonMaps<'_>,
     min_gather_distance: f32,
     vertex: &PathVertex<'_, I>,
-    worker: &mut Worker,
+    worker: &mut PathWorker,
 ) {
-    let Worker { guide, guides, .. } = worker;
-    guide.clear();
-    let guide = RefCell::new(guide);
+    let PathWorker { gather_guide, guide_lookup, .. } = worker;
+    gather_guide.clear();
+    let guide = RefCell::new(gather_guide);
     let bandwidth = Bandwidth { radius: min_gather_distance * GUIDE_RADIUS, k: GUIDE_PHOTONS };
     let (p, normal) = (vertex.surface.point.p, vertex.surface.facing_normal());
     // The estimate itself is not used: the lookup visits the photons.
-    let _ = maps.guides.estimate(p, normal, bandwidth, Kernel::Cone, guides, |flux| {
+    let _ = maps.guides.estimate(p, normal, bandwidth, Kernel::Cone, guide_lookup, |flux| {
         guide.borrow_mut().push(flux.incident_direction());
         Rgb::ZERO
     });
@@ -40,12 +40,12 @@ pub(super) fn collect_guide_directions<I: Interior>(
 pub(super) fn sample<I: Interior>(
     sampling: DirectionSampling,
     vertex: &PathVertex<'_, I>,
-    worker: &Worker,
+    worker: &PathWorker,
 ) -> Option<BsdfSample> {
     let surface = vertex.surface;
     let (lobe, u) = (vertex.sampler.get_1d(Dimension::BsdfLobe), vertex.sampler.get_2d(Dimension::BsdfDirection));
     if is_guided(sampling, vertex) {
-        return sample_guided(vertex, worker);
+        return sample_gather_guide(vertex, worker);
     }
     surface.sample(lobe, u, TransportMode::Radiance)
 }
@@ -56,13 +56,13 @@ pub(super) fn pdf<I: Interior>(
     sampling: DirectionSampling,
     vertex: &PathVertex<'_, I>,
     wi: Vec3,
-    worker: &Worker,
+    worker: &PathWorker,
 ) -> f32 {
     let bsdf = vertex.surface.pdf(wi);
     if !is_guided(sampling, vertex) {
         return bsdf;
     }
-    worker.guide.pdf(wi).map_or(bsdf, |guide| 0.5 * (bsdf + guide))
+    worker.gather_guide.pdf(wi).map_or(bsdf, |guide| 0.5 * (bsdf + guide))
 }
 
 /// True if directions at `vertex` are sampled from nearby photons too.
@@ -77,7 +77,7 @@ fn is_guided<I>(sampling: DirectionSampling, vertex: &PathVertex<'_, I>) -> bool
 }
 
 /// Samples a direction from the BSDF or from the gather guide, with equal probability.
-fn sample_guided<I: Interior>(vertex: &PathVertex<'_, I>, worker: &Worker) -> Option<BsdfSample> {
+fn sample_gather_guide<I: Interior>(vertex: &PathVertex<'_, I>, worker: &PathWorker) -> Option<BsdfSample> {
     let surface = vertex.surface;
     let (lobe, u) = (vertex.sampler.get_1d(Dimension::BsdfLobe), vertex.sampler.get_2d(Dimension::BsdfDirection));
     let mixed = |wi| pdf(DirectionSampling::Guided, vertex, wi, worker);
@@ -88,7 +88,7 @@ fn sample_guided<I: Interior>(vertex: &PathVertex<'_, I>, worker: &Worker) -> Op
         sample.pdf = mixed;
         return Some(sample);
     }
-    let Some(wi) = worker.guide.sample(2.0 * lobe, u) else {
+    let Some(wi) = worker.gather_guide.sample(2.0 * lobe, u) else {
         return surface.sample(2.0 * lobe, u, TransportMode::Radiance);
     };
     let reflected = surface.bsdf_cosine(wi);

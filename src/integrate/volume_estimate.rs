@@ -1,7 +1,7 @@
 //! Estimates of the radiance that media scatter from photons along a segment of a camera path.
 
-use super::film::Worker;
 use super::vertex::MediumVertex;
+use super::worker::PathWorker;
 use crate::color::{Rgb, Wavelength};
 use crate::medium::{self, Medium, TransmittanceCurve};
 use crate::photon::{LEVELS, PhotonBeamMap, VolumePhotonMap, VolumePhotons};
@@ -107,7 +107,7 @@ impl VolumeMap {
         vertex: &MediumVertex<'_, I>,
         samples: u32,
         rng: &mut impl Rng,
-        worker: &mut Worker,
+        worker: &mut PathWorker,
     ) -> Rgb {
         if self.beams.is_empty() && self.points.is_empty() {
             return Rgb::ZERO;

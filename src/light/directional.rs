@@ -1,6 +1,7 @@
 //! Directional lights.
 
 use super::PhotonAim;
+use super::light_bounds::LightBounds;
 use super::source::{DirectLightSample, EmissionSample, LightGeometry, LightSource, ShadowTarget};
 use crate::color::Rgb;
 use crate::math::{BoundingSphere, Frame, Ray, warp};
@@ -53,6 +54,10 @@ impl LightSource for DirectionalLight {
 
     fn power(&self, domain: BoundingSphere) -> Rgb {
         self.irradiance * (PI * domain.radius * domain.radius)
+    }
+
+    fn bounds(&self) -> Option<LightBounds> {
+        None
     }
 
     fn peak_strength(&self) -> Option<Rgb> {

@@ -1,6 +1,7 @@
 //! Environment lights.
 
 use super::directional::sample_ray_across_sphere;
+use super::light_bounds::LightBounds;
 use super::source::{DirectLightSample, EmissionSample, LightGeometry, LightSource, ShadowTarget};
 use super::{EmissionPictureError, EquirectangularMap, PhotonAim};
 use crate::color::Rgb;
@@ -114,5 +115,9 @@ impl LightSource for EnvironmentLight {
     /// Flux \[W] through discs with the radius r of `domain`, over all directions: π r² ∫ L dω.
     fn power(&self, domain: BoundingSphere) -> Rgb {
         self.map.integral() * (PI * domain.radius * domain.radius)
+    }
+
+    fn bounds(&self) -> Option<LightBounds> {
+        None
     }
 }

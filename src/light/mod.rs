@@ -227,6 +227,55 @@ impl Light {
         }
     }
 
+    /// The area light, if the light is one.
+    #[inline]
+    #[must_use]
+    pub fn as_area(&self) -> Option<&AreaLight> {
+        match self {
+            Self::Area(area) => Some(area),
+            Self::Point(_)
+            | Self::Spot(_)
+            | Self::Projector(_)
+            | Self::Goniometric(_)
+            | Self::Directional(_)
+            | Self::Environment(_) => None,
+        }
+    }
+
+    /// The area light for changes, if the light is one.
+    pub(crate) fn as_area_mut(&mut self) -> Option<&mut AreaLight> {
+        match self {
+            Self::Area(area) => Some(area),
+            Self::Point(_)
+            | Self::Spot(_)
+            | Self::Projector(_)
+            | Self::Goniometric(_)
+            | Self::Directional(_)
+            | Self::Environment(_) => None,
+        }
+    }
+
+    /// The environment light, if the light is one.
+    #[inline]
+    #[must_use]
+    pub fn as_environment(&self) -> Option<&EnvironmentLight> {
+        match self {
+            Self::Environment(environment) => Some(environment),
+            Self::Point(_)
+            | Self::Spot(_)
+            | Self::Projector(_)
+            | Self::Goniometric(_)
+            | Self::Directional(_)
+            | Self::Area(_) => None,
+        }
+    }
+
+    /// True if a texture varies the radiance of the light's surface.
+    #[must_use]
+    pub fn has_emission_texture(&self) -> bool {
+        self.as_area().is_some_and(|area| area.texture.is_some())
+    }
+
     /// Copy of the light in which the mean radiance replaces a texture.
     #[must_use]
     pub fn with_mean_emission(&self) -> Self {

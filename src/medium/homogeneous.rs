@@ -1,6 +1,6 @@
 //! Homogeneous media, in closed form.
 
-use super::{DistanceSample, Medium, channel_probabilities, mask_weight};
+use super::{DistanceSample, Medium, channel_probabilities, zero_improbable_channels};
 use crate::color::Rgb;
 use glam::DVec3;
 use rand::{Rng, RngExt};
@@ -61,11 +61,11 @@ pub(super) fn distance_sample(medium: &Medium, distance: f32, throughput: Rgb, r
         let density = probability.dot(sigma.as_dvec3() * left);
         DistanceSample {
             scattered: Some(t as f32),
-            weight: mask_weight(medium.scattering.as_dvec3() * left / density, probability),
+            weight: zero_improbable_channels(medium.scattering.as_dvec3() * left / density, probability),
         }
     } else {
         let left = exp_neg(optical_depth(sigma, distance));
-        DistanceSample { scattered: None, weight: mask_weight(left / probability.dot(left), probability) }
+        DistanceSample { scattered: None, weight: zero_improbable_channels(left / probability.dot(left), probability) }
     }
 }
 

@@ -224,7 +224,7 @@ fn channel_probabilities(throughput: Rgb) -> DVec3 {
 }
 
 /// Converts weight `w` to f32, with zero in channels of zero probability.
-fn mask_weight(w: DVec3, probabilities: DVec3) -> Rgb {
+fn zero_improbable_channels(w: DVec3, probabilities: DVec3) -> Rgb {
     let most = f64::from(f32::MAX);
     DVec3::select(probabilities.cmpgt(DVec3::ZERO), w.min(DVec3::splat(most)), DVec3::ZERO).as_vec3()
 }

@@ -4,7 +4,7 @@
 //! null collision (Woodcock 1965). Absorption reduces the weight and ends no path.
 
 use super::grid_density::{GridDensity, GridRay};
-use super::{DistanceSample, Medium, TransmittanceCurve, channel_probabilities, mask_weight};
+use super::{DistanceSample, Medium, TransmittanceCurve, channel_probabilities, zero_improbable_channels};
 use crate::color::Rgb;
 use crate::math::Ray;
 use glam::DVec3;
@@ -180,7 +180,7 @@ pub(super) fn distance_sample(
             }
         });
     let lost = !through && scattered.is_none();
-    DistanceSample { scattered, weight: if lost { Rgb::ZERO } else { mask_weight(left, probabilities) } }
+    DistanceSample { scattered, weight: if lost { Rgb::ZERO } else { zero_improbable_channels(left, probabilities) } }
 }
 
 /// Emitted radiance: the sum of transmittance times emission over tentative collisions.

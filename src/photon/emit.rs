@@ -1,6 +1,6 @@
 //! Emission of photon paths: samples a light, a position and a direction.
 
-use super::guiding::GuidingDistribution;
+use super::guiding::EmissionGuidingDistribution;
 use crate::color::{self, Rgb};
 use crate::light::{Light, PhotonAim};
 use crate::math::Ray;
@@ -25,7 +25,7 @@ pub struct PhotonSource<'a> {
     /// Bounding spheres of the casters, to which photons are emitted; `None` emits everywhere.
     aim: Option<PhotonAim>,
     /// Guiding distribution of each light, `None` for a light without; empty without guiding.
-    pub(super) guiding: Vec<Option<GuidingDistribution>>,
+    pub(super) guiding: Vec<Option<EmissionGuidingDistribution>>,
     /// Effects that photon paths simulate.
     effects: Effects,
 }

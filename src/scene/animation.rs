@@ -7,7 +7,7 @@ use super::build::{derive_quantities, mean_emission_lights};
 use super::delta_light::{legacy_area_light, resolve_light};
 use super::{DeltaLightKind, LightStrength, Scene};
 use crate::camera::Camera;
-use crate::light::{EmissionTexture, Light, LightSurface};
+use crate::light::{EmissionTexture, LightSurface};
 use crate::math::{Motion, Transform};
 use crate::shape::{MappingKind, Plane, Shape, TextureMapping};
 use glam::DVec3;
@@ -124,7 +124,7 @@ fn replace_shape(scene: &mut Scene, i: usize, shape: Shape) {
     let object = scene.geometry.objects[i];
     if let Some(light) = object.light {
         let light = light as usize;
-        if let Light::Area(area) = &mut scene.lights[light] {
+        if let Some(area) = scene.lights[light].as_area_mut() {
             area.surface = LightSurface::Shape(shape.clone());
             let mapping = scene.mappings[object.mapping as usize];
             let remapped = |texture: &Arc<EmissionTexture>| {

@@ -277,7 +277,8 @@ impl Material {
     /// Calls `visit` with at least one BSDF of each kind that the material can have at a hit.
     ///
     /// These are the BSDF of mean parameters, and for a textured conductor those of the least and
-    /// the greatest roughness.
+    /// the greatest roughness. Extend the match if a texture can change the kind of a new BSDF:
+    /// whether it is specular, stores photons or transmits.
     pub(super) fn visit_bsdf_variants(&self, textures: &[Arc<Texture>], mut visit: impl FnMut(Bsdf)) {
         visit(self.mean_bsdf);
         match self.kind {

@@ -62,6 +62,8 @@ pub struct Scene {
     /// The first mapping belongs to objects that define none.
     mappings: Vec<TextureMapping>,
     lights: Vec<Light>,
+    /// Index of the environment light in `lights`.
+    environment: Option<usize>,
     /// The lights with mean radiance in place of emission textures; empty if no light has a
     /// texture.
     mean_emission_lights: Vec<Light>,
@@ -102,16 +104,14 @@ impl Scene {
     #[inline]
     #[must_use]
     pub fn escaped_radiance(&self, direction: Vec3) -> Rgb {
-        match self.lights.last() {
-            Some(Light::Environment(environment)) => environment.radiance(direction),
-            _ => self.background,
-        }
+        let environment = self.environment.and_then(|index| self.lights[index].as_environment());
+        environment.map_or(self.background, |environment| environment.radiance(direction))
     }
 
     /// Index of the environment light in [`Scene::lights`], if there is one.
     #[must_use]
     pub fn environment(&self) -> Option<usize> {
-        matches!(self.lights.last(), Some(Light::Environment(_))).then(|| self.lights.len() - 1)
+        self.environment
     }
 
     /// All lights. An environment light is the last.
@@ -133,11 +133,11 @@ impl Scene {
         &self.legacy_lights
     }
 
-    /// Distance \[length] below which a surface point touches light `light`. Such a light
-    /// illuminates both sides of the surface. 0 for area lights and lights at infinity.
+    /// Distance \[length] below which light `light` counts as lying on a surface; 0 for area
+    /// lights and lights at infinity.
     ///
-    /// Positions are rounded to 2⁻²⁴ of their coordinates, so the light's side of the surface is
-    /// unknown. The surface does not block the light, except at a cosine to the normal below 1/40.
+    /// A light that lies on a surface illuminates both of its sides. Positions are rounded to 2⁻²⁴
+    /// of their coordinates, so the true side of the light is unknown.
     #[inline]
     #[must_use]
     pub fn light_contact_distance(&self, light: usize) -> f32 {
@@ -266,14 +266,14 @@ impl Scene {
         let point = self.geometry.surface_point(ray, hit);
         let object = self.geometry.object_attributes(hit.kind);
         let wo = -ray.direction;
-        let emission = match object.light.map(|l| &self.lights[l as usize]) {
-            Some(Light::Area(area)) if wo.dot(point.ng) > 0.0 => match &area.texture {
+        let emission = match object.light.and_then(|l| self.lights[l as usize].as_area()) {
+            Some(area) if wo.dot(point.ng) > 0.0 => match &area.texture {
                 Some(texture) if cone.effects.has(Effect::Textures) => {
                     texture.radiance(&self.texture_context(hit, &point, wo, &cone.for_emission_textures()))
                 }
-                _ => area.radiance,
+                Some(_) | None => area.radiance,
             },
-            _ => Rgb::ZERO,
+            Some(_) | None => Rgb::ZERO,
         };
         let mut material_index = object.material;
         let mut material = &self.materials[material_index as usize];

@@ -6,7 +6,6 @@ use super::path_ray;
 use super::{Body, Effects, Interior, Material, NormalPerturbation, PathRay, RayCone, Scene};
 use crate::bsdf::Bsdf;
 use crate::color::Rgb;
-use crate::light::Light;
 use crate::math::{BoundingSphere, Bounds, Ray};
 use crate::medium::Medium;
 use crate::sampling::Key;
@@ -85,8 +84,7 @@ impl Scene {
     }
 
     fn has_emission_texture(&self, attributes: &ObjectAttributes) -> bool {
-        let light = attributes.light.map(|light| &self.lights[light as usize]);
-        matches!(light, Some(Light::Area(area)) if area.texture.is_some())
+        attributes.light.is_some_and(|light| self.lights[light as usize].has_emission_texture())
     }
 
     /// The body of each material that bounds one.

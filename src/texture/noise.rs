@@ -12,7 +12,7 @@ const OCTAVE_OFFSET: DVec3 = DVec3::new(17.31, 5.77, 11.93);
 pub(crate) fn fractal_noise(p: DVec3, width: f64, octaves: u32) -> f64 {
     let (mut sum, mut scale, mut weight) = (0.0, 1.0, 1.0);
     for i in 0..octaves {
-        let there = octave_fade(width * scale);
+        let there = octave_weight(width * scale);
         if there == 0.0 {
             break;
         }
@@ -24,7 +24,7 @@ pub(crate) fn fractal_noise(p: DVec3, width: f64, octaves: u32) -> f64 {
 }
 
 /// Weight of an octave under a footprint of `width` \[wavelengths].
-fn octave_fade(width: f64) -> f64 {
+fn octave_weight(width: f64) -> f64 {
     let t = ((FADE_WIDTHS[1] - width) / (FADE_WIDTHS[1] - FADE_WIDTHS[0])).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }

@@ -126,7 +126,7 @@ impl WrapMode {
     }
 
     /// Index in 0..`n` of the pixel that index `i` refers to.
-    fn wrapped_pixel(self, i: i64, n: usize) -> usize {
+    fn wrap_pixel_index(self, i: i64, n: usize) -> usize {
         let n = n as i64;
         (match self {
             Self::Repeat => i.rem_euclid(n),
@@ -145,9 +145,9 @@ impl MipLevel {
         let y = (1.0 - uv.y) * self.height as f64 - 0.5;
         let (column, row) = (x.floor() as i64, y.floor() as i64);
         let (fx, fy) = ((x - x.floor()) as f32, (y - y.floor()) as f32);
-        let columns = [column, column + 1].map(|i| wrap.wrapped_pixel(i, self.width));
+        let columns = [column, column + 1].map(|i| wrap.wrap_pixel_index(i, self.width));
         let [upper, lower] = [row, row + 1].map(|i| {
-            let row = wrap.wrapped_pixel(i, self.height) * self.width;
+            let row = wrap.wrap_pixel_index(i, self.height) * self.width;
             self.pixels[row + columns[0]].lerp(self.pixels[row + columns[1]], fx)
         });
         upper.lerp(lower, fy)

@@ -5,7 +5,7 @@ use caustica::image::Image;
 use caustica::integrate::{ALPHA, Algorithm, shrink};
 use caustica::sampling::{Dimension, Key};
 use caustica::study::methods::{Checkpoint, GroundTruth, MethodResult, MethodStudyResult};
-use caustica::study::report::methods::{csv, json, markdown, methods_html_page};
+use caustica::study::report::methods::{csv, markdown, method_study_json, methods_html_page};
 use glam::Vec3;
 use std::collections::BTreeSet;
 
@@ -201,7 +201,7 @@ fn minimal_study_makes_a_page() {
     assert!(unbalanced(&page).is_none() && page.contains("too few checkpoints") && !page.contains("NaN"));
     found.methods.clear();
     assert_eq!(unbalanced(&words(&methods_html_page(&found).unwrap())), None);
-    assert!(csv(&found).lines().count() == 1 && json(&found).is_ok() && markdown(&found).contains("room"));
+    assert!(csv(&found).lines().count() == 1 && method_study_json(&found).is_ok() && markdown(&found).contains("room"));
 }
 
 #[test]
@@ -211,7 +211,7 @@ fn data_files_hold_every_checkpoint() {
     let rows: Vec<&str> = table.split("\r\n").collect();
     assert_eq!(rows.len(), 1 + 9 + 8 + 8 + 8 + 7 + 1);
     assert!(rows[1].ends_with("\"caustica render --integrator path --seed 1 --passes 256 \"\"room & <ball>.txt\"\"\""));
-    let data: serde_json::Value = serde_json::from_str(&json(&found).unwrap()).unwrap();
+    let data: serde_json::Value = serde_json::from_str(&method_study_json(&found).unwrap()).unwrap();
     assert_eq!(data["schema"], 1);
     let methods = data["methods"].as_array().unwrap();
     assert_eq!(methods.len(), 5);

@@ -37,7 +37,7 @@ const MIN_THREAD_SHARE: f64 = 0.9;
 const REPORT_WRITERS: [(&str, ReportWriter<MethodStudyResult>); 4] = [
     ("html", |_, found| report::methods_html_page(found).into_diagnostic()),
     ("csv", |_, found| Ok(report::csv(found))),
-    ("json", |_, found| report::json(found).into_diagnostic()),
+    ("json", |_, found| report::method_study_json(found).into_diagnostic()),
     ("md", |_, found| Ok(report::markdown(found))),
 ];
 
@@ -148,8 +148,11 @@ fn run_method_study(
             100.0 * found.share
         ));
     }
-    let text =
-        if arguments.json { report::json(&found).map(|json| json + "\n").into_diagnostic() } else { Ok(table(&found)) };
+    let text = if arguments.json {
+        report::method_study_json(&found).map(|json| json + "\n").into_diagnostic()
+    } else {
+        Ok(table(&found))
+    };
     let exit = if found.interrupted { Exit::Interrupted } else { Exit::Success };
     outputs.write_reports(arguments, &found, text, progress, exit)
 }

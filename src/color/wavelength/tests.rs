@@ -29,8 +29,8 @@ fn white_light_stays_white() {
 #[test]
 fn weights_average_one_and_pdf_integrates_to_one() {
     let mut integral = 0.0;
-    for response_cell in 0..CELLS {
-        let w = refractive_index_at(SHORTEST + (response_cell as f32 + 0.5) * STEP);
+    for response_interval_index in 0..CELLS {
+        let w = refractive_index_at(SHORTEST + (response_interval_index as f32 + 0.5) * STEP);
         assert!((w.weight().element_sum() / 3.0 - 1.0).abs() < 1e-6 && w.weight().min_element() >= 0.0);
         assert!(w.pdf() > 0.0 && w == refractive_index_at(w.nanometres()));
         integral += f64::from(w.pdf()) * f64::from(STEP);
@@ -52,8 +52,10 @@ fn hues_follow_the_spectrum() {
     assert!(green.weight().y > 1.8, "{}", green.weight());
     assert!(blue.weight().z > 2.2, "{}", blue.weight());
     // Outside these the spectral colours hardly change, and the fit's hue wanders by degrees.
-    let cells = refractive_index_at(440.0).response_cell()..=refractive_index_at(640.0).response_cell();
-    let hues: Vec<f32> = cells.map(|response_cell| hue_degrees(RESPONSE_TABLE.weights[response_cell])).collect();
+    let cells =
+        refractive_index_at(440.0).response_interval_index()..=refractive_index_at(640.0).response_interval_index();
+    let hues: Vec<f32> =
+        cells.map(|response_interval_index| hue_degrees(RESPONSE_TABLE.weights[response_interval_index])).collect();
     assert!(hues.windows(2).all(|pair| pair[0] > pair[1]), "{hues:?}");
     for nm in 400..440 {
         assert!((hue_degrees(refractive_index_at(nm as f32).weight()) - 250.0).abs() < 10.0, "{nm}");
@@ -61,7 +63,7 @@ fn hues_follow_the_spectrum() {
     for nm in 640..690 {
         assert!(hue_degrees(refractive_index_at(nm as f32).weight()).abs() < 10.0, "{nm}");
     }
-    let beyond = RESPONSE_TABLE.sums[refractive_index_at(690.0).response_cell()];
+    let beyond = RESPONSE_TABLE.sums[refractive_index_at(690.0).response_interval_index()];
     assert!(beyond > 0.999, "{beyond}");
 }
 
@@ -72,14 +74,14 @@ fn samples_follow_the_pdf() {
     let mut rng = SmallRng::seed_from_u64(11);
     let mut counts = [0u32; CELLS];
     for _ in 0..n {
-        counts[Wavelength::sample(rng.random()).response_cell()] += 1;
+        counts[Wavelength::sample(rng.random()).response_interval_index()] += 1;
     }
     // Neighbours are put together up to twenty expected, below which a count is not normal.
     let (mut chi2, mut nu) = (0.0, -1.0);
     let (mut count, mut expected) = (0.0, 0.0);
-    for (response_cell, c) in counts.iter().enumerate() {
+    for (response_interval_index, c) in counts.iter().enumerate() {
         count += f64::from(*c);
-        expected += f64::from(n) * f64::from(RESPONSE_TABLE.pdfs[response_cell]) * f64::from(STEP);
+        expected += f64::from(n) * f64::from(RESPONSE_TABLE.pdfs[response_interval_index]) * f64::from(STEP);
         if expected >= 20.0 {
             chi2 += (count - expected) * (count - expected) / expected;
             nu += 1.0;
@@ -94,9 +96,9 @@ fn samples_follow_the_pdf() {
 #[test]
 fn extreme_samples_are_in_range() {
     let last = Wavelength::sample(1.0 - f32::EPSILON / 2.0);
-    assert_eq!(Wavelength::sample(0.0).response_cell(), 0);
+    assert_eq!(Wavelength::sample(0.0).response_interval_index(), 0);
     assert!(last.nanometres() < 720.0 && last.nanometres() > 700.0, "{last:?}");
-    assert_eq!(last.response_cell(), ((last.nanometres() - SHORTEST) / STEP) as usize);
+    assert_eq!(last.response_interval_index(), ((last.nanometres() - SHORTEST) / STEP) as usize);
 }
 
 #[test]

@@ -18,7 +18,7 @@ use super::transforms::{parse_moving_block, write_transform_steps};
 use super::writer::SceneWriter;
 
 /// Camera blocks of the scene language, with their parsers.
-pub(super) static CAMERAS: [BlockParser<ParseProjection>; 3] = [
+pub(super) static CAMERAS: &[BlockParser<ParseProjection>] = &[
     BlockParser { block: &PERSPECTIVE, parse: parse_perspective_projection },
     BlockParser { block: &ORTHOGRAPHIC, parse: parse_orthographic_projection },
     BlockParser { block: &ENVIRONMENT, parse: parse_environment_projection },
@@ -38,7 +38,7 @@ pub(super) struct CameraView {
 
 const PICTURE_SIZE_RANGE: FieldRange = FieldRange::Within(1.0, 65_536.0);
 
-static VIEW_FIELDS: [FieldSchema; 4] = [
+static VIEW_FIELDS: &[FieldSchema] = &[
     field("center", FieldKind::Point, "the pinhole, the lens center, or the center of an orthographic picture")
         .required()
         .course_syntax(),
@@ -49,7 +49,7 @@ static VIEW_FIELDS: [FieldSchema; 4] = [
         .course_syntax(),
 ];
 
-static PICTURE_SIZE_FIELDS: [FieldSchema; 2] = [
+static PICTURE_SIZE_FIELDS: &[FieldSchema] = &[
     field("width", FieldKind::Whole, "picture width")
         .with_range(PICTURE_SIZE_RANGE)
         .or_numbers(&[960.0])
@@ -85,14 +85,14 @@ static PERSPECTIVE: BlockSchema = block("PerspectiveCamera", "perspective throug
             .with_range(FieldRange::Special("0 or 3 … 64"))
             .absence_means("0: round"),
     ])
-    .with_shared_fields(&[&VIEW_FIELDS, &PICTURE_SIZE_FIELDS])
+    .with_shared_fields(&[VIEW_FIELDS, PICTURE_SIZE_FIELDS])
     .course_syntax();
 
 static ORTHOGRAPHIC: BlockSchema = block("OrthographicCamera", "parallel projection")
     .with_fields(&[field("size", FieldKind::Number, "height of the visible region")
         .with_range(FieldRange::UpTo(0.0, 1e12))
         .required()])
-    .with_shared_fields(&[&VIEW_FIELDS, &PICTURE_SIZE_FIELDS]);
+    .with_shared_fields(&[VIEW_FIELDS, PICTURE_SIZE_FIELDS]);
 
 static ENVIRONMENT: BlockSchema =
     block("EnvironmentCamera", "all directions by longitude and latitude, with the direction of view in the middle")
@@ -106,7 +106,7 @@ static ENVIRONMENT: BlockSchema =
                 .absence_means("half of the width")
                 .with_unit("pixels"),
         ])
-        .with_shared_fields(&[&VIEW_FIELDS]);
+        .with_shared_fields(&[VIEW_FIELDS]);
 
 /// Default sensor height: that of a sensor of 36 × 24 mm if the unit of length is the metre.
 const DEFAULT_SENSOR_HEIGHT: f64 = 0.024;
@@ -117,7 +117,7 @@ pub(super) fn parse_moving_camera<'a>(
     keyword: Token<'a>,
 ) -> Result<Spanned<CameraDescription>, SceneError> {
     let read = |parser: &mut Parser<'a>, word: Token<'a>| Ok(Spanned::new(parse_camera(parser, word)?, word.span()));
-    let allowed = block_keywords(&[], &CAMERAS);
+    let allowed = block_keywords(&[], CAMERAS);
     let (motion, mut camera) = parse_moving_block(parser, keyword, &allowed, read)?;
     if motion.iter().any(|map| matches!(map, TransformStep::Scale(_) | TransformStep::UniformScale(_))) {
         let message = "a camera cannot grow".to_owned();
@@ -130,7 +130,7 @@ pub(super) fn parse_moving_camera<'a>(
 
 /// Parses a camera block after its keyword `word`.
 pub(super) fn parse_camera<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<CameraDescription, SceneError> {
-    let (entry, f) = parse_block_by_keyword(parser, word, &CAMERAS)?;
+    let (entry, f) = parse_block_by_keyword(parser, word, CAMERAS)?;
     let center = f.value("center")?;
     let (aim, direction) = parse_direction_or_target(&f, "center", center)?;
     let up: DVec3 = f.value("up")?;

@@ -20,7 +20,7 @@ use super::transforms::{parse_moving_block, write_transform_steps};
 use super::writer::SceneWriter;
 
 /// Light blocks of the scene language, with their parsers.
-pub(super) static LIGHTS: [BlockParser<ParseLight>; 9] = [
+pub(super) static LIGHTS: &[BlockParser<ParseLight>] = &[
     BlockParser { block: &POINT, parse: parse_point_light },
     BlockParser { block: &DIRECTIONAL, parse: parse_directional_light },
     BlockParser { block: &SPOT, parse: parse_spot_light },
@@ -35,21 +35,21 @@ pub(super) static LIGHTS: [BlockParser<ParseLight>; 9] = [
 /// Function that converts a block's fields to a light.
 type ParseLight = fn(&BlockFields<'_>) -> Result<LightDescription, SceneError>;
 
-static POINT_STRENGTH_FIELDS: [FieldSchema; 3] = [
+static POINT_STRENGTH_FIELDS: &[FieldSchema] = &[
     field("color", FieldKind::Color, "color of MIT 6.837, without distance falloff; give one of the three")
         .course_syntax(),
     field("intensity", FieldKind::Color, "radiant intensity; on the axis of a spotlight").with_unit("W/sr"),
     field("power", FieldKind::Color, "radiant flux").with_unit("W"),
 ];
 
-static AREA_STRENGTH_FIELDS: [FieldSchema; 2] = [
+static AREA_STRENGTH_FIELDS: &[FieldSchema] = &[
     field("radiance", FieldKind::Color, "radiance of the emitting side; give one of both").with_unit("W/(m² sr)"),
     field("power", FieldKind::Color, "radiant flux").with_unit("W"),
 ];
 
 static POINT: BlockSchema = block("PointLight", "point light, equal in all directions")
     .with_fields(&[field("position", FieldKind::Point, "position").required().course_syntax()])
-    .with_shared_fields(&[&POINT_STRENGTH_FIELDS])
+    .with_shared_fields(&[POINT_STRENGTH_FIELDS])
     .course_syntax();
 
 static DIRECTIONAL: BlockSchema = block("DirectionalLight", "parallel light from infinity")
@@ -74,9 +74,9 @@ static SPOT: BlockSchema = block("SpotLight", "point light limited to a cone")
             .or_numbers(&[0.0])
             .with_unit("degrees"),
     ])
-    .with_shared_fields(&[&POINT_STRENGTH_FIELDS]);
+    .with_shared_fields(&[POINT_STRENGTH_FIELDS]);
 
-static ORIENTATION_FIELDS: [FieldSchema; 4] = [
+static ORIENTATION_FIELDS: &[FieldSchema] = &[
     field("position", FieldKind::Point, "position").required(),
     field("direction", FieldKind::Direction, "axis of the light; give this or `lookAt`"),
     field("lookAt", FieldKind::Point, "point on the axis of the light"),
@@ -84,7 +84,7 @@ static ORIENTATION_FIELDS: [FieldSchema; 4] = [
         .absence_means("0 1 0, or 0 0 -1 for a vertical axis"),
 ];
 
-static PATTERN_STRENGTH_FIELDS: [FieldSchema; 2] = [
+static PATTERN_STRENGTH_FIELDS: &[FieldSchema] = &[
     field("intensity", FieldKind::Color, "radiant intensity where the picture or profile is 1").with_unit("W/sr"),
     field("power", FieldKind::Color, "radiant flux, of white light through the picture; give one of both")
         .with_unit("W"),
@@ -98,7 +98,7 @@ static PROJECTOR: BlockSchema = block("ProjectorLight", "pinhole that projects a
             .with_unit("degrees"),
         field("file", FieldKind::Name, "projected picture: PNG, OpenEXR or Radiance HDR").required(),
     ])
-    .with_shared_fields(&[&ORIENTATION_FIELDS, &PATTERN_STRENGTH_FIELDS]);
+    .with_shared_fields(&[ORIENTATION_FIELDS, PATTERN_STRENGTH_FIELDS]);
 
 static GONIOMETRIC: BlockSchema = block("GoniometricLight", "point light with a measured intensity distribution")
     .with_fields(&[
@@ -113,14 +113,14 @@ static GONIOMETRIC: BlockSchema = block("GoniometricLight", "point light with a 
             "text file with an angle from the axis in degrees and an intensity per line, in ascending order",
         ),
     ])
-    .with_shared_fields(&[&ORIENTATION_FIELDS, &PATTERN_STRENGTH_FIELDS]);
+    .with_shared_fields(&[ORIENTATION_FIELDS, PATTERN_STRENGTH_FIELDS]);
 
 static SPHERE: BlockSchema = block("SphereLight", "sphere that emits outward")
     .with_fields(&[
         field("center", FieldKind::Point, "center").required(),
         field("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).required(),
     ])
-    .with_shared_fields(&[&AREA_STRENGTH_FIELDS]);
+    .with_shared_fields(&[AREA_STRENGTH_FIELDS]);
 
 static DISC: BlockSchema = block("DiscLight", "disc that emits on the side of its normal")
     .with_fields(&[
@@ -128,7 +128,7 @@ static DISC: BlockSchema = block("DiscLight", "disc that emits on the side of it
         field("normal", FieldKind::Direction, "normal of the emitting side").required(),
         field("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).required(),
     ])
-    .with_shared_fields(&[&AREA_STRENGTH_FIELDS]);
+    .with_shared_fields(&[AREA_STRENGTH_FIELDS]);
 
 static RECTANGLE: BlockSchema = block("RectangleLight", "parallelogram that emits on the side of `edge0` × `edge1`")
     .with_fields(&[
@@ -136,7 +136,7 @@ static RECTANGLE: BlockSchema = block("RectangleLight", "parallelogram that emit
         field("edge0", FieldKind::Direction, "vector to the first neighbouring corner").required(),
         field("edge1", FieldKind::Direction, "vector to the other neighbouring corner").required(),
     ])
-    .with_shared_fields(&[&AREA_STRENGTH_FIELDS]);
+    .with_shared_fields(&[AREA_STRENGTH_FIELDS]);
 
 static ENVIRONMENT: BlockSchema = block(
     "EnvironmentLight",
@@ -163,7 +163,7 @@ pub(super) fn parse_lights_block<'a>(
     parser.parse_list_block(
         block,
         ("numLights", "light"),
-        &block_keywords(&["numLights", "Moving"], &LIGHTS),
+        &block_keywords(&["numLights", "Moving"], LIGHTS),
         |parser, word| {
             if word.text == ENVIRONMENT.keyword && std::mem::replace(&mut has_environment, true) {
                 return Err(parser.repeated_word_error(word));
@@ -178,12 +178,12 @@ pub(super) fn parse_lights_block<'a>(
 /// Parses the light, or the `Moving` block with a light, that starts with `word`.
 fn parse_light<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Spanned<LightDescription>, SceneError> {
     if word.text == "Moving" {
-        let mut movable = block_keywords(&["Moving"], &LIGHTS);
+        let mut movable = block_keywords(&["Moving"], LIGHTS);
         movable.retain(|keyword| *keyword != ENVIRONMENT.keyword);
         let (maps, light) = parse_moving_block(parser, word, &movable, parse_light)?;
         return Ok(Spanned::new(LightDescription::Moving { maps, light: Box::new(light) }, word.span()));
     }
-    let (entry, fields) = parse_block_by_keyword(parser, word, &LIGHTS)?;
+    let (entry, fields) = parse_block_by_keyword(parser, word, LIGHTS)?;
     Ok(Spanned::new((entry.parse)(&fields)?, word.span()))
 }
 
@@ -310,10 +310,9 @@ pub(super) fn write_light(out: &mut SceneWriter<'_, '_>, light: &LightDescriptio
             write_point_strength(out, *strength)?;
         }
         LightDescription::Oriented { position, aim, up, pattern, strength } => {
-            out.begin_schema_block(if matches!(pattern, LightPattern::Picture { .. }) {
-                &PROJECTOR
-            } else {
-                &GONIOMETRIC
+            out.begin_schema_block(match pattern {
+                LightPattern::Picture { .. } => &PROJECTOR,
+                LightPattern::Map(_) | LightPattern::Profile(_) => &GONIOMETRIC,
             })?;
             out.write_vec3("position", *position)?;
             write_direction_or_target(out, *aim)?;

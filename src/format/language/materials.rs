@@ -20,7 +20,7 @@ use super::writer::SceneWriter;
 use glam::DVec3;
 
 /// Material blocks of the scene language, with their parsers.
-pub(super) static MATERIALS: [BlockParser<ParseMaterial>; 8] = [
+pub(super) static MATERIALS: &[BlockParser<ParseMaterial>] = &[
     BlockParser { block: &PHONG, parse: parse_phong_material },
     BlockParser { block: &DIFFUSE, parse: parse_diffuse_material },
     BlockParser { block: &MIRROR, parse: parse_mirror_material },
@@ -51,7 +51,7 @@ const PRIORITY_FIELD: FieldSchema =
         .with_range(FieldRange::Within(0.0, 255.0))
         .or_numbers(&[0.0]);
 
-static EMISSION_FIELDS: [FieldSchema; 2] = [
+static EMISSION_FIELDS: &[FieldSchema] = &[
     field("emission", FieldKind::ColorOrTexture, "emitted radiance; not for `Clear`")
         .absence_means("0 0 0")
         .with_unit("W/(m² sr)"),
@@ -60,7 +60,7 @@ static EMISSION_FIELDS: [FieldSchema; 2] = [
         .or_numbers(&[1.0]),
 ];
 
-static NORMAL_PERTURBATION_FIELDS: [FieldSchema; 3] = [
+static NORMAL_PERTURBATION_FIELDS: &[FieldSchema] = &[
     field("bump", FieldKind::Name, "texture or picture of heights; not for `Clear`").absence_means("none"),
     field("bumpHeight", FieldKind::Number, "height of the value 1 of `bump`, required with it")
         .with_range(FieldRange::Single)
@@ -85,18 +85,18 @@ static PHONG: BlockSchema = block("PhongMaterial", "Phong's reflection model")
             .course_syntax(),
     ])
     .with_aliases(&["Material", "Phong"])
-    .with_shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS])
+    .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS])
     .course_syntax();
 
 static DIFFUSE: BlockSchema = block("Diffuse", "Lambertian reflection")
     .with_fields(&[field("reflectance", FieldKind::ColorOrTexture, "albedo").with_range(UNIT_RANGE).required()])
-    .with_shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
+    .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
 
 static MIRROR: BlockSchema = block("Mirror", "perfect mirror")
     .with_fields(&[field("reflectance", FieldKind::ColorOrTexture, "reflectance")
         .with_range(UNIT_RANGE)
         .or_numbers(&[1.0, 1.0, 1.0])])
-    .with_shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
+    .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
 
 static DIELECTRIC: BlockSchema = block("Dielectric", "boundary of a body of glass, water or the like")
     .with_fields(&[
@@ -126,14 +126,14 @@ static DIELECTRIC: BlockSchema = block("Dielectric", "boundary of a body of glas
         PRIORITY_FIELD,
         field("medium", FieldKind::Name, "medium that fills the body").absence_means("none"),
     ])
-    .with_shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
+    .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
 
 static NULL_INTERFACE: BlockSchema = block("Clear", "null interface: boundary of a region without a surface")
     .with_fields(&[
         field("medium", FieldKind::Name, "medium that fills the region").absence_means("none"),
         PRIORITY_FIELD,
     ])
-    .with_shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
+    .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
 
 static CONDUCTOR: BlockSchema = block("Conductor", "metal; opaque, reflects on both sides")
     .with_fields(&[
@@ -144,7 +144,7 @@ static CONDUCTOR: BlockSchema = block("Conductor", "metal; opaque, reflects on b
             .with_range(FieldRange::Within(0.0, MAX_REFRACTIVE_INDEX)),
         ROUGHNESS_FIELD,
     ])
-    .with_shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
+    .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
 
 static THIN: BlockSchema = block("Thin", "pane without thickness; the index is relative to the surroundings")
     .with_fields(&[
@@ -153,7 +153,7 @@ static THIN: BlockSchema = block("Thin", "pane without thickness; the index is r
             .with_range(TRANSMITTANCE_RANGE)
             .or_numbers(&[1.0, 1.0, 1.0]),
     ])
-    .with_shared_fields(&[&NORMAL_PERTURBATION_FIELDS, &EMISSION_FIELDS]);
+    .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
 
 static MIX: BlockSchema = block("Mix", "one of two materials at each point, chosen at random")
     .with_fields(&[
@@ -161,7 +161,7 @@ static MIX: BlockSchema = block("Mix", "one of two materials at each point, chos
         field("second", FieldKind::Name, "name of a material that stands before this one").required(),
         field("amount", FieldKind::NumberOrTexture, "share of the second material").with_range(UNIT_RANGE).required(),
     ])
-    .with_shared_fields(&[&EMISSION_FIELDS]);
+    .with_shared_fields(&[EMISSION_FIELDS]);
 
 /// Parses a `Materials` block; its materials replace those of an earlier one.
 pub(super) fn parse_materials_block<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result<(), SceneError> {
@@ -169,7 +169,7 @@ pub(super) fn parse_materials_block<'a>(parser: &mut Parser<'a>, block: Token<'a
         parser.scope.late_materials = Some(block);
     }
     parser.scope.clear_materials();
-    let allowed = block_keywords(&["numMaterials"], &MATERIALS);
+    let allowed = block_keywords(&["numMaterials"], MATERIALS);
     parser.parse_list_block(block, ("numMaterials", "material"), &allowed, |parser, word| {
         let (name, material) = match parse_new_material_name(parser) {
             Ok(name) => (name.clone(), parse_material(parser, word, name)),
@@ -208,16 +208,39 @@ fn parse_material<'a>(
     word: Token<'a>,
     name: Option<String>,
 ) -> Result<MaterialDescription, SceneError> {
-    let (BlockParser { block, parse }, f) = parse_block_by_keyword(parser, word, &MATERIALS)?;
+    let (BlockParser { block, parse }, f) = parse_block_by_keyword(parser, word, MATERIALS)?;
     let f = &f;
     let kind = parse(parser, f)?;
-    let has_field = |name: &str| block.find_field(name).is_some();
-    let medium: Option<Spanned<String>> = if has_field("medium") { f.optional_value("medium") } else { None };
+    let accepted = accepted_shared_fields(&kind);
+    debug_assert_eq!(accepted.medium, block.find_field("medium").is_some(), "{}", block.keyword);
+    debug_assert_eq!(accepted.normal_perturbation, block.find_field("bump").is_some(), "{}", block.keyword);
+    let medium: Option<Spanned<String>> = if accepted.medium { f.optional_value("medium") } else { None };
     if let Some(name) = &medium {
         parser.scope.check_medium_exists(parser.lexer, name, "ahead of the Materials")?;
     }
-    let normal_perturbation = if has_field("bump") { parse_normal_perturbation(f)? } else { None };
+    let normal_perturbation = if accepted.normal_perturbation { parse_normal_perturbation(f)? } else { None };
     Ok(MaterialDescription { name, kind, emission: parse_emission(f)?, normal_perturbation, medium })
+}
+
+/// Fields beside `emission` that several kinds of material share, and that a kind accepts.
+struct AcceptedSharedFields {
+    medium: bool,
+    normal_perturbation: bool,
+}
+
+/// Returns the shared fields that materials of kind `kind` accept.
+fn accepted_shared_fields(kind: &MaterialKindDescription) -> AcceptedSharedFields {
+    match kind {
+        MaterialKindDescription::Dielectric { .. } | MaterialKindDescription::NullInterface { .. } => {
+            AcceptedSharedFields { medium: true, normal_perturbation: true }
+        }
+        MaterialKindDescription::Phong { .. }
+        | MaterialKindDescription::Diffuse { .. }
+        | MaterialKindDescription::Mirror { .. }
+        | MaterialKindDescription::Conductor { .. }
+        | MaterialKindDescription::Thin { .. } => AcceptedSharedFields { medium: false, normal_perturbation: true },
+        MaterialKindDescription::Mix { .. } => AcceptedSharedFields { medium: false, normal_perturbation: false },
+    }
 }
 
 fn parse_phong_material(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescription, SceneError> {

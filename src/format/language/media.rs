@@ -20,7 +20,7 @@ use super::transforms::write_transform_field;
 use super::writer::SceneWriter;
 
 /// Medium blocks of the scene language, with their parsers.
-pub(super) static MEDIA: [BlockParser<ParseDensity>; 2] = [
+pub(super) static MEDIA: &[BlockParser<ParseDensity>] = &[
     BlockParser { block: &MEDIUM, parse: parse_medium_density },
     BlockParser { block: &CLOUD, parse: parse_cloud_density },
 ];
@@ -30,7 +30,7 @@ type ParseDensity = fn(&BlockFields<'_>) -> Result<DensityDescription, SceneErro
 
 const COEFFICIENT_RANGE: FieldRange = FieldRange::Within(0.0, MAX_COEFFICIENT);
 
-static OPTICAL_FIELDS: [FieldSchema; 7] = [
+static OPTICAL_FIELDS: &[FieldSchema] = &[
     field("absorption", FieldKind::Color, "absorption coefficient σa")
         .with_range(COEFFICIENT_RANGE)
         .or_numbers(&[0.0, 0.0, 0.0])
@@ -54,7 +54,7 @@ static OPTICAL_FIELDS: [FieldSchema; 7] = [
         .with_range(FieldRange::Special("−1 < g < 1")),
 ];
 
-static EXTENT_FIELDS: [FieldSchema; 3] = [
+static EXTENT_FIELDS: &[FieldSchema] = &[
     field("min", FieldKind::Point, "least corner of the box; required, but for a `Medium` without `grid`"),
     field("max", FieldKind::Point, "greatest corner, above `min` in each component"),
     field("Transform", FieldKind::TransformSteps, "maps from the space of the box to the world").absence_means("none"),
@@ -67,7 +67,7 @@ static MEDIUM: BlockSchema = block("Medium", "a medium of constant density, or w
             .with_range(FieldRange::Positive)
             .or_numbers(&[1.0]),
     ])
-    .with_shared_fields(&[&OPTICAL_FIELDS, &EXTENT_FIELDS]);
+    .with_shared_fields(&[OPTICAL_FIELDS, EXTENT_FIELDS]);
 
 static CLOUD: BlockSchema =
     block("Cloud", "a medium with noise as density, from 0 to 1, in the ellipsoid inscribed in its box")
@@ -89,13 +89,13 @@ static CLOUD: BlockSchema =
                 .with_range(FieldRange::Within(2.0, 512.0))
                 .or_numbers(&[96.0]),
         ])
-        .with_shared_fields(&[&OPTICAL_FIELDS, &EXTENT_FIELDS]);
+        .with_shared_fields(&[OPTICAL_FIELDS, EXTENT_FIELDS]);
 
 /// Parses a `Media` block; its media replace those of an earlier one.
 pub(super) fn parse_media_block<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result<(), SceneError> {
     parser.scope.check_precedes_materials(parser.lexer, block)?;
     parser.scope.media.clear();
-    parser.parse_list_block(block, ("numMedia", "medium"), &block_keywords(&["numMedia"], &MEDIA), |parser, word| {
+    parser.parse_list_block(block, ("numMedia", "medium"), &block_keywords(&["numMedia"], MEDIA), |parser, word| {
         let is_taken = |parser: &Parser<'a>, name: &str| parser.scope.media.iter().any(|m| m.value.name == name);
         let name = parse_unique_block_name(parser, word, ("medium", "media"), is_taken)?;
         let (medium, result) = match parse_medium(parser, word, &name) {
@@ -118,7 +118,7 @@ fn placeholder_medium(name: &str) -> MediumDescription {
 
 /// Parses the fields of a medium.
 fn parse_medium<'a>(parser: &mut Parser<'a>, word: Token<'a>, name: &str) -> Result<MediumDescription, SceneError> {
-    let (entry, f) = parse_block_by_keyword(parser, word, &MEDIA)?;
+    let (entry, f) = parse_block_by_keyword(parser, word, MEDIA)?;
     let f = &f;
     Ok(MediumDescription {
         name: name.to_owned(),

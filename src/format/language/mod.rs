@@ -61,13 +61,13 @@ const FILE_BLOCK_KEYWORDS: [&str; 6] = ["Moving", "Lights", "Textures", "Media",
 /// Returns the sections of the language reference: name and blocks.
 fn reference_sections() -> [(&'static str, Vec<&'static BlockSchema>); 7] {
     [
-        ("cameras", block_schemas(&CAMERAS)),
+        ("cameras", block_schemas(CAMERAS)),
         ("background", vec![&BACKGROUND]),
-        ("lights", block_schemas(&LIGHTS)),
-        ("textures", block_schemas(&TEXTURES)),
-        ("media", block_schemas(&MEDIA)),
-        ("materials", block_schemas(&MATERIALS)),
-        ("shapes", block_schemas(&SHAPES)),
+        ("lights", block_schemas(LIGHTS)),
+        ("textures", block_schemas(TEXTURES)),
+        ("media", block_schemas(MEDIA)),
+        ("materials", block_schemas(MATERIALS)),
+        ("shapes", block_schemas(SHAPES)),
     ]
 }
 
@@ -143,7 +143,7 @@ struct FileBlocks {
 
 /// Parses all blocks of a file.
 fn parse_all_blocks(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneError> {
-    let allowed = [&block_keywords(&[], &CAMERAS)[..], &[BACKGROUND.keyword], &FILE_BLOCK_KEYWORDS].concat();
+    let allowed = [&block_keywords(&[], CAMERAS)[..], &[BACKGROUND.keyword], &FILE_BLOCK_KEYWORDS].concat();
     let mut blocks = FileBlocks::default();
     loop {
         let word = parser.lexer.peek();
@@ -201,7 +201,7 @@ fn parse_file_block<'a>(
             (parser.scope.group_uses_materials, parser.scope.late_materials) = (false, None);
             blocks.root = Some(parse_group(parser, word)?);
         }
-        text if find_block(&CAMERAS, text).is_some() => {
+        text if find_block(CAMERAS, text).is_some() => {
             blocks.camera = Some(Spanned::new(parse_camera(parser, word)?, word.span()));
         }
         _ => return Err(parser.unexpected_word_error(word, allowed)),

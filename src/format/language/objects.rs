@@ -19,7 +19,7 @@ const NESTING_OBJECT_KEYWORDS: [&str; 3] = ["Group", "Transform", "Moving"];
 const OTHER_ITEM_KEYWORDS: [&str; 3] = ["numObjects", "MaterialIndex", "MaterialName"];
 
 fn object_keywords() -> Vec<&'static str> {
-    block_keywords(&NESTING_OBJECT_KEYWORDS, &SHAPES)
+    block_keywords(&NESTING_OBJECT_KEYWORDS, SHAPES)
 }
 
 /// Parses a `Group` block.

@@ -220,11 +220,11 @@ impl FieldSchema {
             FieldRange::Between(least, most) => all(&|x| x > least && x < most),
             FieldRange::UpTo(least, most) => all(&|x| x > least && x <= most),
         };
-        (!ok).then(|| self.range_rule(numbers))
+        (!ok).then(|| self.rule_of_range(numbers))
     }
 
     /// Returns the range as a rule for `numbers` outside it.
-    fn range_rule(&self, numbers: &[f64]) -> String {
+    fn rule_of_range(&self, numbers: &[f64]) -> String {
         let each = if numbers.len() > 1 { " in each component" } else { "" };
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
         let is_too_large = numbers.iter().any(|x| x.abs() > MAX_SINGLE);

@@ -15,7 +15,7 @@ use super::writer::{SceneWriter, SpacedNumbers};
 use crate::shape::parametric::MAX_DEGREE;
 
 /// Shape blocks of the scene language, with their parsers.
-pub(super) static SHAPES: [BlockParser<ParseShape>; 14] = [
+pub(super) static SHAPES: &[BlockParser<ParseShape>] = &[
     BlockParser { block: &SPHERE, parse: parse_sphere },
     BlockParser { block: &PLANE, parse: parse_plane },
     BlockParser { block: &DISC, parse: parse_disc },
@@ -37,12 +37,12 @@ type ParseShape = fn(&BlockFields<'_>) -> Result<ShapeDescription, SceneError>;
 
 const DEGREE_RANGE: FieldRange = FieldRange::Within(1.0, MAX_DEGREE as f64);
 
-static EMISSION_FIELDS: [FieldSchema; 1] =
-    [field("emission", FieldKind::Color, "radiance instead of the material's; not for a `Plane`")
+static EMISSION_FIELDS: &[FieldSchema] =
+    &[field("emission", FieldKind::Color, "radiance instead of the material's; not for a `Plane`")
         .absence_means("the material's")
         .with_unit("W/(m² sr)")];
 
-static DEGREE_FIELDS: [FieldSchema; 2] = [
+static DEGREE_FIELDS: &[FieldSchema] = &[
     field("degreeU", FieldKind::Whole, "degree along u").with_range(DEGREE_RANGE).or_numbers(&[3.0]),
     field("degreeV", FieldKind::Whole, "degree along v").with_range(DEGREE_RANGE).or_numbers(&[3.0]),
 ];
@@ -52,7 +52,7 @@ static SPHERE: BlockSchema = block("Sphere", "all points at distance `radius` fr
         field("center", FieldKind::Point, "center").required().course_syntax(),
         field("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).required().course_syntax(),
     ])
-    .with_shared_fields(&[&EMISSION_FIELDS])
+    .with_shared_fields(&[EMISSION_FIELDS])
     .course_syntax();
 
 static PLANE: BlockSchema = block("Plane", "infinite plane")
@@ -60,7 +60,7 @@ static PLANE: BlockSchema = block("Plane", "infinite plane")
         field("normal", FieldKind::Direction, "normal; its length scales `offset`").required().course_syntax(),
         field("offset", FieldKind::Number, "normal · x of the points x of the plane").required().course_syntax(),
     ])
-    .with_shared_fields(&[&EMISSION_FIELDS])
+    .with_shared_fields(&[EMISSION_FIELDS])
     .course_syntax();
 
 static DISC: BlockSchema = block("Disc", "flat disc")
@@ -69,7 +69,7 @@ static DISC: BlockSchema = block("Disc", "flat disc")
         field("normal", FieldKind::Direction, "normal").required(),
         field("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).required(),
     ])
-    .with_shared_fields(&[&EMISSION_FIELDS]);
+    .with_shared_fields(&[EMISSION_FIELDS]);
 
 static RECTANGLE: BlockSchema = block("Rectangle", "parallelogram with normal `edge0` × `edge1`")
     .with_fields(&[
@@ -77,17 +77,17 @@ static RECTANGLE: BlockSchema = block("Rectangle", "parallelogram with normal `e
         field("edge0", FieldKind::Direction, "vector to the first neighbouring corner").required(),
         field("edge1", FieldKind::Direction, "vector to the other neighbouring corner").required(),
     ])
-    .with_shared_fields(&[&EMISSION_FIELDS]);
+    .with_shared_fields(&[EMISSION_FIELDS]);
 
 static BOX: BlockSchema = block("Box", "closed box with edges along the axes")
     .with_fields(&[
         field("min", FieldKind::Point, "corner with the lowest coordinates").required(),
         field("max", FieldKind::Point, "opposite corner; above `min` in every coordinate").required(),
     ])
-    .with_shared_fields(&[&EMISSION_FIELDS]);
+    .with_shared_fields(&[EMISSION_FIELDS]);
 
-static CAPS_FIELDS: [FieldSchema; 1] =
-    [field("caps", FieldKind::Word(&["yes", "no"]), "`no` leaves both ends open").or_word("yes")];
+static CAPS_FIELDS: &[FieldSchema] =
+    &[field("caps", FieldKind::Word(&["yes", "no"]), "`no` leaves both ends open").or_word("yes")];
 
 static CYLINDER: BlockSchema = block("Cylinder", "cylinder of any direction, closed unless `caps` is `no`")
     .with_fields(&[
@@ -95,7 +95,7 @@ static CYLINDER: BlockSchema = block("Cylinder", "cylinder of any direction, clo
         field("top", FieldKind::Point, "center of the other end").required(),
         field("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).required(),
     ])
-    .with_shared_fields(&[&CAPS_FIELDS, &EMISSION_FIELDS]);
+    .with_shared_fields(&[CAPS_FIELDS, EMISSION_FIELDS]);
 
 static CONE: BlockSchema = block("Cone", "cone or truncated cone of any direction, closed unless `caps` is `no`")
     .with_fields(&[
@@ -106,7 +106,7 @@ static CONE: BlockSchema = block("Cone", "cone or truncated cone of any directio
             .with_range(FieldRange::NonNegative)
             .or_numbers(&[0.0]),
     ])
-    .with_shared_fields(&[&CAPS_FIELDS, &EMISSION_FIELDS]);
+    .with_shared_fields(&[CAPS_FIELDS, EMISSION_FIELDS]);
 
 static TRIANGLE: BlockSchema = block("Triangle", "triangle; its area may be 0")
     .with_fields(&[
@@ -121,7 +121,7 @@ static TRIANGLE: BlockSchema = block("Triangle", "triangle; its area may be 0")
         field("uv1", FieldKind::Pair, "texture coordinates at the second vertex").absence_means("1 0"),
         field("uv2", FieldKind::Pair, "texture coordinates at the third vertex").absence_means("0 1"),
     ])
-    .with_shared_fields(&[&EMISSION_FIELDS])
+    .with_shared_fields(&[EMISSION_FIELDS])
     .course_syntax();
 
 static MESH: BlockSchema = block("TriangleMesh", "triangle mesh in a file of its own")
@@ -135,7 +135,7 @@ static MESH: BlockSchema = block("TriangleMesh", "triangle mesh in a file of its
             .absence_means("faces without normals are flat")
             .with_unit("degrees"),
     ])
-    .with_shared_fields(&[&EMISSION_FIELDS])
+    .with_shared_fields(&[EMISSION_FIELDS])
     .course_syntax();
 
 static REVOLUTION: BlockSchema =
@@ -143,19 +143,19 @@ static REVOLUTION: BlockSchema =
         .with_fields(&[field("profile", FieldKind::Curve, "curve of points (x, y), turned about the y axis")
             .required()
             .course_syntax()])
-        .with_shared_fields(&[&EMISSION_FIELDS])
+        .with_shared_fields(&[EMISSION_FIELDS])
         .course_syntax();
 
 static BEZIER_CURVE: BlockSchema =
     block("BezierCurve", "one Bézier curve; without `profile` it has no surface and is not visible")
         .with_fields(&[BEZIER_CONTROLS])
-        .with_shared_fields(&[&EMISSION_FIELDS])
+        .with_shared_fields(&[EMISSION_FIELDS])
         .course_syntax();
 
 static BSPLINE_CURVE: BlockSchema =
     block("BsplineCurve", "a uniform cubic B-spline; without `profile` it has no surface and is not visible")
         .with_fields(&[BSPLINE_CONTROLS])
-        .with_shared_fields(&[&EMISSION_FIELDS])
+        .with_shared_fields(&[EMISSION_FIELDS])
         .course_syntax();
 
 static BEZIER_PATCH: BlockSchema = block("BezierPatch", "one or more Bézier patches of the same degrees")
@@ -165,7 +165,7 @@ static BEZIER_PATCH: BlockSchema = block("BezierPatch", "one or more Bézier pat
         "control points, patch after patch, those along v first",
     )
     .required()])
-    .with_shared_fields(&[&DEGREE_FIELDS, &EMISSION_FIELDS]);
+    .with_shared_fields(&[DEGREE_FIELDS, EMISSION_FIELDS]);
 
 static NURBS: BlockSchema = block("NurbsSurface", "rational B-spline surface")
     .with_fields(&[
@@ -183,7 +183,7 @@ static NURBS: BlockSchema = block("NurbsSurface", "rational B-spline surface")
             .absence_means("uniform"),
         field("controls", FieldKind::WeightedPoints, "control points, those along v first").required(),
     ])
-    .with_shared_fields(&[&DEGREE_FIELDS, &EMISSION_FIELDS]);
+    .with_shared_fields(&[DEGREE_FIELDS, EMISSION_FIELDS]);
 
 /// Parses a shape, and the emitted radiance that replaces its material's.
 // Not inlined: its callers recurse, and their stack frames must stay small.
@@ -192,7 +192,7 @@ pub(super) fn parse_shape<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,
 ) -> Result<(ShapeDescription, Option<DVec3>), SceneError> {
-    let (entry, f) = parse_block_by_keyword(parser, word, &SHAPES)?;
+    let (entry, f) = parse_block_by_keyword(parser, word, SHAPES)?;
     Ok(((entry.parse)(&f)?, f.optional_value("emission")))
 }
 

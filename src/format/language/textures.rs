@@ -18,7 +18,7 @@ use super::transforms::write_transform_field;
 use super::writer::SceneWriter;
 
 /// Texture blocks of the scene language, with their parsers.
-pub(super) static TEXTURES: [BlockParser<ParseTexture>; 5] = [
+pub(super) static TEXTURES: &[BlockParser<ParseTexture>] = &[
     BlockParser { block: &IMAGE, parse: parse_image_texture },
     BlockParser { block: &CHECKER, parse: parse_checker_texture },
     BlockParser { block: &NOISE, parse: |f| parse_solid_pattern(f, SolidPatternDescription::Noise) },
@@ -29,7 +29,7 @@ pub(super) static TEXTURES: [BlockParser<ParseTexture>; 5] = [
 /// Function that converts a block's fields to a texture.
 type ParseTexture = fn(&BlockFields<'_>) -> Result<TextureKindDescription, SceneError>;
 
-static COORDINATE_FIELDS: [FieldSchema; 3] = [
+static COORDINATE_FIELDS: &[FieldSchema] = &[
     field("scale", FieldKind::Pair, "factors of u and v").with_range(FieldRange::NonZero).or_numbers(&[1.0, 1.0]),
     field("rotate", FieldKind::Number, "rotation of (u, v) after that, anticlockwise")
         .or_numbers(&[0.0])
@@ -37,13 +37,13 @@ static COORDINATE_FIELDS: [FieldSchema; 3] = [
     field("offset", FieldKind::Pair, "offset of (u, v) after that").or_numbers(&[0.0, 0.0]),
 ];
 
-static COLOR_FIELDS: [FieldSchema; 2] = [
+static COLOR_FIELDS: &[FieldSchema] = &[
     field("color0", FieldKind::Color, "first color; of a checker where ⌊u⌋ + ⌊v⌋ is even").or_numbers(&[0.0, 0.0, 0.0]),
     field("color1", FieldKind::Color, "second color").or_numbers(&[1.0, 1.0, 1.0]),
 ];
 
 // The last octave is 32,768 times finer than the first.
-static PATTERN_FIELDS: [FieldSchema; 4] = [
+static PATTERN_FIELDS: &[FieldSchema] = &[
     field("octaves", FieldKind::Whole, "octaves of noise").with_range(FieldRange::Within(1.0, 16.0)).or_numbers(&[4.0]),
     field("frequency", FieldKind::Number, "frequency f of the first octave, of veins and of rings")
         .with_range(FieldRange::Positive)
@@ -64,25 +64,25 @@ static IMAGE: BlockSchema = block("Image", "a picture, which covers the unit squ
         field("wrap", FieldKind::Word(&["repeat", "clamp", "mirror"]), "continuation beyond the edges")
             .or_word("repeat"),
     ])
-    .with_shared_fields(&[&COORDINATE_FIELDS]);
+    .with_shared_fields(&[COORDINATE_FIELDS]);
 
-static CHECKER: BlockSchema = block("Checker", "squares of side 1 in texture coordinates")
-    .with_shared_fields(&[&COLOR_FIELDS, &COORDINATE_FIELDS]);
+static CHECKER: BlockSchema =
+    block("Checker", "squares of side 1 in texture coordinates").with_shared_fields(&[COLOR_FIELDS, COORDINATE_FIELDS]);
 
 static NOISE: BlockSchema = block("Noise", "solid noise, t = ½ + ½ a N, clamped to 0 … 1: clouds, lumps")
-    .with_shared_fields(&[&COLOR_FIELDS, &PATTERN_FIELDS]);
+    .with_shared_fields(&[COLOR_FIELDS, PATTERN_FIELDS]);
 
 static MARBLE: BlockSchema = block("Marble", "solid veins across the x axis, t = ½ + ½ sin 2π(f x + a N)")
-    .with_shared_fields(&[&COLOR_FIELDS, &PATTERN_FIELDS]);
+    .with_shared_fields(&[COLOR_FIELDS, PATTERN_FIELDS]);
 
 static WOOD: BlockSchema = block("Wood", "solid rings about the y axis, t = ½ + ½ sin 2π(f √(x² + z²) + a N)")
-    .with_shared_fields(&[&COLOR_FIELDS, &PATTERN_FIELDS]);
+    .with_shared_fields(&[COLOR_FIELDS, PATTERN_FIELDS]);
 
 /// Parses a `Textures` block; its textures replace those of an earlier one.
 pub(super) fn parse_textures_block<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result<(), SceneError> {
     parser.scope.check_precedes_materials(parser.lexer, block)?;
     parser.scope.textures.clear();
-    let allowed = block_keywords(&["numTextures"], &TEXTURES);
+    let allowed = block_keywords(&["numTextures"], TEXTURES);
     parser.parse_list_block(block, ("numTextures", "texture"), &allowed, |parser, word| {
         let is_taken = |parser: &Parser<'a>, name: &str| parser.scope.textures.iter().any(|t| t.value.name == name);
         let name = parse_unique_block_name(parser, word, ("texture", "textures"), is_taken)?;
@@ -101,7 +101,7 @@ fn placeholder_texture() -> TextureKindDescription {
 }
 
 fn parse_texture<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<TextureKindDescription, SceneError> {
-    let (entry, fields) = parse_block_by_keyword(parser, word, &TEXTURES)?;
+    let (entry, fields) = parse_block_by_keyword(parser, word, TEXTURES)?;
     (entry.parse)(&fields)
 }
 

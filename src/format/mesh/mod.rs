@@ -189,9 +189,9 @@ impl LoadedMesh {
     }
 }
 
-/// Receiver of progress reports while mesh files are read. `()` ignores them.
+/// Receiver of progress reports while a scene's files are read. `()` ignores them.
 pub trait MeshReadMonitor: Sync {
-    /// Called with the path of each file that the scene names, before the file is read.
+    /// Called with the path of each file besides the scene file itself, before the file is read.
     fn on_input_file_found(&self, _path: &Path) {}
     /// Called before parsing the mesh file at `path`, whose size is `bytes`.
     fn on_read_start(&self, path: &Path, bytes: u64);

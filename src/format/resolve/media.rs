@@ -95,7 +95,7 @@ fn make_density_grid(
 }
 
 /// Returns the still light inside the nested motions of `light`.
-fn light_inside_motions(mut light: &Spanned<LightDescription>) -> &Spanned<LightDescription> {
+fn still_light_inside_motions(mut light: &Spanned<LightDescription>) -> &Spanned<LightDescription> {
     while let LightDescription::Moving { light: inner, .. } = &light.value {
         light = inner;
     }
@@ -127,7 +127,7 @@ pub(super) fn add_ambient_medium(r: &mut Resolver<'_>) -> Result<(), SceneError>
         let message =
             format!("the medium `{}` fills the scene and absorbs or scatters all light from infinity", name.value);
         let help = "leave the light out, or put the medium into a shape of a material `Clear { medium … }`";
-        return Err(r.error_at(light_inside_motions(light).span, &message, help));
+        return Err(r.error_at(still_light_inside_motions(light).span, &message, help));
     }
     r.builder.ambient_medium(index);
     Ok(())

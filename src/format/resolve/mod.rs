@@ -17,7 +17,7 @@ use super::description::{
     Span, Spanned, TransformStep,
 };
 use super::error::MAX_ERRORS;
-use super::import::{EmbeddedAssets, is_unread_format, lowercase_extension};
+use super::import::{EmbeddedAssets, is_unread_mesh_format, lowercase_extension};
 use super::mesh::{MeshReadMonitor, TriangleMesh};
 use super::{SceneError, SourceText};
 use crate::color::Rgb;
@@ -280,7 +280,7 @@ impl Resolver<'_> {
             return Ok(written.to_owned());
         }
         let extension = lowercase_extension(written);
-        if kind == "mesh" && is_unread_format(&extension) {
+        if kind == "mesh" && is_unread_mesh_format(&extension) {
             let message = format!("meshes of the format `.{extension}` are not read");
             return Err(self.file_error(path, &message, "convert it to OBJ or PLY, which are read"));
         }

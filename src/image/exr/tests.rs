@@ -34,7 +34,7 @@ fn metadata_is_stored_and_bytes_repeat() {
 }
 
 /// `file` with the size of the named window replaced.
-fn with_window(file: &[u8], name: &[u8], (width, height): (i32, i32)) -> Vec<u8> {
+fn with_replaced_window(file: &[u8], name: &[u8], (width, height): (i32, i32)) -> Vec<u8> {
     let window = file.windows(name.len()).position(|w| w == name).unwrap() + name.len() + 4;
     let mut file = file.to_vec();
     // A window is stored as first column, first row, last column, last row.
@@ -51,13 +51,13 @@ fn an_implausible_size_is_refused() {
     let (file, _) = encode(&image_of_extreme_values(), FloatDepth::Single, &[]).unwrap();
     for window in [DATA, DISPLAY] {
         for (side, expected) in [(16_384, "too short"), (20_000, "too large")] {
-            let huge = with_window(&file, window, (side, side));
+            let huge = with_replaced_window(&file, window, (side, side));
             let message = read(&huge, None).err().unwrap().into_read_error("memory".into()).to_string();
             assert!(message.contains(expected), "{message}");
         }
     }
     // A display window of four megapixels takes 192 MB, although it has little data.
-    let framed = with_window(&file, DISPLAY, (2000, 2000));
+    let framed = with_replaced_window(&file, DISPLAY, (2000, 2000));
     assert!(matches!(read(&framed, Some(191_000_000)), Err(DecodeFailure::Memory { needed: 192_000_000, .. })));
     let image = expect_decoded(read(&framed, Some(192_000_000)));
     assert_eq!((image.width(), image.pixels()[2003].x), (2000, image_of_extreme_values().pixels()[43].x));
@@ -70,7 +70,7 @@ fn pictures_may_exceed_the_limit_of_the_decoder() {
     let noise = |i: u32| Vec3::splat((i.wrapping_mul(2_654_435_761) >> 8) as f32);
     let image = Image::from_pixels(256, 256, (0..256 * 256).map(noise).collect()).unwrap();
     let (file, _) = encode(&image, FloatDepth::Single, &[]).unwrap();
-    let read = expect_decoded(read(&with_window(&file, DISPLAY, (6720, 6720)), None));
+    let read = expect_decoded(read(&with_replaced_window(&file, DISPLAY, (6720, 6720)), None));
     assert_eq!((read.width(), read.height(), read.pixels()[255]), (6720, 6720, image.pixels()[255]));
 }
 

@@ -2,9 +2,9 @@
 
 use super::{PathContext, PathState};
 use crate::color::Rgb;
-use crate::integrate::film::Worker;
 use crate::integrate::policy::{Continuation, PhotonLookups};
 use crate::integrate::vertex::{MediumVertex, PathHistory, PrevVertex};
+use crate::integrate::worker::PathWorker;
 use crate::medium::PhaseFunction;
 use crate::sampling::Dimension;
 use crate::scene::{Interior, MediumSegment, PathEvent};
@@ -17,7 +17,7 @@ use rand::rngs::SmallRng;
 pub(super) fn advance_to_vertex<'a, I: Interior>(
     paths: &PathContext<'a>,
     path: &mut PathState<I>,
-    worker: &mut Worker,
+    worker: &mut PathWorker,
     radiance: &mut Rgb,
 ) -> (PathEvent<'a>, PhaseFunction) {
     let mut rng = path.sampler.sample_key().medium_tracking_key(paths.pass).rng();
@@ -43,7 +43,7 @@ fn cross_medium<I: Interior>(
     segment: &MediumSegment<'_, I>,
     weight: &mut DVec3,
     rng: &mut SmallRng,
-    worker: &mut Worker,
+    worker: &mut PathWorker,
     radiance: &mut Rgb,
 ) -> Option<f32> {
     let MediumSegment { medium, ray, .. } = segment;
@@ -86,7 +86,7 @@ fn photon_radiance<I: Interior>(
     paths: &PathContext<'_>,
     vertex: &MediumVertex<'_, I>,
     rng: &mut SmallRng,
-    worker: &mut Worker,
+    worker: &mut PathWorker,
 ) -> Rgb {
     let Some(maps) = paths.maps else { return Rgb::ZERO };
     match paths.policy.photons {

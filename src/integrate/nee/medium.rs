@@ -2,8 +2,8 @@
 
 use super::{CENTER, NextEventEstimator, ShadowRayScheme, stratified_point};
 use crate::color::Rgb;
-use crate::integrate::film::Worker;
 use crate::integrate::vertex::MediumVertex;
+use crate::integrate::worker::PathWorker;
 use crate::light::ShadowTarget;
 use crate::math::Ray;
 use crate::medium::DistanceSample;
@@ -31,7 +31,7 @@ impl NextEventEstimator<'_> {
         vertex: &MediumVertex<'_, I>,
         distance_sample: &DistanceSample,
         continues: bool,
-        worker: &mut Worker,
+        worker: &mut PathWorker,
     ) -> Rgb {
         let segment = vertex.segment;
         let path_point = || {
@@ -83,7 +83,7 @@ impl NextEventEstimator<'_> {
         sampler: Sampler,
         rays: f32,
         continues: bool,
-        worker: &mut Worker,
+        worker: &mut PathWorker,
     ) -> Rgb {
         let segment = vertex.segment;
         let u = if self.centers { CENTER } else { sampler.get_2d(Dimension::LightPosition) };

@@ -6,7 +6,7 @@ use glam::Vec2;
 
 /// Emission of one pilot path and its measured effect on the picture.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct GuidingSample {
+pub(super) struct EmissionGuidingSample {
     /// Index of the light.
     pub light: usize,
     /// Primary sample of the position on the light, in \[0, 1)².
@@ -35,16 +35,16 @@ type CellResolution = (u32, u32);
 
 /// Mean squared change of the picture in each cell of a grid over \[0, 1)⁴.
 #[derive(Clone, Debug)]
-struct GuidingCells {
+struct EmissionGuidingCells {
     resolution: CellResolution,
     /// Mean squared changes. The cell of the position is the outer index.
     squares: Vec<f64>,
 }
 
-impl GuidingCells {
+impl EmissionGuidingCells {
     fn new<'s>(
         resolution: CellResolution,
-        samples: impl Iterator<Item = &'s GuidingSample>,
+        samples: impl Iterator<Item = &'s EmissionGuidingSample>,
         parent_cells: Option<&Self>,
     ) -> Self {
         #[derive(Clone, Copy, Default)]
@@ -90,13 +90,13 @@ impl GuidingCells {
     /// Sum of squared contributions of `samples` if these cells guided the emission.
     ///
     /// `samples` must not be those that the cells were fitted to.
-    fn second_moment<'s>(&self, uniform: f64, samples: impl Iterator<Item = &'s GuidingSample>) -> f64 {
+    fn second_moment<'s>(&self, uniform: f64, samples: impl Iterator<Item = &'s EmissionGuidingSample>) -> f64 {
         let cell_pdfs = self.cell_pdfs(uniform);
         samples.map(|s| s.weight * s.square / cell_pdfs[cell_index(self.resolution, s.position, s.direction)]).sum()
     }
 }
 
-/// Index into [`GuidingCells::squares`] of the cell that contains a sample.
+/// Index into [`EmissionGuidingCells::squares`] of the cell that contains a sample.
 #[inline]
 fn cell_index(resolution: CellResolution, position: Vec2, direction: Vec2) -> usize {
     let directions = 1usize << resolution.1;
@@ -106,27 +106,27 @@ fn cell_index(resolution: CellResolution, position: Vec2, direction: Vec2) -> us
 
 /// Grid of cells fitted to the pilot samples of one light.
 #[derive(Clone, Debug)]
-pub(super) struct GuidingFit {
-    cells: GuidingCells,
+pub(super) struct EmissionGuidingFit {
+    cells: EmissionGuidingCells,
 }
 
-impl GuidingFit {
+impl EmissionGuidingFit {
     /// Fits a grid of cells to the samples of `light`.
     ///
     /// Each step subdivides the positions' or the directions' unit square, whichever gives the
     /// smaller second moment. The best resolution of all steps is kept. Second moments are
     /// cross-validated between two halves of the samples against overfitting. `uniform` is the
     /// uniform fraction of the guided pdf.
-    pub fn new(light: &Light, samples: &[&GuidingSample], uniform: f64) -> Self {
+    pub fn new(light: &Light, samples: &[&EmissionGuidingSample], uniform: f64) -> Self {
         let EmissionDimensions { uses_position, uses_direction } = light.emission_dimensions();
         let most =
             (if uses_position { MAX_SUBDIVISIONS } else { 0 }, if uses_direction { MAX_SUBDIVISIONS } else { 0 });
         let half = |i: usize| samples.iter().copied().skip(i).step_by(2);
-        let cost = |halves: &[GuidingCells; 2]| {
+        let cost = |halves: &[EmissionGuidingCells; 2]| {
             halves[0].second_moment(uniform, half(1)) + halves[1].second_moment(uniform, half(0))
         };
-        let mut cells = GuidingCells::new((0, 0), samples.iter().copied(), None);
-        let mut halves = [0, 1].map(|i| GuidingCells::new((0, 0), half(i), None));
+        let mut cells = EmissionGuidingCells::new((0, 0), samples.iter().copied(), None);
+        let mut halves = [0, 1].map(|i| EmissionGuidingCells::new((0, 0), half(i), None));
         let mut best = (cost(&halves), cells.clone());
         for subdivisions in 1..=MAX_SUBDIVISIONS {
             if MIN_SAMPLES_PER_CELL << (2 * subdivisions) > samples.len() {
@@ -137,11 +137,11 @@ impl GuidingFit {
                 .into_iter()
                 .filter(|resolution| resolution.0 <= most.0 && resolution.1 <= most.1);
             let refined = finer.map(|resolution| {
-                let halves = [0, 1].map(|i| GuidingCells::new(resolution, half(i), Some(&halves[i])));
+                let halves = [0, 1].map(|i| EmissionGuidingCells::new(resolution, half(i), Some(&halves[i])));
                 (cost(&halves), halves)
             });
             let Some((least, refined)) = refined.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
-            cells = GuidingCells::new(refined[0].resolution, samples.iter().copied(), Some(&cells));
+            cells = EmissionGuidingCells::new(refined[0].resolution, samples.iter().copied(), Some(&cells));
             halves = refined;
             if least < best.0 {
                 best = (least, cells.clone());
@@ -157,7 +157,7 @@ impl GuidingFit {
     }
 
     /// The guiding distribution with a `uniform` fraction; `None` if the fit has a single cell.
-    pub fn to_distribution(&self, uniform: f64) -> Option<GuidingDistribution> {
+    pub fn to_distribution(&self, uniform: f64) -> Option<EmissionGuidingDistribution> {
         let (p, d) = self.cells.resolution;
         if (p, d) == (0, 0) {
             return None;
@@ -165,7 +165,7 @@ impl GuidingFit {
         let cell_pdfs = self.cells.cell_pdfs(uniform);
         let directions = cell_pdfs.chunks_exact(1 << (2 * d));
         let positions: Vec<f64> = directions.clone().map(|d| d.iter().sum()).collect();
-        Some(GuidingDistribution {
+        Some(EmissionGuidingDistribution {
             side: 1 << p,
             positions: SquareGridDistribution::new(1 << p, &positions)?,
             directions: directions
@@ -177,7 +177,7 @@ impl GuidingFit {
 
 /// Piecewise constant pdf over primary samples of position and direction, in \[0, 1)⁴.
 #[derive(Clone, Debug)]
-pub(in crate::photon) struct GuidingDistribution {
+pub(in crate::photon) struct EmissionGuidingDistribution {
     /// Number of position cells along each side of the unit square.
     side: usize,
     /// Marginal pdf of positions.
@@ -186,7 +186,7 @@ pub(in crate::photon) struct GuidingDistribution {
     directions: Vec<SquareGridDistribution>,
 }
 
-impl GuidingDistribution {
+impl EmissionGuidingDistribution {
     /// Maps two uniform points of \[0, 1)² to primary samples of position and direction, and
     /// returns their pdf.
     #[inline]

@@ -4,7 +4,7 @@ mod distribution;
 #[cfg(test)]
 mod tests;
 
-pub(super) use distribution::GuidingDistribution;
+pub(super) use distribution::EmissionGuidingDistribution;
 
 use super::deposits::{Deposit, DepositPlace};
 use super::trace::PathTally;
@@ -12,7 +12,7 @@ use super::{PhotonPass, PhotonSource, Scratch, StoreMask, VisiblePointMap};
 use crate::color;
 use crate::sampling::{DiscreteDistribution, Key, Purpose};
 use crate::scene::{Interior, for_interior};
-use distribution::{GuidingFit, GuidingSample};
+use distribution::{EmissionGuidingFit, EmissionGuidingSample};
 use rayon::prelude::*;
 
 /// Number of rounds of a pilot. Each round is guided by the samples of the rounds before.
@@ -143,7 +143,7 @@ impl PhotonSource<'_> {
             let contribution = weight / f64::from(point.probability);
             found.second_moment += square * contribution * contribution;
             let (position, direction) = (point.position, point.direction);
-            found.samples.push(GuidingSample { light: point.light, position, direction, weight, square });
+            found.samples.push(EmissionGuidingSample { light: point.light, position, direction, weight, square });
         }
         found.rays = tally.rays;
         found
@@ -152,18 +152,18 @@ impl PhotonSource<'_> {
     /// Fits the probabilities and guiding distributions of all lights to the samples of all rounds.
     ///
     /// `unguided` holds the light probabilities before guiding.
-    fn fit_guiding(&mut self, samples: &[GuidingSample], unguided: &DiscreteDistribution) {
+    fn fit_guiding(&mut self, samples: &[EmissionGuidingSample], unguided: &DiscreteDistribution) {
         let lights = self.scene.lights();
-        let mut samples_by_light: Vec<Vec<&GuidingSample>> = vec![Vec::new(); lights.len()];
+        let mut samples_by_light: Vec<Vec<&EmissionGuidingSample>> = vec![Vec::new(); lights.len()];
         for sample in samples {
             samples_by_light[sample.light].push(sample);
         }
-        let fits: Vec<GuidingFit> = lights
+        let fits: Vec<EmissionGuidingFit> = lights
             .par_iter()
             .zip(&samples_by_light)
-            .map(|(light, samples)| GuidingFit::new(light, samples, DEFENSIVE_FRACTION))
+            .map(|(light, samples)| EmissionGuidingFit::new(light, samples, DEFENSIVE_FRACTION))
             .collect();
-        let total: f64 = fits.iter().map(GuidingFit::guided_deviation).sum();
+        let total: f64 = fits.iter().map(EmissionGuidingFit::guided_deviation).sum();
         if !(total > 0.0 && total.is_finite()) {
             return;
         }
@@ -182,7 +182,7 @@ impl PhotonSource<'_> {
 /// Samples of one round of the pilot.
 #[derive(Debug, Default)]
 struct RoundSamples {
-    samples: Vec<GuidingSample>,
+    samples: Vec<EmissionGuidingSample>,
     /// Sum of the squared weighted contributions of the paths to the picture.
     second_moment: f64,
     /// Number of traced rays.

@@ -106,7 +106,7 @@ mod tests {
     use crate::sampling::{Dimension, Key, Purpose};
 
     /// Uniform noise of variance 1/12 in one channel, in blocks of `block` equal pixels.
-    fn count_of_block_noise(block: usize, pixels: usize, pictures: u64) -> EffectiveSampleCount {
+    fn effective_count_of_block_noise(block: usize, pixels: usize, pictures: u64) -> EffectiveSampleCount {
         let mut samples = EffectiveSampleCount::default();
         let weights = vec![1.0; pixels];
         for picture in 0..pictures {
@@ -122,7 +122,7 @@ mod tests {
     #[test]
     fn equal_pixels_count_as_one_sample() {
         for block in [1, 4, 24] {
-            let samples = count_of_block_noise(block, 240, 400);
+            let samples = effective_count_of_block_noise(block, 240, 400);
             assert!((samples.variances.mean * 12.0 - 1.0).abs() < 5.0 * (3.0 * block as f64 / 240.0 / 399.0).sqrt());
             let independent = 2.0 / samples.squared_error_variance();
             let expected = 240.0 / block as f64;
@@ -134,13 +134,13 @@ mod tests {
     fn few_pictures_give_the_prior_and_black_gives_zero() {
         assert_eq!(
             (
-                count_of_block_noise(1, 10, 1).squared_error_variance(),
-                count_of_block_noise(1, 10, 3).squared_error_variance()
+                effective_count_of_block_noise(1, 10, 1).squared_error_variance(),
+                effective_count_of_block_noise(1, 10, 3).squared_error_variance()
             ),
             (0.0, 2.0 / PRIOR_SAMPLES)
         );
-        assert_eq!(count_of_block_noise(1, 10, 2).relative_variance_of_variance(), 2.0);
-        assert!(count_of_block_noise(10, 10, 12).squared_error_variance() > 10.0 * 2.0 / PRIOR_SAMPLES);
+        assert_eq!(effective_count_of_block_noise(1, 10, 2).relative_variance_of_variance(), 2.0);
+        assert!(effective_count_of_block_noise(10, 10, 12).squared_error_variance() > 10.0 * 2.0 / PRIOR_SAMPLES);
         let mut black = EffectiveSampleCount::default();
         (0..8).for_each(|_| black.add(std::iter::repeat_n(Rgb::ZERO, 4), &[1.0; 4], 1.0));
         assert_eq!((black.squared_error_variance(), black.relative_variance_of_variance()), (0.0, 0.0));

@@ -4,7 +4,7 @@ use super::light_contact_distance::light_contact_distance;
 use crate::light::Light;
 use crate::math::{BoundingSphere, Bounds};
 use crate::scene::Scene;
-use crate::scene::interiors::{InteriorStack, interior_at};
+use crate::scene::interiors::{InteriorStack, interior_stack_at};
 use glam::Vec3;
 
 /// Radius of the photon domain over that of the bounded shapes, in a scene with unbounded planes.
@@ -52,8 +52,9 @@ pub(in crate::scene) fn derive_quantities(scene: &Scene) -> DerivedQuantities {
     let (mut camera_interior, mut light_interiors) =
         (InteriorStack::EMPTY, vec![InteriorStack::EMPTY; scene.lights.len()]);
     if scene.bodies().next().is_some() {
-        camera_interior = interior_at(scene, camera);
-        let start = |light: &Light| light.emission_point().map_or(InteriorStack::EMPTY, |p| interior_at(scene, p));
+        camera_interior = interior_stack_at(scene, camera);
+        let start =
+            |light: &Light| light.emission_point().map_or(InteriorStack::EMPTY, |p| interior_stack_at(scene, p));
         light_interiors = scene.lights.iter().map(start).collect();
     }
     DerivedQuantities {

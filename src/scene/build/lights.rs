@@ -12,7 +12,7 @@ use crate::texture::Texture;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
-/// A point, spot or directional light in world coordinates.
+/// A light at one point or from one direction, in world coordinates.
 #[derive(Debug)]
 pub(super) struct DeltaLight {
     pub kind: DeltaLightKind,
@@ -25,6 +25,8 @@ pub(super) struct DeltaLight {
 /// lights, environment light.
 pub(super) struct CollectedLights {
     pub lights: Vec<Light>,
+    /// Index of the environment light in `lights`.
+    pub environment: Option<usize>,
     pub legacy_lights: Vec<LegacyLight>,
     /// Moving delta lights: index in `lights`, description, strength and motion.
     pub moving: Vec<(usize, DeltaLightKind, LightStrength, Motion)>,
@@ -42,8 +44,13 @@ pub(super) fn collect_lights(
     environment: Option<EnvironmentLight>,
     origin: DVec3,
 ) -> Result<CollectedLights, BuildError> {
-    let mut found =
-        CollectedLights { lights: Vec::new(), legacy_lights: Vec::new(), moving: Vec::new(), of_object: Vec::new() };
+    let mut found = CollectedLights {
+        lights: Vec::new(),
+        environment: None,
+        legacy_lights: Vec::new(),
+        moving: Vec::new(),
+        of_object: Vec::new(),
+    };
     for source in sources.iter().filter(|source| source.motion.is_none()) {
         found.add_light(resolve_light(&source.kind, source.strength, origin));
     }
@@ -85,7 +92,10 @@ pub(super) fn collect_lights(
         found.of_object.push(light);
     }
     // The environment light comes last: [`LegacyLight`] has no counterpart of it.
-    found.lights.extend(environment.map(|environment| Light::Environment(Arc::new(environment))));
+    if let Some(environment) = environment {
+        found.environment = Some(found.lights.len());
+        found.lights.push(Light::Environment(Arc::new(environment)));
+    }
     Ok(found)
 }
 
@@ -101,8 +111,7 @@ impl CollectedLights {
 /// The lights, with emission textures replaced by their mean radiance; empty if no light has a
 /// texture.
 pub(in crate::scene) fn mean_emission_lights(lights: &[Light]) -> Vec<Light> {
-    let textured = |light: &Light| matches!(light, Light::Area(area) if area.texture.is_some());
-    if !lights.iter().any(textured) {
+    if !lights.iter().any(Light::has_emission_texture) {
         return Vec::new();
     }
     lights.iter().map(Light::with_mean_emission).collect()

@@ -170,7 +170,7 @@ impl SceneBuilder {
         self
     }
 
-    /// Adds a point, spot or directional light.
+    /// Adds a light that emits from one point or from one direction.
     pub fn delta_light(&mut self, kind: DeltaLightKind, strength: LightStrength) -> &mut Self {
         self.sources.push(DeltaLight { kind, strength, motion: None });
         self
@@ -202,7 +202,7 @@ impl SceneBuilder {
         let origin = choose_origin(&objects, &mesh, &camera)?;
         let PlacedObjects { objects, geometry, mappings, mut animation } = place_objects(objects, mesh, origin)?;
         validate_extent(&geometry, &animation)?;
-        let CollectedLights { lights, legacy_lights, moving, of_object } =
+        let CollectedLights { lights, environment, legacy_lights, moving, of_object } =
             collect_lights(&self.sources, &objects, &geometry, &mappings, &self.textures, self.environment, origin)?;
         animation.lights = moving;
         let camera = place_camera(&camera, self.camera_motion, origin, &mut animation)?;
@@ -219,6 +219,7 @@ impl SceneBuilder {
             mappings: mappings.list,
             mean_emission_lights: mean_emission_lights(&lights),
             lights,
+            environment,
             legacy_lights,
             animation: (!animation.is_empty()).then(|| Arc::new(animation)),
             origin,

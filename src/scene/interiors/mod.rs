@@ -12,7 +12,7 @@ pub(super) use coincident::{
     CoincidentFace, CoincidentFaces, CoincidentFlags, coincident_faces_at, find_coincident_flags,
 };
 pub(crate) use for_interior::for_interior;
-pub(super) use locate::interior_at;
+pub(super) use locate::interior_stack_at;
 pub use spectral::SpectralInterior;
 pub(super) use stack::BodyInterface;
 pub use stack::InteriorStack;
@@ -30,9 +30,9 @@ use glam::Vec3;
 pub enum InteriorKind {
     /// [`NoInterior`]: paths track nothing.
     Nothing,
-    /// [`InteriorStack`]: paths track bodies.
+    /// [`InteriorStack`]: paths track bodies, without media or a wavelength.
     Bodies,
-    /// [`SpectralInterior`]: paths track bodies, media and a wavelength.
+    /// [`SpectralInterior`]: paths track bodies, and media or a wavelength or both.
     Spectral,
 }
 
@@ -62,7 +62,7 @@ pub struct CurrentMedium {
 ///
 /// Path loops are compiled for each type, so that scenes without bodies or media pay nothing.
 pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
-    /// True if paths may pass through media or carry a wavelength.
+    /// True if paths may pass through media or carry a wavelength: for [`SpectralInterior`] alone.
     const HAS_MEDIA_OR_WAVELENGTH: bool;
 
     /// The interior at the start of a camera path along `ray`.
@@ -160,7 +160,11 @@ impl Interior for InteriorStack {
     const HAS_MEDIA_OR_WAVELENGTH: bool = false;
 
     fn at_camera(scene: &Scene, ray: &Ray, _: Effects) -> Self {
-        if scene.camera.has_single_viewpoint() { scene.derived.camera_interior } else { interior_at(scene, ray.origin) }
+        if scene.camera.has_single_viewpoint() {
+            scene.derived.camera_interior
+        } else {
+            interior_stack_at(scene, ray.origin)
+        }
     }
 
     fn at_light(scene: &Scene, light: usize, _: Effects) -> Self {

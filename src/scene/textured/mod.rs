@@ -63,10 +63,11 @@ pub trait ParameterEvaluator {
     /// Value of a scalar parameter.
     fn evaluate_scalar(&self, parameter: &Textured<f32>) -> f32;
 
-    /// Roughness α of a conductor.
+    /// Roughness α of a BSDF that stores photons only above [`PHOTON_STORAGE_ALPHA`].
     ///
-    /// It is on the same side of [`PHOTON_STORAGE_ALPHA`] for every footprint, because camera paths
-    /// and photon paths divide light transport at that value.
+    /// The result is on the same side of this value for every footprint, because camera paths and
+    /// photon paths divide light transport there. A new BSDF with such a threshold must use this
+    /// method for its roughness; other parameters use [`evaluate_scalar`](Self::evaluate_scalar).
     fn evaluate_partition_roughness(&self, parameter: &Textured<f32>) -> f32;
 }
 

@@ -51,20 +51,20 @@ impl LinearTermsWithBounds {
     /// Converts `sums`, bounds for (w·(x, y, z), w), to bounds for w·((x, y, z) − base).
     #[inline]
     fn bound_relative_to(sums: &Coefficients<4>, base: DVec3) -> DVec3 {
-        split_off_weight(sums).0 + base.abs() * sums[3]
+        split_homogeneous_weight(sums).0 + base.abs() * sums[3]
     }
 }
 
 /// Separates coefficients into those of w·(x, y, z) and of w.
 #[inline]
-fn split_off_weight(a: &Coefficients<4>) -> (DVec3, f64) {
+fn split_homogeneous_weight(a: &Coefficients<4>) -> (DVec3, f64) {
     (DVec3::new(a[0], a[1], a[2]), a[3])
 }
 
 /// Converts (w·(x, y, z), w) to w·((x, y, z) − base); derivatives convert alike.
 #[inline]
 fn relative_to_base(a: &Coefficients<4>, base: DVec3) -> DVec3 {
-    let (p, w) = split_off_weight(a);
+    let (p, w) = split_homogeneous_weight(a);
     p - base * w
 }
 
@@ -85,7 +85,7 @@ impl PatchPiece<'_> {
     pub fn nearest_hit(&self, line: &Line, range: &mut [f64; 2], size: f64) -> Option<DVec2> {
         // Bounds on the change of weights grow with the distance of the line's base, so the base is
         // moved near the piece.
-        let (near, start) = self.relative_line(line);
+        let (near, start) = self.line_relative_to_center(line);
         let mut own = range.map(|t| t - start);
         let found = match test_roots(self.powers, self.columns, &self.bounds, &near, self.noise) {
             RootTest::NoRoot => None,
@@ -106,21 +106,21 @@ impl PatchPiece<'_> {
     /// The line with its base moved next to the piece's centre, relative to that centre, and the τ
     /// of the new base.
     #[inline]
-    fn relative_line(&self, line: &Line) -> (Line, f64) {
+    fn line_relative_to_center(&self, line: &Line) -> (Line, f64) {
         let start = (self.middle - line.base).dot(line.direction);
         (Line { base: line.base + line.direction * start - self.middle, ..*line }, start)
     }
 
     /// Newton step for the intersection with `line` from the parameters `at`.
     pub fn newton_step_at(&self, line: &Line, at: DVec2) -> DVec2 {
-        newton_step(self.powers, self.columns, &self.relative_line(line).0, at).0
+        newton_step(self.powers, self.columns, &self.line_relative_to_center(line).0, at).0
     }
 
     /// Point at the parameters `at`, and its derivatives by x and y.
     #[inline]
     pub fn point_and_derivatives(&self, at: DVec2) -> [DVec3; 3] {
         let [value, along_x, along_y] = evaluate_2d_with_derivatives(self.powers, self.columns, at.x, at.y);
-        let (p, w) = split_off_weight(&value);
+        let (p, w) = split_homogeneous_weight(&value);
         let p = p / w;
         [p + self.middle, relative_to_base(&along_x, p) / w, relative_to_base(&along_y, p) / w]
     }
@@ -154,8 +154,10 @@ impl PatchPiece<'_> {
             let touched = match test_roots(a, columns, &bounds, line, self.noise) {
                 RootTest::NoRoot => None,
                 RootTest::Root(at, t) => Some((middle + half * at, t)),
-                _ if reach.max_element() <= 4.0 * self.noise => Some((point(), center_tau(a, line))),
-                RootTest::Inside if reach.max_element() <= POINT_SIZE * size => Some((point(), center_tau(a, line))),
+                _ if reach.max_element() <= 4.0 * self.noise => Some((point(), project_center_to_line(a, line))),
+                RootTest::Inside if reach.max_element() <= POINT_SIZE * size => {
+                    Some((point(), project_center_to_line(a, line)))
+                }
                 RootTest::Inside => None,
                 // A hundred halvings reach rounding, so the stack cannot overflow.
                 RootTest::Unclear if count + 2 <= boxes.len() => {
@@ -200,7 +202,7 @@ impl PatchPiece<'_> {
 }
 
 /// τ of the projection of the piece's centre to the line.
-fn center_tau(a: &[Coefficients<4>], line: &Line) -> f64 {
+fn project_center_to_line(a: &[Coefficients<4>], line: &Line) -> f64 {
     relative_to_base(&a[0], line.base).dot(line.direction) / a[0][3]
 }
 
@@ -209,7 +211,7 @@ fn is_longer_in_x(a: &[Coefficients<4>], columns: usize) -> bool {
     let (mut x, mut y) = (DVec3::ZERO, DVec3::ZERO);
     for (i, row) in a.chunks_exact(columns).enumerate() {
         for (j, c) in row.iter().enumerate() {
-            let size = split_off_weight(c).0.abs();
+            let size = split_homogeneous_weight(c).0.abs();
             x += if i > 0 { size } else { DVec3::ZERO };
             y += if j > 0 { size } else { DVec3::ZERO };
         }

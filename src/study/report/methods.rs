@@ -6,7 +6,7 @@ mod figures;
 mod tables;
 mod warnings;
 
-pub use data::{csv, json, markdown};
+pub use data::{csv, markdown, method_study_json};
 
 use super::html::escape_html;
 use super::text::{duration_text, error_percent_text};

@@ -10,7 +10,7 @@ fn random_bezier(degree: usize) -> Vec<Coefficients<2>> {
 }
 
 /// Evaluation by repeated halving of the interval, which rounds once per step.
-fn evaluate_by_division(controls: &[Coefficients<2>], s: f64) -> Coefficients<2> {
+fn evaluate_by_halving(controls: &[Coefficients<2>], s: f64) -> Coefficients<2> {
     split_bezier(controls, s).1[0]
 }
 
@@ -24,7 +24,7 @@ fn power_basis_agrees_with_de_casteljau() {
         for i in 0..=20 {
             let x = f64::from(i) / 10.0 - 1.0;
             let ([px, py], slope) = evaluate_with_derivative(&a, x);
-            let truth = evaluate_by_division(&controls, 0.5 + 0.5 * x);
+            let truth = evaluate_by_halving(&controls, 0.5 + 0.5 * x);
             let bound = f64::EPSILON * 4.0 * binomial(degree, degree / 2);
             assert!((px - truth[0]).abs().max((py - truth[1]).abs()) < bound, "{degree} {x}");
             let step = 1e-5;

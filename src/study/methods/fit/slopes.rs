@@ -48,7 +48,7 @@ pub struct ConvergenceFit {
 /// Fits slopes to the tail of a method's checkpoints; `None` if it has fewer than three.
 #[must_use]
 pub fn fit_convergence(method: &MethodResult) -> Option<ConvergenceFit> {
-    let tail = tail_checkpoints(&method.checkpoints);
+    let tail = checkpoints_of_last_passes(&method.checkpoints);
     if tail.len() < MIN_CHECKPOINTS {
         return None;
     }
@@ -67,7 +67,7 @@ pub fn fit_convergence(method: &MethodResult) -> Option<ConvergenceFit> {
 }
 
 /// Checkpoints with at least 1/16 of the passes of the last one, and with positive time.
-fn tail_checkpoints(checkpoints: &[Checkpoint]) -> &[Checkpoint] {
+fn checkpoints_of_last_passes(checkpoints: &[Checkpoint]) -> &[Checkpoint] {
     let last = checkpoints.last().map_or(0, |c| c.passes);
     let early = |c: &&Checkpoint| u64::from(c.passes) * u64::from(TAIL_RATIO) < u64::from(last) || c.seconds <= 0.0;
     &checkpoints[checkpoints.iter().take_while(early).count()..]

@@ -132,7 +132,7 @@ struct TimeToErrorJson {
 ///
 /// # Errors
 /// Never for valid UTF-8 strings.
-pub fn json(found: &MethodStudyResult) -> Result<String, serde_json::Error> {
+pub fn method_study_json(found: &MethodStudyResult) -> Result<String, serde_json::Error> {
     let analysis = StudyAnalysis::new(found);
     let methods = found.methods.iter().zip(&analysis.methods).map(|(method, judged)| {
         let law = |quantity| judged.predicted_slopes(method, quantity);

@@ -1,13 +1,11 @@
 //! Rendering of all pixels of a pass, in parallel by tiles.
 
-use super::gather_guide::GatherGuide;
-use super::nested_estimates::{NestedEstimateSum, NestedEstimates};
+use super::nested_estimates::NestedEstimates;
 use super::pass::{Monitor, Stage};
+use super::worker::PathWorker;
 use crate::camera::{Camera, Filter, FilterSample};
 use crate::color::Rgb;
 use crate::math::{CompensatedSum, Ray};
-use crate::medium::TransmittanceCurve;
-use crate::photon::{Scratch, VisiblePoint};
 use crate::sampling::{Dimension, Key, Sampler};
 use crate::stats::Counters;
 use glam::{DVec3, Vec2};
@@ -15,30 +13,6 @@ use rayon::prelude::*;
 
 /// Edge length of a tile in pixels. Neighbouring pixels find photons and boxes in the caches.
 const TILE_SIZE: u32 = 16;
-
-/// Counters and reusable buffers of one parallel task, such as a tile.
-///
-/// Each task starts with a new value, so results do not depend on the thread.
-#[derive(Debug, Default)]
-pub(super) struct Worker {
-    pub counters: Counters,
-    /// Buffers of lookups in the caustic map.
-    pub caustic: Scratch,
-    /// Buffers of lookups in the global map.
-    pub global: Scratch,
-    /// Buffers of lookups of guiding photons.
-    pub guides: Scratch,
-    /// Distribution of gather directions at the current vertex.
-    pub guide: GatherGuide,
-    /// True if photon estimates are made at nested bandwidths.
-    pub nests_estimates: bool,
-    /// Sum of the nested photon estimates of the current pixel.
-    pub nested: NestedEstimateSum,
-    /// Transmittance along the current segment of a medium.
-    pub transmittance: TransmittanceCurve,
-    /// Visible points that a pilot records.
-    pub visible: Vec<VisiblePoint>,
-}
 
 /// Camera, pixel filter and numbers of camera rays of a picture.
 pub(super) struct FilmSampling<'a> {
@@ -131,7 +105,7 @@ pub(super) fn render_tiles<T: Default>(
     sampling: &FilmSampling<'_>,
     key: Key,
     monitor: &dyn Monitor,
-    radiance: impl Fn(&Ray, Sampler, &mut Worker, &mut T) -> Rgb + Sync,
+    radiance: impl Fn(&Ray, Sampler, &mut PathWorker, &mut T) -> Rgb + Sync,
 ) -> FilmImage {
     let (width, height) = sampling.camera.size();
     let (columns, every) = (width.div_ceil(TILE_SIZE), sampling.every);
@@ -148,7 +122,7 @@ pub(super) fn render_tiles<T: Default>(
     let rendered_pixels = if every > 1 { tiles.iter().flat_map(indices).collect() } else { Vec::new() };
 
     let work = tiles.into_par_iter().map(|mut tile| {
-        let mut worker = Worker { nests_estimates: sampling.nested, ..Worker::default() };
+        let mut worker = PathWorker { nests_estimates: sampling.nested, ..PathWorker::default() };
         let mut tile_state = T::default();
         let mut rendered = 0;
         for (x, y) in tile_pixels(tile.index, columns, width, height) {
@@ -172,14 +146,14 @@ pub(super) fn render_tiles<T: Default>(
                     worker.counters.rejected_samples += 1;
                 }
                 if sampling.nested {
-                    worker.nested.end_ray(finite.then_some(weight));
+                    worker.nested.finish_camera_ray(finite.then_some(weight));
                 }
             }
             let (column, row) = ((x % TILE_SIZE) as usize, (y % TILE_SIZE) as usize);
             let total = if is_signed { sum.weighted_sum() } else { sum.unweighted_sum() };
             tile.image[row][column] = (total / f64::from(samples)).as_vec3();
             if sampling.nested {
-                tile.nested[row][column] = worker.nested.end_pixel(samples);
+                tile.nested[row][column] = worker.nested.finish_pixel(samples);
             }
             rendered += 1;
         }

@@ -1,0 +1,31 @@
+//! Counters and buffers of one parallel task that traces camera paths.
+
+use super::gather_guide::GatherGuide;
+use super::nested_estimates::NestedEstimateSum;
+use crate::medium::TransmittanceCurve;
+use crate::photon::{Scratch, VisiblePoint};
+use crate::stats::Counters;
+
+/// Counters and reusable buffers of one parallel task that traces camera paths, such as a tile.
+///
+/// Each task starts with a new value, so results do not depend on the thread.
+#[derive(Debug, Default)]
+pub(super) struct PathWorker {
+    pub counters: Counters,
+    /// Buffers of lookups in the caustic map.
+    pub caustic: Scratch,
+    /// Buffers of lookups in the global map.
+    pub global: Scratch,
+    /// Buffers of lookups of photons that guide gather rays.
+    pub guide_lookup: Scratch,
+    /// Distribution of gather directions at the current vertex.
+    pub gather_guide: GatherGuide,
+    /// True if photon estimates are made at nested bandwidths.
+    pub nests_estimates: bool,
+    /// Sum of the nested photon estimates of the current pixel.
+    pub nested: NestedEstimateSum,
+    /// Transmittance along the current segment of a medium.
+    pub transmittance: TransmittanceCurve,
+    /// Visible points that a pilot records.
+    pub visible: Vec<VisiblePoint>,
+}
