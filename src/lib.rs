@@ -47,7 +47,7 @@
 //! # The path of one photon
 //!
 //! 1. A pass has a random-number [`Key`](sampling::Key). Photon path `i` has the key
-//!    `pass.path_key(i)`. Every random decision is a function of a key and the decision's name.
+//!    `pass_key.path_key(i)`. Every random decision is a function of a key and the decision's name.
 //! 2. [`PhotonPass::trace`](photon::PhotonPass::trace) follows the photon paths of a pass in
 //!    parallel. It starts each path by [`PhotonSource::emit`](photon::PhotonSource::emit), which
 //!    samples a light and a ray that leaves it. The sampling pdf follows power, the solid angle of

@@ -4,6 +4,7 @@ mod media;
 mod refraction;
 mod strategies;
 mod values;
+mod variants;
 
 use proptest::collection::vec;
 use proptest::prelude::*;
