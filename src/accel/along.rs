@@ -89,9 +89,9 @@ impl BoxTree {
 }
 
 fn node_of_boxes(run: &[Bounds]) -> Node8 {
-    let mut node_of_boxes = Node8::VACANT;
-    run.iter().enumerate().for_each(|(slot, b)| node_of_boxes.set(slot, b.min, b.max));
-    node_of_boxes
+    let mut node = Node8::VACANT;
+    run.iter().enumerate().for_each(|(slot, b)| node.set(slot, b.min, b.max));
+    node
 }
 
 /// The box grown by `margin`, and at least to the next number.

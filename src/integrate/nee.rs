@@ -75,7 +75,7 @@ impl<'a> NextEventEstimator<'a> {
         } else {
             None
         };
-        let has_null_interfaces = scene.bodies().any(|body| body.null_interface);
+        let has_null_interfaces = scene.bodies().any(|body| body.is_null_interface);
         Self { scene, lights, effects, directions, has_null_interfaces, centers, light_sampler, schemes }
     }
 
