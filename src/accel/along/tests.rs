@@ -53,7 +53,7 @@ fn check(bounds: &[Bounds], rays: impl Iterator<Item = Ray>) -> usize {
             let empty = b.is_empty();
             assert!(is_found || empty || !segment_crosses_box(b, &ray), "lost {i}: {b:?} on {ray:?}");
             assert!(
-                !find_boxes || !empty && segment_crosses_box(&b.expanded(margin), &ray),
+                !is_found || !empty && segment_crosses_box(&b.expanded(margin), &ray),
                 "{i} was found: {b:?} on {ray:?}"
             );
         }
