@@ -49,11 +49,11 @@ fn check(bounds: &[Bounds], rays: impl Iterator<Item = Ray>) -> usize {
         assert!(all.windows(2).all(|w| w[0] < w[1]), "a box was found twice");
         let margin = 1e-5 * size.max(ray.origin.abs().max_element());
         for (i, b) in bounds.iter().enumerate() {
-            let find_boxes = all.binary_search(&(i as u32)).is_ok();
+            let is_found = all.binary_search(&(i as u32)).is_ok();
             let empty = b.is_empty();
-            assert!(find_boxes || empty || !segment_crosses_box(b, &ray), "lost {i}: {b:?} on {ray:?}");
+            assert!(is_found || empty || !segment_crosses_box(b, &ray), "lost {i}: {b:?} on {ray:?}");
             assert!(
-                !find_boxes || !empty && segment_crosses_box(&b.expanded(margin), &ray),
+                !is_found || !empty && segment_crosses_box(&b.expanded(margin), &ray),
                 "{i} was found: {b:?} on {ray:?}"
             );
         }
@@ -79,7 +79,7 @@ fn cube_test_rays(n: u64, scale: f32, shift: Vec3) -> impl Iterator<Item = Ray> 
 }
 
 #[test]
-fn what_a_scan_finds_is_found() {
+fn queries_find_all_boxes_of_a_scan() {
     // Sizes about the borders of levels.
     for n in [0, 1, 2, 7, 8, 9, 64, 65, 513, 2000] {
         for (scale, shift) in [(1.0, Vec3::ZERO), (1e-25, Vec3::ZERO), (1e15, Vec3::ZERO), (1.0, Vec3::splat(-3e3))] {

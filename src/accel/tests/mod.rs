@@ -67,7 +67,7 @@ fn assert_agrees_with_brute_force(
 }
 
 #[test]
-fn nothing_is_never_hit() {
+fn empty_hierarchy_has_no_hit() {
     let tree = Hierarchy::build(&[], &[]);
     assert!(tree.bounds().is_empty());
     assert_eq!(tree.closest(&Ray::new(Vec3::ZERO, Vec3::X), none), None);

@@ -157,25 +157,25 @@ impl FieldSchema {
     }
 
     /// Makes the field mandatory.
-    pub const fn required(mut self) -> Self {
+    pub const fn make_required(mut self) -> Self {
         self.default = FieldDefault::Required;
         self
     }
 
     /// Sets the numbers that an absent field stands for.
-    pub const fn or_numbers(mut self, default: &'static [f64]) -> Self {
+    pub const fn with_default_numbers(mut self, default: &'static [f64]) -> Self {
         self.default = FieldDefault::Numbers(default);
         self
     }
 
     /// Sets the word that an absent field stands for.
-    pub const fn or_word(mut self, default: &'static str) -> Self {
+    pub const fn with_default_word(mut self, default: &'static str) -> Self {
         self.default = FieldDefault::Word(default);
         self
     }
 
     /// Sets the reference's text about the field's absence.
-    pub const fn absence_means(mut self, meaning: &'static str) -> Self {
+    pub const fn with_absence_text(mut self, meaning: &'static str) -> Self {
         self.default = FieldDefault::Absent(meaning);
         self
     }
@@ -193,7 +193,7 @@ impl FieldSchema {
     }
 
     /// Marks the field as one that the scene format of MIT 6.837 has.
-    pub const fn course_syntax(mut self) -> Self {
+    pub const fn mark_course_syntax(mut self) -> Self {
         self.is_course_syntax = true;
         self
     }
@@ -323,7 +323,7 @@ impl BlockSchema {
     }
 
     /// Marks the block as one that the scene format of MIT 6.837 has.
-    pub const fn course_syntax(mut self) -> Self {
+    pub const fn mark_course_syntax(mut self) -> Self {
         self.is_course_syntax = true;
         self
     }

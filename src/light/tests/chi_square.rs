@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3};
 /// p value of Pearson's chi-square test of `counts` against `expected`, with one degree of freedom
 /// less than cells.
 ///
-/// DirectionCells with fewer than ten expected samples are pooled: the chi-square distribution does not hold
+/// Cells with fewer than ten expected samples are pooled: the chi-square distribution does not hold
 /// for them.
 pub fn chi_square_p_value(counts: &[f64], expected: &[f64]) -> f64 {
     let (mut chi2, mut cells, mut pool) = (0.0, 0, (0.0, 0.0));

@@ -225,7 +225,7 @@ fn resolve_interface(
     surface.coincident = coincident_faces_at(scene, surface);
     let entering = surface.is_entering();
     if !surface.coincident.is_empty() {
-        let BoundarySides { near, far, null_interface, roughness } =
+        let BoundarySides { near, far, is_null_interface, roughness } =
             boundary_sides(stack, scene, surface, &body, entering);
         surface.roughness = roughness;
         let (inner, outer) = if entering { (far, near) } else { (near, far) };
@@ -233,11 +233,11 @@ fn resolve_interface(
         let interface = BodyInterface { real, outside: outer.map(|(_, body)| *body) };
         let inner = inner.map_or_else(|| Body::new(1.0), |(_, body)| *body);
         return (
-            if null_interface { BoundaryEvent::NullInterface } else { interface.boundary_event() },
+            if is_null_interface { BoundaryEvent::NullInterface } else { interface.boundary_event() },
             inner,
             interface,
         );
     }
     let interface = stack.interface_at(surface.material_index, &body, entering, &scene.materials);
-    (if body.null_interface { BoundaryEvent::NullInterface } else { interface.boundary_event() }, body, interface)
+    (if body.is_null_interface { BoundaryEvent::NullInterface } else { interface.boundary_event() }, body, interface)
 }
