@@ -11,7 +11,7 @@ use glam::Vec3;
 pub(super) struct PathHistory {
     /// Number of surfaces that store photons, and of scattering events in media, since the camera.
     pub receivers: u32,
-    /// Number of specular or near-specular surfaces since the last receiver, or since the camera.
+    /// Number of casters since the last surface that stores photons, or since the camera.
     pub casters: u32,
 }
 

@@ -15,9 +15,9 @@ pub enum Effect {
     Specular,
     /// Caustics: light that casters focus onto other surfaces.
     Caustics,
-    /// Interreflection of caustics: their light, reflected between surfaces that are not specular.
+    /// Interreflection of caustics: their light, reflected between surfaces that are not casters.
     CausticBounces,
-    /// Interreflection between surfaces that are not specular.
+    /// Interreflection between surfaces that are not casters.
     Interreflection,
     /// Final gathering: gather rays that end in lookups of the global photon map.
     Gathering,

@@ -2,14 +2,14 @@
 
 use super::*;
 
-fn materials() -> Vec<Material> {
+fn test_materials() -> Vec<Material> {
     let body = |index, priority| Material::smooth_boundary(Body { priority, ..Body::new(index) });
     // Water, ice, glass.
     vec![body(1.33, 0), body(1.31, 1), body(1.5, 2)]
 }
 
 fn body_of_material(i: usize) -> Body {
-    *materials()[i].bounded_body().unwrap()
+    *test_materials()[i].bounded_body().unwrap()
 }
 
 fn interior_stack_of(bodies: &[u32]) -> InteriorStack {
@@ -20,7 +20,7 @@ fn interior_stack_of(bodies: &[u32]) -> InteriorStack {
 
 #[test]
 fn the_highest_priority_wins_in_any_entry_order() {
-    let m = materials();
+    let m = test_materials();
     for order in [[0, 1, 2], [2, 1, 0], [1, 2, 0]] {
         assert_eq!(interior_stack_of(&order).top_body(&m).unwrap().0, 2);
     }
@@ -41,7 +41,7 @@ fn the_highest_priority_wins_in_any_entry_order() {
 /// The index ratio agrees from both sides, so a path and its reverse see one interface.
 #[test]
 fn a_boundary_has_one_interface_from_both_sides() {
-    let m = materials();
+    let m = test_materials();
     for around in [&[][..], &[0], &[1], &[2], &[0, 1], &[0, 2], &[0, 1, 2]] {
         for material in 0..3u32 {
             if around.contains(&material) {
@@ -58,7 +58,7 @@ fn a_boundary_has_one_interface_from_both_sides() {
 
 #[test]
 fn equal_priorities_nest_and_equal_materials_merge() {
-    let mut m = materials();
+    let mut m = test_materials();
     for material in &mut m {
         *material = material.with_body(Body { priority: 0, ..*material.bounded_body().unwrap() });
     }
@@ -70,7 +70,7 @@ fn equal_priorities_nest_and_equal_materials_merge() {
 
 #[test]
 fn null_interfaces_yield_and_do_not_refract() {
-    let mut m = materials();
+    let mut m = test_materials();
     m.push(Material::smooth_boundary(Body::medium_region(0)));
     m.push(Material::smooth_boundary(Body { priority: 9, ..Body::medium_region(1) }));
     assert_eq!(interior_stack_of(&[0, 3]).top_body(&m).unwrap().0, 0, "the body that refracts wins among equals");
