@@ -47,16 +47,19 @@
 //! # The path of one photon
 //!
 //! 1. A pass has a random-number [`Key`](sampling::Key). Photon path `i` has the key
-//!    `pass.path_key(i)`. Every random decision is a function of a key and the decision's name.
-//! 2. [`PhotonSource::emit`](photon::PhotonSource::emit) samples a light and a ray that leaves
-//!    it. The sampling pdf follows power, the solid angle of specular objects, or the emission
-//!    that a pilot pass found useful. The ray carries flux / (pdf · number of paths).
-//! 3. [`PhotonPass::trace`](photon::PhotonPass::trace) follows the path.
-//!    [`PathRay::next_vertex`](scene::PathRay::next_vertex) finds the next surface, applies
+//!    `pass_key.path_key(i)`. Every random decision is a function of a key and the decision's name.
+//! 2. [`PhotonPass::trace`](photon::PhotonPass::trace) follows the photon paths of a pass in
+//!    parallel. It starts each path by [`PhotonSource::emit`](photon::PhotonSource::emit), which
+//!    samples a light and a ray that leaves it. The sampling pdf follows power, the solid angle of
+//!    casters, or the emission that a pilot pass found useful. The ray carries flux / (pdf · number
+//!    of paths).
+//! 3. [`PathRay::next_vertex`](scene::PathRay::next_vertex) finds the next surface, applies
 //!    absorption, and samples a scattering event in a [`Medium`](medium::Medium).
-//! 4. A surface that stores photons adds a [`Photon`](photon::Photon). The [`Bsdf`](bsdf::Bsdf)
-//!    then samples a direction, and Russian roulette ends the path by its throughput.
-//! 5. The photons of a pass become a [`PhotonMap`](photon::PhotonMap).
+//! 4. At a surface that stores photons, the path adds a [`Photon`](photon::Photon) to the
+//!    [`Deposits`](photon::Deposits) of the pass. The [`Bsdf`](bsdf::Bsdf) then samples a
+//!    direction, and Russian roulette ends the path by its throughput.
+//! 5. `PhotonMapBuilder` in [`integrate`] makes a [`PhotonMap`](photon::PhotonMap) of the deposits
+//!    of each kind.
 //!
 //! # The path of one camera ray
 //!

@@ -1,7 +1,7 @@
 //! All boxes along a ray.
 
 use super::build::ARITY;
-use super::bvh8::{Node8, SlabTestRay};
+use super::bvh8::{Boxes8, SlabTestRay};
 use super::ray_precalc::RayPrecalc;
 use crate::math::{Bounds, Ray, morton_order};
 use rayon::prelude::*;
@@ -20,7 +20,7 @@ pub struct BoxTree {
     /// Nodes by level, from the boxes up to the root.
     ///
     /// Child i of node n is node 8n + i of the level below.
-    levels: Vec<Vec<Node8>>,
+    levels: Vec<Vec<Boxes8>>,
 }
 
 /// A node's level and number share 32 bits, so at most 8¹⁰ boxes fit.
@@ -50,7 +50,7 @@ impl BoxTree {
         let mut bounds: Vec<Bounds> = order.par_iter().map(|i| padded(at(i), margin)).collect();
         let mut levels = Vec::new();
         while !bounds.is_empty() {
-            levels.push(bounds.par_chunks(ARITY).map(node_of_boxes).collect());
+            levels.push(bounds.par_chunks(ARITY).map(boxes_from_bounds).collect());
             let around = |run: &[Bounds]| run.iter().fold(Bounds::EMPTY, |all, b| all.union(*b));
             bounds = if bounds.len() > ARITY { bounds.par_chunks(ARITY).map(around).collect() } else { Vec::new() };
         }
@@ -88,10 +88,10 @@ impl BoxTree {
     }
 }
 
-fn node_of_boxes(run: &[Bounds]) -> Node8 {
-    let mut node_of_boxes = Node8::VACANT;
-    run.iter().enumerate().for_each(|(slot, b)| node_of_boxes.set(slot, b.min, b.max));
-    node_of_boxes
+fn boxes_from_bounds(run: &[Bounds]) -> Boxes8 {
+    let mut boxes = Boxes8::VACANT;
+    run.iter().enumerate().for_each(|(slot, b)| boxes.set(slot, b.min, b.max));
+    boxes
 }
 
 /// The box grown by `margin`, and at least to the next number.

@@ -143,9 +143,9 @@ fn build_node(fragments: &mut [Fragment], tree: &mut [BinaryNode], depth: u32) -
 
 /// Fills the node above subtrees `a` and `b`, and returns the summary of its own subtree.
 ///
-/// Sets box, leaf flag and slot shares of `root`. For each number of slots of a wide node, the share
-/// is the number of slots of `a` at the least cost. One slot holds a leaf or a wide node (after
-/// Ylitie, Karras and Laine 2017, section 3.1).
+/// Sets box, leaf flag and slot shares of `root`. For each number of slots of a wide node, the
+/// share is the number of slots that `a` gets at the least cost. One slot holds a leaf or a wide
+/// node (after Ylitie, Karras and Laine 2017, section 3.1).
 fn finish_inner_node(root: &mut BinaryNode, a: &Subtree, b: &Subtree) -> Subtree {
     let bounds = a.bounds.union(b.bounds);
     let mut count = a.count;
@@ -188,7 +188,7 @@ fn split_fragments(fragments: &mut [Fragment], depth: u32) -> usize {
     let extent = centers.max - centers.min;
     if depth < HEURISTIC_DEPTH
         && size > 2
-        && let Some((axis, edge)) = best_plane(fragments, centers)
+        && let Some((axis, edge)) = best_split_plane(fragments, centers)
     {
         let bins = Binning::new(centers, size);
         return partition_fragments(fragments, |f| bins.of(f)[axis] <= edge);
@@ -225,7 +225,7 @@ impl Binning {
 }
 
 /// Axis and last lower bin of the cheapest partition; `None` if centres coincide or costs overflow.
-fn best_plane(fragments: &[Fragment], centers: SimdBox) -> Option<(usize, usize)> {
+fn best_split_plane(fragments: &[Fragment], centers: SimdBox) -> Option<(usize, usize)> {
     let binning = Binning::new(centers, fragments.len());
     let mut bins = [[(SimdBox::EMPTY, PrimitiveCount::default()); BINS]; 3];
     for f in fragments {

@@ -1,4 +1,4 @@
-//! Nodes of eight boxes, and their traversal.
+//! A tree of nodes with eight boxes each, and its traversal.
 
 use super::build::{ARITY, BinaryNode, Fragment, MAX_DEPTH, OTHER, SimdBox, build_tree};
 use super::packet::{LANES, Packet};
@@ -48,17 +48,17 @@ const STRETCH: f32 = 1.0 + 2.0 * rounding_error_bound(16);
 /// Vacant slots are inverted boxes, which no ray enters.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
-pub(super) struct Node8([[f32x8; 2]; 3]);
+pub(super) struct Boxes8([[f32x8; 2]; 3]);
 
 #[repr(C, align(64))]
-struct Node {
-    boxes: Node8,
+struct Node8 {
+    boxes: Boxes8,
     children: [u32; ARITY],
 }
 
 /// Hierarchy of eight-wide nodes.
 pub(super) struct Bvh8 {
-    nodes: Vec<Node>,
+    nodes: Vec<Node8>,
     packets: Vec<Packet>,
     /// Largest number of entries that a traversal can leave on its stack.
     pub(super) stack: usize,
@@ -93,9 +93,9 @@ impl Bvh8 {
             chosen[count] = child;
             count += 1;
         });
-        let mut node = Node { boxes: Node8::VACANT, children: [0; ARITY] };
+        let mut node = Node8 { boxes: Boxes8::VACANT, children: [0; ARITY] };
         let index = self.nodes.len();
-        self.nodes.push(Node { ..node });
+        self.nodes.push(Node8 { ..node });
         let mut deepest = 0;
         for (slot, &(at, start)) in chosen[..count].iter().enumerate() {
             let branch = &source.tree[at];
@@ -225,7 +225,7 @@ impl SlabTestRay {
     }
 }
 
-impl Node8 {
+impl Boxes8 {
     pub const VACANT: Self = Self([[f32x8::splat(f32::INFINITY), f32x8::splat(f32::NEG_INFINITY)]; 3]);
 
     pub fn set(&mut self, slot: usize, min: Vec3, max: Vec3) {

@@ -88,10 +88,10 @@ impl Packet {
 
     /// Hit of the ray's line with the triangle in `lane`; `t` may have any sign.
     ///
-    /// The sheared corners equal those of [`candidate_lanes`](Self::candidate_lanes) bit for bit. Their
-    /// products are exact in f64, and a difference of exact numbers keeps its sign and all but its
-    /// last digit. So neighbours agree on their common edge, and the hit lies on the triangle,
-    /// however thin it appears.
+    /// The sheared corners equal those of [`candidate_lanes`](Self::candidate_lanes) bit for bit.
+    /// Their products are exact in f64, and a difference of exact numbers keeps its sign and all
+    /// but its last digit. So neighbours agree on their common edge, and the hit lies on the
+    /// triangle, however thin it appears.
     #[inline]
     pub fn hit(&self, lane: usize, precalc: &RayPrecalc) -> Option<TriangleHit> {
         let [ax, ay, az] = precalc.axes;

@@ -35,7 +35,7 @@ impl RayPrecalc {
         ray.direction != Vec3::ZERO && ray.direction.is_finite() && ray.origin.is_finite()
     }
 
-    /// Constants of a ray that [can_hit_anything](Self::can_hit_anything).
+    /// Constants of a ray for which [`Self::can_hit_anything`] is true.
     #[inline]
     pub fn new(ray: &Ray) -> Self {
         let size = ray.direction.abs();

@@ -90,7 +90,7 @@ impl BsdfSample {
 /// A BSDF that is not black either stores photons ([`stores_photons`](Self::stores_photons)) or
 /// casts caustics ([`casts_caustics`](Self::casts_caustics)), never both. A BSDF that stores
 /// photons has no delta lobe, because neither photons nor caustics would carry the light of that
-/// lobe.
+/// lobe. [`Bsdf::sample`] asserts this in debug builds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bsdf {
     /// A surface that absorbs all light.
@@ -350,6 +350,7 @@ impl Bsdf {
             Self::RoughDielectric(glass) => glass.sample(wo, facing_ns, ng, lobe, u, transport)?,
             Self::ThinDielectric(thin) => thin.sample(wo, facing_ns, ng, lobe)?,
         };
+        debug_assert!(!(sample.is_specular && self.stores_photons()), "{self:?} stores photons but has a delta lobe");
         let crosses = (sample.wi.dot(ng) < 0.0) != (wo.dot(ng) < 0.0);
         (crosses == sample.is_transmitted).then_some(sample)
     }

@@ -298,7 +298,7 @@ const METHOD_STUDY_FLAGS: [&str; 8] =
 
 /// Flags that choose between a study of effects and a study of methods, and set up the latter.
 #[derive(Debug, Args)]
-pub struct StudyKind {
+pub struct StudyModeArguments {
     /// Render the picture with and without each effect of the plan, to measure its cost and
     /// contribution
     #[arg(long, conflicts_with_all = METHOD_STUDY_FLAGS)]
@@ -377,7 +377,7 @@ fn parse_file_pair(text: &str) -> Result<(PathBuf, PathBuf), String> {
 #[command(mut_arg("integrator", |integrator| integrator.requires("effects").conflicts_with_all(METHOD_STUDY_FLAGS)))]
 pub struct StudyArguments {
     #[command(flatten)]
-    pub kind: StudyKind,
+    pub kind: StudyModeArguments,
 
     #[command(flatten)]
     pub scene: SceneArguments,

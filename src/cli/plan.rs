@@ -90,7 +90,7 @@ fn plan_table(algorithm: Algorithm, plan: &Plan, balance: Option<Balance>, work:
             (false, false) => "off",
             (false, true) => "off, forced",
         };
-        let costs = work.added_by(decision.effect).map_or(String::new(), |w| work_text(w, signed_count_text));
+        let costs = work.work_of_effect(decision.effect).map_or(String::new(), |w| work_text(w, signed_count_text));
         let line = format!("  {:<16} {state:<14} {costs:<29} {}", decision.effect, decision.reason);
         let _ = writeln!(text, "{line}");
     }
@@ -162,7 +162,7 @@ pub(super) fn plan_effect_reports(plan: &Plan) -> Vec<EffectReport> {
 impl PlanReport {
     fn new(scene: String, algorithm: Algorithm, plan: &Plan, balance: Option<Balance>, work: &ExpectedWork) -> Self {
         let costed = |(report, decision): (EffectReport, &Decision)| {
-            let work = work.added_by(decision.effect);
+            let work = work.work_of_effect(decision.effect);
             EffectCostReport {
                 effect: report,
                 rays: work.map(|w| w.rays),

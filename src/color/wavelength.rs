@@ -40,10 +40,9 @@ impl Wavelength {
     pub fn sample(u: f32) -> Self {
         let sums = &RESPONSE_TABLE.sums;
         let u = f64::from(u);
-        let response_interval_index = sums.partition_point(|s| *s <= u).clamp(1, CELLS) - 1;
-        let within =
-            (u - sums[response_interval_index]) / (sums[response_interval_index + 1] - sums[response_interval_index]);
-        Self(SHORTEST + (response_interval_index as f32 + (within as f32).clamp(EDGE, 1.0 - EDGE)) * STEP)
+        let cell = sums.partition_point(|s| *s <= u).clamp(1, CELLS) - 1;
+        let within = (u - sums[cell]) / (sums[cell + 1] - sums[cell]);
+        Self(SHORTEST + (cell as f32 + (within as f32).clamp(EDGE, 1.0 - EDGE)) * STEP)
     }
 
     /// The wavelength in nanometres.
@@ -88,7 +87,7 @@ impl Wavelength {
 }
 
 /// Sampling table of the wavelengths, by intervals of constant response.
-struct ResponseTable {
+struct SpectralResponseTable {
     /// Cumulative probability at the start of each interval, then 1.
     sums: [f64; CELLS + 1],
     /// Pdf in each interval \[1/nm].
@@ -97,20 +96,18 @@ struct ResponseTable {
     weights: [Rgb; CELLS],
 }
 
-static RESPONSE_TABLE: LazyLock<ResponseTable> = LazyLock::new(|| {
-    let center =
-        |response_interval_index: usize| f64::from(SHORTEST) + (response_interval_index as f64 + 0.5) * f64::from(STEP);
-    let responses: [DVec3; CELLS] = std::array::from_fn(|response_interval_index| {
-        add_white_until_nonnegative(color_matching_rgb(center(response_interval_index)))
-    });
+static RESPONSE_TABLE: LazyLock<SpectralResponseTable> = LazyLock::new(|| {
+    let center = |cell: usize| f64::from(SHORTEST) + (cell as f64 + 0.5) * f64::from(STEP);
+    let responses: [DVec3; CELLS] =
+        std::array::from_fn(|cell| add_white_until_nonnegative(color_matching_rgb(center(cell))));
     let total: DVec3 = responses.iter().sum();
-    let mut table = ResponseTable { sums: [0.0; CELLS + 1], pdfs: [0.0; CELLS], weights: [Rgb::ZERO; CELLS] };
-    for (response_interval_index, response) in responses.iter().enumerate() {
+    let mut table = SpectralResponseTable { sums: [0.0; CELLS + 1], pdfs: [0.0; CELLS], weights: [Rgb::ZERO; CELLS] };
+    for (cell, response) in responses.iter().enumerate() {
         let response = response / total;
         let density = response.element_sum() / 3.0;
-        table.sums[response_interval_index + 1] = table.sums[response_interval_index] + density;
-        table.pdfs[response_interval_index] = (density / f64::from(STEP)) as f32;
-        table.weights[response_interval_index] = (response / density).as_vec3();
+        table.sums[cell + 1] = table.sums[cell] + density;
+        table.pdfs[cell] = (density / f64::from(STEP)) as f32;
+        table.weights[cell] = (response / density).as_vec3();
     }
     table
 });

@@ -94,7 +94,7 @@ pub(super) fn radiance<I: Interior>(
         loop {
             // Find the next vertex; add in-scattering and emission of the media along the segment.
             worker.counters.continuation_rays += u64::from(path.bounce > 0);
-            let (event, phase) = if I::SPECTRAL {
+            let (event, phase) = if I::HAS_MEDIA_OR_WAVELENGTH {
                 media::advance_to_vertex(paths, &mut path, worker, &mut radiance)
             } else {
                 (path.path_ray.next_vertex(scene, path.sampler.sample_key(), |_| None), PhaseFunction::Isotropic)

@@ -18,11 +18,14 @@ pub(super) type FilmPoint = (Vec2, Sampler);
 /// Traces camera paths through `points` of the film.
 ///
 /// Returns their radiance \[W/(m² sr)], and the workers' counters and recorded points.
-pub(super) fn trace_points(paths: &PathContext<'_>, points: &[FilmPoint]) -> (Vec<Rgb>, Vec<PathWorker>) {
-    for_interior!(paths.policy.effects, <I> trace_points_in::<I>(paths, points))
+pub(super) fn trace_camera_paths_at(paths: &PathContext<'_>, points: &[FilmPoint]) -> (Vec<Rgb>, Vec<PathWorker>) {
+    for_interior!(paths.policy.effects, <I> trace_camera_paths_with_interior::<I>(paths, points))
 }
 
-fn trace_points_in<I: Interior>(paths: &PathContext<'_>, points: &[FilmPoint]) -> (Vec<Rgb>, Vec<PathWorker>) {
+fn trace_camera_paths_with_interior<I: Interior>(
+    paths: &PathContext<'_>,
+    points: &[FilmPoint],
+) -> (Vec<Rgb>, Vec<PathWorker>) {
     let has_lens = paths.policy.effects.has(Effect::Lens);
     let chunks = points.par_chunks(CHUNK).map(|chunk| {
         let (mut worker, mut stack) = (PathWorker::default(), Vec::<PathState<I>>::new());

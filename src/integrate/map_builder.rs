@@ -95,6 +95,18 @@ pub(super) struct PassBudget {
     pub connects: bool,
 }
 
+/// Photon paths to trace for one map.
+struct PhotonTask<'a> {
+    /// Samples the emission; `None` traces nothing.
+    source: Option<&'a PhotonSource<'a>>,
+    mask: StoreMask,
+    /// Number of paths.
+    paths: u32,
+    key: Key,
+    /// Connects caustic photons to the camera.
+    light_tracer: Option<&'a LightTracer<'a>>,
+}
+
 /// Photons of one map before its search structure is built.
 struct MapPhotons {
     surface: Vec<Photon>,
@@ -393,15 +405,14 @@ impl<'a> PhotonMapBuilder<'a> {
         // Trace the paths aimed at casters, and index the caustic map.
         let shares = self.estimate_shares.as_deref().filter(|_| budget.connects);
         let light_tracer = shares.map(|shares| LightTracer::new(self.scene, self.uses_lens(), Some(shares)));
-        let aimed = self.trace_photons(
-            self.caustic_source.as_ref(),
-            self.request.aimed,
-            counts.caustic_photons,
-            key(Purpose::CausticPhotons),
-            light_tracer.as_ref(),
-            monitor,
-            out,
-        );
+        let aimed = PhotonTask {
+            source: self.caustic_source.as_ref(),
+            mask: self.request.aimed,
+            paths: counts.caustic_photons,
+            key: key(Purpose::CausticPhotons),
+            light_tracer: light_tracer.as_ref(),
+        };
+        let aimed = self.trace_photons(aimed, monitor, out);
         out.caustic = photon_report(&aimed);
         let index = |photons: MapPhotons, radii: MapRadii, k, out: &mut Pass| {
             let start = Instant::now();
@@ -421,15 +432,14 @@ impl<'a> PhotonMapBuilder<'a> {
         let global_photons = if self.request.aimed.separates_after_caustic {
             MapPhotons { surface: aimed.deposits.after_caustic, volume: aimed.deposits.after_caustic_volume }
         } else {
-            let traced = self.trace_photons(
-                self.global_source.as_ref(),
-                self.request.global,
-                counts.photons,
-                key(Purpose::GlobalPhotons),
-                None,
-                monitor,
-                out,
-            );
+            let task = PhotonTask {
+                source: self.global_source.as_ref(),
+                mask: self.request.global,
+                paths: counts.photons,
+                key: key(Purpose::GlobalPhotons),
+                light_tracer: None,
+            };
+            let traced = self.trace_photons(task, monitor, out);
             out.global = photon_report(&traced);
             MapPhotons { surface: traced.deposits.photons, volume: traced.deposits.volume }
         };
@@ -439,17 +449,14 @@ impl<'a> PhotonMapBuilder<'a> {
         // Trace the photons that guide gather rays.
         let guides = if self.request.guides {
             let paths = counts.photons / GUIDE_INTERVAL;
-            self.trace_photons(
-                self.global_source.as_ref(),
-                StoreMask::GLOBAL,
+            let task = PhotonTask {
+                source: self.global_source.as_ref(),
+                mask: StoreMask::GLOBAL,
                 paths,
-                key(Purpose::GatherRayGuides),
-                None,
-                monitor,
-                out,
-            )
-            .deposits
-            .photons
+                key: key(Purpose::GatherRayGuides),
+                light_tracer: None,
+            };
+            self.trace_photons(task, monitor, out).deposits.photons
         } else {
             Vec::new()
         };
@@ -482,16 +489,8 @@ impl<'a> PhotonMapBuilder<'a> {
         PhotonEstimator { scene: self.scene, map, bandwidth, kernel, volume, has_estimate_shares: false }
     }
 
-    fn trace_photons(
-        &self,
-        source: Option<&PhotonSource<'_>>,
-        mask: StoreMask,
-        paths: u32,
-        key: Key,
-        light_tracer: Option<&LightTracer<'_>>,
-        monitor: &dyn Monitor,
-        out: &mut Pass,
-    ) -> PhotonPassResult {
+    fn trace_photons(&self, task: PhotonTask<'_>, monitor: &dyn Monitor, out: &mut Pass) -> PhotonPassResult {
+        let PhotonTask { source, mask, paths, key, light_tracer } = task;
         let Some(source) = source else { return PhotonPassResult::default() };
         let start = Instant::now();
         monitor.begin(Stage::Photons, u64::from(paths));

@@ -75,7 +75,7 @@ impl<'a> NextEventEstimator<'a> {
         } else {
             None
         };
-        let has_null_interfaces = scene.bodies().any(|body| body.null_interface);
+        let has_null_interfaces = scene.bodies().any(|body| body.is_null_interface);
         Self { scene, lights, effects, directions, has_null_interfaces, centers, light_sampler, schemes }
     }
 
@@ -186,7 +186,7 @@ impl<'a> NextEventEstimator<'a> {
         };
         if self.scene.occluded(&ray) {
             return if self.has_null_interfaces {
-                reflected * self.transmittance_through_interfaces(light, vertex, &sample)
+                reflected * self.transmittance_through_null_interfaces(light, vertex, &sample)
             } else {
                 Rgb::ZERO
             };
@@ -207,7 +207,7 @@ impl<'a> NextEventEstimator<'a> {
 
     /// Returns the transmittance of an occluded shadow ray; 0 unless only null interfaces occlude
     /// it.
-    fn transmittance_through_interfaces<I: Interior>(
+    fn transmittance_through_null_interfaces<I: Interior>(
         &self,
         light: usize,
         vertex: &PathVertex<'_, I>,
@@ -230,7 +230,9 @@ impl<'a> NextEventEstimator<'a> {
             ShadowTarget::Point(target) => {
                 vertex.transmittance(self.scene, sample.wi, (target - vertex.surface.point.p).length())
             }
-            ShadowTarget::Infinity if I::SPECTRAL => vertex.transmittance(self.scene, sample.wi, f32::INFINITY),
+            ShadowTarget::Infinity if I::HAS_MEDIA_OR_WAVELENGTH => {
+                vertex.transmittance(self.scene, sample.wi, f32::INFINITY)
+            }
             ShadowTarget::Infinity => Rgb::ONE,
         }
     }

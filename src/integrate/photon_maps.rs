@@ -36,7 +36,7 @@ pub(super) enum MapLookup {
 
 /// Photon maps of one pass.
 pub(super) struct PhotonMaps<'a> {
-    /// Caustic map: photons that went over specular surfaces to the first surface that stores them.
+    /// Caustic map: photons that went over casters to the first surface that stores them.
     pub caustic: PhotonEstimator<'a>,
     /// Global map: photons of all other indirect light.
     ///
@@ -119,7 +119,7 @@ impl PhotonEstimator<'_> {
             if is_shared {
                 brdf *= photon.estimate_share();
             }
-            if I::SPECTRAL {
+            if I::HAS_MEDIA_OR_WAVELENGTH {
                 brdf * wavelength_overlap(wavelength, photon.wavelength(), self.volume.band)
             } else {
                 brdf

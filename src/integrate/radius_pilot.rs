@@ -40,7 +40,7 @@ const DISTANCE_RAYS: u32 = 8;
 /// Number of camera rays of the pilot for media.
 const MEDIA_RAYS: u32 = 512;
 
-/// Largest number of specular bounces of a camera ray of the pilot for media.
+/// Largest number of casters on a camera path of the pilot for media.
 const MAX_CASTERS: u32 = 8;
 
 /// Desired median number of beams or photons per ray, among rays that find any.

@@ -67,7 +67,7 @@ pub(super) fn pdf<I: Interior>(
 
 /// True if directions at `vertex` are sampled from nearby photons too.
 ///
-/// False at specular surfaces: the guide describes the last surface that stores photons.
+/// False at casters: the guide describes the last surface that stores photons.
 #[inline]
 fn is_guided<I>(sampling: DirectionSampling, vertex: &PathVertex<'_, I>) -> bool {
     match sampling {

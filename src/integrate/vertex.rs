@@ -11,7 +11,7 @@ use glam::Vec3;
 pub(super) struct PathHistory {
     /// Number of surfaces that store photons, and of scattering events in media, since the camera.
     pub receivers: u32,
-    /// Number of specular or near-specular surfaces since the last receiver, or since the camera.
+    /// Number of casters since the last surface that stores photons, or since the camera.
     pub casters: u32,
 }
 
@@ -63,7 +63,7 @@ impl<I: Interior> PathVertex<'_, I> {
     #[inline]
     pub fn transmittance(&self, scene: &Scene, wi: Vec3, distance: f32) -> Rgb {
         let path_ray = self.outgoing_path_ray(wi);
-        if I::SPECTRAL {
+        if I::HAS_MEDIA_OR_WAVELENGTH {
             let ray = Ray { t_max: distance, ..path_ray.ray };
             return scene.interior_transmittance(&ray, &path_ray.interior, self.shadow_sampler.sample_key());
         }

@@ -1,7 +1,7 @@
 //! Pilot that finds points visible to the camera.
 
 use super::camera_path::PathContext;
-use super::film_points::trace_points;
+use super::film_points::trace_camera_paths_at;
 use super::nee::NextEventEstimator;
 use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
 use super::settings::{CameraPathSettings, LightTracing};
@@ -37,7 +37,7 @@ pub(super) fn find_visible_points(
     let rays = width.saturating_mul(height).saturating_mul(4).clamp(RAYS.0, RAYS.1);
     let samplers = (0..rays).map(|i| Sampler::new(key, i, rays));
     let points: Vec<_> = samplers.map(|sampler| (sampler.get_2d(Dimension::Film) * size, sampler)).collect();
-    let (_, workers) = trace_points(&paths, &points);
+    let (_, workers) = trace_camera_paths_at(&paths, &points);
     let visible: Vec<VisiblePoint> = workers.into_iter().flat_map(|worker| worker.visible).collect();
     let extent = Bounds::from_points(visible.iter().map(|point| point.position)).extent().length();
     let radius = if extent > 0.0 { radius.min(extent * MAX_RADIUS) } else { radius };

@@ -1,7 +1,7 @@
 //! Pilot that measures the noise and work of a pass with few camera rays and few photons.
 
 use super::balance::{self, Balance, NoiseSource};
-use super::film_points::{FilmPoint, trace_points};
+use super::film_points::{FilmPoint, trace_camera_paths_at};
 use super::map_builder::PassBudget;
 use super::pass::{Pass, PhotonReport, Silent};
 use super::pass_renderer::PassRenderer;
@@ -35,8 +35,13 @@ pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
     let counts = renderer.map_builder.counts;
     let build = |trial| {
         let mut out = Pass::default();
-        let budget =
-            PassBudget { key: key.trial_key(trial), pass: 0, part: PILOT_DIVISOR, limited: false, connects: false };
+        let budget = PassBudget {
+            key: key.pilot_trial_key(trial),
+            pass: 0,
+            part: PILOT_DIVISOR,
+            limited: false,
+            connects: false,
+        };
         (renderer.map_builder.build_with_budget(&budget, &Silent, &mut out), out)
     };
     let ((mut maps, made), (mut other_maps, _)) = (build(0), build(1));
@@ -129,7 +134,7 @@ fn estimate_at_points(
     maps: Option<&PhotonMaps<'_>>,
     points: &[FilmPoint],
 ) -> PointEstimates {
-    let (radiance, workers) = trace_points(&renderer.path_context(maps, 0), points);
+    let (radiance, workers) = trace_camera_paths_at(&renderer.path_context(maps, 0), points);
     let mut counters = Counters::default();
     workers.iter().for_each(|worker| counters += worker.counters);
     PointEstimates { radiance, counters }

@@ -90,7 +90,7 @@ impl PhotonAim {
             }
         }
         let cones = &cones[..count];
-        let (within, chosen) = choose_interval(cones.iter().map(|cone| cone.one_minus_cos), u.x * total)?;
+        let (within, chosen) = locate_in_intervals(cones.iter().map(|cone| cone.one_minus_cos), u.x * total)?;
         let cone = &cones[chosen];
         let direction = Frame::from_normal(cone.axis)
             .to_world(warp::square_to_uniform_cone(Vec2::new(within, u.y), cone.one_minus_cos));
@@ -109,7 +109,7 @@ impl PhotonAim {
     pub fn sample_parallel_start(&self, direction: Vec3, upstream: f32, u: Vec2) -> Option<(Vec3, f32)> {
         let areas = || self.spheres.iter().map(|s| PI * s.radius * s.radius);
         let total: f32 = areas().sum();
-        let (within, chosen) = choose_interval(areas(), u.x * total)?;
+        let (within, chosen) = locate_in_intervals(areas(), u.x * total)?;
         let sphere = &self.spheres[chosen];
         let frame = Frame::from_normal(direction);
         let d = warp::square_to_uniform_disc(Vec2::new(within, u.y)) * sphere.radius;
@@ -125,7 +125,7 @@ impl PhotonAim {
 /// Returns the relative position in the interval, in \[0, 1), and the index of the interval.
 /// Returns `None` if there is no interval.
 #[inline]
-fn choose_interval(widths: impl Iterator<Item = f32>, mut at: f32) -> Option<(f32, usize)> {
+fn locate_in_intervals(widths: impl Iterator<Item = f32>, mut at: f32) -> Option<(f32, usize)> {
     let mut chosen = None;
     for (i, width) in widths.enumerate() {
         chosen = Some(((at / width).min(1.0 - f32::EPSILON), i));

@@ -62,8 +62,8 @@ pub(super) enum LightGeometry<'a> {
 
 /// A kind of light. [`Light`] documents the methods, and derives further ones from `geometry`.
 ///
-/// `sample_li` and `sample_le` must describe the same emitted radiance. Photon maps store no direct
-/// light, so light that only `sample_le` emits would be lost at its first hit.
+/// `sample_li` and `sample_le` must describe the same emitted radiance. Camera paths compute direct
+/// light by `sample_li`, and photon paths compute indirect light by `sample_le`.
 pub(super) trait LightSource {
     /// The place or direction from which the light emits.
     fn geometry(&self) -> LightGeometry<'_>;

@@ -132,27 +132,26 @@ impl EquirectangularMap {
     pub(super) fn sample(&self, u: Vec2) -> Option<Vec3> {
         let (cell, within, _) = self.distribution.as_ref()?.sample(u);
         let row = cell.y as usize;
-        let y = self.row_edge_cosines[row]
+        let height = self.row_edge_cosines[row]
             + f64::from(within.y) * (self.row_edge_cosines[row + 1] - self.row_edge_cosines[row]);
-        let radius = ((1.0 - y) * (1.0 + y)).max(0.0).sqrt();
+        let radius = ((1.0 - height) * (1.0 + height)).max(0.0).sqrt();
         let angle = (f64::from(cell.x) + f64::from(within.x)) / f64::from(self.map.width()) - 0.5;
         let (s, c) = libm::sincos(angle * TAU);
-        Some(Vec3::new((radius * s) as f32, y as f32, (-radius * c) as f32))
+        Some(Vec3::new((radius * s) as f32, height as f32, (-radius * c) as f32))
     }
 }
 
-/// Integral of the interpolation weight of row `y` of `h` rows, over the cosine of the angle θ
-/// from +y.
+/// Integral of the interpolation weight of row `row` of `rows`, over cos θ.
 ///
-/// The weight is a hat function of θ. It is 1 above the center of the first row, and 1 below the
+/// θ is the angle to the upper pole of the map. The weight is a hat function of θ. It is 1 above the center of the first row, and 1 below the
 /// center of the last row.
-fn row_interpolation_integral(y: usize, h: usize) -> f64 {
-    let step = PI / h as f64;
-    let center = (y as f64 + 0.5) * step;
-    if h == 1 {
+fn row_interpolation_integral(row: usize, rows: usize) -> f64 {
+    let step = PI / rows as f64;
+    let center = (row as f64 + 0.5) * step;
+    if rows == 1 {
         return 2.0;
     }
-    if y == 0 || y == h - 1 {
+    if row == 0 || row == rows - 1 {
         // The constant part contributes 1 − cos, then the falling flank. The last row mirrors the
         // first.
         return 1.0 - (sin(1.5 * step) - sin(0.5 * step)) / step;

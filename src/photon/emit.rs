@@ -139,21 +139,21 @@ impl<'a> PhotonSource<'a> {
     /// Starts photon path `index` of `paths`; returns its ray and flux \[W], `None` without flux.
     ///
     /// Lights are chosen by systematic sampling over path indices. Positions and directions are
-    /// Sobol' points, scrambled with the key `pass`.
+    /// Sobol' points, scrambled with `pass_key`.
     #[must_use]
-    pub fn emit<I: Interior>(&self, pass: Key, index: u32, paths: u32) -> Option<(PathRay<I>, Rgb)> {
-        let point = self.primary_emission_sample(pass, index, paths);
+    pub fn emit<I: Interior>(&self, pass_key: Key, index: u32, paths: u32) -> Option<(PathRay<I>, Rgb)> {
+        let point = self.primary_emission_sample(pass_key, index, paths);
         let (ray, flux) = self.start_path(&point)?;
         Some((ray, flux / (point.probability * paths as f32 * point.pdf)))
     }
 
     /// Samples light, position and direction of photon path `index` of `paths`.
     #[inline]
-    pub(super) fn primary_emission_sample(&self, pass: Key, index: u32, paths: u32) -> PrimaryEmissionSample {
-        let u = (f64::from(index) + f64::from(pass.uniform_1d(Dimension::Light))) / f64::from(paths);
+    pub(super) fn primary_emission_sample(&self, pass_key: Key, index: u32, paths: u32) -> PrimaryEmissionSample {
+        let u = (f64::from(index) + f64::from(pass_key.uniform_1d(Dimension::Light))) / f64::from(paths);
         let (light, probability) = self.light_distribution.sample((u as f32).min(1.0 - f32::EPSILON / 2.0));
-        let position = sobol_2d(index, pass, Dimension::LightPosition);
-        let direction = sobol_2d(index, pass, Dimension::LightDirection);
+        let position = sobol_2d(index, pass_key, Dimension::LightPosition);
+        let direction = sobol_2d(index, pass_key, Dimension::LightDirection);
         let (position, direction, pdf) = match self.guiding.get(light) {
             Some(Some(distribution)) => distribution.sample(position, direction),
             Some(None) | None => (position, direction, 1.0),

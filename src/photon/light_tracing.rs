@@ -59,7 +59,8 @@ impl EstimateShares {
                 .flat_map(|y| columns.clone().map(move |x| index(x, y)))
                 .fold((0.0, 0.0), |(sum, squares), i| (sum + sums[i].0, squares + sums[i].1));
             let count = if squares > 0.0 { ratio * sum * sum / squares / pixels } else { 0.0 };
-            let share = 1.0 / (1.0 + (count / EQUAL_SHARE_COUNT).powi(2));
+            let relative = count / EQUAL_SHARE_COUNT;
+            let share = 1.0 / (1.0 + relative * relative);
             (share * f64::from(SHARE_STEPS)).round() as u8
         };
         let steps = (0..height).flat_map(|y| (0..width).map(move |x| share(x, y))).collect();
@@ -105,7 +106,7 @@ impl<'a> LightTracer<'a> {
     /// lens.
     #[must_use]
     pub fn new(scene: &'a Scene, lens: bool, shares: Option<&'a EstimateShares>) -> Self {
-        let has_null_interfaces = scene.bodies().any(|body| body.null_interface);
+        let has_null_interfaces = scene.bodies().any(|body| body.is_null_interface);
         Self { scene, camera: scene.camera(), lens, has_null_interfaces, shares }
     }
 

@@ -131,7 +131,7 @@ impl PhotonPass<'_> {
             // Find the next vertex, and deposit in media on the way.
             let emitted = flux;
             let mut phase_function = PhaseFunction::Isotropic;
-            let event = if I::SPECTRAL {
+            let event = if I::HAS_MEDIA_OR_WAVELENGTH {
                 let (mut rng, mut weight) = (key.rng(), DVec3::ONE);
                 let event = ray.next_vertex(self.scene, key, |segment| {
                     let kind = if segment.crossed { kind.after_crossed_caster() } else { kind };

@@ -131,12 +131,11 @@ pub fn render(
         rendered.global += pass.global;
         rendered.caustic += pass.caustic;
         let passes = rendered.film.passes();
-        let error = rendered.estimator.as_ref().filter(|_| f64::from(passes) >= next_estimate).and_then(|estimator| {
+        let mut error = None;
+        if f64::from(passes) >= next_estimate {
             next_estimate = ESTIMATE_INTERVAL_FACTOR * f64::from(passes);
-            let confidence = stop.target.map_or(Confidence::default(), ErrorTarget::interval_confidence);
-            let estimate = estimator.estimate_with_confidence(&rendered.film, confidence);
-            estimator.forecast(&estimate).map(|forecast| (estimate, forecast))
-        });
+            error = estimate_error(&rendered, stop);
+        }
         after_pass(&PassProgress { passes, error });
         let ended = if stop.interrupted.load(Ordering::Relaxed) {
             Some(EndReason::Interrupted)
@@ -155,6 +154,16 @@ pub fn render(
             return rendered;
         }
     }
+}
+
+/// Returns the estimated error of the picture and its forecast.
+///
+/// `None` if the integrator returns no nested estimates, or if no forecast is possible yet.
+fn estimate_error(rendered: &RenderResult, stop: &StopCriteria<'_>) -> Option<(ErrorEstimate, ErrorForecast)> {
+    let estimator = rendered.estimator.as_ref()?;
+    let confidence = stop.target.map_or(Confidence::default(), ErrorTarget::interval_confidence);
+    let estimate = estimator.estimate_with_confidence(&rendered.film, confidence);
+    Some((estimate, estimator.forecast(&estimate)?))
 }
 
 impl StopCriteria<'_> {

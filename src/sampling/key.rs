@@ -26,7 +26,7 @@
 //! | shadow ray | `Key::medium_distance_key` | 1 | transmittance uses the parent itself |
 //! | film sample of a pilot | `Sampler::bounce_sampler` | bounce | one per vertex |
 //! | any sampler | `Sampler::sample_key` | sample | one per sample of the pixel |
-//! | purpose `RayPhotonBalance` | `Key::trial_key` | trial | independent trials of one pilot |
+//! | purpose `RayPhotonBalance` | `Key::pilot_trial_key` | trial | independent trials of one pilot |
 //! | `Camera` of a trial | `Key::film_point_key` | set · 2³² + point | one per point of a pilot |
 //! | purpose `LightWeights` | `Key::light_key` | light | one per light |
 //! | purpose `GuidingTraining` | `Key::training_round_key` | round | one per training round |
@@ -194,7 +194,7 @@ impl Key {
 
     /// Key of trial `trial` of a pilot.
     #[must_use]
-    pub fn trial_key(self, trial: u32) -> Self {
+    pub fn pilot_trial_key(self, trial: u32) -> Self {
         self.child_key(u64::from(trial))
     }
 

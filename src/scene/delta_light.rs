@@ -16,7 +16,7 @@ pub enum LegacyLight {
     Directional(Vec3, Rgb),
 }
 
-/// Strength of a point, spot or directional light.
+/// Strength of a delta light: of a [`DeltaLightKind`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightStrength {
     /// Colour in the shading model of MIT course 6.837: the radiance that a white diffuse surface
@@ -28,7 +28,7 @@ pub enum LightStrength {
     Power(Rgb),
 }
 
-/// A point, spot or directional light in the coordinates of the description.
+/// A light at one point or from one direction, in the coordinates of the description.
 #[derive(Clone, Debug)]
 pub enum DeltaLightKind {
     /// Emits equally in all directions.

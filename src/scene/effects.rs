@@ -10,14 +10,14 @@ const SPECULAR_ALIAS: &str = "casters";
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u16)]
 pub enum Effect {
-    /// Specular reflection and refraction on camera paths, at surfaces for which
+    /// Reflection and refraction on camera paths at casters: surfaces for which
     /// [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics) is true.
     Specular,
-    /// Caustics: light that specular surfaces focus onto other surfaces.
+    /// Caustics: light that casters focus onto other surfaces.
     Caustics,
-    /// Interreflection of caustics: their light, reflected between surfaces that are not specular.
+    /// Interreflection of caustics: their light, reflected between surfaces that are not casters.
     CausticBounces,
-    /// Interreflection between surfaces that are not specular.
+    /// Interreflection between surfaces that are not casters.
     Interreflection,
     /// Final gathering: gather rays that end in lookups of the global photon map.
     Gathering,

@@ -133,11 +133,11 @@ impl Scene {
         &self.legacy_lights
     }
 
-    /// Distance \[length] below which a surface point touches light `light`. Such a light
-    /// illuminates both sides of the surface. 0 for area lights and lights at infinity.
+    /// Distance \[length] below which light `light` counts as lying on a surface; 0 for area
+    /// lights and lights at infinity.
     ///
-    /// Positions are rounded to 2⁻²⁴ of their coordinates, so the light's side of the surface is
-    /// unknown. The surface does not block the light, except at a cosine to the normal below 1/40.
+    /// A light that lies on a surface illuminates both of its sides. Positions are rounded to 2⁻²⁴
+    /// of their coordinates, so the true side of the light is unknown.
     #[inline]
     #[must_use]
     pub fn light_contact_distance(&self, light: usize) -> f32 {

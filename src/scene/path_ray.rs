@@ -100,7 +100,7 @@ impl<I: Interior> PathRay<I> {
             });
 
             // Scatter in the medium before it.
-            if I::SPECTRAL
+            if I::HAS_MEDIA_OR_WAVELENGTH
                 && let Some((index, ray, from)) =
                     medium_segment(scene, &self.ray, hit.map_or(f32::INFINITY, |hit| hit.t), &self.interior)
             {

@@ -39,7 +39,7 @@ impl LeafMaterial<'_> {
     #[must_use]
     pub fn casts_caustics(&self) -> bool {
         match self.bounded_body {
-            Some(body) => !body.null_interface,
+            Some(body) => !body.is_null_interface,
             None => self.bsdf.casts_caustics(),
         }
     }

@@ -46,7 +46,7 @@ impl SurfaceInteraction<'_> {
     #[inline]
     #[must_use]
     pub fn is_null_interface(&self) -> bool {
-        self.material.bounded_body().is_some_and(|body| body.null_interface)
+        self.material.bounded_body().is_some_and(|body| body.is_null_interface)
     }
 
     /// True if the ray arrives on the side of the geometric normal, the outside of a body.

@@ -159,7 +159,7 @@ impl Frustum {
     /// Surface point of the side at height `y`, in the unit direction `radial` = (x, z) from the
     /// axis.
     #[inline]
-    fn side_point(&self, y: f64, radial: DVec2) -> SurfacePoint {
+    fn surface_point_on_side(&self, y: f64, radial: DVec2) -> SurfacePoint {
         let rho = self.radius_at(y);
         let normal = DVec3::new(radial.x, self.radius_decrease(), radial.y);
         self.surface_at(DVec3::new(radial.x * rho, y, radial.y * rho), normal, FrustumPart::Side)
@@ -167,7 +167,7 @@ impl Frustum {
 
     /// Surface point of a cap at `p` = (x, z).
     #[inline]
-    fn cap_point(&self, p: DVec2, part: FrustumPart) -> SurfacePoint {
+    fn surface_point_on_cap(&self, p: DVec2, part: FrustumPart) -> SurfacePoint {
         let (y, normal) = if part == FrustumPart::Top { (1.0, DVec3::Y) } else { (0.0, DVec3::NEG_Y) };
         self.surface_at(DVec3::new(p.x, y, p.y), normal, part)
     }
@@ -237,13 +237,16 @@ impl AnalyticShape for Frustum {
                     if rho < across { ((across - rho) / self.radius_decrease().abs()).max(along) } else { along }
                 };
                 let (low, high) = (off(self.radii[0]), 1.0 - off(self.radii[1]));
-                self.side_point(p.y.clamp(low.min(0.5), high.max(0.5)), from_axis.try_normalize().unwrap_or(DVec2::X))
+                self.surface_point_on_side(
+                    p.y.clamp(low.min(0.5), high.max(0.5)),
+                    from_axis.try_normalize().unwrap_or(DVec2::X),
+                )
             }
             part @ (FrustumPart::Bottom | FrustumPart::Top) => {
                 let radius = self.radii[usize::from(part == FrustumPart::Top)];
                 let most = (radius - across).max(0.75 * radius);
                 let distance = from_axis.length();
-                self.cap_point(if distance > most { from_axis * (most / distance) } else { from_axis }, part)
+                self.surface_point_on_cap(if distance > most { from_axis * (most / distance) } else { from_axis }, part)
             }
         }
     }
@@ -304,10 +307,10 @@ impl AnalyticShape for Frustum {
         let radial = DVec2::new(cos, sin);
         // The remainder within the chosen part is uniform again.
         let cap = |area: f64, x: f64, radius: f64, part| {
-            self.cap_point(radial * (radius * (x / area).clamp(0.0, 1.0).sqrt()), part)
+            self.surface_point_on_cap(radial * (radius * (x / area).clamp(0.0, 1.0).sqrt()), part)
         };
         let point = if x < side || !self.is_capped {
-            self.side_point(self.height_at_area_fraction((x / side).min(1.0)), radial)
+            self.surface_point_on_side(self.height_at_area_fraction((x / side).min(1.0)), radial)
         } else if x - side < bottom || self.areas[2] == 0.0 {
             cap(bottom, x - side, self.radii[0], FrustumPart::Bottom)
         } else {

@@ -24,7 +24,7 @@ pub(super) fn round_t_if_in_range(ray: &Ray, t: f64) -> Option<f32> {
 /// [`f64_ray_parameter`] restores the f64 value. Without it, the error at a large distance could
 /// exceed the shape's thickness.
 #[inline]
-pub(super) fn hit_with_residual(ray: &Ray, t: f64, second: f32) -> Option<ShapeHit> {
+pub(super) fn hit_with_rounding_residual(ray: &Ray, t: f64, second: f32) -> Option<ShapeHit> {
     round_t_if_in_range(ray, t).map(|rounded| (rounded, (t / f64::from(rounded) - 1.0) as f32, second))
 }
 
@@ -33,11 +33,11 @@ pub(super) fn hit_with_residual(ray: &Ray, t: f64, second: f32) -> Option<ShapeH
 /// The far intersection counts only if the near one is behind the ray's origin.
 #[inline]
 pub(super) fn nearer_hit(ray: &Ray, near: (f64, f32), far: (f64, f32)) -> Option<ShapeHit> {
-    hit_with_residual(ray, near.0, near.1)
-        .or_else(|| if near.0 > 0.0 { None } else { hit_with_residual(ray, far.0, far.1) })
+    hit_with_rounding_residual(ray, near.0, near.1)
+        .or_else(|| if near.0 > 0.0 { None } else { hit_with_rounding_residual(ray, far.0, far.1) })
 }
 
-/// Ray parameter in f64 of a [`ShapeHit`] that [`hit_with_residual`] returned.
+/// Ray parameter in f64 of a [`ShapeHit`] that [`hit_with_rounding_residual`] returned.
 #[inline]
 pub(super) fn f64_ray_parameter(t: f32, uv: Vec2) -> f64 {
     f64::from(t) * (1.0 + f64::from(uv.x))

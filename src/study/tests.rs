@@ -57,7 +57,7 @@ fn unneeded_caustics_cost_rays_and_change_no_bit() {
     assert!(caustics.cost.rays >= 4000.0, "{:?}", caustics.cost);
     let scene = diffuse_sphere_on_floor(24, 18);
     let work = expected_work(Algorithm::Hybrid.prepare(&scene, settings_with_few_photons(overrides)).as_ref());
-    assert!(work.added_by(Effect::Caustics).unwrap().rays >= 4000);
+    assert!(work.work_of_effect(Effect::Caustics).unwrap().rays >= 4000);
 }
 
 /// `whitted` samples point lights without noise, so shadows brighten no pixel.

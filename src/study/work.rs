@@ -24,7 +24,7 @@ pub struct ExpectedWork {
 impl ExpectedWork {
     /// Work that `effect` adds; `None` if the plan does not simulate it.
     #[must_use]
-    pub fn added_by(&self, effect: Effect) -> Option<WorkCounts> {
+    pub fn work_of_effect(&self, effect: Effect) -> Option<WorkCounts> {
         self.effects.iter().find(|(e, _)| *e == effect).map(|(_, work)| *work)
     }
 }
@@ -85,8 +85,8 @@ mod tests {
             };
             close(work.whole.rays, counters.total_rays(), 0.1);
             close(work.whole.gathered_photons, counters.gathered_photons, 0.25);
-            assert!(work.added_by(Effect::Caustics).unwrap().gathered_photons > 0);
-            assert_eq!(work.added_by(Effect::Environment), None);
+            assert!(work.work_of_effect(Effect::Caustics).unwrap().gathered_photons > 0);
+            assert_eq!(work.work_of_effect(Effect::Environment), None);
         }
     }
 }

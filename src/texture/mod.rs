@@ -75,11 +75,11 @@ impl Texture {
     ///
     /// Its unit is texture coordinates, or object-space length for a solid texture.
     #[must_use]
-    pub fn bump_step(&self) -> f64 {
+    pub fn finest_bump_step(&self) -> f64 {
         match self {
             Self::Picture(picture, coordinates) => 0.5 * picture.texel_size() / coordinates.max_scale(),
             Self::Checker(_, coordinates) => checker::BUMP_STEP / coordinates.max_scale(),
-            Self::Solid(solid) => solid.bump_step(),
+            Self::Solid(solid) => solid.finest_bump_step(),
         }
     }
 }

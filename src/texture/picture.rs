@@ -87,7 +87,7 @@ impl Picture {
     /// longer side.
     #[must_use]
     pub fn box_mean(&self, uv: DVec2, size: DVec2) -> Rgb {
-        let uv = uv.map(|x| self.wrap.fold_coordinate(x));
+        let uv = uv.map(|x| self.wrap.wrap_coordinate_near_zero(x));
         let pixels = (size.x * self.levels[0].width as f64).max(size.y * self.levels[0].height as f64);
         let last = self.levels.len() - 1;
         let level = if pixels > 1.0 { libm::log2(pixels).min(last as f64) } else { 0.0 };
@@ -116,7 +116,7 @@ impl Picture {
 
 impl WrapMode {
     /// Equivalent coordinate near 0, where f64 resolves pixels; 0 if `x` is not finite.
-    fn fold_coordinate(self, x: f64) -> f64 {
+    fn wrap_coordinate_near_zero(self, x: f64) -> f64 {
         let folded = match self {
             Self::Repeat => x - x.floor(),
             Self::Clamp => x.clamp(0.0, 1.0),

@@ -75,7 +75,7 @@ impl SolidTexture {
         m.x_axis.length().max(m.y_axis.length()).max(m.z_axis.length())
     }
 
-    pub(super) fn bump_step(&self) -> f64 {
+    pub(super) fn finest_bump_step(&self) -> f64 {
         let finest =
             self.frequency.abs() * self.max_scale() * f64::from(1u32 << self.octaves.clamp(1, 31).saturating_sub(1));
         if finest > 0.0 { 1e-2 / finest } else { 1.0 }

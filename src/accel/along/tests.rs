@@ -12,7 +12,7 @@ fn point_of_unit_cube(i: u64) -> Vec3 {
     key(i).uniform_2d(Dimension::LightPosition).extend(key(i).uniform_1d(Dimension::Light))
 }
 
-fn find_boxes(boxes: &BoxTree, ray: &Ray) -> Vec<u32> {
+fn boxes_along_ray(boxes: &BoxTree, ray: &Ray) -> Vec<u32> {
     let mut all = Vec::new();
     boxes.visit_boxes_along_ray(ray, &mut |i| all.push(i));
     all
@@ -38,22 +38,22 @@ fn segment_crosses_box(b: &Bounds, ray: &Ray) -> bool {
 
 /// Checks that each crossed box is found once, and that no found box is missed by more than 10⁻⁵ of
 /// the scene.
-fn check(bounds: &[Bounds], rays: impl Iterator<Item = Ray>) -> usize {
+fn assert_box_queries_match_scan(bounds: &[Bounds], rays: impl Iterator<Item = Ray>) -> usize {
     let boxes = BoxTree::build(bounds);
     let size =
         bounds.iter().filter(|b| !b.is_empty()).fold(0f32, |s, b| s.max(b.min.abs().max(b.max.abs()).max_element()));
     let mut count = 0;
     for ray in rays {
-        let mut all = find_boxes(&boxes, &ray);
+        let mut all = boxes_along_ray(&boxes, &ray);
         all.sort_unstable();
         assert!(all.windows(2).all(|w| w[0] < w[1]), "a box was found twice");
         let margin = 1e-5 * size.max(ray.origin.abs().max_element());
         for (i, b) in bounds.iter().enumerate() {
-            let find_boxes = all.binary_search(&(i as u32)).is_ok();
+            let is_found = all.binary_search(&(i as u32)).is_ok();
             let empty = b.is_empty();
-            assert!(find_boxes || empty || !segment_crosses_box(b, &ray), "lost {i}: {b:?} on {ray:?}");
+            assert!(is_found || empty || !segment_crosses_box(b, &ray), "lost {i}: {b:?} on {ray:?}");
             assert!(
-                !find_boxes || !empty && segment_crosses_box(&b.expanded(margin), &ray),
+                !is_found || !empty && segment_crosses_box(&b.expanded(margin), &ray),
                 "{i} was found: {b:?} on {ray:?}"
             );
         }
@@ -79,7 +79,7 @@ fn cube_test_rays(n: u64, scale: f32, shift: Vec3) -> impl Iterator<Item = Ray> 
 }
 
 #[test]
-fn what_a_scan_finds_is_found() {
+fn queries_find_all_boxes_of_a_scan() {
     // Sizes about the borders of levels.
     for n in [0, 1, 2, 7, 8, 9, 64, 65, 513, 2000] {
         for (scale, shift) in [(1.0, Vec3::ZERO), (1e-25, Vec3::ZERO), (1e15, Vec3::ZERO), (1.0, Vec3::splat(-3e3))] {
@@ -92,7 +92,7 @@ fn what_a_scan_finds_is_found() {
                     }
                 })
                 .collect();
-            let count = check(&bounds, cube_test_rays(300, scale, shift));
+            let count = assert_box_queries_match_scan(&bounds, cube_test_rays(300, scale, shift));
             assert!(count > 0 || n < 64, "{n} {scale}");
         }
     }
@@ -108,7 +108,10 @@ fn flat_boxes_are_found_by_rays_along_them() {
         (0..1000).map(|i| Bounds { min: corner(i % 125), max: corner(i % 125) + flat(i / 125) }).collect();
     let ways = [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z, Vec3::new(0.6, -0.0, 0.8)];
     let rays = (0..125).flat_map(|i| ways.map(|d| Ray::new(corner(i) - d * 1e6, d)));
-    let count = check(&bounds, rays.chain((0..125).flat_map(|i| ways.map(|d| Ray::new(corner(i) - d * 5.0, d)))));
+    let count = assert_box_queries_match_scan(
+        &bounds,
+        rays.chain((0..125).flat_map(|i| ways.map(|d| Ray::new(corner(i) - d * 5.0, d)))),
+    );
     assert!(count > 1000, "{count}");
 }
 
@@ -118,25 +121,25 @@ fn empty_boxes_and_useless_rays_find_nothing() {
     let nothing = Bounds { min: Vec3::NAN, max: Vec3::ONE };
     let boxes = BoxTree::build(&[Bounds::EMPTY, whole, nothing]);
     let ray = Ray::new(Vec3::splat(0.5), Vec3::X);
-    assert_eq!(find_boxes(&boxes, &ray), [1]);
+    assert_eq!(boxes_along_ray(&boxes, &ray), [1]);
     for t_max in [-1.0, f32::NAN] {
-        assert!(find_boxes(&boxes, &Ray { t_max, ..ray }).is_empty());
+        assert!(boxes_along_ray(&boxes, &Ray { t_max, ..ray }).is_empty());
     }
     for useless in [Vec3::ZERO, Vec3::NAN, Vec3::INFINITY] {
-        assert!(find_boxes(&boxes, &Ray { direction: useless, ..ray }).is_empty());
+        assert!(boxes_along_ray(&boxes, &Ray { direction: useless, ..ray }).is_empty());
     }
-    assert!(find_boxes(&boxes, &Ray { origin: Vec3::NAN, ..ray }).is_empty());
-    assert!(find_boxes(&BoxTree::build(&[Bounds::EMPTY]), &ray).is_empty());
+    assert!(boxes_along_ray(&boxes, &Ray { origin: Vec3::NAN, ..ray }).is_empty());
+    assert!(boxes_along_ray(&BoxTree::build(&[Bounds::EMPTY]), &ray).is_empty());
 }
 
 #[test]
 fn a_hundred_thousand_equal_boxes() {
     let b = Bounds { min: Vec3::splat(0.25), max: Vec3::splat(0.5) };
     let boxes = BoxTree::build(&vec![b; 100_000]);
-    let mut all = find_boxes(&boxes, &Ray::new(Vec3::new(0.3, 0.3, -1.0), Vec3::Z));
+    let mut all = boxes_along_ray(&boxes, &Ray::new(Vec3::new(0.3, 0.3, -1.0), Vec3::Z));
     all.sort_unstable();
     assert!(all.iter().copied().eq(0..100_000));
-    assert!(find_boxes(&boxes, &Ray::new(Vec3::new(0.6, 0.3, -1.0), Vec3::Z)).is_empty());
+    assert!(boxes_along_ray(&boxes, &Ray::new(Vec3::new(0.6, 0.3, -1.0), Vec3::Z)).is_empty());
 }
 
 #[test]
@@ -147,7 +150,7 @@ fn the_tree_is_one_for_any_number_of_threads() {
     let with = |n| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
         let boxes = pool.install(|| BoxTree::build(&bounds));
-        cube_test_rays(50, 1.0, Vec3::ZERO).map(|ray| find_boxes(&boxes, &ray)).collect::<Vec<_>>()
+        cube_test_rays(50, 1.0, Vec3::ZERO).map(|ray| boxes_along_ray(&boxes, &ray)).collect::<Vec<_>>()
     };
     assert_eq!(with(1), with(3));
 }

@@ -1,7 +1,9 @@
 //! Closed meshes that no ray can leave without a hit.
 
-use super::meshes::{cube, icosphere, mesh, point, torus};
-use super::none;
+use super::hit_no_other_primitive;
+use super::meshes::{
+    cube_vertices_and_faces, icosphere_vertices_and_faces, mesh_of_faces, random_point, torus_vertices_and_faces,
+};
 use crate::accel::Hierarchy;
 use crate::math::Ray;
 use glam::Vec3;
@@ -17,7 +19,7 @@ fn assert_no_ray_leaks(
     seed: u64,
 ) -> usize {
     let mut rng = SmallRng::seed_from_u64(seed);
-    let tree = Hierarchy::build(&mesh(vertices, faces), &[]);
+    let tree = Hierarchy::build(&mesh_of_faces(vertices, faces), &[]);
     let mut origin = inside(&mut rng);
     let miss = |i: usize| {
         if i.is_multiple_of(64) {
@@ -32,7 +34,7 @@ fn assert_no_ray_leaks(
         };
         let ray = Ray::new(origin, target - origin);
         let ray = if i % 8 < 4 { ray } else { Ray::new(origin, ray.direction.normalize()) };
-        tree.closest(&ray, none).is_none() || !tree.occluded(&ray, |_, _| false)
+        tree.closest(&ray, hit_no_other_primitive).is_none() || !tree.occluded(&ray, |_, _| false)
     };
     (0..rays).map(miss).filter(|&m| m).count()
 }
@@ -48,14 +50,14 @@ fn closed_meshes_do_not_leak() {
                 vertices.iter().map(|v| (*v + Vec3::new(offset, -0.7 * offset, 0.4 * offset)) * scale).collect()
             };
             let map = |p: Vec3| (p + Vec3::new(offset, -0.7 * offset, 0.4 * offset)) * scale;
-            let (v, f) = cube();
-            total += assert_no_ray_leaks(&place(&v), &f, |r| map(point(r) * 0.9), rays, seed);
-            let (v, f) = icosphere(4);
-            total += assert_no_ray_leaks(&place(&v), &f, |r| map(point(r) * 0.5), rays, seed);
-            let (v, f) = torus(&mut rng, 90, 40, 0.02);
+            let (v, f) = cube_vertices_and_faces();
+            total += assert_no_ray_leaks(&place(&v), &f, |r| map(random_point(r) * 0.9), rays, seed);
+            let (v, f) = icosphere_vertices_and_faces(4);
+            total += assert_no_ray_leaks(&place(&v), &f, |r| map(random_point(r) * 0.5), rays, seed);
+            let (v, f) = torus_vertices_and_faces(&mut rng, 90, 40, 0.02);
             let inside = |r: &mut SmallRng| {
                 let (s, c) = libm::sincosf(r.random_range(0.0..std::f32::consts::TAU));
-                map(Vec3::new(c, s, 0.0) + point(r) * 0.1)
+                map(Vec3::new(c, s, 0.0) + random_point(r) * 0.1)
             };
             total += assert_no_ray_leaks(&place(&v), &f, inside, rays, seed);
         }

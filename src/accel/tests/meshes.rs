@@ -8,30 +8,30 @@ use std::collections::HashMap;
 
 pub(super) type Mesh = Vec<[Vec3; 3]>;
 
-pub(super) fn point(rng: &mut SmallRng) -> Vec3 {
+pub(super) fn random_point(rng: &mut SmallRng) -> Vec3 {
     Vec3::new(rng.random(), rng.random(), rng.random()) * 2.0 - 1.0
 }
 
-pub(super) fn direction(rng: &mut SmallRng) -> Vec3 {
+pub(super) fn random_direction(rng: &mut SmallRng) -> Vec3 {
     warp::square_to_uniform_sphere(Vec2::new(rng.random(), rng.random()))
 }
 
-pub(super) fn random_triangles(rng: &mut SmallRng, count: usize, size: f32) -> Mesh {
+pub(super) fn random_triangle_mesh(rng: &mut SmallRng, count: usize, size: f32) -> Mesh {
     (0..count)
         .map(|_| {
-            let p = point(rng);
-            [p, p + point(rng) * size, p + point(rng) * size]
+            let p = random_point(rng);
+            [p, p + random_point(rng) * size, p + random_point(rng) * size]
         })
         .collect()
 }
 
 /// Faces given by indices into `vertices`.
-pub(super) fn mesh(vertices: &[Vec3], faces: &[[u32; 3]]) -> Mesh {
+pub(super) fn mesh_of_faces(vertices: &[Vec3], faces: &[[u32; 3]]) -> Mesh {
     faces.iter().map(|f| f.map(|i| vertices[i as usize])).collect()
 }
 
 /// An icosahedron whose faces are cut in four `levels` times, pushed out to the unit sphere.
-pub(super) fn icosphere(levels: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+pub(super) fn icosphere_vertices_and_faces(levels: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let g = 0.5 + 1.25f32.sqrt();
     let mut vertices: Vec<Vec3> = Vec::new();
     for (a, b) in [(1.0, g), (-1.0, g), (1.0, -g), (-1.0, -g)] {
@@ -69,13 +69,13 @@ pub(super) fn icosphere(levels: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
 
 /// A grid of `n` by `m` that closes on itself, around a torus of radii 1 and 0.4, each vertex moved
 /// by up to `noise`.
-pub(super) fn torus(rng: &mut SmallRng, n: u32, m: u32, noise: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+pub(super) fn torus_vertices_and_faces(rng: &mut SmallRng, n: u32, m: u32, noise: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let turn = |i: u32, n: u32| libm::sincosf(std::f32::consts::TAU * i as f32 / n as f32);
     let mut vertices = Vec::new();
     for i in 0..n {
         for j in 0..m {
             let ((s, c), (h, r)) = (turn(i, n), turn(j, m));
-            vertices.push(Vec3::new(c * (1.0 + 0.4 * r), s * (1.0 + 0.4 * r), 0.4 * h) + point(rng) * noise);
+            vertices.push(Vec3::new(c * (1.0 + 0.4 * r), s * (1.0 + 0.4 * r), 0.4 * h) + random_point(rng) * noise);
         }
     }
     let at = |i: u32, j: u32| i % n * m + j % m;
@@ -87,7 +87,7 @@ pub(super) fn torus(rng: &mut SmallRng, n: u32, m: u32, noise: f32) -> (Vec<Vec3
     (vertices, faces.collect())
 }
 
-pub(super) fn cube() -> (Vec<Vec3>, Vec<[u32; 3]>) {
+pub(super) fn cube_vertices_and_faces() -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let vertices = Bounds { min: Vec3::NEG_ONE, max: Vec3::ONE }.corners().to_vec();
     let quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
     (vertices, quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect())

@@ -8,11 +8,11 @@ use super::ray_precalc::RayPrecalc;
 use super::*;
 use crate::math::warp;
 use glam::{DVec3, Vec2};
-use meshes::{Mesh, cube, direction, mesh, point, random_triangles};
+use meshes::{Mesh, cube_vertices_and_faces, mesh_of_faces, random_direction, random_point, random_triangle_mesh};
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
 
-fn none(_: u32, _: &Ray) -> Option<(f32, f32, f32)> {
+fn hit_no_other_primitive(_: u32, _: &Ray) -> Option<(f32, f32, f32)> {
     None
 }
 
@@ -67,10 +67,10 @@ fn assert_agrees_with_brute_force(
 }
 
 #[test]
-fn nothing_is_never_hit() {
+fn empty_hierarchy_has_no_hit() {
     let tree = Hierarchy::build(&[], &[]);
     assert!(tree.bounds().is_empty());
-    assert_eq!(tree.closest(&Ray::new(Vec3::ZERO, Vec3::X), none), None);
+    assert_eq!(tree.closest(&Ray::new(Vec3::ZERO, Vec3::X), hit_no_other_primitive), None);
     assert!(!tree.occluded(&Ray::new(Vec3::ZERO, Vec3::X), |_, _| true));
     let tree = Hierarchy::build(&[], &[Bounds::EMPTY]);
     assert!(!tree.occluded(&Ray::new(Vec3::ZERO, Vec3::X), |_, _| true));
@@ -78,8 +78,8 @@ fn nothing_is_never_hit() {
 
 #[test]
 fn rays_without_direction_or_place_hit_nothing() {
-    let (v, f) = cube();
-    let tree = Hierarchy::build(&mesh(&v, &f), &[]);
+    let (v, f) = cube_vertices_and_faces();
+    let tree = Hierarchy::build(&mesh_of_faces(&v, &f), &[]);
     for ray in [
         Ray::new(Vec3::ZERO, Vec3::ZERO),
         Ray::new(Vec3::ZERO, Vec3::splat(f32::NAN)),
@@ -88,7 +88,7 @@ fn rays_without_direction_or_place_hit_nothing() {
         Ray { t_max: f32::NAN, ..Ray::new(Vec3::ZERO, Vec3::X) },
         Ray { t_max: -1.0, ..Ray::new(Vec3::ZERO, Vec3::X) },
     ] {
-        assert_eq!(tree.closest(&ray, none), None);
+        assert_eq!(tree.closest(&ray, hit_no_other_primitive), None);
     }
 }
 
@@ -98,13 +98,14 @@ fn soups_agree_with_brute_force() {
     for (count, size, spheres) in
         [(1, 1.0, 0), (3, 1.0, 1), (9, 0.7, 4), (60, 0.5, 0), (500, 0.2, 40), (3000, 0.05, 3), (0, 0.0, 17)]
     {
-        let triangles = random_triangles(&mut rng, count, size);
-        let balls: Vec<(Vec3, f32)> = (0..spheres).map(|_| (point(&mut rng), rng.random_range(0.0..0.3))).collect();
+        let triangles = random_triangle_mesh(&mut rng, count, size);
+        let balls: Vec<(Vec3, f32)> =
+            (0..spheres).map(|_| (random_point(&mut rng), rng.random_range(0.0..0.3))).collect();
         let rays: Vec<Ray> = (0..1500)
             .map(|i| {
                 let length = [1.0, 1e-20, 3e15][i % 3];
                 let t_max = if i % 2 == 0 { f32::INFINITY } else { rng.random_range(0.0..1.5) / length };
-                Ray { origin: point(&mut rng) * 1.5, direction: direction(&mut rng) * length, t_max }
+                Ray { origin: random_point(&mut rng) * 1.5, direction: random_direction(&mut rng) * length, t_max }
             })
             .collect();
         let (hits, total) = assert_agrees_with_brute_force(&triangles, &balls, rays.into_iter());
@@ -120,12 +121,14 @@ fn soups_agree_with_brute_force() {
 #[test]
 fn hits_agree_with_double_precision() {
     let mut rng = SmallRng::seed_from_u64(9);
-    let triangles =
-        random_triangles(&mut rng, 1, 0.8).into_iter().chain(random_triangles(&mut rng, 5000, 0.8)).collect::<Mesh>();
+    let triangles = random_triangle_mesh(&mut rng, 1, 0.8)
+        .into_iter()
+        .chain(random_triangle_mesh(&mut rng, 5000, 0.8))
+        .collect::<Mesh>();
     let mut hits = 0;
     for triangle in &triangles {
         let tree = Hierarchy::build(&[*triangle], &[]);
-        let ray = Ray::new(point(&mut rng) * 2.0, direction(&mut rng) * 0.3);
+        let ray = Ray::new(random_point(&mut rng) * 2.0, random_direction(&mut rng) * 0.3);
         let ray = Ray {
             direction: if rng.random() { triangle[0].midpoint(triangle[2]) - ray.origin } else { ray.direction },
             ..ray
@@ -139,7 +142,7 @@ fn hits_agree_with_double_precision() {
         let height = normal.dot(d).abs() / (d.length() * longest);
         let error = 6.0 * f64::from(crate::math::rounding_error_bound(9)) / height;
         let margin = u.min(v).min(1.0 - u - v);
-        match tree.closest(&ray, none) {
+        match tree.closest(&ray, hit_no_other_primitive) {
             Some(hit) => {
                 assert!(margin > -error && t > 0.0, "{margin} {error} {t}");
                 assert!(
@@ -159,17 +162,17 @@ fn hits_agree_with_double_precision() {
 #[test]
 fn ties_go_to_the_lower_primitive() {
     let mut rng = SmallRng::seed_from_u64(2);
-    let mut triangles = random_triangles(&mut rng, 40, 1.0);
+    let mut triangles = random_triangle_mesh(&mut rng, 40, 1.0);
     triangles.extend(triangles.clone());
     triangles.extend_from_within(10..50);
-    let balls: Vec<(Vec3, f32)> = (0..10).flat_map(|_| [(point(&mut rng), 0.4); 2]).collect();
+    let balls: Vec<(Vec3, f32)> = (0..10).flat_map(|_| [(random_point(&mut rng), 0.4); 2]).collect();
     let mut shuffled = balls.clone();
     shuffled.rotate_left(7);
     for balls in [balls, shuffled] {
         assert_agrees_with_brute_force(
             &triangles,
             &balls,
-            (0..2000).map(|_| Ray::new(point(&mut rng), direction(&mut rng))),
+            (0..2000).map(|_| Ray::new(random_point(&mut rng), random_direction(&mut rng))),
         );
     }
     // A triangle and another primitive in the same plane.
@@ -184,12 +187,12 @@ fn ties_go_to_the_lower_primitive() {
 #[test]
 fn distant_rays_agree_with_brute_force() {
     let mut rng = SmallRng::seed_from_u64(10);
-    let triangles = random_triangles(&mut rng, 1000, 1e-4);
+    let triangles = random_triangle_mesh(&mut rng, 1000, 1e-4);
     let rays: Vec<Ray> = (0..5000)
         .map(|i| {
             let [a, b, c] = triangles[i % 1000];
             let target = [a, a.midpoint(b), (a + b + c) / 3.0][i % 3];
-            let origin = target + direction(&mut rng) * [10.0, 100.0, 1000.0][i % 3];
+            let origin = target + random_direction(&mut rng) * [10.0, 100.0, 1000.0][i % 3];
             Ray::new(origin, target - origin)
         })
         .collect();
@@ -201,10 +204,10 @@ fn distant_rays_agree_with_brute_force() {
 #[test]
 fn degenerate_rays_agree_with_brute_force() {
     let mut rng = SmallRng::seed_from_u64(3);
-    let (mut vertices, faces) = cube();
+    let (mut vertices, faces) = cube_vertices_and_faces();
     for scale in [1.0, 3.0] {
         vertices.iter_mut().for_each(|v| *v *= scale);
-        let triangles = mesh(&vertices, &faces);
+        let triangles = mesh_of_faces(&vertices, &faces);
         let grid = |rng: &mut SmallRng| {
             Vec3::from_array(std::array::from_fn(|_| rng.random_range(-2i32..=2) as f32 * 0.5 * scale))
         };
@@ -224,8 +227,8 @@ fn slivers_and_degenerate_triangles_agree_with_brute_force() {
     let mut rng = SmallRng::seed_from_u64(4);
     let mut triangles = Mesh::new();
     for i in 0..600 {
-        let (p, d) = (point(&mut rng), point(&mut rng));
-        let thin = point(&mut rng) * [1e-3, 1e-6, 1e-9, 0.0][i % 4];
+        let (p, d) = (random_point(&mut rng), random_point(&mut rng));
+        let thin = random_point(&mut rng) * [1e-3, 1e-6, 1e-9, 0.0][i % 4];
         triangles.push([p, p + d, p + d * rng.random::<f32>() + thin]);
         triangles.push([p; 3]);
         triangles.push([p, p + d, p]);
@@ -233,7 +236,7 @@ fn slivers_and_degenerate_triangles_agree_with_brute_force() {
     let targets = triangles.clone();
     let rays: Vec<Ray> = (0..2000)
         .map(|i| {
-            let origin = if i % 3 == 0 { targets[i % 600][0] } else { point(&mut rng) * 2.0 };
+            let origin = if i % 3 == 0 { targets[i % 600][0] } else { random_point(&mut rng) * 2.0 };
             let [a, b, c] = targets[rng.random_range(0..600)];
             let w = warp::square_to_uniform_triangle(Vec2::new(rng.random(), rng.random()));
             Ray::new(origin, a + (b - a) * w.x + (c - a) * w.y - origin)
@@ -249,8 +252,8 @@ fn slivers_and_degenerate_triangles_agree_with_brute_force() {
 #[test]
 fn powers_of_two_of_scale_change_no_bit() {
     let mut rng = SmallRng::seed_from_u64(5);
-    let triangles = random_triangles(&mut rng, 400, 0.3);
-    let rays: Vec<Ray> = (0..2000).map(|_| Ray::new(point(&mut rng), direction(&mut rng))).collect();
+    let triangles = random_triangle_mesh(&mut rng, 400, 0.3);
+    let rays: Vec<Ray> = (0..2000).map(|_| Ray::new(random_point(&mut rng), random_direction(&mut rng))).collect();
     let tree = Hierarchy::build(&triangles, &[]);
     for (size, length) in [(2f32, 1f32), (1.0, 2.0), (1.0 / 1024.0, 1.0), (2e-20, 1e-24), (1e-20, 1e20), (1e17, 1e-3)] {
         let power = |x: f32| f32::from_bits(x.to_bits() & 0x7f80_0000);
@@ -258,9 +261,10 @@ fn powers_of_two_of_scale_change_no_bit() {
         let scaled: Mesh = triangles.iter().map(|t| t.map(|p| p * size)).collect();
         let other = Hierarchy::build(&scaled, &[]);
         for ray in &rays {
-            let expected = tree.closest(ray, none).map(|h| PrimitiveHit { t: h.t * (size / length), ..h });
+            let expected =
+                tree.closest(ray, hit_no_other_primitive).map(|h| PrimitiveHit { t: h.t * (size / length), ..h });
             let precalc = Ray::new(ray.origin * size, ray.direction * length);
-            assert_eq!(other.closest(&precalc, none), expected, "{size} {length}");
+            assert_eq!(other.closest(&precalc, hit_no_other_primitive), expected, "{size} {length}");
         }
     }
 }
@@ -268,14 +272,16 @@ fn powers_of_two_of_scale_change_no_bit() {
 #[test]
 fn identical_primitives_build_fast_and_shallow() {
     let mut rng = SmallRng::seed_from_u64(7);
-    let triangle = [point(&mut rng), point(&mut rng), point(&mut rng)];
+    let triangle = [random_point(&mut rng), random_point(&mut rng), random_point(&mut rng)];
     let middle = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
     let start = std::time::Instant::now();
     let tree = Hierarchy::build(&vec![triangle; 100_000], &vec![Bounds::from_points(triangle); 100_000]);
     let seconds = start.elapsed().as_secs_f64();
     assert!(seconds < 1.0, "{seconds}");
     let normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
-    let hit = tree.closest(&Ray::between_points(middle + normal, middle - normal), none).map(|h| h.primitive);
+    let hit = tree
+        .closest(&Ray::between_points(middle + normal, middle - normal), hit_no_other_primitive)
+        .map(|h| h.primitive);
     assert_eq!(hit, Some(Primitive::Triangle(0)));
 }
 
@@ -292,6 +298,6 @@ fn geometric_series_cannot_overflow_the_stack() {
     assert_agrees_with_brute_force(
         &triangles,
         &[],
-        (0..2000).map(|_| Ray::new(point(&mut rng) * 1e-3, direction(&mut rng))),
+        (0..2000).map(|_| Ray::new(random_point(&mut rng) * 1e-3, random_direction(&mut rng))),
     );
 }

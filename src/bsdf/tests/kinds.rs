@@ -25,11 +25,38 @@ fn every_bsdf_stores_photons_or_casts_caustics() {
     assert!(representative_bsdfs()[10..].iter().all(Bsdf::casts_caustics));
 }
 
+/// Position of the BSDF's variant in the enum. A new variant does not compile here until
+/// [`every_bsdf_variant_is_tested`] counts it.
+fn bsdf_variant_index(bsdf: &Bsdf) -> usize {
+    match bsdf {
+        Bsdf::Black => 0,
+        Bsdf::Diffuse(_) => 1,
+        Bsdf::Phong(_) => 2,
+        Bsdf::Mirror(_) => 3,
+        Bsdf::Dielectric(_) => 4,
+        Bsdf::Conductor(_) => 5,
+        Bsdf::RoughDielectric(_) => 6,
+        Bsdf::ThinDielectric(_) => 7,
+    }
+}
+
+/// The BSDFs that [`receivers_never_sample_delta_lobes`] checks.
+fn bsdfs_of_every_variant() -> Vec<Bsdf> {
+    [vec![Bsdf::Black], representative_bsdfs(), all_bsdf_kinds()].concat()
+}
+
+#[test]
+fn every_bsdf_variant_is_tested() {
+    let mut is_tested = [false; 8];
+    bsdfs_of_every_variant().iter().for_each(|bsdf| is_tested[bsdf_variant_index(bsdf)] = true);
+    assert_eq!(is_tested, [true; 8]);
+}
+
 /// Photon estimates skip delta lobes. If a surface that stores photons had one, its light would be
 /// lost.
 #[test]
 fn receivers_never_sample_delta_lobes() {
-    for bsdf in representative_bsdfs().into_iter().chain(all_bsdf_kinds()).filter(Bsdf::stores_photons) {
+    for bsdf in bsdfs_of_every_variant().into_iter().filter(Bsdf::stores_photons) {
         for (cos, i) in [1.0, 0.6, 0.1, -0.6].into_iter().flat_map(|cos| (0..500).map(move |i| (cos, i))) {
             let sample = sample_bsdf(&bsdf, direction_with_cos(cos), i, TransportMode::Importance);
             assert!(sample.is_none_or(|sample| !sample.is_specular), "{bsdf:?} at {cos}");

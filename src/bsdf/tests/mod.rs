@@ -26,7 +26,7 @@ fn basic_bsdfs() -> [Bsdf; 5] {
     ]
 }
 
-/// One BSDF of each kind, and rough ones at both ends.
+/// At least one BSDF of each scattering kind, and rough ones at both ends.
 fn all_bsdf_kinds() -> Vec<Bsdf> {
     let (eta, k) = named_metal("copper").unwrap();
     let mut all = basic_bsdfs().to_vec();

@@ -4,7 +4,7 @@ use super::*;
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
 
-fn refractive_index_at(nm: f32) -> Wavelength {
+fn wavelength_of_nanometres(nm: f32) -> Wavelength {
     Wavelength(nm)
 }
 
@@ -29,10 +29,10 @@ fn white_light_stays_white() {
 #[test]
 fn weights_average_one_and_pdf_integrates_to_one() {
     let mut integral = 0.0;
-    for response_interval_index in 0..CELLS {
-        let w = refractive_index_at(SHORTEST + (response_interval_index as f32 + 0.5) * STEP);
+    for cell in 0..CELLS {
+        let w = wavelength_of_nanometres(SHORTEST + (cell as f32 + 0.5) * STEP);
         assert!((w.weight().element_sum() / 3.0 - 1.0).abs() < 1e-6 && w.weight().min_element() >= 0.0);
-        assert!(w.pdf() > 0.0 && w == refractive_index_at(w.nanometres()));
+        assert!(w.pdf() > 0.0 && w == wavelength_of_nanometres(w.nanometres()));
         integral += f64::from(w.pdf()) * f64::from(STEP);
     }
     // Each of 255 pdfs is rounded to f32.
@@ -42,28 +42,27 @@ fn weights_average_one_and_pdf_integrates_to_one() {
 #[test]
 fn hues_follow_the_spectrum() {
     let (red, yellow, green, blue) = (
-        refractive_index_at(650.0),
-        refractive_index_at(580.0),
-        refractive_index_at(530.0),
-        refractive_index_at(450.0),
+        wavelength_of_nanometres(650.0),
+        wavelength_of_nanometres(580.0),
+        wavelength_of_nanometres(530.0),
+        wavelength_of_nanometres(450.0),
     );
     assert!(red.weight().x > 2.4, "{}", red.weight());
     assert!(yellow.weight().x.min(yellow.weight().y) > 2.0 * yellow.weight().z, "{}", yellow.weight());
     assert!(green.weight().y > 1.8, "{}", green.weight());
     assert!(blue.weight().z > 2.2, "{}", blue.weight());
     // Outside these the spectral colours hardly change, and the fit's hue wanders by degrees.
-    let cells =
-        refractive_index_at(440.0).response_interval_index()..=refractive_index_at(640.0).response_interval_index();
-    let hues: Vec<f32> =
-        cells.map(|response_interval_index| hue_degrees(RESPONSE_TABLE.weights[response_interval_index])).collect();
+    let cells = wavelength_of_nanometres(440.0).response_interval_index()
+        ..=wavelength_of_nanometres(640.0).response_interval_index();
+    let hues: Vec<f32> = cells.map(|cell| hue_degrees(RESPONSE_TABLE.weights[cell])).collect();
     assert!(hues.windows(2).all(|pair| pair[0] > pair[1]), "{hues:?}");
     for nm in 400..440 {
-        assert!((hue_degrees(refractive_index_at(nm as f32).weight()) - 250.0).abs() < 10.0, "{nm}");
+        assert!((hue_degrees(wavelength_of_nanometres(nm as f32).weight()) - 250.0).abs() < 10.0, "{nm}");
     }
     for nm in 640..690 {
-        assert!(hue_degrees(refractive_index_at(nm as f32).weight()).abs() < 10.0, "{nm}");
+        assert!(hue_degrees(wavelength_of_nanometres(nm as f32).weight()).abs() < 10.0, "{nm}");
     }
-    let beyond = RESPONSE_TABLE.sums[refractive_index_at(690.0).response_interval_index()];
+    let beyond = RESPONSE_TABLE.sums[wavelength_of_nanometres(690.0).response_interval_index()];
     assert!(beyond > 0.999, "{beyond}");
 }
 
@@ -79,9 +78,9 @@ fn samples_follow_the_pdf() {
     // Neighbours are put together up to twenty expected, below which a count is not normal.
     let (mut chi2, mut nu) = (0.0, -1.0);
     let (mut count, mut expected) = (0.0, 0.0);
-    for (response_interval_index, c) in counts.iter().enumerate() {
+    for (cell, c) in counts.iter().enumerate() {
         count += f64::from(*c);
-        expected += f64::from(n) * f64::from(RESPONSE_TABLE.pdfs[response_interval_index]) * f64::from(STEP);
+        expected += f64::from(n) * f64::from(RESPONSE_TABLE.pdfs[cell]) * f64::from(STEP);
         if expected >= 20.0 {
             chi2 += (count - expected) * (count - expected) / expected;
             nu += 1.0;
@@ -105,7 +104,7 @@ fn extreme_samples_are_in_range() {
 fn codes_round_trip() {
     assert_eq!(Wavelength::from_byte_code(0), None);
     for i in 0..=3400 {
-        let w = refractive_index_at(SHORTEST + i as f32 * 0.1);
+        let w = wavelength_of_nanometres(SHORTEST + i as f32 * 0.1);
         let back = Wavelength::from_byte_code(w.byte_code()).unwrap();
         // Half a cell of 340/255 nm, and f32.
         assert!((back.nanometres() - w.nanometres()).abs() < 0.667, "{w:?} {back:?}");

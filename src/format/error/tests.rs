@@ -7,13 +7,13 @@ fn render_report(error: &SceneError) -> String {
     text
 }
 
-fn error_in_text(text: &str, start: usize, len: usize) -> SceneError {
+fn make_error_at_span(text: &str, start: usize, len: usize) -> SceneError {
     SceneError::at_span(&SourceText::new("a.txt", text), Span { start, len }, "no such word", "here", "write `right`")
 }
 
 #[test]
 fn reports_show_position_text_and_remedy() {
-    let error = error_in_text("one\r\n  über wrong\r\nthree", 13, 5);
+    let error = make_error_at_span("one\r\n  über wrong\r\nthree", 13, 5);
     assert_eq!((error.line(), error.column(), error.text()), (2, 8, "wrong"));
     assert_eq!(error.to_string(), "a.txt:2:8: no such word");
     let report = render_report(&error);
@@ -24,7 +24,7 @@ fn reports_show_position_text_and_remedy() {
 
 #[test]
 fn long_lines_are_truncated() {
-    let error = error_in_text(&"word ".repeat(100_000), 200_000, 100_000);
+    let error = make_error_at_span(&"word ".repeat(100_000), 200_000, 100_000);
     assert_eq!(error.column(), 200_001);
     let report = render_report(&error);
     assert!(report.len() < 3000 && report.contains("a.txt:1:200001"), "{report}");
@@ -34,7 +34,7 @@ fn long_lines_are_truncated() {
 fn any_span_can_be_reported() {
     for text in ["", "\n", "ü", "a\r\nb"] {
         for (start, len) in [(0, 0), (0, 9), (1, 1), (9, 9), (usize::MAX, usize::MAX)] {
-            assert!(render_report(&error_in_text(text, start, len)).contains("write `right`"));
+            assert!(render_report(&make_error_at_span(text, start, len)).contains("write `right`"));
         }
     }
     let file = SceneError::for_whole_file(&SourceText::new("a.txt", ""), "nothing here", "write something");
@@ -45,7 +45,7 @@ fn any_span_can_be_reported() {
 
 #[test]
 fn control_characters_are_escaped() {
-    let error = error_in_text("one \u{1b}[31m wrong\u{7}", 10, 6);
+    let error = make_error_at_span("one \u{1b}[31m wrong\u{7}", 10, 6);
     let report = render_report(&error);
     assert!(!report.contains(['\u{1b}', '\u{7}']), "{report:?}");
     assert!(report.contains("\\u{1b}[31m wrong\\u{7}") && report.contains("a.txt:1:11"), "{report}");
@@ -53,7 +53,7 @@ fn control_characters_are_escaped() {
 
 #[test]
 fn several_errors_are_reported_in_order() {
-    let errors = [error_in_text("one two", 4, 3), error_in_text("one two", 0, 3)].to_vec();
+    let errors = [make_error_at_span("one two", 4, 3), make_error_at_span("one two", 0, 3)].to_vec();
     let joined = SceneError::from_errors(errors).unwrap();
     assert_eq!((joined.text(), joined.further_errors().len(), joined.further_errors()[0].text()), ("one", 1, "two"));
     let report = render_report(&joined);

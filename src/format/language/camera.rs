@@ -40,58 +40,58 @@ const PICTURE_SIZE_RANGE: FieldRange = FieldRange::Within(1.0, 65_536.0);
 
 static VIEW_FIELDS: &[FieldSchema] = &[
     field("center", FieldKind::Point, "the pinhole, the lens center, or the center of an orthographic picture")
-        .required()
-        .course_syntax(),
-    field("direction", FieldKind::Direction, "direction of view; give this or `lookAt`").course_syntax(),
+        .make_required()
+        .mark_course_syntax(),
+    field("direction", FieldKind::Direction, "direction of view; give this or `lookAt`").mark_course_syntax(),
     field("lookAt", FieldKind::Point, "point that the camera looks at"),
     field("up", FieldKind::Direction, "direction that appears upward; not parallel to the view")
-        .or_numbers(&[0.0, 1.0, 0.0])
-        .course_syntax(),
+        .with_default_numbers(&[0.0, 1.0, 0.0])
+        .mark_course_syntax(),
 ];
 
 static PICTURE_SIZE_FIELDS: &[FieldSchema] = &[
     field("width", FieldKind::Whole, "picture width")
         .with_range(PICTURE_SIZE_RANGE)
-        .or_numbers(&[960.0])
+        .with_default_numbers(&[960.0])
         .with_unit("pixels")
-        .course_syntax(),
+        .mark_course_syntax(),
     field("height", FieldKind::Whole, "picture height")
         .with_range(PICTURE_SIZE_RANGE)
-        .or_numbers(&[720.0])
+        .with_default_numbers(&[720.0])
         .with_unit("pixels")
-        .course_syntax(),
+        .mark_course_syntax(),
 ];
 
 static PERSPECTIVE: BlockSchema = block("PerspectiveCamera", "perspective through a pinhole or a thin lens")
     .with_fields(&[
         field("angle", FieldKind::Number, "vertical field of view")
             .with_range(FieldRange::Between(0.0, 180.0))
-            .required()
+            .make_required()
             .with_unit("degrees")
-            .course_syntax(),
+            .mark_course_syntax(),
         field("aperture", FieldKind::Number, "lens radius")
             .with_range(FieldRange::NonNegative)
-            .absence_means("0: a pinhole"),
+            .with_absence_text("0: a pinhole"),
         field("fNumber", FieldKind::Number, "instead of `aperture`: focal length over lens diameter")
             .with_range(FieldRange::Positive),
         field("sensorHeight", FieldKind::Number, "with `fNumber`: sensor height; sets the focal length")
             .with_range(FieldRange::Positive)
-            .absence_means("0.024: 24 mm if the unit is the metre"),
+            .with_absence_text("0.024: 24 mm if the unit is the metre"),
         field("focusDistance", FieldKind::Number, "distance along the view of the plane in focus, 10⁻¹² … 10¹²")
             .with_range(FieldRange::Positive),
         field("focusAt", FieldKind::Point, "instead of `focusDistance`: a point of the plane in focus")
-            .absence_means("the point of `lookAt`"),
+            .with_absence_text("the point of `lookAt`"),
         field("blades", FieldKind::Whole, "edges of the lens opening, visible in blurred highlights")
             .with_range(FieldRange::Special("0 or 3 … 64"))
-            .absence_means("0: round"),
+            .with_absence_text("0: round"),
     ])
     .with_shared_fields(&[VIEW_FIELDS, PICTURE_SIZE_FIELDS])
-    .course_syntax();
+    .mark_course_syntax();
 
 static ORTHOGRAPHIC: BlockSchema = block("OrthographicCamera", "parallel projection")
     .with_fields(&[field("size", FieldKind::Number, "height of the visible region")
         .with_range(FieldRange::UpTo(0.0, 1e12))
-        .required()])
+        .make_required()])
     .with_shared_fields(&[VIEW_FIELDS, PICTURE_SIZE_FIELDS]);
 
 static ENVIRONMENT: BlockSchema =
@@ -99,11 +99,11 @@ static ENVIRONMENT: BlockSchema =
         .with_fields(&[
             field("width", FieldKind::Whole, "picture width")
                 .with_range(PICTURE_SIZE_RANGE)
-                .or_numbers(&[960.0])
+                .with_default_numbers(&[960.0])
                 .with_unit("pixels"),
             field("height", FieldKind::Whole, "picture height")
                 .with_range(PICTURE_SIZE_RANGE)
-                .absence_means("half of the width")
+                .with_absence_text("half of the width")
                 .with_unit("pixels"),
         ])
         .with_shared_fields(&[VIEW_FIELDS]);

@@ -5,19 +5,19 @@ use super::schema::{BlockSchema, FieldKind, FieldSchema, block, field};
 /// Field with the control points of a Bézier curve.
 pub(super) const BEZIER_CONTROLS: FieldSchema =
     field("controls", FieldKind::Points, "control points, at least 2: a curve of degree n − 1")
-        .required()
-        .course_syntax();
+        .make_required()
+        .mark_course_syntax();
 
 /// Field with the control points of a uniform cubic B-spline.
 pub(super) const BSPLINE_CONTROLS: FieldSchema =
     field("controls", FieldKind::Points, "control points, at least 4: cubic, with knots i/(n + 3), unclamped")
-        .required()
-        .course_syntax();
+        .make_required()
+        .mark_course_syntax();
 
 /// Bézier curve as a profile.
 pub(super) static BEZIER_PROFILE: BlockSchema =
-    block("BezierCurve", "one Bézier curve").with_fields(&[BEZIER_CONTROLS]).course_syntax();
+    block("BezierCurve", "one Bézier curve").with_fields(&[BEZIER_CONTROLS]).mark_course_syntax();
 
 /// Uniform cubic B-spline as a profile.
 pub(super) static BSPLINE_PROFILE: BlockSchema =
-    block("BsplineCurve", "a uniform cubic B-spline").with_fields(&[BSPLINE_CONTROLS]).course_syntax();
+    block("BsplineCurve", "a uniform cubic B-spline").with_fields(&[BSPLINE_CONTROLS]).mark_course_syntax();

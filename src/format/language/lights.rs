@@ -37,7 +37,7 @@ type ParseLight = fn(&BlockFields<'_>) -> Result<LightDescription, SceneError>;
 
 static POINT_STRENGTH_FIELDS: &[FieldSchema] = &[
     field("color", FieldKind::Color, "color of MIT 6.837, without distance falloff; give one of the three")
-        .course_syntax(),
+        .mark_course_syntax(),
     field("intensity", FieldKind::Color, "radiant intensity; on the axis of a spotlight").with_unit("W/sr"),
     field("power", FieldKind::Color, "radiant flux").with_unit("W"),
 ];
@@ -48,40 +48,42 @@ static AREA_STRENGTH_FIELDS: &[FieldSchema] = &[
 ];
 
 static POINT: BlockSchema = block("PointLight", "point light, equal in all directions")
-    .with_fields(&[field("position", FieldKind::Point, "position").required().course_syntax()])
+    .with_fields(&[field("position", FieldKind::Point, "position").make_required().mark_course_syntax()])
     .with_shared_fields(&[POINT_STRENGTH_FIELDS])
-    .course_syntax();
+    .mark_course_syntax();
 
 static DIRECTIONAL: BlockSchema = block("DirectionalLight", "parallel light from infinity")
     .with_fields(&[
-        field("direction", FieldKind::Direction, "direction in which the light travels").required().course_syntax(),
-        field("color", FieldKind::Color, "color of MIT 6.837; give this or `irradiance`").course_syntax(),
+        field("direction", FieldKind::Direction, "direction in which the light travels")
+            .make_required()
+            .mark_course_syntax(),
+        field("color", FieldKind::Color, "color of MIT 6.837; give this or `irradiance`").mark_course_syntax(),
         field("irradiance", FieldKind::Color, "irradiance of a surface that faces the light").with_unit("W/m²"),
     ])
-    .course_syntax();
+    .mark_course_syntax();
 
 static SPOT: BlockSchema = block("SpotLight", "point light limited to a cone")
     .with_fields(&[
-        field("position", FieldKind::Point, "apex of the cone").required(),
+        field("position", FieldKind::Point, "apex of the cone").make_required(),
         field("direction", FieldKind::Direction, "axis of the cone; give this or `lookAt`"),
         field("lookAt", FieldKind::Point, "point on the axis of the cone"),
         field("angle", FieldKind::Number, "full opening angle of the cone")
             .with_range(FieldRange::UpTo(0.0, 360.0))
-            .required()
+            .make_required()
             .with_unit("degrees"),
         field("penumbra", FieldKind::Number, "width of the soft rim inside the cone, at most half of `angle`")
             .with_range(FieldRange::Special("≥ 0"))
-            .or_numbers(&[0.0])
+            .with_default_numbers(&[0.0])
             .with_unit("degrees"),
     ])
     .with_shared_fields(&[POINT_STRENGTH_FIELDS]);
 
 static ORIENTATION_FIELDS: &[FieldSchema] = &[
-    field("position", FieldKind::Point, "position").required(),
+    field("position", FieldKind::Point, "position").make_required(),
     field("direction", FieldKind::Direction, "axis of the light; give this or `lookAt`"),
     field("lookAt", FieldKind::Point, "point on the axis of the light"),
     field("up", FieldKind::Direction, "upper side of the picture")
-        .absence_means("0 1 0, or 0 0 -1 for a vertical axis"),
+        .with_absence_text("0 1 0, or 0 0 -1 for a vertical axis"),
 ];
 
 static PATTERN_STRENGTH_FIELDS: &[FieldSchema] = &[
@@ -94,9 +96,9 @@ static PROJECTOR: BlockSchema = block("ProjectorLight", "pinhole that projects a
     .with_fields(&[
         field("angle", FieldKind::Number, "full vertical angle of the picture")
             .with_range(FieldRange::Between(0.0, 180.0))
-            .required()
+            .make_required()
             .with_unit("degrees"),
-        field("file", FieldKind::Name, "projected picture: PNG, OpenEXR or Radiance HDR").required(),
+        field("file", FieldKind::Name, "projected picture: PNG, OpenEXR or Radiance HDR").make_required(),
     ])
     .with_shared_fields(&[ORIENTATION_FIELDS, PATTERN_STRENGTH_FIELDS]);
 
@@ -117,24 +119,24 @@ static GONIOMETRIC: BlockSchema = block("GoniometricLight", "point light with a 
 
 static SPHERE: BlockSchema = block("SphereLight", "sphere that emits outward")
     .with_fields(&[
-        field("center", FieldKind::Point, "center").required(),
-        field("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).required(),
+        field("center", FieldKind::Point, "center").make_required(),
+        field("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).make_required(),
     ])
     .with_shared_fields(&[AREA_STRENGTH_FIELDS]);
 
 static DISC: BlockSchema = block("DiscLight", "disc that emits on the side of its normal")
     .with_fields(&[
-        field("center", FieldKind::Point, "center").required(),
-        field("normal", FieldKind::Direction, "normal of the emitting side").required(),
-        field("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).required(),
+        field("center", FieldKind::Point, "center").make_required(),
+        field("normal", FieldKind::Direction, "normal of the emitting side").make_required(),
+        field("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).make_required(),
     ])
     .with_shared_fields(&[AREA_STRENGTH_FIELDS]);
 
 static RECTANGLE: BlockSchema = block("RectangleLight", "parallelogram that emits on the side of `edge0` × `edge1`")
     .with_fields(&[
-        field("corner", FieldKind::Point, "corner where both edges start").required(),
-        field("edge0", FieldKind::Direction, "vector to the first neighbouring corner").required(),
-        field("edge1", FieldKind::Direction, "vector to the other neighbouring corner").required(),
+        field("corner", FieldKind::Point, "corner where both edges start").make_required(),
+        field("edge0", FieldKind::Direction, "vector to the first neighbouring corner").make_required(),
+        field("edge1", FieldKind::Direction, "vector to the other neighbouring corner").make_required(),
     ])
     .with_shared_fields(&[AREA_STRENGTH_FIELDS]);
 
@@ -147,9 +149,9 @@ static ENVIRONMENT: BlockSchema = block(
     field("file", FieldKind::Name, "picture of all directions: PNG, OpenEXR or Radiance HDR"),
     field("scale", FieldKind::Number, "with `file`: factor from picture values to radiance")
         .with_range(FieldRange::NonNegative)
-        .or_numbers(&[1.0]),
+        .with_default_numbers(&[1.0]),
     field("rotate", FieldKind::Number, "with `file`: rotation about the y axis, right-handed")
-        .or_numbers(&[0.0])
+        .with_default_numbers(&[0.0])
         .with_unit("degrees"),
 ]);
 
@@ -310,10 +312,9 @@ pub(super) fn write_light(out: &mut SceneWriter<'_, '_>, light: &LightDescriptio
             write_point_strength(out, *strength)?;
         }
         LightDescription::Oriented { position, aim, up, pattern, strength } => {
-            out.begin_schema_block(if matches!(pattern, LightPattern::Picture { .. }) {
-                &PROJECTOR
-            } else {
-                &GONIOMETRIC
+            out.begin_schema_block(match pattern {
+                LightPattern::Picture { .. } => &PROJECTOR,
+                LightPattern::Map(_) | LightPattern::Profile(_) => &GONIOMETRIC,
             })?;
             out.write_vec3("position", *position)?;
             write_direction_or_target(out, *aim)?;

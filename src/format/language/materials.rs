@@ -45,57 +45,57 @@ const COEFFICIENT_RANGE: FieldRange = FieldRange::Within(0.0, MAX_COEFFICIENT);
 
 const ROUGHNESS_FIELD: FieldSchema = field("roughness", FieldKind::NumberOrTexture, "GGX α; smooth below 0.001")
     .with_range(UNIT_RANGE)
-    .or_numbers(&[0.0]);
+    .with_default_numbers(&[0.0]);
 const PRIORITY_FIELD: FieldSchema =
     field("priority", FieldKind::Whole, "where bodies overlap, the highest priority counts")
         .with_range(FieldRange::Within(0.0, 255.0))
-        .or_numbers(&[0.0]);
+        .with_default_numbers(&[0.0]);
 
 static EMISSION_FIELDS: &[FieldSchema] = &[
     field("emission", FieldKind::ColorOrTexture, "emitted radiance; not for `Clear`")
-        .absence_means("0 0 0")
+        .with_absence_text("0 0 0")
         .with_unit("W/(m² sr)"),
     field("emissionScale", FieldKind::Number, "with a texture as `emission`: factor of its values")
         .with_range(FieldRange::NonNegative)
-        .or_numbers(&[1.0]),
+        .with_default_numbers(&[1.0]),
 ];
 
 static NORMAL_PERTURBATION_FIELDS: &[FieldSchema] = &[
-    field("bump", FieldKind::Name, "texture or picture of heights; not for `Clear`").absence_means("none"),
+    field("bump", FieldKind::Name, "texture or picture of heights; not for `Clear`").with_absence_text("none"),
     field("bumpHeight", FieldKind::Number, "height of the value 1 of `bump`, required with it")
         .with_range(FieldRange::Single)
         .with_unit("length"),
-    field("normalMap", FieldKind::Name, "instead of `bump`: texture or picture of normals").absence_means("none"),
+    field("normalMap", FieldKind::Name, "instead of `bump`: texture or picture of normals").with_absence_text("none"),
 ];
 
 static PHONG: BlockSchema = block("PhongMaterial", "Phong's reflection model")
     .with_fields(&[
         field("diffuseColor", FieldKind::ColorOrTexture, "diffuse reflectance kd")
-            .or_numbers(&[1.0, 1.0, 1.0])
-            .course_syntax(),
+            .with_default_numbers(&[1.0, 1.0, 1.0])
+            .mark_course_syntax(),
         field("specularColor", FieldKind::ColorOrTexture, "specular coefficient ks")
-            .or_numbers(&[0.0, 0.0, 0.0])
-            .course_syntax(),
+            .with_default_numbers(&[0.0, 0.0, 0.0])
+            .mark_course_syntax(),
         field("shininess", FieldKind::Number, "Phong exponent")
             .with_range(FieldRange::NonNegative)
-            .or_numbers(&[0.0])
-            .course_syntax(),
+            .with_default_numbers(&[0.0])
+            .mark_course_syntax(),
         field("texture", FieldKind::Name, "texture or picture that `diffuseColor` is multiplied by")
-            .absence_means("none")
-            .course_syntax(),
+            .with_absence_text("none")
+            .mark_course_syntax(),
     ])
     .with_aliases(&["Material", "Phong"])
     .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS])
-    .course_syntax();
+    .mark_course_syntax();
 
 static DIFFUSE: BlockSchema = block("Diffuse", "Lambertian reflection")
-    .with_fields(&[field("reflectance", FieldKind::ColorOrTexture, "albedo").with_range(UNIT_RANGE).required()])
+    .with_fields(&[field("reflectance", FieldKind::ColorOrTexture, "albedo").with_range(UNIT_RANGE).make_required()])
     .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
 
 static MIRROR: BlockSchema = block("Mirror", "perfect mirror")
     .with_fields(&[field("reflectance", FieldKind::ColorOrTexture, "reflectance")
         .with_range(UNIT_RANGE)
-        .or_numbers(&[1.0, 1.0, 1.0])])
+        .with_default_numbers(&[1.0, 1.0, 1.0])])
     .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
 
 static DIELECTRIC: BlockSchema = block("Dielectric", "boundary of a body of glass, water or the like")
@@ -103,7 +103,7 @@ static DIELECTRIC: BlockSchema = block("Dielectric", "boundary of a body of glas
         INDEX_FIELD,
         field("abbe", FieldKind::Number, "with `indexOfRefraction`: Abbe number")
             .with_range(FieldRange::Positive)
-            .absence_means("none: no dispersion"),
+            .with_absence_text("none: no dispersion"),
         field("glass", FieldKind::Name, "instead of `indexOfRefraction`: a glass by name"),
         field("cauchy", FieldKind::Numbers, "instead of `indexOfRefraction`: Cauchy's equation; C is optional")
             .with_range(FieldRange::Special("A, B \\[µm²], C \\[µm⁴]")),
@@ -114,23 +114,23 @@ static DIELECTRIC: BlockSchema = block("Dielectric", "boundary of a body of glas
             .with_unit("µm²"),
         field("absorption", FieldKind::Color, "absorption coefficient of the inside")
             .with_range(COEFFICIENT_RANGE)
-            .absence_means("0 0 0")
+            .with_absence_text("0 0 0")
             .with_unit("1/length"),
         field("tint", FieldKind::Color, "instead of `absorption`: transmittance over `tintDistance`")
             .with_range(TRANSMITTANCE_RANGE),
         field("tintDistance", FieldKind::Number, "distance of `tint`; the absorption is at most 1e12")
             .with_range(FieldRange::Positive)
-            .or_numbers(&[1.0])
+            .with_default_numbers(&[1.0])
             .with_unit("length"),
         ROUGHNESS_FIELD,
         PRIORITY_FIELD,
-        field("medium", FieldKind::Name, "medium that fills the body").absence_means("none"),
+        field("medium", FieldKind::Name, "medium that fills the body").with_absence_text("none"),
     ])
     .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
 
 static NULL_INTERFACE: BlockSchema = block("Clear", "null interface: boundary of a region without a surface")
     .with_fields(&[
-        field("medium", FieldKind::Name, "medium that fills the region").absence_means("none"),
+        field("medium", FieldKind::Name, "medium that fills the region").with_absence_text("none"),
         PRIORITY_FIELD,
     ])
     .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
@@ -151,15 +151,17 @@ static THIN: BlockSchema = block("Thin", "pane without thickness; the index is r
         INDEX_FIELD,
         field("transmittance", FieldKind::ColorOrTexture, "transmittance of the inside at normal incidence")
             .with_range(TRANSMITTANCE_RANGE)
-            .or_numbers(&[1.0, 1.0, 1.0]),
+            .with_default_numbers(&[1.0, 1.0, 1.0]),
     ])
     .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
 
 static MIX: BlockSchema = block("Mix", "one of two materials at each point, chosen at random")
     .with_fields(&[
-        field("first", FieldKind::Name, "name of a material that stands before this one").required(),
-        field("second", FieldKind::Name, "name of a material that stands before this one").required(),
-        field("amount", FieldKind::NumberOrTexture, "share of the second material").with_range(UNIT_RANGE).required(),
+        field("first", FieldKind::Name, "name of a material that stands before this one").make_required(),
+        field("second", FieldKind::Name, "name of a material that stands before this one").make_required(),
+        field("amount", FieldKind::NumberOrTexture, "share of the second material")
+            .with_range(UNIT_RANGE)
+            .make_required(),
     ])
     .with_shared_fields(&[EMISSION_FIELDS]);
 
@@ -211,13 +213,36 @@ fn parse_material<'a>(
     let (BlockParser { block, parse }, f) = parse_block_by_keyword(parser, word, MATERIALS)?;
     let f = &f;
     let kind = parse(parser, f)?;
-    let has_field = |name: &str| block.find_field(name).is_some();
-    let medium: Option<Spanned<String>> = if has_field("medium") { f.optional_value("medium") } else { None };
+    let accepted = accepted_shared_fields(&kind);
+    debug_assert_eq!(accepted.medium, block.find_field("medium").is_some(), "{}", block.keyword);
+    debug_assert_eq!(accepted.normal_perturbation, block.find_field("bump").is_some(), "{}", block.keyword);
+    let medium: Option<Spanned<String>> = if accepted.medium { f.optional_value("medium") } else { None };
     if let Some(name) = &medium {
         parser.scope.check_medium_exists(parser.lexer, name, "ahead of the Materials")?;
     }
-    let normal_perturbation = if has_field("bump") { parse_normal_perturbation(f)? } else { None };
+    let normal_perturbation = if accepted.normal_perturbation { parse_normal_perturbation(f)? } else { None };
     Ok(MaterialDescription { name, kind, emission: parse_emission(f)?, normal_perturbation, medium })
+}
+
+/// Fields beside `emission` that several kinds of material share, and that a kind accepts.
+struct AcceptedSharedFields {
+    medium: bool,
+    normal_perturbation: bool,
+}
+
+/// Returns the shared fields that materials of kind `kind` accept.
+fn accepted_shared_fields(kind: &MaterialKindDescription) -> AcceptedSharedFields {
+    match kind {
+        MaterialKindDescription::Dielectric { .. } | MaterialKindDescription::NullInterface { .. } => {
+            AcceptedSharedFields { medium: true, normal_perturbation: true }
+        }
+        MaterialKindDescription::Phong { .. }
+        | MaterialKindDescription::Diffuse { .. }
+        | MaterialKindDescription::Mirror { .. }
+        | MaterialKindDescription::Conductor { .. }
+        | MaterialKindDescription::Thin { .. } => AcceptedSharedFields { medium: false, normal_perturbation: true },
+        MaterialKindDescription::Mix { .. } => AcceptedSharedFields { medium: false, normal_perturbation: false },
+    }
 }
 
 fn parse_phong_material(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescription, SceneError> {

@@ -33,11 +33,11 @@ const COEFFICIENT_RANGE: FieldRange = FieldRange::Within(0.0, MAX_COEFFICIENT);
 static OPTICAL_FIELDS: &[FieldSchema] = &[
     field("absorption", FieldKind::Color, "absorption coefficient σa")
         .with_range(COEFFICIENT_RANGE)
-        .or_numbers(&[0.0, 0.0, 0.0])
+        .with_default_numbers(&[0.0, 0.0, 0.0])
         .with_unit("1/length"),
     field("scattering", FieldKind::Color, "scattering coefficient σs")
         .with_range(COEFFICIENT_RANGE)
-        .or_numbers(&[0.0, 0.0, 0.0])
+        .with_default_numbers(&[0.0, 0.0, 0.0])
         .with_unit("1/length"),
     field("extinction", FieldKind::Color, "σa + σs, together with `albedo` instead of both")
         .with_range(COEFFICIENT_RANGE)
@@ -46,10 +46,10 @@ static OPTICAL_FIELDS: &[FieldSchema] = &[
         .with_range(FieldRange::Within(0.0, 1.0)),
     field("emission", FieldKind::Color, "radiance gained per length")
         .with_range(COEFFICIENT_RANGE)
-        .or_numbers(&[0.0, 0.0, 0.0])
+        .with_default_numbers(&[0.0, 0.0, 0.0])
         .with_unit("W/(m² sr)/length"),
     field("phase", FieldKind::Word(&["isotropic", "rayleigh", "henyey-greenstein"]), "phase function")
-        .absence_means("`isotropic`; with `anisotropy`, `henyey-greenstein`"),
+        .with_absence_text("`isotropic`; with `anisotropy`, `henyey-greenstein`"),
     field("anisotropy", FieldKind::Number, "mean cosine g; above 0 scatters forward")
         .with_range(FieldRange::Special("−1 < g < 1")),
 ];
@@ -57,15 +57,16 @@ static OPTICAL_FIELDS: &[FieldSchema] = &[
 static EXTENT_FIELDS: &[FieldSchema] = &[
     field("min", FieldKind::Point, "least corner of the box; required, but for a `Medium` without `grid`"),
     field("max", FieldKind::Point, "greatest corner, above `min` in each component"),
-    field("Transform", FieldKind::TransformSteps, "maps from the space of the box to the world").absence_means("none"),
+    field("Transform", FieldKind::TransformSteps, "maps from the space of the box to the world")
+        .with_absence_text("none"),
 ];
 
 static MEDIUM: BlockSchema = block("Medium", "a medium of constant density, or with the densities of a grid")
     .with_fields(&[
-        field("grid", FieldKind::Name, "file of densities").absence_means("none: density 1 everywhere"),
+        field("grid", FieldKind::Name, "file of densities").with_absence_text("none: density 1 everywhere"),
         field("densityScale", FieldKind::Number, "with `grid`: factor of its densities")
             .with_range(FieldRange::Positive)
-            .or_numbers(&[1.0]),
+            .with_default_numbers(&[1.0]),
     ])
     .with_shared_fields(&[OPTICAL_FIELDS, EXTENT_FIELDS]);
 
@@ -74,20 +75,20 @@ static CLOUD: BlockSchema =
         .with_fields(&[
             field("cover", FieldKind::Number, "amount of noise: 0 is empty, 1 is noise everywhere")
                 .with_range(FieldRange::Within(0.0, 1.0))
-                .or_numbers(&[0.5]),
+                .with_default_numbers(&[0.5]),
             field("softness", FieldKind::Number, "share of the radius over which the edge fades")
                 .with_range(FieldRange::Within(0.0, 1.0))
-                .or_numbers(&[0.3]),
+                .with_default_numbers(&[0.3]),
             field("octaves", FieldKind::Whole, "octaves of noise")
                 .with_range(FieldRange::Within(1.0, 16.0))
-                .or_numbers(&[5.0]),
+                .with_default_numbers(&[5.0]),
             field("frequency", FieldKind::Number, "periods of the first octave along a side of the box")
                 .with_range(FieldRange::Positive)
-                .or_numbers(&[4.0]),
-            field("seed", FieldKind::Whole, "seed of the noise").or_numbers(&[0.0]),
+                .with_default_numbers(&[4.0]),
+            field("seed", FieldKind::Whole, "seed of the noise").with_default_numbers(&[0.0]),
             field("resolution", FieldKind::Whole, "grid cells along the longest side")
                 .with_range(FieldRange::Within(2.0, 512.0))
-                .or_numbers(&[96.0]),
+                .with_default_numbers(&[96.0]),
         ])
         .with_shared_fields(&[OPTICAL_FIELDS, EXTENT_FIELDS]);
 

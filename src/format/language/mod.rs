@@ -48,12 +48,12 @@ use writer::SceneWriter;
 static BACKGROUND: BlockSchema = block("Background", "what lies behind all objects")
     .with_fields(&[
         field("color", FieldKind::Color, "radiance of rays that leave the scene")
-            .or_numbers(&[0.5, 0.5, 0.5])
+            .with_default_numbers(&[0.5, 0.5, 0.5])
             .with_unit("W/(m² sr)")
-            .course_syntax(),
-        field("medium", FieldKind::Name, "medium that fills the space outside all bodies").absence_means("none"),
+            .mark_course_syntax(),
+        field("medium", FieldKind::Name, "medium that fills the space outside all bodies").with_absence_text("none"),
     ])
-    .course_syntax();
+    .mark_course_syntax();
 
 /// Keywords of the blocks of a file, except cameras and `Background`.
 const FILE_BLOCK_KEYWORDS: [&str; 6] = ["Moving", "Lights", "Textures", "Media", "Materials", "Group"];

@@ -32,13 +32,16 @@ pub(super) fn parse_group<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Re
         let mark = parser.nesting_mark();
         let error = match word.text {
             "numObjects" => parser.parse_count(word, &mut count).err(),
-            "MaterialIndex" => push_item(parse_material_index(parser, word).map(GroupItem::MaterialIndex), &mut items),
-            "MaterialName" => {
-                push_item(parse_material_reference(parser, word).map(GroupItem::MaterialName), &mut items)
+            "MaterialIndex" => {
+                push_item_or_return_error(parse_material_index(parser, word).map(GroupItem::MaterialIndex), &mut items)
             }
+            "MaterialName" => push_item_or_return_error(
+                parse_material_reference(parser, word).map(GroupItem::MaterialName),
+                &mut items,
+            ),
             text if is_object_keyword(text) => {
                 objects += 1;
-                push_item(parse_object(parser, word).map(GroupItem::Object), &mut items)
+                push_item_or_return_error(parse_object(parser, word).map(GroupItem::Object), &mut items)
             }
             _ => Some(unexpected_item_error(parser, word)),
         };
@@ -56,7 +59,7 @@ pub(super) fn parse_group<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Re
 
 /// Appends a parsed item to `items`, or returns the error.
 #[inline(never)]
-fn push_item(item: Result<GroupItem, SceneError>, items: &mut Vec<GroupItem>) -> Option<SceneError> {
+fn push_item_or_return_error(item: Result<GroupItem, SceneError>, items: &mut Vec<GroupItem>) -> Option<SceneError> {
     match item {
         Ok(item) => {
             items.push(item);

@@ -19,7 +19,7 @@ pub(super) const MAX_REFRACTIVE_INDEX: f64 = 1000.0;
 pub(super) const INDEX_FIELD: FieldSchema =
     field("indexOfRefraction", FieldKind::Number, "absolute index of refraction")
         .with_range(FieldRange::Within(MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX))
-        .or_numbers(&[1.5]);
+        .with_default_numbers(&[1.5]);
 
 /// Fields that state the refractive index; a block has at most one of them.
 const INDEX_SOURCES: [&str; 4] = ["indexOfRefraction", "glass", "cauchy", "sellmeierB"];

@@ -157,25 +157,25 @@ impl FieldSchema {
     }
 
     /// Makes the field mandatory.
-    pub const fn required(mut self) -> Self {
+    pub const fn make_required(mut self) -> Self {
         self.default = FieldDefault::Required;
         self
     }
 
     /// Sets the numbers that an absent field stands for.
-    pub const fn or_numbers(mut self, default: &'static [f64]) -> Self {
+    pub const fn with_default_numbers(mut self, default: &'static [f64]) -> Self {
         self.default = FieldDefault::Numbers(default);
         self
     }
 
     /// Sets the word that an absent field stands for.
-    pub const fn or_word(mut self, default: &'static str) -> Self {
+    pub const fn with_default_word(mut self, default: &'static str) -> Self {
         self.default = FieldDefault::Word(default);
         self
     }
 
     /// Sets the reference's text about the field's absence.
-    pub const fn absence_means(mut self, meaning: &'static str) -> Self {
+    pub const fn with_absence_text(mut self, meaning: &'static str) -> Self {
         self.default = FieldDefault::Absent(meaning);
         self
     }
@@ -193,7 +193,7 @@ impl FieldSchema {
     }
 
     /// Marks the field as one that the scene format of MIT 6.837 has.
-    pub const fn course_syntax(mut self) -> Self {
+    pub const fn mark_course_syntax(mut self) -> Self {
         self.is_course_syntax = true;
         self
     }
@@ -292,7 +292,7 @@ impl FieldSchema {
     }
 
     /// Appends the field's row of a reference table to `out`; `blocks` is the row's first cell.
-    fn write_reference_row(&self, blocks: &str, out: &mut String) {
+    fn write_language_manual_row(&self, blocks: &str, out: &mut String) {
         let mut name = format!("`{}`", self.name);
         if !self.alias.is_empty() {
             let _ = write!(name, ", `{}`", self.alias);
@@ -323,7 +323,7 @@ impl BlockSchema {
     }
 
     /// Marks the block as one that the scene format of MIT 6.837 has.
-    pub const fn course_syntax(mut self) -> Self {
+    pub const fn mark_course_syntax(mut self) -> Self {
         self.is_course_syntax = true;
         self
     }
@@ -380,7 +380,7 @@ pub(super) fn reference_markdown(blocks: &[&'static BlockSchema]) -> String {
     for block in blocks {
         for (i, field) in block.own_fields.iter().enumerate() {
             let name = if i == 0 { format!("`{}`", block.keyword) } else { String::new() };
-            field.write_reference_row(&name, &mut out);
+            field.write_language_manual_row(&name, &mut out);
         }
     }
     // The name of its first field identifies a group of shared fields.
@@ -394,7 +394,7 @@ pub(super) fn reference_markdown(blocks: &[&'static BlockSchema]) -> String {
         let users: Vec<&str> = blocks.iter().filter(has).map(|block| block.keyword).collect();
         let users = if users.len() == blocks.len() { "all".to_owned() } else { join_in_backticks(&users) };
         for (i, field) in group.iter().enumerate() {
-            field.write_reference_row(if i == 0 { &users } else { "" }, &mut out);
+            field.write_language_manual_row(if i == 0 { &users } else { "" }, &mut out);
         }
     }
     out

@@ -39,124 +39,132 @@ const DEGREE_RANGE: FieldRange = FieldRange::Within(1.0, MAX_DEGREE as f64);
 
 static EMISSION_FIELDS: &[FieldSchema] =
     &[field("emission", FieldKind::Color, "radiance instead of the material's; not for a `Plane`")
-        .absence_means("the material's")
+        .with_absence_text("the material's")
         .with_unit("W/(m² sr)")];
 
 static DEGREE_FIELDS: &[FieldSchema] = &[
-    field("degreeU", FieldKind::Whole, "degree along u").with_range(DEGREE_RANGE).or_numbers(&[3.0]),
-    field("degreeV", FieldKind::Whole, "degree along v").with_range(DEGREE_RANGE).or_numbers(&[3.0]),
+    field("degreeU", FieldKind::Whole, "degree along u").with_range(DEGREE_RANGE).with_default_numbers(&[3.0]),
+    field("degreeV", FieldKind::Whole, "degree along v").with_range(DEGREE_RANGE).with_default_numbers(&[3.0]),
 ];
 
 static SPHERE: BlockSchema = block("Sphere", "all points at distance `radius` from `center`")
     .with_fields(&[
-        field("center", FieldKind::Point, "center").required().course_syntax(),
-        field("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).required().course_syntax(),
+        field("center", FieldKind::Point, "center").make_required().mark_course_syntax(),
+        field("radius", FieldKind::Number, "radius")
+            .with_range(FieldRange::Positive)
+            .make_required()
+            .mark_course_syntax(),
     ])
     .with_shared_fields(&[EMISSION_FIELDS])
-    .course_syntax();
+    .mark_course_syntax();
 
 static PLANE: BlockSchema = block("Plane", "infinite plane")
     .with_fields(&[
-        field("normal", FieldKind::Direction, "normal; its length scales `offset`").required().course_syntax(),
-        field("offset", FieldKind::Number, "normal · x of the points x of the plane").required().course_syntax(),
+        field("normal", FieldKind::Direction, "normal; its length scales `offset`")
+            .make_required()
+            .mark_course_syntax(),
+        field("offset", FieldKind::Number, "normal · x of the points x of the plane")
+            .make_required()
+            .mark_course_syntax(),
     ])
     .with_shared_fields(&[EMISSION_FIELDS])
-    .course_syntax();
+    .mark_course_syntax();
 
 static DISC: BlockSchema = block("Disc", "flat disc")
     .with_fields(&[
-        field("center", FieldKind::Point, "center").required(),
-        field("normal", FieldKind::Direction, "normal").required(),
-        field("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).required(),
+        field("center", FieldKind::Point, "center").make_required(),
+        field("normal", FieldKind::Direction, "normal").make_required(),
+        field("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).make_required(),
     ])
     .with_shared_fields(&[EMISSION_FIELDS]);
 
 static RECTANGLE: BlockSchema = block("Rectangle", "parallelogram with normal `edge0` × `edge1`")
     .with_fields(&[
-        field("corner", FieldKind::Point, "corner where both edges start").required(),
-        field("edge0", FieldKind::Direction, "vector to the first neighbouring corner").required(),
-        field("edge1", FieldKind::Direction, "vector to the other neighbouring corner").required(),
+        field("corner", FieldKind::Point, "corner where both edges start").make_required(),
+        field("edge0", FieldKind::Direction, "vector to the first neighbouring corner").make_required(),
+        field("edge1", FieldKind::Direction, "vector to the other neighbouring corner").make_required(),
     ])
     .with_shared_fields(&[EMISSION_FIELDS]);
 
 static BOX: BlockSchema = block("Box", "closed box with edges along the axes")
     .with_fields(&[
-        field("min", FieldKind::Point, "corner with the lowest coordinates").required(),
-        field("max", FieldKind::Point, "opposite corner; above `min` in every coordinate").required(),
+        field("min", FieldKind::Point, "corner with the lowest coordinates").make_required(),
+        field("max", FieldKind::Point, "opposite corner; above `min` in every coordinate").make_required(),
     ])
     .with_shared_fields(&[EMISSION_FIELDS]);
 
 static CAPS_FIELDS: &[FieldSchema] =
-    &[field("caps", FieldKind::Word(&["yes", "no"]), "`no` leaves both ends open").or_word("yes")];
+    &[field("caps", FieldKind::Word(&["yes", "no"]), "`no` leaves both ends open").with_default_word("yes")];
 
 static CYLINDER: BlockSchema = block("Cylinder", "cylinder of any direction, closed unless `caps` is `no`")
     .with_fields(&[
-        field("bottom", FieldKind::Point, "center of one end").required(),
-        field("top", FieldKind::Point, "center of the other end").required(),
-        field("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).required(),
+        field("bottom", FieldKind::Point, "center of one end").make_required(),
+        field("top", FieldKind::Point, "center of the other end").make_required(),
+        field("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).make_required(),
     ])
     .with_shared_fields(&[CAPS_FIELDS, EMISSION_FIELDS]);
 
 static CONE: BlockSchema = block("Cone", "cone or truncated cone of any direction, closed unless `caps` is `no`")
     .with_fields(&[
-        field("bottom", FieldKind::Point, "center of the base").required(),
-        field("top", FieldKind::Point, "apex, or center of the other end").required(),
-        field("radius", FieldKind::Number, "radius of the base").with_range(FieldRange::Positive).required(),
+        field("bottom", FieldKind::Point, "center of the base").make_required(),
+        field("top", FieldKind::Point, "apex, or center of the other end").make_required(),
+        field("radius", FieldKind::Number, "radius of the base").with_range(FieldRange::Positive).make_required(),
         field("topRadius", FieldKind::Number, "radius of the other end")
             .with_range(FieldRange::NonNegative)
-            .or_numbers(&[0.0]),
+            .with_default_numbers(&[0.0]),
     ])
     .with_shared_fields(&[CAPS_FIELDS, EMISSION_FIELDS]);
 
 static TRIANGLE: BlockSchema = block("Triangle", "triangle; its area may be 0")
     .with_fields(&[
-        field("vertex0", FieldKind::Point, "first vertex").required().course_syntax(),
-        field("vertex1", FieldKind::Point, "second vertex").required().course_syntax(),
-        field("vertex2", FieldKind::Point, "third vertex").required().course_syntax(),
+        field("vertex0", FieldKind::Point, "first vertex").make_required().mark_course_syntax(),
+        field("vertex1", FieldKind::Point, "second vertex").make_required().mark_course_syntax(),
+        field("vertex2", FieldKind::Point, "third vertex").make_required().mark_course_syntax(),
         field("normal0", FieldKind::Direction, "shading normal at the first vertex; give all three or none"),
         field("normal1", FieldKind::Direction, "shading normal at the second vertex"),
         field("normal2", FieldKind::Direction, "shading normal at the third vertex"),
         field("uv0", FieldKind::Pair, "texture coordinates at the first vertex; give all three or none")
-            .absence_means("0 0"),
-        field("uv1", FieldKind::Pair, "texture coordinates at the second vertex").absence_means("1 0"),
-        field("uv2", FieldKind::Pair, "texture coordinates at the third vertex").absence_means("0 1"),
+            .with_absence_text("0 0"),
+        field("uv1", FieldKind::Pair, "texture coordinates at the second vertex").with_absence_text("1 0"),
+        field("uv2", FieldKind::Pair, "texture coordinates at the third vertex").with_absence_text("0 1"),
     ])
     .with_shared_fields(&[EMISSION_FIELDS])
-    .course_syntax();
+    .mark_course_syntax();
 
 static MESH: BlockSchema = block("TriangleMesh", "triangle mesh in a file of its own")
     .with_fields(&[
-        field("obj_file", FieldKind::Name, "OBJ or PLY file").with_alias("file").required().course_syntax(),
+        field("obj_file", FieldKind::Name, "OBJ or PLY file").with_alias("file").make_required().mark_course_syntax(),
         field("materials", FieldKind::Word(&["scene", "file"]), "materials of the scene or of the file's MTL files")
-            .or_word("scene"),
-        field("normals", FieldKind::Word(&["file", "none"]), "`none` ignores the file's normals").or_word("file"),
+            .with_default_word("scene"),
+        field("normals", FieldKind::Word(&["file", "none"]), "`none` ignores the file's normals")
+            .with_default_word("file"),
         field("smoothAngle", FieldKind::Number, "greatest angle between faces that are smoothed")
             .with_range(FieldRange::Within(0.0, 180.0))
-            .absence_means("faces without normals are flat")
+            .with_absence_text("faces without normals are flat")
             .with_unit("degrees"),
     ])
     .with_shared_fields(&[EMISSION_FIELDS])
-    .course_syntax();
+    .mark_course_syntax();
 
 static REVOLUTION: BlockSchema =
     block("RevSurface", "surface of revolution: the points (x cos θ, y, x sin θ) of a profile")
         .with_fields(&[field("profile", FieldKind::Curve, "curve of points (x, y), turned about the y axis")
-            .required()
-            .course_syntax()])
+            .make_required()
+            .mark_course_syntax()])
         .with_shared_fields(&[EMISSION_FIELDS])
-        .course_syntax();
+        .mark_course_syntax();
 
 static BEZIER_CURVE: BlockSchema =
     block("BezierCurve", "one Bézier curve; without `profile` it has no surface and is not visible")
         .with_fields(&[BEZIER_CONTROLS])
         .with_shared_fields(&[EMISSION_FIELDS])
-        .course_syntax();
+        .mark_course_syntax();
 
 static BSPLINE_CURVE: BlockSchema =
     block("BsplineCurve", "a uniform cubic B-spline; without `profile` it has no surface and is not visible")
         .with_fields(&[BSPLINE_CONTROLS])
         .with_shared_fields(&[EMISSION_FIELDS])
-        .course_syntax();
+        .mark_course_syntax();
 
 static BEZIER_PATCH: BlockSchema = block("BezierPatch", "one or more Bézier patches of the same degrees")
     .with_fields(&[field(
@@ -164,24 +172,24 @@ static BEZIER_PATCH: BlockSchema = block("BezierPatch", "one or more Bézier pat
         FieldKind::WeightedPoints,
         "control points, patch after patch, those along v first",
     )
-    .required()])
+    .make_required()])
     .with_shared_fields(&[DEGREE_FIELDS, EMISSION_FIELDS]);
 
 static NURBS: BlockSchema = block("NurbsSurface", "rational B-spline surface")
     .with_fields(&[
         field("countU", FieldKind::Whole, "number of control points along u")
             .with_range(FieldRange::Special("above the degree"))
-            .required(),
+            .make_required(),
         field("countV", FieldKind::Whole, "number of control points along v")
             .with_range(FieldRange::Special("above the degree"))
-            .required(),
+            .make_required(),
         field("knotsU", FieldKind::Numbers, "`countU` + `degreeU` + 1 knots along u")
             .with_range(FieldRange::Special("nondecreasing"))
-            .absence_means("uniform"),
+            .with_absence_text("uniform"),
         field("knotsV", FieldKind::Numbers, "`countV` + `degreeV` + 1 knots along v")
             .with_range(FieldRange::Special("nondecreasing"))
-            .absence_means("uniform"),
-        field("controls", FieldKind::WeightedPoints, "control points, those along v first").required(),
+            .with_absence_text("uniform"),
+        field("controls", FieldKind::WeightedPoints, "control points, those along v first").make_required(),
     ])
     .with_shared_fields(&[DEGREE_FIELDS, EMISSION_FIELDS]);
 

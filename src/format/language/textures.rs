@@ -30,39 +30,44 @@ pub(super) static TEXTURES: &[BlockParser<ParseTexture>] = &[
 type ParseTexture = fn(&BlockFields<'_>) -> Result<TextureKindDescription, SceneError>;
 
 static COORDINATE_FIELDS: &[FieldSchema] = &[
-    field("scale", FieldKind::Pair, "factors of u and v").with_range(FieldRange::NonZero).or_numbers(&[1.0, 1.0]),
+    field("scale", FieldKind::Pair, "factors of u and v")
+        .with_range(FieldRange::NonZero)
+        .with_default_numbers(&[1.0, 1.0]),
     field("rotate", FieldKind::Number, "rotation of (u, v) after that, anticlockwise")
-        .or_numbers(&[0.0])
+        .with_default_numbers(&[0.0])
         .with_unit("degrees"),
-    field("offset", FieldKind::Pair, "offset of (u, v) after that").or_numbers(&[0.0, 0.0]),
+    field("offset", FieldKind::Pair, "offset of (u, v) after that").with_default_numbers(&[0.0, 0.0]),
 ];
 
 static COLOR_FIELDS: &[FieldSchema] = &[
-    field("color0", FieldKind::Color, "first color; of a checker where ⌊u⌋ + ⌊v⌋ is even").or_numbers(&[0.0, 0.0, 0.0]),
-    field("color1", FieldKind::Color, "second color").or_numbers(&[1.0, 1.0, 1.0]),
+    field("color0", FieldKind::Color, "first color; of a checker where ⌊u⌋ + ⌊v⌋ is even")
+        .with_default_numbers(&[0.0, 0.0, 0.0]),
+    field("color1", FieldKind::Color, "second color").with_default_numbers(&[1.0, 1.0, 1.0]),
 ];
 
 // The last octave is 32,768 times finer than the first.
 static PATTERN_FIELDS: &[FieldSchema] = &[
-    field("octaves", FieldKind::Whole, "octaves of noise").with_range(FieldRange::Within(1.0, 16.0)).or_numbers(&[4.0]),
+    field("octaves", FieldKind::Whole, "octaves of noise")
+        .with_range(FieldRange::Within(1.0, 16.0))
+        .with_default_numbers(&[4.0]),
     field("frequency", FieldKind::Number, "frequency f of the first octave, of veins and of rings")
         .with_range(FieldRange::Positive)
-        .or_numbers(&[1.0])
+        .with_default_numbers(&[1.0])
         .with_unit("1/length"),
     field("amplitude", FieldKind::Number, "factor a of the noise")
         .with_range(FieldRange::NonNegative)
-        .or_numbers(&[1.0]),
+        .with_default_numbers(&[1.0]),
     field("Transform", FieldKind::TransformSteps, "maps from the pattern's space to the object's")
-        .absence_means("none"),
+        .with_absence_text("none"),
 ];
 
 static IMAGE: BlockSchema = block("Image", "a picture, which covers the unit square of texture coordinates")
     .with_fields(&[
-        field("file", FieldKind::Name, "picture: PNG, OpenEXR or Radiance HDR").required(),
+        field("file", FieldKind::Name, "picture: PNG, OpenEXR or Radiance HDR").make_required(),
         field("encoding", FieldKind::Word(&["srgb", "linear"]), "encoding of a PNG; other formats are always linear")
-            .or_word("srgb"),
+            .with_default_word("srgb"),
         field("wrap", FieldKind::Word(&["repeat", "clamp", "mirror"]), "continuation beyond the edges")
-            .or_word("repeat"),
+            .with_default_word("repeat"),
     ])
     .with_shared_fields(&[COORDINATE_FIELDS]);
 

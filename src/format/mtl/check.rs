@@ -62,7 +62,7 @@ fn check_line(line: &str, named: &mut bool, valid_lines: &mut String) -> Result<
             let _ = writeln!(valid_lines, "illum {model}");
         }
         "map_Kd" => {
-            let path = skip_map_options(rest);
+            let path = picture_path_after_options(rest);
             if path.is_empty() {
                 return Err(("`map_Kd` names no picture".to_owned(), "write its path after it"));
             }
@@ -108,7 +108,7 @@ fn parse_color_or_grey(keyword: &str, rest: &str) -> Result<[f64; 3], MessageAnd
 }
 
 /// The picture path in the arguments of a texture line, after its options.
-fn skip_map_options(mut rest: &str) -> &str {
+fn picture_path_after_options(mut rest: &str) -> &str {
     let next = |text: &str| text.split_ascii_whitespace().next().unwrap_or_default().to_owned();
     let after = |text: &'_ str, word: &str| text[word.len()..].trim_start().len();
     loop {

@@ -75,7 +75,7 @@ pub(super) fn resolve_material(
             Material::rough_boundary(Body { absorption, priority: *priority, glass, ..Body::new(index) }, roughness)
         }
         MaterialKindDescription::NullInterface { priority } => {
-            Material::smooth_boundary(Body { priority: *priority, null_interface: true, ..Body::new(1.0) })
+            Material::smooth_boundary(Body { priority: *priority, is_null_interface: true, ..Body::new(1.0) })
         }
         MaterialKindDescription::Conductor { metal, roughness } => {
             let (eta, k) = complex_refractive_index(r, metal)?;

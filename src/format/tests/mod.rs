@@ -4,6 +4,7 @@ mod media;
 mod refraction;
 mod strategies;
 mod values;
+mod variants;
 
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -87,7 +88,7 @@ fn parsing_takes_linear_time() {
 }
 
 /// Random text of words of the language and other characters.
-fn random_words() -> impl Strategy<Value = String> {
+fn random_scene_like_text() -> impl Strategy<Value = String> {
     let words =
         include_str!("../../../docs/guide/scene-language.md").split_whitespace().map(str::to_owned).collect::<Vec<_>>();
     let word = prop_oneof![
@@ -110,7 +111,7 @@ proptest! {
     }
 
     #[test]
-    fn random_words_never_panic(soup in random_words(), start in 0..3_usize) {
+    fn random_scene_like_text_never_panics(soup in random_scene_like_text(), start in 0..3_usize) {
         let start = ["", "Group {", "PerspectiveCamera { center 0 0 0 direction 0 0 1 angle 9 } Group {"][start];
         if let Err(error) = parse("soup", &format!("{start}{soup}")) {
             prop_assert!(!error.remedy().is_empty());

@@ -19,7 +19,7 @@ fn numbers_follow_noise_over_cost() {
 
 /// Each small shift of work between two parts, within the bounds, adds noise.
 #[test]
-fn no_other_division_is_less_noisy() {
+fn balance_has_the_least_noise() {
     for parts in [
         [noise_source(1.0, 3.0, 8.0), noise_source(50.0, 0.01, 1000.0), noise_source(3.0, 0.02, 500.0)],
         [noise_source(1e-6, 3.0, 8.0), noise_source(50.0, 0.01, 1000.0), noise_source(3000.0, 0.02, 500.0)],

@@ -47,7 +47,8 @@ impl NextEventEstimator<'_> {
                     for ray in 0..rays {
                         let sampler = sampler.split_sample(ray, rays);
                         let pivot = light.emission_point().filter(|_| segment.medium.is_homogeneous());
-                        let point = pivot.map_or_else(path_point, |pivot| sample_near_pivot(vertex, pivot, sampler));
+                        let point =
+                            pivot.map_or_else(path_point, |pivot| sample_scatter_point_near(vertex, pivot, sampler));
                         if let Some(point) = point {
                             sum +=
                                 self.shadow_ray_in_medium(&point, i, vertex, sampler, rays as f32, continues, worker);
@@ -126,7 +127,11 @@ impl NextEventEstimator<'_> {
 ///
 /// Equiangular sampling: Kulla and Fajardo 2012, "Importance Sampling Techniques for Path Tracing
 /// in Participating Media".
-fn sample_near_pivot<I: Interior>(vertex: &MediumVertex<'_, I>, pivot: Vec3, sampler: Sampler) -> Option<ScatterPoint> {
+fn sample_scatter_point_near<I: Interior>(
+    vertex: &MediumVertex<'_, I>,
+    pivot: Vec3,
+    sampler: Sampler,
+) -> Option<ScatterPoint> {
     let MediumSegment { ray, medium, .. } = vertex.segment;
     let mut rng = sampler.sample_key().medium_distance_key().rng();
     let angles = EquiangularDistribution::new(ray, pivot);

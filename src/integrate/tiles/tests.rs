@@ -4,7 +4,7 @@ use crate::integrate::pass::Silent;
 use crate::sampling::Purpose;
 
 /// Mean over passes of a picture of `scene` through filter `kind`, and its standard error.
-fn filtered(kind: FilterKind, samples: u32, scene: impl Fn(f32) -> f32 + Sync) -> Vec<(f64, f64)> {
+fn render_filtered_row(kind: FilterKind, samples: u32, scene: impl Fn(f32) -> f32 + Sync) -> Vec<(f64, f64)> {
     let camera = Camera::orthographic(DVec3::Z, DVec3::NEG_Z, DVec3::Y, 1.0, 12, 1).unwrap();
     let filter = Filter::new(kind);
     let sampling = FilmSampling {
@@ -34,9 +34,9 @@ fn filtered(kind: FilterKind, samples: u32, scene: impl Fn(f32) -> f32 + Sync) -
 #[test]
 fn signed_filters_are_unbiased_and_keep_flat_areas_noiseless() {
     for samples in [2, 3, 16] {
-        let even = filtered(FilterKind::Mitchell, samples, |_| 0.7);
+        let even = render_filtered_row(FilterKind::Mitchell, samples, |_| 0.7);
         assert!(even.iter().all(|(mean, error)| (mean - 0.7).abs() < 1e-6 && *error < 1e-6), "{even:?}");
-        let edge = filtered(FilterKind::Mitchell, samples, |x| if x < 6.3 { 1.0 } else { 0.0 });
+        let edge = render_filtered_row(FilterKind::Mitchell, samples, |x| if x < 6.3 { 1.0 } else { 0.0 });
         // Cells of the table misplace a thousandth of the weight at most.
         for (x, (mean, error)) in edge.iter().enumerate() {
             let weight = |y: f64| FilterKind::Mitchell.weight(y);

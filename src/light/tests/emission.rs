@@ -2,7 +2,7 @@
 
 use super::chi_square::{DirectionCells, INTEGRAL_ERROR, sidak_significance_level};
 use super::environment::random_sky_light;
-use super::intensity_maps::{goniometric, projector};
+use super::intensity_maps::{test_goniometric_light, test_projector_light};
 use super::*;
 use glam::Vec2;
 
@@ -16,8 +16,8 @@ fn lights_of_all_kinds() -> Vec<Light> {
             outer_one_minus_cos: 0.2,
             peak: Rgb::splat(2.0),
         }),
-        Light::Projector(projector()),
-        Light::Goniometric(goniometric()),
+        Light::Projector(test_projector_light()),
+        Light::Goniometric(test_goniometric_light()),
         Light::Directional(DirectionalLight {
             direction: Vec3::new(0.1, -1.0, 0.2).normalize(),
             irradiance: Rgb::splat(2.0),
@@ -108,7 +108,7 @@ fn merged_aim_spheres_lose_no_flux() {
 }
 
 /// Pdf of emitted directions \[1/sr], over all positions.
-fn pdf(light: &Light, w: Vec3) -> f64 {
+fn emission_direction_pdf(light: &Light, w: Vec3) -> f64 {
     let uniform = 0.25 / std::f64::consts::PI;
     match light {
         Light::Point(_) => uniform,
@@ -136,7 +136,8 @@ fn emitted_directions_follow_their_pdf() {
         let position = |u: Vec2| key(u64::from(u.x.to_bits()) << 32 | u64::from(u.y.to_bits()));
         let draw = |u: Vec2| light.sample_le(DOMAIN, position(u).uniform_2d(Dimension::LightTarget), u);
         let cells = DirectionCells::new(Vec3::NEG_Y, std::f64::consts::PI);
-        let (chance, total) = cells.test_samples_against_pdf(&|u| draw(u).map(|e| e.ray.direction), &|w| pdf(light, w));
+        let (chance, total) = cells
+            .test_samples_against_pdf(&|u| draw(u).map(|e| e.ray.direction), &|w| emission_direction_pdf(light, w));
         assert!(chance > sidak_significance_level(lights.len()), "{light:?}: {chance}");
         assert!((total - 1.0).abs() < INTEGRAL_ERROR, "{light:?}: {total}");
     }

@@ -21,13 +21,13 @@ pub fn random_sky_light(angle: f64) -> EnvironmentLight {
     EnvironmentLight::new(random_sky_picture(), angle, Rgb::splat(1.5)).unwrap()
 }
 
-fn constant() -> EnvironmentLight {
+fn constant_environment_light() -> EnvironmentLight {
     EnvironmentLight::constant(Rgb::splat(2.0)).unwrap()
 }
 
 #[test]
 fn environment_samples_follow_the_pdf() {
-    let skies = [constant(), random_sky_light(0.0), random_sky_light(0.4)];
+    let skies = [constant_environment_light(), random_sky_light(0.0), random_sky_light(0.4)];
     for (i, environment) in skies.iter().enumerate() {
         for axis in [Vec3::Y, Vec3::new(0.3, -0.5, 1.0)] {
             let cells = DirectionCells::new(axis, PI);
@@ -62,7 +62,7 @@ fn pdf_is_positive_where_radiance_is() {
 fn power_is_the_integral_of_radiance() {
     let disc = BoundingSphere { center: Vec3::ONE, radius: 3.0 };
     let area = PI * 9.0;
-    assert!((f64::from(constant().power(disc).x) / (area * 8.0 * PI) - 1.0).abs() < 1e-6);
+    assert!((f64::from(constant_environment_light().power(disc).x) / (area * 8.0 * PI) - 1.0).abs() < 1e-6);
     for environment in [random_sky_light(0.0), random_sky_light(1.0)] {
         // Uniform directions: five sigma.
         let seen = estimate_mean_and_variance(400_000, |k| {
@@ -97,7 +97,7 @@ fn row_measures_match_quadrature() {
 /// (analytic-truths 38).
 #[test]
 fn a_constant_environment_lights_a_plane_by_pi_l() {
-    let light = Light::Environment(constant().into());
+    let light = Light::Environment(constant_environment_light().into());
     assert_within_5_sigma(irradiance(&light, Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.6, 0.0, 0.8)), 2.0 * PI);
     let domain = BoundingSphere { center: Vec3::new(0.5, 0.0, 0.0), radius: 2.0 };
     let (a, ball) = (0.7f64, Vec3::new(-0.3, 0.2, 0.5));

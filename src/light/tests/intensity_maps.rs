@@ -11,7 +11,7 @@ const POSITION: Vec3 = Vec3::new(0.3, 3.0, 0.1);
 
 /// A picture of 4 × 3 pixels with a black corner, projected downwards with its upper side towards
 /// −z.
-pub fn projector() -> ProjectorLight {
+pub fn test_projector_light() -> ProjectorLight {
     let pixels = (0..12).map(|i| Rgb::new(i as f32, 0.5 * i as f32, 1.0) * if i == 0 { 0.0 } else { 0.3 });
     let picture = Image::from_pixels(4, 3, pixels.collect()).unwrap();
     let slide = ProjectedPicture::new(picture, 1.2).unwrap().unwrap();
@@ -19,7 +19,7 @@ pub fn projector() -> ProjectorLight {
 }
 
 /// A map with a bright pixel, whose bright side points downwards.
-pub fn goniometric() -> GoniometricLight {
+pub fn test_goniometric_light() -> GoniometricLight {
     let map = EquirectangularMap::new(random_sky_picture(), Rgb::ONE).unwrap();
     GoniometricLight::new(POSITION, DVec3::X, DVec3::new(0.2, -1.0, 0.1), Arc::new(map), Rgb::splat(2.0))
 }
@@ -42,7 +42,7 @@ fn projector_power_is_exact_on_a_cube_face() {
 /// Pixel (column, row) counts from the top left, as the projected picture appears on a screen.
 #[test]
 fn projected_pixels_lie_upright() {
-    let light = projector();
+    let light = test_projector_light();
     let half = libm::tanf(0.6);
     for i in 0..12 {
         let (x, y) = (i % 4, i / 4);

@@ -26,7 +26,7 @@ fn medium_with_density(a: Vec3, s: Vec3, e: Vec3, density: Option<GridDensity>) 
 }
 
 /// Compares all estimates along `ray` up to `distance`; `depth` is τ as a function of distance.
-fn check_estimates(medium: &Medium, ray: &Ray, distance: f32, depth: impl Fn(f64) -> f64, name: &str) {
+fn assert_distance_samples_unbiased(medium: &Medium, ray: &Ray, distance: f32, depth: impl Fn(f64) -> f64, name: &str) {
     let sigma = medium.extinction().as_dvec3();
     let tau = depth(f64::from(distance));
     let left = (-sigma * tau).to_array().map(libm::exp);
@@ -81,8 +81,8 @@ fn check_estimates(medium: &Medium, ray: &Ray, distance: f32, depth: impl Fn(f64
 fn homogeneous_media_match_beer_lambert() {
     let ray = Ray::new(Vec3::ZERO, Vec3::X);
     for distance in [0.01, 1.5, 12.0] {
-        check_estimates(&absorbing_per_channel_medium(None), &ray, distance, |t| t, "homogeneous");
-        check_estimates(&bluish_medium(None), &ray, distance, |t| t, "bluish");
+        assert_distance_samples_unbiased(&absorbing_per_channel_medium(None), &ray, distance, |t| t, "homogeneous");
+        assert_distance_samples_unbiased(&bluish_medium(None), &ray, distance, |t| t, "bluish");
     }
     let medium = bluish_medium(None);
     for distance in [0.0f32, 0.3, 7.0, 400.0] {
@@ -134,9 +134,15 @@ fn constant_grid_equals_homogeneous_slab() {
     let ray = Ray::new(axis * -3.0, axis);
     let depth = |t: f64| 1.7f32 as f64 * (t - 1.0).clamp(0.0, 4.0);
     for distance in [0.5, 2.0, 30.0] {
-        check_estimates(&absorbing_per_channel_medium(Some(field.clone())), &ray, distance, depth, "slab");
+        assert_distance_samples_unbiased(
+            &absorbing_per_channel_medium(Some(field.clone())),
+            &ray,
+            distance,
+            depth,
+            "slab",
+        );
     }
-    check_estimates(&bluish_medium(Some(field)), &ray, 30.0, depth, "bluish slab");
+    assert_distance_samples_unbiased(&bluish_medium(Some(field)), &ray, 30.0, depth, "bluish slab");
 }
 
 /// ρ = x/2, but constant in the outer half of the outer of 20 cells; from 0 to x = 4, seen straight
@@ -162,8 +168,8 @@ fn linear_density_matches_its_optical_depth() {
         let start = if dx > 0.0 { -1.0 } else { 3.5 };
         let ray = Ray::new(Vec3::new(start, 0.3, 0.2), direction);
         let depth = |t: f64| (across(f64::from(start) + dx * t) - across(f64::from(start))) / dx;
-        check_estimates(&bluish_medium(Some(field.clone())), &ray, 3.0, depth, name);
-        check_estimates(&absorbing_per_channel_medium(Some(field.clone())), &ray, 30.0, depth, name);
+        assert_distance_samples_unbiased(&bluish_medium(Some(field.clone())), &ray, 3.0, depth, name);
+        assert_distance_samples_unbiased(&absorbing_per_channel_medium(Some(field.clone())), &ray, 30.0, depth, name);
     }
 }
 
@@ -187,6 +193,6 @@ fn clouds_match_their_optical_depth() {
         let i = ((t / step) as usize).min(n - 1);
         table[i] + (table[i + 1] - table[i]) * (t / step - i as f64)
     };
-    check_estimates(&bluish_medium(Some(field.clone())), &ray, distance, depth, "cloud");
-    check_estimates(&absorbing_per_channel_medium(Some(field)), &ray, distance, depth, "cloud");
+    assert_distance_samples_unbiased(&bluish_medium(Some(field.clone())), &ray, distance, depth, "cloud");
+    assert_distance_samples_unbiased(&absorbing_per_channel_medium(Some(field)), &ray, distance, depth, "cloud");
 }

@@ -106,7 +106,7 @@ fn cube_interval(field: &GridDensity, ray: &Ray) -> (f64, f64) {
 }
 
 #[test]
-fn translated_grids_share_values() {
+fn density_grids_translate_there_and_back() {
     let field = GridDensity::from_fn([4; 3], HERE, |p| p.x as f32).unwrap();
     let by = DVec3::new(1e6, -2e6, 3e6);
     let back = field.translated(by).translated(-by);

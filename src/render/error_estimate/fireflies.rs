@@ -22,7 +22,7 @@ impl Fireflies {
     }
 
     /// Contribution of fireflies to the mean squared error after the passes so far.
-    pub(super) fn current_squared_error(&self) -> f64 {
+    pub(super) fn squared_error_of_fireflies(&self) -> f64 {
         self.fractions.iter().sum()
     }
 

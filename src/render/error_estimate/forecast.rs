@@ -59,7 +59,7 @@ impl ErrorForecast {
     pub(super) fn new(estimate: &ErrorEstimate, law: Option<(f64, f32)>) -> Self {
         let n = f64::from(estimate.passes);
         let (fireflies, shared_paths) = (estimate.fireflies, estimate.shared_paths);
-        let variance = (estimate.variance - n * fireflies.current_squared_error()).max(0.0);
+        let variance = (estimate.variance - n * fireflies.squared_error_of_fireflies()).max(0.0);
         let Some((alpha, kernel_difference_variance)) = law else {
             return Self {
                 alpha: 1.0,
@@ -119,7 +119,7 @@ impl ErrorForecast {
             if sums.passes < EXACT_PASSES {
                 sums.add_pass()
             } else {
-                sums.add_leap()
+                sums.extrapolate_one_leap()
             }
             let (noise, bias) = self.noise_and_bias_of_sums(&sums);
             if noise.hypot(bias) <= target {
@@ -160,7 +160,7 @@ impl DiscAreaSums {
     }
 
     /// Adds 1/[`LEAP`] of the passes so far by the midpoint rule; for large n, area ∝ n^(α − 1).
-    fn add_leap(&mut self) {
+    fn extrapolate_one_leap(&mut self) {
         let (n, count) = (f64::from(self.passes), self.passes / LEAP);
         let at = |i: f64| self.area * libm::pow(i / n, self.alpha - 1.0);
         let middle = at(n + 0.5 * f64::from(count));

@@ -12,7 +12,7 @@ use crate::texture::Texture;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
-/// A point, spot or directional light in world coordinates.
+/// A light at one point or from one direction, in world coordinates.
 #[derive(Debug)]
 pub(super) struct DeltaLight {
     pub kind: DeltaLightKind,

@@ -170,7 +170,7 @@ impl SceneBuilder {
         self
     }
 
-    /// Adds a point, spot or directional light.
+    /// Adds a light that emits from one point or from one direction.
     pub fn delta_light(&mut self, kind: DeltaLightKind, strength: LightStrength) -> &mut Self {
         self.sources.push(DeltaLight { kind, strength, motion: None });
         self

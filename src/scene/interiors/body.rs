@@ -18,30 +18,30 @@ pub struct Body {
     pub medium: Option<u32>,
     /// True if the boundary is a null interface, which light crosses without reflection or
     /// refraction. A body of equal priority without this flag displaces the body.
-    pub null_interface: bool,
+    pub is_null_interface: bool,
 }
 
 impl Body {
     /// A body of absolute refractive `index` that neither absorbs nor scatters.
     #[must_use]
     pub fn new(index: f32) -> Self {
-        Self { index, absorption: Rgb::ZERO, priority: 0, glass: None, medium: None, null_interface: false }
+        Self { index, absorption: Rgb::ZERO, priority: 0, glass: None, medium: None, is_null_interface: false }
     }
 
     /// A region filled with `medium`, bounded by a null interface.
     #[must_use]
     pub fn medium_region(medium: u32) -> Self {
-        Self { medium: Some(medium), null_interface: true, ..Self::new(1.0) }
+        Self { medium: Some(medium), is_null_interface: true, ..Self::new(1.0) }
     }
 
     /// Sort key of overlapping bodies; the body of the greatest key wins.
     pub(in crate::scene) fn overlap_rank(&self) -> (u8, bool) {
-        (self.priority, !self.null_interface)
+        (self.priority, !self.is_null_interface)
     }
 
     /// True if light cannot distinguish the body from air.
     pub(in crate::scene) fn is_air(&self) -> bool {
-        let Self { index, absorption, glass, medium, null_interface, priority: _ } = *self;
-        index == 1.0 && absorption == Rgb::ZERO && glass.is_none() && medium.is_none() && !null_interface
+        let Self { index, absorption, glass, medium, is_null_interface, priority: _ } = *self;
+        index == 1.0 && absorption == Rgb::ZERO && glass.is_none() && medium.is_none() && !is_null_interface
     }
 }

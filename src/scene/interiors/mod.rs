@@ -30,9 +30,9 @@ use glam::Vec3;
 pub enum InteriorKind {
     /// [`NoInterior`]: paths track nothing.
     Nothing,
-    /// [`InteriorStack`]: paths track bodies.
+    /// [`InteriorStack`]: paths track bodies, without media or a wavelength.
     Bodies,
-    /// [`SpectralInterior`]: paths track bodies, media and a wavelength.
+    /// [`SpectralInterior`]: paths track bodies, and media or a wavelength or both.
     Spectral,
 }
 
@@ -62,8 +62,8 @@ pub struct CurrentMedium {
 ///
 /// Path loops are compiled for each type, so that scenes without bodies or media pay nothing.
 pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
-    /// True if paths may pass through media or carry a wavelength.
-    const SPECTRAL: bool;
+    /// True if paths may pass through media or carry a wavelength: for [`SpectralInterior`] alone.
+    const HAS_MEDIA_OR_WAVELENGTH: bool;
 
     /// The interior at the start of a camera path along `ray`.
     fn at_camera(scene: &Scene, ray: &Ray, effects: Effects) -> Self;
@@ -129,7 +129,7 @@ pub(super) fn exp_neg(depth: Rgb) -> Rgb {
 pub struct NoInterior;
 
 impl Interior for NoInterior {
-    const SPECTRAL: bool = false;
+    const HAS_MEDIA_OR_WAVELENGTH: bool = false;
 
     fn at_camera(_: &Scene, _: &Ray, _: Effects) -> Self {
         Self
@@ -157,7 +157,7 @@ impl Interior for NoInterior {
 }
 
 impl Interior for InteriorStack {
-    const SPECTRAL: bool = false;
+    const HAS_MEDIA_OR_WAVELENGTH: bool = false;
 
     fn at_camera(scene: &Scene, ray: &Ray, _: Effects) -> Self {
         if scene.camera.has_single_viewpoint() {
@@ -225,7 +225,7 @@ fn resolve_interface(
     surface.coincident = coincident_faces_at(scene, surface);
     let entering = surface.is_entering();
     if !surface.coincident.is_empty() {
-        let BoundarySides { near, far, null_interface, roughness } =
+        let BoundarySides { near, far, is_null_interface, roughness } =
             boundary_sides(stack, scene, surface, &body, entering);
         surface.roughness = roughness;
         let (inner, outer) = if entering { (far, near) } else { (near, far) };
@@ -233,11 +233,11 @@ fn resolve_interface(
         let interface = BodyInterface { real, outside: outer.map(|(_, body)| *body) };
         let inner = inner.map_or_else(|| Body::new(1.0), |(_, body)| *body);
         return (
-            if null_interface { BoundaryEvent::NullInterface } else { interface.boundary_event() },
+            if is_null_interface { BoundaryEvent::NullInterface } else { interface.boundary_event() },
             inner,
             interface,
         );
     }
     let interface = stack.interface_at(surface.material_index, &body, entering, &scene.materials);
-    (if body.null_interface { BoundaryEvent::NullInterface } else { interface.boundary_event() }, body, interface)
+    (if body.is_null_interface { BoundaryEvent::NullInterface } else { interface.boundary_event() }, body, interface)
 }

@@ -14,7 +14,7 @@ use glam::Vec3;
 /// total reflection, and where both indices are nearly equal.
 const UNDISPERSED_REFLECTANCES: std::ops::Range<f32> = 0.004..0.2;
 
-/// An [`InteriorStack`] with the wavelength of the path.
+/// An [`InteriorStack`] for paths that pass through media, carry a wavelength, or both.
 ///
 /// A path samples its wavelength at the first dispersive surface, and keeps it. A faint reflection
 /// at that surface keeps all wavelengths.
@@ -35,7 +35,7 @@ impl SpectralInterior {
 }
 
 impl Interior for SpectralInterior {
-    const SPECTRAL: bool = true;
+    const HAS_MEDIA_OR_WAVELENGTH: bool = true;
 
     fn at_camera(scene: &Scene, ray: &Ray, effects: Effects) -> Self {
         Self::new(InteriorStack::at_camera(scene, ray, effects), effects)

@@ -95,7 +95,7 @@ impl InteriorStack {
     /// refractive index.
     #[inline]
     pub(in crate::scene) fn top_refracting_body<'a>(&self, materials: &'a [Material]) -> Option<(u32, &'a Body)> {
-        self.highest_priority_body(materials, |body| !body.null_interface)
+        self.highest_priority_body(materials, |body| !body.is_null_interface)
     }
 
     #[inline]

@@ -63,7 +63,7 @@ impl<'a> TextureFootprint<'a> {
         } else {
             libm::hypot(self.coords.du.dot(direction), self.coords.dv.dot(direction))
         };
-        let detail = if change > 0.0 { texture.bump_step() / change } else { 0.0 };
+        let detail = if change > 0.0 { texture.finest_bump_step() / change } else { 0.0 };
         detail.max(0.5 * width)
     }
 }

@@ -135,7 +135,7 @@ impl PatchBuilder {
         {
             let [start, end] = ranges[axis];
             let at = 0.5 * (start + end);
-            let (first, last) = halve_net(controls, columns, axis);
+            let (first, last) = halve_control_net(controls, columns, axis);
             let part = |range: [f64; 2]| {
                 let mut ranges = ranges;
                 ranges[axis] = range;
@@ -209,7 +209,7 @@ fn axis_to_halve(a: &[Coefficients<4>], columns: usize) -> Option<usize> {
 }
 
 /// The control nets of both halves of a patch that is divided at the middle of a parameter axis.
-fn halve_net(
+fn halve_control_net(
     controls: &[Coefficients<4>],
     columns: usize,
     axis: usize,

@@ -151,7 +151,8 @@ impl AnalyticShape for Revolution {
         let t = Interval { lo: (-start).max(-size), hi: end.min(size) };
         let mut found: Option<(usize, f64, f64)> = None;
         self.profile.tree.visit_hit_leaves(&line, t, |leaf, t| {
-            let piece = ProfilePiece { powers: self.profile.leaf_powers(leaf), noise: self.profile.noise };
+            let piece =
+                ProfilePiece { powers: self.profile.leaf_polynomial_coefficients(leaf), noise: self.profile.noise };
             if let Some((x, at)) = piece.nearest_hit(&line, t, size) {
                 found = Some((leaf, x, at));
             }
@@ -176,7 +177,7 @@ impl AnalyticShape for Revolution {
         );
         for _ in 0..2 {
             let (radius, radial) = polar_radius_and_direction(p);
-            let ([px, py], [dx, dh]) = evaluate_with_derivative(self.profile.leaf_powers(leaf), x);
+            let ([px, py], [dx, dh]) = evaluate_with_derivative(self.profile.leaf_polynomial_coefficients(leaf), x);
             let slope = radial.dot(DVec2::new(d.x, d.z));
             let (beside, above) = (radius - px, p.y - py);
             let steps = DVec2::new(slope * above - d.y * beside, dx * above - dh * beside) / (slope * dh - dx * d.y);
@@ -222,7 +223,7 @@ impl AnalyticShape for Revolution {
     fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
         let (leaf, x) = self.profile.find_leaf(f64::from(uv.x));
         let (_, radial) = polar_radius_and_direction(self.to_world.inverse().transform_point3(p.as_dvec3()));
-        let ([radius, _], [dx, dh]) = evaluate_with_derivative(self.profile.leaf_powers(leaf), x);
+        let ([radius, _], [dx, dh]) = evaluate_with_derivative(self.profile.leaf_polynomial_coefficients(leaf), x);
         let half = self.profile.leaves[leaf].place[1];
         let along = DVec3::new(dx * radial.x, dh, dx * radial.y) / half;
         let around = DVec3::new(-radial.y, 0.0, radial.x) * (TAU * radius);
@@ -248,14 +249,14 @@ impl Revolution {
 }
 
 impl RevolutionProfile {
-    fn leaf_powers(&self, leaf: usize) -> &[Coefficients<2>] {
+    fn leaf_polynomial_coefficients(&self, leaf: usize) -> &[Coefficients<2>] {
         let end = self.leaves.get(leaf + 1).map_or(self.powers.len(), |l| l.first as usize);
         &self.powers[self.leaves[leaf].first as usize..end]
     }
 
     /// Object-space point at parameter x of a leaf, in the unit direction `radial` from the axis.
     fn leaf_point(&self, leaf: usize, x: f64, radial: DVec2) -> DVec3 {
-        let ([radius, height], _) = evaluate_with_derivative(self.leaf_powers(leaf), x);
+        let ([radius, height], _) = evaluate_with_derivative(self.leaf_polynomial_coefficients(leaf), x);
         DVec3::new(radius * radial.x, height, radius * radial.y)
     }
 
@@ -281,7 +282,7 @@ impl RevolutionProfile {
 
     /// Object-space normal on the outer side, not normalised.
     fn leaf_normal(&self, leaf: usize, x: f64, radial: DVec2) -> DVec3 {
-        let powers = self.leaf_powers(leaf);
+        let powers = self.leaf_polynomial_coefficients(leaf);
         let extent = powers[1..].iter().flatten().fold(0.0, |m: f64, c| m.max(c.abs()));
         let mut away = 0.0;
         let [dx, dh] = loop {
@@ -298,7 +299,7 @@ impl RevolutionProfile {
 
     /// Object-space area per unit of x and per radian of θ.
     fn area_element(&self, leaf: usize, x: f64) -> f64 {
-        let ([radius, _], [dx, dh]) = evaluate_with_derivative(self.leaf_powers(leaf), x);
+        let ([radius, _], [dx, dh]) = evaluate_with_derivative(self.leaf_polynomial_coefficients(leaf), x);
         radius.abs() * hypot(dx, dh)
     }
 

@@ -1,23 +1,23 @@
 use super::*;
 use crate::format::mesh;
 
-fn load(path: &Path) -> Result<TriangleMesh, MeshError> {
+fn load_obj_file(path: &Path) -> Result<TriangleMesh, MeshError> {
     mesh::load(path, &()).map(|loaded| loaded.mesh)
 }
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
-fn read(text: &str) -> Result<TriangleMesh, MeshError> {
+fn read_obj_text(text: &str) -> Result<TriangleMesh, MeshError> {
     super::read(Path::new("a.obj"), text.into(), &(), None).map(|loaded| loaded.mesh)
 }
 
 fn read_mesh_text(text: &str) -> TriangleMesh {
-    read(&format!("{SQUARE}{text}")).unwrap()
+    read_obj_text(&format!("{SQUARE}{text}")).unwrap()
 }
 
 #[track_caller]
 fn assert_refused(text: &str, message: &str) {
-    let error = read(&format!("{SQUARE}{text}")).unwrap_err().to_string();
+    let error = read_obj_text(&format!("{SQUARE}{text}")).unwrap_err().to_string();
     assert!(error.contains(message), "`{message}` is not in `{error}`");
     assert!(error.contains("a.obj"));
 }
@@ -36,7 +36,7 @@ fn polygons_are_triangulated_as_fans() {
 #[test]
 fn a_byte_order_mark_is_skipped() {
     let text = format!("{SQUARE}f 1 2 3 4");
-    assert_eq!(read(&format!("\u{feff}{text}")).unwrap(), read(&text).unwrap());
+    assert_eq!(read_obj_text(&format!("\u{feff}{text}")).unwrap(), read_obj_text(&text).unwrap());
 }
 
 #[test]
@@ -45,7 +45,7 @@ fn unsupported_obj_statements_are_skipped() {
     assert_eq!(read_mesh_text(&format!("{odd}f 1 2 3\n{odd}f 1 3 4")), read_mesh_text("f 1 2 3\nf 1 3 4"));
     // A weight and a colour.
     let coloured = "v 0 0 0 2\nv 1 0 0 1 0 0\nv 0 1 0\nf 1 2 3";
-    assert_eq!(read(coloured).unwrap(), read("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3").unwrap());
+    assert_eq!(read_obj_text(coloured).unwrap(), read_obj_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3").unwrap());
 }
 
 #[test]
@@ -121,7 +121,7 @@ fn a_file_without_faces_is_refused() {
     let path = folder.path().join("a.obj");
     for text in ["", "l 1 2\n", "usemtl a\n"] {
         std::fs::write(&path, format!("{SQUARE}{text}")).unwrap();
-        assert!(load(&path).unwrap_err().to_string().contains("has no faces"));
+        assert!(load_obj_file(&path).unwrap_err().to_string().contains("has no faces"));
     }
 }
 
@@ -146,29 +146,29 @@ fn chunks_of_a_large_file_join_exactly() {
     let mut text: String = (0..n / 2).map(|i| row(i, "a")).collect();
     text.extend((n / 2..n).map(|i| row(i, "b").replace("usemtl b\n", if i == n / 2 { "usemtl b\n" } else { "" })));
     assert!(text.len() > 2 * (1 << 22));
-    let mesh = read(&text).unwrap();
+    let mesh = read_obj_text(&text).unwrap();
     assert_eq!((mesh.triangles.len(), mesh.positions.len()), (n, 3 * n));
     assert!(mesh.triangles.iter().enumerate().all(|(i, t)| *t == [0, 1, 2].map(|k| 3 * i as u32 + k)));
     assert!(mesh.triangle_materials.iter().enumerate().all(|(i, m)| *m == u32::from(i >= n / 2)));
     let lines = text.lines().count();
-    let error = read(&format!("{text}f 1 2 0\n")).unwrap_err().to_string();
+    let error = read_obj_text(&format!("{text}f 1 2 0\n")).unwrap_err().to_string();
     assert!(error.starts_with(&format!("a.obj:{}: ", lines + 1)), "{error}");
 }
 
 #[test]
 fn unreadable_files_are_reported_by_path() {
     let folder = tempfile::tempdir().unwrap();
-    let missing = load(&folder.path().join("none.obj")).unwrap_err();
+    let missing = load_obj_file(&folder.path().join("none.obj")).unwrap_err();
     assert!(matches!(missing, MeshError::Missing { .. }) && missing.to_string().contains("none.obj"));
-    assert!(matches!(load(folder.path()).unwrap_err(), MeshError::Unreadable { .. }));
+    assert!(matches!(load_obj_file(folder.path()).unwrap_err(), MeshError::Unreadable { .. }));
     let latin = folder.path().join("latin.obj");
     std::fs::write(&latin, [b"# caf\xe9\n", SQUARE.as_bytes(), b"f 1 2 3"].concat()).unwrap();
-    assert_eq!(load(&latin).unwrap().triangles.len(), 1);
+    assert_eq!(load_obj_file(&latin).unwrap().triangles.len(), 1);
 }
 
 proptest::proptest! {
     #[test]
     fn no_text_makes_the_reader_panic(words in proptest::collection::vec("v|vt|vn|f|g|\n|\\\\|#|-?[0-9]{1,2}|[0-9]/[0-9]?/-?[0-9]|nan|.{0,3}", 0..60)) {
-        let _ = read(&format!("{SQUARE}vn 0 0 1\nvt 0 0\n{}", words.join(" ")));
+        let _ = read_obj_text(&format!("{SQUARE}vn 0 0 1\nvt 0 0\n{}", words.join(" ")));
     }
 }

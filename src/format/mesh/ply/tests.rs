@@ -4,7 +4,7 @@ use crate::format::mesh::TriangleMesh;
 const VERTEX: &str = "property float x\nproperty float y\nproperty float z\n";
 const FACE: &str = "property list uchar int vertex_indices\n";
 
-fn read_bytes(bytes: &[u8]) -> Result<TriangleMesh, MeshError> {
+fn read_ply_bytes(bytes: &[u8]) -> Result<TriangleMesh, MeshError> {
     read(Path::new("a.ply"), bytes, &(), None).map(|loaded| loaded.mesh)
 }
 
@@ -14,12 +14,12 @@ fn header_text(encoding: &str, vertices: impl std::fmt::Display, faces: impl std
 }
 
 fn read_ascii_body(vertices: usize, faces: usize, body: &str) -> Result<TriangleMesh, MeshError> {
-    read_bytes(format!("{}{body}", header_text("ascii", vertices, faces)).as_bytes())
+    read_ply_bytes(format!("{}{body}", header_text("ascii", vertices, faces)).as_bytes())
 }
 
 #[track_caller]
 fn assert_refused(bytes: &[u8], message: &str) {
-    let error = read_bytes(bytes).unwrap_err().to_string();
+    let error = read_ply_bytes(bytes).unwrap_err().to_string();
     assert!(error.contains(message), "`{message}` is not in `{error}`");
     assert!(error.starts_with("a.ply:") && error.matches(": ").count() >= 2, "{error}");
 }
@@ -90,11 +90,11 @@ fn every_number_type_is_read_in_both_endians() {
             for n in [3, 3, 0, 1] {
                 text.extend(number(n));
             }
-            let mesh = read_bytes(&text).unwrap();
+            let mesh = read_ply_bytes(&text).unwrap();
             assert_eq!(mesh.positions, [DVec3::ZERO, DVec3::X * 3.0, DVec3::Y * 3.0], "{name} {encoding}");
             // Each text ends at another position.
             for end in 0..text.len() {
-                assert!(read_bytes(&text[..end]).is_err(), "{name} {encoding} {end}");
+                assert!(read_ply_bytes(&text[..end]).is_err(), "{name} {encoding} {end}");
             }
         }
     }
@@ -109,14 +109,14 @@ fn normals_and_texcoords_are_found_by_property_name() {
              property list uchar float more\r\nelement face 1\r\n{FACE}end_header\r\n\
              .5 2 0 0 0 0 0 .25 0\r\n.5 2 1 0 0 0 0 .25 2 1 1\r\n.5 2 0 1 0 0 0 .25 0\r\n3 0 1 2\r\n"
         );
-        let mesh = read_bytes(text.as_bytes()).unwrap();
+        let mesh = read_ply_bytes(text.as_bytes()).unwrap();
         assert_eq!(mesh.normals.unwrap(), [DVec3::Z; 3]);
         assert_eq!(mesh.texcoords.unwrap(), [DVec2::new(0.25, 0.5); 3]);
         assert_eq!(mesh.positions, [DVec3::ZERO, DVec3::X, DVec3::Y]);
     }
     let half = format!("ply\nformat ascii 1.0\nelement vertex 3\n{VERTEX}property float nx\nproperty float s\n");
     let half = format!("{half}element face 1\n{FACE}end_header\n0 0 0 1 1 1 0 0 1 1 0 1 0 1 1 3 0 1 2");
-    let mesh = read_bytes(half.as_bytes()).unwrap();
+    let mesh = read_ply_bytes(half.as_bytes()).unwrap();
     assert_eq!((mesh.normals, mesh.texcoords), (None, None));
 }
 
@@ -126,7 +126,7 @@ fn faces_may_precede_vertices() {
         "ply\nformat ascii 1.0\nelement face 1\n{FACE}element empty 18446744073709551615\nelement vertex 3\n{VERTEX}end_header\n\
          3 0 1 2 0 0 0 1 0 0 0 1 0"
     );
-    assert_eq!(read_bytes(text.as_bytes()).unwrap().triangles, [[0, 1, 2]]);
+    assert_eq!(read_ply_bytes(text.as_bytes()).unwrap().triangles, [[0, 1, 2]]);
 }
 
 #[test]
@@ -209,7 +209,7 @@ fn invalid_bodies_are_reported_with_position() {
         bytes.extend([[3].as_slice(), &[0; 8], &index.to_le_bytes()].concat());
         bytes
     };
-    assert_eq!(read_bytes(&binary(1.0, 0)).unwrap().triangles, [[0; 3]]);
+    assert_eq!(read_ply_bytes(&binary(1.0, 0)).unwrap().triangles, [[0; 3]]);
     let start = header_text("binary_little_endian", 1, 1).len();
     assert_refused(&binary(f32::NAN, 0), &format!("a.ply: byte {start}, vertex 0: `x` is NaN"));
     assert_refused(&binary(1.0, 1), &format!("a.ply: byte {}, face 0: there is no vertex 1", start + 12));
@@ -256,8 +256,8 @@ proptest::proptest! {
              |format (ascii|binary_(little|big)_endian) 1.0\n|end_header\n|[0-9. -]{0,20}|.{0,3}", 0..24),
         bytes in proptest::collection::vec(proptest::num::u8::ANY, 0..80),
     ) {
-        let _ = read_bytes(&[b"ply\nformat binary_little_endian 1.0\n", words.concat().as_bytes(), &bytes].concat());
-        let _ = read_bytes(&[b"ply\n", words.concat().as_bytes(), &bytes].concat());
+        let _ = read_ply_bytes(&[b"ply\nformat binary_little_endian 1.0\n", words.concat().as_bytes(), &bytes].concat());
+        let _ = read_ply_bytes(&[b"ply\n", words.concat().as_bytes(), &bytes].concat());
     }
 
     #[test]
@@ -267,8 +267,8 @@ proptest::proptest! {
             let mut bytes = [header_text(encoding, 3, 1).as_bytes(), body].concat();
             let at = at % bytes.len();
             bytes[at] = new;
-            let _ = read_bytes(&bytes);
-            let _ = read_bytes(&bytes[..at]);
+            let _ = read_ply_bytes(&bytes);
+            let _ = read_ply_bytes(&bytes[..at]);
         }
     }
 }

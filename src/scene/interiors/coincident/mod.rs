@@ -67,7 +67,7 @@ pub(super) struct BoundarySides<'a> {
     /// The refracting body on the other side, with its material index; `None` is air.
     pub far: Option<(u32, &'a Body)>,
     /// True if all boundaries are null interfaces.
-    pub null_interface: bool,
+    pub is_null_interface: bool,
     /// Greatest roughness α of the boundaries that are not null interfaces.
     pub roughness: f32,
 }
@@ -102,17 +102,17 @@ pub(super) fn boundary_sides<'a>(
     entering: bool,
 ) -> BoundarySides<'a> {
     let far = stack.stack_after_crossing(CoincidentFace::from_surface(surface, entering), &surface.coincident);
-    let mut null_interface = body.null_interface;
-    let mut roughness = if null_interface { 0.0 } else { surface.roughness };
+    let mut is_null_interface = body.is_null_interface;
+    let mut roughness = if is_null_interface { 0.0 } else { surface.roughness };
     for face in surface.coincident.iter() {
         let material = &scene.materials[face.material as usize];
-        if material.bounded_body().is_some_and(|other| !other.null_interface) {
-            null_interface = false;
+        if material.bounded_body().is_some_and(|other| !other.is_null_interface) {
+            is_null_interface = false;
             roughness = material.mean_boundary_roughness().max(roughness);
         }
     }
     let (near, far) = (stack.top_refracting_body(&scene.materials), far.top_refracting_body(&scene.materials));
-    BoundarySides { near, far, null_interface, roughness }
+    BoundarySides { near, far, is_null_interface, roughness }
 }
 
 /// The boundaries within the position error of `surface`, without its own.

@@ -161,7 +161,7 @@ fn on_one_side(a: &[DVec3; 3], b: &[DVec3; 3], margin: f64) -> bool {
 }
 
 /// A node of the search tree: a range of faces, and two children or none.
-struct JoinNode {
+struct FaceTreeNode {
     bounds: Bounds,
     members: Range<usize>,
     children: Option<[usize; 2]>,
@@ -175,7 +175,7 @@ struct SpatialSelfJoin<'a> {
     near: &'a dyn Fn(&BoundaryFace, &BoundaryFace) -> bool,
     /// Face indices in the order of the nodes.
     order: Vec<u32>,
-    nodes: Vec<JoinNode>,
+    nodes: Vec<FaceTreeNode>,
     found: Vec<bool>,
     /// Pairs that may still be tested.
     budget: usize,
@@ -205,7 +205,7 @@ impl<'a> SpatialSelfJoin<'a> {
         let object = self.member_face(members.start).object;
         let object = members.clone().all(|i| self.member_face(i).object == object).then_some(object);
         let index = self.nodes.len();
-        self.nodes.push(JoinNode { bounds, members: members.clone(), children: None, object });
+        self.nodes.push(FaceTreeNode { bounds, members: members.clone(), children: None, object });
         if members.len() > LEAF_FACES {
             let axis = bounds.extent().max_position();
             let faces = self.faces;

@@ -12,7 +12,7 @@ fn faces_from_list(list: &[CoincidentFace]) -> CoincidentFaces {
     faces
 }
 
-fn stack_of(bodies: &[u32]) -> InteriorStack {
+fn interior_stack_of(bodies: &[u32]) -> InteriorStack {
     let mut inside = InteriorStack::EMPTY;
     bodies.iter().for_each(|b| inside.push_body(*b));
     inside
@@ -22,12 +22,16 @@ fn stack_of(bodies: &[u32]) -> InteriorStack {
 /// hit.
 #[test]
 fn shared_faces_are_crossed_together() {
-    let glass = stack_of(&[0]);
+    let glass = interior_stack_of(&[0]);
     for (own, other) in [(test_face(0, false), test_face(1, true)), (test_face(1, true), test_face(0, false))] {
         assert_eq!(glass.stack_after_crossing(own, &faces_from_list(&[other])).bodies(), &[1], "{own:?}");
     }
     for (own, other) in [(test_face(1, false), test_face(0, true)), (test_face(0, true), test_face(1, false))] {
-        assert_eq!(stack_of(&[1]).stack_after_crossing(own, &faces_from_list(&[other])).bodies(), &[0], "{own:?}");
+        assert_eq!(
+            interior_stack_of(&[1]).stack_after_crossing(own, &faces_from_list(&[other])).bodies(),
+            &[0],
+            "{own:?}"
+        );
     }
     // Both at once from the open, and out again; then two parts of one body that share a face.
     assert_eq!(
@@ -35,7 +39,9 @@ fn shared_faces_are_crossed_together() {
         &[0, 1]
     );
     assert_eq!(
-        stack_of(&[0, 1]).stack_after_crossing(test_face(1, false), &faces_from_list(&[test_face(0, false)])).bodies(),
+        interior_stack_of(&[0, 1])
+            .stack_after_crossing(test_face(1, false), &faces_from_list(&[test_face(0, false)]))
+            .bodies(),
         &[0u32; 0]
     );
     assert_eq!(glass.stack_after_crossing(test_face(0, false), &faces_from_list(&[test_face(0, true)])).bodies(), &[0]);
@@ -46,7 +52,7 @@ fn shared_faces_are_crossed_together() {
 fn objects_of_one_material_count_separately() {
     let part = |object: u32, entering: bool| CoincidentFace { material: 0, entering, group: object };
     let stack_after_crossing = |around: &[u32], own: CoincidentFace, other: CoincidentFace| {
-        stack_of(around).stack_after_crossing(own, &faces_from_list(&[other])).bodies().len()
+        interior_stack_of(around).stack_after_crossing(own, &faces_from_list(&[other])).bodies().len()
     };
     assert_eq!(stack_after_crossing(&[], part(0, true), part(1, true)), 2);
     assert_eq!(stack_after_crossing(&[0, 0], part(1, false), part(0, false)), 0);
@@ -57,7 +63,9 @@ fn objects_of_one_material_count_separately() {
 fn a_boundary_just_crossed_is_not_crossed_again() {
     // The liquid overlaps the glass slightly, so the path is already inside it.
     assert_eq!(
-        stack_of(&[0, 1]).stack_after_crossing(test_face(0, false), &faces_from_list(&[test_face(1, true)])).bodies(),
+        interior_stack_of(&[0, 1])
+            .stack_after_crossing(test_face(0, false), &faces_from_list(&[test_face(1, true)]))
+            .bodies(),
         &[1]
     );
     // A small gap: the path left the glass just before it enters the liquid.
@@ -75,7 +83,7 @@ fn a_boundary_just_crossed_is_not_crossed_again() {
         &[0u32; 0]
     );
     assert_eq!(
-        stack_of(&[0])
+        interior_stack_of(&[0])
             .stack_after_crossing(test_face(0, false), &faces_from_list(&[test_face(1, true), test_face(1, false)]))
             .bodies(),
         &[0u32; 0]

@@ -1,13 +1,13 @@
 //! Surfaces with closed forms, difficult cases for solvers, and rays that leave a surface.
 
-use super::{Patch, Revolution, SplineBasis, cup_case, patch_case, test_key, test_ray, test_surfaces};
+use super::{Patch, Revolution, SplineBasis, cup_test_surface, patch_test_surface, test_key, test_ray, test_surfaces};
 use crate::math::{Frame, Ray, Transform, offset_ray_origin, warp};
 use crate::sampling::Dimension;
 use crate::shape::Shape;
 use glam::{DAffine3, DQuat, DVec2, DVec3, DVec4, Vec2, Vec3};
 
 /// Control points and weights of a full circle of degree 2.
-fn circle_controls() -> (SplineBasis, Vec<(f64, f64, f64)>) {
+fn circle_control_points() -> (SplineBasis, Vec<(f64, f64, f64)>) {
     let w = std::f64::consts::FRAC_1_SQRT_2;
     let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0];
     let corners = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0)];
@@ -19,7 +19,7 @@ fn circle_controls() -> (SplineBasis, Vec<(f64, f64, f64)>) {
 /// A circle of radius `small`, revolved on the circle of radius `large`, with its outer side
 /// outside.
 pub fn torus_patch(large: f64, small: f64) -> Patch {
-    let (basis, points) = circle_controls();
+    let (basis, points) = circle_control_points();
     let mut controls = Vec::new();
     for (r, h, w) in &points {
         for (c, s, v) in &points {
@@ -32,7 +32,7 @@ pub fn torus_patch(large: f64, small: f64) -> Patch {
 
 /// The unit sphere: half a circle around the axis, with poles.
 fn sphere_patch() -> Patch {
-    let (basis, points) = circle_controls();
+    let (basis, points) = circle_control_points();
     let half = SplineBasis::new(2, 5, vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 2.0]).unwrap();
     let mut controls = Vec::new();
     for (h, r, w) in &points[..5] {
@@ -183,7 +183,7 @@ fn tangent_rays_terminate() {
         );
     }
     assert!(hits(&ring, DVec3::new(0.0, 3.0, 0.0), DVec3::NEG_Y).is_none());
-    let cup = cup_case().shape;
+    let cup = cup_test_surface().shape;
     // Along the axis, from above, below and within, and beside it by the smallest number.
     for x in [0.0, 1e-30, 1e-9, 1e-7] {
         let (t, ..) = hits(&cup, DVec3::new(x, 3.0, 0.0), DVec3::NEG_Y).unwrap();
@@ -199,7 +199,7 @@ fn tangent_rays_terminate() {
 fn edge_on_rays_miss() {
     let linear = SplineBasis::single_bezier(2).unwrap();
     let corner = |x: f64, z: f64| DVec4::new(x, 0.0, z, 1.0);
-    let flat = patch_case(
+    let flat = patch_test_surface(
         "flat",
         [&linear, &linear],
         &[corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, -1.0), corner(1.0, 1.0)],

@@ -28,7 +28,7 @@ fn random_signed(i: u64) -> f64 {
     f64::from(test_key(i).uniform_1d(Dimension::LightPosition)) * 2.0 - 1.0
 }
 
-fn revolution_case(name: &'static str, basis: &SplineBasis, controls: &[[f64; 2]]) -> TestSurface {
+fn revolution_test_surface(name: &'static str, basis: &SplineBasis, controls: &[[f64; 2]]) -> TestSurface {
     let points: Vec<DVec2> = controls.iter().map(|c| DVec2::from_array(*c)).collect();
     let shape = Shape::Revolution(Revolution::new(basis, &points).unwrap());
     let piece = |span| basis.bezier_piece(span, controls, (0, 1)).into_iter().map(DVec2::from_array).collect();
@@ -36,7 +36,7 @@ fn revolution_case(name: &'static str, basis: &SplineBasis, controls: &[[f64; 2]
     TestSurface { name, shape, pieces, thin: 1 }
 }
 
-fn patch_case(name: &'static str, bases: [&SplineBasis; 2], controls: &[DVec4]) -> TestSurface {
+fn patch_test_surface(name: &'static str, bases: [&SplineBasis; 2], controls: &[DVec4]) -> TestSurface {
     let shape = Shape::Patch(Patch::new(bases, controls).unwrap());
     let columns = bases[1].control_count();
     let weighed: Vec<[f64; 4]> = controls.iter().map(|c| (c.truncate() * c.w).extend(c.w).to_array()).collect();
@@ -57,7 +57,7 @@ fn patch_case(name: &'static str, bases: [&SplineBasis; 2], controls: &[DVec4]) 
 }
 
 /// Surface of revolution like a cup; nearly coincident control points make sharp bends.
-fn cup_case() -> TestSurface {
+fn cup_test_surface() -> TestSurface {
     let profile = [
         [0.0, -0.3],
         [0.0, -0.300001],
@@ -77,7 +77,7 @@ fn cup_case() -> TestSurface {
         [0.0, -1.400001],
         [0.0, -1.400002],
     ];
-    revolution_case("cup", &SplineBasis::uniform_knots(3, profile.len()).unwrap(), &profile)
+    revolution_test_surface("cup", &SplineBasis::uniform_knots(3, profile.len()).unwrap(), &profile)
 }
 
 fn test_surfaces() -> Vec<TestSurface> {
@@ -109,15 +109,18 @@ fn test_surfaces() -> Vec<TestSurface> {
         *c = DVec4::new(random_signed(1000 + i as u64), c.y, random_signed(1100 + i as u64), 1.0);
     }
     vec![
-        cup_case(),
-        revolution_case("arch", &cubic, &[[-2.0, 2.0], [-4.0, 0.0], [0.0, 0.0], [-2.0, -2.0]]),
-        revolution_case("crossing", &cubic, &[[-1.0, -1.0], [2.0, -0.5], [-2.0, 0.5], [1.0, 1.0]]),
-        TestSurface { thin: 10, ..revolution_case("degree 20", &twenty, &coil) },
-        patch_case("wave", [&cubic, &cubic], &wave(4, 4, 100, 0.8)),
-        patch_case("loops", [&cubic, &cubic], &loops),
-        patch_case("collapsed", [&cubic, &cubic], &collapsed),
-        TestSurface { thin: 10, ..patch_case("nurbs", [&uneven, &quadratic], &weighed(wave(7, 5, 300, 0.5), 400)) },
-        TestSurface { thin: 400, ..patch_case("degrees 20 and 10", [&twenty, &ten], &wave(21, 11, 500, 1.0)) },
+        cup_test_surface(),
+        revolution_test_surface("arch", &cubic, &[[-2.0, 2.0], [-4.0, 0.0], [0.0, 0.0], [-2.0, -2.0]]),
+        revolution_test_surface("crossing", &cubic, &[[-1.0, -1.0], [2.0, -0.5], [-2.0, 0.5], [1.0, 1.0]]),
+        TestSurface { thin: 10, ..revolution_test_surface("degree 20", &twenty, &coil) },
+        patch_test_surface("wave", [&cubic, &cubic], &wave(4, 4, 100, 0.8)),
+        patch_test_surface("loops", [&cubic, &cubic], &loops),
+        patch_test_surface("collapsed", [&cubic, &cubic], &collapsed),
+        TestSurface {
+            thin: 10,
+            ..patch_test_surface("nurbs", [&uneven, &quadratic], &weighed(wave(7, 5, 300, 0.5), 400))
+        },
+        TestSurface { thin: 400, ..patch_test_surface("degrees 20 and 10", [&twenty, &ten], &wave(21, 11, 500, 1.0)) },
     ]
 }
 

@@ -68,7 +68,7 @@ fn nested_bodies(b: &mut SceneBuilder, filled: Filled, turns: u32) {
                 Rgb::ZERO,
                 PhaseFunction::Isotropic,
             ))),
-            Filled::Bodies => Body { absorption, null_interface: true, ..Body::new(1.0) },
+            Filled::Bodies => Body { absorption, is_null_interface: true, ..Body::new(1.0) },
         };
         let body = b.material(Material::smooth_boundary(body));
         b.shape(rectangle_around(DVec3::X * half_thickness(i), y, z), body, Rgb::ZERO);
