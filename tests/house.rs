@@ -66,7 +66,7 @@ const CIRCLES_LEFT: usize = 0;
 const SCATTERED_LEFT: usize = 0;
 const LONG_TESTS_LEFT: usize = 0;
 const RETIRED_LEFT: usize = 12;
-const HEADLESS_LEFT: usize = 1;
+const HEADLESS_LEFT: usize = 0;
 const WIDE_LEFT: usize = 0;
 
 /// One source file.
