@@ -18,7 +18,7 @@ pub struct CameraConnection {
 }
 
 impl Camera {
-    /// Connects `p` to the camera by the ray that [`Camera::ray`] returns for some film position
+    /// Connects `p` to the camera by the ray that [`Camera::generate_ray`] returns for some film position
     /// and for `lens`; `None` if `p` lies behind the camera.
     ///
     /// A camera ray carries the radiance of its film position, without a cosine. The importance is
