@@ -18,8 +18,8 @@ pub struct CameraConnection {
 }
 
 impl Camera {
-    /// Connects `p` to the camera by the ray that [`Camera::generate_ray`] returns for some film position
-    /// and for `lens`; `None` if `p` lies behind the camera.
+    /// Connects `p` to the camera by the ray that [`Camera::generate_ray`] returns for `lens` and
+    /// some film position; `None` if `p` lies behind the camera.
     ///
     /// A camera ray carries the radiance of its film position, without a cosine. The importance is
     /// therefore the Jacobian from the scene to the film (Veach 1997, section 8.3.2).
