@@ -3,8 +3,8 @@
 //! # Algorithm
 //! - **Prepare**: aim photon emission at caustic casters, guide it to what the camera sees, find
 //!   gather radii, balance camera rays against photons, and find the weights of light tracing.
-//! - **Each pass**: trace the aimed photons. At their first receiver, connect them to the camera and
-//!   store them in the caustic map. Store them in a second map at later receivers. Then trace
+//! - **Each pass**: trace the aimed photons. At their first receiver, connect them to the camera
+//!   and store them in the caustic map. Store them in a second map at later receivers. Then trace
 //!   camera paths. All paths do next-event estimation and continue at receivers. One path of each
 //!   pixel reads both maps at its first receiver.
 //!

@@ -26,7 +26,7 @@
 //! | shadow ray | `Key::medium_distance_key` | 1 | transmittance uses the parent itself |
 //! | film sample of a pilot | `Sampler::bounce_sampler` | bounce | one per vertex |
 //! | any sampler | `Sampler::sample_key` | sample | one per sample of the pixel |
-//! | purpose `RayPhotonBalance` | `Key::pilot_trial_key` | trial | independent trials of one pilot |
+//! | purpose `RayPhotonBalance` | `Key::pilot_trial_key` | trial | independent trials |
 //! | `Camera` of a trial | `Key::film_point_key` | set · 2³² + point | one per point of a pilot |
 //! | purpose `LightWeights` | `Key::light_key` | light | one per light |
 //! | purpose `GuidingTraining` | `Key::training_round_key` | round | one per training round |
