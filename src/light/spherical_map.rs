@@ -143,8 +143,8 @@ impl EquirectangularMap {
 
 /// Integral of the interpolation weight of row `row` of `rows`, over cos θ.
 ///
-/// θ is the angle to the upper pole of the map. The weight is a hat function of θ. The weight of the
-/// first row is 1 above the row's center, and that of the last row is 1 below its center.
+/// θ is the angle to the upper pole of the map. The weight is a hat function of θ. The weight of
+/// the first row is 1 above the row's center, and that of the last row is 1 below its center.
 fn row_interpolation_integral(row: usize, rows: usize) -> f64 {
     let step = PI / rows as f64;
     let center = (row as f64 + 0.5) * step;

@@ -67,7 +67,7 @@ impl EstimateShares {
         Self { width, height, steps }
     }
 
-    /// The same share for the whole film, in steps of 1/15.
+    /// Returns one share for the whole film, in steps of 1/15.
     #[must_use]
     pub fn uniform(steps: u8, (width, height): (u32, u32)) -> Self {
         Self { width, height, steps: vec![steps.min(SHARE_STEPS); width as usize * height as usize] }
