@@ -105,6 +105,22 @@ impl PhotonEstimator<'_> {
         scratch: fn(&mut PathWorker) -> (&mut Scratch, &mut GatherDiscSum),
         worker: &mut PathWorker,
     ) -> Rgb {
+        if self.has_estimate_shares && vertex.history == PathHistory::default() {
+            self.radiance_with_shares::<I, true>(vertex, samples, scratch, worker)
+        } else {
+            self.radiance_with_shares::<I, false>(vertex, samples, scratch, worker)
+        }
+    }
+
+    /// Works like [`Self::radiance`]; `SHARED` counts of each photon only the share of estimates.
+    #[inline]
+    fn radiance_with_shares<I: Interior, const SHARED: bool>(
+        &self,
+        vertex: &PathVertex<'_, I>,
+        samples: u32,
+        scratch: fn(&mut PathWorker) -> (&mut Scratch, &mut GatherDiscSum),
+        worker: &mut PathWorker,
+    ) -> Rgb {
         if self.map.is_empty() {
             return Rgb::ZERO;
         }
@@ -112,11 +128,10 @@ impl PhotonEstimator<'_> {
         let surface = vertex.surface;
         let ns = if surface.wo.dot(surface.point.ng) < 0.0 { -surface.point.ns } else { surface.point.ns };
         let wavelength = vertex.interior.wavelength();
-        let is_shared = self.has_estimate_shares && vertex.history == PathHistory::default();
         let brdf = |photon: &PhotonData| {
             let mut brdf =
                 surface.bsdf.evaluate(surface.wo, photon.incident_direction(), ns, ns, TransportMode::Radiance);
-            if is_shared {
+            if SHARED {
                 brdf *= photon.estimate_share();
             }
             if I::HAS_MEDIA_OR_WAVELENGTH {

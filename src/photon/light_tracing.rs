@@ -114,6 +114,10 @@ impl<'a> LightTracer<'a> {
     /// the share of the photon for estimates, in steps of 1/[`SHARE_STEPS`].
     ///
     /// `path_ray` has arrived at the surface; `key` is that of the vertex.
+    ///
+    /// The function stays out of line, so that passes without light tracing do not carry its code
+    /// through their loop.
+    #[inline(never)]
     pub(super) fn connect<I: Interior>(
         &self,
         surface: &SurfaceInteraction<'_>,
