@@ -65,7 +65,8 @@ pub(super) struct PathState<I> {
     throughput: Rgb,
     bounce: u32,
     history: PathHistory,
-    /// Previous vertex if it did next-event estimation; `None` after a specular bounce.
+    /// Previous vertex, for weights against next-event estimation; `None` at the camera, after a
+    /// specular bounce, and beyond a hidden boundary.
     prev: Option<PrevVertex>,
     /// Sampler of the next vertex's random decisions.
     sampler: Sampler,

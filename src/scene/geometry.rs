@@ -185,8 +185,8 @@ impl Geometry {
         }
     }
 
-    /// Number that groups boundaries for the coincidence test: the object index, or `u32::MAX` if
-    /// the shape shares seams with others.
+    /// Number that groups boundaries for the coincidence test: the object index, or `u32::MAX` for
+    /// all shapes of a type that may share edges with others.
     ///
     /// A ray at a seam hits two shapes, which must count as one boundary.
     pub fn coincidence_group(&self, kind: HitKind) -> u32 {
