@@ -47,7 +47,8 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, Failure> {
         let pictures = check_estimated_picture_memory(1, scene.camera().size(), memory.available_bytes())
             .map_err(Failure::usage_error)?;
         let integrator = algorithm.prepare(&scene, settings);
-        check_photon_memory(integrator.expected(), pictures, memory.available_bytes()).map_err(Failure::usage_error)?;
+        check_photon_memory(integrator.expected_photons(), pictures, memory.available_bytes())
+            .map_err(Failure::usage_error)?;
         print_plan(integrator.as_ref(), &progress);
         progress.remove_bar();
         let setup = start.elapsed().as_secs_f64();
@@ -149,7 +150,7 @@ impl CostEstimateReport {
         let pilot = estimator.map(|estimator| estimator.estimate(&rendered.film)).unwrap_or_default();
         let forecast = estimator.and_then(|estimator| estimator.forecast(&pilot));
         let forecast = forecast.ok_or(PilotTooShort { passes })?;
-        let pass_photons = (rendered.global.emitted + rendered.caustic.emitted) as f64 / f64::from(passes);
+        let pass_photons = (rendered.unaimed.emitted + rendered.aimed.emitted) as f64 / f64::from(passes);
         let mut words = method_flags(&arguments.method, "--effects", arguments.effects.effects);
         if arguments.method.seed != 0 {
             words.extend(["--seed".to_owned(), arguments.method.seed.to_string()]);

@@ -5,7 +5,7 @@ use super::progress::{Progress, print_message};
 use super::scene::{load_scene, with_thread_pool};
 use super::settings::settings_from_arguments;
 use super::{Exit, Failure};
-use crate::integrate::{Algorithm, Balance, Integrator};
+use crate::integrate::{Algorithm, Integrator, RayPhotonBalance};
 use crate::plan::{Decision, Effect, Plan, SceneFeatures};
 use crate::study::text::{count_text, signed_count_text};
 use crate::study::{ExpectedWork, WorkCounts, expected_work};
@@ -19,7 +19,7 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<Exit, Failure> {
         let algorithm = arguments.method.integrator;
         let settings = settings_from_arguments(&arguments.method, arguments.effects.effects);
         let integrator = algorithm.prepare(&scene, settings);
-        let (plan, balance) = (integrator.plan(), integrator.balance());
+        let (plan, balance) = (integrator.plan(), integrator.ray_photon_balance());
         let work = expected_work(integrator.as_ref());
         let text = if arguments.json {
             let report = PlanReport::new(arguments.scene.scene.display().to_string(), algorithm, plan, balance, &work);
@@ -46,7 +46,7 @@ pub(super) fn simulated_effects_line(plan: &Plan) -> String {
 /// Prints the plan and the ray counts of a pass, and warns of omitted effects.
 pub(super) fn print_plan(integrator: &dyn Integrator, progress: &Progress) {
     progress.print_line(&simulated_effects_line(integrator.plan()));
-    integrator.balance().iter().for_each(|balance| progress.print_line(&pass_counts_line(balance)));
+    integrator.ray_photon_balance().iter().for_each(|balance| progress.print_line(&pass_counts_line(balance)));
     omitted_effect_warnings(integrator.plan()).for_each(|line| print_message(&line));
     if integrator.plan().simulated_effects().has(Effect::Caustics) && integrator.radius_law().is_none() {
         print_message(UNSAMPLED_CAUSTICS);
@@ -58,8 +58,8 @@ const UNSAMPLED_CAUSTICS: &str = "warning: this method finds caustics only by ch
     The estimated error does not include what it misses. hybrid and sppm find caustics by photons";
 
 /// Returns a line with the numbers of camera rays and photon paths of a pass.
-fn pass_counts_line(balance: &Balance) -> String {
-    let Balance { samples, photons, caustic_photons } = balance;
+fn pass_counts_line(balance: &RayPhotonBalance) -> String {
+    let RayPhotonBalance { samples, photons, caustic_photons } = balance;
     let mut line =
         format!("each pass: {}", count_with_noun(*samples as usize, "camera ray per pixel", "camera rays per pixel"));
     for (n, which) in [(photons, "photon paths"), (caustic_photons, "photon paths aimed at specular objects")] {
@@ -81,7 +81,7 @@ pub(super) fn omitted_effect_warnings(plan: &Plan) -> impl Iterator<Item = Strin
     lacking.map(|d| format!("warning: without {}: {}", d.effect, d.effect.symptom_if_missing()))
 }
 
-fn plan_table(algorithm: Algorithm, plan: &Plan, balance: Option<Balance>, work: &ExpectedWork) -> String {
+fn plan_table(algorithm: Algorithm, plan: &Plan, balance: Option<RayPhotonBalance>, work: &ExpectedWork) -> String {
     let mut text = format!("{} simulates\n", algorithm.name());
     for decision in &plan.decisions {
         let state = match (decision.is_simulated, decision.is_forced()) {
@@ -122,7 +122,7 @@ struct PlanReport {
     rays: i64,
     /// Expected number of photons that the first pass sums in density estimates.
     gathered_photons: i64,
-    balance: Option<Balance>,
+    balance: Option<RayPhotonBalance>,
     effects: Vec<EffectCostReport>,
 }
 
@@ -160,7 +160,13 @@ pub(super) fn plan_effect_reports(plan: &Plan) -> Vec<EffectReport> {
 }
 
 impl PlanReport {
-    fn new(scene: String, algorithm: Algorithm, plan: &Plan, balance: Option<Balance>, work: &ExpectedWork) -> Self {
+    fn new(
+        scene: String,
+        algorithm: Algorithm,
+        plan: &Plan,
+        balance: Option<RayPhotonBalance>,
+        work: &ExpectedWork,
+    ) -> Self {
         let costed = |(report, decision): (EffectReport, &Decision)| {
             let work = work.work_of_effect(decision.effect);
             EffectCostReport {

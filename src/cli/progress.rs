@@ -2,7 +2,7 @@
 
 use super::forecast_text::duration_text;
 use crate::format::mesh::{MeshReadMonitor, TriangleMesh};
-use crate::integrate::{Monitor, Stage};
+use crate::integrate::{PassStage, ProgressMonitor};
 use crate::stats::Counters;
 use indicatif::{HumanCount, ProgressBar, ProgressState, ProgressStyle};
 use std::fmt;
@@ -156,12 +156,12 @@ fn time_left_label(end: Option<Instant>) -> impl Fn(&ProgressState, &mut dyn fmt
     }
 }
 
-impl Monitor for Progress {
-    fn begin(&self, stage: Stage, total: u64) {
+impl ProgressMonitor for Progress {
+    fn begin_stage(&self, stage: PassStage, total: u64) {
         let (name, unit) = match stage {
-            Stage::Photons => ("photons", "paths"),
-            Stage::Indexing => ("indexing", "photons"),
-            Stage::Camera => ("image", "pixels"),
+            PassStage::Photons => ("photons", "paths"),
+            PassStage::Indexing => ("indexing", "photons"),
+            PassStage::Camera => ("image", "pixels"),
         };
         let Some((pass, end)) = self.lock_labels().map(|labels| (labels.pass.clone(), labels.end)) else { return };
         let template = format!("{{prefix}} {name:<8} {{bar:16}} {{percent:>3}} %  {{rate}}  {{left}}  {{wide_msg}}");
@@ -170,7 +170,7 @@ impl Monitor for Progress {
         self.restart_bar(style, pass, total);
     }
 
-    fn advance(&self, units: u64) {
+    fn report_progress(&self, units: u64) {
         if let Self::Bar(bar, _) = self {
             bar.inc(units);
         }

@@ -12,7 +12,7 @@ use super::scene::{load_scene_and_file, with_thread_pool};
 use super::settings::settings_from_arguments;
 use super::{Exit, Failure, RenderArguments, aov, forecast_text};
 use crate::image::{self, ClippedPixelReport, Image, OutputFormat, ToneCurve, ToneMap, WriteOptions};
-use crate::integrate::{Algorithm, GuidingReports, Integrator};
+use crate::integrate::{Algorithm, EmissionGuidingReportPerMap, Integrator};
 use crate::render::error_estimate::{Confidence, MIN_PASSES, PassesNeeded};
 use crate::render::{EndReason, ErrorTarget, PassProgress, RenderResult, StopCriteria, render};
 use crate::scene::Scene;
@@ -70,7 +70,7 @@ fn load_and_render(arguments: &RenderArguments, progress: &Progress) -> Result<E
         shapes: scene.shape_count(),
         lights: scene.lights().len(),
         radii: None,
-        emission_guiding: GuidingReports::default(),
+        emission_guiding: EmissionGuidingReportPerMap::default(),
         effects: Vec::new(),
         balance: None,
         seconds: 0.0,
@@ -84,12 +84,13 @@ fn load_and_render(arguments: &RenderArguments, progress: &Progress) -> Result<E
     let check = if estimates_error { check_estimated_picture_memory } else { check_picture_memory };
     let pictures = check(1, size, memory.available_bytes()).map_err(Failure::usage_error)?;
     let integrator = algorithm.prepare(&scene, settings);
-    check_photon_memory(integrator.expected(), pictures, memory.available_bytes()).map_err(Failure::usage_error)?;
+    check_photon_memory(integrator.expected_photons(), pictures, memory.available_bytes())
+        .map_err(Failure::usage_error)?;
     plan::print_plan(integrator.as_ref(), progress);
-    setup.radii = integrator.radii();
-    setup.emission_guiding = integrator.guiding_reports();
+    setup.radii = integrator.gather_radii();
+    setup.emission_guiding = integrator.emission_guiding_reports();
     setup.effects = plan::plan_effect_reports(integrator.plan());
-    setup.balance = integrator.balance();
+    setup.balance = integrator.ray_photon_balance();
     setup.seconds = start.elapsed().as_secs_f64();
     let rendered = render_passes(arguments, integrator.as_ref(), size, start, progress);
     progress.remove_bar();
@@ -124,9 +125,9 @@ fn render_passes(
 ) -> RenderResult {
     let algorithm = arguments.method.integrator;
     let passes = arguments.passes.or(match (arguments.time, arguments.target_error) {
-        (None, None) => Some(algorithm.passes()),
+        (None, None) => Some(algorithm.default_passes()),
         // A second pass of ray casting would repeat the first.
-        _ if algorithm == Algorithm::Raycast => Some(algorithm.passes()),
+        _ if algorithm == Algorithm::Raycast => Some(algorithm.default_passes()),
         _ => None,
     });
     let target = arguments.target_error.map(|error| ErrorTarget { error, confidence: arguments.confidence });

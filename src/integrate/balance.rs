@@ -8,10 +8,10 @@ use crate::stats::Counters;
 
 /// Numbers of camera rays and photon paths of a pass, chosen by a pilot for least noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-pub struct Balance {
+pub struct RayPhotonBalance {
     /// Number of camera rays per pixel.
     pub samples: u32,
-    /// Number of photon paths of the global map; `None` without that map.
+    /// Number of photon paths of the indirect map; `None` without that map.
     pub photons: Option<u32>,
     /// Number of photon paths aimed at objects that cast caustics; `None` without such paths.
     pub caustic_photons: Option<u32>,
@@ -53,7 +53,7 @@ impl NoiseSource {
 ///
 /// No number changes by more than a factor of [`MAX_CHANGE`]. A source without noise keeps its
 /// number, and its work is not counted.
-pub(super) fn divide_work(parts: &[NoiseSource; 3]) -> [f64; 3] {
+pub(super) fn balance_sample_counts(parts: &[NoiseSource; 3]) -> [f64; 3] {
     let work = |numbers: &[f64; 3]| -> f64 {
         let active = parts.iter().zip(numbers).filter(|(p, _)| p.is_active());
         active.map(|(p, n)| p.cost * n).sum()

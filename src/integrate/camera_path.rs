@@ -9,7 +9,7 @@ mod media;
 
 use super::nee::NextEventEstimator;
 use super::photon_maps::{MapLookup, PhotonMaps};
-use super::policy::{Continuation, DirectionSampling, PathPolicy, PhotonLookups};
+use super::policy::{DirectionSampling, PathContinuation, PathPolicy, PhotonLookups};
 use super::scatter;
 use super::vertex::{PathHistory, PathVertex, PrevVertex};
 use super::worker::PathWorker;
@@ -35,10 +35,10 @@ const ROULETTE_BOUNCE: u32 = 8;
 /// Largest number of branches of one camera path that wait on the stack.
 const MAX_BRANCHES: usize = 16;
 
-/// Gather radius that replaces that of the global map if there is no map \[length].
+/// Gather radius that replaces that of the indirect map if there is no map \[length].
 const NO_MAP_RADIUS: f32 = 1.0;
 
-/// Smallest length of a gather ray, relative to the gather radius of the global map.
+/// Smallest length of a gather ray, relative to the gather radius of the indirect map.
 ///
 /// The map is too blurred to distinguish the ends of a shorter ray.
 const MIN_GATHER_RADII: f32 = 2.0;
@@ -53,7 +53,7 @@ pub(super) struct PathContext<'a> {
     pub pass: u32,
     /// Number of bounces after which a path ends.
     pub max_bounces: u32,
-    /// Smallest length of a gather ray that reads the global map \[length].
+    /// Smallest length of a gather ray that reads the indirect map \[length].
     min_gather_distance: f32,
 }
 
@@ -74,7 +74,7 @@ pub(super) struct PathState<I> {
 
 /// The function that [`tiles::render_tiles`](super::tiles::render_tiles) calls for each camera ray:
 /// [`radiance`] of `paths`.
-pub(super) fn tracer<'a, I: Interior>(
+pub(super) fn radiance_function<'a, I: Interior>(
     paths: &'a PathContext<'a>,
 ) -> impl Fn(&Ray, Sampler, &mut PathWorker, &mut Vec<PathState<I>>) -> Rgb + Sync {
     |ray, sampler, worker, stack| radiance(paths, ray, sampler, worker, stack)
@@ -120,8 +120,8 @@ pub(super) fn radiance<I: Interior>(
             path.note_crossed_boundaries(hit.crossed);
 
             // Add emission, weighted against next-event estimation.
-            if hit.surface.emission != Rgb::ZERO && keeps_emission_found(policy, &path) {
-                let weight = path.prev.map_or(1.0, |prev| emission_weight(nee, &prev, &hit.surface));
+            if hit.surface.emission != Rgb::ZERO && counts_hit_emission(policy, &path) {
+                let weight = path.prev.map_or(1.0, |prev| emission_mis_weight(nee, &prev, &hit.surface));
                 radiance += path.throughput * hit.surface.emission * weight;
             }
             let interior = path.path_ray.interior;
@@ -153,10 +153,10 @@ pub(super) fn radiance<I: Interior>(
             let ends_gather_ray = ends_gather_ray(paths, &vertex);
             let continues = path.bounce < paths.max_bounces
                 && match policy.continuation {
-                    Continuation::Never => false,
-                    Continuation::Glossy => !surface.bsdf.is_diffuse(),
-                    Continuation::GatherRays => !ends_gather_ray,
-                    Continuation::Always => true,
+                    PathContinuation::Never => false,
+                    PathContinuation::Glossy => !surface.bsdf.is_diffuse(),
+                    PathContinuation::GatherRays => !ends_gather_ray,
+                    PathContinuation::Always => true,
                 };
             if let (true, DirectionSampling::Guided, Some(maps)) = (continues, policy.directions, paths.maps) {
                 scatter::collect_gather_directions(maps, paths.min_gather_distance, &vertex, worker);
@@ -205,7 +205,7 @@ fn scatter_at_caster<I: Interior>(
 
     // Add direct light at glossy casters, unless photons carry the light that goes over this
     // caster.
-    if !surface.bsdf.is_specular() && policy.direct_light && keeps_light_found(policy, path.history) {
+    if !surface.bsdf.is_specular() && policy.direct_light && counts_found_light(policy, path.history) {
         *radiance += path.throughput * nee.estimate(&vertex, continues, worker);
     }
     if !continues {
@@ -271,7 +271,7 @@ fn photon_radiance<I: Interior>(
         },
         PhotonLookups::FirstReceiver | PhotonLookups::GatherRays => 1,
         PhotonLookups::RecordVisible => {
-            record_visible(vertex, worker);
+            record_visible_point(vertex, worker);
             return Rgb::ZERO;
         }
     };
@@ -281,7 +281,7 @@ fn photon_radiance<I: Interior>(
 }
 
 /// Records `vertex` as a visible point, weighted by its throughput and BRDF.
-fn record_visible<I: Interior>(vertex: &PathVertex<'_, I>, worker: &mut PathWorker) {
+fn record_visible_point<I: Interior>(vertex: &PathVertex<'_, I>, worker: &mut PathWorker) {
     let surface = vertex.surface;
     let normal = surface.facing_normal();
     let brdf = surface.bsdf.evaluate(surface.wo, normal, normal, normal, TransportMode::Radiance);
@@ -289,17 +289,17 @@ fn record_visible<I: Interior>(vertex: &PathVertex<'_, I>, worker: &mut PathWork
     worker.visible.push(VisiblePoint { position: surface.point.p, normal, weight });
 }
 
-/// True if `vertex` ends a gather ray long enough to read the global map there.
+/// True if `vertex` ends a gather ray long enough to read the indirect map there.
 #[inline]
 fn ends_gather_ray<I>(paths: &PathContext<'_>, vertex: &PathVertex<'_, I>) -> bool {
-    paths.policy.continuation == Continuation::GatherRays
+    paths.policy.continuation == PathContinuation::GatherRays
         && vertex.history.receivers > 0
         && vertex.distance > paths.min_gather_distance
 }
 
 /// True if a camera path with `history` counts light that it finds; false leaves it to photons.
 #[inline]
-fn keeps_light_found(policy: &PathPolicy, history: PathHistory) -> bool {
+fn counts_found_light(policy: &PathPolicy, history: PathHistory) -> bool {
     policy.counts_caustics || !history.is_caustic()
 }
 
@@ -308,14 +308,14 @@ fn keeps_light_found(policy: &PathPolicy, history: PathHistory) -> bool {
 /// If soft shadows are off, next-event estimation samples only the centers of area lights. Then a
 /// path counts no emission after a vertex with next-event estimation.
 #[inline]
-fn keeps_emission_found<I>(policy: &PathPolicy, path: &PathState<I>) -> bool {
-    (path.prev.is_none() || policy.effects.has(Effect::SoftShadows)) && keeps_light_found(policy, path.history)
+fn counts_hit_emission<I>(policy: &PathPolicy, path: &PathState<I>) -> bool {
+    (path.prev.is_none() || policy.effects.has(Effect::SoftShadows)) && counts_found_light(policy, path.history)
 }
 
 /// Returns the weight of emission that a path hits, by the balance heuristic (Veach 1997, section
 /// 9.2.2).
 #[inline]
-fn emission_weight(nee: &NextEventEstimator<'_>, prev: &PrevVertex, hit: &SurfaceInteraction<'_>) -> f32 {
+fn emission_mis_weight(nee: &NextEventEstimator<'_>, prev: &PrevVertex, hit: &SurfaceInteraction<'_>) -> f32 {
     let Some(light) = hit.light else { return 1.0 };
     prev.pdf / (prev.pdf + nee.pdf(prev, light as usize, -hit.wo, Some(&hit.point)))
 }
@@ -328,7 +328,7 @@ fn escaped_radiance<I: Interior>(paths: &PathContext<'_>, path: &PathState<I>) -
         // The background is visible but lights nothing.
         None if path.history.receivers > 0 => Rgb::ZERO,
         None => scene.background(),
-        Some(_) if !keeps_emission_found(policy, path) => Rgb::ZERO,
+        Some(_) if !counts_hit_emission(policy, path) => Rgb::ZERO,
         Some(light) => {
             let light_pdf = |prev: PrevVertex| nee.pdf(&prev, light, direction, None);
             let weight = path.prev.map_or(1.0, |prev| prev.pdf / (prev.pdf + light_pdf(prev)));
@@ -347,7 +347,7 @@ impl<'a> PathContext<'a> {
         pass: u32,
         max_bounces: u32,
     ) -> Self {
-        let radius = maps.map_or(NO_MAP_RADIUS, |maps| maps.global.radius());
+        let radius = maps.map_or(NO_MAP_RADIUS, |maps| maps.indirect.radius());
         Self { scene, policy, nee, maps, pass, max_bounces, min_gather_distance: MIN_GATHER_RADII * radius }
     }
 }

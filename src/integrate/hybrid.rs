@@ -13,7 +13,7 @@
 //! path that hits a light by such a path ignores the emission. Gather radii shrink from pass to
 //! pass, so the mean converges.
 
-use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
+use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPolicy, PhotonLookups};
 use super::settings::Settings;
 use crate::plan::{Effect, Effects};
 
@@ -26,7 +26,7 @@ pub(super) fn policy(effects: Effects, settings: &Settings) -> PathPolicy {
         shares_paths: false,
         direct_light: true,
         light_sampling: LightSampling::OneRay,
-        continuation: if interreflection { Continuation::Always } else { Continuation::Never },
+        continuation: if interreflection { PathContinuation::Always } else { PathContinuation::Never },
         directions: DirectionSampling::Bsdf,
         counts_caustics: false,
         min_throughput: 0.0,

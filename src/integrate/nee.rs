@@ -106,7 +106,7 @@ impl<'a> NextEventEstimator<'a> {
                 } else {
                     sampler.split_sample(ray, rays).get_2d(Dimension::LightPosition)
                 };
-                sum += self.shadow_ray(i, vertex, u, rays as f32, continues, worker);
+                sum += self.shadow_ray_contribution(i, vertex, u, rays as f32, continues, worker);
             }
         }
         sum
@@ -126,13 +126,13 @@ impl<'a> NextEventEstimator<'a> {
         // rounded up.
         let start = vertex.shadow_sampler.get_1d(Dimension::Light);
         for i in 0..rays {
-            let u = stratified_point(i, start, rays);
+            let u = stratified_sample(i, start, rays);
             let Some((light, probability, _)) = light_sampler.sample(point.p, vertex.scattering_hemisphere(), u) else {
                 continue;
             };
             let sampler = vertex.shadow_sampler.nth_shadow_ray_sampler(i as usize);
             let u = if self.centers { CENTER } else { sampler.get_2d(Dimension::LightPosition) };
-            sum += self.shadow_ray(light, vertex, u, probability * rays as f32, continues, worker);
+            sum += self.shadow_ray_contribution(light, vertex, u, probability * rays as f32, continues, worker);
         }
         sum
     }
@@ -153,7 +153,7 @@ impl<'a> NextEventEstimator<'a> {
 
     /// Contribution of one shadow ray to light `light`, which gets `rays` of them in expectation.
     #[inline]
-    fn shadow_ray<I: Interior>(
+    fn shadow_ray_contribution<I: Interior>(
         &self,
         light: usize,
         vertex: &PathVertex<'_, I>,
@@ -240,6 +240,6 @@ impl<'a> NextEventEstimator<'a> {
 
 /// Returns a point in \[0, 1) of stratum `i` of `count`. `start` in \[0, 1) is its place there.
 #[inline]
-fn stratified_point(i: u32, start: f32, count: u32) -> f32 {
+fn stratified_sample(i: u32, start: f32, count: u32) -> f32 {
     ((i as f32 + start) / count as f32).min(1.0 - f32::EPSILON / 2.0)
 }

@@ -25,8 +25,8 @@ pub struct NestedEstimates {
     pub steps: [Rgb; LEVELS - 1],
     /// Mean disc in the caustic map; `None` if no estimate was made.
     pub caustic: Option<MeanGatherDisc>,
-    /// Mean disc in the global map; `None` if no estimate was made.
-    pub global: Option<MeanGatherDisc>,
+    /// Mean disc in the indirect map; `None` if no estimate was made.
+    pub indirect: Option<MeanGatherDisc>,
 }
 
 /// Sums of the gather radii and photon counts of estimates from one map.
@@ -60,8 +60,8 @@ pub(super) struct NestedEstimateSum {
     pixel: [DVec3; LEVELS - 1],
     /// Sum of the gather discs in the caustic map.
     pub caustic: GatherDiscSum,
-    /// Sum of the gather discs in the global map.
-    pub global: GatherDiscSum,
+    /// Sum of the gather discs in the indirect map.
+    pub indirect: GatherDiscSum,
 }
 
 impl NestedEstimateSum {
@@ -89,7 +89,7 @@ impl NestedEstimateSum {
     /// Returns the mean over the `rays` camera rays of the pixel, and resets for the next pixel.
     pub fn finish_pixel(&mut self, rays: u32) -> NestedEstimates {
         let steps = self.pixel.map(|sum| (sum / f64::from(rays)).as_vec3());
-        let estimates = NestedEstimates { steps, caustic: self.caustic.mean(), global: self.global.mean() };
+        let estimates = NestedEstimates { steps, caustic: self.caustic.mean(), indirect: self.indirect.mean() };
         *self = Self::default();
         estimates
     }
@@ -114,7 +114,10 @@ mod tests {
         sum.finish_camera_ray(Some(1.0));
         let estimates = sum.finish_pixel(2);
         assert_eq!(estimates.steps, [Rgb::splat(0.5), Rgb::splat(-0.25)]);
-        assert_eq!((estimates.caustic, estimates.global), (Some(MeanGatherDisc { radius: 1.0, photons: 15.0 }), None));
+        assert_eq!(
+            (estimates.caustic, estimates.indirect),
+            (Some(MeanGatherDisc { radius: 1.0, photons: 15.0 }), None)
+        );
         assert_eq!(sum.finish_pixel(1), NestedEstimates::default());
     }
 }

@@ -48,13 +48,13 @@ impl<'a> PassRenderer<'a> {
     }
 
     /// This renderer for `scene`, its own scene at another time; results of pilots are kept.
-    pub fn at<'b>(&self, scene: &'b Scene) -> PassRenderer<'b> {
+    pub fn for_scene_at_time<'b>(&self, scene: &'b Scene) -> PassRenderer<'b> {
         PassRenderer {
             scene,
             policy: self.policy,
             settings: self.settings.clone(),
             nee: NextEventEstimator::new(scene, &self.policy),
-            map_builder: self.map_builder.at(scene),
+            map_builder: self.map_builder.for_scene_at_time(scene),
             samples: self.samples,
             density: self.density.clone(),
         }
@@ -64,12 +64,12 @@ impl<'a> PassRenderer<'a> {
     pub fn with_policy(&self, policy: PathPolicy) -> Self {
         let nee = NextEventEstimator::new(self.scene, &policy);
         let map_builder = self.map_builder.with_policy(&policy);
-        Self { policy, nee, map_builder, ..self.at(self.scene) }
+        Self { policy, nee, map_builder, ..self.for_scene_at_time(self.scene) }
     }
 
     /// This renderer with one camera ray per pixel.
     pub fn with_one_sample(&self) -> Self {
-        Self { samples: 1, density: None, ..self.at(self.scene) }
+        Self { samples: 1, density: None, ..self.for_scene_at_time(self.scene) }
     }
 
     /// True if passes show the scene at different times.
@@ -84,7 +84,7 @@ impl<'a> PassRenderer<'a> {
     }
 
     /// Random key of the camera paths of pass `pass`.
-    pub fn camera_key(&self, pass: u32) -> Key {
+    pub fn camera_path_key(&self, pass: u32) -> Key {
         let key = Key::new(self.settings.camera_paths.seed).purpose_key(Purpose::Camera);
         if self.policy.shares_paths { key.shared_paths_key() } else { key.pass_key(pass) }
     }
@@ -104,12 +104,12 @@ impl<'a> PassRenderer<'a> {
 
     /// Camera rays and random key of the tiles that pass `pass` also traces by fresh paths, to
     /// measure the error that passes with the same camera paths share; `None` if they share none.
-    pub fn fresh_tiles(&self, pass: u32) -> Option<(FilmSampling<'_>, Key)> {
+    pub fn unshared_path_sampling(&self, pass: u32) -> Option<(FilmSampling<'_>, Key)> {
         let sampling = self.film_sampling();
         if !(sampling.nested && self.policy.shares_paths) {
             return None;
         }
-        let every = tiles::tile_interval(sampling.camera.size(), FRESH_TILE_COUNT);
+        let every = tiles::rendered_tile_stride(sampling.camera.size(), FRESH_TILE_COUNT);
         let key = Key::new(self.settings.camera_paths.seed).purpose_key(Purpose::Camera).fresh_paths_key(pass);
         Some((FilmSampling { nested: false, every, ..sampling }, key))
     }

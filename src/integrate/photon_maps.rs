@@ -1,13 +1,13 @@
 //! Photon maps of a pass, and radiance estimates from them.
 
 use super::nested_estimates::GatherDiscSum;
-use super::vertex::{MediumVertex, PathHistory, PathVertex};
-use super::volume_estimate::{VolumeMap, wavelength_overlap};
+use super::vertex::{MediumPathSegment, PathHistory, PathVertex};
+use super::volume_estimate::{BeamAndPointMaps, wavelength_kernel_weight};
 use super::worker::PathWorker;
 use crate::bsdf::TransportMode;
 use crate::color::Rgb;
 use crate::photon::{
-    Bandwidth, Kernel, NestedRadianceEstimate, PhotonData, PhotonMap, Scratch, Splat, disc_coverage,
+    Bandwidth, Kernel, NestedRadianceEstimate, PhotonData, PhotonMap, PhotonSearchBuffers, Splat, disc_coverage,
     nested_disc_coverage,
 };
 use crate::scene::{Interior, Scene};
@@ -20,9 +20,9 @@ pub(super) struct PhotonEstimator<'a> {
     pub bandwidth: Bandwidth,
     pub kernel: Kernel,
     /// Photons in media.
-    pub volume: VolumeMap,
+    pub volume: BeamAndPointMaps,
     /// True if light tracing carries part of the light of directly visible surfaces.
-    pub has_estimate_shares: bool,
+    pub has_density_estimate_shares: bool,
 }
 
 /// Photon maps that one lookup reads.
@@ -30,7 +30,7 @@ pub(super) struct PhotonEstimator<'a> {
 pub(super) enum MapLookup {
     /// The caustic map.
     Caustic,
-    /// The caustic map and the global map.
+    /// The caustic map and the indirect map.
     Both,
 }
 
@@ -38,11 +38,11 @@ pub(super) enum MapLookup {
 pub(super) struct PhotonMaps<'a> {
     /// Caustic map: photons that went over casters to the first surface that stores them.
     pub caustic: PhotonEstimator<'a>,
-    /// Global map: photons of all other indirect light.
+    /// Indirect map: photons of all other indirect light.
     ///
     /// In `hybrid` it holds only light that continues from a caustic. If gather rays read the map,
     /// it also holds direct light.
-    pub global: PhotonEstimator<'a>,
+    pub indirect: PhotonEstimator<'a>,
     /// Photons of a few paths. Their directions guide gather rays.
     pub guides: PhotonMap,
     /// Light that caustic photons send to the camera; empty without light tracing.
@@ -64,11 +64,13 @@ impl PhotonMaps<'_> {
         worker: &mut PathWorker,
     ) -> Rgb {
         let caustic = self.caustic.radiance(vertex, samples, |w| (&mut w.caustic, &mut w.nested.caustic), worker);
-        let global = match lookup {
+        let indirect = match lookup {
             MapLookup::Caustic => Rgb::ZERO,
-            MapLookup::Both => self.global.radiance(vertex, samples, |w| (&mut w.global, &mut w.nested.global), worker),
+            MapLookup::Both => {
+                self.indirect.radiance(vertex, samples, |w| (&mut w.indirect, &mut w.nested.indirect), worker)
+            }
         };
-        (caustic + global) * samples as f32
+        (caustic + indirect) * samples as f32
     }
 
     /// Estimates the radiance that a medium scatters from photons to the start of a segment
@@ -76,13 +78,13 @@ impl PhotonMaps<'_> {
     #[inline]
     pub fn radiance_in_medium<I: Interior>(
         &self,
-        vertex: &MediumVertex<'_, I>,
+        vertex: &MediumPathSegment<'_, I>,
         samples: u32,
         rng: &mut impl Rng,
         worker: &mut PathWorker,
     ) -> Rgb {
         let caustic = self.caustic.volume.radiance(vertex, samples, rng, worker);
-        (caustic + self.global.volume.radiance(vertex, samples, rng, worker)) * samples as f32
+        (caustic + self.indirect.volume.radiance(vertex, samples, rng, worker)) * samples as f32
     }
 }
 
@@ -102,10 +104,10 @@ impl PhotonEstimator<'_> {
         &self,
         vertex: &PathVertex<'_, I>,
         samples: u32,
-        scratch: fn(&mut PathWorker) -> (&mut Scratch, &mut GatherDiscSum),
+        scratch: fn(&mut PathWorker) -> (&mut PhotonSearchBuffers, &mut GatherDiscSum),
         worker: &mut PathWorker,
     ) -> Rgb {
-        if self.has_estimate_shares && vertex.history == PathHistory::default() {
+        if self.has_density_estimate_shares && vertex.history == PathHistory::default() {
             self.radiance_with_shares::<I, true>(vertex, samples, scratch, worker)
         } else {
             self.radiance_with_shares::<I, false>(vertex, samples, scratch, worker)
@@ -118,7 +120,7 @@ impl PhotonEstimator<'_> {
         &self,
         vertex: &PathVertex<'_, I>,
         samples: u32,
-        scratch: fn(&mut PathWorker) -> (&mut Scratch, &mut GatherDiscSum),
+        scratch: fn(&mut PathWorker) -> (&mut PhotonSearchBuffers, &mut GatherDiscSum),
         worker: &mut PathWorker,
     ) -> Rgb {
         if self.map.is_empty() {
@@ -132,10 +134,10 @@ impl PhotonEstimator<'_> {
             let mut brdf =
                 surface.bsdf.evaluate(surface.wo, photon.incident_direction(), ns, ns, TransportMode::Radiance);
             if SHARED {
-                brdf *= photon.estimate_share();
+                brdf *= photon.density_estimate_share();
             }
             if I::HAS_MEDIA_OR_WAVELENGTH {
-                brdf * wavelength_overlap(wavelength, photon.wavelength(), self.volume.band)
+                brdf * wavelength_kernel_weight(wavelength, photon.wavelength(), self.volume.band)
             } else {
                 brdf
             }

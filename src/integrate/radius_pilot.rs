@@ -1,10 +1,10 @@
 //! Pilots that find the gather radii of the first pass.
 
 use super::settings::Settings;
-use super::volume_estimate::VolumeEstimate;
+use super::volume_estimate::VolumeEstimator;
 use crate::bsdf::TransportMode;
 use crate::math::Ray;
-use crate::photon::{GuidingReport, Photon, PhotonBeamMap, PhotonMap, PhotonPass, VolumePhotonMap};
+use crate::photon::{EmissionGuidingReport, Photon, PhotonBeamMap, PhotonMap, PhotonPass, VolumePhotonMap};
 use crate::plan::Effects;
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::scene::{PathEvent, Scene, SpectralInterior, SurfaceVertex};
@@ -51,20 +51,21 @@ const TRIAL_RADIUS: f32 = 0.02;
 
 /// Largest gather radii on surfaces in the first pass \[length].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Radii {
-    /// Gather radius of the global map \[length].
-    pub global: f32,
+pub struct GatherRadii {
+    /// Gather radius of the indirect map \[length].
+    pub indirect: f32,
     /// Gather radius of the caustic map \[length].
     pub caustic: f32,
 }
 
 /// Gains of emission guiding for each photon map; `None` if a pilot did not try it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
-pub struct GuidingReports {
-    /// Result for the global map.
-    pub global: Option<GuidingReport>,
+pub struct EmissionGuidingReportPerMap {
+    /// Result for the indirect map.
+    #[serde(rename = "global")]
+    pub indirect: Option<EmissionGuidingReport>,
     /// Result for the caustic map.
-    pub caustic: Option<GuidingReport>,
+    pub caustic: Option<EmissionGuidingReport>,
 }
 
 /// Returns the number of photon paths of a pilot: `most`, or fewer if a pass has few `paths`.
@@ -107,7 +108,7 @@ pub(super) fn find_gather_radius(pass: &PhotonPass<'_>, paths: u32, k: u32, seed
 /// Returns the smallest gather radius of the first pass \[length].
 ///
 /// It is a fraction of the width of a pixel on the closest visible surface.
-pub(super) fn min_disc_radius(scene: &Scene) -> f32 {
+pub(super) fn min_gather_radius(scene: &Scene) -> f32 {
     let (width, spread) = scene.camera().pixel_footprint();
     let (columns, rows) = scene.camera().size();
     let position = |i: u32, size: u32| (i as f32 + 0.5) / DISTANCE_RAYS as f32 * size as f32;
@@ -121,12 +122,12 @@ pub(super) fn min_disc_radius(scene: &Scene) -> f32 {
 
 /// Kernel radii of photon estimates in media \[length].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct VolumeRadii {
+pub(super) struct VolumeKernelRadii {
     pub beams: f32,
     pub points: f32,
 }
 
-impl Default for VolumeRadii {
+impl Default for VolumeKernelRadii {
     fn default() -> Self {
         Self { beams: 1.0, points: 1.0 }
     }
@@ -136,12 +137,12 @@ impl Default for VolumeRadii {
 ///
 /// The radii are for a pass of `paths` photon paths. Returns `None` if the pilot stores no photon
 /// in media.
-pub(super) fn find_volume_radii(
+pub(super) fn find_volume_kernel_radii(
     pass: &PhotonPass<'_>,
     effects: Effects,
     paths: u32,
     settings: &Settings,
-) -> Option<VolumeRadii> {
+) -> Option<VolumeKernelRadii> {
     let scene = pass.scene;
     let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::Pilot);
     let pilot = pilot_path_count(paths, MAX_PATHS);
@@ -174,7 +175,7 @@ pub(super) fn find_volume_radii(
     let points = camera_paths.iter().map(|segments| {
         let mut count = 0.0;
         for ray in segments {
-            if settings.volume == VolumeEstimate::Points {
+            if settings.volume == VolumeEstimator::Points {
                 points.visit_near_point(ray.at(0.5 * ray.t_max.min(2.0 * size)), |_, _, _| count += 1.0);
             } else {
                 points.visit_near_ray(ray, |_, _, _, _, _| count += 1.0);
@@ -182,7 +183,7 @@ pub(super) fn find_volume_radii(
         }
         count
     });
-    Some(VolumeRadii { beams, points: radius(points.collect(), point_dimensions) })
+    Some(VolumeKernelRadii { beams, points: radius(points.collect(), point_dimensions) })
 }
 
 /// Returns the segments of camera paths through scattering media, up to a surface that stores

@@ -3,7 +3,7 @@
 //! It has no shadows, no distance falloff and no ambient term.
 
 use super::integrator::Integrator;
-use super::pass::{Monitor, Pass, Seconds};
+use super::pass::{Pass, ProgressMonitor, StageTimes};
 use super::settings::CameraPathSettings;
 use super::tiles::{self, FilmImage, FilmSampling};
 use crate::bsdf::conductor_reflectance;
@@ -31,7 +31,7 @@ pub(super) struct RaycastIntegrator<'a> {
 }
 
 impl Integrator for RaycastIntegrator<'_> {
-    fn pass(&self, pass: u32, monitor: &dyn Monitor) -> Pass {
+    fn render_pass(&self, pass: u32, monitor: &dyn ProgressMonitor) -> Pass {
         let start = Instant::now();
         let (camera, filter) = (self.scene.camera(), self.filter.as_ref());
         let samples = self.samples;
@@ -39,7 +39,7 @@ impl Integrator for RaycastIntegrator<'_> {
         let key = Key::new(self.seed).purpose_key(Purpose::Camera).pass_key(pass);
         let FilmImage { image, counters, .. } =
             tiles::render_tiles(&sampling, key, monitor, |ray, _, _, (): &mut ()| self.radiance(ray));
-        let seconds = Seconds { camera: start.elapsed().as_secs_f64(), ..Seconds::default() };
+        let seconds = StageTimes { camera: start.elapsed().as_secs_f64(), ..StageTimes::default() };
         Pass { image, counters, seconds, ..Pass::default() }
     }
 
@@ -80,7 +80,7 @@ impl<'a> RaycastIntegrator<'a> {
         };
         let look = phong_appearance(self.scene, &surface, &hit, &cone);
         surface.emission
-            + self.scene.legacy_lights().iter().map(|light| phong_radiance(&surface, &look, light)).sum::<Rgb>()
+            + self.scene.legacy_lights().iter().map(|light| phong_shading_of_light(&surface, &look, light)).sum::<Rgb>()
     }
 }
 
@@ -135,7 +135,7 @@ fn phong_appearance(scene: &Scene, surface: &SurfaceInteraction<'_>, hit: &Hit, 
 ///
 /// By the course's definition, surfaces that face away from the light keep their highlight. Normals
 /// are not flipped towards the viewer, and 0⁰ is 1.
-fn phong_radiance(surface: &SurfaceInteraction<'_>, look: &PhongAppearance, light: &LegacyLight) -> Rgb {
+fn phong_shading_of_light(surface: &SurfaceInteraction<'_>, look: &PhongAppearance, light: &LegacyLight) -> Rgb {
     let (to_light, color) = match light {
         LegacyLight::Point(position, color) => ((*position - surface.point.p).normalize_or_zero(), *color),
         LegacyLight::Directional(direction, color) => (-*direction, *color),

@@ -1,7 +1,7 @@
 //! Rendering of all pixels of a pass, in parallel by tiles.
 
 use super::nested_estimates::NestedEstimates;
-use super::pass::{Monitor, Stage};
+use super::pass::{PassStage, ProgressMonitor};
 use super::worker::PathWorker;
 use crate::camera::{Camera, Filter, FilterSample};
 use crate::color::Rgb;
@@ -54,7 +54,7 @@ struct Tile<'a> {
 
 impl<'a> Tile<'a> {
     /// Splits a picture of `width` columns into tiles, by rows from the top.
-    fn split_image(image: &'a mut [Rgb], nested: &'a mut [NestedEstimates], width: u32) -> Vec<Self> {
+    fn split_image_into_tiles(image: &'a mut [Rgb], nested: &'a mut [NestedEstimates], width: u32) -> Vec<Self> {
         let height = image.len() as u32 / width;
         let empty = |index| Tile { index, image: Vec::new(), nested: Vec::new() };
         let mut tiles: Vec<Self> = (0..width.div_ceil(TILE_SIZE) * height.div_ceil(TILE_SIZE)).map(empty).collect();
@@ -104,19 +104,19 @@ impl FilmSampling<'_> {
 pub(super) fn render_tiles<T: Default>(
     sampling: &FilmSampling<'_>,
     key: Key,
-    monitor: &dyn Monitor,
+    monitor: &dyn ProgressMonitor,
     radiance: impl Fn(&Ray, Sampler, &mut PathWorker, &mut T) -> Rgb + Sync,
 ) -> FilmImage {
     let (width, height) = sampling.camera.size();
     let (columns, every) = (width.div_ceil(TILE_SIZE), sampling.every);
     let pixels = width as usize * height as usize;
     let is_signed = sampling.filter.is_some_and(Filter::has_negative_values);
-    monitor.begin(Stage::Camera, pixels as u64 / u64::from(every));
+    monitor.begin_stage(PassStage::Camera, pixels as u64 / u64::from(every));
 
     // Cut the picture into tiles.
     let mut image = vec![Rgb::ZERO; pixels];
     let mut nested = vec![NestedEstimates::default(); if sampling.nested { pixels } else { 0 }];
-    let mut tiles = Tile::split_image(&mut image, &mut nested, width);
+    let mut tiles = Tile::split_image_into_tiles(&mut image, &mut nested, width);
     tiles.retain(|tile| is_tile_rendered(tile.index, columns, every));
     let indices = |tile: &Tile<'_>| tile_pixels(tile.index, columns, width, height).map(|(x, y)| y * width + x);
     let rendered_pixels = if every > 1 { tiles.iter().flat_map(indices).collect() } else { Vec::new() };
@@ -157,7 +157,7 @@ pub(super) fn render_tiles<T: Default>(
             }
             rendered += 1;
         }
-        monitor.advance(rendered);
+        monitor.report_progress(rendered);
         worker.counters
     });
     let counters = work.reduce(Counters::default, |mut a, b| {
@@ -168,7 +168,7 @@ pub(super) fn render_tiles<T: Default>(
 }
 
 /// Returns the interval of rendered tiles at which about `wanted` tiles are rendered; at least 2.
-pub(super) fn tile_interval((width, height): (u32, u32), wanted: u32) -> u32 {
+pub(super) fn rendered_tile_stride((width, height): (u32, u32), wanted: u32) -> u32 {
     (width.div_ceil(TILE_SIZE) * height.div_ceil(TILE_SIZE) / wanted).max(2)
 }
 

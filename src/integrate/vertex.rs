@@ -72,7 +72,7 @@ impl<I: Interior> PathVertex<'_, I> {
 }
 
 /// Segment of a camera path through a medium, from which light scatters to the viewer.
-pub(super) struct MediumVertex<'a, I> {
+pub(super) struct MediumPathSegment<'a, I> {
     /// Ray and medium of the segment.
     pub segment: &'a MediumSegment<'a, I>,
     /// Receivers and casters before the segment.

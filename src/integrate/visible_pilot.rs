@@ -3,7 +3,7 @@
 use super::camera_path::PathContext;
 use super::film_points::trace_camera_paths_at;
 use super::nee::NextEventEstimator;
-use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
+use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPolicy, PhotonLookups};
 use super::settings::{CameraPathSettings, LightTracing};
 use crate::math::Bounds;
 use crate::photon::{VisiblePoint, VisiblePointMap};
@@ -52,7 +52,7 @@ fn policy(effects: Effects) -> PathPolicy {
         shares_paths: false,
         direct_light: false,
         light_sampling: LightSampling::Centers,
-        continuation: Continuation::Never,
+        continuation: PathContinuation::Never,
         directions: DirectionSampling::Bsdf,
         counts_caustics: false,
         min_throughput: 0.0,

@@ -3,7 +3,7 @@
 use super::gather_guide::GatherGuide;
 use super::nested_estimates::NestedEstimateSum;
 use crate::medium::TransmittanceCurve;
-use crate::photon::{Scratch, VisiblePoint};
+use crate::photon::{PhotonSearchBuffers, VisiblePoint};
 use crate::stats::Counters;
 
 /// Counters and reusable buffers of one parallel task that traces camera paths, such as a tile.
@@ -13,11 +13,11 @@ use crate::stats::Counters;
 pub(super) struct PathWorker {
     pub counters: Counters,
     /// Buffers of lookups in the caustic map.
-    pub caustic: Scratch,
-    /// Buffers of lookups in the global map.
-    pub global: Scratch,
+    pub caustic: PhotonSearchBuffers,
+    /// Buffers of lookups in the indirect map.
+    pub indirect: PhotonSearchBuffers,
     /// Buffers of lookups of photons that guide gather rays.
-    pub guide_lookup: Scratch,
+    pub guide_lookup: PhotonSearchBuffers,
     /// Distribution of gather directions at the current vertex.
     pub gather_guide: GatherGuide,
     /// True if photon estimates are made at nested bandwidths.

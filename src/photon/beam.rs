@@ -122,7 +122,7 @@ impl PhotonBeamMap {
     pub fn build(mut beams: Vec<PhotonBeam>, radius: f32) -> Self {
         beams.retain(PhotonBeam::is_valid);
         let radius = radius.max(0.0);
-        let pieces = split_beams(&beams, optimal_piece_length(&beams, radius));
+        let pieces = split_beams(&beams, optimal_beam_piece_length(&beams, radius));
         let beam = |piece: &BeamPiece| &beams[piece.beam as usize];
         let center = |p: &BeamPiece| beam(p).point_at(0.5 * (f64::from(p.from) + f64::from(p.to))).as_vec3();
         let order = morton_order(&pieces, center);
@@ -163,8 +163,8 @@ impl PhotonBeamMap {
         let query = LineQuery::new(ray, self.radius);
         self.boxes.visit_boxes_along_ray(ray, &mut |index| {
             let packet = &self.packets[index as usize];
-            for slot in set_bit_indices(packet.pieces_near_line(&query)) {
-                let piece = packet.piece_in_lane(slot);
+            for slot in set_bit_indices(packet.beam_pieces_near_line(&query)) {
+                let piece = packet.beam_piece_in_lane(slot);
                 let beam = &self.beams[piece.beam as usize];
                 if let Some(intersection) = BeamIntersection::new(ray, beam, f64::from(self.radius))
                     && piece.contains(intersection.s, beam)
@@ -221,7 +221,7 @@ fn sqrt_half_box_area(beam: &PhotonBeam) -> f64 {
 /// Length of the pieces of a diagonal beam that minimises the area of all bounding boxes.
 ///
 /// The mean number of pieces per beam stays below [`MAX_PIECES`].
-fn optimal_piece_length(beams: &[PhotonBeam], radius: f32) -> f64 {
+fn optimal_beam_piece_length(beams: &[PhotonBeam], radius: f32) -> f64 {
     let total: f64 = beams.iter().map(|b| f64::from(b.length) * sqrt_half_box_area(b)).sum();
     let most = (MAX_PIECES - 1.0) * beams.len().max(1) as f64;
     (12f64.sqrt() * f64::from(radius)).max(total / most).max(f64::MIN_POSITIVE)

@@ -102,7 +102,8 @@ impl Deposits {
             DepositPlace::Surface(surface, share) => {
                 let photon = Photon::new(surface.point.p, flux, surface.wo, surface.facing_normal());
                 let photon = photon.map(|photon| photon.with_wavelength(code));
-                photon.map(|photon| photons.push(share.map_or(photon, |steps| photon.with_estimate_share(steps))))
+                photon
+                    .map(|photon| photons.push(share.map_or(photon, |steps| photon.with_density_estimate_share(steps))))
             }
             DepositPlace::Film(film) => {
                 let is_valid = flux.is_finite() && flux != Rgb::ZERO;

@@ -143,7 +143,7 @@ impl<'a> PhotonSource<'a> {
     #[must_use]
     pub fn emit<I: Interior>(&self, pass_key: Key, index: u32, paths: u32) -> Option<(PathRay<I>, Rgb)> {
         let point = self.primary_emission_sample(pass_key, index, paths);
-        let (ray, flux) = self.start_path(&point)?;
+        let (ray, flux) = self.start_photon_path(&point)?;
         Some((ray, flux / (point.probability * paths as f32 * point.pdf)))
     }
 
@@ -166,7 +166,7 @@ impl<'a> PhotonSource<'a> {
     /// The flux is not divided by the probability of the light, the guiding pdf or the number of
     /// paths.
     #[inline]
-    pub(super) fn start_path<I: Interior>(&self, point: &PrimaryEmissionSample) -> Option<(PathRay<I>, Rgb)> {
+    pub(super) fn start_photon_path<I: Interior>(&self, point: &PrimaryEmissionSample) -> Option<(PathRay<I>, Rgb)> {
         let light = &self.lights()[point.light];
         let domain = self.scene.photon_domain();
         let emission = match &self.aim {

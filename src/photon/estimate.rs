@@ -41,7 +41,7 @@ pub struct NestedRadianceEstimate {
 
 /// Buffers of nearest-neighbour searches, reused to avoid allocations.
 #[derive(Debug, Default)]
-pub struct Scratch {
+pub struct PhotonSearchBuffers {
     /// Found photons with their squared distances.
     found: Vec<(f32, PhotonData)>,
     /// Distance of the k-th neighbour in the last search; the next search begins with 1.25 times
@@ -49,7 +49,7 @@ pub struct Scratch {
     last_radius: f32,
 }
 
-impl Scratch {
+impl PhotonSearchBuffers {
     /// Empty buffers.
     #[must_use]
     pub fn new() -> Self {
@@ -89,7 +89,7 @@ impl PhotonMap {
         normal: Vec3,
         bandwidth: Bandwidth,
         kernel: Kernel,
-        scratch: &mut Scratch,
+        scratch: &mut PhotonSearchBuffers,
         brdf: impl Fn(&PhotonData) -> Rgb,
     ) -> RadianceEstimate {
         self.estimate_nested_discs::<1>(p, normal, bandwidth, kernel, scratch, brdf).0
@@ -105,7 +105,7 @@ impl PhotonMap {
         normal: Vec3,
         bandwidth: Bandwidth,
         kernel: Kernel,
-        scratch: &mut Scratch,
+        scratch: &mut PhotonSearchBuffers,
         brdf: impl Fn(&PhotonData) -> Rgb,
     ) -> NestedRadianceEstimate {
         let (whole, radiance) = self.estimate_nested_discs(p, normal, bandwidth, kernel, scratch, brdf);
@@ -118,7 +118,7 @@ impl PhotonMap {
         normal: Vec3,
         bandwidth: Bandwidth,
         kernel: Kernel,
-        scratch: &mut Scratch,
+        scratch: &mut PhotonSearchBuffers,
         brdf: impl Fn(&PhotonData) -> Rgb,
     ) -> (RadianceEstimate, [Rgb; N]) {
         if self.is_empty() {
@@ -172,7 +172,13 @@ impl PhotonMap {
     /// `scratch` receives the photons. If fewer than k lie within the largest radius, it receives
     /// all of them, and the result is `None`. kiddo cannot shrink a radius during a query, so the
     /// search radius grows from a first guess.
-    fn find_k_nearest(&self, p: Vec3, normal: Vec3, bandwidth: Bandwidth, scratch: &mut Scratch) -> Option<f32> {
+    fn find_k_nearest(
+        &self,
+        p: Vec3,
+        normal: Vec3,
+        bandwidth: Bandwidth,
+        scratch: &mut PhotonSearchBuffers,
+    ) -> Option<f32> {
         let k = bandwidth.k as usize;
         let guess = if scratch.last_radius > 0.0 { scratch.last_radius * 1.25 } else { bandwidth.radius * 0.25 };
         let mut radius = guess.min(bandwidth.radius);
@@ -213,7 +219,7 @@ impl PhotonMap {
     /// fewer than k photons lie within `most` \[length].
     #[must_use]
     pub fn kth_photon_distance(&self, p: Vec3, normal: Vec3, k: u32, most: f32) -> Option<f32> {
-        let mut scratch = Scratch { last_radius: most * 1e-3, ..Scratch::default() };
+        let mut scratch = PhotonSearchBuffers { last_radius: most * 1e-3, ..PhotonSearchBuffers::default() };
         self.find_k_nearest(p, normal, Bandwidth { radius: most, k }, &mut scratch).map(f32::sqrt)
     }
 }
@@ -252,17 +258,17 @@ impl<const N: usize> KernelSums<N> {
         }
         self.block_count += 1;
         if self.block_count == BLOCK {
-            self.flush_block();
+            self.flush_block_sums();
         }
     }
 
-    fn flush_block(&mut self) {
+    fn flush_block_sums(&mut self) {
         self.total.iter_mut().zip(&mut self.block).for_each(|(whole, sum)| *whole += std::mem::take(sum).as_dvec3());
         self.block_count = 0;
     }
 
     fn estimate(mut self, radius: f32, count: u32) -> (RadianceEstimate, [Rgb; N]) {
-        self.flush_block();
+        self.flush_block_sums();
         let mut r2 = self.r2;
         let radiance = self.total.map(|sum| {
             let scaled = sum.as_vec3() * self.kernel.normalization(r2);

@@ -28,14 +28,14 @@ const EQUAL_SHARE_COUNT: f64 = 10.0;
 
 /// Share of its flux that a photon gives to estimates, for each pixel of the film.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct EstimateShares {
+pub struct DensityEstimateShares {
     width: u32,
     height: u32,
     /// Shares in steps of 1/[`SHARE_STEPS`], by rows from the top.
     steps: Vec<u8>,
 }
 
-impl EstimateShares {
+impl DensityEstimateShares {
     /// Shares that follow the numbers of photons per pixel in `splats` of one photon pass.
     ///
     /// `ratio` is the number of photon paths of a pass over those of `splats`. The splat's part is
@@ -46,7 +46,7 @@ impl EstimateShares {
         let index = |x: u32, y: u32| y as usize * width as usize + x as usize;
         let mut sums = vec![(0.0, 0.0); width as usize * height as usize];
         for splat in splats {
-            if let Some((x, y)) = pixel_of(splat.film, width, height) {
+            if let Some((x, y)) = pixel_at_film_position(splat.film, width, height) {
                 let value = f64::from(color::channel_mean(splat.radiance));
                 let sum = &mut sums[index(x, y)];
                 *sum = (sum.0 + value, sum.1 + value * value);
@@ -75,15 +75,15 @@ impl EstimateShares {
 
     /// Share at a film position in steps of 1/[`SHARE_STEPS`]; all of it outside the film.
     #[inline]
-    fn steps_at(&self, film: Vec2) -> u8 {
-        pixel_of(film, self.width, self.height)
+    fn share_steps_at(&self, film: Vec2) -> u8 {
+        pixel_at_film_position(film, self.width, self.height)
             .map_or(SHARE_STEPS, |(x, y)| self.steps[y as usize * self.width as usize + x as usize])
     }
 }
 
 /// Column and row of the pixel around a film position; `None` outside the film.
 #[inline]
-fn pixel_of(film: Vec2, width: u32, height: u32) -> Option<(u32, u32)> {
+fn pixel_at_film_position(film: Vec2, width: u32, height: u32) -> Option<(u32, u32)> {
     let inside = film.cmpge(Vec2::ZERO).all() && film.x < width as f32 && film.y < height as f32;
     inside.then_some((film.x as u32, film.y as u32))
 }
@@ -98,14 +98,14 @@ pub struct LightTracer<'a> {
     /// True if connections pass some bodies.
     has_null_interfaces: bool,
     /// `None` gives all flux to both techniques, for a pilot.
-    shares: Option<&'a EstimateShares>,
+    shares: Option<&'a DensityEstimateShares>,
 }
 
 impl<'a> LightTracer<'a> {
     /// Light tracer for the camera of `scene`; `lens` is true if camera rays leave from all of the
     /// lens.
     #[must_use]
-    pub fn new(scene: &'a Scene, lens: bool, shares: Option<&'a EstimateShares>) -> Self {
+    pub fn new(scene: &'a Scene, lens: bool, shares: Option<&'a DensityEstimateShares>) -> Self {
         let has_null_interfaces = scene.bodies().any(|body| body.is_null_interface);
         Self { scene, camera: scene.camera(), lens, has_null_interfaces, shares }
     }
@@ -118,7 +118,7 @@ impl<'a> LightTracer<'a> {
     /// The function stays out of line, so that passes without light tracing do not carry its code
     /// through their loop.
     #[inline(never)]
-    pub(super) fn connect<I: Interior>(
+    pub(super) fn connect_to_camera<I: Interior>(
         &self,
         surface: &SurfaceInteraction<'_>,
         flux: Rgb,
@@ -130,7 +130,7 @@ impl<'a> LightTracer<'a> {
         let p = surface.point.p;
         // The share must not depend on the lens sample: it belongs to a position on the surface.
         let Some(central) = self.camera.connect(p, None) else { return SHARE_STEPS };
-        let share = self.shares.map_or(SHARE_STEPS, |shares| shares.steps_at(central.film));
+        let share = self.shares.map_or(SHARE_STEPS, |shares| shares.share_steps_at(central.film));
         let splat_share = match self.shares {
             None => 1.0,
             Some(_) => 1.0 - f32::from(share) / f32::from(SHARE_STEPS),

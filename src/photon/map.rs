@@ -48,7 +48,7 @@ impl PhotonMap {
         // Morton order makes memory access coherent.
         let order = morton_order(&photons, |p| p.position);
         photons = order.par_iter().map(|i| photons[*i as usize]).collect();
-        merge_coincident(&mut photons);
+        merge_coincident_photons(&mut photons);
         let len = photons.len();
         let at = |p: &Photon, axis: usize| p.position[axis];
         // Construction can fail only for mutable trees and generated indices, which are not used.
@@ -95,7 +95,7 @@ impl PhotonMap {
 /// [`MAX_COINCIDENT`].
 ///
 /// A merged photon has the sum of the fluxes and the mean direction, weighted by flux.
-fn merge_coincident(photons: &mut Vec<Photon>) {
+fn merge_coincident_photons(photons: &mut Vec<Photon>) {
     let crowded = photons.chunk_by(|a, b| a.position == b.position).any(|run| run.len() > MAX_COINCIDENT);
     // Photons are in Morton order. Equal positions share a Morton cell, but need not be adjacent in
     // it unless they fill the cell.

@@ -146,7 +146,7 @@ impl BeamPiecePacket {
     }
 
     /// The beam piece in lane `slot`.
-    pub fn piece_in_lane(&self, slot: usize) -> BeamPiece {
+    pub fn beam_piece_in_lane(&self, slot: usize) -> BeamPiece {
         BeamPiece { beam: self.beams[slot], from: self.from.as_array()[slot], to: self.to.as_array()[slot] }
     }
 
@@ -156,7 +156,7 @@ impl BeamPiecePacket {
     /// Distances along the normal have error γ(8), relative to the distance of the origins.
     /// Positions along the beam have error γ(14), relative to that distance plus the position.
     #[inline]
-    pub fn pieces_near_line(&self, query: &LineQuery) -> u32 {
+    pub fn beam_pieces_near_line(&self, query: &LineQuery) -> u32 {
         let error = f32x8::splat(rounding_error_bound(16));
         let between = subtract(self.start, query.origin);
         let distance = norm1(between);

@@ -29,7 +29,7 @@ impl PackedFlux {
 
     /// Stores `steps` below 16 in the lowest bits of the sum: a relative change of at most 2⁻²⁰.
     #[inline]
-    fn with_steps(self, steps: u8) -> Self {
+    fn with_share_steps(self, steps: u8) -> Self {
         Self { sum: f32::from_bits(self.sum.to_bits() & !15 | u32::from(steps)), ..self }
     }
 
@@ -99,8 +99,8 @@ impl Photon {
     /// the rest, in steps of 1/[`SHARE_STEPS`].
     #[inline]
     #[must_use]
-    pub fn with_estimate_share(self, steps: u8) -> Self {
-        Self { data: PhotonData { flux: self.data.flux.with_steps(steps), ..self.data }, ..self }
+    pub fn with_density_estimate_share(self, steps: u8) -> Self {
+        Self { data: PhotonData { flux: self.data.flux.with_share_steps(steps), ..self.data }, ..self }
     }
 }
 
@@ -146,10 +146,10 @@ impl PhotonData {
     }
 
     /// Share of the flux that estimates use where light tracing carries the rest. Meaningful only
-    /// after [`Photon::with_estimate_share`].
+    /// after [`Photon::with_density_estimate_share`].
     #[inline]
     #[must_use]
-    pub fn estimate_share(&self) -> f32 {
+    pub fn density_estimate_share(&self) -> f32 {
         (self.flux.sum.to_bits() & 15) as f32 * (1.0 / SHARE_STEPS as f32)
     }
 

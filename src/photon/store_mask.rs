@@ -13,7 +13,7 @@ pub enum PhotonKind {
     /// Light reflected from a caustic: the first receiver on the path lies behind casters.
     AfterCaustic,
     /// Other indirect light: the path reached its first receiver directly from the light.
-    Global,
+    AfterDirect,
 }
 
 /// Selects the kinds of photons that a photon pass stores.
@@ -25,8 +25,8 @@ pub struct StoreMask {
     pub caustic: bool,
     /// True to store [`PhotonKind::AfterCaustic`].
     pub after_caustic: bool,
-    /// True to store [`PhotonKind::Global`].
-    pub global: bool,
+    /// True to store [`PhotonKind::AfterDirect`].
+    pub after_direct: bool,
     /// True to store [`PhotonKind::AfterCaustic`] in lists of its own.
     ///
     /// Its density is smooth. Russian roulette therefore continues one of
@@ -42,18 +42,18 @@ impl StoreMask {
     /// Stores caustic photons only, so a path ends at its first receiver.
     pub const CAUSTIC: Self = Self { caustic: true, ..Self::NONE };
     /// Stores photons of paths that have scattered at a receiver.
-    pub const GLOBAL: Self = Self { after_caustic: true, global: true, ..Self::NONE };
+    pub const INDIRECT: Self = Self { after_caustic: true, after_direct: true, ..Self::NONE };
     /// Stores no photons.
     pub const NONE: Self = Self {
         direct: false,
         caustic: false,
         after_caustic: false,
-        global: false,
+        after_direct: false,
         separates_after_caustic: false,
         beams: true,
     };
     /// Stores all kinds of photons.
-    pub const ALL: Self = Self { direct: true, caustic: true, after_caustic: true, global: true, ..Self::NONE };
+    pub const ALL: Self = Self { direct: true, caustic: true, after_caustic: true, after_direct: true, ..Self::NONE };
 
     /// True if photons of `kind` are stored on surfaces.
     pub(super) fn stores_on_surfaces(self, kind: PhotonKind) -> bool {
@@ -61,7 +61,7 @@ impl StoreMask {
             PhotonKind::Direct => self.direct,
             PhotonKind::Caustic => self.caustic,
             PhotonKind::AfterCaustic => self.after_caustic,
-            PhotonKind::Global => self.global,
+            PhotonKind::AfterDirect => self.after_direct,
         }
     }
 
@@ -78,7 +78,7 @@ impl StoreMask {
             PhotonKind::Direct => true,
             PhotonKind::Caustic => self.caustic || self.after_caustic,
             PhotonKind::AfterCaustic => self.after_caustic,
-            PhotonKind::Global => self.global,
+            PhotonKind::AfterDirect => self.after_direct,
         }
     }
 }
@@ -97,7 +97,7 @@ impl PhotonKind {
         match (is_receiver, self) {
             (false, Self::Direct) => Self::Caustic,
             (false, other) => other,
-            (true, Self::Direct | Self::Global) => Self::Global,
+            (true, Self::Direct | Self::AfterDirect) => Self::AfterDirect,
             (true, Self::Caustic | Self::AfterCaustic) => Self::AfterCaustic,
         }
     }

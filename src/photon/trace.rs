@@ -28,7 +28,7 @@ pub struct PhotonPassResult {
 
 /// Flux and ray counts, summed over photon paths.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct PathTally {
+pub(super) struct PhotonTracingTotals {
     /// Sums of emitted, absorbed and escaped flux \[W].
     pub audit: EnergyAudit,
     /// Number of traced rays.
@@ -79,12 +79,12 @@ impl PhotonPass<'_> {
         light_tracer: Option<&LightTracer<'_>>,
         done: &(dyn Fn(u64) + Sync),
     ) -> PhotonPassResult {
-        let chunks: Vec<(Deposits, PathTally)> = (0..paths.div_ceil(CHUNK))
+        let chunks: Vec<(Deposits, PhotonTracingTotals)> = (0..paths.div_ceil(CHUNK))
             .into_par_iter()
             .map(|chunk| {
                 let range = chunk * CHUNK..paths.min((chunk + 1).saturating_mul(CHUNK));
                 let emitted = u64::from(range.end - range.start);
-                let (mut deposits, mut tally) = (Deposits::default(), PathTally::default());
+                let (mut deposits, mut tally) = (Deposits::default(), PhotonTracingTotals::default());
                 for index in range {
                     if let Some((ray, flux)) = self.source.emit::<I>(pass_key, index, paths) {
                         let key = pass_key.path_key(index);
@@ -97,13 +97,13 @@ impl PhotonPass<'_> {
                 (deposits, tally)
             })
             .collect();
-        let (chunks, tallies): (Vec<Deposits>, Vec<PathTally>) = chunks.into_iter().unzip();
-        let mut tally = PathTally::default();
+        let (chunks, tallies): (Vec<Deposits>, Vec<PhotonTracingTotals>) = chunks.into_iter().unzip();
+        let mut tally = PhotonTracingTotals::default();
         for chunk in tallies {
             tally.audit += chunk.audit;
             tally.rays += chunk.rays;
         }
-        let PathTally { audit, rays } = tally;
+        let PhotonTracingTotals { audit, rays } = tally;
         PhotonPassResult { deposits: Deposits::concatenate(chunks), audit, rays, paths: u64::from(paths) }
     }
 
@@ -118,10 +118,10 @@ impl PhotonPass<'_> {
         mut flux: Rgb,
         path: Key,
         light_tracer: Option<&LightTracer<'_>>,
-        tally: &mut PathTally,
+        tally: &mut PhotonTracingTotals,
         mut deposit: impl FnMut(Deposit<'_>),
     ) {
-        let PathTally { audit, rays } = tally;
+        let PhotonTracingTotals { audit, rays } = tally;
         let mut kind = PhotonKind::Direct;
         add_flux(&mut audit.emitted, flux);
         for bounce in 0.. {
@@ -172,7 +172,7 @@ impl PhotonPass<'_> {
                 let wavelength = ray.interior.wavelength();
                 let share = light_tracer
                     .filter(|_| kind == PhotonKind::Caustic)
-                    .map(|tracer| tracer.connect(surface, flux, &ray, key, rays, &mut deposit));
+                    .map(|tracer| tracer.connect_to_camera(surface, flux, &ray, key, rays, &mut deposit));
                 deposit(Deposit { kind, place: DepositPlace::Surface(surface, share), flux, wavelength });
             }
 

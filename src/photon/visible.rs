@@ -1,6 +1,6 @@
 //! Importance of photons for the picture, from the density of visible points.
 
-use super::{Bandwidth, Kernel, Photon, PhotonMap, Scratch};
+use super::{Bandwidth, Kernel, Photon, PhotonMap, PhotonSearchBuffers};
 use crate::color::Rgb;
 use crate::math::Bounds;
 use glam::Vec3;
@@ -64,7 +64,7 @@ impl VisiblePointMap {
     /// changes the picture by a sum of squares proportional to Φ² times this importance.
     #[inline]
     #[must_use]
-    pub fn importance(&self, p: Vec3, normal: Vec3, scratch: &mut Scratch) -> f32 {
+    pub fn importance(&self, p: Vec3, normal: Vec3, scratch: &mut PhotonSearchBuffers) -> f32 {
         // Consecutive photons are far apart, so the radius of the last search is a poor start.
         scratch.set_first_search_radius(self.first_search_radius);
         self.points.estimate(p, normal, self.bandwidth, Kernel::Box, scratch, |_| Rgb::ONE).radiance.x

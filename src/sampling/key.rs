@@ -38,8 +38,8 @@ use rand::{SeedableRng, rngs::SmallRng};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u64)]
 pub enum Purpose {
-    /// Photon paths of the global map.
-    GlobalPhotons = 1,
+    /// Photon paths that start in all directions.
+    UnaimedPhotons = 1,
     /// Photon paths emitted toward casters, which are surfaces that form caustics.
     CausticPhotons,
     /// Camera paths.
@@ -61,7 +61,7 @@ pub enum Purpose {
     /// Shutter times of passes.
     Shutter,
     /// Pilot simulation that divides caustics between photon estimates and light tracing.
-    EstimateShares,
+    DensityEstimateShares,
 }
 
 /// Random decision at one vertex of a path; each has its own random numbers.

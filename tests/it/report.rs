@@ -2,7 +2,7 @@
 
 use crate::support::browser::Browser;
 use caustica::image::Image;
-use caustica::integrate::{ALPHA, Algorithm, shrink};
+use caustica::integrate::{ALPHA, Algorithm, squared_radius_ratio};
 use caustica::sampling::{Dimension, Key};
 use caustica::study::methods::{Checkpoint, GroundTruth, MethodResult, MethodStudyResult};
 use caustica::study::report::methods::{csv, markdown, method_study_json, methods_html_page};
@@ -40,7 +40,8 @@ fn picture(of: impl Fn(f64, f64, u32) -> Vec3) -> Image {
 fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, count: u32) -> MethodResult {
     let key = Key::new(5).child_key(label.bytes().map(u64::from).sum());
     let alpha = if algorithm == Algorithm::Pm { 1.0 } else { ALPHA };
-    let shrinks = |i| if matches!(algorithm, Algorithm::Sppm | Algorithm::Hybrid) { shrink(ALPHA, i) } else { 1.0 };
+    let shrinks =
+        |i| if matches!(algorithm, Algorithm::Sppm | Algorithm::Hybrid) { squared_radius_ratio(ALPHA, i) } else { 1.0 };
     let checkpoint = |i: u32| {
         let n = 1 << i;
         let variance = noise * noise * (0..n).map(|i| 1.0 / shrinks(i)).sum::<f64>() / f64::from(n * n);
@@ -54,7 +55,7 @@ fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, c
             seconds,
             wall: 0.5 * seconds,
             rays: 3e6 * f64::from(n),
-            photons: if algorithm.has_photons() { 5e5 * f64::from(n) } else { 0.0 },
+            photons: if algorithm.traces_photons() { 5e5 * f64::from(n) } else { 0.0 },
             noise2: noises.iter().sum::<f64>() / SEEDS as f64,
             bias2: drift * drift,
             estimated: squares.iter().map(|s| 1.1 * s).collect(),
@@ -87,7 +88,7 @@ fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, c
         ),
         setup: 0.4,
         alpha,
-        radii: algorithm.has_photons().then_some([0.08, 0.02]),
+        radii: algorithm.traces_photons().then_some([0.08, 0.02]),
         error: pairs().map(|(a, b)| (*a - *b).length() / (b.length() + 0.2)).collect(),
         difference: Image::from_pixels(WIDTH, HEIGHT, pairs().map(|(a, b)| *a - *b).collect()).unwrap(),
         picture: shown,

@@ -35,11 +35,12 @@ struct PilotSettings {
 impl PilotSettings {
     fn new(scene: &Scene, algorithm: Algorithm, settings: &Settings) -> Self {
         let integrator = algorithm.prepare(scene, settings.clone());
-        let balance = integrator.balance();
+        let balance = integrator.ray_photon_balance();
         let (width, height) = scene.camera().size();
         let camera_rays = integrator.expected_work(integrator.plan().simulated_effects()).camera_rays;
-        let radius =
-            integrator.radii().map(|radii| if algorithm == Algorithm::Hybrid { radii.caustic } else { radii.global });
+        let radius = integrator
+            .gather_radii()
+            .map(|radii| if algorithm == Algorithm::Hybrid { radii.caustic } else { radii.indirect });
         Self {
             samples: (camera_rays / (u64::from(width) * u64::from(height))).max(1) as u32,
             photons: balance.and_then(|b| b.photons).unwrap_or(settings.photons),
@@ -52,7 +53,7 @@ impl PilotSettings {
 /// Returns a method with default settings, and its variants with one setting changed.
 ///
 /// A pilot chooses the numbers of rays and photons once for all variants. The radius to scale is
-/// that of the caustic map for `hybrid`, and of the global map for other methods.
+/// that of the caustic map for `hybrid`, and of the indirect map for other methods.
 pub(super) fn knob_study_variants(
     algorithm: Algorithm,
     shared: &MethodArguments,
@@ -69,7 +70,7 @@ fn one_setting_variants(plain: NamedVariant, pilot: &PilotSettings) -> Vec<Named
     let NamedVariant { label: name, mut method } = plain;
     let algorithm = method.integrator;
     method.spp = Some(pilot.samples);
-    if algorithm.has_photons() {
+    if algorithm.traces_photons() {
         (method.photons, method.caustic_photons) = (Some(pilot.photons), Some(pilot.caustic_photons));
     }
     let base = method.clone();
@@ -80,7 +81,7 @@ fn one_setting_variants(plain: NamedVariant, pilot: &PilotSettings) -> Vec<Named
         all.push(NamedVariant { label: format!("{name} {flag}"), method });
     };
     let scaled = |n: u32, by: f64| (f64::from(n) * by).round().clamp(1.0, f64::from(u32::MAX)) as u32;
-    if algorithm.has_photons() {
+    if algorithm.traces_photons() {
         for k in GATHER_COUNTS.into_iter().filter(|k| base.gather_k != Some(*k)) {
             add(format!("--gather-k {k}"), &|method| method.gather_k = Some(k));
         }

@@ -110,7 +110,7 @@ fn run_method_study(
         ReferenceSource::Two(a, b) => Some(References::read(a, Some(b), size)),
     };
     let given = given.transpose().into_diagnostic().map_err(|e| Failure::new(Exit::Input, e))?;
-    let algorithms = variants.iter().map(|v| v.algorithm.simulates());
+    let algorithms = variants.iter().map(|v| v.algorithm.supported_effects());
     let plans = algorithms.map(|simulates| Plan::new(&scene, simulates, arguments.simulate));
     for (variant, plan) in variants.iter().zip(plans) {
         plan::omitted_effect_warnings(&plan).for_each(|line| print_message(&format!("{line} ({})", variant.label)));

@@ -48,13 +48,13 @@ impl EmissionGuidingCells {
         parent_cells: Option<&Self>,
     ) -> Self {
         #[derive(Clone, Copy, Default)]
-        struct Sum {
+        struct CellSum {
             count: f64,
             weight: f64,
             square: f64,
         }
         let (positions, directions) = (1usize << resolution.0, 1usize << resolution.1);
-        let mut sums = vec![Sum::default(); (positions * directions) * (positions * directions)];
+        let mut sums = vec![CellSum::default(); (positions * directions) * (positions * directions)];
         for s in samples {
             let sum = &mut sums[cell_index(resolution, s.position, s.direction)];
             sum.count += 1.0;
@@ -62,7 +62,7 @@ impl EmissionGuidingCells {
             sum.square += s.weight * s.square;
         }
         let center = |i: usize, side: usize| (Vec2::new((i % side) as f32, (i / side) as f32) + 0.5) / side as f32;
-        let square = |(i, sum): (usize, &Sum)| {
+        let square = |(i, sum): (usize, &CellSum)| {
             let inner = directions * directions;
             let parent = parent_cells.map(|p| {
                 p.squares[cell_index(p.resolution, center(i / inner, positions), center(i % inner, directions))]
@@ -76,13 +76,13 @@ impl EmissionGuidingCells {
 
     /// Mean over cells of the root mean square: the root of the second moment of an ideally guided
     /// estimate.
-    fn guided_deviation(&self) -> f64 {
+    fn guided_root_mean_square(&self) -> f64 {
         self.squares.iter().map(|s| s.sqrt()).sum::<f64>() / self.squares.len() as f64
     }
 
     /// Pdf in each cell: a `uniform` fraction, and the rest in proportion to the root mean square.
     fn cell_pdfs(&self, uniform: f64) -> Vec<f64> {
-        let mean = self.guided_deviation();
+        let mean = self.guided_root_mean_square();
         let pdf = |s: &f64| if mean > 0.0 { uniform + (1.0 - uniform) * s.sqrt() / mean } else { 1.0 };
         self.squares.iter().map(pdf).collect()
     }
@@ -152,8 +152,8 @@ impl EmissionGuidingFit {
 
     /// Root of the second moment of guided paths of this light. Light probabilities are
     /// proportional to it.
-    pub fn guided_deviation(&self) -> f64 {
-        self.cells.guided_deviation()
+    pub fn guided_root_mean_square(&self) -> f64 {
+        self.cells.guided_root_mean_square()
     }
 
     /// The guiding distribution with a `uniform` fraction; `None` if the fit has a single cell.

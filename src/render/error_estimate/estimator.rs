@@ -37,7 +37,7 @@ struct NestedEstimateSums {
     differences: [Vec<Vec3>; 2],
     /// Σ D₀², Σ D₀·D₁ and Σ D₁² over passes and channels.
     products: Vec<[f64; 3]>,
-    /// Discs of the estimates from the caustic and the global map.
+    /// Discs of the estimates from the caustic and the indirect map.
     discs: Vec<[DiscMean; 2]>,
     samples: EffectiveSampleCount,
 }
@@ -58,8 +58,8 @@ pub struct ErrorMaps {
     pub bias: Vec<Vec3>,
     /// Mean radius and photon count of estimates from the caustic map.
     pub caustic: Vec<MeanGatherDisc>,
-    /// Mean radius and photon count of estimates from the global map.
-    pub global: Vec<MeanGatherDisc>,
+    /// Mean radius and photon count of estimates from the indirect map.
+    pub indirect: Vec<MeanGatherDisc>,
 }
 
 impl ErrorEstimator {
@@ -181,7 +181,7 @@ impl ErrorEstimator {
         let [d0, d1] = &estimates.differences;
         let bias = d0.iter().zip(d1).map(|(a, b)| (*a + *b) * factor).collect();
         let discs = |map: usize| estimates.discs.iter().map(|d| d[map].mean()).collect();
-        ErrorMaps { noise, bias, caustic: discs(0), global: discs(1) }
+        ErrorMaps { noise, bias, caustic: discs(0), indirect: discs(1) }
     }
 }
 
@@ -205,9 +205,9 @@ impl NestedEstimateSums {
             for (sum, product) in self.products[i].iter_mut().zip([a.dot(a), a.dot(b), b.dot(b)]) {
                 *sum += product;
             }
-            let [caustic, global] = &mut self.discs[i];
+            let [caustic, indirect] = &mut self.discs[i];
             caustic.add(pixel.caustic);
-            global.add(pixel.global);
+            indirect.add(pixel.indirect);
         }
     }
 

@@ -70,7 +70,7 @@ pub struct MethodResult {
     pub setup: f64,
     /// Parameter α of the radius law (Knaus and Zwicker 2011); 1 for fixed radii.
     pub alpha: f64,
-    /// Largest gather radius in the first pass of the global and of the caustic map \[length].
+    /// Largest gather radius in the first pass of the indirect and of the caustic map \[length].
     ///
     /// `None` if the algorithm has no photons.
     pub radii: Option<[f32; 2]>,

@@ -8,7 +8,7 @@ use crate::color::Rgb;
 use crate::image::Image;
 use crate::image::flip::{FlipOptions, flip};
 use crate::image::metrics::rmse;
-use crate::integrate::{Expected, Integrator, Monitor, Radii};
+use crate::integrate::{ExpectedPhotons, GatherRadii, Integrator, ProgressMonitor};
 use crate::render::Film;
 use crate::render::error_estimate::ErrorEstimator;
 use crate::scene::Scene;
@@ -63,8 +63,8 @@ struct MethodRun<'a> {
     variant: MethodVariant,
     make: IntegratorFactory<'a>,
     setup: f64,
-    radii: Option<Radii>,
-    expected: Expected,
+    radii: Option<GatherRadii>,
+    expected: ExpectedPhotons,
     alpha: f64,
     seeds: Vec<SeedRun<'a>>,
     time: CpuWallTime,
@@ -123,7 +123,7 @@ impl<'a> MethodStudy<'a> {
         check_variants(&named, seeds)?;
         let runs = named.into_iter().zip(makers).map(|(variant, make)| {
             let (first, setup) = measure_time(&clock, || make(variant.settings.camera_paths.seed));
-            let (radii, expected) = (first.radii(), first.expected());
+            let (radii, expected) = (first.gather_radii(), first.expected_photons());
             let alpha = first.radius_law().map_or(1.0, |law| law.alpha);
             let none = (1..seeds).map(|_| None);
             let film = |integrator| SeedRun { integrator, film: Film::new(size.0, size.1), estimator: None };
@@ -148,8 +148,8 @@ impl<'a> MethodStudy<'a> {
 
     /// Numbers of photons that determine the memory of a pass: their maxima over all methods.
     #[must_use]
-    pub fn largest_pass_memory(&self) -> Expected {
-        self.runs.iter().map(|run| run.expected).fold(Expected::default(), |a, b| Expected {
+    pub fn largest_pass_memory(&self) -> ExpectedPhotons {
+        self.runs.iter().map(|run| run.expected).fold(ExpectedPhotons::default(), |a, b| ExpectedPhotons {
             paths: a.paths.max(b.paths),
             photons: a.photons.max(b.photons),
             most: a.most.max(b.most),
@@ -182,7 +182,7 @@ impl<'a> MethodStudy<'a> {
         limits: StudyLimits,
         references: &References,
         interrupted: &AtomicBool,
-        monitor: &dyn Monitor,
+        monitor: &dyn ProgressMonitor,
         mut after: impl FnMut(StudyProgress<'_>),
     ) -> Result<MethodStudyResult, StudyError> {
         let (mut round, mut cut) = (0u32, false);
@@ -208,7 +208,7 @@ impl<'a> MethodStudy<'a> {
     ///
     /// Each round starts with another seed. So a slow phase of the machine or a cold cache affects
     /// all methods equally.
-    fn run_round(&mut self, pass: u32, monitor: &dyn Monitor) {
+    fn run_round(&mut self, pass: u32, monitor: &dyn ProgressMonitor) {
         let seeds = self.seeds as usize;
         let running = (0..self.runs.len()).filter(|i| self.runs[*i].last.is_none());
         let turns: Vec<(usize, usize)> = running.flat_map(|run| (0..seeds).map(move |seed| (run, seed))).collect();
@@ -246,16 +246,16 @@ impl<'a> MethodStudy<'a> {
 }
 
 impl MethodRun<'_> {
-    fn run_pass(&mut self, seed: usize, pass: u32, clock: &dyn Fn() -> CpuWallTime, monitor: &dyn Monitor) {
+    fn run_pass(&mut self, seed: usize, pass: u32, clock: &dyn Fn() -> CpuWallTime, monitor: &dyn ProgressMonitor) {
         let SeedRun { integrator, film, estimator } = &mut self.seeds[seed];
         let first = self.variant.settings.camera_paths.seed;
         let integrator = integrator.get_or_insert_with(|| (self.make)(first.wrapping_add(seed as u64)));
-        let (pass, time) = measure_time(clock, || integrator.pass(pass, monitor));
+        let (pass, time) = measure_time(clock, || integrator.render_pass(pass, monitor));
         estimator.get_or_insert_with(|| ErrorEstimator::new(integrator.radius_law())).add(film, &pass);
         film.add(&pass.image);
         self.time += time;
         self.rays += pass.counters.total_rays();
-        self.photons += pass.global.emitted + pass.caustic.emitted;
+        self.photons += pass.unaimed.emitted + pass.aimed.emitted;
     }
 
     /// Measures all seeds after `passes` passes and adds a checkpoint.
@@ -317,7 +317,7 @@ impl MethodRun<'_> {
             algorithm: self.variant.algorithm,
             setup: self.setup,
             alpha: self.alpha,
-            radii: self.radii.map(|r| [r.global, r.caustic]),
+            radii: self.radii.map(|r| [r.indirect, r.caustic]),
             checkpoints: self.checkpoints,
             picture,
             error,

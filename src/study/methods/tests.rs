@@ -9,7 +9,7 @@ use super::{
 };
 use crate::color::Rgb;
 use crate::image::{self, Image, WriteOptions};
-use crate::integrate::{Algorithm, CameraPathSettings, Integrator, Monitor, Pass, Settings, Silent};
+use crate::integrate::{Algorithm, CameraPathSettings, Integrator, Pass, ProgressMonitor, Settings, SilentMonitor};
 use crate::plan::{Effect, EffectOverrides, Effects, Plan};
 use crate::stats::{Counters, cpu_seconds};
 use crate::study::tests::{diffuse_sphere_on_floor, glass_sphere_on_floor};
@@ -116,7 +116,7 @@ struct SyntheticRun<'w> {
 }
 
 impl Integrator for SyntheticRun<'_> {
-    fn pass(&self, pass: u32, _: &dyn Monitor) -> Pass {
+    fn render_pass(&self, pass: u32, _: &dyn ProgressMonitor) -> Pass {
         let SyntheticMethod { bias, sigma, cost, interrupts } = self.fake;
         let processor = cost * (1.0 + 0.5 * self.seed as f64);
         // Other programs have the processor for a fifth of the time.
@@ -127,8 +127,8 @@ impl Integrator for SyntheticRun<'_> {
         let name = (f64::to_bits(cost) >> 40) + 1000 * u64::from(pass) + self.seed;
         let counters = Counters { camera_rays: 10 + self.seed, shadow_rays: 5, ..Counters::default() };
         let mut pass = Pass { image: noisy_picture(bias, sigma, name), counters, ..Pass::default() };
-        pass.global.emitted = 100;
-        pass.caustic.emitted = 50;
+        pass.unaimed.emitted = 100;
+        pass.aimed.emitted = 50;
         pass
     }
 
@@ -154,7 +154,7 @@ fn run_study<'w>(world: &'w SharedState, fakes: &[SyntheticMethod], limits: Stud
     let study = MethodStudy::new(SIZE, fakes.iter().map(|f| variant(*f)).collect(), 2, clock).unwrap();
     let subject = StudiedScene { scene: "a.txt".into(), ..StudiedScene::default() };
     let mut reported = Vec::new();
-    let found = study.run(&subject, limits, &references_with_noise(0.0), &world.interrupted, &Silent, |step| {
+    let found = study.run(&subject, limits, &references_with_noise(0.0), &world.interrupted, &SilentMonitor, |step| {
         if let StudyProgress::Checkpoint(label, checkpoint) = step {
             reported.push((label.to_owned(), checkpoint.passes));
         }
@@ -259,7 +259,7 @@ fn measured_errors_match_synthetic_methods() {
     }
     let world = SharedState::default();
     let one = SyntheticRun { fake: SLOW_METHOD, seed: 0, world: &world };
-    let sum = (0..16).map(|i| one.pass(i, &Silent).image[7].as_dvec3()).sum::<glam::DVec3>();
+    let sum = (0..16).map(|i| one.render_pass(i, &SilentMonitor).image[7].as_dvec3()).sum::<glam::DVec3>();
     assert_eq!(found.methods[0].picture.pixels()[7], (sum / 16.0).as_vec3());
 }
 
@@ -281,8 +281,15 @@ fn reference_algorithm_depends_on_caustics() {
     assert_eq!(reference_algorithm(&glass, EffectOverrides::PLANNED.without(Effect::Caustics)).0, Algorithm::Path);
     let render = |seed, interrupted| {
         let like = CameraPathSettings { seed, ..CameraPathSettings::default() };
-        References::render(&diffuse_sphere_on_floor, &like, 0.0, &AtomicBool::new(interrupted), &Silent, |_, _| {})
-            .unwrap()
+        References::render(
+            &diffuse_sphere_on_floor,
+            &like,
+            0.0,
+            &AtomicBool::new(interrupted),
+            &SilentMonitor,
+            |_, _| {},
+        )
+        .unwrap()
     };
     let [first, second] = [0, 1].map(|seed| render(seed, false).unwrap());
     assert!(

@@ -2,7 +2,7 @@
 
 use crate::support::scene_from_text_in;
 use caustica::color::Rgb;
-use caustica::integrate::{Algorithm, CameraPathSettings, FinalGathering, Settings, Silent};
+use caustica::integrate::{Algorithm, CameraPathSettings, FinalGathering, Settings, SilentMonitor};
 use caustica::plan::{Decision, EffectOverrides};
 use caustica::scene::Scene;
 use caustica::stats::Counters;
@@ -69,7 +69,7 @@ impl Picture {
         let decisions = integrator.plan().decisions.clone();
         let mut picture = Self { pixels: Vec::new(), counters: Counters::default(), decisions };
         for i in 0..how.passes {
-            let pass = integrator.pass(i, &Silent);
+            let pass = integrator.render_pass(i, &SilentMonitor);
             picture.pixels.extend(pass.image);
             picture.counters += pass.counters;
         }

@@ -111,7 +111,7 @@ fn check(seed: u64, algorithm: Algorithm, change: impl FnOnce(&mut RenderSetting
     let r = &mut Random::new(!seed ^ algorithm as u64);
     let mut how = random_settings(r, algorithm);
     change(&mut how);
-    let plan = Plan::new(&scene, algorithm.simulates(), EffectOverrides::PLANNED);
+    let plan = Plan::new(&scene, algorithm.supported_effects(), EffectOverrides::PLANNED);
     let found = difference(&scene, &how, random_forced_effects(r, &plan)).map(|d| format!("seed {seed}: {d}\n{text}"));
     // Printed at once, because a search through many seeds takes long.
     found.inspect(|found| eprintln!("{found}"))

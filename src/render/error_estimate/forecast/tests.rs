@@ -48,7 +48,9 @@ fn fixed_radii_leave_a_floor() {
 fn shrinking_radii_follow_their_law() {
     let alpha = 2.0 / 3.0;
     let forecast = ErrorForecast::new(&error_estimate_of(8, 0.04, 0.02, 0.02, 0.5), Some((alpha, 0.5)));
-    let mean = |n: u32, power: f64| (0..n).map(|i| libm::pow(shrink(alpha, i), power)).sum::<f64>() / f64::from(n);
+    let mean = |n: u32, power: f64| {
+        (0..n).map(|i| libm::pow(squared_radius_ratio(alpha, i), power)).sum::<f64>() / f64::from(n)
+    };
     let (noise, bias) = forecast.noise_and_bias_after(64);
     let expected = 0.04 / 8.0 * (mean(64, -1.0) / 64.0) / (mean(8, -1.0) / 8.0);
     assert!((noise * noise / expected - 1.0).abs() < 1e-9, "{noise}");

@@ -3,7 +3,7 @@
 use super::slopes::student_t_quantile;
 use super::*;
 use crate::image::Image;
-use crate::integrate::{ALPHA, Algorithm, shrink};
+use crate::integrate::{ALPHA, Algorithm, squared_radius_ratio};
 use crate::sampling::Key;
 use crate::study::methods::{Checkpoint, GroundTruth, MethodResult, MethodStudyResult};
 use glam::Vec3;
@@ -19,7 +19,7 @@ fn synthetic_method(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32],
     let mut rng = Key::new(77).child_key(name).rng();
     // Irwin–Hall: twelve uniform numbers less six have variance 1.
     let mut normal = || (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0;
-    let shrinks = |i: u32| shrink(alpha, i);
+    let shrinks = |i: u32| squared_radius_ratio(alpha, i);
     let (mut made, mut drift) = (0, 0.0);
     let mut sums = vec![[0.0; PIXELS]; SEEDS];
     let checkpoints = passes.iter().map(|&n| {

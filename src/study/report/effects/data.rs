@@ -99,7 +99,7 @@ pub fn markdown(about: &ReportContext, findings: &EffectStudyResult) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::integrate::{Algorithm, Settings, Silent};
+    use crate::integrate::{Algorithm, Settings, SilentMonitor};
     use crate::plan::{Effect, EffectOverrides};
     use crate::study::EffectStudy;
     use crate::study::tests::diffuse_sphere_on_floor;
@@ -111,7 +111,7 @@ mod tests {
         let mut settings = Settings::default();
         settings.camera_paths.effects = EffectOverrides::PLANNED.with(Effect::Environment);
         let study = EffectStudy::prepare(&scene, Algorithm::Whitted, &settings);
-        let findings = study.run(2, &AtomicBool::new(false), &Silent, |_| {}).unwrap();
+        let findings = study.run(2, &AtomicBool::new(false), &SilentMonitor, |_| {}).unwrap();
         let table = csv(&findings);
         let rows: Vec<&str> = table.split("\r\n").collect();
         assert_eq!(rows.len(), 1 + findings.plan.decisions.len() + 1);

@@ -218,7 +218,7 @@ pub fn markdown(found: &MethodStudyResult) -> String {
     text += &format!("\n## Verdicts\n\n{}", markdown_table(&heads, &rows.collect::<Vec<_>>()));
     let rows = all().map(|(method, judged)| {
         let reach = |reach: &TimeToError| {
-            let (time, work) = time_to_error_text(reach, method.algorithm.has_photons());
+            let (time, work) = time_to_error_text(reach, method.algorithm.traces_photons());
             if work.is_empty() { time } else { format!("{time} ({})", work.join(", ")) }
         };
         let reaches = judged.reaches.iter().chain([&judged.tenth]).map(reach);

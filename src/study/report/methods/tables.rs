@@ -75,7 +75,7 @@ pub(super) fn times_table_html(found: &MethodStudyResult, analysis: &StudyAnalys
         let _ = write!(table, "<tr><th scope=\"row\">{}{}</th>", method_marker_svg(i), escape_html(&method.label));
         let _ = write!(table, "<td class=\"n\">{}</td>", duration_text(method.setup));
         for reach in judged.reaches.iter().chain([&judged.tenth]) {
-            let (time, work) = time_to_error_text(reach, method.algorithm.has_photons());
+            let (time, work) = time_to_error_text(reach, method.algorithm.traces_photons());
             let class = if matches!(reach, TimeToError::Predicted { .. }) { "n predicted" } else { "n" };
             let _ = write!(table, "<td class=\"{class}\">{}", escape_html(&time));
             work.iter().for_each(|line| table += &format!("<small>{}</small>", escape_html(line)));

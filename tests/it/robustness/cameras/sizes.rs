@@ -8,7 +8,7 @@ use caustica::image::flip::{FlipOptions, flip};
 use caustica::image::{
     BitDepth, Image, OutputFormat, PictureContent, ToneCurve, ToneMap, WriteOptions, decode, encode, metrics,
 };
-use caustica::integrate::{Algorithm, CameraPathSettings, FinalGathering, Settings, Silent};
+use caustica::integrate::{Algorithm, CameraPathSettings, FinalGathering, Settings, SilentMonitor};
 use caustica::render::{StopCriteria, render};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -65,7 +65,7 @@ fn tiny_images_are_finite_with_every_integrator() {
                     target: None,
                     interrupted: &interrupted,
                 };
-                let rendered = render(integrator.as_ref(), size, &stop, &Silent, |_| {});
+                let rendered = render(integrator.as_ref(), size, &stop, &SilentMonitor, |_| {});
                 let what = format!("{algorithm:?} {camera}");
                 let mean = rendered.film.mean();
                 assert_eq!(mean.len() as u64, u64::from(size.0) * u64::from(size.1), "{what}");
