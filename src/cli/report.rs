@@ -32,7 +32,7 @@ pub(super) struct RenderReport {
     pub balance: Option<RayPhotonBalance>,
     pub photons: PhotonReports,
     /// `None` with too few passes, or without an error estimate.
-    pub error: Option<ErrorReport>,
+    pub error: Option<EstimatedErrorReport>,
     pub counters: Counters,
     pub seconds: RenderTimes,
     pub rates: RenderRates,
@@ -42,7 +42,7 @@ pub(super) struct RenderReport {
 
 /// Estimated relative error of the picture, and the cost of halving it.
 #[derive(Debug, Serialize)]
-pub(super) struct ErrorReport {
+pub(super) struct EstimatedErrorReport {
     #[serde(flatten)]
     pub estimate: ErrorEstimate,
     /// Confidence that the error lies between `low` and `high` of the estimate.
@@ -53,7 +53,7 @@ pub(super) struct ErrorReport {
     halving_seconds: Option<f64>,
 }
 
-impl ErrorReport {
+impl EstimatedErrorReport {
     fn new(rendered: &RenderResult, confidence: Confidence) -> Option<Self> {
         let estimator = rendered.estimator.as_ref()?;
         let estimate = estimator.estimate_with_confidence(&rendered.film, confidence);
@@ -136,7 +136,7 @@ impl RenderReport {
             effects: setup.effects,
             balance: setup.balance,
             photons: PhotonReports { global: rendered.unaimed, caustic: rendered.aimed },
-            error: ErrorReport::new(rendered, confidence),
+            error: EstimatedErrorReport::new(rendered, confidence),
             counters: rendered.counters,
             seconds: RenderTimes { setup: setup.seconds, passes: rendered.seconds, render: wall },
             rates: RenderRates {

@@ -266,7 +266,7 @@ fn photon_radiance<I: Interior>(
 ) -> Rgb {
     let samples = match paths.policy.photons {
         PhotonLookups::Never => return Rgb::ZERO,
-        PhotonLookups::OncePerPixel => match vertex.sampler.index_and_count() {
+        PhotonLookups::OncePerPixel => match vertex.sampler.sample_index_and_count() {
             (0, samples) if vertex.history.receivers == 0 => samples,
             _ => return Rgb::ZERO,
         },

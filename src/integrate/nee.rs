@@ -106,7 +106,7 @@ impl<'a> NextEventEstimator<'a> {
                 let u = if self.centers {
                     CENTER
                 } else {
-                    sampler.split_sample(ray, rays).get_2d(Dimension::LightPosition)
+                    sampler.subsample_sampler(ray, rays).get_2d(Dimension::LightPosition)
                 };
                 sum += self.shadow_ray_contribution(i, vertex, u, rays as f32, continues, worker);
             }

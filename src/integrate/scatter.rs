@@ -94,5 +94,5 @@ fn sample_gather_guide<I: Interior>(vertex: &PathVertex<'_, I>, worker: &PathWor
     };
     let reflected = surface.bsdf_cosine(wi);
     let pdf = mixed(wi);
-    (reflected != Rgb::ZERO && pdf > 0.0).then(|| BsdfSample::non_specular(wi, reflected / pdf, pdf, false))
+    (reflected != Rgb::ZERO && pdf > 0.0).then(|| BsdfSample::non_specular_sample(wi, reflected / pdf, pdf, false))
 }

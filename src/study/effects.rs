@@ -3,7 +3,7 @@
 use crate::image::metrics::{MetricError, rmse};
 use crate::image::{Image, SizeError, WriteError};
 use crate::integrate::{Algorithm, ExpectedPhotons, Integrator, ProgressMonitor, Settings};
-use crate::plan::{Decision, Plan};
+use crate::plan::{EffectDecision, Plan};
 use crate::render::Film;
 use crate::scene::Scene;
 use crate::stats::{Counters, cpu_seconds};
@@ -109,7 +109,7 @@ pub struct EffectContribution {
 #[derive(Clone, Debug)]
 pub struct EffectResult {
     /// The effect and the reason why it is simulated.
-    pub decision: Decision,
+    pub decision: EffectDecision,
     /// Time and work of the picture without the effect.
     pub without: PictureCost,
     /// Cost of the effect.
@@ -154,7 +154,7 @@ pub struct EffectStudy<'a> {
 /// A picture of a study between two passes.
 struct PictureInProgress<'a> {
     /// The omitted effect; `None` for the whole picture.
-    without: Option<Decision>,
+    without: Option<EffectDecision>,
     integrator: Box<dyn Integrator + 'a>,
     film: Film,
     spent: PictureCost,
@@ -168,7 +168,7 @@ impl<'a> EffectStudy<'a> {
         let plan = Plan::new(scene, algorithm.supported_effects(), settings.camera_paths.effects);
         let settings = settings_with_pilot_counts(scene, algorithm, settings);
         let size = scene.camera().size();
-        let run = |without: Option<Decision>| {
+        let run = |without: Option<EffectDecision>| {
             let mut settings = settings.clone();
             if let Some(decision) = without {
                 settings.camera_paths.effects = settings.camera_paths.effects.without(decision.effect);
@@ -196,7 +196,7 @@ impl<'a> EffectStudy<'a> {
 
     /// Numbers of photons that determine the memory of a pass: their maxima over all pictures.
     #[must_use]
-    pub fn largest_pass_memory(&self) -> ExpectedPhotons {
+    pub fn largest_expected_photons(&self) -> ExpectedPhotons {
         let all = self.runs.iter().map(|run| run.integrator.expected_photons());
         all.fold(ExpectedPhotons::default(), |a, b| ExpectedPhotons {
             paths: a.paths.max(b.paths),

@@ -4,8 +4,8 @@ use crate::support::browser::Browser;
 use caustica::image::Image;
 use caustica::integrate::{ALPHA, Algorithm, squared_radius_ratio};
 use caustica::sampling::{Dimension, Key};
-use caustica::study::methods::{Checkpoint, GroundTruth, MethodResult, MethodStudyResult};
-use caustica::study::report::methods::{csv, markdown, method_study_json, methods_html_page};
+use caustica::study::methods::{ConvergenceCheckpoint, GroundTruth, MethodResult, MethodStudyResult};
+use caustica::study::report::methods::{csv_report, markdown_report, method_study_json, methods_html_page};
 use glam::Vec3;
 use std::collections::BTreeSet;
 
@@ -50,7 +50,7 @@ fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, c
         let noises: Vec<f64> = (0..SEEDS).map(|seed| variance * own(seed)).collect();
         let squares: Vec<f64> = noises.iter().map(|n| n + drift * drift).collect();
         let seconds = pass * f64::from(n);
-        Checkpoint {
+        ConvergenceCheckpoint {
             passes: n,
             seconds,
             wall: 0.5 * seconds,
@@ -65,7 +65,7 @@ fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, c
             squares,
         }
     };
-    let checkpoints: Vec<Checkpoint> = (0..count).map(checkpoint).collect();
+    let checkpoints: Vec<ConvergenceCheckpoint> = (0..count).map(checkpoint).collect();
     let last = checkpoints.last().unwrap();
     let (grain, blur) = (last.noise2.sqrt(), last.bias2.sqrt());
     let soft = |x: f64, y: f64| {
@@ -196,19 +196,23 @@ fn minimal_study_makes_a_page() {
     found.methods[0].checkpoints.clear();
     let last = &mut found.methods[1];
     last.checkpoints.truncate(1);
-    last.checkpoints[0] = Checkpoint { passes: 1, ..Checkpoint::default() };
+    last.checkpoints[0] = ConvergenceCheckpoint { passes: 1, ..ConvergenceCheckpoint::default() };
     last.error.fill(0.0);
     let page = words(&methods_html_page(&found).unwrap());
     assert!(unbalanced(&page).is_none() && page.contains("too few checkpoints") && !page.contains("NaN"));
     found.methods.clear();
     assert_eq!(unbalanced(&words(&methods_html_page(&found).unwrap())), None);
-    assert!(csv(&found).lines().count() == 1 && method_study_json(&found).is_ok() && markdown(&found).contains("room"));
+    assert!(
+        csv_report(&found).lines().count() == 1
+            && method_study_json(&found).is_ok()
+            && markdown_report(&found).contains("room")
+    );
 }
 
 #[test]
 fn data_files_hold_every_checkpoint() {
     let found = found();
-    let table = csv(&found);
+    let table = csv_report(&found);
     let rows: Vec<&str> = table.split("\r\n").collect();
     assert_eq!(rows.len(), 1 + 9 + 8 + 8 + 8 + 7 + 1);
     assert!(rows[1].ends_with("\"caustica render --integrator path --seed 1 --passes 256 \"\"room & <ball>.txt\"\"\""));
@@ -219,7 +223,7 @@ fn data_files_hold_every_checkpoint() {
     assert_eq!(methods[0]["checkpoints"][8]["passes"], 256);
     assert_eq!(methods[4]["reaches"][3]["how"], "never");
     assert!((methods[0]["fit"]["error"]["by_passes"]["value"].as_f64().unwrap() + 0.5).abs() < 0.02);
-    let text = markdown(&found);
+    let text = markdown_report(&found);
     assert!(text.contains("| path | ") && text.contains("never: plateau") && text.contains("```sh\ncaustica render"));
 }
 

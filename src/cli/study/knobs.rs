@@ -1,6 +1,6 @@
 //! `caustica study --knobs`: variants of a method, each with one setting changed.
 
-use super::variants::NamedVariant;
+use super::variants::VariantArguments;
 use crate::cli::args::MethodArguments;
 use crate::cli::settings::{kernel_name, settings_from_arguments};
 use crate::integrate::{Algorithm, FinalGathering, Settings};
@@ -59,26 +59,26 @@ pub(super) fn knob_study_variants(
     shared: &MethodArguments,
     overrides: EffectOverrides,
     scene: &Scene,
-) -> Vec<NamedVariant> {
-    let plain = NamedVariant::from_algorithm(algorithm, shared);
+) -> Vec<VariantArguments> {
+    let plain = VariantArguments::from_algorithm(algorithm, shared);
     let pilot = PilotSettings::new(scene, algorithm, &settings_from_arguments(&plain.method, overrides));
     one_setting_variants(plain, &pilot)
 }
 
 /// Returns the method `plain` and its variants, given the settings that a pilot chose.
-fn one_setting_variants(plain: NamedVariant, pilot: &PilotSettings) -> Vec<NamedVariant> {
-    let NamedVariant { label: name, mut method } = plain;
+fn one_setting_variants(plain: VariantArguments, pilot: &PilotSettings) -> Vec<VariantArguments> {
+    let VariantArguments { label: name, mut method } = plain;
     let algorithm = method.integrator;
     method.spp = Some(pilot.samples);
     if algorithm.traces_photons() {
         (method.photons, method.caustic_photons) = (Some(pilot.photons), Some(pilot.caustic_photons));
     }
     let base = method.clone();
-    let mut all = vec![NamedVariant { label: name.clone(), method }];
+    let mut all = vec![VariantArguments { label: name.clone(), method }];
     let mut add = |flag: String, change: &dyn Fn(&mut MethodArguments)| {
         let mut method = base.clone();
         change(&mut method);
-        all.push(NamedVariant { label: format!("{name} {flag}"), method });
+        all.push(VariantArguments { label: format!("{name} {flag}"), method });
     };
     let scaled = |n: u32, by: f64| (f64::from(n) * by).round().clamp(1.0, f64::from(u32::MAX)) as u32;
     if algorithm.traces_photons() {

@@ -45,7 +45,7 @@ impl NextEventEstimator<'_> {
                     let rays = if !light.is_delta() && !self.centers { rays } else { 1 };
                     let sampler = path_segment.shadow_sampler.nth_shadow_ray_sampler(i);
                     for ray in 0..rays {
-                        let sampler = sampler.split_sample(ray, rays);
+                        let sampler = sampler.subsample_sampler(ray, rays);
                         let pivot = light.emission_point().filter(|_| segment.medium.is_homogeneous());
                         let point = pivot
                             .map_or_else(path_point, |pivot| sample_scatter_point_near(path_segment, pivot, sampler));

@@ -60,7 +60,7 @@ pub enum ReferenceError {
 
 /// Two reference pictures of equal size with finite pixels.
 #[derive(Clone, Debug)]
-pub struct References {
+pub struct ReferencePictures {
     source: String,
     error: Option<f64>,
     pair: [Image; 2],
@@ -68,7 +68,7 @@ pub struct References {
     scale: RelativeScale,
 }
 
-impl References {
+impl ReferencePictures {
     /// Makes references of `a` and `b`. Without `b`, `a` is taken as exact.
     ///
     /// `source` describes their origin in reports.

@@ -3,10 +3,12 @@
 use super::clock::{ClockFn, measure_time, system_clock};
 use super::split::{mean_pixel, pixel_errors, separate_noise_and_bias};
 use super::variant::{MethodVariantError, check_variants};
-use super::{Checkpoint, CpuWallTime, MethodResult, MethodStudyResult, MethodVariant, References, StudiedScene};
+use super::{
+    ConvergenceCheckpoint, CpuWallTime, MethodResult, MethodStudyResult, MethodVariant, ReferencePictures, StudiedScene,
+};
 use crate::color::Rgb;
 use crate::image::Image;
-use crate::image::flip::{FlipOptions, flip};
+use crate::image::flip::{FlipMetricOptions, flip_metric};
 use crate::image::metrics::rmse;
 use crate::integrate::{ExpectedPhotons, GatherRadii, Integrator, ProgressMonitor};
 use crate::render::Film;
@@ -41,7 +43,7 @@ pub enum StudyProgress<'s> {
     /// A round ended: one pass of each seed of each running method. Holds the number of rounds.
     Round(u32),
     /// A method reached a checkpoint. Holds the method's label and the checkpoint.
-    Checkpoint(&'s str, &'s Checkpoint),
+    Checkpoint(&'s str, &'s ConvergenceCheckpoint),
 }
 
 /// Function that prepares an integrator with the given seed.
@@ -70,7 +72,7 @@ struct MethodRun<'a> {
     time: CpuWallTime,
     rays: u64,
     photons: u64,
-    checkpoints: Vec<Checkpoint>,
+    checkpoints: Vec<ConvergenceCheckpoint>,
     /// Pictures of the last checkpoint; `None` while the method runs.
     last: Option<FinalPictures>,
 }
@@ -148,7 +150,7 @@ impl<'a> MethodStudy<'a> {
 
     /// Numbers of photons that determine the memory of a pass: their maxima over all methods.
     #[must_use]
-    pub fn largest_pass_memory(&self) -> ExpectedPhotons {
+    pub fn largest_expected_photons(&self) -> ExpectedPhotons {
         self.runs.iter().map(|run| run.expected).fold(ExpectedPhotons::default(), |a, b| ExpectedPhotons {
             paths: a.paths.max(b.paths),
             photons: a.photons.max(b.photons),
@@ -158,7 +160,7 @@ impl<'a> MethodStudy<'a> {
 
     /// Memory of all pictures of a study \[bytes], for a number of variants and of seeds.
     #[must_use]
-    pub fn picture_bytes((width, height): (u32, u32), variants: usize, seeds: u32) -> u64 {
+    pub fn study_picture_bytes((width, height): (u32, u32), variants: usize, seeds: u32) -> u64 {
         let (variants, seeds) = (variants as u64, u64::from(seeds));
         // For each variant: films; last picture, difference and error map.
         // Once: both references and their mean; their scale; pictures and temporary images of the
@@ -180,7 +182,7 @@ impl<'a> MethodStudy<'a> {
         mut self,
         subject: &StudiedScene,
         limits: StudyLimits,
-        references: &References,
+        references: &ReferencePictures,
         interrupted: &AtomicBool,
         monitor: &dyn ProgressMonitor,
         mut after: impl FnMut(StudyProgress<'_>),
@@ -222,7 +224,7 @@ impl<'a> MethodStudy<'a> {
         self,
         subject: &StudiedScene,
         limits: StudyLimits,
-        references: &References,
+        references: &ReferencePictures,
         interrupted: bool,
     ) -> MethodStudyResult {
         let threads = rayon::current_num_threads();
@@ -267,8 +269,8 @@ impl MethodRun<'_> {
         passes: u32,
         last: bool,
         size: (u32, u32),
-        references: &References,
-    ) -> Result<Checkpoint, StudyError> {
+        references: &ReferencePictures,
+    ) -> Result<ConvergenceCheckpoint, StudyError> {
         let pictures: Vec<Vec<Rgb>> = self.seeds.iter().map(|seed| seed.film.mean()).collect();
         let image = |pixels: Vec<Rgb>| Image::from_pixels(size.0, size.1, pixels);
         for picture in &pictures {
@@ -280,7 +282,7 @@ impl MethodRun<'_> {
         let estimated: Vec<f64> =
             self.seeds.iter().filter_map(error).filter(|e| e.is_finite()).map(|e| e * e).collect();
         let seeds = pictures.len() as f64;
-        let checkpoint = Checkpoint {
+        let checkpoint = ConvergenceCheckpoint {
             passes,
             seconds: self.time.processor / seeds,
             wall: self.time.wall / seeds,
@@ -292,7 +294,7 @@ impl MethodRun<'_> {
             bias2: measured.bias2,
             estimated,
             rmse: measured.rmse,
-            flip: flip(references.mean(), &image(pictures[0].clone())?, &FlipOptions::default())?.mean,
+            flip: flip_metric(references.mean(), &image(pictures[0].clone())?, &FlipMetricOptions::default())?.mean,
         };
         if last {
             self.checkpoints.pop_if(|before| f64::from(passes) < MIN_CHECKPOINT_RATIO * f64::from(before.passes));

@@ -3,7 +3,7 @@
 use crate::support::scene_from_text_in;
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, CameraPathSettings, FinalGathering, Settings, SilentMonitor};
-use caustica::plan::{Decision, EffectOverrides};
+use caustica::plan::{EffectDecision, EffectOverrides};
 use caustica::scene::Scene;
 use caustica::stats::Counters;
 
@@ -44,7 +44,7 @@ impl RenderSettings {
 pub struct Picture {
     pub pixels: Vec<Rgb>,
     pub counters: Counters,
-    pub decisions: Vec<Decision>,
+    pub decisions: Vec<EffectDecision>,
 }
 
 impl Picture {

@@ -5,7 +5,7 @@ use super::*;
 use crate::image::Image;
 use crate::integrate::{ALPHA, Algorithm, squared_radius_ratio};
 use crate::sampling::Key;
-use crate::study::methods::{Checkpoint, GroundTruth, MethodResult, MethodStudyResult};
+use crate::study::methods::{ConvergenceCheckpoint, GroundTruth, MethodResult, MethodStudyResult};
 use glam::Vec3;
 use rand::RngExt;
 
@@ -41,7 +41,7 @@ fn synthetic_method(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32],
         let noise2 = noises.iter().sum::<f64>() / SEEDS as f64;
         let bias2 = squares.iter().sum::<f64>() / SEEDS as f64 - noise2;
         let seconds = 0.25 * f64::from(n);
-        Checkpoint {
+        ConvergenceCheckpoint {
             passes: n,
             seconds,
             photons: 1000.0 * f64::from(n),
@@ -49,7 +49,7 @@ fn synthetic_method(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32],
             noises,
             noise2,
             bias2,
-            ..Checkpoint::default()
+            ..ConvergenceCheckpoint::default()
         }
     });
     MethodResult {

@@ -28,7 +28,7 @@ impl SlopeRange {
         Self { steepest: slope, flattest: slope }
     }
 
-    fn enclosing_range(self, o: Self) -> Self {
+    fn range_around_both(self, o: Self) -> Self {
         Self { steepest: self.steepest.min(o.steepest), flattest: self.flattest.max(o.flattest) }
     }
 }
@@ -55,9 +55,9 @@ pub fn predicted_slopes(
     let even = SlopeRange::single_slope(-0.5);
     let [variance, bias] = variance_and_bias_slopes(passes, alpha);
     let noise = match algorithm {
-        Sppm | Hybrid => SlopeRange::single_slope(0.5 * variance).enclosing_range(even),
+        Sppm | Hybrid => SlopeRange::single_slope(0.5 * variance).range_around_both(even),
         // All passes share the camera paths, which differ between seeds.
-        Ppm => SlopeRange::single_slope(0.0).enclosing_range(even),
+        Ppm => SlopeRange::single_slope(0.0).range_around_both(even),
         Path | Pm | Distributed | Whitted | Raycast => even,
     };
     let bias = match algorithm {
@@ -68,7 +68,7 @@ pub fn predicted_slopes(
     match quantity {
         ErrorComponent::Noise => Some(noise),
         ErrorComponent::Bias => bias,
-        ErrorComponent::Error => Some(bias.map_or(noise, |bias| noise.enclosing_range(bias))),
+        ErrorComponent::Error => Some(bias.map_or(noise, |bias| noise.range_around_both(bias))),
     }
 }
 

@@ -4,7 +4,7 @@ use super::resolved;
 use crate::support::render_one_pass;
 use caustica::camera::{Filter, FilterKind};
 use caustica::color::Rgb;
-use caustica::image::flip::{FlipOptions, flip};
+use caustica::image::flip::{FlipMetricOptions, flip_metric};
 use caustica::image::{
     BitDepth, Image, OutputFormat, PictureContent, ToneCurve, ToneMap, WriteOptions, decode, encode, metrics,
 };
@@ -152,8 +152,8 @@ fn tiny_images_have_files_and_metrics() {
             assert!(off <= bound, "{width}×{height} {format:?}: {off:e}");
         }
         let other = Image::new(width, height).unwrap();
-        let looks = flip(&image, &other, &FlipOptions::default()).unwrap();
+        let looks = flip_metric(&image, &other, &FlipMetricOptions::default()).unwrap();
         assert!(looks.mean.is_finite() && looks.mean > 0.0, "{width}×{height}: {}", looks.mean);
-        assert_eq!(flip(&image, &image, &FlipOptions::default()).unwrap().mean, 0.0);
+        assert_eq!(flip_metric(&image, &image, &FlipMetricOptions::default()).unwrap().mean, 0.0);
     }
 }
