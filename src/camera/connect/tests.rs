@@ -59,6 +59,6 @@ fn points_behind_the_camera_do_not_connect() {
     for camera in [pinhole, lens, orthographic] {
         assert_eq!(camera.connect_to_point(behind, Some(Vec2::splat(0.5))), None);
     }
-    assert!(panorama.connect(behind, None).is_some());
-    assert_eq!(panorama.connect(panorama.center().as_vec3(), None), None);
+    assert!(panorama.connect_to_point(behind, None).is_some());
+    assert_eq!(panorama.connect_to_point(panorama.center().as_vec3(), None), None);
 }
