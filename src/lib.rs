@@ -9,7 +9,7 @@
 //! | read a scene file | [`SceneFile`] |
 //! | build a scene in code | [`SceneBuilder`], [`Material`], [`Shape`], [`Camera`] |
 //! | choose an algorithm | [`Algorithm`], [`Settings`] |
-//! | render with progress | [`render()`], [`StopCriteria`], [`Monitor`] |
+//! | render with progress | [`render()`], [`StopCriteria`], [`ProgressMonitor`] |
 //! | read the estimated error | [`RenderResult`], [`ErrorEstimator`], [`ErrorEstimate`] |
 //! | write a picture | [`Image`], [`write_image`], [`WriteOptions`] |
 //!
@@ -20,7 +20,7 @@
 //!
 //! ```
 //! use caustica::camera::Camera;
-//! use caustica::integrate::{Algorithm, Settings, Silent};
+//! use caustica::integrate::{Algorithm, Settings, SilentMonitor};
 //! use caustica::scene::{LightStrength, Material, SceneBuilder, DeltaLightKind};
 //! use caustica::shape::{Plane, Shape, Sphere};
 //! use glam::{DVec3, Vec3};
@@ -39,7 +39,7 @@
 //! let camera = Camera::perspective(center, direction, DVec3::Y, 0.7, 32, 24)?;
 //! let scene = builder.build(camera)?;
 //! let settings = Settings { caustic_photons: 2000, ..Settings::default() };
-//! let pass = Algorithm::Hybrid.prepare(&scene, settings).pass(0, &Silent);
+//! let pass = Algorithm::Hybrid.prepare(&scene, settings).render_pass(0, &SilentMonitor);
 //! assert_eq!(pass.image.len(), 32 * 24);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -49,7 +49,7 @@
 //! 1. A pass has a random-number [`Key`](sampling::Key). Photon path `i` has the key
 //!    `pass_key.path_key(i)`. Every random decision is a function of a key and the decision's name.
 //! 2. [`PhotonPass::trace`](photon::PhotonPass::trace) follows the photon paths of a pass in
-//!    parallel. It starts each path by [`PhotonSource::emit`](photon::PhotonSource::emit), which
+//!    parallel. It starts each path by [`PhotonSource::emit_photon_path`](photon::PhotonSource::emit_photon_path), which
 //!    samples a light and a ray that leaves it. The sampling pdf follows power, the solid angle of
 //!    casters, or the emission that a pilot pass found useful. The ray carries flux / (pdf · number
 //!    of paths).
@@ -171,16 +171,16 @@ pub use integrate::Algorithm;
 
 /// # Example: print the start of each stage
 /// ```
-/// use caustica::integrate::Stage;
+/// use caustica::integrate::PassStage;
 /// struct StagePrinter;
-/// impl caustica::Monitor for StagePrinter {
-///     fn begin(&self, stage: Stage, total: u64) {
+/// impl caustica::ProgressMonitor for StagePrinter {
+///     fn begin_stage(&self, stage: PassStage, total: u64) {
 ///         println!("{stage:?}: {total} units");
 ///     }
-///     fn advance(&self, _: u64) {}
+///     fn report_progress(&self, _: u64) {}
 /// }
 /// ```
-pub use integrate::Monitor;
+pub use integrate::ProgressMonitor;
 
 /// # Example: fewer photons than by default
 /// ```
@@ -192,7 +192,7 @@ pub use integrate::Settings;
 /// # Example: render two passes and read the estimated error
 /// ```
 /// use caustica::{Algorithm, Camera, Image, Material, SceneBuilder, Settings, Shape, StopCriteria};
-/// use caustica::integrate::Silent;
+/// use caustica::integrate::SilentMonitor;
 /// use glam::{DVec3, Vec3};
 /// use std::sync::atomic::AtomicBool;
 ///
@@ -207,7 +207,7 @@ pub use integrate::Settings;
 /// let stop =
 ///     StopCriteria { min_passes: 1, passes: Some(2), time: None, target: None, interrupted };
 /// let integrator = Algorithm::Path.prepare(&scene, Settings::default());
-/// let rendered = caustica::render(integrator.as_ref(), (16, 12), &stop, &Silent, |standing| {
+/// let rendered = caustica::render(integrator.as_ref(), (16, 12), &stop, &SilentMonitor, |standing| {
 ///     println!("{} passes", standing.passes);
 /// });
 /// let picture = Image::from_pixels(16, 12, rendered.film.mean())?;

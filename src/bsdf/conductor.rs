@@ -88,7 +88,7 @@ impl Conductor {
             let (wi, uses_geometric_normal) = dielectric::reflect_above_surface(wo, n, ng);
             let cos = wo.dot((wo + wi).normalize_or_zero());
             let weight = conductor_reflectance(cos, self.eta, self.k);
-            return Some(BsdfSample::specular(wi, weight, false, uses_geometric_normal));
+            return Some(BsdfSample::specular_sample(wi, weight, false, uses_geometric_normal));
         }
         let (ggx, o) = (Ggx::new(self.alpha), wo.as_dvec3());
         let m = ggx.sample_visible_normal(o, n, u);
@@ -102,6 +102,6 @@ impl Conductor {
         let pdf = ggx.scattered_direction_pdf(&facet, cos_o) as f32;
         let unshadowed_fraction = ggx.unshadowed_fraction(ggx.reflection_masking_shadowing(cos_o, cos_i), cos_o, cos_i);
         let weight = self.reflectance(facet.cos) * unshadowed_fraction as f32;
-        (pdf > 0.0).then(|| BsdfSample::non_specular(wi, weight, pdf, false))
+        (pdf > 0.0).then(|| BsdfSample::non_specular_sample(wi, weight, pdf, false))
     }
 }

@@ -62,13 +62,13 @@ impl Dielectric {
     pub(super) fn sample(&self, wo: Vec3, ns: Vec3, ng: Vec3, lobe: f32, transport: TransportMode) -> BsdfSample {
         let split = self.reflect_and_refract(wo, ns, ng, transport);
         if lobe < split.reflected.1 {
-            BsdfSample::specular(split.reflected.0, Rgb::ONE, false, split.uses_geometric_normal[0])
+            BsdfSample::specular_sample(split.reflected.0, Rgb::ONE, false, split.uses_geometric_normal[0])
         } else {
             // 1 − reflectance rounds a small transmittance; the weight corrects it.
             let through = 1.0 - split.reflected.1;
             let exact = if through < 0.5 { split.transmitted.1 / through } else { 1.0 };
             let weight = Rgb::splat(exact / split.radiance_divisor);
-            BsdfSample::specular(split.transmitted.0, weight, true, split.uses_geometric_normal[1])
+            BsdfSample::specular_sample(split.transmitted.0, weight, true, split.uses_geometric_normal[1])
         }
     }
 }

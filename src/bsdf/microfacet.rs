@@ -44,7 +44,7 @@ impl Ggx {
 
     /// √(cos²θ + α² sin²θ) = cosθ·(1 + 2Λ(θ)), where Λ is Smith's function.
     #[inline]
-    fn smith_root(self, cos: f64) -> f64 {
+    fn smith_square_root(self, cos: f64) -> f64 {
         let cos2 = cos * cos;
         (cos2 + self.alpha * self.alpha * (1.0 - cos2).max(0.0)).sqrt()
     }
@@ -52,7 +52,7 @@ impl Ggx {
     /// G₁(θ)/cosθ, where G₁ = 1/(1 + Λ) is Smith's masking function.
     #[inline]
     fn masking_over_cos(self, cos: f64) -> f64 {
-        2.0 / (cos + self.smith_root(cos))
+        2.0 / (cos + self.smith_square_root(cos))
     }
 
     /// G₂/(cosθₒ·cosθᵢ), where G₂ is masking-shadowing for directions on one side.
@@ -60,7 +60,7 @@ impl Ggx {
     /// G₂ = 1/(1 + Λₒ + Λᵢ) is height-correlated (Heitz 2014, section 5.3).
     #[inline]
     pub(super) fn reflection_masking_shadowing(self, cos_o: f64, cos_i: f64) -> f64 {
-        2.0 / (cos_i * self.smith_root(cos_o) + cos_o * self.smith_root(cos_i))
+        2.0 / (cos_i * self.smith_square_root(cos_o) + cos_o * self.smith_square_root(cos_i))
     }
 
     /// G₂/(cosθₒ·cosθᵢ), where G₂ is masking-shadowing for directions on opposite sides.

@@ -74,13 +74,13 @@ pub struct BsdfSample {
 impl BsdfSample {
     /// Creates a sample of a delta lobe.
     #[inline]
-    fn specular(wi: Vec3, weight: Rgb, is_transmitted: bool, uses_geometric_normal: bool) -> Self {
+    fn specular_sample(wi: Vec3, weight: Rgb, is_transmitted: bool, uses_geometric_normal: bool) -> Self {
         Self { wi, weight, pdf: 0.0, is_specular: true, is_transmitted, uses_geometric_normal }
     }
 
     /// Creates a sample of a lobe that has a finite pdf.
     #[inline]
-    pub(crate) fn non_specular(wi: Vec3, weight: Rgb, pdf: f32, is_transmitted: bool) -> Self {
+    pub(crate) fn non_specular_sample(wi: Vec3, weight: Rgb, pdf: f32, is_transmitted: bool) -> Self {
         Self { wi, weight, pdf, is_specular: false, is_transmitted, uses_geometric_normal: false }
     }
 }
@@ -338,12 +338,12 @@ impl Bsdf {
                 }
                 let wi = Frame::from_normal(facing_ns).to_world(local);
                 let pdf = warp::cosine_hemisphere_pdf(local.z);
-                BsdfSample::non_specular(wi, *reflectance, pdf, false)
+                BsdfSample::non_specular_sample(wi, *reflectance, pdf, false)
             }
             Self::Phong(phong) => phong.sample(wo, facing_ns, lobe, u)?,
             Self::Mirror(reflectance) => {
                 let (wi, uses_geometric_normal) = dielectric::reflect_above_surface(wo, facing_ns, ng);
-                BsdfSample::specular(wi, *reflectance, false, uses_geometric_normal)
+                BsdfSample::specular_sample(wi, *reflectance, false, uses_geometric_normal)
             }
             Self::Dielectric(dielectric) => dielectric.sample(wo, ns, ng, lobe, transport),
             Self::Conductor(conductor) => conductor.sample(wo, facing_ns, ng, u)?,

@@ -88,7 +88,7 @@ impl Phong {
         }
         let pdf = self.pdf(wo, wi, n);
         let weight = self.evaluate(wo, wi, n) * (cos / pdf);
-        (pdf > 0.0).then(|| BsdfSample::non_specular(wi, weight, pdf, false))
+        (pdf > 0.0).then(|| BsdfSample::non_specular_sample(wi, weight, pdf, false))
     }
 
     /// Solid-angle pdf of `wi` \[1/sr], for `wo` and `wi` on one side of `n`.

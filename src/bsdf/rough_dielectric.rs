@@ -124,7 +124,7 @@ impl RoughDielectric {
         let pdf = (fresnel * ggx.scattered_direction_pdf(&facet, cos_o)) as f32;
         let unshadowed_fraction = ggx.unshadowed_fraction(masking_shadowing, cos_o, cos_i.abs());
         let weight = Rgb::splat((unshadowed_fraction / radiance_divisor(eta, is_transmitted, transport)) as f32);
-        (pdf > 0.0).then(|| BsdfSample::non_specular(wi, weight, pdf, is_transmitted))
+        (pdf > 0.0).then(|| BsdfSample::non_specular_sample(wi, weight, pdf, is_transmitted))
     }
 }
 

@@ -3,7 +3,7 @@
 use super::args::SceneArguments;
 use super::plan::count_with_noun;
 use super::scene::{load_scene_and_file, with_thread_pool};
-use super::{Exit, Failure};
+use super::{CommandFailure, Exit};
 use crate::format::SceneFile;
 use crate::plan::SceneFeatures;
 use crate::scene::Scene;
@@ -14,7 +14,7 @@ use std::io::Write;
 const RAYS_PER_SIDE: u32 = 64;
 
 /// Runs `caustica check`: prints one line for each warning, and a summary.
-pub(super) fn run(arguments: &SceneArguments) -> Result<Exit, Failure> {
+pub(super) fn run(arguments: &SceneArguments) -> Result<Exit, CommandFailure> {
     with_thread_pool(arguments, || {
         let (file, scene) = load_scene_and_file(arguments, &())?;
         let mut lines = file.warnings();
@@ -23,7 +23,7 @@ pub(super) fn run(arguments: &SceneArguments) -> Result<Exit, Failure> {
         lines.push(format!("{}: no error, {warnings}", arguments.scene.display()));
         let mut out = std::io::stdout().lock();
         for line in &lines {
-            writeln!(out, "{}", replace_control_characters(line)).map_err(Failure::output_error)?;
+            writeln!(out, "{}", replace_control_characters(line)).map_err(CommandFailure::output_error)?;
         }
         Ok(Exit::Success)
     })

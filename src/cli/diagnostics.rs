@@ -15,13 +15,13 @@ pub(super) fn all_lights_are_black(scene: &Scene) -> bool {
 
 /// Returns a note if the passes emitted photons but stored none.
 pub(super) fn no_photon_stored_note(rendered: &RenderResult) -> Option<String> {
-    let (global, caustic) = (&rendered.global, &rendered.caustic);
-    let emitted = global.emitted + caustic.emitted;
-    if emitted == 0 || global.stored + caustic.stored > 0 {
+    let (unaimed, aimed) = (&rendered.unaimed, &rendered.aimed);
+    let emitted = unaimed.emitted + aimed.emitted;
+    if emitted == 0 || unaimed.stored + aimed.stored > 0 {
         return None;
     }
-    let mut audit = global.audit;
-    audit += caustic.audit;
+    let mut audit = unaimed.audit;
+    audit += aimed.audit;
     let paths = count_with_noun(emitted as usize, "photon path", "photon paths");
     Some(format!("note: {paths}, no photon stored: {}", flux_destinations(&audit)))
 }

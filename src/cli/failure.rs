@@ -32,14 +32,14 @@ impl From<Exit> for ExitCode {
 
 /// Failure of a command: error reports and the exit code.
 #[derive(Debug)]
-pub struct Failure {
+pub struct CommandFailure {
     /// The reports to show, at least one.
     pub reports: Vec<Report>,
     /// The exit code.
     pub exit: Exit,
 }
 
-impl Failure {
+impl CommandFailure {
     pub(super) fn new(exit: Exit, report: impl Into<Report>) -> Self {
         Self { reports: vec![report.into()], exit }
     }

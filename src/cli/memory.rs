@@ -1,7 +1,7 @@
 //! Checks before a render that its pictures and photons fit into memory.
 
 use crate::image::{MAX_PIXELS, SizeError};
-use crate::integrate::Expected;
+use crate::integrate::ExpectedPhotons;
 use crate::stats::format_bytes;
 
 /// Bytes of memory per pixel that a render without an error estimate needs. Measured: 85.
@@ -100,9 +100,13 @@ fn check_pixel_memory(
 ///
 /// # Errors
 /// [`MemoryError`] if there are too many photons.
-pub(super) fn check_photon_memory(expected: Expected, pictures: u64, free: Option<u64>) -> Result<(), MemoryError> {
+pub(super) fn check_photon_memory(
+    expected: ExpectedPhotons,
+    pictures: u64,
+    free: Option<u64>,
+) -> Result<(), MemoryError> {
     let free = free.map(|free| free.saturating_sub(pictures));
-    let Expected { paths, photons: stored, most } = expected;
+    let ExpectedPhotons { paths, photons: stored, most } = expected;
     if most > u64::from(u32::MAX) {
         return Err(MemoryError::Indices { paths, stored: most });
     }
@@ -136,7 +140,7 @@ mod tests {
     #[test]
     fn too_many_photons_are_refused() {
         let index = u64::from(u32::MAX);
-        let expected = |photons, most| Expected { paths: 1, photons, most };
+        let expected = |photons, most| ExpectedPhotons { paths: 1, photons, most };
         assert_eq!(check_photon_memory(expected(2 * index, index), 0, None), Ok(()));
         assert!(matches!(
             check_photon_memory(expected(2 * index, index + 1), 0, None),

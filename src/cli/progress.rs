@@ -2,7 +2,7 @@
 
 use super::forecast_text::duration_text;
 use crate::format::mesh::{MeshReadMonitor, TriangleMesh};
-use crate::integrate::{Monitor, Stage};
+use crate::integrate::{PassStage, ProgressMonitor};
 use crate::stats::Counters;
 use indicatif::{HumanCount, ProgressBar, ProgressState, ProgressStyle};
 use std::fmt;
@@ -44,18 +44,18 @@ pub(super) fn warn_of_rejected_samples(counters: &Counters) {
 }
 
 /// Display of a command's progress on the standard error.
-pub(super) enum Progress {
+pub(super) enum ProgressDisplay {
     /// Shows nothing.
     Quiet,
     /// Prints lines.
-    Lines(Mutex<BarLabels>),
+    Lines(Mutex<ProgressBarLabels>),
     /// Draws a bar.
-    Bar(ProgressBar, Mutex<BarLabels>),
+    Bar(ProgressBar, Mutex<ProgressBarLabels>),
 }
 
 /// Texts and times that the labels of the progress bar show.
 #[derive(Debug, Default)]
-pub(super) struct BarLabels {
+pub(super) struct ProgressBarLabels {
     /// Text such as `pass 3/20`.
     pass: String,
     /// Time at which the whole render is expected to end.
@@ -64,7 +64,7 @@ pub(super) struct BarLabels {
     triangles: usize,
 }
 
-impl Progress {
+impl ProgressDisplay {
     pub fn new(quiet: bool) -> Self {
         if quiet {
             Self::Quiet
@@ -94,13 +94,13 @@ impl Progress {
             Some(of) => format!("pass {pass}/{of}"),
             None => format!("pass {pass}"),
         };
-        self.lock_labels().into_iter().for_each(|mut labels| labels.pass.clone_from(&label));
+        self.lock_progress_labels().into_iter().for_each(|mut labels| labels.pass.clone_from(&label));
     }
 
     /// Sets the time that the whole render still needs; `None` if unknown.
     pub fn set_time_left(&self, left: Option<Duration>) {
         let end = left.and_then(|left| Instant::now().checked_add(left));
-        self.lock_labels().into_iter().for_each(|mut labels| labels.end = end);
+        self.lock_progress_labels().into_iter().for_each(|mut labels| labels.end = end);
     }
 
     /// Sets the text to the right of the bar.
@@ -117,7 +117,7 @@ impl Progress {
         }
     }
 
-    fn lock_labels(&self) -> Option<MutexGuard<'_, BarLabels>> {
+    fn lock_progress_labels(&self) -> Option<MutexGuard<'_, ProgressBarLabels>> {
         match self {
             Self::Quiet => None,
             Self::Lines(state) | Self::Bar(_, state) => Some(state.lock().unwrap_or_else(PoisonError::into_inner)),
@@ -156,21 +156,23 @@ fn time_left_label(end: Option<Instant>) -> impl Fn(&ProgressState, &mut dyn fmt
     }
 }
 
-impl Monitor for Progress {
-    fn begin(&self, stage: Stage, total: u64) {
+impl ProgressMonitor for ProgressDisplay {
+    fn begin_stage(&self, stage: PassStage, total: u64) {
         let (name, unit) = match stage {
-            Stage::Photons => ("photons", "paths"),
-            Stage::Indexing => ("indexing", "photons"),
-            Stage::Camera => ("image", "pixels"),
+            PassStage::Photons => ("photons", "paths"),
+            PassStage::Indexing => ("indexing", "photons"),
+            PassStage::Camera => ("image", "pixels"),
         };
-        let Some((pass, end)) = self.lock_labels().map(|labels| (labels.pass.clone(), labels.end)) else { return };
+        let Some((pass, end)) = self.lock_progress_labels().map(|labels| (labels.pass.clone(), labels.end)) else {
+            return;
+        };
         let template = format!("{{prefix}} {name:<8} {{bar:16}} {{percent:>3}} %  {{rate}}  {{left}}  {{wide_msg}}");
         let style = ProgressStyle::with_template(&template);
         let style = style.map(|style| style.with_key("rate", rate_label(unit)).with_key("left", time_left_label(end)));
         self.restart_bar(style, pass, total);
     }
 
-    fn advance(&self, units: u64) {
+    fn report_progress(&self, units: u64) {
         if let Self::Bar(bar, _) = self {
             bar.inc(units);
         }
@@ -180,7 +182,7 @@ impl Monitor for Progress {
 /// Smallest number of triangles of a mesh whose loading is reported in a line.
 const LARGE_MESH_TRIANGLES: usize = 1_000_000;
 
-impl MeshReadMonitor for Progress {
+impl MeshReadMonitor for ProgressDisplay {
     fn on_read_start(&self, path: &Path, bytes: u64) {
         let style = ProgressStyle::with_template("reading {prefix} {bar:16} {percent:>3} %  {rate}");
         let style = style.map(|style| {
@@ -203,7 +205,7 @@ impl MeshReadMonitor for Progress {
         if n >= LARGE_MESH_TRIANGLES {
             self.print_line(&format!("read {}: {n} triangles", path.display()));
         }
-        let Some(triangles) = self.lock_labels().map(|mut state| {
+        let Some(triangles) = self.lock_progress_labels().map(|mut state| {
             state.triangles += n;
             state.triangles
         }) else {

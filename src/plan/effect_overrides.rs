@@ -88,7 +88,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn later_words_win() {
+    fn later_effect_overrides_win() {
         let read = |text: &str| text.parse::<EffectOverrides>().unwrap();
         assert_eq!(read("all"), EffectOverrides::ALL);
         let overrides = read("none, +caustics,-shadows ,+shadows");

@@ -2,7 +2,7 @@
 
 use super::error_estimate::{Confidence, ErrorEstimate, ErrorEstimator, ErrorForecast, PassesNeeded};
 use super::film::Film;
-use crate::integrate::{Integrator, Monitor, PhotonReport, Seconds};
+use crate::integrate::{Integrator, PhotonReport, ProgressMonitor, StageTimes};
 use crate::stats::Counters;
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -69,11 +69,11 @@ pub struct RenderResult {
     /// Counts of rays and density estimates of all passes.
     pub counters: Counters,
     /// Wall time of all passes \[s], by stage.
-    pub seconds: Seconds,
+    pub seconds: StageTimes,
     /// Counts and flux of the photon paths that start in all directions.
-    pub global: PhotonReport,
+    pub unaimed: PhotonReport,
     /// Counts and flux of the photon paths that are aimed at caustic casters.
-    pub caustic: PhotonReport,
+    pub aimed: PhotonReport,
     /// Wall time from the first pass to the end.
     pub wall: Duration,
 }
@@ -105,31 +105,31 @@ pub fn render(
     integrator: &dyn Integrator,
     size: (u32, u32),
     stop: &StopCriteria<'_>,
-    monitor: &dyn Monitor,
+    monitor: &dyn ProgressMonitor,
     mut after_pass: impl FnMut(&PassProgress),
 ) -> RenderResult {
     let start = Instant::now();
     let mut rendered = RenderResult {
         film: Film::new(size.0, size.1),
-        estimator: integrator.nests_estimates().then(|| ErrorEstimator::new(integrator.radius_law())),
+        estimator: integrator.returns_nested_estimates().then(|| ErrorEstimator::new(integrator.radius_law())),
         ended: EndReason::Passes,
         counters: Counters::default(),
-        seconds: Seconds::default(),
-        global: PhotonReport::default(),
-        caustic: PhotonReport::default(),
+        seconds: StageTimes::default(),
+        unaimed: PhotonReport::default(),
+        aimed: PhotonReport::default(),
         wall: Duration::ZERO,
     };
     let mut next_estimate = 0.0;
     loop {
-        let pass = integrator.pass(rendered.film.passes(), monitor);
+        let pass = integrator.render_pass(rendered.film.passes(), monitor);
         if let Some(estimator) = &mut rendered.estimator {
             estimator.add(&rendered.film, &pass);
         }
         rendered.film.add(&pass.image);
         rendered.counters += pass.counters;
         rendered.seconds += pass.seconds;
-        rendered.global += pass.global;
-        rendered.caustic += pass.caustic;
+        rendered.unaimed += pass.unaimed;
+        rendered.aimed += pass.aimed;
         let passes = rendered.film.passes();
         let mut error = None;
         if f64::from(passes) >= next_estimate {

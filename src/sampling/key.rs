@@ -38,8 +38,8 @@ use rand::{SeedableRng, rngs::SmallRng};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u64)]
 pub enum Purpose {
-    /// Photon paths of the global map.
-    GlobalPhotons = 1,
+    /// Photon paths that start in all directions.
+    UnaimedPhotons = 1,
     /// Photon paths emitted toward casters, which are surfaces that form caustics.
     CausticPhotons,
     /// Camera paths.
@@ -61,7 +61,7 @@ pub enum Purpose {
     /// Shutter times of passes.
     Shutter,
     /// Pilot simulation that divides caustics between photon estimates and light tracing.
-    EstimateShares,
+    DensityEstimateShares,
 }
 
 /// Random decision at one vertex of a path; each has its own random numbers.
@@ -227,7 +227,7 @@ impl Key {
     #[inline]
     #[must_use]
     pub fn uniform_1d(self, dimension: Dimension) -> f32 {
-        unit_from_24_bits((self.random_bits(dimension) >> 40) as u32)
+        uniform_from_24_bits((self.random_bits(dimension) >> 40) as u32)
     }
 
     /// Uniform point in \[0, 1)².
@@ -235,7 +235,7 @@ impl Key {
     #[must_use]
     pub fn uniform_2d(self, dimension: Dimension) -> Vec2 {
         let bits = self.random_bits(dimension);
-        Vec2::new(unit_from_24_bits((bits >> 40) as u32), unit_from_24_bits((bits >> 8) as u32 & 0xff_ffff))
+        Vec2::new(uniform_from_24_bits((bits >> 40) as u32), uniform_from_24_bits((bits >> 8) as u32 & 0xff_ffff))
     }
 
     /// Sequential random number generator, for decisions that need an unknown count of numbers.
@@ -247,7 +247,7 @@ impl Key {
 
 /// Converts a 24-bit integer to a number in \[0, 1) without rounding.
 #[inline]
-pub(super) fn unit_from_24_bits(bits: u32) -> f32 {
+pub(super) fn uniform_from_24_bits(bits: u32) -> f32 {
     bits as f32 * (1.0 / 16_777_216.0)
 }
 

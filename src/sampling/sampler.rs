@@ -65,7 +65,7 @@ impl Sampler {
     /// Sampler for subsample `index` of `count` subsamples of this sample.
     #[inline]
     #[must_use]
-    pub fn split_sample(self, index: u32, count: u32) -> Self {
+    pub fn subsample_sampler(self, index: u32, count: u32) -> Self {
         Self {
             index: self.index.wrapping_mul(count).wrapping_add(index),
             count: self.count.wrapping_mul(count),
@@ -83,7 +83,7 @@ impl Sampler {
     /// Index of this sample, and the number of samples with its key.
     #[inline]
     #[must_use]
-    pub fn index_and_count(self) -> (u32, u32) {
+    pub fn sample_index_and_count(self) -> (u32, u32) {
         (self.index, self.count)
     }
 
@@ -113,7 +113,7 @@ mod tests {
         let mut occupied = [false; 64];
         for sample in 0..16 {
             for ray in 0..4 {
-                let x = Sampler::new(key, sample, 16).split_sample(ray, 4).get_1d(Dimension::Light);
+                let x = Sampler::new(key, sample, 16).subsample_sampler(ray, 4).get_1d(Dimension::Light);
                 let cell = &mut occupied[(x * 64.0) as usize];
                 assert!(!std::mem::replace(cell, true), "two of 64 numbers share a stratum");
             }

@@ -1,6 +1,6 @@
 //! Owen-scrambled Sobol' points in two dimensions.
 
-use super::{Dimension, Key, key::unit_from_24_bits};
+use super::{Dimension, Key, key::uniform_from_24_bits};
 use glam::Vec2;
 
 /// Point `index` of a two-dimensional Sobol' sequence with Owen scrambling, in \[0, 1)².
@@ -15,8 +15,8 @@ pub fn sobol_2d(index: u32, key: Key, dimension: Dimension) -> Vec2 {
     let (order, x, y) = (seed as u32, (seed >> 32) as u32, (seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32) as u32);
     let i = owen_scramble(index, order);
     Vec2::new(
-        unit_from_24_bits(owen_scramble(i.reverse_bits(), x) >> 8),
-        unit_from_24_bits(owen_scramble(sobol_second_dimension(i), y) >> 8),
+        uniform_from_24_bits(owen_scramble(i.reverse_bits(), x) >> 8),
+        uniform_from_24_bits(owen_scramble(sobol_second_dimension(i), y) >> 8),
     )
 }
 

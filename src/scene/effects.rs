@@ -19,7 +19,7 @@ pub enum Effect {
     CausticBounces,
     /// Interreflection between surfaces that are not casters.
     Interreflection,
-    /// Final gathering: gather rays that end in lookups of the global photon map.
+    /// Final gathering: gather rays that end in lookups of the indirect photon map.
     Gathering,
     /// Occlusion of shadow rays.
     Shadows,

@@ -2,8 +2,8 @@
 
 use crate::image::metrics::{MetricError, rmse};
 use crate::image::{Image, SizeError, WriteError};
-use crate::integrate::{Algorithm, Expected, Integrator, Monitor, Settings};
-use crate::plan::{Decision, Plan};
+use crate::integrate::{Algorithm, ExpectedPhotons, Integrator, ProgressMonitor, Settings};
+use crate::plan::{EffectDecision, Plan};
 use crate::render::Film;
 use crate::scene::Scene;
 use crate::stats::{Counters, cpu_seconds};
@@ -109,7 +109,7 @@ pub struct EffectContribution {
 #[derive(Clone, Debug)]
 pub struct EffectResult {
     /// The effect and the reason why it is simulated.
-    pub decision: Decision,
+    pub decision: EffectDecision,
     /// Time and work of the picture without the effect.
     pub without: PictureCost,
     /// Cost of the effect.
@@ -154,7 +154,7 @@ pub struct EffectStudy<'a> {
 /// A picture of a study between two passes.
 struct PictureInProgress<'a> {
     /// The omitted effect; `None` for the whole picture.
-    without: Option<Decision>,
+    without: Option<EffectDecision>,
     integrator: Box<dyn Integrator + 'a>,
     film: Film,
     spent: PictureCost,
@@ -165,10 +165,10 @@ impl<'a> EffectStudy<'a> {
     #[must_use]
     pub fn prepare(scene: &'a Scene, algorithm: Algorithm, settings: &Settings) -> Self {
         let clock = ClockKind::preferred_clock();
-        let plan = Plan::new(scene, algorithm.simulates(), settings.camera_paths.effects);
+        let plan = Plan::new(scene, algorithm.supported_effects(), settings.camera_paths.effects);
         let settings = settings_with_pilot_counts(scene, algorithm, settings);
         let size = scene.camera().size();
-        let run = |without: Option<Decision>| {
+        let run = |without: Option<EffectDecision>| {
             let mut settings = settings.clone();
             if let Some(decision) = without {
                 settings.camera_paths.effects = settings.camera_paths.effects.without(decision.effect);
@@ -196,9 +196,9 @@ impl<'a> EffectStudy<'a> {
 
     /// Numbers of photons that determine the memory of a pass: their maxima over all pictures.
     #[must_use]
-    pub fn largest_pass_memory(&self) -> Expected {
-        let all = self.runs.iter().map(|run| run.integrator.expected());
-        all.fold(Expected::default(), |a, b| Expected {
+    pub fn largest_expected_photons(&self) -> ExpectedPhotons {
+        let all = self.runs.iter().map(|run| run.integrator.expected_photons());
+        all.fold(ExpectedPhotons::default(), |a, b| ExpectedPhotons {
             paths: a.paths.max(b.paths),
             photons: a.photons.max(b.photons),
             most: a.most.max(b.most),
@@ -216,7 +216,7 @@ impl<'a> EffectStudy<'a> {
         mut self,
         passes: u32,
         interrupted: &AtomicBool,
-        monitor: &dyn Monitor,
+        monitor: &dyn ProgressMonitor,
         mut after: impl FnMut(u32),
     ) -> Result<EffectStudyResult, StudyError> {
         let mut made = 0;
@@ -226,7 +226,7 @@ impl<'a> EffectStudy<'a> {
             let first = made as usize % self.runs.len();
             let (late, early) = self.runs.split_at_mut(first);
             for run in early.iter_mut().chain(late) {
-                let (pass, seconds) = self.clock.measure_seconds(|| run.integrator.pass(made, monitor));
+                let (pass, seconds) = self.clock.measure_seconds(|| run.integrator.render_pass(made, monitor));
                 run.film.add(&pass.image);
                 run.spent.passes.push(seconds);
                 run.spent.counters += pass.counters;
@@ -263,7 +263,7 @@ impl<'a> EffectStudy<'a> {
 fn settings_with_pilot_counts(scene: &Scene, algorithm: Algorithm, settings: &Settings) -> Settings {
     let mut fixed = Settings { balance: false, ..settings.clone() };
     if settings.balance
-        && let Some(balance) = algorithm.prepare(scene, settings.clone()).balance()
+        && let Some(balance) = algorithm.prepare(scene, settings.clone()).ray_photon_balance()
     {
         fixed.camera_paths.samples = Some(balance.samples);
         fixed.photons = balance.photons.unwrap_or(fixed.photons);

@@ -48,7 +48,7 @@ pub fn expected_work(integrator: &dyn Integrator) -> ExpectedWork {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::integrate::{Algorithm, Settings, Silent};
+    use crate::integrate::{Algorithm, Settings, SilentMonitor};
     use crate::study::tests::{diffuse_sphere_on_floor, glass_sphere_on_floor};
 
     /// Camera rays are counted exactly: one per pixel and sample.
@@ -78,7 +78,7 @@ mod tests {
         let scene = glass_sphere_on_floor(128, 96);
         for algorithm in [Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Pm] {
             let integrator = algorithm.prepare(&scene, settings.clone());
-            let counters = integrator.pass(0, &Silent).counters;
+            let counters = integrator.render_pass(0, &SilentMonitor).counters;
             let work = expected_work(integrator.as_ref());
             let close = |a: i64, b: u64, within: f64| {
                 assert!((a as f64 / b as f64 - 1.0).abs() < within, "{algorithm:?} {a} {b}");

@@ -4,7 +4,7 @@ use crate::support::scene_from_text_in;
 use caustica::camera::{Filter, FilterKind};
 use caustica::color::{self, Rgb};
 use caustica::image;
-use caustica::integrate::{Algorithm, CameraPathSettings, Settings, Silent};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings, SilentMonitor};
 use caustica::math::Ray;
 use caustica::plan::{Effect, EffectOverrides};
 use caustica::scene::{Effects, Hit, RayCone, Scene, SurfaceInteraction};
@@ -20,7 +20,7 @@ fn picture(scene: &Scene, algorithm: Algorithm, samples: u32, passes: u32, effec
     let settings =
         Settings { camera_paths, balance: false, photons: 20_000, caustic_photons: 20_000, ..Settings::default() };
     let integrator = algorithm.prepare(scene, settings);
-    (0..passes).map(|pass| integrator.pass(pass, &Silent).image).collect()
+    (0..passes).map(|pass| integrator.render_pass(pass, &SilentMonitor).image).collect()
 }
 
 /// Returns the first hit of a ray in the coordinates of the description.

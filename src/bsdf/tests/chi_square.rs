@@ -13,12 +13,12 @@ const POINTS: usize = 24;
 const SAMPLES: u64 = 100_000;
 
 /// A polar grid. Rings are `width` wide near the pole, and widen towards its antipode.
-struct PolarGrid {
+struct PolarDirectionGrid {
     frame: [DVec3; 3],
     width: f64,
 }
 
-impl PolarGrid {
+impl PolarDirectionGrid {
     fn new(pole: Vec3, width: f64) -> Self {
         let n = pole.as_dvec3().normalize();
         let s = n.any_orthonormal_vector();
@@ -35,7 +35,7 @@ impl PolarGrid {
     }
 
     /// Integral of `density` over each cell.
-    fn integrate(&self, density: impl Fn(Vec3) -> f32) -> Vec<f64> {
+    fn integrate_over_cells(&self, density: impl Fn(Vec3) -> f32) -> Vec<f64> {
         let mut cells = vec![0.0; RINGS * SECTORS];
         let (rings, sectors) = (RINGS * POINTS, SECTORS * POINTS);
         let turns: Vec<_> =
@@ -105,21 +105,21 @@ fn chi_square_cases() -> Vec<ChiSquareCase> {
 }
 
 /// Grids around the directions of specular reflection and refraction.
-fn grids_around_specular_directions(case: &ChiSquareCase) -> [PolarGrid; 2] {
+fn grids_around_specular_directions(case: &ChiSquareCase) -> [PolarDirectionGrid; 2] {
     let n = face_forward(case.ns, case.wo);
     let cos = case.wo.dot(n);
     let bent = refract(case.wo, n, case.eta);
     let grazing = (n * cos - case.wo).normalize_or(-n);
     let (through, width) = if bent.reflectance < 1.0 { (bent.transmitted, case.width) } else { (grazing, 0.5) };
-    [PolarGrid::new(n * (2.0 * cos) - case.wo, case.width), PolarGrid::new(through, width)]
+    [PolarDirectionGrid::new(n * (2.0 * cos) - case.wo, case.width), PolarDirectionGrid::new(through, width)]
 }
 
 /// Probabilities of all cells: reflection, then transmission, then absorption.
-fn expected_cell_probabilities(case: &ChiSquareCase, grids: &[PolarGrid; 2]) -> Vec<f64> {
+fn expected_cell_probabilities(case: &ChiSquareCase, grids: &[PolarDirectionGrid; 2]) -> Vec<f64> {
     let mut cells = Vec::new();
     for (grid, side) in grids.iter().zip([1.0f32, -1.0]) {
         let side = side * case.wo.dot(case.ng);
-        cells.extend(grid.integrate(|wi| {
+        cells.extend(grid.integrate_over_cells(|wi| {
             if wi.dot(case.ng) * side > 0.0 { case.bsdf.pdf(case.wo, wi, case.ns, case.ng) } else { 0.0 }
         }));
     }

@@ -14,7 +14,7 @@ fn random_direction_pairs(count: u64) -> impl Iterator<Item = (Vec3, Vec3)> {
 }
 
 /// Tolerance: roundings of f32 directions, magnified by 4/α in a lobe of width α.
-fn is_close(a: f32, b: f32) -> bool {
+fn is_close_within_rounding(a: f32, b: f32) -> bool {
     (a - b).abs() <= 1e-5 * a.abs().max(b.abs()) + 1e-12
 }
 
@@ -96,11 +96,14 @@ fn interfaces_are_reciprocal_up_to_squared_index() {
             let f = |o, i, transport| bsdf.evaluate(o, i, Vec3::Z, Vec3::Z, transport).x;
             let (there, back) = (f(wo, wi, TransportMode::Radiance), f(wi, wo, TransportMode::Radiance));
             let (n_o, n_i) = (index(wo), index(wi));
-            assert!(is_close(there / (n_o * n_o), back / (n_i * n_i)), "{bsdf:?} {wo} {wi}: {there} {back}");
+            assert!(
+                is_close_within_rounding(there / (n_o * n_o), back / (n_i * n_i)),
+                "{bsdf:?} {wo} {wi}: {there} {back}"
+            );
             // The adjoint: flux from wo to wi equals radiance seen from wi along wo.
             let adjoint = f(wo, wi, TransportMode::Importance);
-            assert!(is_close(adjoint, back), "{bsdf:?} {wo} {wi}: {adjoint} {back}");
-            assert!(is_close(adjoint / (n_i * n_i), there / (n_o * n_o)), "{bsdf:?} {wo} {wi}");
+            assert!(is_close_within_rounding(adjoint, back), "{bsdf:?} {wo} {wi}: {adjoint} {back}");
+            assert!(is_close_within_rounding(adjoint / (n_i * n_i), there / (n_o * n_o)), "{bsdf:?} {wo} {wi}");
             through += u32::from(wo.z * wi.z < 0.0 && there > 0.0);
         }
     }

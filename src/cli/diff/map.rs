@@ -67,13 +67,13 @@ fn color_scale_end(values: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    fn image_row(values: &[[f32; 3]]) -> Image {
+    fn image_of_one_row(values: &[[f32; 3]]) -> Image {
         Image::from_pixels(values.len() as u32, 1, values.iter().map(|v| Vec3::from(*v)).collect()).unwrap()
     }
 
     #[test]
     fn values_follow_the_kind_of_map() {
-        let (a, b) = (image_row(&[[2.0, 2.5, 1.0]]), image_row(&[[2.0; 3]]));
+        let (a, b) = (image_of_one_row(&[[2.0, 2.5, 1.0]]), image_of_one_row(&[[2.0; 3]]));
         let exr = |kind| error_map(kind, &a, &b, &[0.25], OutputFormat::Exr).0[0];
         assert_eq!(exr(ErrorMapKind::Signed), Vec3::new(0.0, 0.5, -1.0));
         assert_eq!(exr(ErrorMapKind::Absolute), Vec3::new(0.0, 0.5, 1.0));
@@ -87,7 +87,7 @@ mod tests {
         let mut values = vec![[1.0_f32; 3]; 200];
         values[7] = [100.0; 3];
         values[8] = [0.5; 3];
-        let (a, b) = (image_row(&values), image_row(&vec![[0.0; 3]; 200]));
+        let (a, b) = (image_of_one_row(&values), image_of_one_row(&vec![[0.0; 3]; 200]));
         let (colors, meaning) = error_map(ErrorMapKind::Absolute, &a, &b, &[], OutputFormat::Png);
         assert_eq!(meaning, Some(ColorScale { from: 0.0, to: 1.0 }));
         assert_eq!(
@@ -102,7 +102,7 @@ mod tests {
         // A single differing pixel is visible.
         let mut one = vec![[0.0_f32; 3]; 200];
         one[3] = [4.0; 3];
-        let single = error_map(ErrorMapKind::Absolute, &image_row(&one), &b, &[], OutputFormat::Png).1;
+        let single = error_map(ErrorMapKind::Absolute, &image_of_one_row(&one), &b, &[], OutputFormat::Png).1;
         assert_eq!(single, Some(ColorScale { from: 0.0, to: 4.0 }));
     }
 }

@@ -4,7 +4,7 @@ use crate::format::mesh::{MeshReport, RepairCounts};
 use std::fmt::Write;
 
 /// Returns a table with one column of figures, or with two (before, after) for a changed mesh.
-pub(super) fn table(
+pub(super) fn mesh_report_table(
     name: &str,
     before: &MeshReport,
     repaired: Option<&RepairCounts>,

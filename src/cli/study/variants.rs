@@ -29,12 +29,12 @@ struct VariantFlags {
 }
 
 /// A variant of a method: its label and its arguments.
-pub(super) struct NamedVariant {
+pub(super) struct VariantArguments {
     pub label: String,
     pub method: MethodArguments,
 }
 
-impl NamedVariant {
+impl VariantArguments {
     /// Makes a variant with the flags that all methods share.
     pub fn from_algorithm(algorithm: Algorithm, shared: &MethodArguments) -> Self {
         let method = MethodArguments { integrator: algorithm, ..shared.clone() };

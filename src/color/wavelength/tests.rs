@@ -101,7 +101,7 @@ fn extreme_samples_are_in_range() {
 }
 
 #[test]
-fn codes_round_trip() {
+fn wavelength_byte_codes_round_trip() {
     assert_eq!(Wavelength::from_byte_code(0), None);
     for i in 0..=3400 {
         let w = wavelength_of_nanometres(SHORTEST + i as f32 * 0.1);

@@ -17,7 +17,7 @@ const DETECTOR: f64 = 0.082;
 type FilterWeights = Vec<f32>;
 
 /// Separable filters of ꟻLIP, scaled to the pixels per degree of visual angle.
-pub(super) struct FlipFilters {
+pub(super) struct FlipMetricFilters {
     luminance: FilterWeights,
     red_green: FilterWeights,
     /// Weighted sum of two Gaussians: weight and Gaussian.
@@ -26,7 +26,7 @@ pub(super) struct FlipFilters {
     detector: [FilterWeights; 3],
 }
 
-impl FlipFilters {
+impl FlipMetricFilters {
     pub fn new(pixels_per_degree: f64) -> Self {
         // All filters have the radius of the widest, three standard deviations, as in the paper.
         let radius = (3.0 * (BLUE_YELLOW[0].1 / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil() as i32;
@@ -97,7 +97,7 @@ fn to_single_precision(weights: impl Iterator<Item = f64>) -> FilterWeights {
 }
 
 /// Buffers for one filtered row of a picture.
-pub(super) struct RowFilter {
+pub(super) struct FlipRowFilter {
     /// Row after vertical filtering, extended by its end pixels on both sides.
     padded: Vec<f32>,
     /// Blurred Y, Cx and Cz, and Cz blurred with the second Gaussian.
@@ -106,8 +106,8 @@ pub(super) struct RowFilter {
     features: [Vec<f32>; 4],
 }
 
-impl RowFilter {
-    pub fn new(width: usize, filters: &FlipFilters) -> Self {
+impl FlipRowFilter {
+    pub fn new(width: usize, filters: &FlipMetricFilters) -> Self {
         let row = || vec![0.0; width];
         Self {
             padded: vec![0.0; width + 2 * filters.max_radius()],
@@ -117,7 +117,7 @@ impl RowFilter {
     }
 
     /// Computes one row of all filters from the `planes` Y, Cx and Cz.
-    pub fn filter(&mut self, planes: &[Vec<f32>; 3], row: usize, filters: &FlipFilters) {
+    pub fn filter(&mut self, planes: &[Vec<f32>; 3], row: usize, filters: &FlipMetricFilters) {
         let [(share, kernel), (other_share, other)] = &filters.blue_yellow;
         let padded = &mut self.padded;
         let [y, cx, cz, rest] = &mut self.blurred;

@@ -12,10 +12,10 @@ use super::buffer::Image;
 use super::metrics::{MetricError, check_comparable};
 use super::tone::MAX_EXPOSURE_STOPS;
 use color::{color_error, hunt_adjusted_lab, rgb_to_ycxcz};
-use filter::{FlipFilters, RowFilter};
+use filter::{FlipMetricFilters, FlipRowFilter};
 use glam::Vec3;
 use rayon::prelude::*;
-use tone::{film_curve, hdr_exposures};
+use tone::{film_curve, hdr_flip_exposures};
 
 /// Default pixels per degree of visual angle: a 0.7 m wide screen of 3840 pixels, seen from 0.7 m.
 pub const PIXELS_PER_DEGREE: f64 = 3840.0 * std::f64::consts::PI / 180.0;
@@ -27,7 +27,7 @@ pub const PIXELS_PER_DEGREE_RANGE: std::ops::RangeInclusive<f64> = 1.0..=1000.0;
 
 /// Variant of ꟻLIP, which determines the tone mapping before the comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum FlipMode {
+pub enum FlipMetricMode {
     /// LDR-ꟻLIP at one exposure \[stops], within ±[`MAX_EXPOSURE_STOPS`].
     ///
     /// Radiance is multiplied by 2 to this power and clamped to \[0, 1].
@@ -41,22 +41,22 @@ pub enum FlipMode {
 
 /// Options of [`flip`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FlipOptions {
+pub struct FlipMetricOptions {
     /// Pixels per degree of visual angle, within [`PIXELS_PER_DEGREE_RANGE`].
     pub pixels_per_degree: f64,
     /// Variant of the metric.
-    pub mode: FlipMode,
+    pub mode: FlipMetricMode,
 }
 
-impl Default for FlipOptions {
+impl Default for FlipMetricOptions {
     fn default() -> Self {
-        Self { pixels_per_degree: PIXELS_PER_DEGREE, mode: FlipMode::Ldr(0.0) }
+        Self { pixels_per_degree: PIXELS_PER_DEGREE, mode: FlipMetricMode::Ldr(0.0) }
     }
 }
 
 /// ꟻLIP errors of a picture.
 #[derive(Clone, Debug, PartialEq)]
-pub struct FlipResult {
+pub struct FlipMetricResult {
     /// Error of each pixel in \[0, 1], in rows from the top; 0 is equal.
     pub map: Vec<f32>,
     /// Mean error over pixels.
@@ -65,39 +65,43 @@ pub struct FlipResult {
 
 /// Computes the ꟻLIP error of `test` against `reference`. Negative radiance counts as black.
 ///
-/// [`FlipMode::Ldr`] is symmetric. [`FlipMode::Hdr`] derives its exposures from the reference.
+/// [`FlipMetricMode::Ldr`] is symmetric. [`FlipMetricMode::Hdr`] derives its exposures from the reference.
 ///
 /// # Errors
 /// [`MetricError`] if the sizes differ, a pixel is not finite, or an option is out of range.
-pub fn flip(reference: &Image, test: &Image, options: &FlipOptions) -> Result<FlipResult, MetricError> {
+pub fn flip_metric(
+    reference: &Image,
+    test: &Image,
+    options: &FlipMetricOptions,
+) -> Result<FlipMetricResult, MetricError> {
     check_comparable(reference, test)?;
     let value = options.pixels_per_degree;
     if !PIXELS_PER_DEGREE_RANGE.contains(&value) {
         return Err(MetricError::Parameter { name: "pixels per degree", value });
     }
-    let filters = FlipFilters::new(value);
+    let filters = FlipMetricFilters::new(value);
     let mut map = vec![0.0; reference.pixels().len()];
     match options.mode {
-        FlipMode::Ldr(stops) => {
+        FlipMetricMode::Ldr(stops) => {
             if !(-MAX_EXPOSURE_STOPS..=MAX_EXPOSURE_STOPS).contains(&stops) {
                 return Err(MetricError::Parameter { name: "exposure", value: stops.into() });
             }
             let scale = libm::exp2f(stops);
             let shown = |p: Vec3| (p * scale).clamp(Vec3::ZERO, Vec3::ONE);
             accumulate_max_error(
-                &OpponentImage::from_image(reference, shown),
-                &OpponentImage::from_image(test, shown),
+                &OpponentColorImage::from_image(reference, shown),
+                &OpponentColorImage::from_image(test, shown),
                 &filters,
                 &mut map,
             );
         }
-        FlipMode::Hdr => {
-            for stops in hdr_exposures(reference) {
+        FlipMetricMode::Hdr => {
+            for stops in hdr_flip_exposures(reference) {
                 let scale = libm::exp2(stops);
                 let shown = |p: Vec3| film_curve(p, scale);
                 accumulate_max_error(
-                    &OpponentImage::from_image(reference, shown),
-                    &OpponentImage::from_image(test, shown),
+                    &OpponentColorImage::from_image(reference, shown),
+                    &OpponentColorImage::from_image(test, shown),
                     &filters,
                     &mut map,
                 );
@@ -105,17 +109,17 @@ pub fn flip(reference: &Image, test: &Image, options: &FlipOptions) -> Result<Fl
         }
     }
     let mean = map.iter().map(|&e| f64::from(e)).sum::<f64>() / map.len() as f64;
-    Ok(FlipResult { map, mean })
+    Ok(FlipMetricResult { map, mean })
 }
 
 /// A picture in the opponent colour space YCxCz: luminance, red-green, blue-yellow.
-struct OpponentImage {
+struct OpponentColorImage {
     width: usize,
     /// Planes Y, Cx and Cz, each in rows.
     planes: [Vec<f32>; 3],
 }
 
-impl OpponentImage {
+impl OpponentColorImage {
     /// Converts `image`; `shown` maps radiance to linear display values in \[0, 1].
     fn from_image(image: &Image, shown: impl Fn(Vec3) -> Vec3 + Sync) -> Self {
         let triples: Vec<Vec3> = image.pixels().par_iter().map(|&p| rgb_to_ycxcz(shown(p))).collect();
@@ -125,9 +129,14 @@ impl OpponentImage {
 }
 
 /// Sets each pixel of `map` to the maximum of its value and the ꟻLIP error of the two pictures.
-fn accumulate_max_error(reference: &OpponentImage, test: &OpponentImage, filters: &FlipFilters, map: &mut [f32]) {
+fn accumulate_max_error(
+    reference: &OpponentColorImage,
+    test: &OpponentColorImage,
+    filters: &FlipMetricFilters,
+    map: &mut [f32],
+) {
     let width = reference.width;
-    let scratch = || (RowFilter::new(width, filters), RowFilter::new(width, filters));
+    let scratch = || (FlipRowFilter::new(width, filters), FlipRowFilter::new(width, filters));
     map.par_chunks_mut(width).enumerate().for_each_init(scratch, |(a, b), (row, errors)| {
         a.filter(&reference.planes, row, filters);
         b.filter(&test.planes, row, filters);

@@ -74,12 +74,12 @@ fn queries_match_a_linear_scan() {
 /// Rays through the ends of pieces, from near and far: exactly one piece is hit in spite of
 /// rounding.
 #[test]
-fn cut_beams_are_visited_once() {
+fn split_beams_are_visited_once() {
     let radius = 0.02;
     let beams = random_beams(900, 1.0, Vec3::splat(30.0));
     let map = PhotonBeamMap::build(beams.clone(), radius);
     let mut count = 0;
-    for (i, piece) in (0..).zip(split_beams(&beams, optimal_piece_length(&beams, radius))) {
+    for (i, piece) in (0..).zip(split_beams(&beams, optimal_beam_piece_length(&beams, radius))) {
         let beam = &beams[piece.beam as usize];
         let direction = random_direction(2_000_000 + i);
         let target = beam.point_at(piece.to.into()).as_vec3();
@@ -194,7 +194,7 @@ fn invalid_beams_are_rejected() {
 fn beam_map_is_small_and_thread_independent() {
     for radius in [1e-9, 0.01, 10.0] {
         let beams = random_beams(5000, 1.0, Vec3::ZERO);
-        let pieces = split_beams(&beams, optimal_piece_length(&beams, radius)).len();
+        let pieces = split_beams(&beams, optimal_beam_piece_length(&beams, radius)).len();
         assert!(pieces as f64 <= MAX_PIECES * 5000.0 && pieces >= 5000, "{pieces}");
     }
     let with = |n| {

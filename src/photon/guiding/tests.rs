@@ -74,8 +74,8 @@ fn visible_corner_map(scene: &Scene) -> VisiblePointMap {
 const MASK: StoreMask = StoreMask::ALL;
 const BOUNCES: u32 = 2;
 
-fn guided_source<'a>(scene: &'a Scene, visible: &VisiblePointMap) -> (PhotonSource<'a>, GuidingReport) {
-    let pilot = GuidingPilot { mask: MASK, max_bounces: BOUNCES, visible, paths: 1 << 16, seed: 11 };
+fn guided_source<'a>(scene: &'a Scene, visible: &VisiblePointMap) -> (PhotonSource<'a>, EmissionGuidingReport) {
+    let pilot = EmissionGuidingPilot { mask: MASK, max_bounces: BOUNCES, visible, paths: 1 << 16, seed: 11 };
     PhotonSource::in_all_directions(scene).unwrap().with_guided_emission(&pilot)
 }
 
@@ -165,7 +165,8 @@ fn aiming_and_guiding_together_are_unbiased() {
         b.delta_light(DeltaLightKind::Point { position: LAMP }, LightStrength::Physical(Rgb::ONE));
     });
     let visible = visible_corner_map(&scene);
-    let pilot = GuidingPilot { mask: StoreMask::CAUSTIC, max_bounces: 20, visible: &visible, paths: 1 << 15, seed: 1 };
+    let pilot =
+        EmissionGuidingPilot { mask: StoreMask::CAUSTIC, max_bounces: 20, visible: &visible, paths: 1 << 15, seed: 1 };
     let plain = PhotonSource::aimed_at_casters(&scene).unwrap();
     let (guided, report) = PhotonSource::aimed_at_casters(&scene).unwrap().with_guided_emission(&pilot);
     let flux = |source: &PhotonSource<'_>| {
@@ -204,7 +205,7 @@ fn guiding_reduces_visible_variance() {
         let mut means = vec![PassStatistics::default(); 1600];
         for i in 0..24 {
             let map = PhotonMap::build(photon_pass(&scene, source).trace(pass_key(i), 16384, &|_| {}).deposits.photons);
-            let mut scratch = Scratch::new();
+            let mut scratch = PhotonSearchBuffers::new();
             for (p, mean) in visible_corner_points(&scene).zip(&mut means) {
                 let wide = Bandwidth { radius: 0.1, k: 0 };
                 let estimate = map.estimate(p, Vec3::Y, wide, Kernel::Box, &mut scratch, |_| Rgb::ONE);
@@ -255,8 +256,9 @@ fn blind_pilot_leaves_source_unguided() {
             assert_eq!((report.useful, report.gain), (0.0, 1.0), "{name}");
             let plain = PhotonSource::in_all_directions(&scene).unwrap();
             for i in 0..1000 {
-                let bits =
-                    |s: &PhotonSource<'_>| s.emit::<InteriorStack>(pass_key(1), i, 1000).map(|(w, f)| (w.ray, f));
+                let bits = |s: &PhotonSource<'_>| {
+                    s.emit_photon_path::<InteriorStack>(pass_key(1), i, 1000).map(|(w, f)| (w.ray, f))
+                };
                 assert_eq!(bits(&guided), bits(&plain), "{name}");
             }
         }
@@ -270,9 +272,10 @@ fn guiding_is_deterministic() {
     let emissions = |threads: usize, seed: u64| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let pilot = GuidingPilot { mask: MASK, max_bounces: BOUNCES, visible: &visible, paths: 1 << 15, seed };
+            let pilot =
+                EmissionGuidingPilot { mask: MASK, max_bounces: BOUNCES, visible: &visible, paths: 1 << 15, seed };
             let (source, report) = PhotonSource::in_all_directions(&scene).unwrap().with_guided_emission(&pilot);
-            let emit = |i| source.emit::<InteriorStack>(pass_key(0), i, 1000).map(|(w, f)| (w.ray, f));
+            let emit = |i| source.emit_photon_path::<InteriorStack>(pass_key(0), i, 1000).map(|(w, f)| (w.ray, f));
             (report, (0..1000).map(emit).collect::<Vec<_>>())
         })
     };

@@ -52,14 +52,14 @@ fn shares_follow_photons_per_pixel() {
             .collect()
     };
     let step = |count: u32, ratio: f64| {
-        let shares = EstimateShares::from_splats(&splats(count), SIZE, ratio);
+        let shares = DensityEstimateShares::from_splats(&splats(count), SIZE, ratio);
         assert!(shares.steps.iter().all(|step| *step == shares.steps[0]), "uniform photons, uniform shares");
-        shares.steps_at(Vec2::new(6.0, 4.0))
+        shares.share_steps_at(Vec2::new(6.0, 4.0))
     };
     assert_eq!((step(0, 1.0), step(1, 1.0), step(200, 1.0)), (15, 15, 0));
     assert_eq!((step(10, 1.0), step(5, 2.0), step(20, 0.5)), (8, 8, 8));
-    let shares = EstimateShares::uniform(3, SIZE);
-    assert_eq!((shares.steps_at(Vec2::new(11.9, 7.9)), shares.steps_at(Vec2::new(12.0, 1.0))), (3, 15));
+    let shares = DensityEstimateShares::uniform(3, SIZE);
+    assert_eq!((shares.share_steps_at(Vec2::new(11.9, 7.9)), shares.share_steps_at(Vec2::new(12.0, 1.0))), (3, 15));
 }
 
 /// A photon stores its share in bits of its flux that no picture shows.
@@ -69,8 +69,8 @@ fn photons_store_their_share() {
     use glam::Vec3;
     let photon = Photon::new(Vec3::ONE, Rgb::new(0.2, 0.5, 0.3), Vec3::Z, Vec3::Z).unwrap();
     for steps in 0..=SHARE_STEPS {
-        let data = photon.with_estimate_share(steps).data;
-        assert!((data.estimate_share() - f32::from(steps) / 15.0).abs() < 1e-6);
+        let data = photon.with_density_estimate_share(steps).data;
+        assert!((data.density_estimate_share() - f32::from(steps) / 15.0).abs() < 1e-6);
         assert!((data.flux() - photon.data.flux()).length() < 2e-6);
     }
 }

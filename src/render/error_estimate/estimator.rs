@@ -37,13 +37,13 @@ struct NestedEstimateSums {
     differences: [Vec<Vec3>; 2],
     /// Σ D₀², Σ D₀·D₁ and Σ D₁² over passes and channels.
     products: Vec<[f64; 3]>,
-    /// Discs of the estimates from the caustic and the global map.
-    discs: Vec<[DiscMean; 2]>,
+    /// Discs of the estimates from the caustic and the indirect map.
+    discs: Vec<[GatherDiscMeans; 2]>,
     samples: EffectiveSampleCount,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-struct DiscMean {
+struct GatherDiscMeans {
     radius: f32,
     photons: f32,
     passes: u32,
@@ -58,8 +58,8 @@ pub struct ErrorMaps {
     pub bias: Vec<Vec3>,
     /// Mean radius and photon count of estimates from the caustic map.
     pub caustic: Vec<MeanGatherDisc>,
-    /// Mean radius and photon count of estimates from the global map.
-    pub global: Vec<MeanGatherDisc>,
+    /// Mean radius and photon count of estimates from the indirect map.
+    pub indirect: Vec<MeanGatherDisc>,
 }
 
 impl ErrorEstimator {
@@ -135,8 +135,8 @@ impl ErrorEstimator {
             square.min(1.0)
         });
         let noise2 = noise2.sum::<f64>() * fraction;
-        let differences = self.photon_estimates.as_ref().map(|estimates| estimates.mean_differences(&scale, n));
-        let blur = differences.as_ref().map(BlurEstimate::extrapolate).unwrap_or_default();
+        let differences = self.photon_estimates.as_ref().map(|estimates| estimates.mean_blur_differences(&scale, n));
+        let blur = differences.as_ref().map(BlurEstimate::from_differences).unwrap_or_default();
         let (shared2, shared_variance) = self.shared_paths.squared_error(&scale, film.size().0, n);
         let square = noise2 + blur.square + shared2;
         // The true error of this picture scatters about its expectation, which is estimated too.
@@ -181,7 +181,7 @@ impl ErrorEstimator {
         let [d0, d1] = &estimates.differences;
         let bias = d0.iter().zip(d1).map(|(a, b)| (*a + *b) * factor).collect();
         let discs = |map: usize| estimates.discs.iter().map(|d| d[map].mean()).collect();
-        ErrorMaps { noise, bias, caustic: discs(0), global: discs(1) }
+        ErrorMaps { noise, bias, caustic: discs(0), indirect: discs(1) }
     }
 }
 
@@ -190,7 +190,7 @@ impl NestedEstimateSums {
         Self {
             differences: [vec![Vec3::ZERO; pixels], vec![Vec3::ZERO; pixels]],
             products: vec![[0.0; 3]; pixels],
-            discs: vec![[DiscMean::default(); 2]; pixels],
+            discs: vec![[GatherDiscMeans::default(); 2]; pixels],
             samples: EffectiveSampleCount::default(),
         }
     }
@@ -205,14 +205,14 @@ impl NestedEstimateSums {
             for (sum, product) in self.products[i].iter_mut().zip([a.dot(a), a.dot(b), b.dot(b)]) {
                 *sum += product;
             }
-            let [caustic, global] = &mut self.discs[i];
+            let [caustic, indirect] = &mut self.discs[i];
             caustic.add(pixel.caustic);
-            global.add(pixel.global);
+            indirect.add(pixel.indirect);
         }
     }
 
     /// Means of D₀², D₀·D₁ and D₁² over the picture, from pairs of different passes among `n`.
-    fn mean_differences(&self, scale: &RelativeScale, n: f64) -> BlurDifferences {
+    fn mean_blur_differences(&self, scale: &RelativeScale, n: f64) -> BlurDifferences {
         let [d0, d1] = &self.differences;
         let pixels = scale.weights().len();
         let (mut square, mut variance) = ([0.0; 3], 0.0);
@@ -233,7 +233,7 @@ impl NestedEstimateSums {
     }
 }
 
-impl DiscMean {
+impl GatherDiscMeans {
     fn add(&mut self, discs: Option<MeanGatherDisc>) {
         if let Some(MeanGatherDisc { radius, photons }) = discs {
             self.radius += radius;

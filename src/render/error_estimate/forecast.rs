@@ -2,7 +2,7 @@
 
 use super::estimate::ErrorEstimate;
 use super::fireflies::Fireflies;
-use crate::integrate::shrink;
+use crate::integrate::squared_radius_ratio;
 
 /// Largest number of passes of a forecast.
 const MAX_PASSES: u32 = 10_000_000;
@@ -148,7 +148,7 @@ struct DiscAreaSums {
 
 impl DiscAreaSums {
     fn new(alpha: f64, power: f64) -> Self {
-        Self { alpha, power, passes: 0, area: shrink(alpha, 0), inverse_area: 0.0, blur: 0.0 }
+        Self { alpha, power, passes: 0, area: squared_radius_ratio(alpha, 0), inverse_area: 0.0, blur: 0.0 }
     }
 
     fn add_pass(&mut self) {

@@ -4,7 +4,7 @@ use crate::sampling::{Dimension, Key, Purpose, sobol_2d};
 const SIDE: usize = 16;
 
 /// Weights from 0 to 10⁴, with one row and one column of zeros.
-fn test_weights() -> Vec<f64> {
+fn grid_weights_with_zeros() -> Vec<f64> {
     let key = Key::new(3).purpose_key(Purpose::Test);
     let weight = |i: usize| {
         let (row, column) = (i / SIDE, i % SIDE);
@@ -22,7 +22,7 @@ fn random_points(n: u64) -> impl Iterator<Item = Vec2> {
 /// Chi-square test of a million samples over cells split in four; false-alarm rate 10⁻⁴.
 #[test]
 fn samples_follow_the_density() {
-    let histogram = SquareGridDistribution::new(SIDE, &test_weights()).unwrap();
+    let histogram = SquareGridDistribution::new(SIDE, &grid_weights_with_zeros()).unwrap();
     let n = 1_000_000;
     let fine = 2 * SIDE;
     let mut counts = vec![0.0; fine * fine];
@@ -58,7 +58,7 @@ fn samples_follow_the_density() {
 /// The tolerance is the 64 steps that each cell gets in its row, and each row in its column.
 #[test]
 fn density_is_proportional_to_weights() {
-    let weights = test_weights();
+    let weights = grid_weights_with_zeros();
     let histogram = SquareGridDistribution::new(SIDE, &weights).unwrap();
     let total: f64 = weights.iter().sum();
     let mut integral = 0.0;
@@ -96,7 +96,7 @@ fn stratified_points_stay_stratified() {
 
 #[test]
 fn extreme_inputs_stay_in_range() {
-    let histogram = SquareGridDistribution::new(SIDE, &test_weights()).unwrap();
+    let histogram = SquareGridDistribution::new(SIDE, &grid_weights_with_zeros()).unwrap();
     for x in [0.0, 1e-30, 0.5, 1.0 - f32::EPSILON / 2.0] {
         for y in [0.0, 1e-30, 0.5, 1.0 - f32::EPSILON / 2.0] {
             let (at, density) = histogram.sample(Vec2::new(x, y));

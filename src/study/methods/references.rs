@@ -4,7 +4,7 @@ use super::GroundTruth;
 use super::clock::{measure_time, system_clock};
 use crate::image::metrics::{MetricError, rmse};
 use crate::image::{Image, RelativeScale, SizeError, open_file};
-use crate::integrate::{Algorithm, CameraPathSettings, Monitor, Settings};
+use crate::integrate::{Algorithm, CameraPathSettings, ProgressMonitor, Settings};
 use crate::plan::{Effect, EffectOverrides, Plan};
 use crate::render::Film;
 use crate::scene::Scene;
@@ -60,7 +60,7 @@ pub enum ReferenceError {
 
 /// Two reference pictures of equal size with finite pixels.
 #[derive(Clone, Debug)]
-pub struct References {
+pub struct ReferencePictures {
     source: String,
     error: Option<f64>,
     pair: [Image; 2],
@@ -68,7 +68,7 @@ pub struct References {
     scale: RelativeScale,
 }
 
-impl References {
+impl ReferencePictures {
     /// Makes references of `a` and `b`. Without `b`, `a` is taken as exact.
     ///
     /// `source` describes their origin in reports.
@@ -117,7 +117,7 @@ impl References {
         like: &CameraPathSettings,
         seconds: f64,
         interrupted: &AtomicBool,
-        monitor: &dyn Monitor,
+        monitor: &dyn ProgressMonitor,
         mut after: impl FnMut(u32, f64),
     ) -> Result<Option<Self>, ReferenceError> {
         let (algorithm, why) = reference_algorithm(scene, like.effects);
@@ -141,7 +141,7 @@ impl References {
             }
             let ((), time) = measure_time(&clock, || {
                 for (integrator, film) in integrators.iter().zip(&mut films) {
-                    film.add(&integrator.pass(film.passes(), monitor).image);
+                    film.add(&integrator.render_pass(film.passes(), monitor).image);
                 }
             });
             spent += time.processor;
@@ -206,7 +206,7 @@ fn read_reference(path: &Path, wanted: (u32, u32)) -> Result<Image, ReferenceErr
 /// It is `hybrid` if the scene has caustics, which `path` may miss. Else it is `path`.
 #[must_use]
 pub fn reference_algorithm(scene: &Scene, overrides: EffectOverrides) -> (Algorithm, &'static str) {
-    let plan = Plan::new(scene, Algorithm::Hybrid.simulates(), overrides);
+    let plan = Plan::new(scene, Algorithm::Hybrid.supported_effects(), overrides);
     if plan.simulated_effects().has(Effect::Caustics) {
         (Algorithm::Hybrid, "unbiased except caustics, whose blur shrinks")
     } else {

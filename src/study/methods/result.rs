@@ -6,7 +6,7 @@ use serde::Serialize;
 
 /// Measurements of a method after a number of passes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Checkpoint {
+pub struct ConvergenceCheckpoint {
     /// Number of passes of each seed.
     pub passes: u32,
     /// Processor time of these passes, without setup, mean over seeds \[s].
@@ -41,7 +41,7 @@ pub struct Checkpoint {
     pub flip: f64,
 }
 
-impl Checkpoint {
+impl ConvergenceCheckpoint {
     /// Relative squared error, mean over seeds.
     #[must_use]
     pub fn mean_squared_error(&self) -> f64 {
@@ -70,12 +70,12 @@ pub struct MethodResult {
     pub setup: f64,
     /// Parameter α of the radius law (Knaus and Zwicker 2011); 1 for fixed radii.
     pub alpha: f64,
-    /// Largest gather radius in the first pass of the global and of the caustic map \[length].
+    /// Largest gather radius in the first pass of the indirect and of the caustic map \[length].
     ///
     /// `None` if the algorithm has no photons.
     pub radii: Option<[f32; 2]>,
     /// Checkpoints in the order of passes, which are powers of two except at the last checkpoint.
-    pub checkpoints: Vec<Checkpoint>,
+    pub checkpoints: Vec<ConvergenceCheckpoint>,
     /// Picture of the first seed at the last checkpoint.
     pub picture: Image,
     /// Relative error of each pixel at the last checkpoint: root mean square over seeds.

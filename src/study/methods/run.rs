@@ -3,12 +3,14 @@
 use super::clock::{ClockFn, measure_time, system_clock};
 use super::split::{mean_pixel, pixel_errors, separate_noise_and_bias};
 use super::variant::{MethodVariantError, check_variants};
-use super::{Checkpoint, CpuWallTime, MethodResult, MethodStudyResult, MethodVariant, References, StudiedScene};
+use super::{
+    ConvergenceCheckpoint, CpuWallTime, MethodResult, MethodStudyResult, MethodVariant, ReferencePictures, StudiedScene,
+};
 use crate::color::Rgb;
 use crate::image::Image;
-use crate::image::flip::{FlipOptions, flip};
+use crate::image::flip::{FlipMetricOptions, flip_metric};
 use crate::image::metrics::rmse;
-use crate::integrate::{Expected, Integrator, Monitor, Radii};
+use crate::integrate::{ExpectedPhotons, GatherRadii, Integrator, ProgressMonitor};
 use crate::render::Film;
 use crate::render::error_estimate::ErrorEstimator;
 use crate::scene::Scene;
@@ -41,7 +43,7 @@ pub enum StudyProgress<'s> {
     /// A round ended: one pass of each seed of each running method. Holds the number of rounds.
     Round(u32),
     /// A method reached a checkpoint. Holds the method's label and the checkpoint.
-    Checkpoint(&'s str, &'s Checkpoint),
+    Checkpoint(&'s str, &'s ConvergenceCheckpoint),
 }
 
 /// Function that prepares an integrator with the given seed.
@@ -63,14 +65,14 @@ struct MethodRun<'a> {
     variant: MethodVariant,
     make: IntegratorFactory<'a>,
     setup: f64,
-    radii: Option<Radii>,
-    expected: Expected,
+    radii: Option<GatherRadii>,
+    expected: ExpectedPhotons,
     alpha: f64,
     seeds: Vec<SeedRun<'a>>,
     time: CpuWallTime,
     rays: u64,
     photons: u64,
-    checkpoints: Vec<Checkpoint>,
+    checkpoints: Vec<ConvergenceCheckpoint>,
     /// Pictures of the last checkpoint; `None` while the method runs.
     last: Option<FinalPictures>,
 }
@@ -123,7 +125,7 @@ impl<'a> MethodStudy<'a> {
         check_variants(&named, seeds)?;
         let runs = named.into_iter().zip(makers).map(|(variant, make)| {
             let (first, setup) = measure_time(&clock, || make(variant.settings.camera_paths.seed));
-            let (radii, expected) = (first.radii(), first.expected());
+            let (radii, expected) = (first.gather_radii(), first.expected_photons());
             let alpha = first.radius_law().map_or(1.0, |law| law.alpha);
             let none = (1..seeds).map(|_| None);
             let film = |integrator| SeedRun { integrator, film: Film::new(size.0, size.1), estimator: None };
@@ -148,8 +150,8 @@ impl<'a> MethodStudy<'a> {
 
     /// Numbers of photons that determine the memory of a pass: their maxima over all methods.
     #[must_use]
-    pub fn largest_pass_memory(&self) -> Expected {
-        self.runs.iter().map(|run| run.expected).fold(Expected::default(), |a, b| Expected {
+    pub fn largest_expected_photons(&self) -> ExpectedPhotons {
+        self.runs.iter().map(|run| run.expected).fold(ExpectedPhotons::default(), |a, b| ExpectedPhotons {
             paths: a.paths.max(b.paths),
             photons: a.photons.max(b.photons),
             most: a.most.max(b.most),
@@ -158,7 +160,7 @@ impl<'a> MethodStudy<'a> {
 
     /// Memory of all pictures of a study \[bytes], for a number of variants and of seeds.
     #[must_use]
-    pub fn picture_bytes((width, height): (u32, u32), variants: usize, seeds: u32) -> u64 {
+    pub fn study_picture_bytes((width, height): (u32, u32), variants: usize, seeds: u32) -> u64 {
         let (variants, seeds) = (variants as u64, u64::from(seeds));
         // For each variant: films; last picture, difference and error map.
         // Once: both references and their mean; their scale; pictures and temporary images of the
@@ -180,9 +182,9 @@ impl<'a> MethodStudy<'a> {
         mut self,
         subject: &StudiedScene,
         limits: StudyLimits,
-        references: &References,
+        references: &ReferencePictures,
         interrupted: &AtomicBool,
-        monitor: &dyn Monitor,
+        monitor: &dyn ProgressMonitor,
         mut after: impl FnMut(StudyProgress<'_>),
     ) -> Result<MethodStudyResult, StudyError> {
         let (mut round, mut cut) = (0u32, false);
@@ -208,7 +210,7 @@ impl<'a> MethodStudy<'a> {
     ///
     /// Each round starts with another seed. So a slow phase of the machine or a cold cache affects
     /// all methods equally.
-    fn run_round(&mut self, pass: u32, monitor: &dyn Monitor) {
+    fn run_round(&mut self, pass: u32, monitor: &dyn ProgressMonitor) {
         let seeds = self.seeds as usize;
         let running = (0..self.runs.len()).filter(|i| self.runs[*i].last.is_none());
         let turns: Vec<(usize, usize)> = running.flat_map(|run| (0..seeds).map(move |seed| (run, seed))).collect();
@@ -222,7 +224,7 @@ impl<'a> MethodStudy<'a> {
         self,
         subject: &StudiedScene,
         limits: StudyLimits,
-        references: &References,
+        references: &ReferencePictures,
         interrupted: bool,
     ) -> MethodStudyResult {
         let threads = rayon::current_num_threads();
@@ -246,16 +248,16 @@ impl<'a> MethodStudy<'a> {
 }
 
 impl MethodRun<'_> {
-    fn run_pass(&mut self, seed: usize, pass: u32, clock: &dyn Fn() -> CpuWallTime, monitor: &dyn Monitor) {
+    fn run_pass(&mut self, seed: usize, pass: u32, clock: &dyn Fn() -> CpuWallTime, monitor: &dyn ProgressMonitor) {
         let SeedRun { integrator, film, estimator } = &mut self.seeds[seed];
         let first = self.variant.settings.camera_paths.seed;
         let integrator = integrator.get_or_insert_with(|| (self.make)(first.wrapping_add(seed as u64)));
-        let (pass, time) = measure_time(clock, || integrator.pass(pass, monitor));
+        let (pass, time) = measure_time(clock, || integrator.render_pass(pass, monitor));
         estimator.get_or_insert_with(|| ErrorEstimator::new(integrator.radius_law())).add(film, &pass);
         film.add(&pass.image);
         self.time += time;
         self.rays += pass.counters.total_rays();
-        self.photons += pass.global.emitted + pass.caustic.emitted;
+        self.photons += pass.unaimed.emitted + pass.aimed.emitted;
     }
 
     /// Measures all seeds after `passes` passes and adds a checkpoint.
@@ -267,8 +269,8 @@ impl MethodRun<'_> {
         passes: u32,
         last: bool,
         size: (u32, u32),
-        references: &References,
-    ) -> Result<Checkpoint, StudyError> {
+        references: &ReferencePictures,
+    ) -> Result<ConvergenceCheckpoint, StudyError> {
         let pictures: Vec<Vec<Rgb>> = self.seeds.iter().map(|seed| seed.film.mean()).collect();
         let image = |pixels: Vec<Rgb>| Image::from_pixels(size.0, size.1, pixels);
         for picture in &pictures {
@@ -280,7 +282,7 @@ impl MethodRun<'_> {
         let estimated: Vec<f64> =
             self.seeds.iter().filter_map(error).filter(|e| e.is_finite()).map(|e| e * e).collect();
         let seeds = pictures.len() as f64;
-        let checkpoint = Checkpoint {
+        let checkpoint = ConvergenceCheckpoint {
             passes,
             seconds: self.time.processor / seeds,
             wall: self.time.wall / seeds,
@@ -292,7 +294,7 @@ impl MethodRun<'_> {
             bias2: measured.bias2,
             estimated,
             rmse: measured.rmse,
-            flip: flip(references.mean(), &image(pictures[0].clone())?, &FlipOptions::default())?.mean,
+            flip: flip_metric(references.mean(), &image(pictures[0].clone())?, &FlipMetricOptions::default())?.mean,
         };
         if last {
             self.checkpoints.pop_if(|before| f64::from(passes) < MIN_CHECKPOINT_RATIO * f64::from(before.passes));
@@ -317,7 +319,7 @@ impl MethodRun<'_> {
             algorithm: self.variant.algorithm,
             setup: self.setup,
             alpha: self.alpha,
-            radii: self.radii.map(|r| [r.global, r.caustic]),
+            radii: self.radii.map(|r| [r.indirect, r.caustic]),
             checkpoints: self.checkpoints,
             picture,
             error,

@@ -1,10 +1,10 @@
 //! Separates the error of a method into noise and bias.
 
-use super::References;
+use super::ReferencePictures;
 use crate::color::Rgb;
 use glam::DVec3;
 
-/// Error, noise and bias of a method; [`Checkpoint`](super::Checkpoint) describes the fields.
+/// Error, noise and bias of a method; [`ConvergenceCheckpoint`](super::ConvergenceCheckpoint) describes the fields.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct NoiseAndBias {
     pub squares: Vec<f64>,
@@ -18,7 +18,7 @@ pub(super) struct NoiseAndBias {
 ///
 /// Let I be a picture, and A and B references, all independent. Then E\[(I − A)(I − B)] is the
 /// squared bias plus the variance of I: the noise of the references cancels.
-pub(super) fn separate_noise_and_bias(references: &References, pictures: &[Vec<Rgb>]) -> NoiseAndBias {
+pub(super) fn separate_noise_and_bias(references: &ReferencePictures, pictures: &[Vec<Rgb>]) -> NoiseAndBias {
     let seeds = pictures.len() as f64;
     let (mut squares, mut noises) = (vec![0.0; pictures.len()], vec![0.0; pictures.len()]);
     let mut plain = 0.0;
@@ -50,7 +50,7 @@ pub(super) fn mean_pixel(pictures: &[Vec<Rgb>], i: usize) -> DVec3 {
 }
 
 /// Relative error of each pixel: root mean square over seeds; 0 if the mean square is negative.
-pub(super) fn pixel_errors(references: &References, pictures: &[Vec<Rgb>]) -> Vec<f32> {
+pub(super) fn pixel_errors(references: &ReferencePictures, pictures: &[Vec<Rgb>]) -> Vec<f32> {
     let scale = references.relative_scale();
     let square = |i: usize| {
         let counts = |picture: &Vec<Rgb>| {

@@ -48,7 +48,7 @@ pub(super) fn check_variants(variants: &[MethodVariant], seeds: u32) -> Result<(
 /// in scenes without caustics, where it equals `path`.
 #[must_use]
 pub fn applicable_methods(scene: &Scene, overrides: EffectOverrides) -> Vec<Algorithm> {
-    let plan = Plan::new(scene, Algorithm::Hybrid.simulates(), overrides);
+    let plan = Plan::new(scene, Algorithm::Hybrid.supported_effects(), overrides);
     let facts = &plan.features;
     let photons = facts.lights > 0 && facts.receivers + facts.scattering_media > 0;
     let applies = |algorithm: &Algorithm| match algorithm {

@@ -2,10 +2,10 @@
 
 mod data;
 
-pub use data::{csv, markdown};
+pub use data::{csv_report, markdown_report};
 
 use super::html::{escape_html, inline_png, number_cells_html};
-use super::picture::{encode_png, exposure_text, negative_part, positive_part, visible_exposure};
+use super::picture::{auto_exposure_stops, encode_png, exposure_text, negative_part, positive_part};
 use super::text::{count_text, percent_text, signed_count_text, signed_milliseconds_text, three_digit_text};
 use crate::image::Image;
 use crate::study::{ClockKind, EffectResult, EffectStudyResult, StudyError};
@@ -65,7 +65,7 @@ pub fn effects_html_page(about: &ReportContext, findings: &EffectStudyResult) ->
         about.integrator,
         if passes == 1 { "pass" } else { "passes" },
         about.seed,
-        clock_text(findings.clock),
+        clock_name(findings.clock),
     );
     let caption = format!("The whole picture: exposure {}.", exposure_text(about.exposure));
     page += "<div class=\"pictures\">\n";
@@ -86,7 +86,7 @@ pub fn effects_html_page(about: &ReportContext, findings: &EffectStudyResult) ->
     Ok(page)
 }
 
-fn clock_text(clock: ClockKind) -> &'static str {
+fn clock_name(clock: ClockKind) -> &'static str {
     match clock {
         ClockKind::Processor => "of processor time of all threads",
         ClockKind::Wall => "of wall time",
@@ -194,7 +194,7 @@ fn effect_article_html(finding: &EffectResult) -> Result<String, StudyError> {
     let parts = [("added", gain.adds, positive_part(difference)?), ("removed", gain.takes, negative_part(difference)?)];
     article += "<div class=\"pictures\">\n";
     for (how, mean, image) in parts {
-        let Some(exposure) = visible_exposure(&image).filter(|_| mean >= MIN_SHOWN_PART * most) else { continue };
+        let Some(exposure) = auto_exposure_stops(&image).filter(|_| mean >= MIN_SHOWN_PART * most) else { continue };
         let caption = format!("Light {how} by {effect}: exposure {}.", exposure_text(exposure));
         article += &picture_figure_html(&image, exposure, &format!("light {how} by {effect}"), &caption)?;
     }

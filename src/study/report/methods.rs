@@ -6,7 +6,7 @@ mod figures;
 mod tables;
 mod warnings;
 
-pub use data::{csv, markdown, method_study_json};
+pub use data::{csv_report, markdown_report, method_study_json};
 
 use super::html::escape_html;
 use super::text::{duration_text, error_percent_text};
@@ -54,7 +54,7 @@ pub fn methods_html_page(found: &MethodStudyResult) -> Result<String, StudyError
     page += "<h2>Time to reach an error</h2>\n";
     page += &tables::times_table_html(found, &analysis);
     page += "<h2>Pictures</h2>\n";
-    page += &figures::flip_viewer_html(found)?;
+    page += &figures::picture_switcher_html(found)?;
     page += &figures::error_crops_html(found)?;
     page += "<h2>Method by method</h2>\n";
     page += &figures::method_articles_html(found, &analysis)?;

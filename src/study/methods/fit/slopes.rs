@@ -1,7 +1,7 @@
 //! Least-squares slopes of error over time or passes, with bootstrap intervals.
 
 use crate::sampling::{Dimension, Key};
-use crate::study::methods::{Checkpoint, MethodResult};
+use crate::study::methods::{ConvergenceCheckpoint, MethodResult};
 
 /// The tail begins at the number of passes of the last checkpoint divided by this.
 const TAIL_RATIO: u32 = 16;
@@ -67,9 +67,10 @@ pub fn fit_convergence(method: &MethodResult) -> Option<ConvergenceFit> {
 }
 
 /// Checkpoints with at least 1/16 of the passes of the last one, and with positive time.
-fn checkpoints_of_last_passes(checkpoints: &[Checkpoint]) -> &[Checkpoint] {
+fn checkpoints_of_last_passes(checkpoints: &[ConvergenceCheckpoint]) -> &[ConvergenceCheckpoint] {
     let last = checkpoints.last().map_or(0, |c| c.passes);
-    let early = |c: &&Checkpoint| u64::from(c.passes) * u64::from(TAIL_RATIO) < u64::from(last) || c.seconds <= 0.0;
+    let early =
+        |c: &&ConvergenceCheckpoint| u64::from(c.passes) * u64::from(TAIL_RATIO) < u64::from(last) || c.seconds <= 0.0;
     &checkpoints[checkpoints.iter().take_while(early).count()..]
 }
 
@@ -78,9 +79,9 @@ fn checkpoints_of_last_passes(checkpoints: &[Checkpoint]) -> &[Checkpoint] {
 /// `square` returns the mean of a squared quantity at a checkpoint over seeds with the given
 /// weights, or with equal weights for `None`.
 fn fit_slopes(
-    tail: &[Checkpoint],
+    tail: &[ConvergenceCheckpoint],
     seeds: usize,
-    square: impl Fn(&Checkpoint, Option<&[f64]>) -> f64,
+    square: impl Fn(&ConvergenceCheckpoint, Option<&[f64]>) -> f64,
 ) -> Option<ConvergenceSlopes> {
     let times: Vec<f64> = tail.iter().map(|c| libm::log(c.seconds)).collect();
     let passes: Vec<f64> = tail.iter().map(|c| libm::log(f64::from(c.passes))).collect();
@@ -166,8 +167,8 @@ pub fn mean_confidence_interval(values: &[f64]) -> Option<[f64; 2]> {
 }
 
 /// 95 % confidence interval of the squared bias; `None` if the noise of single seeds is unknown.
-pub(super) fn squared_bias_interval(checkpoint: &Checkpoint) -> Option<[f64; 2]> {
-    let Checkpoint { squares, noises, .. } = checkpoint;
+pub(super) fn squared_bias_interval(checkpoint: &ConvergenceCheckpoint) -> Option<[f64; 2]> {
+    let ConvergenceCheckpoint { squares, noises, .. } = checkpoint;
     (squares.len() == noises.len())
         .then(|| squares.iter().zip(noises).map(|(s, n)| s - n).collect::<Vec<_>>())
         .and_then(|parts| mean_confidence_interval(&parts))

@@ -3,9 +3,9 @@
 use super::slopes::student_t_quantile;
 use super::*;
 use crate::image::Image;
-use crate::integrate::{ALPHA, Algorithm, shrink};
+use crate::integrate::{ALPHA, Algorithm, squared_radius_ratio};
 use crate::sampling::Key;
-use crate::study::methods::{Checkpoint, GroundTruth, MethodResult, MethodStudyResult};
+use crate::study::methods::{ConvergenceCheckpoint, GroundTruth, MethodResult, MethodStudyResult};
 use glam::Vec3;
 use rand::RngExt;
 
@@ -19,7 +19,7 @@ fn synthetic_method(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32],
     let mut rng = Key::new(77).child_key(name).rng();
     // Irwin–Hall: twelve uniform numbers less six have variance 1.
     let mut normal = || (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0;
-    let shrinks = |i: u32| shrink(alpha, i);
+    let shrinks = |i: u32| squared_radius_ratio(alpha, i);
     let (mut made, mut drift) = (0, 0.0);
     let mut sums = vec![[0.0; PIXELS]; SEEDS];
     let checkpoints = passes.iter().map(|&n| {
@@ -41,7 +41,7 @@ fn synthetic_method(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32],
         let noise2 = noises.iter().sum::<f64>() / SEEDS as f64;
         let bias2 = squares.iter().sum::<f64>() / SEEDS as f64 - noise2;
         let seconds = 0.25 * f64::from(n);
-        Checkpoint {
+        ConvergenceCheckpoint {
             passes: n,
             seconds,
             photons: 1000.0 * f64::from(n),
@@ -49,7 +49,7 @@ fn synthetic_method(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32],
             noises,
             noise2,
             bias2,
-            ..Checkpoint::default()
+            ..ConvergenceCheckpoint::default()
         }
     });
     MethodResult {

@@ -28,7 +28,7 @@ impl SlopeRange {
         Self { steepest: slope, flattest: slope }
     }
 
-    fn enclosing_range(self, o: Self) -> Self {
+    fn range_around_both(self, o: Self) -> Self {
         Self { steepest: self.steepest.min(o.steepest), flattest: self.flattest.max(o.flattest) }
     }
 }
@@ -55,9 +55,9 @@ pub fn predicted_slopes(
     let even = SlopeRange::single_slope(-0.5);
     let [variance, bias] = variance_and_bias_slopes(passes, alpha);
     let noise = match algorithm {
-        Sppm | Hybrid => SlopeRange::single_slope(0.5 * variance).enclosing_range(even),
+        Sppm | Hybrid => SlopeRange::single_slope(0.5 * variance).range_around_both(even),
         // All passes share the camera paths, which differ between seeds.
-        Ppm => SlopeRange::single_slope(0.0).enclosing_range(even),
+        Ppm => SlopeRange::single_slope(0.0).range_around_both(even),
         Path | Pm | Distributed | Whitted | Raycast => even,
     };
     let bias = match algorithm {
@@ -68,21 +68,21 @@ pub fn predicted_slopes(
     match quantity {
         ErrorComponent::Noise => Some(noise),
         ErrorComponent::Bias => bias,
-        ErrorComponent::Error => Some(bias.map_or(noise, |bias| noise.enclosing_range(bias))),
+        ErrorComponent::Error => Some(bias.map_or(noise, |bias| noise.range_around_both(bias))),
     }
 }
 
 /// Slopes over `passes` of variance and bias of the mean of passes with shrinking radii.
 fn variance_and_bias_slopes(passes: &[u32], alpha: f64) -> [f64; 2] {
-    let (mut shrink, mut shrunk, mut grown, mut made) = (1.0, 0.0, 0.0, 0u32);
+    let (mut squared_radius_ratio, mut shrunk, mut grown, mut made) = (1.0, 0.0, 0.0, 0u32);
     let mut logs: [Vec<f64>; 3] = Default::default();
     for &n in passes {
         while made < n {
             if made > 0 {
-                shrink *= (f64::from(made) + alpha) / (f64::from(made) + 1.0);
+                squared_radius_ratio *= (f64::from(made) + alpha) / (f64::from(made) + 1.0);
             }
-            shrunk += shrink;
-            grown += 1.0 / shrink;
+            shrunk += squared_radius_ratio;
+            grown += 1.0 / squared_radius_ratio;
             made += 1;
         }
         let n = f64::from(n.max(1));
@@ -96,11 +96,11 @@ fn variance_and_bias_slopes(passes: &[u32], alpha: f64) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::integrate::{ALPHA, shrink};
+    use crate::integrate::{ALPHA, squared_radius_ratio};
 
     #[test]
     fn variance_and_bias_slopes_match_sums_of_radii() {
-        let sum = |n: u32, of: fn(f64) -> f64| (0..n).map(|i| of(shrink(ALPHA, i))).sum::<f64>();
+        let sum = |n: u32, of: fn(f64) -> f64| (0..n).map(|i| of(squared_radius_ratio(ALPHA, i))).sum::<f64>();
         let [variance, bias] = variance_and_bias_slopes(&[16, 32], ALPHA);
         let expected = [(sum(32, |s| 1.0 / s) / 4.0) / sum(16, |s| 1.0 / s), sum(32, |s| s) / 2.0 / sum(16, |s| s)];
         for (slope, ratio) in [variance, bias].into_iter().zip(expected) {

@@ -2,7 +2,7 @@
 
 use super::slopes::{ConvergenceFit, SlopeEstimate};
 use super::verdict::ConvergenceVerdict;
-use crate::study::methods::{Checkpoint, MethodResult, MethodStudyResult};
+use crate::study::methods::{ConvergenceCheckpoint, MethodResult, MethodStudyResult};
 
 /// Time and work that a method takes to reach an error.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -16,7 +16,7 @@ pub struct RenderEffort {
 }
 
 impl RenderEffort {
-    fn at_checkpoint(checkpoint: &Checkpoint) -> Self {
+    fn at_checkpoint(checkpoint: &ConvergenceCheckpoint) -> Self {
         Self { seconds: checkpoint.seconds, passes: f64::from(checkpoint.passes), photons: checkpoint.photons }
     }
 
@@ -64,7 +64,7 @@ pub fn time_to_error(
     error: f64,
 ) -> TimeToError {
     let checkpoints = &method.checkpoints;
-    let above = |c: &Checkpoint| c.mean_squared_error() > error * error;
+    let above = |c: &ConvergenceCheckpoint| c.mean_squared_error() > error * error;
     let Some(last_above) = checkpoints.iter().rposition(above) else {
         return checkpoints
             .first()
@@ -85,7 +85,7 @@ pub fn time_to_error(
 }
 
 fn extrapolate_time_to_error(
-    last: &Checkpoint,
+    last: &ConvergenceCheckpoint,
     fit: Option<&ConvergenceFit>,
     verdict: &ConvergenceVerdict,
     error: f64,
@@ -130,7 +130,7 @@ pub fn time_to_tenth_of_error(
 /// `None` before the first checkpoint, and where an error is not positive or has no fit.
 #[must_use]
 pub fn error_after_seconds(method: &MethodResult, fit: Option<&ConvergenceFit>, seconds: f64) -> Option<f64> {
-    let error = |c: &Checkpoint| Some(c.mean_squared_error()).filter(|s| *s > 0.0).map(f64::sqrt);
+    let error = |c: &ConvergenceCheckpoint| Some(c.mean_squared_error()).filter(|s| *s > 0.0).map(f64::sqrt);
     let after = method.checkpoints.iter().position(|c| c.seconds >= seconds);
     let last = method.checkpoints.last()?;
     match after {

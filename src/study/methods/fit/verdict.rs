@@ -67,7 +67,7 @@ pub enum ConvergenceVerdict {
 /// Cause of a bias that more passes do not reduce.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BiasCause {
-    /// Blur by density estimates with these gather radii, of the global and of the caustic map.
+    /// Blur by density estimates with these gather radii, of the indirect and of the caustic map.
     Radii([f32; 2]),
     /// The algorithm leaves out light by design.
     LeavesOut,
