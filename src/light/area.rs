@@ -7,7 +7,7 @@ use crate::color::Rgb;
 use crate::math::{BoundingSphere, Bounds, Frame, Ray, offset_ray_origin, warp};
 use crate::sampling::DiscreteDistribution;
 use crate::shape::{
-    Mesh, Shape, ShapeSample, SolidAngleSample, SolidAngleSampling, SurfacePoint, TRIANGLE_HIT_ERROR, TexCoord,
+    Mesh, Shape, ShapeSample, SolidAngleSample, SolidAngleSampleResult, SurfacePoint, TRIANGLE_HIT_ERROR, TexCoord,
     TextureMapping,
 };
 use crate::texture::{Texture, TextureEvalContext};
@@ -206,7 +206,7 @@ impl AreaLight {
         match &self.texture {
             None => self.radiance,
             Some(emission) => {
-                let p = emission.mapping.point_to_object(point.p);
+                let p = emission.mapping.point_to_object_space(point.p);
                 let at = emission.mapping.tex_coord_at(p, || self.surface.tex_coord(point.p, coord));
                 emission.radiance(&TextureEvalContext::unfiltered(at.uv, p))
             }
@@ -236,12 +236,12 @@ impl LightSource for AreaLight {
         const NO_COORD: SurfaceCoord = SurfaceCoord::Shape(Vec2::ZERO);
         let by_solid_angle = match &self.surface {
             LightSurface::Shape(shape) => shape.sample_solid_angle(p, u),
-            LightSurface::Triangles { .. } => SolidAngleSampling::Unsupported,
+            LightSurface::Triangles { .. } => SolidAngleSampleResult::Unsupported,
         };
         let (SolidAngleSample { point, wi, pdf }, coord) = match by_solid_angle {
-            SolidAngleSampling::Sampled(sample) => (sample, NO_COORD),
-            SolidAngleSampling::Invisible => return None,
-            SolidAngleSampling::Unsupported => self.sample_surface_by_area(p, u)?,
+            SolidAngleSampleResult::Sampled(sample) => (sample, NO_COORD),
+            SolidAngleSampleResult::Invisible => return None,
+            SolidAngleSampleResult::Unsupported => self.sample_surface_by_area(p, u)?,
         };
         // The rounded direction of a shadow ray moves its end in proportion to its length.
         let relative_error = match &self.surface {
