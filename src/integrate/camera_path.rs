@@ -256,7 +256,8 @@ fn continue_path<I: Interior>(
     true
 }
 
-/// Estimates the radiance that `vertex` reflects to its viewer from photon maps \[W/(m² sr)].
+/// Estimates from photon maps the radiance that `vertex` reflects towards the previous vertex
+/// \[W/(m² sr)].
 #[inline]
 fn photon_radiance<I: Interior>(
     paths: &PathContext<'_>,
