@@ -68,7 +68,7 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, CommandFailure>
     })
 }
 
-/// Renders the pilot. Returns it and the expected time of one later pass \[s].
+/// Renders the pilot. Returns its result and the expected time of one later pass \[s].
 fn render_pilot(
     arguments: &EstimateArguments,
     integrator: &dyn Integrator,
@@ -131,7 +131,7 @@ struct CostEstimate {
     /// Time if the pilot's error is at the upper end of its interval \[s].
     seconds_high: Option<f64>,
     photons: Option<f64>,
-    /// Bias that no number of passes removes; `None` if the error can be reached.
+    /// Relative bias that no number of passes removes; `None` if the error can be reached.
     floor: Option<f64>,
     /// Flags of `caustica render` that give this error.
     flags: Option<String>,

@@ -13,7 +13,8 @@ pub(super) static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
 /// Starts to handle signals.
 ///
-/// `kept` names the output that is still written after the first signal, such as "the picture".
+/// `kept` names the output that the command still writes after the first signal, such as "the
+/// picture".
 pub(super) fn listen_for_signals(kept: &'static str) {
     on_signal(move || {
         if INTERRUPTED.swap(true, Ordering::Relaxed) {

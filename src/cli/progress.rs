@@ -144,7 +144,8 @@ fn rate_label(unit: &'static str) -> impl Fn(&ProgressState, &mut dyn fmt::Write
     }
 }
 
-/// Returns a label that shows the time left: of the render if `end` is known, else of the stage.
+/// Returns a label that shows the remaining time: of the render if its `end` is known, else of the
+/// stage.
 fn time_left_label(end: Option<Instant>) -> impl Fn(&ProgressState, &mut dyn fmt::Write) + Clone {
     move |state, out| {
         let _ = match end {
@@ -199,7 +200,8 @@ impl MeshReadMonitor for ProgressDisplay {
         }
     }
 
-    /// Reports a large mesh, and shows that the triangles so far are indexed.
+    /// Reports a large mesh in a line, and shows the number of triangles of all meshes that are now
+    /// indexed.
     fn on_read_end(&self, path: &Path, mesh: &TriangleMesh) {
         let n = mesh.triangles.len();
         if n >= LARGE_MESH_TRIANGLES {

@@ -163,7 +163,8 @@ fn render_passes(
     })
 }
 
-/// Returns the estimated error whose confidence interval would end at the target error.
+/// Returns the estimated error at which the upper end of its confidence interval is the target
+/// error.
 fn error_estimate_at_target(target: ErrorTarget, standing: &PassProgress) -> Option<f64> {
     let (estimate, _) = standing.error.as_ref()?;
     Some(target.error * estimate.error / estimate.high)
@@ -262,7 +263,8 @@ fn write_pictures(
     }
 }
 
-/// Prints the number of passes, rates, the reason for the end, and the estimated error.
+/// Prints the number of passes, rays and photons per second, why the render ended, and the
+/// estimated error.
 fn print_render_summary(
     arguments: &RenderArguments,
     progress: &ProgressDisplay,
@@ -297,7 +299,7 @@ fn print_render_summary(
     }
 }
 
-/// Reports pixels whose values the file format cannot hold.
+/// Prints warnings of pixels whose values the file format cannot store.
 fn report_clipped_pixels(written: &ClippedPixelReport, path: &Path, exposure: f32, progress: &ProgressDisplay) {
     let pixels = |n: usize| format!("{} of {}", count_with_noun(n, "pixel", "pixels"), path.display());
     if written.non_finite > 0 {

@@ -45,9 +45,10 @@ pub(super) struct RenderReport {
 pub(super) struct EstimatedErrorReport {
     #[serde(flatten)]
     pub estimate: ErrorEstimate,
-    /// Confidence that the error lies between `low` and `high` of the estimate.
+    /// Confidence that the true error lies between the bounds `low` and `high` of the estimate.
     confidence: Confidence,
-    /// Total passes at which the error is half as large; `None` if no number of passes is enough.
+    /// Total number of passes at which the error would be half as large; `None` if no number is
+    /// enough.
     halving_passes: Option<u32>,
     /// Further time until the error is half as large \[s].
     halving_seconds: Option<f64>,

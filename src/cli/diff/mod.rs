@@ -72,9 +72,9 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<Exit, CommandFailure> {
     failures.into_result(if exceeded.is_empty() { Exit::Success } else { Exit::Differ })
 }
 
-/// Returns the FLIP mode of the arguments.
+/// Returns the FLIP mode that the arguments select.
 ///
-/// By default it is LDR if `displayed`: both pictures hold display values. Else it is HDR.
+/// Without `--flip`, the mode is LDR if both pictures hold display values (`displayed`), else HDR.
 fn selected_flip_mode(arguments: &DiffArguments, displayed: bool) -> Result<FlipMetricMode, CommandFailure> {
     match (arguments.flip, arguments.exposure) {
         (Some(FlipModeArgument::Ldr), stops) => Ok(FlipMetricMode::Ldr(stops.unwrap_or(0.0))),

@@ -26,7 +26,7 @@ use std::time::Instant;
 /// Default number of passes of each picture of the study.
 const DEFAULT_PASSES: u32 = 4;
 
-/// File extensions of reports, and the functions that write them.
+/// File extensions of reports, and the functions that make the text of a report.
 const REPORT_WRITERS: [(&str, ReportWriter<EffectStudyResult>); 4] = [
     ("html", |arguments, found| effects_html_page(&report_context(arguments), found).into_diagnostic()),
     ("csv", |_, found| Ok(csv_report(found))),

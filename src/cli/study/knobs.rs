@@ -50,10 +50,11 @@ impl PilotSettings {
     }
 }
 
-/// Returns a method with default settings, and its variants with one setting changed.
+/// Returns a method with default settings, and variants of it that differ in one setting each.
 ///
-/// A pilot chooses the numbers of rays and photons once for all variants. The radius to scale is
-/// that of the caustic map for `hybrid`, and of the indirect map for other methods.
+/// A pilot chooses the numbers of rays and photons once for all variants. The variants of
+/// `--radius` scale a gather radius that the pilot found: that of the caustic map for `hybrid`, and
+/// that of the indirect map for other methods.
 pub(super) fn knob_study_variants(
     algorithm: Algorithm,
     shared: &MethodArguments,

@@ -1,8 +1,8 @@
-//! Indices of refraction.
+//! Tests of refractive indices.
 
 use super::*;
 
-/// The catalogue's own figures, to the last digit given.
+/// The indices of BK7 equal those of the manufacturer's catalogue to its last digit.
 #[test]
 fn borosilicate_crown_matches_the_catalogue() {
     let bk7 = glass_by_name("BK7").unwrap();
@@ -13,7 +13,7 @@ fn borosilicate_crown_matches_the_catalogue() {
     assert!((bk7.abbe_number() - 64.167).abs() < 5e-3, "{}", bk7.abbe_number());
 }
 
-/// Index at the line d and Abbe's number from catalogues and tables, to their last digit.
+/// Indices at the d line and Abbe numbers equal those of catalogues and tables to their last digit.
 #[test]
 fn substances_match_published_constants() {
     let known = [

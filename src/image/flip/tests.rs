@@ -32,14 +32,14 @@ fn ldr_flip_at_default_exposure(a: &Image, b: &Image) -> FlipMetricResult {
     flip_metric(a, b, &FlipMetricOptions::default()).unwrap()
 }
 
-/// Asserts bitwise equality.
+/// Asserts that two results are equal bit for bit.
 #[track_caller]
 fn assert_same_result(a: &FlipMetricResult, b: &FlipMetricResult) {
     assert!(a == b, "means {} and {}", a.mean, b.mean);
 }
 
-/// Asserts the mean, and the errors of three pixels: the largest, column 30 of row 20, and the
-/// first.
+/// Asserts the mean error and three pixel errors: the largest, that in column 30 of row 20, and
+/// that of the first pixel.
 #[track_caller]
 fn assert_values(found: &FlipMetricResult, mean: f64, [largest, inside, first]: [f32; 3]) {
     // The authors' program computes in f32. Roots of small features amplify its rounding to about
@@ -51,7 +51,7 @@ fn assert_values(found: &FlipMetricResult, mean: f64, [largest, inside, first]: 
     }
 }
 
-/// Reference values of the authors' program, flip-evaluator 1.7.
+/// Results equal those of the authors' program, flip-evaluator 1.7.
 #[test]
 fn results_match_the_authors_program() {
     let shifted = picture_from(|x, y| gray_box_color(x - 2, y + 1));

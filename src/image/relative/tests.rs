@@ -5,7 +5,7 @@ fn gray_image(width: u32, values: &[f32]) -> Image {
     Image::from_pixels(width, values.len() as u32 / width, pixels).unwrap()
 }
 
-/// In a uniform picture of radiance 2, an error of 0.1 is 0.1 / √(4 + 4).
+/// In a uniform picture of radiance 2, an error of 0.1 is a relative error of 0.1 / √(2² + 2²).
 #[test]
 fn uniform_pictures_scale_by_their_radiance() {
     let scale = RelativeScale::from_image(&gray_image(8, &[2.0; 64]));
@@ -13,7 +13,7 @@ fn uniform_pictures_scale_by_their_radiance() {
     assert!((square - 0.01 / 8.0).abs() < 1e-15, "{square}");
 }
 
-/// A lamp of 1000 changes the scale only in its neighbourhood.
+/// A pixel of radiance 1000 changes the scale only in its neighbourhood.
 #[test]
 fn bright_pixels_change_only_their_neighbourhood() {
     let mut values = vec![1.0; 16 * 16];

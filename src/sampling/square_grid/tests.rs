@@ -55,7 +55,8 @@ fn samples_follow_the_density() {
     assert!(z.abs() < 3.9, "z = {z}, {nu} degrees of freedom");
 }
 
-/// The tolerance is the 64 steps that each cell gets in its row, and each row in its column.
+/// The pdf of each cell is proportional to its weight. The tolerance allows for the minimum
+/// probability of 64 steps of 2⁻²⁴ that each row gets, and each cell in its row.
 #[test]
 fn density_is_proportional_to_weights() {
     let weights = grid_weights_with_zeros();
@@ -75,7 +76,8 @@ fn density_is_proportional_to_weights() {
     assert!(rare.pdf(Vec2::new(0.75, 0.25)) > 0.0, "a weight above zero must keep some density");
 }
 
-/// Each row gets its share of 256 stratified points, up to one point per bound.
+/// Each row gets its share of 256 stratified points. The tolerance is one point at each end of the
+/// row.
 #[test]
 fn stratified_points_stay_stratified() {
     let mut weights = vec![1.0; 16];

@@ -49,7 +49,8 @@ pub(super) fn mean_pixel(pictures: &[Vec<Rgb>], i: usize) -> DVec3 {
     pictures.iter().map(|picture| picture[i].as_dvec3()).sum::<DVec3>() / pictures.len() as f64
 }
 
-/// Relative error of each pixel: root mean square over seeds; 0 if the mean square is negative.
+/// Relative error of each pixel: root mean square over seeds; 0 if the estimated mean square is
+/// negative.
 pub(super) fn pixel_errors(references: &ReferencePictures, pictures: &[Vec<Rgb>]) -> Vec<f32> {
     let scale = references.relative_scale();
     let square = |i: usize| {

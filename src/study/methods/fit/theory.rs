@@ -33,7 +33,8 @@ impl SlopeRange {
     }
 }
 
-/// Predicted slopes of error, noise or bias over `passes` in a log-log plot; `None` if zero.
+/// Predicts the slope of error, noise or bias over `passes` in a log-log plot; `None` if the
+/// quantity is zero.
 ///
 /// - The noise of independent passes falls as n^−½.
 /// - With shrinking radii, pass i has variance 1/shrink(i) and bias shrink(i), relative to the
@@ -72,7 +73,7 @@ pub fn predicted_slopes(
     }
 }
 
-/// Slopes over `passes` of variance and bias of the mean of passes with shrinking radii.
+/// Slopes over `passes` of the variance and of the bias, for a mean of passes whose radii shrink.
 fn variance_and_bias_slopes(passes: &[u32], alpha: f64) -> [f64; 2] {
     let (mut squared_radius_ratio, mut shrunk, mut grown, mut made) = (1.0, 0.0, 0.0, 0u32);
     let mut logs: [Vec<f64>; 3] = Default::default();
@@ -108,7 +109,8 @@ mod tests {
         }
     }
 
-    /// Sums of i^⅓ and i^−⅓ differ from their integrals by a factor of n^−⅔, 2·10⁻³ at 10⁴.
+    /// For α = ⅔, the slopes of noise and bias approach −⅓. Sums of i^⅓ and i^−⅓ differ from their
+    /// integrals by a relative error of n^−⅔, which is 2·10⁻³ at n = 10⁴.
     #[test]
     fn noise_and_bias_approach_slope_minus_one_third() {
         let far: Vec<u32> = (0..4).map(|i| 10_000 << i).collect();
