@@ -49,7 +49,7 @@
 //! 1. A pass has a random-number [`Key`](sampling::Key). Photon path `i` has the key
 //!    `pass_key.path_key(i)`. Every random decision is a function of a key and the decision's name.
 //! 2. [`PhotonPass::trace`](photon::PhotonPass::trace) follows the photon paths of a pass in
-//!    parallel. It starts each path by [`PhotonSource::emit`](photon::PhotonSource::emit), which
+//!    parallel. It starts each path by [`PhotonSource::emit_photon_path`](photon::PhotonSource::emit_photon_path), which
 //!    samples a light and a ray that leaves it. The sampling pdf follows power, the solid angle of
 //!    casters, or the emission that a pilot pass found useful. The ray carries flux / (pdf · number
 //!    of paths).

@@ -24,7 +24,7 @@ impl Camera {
     /// A camera ray carries the radiance of its film position, without a cosine. The importance is
     /// therefore the Jacobian from the scene to the film (Veach 1997, section 8.3.2).
     #[must_use]
-    pub fn connect(&self, p: Vec3, lens: Option<Vec2>) -> Option<CameraConnection> {
+    pub fn connect_to_point(&self, p: Vec3, lens: Option<Vec2>) -> Option<CameraConnection> {
         let p = p.as_dvec3();
         match self.projection {
             CameraProjection::Perspective(thin) => {
@@ -44,7 +44,7 @@ impl Camera {
                 let distance = to_point.length();
                 // A pixel spans the solid angle pixel²·cos³θ, where cosθ is depth over distance.
                 let importance = distance / (self.pixel_size * self.pixel_size * depth * depth * depth);
-                self.connection(self.film_offset(in_focus / focus), self.center + offset, p, importance)
+                self.connection(self.film_offset_from_center(in_focus / focus), self.center + offset, p, importance)
             }
             CameraProjection::Orthographic => {
                 let to_point = p - self.center;
@@ -53,7 +53,7 @@ impl Camera {
                     return None;
                 }
                 let importance = 1.0 / (self.pixel_size * self.pixel_size);
-                self.connection(self.film_offset(to_point), p - self.forward * depth, p, importance)
+                self.connection(self.film_offset_from_center(to_point), p - self.forward * depth, p, importance)
             }
             CameraProjection::Panorama => {
                 let to_point = p - self.center;
@@ -73,7 +73,7 @@ impl Camera {
 
     /// Film position relative to the film's center \[pixels right and up] of a vector from the
     /// camera's center to the plane at distance 1, or to the image plane of parallel rays.
-    fn film_offset(&self, v: DVec3) -> DVec2 {
+    fn film_offset_from_center(&self, v: DVec3) -> DVec2 {
         DVec2::new(v.dot(self.right), v.dot(self.up)) / (self.pixel_size * self.pixel_size)
     }
 

@@ -55,7 +55,7 @@ impl FilterKind {
 
     /// Unnormalized filter value at a distance of `x` pixels along one axis.
     #[must_use]
-    pub fn weight(self, x: f64) -> f64 {
+    pub fn unnormalized_value(self, x: f64) -> f64 {
         match self {
             Self::Box => 1.0,
             Self::Tent => 1.0 - x.abs(),
@@ -118,7 +118,7 @@ impl Filter {
         let (mut signed, mut negative_beyond) = (0.0, f64::INFINITY);
         for i in 0..STEPS {
             let center = 0.5 * (at(i) + at(i + 1));
-            let weight = kind.weight(center);
+            let weight = kind.unnormalized_value(center);
             signed += weight;
             cumulative[i + 1] = cumulative[i] + weight.abs();
             // All filters are positive in the middle, and change sign at most once on each side.
@@ -136,7 +136,7 @@ impl Filter {
             (at(i - 1) + (at(i) - at(i - 1)) * part) as f32
         });
         let integral = signed * 2.0 * radius / STEPS as f64;
-        let density = |i: usize| (kind.weight(radius * i as f64 / DENSITY_CELLS as f64) / integral) as f32;
+        let density = |i: usize| (kind.unnormalized_value(radius * i as f64 / DENSITY_CELLS as f64) / integral) as f32;
         Self {
             quantiles,
             negative_beyond: negative_beyond as f32,
@@ -178,7 +178,7 @@ impl Filter {
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> FilterSample {
-        let offset = Vec2::new(self.sample_filter_quantile(u.x), self.sample_filter_quantile(u.y));
+        let offset = Vec2::new(self.sample_filter_offset(u.x), self.sample_filter_offset(u.y));
         let sign = |x: f32| {
             if x.abs() < self.negative_beyond { self.absolute_over_signed } else { -self.absolute_over_signed }
         };
@@ -188,7 +188,7 @@ impl Filter {
 
     /// Samples an offset along one axis \[pixels] by `u` in \[0, 1).
     #[inline]
-    fn sample_filter_quantile(&self, u: f32) -> f32 {
+    fn sample_filter_offset(&self, u: f32) -> f32 {
         let x = u * CELLS as f32;
         let i = (x as usize).min(CELLS - 1);
         let (lo, hi) = (self.quantiles[i], self.quantiles[i + 1]);

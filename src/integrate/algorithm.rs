@@ -9,7 +9,7 @@ use super::{distributed, hybrid, path, pm, ppm, sppm, whitted};
 use crate::plan::{Effect, Effects, Plan};
 use crate::scene::Scene;
 
-/// Rendering algorithm, as `--integrator` names it.
+/// Rendering algorithm, the value of the option `--integrator`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Algorithm {
     /// Path tracing with next-event estimation, and photon mapping for caustics.
@@ -20,13 +20,14 @@ pub enum Algorithm {
     Sppm,
     /// Progressive photon mapping with camera paths that all passes share.
     Ppm,
-    /// Photon mapping with an indirect and a caustic map of fixed gather radii.
+    /// Photon mapping with an indirect and a caustic map, whose gather radii stay fixed over the
+    /// passes.
     Pm,
     /// Distributed ray tracing (Cook, Porter and Carpenter 1984).
     Distributed,
     /// Recursive ray tracing (Whitted 1980).
     Whitted,
-    /// Ray casting with Phong's shading model and no shadows, for scenes of MIT course 6.837.
+    /// Ray casting with Phong's shading model and without shadows, as in MIT course 6.837.
     Raycast,
 }
 
@@ -92,7 +93,8 @@ impl Algorithm {
         }
     }
 
-    /// Makes the integrator for `scene`. Small pilot simulations choose the settings left open.
+    /// Makes the integrator for `scene`. Pilots (small simulations) choose the settings that are
+    /// `None`.
     #[must_use]
     pub fn prepare(self, scene: &Scene, settings: Settings) -> Box<dyn Integrator + '_> {
         let plan = Plan::new(scene, self.supported_effects(), settings.camera_paths.effects);

@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// Number of pictures of the pilot, with one camera ray per pixel each.
 const PILOT_PICTURES: u32 = 4;
 
-/// Divisor of the number of photon paths of a pass: the pilot traces that part of them.
+/// Divisor of the number of photon paths: the pilot traces 1/16 of the paths of a pass.
 const PILOT_DIVISOR: u32 = 16;
 
 /// Smallest and largest number of rays of a pixel, relative to the mean over all pixels.
@@ -49,8 +49,10 @@ pub(super) fn find_relative_ray_counts(renderer: &PassRenderer<'_>) -> Option<Ar
     relative_ray_counts(&pictures, width as usize, height as usize, renderer.samples)
 }
 
-/// Camera rays of each pixel in parts of the mean, from independent `pictures`; see
-/// [`PathIntegrator::find_relative_ray_counts`].
+/// Returns the number of camera rays of each pixel relative to the mean, from the noise between
+/// independent `pictures`.
+///
+/// `samples` is the mean number of rays per pixel. Returns `None` if the pictures have no noise.
 fn relative_ray_counts(pictures: &[Vec<f64>], width: usize, height: usize, samples: u32) -> Option<Arc<[f32]>> {
     let n = pictures.len() as f64;
     let mean: Vec<f64> =

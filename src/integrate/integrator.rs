@@ -15,7 +15,7 @@ pub trait Integrator: Sync {
     /// Renders the pass with number `pass`, counted from 0.
     fn render_pass(&self, pass: u32, monitor: &dyn ProgressMonitor) -> Pass;
 
-    /// Returns the decision for each effect of light: is it simulated, and why.
+    /// Returns the decision for each effect of light: whether it is simulated, and why.
     fn plan(&self) -> &Plan;
 
     /// Estimates the ray and photon counts of the first pass, if only `effects` are simulated.
@@ -31,12 +31,13 @@ pub trait Integrator: Sync {
         None
     }
 
-    /// Returns the largest gather radii of the first pass; `None` without photons.
+    /// Returns the largest gather radius of each photon map in the first pass; `None` without
+    /// photons.
     fn gather_radii(&self) -> Option<GatherRadii> {
         None
     }
 
-    /// Returns how gather radii shrink from pass to pass; `None` without photons.
+    /// Returns the law by which gather radii shrink from pass to pass; `None` without photons.
     fn radius_law(&self) -> Option<RadiusLaw> {
         None
     }
@@ -46,7 +47,7 @@ pub trait Integrator: Sync {
         false
     }
 
-    /// Returns how much emission guiding helps each photon map.
+    /// Returns the work and benefit of emission guiding for each photon map.
     fn emission_guiding_reports(&self) -> EmissionGuidingReportPerMap {
         EmissionGuidingReportPerMap::default()
     }

@@ -21,13 +21,15 @@ use crate::scene::Scene;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Most photon paths of the pilot that finds the shares of photon estimates.
+/// Largest number of paths of the pilot that finds the shares of photon estimates beside light
+/// tracing.
 const MAX_SHARE_PILOT_PATHS: u32 = 1 << 20;
 
 /// Default limit on the photons of a density estimate in the caustic map.
 pub const CAUSTIC_K: u32 = 50;
 
-/// Number of photons that most gather discs of the indirect map should hold.
+/// Number of photons that most gather discs of the indirect map should hold, for all algorithms
+/// except `hybrid`.
 const INDIRECT_COUNT: u32 = 100;
 
 /// Number of photons that most gather discs of the indirect map of `hybrid` should hold.
@@ -39,10 +41,11 @@ const VISIBLE_RADIUS: f32 = 0.01;
 /// Gather radius if the pilot stores no photon, relative to the scene radius.
 const DEFAULT_RADIUS: f32 = 0.01;
 
-/// Smallest efficiency gain for which guided emission is used. Guided paths take longer to sample.
+/// Smallest efficiency gain at which guided emission is used. Guided paths take longer to sample.
 const MIN_GUIDING_GAIN: f64 = 1.5;
 
-/// Divisor of the number of unaimed photon paths: that part is traced to guide gather rays.
+/// Divisor of the number of unaimed photon paths: 1/16 of that number is traced to guide gather
+/// rays.
 const GUIDE_INTERVAL: u32 = 16;
 
 /// Half width of the density-estimation kernel over wavelengths in the first pass \[nm].
@@ -51,7 +54,7 @@ const WAVELENGTH_BAND: f32 = 20.0;
 /// Smallest limit on the photons of an estimate. The limit shrinks from pass to pass down to this.
 const MIN_K: f64 = 8.0;
 
-/// Memory of a photon beam with its bounding boxes, relative to that of a photon.
+/// Memory of a photon beam with its bounding boxes, as a multiple of the memory of a photon.
 const BEAM_SIZE: usize = 4;
 
 /// Smallest photon limit of a pilot. The k-th photon only sets the radius, so one gives no density.
@@ -60,12 +63,12 @@ const MIN_PILOT_K: u32 = 2;
 /// Largest number of paths traced to predict how many photons a pass stores.
 const PROBE_PATHS: u32 = 4096;
 
-/// Numbers of photon paths of a pass.
+/// Numbers of photon paths of a pass: unaimed and aimed at caustic casters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PhotonPathCounts {
-    /// Number of paths of the indirect map.
+    /// Number of paths that start in all directions.
     pub photons: u32,
-    /// Number of paths aimed at objects that cast caustics.
+    /// Number of paths aimed at caustic casters.
     pub caustic_photons: u32,
 }
 
@@ -76,7 +79,10 @@ impl PhotonPathCounts {
     }
 }
 
-/// Returns the photon limit of a pilot that traces one of `part` paths; 0 means no limit.
+/// Returns the largest number of photons per density estimate of a pilot that traces 1/`part` of
+/// the paths.
+///
+/// `k` is that number for a pass; 0 means no limit.
 fn pilot_photon_limit(k: u32, part: u32) -> u32 {
     if k == 0 { 0 } else { k.div_ceil(part).max(MIN_PILOT_K) }
 }
@@ -90,7 +96,7 @@ pub(super) struct PassBudget {
     pub pass: u32,
     /// Divisor of the number of photon paths: 1 for a pass, larger for a pilot.
     pub part: u32,
-    /// True if density estimates use a limited number of photons instead of all within the radius.
+    /// True if density estimates use at most the k nearest photons; false if all within the radius.
     pub limited: bool,
     /// True if light tracing connects caustic photons to the camera.
     pub connects: bool,
@@ -137,9 +143,10 @@ pub(super) struct PhotonMapBuilder<'a> {
     settings: Settings,
     policy: PathPolicy,
     pub request: PhotonMapRequest,
-    /// Photon source in all directions; `None` if not requested or without light.
+    /// Photon source that emits in all directions; `None` if no map needs it, or if no light has
+    /// power.
     unaimed_source: Option<PhotonSource<'a>>,
-    /// Photon source aimed at objects that cast caustics; `None` if not requested or without light.
+    /// Photon source aimed at caustic casters; `None` if no map needs it, or if no light has power.
     caustic_source: Option<PhotonSource<'a>>,
     pub counts: PhotonPathCounts,
     /// Largest gather radii of the first pass; `None` without maps.
@@ -149,14 +156,15 @@ pub(super) struct PhotonMapBuilder<'a> {
     /// Smallest gather radius of the first pass \[length].
     min_radius: f32,
     pub emission_guiding_reports: EmissionGuidingReportPerMap,
-    /// Shares of photon estimates beside light tracing; `None` without light tracing.
+    /// Share of flux that photon estimates use at each pixel; light tracing carries the rest.
+    /// `None` without light tracing.
     density_estimate_shares: Option<Arc<DensityEstimateShares>>,
 }
 
 impl<'a> PhotonMapBuilder<'a> {
     /// Makes a builder for the maps that `policy` reads.
     ///
-    /// Pilots guide photon emission, and find the gather radii that `settings` leave open.
+    /// Pilots guide photon emission, and find the gather radii if `settings` give none.
     pub fn new(scene: &'a Scene, settings: Settings, policy: PathPolicy) -> Self {
         let request = policy.photon_map_request();
         let source = |mask: StoreMask, paths: u32, new_source: &dyn Fn() -> Option<PhotonSource<'a>>| {
@@ -195,7 +203,8 @@ impl<'a> PhotonMapBuilder<'a> {
         builder
     }
 
-    /// Returns this builder for a policy with fewer effects, with the results of its pilots.
+    /// Returns a builder for `policy`, the same policy with fewer effects. It keeps the results of
+    /// pilots.
     pub fn with_policy(&self, policy: &PathPolicy) -> Self {
         let request = policy.photon_map_request();
         let keep = |source: &Option<PhotonSource<'a>>, mask: StoreMask| {
@@ -213,7 +222,8 @@ impl<'a> PhotonMapBuilder<'a> {
         }
     }
 
-    /// Returns this builder for `scene`, the same scene at another time, with its pilots' results.
+    /// Returns a builder for `scene`, the same scene at another shutter time. It keeps the results
+    /// of pilots.
     pub fn for_scene_at_time<'b>(&self, scene: &'b Scene) -> PhotonMapBuilder<'b> {
         let placed = |source: &Option<PhotonSource<'a>>| source.as_ref().map(|source| source.for_scene_at_time(scene));
         PhotonMapBuilder {
@@ -274,7 +284,8 @@ impl<'a> PhotonMapBuilder<'a> {
         GatherRadii { indirect, caustic }
     }
 
-    /// Returns the photon source, photons to store and effective path count of the indirect map.
+    /// Returns the photon source of the indirect map, the photons to store, and the number of paths
+    /// that reach the map.
     fn indirect_map_inputs(&self) -> (&Option<PhotonSource<'a>>, StoreMask, u32) {
         if self.request.aimed.separates_after_caustic {
             let mask = StoreMask { after_caustic: true, ..StoreMask::NONE };
@@ -291,7 +302,8 @@ impl<'a> PhotonMapBuilder<'a> {
         media && self.traces_photons() && self.scene.media_in_use().iter().any(|medium| medium.scatters())
     }
 
-    /// Returns kernel radii within which most camera rays find enough photons in media \[length].
+    /// Returns the kernel radii within which most camera rays find enough photons in media
+    /// \[length].
     fn find_volume_kernel_radii(&self) -> VolumeKernelRadiiPerMap {
         let settings = &self.settings;
         let found = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
@@ -313,12 +325,12 @@ impl<'a> PhotonMapBuilder<'a> {
         VolumeKernelRadiiPerMap { caustic, indirect: radii(source, StoreMask { direct: false, ..mask }, paths) }
     }
 
-    /// Returns `mask` with photons in media stored as beams or as points, as the estimator needs.
+    /// Returns `mask` with `beams` set if the estimator for media reads photon beams.
     fn with_volume_storage(&self, mask: StoreMask) -> StoreMask {
         StoreMask { beams: self.settings.volume == VolumeEstimator::Beams, ..mask }
     }
 
-    /// Returns how gather radii shrink from pass to pass.
+    /// Returns the law by which gather radii shrink from pass to pass.
     pub fn radius_law(&self) -> RadiusLaw {
         let alpha = if self.policy.shrinking_radii { self.settings.alpha } else { 1.0 };
         RadiusLaw { alpha, kernel: self.settings.kernel }
@@ -329,12 +341,13 @@ impl<'a> PhotonMapBuilder<'a> {
         self.caustic_source.is_some() || self.unaimed_source.is_some()
     }
 
-    /// True if camera rays leave from all of the lens.
+    /// True if camera rays start at random points of the lens; false if at its center.
     fn uses_lens(&self) -> bool {
         self.policy.effects.has(Effect::Lens)
     }
 
-    /// Finds the shares of photon estimates beside light tracing, for the current photon counts.
+    /// Finds the share of flux that photon estimates use at each pixel, for the current photon path
+    /// counts.
     pub fn find_density_estimate_shares(&mut self) {
         let size = self.scene.camera().size();
         let Some(source) = self.caustic_source.as_ref().filter(|_| self.request.aimed.caustic) else { return };
@@ -356,7 +369,7 @@ impl<'a> PhotonMapBuilder<'a> {
         self.density_estimate_shares = Some(Arc::new(shares));
     }
 
-    /// Estimates how many photons a pass stores, by tracing few paths.
+    /// Estimates how many photons a pass stores, by tracing at most 4096 paths per map.
     pub fn expected_photons(&self) -> ExpectedPhotons {
         let settings = &self.settings;
         let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::Pilot);
@@ -386,13 +399,15 @@ impl<'a> PhotonMapBuilder<'a> {
         })
     }
 
-    /// Traces the photons of pass `pass` and builds its maps. Adds ray counts and times to `out`.
+    /// Traces the photons of pass `pass` and builds its maps. Adds ray counts, reports and times to
+    /// `out`.
     pub fn build(&self, pass: u32, monitor: &dyn ProgressMonitor, out: &mut Pass) -> PhotonMaps<'a> {
         let key = Key::new(self.settings.camera_paths.seed);
         self.build_with_budget(&PassBudget { key, pass, part: 1, limited: true, connects: true }, monitor, out)
     }
 
-    /// Traces photons within `budget` and builds their maps. Adds ray counts and times to `out`.
+    /// Traces the photons of `budget` and builds their maps. Adds ray counts, reports and times to
+    /// `out`.
     pub fn build_with_budget(
         &self,
         budget: &PassBudget,
@@ -426,7 +441,7 @@ impl<'a> PhotonMapBuilder<'a> {
             let start = Instant::now();
             let count = (photons.surface.len() + photons.volume.len()) as u64;
             monitor.begin_stage(PassStage::Indexing, count);
-            let estimator = self.build_estimator(photons, radii, k, budget);
+            let estimator = self.build_photon_estimator(photons, radii, k, budget);
             monitor.report_progress(count);
             out.seconds.indexing += start.elapsed().as_secs_f64();
             estimator
@@ -474,7 +489,7 @@ impl<'a> PhotonMapBuilder<'a> {
     /// Builds the search structures of `photons` for pass `budget.pass`.
     ///
     /// Each density estimate uses at most `k` photons; 0 means no limit.
-    fn build_estimator(
+    fn build_photon_estimator(
         &self,
         photons: MapPhotons,
         radii: MapRadii,
@@ -532,7 +547,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn divided_limits_still_give_a_density() {
+    fn pilot_photon_limits_allow_a_density() {
         assert_eq!([0, 1, 2, 5, 50].map(|k| pilot_photon_limit(k, 4)), [0, 2, 2, 2, 13]);
         assert_eq!([0, 2, 50].map(|k| pilot_photon_limit(k, 1)), [0, 2, 50]);
     }

@@ -1,4 +1,4 @@
-//! Rendering algorithms: path tracing, photon mapping and ray casting.
+//! Rendering algorithms: path tracing, photon mapping, ray tracing and ray casting.
 //!
 //! All implement [`Integrator`]. `PathIntegrator` implements it for every algorithm that a
 //! `PathPolicy` describes: `hybrid.rs` makes such a policy, and `camera_path.rs` holds the loop

@@ -1,16 +1,17 @@
-//! Photon density estimates of a pixel with discs of several sizes, to estimate their bias.
+//! Density estimates of a pixel from nested discs of several sizes. Their differences measure the
+//! bias.
 
 use crate::color::Rgb;
 use crate::photon::LEVELS;
 use glam::DVec3;
 use serde::Serialize;
 
-/// Mean radius and photon count of a pixel's density estimates from one photon map.
+/// Mean gather radius and photon count of a pixel's density estimates from one photon map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct MeanGatherDisc {
     /// Mean gather radius \[length].
     pub radius: f32,
-    /// Mean number of photons within the gather radius.
+    /// Mean number of photons in an estimate.
     pub photons: f32,
 }
 
@@ -20,12 +21,12 @@ pub struct MeanGatherDisc {
 /// their noise, so their differences measure the bias.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NestedEstimates {
-    /// Radiance by the full disc minus that by half its area, and half minus a quarter of the area
-    /// \[W/(m² sr)].
+    /// Two differences of radiance \[W/(m² sr)]: by the full disc minus by half its area, and by
+    /// half its area minus by a quarter.
     pub steps: [Rgb; LEVELS - 1],
-    /// Mean disc in the caustic map; `None` if no estimate was made.
+    /// Mean disc of the estimates from the caustic map; `None` without an estimate.
     pub caustic: Option<MeanGatherDisc>,
-    /// Mean disc in the indirect map; `None` if no estimate was made.
+    /// Mean disc of the estimates from the indirect map; `None` without an estimate.
     pub indirect: Option<MeanGatherDisc>,
 }
 
@@ -51,7 +52,7 @@ impl GatherDiscSum {
     }
 }
 
-/// Accumulator of nested estimates over one camera ray, and over all rays of one pixel.
+/// Sums of nested estimates over one camera ray, and over all rays of one pixel.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct NestedEstimateSum {
     /// Differences between discs of neighbouring sizes, for the current camera ray.
@@ -67,7 +68,7 @@ pub(super) struct NestedEstimateSum {
 impl NestedEstimateSum {
     /// Adds one estimate: its radiance for each disc size, largest disc first.
     ///
-    /// `throughput` is the factor from its radiance to that of the pixel.
+    /// `throughput` is the factor from the estimate's radiance to radiance of the pixel.
     #[inline]
     pub fn add(&mut self, throughput: Rgb, radiance: [Rgb; LEVELS]) {
         for (sum, pair) in self.ray.iter_mut().zip(radiance.windows(2)) {

@@ -7,7 +7,7 @@ use crate::stats::Counters;
 use serde::Serialize;
 use std::ops::AddAssign;
 
-/// Stage of the rendering of a pass, for progress reports.
+/// Stage of a pass, for progress reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PassStage {
     /// Photon tracing. Its unit of progress is a photon path.
@@ -53,18 +53,19 @@ pub struct PhotonReport {
     pub emitted: u64,
     /// Number of stored photons.
     pub stored: u64,
-    /// Flux by where it ended: absorbed, escaped or stopped \[W].
+    /// Emitted flux, and how much of it was absorbed, escaped or was stopped \[W].
     pub audit: EnergyAudit,
 }
 
-/// Expected numbers of photons of a pass, for a check of memory.
+/// Expected numbers of photon paths and stored photons of a pass, from which its memory is
+/// estimated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ExpectedPhotons {
     /// Number of photon paths of all maps.
     pub paths: u64,
     /// Expected number of stored photons of all maps.
     pub photons: u64,
-    /// Expected number of stored photons of the largest map.
+    /// Expected number of stored photons of the map with the most photons.
     pub most: u64,
 }
 
@@ -79,13 +80,16 @@ pub struct Pass {
     pub seconds: StageTimes,
     /// Report on the photon paths that start in all directions.
     pub unaimed: PhotonReport,
-    /// Report on the photon paths that are aimed at caustic casters; these may fill both maps.
+    /// Report on the photon paths that are aimed at caustic casters. In `hybrid`, they fill both
+    /// maps.
     pub aimed: PhotonReport,
-    /// Photon estimates with smaller discs for each pixel; empty unless an error is estimated.
+    /// Differences between photon estimates with nested discs, for each pixel; empty unless the
+    /// error is estimated.
     pub nested: Vec<NestedEstimates>,
-    /// Some pixels (index in `image`, radiance) by camera paths that no other pass traces.
+    /// Radiance of some pixels by camera paths that no other pass traces, as pairs of the index in
+    /// `image` and the radiance \[W/(m² sr)].
     ///
-    /// Empty unless all passes share the camera paths of `image`.
+    /// Empty unless all passes share the camera paths of `image` and the error is estimated.
     pub fresh: Vec<(u32, Rgb)>,
 }
 

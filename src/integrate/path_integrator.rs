@@ -19,12 +19,13 @@ use crate::scene::{Scene, for_interior};
 use crate::stats::Counters;
 use std::time::Instant;
 
-/// Integrator whose camera paths follow a [`PathPolicy`](super::policy::PathPolicy).
+/// Integrator of all algorithms whose camera paths follow a
+/// [`PathPolicy`](super::policy::PathPolicy).
 #[derive(Debug)]
 pub(super) struct PathIntegrator<'a> {
     renderer: PassRenderer<'a>,
     plan: Plan,
-    /// Function that makes the policy for other sets of effects.
+    /// Function that makes the algorithm's policy for a set of effects.
     make_policy: PolicyFn,
     balance: Option<RayPhotonBalance>,
 }

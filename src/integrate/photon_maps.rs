@@ -13,7 +13,7 @@ use crate::photon::{
 use crate::scene::{Interior, Scene};
 use rand::Rng;
 
-/// Photon map of surfaces and media, with the gather radius and kernel of its estimates.
+/// One photon map, of surfaces and media, with the bandwidth and kernel of its density estimates.
 pub(super) struct PhotonEstimator<'a> {
     pub scene: &'a Scene,
     pub map: PhotonMap,
@@ -21,11 +21,12 @@ pub(super) struct PhotonEstimator<'a> {
     pub kernel: Kernel,
     /// Photons in media.
     pub volume: BeamAndPointMaps,
-    /// True if light tracing carries part of the light of directly visible surfaces.
+    /// True if photons store the share of their flux that estimates use at directly visible
+    /// surfaces. Light tracing carries the rest there.
     pub has_density_estimate_shares: bool,
 }
 
-/// Photon maps that one lookup reads.
+/// Choice of the photon maps that one estimate reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MapLookup {
     /// The caustic map.
@@ -36,22 +37,23 @@ pub(super) enum MapLookup {
 
 /// Photon maps of one pass.
 pub(super) struct PhotonMaps<'a> {
-    /// Caustic map: photons that went over casters to the first surface that stores them.
+    /// Caustic map: photons of kind [`PhotonKind::Caustic`](crate::photon::PhotonKind::Caustic).
     pub caustic: PhotonEstimator<'a>,
-    /// Indirect map: photons of all other indirect light.
+    /// Indirect map: photons of all indirect light except caustics. Jensen 2001 and the command
+    /// line call it the global map.
     ///
-    /// In `hybrid` it holds only light that continues from a caustic. If gather rays read the map,
-    /// it also holds direct light.
+    /// In `hybrid`, it holds only light that a caustic has reflected: camera paths find the rest.
+    /// If gather rays read the map, it also holds direct light.
     pub indirect: PhotonEstimator<'a>,
-    /// Photons of a few paths. Their directions guide gather rays.
+    /// Photons of a small number of paths. Their directions guide gather rays.
     pub guides: PhotonMap,
-    /// Light that caustic photons send to the camera; empty without light tracing.
+    /// Splats of caustic photons on the film; empty without light tracing.
     pub splats: Vec<Splat>,
 }
 
 impl PhotonMaps<'_> {
-    /// Estimates the radiance that `vertex` reflects to its viewer from the photons of `lookup`
-    /// \[W/(m² sr)].
+    /// Estimates the radiance that `vertex` reflects towards the previous vertex, from the maps of
+    /// `lookup` \[W/(m² sr)].
     ///
     /// The result is multiplied by `samples`: if only one of a pixel's camera paths reads the maps,
     /// it does so for all of them.
@@ -73,8 +75,8 @@ impl PhotonMaps<'_> {
         (caustic + indirect) * samples as f32
     }
 
-    /// Estimates the radiance that a medium scatters from photons to the start of a segment
-    /// \[W/(m² sr)], times `samples`.
+    /// Estimates from photons the radiance that a medium scatters to the start of a segment \[W/(m²
+    /// sr)], times `samples`.
     #[inline]
     pub fn radiance_in_medium<I: Interior>(
         &self,
@@ -94,11 +96,11 @@ impl PhotonEstimator<'_> {
         self.bandwidth.radius
     }
 
-    /// Estimates the radiance that `vertex` reflects to its viewer from the photons of the map
-    /// \[W/(m² sr)].
+    /// Estimates the radiance that `vertex` reflects towards the previous vertex, from the photons
+    /// of this map \[W/(m² sr)].
     ///
-    /// `scratch` returns the worker's buffers for this map. `samples` is a factor on the nested
-    /// estimates of the pixel.
+    /// `scratch` returns the worker's buffers for this map. The nested estimates, but not the
+    /// result, are multiplied by `samples`.
     #[inline]
     fn radiance<I: Interior>(
         &self,
@@ -114,7 +116,8 @@ impl PhotonEstimator<'_> {
         }
     }
 
-    /// Works like [`Self::radiance`]; `SHARED` counts of each photon only the share of estimates.
+    /// Estimates radiance like [`Self::radiance`]. If `SHARED` is true, only each photon's share
+    /// for density estimates counts.
     #[inline]
     fn radiance_with_shares<I: Interior, const SHARED: bool>(
         &self,

@@ -1,4 +1,4 @@
-//! Rules that distinguish the algorithms.
+//! Path policies: the rules that distinguish the algorithms.
 //!
 //! A [`PathPolicy`] says what a camera path does at its vertices. Each algorithm's file makes one
 //! from the simulated effects. The policy also decides which photon maps are built: see
@@ -24,13 +24,13 @@ pub(super) struct PathPolicy {
     pub direct_light: bool,
     /// Number and targets of the shadow rays of next-event estimation.
     pub light_sampling: LightSampling,
-    /// Surfaces at which a path continues after next-event estimation and photon lookups.
+    /// Receivers from which a path continues after next-event estimation and photon lookups.
     pub continuation: PathContinuation,
-    /// Sampling strategy for directions at surfaces that store photons.
+    /// Sampling strategy for directions at receivers.
     pub directions: DirectionSampling,
     /// True if camera paths also find caustics; false leaves caustics to photons.
     pub counts_caustics: bool,
-    /// Throughput below which a path ends; 0 uses Russian roulette instead.
+    /// Mean throughput of the channels below which a path ends; 0 uses Russian roulette instead.
     pub min_throughput: f32,
     /// Places where a path reads photon maps.
     pub photons: PhotonLookups,
@@ -45,26 +45,27 @@ pub(super) struct PathPolicy {
 pub(super) enum LightSampling {
     /// This many shadow rays per vertex.
     Rays(u32),
-    /// One shadow ray per vertex. In a scene with few lights, the first receiver sends one to each.
+    /// One shadow ray per vertex. In a scene with at most four lights, vertices up to the first
+    /// receiver send one to each light.
     OneRay,
     /// One shadow ray to the center of every light.
     Centers,
 }
 
-/// Receivers (surfaces that store photons) at which a path continues.
+/// Receivers from which a camera path continues, see [`PhotonKind`](crate::photon::PhotonKind).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PathContinuation {
-    /// No receiver: a path ends at its first one.
+    /// None: a path ends at its first receiver.
     Never,
-    /// Receivers whose sampled lobe is not diffuse.
+    /// Receivers whose sampled BSDF lobe is not diffuse.
     Glossy,
     /// The first receiver, and receivers at the end of a gather ray that is too short.
     GatherRays,
-    /// All receivers and scattering events in media.
+    /// All receivers, and scattering events in media.
     Always,
 }
 
-/// Sampling strategy for directions at receivers (surfaces that store photons).
+/// Strategy by which a camera path samples its next direction at a receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum DirectionSampling {
     /// Sampling from the BSDF.
@@ -80,7 +81,7 @@ pub(super) enum DirectionSampling {
 pub(super) enum PhotonLookups {
     /// No lookup.
     Never,
-    /// Both maps at the first receiver, but only by the first camera path of each pixel.
+    /// Both maps at the first receiver, but only by the first camera path of each pixel and pass.
     ///
     /// The pixel's other paths would read almost the same photons.
     OncePerPixel,
@@ -92,7 +93,7 @@ pub(super) enum PhotonLookups {
     RecordVisible,
 }
 
-/// Photons to store for the maps that a policy reads.
+/// The photons that a pass must store for the maps that a policy reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PhotonMapRequest {
     /// Photons to store from paths aimed at caustic casters.
@@ -122,7 +123,8 @@ impl PathPolicy {
         !self.shares_paths
     }
 
-    /// Returns the photons to store for this policy, without the light of effects that are off.
+    /// Returns the photons that passes must store for this policy. Photons of effects that are off
+    /// are left out.
     pub fn photon_map_request(&self) -> PhotonMapRequest {
         let caustics = self.effects.has(Effect::Caustics);
         let bounces = self.effects.has(Effect::CausticBounces);

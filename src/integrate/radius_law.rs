@@ -1,4 +1,4 @@
-//! Law by which gather radii shrink from pass to pass (Knaus and Zwicker 2011).
+//! Radius law: how gather radii shrink from pass to pass (Knaus and Zwicker 2011).
 
 use crate::photon::Kernel;
 
@@ -8,7 +8,7 @@ use crate::photon::Kernel;
 /// (Kaplanyan and Dachsbacher 2013).
 pub const ALPHA: f64 = 2.0 / 3.0;
 
-/// Exponent by which gather radii shrink from pass to pass, and the kernel of density estimates.
+/// Law by which gather radii shrink from pass to pass, and the kernel of density estimates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RadiusLaw {
     /// Exponent α: the variance of photon estimates falls as n^−α over n passes; 1 for fixed radii.
@@ -27,8 +27,9 @@ pub fn squared_radius_ratio(alpha: f64, pass: u32) -> f64 {
 
 /// Returns the kernel radius of pass `pass` relative to the first pass, in d = `dimensions`.
 ///
-/// The kernel's area or volume follows [`squared_radius_ratio`], with 1 − α scaled by 3d/(4 + d). Then the
-/// default α becomes 4/(4 + d), which balances variance and squared bias in d dimensions.
+/// The kernel's length, area or volume shrinks by [`squared_radius_ratio`] with the exponent 1 − (1
+/// − `alpha`)·3d/(4 + d). For the default `alpha` this is 4/(4 + d), which balances variance and
+/// squared bias in d dimensions.
 #[must_use]
 pub(super) fn kernel_radius_ratio(dimensions: u32, alpha: f64, pass: u32) -> f32 {
     let d = f64::from(dimensions);
@@ -60,7 +61,7 @@ mod tests {
     /// The closed form Γ(N+α)/(Γ(1+α)Γ(N+1)) and its asymptote N^(α−1)/Γ(1+α), whose relative error
     /// is below 1/N.
     #[test]
-    fn the_product_is_the_ratio_of_gammas() {
+    fn squared_radius_ratio_is_a_ratio_of_gammas() {
         assert_eq!(
             (squared_radius_ratio(ALPHA, 0), squared_radius_ratio(1.0, 1000), kernel_radius_ratio(3, 1.0, 1000)),
             (1.0, 1.0, 1.0)

@@ -19,7 +19,7 @@ use crate::scene::{
 use crate::stats::Counters;
 use std::time::Instant;
 
-/// Integrator of `raycast`.
+/// Integrator of the algorithm `raycast`.
 #[derive(Debug)]
 pub(super) struct RaycastIntegrator<'a> {
     scene: &'a Scene,
@@ -55,15 +55,15 @@ impl Integrator for RaycastIntegrator<'_> {
 }
 
 impl<'a> RaycastIntegrator<'a> {
-    /// Makes an integrator with one ray per pixel corner, or with filtered rays if `settings` ask
-    /// for several per pixel.
+    /// Makes an integrator with one ray through a corner of each pixel. If `settings` ask for
+    /// several rays per pixel, the rays follow the pixel filter instead.
     pub fn new(scene: &'a Scene, plan: Plan, settings: &CameraPathSettings) -> Self {
         let samples = settings.samples.unwrap_or(1);
         let filter = (samples > 1).then(|| settings.filter.clone());
         Self { scene, plan, filter, samples, seed: settings.seed }
     }
 
-    /// Returns the radiance along a camera ray by Phong's model.
+    /// Returns the radiance along a camera ray by Phong's shading model.
     fn radiance(&self, ray: &Ray) -> Rgb {
         let mut ray = *ray;
         let mut cone = self.scene.camera_ray_cone(self.plan.simulated_effects());
@@ -96,7 +96,7 @@ struct PhongAppearance {
 }
 
 impl PhongAppearance {
-    /// Makes coefficients without a specular highlight.
+    /// Makes coefficients with the given diffuse coefficient and no highlight.
     fn from_diffuse(diffuse: Rgb) -> Self {
         Self { diffuse, specular: Rgb::ZERO, shininess: 0.0 }
     }
@@ -133,8 +133,9 @@ fn phong_appearance(scene: &Scene, surface: &SurfaceInteraction<'_>, hit: &Hit, 
 
 /// Returns c·(kd·max(0, N·L) + ks·max(0, V·R)ˢ) with R = 2(N·L)N − L, for one light of color c.
 ///
-/// By the course's definition, surfaces that face away from the light keep their highlight. Normals
-/// are not flipped towards the viewer, and 0⁰ is 1.
+/// `surface.wo` is V, its shading normal N, and L the unit direction to the light. By the course's
+/// definition, surfaces that face away from the light keep their highlight. Normals are not flipped
+/// towards the viewer, and 0⁰ is 1.
 fn phong_shading_of_light(surface: &SurfaceInteraction<'_>, look: &PhongAppearance, light: &LegacyLight) -> Rgb {
     let (to_light, color) = match light {
         LegacyLight::Point(position, color) => ((*position - surface.point.p).normalize_or_zero(), *color),

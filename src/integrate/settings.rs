@@ -44,9 +44,9 @@ impl Default for CameraPathSettings {
 pub struct Settings {
     /// Settings of camera paths, which also apply to algorithms without photons.
     pub camera_paths: CameraPathSettings,
-    /// Number of photon paths of the indirect map per pass.
+    /// Number of photon paths per pass that start in all directions; they fill the indirect map.
     pub photons: u32,
-    /// Number of photon paths per pass that are aimed at objects that cast caustics.
+    /// Number of photon paths per pass that are aimed at caustic casters.
     pub caustic_photons: u32,
     /// True if a pilot may trade camera rays for photon paths, to get less noise for the same work.
     ///
@@ -54,8 +54,8 @@ pub struct Settings {
     pub balance: bool,
     /// Largest number of photons of a density estimate, 0 for no limit.
     ///
-    /// `None` sets [`CAUSTIC_K`](super::CAUSTIC_K) in the caustic map, and no limit in the
-    /// indirect map. The farthest photon only sets the radius, so 1 counts as 2.
+    /// `None` sets [`CAUSTIC_K`](super::CAUSTIC_K) in the caustic map, and no limit in the indirect
+    /// map. The farthest photon only sets the radius, so a limit of 1 acts like 2.
     pub gather_k: Option<u32>,
     /// Largest gather radius of the first pass \[length]; `None` lets a pilot choose one per map.
     pub radius: Option<f32>,
@@ -72,7 +72,8 @@ pub struct Settings {
     pub final_gathering: FinalGathering,
 }
 
-/// Where photon mapping reads the indirect map: at visible surfaces or by final gathering.
+/// Place where [`Algorithm::Pm`](super::Algorithm::Pm) reads the indirect map: at visible surfaces
+/// or by final gathering.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FinalGathering {
     /// At the visible surface, without final gathering (direct visualization of the map).
@@ -88,12 +89,12 @@ pub enum FinalGathering {
 /// Division of directly visible caustics between photon estimates and light tracing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LightTracing {
-    /// Photon estimates carry all of it.
+    /// Photon estimates carry all light of directly visible caustics.
     Off,
     /// A pilot finds the share of each technique for each pixel.
     #[default]
     Weighted,
-    /// Light tracing carries all of it.
+    /// Light tracing carries all light of directly visible caustics.
     Full,
 }
 

@@ -1,4 +1,4 @@
-//! Estimates of the radiance that media scatter from photons along a segment of a camera path.
+//! Photon estimates in media: the radiance that a medium scatters along a segment of a camera path.
 
 use super::vertex::MediumPathSegment;
 use super::worker::PathWorker;
@@ -22,7 +22,7 @@ pub enum VolumeEstimator {
 }
 
 impl VolumeEstimator {
-    /// Returns the dimensions of the kernel in homogeneous and in heterogeneous media.
+    /// Returns the number of dimensions of the kernel in homogeneous and in heterogeneous media.
     pub(super) fn kernel_dimensions(self) -> (u32, u32) {
         match self {
             Self::Beams => (1, 2),
@@ -32,16 +32,16 @@ impl VolumeEstimator {
     }
 }
 
-/// Photons in media of one photon map, with their search structures.
+/// The photons in media of one photon map, with their search structures.
 pub(super) struct BeamAndPointMaps {
     beams: PhotonBeamMap,
     points: VolumePhotonMap,
     estimate: VolumeEstimator,
-    /// Half width of the kernel over wavelengths \[nm], for estimates in media and on surfaces.
+    /// Half width of the kernel over wavelengths, for estimates in media and on surfaces \[nm].
     pub band: f32,
 }
 
-/// Sums of photon radiance by a kernel of the full radius and of smaller nested radii.
+/// Sums of the radiance from photons, for a kernel of the full radius and of smaller nested radii.
 struct NestedKernelSums {
     sums: [Rgb; LEVELS],
     /// Factor by which the kernel's normalization grows when its squared radius is halved.
@@ -87,8 +87,9 @@ impl NestedKernelSums {
 }
 
 impl BeamAndPointMaps {
-    /// Builds the search structures of photons in media, for kernel radii of beams and of points
-    /// \[length].
+    /// Builds the search structures of photons in media.
+    ///
+    /// `beams` and `points` are the kernel radii of the two kinds \[length].
     pub fn build(volume: VolumePhotons, (beams, points): (f32, f32), estimate: VolumeEstimator, band: f32) -> Self {
         let VolumePhotons { beams: stored_beams, points: stored_points } = volume;
         Self {
@@ -101,7 +102,7 @@ impl BeamAndPointMaps {
 
     /// Estimates the radiance that a medium scatters to the start of a segment \[W/(m² sr)].
     ///
-    /// `samples` is a factor on the nested estimates of the pixel.
+    /// The nested estimates of the pixel, but not the result, are multiplied by `samples`.
     pub fn radiance<I: Interior>(
         &self,
         path_segment: &MediumPathSegment<'_, I>,
@@ -220,11 +221,12 @@ fn divide_by_scattering(weight: Rgb, medium: &Medium, p: Vec3) -> Rgb {
     Rgb::select(scattering.cmpgt(Rgb::ZERO), weight / scattering, Rgb::ZERO)
 }
 
-/// Returns the factor on a photon's flux for the wavelengths of photon and camera path.
+/// Returns the factor on a photon's flux that accounts for the wavelengths of photon and camera
+/// path.
 ///
-/// `other` is the photon's wavelength code, `own` the wavelength of the camera path. If both have a
-/// wavelength, a box kernel of half width `band` \[nm] replaces the photon's spectral weight.
-/// Otherwise the factor is 1.
+/// `own` is the wavelength of the camera path, `other` the wavelength code of the photon. If both
+/// are set, the factor replaces the photon's spectral weight by a box kernel of half width `band`
+/// \[nm]. Otherwise it is 1.
 pub(super) fn wavelength_kernel_weight(own: Option<Wavelength>, other: u8, band: f32) -> Rgb {
     let (Some(own), Some(other)) = (own, Wavelength::from_byte_code(other)) else { return Rgb::ONE };
     let apart = (own.nanometres() - other.nanometres()).abs();

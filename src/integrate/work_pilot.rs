@@ -1,7 +1,7 @@
 //! Pilot that measures the noise and work of a pass with few camera rays and few photons.
 
 use super::balance::{self, NoiseSource, RayPhotonBalance};
-use super::film_points::{FilmPoint, trace_camera_paths_at};
+use super::film_points::{FilmPoint, trace_camera_paths_through};
 use super::map_builder::PassBudget;
 use super::pass::{Pass, PhotonReport, SilentMonitor};
 use super::pass_renderer::PassRenderer;
@@ -15,7 +15,7 @@ use glam::Vec2;
 /// Number of film points of the pilot.
 const POINTS: u32 = 1024;
 
-/// Divisor of the number of photon paths of a pass: the pilot traces that part of them.
+/// Divisor of the number of photon paths: the pilot traces 1/16 of the paths of a pass.
 const PILOT_DIVISOR: u32 = 16;
 
 /// Radiance and ray counts of camera paths through the pilot's film points.
@@ -24,7 +24,8 @@ struct PointEstimates {
     counters: Counters,
 }
 
-/// Returns the numbers of camera rays and photons with least noise for the work of the defaults.
+/// Returns the numbers of camera rays and photon paths that give least noise for the work of the
+/// default numbers.
 ///
 /// Returns `None` without photons. The result depends only on the scene and the settings.
 pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<RayPhotonBalance> {
@@ -134,7 +135,7 @@ fn estimate_at_points(
     maps: Option<&PhotonMaps<'_>>,
     points: &[FilmPoint],
 ) -> PointEstimates {
-    let (radiance, workers) = trace_camera_paths_at(&renderer.path_context(maps, 0), points);
+    let (radiance, workers) = trace_camera_paths_through(&renderer.path_context(maps, 0), points);
     let mut counters = Counters::default();
     workers.iter().for_each(|worker| counters += worker.counters);
     PointEstimates { radiance, counters }
@@ -145,9 +146,10 @@ fn pixel_count(scene: &Scene) -> f64 {
     f64::from(width) * f64::from(height)
 }
 
-/// Returns film points that are spread over the picture.
+/// Returns 1024 film points that are spread evenly over the picture.
 ///
-/// Points with the same index in two sets lie in the same pixel.
+/// `set` numbers independent sets of points. Points with the same index in two sets lie in the same
+/// pixel.
 fn pilot_film_points(scene: &Scene, key: Key, set: u32) -> Vec<FilmPoint> {
     let (width, height) = scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);
@@ -168,7 +170,7 @@ mod tests {
     use crate::shape::{Plane, Shape, Sphere};
     use glam::{DVec3, Vec3};
 
-    /// `hybrid` has no indirect map, so the number of its paths must change nothing.
+    /// `hybrid` traces no unaimed photon paths, so the setting of their number must change nothing.
     #[test]
     fn untraced_photons_do_not_change_the_balance() {
         let mut builder = SceneBuilder::new();

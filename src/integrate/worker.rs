@@ -8,7 +8,7 @@ use crate::stats::Counters;
 
 /// Counters and reusable buffers of one parallel task that traces camera paths, such as a tile.
 ///
-/// Each task starts with a new value, so results do not depend on the thread.
+/// Each task starts with a new value, so results do not depend on the number of threads.
 #[derive(Debug, Default)]
 pub(super) struct PathWorker {
     pub counters: Counters,
@@ -16,11 +16,11 @@ pub(super) struct PathWorker {
     pub caustic: PhotonSearchBuffers,
     /// Buffers of lookups in the indirect map.
     pub indirect: PhotonSearchBuffers,
-    /// Buffers of lookups of photons that guide gather rays.
+    /// Buffers of searches for photons that guide gather rays.
     pub guide_lookup: PhotonSearchBuffers,
     /// Distribution of gather directions at the current vertex.
     pub gather_guide: GatherGuide,
-    /// True if photon estimates are made at nested bandwidths.
+    /// True if photon estimates are also made with nested smaller discs.
     pub nests_estimates: bool,
     /// Sum of the nested photon estimates of the current pixel.
     pub nested: NestedEstimateSum,

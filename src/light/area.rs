@@ -88,12 +88,12 @@ impl LightSurface {
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> ShapeSample {
-        self.sample_with_coord(u).0
+        self.sample_point_with_coord(u).0
     }
 
     /// Samples a point of the surface, with its parametric coordinates.
     #[inline]
-    fn sample_with_coord(&self, u: Vec2) -> (ShapeSample, SurfaceCoord) {
+    fn sample_point_with_coord(&self, u: Vec2) -> (ShapeSample, SurfaceCoord) {
         match self {
             Self::Shape(shape) => {
                 let sample = shape.sample(u);
@@ -194,7 +194,7 @@ impl AreaLight {
     /// Samples a point of the surface by area, with the emitted radiance there.
     #[inline]
     fn sample(&self, u: Vec2) -> (ShapeSample, Rgb) {
-        let (sample, coord) = self.surface.sample_with_coord(u);
+        let (sample, coord) = self.surface.sample_point_with_coord(u);
         (sample, self.radiance_at(&sample.point, coord))
     }
 
@@ -213,8 +213,8 @@ impl AreaLight {
 
     /// Samples a point of the surface by area, as seen from `p`; `None` if it shows its back.
     #[inline]
-    fn sample_by_area(&self, p: Vec3, u: Vec2) -> Option<(SolidAngleSample, SurfaceCoord)> {
-        let (ShapeSample { point, pdf, .. }, coord) = self.surface.sample_with_coord(u);
+    fn sample_surface_by_area(&self, p: Vec3, u: Vec2) -> Option<(SolidAngleSample, SurfaceCoord)> {
+        let (ShapeSample { point, pdf, .. }, coord) = self.surface.sample_point_with_coord(u);
         let (d2, wi, _) = crate::math::direction_and_distance(p, point.p)?;
         let cos = -wi.dot(point.ng);
         (cos > 0.0).then(|| (SolidAngleSample { point, wi, pdf: d2 * pdf / cos }, coord))
@@ -238,7 +238,7 @@ impl LightSource for AreaLight {
         let (SolidAngleSample { point, wi, pdf }, coord) = match by_solid_angle {
             SolidAngleSampling::Sampled(sample) => (sample, NO_COORD),
             SolidAngleSampling::Invisible => return None,
-            SolidAngleSampling::Unsupported => self.sample_by_area(p, u)?,
+            SolidAngleSampling::Unsupported => self.sample_surface_by_area(p, u)?,
         };
         // The rounded direction of a shadow ray moves its end in proportion to its length.
         let relative_error = match &self.surface {

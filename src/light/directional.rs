@@ -48,7 +48,7 @@ impl LightSource for DirectionalLight {
         _direction: Vec2,
     ) -> Option<EmissionSample> {
         let upstream = domain.radius - self.direction.dot(domain.center);
-        let (start, pdf) = aim.sample_parallel_start(self.direction, upstream, position)?;
+        let (start, pdf) = aim.sample_parallel_ray_start(self.direction, upstream, position)?;
         Some(EmissionSample { ray: Ray::new(start, self.direction), flux: self.irradiance / pdf })
     }
 

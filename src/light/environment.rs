@@ -108,7 +108,7 @@ impl LightSource for EnvironmentLight {
     ) -> Option<EmissionSample> {
         let (from, pdf) = self.sample(direction)?;
         let upstream = domain.radius + from.dot(domain.center);
-        let (start, pdf_start) = aim.sample_parallel_start(-from, upstream, position)?;
+        let (start, pdf_start) = aim.sample_parallel_ray_start(-from, upstream, position)?;
         Some(EmissionSample { ray: Ray::new(start, -from), flux: self.radiance(from) / (pdf * pdf_start) })
     }
 

@@ -98,7 +98,7 @@ impl LightBounds {
     }
 
     /// Cost of a node with these bounds: flux × solid angle × squared diagonal of the box.
-    pub fn split_cost(&self) -> f64 {
+    pub fn bvh_node_cost(&self) -> f64 {
         self.flux * self.solid_angle() * f64::from(self.space.extent().length_squared())
     }
 }

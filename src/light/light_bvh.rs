@@ -98,7 +98,7 @@ impl LightBvhSampler {
         let whole = lights[1..].iter().fold(lights[0].1, |all, l| all.union(l.1));
         let index = self.nodes.len();
         let [(light, _)] = *lights else {
-            let (first, second) = split_lights(lights, depth);
+            let (first, second) = split_lights_by_cost(lights, depth);
             self.nodes.push(LightBvhNode { importance: whole.into(), kind: LightBvhNodeKind::Inner(0) });
             self.build_subtree(first, depth + 1, trail);
             self.nodes[index].kind = LightBvhNodeKind::Inner(self.nodes.len() as u32);
@@ -187,7 +187,7 @@ impl LightBvhSampler {
 ///
 /// The split is at the bucket boundary of least cost. It is in the middle of the widest axis from
 /// depth [`HALVING_DEPTH`] on, or if no bucket boundary separates the lights.
-fn split_lights(lights: &mut [BoundedLight], depth: u32) -> (&mut [BoundedLight], &mut [BoundedLight]) {
+fn split_lights_by_cost(lights: &mut [BoundedLight], depth: u32) -> (&mut [BoundedLight], &mut [BoundedLight]) {
     let center = |l: &BoundedLight| l.1.space.center();
     let centers = Bounds::from_points(lights.iter().map(center));
     let extent = centers.extent();
@@ -206,7 +206,7 @@ fn split_lights(lights: &mut [BoundedLight], depth: u32) -> (&mut [BoundedLight]
         for plane in 1..BUCKETS {
             let side = |part: &[Option<LightBounds>]| part.iter().flatten().copied().reduce(LightBounds::union);
             if let (Some(a), Some(b)) = (side(&buckets[..plane]), side(&buckets[plane..])) {
-                let split_cost = slimness * (a.split_cost() + b.split_cost());
+                let split_cost = slimness * (a.bvh_node_cost() + b.bvh_node_cost());
                 if split_cost < best.0 {
                     best = (split_cost, axis, plane);
                 }

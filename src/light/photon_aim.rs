@@ -106,7 +106,7 @@ impl PhotonAim {
     /// Returns the start with its pdf per area \[1/length²]. All starts lie in one plane, which is
     /// perpendicular to `direction` and contains the point −`upstream`·`direction`.
     #[must_use]
-    pub fn sample_parallel_start(&self, direction: Vec3, upstream: f32, u: Vec2) -> Option<(Vec3, f32)> {
+    pub fn sample_parallel_ray_start(&self, direction: Vec3, upstream: f32, u: Vec2) -> Option<(Vec3, f32)> {
         let areas = || self.spheres.iter().map(|s| PI * s.radius * s.radius);
         let total: f32 = areas().sum();
         let (within, chosen) = locate_in_intervals(areas(), u.x * total)?;

@@ -8,7 +8,7 @@ use crate::sampling::{Dimension, DiscreteDistribution, Key, Purpose, sobol_2d};
 use crate::scene::{Effect, Effects, Interior, InteriorKind, PathRay, Scene};
 use glam::Vec2;
 
-/// Samples that estimate the power of each light towards the casters.
+/// Number of samples that estimate the power of one light towards the caustic casters.
 const POWER_SAMPLES: u32 = 256;
 
 /// Fraction of each light's probability that follows its total power (defensive sampling).
@@ -22,9 +22,11 @@ pub struct PhotonSource<'a> {
     pub(super) scene: &'a Scene,
     /// Probabilities of the lights.
     pub(super) light_distribution: DiscreteDistribution,
-    /// Bounding spheres of the casters, to which photons are emitted; `None` emits everywhere.
+    /// Bounding spheres of the caustic casters. Photons are emitted towards them; `None` emits in
+    /// all directions.
     aim: Option<PhotonAim>,
-    /// Guiding distribution of each light, `None` for a light without; empty without guiding.
+    /// Guiding distribution of each light; `None` for an unguided light. Empty if no light is
+    /// guided.
     pub(super) guiding: Vec<Option<EmissionGuidingDistribution>>,
     /// Effects that photon paths simulate.
     effects: Effects,
@@ -41,7 +43,7 @@ pub(super) struct PrimaryEmissionSample {
     pub position: Vec2,
     /// Primary sample of the direction, in \[0, 1)².
     pub direction: Vec2,
-    /// Joint pdf of `position` and `direction` on \[0, 1)⁴; 1 without guiding.
+    /// Joint pdf of `position` and `direction` over the unit hypercube \[0, 1)⁴; 1 without guiding.
     pub pdf: f32,
 }
 
@@ -59,7 +61,7 @@ impl<'a> PhotonSource<'a> {
     /// A source that emits only towards the bounding spheres of caustic casters.
     ///
     /// Lights are chosen in proportion to their power towards the spheres, estimated by sampling.
-    /// If casters are unbounded, the source emits in all directions. Returns `None` if no light can
+    /// If a caster is unbounded, the source emits in all directions. Returns `None` if no light can
     /// reach a caster.
     #[must_use]
     pub fn aimed_at_casters(scene: &'a Scene) -> Option<Self> {
@@ -141,7 +143,7 @@ impl<'a> PhotonSource<'a> {
     /// Lights are chosen by systematic sampling over path indices. Positions and directions are
     /// Sobol' points, scrambled with `pass_key`.
     #[must_use]
-    pub fn emit<I: Interior>(&self, pass_key: Key, index: u32, paths: u32) -> Option<(PathRay<I>, Rgb)> {
+    pub fn emit_photon_path<I: Interior>(&self, pass_key: Key, index: u32, paths: u32) -> Option<(PathRay<I>, Rgb)> {
         let point = self.primary_emission_sample(pass_key, index, paths);
         let (ray, flux) = self.start_photon_path(&point)?;
         Some((ray, flux / (point.probability * paths as f32 * point.pdf)))
@@ -184,7 +186,7 @@ impl<'a> PhotonSource<'a> {
     }
 }
 
-/// All effects, except interiors if `scene` has none.
+/// All effects, without [`Effect::Interiors`] if no object of `scene` has an interior.
 fn effects_of_scene(scene: &Scene) -> Effects {
     if scene.has_interiors() { Effects::ALL } else { Effects::ALL.without(Effect::Interiors) }
 }

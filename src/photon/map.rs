@@ -14,13 +14,13 @@ type Tree = KdTree<f32, PhotonData, Eytzinger, VecOfArenas<f32, PhotonData, 3, B
 
 /// Surface photons in a kd-tree.
 ///
-/// kiddo splits the axes in turn, so every third split is useless for photons on an axis-aligned
-/// wall. All positions, in the tree and in queries, are therefore rotated by a fixed oblique
-/// rotation.
+/// The tree splits x, y and z in turn, so every third split is useless for photons on an
+/// axis-aligned wall. All positions, in the tree and in queries, are therefore rotated by a fixed
+/// oblique rotation.
 pub struct PhotonMap {
     tree: Option<Tree>,
     len: usize,
-    /// Least radius of estimates from the k nearest photons \[length].
+    /// Lower bound on the radii of estimates from the k nearest photons \[length].
     pub(super) min_radius: f32,
 }
 
@@ -37,7 +37,8 @@ const ROTATION: Mat3 = Mat3::from_cols(
     Vec3::new(0.394_739_8, -0.071_392_5, 0.916_015_1),
 );
 
-/// Largest number of photons at one position. More are merged, since kiddo needs them in one leaf.
+/// Largest number of photons at one position. If there are more, they are merged: the kd-tree must
+/// hold them in one leaf.
 const MAX_COINCIDENT: usize = BUCKET;
 
 impl PhotonMap {
@@ -57,9 +58,10 @@ impl PhotonMap {
         Self { tree, len, min_radius: 0.0 }
     }
 
-    /// Returns the map with a least radius \[length] of estimates from the k nearest photons.
+    /// Returns the map with a lower bound `min_radius` \[length] on the radii of k-nearest
+    /// estimates.
     ///
-    /// At a focus of a caustic, the distance to the k-th photon would approach zero.
+    /// Without the bound, the distance to the k-th photon approaches zero at a focus of a caustic.
     #[must_use]
     pub fn with_min_radius(self, min_radius: f32) -> Self {
         Self { min_radius, ..self }
@@ -91,8 +93,8 @@ impl PhotonMap {
     }
 }
 
-/// Merges photons that coincide in position and normal, if a position has more than
-/// [`MAX_COINCIDENT`].
+/// Merges photons with equal position and normal where more than [`MAX_COINCIDENT`] photons have
+/// one position.
 ///
 /// A merged photon has the sum of the fluxes and the mean direction, weighted by flux.
 fn merge_coincident_photons(photons: &mut Vec<Photon>) {

@@ -1,4 +1,4 @@
-//! Photon mapping: emission and tracing of photons, photon maps, and density estimation.
+//! Photon mapping: photon emission, photon tracing, photon maps and density estimation.
 
 mod audit;
 mod beam;

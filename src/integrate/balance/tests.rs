@@ -11,7 +11,7 @@ fn variance_and_work(parts: &[NoiseSource; 3], numbers: &[f64; 3]) -> (f64, f64)
 
 /// For two parts of equal cost the optimum is n ∝ σ, computed by hand.
 #[test]
-fn numbers_follow_noise_over_cost() {
+fn sample_counts_follow_noise_over_cost() {
     let parts = [noise_source(4.0, 1.0, 10.0), noise_source(1.0, 1.0, 10.0), noise_source(0.0, 5.0, 7.0)];
     let [a, b, c] = balance_sample_counts(&parts);
     assert!((a - 40.0 / 3.0).abs() < 1e-9 && (b - 20.0 / 3.0).abs() < 1e-9 && c == 7.0, "{a} {b} {c}");
@@ -40,7 +40,7 @@ fn balance_has_the_least_noise() {
 }
 
 #[test]
-fn noiseless_parts_change_nothing() {
+fn noiseless_sources_change_nothing() {
     let two = [noise_source(4.0, 1.0, 10.0), noise_source(1.0, 2.0, 10.0), NoiseSource::default()];
     let [a, b, _] = balance_sample_counts(&two);
     let three = [two[0], two[1], noise_source(0.0, 9.0, 1000.0)];

@@ -13,7 +13,8 @@ use rand::rngs::SmallRng;
 
 /// Advances `path` to its next vertex. Adds emission and in-scattering of media to `radiance`.
 ///
-/// Returns the event at the vertex, and the phase function if it is a scattering event.
+/// Returns the event at the vertex. If it is a scattering event, the phase function is that of the
+/// medium there.
 pub(super) fn advance_to_vertex<'a, I: Interior>(
     paths: &PathContext<'a>,
     path: &mut PathState<I>,
@@ -33,10 +34,10 @@ pub(super) fn advance_to_vertex<'a, I: Interior>(
     (event, phase)
 }
 
-/// Adds the radiance from one segment of a medium to `radiance`.
+/// Adds the light that one medium segment emits and scatters along the path to `radiance`.
 ///
-/// Returns the distance at which the path scatters, if it does. `weight` collects the factors on
-/// the throughput of all segments since the last vertex.
+/// Returns the distance \[length] at which the path scatters; `None` if it passes through. `weight`
+/// is the product of the throughput factors of all segments since the last vertex.
 fn cross_medium<I: Interior>(
     paths: &PathContext<'_>,
     path: &PathState<I>,
@@ -81,7 +82,8 @@ fn cross_medium<I: Interior>(
     None
 }
 
-/// Estimates the radiance that a segment scatters to its start from photon maps \[W/(m² sr)].
+/// Estimates from photon maps the radiance that a medium segment scatters to its start \[W/(m²
+/// sr)].
 fn photon_radiance<I: Interior>(
     paths: &PathContext<'_>,
     path_segment: &MediumPathSegment<'_, I>,

@@ -1,4 +1,5 @@
-//! Next-event estimation in media: light that scatters once into a segment of a camera path.
+//! Next-event estimation in media: light that scatters once, from a light into a segment of a
+//! camera path.
 
 use super::{CENTER, NextEventEstimator, ShadowRayScheme, stratified_sample};
 use crate::color::Rgb;
@@ -12,20 +13,19 @@ use crate::sampling::{Dimension, Sampler};
 use crate::scene::{Interior, MediumSegment};
 use glam::{Vec2, Vec3};
 
-/// Sampled scattering point on a segment.
+/// Sampled scattering point on a segment of a camera path.
 struct ScatterPoint {
     p: Vec3,
-    /// σs times the transmittance to the start of the segment, over the pdf of the distance.
+    /// σs times the transmittance to the start of the segment, divided by the pdf of the distance.
     weight: Rgb,
 }
 
 impl NextEventEstimator<'_> {
-    /// Estimates the radiance of lights that a medium scatters to the start of a segment
-    /// \[W/(m² sr)].
+    /// Estimates the direct light that a medium scatters to the start of a segment \[W/(m² sr)].
     ///
-    /// The estimate is unbiased. `distance_sample` is where the path itself scatters. If the path
-    /// `continues` from there, it may hit a light, so the estimate is weighted by the balance
-    /// heuristic over directions.
+    /// `distance_sample` holds the distance at which the path itself scatters. If the path
+    /// `continues` from there, it may hit a light itself. The balance heuristic over directions
+    /// then weights the estimate; together, both are unbiased.
     pub fn estimate_in_medium<I: Interior>(
         &self,
         path_segment: &MediumPathSegment<'_, I>,
@@ -136,9 +136,11 @@ impl NextEventEstimator<'_> {
     }
 }
 
-/// Samples a scattering point in a homogeneous medium near `pivot`, such as a point light.
+/// Samples a scattering point on a segment in a homogeneous medium, for light that leaves the point
+/// `pivot`.
 ///
-/// Half of the samples follow the transmittance, the other half equiangular sampling.
+/// Half of the samples follow the transmittance, the other half the angle seen from `pivot`
+/// (equiangular sampling).
 ///
 /// Equiangular sampling: Kulla and Fajardo 2012, "Importance Sampling Techniques for Path Tracing
 /// in Participating Media".
@@ -164,11 +166,11 @@ fn sample_scatter_point_near<I: Interior>(
     Some(ScatterPoint { p: ray.at(t), weight: transmittance * medium.scattering / pdf })
 }
 
-/// Distribution of distances along a ray that is uniform in the angle seen from a point.
+/// Distribution of distances along a ray, uniform in the angle that they subtend at a given point.
 struct EquiangularDistribution {
-    /// Ray parameter of the ray's position closest to the point \[length].
+    /// Distance from the ray's origin to its closest approach to the point \[length].
     closest: f32,
-    /// Distance between ray and point \[length].
+    /// Distance between the ray and the point at the closest approach \[length].
     distance: f32,
     /// Angle from the closest position to the start of the ray, seen from the point \[rad].
     from: f32,

@@ -40,7 +40,7 @@ fn signed_filters_are_unbiased_and_keep_flat_areas_noiseless() {
         let edge = render_filtered_row(FilterKind::Mitchell, samples, |x| if x < 6.3 { 1.0 } else { 0.0 });
         // Cells of the table misplace a thousandth of the weight at most.
         for (x, (mean, error)) in edge.iter().enumerate() {
-            let weight = |y: f64| FilterKind::Mitchell.weight(y);
+            let weight = |y: f64| FilterKind::Mitchell.unnormalized_value(y);
             let (mut left, mut all) = (0.0, 0.0);
             for i in 0..4000 {
                 let y = -2.0 + (f64::from(i) + 0.5) / 1000.0;
@@ -57,7 +57,7 @@ fn signed_filters_are_unbiased_and_keep_flat_areas_noiseless() {
 }
 
 #[test]
-fn rendered_tiles_are_enough_and_in_all_columns() {
+fn rendered_tiles_are_enough_and_cover_all_columns() {
     for size in [(96u32, 72u32), (640, 480), (1920, 1080), (16, 16), (4000, 16)] {
         let (columns, rows) = (size.0.div_ceil(TILE_SIZE), size.1.div_ceil(TILE_SIZE));
         let every = rendered_tile_stride(size, 48);

@@ -1,6 +1,6 @@
 //! Chi-square test of sampled directions against a pdf.
 
-use super::key;
+use super::test_key;
 use crate::math::Frame;
 use crate::sampling::Dimension;
 use glam::{Vec2, Vec3};
@@ -125,7 +125,7 @@ impl DirectionCells {
         expected.push(((1.0 - total / all) * DRAWS as f64).max(0.0));
         let mut counts = vec![0.0; expected.len()];
         for i in 0..DRAWS {
-            let w = draw(key(i).uniform_2d(Dimension::LightPosition));
+            let w = draw(test_key(i).uniform_2d(Dimension::LightPosition));
             counts[w.and_then(|w| self.cell_of_direction(w)).unwrap_or(RINGS * SECTORS)] += 1.0;
         }
         (chi_square_p_value(&counts, &expected), total)

@@ -21,7 +21,7 @@ fn random_walk(medium: &Medium, random: &mut SmallRng) -> (f64, DVec3) {
 }
 
 /// Mean collisions are 1/(1−a); ⟨r²⟩ = 2/(σt²(1−a)(1−ag)) at the point of absorption.
-fn check_random_walk(medium: &Medium, sigma: f64, albedo: f64) {
+fn assert_random_walk_moments(medium: &Medium, sigma: f64, albedo: f64) {
     let mut random = test_rng(5);
     let (mut collisions, mut square) = (RunningMean::default(), RunningMean::default());
     for _ in 0..100_000 {
@@ -39,7 +39,7 @@ fn homogeneous_random_walks_match_diffusion() {
     let phases = [PhaseFunction::Isotropic, PhaseFunction::Rayleigh].into_iter();
     for phase in phases.chain([-0.5, 0.7, 0.99, -0.99].map(PhaseFunction::HenyeyGreenstein)) {
         let medium = Medium::homogeneous(Vec3::splat(0.5), Vec3::splat(2.0), Vec3::ZERO, phase);
-        check_random_walk(&medium, 2.5, 0.8);
+        assert_random_walk_moments(&medium, 2.5, 0.8);
     }
 }
 
@@ -55,5 +55,5 @@ fn grid_random_walks_match_diffusion() {
         PhaseFunction::HenyeyGreenstein(0.7),
         field,
     );
-    check_random_walk(&medium, 2.5, 0.8);
+    assert_random_walk_moments(&medium, 2.5, 0.8);
 }

@@ -28,7 +28,7 @@ impl AngleBins {
         Self { width: 1.0 - g.abs(), backwards: g < 0.0 }
     }
 
-    fn angle_at(&self, x: f64) -> f64 {
+    fn bin_edge_angle(&self, x: f64) -> f64 {
         let angle = x * PI * self.width / (PI + self.width - PI * x);
         if self.backwards { PI - angle } else { angle }
     }
@@ -44,7 +44,7 @@ impl AngleBins {
         let n = RINGS * POINTS;
         let mut rings = vec![0.0; RINGS];
         for i in 0..n {
-            let [low, middle, high] = [0.0, 0.5, 1.0].map(|d| self.angle_at((i as f64 + d) / n as f64));
+            let [low, middle, high] = [0.0, 0.5, 1.0].map(|d| self.bin_edge_angle((i as f64 + d) / n as f64));
             let cos = libm::cos(middle);
             let area = TAU * (libm::cos(low) - libm::cos(high)).abs();
             rings[i / POINTS] += area * f(cos) * f64::from(phase.evaluate(cos as f32));

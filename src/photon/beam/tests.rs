@@ -74,7 +74,7 @@ fn queries_match_a_linear_scan() {
 /// Rays through the ends of pieces, from near and far: exactly one piece is hit in spite of
 /// rounding.
 #[test]
-fn cut_beams_are_visited_once() {
+fn split_beams_are_visited_once() {
     let radius = 0.02;
     let beams = random_beams(900, 1.0, Vec3::splat(30.0));
     let map = PhotonBeamMap::build(beams.clone(), radius);

@@ -1,4 +1,5 @@
-//! Emission guiding: a pilot learns which emitted photon paths affect the picture.
+//! Emission guiding: a pilot measures which emitted photon paths affect the picture, and more such
+//! paths are emitted.
 
 mod distribution;
 #[cfg(test)]
@@ -15,15 +16,15 @@ use crate::scene::{Interior, for_interior};
 use distribution::{EmissionGuidingFit, EmissionGuidingSample};
 use rayon::prelude::*;
 
-/// Number of rounds of a pilot. Each round is guided by the samples of the rounds before.
+/// Number of rounds of a pilot. The samples of all earlier rounds guide each round.
 const ROUNDS: u32 = 2;
 
 /// Photon paths per parallel task.
 const CHUNK: u32 = 4096;
 
-/// Fraction of the guided pdf that is the unguided pdf (defensive sampling).
+/// Fraction of the unguided pdf in the guided pdf, a mixture (defensive sampling).
 ///
-/// It bounds the weights of guided paths by 5 times the unguided weight.
+/// A guided path has at most 5 times the flux of the same path without guiding.
 const DEFENSIVE_FRACTION: f64 = 0.2;
 
 /// Settings of the pilot for emission guiding.
@@ -48,28 +49,30 @@ impl EmissionGuidingPilot<'_> {
     pub const PATHS: u32 = 1 << 17;
 }
 
-/// Result of a pilot for emission guiding.
+/// Work and benefit of a pilot for emission guiding.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct EmissionGuidingReport {
     /// Number of photon paths that the pilot traced.
     pub paths: u64,
     /// Number of rays that the pilot traced.
     pub rays: u64,
-    /// Fraction of the unguided photon paths that store a photon near a visible point.
+    /// Fraction of the paths of the first, unguided round that stored a photon near a visible
+    /// point.
     pub useful: f64,
     /// Estimated number of unguided photon paths over guided ones for equal variance of the
     /// picture; 1 without guiding.
     ///
-    /// It is the ratio of second moments of the first, unguided round and the last, guided round.
+    /// It is the second moment of the first, unguided round, divided by that of the last, guided
+    /// round.
     pub gain: f64,
 }
 
 impl PhotonSource<'_> {
-    /// Returns the source with importance-sampled lights, positions and directions.
+    /// Returns the source with emission guided to the visible points of `pilot`, and a report.
     ///
-    /// A pilot traces photon paths and sums, for each path, the squared changes of the picture by
-    /// its photons. The guided pdf is proportional to the root mean square of that change, which
-    /// minimises the variance. It is mixed with the unguided pdf, which bounds the weights and
+    /// The pilot sums, for each photon path, the squared changes of the picture by its photons. The
+    /// pdf of lights, positions and directions becomes proportional to the root mean square of the
+    /// change, which minimises the variance. A mixture with the unguided pdf bounds the weights and
     /// keeps the estimate unbiased. If no photon of the pilot reaches a visible point, the source
     /// stays unguided. The result depends only on the scene, this source and `pilot`.
     #[must_use]
@@ -183,7 +186,7 @@ impl PhotonSource<'_> {
 #[derive(Debug, Default)]
 struct PilotRoundSamples {
     samples: Vec<EmissionGuidingSample>,
-    /// Sum of the squared weighted contributions of the paths to the picture.
+    /// Sum over paths of their squared contributions to the picture, divided by the squared pdf.
     second_moment: f64,
     /// Number of traced rays.
     rays: u64,

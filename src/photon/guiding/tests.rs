@@ -256,8 +256,9 @@ fn blind_pilot_leaves_source_unguided() {
             assert_eq!((report.useful, report.gain), (0.0, 1.0), "{name}");
             let plain = PhotonSource::in_all_directions(&scene).unwrap();
             for i in 0..1000 {
-                let bits =
-                    |s: &PhotonSource<'_>| s.emit::<InteriorStack>(pass_key(1), i, 1000).map(|(w, f)| (w.ray, f));
+                let bits = |s: &PhotonSource<'_>| {
+                    s.emit_photon_path::<InteriorStack>(pass_key(1), i, 1000).map(|(w, f)| (w.ray, f))
+                };
                 assert_eq!(bits(&guided), bits(&plain), "{name}");
             }
         }
@@ -274,7 +275,7 @@ fn guiding_is_deterministic() {
             let pilot =
                 EmissionGuidingPilot { mask: MASK, max_bounces: BOUNCES, visible: &visible, paths: 1 << 15, seed };
             let (source, report) = PhotonSource::in_all_directions(&scene).unwrap().with_guided_emission(&pilot);
-            let emit = |i| source.emit::<InteriorStack>(pass_key(0), i, 1000).map(|(w, f)| (w.ray, f));
+            let emit = |i| source.emit_photon_path::<InteriorStack>(pass_key(0), i, 1000).map(|(w, f)| (w.ray, f));
             (report, (0..1000).map(emit).collect::<Vec<_>>())
         })
     };

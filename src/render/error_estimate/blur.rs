@@ -57,7 +57,7 @@ impl BlurEstimate {
     /// the model is Dᵢ·Dⱼ = ‖D₀‖² q^(i+j) c^|i−j|, with ratio q and correlation c. Then ‖Σ Dᵢ‖² =
     /// ‖D₀‖² (1 + qc)/((1 − qc)(1 − q²)). q² and qc are measured, and shrunk towards ¼ and ½ if
     /// they are noisy.
-    pub(super) fn extrapolate(differences: &BlurDifferences) -> Self {
+    pub(super) fn from_differences(differences: &BlurDifferences) -> Self {
         let d0 = differences.d0.max(0.0);
         if d0 <= 0.0 {
             return Self { square: 0.0, variance: 16.0 * differences.d0_variance, ratio: 0.5, extrapolation: 0.0 };
@@ -82,7 +82,7 @@ impl BlurEstimate {
     }
 }
 
-/// ‖Σ Dᵢ‖² / ‖D₀‖² by the model of [`BlurEstimate::extrapolate`], limited by [`ROUGH`].
+/// ‖Σ Dᵢ‖² / ‖D₀‖² by the model of [`BlurEstimate::from_differences`], limited by [`ROUGH`].
 fn squared_bias_ratio(correlation: f64, squared: f64) -> f64 {
     let law = (1.0 + correlation) / ((1.0 - correlation) * (1.0 - squared.min(ROUGH[0].0)));
     let rough = ROUGH.windows(2).find(|pair| squared <= pair[1].0).map_or(ROUGH[2].1, |pair| {

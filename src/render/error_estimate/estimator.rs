@@ -38,12 +38,12 @@ struct NestedEstimateSums {
     /// Σ D₀², Σ D₀·D₁ and Σ D₁² over passes and channels.
     products: Vec<[f64; 3]>,
     /// Discs of the estimates from the caustic and the indirect map.
-    discs: Vec<[DiscMean; 2]>,
+    discs: Vec<[GatherDiscMeans; 2]>,
     samples: EffectiveSampleCount,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-struct DiscMean {
+struct GatherDiscMeans {
     radius: f32,
     photons: f32,
     passes: u32,
@@ -135,8 +135,8 @@ impl ErrorEstimator {
             square.min(1.0)
         });
         let noise2 = noise2.sum::<f64>() * fraction;
-        let differences = self.photon_estimates.as_ref().map(|estimates| estimates.mean_differences(&scale, n));
-        let blur = differences.as_ref().map(BlurEstimate::extrapolate).unwrap_or_default();
+        let differences = self.photon_estimates.as_ref().map(|estimates| estimates.mean_blur_differences(&scale, n));
+        let blur = differences.as_ref().map(BlurEstimate::from_differences).unwrap_or_default();
         let (shared2, shared_variance) = self.shared_paths.squared_error(&scale, film.size().0, n);
         let square = noise2 + blur.square + shared2;
         // The true error of this picture scatters about its expectation, which is estimated too.
@@ -190,7 +190,7 @@ impl NestedEstimateSums {
         Self {
             differences: [vec![Vec3::ZERO; pixels], vec![Vec3::ZERO; pixels]],
             products: vec![[0.0; 3]; pixels],
-            discs: vec![[DiscMean::default(); 2]; pixels],
+            discs: vec![[GatherDiscMeans::default(); 2]; pixels],
             samples: EffectiveSampleCount::default(),
         }
     }
@@ -212,7 +212,7 @@ impl NestedEstimateSums {
     }
 
     /// Means of D₀², D₀·D₁ and D₁² over the picture, from pairs of different passes among `n`.
-    fn mean_differences(&self, scale: &RelativeScale, n: f64) -> BlurDifferences {
+    fn mean_blur_differences(&self, scale: &RelativeScale, n: f64) -> BlurDifferences {
         let [d0, d1] = &self.differences;
         let pixels = scale.weights().len();
         let (mut square, mut variance) = ([0.0; 3], 0.0);
@@ -233,7 +233,7 @@ impl NestedEstimateSums {
     }
 }
 
-impl DiscMean {
+impl GatherDiscMeans {
     fn add(&mut self, discs: Option<MeanGatherDisc>) {
         if let Some(MeanGatherDisc { radius, photons }) = discs {
             self.radius += radius;
