@@ -12,10 +12,10 @@ use rand::RngExt;
 const SEEDS: usize = 8;
 const PIXELS: usize = 64;
 
-/// Makes results of a synthetic method whose pass i has variance 1/shrink(i) and bias `bias` ·
-/// shrink(i).
+/// Makes results of a synthetic method whose pass i has variance 1/s(i) and bias `bias` · s(i).
 ///
-/// The function shrink(i) is that of `alpha`. `name` selects the random numbers.
+/// Here s(i) is the squared gather radius of pass i over that of the first pass, for the exponent
+/// `alpha`. `name` selects the random numbers.
 fn synthetic_method(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32], name: u64) -> MethodResult {
     let mut rng = Key::new(77).child_key(name).rng();
     // Irwin–Hall: twelve uniform numbers less six have variance 1.

@@ -37,9 +37,10 @@ impl SlopeRange {
 /// quantity is zero.
 ///
 /// - The noise of independent passes falls as n^−½.
-/// - With shrinking radii, pass i has variance 1/shrink(i) and bias shrink(i), relative to the
-///   first pass. The mean of n passes has variance Σ 1/shrink(i)/n² and bias Σ shrink(i)/n (Knaus
-///   and Zwicker 2011). For α = ⅔, noise and bias approach n^−⅓.
+/// - Let s(i) be the squared gather radius of pass i over that of the first pass. Pass i has
+///   variance 1/s(i) and bias s(i), relative to the first pass. The mean of n passes has variance
+///   Σ 1/s(i)/n² and bias Σ s(i)/n (Knaus and Zwicker 2011). For α = ⅔, noise and bias approach
+///   n^−⅓.
 /// - Noise of camera paths adds to noise of photons, so measured slopes lie between both laws.
 /// - The noise of the camera paths that all passes of `ppm` share does not fall.
 /// - Bias does not fall with fixed radii, nor in algorithms that leave out light.
