@@ -37,7 +37,7 @@ impl Integrator for PathIntegrator<'_> {
         // Move the scene to the time of the pass.
         let (moved_scene, moved);
         let renderer = if self.renderer.has_motion() {
-            moved_scene = self.renderer.scene.at(shutter_time(self.renderer.settings.camera_paths.seed, pass));
+            moved_scene = self.renderer.scene.at_time(shutter_time(self.renderer.settings.camera_paths.seed, pass));
             moved = self.renderer.for_scene_at_time(&moved_scene);
             &moved
         } else {

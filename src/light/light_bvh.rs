@@ -6,7 +6,7 @@ use crate::color;
 use crate::math::{BoundingSphere, Bounds};
 use glam::Vec3;
 
-/// Samples one of many lights for a point, by flux, distance and orientation.
+/// Samples one of many lights for a lit point, by the flux, distance and orientation of the lights.
 ///
 /// A binary tree holds the lights at finite positions. Sampling descends the tree, and chooses each
 /// child with a probability proportional to its importance (Conty Estevez and Kulla 2018; Pharr,
@@ -40,10 +40,10 @@ enum LightBvhNodeKind {
 /// The index of a light, and its bounds.
 type BoundedLight = (u32, LightBounds);
 
-/// The place at which a [`LightBvhSampler`] stores a light.
+/// Location of a light in a [`LightBvhSampler`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum LightBvhSlot {
-    /// The light is not stored, because it has no power.
+    /// The sampler does not contain the light, because it has no power.
     Absent,
     /// The light is in the list of infinite lights.
     Infinite,
@@ -52,7 +52,8 @@ enum LightBvhSlot {
     Tree(u64),
 }
 
-/// Depth from which nodes are split in halves, so that trails fit in 64 bits even for 2³² lights.
+/// Depth from which nodes are split into halves of equal count. The depth of the tree then stays
+/// below 64, even for 2³² lights.
 const HALVING_DEPTH: u32 = 31;
 
 /// Number of buckets along each axis in the search for a split plane.
@@ -93,7 +94,8 @@ impl LightBvhSampler {
         Some(sampler)
     }
 
-    /// Adds a subtree of one or more lights; `trail` leads from the root of the tree to its root.
+    /// Adds a subtree of one or more lights at `depth`. The bits of `trail` lead from the root of
+    /// the tree to the subtree, as in [`LightBvhSlot::Tree`].
     fn build_subtree(&mut self, lights: &mut [BoundedLight], depth: u32, trail: u64) {
         let whole = lights[1..].iter().fold(lights[0].1, |all, l| all.union(l.1));
         let index = self.nodes.len();
@@ -113,7 +115,7 @@ impl LightBvhSampler {
     ///
     /// Returns the index of the light, its probability, and a remapped `u` that is uniform again.
     /// If a unit normal `n` is given, only light that arrives on its side counts. Returns `None` if
-    /// no light of the node that the descent reached can illuminate `p`.
+    /// the descent reaches a node without a light that can illuminate `p`.
     #[inline]
     #[must_use]
     pub fn sample(&self, p: Vec3, n: Option<Vec3>, u: f32) -> Option<(usize, f32, f32)> {
@@ -148,9 +150,9 @@ impl LightBvhSampler {
         (probability > 0.0).then_some((light as usize, probability, (u as f32).min(BELOW_ONE)))
     }
 
-    /// Probability with which [`LightBvhSampler::sample`] samples the light with this index.
+    /// Probability with which [`LightBvhSampler::sample`] samples the light with index `light`.
     ///
-    /// Both methods return equal bits.
+    /// The result equals the probability that `sample` returns, to the bit.
     #[inline]
     #[must_use]
     pub fn probability(&self, p: Vec3, n: Option<Vec3>, light: usize) -> f32 {
@@ -185,8 +187,8 @@ impl LightBvhSampler {
 
 /// Splits two or more lights into two non-empty parts.
 ///
-/// The split is at the bucket boundary of least cost. It is in the middle of the widest axis from
-/// depth [`HALVING_DEPTH`] on, or if no bucket boundary separates the lights.
+/// The split is at the bucket boundary of least cost. From depth [`HALVING_DEPTH`] on, or if no
+/// bucket boundary separates the lights, it is at the median along the axis of largest extent.
 fn split_lights_by_cost(lights: &mut [BoundedLight], depth: u32) -> (&mut [BoundedLight], &mut [BoundedLight]) {
     let center = |l: &BoundedLight| l.1.space.center();
     let centers = Bounds::from_points(lights.iter().map(center));

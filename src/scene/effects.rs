@@ -140,21 +140,21 @@ const fn bytes_equal(a: &[u8], b: &[u8]) -> bool {
 }
 
 impl FromStr for Effect {
-    type Err = UnknownEffect;
+    type Err = UnknownEffectError;
 
     /// Reads the name of an effect. `casters` is an alias of `specular`.
-    fn from_str(name: &str) -> Result<Self, UnknownEffect> {
+    fn from_str(name: &str) -> Result<Self, UnknownEffectError> {
         if name == SPECULAR_ALIAS {
             return Ok(Self::Specular);
         }
-        Self::ALL.into_iter().find(|effect| effect.name() == name).ok_or(UnknownEffect)
+        Self::ALL.into_iter().find(|effect| effect.name() == name).ok_or(UnknownEffectError)
     }
 }
 
 /// Error: a word names no effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("no such effect")]
-pub struct UnknownEffect;
+pub struct UnknownEffectError;
 
 impl std::fmt::Display for Effect {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {

@@ -31,7 +31,6 @@ pub use ray_cone::RayCone;
 pub use surface_interaction::SurfaceInteraction;
 pub use textured::{MeanEvaluator, NormalPerturbation, ParameterEvaluator, TextureEvaluator, Textured};
 
-use crate::accel::Primitive;
 use crate::camera::Camera;
 use crate::color::{DispersionFormula, Rgb};
 use crate::light::Light;
@@ -40,15 +39,17 @@ use crate::medium::Medium;
 use crate::shape::{Shape, SurfacePoint, TextureMapping};
 use crate::texture::{Texture, TextureEvalContext};
 use animation::Animation;
-use build::DerivedQuantities;
-use geometry::{Geometry, HitKind};
-use glam::{DVec3, Vec2, Vec3};
+use build::DerivedSceneData;
+use geometry::Geometry;
+use glam::{DVec3, Vec3};
 use interiors::{CoincidentFaces, CoincidentFlags};
 use std::sync::Arc;
 use textured::{TextureFootprint, perturbed_normal};
 
 /// A scene ready to be rendered, with moving objects placed at one time of the shutter interval.
-/// Coordinates are relative to [`Scene::origin`].
+///
+/// Coordinates are relative to [`Scene::origin`]. The scene hands ray queries to its `Geometry`,
+/// which knows primitives only. It then adds the material, textures and emission at a hit.
 #[derive(Clone)]
 pub struct Scene {
     camera: Camera,
@@ -71,7 +72,7 @@ pub struct Scene {
     animation: Option<Arc<Animation>>,
     origin: DVec3,
     coincident: CoincidentFlags,
-    derived: DerivedQuantities,
+    derived: DerivedSceneData,
 }
 
 impl std::fmt::Debug for Scene {
@@ -201,52 +202,18 @@ impl Scene {
         self.geometry.shapes.iter().filter(analytic).count() + self.geometry.planes.len()
     }
 
-    /// The nearest intersection along `ray`.
+    /// The nearest intersection of `ray` with any surface, for 0 < t < `ray.t_max`.
     #[inline]
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        let Geometry { shapes, first_moving, planes, hierarchy, moving, .. } = &self.geometry;
-
-        // Find the nearest triangle or shape at rest.
-        let bounded = hierarchy.closest(ray, |i, ray| shapes[i as usize].intersect(ray));
-        let mut hit = bounded.map(|h| Hit {
-            t: h.t,
-            kind: match h.primitive {
-                Primitive::Triangle(i) => HitKind::Triangle(i, Vec2::new(h.u, h.v)),
-                Primitive::Other(i) => HitKind::Shape(i, Vec2::new(h.u, h.v)),
-            },
-        });
-
-        // Find a nearer moving shape.
-        if let Some(moving) = moving {
-            let within = Ray { t_max: hit.map_or(ray.t_max, |h| h.t), ..*ray };
-            if let Some(h) = moving.closest(&within, |i, ray| shapes[(first_moving + i) as usize].intersect(ray))
-                && let Primitive::Other(i) = h.primitive
-            {
-                hit = Some(Hit { t: h.t, kind: HitKind::Shape(first_moving + i, Vec2::new(h.u, h.v)) });
-            }
-        }
-
-        // Find a nearer plane.
-        for (i, plane) in planes.iter().enumerate() {
-            let within = Ray { t_max: hit.map_or(ray.t_max, |h| h.t), ..*ray };
-            if let Some((t, ..)) = plane.intersect(&within) {
-                hit = Some(Hit { t, kind: HitKind::Plane(i as u32) });
-            }
-        }
-        hit
+        self.geometry.intersect(ray)
     }
 
-    /// True if `ray` hits any surface.
+    /// True if `ray` hits any surface, for 0 < t < `ray.t_max`.
     #[inline]
     #[must_use]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        let Geometry { shapes, first_moving, planes, hierarchy, moving, .. } = &self.geometry;
-        planes.iter().any(|plane| plane.intersect(ray).is_some())
-            || hierarchy.occluded(ray, |i, ray| shapes[i as usize].occludes(ray))
-            || moving
-                .as_ref()
-                .is_some_and(|moving| moving.occluded(ray, |i, ray| shapes[(first_moving + i) as usize].occludes(ray)))
+        self.geometry.occluded(ray)
     }
 
     /// The surface at `hit` of `ray`, which must have a unit direction.
@@ -264,7 +231,7 @@ impl Scene {
         u_mix: impl FnOnce() -> f32,
     ) -> SurfaceInteraction<'_> {
         let point = self.geometry.surface_point(ray, hit);
-        let object = self.geometry.object_attributes(hit.kind);
+        let object = self.geometry.object_attributes(hit.primitive);
         let wo = -ray.direction;
         let emission = match object.light.and_then(|l| self.lights[l as usize].as_area()) {
             Some(area) if wo.dot(point.ng) > 0.0 => match &area.texture {
@@ -278,11 +245,12 @@ impl Scene {
         let mut material_index = object.material;
         let mut material = &self.materials[material_index as usize];
         if material.mix_parts().is_some() {
-            material_index = self
-                .resolve_mix(material_index, u_mix(), cone.effects, &|| self.texture_context(hit, &point, wo, cone));
+            material_index = self.resolve_mix_to_leaf(material_index, u_mix(), cone.effects, &|| {
+                self.texture_context(hit, &point, wo, cone)
+            });
             material = &self.materials[material_index as usize];
         }
-        let near_boundary = self.coincident.may_coincide(hit.kind);
+        let near_boundary = self.coincident.may_coincide(hit.primitive);
         let mut surface = SurfaceInteraction {
             point,
             wo,
@@ -290,7 +258,7 @@ impl Scene {
             material_index,
             bsdf: material.mean_bsdf(),
             roughness: material.mean_boundary_roughness(),
-            coincidence_group: near_boundary.then(|| self.geometry.coincidence_group(hit.kind)),
+            coincidence_group: near_boundary.then(|| self.geometry.coincidence_group(hit.primitive)),
             coincident: CoincidentFaces::NONE,
             light: object.light,
             emission,
@@ -341,7 +309,7 @@ impl Scene {
     /// Index of the leaf material to which material `index` resolves, for a uniform `u` in \[0, 1).
     ///
     /// `context` is called only if a mixing amount is textured and textures are simulated.
-    fn resolve_mix(
+    fn resolve_mix_to_leaf(
         &self,
         mut index: u32,
         mut u: f32,

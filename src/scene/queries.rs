@@ -1,6 +1,6 @@
 //! Queries about the objects, materials and paths of a scene.
 
-use super::animation::scene_at;
+use super::animation::scene_at_time;
 use super::geometry::ObjectAttributes;
 use super::path_ray;
 use super::{Body, Effects, Interior, Material, NormalPerturbation, PathRay, RayCone, Scene};
@@ -56,8 +56,8 @@ impl Scene {
     ///
     /// The copy shares triangles, their hierarchies, textures and the environment light.
     #[must_use]
-    pub fn at(&self, time: f64) -> Self {
-        scene_at(self, time)
+    pub fn at_time(&self, time: f64) -> Self {
+        scene_at_time(self, time)
     }
 
     /// Summaries of all objects: shapes, then meshes with triangles, then planes.

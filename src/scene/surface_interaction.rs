@@ -1,6 +1,7 @@
 //! Surface properties at a hit.
 
 use super::Material;
+use super::geometry::CoincidenceGroup;
 use super::interiors::CoincidentFaces;
 use crate::bsdf::{Bsdf, BsdfSample, TransportMode};
 use crate::color::Rgb;
@@ -23,9 +24,9 @@ pub struct SurfaceInteraction<'a> {
     pub bsdf: Bsdf,
     /// Roughness α of a body's boundary; 0 for other materials.
     pub(super) roughness: f32,
-    /// Group number of the boundary for the coincidence test; `None` if no other boundary can
-    /// coincide with it here.
-    pub(super) coincidence_group: Option<u32>,
+    /// Coincidence group of the surface's object; `None` if no boundary of another object can
+    /// coincide with the surface here.
+    pub(super) coincidence_group: Option<CoincidenceGroup>,
     /// Boundaries that coincide with this one, found when a path resolves the boundary.
     pub(super) coincident: CoincidentFaces,
     /// Index of the object's area light.

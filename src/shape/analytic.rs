@@ -1,7 +1,7 @@
 //! Interface of bounded shapes.
 
 use super::hit::ShapeHit;
-use super::surface_point::{ShapeSample, SolidAngleSampling, SurfacePoint};
+use super::surface_point::{ShapeSample, SolidAngleSampleResult, SurfacePoint};
 use super::texture_mapping::TexCoord;
 use crate::math::{BoundingSphere, Ray, Transform};
 use glam::{DVec3, Vec2, Vec3};
@@ -52,8 +52,8 @@ pub(super) trait AnalyticShape: Sized {
 
     /// Samples a visible point of the outer side by solid angle as seen from `from`.
     #[inline]
-    fn sample_solid_angle(&self, _from: Vec3, _u: Vec2) -> SolidAngleSampling {
-        SolidAngleSampling::Unsupported
+    fn sample_solid_angle(&self, _from: Vec3, _u: Vec2) -> SolidAngleSampleResult {
+        SolidAngleSampleResult::Unsupported
     }
 
     /// Pdf per solid angle \[1/sr] of [`AnalyticShape::sample_solid_angle`]; `None` if unsupported.

@@ -4,7 +4,7 @@ use super::analytic::AnalyticShape;
 use super::hit::{ShapeHit, f64_ray_parameter, nearer_hit};
 use super::object_ray::{ObjectRay, world_coordinate_bound};
 use super::surface_point::{EDGE_MARGIN, ShapeSample, SurfacePoint};
-use super::texture_mapping::{TexCoord, upright_axes};
+use super::texture_mapping::{TexCoord, upright_texture_axes};
 use crate::math::{Ray, Transform};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3};
 
@@ -43,7 +43,7 @@ impl Cuboid {
     /// Projects the object-space point `p` to the face and moves it away from the edges: see
     /// [`EDGE_MARGIN`].
     #[inline]
-    fn move_off_edges(&self, p: DVec3, face: usize) -> DVec3 {
+    fn move_point_off_edges(&self, p: DVec3, face: usize) -> DVec3 {
         let largest = self.to_world.transform_point(p).abs().max_element();
         let margin = (self.max_gradients * (EDGE_MARGIN * f64::from(f32::EPSILON) * largest)).min(DVec3::splat(0.5));
         let mut inside = p.clamp(margin - 1.0, 1.0 - margin);
@@ -118,7 +118,7 @@ impl AnalyticShape for Cuboid {
     fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
         let p = ObjectRay::new(ray, &self.to_world).at(f64_ray_parameter(t, uv));
         let face = face_of_hit(uv);
-        self.face_point(self.move_off_edges(p, face), face)
+        self.face_point(self.move_point_off_edges(p, face), face)
     }
 
     /// Maps each face to the unit square; a picture appears upright from outside.
@@ -127,7 +127,7 @@ impl AnalyticShape for Cuboid {
         let p = self.to_world.inverse().transform_point3(p.as_dvec3());
         let mut normal = DVec3::ZERO;
         normal[face / 2] = face_sign(face);
-        let [u, v] = upright_axes(normal);
+        let [u, v] = upright_texture_axes(normal);
         let world = |row: DVec3| self.to_world.transform_normal(0.5 * row);
         TexCoord { uv: DVec2::new(u.dot(p), v.dot(p)) * 0.5 + 0.5, du: world(u), dv: world(v) }
     }

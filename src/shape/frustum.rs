@@ -4,7 +4,7 @@ use super::analytic::AnalyticShape;
 use super::hit::{ShapeHit, f64_ray_parameter, nearer_hit};
 use super::object_ray::{ObjectRay, world_coordinate_bound};
 use super::surface_point::{EDGE_MARGIN, ShapeSample, SurfacePoint};
-use super::texture_mapping::{TexCoord, upright_axes};
+use super::texture_mapping::{TexCoord, upright_texture_axes};
 use crate::math::{Ray, Transform, quadratic_roots};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3};
 use libm::{atan2, hypot, sincos};
@@ -71,7 +71,7 @@ impl Frustum {
     #[must_use]
     pub fn new(bottom: DVec3, top: DVec3, radii: [f64; 2], is_capped: bool) -> Option<Self> {
         let (axis, radius) = (top - bottom, radii[0].max(radii[1]));
-        let [u, v] = upright_axes(axis);
+        let [u, v] = upright_texture_axes(axis);
         let matrix3 = DMat3::from_cols(u * radius, axis, v * -radius);
         let to_world = Transform::new(DAffine3 { matrix3, translation: bottom }).ok()?;
         Some(Self::from_transform(to_world, radii.map(|r| r / radius), is_capped))
@@ -119,7 +119,7 @@ impl Frustum {
     /// The interval may cover the mirror image of the cone beyond its apex. The discriminant is
     /// computed from squared cross products, so it keeps its digits for grazing rays.
     #[inline]
-    fn cone_interval(&self, ray: &ObjectRay) -> Option<[f64; 2]> {
+    fn interval_inside_cone(&self, ray: &ObjectRay) -> Option<[f64; 2]> {
         const ALL: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
         let (o, d) = (ray.base, ray.direction);
         let (rho, slope) = (self.radius_at(o.y), -self.radius_decrease() * d.y);
@@ -148,7 +148,7 @@ impl Frustum {
     /// Safe distances from the rims for a hit at the object-space point `p`: along y, and
     /// perpendicular to y. See [`EDGE_MARGIN`].
     #[inline]
-    fn rounding_margins(&self, p: DVec3) -> (f64, f64) {
+    fn rim_margins(&self, p: DVec3) -> (f64, f64) {
         let largest = self.to_world.transform_point(p).abs().max_element();
         let rows = self.to_world.inverse().matrix3.transpose();
         let unit = EDGE_MARGIN * f64::from(f32::EPSILON) * largest;
@@ -200,7 +200,7 @@ impl AnalyticShape for Frustum {
     #[inline]
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
         let local = ObjectRay::new(ray, &self.to_world);
-        let [side_near, side_far] = self.cone_interval(&local)?;
+        let [side_near, side_far] = self.interval_inside_cone(&local)?;
         let (o, d) = (local.base.y, local.direction.y);
         let (mut near, mut far) = ((side_near, FrustumPart::Side), (side_far, FrustumPart::Side));
         if d == 0.0 {
@@ -228,7 +228,7 @@ impl AnalyticShape for Frustum {
     #[inline]
     fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
         let p = ObjectRay::new(ray, &self.to_world).at(f64_ray_parameter(t, uv));
-        let (along, across) = self.rounding_margins(p);
+        let (along, across) = self.rim_margins(p);
         let from_axis = DVec2::new(p.x, p.z);
         match FrustumPart::from_hit_coordinates(uv) {
             FrustumPart::Side => {

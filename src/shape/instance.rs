@@ -4,9 +4,9 @@ use super::analytic::AnalyticShape;
 use super::hit::{ShapeHit, round_t_if_in_range};
 use super::mesh::Mesh;
 use super::object_ray::object_ray;
-use super::surface_point::{ShapeSample, SurfacePoint, TRIANGLE_HIT_ERROR, rounding_error};
+use super::surface_point::{ShapeSample, SurfacePoint, TRIANGLE_HIT_ERROR, position_error_bound};
 use super::texture_mapping::TexCoord;
-use crate::accel::{Hierarchy, Primitive};
+use crate::accel::{Hierarchy, PrimitiveIndex};
 use crate::math::{Ray, Transform, warp};
 use crate::sampling::DiscreteDistribution;
 use glam::{DVec3, Vec2, Vec3};
@@ -95,7 +95,7 @@ impl Instance {
         let rounded = n.abs().dot((own.error + own.p.abs() * f32::EPSILON).as_dvec3())
             / self.to_world.transform_normal(n).length();
         let reach = f64::from(p.abs().max_element()) + self.to_world.forward().translation.abs().max_element();
-        let error = rounding_error(p, reach) + Vec3::splat(rounded as f32);
+        let error = position_error_bound(p, reach) + Vec3::splat(rounded as f32);
         SurfacePoint { p, error, ng: if ng.dot(ns) < 0.0 { -ng } else { ng }, ns, uv: b }
     }
 }
@@ -109,11 +109,11 @@ impl AnalyticShape for Instance {
     #[inline]
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
         let (near, start) = self.clipped_object_ray(ray);
-        let hit = self.mesh.hierarchy.closest(&near, |_, _| None)?;
+        let hit = self.mesh.hierarchy.closest_hit(&near, |_, _| None)?;
         let t = round_t_if_in_range(ray, start + f64::from(hit.t))?;
         match hit.primitive {
-            Primitive::Triangle(i) => Some((t, f32::from_bits(i), 0.0)),
-            Primitive::Other(_) => None,
+            PrimitiveIndex::Triangle(i) => Some((t, f32::from_bits(i), 0.0)),
+            PrimitiveIndex::Other(_) => None,
         }
     }
 

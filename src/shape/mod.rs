@@ -32,8 +32,8 @@ pub use parametric::{Patch, Revolution};
 pub use plane::Plane;
 pub use rectangle::Rectangle;
 pub use sphere::Sphere;
-pub use surface_point::{ShapeSample, SolidAngleSample, SolidAngleSampling, SurfacePoint, TRIANGLE_HIT_ERROR};
-pub use texture_mapping::{MappingKind, TexCoord, TextureMapping, upright_axes};
+pub use surface_point::{ShapeSample, SolidAngleSample, SolidAngleSampleResult, SurfacePoint, TRIANGLE_HIT_ERROR};
+pub use texture_mapping::{MappingKind, TexCoord, TextureMapping, upright_texture_axes};
 
 use crate::math::{self, Bounds, Ray, Transform};
 use analytic::AnalyticShape;
@@ -221,7 +221,7 @@ impl Shape {
     /// Samples a visible point of the outer side by solid angle as seen from `from`.
     #[inline]
     #[must_use]
-    pub fn sample_solid_angle(&self, from: Vec3, u: Vec2) -> SolidAngleSampling {
+    pub fn sample_solid_angle(&self, from: Vec3, u: Vec2) -> SolidAngleSampleResult {
         dispatch!(self, s, _w => s.sample_solid_angle(from, u))
     }
 

@@ -2,7 +2,7 @@
 
 use super::analytic::AnalyticShape;
 use super::hit::{ShapeHit, ray_to_f64, round_t_if_in_range};
-use super::surface_point::{EDGE_MARGIN, ShapeSample, SolidAngleSample, SolidAngleSampling, SurfacePoint};
+use super::surface_point::{EDGE_MARGIN, ShapeSample, SolidAngleSample, SolidAngleSampleResult, SurfacePoint};
 use crate::math::{Ray, Transform, exact_cross};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use libm::{atan2, cos, hypot, sin};
@@ -62,7 +62,7 @@ impl Rectangle {
 
     /// Moves the point `p` away from the edges: see [`EDGE_MARGIN`].
     #[inline]
-    fn move_off_edges(&self, p: DVec3) -> DVec3 {
+    fn move_point_off_edges(&self, p: DVec3) -> DVec3 {
         let offset = p - self.corner;
         let at = DVec2::new(self.dual[0].dot(offset), self.dual[1].dot(offset));
         let widths = DVec2::new(self.dual[0].length(), self.dual[1].length());
@@ -149,7 +149,7 @@ impl AnalyticShape for Rectangle {
     fn surface_point(&self, ray: &Ray, t: f32, _uv: Vec2) -> SurfacePoint {
         let (o, d) = ray_to_f64(ray);
         let p = o + d * f64::from(t);
-        self.surface_at(self.move_off_edges(p - self.normal * self.normal.dot(p - self.corner)))
+        self.surface_at(self.move_point_off_edges(p - self.normal * self.normal.dot(p - self.corner)))
     }
 
     fn bounds_f64(&self) -> (DVec3, DVec3) {
@@ -176,10 +176,10 @@ impl AnalyticShape for Rectangle {
     }
 
     #[inline]
-    fn sample_solid_angle(&self, from: Vec3, u: Vec2) -> SolidAngleSampling {
+    fn sample_solid_angle(&self, from: Vec3, u: Vec2) -> SolidAngleSampleResult {
         match self.sample_visible(from, u) {
-            Some((point, wi, pdf)) => SolidAngleSampling::Sampled(SolidAngleSample { point, wi, pdf }),
-            None => SolidAngleSampling::Unsupported,
+            Some((point, wi, pdf)) => SolidAngleSampleResult::Sampled(SolidAngleSample { point, wi, pdf }),
+            None => SolidAngleSampleResult::Unsupported,
         }
     }
 

@@ -27,7 +27,7 @@ impl SurfacePoint {
     pub(super) fn from_f64(p: DVec3, normal: DVec3, scale: f64) -> Self {
         let ng = normal.as_vec3();
         let rounded = p.as_vec3();
-        Self { p: rounded, error: rounding_error(rounded, scale), ng, ns: ng, uv: Vec2::ZERO }
+        Self { p: rounded, error: position_error_bound(rounded, scale), ng, ns: ng, uv: Vec2::ZERO }
     }
 }
 
@@ -55,7 +55,7 @@ pub struct SolidAngleSample {
 
 /// Result of sampling a shape by solid angle.
 #[derive(Clone, Copy, Debug)]
-pub enum SolidAngleSampling {
+pub enum SolidAngleSampleResult {
     /// A visible point.
     Sampled(SolidAngleSample),
     /// The outer side of the shape is invisible.
@@ -72,7 +72,7 @@ pub const TRIANGLE_HIT_ERROR: f32 = 4.0 * f32::EPSILON;
 /// Bound on the error of `p` along each axis: the rounding to f32, plus 32 ulps of f64 at `scale`
 /// for the intersection test of the next ray.
 #[inline]
-pub(super) fn rounding_error(p: Vec3, scale: f64) -> Vec3 {
+pub(super) fn position_error_bound(p: Vec3, scale: f64) -> Vec3 {
     p.abs() * f32::EPSILON + Vec3::splat((scale * (32.0 * f64::EPSILON)) as f32)
 }
 

@@ -59,7 +59,7 @@ pub struct TextureMapping {
 /// A picture on a wall appears upright: v is as near to +y as possible, and u points right for a
 /// viewer on the outer side. On a horizontal plane, u is +x.
 #[must_use]
-pub fn upright_axes(normal: DVec3) -> [DVec3; 2] {
+pub fn upright_texture_axes(normal: DVec3) -> [DVec3; 2] {
     let n = normal.normalize_or(DVec3::Y);
     let right = DVec3::Y.cross(n);
     // A shorter vector is a rounding error of a horizontal plane.
@@ -71,13 +71,13 @@ impl MappingKind {
     /// Mapping of a plane: u and v are lengths from the object-space origin.
     #[must_use]
     pub fn plane_mapping(normal: DVec3) -> Self {
-        Self::Planar { origin: DVec3::ZERO, rows: upright_axes(normal) }
+        Self::Planar { origin: DVec3::ZERO, rows: upright_texture_axes(normal) }
     }
 
     /// Mapping of a disc, which becomes the disc inscribed in the unit square.
     #[must_use]
     pub fn disc_mapping(center: DVec3, normal: DVec3, radius: f64) -> Self {
-        let [u, v] = upright_axes(normal);
+        let [u, v] = upright_texture_axes(normal);
         Self::Planar { origin: center - (u + v) * radius, rows: [u / (2.0 * radius), v / (2.0 * radius)] }
     }
 
@@ -111,13 +111,13 @@ impl TextureMapping {
 
     /// Transforms the world-space point `p` to object space.
     #[must_use]
-    pub fn point_to_object(&self, p: Vec3) -> DVec3 {
+    pub fn point_to_object_space(&self, p: Vec3) -> DVec3 {
         self.to_world.inverse().transform_point3(p.as_dvec3())
     }
 
     /// Transforms the world-space vector `step` to object space.
     #[must_use]
-    pub fn vector_to_object(&self, step: DVec3) -> DVec3 {
+    pub fn vector_to_object_space(&self, step: DVec3) -> DVec3 {
         self.to_world.inverse().transform_vector3(step)
     }
 

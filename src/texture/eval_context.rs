@@ -90,7 +90,7 @@ mod tests {
     use super::*;
     use std::cell::RefCell;
 
-    fn filter_lookups(coordinates: &UvTransform, axes: [DVec2; 2]) -> Vec<(DVec2, DVec2)> {
+    fn recorded_lookups(coordinates: &UvTransform, axes: [DVec2; 2]) -> Vec<(DVec2, DVec2)> {
         let seen = RefCell::new(Vec::new());
         let context = TextureEvalContext { uv: DVec2::new(0.25, 0.5), axes, ..TextureEvalContext::default() };
         coordinates.filter_anisotropic(&context, |uv, size| {
@@ -103,7 +103,7 @@ mod tests {
     #[test]
     fn coordinates_are_scaled_rotated_then_translated() {
         let coordinates = UvTransform::new(DVec2::new(2.0, 4.0), std::f64::consts::FRAC_PI_2, DVec2::new(10.0, 20.0));
-        let [(uv, size)] = filter_lookups(&coordinates, [DVec2::ZERO; 2])[..] else { panic!("one lookup") };
+        let [(uv, size)] = recorded_lookups(&coordinates, [DVec2::ZERO; 2])[..] else { panic!("one lookup") };
         // (½, 2) rotated by 90° is (−2, ½).
         assert!((uv - DVec2::new(8.0, 20.5)).length() < 1e-12 && size == DVec2::ZERO);
         assert!((coordinates.max_scale() - 4.0).abs() < 1e-12);
@@ -113,16 +113,16 @@ mod tests {
     /// the footprint.
     #[test]
     fn anisotropic_footprints_are_tiled_by_lookups() {
-        let seen = filter_lookups(&UvTransform::default(), [DVec2::new(0.0, 0.1), DVec2::new(0.5, 0.0)]);
+        let seen = recorded_lookups(&UvTransform::default(), [DVec2::new(0.0, 0.1), DVec2::new(0.5, 0.0)]);
         assert_eq!(seen.len(), 5);
         for (i, (uv, size)) in seen.iter().enumerate() {
             assert!((*uv - DVec2::new(0.05 + 0.1 * i as f64, 0.5)).length() < 1e-12, "{uv}");
             assert!((*size - 0.1).length() < 1e-12);
         }
         assert_eq!(
-            filter_lookups(&UvTransform::default(), [DVec2::X * 1e3, DVec2::Y * 1e-9]).len(),
+            recorded_lookups(&UvTransform::default(), [DVec2::X * 1e3, DVec2::Y * 1e-9]).len(),
             MAX_LOOKUPS as usize
         );
-        assert_eq!(filter_lookups(&UvTransform::default(), [DVec2::splat(f64::INFINITY), DVec2::ZERO]).len(), 1);
+        assert_eq!(recorded_lookups(&UvTransform::default(), [DVec2::splat(f64::INFINITY), DVec2::ZERO]).len(), 1);
     }
 }

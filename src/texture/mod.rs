@@ -67,7 +67,7 @@ impl Texture {
 
     /// True for a pattern in space, which needs no texture coordinates.
     #[must_use]
-    pub fn is_solid(&self) -> bool {
+    pub fn is_solid_texture(&self) -> bool {
         matches!(self, Self::Solid(_))
     }
 

@@ -92,11 +92,11 @@ impl Picture {
         let last = self.levels.len() - 1;
         let level = if pixels > 1.0 { libm::log2(pixels).min(last as f64) } else { 0.0 };
         let (first, between) = (level as usize, (level - level.floor()) as f32);
-        let fine = self.levels[first].interpolate(uv, self.wrap);
+        let fine = self.levels[first].interpolate_bilinearly(uv, self.wrap);
         if between == 0.0 {
             fine
         } else {
-            fine.lerp(self.levels[(first + 1).min(last)].interpolate(uv, self.wrap), between)
+            fine.lerp(self.levels[(first + 1).min(last)].interpolate_bilinearly(uv, self.wrap), between)
         }
     }
 
@@ -140,7 +140,7 @@ impl WrapMode {
 }
 
 impl MipLevel {
-    fn interpolate(&self, uv: DVec2, wrap: WrapMode) -> Rgb {
+    fn interpolate_bilinearly(&self, uv: DVec2, wrap: WrapMode) -> Rgb {
         let x = uv.x * self.width as f64 - 0.5;
         let y = (1.0 - uv.y) * self.height as f64 - 0.5;
         let (column, row) = (x.floor() as i64, y.floor() as i64);

@@ -246,7 +246,7 @@ fn textures_move_with_their_object() {
         let moving = of("Moving { Translate 2 0 0  ZRotate 60", object);
         for time in [0.0, 0.4, 1.0] {
             let still = of(&format!("Transform {{ Translate {} 0 0  ZRotate {}", 2.0 * time, 60.0 * time), object);
-            let placed = moving.at(time);
+            let placed = moving.at_time(time);
             let from = [2.0 * time - 0.1, -0.13, 9.0];
             let [a, b] = [&still, &placed].map(|scene| {
                 let found = surface(scene, DVec3::from(from), DVec3::NEG_Z);

@@ -24,7 +24,7 @@ pub(super) struct AddedTexture {
     /// Least and greatest value of any channel.
     range: (f32, f32),
     /// True if the texture varies in space, not with texture coordinates.
-    is_solid: bool,
+    is_solid_texture: bool,
     /// True for a picture whose description declares the sRGB encoding.
     is_srgb: bool,
 }
@@ -81,8 +81,8 @@ impl<'a> Resolver<'a> {
     }
 
     fn add_texture(&mut self, texture: Texture, is_srgb: bool) -> AddedTexture {
-        let (mean, range, is_solid) = (texture.mean(), texture.range(), texture.is_solid());
-        AddedTexture { index: self.builder.texture(texture), mean, range, is_solid, is_srgb }
+        let (mean, range, is_solid_texture) = (texture.mean(), texture.range(), texture.is_solid_texture());
+        AddedTexture { index: self.builder.texture(texture), mean, range, is_solid_texture, is_srgb }
     }
 
     /// Reads a picture and adds it as a texture.
@@ -276,7 +276,7 @@ impl<'a> Resolver<'a> {
 impl TextureRequirements {
     pub fn add_requirements_of(&mut self, texture: &AddedTexture) {
         self.uses_textures = true;
-        self.needs_texcoords |= !texture.is_solid;
+        self.needs_texcoords |= !texture.is_solid_texture;
     }
 }
 

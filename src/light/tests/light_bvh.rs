@@ -128,8 +128,8 @@ fn contributing_lights_have_positive_probability() {
     assert!(shut_out > 2000 * 100 / 4, "{shut_out}");
 }
 
-/// Lights at one position, in a row, and at distances of powers of two, which degenerate the tree
-/// to a chain.
+/// Lights at one position, in a row, and at distances of powers of two. The last make the tree a
+/// chain.
 #[test]
 fn degenerate_trees_contain_all_lights() {
     let at = |x: f32| Light::Point(PointLight { position: Vec3::new(x, 0.0, 0.0), intensity: Rgb::ONE });

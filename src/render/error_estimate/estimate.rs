@@ -25,8 +25,8 @@ pub struct ErrorEstimate {
     pub blur: f64,
     /// Error of camera paths that all passes share; 0 if each pass has its own paths.
     pub shared_paths: f64,
-    /// Blur at half the disc area divided by blur at the full area: ½ in smooth light, larger at
-    /// edges.
+    /// Blur with discs of half the area, divided by blur with full discs: ½ in smooth light, larger
+    /// at edges.
     #[serde(skip)]
     pub(super) blur_ratio: f64,
     /// Extrapolated blur divided by its measured part |D₀ + D₁|, see [`error_estimate`](super).

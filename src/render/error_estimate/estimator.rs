@@ -18,7 +18,7 @@ pub const MIN_PASSES: u32 = 4;
 /// Estimates the error of the mean of passes.
 #[derive(Clone, Debug)]
 pub struct ErrorEstimator {
-    /// How gather radii shrink from pass to pass; `None` without photon density estimates.
+    /// Law by which gather radii shrink from pass to pass; `None` without photon density estimates.
     radius_law: Option<RadiusLaw>,
     /// Number of added passes.
     passes: u32,
@@ -37,7 +37,7 @@ struct NestedEstimateSums {
     differences: [Vec<Vec3>; 2],
     /// Σ D₀², Σ D₀·D₁ and Σ D₁² over passes and channels.
     products: Vec<[f64; 3]>,
-    /// Discs of the estimates from the caustic and the indirect map.
+    /// Mean discs of the estimates from the caustic and the indirect map, by pixel.
     discs: Vec<[GatherDiscMeans; 2]>,
     samples: EffectiveSampleCount,
 }
@@ -52,9 +52,9 @@ struct GatherDiscMeans {
 /// Estimated error of each pixel, in rows from the top.
 #[derive(Clone, Debug, Default)]
 pub struct ErrorMaps {
-    /// Standard error of the mean of the passes \[W/(m² sr)].
+    /// Standard error of the mean of the passes, by channel \[W/(m² sr)].
     pub noise: Vec<Vec3>,
-    /// Estimated blur of the mean of the passes; a noisy estimate \[W/(m² sr)].
+    /// Signed estimate of the blur of the mean of the passes, by channel \[W/(m² sr)]. It is noisy.
     pub bias: Vec<Vec3>,
     /// Mean radius and photon count of estimates from the caustic map.
     pub caustic: Vec<MeanGatherDisc>,
@@ -63,10 +63,10 @@ pub struct ErrorMaps {
 }
 
 impl ErrorEstimator {
-    /// An estimator without passes.
+    /// Creates an estimator without passes.
     ///
-    /// `radius_law` says how gather radii shrink from pass to pass; `None` without photon density
-    /// estimates.
+    /// `radius_law` is the law by which gather radii shrink from pass to pass; `None` without
+    /// photon density estimates.
     #[must_use]
     pub fn new(radius_law: Option<RadiusLaw>) -> Self {
         Self {
@@ -80,7 +80,7 @@ impl ErrorEstimator {
         }
     }
 
-    /// Adds a pass; `film` must hold the passes before it.
+    /// Adds a pass. `film` must hold exactly the passes before it.
     pub fn add(&mut self, film: &Film, pass: &Pass) {
         let n = f64::from(self.passes);
         self.squared_deviations.resize(pass.image.len(), DVec3::ZERO);
@@ -211,7 +211,8 @@ impl NestedEstimateSums {
         }
     }
 
-    /// Means of D₀², D₀·D₁ and D₁² over the picture, from pairs of different passes among `n`.
+    /// Returns the means of D₀², D₀·D₁ and D₁² over the picture. Each product combines two
+    /// different passes of the `n` passes.
     fn mean_blur_differences(&self, scale: &RelativeScale, n: f64) -> BlurDifferences {
         let [d0, d1] = &self.differences;
         let pixels = scale.weights().len();

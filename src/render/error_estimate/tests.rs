@@ -67,7 +67,7 @@ fn noise_and_bias_are_separated() {
     }
 }
 
-/// Compares the true error of 200 pictures with their estimated 90 % intervals.
+/// The 90 % intervals of 200 pictures contain the true error about as often as they should.
 #[test]
 fn intervals_contain_the_true_error() {
     let (mut held, pictures) = (0, 200);
@@ -83,7 +83,7 @@ fn intervals_contain_the_true_error() {
     assert!(held >= 180 - 13, "{held}");
 }
 
-/// Shared paths are wrong by 0.2 at each of 16 pixels; fresh paths have noise only.
+/// Shared paths have an error of 0.2 at each of 16 pixels; fresh paths have noise only.
 #[test]
 fn shared_paths_are_bias() {
     let (mut estimator, mut film) = (ErrorEstimator::new(None), Film::new(WIDTH, WIDTH));

@@ -3,7 +3,7 @@
 use super::object::{Extent, MeshData, ObjectGeometry, SceneObject};
 use crate::camera::Camera;
 use crate::scene::BuildError;
-use crate::scene::animation::{MID_SHUTTER, shape_at};
+use crate::scene::animation::{MID_SHUTTER, shape_at_time};
 use crate::shape::Shape;
 use glam::{DVec3, Vec2};
 
@@ -25,7 +25,11 @@ struct PrecisionTarget {
 }
 
 /// Origin of scene coordinates, in world coordinates. Without bounded objects, the camera position.
-pub(super) fn choose_origin(objects: &[SceneObject], mesh: &MeshData, camera: &Camera) -> Result<DVec3, BuildError> {
+pub(super) fn choose_scene_origin(
+    objects: &[SceneObject],
+    mesh: &MeshData,
+    camera: &Camera,
+) -> Result<DVec3, BuildError> {
     let (mut resting, mut moving, mut meshes) = (Vec::new(), Vec::new(), Vec::new());
     let mut shapes = Vec::new();
     for object in objects {
@@ -35,9 +39,10 @@ pub(super) fn choose_origin(objects: &[SceneObject], mesh: &MeshData, camera: &C
                 shapes.push(shape);
             }
             (ObjectGeometry::Shape(shape), Some(motion)) => {
-                let at =
-                    |time| shape_at(shape, motion, time).map(|shape| shape.bounds_f64()).ok_or(BuildError::Flattened);
-                moving.push(extent_union(extent_union(at(0.0)?, at(MID_SHUTTER)?), at(1.0)?));
+                let at = |time| {
+                    shape_at_time(shape, motion, time).map(|shape| shape.bounds_f64()).ok_or(BuildError::Flattened)
+                };
+                moving.push(union_of_extents(union_of_extents(at(0.0)?, at(MID_SHUTTER)?), at(1.0)?));
             }
             (ObjectGeometry::Mesh(_), _) => meshes.extend(object.extent(mesh)),
             (ObjectGeometry::Plane(_), _) => {}
@@ -47,7 +52,7 @@ pub(super) fn choose_origin(objects: &[SceneObject], mesh: &MeshData, camera: &C
     Ok(origin_for_extents(&boxes, camera_view(camera, &shapes)).unwrap_or(camera.center()))
 }
 
-fn extent_union((a, b): Extent, (c, d): Extent) -> Extent {
+fn union_of_extents((a, b): Extent, (c, d): Extent) -> Extent {
     (a.min(c), b.max(d))
 }
 
@@ -60,7 +65,7 @@ fn extent_union((a, b): Extent, (c, d): Extent) -> Extent {
 /// The second point is at most twice as far from any object as the first, so coordinates lose at
 /// most one binary digit.
 fn origin_for_extents(boxes: &[Extent], view: Option<CameraView>) -> Option<DVec3> {
-    let (min, max) = boxes.iter().copied().reduce(extent_union)?;
+    let (min, max) = boxes.iter().copied().reduce(union_of_extents)?;
     let center = min * 0.5 + max * 0.5;
     let target =
         |(min, max): &Extent| PrecisionTarget { center: *min * 0.5 + *max * 0.5, size: (*max - *min).max_element() };

@@ -4,7 +4,7 @@ use super::object::{MeshData, ObjectGeometry, SceneObject};
 use super::place::PlacedGeometry;
 use crate::color;
 use crate::math::Bounds;
-use crate::scene::animation::{Animation, shape_at};
+use crate::scene::animation::{Animation, shape_at_time};
 use crate::scene::{BuildError, Scene};
 use crate::shape::Shape;
 
@@ -27,9 +27,10 @@ pub(super) fn validate_objects(objects: &[SceneObject], mesh: &MeshData) -> Resu
 
 /// Checks that all coordinates fit single precision, at mid-shutter and at both ends of the shutter
 /// interval.
-pub(super) fn validate_extent(geometry: &PlacedGeometry, animation: &Animation) -> Result<(), BuildError> {
-    let at =
-        |time| animation.shapes.iter().filter_map(move |(shape, motion)| Some(shape_at(shape, motion, time)?.bounds()));
+pub(super) fn validate_coordinate_range(geometry: &PlacedGeometry, animation: &Animation) -> Result<(), BuildError> {
+    let at = |time| {
+        animation.shapes.iter().filter_map(move |(shape, motion)| Some(shape_at_time(shape, motion, time)?.bounds()))
+    };
     let boxes = geometry.shapes.iter().map(Shape::bounds).chain(at(0.0)).chain(at(1.0));
     let corners = (0..geometry.mesh.triangles.len()).flat_map(|i| geometry.mesh.corners(i));
     let farthest = corners

@@ -183,7 +183,7 @@ impl Interior for InteriorStack {
     fn infer_starting_body(&mut self, surface: &SurfaceInteraction<'_>) {
         if surface.material.bounded_body().is_some() && !surface.is_entering() && !self.contains(surface.material_index)
         {
-            self.insert_outermost(surface.material_index);
+            self.insert_outermost_body(surface.material_index);
         }
     }
 

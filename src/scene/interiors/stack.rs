@@ -72,7 +72,7 @@ impl InteriorStack {
     }
 
     /// Inserts a body below all others: the path must have started inside it.
-    pub(in crate::scene) fn insert_outermost(&mut self, material: u32) {
+    pub(in crate::scene) fn insert_outermost_body(&mut self, material: u32) {
         if usize::from(self.count) < MAX_BODIES {
             self.bodies.copy_within(0..usize::from(self.count), 1);
             self.bodies[0] = material;

@@ -134,7 +134,7 @@ impl Patch {
             noise,
             bytes,
         };
-        let areas = (0..net.leaves.len()).map(|i| leaf_area(&net.leaf_piece(i), &Transform::IDENTITY));
+        let areas = (0..net.leaves.len()).map(|i| leaf_area(&net.polynomial_piece_of_leaf(i), &Transform::IDENTITY));
         net.leaf_distribution = DiscreteDistribution::new(areas).ok_or(SplineError::NoArea)?;
         let area = net.leaf_distribution.weight_sum();
         Ok(Self { net: Arc::new(net), to_world: Transform::IDENTITY.translated(center), area })
@@ -156,7 +156,7 @@ impl Patch {
 
     fn surface_at(&self, leaf: usize, at: DVec2, uv: Vec2) -> SurfacePoint {
         let net = &*self.net;
-        let [p, ..] = net.leaf_piece(leaf).point_and_derivatives(at);
+        let [p, ..] = net.polynomial_piece_of_leaf(leaf).point_and_derivatives(at);
         // The inverse transpose keeps the outer side of a mirror image.
         let normal = self.to_world.transform_normal(net.leaf_normal(leaf, at)).normalize();
         let scale = world_coordinate_bound(&self.to_world, net.size);
@@ -170,7 +170,7 @@ impl AnalyticShape for Patch {
         let net = &self.net;
         let area = match to_world.uniform_scale() {
             Some(scale) => scale * scale * net.leaf_distribution.weight_sum(),
-            None => (0..net.leaves.len()).map(|i| leaf_area(&net.leaf_piece(i), &to_world)).sum(),
+            None => (0..net.leaves.len()).map(|i| leaf_area(&net.polynomial_piece_of_leaf(i), &to_world)).sum(),
         };
         Some(Self { net: Arc::clone(net), to_world, area })
     }
@@ -182,7 +182,7 @@ impl AnalyticShape for Patch {
         let size = net.size * (1.0 + 1e-9);
         let mut found: Option<(usize, DVec2, f64)> = None;
         net.tree.visit_hit_leaves(&line, [(-start).max(-size), end.min(size)], |leaf, range| {
-            if let Some(at) = net.leaf_piece(leaf).nearest_hit(&line, range, net.size) {
+            if let Some(at) = net.polynomial_piece_of_leaf(leaf).nearest_hit(&line, range, net.size) {
                 found = Some((leaf, at, range[1]));
             }
         });
@@ -198,7 +198,7 @@ impl AnalyticShape for Patch {
             // Newton's method corrects the rounding of the coordinates.
             let most = 2.0 * f64::from(f32::EPSILON) / self.net.leaves[leaf].half;
             for _ in 0..2 {
-                let step = self.net.leaf_piece(leaf).newton_step_at(&line, at);
+                let step = self.net.polynomial_piece_of_leaf(leaf).newton_step_at(&line, at);
                 if step.abs().cmple(most).all() {
                     at = (at + step).clamp(DVec2::NEG_ONE, DVec2::ONE);
                 }
@@ -238,14 +238,14 @@ impl AnalyticShape for Patch {
     fn pdf(&self, seen: &SurfacePoint) -> f32 {
         let net = &*self.net;
         let (leaf, at) = net.find_leaf(seen.uv);
-        let [_, along_x, along_y] = net.leaf_piece(leaf).point_and_derivatives(at);
+        let [_, along_x, along_y] = net.polynomial_piece_of_leaf(leaf).point_and_derivatives(at);
         let element = self.to_world.transform_vector(along_x).cross(self.to_world.transform_vector(along_y)).length();
         (f64::from(net.leaf_distribution.probability(leaf)) / (4.0 * element)) as f32
     }
 
     fn tex_coord(&self, _p: Vec3, uv: Vec2) -> TexCoord {
         let (leaf, at) = self.net.find_leaf(uv);
-        let [_, along_x, along_y] = self.net.leaf_piece(leaf).point_and_derivatives(at);
+        let [_, along_x, along_y] = self.net.polynomial_piece_of_leaf(leaf).point_and_derivatives(at);
         let half = self.net.leaves[leaf].half;
         TexCoord::from_derivatives(
             uv,
@@ -260,12 +260,12 @@ impl Patch {
     /// The world-space point at the parameters `uv`.
     pub(super) fn point_at_uv(&self, uv: Vec2) -> DVec3 {
         let (leaf, at) = self.net.find_leaf(uv);
-        self.to_world.transform_point(self.net.leaf_piece(leaf).point_and_derivatives(at)[0])
+        self.to_world.transform_point(self.net.polynomial_piece_of_leaf(leaf).point_and_derivatives(at)[0])
     }
 }
 
 impl SubdividedPatch {
-    fn leaf_piece(&self, leaf: usize) -> PatchPiece<'_> {
+    fn polynomial_piece_of_leaf(&self, leaf: usize) -> PatchPiece<'_> {
         let [p, q] = self.degree;
         let room = (p + 1) * (q + 1);
         let powers = &self.powers[leaf * room..(leaf + 1) * room];
@@ -294,7 +294,7 @@ impl SubdividedPatch {
 
     /// Object-space normal ∂u × ∂v, not normalised; its limit from inside the leaf if it vanishes.
     fn leaf_normal(&self, leaf: usize, at: DVec2) -> DVec3 {
-        let piece = self.leaf_piece(leaf);
+        let piece = self.polynomial_piece_of_leaf(leaf);
         let [_, middle_x, middle_y] = piece.point_and_derivatives(DVec2::ZERO);
         let least = COLLAPSED_NORMAL_RATIO * middle_x.cross(middle_y).length();
         let mut inward = 0.0;

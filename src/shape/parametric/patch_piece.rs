@@ -50,7 +50,7 @@ impl LinearTermsWithBounds {
 
     /// Converts `sums`, bounds for (w·(x, y, z), w), to bounds for w·((x, y, z) − base).
     #[inline]
-    fn bound_relative_to(sums: &Coefficients<4>, base: DVec3) -> DVec3 {
+    fn bound_relative_to_base(sums: &Coefficients<4>, base: DVec3) -> DVec3 {
         split_homogeneous_weight(sums).0 + base.abs() * sums[3]
     }
 }
@@ -69,7 +69,7 @@ fn relative_to_base(a: &Coefficients<4>, base: DVec3) -> DVec3 {
 }
 
 /// Result of a test for intersections in a box of parameters.
-enum RootTest {
+enum RootClassification {
     NoRoot,
     /// Exactly one root, with its parameters and τ.
     Root(DVec2, f64),
@@ -87,9 +87,9 @@ impl PatchPiece<'_> {
         // moved near the piece.
         let (near, start) = self.line_relative_to_center(line);
         let mut own = range.map(|t| t - start);
-        let found = match test_roots(self.powers, self.columns, &self.bounds, &near, self.noise) {
-            RootTest::NoRoot => None,
-            RootTest::Root(at, t) => (own[0] <= t && t <= own[1]).then(|| {
+        let found = match classify_roots(self.powers, self.columns, &self.bounds, &near, self.noise) {
+            RootClassification::NoRoot => None,
+            RootClassification::Root(at, t) => (own[0] <= t && t <= own[1]).then(|| {
                 own[1] = t;
                 at
             }),
@@ -151,16 +151,16 @@ impl PatchPiece<'_> {
             let bounds = LinearTermsWithBounds::from_powers(a, columns);
             let Some(reach) = self.half_extent_if_hit(&bounds, line, *range) else { continue };
             let point = || DVec2::new(middle.x, middle.y);
-            let touched = match test_roots(a, columns, &bounds, line, self.noise) {
-                RootTest::NoRoot => None,
-                RootTest::Root(at, t) => Some((middle + half * at, t)),
+            let touched = match classify_roots(a, columns, &bounds, line, self.noise) {
+                RootClassification::NoRoot => None,
+                RootClassification::Root(at, t) => Some((middle + half * at, t)),
                 _ if reach.max_element() <= 4.0 * self.noise => Some((point(), project_center_to_line(a, line))),
-                RootTest::Inside if reach.max_element() <= POINT_SIZE * size => {
+                RootClassification::Inside if reach.max_element() <= POINT_SIZE * size => {
                     Some((point(), project_center_to_line(a, line)))
                 }
-                RootTest::Inside => None,
+                RootClassification::Inside => None,
                 // A hundred halvings reach rounding, so the stack cannot overflow.
-                RootTest::Unclear if count + 2 <= boxes.len() => {
+                RootClassification::Unclear if count + 2 <= boxes.len() => {
                     let side = if is_longer_in_x(a, columns) { DVec2::X } else { DVec2::Y };
                     let (step, rest) = (0.5 * half * side, half * (1.0 - 0.5 * side));
                     boxes[count] = (middle + step, rest);
@@ -168,7 +168,7 @@ impl PatchPiece<'_> {
                     count += 2;
                     None
                 }
-                RootTest::Unclear => None,
+                RootClassification::Unclear => None,
             };
             if let Some((at, t)) = touched
                 && range[0] <= t
@@ -187,7 +187,7 @@ impl PatchPiece<'_> {
         let [middle, along_y, along_x] = bounds.linear.map(|a| relative_to_base(&a, line.base));
         let reach = along_x.abs()
             + along_y.abs()
-            + LinearTermsWithBounds::bound_relative_to(&bounds.rest, line.base)
+            + LinearTermsWithBounds::bound_relative_to_base(&bounds.rest, line.base)
             + self.noise;
         let (a1, a2) = ((middle - reach) * line.inverse, (middle + reach) * line.inverse);
         let (lo, hi) = (a1.min(a2).max_element(), a1.max(a2).min_element());
@@ -221,13 +221,13 @@ fn is_longer_in_x(a: &[Coefficients<4>], columns: usize) -> bool {
 
 /// Tests for solutions of point(x, y) = base + τ·direction with x and y in \[−1, 1].
 #[inline]
-fn test_roots(
+fn classify_roots(
     a: &[Coefficients<4>],
     columns: usize,
     bounds: &LinearTermsWithBounds,
     line: &Line,
     noise: f64,
-) -> RootTest {
+) -> RootClassification {
     let d = line.direction;
     let [miss, along_y, along_x] = bounds.linear.map(|a| relative_to_base(&a, line.base));
     let determinant = d.dot(along_x.cross(along_y));
@@ -236,20 +236,20 @@ fn test_roots(
     let (for_x, for_y) = (d.cross(along_y), along_x.cross(d));
     let (size_x, size_y) = (for_x.abs(), for_y.abs());
     let (x, y) = (for_x.dot(miss), for_y.dot(miss));
-    let error = LinearTermsWithBounds::bound_relative_to(&bounds.rest, line.base) + noise;
+    let error = LinearTermsWithBounds::bound_relative_to_base(&bounds.rest, line.base) + noise;
     if x.abs() > least + size_x.dot(error) || y.abs() > least + size_y.dot(error) {
-        return RootTest::NoRoot;
+        return RootClassification::NoRoot;
     }
-    let turn = LinearTermsWithBounds::bound_relative_to(&bounds.turn, line.base);
+    let turn = LinearTermsWithBounds::bound_relative_to_base(&bounds.turn, line.base);
     let (turn_x, turn_y) = (size_x.dot(turn), size_y.dot(turn));
     if turn_x.max(turn_y) < MAX_DERIVATIVE_CHANGE * least {
         let blur = noise * size_x.element_sum().max(size_y.element_sum()) / least;
         let start = DVec2::new(x, y) / determinant;
         return newton_root(a, columns, line, start, PIECE_OVERLAP + 4.0 * blur)
-            .map_or(RootTest::NoRoot, |(at, t)| RootTest::Root(at, t));
+            .map_or(RootClassification::NoRoot, |(at, t)| RootClassification::Root(at, t));
     }
     let blur = (size_x.element_sum() + size_y.element_sum()) * noise;
-    if least + turn_x + turn_y <= blur { RootTest::Inside } else { RootTest::Unclear }
+    if least + turn_x + turn_y <= blur { RootClassification::Inside } else { RootClassification::Unclear }
 }
 
 /// Newton step from the parameters `at`, and the value of τ after the step.

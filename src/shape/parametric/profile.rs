@@ -35,7 +35,7 @@ pub const PIECE_OVERLAP: f64 = 1e-10;
 pub const POINT_SIZE: f64 = 1e-6;
 
 /// Result of a test for intersections in a box of parameters.
-enum RootTest {
+enum RootClassification {
     NoRoot,
     /// Exactly one root, at (x, τ).
     Root(f64, f64),
@@ -89,13 +89,15 @@ impl ProfilePiece<'_> {
                     continue;
                 }
                 let extent = reach[0].max(reach[1]);
-                let touched = match test_roots(a, (rest, turn), ray, stretch, self.noise) {
-                    RootTest::NoRoot => None,
-                    RootTest::Root(x, at) => Some((middle + half * x, at)),
+                let touched = match classify_roots(a, (rest, turn), ray, stretch, self.noise) {
+                    RootClassification::NoRoot => None,
+                    RootClassification::Root(x, at) => Some((middle + half * x, at)),
                     _ if extent <= 4.0 * self.noise => Some((middle, 0.5 * (stretch.lo + stretch.hi))),
-                    RootTest::Inside if extent <= POINT_SIZE * size => Some((middle, 0.5 * (stretch.lo + stretch.hi))),
-                    RootTest::Inside => None,
-                    RootTest::Unclear => {
+                    RootClassification::Inside if extent <= POINT_SIZE * size => {
+                        Some((middle, 0.5 * (stretch.lo + stretch.hi)))
+                    }
+                    RootClassification::Inside => None,
+                    RootClassification::Unclear => {
                         cut = true;
                         None
                     }
@@ -123,13 +125,13 @@ impl ProfilePiece<'_> {
 /// Tests for points where profile and ray have equal radius and height, with x in \[−1, 1] and τ in
 /// `t`.
 #[inline]
-fn test_roots(
+fn classify_roots(
     a: &[Coefficients<2>],
     (rest, turn): (Coefficients<2>, Coefficients<2>),
     ray: &CylindricalRay,
     t: Interval,
     noise: f64,
-) -> RootTest {
+) -> RootClassification {
     let dy = ray.direction.y;
     let at = 0.5 * (t.lo + t.hi);
     let (radius, slope) = ray.radius_and_slope(at);
@@ -153,7 +155,7 @@ fn test_roots(
     if across.abs() > least + dy.abs() * error[0] + slope.abs() * error[1]
         || along.abs() > least * half + dh.abs() * error[0] + dx.abs() * error[1]
     {
-        return RootTest::NoRoot;
+        return RootClassification::NoRoot;
     }
     let change = [turn[0] + bend * half, turn[1]];
     let (from_x, from_t) =
@@ -162,11 +164,11 @@ fn test_roots(
         let blur = noise * (dy.abs() + slope.abs()).max((dh.abs() + dx.abs()) / half) / least;
         let start = (across / determinant, along / determinant);
         return newton_root(a, ray, at, half, start, PIECE_OVERLAP + 4.0 * blur)
-            .map_or(RootTest::NoRoot, |(x, t)| RootTest::Root(x, t));
+            .map_or(RootClassification::NoRoot, |(x, t)| RootClassification::Root(x, t));
     }
     let blur = (dy.abs() + slope.abs() + bend) * noise;
     let most = least + dh.abs() * bend + dy.abs() * turn[0] + (slope.abs() + bend) * turn[1];
-    if most <= blur { RootTest::Inside } else { RootTest::Unclear }
+    if most <= blur { RootClassification::Inside } else { RootClassification::Unclear }
 }
 
 /// The only possible root (x, τ), by Newton's method; `None` if there is none.

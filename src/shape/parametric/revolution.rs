@@ -5,7 +5,7 @@ use super::numeric::{GAUSS_LEGENDRE, HIT_ERROR_SCALE};
 use super::polynomial::{Coefficients, evaluate_with_derivative};
 use super::profile::ProfilePiece;
 use super::revolution_build::{MAX_HALVINGS, ProfileBuilder, ProfileLeaf};
-use super::ring_bvh::{Ring, RingBvh};
+use super::ring_bvh::{RingBounds, RingBvh};
 use super::spline::{SplineBasis, SplineError};
 use crate::math::{Ray, Transform};
 use crate::sampling::DiscreteDistribution;
@@ -88,8 +88,8 @@ impl Revolution {
             builder.subdivide(&basis.bezier_piece(span, &points, (0, 1)), span.range, MAX_HALVINGS)?;
         }
         let ProfileBuilder { leaves, powers, .. } = builder;
-        let rings: Vec<Ring> = leaves.iter().map(|l| l.ring).collect();
-        let reach = |r: &Ring| hypot(r.radius[1], r.height[0].abs().max(r.height[1].abs()));
+        let rings: Vec<RingBounds> = leaves.iter().map(|l| l.ring).collect();
+        let reach = |r: &RingBounds| hypot(r.radius[1], r.height[0].abs().max(r.height[1].abs()));
         let size = rings.iter().map(reach).fold(0.0, f64::max);
         if leaves.is_empty() {
             return Err(SplineError::NoArea);
@@ -109,7 +109,7 @@ impl Revolution {
     /// The ray in object space, and its `start` and `length` of [`ObjectRay`].
     ///
     /// `None` if the line misses the bounding sphere.
-    fn profile_ray(&self, ray: &Ray) -> Option<(CylindricalRay, f64, f64)> {
+    fn cylindrical_object_ray(&self, ray: &Ray) -> Option<(CylindricalRay, f64, f64)> {
         let ObjectRay { base, direction, start, length } = ObjectRay::new(ray, &self.to_world);
         let size = self.profile.size * (1.0 + 1e-9);
         (base.length_squared() <= size * size).then(|| (CylindricalRay::new(base, direction), start, length))
@@ -145,7 +145,7 @@ impl AnalyticShape for Revolution {
     }
 
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
-        let (line, start, length) = self.profile_ray(ray)?;
+        let (line, start, length) = self.cylindrical_object_ray(ray)?;
         let size = self.profile.size;
         let end = f64::from(ray.t_max) * length - start;
         let t = Interval { lo: (-start).max(-size), hi: end.min(size) };
@@ -193,7 +193,7 @@ impl AnalyticShape for Revolution {
         let place = self.to_world.forward().translation;
         let rows = [rows.x_axis, rows.y_axis, rows.z_axis];
         let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for Ring { radius, height } in self.profile.leaves.iter().map(|l| l.ring) {
+        for RingBounds { radius, height } in self.profile.leaves.iter().map(|l| l.ring) {
             let around = DVec3::from_array(rows.map(|r| hypot(r.x, r.z) * radius[1]));
             for h in height {
                 let center = place + DVec3::from_array(rows.map(|r| r.y * h));

@@ -1,7 +1,7 @@
 //! Subdivision of profiles until each piece is nearly flat and on one side of the axis.
 
 use super::polynomial::{Coefficients, bernstein_to_powers, split_bezier};
-use super::ring_bvh::Ring;
+use super::ring_bvh::RingBounds;
 use super::spline::{MIN_SPAN, SplineError};
 use libm::hypot;
 
@@ -26,7 +26,7 @@ pub(super) struct ProfileLeaf {
     /// Centre and half width of the leaf's interval of the profile parameter.
     pub place: [f64; 2],
     /// Bounds of the leaf.
-    pub ring: Ring,
+    pub ring: RingBounds,
 }
 
 /// Collects the leaves of a profile while it is subdivided.
@@ -75,9 +75,14 @@ impl ProfileBuilder {
             return self.subdivide(&last, [middle, end], depth - 1);
         }
         let place = [0.5 * (start + end), 0.5 * (end - start)];
-        let ring = Ring { radius: [0.0, 0.0], height: [low, high] };
+        let ring = RingBounds { radius: [0.0, 0.0], height: [low, high] };
         let radius = if side < 0.0 { [-right, -left] } else { [left, right] };
-        self.leaves.push(ProfileLeaf { first: self.powers.len() as u32, side, place, ring: Ring { radius, ..ring } });
+        self.leaves.push(ProfileLeaf {
+            first: self.powers.len() as u32,
+            side,
+            place,
+            ring: RingBounds { radius, ..ring },
+        });
         self.powers.extend(powers);
         // Twice the size, for the slack of growing lists.
         let needed =

@@ -19,12 +19,12 @@ struct Node {
 
 /// Ring around the y axis: a range of distances from the axis and a range of heights.
 #[derive(Clone, Copy, Debug)]
-pub struct Ring {
+pub struct RingBounds {
     pub radius: [f64; 2],
     pub height: [f64; 2],
 }
 
-impl Ring {
+impl RingBounds {
     pub fn union(self, other: Self) -> Self {
         let join = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
         Self { radius: join(self.radius, other.radius), height: join(self.height, other.height) }
@@ -39,13 +39,13 @@ pub struct RingBvh {
 
 impl RingBvh {
     /// Builds a hierarchy over one or more rings; no point is farther than `size` from the origin.
-    pub fn new(rings: &[Ring], size: f64) -> Self {
+    pub fn new(rings: &[RingBounds], size: f64) -> Self {
         let mut tree = Self { nodes: Vec::new() };
         tree.build_node(rings, 0, 1e-12 * size);
         tree
     }
 
-    fn build_node(&mut self, rings: &[Ring], first: usize, margin: f64) -> u32 {
+    fn build_node(&mut self, rings: &[RingBounds], first: usize, margin: f64) -> u32 {
         let index = self.nodes.len();
         let nowhere = [f64::INFINITY; WIDTH];
         let (below, above) = (nowhere, nowhere.map(|x| -x));

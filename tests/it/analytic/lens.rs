@@ -154,7 +154,7 @@ fn legacy_light_keeps_its_strength_in_motion() {
     );
     // Half way the light is at height 4, and the floor has its colour.
     for (time, height) in [(0.0, 2.0), (0.5, 4.0), (1.0, 6.0)] {
-        let placed = scene.at(time);
+        let placed = scene.at_time(time);
         let seen = lens_images(&placed, Algorithm::Whitted, 1, 1)[0][0];
         let expected = 0.5 * 16.0 / (height * height);
         assert!((seen / expected - 1.0).abs() < 1e-5, "{time}: {seen}, not {expected}");
@@ -211,7 +211,7 @@ fn moving_objects_follow_their_transforms() {
                 1.0 + 0.5 * time
             );
             let still = scene(&body(&format!("Transform {{ {maps}  {object} }}")));
-            let placed = moving.at(time);
+            let placed = moving.at_time(time);
             let (mut hits, mut turned, mut missed) = (0, 0, 0);
             for i in 0..2000 {
                 let key = Key::new(i).purpose_key(Purpose::Test);

@@ -10,6 +10,7 @@ pub(in crate::scene) use search::{CoincidentFlags, find_coincident_flags};
 
 use super::{Body, InteriorStack};
 use crate::math::{Ray, offset_ray_origin};
+use crate::scene::geometry::CoincidenceGroup;
 use crate::scene::{Scene, SurfaceInteraction};
 
 /// Maximum number of other boundaries at one hit; more are ignored.
@@ -22,16 +23,19 @@ pub(in crate::scene) struct CoincidentFace {
     pub material: u32,
     /// True if the path enters the body.
     pub entering: bool,
-    /// Group number of the boundary (see `Geometry::coincidence_group`); 0 if no other boundary can
-    /// coincide.
-    pub group: u32,
+    /// Boundaries of one group, material and direction count as one boundary.
+    pub group: CoincidenceGroup,
 }
 
 impl CoincidentFace {
     /// The boundary at `surface`, which must bound a body.
     #[inline]
     pub fn from_surface(surface: &SurfaceInteraction<'_>, entering: bool) -> Self {
-        Self { material: surface.material_index, entering, group: surface.coincidence_group.unwrap_or(0) }
+        Self {
+            material: surface.material_index,
+            entering,
+            group: surface.coincidence_group.unwrap_or(CoincidenceGroup::UNUSED),
+        }
     }
 }
 
@@ -136,8 +140,8 @@ fn find_coincident_faces(scene: &Scene, surface: &SurfaceInteraction<'_>) -> Coi
     geometry.for_each_hit(&across, |hit| {
         let point = geometry.surface_point(&across, &hit);
         let entering = across.direction.dot(point.ng) < 0.0;
-        let material = geometry.object_attributes(hit.kind).material;
-        let face = CoincidentFace { material, entering, group: geometry.coincidence_group(hit.kind) };
+        let material = geometry.object_attributes(hit.primitive).material;
+        let face = CoincidentFace { material, entering, group: geometry.coincidence_group(hit.primitive) };
         if face != own && scene.materials[material as usize].bounded_body().is_some() {
             faces.add_face(face);
         }

@@ -127,7 +127,7 @@ impl ReferencePiece {
     }
 
     /// Finds every quad of the piece within `error` of the ray.
-    pub fn find_hits(&self, o: DVec3, d: DVec3, error: f64, found: &mut ReferenceHits) {
+    pub fn find_quads_near_ray(&self, o: DVec3, d: DVec3, error: f64, found: &mut ReferenceHits) {
         let turned = matches!(self.form, ReferenceSurface::Turned(_));
         let parts = if turned { 4 } else { 1 };
         let quad = |[u0, u1, v0, v1]: [f64; 4]| {
