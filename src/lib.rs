@@ -57,9 +57,10 @@
 //!    photon paths in parallel by `PhotonPass::follow_photon_path`.
 //! 2. Photon path `i` has the random-number [`Key`](sampling::Key) `pass_key.path_key(i)`. Every
 //!    random decision is a function of a key and the name of the decision.
-//! 3. [`PhotonSource::emit_photon_path`](photon::PhotonSource::emit_photon_path) samples a light and
-//!    a ray that leaves it. The sampling pdf follows the power of the lights, the solid angle of
-//!    casters, or the emission that a pilot found useful. The ray carries flux / (pdf · number of paths).
+//! 3. [`PhotonSource::emit_photon_path`](photon::PhotonSource::emit_photon_path) samples a light
+//!    and a ray that leaves it. The sampling pdf follows the power of the lights, the solid angle
+//!    of casters, or the emission that a pilot found useful. The ray carries flux / (pdf · number
+//!    of paths).
 //! 4. [`PathRay::next_vertex`](scene::PathRay::next_vertex) finds the next surface by
 //!    [`Scene::intersect`], applies absorption, and samples a scattering event in a
 //!    [`Medium`](medium::Medium).
@@ -223,7 +224,8 @@ pub use integrate::Settings;
 /// let stop =
 ///     StopCriteria { min_passes: 1, passes: Some(2), time: None, target: None, interrupted };
 /// let integrator = Algorithm::Path.prepare(&scene, Settings::default());
-/// let rendered = caustica::render(integrator.as_ref(), (16, 12), &stop, &SilentMonitor, |standing| {
+/// let size = (16, 12);
+/// let rendered = caustica::render(integrator.as_ref(), size, &stop, &SilentMonitor, |standing| {
 ///     println!("{} passes", standing.passes);
 /// });
 /// let picture = Image::from_pixels(16, 12, rendered.film.mean())?;

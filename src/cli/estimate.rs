@@ -50,7 +50,7 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, CommandFailure>
         check_photon_memory(integrator.expected_photons(), pictures, memory.available_bytes())
             .map_err(CommandFailure::usage_error)?;
         print_plan(integrator.as_ref(), &progress);
-        progress.remove_bar();
+        progress.remove_progress_bar();
         let setup = start.elapsed().as_secs_f64();
         let (rendered, pass_seconds) = render_pilot(arguments, integrator.as_ref(), scene.camera().size(), &progress);
         let report = CostEstimateReport::new(arguments, algorithm, &rendered, setup, pass_seconds);
@@ -91,7 +91,7 @@ fn render_pilot(
         }
         progress.set_pass(standing.passes + 1, None);
     });
-    progress.remove_bar();
+    progress.remove_progress_bar();
     // The first pass takes longer, because caches are cold.
     let (passes, wall) = (rendered.film.passes(), rendered.wall.as_secs_f64());
     let pass_seconds = if passes > 2 { (wall - first) / f64::from(passes - 1) } else { wall / f64::from(passes) };

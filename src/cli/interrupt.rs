@@ -5,7 +5,7 @@
 //! [`Exit::Interrupted`].
 
 use super::Exit;
-use super::progress::{clear_bar, print_message};
+use super::progress::{clear_progress_bar, print_message};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// True after the first interrupting signal.
@@ -18,7 +18,7 @@ pub(super) static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 pub(super) fn listen_for_signals(kept: &'static str) {
     on_signal(move || {
         if INTERRUPTED.swap(true, Ordering::Relaxed) {
-            clear_bar();
+            clear_progress_bar();
             std::process::exit(i32::from(Exit::Interrupted as u8));
         }
         print_message(&format!(

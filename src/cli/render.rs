@@ -55,11 +55,11 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     let start = Instant::now();
     let inputs = InputFileCollector::new(progress);
     let (file, scene) = load_scene_and_file(&arguments.scene, &inputs)?;
-    progress.remove_bar();
+    progress.remove_progress_bar();
     quick_scene_warnings(&file, &scene, &arguments.scene).iter().for_each(|line| progress.print_line(line));
     drop(file);
     let inputs: Vec<FileWithRole> =
-        inputs.into_files().iter().map(|path| FileWithRole::new("the input", path)).collect();
+        inputs.into_input_paths().iter().map(|path| FileWithRole::new("the input", path)).collect();
     check_distinct_files(&output_files(arguments), &inputs)?;
     let algorithm = arguments.method.integrator;
     let mut setup = RenderSetup {
@@ -94,7 +94,7 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     setup.balance = integrator.ray_photon_balance();
     setup.seconds = start.elapsed().as_secs_f64();
     let rendered = render_passes(arguments, integrator.as_ref(), size, start, progress);
-    progress.remove_bar();
+    progress.remove_progress_bar();
     write_render_outputs(arguments, progress, setup, all_lights_are_black(&scene), &rendered)
 }
 

@@ -26,7 +26,7 @@ pub(super) struct RenderReport {
     pub triangles: usize,
     pub shapes: usize,
     pub lights: usize,
-    pub radii: Option<RadiiReport>,
+    pub radii: Option<GatherRadiiReport>,
     pub emission_guiding: EmissionGuidingReportPerMap,
     pub effects: Vec<EffectReport>,
     pub balance: Option<RayPhotonBalance>,
@@ -70,7 +70,7 @@ impl EstimatedErrorReport {
 }
 
 #[derive(Debug, Serialize)]
-pub(super) struct RadiiReport {
+pub(super) struct GatherRadiiReport {
     pub global: f32,
     pub caustic: f32,
 }
@@ -132,7 +132,7 @@ impl RenderReport {
             triangles: setup.triangles,
             shapes: setup.shapes,
             lights: setup.lights,
-            radii: setup.radii.map(|r| RadiiReport { global: r.indirect, caustic: r.caustic }),
+            radii: setup.radii.map(|r| GatherRadiiReport { global: r.indirect, caustic: r.caustic }),
             emission_guiding: setup.emission_guiding,
             effects: setup.effects,
             balance: setup.balance,

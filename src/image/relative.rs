@@ -64,7 +64,7 @@ impl RelativeScale {
     ///
     /// Weight times squared error, summed over channels, is the pixel's relative squared error.
     #[must_use]
-    pub fn weights(&self) -> &[f64] {
+    pub fn pixel_weights(&self) -> &[f64] {
         &self.weights
     }
 

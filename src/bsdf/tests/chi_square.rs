@@ -159,7 +159,7 @@ fn chi_square_p_value(counts: &[u32], expected: &[f64]) -> f64 {
 /// Samples agree with the pdf in all directions, absorption included. The pdf integrates to at most
 /// 1.
 #[test]
-fn samplers_match_their_pdfs() {
+fn bsdf_samplers_match_their_pdfs() {
     let cases = chi_square_cases();
     // Šidák: one false alarm in 400 runs of the whole list.
     let least = 0.0025 / cases.len() as f64;

@@ -40,7 +40,7 @@ fn all_bsdf_kinds() -> Vec<Bsdf> {
 /// No BSDF gains energy, at any angle, from either side: the mean sample weight of light paths is
 /// at most 1, within five standard errors.
 #[test]
-fn energy_is_not_gained() {
+fn bsdfs_gain_no_energy() {
     let n = 40_000u64;
     for bsdf in all_bsdf_kinds() {
         for cos in [1.0, 0.7, 0.2, 0.01, 1e-4, -0.5, -0.01] {

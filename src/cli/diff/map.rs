@@ -49,7 +49,7 @@ fn error_map_values(kind: ErrorMapKind, a: &Image, b: &Image, flip: &[f32]) -> V
         ErrorMapKind::Absolute => differences.map(DVec3::abs).collect(),
         ErrorMapKind::Relative => {
             let scale = RelativeScale::from_image(b);
-            differences.zip(scale.weights()).map(|(d, w)| DVec3::splat((w * d.length_squared()).sqrt())).collect()
+            differences.zip(scale.pixel_weights()).map(|(d, w)| DVec3::splat((w * d.length_squared()).sqrt())).collect()
         }
     }
 }
@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn values_follow_the_kind_of_map() {
+    fn error_map_values_follow_the_map_kind() {
         let (a, b) = (image_of_one_row(&[[2.0, 2.5, 1.0]]), image_of_one_row(&[[2.0; 3]]));
         let exr = |kind| error_map(kind, &a, &b, &[0.25], OutputFormat::Exr).0[0];
         assert_eq!(exr(ErrorMapKind::Signed), Vec3::new(0.0, 0.5, -1.0));

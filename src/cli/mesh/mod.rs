@@ -58,7 +58,7 @@ pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, CommandFailure> {
         let exit = if matches!(e, MeshError::Memory { .. }) { Exit::Usage } else { Exit::Input };
         CommandFailure::new(exit, miette::Report::from_err(e))
     })?;
-    progress.remove_bar();
+    progress.remove_progress_bar();
     check_mesh_memory(&arguments.mesh, &loaded.mesh, memory)?;
     let mut before = loaded.mesh.mesh_report();
     before.vertices = loaded.vertices;

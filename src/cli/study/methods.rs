@@ -148,7 +148,7 @@ fn run_method_study(
             square_root_percent_text(at.mean_squared_error())
         )),
     });
-    progress.remove_bar();
+    progress.remove_progress_bar();
     let found = found.into_diagnostic().map_err(|e| CommandFailure::new(Exit::Input, e))?;
     if found.share < MIN_THREAD_SHARE {
         print_message(&format!(

@@ -15,7 +15,7 @@ fn borosilicate_crown_matches_the_catalogue() {
 
 /// Indices at the d line and Abbe numbers equal those of catalogues and tables to their last digit.
 #[test]
-fn substances_match_published_constants() {
+fn glasses_match_published_refractive_indices() {
     let known = [
         ("BK7", 1.51680, 5e-6, 64.17, 0.01),
         ("F2", 1.62004, 5e-6, 36.37, 0.01),
@@ -41,7 +41,7 @@ fn substances_match_published_constants() {
 }
 
 #[test]
-fn range_bounds_all_indices() {
+fn index_range_bounds_all_refractive_indices() {
     let made =
         [DispersionFormula::from_abbe_number(1.5, 20.0), DispersionFormula::Cauchy { a: 1.5, b: -0.01, c: 0.001 }];
     for glass in GLASSES.iter().map(|g| g.1).chain(made) {
@@ -59,7 +59,7 @@ fn range_bounds_all_indices() {
 }
 
 #[test]
-fn resonances_and_invalid_indices_have_no_range() {
+fn resonances_and_invalid_refractive_indices_have_no_range() {
     let resonance = |c: f64| three_term_sellmeier([0.01, 1.2, 0.0], [c, 0.01, 0.0]);
     // At 600.0005 nm: so narrow that whole nanometres miss it.
     assert_eq!(resonance(wavelength_squared(600.0005)).refractive_index_range(), None);

@@ -69,7 +69,7 @@ fn hues_follow_the_spectrum() {
 
 /// Chi-square test of a million sampled wavelengths; its false-alarm rate is 10⁻⁴.
 #[test]
-fn samples_follow_the_pdf() {
+fn wavelength_samples_follow_the_pdf() {
     let n = 1_000_000u32;
     let mut rng = SmallRng::seed_from_u64(11);
     let mut counts = [0u32; CELLS];
@@ -94,7 +94,7 @@ fn samples_follow_the_pdf() {
 }
 
 #[test]
-fn extreme_samples_are_in_range() {
+fn extreme_random_numbers_give_wavelengths_in_range() {
     let last = Wavelength::sample(1.0 - f32::EPSILON / 2.0);
     assert_eq!(Wavelength::sample(0.0).response_interval_index(), 0);
     assert!(last.nanometres() < 720.0 && last.nanometres() > 700.0, "{last:?}");

@@ -65,7 +65,8 @@ pub struct FlipMetricResult {
 
 /// Computes the ꟻLIP error of `test` against `reference`. Negative radiance counts as black.
 ///
-/// [`FlipMetricMode::Ldr`] is symmetric. [`FlipMetricMode::Hdr`] derives its exposures from the reference.
+/// The result for [`FlipMetricMode::Ldr`] does not change if the pictures are exchanged.
+/// [`FlipMetricMode::Hdr`] derives its exposures from the reference.
 ///
 /// # Errors
 /// [`MetricError`] if the sizes differ, a pixel is not finite, or an option is out of range.

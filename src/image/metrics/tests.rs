@@ -19,7 +19,7 @@ fn metrics_follow_their_formulas() {
 }
 
 #[test]
-fn extremes_do_not_overflow() {
+fn metrics_of_extreme_pixels_do_not_overflow() {
     let (a, b) = (image_of_one_row(&[[f32::MAX; 3]]), image_of_one_row(&[[-f32::MAX; 3]]));
     assert!((rmse(&a, &b).unwrap() / (2.0 * f64::from(f32::MAX)) - 1.0).abs() < 1e-12);
 }

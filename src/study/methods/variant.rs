@@ -71,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn labels_and_seeds_are_checked() {
+    fn method_labels_and_seed_counts_are_checked() {
         assert_eq!(check_variants(&[variant_with_label("a"), variant_with_label("b")], 2), Ok(()));
         assert_eq!(
             check_variants(&[variant_with_label("a"), variant_with_label("b"), variant_with_label("a")], 2),

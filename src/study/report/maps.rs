@@ -82,7 +82,7 @@ pub(super) fn error_map(method: &MethodResult, most: f64) -> Result<Image, SizeE
 /// `scale` of the reference.
 pub(super) fn relative_differences(difference: &Image, scale: &RelativeScale) -> Vec<f64> {
     // Weights contain a factor of 1/3 for the mean over channels.
-    let pairs = difference.pixels().iter().zip(scale.weights());
+    let pairs = difference.pixels().iter().zip(scale.pixel_weights());
     pairs.map(|(d, w)| d.as_dvec3().element_sum() / 3.0 * (3.0 * w).sqrt()).collect()
 }
 

@@ -130,7 +130,7 @@ fn fitted_slopes_match_theory() {
 }
 
 #[test]
-fn verdicts_name_the_cause() {
+fn verdicts_name_the_cause_of_bias() {
     let passes = powers_of_two(9);
     let is =
         |algorithm, bias, alpha, passes: &[u32]| fitted_verdict(&synthetic_method(algorithm, bias, alpha, passes, 5));

@@ -16,7 +16,7 @@ pub struct RenderEffort {
 }
 
 impl RenderEffort {
-    fn at_checkpoint(checkpoint: &ConvergenceCheckpoint) -> Self {
+    fn effort_at_checkpoint(checkpoint: &ConvergenceCheckpoint) -> Self {
         Self { seconds: checkpoint.seconds, passes: f64::from(checkpoint.passes), photons: checkpoint.photons }
     }
 
@@ -69,7 +69,7 @@ pub fn time_to_error(
     let Some(last_above) = checkpoints.iter().rposition(above) else {
         return checkpoints
             .first()
-            .map_or(TimeToError::Unknown, |first| TimeToError::Within(RenderEffort::at_checkpoint(first)));
+            .map_or(TimeToError::Unknown, |first| TimeToError::Within(RenderEffort::effort_at_checkpoint(first)));
     };
     let before = &checkpoints[last_above];
     let Some(after) = checkpoints.get(last_above + 1) else {
@@ -79,8 +79,8 @@ pub fn time_to_error(
     // An estimate of zero or less has no logarithm. The later checkpoint itself is then used.
     let t = if log_after.is_finite() { (log_before - libm::log(error)) / (log_before - log_after) } else { 1.0 };
     TimeToError::Measured(RenderEffort::interpolate(
-        RenderEffort::at_checkpoint(before),
-        RenderEffort::at_checkpoint(after),
+        RenderEffort::effort_at_checkpoint(before),
+        RenderEffort::effort_at_checkpoint(after),
         t,
     ))
 }
@@ -108,7 +108,7 @@ fn extrapolate_time_to_error(
         return TimeToError::Unknown;
     }
     let seconds = interval.map(|ends| ends.map(|slope| last.seconds * factor(slope)));
-    TimeToError::Predicted { effort: RenderEffort::at_checkpoint(last).scaled_by(factor(value)), seconds }
+    TimeToError::Predicted { effort: RenderEffort::effort_at_checkpoint(last).scaled_by(factor(value)), seconds }
 }
 
 /// Effort to reach a tenth of the error at the last checkpoint.

@@ -12,7 +12,7 @@ use crate::study::report::text::{self, count_text, duration_text, error_percent_
 pub(super) const TARGET_ERRORS: [f64; 4] = [0.1, 0.05, 0.02, 0.01];
 
 /// Analysis of all methods of a study.
-pub(super) struct StudyAnalysis {
+pub(super) struct MethodStudyAnalysis {
     pub(super) methods: Vec<MethodAnalysis>,
     pub(super) pareto: Vec<ParetoPoint>,
     pub(super) recommendation: Option<MethodRecommendation>,
@@ -27,7 +27,7 @@ pub(super) struct MethodAnalysis {
     pub(super) tenth: TimeToError,
 }
 
-impl StudyAnalysis {
+impl MethodStudyAnalysis {
     pub(super) fn new(found: &MethodStudyResult) -> Self {
         let fits: Vec<Option<ConvergenceFit>> = found.methods.iter().map(fit_convergence).collect();
         let recommendation = recommend_method(found, &fits);

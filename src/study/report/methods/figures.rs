@@ -1,6 +1,6 @@
 //! Figures of the HTML page: plots, pictures and error maps, each with a shell command.
 
-use super::analysis::{MethodAnalysis, StudyAnalysis};
+use super::analysis::{MethodAnalysis, MethodStudyAnalysis};
 use super::tables::{method_marker_svg, slopes_table_html, square_root_percent_text};
 use crate::image::{Image, RelativeScale};
 use crate::integrate::Algorithm;
@@ -38,7 +38,7 @@ fn image_size(image: &Image) -> (u32, u32) {
     (image.width(), image.height())
 }
 
-fn error_points(method: &MethodResult, square: fn(&ConvergenceCheckpoint) -> f64) -> Vec<(f64, f64)> {
+fn error_plot_points(method: &MethodResult, square: fn(&ConvergenceCheckpoint) -> f64) -> Vec<(f64, f64)> {
     method.checkpoints.iter().map(|c| (c.seconds, square(c).max(0.0).sqrt())).collect()
 }
 
@@ -55,7 +55,7 @@ pub(super) fn error_plot_html(found: &MethodStudyResult) -> String {
         label: method.label.clone(),
         style,
         stroke: LineStyle::Solid,
-        points: error_points(method, ConvergenceCheckpoint::mean_squared_error),
+        points: error_plot_points(method, ConvergenceCheckpoint::mean_squared_error),
         bars: bars(method),
     };
     let series: Vec<PlotSeries> = found.methods.iter().enumerate().map(one).collect();
@@ -100,7 +100,7 @@ fn method_plot_svg(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> 
         label: label.into(),
         style: i,
         stroke,
-        points: error_points(method, square),
+        points: error_plot_points(method, square),
         bars: Vec::new(),
     };
     let series = vec![
@@ -244,7 +244,10 @@ fn srgb_encoded(linear: f32) -> f32 {
 }
 
 /// HTML articles, one per method: verdict, slopes, plot, and error maps on common scales.
-pub(super) fn method_articles_html(found: &MethodStudyResult, analysis: &StudyAnalysis) -> Result<String, StudyError> {
+pub(super) fn method_articles_html(
+    found: &MethodStudyResult,
+    analysis: &MethodStudyAnalysis,
+) -> Result<String, StudyError> {
     let weights = RelativeScale::from_image(&found.truth.picture);
     let differences: Vec<Vec<f64>> =
         found.methods.iter().map(|m| relative_differences(&m.difference, &weights)).collect();
