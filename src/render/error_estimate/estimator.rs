@@ -95,7 +95,7 @@ impl ErrorEstimator {
         if self.passes.is_power_of_two() {
             self.scale = Some(RelativeScale::from_pixels(film.size(), &film.mean()));
         }
-        let weights = self.scale.as_ref().map_or(&[][..], RelativeScale::weights);
+        let weights = self.scale.as_ref().map_or(&[][..], RelativeScale::pixel_weights);
         // The relative squared error of a pixel is clamped to 1 in the mean, so to n in one pass.
         self.samples.add(pass.image.iter().copied(), weights, n + 1.0);
         if !pass.nested.is_empty() {
@@ -127,8 +127,8 @@ impl ErrorEstimator {
         let n = f64::from(passes);
         let scale = RelativeScale::from_pixels(film.size(), &film.mean());
         let mut fireflies = Fireflies::default();
-        let fraction = 1.0 / scale.weights().len() as f64;
-        let noise2 = self.squared_deviations.iter().zip(scale.weights()).map(|(deviation, weight)| {
+        let fraction = 1.0 / scale.pixel_weights().len() as f64;
+        let noise2 = self.squared_deviations.iter().zip(scale.pixel_weights()).map(|(deviation, weight)| {
             let square = weight * deviation.element_sum() / (n * (n - 1.0));
             if square > 1.0 {
                 fireflies.add(square, fraction);
@@ -216,7 +216,7 @@ impl NestedEstimateSums {
     /// different passes of the `n` passes.
     fn mean_blur_differences(&self, scale: &RelativeScale, n: f64) -> BlurDifferences {
         let [d0, d1] = &self.differences;
-        let pixels = scale.weights().len();
+        let pixels = scale.pixel_weights().len();
         let (mut square, mut variance) = ([0.0; 3], 0.0);
         for i in 0..pixels {
             let (a, b) = (d0[i].as_dvec3(), d1[i].as_dvec3());
