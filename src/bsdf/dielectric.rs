@@ -18,11 +18,13 @@ pub struct DielectricSplit {
     pub reflected: (Vec3, f32),
     /// Unit direction of refraction, and the Fresnel transmittance; 0 under total reflection.
     pub transmitted: (Vec3, f32),
-    /// Divisor of transmitted radiance: (n_far/n_near)² for radiance, 1 for flux.
+    /// Number by which the path divides transmitted light: (n_far/n_near)² for radiance, 1 for
+    /// flux.
     ///
-    /// The near side is that of `wo`.
+    /// The refractive index is n_near on the side of `wo`, and n_far on the other side.
     pub radiance_divisor: f32,
-    /// True if the geometric normal was used for the reflected and for the refracted direction.
+    /// Two flags: true if the geometric normal determined the reflected, or the refracted,
+    /// direction.
     ///
     /// See [`BsdfSample::uses_geometric_normal`].
     pub uses_geometric_normal: [bool; 2],
@@ -55,7 +57,7 @@ impl Dielectric {
         }
     }
 
-    /// Samples reflection or refraction with the Fresnel reflectance as probability.
+    /// Samples reflection or refraction. The probability of reflection is the Fresnel reflectance.
     ///
     /// `lobe` is a random number in \[0, 1).
     #[inline]

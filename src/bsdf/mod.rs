@@ -56,8 +56,9 @@ pub enum TransportMode {
 pub struct BsdfSample {
     /// Unit direction in which the path continues.
     pub wi: Vec3,
-    /// f(wo, wi)·|cosθ|/pdf. For a delta lobe: its reflectance or transmittance over the
-    /// probability of its choice.
+    /// Weight f(wo, wi)·|cosθ|/pdf, where θ is the angle between `wi` and the shading normal. For a
+    /// delta lobe: its reflectance or transmittance, divided by the probability of choosing the
+    /// lobe.
     pub weight: Rgb,
     /// Solid-angle pdf of `wi` \[1/sr], equal to [`Bsdf::pdf`]; 0 for a delta lobe.
     pub pdf: f32,
@@ -89,8 +90,8 @@ impl BsdfSample {
 ///
 /// A BSDF that is not black either stores photons ([`stores_photons`](Self::stores_photons)) or
 /// casts caustics ([`casts_caustics`](Self::casts_caustics)), never both. A BSDF that stores
-/// photons has no delta lobe, because neither photons nor caustics would carry the light of that
-/// lobe. [`Bsdf::sample`] asserts this in debug builds.
+/// photons has no delta lobe, because photon estimates would miss the light of that lobe.
+/// [`Bsdf::sample`] asserts this in debug builds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bsdf {
     /// A surface that absorbs all light.
@@ -168,7 +169,7 @@ impl Bsdf {
         }
     }
 
-    /// Selects one lobe by `u` in \[0, 1).
+    /// Selects one lobe of the BSDF by `u` in \[0, 1).
     ///
     /// The returned BSDF is the lobe divided by the probability of its selection.
     #[inline]
@@ -295,7 +296,7 @@ impl Bsdf {
 
     /// Solid-angle pdf \[1/sr] with which [`Bsdf::sample`] samples `wi`; 0 for delta lobes.
     ///
-    /// Both transport modes have one pdf.
+    /// The pdf is the same for both transport modes.
     #[inline]
     #[must_use]
     pub fn pdf(&self, wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> f32 {

@@ -8,9 +8,9 @@ use glam::{DVec3, Vec2, Vec3};
 
 /// A rough interface between two transparent media, with GGX microfacets (Walter et al. 2007).
 ///
-/// The normal points to the outside. Multiple scattering between microfacets is lost. At index 1.5
-/// and normal incidence, the loss is 0.1 % from outside and 1.2 % from inside for α = 0.1. It is
-/// 3.2 and 25 % for α = 0.5, and 11 and 58 % for α = 1.
+/// The normal points to the outside. Light that scatters at several microfacets is lost. The losses
+/// below are for index 1.5, normal incidence, and roughness α of 0.1, 0.5 and 1. From the outside,
+/// 0.1, 3.2 and 11 % are lost. From the inside, 1.2, 25 and 58 % are lost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoughDielectric {
     /// Refractive index of the inside over that of the outside.
@@ -71,7 +71,7 @@ impl RoughDielectric {
 
     /// BSDF f(wo, wi) \[1/sr], where `n` is the shading normal on the side of `wo`.
     ///
-    /// Both normals must agree on whether `wi` is on the side of `wo`.
+    /// `n` and the geometric normal `ng` must agree on whether `wi` is on the side of `wo`.
     #[inline]
     pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3, ng: Vec3, transport: TransportMode) -> Rgb {
         let (eta, i, n) = (self.far_over_near_index(wo, ng), wi.as_dvec3(), n.as_dvec3());

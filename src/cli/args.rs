@@ -292,7 +292,7 @@ pub struct EstimateArguments {
     pub quiet: bool,
 }
 
-/// Field names of the flags that only a study of methods takes.
+/// Field names of the flags that a study of effects does not accept.
 const METHOD_STUDY_FLAGS: [&str; 8] =
     ["methods", "variants", "knobs", "budget", "seeds", "truth", "truth_time", "save_truth"];
 

@@ -10,7 +10,7 @@ use crate::scene::Scene;
 use glam::Vec2;
 use std::io::Write;
 
-/// Side length of the grid of camera rays that search for visible objects.
+/// Number of rows and of columns in the grid of camera rays that search for visible objects.
 const RAYS_PER_SIDE: u32 = 64;
 
 /// Runs `caustica check`: prints one line for each warning, and a summary.
@@ -29,9 +29,10 @@ pub(super) fn run(arguments: &SceneArguments) -> Result<Exit, CommandFailure> {
     })
 }
 
-/// Returns the warnings that `render` prints, one line each.
+/// Returns the warnings about a scene that `caustica render` prints, one line each.
 ///
-/// They need no second reading of meshes. `render` itself reports a scene without objects.
+/// Warnings that need a second reading of meshes are left out. So is the warning of a scene without
+/// objects, which `caustica render` reports elsewhere.
 pub(super) fn quick_scene_warnings(file: &SceneFile, scene: &Scene, arguments: &SceneArguments) -> Vec<String> {
     let mut lines = file.unused_item_warnings();
     if scene.triangle_count() + scene.shape_count() > 0 {

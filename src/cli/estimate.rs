@@ -50,7 +50,7 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, CommandFailure>
         check_photon_memory(integrator.expected_photons(), pictures, memory.available_bytes())
             .map_err(CommandFailure::usage_error)?;
         print_plan(integrator.as_ref(), &progress);
-        progress.remove_bar();
+        progress.remove_progress_bar();
         let setup = start.elapsed().as_secs_f64();
         let (rendered, pass_seconds) = render_pilot(arguments, integrator.as_ref(), scene.camera().size(), &progress);
         let report = CostEstimateReport::new(arguments, algorithm, &rendered, setup, pass_seconds);
@@ -68,7 +68,7 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, CommandFailure>
     })
 }
 
-/// Renders the pilot. Returns it and the expected time of one later pass \[s].
+/// Renders the pilot. Returns its result and the expected time of one later pass \[s].
 fn render_pilot(
     arguments: &EstimateArguments,
     integrator: &dyn Integrator,
@@ -91,7 +91,7 @@ fn render_pilot(
         }
         progress.set_pass(standing.passes + 1, None);
     });
-    progress.remove_bar();
+    progress.remove_progress_bar();
     // The first pass takes longer, because caches are cold.
     let (passes, wall) = (rendered.film.passes(), rendered.wall.as_secs_f64());
     let pass_seconds = if passes > 2 { (wall - first) / f64::from(passes - 1) } else { wall / f64::from(passes) };
@@ -131,7 +131,7 @@ struct CostEstimate {
     /// Time if the pilot's error is at the upper end of its interval \[s].
     seconds_high: Option<f64>,
     photons: Option<f64>,
-    /// Bias that no number of passes removes; `None` if the error can be reached.
+    /// Relative bias that no number of passes removes; `None` if the error can be reached.
     floor: Option<f64>,
     /// Flags of `caustica render` that give this error.
     flags: Option<String>,

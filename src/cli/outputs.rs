@@ -47,17 +47,20 @@ pub(super) fn check_distinct_files(outputs: &[FileWithRole], inputs: &[FileWithR
 pub(super) struct OutputFailures(Vec<Report>);
 
 impl OutputFailures {
-    /// Returns the value of `result`. Collects an error and returns `None`.
+    /// Returns the value of `result`. If `result` is an error, collects the error and returns
+    /// `None`.
     pub fn ok_or_collect<T>(&mut self, result: Result<T, impl std::error::Error + Send + Sync + 'static>) -> Option<T> {
         result.map_err(|error| self.0.push(Report::from_err(error))).ok()
     }
 
-    /// Returns the value of `result`. Collects a report and returns `None`.
+    /// Returns the value of `result`. If `result` is a report, collects the report and returns
+    /// `None`.
     pub fn ok_or_collect_report<T>(&mut self, result: miette::Result<T>) -> Option<T> {
         result.map_err(|report| self.0.push(report)).ok()
     }
 
-    /// Returns `exit` if nothing failed, else the collected errors with [`Exit::Output`].
+    /// Returns `exit` if no output failed, else a failure with all collected errors and
+    /// [`Exit::Output`].
     pub fn into_result(self, exit: Exit) -> Result<Exit, CommandFailure> {
         if self.0.is_empty() { Ok(exit) } else { Err(CommandFailure { reports: self.0, exit: Exit::Output }) }
     }

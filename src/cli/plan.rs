@@ -53,7 +53,7 @@ pub(super) fn print_plan(integrator: &dyn Integrator, progress: &ProgressDisplay
     }
 }
 
-/// Warning for a scene with caustics that an algorithm renders without photons.
+/// Warning for a scene with caustics and an algorithm without photons.
 const UNSAMPLED_CAUSTICS: &str = "warning: this method finds caustics only by chance: of small lights rarely, of point lights never. \
     The estimated error does not include what it misses. hybrid and sppm find caustics by photons";
 
@@ -101,7 +101,7 @@ fn plan_table(algorithm: Algorithm, plan: &Plan, balance: Option<RayPhotonBalanc
     text
 }
 
-/// Returns numbers of rays and photons as text, such as `+1.9 M rays, +3.0 M gathered`.
+/// Returns numbers of rays and gathered photons as text, such as `+1.9 M rays, +3.0 M gathered`.
 fn work_counts_text(work: WorkCounts, number: fn(f64) -> String) -> String {
     let WorkCounts { rays, gathered_photons } = work;
     match (rays, gathered_photons) {
@@ -144,7 +144,7 @@ pub(super) struct EffectReport {
     /// True if the picture is wrong without the effect.
     needed: bool,
     reason: String,
-    /// Flaw of the picture without the effect; `None` unless the effect is needed but off.
+    /// Flaw of the picture; `None` unless the scene needs the effect but the plan omits it.
     flaw: Option<&'static str>,
 }
 

@@ -28,7 +28,7 @@ pub(super) fn print_message(line: &str) {
 }
 
 /// Removes the progress bar from the terminal.
-pub(super) fn clear_bar() {
+pub(super) fn clear_progress_bar() {
     if let Some(bar) = PROGRESS_BAR.get() {
         bar.finish_and_clear();
     }
@@ -111,7 +111,7 @@ impl ProgressDisplay {
     }
 
     /// Removes the bar from the terminal.
-    pub fn remove_bar(&self) {
+    pub fn remove_progress_bar(&self) {
         if let Self::Bar(bar, _) = self {
             bar.finish_and_clear();
         }
@@ -125,7 +125,12 @@ impl ProgressDisplay {
     }
 
     /// Restarts the bar at zero for a stage of `total` units.
-    fn restart_bar(&self, style: Result<ProgressStyle, indicatif::style::TemplateError>, prefix: String, total: u64) {
+    fn restart_progress_bar(
+        &self,
+        style: Result<ProgressStyle, indicatif::style::TemplateError>,
+        prefix: String,
+        total: u64,
+    ) {
         let Self::Bar(bar, _) = self else { return };
         bar.disable_steady_tick();
         if let Ok(style) = style {
@@ -138,13 +143,14 @@ impl ProgressDisplay {
 }
 
 /// Returns a label that shows the speed of a stage, such as `12,345 paths/s`.
-fn rate_label(unit: &'static str) -> impl Fn(&ProgressState, &mut dyn fmt::Write) + Clone {
+fn progress_rate_label(unit: &'static str) -> impl Fn(&ProgressState, &mut dyn fmt::Write) + Clone {
     move |state, out| {
         let _ = write!(out, "{} {unit}/s", HumanCount(state.per_sec().round() as u64));
     }
 }
 
-/// Returns a label that shows the time left: of the render if `end` is known, else of the stage.
+/// Returns a label that shows the remaining time: of the render if its `end` is known, else of the
+/// stage.
 fn time_left_label(end: Option<Instant>) -> impl Fn(&ProgressState, &mut dyn fmt::Write) + Clone {
     move |state, out| {
         let _ = match end {
@@ -168,8 +174,9 @@ impl ProgressMonitor for ProgressDisplay {
         };
         let template = format!("{{prefix}} {name:<8} {{bar:16}} {{percent:>3}} %  {{rate}}  {{left}}  {{wide_msg}}");
         let style = ProgressStyle::with_template(&template);
-        let style = style.map(|style| style.with_key("rate", rate_label(unit)).with_key("left", time_left_label(end)));
-        self.restart_bar(style, pass, total);
+        let style =
+            style.map(|style| style.with_key("rate", progress_rate_label(unit)).with_key("left", time_left_label(end)));
+        self.restart_progress_bar(style, pass, total);
     }
 
     fn report_progress(&self, units: u64) {
@@ -190,7 +197,7 @@ impl MeshReadMonitor for ProgressDisplay {
                 let _ = write!(out, "{:.0} MB/s", 1e-6 * state.per_sec());
             })
         });
-        self.restart_bar(style, path.display().to_string(), bytes);
+        self.restart_progress_bar(style, path.display().to_string(), bytes);
     }
 
     fn on_bytes_parsed(&self, bytes: u64) {
@@ -199,7 +206,8 @@ impl MeshReadMonitor for ProgressDisplay {
         }
     }
 
-    /// Reports a large mesh, and shows that the triangles so far are indexed.
+    /// Reports a large mesh in a line, and shows the number of triangles of all meshes that are now
+    /// indexed.
     fn on_read_end(&self, path: &Path, mesh: &TriangleMesh) {
         let n = mesh.triangles.len();
         if n >= LARGE_MESH_TRIANGLES {
@@ -212,7 +220,7 @@ impl MeshReadMonitor for ProgressDisplay {
             return;
         };
         let template = "indexing {prefix} triangles {spinner}  {elapsed}";
-        self.restart_bar(ProgressStyle::with_template(template), HumanCount(triangles as u64).to_string(), 0);
+        self.restart_progress_bar(ProgressStyle::with_template(template), HumanCount(triangles as u64).to_string(), 0);
         if let Self::Bar(bar, _) = self {
             bar.enable_steady_tick(Duration::from_millis(100));
         }
@@ -231,7 +239,7 @@ impl<'a> InputFileCollector<'a> {
     }
 
     /// Returns the paths, in the order of reading.
-    pub fn into_files(self) -> Vec<PathBuf> {
+    pub fn into_input_paths(self) -> Vec<PathBuf> {
         self.files.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -55,11 +55,11 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     let start = Instant::now();
     let inputs = InputFileCollector::new(progress);
     let (file, scene) = load_scene_and_file(&arguments.scene, &inputs)?;
-    progress.remove_bar();
+    progress.remove_progress_bar();
     quick_scene_warnings(&file, &scene, &arguments.scene).iter().for_each(|line| progress.print_line(line));
     drop(file);
     let inputs: Vec<FileWithRole> =
-        inputs.into_files().iter().map(|path| FileWithRole::new("the input", path)).collect();
+        inputs.into_input_paths().iter().map(|path| FileWithRole::new("the input", path)).collect();
     check_distinct_files(&output_files(arguments), &inputs)?;
     let algorithm = arguments.method.integrator;
     let mut setup = RenderSetup {
@@ -94,7 +94,7 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     setup.balance = integrator.ray_photon_balance();
     setup.seconds = start.elapsed().as_secs_f64();
     let rendered = render_passes(arguments, integrator.as_ref(), size, start, progress);
-    progress.remove_bar();
+    progress.remove_progress_bar();
     write_render_outputs(arguments, progress, setup, all_lights_are_black(&scene), &rendered)
 }
 
@@ -163,7 +163,8 @@ fn render_passes(
     })
 }
 
-/// Returns the estimated error whose confidence interval would end at the target error.
+/// Returns the estimated error at which the upper end of its confidence interval is the target
+/// error.
 fn error_estimate_at_target(target: ErrorTarget, standing: &PassProgress) -> Option<f64> {
     let (estimate, _) = standing.error.as_ref()?;
     Some(target.error * estimate.error / estimate.high)
@@ -262,7 +263,8 @@ fn write_pictures(
     }
 }
 
-/// Prints the number of passes, rates, the reason for the end, and the estimated error.
+/// Prints the number of passes, rays and photons per second, why the render ended, and the
+/// estimated error.
 fn print_render_summary(
     arguments: &RenderArguments,
     progress: &ProgressDisplay,
@@ -297,7 +299,7 @@ fn print_render_summary(
     }
 }
 
-/// Reports pixels whose values the file format cannot hold.
+/// Prints warnings of pixels whose values the file format cannot store.
 fn report_clipped_pixels(written: &ClippedPixelReport, path: &Path, exposure: f32, progress: &ProgressDisplay) {
     let pixels = |n: usize| format!("{} of {}", count_with_noun(n, "pixel", "pixels"), path.display());
     if written.non_finite > 0 {

@@ -26,7 +26,7 @@ pub(super) struct RenderReport {
     pub triangles: usize,
     pub shapes: usize,
     pub lights: usize,
-    pub radii: Option<RadiiReport>,
+    pub radii: Option<GatherRadiiReport>,
     pub emission_guiding: EmissionGuidingReportPerMap,
     pub effects: Vec<EffectReport>,
     pub balance: Option<RayPhotonBalance>,
@@ -45,9 +45,10 @@ pub(super) struct RenderReport {
 pub(super) struct EstimatedErrorReport {
     #[serde(flatten)]
     pub estimate: ErrorEstimate,
-    /// Confidence that the error lies between `low` and `high` of the estimate.
+    /// Confidence that the true error lies between the bounds `low` and `high` of the estimate.
     confidence: Confidence,
-    /// Total passes at which the error is half as large; `None` if no number of passes is enough.
+    /// Total number of passes at which the error would be half as large; `None` if no number is
+    /// enough.
     halving_passes: Option<u32>,
     /// Further time until the error is half as large \[s].
     halving_seconds: Option<f64>,
@@ -69,7 +70,7 @@ impl EstimatedErrorReport {
 }
 
 #[derive(Debug, Serialize)]
-pub(super) struct RadiiReport {
+pub(super) struct GatherRadiiReport {
     pub global: f32,
     pub caustic: f32,
 }
@@ -131,7 +132,7 @@ impl RenderReport {
             triangles: setup.triangles,
             shapes: setup.shapes,
             lights: setup.lights,
-            radii: setup.radii.map(|r| RadiiReport { global: r.indirect, caustic: r.caustic }),
+            radii: setup.radii.map(|r| GatherRadiiReport { global: r.indirect, caustic: r.caustic }),
             emission_guiding: setup.emission_guiding,
             effects: setup.effects,
             balance: setup.balance,

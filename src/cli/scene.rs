@@ -9,7 +9,7 @@ use crate::scene::Scene;
 
 /// Loads the scene of the command line, with the picture size of `--size` if given.
 ///
-/// Returns a failure, before it allocates memory, if a picture or an input does not fit into it.
+/// If a picture or an input does not fit into memory, returns a failure before memory is allocated.
 /// `monitor` receives the progress of reading.
 pub(super) fn load_scene(arguments: &SceneArguments, monitor: &dyn MeshReadMonitor) -> Result<Scene, CommandFailure> {
     load_scene_and_file(arguments, monitor).map(|(_, scene)| scene)

@@ -159,7 +159,8 @@ fn filter_name(filter: FilterKind) -> &'static str {
     }
 }
 
-/// Returns effect overrides as text, such as `+lens,-caustics`; `None` if there are none.
+/// Returns effect overrides as text, such as `+lens,-caustics`; `None` if no effect is forced on or
+/// off.
 fn effect_overrides_text(overrides: EffectOverrides) -> Option<String> {
     let signed = |e: Effect| overrides.forced_state(e).map(|on| format!("{}{}", if on { '+' } else { '-' }, e.name()));
     let words: Vec<String> = Effect::ALL.into_iter().filter_map(signed).collect();

@@ -19,9 +19,9 @@ pub enum DispersionFormula {
     },
     /// Sellmeier's equation: n² = 1 + Σ bᵢ λ²/(λ² − cᵢ).
     Sellmeier {
-        /// Strengths of the resonances; 0 for an unused term.
+        /// Coefficients bᵢ, the strengths of the resonances; 0 for an unused term.
         b: [f64; 4],
-        /// Squared wavelengths of the resonances \[µm²].
+        /// Coefficients cᵢ, the squared wavelengths of the resonances \[µm²].
         c: [f64; 4],
     },
 }
@@ -133,12 +133,12 @@ fn sellmeier_term(b: f64, c: f64, x: f64) -> f64 {
     if b == 0.0 { 0.0 } else { b * x / (x - c) }
 }
 
-/// Sellmeier's equation with three terms.
+/// Makes Sellmeier's equation with three terms.
 const fn three_term_sellmeier(b: [f64; 3], c: [f64; 3]) -> DispersionFormula {
     DispersionFormula::Sellmeier { b: [b[0], b[1], b[2], 0.0], c: [c[0], c[1], c[2], 0.0] }
 }
 
-/// Name, dispersion formula and source of each medium that [`glass_by_name`] finds, by name.
+/// Name, dispersion formula and source of each medium that [`glass_by_name`] finds, sorted by name.
 ///
 /// Refractive indices of water and diamond are relative to vacuum, all others to air. The
 /// difference is below 0.0003 of the index. Coefficients are from the public-domain database of

@@ -81,11 +81,11 @@ struct DecodedPng {
     samples: Vec<u8>,
     /// True if samples have 16 bits.
     sixteen: bool,
-    /// Value of the gAMA chunk; `None` without one or if the file has an sRGB chunk.
+    /// Value of the gAMA chunk; `None` if the file has no such chunk, or if it has an sRGB chunk.
     gamma: Option<f64>,
 }
 
-/// Decodes samples; fails if reading the picture needs more than `free` bytes.
+/// Decodes the samples of a PNG file; fails if that needs more than `free` bytes of memory.
 fn decode_png_samples(file: &[u8], free: Option<u64>) -> Result<DecodedPng, DecodeFailure> {
     let mut decoder = Decoder::new(Cursor::new(file));
     decoder.set_transformations(png::Transformations::EXPAND);
@@ -131,10 +131,10 @@ fn decode_png_samples(file: &[u8], free: Option<u64>) -> Result<DecodedPng, Deco
     Ok(DecodedPng { width, height, samples, sixteen, gamma })
 }
 
-/// Decodes linear radiance.
+/// Decodes a PNG file as linear radiance.
 ///
-/// The transfer function is sRGB. A file with a gAMA chunk and no sRGB chunk has that gamma
-/// instead.
+/// The sRGB transfer function is undone. In a file with a gAMA chunk and no sRGB chunk, that gamma
+/// is undone instead.
 pub(super) fn read(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     let decoded = decode_png_samples(file, free)?;
     match decoded.gamma {
@@ -143,7 +143,7 @@ pub(super) fn read(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailur
     }
 }
 
-/// Decodes samples as numbers from 0 to 1, without a transfer function.
+/// Decodes a PNG file as numbers from 0 to 1, without a transfer function.
 pub(super) fn read_data(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     apply_transfer_function(decode_png_samples(file, free)?, |signal| signal as f32)
 }

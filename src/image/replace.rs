@@ -9,7 +9,7 @@ use tempfile::NamedTempFile;
 
 use super::error::WriteError;
 
-/// Replaces the file at `path` by `bytes`. The old file stays if that fails.
+/// Replaces the file at `path` by a file with content `bytes`. If that fails, the old file stays.
 ///
 /// The bytes are written to a temporary file in the same folder. The temporary file is flushed to
 /// the disk and renamed to `path`. Symbolic links are followed. A replaced file keeps its
@@ -95,6 +95,7 @@ struct ReplaceTarget {
 }
 
 impl ReplaceTarget {
+    /// Finds the file to replace at `path`; fails if its folder, kind or permissions forbid that.
     fn find_writable(path: &Path) -> Result<Self, WriteError> {
         let file = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         let folder = parent_folder(&file).to_owned();

@@ -47,7 +47,7 @@ pub struct AreaLight {
 /// A texture that defines the emitted radiance of a surface.
 #[derive(Clone, Debug)]
 pub struct EmissionTexture {
-    /// The texture of the radiance, up to a factor.
+    /// The texture, which `scale` converts to radiance.
     pub texture: Arc<Texture>,
     /// Mapping from surface points to texture coordinates.
     pub mapping: TextureMapping,
@@ -55,7 +55,7 @@ pub struct EmissionTexture {
     pub scale: Rgb,
 }
 
-/// The parametric coordinates of a sampled point of a light's surface.
+/// Parametric coordinates of a sampled point on the surface of an area light.
 #[derive(Clone, Copy, Debug)]
 enum SurfaceCoord {
     /// Parametric coordinates on an analytic shape.
@@ -84,14 +84,15 @@ impl LightSurface {
         }
     }
 
-    /// Samples a point of the surface by `u` in \[0, 1)².
+    /// Samples a point of the surface uniformly by area, by `u` in \[0, 1)².
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> ShapeSample {
         self.sample_point_with_coord(u).0
     }
 
-    /// Samples a point of the surface, with its parametric coordinates.
+    /// Samples a point of the surface uniformly by area, and returns it with its parametric
+    /// coordinates.
     #[inline]
     fn sample_point_with_coord(&self, u: Vec2) -> (ShapeSample, SurfaceCoord) {
         match self {
@@ -112,7 +113,8 @@ impl LightSurface {
         }
     }
 
-    /// Intrinsic texture coordinates of the surface at the point `p`.
+    /// Texture coordinates that the surface itself defines at the point `p`, whose parametric
+    /// coordinates are `coord`.
     fn tex_coord(&self, p: Vec3, coord: SurfaceCoord) -> TexCoord {
         match (self, coord) {
             (Self::Shape(shape), SurfaceCoord::Shape(uv)) => shape.tex_coord(p, uv),
@@ -137,7 +139,8 @@ impl LightSurface {
         }
     }
 
-    /// One point of a planar analytic shape; `None` for curved shapes and meshes.
+    /// A point of the surface if it is a planar analytic shape; `None` for curved shapes and
+    /// meshes.
     fn point_if_planar(&self) -> Option<SurfacePoint> {
         match self {
             Self::Shape(shape) => shape.point_if_planar(),
@@ -145,7 +148,7 @@ impl LightSurface {
         }
     }
 
-    /// Bounding box, and a cone that contains all outer normals.
+    /// Bounding box of the surface, and a cone that contains all outer normals.
     fn bounds(&self) -> (Bounds, DirectionCone) {
         match self {
             Self::Shape(shape) => {
@@ -191,7 +194,8 @@ impl AreaLight {
         self.radiance * (PI * self.surface.area() as f32)
     }
 
-    /// Samples a point of the surface by area, with the emitted radiance there.
+    /// Samples a point of the surface by area, and returns it with the radiance emitted there
+    /// \[W/(m² sr)].
     #[inline]
     fn sample(&self, u: Vec2) -> (ShapeSample, Rgb) {
         let (sample, coord) = self.surface.sample_point_with_coord(u);
@@ -211,7 +215,8 @@ impl AreaLight {
         }
     }
 
-    /// Samples a point of the surface by area, as seen from `p`; `None` if it shows its back.
+    /// Samples a point of the surface by area, with its pdf per solid angle at `p`; `None` if `p`
+    /// is behind the surface there.
     #[inline]
     fn sample_surface_by_area(&self, p: Vec3, u: Vec2) -> Option<(SolidAngleSample, SurfaceCoord)> {
         let (ShapeSample { point, pdf, .. }, coord) = self.surface.sample_point_with_coord(u);

@@ -13,7 +13,7 @@ pub enum EffectReason {
     Lights(usize, &'static str),
     /// The scene has an environment light.
     EnvironmentLight,
-    /// Objects may occlude each other.
+    /// Objects may block direct light from other objects or from parts of themselves.
     MayOcclude,
     /// The algorithm cannot simulate the effect.
     UnsupportedByAlgorithm,
@@ -48,7 +48,7 @@ pub enum EffectReason {
     NoTexture,
     /// No object has a bump or normal map.
     NoBump,
-    /// Number of media in the scene.
+    /// Media need the effect: the number of media that scatter, absorb or emit.
     Media(usize),
     /// The scene has no media.
     NoMedium,

@@ -1,4 +1,4 @@
-//! Random numbers of samples that are stratified together.
+//! Random numbers for several samples, stratified over these samples.
 
 use super::{Dimension, Key, sobol_2d};
 use glam::Vec2;
@@ -20,9 +20,10 @@ impl Sampler {
         Self { key, index, count }
     }
 
-    /// Sampler for the same sample with the child key of word `n`.
+    /// Sampler for the same sample, whose key is derived from this key and the word `n`.
     ///
-    /// Renderer code calls the specific functions below instead.
+    /// Renderer code calls a function with a specific name instead, such as
+    /// [`Sampler::shadow_ray_sampler`].
     #[inline]
     #[must_use]
     pub fn child_sampler(self, n: u64) -> Self {
@@ -62,7 +63,7 @@ impl Sampler {
         self.child_sampler(index as u64)
     }
 
-    /// Sampler for subsample `index` of `count` subsamples of this sample.
+    /// Sampler for subsample `index`, if this sample is split into `count` stratified subsamples.
     #[inline]
     #[must_use]
     pub fn subsample_sampler(self, index: u32, count: u32) -> Self {

@@ -73,14 +73,14 @@ impl PictureCost {
     }
 }
 
-/// Cost of an effect: whole picture minus picture without the effect.
+/// Cost of an effect: the cost of the whole picture minus that of the picture without the effect.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct EffectCost {
-    /// Difference per pass \[s].
+    /// Difference of the time per pass \[s].
     pub seconds: f64,
     /// Standard error of `seconds` over passes \[s]; `None` with one pass.
     pub seconds_error: Option<f64>,
-    /// Time of all passes with the effect, divided by the time without it.
+    /// Time of all passes with the effect, divided by the time of all passes without it.
     pub ratio: f64,
     /// Difference of setup time \[s].
     pub setup: f64,
@@ -127,7 +127,7 @@ pub struct EffectStudyResult {
     pub plan: Plan,
     /// Clock that measured all times.
     pub clock: ClockKind,
-    /// The whole picture: mean of the passes with all effects.
+    /// The whole picture: mean of the passes with all effects of the plan.
     pub picture: Image,
     /// Mean of the whole picture over pixels and channels \[W/(m² sr)].
     pub mean: f64,
@@ -153,7 +153,7 @@ pub struct EffectStudy<'a> {
 
 /// A picture of a study between two passes.
 struct PictureInProgress<'a> {
-    /// The omitted effect; `None` for the whole picture.
+    /// Decision about the effect that is left out; `None` for the whole picture.
     without: Option<EffectDecision>,
     integrator: Box<dyn Integrator + 'a>,
     film: Film,
@@ -194,7 +194,7 @@ impl<'a> EffectStudy<'a> {
         self.runs.len()
     }
 
-    /// Numbers of photons that determine the memory of a pass: their maxima over all pictures.
+    /// Largest expected numbers of photons of a pass, over all pictures. They determine its memory.
     #[must_use]
     pub fn largest_expected_photons(&self) -> ExpectedPhotons {
         let all = self.runs.iter().map(|run| run.integrator.expected_photons());
@@ -207,8 +207,8 @@ impl<'a> EffectStudy<'a> {
 
     /// Renders `passes` passes of each picture, but at least one.
     ///
-    /// Calls `after` when each picture has one more pass, with their number. Stops early if
-    /// `interrupted` becomes true.
+    /// After each round of one pass per picture, calls `after` with the number of rounds. Stops
+    /// early if `interrupted` becomes true.
     ///
     /// # Errors
     /// [`StudyError`] if a pixel is not finite.
@@ -257,7 +257,8 @@ impl<'a> EffectStudy<'a> {
     }
 }
 
-/// Settings for a study: a pilot of the whole picture fixes the numbers of rays and photons.
+/// Returns settings in which a pilot of the whole picture has fixed the numbers of rays and
+/// photons.
 ///
 /// Pictures without an effect then use as many rays and photons as the whole picture.
 fn settings_with_pilot_counts(scene: &Scene, algorithm: Algorithm, settings: &Settings) -> Settings {

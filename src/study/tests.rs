@@ -9,7 +9,7 @@ use crate::shape::{Rectangle, Shape, Sphere};
 use glam::{DVec3, Vec3};
 use std::sync::atomic::AtomicBool;
 
-/// A sphere on a floor under a point light.
+/// Makes a scene of a sphere on a floor under a point light.
 fn sphere_on_floor(material: Material, width: u32, height: u32) -> Scene {
     let mut builder = SceneBuilder::new();
     let white = builder.material(Material::diffuse(Vec3::splat(0.5)));

@@ -3,7 +3,7 @@
 use crate::integrate::Integrator;
 use crate::plan::{Effect, Effects};
 
-/// Work of a pass, or the difference between the work of two passes.
+/// Counts of rays and photons of a pass, or the differences between the counts of two passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WorkCounts {
     /// Number of rays of all kinds.
@@ -29,7 +29,8 @@ impl ExpectedWork {
     }
 }
 
-/// Expected work of the first pass; the work of pilots is not included.
+/// Estimates the work of the first pass by tracing a few film points; the work of pilots is not
+/// included.
 #[must_use]
 pub fn expected_work(integrator: &dyn Integrator) -> ExpectedWork {
     let effects = integrator.plan().simulated_effects();
@@ -64,8 +65,9 @@ mod tests {
         );
     }
 
-    /// Compares expected work with a whole pass. A thousand film points give a few percent of
-    /// error; gathers crowd in caustics and are less exact.
+    /// Compares expected work with the counters of a whole pass. The estimate from a thousand film
+    /// points has an error of a few percent. The numbers of gathered photons are less exact,
+    /// because they vary most in caustics.
     #[test]
     fn expected_work_matches_a_pass() {
         let settings = Settings {

@@ -2,9 +2,11 @@
 
 use super::*;
 
-/// Second moments: box 1/12, tent 1/6, the others by quadrature. The table is coarsest in the two
-/// cells at the ends, which hold 1/1024 each and reach from 1 to 1.5 px at most: they misplace x²
-/// by at most (1.5² − 1)/2 each, together 1.2·10⁻³.
+/// Compares second moments of samples with 1/12 (box), 1/6 (tent) and quadrature.
+///
+/// The quantile table is coarsest in its first and last interval. Each holds 1/1024 of the samples,
+/// and reaches at most from 1 to 1.5 pixels. Interpolation there errs by at most (1.5² − 1)/2 in
+/// x², which changes the moment by at most 1.2·10⁻³.
 #[test]
 fn second_moments_match_quadrature() {
     let n = 100_000;
@@ -28,9 +30,10 @@ fn second_moments_match_quadrature() {
     }
 }
 
-/// Weights are 1 in the mean, and weighted moments are the filter's: one over a net of 2¹⁸ points,
-/// whose error for functions with few jumps is far below the chance bound of as many independent
-/// points.
+/// The mean weight is 1, and weighted moments of samples are those of the filter.
+///
+/// The tolerance is the error of 2¹⁸ independent points. The Sobol' points used here have much
+/// smaller errors.
 #[test]
 fn signed_weights_average_one() {
     use crate::sampling::{Dimension, Key, Purpose, sobol_2d};

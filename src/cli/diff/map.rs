@@ -5,7 +5,8 @@ use crate::image::{Image, OutputFormat, RelativeScale, diverging_color, sequenti
 use glam::{DVec3, Vec3};
 use serde::Serialize;
 
-/// Fraction of pixels within the colour scale of a PNG. One firefly must not stretch the scale.
+/// Quantile of the absolute values at the end of the colour scale of a PNG. So one firefly does not
+/// stretch the scale.
 const SCALE_QUANTILE: f64 = 0.99;
 
 /// Values at the ends of the colour scale of a PNG error map.
@@ -38,7 +39,8 @@ pub(super) fn error_map(
     (means.iter().map(|v| color(v / to)).collect(), Some(ColorScale { from, to }))
 }
 
-/// Returns the errors of all pixels per channel. FLIP and the relative error fill all channels.
+/// Returns the errors of all pixels by channel. FLIP and relative errors have the same value in all
+/// channels.
 fn error_map_values(kind: ErrorMapKind, a: &Image, b: &Image, flip: &[f32]) -> Vec<DVec3> {
     let differences = a.pixels().iter().zip(b.pixels()).map(|(a, b)| a.as_dvec3() - b.as_dvec3());
     match kind {
@@ -47,7 +49,7 @@ fn error_map_values(kind: ErrorMapKind, a: &Image, b: &Image, flip: &[f32]) -> V
         ErrorMapKind::Absolute => differences.map(DVec3::abs).collect(),
         ErrorMapKind::Relative => {
             let scale = RelativeScale::from_image(b);
-            differences.zip(scale.weights()).map(|(d, w)| DVec3::splat((w * d.length_squared()).sqrt())).collect()
+            differences.zip(scale.pixel_weights()).map(|(d, w)| DVec3::splat((w * d.length_squared()).sqrt())).collect()
         }
     }
 }
@@ -72,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn values_follow_the_kind_of_map() {
+    fn error_map_values_follow_the_map_kind() {
         let (a, b) = (image_of_one_row(&[[2.0, 2.5, 1.0]]), image_of_one_row(&[[2.0; 3]]));
         let exr = |kind| error_map(kind, &a, &b, &[0.25], OutputFormat::Exr).0[0];
         assert_eq!(exr(ErrorMapKind::Signed), Vec3::new(0.0, 0.5, -1.0));

@@ -54,7 +54,7 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<Exit, CommandFailure> {
     report.exceeded = exceeded.iter().map(|(flag, _)| *flag).collect();
     let mut failures = OutputFailures::default();
     if let Some(path) = &arguments.output {
-        report.map = failures.ok_or_collect_report(write_map(path, arguments.map, &a, &b, &flip));
+        report.map = failures.ok_or_collect_report(write_error_map(path, arguments.map, &a, &b, &flip));
     }
     let text = if arguments.json {
         serde_json::to_string_pretty(&report).map_err(CommandFailure::output_error)? + "\n"
@@ -72,9 +72,9 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<Exit, CommandFailure> {
     failures.into_result(if exceeded.is_empty() { Exit::Success } else { Exit::Differ })
 }
 
-/// Returns the FLIP mode of the arguments.
+/// Returns the FLIP mode that the arguments select.
 ///
-/// By default it is LDR if `displayed`: both pictures hold display values. Else it is HDR.
+/// Without `--flip`, the mode is LDR if both pictures hold display values (`displayed`), else HDR.
 fn selected_flip_mode(arguments: &DiffArguments, displayed: bool) -> Result<FlipMetricMode, CommandFailure> {
     match (arguments.flip, arguments.exposure) {
         (Some(FlipModeArgument::Ldr), stops) => Ok(FlipMetricMode::Ldr(stops.unwrap_or(0.0))),
@@ -161,7 +161,7 @@ fn exceeded_limits(arguments: &DiffArguments, report: &DiffReport) -> Vec<(&'sta
 }
 
 /// Writes the error map of `--output`.
-fn write_map(
+fn write_error_map(
     path: &Path,
     kind: ErrorMapKind,
     a: &Image,

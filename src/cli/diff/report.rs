@@ -28,7 +28,7 @@ pub(super) struct DiffReport {
     pub differing_pixels: usize,
     /// The written error map; `None` without `--output`.
     pub map: Option<ErrorMapReport>,
-    /// Flags such as `max-rmse` whose limits the difference exceeds.
+    /// Flags such as `max-rmse` whose limits are exceeded by the pictures' difference.
     pub exceeded: Vec<&'static str>,
 }
 

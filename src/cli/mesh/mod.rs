@@ -45,7 +45,7 @@ struct MeshCommandReport {
     version: &'static str,
     mesh: String,
     before: MeshReport,
-    /// `None` if the arguments change nothing.
+    /// Numbers of changes by repairs; `None` if the arguments change nothing.
     repaired: Option<RepairCounts>,
     after: Option<MeshReport>,
 }
@@ -58,7 +58,7 @@ pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, CommandFailure> {
         let exit = if matches!(e, MeshError::Memory { .. }) { Exit::Usage } else { Exit::Input };
         CommandFailure::new(exit, miette::Report::from_err(e))
     })?;
-    progress.remove_bar();
+    progress.remove_progress_bar();
     check_mesh_memory(&arguments.mesh, &loaded.mesh, memory)?;
     let mut before = loaded.mesh.mesh_report();
     before.vertices = loaded.vertices;
@@ -96,7 +96,7 @@ pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, CommandFailure> {
     failures.into_result(Exit::Success)
 }
 
-/// Bytes of memory per triangle for the mesh and its report or repair.
+/// Memory of a mesh and its report or repair \[bytes per triangle].
 ///
 /// Measured on a grid of a million triangles: 165.
 const BYTES_PER_TRIANGLE: u64 = 200;

@@ -26,7 +26,7 @@ use std::time::Instant;
 /// Default number of passes of each picture of the study.
 const DEFAULT_PASSES: u32 = 4;
 
-/// File extensions of reports, and the functions that write them.
+/// File extensions of reports, and the functions that make the text of a report.
 const REPORT_WRITERS: [(&str, ReportWriter<EffectStudyResult>); 4] = [
     ("html", |arguments, found| effects_html_page(&report_context(arguments), found).into_diagnostic()),
     ("csv", |_, found| Ok(csv_report(found))),
@@ -69,7 +69,7 @@ fn run_effect_study(
         }
         progress.set_pass(made + 1, Some(passes));
     });
-    progress.remove_bar();
+    progress.remove_progress_bar();
     let found = found.into_diagnostic().map_err(|e| CommandFailure::new(Exit::Input, e))?;
     warn_of_rejected_samples(&found.whole.counters);
     let text = if arguments.json {
@@ -88,9 +88,9 @@ pub(super) fn load_study_scene(
 ) -> Result<Scene, CommandFailure> {
     let inputs = InputFileCollector::new(progress);
     let scene = load_scene(&arguments.scene, &inputs)?;
-    progress.remove_bar();
+    progress.remove_progress_bar();
     let inputs: Vec<FileWithRole> =
-        inputs.into_files().iter().map(|path| FileWithRole::new("the input", path)).collect();
+        inputs.into_input_paths().iter().map(|path| FileWithRole::new("the input", path)).collect();
     check_distinct_files(&study_output_files(arguments), &inputs)?;
     Ok(scene)
 }

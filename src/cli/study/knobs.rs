@@ -25,14 +25,14 @@ const ALPHAS: [f64; 3] = [0.5, 0.8, 1.0];
 const CAMERA_RAY_FACTORS: [f64; 2] = [0.5, 2.0];
 
 /// Settings that pilot passes chose for a method.
-struct PilotSettings {
+struct PilotChosenSettings {
     samples: u32,
     photons: u32,
     caustic_photons: u32,
     radius: Option<f32>,
 }
 
-impl PilotSettings {
+impl PilotChosenSettings {
     fn new(scene: &Scene, algorithm: Algorithm, settings: &Settings) -> Self {
         let integrator = algorithm.prepare(scene, settings.clone());
         let balance = integrator.ray_photon_balance();
@@ -50,10 +50,11 @@ impl PilotSettings {
     }
 }
 
-/// Returns a method with default settings, and its variants with one setting changed.
+/// Returns a method with default settings, and variants of it that differ in one setting each.
 ///
-/// A pilot chooses the numbers of rays and photons once for all variants. The radius to scale is
-/// that of the caustic map for `hybrid`, and of the indirect map for other methods.
+/// A pilot chooses the numbers of rays and photons once for all variants. The variants of
+/// `--radius` scale a gather radius that the pilot found: that of the caustic map for `hybrid`, and
+/// that of the indirect map for other methods.
 pub(super) fn knob_study_variants(
     algorithm: Algorithm,
     shared: &MethodArguments,
@@ -61,12 +62,12 @@ pub(super) fn knob_study_variants(
     scene: &Scene,
 ) -> Vec<VariantArguments> {
     let plain = VariantArguments::from_algorithm(algorithm, shared);
-    let pilot = PilotSettings::new(scene, algorithm, &settings_from_arguments(&plain.method, overrides));
+    let pilot = PilotChosenSettings::new(scene, algorithm, &settings_from_arguments(&plain.method, overrides));
     one_setting_variants(plain, &pilot)
 }
 
 /// Returns the method `plain` and its variants, given the settings that a pilot chose.
-fn one_setting_variants(plain: VariantArguments, pilot: &PilotSettings) -> Vec<VariantArguments> {
+fn one_setting_variants(plain: VariantArguments, pilot: &PilotChosenSettings) -> Vec<VariantArguments> {
     let VariantArguments { label: name, mut method } = plain;
     let algorithm = method.integrator;
     method.spp = Some(pilot.samples);

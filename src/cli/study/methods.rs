@@ -28,12 +28,12 @@ use miette::IntoDiagnostic;
 /// Default processor time of a reference, as a multiple of `--budget`.
 const REFERENCE_BUDGET_FACTOR: f64 = 4.0;
 
-/// Smallest share of processor time in wall time of all threads without a warning.
+/// Ratio of processor time to wall time of all threads, below which a warning is printed.
 ///
-/// A smaller share means that other programs ran, or that threads waited.
+/// A smaller ratio means that other programs ran, or that threads waited.
 const MIN_THREAD_SHARE: f64 = 0.9;
 
-/// File extensions of reports, and the functions that write them.
+/// File extensions of reports, and the functions that make the text of a report.
 const REPORT_WRITERS: [(&str, ReportWriter<MethodStudyResult>); 4] = [
     ("html", |_, found| report::methods_html_page(found).into_diagnostic()),
     ("csv", |_, found| Ok(report::csv_report(found))),
@@ -148,7 +148,7 @@ fn run_method_study(
             square_root_percent_text(at.mean_squared_error())
         )),
     });
-    progress.remove_bar();
+    progress.remove_progress_bar();
     let found = found.into_diagnostic().map_err(|e| CommandFailure::new(Exit::Input, e))?;
     if found.share < MIN_THREAD_SHARE {
         print_message(&format!(

@@ -19,7 +19,7 @@ struct UnknownReportFormat {
     known: String,
 }
 
-/// Paths of report files that can be written, each with the function that makes its text.
+/// Paths of the report files to write, each with the function that makes its text.
 pub(super) struct StudyOutputs<'a, F>(Vec<(&'a Path, ReportWriter<F>)>);
 
 impl<'a, F> StudyOutputs<'a, F> {

@@ -40,17 +40,18 @@ pub(super) fn checkpoints_table(found: &MethodStudyResult) -> String {
     text
 }
 
-/// Returns the root of a squared error in percent; `-` if noise hides it.
+/// Returns the square root of a squared error in percent; `-` if the estimate is not positive.
 pub(super) fn square_root_percent_text(square: f64) -> String {
     if square > 0.0 { percent_text(square.sqrt()) } else { "-".to_owned() }
 }
 
-/// Returns the root mean square of the error estimates of all seeds; empty if there are none.
+/// Returns the root mean square of the renderer's own error estimates of all seeds, in percent;
+/// empty if there are none.
 fn rms_estimated_error(checkpoint: &ConvergenceCheckpoint) -> String {
     checkpoint.mean_estimated_square().map_or(String::new(), square_root_percent_text)
 }
 
-/// Returns the rate in error ∝ time^rate between two checkpoints; `None` if it is unknown.
+/// Returns the exponent in error ∝ time^exponent between two checkpoints; `None` if it is unknown.
 fn convergence_rate(before: &ConvergenceCheckpoint, after: &ConvergenceCheckpoint) -> Option<f64> {
     let error = 0.5 * libm::log(after.mean_squared_error() / before.mean_squared_error());
     let rate = error / libm::log(after.seconds / before.seconds);

@@ -1,8 +1,8 @@
-//! Indices of refraction.
+//! Tests of refractive indices.
 
 use super::*;
 
-/// The catalogue's own figures, to the last digit given.
+/// The indices of BK7 equal those of the manufacturer's catalogue to its last digit.
 #[test]
 fn borosilicate_crown_matches_the_catalogue() {
     let bk7 = glass_by_name("BK7").unwrap();
@@ -13,9 +13,9 @@ fn borosilicate_crown_matches_the_catalogue() {
     assert!((bk7.abbe_number() - 64.167).abs() < 5e-3, "{}", bk7.abbe_number());
 }
 
-/// Index at the line d and Abbe's number from catalogues and tables, to their last digit.
+/// Indices at the d line and Abbe numbers equal those of catalogues and tables to their last digit.
 #[test]
-fn substances_match_published_constants() {
+fn glasses_match_published_refractive_indices() {
     let known = [
         ("BK7", 1.51680, 5e-6, 64.17, 0.01),
         ("F2", 1.62004, 5e-6, 36.37, 0.01),
@@ -41,7 +41,7 @@ fn substances_match_published_constants() {
 }
 
 #[test]
-fn range_bounds_all_indices() {
+fn index_range_bounds_all_refractive_indices() {
     let made =
         [DispersionFormula::from_abbe_number(1.5, 20.0), DispersionFormula::Cauchy { a: 1.5, b: -0.01, c: 0.001 }];
     for glass in GLASSES.iter().map(|g| g.1).chain(made) {
@@ -59,7 +59,7 @@ fn range_bounds_all_indices() {
 }
 
 #[test]
-fn resonances_and_invalid_indices_have_no_range() {
+fn resonances_and_invalid_refractive_indices_have_no_range() {
     let resonance = |c: f64| three_term_sellmeier([0.01, 1.2, 0.0], [c, 0.01, 0.0]);
     // At 600.0005 nm: so narrow that whole nanometres miss it.
     assert_eq!(resonance(wavelength_squared(600.0005)).refractive_index_range(), None);

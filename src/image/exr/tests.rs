@@ -33,7 +33,7 @@ fn metadata_is_stored_and_bytes_repeat() {
     assert_eq!(headers[0].shared_attributes.chromaticities, Some(REC_709));
 }
 
-/// `file` with the size of the named window replaced.
+/// Returns the OpenEXR file `file` with another size in its header window `name`.
 fn exr_with_replaced_window(file: &[u8], name: &[u8], (width, height): (i32, i32)) -> Vec<u8> {
     let window = file.windows(name.len()).position(|w| w == name).unwrap() + name.len() + 4;
     let mut file = file.to_vec();
@@ -64,7 +64,7 @@ fn an_implausible_size_is_refused() {
     assert_eq!(image.pixels()[40], Vec3::ZERO);
 }
 
-/// More than half a gigabyte in single precision.
+/// A picture is read although it takes more than half a gigabyte in single precision.
 #[test]
 fn pictures_may_exceed_the_limit_of_the_decoder() {
     let noise = |i: u32| Vec3::splat((i.wrapping_mul(2_654_435_761) >> 8) as f32);

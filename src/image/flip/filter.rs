@@ -4,8 +4,8 @@ use super::color::relative_luminance;
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// Contrast sensitivity of the luminance channel: a and b of a·√(π/b)·exp(−π²x²/b), x in degrees
-/// (Andersson et al. 2020, table 1).
+/// Parameters (a, b) of the contrast sensitivity filter of channel Y. The filter is
+/// a·√(π/b)·exp(−π²x²/b) at a distance of x degrees (Andersson et al. 2020, table 1).
 const LUMINANCE: (f64, f64) = (1.0, 0.0047);
 const RED_GREEN: (f64, f64) = (1.0, 0.0053);
 const BLUE_YELLOW: [(f64, f64); 2] = [(34.1, 0.04), (13.5, 0.025)];
@@ -20,7 +20,7 @@ type FilterWeights = Vec<f32>;
 pub(super) struct FlipMetricFilters {
     luminance: FilterWeights,
     red_green: FilterWeights,
-    /// Weighted sum of two Gaussians: weight and Gaussian.
+    /// The filter of channel Cz is a sum of two Gaussians. Each entry is a weight and a Gaussian.
     blue_yellow: [(f32, FilterWeights); 2],
     /// A Gaussian and its first and second derivative.
     detector: [FilterWeights; 3],
@@ -100,9 +100,10 @@ fn to_single_precision(weights: impl Iterator<Item = f64>) -> FilterWeights {
 pub(super) struct FlipRowFilter {
     /// Row after vertical filtering, extended by its end pixels on both sides.
     padded: Vec<f32>,
-    /// Blurred Y, Cx and Cz, and Cz blurred with the second Gaussian.
+    /// Blurred channels: Y, Cx, Cz by the first Gaussian, and Cz by the second one.
     blurred: [Vec<f32>; 4],
-    /// Horizontal edges, vertical edges, horizontal points, vertical points.
+    /// Responses of the detectors for horizontal edges, vertical edges, horizontal points and
+    /// vertical points.
     features: [Vec<f32>; 4],
 }
 
@@ -116,7 +117,7 @@ impl FlipRowFilter {
         }
     }
 
-    /// Computes one row of all filters from the `planes` Y, Cx and Cz.
+    /// Applies all filters to one row of the `planes` Y, Cx and Cz, and keeps the results.
     pub fn filter(&mut self, planes: &[Vec<f32>; 3], row: usize, filters: &FlipMetricFilters) {
         let [(share, kernel), (other_share, other)] = &filters.blue_yellow;
         let padded = &mut self.padded;
@@ -141,18 +142,18 @@ impl FlipRowFilter {
         DVec3::new(y[x].into(), cx[x].into(), cz[x].into())
     }
 
-    /// Magnitude of the luminance edge in column `x`.
+    /// Strength of luminance edges in column `x`.
     pub fn edge_strength(&self, x: usize) -> f64 {
         feature_magnitude(self.features[0][x], self.features[1][x])
     }
 
-    /// Magnitude of the luminance point in column `x`.
+    /// Strength of luminance points, such as fireflies, in column `x`.
     pub fn point_strength(&self, x: usize) -> f64 {
         feature_magnitude(self.features[2][x], self.features[3][x])
     }
 }
 
-/// Magnitude of a feature from its horizontal and vertical detector, in relative luminance.
+/// Strength of an edge or point from its horizontal and vertical detector, in relative luminance.
 ///
 /// Detector weights have sum 0, so the offset between channel Y and luminance cancels.
 fn feature_magnitude(across: f32, down: f32) -> f64 {

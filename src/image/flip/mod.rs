@@ -30,12 +30,12 @@ pub const PIXELS_PER_DEGREE_RANGE: std::ops::RangeInclusive<f64> = 1.0..=1000.0;
 pub enum FlipMetricMode {
     /// LDR-ꟻLIP at one exposure \[stops], within ±[`MAX_EXPOSURE_STOPS`].
     ///
-    /// Radiance is multiplied by 2 to this power and clamped to \[0, 1].
+    /// Radiance is multiplied by 2 to the power of the exposure, and clamped to \[0, 1].
     Ldr(f32),
-    /// HDR-ꟻLIP: the largest error of each pixel over exposures about one stop apart.
+    /// HDR-ꟻLIP: the error of a pixel is its largest error over exposures about one stop apart.
     ///
-    /// The first exposure maps the brightest pixel of the reference close to white. The last one
-    /// does so with the median of the pixels that are not black.
+    /// The first exposure maps the brightest pixel of the reference close to white. The last
+    /// exposure maps the median of its non-black pixels close to white.
     Hdr,
 }
 
@@ -65,7 +65,8 @@ pub struct FlipMetricResult {
 
 /// Computes the ꟻLIP error of `test` against `reference`. Negative radiance counts as black.
 ///
-/// [`FlipMetricMode::Ldr`] is symmetric. [`FlipMetricMode::Hdr`] derives its exposures from the reference.
+/// The result for [`FlipMetricMode::Ldr`] does not change if the pictures are exchanged.
+/// [`FlipMetricMode::Hdr`] derives its exposures from the reference.
 ///
 /// # Errors
 /// [`MetricError`] if the sizes differ, a pixel is not finite, or an option is out of range.
@@ -120,7 +121,7 @@ struct OpponentColorImage {
 }
 
 impl OpponentColorImage {
-    /// Converts `image`; `shown` maps radiance to linear display values in \[0, 1].
+    /// Converts `image` to YCxCz; `shown` maps radiance to linear display values in \[0, 1].
     fn from_image(image: &Image, shown: impl Fn(Vec3) -> Vec3 + Sync) -> Self {
         let triples: Vec<Vec3> = image.pixels().par_iter().map(|&p| rgb_to_ycxcz(shown(p))).collect();
         let plane = |channel: usize| triples.iter().map(|t| t[channel]).collect();

@@ -32,14 +32,14 @@ fn ldr_flip_at_default_exposure(a: &Image, b: &Image) -> FlipMetricResult {
     flip_metric(a, b, &FlipMetricOptions::default()).unwrap()
 }
 
-/// Asserts bitwise equality.
+/// Asserts that two results are equal bit for bit.
 #[track_caller]
 fn assert_same_result(a: &FlipMetricResult, b: &FlipMetricResult) {
     assert!(a == b, "means {} and {}", a.mean, b.mean);
 }
 
-/// Asserts the mean, and the errors of three pixels: the largest, column 30 of row 20, and the
-/// first.
+/// Asserts the mean error and three pixel errors: the largest, that in column 30 of row 20, and
+/// that of the first pixel.
 #[track_caller]
 fn assert_values(found: &FlipMetricResult, mean: f64, [largest, inside, first]: [f32; 3]) {
     // The authors' program computes in f32. Roots of small features amplify its rounding to about
@@ -51,9 +51,9 @@ fn assert_values(found: &FlipMetricResult, mean: f64, [largest, inside, first]: 
     }
 }
 
-/// Reference values of the authors' program, flip-evaluator 1.7.
+/// Results equal those of the authors' program, flip-evaluator 1.7.
 #[test]
-fn results_match_the_authors_program() {
+fn flip_results_match_the_authors_program() {
     let shifted = picture_from(|x, y| gray_box_color(x - 2, y + 1));
     assert_values(
         &ldr_flip_at_default_exposure(&picture_from(gradient_color), &picture_from(noisy_gradient_color)),
@@ -97,7 +97,7 @@ fn equal_pictures_are_0_and_opposites_1() {
 }
 
 #[test]
-fn ldr_is_symmetric_and_exposed() {
+fn ldr_flip_is_symmetric_and_applies_exposure() {
     let (a, b) = (picture_from(gradient_color), picture_from(noisy_gradient_color));
     assert_same_result(&ldr_flip_at_default_exposure(&a, &b), &ldr_flip_at_default_exposure(&b, &a));
     let half = |image: &Image| Image::from_pixels(64, 48, image.pixels().iter().map(|p| *p * 0.5).collect()).unwrap();
@@ -107,7 +107,7 @@ fn ldr_is_symmetric_and_exposed() {
 
 /// Each further blur increases the difference to the sharp picture.
 #[test]
-fn more_blur_is_more_difference() {
+fn more_blur_increases_the_flip_error() {
     let sharp = picture_from(gray_box_color);
     let mut image = sharp.clone();
     let mut last = 0.0;

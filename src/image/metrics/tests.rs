@@ -19,7 +19,7 @@ fn metrics_follow_their_formulas() {
 }
 
 #[test]
-fn extremes_do_not_overflow() {
+fn metrics_of_extreme_pixels_do_not_overflow() {
     let (a, b) = (image_of_one_row(&[[f32::MAX; 3]]), image_of_one_row(&[[-f32::MAX; 3]]));
     assert!((rmse(&a, &b).unwrap() / (2.0 * f64::from(f32::MAX)) - 1.0).abs() < 1e-12);
 }
@@ -48,7 +48,7 @@ fn largest_differences_have_positions() {
     assert_eq!(largest_differences(&image, &image).unwrap(), PixelDifferences::default());
 }
 
-/// In a uniform picture of radiance 2, an error of 0.1 is 0.1 / √(4 + 4).
+/// In a uniform picture of radiance 2, an error of 0.1 is a relative error of 0.1 / √(2² + 2²).
 #[test]
 fn the_relative_error_is_a_root_mean_square() {
     let (a, b) = (image_of_one_row(&[[2.1; 3]; 9]), image_of_one_row(&[[2.0; 3]; 9]));

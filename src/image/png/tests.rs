@@ -63,7 +63,7 @@ fn metadata_is_stored_as_text() {
     assert_eq!((wide[0].keyword.as_str(), wide[0].get_text().unwrap().as_str()), ("Scene", "Glas-Ω"));
 }
 
-fn encode_foreign_png(color: ColorType, depth: Depth, gamma: Option<f32>, data: &[u8]) -> Vec<u8> {
+fn encode_png_variant(color: ColorType, depth: Depth, gamma: Option<f32>, data: &[u8]) -> Vec<u8> {
     let mut file = Vec::new();
     let mut encoder = Encoder::new(&mut file, 2, 1);
     encoder.set_color(color);
@@ -77,14 +77,14 @@ fn encode_foreign_png(color: ColorType, depth: Depth, gamma: Option<f32>, data: 
 
 #[test]
 fn other_png_variants_are_read_or_refused() {
-    let gray = encode_foreign_png(ColorType::Grayscale, Depth::Eight, None, &[10, 200]);
+    let gray = encode_png_variant(ColorType::Grayscale, Depth::Eight, None, &[10, 200]);
     assert_eq!(unwrap_decoded(read_bytes(&gray)).pixels(), [[10; 3], [200; 3]]);
-    let opaque = encode_foreign_png(ColorType::Rgba, Depth::Eight, None, &[1, 2, 3, 255, 4, 5, 6, 255]);
+    let opaque = encode_png_variant(ColorType::Rgba, Depth::Eight, None, &[1, 2, 3, 255, 4, 5, 6, 255]);
     assert_eq!(unwrap_decoded(read_bytes(&opaque)).pixels(), [[1, 2, 3], [4, 5, 6]]);
-    let clear = encode_foreign_png(ColorType::Rgba, Depth::Eight, None, &[1, 2, 3, 255, 4, 5, 6, 254]);
+    let clear = encode_png_variant(ColorType::Rgba, Depth::Eight, None, &[1, 2, 3, 255, 4, 5, 6, 254]);
     assert!(failure_message(read(&clear, None)).contains("flatten"));
     let deep =
-        encode_foreign_png(ColorType::Rgb, Depth::Sixteen, Some(1.0), &[128, 0, 0, 0, 0, 0, 0, 0, 0, 0, 255, 255]);
+        encode_png_variant(ColorType::Rgb, Depth::Sixteen, Some(1.0), &[128, 0, 0, 0, 0, 0, 0, 0, 0, 0, 255, 255]);
     assert!(failure_message(read_bytes(&deep)).contains("16 bits"));
     // A gamma of 1 is linear, so level 32768 reads as 32768 / 65535.
     let image = unwrap_decoded(read(&deep, None));

@@ -4,8 +4,8 @@ use super::*;
 use glam::{DAffine3, Vec2};
 use rand::RngExt;
 
-/// A random walk from the origin that absorbs by roulette. Returns the number of collisions and the
-/// end position.
+/// Simulates a random walk from the origin, in which Russian roulette decides on absorption.
+/// Returns the number of collisions and the end position.
 fn random_walk(medium: &Medium, random: &mut SmallRng) -> (f64, DVec3) {
     let (mut p, mut direction, mut collisions) = (Vec3::ZERO, Vec3::X, 0.0);
     loop {
@@ -20,7 +20,10 @@ fn random_walk(medium: &Medium, random: &mut SmallRng) -> (f64, DVec3) {
     }
 }
 
-/// Mean collisions are 1/(1−a); ⟨r²⟩ = 2/(σt²(1−a)(1−ag)) at the point of absorption.
+/// Compares random walks with closed forms for albedo a and mean cosine g.
+///
+/// The mean number of collisions is 1/(1−a). The mean squared distance of the point of absorption
+/// is 2/(σt²(1−a)(1−ag)).
 fn assert_random_walk_moments(medium: &Medium, sigma: f64, albedo: f64) {
     let mut random = test_rng(5);
     let (mut collisions, mut square) = (RunningMean::default(), RunningMean::default());
@@ -43,7 +46,7 @@ fn homogeneous_random_walks_match_diffusion() {
     }
 }
 
-/// The random walk leaves this large grid with a probability of e⁻⁵⁰⁰.
+/// The grid is so large that a random walk leaves it only with probability e⁻⁵⁰⁰.
 #[test]
 fn grid_random_walks_match_diffusion() {
     let place = DAffine3::from_scale(DVec3::splat(400.0)) * DAffine3::from_translation(DVec3::splat(-0.5));

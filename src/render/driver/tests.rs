@@ -3,7 +3,7 @@ use crate::color::Rgb;
 use crate::integrate::{Pass, SilentMonitor};
 use crate::plan::{Effects, Plan};
 
-/// Pass i is an image of radiance i.
+/// Integrator whose pass i is an image of radiance i.
 struct PassNumberIntegrator;
 
 impl Integrator for PassNumberIntegrator {

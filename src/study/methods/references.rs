@@ -13,7 +13,7 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Offsets of the seeds of both references from the first studied seed.
+/// Difference between the seed of each reference and the first seed of the study.
 const SEED_OFFSETS: [u64; 2] = [1 << 62, 1 << 63];
 
 /// First bytes of a PNG file.
@@ -69,7 +69,7 @@ pub struct ReferencePictures {
 }
 
 impl ReferencePictures {
-    /// Makes references of `a` and `b`. Without `b`, `a` is taken as exact.
+    /// Makes reference pictures of `a` and `b`. Without `b`, `a` is taken as exact.
     ///
     /// `source` describes their origin in reports.
     ///
@@ -106,9 +106,9 @@ impl ReferencePictures {
 
     /// Renders two references with the settings `like`, except for seeds and sample counts.
     ///
-    /// Makes whole passes, until each reference took at least `seconds` of processor time. Calls
-    /// `after` with the number of passes and the fraction of the time. Returns `None` if
-    /// `interrupted` becomes true.
+    /// Makes passes until each reference has taken at least `seconds` of processor time. After each
+    /// pass, calls `after` with the number of passes and the elapsed fraction of `seconds`. Returns
+    /// `None` if `interrupted` becomes true.
     ///
     /// # Errors
     /// [`ReferenceError`] if a pixel is not finite.
@@ -160,10 +160,10 @@ impl ReferencePictures {
         &self.pair
     }
 
-    /// Mean of both references A and B, with its origin and error.
+    /// Returns the mean of both references A and B, with its origin and error.
     ///
-    /// The error is that of its noise, ½√(mean of (A − B)²). A bias that both references share is
-    /// unknown.
+    /// The error is the noise of the mean, ½√(mean of (A − B)²). It does not contain a bias that
+    /// both references share.
     #[must_use]
     pub fn ground_truth(&self) -> GroundTruth {
         GroundTruth { source: self.source.clone(), error: self.error, picture: self.mean.clone() }

@@ -1,4 +1,4 @@
-//! Runs the methods of a study in turns, pass by pass.
+//! Runs the methods of a study in turns, one pass at a time.
 
 use super::clock::{ClockFn, measure_time, system_clock};
 use super::split::{mean_pixel, pixel_errors, separate_noise_and_bias};
@@ -18,7 +18,8 @@ use crate::stats::cpu_seconds;
 use crate::study::StudyError;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Minimum ratio of passes between the last two checkpoints; a closer one is dropped.
+/// Minimum ratio of the numbers of passes at the last two checkpoints. At a smaller ratio, the
+/// earlier checkpoint is dropped.
 const MIN_CHECKPOINT_RATIO: f64 = 1.3;
 
 /// Memory of a film and its error estimator \[bytes per pixel].
@@ -27,11 +28,11 @@ const BYTES_PER_FILM_PIXEL: u64 = 24 + 192;
 /// Memory of a picture \[bytes per pixel].
 const BYTES_PER_PICTURE_PIXEL: u64 = 12;
 
-/// Limits at which the methods of a study stop. At least one pass of each is made.
+/// Limits at which the methods of a study stop. Each method makes at least one pass.
 #[derive(Clone, Copy, Debug)]
 pub struct StudyLimits {
-    /// Processor time per seed \[s]. A method stops after the pass in which its mean over seeds
-    /// reaches this.
+    /// Processor time per seed \[s]. A method stops after the pass in which its mean time over
+    /// seeds reaches this limit.
     pub budget: f64,
     /// Largest number of passes; `None` without a limit.
     pub passes: Option<u32>,
@@ -79,10 +80,10 @@ struct MethodRun<'a> {
 
 /// State of one seed of a method.
 struct SeedRun<'a> {
-    /// Prepared in the first pass, except for the first seed.
+    /// Integrator of this seed; `None` before the first pass, except for the first seed.
     integrator: Option<Box<dyn Integrator + 'a>>,
     film: Film,
-    /// Created in the first pass.
+    /// Error estimator of this seed; `None` before the first pass.
     estimator: Option<ErrorEstimator>,
 }
 
@@ -148,7 +149,7 @@ impl<'a> MethodStudy<'a> {
         Ok(Self { size, seeds, clock, runs })
     }
 
-    /// Numbers of photons that determine the memory of a pass: their maxima over all methods.
+    /// Largest expected numbers of photons of a pass, over all methods. They determine its memory.
     #[must_use]
     pub fn largest_expected_photons(&self) -> ExpectedPhotons {
         self.runs.iter().map(|run| run.expected).fold(ExpectedPhotons::default(), |a, b| ExpectedPhotons {
@@ -208,7 +209,7 @@ impl<'a> MethodStudy<'a> {
 
     /// Makes one pass of each seed of each running method.
     ///
-    /// Each round starts with another seed. So a slow phase of the machine or a cold cache affects
+    /// Each round starts at another method and seed. So a temporary slowdown of the machine affects
     /// all methods equally.
     fn run_round(&mut self, pass: u32, monitor: &dyn ProgressMonitor) {
         let seeds = self.seeds as usize;
@@ -260,7 +261,7 @@ impl MethodRun<'_> {
         self.photons += pass.unaimed.emitted + pass.aimed.emitted;
     }
 
-    /// Measures all seeds after `passes` passes and adds a checkpoint.
+    /// Measures the pictures of all seeds after `passes` passes, and adds a checkpoint.
     ///
     /// `last` is true at the end of the method. The previous checkpoint is then dropped if it is
     /// close.

@@ -4,7 +4,9 @@ use super::ReferencePictures;
 use crate::color::Rgb;
 use glam::DVec3;
 
-/// Error, noise and bias of a method; [`ConvergenceCheckpoint`](super::ConvergenceCheckpoint) describes the fields.
+/// Error, noise and bias of a method at one checkpoint.
+///
+/// [`ConvergenceCheckpoint`](super::ConvergenceCheckpoint) describes the fields.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct NoiseAndBias {
     pub squares: Vec<f64>,
@@ -23,7 +25,7 @@ pub(super) fn separate_noise_and_bias(references: &ReferencePictures, pictures: 
     let (mut squares, mut noises) = (vec![0.0; pictures.len()], vec![0.0; pictures.len()]);
     let mut plain = 0.0;
     let scale = references.relative_scale();
-    let count = scale.weights().len();
+    let count = scale.pixel_weights().len();
     // The mean over seeds contains each picture, which reduces the variance by this factor.
     let whole = seeds / (seeds - 1.0);
     for i in 0..count {
@@ -49,7 +51,8 @@ pub(super) fn mean_pixel(pictures: &[Vec<Rgb>], i: usize) -> DVec3 {
     pictures.iter().map(|picture| picture[i].as_dvec3()).sum::<DVec3>() / pictures.len() as f64
 }
 
-/// Relative error of each pixel: root mean square over seeds; 0 if the mean square is negative.
+/// Relative error of each pixel: root mean square over seeds; 0 if the estimated mean square is
+/// negative.
 pub(super) fn pixel_errors(references: &ReferencePictures, pictures: &[Vec<Rgb>]) -> Vec<f32> {
     let scale = references.relative_scale();
     let square = |i: usize| {
@@ -58,5 +61,5 @@ pub(super) fn pixel_errors(references: &ReferencePictures, pictures: &[Vec<Rgb>]
         };
         (pictures.iter().map(counts).sum::<f64>() / pictures.len() as f64).max(0.0).sqrt() as f32
     };
-    (0..scale.weights().len()).map(square).collect()
+    (0..scale.pixel_weights().len()).map(square).collect()
 }

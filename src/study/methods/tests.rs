@@ -19,7 +19,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 const SIZE: (u32, u32) = (64, 64);
 const CHANNELS: f64 = 3.0 * 64.0 * 64.0;
 
-/// Uniform noise of standard deviation `sigma`, keyed by `key`.
+/// Returns uniform noise of mean 0 and standard deviation `sigma`; `key` selects the random number.
 fn uniform_noise(sigma: f64, key: u64) -> f64 {
     // Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators".
     let mut z = key.wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -29,7 +29,8 @@ fn uniform_noise(sigma: f64, key: u64) -> f64 {
     12f64.sqrt() * sigma * (uniform - 0.5)
 }
 
-/// Picture of radiance 1 + `bias` with noise of standard deviation `sigma`, keyed by `name`.
+/// Makes a picture of radiance 1 + `bias` with noise of standard deviation `sigma`; `name` selects
+/// the random numbers.
 fn noisy_picture(bias: f64, sigma: f64, name: u64) -> Vec<Rgb> {
     let value = |i: u64| 1.0 + bias + uniform_noise(sigma, (name << 32) + i);
     let pixel = |i: u64| glam::DVec3::new(value(3 * i), value(3 * i + 1), value(3 * i + 2)).as_vec3();
@@ -40,7 +41,7 @@ fn image_from_pixels(pixels: Vec<Rgb>) -> Image {
     Image::from_pixels(SIZE.0, SIZE.1, pixels).unwrap()
 }
 
-/// Two references of radiance 1 with noise of standard deviation `sigma`.
+/// Makes two references of radiance 1 with noise of standard deviation `sigma`.
 fn references_with_noise(sigma: f64) -> ReferencePictures {
     let [a, b] = [1000, 1001].map(|name| image_from_pixels(noisy_picture(0.0, sigma, name)));
     ReferencePictures::new("here".into(), a, Some(b)).unwrap()
@@ -100,11 +101,12 @@ struct SyntheticMethod {
 const FAST_METHOD: SyntheticMethod = SyntheticMethod { bias: 0.0, sigma: 0.5, cost: 0.2, interrupts: false };
 const SLOW_METHOD: SyntheticMethod = SyntheticMethod { bias: 0.1, sigma: 0.1, cost: 0.8, interrupts: false };
 
-/// State that all methods of a study share.
+/// Clock, log and interruption flag that all synthetic methods of a test share.
 #[derive(Default)]
 struct SyntheticStudyState {
     time: Mutex<CpuWallTime>,
-    /// Cost (which identifies the method), seed and pass of each pass, in order.
+    /// An entry for each pass in order: cost of the method (which identifies it), seed, and number
+    /// of the pass.
     log: Mutex<Vec<(f64, u64, u32)>>,
     interrupted: AtomicBool,
 }
@@ -176,8 +178,9 @@ fn checkpoint_passes(found: &MethodStudyResult, method: usize) -> Vec<u32> {
     found.methods[method].checkpoints.iter().map(|c| c.passes).collect()
 }
 
-/// Passes of the two seeds take 1 and 1.5 times the method's cost, so 1.25 times in the mean. That
-/// is 1 s for the slow method and 0.25 s for the fast one.
+/// Methods stop when the mean processor time of their seeds reaches the budget. Passes of the two
+/// seeds take 1 and 1.5 times the cost of the method. The mean is 1 s for the slow method and 0.25
+/// s for the fast one.
 #[test]
 fn methods_run_until_their_budget() {
     let world = SyntheticStudyState::default();

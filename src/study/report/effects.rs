@@ -11,7 +11,8 @@ use crate::image::Image;
 use crate::study::{ClockKind, EffectResult, EffectStudyResult, StudyError};
 use std::fmt::Write;
 
-/// Minimum ratio between light added and light removed for the smaller part to be shown.
+/// Minimum ratio of the smaller to the larger of two parts, added light and removed light, for the
+/// smaller one to be shown.
 ///
 /// A smaller part is mostly noise.
 const MIN_SHOWN_PART: f64 = 0.1;
@@ -31,7 +32,7 @@ article { border-top: 1px solid #8886; padding: 1.5rem 0; }
 p { max-width: 48rem; } dl { display: grid; grid-template-columns: max-content 1fr; gap: .25rem 1rem; } dt { font-weight: 600; } dd { margin: 0; }
 ";
 
-/// Facts about a study that its report states.
+/// Facts about a study of effects that its report states besides the results.
 #[derive(Clone, Debug)]
 pub struct ReportContext {
     /// Name of the scene.

@@ -12,7 +12,7 @@ use super::html::escape_html;
 use super::text::{duration_text, error_percent_text};
 use crate::study::StudyError;
 use crate::study::methods::MethodStudyResult;
-use analysis::StudyAnalysis;
+use analysis::MethodStudyAnalysis;
 use std::fmt::Write;
 use warnings::study_warnings;
 
@@ -24,10 +24,9 @@ const SCRIPT: &str = include_str!("methods/flip.js");
 /// The page contains its pictures, styles and a short script, and needs no other file. If scripts
 /// are disabled, the pictures stand below each other.
 ///
-/// # Errors
-/// [`StudyError`] if a picture cannot be encoded, or differs in size from the truth.
+/// # Errors [`StudyError`] if a picture cannot be encoded, or differs in size from the reference.
 pub fn methods_html_page(found: &MethodStudyResult) -> Result<String, StudyError> {
-    let analysis = StudyAnalysis::new(found);
+    let analysis = MethodStudyAnalysis::new(found);
     let scene = escape_html(&found.scene);
     let mut page = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\

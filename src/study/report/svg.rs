@@ -17,7 +17,7 @@ const MAX_LETTER_WIDTH: f64 = 6.9;
 /// Largest number of letters of a label; longer labels are cut, and their tooltip is complete.
 const MAX_LABEL_LETTERS: usize = 30;
 
-/// Line style of a series.
+/// Line style of a series in a plot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LineStyle {
     /// Solid, with markers.
@@ -44,7 +44,7 @@ pub(super) struct SlopeGuideLine {
     pub(super) label: String,
     pub(super) slope: f64,
     pub(super) through: (f64, f64),
-    /// True to put the label below the line, since the measured line lies above.
+    /// True if the label is below the line, because the measured line is above it.
     pub(super) below: bool,
 }
 
@@ -66,14 +66,15 @@ pub(super) struct LogLogPlot<'a> {
 struct LogAxis {
     least: f64,
     most: f64,
-    /// Position of `least` \[px].
+    /// Position of the value `least` on the page \[px].
     from: f64,
-    /// Position of `most` \[px].
+    /// Position of the value `most` on the page \[px].
     to: f64,
 }
 
 impl LogAxis {
-    /// Axis that contains all drawable values with a margin; `None` if there are none.
+    /// Makes an axis that contains all positive finite values with a margin; `None` if there are
+    /// none.
     fn axis_around_values(values: impl Iterator<Item = f64>, (from, to): (f64, f64)) -> Option<Self> {
         let (least, most) =
             values.filter(|v| is_drawable(*v)).fold((f64::MAX, 0.0), |(a, b): (f64, f64), v| (a.min(v), b.max(v)));
@@ -90,7 +91,8 @@ impl LogAxis {
         self.from + part * (self.to - self.from)
     }
 
-    /// Values of the ticks at 1, 2 and 5 times powers of ten; true for ticks with a label.
+    /// Values of the ticks at 1, 2 and 5 times powers of ten. The flag is true for ticks with a
+    /// label.
     fn tick_values(&self) -> Vec<(f64, bool)> {
         let decades = libm::log10(self.most / self.least);
         let first = libm::floor(libm::log10(self.least)) as i32;
@@ -322,7 +324,8 @@ fn shortened_label(label: &str) -> String {
     label.chars().take(MAX_LABEL_LETTERS - 1).chain(['…']).collect()
 }
 
-/// Moves the sorted label positions apart until no two overlap, and up from `bottom`.
+/// Moves sorted label positions apart until no labels overlap, and up if the last one is below
+/// `bottom`.
 ///
 /// They start at `top` or below, unless there is not enough room.
 fn separate_label_heights(heights: &[f64], (top, bottom): (f64, f64)) -> Vec<f64> {

@@ -3,7 +3,7 @@
 use crate::sampling::{Dimension, Key};
 use crate::study::methods::{ConvergenceCheckpoint, MethodResult};
 
-/// The tail begins at the number of passes of the last checkpoint divided by this.
+/// Number of passes at the last checkpoint, divided by that at the start of the fitted tail.
 const TAIL_RATIO: u32 = 16;
 
 /// Minimum number of checkpoints for a fit. Two are too few: they always lie on a line.
@@ -17,7 +17,8 @@ const BOOTSTRAP_REPLICATES: u64 = 1000;
 pub struct SlopeEstimate {
     /// Least-squares slope.
     pub value: f64,
-    /// 95 % confidence interval; `None` if seeds are too few or too scattered.
+    /// 95 % confidence interval; `None` if there are too few seeds or their errors scatter too
+    /// much.
     pub interval: Option<[f64; 2]>,
 }
 
@@ -30,12 +31,13 @@ pub struct ConvergenceSlopes {
     pub by_passes: SlopeEstimate,
 }
 
-/// Fitted slopes of a method.
+/// Slopes of error, noise and bias, fitted to the last checkpoints of a method.
 ///
-/// A quantity has no slopes if its estimate is not positive at every checkpoint of the tail.
+/// The fit uses the checkpoints with at least 1/16 of the passes of the last one. A quantity has no
+/// slopes if its estimate is not positive at each of them.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct ConvergenceFit {
-    /// Number of passes of each checkpoint in the tail.
+    /// Number of passes of each fitted checkpoint.
     pub passes: Vec<u32>,
     /// Slopes of the relative error.
     pub error: Option<ConvergenceSlopes>,
@@ -45,7 +47,7 @@ pub struct ConvergenceFit {
     pub bias: Option<ConvergenceSlopes>,
 }
 
-/// Fits slopes to the tail of a method's checkpoints; `None` if it has fewer than three.
+/// Fits slopes to the last checkpoints of a method; `None` if fewer than three can be used.
 #[must_use]
 pub fn fit_convergence(method: &MethodResult) -> Option<ConvergenceFit> {
     let tail = checkpoints_of_last_passes(&method.checkpoints);
@@ -74,7 +76,8 @@ fn checkpoints_of_last_passes(checkpoints: &[ConvergenceCheckpoint]) -> &[Conver
     &checkpoints[checkpoints.iter().take_while(early).count()..]
 }
 
-/// Slopes of the square root of `square` over the tail; `None` if `square` is not positive.
+/// Fits slopes to the square root of `square` at the given checkpoints; `None` if a square is not
+/// positive.
 ///
 /// `square` returns the mean of a squared quantity at a checkpoint over seeds with the given
 /// weights, or with equal weights for `None`.
@@ -131,10 +134,10 @@ fn standard_deviation(values: impl Iterator<Item = f64> + Clone) -> f64 {
     (values.map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0)).sqrt()
 }
 
-/// Half-width of a 95 % confidence interval, in standard deviations of the bootstrap.
+/// Half-width of a 95 % confidence interval, divided by the standard deviation of the bootstrap.
 ///
-/// It is the quantile of Student's t times √(S/(S − 1)) for S seeds. The root corrects the
-/// bootstrap, which divides by S (Hesterberg 2015, section 3.1).
+/// It is the quantile of Student's t times √(S/(S − 1)) for S seeds. The root corrects the variance
+/// of the bootstrap, which has the divisor S instead of S − 1 (Hesterberg 2015, section 3.1).
 fn bootstrap_interval_factor(seeds: usize) -> f64 {
     let degrees = seeds as f64 - 1.0;
     student_t_quantile(seeds - 1) * (seeds as f64 / degrees).sqrt()

@@ -33,12 +33,14 @@ impl SlopeRange {
     }
 }
 
-/// Predicted slopes of error, noise or bias over `passes` in a log-log plot; `None` if zero.
+/// Predicts the slope of error, noise or bias over `passes` in a log-log plot; `None` if the
+/// quantity is zero.
 ///
 /// - The noise of independent passes falls as n^−½.
-/// - With shrinking radii, pass i has variance 1/shrink(i) and bias shrink(i), relative to the
-///   first pass. The mean of n passes has variance Σ 1/shrink(i)/n² and bias Σ shrink(i)/n (Knaus
-///   and Zwicker 2011). For α = ⅔, noise and bias approach n^−⅓.
+/// - Let s(i) be the squared gather radius of pass i over that of the first pass. Pass i has
+///   variance 1/s(i) and bias s(i), relative to the first pass. The mean of n passes has variance
+///   Σ 1/s(i)/n² and bias Σ s(i)/n (Knaus and Zwicker 2011). For α = ⅔, noise and bias approach
+///   n^−⅓.
 /// - Noise of camera paths adds to noise of photons, so measured slopes lie between both laws.
 /// - The noise of the camera paths that all passes of `ppm` share does not fall.
 /// - Bias does not fall with fixed radii, nor in algorithms that leave out light.
@@ -72,7 +74,7 @@ pub fn predicted_slopes(
     }
 }
 
-/// Slopes over `passes` of variance and bias of the mean of passes with shrinking radii.
+/// Slopes over `passes` of the variance and of the bias, for a mean of passes whose radii shrink.
 fn variance_and_bias_slopes(passes: &[u32], alpha: f64) -> [f64; 2] {
     let (mut squared_radius_ratio, mut shrunk, mut grown, mut made) = (1.0, 0.0, 0.0, 0u32);
     let mut logs: [Vec<f64>; 3] = Default::default();
@@ -108,7 +110,8 @@ mod tests {
         }
     }
 
-    /// Sums of i^⅓ and i^−⅓ differ from their integrals by a factor of n^−⅔, 2·10⁻³ at 10⁴.
+    /// For α = ⅔, the slopes of noise and bias approach −⅓. Sums of i^⅓ and i^−⅓ differ from their
+    /// integrals by a relative error of n^−⅔, which is 2·10⁻³ at n = 10⁴.
     #[test]
     fn noise_and_bias_approach_slope_minus_one_third() {
         let far: Vec<u32> = (0..4).map(|i| 10_000 << i).collect();

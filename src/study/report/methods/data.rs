@@ -1,6 +1,6 @@
 //! CSV, JSON and Markdown reports of a study of methods.
 
-use super::analysis::{StudyAnalysis, TARGET_ERRORS, slope_interval_text, slope_range_text, time_to_error_text};
+use super::analysis::{MethodStudyAnalysis, TARGET_ERRORS, slope_interval_text, slope_range_text, time_to_error_text};
 use super::tables::square_root_percent_text;
 use super::warnings::study_warnings;
 use crate::study::methods::fit::{
@@ -133,7 +133,7 @@ struct TimeToErrorJson {
 /// # Errors
 /// Never for valid UTF-8 strings.
 pub fn method_study_json(found: &MethodStudyResult) -> Result<String, serde_json::Error> {
-    let analysis = StudyAnalysis::new(found);
+    let analysis = MethodStudyAnalysis::new(found);
     let methods = found.methods.iter().zip(&analysis.methods).map(|(method, judged)| {
         let law = |quantity| judged.predicted_slopes(method, quantity);
         let target = |(error, reach): (f64, TimeToError)| TimeToErrorJson { error, reach };
@@ -180,7 +180,7 @@ pub fn method_study_json(found: &MethodStudyResult) -> Result<String, serde_json
 /// Report as Markdown: tables, verdicts and commands.
 #[must_use]
 pub fn markdown_report(found: &MethodStudyResult) -> String {
-    let analysis = StudyAnalysis::new(found);
+    let analysis = MethodStudyAnalysis::new(found);
     let truth = found.truth.error.map_or(String::new(), |e| format!(", its own error about {}", error_percent_text(e)));
     let mut text = format!(
         "# Error over time: {}\n\n{}. {}. Seeds: {} of each method, up to {} of processor time each. Truth: {}{truth}.\n\n{}",

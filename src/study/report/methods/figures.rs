@@ -1,6 +1,6 @@
 //! Figures of the HTML page: plots, pictures and error maps, each with a shell command.
 
-use super::analysis::{MethodAnalysis, StudyAnalysis};
+use super::analysis::{MethodAnalysis, MethodStudyAnalysis};
 use super::tables::{method_marker_svg, slopes_table_html, square_root_percent_text};
 use crate::image::{Image, RelativeScale};
 use crate::integrate::Algorithm;
@@ -38,7 +38,7 @@ fn image_size(image: &Image) -> (u32, u32) {
     (image.width(), image.height())
 }
 
-fn error_points(method: &MethodResult, square: fn(&ConvergenceCheckpoint) -> f64) -> Vec<(f64, f64)> {
+fn error_plot_points(method: &MethodResult, square: fn(&ConvergenceCheckpoint) -> f64) -> Vec<(f64, f64)> {
     method.checkpoints.iter().map(|c| (c.seconds, square(c).max(0.0).sqrt())).collect()
 }
 
@@ -55,7 +55,7 @@ pub(super) fn error_plot_html(found: &MethodStudyResult) -> String {
         label: method.label.clone(),
         style,
         stroke: LineStyle::Solid,
-        points: error_points(method, ConvergenceCheckpoint::mean_squared_error),
+        points: error_plot_points(method, ConvergenceCheckpoint::mean_squared_error),
         bars: bars(method),
     };
     let series: Vec<PlotSeries> = found.methods.iter().enumerate().map(one).collect();
@@ -100,7 +100,7 @@ fn method_plot_svg(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> 
         label: label.into(),
         style: i,
         stroke,
-        points: error_points(method, square),
+        points: error_plot_points(method, square),
         bars: Vec::new(),
     };
     let series = vec![
@@ -137,7 +137,7 @@ fn method_plot_svg(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> 
     plot_svg(&LogLogPlot { id: &id, title: &title, words: &words, size: (520.0, 340.0), series, guides })
 }
 
-/// HTML of the truth and all pictures, which a script shows one at a time in one place.
+/// HTML of the reference and all pictures. A script shows one of them at a time in the same place.
 pub(super) fn picture_switcher_html(found: &MethodStudyResult) -> Result<String, StudyError> {
     let exposed = auto_exposure_stops(&found.truth.picture).unwrap_or(0.0);
     let mut flip = "<div id=\"pictures\">\n<div id=\"flip-buttons\" role=\"group\" aria-label=\"Picture\" hidden=\"hidden\"></div>\n<div id=\"flip\">\n".to_owned();
@@ -209,7 +209,7 @@ pub(super) fn error_crops_html(found: &MethodStudyResult) -> Result<String, Stud
     Ok(crops)
 }
 
-/// Colour bar as SVG. `ticks` are labels with their places on the bar, from 0 to 1.
+/// Draws a colour bar as SVG. `ticks` are labels with their positions on the bar, from 0 to 1.
 fn color_legend_svg(id: &str, error_color_ramp: impl Fn(f64) -> Vec3, ticks: &[(f64, String)]) -> String {
     const STOPS: u32 = 24;
     let mut svg = format!(
@@ -236,14 +236,18 @@ fn color_legend_svg(id: &str, error_color_ramp: impl Fn(f64) -> Vec3, ticks: &[(
     svg + "</svg>\n"
 }
 
-/// sRGB signal of a linear value (IEC 61966-2-1), plus half a step for rounding to 8 bits.
+/// sRGB signal of a linear value (IEC 61966-2-1), plus half an 8-bit step, so that truncation
+/// rounds.
 fn srgb_encoded(linear: f32) -> f32 {
     let signal = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * libm::powf(linear, 1.0 / 2.4) - 0.055 };
     signal + 0.5 / 255.0
 }
 
 /// HTML articles, one per method: verdict, slopes, plot, and error maps on common scales.
-pub(super) fn method_articles_html(found: &MethodStudyResult, analysis: &StudyAnalysis) -> Result<String, StudyError> {
+pub(super) fn method_articles_html(
+    found: &MethodStudyResult,
+    analysis: &MethodStudyAnalysis,
+) -> Result<String, StudyError> {
     let weights = RelativeScale::from_image(&found.truth.picture);
     let differences: Vec<Vec<f64>> =
         found.methods.iter().map(|m| relative_differences(&m.difference, &weights)).collect();

@@ -1,6 +1,6 @@
 //! Tables of the HTML page.
 
-use super::analysis::{StudyAnalysis, TARGET_ERRORS, slope_interval_text, slope_range_text, time_to_error_text};
+use super::analysis::{MethodStudyAnalysis, TARGET_ERRORS, slope_interval_text, slope_range_text, time_to_error_text};
 use crate::study::methods::fit::{ConvergenceSlopes, ErrorComponent, TimeToError};
 use crate::study::methods::{ConvergenceCheckpoint, MethodStudyResult};
 use crate::study::report::html::{escape_html, number_cells_html};
@@ -35,7 +35,7 @@ pub(super) fn square_root_percent_text(square: f64) -> String {
     if square > 0.0 { error_percent_text(square.sqrt()) } else { "≈ 0".to_owned() }
 }
 
-pub(super) fn verdicts_table_html(found: &MethodStudyResult, analysis: &StudyAnalysis) -> String {
+pub(super) fn verdicts_table_html(found: &MethodStudyResult, analysis: &MethodStudyAnalysis) -> String {
     let mut table = table_head_html(&["method", "verdict", "error at the end", "noise", "bias", "slope", "theory"], 2);
     for (i, (method, judged)) in found.methods.iter().zip(&analysis.methods).enumerate() {
         let _ = write!(
@@ -65,7 +65,7 @@ pub(super) fn verdicts_table_html(found: &MethodStudyResult, analysis: &StudyAna
     table + TABLE_END + note
 }
 
-pub(super) fn times_table_html(found: &MethodStudyResult, analysis: &StudyAnalysis) -> String {
+pub(super) fn times_table_html(found: &MethodStudyResult, analysis: &MethodStudyAnalysis) -> String {
     let heads: Vec<String> = TARGET_ERRORS.iter().map(|e| format!("{:.0} %", 100.0 * e)).collect();
     let columns: Vec<&str> = ["method", "setup"]
         .into_iter()
