@@ -103,14 +103,19 @@ impl Hierarchy {
         let mut best = NearestHit { key: 0, hit: TriangleHit { t: precalc.t_max, weights: [0.0; 2], total: 1.0 } };
         let test_leaf = |leaf, _| {
             if leaf & OTHER == 0 {
-                self.bvh.packet_of_leaf(leaf).for_each_hit(&precalc, |triangle, hit| best.keep_nearer(triangle, hit));
+                self.bvh
+                    .packet_of_leaf(leaf)
+                    .for_each_hit(&precalc, |triangle, hit| best.keep_nearer_hit(triangle, hit));
             } else {
                 // `t_max` is exclusive, but this primitive wins ties against a higher key.
                 let t_max = if leaf < best.key { best.hit.t.next_up() } else { best.hit.t };
                 let shrunk = Ray { t_max: t_max * precalc.direction_scale, ..*ray };
                 if let Some((t, u, v)) = other(leaf ^ OTHER, &shrunk) {
                     let weights = [u, v].map(f64::from);
-                    best.keep_nearer(leaf, TriangleHit { t: t * precalc.inverse_direction_scale, weights, total: 1.0 });
+                    best.keep_nearer_hit(
+                        leaf,
+                        TriangleHit { t: t * precalc.inverse_direction_scale, weights, total: 1.0 },
+                    );
                 }
             }
             best.hit.t
@@ -133,7 +138,7 @@ impl Hierarchy {
         let precalc = RayPrecalc::new(ray);
         let mut show = |key: u32, hit: TriangleHit| {
             let mut only = NearestHit { key: 0, hit: TriangleHit { t: precalc.t_max, weights: [0.0; 2], total: 1.0 } };
-            only.keep_nearer(key, hit);
+            only.keep_nearer_hit(key, hit);
             if let Some(hit) = only.to_primitive_hit(ray, &precalc) {
                 visit(hit);
             }
@@ -190,7 +195,7 @@ struct NearestHit {
 
 impl NearestHit {
     #[inline]
-    fn keep_nearer(&mut self, key: u32, hit: TriangleHit) {
+    fn keep_nearer_hit(&mut self, key: u32, hit: TriangleHit) {
         let (t, least) = (hit.t, self.hit.t);
         if t > 0.0 && (t < least || t == least && key < self.key) {
             *self = Self { key, hit };

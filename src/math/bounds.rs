@@ -110,7 +110,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn empty_box_is_neutral() {
+    fn empty_box_is_neutral_in_unions() {
         let b = Bounds::from_points([Vec3::ONE, Vec3::NEG_ONE]);
         assert_eq!(b.union(Bounds::EMPTY), b);
         assert!(Bounds::EMPTY.is_empty() && !b.is_empty());

@@ -31,7 +31,7 @@ pub use path_ray::{MediumSegment, PathEvent, PathRay, SurfaceVertex};
 pub use queries::{LeafMaterial, ObjectSummary};
 pub use ray_cone::RayCone;
 pub use surface_interaction::SurfaceInteraction;
-pub use textured::{MeanEvaluator, NormalPerturbation, ParameterEvaluator, TextureEvaluator, Textured};
+pub use textured::{MaterialParameter, MeanEvaluator, NormalPerturbation, ParameterEvaluator, TextureEvaluator};
 
 use crate::camera::Camera;
 use crate::color::{DispersionFormula, Rgb};
@@ -324,7 +324,7 @@ impl Scene {
     ) -> u32 {
         while let Some(([first, second], amount)) = self.materials[index as usize].kind().as_mix() {
             let amount = match amount {
-                Textured::Texture { .. } if effects.has(Effect::Textures) => {
+                MaterialParameter::Texture { .. } if effects.has(Effect::Textures) => {
                     TextureEvaluator { textures: &self.textures, at: context() }.evaluate_scalar(amount)
                 }
                 amount => amount.mean(),

@@ -83,7 +83,7 @@ impl Frustum {
         let around: f64 = (0..AREA_STEPS)
             .map(|i| {
                 let (sin, cos) = sincos(f64::from(i) * TAU / f64::from(AREA_STEPS));
-                frustum.area_stretch(DVec3::new(cos, frustum.radius_decrease(), sin))
+                frustum.area_scale_factor(DVec3::new(cos, frustum.radius_decrease(), sin))
             })
             .sum();
         frustum.areas[0] = 0.5 * (radii[0] + radii[1]) * TAU * around / f64::from(AREA_STEPS);
@@ -111,7 +111,7 @@ impl Frustum {
     /// World-space area of a surface element, given its object-space area vector `n`: the normal
     /// times the element's area.
     #[inline]
-    fn area_stretch(&self, n: DVec3) -> f64 {
+    fn area_scale_factor(&self, n: DVec3) -> f64 {
         self.to_world.determinant().abs() * self.to_world.transform_normal(n).length()
     }
 

@@ -8,12 +8,12 @@ pub(super) const BUMP_STEP: f64 = 1e-3;
 
 /// A checkerboard of unit squares: the first colour where ⌊u⌋ + ⌊v⌋ is even, else the second.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Checker {
+pub struct Checkerboard {
     /// The two colours.
     pub colors: [Rgb; 2],
 }
 
-impl Checker {
+impl Checkerboard {
     /// Exact mean colour over the box with sides `size` around `uv`, in texture coordinates.
     ///
     /// It has a closed form, since the pattern is a product of two square waves.
@@ -48,7 +48,7 @@ fn square_wave_integral(x: f64) -> f64 {
 mod tests {
     use super::*;
 
-    const CHECKER: Checker = Checker { colors: [Rgb::ZERO, Rgb::ONE] };
+    const CHECKER: Checkerboard = Checkerboard { colors: [Rgb::ZERO, Rgb::ONE] };
 
     fn checkerboard_mean(u: f64, v: f64, w: f64, h: f64) -> f64 {
         f64::from(CHECKER.box_mean(DVec2::new(u, v), DVec2::new(w, h)).x)

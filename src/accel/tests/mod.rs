@@ -97,7 +97,7 @@ fn rays_without_direction_or_place_hit_nothing() {
 }
 
 #[test]
-fn soups_agree_with_brute_force() {
+fn triangle_soups_agree_with_brute_force() {
     let mut rng = SmallRng::seed_from_u64(1);
     for (count, size, spheres) in
         [(1, 1.0, 0), (3, 1.0, 1), (9, 0.7, 4), (60, 0.5, 0), (500, 0.2, 40), (3000, 0.05, 3), (0, 0.0, 17)]

@@ -9,8 +9,8 @@ use crate::format::description::{
 };
 use crate::image::{self, Image, PictureContent};
 use crate::math::Transform;
-use crate::scene::{NormalPerturbation, Textured};
-use crate::texture::{self, Checker, Picture, SolidPattern, SolidTexture, Texture};
+use crate::scene::{MaterialParameter, NormalPerturbation};
+use crate::texture::{self, Checkerboard, Picture, SolidPattern, SolidTexture, Texture};
 use glam::DVec3;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -53,8 +53,10 @@ impl<'a> Resolver<'a> {
                     self.add_picture_texture(path, *encoding, *wrap, *coordinates)?
                 }
                 TextureKindDescription::Checker { colors, coordinates } => {
-                    let checker =
-                        Texture::Checker(Checker { colors: colors.map(rgb) }, texcoord_transform(coordinates));
+                    let checker = Texture::Checkerboard(
+                        Checkerboard { colors: colors.map(rgb) },
+                        texcoord_transform(coordinates),
+                    );
                     self.add_texture(checker, false)
                 }
                 TextureKindDescription::Solid { pattern, colors, octaves, frequency, amplitude, maps } => {
@@ -163,13 +165,13 @@ impl<'a> Resolver<'a> {
         value: &TexturedValue<DVec3>,
         range: &RangeInclusive<f32>,
         requirements: &mut TextureRequirements,
-    ) -> Result<Textured<Rgb>, SceneError> {
+    ) -> Result<MaterialParameter<Rgb>, SceneError> {
         match value {
-            TexturedValue::Plain(color) => Ok(Textured::Constant(rgb(*color))),
+            TexturedValue::Plain(color) => Ok(MaterialParameter::Constant(rgb(*color))),
             TexturedValue::Texture(name) => {
                 let texture = self.texture_by_name(name, range)?;
                 requirements.add_requirements_of(&texture);
-                Ok(Textured::Texture { texture: texture.index, factor: Rgb::ONE, mean: texture.mean })
+                Ok(MaterialParameter::Texture { texture: texture.index, factor: Rgb::ONE, mean: texture.mean })
             }
         }
     }
@@ -179,13 +181,17 @@ impl<'a> Resolver<'a> {
         &self,
         value: &TexturedValue<f64>,
         requirements: &mut TextureRequirements,
-    ) -> Result<Textured<f32>, SceneError> {
+    ) -> Result<MaterialParameter<f32>, SceneError> {
         match value {
-            TexturedValue::Plain(number) => Ok(Textured::Constant(*number as f32)),
+            TexturedValue::Plain(number) => Ok(MaterialParameter::Constant(*number as f32)),
             TexturedValue::Texture(name) => {
                 let texture = self.texture_by_name(name, &UNIT_RANGE)?;
                 requirements.add_requirements_of(&texture);
-                Ok(Textured::Texture { texture: texture.index, factor: 1.0, mean: color::channel_mean(texture.mean) })
+                Ok(MaterialParameter::Texture {
+                    texture: texture.index,
+                    factor: 1.0,
+                    mean: color::channel_mean(texture.mean),
+                })
             }
         }
     }
@@ -195,7 +201,7 @@ impl<'a> Resolver<'a> {
         &self,
         value: &TexturedValue<DVec3>,
         requirements: &mut TextureRequirements,
-    ) -> Result<Textured<Rgb>, SceneError> {
+    ) -> Result<MaterialParameter<Rgb>, SceneError> {
         self.resolve_color_parameter(value, &UNIT_RANGE, requirements)
     }
 
@@ -206,7 +212,7 @@ impl<'a> Resolver<'a> {
         diffuse: &TexturedValue<DVec3>,
         texture: Option<&Spanned<String>>,
         requirements: &mut TextureRequirements,
-    ) -> Result<Textured<Rgb>, SceneError> {
+    ) -> Result<MaterialParameter<Rgb>, SceneError> {
         let Some(name) = texture else {
             return self.resolve_color_parameter(diffuse, &ANY_TEXTURE_VALUE, requirements);
         };
@@ -217,7 +223,7 @@ impl<'a> Resolver<'a> {
         let texture = self.texture_or_picture(name, PictureEncoding::Srgb)?;
         requirements.add_requirements_of(&texture);
         let factor = rgb(*factor);
-        Ok(Textured::Texture { texture: texture.index, factor, mean: factor * texture.mean })
+        Ok(MaterialParameter::Texture { texture: texture.index, factor, mean: factor * texture.mean })
     }
 
     /// Resolves the bump map or normal map of a material.

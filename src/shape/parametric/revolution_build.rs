@@ -64,7 +64,7 @@ impl ProfileBuilder {
         let bends = powers.iter().enumerate().skip(2).fold(0.0, |s, (k, c)| s + k as f64 * hypot(c[0], c[1]));
         let wide = end - start >= 2.0 * MIN_SPAN;
         if depth > 0 && wide && (crosses || bends > MAX_RELATIVE_BEND * hypot(powers[1][0], powers[1][1])) {
-            let at = axis_crossing(controls).filter(|_| crosses).unwrap_or(0.5);
+            let at = axis_crossing_parameter(controls).filter(|_| crosses).unwrap_or(0.5);
             let (mut first, mut last) = split_bezier(controls, at);
             if crosses && at != 0.5 {
                 // The root is rounded, but the point must lie exactly on the axis.
@@ -97,7 +97,7 @@ impl ProfileBuilder {
 /// Parameter in (0, 1) at which a Bézier curve crosses the axis.
 ///
 /// `None` unless the x of its control points changes sign exactly once.
-fn axis_crossing(controls: &[Coefficients<2>]) -> Option<f64> {
+fn axis_crossing_parameter(controls: &[Coefficients<2>]) -> Option<f64> {
     let sides: Vec<bool> = controls.iter().map(|c| c[0]).filter(|x| *x != 0.0).map(|x| x > 0.0).collect();
     let [first, .., _] = sides[..] else { return None };
     if sides.windows(2).filter(|w| w[0] != w[1]).count() != 1 || controls[0][0] == 0.0 {

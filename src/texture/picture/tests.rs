@@ -15,7 +15,7 @@ fn random_image(width: u32, height: u32) -> Image {
 /// lookups, so the sum of all lookups is that of all pixels. Coarser levels cover the same
 /// areas, so their means are the picture's. Sums have errors of n·2⁻²⁴, n < 200.
 #[test]
-fn lookups_keep_the_mean_at_all_levels() {
+fn mip_lookups_keep_the_mean_at_all_levels() {
     for (width, height) in [(8, 8), (7, 5), (1, 9), (13, 6)] {
         for wrap in [WrapMode::Repeat, WrapMode::Clamp, WrapMode::Mirror] {
             let picture = Picture::new(&random_image(width, height), wrap).unwrap();
@@ -38,7 +38,7 @@ fn lookups_keep_the_mean_at_all_levels() {
 }
 
 #[test]
-fn pixels_have_their_positions_and_wrap() {
+fn picture_pixels_have_their_positions_and_wrap() {
     let values = [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]];
     let pixels = values.iter().flatten().map(|x| Vec3::splat(*x)).collect();
     let image = Image::from_pixels(3, 2, pixels).unwrap();

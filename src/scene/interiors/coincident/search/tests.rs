@@ -38,7 +38,7 @@ fn only_faces_that_may_coincide_are_flagged() {
 }
 
 #[test]
-fn a_join_agrees_with_brute_force() {
+fn a_spatial_join_agrees_with_brute_force() {
     let mut key = 1u32;
     let mut chance = || {
         key = key.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
