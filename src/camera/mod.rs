@@ -84,8 +84,8 @@ impl Camera {
 
     /// Creates a camera at `center` whose equirectangular image covers all directions.
     ///
-    /// `direction` is at the center of the image. The top of the image is `up`, made perpendicular
-    /// to `direction`.
+    /// The center of the image shows `direction`. The top of the image shows `up`, made
+    /// perpendicular to `direction`.
     ///
     /// # Errors
     /// [`DegenerateUpVector`] if `direction × up` vanishes.

@@ -7,7 +7,7 @@
 mod media;
 
 use super::nee::NextEventEstimator;
-use super::photon_maps::{MapLookup, PhotonMaps};
+use super::photon_maps::{PhotonMapChoice, PhotonMaps};
 use super::policy::{DirectionSampling, PathContinuation, PathPolicy, PhotonLookups};
 use super::scatter;
 use super::vertex::{PathHistory, PathVertex, PrevVertex};
@@ -256,7 +256,8 @@ fn continue_path<I: Interior>(
     true
 }
 
-/// Estimates the radiance that `vertex` reflects to its viewer from photon maps \[W/(m² sr)].
+/// Estimates from photon maps the radiance that `vertex` reflects towards the previous vertex
+/// \[W/(m² sr)].
 #[inline]
 fn photon_radiance<I: Interior>(
     paths: &PathContext<'_>,
@@ -277,7 +278,7 @@ fn photon_radiance<I: Interior>(
         }
     };
     let before_gather_ray = paths.policy.photons == PhotonLookups::GatherRays && !ends_gather_ray;
-    let lookup = if before_gather_ray { MapLookup::Caustic } else { MapLookup::Both };
+    let lookup = if before_gather_ray { PhotonMapChoice::Caustic } else { PhotonMapChoice::Both };
     paths.maps.map_or(Rgb::ZERO, |maps| maps.radiance(vertex, lookup, samples, worker))
 }
 

@@ -107,7 +107,7 @@ fn relative_ray_counts(pictures: &[Vec<f64>], width: usize, height: usize, sampl
 mod tests {
     use super::*;
 
-    /// The left half of the pictures is constant, the right half noisy.
+    /// In pictures with a constant left half and a noisy right half, the right half gets more rays.
     #[test]
     fn rays_follow_noise_and_keep_their_total() {
         let (width, height) = (16, 8);

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 /// Number of film points per parallel task.
 const CHUNK: usize = 64;
 
-/// A film position in pixels, with the sampler of its camera path.
+/// A film position \[pixels from the top left], with the sampler of its camera path.
 pub(super) type FilmPoint = (Vec2, Sampler);
 
 /// Traces camera paths through `points` of the film.

@@ -25,7 +25,7 @@ use std::time::Instant;
 /// tracing.
 const MAX_SHARE_PILOT_PATHS: u32 = 1 << 20;
 
-/// Default limit on the photons of a density estimate in the caustic map.
+/// Default of the largest number of photons of a density estimate in the caustic map.
 pub const CAUSTIC_K: u32 = 50;
 
 /// Number of photons that most gather discs of the indirect map should hold, for all algorithms
@@ -51,13 +51,15 @@ const GUIDE_INTERVAL: u32 = 16;
 /// Half width of the density-estimation kernel over wavelengths in the first pass \[nm].
 const WAVELENGTH_BAND: f32 = 20.0;
 
-/// Smallest limit on the photons of an estimate. The limit shrinks from pass to pass down to this.
+/// Smallest limit on the number of photons of a density estimate. From pass to pass, the limit
+/// shrinks to this value.
 const MIN_K: f64 = 8.0;
 
 /// Memory of a photon beam with its bounding boxes, as a multiple of the memory of a photon.
 const BEAM_SIZE: usize = 4;
 
-/// Smallest photon limit of a pilot. The k-th photon only sets the radius, so one gives no density.
+/// Smallest limit k on the photons of a pilot's density estimate. The k-th photon only sets the
+/// radius, so k = 1 gives no density.
 const MIN_PILOT_K: u32 = 2;
 
 /// Largest number of paths traced to predict how many photons a pass stores.

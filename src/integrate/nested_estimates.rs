@@ -55,13 +55,14 @@ impl GatherDiscSum {
 /// Sums of nested estimates over one camera ray, and over all rays of one pixel.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct NestedEstimateSum {
-    /// Differences between discs of neighbouring sizes, for the current camera ray.
+    /// Differences of radiance between discs of neighbouring sizes, summed over the estimates of
+    /// the current camera ray.
     ray: [Rgb; LEVELS - 1],
     /// Sum of these differences over the pixel's rays, weighted by the pixel filter.
     pixel: [DVec3; LEVELS - 1],
-    /// Sum of the gather discs in the caustic map.
+    /// Sums of radius and photon count over the pixel's estimates from the caustic map.
     pub caustic: GatherDiscSum,
-    /// Sum of the gather discs in the indirect map.
+    /// Sums of radius and photon count over the pixel's estimates from the indirect map.
     pub indirect: GatherDiscSum,
 }
 

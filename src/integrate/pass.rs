@@ -61,7 +61,7 @@ pub struct PhotonReport {
 /// estimated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ExpectedPhotons {
-    /// Number of photon paths of all maps.
+    /// Number of photon paths that a pass traces for all maps.
     pub paths: u64,
     /// Expected number of stored photons of all maps.
     pub photons: u64,

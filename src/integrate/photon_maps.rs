@@ -28,7 +28,7 @@ pub(super) struct PhotonEstimator<'a> {
 
 /// Choice of the photon maps that one estimate reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum MapLookup {
+pub(super) enum PhotonMapChoice {
     /// The caustic map.
     Caustic,
     /// The caustic map and the indirect map.
@@ -61,14 +61,14 @@ impl PhotonMaps<'_> {
     pub fn radiance<I: Interior>(
         &self,
         vertex: &PathVertex<'_, I>,
-        lookup: MapLookup,
+        lookup: PhotonMapChoice,
         samples: u32,
         worker: &mut PathWorker,
     ) -> Rgb {
         let caustic = self.caustic.radiance(vertex, samples, |w| (&mut w.caustic, &mut w.nested.caustic), worker);
         let indirect = match lookup {
-            MapLookup::Caustic => Rgb::ZERO,
-            MapLookup::Both => {
+            PhotonMapChoice::Caustic => Rgb::ZERO,
+            PhotonMapChoice::Both => {
                 self.indirect.radiance(vertex, samples, |w| (&mut w.indirect, &mut w.nested.indirect), worker)
             }
         };

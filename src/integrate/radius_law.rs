@@ -58,8 +58,8 @@ mod tests {
         }
     }
 
-    /// The closed form Γ(N+α)/(Γ(1+α)Γ(N+1)) and its asymptote N^(α−1)/Γ(1+α), whose relative error
-    /// is below 1/N.
+    /// The product agrees with its closed form Γ(N+α)/(Γ(1+α)Γ(N+1)), and with the asymptote
+    /// N^(α−1)/Γ(1+α), whose relative error is below 1/N.
     #[test]
     fn squared_radius_ratio_is_a_ratio_of_gammas() {
         assert_eq!(

@@ -33,7 +33,8 @@ const MAX_RADIUS: f32 = 0.1;
 /// smaller ones.
 const MIN_RADIUS: f32 = 1e-6;
 
-/// Smallest gather radius relative to the width of a pixel on the closest visible surface.
+/// Smallest gather radius, relative to the width of a pixel's footprint on the closest visible
+/// surface.
 const PIXEL_PART: f32 = 0.125;
 
 /// Side length of the grid of camera rays that find the closest visible surface.
@@ -112,7 +113,7 @@ pub(super) fn find_gather_radius(pass: &PhotonPass<'_>, paths: u32, k: u32, seed
 
 /// Returns the smallest gather radius of the first pass \[length].
 ///
-/// It is a fraction of the width of a pixel on the closest visible surface.
+/// It is 1/8 of the width of a pixel's footprint on the closest visible surface.
 pub(super) fn min_gather_radius(scene: &Scene) -> f32 {
     let (width, spread) = scene.camera().pixel_footprint();
     let (columns, rows) = scene.camera().size();

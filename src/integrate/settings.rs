@@ -42,7 +42,7 @@ impl Default for CameraPathSettings {
 /// Settings of all algorithms. Algorithms without photons read only `camera_paths`.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Settings of camera paths, which also apply to algorithms without photons.
+    /// Settings that all algorithms use.
     pub camera_paths: CameraPathSettings,
     /// Number of photon paths per pass that start in all directions; they fill the indirect map.
     pub photons: u32,
@@ -57,7 +57,8 @@ pub struct Settings {
     /// `None` sets [`CAUSTIC_K`](super::CAUSTIC_K) in the caustic map, and no limit in the indirect
     /// map. The farthest photon only sets the radius, so a limit of 1 acts like 2.
     pub gather_k: Option<u32>,
-    /// Largest gather radius of the first pass \[length]; `None` lets a pilot choose one per map.
+    /// Largest gather radius of the first pass \[length]. `None` lets a pilot choose one for each
+    /// map.
     pub radius: Option<f32>,
     /// Exponent α in (0, 1] by which gather radii shrink over the passes; 1 keeps them fixed.
     /// [`Algorithm::Pm`](super::Algorithm::Pm) ignores it.
@@ -66,7 +67,7 @@ pub struct Settings {
     pub kernel: Kernel,
     /// Light tracing of [`Algorithm::Hybrid`](super::Algorithm::Hybrid).
     pub light_tracing: LightTracing,
-    /// Estimator of photon light in media.
+    /// Estimator of the light that media scatter, from photons.
     pub volume: VolumeEstimator,
     /// Final gathering of [`Algorithm::Pm`](super::Algorithm::Pm).
     pub final_gathering: FinalGathering,
@@ -91,7 +92,7 @@ pub enum FinalGathering {
 pub enum LightTracing {
     /// Photon estimates carry all light of directly visible caustics.
     Off,
-    /// A pilot finds the share of each technique for each pixel.
+    /// Both techniques carry a share at each pixel, which a pilot finds.
     #[default]
     Weighted,
     /// Light tracing carries all light of directly visible caustics.

@@ -43,7 +43,7 @@ pub(super) struct FilmImage {
     pub counters: Counters,
 }
 
-/// Mutable rows of one tile of a picture.
+/// One tile of a picture, as mutable parts of the picture's rows.
 struct Tile<'a> {
     /// Index of the tile, by rows from the top.
     index: u32,
@@ -200,7 +200,7 @@ fn tile_pixels(tile: u32, columns: u32, width: u32, height: u32) -> impl Iterato
 struct PixelSum {
     /// Sum of radiance values.
     values: CompensatedSum,
-    /// Sum of radiance values times filter weights.
+    /// Sum of radiance values, each times its filter weight.
     weighted: CompensatedSum,
     /// Sum of (weight − 1).
     excess: f64,

@@ -26,9 +26,9 @@ impl PathHistory {
 
 /// Vertex of a camera path on a surface.
 pub(super) struct PathVertex<'a, I> {
-    /// Surface point with its BSDF and the direction to the viewer.
+    /// Surface point, with its BSDF and the direction to the previous vertex.
     pub surface: &'a SurfaceInteraction<'a>,
-    /// Nested bodies and medium on the viewer's side of the surface.
+    /// Nested bodies and medium on the side of the surface from which the path arrived.
     pub interior: &'a I,
     /// Receivers and casters before this vertex. If the vertex is on a caster, it is counted too.
     pub history: PathHistory,
@@ -73,7 +73,7 @@ impl<I: Interior> PathVertex<'_, I> {
     }
 }
 
-/// Segment of a camera path through a medium, from which light scatters to the viewer.
+/// Segment of a camera path through a medium, with the path's state at the start of the segment.
 pub(super) struct MediumPathSegment<'a, I> {
     /// Ray and medium of the segment.
     pub segment: &'a MediumSegment<'a, I>,

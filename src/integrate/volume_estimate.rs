@@ -12,7 +12,8 @@ use rand::Rng;
 /// Estimator of in-scattered radiance from photons in media.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum VolumeEstimator {
-    /// Photon beams near the ray (Jarosz et al. 2011). Heterogeneous media use `BeamRadiance`.
+    /// Photon beams near the ray (Jarosz et al. 2011). In heterogeneous media, `BeamRadiance`
+    /// replaces it.
     #[default]
     Beams,
     /// Beam radiance estimate: photons near the ray (Jarosz, Zwicker and Jensen 2008).
@@ -137,7 +138,8 @@ impl BeamAndPointMaps {
         levels[0]
     }
 
-    /// Estimates radiance from photon beams by a one-dimensional kernel around the ray.
+    /// Estimates radiance from photon beams, with a one-dimensional kernel over the distance
+    /// between ray and beam. Returns it for each kernel size, largest first.
     fn estimate_by_beams<I: Interior>(
         &self,
         path_segment: &MediumPathSegment<'_, I>,
@@ -160,7 +162,8 @@ impl BeamAndPointMaps {
         sums.scaled_by(medium.scattering)
     }
 
-    /// Estimates radiance from scattered photons by a two-dimensional kernel around the ray.
+    /// Estimates radiance from photon points, with a two-dimensional kernel around the ray. Returns
+    /// it for each kernel size, largest first.
     fn estimate_along_ray<I: Interior>(
         &self,
         path_segment: &MediumPathSegment<'_, I>,
@@ -187,8 +190,8 @@ impl BeamAndPointMaps {
         sums.scaled_by(Rgb::ONE)
     }
 
-    /// Estimates radiance from scattered photons by a three-dimensional kernel around one sampled
-    /// point of the ray.
+    /// Estimates radiance from photon points, with a three-dimensional kernel around one sampled
+    /// point of the ray. Returns it for each kernel size, largest first.
     fn estimate_at_sampled_point<I: Interior>(
         &self,
         path_segment: &MediumPathSegment<'_, I>,

@@ -19,7 +19,7 @@ const POINTS: u32 = 1024;
 const PILOT_DIVISOR: u32 = 16;
 
 /// Radiance and ray counts of camera paths through the pilot's film points.
-struct PointEstimates {
+struct FilmPointEstimates {
     radiance: Vec<Rgb>,
     counters: Counters,
 }
@@ -69,7 +69,7 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
             values.iter().sum::<f64>() / 3.0
         })
         .collect();
-    let noise = |other: &PointEstimates| balance::relative_variance(&reference.radiance, &other.radiance, &mean);
+    let noise = |other: &FilmPointEstimates| balance::relative_variance(&reference.radiance, &other.radiance, &mean);
 
     // Measure the work of each source.
     let pixel_count = pixel_count(renderer.scene);
@@ -134,11 +134,11 @@ fn estimate_at_points(
     renderer: &PassRenderer<'_>,
     maps: Option<&PhotonMaps<'_>>,
     points: &[FilmPoint],
-) -> PointEstimates {
+) -> FilmPointEstimates {
     let (radiance, workers) = trace_camera_paths_through(&renderer.path_context(maps, 0), points);
     let mut counters = Counters::default();
     workers.iter().for_each(|worker| counters += worker.counters);
-    PointEstimates { radiance, counters }
+    FilmPointEstimates { radiance, counters }
 }
 
 fn pixel_count(scene: &Scene) -> f64 {

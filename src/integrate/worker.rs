@@ -12,13 +12,13 @@ use crate::stats::Counters;
 #[derive(Debug, Default)]
 pub(super) struct PathWorker {
     pub counters: Counters,
-    /// Buffers of lookups in the caustic map.
+    /// Buffers of photon searches in the caustic map.
     pub caustic: PhotonSearchBuffers,
-    /// Buffers of lookups in the indirect map.
+    /// Buffers of photon searches in the indirect map.
     pub indirect: PhotonSearchBuffers,
     /// Buffers of searches for photons that guide gather rays.
     pub guide_lookup: PhotonSearchBuffers,
-    /// Distribution of gather directions at the current vertex.
+    /// Distribution of gather-ray directions at the last receiver.
     pub gather_guide: GatherGuide,
     /// True if photon estimates are also made with nested smaller discs.
     pub nests_estimates: bool,

@@ -113,7 +113,8 @@ impl LightSurface {
         }
     }
 
-    /// Intrinsic texture coordinates of the surface at the point `p`.
+    /// Texture coordinates that the surface itself defines at the point `p`, whose parametric
+    /// coordinates are `coord`.
     fn tex_coord(&self, p: Vec3, coord: SurfaceCoord) -> TexCoord {
         match (self, coord) {
             (Self::Shape(shape), SurfaceCoord::Shape(uv)) => shape.tex_coord(p, uv),
@@ -193,7 +194,8 @@ impl AreaLight {
         self.radiance * (PI * self.surface.area() as f32)
     }
 
-    /// Samples a point of the surface by area, with the emitted radiance there.
+    /// Samples a point of the surface by area, and returns it with the radiance emitted there
+    /// \[W/(m² sr)].
     #[inline]
     fn sample(&self, u: Vec2) -> (ShapeSample, Rgb) {
         let (sample, coord) = self.surface.sample_point_with_coord(u);

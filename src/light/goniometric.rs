@@ -9,7 +9,7 @@ use crate::math::Ray;
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::Arc;
 
-/// Number of rows of the map that an intensity profile is resampled to: 4 per degree.
+/// Number of rows of the map to which an intensity profile is resampled: 4 per degree.
 const PROFILE_ROWS: u32 = 720;
 
 /// A point light whose intensity in each direction is the value of an equirectangular map.

@@ -18,7 +18,7 @@ pub struct LightBvhSampler {
     /// Indices of the infinite lights.
     infinite: Vec<u32>,
     /// Location of each light, by the light's index.
-    locations: Vec<LightBvhSlot>,
+    locations: Vec<LightBvhLocation>,
     /// Probability of sampling any of the infinite lights.
     infinite_probability: f64,
 }
@@ -42,7 +42,7 @@ type BoundedLight = (u32, LightBounds);
 
 /// Location of a light in a [`LightBvhSampler`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum LightBvhSlot {
+enum LightBvhLocation {
     /// The sampler does not contain the light, because it has no power.
     Absent,
     /// The light is in the list of infinite lights.
@@ -68,7 +68,7 @@ impl LightBvhSampler {
     /// Returns `None` if no light has power.
     #[must_use]
     pub fn new(lights: &[Light], domain: BoundingSphere) -> Option<Self> {
-        let mut locations = vec![LightBvhSlot::Absent; lights.len()];
+        let mut locations = vec![LightBvhLocation::Absent; lights.len()];
         let (mut infinite, mut bounded) = (Vec::new(), Vec::new());
         // Positions are rounded, so a light in the plane of a surface may count as above it.
         let margin = 1e-6 * (domain.center.abs().max_element() + domain.radius);
@@ -76,7 +76,7 @@ impl LightBvhSampler {
             match light.bounds(margin) {
                 Some(bounds) => bounded.push((i as u32, bounds)),
                 None => {
-                    locations[i] = LightBvhSlot::Infinite;
+                    locations[i] = LightBvhLocation::Infinite;
                     infinite.push(i as u32);
                 }
             }
@@ -95,7 +95,7 @@ impl LightBvhSampler {
     }
 
     /// Adds a subtree of one or more lights at `depth`. The bits of `trail` lead from the root of
-    /// the tree to the subtree, as in [`LightBvhSlot::Tree`].
+    /// the tree to the subtree, as in [`LightBvhLocation::Tree`].
     fn build_subtree(&mut self, lights: &mut [BoundedLight], depth: u32, trail: u64) {
         let whole = lights[1..].iter().fold(lights[0].1, |all, l| all.union(l.1));
         let index = self.nodes.len();
@@ -107,7 +107,7 @@ impl LightBvhSampler {
             self.build_subtree(second, depth + 1, trail | 1 << depth);
             return;
         };
-        self.locations[light as usize] = LightBvhSlot::Tree(trail);
+        self.locations[light as usize] = LightBvhLocation::Tree(trail);
         self.nodes.push(LightBvhNode { importance: whole.into(), kind: LightBvhNodeKind::Leaf(light) });
     }
 
@@ -157,9 +157,9 @@ impl LightBvhSampler {
     #[must_use]
     pub fn probability(&self, p: Vec3, n: Option<Vec3>, light: usize) -> f32 {
         let mut trail = match self.locations[light] {
-            LightBvhSlot::Absent => return 0.0,
-            LightBvhSlot::Infinite => return (self.infinite_probability / self.infinite.len() as f64) as f32,
-            LightBvhSlot::Tree(trail) => trail,
+            LightBvhLocation::Absent => return 0.0,
+            LightBvhLocation::Infinite => return (self.infinite_probability / self.infinite.len() as f64) as f32,
+            LightBvhLocation::Tree(trail) => trail,
         };
         let mut probability = 1.0 - self.infinite_probability;
         let mut index = 0;

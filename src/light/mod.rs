@@ -1,7 +1,7 @@
 //! Light sources, which are sampled for direct light and for photon emission.
 //!
 //! Each kind of light has a file of its own. The file implements the trait `LightSource`, or
-//! `PositionalLight` for a point light. [`Light`] is the enum over the kinds.
+//! `PositionalLight` for a point light. A [`Light`] is a light of any of these kinds.
 
 mod area;
 mod directional;

@@ -31,7 +31,7 @@ pub struct OrientedPointLight {
 }
 
 impl OrientedPointLight {
-    /// Copy under the affine map `map`.
+    /// Copy of the light, transformed by `map`.
     #[must_use]
     pub fn transformed(&self, map: &Transform) -> Self {
         let (position, direction, up) =

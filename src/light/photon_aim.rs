@@ -22,7 +22,7 @@ const MAX_SPHERES: usize = 32;
 struct SubtendedCone {
     /// Unit axis.
     axis: Vec3,
-    /// 1 − cosine of the half angle.
+    /// 1 − cosine of the cone's half angle.
     one_minus_cos: f32,
 }
 

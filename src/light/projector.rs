@@ -30,7 +30,7 @@ pub struct ProjectorLight {
 #[derive(Clone, Debug)]
 pub struct ProjectedPicture {
     picture: Image,
-    /// Half width and half height in the plane at distance 1.
+    /// Half width and half height of the picture in the plane at distance 1.
     half_size: DVec2,
     /// Distribution over the pixels, by value times solid angle.
     distribution: PiecewiseConstant2d,

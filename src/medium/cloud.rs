@@ -23,7 +23,7 @@ pub struct Cloud {
 }
 
 impl Cloud {
-    /// Function that returns the density, from 0 to 1, at a point of the unit cube.
+    /// Returns the function from a point of the unit cube to the density there, from 0 to 1.
     ///
     /// Noise finer than `width` is filtered out. The side of the cube is the unit of `width`; 0
     /// does not filter.

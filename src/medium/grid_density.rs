@@ -147,7 +147,7 @@ impl GridDensity {
         size_of::<GridData>() + size_of::<f32>() * (self.grid.values.len() + self.grid.majorants.len())
     }
 
-    /// `ray` up to `distance`, in grid space, where cells have side 1.
+    /// Returns the part of `ray` up to `distance` in grid space, where cells have side 1.
     pub(super) fn ray_in_grid(&self, ray: &Ray, distance: f32) -> GridRay<'_> {
         let cells = self.grid.cell_counts();
         let inverse = self.placement.inverse();

@@ -11,7 +11,7 @@ pub(super) struct MajorantIterator {
     step: DVec3,
     count: [u32; 3],
     cell: [u32; 3],
-    /// Distance of the next block face across each axis.
+    /// Distance along the ray to the next block face perpendicular to each axis.
     next: [f64; 3],
     t: f64,
     end: f64,
@@ -41,7 +41,8 @@ impl MajorantIterator {
         blocks
     }
 
-    /// Distance at which the ray leaves its current block across `axis`.
+    /// Distance along the ray at which it leaves its current block through a face perpendicular to
+    /// `axis`.
     fn face_distance(&self, axis: usize) -> f64 {
         let (o, s, cell) = (self.origin[axis], self.step[axis], f64::from(self.cell[axis]));
         if s > 0.0 {

@@ -85,13 +85,13 @@ impl TransmittanceCurve {
 }
 
 impl Medium {
-    /// A homogeneous medium with density 1.
+    /// Creates a homogeneous medium with density 1.
     #[must_use]
     pub fn homogeneous(absorption: Rgb, scattering: Rgb, emission: Rgb, phase: PhaseFunction) -> Self {
         Self { absorption, scattering, emission, phase, density: None }
     }
 
-    /// A heterogeneous medium with a density grid.
+    /// Creates a heterogeneous medium with a density grid.
     #[must_use]
     pub fn heterogeneous(
         absorption: Rgb,

@@ -46,7 +46,7 @@ impl PhotonBeam {
         flux && self.length > 0.0 && self.direction != Vec3::ZERO && self.start.is_finite() && end.is_finite()
     }
 
-    /// The point at distance `s` from the start.
+    /// The point at distance `s` \[length] from the beam's start.
     fn point_at(&self, s: f64) -> DVec3 {
         self.start.as_dvec3() + self.direction.as_dvec3() * s
     }
@@ -108,7 +108,7 @@ impl BeamIntersection {
 pub struct PhotonBeamMap {
     beams: Vec<PhotonBeam>,
     packets: Vec<BeamPiecePacket>,
-    /// Bounding boxes of the packets.
+    /// Hierarchy over the bounding boxes of the packets.
     boxes: BoxTree,
     radius: f32,
 }
@@ -223,7 +223,8 @@ fn sqrt_half_box_area(beam: &PhotonBeam) -> f64 {
     f64::from(b.x * b.y + b.y * b.z + b.z * b.x).sqrt()
 }
 
-/// Length of the pieces of a diagonal beam that minimises the area of all bounding boxes.
+/// Returns the argument `length` of [`split_beams`] that minimises the total surface area of the
+/// bounding boxes.
 ///
 /// The mean number of pieces per beam stays below [`MAX_PIECES`].
 fn optimal_beam_piece_length(beams: &[PhotonBeam], radius: f32) -> f64 {

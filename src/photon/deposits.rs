@@ -38,7 +38,7 @@ impl VolumePhotons {
     }
 }
 
-/// All photons stored by a photon pass, in the order of path indices.
+/// All photons that a photon pass stored, in the order of path indices.
 #[derive(Debug, Default)]
 pub struct Deposits {
     /// Photons on surfaces, except the photons in `after_caustic`.

@@ -32,23 +32,25 @@ pub struct PhotonSource<'a> {
     effects: Effects,
 }
 
-/// Random numbers that determine the light, position and direction of an emitted photon path.
+/// Choice of a light, and the sample points in \[0, 1)² from which an emission's position and
+/// direction follow.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrimaryEmissionSample {
     /// Index of the light.
     pub light: usize,
     /// Probability of the light.
     pub probability: f32,
-    /// Primary sample of the position on the light, in \[0, 1)².
+    /// Sample point in \[0, 1)² from which the position on the light follows (primary sample).
     pub position: Vec2,
-    /// Primary sample of the direction, in \[0, 1)².
+    /// Sample point in \[0, 1)² from which the direction follows (primary sample).
     pub direction: Vec2,
     /// Joint pdf of `position` and `direction` over the unit hypercube \[0, 1)⁴; 1 without guiding.
     pub pdf: f32,
 }
 
 impl<'a> PhotonSource<'a> {
-    /// A source that emits from each light in all its directions; `None` if no light has power.
+    /// Creates a source that emits from each light in all directions of its emission; `None` if no
+    /// light has power.
     ///
     /// Lights are chosen in proportion to their power.
     #[must_use]
@@ -58,7 +60,7 @@ impl<'a> PhotonSource<'a> {
         Some(Self { scene, light_distribution, aim: None, guiding: Vec::new(), effects })
     }
 
-    /// A source that emits only towards the bounding spheres of caustic casters.
+    /// Creates a source that emits only towards the bounding spheres of caustic casters.
     ///
     /// Lights are chosen in proportion to their power towards the spheres, estimated by sampling.
     /// If a caster is unbounded, the source emits in all directions. Returns `None` if no light can
@@ -128,12 +130,13 @@ impl<'a> PhotonSource<'a> {
         Self { effects, ..self }
     }
 
-    /// Kind of interior that the photon paths must track.
+    /// Kind of interior (nested bodies, medium, wavelength) that the photon paths must track.
     pub(super) fn interior_kind(&self) -> InteriorKind {
         self.effects.interior_kind()
     }
 
-    /// Lights of the scene; with mean emission if emission textures are not simulated.
+    /// Lights of the scene. Their mean radiance replaces emission textures if textures are not
+    /// simulated.
     pub(super) fn lights(&self) -> &'a [Light] {
         if self.effects.has(Effect::Textures) { self.scene.lights() } else { self.scene.mean_emission_lights() }
     }

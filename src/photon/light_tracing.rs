@@ -26,7 +26,8 @@ use rayon::prelude::*;
 /// With fewer photons, a splat is noisier than an estimate.
 const EQUAL_SHARE_COUNT: f64 = 10.0;
 
-/// Share of its flux that a photon gives to estimates, for each pixel of the film.
+/// Share of their flux that photons give to density estimates, for each pixel of the film. Light
+/// tracing carries the rest.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DensityEstimateShares {
     width: u32,
@@ -84,7 +85,7 @@ impl DensityEstimateShares {
     }
 }
 
-/// Column and row of the pixel around a film position; `None` outside the film.
+/// Column and row of the pixel that contains a film position; `None` outside the film.
 #[inline]
 fn pixel_at_film_position(film: Vec2, width: u32, height: u32) -> Option<(u32, u32)> {
     let inside = film.cmpge(Vec2::ZERO).all() && film.x < width as f32 && film.y < height as f32;

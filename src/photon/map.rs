@@ -79,7 +79,8 @@ impl PhotonMap {
         self.len == 0
     }
 
-    /// Calls `visitor` with each photon within `radius` \[length] of `p` and its squared distance.
+    /// Calls `visitor` for each photon within `radius` \[length] of `p`, with the photon and its
+    /// squared distance from `p`.
     #[inline]
     pub fn visit_within_radius(&self, p: Vec3, radius: f32, mut visitor: impl FnMut(&PhotonData, f32)) {
         let Some(tree) = &self.tree else { return };

@@ -60,7 +60,7 @@ pub struct VolumePhotonMap {
     photons: Vec<VolumePhoton>,
     /// Positions of the photons, eight in a packet.
     packets: Vec<PointPacket>,
-    /// Bounding boxes of the packets, expanded by the radius.
+    /// Hierarchy over the bounding boxes of the packets, which are expanded by the blur radius.
     boxes: BoxTree,
     radius: f32,
 }

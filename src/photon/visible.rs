@@ -32,7 +32,7 @@ pub struct VisiblePointMap {
     first_search_radius: f32,
 }
 
-/// Number of nearest visible points per density estimate.
+/// Number of nearest visible points in a density estimate of importance.
 const NEIGHBOURS: u32 = 16;
 
 /// Number of visible points at which the distance to the 16th neighbour is measured.

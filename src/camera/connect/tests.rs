@@ -1,4 +1,4 @@
-//! Connections of points to the film, against camera rays.
+//! Tests that connections of points to the film agree with camera rays.
 
 use super::super::Lens;
 use super::*;
@@ -32,8 +32,8 @@ fn connections_invert_camera_rays() {
     }
 }
 
-/// The importance is the derivative of the film position: steps of a small length in the plane
-/// perpendicular to the ray span that much film area.
+/// The importance is the Jacobian of the film position: small steps perpendicular to the ray move
+/// the film position by that area per area.
 #[test]
 fn importance_is_the_jacobian() {
     for camera in cameras_of_all_kinds() {

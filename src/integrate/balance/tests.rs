@@ -9,7 +9,7 @@ fn variance_and_work(parts: &[NoiseSource; 3], numbers: &[f64; 3]) -> (f64, f64)
     (noise, parts.iter().zip(numbers).filter(|(p, _)| p.variance > 0.0).map(|(p, n)| p.cost * n).sum())
 }
 
-/// For two parts of equal cost the optimum is n ∝ σ, computed by hand.
+/// For two sources of equal cost the optimum is n ∝ σ, computed by hand.
 #[test]
 fn sample_counts_follow_noise_over_cost() {
     let parts = [noise_source(4.0, 1.0, 10.0), noise_source(1.0, 1.0, 10.0), noise_source(0.0, 5.0, 7.0)];
@@ -17,7 +17,7 @@ fn sample_counts_follow_noise_over_cost() {
     assert!((a - 40.0 / 3.0).abs() < 1e-9 && (b - 20.0 / 3.0).abs() < 1e-9 && c == 7.0, "{a} {b} {c}");
 }
 
-/// Each small shift of work between two parts, within the bounds, adds noise.
+/// Each small shift of work between two sources, within the bounds, adds noise.
 #[test]
 fn balance_has_the_least_noise() {
     for parts in [

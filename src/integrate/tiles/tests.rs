@@ -3,7 +3,8 @@ use crate::camera::FilterKind;
 use crate::integrate::pass::SilentMonitor;
 use crate::sampling::Purpose;
 
-/// Mean over passes of a picture of `scene` through filter `kind`, and its standard error.
+/// Renders one row of 12 pixels through filter `kind`. `scene` gives the radiance at film position
+/// x. Returns the mean of each pixel over 400 passes, and its standard error.
 fn render_filtered_row(kind: FilterKind, samples: u32, scene: impl Fn(f32) -> f32 + Sync) -> Vec<(f64, f64)> {
     let camera = Camera::orthographic(DVec3::Z, DVec3::NEG_Z, DVec3::Y, 1.0, 12, 1).unwrap();
     let filter = Filter::new(kind);

@@ -21,7 +21,7 @@ pub fn mesh_light_surface(mesh: Arc<Mesh>) -> LightSurface {
     LightSurface::Triangles { mesh, first: 0, choice }
 }
 
-/// First hit of the ray from `p` with a light surface, from either side.
+/// First hit of the ray from `p` along `wi` with a light surface, from either side.
 fn first_hit(emitter: &LightSurface, p: Vec3, wi: Vec3) -> Option<SurfacePoint> {
     let ray = crate::math::Ray::new(p, wi);
     match emitter {
@@ -41,7 +41,8 @@ fn first_hit(emitter: &LightSurface, p: Vec3, wi: Vec3) -> Option<SurfacePoint> 
     }
 }
 
-/// Light surfaces with a position that sees them; true if all their samples are visible from there.
+/// Light surfaces, each with a viewpoint. The flag is true if all points of the surface are visible
+/// from there.
 fn surfaces_and_viewpoints() -> Vec<(LightSurface, Vec3, bool)> {
     let squash = Transform::new(DAffine3::from_scale_rotation_translation(
         DVec3::new(1.0, 0.2, 0.5),
@@ -73,7 +74,7 @@ fn surfaces_and_viewpoints() -> Vec<(LightSurface, Vec3, bool)> {
         .collect()
 }
 
-/// A cone around all samples.
+/// Cells of a cone that contains all directions sampled from `p`.
 fn cells_around_samples(light: &Light, p: Vec3) -> DirectionCells {
     let draws = || (0..2000).filter_map(|i| light.sample_li(p, test_key(i).uniform_2d(Dimension::LightTarget)));
     let axis = draws().map(|s| s.wi).sum::<Vec3>().normalize();
@@ -115,8 +116,8 @@ fn direct_samples_follow_pdf_li() {
     }
 }
 
-/// Below and beside the rectangle, at any distance to its plane, and in the plane (analytic-truths
-/// 9).
+/// Irradiance below and beside a rectangle light agrees with closed forms, at any distance to its
+/// plane and in the plane.
 #[test]
 fn rectangle_sampling_is_exact_near_its_plane() {
     let (a, b) = (2.0f64, 1.5);
@@ -140,7 +141,7 @@ fn rectangle_sampling_is_exact_near_its_plane() {
     }
 }
 
-/// Near the light, the variance of area sampling is unbounded; that of solid-angle sampling is not.
+/// Near the light, sampling by area has unbounded variance, and sampling by solid angle has not.
 #[test]
 fn solid_angle_sampling_has_less_variance_near_the_light() {
     let rectangle = Rectangle::new(point_on_y_axis(0.0), DVec3::X, DVec3::Z);

@@ -46,7 +46,8 @@ fn mean_emitted_flux_equals_power() {
     }
 }
 
-/// Aimed emission carries the flux of plain emission to each sphere, even where spheres overlap.
+/// Aimed emission carries the same flux to each sphere as unaimed emission, even where spheres
+/// overlap.
 #[test]
 fn aimed_emission_is_unbiased() {
     let balls = [
@@ -107,7 +108,7 @@ fn merged_aim_spheres_lose_no_flux() {
     assert!((plain.0 - aimed.0).abs() < 5.0 * (plain.1 + aimed.1).sqrt());
 }
 
-/// Pdf of emitted directions \[1/sr], over all positions.
+/// Pdf of emitted directions, independent of the position \[1/sr].
 fn emission_direction_pdf(light: &Light, w: Vec3) -> f64 {
     let uniform = 0.25 / std::f64::consts::PI;
     match light {

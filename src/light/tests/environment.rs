@@ -6,7 +6,7 @@ use crate::image::Image;
 use glam::Vec2;
 use std::f64::consts::PI;
 
-/// A map with black parts, a bright sun and varying colours.
+/// A sky picture with black parts, a bright sun and varying colours.
 pub fn random_sky_picture() -> Image {
     let pixel = |i: u32| {
         let (x, y) = (i % 12, i / 12);
@@ -16,7 +16,7 @@ pub fn random_sky_picture() -> Image {
     Image::from_pixels(12, 8, (0..96).map(pixel).collect()).unwrap()
 }
 
-/// The environment of [`random_sky_picture`], rotated by an angle \[radians].
+/// The environment light of [`random_sky_picture`], rotated by `angle` \[radians].
 pub fn random_sky_light(angle: f64) -> EnvironmentLight {
     EnvironmentLight::new(random_sky_picture(), angle, Rgb::splat(1.5)).unwrap()
 }
@@ -74,10 +74,10 @@ fn power_is_the_integral_of_radiance() {
     }
 }
 
-/// A map of one column, against the midpoint rule over the angle from +y with 10⁵ points: error
-/// below 10⁻⁹.
+/// The power of a one-column map agrees with a midpoint rule of 10⁵ points over the angle from +y.
+/// The error of the rule is below 10⁻⁹.
 #[test]
-fn row_measures_match_quadrature() {
+fn one_column_map_power_matches_quadrature() {
     for h in [1u32, 2, 3, 8] {
         let pixels = (0..h).map(|row| Rgb::splat(((row * 5 + 1) % 7) as f32)).collect();
         let environment = EnvironmentLight::new(Image::from_pixels(1, h, pixels).unwrap(), 0.0, Rgb::ONE).unwrap();
@@ -94,8 +94,8 @@ fn row_measures_match_quadrature() {
     }
 }
 
-/// A constant environment gives irradiance π L, by direct light and by photons through a ball
-/// (analytic-truths 38).
+/// A constant environment of radiance L gives the irradiance π L, by direct light and by photons
+/// through a ball.
 #[test]
 fn a_constant_environment_lights_a_plane_by_pi_l() {
     let light = Light::Environment(constant_environment_light().into());
@@ -121,7 +121,8 @@ fn a_constant_environment_lights_a_plane_by_pi_l() {
     }
 }
 
-/// Uniform sampling has the variance of the sun; importance sampling does not.
+/// The bright sun makes the variance of uniform sampling large, but not that of importance
+/// sampling.
 #[test]
 fn importance_sampling_reduces_variance() {
     let environment = random_sky_light(0.4);

@@ -39,7 +39,8 @@ fn estimate_irradiance(light: &Light, p: Vec3, n: Vec3) -> (f64, f64) {
     })
 }
 
-/// Five sigma: one false alarm in a million a comparison.
+/// Asserts that `mean` agrees with `truth` within five sigma: less than one false alarm in a
+/// million comparisons.
 fn assert_within_5_sigma((mean, variance): (f64, f64), truth: f64) {
     assert!((mean - truth).abs() < 5.0 * variance.sqrt() + 2e-6 * truth, "{mean} against {truth}");
 }
@@ -48,7 +49,7 @@ fn point_on_y_axis(v: f64) -> DVec3 {
     DVec3::new(0.0, v, 0.0)
 }
 
-/// analytic-truths 5.
+/// The irradiance of a point light falls by the inverse square law and the cosine.
 #[test]
 fn point_light_irradiance_is_exact() {
     let light = Light::Point(PointLight { position: Vec3::new(0.0, 2.0, 0.0), intensity: Rgb::splat(3.0) });
@@ -59,7 +60,8 @@ fn point_light_irradiance_is_exact() {
     );
 }
 
-/// analytic-truths 7, on the axis and off it; the disc faces down.
+/// The irradiance of a disc light that faces down agrees with closed forms, on its axis and beside
+/// it.
 #[test]
 fn disc_light_irradiance_is_exact() {
     let (r, h, l) = (0.8f64, 1.1, 2.0);
@@ -75,14 +77,14 @@ fn disc_light_irradiance_is_exact() {
     assert!(light.sample_li(Vec3::new(0.0, 5.0, 0.0), glam::Vec2::splat(0.5)).is_none(), "its back is black");
 }
 
-/// analytic-truths 8.
+/// The irradiance of a sphere light agrees with its closed form.
 #[test]
 fn sphere_light_irradiance_is_exact() {
     let light = area_light(Shape::Sphere(SphereShape::new(DVec3::new(3.0, 4.0, 0.0), 0.5)), 7.0);
     assert_within_5_sigma(estimate_irradiance(&light, Vec3::ZERO, Vec3::Y), std::f64::consts::PI * 7.0 * 0.01 * 0.8);
 }
 
-/// analytic-truths 9: the rectangle over its own corner.
+/// The irradiance below the corner of a rectangle light agrees with its closed form.
 #[test]
 fn rectangle_light_irradiance_is_exact() {
     let (a, b, h) = (1.2f64, 0.7, 0.9);

@@ -10,9 +10,9 @@ use glam::Vec2;
 pub(super) struct EmissionGuidingSample {
     /// Index of the light.
     pub light: usize,
-    /// Primary sample of the position on the light, in \[0, 1)².
+    /// Sample point in \[0, 1)² from which the position on the light follows (primary sample).
     pub position: Vec2,
-    /// Primary sample of the direction, in \[0, 1)².
+    /// Sample point in \[0, 1)² from which the direction follows (primary sample).
     pub direction: Vec2,
     /// Inverse of the joint pdf of `position` and `direction`.
     pub weight: f64,
@@ -39,7 +39,8 @@ type CellResolution = (u32, u32);
 #[derive(Clone, Debug)]
 struct EmissionGuidingCells {
     resolution: CellResolution,
-    /// Mean squared changes. The cell of the position is the outer index.
+    /// Mean squared change of each cell. The cell of the position is the outer index, the cell of
+    /// the direction the inner one.
     squares: Vec<f64>,
 }
 

@@ -40,7 +40,8 @@ fn maps_of_zero_and_one_photon() {
     );
 }
 
-/// Against a plain scan: photons are found exactly, give or take those within rounding of the rim.
+/// Queries find the same photons as a scan over all photons, except at distances that equal the
+/// radius up to rounding.
 #[test]
 fn queries_match_a_linear_scan() {
     let layouts: [fn(Vec3) -> Vec3; 4] =

@@ -35,7 +35,7 @@ pub(super) struct BlurDifferences {
     pub d0_d1: f64,
     /// ‖D₁‖².
     pub d1: f64,
-    /// Relative variance of D₀ in one pass.
+    /// Relative variance of the difference D₀ in one pass.
     pub variance: f64,
     /// Variance of `d0`.
     pub d0_variance: f64,

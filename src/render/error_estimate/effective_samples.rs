@@ -5,7 +5,7 @@ use crate::color::Rgb;
 
 /// Estimates the variance of independent pictures, and the effective sample count of their noise.
 ///
-/// The difference of two pictures, divided by √2, contains only noise. The mean v of its squares is
+/// The difference of two pictures, divided by √2, contains only noise. The mean of its squares is
 /// the variance. Let Σ be the covariance matrix of pixels. The scalar product of two such
 /// differences without a common picture has mean zero and variance tr Σ². The effective sample
 /// count is (tr Σ)² / tr Σ² (Satterthwaite 1946).

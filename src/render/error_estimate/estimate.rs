@@ -29,13 +29,14 @@ pub struct ErrorEstimate {
     /// at edges.
     #[serde(skip)]
     pub(super) blur_ratio: f64,
-    /// Extrapolated blur divided by its measured part |D₀ + D₁|, see [`error_estimate`](super).
+    /// Extrapolated blur divided by its measured part |D₀ + D₁|. [`error_estimate`](super) defines
+    /// D₀ and D₁.
     #[serde(skip)]
     pub(super) extrapolation: f64,
     /// Relative variance of one pass.
     #[serde(skip)]
     pub(super) variance: f64,
-    /// Relative variance of the difference D₀ in one pass, see [`error_estimate`](super).
+    /// Relative variance, in one pass, of the difference D₀ that [`error_estimate`](super) defines.
     #[serde(skip)]
     pub(super) difference_variance: f64,
     /// Contribution of fireflies to the squared noise.

@@ -33,9 +33,10 @@ pub struct ErrorEstimator {
 /// Sums over passes of the differences between nested photon estimates, by pixel.
 #[derive(Clone, Debug)]
 struct NestedEstimateSums {
-    /// Σ D₀ and Σ D₁ over passes, see [`error_estimate`](super).
+    /// Sums over passes of the differences D₀ and D₁ for each pixel, which
+    /// [`error_estimate`](super) defines.
     differences: [Vec<Vec3>; 2],
-    /// Σ D₀², Σ D₀·D₁ and Σ D₁² over passes and channels.
+    /// Sums over passes and channels of D₀², D₀·D₁ and D₁², for each pixel.
     products: Vec<[f64; 3]>,
     /// Mean discs of the estimates from the caustic and the indirect map, by pixel.
     discs: Vec<[GatherDiscMeans; 2]>,

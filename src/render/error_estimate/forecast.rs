@@ -42,7 +42,7 @@ pub struct ErrorForecast {
     photon_variance: f64,
     /// Relative blur of the first pass.
     blur: f64,
-    /// Exponent p: blur is proportional to area^p.
+    /// Exponent p: the blur of a pass is proportional to the p-th power of its disc area.
     power: f64,
     shared_paths: f64,
     fireflies: Fireflies,

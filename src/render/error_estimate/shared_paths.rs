@@ -19,9 +19,10 @@ const BLOCK: u32 = 16;
 pub(super) struct SharedPathError {
     /// Indices of the pixels with fresh paths, in rows from the top.
     pixels: Vec<u32>,
-    /// Σ difference over passes, by channel.
+    /// Sum over passes of radiance by shared paths minus radiance by fresh paths, for each pixel
+    /// and channel.
     sums: Vec<DVec3>,
-    /// Σ difference² over passes and channels.
+    /// Sum over passes and channels of the square of that difference, for each pixel.
     squares: Vec<f64>,
 }
 

@@ -45,7 +45,8 @@ fn three_passes_give_no_estimate() {
     assert!(estimator.forecast(&estimate).is_none());
 }
 
-/// Expected noise σ/√(2n) and bias b/√2, both over 1 + b, the radiance with its bias.
+/// The estimated noise is near σ/√(2n) and the bias near b/√2, both divided by 1 + b, the radiance
+/// with its bias.
 #[test]
 fn noise_and_bias_are_separated() {
     for (sigma, bias) in [(0.3, 0.0), (0.3, 0.1), (0.01, 0.1)] {
@@ -105,7 +106,8 @@ fn shared_paths_are_bias() {
     assert!(estimate.noise == 0.0 && estimate.blur == 0.0 && estimate.bias == estimate.shared_paths);
 }
 
-/// A step edge blurred by the Epanechnikov kernel: its true bias against the extrapolated one.
+/// At a step edge, blurred by the Epanechnikov kernel, the extrapolated bias agrees with the true
+/// bias.
 #[test]
 fn edges_are_not_extrapolated_as_smooth() {
     // Integral of the kernel over x < t for a disc of radius 1; its marginal is (8/(3π))(1 −
