@@ -38,9 +38,10 @@ pub(super) use with_stack_size;
 
 /// Padding of a triangle's box on each side, relative to the box's longest edge.
 ///
-/// Here γ(n) is [`rounding_error_bound`]. The triangle test errs by up to γ(9) of the distance along
-/// the ray, plus γ(9) of the triangle's size. The box test errs by γ(3) of the distance. `PADDING`
-/// covers the error relative to the size, and [`STRETCH`] the errors relative to the distance.
+/// Here γ(n) is [`rounding_error_bound`]. The triangle test errs by up to γ(9) of the distance
+/// along the ray, plus γ(9) of the triangle's size. The box test errs by γ(3) of the distance.
+/// `PADDING` covers the error relative to the size, and [`STRETCH`] the errors relative to the
+/// distance.
 const PADDING: f32 = rounding_error_bound(16);
 /// Factor of the ray parameter at which a ray leaves a box; covers rounding errors.
 const STRETCH: f32 = 1.0 + 2.0 * rounding_error_bound(16);

@@ -67,10 +67,10 @@ pub struct Hierarchy {
 impl Hierarchy {
     /// Builds a hierarchy over `triangles`, given by their corners, and `others`, given by boxes.
     ///
-    /// Each box encloses one primitive that the caller's closures intersect. A hit of this primitive
-    /// must lie in the box, or outside by at most 10⁻⁶ of the box's size. There may be at most 2³⁰
-    /// triangles and 2³⁰ boxes. Corners must be finite. Triangles without area and empty boxes are
-    /// never hit.
+    /// Each box encloses one primitive that the caller's closures intersect. A hit of this
+    /// primitive must lie in the box, or outside by at most 10⁻⁶ of the box's size. There may be at
+    /// most 2³⁰ triangles and 2³⁰ boxes. Corners must be finite. Triangles without area and empty
+    /// boxes are never hit.
     #[must_use]
     pub fn build(triangles: &[[Vec3; 3]], others: &[Bounds]) -> Self {
         let bounds = Bounds::from_points(triangles.iter().flatten().copied());

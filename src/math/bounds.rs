@@ -72,7 +72,7 @@ impl Bounds {
         })
     }
 
-    /// Sphere through the corners of the box.
+    /// Smallest sphere that contains the box; it passes through the corners.
     #[must_use]
     pub fn bounding_sphere(&self) -> BoundingSphere {
         BoundingSphere { center: self.center(), radius: 0.5 * self.extent().length() }

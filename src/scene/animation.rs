@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// The time for which a scene is built: the middle of the shutter interval.
 pub(super) const MID_SHUTTER: f64 = 0.5;
 
-/// The moving parts of a scene. Their motions map to scene coordinates.
+/// The moving parts of a scene, with motions that map to scene coordinates.
 #[derive(Debug, Default)]
 pub(super) struct Animation {
     /// Moving shapes, which the scene lists after the shapes at rest.
@@ -52,7 +52,7 @@ pub(super) fn plane_at_time(plane: &Plane, motion: &Motion, time: f64) -> Option
     Some(plane.transformed(&motion_transform_at_time(motion, time)?))
 }
 
-/// The light moved by `motion` at `time`; `None` if the transform is singular.
+/// The delta light moved by `motion` at `time`; `None` if the transform is singular.
 pub(super) fn delta_light_at_time(kind: &DeltaLightKind, motion: &Motion, time: f64) -> Option<DeltaLightKind> {
     Some(kind.transformed(&motion_transform_at_time(motion, time)?))
 }
@@ -69,8 +69,8 @@ pub(super) fn mapping_at_time(kind: MappingKind, motion: &Motion, time: f64) -> 
 
 /// Strength of a moving light in physical units, computed at mid-shutter.
 ///
-/// A [`LightStrength::Course`] colour depends on the light's distance to the origin. The light
-/// keeps the strength that this colour means at mid-shutter.
+/// The physical strength that belongs to a [`LightStrength::Course`] colour depends on the light's
+/// distance from the origin. A moving light keeps its strength of mid-shutter.
 pub(super) fn physical_strength_mid_shutter(
     kind: &DeltaLightKind,
     strength: LightStrength,
@@ -82,8 +82,9 @@ pub(super) fn physical_strength_mid_shutter(
     resolve_light(&placed, strength, DVec3::ZERO).0.peak_strength().map_or(strength, LightStrength::Physical)
 }
 
-/// `scene` at `time`: see [`Scene::at_time`]. An object whose motion is singular then stays at its
-/// mid-shutter position.
+/// `scene` at `time`: see [`Scene::at_time`].
+///
+/// An object stays at its mid-shutter position if the map of its motion is singular at `time`.
 pub(super) fn scene_at_time(scene: &Scene, time: f64) -> Scene {
     let mut moved = scene.clone();
     let Some(animation) = &scene.animation else { return moved };
@@ -119,7 +120,7 @@ pub(super) fn scene_at_time(scene: &Scene, time: f64) -> Scene {
     moved
 }
 
-/// Replaces shape `i`, and the surface of its area light if it has one.
+/// Replaces shape `i` of the scene by `shape`, also as the surface of its area light, if any.
 fn replace_shape(scene: &mut Scene, i: usize, shape: Shape) {
     let object = scene.geometry.objects[i];
     if let Some(light) = object.light {

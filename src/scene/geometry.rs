@@ -12,7 +12,7 @@ use std::sync::Arc;
 pub(super) struct ObjectAttributes {
     /// Index of the material.
     pub material: u32,
-    /// Index of the object's area light; `None` if it does not emit.
+    /// Index of the object's area light; `None` if the object does not emit light.
     pub light: Option<u32>,
     /// Index of the texture mapping.
     pub mapping: u32,
@@ -68,7 +68,7 @@ impl CoincidenceGroup {
 /// moving planes.
 #[derive(Clone)]
 pub(super) struct Geometry {
-    /// Attributes by object index.
+    /// Attributes of each object, by object index.
     pub objects: Vec<ObjectAttributes>,
     /// Shapes at rest, then moving shapes.
     pub shapes: Vec<Shape>,
@@ -124,7 +124,7 @@ impl Geometry {
         geometry
     }
 
-    /// Rebuilds the hierarchy over moving shapes after they have moved.
+    /// Rebuilds the hierarchy over moving shapes, after their positions have changed.
     pub fn rebuild_moving_hierarchy(&mut self) {
         let boxes: Vec<Bounds> = self.moving_shapes().iter().map(Shape::bounds).collect();
         self.moving = (!boxes.is_empty()).then(|| Arc::new(Hierarchy::build(&[], &boxes)));
@@ -251,7 +251,7 @@ impl Geometry {
         }
     }
 
-    /// Texture coordinates that the primitive itself defines at `hit`; zero on planes.
+    /// Texture coordinates that the mesh or shape itself defines at `hit`; zero on planes.
     pub fn surface_texture_coords(&self, hit: &Hit, point: &SurfacePoint) -> TexCoord {
         match hit.primitive {
             HitPrimitive::Triangle(i, b) => self.mesh.tex_coord(i as usize, b),

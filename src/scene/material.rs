@@ -21,7 +21,7 @@ pub struct Material {
 /// The scattering model of a material, with its parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MaterialKind {
-    /// Absorbs all light.
+    /// A surface that absorbs all light.
     Black,
     /// Lambertian reflection on both sides.
     Diffuse {
@@ -58,8 +58,9 @@ pub enum MaterialKind {
         /// Colour that one perpendicular crossing transmits, in (0, 1].
         transmittance: Textured<Rgb>,
     },
-    /// The dielectric boundary of a body. A path determines the refractive index on the outer side
-    /// when it arrives.
+    /// The dielectric boundary of a body.
+    ///
+    /// The refractive index on the outer side depends on the bodies around the path that arrives.
     Dielectric {
         /// The body inside.
         body: Body,
@@ -100,13 +101,14 @@ impl MaterialKind {
         }
     }
 
-    /// The body and the roughness α, if this is a dielectric boundary.
+    /// The body and the roughness α of a dielectric boundary; `None` for other materials.
     #[inline]
     fn as_dielectric(&self) -> Option<(&Body, &Textured<f32>)> {
         if let Self::Dielectric { body, roughness } = self { Some((body, roughness)) } else { None }
     }
 
-    /// Indices of both materials of a mix, and the probability of the second.
+    /// Indices of both materials of a mix, and the probability of the second; `None` for other
+    /// materials.
     #[inline]
     pub(super) fn as_mix(&self) -> Option<([u32; 2], &Textured<f32>)> {
         if let Self::Mix { first, second, amount } = self { Some(([*first, *second], amount)) } else { None }
@@ -176,8 +178,9 @@ impl Material {
         Self::new(MaterialKind::Dielectric { body, roughness: roughness.into() })
     }
 
-    /// A mix: material `second` with probability `amount`, else material `first`. Both indices must
-    /// exist already.
+    /// A mix: material `second` with probability `amount`, else material `first`.
+    ///
+    /// Both are indices of materials that have been added before.
     #[must_use]
     pub fn mix(first: u32, second: u32, amount: impl Into<Textured<f32>>) -> Self {
         Self::new(MaterialKind::Mix { first, second, amount: amount.into() })
@@ -196,7 +199,7 @@ impl Material {
         Self::new(MaterialKind::Thin { eta, transmittance: transmittance.into() })
     }
 
-    /// Absorbs all light.
+    /// A material that absorbs all light.
     #[must_use]
     pub fn black() -> Self {
         Self::new(MaterialKind::Black)
@@ -256,7 +259,7 @@ impl Material {
         self.textured
     }
 
-    /// True if a hit must evaluate textures, for parameters or for the normal.
+    /// True if each hit must evaluate textures, for BSDF parameters or for the shading normal.
     #[inline]
     pub(super) fn needs_textures(&self) -> bool {
         self.textured || self.normals != NormalPerturbation::None

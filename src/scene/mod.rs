@@ -1,5 +1,7 @@
-//! The resolved scene: the data that renderers read, in single precision and relative to one
-//! origin.
+//! The resolved scene: the data that renderers read.
+//!
+//! Coordinates are relative to one origin near the objects. Triangles are stored in single
+//! precision.
 
 mod animation;
 mod build;
@@ -93,15 +95,17 @@ impl Scene {
         &self.camera
     }
 
-    /// Radiance of rays that leave the scene, if there is no environment light. The background
-    /// illuminates no surface.
+    /// Radiance of camera rays that hit nothing, used if there is no environment light.
+    ///
+    /// The background does not illuminate surfaces.
     #[must_use]
     pub fn background(&self) -> Rgb {
         self.background
     }
 
-    /// Radiance along a ray in unit `direction` that hits nothing: of the environment light, or
-    /// else the background.
+    /// Radiance that a ray in unit `direction` receives if it hits nothing.
+    ///
+    /// It is the radiance of the environment light, or the background if there is none.
     #[inline]
     #[must_use]
     pub fn escaped_radiance(&self, direction: Vec3) -> Rgb {
@@ -121,7 +125,8 @@ impl Scene {
         &self.lights
     }
 
-    /// The lights, with emission textures replaced by their mean radiance.
+    /// The lights in the order of [`Scene::lights`], with emission textures replaced by their
+    /// means.
     #[must_use]
     pub fn mean_emission_lights(&self) -> &[Light] {
         if self.mean_emission_lights.is_empty() { &self.lights } else { &self.mean_emission_lights }
@@ -134,11 +139,11 @@ impl Scene {
         &self.legacy_lights
     }
 
-    /// Distance \[length] below which light `light` counts as lying on a surface; 0 for area
-    /// lights and lights at infinity.
+    /// Distance \[length] below which a surface point touches light `light`; 0 for area lights and
+    /// lights at infinity.
     ///
-    /// A light that lies on a surface illuminates both of its sides. Positions are rounded to 2⁻²⁴
-    /// of their coordinates, so the true side of the light is unknown.
+    /// A light that touches a surface illuminates both sides of the surface. Positions are rounded
+    /// to 2⁻²⁴ of their coordinates, so the true side of the light is unknown.
     #[inline]
     #[must_use]
     pub fn light_contact_distance(&self, light: usize) -> f32 {
@@ -218,9 +223,9 @@ impl Scene {
 
     /// The surface at `hit` of `ray`, which must have a unit direction.
     ///
-    /// Textures are filtered over `cone`. `u_mix` returns a number in \[0, 1) that selects a part
-    /// of a mix. A dielectric boundary gets its BSDF in air; [`Interior::resolve_boundary`]
-    /// replaces it.
+    /// Textures are filtered over the width of `cone`. `u_mix` returns a uniform number in \[0, 1),
+    /// by which a mix selects one of its materials. The boundary of a body gets the BSDF that it
+    /// has in air; [`Interior::resolve_boundary`] replaces this BSDF.
     #[inline]
     #[must_use]
     pub fn surface_interaction(
@@ -276,7 +281,7 @@ impl Scene {
         self.geometry.surface_point(ray, hit).ng
     }
 
-    /// Texture coordinates at `hit`, with filter axes that cover the footprint of `cone`.
+    /// Texture coordinates at `hit`, with the filter footprint that `cone` has on the surface.
     #[inline(never)]
     #[must_use]
     pub fn texture_context(&self, hit: &Hit, point: &SurfacePoint, wo: Vec3, cone: &RayCone) -> TextureEvalContext {
@@ -308,7 +313,8 @@ impl Scene {
 
     /// Index of the leaf material to which material `index` resolves, for a uniform `u` in \[0, 1).
     ///
-    /// `context` is called only if a mixing amount is textured and textures are simulated.
+    /// `context` returns the point of texture lookups. It is called only if a mixing amount is
+    /// textured and `effects` contain textures.
     fn resolve_mix_to_leaf(
         &self,
         mut index: u32,

@@ -10,14 +10,14 @@ use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3};
 
 /// Surface of the cube \[−1, 1]³ under an affine map: a box or parallelepiped.
 ///
-/// Faces are numbered 2·axis, plus 1 on the positive side. The last number of a
-/// [`ShapeHit`] is the face.
+/// A face has the number 2·axis, plus 1 if it is on the positive side of its axis. The last number
+/// of a [`ShapeHit`] is the number of the face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid {
     to_world: Transform,
     /// World area of the face perpendicular to each object axis \[length²].
     face_areas: DVec3,
-    /// Largest object-space change of each coordinate per world-space unit length.
+    /// For each object-space coordinate, its largest change per unit length in world space.
     max_gradients: DVec3,
 }
 
@@ -72,13 +72,13 @@ fn half_edges(to_world: &Transform) -> [DVec3; 3] {
     [m.x_axis, m.y_axis, m.z_axis]
 }
 
-/// Coordinate of a face along its axis: −1 or 1.
+/// Object-space coordinate of face `face` along the face's axis: −1 or 1.
 #[inline]
 fn face_sign(face: usize) -> f64 {
     if face % 2 == 1 { 1.0 } else { -1.0 }
 }
 
-/// Number of the face that `uv.y` of a hit encodes.
+/// Number of the face that was hit, decoded from the last number of the [`ShapeHit`].
 #[inline]
 fn face_of_hit(uv: Vec2) -> usize {
     (uv.y as usize).min(5)

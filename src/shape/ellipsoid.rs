@@ -44,13 +44,15 @@ impl Ellipsoid {
         )
     }
 
-    /// World area per area of the unit sphere at its point `n`: |det M| · |M⁻ᵀ n|.
+    /// Ratio of world-space area to area on the unit sphere, at the sphere's point `n`.
+    ///
+    /// For the linear part M of the map, it is |det M| · |M⁻ᵀ n|.
     #[inline]
     fn area_stretch(&self, n: DVec3) -> f64 {
         self.to_world.determinant().abs() * self.to_world.transform_normal(n).length()
     }
 
-    /// World area \[length²], by the midpoint rule in (z, φ).
+    /// World-space area \[length²], integrated by the midpoint rule over height z and azimuth φ.
     fn integrate_area(&self) -> f64 {
         const N: u32 = 256;
         let mut sum = 0.0;
@@ -129,8 +131,7 @@ mod tests {
     use super::*;
     use glam::DAffine3;
 
-    /// Oblate spheroid: 2πa²(1 + (1 − e²)/e · artanh e). The midpoint rule's error is below 10⁻⁴
-    /// here.
+    /// The area of an oblate spheroid agrees with 2πa²(1 + (1 − e²)/e · artanh e) within 10⁻⁴.
     #[test]
     fn area_matches_the_spheroid_formula() {
         let (a, c) = (1.5f64, 0.6);

@@ -10,7 +10,7 @@ use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3};
 use libm::{atan2, hypot, sincos};
 use std::f64::consts::{PI, TAU};
 
-/// Number of angles at which the area of the side is summed.
+/// Number of azimuth steps of the sum that integrates the area of the side.
 const AREA_STEPS: u32 = 512;
 
 /// Cylinder, cone or truncated cone: the surface of x² + z² ≤ ρ(y)², 0 ≤ y ≤ 1, under an affine
@@ -108,13 +108,15 @@ impl Frustum {
         self.radii[0] - self.radius_decrease() * y
     }
 
-    /// World area of the surface element whose object-space area vector is `n`.
+    /// World-space area of a surface element, given its object-space area vector `n`: the normal
+    /// times the element's area.
     #[inline]
     fn area_stretch(&self, n: DVec3) -> f64 {
         self.to_world.determinant().abs() * self.to_world.transform_normal(n).length()
     }
 
-    /// Interval of τ in which the line is inside the infinite cone; `None` if the line misses.
+    /// Interval of arc length τ in which the line is inside the infinite cone; `None` if the line
+    /// misses the cone.
     ///
     /// The interval may cover the mirror image of the cone beyond its apex. The discriminant is
     /// computed from squared cross products, so it keeps its digits for grazing rays.
@@ -145,8 +147,10 @@ impl Frustum {
         Some(if slope > 0.0 { [after, f64::INFINITY] } else { [f64::NEG_INFINITY, before] })
     }
 
-    /// Safe distances from the rims for a hit at the object-space point `p`: along y, and
-    /// perpendicular to y. See [`EDGE_MARGIN`].
+    /// Object-space distances that a surface point must keep from the rims: along y, and
+    /// perpendicular to y.
+    ///
+    /// `p` is the hit in object space. [`EDGE_MARGIN`] explains the need for such distances.
     #[inline]
     fn rim_margins(&self, p: DVec3) -> (f64, f64) {
         let largest = self.to_world.transform_point(p).abs().max_element();
@@ -184,7 +188,7 @@ impl Frustum {
         SurfacePoint { uv: Vec2::new(0.0, part as u32 as f32), ..point }
     }
 
-    /// Height y below which the side has the fraction `v` of its object-space area.
+    /// Height y such that the side below y has the fraction `v` of the side's object-space area.
     #[inline]
     fn height_at_area_fraction(&self, v: f64) -> f64 {
         let [bottom, top] = self.radii;
@@ -194,9 +198,9 @@ impl Frustum {
 }
 
 impl AnalyticShape for Frustum {
-    /// Intersects the ray's interval inside the cone with its interval between the end planes.
+    /// Intersects two intervals of the ray: inside the infinite cone, and between the end planes.
     ///
-    /// No ray can escape at a rim, since side and caps are not tested separately.
+    /// Side and caps are not tested separately, so no ray can escape at a rim.
     #[inline]
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
         let local = ObjectRay::new(ray, &self.to_world);
@@ -298,7 +302,7 @@ impl AnalyticShape for Frustum {
         self.areas.iter().sum()
     }
 
-    /// Chooses a part by its area, then samples its object-space preimage uniformly.
+    /// Chooses side or cap by area, then samples a point of that part uniformly in object space.
     fn sample(&self, u: Vec2) -> ShapeSample {
         let [side, bottom, _] = self.areas;
         let x = f64::from(u.x) * self.area();

@@ -6,7 +6,7 @@ use super::surface_point::{ShapeSample, SolidAngleSample, SolidAngleSampleResult
 use crate::math::{BoundingSphere, Frame, Ray, Transform, direction_and_distance, quadratic_roots, warp};
 use glam::{DVec3, Vec2, Vec3};
 
-/// Sphere; intersections are computed in f64.
+/// A sphere in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
     /// Centre.
@@ -38,7 +38,7 @@ impl Sphere {
         quadratic_roots(a, b, (distance - self.radius) * (distance + self.radius), discriminant)
     }
 
-    /// Surface point in the unit direction `n` from the centre.
+    /// The surface point that lies in the unit direction `n` from the centre.
     #[inline]
     fn surface_at(&self, n: DVec3) -> SurfacePoint {
         SurfacePoint::from_f64(self.center + n * self.radius, n, self.center.abs().max_element() + self.radius)

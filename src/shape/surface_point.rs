@@ -8,14 +8,15 @@ use glam::{DVec3, Vec2, Vec3};
 pub struct SurfacePoint {
     /// Position.
     pub p: Vec3,
-    /// Bound on the error of `p` along each axis, including the error of an intersection test of a
-    /// ray that starts here.
+    /// Bound on the error of `p` along each axis \[length].
+    ///
+    /// It includes the error with which the next ray, which starts at `p`, tests this surface.
     pub error: Vec3,
     /// Geometric unit normal, on the outer side of the shape.
     pub ng: Vec3,
     /// Shading unit normal, in the hemisphere around `ng`.
     pub ns: Vec3,
-    /// Last two numbers of the [`ShapeHit`](super::ShapeHit), or the zero vector.
+    /// Last two numbers of the [`ShapeHit`](super::ShapeHit) at `p`; zero if they are unknown.
     pub uv: Vec2,
 }
 
@@ -64,9 +65,9 @@ pub enum SolidAngleSampleResult {
     Unsupported,
 }
 
-/// Error of the position at which a ray hits a distant triangle, relative to the ray's length.
+/// Bound on the position error of a triangle hit along the ray, relative to the hit's distance.
 ///
-/// It is the rounding error in f32 of the shear in the triangle test.
+/// The error comes from rounding to f32 where the triangle test shears the corners.
 pub const TRIANGLE_HIT_ERROR: f32 = 4.0 * f32::EPSILON;
 
 /// Bound on the error of `p` along each axis: the rounding to f32, plus 32 ulps of f64 at `scale`
@@ -76,8 +77,8 @@ pub(super) fn position_error_bound(p: Vec3, scale: f64) -> Vec3 {
     p.abs() * f32::EPSILON + Vec3::splat((scale * (32.0 * f64::EPSILON)) as f32)
 }
 
-/// Minimum distance of hit points from the edges of a face, in units of the largest position error
-/// along an axis.
+/// Minimum distance that surface points keep from the edges of their face, in units of the largest
+/// position error along an axis.
 ///
 /// The origin of the next ray is off by up to √3 errors, and is then offset by as much along the
 /// normal. Near an edge of two faces, the origin could end up behind the other face, and the ray

@@ -16,7 +16,7 @@ pub struct TexCoord {
 }
 
 impl TexCoord {
-    /// Texture coordinates from the derivatives ∂p/∂u and ∂p/∂v of the surface.
+    /// Texture coordinates `uv` with gradients that follow from ∂p/∂u and ∂p/∂v of the surface.
     #[must_use]
     pub(super) fn from_derivatives(uv: Vec2, along_u: DVec3, along_v: DVec3) -> Self {
         let cross = along_u.cross(along_v);
@@ -36,14 +36,14 @@ pub enum MappingKind {
         /// Centre of the sphere.
         center: DVec3,
     },
-    /// Linear coordinates: u and v are the dot products of p − origin with the two rows.
+    /// Planar projection: u and v are the dot products of p − origin with two vectors.
     Planar {
         /// Point with u = v = 0.
         origin: DVec3,
         /// Gradients of u and v \[1/length].
         rows: [DVec3; 2],
     },
-    /// Intrinsic coordinates of the shape, such as those of mesh vertices.
+    /// Texture coordinates that the shape itself defines, such as those of mesh vertices.
     Uv,
 }
 
@@ -97,7 +97,7 @@ impl Default for TextureMapping {
 }
 
 impl TextureMapping {
-    /// Mapping of an object with the transform `to_world`.
+    /// Mapping of `kind` for an object whose object-to-world transform is `to_world`.
     #[must_use]
     pub fn new(kind: MappingKind, to_world: Transform) -> Self {
         Self { kind, to_world }
@@ -121,7 +121,10 @@ impl TextureMapping {
         self.to_world.inverse().transform_vector3(step)
     }
 
-    /// Texture coordinates at the object-space point `p`; `own` computes the intrinsic ones.
+    /// Texture coordinates at the object-space point `p`.
+    ///
+    /// `own` computes the texture coordinates that the shape itself defines. It is called only for
+    /// [`MappingKind::Uv`].
     #[must_use]
     pub fn tex_coord_at(&self, p: DVec3, own: impl FnOnce() -> TexCoord) -> TexCoord {
         let world = |row: DVec3| self.to_world.transform_normal(row);

@@ -3,7 +3,7 @@
 use crate::color::Rgb;
 use glam::DVec2;
 
-/// Finite-difference step for bump maps across an edge, in sides of a square.
+/// Finite-difference step of bump maps, relative to the side of a square.
 pub(super) const BUMP_STEP: f64 = 1e-3;
 
 /// A checkerboard of unit squares: the first colour where ⌊u⌋ + ⌊v⌋ is even, else the second.
@@ -14,8 +14,9 @@ pub struct Checker {
 }
 
 impl Checker {
-    /// Exact mean colour over the box with sides `size` around `uv`. The pattern is a product of
-    /// two square waves.
+    /// Exact mean colour over the box with sides `size` around `uv`, in texture coordinates.
+    ///
+    /// It has a closed form, since the pattern is a product of two square waves.
     #[must_use]
     pub fn box_mean(&self, uv: DVec2, size: DVec2) -> Rgb {
         let product = mean_square_wave(uv.x, size.x) * mean_square_wave(uv.y, size.y);

@@ -3,19 +3,22 @@
 use crate::color::Rgb;
 use glam::{DMat2, DVec2, DVec3};
 
-/// Maximum number of lookups along an anisotropic footprint. A longer footprint has wider boxes.
+/// Maximum number of lookups along a footprint. In a longer footprint, each lookup covers more.
 const MAX_LOOKUPS: f64 = 16.0;
 
-/// Greatest length of a footprint, in texture periods. There, a texture equals its mean.
+/// Length to which footprints are clamped, in texture periods.
+///
+/// The mean over so long a footprint is the mean of the texture.
 const MAX_PERIODS: f64 = 1e6;
 
-/// A point on a surface with its texture filter footprint. A footprint of zero size is a point
-/// lookup.
+/// A point on a surface, with the footprint over which textures are averaged there.
+///
+/// If the footprint has zero size, textures are evaluated at the point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TextureEvalContext {
     /// Texture coordinates.
     pub uv: DVec2,
-    /// Change of `uv` along each axis of the footprint, over its full width.
+    /// Change of `uv` from one end to the other of each of the two axes of the footprint.
     pub axes: [DVec2; 2],
     /// The point in object space.
     pub p: DVec3,
@@ -59,10 +62,11 @@ impl UvTransform {
         self.matrix.x_axis.length().max(self.matrix.y_axis.length())
     }
 
-    /// Mean of `lookup` over the footprint.
+    /// Mean colour over the footprint of `context`, as a mean of several box lookups.
     ///
-    /// `lookup` returns the mean over a box, from its center and its sides. Boxes lie side by side
-    /// along the longer axis (Heckbert 1989, section 3.5; Greene and Heckbert 1986).
+    /// `lookup` returns the mean over a box, given the box's center and sides. The boxes lie side
+    /// by side along the longer axis of the footprint (Heckbert 1989, section 3.5; Greene and
+    /// Heckbert 1986).
     pub(super) fn filter_anisotropic(&self, context: &TextureEvalContext, lookup: impl Fn(DVec2, DVec2) -> Rgb) -> Rgb {
         let uv = self.matrix * context.uv + self.offset;
         // Where coordinates are singular, as at a pole, the axes are unbounded.

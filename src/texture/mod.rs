@@ -71,9 +71,9 @@ impl Texture {
         matches!(self, Self::Solid(_))
     }
 
-    /// Step for the finite differences of bump maps, a fraction of the finest detail.
+    /// Step for the finite differences of bump maps: a fraction of the texture's finest detail.
     ///
-    /// Its unit is texture coordinates, or object-space length for a solid texture.
+    /// It is measured in texture coordinates, or in object space for a solid texture \[length].
     #[must_use]
     pub fn finest_bump_step(&self) -> f64 {
         match self {
@@ -84,7 +84,7 @@ impl Texture {
     }
 }
 
-/// Least and greatest channel of two colours.
+/// Least and greatest channel value of two colours.
 fn channel_range([a, b]: [Rgb; 2]) -> (f32, f32) {
     (a.min(b).min_element(), a.max(b).max_element())
 }

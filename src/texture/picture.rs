@@ -4,7 +4,7 @@ use crate::color::Rgb;
 use crate::image::Image;
 use glam::{DVec2, DVec3, Vec3};
 
-/// Continuation of a picture beyond its edges.
+/// How a picture continues beyond its edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum WrapMode {
     /// The picture repeats.
@@ -115,7 +115,10 @@ impl Picture {
 }
 
 impl WrapMode {
-    /// Equivalent coordinate near 0, where f64 resolves pixels; 0 if `x` is not finite.
+    /// A coordinate near 0 at which the picture has the same value as at `x`; 0 if `x` is not
+    /// finite.
+    ///
+    /// Near 0, f64 has enough digits to tell pixels apart.
     fn wrap_coordinate_near_zero(self, x: f64) -> f64 {
         let folded = match self {
             Self::Repeat => x - x.floor(),
@@ -125,7 +128,7 @@ impl WrapMode {
         if folded.is_finite() { folded } else { 0.0 }
     }
 
-    /// Index in 0..`n` of the pixel that index `i` refers to.
+    /// Index in 0..`n` of the pixel that continues a row of `n` pixels at index `i`.
     fn wrap_pixel_index(self, i: i64, n: usize) -> usize {
         let n = n as i64;
         (match self {
@@ -171,8 +174,9 @@ impl MipLevel {
     }
 }
 
-/// Fine pixels under coarse pixel `j`, in a row of `n` fine and `m` coarse pixels. Their weights
-/// sum to 1.
+/// The pixels of a fine row that coarse pixel `j` covers, with weights that sum to 1.
+///
+/// The fine row has `n` pixels, and the coarse row has `m` pixels over the same length.
 fn covered_pixels(j: usize, n: usize, m: usize) -> Vec<(usize, f32)> {
     // In units of 1/m of a pixel: pixel j covers [j n, (j + 1) n], old pixel i covers [i m, (i + 1)
     // m].

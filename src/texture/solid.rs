@@ -33,7 +33,7 @@ pub struct SolidTexture {
     pub frequency: f64,
     /// Factor of the noise.
     pub amplitude: f64,
-    /// From object space to pattern space.
+    /// Affine map from object space to the space in which the pattern is defined.
     pub to_pattern: DAffine3,
 }
 
@@ -82,7 +82,9 @@ impl SolidTexture {
     }
 }
 
-/// sin(πw)/(πw) up to its first zero, and 0 beyond, where its lobes would invert the pattern.
+/// Factor by which averaging over width `w`, in wavelengths, reduces the amplitude of a sine wave.
+///
+/// It is sin(πw)/(πw) up to w = 1, and 0 beyond, where negative lobes would invert the pattern.
 fn sinc_blur(w: f64) -> f64 {
     if w < 1e-6 {
         1.0

@@ -39,7 +39,7 @@ pub enum FlipMetricMode {
     Hdr,
 }
 
-/// Options of [`flip`].
+/// Options of [`flip_metric`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlipMetricOptions {
     /// Pixels per degree of visual angle, within [`PIXELS_PER_DEGREE_RANGE`].

@@ -7,14 +7,16 @@ use crate::scene::Scene;
 use crate::scene::interiors::{InteriorStack, interior_stack_at};
 use glam::Vec3;
 
-/// Radius of the photon domain over that of the bounded shapes, in a scene with unbounded planes.
+/// Ratio of the photon domain's radius to that of the bounding sphere of all bounded shapes, in a
+/// scene with unbounded planes.
 const OPEN_DOMAIN_FACTOR: f32 = 4.0;
 
-/// Radius of the ambient medium over the distance to the farthest light or camera. Without a bound,
-/// most photons would scatter far away.
+/// Ratio of the ambient medium's radius to the distance of the farthest light or camera.
+///
+/// In an unbounded medium, most photons would scatter far away from the objects.
 const AMBIENT_EXTENT_FACTOR: f32 = 2.0;
 
-/// Quantities that follow from the placement of objects, lights and camera at one time.
+/// Scene data that is computed from the placement of objects, lights and camera at one time.
 #[derive(Clone, Debug)]
 pub(in crate::scene) struct DerivedSceneData {
     /// See [`Scene::photon_domain`].
@@ -42,7 +44,7 @@ impl Default for DerivedSceneData {
     }
 }
 
-/// Derives all quantities from the geometry, lights and camera of `scene`.
+/// Computes the derived data of `scene` from its geometry, lights and camera.
 pub(in crate::scene) fn derive_scene_data(scene: &Scene) -> DerivedSceneData {
     let planes = scene.geometry.planes.iter().map(|plane| plane.point_and_normal().0.length());
     let domain = photon_domain(scene.geometry.bounds(), planes);

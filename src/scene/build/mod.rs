@@ -143,7 +143,8 @@ impl SceneBuilder {
         self
     }
 
-    /// Sets the texture mapping of the object added last. `to_world` places the mapping.
+    /// Sets the texture mapping of the object added last; `to_world` maps its object space to the
+    /// world.
     ///
     /// Solid textures are evaluated in the space of the mapping. An object without a mapping has
     /// its surface parameters as texture coordinates, and solid textures in world space.

@@ -13,7 +13,8 @@ use std::sync::Arc;
 
 /// Objects in scene coordinates.
 pub(super) struct PlacedObjects {
-    /// The objects in the order of their indices: shapes, meshes, planes; moving ones last of each.
+    /// The objects in the order of their indices: shapes, then meshes, then planes. Moving shapes
+    /// follow shapes at rest, and moving planes follow planes at rest.
     pub objects: Vec<SceneObject>,
     pub geometry: PlacedGeometry,
     pub mappings: PlacedMappings,
@@ -40,7 +41,8 @@ pub(super) struct PlacedMappings {
     pub of_object: Vec<u32>,
 }
 
-/// Sorts the objects by index, and places them relative to `origin` at mid-shutter.
+/// Sorts the objects into the order of their indices, and places them relative to `origin` at
+/// mid-shutter.
 pub(super) fn place_objects(
     mut objects: Vec<SceneObject>,
     mesh: MeshData,
@@ -96,7 +98,9 @@ fn place_mappings(
     Ok(mappings)
 }
 
-/// The camera relative to `origin` at mid-shutter. Adds its motion to `animation`, if it has one.
+/// The camera in coordinates relative to `origin`, at mid-shutter.
+///
+/// If the camera moves, its motion is added to `animation`.
 pub(super) fn place_camera(
     camera: &Camera,
     motion: Option<Motion>,

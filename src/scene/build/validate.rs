@@ -11,8 +11,9 @@ use crate::shape::Shape;
 /// Largest accepted coordinate. The product of three coordinates stays finite in single precision.
 const MAX_COORDINATE: f32 = 1e12;
 
-/// Smallest accepted extent, 2⁻³⁹. Its rounding error, 2⁻²⁴ of it, has a square of 2⁻¹²⁶, the least
-/// normal number.
+/// Smallest accepted extent of a scene, 2⁻³⁹ \[length].
+///
+/// The rounding error of such a coordinate is 2⁻⁶³. Its square, 2⁻¹²⁶, is the least normal f32.
 const MIN_EXTENT: f32 = 1.0 / 549_755_813_888.0;
 
 /// Checks that no unbounded plane emits, and that triangle indices fit 31 bits.

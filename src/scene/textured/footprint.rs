@@ -6,20 +6,22 @@ use crate::shape::{SurfacePoint, TexCoord, TextureMapping};
 use crate::texture::{Texture, TextureEvalContext};
 use glam::{DVec2, DVec3, Vec3};
 
-/// Lower bound of the cosine that divides the length of a footprint at grazing angles.
+/// Lower bound of the cosine between ray and normal. It limits footprints at grazing angles.
 const MIN_COS: f64 = 1e-3;
 
 /// The footprint of a ray cone on a surface, with derivatives of the texture coordinates.
 pub(in crate::scene) struct TextureFootprint<'a> {
-    /// The point and its filter axes, for texture lookups.
+    /// The point of texture lookups, with its filter axes.
     pub context: TextureEvalContext,
     pub coords: TexCoord,
     mapping: &'a TextureMapping,
 }
 
 impl<'a> TextureFootprint<'a> {
-    /// The footprint of `cone` at `hit`. One axis is as long as the cone is wide. The other is
-    /// longer by the inverse cosine to the normal.
+    /// The footprint of `cone` at `hit`: an ellipse on the surface.
+    ///
+    /// One axis is as long as the cone is wide. The other axis is longer by 1/cos θ, where θ is the
+    /// angle between ray and normal.
     pub fn new(
         geometry: &Geometry,
         mappings: &'a [TextureMapping],
@@ -47,7 +49,9 @@ impl<'a> TextureFootprint<'a> {
         Self { context, coords, mapping }
     }
 
-    /// The lookup context at a point displaced by `step` along the surface.
+    /// The texture lookup context at the point that is displaced by `step` along the surface.
+    ///
+    /// `step` is a world-space vector \[length].
     pub fn context_moved_by(&self, step: DVec3) -> TextureEvalContext {
         let uv = self.context.uv + DVec2::new(self.coords.du.dot(step), self.coords.dv.dot(step));
         TextureEvalContext { uv, p: self.context.p + self.mapping.vector_to_object_space(step), ..self.context }

@@ -35,7 +35,7 @@ impl<T> From<T> for Textured<T> {
 }
 
 impl<T: Copy> Textured<T> {
-    /// The constant, or the mean of texture times factor.
+    /// The constant value, or the mean of the texture times its factor.
     #[inline]
     #[must_use]
     pub fn mean(&self) -> T {
@@ -63,15 +63,15 @@ pub trait ParameterEvaluator {
     /// Value of a scalar parameter.
     fn evaluate_scalar(&self, parameter: &Textured<f32>) -> f32;
 
-    /// Roughness α of a BSDF that stores photons only above [`PHOTON_STORAGE_ALPHA`].
+    /// Roughness α of a BSDF that stores photons only if α exceeds [`PHOTON_STORAGE_ALPHA`].
     ///
-    /// The result is on the same side of this value for every footprint, because camera paths and
-    /// photon paths divide light transport there. A new BSDF with such a threshold must use this
-    /// method for its roughness; other parameters use [`evaluate_scalar`](Self::evaluate_scalar).
+    /// Camera paths and photon paths divide light transport at this threshold. The result is
+    /// therefore on the same side of the threshold for every size of the filter footprint. Every
+    /// BSDF with such a threshold must use this method for its roughness.
     fn evaluate_partition_roughness(&self, parameter: &Textured<f32>) -> f32;
 }
 
-/// Evaluates every parameter to its mean.
+/// A [`ParameterEvaluator`] that returns the mean of each parameter, without texture lookups.
 #[derive(Clone, Copy, Debug)]
 pub struct MeanEvaluator;
 
@@ -89,7 +89,7 @@ impl ParameterEvaluator for MeanEvaluator {
     }
 }
 
-/// Evaluates parameters by texture lookups at one point.
+/// A [`ParameterEvaluator`] that looks textures up at one point.
 #[derive(Clone, Copy, Debug)]
 pub struct TextureEvaluator<'a> {
     /// The textures of the scene.

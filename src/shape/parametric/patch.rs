@@ -16,14 +16,15 @@ use crate::shape::texture_mapping::TexCoord;
 use glam::{DVec2, DVec3, DVec4, Vec2, Vec3};
 use std::sync::Arc;
 
-/// Length of ∂u × ∂v, relative to that at the leaf's centre, below which the normal is taken from
-/// inside the leaf. This happens at poles and collapsed edges.
+/// Length of ∂p/∂u × ∂p/∂v, relative to that at the leaf's centre, below which it gives no normal.
+///
+/// This happens at poles and collapsed edges. The normal is then taken from inside the leaf.
 const COLLAPSED_NORMAL_RATIO: f64 = 1e-7;
 
 /// Tensor-product surface: the points Σ Bᵢ(u) Bⱼ(v) wᵢⱼ pᵢⱼ / Σ Bᵢ(u) Bⱼ(v) wᵢⱼ.
 ///
 /// The pᵢⱼ are control points with weights wᵢⱼ, and u and v are in \[0, 1]. The outer side is the
-/// side of ∂u × ∂v; a mirroring transform maps it along.
+/// side of ∂p/∂u × ∂p/∂v. A mirrored patch keeps the image of this side as its outer side.
 #[derive(Clone, Debug)]
 pub struct Patch {
     net: Arc<SubdividedPatch>,
@@ -39,13 +40,13 @@ struct SubdividedPatch {
     degree: [usize; 2],
     leaves: Vec<PatchLeaf>,
     powers: Vec<Coefficients<4>>,
-    /// Start of each knot span, along u and along v.
+    /// Parameter at the start of each knot span, along u and along v.
     breaks: [Vec<f64>; 2],
     /// Root of the subdivision of each pair of knot spans; v varies fastest.
     roots: Vec<SubdivisionNode>,
     cuts: Vec<SubdivisionCut>,
     tree: BoxBvh,
-    /// Distribution of leaves by area.
+    /// Distribution that selects a leaf in proportion to its area.
     leaf_distribution: DiscreteDistribution,
     /// Half the edge lengths of the bounding box, whose centre is the origin.
     half: DVec3,
@@ -145,7 +146,7 @@ impl Patch {
         self.net.bytes
     }
 
-    /// The ray's line in object space, and its `start` and `length` of [`ObjectRay`].
+    /// The line of the ray in object space, followed by `start` and `length` of its [`ObjectRay`].
     ///
     /// `None` if the line misses the bounding sphere.
     fn object_line(&self, ray: &Ray) -> Option<(Line, f64, f64)> {
@@ -292,7 +293,9 @@ impl SubdividedPatch {
         }
     }
 
-    /// Object-space normal ∂u × ∂v, not normalised; its limit from inside the leaf if it vanishes.
+    /// Object-space normal ∂p/∂u × ∂p/∂v at a point of a leaf, not normalised.
+    ///
+    /// Where it vanishes, the result is its limit from inside the leaf.
     fn leaf_normal(&self, leaf: usize, at: DVec2) -> DVec3 {
         let piece = self.polynomial_piece_of_leaf(leaf);
         let [_, middle_x, middle_y] = piece.point_and_derivatives(DVec2::ZERO);

@@ -16,18 +16,18 @@ const MAX_HALVINGS: u32 = 14;
 /// Size of a piece, relative to its Bézier patch, below which the piece is not divided.
 const MIN_RELATIVE_SIZE: f64 = 1.0 / 256.0;
 
-/// Bytes of a leaf without its coefficients: the leaf, its box and area, its share of the hierarchy
-/// and of the subdivision.
+/// Memory of a leaf in bytes, without its coefficients: the leaf, its box and area, and its share
+/// of the hierarchy and of the subdivision tree.
 const BYTES_PER_LEAF: u64 = 512;
 
-/// Nearly flat piece of the surface.
+/// Nearly flat piece of a patch: a rectangle of the parameters (u, v).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PatchLeaf {
     /// Centre in (u, v).
     pub middle: DVec2,
     /// Half width along u and v.
     pub half: DVec2,
-    /// Point at the centre.
+    /// Position of the surface at the centre of the rectangle, in object space.
     pub point: DVec3,
     pub bounds: LinearTermsWithBounds,
 }
@@ -51,7 +51,7 @@ pub(super) struct SubdivisionCut {
 }
 
 impl PatchLeaf {
-    /// Parameters (u, v) of the point `at` in \[−1, 1]² of this leaf.
+    /// Converts leaf coordinates `at` in \[−1, 1]² to the surface parameters (u, v).
     ///
     /// Rounding to f32 never moves them to a neighbouring leaf.
     pub fn leaf_to_surface_uv(&self, at: DVec2) -> Vec2 {

@@ -27,9 +27,9 @@ pub struct PatchPiece<'a> {
 pub struct LinearTermsWithBounds {
     /// The constant term, the term in y, and the term in x.
     linear: [Coefficients<4>; 3],
-    /// Bound on the sum of the higher terms: Σ |aᵢⱼ|.
+    /// Bound on the sum of all other terms aᵢⱼ xⁱ yʲ over the piece: Σ |aᵢⱼ|.
     rest: Coefficients<4>,
-    /// Bound on the change of the derivatives: Σ (i + j)|aᵢⱼ|.
+    /// Bound on the change of the derivatives over the piece: Σ (i + j)|aᵢⱼ|.
     turn: Coefficients<4>,
 }
 
@@ -68,19 +68,22 @@ fn relative_to_base(a: &Coefficients<4>, base: DVec3) -> DVec3 {
     p - base * w
 }
 
-/// Result of a test for intersections in a box of parameters.
+/// Result of a test whether a line intersects the surface within a box of parameters.
 enum RootClassification {
+    /// The line misses the surface.
     NoRoot,
-    /// Exactly one root, with its parameters and τ.
+    /// The line hits the surface exactly once: at these parameters (x, y) and arc length τ.
     Root(DVec2, f64),
-    /// Unknown; the box must be divided.
+    /// The test does not decide; the box must be halved.
     Unclear,
     /// The line lies in the surface over the whole box, up to rounding.
     Inside,
 }
 
 impl PatchPiece<'_> {
-    /// Parameters of the nearest hit within `range` of τ; moves the end of `range` to that hit.
+    /// Parameters (x, y) of the nearest hit of `line` within `range`, an interval of arc length τ.
+    ///
+    /// Moves the end of `range` to that hit.
     #[inline]
     pub fn nearest_hit(&self, line: &Line, range: &mut [f64; 2], size: f64) -> Option<DVec2> {
         // Bounds on the change of weights grow with the distance of the line's base, so the base is
@@ -181,8 +184,9 @@ impl PatchPiece<'_> {
         found
     }
 
-    /// Half the edge lengths of the piece's bounding box; `None` if the line misses that box within
-    /// `range` of τ.
+    /// Half the edge lengths of the piece's bounding box; `None` if the line misses that box.
+    ///
+    /// `range` is the interval of arc length τ in which a hit counts.
     fn half_extent_if_hit(&self, bounds: &LinearTermsWithBounds, line: &Line, range: [f64; 2]) -> Option<DVec3> {
         let [middle, along_y, along_x] = bounds.linear.map(|a| relative_to_base(&a, line.base));
         let reach = along_x.abs()
@@ -201,7 +205,7 @@ impl PatchPiece<'_> {
     }
 }
 
-/// τ of the projection of the piece's centre to the line.
+/// Arc length τ of the point of `line` that is nearest to the piece's centre.
 fn project_center_to_line(a: &[Coefficients<4>], line: &Line) -> f64 {
     relative_to_base(&a[0], line.base).dot(line.direction) / a[0][3]
 }
@@ -264,7 +268,10 @@ fn newton_step(a: &[Coefficients<4>], columns: usize, line: &Line, at: DVec2) ->
     (step, (miss + along_x * step.x + along_y * step.y).dot(d) / w)
 }
 
-/// Parameters and τ of the only possible root, by Newton's method; `None` if there is none.
+/// Parameters (x, y) and arc length τ of the only root that the box can contain, by Newton's
+/// method.
+///
+/// `None` if the box contains no root.
 ///
 /// Iterates must converge as fast as [`NEWTON_CONVERGENCE_RATE`] guarantees for a root.
 fn newton_root(

@@ -9,7 +9,7 @@ pub const MAX_DEGREE: usize = 24;
 /// One polynomial coefficient with `N` components.
 pub type Coefficients<const N: usize> = [f64; N];
 
-/// a + s·b.
+/// The sum a + s·b of two coefficients, component by component.
 #[inline]
 fn add_scaled<const N: usize>(a: Coefficients<N>, b: Coefficients<N>, s: f64) -> Coefficients<N> {
     std::array::from_fn(|i| a[i] + s * b[i])

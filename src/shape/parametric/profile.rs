@@ -26,7 +26,7 @@ pub const NEWTON_CONVERGENCE_RATE: f64 = 2.0 / 3.0;
 /// Longest first Newton step to a root inside the box, in half widths of the box: |J⁻¹J̄| times 2.
 pub const MAX_FIRST_STEP: f64 = 2.0 * (1.0 + NEWTON_CONVERGENCE_RATE);
 
-/// Distance outside a piece, in half widths, at which a root still counts as inside.
+/// Distance outside a piece at which a root still counts as inside, in half widths of the piece.
 ///
 /// Adjacent pieces overlap by this distance, so no root is lost between them.
 pub const PIECE_OVERLAP: f64 = 1e-10;
@@ -34,19 +34,19 @@ pub const PIECE_OVERLAP: f64 = 1e-10;
 /// Size of a box, relative to the surface, below which a double root counts as one hit.
 pub const POINT_SIZE: f64 = 1e-6;
 
-/// Result of a test for intersections in a box of parameters.
+/// Result of a test whether a ray intersects the surface of revolution within an interval of x.
 enum RootClassification {
     NoRoot,
-    /// Exactly one root, at (x, τ).
+    /// The ray hits the surface exactly once: at curve parameter x and arc length τ.
     Root(f64, f64),
-    /// Unknown; the box must be divided.
+    /// The test does not decide; the interval must be halved.
     Unclear,
-    /// The ray lies in the surface over the whole box, up to rounding.
+    /// The ray lies in the surface over the whole interval, up to rounding.
     Inside,
 }
 
-/// Bounds on the terms of degree 2 and above, and on the change of the derivative: Σ |aₖ| and
-/// Σ k|aₖ|.
+/// Bounds for a polynomial over \[−1, 1]: on the sum of its terms of degree 2 and above, Σ |aₖ|,
+/// and on the change of its derivative, Σ k|aₖ|.
 #[inline]
 fn higher_term_bounds(a: &[Coefficients<2>]) -> (Coefficients<2>, Coefficients<2>) {
     let (mut rest, mut turn) = ([0.0; 2], [0.0; 2]);
@@ -60,7 +60,9 @@ fn higher_term_bounds(a: &[Coefficients<2>]) -> (Coefficients<2>, Coefficients<2
 }
 
 impl ProfilePiece<'_> {
-    /// Nearest hit (x, τ) within `t`; moves the end of `t` to that hit.
+    /// Curve parameter x and arc length τ of the nearest hit within the interval `t` of τ.
+    ///
+    /// Moves the end of `t` to that hit.
     ///
     /// Intervals of x are halved until each has no root, one root, or the size of a rounding error.
     pub fn nearest_hit(&self, ray: &CylindricalRay, t: &mut Interval, size: f64) -> Option<(f64, f64)> {

@@ -24,7 +24,7 @@ use std::sync::Arc;
 /// A longer step means that the ray is nearly tangent.
 const MAX_RELATIVE_STEP: f64 = 1e-4;
 
-/// Number of angles at which the area is summed.
+/// Number of azimuth steps of the sum that integrates the area.
 const AREA_ANGLES: u32 = 64;
 
 /// Surface of revolution: the points (X cos θ, Y, X sin θ) of a profile curve (X, Y), under an
@@ -52,7 +52,7 @@ struct RevolutionProfile {
     size: f64,
     /// Bound on the rounding error of an evaluated point.
     noise: f64,
-    /// Distribution of leaves by object-space area.
+    /// Distribution that selects a leaf in proportion to its object-space area.
     leaf_distribution: DiscreteDistribution,
 }
 
@@ -106,7 +106,7 @@ impl Revolution {
         Ok(Self { profile: Arc::new(profile), to_world, area })
     }
 
-    /// The ray in object space, and its `start` and `length` of [`ObjectRay`].
+    /// The ray in object space, followed by `start` and `length` of its [`ObjectRay`].
     ///
     /// `None` if the line misses the bounding sphere.
     fn cylindrical_object_ray(&self, ray: &Ray) -> Option<(CylindricalRay, f64, f64)> {
@@ -272,7 +272,8 @@ impl RevolutionProfile {
         middle + half * x
     }
 
-    /// Leaf at the profile parameter `place` in \[0, 1], and the parameter x in that leaf.
+    /// Index of the leaf at the profile parameter `place` in \[0, 1], and the parameter x in
+    /// \[−1, 1] within that leaf.
     fn find_leaf(&self, place: f64) -> (usize, f64) {
         let after = self.leaves.partition_point(|l| l.place[0] - l.place[1] <= place);
         let leaf = after.saturating_sub(1);

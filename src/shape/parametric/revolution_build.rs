@@ -12,8 +12,8 @@ const MAX_RELATIVE_BEND: f64 = 1.0 / 16.0;
 /// become flat.
 pub(super) const MAX_HALVINGS: u32 = 9;
 
-/// Bytes of a leaf without its coefficients: the leaf, its ring and area, its share of the
-/// hierarchy.
+/// Memory of a leaf in bytes, without its coefficients: the leaf, its ring and area, and its share
+/// of the hierarchy.
 const BYTES_PER_LEAF: u64 = 256;
 
 /// Nearly flat piece of a profile, on one side of the axis.
@@ -21,11 +21,11 @@ const BYTES_PER_LEAF: u64 = 256;
 pub(super) struct ProfileLeaf {
     /// Index of the first polynomial coefficient.
     pub first: u32,
-    /// Sign of the profile's x: 1 or −1.
+    /// Side of the axis on which this piece of the profile lies: the sign of its x, 1 or −1.
     pub side: f64,
     /// Centre and half width of the leaf's interval of the profile parameter.
     pub place: [f64; 2],
-    /// Bounds of the leaf.
+    /// Ring around the y axis that contains the leaf.
     pub ring: RingBounds,
 }
 

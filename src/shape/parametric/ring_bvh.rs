@@ -4,10 +4,11 @@ use super::cylindrical_ray::{CylindricalRay, Interval};
 
 const WIDTH: usize = 8;
 
-/// Bit that marks a child as a leaf.
+/// Bit of a child reference in a node: set if the child is a leaf.
 pub const LEAF: u32 = 1 << 31;
 
-/// Bounds of eight rings: squared radii and heights, expanded by the rounding error of the test.
+/// Node with eight children. Each child is bounded by a ring: a range of squared radii and a range
+/// of heights, both expanded by the rounding error of the test.
 #[derive(Debug)]
 struct Node {
     inner2: [f64; WIDTH],
@@ -71,7 +72,8 @@ impl RingBvh {
     /// Calls `visit` with the index of each ring that `ray` may hit within `t`, roughly from near
     /// to far.
     ///
-    /// `visit` moves the end of `t` to a hit that it finds.
+    /// `t` is an interval of arc length τ. If `visit` finds a hit, it moves the end of the interval
+    /// to that hit.
     #[inline]
     pub fn visit_hit_leaves(&self, ray: &CylindricalRay, mut t: Interval, mut visit: impl FnMut(usize, &mut Interval)) {
         let dy = ray.direction.y;

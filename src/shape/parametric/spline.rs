@@ -88,7 +88,7 @@ pub struct SplineBasis {
 pub(super) struct KnotSpan {
     /// Index of the knot at the start.
     knot: usize,
-    /// Start and end, if the range of the whole curve is scaled to \[0, 1].
+    /// Start and end of the span, as fractions in \[0, 1] of the whole curve's range.
     pub range: [f64; 2],
 }
 

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 enum TestSolid {
     /// The cube \[−1, 1]³.
     Cube,
-    /// x² + z² ≤ ρ(y)², 0 ≤ y ≤ 1, with ρ at both ends.
+    /// The solid x² + z² ≤ ρ(y)², 0 ≤ y ≤ 1. `radii` are ρ(0) and ρ(1), and ρ is linear.
     Frustum { radii: [f64; 2], capped: bool },
 }
 
@@ -241,7 +241,7 @@ fn offset_rays_leave_solids_cleanly() {
     }
 }
 
-/// Rays along faces, generators and axes.
+/// Rays along faces, along axes, and along the straight lines of cylinder and cone sides.
 #[test]
 fn grazing_and_axial_rays() {
     let cube = Shape::Cuboid(Cuboid::new(DVec3::NEG_ONE, DVec3::ONE).unwrap());

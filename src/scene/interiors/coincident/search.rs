@@ -11,14 +11,16 @@ use std::sync::Arc;
 /// Maximum number of faces in a leaf of the search tree.
 const LEAF_FACES: usize = 8;
 
-/// Budget of tested pairs per face. If it runs out, all faces are flagged.
+/// Maximum number of tested pairs per face, on average. If it is exceeded, all faces are flagged.
 const PAIRS_PER_FACE: usize = 1000;
 
 /// Margin around a face, relative to its coordinates and size. It exceeds the position errors of
 /// two points (see `SurfacePoint::error`).
 const MARGIN: f32 = 16.0 * f32::EPSILON;
 
-/// For each primitive, true if a boundary of another object may lie on it. Empty lists mean false.
+/// For each primitive of a scene, true if a boundary of another object may coincide.
+///
+/// An empty list means false for all its primitives.
 #[derive(Clone, Debug, Default)]
 pub(in crate::scene) struct CoincidentFlags {
     triangles: Arc<[bool]>,
@@ -49,7 +51,7 @@ struct BoundaryFace {
     object: u32,
 }
 
-/// The extent of a mesh or a shape.
+/// The box around a mesh or shape that bounds a body.
 struct BoundaryExtent {
     bounds: Bounds,
     /// Distance within which another face counts as coincident \[length].
@@ -63,9 +65,9 @@ impl BoundaryExtent {
     }
 }
 
-/// Finds the primitives of `geometry` on which another boundary may lie.
+/// Finds the primitives of `geometry` with which a boundary of another object may coincide.
 ///
-/// `is_boundary` returns true for a material index that bounds a body.
+/// `is_boundary` returns true if the material with the given index bounds a body.
 pub(in crate::scene) fn find_coincident_flags(
     geometry: &Geometry,
     is_boundary: impl Fn(u32) -> bool,
@@ -155,7 +157,7 @@ fn flag_overlapping_extents(extents: &[BoundaryExtent]) -> Vec<bool> {
     )
 }
 
-/// True if triangle `b` lies entirely on one side of the plane of `a`, farther than `margin`.
+/// True if triangle `b` lies on one side of the plane of triangle `a`, farther away than `margin`.
 fn lie_on_one_side_of_plane(a: &[DVec3; 3], b: &[DVec3; 3], margin: f64) -> bool {
     let normal = (a[1] - a[0]).cross(a[2] - a[0]);
     let margin = margin * normal.length();
@@ -176,11 +178,11 @@ struct FaceTreeNode {
 struct SpatialSelfJoin<'a> {
     faces: &'a [BoundaryFace],
     near: &'a dyn Fn(&BoundaryFace, &BoundaryFace) -> bool,
-    /// Face indices in the order of the nodes.
+    /// Indices of faces, ordered so that the faces of each tree node are consecutive.
     order: Vec<u32>,
     nodes: Vec<FaceTreeNode>,
     found: Vec<bool>,
-    /// Pairs that may still be tested.
+    /// Number of pairs of faces that may still be tested.
     budget: usize,
 }
 

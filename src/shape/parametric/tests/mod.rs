@@ -15,7 +15,7 @@ struct TestSurface {
     name: &'static str,
     shape: Shape,
     pieces: Vec<ReferencePiece>,
-    /// Divisor of the number of rays, for surfaces whose reference is slow.
+    /// Factor by which the number of test rays is reduced, since the reference is slow.
     thin: u64,
 }
 
@@ -154,12 +154,12 @@ fn random_ray_near_shape(shape: &Shape, i: u64) -> Ray {
 struct ComparisonCounts {
     rays: u64,
     hits: u64,
-    /// Results differ because the ray is tangent, or passes an edge within the error of the
+    /// Rays whose results differ because they are tangent, or pass an edge within the error of the
     /// reference.
     undecided: u64,
 }
 
-/// Compares solver and reference for test rays with these indices.
+/// Compares the solver with the reference for the test rays whose indices are in `rays`.
 ///
 /// Results may differ only where the ray grazes the surface or passes an edge. The position error
 /// of the reference is at most 10⁻⁶ of the surface's size.
@@ -228,7 +228,9 @@ fn every_intersection_is_found() {
     assert_agrees_with_reference(16_000);
 }
 
-/// `CAUSTICA_ROOT_RAYS=N` sets the number of rays; 10⁷ take a quarter of an hour on two cores.
+/// The environment variable `CAUSTICA_ROOT_RAYS` sets the number of rays.
+///
+/// 10⁷ rays take a quarter of an hour on two cores.
 #[test]
 #[ignore = "long: two million rays"]
 fn every_intersection_is_found_with_many_rays() {
