@@ -106,7 +106,7 @@ impl Ggx {
         (s * (self.alpha * x) + t * (self.alpha * y) + n * (cap - drop)).normalize()
     }
 
-    /// The microfacets that reflect `wi` to `wo`; both directions are on the side of `n`.
+    /// Returns the microfacets that reflect `wi` to `wo`; both directions are on the side of `n`.
     #[inline]
     pub(super) fn reflecting_facet(self, wo: DVec3, wi: DVec3, n: DVec3) -> Microfacet {
         let h = wo + wi;

@@ -49,7 +49,8 @@ impl RoughDielectric {
         if wo.dot(ng) >= 0.0 { eta } else { 1.0 / eta }
     }
 
-    /// Scattering from `i` to `o` by microfacets; `None` if no microfacet refracts `i` to `o`.
+    /// Returns how microfacets scatter light from unit direction `i` to `o`; `None` if none
+    /// refracts `i` to `o`.
     ///
     /// `eta` is the refractive index of the far side over that of the side of `o`, which is the
     /// side of `n`.

@@ -27,7 +27,7 @@ const MIN_PILOT_PASSES: u32 = 8;
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("the pilot ended after {passes} passes, too few to estimate an error")]
 #[diagnostic(help("let it make at least four passes"))]
-struct PilotTooShort {
+struct PilotTooShortError {
     passes: u32,
 }
 
@@ -144,12 +144,12 @@ impl CostEstimateReport {
         rendered: &RenderResult,
         setup: f64,
         pass_seconds: f64,
-    ) -> Result<Self, PilotTooShort> {
+    ) -> Result<Self, PilotTooShortError> {
         let passes = rendered.film.passes();
         let estimator = rendered.estimator.as_ref();
         let pilot = estimator.map(|estimator| estimator.estimate(&rendered.film)).unwrap_or_default();
         let forecast = estimator.and_then(|estimator| estimator.forecast(&pilot));
-        let forecast = forecast.ok_or(PilotTooShort { passes })?;
+        let forecast = forecast.ok_or(PilotTooShortError { passes })?;
         let pass_photons = (rendered.unaimed.emitted + rendered.aimed.emitted) as f64 / f64::from(passes);
         let mut words = method_flags(&arguments.method, "--effects", arguments.effects.effects);
         if arguments.method.seed != 0 {

@@ -25,7 +25,7 @@ mod study;
 
 pub use args::{Arguments, Command, EstimateArguments, PlanArguments, RenderArguments, StudyArguments};
 pub use convert::ConvertArguments;
-pub use diff::{DiffArguments, ErrorMapKind, FlipModeArgument};
+pub use diff::{DiffArguments, ErrorMapKind, FlipMetricModeArgument};
 pub use failure::{CommandFailure, Exit};
 pub use mesh::MeshArguments;
 

@@ -15,7 +15,7 @@ pub enum WriteError {
         /// The path as given.
         path: PathBuf,
     },
-    /// The file shall have layers, but its extension is not `.exr`.
+    /// A file with layers was requested, but its extension is not `.exr`.
     #[error("`{}` cannot hold layers: give it the extension .exr", path.display())]
     NoLayers {
         /// The path as given.

@@ -51,8 +51,9 @@ pub fn rmse(a: &Image, b: &Image) -> Result<f64, MetricError> {
 /// Relative mean square error: mean of (a − b)² / (b² + ε) over pixels and channels (Rousselle et
 /// al. 2011).
 ///
-/// `b` is the pixel value of `reference`. ε is `epsilon` in the unit of b²; 0.01 is common. `clip`
-/// limits the contribution of each pixel, so that a firefly does not dominate.
+/// In the formula, a and b are channel values of `a` and `reference`. ε is `epsilon`, in the unit
+/// of b²; 0.01 is common. `clip` limits the contribution of each pixel, so that a firefly does not
+/// dominate.
 ///
 /// # Errors
 /// [`MetricError`] if the sizes differ, a pixel is not finite, or ε or `clip` is not positive.

@@ -116,7 +116,8 @@ impl Quantizer {
         }
     }
 
-    /// Levels of the channels of a pixel. Counts values outside the range of levels in `report`.
+    /// Returns the integer levels of a pixel's channels. Counts the pixel in `report` if a value is
+    /// outside the range of levels.
     pub(super) fn quantize_pixel(&self, pixel: Vec3, report: &mut ClippedPixelReport) -> [u16; 3] {
         let exposed = pixel * self.scale;
         // A finite value that overflows by the exposure is too bright, but not a defect.

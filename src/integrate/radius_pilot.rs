@@ -62,7 +62,8 @@ pub struct GatherRadii {
     pub caustic: f32,
 }
 
-/// Report on emission guiding for each photon map; `None` if emission of the map was not guided.
+/// Report on emission guiding for each photon map; `None` if no pilot tried to guide the emission
+/// for that map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct EmissionGuidingReportPerMap {
     /// Report for the indirect map.

@@ -14,7 +14,7 @@ pub struct Sampler {
 }
 
 impl Sampler {
-    /// Sampler for sample `index` of `count`.
+    /// Sampler for sample `index` of `count` samples that have the same `key`.
     #[must_use]
     pub fn new(key: Key, index: u32, count: u32) -> Self {
         Self { key, index, count }

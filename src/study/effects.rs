@@ -76,19 +76,19 @@ impl PictureCost {
 /// Cost of an effect: the cost of the whole picture minus that of the picture without the effect.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct EffectCost {
-    /// Difference of the time per pass \[s].
+    /// Time that the effect adds to a pass, mean over passes \[s].
     pub seconds: f64,
     /// Standard error of `seconds` over passes \[s]; `None` with one pass.
     pub seconds_error: Option<f64>,
     /// Time of all passes with the effect, divided by the time of all passes without it.
     pub ratio: f64,
-    /// Difference of setup time \[s].
+    /// Time that the effect adds to the setup \[s].
     pub setup: f64,
-    /// Difference of the number of rays per pass, of all kinds.
+    /// Number of rays of all kinds that the effect adds to a pass.
     pub rays: f64,
-    /// Difference of the number of photon density estimates per pass.
+    /// Number of photon density estimates that the effect adds to a pass.
     pub gathers: f64,
-    /// Difference of the number of photons found by density estimates per pass.
+    /// Number of photons in density estimates that the effect adds to a pass.
     pub gathered_photons: f64,
 }
 

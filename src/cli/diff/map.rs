@@ -9,12 +9,12 @@ use serde::Serialize;
 /// stretch the scale.
 const SCALE_QUANTILE: f64 = 0.99;
 
-/// Values at the ends of the colour scale of a PNG error map.
+/// Errors at both ends of the colour scale of a PNG error map.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(super) struct ColorScale {
-    /// Value of the first colour.
+    /// Error that the first colour shows.
     pub from: f64,
-    /// Value of the last colour. Larger values have the same colour.
+    /// Error that the last colour shows. Larger errors have the same colour.
     pub to: f64,
 }
 

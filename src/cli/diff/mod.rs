@@ -4,7 +4,7 @@ mod args;
 mod map;
 mod report;
 
-pub use args::{DiffArguments, ErrorMapKind, FlipModeArgument};
+pub use args::{DiffArguments, ErrorMapKind, FlipMetricModeArgument};
 
 use super::outputs::{FileWithRole, OutputFailures, check_distinct_files};
 use super::progress::{ProgressDisplay, print_message};
@@ -77,7 +77,7 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<Exit, CommandFailure> {
 /// Without `--flip`, the mode is LDR if both pictures hold display values (`displayed`), else HDR.
 fn selected_flip_mode(arguments: &DiffArguments, displayed: bool) -> Result<FlipMetricMode, CommandFailure> {
     match (arguments.flip, arguments.exposure) {
-        (Some(FlipModeArgument::Ldr), stops) => Ok(FlipMetricMode::Ldr(stops.unwrap_or(0.0))),
+        (Some(FlipMetricModeArgument::Ldr), stops) => Ok(FlipMetricMode::Ldr(stops.unwrap_or(0.0))),
         (None, stops) if displayed => Ok(FlipMetricMode::Ldr(stops.unwrap_or(0.0))),
         (_, None) => Ok(FlipMetricMode::Hdr),
         (_, Some(_)) => Err(CommandFailure::usage_error(ExposureWithHdrFlip)),

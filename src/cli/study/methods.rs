@@ -19,7 +19,7 @@ use crate::plan::Plan;
 use crate::scene::Scene;
 use crate::stats::format_bytes;
 use crate::study::methods::{
-    MethodStudy, MethodStudyResult, MethodVariant, ReferencePictures, StudiedScene, StudyLimits, StudyProgress,
+    MethodStudy, MethodStudyEvent, MethodStudyResult, MethodVariant, ReferencePictures, StudiedScene, StudyLimits,
     applicable_methods, shell_quoted,
 };
 use crate::study::report::methods as report;
@@ -140,8 +140,8 @@ fn run_method_study(
     let limits = StudyLimits { budget: kind.budget.as_secs_f64(), passes: arguments.passes };
     progress.set_pass(1, arguments.passes);
     let found = study.run(&studied_scene(arguments), limits, &references, &INTERRUPTED, progress, |step| match step {
-        StudyProgress::Round(made) => progress.set_pass(made + 1, arguments.passes),
-        StudyProgress::Checkpoint(label, at) => progress.print_line(&format!(
+        MethodStudyEvent::Round(made) => progress.set_pass(made + 1, arguments.passes),
+        MethodStudyEvent::Checkpoint(label, at) => progress.print_line(&format!(
             "{label}: {} after {:.2} s, error {}",
             count_with_noun(at.passes as usize, "pass", "passes"),
             at.seconds,
@@ -198,7 +198,7 @@ fn render_references(
     let rendered = rendered.into_diagnostic().map_err(|e| CommandFailure::new(Exit::Input, e))?;
     if let (Some(references), Some((a, b))) = (&rendered, &kind.save_truth) {
         let mut failures = OutputFailures::default();
-        for (path, picture) in [a, b].into_iter().zip(references.both_pictures()) {
+        for (path, picture) in [a, b].into_iter().zip(references.both_reference_pictures()) {
             if failures.ok_or_collect(write(path, picture, &WriteOptions::default())).is_some() {
                 progress.print_line(&format!("wrote {}", path.display()));
             }

@@ -74,7 +74,8 @@ static LARGEST: LazyLock<f64> = LazyLock::new(|| {
     libm::pow(hyab_distance(hunt_lab_from_rgb(DVec3::Y), hunt_lab_from_rgb(DVec3::Z)), COLOR_EXPONENT)
 });
 
-/// Error of two colours in \[0, 1]: a power of the HyAB distance, compressed above the knee.
+/// Returns the error between two colours, from 0 to 1. It is a power of the HyAB distance,
+/// compressed above [`KNEE`].
 ///
 /// `a` and `b` are Hunt-adjusted CIELAB.
 pub(super) fn color_error(a: DVec3, b: DVec3) -> f64 {

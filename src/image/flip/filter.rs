@@ -118,7 +118,7 @@ impl FlipRowFilter {
     }
 
     /// Applies all filters to one row of the `planes` Y, Cx and Cz, and keeps the results.
-    pub fn filter(&mut self, planes: &[Vec<f32>; 3], row: usize, filters: &FlipMetricFilters) {
+    pub fn filter_image_row(&mut self, planes: &[Vec<f32>; 3], row: usize, filters: &FlipMetricFilters) {
         let [(share, kernel), (other_share, other)] = &filters.blue_yellow;
         let padded = &mut self.padded;
         let [y, cx, cz, rest] = &mut self.blurred;

@@ -39,7 +39,7 @@ pub enum FlipMetricMode {
     Hdr,
 }
 
-/// Options of [`flip`].
+/// Options of [`flip_metric`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlipMetricOptions {
     /// Pixels per degree of visual angle, within [`PIXELS_PER_DEGREE_RANGE`].
@@ -139,8 +139,8 @@ fn accumulate_max_error(
     let width = reference.width;
     let scratch = || (FlipRowFilter::new(width, filters), FlipRowFilter::new(width, filters));
     map.par_chunks_mut(width).enumerate().for_each_init(scratch, |(a, b), (row, errors)| {
-        a.filter(&reference.planes, row, filters);
-        b.filter(&test.planes, row, filters);
+        a.filter_image_row(&reference.planes, row, filters);
+        b.filter_image_row(&test.planes, row, filters);
         for (x, error) in errors.iter_mut().enumerate() {
             let color = color_error(hunt_adjusted_lab(a.filtered_color(x)), hunt_adjusted_lab(b.filtered_color(x)));
             // Equations 13 and 14 of the paper.

@@ -41,7 +41,7 @@ fn assert_same_result(a: &FlipMetricResult, b: &FlipMetricResult) {
 /// Asserts the mean error and three pixel errors: the largest, that in column 30 of row 20, and
 /// that of the first pixel.
 #[track_caller]
-fn assert_values(found: &FlipMetricResult, mean: f64, [largest, inside, first]: [f32; 3]) {
+fn assert_flip_values(found: &FlipMetricResult, mean: f64, [largest, inside, first]: [f32; 3]) {
     // The authors' program computes in f32. Roots of small features amplify its rounding to about
     // 1e-4.
     assert!((found.mean - mean).abs() < 2e-5, "{} instead of {mean}", found.mean);
@@ -55,25 +55,25 @@ fn assert_values(found: &FlipMetricResult, mean: f64, [largest, inside, first]: 
 #[test]
 fn flip_results_match_the_authors_program() {
     let shifted = picture_from(|x, y| gray_box_color(x - 2, y + 1));
-    assert_values(
+    assert_flip_values(
         &ldr_flip_at_default_exposure(&picture_from(gradient_color), &picture_from(noisy_gradient_color)),
         0.077_562_697,
         [0.430_228_1, 0.087_598_2, 0.299_372_6],
     );
-    assert_values(
+    assert_flip_values(
         &ldr_flip_at_default_exposure(&picture_from(gray_box_color), &shifted),
         0.093_975_276,
         [0.729_492, 0.016_107_9, 0.0],
     );
     let coarse = FlipMetricOptions { pixels_per_degree: 20.0, ..FlipMetricOptions::default() };
     let found = flip_metric(&picture_from(gradient_color), &picture_from(noisy_gradient_color), &coarse).unwrap();
-    assert_values(&found, 0.327_105_910, [0.763_210_7, 0.229_014_2, 0.031_483_4]);
+    assert_flip_values(&found, 0.327_105_910, [0.763_210_7, 0.229_014_2, 0.031_483_4]);
     let found = flip_metric(&picture_from(gray_box_color), &shifted, &coarse).unwrap();
-    assert_values(&found, 0.067_302_711, [0.974_457_3, 0.0, 0.0]);
+    assert_flip_values(&found, 0.067_302_711, [0.974_457_3, 0.0, 0.0]);
     let test =
         picture_from(|x, y| bright_lamp_color(x, y).map(|c| c * (1.0 + deterministic_pixel_noise(x, y, 0) / 32.0)));
     let hdr = FlipMetricOptions { mode: FlipMetricMode::Hdr, ..FlipMetricOptions::default() };
-    assert_values(
+    assert_flip_values(
         &flip_metric(&picture_from(bright_lamp_color), &test, &hdr).unwrap(),
         0.051_461_030,
         [0.212_969_1, 0.029_936_8, 0.190_408_4],

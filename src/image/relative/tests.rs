@@ -28,7 +28,7 @@ fn bright_pixels_change_only_their_neighbourhood() {
 }
 
 #[test]
-fn a_firefly_counts_as_one_pixel() {
+fn relative_error_counts_a_firefly_as_one_pixel() {
     let scale = RelativeScale::from_image(&gray_image(8, &[1.0; 64]));
     let firefly = |i| if i == 5 { DVec3::splat(1e9) } else { DVec3::ZERO };
     assert_eq!((scale.mean(firefly), scale.mean(|i| -firefly(i))), (1.0 / 64.0, -1.0 / 64.0));

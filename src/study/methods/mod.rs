@@ -15,5 +15,5 @@ pub use clock::CpuWallTime;
 pub use command::{StudiedScene, shell_quoted};
 pub use references::{ReferenceError, ReferencePictures, reference_algorithm};
 pub use result::{ConvergenceCheckpoint, GroundTruth, MethodResult, MethodStudyResult};
-pub use run::{MethodStudy, StudyLimits, StudyProgress};
+pub use run::{MethodStudy, MethodStudyEvent, StudyLimits};
 pub use variant::{MethodVariant, MethodVariantError, applicable_methods};

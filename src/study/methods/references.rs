@@ -156,7 +156,7 @@ impl ReferencePictures {
 
     /// Both reference pictures. They are equal if a single reference is taken as exact.
     #[must_use]
-    pub fn both_pictures(&self) -> &[Image; 2] {
+    pub fn both_reference_pictures(&self) -> &[Image; 2] {
         &self.pair
     }
 

@@ -40,7 +40,7 @@ pub struct StudyLimits {
 
 /// Progress event of a study.
 #[derive(Clone, Copy, Debug)]
-pub enum StudyProgress<'s> {
+pub enum MethodStudyEvent<'s> {
     /// A round ended: one pass of each seed of each running method. Holds the number of rounds.
     Round(u32),
     /// A method reached a checkpoint. Holds the method's label and the checkpoint.
@@ -186,13 +186,13 @@ impl<'a> MethodStudy<'a> {
         references: &ReferencePictures,
         interrupted: &AtomicBool,
         monitor: &dyn ProgressMonitor,
-        mut after: impl FnMut(StudyProgress<'_>),
+        mut after: impl FnMut(MethodStudyEvent<'_>),
     ) -> Result<MethodStudyResult, StudyError> {
         let (mut round, mut cut) = (0u32, false);
         while self.runs.iter().any(|run| run.last.is_none()) {
             self.run_round(round, monitor);
             round += 1;
-            after(StudyProgress::Round(round));
+            after(MethodStudyEvent::Round(round));
             let asked = interrupted.load(Ordering::Relaxed);
             for run in self.runs.iter_mut().filter(|run| run.last.is_none()) {
                 let spent = run.time.processor / f64::from(self.seeds) >= limits.budget;
@@ -200,7 +200,7 @@ impl<'a> MethodStudy<'a> {
                 cut |= asked && !done;
                 if done || asked || round.is_power_of_two() {
                     let checkpoint = run.add_checkpoint(round, done || asked, self.size, references)?;
-                    after(StudyProgress::Checkpoint(&run.variant.label, &checkpoint));
+                    after(MethodStudyEvent::Checkpoint(&run.variant.label, &checkpoint));
                 }
             }
         }
@@ -217,7 +217,7 @@ impl<'a> MethodStudy<'a> {
         let turns: Vec<(usize, usize)> = running.flat_map(|run| (0..seeds).map(move |seed| (run, seed))).collect();
         let (late, early) = turns.split_at(pass as usize % turns.len());
         for (run, seed) in early.iter().chain(late) {
-            self.runs[*run].run_pass(*seed, pass, &self.clock, monitor);
+            self.runs[*run].run_timed_pass(*seed, pass, &self.clock, monitor);
         }
     }
 
@@ -249,7 +249,13 @@ impl<'a> MethodStudy<'a> {
 }
 
 impl MethodRun<'_> {
-    fn run_pass(&mut self, seed: usize, pass: u32, clock: &dyn Fn() -> CpuWallTime, monitor: &dyn ProgressMonitor) {
+    fn run_timed_pass(
+        &mut self,
+        seed: usize,
+        pass: u32,
+        clock: &dyn Fn() -> CpuWallTime,
+        monitor: &dyn ProgressMonitor,
+    ) {
         let SeedRun { integrator, film, estimator } = &mut self.seeds[seed];
         let first = self.variant.settings.camera_paths.seed;
         let integrator = integrator.get_or_insert_with(|| (self.make)(first.wrapping_add(seed as u64)));

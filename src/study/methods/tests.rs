@@ -4,8 +4,8 @@ use super::clock::ClockFn;
 use super::run::IntegratorFactory;
 use super::split::{pixel_errors, separate_noise_and_bias};
 use super::{
-    CpuWallTime, MethodStudy, MethodStudyResult, MethodVariant, ReferenceError, ReferencePictures, StudiedScene,
-    StudyLimits, StudyProgress, reference_algorithm,
+    CpuWallTime, MethodStudy, MethodStudyEvent, MethodStudyResult, MethodVariant, ReferenceError, ReferencePictures,
+    StudiedScene, StudyLimits, reference_algorithm,
 };
 use crate::color::Rgb;
 use crate::image::{self, Image, WriteOptions};
@@ -161,7 +161,7 @@ fn run_synthetic_study<'w>(
     let subject = StudiedScene { scene: "a.txt".into(), ..StudiedScene::default() };
     let mut reported = Vec::new();
     let found = study.run(&subject, limits, &references_with_noise(0.0), &world.interrupted, &SilentMonitor, |step| {
-        if let StudyProgress::Checkpoint(label, checkpoint) = step {
+        if let MethodStudyEvent::Checkpoint(label, checkpoint) = step {
             reported.push((label.to_owned(), checkpoint.passes));
         }
     });
@@ -304,7 +304,8 @@ fn reference_algorithm_depends_on_caustics() {
     };
     let [first, second] = [0, 1].map(|seed| render(seed, false).unwrap());
     assert!(
-        first.both_pictures()[0] != first.both_pictures()[1] && first.both_pictures()[0] != second.both_pictures()[0]
+        first.both_reference_pictures()[0] != first.both_reference_pictures()[1]
+            && first.both_reference_pictures()[0] != second.both_reference_pictures()[0]
     );
     assert!(first.ground_truth().source.starts_with("auto: 1 pass of path, twice: "));
     assert!(render(0, true).is_none());

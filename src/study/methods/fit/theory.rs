@@ -24,7 +24,7 @@ pub struct SlopeRange {
 }
 
 impl SlopeRange {
-    fn single_slope(slope: f64) -> Self {
+    fn single_slope_range(slope: f64) -> Self {
         Self { steepest: slope, flattest: slope }
     }
 
@@ -54,18 +54,18 @@ pub fn predicted_slopes(
     alpha: f64,
 ) -> Option<SlopeRange> {
     use Algorithm::{Distributed, Hybrid, Path, Pm, Ppm, Raycast, Sppm, Whitted};
-    let even = SlopeRange::single_slope(-0.5);
+    let even = SlopeRange::single_slope_range(-0.5);
     let [variance, bias] = variance_and_bias_slopes(passes, alpha);
     let noise = match algorithm {
-        Sppm | Hybrid => SlopeRange::single_slope(0.5 * variance).range_around_both(even),
+        Sppm | Hybrid => SlopeRange::single_slope_range(0.5 * variance).range_around_both(even),
         // All passes share the camera paths, which differ between seeds.
-        Ppm => SlopeRange::single_slope(0.0).range_around_both(even),
+        Ppm => SlopeRange::single_slope_range(0.0).range_around_both(even),
         Path | Pm | Distributed | Whitted | Raycast => even,
     };
     let bias = match algorithm {
         Path => None,
-        Sppm | Ppm | Hybrid => Some(SlopeRange::single_slope(bias)),
-        Pm | Distributed | Whitted | Raycast => Some(SlopeRange::single_slope(0.0)),
+        Sppm | Ppm | Hybrid => Some(SlopeRange::single_slope_range(bias)),
+        Pm | Distributed | Whitted | Raycast => Some(SlopeRange::single_slope_range(0.0)),
     };
     match quantity {
         ErrorComponent::Noise => Some(noise),
@@ -138,7 +138,7 @@ mod tests {
             );
         }
         assert_eq!(law(Algorithm::Path, ErrorComponent::Bias), None);
-        assert_eq!(law(Algorithm::Path, ErrorComponent::Error), Some(SlopeRange::single_slope(-0.5)));
+        assert_eq!(law(Algorithm::Path, ErrorComponent::Error), Some(SlopeRange::single_slope_range(-0.5)));
         assert_eq!(law(Algorithm::Pm, ErrorComponent::Error), Some(SlopeRange { steepest: -0.5, flattest: 0.0 }));
     }
 }

@@ -185,7 +185,7 @@ pub fn pareto_front(methods: &[MethodResult]) -> Vec<ParetoPoint> {
 pub struct MethodRecommendation {
     /// Index of the method in the list of the study's methods.
     pub method: usize,
-    /// Expected relative error after the budget.
+    /// Expected relative error after the time budget.
     pub error: f64,
     /// Indices of the other methods whose error is at most 10 % larger.
     pub alike: Vec<usize>,

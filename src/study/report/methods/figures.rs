@@ -24,7 +24,8 @@ const CROP_COUNT: usize = 2;
 /// Magnification of each window.
 const CROP_MAGNIFICATION: u32 = 4;
 
-/// HTML figure of the element `what`, with caption and shell command.
+/// Makes an HTML figure of the element `what`, with a caption and the shell command that repeats
+/// it.
 fn figure_html(class: &str, label: &str, what: &str, caption: &str, command: &str) -> String {
     let label = if label.is_empty() { String::new() } else { format!(" data-label=\"{}\"", escape_html(label)) };
     format!(

@@ -30,7 +30,7 @@ fn table_head_html(columns: &[&str], left: usize) -> String {
 
 const TABLE_END: &str = "</tbody>\n</table></div>\n";
 
-/// Text of the square root in percent; `≈ 0` if `square` is not positive.
+/// Text of the square root of `square` in percent; `≈ 0` if `square` is not positive.
 pub(super) fn square_root_percent_text(square: f64) -> String {
     if square > 0.0 { error_percent_text(square.sqrt()) } else { "≈ 0".to_owned() }
 }
