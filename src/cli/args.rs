@@ -110,6 +110,11 @@ pub struct MethodArguments {
     #[arg(long, value_enum, default_value = "bsdf", value_name = "NAME")]
     pub final_gathering: FinalGathering,
 
+    /// Trace no prefix rays in hybrid: extra camera rays up to the first diffuse surface, where
+    /// highlights and caustics behind glass need them
+    #[arg(long)]
+    pub no_prefix_rays: bool,
+
     /// Light tracing of directly visible caustics by hybrid: off, weighted (against photon
     /// estimates, per pixel) or full
     #[arg(long, value_enum, default_value = "weighted", value_name = "NAME")]

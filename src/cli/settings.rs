@@ -92,6 +92,7 @@ pub(super) fn settings_from_arguments(arguments: &MethodArguments, effects: Effe
         alpha: arguments.alpha.unwrap_or(ALPHA),
         kernel: arguments.kernel,
         volume: arguments.volume,
+        prefix_rays: !arguments.no_prefix_rays,
         light_tracing: arguments.light_tracing,
         final_gathering: arguments.final_gathering,
     }
@@ -130,6 +131,9 @@ pub(super) fn method_flags(arguments: &MethodArguments, effects_flag: &str, over
         named.into_iter().filter_map(|(flag, value)| Some([flag.to_owned(), value?])).flatten().collect();
     if arguments.adaptive {
         words.push("--adaptive".to_owned());
+    }
+    if arguments.no_prefix_rays {
+        words.push("--no-prefix-rays".to_owned());
     }
     words
 }

@@ -113,7 +113,8 @@ pub(super) fn radiance<I: Interior>(
                 }
                 PathEvent::Escaped { crossed } => {
                     path.note_crossed_boundaries(crossed);
-                    radiance += path.throughput * escaped_radiance(paths, &path);
+                    let escaped = path.throughput * escaped_radiance(paths, &path);
+                    radiance += weigh_found_light(escaped, path.history, worker);
                     break;
                 }
             };
@@ -123,7 +124,8 @@ pub(super) fn radiance<I: Interior>(
             // Add emission, weighted against next-event estimation.
             if hit.surface.emission != Rgb::ZERO && counts_hit_emission(policy, &path) {
                 let weight = path.prev.map_or(1.0, |prev| emission_mis_weight(nee, &prev, &hit.surface));
-                radiance += path.throughput * hit.surface.emission * weight;
+                let found = path.throughput * hit.surface.emission * weight;
+                radiance += weigh_found_light(found, path.history, worker);
             }
             let interior = path.path_ray.interior;
 
@@ -153,6 +155,7 @@ pub(super) fn radiance<I: Interior>(
             let vertex = path.vertex_at_surface(paths, surface, &interior, *distance);
             let ends_gather_ray = ends_gather_ray(paths, &vertex);
             let continues = path.bounce < paths.max_bounces
+                && !worker.prefix.ends_at_receiver
                 && match policy.continuation {
                     PathContinuation::Never => false,
                     PathContinuation::Glossy => !surface.bsdf.is_diffuse(),
@@ -164,7 +167,7 @@ pub(super) fn radiance<I: Interior>(
             }
 
             // Add direct light by next-event estimation.
-            let direct = if policy.direct_light && !ends_gather_ray {
+            let direct = if policy.direct_light && !ends_gather_ray && !worker.prefix.ends_at_receiver {
                 nee.estimate(&vertex, continues, worker)
             } else {
                 Rgb::ZERO
@@ -207,7 +210,8 @@ fn scatter_at_caster<I: Interior>(
     // Add direct light at glossy casters, unless photons carry the light that goes over this
     // caster.
     if !surface.bsdf.is_specular() && policy.direct_light && counts_found_light(policy, path.history) {
-        *radiance += path.throughput * nee.estimate(&vertex, continues, worker);
+        let direct = path.throughput * nee.estimate(&vertex, continues, worker);
+        *radiance += weigh_found_light(direct, path.history, worker);
     }
     if !continues {
         return false;
@@ -268,10 +272,12 @@ fn photon_radiance<I: Interior>(
     let samples = match paths.policy.photons {
         PhotonLookups::Never => return Rgb::ZERO,
         PhotonLookups::OncePerPixel => match vertex.sampler.sample_index_and_count() {
-            (0, samples) if vertex.history.receivers == 0 => samples,
+            (index, samples) if vertex.history.receivers == 0 && (index == 0 || worker.prefix.ends_at_receiver) => {
+                samples as f32 * worker.prefix.photon_weight
+            }
             _ => return Rgb::ZERO,
         },
-        PhotonLookups::FirstReceiver | PhotonLookups::GatherRays => 1,
+        PhotonLookups::FirstReceiver | PhotonLookups::GatherRays => 1.0,
         PhotonLookups::RecordVisible => {
             record_visible_point(vertex, worker);
             return Rgb::ZERO;
@@ -279,7 +285,21 @@ fn photon_radiance<I: Interior>(
     };
     let before_gather_ray = paths.policy.photons == PhotonLookups::GatherRays && !ends_gather_ray;
     let lookup = if before_gather_ray { PhotonMapChoice::Caustic } else { PhotonMapChoice::Both };
-    paths.maps.map_or(Rgb::ZERO, |maps| maps.radiance(vertex, lookup, samples, worker))
+    let estimate = paths.maps.map_or(Rgb::ZERO, |maps| maps.radiance(vertex, lookup, samples, worker));
+    worker.prefix.photons += vertex.throughput * estimate;
+    estimate
+}
+
+/// Returns `light` that a path with `history` found, with the weight of its prefix if the path has
+/// no receiver yet.
+#[inline]
+fn weigh_found_light(light: Rgb, history: PathHistory, worker: &mut PathWorker) -> Rgb {
+    if history.receivers > 0 {
+        return light;
+    }
+    let weighted = light * worker.prefix.found_weight;
+    worker.prefix.found += weighted;
+    weighted
 }
 
 /// Records `vertex` as a visible point in `worker`, weighted by throughput and BRDF.

@@ -38,7 +38,7 @@ pub(super) fn find_relative_ray_counts(renderer: &PassRenderer<'_>) -> Option<Ar
             // No render reaches these passes, so no random number is used twice.
             let pass = u32::MAX - i;
             let (paths, sampling, key) =
-                (pilot.path_context(Some(&maps), pass), pilot.film_sampling(), pilot.camera_path_key(pass));
+                (pilot.path_context(Some(&maps), pass), pilot.film_sampling(pass), pilot.camera_path_key(pass));
             let picture = for_interior!(pilot.policy.effects, <I> {
                 tiles::render_tiles(&sampling, key, &SilentMonitor, camera_path::radiance_function::<I>(&paths))
             });

@@ -31,6 +31,12 @@ pub trait Integrator: Sync {
         None
     }
 
+    /// Returns the mean number of prefix rays per pixel and pass: camera rays that end at their first
+    /// receiver.
+    fn prefix_rays_per_pixel(&self) -> f64 {
+        0.0
+    }
+
     /// Returns the largest gather radius of each photon map in the first pass; `None` without
     /// photons.
     fn gather_radii(&self) -> Option<GatherRadii> {

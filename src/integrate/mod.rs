@@ -24,6 +24,7 @@ mod photon_maps;
 mod pm;
 mod policy;
 mod ppm;
+mod prefix_pilot;
 mod radius_law;
 mod radius_pilot;
 mod raycast;

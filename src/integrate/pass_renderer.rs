@@ -5,8 +5,9 @@ use super::map_builder::PhotonMapBuilder;
 use super::nee::NextEventEstimator;
 use super::photon_maps::PhotonMaps;
 use super::policy::PathPolicy;
+use super::prefix_pilot::PrefixRayCounts;
 use super::settings::Settings;
-use super::tiles::{self, FilmSampling};
+use super::tiles::{self, FilmSampling, PrefixRays};
 use crate::plan::Effect;
 use crate::sampling::{Key, Purpose};
 use crate::scene::Scene;
@@ -30,6 +31,8 @@ pub(super) struct PassRenderer<'a> {
     pub samples: u32,
     /// Number of camera rays of each pixel relative to `samples`; `None` gives all pixels the mean.
     pub density: Option<Arc<[f32]>>,
+    /// Number of prefix rays of each pixel, and their work; `None` traces none.
+    pub prefix_rays: Option<PrefixRayCounts>,
 }
 
 impl<'a> PassRenderer<'a> {
@@ -45,6 +48,7 @@ impl<'a> PassRenderer<'a> {
             samples: settings.camera_paths.samples.unwrap_or(policy.samples),
             settings,
             density: None,
+            prefix_rays: None,
         }
     }
 
@@ -59,6 +63,7 @@ impl<'a> PassRenderer<'a> {
             map_builder: self.map_builder.for_scene_at_time(scene),
             samples: self.samples,
             density: self.density.clone(),
+            prefix_rays: self.prefix_rays.clone(),
         }
     }
 
@@ -72,7 +77,7 @@ impl<'a> PassRenderer<'a> {
 
     /// Returns this renderer with one camera ray per pixel.
     pub fn with_one_sample(&self) -> Self {
-        Self { samples: 1, density: None, ..self.for_scene_at_time(self.scene) }
+        Self { samples: 1, density: None, prefix_rays: None, ..self.for_scene_at_time(self.scene) }
     }
 
     /// True if passes show the scene at different times.
@@ -92,14 +97,23 @@ impl<'a> PassRenderer<'a> {
         if self.policy.shares_paths { key.shared_paths_key() } else { key.pass_key(pass) }
     }
 
-    /// Returns the camera, filter and numbers of camera rays of a pass.
-    pub fn film_sampling(&self) -> FilmSampling<'_> {
+    /// Returns the random key of the prefix rays of pass `pass`.
+    pub fn prefix_ray_key(&self, pass: u32) -> Key {
+        Key::new(self.settings.camera_paths.seed).purpose_key(Purpose::PrefixRays).pass_key(pass)
+    }
+
+    /// Returns the camera, filter and numbers of camera rays of pass `pass`.
+    pub fn film_sampling(&self, pass: u32) -> FilmSampling<'_> {
         FilmSampling {
             camera: self.scene.camera(),
             filter: Some(&self.settings.camera_paths.filter),
             samples: self.samples,
             lens: self.policy.effects.has(Effect::Lens),
             density: self.density.as_deref(),
+            prefix_rays: self
+                .prefix_rays
+                .as_ref()
+                .map(|rays| PrefixRays { counts: &rays.counts, key: self.prefix_ray_key(pass) }),
             nested: self.settings.camera_paths.estimate_error && self.policy.reads_photons(),
             every: 1,
         }
@@ -111,7 +125,7 @@ impl<'a> PassRenderer<'a> {
     /// They measure the error of camera paths that all passes share. `None` if passes share no
     /// paths, or if the error is not estimated.
     pub fn unshared_path_sampling(&self, pass: u32) -> Option<(FilmSampling<'_>, Key)> {
-        let sampling = self.film_sampling();
+        let sampling = self.film_sampling(pass);
         if !(sampling.nested && self.policy.shares_paths) {
             return None;
         }

@@ -7,6 +7,7 @@ use super::integrator::Integrator;
 use super::pass::{ExpectedPhotons, Pass, ProgressMonitor, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::policy::PolicyFn;
+use super::prefix_pilot::{PrefixRayCounts, find_prefix_ray_counts};
 use super::radius_law::RadiusLaw;
 use super::radius_pilot::{EmissionGuidingReportPerMap, GatherRadii};
 use super::settings::Settings;
@@ -57,7 +58,7 @@ impl Integrator for PathIntegrator<'_> {
                 tiles::render_tiles(sampling, key, monitor, camera_path::radiance_function::<I>(&paths))
             })
         };
-        let picture = render(&renderer.film_sampling(), renderer.camera_path_key(pass), monitor);
+        let picture = render(&renderer.film_sampling(pass), renderer.camera_path_key(pass), monitor);
         (out.image, out.nested) = (picture.image, picture.nested);
         out.counters += picture.counters;
 
@@ -91,6 +92,10 @@ impl Integrator for PathIntegrator<'_> {
 
     fn ray_photon_balance(&self) -> Option<RayPhotonBalance> {
         self.balance
+    }
+
+    fn prefix_rays_per_pixel(&self) -> f64 {
+        self.renderer.prefix_rays.as_ref().map_or(0.0, PrefixRayCounts::mean)
     }
 
     fn gather_radii(&self) -> Option<GatherRadii> {
@@ -141,6 +146,15 @@ impl<'a> PathIntegrator<'a> {
 
         // Divide directly visible caustics between photon estimates and light tracing.
         renderer.map_builder.find_density_estimate_shares();
+
+        // Trace more of the camera paths' prefixes where highlights and caustics need them.
+        if settings.prefix_rays && policy.allows_prefix_rays() {
+            renderer.prefix_rays = if needed == effects {
+                find_prefix_ray_counts(&renderer)
+            } else {
+                find_prefix_ray_counts(&renderer.with_policy(make_policy(needed, &settings)))
+            };
+        }
 
         // Distribute camera rays over the pixels.
         renderer.density = if settings.camera_paths.adaptive { find_relative_ray_counts(&renderer) } else { None };

@@ -55,14 +55,14 @@ impl PhotonMaps<'_> {
     /// Estimates the radiance that `vertex` reflects towards the previous vertex, from the maps of
     /// `lookup` \[W/(m² sr)].
     ///
-    /// The result is multiplied by `samples`: if only one of a pixel's camera paths reads the maps,
-    /// it does so for all of them.
+    /// The result is multiplied by `samples`: if one of a pixel's camera paths reads the maps for
+    /// others too, this is their number.
     #[inline]
     pub fn radiance<I: Interior>(
         &self,
         vertex: &PathVertex<'_, I>,
         lookup: PhotonMapChoice,
-        samples: u32,
+        samples: f32,
         worker: &mut PathWorker,
     ) -> Rgb {
         let caustic = self.caustic.radiance(vertex, samples, |w| (&mut w.caustic, &mut w.nested.caustic), worker);
@@ -72,7 +72,7 @@ impl PhotonMaps<'_> {
                 self.indirect.radiance(vertex, samples, |w| (&mut w.indirect, &mut w.nested.indirect), worker)
             }
         };
-        (caustic + indirect) * samples as f32
+        (caustic + indirect) * samples
     }
 
     /// Estimates from photons the radiance that a medium scatters to the start of a segment \[W/(m²
@@ -105,7 +105,7 @@ impl PhotonEstimator<'_> {
     fn radiance<I: Interior>(
         &self,
         vertex: &PathVertex<'_, I>,
-        samples: u32,
+        samples: f32,
         scratch: fn(&mut PathWorker) -> (&mut PhotonSearchBuffers, &mut GatherDiscSum),
         worker: &mut PathWorker,
     ) -> Rgb {
@@ -122,7 +122,7 @@ impl PhotonEstimator<'_> {
     fn radiance_with_shares<I: Interior, const SHARED: bool>(
         &self,
         vertex: &PathVertex<'_, I>,
-        samples: u32,
+        samples: f32,
         scratch: fn(&mut PathWorker) -> (&mut PhotonSearchBuffers, &mut GatherDiscSum),
         worker: &mut PathWorker,
     ) -> Rgb {
@@ -173,7 +173,7 @@ impl PhotonEstimator<'_> {
             let levels = nested_disc_coverage(self.scene, p, normal, whole.radius, kernel, key);
             radiance.iter_mut().zip(levels).for_each(|(radiance, covered)| *radiance /= covered);
         }
-        worker.nested.add(vertex.throughput * samples as f32, radiance);
+        worker.nested.add(vertex.throughput * samples, radiance);
         estimate
     }
 }

@@ -118,6 +118,13 @@ impl PathPolicy {
         self.photons != PhotonLookups::OncePerPixel
     }
 
+    /// True if a pilot may add prefix rays, which follow camera paths up to their first receiver.
+    ///
+    /// The light of scattering and emitting media is not divided between them and camera paths.
+    pub fn allows_prefix_rays(&self) -> bool {
+        self.photons == PhotonLookups::OncePerPixel
+    }
+
     /// True if a pilot may trade camera rays for photons.
     pub fn allows_ray_photon_balance(&self) -> bool {
         !self.shares_paths

@@ -35,7 +35,16 @@ impl Integrator for RaycastIntegrator<'_> {
         let start = Instant::now();
         let (camera, filter) = (self.scene.camera(), self.filter.as_ref());
         let samples = self.samples;
-        let sampling = FilmSampling { camera, filter, samples, lens: false, density: None, nested: false, every: 1 };
+        let sampling = FilmSampling {
+            camera,
+            filter,
+            samples,
+            lens: false,
+            density: None,
+            prefix_rays: None,
+            nested: false,
+            every: 1,
+        };
         let key = Key::new(self.seed).purpose_key(Purpose::Camera).pass_key(pass);
         let FilmImage { image, counters, .. } =
             tiles::render_tiles(&sampling, key, monitor, |ray, _, _, (): &mut ()| self.radiance(ray));

@@ -65,6 +65,9 @@ pub struct Settings {
     pub alpha: f64,
     /// Kernel of photon density estimates.
     pub kernel: Kernel,
+    /// True if [`Algorithm::Hybrid`](super::Algorithm::Hybrid) may trace prefix rays: camera rays
+    /// that end at their first receiver. A pilot finds how many each pixel needs.
+    pub prefix_rays: bool,
     /// Light tracing of [`Algorithm::Hybrid`](super::Algorithm::Hybrid).
     pub light_tracing: LightTracing,
     /// Estimator of the light that media scatter, from photons.
@@ -110,6 +113,7 @@ impl Default for Settings {
             radius: None,
             alpha: ALPHA,
             kernel: Kernel::default(),
+            prefix_rays: true,
             light_tracing: LightTracing::default(),
             volume: VolumeEstimator::default(),
             final_gathering: FinalGathering::default(),

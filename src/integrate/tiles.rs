@@ -2,7 +2,7 @@
 
 use super::nested_estimates::NestedEstimates;
 use super::pass::{PassStage, ProgressMonitor};
-use super::worker::PathWorker;
+use super::worker::{PathWorker, PrefixLight};
 use crate::camera::{Camera, Filter, FilterSample};
 use crate::color::Rgb;
 use crate::math::{CompensatedSum, Ray};
@@ -25,11 +25,21 @@ pub(super) struct FilmSampling<'a> {
     pub lens: bool,
     /// Number of rays of each pixel relative to the mean; `None` gives all pixels the mean.
     pub density: Option<&'a [f32]>,
+    /// Prefix rays, which follow camera paths up to their first receiver; `None` traces none.
+    pub prefix_rays: Option<PrefixRays<'a>>,
     /// True if photon estimates are also made with nested smaller discs.
     pub nested: bool,
     /// Interval of rendered tiles: 1 renders all tiles, n renders one of n tiles and leaves the
     /// others black.
     pub every: u32,
+}
+
+/// Numbers of the prefix rays of a picture's pixels, and the key of their random numbers.
+#[derive(Clone, Copy)]
+pub(super) struct PrefixRays<'a> {
+    /// Number of prefix rays of each pixel, by rows from the top.
+    pub counts: &'a [u8],
+    pub key: Key,
 }
 
 /// Rendered picture with the counters of its camera rays.
@@ -82,6 +92,21 @@ impl FilmSampling<'_> {
         self.density.map_or(self.samples, exact)
     }
 
+    /// Returns the number of prefix rays of a pixel. `pixel` counts by rows from the top.
+    fn prefix_ray_count(&self, pixel: usize) -> u32 {
+        self.prefix_rays.map_or(0, |rays| u32::from(rays.counts[pixel]))
+    }
+
+    /// Makes the camera ray of `sampler` through the pixel whose upper left corner is `corner`.
+    ///
+    /// Returns the ray and its filter weight.
+    #[inline]
+    fn generate_ray(&self, corner: Vec2, sampler: Sampler) -> (Ray, f32) {
+        let (film, weight) = self.film_position(corner, sampler);
+        let lens = self.lens.then(|| sampler.get_2d(Dimension::Lens));
+        (self.camera.generate_ray(film, lens), weight)
+    }
+
     /// Samples a film position around the pixel whose upper left corner is `corner`, by the pixel
     /// filter.
     ///
@@ -130,15 +155,15 @@ pub(super) fn render_tiles<T: Default>(
         let mut rendered = 0;
         for (x, y) in tile_pixels(tile.index, columns, width, height) {
             let (pixel, corner) = (key.pixel_key(x, y), Vec2::new(x as f32, y as f32));
-            let samples = sampling.ray_count(y as usize * width as usize + x as usize);
+            let index = y as usize * width as usize + x as usize;
+            let (samples, prefix_rays) = (sampling.ray_count(index), sampling.prefix_ray_count(index));
             let mut sum = PixelSum::default();
+            worker.prefix = PrefixLight::of_camera_paths(samples, prefix_rays);
             for sample in 0..samples {
                 // Trace one camera ray.
                 let sampler = Sampler::new(pixel, sample, samples);
-                let (film, weight) = sampling.film_position(corner, sampler);
+                let (ray, weight) = sampling.generate_ray(corner, sampler);
                 worker.counters.camera_rays += 1;
-                let lens = sampling.lens.then(|| sampler.get_2d(Dimension::Lens));
-                let ray = sampling.camera.generate_ray(film, lens);
                 let value = radiance(&ray, sampler, &mut worker, &mut tile_state);
 
                 // Add its radiance to the pixel.
@@ -152,9 +177,31 @@ pub(super) fn render_tiles<T: Default>(
                     worker.nested.finish_camera_ray(finite.then_some(weight));
                 }
             }
+            let mut prefix_sum = CompensatedSum::default();
+            if let Some(PrefixRays { key, .. }) = sampling.prefix_rays
+                && prefix_rays > 0
+            {
+                worker.prefix = PrefixLight::of_prefix_rays(samples, prefix_rays);
+                for ray in 0..prefix_rays {
+                    // Trace one prefix ray and add its light.
+                    let sampler = Sampler::new(key.pixel_key(x, y), ray, prefix_rays);
+                    let (ray, weight) = sampling.generate_ray(corner, sampler);
+                    worker.counters.camera_rays += 1;
+                    let value = radiance(&ray, sampler, &mut worker, &mut tile_state);
+                    let finite = value.is_finite();
+                    if finite {
+                        prefix_sum.add(value.as_dvec3() * f64::from(weight));
+                    } else {
+                        worker.counters.rejected_samples += 1;
+                    }
+                    if sampling.nested {
+                        worker.nested.finish_camera_ray(finite.then_some(weight));
+                    }
+                }
+            }
             let (column, row) = ((x % TILE_SIZE) as usize, (y % TILE_SIZE) as usize);
             let total = if is_signed { sum.weighted_sum() } else { sum.unweighted_sum() };
-            tile.image[row][column] = (total / f64::from(samples)).as_vec3();
+            tile.image[row][column] = ((total + prefix_sum.value()) / f64::from(samples)).as_vec3();
             if sampling.nested {
                 tile.nested[row][column] = worker.nested.finish_pixel(samples);
             }

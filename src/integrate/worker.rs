@@ -2,6 +2,7 @@
 
 use super::gather_guide::GatherGuide;
 use super::nested_estimates::NestedEstimateSum;
+use crate::color::Rgb;
 use crate::medium::TransmittanceCurve;
 use crate::photon::{PhotonSearchBuffers, VisiblePoint};
 use crate::stats::Counters;
@@ -28,4 +29,50 @@ pub(super) struct PathWorker {
     pub transmittance: TransmittanceCurve,
     /// Visible points that a pilot records.
     pub visible: Vec<VisiblePoint>,
+    /// Weights and sums of the light that paths find up to their first receiver.
+    pub prefix: PrefixLight,
+}
+
+/// Weights and sums of the light that the camera paths of a pixel find up to their first receiver.
+///
+/// The *prefix* of a camera path is its part up to the first receiver. A pixel's n camera paths and
+/// its m prefix rays, which trace nothing but prefixes, share this light.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PrefixLight {
+    /// Weight n/(n + m) of emission, environment light and direct light at casters.
+    pub found_weight: f32,
+    /// Factor of the photon estimate at the first receiver, relative to the number of stratified
+    /// samples: 1/(1 + m) for camera paths, of which one reads the maps, and n/(m·(1 + m)) for
+    /// prefix rays.
+    pub photon_weight: f32,
+    /// True while prefix rays are traced: paths end at their first receiver.
+    pub ends_at_receiver: bool,
+    /// Sum of the weighted light found \[W/(m² sr)].
+    pub found: Rgb,
+    /// Sum of the weighted photon estimates \[W/(m² sr)].
+    pub photons: Rgb,
+}
+
+impl Default for PrefixLight {
+    /// Returns the weights of a pixel without prefix rays.
+    fn default() -> Self {
+        Self { found_weight: 1.0, photon_weight: 1.0, ends_at_receiver: false, found: Rgb::ZERO, photons: Rgb::ZERO }
+    }
+}
+
+impl PrefixLight {
+    /// Returns the weights for the camera paths of a pixel with `samples` camera paths and
+    /// `prefix_rays` prefix rays.
+    pub fn of_camera_paths(samples: u32, prefix_rays: u32) -> Self {
+        let (n, m) = (samples as f32, prefix_rays as f32);
+        Self { found_weight: n / (n + m), photon_weight: 1.0 / (1.0 + m), ..Self::default() }
+    }
+
+    /// Returns the weights for the prefix rays of a pixel with `samples` camera paths and
+    /// `prefix_rays` prefix rays.
+    pub fn of_prefix_rays(samples: u32, prefix_rays: u32) -> Self {
+        let (n, m) = (samples as f32, prefix_rays as f32);
+        let weights = Self::of_camera_paths(samples, prefix_rays);
+        Self { photon_weight: n / (m * (1.0 + m)), ends_at_receiver: true, ..weights }
+    }
 }

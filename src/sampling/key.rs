@@ -18,7 +18,7 @@
 //! | pass, round | `Key::path_key` | path | one per photon path |
 //! | path | `Key::bounce_key` | bounce | one per vertex of a photon path |
 //! | vertex of a photon path | `Key::camera_connection_key` | 1 | the only child of its parent |
-//! | pass of `Camera` | `Key::pixel_key` | y · 2³² + x | one per pixel |
+//! | pass of `Camera` or `PrefixRays` | `Key::pixel_key` | y · 2³² + x | one per pixel |
 //! | pixel | `Sampler::next_vertex_sampler` | 2 · bounce + transmitted | two branches per split |
 //! | vertex | `Sampler::shadow_ray_sampler` | pass · 2³² | other dimensions than the next vertex |
 //! | vertex, sample | `Key::medium_tracking_key` | 2⁶³ + pass | above all words of vertices |
@@ -62,6 +62,8 @@ pub enum Purpose {
     Shutter,
     /// Pilot simulation that divides caustics between photon estimates and light tracing.
     DensityEstimateShares,
+    /// Camera rays that end at their first receiver.
+    PrefixRays,
 }
 
 /// Random decision at one vertex of a path; each has its own random numbers.

@@ -1,0 +1,282 @@
+//! Pilot for prefix rays: it finds how many of them each pixel needs.
+//!
+//! The *prefix* of a camera path is its part up to the first receiver. Highlights of small lamps,
+//! and caustics seen in mirrors and through glass, are found by prefixes alone. They often cover a
+//! fraction of a pixel, so their noise is large, but a ray that ends at the first receiver costs
+//! little. A pixel with n camera paths and m prefix rays has the variance
+//! σ_r²/n + σ_f²/(n + m) + σ_p²/(1 + m): of the light after the first receiver, of emission found
+//! by the prefix, and of the photon estimate, which one of the camera paths reads. The pilot
+//! estimates these variances and the work of a prefix ray, and minimizes the variance of the
+//! picture times the work of a pass (efficiency; Pharr, Jakob and Humphreys 2023, section 2.2.2).
+//!
+//! No pass uses rays of the pilot, so the mean stays unbiased.
+
+use super::balance;
+use super::camera_path;
+use super::map_builder::PassBudget;
+use super::pass::{Pass, SilentMonitor};
+use super::pass_renderer::PassRenderer;
+use super::photon_maps::PhotonMaps;
+use super::tiles::{self, FilmImage};
+use crate::color::{self, Rgb};
+use crate::plan::Effect;
+use crate::sampling::{Key, Purpose};
+use crate::scene::for_interior;
+use crate::stats::Counters;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Number of pictures of whole camera paths, with one path per pixel each.
+const WHOLE_PICTURES: u32 = 2;
+
+/// Number of pictures of prefix rays, with one ray per pixel each.
+const PREFIX_PICTURES: u32 = 6;
+
+/// Divisor of the number of photon paths: the pilot traces a quarter of the paths of a pass.
+const PILOT_DIVISOR: u32 = 4;
+
+/// Steps of the search for the efficient numbers of rays. Each step halves the error at least.
+const SEARCH_STEPS: u32 = 20;
+
+/// Mean number of prefix rays per pixel below which none are traced.
+const MIN_MEAN_COUNT: f64 = 1e-3;
+
+/// Numbers of prefix rays that a pilot found.
+#[derive(Clone, Debug)]
+pub(super) struct PrefixRayCounts {
+    /// Number of prefix rays of each pixel, by rows from the top.
+    pub counts: Arc<[u8]>,
+    /// Rays and gathered photons of all prefix rays of a pass.
+    pub expected_work: Counters,
+}
+
+impl PrefixRayCounts {
+    /// Returns the mean number of prefix rays per pixel.
+    pub fn mean(&self) -> f64 {
+        self.counts.iter().map(|n| f64::from(*n)).sum::<f64>() / self.counts.len().max(1) as f64
+    }
+}
+
+/// Running mean and sum of squared differences from it (Welford 1962).
+#[derive(Clone, Copy, Debug, Default)]
+struct RunningVariance {
+    mean: f32,
+    squares: f32,
+}
+
+impl RunningVariance {
+    /// Adds `value`, which is the `count`-th one.
+    fn add(&mut self, value: f32, count: f32) {
+        let before = value - self.mean;
+        self.mean += before / count;
+        self.squares += before * (value - self.mean);
+    }
+}
+
+/// Light of one pixel in the pilot's pictures, averaged over RGB \[W/(m² sr)].
+#[derive(Clone, Copy, Debug, Default)]
+struct PixelLight {
+    /// Light after the first receiver.
+    rest: RunningVariance,
+    /// Emission and direct light that the prefix found.
+    found: RunningVariance,
+    /// Photon estimate at the first receiver.
+    photons: RunningVariance,
+}
+
+/// Variances of one ray of a pixel, relative to the light of the pixel and of the picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct PixelVariance {
+    /// Variance of the light after the first receiver.
+    rest: f64,
+    /// Variance of emission and direct light that the prefix found.
+    found: f64,
+    /// Variance of the photon estimate at the first receiver.
+    photons: f64,
+}
+
+/// Returns the number of prefix rays of each pixel for the camera rays and photons of a pass.
+///
+/// Returns `None` if prefix rays do not pay, or if media scatter or emit: then the light that
+/// prefixes find includes that of the media.
+pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<PrefixRayCounts> {
+    let (scene, effects) = (renderer.scene, renderer.policy.effects);
+    if effects.has(Effect::Media) && scene.media_in_use().iter().any(|medium| medium.scatters() || medium.emits()) {
+        return None;
+    }
+
+    // Trace the pictures of the pilot.
+    let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::PrefixRays);
+    let mut out = Pass::default();
+    let maps = renderer.map_builder.traces_photons().then(|| {
+        let budget = PassBudget { key, pass: 0, part: PILOT_DIVISOR, limited: true, connects: true };
+        renderer.map_builder.build_with_budget(&budget, &SilentMonitor, &mut out)
+    });
+    let (width, height) = scene.camera().size();
+    let mut light = vec![PixelLight::default(); width as usize * height as usize];
+    let mut whole_work = Counters::default();
+    for i in 0..WHOLE_PICTURES {
+        let picture = render_light_parts(renderer, maps.as_ref(), i, false);
+        let count = (i + 1) as f32;
+        light.par_iter_mut().zip(&picture.image).for_each(|(light, parts)| {
+            light.rest.add(parts.x, count);
+            light.found.add(parts.y, count);
+            light.photons.add(parts.z, count);
+        });
+        whole_work += picture.counters;
+    }
+    let mut prefix_work = Counters::default();
+    for i in WHOLE_PICTURES..WHOLE_PICTURES + PREFIX_PICTURES {
+        let picture = render_light_parts(renderer, maps.as_ref(), i, true);
+        let count = (i + 1) as f32;
+        light.par_iter_mut().zip(&picture.image).for_each(|(light, parts)| {
+            light.found.add(parts.y, count);
+            light.photons.add(parts.z, count);
+        });
+        prefix_work += picture.counters;
+    }
+
+    // Measure the work of the camera paths and photons of a pass, and of a prefix ray.
+    let pixels = f64::from(width) * f64::from(height);
+    let part = f64::from(PILOT_DIVISOR);
+    let work = |counters: &Counters| balance::camera_path_work(counters) + part * balance::gathering_work(counters);
+    let prefix_cost = work(&prefix_work) / (pixels * f64::from(PREFIX_PICTURES));
+    let camera_work = f64::from(renderer.samples) * balance::camera_path_work(&whole_work) / f64::from(WHOLE_PICTURES);
+    let stored = out.aimed.stored + out.unaimed.stored;
+    let photon_work = part * (out.counters.photon_rays as f64 + balance::photon_storage_work(stored));
+    let gathering_work = part * balance::gathering_work(&whole_work) / f64::from(WHOLE_PICTURES);
+    let pass_work = PassWork {
+        camera: camera_work / pixels,
+        photons: (photon_work + gathering_work) / pixels,
+        prefix_ray: prefix_cost,
+    };
+
+    let variances = pixel_variances(&light, width as usize, height as usize)?;
+    let counts = efficient_ray_counts(&variances, renderer.samples, &pass_work)?;
+    let total: f64 = counts.iter().map(|n| f64::from(*n)).sum();
+    let scale = total / (pixels * f64::from(PREFIX_PICTURES));
+    let scaled = |n: u64| (n as f64 * scale).round() as u64;
+    let expected_work = Counters {
+        camera_rays: total as u64,
+        continuation_rays: scaled(prefix_work.continuation_rays),
+        shadow_rays: scaled(prefix_work.shadow_rays),
+        gathers: scaled(prefix_work.gathers),
+        gathered_photons: scaled(prefix_work.gathered_photons * u64::from(PILOT_DIVISOR)),
+        ..Counters::default()
+    };
+    Some(PrefixRayCounts { counts: counts.into(), expected_work })
+}
+
+/// Renders picture `i` of the pilot, with one ray per pixel.
+///
+/// The channels of a pixel are the light after the first receiver, emission found by the prefix,
+/// and the photon estimate, each averaged over RGB. If `prefix_only` is true, paths end at their
+/// first receiver.
+fn render_light_parts(
+    renderer: &PassRenderer<'_>,
+    maps: Option<&PhotonMaps<'_>>,
+    i: u32,
+    prefix_only: bool,
+) -> FilmImage {
+    // No render reaches these passes, so no random number is used twice.
+    let pass = u32::MAX - i;
+    let pilot = renderer.with_one_sample();
+    let (paths, key) = (pilot.path_context(maps, pass), pilot.prefix_ray_key(pass));
+    let sampling = tiles::FilmSampling { nested: false, ..pilot.film_sampling(pass) };
+    for_interior!(pilot.policy.effects, <I> {
+        let radiance = camera_path::radiance_function::<I>(&paths);
+        tiles::render_tiles(&sampling, key, &SilentMonitor, |ray, sampler, worker, stack| {
+            let prefix = &mut worker.prefix;
+            (prefix.ends_at_receiver, prefix.found, prefix.photons) = (prefix_only, Rgb::ZERO, Rgb::ZERO);
+            let total = color::channel_mean(radiance(ray, sampler, worker, stack));
+            let (found, photons) =
+                (color::channel_mean(worker.prefix.found), color::channel_mean(worker.prefix.photons));
+            Rgb::new((total - found - photons).max(0.0), found, photons)
+        })
+    })
+}
+
+/// Returns the relative variances of one ray of each pixel; `None` if the picture is black.
+///
+/// Variances are divided by L̃·(L + L̃), where L is the light of the pixel and L̃ its median over the
+/// picture. This lies between the absolute error, which ignores dark places, and the relative
+/// error, which ignores highlights.
+fn pixel_variances(light: &[PixelLight], width: usize, height: usize) -> Option<Vec<PixelVariance>> {
+    let mean: Vec<f32> = light.iter().map(|l| l.rest.mean + l.found.mean + l.photons.mean).collect();
+    let mut sorted: Vec<f32> = mean.iter().copied().filter(|l| *l > 0.0).collect();
+    sorted.sort_by(f32::total_cmp);
+    let median = f64::from(*sorted.get(sorted.len() / 2)?);
+    // Few pictures say little about one pixel. Means over neighbours reduce the noise: a small box
+    // keeps detail, a larger one includes rare bright rays.
+    let box_mean = |value: &dyn Fn(usize) -> f64, i: usize, reach: usize| {
+        let (x, y) = (i % width, i / width);
+        let columns = x.saturating_sub(reach)..width.min(x + reach + 1);
+        let rows = y.saturating_sub(reach)..height.min(y + reach + 1);
+        let count = (columns.len() * rows.len()) as f64;
+        rows.flat_map(|y| columns.clone().map(move |x| value(y * width + x))).sum::<f64>() / count
+    };
+    let smoothed = |value: &dyn Fn(usize) -> f64, i: usize| 0.5 * (box_mean(value, i, 1) + box_mean(value, i, 4));
+    let all = f64::from(WHOLE_PICTURES + PREFIX_PICTURES - 1);
+    let variance = |i: usize| {
+        let brightness = box_mean(&|i| f64::from(mean[i]), i, 1);
+        let scale = 1.0 / (median * (brightness + median));
+        PixelVariance {
+            rest: box_mean(&|i| f64::from(light[i].rest.squares), i, 1) / f64::from(WHOLE_PICTURES - 1) * scale,
+            found: smoothed(&|i| f64::from(light[i].found.squares), i) / all * scale,
+            photons: smoothed(&|i| f64::from(light[i].photons.squares), i) / all * scale,
+        }
+    };
+    Some((0..light.len()).into_par_iter().map(variance).collect())
+}
+
+/// Work of a pass per pixel, in photon rays of equal work.
+#[derive(Clone, Copy, Debug)]
+struct PassWork {
+    /// Work of the camera paths of a pixel.
+    camera: f64,
+    /// Work of tracing, indexing and gathering photons, divided by the number of pixels.
+    photons: f64,
+    /// Work of one prefix ray.
+    prefix_ray: f64,
+}
+
+/// Returns the number of prefix rays of each pixel for which variance times work of a pass is
+/// least; `None` if there are almost none.
+///
+/// The variance that photons cause is not known. It is taken to be to the work of photons as the
+/// variance of camera paths is to theirs: the balance of rays and photons makes it so.
+fn efficient_ray_counts(variances: &[PixelVariance], samples: u32, work: &PassWork) -> Option<Vec<u8>> {
+    let n = f64::from(samples);
+    let count = |v: &PixelVariance, scale: f64| {
+        let found = v.found.sqrt() * scale - n;
+        let photons = v.photons.sqrt() * scale - 1.0;
+        // A comparison with NaN is false, so broken variances give no ray.
+        let wanted = found.max(photons);
+        if wanted >= 1.0 { wanted.min(f64::from(u8::MAX)).floor() } else { 0.0 }
+    };
+    let pixels = variances.len() as f64;
+    let photon_variance_factor = 1.0 + work.photons / work.camera.max(f64::MIN_POSITIVE);
+    // The derivative of the variance by the work of a pixel's prefix rays is the same for all
+    // pixels, and equal to the variance over the work of the pass.
+    let mut scale = 0.0;
+    for _ in 0..SEARCH_STEPS {
+        let (mut variance, mut rays) = (0.0, 0.0);
+        for v in variances {
+            let m = count(v, scale);
+            variance += photon_variance_factor * v.rest / n + v.found / (n + m) + v.photons / (1.0 + m);
+            rays += m;
+        }
+        let pass = work.camera + work.photons + work.prefix_ray * rays / pixels;
+        let rate = variance / pixels / pass;
+        if !(rate > 0.0 && rate.is_finite()) {
+            return None;
+        }
+        scale = 1.0 / (rate * work.prefix_ray).sqrt();
+    }
+    let counts: Vec<u8> = variances.iter().map(|v| count(v, scale) as u8).collect();
+    let mean = counts.iter().map(|n| f64::from(*n)).sum::<f64>() / pixels;
+    (mean >= MIN_MEAN_COUNT).then_some(counts)
+}
+
+#[cfg(test)]
+mod tests;
