@@ -168,7 +168,7 @@ impl<'a> Resolver<'a> {
             TexturedValue::Plain(color) => Ok(Textured::Constant(rgb(*color))),
             TexturedValue::Texture(name) => {
                 let texture = self.texture_by_name(name, range)?;
-                requirements.add_requirements_of(&texture);
+                requirements.add_texture_requirements(&texture);
                 Ok(Textured::Texture { texture: texture.index, factor: Rgb::ONE, mean: texture.mean })
             }
         }
@@ -184,7 +184,7 @@ impl<'a> Resolver<'a> {
             TexturedValue::Plain(number) => Ok(Textured::Constant(*number as f32)),
             TexturedValue::Texture(name) => {
                 let texture = self.texture_by_name(name, &UNIT_RANGE)?;
-                requirements.add_requirements_of(&texture);
+                requirements.add_texture_requirements(&texture);
                 Ok(Textured::Texture { texture: texture.index, factor: 1.0, mean: color::channel_mean(texture.mean) })
             }
         }
@@ -215,7 +215,7 @@ impl<'a> Resolver<'a> {
             return Err(SceneError::at_span(self.source, name.span, "two textures for one colour", "the second", help));
         };
         let texture = self.texture_or_picture(name, PictureEncoding::Srgb)?;
-        requirements.add_requirements_of(&texture);
+        requirements.add_texture_requirements(&texture);
         let factor = rgb(*factor);
         Ok(Textured::Texture { texture: texture.index, factor, mean: factor * texture.mean })
     }
@@ -233,7 +233,7 @@ impl<'a> Resolver<'a> {
                 if *height == 0.0 {
                     return Ok(NormalPerturbation::None);
                 }
-                requirements.add_requirements_of(&texture);
+                requirements.add_texture_requirements(&texture);
                 NormalPerturbation::BumpMap { texture: texture.index, height: *height as f32 }
             }
             Some(description::NormalPerturbationDescription::NormalMap(name)) => {
@@ -274,7 +274,7 @@ impl<'a> Resolver<'a> {
 }
 
 impl TextureRequirements {
-    pub fn add_requirements_of(&mut self, texture: &AddedTexture) {
+    pub fn add_texture_requirements(&mut self, texture: &AddedTexture) {
         self.uses_textures = true;
         self.needs_texcoords |= !texture.is_solid;
     }
