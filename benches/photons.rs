@@ -4,7 +4,7 @@
 mod boxed;
 
 use caustica::photon::{
-    Bandwidth, Kernel, Photon, PhotonData, PhotonMap, PhotonPass, PhotonSource, Scratch, StoreMask,
+    Bandwidth, Kernel, Photon, PhotonData, PhotonMap, PhotonPass, PhotonSearchBuffers, PhotonSource, StoreMask,
 };
 use caustica::sampling::{Dimension, Key, Purpose, sobol_2d};
 use divan::counter::ItemsCount;
@@ -24,7 +24,11 @@ const PATHS: u32 = 100_000;
 fn trace_global(bencher: Bencher, threads: usize) {
     let scene = boxed::scene();
     let source = PhotonSource::in_all_directions(&scene).unwrap();
-    trace(bencher, threads, &PhotonPass { scene: &scene, source: &source, mask: StoreMask::GLOBAL, max_bounces: 100 });
+    trace(
+        bencher,
+        threads,
+        &PhotonPass { scene: &scene, source: &source, mask: StoreMask::INDIRECT, max_bounces: 100 },
+    );
 }
 
 /// Traces paths of the caustic map, aimed at the balls.
@@ -101,7 +105,7 @@ fn gather_k(bencher: Bencher, count: u32) {
 fn gather(bencher: Bencher, bandwidth: Bandwidth) {
     let map = PhotonMap::build(photons(STORED));
     bencher.counter(ItemsCount::new(GATHERS)).bench_local(|| {
-        let mut scratch = Scratch::new();
+        let mut scratch = PhotonSearchBuffers::new();
         let estimate =
             |p| map.estimate(p, Vec3::Y, bandwidth, Kernel::Epanechnikov, &mut scratch, |_| Vec3::ONE).radiance;
         floor_points().map(estimate).sum::<Vec3>()

@@ -57,8 +57,8 @@ static SCENE: LazyLock<Scene> = LazyLock::new(|| {
     let (mut diffuse, mut shadow) = (Vec::new(), Vec::new());
     let lamp = Vec3::new(3.0, 5.0, 9.0);
     for ray in &primary {
-        let Some(hit) = tree.closest(ray, |_, _| None) else { continue };
-        let caustica::accel::Primitive::Triangle(i) = hit.primitive else { continue };
+        let Some(hit) = tree.closest_hit(ray, |_, _| None) else { continue };
+        let caustica::accel::PrimitiveIndex::Triangle(i) = hit.primitive else { continue };
         let [a, b, c] = triangles[i as usize];
         let normal = (b - a).cross(c - a).normalize();
         let normal = if normal.dot(ray.direction) < 0.0 { normal } else { -normal };
@@ -72,7 +72,7 @@ static SCENE: LazyLock<Scene> = LazyLock::new(|| {
 });
 
 fn closest(bencher: Bencher, tree: &Hierarchy, rays: &[Ray]) {
-    let count = |r: &&Ray| tree.closest(r, |_, _| None).is_some();
+    let count = |r: &&Ray| tree.closest_hit(r, |_, _| None).is_some();
     bencher.counter(ItemsCount::new(rays.len())).bench_local(|| rays.iter().filter(count).count());
 }
 
@@ -114,7 +114,7 @@ fn cornell(bencher: Bencher) {
         let root = (b * b - c).sqrt();
         [-b - root, -b + root].into_iter().find(|&t| t > 0.0 && t < ray.t_max).map(|t| (t, 0.0, 0.0))
     };
-    let count = |r: &&Ray| tree.closest(r, ball).is_some();
+    let count = |r: &&Ray| tree.closest_hit(r, ball).is_some();
     bencher.counter(ItemsCount::new(rays.len())).bench_local(|| rays.iter().filter(count).count());
 }
 

@@ -11,7 +11,7 @@
 use caustica::camera::{Filter, FilterKind};
 use caustica::format::SceneFile;
 use caustica::image::{self, Image, metrics};
-use caustica::integrate::{Algorithm, CameraPathSettings, FinalGathering, Integrator, Settings, Silent};
+use caustica::integrate::{Algorithm, CameraPathSettings, FinalGathering, Integrator, Settings, SilentMonitor};
 use caustica::render::Film;
 use caustica::scene::Scene;
 use caustica::stats::cpu_seconds;
@@ -81,7 +81,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("| integrator | passes | CPU s | wall s | error |\n| --- | --- | --- | --- | --- |");
     while runs.iter().any(|run| run.cpu < budget) {
         for run in runs.iter_mut().filter(|run| run.cpu < budget) {
-            let (pass, cpu, wall) = timed(|| run.integrator.pass(run.film.passes(), &Silent));
+            let (pass, cpu, wall) = timed(|| run.integrator.render_pass(run.film.passes(), &SilentMonitor));
             run.film.add(&pass.image);
             (run.cpu, run.wall) = (run.cpu + cpu, run.wall + wall);
             let picture = Image::from_pixels(width, height, run.film.mean())?;

@@ -9,7 +9,7 @@
 //! | read a scene file | [`SceneFile`] |
 //! | build a scene in code | [`SceneBuilder`], [`Material`], [`Shape`], [`Camera`] |
 //! | choose an algorithm | [`Algorithm`], [`Settings`] |
-//! | render with progress | [`render()`], [`StopCriteria`], [`Monitor`] |
+//! | render with progress | [`render()`], [`StopCriteria`], [`ProgressMonitor`] |
 //! | read the estimated error | [`RenderResult`], [`ErrorEstimator`], [`ErrorEstimate`] |
 //! | write a picture | [`Image`], [`write_image`], [`WriteOptions`] |
 //!
@@ -20,7 +20,7 @@
 //!
 //! ```
 //! use caustica::camera::Camera;
-//! use caustica::integrate::{Algorithm, Settings, Silent};
+//! use caustica::integrate::{Algorithm, Settings, SilentMonitor};
 //! use caustica::scene::{LightStrength, Material, SceneBuilder, DeltaLightKind};
 //! use caustica::shape::{Plane, Shape, Sphere};
 //! use glam::{DVec3, Vec3};
@@ -39,40 +39,57 @@
 //! let camera = Camera::perspective(center, direction, DVec3::Y, 0.7, 32, 24)?;
 //! let scene = builder.build(camera)?;
 //! let settings = Settings { caustic_photons: 2000, ..Settings::default() };
-//! let pass = Algorithm::Hybrid.prepare(&scene, settings).pass(0, &Silent);
+//! let pass = Algorithm::Hybrid.prepare(&scene, settings).render_pass(0, &SilentMonitor);
 //! assert_eq!(pass.image.len(), 32 * 24);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! # From a render to a pass
+//!
+//! [`render()`] calls [`Integrator::render_pass`](integrate::Integrator::render_pass) until a stop
+//! criterion holds, and averages the passes. `PathIntegrator` implements this method for all
+//! algorithms except `raycast`. A pass traces its photons first, and then its camera paths.
+//!
 //! # The path of one photon
 //!
-//! 1. A pass has a random-number [`Key`](sampling::Key). Photon path `i` has the key
-//!    `pass_key.path_key(i)`. Every random decision is a function of a key and the decision's name.
-//! 2. [`PhotonPass::trace`](photon::PhotonPass::trace) follows the photon paths of a pass in
-//!    parallel. It starts each path by [`PhotonSource::emit`](photon::PhotonSource::emit), which
-//!    samples a light and a ray that leaves it. The sampling pdf follows power, the solid angle of
-//!    casters, or the emission that a pilot pass found useful. The ray carries flux / (pdf · number
+//! 1. `PhotonMapBuilder::build` in [`integrate`] starts the photons of a pass. It calls
+//!    [`PhotonPass::trace_and_connect`](photon::PhotonPass::trace_and_connect), which follows the
+//!    photon paths in parallel by `PhotonPass::follow_photon_path`.
+//! 2. Photon path `i` has the random-number [`Key`](sampling::Key) `pass_key.path_key(i)`. Every
+//!    random decision is a function of a key and the name of the decision.
+//! 3. [`PhotonSource::emit_photon_path`](photon::PhotonSource::emit_photon_path) samples a light
+//!    and a ray that leaves it. The sampling pdf follows the power of the lights, the solid angle
+//!    of casters, or the emission that a pilot found useful. The ray carries flux / (pdf · number
 //!    of paths).
-//! 3. [`PathRay::next_vertex`](scene::PathRay::next_vertex) finds the next surface, applies
-//!    absorption, and samples a scattering event in a [`Medium`](medium::Medium).
-//! 4. At a surface that stores photons, the path adds a [`Photon`](photon::Photon) to the
-//!    [`Deposits`](photon::Deposits) of the pass. The [`Bsdf`](bsdf::Bsdf) then samples a
-//!    direction, and Russian roulette ends the path by its throughput.
-//! 5. `PhotonMapBuilder` in [`integrate`] makes a [`PhotonMap`](photon::PhotonMap) of the deposits
-//!    of each kind.
+//! 4. [`PathRay::next_vertex`](scene::PathRay::next_vertex) finds the next surface by
+//!    [`Scene::intersect`], applies absorption, and samples a scattering event in a
+//!    [`Medium`](medium::Medium).
+//! 5. At a surface that stores photons, `Deposits::store_deposit` adds a
+//!    [`Photon`](photon::Photon) to the [`Deposits`](photon::Deposits) of the pass.
+//!    `LightTracer::connect_to_camera` also sends caustic photons to the pixel that sees them.
+//! 6. [`Bsdf::sample`](bsdf::Bsdf::sample) chooses the next direction. Russian roulette then ends
+//!    the path by its throughput.
+//! 7. [`PhotonMap::build`](photon::PhotonMap::build) makes a map of the photons of each kind.
 //!
 //! # The path of one camera ray
 //!
-//! 1. The reconstruction filter samples a point of a pixel, and the
-//!    [`Camera`] makes a ray through it.
-//! 2. The path follows casters, for example glass and mirrors
-//!    ([`Bsdf::casts_caustics`](bsdf::Bsdf::casts_caustics)). Smooth glass splits the path while
-//!    both parts matter.
-//! 3. [`Algorithm::Hybrid`] adds at a surface that stores photons: emission, and direct light by
-//!    next-event estimation. One path per pixel also adds, at its first such surface, the estimates
-//!    from both photon maps ([`PhotonMap::estimate`](photon::PhotonMap::estimate)). The path then
-//!    continues.
-//! 4. [`render()`] returns the mean of passes whose photon gather radii shrink.
+//! 1. `render_tiles` in [`integrate`] renders the tiles of the picture in parallel. For each sample
+//!    of a pixel, the reconstruction filter chooses a point, and
+//!    [`Camera::generate_ray`] makes a ray through it.
+//! 2. `camera_path::radiance` returns the radiance along this ray. It calls
+//!    [`PathRay::next_vertex`](scene::PathRay::next_vertex), and so [`Scene::intersect`], for each
+//!    vertex of the path.
+//! 3. At casters, for example glass and mirrors
+//!    ([`Bsdf::casts_caustics`](bsdf::Bsdf::casts_caustics)), `scatter_at_caster` continues the
+//!    path. Smooth glass splits the path while both branches carry enough light.
+//! 4. At a surface that stores photons, `NextEventEstimator::estimate` adds direct light, and
+//!    `PhotonMaps::radiance` adds the estimates from the photon maps
+//!    ([`PhotonMap::estimate`](photon::PhotonMap::estimate)). In [`Algorithm::Hybrid`], one path
+//!    per pixel reads the maps, at its first such surface.
+//! 5. `continue_path` samples the next direction and applies Russian roulette.
+//!
+//! In all photon algorithms except `pm`, gather radii shrink from pass to pass. So the mean of the
+//! passes converges to the true radiance.
 
 #[doc(hidden)]
 pub mod accel;
@@ -171,16 +188,16 @@ pub use integrate::Algorithm;
 
 /// # Example: print the start of each stage
 /// ```
-/// use caustica::integrate::Stage;
+/// use caustica::integrate::PassStage;
 /// struct StagePrinter;
-/// impl caustica::Monitor for StagePrinter {
-///     fn begin(&self, stage: Stage, total: u64) {
+/// impl caustica::ProgressMonitor for StagePrinter {
+///     fn begin_stage(&self, stage: PassStage, total: u64) {
 ///         println!("{stage:?}: {total} units");
 ///     }
-///     fn advance(&self, _: u64) {}
+///     fn report_progress(&self, _: u64) {}
 /// }
 /// ```
-pub use integrate::Monitor;
+pub use integrate::ProgressMonitor;
 
 /// # Example: fewer photons than by default
 /// ```
@@ -192,7 +209,7 @@ pub use integrate::Settings;
 /// # Example: render two passes and read the estimated error
 /// ```
 /// use caustica::{Algorithm, Camera, Image, Material, SceneBuilder, Settings, Shape, StopCriteria};
-/// use caustica::integrate::Silent;
+/// use caustica::integrate::SilentMonitor;
 /// use glam::{DVec3, Vec3};
 /// use std::sync::atomic::AtomicBool;
 ///
@@ -207,7 +224,8 @@ pub use integrate::Settings;
 /// let stop =
 ///     StopCriteria { min_passes: 1, passes: Some(2), time: None, target: None, interrupted };
 /// let integrator = Algorithm::Path.prepare(&scene, Settings::default());
-/// let rendered = caustica::render(integrator.as_ref(), (16, 12), &stop, &Silent, |standing| {
+/// let size = (16, 12);
+/// let rendered = caustica::render(integrator.as_ref(), size, &stop, &SilentMonitor, |standing| {
 ///     println!("{} passes", standing.passes);
 /// });
 /// let picture = Image::from_pixels(16, 12, rendered.film.mean())?;

@@ -7,7 +7,7 @@ use clap::Parser;
 use std::alloc::System;
 use std::process::ExitCode;
 
-/// The system allocator with a count of the bytes in use. It sets no limit of its own.
+/// The system allocator, which also counts the bytes in use. It sets no limit.
 #[global_allocator]
 static ALLOCATOR: Cap<System> = Cap::new(System, usize::MAX);
 

@@ -12,7 +12,7 @@ use caustica::format::grid::{self, DensityGrid, GridEncoding};
 use caustica::format::mesh::{self, MeshFormat};
 use caustica::format::{SourceText, parse, resolve};
 use caustica::image::{self, Image, WriteOptions};
-use caustica::integrate::{Algorithm, Settings, Silent};
+use caustica::integrate::{Algorithm, Settings, SilentMonitor};
 use clap::{CommandFactory, Parser};
 use it::support::shell::shell_words;
 use std::collections::BTreeSet;
@@ -347,7 +347,7 @@ fn scenes_of_language_page_render() {
         (description.camera.value.width, description.camera.value.height) = (32, 24);
         let scene = resolve(&description, &SourceText::new("scene-language.md", text), folder.path()).unwrap();
         let ray_cast = Algorithm::Raycast.prepare(&scene, Settings::default());
-        let image = ray_cast.pass(0, &Silent).image;
+        let image = ray_cast.render_pass(0, &SilentMonitor).image;
         assert!(image.iter().all(|p| p.is_finite()) && image.iter().any(|p| *p != scene.background()), "scene {i}");
 
         std::fs::write(folder.path().join("a.txt"), description.to_string()).unwrap();

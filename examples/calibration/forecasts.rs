@@ -4,7 +4,7 @@
 //! first pass that reaches the target.
 
 use super::{SIZE, scene, settings};
-use caustica::integrate::{Algorithm, Silent};
+use caustica::integrate::{Algorithm, SilentMonitor};
 use caustica::render::error_estimate::{Confidence, PassesNeeded};
 use caustica::render::{ErrorTarget, RenderResult, StopCriteria, render};
 use caustica::scene::Scene;
@@ -20,7 +20,7 @@ fn rendered(scene: &Scene, algorithm: Algorithm, seed: u64, stop: &StopCriteria<
     settings.camera_paths.estimate_error = true;
     let integrator = algorithm.prepare(scene, settings);
     let start = cpu_seconds().unwrap_or(0.0);
-    let rendered = render(integrator.as_ref(), SIZE, stop, &Silent, |_| {});
+    let rendered = render(integrator.as_ref(), SIZE, stop, &SilentMonitor, |_| {});
     (rendered, cpu_seconds().unwrap_or(0.0) - start)
 }
 

@@ -16,7 +16,7 @@ mod forecasts;
 
 use caustica::format::SceneFile;
 use caustica::image::RelativeScale;
-use caustica::integrate::{Algorithm, FinalGathering, Settings, Silent};
+use caustica::integrate::{Algorithm, FinalGathering, Settings, SilentMonitor};
 use caustica::plan::{Effect, EffectOverrides, Plan};
 use caustica::render::error_estimate::{Confidence, ErrorEstimator};
 use caustica::render::{ErrorTarget, Film, StopCriteria, render};
@@ -94,7 +94,7 @@ fn settings(seed: u64) -> Settings {
 /// Returns the mean of many passes with a small, constant radius.
 fn reference(scene: &Scene, seed: u64, passes: u32) -> Vec<Vec3> {
     let mut settings = settings(seed);
-    let radii = Algorithm::Hybrid.prepare(scene, settings.clone()).radii();
+    let radii = Algorithm::Hybrid.prepare(scene, settings.clone()).gather_radii();
     settings.radius = radii.map(|radii| radii.caustic / 10.0);
     (settings.alpha, settings.gather_k) = (1.0, Some(0));
     (settings.photons, settings.caustic_photons) = (4 * PHOTONS, 4 * PHOTONS);
@@ -106,7 +106,7 @@ fn reference(scene: &Scene, seed: u64, passes: u32) -> Vec<Vec3> {
         interrupted: &AtomicBool::new(false),
     };
     let integrator = Algorithm::Hybrid.prepare(scene, settings);
-    render(integrator.as_ref(), SIZE, &stop, &Silent, |_| {}).film.mean()
+    render(integrator.as_ref(), SIZE, &stop, &SilentMonitor, |_| {}).film.mean()
 }
 
 /// Renders until the estimated error reaches the target, and returns the true error.
@@ -118,7 +118,7 @@ fn stopped(name: &str, scene: &Scene, algorithm: Algorithm, error: f64, seeds: u
         let mut settings = settings(seed);
         settings.camera_paths.estimate_error = true;
         let integrator = algorithm.prepare(scene, settings);
-        let rendered = render(integrator.as_ref(), SIZE, &stop, &Silent, |_| {});
+        let rendered = render(integrator.as_ref(), SIZE, &stop, &SilentMonitor, |_| {});
         passes += rendered.film.passes();
         errors.push(square(&rendered.film.mean()).max(0.0).sqrt());
     }
@@ -163,7 +163,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let apart = 0.5 * scale.mean(|i| (a[i] - b[i]).as_dvec3() * (a[i] - b[i]).as_dvec3()).sqrt();
         eprintln!("{name}: references known to {:.2} % but for their bias", 100.0 * apart);
         for algorithm in methods.iter().copied() {
-            let wanted = Plan::new(&scene, algorithm.simulates(), EffectOverrides::PLANNED).simulated_effects();
+            let wanted = Plan::new(&scene, algorithm.supported_effects(), EffectOverrides::PLANNED).simulated_effects();
             if algorithm == Algorithm::Path && wanted.has(Effect::Caustics) {
                 continue;
             }
@@ -182,7 +182,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 let (mut film, mut estimator) =
                     (Film::new(SIZE.0, SIZE.1), ErrorEstimator::new(integrator.radius_law()));
                 for pass in 0..*arguments.passes.iter().max().ok_or("no passes")? {
-                    let made = integrator.pass(pass, &Silent);
+                    let made = integrator.render_pass(pass, &SilentMonitor);
                     estimator.add(&film, &made);
                     film.add(&made.image);
                     let Some(at) = arguments.passes.iter().position(|n| *n == pass + 1) else { continue };

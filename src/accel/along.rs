@@ -1,4 +1,4 @@
-//! All boxes along a ray.
+//! A tree that finds all boxes along a ray.
 
 use super::build::ARITY;
 use super::bvh8::{Boxes8, SlabTestRay};
@@ -23,16 +23,16 @@ pub struct BoxTree {
     levels: Vec<Vec<Boxes8>>,
 }
 
-/// A node's level and number share 32 bits, so at most 8¹⁰ boxes fit.
+/// Largest number of levels: a node's level and number share 32 bits.
 const MOST_LEVELS: usize = 10;
 const NUMBER_BITS: u32 = 28;
-/// Each level leaves seven nodes on the stack while one is open.
+/// Entries of the traversal stack: each level leaves up to seven nodes on it.
 const STACK: usize = (ARITY - 1) * MOST_LEVELS + 1;
 
 /// Padding of all boxes, relative to the largest coordinate.
 ///
-/// A ray along an axis has reciprocals that are clamped to the largest number. The padding is large
-/// enough for it to cross a flat box at up to 10¹⁹ times the largest coordinate.
+/// A ray along an axis has infinite reciprocals, which are clamped to the largest f32. The padding
+/// lets such a ray cross a flat box at distances up to 10¹⁹ times the largest coordinate.
 const PADDING: f32 = 1.0 / (1u64 << 63) as f32;
 
 impl BoxTree {
@@ -47,7 +47,7 @@ impl BoxTree {
             morton_order(&present, |i| at(i).center()).par_iter().map(|&i| present[i as usize]).collect();
         let largest = order.par_iter().map(|i| at(i).min.abs().max(at(i).max.abs()).max_element());
         let margin = largest.reduce(|| 0.0, f32::max) * PADDING;
-        let mut bounds: Vec<Bounds> = order.par_iter().map(|i| padded(at(i), margin)).collect();
+        let mut bounds: Vec<Bounds> = order.par_iter().map(|i| padded_box(at(i), margin)).collect();
         let mut levels = Vec::new();
         while !bounds.is_empty() {
             levels.push(bounds.par_chunks(ARITY).map(boxes_from_bounds).collect());
@@ -59,7 +59,7 @@ impl BoxTree {
 
     /// Calls `visit` once with the index of each box that the ray crosses at `0 ≤ t ≤ t_max`.
     ///
-    /// The order depends only on the boxes. Allocates nothing.
+    /// The order of the calls depends only on the boxes.
     #[inline]
     pub fn visit_boxes_along_ray(&self, ray: &Ray, visit: &mut impl FnMut(u32)) {
         if !(RayPrecalc::can_hit_anything(ray) && ray.t_max >= 0.0) || self.levels.is_empty() {
@@ -90,12 +90,12 @@ impl BoxTree {
 
 fn boxes_from_bounds(run: &[Bounds]) -> Boxes8 {
     let mut boxes = Boxes8::VACANT;
-    run.iter().enumerate().for_each(|(slot, b)| boxes.set(slot, b.min, b.max));
+    run.iter().enumerate().for_each(|(slot, b)| boxes.set_box(slot, b.min, b.max));
     boxes
 }
 
-/// The box grown by `margin`, and at least to the next number.
-fn padded(b: &Bounds, margin: f32) -> Bounds {
+/// The box expanded on every side by `margin`, and at least to the next f32.
+fn padded_box(b: &Bounds, margin: f32) -> Bounds {
     let wider = b.expanded(margin);
     let down = wider.min.to_array().map(f32::next_down);
     let up = wider.max.to_array().map(f32::next_up);

@@ -1,5 +1,6 @@
-//! Binary hierarchy by the surface area heuristic over binned centroids, and its cut into wide
-//! nodes.
+//! Build of a binary hierarchy by the surface area heuristic over binned centroids.
+//!
+//! The build also decides which binary nodes become children of one node with eight children.
 
 use super::packet::LANES;
 use glam::Vec3A;
@@ -7,33 +8,39 @@ use glam::Vec3A;
 /// Children of a wide node.
 pub(super) const ARITY: usize = 8;
 
-/// Bit of a key that marks a primitive other than a triangle; the other bits are its index.
+/// Bit of a primitive's key: set for primitives other than triangles.
+///
+/// The other bits are the index of the triangle or of the other primitive.
 pub(super) const OTHER: u32 = 1 << 31;
 
-/// Depth from which on median splits replace the heuristic, which bounds the depth by
-/// [`MAX_DEPTH`].
+/// Depth below which nodes are split at the median instead of by the surface area heuristic.
+///
+/// This bounds the depth of the tree by [`MAX_DEPTH`].
 const HEURISTIC_DEPTH: u32 = 40;
-/// Median splits of 2³¹ primitives take 31 more levels.
+/// Largest depth of the binary tree: median splits of 2³¹ primitives take 31 more levels.
 pub(super) const MAX_DEPTH: u32 = HEURISTIC_DEPTH + 31;
 
 const BINS: usize = 32;
-/// Ranges smaller than this are built on one thread.
+/// Number of primitives up to which a subtree is built on one thread.
 const PARALLEL: usize = 4096;
 
-/// Costs of a triangle packet and of a closure call, relative to a node visit.
+/// Cost of intersecting a packet of triangles, relative to the cost of visiting a node.
 ///
-/// Half or twice these values are no faster.
+/// Half or twice this value makes renders no faster.
 const PACKET_COST: f32 = 0.7;
+/// Cost of the caller's closure that intersects one primitive, relative to visiting a node.
 const OTHER_COST: f32 = 1.0;
 
-/// Padded box with its key: a triangle index, or [`OTHER`] and the index of another primitive.
+/// A primitive during the build: its padded box, and its key.
+///
+/// The key is a triangle's index, or another primitive's index with the bit [`OTHER`] set.
 #[derive(Clone, Copy)]
-pub(super) struct Fragment {
+pub(super) struct BvhPrimitive {
     pub bounds: SimdBox,
     pub key: u32,
 }
 
-/// Box in vector registers.
+/// Axis-aligned box in SIMD registers.
 #[derive(Clone, Copy)]
 pub(super) struct SimdBox {
     pub min: Vec3A,
@@ -54,26 +61,29 @@ impl SimdBox {
         e.x * e.y + e.y * e.z + e.z * e.x
     }
 
-    /// Twice the centre.
+    /// Twice the centre of the box.
     #[inline]
-    fn center(self) -> Vec3A {
+    fn doubled_center(self) -> Vec3A {
         self.min + self.max
     }
 }
 
-/// Node of the binary tree over `size` fragments, in preorder.
+/// Node of the binary tree, which is stored in preorder.
 ///
-/// The left child follows; the right child comes `2 · left` nodes later.
+/// The left child is the next node. The right child is `2 · left` nodes after this one.
 #[derive(Clone, Copy)]
 pub(super) struct BinaryNode {
     pub bounds: SimdBox,
+    /// Number of primitives in the subtree of this node.
     pub size: u32,
-    /// Number of fragments in the left subtree.
+    /// Number of primitives in the left subtree.
     pub left: u32,
-    /// Number of slots that go to the left child, for 2 to [`ARITY`] slots of a wide node; 0 if
-    /// fewer slots cost as little.
+    /// Division of a wide node's child slots between the two subtrees, at least cost.
+    ///
+    /// If this node gets n slots, from 2 to [`ARITY`], its left subtree gets `share[n]` of them.
+    /// 0 means that n − 1 slots cost as little.
     pub share: [u8; ARITY + 1],
-    /// True if one slot holds all fragments as a leaf.
+    /// True if all primitives of this node become one leaf.
     pub leaf: bool,
 }
 
@@ -81,56 +91,61 @@ impl BinaryNode {
     pub const VACANT: Self = Self { bounds: SimdBox::EMPTY, size: 0, left: 0, share: [0; ARITY + 1], leaf: true };
 }
 
-/// Number of triangles and of other primitives in a range.
+/// Number of triangles and number of other primitives in a subtree or bin.
 #[derive(Clone, Copy, Default)]
-struct PrimitiveCount {
+struct PrimitiveCounts {
     triangles: u32,
     others: u32,
 }
 
-impl PrimitiveCount {
+impl PrimitiveCounts {
     #[inline]
     fn add(&mut self, other: Self) {
         self.triangles += other.triangles;
         self.others += other.others;
     }
 
-    fn of(key: u32) -> Self {
+    fn of_key(key: u32) -> Self {
         let others = u32::from(key & OTHER != 0);
         Self { triangles: 1 - others, others }
     }
 
-    /// Cost of testing all primitives, with triangles in packets.
-    fn cost(self) -> f32 {
+    /// Cost of intersecting all these primitives, relative to the cost of visiting a node.
+    fn intersection_cost(self) -> f32 {
         let packets = self.triangles.div_ceil(LANES as u32);
         packets as f32 * PACKET_COST + self.others as f32 * OTHER_COST
     }
 }
 
-/// Result of building a subtree: its box, its contents, and its least cost in 1 to [`ARITY`] slots.
-struct Subtree {
+/// Box, primitive counts and costs of a subtree that has been built.
+///
+/// `cost[n]` is the least traversal cost if the subtree fills n child slots of a wide node, with n
+/// from 1 to [`ARITY`].
+struct SubtreeSummary {
     bounds: SimdBox,
-    count: PrimitiveCount,
+    count: PrimitiveCounts,
     cost: [f32; ARITY + 1],
 }
 
-/// Builds the tree over `fragments`, which it reorders, into `tree` of length `2 n − 1`.
-pub(super) fn build_tree(fragments: &mut [Fragment], tree: &mut [BinaryNode]) {
-    if !fragments.is_empty() {
-        build_node(fragments, tree, 0);
+/// Builds the binary tree over n `primitives` into `tree`, which must have 2 n − 1 nodes.
+///
+/// Reorders the primitives so that those of each node are consecutive.
+pub(super) fn build_tree(primitives: &mut [BvhPrimitive], tree: &mut [BinaryNode]) {
+    if !primitives.is_empty() {
+        build_node(primitives, tree, 0);
     }
 }
 
-fn build_node(fragments: &mut [Fragment], tree: &mut [BinaryNode], depth: u32) -> Subtree {
-    let size = fragments.len();
+fn build_node(primitives: &mut [BvhPrimitive], tree: &mut [BinaryNode], depth: u32) -> SubtreeSummary {
+    let size = primitives.len();
     let Some((root, rest)) = tree.split_first_mut().filter(|_| size > 1) else {
-        let Fragment { bounds, key } = fragments[0];
+        let BvhPrimitive { bounds, key } = primitives[0];
         tree[0] = BinaryNode { bounds, size: 1, ..BinaryNode::VACANT };
-        let count = PrimitiveCount::of(key);
-        return Subtree { bounds, count, cost: [bounds.half_area() * count.cost(); ARITY + 1] };
+        let count = PrimitiveCounts::of_key(key);
+        return SubtreeSummary { bounds, count, cost: [bounds.half_area() * count.intersection_cost(); ARITY + 1] };
     };
-    let left = split_fragments(fragments, depth);
-    let (low, high) = fragments.split_at_mut(left);
+    let left = split_primitives(primitives, depth);
+    let (low, high) = primitives.split_at_mut(left);
     let (low_tree, high_tree) = rest.split_at_mut(2 * left - 1);
     let (a, b) = if size > PARALLEL {
         rayon::join(|| build_node(low, low_tree, depth + 1), || build_node(high, high_tree, depth + 1))
@@ -141,12 +156,11 @@ fn build_node(fragments: &mut [Fragment], tree: &mut [BinaryNode], depth: u32) -
     finish_inner_node(root, &a, &b)
 }
 
-/// Fills the node above subtrees `a` and `b`, and returns the summary of its own subtree.
+/// Sets box, leaf flag and slot shares of `root`, the parent of subtrees `a` and `b`.
 ///
-/// Sets box, leaf flag and slot shares of `root`. For each number of slots of a wide node, the
-/// share is the number of slots that `a` gets at the least cost. One slot holds a leaf or a wide
-/// node (after Ylitie, Karras and Laine 2017, section 3.1).
-fn finish_inner_node(root: &mut BinaryNode, a: &Subtree, b: &Subtree) -> Subtree {
+/// Returns the summary of the subtree below `root`. The shares minimize the traversal cost of the
+/// tree with eight children per node (after Ylitie, Karras and Laine 2017, section 3.1).
+fn finish_inner_node(root: &mut BinaryNode, a: &SubtreeSummary, b: &SubtreeSummary) -> SubtreeSummary {
     let bounds = a.bounds.union(b.bounds);
     let mut count = a.count;
     count.add(b.count);
@@ -163,7 +177,7 @@ fn finish_inner_node(root: &mut BinaryNode, a: &Subtree, b: &Subtree) -> Subtree
             }
         }
     }
-    let (node, leaf) = (area + cost[ARITY], area * count.cost());
+    let (node, leaf) = (area + cost[ARITY], area * count.intersection_cost());
     let fits = count.others == 0 && count.triangles <= LANES as u32;
     root.leaf = fits && leaf <= node;
     cost[1] = if root.leaf { leaf } else { node };
@@ -176,40 +190,40 @@ fn finish_inner_node(root: &mut BinaryNode, a: &Subtree, b: &Subtree) -> Subtree
         }
     }
     root.bounds = bounds;
-    Subtree { bounds, count, cost }
+    SubtreeSummary { bounds, count, cost }
 }
 
-/// Reorders the fragments into two non-empty parts and returns the size of the first.
-fn split_fragments(fragments: &mut [Fragment], depth: u32) -> usize {
-    let size = fragments.len();
-    let centers = fragments
-        .iter()
-        .fold(SimdBox::EMPTY, |s, f| s.union(SimdBox { min: f.bounds.center(), max: f.bounds.center() }));
+/// Reorders the primitives into two non-empty parts and returns the size of the first.
+fn split_primitives(primitives: &mut [BvhPrimitive], depth: u32) -> usize {
+    let size = primitives.len();
+    let centers = primitives.iter().fold(SimdBox::EMPTY, |s, f| {
+        s.union(SimdBox { min: f.bounds.doubled_center(), max: f.bounds.doubled_center() })
+    });
     let extent = centers.max - centers.min;
     if depth < HEURISTIC_DEPTH
         && size > 2
-        && let Some((axis, edge)) = best_split_plane(fragments, centers)
+        && let Some((axis, edge)) = best_split_plane(primitives, centers)
     {
-        let bins = Binning::new(centers, size);
-        return partition_fragments(fragments, |f| bins.of(f)[axis] <= edge);
+        let bins = CentroidBinning::new(centers, size);
+        return partition_primitives(primitives, |f| bins.bin_indices(f)[axis] <= edge);
     }
     let axis = extent.max_position();
-    let by_center = |a: &Fragment, b: &Fragment| {
-        a.bounds.center()[axis].total_cmp(&b.bounds.center()[axis]).then(a.key.cmp(&b.key))
+    let by_center = |a: &BvhPrimitive, b: &BvhPrimitive| {
+        a.bounds.doubled_center()[axis].total_cmp(&b.bounds.doubled_center()[axis]).then(a.key.cmp(&b.key))
     };
-    fragments.select_nth_unstable_by(size / 2, by_center);
+    primitives.select_nth_unstable_by(size / 2, by_center);
     size / 2
 }
 
-/// Maps centres to bins along each axis.
-struct Binning {
+/// Maps the centres of primitives to bin numbers along each axis.
+struct CentroidBinning {
     origin: Vec3A,
     scale: Vec3A,
     last: Vec3A,
     bins: usize,
 }
 
-impl Binning {
+impl CentroidBinning {
     fn new(centers: SimdBox, size: usize) -> Self {
         let bins = BINS.min(4 + size / 8);
         // Just below the number of bins, so that the largest centre falls into the last bin.
@@ -218,37 +232,39 @@ impl Binning {
     }
 
     #[inline]
-    fn of(&self, f: &Fragment) -> [usize; 3] {
-        let at = ((f.bounds.center() - self.origin) * self.scale).min(self.last);
+    fn bin_indices(&self, f: &BvhPrimitive) -> [usize; 3] {
+        let at = ((f.bounds.doubled_center() - self.origin) * self.scale).min(self.last);
         [at.x as u32 as usize, at.y as u32 as usize, at.z as u32 as usize]
     }
 }
 
-/// Axis and last lower bin of the cheapest partition; `None` if centres coincide or costs overflow.
-fn best_split_plane(fragments: &[Fragment], centers: SimdBox) -> Option<(usize, usize)> {
-    let binning = Binning::new(centers, fragments.len());
-    let mut bins = [[(SimdBox::EMPTY, PrimitiveCount::default()); BINS]; 3];
-    for f in fragments {
-        let (at, count) = (binning.of(f), PrimitiveCount::of(f.key));
+/// Axis of the cheapest split, and the last bin of its lower part.
+///
+/// `None` if all centres coincide or the costs overflow.
+fn best_split_plane(primitives: &[BvhPrimitive], centers: SimdBox) -> Option<(usize, usize)> {
+    let binning = CentroidBinning::new(centers, primitives.len());
+    let mut bins = [[(SimdBox::EMPTY, PrimitiveCounts::default()); BINS]; 3];
+    for f in primitives {
+        let (at, count) = (binning.bin_indices(f), PrimitiveCounts::of_key(f.key));
         for axis in 0..3 {
             let bin = &mut bins[axis][at[axis].min(BINS - 1)];
             bin.0 = bin.0.union(f.bounds);
             bin.1.add(count);
         }
     }
-    let cost = |bounds: SimdBox, count: PrimitiveCount| bounds.half_area() * (count.triangles + count.others) as f32;
+    let cost = |bounds: SimdBox, count: PrimitiveCounts| bounds.half_area() * (count.triangles + count.others) as f32;
     let (mut least, mut best) = (f32::INFINITY, None);
     let extent = centers.max - centers.min;
     for axis in (0..3).filter(|&a| extent[a] > 0.0) {
         let bins = &bins[axis][..binning.bins];
         let mut upper = [0.0; BINS];
-        let (mut bounds, mut count) = (SimdBox::EMPTY, PrimitiveCount::default());
+        let (mut bounds, mut count) = (SimdBox::EMPTY, PrimitiveCounts::default());
         for (at, bin) in bins.iter().enumerate().skip(1).rev() {
             bounds = bounds.union(bin.0);
             count.add(bin.1);
             upper[at - 1] = cost(bounds, count);
         }
-        let (mut bounds, mut count) = (SimdBox::EMPTY, PrimitiveCount::default());
+        let (mut bounds, mut count) = (SimdBox::EMPTY, PrimitiveCounts::default());
         for (at, bin) in bins[..bins.len() - 1].iter().enumerate() {
             bounds = bounds.union(bin.0);
             count.add(bin.1);
@@ -262,14 +278,12 @@ fn best_split_plane(fragments: &[Fragment], centers: SimdBox) -> Option<(usize, 
     best
 }
 
-/// Moves fragments that satisfy `low` to the front and returns their number.
-///
-/// The order depends only on the input.
-fn partition_fragments(fragments: &mut [Fragment], low: impl Fn(&Fragment) -> bool) -> usize {
+/// Moves primitives for which `low` returns true to the front, and returns their number.
+fn partition_primitives(primitives: &mut [BvhPrimitive], low: impl Fn(&BvhPrimitive) -> bool) -> usize {
     let mut end = 0;
-    for at in 0..fragments.len() {
-        if low(&fragments[at]) {
-            fragments.swap(end, at);
+    for at in 0..primitives.len() {
+        if low(&primitives[at]) {
+            primitives.swap(end, at);
             end += 1;
         }
     }
@@ -280,10 +294,10 @@ fn partition_fragments(fragments: &mut [Fragment], low: impl Fn(&Fragment) -> bo
 mod tests {
     use super::*;
 
-    fn depth(tree: &[BinaryNode]) -> u32 {
+    fn tree_depth(tree: &[BinaryNode]) -> u32 {
         match tree[0] {
             BinaryNode { size: 1, .. } => 0,
-            BinaryNode { left, .. } => 1 + depth(&tree[1..]).max(depth(&tree[2 * left as usize..])),
+            BinaryNode { left, .. } => 1 + tree_depth(&tree[1..]).max(tree_depth(&tree[2 * left as usize..])),
         }
     }
 
@@ -292,14 +306,14 @@ mod tests {
     #[test]
     fn depth_is_bounded_where_the_heuristic_would_go_deeper() {
         let series = (0..126u32).map(|i| (f32::from_bits((i + 64) << 23), i));
-        let fragment = |(x, key): (f32, u32)| {
+        let primitive = |(x, key): (f32, u32)| {
             let bounds = SimdBox { min: Vec3A::splat(x * 0.9), max: Vec3A::splat(x) };
-            Fragment { bounds, key }
+            BvhPrimitive { bounds, key }
         };
-        let mut fragments: Vec<Fragment> = series.map(fragment).collect();
-        let mut tree = vec![BinaryNode::VACANT; 2 * fragments.len() - 1];
-        build_tree(&mut fragments, &mut tree);
-        let depth = depth(&tree);
+        let mut primitives: Vec<BvhPrimitive> = series.map(primitive).collect();
+        let mut tree = vec![BinaryNode::VACANT; 2 * primitives.len() - 1];
+        build_tree(&mut primitives, &mut tree);
+        let depth = tree_depth(&tree);
         assert!(depth > HEURISTIC_DEPTH && depth <= HEURISTIC_DEPTH + 7, "{depth}");
     }
 }

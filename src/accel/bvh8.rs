@@ -1,17 +1,18 @@
 //! A tree of nodes with eight boxes each, and its traversal.
 
-use super::build::{ARITY, BinaryNode, Fragment, MAX_DEPTH, OTHER, SimdBox, build_tree};
-use super::packet::{LANES, Packet};
+use super::build::{ARITY, BinaryNode, BvhPrimitive, MAX_DEPTH, OTHER, SimdBox, build_tree};
+use super::packet::{LANES, TrianglePacket};
 use super::ray_precalc::RayPrecalc;
 use crate::math::{Bounds, rounding_error_bound};
 use glam::{DVec3, Vec3, Vec3A};
 use wide::f32x8;
 
-/// Bit of a child that marks a packet of triangles.
+/// Bit of a child reference in a node: set if the child is a packet of triangles.
 const PACKET: u32 = 1 << 30;
 
-/// Stack sizes: the first suffices for every tree of depth [`MAX_DEPTH`]; smaller ones are faster
-/// to clear.
+/// Entries of the largest traversal stack, which suffices for every tree up to [`MAX_DEPTH`].
+///
+/// Smaller stacks are faster to clear.
 pub(super) const DEEPEST_STACK: usize = 512;
 pub(super) const USUAL_STACK: usize = 96;
 pub(super) const SMALL_STACK: usize = 32;
@@ -35,17 +36,19 @@ macro_rules! with_stack_size {
 }
 pub(super) use with_stack_size;
 
-/// Padding of a triangle's box, in units of its extent, and stretch of a ray's interval in a box.
+/// Padding of a triangle's box on each side, relative to the box's longest edge.
 ///
-/// Shearing errs by up to γ(9) of the distance along the ray plus γ(9) of the triangle's extent. A
-/// slab test errs by γ(3) of the distance. Padding and stretch cover both, and the rounding of the
-/// padding itself.
+/// Here γ(n) is [`rounding_error_bound`]. The triangle test errs by up to γ(9) of the distance
+/// along the ray, plus γ(9) of the triangle's size. The box test errs by γ(3) of the distance.
+/// `PADDING` covers the error relative to the size, and [`STRETCH`] the errors relative to the
+/// distance.
 const PADDING: f32 = rounding_error_bound(16);
+/// Factor of the ray parameter at which a ray leaves a box; covers rounding errors.
 const STRETCH: f32 = 1.0 + 2.0 * rounding_error_bound(16);
 
-/// Eight boxes, by axis, then lower and upper planes.
+/// Eight axis-aligned boxes: for each axis, eight lower planes and eight upper planes.
 ///
-/// Vacant slots are inverted boxes, which no ray enters.
+/// An unused slot holds an inverted box, which no ray enters.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct Boxes8([[f32x8; 2]; 3]);
@@ -56,10 +59,10 @@ struct Node8 {
     children: [u32; ARITY],
 }
 
-/// Hierarchy of eight-wide nodes.
+/// Bounding volume hierarchy whose nodes have up to eight children.
 pub(super) struct Bvh8 {
     nodes: Vec<Node8>,
-    packets: Vec<Packet>,
+    packets: Vec<TrianglePacket>,
     /// Largest number of entries that a traversal can leave on its stack.
     pub(super) stack: usize,
 }
@@ -69,27 +72,31 @@ impl Bvh8 {
         // A triangle without area may be hit after rounding, but it has no normal.
         let boxes =
             triangles.iter().map(|t| if has_area(t) { Bounds::from_points(*t) } else { Bounds::EMPTY }).zip(0..);
-        let mut fragments: Vec<Fragment> =
-            boxes.chain(others.iter().copied().zip(OTHER..)).filter(|(b, _)| !b.is_empty()).map(padded).collect();
-        let mut tree = vec![BinaryNode::VACANT; (2 * fragments.len()).saturating_sub(1)];
-        build_tree(&mut fragments, &mut tree);
+        let mut primitives: Vec<BvhPrimitive> = boxes
+            .chain(others.iter().copied().zip(OTHER..))
+            .filter(|(b, _)| !b.is_empty())
+            .map(padded_primitive)
+            .collect();
+        let mut tree = vec![BinaryNode::VACANT; (2 * primitives.len()).saturating_sub(1)];
+        build_tree(&mut primitives, &mut tree);
         let mut bvh = Self { nodes: Vec::new(), packets: Vec::new(), stack: 0 };
         if !tree.is_empty() {
-            let source = CollapseInput { triangles, fragments: &fragments, tree: &tree };
-            bvh.stack = bvh.collapse(&source, 0, 0) + ARITY;
+            let source = WideNodeInput { triangles, primitives: &primitives, tree: &tree };
+            bvh.stack = bvh.append_wide_node(&source, 0, 0) + ARITY;
         }
         bvh.nodes.shrink_to_fit();
         bvh.packets.shrink_to_fit();
         bvh
     }
 
-    /// Appends the wide node of a binary node and all nodes below it.
+    /// Appends a node of eight children for the binary node `at`, and all nodes below it.
     ///
-    /// Returns the stack size that a traversal below it can need.
-    fn collapse(&mut self, source: &CollapseInput, at: usize, start: usize) -> usize {
+    /// `start` is the index of the first primitive of the binary node. Returns the number of stack
+    /// entries that a traversal of the new node and those below it can need.
+    fn append_wide_node(&mut self, source: &WideNodeInput, at: usize, start: usize) -> usize {
         let mut chosen = [(0, 0); ARITY];
         let mut count = 0;
-        source.select_slot_nodes(at, start, ARITY, &mut |child| {
+        source.select_wide_node_children(at, start, ARITY, &mut |child| {
             chosen[count] = child;
             count += 1;
         });
@@ -99,18 +106,18 @@ impl Bvh8 {
         let mut deepest = 0;
         for (slot, &(at, start)) in chosen[..count].iter().enumerate() {
             let branch = &source.tree[at];
-            node.boxes.set(slot, branch.bounds.min.into(), branch.bounds.max.into());
-            let members = &source.fragments[start..start + branch.size as usize];
+            node.boxes.set_box(slot, branch.bounds.min.into(), branch.bounds.max.into());
+            let members = &source.primitives[start..start + branch.size as usize];
             node.children[slot] = if !branch.leaf {
                 let child = self.nodes.len() as u32;
-                deepest = self.collapse(source, at, start).max(deepest);
+                deepest = self.append_wide_node(source, at, start).max(deepest);
                 child
             } else if members[0].key & OTHER != 0 {
                 members[0].key
             } else {
                 let mut keys = [0; LANES];
                 keys.iter_mut().zip(members).for_each(|(key, f)| *key = f.key);
-                self.packets.push(Packet::new(source.triangles, &keys[..members.len()]));
+                self.packets.push(TrianglePacket::new(source.triangles, &keys[..members.len()]));
                 PACKET | (self.packets.len() - 1) as u32
             };
         }
@@ -118,17 +125,17 @@ impl Bvh8 {
         deepest + count - 1
     }
 
-    /// The packet that a leaf refers to.
+    /// The triangle packet to which the child reference `leaf` refers.
     #[inline]
-    pub fn packet(&self, leaf: u32) -> &Packet {
+    pub fn packet_of_leaf(&self, leaf: u32) -> &TrianglePacket {
         &self.packets[(leaf ^ PACKET) as usize]
     }
 
-    /// Calls `leaf` for every packet and other primitive whose box the ray enters before the limit.
+    /// Calls `leaf` for every leaf whose box the ray enters at a parameter below the limit.
     ///
-    /// `leaf` returns the new limit, which is `t_max` at first; a negative limit ends the
-    /// traversal. With `SORTED`, children are visited from near to far. `STACK` comes from
-    /// [`with_stack_size`].
+    /// The limit is `t_max` at first, and `leaf` returns the new limit. A negative limit ends the
+    /// traversal. If `SORTED` is true, children are visited from near to far. `STACK` is the stack
+    /// size, chosen by [`with_stack_size`].
     #[inline]
     pub fn traverse<const SORTED: bool, const STACK: usize>(
         &self,
@@ -204,9 +211,10 @@ impl Bvh8 {
     }
 }
 
-/// Origin and reciprocal direction of a ray along each axis, for eight boxes at a time.
+/// A ray prepared for the slab test against eight boxes at a time (SIMD).
 ///
-/// `near` is the index of the plane that the ray crosses first.
+/// Holds origin and reciprocal direction along each axis. `near` is the plane that the ray crosses
+/// first along each axis: 0 for the lower one, 1 for the upper one.
 pub(super) struct SlabTestRay {
     origin: [f32x8; 3],
     reciprocal: [f32x8; 3],
@@ -228,14 +236,15 @@ impl SlabTestRay {
 impl Boxes8 {
     pub const VACANT: Self = Self([[f32x8::splat(f32::INFINITY), f32x8::splat(f32::NEG_INFINITY)]; 3]);
 
-    pub fn set(&mut self, slot: usize, min: Vec3, max: Vec3) {
+    pub fn set_box(&mut self, slot: usize, min: Vec3, max: Vec3) {
         for (axis, [lower, upper]) in self.0.iter_mut().enumerate() {
             lower.as_mut_array()[slot] = min[axis];
             upper.as_mut_array()[slot] = max[axis];
         }
     }
 
-    /// Mask of the boxes that the ray enters before the limit, and the entry distances (Ize 2013).
+    /// Bit mask of the boxes that the ray enters at a parameter below `limit`, and the parameters
+    /// of entry (Ize 2013).
     #[inline]
     pub fn intersect_boxes(&self, slabs: &SlabTestRay, limit: f32) -> (u32, f32x8) {
         let at = |axis: usize, side: usize| (self.0[axis][side & 1] - slabs.origin[axis]) * slabs.reciprocal[axis];
@@ -246,17 +255,25 @@ impl Boxes8 {
     }
 }
 
-/// Input of the collapse into wide nodes.
-struct CollapseInput<'a> {
+/// Input for building nodes of eight children: the binary tree and its primitives.
+struct WideNodeInput<'a> {
     triangles: &'a [[Vec3; 3]],
-    fragments: &'a [Fragment],
+    primitives: &'a [BvhPrimitive],
     tree: &'a [BinaryNode],
 }
 
-impl CollapseInput<'_> {
-    /// Selects the binary nodes that fill `slots` slots below the node `at`, each with its first
-    /// fragment.
-    fn select_slot_nodes(&self, at: usize, start: usize, mut slots: usize, take: &mut impl FnMut((usize, usize))) {
+impl WideNodeInput<'_> {
+    /// Selects up to `slots` binary nodes that become the children of one wide node.
+    ///
+    /// The nodes are descendants of node `at`, whose first primitive has index `start`. `take`
+    /// receives each node's index and the index of its first primitive.
+    fn select_wide_node_children(
+        &self,
+        at: usize,
+        start: usize,
+        mut slots: usize,
+        take: &mut impl FnMut((usize, usize)),
+    ) {
         let branch = &self.tree[at];
         while slots > 1 && branch.share[slots] == 0 {
             slots -= 1;
@@ -265,12 +282,12 @@ impl CollapseInput<'_> {
             return take((at, start));
         }
         let (share, left) = (usize::from(branch.share[slots]), branch.left as usize);
-        self.select_slot_nodes(at + 1, start, share, take);
-        self.select_slot_nodes(at + 2 * left, start + left, slots - share, take);
+        self.select_wide_node_children(at + 1, start, share, take);
+        self.select_wide_node_children(at + 2 * left, start + left, slots - share, take);
     }
 }
 
-/// True if the corners span a plane.
+/// True if the triangle has an area above zero.
 ///
 /// Differences of f32 and their products are exact in f64, or far from cancelling.
 fn has_area(corners: &[Vec3; 3]) -> bool {
@@ -278,11 +295,11 @@ fn has_area(corners: &[Vec3; 3]) -> bool {
     (b - a).cross(c - a) != DVec3::ZERO
 }
 
-/// The fragment of a box, padded by the errors of triangle and box tests.
-fn padded((bounds, key): (Bounds, u32)) -> Fragment {
+/// The build primitive of a box with its key; the box is padded by [`PADDING`] of its longest edge.
+fn padded_primitive((bounds, key): (Bounds, u32)) -> BvhPrimitive {
     let margin = Vec3::splat(bounds.extent().max_element() * PADDING);
     let (min, max) = (bounds.min - margin, bounds.max + margin);
     let down = Vec3A::from(min.to_array().map(f32::next_down));
     let up = Vec3A::from(max.to_array().map(f32::next_up));
-    Fragment { bounds: SimdBox { min: down, max: up }, key }
+    BvhPrimitive { bounds: SimdBox { min: down, max: up }, key }
 }

@@ -1,8 +1,11 @@
 //! Bounding volume hierarchy: nearest hits, occlusion, and all hits of a ray.
 //!
-//! A binary tree is built by the surface area heuristic, then collapsed into nodes of eight boxes.
-//! Leaves are packets of triangles. The hit of a triangle depends only on the ray and its corners,
-//! and the boxes never lose a hit. So no result depends on the tree.
+//! The build makes a binary tree by the surface area heuristic. It then merges binary nodes into
+//! nodes with up to eight children.
+//!
+//! A leaf is a packet of up to eight triangles, or one other primitive. The hit of a triangle
+//! depends only on the ray and on its corners, and box tests never lose a hit. So no result depends
+//! on the tree.
 
 mod along;
 mod build;
@@ -21,32 +24,39 @@ use glam::Vec3;
 use packet::TriangleHit;
 use ray_precalc::RayPrecalc;
 
-/// Primitive, by its index in the slice given to [`Hierarchy::build`].
+/// Index of a primitive in one of the two slices that [`Hierarchy::build`] received.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Primitive {
-    /// A triangle.
+pub enum PrimitiveIndex {
+    /// Index in the slice of triangles.
     Triangle(u32),
-    /// Any other primitive, known by its box.
+    /// Index in the slice of boxes, which enclose primitives other than triangles.
     Other(u32),
 }
 
-/// Hit of a ray.
+/// Intersection of a ray with one primitive of a [`Hierarchy`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrimitiveHit {
-    /// Ray parameter, in units of the direction's length, `0 < t < t_max`.
+    /// Ray parameter t of the hit, with 0 < t < `t_max`. The hit is at origin + t · direction.
     pub t: f32,
     /// The primitive that was hit.
-    pub primitive: Primitive,
-    /// Weight of a triangle's second corner; for other primitives, the second value of the closure.
+    pub primitive: PrimitiveIndex,
+    /// Barycentric weight of a triangle's second corner.
+    ///
+    /// For other primitives, the second value that the caller's intersection closure returned.
     pub u: f32,
-    /// Weight of a triangle's third corner; for other primitives, the third value of the closure.
+    /// Barycentric weight of a triangle's third corner.
+    ///
+    /// For other primitives, the third value that the caller's intersection closure returned.
     pub v: f32,
 }
 
-/// Hierarchy over triangles and over other primitives that are known by their boxes.
+/// Bounding volume hierarchy over triangles and over other primitives.
 ///
-/// Triangles are watertight: a ray through a closed mesh hits it, at edges and corners too. This
-/// holds at any scale and distance (Woop, Benthin and Wald 2013, with boxes padded to match).
+/// It knows a triangle by its corners and intersects it. It knows another primitive only by its
+/// box, and calls a closure of the caller to intersect it.
+///
+/// The triangle test is watertight: a ray through a closed mesh hits it, at edges and corners too.
+/// This holds at any scale and distance (Woop, Benthin and Wald 2013, with boxes padded to match).
 /// Coordinates must be finite and below 10¹⁸ in magnitude. Memory is about 72 bytes per triangle of
 /// a mesh, and 180 more during the build.
 pub struct Hierarchy {
@@ -57,10 +67,10 @@ pub struct Hierarchy {
 impl Hierarchy {
     /// Builds a hierarchy over `triangles`, given by their corners, and `others`, given by boxes.
     ///
-    /// The boxes enclose what the closures of [`closest`](Self::closest) and
-    /// [`occluded`](Self::occluded) intersect. There may be at most 2³⁰ of either. Corners must be
-    /// finite. A hit of another primitive must lie in its box, up to 10⁻⁶ of the box's size.
-    /// Triangles without area and empty boxes are never hit.
+    /// Each box encloses one primitive that the caller's closures intersect. A hit of this
+    /// primitive must lie in the box, or outside by at most 10⁻⁶ of the box's size. There may be at
+    /// most 2³⁰ triangles and 2³⁰ boxes. Corners must be finite. Triangles without area and empty
+    /// boxes are never hit.
     #[must_use]
     pub fn build(triangles: &[[Vec3; 3]], others: &[Bounds]) -> Self {
         let bounds = Bounds::from_points(triangles.iter().flatten().copied());
@@ -76,13 +86,13 @@ impl Hierarchy {
 
     /// Nearest hit with `0 < t < t_max`.
     ///
-    /// Among hits of equal `t`, the lowest primitive wins, triangles before others.
+    /// Among hits of equal `t`, triangles win against other primitives, then the lowest index wins.
     ///
-    /// `other` intersects the other primitive of the given index. It returns `t`, and two
-    /// coordinates that are passed through to the hit. Its ray has `t_max` reduced to the nearest
-    /// hit so far; a hit beyond is ignored.
+    /// The closure `other` intersects a ray with the primitive of box index i, its first argument.
+    /// It returns t and two numbers, which become `u` and `v` of the [`PrimitiveHit`]. `t_max` of
+    /// its ray is reduced to the nearest hit so far, and a hit beyond is ignored.
     #[inline]
-    pub fn closest<F>(&self, ray: &Ray, mut other: F) -> Option<PrimitiveHit>
+    pub fn closest_hit<F>(&self, ray: &Ray, mut other: F) -> Option<PrimitiveHit>
     where
         F: FnMut(u32, &Ray) -> Option<(f32, f32, f32)>,
     {
@@ -93,14 +103,19 @@ impl Hierarchy {
         let mut best = NearestHit { key: 0, hit: TriangleHit { t: precalc.t_max, weights: [0.0; 2], total: 1.0 } };
         let test_leaf = |leaf, _| {
             if leaf & OTHER == 0 {
-                self.bvh.packet(leaf).for_each_hit(&precalc, |triangle, hit| best.keep_nearer(triangle, hit));
+                self.bvh
+                    .packet_of_leaf(leaf)
+                    .for_each_hit(&precalc, |triangle, hit| best.keep_nearer_hit(triangle, hit));
             } else {
                 // `t_max` is exclusive, but this primitive wins ties against a higher key.
                 let t_max = if leaf < best.key { best.hit.t.next_up() } else { best.hit.t };
-                let shrunk = Ray { t_max: t_max * precalc.unit, ..*ray };
+                let shrunk = Ray { t_max: t_max * precalc.direction_scale, ..*ray };
                 if let Some((t, u, v)) = other(leaf ^ OTHER, &shrunk) {
                     let weights = [u, v].map(f64::from);
-                    best.keep_nearer(leaf, TriangleHit { t: t * precalc.per_unit, weights, total: 1.0 });
+                    best.keep_nearer_hit(
+                        leaf,
+                        TriangleHit { t: t * precalc.inverse_direction_scale, weights, total: 1.0 },
+                    );
                 }
             }
             best.hit.t
@@ -111,7 +126,8 @@ impl Hierarchy {
 
     /// Calls `visit` with every hit with `0 < t < t_max`, in an order that depends on the tree.
     ///
-    /// `other` works like that of [`closest`](Self::closest), but its ray is not shortened.
+    /// The closure `other` intersects the given ray with the primitive of the given box index. It
+    /// returns t and two numbers, which become `u` and `v` of the [`PrimitiveHit`].
     pub fn for_each_hit<F>(&self, ray: &Ray, mut other: F, mut visit: impl FnMut(PrimitiveHit))
     where
         F: FnMut(u32, &Ray) -> Option<(f32, f32, f32)>,
@@ -122,16 +138,19 @@ impl Hierarchy {
         let precalc = RayPrecalc::new(ray);
         let mut show = |key: u32, hit: TriangleHit| {
             let mut only = NearestHit { key: 0, hit: TriangleHit { t: precalc.t_max, weights: [0.0; 2], total: 1.0 } };
-            only.keep_nearer(key, hit);
+            only.keep_nearer_hit(key, hit);
             if let Some(hit) = only.to_primitive_hit(ray, &precalc) {
                 visit(hit);
             }
         };
         let test_leaf = |leaf, limit| {
             if leaf & OTHER == 0 {
-                self.bvh.packet(leaf).for_each_hit(&precalc, &mut show);
+                self.bvh.packet_of_leaf(leaf).for_each_hit(&precalc, &mut show);
             } else if let Some((t, u, v)) = other(leaf ^ OTHER, ray) {
-                show(leaf, TriangleHit { t: t * precalc.per_unit, weights: [u, v].map(f64::from), total: 1.0 });
+                show(
+                    leaf,
+                    TriangleHit { t: t * precalc.inverse_direction_scale, weights: [u, v].map(f64::from), total: 1.0 },
+                );
             }
             limit
         };
@@ -140,7 +159,7 @@ impl Hierarchy {
 
     /// True if there is a hit with `0 < t < t_max`.
     ///
-    /// `other` returns true if the other primitive of the given index is hit.
+    /// The closure `other` returns true if the given ray hits the primitive of the given box index.
     #[inline]
     pub fn occluded<F>(&self, ray: &Ray, mut other: F) -> bool
     where
@@ -152,7 +171,11 @@ impl Hierarchy {
         let precalc = RayPrecalc::new(ray);
         let mut found = false;
         let test_leaf = |leaf, limit| {
-            found = if leaf & OTHER == 0 { self.bvh.packet(leaf).has_hit(&precalc) } else { other(leaf ^ OTHER, ray) };
+            found = if leaf & OTHER == 0 {
+                self.bvh.packet_of_leaf(leaf).any_hit(&precalc)
+            } else {
+                other(leaf ^ OTHER, ray)
+            };
             if found { f32::NEG_INFINITY } else { limit }
         };
         with_stack_size!(self.bvh, <STACK> self.bvh.traverse::<false, STACK>(&precalc, test_leaf));
@@ -160,9 +183,11 @@ impl Hierarchy {
     }
 }
 
-/// Nearest hit so far, in the units of [`RayPrecalc`].
+/// Nearest hit that a traversal has found so far; its t refers to the scaled direction of
+/// [`RayPrecalc`].
 ///
-/// The key breaks ties of `t`. Key 0 at the start excludes `t_max` itself.
+/// Among hits of equal t, the one with the lowest key is kept. At the start, t is `t_max` and the
+/// key is 0, so no hit at `t_max` is accepted.
 struct NearestHit {
     key: u32,
     hit: TriangleHit,
@@ -170,7 +195,7 @@ struct NearestHit {
 
 impl NearestHit {
     #[inline]
-    fn keep_nearer(&mut self, key: u32, hit: TriangleHit) {
+    fn keep_nearer_hit(&mut self, key: u32, hit: TriangleHit) {
         let (t, least) = (hit.t, self.hit.t);
         if t > 0.0 && (t < least || t == least && key < self.key) {
             *self = Self { key, hit };
@@ -179,13 +204,13 @@ impl NearestHit {
 
     #[inline]
     fn to_primitive_hit(&self, ray: &Ray, precalc: &RayPrecalc) -> Option<PrimitiveHit> {
-        let t = self.hit.t * precalc.unit;
+        let t = self.hit.t * precalc.direction_scale;
         // A distance that the caller's unit cannot express is no hit.
         if !(self.hit.t < precalc.t_max && 0.0 < t && t < ray.t_max) {
             return None;
         }
         let index = self.key & !OTHER;
-        let primitive = if self.key == index { Primitive::Triangle(index) } else { Primitive::Other(index) };
+        let primitive = if self.key == index { PrimitiveIndex::Triangle(index) } else { PrimitiveIndex::Other(index) };
         let (u, v) = self.hit.barycentric();
         Some(PrimitiveHit { t, primitive, u, v })
     }

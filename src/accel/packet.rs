@@ -4,15 +4,17 @@ use super::ray_precalc::RayPrecalc;
 use glam::{DVec3, Vec3};
 use wide::f32x8;
 
-/// Triangles in a packet.
+/// Number of triangles in a packet, one per SIMD lane.
 pub(super) const LANES: usize = 8;
 
 type Lane = f32x8;
 
-/// Up to [`LANES`] triangles; unused lanes hold NaN, which fails every comparison.
+/// Up to [`LANES`] triangles that are tested together.
+///
+/// Unused lanes hold NaN, which fails every comparison.
 #[repr(C)]
-pub(super) struct Packet {
-    /// Coordinates by axis, then by corner.
+pub(super) struct TrianglePacket {
+    /// Coordinates of the corners, as `corners[axis][corner]`.
     corners: [[Lane; 3]; 3],
     indices: [u32; LANES],
 }
@@ -20,12 +22,13 @@ pub(super) struct Packet {
 /// Hit of a triangle.
 #[derive(Clone, Copy)]
 pub(super) struct TriangleHit {
-    /// Ray parameter in the units of [`RayPrecalc`], of any sign.
+    /// Ray parameter of any sign, for the scaled direction of [`RayPrecalc`].
     pub t: f32,
-    /// Weights of the second and third corner, times `total`.
+    /// Barycentric weights of the second and third corner, times `total`.
     ///
-    /// The division is postponed, since few hits are used.
+    /// The division by `total` is postponed, since few hits are used.
     pub weights: [f64; 2],
+    /// Sum of the three weights before normalisation.
     pub total: f64,
 }
 
@@ -36,7 +39,7 @@ impl TriangleHit {
     }
 }
 
-impl Packet {
+impl TrianglePacket {
     pub fn new(triangles: &[[Vec3; 3]], members: &[u32]) -> Self {
         let coordinate = |axis: usize, corner: usize| {
             let mut lanes = [f32::NAN; LANES];
@@ -50,23 +53,26 @@ impl Packet {
         Self { corners: std::array::from_fn(|a| std::array::from_fn(|c| coordinate(a, c))), indices }
     }
 
-    /// Calls `found` with the index of each triangle that the ray hits, and the hit.
+    /// Calls `found` with index and hit of each triangle that the line of the ray hits.
+    ///
+    /// The ray parameter may be negative or beyond `t_max`.
     #[inline]
     pub fn for_each_hit(&self, precalc: &RayPrecalc, mut found: impl FnMut(u32, TriangleHit)) {
         let mut lanes = self.candidate_lanes(precalc);
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;
-            if let Some(hit) = self.hit(lane, precalc) {
+            if let Some(hit) = self.intersect_lane(lane, precalc) {
                 found(self.indices[lane], hit);
             }
         }
     }
 
-    /// Mask of the lanes whose edge functions do not differ in sign.
+    /// Bit mask of the lanes whose triangle the line of the ray may hit, by a test in f32.
     ///
-    /// The mask has all hits, and near misses in which a difference of products rounds to zero.
-    /// Rounding is monotone, so without fused operations a sign may be lost but is never wrong.
+    /// A triangle may be hit if no two of its edge functions have opposite signs. The mask contains
+    /// all hits. It also contains near misses whose edge functions round to zero. Rounding is
+    /// monotone, so without fused operations a sign may be lost but is never wrong.
     #[inline]
     pub fn candidate_lanes(&self, precalc: &RayPrecalc) -> u32 {
         let [ax, ay, az] = precalc.axes;
@@ -88,12 +94,12 @@ impl Packet {
 
     /// Hit of the ray's line with the triangle in `lane`; `t` may have any sign.
     ///
-    /// The sheared corners equal those of [`candidate_lanes`](Self::candidate_lanes) bit for bit.
-    /// Their products are exact in f64, and a difference of exact numbers keeps its sign and all
-    /// but its last digit. So neighbours agree on their common edge, and the hit lies on the
-    /// triangle, however thin it appears.
+    /// The corners are sheared in f32 so that the ray becomes the z axis, exactly as in
+    /// [`candidate_lanes`](Self::candidate_lanes). Products of these coordinates are exact in f64,
+    /// so each edge function has the right sign. Triangles that share an edge therefore agree on
+    /// which of them is hit.
     #[inline]
-    pub fn hit(&self, lane: usize, precalc: &RayPrecalc) -> Option<TriangleHit> {
+    pub fn intersect_lane(&self, lane: usize, precalc: &RayPrecalc) -> Option<TriangleHit> {
         let [ax, ay, az] = precalc.axes;
         let [px, py, pz] = [&self.corners[ax], &self.corners[ay], &self.corners[az]];
         let [ox, oy, oz] = [precalc.origin[ax], precalc.origin[ay], precalc.origin[az]];
@@ -118,12 +124,12 @@ impl Packet {
 
     /// True if a triangle is hit at `0 < t < t_max`.
     #[inline]
-    pub fn has_hit(&self, precalc: &RayPrecalc) -> bool {
+    pub fn any_hit(&self, precalc: &RayPrecalc) -> bool {
         let mut lanes = self.candidate_lanes(precalc);
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;
-            if self.hit(lane, precalc).is_some_and(|c| 0.0 < c.t && c.t < precalc.t_max) {
+            if self.intersect_lane(lane, precalc).is_some_and(|c| 0.0 < c.t && c.t < precalc.t_max) {
                 return true;
             }
         }

@@ -3,28 +3,33 @@
 use crate::math::Ray;
 use glam::{Vec3, Vec3A};
 
-/// Constants of one ray.
+/// Constants of one ray, used by box tests and triangle tests.
 ///
-/// A power of two scales the direction until its largest component lies in \[1, 2). Neither
-/// reciprocals nor products then leave the range of f32, and no digit changes.
+/// The ray's direction is multiplied by a power of two that brings its largest component to
+/// \[1, 2), or to \[2, 4) if it is near the largest f32. Its digits stay unchanged. Reciprocals and
+/// products then stay in the range of f32. Ray parameters of the tests refer to the scaled
+/// direction.
 pub(super) struct RayPrecalc {
     pub origin: [f32; 3],
-    /// Reciprocal of the direction along each axis.
+    /// Reciprocal of each component of the scaled direction, clamped to the range of f32.
     pub reciprocal: [f32; 3],
-    /// Index of the nearer plane along each axis: 1 if the direction is negative or a negative
-    /// zero, else 0.
+    /// For each axis, the box plane that the ray crosses first: 0 for the lower one, 1 for the
+    /// upper one. It is 1 if the direction's component is negative or a negative zero.
     pub near: [usize; 3],
-    /// Permuted axes: the direction is largest along the last one.
+    /// A permutation of the axes 0, 1, 2. The last one has the direction's largest component.
     pub axes: [usize; 3],
-    /// Slopes of the first two permuted axes over the third.
+    /// Direction components along `axes[0]` and `axes[1]`, divided by that along `axes[2]`.
     pub shear: [f32; 2],
-    /// Direction along the third permuted axis.
+    /// Component of the scaled direction along `axes[2]`.
     pub depth: f64,
+    /// Exclusive upper bound of the ray parameter for the scaled direction.
     pub t_max: f32,
-    /// Length of the caller's direction in the scaled unit, and its inverse; both are powers of
-    /// two.
-    pub unit: f32,
-    pub per_unit: f32,
+    /// Scaled direction over the caller's direction: a power of two.
+    ///
+    /// The caller's t is this number times the t of the scaled direction.
+    pub direction_scale: f32,
+    /// 1 / `direction_scale`: the factor from the caller's t to the t of the scaled direction.
+    pub inverse_direction_scale: f32,
 }
 
 impl RayPrecalc {
@@ -41,8 +46,9 @@ impl RayPrecalc {
         let size = ray.direction.abs();
         // Both the power of two and its inverse must be normal numbers.
         let exponent = (size.max_element().to_bits() >> 23).clamp(1, 253);
-        let (per_unit, unit) = (f32::from_bits(exponent << 23), f32::from_bits((254 - exponent) << 23));
-        let direction = Vec3A::from(ray.direction * unit);
+        let (inverse_direction_scale, direction_scale) =
+            (f32::from_bits(exponent << 23), f32::from_bits((254 - exponent) << 23));
+        let direction = Vec3A::from(ray.direction * direction_scale);
         // An infinite reciprocal times a zero distance would be NaN.
         let bound = Vec3A::splat(f32::MAX);
         let r = (Vec3A::ONE / direction).min(bound).max(-bound).to_array();
@@ -57,9 +63,9 @@ impl RayPrecalc {
             axes: [x, y, z],
             shear: [d[x] * r[z], d[y] * r[z]],
             depth: f64::from(d[z]),
-            t_max: ray.t_max * per_unit,
-            unit,
-            per_unit,
+            t_max: ray.t_max * inverse_direction_scale,
+            direction_scale,
+            inverse_direction_scale,
         }
     }
 }
@@ -75,7 +81,7 @@ mod tests {
             assert_eq!(p.reciprocal[..2], [f32::MAX, f32::MIN]);
             assert!(p.reciprocal[2] < 0.0 && p.reciprocal[2].is_finite());
             assert_eq!((p.near, p.axes[2]), ([0, 1, 1], 2));
-            assert_eq!(p.unit * p.per_unit, 1.0);
+            assert_eq!(p.direction_scale * p.inverse_direction_scale, 1.0);
             assert!(length < 1e-38 || (1.0..4.0).contains(&-p.depth), "{length} {}", p.depth);
         }
     }

@@ -1,16 +1,19 @@
 //! Corrections of light paths at shading normals (Veach 1997, section 5.3).
 //!
-//! A shading normal replaces |wi · ng| by |wi · ns| in the integrand of camera paths. Light paths
-//! carry flux over true areas, so their throughput needs a correction.
+//! `ns` is the shading normal and `ng` the geometric normal. Camera paths weight light from
+//! direction `wi` by |wi · ns| instead of |wi · ng|. Light paths carry flux through the true
+//! surface, so their throughput needs a correction.
 
 use super::BsdfSample;
 use glam::Vec3;
 
 impl BsdfSample {
-    /// Factor of a light path's throughput, to be multiplied by [`weight`](Self::weight).
+    /// Returns the factor by which a light path multiplies its throughput, besides
+    /// [`weight`](Self::weight).
     ///
-    /// The factor is [`shading_normal_correction`], or 1 if the sample was scattered by the
-    /// geometric normal.
+    /// The factor is [`shading_normal_correction`], or 1 if
+    /// [`uses_geometric_normal`](Self::uses_geometric_normal). The unit vector `wo` points to the
+    /// previous vertex of the path.
     #[inline]
     #[must_use]
     pub fn adjoint_correction(&self, wo: Vec3, ns: Vec3, ng: Vec3) -> f32 {
@@ -18,10 +21,11 @@ impl BsdfSample {
     }
 }
 
-/// Factor of a light path's throughput that corrects for shading normals:
-/// |wo · ns| |wi · ng| / (|wo · ng| |wi · ns|).
+/// Returns the factor that corrects the throughput of a light path for the shading normal: |wo ·
+/// ns| |wi · ng| / (|wo · ng| |wi · ns|).
 ///
-/// The unit vector `wo` points to the previous vertex of the light path, `wi` to the next one.
+/// The unit vector `wo` points to the previous vertex of the light path, and `wi` to the next one.
+/// `ns` is the shading normal, `ng` the geometric normal.
 #[inline]
 #[must_use]
 pub fn shading_normal_correction(wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> f32 {
@@ -32,11 +36,11 @@ pub fn shading_normal_correction(wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> f32 
     if denominator == 0.0 { 0.0 } else { (wo.dot(ns) * wi.dot(ng) / denominator).abs() }
 }
 
-/// Factor of the flux of a photon stored at a surface: |wo · ns| / |wo · ng|.
+/// Returns the factor by which a stored photon's flux is multiplied: |wo · ns| / |wo · ng|.
 ///
-/// The density of photons is proportional to |wo · ng|, but the radiance estimate needs the
-/// irradiance with respect to the shading normal. The unit vector `wo` points to the photon's
-/// origin.
+/// The unit vector `wo` points back along the photon path. `ns` is the shading normal of the
+/// surface, `ng` the geometric normal. The density of photons is proportional to |wo · ng|, but the
+/// radiance estimate needs the irradiance on a surface with normal `ns`.
 #[inline]
 #[must_use]
 pub fn photon_deposit_factor(wo: Vec3, ns: Vec3, ng: Vec3) -> f32 {

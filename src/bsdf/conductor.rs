@@ -8,9 +8,9 @@ use glam::{Vec2, Vec3};
 
 /// A smooth metal, or a rough metal with GGX microfacets. It reflects on both sides.
 ///
-/// Multiple scattering between microfacets is lost. If the Fresnel reflectance is 1 and light
-/// arrives along the normal, the loss is 1.2 % at α = 0.1, 5 % at 0.2, 31 % at 0.5 and 69 % at 1.
-/// At an incidence of 85°, it is 11, 10, 13 and 22 %.
+/// Light that scatters at several microfacets is lost. The losses below are for a Fresnel
+/// reflectance of 1 and roughness α of 0.1, 0.2, 0.5 and 1. At normal incidence, 1.2, 5, 31 and 69
+/// % are lost. At an incidence angle of 85°, 11, 10, 13 and 22 % are lost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conductor {
     /// Real part of the relative refractive index.
@@ -51,7 +51,8 @@ impl Conductor {
         self.alpha == 0.0
     }
 
-    /// Fresnel reflectance at a microfacet, where `cos` is the cosine of incidence.
+    /// Returns the Fresnel reflectance at a microfacet; `cos` is the cosine of the angle of
+    /// incidence.
     #[inline]
     fn reflectance(&self, cos: f64) -> Rgb {
         conductor_reflectance(cos as f32, self.eta, self.k)
@@ -79,16 +80,18 @@ impl Conductor {
         ggx.scattered_direction_pdf(&ggx.reflecting_facet(o, wi.as_dvec3(), n), o.dot(n).abs()) as f32
     }
 
-    /// Samples a visible microfacet by `u`, and reflects `wo` at it; `n` is on the side of `wo`.
+    /// Samples the direction of reflection. A rough metal reflects `wo` at a microfacet that `u` in
+    /// \[0, 1)² selects among those visible from `wo`.
     ///
-    /// Returns `None` if the reflected direction points into the surface.
+    /// `n` is the shading normal on the side of `wo`, and `ng` the geometric normal. Returns `None`
+    /// if the reflected direction points into the surface.
     #[inline]
     pub(super) fn sample(&self, wo: Vec3, n: Vec3, ng: Vec3, u: Vec2) -> Option<BsdfSample> {
         if self.is_smooth() {
             let (wi, uses_geometric_normal) = dielectric::reflect_above_surface(wo, n, ng);
             let cos = wo.dot((wo + wi).normalize_or_zero());
             let weight = conductor_reflectance(cos, self.eta, self.k);
-            return Some(BsdfSample::specular(wi, weight, false, uses_geometric_normal));
+            return Some(BsdfSample::specular_sample(wi, weight, false, uses_geometric_normal));
         }
         let (ggx, o) = (Ggx::new(self.alpha), wo.as_dvec3());
         let m = ggx.sample_visible_normal(o, n, u);
@@ -102,6 +105,6 @@ impl Conductor {
         let pdf = ggx.scattered_direction_pdf(&facet, cos_o) as f32;
         let unshadowed_fraction = ggx.unshadowed_fraction(ggx.reflection_masking_shadowing(cos_o, cos_i), cos_o, cos_i);
         let weight = self.reflectance(facet.cos) * unshadowed_fraction as f32;
-        (pdf > 0.0).then(|| BsdfSample::non_specular(wi, weight, pdf, false))
+        (pdf > 0.0).then(|| BsdfSample::non_specular_sample(wi, weight, pdf, false))
     }
 }

@@ -18,11 +18,13 @@ pub struct DielectricSplit {
     pub reflected: (Vec3, f32),
     /// Unit direction of refraction, and the Fresnel transmittance; 0 under total reflection.
     pub transmitted: (Vec3, f32),
-    /// Divisor of transmitted radiance: (n_far/n_near)² for radiance, 1 for flux.
+    /// Number by which the path divides transmitted light: (n_far/n_near)² for radiance, 1 for
+    /// flux.
     ///
-    /// The near side is that of `wo`.
+    /// The refractive index is n_near on the side of `wo`, and n_far on the other side.
     pub radiance_divisor: f32,
-    /// True if the geometric normal was used for the reflected and for the refracted direction.
+    /// Two flags: true if the geometric normal determined the reflected, or the refracted,
+    /// direction.
     ///
     /// See [`BsdfSample::uses_geometric_normal`].
     pub uses_geometric_normal: [bool; 2],
@@ -55,20 +57,20 @@ impl Dielectric {
         }
     }
 
-    /// Samples reflection or refraction with the Fresnel reflectance as probability.
+    /// Samples reflection or refraction. The probability of reflection is the Fresnel reflectance.
     ///
     /// `lobe` is a random number in \[0, 1).
     #[inline]
     pub(super) fn sample(&self, wo: Vec3, ns: Vec3, ng: Vec3, lobe: f32, transport: TransportMode) -> BsdfSample {
         let split = self.reflect_and_refract(wo, ns, ng, transport);
         if lobe < split.reflected.1 {
-            BsdfSample::specular(split.reflected.0, Rgb::ONE, false, split.uses_geometric_normal[0])
+            BsdfSample::specular_sample(split.reflected.0, Rgb::ONE, false, split.uses_geometric_normal[0])
         } else {
             // 1 − reflectance rounds a small transmittance; the weight corrects it.
             let through = 1.0 - split.reflected.1;
             let exact = if through < 0.5 { split.transmitted.1 / through } else { 1.0 };
             let weight = Rgb::splat(exact / split.radiance_divisor);
-            BsdfSample::specular(split.transmitted.0, weight, true, split.uses_geometric_normal[1])
+            BsdfSample::specular_sample(split.transmitted.0, weight, true, split.uses_geometric_normal[1])
         }
     }
 }

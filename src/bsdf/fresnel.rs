@@ -18,7 +18,8 @@ pub fn dielectric_reflectance(cos_i: f32, eta: f32) -> (f32, f32) {
     (reflectance as f32, cos_t as f32)
 }
 
-/// Fresnel reflectance and refracted cosine in f64, for `cos_i` in \[0, 1].
+/// Fresnel reflectance of a dielectric and cosine of refraction, computed in f64, for `cos_i` in
+/// \[0, 1].
 ///
 /// Arguments and result are those of [`dielectric_reflectance`].
 #[inline]

@@ -1,8 +1,8 @@
 //! Complex refractive indices of metals, measured in vacuum or air.
 //!
-//! Red, green and blue stand for 650, 550 and 450 nm, interpolated in the source's table. For gold
-//! and copper, full spectra are converted to linear Rec. 709. All tables are in the database of
-//! refractiveindex.info, which is in the public domain.
+//! The red, green and blue values are those at 650, 550 and 450 nm, interpolated in the source's
+//! table. Gold and copper are exceptions: their full spectra are converted to linear Rec. 709. All
+//! tables are in the database of refractiveindex.info, which is in the public domain.
 
 use crate::color::Rgb;
 
@@ -53,8 +53,9 @@ mod tests {
     use super::*;
     use crate::bsdf::conductor_reflectance;
 
-    /// Expected: reflectances at normal incidence in common use for clean metal. Polish and oxide
-    /// change dull metals by up to a tenth between sources, bright ones by some hundredths.
+    /// Compares reflectances at normal incidence with values in common use for clean metal. Sources
+    /// differ by up to 0.1 for dull metals and by a few hundredths for bright ones, because polish
+    /// and oxide vary.
     #[test]
     fn metals_look_like_themselves() {
         let known = [

@@ -16,7 +16,7 @@ pub(super) struct Ggx {
     alpha: f64,
 }
 
-/// The microfacets that scatter `wi` to `wo`.
+/// Density and geometry of the microfacets that scatter light from `wi` to `wo`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Microfacet {
     /// D(m): area of the microfacets per surface area and per solid angle of normals \[1/sr].
@@ -33,7 +33,8 @@ impl Ggx {
         Self { alpha: f64::from(alpha) }
     }
 
-    /// D(m) \[1/sr] for microfacet normal m = `h`/|`h`|.
+    /// Returns the density D(m) \[1/sr] of microfacets with normal m = `h`/|`h`|, where `n` is the
+    /// macroscopic normal.
     #[inline]
     pub(super) fn microfacet_normal_density(self, h: DVec3, n: DVec3) -> f64 {
         let a2 = self.alpha * self.alpha;
@@ -42,17 +43,17 @@ impl Ggx {
         if slope > 0.0 { FRAC_1_PI * a2 * length2 * length2 / (slope * slope) } else { 0.0 }
     }
 
-    /// √(cos²θ + α² sin²θ) = cosθ·(1 + 2Λ(θ)), where Λ is Smith's function.
+    /// Returns √(cos²θ + α² sin²θ), which is cosθ·(1 + 2Λ(θ)), where Λ is Smith's function.
     #[inline]
-    fn smith_root(self, cos: f64) -> f64 {
+    fn smith_square_root(self, cos: f64) -> f64 {
         let cos2 = cos * cos;
         (cos2 + self.alpha * self.alpha * (1.0 - cos2).max(0.0)).sqrt()
     }
 
-    /// G₁(θ)/cosθ, where G₁ = 1/(1 + Λ) is Smith's masking function.
+    /// Returns G₁(θ)/cosθ, where G₁ = 1/(1 + Λ) is Smith's masking function.
     #[inline]
     fn masking_over_cos(self, cos: f64) -> f64 {
-        2.0 / (cos + self.smith_root(cos))
+        2.0 / (cos + self.smith_square_root(cos))
     }
 
     /// G₂/(cosθₒ·cosθᵢ), where G₂ is masking-shadowing for directions on one side.
@@ -60,7 +61,7 @@ impl Ggx {
     /// G₂ = 1/(1 + Λₒ + Λᵢ) is height-correlated (Heitz 2014, section 5.3).
     #[inline]
     pub(super) fn reflection_masking_shadowing(self, cos_o: f64, cos_i: f64) -> f64 {
-        2.0 / (cos_i * self.smith_root(cos_o) + cos_o * self.smith_root(cos_i))
+        2.0 / (cos_i * self.smith_square_root(cos_o) + cos_o * self.smith_square_root(cos_i))
     }
 
     /// G₂/(cosθₒ·cosθᵢ), where G₂ is masking-shadowing for directions on opposite sides.
@@ -72,7 +73,7 @@ impl Ggx {
         self.masking_over_cos(cos_o) * self.masking_over_cos(cos_i)
     }
 
-    /// G₂/G₁(wo): fraction of the light from microfacets visible from `wo` that is not shadowed.
+    /// Returns G₂/G₁(wo): the fraction of microfacets visible from `wo` that are not in shadow.
     ///
     /// `masking_shadowing` is G₂/(cosθₒ·cosθᵢ).
     #[inline]
@@ -87,7 +88,8 @@ impl Ggx {
         self.masking_over_cos(cos_o) * facet.cos * facet.density * facet.jacobian
     }
 
-    /// Samples a unit microfacet normal by `u`, proportionally to the area visible from `wo`.
+    /// Samples a unit microfacet normal by `u` in \[0, 1)². The pdf is proportional to the area of
+    /// the microfacets visible from `wo`.
     ///
     /// Source: Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps".
     #[inline]
@@ -104,7 +106,7 @@ impl Ggx {
         (s * (self.alpha * x) + t * (self.alpha * y) + n * (cap - drop)).normalize()
     }
 
-    /// The microfacets that reflect `wi` to `wo`; both directions are on the side of `n`.
+    /// Returns the microfacets that reflect `wi` to `wo`; both directions are on the side of `n`.
     #[inline]
     pub(super) fn reflecting_facet(self, wo: DVec3, wi: DVec3, n: DVec3) -> Microfacet {
         let h = wo + wi;

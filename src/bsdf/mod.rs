@@ -56,8 +56,9 @@ pub enum TransportMode {
 pub struct BsdfSample {
     /// Unit direction in which the path continues.
     pub wi: Vec3,
-    /// f(wo, wi)·|cosθ|/pdf. For a delta lobe: its reflectance or transmittance over the
-    /// probability of its choice.
+    /// Weight f(wo, wi)·|cosθ|/pdf, where θ is the angle between `wi` and the shading normal. For a
+    /// delta lobe: its reflectance or transmittance, divided by the probability of choosing the
+    /// lobe.
     pub weight: Rgb,
     /// Solid-angle pdf of `wi` \[1/sr], equal to [`Bsdf::pdf`]; 0 for a delta lobe.
     pub pdf: f32,
@@ -74,13 +75,13 @@ pub struct BsdfSample {
 impl BsdfSample {
     /// Creates a sample of a delta lobe.
     #[inline]
-    fn specular(wi: Vec3, weight: Rgb, is_transmitted: bool, uses_geometric_normal: bool) -> Self {
+    fn specular_sample(wi: Vec3, weight: Rgb, is_transmitted: bool, uses_geometric_normal: bool) -> Self {
         Self { wi, weight, pdf: 0.0, is_specular: true, is_transmitted, uses_geometric_normal }
     }
 
     /// Creates a sample of a lobe that has a finite pdf.
     #[inline]
-    pub(crate) fn non_specular(wi: Vec3, weight: Rgb, pdf: f32, is_transmitted: bool) -> Self {
+    pub(crate) fn non_specular_sample(wi: Vec3, weight: Rgb, pdf: f32, is_transmitted: bool) -> Self {
         Self { wi, weight, pdf, is_specular: false, is_transmitted, uses_geometric_normal: false }
     }
 }
@@ -89,8 +90,8 @@ impl BsdfSample {
 ///
 /// A BSDF that is not black either stores photons ([`stores_photons`](Self::stores_photons)) or
 /// casts caustics ([`casts_caustics`](Self::casts_caustics)), never both. A BSDF that stores
-/// photons has no delta lobe, because neither photons nor caustics would carry the light of that
-/// lobe. [`Bsdf::sample`] asserts this in debug builds.
+/// photons has no delta lobe, because photon estimates would miss the light of that lobe.
+/// [`Bsdf::sample`] asserts this in debug builds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bsdf {
     /// A surface that absorbs all light.
@@ -168,7 +169,7 @@ impl Bsdf {
         }
     }
 
-    /// Selects one lobe by `u` in \[0, 1).
+    /// Selects one lobe of the BSDF by `u` in \[0, 1).
     ///
     /// The returned BSDF is the lobe divided by the probability of its selection.
     #[inline]
@@ -295,7 +296,7 @@ impl Bsdf {
 
     /// Solid-angle pdf \[1/sr] with which [`Bsdf::sample`] samples `wi`; 0 for delta lobes.
     ///
-    /// Both transport modes have one pdf.
+    /// The pdf is the same for both transport modes.
     #[inline]
     #[must_use]
     pub fn pdf(&self, wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> f32 {
@@ -338,12 +339,12 @@ impl Bsdf {
                 }
                 let wi = Frame::from_normal(facing_ns).to_world(local);
                 let pdf = warp::cosine_hemisphere_pdf(local.z);
-                BsdfSample::non_specular(wi, *reflectance, pdf, false)
+                BsdfSample::non_specular_sample(wi, *reflectance, pdf, false)
             }
             Self::Phong(phong) => phong.sample(wo, facing_ns, lobe, u)?,
             Self::Mirror(reflectance) => {
                 let (wi, uses_geometric_normal) = dielectric::reflect_above_surface(wo, facing_ns, ng);
-                BsdfSample::specular(wi, *reflectance, false, uses_geometric_normal)
+                BsdfSample::specular_sample(wi, *reflectance, false, uses_geometric_normal)
             }
             Self::Dielectric(dielectric) => dielectric.sample(wo, ns, ng, lobe, transport),
             Self::Conductor(conductor) => conductor.sample(wo, facing_ns, ng, u)?,

@@ -12,11 +12,11 @@ use std::f32::consts::FRAC_1_PI;
 /// 2ks/(s + 2), so [`Phong::new`] scales both coefficients to keep kd + 2ks/(s + 2) ≤ 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Phong {
-    /// Coefficient kd.
+    /// Diffuse coefficient kd of the BRDF.
     diffuse: Rgb,
-    /// Coefficient ks.
+    /// Glossy coefficient ks of the BRDF.
     specular: Rgb,
-    /// Exponent s.
+    /// Exponent s of the glossy lobe.
     shininess: f32,
     /// Probability of sampling the glossy lobe.
     glossy_probability: f32,
@@ -25,7 +25,7 @@ pub struct Phong {
 impl Phong {
     /// Creates the BRDF from coefficients ≥ 0 and an exponent ≥ 0.
     ///
-    /// If it would reflect more light than arrives, one factor scales all channels.
+    /// If the BRDF would reflect more light than arrives, one factor scales all channels.
     #[must_use]
     pub fn new(diffuse: Rgb, specular: Rgb, shininess: f32) -> Self {
         let total = diffuse + specular * (2.0 / (shininess + 2.0));
@@ -55,7 +55,7 @@ impl Phong {
 
     /// Cosine between `wi` and the mirror direction of `wo`.
     ///
-    /// It is at most 1. Above 1, powers with large exponents would overflow.
+    /// Rounding errors above 1 are clamped, because powers with large exponents would overflow.
     #[inline]
     fn cos_to_mirror_direction(wo: Vec3, wi: Vec3, n: Vec3) -> f32 {
         (n * (2.0 * wo.dot(n)) - wo).dot(wi).min(1.0)
@@ -88,7 +88,7 @@ impl Phong {
         }
         let pdf = self.pdf(wo, wi, n);
         let weight = self.evaluate(wo, wi, n) * (cos / pdf);
-        (pdf > 0.0).then(|| BsdfSample::non_specular(wi, weight, pdf, false))
+        (pdf > 0.0).then(|| BsdfSample::non_specular_sample(wi, weight, pdf, false))
     }
 
     /// Solid-angle pdf of `wi` \[1/sr], for `wo` and `wi` on one side of `n`.

@@ -8,9 +8,9 @@ use glam::{DVec3, Vec2, Vec3};
 
 /// A rough interface between two transparent media, with GGX microfacets (Walter et al. 2007).
 ///
-/// The normal points to the outside. Multiple scattering between microfacets is lost. At index 1.5
-/// and normal incidence, the loss is 0.1 % from outside and 1.2 % from inside for α = 0.1. It is
-/// 3.2 and 25 % for α = 0.5, and 11 and 58 % for α = 1.
+/// The normal points to the outside. Light that scatters at several microfacets is lost. The losses
+/// below are for index 1.5, normal incidence, and roughness α of 0.1, 0.5 and 1. From the outside,
+/// 0.1, 3.2 and 11 % are lost. From the inside, 1.2, 25 and 58 % are lost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoughDielectric {
     /// Refractive index of the inside over that of the outside.
@@ -49,7 +49,8 @@ impl RoughDielectric {
         if wo.dot(ng) >= 0.0 { eta } else { 1.0 / eta }
     }
 
-    /// Scattering from `i` to `o` by microfacets; `None` if no microfacet refracts `i` to `o`.
+    /// Returns how microfacets scatter light from unit direction `i` to `o`; `None` if none
+    /// refracts `i` to `o`.
     ///
     /// `eta` is the refractive index of the far side over that of the side of `o`, which is the
     /// side of `n`.
@@ -71,7 +72,7 @@ impl RoughDielectric {
 
     /// BSDF f(wo, wi) \[1/sr], where `n` is the shading normal on the side of `wo`.
     ///
-    /// Both normals must agree on whether `wi` is on the side of `wo`.
+    /// `n` and the geometric normal `ng` must agree on whether `wi` is on the side of `wo`.
     #[inline]
     pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3, ng: Vec3, transport: TransportMode) -> Rgb {
         let (eta, i, n) = (self.far_over_near_index(wo, ng), wi.as_dvec3(), n.as_dvec3());
@@ -124,7 +125,7 @@ impl RoughDielectric {
         let pdf = (fresnel * ggx.scattered_direction_pdf(&facet, cos_o)) as f32;
         let unshadowed_fraction = ggx.unshadowed_fraction(masking_shadowing, cos_o, cos_i.abs());
         let weight = Rgb::splat((unshadowed_fraction / radiance_divisor(eta, is_transmitted, transport)) as f32);
-        (pdf > 0.0).then(|| BsdfSample::non_specular(wi, weight, pdf, is_transmitted))
+        (pdf > 0.0).then(|| BsdfSample::non_specular_sample(wi, weight, pdf, is_transmitted))
     }
 }
 

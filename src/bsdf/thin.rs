@@ -78,6 +78,11 @@ impl ThinDielectric {
         let is_transmitted = lobe >= reflects;
         let ((wi, share), probability) =
             if is_transmitted { (transmitted, 1.0 - reflects) } else { (reflected, reflects) };
-        Some(BsdfSample::specular(wi, share / probability, is_transmitted, uses_geometric_normal && !is_transmitted))
+        Some(BsdfSample::specular_sample(
+            wi,
+            share / probability,
+            is_transmitted,
+            uses_geometric_normal && !is_transmitted,
+        ))
     }
 }

@@ -4,7 +4,8 @@ use super::{Camera, CameraProjection};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::f64::consts::{PI, TAU};
 
-/// The camera ray through a point of the scene, seen from the point.
+/// Connection of a scene point to the camera: the camera ray through the point, and its film
+/// position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraConnection {
     /// Film position \[pixels from the top left]; may lie outside the film.
@@ -13,18 +14,20 @@ pub struct CameraConnection {
     pub origin: Vec3,
     /// Unit direction from the point to `origin`.
     pub direction: Vec3,
-    /// Film area per area at the point perpendicular to `direction` \[pixels²/length²].
+    /// Film area per area at the point, perpendicular to `direction` \[pixels²/length²].
     pub importance: f32,
 }
 
 impl Camera {
-    /// Connects `p` to the camera by the ray that [`Camera::generate_ray`] returns for `lens` and
-    /// some film position; `None` if `p` lies behind the camera.
+    /// Connects `p` to the camera; `None` if `p` lies behind the camera.
     ///
-    /// A camera ray carries the radiance of its film position, without a cosine. The importance is
-    /// therefore the Jacobian from the scene to the film (Veach 1997, section 8.3.2).
+    /// The connection lies on the ray that [`Camera::generate_ray`] returns for `lens` and the film
+    /// position of the connection.
+    ///
+    /// The radiance of a camera ray counts for its film position without a cosine. The importance
+    /// is therefore the Jacobian from the scene to the film (Veach 1997, section 8.3.2).
     #[must_use]
-    pub fn connect(&self, p: Vec3, lens: Option<Vec2>) -> Option<CameraConnection> {
+    pub fn connect_to_point(&self, p: Vec3, lens: Option<Vec2>) -> Option<CameraConnection> {
         let p = p.as_dvec3();
         match self.projection {
             CameraProjection::Perspective(thin) => {
@@ -44,7 +47,7 @@ impl Camera {
                 let distance = to_point.length();
                 // A pixel spans the solid angle pixel²·cos³θ, where cosθ is depth over distance.
                 let importance = distance / (self.pixel_size * self.pixel_size * depth * depth * depth);
-                self.connection(self.film_offset(in_focus / focus), self.center + offset, p, importance)
+                self.connection(self.film_offset_from_center(in_focus / focus), self.center + offset, p, importance)
             }
             CameraProjection::Orthographic => {
                 let to_point = p - self.center;
@@ -53,7 +56,7 @@ impl Camera {
                     return None;
                 }
                 let importance = 1.0 / (self.pixel_size * self.pixel_size);
-                self.connection(self.film_offset(to_point), p - self.forward * depth, p, importance)
+                self.connection(self.film_offset_from_center(to_point), p - self.forward * depth, p, importance)
             }
             CameraProjection::Panorama => {
                 let to_point = p - self.center;
@@ -71,13 +74,18 @@ impl Camera {
         }
     }
 
-    /// Film position relative to the film's center \[pixels right and up] of a vector from the
-    /// camera's center to the plane at distance 1, or to the image plane of parallel rays.
-    fn film_offset(&self, v: DVec3) -> DVec2 {
+    /// Film position of vector `v`, relative to the film's center \[pixels right and up].
+    ///
+    /// `v` starts at the camera's center. It ends in the plane at distance 1, or anywhere for an
+    /// orthographic camera.
+    fn film_offset_from_center(&self, v: DVec3) -> DVec2 {
         DVec2::new(v.dot(self.right), v.dot(self.up)) / (self.pixel_size * self.pixel_size)
     }
 
-    /// Connection of `p` to `origin`; `None` if the numbers are not finite or the points coincide.
+    /// Returns the connection of `p` to the ray origin `origin`; `None` if a number is not finite
+    /// or the points coincide.
+    ///
+    /// `offset` is the film position relative to the film's center \[pixels right and up].
     fn connection(&self, offset: DVec2, origin: DVec3, p: DVec3, importance: f64) -> Option<CameraConnection> {
         let film = DVec2::new(0.5 * f64::from(self.width) + offset.x, 0.5 * f64::from(self.height) - offset.y);
         let direction = (origin - p).try_normalize()?;

@@ -1,7 +1,7 @@
 //! Pixel reconstruction filters.
 //!
 //! Offsets from the pixel center are sampled with a pdf proportional to the absolute filter value.
-//! So all samples have one weight, or its negative.
+//! All samples therefore have the same weight, up to its sign.
 
 use glam::Vec2;
 use std::str::FromStr;
@@ -22,7 +22,7 @@ pub enum FilterKind {
     Mitchell,
 }
 
-/// The error of parsing a name that is not the name of a filter.
+/// Error: a text is not the name of a filter.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown filter `{0}`: use box, tent, gaussian, blackman-harris or mitchell")]
 pub struct UnknownFilter(String);
@@ -55,7 +55,7 @@ impl FilterKind {
 
     /// Unnormalized filter value at a distance of `x` pixels along one axis.
     #[must_use]
-    pub fn weight(self, x: f64) -> f64 {
+    pub fn unnormalized_value(self, x: f64) -> f64 {
         match self {
             Self::Box => 1.0,
             Self::Tent => 1.0 - x.abs(),
@@ -80,7 +80,7 @@ impl FilterKind {
 /// Number of intervals of the quantile table.
 const CELLS: usize = 1024;
 
-/// Intervals of the density table, from the center to the filter's radius.
+/// Number of intervals of the density table, from the center to the filter's radius.
 const DENSITY_CELLS: usize = 256;
 
 /// A separable reconstruction filter, with tables for importance sampling and for evaluation.
@@ -90,11 +90,11 @@ pub struct Filter {
     quantiles: [f32; CELLS + 1],
     /// Offset \[pixels] beyond which the filter is negative; infinite for a non-negative filter.
     negative_beyond: f32,
-    /// Integral of the absolute filter value over the integral of the filter, in one dimension.
+    /// Integral of the absolute filter value along one axis, divided by the integral of the filter.
     absolute_over_signed: f32,
     /// Radius \[pixels].
     radius: f32,
-    /// Density in one dimension at equal steps from the center to the radius \[1/pixel].
+    /// Values of [`Filter::density`] at equal steps from the center to the radius \[1/pixel].
     densities: [f32; DENSITY_CELLS + 1],
 }
 
@@ -108,7 +108,7 @@ pub struct FilterSample {
 }
 
 impl Filter {
-    /// Creates a filter with its sampling table.
+    /// Creates the filter of the given kind, with its tables.
     #[must_use]
     pub fn new(kind: FilterKind) -> Self {
         const STEPS: usize = 4096;
@@ -118,7 +118,7 @@ impl Filter {
         let (mut signed, mut negative_beyond) = (0.0, f64::INFINITY);
         for i in 0..STEPS {
             let center = 0.5 * (at(i) + at(i + 1));
-            let weight = kind.weight(center);
+            let weight = kind.unnormalized_value(center);
             signed += weight;
             cumulative[i + 1] = cumulative[i] + weight.abs();
             // All filters are positive in the middle, and change sign at most once on each side.
@@ -136,7 +136,7 @@ impl Filter {
             (at(i - 1) + (at(i) - at(i - 1)) * part) as f32
         });
         let integral = signed * 2.0 * radius / STEPS as f64;
-        let density = |i: usize| (kind.weight(radius * i as f64 / DENSITY_CELLS as f64) / integral) as f32;
+        let density = |i: usize| (kind.unnormalized_value(radius * i as f64 / DENSITY_CELLS as f64) / integral) as f32;
         Self {
             quantiles,
             negative_beyond: negative_beyond as f32,
@@ -153,8 +153,8 @@ impl Filter {
         self.radius
     }
 
-    /// Filter density in one dimension at distance `x` from the pixel center \[1/pixel]. Its
-    /// integral is 1; it is negative where the filter is.
+    /// Filter value along one axis at distance `x` from the pixel center, with integral 1
+    /// \[1/pixel]. It may be negative.
     #[inline]
     #[must_use]
     pub fn density(&self, x: f32) -> f32 {
@@ -174,11 +174,11 @@ impl Filter {
         self.negative_beyond.is_finite()
     }
 
-    /// Samples an offset by `u` in \[0, 1)².
+    /// Samples an offset from the pixel center by `u` in \[0, 1)².
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> FilterSample {
-        let offset = Vec2::new(self.sample_filter_quantile(u.x), self.sample_filter_quantile(u.y));
+        let offset = Vec2::new(self.sample_filter_offset(u.x), self.sample_filter_offset(u.y));
         let sign = |x: f32| {
             if x.abs() < self.negative_beyond { self.absolute_over_signed } else { -self.absolute_over_signed }
         };
@@ -188,7 +188,7 @@ impl Filter {
 
     /// Samples an offset along one axis \[pixels] by `u` in \[0, 1).
     #[inline]
-    fn sample_filter_quantile(&self, u: f32) -> f32 {
+    fn sample_filter_offset(&self, u: f32) -> f32 {
         let x = u * CELLS as f32;
         let i = (x as usize).min(CELLS - 1);
         let (lo, hi) = (self.quantiles[i], self.quantiles[i + 1]);

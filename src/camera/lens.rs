@@ -12,7 +12,8 @@ pub struct Lens {
     pub radius: f64,
     /// Distance from the lens to the focal plane, along the viewing direction \[length].
     pub focus: f64,
-    /// Number of edges of the aperture, a regular polygon with its corners at `radius`.
+    /// Number of edges of the aperture: a regular polygon whose corners have the distance `radius`
+    /// from the center.
     ///
     /// If there are fewer than three, the aperture is a disc.
     pub blades: u32,
@@ -28,7 +29,7 @@ impl Lens {
         self.radius * self.sample_unit_aperture(u).as_dvec2()
     }
 
-    /// Samples a point of the aperture, scaled to radius 1.
+    /// Samples a point of the aperture uniformly by area, scaled to radius 1.
     fn sample_unit_aperture(&self, u: Vec2) -> Vec2 {
         if self.blades < 3 {
             return warp::square_to_uniform_disc(u);
@@ -52,10 +53,11 @@ mod tests {
     use crate::sampling::sobol_2d;
     use crate::sampling::{Dimension, Key, Purpose};
 
-    /// A regular n-gon of circumradius 1 has the second moment (2 + cos(2π/n))/12 about each axis
-    /// through its middle per unit of area; the disc, its limit, has ¼. A net of 2¹⁶ points
-    /// integrates such a smooth function far better than the chance bound 5σ of as many independent
-    /// points that is used here.
+    /// Compares the second moments of samples with closed forms.
+    ///
+    /// A regular n-gon of circumradius 1 has the second moment (2 + cos(2π/n))/12 per area, about
+    /// each axis through its center; the disc has ¼. The tolerance is five standard deviations of
+    /// the mean of 2¹⁶ independent points. The Sobol' points used here have much smaller errors.
     #[test]
     fn aperture_samples_are_uniform_by_area() {
         let n = 1 << 16;

@@ -20,7 +20,8 @@ pub struct Camera {
     right: DVec3,
     /// Direction of the top of the image, with length `pixel_size`.
     up: DVec3,
-    /// Width of a pixel, in the plane at distance 1 for a perspective camera; 1 for a panorama.
+    /// Width of a pixel \[length]: in the plane at distance 1 for a perspective camera, in the
+    /// image plane for an orthographic one. It is 1 for a panorama.
     pixel_size: f64,
     projection: CameraProjection,
     width: u32,
@@ -30,7 +31,7 @@ pub struct Camera {
 /// The kind of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum CameraProjection {
-    /// Rays through a pinhole (`None`), or through a lens.
+    /// Rays that start at a pinhole (`None`) or on a lens.
     Perspective(Option<Lens>),
     /// Parallel rays.
     Orthographic,
@@ -38,7 +39,7 @@ enum CameraProjection {
     Panorama,
 }
 
-/// The error that the up vector is parallel to the viewing direction, or one of them is zero.
+/// Error: the up vector is parallel to the viewing direction, or one of the two is zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the up vector is parallel to the viewing direction: choose another one")]
 pub struct DegenerateUpVector;
@@ -66,7 +67,7 @@ impl Camera {
     /// Creates an orthographic camera, whose rays start in a plane through `center` and run along
     /// `direction`.
     ///
-    /// `size` is the height of the image in the scene \[length].
+    /// `size` is the height of the image plane \[length].
     ///
     /// # Errors
     /// [`DegenerateUpVector`] if `direction × up` vanishes.
@@ -83,8 +84,8 @@ impl Camera {
 
     /// Creates a camera at `center` whose equirectangular image covers all directions.
     ///
-    /// `direction` is at the center of the image. The top of the image is `up`, made perpendicular
-    /// to `direction`.
+    /// The center of the image shows `direction`. The top of the image shows `up`, made
+    /// perpendicular to `direction`.
     ///
     /// # Errors
     /// [`DegenerateUpVector`] if `direction × up` vanishes.
@@ -117,7 +118,8 @@ impl Camera {
         Ok(Self { center, forward, right: right * pixel_size, up, pixel_size, projection, width, height })
     }
 
-    /// Copy with a lens if this is a perspective camera. A lens of radius 0 is a pinhole.
+    /// Copy with the lens `lens` if this is a perspective camera; else an unchanged copy. A lens of
+    /// radius 0 is a pinhole.
     #[must_use]
     pub fn with_lens(self, lens: Lens) -> Self {
         match self.projection {
@@ -137,7 +139,7 @@ impl Camera {
         }
     }
 
-    /// True if all rays start at the center or at a lens around it.
+    /// True if all rays start at one point or on a lens: for all cameras except orthographic ones.
     #[must_use]
     pub fn has_single_viewpoint(&self) -> bool {
         self.projection != CameraProjection::Orthographic
@@ -149,15 +151,15 @@ impl Camera {
         (self.width, self.height)
     }
 
-    /// World-space position of the pinhole or lens center. For an orthographic camera: the origin
-    /// of the ray through the image center.
+    /// World-space position of the pinhole or lens center. For an orthographic camera, it is the
+    /// origin of the ray through the image center.
     #[must_use]
     pub fn center(&self) -> DVec3 {
         self.center
     }
 
-    /// Width of a pixel's footprint at the ray origin \[length], and the increase of the width per
-    /// length along the ray.
+    /// Width of a pixel's footprint at the ray origin \[length], and its increase per unit of
+    /// distance along the ray.
     #[inline]
     #[must_use]
     pub fn pixel_footprint(&self) -> (f32, f32) {
@@ -169,13 +171,13 @@ impl Camera {
         }
     }
 
-    /// Copy translated by `by`.
+    /// Copy of the camera, translated by `by`.
     #[must_use]
     pub fn translated(self, by: DVec3) -> Self {
         Self { center: self.center + by, ..self }
     }
 
-    /// Copy under the rigid map `map`.
+    /// Copy of the camera, moved by the rigid transform `map`.
     #[must_use]
     pub fn transformed(self, map: &Transform) -> Self {
         let Self { center, forward, right, up, .. } = self;
@@ -188,7 +190,7 @@ impl Camera {
         }
     }
 
-    /// Generates the ray through image point `p`, in pixels from the top left corner.
+    /// Generates the world-space ray through image point `p` \[pixels from the top left].
     ///
     /// The ray has a unit direction. It starts at the lens point sampled by `lens` in \[0, 1)², or
     /// at the lens center for `None`.

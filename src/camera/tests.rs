@@ -7,7 +7,7 @@ fn wide_angle_camera() -> Camera {
     Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 90f64.to_radians(), 400, 200).unwrap()
 }
 
-fn assert_direction(camera: &Camera, p: Vec2, d: Vec3) {
+fn assert_ray_direction(camera: &Camera, p: Vec2, d: Vec3) {
     let direction = camera.generate_ray(p, None).direction;
     assert!((direction - d.normalize()).length() < 1e-6, "{p}: {direction}");
 }
@@ -15,9 +15,9 @@ fn assert_direction(camera: &Camera, p: Vec2, d: Vec3) {
 #[test]
 fn angle_is_vertical_and_rows_start_at_the_top() {
     let c = wide_angle_camera();
-    assert_direction(&c, Vec2::new(200.0, 100.0), Vec3::NEG_Z);
-    assert_direction(&c, Vec2::new(200.0, 0.0), Vec3::new(0.0, 1.0, -1.0));
-    assert_direction(&c, Vec2::new(400.0, 100.0), Vec3::new(2.0, 0.0, -1.0));
+    assert_ray_direction(&c, Vec2::new(200.0, 100.0), Vec3::NEG_Z);
+    assert_ray_direction(&c, Vec2::new(200.0, 0.0), Vec3::new(0.0, 1.0, -1.0));
+    assert_ray_direction(&c, Vec2::new(400.0, 100.0), Vec3::new(2.0, 0.0, -1.0));
 }
 
 #[test]
@@ -36,7 +36,7 @@ fn orthographic_rays_start_one_pixel_apart() {
         (Vec2::new(400.0, 100.0), Vec3::new(2.0, 0.0, 1.0)),
         (Vec2::new(0.0, 0.0), Vec3::new(-2.0, 1.0, 1.0)),
     ] {
-        assert_direction(&c, p, Vec3::NEG_Z);
+        assert_ray_direction(&c, p, Vec3::NEG_Z);
         assert_eq!(c.generate_ray(p, None).origin, start);
     }
 }
@@ -52,7 +52,7 @@ fn panorama_covers_all_directions() {
         (123.0, 0.0, Vec3::Y),
         (300.0, 150.0, Vec3::new(1.0, -1.0, 0.0)),
     ] {
-        assert_direction(&c, Vec2::new(x, y), d);
+        assert_ray_direction(&c, Vec2::new(x, y), d);
     }
 }
 
@@ -79,6 +79,6 @@ fn moved_camera_starts_rays_at_its_new_position() {
     let turn = DAffine3::from_quat(glam::DQuat::from_xyzw(0.0, 0.5f64.sqrt(), 0.0, 0.5f64.sqrt()));
     let map = Transform::new(DAffine3::from_translation(DVec3::X) * turn).unwrap();
     let moved = wide_angle_camera().transformed(&map);
-    assert_direction(&moved, Vec2::new(200.0, 100.0), Vec3::NEG_X);
+    assert_ray_direction(&moved, Vec2::new(200.0, 100.0), Vec3::NEG_X);
     assert_eq!(moved.center(), DVec3::X);
 }

@@ -13,13 +13,13 @@ pub(super) fn aov_layers(rendered: &RenderResult) -> Vec<ExrLayer> {
     let mut layers = vec![rgb_layer("", &rendered.film.mean())];
     let estimator = rendered.estimator.as_ref().filter(|_| rendered.film.passes() >= MIN_PASSES);
     let Some(estimator) = estimator else { return layers };
-    let ErrorMaps { noise, bias, caustic, global } = estimator.error_maps(&rendered.film);
+    let ErrorMaps { noise, bias, caustic, indirect } = estimator.error_maps(&rendered.film);
     layers.push(rgb_layer("noise", &noise));
     if !bias.is_empty() {
         layers.push(rgb_layer("bias", &bias));
         let channels = |value: fn(&MeanGatherDisc) -> f32| {
             let map = |discs: &[MeanGatherDisc]| discs.iter().map(value).collect::<Vec<f32>>();
-            vec![("caustic".to_owned(), map(&caustic)), ("global".to_owned(), map(&global))]
+            vec![("caustic".to_owned(), map(&caustic)), ("global".to_owned(), map(&indirect))]
         };
         layers.push(ExrLayer { name: "radius".to_owned(), channels: channels(|d| d.radius) });
         layers.push(ExrLayer { name: "photons".to_owned(), channels: channels(|d| d.photons) });

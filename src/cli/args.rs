@@ -7,7 +7,7 @@ use super::number::{
 use super::{ConvertArguments, DiffArguments, MeshArguments};
 use crate::camera::FilterKind;
 use crate::image::{BitDepth, FloatDepth, ToneCurve};
-use crate::integrate::{Algorithm, FinalGathering, LightTracing, VolumeEstimate};
+use crate::integrate::{Algorithm, FinalGathering, LightTracing, VolumeEstimator};
 use crate::photon::Kernel;
 use crate::plan::EffectOverrides;
 use crate::render::error_estimate::Confidence;
@@ -117,7 +117,7 @@ pub struct MethodArguments {
 
     /// Photon estimate in media: beams, beam-radiance or points
     #[arg(long, value_enum, default_value = "beams", value_name = "NAME")]
-    pub volume: VolumeEstimate,
+    pub volume: VolumeEstimator,
 
     /// Largest number of bounces of a path
     #[arg(long, value_parser = parse_count, default_value = "100", value_name = "N")]
@@ -292,7 +292,7 @@ pub struct EstimateArguments {
     pub quiet: bool,
 }
 
-/// Field names of the flags that only a study of methods takes.
+/// Field names of the flags that a study of effects does not accept.
 const METHOD_STUDY_FLAGS: [&str; 8] =
     ["methods", "variants", "knobs", "budget", "seeds", "truth", "truth_time", "save_truth"];
 

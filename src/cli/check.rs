@@ -3,18 +3,18 @@
 use super::args::SceneArguments;
 use super::plan::count_with_noun;
 use super::scene::{load_scene_and_file, with_thread_pool};
-use super::{Exit, Failure};
+use super::{CommandFailure, Exit};
 use crate::format::SceneFile;
 use crate::plan::SceneFeatures;
 use crate::scene::Scene;
 use glam::Vec2;
 use std::io::Write;
 
-/// Side length of the grid of camera rays that search for visible objects.
+/// Number of rows and of columns in the grid of camera rays that search for visible objects.
 const RAYS_PER_SIDE: u32 = 64;
 
 /// Runs `caustica check`: prints one line for each warning, and a summary.
-pub(super) fn run(arguments: &SceneArguments) -> Result<Exit, Failure> {
+pub(super) fn run(arguments: &SceneArguments) -> Result<Exit, CommandFailure> {
     with_thread_pool(arguments, || {
         let (file, scene) = load_scene_and_file(arguments, &())?;
         let mut lines = file.warnings();
@@ -23,15 +23,16 @@ pub(super) fn run(arguments: &SceneArguments) -> Result<Exit, Failure> {
         lines.push(format!("{}: no error, {warnings}", arguments.scene.display()));
         let mut out = std::io::stdout().lock();
         for line in &lines {
-            writeln!(out, "{}", replace_control_characters(line)).map_err(Failure::output_error)?;
+            writeln!(out, "{}", replace_control_characters(line)).map_err(CommandFailure::output_error)?;
         }
         Ok(Exit::Success)
     })
 }
 
-/// Returns the warnings that `render` prints, one line each.
+/// Returns the warnings about a scene that `caustica render` prints, one line each.
 ///
-/// They need no second reading of meshes. `render` itself reports a scene without objects.
+/// Warnings that need a second reading of meshes are left out. So is the warning of a scene without
+/// objects, which `caustica render` reports elsewhere.
 pub(super) fn quick_scene_warnings(file: &SceneFile, scene: &Scene, arguments: &SceneArguments) -> Vec<String> {
     let mut lines = file.unused_item_warnings();
     if scene.triangle_count() + scene.shape_count() > 0 {

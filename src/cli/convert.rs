@@ -1,8 +1,8 @@
 //! `caustica convert`: writes any scene that can be read as scene text.
 
-use super::outputs::{NamedFile, OutputFailures, check_distinct_files};
+use super::outputs::{FileWithRole, OutputFailures, check_distinct_files};
 use super::progress::print_message;
-use super::{Exit, Failure};
+use super::{CommandFailure, Exit};
 use crate::format::mesh::MeshFormat;
 use crate::format::{ConvertedScene, SceneFile, SceneReadError};
 use crate::image::{self, WriteOptions, replace_file_with};
@@ -31,19 +31,19 @@ pub struct ConvertArguments {
 #[diagnostic(help("choose another name, or replace it with --force"))]
 struct OutputExists(PathBuf);
 
-pub(super) fn run(arguments: &ConvertArguments) -> Result<Exit, Failure> {
+pub(super) fn run(arguments: &ConvertArguments) -> Result<Exit, CommandFailure> {
     let scene = SceneFile::read_monitored(&arguments.scene, &(), MemoryLimit::System).map_err(|e| {
         let exit = if matches!(e, SceneReadError::Memory { .. }) { Exit::Usage } else { Exit::Input };
-        Failure::new(exit, e)
+        CommandFailure::new(exit, e)
     })?;
     let conversion = ConvertedScene::new(&scene, &arguments.output);
     let meshes = conversion.meshes.iter().map(|(path, _)| path);
     let pictures = conversion.pictures.iter().map(|(path, _)| path);
     let outputs: Vec<&PathBuf> = std::iter::once(&arguments.output).chain(meshes).chain(pictures).collect();
-    let named: Vec<NamedFile> = outputs.iter().map(|path| NamedFile::new("the output", path)).collect();
-    check_distinct_files(&named, &[NamedFile::new("the scene file", &arguments.scene)])?;
+    let named: Vec<FileWithRole> = outputs.iter().map(|path| FileWithRole::new("the output", path)).collect();
+    check_distinct_files(&named, &[FileWithRole::new("the scene file", &arguments.scene)])?;
     if let Some(path) = outputs.iter().find(|path| !arguments.force && path.exists()) {
-        return Err(Failure::new(Exit::Output, OutputExists((*path).clone())));
+        return Err(CommandFailure::new(Exit::Output, OutputExists((*path).clone())));
     }
     let mut failures = OutputFailures::default();
     for (path, mesh) in &conversion.meshes {

@@ -15,18 +15,19 @@ pub(super) fn all_lights_are_black(scene: &Scene) -> bool {
 
 /// Returns a note if the passes emitted photons but stored none.
 pub(super) fn no_photon_stored_note(rendered: &RenderResult) -> Option<String> {
-    let (global, caustic) = (&rendered.global, &rendered.caustic);
-    let emitted = global.emitted + caustic.emitted;
-    if emitted == 0 || global.stored + caustic.stored > 0 {
+    let (unaimed, aimed) = (&rendered.unaimed, &rendered.aimed);
+    let emitted = unaimed.emitted + aimed.emitted;
+    if emitted == 0 || unaimed.stored + aimed.stored > 0 {
         return None;
     }
-    let mut audit = global.audit;
-    audit += caustic.audit;
+    let mut audit = unaimed.audit;
+    audit += aimed.audit;
     let paths = count_with_noun(emitted as usize, "photon path", "photon paths");
     Some(format!("note: {paths}, no photon stored: {}", flux_destinations(&audit)))
 }
 
-/// Returns a text with the shares of photon flux that were absorbed, escaped and stopped.
+/// Returns a text with the fractions of emitted photon flux that were absorbed, escaped, or stopped
+/// at the bounce limit.
 fn flux_destinations(audit: &EnergyAudit) -> String {
     let sum = |flux: [f64; 3]| DVec3::from(flux).element_sum();
     let emitted = sum(audit.emitted);
@@ -40,7 +41,8 @@ fn flux_destinations(audit: &EnergyAudit) -> String {
     )
 }
 
-/// Returns a note that explains why all pixels are black.
+/// Returns a note that explains why all pixels are black. `lights` is the number of lights;
+/// `powerless` is true if they have no power.
 pub(super) fn black_picture_note(lights: usize, powerless: bool) -> &'static str {
     match (lights, powerless) {
         (0, _) => "note: every pixel is black: the scene has no light",

@@ -6,10 +6,10 @@ use super::forecast_text::{self, ErrorEstimateUnsupported, duration_text};
 use super::interrupt::{INTERRUPTED, listen_for_signals};
 use super::memory::{check_estimated_picture_memory, check_photon_memory};
 use super::plan::print_plan;
-use super::progress::Progress;
+use super::progress::ProgressDisplay;
 use super::scene::{load_scene, with_thread_pool};
 use super::settings::{method_flags, settings_from_arguments};
-use super::{EstimateArguments, Exit, Failure};
+use super::{CommandFailure, EstimateArguments, Exit};
 use crate::integrate::{Algorithm, Integrator};
 use crate::render::error_estimate::{ErrorEstimate, ErrorForecast, PassesNeeded};
 use crate::render::{RenderResult, StopCriteria, render};
@@ -27,16 +27,16 @@ const MIN_PILOT_PASSES: u32 = 8;
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("the pilot ended after {passes} passes, too few to estimate an error")]
 #[diagnostic(help("let it make at least four passes"))]
-struct PilotTooShort {
+struct PilotTooShortError {
     passes: u32,
 }
 
-pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, Failure> {
+pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, CommandFailure> {
     if arguments.method.integrator == Algorithm::Raycast {
-        return Err(Failure::usage_error(ErrorEstimateUnsupported { flag: "estimate" }));
+        return Err(CommandFailure::usage_error(ErrorEstimateUnsupported { flag: "estimate" }));
     }
     listen_for_signals("the result of the pilot");
-    let progress = Progress::new(arguments.quiet);
+    let progress = ProgressDisplay::new(arguments.quiet);
     with_thread_pool(&arguments.scene, || {
         let start = Instant::now();
         let scene = load_scene(&arguments.scene, &progress)?;
@@ -45,34 +45,35 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, Failure> {
         settings.camera_paths.estimate_error = true;
         let memory = arguments.scene.memory_limit();
         let pictures = check_estimated_picture_memory(1, scene.camera().size(), memory.available_bytes())
-            .map_err(Failure::usage_error)?;
+            .map_err(CommandFailure::usage_error)?;
         let integrator = algorithm.prepare(&scene, settings);
-        check_photon_memory(integrator.expected(), pictures, memory.available_bytes()).map_err(Failure::usage_error)?;
+        check_photon_memory(integrator.expected_photons(), pictures, memory.available_bytes())
+            .map_err(CommandFailure::usage_error)?;
         print_plan(integrator.as_ref(), &progress);
-        progress.remove_bar();
+        progress.remove_progress_bar();
         let setup = start.elapsed().as_secs_f64();
         let (rendered, pass_seconds) = render_pilot(arguments, integrator.as_ref(), scene.camera().size(), &progress);
         let report = CostEstimateReport::new(arguments, algorithm, &rendered, setup, pass_seconds);
-        let report = report.map_err(|e| Failure::new(Exit::Interrupted, e))?;
+        let report = report.map_err(|e| CommandFailure::new(Exit::Interrupted, e))?;
         let text = if arguments.json {
             let json = serde_json::to_string_pretty(&report);
-            json.map_err(Failure::output_error)? + "\n"
+            json.map_err(CommandFailure::output_error)? + "\n"
         } else {
-            report.table()
+            report.text_table()
         };
         let written = std::io::stdout().write_all(text.as_bytes());
-        written.map_err(Failure::output_error)?;
+        written.map_err(CommandFailure::output_error)?;
         let interrupted = INTERRUPTED.load(std::sync::atomic::Ordering::Relaxed);
         Ok(if interrupted { Exit::Interrupted } else { Exit::Success })
     })
 }
 
-/// Renders the pilot. Returns it and the expected time of one later pass \[s].
+/// Renders the pilot. Returns its result and the expected time of one later pass \[s].
 fn render_pilot(
     arguments: &EstimateArguments,
     integrator: &dyn Integrator,
     size: (u32, u32),
-    progress: &Progress,
+    progress: &ProgressDisplay,
 ) -> (RenderResult, f64) {
     let stop = StopCriteria {
         min_passes: MIN_PILOT_PASSES,
@@ -90,7 +91,7 @@ fn render_pilot(
         }
         progress.set_pass(standing.passes + 1, None);
     });
-    progress.remove_bar();
+    progress.remove_progress_bar();
     // The first pass takes longer, because caches are cold.
     let (passes, wall) = (rendered.film.passes(), rendered.wall.as_secs_f64());
     let pass_seconds = if passes > 2 { (wall - first) / f64::from(passes - 1) } else { wall / f64::from(passes) };
@@ -130,7 +131,7 @@ struct CostEstimate {
     /// Time if the pilot's error is at the upper end of its interval \[s].
     seconds_high: Option<f64>,
     photons: Option<f64>,
-    /// Bias that no number of passes removes; `None` if the error can be reached.
+    /// Relative bias that no number of passes removes; `None` if the error can be reached.
     floor: Option<f64>,
     /// Flags of `caustica render` that give this error.
     flags: Option<String>,
@@ -143,13 +144,13 @@ impl CostEstimateReport {
         rendered: &RenderResult,
         setup: f64,
         pass_seconds: f64,
-    ) -> Result<Self, PilotTooShort> {
+    ) -> Result<Self, PilotTooShortError> {
         let passes = rendered.film.passes();
         let estimator = rendered.estimator.as_ref();
         let pilot = estimator.map(|estimator| estimator.estimate(&rendered.film)).unwrap_or_default();
         let forecast = estimator.and_then(|estimator| estimator.forecast(&pilot));
-        let forecast = forecast.ok_or(PilotTooShort { passes })?;
-        let pass_photons = (rendered.global.emitted + rendered.caustic.emitted) as f64 / f64::from(passes);
+        let forecast = forecast.ok_or(PilotTooShortError { passes })?;
+        let pass_photons = (rendered.unaimed.emitted + rendered.aimed.emitted) as f64 / f64::from(passes);
         let mut words = method_flags(&arguments.method, "--effects", arguments.effects.effects);
         if arguments.method.seed != 0 {
             words.extend(["--seed".to_owned(), arguments.method.seed.to_string()]);
@@ -180,7 +181,7 @@ impl CostEstimateReport {
         })
     }
 
-    fn table(&self) -> String {
+    fn text_table(&self) -> String {
         let Self { pilot, peak_memory_bytes, .. } = self;
         let memory = peak_memory_bytes.map_or("?".to_owned(), |bytes| format!("{}B", count_text(bytes as f64)));
         let mut text = format!(

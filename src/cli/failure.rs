@@ -1,6 +1,6 @@
 //! Exit codes, and the reports of a command that failed.
 
-use super::progress::clear_bar;
+use super::progress::clear_progress_bar;
 use miette::{Diagnostic, MietteHandlerOpts, Report};
 use std::io::Write;
 use std::process::ExitCode;
@@ -32,14 +32,14 @@ impl From<Exit> for ExitCode {
 
 /// Failure of a command: error reports and the exit code.
 #[derive(Debug)]
-pub struct Failure {
+pub struct CommandFailure {
     /// The reports to show, at least one.
     pub reports: Vec<Report>,
     /// The exit code.
     pub exit: Exit,
 }
 
-impl Failure {
+impl CommandFailure {
     pub(super) fn new(exit: Exit, report: impl Into<Report>) -> Self {
         Self { reports: vec![report.into()], exit }
     }
@@ -56,7 +56,7 @@ impl Failure {
 
     /// Removes the progress bar and prints the reports to the standard error.
     pub fn print_reports(&self) {
-        clear_bar();
+        clear_progress_bar();
         for report in &self.reports {
             // A closed stderr must not turn an error into a panic.
             let _ = writeln!(std::io::stderr(), "{report:?}");

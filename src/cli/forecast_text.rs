@@ -7,7 +7,7 @@ use crate::study::text::percent_text;
 pub(super) const BIAS_REMEDY: &str =
     "the rest is bias of this method: choose a smaller --radius, or --integrator sppm or hybrid, whose radii shrink";
 
-/// Usage error: a flag needs an error estimate, but `raycast` makes none.
+/// Usage error: a flag needs an error estimate, but the algorithm `raycast` makes none.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("{flag} needs an error estimate, and raycast makes one pass, which has none")]
 #[diagnostic(help("leave it out, or choose another --integrator"))]
@@ -27,7 +27,7 @@ pub(super) fn error_text(estimate: &ErrorEstimate) -> String {
 
 /// Returns a text such as `; 1.0 % in about 42 s`; empty if the estimated error is 0.
 ///
-/// The time passes until the estimated error is `aim`. The text names the error `shown`.
+/// The time is that until the estimated error is `aim`, but the text names the error `shown`.
 /// `pass_seconds` is the time of one pass \[s].
 pub(super) fn time_to_error_text(
     estimate: &ErrorEstimate,

@@ -5,7 +5,7 @@
 //! [`Exit::Interrupted`].
 
 use super::Exit;
-use super::progress::{clear_bar, print_message};
+use super::progress::{clear_progress_bar, print_message};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// True after the first interrupting signal.
@@ -13,11 +13,12 @@ pub(super) static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
 /// Starts to handle signals.
 ///
-/// `kept` names the output that is still written after the first signal, such as "the picture".
+/// `kept` names the output that the command still writes after the first signal, such as "the
+/// picture".
 pub(super) fn listen_for_signals(kept: &'static str) {
     on_signal(move || {
         if INTERRUPTED.swap(true, Ordering::Relaxed) {
-            clear_bar();
+            clear_progress_bar();
             std::process::exit(i32::from(Exit::Interrupted as u8));
         }
         print_message(&format!(

@@ -1,25 +1,27 @@
 //! Checks before a render that its pictures and photons fit into memory.
 
 use crate::image::{MAX_PIXELS, SizeError};
-use crate::integrate::Expected;
+use crate::integrate::ExpectedPhotons;
 use crate::stats::format_bytes;
 
-/// Bytes of memory per pixel that a render without an error estimate needs. Measured: 85.
+/// Memory of a render without an error estimate \[bytes per pixel]. Measured: 85.
 ///
-/// The film takes 48 bytes, a pass 12, its row positions 1, and the ray distribution of
-/// `--adaptive` 20. After the last pass, the mean and the encoded file reuse the pass's memory.
+/// The film takes 48 bytes, the picture of a pass 12, and its table of tile rows 1. The ray
+/// distribution of `--adaptive` takes 20. After the last pass, the mean and the encoded file use
+/// the memory of the pass again.
 const BYTES_PER_PIXEL: u64 = 86;
 
-/// Bytes of memory per pixel that an error estimate adds to [`BYTES_PER_PIXEL`].
+/// Memory that an error estimate adds to [`BYTES_PER_PIXEL`] \[bytes per pixel].
 ///
-/// Measured sum of both: 341, or 358 with error maps. The estimate keeps about twenty RGB values
-/// per pixel, for noise and for nested density estimates.
+/// Measured sum of both constants: 341, or 358 with error maps. The estimate keeps about twenty RGB
+/// values per pixel, for noise and for density estimates with smaller radii.
 const BYTES_PER_ESTIMATED_PIXEL: u64 = 274;
 
-/// Bytes of memory per stored photon while the photon map is built.
+/// Memory of a stored photon while the photon map is built \[bytes].
 ///
-/// A photon takes 32 bytes, its sorted copy 32, the copy's sort key 16, and its splat 20. The tree
-/// later takes 33 bytes in place of the key. The rest is unused capacity of growing lists.
+/// A photon takes 32 bytes, its sorted copy 32, the sort key of the copy 16, and its splat 20.
+/// Later, the tree takes 33 bytes instead of the sort keys. The rest is unused capacity of growing
+/// lists.
 const BYTES_PER_PHOTON: u64 = 120;
 
 /// Reason why a render does not fit into memory.
@@ -40,7 +42,7 @@ pub(super) enum MemoryError {
         "choose a smaller --size, or allow more --memory; --no-error-estimate reduces the memory to a quarter"
     ))]
     Picture { count: usize, width: u32, height: u32, needed: u64, free: u64 },
-    /// More photons than 32-bit indices can address.
+    /// More stored photons (`stored`) than 32-bit indices can address, from `paths` photon paths.
     #[error("a pass of {paths} photon paths would store about {stored} photons, and {} can be indexed", u32::MAX)]
     #[diagnostic(help("{PHOTON_MEMORY_REMEDY}"))]
     Indices { paths: u64, stored: u64 },
@@ -57,7 +59,7 @@ pub(super) enum MemoryError {
 const PHOTON_MEMORY_REMEDY: &str = "choose fewer --photons or --caustic-photons and more --passes: only one pass of photons is in memory at a time; \
      or allow more --memory";
 
-/// Returns the bytes that `count` pictures take.
+/// Returns the memory of `count` pictures \[bytes].
 ///
 /// # Errors
 /// [`MemoryError`] if the pictures need more than `free` bytes, or one has too many pixels.
@@ -65,7 +67,7 @@ pub(super) fn check_picture_memory(count: usize, size: (u32, u32), free: Option<
     check_pixel_memory(count, size, BYTES_PER_PIXEL, free)
 }
 
-/// Returns the bytes that `count` pictures with error estimates take.
+/// Returns the memory of `count` pictures with error estimates \[bytes].
 ///
 /// # Errors
 /// [`MemoryError`] if the pictures need more than `free` bytes, or one has too many pixels.
@@ -100,9 +102,13 @@ fn check_pixel_memory(
 ///
 /// # Errors
 /// [`MemoryError`] if there are too many photons.
-pub(super) fn check_photon_memory(expected: Expected, pictures: u64, free: Option<u64>) -> Result<(), MemoryError> {
+pub(super) fn check_photon_memory(
+    expected: ExpectedPhotons,
+    pictures: u64,
+    free: Option<u64>,
+) -> Result<(), MemoryError> {
     let free = free.map(|free| free.saturating_sub(pictures));
-    let Expected { paths, photons: stored, most } = expected;
+    let ExpectedPhotons { paths, photons: stored, most } = expected;
     if most > u64::from(u32::MAX) {
         return Err(MemoryError::Indices { paths, stored: most });
     }
@@ -136,7 +142,7 @@ mod tests {
     #[test]
     fn too_many_photons_are_refused() {
         let index = u64::from(u32::MAX);
-        let expected = |photons, most| Expected { paths: 1, photons, most };
+        let expected = |photons, most| ExpectedPhotons { paths: 1, photons, most };
         assert_eq!(check_photon_memory(expected(2 * index, index), 0, None), Ok(()));
         assert!(matches!(
             check_photon_memory(expected(2 * index, index + 1), 0, None),

@@ -25,15 +25,15 @@ mod study;
 
 pub use args::{Arguments, Command, EstimateArguments, PlanArguments, RenderArguments, StudyArguments};
 pub use convert::ConvertArguments;
-pub use diff::{DiffArguments, ErrorMapKind, FlipModeArgument};
-pub use failure::{Exit, Failure};
+pub use diff::{DiffArguments, ErrorMapKind, FlipMetricModeArgument};
+pub use failure::{CommandFailure, Exit};
 pub use mesh::MeshArguments;
 
 /// Runs a command.
 ///
 /// # Errors
-/// [`Failure`] with the reports to show and the exit code.
-pub fn run(arguments: Arguments) -> Result<Exit, Failure> {
+/// [`CommandFailure`] with the reports to show and the exit code.
+pub fn run(arguments: Arguments) -> Result<Exit, CommandFailure> {
     failure::install_report_style();
     match arguments.command {
         Command::Render(arguments) => render::run(&arguments),

@@ -1,13 +1,13 @@
 //! Checks that a command's output files are distinct, and collection of their write errors.
 
-use super::{Exit, Failure};
+use super::{CommandFailure, Exit};
 use crate::image::canonical_output_path;
 use miette::Report;
 use std::path::{Path, PathBuf};
 
 /// A file that a command reads or writes, with its role for error messages.
 #[derive(Clone, Debug)]
-pub(super) struct NamedFile {
+pub(super) struct FileWithRole {
     /// Flag such as `--stats`, or role such as "the scene file".
     role: &'static str,
     /// Path as given on the command line or in the scene.
@@ -16,7 +16,7 @@ pub(super) struct NamedFile {
     resolved: PathBuf,
 }
 
-impl NamedFile {
+impl FileWithRole {
     pub fn new(role: &'static str, path: &Path) -> Self {
         Self { role, path: path.to_owned(), resolved: canonical_output_path(path) }
     }
@@ -27,16 +27,16 @@ impl NamedFile {
 #[error("{} `{}` and {} `{}` are the same file", output.role, output.path.display(), other.role, other.path.display())]
 #[diagnostic(help("choose another path for {}", output.role))]
 struct SameFileError {
-    output: NamedFile,
-    other: NamedFile,
+    output: FileWithRole,
+    other: FileWithRole,
 }
 
 /// Returns a failure if an output is the same file as another output or an input.
-pub(super) fn check_distinct_files(outputs: &[NamedFile], inputs: &[NamedFile]) -> Result<(), Failure> {
+pub(super) fn check_distinct_files(outputs: &[FileWithRole], inputs: &[FileWithRole]) -> Result<(), CommandFailure> {
     for (i, output) in outputs.iter().enumerate() {
         let mut others = inputs.iter().chain(&outputs[..i]);
         if let Some(other) = others.find(|other| other.resolved == output.resolved) {
-            return Err(Failure::usage_error(SameFileError { output: output.clone(), other: other.clone() }));
+            return Err(CommandFailure::usage_error(SameFileError { output: output.clone(), other: other.clone() }));
         }
     }
     Ok(())
@@ -47,19 +47,22 @@ pub(super) fn check_distinct_files(outputs: &[NamedFile], inputs: &[NamedFile]) 
 pub(super) struct OutputFailures(Vec<Report>);
 
 impl OutputFailures {
-    /// Returns the value of `result`. Collects an error and returns `None`.
+    /// Returns the value of `result`. If `result` is an error, collects the error and returns
+    /// `None`.
     pub fn ok_or_collect<T>(&mut self, result: Result<T, impl std::error::Error + Send + Sync + 'static>) -> Option<T> {
         result.map_err(|error| self.0.push(Report::from_err(error))).ok()
     }
 
-    /// Returns the value of `result`. Collects a report and returns `None`.
+    /// Returns the value of `result`. If `result` is a report, collects the report and returns
+    /// `None`.
     pub fn ok_or_collect_report<T>(&mut self, result: miette::Result<T>) -> Option<T> {
         result.map_err(|report| self.0.push(report)).ok()
     }
 
-    /// Returns `exit` if nothing failed, else the collected errors with [`Exit::Output`].
-    pub fn into_result(self, exit: Exit) -> Result<Exit, Failure> {
-        if self.0.is_empty() { Ok(exit) } else { Err(Failure { reports: self.0, exit: Exit::Output }) }
+    /// Returns `exit` if no output failed, else a failure with all collected errors and
+    /// [`Exit::Output`].
+    pub fn into_result(self, exit: Exit) -> Result<Exit, CommandFailure> {
+        if self.0.is_empty() { Ok(exit) } else { Err(CommandFailure { reports: self.0, exit: Exit::Output }) }
     }
 }
 
@@ -67,7 +70,7 @@ impl OutputFailures {
 mod tests {
     use super::*;
 
-    fn collision_message(outputs: &[NamedFile], inputs: &[NamedFile]) -> Option<String> {
+    fn same_file_message(outputs: &[FileWithRole], inputs: &[FileWithRole]) -> Option<String> {
         check_distinct_files(outputs, inputs).err().map(|failure| failure.reports[0].to_string())
     }
 
@@ -75,10 +78,10 @@ mod tests {
     fn two_outputs_of_one_path_are_refused() {
         let folder = tempfile::tempdir().unwrap();
         let (plain, dotted) = (folder.path().join("a.exr"), folder.path().join("./a.exr"));
-        let outputs = [NamedFile::new("-o", &plain), NamedFile::new("--aov", &dotted)];
-        let refused = collision_message(&outputs, &[]).unwrap();
+        let outputs = [FileWithRole::new("-o", &plain), FileWithRole::new("--aov", &dotted)];
+        let refused = same_file_message(&outputs, &[]).unwrap();
         assert!(refused.starts_with("--aov `") && refused.contains(" and -o `"), "{refused}");
-        assert_eq!(collision_message(&outputs[..1], &[]), None);
+        assert_eq!(same_file_message(&outputs[..1], &[]), None);
     }
 
     #[cfg(unix)]
@@ -88,8 +91,8 @@ mod tests {
         let (scene, link) = (folder.path().join("a.txt"), folder.path().join("b.png"));
         std::fs::write(&scene, "").unwrap();
         std::os::unix::fs::symlink(&scene, &link).unwrap();
-        let input = NamedFile::new("the scene file", &scene);
-        let refused = collision_message(&[NamedFile::new("-o", &link)], &[input]).unwrap();
+        let input = FileWithRole::new("the scene file", &scene);
+        let refused = same_file_message(&[FileWithRole::new("-o", &link)], &[input]).unwrap();
         assert!(refused.contains("the scene file `"), "{refused}");
     }
 }

@@ -1,42 +1,42 @@
 //! `caustica plan`, and texts about a plan for other commands.
 
 use super::args::PlanArguments;
-use super::progress::{Progress, print_message};
+use super::progress::{ProgressDisplay, print_message};
 use super::scene::{load_scene, with_thread_pool};
 use super::settings::settings_from_arguments;
-use super::{Exit, Failure};
-use crate::integrate::{Algorithm, Balance, Integrator};
-use crate::plan::{Decision, Effect, Plan, SceneFeatures};
+use super::{CommandFailure, Exit};
+use crate::integrate::{Algorithm, Integrator, RayPhotonBalance};
+use crate::plan::{Effect, EffectDecision, Plan, SceneFeatures};
 use crate::study::text::{count_text, signed_count_text};
 use crate::study::{ExpectedWork, WorkCounts, expected_work};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::io::Write as _;
 
-pub(super) fn run(arguments: &PlanArguments) -> Result<Exit, Failure> {
+pub(super) fn run(arguments: &PlanArguments) -> Result<Exit, CommandFailure> {
     with_thread_pool(&arguments.scene, || {
         let scene = load_scene(&arguments.scene, &())?;
         let algorithm = arguments.method.integrator;
         let settings = settings_from_arguments(&arguments.method, arguments.effects.effects);
         let integrator = algorithm.prepare(&scene, settings);
-        let (plan, balance) = (integrator.plan(), integrator.balance());
+        let (plan, balance) = (integrator.plan(), integrator.ray_photon_balance());
         let work = expected_work(integrator.as_ref());
         let text = if arguments.json {
             let report = PlanReport::new(arguments.scene.scene.display().to_string(), algorithm, plan, balance, &work);
             let json = serde_json::to_string_pretty(&report);
-            json.map_err(Failure::output_error)? + "\n"
+            json.map_err(CommandFailure::output_error)? + "\n"
         } else {
             plan_table(algorithm, plan, balance, &work)
         };
         let written = std::io::stdout().write_all(text.as_bytes());
-        written.map_err(Failure::output_error)?;
+        written.map_err(CommandFailure::output_error)?;
         Ok(Exit::Success)
     })
 }
 
 /// Returns a line that lists the simulated and the omitted effects.
 pub(super) fn simulated_effects_line(plan: &Plan) -> String {
-    let names = |keep: fn(&Decision) -> bool| {
+    let names = |keep: fn(&EffectDecision) -> bool| {
         let names: Vec<&str> = plan.decisions.iter().filter(|d| keep(d)).map(|d| d.effect.name()).collect();
         if names.is_empty() { "nothing".to_owned() } else { names.join(", ") }
     };
@@ -44,22 +44,22 @@ pub(super) fn simulated_effects_line(plan: &Plan) -> String {
 }
 
 /// Prints the plan and the ray counts of a pass, and warns of omitted effects.
-pub(super) fn print_plan(integrator: &dyn Integrator, progress: &Progress) {
+pub(super) fn print_plan(integrator: &dyn Integrator, progress: &ProgressDisplay) {
     progress.print_line(&simulated_effects_line(integrator.plan()));
-    integrator.balance().iter().for_each(|balance| progress.print_line(&pass_counts_line(balance)));
+    integrator.ray_photon_balance().iter().for_each(|balance| progress.print_line(&pass_counts_line(balance)));
     omitted_effect_warnings(integrator.plan()).for_each(|line| print_message(&line));
     if integrator.plan().simulated_effects().has(Effect::Caustics) && integrator.radius_law().is_none() {
         print_message(UNSAMPLED_CAUSTICS);
     }
 }
 
-/// Warning for a scene with caustics that an algorithm renders without photons.
+/// Warning for a scene with caustics and an algorithm without photons.
 const UNSAMPLED_CAUSTICS: &str = "warning: this method finds caustics only by chance: of small lights rarely, of point lights never. \
     The estimated error does not include what it misses. hybrid and sppm find caustics by photons";
 
 /// Returns a line with the numbers of camera rays and photon paths of a pass.
-fn pass_counts_line(balance: &Balance) -> String {
-    let Balance { samples, photons, caustic_photons } = balance;
+fn pass_counts_line(balance: &RayPhotonBalance) -> String {
+    let RayPhotonBalance { samples, photons, caustic_photons } = balance;
     let mut line =
         format!("each pass: {}", count_with_noun(*samples as usize, "camera ray per pixel", "camera rays per pixel"));
     for (n, which) in [(photons, "photon paths"), (caustic_photons, "photon paths aimed at specular objects")] {
@@ -81,7 +81,7 @@ pub(super) fn omitted_effect_warnings(plan: &Plan) -> impl Iterator<Item = Strin
     lacking.map(|d| format!("warning: without {}: {}", d.effect, d.effect.symptom_if_missing()))
 }
 
-fn plan_table(algorithm: Algorithm, plan: &Plan, balance: Option<Balance>, work: &ExpectedWork) -> String {
+fn plan_table(algorithm: Algorithm, plan: &Plan, balance: Option<RayPhotonBalance>, work: &ExpectedWork) -> String {
     let mut text = format!("{} simulates\n", algorithm.name());
     for decision in &plan.decisions {
         let state = match (decision.is_simulated, decision.is_forced()) {
@@ -90,18 +90,19 @@ fn plan_table(algorithm: Algorithm, plan: &Plan, balance: Option<Balance>, work:
             (false, false) => "off",
             (false, true) => "off, forced",
         };
-        let costs = work.work_of_effect(decision.effect).map_or(String::new(), |w| work_text(w, signed_count_text));
+        let costs =
+            work.work_of_effect(decision.effect).map_or(String::new(), |w| work_counts_text(w, signed_count_text));
         let line = format!("  {:<16} {state:<14} {costs:<29} {}", decision.effect, decision.reason);
         let _ = writeln!(text, "{line}");
     }
     balance.iter().for_each(|balance| text += &format!("{}\n", pass_counts_line(balance)));
-    let _ = writeln!(text, "total about {} per pass", work_text(work.whole, count_text));
+    let _ = writeln!(text, "total about {} per pass", work_counts_text(work.whole, count_text));
     omitted_effect_warnings(plan).for_each(|line| text += &format!("{line}\n"));
     text
 }
 
-/// Returns numbers of rays and photons as text, such as `+1.9 M rays, +3.0 M gathered`.
-fn work_text(work: WorkCounts, number: fn(f64) -> String) -> String {
+/// Returns numbers of rays and gathered photons as text, such as `+1.9 M rays, +3.0 M gathered`.
+fn work_counts_text(work: WorkCounts, number: fn(f64) -> String) -> String {
     let WorkCounts { rays, gathered_photons } = work;
     match (rays, gathered_photons) {
         (0, 0) => "nothing".to_owned(),
@@ -122,7 +123,7 @@ struct PlanReport {
     rays: i64,
     /// Expected number of photons that the first pass sums in density estimates.
     gathered_photons: i64,
-    balance: Option<Balance>,
+    balance: Option<RayPhotonBalance>,
     effects: Vec<EffectCostReport>,
 }
 
@@ -143,13 +144,13 @@ pub(super) struct EffectReport {
     /// True if the picture is wrong without the effect.
     needed: bool,
     reason: String,
-    /// Flaw of the picture without the effect; `None` unless the effect is needed but off.
+    /// Flaw of the picture; `None` unless the scene needs the effect but the plan omits it.
     flaw: Option<&'static str>,
 }
 
 /// Returns the decisions of a plan as JSON records.
 pub(super) fn plan_effect_reports(plan: &Plan) -> Vec<EffectReport> {
-    let report = |d: &Decision| EffectReport {
+    let report = |d: &EffectDecision| EffectReport {
         effect: d.effect.name(),
         on: d.is_simulated,
         needed: d.is_needed,
@@ -160,8 +161,14 @@ pub(super) fn plan_effect_reports(plan: &Plan) -> Vec<EffectReport> {
 }
 
 impl PlanReport {
-    fn new(scene: String, algorithm: Algorithm, plan: &Plan, balance: Option<Balance>, work: &ExpectedWork) -> Self {
-        let costed = |(report, decision): (EffectReport, &Decision)| {
+    fn new(
+        scene: String,
+        algorithm: Algorithm,
+        plan: &Plan,
+        balance: Option<RayPhotonBalance>,
+        work: &ExpectedWork,
+    ) -> Self {
+        let costed = |(report, decision): (EffectReport, &EffectDecision)| {
             let work = work.work_of_effect(decision.effect);
             EffectCostReport {
                 effect: report,

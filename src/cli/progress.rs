@@ -2,7 +2,7 @@
 
 use super::forecast_text::duration_text;
 use crate::format::mesh::{MeshReadMonitor, TriangleMesh};
-use crate::integrate::{Monitor, Stage};
+use crate::integrate::{PassStage, ProgressMonitor};
 use crate::stats::Counters;
 use indicatif::{HumanCount, ProgressBar, ProgressState, ProgressStyle};
 use std::fmt;
@@ -28,7 +28,7 @@ pub(super) fn print_message(line: &str) {
 }
 
 /// Removes the progress bar from the terminal.
-pub(super) fn clear_bar() {
+pub(super) fn clear_progress_bar() {
     if let Some(bar) = PROGRESS_BAR.get() {
         bar.finish_and_clear();
     }
@@ -44,18 +44,18 @@ pub(super) fn warn_of_rejected_samples(counters: &Counters) {
 }
 
 /// Display of a command's progress on the standard error.
-pub(super) enum Progress {
+pub(super) enum ProgressDisplay {
     /// Shows nothing.
     Quiet,
     /// Prints lines.
-    Lines(Mutex<BarLabels>),
+    Lines(Mutex<ProgressBarLabels>),
     /// Draws a bar.
-    Bar(ProgressBar, Mutex<BarLabels>),
+    Bar(ProgressBar, Mutex<ProgressBarLabels>),
 }
 
 /// Texts and times that the labels of the progress bar show.
 #[derive(Debug, Default)]
-pub(super) struct BarLabels {
+pub(super) struct ProgressBarLabels {
     /// Text such as `pass 3/20`.
     pass: String,
     /// Time at which the whole render is expected to end.
@@ -64,7 +64,7 @@ pub(super) struct BarLabels {
     triangles: usize,
 }
 
-impl Progress {
+impl ProgressDisplay {
     pub fn new(quiet: bool) -> Self {
         if quiet {
             Self::Quiet
@@ -94,13 +94,13 @@ impl Progress {
             Some(of) => format!("pass {pass}/{of}"),
             None => format!("pass {pass}"),
         };
-        self.lock_labels().into_iter().for_each(|mut labels| labels.pass.clone_from(&label));
+        self.lock_progress_labels().into_iter().for_each(|mut labels| labels.pass.clone_from(&label));
     }
 
     /// Sets the time that the whole render still needs; `None` if unknown.
     pub fn set_time_left(&self, left: Option<Duration>) {
         let end = left.and_then(|left| Instant::now().checked_add(left));
-        self.lock_labels().into_iter().for_each(|mut labels| labels.end = end);
+        self.lock_progress_labels().into_iter().for_each(|mut labels| labels.end = end);
     }
 
     /// Sets the text to the right of the bar.
@@ -111,13 +111,13 @@ impl Progress {
     }
 
     /// Removes the bar from the terminal.
-    pub fn remove_bar(&self) {
+    pub fn remove_progress_bar(&self) {
         if let Self::Bar(bar, _) = self {
             bar.finish_and_clear();
         }
     }
 
-    fn lock_labels(&self) -> Option<MutexGuard<'_, BarLabels>> {
+    fn lock_progress_labels(&self) -> Option<MutexGuard<'_, ProgressBarLabels>> {
         match self {
             Self::Quiet => None,
             Self::Lines(state) | Self::Bar(_, state) => Some(state.lock().unwrap_or_else(PoisonError::into_inner)),
@@ -125,7 +125,12 @@ impl Progress {
     }
 
     /// Restarts the bar at zero for a stage of `total` units.
-    fn restart_bar(&self, style: Result<ProgressStyle, indicatif::style::TemplateError>, prefix: String, total: u64) {
+    fn restart_progress_bar(
+        &self,
+        style: Result<ProgressStyle, indicatif::style::TemplateError>,
+        prefix: String,
+        total: u64,
+    ) {
         let Self::Bar(bar, _) = self else { return };
         bar.disable_steady_tick();
         if let Ok(style) = style {
@@ -138,13 +143,14 @@ impl Progress {
 }
 
 /// Returns a label that shows the speed of a stage, such as `12,345 paths/s`.
-fn rate_label(unit: &'static str) -> impl Fn(&ProgressState, &mut dyn fmt::Write) + Clone {
+fn progress_rate_label(unit: &'static str) -> impl Fn(&ProgressState, &mut dyn fmt::Write) + Clone {
     move |state, out| {
         let _ = write!(out, "{} {unit}/s", HumanCount(state.per_sec().round() as u64));
     }
 }
 
-/// Returns a label that shows the time left: of the render if `end` is known, else of the stage.
+/// Returns a label that shows the remaining time: of the render if its `end` is known, else of the
+/// stage.
 fn time_left_label(end: Option<Instant>) -> impl Fn(&ProgressState, &mut dyn fmt::Write) + Clone {
     move |state, out| {
         let _ = match end {
@@ -156,21 +162,24 @@ fn time_left_label(end: Option<Instant>) -> impl Fn(&ProgressState, &mut dyn fmt
     }
 }
 
-impl Monitor for Progress {
-    fn begin(&self, stage: Stage, total: u64) {
+impl ProgressMonitor for ProgressDisplay {
+    fn begin_stage(&self, stage: PassStage, total: u64) {
         let (name, unit) = match stage {
-            Stage::Photons => ("photons", "paths"),
-            Stage::Indexing => ("indexing", "photons"),
-            Stage::Camera => ("image", "pixels"),
+            PassStage::Photons => ("photons", "paths"),
+            PassStage::Indexing => ("indexing", "photons"),
+            PassStage::Camera => ("image", "pixels"),
         };
-        let Some((pass, end)) = self.lock_labels().map(|labels| (labels.pass.clone(), labels.end)) else { return };
+        let Some((pass, end)) = self.lock_progress_labels().map(|labels| (labels.pass.clone(), labels.end)) else {
+            return;
+        };
         let template = format!("{{prefix}} {name:<8} {{bar:16}} {{percent:>3}} %  {{rate}}  {{left}}  {{wide_msg}}");
         let style = ProgressStyle::with_template(&template);
-        let style = style.map(|style| style.with_key("rate", rate_label(unit)).with_key("left", time_left_label(end)));
-        self.restart_bar(style, pass, total);
+        let style =
+            style.map(|style| style.with_key("rate", progress_rate_label(unit)).with_key("left", time_left_label(end)));
+        self.restart_progress_bar(style, pass, total);
     }
 
-    fn advance(&self, units: u64) {
+    fn report_progress(&self, units: u64) {
         if let Self::Bar(bar, _) = self {
             bar.inc(units);
         }
@@ -180,7 +189,7 @@ impl Monitor for Progress {
 /// Smallest number of triangles of a mesh whose loading is reported in a line.
 const LARGE_MESH_TRIANGLES: usize = 1_000_000;
 
-impl MeshReadMonitor for Progress {
+impl MeshReadMonitor for ProgressDisplay {
     fn on_read_start(&self, path: &Path, bytes: u64) {
         let style = ProgressStyle::with_template("reading {prefix} {bar:16} {percent:>3} %  {rate}");
         let style = style.map(|style| {
@@ -188,7 +197,7 @@ impl MeshReadMonitor for Progress {
                 let _ = write!(out, "{:.0} MB/s", 1e-6 * state.per_sec());
             })
         });
-        self.restart_bar(style, path.display().to_string(), bytes);
+        self.restart_progress_bar(style, path.display().to_string(), bytes);
     }
 
     fn on_bytes_parsed(&self, bytes: u64) {
@@ -197,20 +206,21 @@ impl MeshReadMonitor for Progress {
         }
     }
 
-    /// Reports a large mesh, and shows that the triangles so far are indexed.
+    /// Reports a large mesh in a line, and shows the number of triangles of all meshes that are now
+    /// indexed.
     fn on_read_end(&self, path: &Path, mesh: &TriangleMesh) {
         let n = mesh.triangles.len();
         if n >= LARGE_MESH_TRIANGLES {
             self.print_line(&format!("read {}: {n} triangles", path.display()));
         }
-        let Some(triangles) = self.lock_labels().map(|mut state| {
+        let Some(triangles) = self.lock_progress_labels().map(|mut state| {
             state.triangles += n;
             state.triangles
         }) else {
             return;
         };
         let template = "indexing {prefix} triangles {spinner}  {elapsed}";
-        self.restart_bar(ProgressStyle::with_template(template), HumanCount(triangles as u64).to_string(), 0);
+        self.restart_progress_bar(ProgressStyle::with_template(template), HumanCount(triangles as u64).to_string(), 0);
         if let Self::Bar(bar, _) = self {
             bar.enable_steady_tick(Duration::from_millis(100));
         }
@@ -229,7 +239,7 @@ impl<'a> InputFileCollector<'a> {
     }
 
     /// Returns the paths, in the order of reading.
-    pub fn into_files(self) -> Vec<PathBuf> {
+    pub fn into_input_paths(self) -> Vec<PathBuf> {
         self.files.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 }

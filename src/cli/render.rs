@@ -4,15 +4,15 @@ use super::check::quick_scene_warnings;
 use super::diagnostics::{all_lights_are_black, black_picture_note, no_photon_stored_note};
 use super::interrupt::{INTERRUPTED, listen_for_signals};
 use super::memory::{check_estimated_picture_memory, check_photon_memory, check_picture_memory};
-use super::outputs::{NamedFile, OutputFailures, check_distinct_files};
+use super::outputs::{FileWithRole, OutputFailures, check_distinct_files};
 use super::plan::{self, count_with_noun};
-use super::progress::{InputFileCollector, Progress, print_message, warn_of_rejected_samples};
-use super::report::{ErrorReport, RenderReport, RenderSetup};
+use super::progress::{InputFileCollector, ProgressDisplay, print_message, warn_of_rejected_samples};
+use super::report::{EstimatedErrorReport, RenderReport, RenderSetup};
 use super::scene::{load_scene_and_file, with_thread_pool};
 use super::settings::settings_from_arguments;
-use super::{Exit, Failure, RenderArguments, aov, forecast_text};
+use super::{CommandFailure, Exit, RenderArguments, aov, forecast_text};
 use crate::image::{self, ClippedPixelReport, Image, OutputFormat, ToneCurve, ToneMap, WriteOptions};
-use crate::integrate::{Algorithm, GuidingReports, Integrator};
+use crate::integrate::{Algorithm, EmissionGuidingReportPerMap, Integrator};
 use crate::render::error_estimate::{Confidence, MIN_PASSES, PassesNeeded};
 use crate::render::{EndReason, ErrorTarget, PassProgress, RenderResult, StopCriteria, render};
 use crate::scene::Scene;
@@ -21,44 +21,45 @@ use glam::Vec3;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
+pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, CommandFailure> {
     let needs_error = [("--target-error", arguments.target_error.is_some()), ("--aov", arguments.aov.is_some())];
     let needs_error = needs_error.into_iter().find(|(_, given)| *given);
     if let (Algorithm::Raycast, Some((flag, _))) = (arguments.method.integrator, needs_error) {
-        return Err(Failure::usage_error(forecast_text::ErrorEstimateUnsupported { flag }));
+        return Err(CommandFailure::usage_error(forecast_text::ErrorEstimateUnsupported { flag }));
     }
     // Everything that can fail without rendering is checked before rendering.
     for path in &arguments.output {
-        image::check_writable(path).map_err(Failure::output_error)?;
+        image::check_writable(path).map_err(CommandFailure::output_error)?;
     }
     if let Some(path) = &arguments.aov {
-        image::check_layers_path(path).map_err(Failure::output_error)?;
+        image::check_layers_path(path).map_err(CommandFailure::output_error)?;
     }
     if let Some(path) = &arguments.stats {
-        image::check_replaceable(path).map_err(Failure::output_error)?;
+        image::check_replaceable(path).map_err(CommandFailure::output_error)?;
     }
-    check_distinct_files(&output_files(arguments), &[NamedFile::new("the scene file", &arguments.scene.scene)])?;
+    check_distinct_files(&output_files(arguments), &[FileWithRole::new("the scene file", &arguments.scene.scene)])?;
     listen_for_signals("the picture");
-    let progress = Progress::new(arguments.quiet);
-    with_thread_pool(&arguments.scene, || load_and_render(arguments, &progress))
+    let progress = ProgressDisplay::new(arguments.quiet);
+    with_thread_pool(&arguments.scene, || load_scene_and_render(arguments, &progress))
 }
 
 /// Returns all output files that the command line names.
-fn output_files(arguments: &RenderArguments) -> Vec<NamedFile> {
-    let pictures = arguments.output.iter().map(|path| NamedFile::new("-o", path));
-    let layers = arguments.aov.iter().map(|path| NamedFile::new("--aov", path));
-    let report = arguments.stats.iter().map(|path| NamedFile::new("--stats", path));
+fn output_files(arguments: &RenderArguments) -> Vec<FileWithRole> {
+    let pictures = arguments.output.iter().map(|path| FileWithRole::new("-o", path));
+    let layers = arguments.aov.iter().map(|path| FileWithRole::new("--aov", path));
+    let report = arguments.stats.iter().map(|path| FileWithRole::new("--stats", path));
     pictures.chain(layers).chain(report).collect()
 }
 
-fn load_and_render(arguments: &RenderArguments, progress: &Progress) -> Result<Exit, Failure> {
+fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay) -> Result<Exit, CommandFailure> {
     let start = Instant::now();
     let inputs = InputFileCollector::new(progress);
     let (file, scene) = load_scene_and_file(&arguments.scene, &inputs)?;
-    progress.remove_bar();
+    progress.remove_progress_bar();
     quick_scene_warnings(&file, &scene, &arguments.scene).iter().for_each(|line| progress.print_line(line));
     drop(file);
-    let inputs: Vec<NamedFile> = inputs.into_files().iter().map(|path| NamedFile::new("the input", path)).collect();
+    let inputs: Vec<FileWithRole> =
+        inputs.into_input_paths().iter().map(|path| FileWithRole::new("the input", path)).collect();
     check_distinct_files(&output_files(arguments), &inputs)?;
     let algorithm = arguments.method.integrator;
     let mut setup = RenderSetup {
@@ -70,7 +71,7 @@ fn load_and_render(arguments: &RenderArguments, progress: &Progress) -> Result<E
         shapes: scene.shape_count(),
         lights: scene.lights().len(),
         radii: None,
-        emission_guiding: GuidingReports::default(),
+        emission_guiding: EmissionGuidingReportPerMap::default(),
         effects: Vec::new(),
         balance: None,
         seconds: 0.0,
@@ -82,22 +83,23 @@ fn load_and_render(arguments: &RenderArguments, progress: &Progress) -> Result<E
     settings.camera_paths.estimate_error = estimates_error;
     let (memory, size) = (arguments.scene.memory_limit(), scene.camera().size());
     let check = if estimates_error { check_estimated_picture_memory } else { check_picture_memory };
-    let pictures = check(1, size, memory.available_bytes()).map_err(Failure::usage_error)?;
+    let pictures = check(1, size, memory.available_bytes()).map_err(CommandFailure::usage_error)?;
     let integrator = algorithm.prepare(&scene, settings);
-    check_photon_memory(integrator.expected(), pictures, memory.available_bytes()).map_err(Failure::usage_error)?;
+    check_photon_memory(integrator.expected_photons(), pictures, memory.available_bytes())
+        .map_err(CommandFailure::usage_error)?;
     plan::print_plan(integrator.as_ref(), progress);
-    setup.radii = integrator.radii();
-    setup.emission_guiding = integrator.guiding_reports();
+    setup.radii = integrator.gather_radii();
+    setup.emission_guiding = integrator.emission_guiding_reports();
     setup.effects = plan::plan_effect_reports(integrator.plan());
-    setup.balance = integrator.balance();
+    setup.balance = integrator.ray_photon_balance();
     setup.seconds = start.elapsed().as_secs_f64();
     let rendered = render_passes(arguments, integrator.as_ref(), size, start, progress);
-    progress.remove_bar();
+    progress.remove_progress_bar();
     write_render_outputs(arguments, progress, setup, all_lights_are_black(&scene), &rendered)
 }
 
 /// Prints the numbers of triangles, shapes and lights, and a note if there are none.
-fn print_scene_summary(setup: &RenderSetup, scene: &Scene, progress: &Progress) {
+fn print_scene_summary(setup: &RenderSetup, scene: &Scene, progress: &ProgressDisplay) {
     progress.print_line(&format!(
         "{}: {}, {}, {}",
         setup.scene,
@@ -120,13 +122,13 @@ fn render_passes(
     integrator: &dyn Integrator,
     size: (u32, u32),
     start: Instant,
-    progress: &Progress,
+    progress: &ProgressDisplay,
 ) -> RenderResult {
     let algorithm = arguments.method.integrator;
     let passes = arguments.passes.or(match (arguments.time, arguments.target_error) {
-        (None, None) => Some(algorithm.passes()),
+        (None, None) => Some(algorithm.default_passes()),
         // A second pass of ray casting would repeat the first.
-        _ if algorithm == Algorithm::Raycast => Some(algorithm.passes()),
+        _ if algorithm == Algorithm::Raycast => Some(algorithm.default_passes()),
         _ => None,
     });
     let target = arguments.target_error.map(|error| ErrorTarget { error, confidence: arguments.confidence });
@@ -139,7 +141,7 @@ fn render_passes(
         let error = standing.error.as_ref().filter(|_| !arguments.quiet).map(|(estimate, forecast)| {
             // Without a target, the forecast is the time until the error is halved.
             let shown = target.map_or(0.5 * estimate.error, |target| target.error);
-            let aim = target.map_or(shown, |target| target_point_estimate(target, standing).unwrap_or(shown));
+            let aim = target.map_or(shown, |target| error_estimate_at_target(target, standing).unwrap_or(shown));
             format!(
                 "error {}{}",
                 forecast_text::error_text(estimate),
@@ -161,8 +163,9 @@ fn render_passes(
     })
 }
 
-/// Returns the estimated error whose confidence interval would end at the target error.
-fn target_point_estimate(target: ErrorTarget, standing: &PassProgress) -> Option<f64> {
+/// Returns the estimated error at which the upper end of its confidence interval is the target
+/// error.
+fn error_estimate_at_target(target: ErrorTarget, standing: &PassProgress) -> Option<f64> {
     let (estimate, _) = standing.error.as_ref()?;
     Some(target.error * estimate.error / estimate.high)
 }
@@ -176,7 +179,7 @@ fn time_until_stop(
 ) -> Option<Duration> {
     let of_passes = |n: u32| f64::from(n.saturating_sub(standing.passes)) * pass_seconds;
     let by_target = stop.target.zip(standing.error.as_ref()).and_then(|(target, (_, forecast))| {
-        match forecast.passes_to_reach(target_point_estimate(target, standing)?) {
+        match forecast.passes_to_reach(error_estimate_at_target(target, standing)?) {
             PassesNeeded::Passes(n) => Some(of_passes(n)),
             PassesNeeded::Never { .. } | PassesNeeded::TooMany => None,
         }
@@ -190,13 +193,13 @@ fn time_until_stop(
 /// Writes all outputs and prints a summary. An output that fails does not stop the others.
 fn write_render_outputs(
     arguments: &RenderArguments,
-    progress: &Progress,
+    progress: &ProgressDisplay,
     setup: RenderSetup,
     powerless: bool,
     rendered: &RenderResult,
-) -> Result<Exit, Failure> {
+) -> Result<Exit, CommandFailure> {
     let (width, height) = rendered.film.size();
-    let picture = Image::from_pixels(width, height, rendered.film.mean()).map_err(Failure::output_error)?;
+    let picture = Image::from_pixels(width, height, rendered.film.mean()).map_err(CommandFailure::output_error)?;
     let mut failures = OutputFailures::default();
     write_pictures(arguments, progress, &picture, rendered, &mut failures);
     warn_of_rejected_samples(&rendered.counters);
@@ -207,7 +210,7 @@ fn write_render_outputs(
     let report = RenderReport::new(setup, rendered, reported_confidence(arguments));
     print_render_summary(arguments, progress, &report, rendered);
     if let Some(path) = &arguments.stats {
-        let json = serde_json::to_vec_pretty(&report).map_err(Failure::output_error)?;
+        let json = serde_json::to_vec_pretty(&report).map_err(CommandFailure::output_error)?;
         failures.ok_or_collect(image::replace_file(path, &json));
     }
     failures.into_result(if rendered.ended == EndReason::Interrupted { Exit::Interrupted } else { Exit::Success })
@@ -216,7 +219,7 @@ fn write_render_outputs(
 /// Writes the files of `-o` and `--aov`.
 fn write_pictures(
     arguments: &RenderArguments,
-    progress: &Progress,
+    progress: &ProgressDisplay,
     picture: &Image,
     rendered: &RenderResult,
     failures: &mut OutputFailures,
@@ -260,10 +263,11 @@ fn write_pictures(
     }
 }
 
-/// Prints the number of passes, rates, the reason for the end, and the estimated error.
+/// Prints the number of passes, rays and photons per second, why the render ended, and the
+/// estimated error.
 fn print_render_summary(
     arguments: &RenderArguments,
-    progress: &Progress,
+    progress: &ProgressDisplay,
     report: &RenderReport,
     rendered: &RenderResult,
 ) {
@@ -282,7 +286,7 @@ fn print_render_summary(
         report.rates.rays_per_second * 1e-6,
         report.rates.photons_per_second * 1e-6,
     ));
-    if let Some(ErrorReport { estimate, .. }) = &report.error {
+    if let Some(EstimatedErrorReport { estimate, .. }) = &report.error {
         let interval = format!("{} to {}", percent_text(estimate.low), percent_text(estimate.high));
         let confidence = percent_text(reported_confidence(arguments).probability());
         progress.print_line(&format!(
@@ -295,8 +299,8 @@ fn print_render_summary(
     }
 }
 
-/// Reports pixels whose values the file format cannot hold.
-fn report_clipped_pixels(written: &ClippedPixelReport, path: &Path, exposure: f32, progress: &Progress) {
+/// Prints warnings of pixels whose values the file format cannot store.
+fn report_clipped_pixels(written: &ClippedPixelReport, path: &Path, exposure: f32, progress: &ProgressDisplay) {
     let pixels = |n: usize| format!("{} of {}", count_with_noun(n, "pixel", "pixels"), path.display());
     if written.non_finite > 0 {
         print_message(&format!("warning: {}: not finite", pixels(written.non_finite)));

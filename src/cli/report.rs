@@ -1,7 +1,7 @@
 //! JSON report of a render for `--stats`. `docs/guide/command-line.md` describes each field.
 
 use super::plan::EffectReport;
-use crate::integrate::{Balance, GuidingReports, PhotonReport, Radii, Seconds};
+use crate::integrate::{EmissionGuidingReportPerMap, GatherRadii, PhotonReport, RayPhotonBalance, StageTimes};
 use crate::render::error_estimate::{Confidence, ErrorEstimate, PassesNeeded};
 use crate::render::{EndReason, RenderResult};
 use crate::stats::{Counters, cpu_seconds, peak_memory};
@@ -26,13 +26,13 @@ pub(super) struct RenderReport {
     pub triangles: usize,
     pub shapes: usize,
     pub lights: usize,
-    pub radii: Option<RadiiReport>,
-    pub emission_guiding: GuidingReports,
+    pub radii: Option<GatherRadiiReport>,
+    pub emission_guiding: EmissionGuidingReportPerMap,
     pub effects: Vec<EffectReport>,
-    pub balance: Option<Balance>,
+    pub balance: Option<RayPhotonBalance>,
     pub photons: PhotonReports,
     /// `None` with too few passes, or without an error estimate.
-    pub error: Option<ErrorReport>,
+    pub error: Option<EstimatedErrorReport>,
     pub counters: Counters,
     pub seconds: RenderTimes,
     pub rates: RenderRates,
@@ -42,18 +42,19 @@ pub(super) struct RenderReport {
 
 /// Estimated relative error of the picture, and the cost of halving it.
 #[derive(Debug, Serialize)]
-pub(super) struct ErrorReport {
+pub(super) struct EstimatedErrorReport {
     #[serde(flatten)]
     pub estimate: ErrorEstimate,
-    /// Confidence that the error lies between `low` and `high` of the estimate.
+    /// Confidence that the true error lies between the bounds `low` and `high` of the estimate.
     confidence: Confidence,
-    /// Total passes at which the error is half as large; `None` if no number of passes is enough.
+    /// Total number of passes at which the error would be half as large; `None` if no number is
+    /// enough.
     halving_passes: Option<u32>,
     /// Further time until the error is half as large \[s].
     halving_seconds: Option<f64>,
 }
 
-impl ErrorReport {
+impl EstimatedErrorReport {
     fn new(rendered: &RenderResult, confidence: Confidence) -> Option<Self> {
         let estimator = rendered.estimator.as_ref()?;
         let estimate = estimator.estimate_with_confidence(&rendered.film, confidence);
@@ -69,7 +70,7 @@ impl ErrorReport {
 }
 
 #[derive(Debug, Serialize)]
-pub(super) struct RadiiReport {
+pub(super) struct GatherRadiiReport {
     pub global: f32,
     pub caustic: f32,
 }
@@ -84,7 +85,7 @@ pub(super) struct PhotonReports {
 pub(super) struct RenderTimes {
     pub setup: f64,
     #[serde(flatten)]
-    pub passes: Seconds,
+    pub passes: StageTimes,
     pub render: f64,
 }
 
@@ -103,10 +104,10 @@ pub(super) struct RenderSetup {
     pub triangles: usize,
     pub shapes: usize,
     pub lights: usize,
-    pub radii: Option<Radii>,
-    pub emission_guiding: GuidingReports,
+    pub radii: Option<GatherRadii>,
+    pub emission_guiding: EmissionGuidingReportPerMap,
     pub effects: Vec<EffectReport>,
-    pub balance: Option<Balance>,
+    pub balance: Option<RayPhotonBalance>,
     /// Time that the preparation took \[s].
     pub seconds: f64,
 }
@@ -116,7 +117,7 @@ impl RenderReport {
         let (width, height) = rendered.film.size();
         let wall = rendered.wall.as_secs_f64();
         let rate = |n: u64, seconds: f64| if seconds > 0.0 { n as f64 / seconds } else { 0.0 };
-        let emitted = rendered.global.emitted + rendered.caustic.emitted;
+        let emitted = rendered.unaimed.emitted + rendered.aimed.emitted;
         Self {
             schema: SCHEMA,
             version: env!("CARGO_PKG_VERSION"),
@@ -131,12 +132,12 @@ impl RenderReport {
             triangles: setup.triangles,
             shapes: setup.shapes,
             lights: setup.lights,
-            radii: setup.radii.map(|r| RadiiReport { global: r.global, caustic: r.caustic }),
+            radii: setup.radii.map(|r| GatherRadiiReport { global: r.indirect, caustic: r.caustic }),
             emission_guiding: setup.emission_guiding,
             effects: setup.effects,
             balance: setup.balance,
-            photons: PhotonReports { global: rendered.global, caustic: rendered.caustic },
-            error: ErrorReport::new(rendered, confidence),
+            photons: PhotonReports { global: rendered.unaimed, caustic: rendered.aimed },
+            error: EstimatedErrorReport::new(rendered, confidence),
             counters: rendered.counters,
             seconds: RenderTimes { setup: setup.seconds, passes: rendered.seconds, render: wall },
             rates: RenderRates {

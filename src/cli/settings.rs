@@ -2,7 +2,7 @@
 
 use super::args::MethodArguments;
 use crate::camera::{Filter, FilterKind};
-use crate::integrate::{ALPHA, Algorithm, CameraPathSettings, FinalGathering, LightTracing, Settings, VolumeEstimate};
+use crate::integrate::{ALPHA, Algorithm, CameraPathSettings, FinalGathering, LightTracing, Settings, VolumeEstimator};
 use crate::photon::Kernel;
 use crate::plan::{Effect, EffectOverrides};
 use clap::ValueEnum;
@@ -57,7 +57,7 @@ impl ValueEnum for LightTracing {
     }
 }
 
-impl ValueEnum for VolumeEstimate {
+impl ValueEnum for VolumeEstimator {
     fn value_variants<'a>() -> &'a [Self] {
         &[Self::Beams, Self::BeamRadiance, Self::Points]
     }
@@ -118,7 +118,7 @@ pub(super) fn method_flags(arguments: &MethodArguments, effects_flag: &str, over
             unless_default(final_gathering == FinalGathering::default(), value_enum_name(final_gathering)),
         ),
         ("--light-tracing", unless_default(light_tracing == LightTracing::default(), value_enum_name(light_tracing))),
-        ("--volume", unless_default(volume == VolumeEstimate::default(), value_enum_name(volume))),
+        ("--volume", unless_default(volume == VolumeEstimator::default(), value_enum_name(volume))),
         (
             "--max-bounces",
             unless_default(max_bounces == CameraPathSettings::default().max_bounces, max_bounces.to_string()),
@@ -159,7 +159,8 @@ fn filter_name(filter: FilterKind) -> &'static str {
     }
 }
 
-/// Returns effect overrides as text, such as `+lens,-caustics`; `None` if there are none.
+/// Returns effect overrides as text, such as `+lens,-caustics`; `None` if no effect is forced on or
+/// off.
 fn effect_overrides_text(overrides: EffectOverrides) -> Option<String> {
     let signed = |e: Effect| overrides.forced_state(e).map(|on| format!("{}{}", if on { '+' } else { '-' }, e.name()));
     let words: Vec<String> = Effect::ALL.into_iter().filter_map(signed).collect();

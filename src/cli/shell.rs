@@ -1,21 +1,21 @@
 //! `caustica completions` and `caustica man`: completion scripts and the manual page.
 
-use super::{Arguments, Exit, Failure};
+use super::{Arguments, CommandFailure, Exit};
 use clap::{Command, CommandFactory};
 use clap_complete::Shell;
 use clap_mangen::Man;
 use std::io::{self, Write};
 
 /// Prints the completion script of a shell.
-pub(super) fn print_completions(shell: Shell) -> Result<Exit, Failure> {
+pub(super) fn print_completions(shell: Shell) -> Result<Exit, CommandFailure> {
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut Arguments::command(), "caustica", &mut script);
     write_to_stdout(&script)
 }
 
 /// Prints the manual page in roff.
-pub(super) fn print_manual() -> Result<Exit, Failure> {
-    let page = manual_page().map_err(Failure::output_error)?;
+pub(super) fn print_manual() -> Result<Exit, CommandFailure> {
+    let page = manual_page().map_err(CommandFailure::output_error)?;
     write_to_stdout(page.as_bytes())
 }
 
@@ -52,7 +52,7 @@ fn render_roff(render: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> io::Resul
     Ok(String::from_utf8_lossy(&text).into_owned())
 }
 
-fn write_to_stdout(text: &[u8]) -> Result<Exit, Failure> {
-    io::stdout().write_all(text).map_err(Failure::output_error)?;
+fn write_to_stdout(text: &[u8]) -> Result<Exit, CommandFailure> {
+    io::stdout().write_all(text).map_err(CommandFailure::output_error)?;
     Ok(Exit::Success)
 }

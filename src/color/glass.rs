@@ -19,9 +19,9 @@ pub enum DispersionFormula {
     },
     /// Sellmeier's equation: n² = 1 + Σ bᵢ λ²/(λ² − cᵢ).
     Sellmeier {
-        /// Strengths of the resonances; 0 for an unused term.
+        /// Coefficients bᵢ, the strengths of the resonances; 0 for an unused term.
         b: [f64; 4],
-        /// Squared wavelengths of the resonances \[µm²].
+        /// Coefficients cᵢ, the squared wavelengths of the resonances \[µm²].
         c: [f64; 4],
     },
 }
@@ -44,7 +44,7 @@ impl DispersionFormula {
 
     /// Refractive index at the d line, 587.56 nm.
     #[must_use]
-    pub fn d_line_index(&self) -> f32 {
+    pub fn refractive_index_at_d_line(&self) -> f32 {
         self.refractive_index_at(LINES[1]) as f32
     }
 
@@ -61,10 +61,10 @@ impl DispersionFormula {
     ///
     /// Returns `None` if the index is not positive and finite, for example near a resonance.
     #[must_use]
-    pub fn index_range(&self) -> Option<[f64; 2]> {
+    pub fn refractive_index_range(&self) -> Option<[f64; 2]> {
         let [mut least, mut most] = [f64::INFINITY, f64::NEG_INFINITY];
         for nm in BAND[0]..BAND[1] {
-            let [low, high] = self.index_bounds_between(f64::from(nm), f64::from(nm + 1))?;
+            let [low, high] = self.refractive_index_bounds_between(f64::from(nm), f64::from(nm + 1))?;
             least = least.min(low);
             most = most.max(high);
         }
@@ -72,7 +72,7 @@ impl DispersionFormula {
     }
 
     /// Lower and upper bound of the refractive index between two wavelengths \[nm].
-    fn index_bounds_between(&self, from: f64, to: f64) -> Option<[f64; 2]> {
+    fn refractive_index_bounds_between(&self, from: f64, to: f64) -> Option<[f64; 2]> {
         // Each term is monotonic between the wavelengths, so its bounds are at the ends.
         let mut sum = [0.0f64; 2];
         let mut add = |p: f64, q: f64| {
@@ -133,12 +133,12 @@ fn sellmeier_term(b: f64, c: f64, x: f64) -> f64 {
     if b == 0.0 { 0.0 } else { b * x / (x - c) }
 }
 
-/// Sellmeier's equation with three terms.
+/// Makes Sellmeier's equation with three terms.
 const fn three_term_sellmeier(b: [f64; 3], c: [f64; 3]) -> DispersionFormula {
     DispersionFormula::Sellmeier { b: [b[0], b[1], b[2], 0.0], c: [c[0], c[1], c[2], 0.0] }
 }
 
-/// Name, dispersion formula and source of each medium that [`glass_by_name`] finds, by name.
+/// Name, dispersion formula and source of each medium that [`glass_by_name`] finds, sorted by name.
 ///
 /// Refractive indices of water and diamond are relative to vacuum, all others to air. The
 /// difference is below 0.0003 of the index. Coefficients are from the public-domain database of

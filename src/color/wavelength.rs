@@ -88,7 +88,7 @@ impl Wavelength {
 
 /// Sampling table of the wavelengths, by intervals of constant response.
 struct SpectralResponseTable {
-    /// Cumulative probability at the start of each interval, then 1.
+    /// Cumulative probabilities: that at the start of each interval, and 1 at the end.
     sums: [f64; CELLS + 1],
     /// Pdf in each interval \[1/nm].
     pdfs: [f32; CELLS],

@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn get_counts_rows_from_the_top() {
+    fn image_rows_count_from_the_top() {
         let mut image = Image::new(3, 2).unwrap();
         image.pixels_mut()[5] = Vec3::ONE;
         assert_eq!(image.get(2, 1), Some(Vec3::ONE));

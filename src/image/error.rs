@@ -15,7 +15,7 @@ pub enum WriteError {
         /// The path as given.
         path: PathBuf,
     },
-    /// The file shall have layers, but its extension is not `.exr`.
+    /// A file with layers was requested, but its extension is not `.exr`.
     #[error("`{}` cannot hold layers: give it the extension .exr", path.display())]
     NoLayers {
         /// The path as given.
@@ -152,7 +152,8 @@ impl DecodeFailure {
     }
 }
 
-/// Fails if `file` bytes cannot contain `uncompressed` bytes of data, as its header claims.
+/// Fails if a file of `file` bytes cannot hold the `uncompressed` bytes of data that its header
+/// claims.
 ///
 /// DEFLATE compresses at most 1032 bytes into one (zlib technical details). The check prevents
 /// allocations for a wrong header.
@@ -163,11 +164,12 @@ pub(super) fn check_compression_ratio(uncompressed: u64, file: usize) -> Result<
     Ok(())
 }
 
-/// Peak memory while a picture is read and made a texture or an environment light \[bytes/pixel].
+/// Peak memory while a picture is read and turned into a texture or an environment light
+/// \[bytes/pixel].
 ///
-/// Reading OpenEXR needs most: four channels twice in single precision (32), RGB (12), and a
-/// reserve (4). A picture with its MIP pyramid takes 12 + 16 bytes. A picture with the tables of
-/// light sampling takes 12 + 24 bytes.
+/// The peak is reached while an OpenEXR file is read. It holds four channels twice in single
+/// precision (32 bytes), RGB (12 bytes) and a reserve (4 bytes). Later, a picture with its MIP
+/// pyramid takes 28 bytes, and one with the tables of light sampling 36 bytes.
 const PEAK_BYTES_PER_PIXEL: u64 = 48;
 
 /// Fails if reading a picture of `pixels` pixels needs more than `free` bytes; `None` is no limit.

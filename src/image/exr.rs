@@ -62,7 +62,7 @@ pub(super) fn encode(
 /// Largest finite number in half precision (IEEE 754 binary16).
 const LARGEST_HALF: f32 = 65_504.0;
 
-/// Rounds to half precision. A finite number is clamped to ±65504 and stays finite.
+/// Rounds to half precision. Finite numbers are clamped to ±65504, so they stay finite.
 fn to_clamped_half(x: f32) -> f16 {
     f16::from_f32(if x.is_finite() { x.clamp(-LARGEST_HALF, LARGEST_HALF) } else { x })
 }

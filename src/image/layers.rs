@@ -18,7 +18,7 @@ const MAX_NAME: usize = 255;
 /// A layer of an OpenEXR file: a named group of channels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExrLayer {
-    /// Name of the layer; empty for the layer that viewers show as the picture.
+    /// Name of the layer; empty for the one layer that picture viewers show.
     pub name: String,
     /// Channels: the name, and one value per pixel in rows from the top.
     ///

@@ -51,8 +51,9 @@ pub fn rmse(a: &Image, b: &Image) -> Result<f64, MetricError> {
 /// Relative mean square error: mean of (a − b)² / (b² + ε) over pixels and channels (Rousselle et
 /// al. 2011).
 ///
-/// b is the `reference`. ε has the unit of b²; 0.01 is common. `clip` limits the contribution of
-/// each pixel, so that a firefly does not dominate.
+/// In the formula, a and b are channel values of `a` and `reference`. ε is `epsilon`, in the unit
+/// of b²; 0.01 is common. `clip` limits the contribution of each pixel, so that a firefly does not
+/// dominate.
 ///
 /// # Errors
 /// [`MetricError`] if the sizes differ, a pixel is not finite, or ε or `clip` is not positive.
@@ -73,7 +74,7 @@ pub fn relative_mse(a: &Image, reference: &Image, epsilon: f64, clip: Option<f64
     Ok(sum / reference.pixels().len() as f64)
 }
 
-/// Largest absolute difference over all pixels and channels.
+/// Largest absolute difference over all pixels and channels \[W/(m² sr)].
 ///
 /// # Errors
 /// [`MetricError`] if the sizes differ or a pixel is not finite.
@@ -124,7 +125,7 @@ pub fn largest_differences(a: &Image, b: &Image) -> Result<PixelDifferences, Met
     Ok(found)
 }
 
-/// Relative root mean square error; [`RelativeScale`] of the `reference` defines its scale.
+/// Relative root mean square error. [`RelativeScale`] defines what the error is relative to.
 ///
 /// # Errors
 /// [`MetricError`] if the sizes differ or a pixel is not finite.

@@ -32,7 +32,7 @@ pub struct WriteOptions {
     pub depth: BitDepth,
     /// Bits per channel of OpenEXR.
     pub floats: FloatDepth,
-    /// Pairs of key and text.
+    /// Metadata of the file: pairs of key and text.
     ///
     /// PNG stores them as text chunks, OpenEXR as lines `key: text` of the attribute `comments`. A
     /// key has 1 to 79 printable ASCII characters, without leading, trailing or repeated spaces. A
@@ -40,7 +40,8 @@ pub struct WriteOptions {
     pub metadata: Vec<(String, String)>,
 }
 
-/// Checks keys by the rules of PNG keywords, restricted to ASCII (ISO/IEC 15948, 11.3.4.2).
+/// Checks that keys follow the rules of PNG keywords, restricted to ASCII (ISO/IEC 15948,
+/// 11.3.4.2).
 ///
 /// The rules also apply to OpenEXR, so both formats accept the same metadata.
 pub(super) fn check_metadata(metadata: &[(String, String)]) -> Result<(), WriteError> {

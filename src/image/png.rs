@@ -81,12 +81,12 @@ struct DecodedPng {
     samples: Vec<u8>,
     /// True if samples have 16 bits.
     sixteen: bool,
-    /// Value of the gAMA chunk; `None` without one or if the file has an sRGB chunk.
+    /// Value of the gAMA chunk; `None` if the file has no such chunk, or if it has an sRGB chunk.
     gamma: Option<f64>,
 }
 
-/// Decodes samples; fails if reading the picture needs more than `free` bytes.
-fn decode_samples(file: &[u8], free: Option<u64>) -> Result<DecodedPng, DecodeFailure> {
+/// Decodes the samples of a PNG file; fails if that needs more than `free` bytes of memory.
+fn decode_png_samples(file: &[u8], free: Option<u64>) -> Result<DecodedPng, DecodeFailure> {
     let mut decoder = Decoder::new(Cursor::new(file));
     decoder.set_transformations(png::Transformations::EXPAND);
     let mut reader = decoder.read_info()?;
@@ -131,21 +131,21 @@ fn decode_samples(file: &[u8], free: Option<u64>) -> Result<DecodedPng, DecodeFa
     Ok(DecodedPng { width, height, samples, sixteen, gamma })
 }
 
-/// Decodes linear radiance.
+/// Decodes a PNG file as linear radiance.
 ///
-/// The transfer function is sRGB. A file with a gAMA chunk and no sRGB chunk has that gamma
-/// instead.
+/// The sRGB transfer function is undone. In a file with a gAMA chunk and no sRGB chunk, that gamma
+/// is undone instead.
 pub(super) fn read(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
-    let decoded = decode_samples(file, free)?;
+    let decoded = decode_png_samples(file, free)?;
     match decoded.gamma {
         Some(gamma) => apply_transfer_function(decoded, |signal| libm::pow(signal, 1.0 / gamma) as f32),
         None => apply_transfer_function(decoded, |signal| srgb_decode(signal) as f32),
     }
 }
 
-/// Decodes samples as numbers from 0 to 1, without a transfer function.
+/// Decodes a PNG file as numbers from 0 to 1, without a transfer function.
 pub(super) fn read_data(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
-    apply_transfer_function(decode_samples(file, free)?, |signal| signal as f32)
+    apply_transfer_function(decode_png_samples(file, free)?, |signal| signal as f32)
 }
 
 /// Converts samples to an image by the function `linear` of a signal in [0, 1].
@@ -167,7 +167,7 @@ fn apply_transfer_function(decoded: DecodedPng, linear: impl Fn(f64) -> f32) -> 
 
 /// Decodes the levels of an 8-bit file, without a transfer function.
 pub(super) fn read_bytes(file: &[u8]) -> Result<RgbBytes, DecodeFailure> {
-    let decoded = decode_samples(file, None)?;
+    let decoded = decode_png_samples(file, None)?;
     if decoded.sixteen {
         return Err(DecodeFailure::Reason(
             "it has 16 bits per channel, and only 8-bit pictures can be compared by bytes".into(),

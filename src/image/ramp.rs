@@ -3,7 +3,8 @@
 use super::tone::srgb_decode;
 use glam::{DVec3, Vec3};
 
-/// Colour map magma of Smith and van der Walt (2015, CC0) at nine equal steps, in sRGB bytes.
+/// Nine equidistant colours of the colour map magma (Smith and van der Walt 2015, CC0), in sRGB
+/// bytes.
 ///
 /// The perceived lightness rises uniformly, from black through purple and orange to pale yellow.
 const MAGMA: [[u8; 3]; 9] = [
@@ -18,7 +19,8 @@ const MAGMA: [[u8; 3]; 9] = [
     [0xfc, 0xfd, 0xbf],
 ];
 
-/// Brewer's five-class map RdBu (colorbrewer2.org), from blue to red, in sRGB bytes.
+/// Five equidistant colours of Brewer's map RdBu (colorbrewer2.org) from blue to red, in sRGB
+/// bytes.
 const BLUE_RED: [[u8; 3]; 5] =
     [[0x05, 0x71, 0xb0], [0x92, 0xc5, 0xde], [0xf7, 0xf7, 0xf7], [0xf4, 0xa5, 0x82], [0xca, 0x00, 0x20]];
 
@@ -51,7 +53,7 @@ mod tests {
     use super::*;
     use crate::image::{Image, OutputFormat, WriteOptions, encode, read_bytes};
 
-    /// The bytes that a PNG stores for the colours.
+    /// Returns the bytes that an 8-bit PNG stores for linear `colors`.
     fn stored_png_bytes(colors: Vec<Vec3>) -> Vec<[u8; 3]> {
         let image = Image::from_pixels(colors.len() as u32, 1, colors).unwrap();
         let folder = tempfile::tempdir().unwrap();
@@ -61,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_are_the_published_bytes_and_clamp() {
+    fn color_map_steps_are_the_published_bytes_and_clamp() {
         assert_eq!(stored_png_bytes((0..9).map(|i| sequential_color(f64::from(i) / 8.0)).collect()), MAGMA);
         assert_eq!(stored_png_bytes((0..5).map(|i| diverging_color(f64::from(i) / 2.0 - 1.0)).collect()), BLUE_RED);
         assert_eq!((sequential_color(-1.0), sequential_color(2.0)), (sequential_color(0.0), sequential_color(1.0)));

@@ -19,13 +19,15 @@ pub struct RelativeScale {
 }
 
 impl RelativeScale {
-    /// Scale of a reference picture. Local means leave out pixels that are not finite.
+    /// Scale of errors against a reference picture. Local means leave out pixels that are not
+    /// finite.
     #[must_use]
     pub fn from_image(picture: &Image) -> Self {
         Self::from_pixels((picture.width(), picture.height()), picture.pixels())
     }
 
-    /// Scale of a reference picture with `size` (width, height) and pixels in rows from the top.
+    /// Scale of errors against a reference picture of `size` (width, height) with pixels in rows
+    /// from the top.
     ///
     /// # Panics
     /// If the number of pixels is not width · height.
@@ -62,7 +64,7 @@ impl RelativeScale {
     ///
     /// Weight times squared error, summed over channels, is the pixel's relative squared error.
     #[must_use]
-    pub fn weights(&self) -> &[f64] {
+    pub fn pixel_weights(&self) -> &[f64] {
         &self.weights
     }
 

@@ -9,7 +9,7 @@ use tempfile::NamedTempFile;
 
 use super::error::WriteError;
 
-/// Replaces the file at `path` by `bytes`. The old file stays if that fails.
+/// Replaces the file at `path` by a file with content `bytes`. If that fails, the old file stays.
 ///
 /// The bytes are written to a temporary file in the same folder. The temporary file is flushed to
 /// the disk and renamed to `path`. Symbolic links are followed. A replaced file keeps its
@@ -27,7 +27,7 @@ pub fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
 /// # Errors
 /// [`WriteError`] like [`replace_file`], or if `fill` fails.
 pub fn replace_file_with(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), WriteError> {
-    let target = ReplaceTarget::inspect(path)?;
+    let target = ReplaceTarget::find_writable(path)?;
     // Dropping the temporary file on an early return removes it.
     let mut temporary = target.create_temporary_file()?;
     let wrote = fill(temporary.as_file_mut()).and_then(|()| temporary.as_file().sync_all());
@@ -43,7 +43,7 @@ pub fn replace_file_with(path: &Path, fill: impl FnOnce(&mut File) -> io::Result
 /// # Errors
 /// [`WriteError`] that [`replace_file`] would return.
 pub fn check_replaceable(path: &Path) -> Result<(), WriteError> {
-    ReplaceTarget::inspect(path)?.create_temporary_file().map(drop)
+    ReplaceTarget::find_writable(path)?.create_temporary_file().map(drop)
 }
 
 /// Absolute path of the file that [`replace_file`] would write, with symbolic links resolved.
@@ -95,7 +95,8 @@ struct ReplaceTarget {
 }
 
 impl ReplaceTarget {
-    fn inspect(path: &Path) -> Result<Self, WriteError> {
+    /// Finds the file to replace at `path`; fails if its folder, kind or permissions forbid that.
+    fn find_writable(path: &Path) -> Result<Self, WriteError> {
         let file = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         let folder = parent_folder(&file).to_owned();
         if !folder.is_dir() {

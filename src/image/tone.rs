@@ -23,7 +23,7 @@ pub enum ToneCurve {
     Filmic,
     /// Clamps to \[0, 1] and truncates to levels, without a transfer function: trunc(255 · c).
     ///
-    /// It reproduces the pictures of the course's ray caster.
+    /// It reproduces the pictures of the ray caster for which the legacy scene format was made.
     Course,
 }
 
@@ -69,8 +69,8 @@ impl FromStr for ToneCurve {
 pub struct ToneMap {
     /// Tone curve after the exposure.
     pub curve: ToneCurve,
-    /// Exposure \[stops], within ±[`MAX_EXPOSURE_STOPS`]; radiance is multiplied by 2 to this
-    /// power.
+    /// Exposure \[stops], within ±[`MAX_EXPOSURE_STOPS`]. Radiance is multiplied by 2 to the power
+    /// of the exposure.
     pub exposure_stops: f32,
 }
 
@@ -116,7 +116,8 @@ impl Quantizer {
         }
     }
 
-    /// Levels of the channels of a pixel. Counts values outside the range of levels in `report`.
+    /// Returns the integer levels of a pixel's channels. Counts the pixel in `report` if a value is
+    /// outside the range of levels.
     pub(super) fn quantize_pixel(&self, pixel: Vec3, report: &mut ClippedPixelReport) -> [u16; 3] {
         let exposed = pixel * self.scale;
         // A finite value that overflows by the exposure is too bright, but not a defect.

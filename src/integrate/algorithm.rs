@@ -9,7 +9,7 @@ use super::{distributed, hybrid, path, pm, ppm, sppm, whitted};
 use crate::plan::{Effect, Effects, Plan};
 use crate::scene::Scene;
 
-/// Rendering algorithm, as `--integrator` names it.
+/// Rendering algorithm, the value of the option `--integrator`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Algorithm {
     /// Path tracing with next-event estimation, and photon mapping for caustics.
@@ -20,13 +20,14 @@ pub enum Algorithm {
     Sppm,
     /// Progressive photon mapping with camera paths that all passes share.
     Ppm,
-    /// Photon mapping with a global and a caustic map of fixed gather radii.
+    /// Photon mapping with an indirect and a caustic map, whose gather radii stay fixed over the
+    /// passes.
     Pm,
     /// Distributed ray tracing (Cook, Porter and Carpenter 1984).
     Distributed,
     /// Recursive ray tracing (Whitted 1980).
     Whitted,
-    /// Ray casting with Phong's shading model and no shadows, for scenes of MIT course 6.837.
+    /// Ray casting with Phong's shading model and without shadows, as in MIT course 6.837.
     Raycast,
 }
 
@@ -52,7 +53,7 @@ impl Algorithm {
 
     /// True if the algorithm traces photons.
     #[must_use]
-    pub fn has_photons(self) -> bool {
+    pub fn traces_photons(self) -> bool {
         match self {
             Self::Hybrid | Self::Sppm | Self::Ppm | Self::Pm => true,
             Self::Path | Self::Distributed | Self::Whitted | Self::Raycast => false,
@@ -61,7 +62,7 @@ impl Algorithm {
 
     /// Returns the default number of passes of a render.
     #[must_use]
-    pub fn passes(self) -> u32 {
+    pub fn default_passes(self) -> u32 {
         match self {
             Self::Hybrid | Self::Distributed | Self::Whitted => 16,
             Self::Path => 32,
@@ -72,7 +73,7 @@ impl Algorithm {
 
     /// Returns the effects of light that the algorithm can simulate.
     #[must_use]
-    pub fn simulates(self) -> Effects {
+    pub fn supported_effects(self) -> Effects {
         use Effect::{
             Bump, CausticBounces, Caustics, Dispersion, Environment, Gathering, Interiors, Interreflection, Lens,
             Media, Motion, Shadows, SoftShadows, Specular, Textures,
@@ -92,10 +93,11 @@ impl Algorithm {
         }
     }
 
-    /// Makes the integrator for `scene`. Small pilot simulations choose the settings left open.
+    /// Makes the integrator for `scene`. Pilots (small simulations) choose the settings that are
+    /// `None`.
     #[must_use]
     pub fn prepare(self, scene: &Scene, settings: Settings) -> Box<dyn Integrator + '_> {
-        let plan = Plan::new(scene, self.simulates(), settings.camera_paths.effects);
+        let plan = Plan::new(scene, self.supported_effects(), settings.camera_paths.effects);
         let policy: PolicyFn = match self {
             Self::Hybrid => hybrid::policy,
             Self::Path => path::policy,

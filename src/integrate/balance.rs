@@ -1,38 +1,40 @@
 //! Division of the work of a pass between camera rays and photons.
 //!
-//! The variance of a pass is a sum over sources. Source i has variance σᵢ²/nᵢ and work cᵢ·nᵢ.
-//! For constant work the variance is least if nᵢ ∝ σᵢ/√cᵢ. Gather radii and bias do not change.
+//! The variance of a pass is a sum over sources of noise: camera rays and the photon paths of each
+//! kind. With nᵢ samples, source i has variance σᵢ²/nᵢ and work cᵢ·nᵢ. For constant work the
+//! variance is least if nᵢ ∝ σᵢ/√cᵢ. Gather radii and bias do not change.
 
 use crate::color::{self, Rgb};
 use crate::stats::Counters;
 
 /// Numbers of camera rays and photon paths of a pass, chosen by a pilot for least noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-pub struct Balance {
+pub struct RayPhotonBalance {
     /// Number of camera rays per pixel.
     pub samples: u32,
-    /// Number of photon paths of the global map; `None` without that map.
+    /// Number of photon paths that start in all directions; `None` without such paths.
     pub photons: Option<u32>,
-    /// Number of photon paths aimed at objects that cast caustics; `None` without such paths.
+    /// Number of photon paths aimed at caustic casters; `None` without such paths.
     pub caustic_photons: Option<u32>,
 }
 
-/// Largest factor by which a number of samples may change, because a pilot is uncertain.
+/// Largest factor by which a pilot may change a number of samples. It limits the harm of a noisy
+/// pilot.
 const MAX_CHANGE: f64 = 4.0;
 
 // The unit of work is the time of one photon ray, about 0.1 µs. The ratios come from
 // docs/measurements/.
 
-/// Work of one ray of a camera path with its shading, relative to a photon ray.
+/// Work of tracing and shading one ray of a camera path, relative to tracing a photon ray.
 const CAMERA_RAY_WORK: f64 = 2.0;
 
 /// Work of storing and indexing one photon, relative to tracing a photon ray.
 const STORED_PHOTON_WORK: f64 = 1.5;
 
-/// Work of one gathered photon in a density estimate, relative to tracing a photon ray.
+/// Work of one photon in a density estimate, relative to tracing a photon ray.
 const GATHERED_PHOTON_WORK: f64 = 0.2;
 
-/// One source of noise in a pass: camera rays, or the photon paths of one map.
+/// One source of noise in a pass: camera rays, aimed photon paths or unaimed photon paths.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct NoiseSource {
     /// Variance if there is one sample: one camera ray per pixel, or one photon path.
@@ -44,29 +46,30 @@ pub(super) struct NoiseSource {
 }
 
 impl NoiseSource {
-    fn is_active(&self) -> bool {
+    fn has_noise(&self) -> bool {
         self.variance > 0.0 && self.cost > 0.0 && self.count > 0.0 && self.variance.is_finite()
     }
 }
 
-/// Returns the number of samples of each source that gives least noise for the default work.
+/// Returns the number of samples of each source that gives least noise for the work of the default
+/// numbers.
 ///
 /// No number changes by more than a factor of [`MAX_CHANGE`]. A source without noise keeps its
 /// number, and its work is not counted.
-pub(super) fn divide_work(parts: &[NoiseSource; 3]) -> [f64; 3] {
+pub(super) fn balance_sample_counts(parts: &[NoiseSource; 3]) -> [f64; 3] {
     let work = |numbers: &[f64; 3]| -> f64 {
-        let active = parts.iter().zip(numbers).filter(|(p, _)| p.is_active());
+        let active = parts.iter().zip(numbers).filter(|(p, _)| p.has_noise());
         active.map(|(p, n)| p.cost * n).sum()
     };
     let numbers = |scale: f64| {
         parts.map(|p| {
             let best = scale * (p.variance / p.cost).sqrt();
-            if p.is_active() { best.clamp(p.count / MAX_CHANGE, p.count * MAX_CHANGE) } else { p.count }
+            if p.has_noise() { best.clamp(p.count / MAX_CHANGE, p.count * MAX_CHANGE) } else { p.count }
         })
     };
     let given = work(&parts.map(|p| p.count));
     let (mut low, mut high) = (0.0, 0.0f64);
-    for p in parts.iter().filter(|p| p.is_active()) {
+    for p in parts.iter().filter(|p| p.has_noise()) {
         high = high.max(MAX_CHANGE * p.count / (p.variance / p.cost).sqrt());
     }
     // The work grows with the scale; sixty bisections exhaust double precision.
@@ -77,24 +80,26 @@ pub(super) fn divide_work(parts: &[NoiseSource; 3]) -> [f64; 3] {
     numbers(low)
 }
 
-/// Returns the work of tracing camera paths, in photon rays of equal work.
+/// Returns the work of tracing camera paths; tracing one photon ray is the unit.
 pub(super) fn camera_path_work(counters: &Counters) -> f64 {
     CAMERA_RAY_WORK * (counters.camera_rays + counters.continuation_rays + counters.shadow_rays) as f64
 }
 
-/// Returns the work of photon density estimates, in photon rays of equal work.
+/// Returns the work of photon density estimates; tracing one photon ray is the unit.
 pub(super) fn gathering_work(counters: &Counters) -> f64 {
     GATHERED_PHOTON_WORK * counters.gathered_photons as f64
 }
 
-/// Returns the work of storing and indexing photons, in photon rays of equal work.
+/// Returns the work of storing and indexing `photons` photons; tracing one photon ray is the unit.
 pub(super) fn photon_storage_work(photons: u64) -> f64 {
     STORED_PHOTON_WORK * photons as f64
 }
 
-/// Returns the mean relative variance of radiance estimates at points of the film.
+/// Returns the mean relative variance of one radiance estimate, over points of the film.
 ///
-/// `one` and `other` are independent estimates. `light` is the mean radiance at each point.
+/// `one` and `other` are independent estimates at the same points. `light` is the mean radiance at
+/// each point. The squared difference at a point is divided by the squared radiance there plus the
+/// squared median radiance.
 pub(super) fn relative_variance(one: &[Rgb], other: &[Rgb], light: &[f64]) -> f64 {
     let mut sorted: Vec<f64> = light.iter().copied().filter(|l| *l > 0.0).collect();
     sorted.sort_by(f64::total_cmp);

@@ -1,15 +1,14 @@
-//! Camera paths: the loop of every algorithm except `raycast`.
+//! Camera paths: the loop that every algorithm except `raycast` runs.
 //!
-//! A *receiver* is a surface that stores photons: see [`Bsdf::stores_photons`]. A *caster* is any
-//! other surface that is not black: see [`Bsdf::casts_caustics`]. A light path over casters to a
-//! receiver is a caustic. If the policy leaves caustics to photons, camera paths ignore emission
-//! that they find by such light paths. So each light path counts once.
+//! [`PhotonKind`](crate::photon::PhotonKind) defines casters and receivers. A light path over
+//! casters to a receiver is a caustic. If the policy leaves caustics to photons, camera paths
+//! ignore emission that they reach from a receiver over casters. So each light path counts once.
 
 mod media;
 
 use super::nee::NextEventEstimator;
-use super::photon_maps::{MapLookup, PhotonMaps};
-use super::policy::{Continuation, DirectionSampling, PathPolicy, PhotonLookups};
+use super::photon_maps::{PhotonMapChoice, PhotonMaps};
+use super::policy::{DirectionSampling, PathContinuation, PathPolicy, PhotonLookups};
 use super::scatter;
 use super::vertex::{PathHistory, PathVertex, PrevVertex};
 use super::worker::PathWorker;
@@ -23,24 +22,25 @@ use crate::sampling::{Dimension, Sampler};
 use crate::scene::{Interior, PathEvent, PathRay, Scene, SurfaceInteraction, SurfaceVertex};
 use glam::Vec3;
 
-/// Throughput of the weaker branch at a smooth dielectric below which the path does not split.
+/// Smallest throughput of the weaker branch at which a path splits at a smooth dielectric.
 const MIN_SPLIT_THROUGHPUT: f32 = 0.001;
 
-/// Throughput below which Russian roulette may end a path.
+/// Mean throughput of the channels below which Russian roulette may end a path.
 const ROULETTE_THROUGHPUT: f32 = 0.125;
 
-/// Number of bounces without a receiver after which Russian roulette may end a path.
+/// Number of bounces over casters after which Russian roulette may end a path that has met no
+/// receiver.
 const ROULETTE_BOUNCE: u32 = 8;
 
-/// Largest number of branches of one camera path that wait on the stack.
+/// Largest number of branches of one camera path on the stack.
 const MAX_BRANCHES: usize = 16;
 
-/// Gather radius that replaces that of the global map if there is no map \[length].
+/// Gather radius \[length] in the place of that of the indirect map if there is no map.
 const NO_MAP_RADIUS: f32 = 1.0;
 
-/// Smallest length of a gather ray, relative to the gather radius of the global map.
+/// Smallest length of a gather ray, relative to the gather radius of the indirect map.
 ///
-/// The map is too blurred to distinguish the ends of a shorter ray.
+/// At the end of a shorter ray, the blur of the map would show. The path then continues instead.
 const MIN_GATHER_RADII: f32 = 2.0;
 
 /// Scene, policy, photon maps and limits that all camera paths of a pass share.
@@ -53,7 +53,7 @@ pub(super) struct PathContext<'a> {
     pub pass: u32,
     /// Number of bounces after which a path ends.
     pub max_bounces: u32,
-    /// Smallest length of a gather ray that reads the global map \[length].
+    /// Smallest length of a gather ray that reads the indirect map \[length].
     min_gather_distance: f32,
 }
 
@@ -65,16 +65,17 @@ pub(super) struct PathState<I> {
     throughput: Rgb,
     bounce: u32,
     history: PathHistory,
-    /// Previous vertex, for weights against next-event estimation; `None` at the camera, after a
-    /// specular bounce, and beyond a hidden boundary.
+    /// Previous vertex if next-event estimation there could have sampled the light that the path
+    /// hits now. `None` at the camera, after a specular bounce, and beyond a boundary that blocks
+    /// shadow rays.
     prev: Option<PrevVertex>,
     /// Sampler of the next vertex's random decisions.
     sampler: Sampler,
 }
 
-/// The function that [`tiles::render_tiles`](super::tiles::render_tiles) calls for each camera ray:
-/// [`radiance`] of `paths`.
-pub(super) fn tracer<'a, I: Interior>(
+/// Returns the function that [`tiles::render_tiles`](super::tiles::render_tiles) calls for each
+/// camera ray. It returns the radiance along the ray \[W/(m² sr)].
+pub(super) fn radiance_function<'a, I: Interior>(
     paths: &'a PathContext<'a>,
 ) -> impl Fn(&Ray, Sampler, &mut PathWorker, &mut Vec<PathState<I>>) -> Rgb + Sync {
     |ray, sampler, worker, stack| radiance(paths, ray, sampler, worker, stack)
@@ -120,8 +121,8 @@ pub(super) fn radiance<I: Interior>(
             path.note_crossed_boundaries(hit.crossed);
 
             // Add emission, weighted against next-event estimation.
-            if hit.surface.emission != Rgb::ZERO && keeps_emission_found(policy, &path) {
-                let weight = path.prev.map_or(1.0, |prev| emission_weight(nee, &prev, &hit.surface));
+            if hit.surface.emission != Rgb::ZERO && counts_hit_emission(policy, &path) {
+                let weight = path.prev.map_or(1.0, |prev| emission_mis_weight(nee, &prev, &hit.surface));
                 radiance += path.throughput * hit.surface.emission * weight;
             }
             let interior = path.path_ray.interior;
@@ -149,14 +150,14 @@ pub(super) fn radiance<I: Interior>(
                 hit.surface.bsdf = hit.surface.bsdf.select_lobe(path.sampler.get_1d(Dimension::ChosenLobe));
             }
             let SurfaceVertex { surface, distance, .. } = &hit;
-            let vertex = path.vertex(paths, surface, &interior, *distance);
+            let vertex = path.vertex_at_surface(paths, surface, &interior, *distance);
             let ends_gather_ray = ends_gather_ray(paths, &vertex);
             let continues = path.bounce < paths.max_bounces
                 && match policy.continuation {
-                    Continuation::Never => false,
-                    Continuation::Glossy => !surface.bsdf.is_diffuse(),
-                    Continuation::GatherRays => !ends_gather_ray,
-                    Continuation::Always => true,
+                    PathContinuation::Never => false,
+                    PathContinuation::Glossy => !surface.bsdf.is_diffuse(),
+                    PathContinuation::GatherRays => !ends_gather_ray,
+                    PathContinuation::Always => true,
                 };
             if let (true, DirectionSampling::Guided, Some(maps)) = (continues, policy.directions, paths.maps) {
                 scatter::collect_gather_directions(maps, paths.min_gather_distance, &vertex, worker);
@@ -201,18 +202,18 @@ fn scatter_at_caster<I: Interior>(
     let surface = &caster.surface;
     let continues = path.bounce < paths.max_bounces;
     path.history.casters += 1;
-    let vertex = path.vertex(paths, surface, interior, caster.distance);
+    let vertex = path.vertex_at_surface(paths, surface, interior, caster.distance);
 
     // Add direct light at glossy casters, unless photons carry the light that goes over this
     // caster.
-    if !surface.bsdf.is_specular() && policy.direct_light && keeps_light_found(policy, path.history) {
+    if !surface.bsdf.is_specular() && policy.direct_light && counts_found_light(policy, path.history) {
         *radiance += path.throughput * nee.estimate(&vertex, continues, worker);
     }
     if !continues {
         return false;
     }
 
-    // Follow both branches at a smooth dielectric seen directly or over casters.
+    // Follow both branches at a smooth dielectric that is seen directly or over casters.
     if let Some(split) =
         surface.bsdf.reflect_and_refract(surface.wo, surface.point.ns, surface.point.ng, TransportMode::Radiance)
     {
@@ -255,7 +256,8 @@ fn continue_path<I: Interior>(
     true
 }
 
-/// Estimates the radiance that `vertex` reflects to its viewer from photon maps \[W/(m² sr)].
+/// Estimates from photon maps the radiance that `vertex` reflects towards the previous vertex
+/// \[W/(m² sr)].
 #[inline]
 fn photon_radiance<I: Interior>(
     paths: &PathContext<'_>,
@@ -265,23 +267,23 @@ fn photon_radiance<I: Interior>(
 ) -> Rgb {
     let samples = match paths.policy.photons {
         PhotonLookups::Never => return Rgb::ZERO,
-        PhotonLookups::OncePerPixel => match vertex.sampler.index_and_count() {
+        PhotonLookups::OncePerPixel => match vertex.sampler.sample_index_and_count() {
             (0, samples) if vertex.history.receivers == 0 => samples,
             _ => return Rgb::ZERO,
         },
         PhotonLookups::FirstReceiver | PhotonLookups::GatherRays => 1,
         PhotonLookups::RecordVisible => {
-            record_visible(vertex, worker);
+            record_visible_point(vertex, worker);
             return Rgb::ZERO;
         }
     };
     let before_gather_ray = paths.policy.photons == PhotonLookups::GatherRays && !ends_gather_ray;
-    let lookup = if before_gather_ray { MapLookup::Caustic } else { MapLookup::Both };
+    let lookup = if before_gather_ray { PhotonMapChoice::Caustic } else { PhotonMapChoice::Both };
     paths.maps.map_or(Rgb::ZERO, |maps| maps.radiance(vertex, lookup, samples, worker))
 }
 
-/// Records `vertex` as a visible point, weighted by its throughput and BRDF.
-fn record_visible<I: Interior>(vertex: &PathVertex<'_, I>, worker: &mut PathWorker) {
+/// Records `vertex` as a visible point in `worker`, weighted by throughput and BRDF.
+fn record_visible_point<I: Interior>(vertex: &PathVertex<'_, I>, worker: &mut PathWorker) {
     let surface = vertex.surface;
     let normal = surface.facing_normal();
     let brdf = surface.bsdf.evaluate(surface.wo, normal, normal, normal, TransportMode::Radiance);
@@ -289,38 +291,40 @@ fn record_visible<I: Interior>(vertex: &PathVertex<'_, I>, worker: &mut PathWork
     worker.visible.push(VisiblePoint { position: surface.point.p, normal, weight });
 }
 
-/// True if `vertex` ends a gather ray long enough to read the global map there.
+/// True if `vertex` ends a gather ray that is long enough to read the indirect map there.
 #[inline]
 fn ends_gather_ray<I>(paths: &PathContext<'_>, vertex: &PathVertex<'_, I>) -> bool {
-    paths.policy.continuation == Continuation::GatherRays
+    paths.policy.continuation == PathContinuation::GatherRays
         && vertex.history.receivers > 0
         && vertex.distance > paths.min_gather_distance
 }
 
-/// True if a camera path with `history` counts light that it finds; false leaves it to photons.
+/// True if a camera path counts the light that it finds after `history`; false if photons carry
+/// that light.
 #[inline]
-fn keeps_light_found(policy: &PathPolicy, history: PathHistory) -> bool {
+fn counts_found_light(policy: &PathPolicy, history: PathHistory) -> bool {
     policy.counts_caustics || !history.is_caustic()
 }
 
-/// True if the path counts emission that it hits now.
+/// True if the path counts the emission of the light that it hits now.
 ///
 /// If soft shadows are off, next-event estimation samples only the centers of area lights. Then a
 /// path counts no emission after a vertex with next-event estimation.
 #[inline]
-fn keeps_emission_found<I>(policy: &PathPolicy, path: &PathState<I>) -> bool {
-    (path.prev.is_none() || policy.effects.has(Effect::SoftShadows)) && keeps_light_found(policy, path.history)
+fn counts_hit_emission<I>(policy: &PathPolicy, path: &PathState<I>) -> bool {
+    (path.prev.is_none() || policy.effects.has(Effect::SoftShadows)) && counts_found_light(policy, path.history)
 }
 
-/// Returns the weight of emission that a path hits, by the balance heuristic (Veach 1997, section
-/// 9.2.2).
+/// Returns the weight of emission that a path hits, relative to next-event estimation at `prev`:
+/// the balance heuristic (Veach 1997, section 9.2.2).
 #[inline]
-fn emission_weight(nee: &NextEventEstimator<'_>, prev: &PrevVertex, hit: &SurfaceInteraction<'_>) -> f32 {
+fn emission_mis_weight(nee: &NextEventEstimator<'_>, prev: &PrevVertex, hit: &SurfaceInteraction<'_>) -> f32 {
     let Some(light) = hit.light else { return 1.0 };
     prev.pdf / (prev.pdf + nee.pdf(prev, light as usize, -hit.wo, Some(&hit.point)))
 }
 
-/// Returns the radiance of environment or background along a path that hits nothing \[W/(m² sr)].
+/// Returns the radiance of the environment or background behind a path that left the scene \[W/(m²
+/// sr)].
 fn escaped_radiance<I: Interior>(paths: &PathContext<'_>, path: &PathState<I>) -> Rgb {
     let PathContext { scene, policy, nee, .. } = *paths;
     let direction = path.path_ray.ray.direction;
@@ -328,7 +332,7 @@ fn escaped_radiance<I: Interior>(paths: &PathContext<'_>, path: &PathState<I>) -
         // The background is visible but lights nothing.
         None if path.history.receivers > 0 => Rgb::ZERO,
         None => scene.background(),
-        Some(_) if !keeps_emission_found(policy, path) => Rgb::ZERO,
+        Some(_) if !counts_hit_emission(policy, path) => Rgb::ZERO,
         Some(light) => {
             let light_pdf = |prev: PrevVertex| nee.pdf(&prev, light, direction, None);
             let weight = path.prev.map_or(1.0, |prev| prev.pdf / (prev.pdf + light_pdf(prev)));
@@ -338,7 +342,7 @@ fn escaped_radiance<I: Interior>(paths: &PathContext<'_>, path: &PathState<I>) -
 }
 
 impl<'a> PathContext<'a> {
-    /// Makes the context of pass `pass`.
+    /// Makes the context of the camera paths of pass `pass`.
     pub fn new(
         scene: &'a Scene,
         policy: &'a PathPolicy,
@@ -347,7 +351,7 @@ impl<'a> PathContext<'a> {
         pass: u32,
         max_bounces: u32,
     ) -> Self {
-        let radius = maps.map_or(NO_MAP_RADIUS, |maps| maps.global.radius());
+        let radius = maps.map_or(NO_MAP_RADIUS, |maps| maps.indirect.radius());
         Self { scene, policy, nee, maps, pass, max_bounces, min_gather_distance: MIN_GATHER_RADII * radius }
     }
 }
@@ -360,7 +364,8 @@ impl<I: Interior> PathState<I> {
         Self { path_ray, throughput: Rgb::ONE, bounce: 0, history, prev: None, sampler }
     }
 
-    /// Notes that the segment crossed a boundary that blocks shadow rays but not light.
+    /// If `crossed`, records that the segment crossed a boundary that blocks shadow rays but not
+    /// light.
     ///
     /// Such a boundary counts as a caster.
     #[inline]
@@ -372,7 +377,7 @@ impl<I: Interior> PathState<I> {
     }
 
     /// Makes the vertex of this path at `surface`.
-    fn vertex<'v>(
+    fn vertex_at_surface<'v>(
         &self,
         paths: &PathContext<'_>,
         surface: &'v SurfaceInteraction<'v>,
@@ -384,7 +389,7 @@ impl<I: Interior> PathState<I> {
         PathVertex { surface, interior, history, throughput, distance, sampler, shadow_sampler }
     }
 
-    /// Returns the path after it leaves `surface` in unit `direction`.
+    /// Returns the state of the path after it leaves `surface` in unit `direction`.
     ///
     /// `weight` is the BSDF times the cosine over the pdf of the direction.
     #[inline]

@@ -6,7 +6,7 @@
 
 use super::camera_path;
 use super::map_builder::PassBudget;
-use super::pass::{Pass, Silent};
+use super::pass::{Pass, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::tiles;
 use crate::color;
@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// Number of pictures of the pilot, with one camera ray per pixel each.
 const PILOT_PICTURES: u32 = 4;
 
-/// Divisor of the number of photon paths of a pass: the pilot traces that part of them.
+/// Divisor of the number of photon paths: the pilot traces 1/16 of the paths of a pass.
 const PILOT_DIVISOR: u32 = 16;
 
 /// Smallest and largest number of rays of a pixel, relative to the mean over all pixels.
@@ -27,10 +27,10 @@ const MAX_DENSITY: f64 = 8.0;
 /// Returns the number of camera rays of each pixel relative to the mean, by rows from the top.
 ///
 /// Returns `None` if the pilot's pictures have no noise.
-pub(super) fn find_ray_density(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>> {
+pub(super) fn find_relative_ray_counts(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>> {
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
     let budget = PassBudget { key, pass: 0, part: PILOT_DIVISOR, limited: true, connects: false };
-    let maps = renderer.map_builder.build_with_budget(&budget, &Silent, &mut Pass::default());
+    let maps = renderer.map_builder.build_with_budget(&budget, &SilentMonitor, &mut Pass::default());
     // Moving objects rest at one time, as in a pass.
     let pilot = renderer.with_one_sample();
     let pictures: Vec<Vec<f64>> = (0..PILOT_PICTURES)
@@ -38,20 +38,22 @@ pub(super) fn find_ray_density(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>
             // No render reaches these passes, so no random number is used twice.
             let pass = u32::MAX - i;
             let (paths, sampling, key) =
-                (pilot.path_context(Some(&maps), pass), pilot.film_sampling(), pilot.camera_key(pass));
+                (pilot.path_context(Some(&maps), pass), pilot.film_sampling(), pilot.camera_path_key(pass));
             let picture = for_interior!(pilot.policy.effects, <I> {
-                tiles::render_tiles(&sampling, key, &Silent, camera_path::tracer::<I>(&paths))
+                tiles::render_tiles(&sampling, key, &SilentMonitor, camera_path::radiance_function::<I>(&paths))
             });
             picture.image.iter().map(|v| f64::from(color::channel_mean(*v))).collect()
         })
         .collect();
     let (width, height) = renderer.scene.camera().size();
-    ray_density(&pictures, width as usize, height as usize, renderer.samples)
+    relative_ray_counts(&pictures, width as usize, height as usize, renderer.samples)
 }
 
-/// Camera rays of each pixel in parts of the mean, from independent `pictures`; see
-/// [`PathIntegrator::find_ray_density`].
-fn ray_density(pictures: &[Vec<f64>], width: usize, height: usize, samples: u32) -> Option<Arc<[f32]>> {
+/// Returns the number of camera rays of each pixel relative to the mean, from the noise between
+/// independent `pictures`.
+///
+/// `samples` is the mean number of rays per pixel. Returns `None` if the pictures have no noise.
+fn relative_ray_counts(pictures: &[Vec<f64>], width: usize, height: usize, samples: u32) -> Option<Arc<[f32]>> {
     let n = pictures.len() as f64;
     let mean: Vec<f64> =
         (0..width * height).map(|i| pictures.iter().map(|picture| picture[i]).sum::<f64>() / n).collect();
@@ -105,7 +107,7 @@ fn ray_density(pictures: &[Vec<f64>], width: usize, height: usize, samples: u32)
 mod tests {
     use super::*;
 
-    /// The left half of the pictures is constant, the right half noisy.
+    /// In pictures with a constant left half and a noisy right half, the right half gets more rays.
     #[test]
     fn rays_follow_noise_and_keep_their_total() {
         let (width, height) = (16, 8);
@@ -118,7 +120,7 @@ mod tests {
             (0..width * height).map(value).collect::<Vec<f64>>()
         };
         let pictures: Vec<Vec<f64>> = (0..64).map(picture).collect();
-        let shares = ray_density(&pictures, width, height, 16).unwrap();
+        let shares = relative_ray_counts(&pictures, width, height, 16).unwrap();
         let mean = shares.iter().map(|d| f64::from(*d)).sum::<f64>() / shares.len() as f64;
         assert!((mean - 1.0).abs() < 1e-3, "{mean}");
         for (i, share) in shares.iter().enumerate() {
@@ -131,12 +133,12 @@ mod tests {
             }
         }
         // With one ray per pixel, no pixel can give one away.
-        assert!(ray_density(&pictures, width, height, 1).unwrap().iter().all(|share| *share == 1.0));
+        assert!(relative_ray_counts(&pictures, width, height, 1).unwrap().iter().all(|share| *share == 1.0));
         // A pixel that needs almost nothing takes nothing from the others.
         let mut faint = pictures.clone();
         (0..64).for_each(|i| faint[i][0] = 1.0 + 1e-12 * i as f64);
-        assert_eq!(ray_density(&faint, width, height, 16).unwrap()[20..], shares[20..]);
-        assert!(ray_density(&[vec![1.0; 128], vec![1.0; 128]], width, height, 16).is_none());
-        assert!(ray_density(&[vec![0.0; 128], vec![0.0; 128]], width, height, 16).is_none());
+        assert_eq!(relative_ray_counts(&faint, width, height, 16).unwrap()[20..], shares[20..]);
+        assert!(relative_ray_counts(&[vec![1.0; 128], vec![1.0; 128]], width, height, 16).is_none());
+        assert!(relative_ray_counts(&[vec![0.0; 128], vec![0.0; 128]], width, height, 16).is_none());
     }
 }

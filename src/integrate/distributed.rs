@@ -6,7 +6,7 @@
 //!   pixel at random. A path continues only if the chosen BSDF lobe is not diffuse, so diffuse
 //!   surfaces do not light each other.
 
-use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
+use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPolicy, PhotonLookups};
 use super::settings::{LightTracing, Settings};
 use crate::plan::Effects;
 
@@ -18,7 +18,7 @@ pub(super) fn policy(effects: Effects, _: &Settings) -> PathPolicy {
         shares_paths: false,
         direct_light: true,
         light_sampling: LightSampling::OneRay,
-        continuation: Continuation::Glossy,
+        continuation: PathContinuation::Glossy,
         directions: DirectionSampling::OneLobe,
         counts_caustics: true,
         min_throughput: 0.0,

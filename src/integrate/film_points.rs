@@ -12,13 +12,14 @@ use rayon::prelude::*;
 /// Number of film points per parallel task.
 const CHUNK: usize = 64;
 
-/// A film position in pixels, with the sampler of its camera path.
+/// A film position \[pixels from the top left], with the sampler of its camera path.
 pub(super) type FilmPoint = (Vec2, Sampler);
 
 /// Traces camera paths through `points` of the film.
 ///
-/// Returns their radiance \[W/(m² sr)], and the workers' counters and recorded points.
-pub(super) fn trace_camera_paths_at(paths: &PathContext<'_>, points: &[FilmPoint]) -> (Vec<Rgb>, Vec<PathWorker>) {
+/// Returns the radiance at each point \[W/(m² sr)], and the workers with their ray counts and
+/// visible points.
+pub(super) fn trace_camera_paths_through(paths: &PathContext<'_>, points: &[FilmPoint]) -> (Vec<Rgb>, Vec<PathWorker>) {
     for_interior!(paths.policy.effects, <I> trace_camera_paths_with_interior::<I>(paths, points))
 }
 

@@ -6,12 +6,13 @@ use glam::{Vec2, Vec3};
 /// Number of nearby photons whose directions guide a gather ray.
 pub(super) const GUIDE_PHOTONS: u32 = 32;
 
-/// 1 − cosine of the half angle (0.2 rad) of the cone around each photon's direction.
+/// 1 − cosine of the half angle of the cone around each photon's direction; the angle is 0.2 rad.
 ///
-/// If they do not overlap, 32 such cones cover 64 % of a hemisphere.
+/// Without overlap, the cones of 32 photons cover 64 % of a hemisphere.
 const ONE_MINUS_COS: f32 = 0.02;
 
-/// Distribution of directions: an equal mixture of cones around the directions of photons.
+/// Distribution of gather-ray directions: an equal mixture of uniform cones around the directions
+/// from which photons arrived.
 ///
 /// Hey and Purgathofer 2002, "Importance Sampling with Hemispherical Particle Footprints".
 #[derive(Debug, Default)]

@@ -1,9 +1,9 @@
 //! The interface of all algorithms.
 
-use super::balance::Balance;
-use super::pass::{Expected, Monitor, Pass};
+use super::balance::RayPhotonBalance;
+use super::pass::{ExpectedPhotons, Pass, ProgressMonitor};
 use super::radius_law::RadiusLaw;
-use super::radius_pilot::{GuidingReports, Radii};
+use super::radius_pilot::{EmissionGuidingReportPerMap, GatherRadii};
 use crate::plan::{Effects, Plan};
 use crate::stats::Counters;
 
@@ -13,41 +13,42 @@ use crate::stats::Counters;
 /// `i`, so any pass can be computed alone.
 pub trait Integrator: Sync {
     /// Renders the pass with number `pass`, counted from 0.
-    fn pass(&self, pass: u32, monitor: &dyn Monitor) -> Pass;
+    fn render_pass(&self, pass: u32, monitor: &dyn ProgressMonitor) -> Pass;
 
-    /// Returns the decision for each effect of light: is it simulated, and why.
+    /// Returns the decision for each effect of light: whether it is simulated, and why.
     fn plan(&self) -> &Plan;
 
     /// Estimates the ray and photon counts of the first pass, if only `effects` are simulated.
     fn expected_work(&self, effects: Effects) -> Counters;
 
     /// Estimates how many photons a pass stores, by tracing a few photon paths.
-    fn expected(&self) -> Expected {
-        Expected::default()
+    fn expected_photons(&self) -> ExpectedPhotons {
+        ExpectedPhotons::default()
     }
 
     /// Returns the numbers of camera rays and photons that a pilot chose; `None` without a pilot.
-    fn balance(&self) -> Option<Balance> {
+    fn ray_photon_balance(&self) -> Option<RayPhotonBalance> {
         None
     }
 
-    /// Returns the largest gather radii of the first pass; `None` without photons.
-    fn radii(&self) -> Option<Radii> {
+    /// Returns the largest gather radius of each photon map in the first pass; `None` without
+    /// photons.
+    fn gather_radii(&self) -> Option<GatherRadii> {
         None
     }
 
-    /// Returns how gather radii shrink from pass to pass; `None` without photons.
+    /// Returns the law by which gather radii shrink from pass to pass; `None` without photons.
     fn radius_law(&self) -> Option<RadiusLaw> {
         None
     }
 
     /// True if passes return [`NestedEstimates`](super::NestedEstimates) for error estimation.
-    fn nests_estimates(&self) -> bool {
+    fn returns_nested_estimates(&self) -> bool {
         false
     }
 
-    /// Returns how much emission guiding helps each photon map.
-    fn guiding_reports(&self) -> GuidingReports {
-        GuidingReports::default()
+    /// Returns the work and benefit of emission guiding for each photon map.
+    fn emission_guiding_reports(&self) -> EmissionGuidingReportPerMap {
+        EmissionGuidingReportPerMap::default()
     }
 }

@@ -1,18 +1,19 @@
 //! Construction of the photon maps of a pass.
 
-use super::pass::{Expected, Monitor, Pass, PhotonReport, Stage};
+use super::pass::{ExpectedPhotons, Pass, PassStage, PhotonReport, ProgressMonitor};
 use super::photon_maps::{PhotonEstimator, PhotonMaps};
-use super::policy::{MapRequest, PathPolicy};
-use super::radius_law::{RadiusLaw, radius_ratio, shrink};
+use super::policy::{PathPolicy, PhotonMapRequest};
+use super::radius_law::{RadiusLaw, kernel_radius_ratio, squared_radius_ratio};
 use super::radius_pilot::{
-    GuidingReports, Radii, VolumeRadii, find_gather_radius, find_volume_radii, min_disc_radius, pilot_path_count,
+    EmissionGuidingReportPerMap, GatherRadii, VolumeKernelRadii, find_gather_radius, find_volume_kernel_radii,
+    min_gather_radius, pilot_path_count,
 };
 use super::settings::{CameraPathSettings, LightTracing, Settings};
 use super::visible_pilot::find_visible_points;
-use super::volume_estimate::{VolumeEstimate, VolumeMap};
+use super::volume_estimate::{BeamAndPointMaps, VolumeEstimator};
 use crate::photon::{
-    AFTER_CAUSTIC_THINNING, Bandwidth, EstimateShares, GuidingPilot, LightTracer, Photon, PhotonMap, PhotonPass,
-    PhotonPassResult, PhotonSource, StoreMask, VolumePhotons,
+    AFTER_CAUSTIC_THINNING, Bandwidth, DensityEstimateShares, EmissionGuidingPilot, LightTracer, Photon, PhotonMap,
+    PhotonPass, PhotonPassResult, PhotonSource, StoreMask, VolumePhotons,
 };
 use crate::plan::{Effect, Effects};
 use crate::sampling::{Key, Purpose};
@@ -20,16 +21,18 @@ use crate::scene::Scene;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Most photon paths of the pilot that finds the shares of photon estimates.
+/// Largest number of paths of the pilot that finds the shares of photon estimates beside light
+/// tracing.
 const MAX_SHARE_PILOT_PATHS: u32 = 1 << 20;
 
-/// Default limit on the photons of a density estimate in the caustic map.
+/// Default of the largest number of photons of a density estimate in the caustic map.
 pub const CAUSTIC_K: u32 = 50;
 
-/// Number of photons that most gather discs of the global map should hold.
-const GLOBAL_COUNT: u32 = 100;
+/// Number of photons that most gather discs of the indirect map should hold, for all algorithms
+/// except `hybrid`.
+const INDIRECT_COUNT: u32 = 100;
 
-/// Number of photons that most gather discs of the global map of `hybrid` should hold.
+/// Number of photons that most gather discs of the indirect map of `hybrid` should hold.
 const AFTER_CAUSTIC_COUNT: u32 = 50;
 
 /// Radius around visible points in which a photon counts as visible, relative to the scene radius.
@@ -38,33 +41,36 @@ const VISIBLE_RADIUS: f32 = 0.01;
 /// Gather radius if the pilot stores no photon, relative to the scene radius.
 const DEFAULT_RADIUS: f32 = 0.01;
 
-/// Smallest efficiency gain for which guided emission is used. Guided paths take longer to sample.
+/// Smallest efficiency gain at which guided emission is used. Guided paths take longer to sample.
 const MIN_GUIDING_GAIN: f64 = 1.5;
 
-/// Divisor of the number of global photon paths: that part is traced to guide gather rays.
+/// Divisor of the number of unaimed photon paths: 1/16 of that number is traced to guide gather
+/// rays.
 const GUIDE_INTERVAL: u32 = 16;
 
 /// Half width of the density-estimation kernel over wavelengths in the first pass \[nm].
 const WAVELENGTH_BAND: f32 = 20.0;
 
-/// Smallest limit on the photons of an estimate. The limit shrinks from pass to pass down to this.
+/// Smallest limit on the number of photons of a density estimate. From pass to pass, the limit
+/// shrinks to this value.
 const MIN_K: f64 = 8.0;
 
-/// Memory of a photon beam with its bounding boxes, relative to that of a photon.
+/// Memory of a photon beam with its bounding boxes, as a multiple of the memory of a photon.
 const BEAM_SIZE: usize = 4;
 
-/// Smallest photon limit of a pilot. The k-th photon only sets the radius, so one gives no density.
+/// Smallest limit k on the photons of a pilot's density estimate. The k-th photon only sets the
+/// radius, so k = 1 gives no density.
 const MIN_PILOT_K: u32 = 2;
 
 /// Largest number of paths traced to predict how many photons a pass stores.
 const PROBE_PATHS: u32 = 4096;
 
-/// Numbers of photon paths of a pass.
+/// Numbers of photon paths of a pass: unaimed and aimed at caustic casters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PhotonPathCounts {
-    /// Number of paths of the global map.
+    /// Number of paths that start in all directions.
     pub photons: u32,
-    /// Number of paths aimed at objects that cast caustics.
+    /// Number of paths aimed at caustic casters.
     pub caustic_photons: u32,
 }
 
@@ -75,8 +81,11 @@ impl PhotonPathCounts {
     }
 }
 
-/// Returns the photon limit of a pilot that traces one of `part` paths; 0 means no limit.
-fn pilot_gather_limit(k: u32, part: u32) -> u32 {
+/// Returns the largest number of photons per density estimate of a pilot that traces 1/`part` of
+/// the paths.
+///
+/// `k` is that number for a pass; 0 means no limit.
+fn pilot_photon_limit(k: u32, part: u32) -> u32 {
     if k == 0 { 0 } else { k.div_ceil(part).max(MIN_PILOT_K) }
 }
 
@@ -89,14 +98,14 @@ pub(super) struct PassBudget {
     pub pass: u32,
     /// Divisor of the number of photon paths: 1 for a pass, larger for a pilot.
     pub part: u32,
-    /// True if density estimates use a limited number of photons instead of all within the radius.
+    /// True if density estimates use at most the k nearest photons; false if all within the radius.
     pub limited: bool,
     /// True if light tracing connects caustic photons to the camera.
     pub connects: bool,
 }
 
 /// Photon paths to trace for one map.
-struct PhotonTask<'a> {
+struct PhotonTracingTask<'a> {
     /// Samples the emission; `None` traces nothing.
     source: Option<&'a PhotonSource<'a>>,
     mask: StoreMask,
@@ -119,14 +128,14 @@ struct MapRadii {
     /// Largest gather radius on surfaces \[length].
     surface: f32,
     /// Kernel radii in media \[length].
-    volume: VolumeRadii,
+    volume: VolumeKernelRadii,
 }
 
 /// Kernel radii in media for both photon maps.
 #[derive(Clone, Copy, Debug, Default)]
-struct VolumeRadiiPerMap {
-    caustic: VolumeRadii,
-    global: VolumeRadii,
+struct VolumeKernelRadiiPerMap {
+    caustic: VolumeKernelRadii,
+    indirect: VolumeKernelRadii,
 }
 
 /// Builder of the photon maps of any pass. It holds the photon sources and gather radii.
@@ -135,29 +144,31 @@ pub(super) struct PhotonMapBuilder<'a> {
     scene: &'a Scene,
     settings: Settings,
     policy: PathPolicy,
-    pub request: MapRequest,
-    /// Photon source in all directions; `None` if not requested or without light.
-    global_source: Option<PhotonSource<'a>>,
-    /// Photon source aimed at objects that cast caustics; `None` if not requested or without light.
+    pub request: PhotonMapRequest,
+    /// Photon source that emits in all directions; `None` if no map needs it, or if no light has
+    /// power.
+    unaimed_source: Option<PhotonSource<'a>>,
+    /// Photon source aimed at caustic casters; `None` if no map needs it, or if no light has power.
     caustic_source: Option<PhotonSource<'a>>,
     pub counts: PhotonPathCounts,
     /// Largest gather radii of the first pass; `None` without maps.
-    pub radii: Option<Radii>,
+    pub radii: Option<GatherRadii>,
     /// Kernel radii in media in the first pass \[length].
-    volume_radii: VolumeRadiiPerMap,
+    volume_radii: VolumeKernelRadiiPerMap,
     /// Smallest gather radius of the first pass \[length].
     min_radius: f32,
-    pub guiding_reports: GuidingReports,
-    /// Shares of photon estimates beside light tracing; `None` without light tracing.
-    estimate_shares: Option<Arc<EstimateShares>>,
+    pub emission_guiding_reports: EmissionGuidingReportPerMap,
+    /// Share of flux that photon estimates use at each pixel; light tracing carries the rest.
+    /// `None` without light tracing.
+    density_estimate_shares: Option<Arc<DensityEstimateShares>>,
 }
 
 impl<'a> PhotonMapBuilder<'a> {
     /// Makes a builder for the maps that `policy` reads.
     ///
-    /// Pilots guide photon emission, and find the gather radii that `settings` leave open.
+    /// Pilots guide photon emission, and find the gather radii if `settings` give none.
     pub fn new(scene: &'a Scene, settings: Settings, policy: PathPolicy) -> Self {
-        let request = policy.photon_maps();
+        let request = policy.photon_map_request();
         let source = |mask: StoreMask, paths: u32, new_source: &dyn Fn() -> Option<PhotonSource<'a>>| {
             if paths == 0 || mask == StoreMask::NONE {
                 return None;
@@ -167,59 +178,61 @@ impl<'a> PhotonMapBuilder<'a> {
         // Caustics forced on in a scene without lit casters start in all directions.
         let aimed = || PhotonSource::aimed_at_casters(scene).or_else(|| PhotonSource::in_all_directions(scene));
         let caustic_source = source(request.aimed, settings.caustic_photons, &aimed);
-        let global_source = source(request.global, settings.photons, &|| PhotonSource::in_all_directions(scene));
+        let unaimed_source = source(request.unaimed, settings.photons, &|| PhotonSource::in_all_directions(scene));
         let counts = PhotonPathCounts { photons: settings.photons, caustic_photons: settings.caustic_photons };
         let mut builder = Self {
             scene,
             settings,
             policy,
             request,
-            global_source,
+            unaimed_source,
             caustic_source,
             counts,
             radii: None,
-            volume_radii: VolumeRadiiPerMap::default(),
+            volume_radii: VolumeKernelRadiiPerMap::default(),
             min_radius: 0.0,
-            guiding_reports: GuidingReports::default(),
-            estimate_shares: None,
+            emission_guiding_reports: EmissionGuidingReportPerMap::default(),
+            density_estimate_shares: None,
         };
-        if builder.has_photons() {
-            builder.min_radius = min_disc_radius(scene);
+        if builder.traces_photons() {
+            builder.min_radius = min_gather_radius(scene);
         }
         builder.guide_emission();
-        builder.radii = builder.has_photons().then(|| builder.find_radii());
+        builder.radii = builder.traces_photons().then(|| builder.find_gather_radii());
         if builder.stores_volume_photons() {
-            builder.volume_radii = builder.find_volume_radii();
+            builder.volume_radii = builder.find_volume_kernel_radii();
         }
         builder
     }
 
-    /// Returns this builder for a policy with fewer effects, with the results of its pilots.
+    /// Returns a builder for `policy`, the same policy with fewer effects. It keeps the results of
+    /// pilots.
     pub fn with_policy(&self, policy: &PathPolicy) -> Self {
-        let request = policy.photon_maps();
+        let request = policy.photon_map_request();
         let keep = |source: &Option<PhotonSource<'a>>, mask: StoreMask| {
             let source = source.clone().filter(|_| mask != StoreMask::NONE)?;
             restrict_to_effects(source, policy.effects)
         };
         Self {
             settings: self.settings.clone(),
-            estimate_shares: self.estimate_shares.clone(),
+            density_estimate_shares: self.density_estimate_shares.clone(),
             policy: *policy,
             request,
-            global_source: keep(&self.global_source, request.global),
+            unaimed_source: keep(&self.unaimed_source, request.unaimed),
             caustic_source: keep(&self.caustic_source, request.aimed),
             ..*self
         }
     }
 
-    /// Returns this builder for `scene`, the same scene at another time, with its pilots' results.
-    pub fn at<'b>(&self, scene: &'b Scene) -> PhotonMapBuilder<'b> {
+    /// Returns a builder for `scene`, the same scene at another shutter time. It keeps the results
+    /// of pilots.
+    pub fn for_scene_at_time<'b>(&self, scene: &'b Scene) -> PhotonMapBuilder<'b> {
         let placed = |source: &Option<PhotonSource<'a>>| source.as_ref().map(|source| source.for_scene_at_time(scene));
         PhotonMapBuilder {
             scene,
             settings: self.settings.clone(),
-            estimate_shares: self.estimate_shares.clone(),
-            global_source: placed(&self.global_source),
+            density_estimate_shares: self.density_estimate_shares.clone(),
+            unaimed_source: placed(&self.unaimed_source),
             caustic_source: placed(&self.caustic_source),
             ..*self
         }
@@ -228,7 +241,7 @@ impl<'a> PhotonMapBuilder<'a> {
     /// Guides photon emission towards visible points if a pilot finds that more efficient.
     fn guide_emission(&mut self) {
         // Points on surfaces do not describe what is visible in media.
-        if !self.has_photons() || self.stores_volume_photons() {
+        if !self.traces_photons() || self.stores_volume_photons() {
             return;
         }
         let (scene, settings) = (self.scene, &self.settings);
@@ -237,21 +250,23 @@ impl<'a> PhotonMapBuilder<'a> {
         let guide = |source: &mut Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
             let unguided = source.take()?;
             let CameraPathSettings { max_bounces, seed, .. } = settings.camera_paths;
-            let paths = pilot_path_count(paths, GuidingPilot::PATHS);
-            let pilot = GuidingPilot { mask, max_bounces, visible: &visible, paths, seed };
+            let paths = pilot_path_count(paths, EmissionGuidingPilot::PATHS);
+            let pilot = EmissionGuidingPilot { mask, max_bounces, visible: &visible, paths, seed };
             let (guided, report) = unguided.clone().with_guided_emission(&pilot);
             *source = Some(if report.gain > MIN_GUIDING_GAIN { guided } else { unguided });
             Some(report)
         };
-        self.guiding_reports.caustic = guide(&mut self.caustic_source, self.request.aimed, settings.caustic_photons);
-        // Gather rays read the global map everywhere.
-        if !self.request.global.direct {
-            self.guiding_reports.global = guide(&mut self.global_source, self.request.global, settings.photons);
+        self.emission_guiding_reports.caustic =
+            guide(&mut self.caustic_source, self.request.aimed, settings.caustic_photons);
+        // Gather rays read the indirect map everywhere.
+        if !self.request.unaimed.direct {
+            self.emission_guiding_reports.indirect =
+                guide(&mut self.unaimed_source, self.request.unaimed, settings.photons);
         }
     }
 
     /// Returns gather radii within which most density estimates find enough photons \[length].
-    fn find_radii(&self) -> Radii {
+    fn find_gather_radii(&self) -> GatherRadii {
         let settings = &self.settings;
         let radius = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32, default_k: u32| {
             let k = settings.gather_k.filter(|k| *k > 0).unwrap_or(default_k);
@@ -264,20 +279,21 @@ impl<'a> PhotonMapBuilder<'a> {
             // A pilot may find no photon although passes will, for example if objects move.
             settings.radius.or_else(found).unwrap_or(self.scene.photon_domain().radius * DEFAULT_RADIUS)
         };
-        let (source, mask, paths) = self.global_map_inputs();
-        let default_k = if self.request.aimed.separates_after_caustic { AFTER_CAUSTIC_COUNT } else { GLOBAL_COUNT };
-        let global = radius(source, mask, paths, default_k);
+        let (source, mask, paths) = self.indirect_map_inputs();
+        let default_k = if self.request.aimed.separates_after_caustic { AFTER_CAUSTIC_COUNT } else { INDIRECT_COUNT };
+        let indirect = radius(source, mask, paths, default_k);
         let caustic = radius(&self.caustic_source, StoreMask::CAUSTIC, settings.caustic_photons, CAUSTIC_K);
-        Radii { global, caustic }
+        GatherRadii { indirect, caustic }
     }
 
-    /// Returns the photon source, photons to store and effective path count of the global map.
-    fn global_map_inputs(&self) -> (&Option<PhotonSource<'a>>, StoreMask, u32) {
+    /// Returns the photon source of the indirect map, the photons to store, and the number of paths
+    /// that reach the map.
+    fn indirect_map_inputs(&self) -> (&Option<PhotonSource<'a>>, StoreMask, u32) {
         if self.request.aimed.separates_after_caustic {
             let mask = StoreMask { after_caustic: true, ..StoreMask::NONE };
             (&self.caustic_source, mask, self.settings.caustic_photons / AFTER_CAUSTIC_THINNING)
         } else {
-            (&self.global_source, self.request.global, self.settings.photons)
+            (&self.unaimed_source, self.request.unaimed, self.settings.photons)
         }
     }
 
@@ -285,112 +301,121 @@ impl<'a> PhotonMapBuilder<'a> {
     fn stores_volume_photons(&self) -> bool {
         let effects = self.policy.effects;
         let media = effects.has(Effect::Media) && effects.has(Effect::Interiors);
-        media && self.has_photons() && self.scene.media_in_use().iter().any(|medium| medium.scatters())
+        media && self.traces_photons() && self.scene.media_in_use().iter().any(|medium| medium.scatters())
     }
 
-    /// Returns kernel radii within which most camera rays find enough photons in media \[length].
-    fn find_volume_radii(&self) -> VolumeRadiiPerMap {
+    /// Returns the kernel radii within which most camera rays find enough photons in media
+    /// \[length].
+    fn find_volume_kernel_radii(&self) -> VolumeKernelRadiiPerMap {
         let settings = &self.settings;
         let found = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
             let source = source.as_ref()?;
             let photon_pass =
                 PhotonPass { scene: self.scene, source, mask, max_bounces: settings.camera_paths.max_bounces };
-            find_volume_radii(&photon_pass, self.policy.effects, paths, settings)
+            find_volume_kernel_radii(&photon_pass, self.policy.effects, paths, settings)
         };
         let radii = |source, mask, paths| {
             if let Some(radius) = settings.radius {
-                return VolumeRadii { beams: radius, points: radius };
+                return VolumeKernelRadii { beams: radius, points: radius };
             }
             let default = self.scene.photon_domain().radius * DEFAULT_RADIUS;
             found(source, self.with_volume_storage(mask), paths)
-                .unwrap_or(VolumeRadii { beams: default, points: default })
+                .unwrap_or(VolumeKernelRadii { beams: default, points: default })
         };
-        let (source, mask, paths) = self.global_map_inputs();
+        let (source, mask, paths) = self.indirect_map_inputs();
         let caustic = radii(&self.caustic_source, StoreMask::CAUSTIC, settings.caustic_photons);
-        VolumeRadiiPerMap { caustic, global: radii(source, StoreMask { direct: false, ..mask }, paths) }
+        VolumeKernelRadiiPerMap { caustic, indirect: radii(source, StoreMask { direct: false, ..mask }, paths) }
     }
 
-    /// Returns `mask` with photons in media stored as beams or as points, as the estimator needs.
+    /// Returns `mask` with `beams` set if the estimator for media reads photon beams.
     fn with_volume_storage(&self, mask: StoreMask) -> StoreMask {
-        StoreMask { beams: self.settings.volume == VolumeEstimate::Beams, ..mask }
+        StoreMask { beams: self.settings.volume == VolumeEstimator::Beams, ..mask }
     }
 
-    /// Returns how gather radii shrink from pass to pass.
+    /// Returns the law by which gather radii shrink from pass to pass.
     pub fn radius_law(&self) -> RadiusLaw {
         let alpha = if self.policy.shrinking_radii { self.settings.alpha } else { 1.0 };
         RadiusLaw { alpha, kernel: self.settings.kernel }
     }
 
     /// True if passes trace photons.
-    pub fn has_photons(&self) -> bool {
-        self.caustic_source.is_some() || self.global_source.is_some()
+    pub fn traces_photons(&self) -> bool {
+        self.caustic_source.is_some() || self.unaimed_source.is_some()
     }
 
-    /// True if camera rays leave from all of the lens.
+    /// True if camera rays start at random points of the lens; false if at its center.
     fn uses_lens(&self) -> bool {
         self.policy.effects.has(Effect::Lens)
     }
 
-    /// Finds the shares of photon estimates beside light tracing, for the current photon counts.
-    pub fn find_estimate_shares(&mut self) {
+    /// Finds the share of flux that photon estimates use at each pixel, for the current photon path
+    /// counts.
+    pub fn find_density_estimate_shares(&mut self) {
         let size = self.scene.camera().size();
         let Some(source) = self.caustic_source.as_ref().filter(|_| self.request.aimed.caustic) else { return };
         let shares = match self.policy.light_tracing {
             LightTracing::Off => return,
-            LightTracing::Full => EstimateShares::uniform(0, size),
+            LightTracing::Full => DensityEstimateShares::uniform(0, size),
             LightTracing::Weighted => {
                 let paths = self.counts.caustic_photons.min(MAX_SHARE_PILOT_PATHS);
                 let camera_paths = &self.settings.camera_paths;
                 let max_bounces = camera_paths.max_bounces;
                 let photon_pass = PhotonPass { scene: self.scene, source, mask: StoreMask::CAUSTIC, max_bounces };
-                let key = Key::new(camera_paths.seed).purpose_key(Purpose::EstimateShares);
+                let key = Key::new(camera_paths.seed).purpose_key(Purpose::DensityEstimateShares);
                 let light_tracer = LightTracer::new(self.scene, self.uses_lens(), None);
                 let traced = photon_pass.trace_and_connect(key, paths, Some(&light_tracer), &|_| {});
                 let ratio = f64::from(self.counts.caustic_photons) / f64::from(paths.max(1));
-                EstimateShares::from_splats(&traced.deposits.splats, size, ratio)
+                DensityEstimateShares::from_splats(&traced.deposits.splats, size, ratio)
             }
         };
-        self.estimate_shares = Some(Arc::new(shares));
+        self.density_estimate_shares = Some(Arc::new(shares));
     }
 
-    /// Estimates how many photons a pass stores, by tracing few paths.
-    pub fn expected(&self) -> Expected {
+    /// Estimates how many photons a pass stores, by tracing at most 4096 paths per map.
+    pub fn expected_photons(&self) -> ExpectedPhotons {
         let settings = &self.settings;
         let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::Pilot);
         let expected = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
-            let Some(source) = source.as_ref().filter(|_| paths > 0) else { return Expected::default() };
+            let Some(source) = source.as_ref().filter(|_| paths > 0) else { return ExpectedPhotons::default() };
             let probe = paths.min(PROBE_PATHS);
             let photon_pass =
                 PhotonPass { scene: self.scene, source, mask, max_bounces: settings.camera_paths.max_bounces };
             let traced = photon_pass.trace(key, probe, &|_| {});
             let scale = |n: usize| (n as f64 * f64::from(paths) / f64::from(probe)) as u64;
-            let with_volume_storage = |volume: &VolumePhotons| volume.points.len() + BEAM_SIZE * volume.beams.len();
-            let one = scale(traced.deposits.photons.len() + with_volume_storage(&traced.deposits.volume));
+            let volume_photon_size = |volume: &VolumePhotons| volume.points.len() + BEAM_SIZE * volume.beams.len();
+            let one = scale(traced.deposits.photons.len() + volume_photon_size(&traced.deposits.volume));
             let other =
-                scale(traced.deposits.after_caustic.len() + with_volume_storage(&traced.deposits.after_caustic_volume));
-            Expected { paths: paths.into(), photons: one + other, most: one.max(other) }
+                scale(traced.deposits.after_caustic.len() + volume_photon_size(&traced.deposits.after_caustic_volume));
+            ExpectedPhotons { paths: paths.into(), photons: one + other, most: one.max(other) }
         };
         let guides = if self.request.guides { self.counts.photons / GUIDE_INTERVAL } else { 0 };
         let maps = [
             expected(&self.caustic_source, self.request.aimed, self.counts.caustic_photons),
-            expected(&self.global_source, self.request.global, self.counts.photons),
-            expected(&self.global_source, StoreMask::GLOBAL, guides),
+            expected(&self.unaimed_source, self.request.unaimed, self.counts.photons),
+            expected(&self.unaimed_source, StoreMask::INDIRECT, guides),
         ];
-        maps.into_iter().fold(Expected::default(), |all, map| Expected {
+        maps.into_iter().fold(ExpectedPhotons::default(), |all, map| ExpectedPhotons {
             paths: all.paths + map.paths,
             photons: all.photons + map.photons,
             most: all.most.max(map.most),
         })
     }
 
-    /// Traces the photons of pass `pass` and builds its maps. Adds ray counts and times to `out`.
-    pub fn build(&self, pass: u32, monitor: &dyn Monitor, out: &mut Pass) -> PhotonMaps<'a> {
+    /// Traces the photons of pass `pass` and builds its maps. Adds ray counts, reports and times to
+    /// `out`.
+    pub fn build(&self, pass: u32, monitor: &dyn ProgressMonitor, out: &mut Pass) -> PhotonMaps<'a> {
         let key = Key::new(self.settings.camera_paths.seed);
         self.build_with_budget(&PassBudget { key, pass, part: 1, limited: true, connects: true }, monitor, out)
     }
 
-    /// Traces photons within `budget` and builds their maps. Adds ray counts and times to `out`.
-    pub fn build_with_budget(&self, budget: &PassBudget, monitor: &dyn Monitor, out: &mut Pass) -> PhotonMaps<'a> {
+    /// Traces the photons of `budget` and builds their maps. Adds ray counts, reports and times to
+    /// `out`.
+    pub fn build_with_budget(
+        &self,
+        budget: &PassBudget,
+        monitor: &dyn ProgressMonitor,
+        out: &mut Pass,
+    ) -> PhotonMaps<'a> {
         let PassBudget { pass, part, .. } = *budget;
         let counts = self.counts.divided_by(part);
         let key = |purpose| budget.key.purpose_key(purpose).pass_key(pass);
@@ -398,14 +423,14 @@ impl<'a> PhotonMapBuilder<'a> {
         // The limit grows with the number of paths, so that discs keep their size.
         let ratio = f64::from(self.counts.caustic_photons) / f64::from(self.settings.caustic_photons.max(1));
         let usual_k = (f64::from(CAUSTIC_K) * ratio).round().max(1.0) as u32;
-        let caustic_k = pilot_gather_limit(self.settings.gather_k.unwrap_or(usual_k), part);
-        let global_k = pilot_gather_limit(self.settings.gather_k.unwrap_or(0), part);
-        let radii = self.radii.unwrap_or(Radii { global: 1.0, caustic: 1.0 });
+        let caustic_k = pilot_photon_limit(self.settings.gather_k.unwrap_or(usual_k), part);
+        let indirect_k = pilot_photon_limit(self.settings.gather_k.unwrap_or(0), part);
+        let radii = self.radii.unwrap_or(GatherRadii { indirect: 1.0, caustic: 1.0 });
 
         // Trace the paths aimed at casters, and index the caustic map.
-        let shares = self.estimate_shares.as_deref().filter(|_| budget.connects);
+        let shares = self.density_estimate_shares.as_deref().filter(|_| budget.connects);
         let light_tracer = shares.map(|shares| LightTracer::new(self.scene, self.uses_lens(), Some(shares)));
-        let aimed = PhotonTask {
+        let aimed = PhotonTracingTask {
             source: self.caustic_source.as_ref(),
             mask: self.request.aimed,
             paths: counts.caustic_photons,
@@ -413,45 +438,45 @@ impl<'a> PhotonMapBuilder<'a> {
             light_tracer: light_tracer.as_ref(),
         };
         let aimed = self.trace_photons(aimed, monitor, out);
-        out.caustic = photon_report(&aimed);
+        out.aimed = photon_report(&aimed);
         let index = |photons: MapPhotons, radii: MapRadii, k, out: &mut Pass| {
             let start = Instant::now();
             let count = (photons.surface.len() + photons.volume.len()) as u64;
-            monitor.begin(Stage::Indexing, count);
-            let estimator = self.build_estimator(photons, radii, k, budget);
-            monitor.advance(count);
+            monitor.begin_stage(PassStage::Indexing, count);
+            let estimator = self.build_photon_estimator(photons, radii, k, budget);
+            monitor.report_progress(count);
             out.seconds.indexing += start.elapsed().as_secs_f64();
             estimator
         };
         let caustic_radii = MapRadii { surface: radii.caustic, volume: self.volume_radii.caustic };
         let caustic_photons = MapPhotons { surface: aimed.deposits.photons, volume: aimed.deposits.volume };
         let mut caustic = index(caustic_photons, caustic_radii, caustic_k, out);
-        caustic.has_estimate_shares = light_tracer.is_some();
+        caustic.has_density_estimate_shares = light_tracer.is_some();
 
-        // Trace the paths of the global map, unless the aimed paths hold its light.
-        let global_photons = if self.request.aimed.separates_after_caustic {
+        // Trace the paths of the indirect map, unless the aimed paths hold its light.
+        let indirect_photons = if self.request.aimed.separates_after_caustic {
             MapPhotons { surface: aimed.deposits.after_caustic, volume: aimed.deposits.after_caustic_volume }
         } else {
-            let task = PhotonTask {
-                source: self.global_source.as_ref(),
-                mask: self.request.global,
+            let task = PhotonTracingTask {
+                source: self.unaimed_source.as_ref(),
+                mask: self.request.unaimed,
                 paths: counts.photons,
-                key: key(Purpose::GlobalPhotons),
+                key: key(Purpose::UnaimedPhotons),
                 light_tracer: None,
             };
             let traced = self.trace_photons(task, monitor, out);
-            out.global = photon_report(&traced);
+            out.unaimed = photon_report(&traced);
             MapPhotons { surface: traced.deposits.photons, volume: traced.deposits.volume }
         };
-        let global_radii = MapRadii { surface: radii.global, volume: self.volume_radii.global };
-        let global = index(global_photons, global_radii, global_k, out);
+        let indirect_radii = MapRadii { surface: radii.indirect, volume: self.volume_radii.indirect };
+        let indirect = index(indirect_photons, indirect_radii, indirect_k, out);
 
         // Trace the photons that guide gather rays.
         let guides = if self.request.guides {
             let paths = counts.photons / GUIDE_INTERVAL;
-            let task = PhotonTask {
-                source: self.global_source.as_ref(),
-                mask: StoreMask::GLOBAL,
+            let task = PhotonTracingTask {
+                source: self.unaimed_source.as_ref(),
+                mask: StoreMask::INDIRECT,
                 paths,
                 key: key(Purpose::GatherRayGuides),
                 light_tracer: None,
@@ -460,13 +485,13 @@ impl<'a> PhotonMapBuilder<'a> {
         } else {
             Vec::new()
         };
-        PhotonMaps { guides: PhotonMap::build(guides), caustic, global, splats: aimed.deposits.splats }
+        PhotonMaps { guides: PhotonMap::build(guides), caustic, indirect, splats: aimed.deposits.splats }
     }
 
     /// Builds the search structures of `photons` for pass `budget.pass`.
     ///
     /// Each density estimate uses at most `k` photons; 0 means no limit.
-    fn build_estimator(
+    fn build_photon_estimator(
         &self,
         photons: MapPhotons,
         radii: MapRadii,
@@ -474,29 +499,34 @@ impl<'a> PhotonMapBuilder<'a> {
         budget: &PassBudget,
     ) -> PhotonEstimator<'a> {
         let (pass, RadiusLaw { alpha, kernel }) = (budget.pass, self.radius_law());
-        let area = shrink(alpha, pass);
+        let area = squared_radius_ratio(alpha, pass);
         let (beam_dimensions, point_dimensions) = self.settings.volume.kernel_dimensions();
         let volume_radii = (
-            radii.volume.beams * radius_ratio(beam_dimensions, alpha, pass),
-            radii.volume.points * radius_ratio(point_dimensions, alpha, pass),
+            radii.volume.beams * kernel_radius_ratio(beam_dimensions, alpha, pass),
+            radii.volume.points * kernel_radius_ratio(point_dimensions, alpha, pass),
         );
         let band = WAVELENGTH_BAND * area.sqrt() as f32;
-        let volume = VolumeMap::build(photons.volume, volume_radii, self.settings.volume, band);
+        let volume = BeamAndPointMaps::build(photons.volume, volume_radii, self.settings.volume, band);
         let limit = if budget.limited { k } else { 0 };
         let shrunk_k = (f64::from(limit) * area).round().max(MIN_K) as u32;
         let bandwidth = Bandwidth { radius: radii.surface * area.sqrt() as f32, k: shrunk_k.min(limit) };
         let map = PhotonMap::build(photons.surface).with_min_radius(self.min_radius * area.sqrt() as f32);
-        PhotonEstimator { scene: self.scene, map, bandwidth, kernel, volume, has_estimate_shares: false }
+        PhotonEstimator { scene: self.scene, map, bandwidth, kernel, volume, has_density_estimate_shares: false }
     }
 
-    fn trace_photons(&self, task: PhotonTask<'_>, monitor: &dyn Monitor, out: &mut Pass) -> PhotonPassResult {
-        let PhotonTask { source, mask, paths, key, light_tracer } = task;
+    fn trace_photons(
+        &self,
+        task: PhotonTracingTask<'_>,
+        monitor: &dyn ProgressMonitor,
+        out: &mut Pass,
+    ) -> PhotonPassResult {
+        let PhotonTracingTask { source, mask, paths, key, light_tracer } = task;
         let Some(source) = source else { return PhotonPassResult::default() };
         let start = Instant::now();
-        monitor.begin(Stage::Photons, u64::from(paths));
+        monitor.begin_stage(PassStage::Photons, u64::from(paths));
         let (mask, max_bounces) = (self.with_volume_storage(mask), self.settings.camera_paths.max_bounces);
         let photon_pass = PhotonPass { scene: self.scene, source, mask, max_bounces };
-        let traced = photon_pass.trace_and_connect(key, paths, light_tracer, &|n| monitor.advance(n));
+        let traced = photon_pass.trace_and_connect(key, paths, light_tracer, &|n| monitor.report_progress(n));
         out.counters.photon_rays += traced.rays;
         out.counters.rejected_photons += traced.deposits.rejected;
         out.seconds.photons += start.elapsed().as_secs_f64();
@@ -519,8 +549,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn divided_limits_still_give_a_density() {
-        assert_eq!([0, 1, 2, 5, 50].map(|k| pilot_gather_limit(k, 4)), [0, 2, 2, 2, 13]);
-        assert_eq!([0, 2, 50].map(|k| pilot_gather_limit(k, 1)), [0, 2, 50]);
+    fn pilot_photon_limits_allow_a_density() {
+        assert_eq!([0, 1, 2, 5, 50].map(|k| pilot_photon_limit(k, 4)), [0, 2, 2, 2, 13]);
+        assert_eq!([0, 2, 50].map(|k| pilot_photon_limit(k, 1)), [0, 2, 50]);
     }
 }

@@ -1,4 +1,4 @@
-//! Rendering algorithms: path tracing, photon mapping and ray casting.
+//! Rendering algorithms: path tracing, photon mapping, ray tracing and ray casting.
 //!
 //! All implement [`Integrator`]. `PathIntegrator` implements it for every algorithm that a
 //! `PathPolicy` describes: `hybrid.rs` makes such a policy, and `camera_path.rs` holds the loop
@@ -39,12 +39,12 @@ mod work_pilot;
 mod worker;
 
 pub use algorithm::Algorithm;
-pub use balance::Balance;
+pub use balance::RayPhotonBalance;
 pub use integrator::Integrator;
 pub use map_builder::CAUSTIC_K;
 pub use nested_estimates::{MeanGatherDisc, NestedEstimates};
-pub use pass::{Expected, Monitor, Pass, PhotonReport, Seconds, Silent, Stage};
-pub use radius_law::{ALPHA, RadiusLaw, shrink};
-pub use radius_pilot::{GuidingReports, Radii};
+pub use pass::{ExpectedPhotons, Pass, PassStage, PhotonReport, ProgressMonitor, SilentMonitor, StageTimes};
+pub use radius_law::{ALPHA, RadiusLaw, squared_radius_ratio};
+pub use radius_pilot::{EmissionGuidingReportPerMap, GatherRadii};
 pub use settings::{CameraPathSettings, FinalGathering, LightTracing, Settings};
-pub use volume_estimate::VolumeEstimate;
+pub use volume_estimate::VolumeEstimator;

@@ -14,10 +14,11 @@ use crate::scene::{Interior, Scene};
 use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 
-/// Sample in \[0, 1)² that gives the center of a light.
+/// Sample in \[0, 1)² at which a light is sampled at its center.
 const CENTER: Vec2 = Vec2::splat(0.5);
 
-/// Largest number of lights for which a camera path's first receiver sends a shadow ray to each.
+/// Largest number of lights at which a camera path sends a shadow ray to each, up to its first
+/// receiver.
 const FEW_LIGHTS: usize = 4;
 
 /// Choice of the lights to which one vertex sends shadow rays.
@@ -38,11 +39,12 @@ pub(super) struct NextEventEstimator<'a> {
     directions: DirectionSampling,
     /// True if the scene has surfaces that shadow rays pass through (null interfaces).
     has_null_interfaces: bool,
-    /// True if lights are sampled at their centers.
+    /// True if shadow rays go to the centers of lights instead of random points.
     centers: bool,
-    /// Sampler that chooses lights; `None` if vertices sample all lights.
+    /// Sampler that chooses lights; `None` if every vertex sends shadow rays to all lights.
     light_sampler: Option<LightBvhSampler>,
-    /// Choice of lights up to the first receiver of a camera path, and after it.
+    /// Choice of lights for the vertices up to the first receiver of a camera path, and for later
+    /// vertices.
     schemes: [ShadowRayScheme; 2],
 }
 
@@ -83,10 +85,10 @@ impl<'a> NextEventEstimator<'a> {
         self.schemes[usize::from(history.receivers > 0)]
     }
 
-    /// Estimates the radiance of lights that `vertex` scatters to its viewer \[W/(m² sr)].
+    /// Estimates the direct light that `vertex` scatters towards the previous vertex \[W/(m² sr)].
     ///
-    /// The estimate is unbiased. If the path `continues`, it may hit a light itself, so the
-    /// estimate is weighted by the balance heuristic.
+    /// If the path `continues`, it may hit a light itself. The balance heuristic then weights the
+    /// estimate; together, both are unbiased.
     pub fn estimate<I: Interior>(&self, vertex: &PathVertex<'_, I>, continues: bool, worker: &mut PathWorker) -> Rgb {
         let rays = match (self.shadow_ray_scheme(vertex.history), &self.light_sampler) {
             (ShadowRayScheme::All(rays), _) => rays,
@@ -104,9 +106,9 @@ impl<'a> NextEventEstimator<'a> {
                 let u = if self.centers {
                     CENTER
                 } else {
-                    sampler.split_sample(ray, rays).get_2d(Dimension::LightPosition)
+                    sampler.subsample_sampler(ray, rays).get_2d(Dimension::LightPosition)
                 };
-                sum += self.shadow_ray(i, vertex, u, rays as f32, continues, worker);
+                sum += self.shadow_ray_contribution(i, vertex, u, rays as f32, continues, worker);
             }
         }
         sum
@@ -126,13 +128,13 @@ impl<'a> NextEventEstimator<'a> {
         // rounded up.
         let start = vertex.shadow_sampler.get_1d(Dimension::Light);
         for i in 0..rays {
-            let u = stratified_point(i, start, rays);
+            let u = stratified_sample(i, start, rays);
             let Some((light, probability, _)) = light_sampler.sample(point.p, vertex.scattering_hemisphere(), u) else {
                 continue;
             };
             let sampler = vertex.shadow_sampler.nth_shadow_ray_sampler(i as usize);
             let u = if self.centers { CENTER } else { sampler.get_2d(Dimension::LightPosition) };
-            sum += self.shadow_ray(light, vertex, u, probability * rays as f32, continues, worker);
+            sum += self.shadow_ray_contribution(light, vertex, u, probability * rays as f32, continues, worker);
         }
         sum
     }
@@ -151,9 +153,13 @@ impl<'a> NextEventEstimator<'a> {
         rays * self.lights[light].pdf_li(prev.p, wi, hit)
     }
 
-    /// Contribution of one shadow ray to light `light`, which gets `rays` of them in expectation.
+    /// Returns the radiance that one shadow ray to the light with index `light` contributes \[W/(m²
+    /// sr)].
+    ///
+    /// `rays` is the expected number of shadow rays to that light. `u` samples a point of the
+    /// light.
     #[inline]
-    fn shadow_ray<I: Interior>(
+    fn shadow_ray_contribution<I: Interior>(
         &self,
         light: usize,
         vertex: &PathVertex<'_, I>,
@@ -205,8 +211,8 @@ impl<'a> NextEventEstimator<'a> {
         target - sample.wi * self.scene.light_contact_distance(light).min(0.5 * (target - p).length())
     }
 
-    /// Returns the transmittance of an occluded shadow ray; 0 unless only null interfaces occlude
-    /// it.
+    /// Returns the transmittance of an occluded shadow ray; 0 if a surface other than a null
+    /// interface blocks it.
     fn transmittance_through_null_interfaces<I: Interior>(
         &self,
         light: usize,
@@ -223,7 +229,8 @@ impl<'a> NextEventEstimator<'a> {
         self.scene.shadow_transmittance(&ray, path_ray.interior, vertex.shadow_sampler.sample_key())
     }
 
-    /// Returns the transmittance between `vertex` and a light that no surface occludes.
+    /// Returns the transmittance of the interiors between `vertex` and the sampled point of a
+    /// light. Surfaces are ignored.
     #[inline]
     fn transmittance<I: Interior>(&self, vertex: &PathVertex<'_, I>, sample: &DirectLightSample) -> Rgb {
         match sample.target {
@@ -238,8 +245,9 @@ impl<'a> NextEventEstimator<'a> {
     }
 }
 
-/// Returns a point in \[0, 1) of stratum `i` of `count`. `start` in \[0, 1) is its place there.
+/// Returns the sample (`i` + `start`)/`count` in \[0, 1): the position `start` in \[0, 1) within
+/// stratum `i` of `count`.
 #[inline]
-fn stratified_point(i: u32, start: f32, count: u32) -> f32 {
+fn stratified_sample(i: u32, start: f32, count: u32) -> f32 {
     ((i as f32 + start) / count as f32).min(1.0 - f32::EPSILON / 2.0)
 }

@@ -1,16 +1,17 @@
-//! Photon density estimates of a pixel with discs of several sizes, to estimate their bias.
+//! Density estimates of a pixel from nested discs of several sizes. Their differences measure the
+//! bias.
 
 use crate::color::Rgb;
 use crate::photon::LEVELS;
 use glam::DVec3;
 use serde::Serialize;
 
-/// Mean radius and photon count of a pixel's density estimates from one photon map.
+/// Mean gather radius and photon count of a pixel's density estimates from one photon map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct MeanGatherDisc {
     /// Mean gather radius \[length].
     pub radius: f32,
-    /// Mean number of photons within the gather radius.
+    /// Mean number of photons in an estimate.
     pub photons: f32,
 }
 
@@ -20,13 +21,13 @@ pub struct MeanGatherDisc {
 /// their noise, so their differences measure the bias.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NestedEstimates {
-    /// Radiance by the full disc minus that by half its area, and half minus a quarter of the area
-    /// \[W/(m² sr)].
+    /// Two differences of radiance \[W/(m² sr)]: by the full disc minus by half its area, and by
+    /// half its area minus by a quarter.
     pub steps: [Rgb; LEVELS - 1],
-    /// Mean disc in the caustic map; `None` if no estimate was made.
+    /// Mean disc of the estimates from the caustic map; `None` without an estimate.
     pub caustic: Option<MeanGatherDisc>,
-    /// Mean disc in the global map; `None` if no estimate was made.
-    pub global: Option<MeanGatherDisc>,
+    /// Mean disc of the estimates from the indirect map; `None` without an estimate.
+    pub indirect: Option<MeanGatherDisc>,
 }
 
 /// Sums of the gather radii and photon counts of estimates from one map.
@@ -51,23 +52,24 @@ impl GatherDiscSum {
     }
 }
 
-/// Accumulator of nested estimates over one camera ray, and over all rays of one pixel.
+/// Sums of nested estimates over one camera ray, and over all rays of one pixel.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct NestedEstimateSum {
-    /// Differences between discs of neighbouring sizes, for the current camera ray.
+    /// Differences of radiance between discs of neighbouring sizes, summed over the estimates of
+    /// the current camera ray.
     ray: [Rgb; LEVELS - 1],
     /// Sum of these differences over the pixel's rays, weighted by the pixel filter.
     pixel: [DVec3; LEVELS - 1],
-    /// Sum of the gather discs in the caustic map.
+    /// Sums of radius and photon count over the pixel's estimates from the caustic map.
     pub caustic: GatherDiscSum,
-    /// Sum of the gather discs in the global map.
-    pub global: GatherDiscSum,
+    /// Sums of radius and photon count over the pixel's estimates from the indirect map.
+    pub indirect: GatherDiscSum,
 }
 
 impl NestedEstimateSum {
     /// Adds one estimate: its radiance for each disc size, largest disc first.
     ///
-    /// `throughput` is the factor from its radiance to that of the pixel.
+    /// `throughput` is the factor from the estimate's radiance to radiance of the pixel.
     #[inline]
     pub fn add(&mut self, throughput: Rgb, radiance: [Rgb; LEVELS]) {
         for (sum, pair) in self.ray.iter_mut().zip(radiance.windows(2)) {
@@ -89,7 +91,7 @@ impl NestedEstimateSum {
     /// Returns the mean over the `rays` camera rays of the pixel, and resets for the next pixel.
     pub fn finish_pixel(&mut self, rays: u32) -> NestedEstimates {
         let steps = self.pixel.map(|sum| (sum / f64::from(rays)).as_vec3());
-        let estimates = NestedEstimates { steps, caustic: self.caustic.mean(), global: self.global.mean() };
+        let estimates = NestedEstimates { steps, caustic: self.caustic.mean(), indirect: self.indirect.mean() };
         *self = Self::default();
         estimates
     }
@@ -114,7 +116,10 @@ mod tests {
         sum.finish_camera_ray(Some(1.0));
         let estimates = sum.finish_pixel(2);
         assert_eq!(estimates.steps, [Rgb::splat(0.5), Rgb::splat(-0.25)]);
-        assert_eq!((estimates.caustic, estimates.global), (Some(MeanGatherDisc { radius: 1.0, photons: 15.0 }), None));
+        assert_eq!(
+            (estimates.caustic, estimates.indirect),
+            (Some(MeanGatherDisc { radius: 1.0, photons: 15.0 }), None)
+        );
         assert_eq!(sum.finish_pixel(1), NestedEstimates::default());
     }
 }

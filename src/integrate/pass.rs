@@ -7,9 +7,9 @@ use crate::stats::Counters;
 use serde::Serialize;
 use std::ops::AddAssign;
 
-/// Stage of the rendering of a pass, for progress reports.
+/// Stage of a pass, for progress reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
+pub enum PassStage {
     /// Photon tracing. Its unit of progress is a photon path.
     Photons,
     /// Construction of the photon maps. Its unit of progress is a photon.
@@ -19,25 +19,25 @@ pub enum Stage {
 }
 
 /// Callback interface for the progress of a render. Any thread may call it.
-pub trait Monitor: Sync {
+pub trait ProgressMonitor: Sync {
     /// Reports the start of a stage of `total` units.
-    fn begin(&self, stage: Stage, total: u64);
+    fn begin_stage(&self, stage: PassStage, total: u64);
     /// Reports that `units` further units of the stage are done.
-    fn advance(&self, units: u64);
+    fn report_progress(&self, units: u64);
 }
 
-/// [`Monitor`] that ignores all reports.
+/// [`ProgressMonitor`] that ignores all reports.
 #[derive(Clone, Copy, Debug)]
-pub struct Silent;
+pub struct SilentMonitor;
 
-impl Monitor for Silent {
-    fn begin(&self, _: Stage, _: u64) {}
-    fn advance(&self, _: u64) {}
+impl ProgressMonitor for SilentMonitor {
+    fn begin_stage(&self, _: PassStage, _: u64) {}
+    fn report_progress(&self, _: u64) {}
 }
 
 /// Wall time of each stage of a pass \[s].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Seconds {
+pub struct StageTimes {
     /// Time of photon tracing \[s].
     pub photons: f64,
     /// Time of building the photon maps \[s].
@@ -53,18 +53,19 @@ pub struct PhotonReport {
     pub emitted: u64,
     /// Number of stored photons.
     pub stored: u64,
-    /// Flux by where it ended: absorbed, escaped or stopped \[W].
+    /// Emitted flux, and how much of it was absorbed, escaped or was stopped \[W].
     pub audit: EnergyAudit,
 }
 
-/// Expected numbers of photons of a pass, for a check of memory.
+/// Expected numbers of photon paths and stored photons of a pass, from which its memory is
+/// estimated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Expected {
-    /// Number of photon paths of all maps.
+pub struct ExpectedPhotons {
+    /// Number of photon paths that a pass traces for all maps.
     pub paths: u64,
     /// Expected number of stored photons of all maps.
     pub photons: u64,
-    /// Expected number of stored photons of the largest map.
+    /// Expected number of stored photons of the map with the most photons.
     pub most: u64,
 }
 
@@ -76,20 +77,23 @@ pub struct Pass {
     /// Counts of rays and photons.
     pub counters: Counters,
     /// Wall time of each stage.
-    pub seconds: Seconds,
+    pub seconds: StageTimes,
     /// Report on the photon paths that start in all directions.
-    pub global: PhotonReport,
-    /// Report on the photon paths that are aimed at caustic casters; these may fill both maps.
-    pub caustic: PhotonReport,
-    /// Photon estimates with smaller discs for each pixel; empty unless an error is estimated.
+    pub unaimed: PhotonReport,
+    /// Report on the photon paths that are aimed at caustic casters. In `hybrid`, they fill both
+    /// maps.
+    pub aimed: PhotonReport,
+    /// Differences between photon estimates with nested discs, for each pixel; empty unless the
+    /// error is estimated.
     pub nested: Vec<NestedEstimates>,
-    /// Some pixels (index in `image`, radiance) by camera paths that no other pass traces.
+    /// Radiance of some pixels by camera paths that no other pass traces, as pairs of the index in
+    /// `image` and the radiance \[W/(m² sr)].
     ///
-    /// Empty unless all passes share the camera paths of `image`.
+    /// Empty unless all passes share the camera paths of `image` and the error is estimated.
     pub fresh: Vec<(u32, Rgb)>,
 }
 
-impl AddAssign for Seconds {
+impl AddAssign for StageTimes {
     fn add_assign(&mut self, o: Self) {
         self.photons += o.photons;
         self.indexing += o.indexing;

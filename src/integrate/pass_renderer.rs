@@ -12,7 +12,8 @@ use crate::sampling::{Key, Purpose};
 use crate::scene::Scene;
 use std::sync::Arc;
 
-/// Number of tiles that a pass also renders by camera paths of its own if passes share paths.
+/// If all passes share camera paths: number of tiles that a pass also renders with paths of its
+/// own.
 ///
 /// These tiles measure the error that the shared paths cause.
 const FRESH_TILE_COUNT: u32 = 48;
@@ -34,7 +35,7 @@ pub(super) struct PassRenderer<'a> {
 impl<'a> PassRenderer<'a> {
     /// Makes a renderer with default numbers of camera rays and photons.
     ///
-    /// Pilots guide photon emission, and find the gather radii that `settings` leave open.
+    /// Pilots guide photon emission, and find the gather radii if `settings` give none.
     pub fn new(scene: &'a Scene, settings: Settings, policy: PathPolicy) -> Self {
         Self {
             scene,
@@ -47,29 +48,31 @@ impl<'a> PassRenderer<'a> {
         }
     }
 
-    /// This renderer for `scene`, its own scene at another time; results of pilots are kept.
-    pub fn at<'b>(&self, scene: &'b Scene) -> PassRenderer<'b> {
+    /// Returns a renderer for `scene`, the same scene at another shutter time. It keeps the results
+    /// of pilots.
+    pub fn for_scene_at_time<'b>(&self, scene: &'b Scene) -> PassRenderer<'b> {
         PassRenderer {
             scene,
             policy: self.policy,
             settings: self.settings.clone(),
             nee: NextEventEstimator::new(scene, &self.policy),
-            map_builder: self.map_builder.at(scene),
+            map_builder: self.map_builder.for_scene_at_time(scene),
             samples: self.samples,
             density: self.density.clone(),
         }
     }
 
-    /// This renderer for a policy with fewer effects; results of pilots are kept.
+    /// Returns a renderer for `policy`, the same policy with fewer effects. It keeps the results of
+    /// pilots.
     pub fn with_policy(&self, policy: PathPolicy) -> Self {
         let nee = NextEventEstimator::new(self.scene, &policy);
         let map_builder = self.map_builder.with_policy(&policy);
-        Self { policy, nee, map_builder, ..self.at(self.scene) }
+        Self { policy, nee, map_builder, ..self.for_scene_at_time(self.scene) }
     }
 
-    /// This renderer with one camera ray per pixel.
+    /// Returns this renderer with one camera ray per pixel.
     pub fn with_one_sample(&self) -> Self {
-        Self { samples: 1, density: None, ..self.at(self.scene) }
+        Self { samples: 1, density: None, ..self.for_scene_at_time(self.scene) }
     }
 
     /// True if passes show the scene at different times.
@@ -77,19 +80,19 @@ impl<'a> PassRenderer<'a> {
         self.policy.effects.has(Effect::Motion) && self.scene.has_motion()
     }
 
-    /// Inputs of the camera paths of pass `pass`.
+    /// Returns the inputs that all camera paths of pass `pass` share.
     pub fn path_context<'b>(&'b self, maps: Option<&'b PhotonMaps<'b>>, pass: u32) -> PathContext<'b> {
         let max_bounces = self.settings.camera_paths.max_bounces;
         PathContext::new(self.scene, &self.policy, &self.nee, maps, pass, max_bounces)
     }
 
-    /// Random key of the camera paths of pass `pass`.
-    pub fn camera_key(&self, pass: u32) -> Key {
+    /// Returns the random key of the camera paths of pass `pass`.
+    pub fn camera_path_key(&self, pass: u32) -> Key {
         let key = Key::new(self.settings.camera_paths.seed).purpose_key(Purpose::Camera);
         if self.policy.shares_paths { key.shared_paths_key() } else { key.pass_key(pass) }
     }
 
-    /// Camera rays of a pass.
+    /// Returns the camera, filter and numbers of camera rays of a pass.
     pub fn film_sampling(&self) -> FilmSampling<'_> {
         FilmSampling {
             camera: self.scene.camera(),
@@ -102,14 +105,17 @@ impl<'a> PassRenderer<'a> {
         }
     }
 
-    /// Camera rays and random key of the tiles that pass `pass` also traces by fresh paths, to
-    /// measure the error that passes with the same camera paths share; `None` if they share none.
-    pub fn fresh_tiles(&self, pass: u32) -> Option<(FilmSampling<'_>, Key)> {
+    /// Returns the camera rays and the random key of the tiles that pass `pass` also renders with
+    /// camera paths of its own.
+    ///
+    /// They measure the error of camera paths that all passes share. `None` if passes share no
+    /// paths, or if the error is not estimated.
+    pub fn unshared_path_sampling(&self, pass: u32) -> Option<(FilmSampling<'_>, Key)> {
         let sampling = self.film_sampling();
         if !(sampling.nested && self.policy.shares_paths) {
             return None;
         }
-        let every = tiles::tile_interval(sampling.camera.size(), FRESH_TILE_COUNT);
+        let every = tiles::rendered_tile_stride(sampling.camera.size(), FRESH_TILE_COUNT);
         let key = Key::new(self.settings.camera_paths.seed).purpose_key(Purpose::Camera).fresh_paths_key(pass);
         Some((FilmSampling { nested: false, every, ..sampling }, key))
     }

@@ -5,7 +5,7 @@
 //! - **Each pass**: trace camera paths. At each surface a path does next-event estimation and
 //!   continues in a direction sampled from the BSDF. The balance heuristic combines both.
 
-use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
+use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPolicy, PhotonLookups};
 use super::settings::{LightTracing, Settings};
 use crate::plan::{Effect, Effects};
 
@@ -18,7 +18,7 @@ pub(super) fn policy(effects: Effects, _: &Settings) -> PathPolicy {
         shares_paths: false,
         direct_light: true,
         light_sampling: LightSampling::OneRay,
-        continuation: if interreflection { Continuation::Always } else { Continuation::Never },
+        continuation: if interreflection { PathContinuation::Always } else { PathContinuation::Never },
         directions: DirectionSampling::Bsdf,
         counts_caustics: effects.has(Effect::Caustics),
         min_throughput: 0.0,

@@ -1,17 +1,17 @@
 //! The integrator of all algorithms that a [`PathPolicy`](super::policy::PathPolicy) expresses.
 
-use super::balance::Balance;
+use super::balance::RayPhotonBalance;
 use super::camera_path;
-use super::density_pilot::find_ray_density;
+use super::density_pilot::find_relative_ray_counts;
 use super::integrator::Integrator;
-use super::pass::{Expected, Monitor, Pass, Silent};
+use super::pass::{ExpectedPhotons, Pass, ProgressMonitor, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::policy::PolicyFn;
 use super::radius_law::RadiusLaw;
-use super::radius_pilot::{GuidingReports, Radii};
+use super::radius_pilot::{EmissionGuidingReportPerMap, GatherRadii};
 use super::settings::Settings;
 use super::tiles::{self, FilmSampling};
-use super::work_pilot::{find_balance, measure_work};
+use super::work_pilot::{find_ray_photon_balance, measure_pass_work};
 use crate::photon::add_splats;
 use crate::plan::{Effects, Plan};
 use crate::sampling::{Dimension, Key, Purpose};
@@ -19,25 +19,26 @@ use crate::scene::{Scene, for_interior};
 use crate::stats::Counters;
 use std::time::Instant;
 
-/// Integrator whose camera paths follow a [`PathPolicy`](super::policy::PathPolicy).
+/// Integrator of all algorithms whose camera paths follow a
+/// [`PathPolicy`](super::policy::PathPolicy).
 #[derive(Debug)]
 pub(super) struct PathIntegrator<'a> {
     renderer: PassRenderer<'a>,
     plan: Plan,
-    /// Function that makes the policy for other sets of effects.
+    /// Function that makes the algorithm's policy for a set of effects.
     make_policy: PolicyFn,
-    balance: Option<Balance>,
+    balance: Option<RayPhotonBalance>,
 }
 
 impl Integrator for PathIntegrator<'_> {
-    fn pass(&self, pass: u32, monitor: &dyn Monitor) -> Pass {
+    fn render_pass(&self, pass: u32, monitor: &dyn ProgressMonitor) -> Pass {
         let mut out = Pass::default();
 
         // Move the scene to the time of the pass.
         let (moved_scene, moved);
         let renderer = if self.renderer.has_motion() {
-            moved_scene = self.renderer.scene.at(shutter_time(self.renderer.settings.camera_paths.seed, pass));
-            moved = self.renderer.at(&moved_scene);
+            moved_scene = self.renderer.scene.at_time(shutter_time(self.renderer.settings.camera_paths.seed, pass));
+            moved = self.renderer.for_scene_at_time(&moved_scene);
             &moved
         } else {
             &self.renderer
@@ -45,18 +46,18 @@ impl Integrator for PathIntegrator<'_> {
 
         // Trace and index photons.
         let map_builder = &renderer.map_builder;
-        let mut maps = map_builder.has_photons().then(|| map_builder.build(pass, monitor, &mut out));
+        let mut maps = map_builder.traces_photons().then(|| map_builder.build(pass, monitor, &mut out));
         let splats = maps.as_mut().map(|maps| std::mem::take(&mut maps.splats)).unwrap_or_default();
 
         // Trace camera paths.
         let start = Instant::now();
         let paths = renderer.path_context(maps.as_ref(), pass);
-        let render = |sampling: &FilmSampling<'_>, key: Key, monitor: &dyn Monitor| {
+        let render = |sampling: &FilmSampling<'_>, key: Key, monitor: &dyn ProgressMonitor| {
             for_interior!(paths.policy.effects, <I> {
-                tiles::render_tiles(sampling, key, monitor, camera_path::tracer::<I>(&paths))
+                tiles::render_tiles(sampling, key, monitor, camera_path::radiance_function::<I>(&paths))
             })
         };
-        let picture = render(&renderer.film_sampling(), renderer.camera_key(pass), monitor);
+        let picture = render(&renderer.film_sampling(), renderer.camera_path_key(pass), monitor);
         (out.image, out.nested) = (picture.image, picture.nested);
         out.counters += picture.counters;
 
@@ -67,8 +68,8 @@ impl Integrator for PathIntegrator<'_> {
         }
 
         // Trace some tiles by fresh paths if passes share theirs.
-        if let Some((sampling, key)) = renderer.fresh_tiles(pass) {
-            let fresh = render(&sampling, key, &Silent);
+        if let Some((sampling, key)) = renderer.unshared_path_sampling(pass) {
+            let fresh = render(&sampling, key, &SilentMonitor);
             out.fresh = fresh.pixels.iter().map(|i| (*i, fresh.image[*i as usize])).collect();
         }
         out.seconds.camera += start.elapsed().as_secs_f64();
@@ -81,32 +82,32 @@ impl Integrator for PathIntegrator<'_> {
 
     fn expected_work(&self, effects: Effects) -> Counters {
         let policy = (self.make_policy)(effects, &self.renderer.settings);
-        measure_work(&self.renderer.with_policy(policy))
+        measure_pass_work(&self.renderer.with_policy(policy))
     }
 
-    fn expected(&self) -> Expected {
-        self.renderer.map_builder.expected()
+    fn expected_photons(&self) -> ExpectedPhotons {
+        self.renderer.map_builder.expected_photons()
     }
 
-    fn balance(&self) -> Option<Balance> {
+    fn ray_photon_balance(&self) -> Option<RayPhotonBalance> {
         self.balance
     }
 
-    fn radii(&self) -> Option<Radii> {
+    fn gather_radii(&self) -> Option<GatherRadii> {
         self.renderer.map_builder.radii
     }
 
     fn radius_law(&self) -> Option<RadiusLaw> {
         let map_builder = &self.renderer.map_builder;
-        map_builder.has_photons().then(|| map_builder.radius_law())
+        map_builder.traces_photons().then(|| map_builder.radius_law())
     }
 
-    fn nests_estimates(&self) -> bool {
+    fn returns_nested_estimates(&self) -> bool {
         self.renderer.settings.camera_paths.estimate_error
     }
 
-    fn guiding_reports(&self) -> GuidingReports {
-        self.renderer.map_builder.guiding_reports
+    fn emission_guiding_reports(&self) -> EmissionGuidingReportPerMap {
+        self.renderer.map_builder.emission_guiding_reports
     }
 }
 
@@ -121,16 +122,17 @@ impl<'a> PathIntegrator<'a> {
 
         // Balance camera rays against photons. Effects that add nothing must not matter: the
         // picture is the same with them.
-        let balances = settings.balance && settings.camera_paths.samples.is_none() && policy.can_be_balanced();
+        let balances =
+            settings.balance && settings.camera_paths.samples.is_none() && policy.allows_ray_photon_balance();
         let balance = match (balances, needed == effects) {
             (false, _) => None,
-            (true, true) => find_balance(&renderer),
+            (true, true) => find_ray_photon_balance(&renderer),
             (true, false) => {
                 let policy = make_policy(needed, &settings);
-                find_balance(&PassRenderer::new(scene, settings.clone(), policy))
+                find_ray_photon_balance(&PassRenderer::new(scene, settings.clone(), policy))
             }
         };
-        if let Some(Balance { samples, photons, caustic_photons }) = balance {
+        if let Some(RayPhotonBalance { samples, photons, caustic_photons }) = balance {
             renderer.samples = samples;
             let counts = &mut renderer.map_builder.counts;
             counts.photons = photons.unwrap_or(counts.photons);
@@ -138,10 +140,10 @@ impl<'a> PathIntegrator<'a> {
         }
 
         // Divide directly visible caustics between photon estimates and light tracing.
-        renderer.map_builder.find_estimate_shares();
+        renderer.map_builder.find_density_estimate_shares();
 
         // Distribute camera rays over the pixels.
-        renderer.density = if settings.camera_paths.adaptive { find_ray_density(&renderer) } else { None };
+        renderer.density = if settings.camera_paths.adaptive { find_relative_ray_counts(&renderer) } else { None };
         Self { renderer, plan, make_policy, balance }
     }
 }

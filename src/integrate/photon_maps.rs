@@ -1,57 +1,59 @@
 //! Photon maps of a pass, and radiance estimates from them.
 
 use super::nested_estimates::GatherDiscSum;
-use super::vertex::{MediumVertex, PathHistory, PathVertex};
-use super::volume_estimate::{VolumeMap, wavelength_overlap};
+use super::vertex::{MediumPathSegment, PathHistory, PathVertex};
+use super::volume_estimate::{BeamAndPointMaps, wavelength_kernel_weight};
 use super::worker::PathWorker;
 use crate::bsdf::TransportMode;
 use crate::color::Rgb;
 use crate::photon::{
-    Bandwidth, Kernel, NestedRadianceEstimate, PhotonData, PhotonMap, Scratch, Splat, disc_coverage,
+    Bandwidth, Kernel, NestedRadianceEstimate, PhotonData, PhotonMap, PhotonSearchBuffers, Splat, disc_coverage,
     nested_disc_coverage,
 };
 use crate::scene::{Interior, Scene};
 use rand::Rng;
 
-/// Photon map of surfaces and media, with the gather radius and kernel of its estimates.
+/// One photon map, of surfaces and media, with the bandwidth and kernel of its density estimates.
 pub(super) struct PhotonEstimator<'a> {
     pub scene: &'a Scene,
     pub map: PhotonMap,
     pub bandwidth: Bandwidth,
     pub kernel: Kernel,
     /// Photons in media.
-    pub volume: VolumeMap,
-    /// True if light tracing carries part of the light of directly visible surfaces.
-    pub has_estimate_shares: bool,
+    pub volume: BeamAndPointMaps,
+    /// True if photons store the share of their flux that estimates use at directly visible
+    /// surfaces. Light tracing carries the rest there.
+    pub has_density_estimate_shares: bool,
 }
 
-/// Photon maps that one lookup reads.
+/// Choice of the photon maps that one estimate reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum MapLookup {
+pub(super) enum PhotonMapChoice {
     /// The caustic map.
     Caustic,
-    /// The caustic map and the global map.
+    /// The caustic map and the indirect map.
     Both,
 }
 
 /// Photon maps of one pass.
 pub(super) struct PhotonMaps<'a> {
-    /// Caustic map: photons that went over casters to the first surface that stores them.
+    /// Caustic map: photons of kind [`PhotonKind::Caustic`](crate::photon::PhotonKind::Caustic).
     pub caustic: PhotonEstimator<'a>,
-    /// Global map: photons of all other indirect light.
+    /// Indirect map: photons of all indirect light except caustics. Jensen 2001 and the command
+    /// line call it the global map.
     ///
-    /// In `hybrid` it holds only light that continues from a caustic. If gather rays read the map,
-    /// it also holds direct light.
-    pub global: PhotonEstimator<'a>,
-    /// Photons of a few paths. Their directions guide gather rays.
+    /// In `hybrid`, it holds only light that a caustic has reflected: camera paths find the rest.
+    /// If gather rays read the map, it also holds direct light.
+    pub indirect: PhotonEstimator<'a>,
+    /// Photons of a small number of paths. Their directions guide gather rays.
     pub guides: PhotonMap,
-    /// Light that caustic photons send to the camera; empty without light tracing.
+    /// Splats of caustic photons on the film; empty without light tracing.
     pub splats: Vec<Splat>,
 }
 
 impl PhotonMaps<'_> {
-    /// Estimates the radiance that `vertex` reflects to its viewer from the photons of `lookup`
-    /// \[W/(m² sr)].
+    /// Estimates the radiance that `vertex` reflects towards the previous vertex, from the maps of
+    /// `lookup` \[W/(m² sr)].
     ///
     /// The result is multiplied by `samples`: if only one of a pixel's camera paths reads the maps,
     /// it does so for all of them.
@@ -59,30 +61,32 @@ impl PhotonMaps<'_> {
     pub fn radiance<I: Interior>(
         &self,
         vertex: &PathVertex<'_, I>,
-        lookup: MapLookup,
+        lookup: PhotonMapChoice,
         samples: u32,
         worker: &mut PathWorker,
     ) -> Rgb {
         let caustic = self.caustic.radiance(vertex, samples, |w| (&mut w.caustic, &mut w.nested.caustic), worker);
-        let global = match lookup {
-            MapLookup::Caustic => Rgb::ZERO,
-            MapLookup::Both => self.global.radiance(vertex, samples, |w| (&mut w.global, &mut w.nested.global), worker),
+        let indirect = match lookup {
+            PhotonMapChoice::Caustic => Rgb::ZERO,
+            PhotonMapChoice::Both => {
+                self.indirect.radiance(vertex, samples, |w| (&mut w.indirect, &mut w.nested.indirect), worker)
+            }
         };
-        (caustic + global) * samples as f32
+        (caustic + indirect) * samples as f32
     }
 
-    /// Estimates the radiance that a medium scatters from photons to the start of a segment
-    /// \[W/(m² sr)], times `samples`.
+    /// Estimates from photons the radiance that a medium scatters to the start of a segment \[W/(m²
+    /// sr)], times `samples`.
     #[inline]
     pub fn radiance_in_medium<I: Interior>(
         &self,
-        vertex: &MediumVertex<'_, I>,
+        vertex: &MediumPathSegment<'_, I>,
         samples: u32,
         rng: &mut impl Rng,
         worker: &mut PathWorker,
     ) -> Rgb {
         let caustic = self.caustic.volume.radiance(vertex, samples, rng, worker);
-        (caustic + self.global.volume.radiance(vertex, samples, rng, worker)) * samples as f32
+        (caustic + self.indirect.volume.radiance(vertex, samples, rng, worker)) * samples as f32
     }
 }
 
@@ -92,33 +96,34 @@ impl PhotonEstimator<'_> {
         self.bandwidth.radius
     }
 
-    /// Estimates the radiance that `vertex` reflects to its viewer from the photons of the map
-    /// \[W/(m² sr)].
+    /// Estimates the radiance that `vertex` reflects towards the previous vertex, from the photons
+    /// of this map \[W/(m² sr)].
     ///
-    /// `scratch` returns the worker's buffers for this map. `samples` is a factor on the nested
-    /// estimates of the pixel.
+    /// `scratch` returns the worker's buffers for this map. The nested estimates, but not the
+    /// result, are multiplied by `samples`.
     #[inline]
     fn radiance<I: Interior>(
         &self,
         vertex: &PathVertex<'_, I>,
         samples: u32,
-        scratch: fn(&mut PathWorker) -> (&mut Scratch, &mut GatherDiscSum),
+        scratch: fn(&mut PathWorker) -> (&mut PhotonSearchBuffers, &mut GatherDiscSum),
         worker: &mut PathWorker,
     ) -> Rgb {
-        if self.has_estimate_shares && vertex.history == PathHistory::default() {
+        if self.has_density_estimate_shares && vertex.history == PathHistory::default() {
             self.radiance_with_shares::<I, true>(vertex, samples, scratch, worker)
         } else {
             self.radiance_with_shares::<I, false>(vertex, samples, scratch, worker)
         }
     }
 
-    /// Works like [`Self::radiance`]; `SHARED` counts of each photon only the share of estimates.
+    /// Estimates radiance like [`Self::radiance`]. If `SHARED` is true, only each photon's share
+    /// for density estimates counts.
     #[inline]
     fn radiance_with_shares<I: Interior, const SHARED: bool>(
         &self,
         vertex: &PathVertex<'_, I>,
         samples: u32,
-        scratch: fn(&mut PathWorker) -> (&mut Scratch, &mut GatherDiscSum),
+        scratch: fn(&mut PathWorker) -> (&mut PhotonSearchBuffers, &mut GatherDiscSum),
         worker: &mut PathWorker,
     ) -> Rgb {
         if self.map.is_empty() {
@@ -132,10 +137,10 @@ impl PhotonEstimator<'_> {
             let mut brdf =
                 surface.bsdf.evaluate(surface.wo, photon.incident_direction(), ns, ns, TransportMode::Radiance);
             if SHARED {
-                brdf *= photon.estimate_share();
+                brdf *= photon.density_estimate_share();
             }
             if I::HAS_MEDIA_OR_WAVELENGTH {
-                brdf * wavelength_overlap(wavelength, photon.wavelength(), self.volume.band)
+                brdf * wavelength_kernel_weight(wavelength, photon.wavelength(), self.volume.band)
             } else {
                 brdf
             }

@@ -3,13 +3,13 @@
 //! # Algorithm
 //! - **Prepare**: aim and guide photon emission, find gather radii, and balance camera rays against
 //!   photons.
-//! - **Each pass**: trace new photons into a caustic map and a global map. Trace camera paths with
+//! - **Each pass**: trace new photons into a caustic map and a indirect map. Trace camera paths with
 //!   next-event estimation. A path reads the caustic map at the first surface that stores photons.
-//!   - *Direct visualization*: the path also reads the global map there, and ends.
+//!   - *Direct visualization*: the path also reads the indirect map there, and ends.
 //!   - *Final gathering*: the path sends a gather ray and reads both maps at its end. This hides
-//!     the blur of the global map. A path continues where a gather ray is too short for that.
+//!     the blur of the indirect map. A path continues where a gather ray is too short for that.
 
-use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
+use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPolicy, PhotonLookups};
 use super::settings::{FinalGathering, LightTracing, Settings};
 use crate::plan::{Effect, Effects};
 
@@ -23,13 +23,13 @@ pub(super) fn policy(effects: Effects, settings: &Settings) -> PathPolicy {
     let gathers = effects.has(Effect::Gathering) && effects.has(Effect::Interreflection);
     let (continuation, directions, photons) = match settings.final_gathering {
         FinalGathering::Bsdf if gathers => {
-            (Continuation::GatherRays, DirectionSampling::Bsdf, PhotonLookups::GatherRays)
+            (PathContinuation::GatherRays, DirectionSampling::Bsdf, PhotonLookups::GatherRays)
         }
         FinalGathering::Importance if gathers => {
-            (Continuation::GatherRays, DirectionSampling::Guided, PhotonLookups::GatherRays)
+            (PathContinuation::GatherRays, DirectionSampling::Guided, PhotonLookups::GatherRays)
         }
         FinalGathering::None | FinalGathering::Bsdf | FinalGathering::Importance => {
-            (Continuation::Never, DirectionSampling::Bsdf, PhotonLookups::FirstReceiver)
+            (PathContinuation::Never, DirectionSampling::Bsdf, PhotonLookups::FirstReceiver)
         }
     };
     PathPolicy {

@@ -1,8 +1,8 @@
-//! Rules that distinguish the algorithms.
+//! Path policies: the rules that distinguish the algorithms.
 //!
 //! A [`PathPolicy`] says what a camera path does at its vertices. Each algorithm's file makes one
 //! from the simulated effects. The policy also decides which photon maps are built: see
-//! [`PathPolicy::photon_maps`].
+//! [`PathPolicy::photon_map_request`].
 
 use super::settings::{LightTracing, Settings};
 use crate::photon::StoreMask;
@@ -24,13 +24,13 @@ pub(super) struct PathPolicy {
     pub direct_light: bool,
     /// Number and targets of the shadow rays of next-event estimation.
     pub light_sampling: LightSampling,
-    /// Surfaces at which a path continues after next-event estimation and photon lookups.
-    pub continuation: Continuation,
-    /// Sampling strategy for directions at surfaces that store photons.
+    /// Receivers from which a path continues after next-event estimation and photon lookups.
+    pub continuation: PathContinuation,
+    /// Sampling strategy for directions at receivers.
     pub directions: DirectionSampling,
     /// True if camera paths also find caustics; false leaves caustics to photons.
     pub counts_caustics: bool,
-    /// Throughput below which a path ends; 0 uses Russian roulette instead.
+    /// Mean throughput of the channels below which a path ends; 0 uses Russian roulette instead.
     pub min_throughput: f32,
     /// Places where a path reads photon maps.
     pub photons: PhotonLookups,
@@ -45,26 +45,27 @@ pub(super) struct PathPolicy {
 pub(super) enum LightSampling {
     /// This many shadow rays per vertex.
     Rays(u32),
-    /// One shadow ray per vertex. In a scene with few lights, the first receiver sends one to each.
+    /// One shadow ray per vertex. In a scene with at most four lights, vertices up to the first
+    /// receiver send one to each light.
     OneRay,
     /// One shadow ray to the center of every light.
     Centers,
 }
 
-/// Receivers (surfaces that store photons) at which a path continues.
+/// Receivers from which a camera path continues, see [`PhotonKind`](crate::photon::PhotonKind).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Continuation {
-    /// No receiver: a path ends at its first one.
+pub(super) enum PathContinuation {
+    /// None: a path ends at its first receiver.
     Never,
-    /// Receivers whose sampled lobe is not diffuse.
+    /// Receivers whose sampled BSDF lobe is not diffuse.
     Glossy,
     /// The first receiver, and receivers at the end of a gather ray that is too short.
     GatherRays,
-    /// All receivers and scattering events in media.
+    /// All receivers, and scattering events in media.
     Always,
 }
 
-/// Sampling strategy for directions at receivers (surfaces that store photons).
+/// Strategy by which a camera path samples its next direction at a receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum DirectionSampling {
     /// Sampling from the BSDF.
@@ -80,11 +81,11 @@ pub(super) enum DirectionSampling {
 pub(super) enum PhotonLookups {
     /// No lookup.
     Never,
-    /// Both maps at the first receiver, but only by the first camera path of each pixel.
+    /// Both maps at the first receiver, but only by the first camera path of each pixel and pass.
     ///
     /// The pixel's other paths would read almost the same photons.
     OncePerPixel,
-    /// The caustic map and the global map at the first receiver of each path.
+    /// The caustic map and the indirect map at the first receiver of each path.
     FirstReceiver,
     /// The caustic map at the start of a gather ray, both maps at its end.
     GatherRays,
@@ -92,13 +93,13 @@ pub(super) enum PhotonLookups {
     RecordVisible,
 }
 
-/// Photons to store for the maps that a policy reads.
+/// The photons that a pass must store for the maps that a policy reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct MapRequest {
+pub(super) struct PhotonMapRequest {
     /// Photons to store from paths aimed at caustic casters.
     pub aimed: StoreMask,
     /// Photons to store from paths in all directions.
-    pub global: StoreMask,
+    pub unaimed: StoreMask,
     /// True if a further photon map guides the directions of gather rays.
     pub guides: bool,
 }
@@ -118,33 +119,34 @@ impl PathPolicy {
     }
 
     /// True if a pilot may trade camera rays for photons.
-    pub fn can_be_balanced(&self) -> bool {
+    pub fn allows_ray_photon_balance(&self) -> bool {
         !self.shares_paths
     }
 
-    /// Returns the photons to store for this policy, without the light of effects that are off.
-    pub fn photon_maps(&self) -> MapRequest {
+    /// Returns the photons that passes must store for this policy. Photons of effects that are off
+    /// are left out.
+    pub fn photon_map_request(&self) -> PhotonMapRequest {
         let caustics = self.effects.has(Effect::Caustics);
         let bounces = self.effects.has(Effect::CausticBounces);
         let interreflection = self.effects.has(Effect::Interreflection);
-        let global = |direct: bool| StoreMask {
+        let unaimed = |direct: bool| StoreMask {
             direct: direct && interreflection,
             after_caustic: bounces,
-            global: interreflection,
+            after_direct: interreflection,
             ..StoreMask::NONE
         };
-        let (after_caustic, global) = match self.photons {
+        let (after_caustic, unaimed) = match self.photons {
             PhotonLookups::Never | PhotonLookups::RecordVisible => {
-                return MapRequest { aimed: StoreMask::NONE, global: StoreMask::NONE, guides: false };
+                return PhotonMapRequest { aimed: StoreMask::NONE, unaimed: StoreMask::NONE, guides: false };
             }
             PhotonLookups::OncePerPixel => (bounces, StoreMask::NONE),
-            PhotonLookups::FirstReceiver => (false, global(false)),
+            PhotonLookups::FirstReceiver => (false, unaimed(false)),
             // Gather rays do no next-event estimation where they end.
-            PhotonLookups::GatherRays => (false, global(true)),
+            PhotonLookups::GatherRays => (false, unaimed(true)),
         };
         let aimed =
             StoreMask { caustic: caustics, after_caustic, separates_after_caustic: after_caustic, ..StoreMask::NONE };
-        MapRequest { aimed, global, guides: self.directions == DirectionSampling::Guided && interreflection }
+        PhotonMapRequest { aimed, unaimed, guides: self.directions == DirectionSampling::Guided && interreflection }
     }
 }
 
@@ -157,15 +159,15 @@ mod tests {
     #[test]
     fn policies_request_the_maps_they_read() {
         let settings = Settings { final_gathering: FinalGathering::Importance, ..Settings::default() };
-        let maps = |make: PolicyFn, effects| make(effects, &settings).photon_maps();
-        let none = MapRequest { aimed: StoreMask::NONE, global: StoreMask::NONE, guides: false };
+        let maps = |make: PolicyFn, effects| make(effects, &settings).photon_map_request();
+        let none = PhotonMapRequest { aimed: StoreMask::NONE, unaimed: StoreMask::NONE, guides: false };
         assert_eq!(maps(path::policy, Effects::ALL), none);
         let aimed = StoreMask { after_caustic: true, separates_after_caustic: true, ..StoreMask::CAUSTIC };
-        assert_eq!(maps(hybrid::policy, Effects::ALL), MapRequest { aimed, ..none });
-        let sppm = MapRequest { aimed: StoreMask::CAUSTIC, global: StoreMask::GLOBAL, guides: false };
+        assert_eq!(maps(hybrid::policy, Effects::ALL), PhotonMapRequest { aimed, ..none });
+        let sppm = PhotonMapRequest { aimed: StoreMask::CAUSTIC, unaimed: StoreMask::INDIRECT, guides: false };
         assert_eq!(maps(sppm::policy, Effects::ALL), sppm);
-        let gathering = StoreMask { direct: true, ..StoreMask::GLOBAL };
-        assert_eq!(maps(pm::policy, Effects::ALL), MapRequest { global: gathering, guides: true, ..sppm });
+        let gathering = StoreMask { direct: true, ..StoreMask::INDIRECT };
+        assert_eq!(maps(pm::policy, Effects::ALL), PhotonMapRequest { unaimed: gathering, guides: true, ..sppm });
         assert_eq!(maps(pm::policy, Effects::ALL.without(Effect::Gathering)), sppm);
     }
 
@@ -175,8 +177,8 @@ mod tests {
         let direct =
             Effects::ALL.without(Effect::Caustics).without(Effect::CausticBounces).without(Effect::Interreflection);
         for make in [hybrid::policy as PolicyFn, sppm::policy, pm::policy] {
-            let MapRequest { aimed, global, guides } = make(direct, &settings).photon_maps();
-            assert_eq!((aimed, global, guides), (StoreMask::NONE, StoreMask::NONE, false));
+            let PhotonMapRequest { aimed, unaimed, guides } = make(direct, &settings).photon_map_request();
+            assert_eq!((aimed, unaimed, guides), (StoreMask::NONE, StoreMask::NONE, false));
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Law by which gather radii shrink from pass to pass (Knaus and Zwicker 2011).
+//! Radius law: how gather radii shrink from pass to pass (Knaus and Zwicker 2011).
 
 use crate::photon::Kernel;
 
@@ -8,7 +8,7 @@ use crate::photon::Kernel;
 /// (Kaplanyan and Dachsbacher 2013).
 pub const ALPHA: f64 = 2.0 / 3.0;
 
-/// Exponent by which gather radii shrink from pass to pass, and the kernel of density estimates.
+/// Law by which gather radii shrink from pass to pass, and the kernel of density estimates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RadiusLaw {
     /// Exponent α: the variance of photon estimates falls as n^−α over n passes; 1 for fixed radii.
@@ -21,19 +21,20 @@ pub struct RadiusLaw {
 ///
 /// It is the product of (i + α)/(i + 1) for i = 1 … pass (Knaus and Zwicker 2011, equation 15).
 #[must_use]
-pub fn shrink(alpha: f64, pass: u32) -> f64 {
+pub fn squared_radius_ratio(alpha: f64, pass: u32) -> f64 {
     (1..=pass).map(f64::from).map(|i| (i + alpha) / (i + 1.0)).product()
 }
 
 /// Returns the kernel radius of pass `pass` relative to the first pass, in d = `dimensions`.
 ///
-/// The kernel's area or volume follows [`shrink`], with 1 − α scaled by 3d/(4 + d). Then the
-/// default α becomes 4/(4 + d), which balances variance and squared bias in d dimensions.
+/// The kernel's length, area or volume shrinks by [`squared_radius_ratio`] with the exponent 1 − (1
+/// − `alpha`)·3d/(4 + d). For the default `alpha` this is 4/(4 + d), which balances variance and
+/// squared bias in d dimensions.
 #[must_use]
-pub(super) fn radius_ratio(dimensions: u32, alpha: f64, pass: u32) -> f32 {
+pub(super) fn kernel_radius_ratio(dimensions: u32, alpha: f64, pass: u32) -> f32 {
     let d = f64::from(dimensions);
     let own = 1.0 - (1.0 - alpha) * 3.0 * d / (4.0 + d);
-    libm::pow(shrink(own, pass), 1.0 / d) as f32
+    libm::pow(squared_radius_ratio(own, pass), 1.0 / d) as f32
 }
 
 #[cfg(test)]
@@ -43,26 +44,34 @@ mod tests {
     #[test]
     fn kernels_shrink_by_their_dimension() {
         for pass in [0, 1, 17, 1000] {
-            assert!((f64::from(radius_ratio(2, ALPHA, pass)) - shrink(ALPHA, pass).sqrt()).abs() < 1e-6);
+            assert!(
+                (f64::from(kernel_radius_ratio(2, ALPHA, pass)) - squared_radius_ratio(ALPHA, pass).sqrt()).abs()
+                    < 1e-6
+            );
         }
         // N^(α−1)/d: −1/5, −1/6 and −1/7.
         for (dimensions, power) in [(1, -0.2), (2, -1.0 / 6.0), (3, -1.0 / 7.0)] {
-            let ratio = f64::from(radius_ratio(dimensions, ALPHA, 99_999) / radius_ratio(dimensions, ALPHA, 9999));
+            let ratio = f64::from(
+                kernel_radius_ratio(dimensions, ALPHA, 99_999) / kernel_radius_ratio(dimensions, ALPHA, 9999),
+            );
             assert!((libm::log10(ratio) - power).abs() < 1e-3, "{dimensions}: {ratio}");
         }
     }
 
-    /// The closed form Γ(N+α)/(Γ(1+α)Γ(N+1)) and its asymptote N^(α−1)/Γ(1+α), whose relative error
-    /// is below 1/N.
+    /// The product agrees with its closed form Γ(N+α)/(Γ(1+α)Γ(N+1)), and with the asymptote
+    /// N^(α−1)/Γ(1+α), whose relative error is below 1/N.
     #[test]
-    fn the_product_is_the_ratio_of_gammas() {
-        assert_eq!((shrink(ALPHA, 0), shrink(1.0, 1000), radius_ratio(3, 1.0, 1000)), (1.0, 1.0, 1.0));
+    fn squared_radius_ratio_is_a_ratio_of_gammas() {
+        assert_eq!(
+            (squared_radius_ratio(ALPHA, 0), squared_radius_ratio(1.0, 1000), kernel_radius_ratio(3, 1.0, 1000)),
+            (1.0, 1.0, 1.0)
+        );
         for pass in [1u32, 10, 1000, 1_000_000] {
             let n = f64::from(pass) + 1.0;
             let closed = libm::exp(libm::lgamma(n + ALPHA) - libm::lgamma(1.0 + ALPHA) - libm::lgamma(n + 1.0));
-            assert!((shrink(ALPHA, pass) / closed - 1.0).abs() < 1e-7);
+            assert!((squared_radius_ratio(ALPHA, pass) / closed - 1.0).abs() < 1e-7);
             let asymptote = libm::pow(n, ALPHA - 1.0) / libm::tgamma(1.0 + ALPHA);
-            assert!((shrink(ALPHA, pass) / asymptote - 1.0).abs() < 1.0 / n);
+            assert!((squared_radius_ratio(ALPHA, pass) / asymptote - 1.0).abs() < 1.0 / n);
         }
     }
 }

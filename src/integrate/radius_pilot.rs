@@ -1,37 +1,40 @@
 //! Pilots that find the gather radii of the first pass.
 
 use super::settings::Settings;
-use super::volume_estimate::VolumeEstimate;
+use super::volume_estimate::VolumeEstimator;
 use crate::bsdf::TransportMode;
 use crate::math::Ray;
-use crate::photon::{GuidingReport, Photon, PhotonBeamMap, PhotonMap, PhotonPass, VolumePhotonMap};
+use crate::photon::{EmissionGuidingReport, Photon, PhotonBeamMap, PhotonMap, PhotonPass, VolumePhotonMap};
 use crate::plan::Effects;
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::scene::{PathEvent, Scene, SpectralInterior, SurfaceVertex};
 use glam::Vec2;
 
-/// Largest number of photon paths of the pilot. Its radii are scaled to the paths of a pass.
+/// Largest number of photon paths of a pilot. The radii that it finds are scaled to the paths of a
+/// pass.
 const MAX_PATHS: u32 = 1 << 16;
 
-/// Largest number of photon paths of a pilot, in multiples of the paths of a pass.
+/// Largest number of photon paths of a pilot, as a multiple of the paths of a pass.
 const MAX_PASSES: u32 = 4;
 
 /// Smallest number of photon paths of a pilot, even if that exceeds [`MAX_PASSES`].
 const MIN_PATHS: u32 = 1 << 14;
 
-/// Number of stored photons for which the pilot finds the distance of the k-th neighbour.
+/// Number of stored photons at which the pilot measures the distance to the k-th nearest photon.
 const PROBES: usize = 512;
 
-/// Quantile of the k-th neighbour distances that becomes the gather radius.
+/// Quantile of the distances to the k-th nearest photon that becomes the gather radius.
 const RADIUS_QUANTILE: f64 = 0.75;
 
-/// Largest gather radius relative to the scene's radius. Larger ones would blur the whole scene.
+/// Largest gather radius relative to the scene's radius. A larger one would blur the whole scene.
 const MAX_RADIUS: f32 = 0.1;
 
-/// Smallest gather radius relative to the distance from the origin, for single precision.
+/// Smallest gather radius relative to the distance from the origin. Single precision cannot resolve
+/// smaller ones.
 const MIN_RADIUS: f32 = 1e-6;
 
-/// Smallest gather radius relative to the width of a pixel on the closest visible surface.
+/// Smallest gather radius, relative to the width of a pixel's footprint on the closest visible
+/// surface.
 const PIXEL_PART: f32 = 0.125;
 
 /// Side length of the grid of camera rays that find the closest visible surface.
@@ -43,36 +46,41 @@ const MEDIA_RAYS: u32 = 512;
 /// Largest number of casters on a camera path of the pilot for media.
 const MAX_CASTERS: u32 = 8;
 
-/// Desired median number of beams or photons per ray, among rays that find any.
+/// Desired median number of beams or photons within the kernel radius of a camera ray. Rays that
+/// find none do not count.
 const MEDIAN_COUNT: f64 = 64.0;
 
-/// Kernel radius that the pilot for media tries, relative to the scene's radius.
+/// Kernel radius with which the pilot for media counts photons, relative to the scene's radius.
 const TRIAL_RADIUS: f32 = 0.02;
 
 /// Largest gather radii on surfaces in the first pass \[length].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Radii {
-    /// Gather radius of the global map \[length].
-    pub global: f32,
+pub struct GatherRadii {
+    /// Gather radius of the indirect map \[length].
+    pub indirect: f32,
     /// Gather radius of the caustic map \[length].
     pub caustic: f32,
 }
 
-/// Gains of emission guiding for each photon map; `None` if a pilot did not try it.
+/// Report on emission guiding for each photon map; `None` if no pilot tried to guide the emission
+/// for that map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
-pub struct GuidingReports {
-    /// Result for the global map.
-    pub global: Option<GuidingReport>,
-    /// Result for the caustic map.
-    pub caustic: Option<GuidingReport>,
+pub struct EmissionGuidingReportPerMap {
+    /// Report for the indirect map.
+    #[serde(rename = "global")]
+    pub indirect: Option<EmissionGuidingReport>,
+    /// Report for the caustic map.
+    pub caustic: Option<EmissionGuidingReport>,
 }
 
-/// Returns the number of photon paths of a pilot: `most`, or fewer if a pass has few `paths`.
+/// Returns the number of photon paths of a pilot: four times the `paths` of a pass, but at least
+/// 16,384 and at most `most`.
 pub(super) fn pilot_path_count(paths: u32, most: u32) -> u32 {
     paths.saturating_mul(MAX_PASSES).max(MIN_PATHS).min(most)
 }
 
-/// Returns the radius within which three of four stored photons have `k` neighbours \[length].
+/// Returns the gather radius \[length] within which three of four stored photons have `k`
+/// neighbours.
 ///
 /// The radius is for a pass of `paths` photon paths, and at least `min_radius`. Returns `None` if
 /// the pilot stores no photon.
@@ -106,8 +114,8 @@ pub(super) fn find_gather_radius(pass: &PhotonPass<'_>, paths: u32, k: u32, seed
 
 /// Returns the smallest gather radius of the first pass \[length].
 ///
-/// It is a fraction of the width of a pixel on the closest visible surface.
-pub(super) fn min_disc_radius(scene: &Scene) -> f32 {
+/// It is 1/8 of the width of a pixel's footprint on the closest visible surface.
+pub(super) fn min_gather_radius(scene: &Scene) -> f32 {
     let (width, spread) = scene.camera().pixel_footprint();
     let (columns, rows) = scene.camera().size();
     let position = |i: u32, size: u32| (i as f32 + 0.5) / DISTANCE_RAYS as f32 * size as f32;
@@ -121,27 +129,28 @@ pub(super) fn min_disc_radius(scene: &Scene) -> f32 {
 
 /// Kernel radii of photon estimates in media \[length].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct VolumeRadii {
+pub(super) struct VolumeKernelRadii {
     pub beams: f32,
     pub points: f32,
 }
 
-impl Default for VolumeRadii {
+impl Default for VolumeKernelRadii {
     fn default() -> Self {
         Self { beams: 1.0, points: 1.0 }
     }
 }
 
-/// Returns kernel radii within which most camera rays find enough photons in media \[length].
+/// Returns the kernel radii within which the median camera ray finds 64 beams or photons in media
+/// \[length].
 ///
 /// The radii are for a pass of `paths` photon paths. Returns `None` if the pilot stores no photon
 /// in media.
-pub(super) fn find_volume_radii(
+pub(super) fn find_volume_kernel_radii(
     pass: &PhotonPass<'_>,
     effects: Effects,
     paths: u32,
     settings: &Settings,
-) -> Option<VolumeRadii> {
+) -> Option<VolumeKernelRadii> {
     let scene = pass.scene;
     let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::Pilot);
     let pilot = pilot_path_count(paths, MAX_PATHS);
@@ -174,7 +183,7 @@ pub(super) fn find_volume_radii(
     let points = camera_paths.iter().map(|segments| {
         let mut count = 0.0;
         for ray in segments {
-            if settings.volume == VolumeEstimate::Points {
+            if settings.volume == VolumeEstimator::Points {
                 points.visit_near_point(ray.at(0.5 * ray.t_max.min(2.0 * size)), |_, _, _| count += 1.0);
             } else {
                 points.visit_near_ray(ray, |_, _, _, _, _| count += 1.0);
@@ -182,11 +191,10 @@ pub(super) fn find_volume_radii(
         }
         count
     });
-    Some(VolumeRadii { beams, points: radius(points.collect(), point_dimensions) })
+    Some(VolumeKernelRadii { beams, points: radius(points.collect(), point_dimensions) })
 }
 
-/// Returns the segments of camera paths through scattering media, up to a surface that stores
-/// photons.
+/// Returns the segments of each camera path through scattering media, up to the first receiver.
 fn trace_medium_segments(scene: &Scene, effects: Effects, key: Key) -> Vec<Vec<Ray>> {
     let (width, height) = scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);

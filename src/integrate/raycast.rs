@@ -3,7 +3,7 @@
 //! It has no shadows, no distance falloff and no ambient term.
 
 use super::integrator::Integrator;
-use super::pass::{Monitor, Pass, Seconds};
+use super::pass::{Pass, ProgressMonitor, StageTimes};
 use super::settings::CameraPathSettings;
 use super::tiles::{self, FilmImage, FilmSampling};
 use crate::bsdf::conductor_reflectance;
@@ -19,7 +19,7 @@ use crate::scene::{
 use crate::stats::Counters;
 use std::time::Instant;
 
-/// Integrator of `raycast`.
+/// Integrator of the algorithm `raycast`.
 #[derive(Debug)]
 pub(super) struct RaycastIntegrator<'a> {
     scene: &'a Scene,
@@ -31,7 +31,7 @@ pub(super) struct RaycastIntegrator<'a> {
 }
 
 impl Integrator for RaycastIntegrator<'_> {
-    fn pass(&self, pass: u32, monitor: &dyn Monitor) -> Pass {
+    fn render_pass(&self, pass: u32, monitor: &dyn ProgressMonitor) -> Pass {
         let start = Instant::now();
         let (camera, filter) = (self.scene.camera(), self.filter.as_ref());
         let samples = self.samples;
@@ -39,7 +39,7 @@ impl Integrator for RaycastIntegrator<'_> {
         let key = Key::new(self.seed).purpose_key(Purpose::Camera).pass_key(pass);
         let FilmImage { image, counters, .. } =
             tiles::render_tiles(&sampling, key, monitor, |ray, _, _, (): &mut ()| self.radiance(ray));
-        let seconds = Seconds { camera: start.elapsed().as_secs_f64(), ..Seconds::default() };
+        let seconds = StageTimes { camera: start.elapsed().as_secs_f64(), ..StageTimes::default() };
         Pass { image, counters, seconds, ..Pass::default() }
     }
 
@@ -55,15 +55,15 @@ impl Integrator for RaycastIntegrator<'_> {
 }
 
 impl<'a> RaycastIntegrator<'a> {
-    /// Makes an integrator with one ray per pixel corner, or with filtered rays if `settings` ask
-    /// for several per pixel.
+    /// Makes an integrator with one ray through a corner of each pixel. If `settings` ask for
+    /// several rays per pixel, the rays follow the pixel filter instead.
     pub fn new(scene: &'a Scene, plan: Plan, settings: &CameraPathSettings) -> Self {
         let samples = settings.samples.unwrap_or(1);
         let filter = (samples > 1).then(|| settings.filter.clone());
         Self { scene, plan, filter, samples, seed: settings.seed }
     }
 
-    /// Returns the radiance along a camera ray by Phong's model.
+    /// Returns the radiance along a camera ray by Phong's shading model.
     fn radiance(&self, ray: &Ray) -> Rgb {
         let mut ray = *ray;
         let mut cone = self.scene.camera_ray_cone(self.plan.simulated_effects());
@@ -80,7 +80,7 @@ impl<'a> RaycastIntegrator<'a> {
         };
         let look = phong_appearance(self.scene, &surface, &hit, &cone);
         surface.emission
-            + self.scene.legacy_lights().iter().map(|light| phong_radiance(&surface, &look, light)).sum::<Rgb>()
+            + self.scene.legacy_lights().iter().map(|light| phong_shading_of_light(&surface, &look, light)).sum::<Rgb>()
     }
 }
 
@@ -96,7 +96,7 @@ struct PhongAppearance {
 }
 
 impl PhongAppearance {
-    /// Makes coefficients without a specular highlight.
+    /// Makes coefficients with the given diffuse coefficient and no highlight.
     fn from_diffuse(diffuse: Rgb) -> Self {
         Self { diffuse, specular: Rgb::ZERO, shininess: 0.0 }
     }
@@ -133,9 +133,10 @@ fn phong_appearance(scene: &Scene, surface: &SurfaceInteraction<'_>, hit: &Hit, 
 
 /// Returns c·(kd·max(0, N·L) + ks·max(0, V·R)ˢ) with R = 2(N·L)N − L, for one light of color c.
 ///
-/// By the course's definition, surfaces that face away from the light keep their highlight. Normals
-/// are not flipped towards the viewer, and 0⁰ is 1.
-fn phong_radiance(surface: &SurfaceInteraction<'_>, look: &PhongAppearance, light: &LegacyLight) -> Rgb {
+/// `surface.wo` is V, its shading normal N, and L the unit direction to the light. By the course's
+/// definition, surfaces that face away from the light keep their highlight. Normals are not flipped
+/// towards the viewer, and 0⁰ is 1.
+fn phong_shading_of_light(surface: &SurfaceInteraction<'_>, look: &PhongAppearance, light: &LegacyLight) -> Rgb {
     let (to_light, color) = match light {
         LegacyLight::Point(position, color) => ((*position - surface.point.p).normalize_or_zero(), *color),
         LegacyLight::Directional(direction, color) => (-*direction, *color),

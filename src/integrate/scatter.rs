@@ -13,10 +13,11 @@ use crate::scene::Interior;
 use glam::Vec3;
 use std::cell::RefCell;
 
-/// Search radius of guiding photons, relative to the smallest length of gather rays.
+/// Search radius for the photons that guide a gather ray, relative to the smallest length of gather
+/// rays.
 const GUIDE_RADIUS: f32 = 4.0;
 
-/// Sets the worker's gather guide to the directions of photons near `vertex`.
+/// Sets the worker's gather guide to the incident directions of photons near `vertex`.
 pub(super) fn collect_gather_directions<I: Interior>(
     maps: &PhotonMaps<'_>,
     min_gather_distance: f32,
@@ -65,9 +66,9 @@ pub(super) fn pdf<I: Interior>(
     worker.gather_guide.pdf(wi).map_or(bsdf, |guide| 0.5 * (bsdf + guide))
 }
 
-/// True if directions at `vertex` are sampled from nearby photons too.
+/// True if directions at `vertex` are sampled from the gather guide too.
 ///
-/// False at casters: the guide describes the last surface that stores photons.
+/// It is false at casters, because the guide holds photons near the last receiver.
 #[inline]
 fn is_guided<I>(sampling: DirectionSampling, vertex: &PathVertex<'_, I>) -> bool {
     match sampling {
@@ -93,5 +94,5 @@ fn sample_gather_guide<I: Interior>(vertex: &PathVertex<'_, I>, worker: &PathWor
     };
     let reflected = surface.bsdf_cosine(wi);
     let pdf = mixed(wi);
-    (reflected != Rgb::ZERO && pdf > 0.0).then(|| BsdfSample::non_specular(wi, reflected / pdf, pdf, false))
+    (reflected != Rgb::ZERO && pdf > 0.0).then(|| BsdfSample::non_specular_sample(wi, reflected / pdf, pdf, false))
 }

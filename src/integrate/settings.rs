@@ -1,7 +1,7 @@
 //! Settings of the rendering algorithms.
 
 use super::radius_law::ALPHA;
-use super::volume_estimate::VolumeEstimate;
+use super::volume_estimate::VolumeEstimator;
 use crate::camera::{Filter, FilterKind};
 use crate::photon::Kernel;
 use crate::plan::EffectOverrides;
@@ -42,11 +42,11 @@ impl Default for CameraPathSettings {
 /// Settings of all algorithms. Algorithms without photons read only `camera_paths`.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Settings of camera paths, which also apply to algorithms without photons.
+    /// Settings that all algorithms use.
     pub camera_paths: CameraPathSettings,
-    /// Number of photon paths of the global map per pass.
+    /// Number of photon paths per pass that start in all directions; they fill the indirect map.
     pub photons: u32,
-    /// Number of photon paths per pass that are aimed at objects that cast caustics.
+    /// Number of photon paths per pass that are aimed at caustic casters.
     pub caustic_photons: u32,
     /// True if a pilot may trade camera rays for photon paths, to get less noise for the same work.
     ///
@@ -54,10 +54,11 @@ pub struct Settings {
     pub balance: bool,
     /// Largest number of photons of a density estimate, 0 for no limit.
     ///
-    /// `None` sets [`CAUSTIC_K`](super::CAUSTIC_K) in the caustic map, and no limit in the
-    /// global map. The farthest photon only sets the radius, so 1 counts as 2.
+    /// `None` sets [`CAUSTIC_K`](super::CAUSTIC_K) in the caustic map, and no limit in the indirect
+    /// map. The farthest photon only sets the radius, so a limit of 1 acts like 2.
     pub gather_k: Option<u32>,
-    /// Largest gather radius of the first pass \[length]; `None` lets a pilot choose one per map.
+    /// Largest gather radius of the first pass \[length]. `None` lets a pilot choose one for each
+    /// map.
     pub radius: Option<f32>,
     /// Exponent α in (0, 1] by which gather radii shrink over the passes; 1 keeps them fixed.
     /// [`Algorithm::Pm`](super::Algorithm::Pm) ignores it.
@@ -66,13 +67,14 @@ pub struct Settings {
     pub kernel: Kernel,
     /// Light tracing of [`Algorithm::Hybrid`](super::Algorithm::Hybrid).
     pub light_tracing: LightTracing,
-    /// Estimator of photon light in media.
-    pub volume: VolumeEstimate,
+    /// Estimator of the light that media scatter, from photons.
+    pub volume: VolumeEstimator,
     /// Final gathering of [`Algorithm::Pm`](super::Algorithm::Pm).
     pub final_gathering: FinalGathering,
 }
 
-/// Where photon mapping reads the global map: at visible surfaces or by final gathering.
+/// Place where [`Algorithm::Pm`](super::Algorithm::Pm) reads the indirect map: at visible surfaces
+/// or by final gathering.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FinalGathering {
     /// At the visible surface, without final gathering (direct visualization of the map).
@@ -88,12 +90,12 @@ pub enum FinalGathering {
 /// Division of directly visible caustics between photon estimates and light tracing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LightTracing {
-    /// Photon estimates carry all of it.
+    /// Photon estimates carry all light of directly visible caustics.
     Off,
-    /// A pilot finds the share of each technique for each pixel.
+    /// Both techniques carry a share at each pixel, which a pilot finds.
     #[default]
     Weighted,
-    /// Light tracing carries all of it.
+    /// Light tracing carries all light of directly visible caustics.
     Full,
 }
 
@@ -109,7 +111,7 @@ impl Default for Settings {
             alpha: ALPHA,
             kernel: Kernel::default(),
             light_tracing: LightTracing::default(),
-            volume: VolumeEstimate::default(),
+            volume: VolumeEstimator::default(),
             final_gathering: FinalGathering::default(),
         }
     }

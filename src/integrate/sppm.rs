@@ -4,11 +4,11 @@
 //! # Algorithm
 //! - **Prepare**: aim and guide photon emission, find gather radii, and balance camera rays against
 //!   photons.
-//! - **Each pass**: trace new photons into a caustic map and a global map. Trace new camera paths.
+//! - **Each pass**: trace new photons into a caustic map and a indirect map. Trace new camera paths.
 //!   A camera path ends at the first surface that stores photons. There it does next-event
 //!   estimation and reads both maps. Gather radii shrink from pass to pass.
 
-use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
+use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPolicy, PhotonLookups};
 use super::settings::{LightTracing, Settings};
 use crate::plan::Effects;
 
@@ -20,7 +20,7 @@ pub(super) fn policy(effects: Effects, _: &Settings) -> PathPolicy {
         shares_paths: false,
         direct_light: true,
         light_sampling: LightSampling::Rays(4),
-        continuation: Continuation::Never,
+        continuation: PathContinuation::Never,
         directions: DirectionSampling::Bsdf,
         counts_caustics: false,
         min_throughput: 0.0,

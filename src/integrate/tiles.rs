@@ -1,7 +1,7 @@
 //! Rendering of all pixels of a pass, in parallel by tiles.
 
 use super::nested_estimates::NestedEstimates;
-use super::pass::{Monitor, Stage};
+use super::pass::{PassStage, ProgressMonitor};
 use super::worker::PathWorker;
 use crate::camera::{Camera, Filter, FilterSample};
 use crate::color::Rgb;
@@ -11,7 +11,7 @@ use crate::stats::Counters;
 use glam::{DVec3, Vec2};
 use rayon::prelude::*;
 
-/// Edge length of a tile in pixels. Neighbouring pixels find photons and boxes in the caches.
+/// Edge length of a tile \[pixels]. Pixels of a tile share cached photons and bounding boxes.
 const TILE_SIZE: u32 = 16;
 
 /// Camera, pixel filter and numbers of camera rays of a picture.
@@ -25,9 +25,10 @@ pub(super) struct FilmSampling<'a> {
     pub lens: bool,
     /// Number of rays of each pixel relative to the mean; `None` gives all pixels the mean.
     pub density: Option<&'a [f32]>,
-    /// True if photon estimates are made at nested bandwidths.
+    /// True if photon estimates are also made with nested smaller discs.
     pub nested: bool,
-    /// Interval of rendered tiles: 1 renders all tiles, n renders one of n and leaves others black.
+    /// Interval of rendered tiles: 1 renders all tiles, n renders one of n tiles and leaves the
+    /// others black.
     pub every: u32,
 }
 
@@ -42,19 +43,19 @@ pub(super) struct FilmImage {
     pub counters: Counters,
 }
 
-/// Mutable rows of one tile of a picture.
+/// One tile of a picture, as mutable parts of the picture's rows.
 struct Tile<'a> {
     /// Index of the tile, by rows from the top.
     index: u32,
-    /// Rows of the tile within the picture.
+    /// Parts of the picture's rows that lie in the tile, from the top.
     image: Vec<&'a mut [Rgb]>,
-    /// Rows of nested estimates; none unless requested.
+    /// Rows of nested estimates in the tile; none unless requested.
     nested: Vec<&'a mut [NestedEstimates]>,
 }
 
 impl<'a> Tile<'a> {
     /// Splits a picture of `width` columns into tiles, by rows from the top.
-    fn split_image(image: &'a mut [Rgb], nested: &'a mut [NestedEstimates], width: u32) -> Vec<Self> {
+    fn split_image_into_tiles(image: &'a mut [Rgb], nested: &'a mut [NestedEstimates], width: u32) -> Vec<Self> {
         let height = image.len() as u32 / width;
         let empty = |index| Tile { index, image: Vec::new(), nested: Vec::new() };
         let mut tiles: Vec<Self> = (0..width.div_ceil(TILE_SIZE) * height.div_ceil(TILE_SIZE)).map(empty).collect();
@@ -64,7 +65,8 @@ impl<'a> Tile<'a> {
     }
 }
 
-/// Returns the rows of all tiles from the top of the picture, each with the index of its tile.
+/// Returns the parts of picture rows that lie in one tile, from the top, each with the index of its
+/// tile.
 fn tile_rows<T>(picture: &mut [T], width: u32) -> impl Iterator<Item = (usize, &mut [T])> {
     let (width, edge) = (width as usize, TILE_SIZE as usize);
     let tile = move |x: usize, y: usize| y / edge * width.div_ceil(edge) + x;
@@ -80,9 +82,10 @@ impl FilmSampling<'_> {
         self.density.map_or(self.samples, exact)
     }
 
-    /// Samples the pixel filter at the pixel whose upper left corner is `corner`.
+    /// Samples a film position around the pixel whose upper left corner is `corner`, by the pixel
+    /// filter.
     ///
-    /// Returns the film position in pixels and the filter weight.
+    /// Returns the film position \[pixels from the top left] and the weight of the sample.
     #[inline]
     fn film_position(&self, corner: Vec2, sampler: Sampler) -> (Vec2, f32) {
         let Some(filter) = self.filter else { return (corner + Vec2::Y, 1.0) };
@@ -99,24 +102,24 @@ impl FilmSampling<'_> {
 
 /// Renders the pixels of a picture by tiles, in parallel.
 ///
-/// `radiance` returns the radiance along a camera ray. It gets the sampler of the ray, the worker,
-/// and a value of type `T` that lasts for one tile.
+/// `radiance` returns the radiance along a camera ray \[W/(m² sr)]. It gets the sampler of the ray,
+/// the counters and buffers of the tile, and a value of type `T` that the rays of a tile share.
 pub(super) fn render_tiles<T: Default>(
     sampling: &FilmSampling<'_>,
     key: Key,
-    monitor: &dyn Monitor,
+    monitor: &dyn ProgressMonitor,
     radiance: impl Fn(&Ray, Sampler, &mut PathWorker, &mut T) -> Rgb + Sync,
 ) -> FilmImage {
     let (width, height) = sampling.camera.size();
     let (columns, every) = (width.div_ceil(TILE_SIZE), sampling.every);
     let pixels = width as usize * height as usize;
     let is_signed = sampling.filter.is_some_and(Filter::has_negative_values);
-    monitor.begin(Stage::Camera, pixels as u64 / u64::from(every));
+    monitor.begin_stage(PassStage::Camera, pixels as u64 / u64::from(every));
 
     // Cut the picture into tiles.
     let mut image = vec![Rgb::ZERO; pixels];
     let mut nested = vec![NestedEstimates::default(); if sampling.nested { pixels } else { 0 }];
-    let mut tiles = Tile::split_image(&mut image, &mut nested, width);
+    let mut tiles = Tile::split_image_into_tiles(&mut image, &mut nested, width);
     tiles.retain(|tile| is_tile_rendered(tile.index, columns, every));
     let indices = |tile: &Tile<'_>| tile_pixels(tile.index, columns, width, height).map(|(x, y)| y * width + x);
     let rendered_pixels = if every > 1 { tiles.iter().flat_map(indices).collect() } else { Vec::new() };
@@ -157,7 +160,7 @@ pub(super) fn render_tiles<T: Default>(
             }
             rendered += 1;
         }
-        monitor.advance(rendered);
+        monitor.report_progress(rendered);
         worker.counters
     });
     let counters = work.reduce(Counters::default, |mut a, b| {
@@ -167,12 +170,13 @@ pub(super) fn render_tiles<T: Default>(
     FilmImage { image, nested, pixels: rendered_pixels, counters }
 }
 
-/// Returns the interval of rendered tiles at which about `wanted` tiles are rendered; at least 2.
-pub(super) fn tile_interval((width, height): (u32, u32), wanted: u32) -> u32 {
+/// Returns the interval n ≥ 2 such that rendering one of n tiles renders about `wanted` tiles.
+pub(super) fn rendered_tile_stride((width, height): (u32, u32), wanted: u32) -> u32 {
     (width.div_ceil(TILE_SIZE) * height.div_ceil(TILE_SIZE) / wanted).max(2)
 }
 
-/// True if the tile with index `tile` is rendered when one of `every` tiles is.
+/// True if the tile with index `tile` belongs to the rendered ones, if one of `every` tiles is
+/// rendered.
 ///
 /// Rendered tiles lie on diagonal lines, so each row and column has its share.
 fn is_tile_rendered(tile: u32, columns: u32, every: u32) -> bool {
@@ -196,7 +200,7 @@ fn tile_pixels(tile: u32, columns: u32, width: u32, height: u32) -> impl Iterato
 struct PixelSum {
     /// Sum of radiance values.
     values: CompensatedSum,
-    /// Sum of radiance values times filter weights.
+    /// Sum of radiance values, each times its filter weight.
     weighted: CompensatedSum,
     /// Sum of (weight − 1).
     excess: f64,
@@ -218,7 +222,8 @@ impl PixelSum {
         self.values.value()
     }
 
-    /// Returns the sum of the weighted values with less noise from unequal weights.
+    /// Returns an unbiased estimate of the sum of weighted values, with less noise from unequal
+    /// weights.
     ///
     /// Each sample adds wᵢLᵢ + (1 − wᵢ)·(mean of the other values). The sum is unbiased, because
     /// weights have mean 1, and exact if all values are equal.

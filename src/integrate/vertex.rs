@@ -6,12 +6,13 @@ use crate::sampling::Sampler;
 use crate::scene::{Effects, Interior, MediumSegment, PathRay, RayCone, Scene, SurfaceInteraction};
 use glam::Vec3;
 
-/// Counts of surface kinds on a camera path, up to a vertex.
+/// Numbers of receivers and casters on a camera path up to a vertex, see
+/// [`PhotonKind`](crate::photon::PhotonKind).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct PathHistory {
-    /// Number of surfaces that store photons, and of scattering events in media, since the camera.
+    /// Number of receivers since the camera: surfaces, and scattering events in media.
     pub receivers: u32,
-    /// Number of casters since the last surface that stores photons, or since the camera.
+    /// Number of casters since the last receiver, or since the camera.
     pub casters: u32,
 }
 
@@ -25,11 +26,11 @@ impl PathHistory {
 
 /// Vertex of a camera path on a surface.
 pub(super) struct PathVertex<'a, I> {
-    /// Surface point with its BSDF and the direction to the viewer.
+    /// Surface point, with its BSDF and the direction to the previous vertex.
     pub surface: &'a SurfaceInteraction<'a>,
-    /// Nested bodies and medium on the viewer's side of the surface.
+    /// Nested bodies and medium on the side of the surface from which the path arrived.
     pub interior: &'a I,
-    /// Receivers and casters before this vertex. A caster counts itself.
+    /// Receivers and casters before this vertex. If the vertex is on a caster, it is counted too.
     pub history: PathHistory,
     /// Factor from radiance that leaves the vertex to radiance of the pixel.
     pub throughput: Rgb,
@@ -42,7 +43,8 @@ pub(super) struct PathVertex<'a, I> {
 }
 
 impl<I: Interior> PathVertex<'_, I> {
-    /// Returns the normal of the hemisphere whose light is reflected; `None` if the BSDF transmits.
+    /// Returns the unit normal of the hemisphere from which incident light is scattered to the
+    /// viewer; `None` if the BSDF also transmits.
     #[inline]
     pub fn scattering_hemisphere(&self) -> Option<Vec3> {
         (!self.surface.bsdf.transmits()).then(|| self.surface.facing_normal())
@@ -71,8 +73,8 @@ impl<I: Interior> PathVertex<'_, I> {
     }
 }
 
-/// Segment of a camera path through a medium, from which light scatters to the viewer.
-pub(super) struct MediumVertex<'a, I> {
+/// Segment of a camera path through a medium, with the path's state at the start of the segment.
+pub(super) struct MediumPathSegment<'a, I> {
     /// Ray and medium of the segment.
     pub segment: &'a MediumSegment<'a, I>,
     /// Receivers and casters before the segment.
@@ -90,7 +92,8 @@ pub(super) struct MediumVertex<'a, I> {
 pub(super) struct PrevVertex {
     /// Position of the vertex.
     pub p: Vec3,
-    /// Normal of the hemisphere whose light scatters there; `None` for the whole sphere.
+    /// Unit normal of the hemisphere from which incident light is scattered there; `None` for the
+    /// whole sphere.
     pub hemisphere: Option<Vec3>,
     /// Receivers and casters before the vertex.
     pub history: PathHistory,

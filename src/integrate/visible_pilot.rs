@@ -1,9 +1,9 @@
 //! Pilot that finds points visible to the camera.
 
 use super::camera_path::PathContext;
-use super::film_points::trace_camera_paths_at;
+use super::film_points::trace_camera_paths_through;
 use super::nee::NextEventEstimator;
-use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
+use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPolicy, PhotonLookups};
 use super::settings::{CameraPathSettings, LightTracing};
 use crate::math::Bounds;
 use crate::photon::{VisiblePoint, VisiblePointMap};
@@ -12,13 +12,16 @@ use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::scene::Scene;
 use glam::Vec2;
 
-/// Smallest and largest number of camera rays of the pilot. Between them it is four per pixel.
+/// Smallest and largest number of camera rays of the pilot. Between these limits, it uses four rays
+/// per pixel.
 const RAYS: (u32, u32) = (2000, 20_000);
 
-/// Largest radius around visible points, relative to the diagonal of their bounding box.
+/// Largest radius around a visible point, relative to the diagonal of the bounding box of all
+/// visible points.
 const MAX_RADIUS: f32 = 0.1;
 
-/// Returns points that the camera sees directly, or by reflection and refraction.
+/// Returns a map of the points on receivers that the camera sees directly, or by reflection and
+/// refraction.
 ///
 /// A photon within `radius` \[length] of such a point counts as visible. The radius is smaller if
 /// the visible part of the scene is small.
@@ -37,7 +40,7 @@ pub(super) fn find_visible_points(
     let rays = width.saturating_mul(height).saturating_mul(4).clamp(RAYS.0, RAYS.1);
     let samplers = (0..rays).map(|i| Sampler::new(key, i, rays));
     let points: Vec<_> = samplers.map(|sampler| (sampler.get_2d(Dimension::Film) * size, sampler)).collect();
-    let (_, workers) = trace_camera_paths_at(&paths, &points);
+    let (_, workers) = trace_camera_paths_through(&paths, &points);
     let visible: Vec<VisiblePoint> = workers.into_iter().flat_map(|worker| worker.visible).collect();
     let extent = Bounds::from_points(visible.iter().map(|point| point.position)).extent().length();
     let radius = if extent > 0.0 { radius.min(extent * MAX_RADIUS) } else { radius };
@@ -52,7 +55,7 @@ fn policy(effects: Effects) -> PathPolicy {
         shares_paths: false,
         direct_light: false,
         light_sampling: LightSampling::Centers,
-        continuation: Continuation::Never,
+        continuation: PathContinuation::Never,
         directions: DirectionSampling::Bsdf,
         counts_caustics: false,
         min_throughput: 0.0,

@@ -1,6 +1,6 @@
-//! Estimates of the radiance that media scatter from photons along a segment of a camera path.
+//! Photon estimates in media: the radiance that a medium scatters along a segment of a camera path.
 
-use super::vertex::MediumVertex;
+use super::vertex::MediumPathSegment;
 use super::worker::PathWorker;
 use crate::color::{Rgb, Wavelength};
 use crate::medium::{self, Medium, TransmittanceCurve};
@@ -11,8 +11,9 @@ use rand::Rng;
 
 /// Estimator of in-scattered radiance from photons in media.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum VolumeEstimate {
-    /// Photon beams near the ray (Jarosz et al. 2011). Heterogeneous media use `BeamRadiance`.
+pub enum VolumeEstimator {
+    /// Photon beams near the ray (Jarosz et al. 2011). In heterogeneous media, `BeamRadiance`
+    /// replaces it.
     #[default]
     Beams,
     /// Beam radiance estimate: photons near the ray (Jarosz, Zwicker and Jensen 2008).
@@ -21,8 +22,8 @@ pub enum VolumeEstimate {
     Points,
 }
 
-impl VolumeEstimate {
-    /// Returns the dimensions of the kernel in homogeneous and in heterogeneous media.
+impl VolumeEstimator {
+    /// Returns the number of dimensions of the kernel in homogeneous and in heterogeneous media.
     pub(super) fn kernel_dimensions(self) -> (u32, u32) {
         match self {
             Self::Beams => (1, 2),
@@ -32,16 +33,16 @@ impl VolumeEstimate {
     }
 }
 
-/// Photons in media of one photon map, with their search structures.
-pub(super) struct VolumeMap {
+/// The photons in media of one photon map, with their search structures.
+pub(super) struct BeamAndPointMaps {
     beams: PhotonBeamMap,
     points: VolumePhotonMap,
-    estimate: VolumeEstimate,
-    /// Half width of the kernel over wavelengths \[nm], for estimates in media and on surfaces.
+    estimate: VolumeEstimator,
+    /// Half width of the kernel over wavelengths, for estimates in media and on surfaces \[nm].
     pub band: f32,
 }
 
-/// Sums of photon radiance by a kernel of the full radius and of smaller nested radii.
+/// Sums of the radiance from photons, for a kernel of the full radius and of smaller nested radii.
 struct NestedKernelSums {
     sums: [Rgb; LEVELS],
     /// Factor by which the kernel's normalization grows when its squared radius is halved.
@@ -86,10 +87,11 @@ impl NestedKernelSums {
     }
 }
 
-impl VolumeMap {
-    /// Builds the search structures of photons in media, for kernel radii of beams and of points
-    /// \[length].
-    pub fn build(volume: VolumePhotons, (beams, points): (f32, f32), estimate: VolumeEstimate, band: f32) -> Self {
+impl BeamAndPointMaps {
+    /// Builds the search structures of photons in media.
+    ///
+    /// `beams` and `points` are the kernel radii of the two kinds \[length].
+    pub fn build(volume: VolumePhotons, (beams, points): (f32, f32), estimate: VolumeEstimator, band: f32) -> Self {
         let VolumePhotons { beams: stored_beams, points: stored_points } = volume;
         Self {
             beams: PhotonBeamMap::build(stored_beams, beams),
@@ -101,10 +103,10 @@ impl VolumeMap {
 
     /// Estimates the radiance that a medium scatters to the start of a segment \[W/(m² sr)].
     ///
-    /// `samples` is a factor on the nested estimates of the pixel.
+    /// The nested estimates of the pixel, but not the result, are multiplied by `samples`.
     pub fn radiance<I: Interior>(
         &self,
-        vertex: &MediumVertex<'_, I>,
+        path_segment: &MediumPathSegment<'_, I>,
         samples: u32,
         rng: &mut impl Rng,
         worker: &mut PathWorker,
@@ -115,35 +117,36 @@ impl VolumeMap {
         worker.counters.gathers += 1;
         let nested = worker.nests_estimates;
         let (count, curve) = (&mut worker.counters.gathered_photons, &mut worker.transmittance);
-        let MediumSegment { ray, medium, .. } = vertex.segment;
+        let MediumSegment { ray, medium, .. } = path_segment.segment;
         let mut levels = [Rgb::ZERO; LEVELS];
         let mut add = |sums: [Rgb; LEVELS]| levels.iter_mut().zip(sums).for_each(|(level, sum)| *level += sum);
         if medium.is_homogeneous() {
-            add(self.estimate_by_beams(vertex, count, nested));
+            add(self.estimate_by_beams(path_segment, count, nested));
         }
         if !self.points.is_empty() {
             add(match self.estimate {
-                VolumeEstimate::Points => self.estimate_at_sampled_point(vertex, rng, count, nested),
-                VolumeEstimate::Beams | VolumeEstimate::BeamRadiance => {
+                VolumeEstimator::Points => self.estimate_at_sampled_point(path_segment, rng, count, nested),
+                VolumeEstimator::Beams | VolumeEstimator::BeamRadiance => {
                     curve.sample(medium, ray, ray.t_max, rng);
-                    self.estimate_along_ray(vertex, curve, count, nested)
+                    self.estimate_along_ray(path_segment, curve, count, nested)
                 }
             });
         }
         if nested {
-            worker.nested.add(vertex.throughput * samples as f32, levels);
+            worker.nested.add(path_segment.throughput * samples as f32, levels);
         }
         levels[0]
     }
 
-    /// Estimates radiance from photon beams by a one-dimensional kernel around the ray.
+    /// Estimates radiance from photon beams, with a one-dimensional kernel over the distance
+    /// between ray and beam. Returns it for each kernel size, largest first.
     fn estimate_by_beams<I: Interior>(
         &self,
-        vertex: &MediumVertex<'_, I>,
+        path_segment: &MediumPathSegment<'_, I>,
         count: &mut u64,
         nested: bool,
     ) -> [Rgb; LEVELS] {
-        let MediumSegment { ray, medium, index, interior, .. } = vertex.segment;
+        let MediumSegment { ray, medium, index, interior, .. } = path_segment.segment;
         let (own, extinction) = (interior.wavelength(), medium.extinction());
         let mut sums = NestedKernelSums::new(1, 1, nested);
         self.beams.visit_near_ray(ray, |beam, crossing| {
@@ -153,21 +156,22 @@ impl VolumeMap {
             *count += 1;
             let transmittance = medium::transmittance(extinction, crossing.t + crossing.s);
             let phase = medium.phase.evaluate(-crossing.cos);
-            let radiance = beam.flux * transmittance * wavelength_overlap(own, beam.wavelength, self.band);
+            let radiance = beam.flux * transmittance * wavelength_kernel_weight(own, beam.wavelength, self.band);
             sums.add(radiance, phase * crossing.weight, crossing.x2);
         });
         sums.scaled_by(medium.scattering)
     }
 
-    /// Estimates radiance from scattered photons by a two-dimensional kernel around the ray.
+    /// Estimates radiance from photon points, with a two-dimensional kernel around the ray. Returns
+    /// it for each kernel size, largest first.
     fn estimate_along_ray<I: Interior>(
         &self,
-        vertex: &MediumVertex<'_, I>,
+        path_segment: &MediumPathSegment<'_, I>,
         curve: &TransmittanceCurve,
         count: &mut u64,
         nested: bool,
     ) -> [Rgb; LEVELS] {
-        let MediumSegment { ray, medium, index, interior, .. } = vertex.segment;
+        let MediumSegment { ray, medium, index, interior, .. } = path_segment.segment;
         let own = interior.wavelength();
         let mut sums = NestedKernelSums::new(2, 2, nested);
         self.points.visit_near_ray(ray, |photon, t, cos, weight, x2| {
@@ -178,7 +182,7 @@ impl VolumeMap {
             let transmittance = curve.transmittance_at(t);
             let phase = medium.phase.evaluate(-cos);
             sums.add(
-                photon.flux() * transmittance * wavelength_overlap(own, photon.wavelength, self.band),
+                photon.flux() * transmittance * wavelength_kernel_weight(own, photon.wavelength, self.band),
                 phase * weight,
                 x2,
             );
@@ -186,18 +190,18 @@ impl VolumeMap {
         sums.scaled_by(Rgb::ONE)
     }
 
-    /// Estimates radiance from scattered photons by a three-dimensional kernel around one sampled
-    /// point of the ray.
+    /// Estimates radiance from photon points, with a three-dimensional kernel around one sampled
+    /// point of the ray. Returns it for each kernel size, largest first.
     fn estimate_at_sampled_point<I: Interior>(
         &self,
-        vertex: &MediumVertex<'_, I>,
+        path_segment: &MediumPathSegment<'_, I>,
         rng: &mut impl Rng,
         count: &mut u64,
         nested: bool,
     ) -> [Rgb; LEVELS] {
-        let MediumSegment { ray, medium, index, interior, .. } = vertex.segment;
+        let MediumSegment { ray, medium, index, interior, .. } = path_segment.segment;
         let own = interior.wavelength();
-        let distance_sample = medium.distance_sample(ray, ray.t_max, vertex.throughput, rng);
+        let distance_sample = medium.distance_sample(ray, ray.t_max, path_segment.throughput, rng);
         let Some(t) = distance_sample.scattered else { return [Rgb::ZERO; LEVELS] };
         let p = ray.at(t);
         let mut sums = NestedKernelSums::new(3, 1, nested);
@@ -207,7 +211,7 @@ impl VolumeMap {
             }
             *count += 1;
             let phase = medium.phase.evaluate(-photon.direction().dot(ray.direction));
-            sums.add(photon.flux() * wavelength_overlap(own, photon.wavelength, self.band), phase * weight, x2);
+            sums.add(photon.flux() * wavelength_kernel_weight(own, photon.wavelength, self.band), phase * weight, x2);
         });
         // The weight is σs·T over the pdf, but the photons are scattered light already.
         sums.scaled_by(divide_by_scattering(distance_sample.weight, medium, p))
@@ -220,12 +224,13 @@ fn divide_by_scattering(weight: Rgb, medium: &Medium, p: Vec3) -> Rgb {
     Rgb::select(scattering.cmpgt(Rgb::ZERO), weight / scattering, Rgb::ZERO)
 }
 
-/// Returns the factor on a photon's flux for the wavelengths of photon and camera path.
+/// Returns the factor on a photon's flux that accounts for the wavelengths of photon and camera
+/// path.
 ///
-/// `other` is the photon's wavelength code, `own` the wavelength of the camera path. If both have a
-/// wavelength, a box kernel of half width `band` \[nm] replaces the photon's spectral weight.
-/// Otherwise the factor is 1.
-pub(super) fn wavelength_overlap(own: Option<Wavelength>, other: u8, band: f32) -> Rgb {
+/// `own` is the wavelength of the camera path, `other` the wavelength code of the photon. If both
+/// are set, the factor replaces the photon's spectral weight by a box kernel of half width `band`
+/// \[nm]. Otherwise it is 1.
+pub(super) fn wavelength_kernel_weight(own: Option<Wavelength>, other: u8, band: f32) -> Rgb {
     let (Some(own), Some(other)) = (own, Wavelength::from_byte_code(other)) else { return Rgb::ONE };
     let apart = (own.nanometres() - other.nanometres()).abs();
     if apart > band {

@@ -6,11 +6,11 @@
 //!   reflectance. Shade other surfaces by shadow rays to the center of each light. A branch ends if
 //!   it is too deep or too faint.
 
-use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
+use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPolicy, PhotonLookups};
 use super::settings::{LightTracing, Settings};
 use crate::plan::Effects;
 
-/// Throughput below which a branch ends: one level of an 8-bit picture.
+/// Throughput below which a branch ends: 1/256, one level of an 8-bit picture.
 const MIN_THROUGHPUT: f32 = 1.0 / 256.0;
 
 /// Returns the rules of camera paths for recursive ray tracing.
@@ -21,7 +21,7 @@ pub(super) fn policy(effects: Effects, _: &Settings) -> PathPolicy {
         shares_paths: false,
         direct_light: true,
         light_sampling: LightSampling::Centers,
-        continuation: Continuation::Never,
+        continuation: PathContinuation::Never,
         directions: DirectionSampling::Bsdf,
         counts_caustics: true,
         min_throughput: MIN_THROUGHPUT,

@@ -1,9 +1,9 @@
 //! Pilot that measures the noise and work of a pass with few camera rays and few photons.
 
-use super::balance::{self, Balance, NoiseSource};
-use super::film_points::{FilmPoint, trace_camera_paths_at};
+use super::balance::{self, NoiseSource, RayPhotonBalance};
+use super::film_points::{FilmPoint, trace_camera_paths_through};
 use super::map_builder::PassBudget;
-use super::pass::{Pass, PhotonReport, Silent};
+use super::pass::{Pass, PhotonReport, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
 use crate::color::{self, Rgb};
@@ -15,20 +15,21 @@ use glam::Vec2;
 /// Number of film points of the pilot.
 const POINTS: u32 = 1024;
 
-/// Divisor of the number of photon paths of a pass: the pilot traces that part of them.
+/// Divisor of the number of photon paths: the pilot traces 1/16 of the paths of a pass.
 const PILOT_DIVISOR: u32 = 16;
 
 /// Radiance and ray counts of camera paths through the pilot's film points.
-struct PointEstimates {
+struct FilmPointEstimates {
     radiance: Vec<Rgb>,
     counters: Counters,
 }
 
-/// Returns the numbers of camera rays and photons with least noise for the work of the defaults.
+/// Returns the numbers of camera rays and photon paths that give least noise for the work of the
+/// default numbers.
 ///
 /// Returns `None` without photons. The result depends only on the scene and the settings.
-pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
-    if !renderer.map_builder.has_photons() {
+pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<RayPhotonBalance> {
+    if !renderer.map_builder.traces_photons() {
         return None;
     }
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
@@ -42,7 +43,7 @@ pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
             limited: false,
             connects: false,
         };
-        (renderer.map_builder.build_with_budget(&budget, &Silent, &mut out), out)
+        (renderer.map_builder.build_with_budget(&budget, &SilentMonitor, &mut out), out)
     };
     let ((mut maps, made), (mut other_maps, _)) = (build(0), build(1));
 
@@ -55,10 +56,10 @@ pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
     // The aimed paths may fill both maps.
     let one_source = renderer.map_builder.request.aimed.separates_after_caustic;
     if one_source {
-        std::mem::swap(&mut maps.global, &mut other_maps.global);
+        std::mem::swap(&mut maps.indirect, &mut other_maps.indirect);
     }
     let other_caustic = estimate_at_points(renderer, Some(&maps), &points);
-    let other_global = if one_source { None } else { Some(estimate_at_points(renderer, Some(&other_maps), &points)) };
+    let other_unaimed = if one_source { None } else { Some(estimate_at_points(renderer, Some(&other_maps), &points)) };
 
     // Measure the noise of each source, relative to the mean radiance.
     let mean: Vec<f64> = (0..points.len())
@@ -68,14 +69,14 @@ pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
             values.iter().sum::<f64>() / 3.0
         })
         .collect();
-    let noise = |other: &PointEstimates| balance::relative_variance(&reference.radiance, &other.radiance, &mean);
+    let noise = |other: &FilmPointEstimates| balance::relative_variance(&reference.radiance, &other.radiance, &mean);
 
     // Measure the work of each source.
     let pixel_count = pixel_count(renderer.scene);
     let points = f64::from(POINTS);
     // An estimate of a pass gathers more photons than one of the pilot, by the same factor.
     let gathered = balance::gathering_work(&reference.counters) / points * pixel_count * f64::from(PILOT_DIVISOR);
-    let paths = (made.global.emitted + made.caustic.emitted) as f64;
+    let paths = (made.unaimed.emitted + made.aimed.emitted) as f64;
     let rays = made.counters.photon_rays as f64;
     let photons = |noise: f64, report: &PhotonReport, count: u32| {
         let emitted = report.emitted as f64;
@@ -90,26 +91,26 @@ pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
         cost: if renderer.policy.reads_photons_each_sample() { tracing + gathered } else { tracing },
         count: f64::from(renderer.samples),
     };
-    let caustic = photons(noise(&other_caustic), &made.caustic, counts.caustic_photons);
-    let global_noise = other_global.map_or(0.0, |other| noise(&other));
-    let global = photons(global_noise, &made.global, counts.photons);
+    let caustic = photons(noise(&other_caustic), &made.aimed, counts.caustic_photons);
+    let unaimed_noise = other_unaimed.map_or(0.0, |other| noise(&other));
+    let unaimed = photons(unaimed_noise, &made.unaimed, counts.photons);
 
     // Divide the work between the sources.
-    let [samples, photons, caustic_photons] = balance::divide_work(&[camera, global, caustic]);
+    let [samples, photons, caustic_photons] = balance::balance_sample_counts(&[camera, unaimed, caustic]);
     let paths = |n: f64, emitted: u64| (emitted > 0).then(|| n.round().min(f64::from(u32::MAX)) as u32);
-    Some(Balance {
+    Some(RayPhotonBalance {
         samples: samples.round().max(1.0) as u32,
-        photons: paths(photons, made.global.emitted),
-        caustic_photons: paths(caustic_photons, made.caustic.emitted),
+        photons: paths(photons, made.unaimed.emitted),
+        caustic_photons: paths(caustic_photons, made.aimed.emitted),
     })
 }
 
 /// Estimates the ray and photon counts of a pass from few camera rays and few photons.
-pub(super) fn measure_work(renderer: &PassRenderer<'_>) -> Counters {
+pub(super) fn measure_pass_work(renderer: &PassRenderer<'_>) -> Counters {
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
     let mut out = Pass::default();
     let budget = PassBudget { key, pass: 0, part: PILOT_DIVISOR, limited: true, connects: true };
-    let maps = renderer.map_builder.build_with_budget(&budget, &Silent, &mut out);
+    let maps = renderer.map_builder.build_with_budget(&budget, &SilentMonitor, &mut out);
     let counters = estimate_at_points(renderer, Some(&maps), &pilot_film_points(renderer.scene, key, 0)).counters;
     let Counters { continuation_rays, shadow_rays, gathers, gathered_photons, .. } = counters;
     let scaled = |n: u64, factor: f64| (n as f64 * factor).round() as u64;
@@ -133,11 +134,11 @@ fn estimate_at_points(
     renderer: &PassRenderer<'_>,
     maps: Option<&PhotonMaps<'_>>,
     points: &[FilmPoint],
-) -> PointEstimates {
-    let (radiance, workers) = trace_camera_paths_at(&renderer.path_context(maps, 0), points);
+) -> FilmPointEstimates {
+    let (radiance, workers) = trace_camera_paths_through(&renderer.path_context(maps, 0), points);
     let mut counters = Counters::default();
     workers.iter().for_each(|worker| counters += worker.counters);
-    PointEstimates { radiance, counters }
+    FilmPointEstimates { radiance, counters }
 }
 
 fn pixel_count(scene: &Scene) -> f64 {
@@ -145,9 +146,10 @@ fn pixel_count(scene: &Scene) -> f64 {
     f64::from(width) * f64::from(height)
 }
 
-/// Returns film points that are spread over the picture.
+/// Returns 1024 film points that are spread evenly over the picture.
 ///
-/// Points with the same index in two sets lie in the same pixel.
+/// `set` numbers independent sets of points. Points with the same index in two sets lie in the same
+/// pixel.
 fn pilot_film_points(scene: &Scene, key: Key, set: u32) -> Vec<FilmPoint> {
     let (width, height) = scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);
@@ -168,7 +170,7 @@ mod tests {
     use crate::shape::{Plane, Shape, Sphere};
     use glam::{DVec3, Vec3};
 
-    /// `hybrid` has no global map, so the number of its paths must change nothing.
+    /// `hybrid` traces no unaimed photon paths, so the setting of their number must change nothing.
     #[test]
     fn untraced_photons_do_not_change_the_balance() {
         let mut builder = SceneBuilder::new();
@@ -183,7 +185,7 @@ mod tests {
         let scene = builder.build(eye).unwrap();
         let balance = |photons| {
             let settings = Settings { photons, caustic_photons: 20_000, ..Settings::default() };
-            Algorithm::Hybrid.prepare(&scene, settings).balance().unwrap()
+            Algorithm::Hybrid.prepare(&scene, settings).ray_photon_balance().unwrap()
         };
         let found = balance(1);
         assert_eq!((found, found.photons), (balance(4_000_000), None));

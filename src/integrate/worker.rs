@@ -3,24 +3,24 @@
 use super::gather_guide::GatherGuide;
 use super::nested_estimates::NestedEstimateSum;
 use crate::medium::TransmittanceCurve;
-use crate::photon::{Scratch, VisiblePoint};
+use crate::photon::{PhotonSearchBuffers, VisiblePoint};
 use crate::stats::Counters;
 
 /// Counters and reusable buffers of one parallel task that traces camera paths, such as a tile.
 ///
-/// Each task starts with a new value, so results do not depend on the thread.
+/// Each task starts with a new value, so results do not depend on the number of threads.
 #[derive(Debug, Default)]
 pub(super) struct PathWorker {
     pub counters: Counters,
-    /// Buffers of lookups in the caustic map.
-    pub caustic: Scratch,
-    /// Buffers of lookups in the global map.
-    pub global: Scratch,
-    /// Buffers of lookups of photons that guide gather rays.
-    pub guide_lookup: Scratch,
-    /// Distribution of gather directions at the current vertex.
+    /// Buffers of photon searches in the caustic map.
+    pub caustic: PhotonSearchBuffers,
+    /// Buffers of photon searches in the indirect map.
+    pub indirect: PhotonSearchBuffers,
+    /// Buffers of searches for photons that guide gather rays.
+    pub guide_lookup: PhotonSearchBuffers,
+    /// Distribution of gather-ray directions at the last receiver.
     pub gather_guide: GatherGuide,
-    /// True if photon estimates are made at nested bandwidths.
+    /// True if photon estimates are also made with nested smaller discs.
     pub nests_estimates: bool,
     /// Sum of the nested photon estimates of the current pixel.
     pub nested: NestedEstimateSum,

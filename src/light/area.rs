@@ -7,7 +7,7 @@ use crate::color::Rgb;
 use crate::math::{BoundingSphere, Bounds, Frame, Ray, offset_ray_origin, warp};
 use crate::sampling::DiscreteDistribution;
 use crate::shape::{
-    Mesh, Shape, ShapeSample, SolidAngleSample, SolidAngleSampling, SurfacePoint, TRIANGLE_HIT_ERROR, TexCoord,
+    Mesh, Shape, ShapeSample, SolidAngleSample, SolidAngleSampleResult, SurfacePoint, TRIANGLE_HIT_ERROR, TexCoord,
     TextureMapping,
 };
 use crate::texture::{Texture, TextureEvalContext};
@@ -47,7 +47,7 @@ pub struct AreaLight {
 /// A texture that defines the emitted radiance of a surface.
 #[derive(Clone, Debug)]
 pub struct EmissionTexture {
-    /// The texture of the radiance, up to a factor.
+    /// The texture, which `scale` converts to radiance.
     pub texture: Arc<Texture>,
     /// Mapping from surface points to texture coordinates.
     pub mapping: TextureMapping,
@@ -55,7 +55,7 @@ pub struct EmissionTexture {
     pub scale: Rgb,
 }
 
-/// The parametric coordinates of a sampled point of a light's surface.
+/// Parametric coordinates of a sampled point on the surface of an area light.
 #[derive(Clone, Copy, Debug)]
 enum SurfaceCoord {
     /// Parametric coordinates on an analytic shape.
@@ -84,16 +84,17 @@ impl LightSurface {
         }
     }
 
-    /// Samples a point of the surface by `u` in \[0, 1)².
+    /// Samples a point of the surface uniformly by area, by `u` in \[0, 1)².
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> ShapeSample {
-        self.sample_with_coord(u).0
+        self.sample_point_with_coord(u).0
     }
 
-    /// Samples a point of the surface, with its parametric coordinates.
+    /// Samples a point of the surface uniformly by area, and returns it with its parametric
+    /// coordinates.
     #[inline]
-    fn sample_with_coord(&self, u: Vec2) -> (ShapeSample, SurfaceCoord) {
+    fn sample_point_with_coord(&self, u: Vec2) -> (ShapeSample, SurfaceCoord) {
         match self {
             Self::Shape(shape) => {
                 let sample = shape.sample(u);
@@ -112,7 +113,8 @@ impl LightSurface {
         }
     }
 
-    /// Intrinsic texture coordinates of the surface at the point `p`.
+    /// Texture coordinates that the surface itself defines at the point `p`, whose parametric
+    /// coordinates are `coord`.
     fn tex_coord(&self, p: Vec3, coord: SurfaceCoord) -> TexCoord {
         match (self, coord) {
             (Self::Shape(shape), SurfaceCoord::Shape(uv)) => shape.tex_coord(p, uv),
@@ -137,7 +139,8 @@ impl LightSurface {
         }
     }
 
-    /// One point of a planar analytic shape; `None` for curved shapes and meshes.
+    /// A point of the surface if it is a planar analytic shape; `None` for curved shapes and
+    /// meshes.
     fn point_if_planar(&self) -> Option<SurfacePoint> {
         match self {
             Self::Shape(shape) => shape.point_if_planar(),
@@ -145,7 +148,7 @@ impl LightSurface {
         }
     }
 
-    /// Bounding box, and a cone that contains all outer normals.
+    /// Bounding box of the surface, and a cone that contains all outer normals.
     fn bounds(&self) -> (Bounds, DirectionCone) {
         match self {
             Self::Shape(shape) => {
@@ -191,10 +194,11 @@ impl AreaLight {
         self.radiance * (PI * self.surface.area() as f32)
     }
 
-    /// Samples a point of the surface by area, with the emitted radiance there.
+    /// Samples a point of the surface by area, and returns it with the radiance emitted there
+    /// \[W/(m² sr)].
     #[inline]
     fn sample(&self, u: Vec2) -> (ShapeSample, Rgb) {
-        let (sample, coord) = self.surface.sample_with_coord(u);
+        let (sample, coord) = self.surface.sample_point_with_coord(u);
         (sample, self.radiance_at(&sample.point, coord))
     }
 
@@ -204,17 +208,18 @@ impl AreaLight {
         match &self.texture {
             None => self.radiance,
             Some(emission) => {
-                let p = emission.mapping.point_to_object(point.p);
+                let p = emission.mapping.point_to_object_space(point.p);
                 let at = emission.mapping.tex_coord_at(p, || self.surface.tex_coord(point.p, coord));
                 emission.radiance(&TextureEvalContext::unfiltered(at.uv, p))
             }
         }
     }
 
-    /// Samples a point of the surface by area, as seen from `p`; `None` if it shows its back.
+    /// Samples a point of the surface by area, with its pdf per solid angle at `p`; `None` if `p`
+    /// is behind the surface there.
     #[inline]
-    fn sample_by_area(&self, p: Vec3, u: Vec2) -> Option<(SolidAngleSample, SurfaceCoord)> {
-        let (ShapeSample { point, pdf, .. }, coord) = self.surface.sample_with_coord(u);
+    fn sample_surface_by_area(&self, p: Vec3, u: Vec2) -> Option<(SolidAngleSample, SurfaceCoord)> {
+        let (ShapeSample { point, pdf, .. }, coord) = self.surface.sample_point_with_coord(u);
         let (d2, wi, _) = crate::math::direction_and_distance(p, point.p)?;
         let cos = -wi.dot(point.ng);
         (cos > 0.0).then(|| (SolidAngleSample { point, wi, pdf: d2 * pdf / cos }, coord))
@@ -233,12 +238,12 @@ impl LightSource for AreaLight {
         const NO_COORD: SurfaceCoord = SurfaceCoord::Shape(Vec2::ZERO);
         let by_solid_angle = match &self.surface {
             LightSurface::Shape(shape) => shape.sample_solid_angle(p, u),
-            LightSurface::Triangles { .. } => SolidAngleSampling::Unsupported,
+            LightSurface::Triangles { .. } => SolidAngleSampleResult::Unsupported,
         };
         let (SolidAngleSample { point, wi, pdf }, coord) = match by_solid_angle {
-            SolidAngleSampling::Sampled(sample) => (sample, NO_COORD),
-            SolidAngleSampling::Invisible => return None,
-            SolidAngleSampling::Unsupported => self.sample_by_area(p, u)?,
+            SolidAngleSampleResult::Sampled(sample) => (sample, NO_COORD),
+            SolidAngleSampleResult::Invisible => return None,
+            SolidAngleSampleResult::Unsupported => self.sample_surface_by_area(p, u)?,
         };
         // The rounded direction of a shadow ray moves its end in proportion to its length.
         let relative_error = match &self.surface {

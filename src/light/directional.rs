@@ -48,7 +48,7 @@ impl LightSource for DirectionalLight {
         _direction: Vec2,
     ) -> Option<EmissionSample> {
         let upstream = domain.radius - self.direction.dot(domain.center);
-        let (start, pdf) = aim.sample_parallel_start(self.direction, upstream, position)?;
+        let (start, pdf) = aim.sample_parallel_ray_start(self.direction, upstream, position)?;
         Some(EmissionSample { ray: Ray::new(start, self.direction), flux: self.irradiance / pdf })
     }
 
@@ -65,10 +65,11 @@ impl LightSource for DirectionalLight {
     }
 }
 
-/// Samples a ray along unit `direction` by `u` in \[0, 1)², with the area of all starting points.
+/// Samples a ray along unit `direction` by `u` in \[0, 1)². Returns the ray, and the area of all
+/// possible origins \[length²].
 ///
-/// Starting points are uniform on a disc with the radius of the sphere `domain`. The disc is
-/// perpendicular to `direction` and touches the sphere. Returns `None` if its area is zero.
+/// Origins are uniform on a disc with the radius of the sphere `domain`. The disc is perpendicular
+/// to `direction` and touches the sphere. Returns `None` if the area is zero.
 pub(super) fn sample_ray_across_sphere(domain: BoundingSphere, direction: Vec3, u: Vec2) -> Option<(Ray, f32)> {
     let frame = Frame::from_normal(direction);
     let d = warp::square_to_uniform_disc(u) * domain.radius;

@@ -15,7 +15,7 @@ use std::f32::consts::PI;
 #[derive(Clone, Debug)]
 pub struct EnvironmentLight {
     map: EquirectangularMap,
-    /// Sine and cosine of the angle by which the map is rotated about +y.
+    /// Sine and cosine, in this order, of the angle by which the map is rotated about +y.
     rotation: [f32; 2],
 }
 
@@ -60,10 +60,11 @@ impl EnvironmentLight {
         self.map.pdf(self.world_to_map(direction))
     }
 
-    /// Samples the unit direction towards a point of the map, with its pdf \[1/sr].
+    /// Samples a unit direction from which light arrives, by `u` in \[0, 1)². Returns it with its
+    /// pdf \[1/sr].
     ///
-    /// The pdf is proportional to the mean radiance of each pixel. Returns `None` if the map is
-    /// black.
+    /// The pdf of a pixel's directions is proportional to the pixel's mean radiance. Returns `None`
+    /// if the map is black.
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> Option<(Vec3, f32)> {
@@ -108,11 +109,12 @@ impl LightSource for EnvironmentLight {
     ) -> Option<EmissionSample> {
         let (from, pdf) = self.sample(direction)?;
         let upstream = domain.radius + from.dot(domain.center);
-        let (start, pdf_start) = aim.sample_parallel_start(-from, upstream, position)?;
+        let (start, pdf_start) = aim.sample_parallel_ray_start(-from, upstream, position)?;
         Some(EmissionSample { ray: Ray::new(start, -from), flux: self.radiance(from) / (pdf * pdf_start) })
     }
 
-    /// Flux \[W] through discs with the radius r of `domain`, over all directions: π r² ∫ L dω.
+    /// Flux \[W] through a disc with the radius r of `domain`, integrated over all directions: π r²
+    /// ∫ L dω.
     fn power(&self, domain: BoundingSphere) -> Rgb {
         self.map.integral() * (PI * domain.radius * domain.radius)
     }

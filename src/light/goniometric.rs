@@ -9,7 +9,7 @@ use crate::math::Ray;
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::Arc;
 
-/// Number of rows of the map that an intensity profile is resampled to: 4 per degree.
+/// Number of rows of the map to which an intensity profile is resampled: 4 per degree.
 const PROFILE_ROWS: u32 = 720;
 
 /// A point light whose intensity in each direction is the value of an equirectangular map.
@@ -19,14 +19,15 @@ pub struct GoniometricLight {
     pub position: Vec3,
     /// Axes x, y and z of the map as unit vectors in world space.
     axes: [Vec3; 3],
-    /// Intensity by direction, as a multiple of `scale`.
+    /// Intensity in each direction, as a multiple of `scale`.
     map: Arc<EquirectangularMap>,
     /// Factor from map value to intensity \[W/sr].
     pub scale: Rgb,
 }
 
 impl GoniometricLight {
-    /// Creates a light at `position` in world space; map value 1 means intensity `scale` \[W/sr].
+    /// Creates a light at `position` in world space. The map value 1 means the intensity `scale`
+    /// \[W/sr].
     ///
     /// The center of the map lies along `direction`, its top towards `up`. The two must not be
     /// parallel.
@@ -54,7 +55,8 @@ impl GoniometricLight {
 /// Returns the map of an intensity profile, which is symmetric about +y.
 ///
 /// `profile` lists pairs of an angle from +y \[degrees] and the value there. Angles ascend, from 0
-/// or more to 180 or less. The value is linear between listed angles, and 0 outside of them.
+/// or more to 180 or less. The value is linear between listed angles, and 0 beyond the first and
+/// the last.
 ///
 /// # Errors
 /// [`EmissionPictureError`] if a value is negative or not finite.

@@ -13,7 +13,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 pub(super) struct LightBounds {
     /// Bounding box in world space.
     pub space: Bounds,
-    /// Cone that contains all surface normals, or all axes of beams.
+    /// Cone that contains all surface normals, or the axes of all lights without a surface.
     normals: DirectionCone,
     /// Largest angle \[radians] between an emitted direction and its normal, at most π/2.
     spread: f64,
@@ -21,7 +21,7 @@ pub(super) struct LightBounds {
     flux: f64,
 }
 
-/// The set of directions within an angle around an axis.
+/// The set of directions within a half angle around an axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DirectionCone {
     /// Unit axis.
@@ -70,7 +70,8 @@ impl LightBounds {
         Self { space, normals, spread, flux: f64::from(color::channel_mean(flux)) }
     }
 
-    /// Copy with the box expanded by `margin` and by the rounding errors of its coordinates.
+    /// Copy with the box expanded by `margin` \[length] and by the rounding errors of its
+    /// coordinates.
     pub fn expanded(self, margin: f32) -> Self {
         let far = self.space.min.abs().max(self.space.max.abs()).max_element();
         Self { space: self.space.expanded(margin + far * 1e-6), ..self }
@@ -97,13 +98,15 @@ impl LightBounds {
         2.0 * PI * (1.0 - cos) + FRAC_PI_2 * falloff
     }
 
-    /// Cost of a node with these bounds: flux × solid angle × squared diagonal of the box.
-    pub fn split_cost(&self) -> f64 {
+    /// Cost of a light BVH node with these bounds: flux × solid angle × squared diagonal of the
+    /// box.
+    pub fn bvh_node_cost(&self) -> f64 {
         self.flux * self.solid_angle() * f64::from(self.space.extent().length_squared())
     }
 }
 
-/// Least squared distance in importances, as a multiple of the squared bounding radius.
+/// Lower bound of the squared distance in an importance, as a multiple of the squared radius of the
+/// bounding sphere.
 ///
 /// The mean of 1/d² over a ball of radius R is 3/R². A cube has the volume of a ball whose radius
 /// is 0.7 of the half diagonal, so R² is about half of the squared bounding radius.
@@ -119,7 +122,7 @@ pub(super) struct LightImportance {
     radius_squared: f64,
     /// Axis of the cone of normals.
     axis: Vec3,
-    /// Half angle of the cone of normals.
+    /// Cosine and sine of the half angle of the cone of normals.
     normals: CosSin,
     cos_spread: f64,
     /// Approximate radiant intensity along the normals \[W/sr].
@@ -135,7 +138,7 @@ impl CosSin {
         Self(cos, (1.0 - cos * cos).max(0.0).sqrt())
     }
 
-    /// The difference of the two angles, or the angle 0 if `other` is larger.
+    /// The angle `self` minus the angle `other`, or the angle 0 if `other` is larger.
     #[inline]
     fn subtract_clamped(self, other: Self) -> Self {
         if self.0 >= other.0 {
@@ -164,7 +167,8 @@ impl From<LightBounds> for LightImportance {
 }
 
 impl LightImportance {
-    /// Approximate irradiance at `p`, on the side of unit normal `n` if given.
+    /// Approximate irradiance at `p` \[W/m²]. If a unit normal `n` is given, only light on its side
+    /// counts.
     ///
     /// The result is 0 only if no light can arrive.
     #[inline]

@@ -6,7 +6,7 @@ use crate::color;
 use crate::math::{BoundingSphere, Bounds};
 use glam::Vec3;
 
-/// Samples one of many lights for a point, by flux, distance and orientation.
+/// Samples one of many lights for a lit point, by the flux, distance and orientation of the lights.
 ///
 /// A binary tree holds the lights at finite positions. Sampling descends the tree, and chooses each
 /// child with a probability proportional to its importance (Conty Estevez and Kulla 2018; Pharr,
@@ -18,7 +18,7 @@ pub struct LightBvhSampler {
     /// Indices of the infinite lights.
     infinite: Vec<u32>,
     /// Location of each light, by the light's index.
-    locations: Vec<LightBvhSlot>,
+    locations: Vec<LightBvhLocation>,
     /// Probability of sampling any of the infinite lights.
     infinite_probability: f64,
 }
@@ -40,10 +40,10 @@ enum LightBvhNodeKind {
 /// The index of a light, and its bounds.
 type BoundedLight = (u32, LightBounds);
 
-/// The place at which a [`LightBvhSampler`] stores a light.
+/// Location of a light in a [`LightBvhSampler`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum LightBvhSlot {
-    /// The light is not stored, because it has no power.
+enum LightBvhLocation {
+    /// The sampler does not contain the light, because it has no power.
     Absent,
     /// The light is in the list of infinite lights.
     Infinite,
@@ -52,7 +52,8 @@ enum LightBvhSlot {
     Tree(u64),
 }
 
-/// Depth from which nodes are split in halves, so that trails fit in 64 bits even for 2³² lights.
+/// Depth from which nodes are split into halves of equal count. The depth of the tree then stays
+/// below 64, even for 2³² lights.
 const HALVING_DEPTH: u32 = 31;
 
 /// Number of buckets along each axis in the search for a split plane.
@@ -67,7 +68,7 @@ impl LightBvhSampler {
     /// Returns `None` if no light has power.
     #[must_use]
     pub fn new(lights: &[Light], domain: BoundingSphere) -> Option<Self> {
-        let mut locations = vec![LightBvhSlot::Absent; lights.len()];
+        let mut locations = vec![LightBvhLocation::Absent; lights.len()];
         let (mut infinite, mut bounded) = (Vec::new(), Vec::new());
         // Positions are rounded, so a light in the plane of a surface may count as above it.
         let margin = 1e-6 * (domain.center.abs().max_element() + domain.radius);
@@ -75,7 +76,7 @@ impl LightBvhSampler {
             match light.bounds(margin) {
                 Some(bounds) => bounded.push((i as u32, bounds)),
                 None => {
-                    locations[i] = LightBvhSlot::Infinite;
+                    locations[i] = LightBvhLocation::Infinite;
                     infinite.push(i as u32);
                 }
             }
@@ -93,19 +94,20 @@ impl LightBvhSampler {
         Some(sampler)
     }
 
-    /// Adds a subtree of one or more lights; `trail` leads from the root of the tree to its root.
+    /// Adds a subtree of one or more lights at `depth`. The bits of `trail` lead from the root of
+    /// the tree to the subtree, as in [`LightBvhLocation::Tree`].
     fn build_subtree(&mut self, lights: &mut [BoundedLight], depth: u32, trail: u64) {
         let whole = lights[1..].iter().fold(lights[0].1, |all, l| all.union(l.1));
         let index = self.nodes.len();
         let [(light, _)] = *lights else {
-            let (first, second) = split_lights(lights, depth);
+            let (first, second) = split_lights_by_cost(lights, depth);
             self.nodes.push(LightBvhNode { importance: whole.into(), kind: LightBvhNodeKind::Inner(0) });
             self.build_subtree(first, depth + 1, trail);
             self.nodes[index].kind = LightBvhNodeKind::Inner(self.nodes.len() as u32);
             self.build_subtree(second, depth + 1, trail | 1 << depth);
             return;
         };
-        self.locations[light as usize] = LightBvhSlot::Tree(trail);
+        self.locations[light as usize] = LightBvhLocation::Tree(trail);
         self.nodes.push(LightBvhNode { importance: whole.into(), kind: LightBvhNodeKind::Leaf(light) });
     }
 
@@ -113,7 +115,7 @@ impl LightBvhSampler {
     ///
     /// Returns the index of the light, its probability, and a remapped `u` that is uniform again.
     /// If a unit normal `n` is given, only light that arrives on its side counts. Returns `None` if
-    /// no light of the node that the descent reached can illuminate `p`.
+    /// the descent reaches a node without a light that can illuminate `p`.
     #[inline]
     #[must_use]
     pub fn sample(&self, p: Vec3, n: Option<Vec3>, u: f32) -> Option<(usize, f32, f32)> {
@@ -148,16 +150,16 @@ impl LightBvhSampler {
         (probability > 0.0).then_some((light as usize, probability, (u as f32).min(BELOW_ONE)))
     }
 
-    /// Probability with which [`LightBvhSampler::sample`] samples the light with this index.
+    /// Probability with which [`LightBvhSampler::sample`] samples the light with index `light`.
     ///
-    /// Both methods return equal bits.
+    /// The result equals the probability that `sample` returns, to the bit.
     #[inline]
     #[must_use]
     pub fn probability(&self, p: Vec3, n: Option<Vec3>, light: usize) -> f32 {
         let mut trail = match self.locations[light] {
-            LightBvhSlot::Absent => return 0.0,
-            LightBvhSlot::Infinite => return (self.infinite_probability / self.infinite.len() as f64) as f32,
-            LightBvhSlot::Tree(trail) => trail,
+            LightBvhLocation::Absent => return 0.0,
+            LightBvhLocation::Infinite => return (self.infinite_probability / self.infinite.len() as f64) as f32,
+            LightBvhLocation::Tree(trail) => trail,
         };
         let mut probability = 1.0 - self.infinite_probability;
         let mut index = 0;
@@ -185,9 +187,9 @@ impl LightBvhSampler {
 
 /// Splits two or more lights into two non-empty parts.
 ///
-/// The split is at the bucket boundary of least cost. It is in the middle of the widest axis from
-/// depth [`HALVING_DEPTH`] on, or if no bucket boundary separates the lights.
-fn split_lights(lights: &mut [BoundedLight], depth: u32) -> (&mut [BoundedLight], &mut [BoundedLight]) {
+/// The split is at the bucket boundary of least cost. From depth [`HALVING_DEPTH`] on, or if no
+/// bucket boundary separates the lights, it is at the median along the axis of largest extent.
+fn split_lights_by_cost(lights: &mut [BoundedLight], depth: u32) -> (&mut [BoundedLight], &mut [BoundedLight]) {
     let center = |l: &BoundedLight| l.1.space.center();
     let centers = Bounds::from_points(lights.iter().map(center));
     let extent = centers.extent();
@@ -206,7 +208,7 @@ fn split_lights(lights: &mut [BoundedLight], depth: u32) -> (&mut [BoundedLight]
         for plane in 1..BUCKETS {
             let side = |part: &[Option<LightBounds>]| part.iter().flatten().copied().reduce(LightBounds::union);
             if let (Some(a), Some(b)) = (side(&buckets[..plane]), side(&buckets[plane..])) {
-                let split_cost = slimness * (a.split_cost() + b.split_cost());
+                let split_cost = slimness * (a.bvh_node_cost() + b.bvh_node_cost());
                 if split_cost < best.0 {
                     best = (split_cost, axis, plane);
                 }

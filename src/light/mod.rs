@@ -1,7 +1,7 @@
 //! Light sources, which are sampled for direct light and for photon emission.
 //!
-//! Each kind of light has a file of its own. The file implements `LightSource`, or
-//! `PositionalLight` if the light is a point. [`Light`] is the enum over the kinds.
+//! Each kind of light has a file of its own. The file implements the trait `LightSource`, or
+//! `PositionalLight` for a point light. A [`Light`] is a light of any of these kinds.
 
 mod area;
 mod directional;
@@ -52,7 +52,7 @@ pub enum Light {
     Projector(ProjectorLight),
     /// A point light whose intensity is a map over all directions.
     Goniometric(GoniometricLight),
-    /// Parallel light from infinity.
+    /// Parallel rays from infinity, such as sunlight.
     Directional(DirectionalLight),
     /// A surface that emits on its outer side.
     Area(AreaLight),
@@ -78,8 +78,8 @@ macro_rules! dispatch {
 impl Light {
     /// Samples a direction from which light arrives at `p` by `u` in \[0, 1)².
     ///
-    /// Occlusion is left to the caller. Returns `None` if no light can arrive from the sampled
-    /// point of the light.
+    /// The caller must test occlusion. Returns `None` if no light can arrive from the sampled point
+    /// of the light.
     #[inline]
     #[must_use]
     pub fn sample_li(&self, p: Vec3, u: Vec2) -> Option<DirectLightSample> {
@@ -98,15 +98,15 @@ impl Light {
 
     /// Samples an emitted ray by the sample points `position` and `direction` in \[0, 1)².
     ///
-    /// `domain` is the bounding sphere of the scene. Light from infinity starts on a disc that
-    /// touches it. Returns `None` if the ray carries no light.
+    /// `domain` is the bounding sphere of the scene. Rays of lights at infinity start on a disc
+    /// that touches this sphere. Returns `None` if the ray carries no light.
     #[must_use]
     pub fn sample_le(&self, domain: BoundingSphere, position: Vec2, direction: Vec2) -> Option<EmissionSample> {
         dispatch!(self, light => light.sample_le(domain, position, direction))
     }
 
-    /// Samples an emitted ray that enters a sphere of `aim`; other arguments as for
-    /// [`Light::sample_le`].
+    /// Samples an emitted ray that enters one of the spheres of `aim`. The other arguments are
+    /// those of [`Light::sample_le`].
     #[must_use]
     pub fn sample_le_towards(
         &self,
@@ -118,7 +118,7 @@ impl Light {
         dispatch!(self, light => light.sample_le_towards(aim, domain, position, direction))
     }
 
-    /// The sample points of [`Light::sample_le`] on which the emitted ray depends.
+    /// The arguments of [`Light::sample_le`] on which the emitted ray depends.
     #[must_use]
     pub fn emission_dimensions(&self) -> EmissionDimensions {
         match self.geometry() {
@@ -130,9 +130,10 @@ impl Light {
         }
     }
 
-    /// Emitted flux \[W], mean over a texture. `domain` is the bounding sphere of the scene.
+    /// Emitted flux \[W]. `domain` is the bounding sphere of the scene.
     ///
-    /// For light from infinity, the flux goes through discs with the radius of `domain`.
+    /// For a light at infinity, it is the flux through a disc with the radius of `domain`,
+    /// integrated over the directions of the light.
     #[must_use]
     pub fn power(&self, domain: BoundingSphere) -> Rgb {
         dispatch!(self, light => light.power(domain))
@@ -159,7 +160,8 @@ impl Light {
         }
     }
 
-    /// World-space position of a light at one point; `None` for all other lights.
+    /// World-space position of a point, spot, projector or goniometric light; `None` for all other
+    /// lights.
     #[must_use]
     pub fn position(&self) -> Option<Vec3> {
         match self.geometry() {
@@ -168,9 +170,9 @@ impl Light {
         }
     }
 
-    /// One world-space point from which light leaves; `None` for light from infinity.
+    /// A world-space point from which light leaves; `None` for lights at infinity.
     ///
-    /// The point of an area light is offset from its surface.
+    /// For an area light, it is a point near the surface, on its outer side.
     #[must_use]
     pub fn emission_point(&self) -> Option<Vec3> {
         match self.geometry() {
@@ -180,9 +182,9 @@ impl Light {
         }
     }
 
-    /// Center of the light in world space; `None` for light from infinity.
+    /// Center of the light in world space; `None` for lights at infinity.
     ///
-    /// For a mesh, this is a point of its surface.
+    /// For a light of mesh triangles, this is a point of their surface.
     #[must_use]
     pub fn center(&self) -> Option<Vec3> {
         match self.geometry() {
@@ -194,14 +196,15 @@ impl Light {
 
     /// Strength of a delta light; `None` for all other lights.
     ///
-    /// The strength of a directional light is its irradiance at normal incidence \[W/m²]. That of a
-    /// point light is the intensity where it is brightest, or where its pattern is 1 \[W/sr].
+    /// The strength of a directional light is its irradiance at normal incidence \[W/m²]. The
+    /// strength of a light at a point is its largest intensity; with a picture or map, the
+    /// intensity at value 1 \[W/sr].
     #[must_use]
     pub fn peak_strength(&self) -> Option<Rgb> {
         dispatch!(self, light => light.peak_strength())
     }
 
-    /// False only if no ray from the light can enter `sphere`, regardless of occlusion.
+    /// False only if no ray from the light can enter `sphere`, even if nothing occludes it.
     ///
     /// `None` stands for all space. `domain` is the bounding sphere of the scene.
     #[must_use]
@@ -212,7 +215,8 @@ impl Light {
         dispatch!(self, light => light.may_illuminate(BoundingSphere { radius: sphere.radius + margin, ..sphere }))
     }
 
-    /// True only if no emitted ray lies within the plane through `p` with unit normal `n`.
+    /// True only if no emitted ray lies in the plane through `p` with unit normal `n`, up to
+    /// rounding.
     ///
     /// Rounding decides whether an object in the plane occludes a ray in the plane.
     #[must_use]
@@ -242,7 +246,7 @@ impl Light {
         }
     }
 
-    /// The area light for changes, if the light is one.
+    /// Mutable reference to the area light, if the light is one.
     pub(crate) fn as_area_mut(&mut self) -> Option<&mut AreaLight> {
         match self {
             Self::Area(area) => Some(area),
@@ -282,14 +286,14 @@ impl Light {
         dispatch!(self, light => light.untextured_light()).unwrap_or_else(|| self.clone())
     }
 
-    /// The place or direction from which the light emits.
+    /// Where the light comes from: a position, a direction, a surface or all directions.
     #[inline]
     fn geometry(&self) -> LightGeometry<'_> {
         dispatch!(self, light => light.geometry())
     }
 
-    /// Bounds in space and direction, with the box expanded by `margin`; `None` for light from
-    /// infinity.
+    /// Bounds of positions and emitted directions, with the box expanded by `margin` \[length];
+    /// `None` for lights at infinity.
     fn bounds(&self, margin: f32) -> Option<LightBounds> {
         dispatch!(self, light => light.bounds()).map(|bounds| bounds.expanded(margin))
     }

@@ -1,4 +1,5 @@
-//! Unresolved point lights with an orientation: projectors and goniometric lights.
+//! Point lights with an orientation, in coordinates of the scene description: projectors and
+//! goniometric lights.
 
 use super::{EquirectangularMap, GoniometricLight, Light, ProjectedPicture, ProjectorLight};
 use crate::color::{self, Rgb};
@@ -15,7 +16,8 @@ pub enum IntensityPattern {
     Map(Arc<EquirectangularMap>),
 }
 
-/// A point light with an orientation and an intensity pattern, in coordinates of the description.
+/// A point light with an orientation and an intensity pattern, in coordinates of the scene
+/// description.
 #[derive(Clone, Debug)]
 pub struct OrientedPointLight {
     /// Position of the light.
@@ -24,12 +26,12 @@ pub struct OrientedPointLight {
     pub direction: DVec3,
     /// Direction of the top of the pattern, not parallel to `direction`.
     pub up: DVec3,
-    /// Intensity by direction, up to a factor.
+    /// Intensity in each direction, up to a factor.
     pub pattern: IntensityPattern,
 }
 
 impl OrientedPointLight {
-    /// Copy under the affine map `map`.
+    /// Copy of the light, transformed by `map`.
     #[must_use]
     pub fn transformed(&self, map: &Transform) -> Self {
         let (position, direction, up) =
@@ -37,8 +39,8 @@ impl OrientedPointLight {
         Self { position, direction, up, pattern: self.pattern.clone() }
     }
 
-    /// Creates the light at `position` in world space; pattern value 1 means intensity `scale`
-    /// \[W/sr].
+    /// Creates the light at `position` in world space. The pattern value 1 means the intensity
+    /// `scale` \[W/sr].
     #[must_use]
     pub fn to_light(&self, position: Vec3, scale: Rgb) -> Light {
         let (direction, up) = (self.direction, self.up);
@@ -52,7 +54,7 @@ impl OrientedPointLight {
         }
     }
 
-    /// Radiant intensity at pattern value 1 per radiant flux \[1/sr].
+    /// Radiant intensity at pattern value 1, for a light of flux 1 W \[1/sr].
     ///
     /// This is 1 over the integral of the pattern over all directions, averaged over the channels.
     #[must_use]

@@ -1,21 +1,20 @@
-//! Sampling of photons towards chosen spheres.
+//! Photon aim: samples emitted rays that enter chosen spheres.
 
 use crate::math::{BoundingSphere, Bounds, Frame, warp};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
-/// Bounding spheres at which photon emission aims: an analytic form of projection maps (Jensen
-/// 2001).
+/// Bounding spheres at which photon emission aims. They replace the projection maps of Jensen 2001.
 ///
-/// From a point, each sphere subtends a cone. A cone is chosen by its solid angle, then a direction
-/// uniformly in the cone. The pdf is the number of cones that contain the direction, over the sum
-/// of the solid angles. So overlaps of the cones cause no bias.
+/// Each sphere subtends a cone from the emitting point. A cone is chosen in proportion to its solid
+/// angle, and then a direction uniformly in the cone. The pdf is the number of cones that contain
+/// the direction, divided by the sum of the solid angles. Cones may therefore overlap.
 #[derive(Clone, Debug, Default)]
 pub struct PhotonAim {
     spheres: Vec<BoundingSphere>,
 }
 
-/// Maximum number of spheres. Each emitted photon visits all of them.
+/// Largest number of spheres. Each emitted photon visits all of them.
 const MAX_SPHERES: usize = 32;
 
 /// The cone of directions that a sphere subtends from a point.
@@ -23,7 +22,7 @@ const MAX_SPHERES: usize = 32;
 struct SubtendedCone {
     /// Unit axis.
     axis: Vec3,
-    /// 1 − cosine of the half angle.
+    /// 1 − cosine of the cone's half angle.
     one_minus_cos: f32,
 }
 
@@ -39,7 +38,8 @@ enum SubtendedDirections {
 
 /// Returns the directions from `p` to `sphere`.
 ///
-/// If `horizon` is given, it is the normal of a plane through `p`. A sphere below it is left out.
+/// If `horizon` is given, it is the unit normal of a plane through `p`. No direction leads to a
+/// sphere below that plane.
 fn directions_to_sphere(sphere: &BoundingSphere, p: Vec3, horizon: Option<Vec3>) -> SubtendedDirections {
     let to = sphere.center - p;
     let d2 = to.length_squared();
@@ -57,7 +57,7 @@ fn directions_to_sphere(sphere: &BoundingSphere, p: Vec3, horizon: Option<Vec3>)
 impl PhotonAim {
     /// Creates an aim at `spheres`. If there are too many, neighbours are merged.
     ///
-    /// Each sphere grows by the rounding errors of the objects inside.
+    /// Each sphere grows by the rounding errors of the positions inside.
     #[must_use]
     pub fn new(spheres: impl IntoIterator<Item = BoundingSphere>) -> Self {
         let mut spheres: Vec<BoundingSphere> = spheres.into_iter().collect();
@@ -68,11 +68,11 @@ impl PhotonAim {
         Self { spheres }
     }
 
-    /// Samples a unit direction from `p` towards a sphere by `u` in \[0, 1)². Returns its pdf
-    /// \[1/sr], too.
+    /// Samples a unit direction from `p` towards a sphere by `u` in \[0, 1)². Returns the direction
+    /// and its pdf \[1/sr].
     ///
-    /// If `horizon` is given, it is the normal of a plane through `p`. Spheres below it are left
-    /// out. Returns `None` if no sphere is left.
+    /// If `horizon` is given, it is the unit normal of a plane through `p`. Spheres below the plane
+    /// are left out. Returns `None` if no sphere is left.
     #[must_use]
     pub fn sample_direction(&self, p: Vec3, horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, f32)> {
         let mut cones = [SubtendedCone { axis: Vec3::Z, one_minus_cos: 0.0 }; MAX_SPHERES];
@@ -101,12 +101,12 @@ impl PhotonAim {
         Some((direction, count as f32 / (TAU * total)))
     }
 
-    /// Samples the start of a ray along unit `direction` that enters a sphere.
+    /// Samples the origin of a ray along unit `direction` that enters a sphere, by `u` in \[0, 1)².
     ///
-    /// Returns the start with its pdf per area \[1/length²]. All starts lie in one plane, which is
-    /// perpendicular to `direction` and contains the point −`upstream`·`direction`.
+    /// Returns the origin with its pdf per area \[1/length²]. All origins lie in one plane, which
+    /// is perpendicular to `direction` and contains the point −`upstream`·`direction`.
     #[must_use]
-    pub fn sample_parallel_start(&self, direction: Vec3, upstream: f32, u: Vec2) -> Option<(Vec3, f32)> {
+    pub fn sample_parallel_ray_start(&self, direction: Vec3, upstream: f32, u: Vec2) -> Option<(Vec3, f32)> {
         let areas = || self.spheres.iter().map(|s| PI * s.radius * s.radius);
         let total: f32 = areas().sum();
         let (within, chosen) = locate_in_intervals(areas(), u.x * total)?;
@@ -120,7 +120,8 @@ impl PhotonAim {
     }
 }
 
-/// Finds the interval that contains `at`. Intervals of the given widths follow each other from 0.
+/// Finds the interval that contains `at`. The intervals have the given widths and are adjacent; the
+/// first one starts at 0.
 ///
 /// Returns the relative position in the interval, in \[0, 1), and the index of the interval.
 /// Returns `None` if there is no interval.
@@ -137,10 +138,12 @@ fn locate_in_intervals(widths: impl Iterator<Item = f32>, mut at: f32) -> Option
     chosen
 }
 
-/// Samples a unit direction by `u`, with its pdf \[1/sr]: cosine-weighted above `horizon`, or
-/// uniform over the sphere if there is no horizon.
+/// Samples a unit direction by `u` in \[0, 1)², and returns it with its pdf \[1/sr].
 ///
-/// Returns `None` in the plane of the horizon, where the pdf is 0.
+/// The direction is cosine-weighted around the normal `horizon`, or uniform over the sphere without
+/// a horizon.
+///
+/// Returns `None` if the direction lies in the plane of the horizon, where the pdf is 0.
 fn sample_sphere_or_hemisphere(horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, f32)> {
     match horizon {
         Some(n) => {
@@ -153,7 +156,7 @@ fn sample_sphere_or_hemisphere(horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, 
 
 /// Replaces `spheres` by at most `most` bounding spheres of groups of neighbours.
 ///
-/// Groups are halved at the median of the widest axis.
+/// Groups are halved at the median along the axis of largest extent.
 fn merge_spheres(spheres: &mut Vec<BoundingSphere>, most: usize) {
     if spheres.len() <= most {
         return;

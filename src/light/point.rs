@@ -1,4 +1,4 @@
-//! Point lights, and the code that all lights at one position share.
+//! Point lights, and the code that spot, projector and goniometric lights share with them.
 
 use super::light_bounds::{DirectionCone, LightBounds};
 use super::source::{DirectLightSample, EmissionSample, LightGeometry, LightSource, ShadowTarget};
@@ -33,17 +33,20 @@ pub(super) trait PositionalLight {
     /// Radiant flux \[W].
     fn flux(&self) -> Rgb;
 
-    /// Radiant intensity where the light is brightest, or where its pattern is 1 \[W/sr].
+    /// Largest radiant intensity; with a picture or map, the intensity at value 1 \[W/sr].
     fn peak_intensity(&self) -> Rgb;
 
-    /// Cone of axes, and the largest angle \[radians] from an axis at which light is emitted.
+    /// Cone of axes, and the largest angle \[radians] between an emitted direction and the nearest
+    /// axis.
     ///
-    /// [`LightBounds::new`] takes both.
+    /// Both are arguments of [`LightBounds::new`]. The default, all directions, is correct for
+    /// every light.
     fn emission_cone(&self) -> (DirectionCone, f64) {
         (DirectionCone::ALL, FRAC_PI_2)
     }
 
-    /// False only if no ray from the light can enter `sphere`.
+    /// False only if no ray from the light can enter `sphere`. The default `true` is correct for
+    /// every light.
     fn may_illuminate(&self, _sphere: BoundingSphere) -> bool {
         true
     }

@@ -24,17 +24,17 @@ pub struct ProjectorLight {
     pub scale: Rgb,
 }
 
-/// The picture of a projector, in the plane at distance 1 before the pinhole.
+/// The picture of a projector, in the plane at distance 1 in front of the pinhole.
 ///
-/// Its value is constant in each pixel. Local directions have the components right, up, forward.
+/// Its value is constant in each pixel. Local directions have the components right, up and forward.
 #[derive(Clone, Debug)]
 pub struct ProjectedPicture {
     picture: Image,
-    /// Half width and half height in the plane at distance 1.
+    /// Half width and half height of the picture in the plane at distance 1.
     half_size: DVec2,
     /// Distribution over the pixels, by value times solid angle.
     distribution: PiecewiseConstant2d,
-    /// Integral of the picture over all directions \[pixel value · sr].
+    /// Integral of the pixel value over all directions \[sr].
     integral: DVec3,
 }
 
@@ -74,7 +74,7 @@ impl ProjectedPicture {
         self.picture.pixels()[(pixel.y * self.picture.width() + pixel.x) as usize]
     }
 
-    /// Column and row of the pixel in a local direction; `None` beside the picture.
+    /// Column and row of the pixel in a local direction; `None` outside of the picture.
     #[inline]
     fn pixel_in_direction(&self, local: Vec3) -> Option<UVec2> {
         let p = DVec2::new(f64::from(local.x), -f64::from(local.y)) / f64::from(local.z) / self.half_size;
@@ -85,8 +85,8 @@ impl ProjectedPicture {
         Some(((0.5 * p + 0.5) * size.as_dvec2()).as_uvec2().min(size - 1))
     }
 
-    /// Samples a local unit direction by `u` in \[0, 1)². Returns it with the pixel's value and
-    /// its pdf \[1/sr].
+    /// Samples a local unit direction by `u` in \[0, 1)². Returns the direction, the value of its
+    /// pixel and its pdf \[1/sr].
     fn sample(&self, u: Vec2) -> Option<(Vec3, Rgb, f32)> {
         let (pixel, within, pdf) = self.distribution.sample(u);
         let size = DVec2::new(f64::from(self.picture.width()), f64::from(self.picture.height()));
@@ -104,7 +104,8 @@ impl ProjectedPicture {
 
     /// Factor from a pdf over the unit square of the picture to a pdf per solid angle \[1/sr].
     ///
-    /// `cos` is the cosine between direction and axis. The area dA at distance 1 subtends dA cos³.
+    /// `cos` is the cosine between the direction and the axis. An area dA in the plane at distance
+    /// 1 subtends the solid angle dA cos³.
     fn area_pdf_to_solid_angle(&self, cos: f64) -> f64 {
         1.0 / (4.0 * self.half_size.x * self.half_size.y * cos * cos * cos)
     }
@@ -118,8 +119,8 @@ impl ProjectedPicture {
 }
 
 impl ProjectorLight {
-    /// Creates a projector at `position` in world space; pixel value 1 means intensity `scale`
-    /// \[W/sr].
+    /// Creates a projector at `position` in world space. The pixel value 1 means the intensity
+    /// `scale` \[W/sr].
     ///
     /// `direction` is the axis of projection. The top of the picture lies towards `up`, which must
     /// not be parallel to `direction`.

@@ -1,4 +1,4 @@
-//! Interface of all kinds of lights, and the records that its methods return.
+//! The interface that every kind of light implements, and the records that its methods return.
 
 use super::light_bounds::LightBounds;
 use super::{Light, LightSurface, PhotonAim};
@@ -10,7 +10,8 @@ use glam::{Vec2, Vec3};
 /// The end of a shadow ray towards a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ShadowTarget {
-    /// A point of the light, offset from the light's own surface by the rounding error.
+    /// A point of the light. It is offset from the light's own surface, so that the surface does
+    /// not occlude it.
     Point(Vec3),
     /// The light is at infinity, so the ray has no end.
     Infinity,
@@ -23,8 +24,8 @@ pub struct DirectLightSample {
     pub wi: Vec3,
     /// End of the shadow ray.
     pub target: ShadowTarget,
-    /// Radiance over `pdf`, without the cosine at the lit surface. For delta lights: irradiance at
-    /// normal incidence \[W/m²].
+    /// Arriving radiance divided by `pdf`, without the cosine at the lit surface. For delta lights:
+    /// irradiance at normal incidence \[W/m²].
     pub weight: Rgb,
     /// Pdf of `wi` \[1/sr], equal to [`Light::pdf_li`]; `None` for delta lights.
     pub pdf: Option<f32>,
@@ -35,11 +36,12 @@ pub struct DirectLightSample {
 pub struct EmissionSample {
     /// The ray, with a unit direction.
     pub ray: Ray,
-    /// Flux of the ray over its pdf \[W]. The mean is the flux of all rays that can be sampled.
+    /// Flux that the ray carries, divided by its pdf \[W]. Its mean is the flux of all rays that
+    /// can be sampled.
     pub flux: Rgb,
 }
 
-/// The sample points of [`Light::sample_le`] on which the emitted ray depends.
+/// The arguments of [`Light::sample_le`] on which the emitted ray depends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EmissionDimensions {
     /// True if the ray depends on the argument `position`.
@@ -48,24 +50,29 @@ pub struct EmissionDimensions {
     pub uses_direction: bool,
 }
 
-/// The place or direction from which a light emits.
+/// Where the light comes from: a position, a direction, a surface or all directions.
 pub(super) enum LightGeometry<'a> {
     /// A delta light at one position in world space.
     Point(Vec3),
     /// A delta light at infinity, whose rays travel in this unit direction.
     Parallel(Vec3),
-    /// An emitting surface.
+    /// An emitting surface at a finite distance.
     Surface(&'a LightSurface),
     /// Light at infinity that arrives from all directions.
     AllDirections,
 }
 
-/// A kind of light. [`Light`] documents the methods, and derives further ones from `geometry`.
+/// A kind of light. [`Light`] documents the methods of the same name, and derives others from
+/// `geometry`.
 ///
-/// `sample_li` and `sample_le` must describe the same emitted radiance. Camera paths compute direct
-/// light by `sample_li`, and photon paths compute indirect light by `sample_le`.
+/// `sample_li` and `sample_le` must describe the same emitted radiance: camera paths sample direct
+/// light by `sample_li`, and photon paths start by `sample_le`.
+///
+/// Three methods have defaults. A delta light must implement `peak_strength`. A light that cannot
+/// reach all of space should implement `may_illuminate`, so that fewer photons miss the caustic
+/// casters. A light with a texture must implement `untextured_light`.
 pub(super) trait LightSource {
-    /// The place or direction from which the light emits.
+    /// Where the light comes from: a position, a direction, a surface or all directions.
     fn geometry(&self) -> LightGeometry<'_>;
 
     /// Implements [`Light::sample_li`].
@@ -89,20 +96,24 @@ pub(super) trait LightSource {
     /// Implements [`Light::power`].
     fn power(&self, domain: BoundingSphere) -> Rgb;
 
-    /// Bounds in space and direction, without a margin; `None` for light from infinity.
+    /// Bounds of positions and emitted directions; `None` for lights at infinity.
     fn bounds(&self) -> Option<LightBounds>;
 
-    /// Implements [`Light::peak_strength`]; `None` unless this is a delta light.
+    /// Implements [`Light::peak_strength`]. The default `None` is right for all but delta lights.
     fn peak_strength(&self) -> Option<Rgb> {
         None
     }
 
-    /// Implements [`Light::may_illuminate`] for a sphere that is already grown by rounding errors.
+    /// Implements [`Light::may_illuminate`] for a sphere that already includes rounding errors.
+    ///
+    /// The default `true` is correct for every light, but aims photons at spheres that the light
+    /// may not reach.
     fn may_illuminate(&self, _sphere: BoundingSphere) -> bool {
         true
     }
 
-    /// Copy of the light that emits its mean radiance; `None` if no texture varies the radiance.
+    /// Copy of the light that emits its mean radiance; `None`, the default, if no texture varies
+    /// the radiance.
     fn untextured_light(&self) -> Option<Light> {
         None
     }

@@ -50,7 +50,7 @@ pub struct EquirectangularMap {
     map: Image,
     /// Distribution over the pixels, by mean value times solid angle; `None` if the map is black.
     distribution: Option<PiecewiseConstant2d>,
-    /// Cosines of the angles from +y to the upper edges of all rows, then to the map's lower edge.
+    /// Cosine of the angle from +y to each row's upper edge, and to the lower edge of the last row.
     row_edge_cosines: Vec<f64>,
     /// Integral of the map over all directions \[pixel value · sr].
     integral: Rgb,
@@ -101,8 +101,7 @@ impl EquirectangularMap {
         row(y as i64).lerp(row(y as i64 + 1), fy)
     }
 
-    /// Coordinates of unit `direction` on the map \[pixels], right and down from its top left
-    /// corner.
+    /// Position of unit `direction` on the map, right and down from its top left corner \[pixels].
     #[inline]
     fn pixel_coordinates(&self, direction: Vec3) -> DVec2 {
         let [x, y, z] = direction.to_array().map(f64::from);
@@ -141,7 +140,7 @@ impl EquirectangularMap {
     }
 }
 
-/// Integral of the interpolation weight of row `row` of `rows`, over cos θ.
+/// Integral over cos θ of the vertical interpolation weight of row `row`; the map has `rows` rows.
 ///
 /// θ is the angle to the upper pole of the map. The weight is a hat function of θ. The weight of
 /// the first row is 1 above the row's center, and that of the last row is 1 below its center.

@@ -72,7 +72,7 @@ impl Bounds {
         })
     }
 
-    /// Sphere through the corners of the box.
+    /// Smallest sphere that contains the box; it passes through the corners.
     #[must_use]
     pub fn bounding_sphere(&self) -> BoundingSphere {
         BoundingSphere { center: self.center(), radius: 0.5 * self.extent().length() }
@@ -110,7 +110,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn empty_box_is_neutral() {
+    fn empty_box_is_neutral_in_unions() {
         let b = Bounds::from_points([Vec3::ONE, Vec3::NEG_ONE]);
         assert_eq!(b.union(Bounds::EMPTY), b);
         assert!(Bounds::EMPTY.is_empty() && !b.is_empty());

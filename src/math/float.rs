@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn turns_agree_with_radians() {
+    fn sin_cos_of_turns_agree_with_radians() {
         for i in -1000..=1000 {
             let t = i as f32 / 1000.0;
             let (sin, cos) = sin_cos_turns(t);

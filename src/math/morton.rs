@@ -18,7 +18,7 @@ pub fn morton_order<T: Sync>(items: &[T], place: impl Fn(&T) -> Vec3 + Sync) -> 
     keyed.par_iter().map(|(_, i)| *i).collect()
 }
 
-/// Interleaves the lowest 21 bits of the three coordinates.
+/// Morton code of cell coordinates: interleaves the lowest 21 bits of x, y and z.
 #[inline]
 fn morton_code(p: Vec3) -> u64 {
     let spread = |x: f32| {

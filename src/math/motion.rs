@@ -34,8 +34,9 @@ impl MotionStep {
 /// The map is a product of steps, so points under a rotation move along true circles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Motion {
-    /// Factors from left to right: points are mapped by the last one first. Adjacent fixed steps
-    /// are merged.
+    /// Factors of the product, from left to right: a point is mapped by the last one first.
+    ///
+    /// Adjacent steps that do not depend on time are merged.
     steps: Vec<MotionStep>,
 }
 
@@ -60,7 +61,7 @@ impl Motion {
         Self { steps: all }
     }
 
-    /// The motion conjugated by a translation, so that its fixed point is `place` instead of the
+    /// This motion about the point `place`: rotations and scales act about `place` instead of the
     /// origin.
     #[must_use]
     pub fn around_point(&self, place: DVec3) -> Self {
@@ -106,7 +107,9 @@ pub fn rotation_matrix_degrees(axis: DVec3, degrees: f64) -> DMat3 {
     rotation_from_sin_cos(axis, sin_cos)
 }
 
-/// Rotation matrix about a unit `axis` by Rodrigues: cos·I + (1 − cos)·aaᵀ + sin·\[a\]×.
+/// Right-handed rotation matrix about a unit `axis`, from sine and cosine of the angle.
+///
+/// Formula of Rodrigues: cos·I + (1 − cos)·aaᵀ + sin·\[a\]×.
 fn rotation_from_sin_cos(axis: DVec3, (sin, cos): (f64, f64)) -> DMat3 {
     let column = |e: DVec3| e * cos + axis * ((1.0 - cos) * axis.dot(e)) + axis.cross(e) * sin;
     DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z))

@@ -113,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn extremes_stay_in_range() {
+    fn warps_of_extreme_inputs_stay_in_range() {
         for x in EDGES {
             for y in EDGES {
                 let u = Vec2::new(x, y);
@@ -137,7 +137,7 @@ mod tests {
     ///
     /// The worst integrand has a square-root edge, so the error is O(n^−3/2) = 3·10⁻⁵.
     #[test]
-    fn moments_match_the_densities() {
+    fn warped_points_have_the_expected_moments() {
         let n = 1024u32;
         let mean = |f: &dyn Fn(Vec2) -> f32| midpoint_grid(n).map(|u| f64::from(f(u))).sum::<f64>() / f64::from(n * n);
         let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-4, "{a} {b}");

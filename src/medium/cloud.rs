@@ -13,7 +13,7 @@ pub struct Cloud {
     pub octaves: u32,
     /// Number of wavelengths of the first octave along a side of the cube.
     pub scale: f64,
-    /// Coverage from 0 (empty) to 1 (noise everywhere).
+    /// Fraction of the noise that becomes cloud, from 0 (empty) to 1 (all of it).
     pub cover: f64,
     /// Fraction of the radius, from 0 to 1, over which the density falls to 0 at the edge; 0 is a
     /// hard edge.
@@ -23,9 +23,10 @@ pub struct Cloud {
 }
 
 impl Cloud {
-    /// Function that returns the density, from 0 to 1, at a point of the unit cube.
+    /// Returns the function from a point of the unit cube to the density there, from 0 to 1.
     ///
-    /// Noise is filtered to `width`, in sides of the cube; 0 is unfiltered.
+    /// Noise finer than `width` is filtered out. The side of the cube is the unit of `width`; 0
+    /// does not filter.
     pub fn density(&self, width: f64) -> impl Fn(DVec3) -> f32 + Sync + use<> {
         let mut rng = Key::new(self.seed).rng();
         // The shift separates the noise of different seeds, and is small enough for coordinates to
@@ -80,9 +81,11 @@ mod tests {
         }
     }
 
-    /// The ball is π/6 of the cube, and the noise is symmetric about ½. So the mean at full cover
-    /// is π/12. The bound is five standard errors for 4π/3·2³ = 34 independent wavelengths of
-    /// standard deviation ¼.
+    /// The mean density at full cover is π/12: the ball fills π/6 of the cube, and the mean of the
+    /// noise is ½.
+    ///
+    /// The tolerance is five standard errors of 4π/3·2³ = 34 independent values of standard
+    /// deviation ¼.
     #[test]
     fn cover_softness_and_seed_have_their_effect() {
         let full = mean_density(Cloud { cover: 1.0, softness: 0.0, ..CLOUD });

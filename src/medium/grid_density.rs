@@ -6,7 +6,8 @@ use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Number of cells along each side of a block. A block has one majorant.
+/// Number of cells along each side of a block of the grid. Each block has one majorant of the
+/// density.
 pub(super) const BLOCK_SIDE: u32 = 8;
 
 /// Reason why a density grid is invalid.
@@ -54,7 +55,7 @@ pub struct GridDensity {
     placement: Transform,
 }
 
-/// The densities and majorants that all placements of a grid share.
+/// Densities and majorants, which all translated copies of a grid share.
 #[derive(Debug)]
 struct GridData {
     size: [u32; 3],
@@ -67,8 +68,8 @@ struct GridData {
 }
 
 impl GridDensity {
-    /// A grid of `size` cells with densities `values`, x fastest, in the image of the unit cube
-    /// under `placement`.
+    /// Creates a grid of `size` cells with densities `values`, x fastest. `placement` maps the unit
+    /// cube to the box of the grid in scene coordinates.
     pub fn new(size: [u32; 3], values: Vec<f32>, placement: DAffine3) -> Result<Self, GridDensityError> {
         let expected = cell_count(size)?;
         if values.len() != expected {
@@ -86,8 +87,8 @@ impl GridDensity {
         Ok(Self { grid: Arc::new(GridData { size, values, blocks, majorants, max_density }), placement })
     }
 
-    /// A grid with the values of function `density` at the centers of the cells, in coordinates of
-    /// the unit cube.
+    /// Creates a grid from the function `density`, whose argument is a cell center in coordinates
+    /// of the unit cube. `placement` maps this cube to scene coordinates.
     pub fn from_fn(
         size: [u32; 3],
         placement: DAffine3,
@@ -108,7 +109,7 @@ impl GridDensity {
         Self::new(size, values, placement)
     }
 
-    /// The grid translated by `by`.
+    /// Copy of the grid, translated by `by`.
     #[must_use]
     pub fn translated(&self, by: DVec3) -> Self {
         Self { grid: Arc::clone(&self.grid), placement: self.placement.translated(by) }
@@ -122,7 +123,7 @@ impl GridDensity {
         if inside { self.grid.interpolate(q * self.grid.cell_counts()) } else { 0.0 }
     }
 
-    /// The greatest density of the grid.
+    /// Largest density of the grid.
     #[must_use]
     pub fn max_density(&self) -> f32 {
         self.grid.max_density
@@ -146,7 +147,7 @@ impl GridDensity {
         size_of::<GridData>() + size_of::<f32>() * (self.grid.values.len() + self.grid.majorants.len())
     }
 
-    /// `ray` up to `distance`, in grid space, where cells have side 1.
+    /// Returns the part of `ray` up to `distance` in grid space, where cells have side 1.
     pub(super) fn ray_in_grid(&self, ray: &Ray, distance: f32) -> GridRay<'_> {
         let cells = self.grid.cell_counts();
         let inverse = self.placement.inverse();
@@ -165,8 +166,8 @@ pub(super) struct GridRay<'a> {
 }
 
 impl GridRay<'_> {
-    /// Distances of entry and exit, and the majorant, of each block of positive density along the
-    /// ray, from near to far.
+    /// Returns the blocks with a positive majorant along the ray, from near to far. Each item holds
+    /// the distances of entry and exit, and the majorant.
     pub(super) fn majorant_blocks(&self) -> impl Iterator<Item = (f64, f64, f64)> {
         let GridData { blocks, majorants, .. } = self.grid;
         let side = f64::from(BLOCK_SIDE);
@@ -179,7 +180,7 @@ impl GridRay<'_> {
         )
     }
 
-    /// Density at distance `t`, where the ray must be in the grid.
+    /// Density at distance `t` along the ray. The ray must be inside the grid there.
     pub(super) fn density(&self, t: f64) -> f64 {
         f64::from(self.grid.interpolate(self.origin + self.step * t))
     }
@@ -210,7 +211,9 @@ impl GridData {
     }
 }
 
-/// Linear interpolation that is exact at both ends, non-negative and finite for such values.
+/// Linear interpolation from `a` at `t` = 0 to `b` at `t` = 1, exact at both ends.
+///
+/// If `a` and `b` are finite and non-negative, so is the result.
 fn lerp(t: f32, a: f32, b: f32) -> f32 {
     a * (1.0 - t) + b * t
 }
@@ -225,7 +228,7 @@ fn cell_count(size: [u32; 3]) -> Result<usize, GridDensityError> {
     cells.filter(|n| n.checked_mul(size_of::<f32>()).is_some()).ok_or(GridDensityError::TooLarge(x, y, z))
 }
 
-/// Majorant of each block: the greatest value of its cells and their neighbours.
+/// Majorant of each block: the largest density of its cells and their neighbours.
 fn block_majorants(size: [u32; 3], values: &[f32], blocks: [u32; 3]) -> Vec<f32> {
     let [nx, ny, _] = size.map(|n| n as usize);
     let [bx, by, bz] = blocks;

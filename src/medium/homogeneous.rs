@@ -5,7 +5,8 @@ use crate::color::Rgb;
 use glam::DVec3;
 use rand::{Rng, RngExt};
 
-/// Optical depth σ·distance per channel; 0 where σ is 0, at any distance.
+/// Optical depth `sigma` · `distance` in each channel; 0 if `sigma` is 0, even at infinite
+/// distance.
 fn optical_depth(sigma: Rgb, distance: f64) -> DVec3 {
     DVec3::from_array(sigma.to_array().map(|s| if s > 0.0 { f64::from(s) * distance } else { 0.0 }))
 }
@@ -15,14 +16,15 @@ fn exp_neg(depth: DVec3) -> DVec3 {
     DVec3::from_array(depth.to_array().map(|x| libm::exp(-x)))
 }
 
-/// Transmittance over `distance` at extinction `sigma` \[1/length]: the Beer–Lambert law.
+/// Transmittance over `distance` with extinction coefficient `sigma` \[1/length], by the
+/// Beer–Lambert law.
 #[inline]
 #[must_use]
 pub fn transmittance(sigma: Rgb, distance: f32) -> Rgb {
     transmittance_f64(sigma, distance).as_vec3()
 }
 
-/// Transmittance in f64.
+/// Returns [`transmittance`] in f64.
 #[inline]
 pub(super) fn transmittance_f64(sigma: Rgb, distance: f32) -> DVec3 {
     if sigma.x == sigma.y && sigma.y == sigma.z {
@@ -32,7 +34,8 @@ pub(super) fn transmittance_f64(sigma: Rgb, distance: f32) -> DVec3 {
     exp_neg(optical_depth(sigma, f64::from(distance.max(0.0))))
 }
 
-/// Samples a distance by the extinction of one channel, chosen in proportion to its throughput.
+/// Samples a scattering distance by the extinction of one channel, which is chosen in proportion to
+/// its throughput.
 ///
 /// The weight uses the mixture pdf of all channels (balance heuristic), so it is at most the
 /// inverse of the channel's probability. If the chosen channel has no extinction, the ray passes
@@ -77,7 +80,7 @@ pub(super) fn distance_pdf(sigma: Rgb, t: f32, throughput: Rgb) -> f32 {
     channel_probabilities(throughput).dot(sigma.as_dvec3() * exp_neg(optical_depth(sigma, f64::from(t)))) as f32
 }
 
-/// Radiance emitted along `distance`: ∫ ε exp(−σt) dt = ε(1 − exp(−σd))/σ.
+/// Radiance that the medium emits along the distance d: ∫ ε exp(−σt) dt = ε(1 − exp(−σd))/σ.
 pub(super) fn emitted_radiance(medium: &Medium, distance: f32) -> Rgb {
     let sigma = medium.extinction();
     let distance = f64::from(distance.max(0.0));

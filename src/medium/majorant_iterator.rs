@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-/// Iterator over the unit blocks along a ray, from face to face (3D-DDA, Amanatides and Woo 1987).
+/// Iterator over the blocks of a majorant grid along a ray, by 3D-DDA (Amanatides and Woo 1987).
+/// Blocks have side 1.
 ///
 /// Every step enters another block, so the iterator ends.
 pub(super) struct MajorantIterator {
@@ -10,15 +11,15 @@ pub(super) struct MajorantIterator {
     step: DVec3,
     count: [u32; 3],
     cell: [u32; 3],
-    /// Distance of the next block face across each axis.
+    /// Distance along the ray to the next block face perpendicular to each axis.
     next: [f64; 3],
     t: f64,
     end: f64,
 }
 
 impl MajorantIterator {
-    /// Iterates over the blocks along `origin + t·step`, 0 < t < `distance`, in the box from 0 to
-    /// `far`. `count` is the number of blocks along each side.
+    /// Creates an iterator over the blocks along the ray `origin + t·step` for 0 < t < `distance`.
+    /// The grid is the box from 0 to `far`. `count` is the number of blocks along each side.
     pub(super) fn new(origin: DVec3, step: DVec3, far: DVec3, count: [u32; 3], distance: f64) -> Self {
         let (mut t, mut end) = (0.0, distance);
         for axis in 0..3 {
@@ -40,7 +41,8 @@ impl MajorantIterator {
         blocks
     }
 
-    /// Distance at which the ray leaves its current block across `axis`.
+    /// Distance along the ray at which it leaves its current block through a face perpendicular to
+    /// `axis`.
     fn face_distance(&self, axis: usize) -> f64 {
         let (o, s, cell) = (self.origin[axis], self.step[axis], f64::from(self.cell[axis]));
         if s > 0.0 {
@@ -54,7 +56,8 @@ impl MajorantIterator {
 }
 
 impl Iterator for MajorantIterator {
-    /// Distances of entry into and exit from a block, and the block's index, x fastest.
+    /// Distances along the ray where it enters and leaves a block, and the block's index, x
+    /// fastest.
     type Item = (f64, f64, usize);
 
     fn next(&mut self) -> Option<Self::Item> {

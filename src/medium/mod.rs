@@ -23,13 +23,13 @@ use std::sync::Arc;
 /// Coefficients are finite and at least 0; scene import checks this.
 #[derive(Clone, Debug)]
 pub struct Medium {
-    /// Absorption σa \[1/length at density 1].
+    /// Absorption coefficient σa at density 1 \[1/length].
     pub absorption: Rgb,
-    /// Scattering σs \[1/length at density 1].
+    /// Scattering coefficient σs at density 1 \[1/length].
     pub scattering: Rgb,
-    /// Emitted radiance per length \[W/(m² sr) per length at density 1].
+    /// Emitted radiance per length at density 1 \[W/(m² sr) per length].
     pub emission: Rgb,
-    /// Phase function.
+    /// Distribution of directions after scattering.
     pub phase: PhaseFunction,
     /// Density by position; `None` for density 1 everywhere.
     density: Option<Arc<GridDensity>>,
@@ -40,8 +40,9 @@ pub struct Medium {
 pub struct DistanceSample {
     /// Distance of the scattering point; `None` if the ray passes through.
     pub scattered: Option<f32>,
-    /// Factor of the throughput: σs·T over the pdf of the distance, or T over the probability of
-    /// passing through. Zero in channels without throughput.
+    /// Factor on the throughput. With transmittance T, it is σs·T divided by the pdf of the
+    /// distance, or T divided by the probability of passing through. It is zero in channels without
+    /// throughput.
     pub weight: Rgb,
 }
 
@@ -50,9 +51,10 @@ pub struct DistanceSample {
 /// Each value is an unbiased estimate. Values at different distances are correlated.
 #[derive(Clone, Debug, Default)]
 pub struct TransmittanceCurve {
-    /// Extinction of a homogeneous medium; zero for a grid.
+    /// Extinction coefficient of a homogeneous medium \[1/length]; zero for a grid.
     extinction: Rgb,
-    /// Distances of tentative collisions, with the transmittance beyond each.
+    /// Distances of tentative collisions in a grid \[length], each with the transmittance beyond
+    /// it.
     steps: Vec<(f32, Rgb)>,
 }
 
@@ -83,13 +85,13 @@ impl TransmittanceCurve {
 }
 
 impl Medium {
-    /// A homogeneous medium with density 1.
+    /// Creates a homogeneous medium with density 1.
     #[must_use]
     pub fn homogeneous(absorption: Rgb, scattering: Rgb, emission: Rgb, phase: PhaseFunction) -> Self {
         Self { absorption, scattering, emission, phase, density: None }
     }
 
-    /// A heterogeneous medium with a density grid.
+    /// Creates a heterogeneous medium with a density grid.
     #[must_use]
     pub fn heterogeneous(
         absorption: Rgb,
@@ -101,7 +103,7 @@ impl Medium {
         Self { absorption, scattering, emission, phase, density: Some(density) }
     }
 
-    /// Extinction σt = σa + σs \[1/length at density 1].
+    /// Extinction coefficient σt = σa + σs at density 1 \[1/length].
     #[inline]
     #[must_use]
     pub fn extinction(&self) -> Rgb {
@@ -114,7 +116,7 @@ impl Medium {
         self.density.is_none()
     }
 
-    /// True if the medium neither attenuates nor emits light.
+    /// True if the medium has no effect on light: no absorption, scattering or emission.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         let nowhere = self.density.as_ref().is_some_and(|grid| grid.max_density() == 0.0);
@@ -151,7 +153,8 @@ impl Medium {
         }
     }
 
-    /// Transmittance in f64, for products over many segments: f32 loses digits of values near 1.
+    /// Returns [`Medium::transmittance`] in f64. In a product over many segments, f32 would lose
+    /// digits of factors near 1.
     #[must_use]
     pub fn transmittance_f64(&self, ray: &Ray, distance: f32, rng: &mut impl Rng) -> DVec3 {
         match &self.density {
@@ -163,11 +166,11 @@ impl Medium {
     /// Samples the distance of the first scattering within `distance` along `ray`, which has a unit
     /// direction.
     ///
-    /// The mean of `throughput` times the weight does not exceed that of `throughput`. In a
-    /// homogeneous grey medium, the weight is σs/σt at a scattering point, and 1 after passing
-    /// through.
+    /// The channel mean of `throughput` times the weight does not exceed that of `throughput`,
+    /// except after Russian roulette. In a homogeneous grey medium, the weight is σs/σt at a
+    /// scattering point, and 1 after passing through.
     ///
-    /// The ray always passes through a medium without scattering; the weight is the
+    /// In a medium that does not scatter, the ray always passes through, and the weight is the
     /// [`transmittance`](Self::transmittance). The distance may be infinite.
     #[must_use]
     pub fn distance_sample(&self, ray: &Ray, distance: f32, throughput: Rgb, rng: &mut impl Rng) -> DistanceSample {
@@ -180,8 +183,8 @@ impl Medium {
         }
     }
 
-    /// Pdf \[1/length] with which [`distance_sample`](Self::distance_sample) scatters at distance
-    /// `t`; `None` in a heterogeneous medium.
+    /// Pdf \[1/length] with which [`distance_sample`](Self::distance_sample) samples scattering at
+    /// distance `t`; `None` in a heterogeneous medium.
     #[must_use]
     pub fn distance_pdf(&self, t: f32, throughput: Rgb) -> Option<f32> {
         if !self.scatters() {
@@ -190,8 +193,8 @@ impl Medium {
         self.is_homogeneous().then(|| homogeneous::distance_pdf(self.extinction(), t, throughput))
     }
 
-    /// Radiance emitted towards the ray's origin by the medium along the first `distance` of the
-    /// ray, which has a unit direction.
+    /// Radiance \[W/(m² sr)] that the medium emits towards the origin of `ray`, along the first
+    /// `distance` of the ray. The ray has a unit direction.
     ///
     /// Exact in a homogeneous medium, else an unbiased estimate. A homogeneous medium that emits in
     /// a channel without extinction gives infinite radiance over an infinite distance.
@@ -206,7 +209,7 @@ impl Medium {
         }
     }
 
-    /// The medium translated by `by`.
+    /// Copy of the medium, translated by `by`.
     #[must_use]
     pub fn translated(&self, by: DVec3) -> Self {
         let density = self.density.as_ref().map(|grid| Arc::new(grid.translated(by)));
@@ -214,7 +217,8 @@ impl Medium {
     }
 }
 
-/// Probabilities of the channels, in proportion to throughput; equal if the throughput is zero.
+/// Probabilities of the RGB channels, in proportion to their throughput; equal if the throughput is
+/// zero.
 fn channel_probabilities(throughput: Rgb) -> DVec3 {
     // `max` takes 0 over a NaN.
     let part = throughput.to_array().map(|x| f64::from(x.max(0.0)));
@@ -223,7 +227,7 @@ fn channel_probabilities(throughput: Rgb) -> DVec3 {
     if sum > 0.0 && sum.is_finite() { part / sum } else { DVec3::splat(1.0 / 3.0) }
 }
 
-/// Converts weight `w` to f32, with zero in channels of zero probability.
+/// Converts the weight `w` to f32, and sets channels of zero probability to 0.
 fn zero_improbable_channels(w: DVec3, probabilities: DVec3) -> Rgb {
     let most = f64::from(f32::MAX);
     DVec3::select(probabilities.cmpgt(DVec3::ZERO), w.min(DVec3::splat(most)), DVec3::ZERO).as_vec3()

@@ -1,4 +1,4 @@
-//! Phase functions: distribution of directions after scattering in a medium.
+//! Phase functions: distributions of directions after scattering in a medium.
 
 use crate::math::{Frame, sin_cos_turns};
 use glam::{Vec2, Vec3};
@@ -7,7 +7,7 @@ use std::f32::consts::PI;
 /// A phase function: the distribution of directions after scattering in a medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PhaseFunction {
-    /// Equal in all directions.
+    /// Isotropic scattering: equal in all directions.
     Isotropic,
     /// Henyey and Greenstein 1941, with the mean cosine g in (−1, 1). Positive g scatters forwards.
     HenyeyGreenstein(f32),
@@ -35,8 +35,8 @@ impl PhaseFunction {
         }
     }
 
-    /// Samples the direction of travel after scattering, with its pdf \[1/sr]. `direction` is the
-    /// unit direction of travel before.
+    /// Samples the unit direction of travel after scattering, by `u` in \[0, 1)². Returns it with
+    /// its pdf \[1/sr]. `direction` is the unit direction of travel before.
     ///
     /// The pdf equals [`evaluate`](Self::evaluate), so the weight of a sample is 1.
     #[inline]
@@ -63,10 +63,11 @@ impl PhaseFunction {
     }
 }
 
-/// Samples cosine and sine of the scattering angle of the Henyey–Greenstein function by inversion.
+/// Samples the cosine and the sine of the scattering angle of the Henyey–Greenstein function, by
+/// inversion.
 ///
 /// With D = 1 − g + 2gu, the inverse (Witt 1977) gives 1 − cos = 2(1−g)²(1−u)(1+gu)/D² and 1 + cos
-/// = 2(1+g)²u(1−g(1−u))/D². Neither cancels for g from 0 to 1.
+/// = 2(1+g)²u(1−g(1−u))/D². Neither formula suffers cancellation for g from 0 to 1.
 fn sample_henyey_greenstein(g: f32, u: f32) -> (f32, f32) {
     let a = g.abs();
     let rest = 1.0 - a;
@@ -78,8 +79,8 @@ fn sample_henyey_greenstein(g: f32, u: f32) -> (f32, f32) {
     (cos, (drop * rise).max(0.0).sqrt())
 }
 
-/// Samples cosine and sine of the angle of Rayleigh scattering by inversion. The cosine is the real
-/// root of cos³ + 3cos = 8u − 4 (Cardano).
+/// Samples the cosine and the sine of the angle of Rayleigh scattering, by inversion. The cosine is
+/// the real root of cos³ + 3 cos = 8u − 4.
 fn sample_rayleigh(u: f32) -> (f32, f32) {
     let q = 4.0 * f64::from(u) - 2.0;
     let root = libm::cbrt(q.abs() + (q * q + 1.0).sqrt());

@@ -1,7 +1,8 @@
 //! Heterogeneous media, by null-collision methods.
 //!
-//! Tentative collisions are sampled at the rate of a local majorant. Each is a real collision or a
-//! null collision (Woodcock 1965). Absorption reduces the weight and ends no path.
+//! Tentative collisions are sampled with the majorant of each block as extinction. Each is a real
+//! collision or a null collision (Woodcock 1965). Absorption reduces the weight of a path and does
+//! not end it.
 
 use super::grid_density::{GridDensity, GridRay};
 use super::{DistanceSample, Medium, TransmittanceCurve, channel_probabilities, zero_improbable_channels};
@@ -13,8 +14,8 @@ use rand::{Rng, RngExt};
 /// Transmittance below which Russian roulette may end tracking.
 const ROULETTE_THRESHOLD: f64 = 0.1;
 
-/// Number of tentative collisions after which tracking continues with probability ½. It bounds the
-/// time at high majorants.
+/// Interval of tentative collisions at which tracking continues only with probability ½. It bounds
+/// the time of tracking at high majorants.
 const COLLISIONS_PER_ROULETTE: u32 = 1 << 14;
 
 /// Smallest mean number of tentative collisions per ray in an estimate of emission.
@@ -27,8 +28,8 @@ const MIN_CURVE_COLLISIONS: f64 = 16.0;
 struct TentativeCollision {
     /// Distance along the ray.
     t: f64,
-    /// Density over the rate of tentative collisions. Times a coefficient, it is a collision
-    /// probability.
+    /// Density divided by the rate of tentative collisions \[length]. Times a coefficient of the
+    /// medium, it is the probability of that kind of collision.
     density: f64,
 }
 
@@ -37,8 +38,8 @@ enum TrackingDecision {
     Stop,
 }
 
-/// Visits tentative collisions along `line`, at `rate` times the local majorant. Returns false if
-/// `visit` stopped the tracking.
+/// Visits sampled tentative collisions along `line`. Their number per length is `rate` times the
+/// majorant of the block. Returns false if `visit` stopped the tracking.
 fn track_collisions<R: Rng>(
     line: &GridRay,
     rate: f64,
@@ -67,20 +68,20 @@ fn track_collisions<R: Rng>(
     true
 }
 
-/// Samples an exponential distribution of rate 1.
+/// Samples the exponential distribution with rate 1.
 fn sample_exponential(rng: &mut impl Rng) -> f64 {
     -libm::log(1.0 - rng.random::<f64>())
 }
 
-/// Russian roulette on the weight `left` after `steps` collisions. Returns the factor of the
-/// weight, or `None` to stop.
+/// Plays Russian roulette on the weight `left` after `steps` collisions. Returns the factor on the
+/// weight, or `None` to stop tracking.
 fn russian_roulette(left: f64, steps: u32, rng: &mut impl Rng) -> Option<f64> {
     let faint = if left < ROULETTE_THRESHOLD { left / ROULETTE_THRESHOLD } else { 1.0 };
     let stay = if steps.is_multiple_of(COLLISIONS_PER_ROULETTE) { 0.5 * faint } else { faint };
     if stay >= 1.0 { Some(1.0) } else { (rng.random::<f64>() < stay).then(|| 1.0 / stay) }
 }
 
-/// Transmittance by ratio tracking: the product of the null-collision probabilities.
+/// Estimates transmittance by ratio tracking: the product of the null-collision probabilities.
 pub(super) fn transmittance(medium: &Medium, grid: &GridDensity, ray: &Ray, distance: f32, rng: &mut impl Rng) -> Rgb {
     let sigma = medium.extinction().as_dvec3();
     let rate = sigma.max_element();
@@ -95,7 +96,8 @@ pub(super) fn transmittance(medium: &Medium, grid: &GridDensity, ray: &Ray, dist
     if through { left.as_vec3() } else { Rgb::ZERO }
 }
 
-/// Transmittance at all distances up to `distance`, by one run of ratio tracking.
+/// Estimates the transmittance at all distances up to `distance` by one run of ratio tracking, and
+/// writes it to `curve`.
 pub(super) fn transmittance_curve(
     medium: &Medium,
     grid: &GridDensity,
@@ -124,7 +126,8 @@ pub(super) fn transmittance_curve(
     }
 }
 
-/// Applies Russian roulette to the transmittance `left`.
+/// Plays Russian roulette on the transmittance `left`, after one more collision is counted in
+/// `steps`.
 fn transmittance_roulette(left: &mut DVec3, steps: &mut u32, rng: &mut impl Rng) -> TrackingDecision {
     *left = left.max(DVec3::ZERO);
     *steps = steps.wrapping_add(1);
@@ -139,8 +142,8 @@ fn transmittance_roulette(left: &mut DVec3, steps: &mut u32, rng: &mut impl Rng)
 
 /// Samples a scattering distance by spectral tracking (Kutz, Habel, Li, Novák 2017, section 4.3).
 ///
-/// A collision is scattering or null, with probabilities in proportion to the resulting throughput,
-/// averaged over channels. This average never exceeds that at the start.
+/// A collision scatters or is null, with probabilities in proportion to the resulting throughput,
+/// averaged over channels. Russian roulette aside, this average never exceeds that at the start.
 pub(super) fn distance_sample(
     medium: &Medium,
     grid: &GridDensity,
@@ -183,7 +186,7 @@ pub(super) fn distance_sample(
     DistanceSample { scattered, weight: if lost { Rgb::ZERO } else { zero_improbable_channels(left, probabilities) } }
 }
 
-/// Emitted radiance: the sum of transmittance times emission over tentative collisions.
+/// Estimates emitted radiance: the sum over tentative collisions of transmittance times emission.
 pub(super) fn emitted_radiance(
     medium: &Medium,
     grid: &GridDensity,

@@ -4,10 +4,10 @@ use crate::color::Rgb;
 use glam::DVec3;
 use std::ops::AddAssign;
 
-/// Energy audit of a photon pass: sums of flux \[W] by channel.
+/// Sums of the flux \[W] that the paths of a photon pass emit and lose, for each RGB channel.
 ///
-/// Emitted = absorbed + escaped + stopped + roulette, up to rounding. The expected value of
-/// `roulette` is zero.
+/// Energy is conserved: emitted = absorbed + escaped + stopped + roulette, up to rounding. The
+/// expected value of `roulette` is zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct EnergyAudit {
     /// Flux emitted by the lights.
@@ -16,7 +16,8 @@ pub struct EnergyAudit {
     pub absorbed: [f64; 3],
     /// Flux that escaped from the scene.
     pub escaped: [f64; 3],
-    /// Flux of paths that ended at the bounce limit, or where no stored kind of photon can follow.
+    /// Flux of paths that were ended at the bounce limit, or because no later photon of the path
+    /// would be stored.
     pub stopped: [f64; 3],
     /// Flux removed by Russian roulette minus flux added by it.
     pub roulette: [f64; 3],
@@ -37,7 +38,7 @@ impl AddAssign for EnergyAudit {
     }
 }
 
-/// Adds `flux` \[W] to one sum of the audit.
+/// Adds `flux` \[W] to `account`, one of the sums of an [`EnergyAudit`].
 pub(super) fn add_flux(account: &mut [f64; 3], flux: Rgb) {
     *account = (DVec3::from(*account) + flux.as_dvec3()).to_array();
 }

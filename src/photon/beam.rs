@@ -23,12 +23,13 @@ pub struct PhotonBeam {
     pub flux: Rgb,
     /// Index of the medium.
     pub medium: u32,
-    /// Byte code of the wavelength; 0 if the beam carries all wavelengths.
+    /// Wavelength code, see [`Wavelength::byte_code`](crate::color::Wavelength::byte_code); 0 if
+    /// the beam carries all wavelengths.
     pub wavelength: u8,
 }
 
 impl PhotonBeam {
-    /// A beam from its fields, or `None` if they are invalid.
+    /// Creates a beam from its fields; `None` if they are invalid.
     ///
     /// They are invalid if start, end or flux is not finite, if the flux is zero or negative, or if
     /// `length` or `direction` is zero.
@@ -45,7 +46,7 @@ impl PhotonBeam {
         flux && self.length > 0.0 && self.direction != Vec3::ZERO && self.start.is_finite() && end.is_finite()
     }
 
-    /// The point at distance `s` from the start.
+    /// The point at distance `s` \[length] from the beam's start.
     fn point_at(&self, s: f64) -> DVec3 {
         self.start.as_dvec3() + self.direction.as_dvec3() * s
     }
@@ -68,7 +69,7 @@ pub struct BeamIntersection {
     pub x2: f32,
 }
 
-/// Sine of the angle below which two unit directions count as parallel.
+/// Sine of the smallest angle between two unit directions that do not count as parallel.
 ///
 /// It is twice the rounding error of a direction that was normalised in four operations.
 const MIN_SINE: f64 = 2.0 * rounding_error_bound(4) as f64;
@@ -100,13 +101,14 @@ impl BeamIntersection {
 
 /// Photon beams in a bounding volume hierarchy, for the beam × beam estimate with a 1D blur.
 ///
-/// Radiance towards the ray's origin is Σ flux · σs · p(cos) · T(ray, t) · T(beam, s) · weight over
-/// the beams near the ray (Jarosz et al. 2011, "A comprehensive theory of volumetric radiance
-/// estimation", section 4.3).
+/// The radiance that arrives at the ray's origin is Σ flux · σs · p(cos) · T(ray, t) · T(beam, s) ·
+/// weight over the beams near the ray. σs is the scattering coefficient, p the phase function and T
+/// the transmittance. `cos`, `t`, `s` and `weight` are the fields of [`BeamIntersection`] (Jarosz
+/// et al. 2011, "A comprehensive theory of volumetric radiance estimation", section 4.3).
 pub struct PhotonBeamMap {
     beams: Vec<PhotonBeam>,
     packets: Vec<BeamPiecePacket>,
-    /// Bounding boxes of the packets.
+    /// Hierarchy over the bounding boxes of the packets.
     boxes: BoxTree,
     radius: f32,
 }
@@ -122,7 +124,7 @@ impl PhotonBeamMap {
     pub fn build(mut beams: Vec<PhotonBeam>, radius: f32) -> Self {
         beams.retain(PhotonBeam::is_valid);
         let radius = radius.max(0.0);
-        let pieces = split_beams(&beams, optimal_piece_length(&beams, radius));
+        let pieces = split_beams(&beams, optimal_beam_piece_length(&beams, radius));
         let beam = |piece: &BeamPiece| &beams[piece.beam as usize];
         let center = |p: &BeamPiece| beam(p).point_at(0.5 * (f64::from(p.from) + f64::from(p.to))).as_vec3();
         let order = morton_order(&pieces, center);
@@ -154,7 +156,8 @@ impl PhotonBeamMap {
         self.radius
     }
 
-    /// Calls `visitor` once for each beam that passes within the blur radius of `ray`.
+    /// Calls `visitor` once for each beam that passes within the blur radius of `ray`, with their
+    /// closest approach.
     ///
     /// `ray` must have a unit direction. The closest points must lie between the ends of ray and
     /// beam.
@@ -163,8 +166,8 @@ impl PhotonBeamMap {
         let query = LineQuery::new(ray, self.radius);
         self.boxes.visit_boxes_along_ray(ray, &mut |index| {
             let packet = &self.packets[index as usize];
-            for slot in set_bit_indices(packet.pieces_near_line(&query)) {
-                let piece = packet.piece_in_lane(slot);
+            for slot in set_bit_indices(packet.beam_pieces_near_line(&query)) {
+                let piece = packet.beam_piece_in_lane(slot);
                 let beam = &self.beams[piece.beam as usize];
                 if let Some(intersection) = BeamIntersection::new(ray, beam, f64::from(self.radius))
                     && piece.contains(intersection.s, beam)
@@ -196,8 +199,9 @@ impl BeamPiece {
 
 /// Splits each beam into pieces of equal length, so that bounding boxes become small.
 ///
-/// `length` is the largest length of pieces of a beam along a diagonal of the cube. Other
-/// directions have longer pieces, see [`sqrt_half_box_area`].
+/// `length` is the largest length of a piece if the beam runs along a diagonal of the coordinate
+/// axes. Pieces in other directions may be longer: their length is at most `length` /
+/// [`sqrt_half_box_area`].
 fn split_beams(beams: &[PhotonBeam], length: f64) -> Vec<BeamPiece> {
     let pieces_of = |(index, beam): (usize, &PhotonBeam)| {
         let (index, whole) = (index as u32, beam.length);
@@ -208,20 +212,22 @@ fn split_beams(beams: &[PhotonBeam], length: f64) -> Vec<BeamPiece> {
     beams.par_iter().enumerate().flat_map_iter(pieces_of).collect()
 }
 
-/// Root of half the surface area of the bounding box of a unit segment in the beam's direction.
+/// Square root of half the surface area of the axis-aligned bounding box around a segment of length
+/// 1 in the beam's direction.
 ///
-/// The value g is 0 along an axis, and 1 along a diagonal of the cube. Boxes of n pieces of a beam
-/// of length L, expanded by r, have half the area L²g²/n + 12nr² + constant. The minimum is at n =
-/// Lg/(√12 r).
+/// The value g is 0 along an axis, and 1 along a diagonal of the coordinate axes. Let a beam of
+/// length L be split into n pieces, and let their boxes be expanded by r. The boxes have half the
+/// area L²g²/n + 12nr² + constant, which is least for n = Lg/(√12 r).
 fn sqrt_half_box_area(beam: &PhotonBeam) -> f64 {
     let b = beam.direction.abs();
     f64::from(b.x * b.y + b.y * b.z + b.z * b.x).sqrt()
 }
 
-/// Length of the pieces of a diagonal beam that minimises the area of all bounding boxes.
+/// Returns the argument `length` of [`split_beams`] that minimises the total surface area of the
+/// bounding boxes.
 ///
 /// The mean number of pieces per beam stays below [`MAX_PIECES`].
-fn optimal_piece_length(beams: &[PhotonBeam], radius: f32) -> f64 {
+fn optimal_beam_piece_length(beams: &[PhotonBeam], radius: f32) -> f64 {
     let total: f64 = beams.iter().map(|b| f64::from(b.length) * sqrt_half_box_area(b)).sum();
     let most = (MAX_PIECES - 1.0) * beams.len().max(1) as f64;
     (12f64.sqrt() * f64::from(radius)).max(total / most).max(f64::MIN_POSITIVE)

@@ -1,4 +1,4 @@
-//! Correction of boundary bias: the fraction of an estimate's disc that is surface.
+//! Coverage: the fraction of a density estimate's disc that is surface. It corrects boundary bias.
 
 use super::Kernel;
 use super::estimate::{FLATNESS, LEVELS, SAME_SIDE};
@@ -7,13 +7,13 @@ use crate::sampling::{Dimension, Key, sobol_2d};
 use crate::scene::Scene;
 use glam::Vec3;
 
-/// Number of probe rays for each disc.
+/// Number of probe rays that measure the coverage of one disc.
 const PROBES: u32 = 16;
 
-/// Least coverage; it limits the correction of an estimate to a factor of 20.
+/// Lower bound of the coverage. It limits the correction of an estimate to a factor of 20.
 const MIN_COVERAGE: f32 = 0.05;
 
-/// Integral of the kernel over the real surface around `p`, divided by its integral over a flat
+/// Returns the kernel's integral over the surface around `p`, divided by its integral over a flat
 /// disc.
 ///
 /// A density estimate assumes that the whole disc of `radius` \[length] around `p` is surface.

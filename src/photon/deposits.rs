@@ -6,7 +6,8 @@ use crate::math::Ray;
 use crate::scene::SurfaceInteraction;
 use glam::{Vec2, Vec3};
 
-/// Optical depth at which an infinitely long beam is cut; 2·10⁻⁹ of its flux is left there.
+/// Optical depth at which an infinitely long beam is cut. The flux there is 2·10⁻⁹ of that at its
+/// start.
 const MAX_OPTICAL_DEPTH: f32 = 20.0;
 
 /// Photon beams and photon points stored in participating media.
@@ -37,23 +38,24 @@ impl VolumePhotons {
     }
 }
 
-/// All photons stored by a photon pass, in the order of path indices.
+/// All photons that a photon pass stored, in the order of path indices.
 #[derive(Debug, Default)]
 pub struct Deposits {
-    /// Photons on surfaces, except those in `after_caustic`.
+    /// Photons on surfaces, except the photons in `after_caustic`.
     pub photons: Vec<Photon>,
     /// Surface photons of [`PhotonKind::AfterCaustic`].
     ///
-    /// Empty unless [`StoreMask::separates_after_caustic`](super::StoreMask) is set; `photons` then
-    /// holds the other kinds.
+    /// Empty unless [`StoreMask::separates_after_caustic`](super::StoreMask) is set. Without it,
+    /// `photons` holds this kind too.
     pub after_caustic: Vec<Photon>,
     /// Photons in media, of the same kinds as `photons`.
     pub volume: VolumePhotons,
     /// Photons in media, of the same kinds as `after_caustic`.
     pub after_caustic_volume: VolumePhotons,
-    /// Number of photons not stored because flux or position was not finite, or flux was negative.
+    /// Number of photons that were not stored because their flux or position was not finite, or
+    /// their flux was negative.
     pub rejected: u64,
-    /// Light that caustic photons send to the camera, if light tracing is on.
+    /// Splats of caustic photons on the film; empty without light tracing.
     pub splats: Vec<Splat>,
 }
 
@@ -102,7 +104,8 @@ impl Deposits {
             DepositPlace::Surface(surface, share) => {
                 let photon = Photon::new(surface.point.p, flux, surface.wo, surface.facing_normal());
                 let photon = photon.map(|photon| photon.with_wavelength(code));
-                photon.map(|photon| photons.push(share.map_or(photon, |steps| photon.with_estimate_share(steps))))
+                photon
+                    .map(|photon| photons.push(share.map_or(photon, |steps| photon.with_density_estimate_share(steps))))
             }
             DepositPlace::Film(film) => {
                 let is_valid = flux.is_finite() && flux != Rgb::ZERO;
@@ -123,31 +126,33 @@ impl Deposits {
     }
 }
 
-/// Light that a photon path sends to the camera from one vertex.
+/// Light that a photon path sends to one film position, from one of its vertices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Splat {
     /// Film position \[pixels from the top left].
     pub film: Vec2,
-    /// Integral over film area of the radiance that the splat stands for \[W/(m² sr)·pixel²].
+    /// Radiance of the splat, integrated over the film area in square pixels \[W/(m² sr)·pixel²].
     pub radiance: Rgb,
 }
 
-/// Flux that a photon path deposits on a surface or in a medium.
+/// Flux that a photon path deposits on a surface, in a medium or on the film.
 pub(super) struct Deposit<'a> {
-    /// History of the path.
+    /// Kind of the photon, which follows from the vertices of its path.
     pub kind: PhotonKind,
     /// Where the flux is deposited.
     pub place: DepositPlace<'a>,
-    /// Flux \[W].
+    /// Flux \[W]; on the film, the integrated radiance of a [`Splat`].
     pub flux: Rgb,
     /// Wavelength of the path; `None` if the path carries all wavelengths.
     pub wavelength: Option<Wavelength>,
 }
 
-/// Surface point, beam or medium point where a photon path deposits flux.
+/// Place where a photon path deposits flux: on a surface, in a medium or on the film.
 pub(super) enum DepositPlace<'a> {
-    /// A point on a surface. If light tracing carries part of the light, the share of estimates in
-    /// steps of 1/[`SHARE_STEPS`](super::record::SHARE_STEPS).
+    /// A point on a surface.
+    ///
+    /// The number is the share of its flux that density estimates use, in steps of
+    /// 1/[`SHARE_STEPS`](super::record::SHARE_STEPS). It is `None` without light tracing.
     Surface(&'a SurfaceInteraction<'a>, Option<u8>),
     /// A film position \[pixels from the top left], where a splat is recorded.
     Film(Vec2),
@@ -169,7 +174,7 @@ pub(super) enum DepositPlace<'a> {
     },
 }
 
-/// Length of the photon beam along `ray`, which starts in `medium`.
+/// Length of the photon beam along `ray` \[length]. `medium` is the index of the medium around it.
 ///
 /// A ray of infinite length is cut at [`MAX_OPTICAL_DEPTH`], or at a point outside the scene's
 /// bounding sphere.

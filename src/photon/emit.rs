@@ -8,7 +8,7 @@ use crate::sampling::{Dimension, DiscreteDistribution, Key, Purpose, sobol_2d};
 use crate::scene::{Effect, Effects, Interior, InteriorKind, PathRay, Scene};
 use glam::Vec2;
 
-/// Samples that estimate the power of each light towards the casters.
+/// Number of samples that estimate the power of one light towards the caustic casters.
 const POWER_SAMPLES: u32 = 256;
 
 /// Fraction of each light's probability that follows its total power (defensive sampling).
@@ -22,31 +22,35 @@ pub struct PhotonSource<'a> {
     pub(super) scene: &'a Scene,
     /// Probabilities of the lights.
     pub(super) light_distribution: DiscreteDistribution,
-    /// Bounding spheres of the casters, to which photons are emitted; `None` emits everywhere.
+    /// Bounding spheres of the caustic casters. Photons are emitted towards them; `None` emits in
+    /// all directions.
     aim: Option<PhotonAim>,
-    /// Guiding distribution of each light, `None` for a light without; empty without guiding.
+    /// Guiding distribution of each light; `None` for an unguided light. Empty if no light is
+    /// guided.
     pub(super) guiding: Vec<Option<EmissionGuidingDistribution>>,
     /// Effects that photon paths simulate.
     effects: Effects,
 }
 
-/// Random numbers that determine the light, position and direction of an emitted photon path.
+/// Choice of a light, and the sample points in \[0, 1)² from which an emission's position and
+/// direction follow.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrimaryEmissionSample {
     /// Index of the light.
     pub light: usize,
     /// Probability of the light.
     pub probability: f32,
-    /// Primary sample of the position on the light, in \[0, 1)².
+    /// Sample point in \[0, 1)² from which the position on the light follows (primary sample).
     pub position: Vec2,
-    /// Primary sample of the direction, in \[0, 1)².
+    /// Sample point in \[0, 1)² from which the direction follows (primary sample).
     pub direction: Vec2,
-    /// Joint pdf of `position` and `direction` on \[0, 1)⁴; 1 without guiding.
+    /// Joint pdf of `position` and `direction` over the unit hypercube \[0, 1)⁴; 1 without guiding.
     pub pdf: f32,
 }
 
 impl<'a> PhotonSource<'a> {
-    /// A source that emits from each light in all its directions; `None` if no light has power.
+    /// Creates a source that emits from each light in all directions of its emission; `None` if no
+    /// light has power.
     ///
     /// Lights are chosen in proportion to their power.
     #[must_use]
@@ -56,10 +60,10 @@ impl<'a> PhotonSource<'a> {
         Some(Self { scene, light_distribution, aim: None, guiding: Vec::new(), effects })
     }
 
-    /// A source that emits only towards the bounding spheres of caustic casters.
+    /// Creates a source that emits only towards the bounding spheres of caustic casters.
     ///
     /// Lights are chosen in proportion to their power towards the spheres, estimated by sampling.
-    /// If casters are unbounded, the source emits in all directions. Returns `None` if no light can
+    /// If a caster is unbounded, the source emits in all directions. Returns `None` if no light can
     /// reach a caster.
     #[must_use]
     pub fn aimed_at_casters(scene: &'a Scene) -> Option<Self> {
@@ -126,12 +130,13 @@ impl<'a> PhotonSource<'a> {
         Self { effects, ..self }
     }
 
-    /// Kind of interior that the photon paths must track.
+    /// Kind of interior (nested bodies, medium, wavelength) that the photon paths must track.
     pub(super) fn interior_kind(&self) -> InteriorKind {
         self.effects.interior_kind()
     }
 
-    /// Lights of the scene; with mean emission if emission textures are not simulated.
+    /// Lights of the scene. Their mean radiance replaces emission textures if textures are not
+    /// simulated.
     pub(super) fn lights(&self) -> &'a [Light] {
         if self.effects.has(Effect::Textures) { self.scene.lights() } else { self.scene.mean_emission_lights() }
     }
@@ -141,9 +146,9 @@ impl<'a> PhotonSource<'a> {
     /// Lights are chosen by systematic sampling over path indices. Positions and directions are
     /// Sobol' points, scrambled with `pass_key`.
     #[must_use]
-    pub fn emit<I: Interior>(&self, pass_key: Key, index: u32, paths: u32) -> Option<(PathRay<I>, Rgb)> {
+    pub fn emit_photon_path<I: Interior>(&self, pass_key: Key, index: u32, paths: u32) -> Option<(PathRay<I>, Rgb)> {
         let point = self.primary_emission_sample(pass_key, index, paths);
-        let (ray, flux) = self.start_path(&point)?;
+        let (ray, flux) = self.start_photon_path(&point)?;
         Some((ray, flux / (point.probability * paths as f32 * point.pdf)))
     }
 
@@ -166,7 +171,7 @@ impl<'a> PhotonSource<'a> {
     /// The flux is not divided by the probability of the light, the guiding pdf or the number of
     /// paths.
     #[inline]
-    pub(super) fn start_path<I: Interior>(&self, point: &PrimaryEmissionSample) -> Option<(PathRay<I>, Rgb)> {
+    pub(super) fn start_photon_path<I: Interior>(&self, point: &PrimaryEmissionSample) -> Option<(PathRay<I>, Rgb)> {
         let light = &self.lights()[point.light];
         let domain = self.scene.photon_domain();
         let emission = match &self.aim {
@@ -184,7 +189,7 @@ impl<'a> PhotonSource<'a> {
     }
 }
 
-/// All effects, except interiors if `scene` has none.
+/// All effects, without [`Effect::Interiors`] if no object of `scene` has an interior.
 fn effects_of_scene(scene: &Scene) -> Effects {
     if scene.has_interiors() { Effects::ALL } else { Effects::ALL.without(Effect::Interiors) }
 }

@@ -27,69 +27,73 @@ pub struct RadianceEstimate {
     pub count: u32,
 }
 
-/// Number of nested discs of an estimate. Each has half the area of the one before.
+/// Number of concentric discs of a nested estimate. Each disc has half the area of the one before.
 pub const LEVELS: usize = 3;
 
-/// Radiance estimates from nested discs, with the same photons.
+/// Radiance estimates from concentric discs of decreasing size, which share their photons.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NestedRadianceEstimate {
     /// Estimate with the largest disc.
     pub whole: RadianceEstimate,
-    /// Radiance \[W/(m² sr)] by discs with 1, 1/√2 and ½ of the radius.
+    /// Radiance \[W/(m² sr)] from discs with 1, 1/√2 and ½ of the radius of `whole`.
     pub radiance: [Rgb; LEVELS],
 }
 
 /// Buffers of nearest-neighbour searches, reused to avoid allocations.
 #[derive(Debug, Default)]
-pub struct Scratch {
+pub struct PhotonSearchBuffers {
     /// Found photons with their squared distances.
     found: Vec<(f32, PhotonData)>,
-    /// Distance of the k-th neighbour in the last search; the next search begins with 1.25 times
-    /// it.
+    /// Distance of the k-th neighbour in the last search \[length]. The next search begins with
+    /// 1.25 times this radius.
     last_radius: f32,
 }
 
-impl Scratch {
+impl PhotonSearchBuffers {
     /// Empty buffers.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Makes the next search begin with a radius of about `radius` \[length].
+    /// Makes the next search begin with 1.25 times `radius` \[length].
     pub(super) fn set_first_search_radius(&mut self, radius: f32) {
         self.last_radius = radius;
     }
 }
 
-/// Least radius, divided by the distance from the origin: about 100 rounding errors of positions.
+/// Lower bound of gather radii, divided by the distance of the query point from the origin: about
+/// 100 rounding errors of positions.
 const MIN_RELATIVE_RADIUS: f32 = 1e-5;
 
-/// Least radius, divided by the largest radius. It keeps radiance finite if photons coincide.
+/// Lower bound of the distance to the k-th photon, divided by the largest radius. It keeps radiance
+/// finite if photons coincide.
 const MIN_RADIUS_FRACTION: f32 = 1.0 / 1_048_576.0;
 
-/// Number of photons that are summed in f32. The sums of such blocks are added in f64.
+/// Number of photons in a block. A block is summed in f32, and the sums of all blocks are added in
+/// f64.
 const BLOCK: u32 = 64;
 
-/// Least cosine between the normals of photon and query point.
+/// Smallest cosine between the normals of a photon and the query point at which the photon counts.
 pub(super) const SAME_SIDE: f32 = 0.5;
 
-/// Largest height of a photon over the tangent plane, divided by the radius of the largest disc.
+/// Largest distance of the query point from a photon's tangent plane at which the photon counts,
+/// divided by the radius of the largest disc.
 pub(super) const FLATNESS: f32 = 0.25;
 
 impl PhotonMap {
     /// Estimates the reflected radiance at `p`: Σ f·ΔΦ·K over photons (Jensen 2001, section 7.2).
     ///
     /// `brdf` returns the BRDF f \[1/sr] for the incident direction of a photon. `normal` is the
-    /// unit geometric normal on the viewer's side. Photons with a different normal or far from the
-    /// tangent plane are left out.
+    /// unit geometric normal on the viewer's side. Photons on other surfaces are left out: their
+    /// normal differs much, or the query point is far from their tangent plane.
     pub fn estimate(
         &self,
         p: Vec3,
         normal: Vec3,
         bandwidth: Bandwidth,
         kernel: Kernel,
-        scratch: &mut Scratch,
+        scratch: &mut PhotonSearchBuffers,
         brdf: impl Fn(&PhotonData) -> Rgb,
     ) -> RadianceEstimate {
         self.estimate_nested_discs::<1>(p, normal, bandwidth, kernel, scratch, brdf).0
@@ -97,15 +101,15 @@ impl PhotonMap {
 
     /// Estimates the reflected radiance at `p` from nested discs.
     ///
-    /// The largest disc gives the same bits as [`PhotonMap::estimate`], which explains the
-    /// parameters.
+    /// Parameters are those of [`PhotonMap::estimate`]. The estimate of the largest disc equals its
+    /// result to the bit.
     pub fn estimate_nested(
         &self,
         p: Vec3,
         normal: Vec3,
         bandwidth: Bandwidth,
         kernel: Kernel,
-        scratch: &mut Scratch,
+        scratch: &mut PhotonSearchBuffers,
         brdf: impl Fn(&PhotonData) -> Rgb,
     ) -> NestedRadianceEstimate {
         let (whole, radiance) = self.estimate_nested_discs(p, normal, bandwidth, kernel, scratch, brdf);
@@ -118,7 +122,7 @@ impl PhotonMap {
         normal: Vec3,
         bandwidth: Bandwidth,
         kernel: Kernel,
-        scratch: &mut Scratch,
+        scratch: &mut PhotonSearchBuffers,
         brdf: impl Fn(&PhotonData) -> Rgb,
     ) -> (RadianceEstimate, [Rgb; N]) {
         if self.is_empty() {
@@ -170,9 +174,15 @@ impl PhotonMap {
     /// Finds the k nearest photons on the surface, and returns the squared distance of the k-th.
     ///
     /// `scratch` receives the photons. If fewer than k lie within the largest radius, it receives
-    /// all of them, and the result is `None`. kiddo cannot shrink a radius during a query, so the
-    /// search radius grows from a first guess.
-    fn find_k_nearest(&self, p: Vec3, normal: Vec3, bandwidth: Bandwidth, scratch: &mut Scratch) -> Option<f32> {
+    /// all of them, and the result is `None`. The kd-tree of crate kiddo cannot shrink a radius
+    /// during a query, so the search radius grows from a first guess.
+    fn find_k_nearest(
+        &self,
+        p: Vec3,
+        normal: Vec3,
+        bandwidth: Bandwidth,
+        scratch: &mut PhotonSearchBuffers,
+    ) -> Option<f32> {
         let k = bandwidth.k as usize;
         let guess = if scratch.last_radius > 0.0 { scratch.last_radius * 1.25 } else { bandwidth.radius * 0.25 };
         let mut radius = guess.min(bandwidth.radius);
@@ -209,11 +219,11 @@ impl PhotonMap {
 impl PhotonMap {
     /// Distance from `p` to the k-th nearest photon on its surface \[length].
     ///
-    /// Photons on other surfaces do not count, as in [`PhotonMap::estimate`]. Returns `None` if
-    /// fewer than k photons lie within `most` \[length].
+    /// Photons on other surfaces do not count, as in [`PhotonMap::estimate`]. `most` \[length] is
+    /// the largest distance; the result is `None` if fewer than k photons lie within it.
     #[must_use]
     pub fn kth_photon_distance(&self, p: Vec3, normal: Vec3, k: u32, most: f32) -> Option<f32> {
-        let mut scratch = Scratch { last_radius: most * 1e-3, ..Scratch::default() };
+        let mut scratch = PhotonSearchBuffers { last_radius: most * 1e-3, ..PhotonSearchBuffers::default() };
         self.find_k_nearest(p, normal, Bandwidth { radius: most, k }, &mut scratch).map(f32::sqrt)
     }
 }
@@ -239,7 +249,8 @@ impl<const N: usize> KernelSums<N> {
 
     /// Adds a photon at squared distance `d2` with `reflected` = BRDF · flux.
     ///
-    /// `height` is its height over the tangent plane, divided by the largest accepted height.
+    /// `height` is the distance between the query point and the photon's tangent plane, divided by
+    /// the largest accepted distance.
     #[inline]
     fn add(&mut self, d2: f32, height: f32, reflected: Rgb) {
         let x = d2 * self.inverse_r2;
@@ -252,17 +263,17 @@ impl<const N: usize> KernelSums<N> {
         }
         self.block_count += 1;
         if self.block_count == BLOCK {
-            self.flush_block();
+            self.flush_block_sums();
         }
     }
 
-    fn flush_block(&mut self) {
+    fn flush_block_sums(&mut self) {
         self.total.iter_mut().zip(&mut self.block).for_each(|(whole, sum)| *whole += std::mem::take(sum).as_dvec3());
         self.block_count = 0;
     }
 
     fn estimate(mut self, radius: f32, count: u32) -> (RadianceEstimate, [Rgb; N]) {
-        self.flush_block();
+        self.flush_block_sums();
         let mut r2 = self.r2;
         let radiance = self.total.map(|sum| {
             let scaled = sum.as_vec3() * self.kernel.normalization(r2);
@@ -273,7 +284,10 @@ impl<const N: usize> KernelSums<N> {
     }
 }
 
-/// True if a photon lies near `plane` and has a similar normal; `radius` is that of the estimate.
+/// True if a photon counts in an estimate with tangent plane `plane` and largest radius `radius`
+/// \[length].
+///
+/// Its normal must be similar, and its own tangent plane must pass near the query point.
 #[inline]
 pub(super) fn is_on_query_surface(data: &PhotonData, plane: &TangentPlane, radius: f32) -> bool {
     let (cosine, height) = data.normal_cosine_and_height(plane);
@@ -293,7 +307,7 @@ mod tests {
     use super::*;
     use crate::photon::Photon;
 
-    /// Photons at 1 … 9 along a line, and one very far away.
+    /// Nine photons at distances 1 to 9 along a line, and one very far away.
     #[test]
     fn kth_distance_ignores_scene_extent() {
         let photon = |x: f32| Photon::new(Vec3::X * x, Rgb::ONE, Vec3::Z, Vec3::Z).unwrap();

@@ -3,15 +3,18 @@
 use std::f32::consts::FRAC_1_PI;
 use std::str::FromStr;
 
-/// A radially symmetric kernel on a disc of radius r, with integral 1; d is the distance from its
-/// center.
+/// Kernel of a density estimate: a radially symmetric weight on a disc of radius r, with integral
+/// 1.
+///
+/// The formulas below use d, the distance from the center of the disc.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Kernel {
     /// 1/(πr²).
     Box,
     /// 3(1 − d/r)/(πr²): Jensen's cone filter with k = 1 (Jensen 2001, section 7.2).
     Cone,
-    /// 2(1 − d²/r²)/(πr²): the kernel of least mean squared error (Silverman 1986, section 4.2).
+    /// 2(1 − d²/r²)/(πr²). It has the least asymptotic mean squared error (Silverman 1986, section
+    /// 4.2).
     #[default]
     Epanechnikov,
 }
@@ -35,7 +38,8 @@ impl FromStr for Kernel {
 }
 
 impl Kernel {
-    /// Unnormalised kernel value at `x` = d²/r² < 1. [`Kernel::normalization`] is its factor.
+    /// Kernel value at squared distance `x` = d²/r² < 1 without its normalization. Times
+    /// [`Kernel::normalization`], it is the kernel.
     #[inline]
     #[must_use]
     pub fn unnormalized(self, x: f32) -> f32 {
@@ -46,14 +50,15 @@ impl Kernel {
         }
     }
 
-    /// Unnormalised kernel value at `x` = d²/r², which may be at least 1; the value is then 0.
+    /// Returns [`Kernel::unnormalized`] if `x` = d²/r² < 1, and 0 outside of the disc.
     #[inline]
     #[must_use]
     pub fn unnormalized_or_zero(self, x: f32) -> f32 {
         if x < 1.0 { self.unnormalized(x) } else { 0.0 }
     }
 
-    /// Factor that normalises [`Kernel::unnormalized`] for the squared radius `r2` \[1/length²].
+    /// Factor \[1/length²] that gives [`Kernel::unnormalized`] the integral 1 over a disc of
+    /// squared radius `r2`.
     #[inline]
     #[must_use]
     pub fn normalization(self, r2: f32) -> f32 {
@@ -75,10 +80,11 @@ impl Kernel {
         self != Self::Box
     }
 
-    /// Noise of a bias estimate: its variance relative to that of a density estimate.
+    /// Relative variance of the difference between two nested density estimates.
     ///
     /// Let E(r) be the density estimate with radius r. The difference E(r) − E(r/√2), from the same
-    /// photons, shows the bias of E(r). This function returns its variance over that of E(r).
+    /// photons, measures the bias of E(r). The result is the variance of this difference, divided
+    /// by the variance of E(r).
     #[must_use]
     pub fn difference_variance(self) -> f32 {
         match self {
@@ -93,7 +99,8 @@ impl Kernel {
 mod tests {
     use super::*;
 
-    /// Integral and variance of the difference by the midpoint rule in d, error O(n⁻²).
+    /// The integral of each kernel and its `difference_variance` agree with the midpoint rule over
+    /// d, whose error is O(n⁻²).
     #[test]
     fn kernel_constants_match_quadrature() {
         let n = 100_000;

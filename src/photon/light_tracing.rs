@@ -21,32 +21,35 @@ use crate::scene::{Interior, PathRay, Scene, SurfaceInteraction};
 use glam::{DVec3, Vec2};
 use rayon::prelude::*;
 
-/// Photons per pixel and pass at which estimates and splats get equal shares.
+/// Number of photons per pixel and pass at which estimates and splats get equal shares.
 ///
 /// With fewer photons, a splat is noisier than an estimate.
 const EQUAL_SHARE_COUNT: f64 = 10.0;
 
-/// Share of its flux that a photon gives to estimates, for each pixel of the film.
+/// Share of their flux that photons give to density estimates, for each pixel of the film. Light
+/// tracing carries the rest.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct EstimateShares {
+pub struct DensityEstimateShares {
     width: u32,
     height: u32,
     /// Shares in steps of 1/[`SHARE_STEPS`], by rows from the top.
     steps: Vec<u8>,
 }
 
-impl EstimateShares {
-    /// Shares that follow the numbers of photons per pixel in `splats` of one photon pass.
+impl DensityEstimateShares {
+    /// Shares of estimates that fall with the number of photons per pixel in `splats` of one photon
+    /// pass.
     ///
-    /// `ratio` is the number of photon paths of a pass over those of `splats`. The splat's part is
-    /// n²/(n² + 10²), where n is the effective number of photons per pixel in the neighbourhood of
-    /// 3 × 3 pixels. The power 2 keeps the heavy tail of estimates out of foci.
+    /// `ratio` is the number of photon paths of a pass, divided by the number of paths that made
+    /// `splats`. The share of splats is n²/(n² + 10²). n is the effective number of photons per
+    /// pixel and pass, measured over 3 × 3 pixels. The square makes estimates fade fast at foci,
+    /// where they have rare large errors.
     #[must_use]
     pub fn from_splats(splats: &[Splat], (width, height): (u32, u32), ratio: f64) -> Self {
         let index = |x: u32, y: u32| y as usize * width as usize + x as usize;
         let mut sums = vec![(0.0, 0.0); width as usize * height as usize];
         for splat in splats {
-            if let Some((x, y)) = pixel_of(splat.film, width, height) {
+            if let Some((x, y)) = pixel_at_film_position(splat.film, width, height) {
                 let value = f64::from(color::channel_mean(splat.radiance));
                 let sum = &mut sums[index(x, y)];
                 *sum = (sum.0 + value, sum.1 + value * value);
@@ -67,23 +70,24 @@ impl EstimateShares {
         Self { width, height, steps }
     }
 
-    /// Returns one share for the whole film, in steps of 1/15.
+    /// Gives all pixels the share `steps`/[`SHARE_STEPS`].
     #[must_use]
     pub fn uniform(steps: u8, (width, height): (u32, u32)) -> Self {
         Self { width, height, steps: vec![steps.min(SHARE_STEPS); width as usize * height as usize] }
     }
 
-    /// Share at a film position in steps of 1/[`SHARE_STEPS`]; all of it outside the film.
+    /// Share of estimates at film position `film` \[pixels from the top left], in steps of
+    /// 1/[`SHARE_STEPS`]. Outside the film, estimates get the whole flux.
     #[inline]
-    fn steps_at(&self, film: Vec2) -> u8 {
-        pixel_of(film, self.width, self.height)
+    fn share_steps_at(&self, film: Vec2) -> u8 {
+        pixel_at_film_position(film, self.width, self.height)
             .map_or(SHARE_STEPS, |(x, y)| self.steps[y as usize * self.width as usize + x as usize])
     }
 }
 
-/// Column and row of the pixel around a film position; `None` outside the film.
+/// Column and row of the pixel that contains a film position; `None` outside the film.
 #[inline]
-fn pixel_of(film: Vec2, width: u32, height: u32) -> Option<(u32, u32)> {
+fn pixel_at_film_position(film: Vec2, width: u32, height: u32) -> Option<(u32, u32)> {
     let inside = film.cmpge(Vec2::ZERO).all() && film.x < width as f32 && film.y < height as f32;
     inside.then_some((film.x as u32, film.y as u32))
 }
@@ -93,32 +97,35 @@ fn pixel_of(film: Vec2, width: u32, height: u32) -> Option<(u32, u32)> {
 pub struct LightTracer<'a> {
     scene: &'a Scene,
     camera: &'a Camera,
-    /// True if rays leave from all of the lens.
+    /// True if camera rays start at random points of the lens; false if at its center.
     lens: bool,
-    /// True if connections pass some bodies.
+    /// True if some bodies are null interfaces, which do not block connections.
     has_null_interfaces: bool,
-    /// `None` gives all flux to both techniques, for a pilot.
-    shares: Option<&'a EstimateShares>,
+    /// Division of flux between estimates and splats. `None` gives the whole flux to both, for a
+    /// pilot.
+    shares: Option<&'a DensityEstimateShares>,
 }
 
 impl<'a> LightTracer<'a> {
-    /// Light tracer for the camera of `scene`; `lens` is true if camera rays leave from all of the
-    /// lens.
+    /// Creates a light tracer for the camera of `scene`.
+    ///
+    /// `lens` is true if camera rays start at random points of the lens.
     #[must_use]
-    pub fn new(scene: &'a Scene, lens: bool, shares: Option<&'a EstimateShares>) -> Self {
+    pub fn new(scene: &'a Scene, lens: bool, shares: Option<&'a DensityEstimateShares>) -> Self {
         let has_null_interfaces = scene.bodies().any(|body| body.is_null_interface);
         Self { scene, camera: scene.camera(), lens, has_null_interfaces, shares }
     }
 
-    /// Deposits the splat of a caustic photon that arrives at `surface` with `flux` \[W]. Returns
-    /// the share of the photon for estimates, in steps of 1/[`SHARE_STEPS`].
+    /// Deposits the splat of a caustic photon that arrives at `surface` with `flux` \[W].
+    ///
+    /// Returns the share of the photon's flux for estimates, in steps of 1/[`SHARE_STEPS`].
     ///
     /// `path_ray` has arrived at the surface; `key` is that of the vertex.
     ///
     /// The function stays out of line, so that passes without light tracing do not carry its code
     /// through their loop.
     #[inline(never)]
-    pub(super) fn connect<I: Interior>(
+    pub(super) fn connect_to_camera<I: Interior>(
         &self,
         surface: &SurfaceInteraction<'_>,
         flux: Rgb,
@@ -129,8 +136,8 @@ impl<'a> LightTracer<'a> {
     ) -> u8 {
         let p = surface.point.p;
         // The share must not depend on the lens sample: it belongs to a position on the surface.
-        let Some(central) = self.camera.connect(p, None) else { return SHARE_STEPS };
-        let share = self.shares.map_or(SHARE_STEPS, |shares| shares.steps_at(central.film));
+        let Some(central) = self.camera.connect_to_point(p, None) else { return SHARE_STEPS };
+        let share = self.shares.map_or(SHARE_STEPS, |shares| shares.share_steps_at(central.film));
         let splat_share = match self.shares {
             None => 1.0,
             Some(_) => 1.0 - f32::from(share) / f32::from(SHARE_STEPS),
@@ -139,12 +146,12 @@ impl<'a> LightTracer<'a> {
             return share;
         }
         let connection = if self.lens && self.camera.lens().is_some() {
-            self.camera.connect(p, Some(key.uniform_2d(Dimension::Lens)))
+            self.camera.connect_to_point(p, Some(key.uniform_2d(Dimension::Lens)))
         } else {
             Some(central)
         };
         if let Some(connection) = connection {
-            let radiance = splat_share * flux * self.camera_factor(surface, &connection);
+            let radiance = splat_share * flux * self.flux_to_splat_factor(surface, &connection);
             if radiance != Rgb::ZERO {
                 *rays += 1;
                 let radiance = radiance * self.transmittance(surface, &connection, path_ray, key);
@@ -155,9 +162,11 @@ impl<'a> LightTracer<'a> {
         share
     }
 
-    /// Factor from flux at `surface` to radiance times film area \[pixel²/(m² sr)], without
-    /// visibility.
-    fn camera_factor(&self, surface: &SurfaceInteraction<'_>, connection: &CameraConnection) -> Rgb {
+    /// Factor from the flux \[W] of a photon at `surface` to the integrated radiance of its splat
+    /// \[pixel²/(m² sr)].
+    ///
+    /// Transmittance and occlusion are not included.
+    fn flux_to_splat_factor(&self, surface: &SurfaceInteraction<'_>, connection: &CameraConnection) -> Rgb {
         let cosine = connection.direction.dot(surface.facing_normal());
         if cosine <= 0.0 {
             return Rgb::ZERO;
@@ -192,7 +201,8 @@ impl<'a> LightTracer<'a> {
     }
 }
 
-/// Adds `splats` through `filter` to the pixels of an image, by rows from the top \[W/(m² sr)].
+/// Adds `splats`, spread by the pixel filter, to `image`: radiance by rows from the top \[W/(m²
+/// sr)].
 ///
 /// The sums do not depend on the number of threads: each row adds its splats in a fixed order.
 pub fn add_splats(mut splats: Vec<Splat>, filter: &Filter, width: u32, image: &mut [Rgb]) {

@@ -14,13 +14,13 @@ type Tree = KdTree<f32, PhotonData, Eytzinger, VecOfArenas<f32, PhotonData, 3, B
 
 /// Surface photons in a kd-tree.
 ///
-/// kiddo splits the axes in turn, so every third split is useless for photons on an axis-aligned
-/// wall. All positions, in the tree and in queries, are therefore rotated by a fixed oblique
-/// rotation.
+/// The tree splits x, y and z in turn, so every third split is useless for photons on an
+/// axis-aligned wall. All positions, in the tree and in queries, are therefore rotated by a fixed
+/// oblique rotation.
 pub struct PhotonMap {
     tree: Option<Tree>,
     len: usize,
-    /// Least radius of estimates from the k nearest photons \[length].
+    /// Lower bound on the radii of estimates from the k nearest photons \[length].
     pub(super) min_radius: f32,
 }
 
@@ -37,7 +37,8 @@ const ROTATION: Mat3 = Mat3::from_cols(
     Vec3::new(0.394_739_8, -0.071_392_5, 0.916_015_1),
 );
 
-/// Largest number of photons at one position. More are merged, since kiddo needs them in one leaf.
+/// Largest number of photons at one position. If there are more, they are merged: the kd-tree must
+/// hold them in one leaf.
 const MAX_COINCIDENT: usize = BUCKET;
 
 impl PhotonMap {
@@ -48,7 +49,7 @@ impl PhotonMap {
         // Morton order makes memory access coherent.
         let order = morton_order(&photons, |p| p.position);
         photons = order.par_iter().map(|i| photons[*i as usize]).collect();
-        merge_coincident(&mut photons);
+        merge_coincident_photons(&mut photons);
         let len = photons.len();
         let at = |p: &Photon, axis: usize| p.position[axis];
         // Construction can fail only for mutable trees and generated indices, which are not used.
@@ -57,9 +58,10 @@ impl PhotonMap {
         Self { tree, len, min_radius: 0.0 }
     }
 
-    /// Returns the map with a least radius \[length] of estimates from the k nearest photons.
+    /// Returns the map with a lower bound `min_radius` \[length] on the radii of k-nearest
+    /// estimates.
     ///
-    /// At a focus of a caustic, the distance to the k-th photon would approach zero.
+    /// Without the bound, the distance to the k-th photon approaches zero at a focus of a caustic.
     #[must_use]
     pub fn with_min_radius(self, min_radius: f32) -> Self {
         Self { min_radius, ..self }
@@ -77,7 +79,8 @@ impl PhotonMap {
         self.len == 0
     }
 
-    /// Calls `visitor` with each photon within `radius` \[length] of `p` and its squared distance.
+    /// Calls `visitor` for each photon within `radius` \[length] of `p`, with the photon and its
+    /// squared distance from `p`.
     #[inline]
     pub fn visit_within_radius(&self, p: Vec3, radius: f32, mut visitor: impl FnMut(&PhotonData, f32)) {
         let Some(tree) = &self.tree else { return };
@@ -91,11 +94,11 @@ impl PhotonMap {
     }
 }
 
-/// Merges photons that coincide in position and normal, if a position has more than
-/// [`MAX_COINCIDENT`].
+/// Merges photons with equal position and normal where more than [`MAX_COINCIDENT`] photons have
+/// one position.
 ///
 /// A merged photon has the sum of the fluxes and the mean direction, weighted by flux.
-fn merge_coincident(photons: &mut Vec<Photon>) {
+fn merge_coincident_photons(photons: &mut Vec<Photon>) {
     let crowded = photons.chunk_by(|a, b| a.position == b.position).any(|run| run.len() > MAX_COINCIDENT);
     // Photons are in Morton order. Equal positions share a Morton cell, but need not be adjacent in
     // it unless they fill the cell.

@@ -1,4 +1,4 @@
-//! Photon mapping: emission and tracing of photons, photon maps, and density estimation.
+//! Photon mapping: photon emission, photon tracing, photon maps and density estimation.
 
 mod audit;
 mod beam;
@@ -22,10 +22,10 @@ pub use beam::{BeamIntersection, PhotonBeam, PhotonBeamMap};
 pub use coverage::{disc_coverage, nested_disc_coverage};
 pub use deposits::{Deposits, Splat, VolumePhotons};
 pub use emit::PhotonSource;
-pub use estimate::{Bandwidth, LEVELS, NestedRadianceEstimate, RadianceEstimate, Scratch};
-pub use guiding::{GuidingPilot, GuidingReport};
+pub use estimate::{Bandwidth, LEVELS, NestedRadianceEstimate, PhotonSearchBuffers, RadianceEstimate};
+pub use guiding::{EmissionGuidingPilot, EmissionGuidingReport};
 pub use kernel::{Kernel, UnknownKernel};
-pub use light_tracing::{EstimateShares, LightTracer, add_splats};
+pub use light_tracing::{DensityEstimateShares, LightTracer, add_splats};
 pub use map::PhotonMap;
 pub use points::{VolumePhoton, VolumePhotonMap};
 pub use record::{Photon, PhotonData};

@@ -1,8 +1,8 @@
 //! Packets of eight points or eight beam pieces, tested against a line with SIMD instructions.
 //!
-//! The tests may accept too much, but never reject what exact arithmetic accepts. Their error
-//! bounds use γ(n) (Higham 2002, "Accuracy and Stability of Numerical Algorithms", section 3.1) and
-//! assume unit directions.
+//! The tests are conservative: they may accept too much, but never reject what exact arithmetic
+//! accepts. Their error bounds use γ(n) (Higham 2002, "Accuracy and Stability of Numerical
+//! Algorithms", section 3.1) and assume unit directions.
 
 use crate::math::{Ray, rounding_error_bound};
 use glam::Vec3;
@@ -13,7 +13,7 @@ pub(super) const LANES: usize = 8;
 
 type Vectors = [f32x8; 3];
 
-fn broadcast(v: Vec3) -> Vectors {
+fn broadcast_to_lanes(v: Vec3) -> Vectors {
     v.to_array().map(f32x8::splat)
 }
 
@@ -48,7 +48,11 @@ pub(super) struct LineQuery {
 impl LineQuery {
     /// Query for the infinite line through `ray`, with a search `radius` \[length].
     pub fn new(ray: &Ray, radius: f32) -> Self {
-        Self { origin: broadcast(ray.origin), direction: broadcast(ray.direction), radius: f32x8::splat(radius) }
+        Self {
+            origin: broadcast_to_lanes(ray.origin),
+            direction: broadcast_to_lanes(ray.direction),
+            radius: f32x8::splat(radius),
+        }
     }
 }
 
@@ -81,8 +85,8 @@ impl PointPacket {
 
     /// Bit mask of the points that may lie within the search radius of the line.
     ///
-    /// The bound γ(24) covers the rounding errors of difference (γ(1)), projection (γ(4)) and
-    /// rejection (γ(3)), times √3 for three axes.
+    /// The bound γ(24) covers the rounding errors of the difference (γ(1)), the projection (γ(4))
+    /// and the perpendicular part (γ(3)), times √3 for three axes.
     #[inline]
     pub fn points_near_line(&self, query: &LineQuery) -> u32 {
         let to = subtract(self.0, query.origin);
@@ -93,20 +97,21 @@ impl PointPacket {
         dot(off, off).simd_le(reach * reach).to_bitmask()
     }
 
-    /// Bit mask of the points within a radius of `center`, and d²/radius² of all eight points.
+    /// Returns the bit mask of the points within a radius of `center`, and d²/radius² for each of
+    /// the eight points.
     ///
     /// `per_radius` is 1/radius, and d is the distance from `center`.
     #[inline]
     pub fn points_within_radius(&self, center: Vec3, per_radius: f32) -> (u32, f32x8) {
         let scale = f32x8::splat(per_radius);
-        let [x, y, z] = subtract(self.0, broadcast(center));
+        let [x, y, z] = subtract(self.0, broadcast_to_lanes(center));
         let to = [x * scale, y * scale, z * scale];
         let x2 = dot(to, to);
         (x2.simd_lt(f32x8::ONE).to_bitmask(), x2)
     }
 }
 
-/// A piece of a photon beam, from one distance along the beam to another. The end is excluded.
+/// A piece of a photon beam: the half-open interval \[`from`, `to`) of distances along the beam.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BeamPiece {
     /// Index of the beam.
@@ -146,7 +151,7 @@ impl BeamPiecePacket {
     }
 
     /// The beam piece in lane `slot`.
-    pub fn piece_in_lane(&self, slot: usize) -> BeamPiece {
+    pub fn beam_piece_in_lane(&self, slot: usize) -> BeamPiece {
         BeamPiece { beam: self.beams[slot], from: self.from.as_array()[slot], to: self.to.as_array()[slot] }
     }
 
@@ -156,7 +161,7 @@ impl BeamPiecePacket {
     /// Distances along the normal have error γ(8), relative to the distance of the origins.
     /// Positions along the beam have error γ(14), relative to that distance plus the position.
     #[inline]
-    pub fn pieces_near_line(&self, query: &LineQuery) -> u32 {
+    pub fn beam_pieces_near_line(&self, query: &LineQuery) -> u32 {
         let error = f32x8::splat(rounding_error_bound(16));
         let between = subtract(self.start, query.origin);
         let distance = norm1(between);

@@ -11,7 +11,8 @@ use std::f64::consts::FRAC_1_PI;
 
 /// A photon stored at a scattering point in a medium, in 32 bytes.
 ///
-/// Its direction is precise to 10⁻⁴ rad, its flux to 1.5·10⁻⁵.
+/// The direction is precise to 10⁻⁴ rad. Each flux channel is precise to 1.5·10⁻⁵ of the sum of
+/// channels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VolumePhoton {
     /// Position of the scattering point.
@@ -21,7 +22,8 @@ pub struct VolumePhoton {
     flux: PackedFlux,
     /// Direction of travel before scattering, in octahedral coordinates.
     direction: [u16; 2],
-    /// Byte code of the wavelength; 0 if the photon carries all wavelengths.
+    /// Wavelength code, see [`Wavelength::byte_code`](crate::color::Wavelength::byte_code); 0 if
+    /// the photon carries all wavelengths.
     pub wavelength: u8,
 }
 
@@ -58,7 +60,7 @@ pub struct VolumePhotonMap {
     photons: Vec<VolumePhoton>,
     /// Positions of the photons, eight in a packet.
     packets: Vec<PointPacket>,
-    /// Bounding boxes of the packets, expanded by the radius.
+    /// Hierarchy over the bounding boxes of the packets, which are expanded by the blur radius.
     boxes: BoxTree,
     radius: f32,
 }
@@ -103,8 +105,9 @@ impl VolumePhotonMap {
     ///
     /// `visitor` receives the photon, the distance t along the ray, the cosine of the angle between
     /// ray and photon direction, the 2D kernel K₂ \[1/length²], and the squared distance over the
-    /// squared radius. Radiance towards the ray's origin is Σ flux · p(cos) · T(t) · K₂ (beam
-    /// radiance estimate, Jarosz, Zwicker and Jensen 2008, section 5).
+    /// squared radius. The radiance that arrives at the ray's origin is Σ flux · p(cos) · T(t) ·
+    /// K₂, with phase function p and transmittance T (beam radiance estimate, Jarosz, Zwicker and
+    /// Jensen 2008, section 5).
     #[inline]
     pub fn visit_near_ray(&self, ray: &Ray, mut visitor: impl FnMut(&VolumePhoton, f32, f32, f32, f32)) {
         let query = LineQuery::new(ray, self.radius);
@@ -129,8 +132,8 @@ impl VolumePhotonMap {
     /// Visits each photon within the blur radius of the point `p`.
     ///
     /// `visitor` receives the photon, the 3D kernel K₃ \[1/length³], and the squared distance over
-    /// the squared radius. In-scattered radiance per length is Σ flux · p(cos) · K₃ (Jensen and
-    /// Christensen 1998, section 3.2).
+    /// the squared radius. The in-scattered radiance per length is Σ flux · p(cos) · K₃, with phase
+    /// function p (Jensen and Christensen 1998, section 3.2).
     #[inline]
     pub fn visit_near_point(&self, p: Vec3, mut visitor: impl FnMut(&VolumePhoton, f32, f32)) {
         let per_radius = 1.0 / self.radius;

@@ -27,9 +27,10 @@ impl PackedFlux {
         Some(Self { sum, red: fraction(flux.x), green: fraction(flux.y) })
     }
 
-    /// Stores `steps` below 16 in the lowest bits of the sum: a relative change of at most 2⁻²⁰.
+    /// Stores `steps` < 16 in the lowest four bits of the sum. The relative change of the flux is
+    /// below 2⁻¹⁹.
     #[inline]
-    fn with_steps(self, steps: u8) -> Self {
+    fn with_share_steps(self, steps: u8) -> Self {
         Self { sum: f32::from_bits(self.sum.to_bits() & !15 | u32::from(steps)), ..self }
     }
 
@@ -52,7 +53,7 @@ pub struct PhotonData {
     normal: [i8; 3],
     /// Byte code of the wavelength; 0 if the photon carries all wavelengths.
     wavelength: u8,
-    /// Distance of the tangent plane from the origin: normal · position.
+    /// Signed distance of the tangent plane from the origin: normal · position \[length].
     plane_offset: f32,
 }
 
@@ -86,7 +87,7 @@ impl Photon {
         Some(Self { position, data })
     }
 
-    /// Returns the photon with the byte code of its wavelength; 0 means all wavelengths.
+    /// Returns the photon with the wavelength code `wavelength`; 0 means all wavelengths.
     #[inline]
     #[must_use]
     pub fn with_wavelength(self, wavelength: u8) -> Self {
@@ -95,22 +96,24 @@ impl Photon {
 }
 
 impl Photon {
-    /// Returns the photon with the share of its flux that estimates use where light tracing carries
-    /// the rest, in steps of 1/[`SHARE_STEPS`].
+    /// Returns the photon with the share of its flux that density estimates use,
+    /// `steps`/[`SHARE_STEPS`].
+    ///
+    /// Light tracing carries the rest of the flux.
     #[inline]
     #[must_use]
-    pub fn with_estimate_share(self, steps: u8) -> Self {
-        Self { data: PhotonData { flux: self.data.flux.with_steps(steps), ..self.data }, ..self }
+    pub fn with_density_estimate_share(self, steps: u8) -> Self {
+        Self { data: PhotonData { flux: self.data.flux.with_share_steps(steps), ..self.data }, ..self }
     }
 }
 
-/// Steps of the share of estimates, which a photon stores in four bits.
+/// Number of steps of a share in \[0, 1]: a photon stores its share as an integer from 0 to 15.
 pub(super) const SHARE_STEPS: u8 = 15;
 
 /// Scale of normals that are stored as 8-bit integers.
 const NORMAL_SCALE: f32 = 127.0;
 
-/// Tangent plane at a query point, scaled for comparison with stored photons.
+/// Tangent plane at a query point, scaled for comparison with the quantized normals of photons.
 #[derive(Clone, Copy, Debug)]
 pub struct TangentPlane {
     point: Vec3,
@@ -145,11 +148,12 @@ impl PhotonData {
         self.flux.flux()
     }
 
-    /// Share of the flux that estimates use where light tracing carries the rest. Meaningful only
-    /// after [`Photon::with_estimate_share`].
+    /// Share of the flux that density estimates use, in \[0, 1]. Light tracing carries the rest.
+    ///
+    /// Meaningful only if [`Photon::with_density_estimate_share`] has set it.
     #[inline]
     #[must_use]
-    pub fn estimate_share(&self) -> f32 {
+    pub fn density_estimate_share(&self) -> f32 {
         (self.flux.sum.to_bits() & 15) as f32 * (1.0 / SHARE_STEPS as f32)
     }
 
@@ -202,7 +206,7 @@ pub(super) fn decode_octahedral(e: [u16; 2]) -> Vec3 {
     p.extend(z).normalize()
 }
 
-/// Maps between the upper and the lower half of the octahedron, in the plane of its coordinates.
+/// Maps octahedral coordinates of the upper hemisphere to those of the lower one, and back.
 #[inline]
 fn fold_octahedron(p: Vec2) -> Vec2 {
     Vec2::new((1.0 - p.y.abs()) * 1f32.copysign(p.x), (1.0 - p.x.abs()) * 1f32.copysign(p.y))

@@ -1,19 +1,20 @@
 //! Kinds of photons by path history, and the selection of stored kinds.
 
-/// History of the photon path up to a stored photon.
+/// Kind of a stored photon, which follows from the earlier vertices of its path.
 ///
-/// A *caster* is a surface with [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics), such
-/// as glass or a mirror. A *receiver* is a surface or medium that stores photons.
+/// A *receiver* is a surface with [`Bsdf::stores_photons`](crate::bsdf::Bsdf::stores_photons), or a
+/// scattering medium. A *caster* is any other surface that is not black, such as glass or a mirror;
+/// see [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PhotonKind {
     /// Direct light: the path has no vertex between light and photon.
     Direct,
     /// Caustic light: all vertices between light and photon are on casters.
     Caustic,
-    /// Light reflected from a caustic: the first receiver on the path lies behind casters.
+    /// Light that a caustic reflects: the path reached its first receiver over casters.
     AfterCaustic,
-    /// Other indirect light: the path reached its first receiver directly from the light.
-    Global,
+    /// Other indirect light: the path reached its first receiver directly from the light source.
+    AfterDirect,
 }
 
 /// Selects the kinds of photons that a photon pass stores.
@@ -25,12 +26,12 @@ pub struct StoreMask {
     pub caustic: bool,
     /// True to store [`PhotonKind::AfterCaustic`].
     pub after_caustic: bool,
-    /// True to store [`PhotonKind::Global`].
-    pub global: bool,
-    /// True to store [`PhotonKind::AfterCaustic`] in lists of its own.
+    /// True to store [`PhotonKind::AfterDirect`].
+    pub after_direct: bool,
+    /// True to store photons of kind [`PhotonKind::AfterCaustic`] apart from the other kinds.
     ///
-    /// Its density is smooth. Russian roulette therefore continues one of
-    /// [`AFTER_CAUSTIC_THINNING`] paths after a caustic, with correspondingly more flux.
+    /// Their density is smooth, so few of them suffice. Russian roulette continues one of
+    /// [`AFTER_CAUSTIC_THINNING`] paths after a caustic, and multiplies its flux by that number.
     pub separates_after_caustic: bool,
     /// True to store photon beams in homogeneous media; false to store photon points.
     pub beams: bool,
@@ -41,19 +42,19 @@ impl StoreMask {
     pub const DIRECT: Self = Self { direct: true, ..Self::NONE };
     /// Stores caustic photons only, so a path ends at its first receiver.
     pub const CAUSTIC: Self = Self { caustic: true, ..Self::NONE };
-    /// Stores photons of paths that have scattered at a receiver.
-    pub const GLOBAL: Self = Self { after_caustic: true, global: true, ..Self::NONE };
+    /// Stores photons of paths that have scattered at one or more receivers.
+    pub const INDIRECT: Self = Self { after_caustic: true, after_direct: true, ..Self::NONE };
     /// Stores no photons.
     pub const NONE: Self = Self {
         direct: false,
         caustic: false,
         after_caustic: false,
-        global: false,
+        after_direct: false,
         separates_after_caustic: false,
         beams: true,
     };
     /// Stores all kinds of photons.
-    pub const ALL: Self = Self { direct: true, caustic: true, after_caustic: true, global: true, ..Self::NONE };
+    pub const ALL: Self = Self { direct: true, caustic: true, after_caustic: true, after_direct: true, ..Self::NONE };
 
     /// True if photons of `kind` are stored on surfaces.
     pub(super) fn stores_on_surfaces(self, kind: PhotonKind) -> bool {
@@ -61,43 +62,47 @@ impl StoreMask {
             PhotonKind::Direct => self.direct,
             PhotonKind::Caustic => self.caustic,
             PhotonKind::AfterCaustic => self.after_caustic,
-            PhotonKind::Global => self.global,
+            PhotonKind::AfterDirect => self.after_direct,
         }
     }
 
     /// True if photons of `kind` are stored in media.
     ///
-    /// Direct photons are not: next-event estimation computes direct light in media.
+    /// Direct photons are never stored in media: next-event estimation computes their light.
     pub(super) fn stores_in_media(self, kind: PhotonKind) -> bool {
         kind != PhotonKind::Direct && self.stores_on_surfaces(kind)
     }
 
-    /// True if a path of history `kind` may still deposit a photon that the mask stores.
+    /// True if a path whose next photon would be of kind `kind` may deposit it or a later photon
+    /// that the mask stores.
     pub(super) fn can_reach_stored_kind(self, kind: PhotonKind) -> bool {
         match kind {
             PhotonKind::Direct => true,
             PhotonKind::Caustic => self.caustic || self.after_caustic,
             PhotonKind::AfterCaustic => self.after_caustic,
-            PhotonKind::Global => self.global,
+            PhotonKind::AfterDirect => self.after_direct,
         }
     }
 }
 
-/// Number of paths after a caustic that one continued path represents.
+/// One of this many paths continues after a caustic if [`StoreMask::separates_after_caustic`] is
+/// set.
 pub const AFTER_CAUSTIC_THINNING: u32 = 8;
 
 impl PhotonKind {
-    /// History after the path has crossed a caster's boundary without a scattering vertex.
+    /// Kind of the path's next photon after the path has crossed a caster's boundary without a
+    /// vertex there.
     pub(super) fn after_crossed_caster(self) -> Self {
         if self == Self::Direct { Self::Caustic } else { self }
     }
 
-    /// History after scattering at a receiver or, if `is_receiver` is false, at a caster.
+    /// Kind of the path's next photon after it scattered at a receiver or, if `is_receiver` is
+    /// false, at a caster.
     pub(super) fn after_scattering(self, is_receiver: bool) -> Self {
         match (is_receiver, self) {
             (false, Self::Direct) => Self::Caustic,
             (false, other) => other,
-            (true, Self::Direct | Self::Global) => Self::Global,
+            (true, Self::Direct | Self::AfterDirect) => Self::AfterDirect,
             (true, Self::Caustic | Self::AfterCaustic) => Self::AfterCaustic,
         }
     }

@@ -26,9 +26,9 @@ pub struct PhotonPassResult {
     pub paths: u64,
 }
 
-/// Flux and ray counts, summed over photon paths.
+/// Sums of flux and number of rays over several photon paths.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct PathTally {
+pub(super) struct PhotonTracingTotals {
     /// Sums of emitted, absorbed and escaped flux \[W].
     pub audit: EnergyAudit,
     /// Number of traced rays.
@@ -60,8 +60,8 @@ impl PhotonPass<'_> {
         self.trace_and_connect(pass_key, paths, None, done)
     }
 
-    /// Works like [`PhotonPass::trace`]; `light_tracer` also connects caustic photons to the
-    /// camera.
+    /// Traces photon paths like [`PhotonPass::trace`]. `light_tracer` also connects caustic photons
+    /// to the camera.
     pub fn trace_and_connect(
         &self,
         pass_key: Key,
@@ -79,14 +79,14 @@ impl PhotonPass<'_> {
         light_tracer: Option<&LightTracer<'_>>,
         done: &(dyn Fn(u64) + Sync),
     ) -> PhotonPassResult {
-        let chunks: Vec<(Deposits, PathTally)> = (0..paths.div_ceil(CHUNK))
+        let chunks: Vec<(Deposits, PhotonTracingTotals)> = (0..paths.div_ceil(CHUNK))
             .into_par_iter()
             .map(|chunk| {
                 let range = chunk * CHUNK..paths.min((chunk + 1).saturating_mul(CHUNK));
                 let emitted = u64::from(range.end - range.start);
-                let (mut deposits, mut tally) = (Deposits::default(), PathTally::default());
+                let (mut deposits, mut tally) = (Deposits::default(), PhotonTracingTotals::default());
                 for index in range {
-                    if let Some((ray, flux)) = self.source.emit::<I>(pass_key, index, paths) {
+                    if let Some((ray, flux)) = self.source.emit_photon_path::<I>(pass_key, index, paths) {
                         let key = pass_key.path_key(index);
                         self.follow_photon_path(ray, flux, key, light_tracer, &mut tally, |deposit| {
                             deposits.store_deposit(self, &deposit)
@@ -97,43 +97,43 @@ impl PhotonPass<'_> {
                 (deposits, tally)
             })
             .collect();
-        let (chunks, tallies): (Vec<Deposits>, Vec<PathTally>) = chunks.into_iter().unzip();
-        let mut tally = PathTally::default();
+        let (chunks, tallies): (Vec<Deposits>, Vec<PhotonTracingTotals>) = chunks.into_iter().unzip();
+        let mut tally = PhotonTracingTotals::default();
         for chunk in tallies {
             tally.audit += chunk.audit;
             tally.rays += chunk.rays;
         }
-        let PathTally { audit, rays } = tally;
+        let PhotonTracingTotals { audit, rays } = tally;
         PhotonPassResult { deposits: Deposits::concatenate(chunks), audit, rays, paths: u64::from(paths) }
     }
 
     /// Follows one photon path until it is absorbed, escapes or is stopped.
     ///
-    /// Calls `deposit` for each surface point, beam and medium point where `mask` stores photons.
-    /// `flux` \[W] is the flux at emission.
+    /// Calls `deposit` for each surface point, beam and medium point where `mask` stores photons,
+    /// and for each splat. `flux` \[W] is the flux at emission.
     #[inline]
     pub(super) fn follow_photon_path<I: Interior>(
         &self,
-        mut ray: PathRay<I>,
+        mut path_ray: PathRay<I>,
         mut flux: Rgb,
-        path: Key,
+        path_key: Key,
         light_tracer: Option<&LightTracer<'_>>,
-        tally: &mut PathTally,
+        tally: &mut PhotonTracingTotals,
         mut deposit: impl FnMut(Deposit<'_>),
     ) {
-        let PathTally { audit, rays } = tally;
+        let PhotonTracingTotals { audit, rays } = tally;
         let mut kind = PhotonKind::Direct;
         add_flux(&mut audit.emitted, flux);
         for bounce in 0.. {
             *rays += 1;
-            let key = path.bounce_key(bounce);
+            let key = path_key.bounce_key(bounce);
 
             // Find the next vertex, and deposit in media on the way.
-            let emitted = flux;
+            let flux_before_segment = flux;
             let mut phase_function = PhaseFunction::Isotropic;
             let event = if I::HAS_MEDIA_OR_WAVELENGTH {
                 let (mut rng, mut weight) = (key.rng(), DVec3::ONE);
-                let event = ray.next_vertex(self.scene, key, |segment| {
+                let event = path_ray.next_vertex(self.scene, key, |segment| {
                     let kind = if segment.crossed { kind.after_crossed_caster() } else { kind };
                     phase_function = segment.medium.phase;
                     self.sample_medium_segment(segment, kind, flux, &mut weight, &mut rng, &mut deposit)
@@ -141,10 +141,10 @@ impl PhotonPass<'_> {
                 flux *= weight.as_vec3();
                 event
             } else {
-                ray.next_vertex(self.scene, key, |_| None)
+                path_ray.next_vertex(self.scene, key, |_| None)
             };
-            if flux != emitted {
-                add_flux(&mut audit.absorbed, emitted - flux);
+            if flux != flux_before_segment {
+                add_flux(&mut audit.absorbed, flux_before_segment - flux);
             }
             let (surface, transmittance, crossed) = match event {
                 PathEvent::Escaped { .. } => return add_flux(&mut audit.escaped, flux),
@@ -168,12 +168,12 @@ impl PhotonPass<'_> {
                 && stores
                 && self.mask.stores_on_surfaces(kind)
             {
-                let flux = flux * photon_deposit_factor(surface.wo, surface.point.ns, surface.point.ng);
-                let wavelength = ray.interior.wavelength();
+                let stored_flux = flux * photon_deposit_factor(surface.wo, surface.point.ns, surface.point.ng);
+                let wavelength = path_ray.interior.wavelength();
                 let share = light_tracer
                     .filter(|_| kind == PhotonKind::Caustic)
-                    .map(|tracer| tracer.connect(surface, flux, &ray, key, rays, &mut deposit));
-                deposit(Deposit { kind, place: DepositPlace::Surface(surface, share), flux, wavelength });
+                    .map(|tracer| tracer.connect_to_camera(surface, stored_flux, &path_ray, key, rays, &mut deposit));
+                deposit(Deposit { kind, place: DepositPlace::Surface(surface, share), flux: stored_flux, wavelength });
             }
 
             // Stop if no stored kind can follow.
@@ -200,16 +200,16 @@ impl PhotonPass<'_> {
                     return add_flux(&mut audit.absorbed, flux);
                 };
                 let adjoint = sample.adjoint_correction(surface.wo, surface.point.ns, surface.point.ng);
-                let interior_weight = ray.leave_surface(surface, sample.wi, sample.is_transmitted);
+                let interior_weight = path_ray.leave_surface(surface, sample.wi, sample.is_transmitted);
                 let scattered = flux * sample.weight * adjoint * interior_weight;
                 add_flux(&mut audit.absorbed, flux - scattered);
                 flux = scattered;
                 color::channel_mean(scattered) / before
             } else {
-                let (direction, _) = phase_function.sample(ray.ray.direction, key.uniform_2d(Dimension::Phase));
-                ray.scatter_towards(direction);
+                let (direction, _) = phase_function.sample(path_ray.ray.direction, key.uniform_2d(Dimension::Phase));
+                path_ray.scatter_towards(direction);
                 // In a medium, the throughput ratio includes absorption along the segment.
-                before / color::channel_mean(emitted)
+                before / color::channel_mean(flux_before_segment)
             };
 
             // Russian roulette by the throughput ratio keeps the fluxes of stored photons similar.
@@ -223,7 +223,8 @@ impl PhotonPass<'_> {
         }
     }
 
-    /// Samples the scattering distance in a medium segment; `None` if the path leaves the segment.
+    /// Samples the distance \[length] at which a path scatters in a medium segment; `None` if it
+    /// passes through.
     ///
     /// `flux` \[W] is the flux at the last vertex. `weight` is the product of the sampling weights
     /// of all segments since that vertex; this segment's weight is multiplied to it. Deposits a

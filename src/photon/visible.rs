@@ -1,6 +1,6 @@
-//! Importance of photons for the picture, from the density of visible points.
+//! Importance of photons for the picture, estimated from the density of visible points.
 
-use super::{Bandwidth, Kernel, Photon, PhotonMap, Scratch};
+use super::{Bandwidth, Kernel, Photon, PhotonMap, PhotonSearchBuffers};
 use crate::color::Rgb;
 use crate::math::Bounds;
 use glam::Vec3;
@@ -12,24 +12,27 @@ pub struct VisiblePoint {
     pub position: Vec3,
     /// Unit geometric normal on the visible side.
     pub normal: Vec3,
-    /// Path throughput times BRDF, up to a common factor: how much irradiance changes the picture.
+    /// Factor from irradiance at the point to radiance of a pixel, up to a common factor: path
+    /// throughput times BRDF.
     pub weight: f32,
 }
 
-/// Visible points in a kd-tree. Their weighted density is the importance of photons.
+/// Visible points in a kd-tree. Their density, weighted by squared weight, is the importance of
+/// photons.
 ///
-/// They correspond to the importons of Peter and Pietrek 1998, "Importance Driven Construction of
-/// Photon Maps".
+/// Visible points correspond to the importons of Peter and Pietrek 1998, "Importance Driven
+/// Construction of Photon Maps".
 #[derive(Debug)]
 pub struct VisiblePointMap {
     /// Visible points, stored as photons whose flux is the squared weight.
     points: PhotonMap,
     bandwidth: Bandwidth,
-    /// Radius at which a search begins \[length]; 90 % of the points need a larger one.
+    /// Radius at which a search begins \[length]. At 90 % of the points, the 16th neighbour is
+    /// farther away.
     first_search_radius: f32,
 }
 
-/// Number of nearest visible points per density estimate.
+/// Number of nearest visible points in a density estimate of importance.
 const NEIGHBOURS: u32 = 16;
 
 /// Number of visible points at which the distance to the 16th neighbour is measured.
@@ -58,13 +61,14 @@ impl VisiblePointMap {
         Self { points, bandwidth: Bandwidth { radius: radius.max(typical), k: NEIGHBOURS }, first_search_radius }
     }
 
-    /// Sum of squared weights of visible points per area around `p` \[1/length²].
+    /// Importance of photons at `p`: the sum of squared weights of visible points per area
+    /// \[1/length²].
     ///
     /// Only points on the side of the unit geometric `normal` count. A photon of flux Φ at `p`
     /// changes the picture by a sum of squares proportional to Φ² times this importance.
     #[inline]
     #[must_use]
-    pub fn importance(&self, p: Vec3, normal: Vec3, scratch: &mut Scratch) -> f32 {
+    pub fn importance(&self, p: Vec3, normal: Vec3, scratch: &mut PhotonSearchBuffers) -> f32 {
         // Consecutive photons are far apart, so the radius of the last search is a poor start.
         scratch.set_first_search_radius(self.first_search_radius);
         self.points.estimate(p, normal, self.bandwidth, Kernel::Box, scratch, |_| Rgb::ONE).radiance.x

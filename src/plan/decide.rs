@@ -6,14 +6,14 @@ use std::fmt;
 
 /// Reason why a render needs an effect, or does not need it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reason {
+pub enum EffectReason {
     /// Objects need the effect: their number, and words that describe them.
     Objects(usize, &'static str),
     /// Lights need the effect: their number, and words that describe them.
     Lights(usize, &'static str),
     /// The scene has an environment light.
     EnvironmentLight,
-    /// Objects may occlude each other.
+    /// Objects may block direct light from other objects or from parts of themselves.
     MayOcclude,
     /// The algorithm cannot simulate the effect.
     UnsupportedByAlgorithm,
@@ -48,7 +48,7 @@ pub enum Reason {
     NoTexture,
     /// No object has a bump or normal map.
     NoBump,
-    /// Number of media in the scene.
+    /// Media need the effect: the number of media that scatter, absorb or emit.
     Media(usize),
     /// The scene has no media.
     NoMedium,
@@ -60,7 +60,7 @@ pub enum Reason {
     Requires(Effect),
 }
 
-impl fmt::Display for Reason {
+impl fmt::Display for EffectReason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let counted = |f: &mut fmt::Formatter<'_>, n: usize, what: &str, rest: &str| {
             write!(f, "{n} {what}{} {rest}", if n == 1 { "" } else { "s" })
@@ -98,18 +98,18 @@ impl fmt::Display for Reason {
 
 /// Decision about one effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Decision {
+pub struct EffectDecision {
     /// The effect.
     pub effect: Effect,
     /// True if the scene needs the effect.
     pub is_needed: bool,
     /// Reason why the scene needs the effect, or does not need it.
-    pub reason: Reason,
+    pub reason: EffectReason,
     /// True if the render simulates the effect.
     pub is_simulated: bool,
 }
 
-impl Decision {
+impl EffectDecision {
     /// True if the user forced the effect on or off, against the need of the scene.
     #[must_use]
     pub fn is_forced(&self) -> bool {
@@ -123,7 +123,7 @@ pub struct Plan {
     /// Features of the scene.
     pub features: SceneFeatures,
     /// One decision per effect, in the order of [`Effect::ALL`].
-    pub decisions: Vec<Decision>,
+    pub decisions: Vec<EffectDecision>,
 }
 
 impl Plan {
@@ -134,7 +134,7 @@ impl Plan {
         let mut needed = Effects::NONE;
         let decide = |effect| {
             let reason = match decide_effect(&features, effect, needed) {
-                _ if !supported.has(effect) => Err(Reason::UnsupportedByAlgorithm),
+                _ if !supported.has(effect) => Err(EffectReason::UnsupportedByAlgorithm),
                 reason => reason,
             };
             if reason.is_ok() {
@@ -143,7 +143,7 @@ impl Plan {
             let is_needed = reason.is_ok();
             let is_simulated = supported.has(effect) && overrides.forced_state(effect).unwrap_or(is_needed);
             let reason = reason.unwrap_or_else(|why| why);
-            Decision { effect, is_needed, reason, is_simulated }
+            EffectDecision { effect, is_needed, reason, is_simulated }
         };
         let decisions = Effect::ALL.map(decide).to_vec();
         Self { features, decisions }
@@ -165,88 +165,88 @@ impl Plan {
 /// Decides whether a scene needs `effect`: `Ok` with the reason if so, else `Err` with the reason.
 ///
 /// `before` holds the needed effects that precede `effect` in [`Effect::ALL`].
-fn decide_effect(features: &SceneFeatures, effect: Effect, before: Effects) -> Result<Reason, Reason> {
-    let need = |condition: bool, otherwise: Reason| if condition { Ok(()) } else { Err(otherwise) };
-    let any = |n: usize, otherwise: Reason| need(n > 0, otherwise);
+fn decide_effect(features: &SceneFeatures, effect: Effect, before: Effects) -> Result<EffectReason, EffectReason> {
+    let need = |condition: bool, otherwise: EffectReason| if condition { Ok(()) } else { Err(otherwise) };
+    let any = |n: usize, otherwise: EffectReason| need(n > 0, otherwise);
     // Media that scatter count as receivers.
     let receivers = features.receivers + features.scattering_media;
     let scattering = features.scattering_receivers + features.scattering_media;
     match effect {
         Effect::Specular => {
-            any(features.casters, Reason::NoCaster)?;
-            Ok(Reason::Objects(features.casters, "that can cast caustics"))
+            any(features.casters, EffectReason::NoCaster)?;
+            Ok(EffectReason::Objects(features.casters, "that can cast caustics"))
         }
         Effect::Caustics => {
-            any(features.lights, Reason::NoLight)?;
-            any(features.casters, Reason::NoCaster)?;
-            any(features.lit_casters, Reason::NoLitCaster)?;
-            any(receivers, Reason::NoReceiver)?;
-            Ok(Reason::Objects(features.lit_casters, "may cast caustics"))
+            any(features.lights, EffectReason::NoLight)?;
+            any(features.casters, EffectReason::NoCaster)?;
+            any(features.lit_casters, EffectReason::NoLitCaster)?;
+            any(receivers, EffectReason::NoReceiver)?;
+            Ok(EffectReason::Objects(features.lit_casters, "may cast caustics"))
         }
         Effect::CausticBounces => {
-            need(before.has(Effect::Caustics), Reason::Requires(Effect::Caustics))?;
-            any(scattering, Reason::BlackReceivers)?;
-            Ok(Reason::Objects(scattering, "may reflect caustics"))
+            need(before.has(Effect::Caustics), EffectReason::Requires(Effect::Caustics))?;
+            any(scattering, EffectReason::BlackReceivers)?;
+            Ok(EffectReason::Objects(scattering, "may reflect caustics"))
         }
         Effect::Interreflection => {
             // Only scattered paths show the background behind a scattering medium.
             let hazy = features.background && features.scattering_media > 0;
-            need(features.lights + features.emitting_media > 0 || hazy, Reason::NoLight)?;
-            any(receivers, Reason::NoReceiver)?;
-            any(scattering, Reason::BlackReceivers)?;
+            need(features.lights + features.emitting_media > 0 || hazy, EffectReason::NoLight)?;
+            any(receivers, EffectReason::NoReceiver)?;
+            any(scattering, EffectReason::BlackReceivers)?;
             // Scattered paths also find light of soft lights, by MIS. With a soft light,
             // `one_flat_object` is always false.
-            need(!features.one_flat_object, Reason::OneFlatObject)?;
-            Ok(Reason::Objects(scattering, "may light other objects"))
+            need(!features.one_flat_object, EffectReason::OneFlatObject)?;
+            Ok(EffectReason::Objects(scattering, "may light other objects"))
         }
         Effect::Gathering => {
-            need(before.has(Effect::Interreflection), Reason::Requires(Effect::Interreflection))?;
-            Ok(Reason::Objects(scattering, "may light other objects"))
+            need(before.has(Effect::Interreflection), EffectReason::Requires(Effect::Interreflection))?;
+            Ok(EffectReason::Objects(scattering, "may light other objects"))
         }
         Effect::Shadows => {
-            any(features.lights, Reason::NoLight)?;
-            need(!features.one_flat_object, Reason::OneFlatObject)?;
-            Ok(Reason::MayOcclude)
+            any(features.lights, EffectReason::NoLight)?;
+            need(!features.one_flat_object, EffectReason::OneFlatObject)?;
+            Ok(EffectReason::MayOcclude)
         }
         Effect::SoftShadows => {
-            any(features.lights, Reason::NoLight)?;
-            any(features.soft_lights, Reason::NoSoftLight)?;
-            Ok(Reason::Lights(features.soft_lights, "with an extent"))
+            any(features.lights, EffectReason::NoLight)?;
+            any(features.soft_lights, EffectReason::NoSoftLight)?;
+            Ok(EffectReason::Lights(features.soft_lights, "with an extent"))
         }
         Effect::Environment => {
-            need(features.environment, Reason::NoEnvironmentLight)?;
-            Ok(Reason::EnvironmentLight)
+            need(features.environment, EffectReason::NoEnvironmentLight)?;
+            Ok(EffectReason::EnvironmentLight)
         }
         Effect::Interiors => {
             if features.filled {
-                return Ok(Reason::AmbientMedium);
+                return Ok(EffectReason::AmbientMedium);
             }
-            any(features.bodies, Reason::NoBody)?;
-            Ok(Reason::Objects(features.bodies, "that light enters"))
+            any(features.bodies, EffectReason::NoBody)?;
+            Ok(EffectReason::Objects(features.bodies, "that light enters"))
         }
         Effect::Lens => {
-            need(features.lens, Reason::NoLens)?;
-            Ok(Reason::Lens)
+            need(features.lens, EffectReason::NoLens)?;
+            Ok(EffectReason::Lens)
         }
         Effect::Motion => {
-            need(features.moving, Reason::NothingMoves)?;
-            Ok(Reason::Moving)
+            need(features.moving, EffectReason::NothingMoves)?;
+            Ok(EffectReason::Moving)
         }
         Effect::Textures => {
-            any(features.textured, Reason::NoTexture)?;
-            Ok(Reason::Objects(features.textured, "with textures"))
+            any(features.textured, EffectReason::NoTexture)?;
+            Ok(EffectReason::Objects(features.textured, "with textures"))
         }
         Effect::Bump => {
-            any(features.bump_mapped, Reason::NoBump)?;
-            Ok(Reason::Objects(features.bump_mapped, "with bump or normal maps"))
+            any(features.bump_mapped, EffectReason::NoBump)?;
+            Ok(EffectReason::Objects(features.bump_mapped, "with bump or normal maps"))
         }
         Effect::Media => {
-            any(features.media, Reason::NoMedium)?;
-            Ok(Reason::Media(features.media))
+            any(features.media, EffectReason::NoMedium)?;
+            Ok(EffectReason::Media(features.media))
         }
         Effect::Dispersion => {
-            any(features.dispersive, Reason::NoDispersion)?;
-            Ok(Reason::Objects(features.dispersive, "of dispersive glass"))
+            any(features.dispersive, EffectReason::NoDispersion)?;
+            Ok(EffectReason::Objects(features.dispersive, "of dispersive glass"))
         }
     }
 }

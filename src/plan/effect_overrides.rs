@@ -88,7 +88,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn later_words_win() {
+    fn later_effect_overrides_win() {
         let read = |text: &str| text.parse::<EffectOverrides>().unwrap();
         assert_eq!(read("all"), EffectOverrides::ALL);
         let overrides = read("none, +caustics,-shadows ,+shadows");
@@ -100,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn unknown_words_are_errors() {
+    fn unknown_effect_overrides_are_errors() {
         for bad in ["", "caustics", "+dof", "all,", "-"] {
             let error = bad.parse::<EffectOverrides>().unwrap_err().to_string();
             assert!(error.contains("+caustics") && error.contains("caustic-bounces"), "{error}");

@@ -8,6 +8,6 @@ mod effect_overrides;
 mod scene_features;
 
 pub use crate::scene::{Effect, Effects};
-pub use decide::{Decision, Plan, Reason};
+pub use decide::{EffectDecision, EffectReason, Plan};
 pub use effect_overrides::{EffectOverrides, UnknownOverride};
 pub use scene_features::SceneFeatures;

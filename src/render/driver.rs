@@ -2,13 +2,14 @@
 
 use super::error_estimate::{Confidence, ErrorEstimate, ErrorEstimator, ErrorForecast, PassesNeeded};
 use super::film::Film;
-use crate::integrate::{Integrator, Monitor, PhotonReport, Seconds};
+use crate::integrate::{Integrator, PhotonReport, ProgressMonitor, StageTimes};
 use crate::stats::Counters;
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Conditions that end a render. They are checked after each pass; one that holds suffices.
+/// Conditions that end a render. They are checked after each pass, and the first that holds ends
+/// the render.
 #[derive(Clone, Copy, Debug)]
 pub struct StopCriteria<'a> {
     /// Number of passes before `time` or `target` may end the render.
@@ -19,7 +20,7 @@ pub struct StopCriteria<'a> {
     pub time: Option<Duration>,
     /// Error at which the render ends; `None` for no target.
     pub target: Option<ErrorTarget>,
-    /// Set to true by another thread to end the render after the current pass.
+    /// Flag that another thread sets to true to end the render after the current pass.
     pub interrupted: &'a AtomicBool,
 }
 
@@ -33,8 +34,8 @@ pub struct ErrorTarget {
 }
 
 impl ErrorTarget {
-    /// Confidence of the two-sided error interval whose upper end is a bound of the target's
-    /// confidence.
+    /// Confidence of the two-sided error interval whose upper end exceeds the true error with the
+    /// probability `self.confidence`.
     #[must_use]
     pub fn interval_confidence(self) -> Confidence {
         Confidence::new(2.0 * self.confidence.probability() - 1.0).unwrap_or(Confidence::LEAST)
@@ -45,13 +46,13 @@ impl ErrorTarget {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum EndReason {
-    /// All passes were made.
+    /// The largest number of passes was reached.
     Passes,
     /// The time limit elapsed.
     Time,
     /// The error target was reached.
     Target,
-    /// The error target is below the error that more passes leave, and no other limit was set.
+    /// More passes would not reach the error target, and no other limit was set.
     Floor,
     /// The user interrupted the render.
     Interrupted,
@@ -69,11 +70,11 @@ pub struct RenderResult {
     /// Counts of rays and density estimates of all passes.
     pub counters: Counters,
     /// Wall time of all passes \[s], by stage.
-    pub seconds: Seconds,
+    pub seconds: StageTimes,
     /// Counts and flux of the photon paths that start in all directions.
-    pub global: PhotonReport,
+    pub unaimed: PhotonReport,
     /// Counts and flux of the photon paths that are aimed at caustic casters.
-    pub caustic: PhotonReport,
+    pub aimed: PhotonReport,
     /// Wall time from the first pass to the end.
     pub wall: Duration,
 }
@@ -87,13 +88,15 @@ pub struct PassProgress {
     pub error: Option<(ErrorEstimate, ErrorForecast)>,
 }
 
-/// Factor between the numbers of passes of two error estimates. Each costs a fraction of a pass.
+/// Factor between the numbers of passes at which the error is estimated. One estimate costs a
+/// fraction of a pass.
 const ESTIMATE_INTERVAL_FACTOR: f64 = 1.05;
 
-/// Number of passes before a render may give up its error target.
+/// Smallest number of passes after which a render may give up its error target.
 const GIVE_UP_PASSES: u32 = 16;
 
-/// A render gives up if this fraction of the predicted remaining error exceeds the target.
+/// A render gives up its error target if this fraction of the predicted remaining bias exceeds the
+/// target.
 const GIVE_UP_MARGIN: f64 = 0.8;
 
 /// Renders a picture of `size` (width, height) pixels, pass by pass, until a criterion of `stop`
@@ -105,31 +108,31 @@ pub fn render(
     integrator: &dyn Integrator,
     size: (u32, u32),
     stop: &StopCriteria<'_>,
-    monitor: &dyn Monitor,
+    monitor: &dyn ProgressMonitor,
     mut after_pass: impl FnMut(&PassProgress),
 ) -> RenderResult {
     let start = Instant::now();
     let mut rendered = RenderResult {
         film: Film::new(size.0, size.1),
-        estimator: integrator.nests_estimates().then(|| ErrorEstimator::new(integrator.radius_law())),
+        estimator: integrator.returns_nested_estimates().then(|| ErrorEstimator::new(integrator.radius_law())),
         ended: EndReason::Passes,
         counters: Counters::default(),
-        seconds: Seconds::default(),
-        global: PhotonReport::default(),
-        caustic: PhotonReport::default(),
+        seconds: StageTimes::default(),
+        unaimed: PhotonReport::default(),
+        aimed: PhotonReport::default(),
         wall: Duration::ZERO,
     };
     let mut next_estimate = 0.0;
     loop {
-        let pass = integrator.pass(rendered.film.passes(), monitor);
+        let pass = integrator.render_pass(rendered.film.passes(), monitor);
         if let Some(estimator) = &mut rendered.estimator {
             estimator.add(&rendered.film, &pass);
         }
         rendered.film.add(&pass.image);
         rendered.counters += pass.counters;
         rendered.seconds += pass.seconds;
-        rendered.global += pass.global;
-        rendered.caustic += pass.caustic;
+        rendered.unaimed += pass.unaimed;
+        rendered.aimed += pass.aimed;
         let passes = rendered.film.passes();
         let mut error = None;
         if f64::from(passes) >= next_estimate {

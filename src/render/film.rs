@@ -16,7 +16,7 @@ pub struct Film {
 }
 
 impl Film {
-    /// An empty film of `width` × `height` pixels.
+    /// Creates an empty film of `width` × `height` pixels.
     #[must_use]
     pub fn new(width: u32, height: u32) -> Self {
         Self { width, height, sums: vec![CompensatedSum::default(); width as usize * height as usize], passes: 0 }

@@ -1,4 +1,4 @@
-//! The render loop: runs passes of an integrator, averages them, and estimates the error.
+//! The render loop: it runs passes of an integrator, averages them and estimates the error.
 
 mod driver;
 pub mod error_estimate;

@@ -35,7 +35,7 @@ impl DiscreteDistribution {
         Some(Self { cumulative, total })
     }
 
-    /// Sum of the weights.
+    /// Sum of the weights that were given to [`DiscreteDistribution::new`].
     #[must_use]
     pub fn weight_sum(&self) -> f64 {
         self.total

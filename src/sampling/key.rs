@@ -38,8 +38,8 @@ use rand::{SeedableRng, rngs::SmallRng};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u64)]
 pub enum Purpose {
-    /// Photon paths of the global map.
-    GlobalPhotons = 1,
+    /// Photon paths that start in all directions.
+    UnaimedPhotons = 1,
     /// Photon paths emitted toward casters, which are surfaces that form caustics.
     CausticPhotons,
     /// Camera paths.
@@ -61,7 +61,7 @@ pub enum Purpose {
     /// Shutter times of passes.
     Shutter,
     /// Pilot simulation that divides caustics between photon estimates and light tracing.
-    EstimateShares,
+    DensityEstimateShares,
 }
 
 /// Random decision at one vertex of a path; each has its own random numbers.
@@ -70,7 +70,7 @@ pub enum Purpose {
 pub enum Dimension {
     /// Choice of a light, for photon emission or next-event estimation.
     Light = 1,
-    /// Position on a light source.
+    /// Position on a light.
     LightPosition,
     /// Direction in which a light emits a photon.
     LightDirection,
@@ -92,11 +92,11 @@ pub enum Dimension {
     ChosenLobe,
     /// Russian roulette before shading a vertex of low throughput, and for photons after a caustic.
     ShadingRoulette,
-    /// Position on the lens.
+    /// Position on the lens of the camera.
     Lens,
-    /// Time while the shutter is open.
+    /// Time of a pass while the shutter is open.
     Time,
-    /// Wavelength.
+    /// Wavelength that a path keeps after its first dispersive interface.
     Wavelength,
     /// Direction after scattering in a medium.
     Phase,
@@ -118,14 +118,15 @@ impl Key {
         Self(hash_bits(seed ^ 0x6a09_e667_f3bc_c909))
     }
 
-    /// Child key of word `n`. Renderer code calls the specific functions below instead.
+    /// Returns the hash of this key and the word `n`. Renderer code calls a function with a
+    /// specific name instead, such as [`Key::pass_key`].
     #[inline]
     #[must_use]
     pub fn child_key(self, n: u64) -> Self {
         Self(hash_bits(self.0.wrapping_add(n.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15))))
     }
 
-    /// Key of a purpose.
+    /// Key of one purpose, derived from the root key of a render.
     #[must_use]
     pub fn purpose_key(self, purpose: Purpose) -> Self {
         self.child_key(purpose as u64)
@@ -164,7 +165,7 @@ impl Key {
         self.child_key(u64::from(bounce))
     }
 
-    /// Key of the connection of a photon to the camera.
+    /// Key of the connection from a vertex of a photon path to the camera.
     #[inline]
     #[must_use]
     pub fn camera_connection_key(self) -> Self {
@@ -192,7 +193,7 @@ impl Key {
         self.child_key(1)
     }
 
-    /// Key of trial `trial` of a pilot.
+    /// Key of trial `trial` of a pilot. Different trials get independent random numbers.
     #[must_use]
     pub fn pilot_trial_key(self, trial: u32) -> Self {
         self.child_key(u64::from(trial))
@@ -204,13 +205,14 @@ impl Key {
         self.child_key(u64::from(set) << 32 | u64::from(point))
     }
 
-    /// Key of light `light`.
+    /// Key of the random numbers that estimate how much light `light` sends towards caustic
+    /// casters.
     #[must_use]
     pub fn light_key(self, light: usize) -> Self {
         self.child_key(light as u64)
     }
 
-    /// Key of training round `round`.
+    /// Key of round `round` of the training of emission guiding.
     #[must_use]
     pub fn training_round_key(self, round: u32) -> Self {
         self.child_key(u64::from(round))
@@ -227,7 +229,7 @@ impl Key {
     #[inline]
     #[must_use]
     pub fn uniform_1d(self, dimension: Dimension) -> f32 {
-        unit_from_24_bits((self.random_bits(dimension) >> 40) as u32)
+        uniform_from_24_bits((self.random_bits(dimension) >> 40) as u32)
     }
 
     /// Uniform point in \[0, 1)².
@@ -235,7 +237,7 @@ impl Key {
     #[must_use]
     pub fn uniform_2d(self, dimension: Dimension) -> Vec2 {
         let bits = self.random_bits(dimension);
-        Vec2::new(unit_from_24_bits((bits >> 40) as u32), unit_from_24_bits((bits >> 8) as u32 & 0xff_ffff))
+        Vec2::new(uniform_from_24_bits((bits >> 40) as u32), uniform_from_24_bits((bits >> 8) as u32 & 0xff_ffff))
     }
 
     /// Sequential random number generator, for decisions that need an unknown count of numbers.
@@ -247,7 +249,7 @@ impl Key {
 
 /// Converts a 24-bit integer to a number in \[0, 1) without rounding.
 #[inline]
-pub(super) fn unit_from_24_bits(bits: u32) -> f32 {
+pub(super) fn uniform_from_24_bits(bits: u32) -> f32 {
     bits as f32 * (1.0 / 16_777_216.0)
 }
 

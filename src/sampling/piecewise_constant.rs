@@ -64,7 +64,7 @@ mod tests {
     use crate::sampling::{Dimension, Key, Purpose};
 
     #[test]
-    fn cells_follow_weights_and_positions_are_uniform() {
+    fn sampled_cells_follow_weights_and_positions_are_uniform() {
         let weights = [1.0, 0.0, 3.0, 0.0, 0.0, 0.0, 2.0, 2.0, 8.0];
         let grid = PiecewiseConstant2d::new(3, 3, |x, y| weights[3 * y + x]).unwrap();
         let n = 160_000u64;

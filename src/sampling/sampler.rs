@@ -1,4 +1,4 @@
-//! Random numbers of samples that are stratified together.
+//! Random numbers for several samples, stratified over these samples.
 
 use super::{Dimension, Key, sobol_2d};
 use glam::Vec2;
@@ -14,15 +14,16 @@ pub struct Sampler {
 }
 
 impl Sampler {
-    /// Sampler for sample `index` of `count`.
+    /// Sampler for sample `index` of `count` samples that have the same `key`.
     #[must_use]
     pub fn new(key: Key, index: u32, count: u32) -> Self {
         Self { key, index, count }
     }
 
-    /// Sampler for the same sample with the child key of word `n`.
+    /// Sampler for the same sample, whose key is derived from this key and the word `n`.
     ///
-    /// Renderer code calls the specific functions below instead.
+    /// Renderer code calls a function with a specific name instead, such as
+    /// [`Sampler::shadow_ray_sampler`].
     #[inline]
     #[must_use]
     pub fn child_sampler(self, n: u64) -> Self {
@@ -62,10 +63,10 @@ impl Sampler {
         self.child_sampler(index as u64)
     }
 
-    /// Sampler for subsample `index` of `count` subsamples of this sample.
+    /// Sampler for subsample `index`, if this sample is split into `count` stratified subsamples.
     #[inline]
     #[must_use]
-    pub fn split_sample(self, index: u32, count: u32) -> Self {
+    pub fn subsample_sampler(self, index: u32, count: u32) -> Self {
         Self {
             index: self.index.wrapping_mul(count).wrapping_add(index),
             count: self.count.wrapping_mul(count),
@@ -83,7 +84,7 @@ impl Sampler {
     /// Index of this sample, and the number of samples with its key.
     #[inline]
     #[must_use]
-    pub fn index_and_count(self) -> (u32, u32) {
+    pub fn sample_index_and_count(self) -> (u32, u32) {
         (self.index, self.count)
     }
 
@@ -113,7 +114,7 @@ mod tests {
         let mut occupied = [false; 64];
         for sample in 0..16 {
             for ray in 0..4 {
-                let x = Sampler::new(key, sample, 16).split_sample(ray, 4).get_1d(Dimension::Light);
+                let x = Sampler::new(key, sample, 16).subsample_sampler(ray, 4).get_1d(Dimension::Light);
                 let cell = &mut occupied[(x * 64.0) as usize];
                 assert!(!std::mem::replace(cell, true), "two of 64 numbers share a stratum");
             }

@@ -1,6 +1,6 @@
 //! Owen-scrambled Sobol' points in two dimensions.
 
-use super::{Dimension, Key, key::unit_from_24_bits};
+use super::{Dimension, Key, key::uniform_from_24_bits};
 use glam::Vec2;
 
 /// Point `index` of a two-dimensional Sobol' sequence with Owen scrambling, in \[0, 1)².
@@ -15,8 +15,8 @@ pub fn sobol_2d(index: u32, key: Key, dimension: Dimension) -> Vec2 {
     let (order, x, y) = (seed as u32, (seed >> 32) as u32, (seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32) as u32);
     let i = owen_scramble(index, order);
     Vec2::new(
-        unit_from_24_bits(owen_scramble(i.reverse_bits(), x) >> 8),
-        unit_from_24_bits(owen_scramble(sobol_second_dimension(i), y) >> 8),
+        uniform_from_24_bits(owen_scramble(i.reverse_bits(), x) >> 8),
+        uniform_from_24_bits(owen_scramble(sobol_second_dimension(i), y) >> 8),
     )
 }
 
@@ -39,8 +39,8 @@ fn owen_scramble(x: u32, seed: u32) -> u32 {
     laine_karras_hash(x.reverse_bits(), seed).reverse_bits()
 }
 
-/// Hash in which each bit depends on lower bits only (Laine and Karras 2011, with constants of
-/// Vegdahl).
+/// Hash in which each bit depends only on itself and lower bits (Laine and Karras 2011, with
+/// constants of Vegdahl).
 #[inline]
 fn laine_karras_hash(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
@@ -72,7 +72,8 @@ mod tests {
         }
     }
 
-    /// Means of one point over keys. Uniform numbers have variance 1/12; the bound is five sigma.
+    /// The mean of one point over many keys is ½ in both coordinates, within five standard
+    /// deviations. The variance of a uniform number is 1/12.
     #[test]
     fn each_point_alone_is_uniform() {
         let n = 20_000;

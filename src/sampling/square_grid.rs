@@ -26,7 +26,8 @@ const STEPS: f64 = 16_777_216.0;
 const MIN_CELL_STEPS: f64 = 64.0;
 
 impl SquareGridDistribution {
-    /// Distribution in proportion to `side`² `weights`, row by row.
+    /// Makes a distribution in proportion to `weights`, one for each of `side` × `side` cells, row
+    /// by row.
     ///
     /// `None` if `side` is not a power of two up to 1024, or if the number of weights is not
     /// `side`². Also `None` if a weight is negative or not finite, or if all are 0.
@@ -68,7 +69,7 @@ impl SquareGridDistribution {
         self.cell_pdf(columns[column + 1] - columns[column], self.rows[row + 1] - self.rows[row])
     }
 
-    /// Index of the cell that contains `u`, row by row, in a grid of `side`² cells.
+    /// Index of the cell that contains `u`, row by row, in a grid of `side` × `side` cells.
     #[inline]
     #[must_use]
     pub fn cell_index(side: usize, u: Vec2) -> usize {
@@ -82,7 +83,8 @@ impl SquareGridDistribution {
         &self.columns[row * stride..(row + 1) * stride]
     }
 
-    /// Pdf of a cell from the probabilities of its column (`width`) and row (`height`).
+    /// Pdf in a cell. `height` is the probability of its row, and `width` that of its column in the
+    /// row.
     fn cell_pdf(&self, width: f32, height: f32) -> f32 {
         let side = self.side as f32;
         (width * side) * (height * side)

@@ -3,7 +3,7 @@
 //! Each pass renders one instant of the shutter interval, so rays carry no time. Only the hierarchy
 //! over moving shapes is rebuilt for each pass.
 
-use super::build::{derive_quantities, mean_emission_lights};
+use super::build::{derive_scene_data, mean_emission_lights};
 use super::delta_light::{legacy_area_light, resolve_light};
 use super::{DeltaLightKind, LightStrength, Scene};
 use crate::camera::Camera;
@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// The time for which a scene is built: the middle of the shutter interval.
 pub(super) const MID_SHUTTER: f64 = 0.5;
 
-/// The moving parts of a scene. Their motions map to scene coordinates.
+/// The moving parts of a scene, with motions that map to scene coordinates.
 #[derive(Debug, Default)]
 pub(super) struct Animation {
     /// Moving shapes, which the scene lists after the shapes at rest.
@@ -38,88 +38,89 @@ impl Animation {
 }
 
 /// The transform of `motion` at `time`; `None` if it is singular or not finite.
-fn motion_transform_at(motion: &Motion, time: f64) -> Option<Transform> {
+fn motion_transform_at_time(motion: &Motion, time: f64) -> Option<Transform> {
     Transform::new(motion.at_time(time)).ok()
 }
 
 /// `shape` moved by `motion` at `time`; `None` if the transform is singular.
-pub(super) fn shape_at(shape: &Shape, motion: &Motion, time: f64) -> Option<Shape> {
-    shape.transformed(&motion_transform_at(motion, time)?)
+pub(super) fn shape_at_time(shape: &Shape, motion: &Motion, time: f64) -> Option<Shape> {
+    shape.transformed(&motion_transform_at_time(motion, time)?)
 }
 
 /// `plane` moved by `motion` at `time`; `None` if the transform is singular.
-pub(super) fn plane_at(plane: &Plane, motion: &Motion, time: f64) -> Option<Plane> {
-    Some(plane.transformed(&motion_transform_at(motion, time)?))
+pub(super) fn plane_at_time(plane: &Plane, motion: &Motion, time: f64) -> Option<Plane> {
+    Some(plane.transformed(&motion_transform_at_time(motion, time)?))
 }
 
-/// The light moved by `motion` at `time`; `None` if the transform is singular.
-pub(super) fn delta_light_at(kind: &DeltaLightKind, motion: &Motion, time: f64) -> Option<DeltaLightKind> {
-    Some(kind.transformed(&motion_transform_at(motion, time)?))
+/// The delta light moved by `motion` at `time`; `None` if the transform is singular.
+pub(super) fn delta_light_at_time(kind: &DeltaLightKind, motion: &Motion, time: f64) -> Option<DeltaLightKind> {
+    Some(kind.transformed(&motion_transform_at_time(motion, time)?))
 }
 
 /// `camera` moved by `motion` at `time`; `None` if the transform is singular.
-pub(super) fn camera_at(camera: &Camera, motion: &Motion, time: f64) -> Option<Camera> {
-    Some(camera.transformed(&motion_transform_at(motion, time)?))
+pub(super) fn camera_at_time(camera: &Camera, motion: &Motion, time: f64) -> Option<Camera> {
+    Some(camera.transformed(&motion_transform_at_time(motion, time)?))
 }
 
 /// The texture mapping moved by `motion` at `time`; `None` if the transform is singular.
-pub(super) fn mapping_at(kind: MappingKind, motion: &Motion, time: f64) -> Option<TextureMapping> {
-    Some(TextureMapping::new(kind, motion_transform_at(motion, time)?))
+pub(super) fn mapping_at_time(kind: MappingKind, motion: &Motion, time: f64) -> Option<TextureMapping> {
+    Some(TextureMapping::new(kind, motion_transform_at_time(motion, time)?))
 }
 
 /// Strength of a moving light in physical units, computed at mid-shutter.
 ///
-/// A [`LightStrength::Course`] colour depends on the light's distance to the origin. The light
-/// keeps the strength that this colour means at mid-shutter.
+/// The physical strength that belongs to a [`LightStrength::Course`] colour depends on the light's
+/// distance from the origin. A moving light keeps its strength of mid-shutter.
 pub(super) fn physical_strength_mid_shutter(
     kind: &DeltaLightKind,
     strength: LightStrength,
     motion: &Motion,
 ) -> LightStrength {
-    let (LightStrength::Course(_), Some(placed)) = (strength, delta_light_at(kind, motion, MID_SHUTTER)) else {
+    let (LightStrength::Course(_), Some(placed)) = (strength, delta_light_at_time(kind, motion, MID_SHUTTER)) else {
         return strength;
     };
     resolve_light(&placed, strength, DVec3::ZERO).0.peak_strength().map_or(strength, LightStrength::Physical)
 }
 
-/// `scene` at `time`: see [`Scene::at`]. An object whose motion is singular then stays at its
-/// mid-shutter position.
-pub(super) fn scene_at(scene: &Scene, time: f64) -> Scene {
+/// `scene` at `time`: see [`Scene::at_time`].
+///
+/// An object stays at its mid-shutter position if the map of its motion is singular at `time`.
+pub(super) fn scene_at_time(scene: &Scene, time: f64) -> Scene {
     let mut moved = scene.clone();
     let Some(animation) = &scene.animation else { return moved };
     for (i, kind, motion) in &animation.mappings {
-        if let Some(placed) = mapping_at(*kind, motion, time) {
+        if let Some(placed) = mapping_at_time(*kind, motion, time) {
             moved.mappings[*i] = placed;
         }
     }
     for (i, (shape, motion)) in (moved.geometry.first_moving as usize..).zip(&animation.shapes) {
-        if let Some(placed) = shape_at(shape, motion, time) {
+        if let Some(placed) = shape_at_time(shape, motion, time) {
             replace_shape(&mut moved, i, placed);
         }
     }
     let first_plane = moved.geometry.planes.len() - animation.planes.len();
     for (i, (plane, motion)) in (first_plane..).zip(&animation.planes) {
-        if let Some(placed) = plane_at(plane, motion, time) {
+        if let Some(placed) = plane_at_time(plane, motion, time) {
             moved.geometry.planes[i] = placed;
         }
     }
     for (i, kind, strength, motion) in &animation.lights {
-        if let Some(placed) = delta_light_at(kind, motion, time) {
+        if let Some(placed) = delta_light_at_time(kind, motion, time) {
             (moved.lights[*i], moved.legacy_lights[*i]) = resolve_light(&placed, *strength, DVec3::ZERO);
         }
     }
     if let Some((camera, motion)) = &animation.camera
-        && let Some(placed) = camera_at(camera, motion, time)
+        && let Some(placed) = camera_at_time(camera, motion, time)
     {
         moved.camera = placed;
     }
     moved.mean_emission_lights = mean_emission_lights(&moved.lights);
     moved.geometry.rebuild_moving_hierarchy();
-    moved.derived = derive_quantities(&moved);
+    moved.derived = derive_scene_data(&moved);
     moved
 }
 
-/// Replaces shape `i`, and the surface of its area light if it has one.
+/// Replaces shape `i` of the scene by `shape`, also as the surface of its area light, if any.
 fn replace_shape(scene: &mut Scene, i: usize, shape: Shape) {
     let object = scene.geometry.objects[i];
     if let Some(light) = object.light {

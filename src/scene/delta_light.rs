@@ -16,7 +16,7 @@ pub enum LegacyLight {
     Directional(Vec3, Rgb),
 }
 
-/// Strength of a delta light: of a [`DeltaLightKind`].
+/// Strength of a delta light, in one of three units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightStrength {
     /// Colour in the shading model of MIT course 6.837: the radiance that a white diffuse surface
@@ -57,7 +57,7 @@ pub enum DeltaLightKind {
 }
 
 impl DeltaLightKind {
-    /// The position; `None` for a directional light.
+    /// Position of the light; `None` for a directional light.
     #[must_use]
     pub fn position(&self) -> Option<DVec3> {
         match *self {
@@ -81,13 +81,14 @@ impl DeltaLightKind {
     }
 }
 
-/// 1 − cos x without cancellation.
+/// 1 − cos x, for x in radians, computed without cancellation.
 fn one_minus_cos(x: f64) -> f64 {
     let sin = libm::sin(0.5 * x);
     2.0 * sin * sin
 }
 
-/// The light relative to `origin`, and its counterpart in the shading model of MIT course 6.837.
+/// The light in coordinates relative to `origin`, and its counterpart in the shading model of MIT
+/// course 6.837.
 ///
 /// A course colour c stands for irradiance π·c on a surface at the origin that faces the light. A
 /// white diffuse surface there reflects radiance c.

@@ -6,7 +6,7 @@ use std::str::FromStr;
 /// Former name of [`Effect::Specular`], still accepted.
 const SPECULAR_ALIAS: &str = "casters";
 
-/// Part of light transport that a picture may need.
+/// A part of light transport that a render may simulate or leave out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u16)]
 pub enum Effect {
@@ -15,15 +15,16 @@ pub enum Effect {
     Specular,
     /// Caustics: light that casters focus onto other surfaces.
     Caustics,
-    /// Interreflection of caustics: their light, reflected between surfaces that are not casters.
+    /// Interreflection of caustics: light of a caustic, reflected further by surfaces that are not
+    /// casters.
     CausticBounces,
     /// Interreflection between surfaces that are not casters.
     Interreflection,
-    /// Final gathering: gather rays that end in lookups of the global photon map.
+    /// Final gathering: gather rays that end in lookups of the indirect photon map.
     Gathering,
     /// Occlusion of shadow rays.
     Shadows,
-    /// Size of area lights: soft shadows, and emission of surfaces that paths hit.
+    /// Extent of area lights: soft shadows, and light that paths receive by hitting emitters.
     SoftShadows,
     /// Environment light.
     Environment,
@@ -112,7 +113,7 @@ impl Effect {
     }
 }
 
-/// Effects compiled into the program.
+/// The effects that are compiled into the program: all, unless the build removes one.
 ///
 /// The variable `CAUSTICA_WITHOUT` removes one effect at build time. `.ci/cost-of-effects` uses it
 /// to measure the cost that code of one effect adds to scenes without it.
@@ -140,21 +141,21 @@ const fn bytes_equal(a: &[u8], b: &[u8]) -> bool {
 }
 
 impl FromStr for Effect {
-    type Err = UnknownEffect;
+    type Err = UnknownEffectError;
 
     /// Reads the name of an effect. `casters` is an alias of `specular`.
-    fn from_str(name: &str) -> Result<Self, UnknownEffect> {
+    fn from_str(name: &str) -> Result<Self, UnknownEffectError> {
         if name == SPECULAR_ALIAS {
             return Ok(Self::Specular);
         }
-        Self::ALL.into_iter().find(|effect| effect.name() == name).ok_or(UnknownEffect)
+        Self::ALL.into_iter().find(|effect| effect.name() == name).ok_or(UnknownEffectError)
     }
 }
 
-/// Error: a word names no effect.
+/// Error: a text is not the name of an effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("no such effect")]
-pub struct UnknownEffect;
+pub struct UnknownEffectError;
 
 impl std::fmt::Display for Effect {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {

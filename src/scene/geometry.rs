@@ -1,6 +1,6 @@
 //! The geometry of a resolved scene, with the hierarchies that find intersections.
 
-use crate::accel::{Hierarchy, Primitive};
+use crate::accel::{Hierarchy, PrimitiveIndex};
 use crate::math::{Bounds, Ray};
 use crate::shape::{Mesh, Plane, Shape, SurfacePoint, TexCoord};
 use glam::Vec2;
@@ -12,34 +12,63 @@ use std::sync::Arc;
 pub(super) struct ObjectAttributes {
     /// Index of the material.
     pub material: u32,
-    /// Index of the object's area light; `None` if it does not emit.
+    /// Index of the object's area light; `None` if the object does not emit light.
     pub light: Option<u32>,
     /// Index of the texture mapping.
     pub mapping: u32,
 }
 
-/// An intersection of a ray with the scene: distance and primitive, without surface properties.
+/// An intersection of a ray with the scene: ray parameter and primitive, without surface
+/// properties.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit {
-    /// Distance in units of the ray direction's length.
+    /// Ray parameter of the intersection; the distance if the ray has a unit direction.
     pub t: f32,
-    pub(super) kind: HitKind,
+    /// The primitive that was hit, and where on it.
+    pub(super) primitive: HitPrimitive,
 }
 
-/// Index of the primitive that a ray hits, with barycentric coordinates or surface parameters.
+/// The primitive that a ray hits, with the coordinates of the hit on that primitive.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum HitKind {
+pub(super) enum HitPrimitive {
+    /// Index of a triangle, and the barycentric weights of its second and third corner.
     Triangle(u32, Vec2),
+    /// Index of a shape, and the last two numbers of its [`ShapeHit`](crate::shape::ShapeHit).
     Shape(u32, Vec2),
+    /// Index of an unbounded plane.
     Plane(u32),
 }
 
-/// Shapes, triangles and planes, with the hierarchies over them.
+/// Group of boundaries that the coincidence test counts as one boundary.
 ///
-/// Objects are numbered: shapes at rest, moving shapes, meshes, planes at rest, moving planes.
+/// Usually each object is a group of its own. All shapes that may share edges with neighbours form
+/// one group, because a ray through a common edge can hit two of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct CoincidenceGroup(u32);
+
+impl CoincidenceGroup {
+    /// Group of all shapes for which [`Shape::may_share_edges`] is true.
+    pub const SHARED_EDGES: Self = Self(u32::MAX);
+    /// Placeholder for a boundary with which no other boundary can coincide; never compared.
+    pub const UNUSED: Self = Self(0);
+
+    /// Group of the object with this index alone.
+    pub const fn of_object(index: u32) -> Self {
+        Self(index)
+    }
+}
+
+/// The primitives of a scene: triangles, shapes and unbounded planes.
+///
+/// A ray query searches one [`Hierarchy`] over triangles and shapes at rest, a second one over
+/// moving shapes, and all planes in turn. It then keeps the nearest hit. A `Hierarchy` knows
+/// triangles by their corners, and shapes by their boxes only.
+///
+/// Objects are numbered in this order: shapes at rest, moving shapes, meshes, planes at rest,
+/// moving planes.
 #[derive(Clone)]
 pub(super) struct Geometry {
-    /// Attributes by object index.
+    /// Attributes of each object, by object index.
     pub objects: Vec<ObjectAttributes>,
     /// Shapes at rest, then moving shapes.
     pub shapes: Vec<Shape>,
@@ -95,7 +124,7 @@ impl Geometry {
         geometry
     }
 
-    /// Rebuilds the hierarchy over moving shapes after they have moved.
+    /// Rebuilds the hierarchy over moving shapes, after their positions have changed.
     pub fn rebuild_moving_hierarchy(&mut self) {
         let boxes: Vec<Bounds> = self.moving_shapes().iter().map(Shape::bounds).collect();
         self.moving = (!boxes.is_empty()).then(|| Arc::new(Hierarchy::build(&[], &boxes)));
@@ -125,18 +154,64 @@ impl Geometry {
 
     /// Index of the object to which the primitive belongs.
     #[inline]
-    pub fn object_index(&self, kind: HitKind) -> u32 {
-        match kind {
-            HitKind::Triangle(i, _) => self.triangle_object[i as usize],
-            HitKind::Shape(i, _) => i,
-            HitKind::Plane(i) => self.first_plane_index() as u32 + i,
+    pub fn object_index(&self, primitive: HitPrimitive) -> u32 {
+        match primitive {
+            HitPrimitive::Triangle(i, _) => self.triangle_object[i as usize],
+            HitPrimitive::Shape(i, _) => i,
+            HitPrimitive::Plane(i) => self.first_plane_index() as u32 + i,
         }
     }
 
     /// Attributes of the object to which the primitive belongs.
     #[inline]
-    pub fn object_attributes(&self, kind: HitKind) -> &ObjectAttributes {
-        &self.objects[self.object_index(kind) as usize]
+    pub fn object_attributes(&self, primitive: HitPrimitive) -> &ObjectAttributes {
+        &self.objects[self.object_index(primitive) as usize]
+    }
+
+    /// The nearest intersection of `ray` with any primitive, for 0 < t < `ray.t_max`.
+    #[inline]
+    pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        let Self { shapes, first_moving, planes, hierarchy, moving, .. } = self;
+
+        // Find the nearest triangle or shape at rest.
+        let bounded = hierarchy.closest_hit(ray, |i, ray| shapes[i as usize].intersect(ray));
+        let mut hit = bounded.map(|h| Hit {
+            t: h.t,
+            primitive: match h.primitive {
+                PrimitiveIndex::Triangle(i) => HitPrimitive::Triangle(i, Vec2::new(h.u, h.v)),
+                PrimitiveIndex::Other(i) => HitPrimitive::Shape(i, Vec2::new(h.u, h.v)),
+            },
+        });
+
+        // Find a nearer moving shape.
+        if let Some(moving) = moving {
+            let within = Ray { t_max: hit.map_or(ray.t_max, |h| h.t), ..*ray };
+            if let Some(h) = moving.closest_hit(&within, |i, ray| shapes[(first_moving + i) as usize].intersect(ray))
+                && let PrimitiveIndex::Other(i) = h.primitive
+            {
+                hit = Some(Hit { t: h.t, primitive: HitPrimitive::Shape(first_moving + i, Vec2::new(h.u, h.v)) });
+            }
+        }
+
+        // Find a nearer plane.
+        for (i, plane) in planes.iter().enumerate() {
+            let within = Ray { t_max: hit.map_or(ray.t_max, |h| h.t), ..*ray };
+            if let Some((t, ..)) = plane.intersect(&within) {
+                hit = Some(Hit { t, primitive: HitPrimitive::Plane(i as u32) });
+            }
+        }
+        hit
+    }
+
+    /// True if `ray` hits any primitive, for 0 < t < `ray.t_max`.
+    #[inline]
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        let Self { shapes, first_moving, planes, hierarchy, moving, .. } = self;
+        planes.iter().any(|plane| plane.intersect(ray).is_some())
+            || hierarchy.occluded(ray, |i, ray| shapes[i as usize].occludes(ray))
+            || moving
+                .as_ref()
+                .is_some_and(|moving| moving.occluded(ray, |i, ray| shapes[(first_moving + i) as usize].occludes(ray)))
     }
 
     /// Calls `visit` for every intersection along `ray`, in no particular order.
@@ -147,11 +222,11 @@ impl Geometry {
                 |i, ray| self.shapes[(first + i) as usize].intersect(ray),
                 |hit| {
                     let uv = Vec2::new(hit.u, hit.v);
-                    let kind = match hit.primitive {
-                        Primitive::Triangle(i) => HitKind::Triangle(i, uv),
-                        Primitive::Other(i) => HitKind::Shape(first + i, uv),
+                    let primitive = match hit.primitive {
+                        PrimitiveIndex::Triangle(i) => HitPrimitive::Triangle(i, uv),
+                        PrimitiveIndex::Other(i) => HitPrimitive::Shape(first + i, uv),
                     };
-                    visit(Hit { t: hit.t, kind });
+                    visit(Hit { t: hit.t, primitive });
                 },
             );
         };
@@ -161,7 +236,7 @@ impl Geometry {
         }
         for (i, plane) in self.planes.iter().enumerate() {
             if let Some((t, ..)) = plane.intersect(ray) {
-                visit(Hit { t, kind: HitKind::Plane(i as u32) });
+                visit(Hit { t, primitive: HitPrimitive::Plane(i as u32) });
             }
         }
     }
@@ -169,30 +244,29 @@ impl Geometry {
     /// Position and normals at `hit` of `ray`, which must have a unit direction.
     #[inline]
     pub fn surface_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        match hit.kind {
-            HitKind::Triangle(i, b) => self.mesh.surface_point(i as usize, b),
-            HitKind::Shape(i, uv) => self.shapes[i as usize].surface_point(ray, hit.t, uv),
-            HitKind::Plane(i) => self.planes[i as usize].surface_point(ray, hit.t),
+        match hit.primitive {
+            HitPrimitive::Triangle(i, b) => self.mesh.surface_point(i as usize, b),
+            HitPrimitive::Shape(i, uv) => self.shapes[i as usize].surface_point(ray, hit.t, uv),
+            HitPrimitive::Plane(i) => self.planes[i as usize].surface_point(ray, hit.t),
         }
     }
 
-    /// Texture coordinates that the primitive itself defines at `hit`; zero on planes.
+    /// Texture coordinates that the mesh or shape itself defines at `hit`; zero on planes.
     pub fn surface_texture_coords(&self, hit: &Hit, point: &SurfacePoint) -> TexCoord {
-        match hit.kind {
-            HitKind::Triangle(i, b) => self.mesh.tex_coord(i as usize, b),
-            HitKind::Shape(i, uv) => self.shapes[i as usize].tex_coord(point.p, uv),
-            HitKind::Plane(_) => TexCoord::default(),
+        match hit.primitive {
+            HitPrimitive::Triangle(i, b) => self.mesh.tex_coord(i as usize, b),
+            HitPrimitive::Shape(i, uv) => self.shapes[i as usize].tex_coord(point.p, uv),
+            HitPrimitive::Plane(_) => TexCoord::default(),
         }
     }
 
-    /// Number that groups boundaries for the coincidence test: the object index, or `u32::MAX` for
-    /// all shapes of a type that may share edges with others.
-    ///
-    /// A ray at a seam hits two shapes, which must count as one boundary.
-    pub fn coincidence_group(&self, kind: HitKind) -> u32 {
-        match kind {
-            HitKind::Shape(i, _) if self.shapes[i as usize].may_share_edges() => u32::MAX,
-            HitKind::Triangle(..) | HitKind::Shape(..) | HitKind::Plane(_) => self.object_index(kind),
+    /// The coincidence group of the object to which `primitive` belongs.
+    pub fn coincidence_group(&self, primitive: HitPrimitive) -> CoincidenceGroup {
+        match primitive {
+            HitPrimitive::Shape(i, _) if self.shapes[i as usize].may_share_edges() => CoincidenceGroup::SHARED_EDGES,
+            HitPrimitive::Triangle(..) | HitPrimitive::Shape(..) | HitPrimitive::Plane(_) => {
+                CoincidenceGroup::of_object(self.object_index(primitive))
+            }
         }
     }
 }

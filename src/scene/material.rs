@@ -1,7 +1,7 @@
 //! Materials of the resolved scene.
 
 use super::interiors::Body;
-use super::textured::{MeanEvaluator, NormalPerturbation, ParameterEvaluator, Textured};
+use super::textured::{MaterialParameter, MeanEvaluator, NormalPerturbation, ParameterEvaluator};
 use crate::bsdf::{Bsdf, Conductor, ThinDielectric};
 use crate::color::Rgb;
 use crate::texture::Texture;
@@ -21,26 +21,26 @@ pub struct Material {
 /// The scattering model of a material, with its parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MaterialKind {
-    /// Absorbs all light.
+    /// A surface that absorbs all light.
     Black,
     /// Lambertian reflection on both sides.
     Diffuse {
         /// Reflectance in \[0, 1].
-        reflectance: Textured<Rgb>,
+        reflectance: MaterialParameter<Rgb>,
     },
     /// Lambertian reflection plus a Phong lobe.
     Phong {
         /// Diffuse coefficient kd.
-        diffuse: Textured<Rgb>,
+        diffuse: MaterialParameter<Rgb>,
         /// Specular coefficient ks.
-        specular: Textured<Rgb>,
+        specular: MaterialParameter<Rgb>,
         /// Exponent of the lobe.
         shininess: f32,
     },
     /// Perfect specular reflection.
     Mirror {
         /// Reflectance in \[0, 1].
-        reflectance: Textured<Rgb>,
+        reflectance: MaterialParameter<Rgb>,
     },
     /// A metal, smooth or rough.
     Conductor {
@@ -49,22 +49,23 @@ pub enum MaterialKind {
         /// Imaginary part of the refractive index.
         k: Rgb,
         /// Roughness α in \[0, 1].
-        roughness: Textured<f32>,
+        roughness: MaterialParameter<f32>,
     },
     /// A thin dielectric sheet. Transmitted light continues without deflection or displacement.
     Thin {
         /// Refractive index of the sheet relative to its surroundings.
         eta: f32,
         /// Colour that one perpendicular crossing transmits, in (0, 1].
-        transmittance: Textured<Rgb>,
+        transmittance: MaterialParameter<Rgb>,
     },
-    /// The dielectric boundary of a body. A path determines the refractive index on the outer side
-    /// when it arrives.
+    /// The dielectric boundary of a body.
+    ///
+    /// The refractive index on the outer side depends on the bodies around the path that arrives.
     Dielectric {
         /// The body inside.
         body: Body,
         /// Roughness α of the boundary in \[0, 1]; 0 is smooth.
-        roughness: Textured<f32>,
+        roughness: MaterialParameter<f32>,
     },
     /// A stochastic mix: each hit resolves to one of two materials.
     Mix {
@@ -73,7 +74,7 @@ pub enum MaterialKind {
         /// Index of the second material.
         second: u32,
         /// Probability of the second material.
-        amount: Textured<f32>,
+        amount: MaterialParameter<f32>,
     },
 }
 
@@ -100,15 +101,16 @@ impl MaterialKind {
         }
     }
 
-    /// The body and the roughness α, if this is a dielectric boundary.
+    /// The body and the roughness α of a dielectric boundary; `None` for other materials.
     #[inline]
-    fn as_dielectric(&self) -> Option<(&Body, &Textured<f32>)> {
+    fn as_dielectric(&self) -> Option<(&Body, &MaterialParameter<f32>)> {
         if let Self::Dielectric { body, roughness } = self { Some((body, roughness)) } else { None }
     }
 
-    /// Indices of both materials of a mix, and the probability of the second.
+    /// Indices of both materials of a mix, and the probability of the second; `None` for other
+    /// materials.
     #[inline]
-    pub(super) fn as_mix(&self) -> Option<([u32; 2], &Textured<f32>)> {
+    pub(super) fn as_mix(&self) -> Option<([u32; 2], &MaterialParameter<f32>)> {
         if let Self::Mix { first, second, amount } = self { Some(([*first, *second], amount)) } else { None }
     }
 
@@ -141,20 +143,24 @@ impl Material {
 
     /// A diffuse (Lambertian) material.
     #[must_use]
-    pub fn diffuse(reflectance: impl Into<Textured<Rgb>>) -> Self {
+    pub fn diffuse(reflectance: impl Into<MaterialParameter<Rgb>>) -> Self {
         Self::new(MaterialKind::Diffuse { reflectance: reflectance.into() })
     }
 
     /// A material of Phong's model. The BSDF is scaled to conserve energy (see
     /// [`crate::bsdf::Phong`]).
     #[must_use]
-    pub fn phong(diffuse: impl Into<Textured<Rgb>>, specular: impl Into<Textured<Rgb>>, shininess: f32) -> Self {
+    pub fn phong(
+        diffuse: impl Into<MaterialParameter<Rgb>>,
+        specular: impl Into<MaterialParameter<Rgb>>,
+        shininess: f32,
+    ) -> Self {
         Self::new(MaterialKind::Phong { diffuse: diffuse.into(), specular: specular.into(), shininess })
     }
 
     /// A perfect mirror.
     #[must_use]
-    pub fn mirror(reflectance: impl Into<Textured<Rgb>>) -> Self {
+    pub fn mirror(reflectance: impl Into<MaterialParameter<Rgb>>) -> Self {
         Self::new(MaterialKind::Mirror { reflectance: reflectance.into() })
     }
 
@@ -172,31 +178,32 @@ impl Material {
 
     /// The boundary of `body` with roughness α in \[0, 1].
     #[must_use]
-    pub fn rough_boundary(body: Body, roughness: impl Into<Textured<f32>>) -> Self {
+    pub fn rough_boundary(body: Body, roughness: impl Into<MaterialParameter<f32>>) -> Self {
         Self::new(MaterialKind::Dielectric { body, roughness: roughness.into() })
     }
 
-    /// A mix: material `second` with probability `amount`, else material `first`. Both indices must
-    /// exist already.
+    /// A mix: material `second` with probability `amount`, else material `first`.
+    ///
+    /// Both are indices of materials that have been added before.
     #[must_use]
-    pub fn mix(first: u32, second: u32, amount: impl Into<Textured<f32>>) -> Self {
+    pub fn mix(first: u32, second: u32, amount: impl Into<MaterialParameter<f32>>) -> Self {
         Self::new(MaterialKind::Mix { first, second, amount: amount.into() })
     }
 
     /// A metal of refractive index `eta` + i`k` and roughness α in \[0, 1].
     #[must_use]
-    pub fn conductor(eta: Rgb, k: Rgb, roughness: impl Into<Textured<f32>>) -> Self {
+    pub fn conductor(eta: Rgb, k: Rgb, roughness: impl Into<MaterialParameter<f32>>) -> Self {
         Self::new(MaterialKind::Conductor { eta, k, roughness: roughness.into() })
     }
 
     /// A thin sheet of refractive index `eta`. `transmittance` in (0, 1] is the colour that one
     /// perpendicular crossing transmits.
     #[must_use]
-    pub fn thin(eta: f32, transmittance: impl Into<Textured<Rgb>>) -> Self {
+    pub fn thin(eta: f32, transmittance: impl Into<MaterialParameter<Rgb>>) -> Self {
         Self::new(MaterialKind::Thin { eta, transmittance: transmittance.into() })
     }
 
-    /// Absorbs all light.
+    /// A material that absorbs all light.
     #[must_use]
     pub fn black() -> Self {
         Self::new(MaterialKind::Black)
@@ -256,7 +263,7 @@ impl Material {
         self.textured
     }
 
-    /// True if a hit must evaluate textures, for parameters or for the normal.
+    /// True if each hit must evaluate textures, for BSDF parameters or for the shading normal.
     #[inline]
     pub(super) fn needs_textures(&self) -> bool {
         self.textured || self.normals != NormalPerturbation::None
@@ -282,14 +289,14 @@ impl Material {
     pub(super) fn visit_bsdf_variants(&self, textures: &[Arc<Texture>], mut visit: impl FnMut(Bsdf)) {
         visit(self.mean_bsdf);
         match self.kind {
-            MaterialKind::Conductor { eta, k, roughness: Textured::Texture { texture, .. } } => {
-                let (min, max) = textures[texture as usize].range();
+            MaterialKind::Conductor { eta, k, roughness: MaterialParameter::Texture { texture, .. } } => {
+                let (min, max) = textures[texture as usize].value_range();
                 for alpha in [min, max] {
                     visit(Bsdf::Conductor(Conductor::new(eta, k, alpha)));
                 }
             }
             // Textures do not change the kind of these BSDFs.
-            MaterialKind::Conductor { roughness: Textured::Constant(_), .. }
+            MaterialKind::Conductor { roughness: MaterialParameter::Constant(_), .. }
             | MaterialKind::Black
             | MaterialKind::Diffuse { .. }
             | MaterialKind::Phong { .. }

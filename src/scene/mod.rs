@@ -1,5 +1,7 @@
-//! The resolved scene: the data that renderers read, in single precision and relative to one
-//! origin.
+//! The resolved scene: the data that renderers read.
+//!
+//! Coordinates are relative to one origin near the objects. Triangles are stored in single
+//! precision.
 
 mod animation;
 mod build;
@@ -29,9 +31,8 @@ pub use path_ray::{MediumSegment, PathEvent, PathRay, SurfaceVertex};
 pub use queries::{LeafMaterial, ObjectSummary};
 pub use ray_cone::RayCone;
 pub use surface_interaction::SurfaceInteraction;
-pub use textured::{MeanEvaluator, NormalPerturbation, ParameterEvaluator, TextureEvaluator, Textured};
+pub use textured::{MaterialParameter, MeanEvaluator, NormalPerturbation, ParameterEvaluator, TextureEvaluator};
 
-use crate::accel::Primitive;
 use crate::camera::Camera;
 use crate::color::{DispersionFormula, Rgb};
 use crate::light::Light;
@@ -40,15 +41,17 @@ use crate::medium::Medium;
 use crate::shape::{Shape, SurfacePoint, TextureMapping};
 use crate::texture::{Texture, TextureEvalContext};
 use animation::Animation;
-use build::DerivedQuantities;
-use geometry::{Geometry, HitKind};
-use glam::{DVec3, Vec2, Vec3};
+use build::DerivedSceneData;
+use geometry::Geometry;
+use glam::{DVec3, Vec3};
 use interiors::{CoincidentFaces, CoincidentFlags};
 use std::sync::Arc;
 use textured::{TextureFootprint, perturbed_normal};
 
 /// A scene ready to be rendered, with moving objects placed at one time of the shutter interval.
-/// Coordinates are relative to [`Scene::origin`].
+///
+/// Coordinates are relative to [`Scene::origin`]. The scene hands ray queries to its `Geometry`,
+/// which knows primitives only. It then adds the material, textures and emission at a hit.
 #[derive(Clone)]
 pub struct Scene {
     camera: Camera,
@@ -71,7 +74,7 @@ pub struct Scene {
     animation: Option<Arc<Animation>>,
     origin: DVec3,
     coincident: CoincidentFlags,
-    derived: DerivedQuantities,
+    derived: DerivedSceneData,
 }
 
 impl std::fmt::Debug for Scene {
@@ -92,15 +95,17 @@ impl Scene {
         &self.camera
     }
 
-    /// Radiance of rays that leave the scene, if there is no environment light. The background
-    /// illuminates no surface.
+    /// Radiance of camera rays that hit nothing, used if there is no environment light.
+    ///
+    /// The background does not illuminate surfaces.
     #[must_use]
     pub fn background(&self) -> Rgb {
         self.background
     }
 
-    /// Radiance along a ray in unit `direction` that hits nothing: of the environment light, or
-    /// else the background.
+    /// Radiance that a ray in unit `direction` receives if it hits nothing.
+    ///
+    /// It is the radiance of the environment light, or the background if there is none.
     #[inline]
     #[must_use]
     pub fn escaped_radiance(&self, direction: Vec3) -> Rgb {
@@ -120,7 +125,8 @@ impl Scene {
         &self.lights
     }
 
-    /// The lights, with emission textures replaced by their mean radiance.
+    /// The lights in the order of [`Scene::lights`], with emission textures replaced by their
+    /// means.
     #[must_use]
     pub fn mean_emission_lights(&self) -> &[Light] {
         if self.mean_emission_lights.is_empty() { &self.lights } else { &self.mean_emission_lights }
@@ -133,11 +139,11 @@ impl Scene {
         &self.legacy_lights
     }
 
-    /// Distance \[length] below which light `light` counts as lying on a surface; 0 for area
-    /// lights and lights at infinity.
+    /// Distance \[length] below which a surface point touches light `light`; 0 for area lights and
+    /// lights at infinity.
     ///
-    /// A light that lies on a surface illuminates both of its sides. Positions are rounded to 2⁻²⁴
-    /// of their coordinates, so the true side of the light is unknown.
+    /// A light that touches a surface illuminates both sides of the surface. Positions are rounded
+    /// to 2⁻²⁴ of their coordinates, so the true side of the light is unknown.
     #[inline]
     #[must_use]
     pub fn light_contact_distance(&self, light: usize) -> f32 {
@@ -201,59 +207,25 @@ impl Scene {
         self.geometry.shapes.iter().filter(analytic).count() + self.geometry.planes.len()
     }
 
-    /// The nearest intersection along `ray`.
+    /// The nearest intersection of `ray` with any surface, for 0 < t < `ray.t_max`.
     #[inline]
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        let Geometry { shapes, first_moving, planes, hierarchy, moving, .. } = &self.geometry;
-
-        // Find the nearest triangle or shape at rest.
-        let bounded = hierarchy.closest(ray, |i, ray| shapes[i as usize].intersect(ray));
-        let mut hit = bounded.map(|h| Hit {
-            t: h.t,
-            kind: match h.primitive {
-                Primitive::Triangle(i) => HitKind::Triangle(i, Vec2::new(h.u, h.v)),
-                Primitive::Other(i) => HitKind::Shape(i, Vec2::new(h.u, h.v)),
-            },
-        });
-
-        // Find a nearer moving shape.
-        if let Some(moving) = moving {
-            let within = Ray { t_max: hit.map_or(ray.t_max, |h| h.t), ..*ray };
-            if let Some(h) = moving.closest(&within, |i, ray| shapes[(first_moving + i) as usize].intersect(ray))
-                && let Primitive::Other(i) = h.primitive
-            {
-                hit = Some(Hit { t: h.t, kind: HitKind::Shape(first_moving + i, Vec2::new(h.u, h.v)) });
-            }
-        }
-
-        // Find a nearer plane.
-        for (i, plane) in planes.iter().enumerate() {
-            let within = Ray { t_max: hit.map_or(ray.t_max, |h| h.t), ..*ray };
-            if let Some((t, ..)) = plane.intersect(&within) {
-                hit = Some(Hit { t, kind: HitKind::Plane(i as u32) });
-            }
-        }
-        hit
+        self.geometry.intersect(ray)
     }
 
-    /// True if `ray` hits any surface.
+    /// True if `ray` hits any surface, for 0 < t < `ray.t_max`.
     #[inline]
     #[must_use]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        let Geometry { shapes, first_moving, planes, hierarchy, moving, .. } = &self.geometry;
-        planes.iter().any(|plane| plane.intersect(ray).is_some())
-            || hierarchy.occluded(ray, |i, ray| shapes[i as usize].occludes(ray))
-            || moving
-                .as_ref()
-                .is_some_and(|moving| moving.occluded(ray, |i, ray| shapes[(first_moving + i) as usize].occludes(ray)))
+        self.geometry.occluded(ray)
     }
 
     /// The surface at `hit` of `ray`, which must have a unit direction.
     ///
-    /// Textures are filtered over `cone`. `u_mix` returns a number in \[0, 1) that selects a part
-    /// of a mix. A dielectric boundary gets its BSDF in air; [`Interior::resolve_boundary`]
-    /// replaces it.
+    /// Textures are filtered over the width of `cone`. `u_mix` returns a uniform number in \[0, 1),
+    /// by which a mix selects one of its materials. The boundary of a body gets the BSDF that it
+    /// has in air; [`Interior::resolve_boundary`] replaces this BSDF.
     #[inline]
     #[must_use]
     pub fn surface_interaction(
@@ -264,7 +236,7 @@ impl Scene {
         u_mix: impl FnOnce() -> f32,
     ) -> SurfaceInteraction<'_> {
         let point = self.geometry.surface_point(ray, hit);
-        let object = self.geometry.object_attributes(hit.kind);
+        let object = self.geometry.object_attributes(hit.primitive);
         let wo = -ray.direction;
         let emission = match object.light.and_then(|l| self.lights[l as usize].as_area()) {
             Some(area) if wo.dot(point.ng) > 0.0 => match &area.texture {
@@ -278,11 +250,12 @@ impl Scene {
         let mut material_index = object.material;
         let mut material = &self.materials[material_index as usize];
         if material.mix_parts().is_some() {
-            material_index = self
-                .resolve_mix(material_index, u_mix(), cone.effects, &|| self.texture_context(hit, &point, wo, cone));
+            material_index = self.resolve_mix_to_leaf(material_index, u_mix(), cone.effects, &|| {
+                self.texture_context(hit, &point, wo, cone)
+            });
             material = &self.materials[material_index as usize];
         }
-        let near_boundary = self.coincident.may_coincide(hit.kind);
+        let near_boundary = self.coincident.may_coincide(hit.primitive);
         let mut surface = SurfaceInteraction {
             point,
             wo,
@@ -290,7 +263,7 @@ impl Scene {
             material_index,
             bsdf: material.mean_bsdf(),
             roughness: material.mean_boundary_roughness(),
-            coincidence_group: near_boundary.then(|| self.geometry.coincidence_group(hit.kind)),
+            coincidence_group: near_boundary.then(|| self.geometry.coincidence_group(hit.primitive)),
             coincident: CoincidentFaces::NONE,
             light: object.light,
             emission,
@@ -308,7 +281,7 @@ impl Scene {
         self.geometry.surface_point(ray, hit).ng
     }
 
-    /// Texture coordinates at `hit`, with filter axes that cover the footprint of `cone`.
+    /// Texture coordinates at `hit`, with the filter footprint that `cone` has on the surface.
     #[inline(never)]
     #[must_use]
     pub fn texture_context(&self, hit: &Hit, point: &SurfacePoint, wo: Vec3, cone: &RayCone) -> TextureEvalContext {
@@ -340,8 +313,9 @@ impl Scene {
 
     /// Index of the leaf material to which material `index` resolves, for a uniform `u` in \[0, 1).
     ///
-    /// `context` is called only if a mixing amount is textured and textures are simulated.
-    fn resolve_mix(
+    /// `context` returns the point of texture lookups. It is called only if a mixing amount is
+    /// textured and `effects` contain textures.
+    fn resolve_mix_to_leaf(
         &self,
         mut index: u32,
         mut u: f32,
@@ -350,7 +324,7 @@ impl Scene {
     ) -> u32 {
         while let Some(([first, second], amount)) = self.materials[index as usize].kind().as_mix() {
             let amount = match amount {
-                Textured::Texture { .. } if effects.has(Effect::Textures) => {
+                MaterialParameter::Texture { .. } if effects.has(Effect::Textures) => {
                     TextureEvaluator { textures: &self.textures, at: context() }.evaluate_scalar(amount)
                 }
                 amount => amount.mean(),

@@ -29,11 +29,12 @@ pub struct MediumSegment<'a, I> {
     pub index: u32,
     /// The medium.
     pub medium: &'a Medium,
-    /// The bodies and media at the part.
+    /// The bodies and media around this part.
     pub interior: I,
     /// Transmittance of bodies from the last vertex to the start of the part.
     pub transmittance_before: Rgb,
-    /// True if the path has crossed a hidden boundary, which would block a shadow ray.
+    /// True if the path segment crosses a hidden boundary before this part. A shadow ray would be
+    /// blocked there: see [`BoundaryEvent::Hidden`](super::BoundaryEvent::Hidden).
     pub crossed: bool,
 }
 
@@ -46,12 +47,12 @@ pub enum PathEvent<'a> {
     Scattered {
         /// Transmittance of the bodies along the path segment.
         transmittance: Rgb,
-        /// True if the path segment crosses a hidden boundary, which would block a shadow ray.
+        /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden).
         crossed: bool,
     },
     /// The ray hits nothing.
     Escaped {
-        /// True if the path segment crosses a hidden boundary, which would block a shadow ray.
+        /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden).
         crossed: bool,
     },
 }
@@ -66,16 +67,16 @@ pub struct SurfaceVertex<'a> {
     pub transmittance: Rgb,
     /// Length of the path segment \[length].
     pub distance: f32,
-    /// True if the path segment crosses a hidden boundary, which would block a shadow ray.
+    /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden).
     pub crossed: bool,
 }
 
 impl<I: Interior> PathRay<I> {
-    /// Traces the ray to the next vertex, through boundaries that do not scatter. `key` is the
-    /// random key of that vertex.
+    /// Traces the ray to the next vertex of the path, and returns the event there.
     ///
-    /// `through` is called for every part of the way that lies in a medium, in order. It returns
-    /// the distance \[length] at which light scatters there, or `None`.
+    /// The ray passes through boundaries that do not scatter. `key` is the random key of the next
+    /// vertex. `through` is called, in order, for every part of the way that lies in a medium. It
+    /// returns the distance \[length] at which light scatters in that part, or `None`.
     #[inline]
     pub fn next_vertex<'a>(
         &mut self,
@@ -204,10 +205,10 @@ pub(super) fn interior_transmittance<I: Interior>(scene: &Scene, ray: &Ray, inte
     }
 }
 
-/// Index of the current medium, the part of `ray` up to distance `end` that lies in it, and the
-/// distance at which that part begins.
+/// The part of `ray`, up to distance `end`, that lies in the medium around the ray's origin.
 ///
-/// `ray` must have a unit direction.
+/// Returns the index of the medium, the part as a ray, and the distance \[length] at which it
+/// begins. `ray` must have a unit direction.
 #[inline]
 fn medium_segment<I: Interior>(scene: &Scene, ray: &Ray, end: f32, interior: &I) -> Option<(u32, Ray, f32)> {
     let CurrentMedium { medium, ambient } = interior.current_medium(scene)?;
@@ -229,8 +230,10 @@ fn medium_segment<I: Interior>(scene: &Scene, ray: &Ray, end: f32, interior: &I)
     Some((medium, Ray { t_max: to - from, ..part }, from))
 }
 
-/// `distance` if finite, else 0. A body without an end has an open boundary by mistake, so it
-/// absorbs nothing.
+/// Returns `distance` if it is finite, else 0.
+///
+/// A ray that never leaves a body has entered through a boundary that is open by mistake. The body
+/// then absorbs nothing.
 fn finite_or_zero(distance: f32) -> f32 {
     if distance.is_finite() { distance } else { 0.0 }
 }

@@ -1,6 +1,6 @@
 //! Queries about the objects, materials and paths of a scene.
 
-use super::animation::scene_at;
+use super::animation::scene_at_time;
 use super::geometry::ObjectAttributes;
 use super::path_ray;
 use super::{Body, Effects, Interior, Material, NormalPerturbation, PathRay, RayCone, Scene};
@@ -35,7 +35,9 @@ pub struct LeafMaterial<'a> {
 }
 
 impl LeafMaterial<'_> {
-    /// True if the material focuses light: see [`Bsdf::casts_caustics`]. A null interface does not.
+    /// True if the material focuses light: see [`Bsdf::casts_caustics`].
+    ///
+    /// It is false for a null interface, which light crosses undeflected.
     #[must_use]
     pub fn casts_caustics(&self) -> bool {
         match self.bounded_body {
@@ -54,10 +56,11 @@ impl Scene {
 
     /// The scene at `time`: 0 is the opening of the shutter, 1 its closing.
     ///
-    /// The copy shares triangles, their hierarchies, textures and the environment light.
+    /// The returned scene shares triangles, their hierarchy, textures and the environment light
+    /// with this one.
     #[must_use]
-    pub fn at(&self, time: f64) -> Self {
-        scene_at(self, time)
+    pub fn at_time(&self, time: f64) -> Self {
+        scene_at_time(self, time)
     }
 
     /// Summaries of all objects: shapes, then meshes with triangles, then planes.
@@ -126,8 +129,9 @@ impl Scene {
         indices.into_iter().map(|index| &self.media[index as usize]).collect()
     }
 
-    /// Two flags for `material` and all parts of a mix: true if a parameter is textured, and true
-    /// if normals are perturbed.
+    /// Two flags: true if a parameter is textured, and true if shading normals are perturbed.
+    ///
+    /// They hold for the material with index `material`, or for any part of it if it is a mix.
     #[must_use]
     pub fn texture_usage(&self, material: u32) -> (bool, bool) {
         let material = &self.materials[material as usize];
@@ -137,8 +141,9 @@ impl Scene {
         parts.iter().fold(own, |all, part| (all.0 || part.0, all.1 || part.1))
     }
 
-    /// Bounding spheres of all objects that cast caustics, used as targets of photons; `None` if
-    /// such an object is unbounded.
+    /// Bounding spheres of all objects that cast caustics; `None` if such an object is unbounded.
+    ///
+    /// Photons for the caustic map are aimed at these spheres.
     #[must_use]
     pub fn caster_bounding_spheres(&self) -> Option<Vec<BoundingSphere>> {
         let casts_caustics = |material: u32| {
@@ -149,29 +154,30 @@ impl Scene {
         self.object_summaries().filter(|o| casts_caustics(o.material)).map(|o| o.ball).collect()
     }
 
-    /// Starts a camera path along `ray` that simulates `effects`.
+    /// The state of a camera path that starts with `ray` and simulates `effects`.
     #[inline]
     #[must_use]
     pub fn start_camera_path<I: Interior>(&self, ray: Ray, effects: Effects) -> PathRay<I> {
         PathRay { ray, interior: I::at_camera(self, &ray, effects), cone: self.camera_ray_cone(effects) }
     }
 
-    /// The ray cone at the start of a camera ray.
+    /// The cone over which textures are filtered, at the start of a camera ray.
     #[inline]
     #[must_use]
     pub fn camera_ray_cone(&self, effects: Effects) -> RayCone {
         RayCone::from_pixel(self.camera.pixel_footprint(), effects)
     }
 
-    /// Starts a light path along `ray` from light `light` that simulates `effects`.
+    /// The state of a light path that starts with `ray` at light `light` and simulates `effects`.
     #[inline]
     #[must_use]
     pub fn start_light_path<I: Interior>(&self, light: usize, ray: Ray, effects: Effects) -> PathRay<I> {
         PathRay { ray, interior: I::at_light(self, light, effects), cone: RayCone::zero_width(effects) }
     }
 
-    /// `ray` with its origin moved back beyond all unbounded planes behind it. Used for light from
-    /// infinity.
+    /// `ray` with its origin moved back beyond all unbounded planes behind it.
+    ///
+    /// Light from infinity starts there, so that it hits these planes first.
     #[must_use]
     pub(crate) fn move_origin_beyond_planes(&self, ray: Ray) -> Ray {
         let back = Ray::new(ray.origin, -ray.direction);
@@ -184,9 +190,9 @@ impl Scene {
         Ray { origin: back.at(farthest * 1.001 + self.photon_domain().radius), ..ray }
     }
 
-    /// Unbiased transmittance along a shadow ray from a point in `interior`; 0 if a surface blocks
-    /// it.
+    /// Unbiased estimate of the transmittance along a shadow ray; 0 if a surface blocks the ray.
     ///
+    /// `interior` holds the bodies and media around the ray's origin, and `key` is the random key.
     /// If `ray.t_max` is finite, the direction of `ray` is the vector from its origin to its end,
     /// so t = 1 at the end. If `ray.t_max` is infinite, the direction has unit length.
     #[must_use]
@@ -194,8 +200,10 @@ impl Scene {
         path_ray::shadow_transmittance(self, ray, interior, key)
     }
 
-    /// Unbiased transmittance along `ray`, of unit direction, through the body and the medium
-    /// around its origin. Surfaces are ignored.
+    /// Unbiased estimate of the transmittance along `ray`, which has a unit direction.
+    ///
+    /// `interior` holds the bodies and media around the ray's origin. They are taken to fill the
+    /// whole length of the ray: surfaces are ignored.
     #[inline]
     #[must_use]
     pub fn interior_transmittance<I: Interior>(&self, ray: &Ray, interior: &I, key: Key) -> Rgb {

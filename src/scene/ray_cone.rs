@@ -16,7 +16,7 @@ const CAMERA_CONE_PIXELS: f32 = 0.5;
 pub struct RayCone {
     /// Diameter at the current end of the ray \[length].
     width: f32,
-    /// Growth of the diameter per length.
+    /// Growth of the diameter per unit of distance along the ray.
     spread: f32,
     /// True for camera paths. False for light paths, whose width stays zero.
     widens: bool,
@@ -39,7 +39,7 @@ impl RayCone {
         }
     }
 
-    /// A cone of no width.
+    /// A cone of zero width that does not widen, as light paths use it.
     #[inline]
     #[must_use]
     pub const fn zero_width(effects: Effects) -> Self {
@@ -77,11 +77,10 @@ impl RayCone {
         self.width
     }
 
-    /// The cone for lookups of emission textures: of zero width after a non-specular scattering
-    /// event.
+    /// The cone over which emission textures are filtered.
     ///
-    /// Next-event estimation evaluates emission at a point. Emission that a path hits must agree
-    /// with it.
+    /// After a non-specular scattering event its width is zero. Emission that a path hits then
+    /// agrees with next-event estimation, which evaluates emission at a point.
     #[inline]
     pub(super) fn for_emission_textures(&self) -> Self {
         if self.scattered { Self::zero_width(self.effects) } else { *self }

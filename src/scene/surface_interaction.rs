@@ -1,6 +1,7 @@
 //! Surface properties at a hit.
 
 use super::Material;
+use super::geometry::CoincidenceGroup;
 use super::interiors::CoincidentFaces;
 use crate::bsdf::{Bsdf, BsdfSample, TransportMode};
 use crate::color::Rgb;
@@ -13,29 +14,29 @@ use glam::{Vec2, Vec3};
 pub struct SurfaceInteraction<'a> {
     /// Position and normals.
     pub point: SurfacePoint,
-    /// Unit direction towards the origin of the ray.
+    /// Unit direction from the surface towards the origin of the ray that hit it.
     pub wo: Vec3,
     /// The material; for a mix, the leaf material that was selected.
     pub material: &'a Material,
     /// Index of `material` in the scene.
     pub(super) material_index: u32,
-    /// The BSDF.
+    /// The BSDF of the material at this point.
     pub bsdf: Bsdf,
     /// Roughness α of a body's boundary; 0 for other materials.
     pub(super) roughness: f32,
-    /// Group number of the boundary for the coincidence test; `None` if no other boundary can
-    /// coincide with it here.
-    pub(super) coincidence_group: Option<u32>,
-    /// Boundaries that coincide with this one, found when a path resolves the boundary.
+    /// Coincidence group of the surface's object; `None` if no boundary of another object can
+    /// coincide with the surface here.
+    pub(super) coincidence_group: Option<CoincidenceGroup>,
+    /// Boundaries of other bodies at the same place; set by `Interior::resolve_boundary`.
     pub(super) coincident: CoincidentFaces,
-    /// Index of the object's area light.
+    /// Index of the object's area light; `None` if the object does not emit light.
     pub light: Option<u32>,
     /// Radiance emitted towards `wo` \[W/(m² sr)].
     pub emission: Rgb,
 }
 
 impl SurfaceInteraction<'_> {
-    /// The geometric normal on the side of `wo`.
+    /// The geometric unit normal, turned to the side of the surface from which the ray arrives.
     #[inline]
     #[must_use]
     pub fn facing_normal(&self) -> Vec3 {
@@ -55,15 +56,19 @@ impl SurfaceInteraction<'_> {
         self.wo.dot(self.point.ng) >= 0.0
     }
 
-    /// The ray from the surface in unit `direction`. Its origin is offset against
-    /// self-intersection.
+    /// The ray that leaves the surface in unit `direction`.
+    ///
+    /// Its origin is offset from the surface, so that the ray does not hit the surface again here.
     #[inline]
     #[must_use]
     pub fn spawn_ray(&self, direction: Vec3) -> Ray {
         Ray::new(offset_ray_origin(self.point.p, self.point.error, self.point.ng, direction), direction)
     }
 
-    /// The ray segment from the surface to `target`, which lies in unit `direction`.
+    /// The ray segment from the surface to the point `target`, which lies in unit `direction`.
+    ///
+    /// t is 1 at `target`. The origin is offset, so that the ray does not hit the surface again
+    /// here.
     #[inline]
     #[must_use]
     pub fn spawn_ray_to(&self, target: Vec3, direction: Vec3) -> Ray {
@@ -85,7 +90,9 @@ impl SurfaceInteraction<'_> {
         self.bsdf.pdf(self.wo, wi, self.point.ns, self.point.ng)
     }
 
-    /// Samples the direction in which the path continues; `None` if it is absorbed.
+    /// Samples the direction in which the path continues; `None` if the path is absorbed.
+    ///
+    /// `lobe` in \[0, 1) selects a lobe of the BSDF, and `u` in \[0, 1)² a direction of that lobe.
     #[inline]
     #[must_use]
     pub fn sample(&self, lobe: f32, u: Vec2, transport: TransportMode) -> Option<BsdfSample> {

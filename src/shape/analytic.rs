@@ -1,7 +1,7 @@
 //! Interface of bounded shapes.
 
 use super::hit::ShapeHit;
-use super::surface_point::{ShapeSample, SolidAngleSampling, SurfacePoint};
+use super::surface_point::{ShapeSample, SolidAngleSampleResult, SurfacePoint};
 use super::texture_mapping::TexCoord;
 use crate::math::{BoundingSphere, Ray, Transform};
 use glam::{DVec3, Vec2, Vec3};
@@ -17,11 +17,12 @@ pub(super) trait AnalyticShape: Sized {
         self.intersect(ray).is_some()
     }
 
-    /// Surface point of the [`ShapeHit`] (`t`, `uv.x`, `uv.y`) of `ray`.
+    /// Surface point at the hit (`t`, `uv.x`, `uv.y`) of `ray`: see [`ShapeHit`].
     fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint;
 
-    /// Intrinsic texture coordinates at the surface point `p`; `uv` are the last two numbers of its
-    /// [`ShapeHit`].
+    /// The shape's own texture coordinates at the surface point `p`.
+    ///
+    /// `uv` holds the last two numbers of the [`ShapeHit`] at that point.
     fn tex_coord(&self, _p: Vec3, uv: Vec2) -> TexCoord {
         TexCoord { uv: uv.as_dvec2(), ..TexCoord::default() }
     }
@@ -52,8 +53,8 @@ pub(super) trait AnalyticShape: Sized {
 
     /// Samples a visible point of the outer side by solid angle as seen from `from`.
     #[inline]
-    fn sample_solid_angle(&self, _from: Vec3, _u: Vec2) -> SolidAngleSampling {
-        SolidAngleSampling::Unsupported
+    fn sample_solid_angle(&self, _from: Vec3, _u: Vec2) -> SolidAngleSampleResult {
+        SolidAngleSampleResult::Unsupported
     }
 
     /// Pdf per solid angle \[1/sr] of [`AnalyticShape::sample_solid_angle`]; `None` if unsupported.
@@ -62,7 +63,7 @@ pub(super) trait AnalyticShape: Sized {
         None
     }
 
-    /// Error of the position at which a ray hits the shape, relative to the ray's length.
+    /// Bound on the position error of a hit along the ray, relative to the hit's distance.
     #[inline]
     fn relative_hit_error(&self) -> f32 {
         f32::EPSILON
@@ -73,7 +74,7 @@ pub(super) trait AnalyticShape: Sized {
         None
     }
 
-    /// Sphere that contains the shape; `None` if the sphere around the bounding box must do.
+    /// A sphere around the shape that is tighter than that around its bounding box, if known.
     fn bounding_sphere(&self) -> Option<BoundingSphere> {
         None
     }

@@ -4,20 +4,20 @@ use super::analytic::AnalyticShape;
 use super::hit::{ShapeHit, f64_ray_parameter, nearer_hit};
 use super::object_ray::{ObjectRay, world_coordinate_bound};
 use super::surface_point::{EDGE_MARGIN, ShapeSample, SurfacePoint};
-use super::texture_mapping::{TexCoord, upright_axes};
+use super::texture_mapping::{TexCoord, upright_texture_axes};
 use crate::math::{Ray, Transform};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3};
 
 /// Surface of the cube \[−1, 1]³ under an affine map: a box or parallelepiped.
 ///
-/// Faces are numbered 2·axis, plus 1 on the positive side. The last number of a
-/// [`ShapeHit`] is the face.
+/// A face has the number 2·axis, plus 1 if it is on the positive side of its axis. The last number
+/// of a [`ShapeHit`] is the number of the face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid {
     to_world: Transform,
     /// World area of the face perpendicular to each object axis \[length²].
     face_areas: DVec3,
-    /// Largest object-space change of each coordinate per world-space unit length.
+    /// For each object-space coordinate, its largest change per unit length in world space.
     max_gradients: DVec3,
 }
 
@@ -43,7 +43,7 @@ impl Cuboid {
     /// Projects the object-space point `p` to the face and moves it away from the edges: see
     /// [`EDGE_MARGIN`].
     #[inline]
-    fn move_off_edges(&self, p: DVec3, face: usize) -> DVec3 {
+    fn move_point_off_edges(&self, p: DVec3, face: usize) -> DVec3 {
         let largest = self.to_world.transform_point(p).abs().max_element();
         let margin = (self.max_gradients * (EDGE_MARGIN * f64::from(f32::EPSILON) * largest)).min(DVec3::splat(0.5));
         let mut inside = p.clamp(margin - 1.0, 1.0 - margin);
@@ -72,13 +72,13 @@ fn half_edges(to_world: &Transform) -> [DVec3; 3] {
     [m.x_axis, m.y_axis, m.z_axis]
 }
 
-/// Coordinate of a face along its axis: −1 or 1.
+/// Object-space coordinate of face `face` along the face's axis: −1 or 1.
 #[inline]
 fn face_sign(face: usize) -> f64 {
     if face % 2 == 1 { 1.0 } else { -1.0 }
 }
 
-/// Number of the face that `uv.y` of a hit encodes.
+/// Number of the face that was hit, decoded from the last number of the [`ShapeHit`].
 #[inline]
 fn face_of_hit(uv: Vec2) -> usize {
     (uv.y as usize).min(5)
@@ -118,7 +118,7 @@ impl AnalyticShape for Cuboid {
     fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
         let p = ObjectRay::new(ray, &self.to_world).at(f64_ray_parameter(t, uv));
         let face = face_of_hit(uv);
-        self.face_point(self.move_off_edges(p, face), face)
+        self.face_point(self.move_point_off_edges(p, face), face)
     }
 
     /// Maps each face to the unit square; a picture appears upright from outside.
@@ -127,7 +127,7 @@ impl AnalyticShape for Cuboid {
         let p = self.to_world.inverse().transform_point3(p.as_dvec3());
         let mut normal = DVec3::ZERO;
         normal[face / 2] = face_sign(face);
-        let [u, v] = upright_axes(normal);
+        let [u, v] = upright_texture_axes(normal);
         let world = |row: DVec3| self.to_world.transform_normal(0.5 * row);
         TexCoord { uv: DVec2::new(u.dot(p), v.dot(p)) * 0.5 + 0.5, du: world(u), dv: world(v) }
     }

@@ -38,7 +38,7 @@ impl Disc {
 
     /// Moves the point `p` away from the rim: see [`EDGE_MARGIN`].
     #[inline]
-    fn move_off_rim(&self, p: DVec3) -> DVec3 {
+    fn move_point_off_rim(&self, p: DVec3) -> DVec3 {
         let offset = p - self.center;
         let at = DVec2::new(self.dual[0].dot(offset), self.dual[1].dot(offset));
         let steepest = (self.dual[0].length_squared() + self.dual[1].length_squared()).sqrt();
@@ -74,7 +74,7 @@ impl AnalyticShape for Disc {
     fn surface_point(&self, ray: &Ray, t: f32, _uv: Vec2) -> SurfacePoint {
         let (o, d) = ray_to_f64(ray);
         let p = o + d * f64::from(t);
-        self.surface_at(self.move_off_rim(p - self.normal * self.normal.dot(p - self.center)))
+        self.surface_at(self.move_point_off_rim(p - self.normal * self.normal.dot(p - self.center)))
     }
 
     fn bounds_f64(&self) -> (DVec3, DVec3) {

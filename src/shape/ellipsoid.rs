@@ -44,13 +44,15 @@ impl Ellipsoid {
         )
     }
 
-    /// World area per area of the unit sphere at its point `n`: |det M| · |M⁻ᵀ n|.
+    /// Ratio of world-space area to area on the unit sphere, at the sphere's point `n`.
+    ///
+    /// For the linear part M of the map, it is |det M| · |M⁻ᵀ n|.
     #[inline]
-    fn area_stretch(&self, n: DVec3) -> f64 {
+    fn area_scale_factor(&self, n: DVec3) -> f64 {
         self.to_world.determinant().abs() * self.to_world.transform_normal(n).length()
     }
 
-    /// World area \[length²], by the midpoint rule in (z, φ).
+    /// World-space area \[length²], integrated by the midpoint rule over height z and azimuth φ.
     fn integrate_area(&self) -> f64 {
         const N: u32 = 256;
         let mut sum = 0.0;
@@ -59,7 +61,7 @@ impl Ellipsoid {
             let r = (1.0 - z * z).sqrt();
             for j in 0..N {
                 let (sin, cos) = libm::sincos((f64::from(j) + 0.5) * std::f64::consts::TAU / f64::from(N));
-                sum += self.area_stretch(DVec3::new(r * cos, r * sin, z));
+                sum += self.area_scale_factor(DVec3::new(r * cos, r * sin, z));
             }
         }
         4.0 * std::f64::consts::PI * sum / f64::from(N * N)
@@ -109,7 +111,7 @@ impl AnalyticShape for Ellipsoid {
         let n = warp::square_to_uniform_sphere(u).as_dvec3().normalize();
         ShapeSample {
             point: self.surface_at(n),
-            pdf: (1.0 / (4.0 * std::f64::consts::PI * self.area_stretch(n))) as f32,
+            pdf: (1.0 / (4.0 * std::f64::consts::PI * self.area_scale_factor(n))) as f32,
             uv: Vec2::ZERO,
         }
     }
@@ -129,8 +131,7 @@ mod tests {
     use super::*;
     use glam::DAffine3;
 
-    /// Oblate spheroid: 2πa²(1 + (1 − e²)/e · artanh e). The midpoint rule's error is below 10⁻⁴
-    /// here.
+    /// The area of an oblate spheroid agrees with 2πa²(1 + (1 − e²)/e · artanh e) within 10⁻⁴.
     #[test]
     fn area_matches_the_spheroid_formula() {
         let (a, c) = (1.5f64, 0.6);

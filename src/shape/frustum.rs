@@ -4,13 +4,13 @@ use super::analytic::AnalyticShape;
 use super::hit::{ShapeHit, f64_ray_parameter, nearer_hit};
 use super::object_ray::{ObjectRay, world_coordinate_bound};
 use super::surface_point::{EDGE_MARGIN, ShapeSample, SurfacePoint};
-use super::texture_mapping::{TexCoord, upright_axes};
+use super::texture_mapping::{TexCoord, upright_texture_axes};
 use crate::math::{Ray, Transform, quadratic_roots};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3};
 use libm::{atan2, hypot, sincos};
 use std::f64::consts::{PI, TAU};
 
-/// Number of angles at which the area of the side is summed.
+/// Number of azimuth steps of the sum that integrates the area of the side.
 const AREA_STEPS: u32 = 512;
 
 /// Cylinder, cone or truncated cone: the surface of x² + z² ≤ ρ(y)², 0 ≤ y ≤ 1, under an affine
@@ -71,7 +71,7 @@ impl Frustum {
     #[must_use]
     pub fn new(bottom: DVec3, top: DVec3, radii: [f64; 2], is_capped: bool) -> Option<Self> {
         let (axis, radius) = (top - bottom, radii[0].max(radii[1]));
-        let [u, v] = upright_axes(axis);
+        let [u, v] = upright_texture_axes(axis);
         let matrix3 = DMat3::from_cols(u * radius, axis, v * -radius);
         let to_world = Transform::new(DAffine3 { matrix3, translation: bottom }).ok()?;
         Some(Self::from_transform(to_world, radii.map(|r| r / radius), is_capped))
@@ -83,7 +83,7 @@ impl Frustum {
         let around: f64 = (0..AREA_STEPS)
             .map(|i| {
                 let (sin, cos) = sincos(f64::from(i) * TAU / f64::from(AREA_STEPS));
-                frustum.area_stretch(DVec3::new(cos, frustum.radius_decrease(), sin))
+                frustum.area_scale_factor(DVec3::new(cos, frustum.radius_decrease(), sin))
             })
             .sum();
         frustum.areas[0] = 0.5 * (radii[0] + radii[1]) * TAU * around / f64::from(AREA_STEPS);
@@ -108,18 +108,20 @@ impl Frustum {
         self.radii[0] - self.radius_decrease() * y
     }
 
-    /// World area of the surface element whose object-space area vector is `n`.
+    /// World-space area of a surface element, given its object-space area vector `n`: the normal
+    /// times the element's area.
     #[inline]
-    fn area_stretch(&self, n: DVec3) -> f64 {
+    fn area_scale_factor(&self, n: DVec3) -> f64 {
         self.to_world.determinant().abs() * self.to_world.transform_normal(n).length()
     }
 
-    /// Interval of τ in which the line is inside the infinite cone; `None` if the line misses.
+    /// Interval of arc length τ in which the line is inside the infinite cone; `None` if the line
+    /// misses the cone.
     ///
     /// The interval may cover the mirror image of the cone beyond its apex. The discriminant is
     /// computed from squared cross products, so it keeps its digits for grazing rays.
     #[inline]
-    fn cone_interval(&self, ray: &ObjectRay) -> Option<[f64; 2]> {
+    fn interval_inside_cone(&self, ray: &ObjectRay) -> Option<[f64; 2]> {
         const ALL: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
         let (o, d) = (ray.base, ray.direction);
         let (rho, slope) = (self.radius_at(o.y), -self.radius_decrease() * d.y);
@@ -145,10 +147,12 @@ impl Frustum {
         Some(if slope > 0.0 { [after, f64::INFINITY] } else { [f64::NEG_INFINITY, before] })
     }
 
-    /// Safe distances from the rims for a hit at the object-space point `p`: along y, and
-    /// perpendicular to y. See [`EDGE_MARGIN`].
+    /// Object-space distances that a surface point must keep from the rims: along y, and
+    /// perpendicular to y.
+    ///
+    /// `p` is the hit in object space. [`EDGE_MARGIN`] explains the need for such distances.
     #[inline]
-    fn rounding_margins(&self, p: DVec3) -> (f64, f64) {
+    fn rim_margins(&self, p: DVec3) -> (f64, f64) {
         let largest = self.to_world.transform_point(p).abs().max_element();
         let rows = self.to_world.inverse().matrix3.transpose();
         let unit = EDGE_MARGIN * f64::from(f32::EPSILON) * largest;
@@ -184,7 +188,7 @@ impl Frustum {
         SurfacePoint { uv: Vec2::new(0.0, part as u32 as f32), ..point }
     }
 
-    /// Height y below which the side has the fraction `v` of its object-space area.
+    /// Height y such that the side below y has the fraction `v` of the side's object-space area.
     #[inline]
     fn height_at_area_fraction(&self, v: f64) -> f64 {
         let [bottom, top] = self.radii;
@@ -194,13 +198,13 @@ impl Frustum {
 }
 
 impl AnalyticShape for Frustum {
-    /// Intersects the ray's interval inside the cone with its interval between the end planes.
+    /// Intersects two intervals of the ray: inside the infinite cone, and between the end planes.
     ///
-    /// No ray can escape at a rim, since side and caps are not tested separately.
+    /// Side and caps are not tested separately, so no ray can escape at a rim.
     #[inline]
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
         let local = ObjectRay::new(ray, &self.to_world);
-        let [side_near, side_far] = self.cone_interval(&local)?;
+        let [side_near, side_far] = self.interval_inside_cone(&local)?;
         let (o, d) = (local.base.y, local.direction.y);
         let (mut near, mut far) = ((side_near, FrustumPart::Side), (side_far, FrustumPart::Side));
         if d == 0.0 {
@@ -228,7 +232,7 @@ impl AnalyticShape for Frustum {
     #[inline]
     fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
         let p = ObjectRay::new(ray, &self.to_world).at(f64_ray_parameter(t, uv));
-        let (along, across) = self.rounding_margins(p);
+        let (along, across) = self.rim_margins(p);
         let from_axis = DVec2::new(p.x, p.z);
         match FrustumPart::from_hit_coordinates(uv) {
             FrustumPart::Side => {
@@ -298,7 +302,7 @@ impl AnalyticShape for Frustum {
         self.areas.iter().sum()
     }
 
-    /// Chooses a part by its area, then samples its object-space preimage uniformly.
+    /// Chooses side or cap by area, then samples a point of that part uniformly in object space.
     fn sample(&self, u: Vec2) -> ShapeSample {
         let [side, bottom, _] = self.areas;
         let x = f64::from(u.x) * self.area();

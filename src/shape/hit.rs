@@ -6,7 +6,7 @@ use glam::{DVec3, Vec2};
 /// Hit (t, u, v) of a ray: the ray parameter, and two numbers that each kind of shape defines.
 pub type ShapeHit = (f32, f32, f32);
 
-/// Origin and direction of the ray.
+/// Origin and direction of the ray, converted to f64.
 #[inline]
 pub(super) fn ray_to_f64(ray: &Ray) -> (DVec3, DVec3) {
     (ray.origin.as_dvec3(), ray.direction.as_dvec3())
@@ -19,7 +19,7 @@ pub(super) fn round_t_if_in_range(ray: &Ray, t: f64) -> Option<f32> {
     (t > 0.0 && t < ray.t_max).then_some(t)
 }
 
-/// Hit (t, r, `second`), where r is the relative error of rounding `t` to f32.
+/// Hit of `ray` with the three numbers t, r and `second`; r is the relative error of rounding t.
 ///
 /// [`f64_ray_parameter`] restores the f64 value. Without it, the error at a large distance could
 /// exceed the shape's thickness.
@@ -28,7 +28,9 @@ pub(super) fn hit_with_rounding_residual(ray: &Ray, t: f64, second: f32) -> Opti
     round_t_if_in_range(ray, t).map(|rounded| (rounded, (t / f64::from(rounded) - 1.0) as f32, second))
 }
 
-/// First hit of the ray, given both intersections (t, second) of its line with a convex shape.
+/// First hit of the ray, given both intersections of its line with a convex shape.
+///
+/// Each intersection is the ray parameter t, and the last number of the [`ShapeHit`].
 ///
 /// The far intersection counts only if the near one is behind the ray's origin.
 #[inline]

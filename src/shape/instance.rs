@@ -4,9 +4,9 @@ use super::analytic::AnalyticShape;
 use super::hit::{ShapeHit, round_t_if_in_range};
 use super::mesh::Mesh;
 use super::object_ray::object_ray;
-use super::surface_point::{ShapeSample, SurfacePoint, TRIANGLE_HIT_ERROR, rounding_error};
+use super::surface_point::{ShapeSample, SurfacePoint, TRIANGLE_HIT_ERROR, position_error_bound};
 use super::texture_mapping::TexCoord;
-use crate::accel::{Hierarchy, Primitive};
+use crate::accel::{Hierarchy, PrimitiveIndex};
 use crate::math::{Ray, Transform, warp};
 use crate::sampling::DiscreteDistribution;
 use glam::{DVec3, Vec2, Vec3};
@@ -16,7 +16,7 @@ use std::sync::{Arc, OnceLock};
 pub struct MeshWithBvh {
     mesh: Mesh,
     hierarchy: Hierarchy,
-    /// Distribution of triangles by area; built at its first use.
+    /// Distribution that selects a triangle in proportion to its area; built at its first use.
     triangle_distribution: OnceLock<Option<DiscreteDistribution>>,
 }
 
@@ -34,7 +34,8 @@ impl MeshWithBvh {
         Self { hierarchy: Hierarchy::build(&corners, &[]), mesh, triangle_distribution: OnceLock::new() }
     }
 
-    /// Distribution of triangles by object-space area; `None` if the total area is 0.
+    /// Distribution that selects a triangle in proportion to its object-space area; `None` if the
+    /// total area is 0.
     fn area_distribution(&self) -> Option<&DiscreteDistribution> {
         let make = || DiscreteDistribution::new((0..self.mesh.triangles.len()).map(|i| self.mesh.triangle_area(i)));
         self.triangle_distribution.get_or_init(make).as_ref()
@@ -49,7 +50,8 @@ impl MeshWithBvh {
 pub struct Instance {
     mesh: Arc<MeshWithBvh>,
     to_world: Transform,
-    /// World area per object-space area: exact for uniform scales, else |det M|^⅔.
+    /// Ratio of world-space to object-space area: exact for uniform scales, else |det M|^⅔, where M
+    /// is the linear part of the map.
     area_scale: f64,
 }
 
@@ -67,10 +69,10 @@ impl Instance {
         self.mesh.mesh.triangles.len()
     }
 
-    /// Object-space ray whose origin is moved to at most two radii from the mesh's centre, and the
-    /// value of t at that origin.
+    /// The ray in object space with its origin moved close to the mesh, and the t of that origin.
     ///
-    /// Rounding errors to f32 are then proportional to the mesh's size at any distance.
+    /// The new origin is at most two bounding-sphere radii from the mesh's centre. Errors of
+    /// rounding to f32 are then proportional to the mesh's size, however far away the ray starts.
     #[inline]
     fn clipped_object_ray(&self, ray: &Ray) -> (Ray, f64) {
         let (o, d) = object_ray(ray, &self.to_world);
@@ -95,7 +97,7 @@ impl Instance {
         let rounded = n.abs().dot((own.error + own.p.abs() * f32::EPSILON).as_dvec3())
             / self.to_world.transform_normal(n).length();
         let reach = f64::from(p.abs().max_element()) + self.to_world.forward().translation.abs().max_element();
-        let error = rounding_error(p, reach) + Vec3::splat(rounded as f32);
+        let error = position_error_bound(p, reach) + Vec3::splat(rounded as f32);
         SurfacePoint { p, error, ng: if ng.dot(ns) < 0.0 { -ng } else { ng }, ns, uv: b }
     }
 }
@@ -109,11 +111,11 @@ impl AnalyticShape for Instance {
     #[inline]
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
         let (near, start) = self.clipped_object_ray(ray);
-        let hit = self.mesh.hierarchy.closest(&near, |_, _| None)?;
+        let hit = self.mesh.hierarchy.closest_hit(&near, |_, _| None)?;
         let t = round_t_if_in_range(ray, start + f64::from(hit.t))?;
         match hit.primitive {
-            Primitive::Triangle(i) => Some((t, f32::from_bits(i), 0.0)),
-            Primitive::Other(_) => None,
+            PrimitiveIndex::Triangle(i) => Some((t, f32::from_bits(i), 0.0)),
+            PrimitiveIndex::Other(_) => None,
         }
     }
 

@@ -38,7 +38,8 @@ impl Mesh {
     /// Surface point of triangle `i`; `b` holds the barycentric weights of its second and third
     /// corner.
     ///
-    /// The point is moved off nearby edges, so that the next ray cannot escape through them.
+    /// A point close to an edge is moved away from it, so that a ray that starts there cannot
+    /// escape through the edge.
     #[inline]
     #[must_use]
     pub fn surface_point(&self, i: usize, b: Vec2) -> SurfacePoint {
@@ -100,7 +101,10 @@ impl Mesh {
         TexCoord { uv, du: w1 * t1.x + w2 * t2.x, dv: w1 * t1.y + w2 * t2.y }
     }
 
-    /// Interpolated unit shading normal; `None` if the mesh has no normals or they cancel.
+    /// Unit shading normal of triangle `i`, interpolated with the barycentric weights of its second
+    /// and third corner.
+    ///
+    /// `None` if the mesh has no shading normals or their weighted sum is zero.
     #[inline]
     fn shading_normal(&self, i: usize, b1: f64, b2: f64) -> Option<Vec3> {
         if self.normals.is_empty() {
@@ -111,11 +115,12 @@ impl Mesh {
     }
 }
 
-/// Barycentric weights `b` of the second and third corner, moved away from the edges: see
-/// [`EDGE_MARGIN`].
+/// Moves a point of a triangle away from the edges: see [`EDGE_MARGIN`].
 ///
-/// `edges` are the vectors from the first corner to the others. `room` is the minimum distance to
-/// an edge, divided by twice the triangle's area. No weight is raised above a quarter.
+/// `b` holds the point's barycentric weights of the second and third corner; the result holds those
+/// of the moved point. The last argument holds the vectors from the first corner to the others.
+/// `room` is the minimum distance to an edge, divided by twice the triangle's area. No weight is
+/// raised above a quarter.
 #[cold]
 fn move_weights_off_edges(b: DVec2, room: f64, [e1, e2]: [DVec3; 2]) -> DVec2 {
     let least = [e2 - e1, e2, e1].map(|edge| (room * edge.length()).min(0.25));

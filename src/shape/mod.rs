@@ -32,8 +32,8 @@ pub use parametric::{Patch, Revolution};
 pub use plane::Plane;
 pub use rectangle::Rectangle;
 pub use sphere::Sphere;
-pub use surface_point::{ShapeSample, SolidAngleSample, SolidAngleSampling, SurfacePoint, TRIANGLE_HIT_ERROR};
-pub use texture_mapping::{MappingKind, TexCoord, TextureMapping, upright_axes};
+pub use surface_point::{ShapeSample, SolidAngleSample, SolidAngleSampleResult, SurfacePoint, TRIANGLE_HIT_ERROR};
+pub use texture_mapping::{MappingKind, TexCoord, TextureMapping, upright_texture_axes};
 
 use crate::math::{self, Bounds, Ray, Transform};
 use analytic::AnalyticShape;
@@ -63,7 +63,10 @@ pub enum Shape {
     Patch(Patch),
 }
 
-/// Evaluates `$e` with `$s` as the concrete shape and `$wrap` as its variant of [`Shape`].
+/// Matches on a [`Shape`] and evaluates one expression for all variants.
+///
+/// In the expression `$e`, `$s` is the concrete shape, such as a [`Sphere`], and `$wrap` is the
+/// variant's constructor.
 macro_rules! dispatch {
     ($self:expr, $s:ident, $wrap:ident => $e:expr) => {
         match $self {
@@ -122,17 +125,17 @@ impl Shape {
         dispatch!(self, s, _w => s.occludes(ray))
     }
 
-    /// Surface point of the [`ShapeHit`] (`t`, `uv.x`, `uv.y`) of `ray`.
+    /// Surface point at the hit (`t`, `uv.x`, `uv.y`) of `ray`: see [`ShapeHit`].
     #[inline]
     #[must_use]
     pub fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
         dispatch!(self, s, _w => s.surface_point(ray, t, uv))
     }
 
-    /// Intrinsic texture coordinates at the surface point `p`; `uv` are the last two numbers of its
-    /// [`ShapeHit`].
+    /// The shape's own texture coordinates at the surface point `p`.
     ///
-    /// Shapes without intrinsic texture coordinates return `uv` and gradients of zero.
+    /// `uv` holds the last two numbers of the [`ShapeHit`] at that point. Shapes without own
+    /// texture coordinates return `uv` and gradients of zero.
     #[must_use]
     pub fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
         dispatch!(self, s, _w => s.tex_coord(p, uv))
@@ -221,7 +224,7 @@ impl Shape {
     /// Samples a visible point of the outer side by solid angle as seen from `from`.
     #[inline]
     #[must_use]
-    pub fn sample_solid_angle(&self, from: Vec3, u: Vec2) -> SolidAngleSampling {
+    pub fn sample_solid_angle(&self, from: Vec3, u: Vec2) -> SolidAngleSampleResult {
         dispatch!(self, s, _w => s.sample_solid_angle(from, u))
     }
 
@@ -234,7 +237,7 @@ impl Shape {
         dispatch!(self, s, _w => s.solid_angle_pdf(from))
     }
 
-    /// Error of the position at which a ray hits the shape, relative to the ray's length.
+    /// Bound on the position error of a hit along the ray, relative to the hit's distance.
     #[inline]
     #[must_use]
     pub fn relative_hit_error(&self) -> f32 {

@@ -23,7 +23,7 @@ pub(super) struct ObjectRay {
     pub direction: DVec3,
     /// Signed distance from the ray's origin to `base`; negative if `base` is behind the origin.
     pub start: f64,
-    /// Change of τ per unit of the ray parameter t.
+    /// Change of τ per unit of the ray parameter t: the length of the object-space direction.
     pub length: f64,
 }
 
@@ -53,7 +53,8 @@ impl ObjectRay {
     }
 }
 
-/// Bound on the absolute world coordinates of object-space points with coordinates up to `size`.
+/// Upper bound of the absolute world coordinates of all object-space points whose coordinates are
+/// at most `size` in magnitude.
 #[inline]
 pub(super) fn world_coordinate_bound(to_world: &Transform, size: f64) -> f64 {
     let m = to_world.forward().matrix3;

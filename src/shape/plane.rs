@@ -7,8 +7,8 @@ use glam::{DVec3, Vec3};
 
 /// Cosine between ray and normal below which the ray counts as parallel to the plane.
 ///
-/// The bound covers rounding errors of two rotations by up to a full turn (2π each) and of the dot
-/// product (3), in units of 2⁻⁵³.
+/// It exceeds the rounding error of the cosine: up to 2π·2⁻⁵³ from each of two rotations, and
+/// 3·2⁻⁵³ from the dot product.
 const PARALLEL_COSINE: f64 = 8.0 * f64::EPSILON;
 
 /// Infinite plane `normal · x = offset`; the normal is a unit vector and points to the outer side.

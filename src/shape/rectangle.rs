@@ -2,24 +2,26 @@
 
 use super::analytic::AnalyticShape;
 use super::hit::{ShapeHit, ray_to_f64, round_t_if_in_range};
-use super::surface_point::{EDGE_MARGIN, ShapeSample, SolidAngleSample, SolidAngleSampling, SurfacePoint};
+use super::surface_point::{EDGE_MARGIN, ShapeSample, SolidAngleSample, SolidAngleSampleResult, SurfacePoint};
 use crate::math::{Ray, Transform, exact_cross};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use libm::{atan2, cos, hypot, sin};
 
-/// Largest cosine between edges that count as perpendicular; it allows for rounding by a chain of
-/// transforms.
+/// Largest cosine of the angle between two edges that count as perpendicular.
+///
+/// It is above 0 because transforms round the edges.
 const PERPENDICULAR_COSINE: f64 = 1e-12;
 
 /// Solid angle \[sr] below which points are sampled by area.
 ///
-/// The solid angle is a difference of larger angles, so small values have few correct digits.
+/// Small solid angles are differences of larger angles, so they have few correct digits.
 const MIN_SOLID_ANGLE: f64 = 1e-4;
 
-/// Squared ratio of diagonal to distance below which points are sampled by area.
+/// Squared ratio of the rectangle's diagonal to its distance, below which points are sampled by
+/// area.
 ///
-/// For such distant rectangles, sampling by area has little more variance and takes a tenth of the
-/// time.
+/// For such distant rectangles, sampling by area has little more variance than sampling by solid
+/// angle, and takes a tenth of the time.
 const FAR_SIZE_RATIO2: f64 = 0.2;
 
 /// Rectangle or parallelogram: the points `corner + x·e0 + y·e1` with x, y in \[0, 1].
@@ -36,11 +38,11 @@ pub struct Rectangle {
     is_right_angled: bool,
 }
 
-/// Rectangle relative to a viewpoint, with coordinates x and y along the edges.
+/// Rectangle as seen from a viewpoint, which is the origin of coordinates x and y along the edges.
 struct RectangleView {
-    /// Range of x relative to the viewpoint.
+    /// Least and greatest x of the rectangle \[length].
     x: [f64; 2],
-    /// Range of y relative to the viewpoint.
+    /// Least and greatest y of the rectangle \[length].
     y: [f64; 2],
     /// Distance from the viewpoint to the rectangle's plane.
     z: f64,
@@ -62,7 +64,7 @@ impl Rectangle {
 
     /// Moves the point `p` away from the edges: see [`EDGE_MARGIN`].
     #[inline]
-    fn move_off_edges(&self, p: DVec3) -> DVec3 {
+    fn move_point_off_edges(&self, p: DVec3) -> DVec3 {
         let offset = p - self.corner;
         let at = DVec2::new(self.dual[0].dot(offset), self.dual[1].dot(offset));
         let widths = DVec2::new(self.dual[0].length(), self.dual[1].length());
@@ -77,8 +79,8 @@ impl Rectangle {
         SurfacePoint::from_f64(p, self.normal, self.corner.abs().max_element() + reach)
     }
 
-    /// Rectangle relative to the viewpoint `from`; `None` if `from` is on the inner side or
-    /// sampling by area is better.
+    /// The rectangle as seen from `from`; `None` if `from` is on the inner side, or if sampling by
+    /// area is better.
     fn rectangle_view(&self, from: Vec3) -> Option<RectangleView> {
         let to = self.corner - from.as_dvec3();
         let z = -self.normal.dot(to);
@@ -149,7 +151,7 @@ impl AnalyticShape for Rectangle {
     fn surface_point(&self, ray: &Ray, t: f32, _uv: Vec2) -> SurfacePoint {
         let (o, d) = ray_to_f64(ray);
         let p = o + d * f64::from(t);
-        self.surface_at(self.move_off_edges(p - self.normal * self.normal.dot(p - self.corner)))
+        self.surface_at(self.move_point_off_edges(p - self.normal * self.normal.dot(p - self.corner)))
     }
 
     fn bounds_f64(&self) -> (DVec3, DVec3) {
@@ -176,10 +178,10 @@ impl AnalyticShape for Rectangle {
     }
 
     #[inline]
-    fn sample_solid_angle(&self, from: Vec3, u: Vec2) -> SolidAngleSampling {
+    fn sample_solid_angle(&self, from: Vec3, u: Vec2) -> SolidAngleSampleResult {
         match self.sample_visible(from, u) {
-            Some((point, wi, pdf)) => SolidAngleSampling::Sampled(SolidAngleSample { point, wi, pdf }),
-            None => SolidAngleSampling::Unsupported,
+            Some((point, wi, pdf)) => SolidAngleSampleResult::Sampled(SolidAngleSample { point, wi, pdf }),
+            None => SolidAngleSampleResult::Unsupported,
         }
     }
 

@@ -2,11 +2,11 @@
 
 use super::analytic::AnalyticShape;
 use super::hit::{ShapeHit, f64_ray_parameter, nearer_hit, ray_to_f64};
-use super::surface_point::{ShapeSample, SolidAngleSample, SolidAngleSampling, SurfacePoint};
+use super::surface_point::{ShapeSample, SolidAngleSample, SolidAngleSampleResult, SurfacePoint};
 use crate::math::{BoundingSphere, Frame, Ray, Transform, direction_and_distance, quadratic_roots, warp};
 use glam::{DVec3, Vec2, Vec3};
 
-/// Sphere; intersections are computed in f64.
+/// A sphere in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
     /// Centre.
@@ -38,7 +38,7 @@ impl Sphere {
         quadratic_roots(a, b, (distance - self.radius) * (distance + self.radius), discriminant)
     }
 
-    /// Surface point in the unit direction `n` from the centre.
+    /// The surface point that lies in the unit direction `n` from the centre.
     #[inline]
     fn surface_at(&self, n: DVec3) -> SurfacePoint {
         SurfacePoint::from_f64(self.center + n * self.radius, n, self.center.abs().max_element() + self.radius)
@@ -126,11 +126,11 @@ impl AnalyticShape for Sphere {
     }
 
     #[inline]
-    fn sample_solid_angle(&self, from: Vec3, u: Vec2) -> SolidAngleSampling {
-        let Some((point, pdf)) = self.sample_visible(from, u) else { return SolidAngleSampling::Invisible };
+    fn sample_solid_angle(&self, from: Vec3, u: Vec2) -> SolidAngleSampleResult {
+        let Some((point, pdf)) = self.sample_visible(from, u) else { return SolidAngleSampleResult::Invisible };
         match direction_and_distance(from, point.p) {
-            Some((_, wi, _)) => SolidAngleSampling::Sampled(SolidAngleSample { point, wi, pdf }),
-            None => SolidAngleSampling::Invisible,
+            Some((_, wi, _)) => SolidAngleSampleResult::Sampled(SolidAngleSample { point, wi, pdf }),
+            None => SolidAngleSampleResult::Invisible,
         }
     }
 

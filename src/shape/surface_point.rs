@@ -8,14 +8,15 @@ use glam::{DVec3, Vec2, Vec3};
 pub struct SurfacePoint {
     /// Position.
     pub p: Vec3,
-    /// Bound on the error of `p` along each axis, including the error of an intersection test of a
-    /// ray that starts here.
+    /// Bound on the error of `p` along each axis \[length].
+    ///
+    /// It includes the error with which the next ray, which starts at `p`, tests this surface.
     pub error: Vec3,
     /// Geometric unit normal, on the outer side of the shape.
     pub ng: Vec3,
     /// Shading unit normal, in the hemisphere around `ng`.
     pub ns: Vec3,
-    /// Last two numbers of the [`ShapeHit`](super::ShapeHit), or the zero vector.
+    /// Last two numbers of the [`ShapeHit`](super::ShapeHit) at `p`; zero if they are unknown.
     pub uv: Vec2,
 }
 
@@ -27,7 +28,7 @@ impl SurfacePoint {
     pub(super) fn from_f64(p: DVec3, normal: DVec3, scale: f64) -> Self {
         let ng = normal.as_vec3();
         let rounded = p.as_vec3();
-        Self { p: rounded, error: rounding_error(rounded, scale), ng, ns: ng, uv: Vec2::ZERO }
+        Self { p: rounded, error: position_error_bound(rounded, scale), ng, ns: ng, uv: Vec2::ZERO }
     }
 }
 
@@ -55,7 +56,7 @@ pub struct SolidAngleSample {
 
 /// Result of sampling a shape by solid angle.
 #[derive(Clone, Copy, Debug)]
-pub enum SolidAngleSampling {
+pub enum SolidAngleSampleResult {
     /// A visible point.
     Sampled(SolidAngleSample),
     /// The outer side of the shape is invisible.
@@ -64,20 +65,20 @@ pub enum SolidAngleSampling {
     Unsupported,
 }
 
-/// Error of the position at which a ray hits a distant triangle, relative to the ray's length.
+/// Bound on the position error of a triangle hit along the ray, relative to the hit's distance.
 ///
-/// It is the rounding error in f32 of the shear in the triangle test.
+/// The error comes from rounding to f32 where the triangle test shears the corners.
 pub const TRIANGLE_HIT_ERROR: f32 = 4.0 * f32::EPSILON;
 
 /// Bound on the error of `p` along each axis: the rounding to f32, plus 32 ulps of f64 at `scale`
 /// for the intersection test of the next ray.
 #[inline]
-pub(super) fn rounding_error(p: Vec3, scale: f64) -> Vec3 {
+pub(super) fn position_error_bound(p: Vec3, scale: f64) -> Vec3 {
     p.abs() * f32::EPSILON + Vec3::splat((scale * (32.0 * f64::EPSILON)) as f32)
 }
 
-/// Minimum distance of hit points from the edges of a face, in units of the largest position error
-/// along an axis.
+/// Minimum distance that surface points keep from the edges of their face, in units of the largest
+/// position error along an axis.
 ///
 /// The origin of the next ray is off by up to √3 errors, and is then offset by as much along the
 /// normal. Near an edge of two faces, the origin could end up behind the other face, and the ray

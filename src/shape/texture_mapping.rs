@@ -16,7 +16,7 @@ pub struct TexCoord {
 }
 
 impl TexCoord {
-    /// Texture coordinates from the derivatives ∂p/∂u and ∂p/∂v of the surface.
+    /// Texture coordinates `uv` with gradients that follow from ∂p/∂u and ∂p/∂v of the surface.
     #[must_use]
     pub(super) fn from_derivatives(uv: Vec2, along_u: DVec3, along_v: DVec3) -> Self {
         let cross = along_u.cross(along_v);
@@ -36,14 +36,14 @@ pub enum MappingKind {
         /// Centre of the sphere.
         center: DVec3,
     },
-    /// Linear coordinates: u and v are the dot products of p − origin with the two rows.
+    /// Planar projection: u and v are the dot products of p − origin with two vectors.
     Planar {
         /// Point with u = v = 0.
         origin: DVec3,
         /// Gradients of u and v \[1/length].
         rows: [DVec3; 2],
     },
-    /// Intrinsic coordinates of the shape, such as those of mesh vertices.
+    /// Texture coordinates that the shape itself defines, such as those of mesh vertices.
     Uv,
 }
 
@@ -59,7 +59,7 @@ pub struct TextureMapping {
 /// A picture on a wall appears upright: v is as near to +y as possible, and u points right for a
 /// viewer on the outer side. On a horizontal plane, u is +x.
 #[must_use]
-pub fn upright_axes(normal: DVec3) -> [DVec3; 2] {
+pub fn upright_texture_axes(normal: DVec3) -> [DVec3; 2] {
     let n = normal.normalize_or(DVec3::Y);
     let right = DVec3::Y.cross(n);
     // A shorter vector is a rounding error of a horizontal plane.
@@ -71,13 +71,13 @@ impl MappingKind {
     /// Mapping of a plane: u and v are lengths from the object-space origin.
     #[must_use]
     pub fn plane_mapping(normal: DVec3) -> Self {
-        Self::Planar { origin: DVec3::ZERO, rows: upright_axes(normal) }
+        Self::Planar { origin: DVec3::ZERO, rows: upright_texture_axes(normal) }
     }
 
     /// Mapping of a disc, which becomes the disc inscribed in the unit square.
     #[must_use]
     pub fn disc_mapping(center: DVec3, normal: DVec3, radius: f64) -> Self {
-        let [u, v] = upright_axes(normal);
+        let [u, v] = upright_texture_axes(normal);
         Self::Planar { origin: center - (u + v) * radius, rows: [u / (2.0 * radius), v / (2.0 * radius)] }
     }
 
@@ -97,7 +97,7 @@ impl Default for TextureMapping {
 }
 
 impl TextureMapping {
-    /// Mapping of an object with the transform `to_world`.
+    /// Mapping of `kind` for an object whose object-to-world transform is `to_world`.
     #[must_use]
     pub fn new(kind: MappingKind, to_world: Transform) -> Self {
         Self { kind, to_world }
@@ -111,17 +111,20 @@ impl TextureMapping {
 
     /// Transforms the world-space point `p` to object space.
     #[must_use]
-    pub fn point_to_object(&self, p: Vec3) -> DVec3 {
+    pub fn point_to_object_space(&self, p: Vec3) -> DVec3 {
         self.to_world.inverse().transform_point3(p.as_dvec3())
     }
 
     /// Transforms the world-space vector `step` to object space.
     #[must_use]
-    pub fn vector_to_object(&self, step: DVec3) -> DVec3 {
+    pub fn vector_to_object_space(&self, step: DVec3) -> DVec3 {
         self.to_world.inverse().transform_vector3(step)
     }
 
-    /// Texture coordinates at the object-space point `p`; `own` computes the intrinsic ones.
+    /// Texture coordinates at the object-space point `p`.
+    ///
+    /// `own` computes the texture coordinates that the shape itself defines. It is called only for
+    /// [`MappingKind::Uv`].
     #[must_use]
     pub fn tex_coord_at(&self, p: DVec3, own: impl FnOnce() -> TexCoord) -> TexCoord {
         let world = |row: DVec3| self.to_world.transform_normal(row);

@@ -22,8 +22,8 @@ const RESERVED_BYTES: u64 = 14_000_000;
 impl MemoryLimit {
     /// Bytes that may still be allocated; `None` if no limit is known.
     ///
-    /// Under [`MemoryLimit::Limit`] this is the limit less the bytes in use and a fixed reserve, so
-    /// one machine refuses what another refuses. Under [`MemoryLimit::System`] it is the memory
+    /// Under [`MemoryLimit::Limit`] this is the limit minus the bytes in use and a fixed reserve,
+    /// so that all machines refuse the same work. Under [`MemoryLimit::System`] it is the memory
     /// that the system can give without swapping (Linux only).
     #[must_use]
     pub fn available_bytes(self) -> Option<u64> {

@@ -2,8 +2,8 @@
 
 use crate::image::metrics::{MetricError, rmse};
 use crate::image::{Image, SizeError, WriteError};
-use crate::integrate::{Algorithm, Expected, Integrator, Monitor, Settings};
-use crate::plan::{Decision, Plan};
+use crate::integrate::{Algorithm, ExpectedPhotons, Integrator, ProgressMonitor, Settings};
+use crate::plan::{EffectDecision, Plan};
 use crate::render::Film;
 use crate::scene::Scene;
 use crate::stats::{Counters, cpu_seconds};
@@ -73,22 +73,22 @@ impl PictureCost {
     }
 }
 
-/// Cost of an effect: whole picture minus picture without the effect.
+/// Cost of an effect: the cost of the whole picture minus that of the picture without the effect.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct EffectCost {
-    /// Difference per pass \[s].
+    /// Time that the effect adds to a pass, mean over passes \[s].
     pub seconds: f64,
     /// Standard error of `seconds` over passes \[s]; `None` with one pass.
     pub seconds_error: Option<f64>,
-    /// Time of all passes with the effect, divided by the time without it.
+    /// Time of all passes with the effect, divided by the time of all passes without it.
     pub ratio: f64,
-    /// Difference of setup time \[s].
+    /// Time that the effect adds to the setup \[s].
     pub setup: f64,
-    /// Difference of the number of rays per pass, of all kinds.
+    /// Number of rays of all kinds that the effect adds to a pass.
     pub rays: f64,
-    /// Difference of the number of photon density estimates per pass.
+    /// Number of photon density estimates that the effect adds to a pass.
     pub gathers: f64,
-    /// Difference of the number of photons found by density estimates per pass.
+    /// Number of photons in density estimates that the effect adds to a pass.
     pub gathered_photons: f64,
 }
 
@@ -109,7 +109,7 @@ pub struct EffectContribution {
 #[derive(Clone, Debug)]
 pub struct EffectResult {
     /// The effect and the reason why it is simulated.
-    pub decision: Decision,
+    pub decision: EffectDecision,
     /// Time and work of the picture without the effect.
     pub without: PictureCost,
     /// Cost of the effect.
@@ -127,7 +127,7 @@ pub struct EffectStudyResult {
     pub plan: Plan,
     /// Clock that measured all times.
     pub clock: ClockKind,
-    /// The whole picture: mean of the passes with all effects.
+    /// The whole picture: mean of the passes with all effects of the plan.
     pub picture: Image,
     /// Mean of the whole picture over pixels and channels \[W/(m² sr)].
     pub mean: f64,
@@ -153,8 +153,8 @@ pub struct EffectStudy<'a> {
 
 /// A picture of a study between two passes.
 struct PictureInProgress<'a> {
-    /// The omitted effect; `None` for the whole picture.
-    without: Option<Decision>,
+    /// Decision about the effect that is left out; `None` for the whole picture.
+    without: Option<EffectDecision>,
     integrator: Box<dyn Integrator + 'a>,
     film: Film,
     spent: PictureCost,
@@ -165,10 +165,10 @@ impl<'a> EffectStudy<'a> {
     #[must_use]
     pub fn prepare(scene: &'a Scene, algorithm: Algorithm, settings: &Settings) -> Self {
         let clock = ClockKind::preferred_clock();
-        let plan = Plan::new(scene, algorithm.simulates(), settings.camera_paths.effects);
+        let plan = Plan::new(scene, algorithm.supported_effects(), settings.camera_paths.effects);
         let settings = settings_with_pilot_counts(scene, algorithm, settings);
         let size = scene.camera().size();
-        let run = |without: Option<Decision>| {
+        let run = |without: Option<EffectDecision>| {
             let mut settings = settings.clone();
             if let Some(decision) = without {
                 settings.camera_paths.effects = settings.camera_paths.effects.without(decision.effect);
@@ -194,11 +194,11 @@ impl<'a> EffectStudy<'a> {
         self.runs.len()
     }
 
-    /// Numbers of photons that determine the memory of a pass: their maxima over all pictures.
+    /// Largest expected numbers of photons of a pass, over all pictures. They determine its memory.
     #[must_use]
-    pub fn largest_pass_memory(&self) -> Expected {
-        let all = self.runs.iter().map(|run| run.integrator.expected());
-        all.fold(Expected::default(), |a, b| Expected {
+    pub fn largest_expected_photons(&self) -> ExpectedPhotons {
+        let all = self.runs.iter().map(|run| run.integrator.expected_photons());
+        all.fold(ExpectedPhotons::default(), |a, b| ExpectedPhotons {
             paths: a.paths.max(b.paths),
             photons: a.photons.max(b.photons),
             most: a.most.max(b.most),
@@ -207,8 +207,8 @@ impl<'a> EffectStudy<'a> {
 
     /// Renders `passes` passes of each picture, but at least one.
     ///
-    /// Calls `after` when each picture has one more pass, with their number. Stops early if
-    /// `interrupted` becomes true.
+    /// After each round of one pass per picture, calls `after` with the number of rounds. Stops
+    /// early if `interrupted` becomes true.
     ///
     /// # Errors
     /// [`StudyError`] if a pixel is not finite.
@@ -216,7 +216,7 @@ impl<'a> EffectStudy<'a> {
         mut self,
         passes: u32,
         interrupted: &AtomicBool,
-        monitor: &dyn Monitor,
+        monitor: &dyn ProgressMonitor,
         mut after: impl FnMut(u32),
     ) -> Result<EffectStudyResult, StudyError> {
         let mut made = 0;
@@ -226,7 +226,7 @@ impl<'a> EffectStudy<'a> {
             let first = made as usize % self.runs.len();
             let (late, early) = self.runs.split_at_mut(first);
             for run in early.iter_mut().chain(late) {
-                let (pass, seconds) = self.clock.measure_seconds(|| run.integrator.pass(made, monitor));
+                let (pass, seconds) = self.clock.measure_seconds(|| run.integrator.render_pass(made, monitor));
                 run.film.add(&pass.image);
                 run.spent.passes.push(seconds);
                 run.spent.counters += pass.counters;
@@ -257,13 +257,14 @@ impl<'a> EffectStudy<'a> {
     }
 }
 
-/// Settings for a study: a pilot of the whole picture fixes the numbers of rays and photons.
+/// Returns settings in which a pilot of the whole picture has fixed the numbers of rays and
+/// photons.
 ///
 /// Pictures without an effect then use as many rays and photons as the whole picture.
 fn settings_with_pilot_counts(scene: &Scene, algorithm: Algorithm, settings: &Settings) -> Settings {
     let mut fixed = Settings { balance: false, ..settings.clone() };
     if settings.balance
-        && let Some(balance) = algorithm.prepare(scene, settings.clone()).balance()
+        && let Some(balance) = algorithm.prepare(scene, settings.clone()).ray_photon_balance()
     {
         fixed.camera_paths.samples = Some(balance.samples);
         fixed.photons = balance.photons.unwrap_or(fixed.photons);

@@ -2,14 +2,14 @@
 
 use super::{EffectStudy, EffectStudyResult, ReportContext, effects_html_page, expected_work};
 use crate::camera::Camera;
-use crate::integrate::{Algorithm, Settings, Silent};
+use crate::integrate::{Algorithm, Settings, SilentMonitor};
 use crate::plan::{Effect, EffectOverrides};
 use crate::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
 use crate::shape::{Rectangle, Shape, Sphere};
 use glam::{DVec3, Vec3};
 use std::sync::atomic::AtomicBool;
 
-/// A sphere on a floor under a point light.
+/// Makes a scene of a sphere on a floor under a point light.
 fn sphere_on_floor(material: Material, width: u32, height: u32) -> Scene {
     let mut builder = SceneBuilder::new();
     let white = builder.material(Material::diffuse(Vec3::splat(0.5)));
@@ -42,7 +42,7 @@ fn settings_with_few_photons(effects: EffectOverrides) -> Settings {
 
 fn run_effect_study(scene: &Scene, algorithm: Algorithm, settings: &Settings, passes: u32) -> EffectStudyResult {
     let study = EffectStudy::prepare(scene, algorithm, settings);
-    study.run(passes, &AtomicBool::new(false), &Silent, |_| {}).unwrap()
+    study.run(passes, &AtomicBool::new(false), &SilentMonitor, |_| {}).unwrap()
 }
 
 /// An effect that the scene does not need costs rays and changes no bit.
@@ -87,7 +87,7 @@ fn contributions_equal_differences_of_means() {
     let caustics = found.effects.iter().find(|f| f.decision.effect == Effect::Caustics).unwrap();
     let settings = settings_with_few_photons(EffectOverrides::PLANNED.without(Effect::Caustics));
     let integrator = Algorithm::Hybrid.prepare(&scene, settings);
-    let images = (0..3).map(|i| integrator.pass(i, &Silent).image);
+    let images = (0..3).map(|i| integrator.render_pass(i, &SilentMonitor).image);
     let sum: f64 = images.flatten().map(|p| p.as_dvec3().element_sum()).sum();
     let mean_without = sum / (3.0 * 3.0 * 24.0 * 18.0);
     // Pixels are f32, which rounds at 2⁻²⁴.
@@ -106,7 +106,7 @@ fn interrupted_effect_studies_finish_one_pass() {
     let scene = diffuse_sphere_on_floor(8, 6);
     let study = EffectStudy::prepare(&scene, Algorithm::Whitted, &settings_with_few_photons(EffectOverrides::PLANNED));
     let pictures = study.picture_count();
-    let found = study.run(9, &AtomicBool::new(true), &Silent, |_| {}).unwrap();
+    let found = study.run(9, &AtomicBool::new(true), &SilentMonitor, |_| {}).unwrap();
     assert!(found.interrupted && found.effects.len() + 1 == pictures);
     assert!(found.whole.passes.len() == 1 && found.effects.iter().all(|f| f.without.passes.len() == 1));
 }

@@ -3,7 +3,7 @@
 use crate::integrate::Integrator;
 use crate::plan::{Effect, Effects};
 
-/// Work of a pass, or the difference between the work of two passes.
+/// Counts of rays and photons of a pass, or the differences between the counts of two passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WorkCounts {
     /// Number of rays of all kinds.
@@ -29,7 +29,8 @@ impl ExpectedWork {
     }
 }
 
-/// Expected work of the first pass; the work of pilots is not included.
+/// Estimates the work of the first pass by tracing a few film points; the work of pilots is not
+/// included.
 #[must_use]
 pub fn expected_work(integrator: &dyn Integrator) -> ExpectedWork {
     let effects = integrator.plan().simulated_effects();
@@ -48,7 +49,7 @@ pub fn expected_work(integrator: &dyn Integrator) -> ExpectedWork {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::integrate::{Algorithm, Settings, Silent};
+    use crate::integrate::{Algorithm, Settings, SilentMonitor};
     use crate::study::tests::{diffuse_sphere_on_floor, glass_sphere_on_floor};
 
     /// Camera rays are counted exactly: one per pixel and sample.
@@ -64,8 +65,9 @@ mod tests {
         );
     }
 
-    /// Compares expected work with a whole pass. A thousand film points give a few percent of
-    /// error; gathers crowd in caustics and are less exact.
+    /// Compares expected work with the counters of a whole pass. The estimate from a thousand film
+    /// points has an error of a few percent. The numbers of gathered photons are less exact,
+    /// because they vary most in caustics.
     #[test]
     fn expected_work_matches_a_pass() {
         let settings = Settings {
@@ -78,7 +80,7 @@ mod tests {
         let scene = glass_sphere_on_floor(128, 96);
         for algorithm in [Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Pm] {
             let integrator = algorithm.prepare(&scene, settings.clone());
-            let counters = integrator.pass(0, &Silent).counters;
+            let counters = integrator.render_pass(0, &SilentMonitor).counters;
             let work = expected_work(integrator.as_ref());
             let close = |a: i64, b: u64, within: f64| {
                 assert!((a as f64 / b as f64 - 1.0).abs() < within, "{algorithm:?} {a} {b}");

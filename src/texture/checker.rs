@@ -3,19 +3,20 @@
 use crate::color::Rgb;
 use glam::DVec2;
 
-/// Finite-difference step for bump maps across an edge, in sides of a square.
+/// Finite-difference step of bump maps, relative to the side of a square.
 pub(super) const BUMP_STEP: f64 = 1e-3;
 
 /// A checkerboard of unit squares: the first colour where ⌊u⌋ + ⌊v⌋ is even, else the second.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Checker {
+pub struct Checkerboard {
     /// The two colours.
     pub colors: [Rgb; 2],
 }
 
-impl Checker {
-    /// Exact mean colour over the box with sides `size` around `uv`. The pattern is a product of
-    /// two square waves.
+impl Checkerboard {
+    /// Exact mean colour over the box with sides `size` around `uv`, in texture coordinates.
+    ///
+    /// It has a closed form, since the pattern is a product of two square waves.
     #[must_use]
     pub fn box_mean(&self, uv: DVec2, size: DVec2) -> Rgb {
         let product = mean_square_wave(uv.x, size.x) * mean_square_wave(uv.y, size.y);
@@ -47,9 +48,9 @@ fn square_wave_integral(x: f64) -> f64 {
 mod tests {
     use super::*;
 
-    const CHECKER: Checker = Checker { colors: [Rgb::ZERO, Rgb::ONE] };
+    const CHECKER: Checkerboard = Checkerboard { colors: [Rgb::ZERO, Rgb::ONE] };
 
-    fn checker_value(u: f64, v: f64, w: f64, h: f64) -> f64 {
+    fn checkerboard_mean(u: f64, v: f64, w: f64, h: f64) -> f64 {
         f64::from(CHECKER.box_mean(DVec2::new(u, v), DVec2::new(w, h)).x)
     }
 
@@ -58,7 +59,7 @@ mod tests {
         for i in -3..4 {
             for j in -3..4 {
                 let odd = f64::from((i + j) & 1);
-                assert_eq!(checker_value(f64::from(i) + 0.25, f64::from(j) + 0.75, 0.0, 0.0), odd, "{i} {j}");
+                assert_eq!(checkerboard_mean(f64::from(i) + 0.25, f64::from(j) + 0.75, 0.0, 0.0), odd, "{i} {j}");
             }
         }
     }
@@ -76,10 +77,10 @@ mod tests {
                 .flat_map(|(i, a)| cells(v, h).map(move |(j, b)| if (i + j) & 1 == 1 { a * b } else { 0.0 }))
                 .sum();
             // Colours are f32.
-            assert!((checker_value(u, v, w, h) - odd / (w * h)).abs() < 1e-6, "{u} {v} {w} {h}");
+            assert!((checkerboard_mean(u, v, w, h) - odd / (w * h)).abs() < 1e-6, "{u} {v} {w} {h}");
         }
         for x in [0.0, 0.3, 17.9] {
-            assert!((checker_value(x, 0.2, 4.0, 0.1) - 0.5).abs() < 1e-7, "whole periods hold half of each");
+            assert!((checkerboard_mean(x, 0.2, 4.0, 0.1) - 0.5).abs() < 1e-7, "whole periods hold half of each");
         }
     }
 }

@@ -3,19 +3,22 @@
 use crate::color::Rgb;
 use glam::{DMat2, DVec2, DVec3};
 
-/// Maximum number of lookups along an anisotropic footprint. A longer footprint has wider boxes.
+/// Maximum number of lookups along a footprint. In a longer footprint, each lookup covers more.
 const MAX_LOOKUPS: f64 = 16.0;
 
-/// Greatest length of a footprint, in texture periods. There, a texture equals its mean.
+/// Length to which footprints are clamped, in texture periods.
+///
+/// The mean over so long a footprint is the mean of the texture.
 const MAX_PERIODS: f64 = 1e6;
 
-/// A point on a surface with its texture filter footprint. A footprint of zero size is a point
-/// lookup.
+/// A point on a surface, with the footprint over which textures are averaged there.
+///
+/// If the footprint has zero size, textures are evaluated at the point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TextureEvalContext {
     /// Texture coordinates.
     pub uv: DVec2,
-    /// Change of `uv` along each axis of the footprint, over its full width.
+    /// Change of `uv` from one end to the other of each of the two axes of the footprint.
     pub axes: [DVec2; 2],
     /// The point in object space.
     pub p: DVec3,
@@ -59,10 +62,11 @@ impl UvTransform {
         self.matrix.x_axis.length().max(self.matrix.y_axis.length())
     }
 
-    /// Mean of `lookup` over the footprint.
+    /// Mean colour over the footprint of `context`, as a mean of several box lookups.
     ///
-    /// `lookup` returns the mean over a box, from its center and its sides. Boxes lie side by side
-    /// along the longer axis (Heckbert 1989, section 3.5; Greene and Heckbert 1986).
+    /// `lookup` returns the mean over a box, given the box's center and sides. The boxes lie side
+    /// by side along the longer axis of the footprint (Heckbert 1989, section 3.5; Greene and
+    /// Heckbert 1986).
     pub(super) fn filter_anisotropic(&self, context: &TextureEvalContext, lookup: impl Fn(DVec2, DVec2) -> Rgb) -> Rgb {
         let uv = self.matrix * context.uv + self.offset;
         // Where coordinates are singular, as at a pole, the axes are unbounded.
@@ -90,7 +94,7 @@ mod tests {
     use super::*;
     use std::cell::RefCell;
 
-    fn filter_lookups(coordinates: &UvTransform, axes: [DVec2; 2]) -> Vec<(DVec2, DVec2)> {
+    fn recorded_lookups(coordinates: &UvTransform, axes: [DVec2; 2]) -> Vec<(DVec2, DVec2)> {
         let seen = RefCell::new(Vec::new());
         let context = TextureEvalContext { uv: DVec2::new(0.25, 0.5), axes, ..TextureEvalContext::default() };
         coordinates.filter_anisotropic(&context, |uv, size| {
@@ -103,7 +107,7 @@ mod tests {
     #[test]
     fn coordinates_are_scaled_rotated_then_translated() {
         let coordinates = UvTransform::new(DVec2::new(2.0, 4.0), std::f64::consts::FRAC_PI_2, DVec2::new(10.0, 20.0));
-        let [(uv, size)] = filter_lookups(&coordinates, [DVec2::ZERO; 2])[..] else { panic!("one lookup") };
+        let [(uv, size)] = recorded_lookups(&coordinates, [DVec2::ZERO; 2])[..] else { panic!("one lookup") };
         // (½, 2) rotated by 90° is (−2, ½).
         assert!((uv - DVec2::new(8.0, 20.5)).length() < 1e-12 && size == DVec2::ZERO);
         assert!((coordinates.max_scale() - 4.0).abs() < 1e-12);
@@ -113,16 +117,16 @@ mod tests {
     /// the footprint.
     #[test]
     fn anisotropic_footprints_are_tiled_by_lookups() {
-        let seen = filter_lookups(&UvTransform::default(), [DVec2::new(0.0, 0.1), DVec2::new(0.5, 0.0)]);
+        let seen = recorded_lookups(&UvTransform::default(), [DVec2::new(0.0, 0.1), DVec2::new(0.5, 0.0)]);
         assert_eq!(seen.len(), 5);
         for (i, (uv, size)) in seen.iter().enumerate() {
             assert!((*uv - DVec2::new(0.05 + 0.1 * i as f64, 0.5)).length() < 1e-12, "{uv}");
             assert!((*size - 0.1).length() < 1e-12);
         }
         assert_eq!(
-            filter_lookups(&UvTransform::default(), [DVec2::X * 1e3, DVec2::Y * 1e-9]).len(),
+            recorded_lookups(&UvTransform::default(), [DVec2::X * 1e3, DVec2::Y * 1e-9]).len(),
             MAX_LOOKUPS as usize
         );
-        assert_eq!(filter_lookups(&UvTransform::default(), [DVec2::splat(f64::INFINITY), DVec2::ZERO]).len(), 1);
+        assert_eq!(recorded_lookups(&UvTransform::default(), [DVec2::splat(f64::INFINITY), DVec2::ZERO]).len(), 1);
     }
 }

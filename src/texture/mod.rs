@@ -6,7 +6,7 @@ pub(crate) mod noise;
 mod picture;
 mod solid;
 
-pub use checker::Checker;
+pub use checker::Checkerboard;
 pub use eval_context::{TextureEvalContext, UvTransform};
 pub use picture::{Picture, PictureError, WrapMode};
 pub use solid::{SolidPattern, SolidTexture};
@@ -19,7 +19,7 @@ pub enum Texture {
     /// A picture over texture coordinates.
     Picture(Picture, UvTransform),
     /// A checkerboard of unit squares over texture coordinates.
-    Checker(Checker, UvTransform),
+    Checkerboard(Checkerboard, UvTransform),
     /// A solid texture: a pattern in space.
     Solid(SolidTexture),
 }
@@ -32,7 +32,7 @@ impl Texture {
             Self::Picture(picture, coordinates) => {
                 coordinates.filter_anisotropic(context, |uv, size| picture.box_mean(uv, size))
             }
-            Self::Checker(checker, coordinates) => {
+            Self::Checkerboard(checker, coordinates) => {
                 coordinates.filter_anisotropic(context, |uv, size| checker.box_mean(uv, size))
             }
             Self::Solid(solid) => solid.color_at(context.p, context.width),
@@ -50,41 +50,41 @@ impl Texture {
     pub fn mean(&self) -> Rgb {
         match self {
             Self::Picture(picture, _) => picture.mean(),
-            Self::Checker(checker, _) => checker.mean(),
+            Self::Checkerboard(checker, _) => checker.mean(),
             Self::Solid(solid) => solid.mean(),
         }
     }
 
     /// Least and greatest channel value. No lookup exceeds this range.
     #[must_use]
-    pub fn range(&self) -> (f32, f32) {
+    pub fn value_range(&self) -> (f32, f32) {
         match self {
-            Self::Picture(picture, _) => picture.range(),
-            Self::Checker(checker, _) => channel_range(checker.colors),
+            Self::Picture(picture, _) => picture.value_range(),
+            Self::Checkerboard(checker, _) => channel_range(checker.colors),
             Self::Solid(solid) => channel_range(solid.colors),
         }
     }
 
     /// True for a pattern in space, which needs no texture coordinates.
     #[must_use]
-    pub fn is_solid(&self) -> bool {
+    pub fn is_solid_texture(&self) -> bool {
         matches!(self, Self::Solid(_))
     }
 
-    /// Step for the finite differences of bump maps, a fraction of the finest detail.
+    /// Step for the finite differences of bump maps: a fraction of the texture's finest detail.
     ///
-    /// Its unit is texture coordinates, or object-space length for a solid texture.
+    /// It is measured in texture coordinates, or in object space for a solid texture \[length].
     #[must_use]
     pub fn finest_bump_step(&self) -> f64 {
         match self {
             Self::Picture(picture, coordinates) => 0.5 * picture.texel_size() / coordinates.max_scale(),
-            Self::Checker(_, coordinates) => checker::BUMP_STEP / coordinates.max_scale(),
+            Self::Checkerboard(_, coordinates) => checker::BUMP_STEP / coordinates.max_scale(),
             Self::Solid(solid) => solid.finest_bump_step(),
         }
     }
 }
 
-/// Least and greatest channel of two colours.
+/// Least and greatest channel value of two colours.
 fn channel_range([a, b]: [Rgb; 2]) -> (f32, f32) {
     (a.min(b).min_element(), a.max(b).max_element())
 }

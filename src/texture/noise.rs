@@ -5,10 +5,13 @@ use glam::DVec3;
 /// Footprint widths, in wavelengths, at which an octave begins to fade and vanishes.
 const FADE_WIDTHS: [f64; 2] = [0.25, 1.0];
 
-/// Offset between octaves, so that their lattices do not align.
+/// Offset of the noise position between two octaves, so that their lattices do not align.
 const OCTAVE_OFFSET: DVec3 = DVec3::new(17.31, 5.77, 11.93);
 
-/// Fractal noise Σ 2⁻ⁱ·noise(2ⁱ·p) over `octaves`, filtered for a footprint of `width`.
+/// Fractal noise: the sum Σ 2⁻ⁱ·noise(2ⁱ·p) of octaves i = 0 … `octaves` − 1.
+///
+/// Octaves that are fine compared with the footprint's `width` fade out. `p` and `width` are in
+/// wavelengths of the first octave.
 pub(crate) fn fractal_noise(p: DVec3, width: f64, octaves: u32) -> f64 {
     let (mut sum, mut scale, mut weight) = (0.0, 1.0, 1.0);
     for i in 0..octaves {
@@ -23,7 +26,7 @@ pub(crate) fn fractal_noise(p: DVec3, width: f64, octaves: u32) -> f64 {
     sum
 }
 
-/// Weight of an octave under a footprint of `width` \[wavelengths].
+/// Weight in \[0, 1] of an octave, for a footprint of `width` in wavelengths of that octave.
 fn octave_weight(width: f64) -> f64 {
     let t = ((FADE_WIDTHS[1] - width) / (FADE_WIDTHS[1] - FADE_WIDTHS[0])).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
@@ -53,8 +56,10 @@ fn lerp(t: f64, a: f64, b: f64) -> f64 {
     a + t * (b - a)
 }
 
-/// Dot product of `d` with the gradient that hash `h` selects: one of twelve directions to the edge
-/// midpoints of a cube. Four of them are twice as likely.
+/// Dot product of `d` with the lattice gradient that hash `h` selects.
+///
+/// The gradients are the twelve directions to the edge midpoints of a cube. Four of them are twice
+/// as likely as the others.
 fn gradient_dot(h: u64, d: DVec3) -> f64 {
     let sign = |bit: u64, x: f64| if h >> bit & 1 == 0 { x } else { -x };
     let (a, b) = match h >> 2 & 15 {

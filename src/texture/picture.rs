@@ -4,7 +4,7 @@ use crate::color::Rgb;
 use crate::image::Image;
 use glam::{DVec2, DVec3, Vec3};
 
-/// Continuation of a picture beyond its edges.
+/// How a picture continues beyond its edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum WrapMode {
     /// The picture repeats.
@@ -92,11 +92,11 @@ impl Picture {
         let last = self.levels.len() - 1;
         let level = if pixels > 1.0 { libm::log2(pixels).min(last as f64) } else { 0.0 };
         let (first, between) = (level as usize, (level - level.floor()) as f32);
-        let fine = self.levels[first].interpolate(uv, self.wrap);
+        let fine = self.levels[first].interpolate_bilinearly(uv, self.wrap);
         if between == 0.0 {
             fine
         } else {
-            fine.lerp(self.levels[(first + 1).min(last)].interpolate(uv, self.wrap), between)
+            fine.lerp(self.levels[(first + 1).min(last)].interpolate_bilinearly(uv, self.wrap), between)
         }
     }
 
@@ -104,7 +104,7 @@ impl Picture {
         self.mean
     }
 
-    pub(super) fn range(&self) -> (f32, f32) {
+    pub(super) fn value_range(&self) -> (f32, f32) {
         self.range
     }
 
@@ -115,7 +115,10 @@ impl Picture {
 }
 
 impl WrapMode {
-    /// Equivalent coordinate near 0, where f64 resolves pixels; 0 if `x` is not finite.
+    /// A coordinate near 0 at which the picture has the same value as at `x`; 0 if `x` is not
+    /// finite.
+    ///
+    /// Near 0, f64 has enough digits to tell pixels apart.
     fn wrap_coordinate_near_zero(self, x: f64) -> f64 {
         let folded = match self {
             Self::Repeat => x - x.floor(),
@@ -125,7 +128,7 @@ impl WrapMode {
         if folded.is_finite() { folded } else { 0.0 }
     }
 
-    /// Index in 0..`n` of the pixel that index `i` refers to.
+    /// Index in 0..`n` of the pixel that continues a row of `n` pixels at index `i`.
     fn wrap_pixel_index(self, i: i64, n: usize) -> usize {
         let n = n as i64;
         (match self {
@@ -140,7 +143,7 @@ impl WrapMode {
 }
 
 impl MipLevel {
-    fn interpolate(&self, uv: DVec2, wrap: WrapMode) -> Rgb {
+    fn interpolate_bilinearly(&self, uv: DVec2, wrap: WrapMode) -> Rgb {
         let x = uv.x * self.width as f64 - 0.5;
         let y = (1.0 - uv.y) * self.height as f64 - 0.5;
         let (column, row) = (x.floor() as i64, y.floor() as i64);
@@ -171,8 +174,9 @@ impl MipLevel {
     }
 }
 
-/// Fine pixels under coarse pixel `j`, in a row of `n` fine and `m` coarse pixels. Their weights
-/// sum to 1.
+/// The pixels of a fine row that coarse pixel `j` covers, with weights that sum to 1.
+///
+/// The fine row has `n` pixels, and the coarse row has `m` pixels over the same length.
 fn covered_pixels(j: usize, n: usize, m: usize) -> Vec<(usize, f32)> {
     // In units of 1/m of a pixel: pixel j covers [j n, (j + 1) n], old pixel i covers [i m, (i + 1)
     // m].

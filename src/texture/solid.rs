@@ -33,7 +33,7 @@ pub struct SolidTexture {
     pub frequency: f64,
     /// Factor of the noise.
     pub amplitude: f64,
-    /// From object space to pattern space.
+    /// Affine map from object space to the space in which the pattern is defined.
     pub to_pattern: DAffine3,
 }
 
@@ -50,7 +50,7 @@ impl SolidTexture {
         let wave = |along: f64| {
             let phase = along + noise;
             if phase.is_finite() {
-                0.5 + 0.5 * libm::sin(2.0 * PI * (phase - phase.floor())) * sinc_blur(w)
+                0.5 + 0.5 * libm::sin(2.0 * PI * (phase - phase.floor())) * sinc_attenuation(w)
             } else {
                 0.5
             }
@@ -82,8 +82,10 @@ impl SolidTexture {
     }
 }
 
-/// sin(πw)/(πw) up to its first zero, and 0 beyond, where its lobes would invert the pattern.
-fn sinc_blur(w: f64) -> f64 {
+/// Factor by which averaging over width `w`, in wavelengths, reduces the amplitude of a sine wave.
+///
+/// It is sin(πw)/(πw) up to w = 1, and 0 beyond, where negative lobes would invert the pattern.
+fn sinc_attenuation(w: f64) -> f64 {
     if w < 1e-6 {
         1.0
     } else if w < 1.0 {

@@ -10,7 +10,7 @@ use caustica::format::description::{CurveBasis, Group, GroupItem, ObjectDescript
 use caustica::format::mesh::{self, MeshRepairs};
 use caustica::format::{SceneFile, parse};
 use caustica::image::{self, Image, RgbBytes, ToneCurve, ToneMap, WriteOptions};
-use caustica::integrate::{Algorithm, Settings, Silent};
+use caustica::integrate::{Algorithm, Settings, SilentMonitor};
 use caustica::math::Ray;
 use caustica::scene::{Material, Scene, SceneBuilder};
 use caustica::shape::parametric::SplineBasis;
@@ -26,7 +26,7 @@ fn ray_cast(scene: &Path) -> RgbBytes {
 fn render_course_image(scene: &Scene) -> RgbBytes {
     let (width, height) = scene.camera().size();
     let integrator = Algorithm::Raycast.prepare(scene, Settings::default());
-    let picture = Image::from_pixels(width, height, integrator.pass(0, &Silent).image).unwrap();
+    let picture = Image::from_pixels(width, height, integrator.render_pass(0, &SilentMonitor).image).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.png");
     let tone = ToneMap { curve: ToneCurve::Course, exposure_stops: 0.0 };

@@ -11,7 +11,7 @@
 use crate::support::project_path;
 use caustica::format::SceneFile;
 use caustica::image::{self, Image, RgbBytes, WriteOptions, metrics};
-use caustica::integrate::{Algorithm, CameraPathSettings, Settings, Silent};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings, SilentMonitor};
 use caustica::render::{StopCriteria, render};
 use std::fs;
 use std::path::Path;
@@ -42,7 +42,7 @@ fn picture(scene: &Path) -> Image {
     let integrator = Algorithm::Hybrid.prepare(&scene, settings);
     let stop =
         StopCriteria { min_passes: 1, passes: Some(2), time: None, target: None, interrupted: &AtomicBool::new(false) };
-    let rendered = render(integrator.as_ref(), SIZE, &stop, &Silent, |_| {});
+    let rendered = render(integrator.as_ref(), SIZE, &stop, &SilentMonitor, |_| {});
     Image::from_pixels(SIZE.0, SIZE.1, rendered.film.mean()).unwrap()
 }
 

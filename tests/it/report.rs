@@ -2,10 +2,10 @@
 
 use crate::support::browser::Browser;
 use caustica::image::Image;
-use caustica::integrate::{ALPHA, Algorithm, shrink};
+use caustica::integrate::{ALPHA, Algorithm, squared_radius_ratio};
 use caustica::sampling::{Dimension, Key};
-use caustica::study::methods::{Checkpoint, GroundTruth, MethodResult, MethodStudyResult};
-use caustica::study::report::methods::{csv, markdown, method_study_json, methods_html_page};
+use caustica::study::methods::{ConvergenceCheckpoint, GroundTruth, MethodResult, MethodStudyResult};
+use caustica::study::report::methods::{csv_report, markdown_report, method_study_json, methods_html_page};
 use glam::Vec3;
 use std::collections::BTreeSet;
 
@@ -40,7 +40,8 @@ fn picture(of: impl Fn(f64, f64, u32) -> Vec3) -> Image {
 fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, count: u32) -> MethodResult {
     let key = Key::new(5).child_key(label.bytes().map(u64::from).sum());
     let alpha = if algorithm == Algorithm::Pm { 1.0 } else { ALPHA };
-    let shrinks = |i| if matches!(algorithm, Algorithm::Sppm | Algorithm::Hybrid) { shrink(ALPHA, i) } else { 1.0 };
+    let shrinks =
+        |i| if matches!(algorithm, Algorithm::Sppm | Algorithm::Hybrid) { squared_radius_ratio(ALPHA, i) } else { 1.0 };
     let checkpoint = |i: u32| {
         let n = 1 << i;
         let variance = noise * noise * (0..n).map(|i| 1.0 / shrinks(i)).sum::<f64>() / f64::from(n * n);
@@ -49,12 +50,12 @@ fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, c
         let noises: Vec<f64> = (0..SEEDS).map(|seed| variance * own(seed)).collect();
         let squares: Vec<f64> = noises.iter().map(|n| n + drift * drift).collect();
         let seconds = pass * f64::from(n);
-        Checkpoint {
+        ConvergenceCheckpoint {
             passes: n,
             seconds,
             wall: 0.5 * seconds,
             rays: 3e6 * f64::from(n),
-            photons: if algorithm.has_photons() { 5e5 * f64::from(n) } else { 0.0 },
+            photons: if algorithm.traces_photons() { 5e5 * f64::from(n) } else { 0.0 },
             noise2: noises.iter().sum::<f64>() / SEEDS as f64,
             bias2: drift * drift,
             estimated: squares.iter().map(|s| 1.1 * s).collect(),
@@ -64,7 +65,7 @@ fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, c
             squares,
         }
     };
-    let checkpoints: Vec<Checkpoint> = (0..count).map(checkpoint).collect();
+    let checkpoints: Vec<ConvergenceCheckpoint> = (0..count).map(checkpoint).collect();
     let last = checkpoints.last().unwrap();
     let (grain, blur) = (last.noise2.sqrt(), last.bias2.sqrt());
     let soft = |x: f64, y: f64| {
@@ -87,7 +88,7 @@ fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, c
         ),
         setup: 0.4,
         alpha,
-        radii: algorithm.has_photons().then_some([0.08, 0.02]),
+        radii: algorithm.traces_photons().then_some([0.08, 0.02]),
         error: pairs().map(|(a, b)| (*a - *b).length() / (b.length() + 0.2)).collect(),
         difference: Image::from_pixels(WIDTH, HEIGHT, pairs().map(|(a, b)| *a - *b).collect()).unwrap(),
         picture: shown,
@@ -195,19 +196,23 @@ fn minimal_study_makes_a_page() {
     found.methods[0].checkpoints.clear();
     let last = &mut found.methods[1];
     last.checkpoints.truncate(1);
-    last.checkpoints[0] = Checkpoint { passes: 1, ..Checkpoint::default() };
+    last.checkpoints[0] = ConvergenceCheckpoint { passes: 1, ..ConvergenceCheckpoint::default() };
     last.error.fill(0.0);
     let page = words(&methods_html_page(&found).unwrap());
     assert!(unbalanced(&page).is_none() && page.contains("too few checkpoints") && !page.contains("NaN"));
     found.methods.clear();
     assert_eq!(unbalanced(&words(&methods_html_page(&found).unwrap())), None);
-    assert!(csv(&found).lines().count() == 1 && method_study_json(&found).is_ok() && markdown(&found).contains("room"));
+    assert!(
+        csv_report(&found).lines().count() == 1
+            && method_study_json(&found).is_ok()
+            && markdown_report(&found).contains("room")
+    );
 }
 
 #[test]
 fn data_files_hold_every_checkpoint() {
     let found = found();
-    let table = csv(&found);
+    let table = csv_report(&found);
     let rows: Vec<&str> = table.split("\r\n").collect();
     assert_eq!(rows.len(), 1 + 9 + 8 + 8 + 8 + 7 + 1);
     assert!(rows[1].ends_with("\"caustica render --integrator path --seed 1 --passes 256 \"\"room & <ball>.txt\"\"\""));
@@ -218,7 +223,7 @@ fn data_files_hold_every_checkpoint() {
     assert_eq!(methods[0]["checkpoints"][8]["passes"], 256);
     assert_eq!(methods[4]["reaches"][3]["how"], "never");
     assert!((methods[0]["fit"]["error"]["by_passes"]["value"].as_f64().unwrap() + 0.5).abs() < 0.02);
-    let text = markdown(&found);
+    let text = markdown_report(&found);
     assert!(text.contains("| path | ") && text.contains("never: plateau") && text.contains("```sh\ncaustica render"));
 }
 

@@ -4,7 +4,7 @@ use crate::support::scene_from_text_in;
 use caustica::camera::{Filter, FilterKind};
 use caustica::color::{self, Rgb};
 use caustica::image;
-use caustica::integrate::{Algorithm, CameraPathSettings, Settings, Silent};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings, SilentMonitor};
 use caustica::math::Ray;
 use caustica::plan::{Effect, EffectOverrides};
 use caustica::scene::{Effects, Hit, RayCone, Scene, SurfaceInteraction};
@@ -20,7 +20,7 @@ fn picture(scene: &Scene, algorithm: Algorithm, samples: u32, passes: u32, effec
     let settings =
         Settings { camera_paths, balance: false, photons: 20_000, caustic_photons: 20_000, ..Settings::default() };
     let integrator = algorithm.prepare(scene, settings);
-    (0..passes).map(|pass| integrator.pass(pass, &Silent).image).collect()
+    (0..passes).map(|pass| integrator.render_pass(pass, &SilentMonitor).image).collect()
 }
 
 /// Returns the first hit of a ray in the coordinates of the description.
@@ -246,7 +246,7 @@ fn textures_move_with_their_object() {
         let moving = of("Moving { Translate 2 0 0  ZRotate 60", object);
         for time in [0.0, 0.4, 1.0] {
             let still = of(&format!("Transform {{ Translate {} 0 0  ZRotate {}", 2.0 * time, 60.0 * time), object);
-            let placed = moving.at(time);
+            let placed = moving.at_time(time);
             let from = [2.0 * time - 0.1, -0.13, 9.0];
             let [a, b] = [&still, &placed].map(|scene| {
                 let found = surface(scene, DVec3::from(from), DVec3::NEG_Z);

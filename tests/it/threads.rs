@@ -2,7 +2,7 @@
 
 use crate::support::scene_from_text_in;
 use caustica::color::Rgb;
-use caustica::integrate::{Algorithm, CameraPathSettings, Pass, PhotonReport, Settings, Silent};
+use caustica::integrate::{Algorithm, CameraPathSettings, Pass, PhotonReport, Settings, SilentMonitor};
 use caustica::scene::Scene;
 use caustica::stats::Counters;
 
@@ -59,7 +59,7 @@ type Result = (Vec<[u32; 3]>, Counters, PhotonReport, PhotonReport);
 
 fn result(pass: Pass) -> Result {
     let bits = |p: &Rgb| p.to_array().map(f32::to_bits);
-    (pass.image.iter().map(bits).collect(), pass.counters, pass.global, pass.caustic)
+    (pass.image.iter().map(bits).collect(), pass.counters, pass.unaimed, pass.aimed)
 }
 
 /// Returns the radii and the given passes, rendered on `threads` threads.
@@ -68,9 +68,9 @@ fn run(threads: usize, passes: impl IntoIterator<Item = u32> + Send) -> ([u32; 2
     pool.install(|| {
         let scene = scene();
         let integrator = Algorithm::Sppm.prepare(&scene, settings());
-        let radii = integrator.radii().unwrap();
-        let passes = passes.into_iter().map(|i| result(integrator.pass(i, &Silent))).collect();
-        ([radii.global.to_bits(), radii.caustic.to_bits()], passes)
+        let radii = integrator.gather_radii().unwrap();
+        let passes = passes.into_iter().map(|i| result(integrator.render_pass(i, &SilentMonitor))).collect();
+        ([radii.indirect.to_bits(), radii.caustic.to_bits()], passes)
     })
 }
 

@@ -3,13 +3,13 @@ use crate::math::warp;
 use crate::sampling::{Dimension, Key, Purpose};
 use glam::Vec3;
 
-fn key(i: u64) -> Key {
+fn random_key(i: u64) -> Key {
     Key::new(11).purpose_key(Purpose::Test).child_key(i)
 }
 
-/// A point of the unit cube.
-fn point_of_unit_cube(i: u64) -> Vec3 {
-    key(i).uniform_2d(Dimension::LightPosition).extend(key(i).uniform_1d(Dimension::Light))
+/// Pseudorandom point `i` of the unit cube.
+fn random_point_in_unit_cube(i: u64) -> Vec3 {
+    random_key(i).uniform_2d(Dimension::LightPosition).extend(random_key(i).uniform_1d(Dimension::Light))
 }
 
 fn boxes_along_ray(boxes: &BoxTree, ray: &Ray) -> Vec<u32> {
@@ -36,8 +36,9 @@ fn segment_crosses_box(b: &Bounds, ray: &Ray) -> bool {
     near <= far
 }
 
-/// Checks that each crossed box is found once, and that no found box is missed by more than 10⁻⁵ of
-/// the scene.
+/// Asserts that each box that a ray crosses is found once. Returns the number of boxes found.
+///
+/// A ray may miss a found box by at most 10⁻⁵ of the largest coordinate.
 fn assert_box_queries_match_scan(bounds: &[Bounds], rays: impl Iterator<Item = Ray>) -> usize {
     let boxes = BoxTree::build(bounds);
     let size =
@@ -67,10 +68,10 @@ fn assert_box_queries_match_scan(bounds: &[Bounds], rays: impl Iterator<Item = R
 fn cube_test_rays(n: u64, scale: f32, shift: Vec3) -> impl Iterator<Item = Ray> {
     (0..n).map(move |i| {
         let i = i + 1_000_000;
-        let target = point_of_unit_cube(i);
+        let target = random_point_in_unit_cube(i);
         let direction = match i % 3 {
             0 => [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z][i as usize / 3 % 6],
-            _ => warp::square_to_uniform_sphere(key(i).uniform_2d(Dimension::LightDirection)),
+            _ => warp::square_to_uniform_sphere(random_key(i).uniform_2d(Dimension::LightDirection)),
         };
         let origin = target - direction * [0.1, 3.0, 100.0][i as usize / 18 % 3];
         let t_max = [f32::INFINITY, 3.2 * scale, 0.05 * scale][i as usize / 54 % 3];
@@ -85,10 +86,10 @@ fn queries_find_all_boxes_of_a_scan() {
         for (scale, shift) in [(1.0, Vec3::ZERO), (1e-25, Vec3::ZERO), (1e15, Vec3::ZERO), (1.0, Vec3::splat(-3e3))] {
             let bounds: Vec<Bounds> = (0..n)
                 .map(|i| {
-                    let size = point_of_unit_cube(i + 50_000) * [0.02, 0.3, 0.0][i as usize % 3];
+                    let size = random_point_in_unit_cube(i + 50_000) * [0.02, 0.3, 0.0][i as usize % 3];
                     Bounds {
-                        min: point_of_unit_cube(i) * scale + shift,
-                        max: (point_of_unit_cube(i) + size) * scale + shift,
+                        min: random_point_in_unit_cube(i) * scale + shift,
+                        max: (random_point_in_unit_cube(i) + size) * scale + shift,
                     }
                 })
                 .collect();
@@ -145,7 +146,7 @@ fn a_hundred_thousand_equal_boxes() {
 #[test]
 fn the_tree_is_one_for_any_number_of_threads() {
     let bounds: Vec<Bounds> = (0..20_000)
-        .map(|i| Bounds { min: point_of_unit_cube(i % 7000), max: point_of_unit_cube(i % 7000) + 0.1 })
+        .map(|i| Bounds { min: random_point_in_unit_cube(i % 7000), max: random_point_in_unit_cube(i % 7000) + 0.1 })
         .collect();
     let with = |n| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();

@@ -34,7 +34,7 @@ fn assert_no_ray_leaks(
         };
         let ray = Ray::new(origin, target - origin);
         let ray = if i % 8 < 4 { ray } else { Ray::new(origin, ray.direction.normalize()) };
-        tree.closest(&ray, hit_no_other_primitive).is_none() || !tree.occluded(&ray, |_, _| false)
+        tree.closest_hit(&ray, hit_no_other_primitive).is_none() || !tree.occluded(&ray, |_, _| false)
     };
     (0..rays).map(miss).filter(|&m| m).count()
 }

@@ -3,7 +3,7 @@
 mod leaks;
 mod meshes;
 
-use super::packet::Packet;
+use super::packet::TrianglePacket;
 use super::ray_precalc::RayPrecalc;
 use super::*;
 use crate::math::warp;
@@ -16,7 +16,7 @@ fn hit_no_other_primitive(_: u32, _: &Ray) -> Option<(f32, f32, f32)> {
     None
 }
 
-/// Intersects a sphere in plain f32; both sides of a comparison use it.
+/// Nearest hit of a sphere by the quadratic formula in f64; `u` and `v` are arbitrary constants.
 fn intersect_ball(center: Vec3, radius: f32, ray: &Ray) -> Option<(f32, f32, f32)> {
     let (o, d) = ((ray.origin - center).as_dvec3(), ray.direction.as_dvec3());
     let (a, b, c) = (d.length_squared(), o.dot(d), o.length_squared() - f64::from(radius * radius));
@@ -29,11 +29,13 @@ fn intersect_ball(center: Vec3, radius: f32, ray: &Ray) -> Option<(f32, f32, f32
 fn brute_force_hit(triangles: &Mesh, balls: &[(Vec3, f32)], ray: &Ray) -> Option<PrimitiveHit> {
     let precalc = RayPrecalc::new(ray);
     let solid = |i: u32| {
-        let packet = Packet::new(triangles, &[i]);
-        let hit = packet.hit(0, &precalc).map(|c| (c.t * precalc.unit, c.barycentric().0, c.barycentric().1));
-        (Primitive::Triangle(i), hit)
+        let packet = TrianglePacket::new(triangles, &[i]);
+        let hit = packet
+            .intersect_lane(0, &precalc)
+            .map(|c| (c.t * precalc.direction_scale, c.barycentric().0, c.barycentric().1));
+        (PrimitiveIndex::Triangle(i), hit)
     };
-    let round = |i: u32| (Primitive::Other(i), intersect_ball(balls[i as usize].0, balls[i as usize].1, ray));
+    let round = |i: u32| (PrimitiveIndex::Other(i), intersect_ball(balls[i as usize].0, balls[i as usize].1, ray));
     (0..triangles.len() as u32)
         .map(solid)
         .chain((0..balls.len() as u32).map(round))
@@ -42,7 +44,9 @@ fn brute_force_hit(triangles: &Mesh, balls: &[(Vec3, f32)], ray: &Ray) -> Option
         .min_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive)))
 }
 
-/// Boxes around the spheres. The last of equal spheres is largest, so a traversal visits it first.
+/// Boxes around the spheres, larger than needed by a factor that grows with the index.
+///
+/// Of equal spheres, the last then has the largest box, so a traversal visits it first.
 fn boxes_of_balls(balls: &[(Vec3, f32)]) -> Vec<Bounds> {
     let slack = |i: usize| 1.0 + i as f32 / balls.len() as f32 * 0.5;
     balls.iter().enumerate().map(|(i, &(c, r))| Bounds { min: c, max: c }.expanded(r * slack(i))).collect()
@@ -58,7 +62,7 @@ fn assert_agrees_with_brute_force(
     for ray in rays {
         let expected = brute_force_hit(triangles, balls, &ray);
         let solve = |i: u32, r: &Ray| intersect_ball(balls[i as usize].0, balls[i as usize].1, r);
-        assert_eq!(tree.closest(&ray, solve), expected, "{ray:?}");
+        assert_eq!(tree.closest_hit(&ray, solve), expected, "{ray:?}");
         assert_eq!(tree.occluded(&ray, |i, r| solve(i, r).is_some()), expected.is_some(), "{ray:?}");
         total += 1;
         hits += usize::from(expected.is_some());
@@ -70,7 +74,7 @@ fn assert_agrees_with_brute_force(
 fn empty_hierarchy_has_no_hit() {
     let tree = Hierarchy::build(&[], &[]);
     assert!(tree.bounds().is_empty());
-    assert_eq!(tree.closest(&Ray::new(Vec3::ZERO, Vec3::X), hit_no_other_primitive), None);
+    assert_eq!(tree.closest_hit(&Ray::new(Vec3::ZERO, Vec3::X), hit_no_other_primitive), None);
     assert!(!tree.occluded(&Ray::new(Vec3::ZERO, Vec3::X), |_, _| true));
     let tree = Hierarchy::build(&[], &[Bounds::EMPTY]);
     assert!(!tree.occluded(&Ray::new(Vec3::ZERO, Vec3::X), |_, _| true));
@@ -88,12 +92,12 @@ fn rays_without_direction_or_place_hit_nothing() {
         Ray { t_max: f32::NAN, ..Ray::new(Vec3::ZERO, Vec3::X) },
         Ray { t_max: -1.0, ..Ray::new(Vec3::ZERO, Vec3::X) },
     ] {
-        assert_eq!(tree.closest(&ray, hit_no_other_primitive), None);
+        assert_eq!(tree.closest_hit(&ray, hit_no_other_primitive), None);
     }
 }
 
 #[test]
-fn soups_agree_with_brute_force() {
+fn triangle_soups_agree_with_brute_force() {
     let mut rng = SmallRng::seed_from_u64(1);
     for (count, size, spheres) in
         [(1, 1.0, 0), (3, 1.0, 1), (9, 0.7, 4), (60, 0.5, 0), (500, 0.2, 40), (3000, 0.05, 3), (0, 0.0, 17)]
@@ -142,7 +146,7 @@ fn hits_agree_with_double_precision() {
         let height = normal.dot(d).abs() / (d.length() * longest);
         let error = 6.0 * f64::from(crate::math::rounding_error_bound(9)) / height;
         let margin = u.min(v).min(1.0 - u - v);
-        match tree.closest(&ray, hit_no_other_primitive) {
+        match tree.closest_hit(&ray, hit_no_other_primitive) {
             Some(hit) => {
                 assert!(margin > -error && t > 0.0, "{margin} {error} {t}");
                 assert!(
@@ -158,7 +162,7 @@ fn hits_agree_with_double_precision() {
     assert!(hits > 1000, "{hits}");
 }
 
-/// Equal copies at equal distances: the lower index wins in every tree.
+/// Of equal primitives at equal distances, the one of lower index is hit in every tree.
 #[test]
 fn ties_go_to_the_lower_primitive() {
     let mut rng = SmallRng::seed_from_u64(2);
@@ -178,12 +182,11 @@ fn ties_go_to_the_lower_primitive() {
     // A triangle and another primitive in the same plane.
     let wall = [[Vec3::new(-1.0, -1.0, 2.0), Vec3::new(3.0, -1.0, 2.0), Vec3::new(-1.0, 3.0, 2.0)]];
     let tree = Hierarchy::build(&wall, &[Bounds::from_points(wall[0])]);
-    let hit = tree.closest(&Ray::new(Vec3::ZERO, Vec3::Z), |_, ray| (2.0 < ray.t_max).then_some((2.0, 0.0, 0.0)));
-    assert_eq!(hit.map(|h| h.primitive), Some(Primitive::Triangle(0)));
+    let hit = tree.closest_hit(&Ray::new(Vec3::ZERO, Vec3::Z), |_, ray| (2.0 < ray.t_max).then_some((2.0, 0.0, 0.0)));
+    assert_eq!(hit.map(|h| h.primitive), Some(PrimitiveIndex::Triangle(0)));
 }
 
-/// From afar, errors of the distance exceed the padding, which scales with the triangles: the
-/// stretch must cover them.
+/// Rays start up to 10⁷ triangle sizes away, where rounding errors exceed the padding of boxes.
 #[test]
 fn distant_rays_agree_with_brute_force() {
     let mut rng = SmallRng::seed_from_u64(10);
@@ -247,8 +250,7 @@ fn slivers_and_degenerate_triangles_agree_with_brute_force() {
     assert!(hits > 300, "{hits}");
 }
 
-/// The bits are equal, times the power of two, while no product of three lengths leaves the range
-/// of f32.
+/// Scaling scene and direction by powers of two scales `t` exactly and changes no other bit.
 #[test]
 fn powers_of_two_of_scale_change_no_bit() {
     let mut rng = SmallRng::seed_from_u64(5);
@@ -262,9 +264,9 @@ fn powers_of_two_of_scale_change_no_bit() {
         let other = Hierarchy::build(&scaled, &[]);
         for ray in &rays {
             let expected =
-                tree.closest(ray, hit_no_other_primitive).map(|h| PrimitiveHit { t: h.t * (size / length), ..h });
+                tree.closest_hit(ray, hit_no_other_primitive).map(|h| PrimitiveHit { t: h.t * (size / length), ..h });
             let precalc = Ray::new(ray.origin * size, ray.direction * length);
-            assert_eq!(other.closest(&precalc, hit_no_other_primitive), expected, "{size} {length}");
+            assert_eq!(other.closest_hit(&precalc, hit_no_other_primitive), expected, "{size} {length}");
         }
     }
 }
@@ -280,12 +282,12 @@ fn identical_primitives_build_fast_and_shallow() {
     assert!(seconds < 1.0, "{seconds}");
     let normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
     let hit = tree
-        .closest(&Ray::between_points(middle + normal, middle - normal), hit_no_other_primitive)
+        .closest_hit(&Ray::between_points(middle + normal, middle - normal), hit_no_other_primitive)
         .map(|h| h.primitive);
-    assert_eq!(hit, Some(Primitive::Triangle(0)));
+    assert_eq!(hit, Some(PrimitiveIndex::Triangle(0)));
 }
 
-/// Boxes whose sizes build_tree by a constant factor make the heuristic split off one at a time.
+/// Triangles whose sizes grow by a constant factor make the heuristic split off one at a time.
 #[test]
 fn geometric_series_cannot_overflow_the_stack() {
     let triangles: Mesh = (0..240)

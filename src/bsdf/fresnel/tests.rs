@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// analytic-truths 12: normal incidence, Brewster's angle, and both hemispherical means at n =
-/// 1.5.
+/// Compares reflectances at index 1.5 with closed forms: at normal incidence, at Brewster's angle,
+/// and averaged over the hemisphere on either side.
 #[test]
 fn reflectance_matches_closed_forms() {
     let n = 1.5f32;
@@ -40,8 +40,9 @@ fn the_critical_angle_divides_transmission_from_reflection() {
     assert_eq!(dielectric_reflectance(above, eta), (1.0, 0.0));
 }
 
-/// Closed forms at normal and grazing incidence, and a dielectric's without absorption.
-/// Between, the moduli of the complex coefficients, by complex arithmetic in f64.
+/// Compares metals with closed forms at normal and grazing incidence, and with a dielectric if
+/// absorption is 0. At other angles, the expected values come from the complex Fresnel
+/// coefficients, computed in f64.
 #[test]
 fn conductors_match_closed_and_complex_forms() {
     let at = |cos: f32, eta: f32, k: f32| conductor_reflectance(cos, Rgb::splat(eta), Rgb::splat(k)).x;

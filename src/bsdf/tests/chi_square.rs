@@ -4,21 +4,28 @@ use super::*;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// Rings and sectors of a grid, and integration points per cell axis. The error of the midpoint
-/// rule is below the noise of a count, even in cells that a horizon cuts.
+/// Number of rings of a grid, from its pole to the opposite pole.
 const RINGS: usize = 40;
+
+/// Number of sectors of each ring.
 const SECTORS: usize = 16;
+
+/// Number of integration points along each side of a cell.
+///
+/// The error of the midpoint rule is below the noise of a sample count, even in cells that the
+/// horizon cuts.
 const POINTS: usize = 24;
 
 const SAMPLES: u64 = 100_000;
 
-/// A polar grid. Rings are `width` wide near the pole, and widen towards its antipode.
-struct PolarGrid {
+/// A grid of cells on the sphere of directions, made of rings around a pole and sectors. Rings are
+/// about `width` radians wide near the pole, and wider far from it.
+struct PolarDirectionGrid {
     frame: [DVec3; 3],
     width: f64,
 }
 
-impl PolarGrid {
+impl PolarDirectionGrid {
     fn new(pole: Vec3, width: f64) -> Self {
         let n = pole.as_dvec3().normalize();
         let s = n.any_orthonormal_vector();
@@ -34,8 +41,8 @@ impl PolarGrid {
         (ring as usize).min(RINGS - 1) * SECTORS + (sector as usize).min(SECTORS - 1)
     }
 
-    /// Integral of `density` over each cell.
-    fn integrate(&self, density: impl Fn(Vec3) -> f32) -> Vec<f64> {
+    /// Integrates `density` over the solid angle of each cell by the midpoint rule.
+    fn integrate_over_cells(&self, density: impl Fn(Vec3) -> f32) -> Vec<f64> {
         let mut cells = vec![0.0; RINGS * SECTORS];
         let (rings, sectors) = (RINGS * POINTS, SECTORS * POINTS);
         let turns: Vec<_> =
@@ -59,7 +66,8 @@ impl PolarGrid {
 
 struct ChiSquareCase {
     bsdf: Bsdf,
-    /// Relative index of the far side; it determines the pole of transmission.
+    /// Refractive index of the far side over that of the side of `wo`; it determines the pole of
+    /// the grid for transmission.
     eta: f32,
     width: f64,
     wo: Vec3,
@@ -105,21 +113,22 @@ fn chi_square_cases() -> Vec<ChiSquareCase> {
 }
 
 /// Grids around the directions of specular reflection and refraction.
-fn grids_around_specular_directions(case: &ChiSquareCase) -> [PolarGrid; 2] {
+fn grids_around_specular_directions(case: &ChiSquareCase) -> [PolarDirectionGrid; 2] {
     let n = face_forward(case.ns, case.wo);
     let cos = case.wo.dot(n);
     let bent = refract(case.wo, n, case.eta);
     let grazing = (n * cos - case.wo).normalize_or(-n);
     let (through, width) = if bent.reflectance < 1.0 { (bent.transmitted, case.width) } else { (grazing, 0.5) };
-    [PolarGrid::new(n * (2.0 * cos) - case.wo, case.width), PolarGrid::new(through, width)]
+    [PolarDirectionGrid::new(n * (2.0 * cos) - case.wo, case.width), PolarDirectionGrid::new(through, width)]
 }
 
-/// Probabilities of all cells: reflection, then transmission, then absorption.
-fn expected_cell_probabilities(case: &ChiSquareCase, grids: &[PolarGrid; 2]) -> Vec<f64> {
+/// Returns the probabilities of all cells of the reflection grid, then of the transmission grid,
+/// and last the probability of absorption.
+fn expected_cell_probabilities(case: &ChiSquareCase, grids: &[PolarDirectionGrid; 2]) -> Vec<f64> {
     let mut cells = Vec::new();
     for (grid, side) in grids.iter().zip([1.0f32, -1.0]) {
         let side = side * case.wo.dot(case.ng);
-        cells.extend(grid.integrate(|wi| {
+        cells.extend(grid.integrate_over_cells(|wi| {
             if wi.dot(case.ng) * side > 0.0 { case.bsdf.pdf(case.wo, wi, case.ns, case.ng) } else { 0.0 }
         }));
     }
@@ -128,7 +137,8 @@ fn expected_cell_probabilities(case: &ChiSquareCase, grids: &[PolarGrid; 2]) -> 
     cells
 }
 
-/// Probability of a worse fit (Wilson–Hilferty). Cells that expect fewer than 5 samples are pooled.
+/// Returns the probability that correct samples fit worse than `counts` (Wilson–Hilferty
+/// approximation). Cells with fewer than 5 expected samples are pooled.
 fn chi_square_p_value(counts: &[u32], expected: &[f64]) -> f64 {
     let mut cells: Vec<(f64, f64)> = expected.iter().copied().zip(counts.iter().map(|c| f64::from(*c))).collect();
     cells.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -149,7 +159,7 @@ fn chi_square_p_value(counts: &[u32], expected: &[f64]) -> f64 {
 /// Samples agree with the pdf in all directions, absorption included. The pdf integrates to at most
 /// 1.
 #[test]
-fn samplers_match_their_pdfs() {
+fn bsdf_samplers_match_their_pdfs() {
     let cases = chi_square_cases();
     // Šidák: one false alarm in 400 runs of the whole list.
     let least = 0.0025 / cases.len() as f64;
@@ -178,8 +188,8 @@ fn samplers_match_their_pdfs() {
     }
 }
 
-/// Nothing is lost if no facet scatters to the wrong side: α = 10⁻³ at 45° is hundreds of widths
-/// from any horizon.
+/// The pdf of a narrow lobe integrates to 1, because no microfacet scatters to the wrong side. At α
+/// = 10⁻³ and 45°, the lobe is hundreds of its widths away from the horizon.
 #[test]
 fn pdfs_of_narrow_lobes_integrate_to_one() {
     let narrow = |c: &&ChiSquareCase| c.width < 0.01 && c.ns == c.ng && c.wo.dot(c.ns).abs() > 0.5;

@@ -1,4 +1,4 @@
-//! Classification of BSDFs, thin sheets, and limits of construction.
+//! Tests of the classification of BSDFs, of thin sheets, and of interfaces that barely refract.
 
 use super::*;
 
@@ -75,7 +75,7 @@ fn delta_lobes_have_zero_pdf() {
     }
 }
 
-/// A BSDF is copied at each hit.
+/// Limits the size of a BSDF, because it is copied at each hit.
 #[test]
 fn bsdfs_are_small() {
     assert!(size_of::<Bsdf>() <= 40, "{}", size_of::<Bsdf>());
@@ -96,8 +96,9 @@ fn an_index_of_one_transmits_all_light() {
     }
 }
 
-/// analytic-truths 13: (1−R)/(1+R) through a clear sheet, (1−R)²τ/(1−R²τ²) with absorption; and an
-/// explicit sum over reflections between the interfaces.
+/// Compares a clear sheet with its transmittance (1−R)/(1+R), where R is the reflectance of one
+/// interface. Compares a tinted sheet with an explicit sum over the reflections between its
+/// interfaces.
 #[test]
 fn thin_sheets_match_the_slab_formula() {
     let clear = ThinDielectric { eta: 1.5, transmittance: Rgb::ONE };
@@ -126,7 +127,8 @@ fn thin_sheets_match_the_slab_formula() {
     assert_eq!(ThinDielectric { eta: 1.0, ..tinted }.reflectance_and_transmittance(0.4).0, Rgb::ZERO);
 }
 
-/// Sampling a sheet returns both weights, from both sides and in both transports.
+/// The mean weights of reflected and of transmitted samples equal the sheet's reflectance and
+/// transmittance, from either side.
 #[test]
 fn thin_sheets_sample_both_directions() {
     let pane = ThinDielectric { eta: 1.5, transmittance: Rgb::new(0.9, 0.5, 0.2) };

@@ -26,7 +26,7 @@ fn basic_bsdfs() -> [Bsdf; 5] {
     ]
 }
 
-/// At least one BSDF of each scattering kind, and rough ones at both ends.
+/// At least one BSDF of each kind that scatters light; rough ones have small, medium and large α.
 fn all_bsdf_kinds() -> Vec<Bsdf> {
     let (eta, k) = named_metal("copper").unwrap();
     let mut all = basic_bsdfs().to_vec();
@@ -37,10 +37,10 @@ fn all_bsdf_kinds() -> Vec<Bsdf> {
     all
 }
 
-/// No BSDF gains energy, at any angle, from either side: the mean weight of importance is at most 1
-/// within five standard errors.
+/// No BSDF gains energy, at any angle, from either side: the mean sample weight of light paths is
+/// at most 1, within five standard errors.
 #[test]
-fn energy_is_not_gained() {
+fn bsdfs_gain_no_energy() {
     let n = 40_000u64;
     for bsdf in all_bsdf_kinds() {
         for cos in [1.0, 0.7, 0.2, 0.01, 1e-4, -0.5, -0.01] {
@@ -59,7 +59,7 @@ fn energy_is_not_gained() {
     }
 }
 
-/// The mean sampling weight equals ∫ f cos dω by uniform sampling of the hemisphere.
+/// The mean sample weight equals ∫ f·cosθ dω, estimated by uniform sampling of the hemisphere.
 #[test]
 fn sampling_and_evaluation_agree() {
     let n = 200_000u64;
@@ -110,8 +110,8 @@ fn reflection_is_reciprocal() {
     }
 }
 
-/// Reflectance and transmittance are Fresnel's; radiance is scaled by n², flux is not
-/// (analytic-truths 16).
+/// A smooth dielectric reflects with the probability that Fresnel's equations give. Transmitted
+/// radiance is divided by the squared relative index.
 #[test]
 fn dielectric_weights_are_fresnel() {
     let glass = Bsdf::Dielectric(Dielectric { eta: 1.5 });

@@ -1,4 +1,4 @@
-//! Energy, symmetry and limits of microfacet BSDFs.
+//! Tests of microfacet BSDFs: energy, symmetry, and the limit of small roughness.
 
 use super::*;
 
@@ -13,8 +13,8 @@ fn random_direction_pairs(count: u64) -> impl Iterator<Item = (Vec3, Vec3)> {
     })
 }
 
-/// Tolerance: roundings of f32 directions, magnified by 4/α in a lobe of width α.
-fn is_close(a: f32, b: f32) -> bool {
+/// True if `a` and `b` differ by at most a relative error of 10⁻⁵.
+fn is_close_within_rounding(a: f32, b: f32) -> bool {
     (a - b).abs() <= 1e-5 * a.abs().max(b.abs()) + 1e-12
 }
 
@@ -28,8 +28,8 @@ fn rough_bsdfs() -> [Bsdf; 4] {
     ]
 }
 
-/// Mean weight of importance over a lattice of random numbers, by reflection and by transmission.
-/// The mean estimates the integral of f·cos over all directions.
+/// Returns the mean sample weights of light paths, of reflected and of transmitted samples. The
+/// random numbers form a lattice. Each mean estimates the integral of f·cosθ over its directions.
 fn mean_sample_weights(bsdf: &Bsdf, wo: Vec3) -> (f64, f64) {
     let steps = 256u32;
     let (mut reflected, mut transmitted) = (0.0, 0.0);
@@ -80,8 +80,8 @@ fn samples_agree_with_evaluation_and_pdf() {
     assert!(checked > 50_000, "{checked}");
 }
 
-/// Reflection is reciprocal; through the interface f(wo, wi)/n²(wo) = f(wi, wo)/n²(wi) (Veach 1997,
-/// section 5.2).
+/// Reflection is reciprocal. Refraction satisfies f(wo, wi)/n²(wo) = f(wi, wo)/n²(wi), where n(w)
+/// is the refractive index on the side of w (Veach 1997, section 5.2).
 #[test]
 fn interfaces_are_reciprocal_up_to_squared_index() {
     let mut through = 0;
@@ -96,20 +96,24 @@ fn interfaces_are_reciprocal_up_to_squared_index() {
             let f = |o, i, transport| bsdf.evaluate(o, i, Vec3::Z, Vec3::Z, transport).x;
             let (there, back) = (f(wo, wi, TransportMode::Radiance), f(wi, wo, TransportMode::Radiance));
             let (n_o, n_i) = (index(wo), index(wi));
-            assert!(is_close(there / (n_o * n_o), back / (n_i * n_i)), "{bsdf:?} {wo} {wi}: {there} {back}");
+            assert!(
+                is_close_within_rounding(there / (n_o * n_o), back / (n_i * n_i)),
+                "{bsdf:?} {wo} {wi}: {there} {back}"
+            );
             // The adjoint: flux from wo to wi equals radiance seen from wi along wo.
             let adjoint = f(wo, wi, TransportMode::Importance);
-            assert!(is_close(adjoint, back), "{bsdf:?} {wo} {wi}: {adjoint} {back}");
-            assert!(is_close(adjoint / (n_i * n_i), there / (n_o * n_o)), "{bsdf:?} {wo} {wi}");
+            assert!(is_close_within_rounding(adjoint, back), "{bsdf:?} {wo} {wi}: {adjoint} {back}");
+            assert!(is_close_within_rounding(adjoint / (n_i * n_i), there / (n_o * n_o)), "{bsdf:?} {wo} {wi}");
             through += u32::from(wo.z * wi.z < 0.0 && there > 0.0);
         }
     }
     assert!(through > 1000, "{through}");
 }
 
-/// A white conductor loses only multiple scattering, as documented. The expected losses come from
-/// an independent quadrature. At α = 1 and normal incidence it closes: sin²θ of the facets is
-/// uniform, and 1 − ∫₀^½ (1−2s)/(1−s) ds = ln 2.
+/// A rough metal of reflectance 1 loses as much light as its documentation states. The expected
+/// losses come from an independent quadrature. At α = 1 and normal incidence, the loss has the
+/// closed form 1 − ∫₀^½ (1−2s)/(1−s) ds = ln 2, because sin²θ of the visible microfacets is
+/// uniform.
 #[test]
 fn a_white_conductor_has_the_documented_loss() {
     let grazing = libm::cosf(85f32.to_radians());
@@ -128,8 +132,8 @@ fn a_white_conductor_has_the_documented_loss() {
     }
 }
 
-/// A rough dielectric gains nothing from either side, and loses what is documented (same
-/// quadrature).
+/// A rough dielectric gains no light from either side, and loses as much as its documentation
+/// states. The expected losses come from an independent quadrature.
 #[test]
 fn a_rough_dielectric_has_the_documented_loss() {
     let grazing = libm::cosf(85f32.to_radians());
@@ -178,7 +182,8 @@ fn narrow_lobes_approach_deltas() {
     }
 }
 
-/// The distribution projects to unit area: ∫ D cosθ dω = 1, down to the narrowest.
+/// The projected area of all microfacets is 1: ∫ D(m) cosθ dω(m) = 1, even at the smallest
+/// roughness.
 #[test]
 fn projected_facet_area_is_one() {
     for alpha in [1e-4f32, 1e-3, 0.1, 1.0] {

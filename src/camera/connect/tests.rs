@@ -1,9 +1,9 @@
-//! Connections of points to the film, against camera rays.
+//! Tests that connections of points to the film agree with camera rays.
 
 use super::super::Lens;
 use super::*;
 
-fn cameras() -> [Camera; 4] {
+fn cameras_of_all_kinds() -> [Camera; 4] {
     let (center, direction, up) = (DVec3::new(1.0, 2.0, 3.0), DVec3::new(-0.3, -0.2, -1.0), DVec3::Y);
     let perspective = Camera::perspective(center, direction, up, 1.1, 64, 48).unwrap();
     [
@@ -17,14 +17,14 @@ fn cameras() -> [Camera; 4] {
 /// A point on a camera ray connects to the ray's own film position and origin.
 #[test]
 fn connections_invert_camera_rays() {
-    for camera in cameras() {
+    for camera in cameras_of_all_kinds() {
         for (film, lens, t) in [
             (Vec2::new(3.0, 40.5), Vec2::new(0.1, 0.7), 0.6),
             (Vec2::new(32.0, 24.0), Vec2::new(0.9, 0.2), 5.0),
             (Vec2::new(60.25, 1.5), Vec2::new(0.5, 0.5), 40.0),
         ] {
             let ray = camera.generate_ray(film, Some(lens));
-            let found = camera.connect(ray.at(t), Some(lens)).unwrap();
+            let found = camera.connect_to_point(ray.at(t), Some(lens)).unwrap();
             assert!((found.film - film).length() < 2e-4, "{found:?}");
             assert!((found.direction + ray.direction).length() < 1e-5, "{found:?}");
             assert!((found.origin - ray.origin).length() < 1e-5, "{found:?}");
@@ -32,21 +32,21 @@ fn connections_invert_camera_rays() {
     }
 }
 
-/// The importance is the derivative of the film position: steps of a small length in the plane
-/// perpendicular to the ray span that much film area.
+/// The importance is the Jacobian of the film position: small steps perpendicular to the ray move
+/// the film position by that area per area.
 #[test]
 fn importance_is_the_jacobian() {
-    for camera in cameras() {
+    for camera in cameras_of_all_kinds() {
         for film in [Vec2::new(5.0, 40.0), Vec2::new(32.0, 24.0), Vec2::new(50.0, 7.0)] {
             let lens = Some(Vec2::new(0.3, 0.6));
             let ray = camera.generate_ray(film, lens);
             let p = ray.at(3.0);
             let (s, t) = ray.direction.any_orthonormal_pair();
             let step = 0.01;
-            let at = |v: Vec3| camera.connect(p + v, lens).unwrap().film;
+            let at = |v: Vec3| camera.connect_to_point(p + v, lens).unwrap().film;
             let along = |v: Vec3| (at(v * step) - at(v * -step)) / (2.0 * step);
             let area = along(s).perp_dot(along(t)).abs();
-            let importance = camera.connect(p, lens).unwrap().importance;
+            let importance = camera.connect_to_point(p, lens).unwrap().importance;
             assert!((area / importance - 1.0).abs() < 2e-3, "{area} {importance}");
         }
     }
@@ -54,11 +54,11 @@ fn importance_is_the_jacobian() {
 
 #[test]
 fn points_behind_the_camera_do_not_connect() {
-    let [pinhole, lens, orthographic, panorama] = cameras();
+    let [pinhole, lens, orthographic, panorama] = cameras_of_all_kinds();
     let behind = pinhole.generate_ray(Vec2::new(32.0, 24.0), None).at(-2.0);
     for camera in [pinhole, lens, orthographic] {
-        assert_eq!(camera.connect(behind, Some(Vec2::splat(0.5))), None);
+        assert_eq!(camera.connect_to_point(behind, Some(Vec2::splat(0.5))), None);
     }
-    assert!(panorama.connect(behind, None).is_some());
-    assert_eq!(panorama.connect(panorama.center().as_vec3(), None), None);
+    assert!(panorama.connect_to_point(behind, None).is_some());
+    assert_eq!(panorama.connect_to_point(panorama.center().as_vec3(), None), None);
 }

@@ -2,21 +2,24 @@
 
 use super::*;
 
-/// Second moments: box 1/12, tent 1/6, the others by quadrature. The table is coarsest in the two
-/// cells at the ends, which hold 1/1024 each and reach from 1 to 1.5 px at most: they misplace x²
-/// by at most (1.5² − 1)/2 each, together 1.2·10⁻³.
+/// Compares second moments of samples with 1/12 (box), 1/6 (tent) and quadrature.
+///
+/// The quantile table is coarsest in its first and last interval. Each holds 1/1024 of the samples,
+/// and reaches at most from 1 to 1.5 pixels. Interpolation there errs by at most (1.5² − 1)/2 in
+/// x², which changes the moment by at most 1.2·10⁻³.
 #[test]
 fn second_moments_match_quadrature() {
     let n = 100_000;
     let second = |kind: FilterKind| {
         let f = Filter::new(kind);
-        (0..n).map(|i| f64::from(f.sample_filter_quantile((i as f32 + 0.5) / n as f32))).map(|x| x * x).sum::<f64>()
+        (0..n).map(|i| f64::from(f.sample_filter_offset((i as f32 + 0.5) / n as f32))).map(|x| x * x).sum::<f64>()
             / f64::from(n)
     };
     let quadrature = |kind: FilterKind| {
         let r = kind.radius();
         let xs = (0..n).map(|i| r * (2.0 * (f64::from(i) + 0.5) / f64::from(n) - 1.0));
-        let (w, wx2) = xs.fold((0.0, 0.0), |(a, b), x| (a + kind.weight(x), b + kind.weight(x) * x * x));
+        let (w, wx2) =
+            xs.fold((0.0, 0.0), |(a, b), x| (a + kind.unnormalized_value(x), b + kind.unnormalized_value(x) * x * x));
         wx2 / w
     };
     assert!((second(FilterKind::Box) - 1.0 / 12.0).abs() < 1.2e-3);
@@ -27,9 +30,10 @@ fn second_moments_match_quadrature() {
     }
 }
 
-/// Weights are 1 in the mean, and weighted moments are the filter's: one over a net of 2¹⁸ points,
-/// whose error for functions with few jumps is far below the chance bound of as many independent
-/// points.
+/// The mean weight is 1, and weighted moments of samples are those of the filter.
+///
+/// The tolerance is the error of 2¹⁸ independent points. The Sobol' points used here have much
+/// smaller errors.
 #[test]
 fn signed_weights_average_one() {
     use crate::sampling::{Dimension, Key, Purpose, sobol_2d};
@@ -37,8 +41,9 @@ fn signed_weights_average_one() {
     let key = Key::new(3).purpose_key(Purpose::Test);
     let filter = Filter::new(FilterKind::Mitchell);
     let xs: Vec<f64> = (0..4000).map(|i| -2.0 + (f64::from(i) + 0.5) / 1000.0).collect();
-    let total: f64 = xs.iter().map(|x| FilterKind::Mitchell.weight(*x)).sum();
-    let within = xs.iter().filter(|x| **x > 0.3).map(|x| FilterKind::Mitchell.weight(*x)).sum::<f64>() / total;
+    let total: f64 = xs.iter().map(|x| FilterKind::Mitchell.unnormalized_value(*x)).sum();
+    let within =
+        xs.iter().filter(|x| **x > 0.3).map(|x| FilterKind::Mitchell.unnormalized_value(*x)).sum::<f64>() / total;
     let (mut weight, mut right, mut negative) = (0.0, 0.0, 0);
     for i in 0..n {
         let sample = filter.sample(sobol_2d(i, key, Dimension::Film));
@@ -59,7 +64,7 @@ fn offsets_are_within_the_radius() {
     {
         let f = Filter::new(kind);
         let r = kind.radius() as f32;
-        assert!(f.sample_filter_quantile(0.0) >= -r && f.sample_filter_quantile(1.0 - f32::EPSILON / 2.0) <= r);
+        assert!(f.sample_filter_offset(0.0) >= -r && f.sample_filter_offset(1.0 - f32::EPSILON / 2.0) <= r);
     }
     assert!("lanczos".parse::<FilterKind>().unwrap_err().to_string().contains("blackman-harris"));
 }
@@ -81,8 +86,8 @@ fn density_is_normalized() {
         let density = |x: f64| f64::from(filter.density(x as f32)) * step;
         let integral = xs().map(density).sum::<f64>();
         let second_moment = xs().map(|x| x * x * density(x)).sum::<f64>();
-        let weights: f64 = xs().map(|x| kind.weight(x)).sum();
-        let second = xs().map(|x| x * x * kind.weight(x)).sum::<f64>() / weights;
+        let weights: f64 = xs().map(|x| kind.unnormalized_value(x)).sum();
+        let second = xs().map(|x| x * x * kind.unnormalized_value(x)).sum::<f64>() / weights;
         assert!((integral - 1.0).abs() < 1e-4, "{kind:?}: {integral}");
         assert!((second_moment - second).abs() < 1e-4, "{kind:?}: {second_moment} {second}");
         assert_eq!(filter.density(filter.radius()), 0.0);

@@ -19,7 +19,7 @@ pub enum ErrorMapKind {
 
 /// Mode of the FLIP metric: value of `--flip`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum FlipModeArgument {
+pub enum FlipMetricModeArgument {
     /// Display values, clamped like a PNG
     Ldr,
     /// Maximum over all useful exposures
@@ -45,7 +45,7 @@ pub struct DiffArguments {
 
     /// Mode of FLIP  [default: ldr for two PNGs, else hdr]
     #[arg(long, value_enum, value_name = "MODE")]
-    pub flip: Option<FlipModeArgument>,
+    pub flip: Option<FlipMetricModeArgument>,
 
     /// Exposure of LDR-FLIP in stops: +1 is twice as bright  [default: 0]
     #[arg(long, value_parser = parse_exposure_stops, allow_negative_numbers = true, value_name = "STOPS")]

@@ -5,15 +5,16 @@ use crate::image::{Image, OutputFormat, RelativeScale, diverging_color, sequenti
 use glam::{DVec3, Vec3};
 use serde::Serialize;
 
-/// Fraction of pixels within the colour scale of a PNG. One firefly must not stretch the scale.
+/// Quantile of the absolute values at the end of the colour scale of a PNG. So one firefly does not
+/// stretch the scale.
 const SCALE_QUANTILE: f64 = 0.99;
 
-/// Values at the ends of the colour scale of a PNG error map.
+/// Errors at both ends of the colour scale of a PNG error map.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(super) struct ColorScale {
-    /// Value of the first colour.
+    /// Error that the first colour shows.
     pub from: f64,
-    /// Value of the last colour. Larger values have the same colour.
+    /// Error that the last colour shows. Larger errors have the same colour.
     pub to: f64,
 }
 
@@ -38,7 +39,8 @@ pub(super) fn error_map(
     (means.iter().map(|v| color(v / to)).collect(), Some(ColorScale { from, to }))
 }
 
-/// Returns the errors of all pixels per channel. FLIP and the relative error fill all channels.
+/// Returns the errors of all pixels by channel. FLIP and relative errors have the same value in all
+/// channels.
 fn error_map_values(kind: ErrorMapKind, a: &Image, b: &Image, flip: &[f32]) -> Vec<DVec3> {
     let differences = a.pixels().iter().zip(b.pixels()).map(|(a, b)| a.as_dvec3() - b.as_dvec3());
     match kind {
@@ -47,7 +49,7 @@ fn error_map_values(kind: ErrorMapKind, a: &Image, b: &Image, flip: &[f32]) -> V
         ErrorMapKind::Absolute => differences.map(DVec3::abs).collect(),
         ErrorMapKind::Relative => {
             let scale = RelativeScale::from_image(b);
-            differences.zip(scale.weights()).map(|(d, w)| DVec3::splat((w * d.length_squared()).sqrt())).collect()
+            differences.zip(scale.pixel_weights()).map(|(d, w)| DVec3::splat((w * d.length_squared()).sqrt())).collect()
         }
     }
 }
@@ -67,13 +69,13 @@ fn color_scale_end(values: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    fn image_row(values: &[[f32; 3]]) -> Image {
+    fn image_of_one_row(values: &[[f32; 3]]) -> Image {
         Image::from_pixels(values.len() as u32, 1, values.iter().map(|v| Vec3::from(*v)).collect()).unwrap()
     }
 
     #[test]
-    fn values_follow_the_kind_of_map() {
-        let (a, b) = (image_row(&[[2.0, 2.5, 1.0]]), image_row(&[[2.0; 3]]));
+    fn error_map_values_follow_the_map_kind() {
+        let (a, b) = (image_of_one_row(&[[2.0, 2.5, 1.0]]), image_of_one_row(&[[2.0; 3]]));
         let exr = |kind| error_map(kind, &a, &b, &[0.25], OutputFormat::Exr).0[0];
         assert_eq!(exr(ErrorMapKind::Signed), Vec3::new(0.0, 0.5, -1.0));
         assert_eq!(exr(ErrorMapKind::Absolute), Vec3::new(0.0, 0.5, 1.0));
@@ -87,7 +89,7 @@ mod tests {
         let mut values = vec![[1.0_f32; 3]; 200];
         values[7] = [100.0; 3];
         values[8] = [0.5; 3];
-        let (a, b) = (image_row(&values), image_row(&vec![[0.0; 3]; 200]));
+        let (a, b) = (image_of_one_row(&values), image_of_one_row(&vec![[0.0; 3]; 200]));
         let (colors, meaning) = error_map(ErrorMapKind::Absolute, &a, &b, &[], OutputFormat::Png);
         assert_eq!(meaning, Some(ColorScale { from: 0.0, to: 1.0 }));
         assert_eq!(
@@ -102,7 +104,7 @@ mod tests {
         // A single differing pixel is visible.
         let mut one = vec![[0.0_f32; 3]; 200];
         one[3] = [4.0; 3];
-        let single = error_map(ErrorMapKind::Absolute, &image_row(&one), &b, &[], OutputFormat::Png).1;
+        let single = error_map(ErrorMapKind::Absolute, &image_of_one_row(&one), &b, &[], OutputFormat::Png).1;
         assert_eq!(single, Some(ColorScale { from: 0.0, to: 4.0 }));
     }
 }

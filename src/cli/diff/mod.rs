@@ -4,12 +4,12 @@ mod args;
 mod map;
 mod report;
 
-pub use args::{DiffArguments, ErrorMapKind, FlipModeArgument};
+pub use args::{DiffArguments, ErrorMapKind, FlipMetricModeArgument};
 
-use super::outputs::{NamedFile, OutputFailures, check_distinct_files};
-use super::progress::{Progress, print_message};
-use super::{Exit, Failure};
-use crate::image::flip::{FlipMode, FlipOptions, FlipResult, PIXELS_PER_DEGREE, flip};
+use super::outputs::{FileWithRole, OutputFailures, check_distinct_files};
+use super::progress::{ProgressDisplay, print_message};
+use super::{CommandFailure, Exit};
+use crate::image::flip::{FlipMetricMode, FlipMetricOptions, FlipMetricResult, PIXELS_PER_DEGREE, flip_metric};
 use crate::image::metrics::{MetricError, PixelDifferences, largest_differences, relative_error, relative_mse, rmse};
 use crate::image::{self, Image, InputFormat, OutputFormat, WriteOptions};
 use crate::study::text::three_digit_text;
@@ -38,49 +38,49 @@ enum IncomparablePictures {
 #[diagnostic(help("add --flip ldr, or leave out --exposure"))]
 struct ExposureWithHdrFlip;
 
-pub(super) fn run(arguments: &DiffArguments) -> Result<Exit, Failure> {
+pub(super) fn run(arguments: &DiffArguments) -> Result<Exit, CommandFailure> {
     if let Some(path) = &arguments.output {
-        image::check_writable(path).map_err(Failure::output_error)?;
-        let inputs = [NamedFile::new("the picture", &arguments.a), NamedFile::new("the reference", &arguments.b)];
-        check_distinct_files(&[NamedFile::new("-o", path)], &inputs)?;
+        image::check_writable(path).map_err(CommandFailure::output_error)?;
+        let inputs = [FileWithRole::new("the picture", &arguments.a), FileWithRole::new("the reference", &arguments.b)];
+        check_distinct_files(&[FileWithRole::new("-o", path)], &inputs)?;
     }
-    let read = |path| image::read_with_format(path).into_diagnostic().map_err(|e| Failure::new(Exit::Input, e));
+    let read = |path| image::read_with_format(path).into_diagnostic().map_err(|e| CommandFailure::new(Exit::Input, e));
     let (a, a_format) = read(&arguments.a)?;
     let (b, b_format) = read(&arguments.b)?;
-    let mode = flip_mode(arguments, a_format == InputFormat::Png && b_format == InputFormat::Png)?;
+    let mode = selected_flip_mode(arguments, a_format == InputFormat::Png && b_format == InputFormat::Png)?;
     let (mut report, flip) =
         compare_pictures(arguments, &a, &b, mode).map_err(|error| comparison_failure(arguments, error))?;
     let exceeded = exceeded_limits(arguments, &report);
     report.exceeded = exceeded.iter().map(|(flag, _)| *flag).collect();
     let mut failures = OutputFailures::default();
     if let Some(path) = &arguments.output {
-        report.map = failures.ok_or_collect_report(write_map(path, arguments.map, &a, &b, &flip));
+        report.map = failures.ok_or_collect_report(write_error_map(path, arguments.map, &a, &b, &flip));
     }
     let text = if arguments.json {
-        serde_json::to_string_pretty(&report).map_err(Failure::output_error)? + "\n"
+        serde_json::to_string_pretty(&report).map_err(CommandFailure::output_error)? + "\n"
     } else {
-        report.table()
+        report.text_table()
     };
     failures.ok_or_collect(std::io::stdout().write_all(text.as_bytes()));
     if let Some(map) = &report.map {
         let colors = map.colors.map_or(String::new(), |c| {
             format!(", colours from {} to {}", three_digit_text(c.from), three_digit_text(c.to))
         });
-        Progress::new(arguments.quiet).print_line(&format!("wrote {}: {}{colors}", map.file, map.kind));
+        ProgressDisplay::new(arguments.quiet).print_line(&format!("wrote {}: {}{colors}", map.file, map.kind));
     }
     exceeded.iter().for_each(|(flag, why)| print_message(&format!("--{flag}: {why}")));
     failures.into_result(if exceeded.is_empty() { Exit::Success } else { Exit::Differ })
 }
 
-/// Returns the FLIP mode of the arguments.
+/// Returns the FLIP mode that the arguments select.
 ///
-/// By default it is LDR if `displayed`: both pictures hold display values. Else it is HDR.
-fn flip_mode(arguments: &DiffArguments, displayed: bool) -> Result<FlipMode, Failure> {
+/// Without `--flip`, the mode is LDR if both pictures hold display values (`displayed`), else HDR.
+fn selected_flip_mode(arguments: &DiffArguments, displayed: bool) -> Result<FlipMetricMode, CommandFailure> {
     match (arguments.flip, arguments.exposure) {
-        (Some(FlipModeArgument::Ldr), stops) => Ok(FlipMode::Ldr(stops.unwrap_or(0.0))),
-        (None, stops) if displayed => Ok(FlipMode::Ldr(stops.unwrap_or(0.0))),
-        (_, None) => Ok(FlipMode::Hdr),
-        (_, Some(_)) => Err(Failure::usage_error(ExposureWithHdrFlip)),
+        (Some(FlipMetricModeArgument::Ldr), stops) => Ok(FlipMetricMode::Ldr(stops.unwrap_or(0.0))),
+        (None, stops) if displayed => Ok(FlipMetricMode::Ldr(stops.unwrap_or(0.0))),
+        (_, None) => Ok(FlipMetricMode::Hdr),
+        (_, Some(_)) => Err(CommandFailure::usage_error(ExposureWithHdrFlip)),
     }
 }
 
@@ -88,14 +88,15 @@ fn compare_pictures(
     arguments: &DiffArguments,
     a: &Image,
     b: &Image,
-    mode: FlipMode,
-) -> Result<(DiffReport, FlipResult), MetricError> {
+    mode: FlipMetricMode,
+) -> Result<(DiffReport, FlipMetricResult), MetricError> {
     let PixelDifferences { largest: [red, green, blue], pixels } = largest_differences(a, b)?;
-    let options = FlipOptions { pixels_per_degree: arguments.pixels_per_degree.unwrap_or(PIXELS_PER_DEGREE), mode };
-    let flip = flip(b, a, &options)?;
+    let options =
+        FlipMetricOptions { pixels_per_degree: arguments.pixels_per_degree.unwrap_or(PIXELS_PER_DEGREE), mode };
+    let flip = flip_metric(b, a, &options)?;
     let (name, exposure) = match mode {
-        FlipMode::Ldr(stops) => ("ldr", Some(stops)),
-        FlipMode::Hdr => ("hdr", None),
+        FlipMetricMode::Ldr(stops) => ("ldr", Some(stops)),
+        FlipMetricMode::Hdr => ("hdr", None),
     };
     let report = DiffReport {
         schema: 1,
@@ -123,7 +124,7 @@ fn mean_channel_value(image: &Image) -> f64 {
     sum / (3.0 * image.pixels().len() as f64)
 }
 
-fn comparison_failure(arguments: &DiffArguments, error: MetricError) -> Failure {
+fn comparison_failure(arguments: &DiffArguments, error: MetricError) -> CommandFailure {
     let (a, b) = (&arguments.a, &arguments.b);
     let report = match error {
         MetricError::Size { a: first, b: second } => {
@@ -133,9 +134,9 @@ fn comparison_failure(arguments: &DiffArguments, error: MetricError) -> Failure 
             let path = if which == "first" { a } else { b };
             IncomparablePictures::NonFinite { path: path.clone(), x, y }
         }
-        MetricError::Parameter { .. } => return Failure::usage_error(IncomparablePictures::Other(error)),
+        MetricError::Parameter { .. } => return CommandFailure::usage_error(IncomparablePictures::Other(error)),
     };
-    Failure::new(Exit::Input, report)
+    CommandFailure::new(Exit::Input, report)
 }
 
 /// Returns the flags whose limits are exceeded, each with an explanation.
@@ -160,12 +161,12 @@ fn exceeded_limits(arguments: &DiffArguments, report: &DiffReport) -> Vec<(&'sta
 }
 
 /// Writes the error map of `--output`.
-fn write_map(
+fn write_error_map(
     path: &Path,
     kind: ErrorMapKind,
     a: &Image,
     b: &Image,
-    flip: &FlipResult,
+    flip: &FlipMetricResult,
 ) -> miette::Result<ErrorMapReport> {
     let format = OutputFormat::from_path(path).into_diagnostic()?;
     let (pixels, colors) = map::error_map(kind, a, b, &flip.map, format);

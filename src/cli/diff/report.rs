@@ -28,7 +28,7 @@ pub(super) struct DiffReport {
     pub differing_pixels: usize,
     /// The written error map; `None` without `--output`.
     pub map: Option<ErrorMapReport>,
-    /// Flags such as `max-rmse` whose limits the difference exceeds.
+    /// Flags such as `max-rmse` whose limits are exceeded by the pictures' difference.
     pub exceeded: Vec<&'static str>,
 }
 
@@ -69,7 +69,7 @@ impl DiffReport {
         [red, green, blue].into_iter().flatten().map(|l| l.difference).fold(0.0, f64::max)
     }
 
-    pub fn table(&self) -> String {
+    pub fn text_table(&self) -> String {
         let pixels = u64::from(self.width) * u64::from(self.height);
         let mut text = format!("{} against {}, {} × {} pixels\n", self.a, self.b, self.width, self.height);
         let mut row = |name: &str, value: String, about: String| {

@@ -5,9 +5,9 @@ mod text;
 
 pub use args::MeshArguments;
 
-use super::outputs::{NamedFile, OutputFailures, check_distinct_files};
-use super::progress::{Progress, print_message};
-use super::{Exit, Failure};
+use super::outputs::{FileWithRole, OutputFailures, check_distinct_files};
+use super::progress::{ProgressDisplay, print_message};
+use super::{CommandFailure, Exit};
 use crate::format::mesh::{
     self, LoadedMesh, MeshError, MeshFormat, MeshRepairs, MeshReport, RepairCounts, TriangleMesh,
 };
@@ -45,20 +45,20 @@ struct MeshCommandReport {
     version: &'static str,
     mesh: String,
     before: MeshReport,
-    /// `None` if the arguments change nothing.
+    /// Numbers of changes by repairs; `None` if the arguments change nothing.
     repaired: Option<RepairCounts>,
     after: Option<MeshReport>,
 }
 
-pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, Failure> {
+pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, CommandFailure> {
     let format = arguments.output.as_deref().map(|path| checked_mesh_format(path, arguments)).transpose()?;
-    let progress = Progress::new(arguments.quiet);
+    let progress = ProgressDisplay::new(arguments.quiet);
     let memory = arguments.memory.map_or(MemoryLimit::System, MemoryLimit::Limit);
     let loaded = mesh::load_with_memory_limit(&arguments.mesh, &progress, memory.available_bytes()).map_err(|e| {
         let exit = if matches!(e, MeshError::Memory { .. }) { Exit::Usage } else { Exit::Input };
-        Failure::new(exit, miette::Report::from_err(e))
+        CommandFailure::new(exit, miette::Report::from_err(e))
     })?;
-    progress.remove_bar();
+    progress.remove_progress_bar();
     check_mesh_memory(&arguments.mesh, &loaded.mesh, memory)?;
     let mut before = loaded.mesh.mesh_report();
     before.vertices = loaded.vertices;
@@ -81,9 +81,9 @@ pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, Failure> {
         after,
     };
     let text = if arguments.json {
-        serde_json::to_string_pretty(&report).map_err(Failure::output_error)? + "\n"
+        serde_json::to_string_pretty(&report).map_err(CommandFailure::output_error)? + "\n"
     } else {
-        text::table(&report.mesh, &report.before, report.repaired.as_ref(), report.after.as_ref())
+        text::mesh_report_table(&report.mesh, &report.before, report.repaired.as_ref(), report.after.as_ref())
     };
     let mut failures = OutputFailures::default();
     if let (Some(path), Some(format)) = (&arguments.output, format) {
@@ -96,39 +96,41 @@ pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, Failure> {
     failures.into_result(Exit::Success)
 }
 
-/// Bytes of memory per triangle for the mesh and its report or repair.
+/// Memory of a mesh and its report or repair \[bytes per triangle].
 ///
 /// Measured on a grid of a million triangles: 165.
 const BYTES_PER_TRIANGLE: u64 = 200;
 
 /// Returns a failure if there is too little memory to inspect or repair a loaded mesh.
-fn check_mesh_memory(path: &Path, mesh: &TriangleMesh, memory: MemoryLimit) -> Result<(), Failure> {
+fn check_mesh_memory(path: &Path, mesh: &TriangleMesh, memory: MemoryLimit) -> Result<(), CommandFailure> {
     let needed = BYTES_PER_TRIANGLE * mesh.triangles.len() as u64;
     match memory.available_bytes() {
         Some(free) if needed > free => {
             let error = MeshError::Memory { path: path.to_owned(), needed, free };
-            Err(Failure::new(Exit::Usage, miette::Report::from_err(error)))
+            Err(CommandFailure::new(Exit::Usage, miette::Report::from_err(error)))
         }
         _ => Ok(()),
     }
 }
 
 /// Returns the format of the output file, or a failure if the file cannot be written.
-fn checked_mesh_format(path: &Path, arguments: &MeshArguments) -> Result<MeshFormat, Failure> {
+fn checked_mesh_format(path: &Path, arguments: &MeshArguments) -> Result<MeshFormat, CommandFailure> {
     let format = MeshFormat::from_path(path, arguments.ascii);
-    let format = format.ok_or_else(|| Failure::new(Exit::Output, UnknownMeshFormat { path: path.to_owned() }))?;
-    check_replaceable(path).map_err(Failure::output_error)?;
-    check_distinct_files(&[NamedFile::new("-o", path)], &[NamedFile::new("the mesh", &arguments.mesh)])?;
+    let format =
+        format.ok_or_else(|| CommandFailure::new(Exit::Output, UnknownMeshFormat { path: path.to_owned() }))?;
+    check_replaceable(path).map_err(CommandFailure::output_error)?;
+    check_distinct_files(&[FileWithRole::new("-o", path)], &[FileWithRole::new("the mesh", &arguments.mesh)])?;
     Ok(format)
 }
 
 /// Applies the transforms and repairs of the command line to the mesh.
-fn apply_mesh_changes(mesh: &mut TriangleMesh, arguments: &MeshArguments) -> Result<RepairCounts, Failure> {
+fn apply_mesh_changes(mesh: &mut TriangleMesh, arguments: &MeshArguments) -> Result<RepairCounts, CommandFailure> {
     let (scale, offset) = (arguments.scale.unwrap_or(1.0), arguments.translate.unwrap_or(DVec3::ZERO));
     if arguments.scale.is_some() || arguments.translate.is_some() {
         mesh.positions.iter_mut().for_each(|p| *p = *p * scale + offset);
     }
-    let lost = |lost: fn(PathBuf) -> InvalidMeshResult, exit| Err(Failure::new(exit, lost(arguments.mesh.clone())));
+    let lost =
+        |lost: fn(PathBuf) -> InvalidMeshResult, exit| Err(CommandFailure::new(exit, lost(arguments.mesh.clone())));
     if !mesh.positions.iter().all(|p| p.is_finite()) {
         return lost(InvalidMeshResult::Coordinates, Exit::Usage);
     }

@@ -4,7 +4,7 @@ use crate::format::mesh::{MeshReport, RepairCounts};
 use std::fmt::Write;
 
 /// Returns a table with one column of figures, or with two (before, after) for a changed mesh.
-pub(super) fn table(
+pub(super) fn mesh_report_table(
     name: &str,
     before: &MeshReport,
     repaired: Option<&RepairCounts>,
@@ -15,8 +15,8 @@ pub(super) fn table(
     if after.is_some() {
         let _ = writeln!(text, "  {:<24} {:>26} {:>26}", "", "before", "after");
     }
-    let after = after.map(report_rows);
-    for (i, (label, value)) in report_rows(before).into_iter().enumerate() {
+    let after = after.map(mesh_report_rows);
+    for (i, (label, value)) in mesh_report_rows(before).into_iter().enumerate() {
         let changed = after.as_ref().map_or("", |rows| rows[i].1.as_str());
         let line = format!("  {label:<24} {value:>26} {changed:>26}");
         let _ = writeln!(text, "{}", line.trim_end());
@@ -39,7 +39,7 @@ pub(super) fn table(
 }
 
 /// Returns the labels and values of a mesh report.
-fn report_rows(report: &MeshReport) -> Vec<(&'static str, String)> {
+fn mesh_report_rows(report: &MeshReport) -> Vec<(&'static str, String)> {
     let yes = |yes: bool| if yes { "yes" } else { "no" }.to_owned();
     let point = |p: [f64; 3]| p.map(|x| format!("{x:.4}")).join(" ");
     let or_none = |x: Option<String>| x.unwrap_or_else(|| "-".to_owned());

@@ -55,7 +55,7 @@ fn errors_and_confidences_are_fractions() {
 }
 
 #[test]
-fn an_error_of_two_asks_for_two_percent() {
+fn a_relative_error_of_two_is_refused_as_ambiguous() {
     assert!(parse_relative_error("2").unwrap_err().contains("do you mean 2 %? Write 2%, or 200%"));
     assert!(parse_relative_error("0.5") == Ok(0.5) && parse_relative_error("1").is_err());
 }

@@ -3,16 +3,16 @@
 use super::output::{ReportWriter, StudyOutputs, study_output_files};
 use crate::cli::interrupt::{INTERRUPTED, listen_for_signals};
 use crate::cli::memory::{check_photon_memory, check_picture_memory};
-use crate::cli::outputs::{NamedFile, check_distinct_files};
+use crate::cli::outputs::{FileWithRole, check_distinct_files};
 use crate::cli::plan::{self, EffectReport};
-use crate::cli::progress::{InputFileCollector, Progress, print_message, warn_of_rejected_samples};
+use crate::cli::progress::{InputFileCollector, ProgressDisplay, print_message, warn_of_rejected_samples};
 use crate::cli::scene::{load_scene, with_thread_pool};
 use crate::cli::settings::settings_from_arguments;
-use crate::cli::{Exit, Failure, StudyArguments};
-use crate::plan::{Decision, Effect};
+use crate::cli::{CommandFailure, Exit, StudyArguments};
+use crate::plan::{Effect, EffectDecision};
 use crate::scene::Scene;
 use crate::stats::Counters;
-use crate::study::report::effects::{csv, markdown};
+use crate::study::report::effects::{csv_report, markdown_report};
 use crate::study::text::{count_text, percent_text, signed_count_text, signed_milliseconds_text, three_digit_text};
 use crate::study::{
     ClockKind, EffectContribution, EffectCost, EffectStudy, EffectStudyResult, PictureCost, ReportContext,
@@ -26,38 +26,38 @@ use std::time::Instant;
 /// Default number of passes of each picture of the study.
 const DEFAULT_PASSES: u32 = 4;
 
-/// File extensions of reports, and the functions that write them.
+/// File extensions of reports, and the functions that make the text of a report.
 const REPORT_WRITERS: [(&str, ReportWriter<EffectStudyResult>); 4] = [
-    ("html", |arguments, found| effects_html_page(&report_header(arguments), found).into_diagnostic()),
-    ("csv", |_, found| Ok(csv(found))),
+    ("html", |arguments, found| effects_html_page(&report_context(arguments), found).into_diagnostic()),
+    ("csv", |_, found| Ok(csv_report(found))),
     ("json", effect_study_json),
-    ("md", |arguments, found| Ok(markdown(&report_header(arguments), found))),
+    ("md", |arguments, found| Ok(markdown_report(&report_context(arguments), found))),
 ];
 
-pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Failure> {
+pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, CommandFailure> {
     // Everything that can fail without rendering is checked before rendering.
     let outputs = StudyOutputs::from_arguments(arguments, &REPORT_WRITERS)?;
     listen_for_signals("the study");
-    let progress = Progress::new(arguments.quiet);
+    let progress = ProgressDisplay::new(arguments.quiet);
     with_thread_pool(&arguments.scene, || run_effect_study(arguments, &outputs, &progress))
 }
 
 fn run_effect_study(
     arguments: &StudyArguments,
     outputs: &StudyOutputs<'_, EffectStudyResult>,
-    progress: &Progress,
-) -> Result<Exit, Failure> {
+    progress: &ProgressDisplay,
+) -> Result<Exit, CommandFailure> {
     let start = Instant::now();
     let scene = load_study_scene(arguments, progress)?;
     let algorithm = arguments.method.integrator;
     // There is the full picture, and at most one picture for each effect.
     let memory = arguments.scene.memory_limit();
     let pictures = check_picture_memory(Effect::ALL.len() + 1, scene.camera().size(), memory.available_bytes())
-        .map_err(Failure::usage_error)?;
+        .map_err(CommandFailure::usage_error)?;
     let study =
         EffectStudy::prepare(&scene, algorithm, &settings_from_arguments(&arguments.method, arguments.simulate));
-    check_photon_memory(study.largest_pass_memory(), pictures, memory.available_bytes())
-        .map_err(Failure::usage_error)?;
+    check_photon_memory(study.largest_expected_photons(), pictures, memory.available_bytes())
+        .map_err(CommandFailure::usage_error)?;
     progress.print_line(&plan::simulated_effects_line(study.plan()));
     plan::omitted_effect_warnings(study.plan()).for_each(|line| print_message(&line));
     let (pictures, passes) = (study.picture_count(), arguments.passes.unwrap_or(DEFAULT_PASSES));
@@ -69,30 +69,34 @@ fn run_effect_study(
         }
         progress.set_pass(made + 1, Some(passes));
     });
-    progress.remove_bar();
-    let found = found.into_diagnostic().map_err(|e| Failure::new(Exit::Input, e))?;
+    progress.remove_progress_bar();
+    let found = found.into_diagnostic().map_err(|e| CommandFailure::new(Exit::Input, e))?;
     warn_of_rejected_samples(&found.whole.counters);
     let text = if arguments.json {
         effect_study_json(arguments, &found).map(|json| json + "\n")
     } else {
-        Ok(table(arguments.method.integrator.name(), &found))
+        Ok(effects_table(arguments.method.integrator.name(), &found))
     };
     let exit = if found.interrupted { Exit::Interrupted } else { Exit::Success };
     outputs.write_reports(arguments, &found, text, progress, exit)
 }
 
 /// Loads the scene of a study. Returns a failure if an output is one of the scene's files.
-pub(super) fn load_study_scene(arguments: &StudyArguments, progress: &Progress) -> Result<Scene, Failure> {
+pub(super) fn load_study_scene(
+    arguments: &StudyArguments,
+    progress: &ProgressDisplay,
+) -> Result<Scene, CommandFailure> {
     let inputs = InputFileCollector::new(progress);
     let scene = load_scene(&arguments.scene, &inputs)?;
-    progress.remove_bar();
-    let inputs: Vec<NamedFile> = inputs.into_files().iter().map(|path| NamedFile::new("the input", path)).collect();
+    progress.remove_progress_bar();
+    let inputs: Vec<FileWithRole> =
+        inputs.into_input_paths().iter().map(|path| FileWithRole::new("the input", path)).collect();
     check_distinct_files(&study_output_files(arguments), &inputs)?;
     Ok(scene)
 }
 
 /// Returns the scene name and settings that a report shows at its top.
-fn report_header(arguments: &StudyArguments) -> ReportContext {
+fn report_context(arguments: &StudyArguments) -> ReportContext {
     let scene = arguments.scene.scene.display().to_string();
     let (integrator, seed) = (arguments.method.integrator.name(), arguments.method.seed);
     ReportContext { scene, integrator, seed, exposure: arguments.exposure }
@@ -106,7 +110,7 @@ fn effect_study_json(arguments: &StudyArguments, found: &EffectStudyResult) -> m
 }
 
 /// Returns all figures of a study of effects as a text table.
-fn table(integrator: &str, found: &EffectStudyResult) -> String {
+fn effects_table(integrator: &str, found: &EffectStudyResult) -> String {
     let clock = match found.clock {
         ClockKind::Processor => "processor",
         ClockKind::Wall => "wall",
@@ -196,7 +200,7 @@ impl<'f> From<&'f PictureCost> for PictureWork<'f> {
 
 impl<'f> EffectStudyReport<'f> {
     fn new(scene: String, integrator: &'static str, seed: u64, found: &'f EffectStudyResult) -> Self {
-        let row = |(effect, decision): (EffectReport, &Decision)| {
+        let row = |(effect, decision): (EffectReport, &EffectDecision)| {
             let finding = found.effects.iter().find(|f| f.decision.effect == decision.effect);
             EffectRow {
                 effect,

@@ -1,6 +1,6 @@
 //! `caustica study --knobs`: variants of a method, each with one setting changed.
 
-use super::variants::NamedVariant;
+use super::variants::VariantArguments;
 use crate::cli::args::MethodArguments;
 use crate::cli::settings::{kernel_name, settings_from_arguments};
 use crate::integrate::{Algorithm, FinalGathering, Settings};
@@ -25,21 +25,22 @@ const ALPHAS: [f64; 3] = [0.5, 0.8, 1.0];
 const CAMERA_RAY_FACTORS: [f64; 2] = [0.5, 2.0];
 
 /// Settings that pilot passes chose for a method.
-struct PilotSettings {
+struct PilotChosenSettings {
     samples: u32,
     photons: u32,
     caustic_photons: u32,
     radius: Option<f32>,
 }
 
-impl PilotSettings {
+impl PilotChosenSettings {
     fn new(scene: &Scene, algorithm: Algorithm, settings: &Settings) -> Self {
         let integrator = algorithm.prepare(scene, settings.clone());
-        let balance = integrator.balance();
+        let balance = integrator.ray_photon_balance();
         let (width, height) = scene.camera().size();
         let camera_rays = integrator.expected_work(integrator.plan().simulated_effects()).camera_rays;
-        let radius =
-            integrator.radii().map(|radii| if algorithm == Algorithm::Hybrid { radii.caustic } else { radii.global });
+        let radius = integrator
+            .gather_radii()
+            .map(|radii| if algorithm == Algorithm::Hybrid { radii.caustic } else { radii.indirect });
         Self {
             samples: (camera_rays / (u64::from(width) * u64::from(height))).max(1) as u32,
             photons: balance.and_then(|b| b.photons).unwrap_or(settings.photons),
@@ -49,38 +50,39 @@ impl PilotSettings {
     }
 }
 
-/// Returns a method with default settings, and its variants with one setting changed.
+/// Returns a method with default settings, and variants of it that differ in one setting each.
 ///
-/// A pilot chooses the numbers of rays and photons once for all variants. The radius to scale is
-/// that of the caustic map for `hybrid`, and of the global map for other methods.
+/// A pilot chooses the numbers of rays and photons once for all variants. The variants of
+/// `--radius` scale a gather radius that the pilot found: that of the caustic map for `hybrid`, and
+/// that of the indirect map for other methods.
 pub(super) fn knob_study_variants(
     algorithm: Algorithm,
     shared: &MethodArguments,
     overrides: EffectOverrides,
     scene: &Scene,
-) -> Vec<NamedVariant> {
-    let plain = NamedVariant::from_algorithm(algorithm, shared);
-    let pilot = PilotSettings::new(scene, algorithm, &settings_from_arguments(&plain.method, overrides));
+) -> Vec<VariantArguments> {
+    let plain = VariantArguments::from_algorithm(algorithm, shared);
+    let pilot = PilotChosenSettings::new(scene, algorithm, &settings_from_arguments(&plain.method, overrides));
     one_setting_variants(plain, &pilot)
 }
 
 /// Returns the method `plain` and its variants, given the settings that a pilot chose.
-fn one_setting_variants(plain: NamedVariant, pilot: &PilotSettings) -> Vec<NamedVariant> {
-    let NamedVariant { label: name, mut method } = plain;
+fn one_setting_variants(plain: VariantArguments, pilot: &PilotChosenSettings) -> Vec<VariantArguments> {
+    let VariantArguments { label: name, mut method } = plain;
     let algorithm = method.integrator;
     method.spp = Some(pilot.samples);
-    if algorithm.has_photons() {
+    if algorithm.traces_photons() {
         (method.photons, method.caustic_photons) = (Some(pilot.photons), Some(pilot.caustic_photons));
     }
     let base = method.clone();
-    let mut all = vec![NamedVariant { label: name.clone(), method }];
+    let mut all = vec![VariantArguments { label: name.clone(), method }];
     let mut add = |flag: String, change: &dyn Fn(&mut MethodArguments)| {
         let mut method = base.clone();
         change(&mut method);
-        all.push(NamedVariant { label: format!("{name} {flag}"), method });
+        all.push(VariantArguments { label: format!("{name} {flag}"), method });
     };
     let scaled = |n: u32, by: f64| (f64::from(n) * by).round().clamp(1.0, f64::from(u32::MAX)) as u32;
-    if algorithm.has_photons() {
+    if algorithm.traces_photons() {
         for k in GATHER_COUNTS.into_iter().filter(|k| base.gather_k != Some(*k)) {
             add(format!("--gather-k {k}"), &|method| method.gather_k = Some(k));
         }

@@ -3,23 +3,23 @@
 use super::effects::load_study_scene;
 use super::knobs;
 use super::output::{ReportWriter, StudyOutputs, check_reference_path, study_output_files};
-use super::table::{root_as_percent, table};
-use super::variants::NamedVariant;
+use super::table::{checkpoints_table, square_root_percent_text};
+use super::variants::VariantArguments;
 use crate::cli::args::ReferenceSource;
 use crate::cli::interrupt::{INTERRUPTED, listen_for_signals};
 use crate::cli::memory::check_photon_memory;
-use crate::cli::outputs::{NamedFile, OutputFailures, check_distinct_files};
+use crate::cli::outputs::{FileWithRole, OutputFailures, check_distinct_files};
 use crate::cli::plan::{self, count_with_noun};
-use crate::cli::progress::{Progress, print_message};
+use crate::cli::progress::{ProgressDisplay, print_message};
 use crate::cli::scene::with_thread_pool;
 use crate::cli::settings::{method_flags, settings_from_arguments};
-use crate::cli::{Exit, Failure, StudyArguments};
+use crate::cli::{CommandFailure, Exit, StudyArguments};
 use crate::image::{WriteOptions, write};
 use crate::plan::Plan;
 use crate::scene::Scene;
 use crate::stats::format_bytes;
 use crate::study::methods::{
-    MethodStudy, MethodStudyResult, MethodVariant, References, StudiedScene, StudyLimits, StudyProgress,
+    MethodStudy, MethodStudyEvent, MethodStudyResult, MethodVariant, ReferencePictures, StudiedScene, StudyLimits,
     applicable_methods, shell_quoted,
 };
 use crate::study::report::methods as report;
@@ -28,17 +28,17 @@ use miette::IntoDiagnostic;
 /// Default processor time of a reference, as a multiple of `--budget`.
 const REFERENCE_BUDGET_FACTOR: f64 = 4.0;
 
-/// Smallest share of processor time in wall time of all threads without a warning.
+/// Ratio of processor time to wall time of all threads, below which a warning is printed.
 ///
-/// A smaller share means that other programs ran, or that threads waited.
+/// A smaller ratio means that other programs ran, or that threads waited.
 const MIN_THREAD_SHARE: f64 = 0.9;
 
-/// File extensions of reports, and the functions that write them.
+/// File extensions of reports, and the functions that make the text of a report.
 const REPORT_WRITERS: [(&str, ReportWriter<MethodStudyResult>); 4] = [
     ("html", |_, found| report::methods_html_page(found).into_diagnostic()),
-    ("csv", |_, found| Ok(report::csv(found))),
+    ("csv", |_, found| Ok(report::csv_report(found))),
     ("json", |_, found| report::method_study_json(found).into_diagnostic()),
-    ("md", |_, found| Ok(report::markdown(found))),
+    ("md", |_, found| Ok(report::markdown_report(found))),
 ];
 
 /// Usage error: a flag for rendered references is given together with reference files.
@@ -64,14 +64,14 @@ struct TooManyPictures {
     free: u64,
 }
 
-pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Failure> {
+pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, CommandFailure> {
     // Everything that can fail without rendering is checked before rendering.
     let outputs = StudyOutputs::from_arguments(arguments, &REPORT_WRITERS)?;
     let kind = &arguments.kind;
     if kind.truth != ReferenceSource::Auto {
         let unused = [("--save-truth", kind.save_truth.is_some()), ("--truth-time", kind.truth_time.is_some())];
         if let Some((flag, _)) = unused.into_iter().find(|(_, given)| *given) {
-            return Err(Failure::usage_error(UnusedTruthFlag { flag }));
+            return Err(CommandFailure::usage_error(UnusedTruthFlag { flag }));
         }
     }
     if let Some((a, b)) = &kind.save_truth {
@@ -79,45 +79,53 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Failure> {
     }
     let truth = match &kind.truth {
         ReferenceSource::Auto => Vec::new(),
-        ReferenceSource::One(a) => vec![NamedFile::new("the reference", a)],
-        ReferenceSource::Two(a, b) => [a, b].map(|path| NamedFile::new("the reference", path)).to_vec(),
+        ReferenceSource::One(a) => vec![FileWithRole::new("the reference", a)],
+        ReferenceSource::Two(a, b) => [a, b].map(|path| FileWithRole::new("the reference", path)).to_vec(),
     };
     check_distinct_files(&study_output_files(arguments), &truth)?;
-    let read = |text: &String| NamedVariant::parse(text, &arguments.method).map_err(Failure::usage_error);
+    let read = |text: &String| VariantArguments::parse(text, &arguments.method).map_err(CommandFailure::usage_error);
     let named = kind.variants.iter().map(read).collect::<Result<Vec<_>, _>>()?;
     listen_for_signals("the study");
-    let progress = Progress::new(arguments.quiet);
+    let progress = ProgressDisplay::new(arguments.quiet);
     with_thread_pool(&arguments.scene, || run_method_study(arguments, named, &outputs, &progress))
 }
 
 fn run_method_study(
     arguments: &StudyArguments,
-    named: Vec<NamedVariant>,
+    named: Vec<VariantArguments>,
     outputs: &StudyOutputs<'_, MethodStudyResult>,
-    progress: &Progress,
-) -> Result<Exit, Failure> {
+    progress: &ProgressDisplay,
+) -> Result<Exit, CommandFailure> {
     let scene = load_study_scene(arguments, progress)?;
     let (kind, size) = (&arguments.kind, scene.camera().size());
     let variants = study_variants(arguments, named, &scene);
-    let (needed, seeds) = (MethodStudy::picture_bytes(size, variants.len(), kind.seeds), kind.seeds);
+    let (needed, seeds) = (MethodStudy::study_picture_bytes(size, variants.len(), kind.seeds), kind.seeds);
     let memory = arguments.scene.memory_limit();
     if let Some(free) = memory.available_bytes().filter(|free| needed > *free) {
-        return Err(Failure::usage_error(TooManyPictures { seeds, variants: variants.len(), size, needed, free }));
+        return Err(CommandFailure::usage_error(TooManyPictures {
+            seeds,
+            variants: variants.len(),
+            size,
+            needed,
+            free,
+        }));
     }
     let given = match &kind.truth {
         ReferenceSource::Auto => None,
-        ReferenceSource::One(a) => Some(References::read(a, None, size)),
-        ReferenceSource::Two(a, b) => Some(References::read(a, Some(b), size)),
+        ReferenceSource::One(a) => Some(ReferencePictures::read(a, None, size)),
+        ReferenceSource::Two(a, b) => Some(ReferencePictures::read(a, Some(b), size)),
     };
-    let given = given.transpose().into_diagnostic().map_err(|e| Failure::new(Exit::Input, e))?;
-    let algorithms = variants.iter().map(|v| v.algorithm.simulates());
+    let given = given.transpose().into_diagnostic().map_err(|e| CommandFailure::new(Exit::Input, e))?;
+    let algorithms = variants.iter().map(|v| v.algorithm.supported_effects());
     let plans = algorithms.map(|simulates| Plan::new(&scene, simulates, arguments.simulate));
     for (variant, plan) in variants.iter().zip(plans) {
         plan::omitted_effect_warnings(&plan).for_each(|line| print_message(&format!("{line} ({})", variant.label)));
     }
     let runs = count_with_noun(variants.len(), "method", "methods");
-    let study = MethodStudy::prepare(&scene, variants, kind.seeds).into_diagnostic().map_err(Failure::usage_error)?;
-    check_photon_memory(study.largest_pass_memory(), needed, memory.available_bytes()).map_err(Failure::usage_error)?;
+    let study =
+        MethodStudy::prepare(&scene, variants, kind.seeds).into_diagnostic().map_err(CommandFailure::usage_error)?;
+    check_photon_memory(study.largest_expected_photons(), needed, memory.available_bytes())
+        .map_err(CommandFailure::usage_error)?;
     let Some(references) =
         given.map_or_else(|| render_references(arguments, &scene, progress), |given| Ok(Some(given)))?
     else {
@@ -131,17 +139,17 @@ fn run_method_study(
     ));
     let limits = StudyLimits { budget: kind.budget.as_secs_f64(), passes: arguments.passes };
     progress.set_pass(1, arguments.passes);
-    let found = study.run(&study_subject(arguments), limits, &references, &INTERRUPTED, progress, |step| match step {
-        StudyProgress::Round(made) => progress.set_pass(made + 1, arguments.passes),
-        StudyProgress::Checkpoint(label, at) => progress.print_line(&format!(
+    let found = study.run(&studied_scene(arguments), limits, &references, &INTERRUPTED, progress, |step| match step {
+        MethodStudyEvent::Round(made) => progress.set_pass(made + 1, arguments.passes),
+        MethodStudyEvent::Checkpoint(label, at) => progress.print_line(&format!(
             "{label}: {} after {:.2} s, error {}",
             count_with_noun(at.passes as usize, "pass", "passes"),
             at.seconds,
-            root_as_percent(at.mean_squared_error())
+            square_root_percent_text(at.mean_squared_error())
         )),
     });
-    progress.remove_bar();
-    let found = found.into_diagnostic().map_err(|e| Failure::new(Exit::Input, e))?;
+    progress.remove_progress_bar();
+    let found = found.into_diagnostic().map_err(|e| CommandFailure::new(Exit::Input, e))?;
     if found.share < MIN_THREAD_SHARE {
         print_message(&format!(
             "warning: threads had only {:.0} % of their time: other programs ran, or the passes are too small for the threads",
@@ -151,20 +159,20 @@ fn run_method_study(
     let text = if arguments.json {
         report::method_study_json(&found).map(|json| json + "\n").into_diagnostic()
     } else {
-        Ok(table(&found))
+        Ok(checkpoints_table(&found))
     };
     let exit = if found.interrupted { Exit::Interrupted } else { Exit::Success };
     outputs.write_reports(arguments, &found, text, progress, exit)
 }
 
 /// Returns the variants to measure, in the order of the flags.
-fn study_variants(arguments: &StudyArguments, named: Vec<NamedVariant>, scene: &Scene) -> Vec<MethodVariant> {
+fn study_variants(arguments: &StudyArguments, named: Vec<VariantArguments>, scene: &Scene) -> Vec<MethodVariant> {
     let (kind, shared, overrides) = (&arguments.kind, &arguments.method, arguments.simulate);
     let by_default = kind.methods.is_empty() && kind.variants.is_empty() && kind.knobs.is_none();
     let methods = if by_default { applicable_methods(scene, overrides) } else { kind.methods.clone() };
     let around =
         kind.knobs.map(|algorithm| knobs::knob_study_variants(algorithm, shared, overrides, scene)).unwrap_or_default();
-    let plain = methods.into_iter().map(|algorithm| NamedVariant::from_algorithm(algorithm, shared));
+    let plain = methods.into_iter().map(|algorithm| VariantArguments::from_algorithm(algorithm, shared));
     plain.chain(named).chain(around).map(|named| named.into_study_variant(overrides)).collect()
 }
 
@@ -172,25 +180,25 @@ fn study_variants(arguments: &StudyArguments, named: Vec<NamedVariant>, scene: &
 fn render_references(
     arguments: &StudyArguments,
     scene: &Scene,
-    progress: &Progress,
-) -> Result<Option<References>, Failure> {
+    progress: &ProgressDisplay,
+) -> Result<Option<ReferencePictures>, CommandFailure> {
     let kind = &arguments.kind;
     let default = REFERENCE_BUDGET_FACTOR * kind.budget.as_secs_f64();
     let seconds = kind.truth_time.map_or(default, |time| time.as_secs_f64());
     let like = settings_from_arguments(&arguments.method, arguments.simulate).camera_paths;
     progress.print_line(&format!("two references with {seconds:.1} s of processor time each"));
     progress.set_pass(1, None);
-    let rendered = References::render(scene, &like, seconds, &INTERRUPTED, progress, |made, part| {
+    let rendered = ReferencePictures::render(scene, &like, seconds, &INTERRUPTED, progress, |made, part| {
         if progress.uses_plain_lines() && made.is_power_of_two() {
             let made = count_with_noun(made as usize, "pass", "passes");
             progress.print_line(&format!("references: {made} of each, {:.0} % of the time", 100.0 * part.min(1.0)));
         }
         progress.set_pass(made + 1, None);
     });
-    let rendered = rendered.into_diagnostic().map_err(|e| Failure::new(Exit::Input, e))?;
+    let rendered = rendered.into_diagnostic().map_err(|e| CommandFailure::new(Exit::Input, e))?;
     if let (Some(references), Some((a, b))) = (&rendered, &kind.save_truth) {
         let mut failures = OutputFailures::default();
-        for (path, picture) in [a, b].into_iter().zip(references.both_pictures()) {
+        for (path, picture) in [a, b].into_iter().zip(references.both_reference_pictures()) {
             if failures.ok_or_collect(write(path, picture, &WriteOptions::default())).is_some() {
                 progress.print_line(&format!("wrote {}", path.display()));
             }
@@ -201,7 +209,7 @@ fn render_references(
 }
 
 /// Returns the scene of the study and the command line that repeats the study.
-fn study_subject(arguments: &StudyArguments) -> StudiedScene {
+fn studied_scene(arguments: &StudyArguments) -> StudiedScene {
     let (kind, scene) = (&arguments.kind, arguments.scene.scene.display().to_string());
     // A name with a leading dash would be parsed as a flag.
     let named = if scene.starts_with('-') { format!("./{scene}") } else { scene.clone() };

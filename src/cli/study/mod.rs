@@ -7,8 +7,8 @@ mod output;
 mod table;
 mod variants;
 
-use super::{Exit, Failure, StudyArguments};
+use super::{CommandFailure, Exit, StudyArguments};
 
-pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Failure> {
+pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, CommandFailure> {
     if arguments.kind.effects { effects::run(arguments) } else { methods::run(arguments) }
 }

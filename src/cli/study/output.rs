@@ -1,8 +1,8 @@
 //! Output files of a study: reports and reference pictures.
 
-use crate::cli::outputs::{NamedFile, OutputFailures, check_distinct_files};
-use crate::cli::progress::Progress;
-use crate::cli::{Exit, Failure, StudyArguments};
+use crate::cli::outputs::{FileWithRole, OutputFailures, check_distinct_files};
+use crate::cli::progress::ProgressDisplay;
+use crate::cli::{CommandFailure, Exit, StudyArguments};
 use crate::image::{OutputFormat, check_replaceable, check_writable, replace_file};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -19,29 +19,32 @@ struct UnknownReportFormat {
     known: String,
 }
 
-/// Paths of report files that can be written, each with the function that makes its text.
+/// Paths of the report files to write, each with the function that makes its text.
 pub(super) struct StudyOutputs<'a, F>(Vec<(&'a Path, ReportWriter<F>)>);
 
 impl<'a, F> StudyOutputs<'a, F> {
     /// Returns the report files of the command line, or a failure if one cannot be written.
     ///
     /// `known` lists the extensions and their writers.
-    pub fn from_arguments(arguments: &'a StudyArguments, known: &[(&str, ReportWriter<F>)]) -> Result<Self, Failure> {
+    pub fn from_arguments(
+        arguments: &'a StudyArguments,
+        known: &[(&str, ReportWriter<F>)],
+    ) -> Result<Self, CommandFailure> {
         let writer = |path: &'a PathBuf| {
             let matches = |(extension, _): &&(&str, ReportWriter<F>)| {
                 path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
             };
             let (_, writer) = known.iter().find(matches).ok_or_else(|| {
                 let known = known.iter().map(|(extension, _)| format!(".{extension}")).collect::<Vec<_>>().join(" or ");
-                Failure::new(Exit::Output, UnknownReportFormat { path: path.clone(), known })
+                CommandFailure::new(Exit::Output, UnknownReportFormat { path: path.clone(), known })
             })?;
-            check_replaceable(path).map_err(Failure::output_error)?;
+            check_replaceable(path).map_err(CommandFailure::output_error)?;
             Ok((path.as_path(), *writer))
         };
         let outputs = arguments.output.iter().map(writer).collect::<Result<_, _>>().map(Self)?;
         check_distinct_files(
             &study_output_files(arguments),
-            &[NamedFile::new("the scene file", &arguments.scene.scene)],
+            &[FileWithRole::new("the scene file", &arguments.scene.scene)],
         )?;
         Ok(outputs)
     }
@@ -54,9 +57,9 @@ impl<'a, F> StudyOutputs<'a, F> {
         arguments: &StudyArguments,
         found: &F,
         text: miette::Result<String>,
-        progress: &Progress,
+        progress: &ProgressDisplay,
         exit: Exit,
-    ) -> Result<Exit, Failure> {
+    ) -> Result<Exit, CommandFailure> {
         let mut failures = OutputFailures::default();
         for (path, writer) in &self.0 {
             let Some(report) = failures.ok_or_collect_report(writer(arguments, found)) else { continue };
@@ -72,10 +75,10 @@ impl<'a, F> StudyOutputs<'a, F> {
 }
 
 /// Returns all files that a study writes.
-pub(super) fn study_output_files(arguments: &StudyArguments) -> Vec<NamedFile> {
-    let reports = arguments.output.iter().map(|path| NamedFile::new("-o", path));
+pub(super) fn study_output_files(arguments: &StudyArguments) -> Vec<FileWithRole> {
+    let reports = arguments.output.iter().map(|path| FileWithRole::new("-o", path));
     let references = arguments.kind.save_truth.iter().flat_map(|(a, b)| [a, b]);
-    reports.chain(references.map(|path| NamedFile::new("--save-truth", path))).collect()
+    reports.chain(references.map(|path| FileWithRole::new("--save-truth", path))).collect()
 }
 
 /// Error: the file format of a reference would clip radiance.
@@ -87,9 +90,9 @@ struct ReferenceNotExr {
 }
 
 /// Returns a failure unless `path` is a writable OpenEXR file, which a reference needs.
-pub(super) fn check_reference_path(path: &Path) -> Result<(), Failure> {
+pub(super) fn check_reference_path(path: &Path) -> Result<(), CommandFailure> {
     if !matches!(OutputFormat::from_path(path), Ok(OutputFormat::Exr)) {
-        return Err(Failure::new(Exit::Output, ReferenceNotExr { path: path.to_owned() }));
+        return Err(CommandFailure::new(Exit::Output, ReferenceNotExr { path: path.to_owned() }));
     }
-    check_writable(path).map_err(Failure::output_error)
+    check_writable(path).map_err(CommandFailure::output_error)
 }

@@ -1,12 +1,12 @@
 //! Text tables of the figures of a study of methods.
 
 use crate::study::methods::fit::{fit_convergence, judge_convergence};
-use crate::study::methods::{Checkpoint, MethodStudyResult};
+use crate::study::methods::{ConvergenceCheckpoint, MethodStudyResult};
 use crate::study::text::percent_text;
 use std::fmt::Write as _;
 
 /// Returns a table for each method, with one row per checkpoint.
-pub(super) fn table(found: &MethodStudyResult) -> String {
+pub(super) fn checkpoints_table(found: &MethodStudyResult) -> String {
     let mut text = format!("truth: {}", found.truth.source);
     if let Some(error) = found.truth.error {
         let _ = write!(text, "\ntruth: noise of the reference {}", percent_text(error));
@@ -27,9 +27,9 @@ pub(super) fn table(found: &MethodStudyResult) -> String {
                 "  {:>8} {:>10.3} {:>9} {:>9} {:>9} {:>7} {:>9}",
                 checkpoint.passes,
                 checkpoint.seconds,
-                root_as_percent(checkpoint.mean_squared_error()),
-                root_as_percent(checkpoint.noise2),
-                root_as_percent(checkpoint.bias2),
+                square_root_percent_text(checkpoint.mean_squared_error()),
+                square_root_percent_text(checkpoint.noise2),
+                square_root_percent_text(checkpoint.bias2),
                 rate.map_or(String::new(), |rate| format!("{rate:.2}")),
                 rms_estimated_error(checkpoint),
             );
@@ -40,18 +40,19 @@ pub(super) fn table(found: &MethodStudyResult) -> String {
     text
 }
 
-/// Returns the root of a squared error in percent; `-` if noise hides it.
-pub(super) fn root_as_percent(square: f64) -> String {
+/// Returns the square root of a squared error in percent; `-` if the estimate is not positive.
+pub(super) fn square_root_percent_text(square: f64) -> String {
     if square > 0.0 { percent_text(square.sqrt()) } else { "-".to_owned() }
 }
 
-/// Returns the root mean square of the error estimates of all seeds; empty if there are none.
-fn rms_estimated_error(checkpoint: &Checkpoint) -> String {
-    checkpoint.mean_estimated_square().map_or(String::new(), root_as_percent)
+/// Returns the root mean square of the renderer's own error estimates of all seeds, in percent;
+/// empty if there are none.
+fn rms_estimated_error(checkpoint: &ConvergenceCheckpoint) -> String {
+    checkpoint.mean_estimated_square().map_or(String::new(), square_root_percent_text)
 }
 
-/// Returns the rate in error ∝ time^rate between two checkpoints; `None` if it is unknown.
-fn convergence_rate(before: &Checkpoint, after: &Checkpoint) -> Option<f64> {
+/// Returns the exponent in error ∝ time^exponent between two checkpoints; `None` if it is unknown.
+fn convergence_rate(before: &ConvergenceCheckpoint, after: &ConvergenceCheckpoint) -> Option<f64> {
     let error = 0.5 * libm::log(after.mean_squared_error() / before.mean_squared_error());
     let rate = error / libm::log(after.seconds / before.seconds);
     rate.is_finite().then_some(rate)
@@ -63,13 +64,20 @@ mod tests {
 
     #[test]
     fn rates_are_exponents_of_time() {
-        let at = |seconds, square| Checkpoint { seconds, squares: vec![square; 2], ..Checkpoint::default() };
+        let at = |seconds, square| ConvergenceCheckpoint {
+            seconds,
+            squares: vec![square; 2],
+            ..ConvergenceCheckpoint::default()
+        };
         // A quarter of the squared error after four times the time: half the error.
         assert!((convergence_rate(&at(1.0, 0.04), &at(4.0, 0.01)).unwrap() + 0.5).abs() < 1e-12);
         assert_eq!(
             (convergence_rate(&at(1.0, 0.04), &at(1.0, 0.01)), convergence_rate(&at(1.0, 0.04), &at(4.0, -0.01))),
             (None, None)
         );
-        assert_eq!((root_as_percent(0.0009), root_as_percent(-0.1)), ("3.0 %".to_owned(), "-".to_owned()));
+        assert_eq!(
+            (square_root_percent_text(0.0009), square_root_percent_text(-0.1)),
+            ("3.0 %".to_owned(), "-".to_owned())
+        );
     }
 }

@@ -7,7 +7,7 @@ use crate::plan::EffectOverrides;
 use crate::study::methods::MethodVariant;
 use clap::{Parser, ValueEnum};
 
-/// Flags that all variants share, because they change the true picture or the noise.
+/// Flags that a variant may not set itself, because all methods of a study share them.
 const STUDY_WIDE_FLAGS: [&str; 3] = ["--integrator", "--filter", "--seed"];
 
 /// Error: the value of `--variant` cannot be parsed.
@@ -20,7 +20,7 @@ pub(super) struct VariantParseError {
     remedy: String,
 }
 
-/// Flags of a variant.
+/// Command-line flags of one variant of a method.
 #[derive(Debug, Parser)]
 #[command(no_binary_name = true, args_override_self = true, disable_help_flag = true)]
 struct VariantFlags {
@@ -29,12 +29,12 @@ struct VariantFlags {
 }
 
 /// A variant of a method: its label and its arguments.
-pub(super) struct NamedVariant {
+pub(super) struct VariantArguments {
     pub label: String,
     pub method: MethodArguments,
 }
 
-impl NamedVariant {
+impl VariantArguments {
     /// Makes a variant with the flags that all methods share.
     pub fn from_algorithm(algorithm: Algorithm, shared: &MethodArguments) -> Self {
         let method = MethodArguments { integrator: algorithm, ..shared.clone() };

@@ -1,21 +1,21 @@
-//! Indices of refraction.
+//! Tests of refractive indices.
 
 use super::*;
 
-/// The catalogue's own figures, to the last digit given.
+/// The indices of BK7 equal those of the manufacturer's catalogue to its last digit.
 #[test]
-fn bk7_matches_the_catalogue() {
+fn borosilicate_crown_matches_the_catalogue() {
     let bk7 = glass_by_name("BK7").unwrap();
     for (nm, n) in [(486.13, 1.522376), (587.56, 1.516800), (656.27, 1.514322)] {
         assert!((f64::from(bk7.refractive_index(nm)) - n).abs() < 6e-7, "{nm}: {}", bk7.refractive_index(nm));
     }
-    assert_eq!(bk7.d_line_index(), bk7.refractive_index(587.56));
+    assert_eq!(bk7.refractive_index_at_d_line(), bk7.refractive_index(587.56));
     assert!((bk7.abbe_number() - 64.167).abs() < 5e-3, "{}", bk7.abbe_number());
 }
 
-/// Index at the line d and Abbe's number from catalogues and tables, to their last digit.
+/// Indices at the d line and Abbe numbers equal those of catalogues and tables to their last digit.
 #[test]
-fn substances_match_published_constants() {
+fn glasses_match_published_refractive_indices() {
     let known = [
         ("BK7", 1.51680, 5e-6, 64.17, 0.01),
         ("F2", 1.62004, 5e-6, 36.37, 0.01),
@@ -30,18 +30,22 @@ fn substances_match_published_constants() {
     assert_eq!(known.map(|k| k.0), GLASSES.map(|g| g.0));
     for (name, nd, tolerance, vd, slack) in known {
         let glass = glass_by_name(name).unwrap();
-        assert!((glass.d_line_index() - nd).abs() < tolerance, "{name}: {}", glass.d_line_index());
+        assert!(
+            (glass.refractive_index_at_d_line() - nd).abs() < tolerance,
+            "{name}: {}",
+            glass.refractive_index_at_d_line()
+        );
         assert!((glass.abbe_number() - vd).abs() < slack, "{name}: {}", glass.abbe_number());
     }
     assert_eq!(glass_by_name("bk7"), None);
 }
 
 #[test]
-fn range_bounds_all_indices() {
+fn index_range_bounds_all_refractive_indices() {
     let made =
         [DispersionFormula::from_abbe_number(1.5, 20.0), DispersionFormula::Cauchy { a: 1.5, b: -0.01, c: 0.001 }];
     for glass in GLASSES.iter().map(|g| g.1).chain(made) {
-        let [least, most] = glass.index_range().unwrap();
+        let [least, most] = glass.refractive_index_range().unwrap();
         let (mut low, mut high) = (f64::INFINITY, 0.0f64);
         for step in 0..=3400 {
             let n = glass.refractive_index_at(380.0 + f64::from(step) * 0.1);
@@ -55,15 +59,15 @@ fn range_bounds_all_indices() {
 }
 
 #[test]
-fn resonances_and_invalid_indices_have_no_range() {
+fn resonances_and_invalid_refractive_indices_have_no_range() {
     let resonance = |c: f64| three_term_sellmeier([0.01, 1.2, 0.0], [c, 0.01, 0.0]);
     // At 600.0005 nm: so narrow that whole nanometres miss it.
-    assert_eq!(resonance(wavelength_squared(600.0005)).index_range(), None);
-    assert!(resonance(wavelength_squared(900.0)).index_range().is_some());
-    assert_eq!(three_term_sellmeier([-3.0, 0.0, 0.0], [0.01, 0.0, 0.0]).index_range(), None);
-    assert_eq!(DispersionFormula::Cauchy { a: 1.0, b: -0.2, c: 0.0 }.index_range(), None);
-    assert_eq!(DispersionFormula::Cauchy { a: f64::NAN, b: 0.0, c: 0.0 }.index_range(), None);
-    assert_eq!(DispersionFormula::Cauchy { a: f64::MAX, b: f64::MAX, c: 0.0 }.index_range(), None);
+    assert_eq!(resonance(wavelength_squared(600.0005)).refractive_index_range(), None);
+    assert!(resonance(wavelength_squared(900.0)).refractive_index_range().is_some());
+    assert_eq!(three_term_sellmeier([-3.0, 0.0, 0.0], [0.01, 0.0, 0.0]).refractive_index_range(), None);
+    assert_eq!(DispersionFormula::Cauchy { a: 1.0, b: -0.2, c: 0.0 }.refractive_index_range(), None);
+    assert_eq!(DispersionFormula::Cauchy { a: f64::NAN, b: 0.0, c: 0.0 }.refractive_index_range(), None);
+    assert_eq!(DispersionFormula::Cauchy { a: f64::MAX, b: f64::MAX, c: 0.0 }.refractive_index_range(), None);
 }
 
 #[test]
@@ -72,7 +76,7 @@ fn abbe_number_round_trips() {
         let glass = DispersionFormula::from_abbe_number(nd, vd);
         // Rounding of the result to f32.
         assert!(
-            (f64::from(glass.d_line_index()) - nd).abs() < 1e-7 * nd
+            (f64::from(glass.refractive_index_at_d_line()) - nd).abs() < 1e-7 * nd
                 && (glass.abbe_number() / vd as f32 - 1.0).abs() < 1e-6
         );
     }

@@ -1,4 +1,4 @@
-//! Sampled wavelengths.
+//! Tests of sampled wavelengths.
 
 use super::*;
 use rand::rngs::SmallRng;
@@ -8,13 +8,14 @@ fn wavelength_of_nanometres(nm: f32) -> Wavelength {
     Wavelength(nm)
 }
 
-/// Degrees round the colour wheel from red over green to blue, from −90 to 270.
+/// Returns the hue of a color in degrees from −90 to 270; red is 0, green 120, blue 240.
 fn hue_degrees(c: Rgb) -> f32 {
     let angle = libm::atan2f(3.0f32.sqrt() * (c.y - c.z), 2.0 * c.x - c.y - c.z).to_degrees();
     if angle < -90.0 { angle + 360.0 } else { angle }
 }
 
-/// The midpoint rule errs by at most the variation of a weight, below 20, over twice the points.
+/// The mean weight of all wavelengths is white. The error of the midpoint rule is at most the
+/// variation of the weight, which is below 20, divided by twice the number of points.
 #[test]
 fn white_light_stays_white() {
     let n = 1u32 << 22;
@@ -66,9 +67,9 @@ fn hues_follow_the_spectrum() {
     assert!(beyond > 0.999, "{beyond}");
 }
 
-/// Chi-square over the cells of a million wavelengths; false alarm 10⁻⁴.
+/// Chi-square test of a million sampled wavelengths; its false-alarm rate is 10⁻⁴.
 #[test]
-fn samples_follow_the_pdf() {
+fn wavelength_samples_follow_the_pdf() {
     let n = 1_000_000u32;
     let mut rng = SmallRng::seed_from_u64(11);
     let mut counts = [0u32; CELLS];
@@ -93,7 +94,7 @@ fn samples_follow_the_pdf() {
 }
 
 #[test]
-fn extreme_samples_are_in_range() {
+fn extreme_random_numbers_give_wavelengths_in_range() {
     let last = Wavelength::sample(1.0 - f32::EPSILON / 2.0);
     assert_eq!(Wavelength::sample(0.0).response_interval_index(), 0);
     assert!(last.nanometres() < 720.0 && last.nanometres() > 700.0, "{last:?}");
@@ -101,7 +102,7 @@ fn extreme_samples_are_in_range() {
 }
 
 #[test]
-fn codes_round_trip() {
+fn wavelength_byte_codes_round_trip() {
     assert_eq!(Wavelength::from_byte_code(0), None);
     for i in 0..=3400 {
         let w = wavelength_of_nanometres(SHORTEST + i as f32 * 0.1);

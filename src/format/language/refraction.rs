@@ -85,7 +85,7 @@ fn parse_sellmeier(
 /// The error's help text is the name of the field, then `advice` and the range.
 fn check_index_range(glass: &DispersionFormula, field: &PresentField<'_, '_>, advice: &str) -> Result<(), SceneError> {
     let within = glass
-        .index_range()
+        .refractive_index_range()
         .is_some_and(|ends| ends.iter().all(|n| (MIN_REFRACTIVE_INDEX..=MAX_REFRACTIVE_INDEX).contains(n)));
     field.ensure_valid(within, &format!("{advice}: the index must lie between 0.001 and 1000 from 380 to 720 nm"))
 }

@@ -92,7 +92,8 @@ pub(super) fn merge_equal_vertices(mesh: &mut TriangleMesh) {
 
 /// Replaces the vertices of `mesh` by those with the indices in `list`.
 ///
-/// Only positions and texture coordinates are replaced. The caller must replace normals and triangles.
+/// Only positions and texture coordinates are replaced. The caller must replace normals and
+/// triangles.
 pub(super) fn select_vertices(mesh: &mut TriangleMesh, list: impl Iterator<Item = u32> + Clone) {
     mesh.positions = list.clone().map(|v| mesh.positions[v as usize]).collect();
     let texcoord = |texcoords: Vec<DVec2>| list.map(|v| texcoords[v as usize]).collect();

@@ -104,7 +104,7 @@ fn add_refractive_index(
         RefractiveIndexDescription::Abbe { index, abbe } => DispersionFormula::from_abbe_number(*index, *abbe),
         RefractiveIndexDescription::Glass(glass) => *glass,
     };
-    Ok((glass.d_line_index(), Some(r.builder.glass(glass))))
+    Ok((glass.refractive_index_at_d_line(), Some(r.builder.glass(glass))))
 }
 
 /// Returns the glass with a name; an error that lists all names if there is none.

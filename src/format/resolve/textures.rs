@@ -9,8 +9,8 @@ use crate::format::description::{
 };
 use crate::image::{self, Image, PictureContent};
 use crate::math::Transform;
-use crate::scene::{NormalPerturbation, Textured};
-use crate::texture::{self, Checker, Picture, SolidPattern, SolidTexture, Texture};
+use crate::scene::{MaterialParameter, NormalPerturbation};
+use crate::texture::{self, Checkerboard, Picture, SolidPattern, SolidTexture, Texture};
 use glam::DVec3;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -24,7 +24,7 @@ pub(super) struct AddedTexture {
     /// Least and greatest value of any channel.
     range: (f32, f32),
     /// True if the texture varies in space, not with texture coordinates.
-    is_solid: bool,
+    is_solid_texture: bool,
     /// True for a picture whose description declares the sRGB encoding.
     is_srgb: bool,
 }
@@ -53,8 +53,10 @@ impl<'a> Resolver<'a> {
                     self.add_picture_texture(path, *encoding, *wrap, *coordinates)?
                 }
                 TextureKindDescription::Checker { colors, coordinates } => {
-                    let checker =
-                        Texture::Checker(Checker { colors: colors.map(rgb) }, texcoord_transform(coordinates));
+                    let checker = Texture::Checkerboard(
+                        Checkerboard { colors: colors.map(rgb) },
+                        texcoord_transform(coordinates),
+                    );
                     self.add_texture(checker, false)
                 }
                 TextureKindDescription::Solid { pattern, colors, octaves, frequency, amplitude, maps } => {
@@ -81,8 +83,8 @@ impl<'a> Resolver<'a> {
     }
 
     fn add_texture(&mut self, texture: Texture, is_srgb: bool) -> AddedTexture {
-        let (mean, range, is_solid) = (texture.mean(), texture.range(), texture.is_solid());
-        AddedTexture { index: self.builder.texture(texture), mean, range, is_solid, is_srgb }
+        let (mean, range, is_solid_texture) = (texture.mean(), texture.value_range(), texture.is_solid_texture());
+        AddedTexture { index: self.builder.texture(texture), mean, range, is_solid_texture, is_srgb }
     }
 
     /// Reads a picture and adds it as a texture.
@@ -163,13 +165,13 @@ impl<'a> Resolver<'a> {
         value: &TexturedValue<DVec3>,
         range: &RangeInclusive<f32>,
         requirements: &mut TextureRequirements,
-    ) -> Result<Textured<Rgb>, SceneError> {
+    ) -> Result<MaterialParameter<Rgb>, SceneError> {
         match value {
-            TexturedValue::Plain(color) => Ok(Textured::Constant(rgb(*color))),
+            TexturedValue::Plain(color) => Ok(MaterialParameter::Constant(rgb(*color))),
             TexturedValue::Texture(name) => {
                 let texture = self.texture_by_name(name, range)?;
                 requirements.add_texture_requirements(&texture);
-                Ok(Textured::Texture { texture: texture.index, factor: Rgb::ONE, mean: texture.mean })
+                Ok(MaterialParameter::Texture { texture: texture.index, factor: Rgb::ONE, mean: texture.mean })
             }
         }
     }
@@ -179,13 +181,17 @@ impl<'a> Resolver<'a> {
         &self,
         value: &TexturedValue<f64>,
         requirements: &mut TextureRequirements,
-    ) -> Result<Textured<f32>, SceneError> {
+    ) -> Result<MaterialParameter<f32>, SceneError> {
         match value {
-            TexturedValue::Plain(number) => Ok(Textured::Constant(*number as f32)),
+            TexturedValue::Plain(number) => Ok(MaterialParameter::Constant(*number as f32)),
             TexturedValue::Texture(name) => {
                 let texture = self.texture_by_name(name, &UNIT_RANGE)?;
                 requirements.add_texture_requirements(&texture);
-                Ok(Textured::Texture { texture: texture.index, factor: 1.0, mean: color::channel_mean(texture.mean) })
+                Ok(MaterialParameter::Texture {
+                    texture: texture.index,
+                    factor: 1.0,
+                    mean: color::channel_mean(texture.mean),
+                })
             }
         }
     }
@@ -195,7 +201,7 @@ impl<'a> Resolver<'a> {
         &self,
         value: &TexturedValue<DVec3>,
         requirements: &mut TextureRequirements,
-    ) -> Result<Textured<Rgb>, SceneError> {
+    ) -> Result<MaterialParameter<Rgb>, SceneError> {
         self.resolve_color_parameter(value, &UNIT_RANGE, requirements)
     }
 
@@ -206,7 +212,7 @@ impl<'a> Resolver<'a> {
         diffuse: &TexturedValue<DVec3>,
         texture: Option<&Spanned<String>>,
         requirements: &mut TextureRequirements,
-    ) -> Result<Textured<Rgb>, SceneError> {
+    ) -> Result<MaterialParameter<Rgb>, SceneError> {
         let Some(name) = texture else {
             return self.resolve_color_parameter(diffuse, &ANY_TEXTURE_VALUE, requirements);
         };
@@ -217,7 +223,7 @@ impl<'a> Resolver<'a> {
         let texture = self.texture_or_picture(name, PictureEncoding::Srgb)?;
         requirements.add_texture_requirements(&texture);
         let factor = rgb(*factor);
-        Ok(Textured::Texture { texture: texture.index, factor, mean: factor * texture.mean })
+        Ok(MaterialParameter::Texture { texture: texture.index, factor, mean: factor * texture.mean })
     }
 
     /// Resolves the bump map or normal map of a material.
@@ -276,7 +282,7 @@ impl<'a> Resolver<'a> {
 impl TextureRequirements {
     pub fn add_texture_requirements(&mut self, texture: &AddedTexture) {
         self.uses_textures = true;
-        self.needs_texcoords |= !texture.is_solid;
+        self.needs_texcoords |= !texture.is_solid_texture;
     }
 }
 

@@ -12,8 +12,9 @@ pub fn random_refractive_index() -> impl Strategy<Value = RefractiveIndexDescrip
     let strength = prop_oneof![Just(0.0), -0.1..2.0];
     let resonance = prop_oneof![Just(0.0), -1.0..0.1, 0.6..200.0];
     let sellmeier = (uniform4(strength), uniform4(resonance)).prop_map(|(b, c)| DispersionFormula::Sellmeier { b, c });
-    let within =
-        |glass: &DispersionFormula| glass.index_range().is_some_and(|[least, most]| least >= 1e-3 && most <= 1e3);
+    let within = |glass: &DispersionFormula| {
+        glass.refractive_index_range().is_some_and(|[least, most]| least >= 1e-3 && most <= 1e3)
+    };
     prop_oneof![
         (1e-3..=1e3).prop_map(RefractiveIndexDescription::Index),
         random_name().prop_map(|name| RefractiveIndexDescription::Named(Spanned::new(name, Span::default()))),

@@ -6,14 +6,14 @@ fn image_of_extreme_values() -> Image {
     Image::from_pixels(40, 33, pixels).unwrap()
 }
 
-fn expect_decoded(result: Result<Image, DecodeFailure>) -> Image {
+fn unwrap_decoded(result: Result<Image, DecodeFailure>) -> Image {
     result.unwrap_or_else(|failure| panic!("{}", failure.into_read_error("memory".into())))
 }
 
 #[test]
 fn single_precision_is_lossless() {
     let (file, report) = encode(&image_of_extreme_values(), FloatDepth::Single, &[]).unwrap();
-    let image = expect_decoded(read(&file, None));
+    let image = unwrap_decoded(read(&file, None));
     assert_eq!((image.width(), image.height()), (40, 33));
     let bits =
         |image: &Image| -> Vec<[u32; 3]> { image.pixels().iter().map(|p| p.to_array().map(f32::to_bits)).collect() };
@@ -33,8 +33,8 @@ fn metadata_is_stored_and_bytes_repeat() {
     assert_eq!(headers[0].shared_attributes.chromaticities, Some(REC_709));
 }
 
-/// `file` with the size of the named window replaced.
-fn with_replaced_window(file: &[u8], name: &[u8], (width, height): (i32, i32)) -> Vec<u8> {
+/// Returns the OpenEXR file `file` with another size in its header window `name`.
+fn exr_with_replaced_window(file: &[u8], name: &[u8], (width, height): (i32, i32)) -> Vec<u8> {
     let window = file.windows(name.len()).position(|w| w == name).unwrap() + name.len() + 4;
     let mut file = file.to_vec();
     // A window is stored as first column, first row, last column, last row.
@@ -51,26 +51,26 @@ fn an_implausible_size_is_refused() {
     let (file, _) = encode(&image_of_extreme_values(), FloatDepth::Single, &[]).unwrap();
     for window in [DATA, DISPLAY] {
         for (side, expected) in [(16_384, "too short"), (20_000, "too large")] {
-            let huge = with_replaced_window(&file, window, (side, side));
+            let huge = exr_with_replaced_window(&file, window, (side, side));
             let message = read(&huge, None).err().unwrap().into_read_error("memory".into()).to_string();
             assert!(message.contains(expected), "{message}");
         }
     }
     // A display window of four megapixels takes 192 MB, although it has little data.
-    let framed = with_replaced_window(&file, DISPLAY, (2000, 2000));
+    let framed = exr_with_replaced_window(&file, DISPLAY, (2000, 2000));
     assert!(matches!(read(&framed, Some(191_000_000)), Err(DecodeFailure::Memory { needed: 192_000_000, .. })));
-    let image = expect_decoded(read(&framed, Some(192_000_000)));
+    let image = unwrap_decoded(read(&framed, Some(192_000_000)));
     assert_eq!((image.width(), image.pixels()[2003].x), (2000, image_of_extreme_values().pixels()[43].x));
     assert_eq!(image.pixels()[40], Vec3::ZERO);
 }
 
-/// More than half a gigabyte in single precision.
+/// A picture is read although it takes more than half a gigabyte in single precision.
 #[test]
 fn pictures_may_exceed_the_limit_of_the_decoder() {
     let noise = |i: u32| Vec3::splat((i.wrapping_mul(2_654_435_761) >> 8) as f32);
     let image = Image::from_pixels(256, 256, (0..256 * 256).map(noise).collect()).unwrap();
     let (file, _) = encode(&image, FloatDepth::Single, &[]).unwrap();
-    let read = expect_decoded(read(&with_replaced_window(&file, DISPLAY, (6720, 6720)), None));
+    let read = unwrap_decoded(read(&exr_with_replaced_window(&file, DISPLAY, (6720, 6720)), None));
     assert_eq!((read.width(), read.height(), read.pixels()[255]), (6720, 6720, image.pixels()[255]));
 }
 

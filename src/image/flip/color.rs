@@ -27,7 +27,8 @@ static RELATIVE_XYZ: LazyLock<(DMat3, DMat3)> = LazyLock::new(|| {
 const COLOR_EXPONENT: f64 = 0.7;
 /// Knee of the map from colour difference to error (p_c and p_t of the paper).
 ///
-/// The difference at the knee, over the largest difference, and the error there.
+/// The first number is the colour difference at the knee, relative to the largest difference. The
+/// second is the error at the knee.
 const KNEE: (f64, f64) = (0.4, 0.95);
 
 /// Converts linear RGB to YCxCz, an opponent space that is linear in XYZ and scaled like CIELAB.
@@ -36,7 +37,7 @@ pub(super) fn rgb_to_ycxcz(rgb: Vec3) -> Vec3 {
     DVec3::new(116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)).as_vec3()
 }
 
-/// Luminance relative to white of the channel Y of YCxCz.
+/// Converts channel Y of YCxCz to luminance relative to white.
 pub(super) fn relative_luminance(y: f64) -> f64 {
     (y + 16.0) / 116.0
 }
@@ -68,12 +69,13 @@ fn hyab_distance(a: DVec3, b: DVec3) -> f64 {
     d.x.abs() + (d.y * d.y + d.z * d.z).sqrt()
 }
 
-/// Largest colour difference in the RGB cube: green against blue.
+/// Largest colour difference between two colours of the RGB cube: green and blue.
 static LARGEST: LazyLock<f64> = LazyLock::new(|| {
     libm::pow(hyab_distance(hunt_lab_from_rgb(DVec3::Y), hunt_lab_from_rgb(DVec3::Z)), COLOR_EXPONENT)
 });
 
-/// Error of two colours in \[0, 1]: a power of the HyAB distance, compressed above the knee.
+/// Returns the error between two colours, from 0 to 1. It is a power of the HyAB distance,
+/// compressed above [`KNEE`].
 ///
 /// `a` and `b` are Hunt-adjusted CIELAB.
 pub(super) fn color_error(a: DVec3, b: DVec3) -> f64 {
@@ -91,7 +93,7 @@ pub(super) fn color_error(a: DVec3, b: DVec3) -> f64 {
 mod tests {
     use super::*;
 
-    /// L* of half the luminance of white is 116 · ∛½ − 16. Greys have no chroma.
+    /// Greys have no chroma. At half the luminance of white, L* is 116 · ∛½ − 16.
     #[test]
     fn greys_have_lightness_only() {
         let lab = hunt_adjusted_lab(rgb_to_ycxcz(Vec3::splat(0.5)).as_dvec3());

@@ -4,8 +4,8 @@ use super::color::relative_luminance;
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// Contrast sensitivity of the luminance channel: a and b of a·√(π/b)·exp(−π²x²/b), x in degrees
-/// (Andersson et al. 2020, table 1).
+/// Parameters (a, b) of the contrast sensitivity filter of channel Y. The filter is
+/// a·√(π/b)·exp(−π²x²/b) at a distance of x degrees (Andersson et al. 2020, table 1).
 const LUMINANCE: (f64, f64) = (1.0, 0.0047);
 const RED_GREEN: (f64, f64) = (1.0, 0.0053);
 const BLUE_YELLOW: [(f64, f64); 2] = [(34.1, 0.04), (13.5, 0.025)];
@@ -17,16 +17,16 @@ const DETECTOR: f64 = 0.082;
 type FilterWeights = Vec<f32>;
 
 /// Separable filters of ꟻLIP, scaled to the pixels per degree of visual angle.
-pub(super) struct FlipFilters {
+pub(super) struct FlipMetricFilters {
     luminance: FilterWeights,
     red_green: FilterWeights,
-    /// Weighted sum of two Gaussians: weight and Gaussian.
+    /// The filter of channel Cz is a sum of two Gaussians. Each entry is a weight and a Gaussian.
     blue_yellow: [(f32, FilterWeights); 2],
     /// A Gaussian and its first and second derivative.
     detector: [FilterWeights; 3],
 }
 
-impl FlipFilters {
+impl FlipMetricFilters {
     pub fn new(pixels_per_degree: f64) -> Self {
         // All filters have the radius of the widest, three standard deviations, as in the paper.
         let radius = (3.0 * (BLUE_YELLOW[0].1 / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil() as i32;
@@ -97,17 +97,18 @@ fn to_single_precision(weights: impl Iterator<Item = f64>) -> FilterWeights {
 }
 
 /// Buffers for one filtered row of a picture.
-pub(super) struct RowFilter {
+pub(super) struct FlipRowFilter {
     /// Row after vertical filtering, extended by its end pixels on both sides.
     padded: Vec<f32>,
-    /// Blurred Y, Cx and Cz, and Cz blurred with the second Gaussian.
+    /// Blurred channels: Y, Cx, Cz by the first Gaussian, and Cz by the second one.
     blurred: [Vec<f32>; 4],
-    /// Horizontal edges, vertical edges, horizontal points, vertical points.
+    /// Responses of the detectors for horizontal edges, vertical edges, horizontal points and
+    /// vertical points.
     features: [Vec<f32>; 4],
 }
 
-impl RowFilter {
-    pub fn new(width: usize, filters: &FlipFilters) -> Self {
+impl FlipRowFilter {
+    pub fn new(width: usize, filters: &FlipMetricFilters) -> Self {
         let row = || vec![0.0; width];
         Self {
             padded: vec![0.0; width + 2 * filters.max_radius()],
@@ -116,8 +117,8 @@ impl RowFilter {
         }
     }
 
-    /// Computes one row of all filters from the `planes` Y, Cx and Cz.
-    pub fn filter(&mut self, planes: &[Vec<f32>; 3], row: usize, filters: &FlipFilters) {
+    /// Applies all filters to one row of the `planes` Y, Cx and Cz, and keeps the results.
+    pub fn filter_image_row(&mut self, planes: &[Vec<f32>; 3], row: usize, filters: &FlipMetricFilters) {
         let [(share, kernel), (other_share, other)] = &filters.blue_yellow;
         let padded = &mut self.padded;
         let [y, cx, cz, rest] = &mut self.blurred;
@@ -141,18 +142,18 @@ impl RowFilter {
         DVec3::new(y[x].into(), cx[x].into(), cz[x].into())
     }
 
-    /// Magnitude of the luminance edge in column `x`.
+    /// Strength of luminance edges in column `x`.
     pub fn edge_strength(&self, x: usize) -> f64 {
         feature_magnitude(self.features[0][x], self.features[1][x])
     }
 
-    /// Magnitude of the luminance point in column `x`.
+    /// Strength of luminance points, such as fireflies, in column `x`.
     pub fn point_strength(&self, x: usize) -> f64 {
         feature_magnitude(self.features[2][x], self.features[3][x])
     }
 }
 
-/// Magnitude of a feature from its horizontal and vertical detector, in relative luminance.
+/// Strength of an edge or point from its horizontal and vertical detector, in relative luminance.
 ///
 /// Detector weights have sum 0, so the offset between channel Y and luminance cancels.
 fn feature_magnitude(across: f32, down: f32) -> f64 {

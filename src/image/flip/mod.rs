@@ -12,10 +12,10 @@ use super::buffer::Image;
 use super::metrics::{MetricError, check_comparable};
 use super::tone::MAX_EXPOSURE_STOPS;
 use color::{color_error, hunt_adjusted_lab, rgb_to_ycxcz};
-use filter::{FlipFilters, RowFilter};
+use filter::{FlipMetricFilters, FlipRowFilter};
 use glam::Vec3;
 use rayon::prelude::*;
-use tone::{film_curve, hdr_exposures};
+use tone::{film_curve, hdr_flip_exposures};
 
 /// Default pixels per degree of visual angle: a 0.7 m wide screen of 3840 pixels, seen from 0.7 m.
 pub const PIXELS_PER_DEGREE: f64 = 3840.0 * std::f64::consts::PI / 180.0;
@@ -27,36 +27,36 @@ pub const PIXELS_PER_DEGREE_RANGE: std::ops::RangeInclusive<f64> = 1.0..=1000.0;
 
 /// Variant of ꟻLIP, which determines the tone mapping before the comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum FlipMode {
+pub enum FlipMetricMode {
     /// LDR-ꟻLIP at one exposure \[stops], within ±[`MAX_EXPOSURE_STOPS`].
     ///
-    /// Radiance is multiplied by 2 to this power and clamped to \[0, 1].
+    /// Radiance is multiplied by 2 to the power of the exposure, and clamped to \[0, 1].
     Ldr(f32),
-    /// HDR-ꟻLIP: the largest error of each pixel over exposures about one stop apart.
+    /// HDR-ꟻLIP: the error of a pixel is its largest error over exposures about one stop apart.
     ///
-    /// The first exposure maps the brightest pixel of the reference close to white. The last one
-    /// does so with the median of the pixels that are not black.
+    /// The first exposure maps the brightest pixel of the reference close to white. The last
+    /// exposure maps the median of its non-black pixels close to white.
     Hdr,
 }
 
-/// Options of [`flip`].
+/// Options of [`flip_metric`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FlipOptions {
+pub struct FlipMetricOptions {
     /// Pixels per degree of visual angle, within [`PIXELS_PER_DEGREE_RANGE`].
     pub pixels_per_degree: f64,
     /// Variant of the metric.
-    pub mode: FlipMode,
+    pub mode: FlipMetricMode,
 }
 
-impl Default for FlipOptions {
+impl Default for FlipMetricOptions {
     fn default() -> Self {
-        Self { pixels_per_degree: PIXELS_PER_DEGREE, mode: FlipMode::Ldr(0.0) }
+        Self { pixels_per_degree: PIXELS_PER_DEGREE, mode: FlipMetricMode::Ldr(0.0) }
     }
 }
 
 /// ꟻLIP errors of a picture.
 #[derive(Clone, Debug, PartialEq)]
-pub struct FlipResult {
+pub struct FlipMetricResult {
     /// Error of each pixel in \[0, 1], in rows from the top; 0 is equal.
     pub map: Vec<f32>,
     /// Mean error over pixels.
@@ -65,39 +65,44 @@ pub struct FlipResult {
 
 /// Computes the ꟻLIP error of `test` against `reference`. Negative radiance counts as black.
 ///
-/// [`FlipMode::Ldr`] is symmetric. [`FlipMode::Hdr`] derives its exposures from the reference.
+/// The result for [`FlipMetricMode::Ldr`] does not change if the pictures are exchanged.
+/// [`FlipMetricMode::Hdr`] derives its exposures from the reference.
 ///
 /// # Errors
 /// [`MetricError`] if the sizes differ, a pixel is not finite, or an option is out of range.
-pub fn flip(reference: &Image, test: &Image, options: &FlipOptions) -> Result<FlipResult, MetricError> {
+pub fn flip_metric(
+    reference: &Image,
+    test: &Image,
+    options: &FlipMetricOptions,
+) -> Result<FlipMetricResult, MetricError> {
     check_comparable(reference, test)?;
     let value = options.pixels_per_degree;
     if !PIXELS_PER_DEGREE_RANGE.contains(&value) {
         return Err(MetricError::Parameter { name: "pixels per degree", value });
     }
-    let filters = FlipFilters::new(value);
+    let filters = FlipMetricFilters::new(value);
     let mut map = vec![0.0; reference.pixels().len()];
     match options.mode {
-        FlipMode::Ldr(stops) => {
+        FlipMetricMode::Ldr(stops) => {
             if !(-MAX_EXPOSURE_STOPS..=MAX_EXPOSURE_STOPS).contains(&stops) {
                 return Err(MetricError::Parameter { name: "exposure", value: stops.into() });
             }
             let scale = libm::exp2f(stops);
             let shown = |p: Vec3| (p * scale).clamp(Vec3::ZERO, Vec3::ONE);
             accumulate_max_error(
-                &OpponentImage::from_image(reference, shown),
-                &OpponentImage::from_image(test, shown),
+                &OpponentColorImage::from_image(reference, shown),
+                &OpponentColorImage::from_image(test, shown),
                 &filters,
                 &mut map,
             );
         }
-        FlipMode::Hdr => {
-            for stops in hdr_exposures(reference) {
+        FlipMetricMode::Hdr => {
+            for stops in hdr_flip_exposures(reference) {
                 let scale = libm::exp2(stops);
                 let shown = |p: Vec3| film_curve(p, scale);
                 accumulate_max_error(
-                    &OpponentImage::from_image(reference, shown),
-                    &OpponentImage::from_image(test, shown),
+                    &OpponentColorImage::from_image(reference, shown),
+                    &OpponentColorImage::from_image(test, shown),
                     &filters,
                     &mut map,
                 );
@@ -105,18 +110,18 @@ pub fn flip(reference: &Image, test: &Image, options: &FlipOptions) -> Result<Fl
         }
     }
     let mean = map.iter().map(|&e| f64::from(e)).sum::<f64>() / map.len() as f64;
-    Ok(FlipResult { map, mean })
+    Ok(FlipMetricResult { map, mean })
 }
 
 /// A picture in the opponent colour space YCxCz: luminance, red-green, blue-yellow.
-struct OpponentImage {
+struct OpponentColorImage {
     width: usize,
     /// Planes Y, Cx and Cz, each in rows.
     planes: [Vec<f32>; 3],
 }
 
-impl OpponentImage {
-    /// Converts `image`; `shown` maps radiance to linear display values in \[0, 1].
+impl OpponentColorImage {
+    /// Converts `image` to YCxCz; `shown` maps radiance to linear display values in \[0, 1].
     fn from_image(image: &Image, shown: impl Fn(Vec3) -> Vec3 + Sync) -> Self {
         let triples: Vec<Vec3> = image.pixels().par_iter().map(|&p| rgb_to_ycxcz(shown(p))).collect();
         let plane = |channel: usize| triples.iter().map(|t| t[channel]).collect();
@@ -125,12 +130,17 @@ impl OpponentImage {
 }
 
 /// Sets each pixel of `map` to the maximum of its value and the ꟻLIP error of the two pictures.
-fn accumulate_max_error(reference: &OpponentImage, test: &OpponentImage, filters: &FlipFilters, map: &mut [f32]) {
+fn accumulate_max_error(
+    reference: &OpponentColorImage,
+    test: &OpponentColorImage,
+    filters: &FlipMetricFilters,
+    map: &mut [f32],
+) {
     let width = reference.width;
-    let scratch = || (RowFilter::new(width, filters), RowFilter::new(width, filters));
+    let scratch = || (FlipRowFilter::new(width, filters), FlipRowFilter::new(width, filters));
     map.par_chunks_mut(width).enumerate().for_each_init(scratch, |(a, b), (row, errors)| {
-        a.filter(&reference.planes, row, filters);
-        b.filter(&test.planes, row, filters);
+        a.filter_image_row(&reference.planes, row, filters);
+        b.filter_image_row(&test.planes, row, filters);
         for (x, error) in errors.iter_mut().enumerate() {
             let color = color_error(hunt_adjusted_lab(a.filtered_color(x)), hunt_adjusted_lab(b.filtered_color(x)));
             // Equations 13 and 14 of the paper.

@@ -9,15 +9,17 @@ fn gradient_color(x: i32, y: i32) -> [f32; 3] {
     [x as f32 / 64.0, y as f32 / 64.0, ((x + y) % 64) as f32 / 64.0]
 }
 
-fn integer_noise(x: i32, y: i32, channel: i32) -> f32 {
+fn deterministic_pixel_noise(x: i32, y: i32, channel: i32) -> f32 {
     ((x * 73 + y * 151 + channel * 37) % 17 - 8) as f32
 }
 
 fn noisy_gradient_color(x: i32, y: i32) -> [f32; 3] {
-    std::array::from_fn(|k| (gradient_color(x, y)[k] + integer_noise(x, y, k as i32) / 64.0).clamp(0.0, 1.0))
+    std::array::from_fn(|k| {
+        (gradient_color(x, y)[k] + deterministic_pixel_noise(x, y, k as i32) / 64.0).clamp(0.0, 1.0)
+    })
 }
 
-fn box_color(x: i32, y: i32) -> [f32; 3] {
+fn gray_box_color(x: i32, y: i32) -> [f32; 3] {
     if (20..40).contains(&x) && (10..30).contains(&y) { [0.75, 0.5, 0.25] } else { [0.125, 0.125, 0.25] }
 }
 
@@ -26,20 +28,20 @@ fn bright_lamp_color(x: i32, y: i32) -> [f32; 3] {
     gradient_color(x, y).map(|c| (c + 0.0625) * lamp)
 }
 
-fn ldr_flip(a: &Image, b: &Image) -> FlipResult {
-    flip(a, b, &FlipOptions::default()).unwrap()
+fn ldr_flip_at_default_exposure(a: &Image, b: &Image) -> FlipMetricResult {
+    flip_metric(a, b, &FlipMetricOptions::default()).unwrap()
 }
 
-/// Asserts bitwise equality.
+/// Asserts that two results are equal bit for bit.
 #[track_caller]
-fn assert_same_result(a: &FlipResult, b: &FlipResult) {
+fn assert_same_result(a: &FlipMetricResult, b: &FlipMetricResult) {
     assert!(a == b, "means {} and {}", a.mean, b.mean);
 }
 
-/// Asserts the mean, and the errors of three pixels: the largest, column 30 of row 20, and the
-/// first.
+/// Asserts the mean error and three pixel errors: the largest, that in column 30 of row 20, and
+/// that of the first pixel.
 #[track_caller]
-fn assert_values(found: &FlipResult, mean: f64, [largest, inside, first]: [f32; 3]) {
+fn assert_flip_values(found: &FlipMetricResult, mean: f64, [largest, inside, first]: [f32; 3]) {
     // The authors' program computes in f32. Roots of small features amplify its rounding to about
     // 1e-4.
     assert!((found.mean - mean).abs() < 2e-5, "{} instead of {mean}", found.mean);
@@ -49,25 +51,30 @@ fn assert_values(found: &FlipResult, mean: f64, [largest, inside, first]: [f32; 
     }
 }
 
-/// Reference values of the authors' program, flip-evaluator 1.7.
+/// Results equal those of the authors' program, flip-evaluator 1.7.
 #[test]
-fn results_match_the_authors_program() {
-    let shifted = picture_from(|x, y| box_color(x - 2, y + 1));
-    assert_values(
-        &ldr_flip(&picture_from(gradient_color), &picture_from(noisy_gradient_color)),
+fn flip_results_match_the_authors_program() {
+    let shifted = picture_from(|x, y| gray_box_color(x - 2, y + 1));
+    assert_flip_values(
+        &ldr_flip_at_default_exposure(&picture_from(gradient_color), &picture_from(noisy_gradient_color)),
         0.077_562_697,
         [0.430_228_1, 0.087_598_2, 0.299_372_6],
     );
-    assert_values(&ldr_flip(&picture_from(box_color), &shifted), 0.093_975_276, [0.729_492, 0.016_107_9, 0.0]);
-    let coarse = FlipOptions { pixels_per_degree: 20.0, ..FlipOptions::default() };
-    let found = flip(&picture_from(gradient_color), &picture_from(noisy_gradient_color), &coarse).unwrap();
-    assert_values(&found, 0.327_105_910, [0.763_210_7, 0.229_014_2, 0.031_483_4]);
-    let found = flip(&picture_from(box_color), &shifted, &coarse).unwrap();
-    assert_values(&found, 0.067_302_711, [0.974_457_3, 0.0, 0.0]);
-    let test = picture_from(|x, y| bright_lamp_color(x, y).map(|c| c * (1.0 + integer_noise(x, y, 0) / 32.0)));
-    let hdr = FlipOptions { mode: FlipMode::Hdr, ..FlipOptions::default() };
-    assert_values(
-        &flip(&picture_from(bright_lamp_color), &test, &hdr).unwrap(),
+    assert_flip_values(
+        &ldr_flip_at_default_exposure(&picture_from(gray_box_color), &shifted),
+        0.093_975_276,
+        [0.729_492, 0.016_107_9, 0.0],
+    );
+    let coarse = FlipMetricOptions { pixels_per_degree: 20.0, ..FlipMetricOptions::default() };
+    let found = flip_metric(&picture_from(gradient_color), &picture_from(noisy_gradient_color), &coarse).unwrap();
+    assert_flip_values(&found, 0.327_105_910, [0.763_210_7, 0.229_014_2, 0.031_483_4]);
+    let found = flip_metric(&picture_from(gray_box_color), &shifted, &coarse).unwrap();
+    assert_flip_values(&found, 0.067_302_711, [0.974_457_3, 0.0, 0.0]);
+    let test =
+        picture_from(|x, y| bright_lamp_color(x, y).map(|c| c * (1.0 + deterministic_pixel_noise(x, y, 0) / 32.0)));
+    let hdr = FlipMetricOptions { mode: FlipMetricMode::Hdr, ..FlipMetricOptions::default() };
+    assert_flip_values(
+        &flip_metric(&picture_from(bright_lamp_color), &test, &hdr).unwrap(),
         0.051_461_030,
         [0.212_969_1, 0.029_936_8, 0.190_408_4],
     );
@@ -76,32 +83,32 @@ fn results_match_the_authors_program() {
 #[test]
 fn equal_pictures_are_0_and_opposites_1() {
     let even = |color: [f32; 3]| picture_from(move |_, _| color);
-    let hdr = FlipOptions { mode: FlipMode::Hdr, ..FlipOptions::default() };
+    let hdr = FlipMetricOptions { mode: FlipMetricMode::Hdr, ..FlipMetricOptions::default() };
     for image in [picture_from(noisy_gradient_color), picture_from(bright_lamp_color), even([0.0; 3])] {
-        for options in [FlipOptions::default(), hdr] {
-            let found = flip(&image, &image, &options).unwrap();
+        for options in [FlipMetricOptions::default(), hdr] {
+            let found = flip_metric(&image, &image, &options).unwrap();
             assert!(found.mean == 0.0 && found.map.iter().all(|e| *e == 0.0), "{}", found.mean);
         }
     }
     // Green and blue differ most (section 4.1.3). For black and white the authors' program gives
     // 0.9674.
-    assert!((ldr_flip(&even([0.0, 1.0, 0.0]), &even([0.0, 0.0, 1.0])).mean - 1.0).abs() < 1e-6);
-    assert!((ldr_flip(&even([0.0; 3]), &even([1.0; 3])).mean - 0.967_388_3).abs() < 1e-5);
+    assert!((ldr_flip_at_default_exposure(&even([0.0, 1.0, 0.0]), &even([0.0, 0.0, 1.0])).mean - 1.0).abs() < 1e-6);
+    assert!((ldr_flip_at_default_exposure(&even([0.0; 3]), &even([1.0; 3])).mean - 0.967_388_3).abs() < 1e-5);
 }
 
 #[test]
-fn ldr_is_symmetric_and_exposed() {
+fn ldr_flip_is_symmetric_and_applies_exposure() {
     let (a, b) = (picture_from(gradient_color), picture_from(noisy_gradient_color));
-    assert_same_result(&ldr_flip(&a, &b), &ldr_flip(&b, &a));
+    assert_same_result(&ldr_flip_at_default_exposure(&a, &b), &ldr_flip_at_default_exposure(&b, &a));
     let half = |image: &Image| Image::from_pixels(64, 48, image.pixels().iter().map(|p| *p * 0.5).collect()).unwrap();
-    let brighter = FlipOptions { mode: FlipMode::Ldr(1.0), ..FlipOptions::default() };
-    assert_same_result(&flip(&half(&a), &half(&b), &brighter).unwrap(), &ldr_flip(&a, &b));
+    let brighter = FlipMetricOptions { mode: FlipMetricMode::Ldr(1.0), ..FlipMetricOptions::default() };
+    assert_same_result(&flip_metric(&half(&a), &half(&b), &brighter).unwrap(), &ldr_flip_at_default_exposure(&a, &b));
 }
 
 /// Each further blur increases the difference to the sharp picture.
 #[test]
-fn more_blur_is_more_difference() {
-    let sharp = picture_from(box_color);
+fn more_blur_increases_the_flip_error() {
+    let sharp = picture_from(gray_box_color);
     let mut image = sharp.clone();
     let mut last = 0.0;
     for _ in 0..6 {
@@ -111,7 +118,7 @@ fn more_blur_is_more_difference() {
             let sum: Vec3 = [(-1, 0), (1, 0), (0, -1), (0, 1)].map(|(i, j)| at(x + i, y + j)).into_iter().sum();
             ((sum + at(x, y)) / 5.0).to_array()
         });
-        let mean = ldr_flip(&sharp, &image).mean;
+        let mean = ldr_flip_at_default_exposure(&sharp, &image).mean;
         assert!(mean > last, "{mean} after {last}");
         last = mean;
     }
@@ -121,23 +128,26 @@ fn more_blur_is_more_difference() {
 fn threads_and_tiny_pictures_are_handled() {
     let (a, b) = (picture_from(gradient_color), picture_from(noisy_gradient_color));
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    assert_same_result(&one.install(|| ldr_flip(&a, &b)), &ldr_flip(&a, &b));
+    assert_same_result(&one.install(|| ldr_flip_at_default_exposure(&a, &b)), &ldr_flip_at_default_exposure(&a, &b));
     let single = |v: f32| Image::from_pixels(1, 1, vec![Vec3::splat(v)]).unwrap();
-    let wide = FlipOptions { pixels_per_degree: 1000.0, ..FlipOptions::default() };
-    assert!(flip(&single(0.0), &single(1.0), &wide).unwrap().mean > 0.9);
-    let narrow = FlipOptions { pixels_per_degree: 1.0, ..FlipOptions::default() };
-    assert!(flip(&a, &b, &narrow).unwrap().mean.is_finite());
+    let wide = FlipMetricOptions { pixels_per_degree: 1000.0, ..FlipMetricOptions::default() };
+    assert!(flip_metric(&single(0.0), &single(1.0), &wide).unwrap().mean > 0.9);
+    let narrow = FlipMetricOptions { pixels_per_degree: 1.0, ..FlipMetricOptions::default() };
+    assert!(flip_metric(&a, &b, &narrow).unwrap().mean.is_finite());
 }
 
 #[test]
 fn invalid_options_and_sizes_are_refused() {
     let a = picture_from(gradient_color);
-    let options = |pixels_per_degree, mode| FlipOptions { pixels_per_degree, mode };
+    let options = |pixels_per_degree, mode| FlipMetricOptions { pixels_per_degree, mode };
     for bad in [0.5, f64::NAN, 1001.0] {
-        let error = flip(&a, &a, &options(bad, FlipMode::Hdr)).unwrap_err();
+        let error = flip_metric(&a, &a, &options(bad, FlipMetricMode::Hdr)).unwrap_err();
         assert!(matches!(error, MetricError::Parameter { name: "pixels per degree", .. }));
     }
-    let error = flip(&a, &a, &options(67.0, FlipMode::Ldr(f32::NAN))).unwrap_err();
+    let error = flip_metric(&a, &a, &options(67.0, FlipMetricMode::Ldr(f32::NAN))).unwrap_err();
     assert!(matches!(error, MetricError::Parameter { name: "exposure", .. }));
-    assert!(matches!(flip(&a, &Image::new(2, 2).unwrap(), &FlipOptions::default()), Err(MetricError::Size { .. })));
+    assert!(matches!(
+        flip_metric(&a, &Image::new(2, 2).unwrap(), &FlipMetricOptions::default()),
+        Err(MetricError::Size { .. })
+    ));
 }

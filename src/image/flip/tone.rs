@@ -11,7 +11,7 @@ const FILM: [f64; 5] = [0.36 * 2.51, 0.6 * 0.03, 0.36 * 2.43, 0.6 * 0.59, 0.14];
 /// Output of the film curve that counts as close to white.
 const NEAR_WHITE: f64 = 0.85;
 
-/// Film curve: linear display value in \[0, 1] of `radiance` times `scale`.
+/// Film curve: converts `radiance` times `scale` to linear display values in \[0, 1].
 pub(super) fn film_curve(radiance: Vec3, scale: f64) -> Vec3 {
     let x = radiance.as_dvec3().max(DVec3::ZERO) * scale;
     let [k0, k1, k2, k3, k4] = FILM;
@@ -19,8 +19,9 @@ pub(super) fn film_curve(radiance: Vec3, scale: f64) -> Vec3 {
     level.min(DVec3::ONE).as_vec3()
 }
 
-/// Exposures of HDR-ꟻLIP \[stops] for a reference with finite pixels; 0 alone for a black one.
-pub(super) fn hdr_exposures(reference: &Image) -> Vec<f64> {
+/// Returns the exposures of HDR-ꟻLIP \[stops] for a reference with finite pixels. A black reference
+/// has only the exposure 0.
+pub(super) fn hdr_flip_exposures(reference: &Image) -> Vec<f64> {
     let luminance = |p: &Vec3| p.as_dvec3().dot(DVec3::new(0.2126, 0.7152, 0.0722));
     let mut lit: Vec<f64> = reference.pixels().iter().map(luminance).filter(|y| *y > 0.0).collect();
     let Some(brightest) = lit.iter().copied().reduce(f64::max) else { return vec![0.0] };
@@ -45,7 +46,7 @@ fn film_input_near_white() -> f64 {
 mod tests {
     use super::*;
 
-    fn image_row(values: &[f32]) -> Image {
+    fn image_of_one_row(values: &[f32]) -> Image {
         Image::from_pixels(values.len() as u32, 1, values.iter().map(|v| Vec3::splat(*v)).collect()).unwrap()
     }
 
@@ -56,17 +57,18 @@ mod tests {
         assert_eq!(film_curve(Vec3::new(-1.0, 0.0, f32::MAX), 1e30), Vec3::new(0.0, 0.0, 1.0));
     }
 
-    /// Four stops from 16 to the median 1 give four exposures. The median excludes black pixels.
+    /// Between the brightest value 16 and the median 1 lie four stops, which give four exposures.
+    /// The median excludes black pixels.
     #[test]
     fn exposures_span_the_brightest_to_the_median() {
-        let found = hdr_exposures(&image_row(&[0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 16.0]));
+        let found = hdr_flip_exposures(&image_of_one_row(&[0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 16.0]));
         assert_eq!(found.len(), 4);
         assert!(
             (found[3] - found[0] - 4.0).abs() < 1e-9 && (found[3] - libm::log2(film_input_near_white())).abs() < 1e-9,
             "{found:?}"
         );
-        assert_eq!(hdr_exposures(&image_row(&[0.0, -1.0])), [0.0]);
-        let even = hdr_exposures(&image_row(&[2.0; 4]));
+        assert_eq!(hdr_flip_exposures(&image_of_one_row(&[0.0, -1.0])), [0.0]);
+        let even = hdr_flip_exposures(&image_of_one_row(&[2.0; 4]));
         assert!(even.len() == 2 && even[0] == even[1], "{even:?}");
     }
 }

@@ -5,7 +5,7 @@ use glam::Vec3;
 
 const SIZE: (u32, u32) = (37, 21);
 
-fn numbered_layer(name: &str, channels: &[&str]) -> ExrLayer {
+fn layer_with_numbered_values(name: &str, channels: &[&str]) -> ExrLayer {
     let values = |k: usize| (0..SIZE.0 * SIZE.1).map(|i| (i as f32 * 0.1 + k as f32) * name.len() as f32).collect();
     let channels = channels.iter().enumerate().map(|(k, c)| ((*c).to_owned(), values(k))).collect();
     ExrLayer { name: name.to_owned(), channels }
@@ -26,8 +26,8 @@ fn layers_are_stored_and_the_picture_is_read() {
     // `Noise` sorts before the channels of the picture.
     let layers = [
         first,
-        numbered_layer("Noise", &["R", "G", "B"]),
-        numbered_layer("radius", &["caustic", "a channel of a long name"]),
+        layer_with_numbered_values("Noise", &["R", "G", "B"]),
+        layer_with_numbered_values("radius", &["caustic", "a channel of a long name"]),
     ];
     let pairs = [("Seed".to_owned(), "7".to_owned())];
     write_layers(&path, SIZE, &layers, &pairs).unwrap();
@@ -51,7 +51,7 @@ fn layers_are_stored_and_the_picture_is_read() {
 
 #[test]
 fn encoding_is_deterministic() {
-    let layers = [picture_layer().1, numbered_layer("noise", &["R", "G", "B"])];
+    let layers = [picture_layer().1, layer_with_numbered_values("noise", &["R", "G", "B"])];
     let pairs = [("Seed".to_owned(), "7".to_owned()), ("Scene".to_owned(), "a".to_owned())];
     let once = encode(SIZE, &layers, &pairs).unwrap();
     assert!((0..8).all(|_| encode(SIZE, &layers, &pairs).unwrap() == once));
@@ -62,15 +62,15 @@ fn invalid_layers_leave_the_old_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.exr");
     std::fs::write(&path, "old").unwrap();
-    let mut short = numbered_layer("noise", &["R", "G"]);
+    let mut short = layer_with_numbered_values("noise", &["R", "G"]);
     short.channels[1].1.pop();
-    let twice = [numbered_layer("noise", &["R"]), numbered_layer("noise", &["R"])];
-    let long = [numbered_layer(&"n".repeat(254), &["R"])];
+    let twice = [layer_with_numbered_values("noise", &["R"]), layer_with_numbered_values("noise", &["R"])];
+    let long = [layer_with_numbered_values(&"n".repeat(254), &["R"])];
     for (layers, word) in [
         ([short].as_slice(), "`noise.G`"),
         (&twice, "not unique"),
         (&long, "255"),
-        (&[numbered_layer("a", &[""])], "1 to 255"),
+        (&[layer_with_numbered_values("a", &[""])], "1 to 255"),
     ] {
         let message = write_layers(&path, SIZE, layers, &[]).unwrap_err().to_string();
         assert!(message.contains(word), "{message}");

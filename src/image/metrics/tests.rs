@@ -1,14 +1,14 @@
 use super::*;
 use glam::Vec3;
 
-fn image_row(pixels: &[[f32; 3]]) -> Image {
+fn image_of_one_row(pixels: &[[f32; 3]]) -> Image {
     Image::from_pixels(pixels.len() as u32, 1, pixels.iter().map(|p| Vec3::from_array(*p)).collect()).unwrap()
 }
 
 #[test]
 fn metrics_follow_their_formulas() {
-    let a = image_row(&[[1.0, 2.0, 3.0], [0.0, 0.0, 0.0]]);
-    let b = image_row(&[[1.0, 0.0, 3.0], [0.0, 1.0, 0.0]]);
+    let a = image_of_one_row(&[[1.0, 2.0, 3.0], [0.0, 0.0, 0.0]]);
+    let b = image_of_one_row(&[[1.0, 0.0, 3.0], [0.0, 1.0, 0.0]]);
     // The squares 4 and 1 over six channel values.
     assert!((rmse(&a, &b).unwrap() - f64::sqrt(5.0 / 6.0)).abs() < 1e-15);
     // First pixel 4 / (0 + ½) / 3 = 8/3, second 1 / (1 + ½) / 3 = 2/9.
@@ -19,16 +19,16 @@ fn metrics_follow_their_formulas() {
 }
 
 #[test]
-fn extremes_do_not_overflow() {
-    let (a, b) = (image_row(&[[f32::MAX; 3]]), image_row(&[[-f32::MAX; 3]]));
+fn metrics_of_extreme_pixels_do_not_overflow() {
+    let (a, b) = (image_of_one_row(&[[f32::MAX; 3]]), image_of_one_row(&[[-f32::MAX; 3]]));
     assert!((rmse(&a, &b).unwrap() / (2.0 * f64::from(f32::MAX)) - 1.0).abs() < 1e-12);
 }
 
 #[test]
 fn incomparable_pictures_are_refused() {
-    let (a, b) = (image_row(&[[0.0; 3]; 2]), image_row(&[[0.0; 3]; 3]));
+    let (a, b) = (image_of_one_row(&[[0.0; 3]; 2]), image_of_one_row(&[[0.0; 3]; 3]));
     assert_eq!(rmse(&a, &b), Err(MetricError::Size { a: (2, 1), b: (3, 1) }));
-    let nan = image_row(&[[0.0; 3], [0.0, f32::NAN, 0.0]]);
+    let nan = image_of_one_row(&[[0.0; 3], [0.0, f32::NAN, 0.0]]);
     let expected = MetricError::NonFinite { which: "second", x: 1, y: 0 };
     assert_eq!(max_abs_difference(&a, &nan), Err(expected));
     assert_eq!(relative_mse(&a, &nan, 0.1, Some(1.0)), Err(expected));
@@ -48,12 +48,12 @@ fn largest_differences_have_positions() {
     assert_eq!(largest_differences(&image, &image).unwrap(), PixelDifferences::default());
 }
 
-/// In a uniform picture of radiance 2, an error of 0.1 is 0.1 / √(4 + 4).
+/// In a uniform picture of radiance 2, an error of 0.1 is a relative error of 0.1 / √(2² + 2²).
 #[test]
 fn the_relative_error_is_a_root_mean_square() {
-    let (a, b) = (image_row(&[[2.1; 3]; 9]), image_row(&[[2.0; 3]; 9]));
+    let (a, b) = (image_of_one_row(&[[2.1; 3]; 9]), image_of_one_row(&[[2.0; 3]; 9]));
     assert!((relative_error(&a, &b).unwrap() - 0.1 / f64::sqrt(8.0)).abs() < 1e-7);
-    assert!(relative_error(&a, &image_row(&[[2.0; 3]; 8])).is_err());
+    assert!(relative_error(&a, &image_of_one_row(&[[2.0; 3]; 8])).is_err());
 }
 
 #[test]

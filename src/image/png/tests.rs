@@ -10,7 +10,7 @@ fn ramp_image() -> Image {
     Image::from_pixels(7, 5, pixels).unwrap()
 }
 
-fn expect_decoded<T>(result: Result<T, DecodeFailure>) -> T {
+fn unwrap_decoded<T>(result: Result<T, DecodeFailure>) -> T {
     result.unwrap_or_else(|failure| panic!("{}", failure.into_read_error("memory".into())))
 }
 
@@ -21,7 +21,7 @@ fn failure_message<T>(result: Result<T, DecodeFailure>) -> String {
 #[test]
 fn eight_bit_levels_are_read_back() {
     let (file, report) = encode(&ramp_image(), &write_options(ToneCurve::Course, BitDepth::Eight)).unwrap();
-    let bytes = expect_decoded(read_bytes(&file));
+    let bytes = unwrap_decoded(read_bytes(&file));
     for (i, rgb) in bytes.pixels().iter().enumerate() {
         let up = (255.0 * (i as f32 / 34.0)) as u8;
         let down = (255.0 * (1.0 - i as f32 / 34.0)) as u8;
@@ -34,7 +34,7 @@ fn eight_bit_levels_are_read_back() {
 fn reading_undoes_the_srgb_curve_to_half_a_level() {
     for (depth, levels) in [(BitDepth::Eight, 255.0), (BitDepth::Sixteen, 65_535.0)] {
         let (file, _) = encode(&ramp_image(), &write_options(ToneCurve::Srgb, depth)).unwrap();
-        let image = expect_decoded(read(&file, None));
+        let image = unwrap_decoded(read(&file, None));
         // The slope of the decoding curve is at most 2.4 / 1.055 = 2.275. Rounding adds 2⁻²⁴.
         let bound = (0.5 / levels * 2.275 + f64::from(f32::EPSILON)) as f32;
         for (a, b) in image.pixels().iter().zip(ramp_image().pixels()) {
@@ -63,7 +63,7 @@ fn metadata_is_stored_as_text() {
     assert_eq!((wide[0].keyword.as_str(), wide[0].get_text().unwrap().as_str()), ("Scene", "Glas-Ω"));
 }
 
-fn encode_foreign_png(color: ColorType, depth: Depth, gamma: Option<f32>, data: &[u8]) -> Vec<u8> {
+fn encode_png_variant(color: ColorType, depth: Depth, gamma: Option<f32>, data: &[u8]) -> Vec<u8> {
     let mut file = Vec::new();
     let mut encoder = Encoder::new(&mut file, 2, 1);
     encoder.set_color(color);
@@ -77,17 +77,17 @@ fn encode_foreign_png(color: ColorType, depth: Depth, gamma: Option<f32>, data: 
 
 #[test]
 fn other_png_variants_are_read_or_refused() {
-    let gray = encode_foreign_png(ColorType::Grayscale, Depth::Eight, None, &[10, 200]);
-    assert_eq!(expect_decoded(read_bytes(&gray)).pixels(), [[10; 3], [200; 3]]);
-    let opaque = encode_foreign_png(ColorType::Rgba, Depth::Eight, None, &[1, 2, 3, 255, 4, 5, 6, 255]);
-    assert_eq!(expect_decoded(read_bytes(&opaque)).pixels(), [[1, 2, 3], [4, 5, 6]]);
-    let clear = encode_foreign_png(ColorType::Rgba, Depth::Eight, None, &[1, 2, 3, 255, 4, 5, 6, 254]);
+    let gray = encode_png_variant(ColorType::Grayscale, Depth::Eight, None, &[10, 200]);
+    assert_eq!(unwrap_decoded(read_bytes(&gray)).pixels(), [[10; 3], [200; 3]]);
+    let opaque = encode_png_variant(ColorType::Rgba, Depth::Eight, None, &[1, 2, 3, 255, 4, 5, 6, 255]);
+    assert_eq!(unwrap_decoded(read_bytes(&opaque)).pixels(), [[1, 2, 3], [4, 5, 6]]);
+    let clear = encode_png_variant(ColorType::Rgba, Depth::Eight, None, &[1, 2, 3, 255, 4, 5, 6, 254]);
     assert!(failure_message(read(&clear, None)).contains("flatten"));
     let deep =
-        encode_foreign_png(ColorType::Rgb, Depth::Sixteen, Some(1.0), &[128, 0, 0, 0, 0, 0, 0, 0, 0, 0, 255, 255]);
+        encode_png_variant(ColorType::Rgb, Depth::Sixteen, Some(1.0), &[128, 0, 0, 0, 0, 0, 0, 0, 0, 0, 255, 255]);
     assert!(failure_message(read_bytes(&deep)).contains("16 bits"));
     // A gamma of 1 is linear, so level 32768 reads as 32768 / 65535.
-    let image = expect_decoded(read(&deep, None));
+    let image = unwrap_decoded(read(&deep, None));
     assert!((image.pixels()[0].x - 32_768.0 / 65_535.0).abs() < 1e-7);
     assert_eq!(image.pixels()[1].z, 1.0);
 }

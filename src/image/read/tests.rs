@@ -18,7 +18,8 @@ fn signatures_select_the_format() {
     assert!(read_bytes(&misnamed).unwrap_err().to_string().contains("8-bit PNG"));
 }
 
-/// Two RGBE pixels: mantissa / 256 · 2^(exponent − 128).
+/// Returns a Radiance HDR file with `header` and two RGBE pixels. A channel is mantissa / 256 ·
+/// 2^(exponent − 128).
 fn two_pixel_hdr(header: &str) -> Vec<u8> {
     let mut file = format!("{header}\n\n-Y 1 +X 2\n").into_bytes();
     file.extend([128, 64, 32, 129, 200, 100, 50, 138]);

@@ -55,7 +55,7 @@ fn filmic_follows_the_published_fit() {
 }
 
 #[test]
-fn a_pixel_counts_once_per_field() {
+fn a_clipped_pixel_counts_once_per_field() {
     let quantizer = Quantizer::new(ToneMap { curve: ToneCurve::Srgb, exposure_stops: 60.0 }, 255).unwrap();
     let mut report = ClippedPixelReport::default();
     quantizer.quantize_pixel(Vec3::new(f32::NAN, f32::INFINITY, -1.0), &mut report);
@@ -79,7 +79,7 @@ fn white_itself_is_not_too_bright() {
 }
 
 #[test]
-fn curves_are_found_by_name() {
+fn tone_curves_are_found_by_name() {
     for curve in ToneCurve::ALL {
         assert_eq!(curve.name().parse::<ToneCurve>(), Ok(curve));
     }

@@ -4,29 +4,29 @@ fn noise_source(variance: f64, cost: f64, count: f64) -> NoiseSource {
     NoiseSource { variance, cost, count }
 }
 
-fn work_and_variance(parts: &[NoiseSource; 3], numbers: &[f64; 3]) -> (f64, f64) {
+fn variance_and_work(parts: &[NoiseSource; 3], numbers: &[f64; 3]) -> (f64, f64) {
     let noise = parts.iter().zip(numbers).filter(|(p, _)| p.variance > 0.0).map(|(p, n)| p.variance / n).sum();
     (noise, parts.iter().zip(numbers).filter(|(p, _)| p.variance > 0.0).map(|(p, n)| p.cost * n).sum())
 }
 
-/// For two parts of equal cost the optimum is n ∝ σ, computed by hand.
+/// For two sources of equal cost the optimum is n ∝ σ, computed by hand.
 #[test]
-fn numbers_follow_noise_over_cost() {
+fn sample_counts_follow_noise_over_cost() {
     let parts = [noise_source(4.0, 1.0, 10.0), noise_source(1.0, 1.0, 10.0), noise_source(0.0, 5.0, 7.0)];
-    let [a, b, c] = divide_work(&parts);
+    let [a, b, c] = balance_sample_counts(&parts);
     assert!((a - 40.0 / 3.0).abs() < 1e-9 && (b - 20.0 / 3.0).abs() < 1e-9 && c == 7.0, "{a} {b} {c}");
 }
 
-/// Each small shift of work between two parts, within the bounds, adds noise.
+/// Each small shift of work between two sources, within the bounds, adds noise.
 #[test]
 fn balance_has_the_least_noise() {
     for parts in [
         [noise_source(1.0, 3.0, 8.0), noise_source(50.0, 0.01, 1000.0), noise_source(3.0, 0.02, 500.0)],
         [noise_source(1e-6, 3.0, 8.0), noise_source(50.0, 0.01, 1000.0), noise_source(3000.0, 0.02, 500.0)],
     ] {
-        let best = divide_work(&parts);
-        let (noise, work) = work_and_variance(&parts, &best);
-        let (before, given) = work_and_variance(&parts, &parts.map(|p| p.count));
+        let best = balance_sample_counts(&parts);
+        let (noise, work) = variance_and_work(&parts, &best);
+        let (before, given) = variance_and_work(&parts, &parts.map(|p| p.count));
         assert!(noise <= before && (work / given - 1.0).abs() < 1e-9);
         for (i, j) in [(0, 1), (1, 2), (2, 0), (1, 0), (2, 1), (0, 2)] {
             let mut other = best;
@@ -34,16 +34,16 @@ fn balance_has_the_least_noise() {
             other[i] -= moved / parts[i].cost;
             other[j] += moved / parts[j].cost;
             let within = |k: usize| (parts[k].count / MAX_CHANGE..=parts[k].count * MAX_CHANGE).contains(&other[k]);
-            assert!(!within(i) || !within(j) || work_and_variance(&parts, &other).0 >= noise, "{i} to {j}");
+            assert!(!within(i) || !within(j) || variance_and_work(&parts, &other).0 >= noise, "{i} to {j}");
         }
     }
 }
 
 #[test]
-fn noiseless_parts_change_nothing() {
+fn noiseless_sources_change_nothing() {
     let two = [noise_source(4.0, 1.0, 10.0), noise_source(1.0, 2.0, 10.0), NoiseSource::default()];
-    let [a, b, _] = divide_work(&two);
+    let [a, b, _] = balance_sample_counts(&two);
     let three = [two[0], two[1], noise_source(0.0, 9.0, 1000.0)];
-    assert_eq!(divide_work(&three), [a, b, 1000.0]);
-    assert_eq!(divide_work(&[NoiseSource::default(); 3]), [0.0; 3]);
+    assert_eq!(balance_sample_counts(&three), [a, b, 1000.0]);
+    assert_eq!(balance_sample_counts(&[NoiseSource::default(); 3]), [0.0; 3]);
 }

@@ -2,8 +2,8 @@
 
 use super::{PathContext, PathState};
 use crate::color::Rgb;
-use crate::integrate::policy::{Continuation, PhotonLookups};
-use crate::integrate::vertex::{MediumVertex, PathHistory, PrevVertex};
+use crate::integrate::policy::{PathContinuation, PhotonLookups};
+use crate::integrate::vertex::{MediumPathSegment, PathHistory, PrevVertex};
 use crate::integrate::worker::PathWorker;
 use crate::medium::PhaseFunction;
 use crate::sampling::Dimension;
@@ -13,7 +13,8 @@ use rand::rngs::SmallRng;
 
 /// Advances `path` to its next vertex. Adds emission and in-scattering of media to `radiance`.
 ///
-/// Returns the event at the vertex, and the phase function if it is a scattering event.
+/// Returns the event at the vertex. If it is a scattering event, the phase function is that of the
+/// medium there.
 pub(super) fn advance_to_vertex<'a, I: Interior>(
     paths: &PathContext<'a>,
     path: &mut PathState<I>,
@@ -33,10 +34,10 @@ pub(super) fn advance_to_vertex<'a, I: Interior>(
     (event, phase)
 }
 
-/// Adds the radiance from one segment of a medium to `radiance`.
+/// Adds the light that one medium segment emits and scatters along the path to `radiance`.
 ///
-/// Returns the distance at which the path scatters, if it does. `weight` collects the factors on
-/// the throughput of all segments since the last vertex.
+/// Returns the distance \[length] at which the path scatters; `None` if it passes through. `weight`
+/// is the product of the throughput factors of all segments since the last vertex.
 fn cross_medium<I: Interior>(
     paths: &PathContext<'_>,
     path: &PathState<I>,
@@ -61,15 +62,15 @@ fn cross_medium<I: Interior>(
 
     // Add single scattering of the lights, and light that photons carried.
     let history = PathHistory { casters: path.history.casters + u32::from(segment.crossed), ..path.history };
-    let continues = policy.continuation == Continuation::Always && path.bounce < paths.max_bounces;
+    let continues = policy.continuation == PathContinuation::Always && path.bounce < paths.max_bounces;
     let distance_sample = medium.distance_sample(ray, ray.t_max, throughput, rng);
     let shadow_sampler = path.sampler.shadow_ray_sampler(paths.pass);
-    let vertex = MediumVertex { segment, history, throughput, sampler: path.sampler, shadow_sampler };
+    let path_segment = MediumPathSegment { segment, history, throughput, sampler: path.sampler, shadow_sampler };
     let mut scattered = Rgb::ZERO;
     if policy.direct_light {
-        scattered += paths.nee.estimate_in_medium(&vertex, &distance_sample, continues, worker);
+        scattered += paths.nee.estimate_in_medium(&path_segment, &distance_sample, continues, worker);
     }
-    scattered += photon_radiance(paths, &vertex, rng, worker);
+    scattered += photon_radiance(paths, &path_segment, rng, worker);
     *radiance += throughput * scattered;
 
     // Scatter, or continue to the end of the segment.
@@ -81,21 +82,26 @@ fn cross_medium<I: Interior>(
     None
 }
 
-/// Estimates the radiance that a segment scatters to its start from photon maps \[W/(m² sr)].
+/// Estimates from photon maps the radiance that a medium segment scatters to its start \[W/(m²
+/// sr)].
 fn photon_radiance<I: Interior>(
     paths: &PathContext<'_>,
-    vertex: &MediumVertex<'_, I>,
+    path_segment: &MediumPathSegment<'_, I>,
     rng: &mut SmallRng,
     worker: &mut PathWorker,
 ) -> Rgb {
     let Some(maps) = paths.maps else { return Rgb::ZERO };
     match paths.policy.photons {
         PhotonLookups::Never | PhotonLookups::RecordVisible => Rgb::ZERO,
-        PhotonLookups::OncePerPixel => match vertex.sampler.index_and_count() {
-            (0, samples) if vertex.history.receivers == 0 => maps.radiance_in_medium(vertex, samples, rng, worker),
+        PhotonLookups::OncePerPixel => match path_segment.sampler.sample_index_and_count() {
+            (0, samples) if path_segment.history.receivers == 0 => {
+                maps.radiance_in_medium(path_segment, samples, rng, worker)
+            }
             _ => Rgb::ZERO,
         },
-        PhotonLookups::FirstReceiver | PhotonLookups::GatherRays => maps.radiance_in_medium(vertex, 1, rng, worker),
+        PhotonLookups::FirstReceiver | PhotonLookups::GatherRays => {
+            maps.radiance_in_medium(path_segment, 1, rng, worker)
+        }
     }
 }
 

@@ -26,10 +26,10 @@ fn uniform_sample_points(i: u64) -> (f32, Vec2) {
     (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection))
 }
 
-/// Cones cover a part c of the sphere, so the mean of 4π·pdf over n directions has a standard
-/// error below √(1/(nc)).
+/// The cones cover at least a fraction c of the sphere, so the mean of 4π·pdf over n uniform
+/// directions has a standard error below √(1/(nc)).
 #[test]
-fn the_pdf_integrates_to_one() {
+fn gather_guide_pdf_integrates_to_one() {
     let guide = GatherGuide { directions: vec![Vec3::Z, Vec3::X, Vec3::X] };
     let n = 200_000;
     let density = |i| f64::from(guide.pdf(warp::square_to_uniform_sphere(uniform_sample_points(i).1)).unwrap_or(0.0));

@@ -1,8 +1,9 @@
-//! Next-event estimation in media: light that scatters once into a segment of a camera path.
+//! Next-event estimation in media: light that scatters once, from a light into a segment of a
+//! camera path.
 
-use super::{CENTER, NextEventEstimator, ShadowRayScheme, stratified_point};
+use super::{CENTER, NextEventEstimator, ShadowRayScheme, stratified_sample};
 use crate::color::Rgb;
-use crate::integrate::vertex::MediumVertex;
+use crate::integrate::vertex::MediumPathSegment;
 use crate::integrate::worker::PathWorker;
 use crate::light::ShadowTarget;
 use crate::math::Ray;
@@ -12,59 +13,73 @@ use crate::sampling::{Dimension, Sampler};
 use crate::scene::{Interior, MediumSegment};
 use glam::{Vec2, Vec3};
 
-/// Sampled scattering point on a segment.
+/// Sampled scattering point on a segment of a camera path.
 struct ScatterPoint {
     p: Vec3,
-    /// σs times the transmittance to the start of the segment, over the pdf of the distance.
+    /// σs times the transmittance to the start of the segment, divided by the pdf of the distance.
     weight: Rgb,
 }
 
 impl NextEventEstimator<'_> {
-    /// Estimates the radiance of lights that a medium scatters to the start of a segment
-    /// \[W/(m² sr)].
+    /// Estimates the direct light that a medium scatters to the start of a segment \[W/(m² sr)].
     ///
-    /// The estimate is unbiased. `distance_sample` is where the path itself scatters. If the path
-    /// `continues` from there, it may hit a light, so the estimate is weighted by the balance
-    /// heuristic over directions.
+    /// `distance_sample` holds the distance at which the path itself scatters. If the path
+    /// `continues` from there, it may hit a light itself. The balance heuristic over directions
+    /// then weights the estimate; together, both are unbiased.
     pub fn estimate_in_medium<I: Interior>(
         &self,
-        vertex: &MediumVertex<'_, I>,
+        path_segment: &MediumPathSegment<'_, I>,
         distance_sample: &DistanceSample,
         continues: bool,
         worker: &mut PathWorker,
     ) -> Rgb {
-        let segment = vertex.segment;
+        let segment = path_segment.segment;
         let path_point = || {
             let t = distance_sample.scattered?;
             Some(ScatterPoint { p: segment.ray.at(t), weight: distance_sample.weight })
         };
         let mut sum = Rgb::ZERO;
-        match (self.shadow_ray_scheme(vertex.history), &self.light_sampler) {
+        match (self.shadow_ray_scheme(path_segment.history), &self.light_sampler) {
             (ShadowRayScheme::All(rays), _) => {
                 for (i, light) in self.lights.iter().enumerate() {
                     let rays = if !light.is_delta() && !self.centers { rays } else { 1 };
-                    let sampler = vertex.shadow_sampler.nth_shadow_ray_sampler(i);
+                    let sampler = path_segment.shadow_sampler.nth_shadow_ray_sampler(i);
                     for ray in 0..rays {
-                        let sampler = sampler.split_sample(ray, rays);
+                        let sampler = sampler.subsample_sampler(ray, rays);
                         let pivot = light.emission_point().filter(|_| segment.medium.is_homogeneous());
-                        let point =
-                            pivot.map_or_else(path_point, |pivot| sample_scatter_point_near(vertex, pivot, sampler));
+                        let point = pivot
+                            .map_or_else(path_point, |pivot| sample_scatter_point_near(path_segment, pivot, sampler));
                         if let Some(point) = point {
-                            sum +=
-                                self.shadow_ray_in_medium(&point, i, vertex, sampler, rays as f32, continues, worker);
+                            sum += self.shadow_ray_contribution_in_medium(
+                                &point,
+                                i,
+                                path_segment,
+                                sampler,
+                                rays as f32,
+                                continues,
+                                worker,
+                            );
                         }
                     }
                 }
             }
             (ShadowRayScheme::Chosen(rays), Some(light_sampler)) => {
                 let Some(point) = path_point() else { return Rgb::ZERO };
-                let start = vertex.shadow_sampler.get_1d(Dimension::Light);
+                let start = path_segment.shadow_sampler.get_1d(Dimension::Light);
                 for i in 0..rays {
-                    let u = stratified_point(i, start, rays);
+                    let u = stratified_sample(i, start, rays);
                     let Some((light, probability, _)) = light_sampler.sample(point.p, None, u) else { continue };
-                    let sampler = vertex.shadow_sampler.nth_shadow_ray_sampler(i as usize);
+                    let sampler = path_segment.shadow_sampler.nth_shadow_ray_sampler(i as usize);
                     let rays = probability * rays as f32;
-                    sum += self.shadow_ray_in_medium(&point, light, vertex, sampler, rays, continues, worker);
+                    sum += self.shadow_ray_contribution_in_medium(
+                        &point,
+                        light,
+                        path_segment,
+                        sampler,
+                        rays,
+                        continues,
+                        worker,
+                    );
                 }
             }
             (ShadowRayScheme::Chosen(_), None) => {}
@@ -76,17 +91,17 @@ impl NextEventEstimator<'_> {
     ///
     /// `rays` is the expected number of shadow rays to that light.
     #[expect(clippy::too_many_arguments, reason = "one call's inputs, all of different kinds")]
-    fn shadow_ray_in_medium<I: Interior>(
+    fn shadow_ray_contribution_in_medium<I: Interior>(
         &self,
         point: &ScatterPoint,
         light: usize,
-        vertex: &MediumVertex<'_, I>,
+        path_segment: &MediumPathSegment<'_, I>,
         sampler: Sampler,
         rays: f32,
         continues: bool,
         worker: &mut PathWorker,
     ) -> Rgb {
-        let segment = vertex.segment;
+        let segment = path_segment.segment;
         let u = if self.centers { CENTER } else { sampler.get_2d(Dimension::LightPosition) };
         let Some(sample) = self.lights[light].sample_li(point.p, u) else { return Rgb::ZERO };
         // Light travels against `wi`, and then against the path.
@@ -121,27 +136,29 @@ impl NextEventEstimator<'_> {
     }
 }
 
-/// Samples a scattering point in a homogeneous medium near `pivot`, such as a point light.
+/// Samples a scattering point on a segment in a homogeneous medium, for light that leaves the point
+/// `pivot`.
 ///
-/// Half of the samples follow the transmittance, the other half equiangular sampling.
+/// Half of the samples follow the transmittance, the other half the angle seen from `pivot`
+/// (equiangular sampling).
 ///
 /// Equiangular sampling: Kulla and Fajardo 2012, "Importance Sampling Techniques for Path Tracing
 /// in Participating Media".
 fn sample_scatter_point_near<I: Interior>(
-    vertex: &MediumVertex<'_, I>,
+    path_segment: &MediumPathSegment<'_, I>,
     pivot: Vec3,
     sampler: Sampler,
 ) -> Option<ScatterPoint> {
-    let MediumSegment { ray, medium, .. } = vertex.segment;
+    let MediumSegment { ray, medium, .. } = path_segment.segment;
     let mut rng = sampler.sample_key().medium_distance_key().rng();
     let angles = EquiangularDistribution::new(ray, pivot);
     let Vec2 { x: which, y: u } = sampler.get_2d(Dimension::Medium);
     let t = if which < 0.5 {
-        medium.distance_sample(ray, ray.t_max, vertex.throughput, &mut rng).scattered?
+        medium.distance_sample(ray, ray.t_max, path_segment.throughput, &mut rng).scattered?
     } else {
         angles.sample(u)
     };
-    let pdf = 0.5 * (medium.distance_pdf(t, vertex.throughput)? + angles.pdf(t));
+    let pdf = 0.5 * (medium.distance_pdf(t, path_segment.throughput)? + angles.pdf(t));
     if !(t >= 0.0 && t <= ray.t_max && pdf > 0.0) {
         return None;
     }
@@ -149,11 +166,11 @@ fn sample_scatter_point_near<I: Interior>(
     Some(ScatterPoint { p: ray.at(t), weight: transmittance * medium.scattering / pdf })
 }
 
-/// Distribution of distances along a ray that is uniform in the angle seen from a point.
+/// Distribution of distances along a ray, uniform in the angle that they subtend at a given point.
 struct EquiangularDistribution {
-    /// Ray parameter of the ray's position closest to the point \[length].
+    /// Distance from the ray's origin to its closest approach to the point \[length].
     closest: f32,
-    /// Distance between ray and point \[length].
+    /// Distance between the ray and the point at the closest approach \[length].
     distance: f32,
     /// Angle from the closest position to the start of the ray, seen from the point \[rad].
     from: f32,

@@ -1,9 +1,10 @@
 use super::*;
 use crate::camera::FilterKind;
-use crate::integrate::pass::Silent;
+use crate::integrate::pass::SilentMonitor;
 use crate::sampling::Purpose;
 
-/// Mean over passes of a picture of `scene` through filter `kind`, and its standard error.
+/// Renders one row of 12 pixels through filter `kind`. `scene` gives the radiance at film position
+/// x. Returns the mean of each pixel over 400 passes, and its standard error.
 fn render_filtered_row(kind: FilterKind, samples: u32, scene: impl Fn(f32) -> f32 + Sync) -> Vec<(f64, f64)> {
     let camera = Camera::orthographic(DVec3::Z, DVec3::NEG_Z, DVec3::Y, 1.0, 12, 1).unwrap();
     let filter = Filter::new(kind);
@@ -20,8 +21,9 @@ fn render_filtered_row(kind: FilterKind, samples: u32, scene: impl Fn(f32) -> f3
     let mut sums = vec![(0.0, 0.0); 12];
     for pass in 0..passes {
         let key = Key::new(8).purpose_key(Purpose::Test).pass_key(pass);
-        let FilmImage { image, .. } =
-            render_tiles(&sampling, key, &Silent, |ray, _, _, (): &mut ()| Rgb::splat(scene(ray.origin.x + 6.0)));
+        let FilmImage { image, .. } = render_tiles(&sampling, key, &SilentMonitor, |ray, _, _, (): &mut ()| {
+            Rgb::splat(scene(ray.origin.x + 6.0))
+        });
         for (sum, value) in sums.iter_mut().zip(image) {
             let value = f64::from(value.x);
             *sum = (sum.0 + value, sum.1 + value * value);
@@ -39,7 +41,7 @@ fn signed_filters_are_unbiased_and_keep_flat_areas_noiseless() {
         let edge = render_filtered_row(FilterKind::Mitchell, samples, |x| if x < 6.3 { 1.0 } else { 0.0 });
         // Cells of the table misplace a thousandth of the weight at most.
         for (x, (mean, error)) in edge.iter().enumerate() {
-            let weight = |y: f64| FilterKind::Mitchell.weight(y);
+            let weight = |y: f64| FilterKind::Mitchell.unnormalized_value(y);
             let (mut left, mut all) = (0.0, 0.0);
             for i in 0..4000 {
                 let y = -2.0 + (f64::from(i) + 0.5) / 1000.0;
@@ -56,10 +58,10 @@ fn signed_filters_are_unbiased_and_keep_flat_areas_noiseless() {
 }
 
 #[test]
-fn rendered_tiles_are_enough_and_in_all_columns() {
+fn rendered_tiles_are_enough_and_cover_all_columns() {
     for size in [(96u32, 72u32), (640, 480), (1920, 1080), (16, 16), (4000, 16)] {
         let (columns, rows) = (size.0.div_ceil(TILE_SIZE), size.1.div_ceil(TILE_SIZE));
-        let every = tile_interval(size, 48);
+        let every = rendered_tile_stride(size, 48);
         let rendered: Vec<u32> = (0..columns * rows).filter(|tile| is_tile_rendered(*tile, columns, every)).collect();
         assert!(rendered.len() as u32 >= 40.min(columns * rows / 2).max(1), "{size:?} {every}: {}", rendered.len());
         let columns_rendered: std::collections::HashSet<u32> = rendered.iter().map(|tile| tile % columns).collect();
@@ -72,7 +74,7 @@ fn tiles_cover_every_pixel_once() {
     for (width, height) in [(1u32, 1u32), (16, 16), (17, 33), (100, 1)] {
         let columns = width.div_ceil(TILE_SIZE);
         let mut seen = vec![Rgb::ZERO; (width * height) as usize];
-        for mut tile in Tile::split_image(&mut seen, &mut [], width) {
+        for mut tile in Tile::split_image_into_tiles(&mut seen, &mut [], width) {
             for (x, y) in tile_pixels(tile.index, columns, width, height) {
                 tile.image[(y % TILE_SIZE) as usize][(x % TILE_SIZE) as usize] += Rgb::new(1.0, x as f32, y as f32);
             }

@@ -1,6 +1,6 @@
 //! Chi-square test of sampled directions against a pdf.
 
-use super::key;
+use super::test_key;
 use crate::math::Frame;
 use crate::sampling::Dimension;
 use glam::{Vec2, Vec3};
@@ -41,7 +41,7 @@ pub fn sidak_significance_level(tests: usize) -> f64 {
     1.0 - libm::pow(0.99, 1.0 / tests as f64)
 }
 
-/// A cone of directions in cells of equal solid angle.
+/// A cone of directions, divided into cells of equal solid angle.
 pub struct DirectionCells {
     frame: Frame,
     one_minus_cos: f64,
@@ -49,9 +49,10 @@ pub struct DirectionCells {
 
 const RINGS: usize = 16;
 const SECTORS: usize = 24;
-/// Steps along each side of a cell, each with its midpoint.
+/// Number of steps of the midpoint rule along each side of a cell.
 const STEPS: usize = 32;
-/// Midpoints along each side of a step in which the pdf changes, as at an edge of the light.
+/// Number of finer steps along each side of a step in which the pdf changes, as at an edge of the
+/// light.
 ///
 /// A straight edge along the grid costs at worst 1/(2 · 32 · 16) = 0.1 % of a cell: 5 of 5000
 /// samples, 1/14 of their standard deviation.
@@ -61,7 +62,7 @@ pub const INTEGRAL_ERROR: f64 = 5e-4;
 const DRAWS: u64 = 300_000;
 
 impl DirectionCells {
-    /// A cone around `axis` with half angle `half_angle` \[radians].
+    /// Creates the cells of the cone around `axis` with half angle `half_angle` \[radians].
     pub fn new(axis: Vec3, half_angle: f64) -> Self {
         Self { frame: Frame::from_normal(axis.normalize()), one_minus_cos: 1.0 - libm::cos(half_angle) }
     }
@@ -75,7 +76,8 @@ impl DirectionCells {
         (ring < RINGS as f64).then(|| ring as usize * SECTORS + (sector as usize).min(SECTORS - 1))
     }
 
-    /// Direction at fractions of rings and sectors.
+    /// Unit direction at position `ring` from the axis to the rim and position `sector` around the
+    /// axis.
     fn direction(&self, ring: f64, sector: f64) -> Vec3 {
         let drop = self.one_minus_cos * ring;
         let (sin, cos) = libm::sincos((sector - 0.5) * std::f64::consts::TAU);
@@ -125,7 +127,7 @@ impl DirectionCells {
         expected.push(((1.0 - total / all) * DRAWS as f64).max(0.0));
         let mut counts = vec![0.0; expected.len()];
         for i in 0..DRAWS {
-            let w = draw(key(i).uniform_2d(Dimension::LightPosition));
+            let w = draw(test_key(i).uniform_2d(Dimension::LightPosition));
             counts[w.and_then(|w| self.cell_of_direction(w)).unwrap_or(RINGS * SECTORS)] += 1.0;
         }
         (chi_square_p_value(&counts, &expected), total)

@@ -21,7 +21,7 @@ pub fn mesh_light_surface(mesh: Arc<Mesh>) -> LightSurface {
     LightSurface::Triangles { mesh, first: 0, choice }
 }
 
-/// First hit of the ray from `p` with a light surface, from either side.
+/// First hit of the ray from `p` along `wi` with a light surface, from either side.
 fn first_hit(emitter: &LightSurface, p: Vec3, wi: Vec3) -> Option<SurfacePoint> {
     let ray = crate::math::Ray::new(p, wi);
     match emitter {
@@ -41,7 +41,8 @@ fn first_hit(emitter: &LightSurface, p: Vec3, wi: Vec3) -> Option<SurfacePoint> 
     }
 }
 
-/// Light surfaces with a position that sees them; true if all their samples are visible from there.
+/// Light surfaces, each with a viewpoint. The flag is true if all points of the surface are visible
+/// from there.
 fn surfaces_and_viewpoints() -> Vec<(LightSurface, Vec3, bool)> {
     let squash = Transform::new(DAffine3::from_scale_rotation_translation(
         DVec3::new(1.0, 0.2, 0.5),
@@ -49,12 +50,12 @@ fn surfaces_and_viewpoints() -> Vec<(LightSurface, Vec3, bool)> {
         DVec3::new(0.3, 2.0, 1.0),
     ))
     .unwrap();
-    let rectangle = Rectangle::new(on_y_axis(1.0), DVec3::new(2.0, 0.0, 0.5), DVec3::new(-0.2, 0.0, 0.8));
-    let slanted = Rectangle::new(on_y_axis(1.0), DVec3::new(2.0, 0.0, 0.5), DVec3::new(0.2, 0.3, 0.8));
-    let disc = Disc::new(on_y_axis(2.0), DVec3::X, DVec3::new(0.0, 0.3, 0.6));
+    let rectangle = Rectangle::new(point_on_y_axis(1.0), DVec3::new(2.0, 0.0, 0.5), DVec3::new(-0.2, 0.0, 0.8));
+    let slanted = Rectangle::new(point_on_y_axis(1.0), DVec3::new(2.0, 0.0, 0.5), DVec3::new(0.2, 0.3, 0.8));
+    let disc = Disc::new(point_on_y_axis(2.0), DVec3::X, DVec3::new(0.0, 0.3, 0.6));
     let shapes = [
-        (Shape::Sphere(SphereShape::new(on_y_axis(2.0), 0.5)), Vec3::new(1.0, 0.0, 0.3), true),
-        (Shape::Sphere(SphereShape::new(on_y_axis(2.0), 0.5)), Vec3::new(0.0, 1.49, 0.0), true),
+        (Shape::Sphere(SphereShape::new(point_on_y_axis(2.0), 0.5)), Vec3::new(1.0, 0.0, 0.3), true),
+        (Shape::Sphere(SphereShape::new(point_on_y_axis(2.0), 0.5)), Vec3::new(0.0, 1.49, 0.0), true),
         (Shape::Disc(disc), Vec3::new(0.7, 0.0, 0.3), true),
         (Shape::Ellipsoid(Ellipsoid::new(squash)), Vec3::new(1.0, 0.5, 0.3), false),
         (Shape::Rectangle(slanted), Vec3::new(0.3, 0.1, 0.2), true),
@@ -73,9 +74,9 @@ fn surfaces_and_viewpoints() -> Vec<(LightSurface, Vec3, bool)> {
         .collect()
 }
 
-/// A cone around all samples.
+/// Cells of a cone that contains all directions sampled from `p`.
 fn cells_around_samples(light: &Light, p: Vec3) -> DirectionCells {
-    let draws = || (0..2000).filter_map(|i| light.sample_li(p, key(i).uniform_2d(Dimension::LightTarget)));
+    let draws = || (0..2000).filter_map(|i| light.sample_li(p, test_key(i).uniform_2d(Dimension::LightTarget)));
     let axis = draws().map(|s| s.wi).sum::<Vec3>().normalize();
     let widest = draws().map(|s| libm::acos(f64::from(s.wi.dot(axis)).min(1.0))).fold(0.0, f64::max);
     DirectionCells::new(axis, (widest * 1.5).min(std::f64::consts::PI))
@@ -115,40 +116,40 @@ fn direct_samples_follow_pdf_li() {
     }
 }
 
-/// Below and beside the rectangle, at any distance to its plane, and in the plane (analytic-truths
-/// 9).
+/// Irradiance below and beside a rectangle light agrees with closed forms, at any distance to its
+/// plane and in the plane.
 #[test]
 fn rectangle_sampling_is_exact_near_its_plane() {
     let (a, b) = (2.0f64, 1.5);
     for h in [1e-1f64, 1e-3, 1e-6, 1e-12, 1e-30] {
-        let light = area_light(Shape::Rectangle(Rectangle::new(on_y_axis(0.0), DVec3::X * a, DVec3::Z * b)), 5.0);
+        let light = area_light(Shape::Rectangle(Rectangle::new(point_on_y_axis(0.0), DVec3::X * a, DVec3::Z * b)), 5.0);
         // Below the corner: a quarter of the sky, in the limit.
         let term = |p: f64, q: f64| p / (h * h + p * p).sqrt() * libm::atan(q / (h * h + p * p).sqrt());
         let truth = 2.5 * (term(a, b) + term(b, a));
-        assert_within_5_sigma(irradiance(&light, Vec3::new(0.0, -h as f32, 0.0), Vec3::Y), truth);
+        assert_within_5_sigma(estimate_irradiance(&light, Vec3::new(0.0, -h as f32, 0.0), Vec3::Y), truth);
         // On a wall that faces it from the side, one off: a perpendicular rectangle less the part
         // up to the light.
         let part = |x: f64| h / libm::hypot(x, h) * libm::atan(b / libm::hypot(x, h));
         assert_within_5_sigma(
-            irradiance(&light, Vec3::new(-1.0, -h as f32, 0.0), Vec3::X),
+            estimate_irradiance(&light, Vec3::new(-1.0, -h as f32, 0.0), Vec3::X),
             2.5 * (part(1.0) - part(1.0 + a)),
         );
     }
-    let light = area_light(Shape::Rectangle(Rectangle::new(on_y_axis(0.0), DVec3::X * a, DVec3::Z * b)), 5.0);
+    let light = area_light(Shape::Rectangle(Rectangle::new(point_on_y_axis(0.0), DVec3::X * a, DVec3::Z * b)), 5.0);
     for p in [Vec3::new(0.5, 0.0, 0.5), Vec3::new(-1.0, 0.0, 0.5), Vec3::new(0.5, 1.0, 0.5)] {
         assert!(light.sample_li(p, glam::Vec2::splat(0.3)).is_none(), "its plane and its back are black");
     }
 }
 
-/// Near the light, the variance of area sampling is unbounded; that of solid-angle sampling is not.
+/// Near the light, sampling by area has unbounded variance, and sampling by solid angle has not.
 #[test]
 fn solid_angle_sampling_has_less_variance_near_the_light() {
-    let rectangle = Rectangle::new(on_y_axis(0.0), DVec3::X, DVec3::Z);
+    let rectangle = Rectangle::new(point_on_y_axis(0.0), DVec3::X, DVec3::Z);
     let light = area_light(Shape::Rectangle(rectangle), 1.0);
     let emitter = LightSurface::Shape(Shape::Rectangle(rectangle));
     for (h, least) in [(0.05f32, 100.0), (0.3, 4.0), (1.0, 1.0)] {
         let p = Vec3::new(0.4, -h, 0.6);
-        let (mean, variance) = irradiance(&light, p, Vec3::Y);
+        let (mean, variance) = estimate_irradiance(&light, p, Vec3::Y);
         let by_area = estimate_mean_and_variance(100_000, |k| {
             let s = emitter.sample(k.uniform_2d(Dimension::LightPosition));
             let d = s.point.p - p;

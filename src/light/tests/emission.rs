@@ -22,8 +22,8 @@ fn lights_of_all_kinds() -> Vec<Light> {
             direction: Vec3::new(0.1, -1.0, 0.2).normalize(),
             irradiance: Rgb::splat(2.0),
         }),
-        area_light(Shape::Disc(Disc::new(on_y_axis(2.0), DVec3::X, DVec3::Z)), 2.0),
-        area_light(Shape::Sphere(SphereShape::new(on_y_axis(2.0), 0.5)), 2.0),
+        area_light(Shape::Disc(Disc::new(point_on_y_axis(2.0), DVec3::X, DVec3::Z)), 2.0),
+        area_light(Shape::Sphere(SphereShape::new(point_on_y_axis(2.0), 0.5)), 2.0),
         Light::Environment(random_sky_light(0.7).into()),
     ]
 }
@@ -46,7 +46,8 @@ fn mean_emitted_flux_equals_power() {
     }
 }
 
-/// Aimed emission carries the flux of plain emission to each sphere, even where spheres overlap.
+/// Aimed emission carries the same flux to each sphere as unaimed emission, even where spheres
+/// overlap.
 #[test]
 fn aimed_emission_is_unbiased() {
     let balls = [
@@ -89,7 +90,7 @@ fn a_light_inside_an_aim_sphere_emits_everywhere() {
 fn merged_aim_spheres_lose_no_flux() {
     let balls: Vec<BoundingSphere> = (0..500)
         .map(|i| {
-            let center = warp::square_to_uniform_sphere(key(i).uniform_2d(Dimension::LightTarget)) * 3.0;
+            let center = warp::square_to_uniform_sphere(test_key(i).uniform_2d(Dimension::LightTarget)) * 3.0;
             BoundingSphere { center, radius: 0.05 }
         })
         .collect();
@@ -107,7 +108,7 @@ fn merged_aim_spheres_lose_no_flux() {
     assert!((plain.0 - aimed.0).abs() < 5.0 * (plain.1 + aimed.1).sqrt());
 }
 
-/// Pdf of emitted directions \[1/sr], over all positions.
+/// Pdf of emitted directions, independent of the position \[1/sr].
 fn emission_direction_pdf(light: &Light, w: Vec3) -> f64 {
     let uniform = 0.25 / std::f64::consts::PI;
     match light {
@@ -133,7 +134,7 @@ fn emitted_directions_follow_their_pdf() {
         lights_of_all_kinds().into_iter().filter(|light| !matches!(light, Light::Directional(_))).collect();
     for light in &lights {
         // On a sphere the direction depends on the position too, which is drawn by a hash of u.
-        let position = |u: Vec2| key(u64::from(u.x.to_bits()) << 32 | u64::from(u.y.to_bits()));
+        let position = |u: Vec2| test_key(u64::from(u.x.to_bits()) << 32 | u64::from(u.y.to_bits()));
         let draw = |u: Vec2| light.sample_le(DOMAIN, position(u).uniform_2d(Dimension::LightTarget), u);
         let cells = DirectionCells::new(Vec3::NEG_Y, std::f64::consts::PI);
         let (chance, total) = cells

@@ -6,17 +6,17 @@ use crate::image::Image;
 use glam::Vec2;
 use std::f64::consts::PI;
 
-/// A map with black parts, a bright sun and varying colours.
+/// A sky picture with black parts, a bright sun and varying colours.
 pub fn random_sky_picture() -> Image {
     let pixel = |i: u32| {
         let (x, y) = (i % 12, i / 12);
-        let grey = key(u64::from(i)).uniform_1d(Dimension::Film) * if y > 4 { 0.0 } else { 1.0 };
+        let grey = test_key(u64::from(i)).uniform_1d(Dimension::Film) * if y > 4 { 0.0 } else { 1.0 };
         if (x, y) == (7, 2) { Vec3::new(40.0, 30.0, 20.0) } else { Vec3::new(grey, 0.5 * grey, 0.25) * grey }
     };
     Image::from_pixels(12, 8, (0..96).map(pixel).collect()).unwrap()
 }
 
-/// The environment of [`random_sky_picture`], rotated by an angle \[radians].
+/// The environment light of [`random_sky_picture`], rotated by `angle` \[radians].
 pub fn random_sky_light(angle: f64) -> EnvironmentLight {
     EnvironmentLight::new(random_sky_picture(), angle, Rgb::splat(1.5)).unwrap()
 }
@@ -47,7 +47,8 @@ fn environment_samples_follow_the_pdf() {
 #[test]
 fn pdf_is_positive_where_radiance_is() {
     let environment = random_sky_light(0.3);
-    let directions = (0..100_000).map(|i| warp::square_to_uniform_sphere(key(i).uniform_2d(Dimension::LightDirection)));
+    let directions =
+        (0..100_000).map(|i| warp::square_to_uniform_sphere(test_key(i).uniform_2d(Dimension::LightDirection)));
     let mut dark = 0;
     for w in directions.chain([Vec3::Y, Vec3::NEG_Y, Vec3::X, Vec3::Z, Vec3::NEG_Z]) {
         let black = environment.radiance(w) == Rgb::ZERO;
@@ -73,10 +74,10 @@ fn power_is_the_integral_of_radiance() {
     }
 }
 
-/// A map of one column, against the midpoint rule over the angle from +y with 10⁵ points: error
-/// below 10⁻⁹.
+/// The power of a one-column map agrees with a midpoint rule of 10⁵ points over the angle from +y.
+/// The error of the rule is below 10⁻⁹.
 #[test]
-fn row_measures_match_quadrature() {
+fn one_column_map_power_matches_quadrature() {
     for h in [1u32, 2, 3, 8] {
         let pixels = (0..h).map(|row| Rgb::splat(((row * 5 + 1) % 7) as f32)).collect();
         let environment = EnvironmentLight::new(Image::from_pixels(1, h, pixels).unwrap(), 0.0, Rgb::ONE).unwrap();
@@ -93,12 +94,12 @@ fn row_measures_match_quadrature() {
     }
 }
 
-/// A constant environment gives irradiance π L, by direct light and by photons through a ball
-/// (analytic-truths 38).
+/// A constant environment of radiance L gives the irradiance π L, by direct light and by photons
+/// through a ball.
 #[test]
 fn a_constant_environment_lights_a_plane_by_pi_l() {
     let light = Light::Environment(constant_environment_light().into());
-    assert_within_5_sigma(irradiance(&light, Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.6, 0.0, 0.8)), 2.0 * PI);
+    assert_within_5_sigma(estimate_irradiance(&light, Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.6, 0.0, 0.8)), 2.0 * PI);
     let domain = BoundingSphere { center: Vec3::new(0.5, 0.0, 0.0), radius: 2.0 };
     let (a, ball) = (0.7f64, Vec3::new(-0.3, 0.2, 0.5));
     let flux = estimate_mean_and_variance(200_000, |k| {
@@ -113,18 +114,20 @@ fn a_constant_environment_lights_a_plane_by_pi_l() {
     // balls by some 10⁻⁵.
     let aim = PhotonAim::new([BoundingSphere { center: ball, radius: a as f32 }]);
     for i in 0..100 {
-        let (u, v) = (key(i).uniform_2d(Dimension::LightPosition), key(i).uniform_2d(Dimension::LightDirection));
+        let (u, v) =
+            (test_key(i).uniform_2d(Dimension::LightPosition), test_key(i).uniform_2d(Dimension::LightDirection));
         let aimed = f64::from(light.sample_le_towards(&aim, domain, u, v).unwrap().flux.x);
         assert!((aimed / truth - 1.0).abs() < 1e-4, "{aimed} {truth}");
     }
 }
 
-/// Uniform sampling has the variance of the sun; importance sampling does not.
+/// The bright sun makes the variance of uniform sampling large, but not that of importance
+/// sampling.
 #[test]
 fn importance_sampling_reduces_variance() {
     let environment = random_sky_light(0.4);
     let n = environment.sample(Vec2::splat(0.5)).unwrap().0;
-    let by_map = irradiance(&Light::Environment(environment.clone().into()), Vec3::ZERO, n);
+    let by_map = estimate_irradiance(&Light::Environment(environment.clone().into()), Vec3::ZERO, n);
     let uniformly = estimate_mean_and_variance(100_000, |k| {
         let w = warp::square_to_uniform_sphere(k.uniform_2d(Dimension::LightPosition));
         4.0 * PI * f64::from(environment.radiance(w).x * w.dot(n).max(0.0))

@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 const POSITION: Vec3 = Vec3::new(0.3, 3.0, 0.1);
 
-/// A picture of 4 × 3 pixels with a black corner, projected downwards with its upper side towards
-/// −z.
+/// A projector that points downwards, with the top of its picture towards −z. The picture has 4 × 3
+/// pixels and a black corner.
 pub fn test_projector_light() -> ProjectorLight {
     let pixels = (0..12).map(|i| Rgb::new(i as f32, 0.5 * i as f32, 1.0) * if i == 0 { 0.0 } else { 0.3 });
     let picture = Image::from_pixels(4, 3, pixels.collect()).unwrap();
@@ -18,7 +18,7 @@ pub fn test_projector_light() -> ProjectorLight {
     ProjectorLight::new(POSITION, DVec3::NEG_Y, DVec3::NEG_Z, Arc::new(slide), Rgb::splat(2.0))
 }
 
-/// A map with a bright pixel, whose bright side points downwards.
+/// A goniometric light that is brightest downwards, from a map with one bright pixel.
 pub fn test_goniometric_light() -> GoniometricLight {
     let map = EquirectangularMap::new(random_sky_picture(), Rgb::ONE).unwrap();
     GoniometricLight::new(POSITION, DVec3::X, DVec3::new(0.2, -1.0, 0.1), Arc::new(map), Rgb::splat(2.0))

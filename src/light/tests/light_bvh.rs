@@ -14,7 +14,7 @@ fn random_vector(k: Key) -> Vec3 {
 /// Lights of all finite kinds in a box; their strengths vary by a factor of 1000.
 fn random_finite_lights(n: u64) -> Vec<Light> {
     let light = |i: u64| {
-        let k = key(i).child_key(77);
+        let k = test_key(i).child_key(77);
         let place = random_vector(k) * Vec3::new(10.0, 3.0, 10.0);
         let axis = warp::square_to_uniform_sphere(k.uniform_2d(Dimension::LightDirection));
         let strength = libm::powf(10.0, 3.0 * k.uniform_1d(Dimension::Light) - 2.0);
@@ -54,7 +54,7 @@ const ROOM: BoundingSphere = BoundingSphere { center: Vec3::ZERO, radius: 15.0 }
 
 fn random_points_and_normals(n: u64) -> impl Iterator<Item = (Vec3, Option<Vec3>)> {
     (0..n).map(|i| {
-        let k = key(i).child_key(5);
+        let k = test_key(i).child_key(5);
         let normal = warp::square_to_uniform_sphere(k.uniform_2d(Dimension::Film));
         (random_vector(k) * Vec3::new(12.0, 4.0, 12.0), (i % 3 > 0).then_some(normal))
     })
@@ -75,7 +75,7 @@ fn light_probabilities_match_samples_and_sum_to_one() {
         let mut counts = vec![0.0; expected.len()];
         let mut remainders = vec![0.0; 16];
         for i in 0..draws {
-            match choice.sample(p, normal, key(i).uniform_1d(Dimension::Light)) {
+            match choice.sample(p, normal, test_key(i).uniform_1d(Dimension::Light)) {
                 Some((light, probability, remainder)) => {
                     assert_eq!(probability.to_bits(), choice.probability(p, normal, light).to_bits());
                     counts[light] += 1.0;
@@ -118,7 +118,7 @@ fn contributing_lights_have_positive_probability() {
             }
             shut_out += 1;
             for j in 0..16 {
-                let sample = light.sample_li(p, key(j).uniform_2d(Dimension::LightPosition));
+                let sample = light.sample_li(p, test_key(j).uniform_2d(Dimension::LightPosition));
                 let cos = |wi: Vec3| normal.map_or(1.0, |n| n.dot(wi));
                 assert!(sample.is_none_or(|s| cos(s.wi) <= 0.0), "{light:?} from {p} {normal:?}");
             }
@@ -128,8 +128,8 @@ fn contributing_lights_have_positive_probability() {
     assert!(shut_out > 2000 * 100 / 4, "{shut_out}");
 }
 
-/// Lights at one position, in a row, and at distances of powers of two, which degenerate the tree
-/// to a chain.
+/// Lights at one position, in a row, and at distances of powers of two. The last make the tree a
+/// chain.
 #[test]
 fn degenerate_trees_contain_all_lights() {
     let at = |x: f32| Light::Point(PointLight { position: Vec3::new(x, 0.0, 0.0), intensity: Rgb::ONE });
@@ -146,8 +146,10 @@ fn degenerate_trees_contain_all_lights() {
     }
 }
 
-/// Relative variance of a single light sample at `p` for each method: (Σ E\[fᵢ²]/pᵢ − (Σ E\[fᵢ])²)
-/// over the squared mean.
+/// Relative variance of one light sample at `p`, for each of N sampling methods.
+///
+/// With contribution fᵢ and probability pᵢ of light i, it is (Σ E\[fᵢ²]/pᵢ − (Σ E\[fᵢ])²) / (Σ
+/// E\[fᵢ])².
 fn relative_variances<const N: usize>(
     lights: &[Light],
     p: Vec3,
@@ -158,7 +160,7 @@ fn relative_variances<const N: usize>(
     let draws = 16;
     for (i, light) in lights.iter().enumerate() {
         for j in 0..draws {
-            let sample = light.sample_li(p, key(j).uniform_2d(Dimension::LightPosition));
+            let sample = light.sample_li(p, test_key(j).uniform_2d(Dimension::LightPosition));
             let f = sample.map_or(0.0, |s| f64::from(s.weight.x * s.wi.dot(n).max(0.0)));
             if f > 0.0 {
                 mean += f / draws as f64;
@@ -171,7 +173,8 @@ fn relative_variances<const N: usize>(
     squares.map(|s| s / (mean * mean) - 1.0)
 }
 
-/// A thousand lights: at random positions in a room, and in rows under a ceiling.
+/// A thousand lights, at random positions in a room or in rows under a ceiling, have less variance
+/// with the light BVH than with sampling by power.
 #[test]
 fn light_bvh_has_less_variance_than_power_sampling() {
     let lamp = |i: u64| DVec3::new((i % 32) as f64 - 16.0, 3.0, (i / 32) as f64 - 16.0);

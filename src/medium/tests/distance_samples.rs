@@ -6,14 +6,14 @@
 use super::*;
 use glam::DAffine3;
 
-/// Coefficients with a different case per channel: scattering and absorption, absorption only, and
-/// no extinction.
+/// A medium with three cases in its channels: scattering and absorption, absorption only, and no
+/// extinction.
 fn absorbing_per_channel_medium(density: Option<GridDensity>) -> Medium {
     let [a, s, e] = [Vec3::new(0.1, 0.5, 0.0), Vec3::new(1.3, 0.0, 0.0), Vec3::new(0.2, 3.0, 1.0)];
     medium_with_density(a, s, e, density)
 }
 
-/// All channels scatter, blue most.
+/// A medium in which all channels scatter, blue the most.
 fn bluish_medium(density: Option<GridDensity>) -> Medium {
     medium_with_density(Vec3::new(0.0, 0.3, 0.1), Vec3::new(0.05, 0.4, 2.0), Vec3::new(0.0, 0.0, 0.5), density)
 }
@@ -25,7 +25,8 @@ fn medium_with_density(a: Vec3, s: Vec3, e: Vec3, density: Option<GridDensity>) 
     }
 }
 
-/// Compares all estimates along `ray` up to `distance`; `depth` is τ as a function of distance.
+/// Compares all estimates along `ray` up to `distance` with closed forms; `depth` is τ as a
+/// function of distance.
 fn assert_distance_samples_unbiased(medium: &Medium, ray: &Ray, distance: f32, depth: impl Fn(f64) -> f64, name: &str) {
     let sigma = medium.extinction().as_dvec3();
     let tau = depth(f64::from(distance));
@@ -145,8 +146,8 @@ fn constant_grid_equals_homogeneous_slab() {
     assert_distance_samples_unbiased(&bluish_medium(Some(field)), &ray, 30.0, depth, "bluish slab");
 }
 
-/// ρ = x/2, but constant in the outer half of the outer of 20 cells; from 0 to x = 4, seen straight
-/// and aslant.
+/// The density is x/2 from x = 0 to x = 4, but constant in the outer halves of the first and last
+/// of 20 cells. Rays run along x and obliquely.
 #[test]
 fn linear_density_matches_its_optical_depth() {
     let place = DAffine3::from_scale_rotation_translation(
@@ -173,8 +174,7 @@ fn linear_density_matches_its_optical_depth() {
     }
 }
 
-/// τ by the midpoint rule over 40,000 steps, whose error at the kinks of the cells is below 10⁻⁶ of
-/// it.
+/// The reference τ is a midpoint rule with 40,000 steps. Its relative error is below 10⁻⁶.
 #[test]
 fn clouds_match_their_optical_depth() {
     let cloud = Cloud { octaves: 4, scale: 3.0, cover: 0.8, softness: 0.3, seed: 5 };

@@ -1,4 +1,4 @@
-//! Extreme media: empty, opaque, and without losses.
+//! Extreme media: empty media, opaque media, and media without absorption.
 
 use super::*;
 use glam::DAffine3;
@@ -77,10 +77,10 @@ fn large_optical_depths_stay_finite() {
     }
 }
 
-/// A ray of density 0 through a block with a positive majorant has only null collisions.
+/// A ray through density 0 has only null collisions, if the majorant of the block is positive.
 ///
-/// The optical depth of the majorant is four times the roulette interval. 1/16 of the paths survive
-/// with weight 16: a standard error of 4/√n.
+/// The optical depth of the majorant is four times the roulette interval, so 1/16 of the paths
+/// survive with weight 16. The standard error is 4/√n.
 #[test]
 fn collision_roulette_is_unbiased() {
     let mut values = vec![0.0; 512];

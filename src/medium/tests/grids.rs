@@ -49,8 +49,8 @@ fn grid_values_are_at_cell_centers() {
     );
 }
 
-/// Blocks along any ray join without gaps and cover the box once; majorants bound the density up to
-/// rounding.
+/// Blocks along a ray are adjacent and cover its part in the box once. Majorants bound the density
+/// up to rounding.
 #[test]
 fn majorants_bound_the_density_along_rays() {
     let mut random = test_rng(11);
@@ -79,7 +79,7 @@ fn majorants_bound_the_density_along_rays() {
         let ray = Ray::new(a, direction);
         let blocks: Vec<_> = field.ray_in_grid(&ray, f32::INFINITY).majorant_blocks().collect();
         crossed += blocks.len();
-        let (start, end) = cube_interval(&field, &ray);
+        let (start, end) = ray_interval_in_cube(&field, &ray);
         assert!((blocks[0].0 - start).abs() < 1e-9 && (blocks.last().unwrap().1 - end).abs() < 1e-9, "{i}");
         assert!(blocks.windows(2).all(|pair| pair[0].1 == pair[1].0), "{i}");
         let line = field.ray_in_grid(&ray, f32::INFINITY);
@@ -97,8 +97,8 @@ fn majorants_bound_the_density_along_rays() {
     assert!(crossed > 60_000, "{crossed}");
 }
 
-/// Interval of a ray within the image of the unit cube, after 0.
-fn cube_interval(field: &GridDensity, ray: &Ray) -> (f64, f64) {
+/// Interval of distances t ≥ 0 at which a ray is inside the box of a grid.
+fn ray_interval_in_cube(field: &GridDensity, ray: &Ray) -> (f64, f64) {
     let inverse = field.placement().inverse();
     let (o, d) = (inverse.transform_point3(ray.origin.as_dvec3()), inverse.transform_vector3(ray.direction.as_dvec3()));
     let (a, b) = (-o / d, (1.0 - o) / d);

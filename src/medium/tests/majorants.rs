@@ -4,8 +4,8 @@ use super::*;
 use glam::{DAffine3, Vec2};
 use rand::RngExt;
 
-/// A random walk from the origin that absorbs by roulette. Returns the number of collisions and the
-/// end position.
+/// Simulates a random walk from the origin, in which Russian roulette decides on absorption.
+/// Returns the number of collisions and the end position.
 fn random_walk(medium: &Medium, random: &mut SmallRng) -> (f64, DVec3) {
     let (mut p, mut direction, mut collisions) = (Vec3::ZERO, Vec3::X, 0.0);
     loop {
@@ -20,8 +20,11 @@ fn random_walk(medium: &Medium, random: &mut SmallRng) -> (f64, DVec3) {
     }
 }
 
-/// Mean collisions are 1/(1−a); ⟨r²⟩ = 2/(σt²(1−a)(1−ag)) at the point of absorption.
-fn check_random_walk(medium: &Medium, sigma: f64, albedo: f64) {
+/// Compares random walks with closed forms for albedo a and mean cosine g.
+///
+/// The mean number of collisions is 1/(1−a). The mean squared distance of the point of absorption
+/// is 2/(σt²(1−a)(1−ag)).
+fn assert_random_walk_moments(medium: &Medium, sigma: f64, albedo: f64) {
     let mut random = test_rng(5);
     let (mut collisions, mut square) = (RunningMean::default(), RunningMean::default());
     for _ in 0..100_000 {
@@ -39,11 +42,11 @@ fn homogeneous_random_walks_match_diffusion() {
     let phases = [PhaseFunction::Isotropic, PhaseFunction::Rayleigh].into_iter();
     for phase in phases.chain([-0.5, 0.7, 0.99, -0.99].map(PhaseFunction::HenyeyGreenstein)) {
         let medium = Medium::homogeneous(Vec3::splat(0.5), Vec3::splat(2.0), Vec3::ZERO, phase);
-        check_random_walk(&medium, 2.5, 0.8);
+        assert_random_walk_moments(&medium, 2.5, 0.8);
     }
 }
 
-/// The random walk leaves this large grid with a probability of e⁻⁵⁰⁰.
+/// The grid is so large that a random walk leaves it only with probability e⁻⁵⁰⁰.
 #[test]
 fn grid_random_walks_match_diffusion() {
     let place = DAffine3::from_scale(DVec3::splat(400.0)) * DAffine3::from_translation(DVec3::splat(-0.5));
@@ -55,5 +58,5 @@ fn grid_random_walks_match_diffusion() {
         PhaseFunction::HenyeyGreenstein(0.7),
         field,
     );
-    check_random_walk(&medium, 2.5, 0.8);
+    assert_random_walk_moments(&medium, 2.5, 0.8);
 }

@@ -1,7 +1,7 @@
 //! Media against closed forms.
 //!
-//! Random numbers are keyed: results are deterministic. Bounds are five standard errors of the
-//! mean, which 6·10⁻⁷ of all keys exceed.
+//! Random numbers have fixed keys, so results are deterministic. Tolerances are five standard
+//! errors of the mean; 6·10⁻⁷ of all keys would exceed them.
 
 mod distance_samples;
 mod extremes;
@@ -38,8 +38,8 @@ impl RunningMean {
         self.assert_near_bounded(truth, DVec3::ZERO, what);
     }
 
-    /// Asserts that the mean of values up to `most` agrees with `truth`, in spite of rare large
-    /// values.
+    /// Asserts that the mean agrees with `truth`. `most` bounds the values, which may be rare and
+    /// large.
     ///
     /// The bound adds 29·most/n to five standard errors (empirical Bernstein bound of Maurer and
     /// Pontil 2009, ln(2/δ) = 12.5).

@@ -15,8 +15,8 @@ fn phase_functions() -> Vec<PhaseFunction> {
     phases
 }
 
-/// Bins of the scattering angle that are narrow in the lobe; x in [0, 1] maps to the angle from its
-/// axis.
+/// Bins of the scattering angle, which are narrow in the lobe. The coordinate x in \[0, 1] maps to
+/// the angle from the lobe's axis.
 struct AngleBins {
     width: f64,
     backwards: bool,
@@ -28,7 +28,7 @@ impl AngleBins {
         Self { width: 1.0 - g.abs(), backwards: g < 0.0 }
     }
 
-    fn angle_at(&self, x: f64) -> f64 {
+    fn bin_edge_angle(&self, x: f64) -> f64 {
         let angle = x * PI * self.width / (PI + self.width - PI * x);
         if self.backwards { PI - angle } else { angle }
     }
@@ -39,12 +39,12 @@ impl AngleBins {
         ((x * RINGS as f64) as usize).min(RINGS - 1)
     }
 
-    /// Integral of f(cos)·p(cos) over each bin.
+    /// Integral over each bin of `f`(cos) times the phase function.
     fn integrate_bins(&self, phase: PhaseFunction, f: impl Fn(f64) -> f64) -> Vec<f64> {
         let n = RINGS * POINTS;
         let mut rings = vec![0.0; RINGS];
         for i in 0..n {
-            let [low, middle, high] = [0.0, 0.5, 1.0].map(|d| self.angle_at((i as f64 + d) / n as f64));
+            let [low, middle, high] = [0.0, 0.5, 1.0].map(|d| self.bin_edge_angle((i as f64 + d) / n as f64));
             let cos = libm::cos(middle);
             let area = TAU * (libm::cos(low) - libm::cos(high)).abs();
             rings[i / POINTS] += area * f(cos) * f64::from(phase.evaluate(cos as f32));
@@ -110,7 +110,8 @@ fn phase_samples_follow_their_pdf() {
     }
 }
 
-/// p value of Pearson's test (Wilson–Hilferty). Neighbours are pooled until they expect 5 samples.
+/// p value of Pearson's chi-square test, by the Wilson–Hilferty approximation. Neighbouring cells
+/// are pooled until at least 5 samples are expected.
 fn chi_square_p_value(cells: impl Iterator<Item = (f64, f64)>) -> f64 {
     let (mut pool, mut chi2, mut used) = ((0.0, 0.0), 0.0, 0u32);
     for (expected, found) in cells {

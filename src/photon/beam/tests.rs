@@ -20,7 +20,8 @@ fn unit_flux_beam(start: Vec3, direction: Vec3, length: f32) -> PhotonBeam {
     PhotonBeam::new(start, direction, length, Rgb::ONE, 0, 0).unwrap()
 }
 
-/// Beams in a cube around `middle`, identified by their medium: short and long, some along axes.
+/// Random beams in a cube around `middle`, short and long, some along axes. The medium index of
+/// each beam is its number.
 fn random_beams(n: u64, size: f32, middle: Vec3) -> Vec<PhotonBeam> {
     let one = |i: u64| {
         let direction =
@@ -46,7 +47,8 @@ fn visited_beams(map: &PhotonBeamMap, ray: &Ray) -> Vec<(u32, u32)> {
     all
 }
 
-/// The intersections equal those of a linear scan to the bit, at scales where rounding matters.
+/// Queries find the same intersections as a scan over all beams, to the bit, at scales where
+/// rounding matters.
 #[test]
 fn queries_match_a_linear_scan() {
     for (size, middle) in [(1.0, Vec3::ZERO), (1e-12, Vec3::ZERO), (1e9, Vec3::ZERO), (1.0, Vec3::new(5e3, -7e3, 0.0))]
@@ -71,15 +73,14 @@ fn queries_match_a_linear_scan() {
     }
 }
 
-/// Rays through the ends of pieces, from near and far: exactly one piece is hit in spite of
-/// rounding.
+/// Rays through the ends of beam pieces visit each beam exactly once, in spite of rounding.
 #[test]
-fn cut_beams_are_visited_once() {
+fn split_beams_are_visited_once() {
     let radius = 0.02;
     let beams = random_beams(900, 1.0, Vec3::splat(30.0));
     let map = PhotonBeamMap::build(beams.clone(), radius);
     let mut count = 0;
-    for (i, piece) in (0..).zip(split_beams(&beams, optimal_piece_length(&beams, radius))) {
+    for (i, piece) in (0..).zip(split_beams(&beams, optimal_beam_piece_length(&beams, radius))) {
         let beam = &beams[piece.beam as usize];
         let direction = random_direction(2_000_000 + i);
         let target = beam.point_at(piece.to.into()).as_vec3();
@@ -91,7 +92,7 @@ fn cut_beams_are_visited_once() {
     assert!(count > 1000, "{count}");
 }
 
-/// Against the minimum of the distance over both parameters, by its normal equations.
+/// The closest approach agrees with the minimum of the distance over both line parameters.
 #[test]
 fn intersection_is_the_closest_approach() {
     let mut count = 0;
@@ -121,7 +122,7 @@ fn intersection_is_the_closest_approach() {
     assert!(count > 500, "{count}");
 }
 
-/// Midpoint rule over the distance: K₁ has integral 1, divided by the sine.
+/// The integral of the beam weight over the distance of the lines is 1/sin θ, by the midpoint rule.
 #[test]
 fn beam_kernel_has_unit_integral() {
     let (n, radius, sine) = (2000, 0.3, 0.6);
@@ -153,7 +154,8 @@ fn beam_and_ray_ends_are_respected() {
     assert!(!meets(-1e-3, -1.0, 1.0) && !meets(2.001, -1.0, 1.0));
 }
 
-/// Lines with indistinguishable directions have no intersection; others have one of finite weight.
+/// Lines whose directions differ only by rounding have no intersection. Others have one of finite
+/// weight.
 #[test]
 fn nearly_parallel_lines_have_finite_weight() {
     let ray = Ray { origin: Vec3::ZERO, direction: Vec3::X, t_max: 10.0 };
@@ -194,7 +196,7 @@ fn invalid_beams_are_rejected() {
 fn beam_map_is_small_and_thread_independent() {
     for radius in [1e-9, 0.01, 10.0] {
         let beams = random_beams(5000, 1.0, Vec3::ZERO);
-        let pieces = split_beams(&beams, optimal_piece_length(&beams, radius)).len();
+        let pieces = split_beams(&beams, optimal_beam_piece_length(&beams, radius)).len();
         assert!(pieces as f64 <= MAX_PIECES * 5000.0 && pieces >= 5000, "{pieces}");
     }
     let with = |n| {
@@ -205,7 +207,8 @@ fn beam_map_is_small_and_thread_independent() {
     assert_eq!(with(1), with(3));
 }
 
-/// The mean over many maps is within four standard errors of the truth, and these are small.
+/// Asserts that the mean of `values` is within four standard errors of `truth`, and that the
+/// relative standard error is below `precision`.
 fn assert_mean(values: &[f64], truth: f64, precision: f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
@@ -214,7 +217,8 @@ fn assert_mean(values: &[f64], truth: f64, precision: f64) {
     assert!((mean - truth).abs() < 4.0 * error, "{mean} is not {truth}, give or take {error}");
 }
 
-/// A ray across a collimated beam. Beams are uniform across the blur, so the blur has no bias.
+/// Radiance of a ray across collimated light. The beams are uniform across the blur, so the blur
+/// has no bias.
 #[test]
 fn collimated_beam_radiance_is_exact() {
     let (extinction, scattering, depth, across) = (1.3f64, 0.9f64, 0.7f64, 1.6f64);

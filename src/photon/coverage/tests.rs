@@ -28,7 +28,7 @@ fn square_scene() -> Scene {
 
 const KERNELS: [Kernel; 3] = [Kernel::Box, Kernel::Cone, Kernel::Epanechnikov];
 
-/// Mean over keys, and its standard error, at `p` of the description.
+/// Mean coverage over many keys, and its standard error, at position `p` of the scene description.
 fn mean_coverage(scene: &Scene, p: DVec3, normal: Vec3, radius: f32, kernel: Kernel) -> (f64, f64) {
     let (n, p) = (2000u64, (p - scene.origin()).as_vec3());
     let one = |i| {
@@ -91,7 +91,7 @@ fn edge_coverage_matches_kernel_integral() {
     }
 }
 
-/// A face tilted by 75° and a step of 0.4 radii do not count as the surface of the estimate.
+/// A face tilted by 75° and a step of 0.4 radii do not count as covered.
 #[test]
 fn other_orientations_and_heights_are_not_covered() {
     let floor = rectangle_shape([0.0, 0.0, 1.0], DVec3::X, DVec3::Z * -2.0);

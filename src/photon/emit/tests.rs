@@ -7,7 +7,7 @@ use crate::scene::{DeltaLightKind, LightStrength, Material, SceneBuilder};
 use crate::shape::{Plane, Shape, Sphere};
 use glam::DVec3;
 
-/// A sun above a ball, and a plane between them at a height.
+/// A directional light above a ball, and a plane at `height` that may lie between them.
 fn sun_over_ball(height: f64) -> Scene {
     let mut builder = SceneBuilder::new();
     let white = builder.material(Material::diffuse(Rgb::ONE));

@@ -1,21 +1,22 @@
-//! Guiding distributions over primary samples of emission, fitted to pilot samples.
+//! Guiding distributions of photon emission over primary samples in \[0, 1)⁴, fitted to pilot
+//! samples.
 
 use crate::light::{EmissionDimensions, Light};
 use crate::sampling::SquareGridDistribution;
 use glam::Vec2;
 
-/// Emission of one pilot path and its measured effect on the picture.
+/// Primary sample of one pilot path, with the measured effect of its photons on the picture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EmissionGuidingSample {
     /// Index of the light.
     pub light: usize,
-    /// Primary sample of the position on the light, in \[0, 1)².
+    /// Sample point in \[0, 1)² from which the position on the light follows (primary sample).
     pub position: Vec2,
-    /// Primary sample of the direction, in \[0, 1)².
+    /// Sample point in \[0, 1)² from which the direction follows (primary sample).
     pub direction: Vec2,
     /// Inverse of the joint pdf of `position` and `direction`.
     pub weight: f64,
-    /// Sum of the squared changes of the picture by the path's photons.
+    /// Sum over the path's photons of their squared change of the picture.
     ///
     /// The flux of the path is not divided by the pdf or by the probability of the light.
     pub square: f64,
@@ -27,17 +28,19 @@ const MIN_SAMPLES_PER_CELL: usize = 4;
 /// Largest number of subdivisions of the two squares together; it gives 4096 cells.
 const MAX_SUBDIVISIONS: u32 = 6;
 
-/// Number of samples that the value of a cell's parent counts as (shrinkage estimator).
+/// Weight of the parent cell's value in the value of a cell, in samples (shrinkage estimator).
 const PARENT_WEIGHT: f64 = 8.0;
 
-/// Numbers of subdivisions of the positions' and of the directions' unit square.
+/// Numbers of subdivisions of the unit squares of positions and of directions. n subdivisions give
+/// 2ⁿ cells along each side.
 type CellResolution = (u32, u32);
 
 /// Mean squared change of the picture in each cell of a grid over \[0, 1)⁴.
 #[derive(Clone, Debug)]
 struct EmissionGuidingCells {
     resolution: CellResolution,
-    /// Mean squared changes. The cell of the position is the outer index.
+    /// Mean squared change of each cell. The cell of the position is the outer index, the cell of
+    /// the direction the inner one.
     squares: Vec<f64>,
 }
 
@@ -48,13 +51,13 @@ impl EmissionGuidingCells {
         parent_cells: Option<&Self>,
     ) -> Self {
         #[derive(Clone, Copy, Default)]
-        struct Sum {
+        struct CellSum {
             count: f64,
             weight: f64,
             square: f64,
         }
         let (positions, directions) = (1usize << resolution.0, 1usize << resolution.1);
-        let mut sums = vec![Sum::default(); (positions * directions) * (positions * directions)];
+        let mut sums = vec![CellSum::default(); (positions * directions) * (positions * directions)];
         for s in samples {
             let sum = &mut sums[cell_index(resolution, s.position, s.direction)];
             sum.count += 1.0;
@@ -62,7 +65,7 @@ impl EmissionGuidingCells {
             sum.square += s.weight * s.square;
         }
         let center = |i: usize, side: usize| (Vec2::new((i % side) as f32, (i / side) as f32) + 0.5) / side as f32;
-        let square = |(i, sum): (usize, &Sum)| {
+        let square = |(i, sum): (usize, &CellSum)| {
             let inner = directions * directions;
             let parent = parent_cells.map(|p| {
                 p.squares[cell_index(p.resolution, center(i / inner, positions), center(i % inner, directions))]
@@ -74,22 +77,25 @@ impl EmissionGuidingCells {
         Self { resolution, squares }
     }
 
-    /// Mean over cells of the root mean square: the root of the second moment of an ideally guided
-    /// estimate.
-    fn guided_deviation(&self) -> f64 {
+    /// Mean over cells of the root mean squared change of the picture.
+    ///
+    /// Its square is the second moment of an ideally guided path.
+    fn guided_root_mean_square(&self) -> f64 {
         self.squares.iter().map(|s| s.sqrt()).sum::<f64>() / self.squares.len() as f64
     }
 
-    /// Pdf in each cell: a `uniform` fraction, and the rest in proportion to the root mean square.
+    /// Pdf in each cell: a constant `uniform` in \[0, 1], and the rest in proportion to the cell's
+    /// root mean square.
     fn cell_pdfs(&self, uniform: f64) -> Vec<f64> {
-        let mean = self.guided_deviation();
+        let mean = self.guided_root_mean_square();
         let pdf = |s: &f64| if mean > 0.0 { uniform + (1.0 - uniform) * s.sqrt() / mean } else { 1.0 };
         self.squares.iter().map(pdf).collect()
     }
 
-    /// Sum of squared contributions of `samples` if these cells guided the emission.
+    /// Estimates the sum of squared contributions of `samples` if emission were guided by these
+    /// cells.
     ///
-    /// `samples` must not be those that the cells were fitted to.
+    /// The estimate is unbiased only if the cells were fitted to other samples.
     fn second_moment<'s>(&self, uniform: f64, samples: impl Iterator<Item = &'s EmissionGuidingSample>) -> f64 {
         let cell_pdfs = self.cell_pdfs(uniform);
         samples.map(|s| s.weight * s.square / cell_pdfs[cell_index(self.resolution, s.position, s.direction)]).sum()
@@ -150,13 +156,14 @@ impl EmissionGuidingFit {
         Self { cells: best.1 }
     }
 
-    /// Root of the second moment of guided paths of this light. Light probabilities are
+    /// Root of the second moment of ideally guided paths of this light. Light probabilities are
     /// proportional to it.
-    pub fn guided_deviation(&self) -> f64 {
-        self.cells.guided_deviation()
+    pub fn guided_root_mean_square(&self) -> f64 {
+        self.cells.guided_root_mean_square()
     }
 
-    /// The guiding distribution with a `uniform` fraction; `None` if the fit has a single cell.
+    /// Returns the guiding distribution, mixed with a fraction `uniform` of the uniform pdf.
+    /// Returns `None` if the fit has a single cell.
     pub fn to_distribution(&self, uniform: f64) -> Option<EmissionGuidingDistribution> {
         let (p, d) = self.cells.resolution;
         if (p, d) == (0, 0) {

@@ -1,4 +1,5 @@
-//! Emission guiding: a pilot learns which emitted photon paths affect the picture.
+//! Emission guiding: a pilot measures which emitted photon paths affect the picture, and more such
+//! paths are emitted.
 
 mod distribution;
 #[cfg(test)]
@@ -7,79 +8,81 @@ mod tests;
 pub(super) use distribution::EmissionGuidingDistribution;
 
 use super::deposits::{Deposit, DepositPlace};
-use super::trace::PathTally;
-use super::{PhotonPass, PhotonSource, Scratch, StoreMask, VisiblePointMap};
+use super::trace::PhotonTracingTotals;
+use super::{PhotonPass, PhotonSearchBuffers, PhotonSource, StoreMask, VisiblePointMap};
 use crate::color;
 use crate::sampling::{DiscreteDistribution, Key, Purpose};
 use crate::scene::{Interior, for_interior};
 use distribution::{EmissionGuidingFit, EmissionGuidingSample};
 use rayon::prelude::*;
 
-/// Number of rounds of a pilot. Each round is guided by the samples of the rounds before.
+/// Number of rounds of a pilot. The samples of all earlier rounds guide each round.
 const ROUNDS: u32 = 2;
 
 /// Photon paths per parallel task.
 const CHUNK: u32 = 4096;
 
-/// Fraction of the guided pdf that is the unguided pdf (defensive sampling).
+/// Fraction of the unguided pdf in the guided pdf, a mixture (defensive sampling).
 ///
-/// It bounds the weights of guided paths by 5 times the unguided weight.
+/// A guided path has at most 5 times the flux of the same path without guiding.
 const DEFENSIVE_FRACTION: f64 = 0.2;
 
 /// Settings of the pilot for emission guiding.
 #[derive(Clone, Copy, Debug)]
-pub struct GuidingPilot<'a> {
+pub struct EmissionGuidingPilot<'a> {
     /// Kinds of photons that the render stores. Other photons have no effect on the picture.
     pub mask: StoreMask,
     /// Largest number of scattering events per path.
     pub max_bounces: u32,
     /// Points seen by the camera. Their density gives the importance of a photon.
     pub visible: &'a VisiblePointMap,
-    /// Number of photon paths of the pilot; [`GuidingPilot::PATHS`] suffices for most scenes.
+    /// Number of photon paths of the pilot; [`EmissionGuidingPilot::PATHS`] suffices for most scenes.
     pub paths: u32,
     /// Seed of the render.
     pub seed: u64,
 }
 
-impl GuidingPilot<'_> {
+impl EmissionGuidingPilot<'_> {
     /// Default number of photon paths of the pilot.
     ///
     /// If 1 % of the paths reach a visible point, the pilot has 1300 useful samples.
     pub const PATHS: u32 = 1 << 17;
 }
 
-/// Result of a pilot for emission guiding.
+/// Work and benefit of a pilot for emission guiding.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
-pub struct GuidingReport {
+pub struct EmissionGuidingReport {
     /// Number of photon paths that the pilot traced.
     pub paths: u64,
     /// Number of rays that the pilot traced.
     pub rays: u64,
-    /// Fraction of the unguided photon paths that store a photon near a visible point.
+    /// Fraction of the paths of the first, unguided round that stored a photon near a visible
+    /// point.
     pub useful: f64,
     /// Estimated number of unguided photon paths over guided ones for equal variance of the
     /// picture; 1 without guiding.
     ///
-    /// It is the ratio of second moments of the first, unguided round and the last, guided round.
+    /// It is the second moment of the first, unguided round, divided by that of the last, guided
+    /// round.
     pub gain: f64,
 }
 
 impl PhotonSource<'_> {
-    /// Returns the source with importance-sampled lights, positions and directions.
+    /// Returns the source with emission guided to the visible points of `pilot`, and a report.
     ///
-    /// A pilot traces photon paths and sums, for each path, the squared changes of the picture by
-    /// its photons. The guided pdf is proportional to the root mean square of that change, which
-    /// minimises the variance. It is mixed with the unguided pdf, which bounds the weights and
+    /// The pilot sums, for each photon path, the squared changes of the picture by its photons. The
+    /// pdf of lights, positions and directions becomes proportional to the root mean square of the
+    /// change, which minimises the variance. A mixture with the unguided pdf bounds the weights and
     /// keeps the estimate unbiased. If no photon of the pilot reaches a visible point, the source
     /// stays unguided. The result depends only on the scene, this source and `pilot`.
     #[must_use]
-    pub fn with_guided_emission(mut self, pilot: &GuidingPilot<'_>) -> (Self, GuidingReport) {
+    pub fn with_guided_emission(mut self, pilot: &EmissionGuidingPilot<'_>) -> (Self, EmissionGuidingReport) {
         let unguided = self.light_distribution.clone();
-        let mut report = GuidingReport { gain: 1.0, ..GuidingReport::default() };
+        let mut report = EmissionGuidingReport { gain: 1.0, ..EmissionGuidingReport::default() };
         let mut samples = Vec::new();
         let mut unguided_moment = 0.0;
         for round in 0..ROUNDS {
-            let found = self.trace_round(pilot, round);
+            let found = self.trace_pilot_round(pilot, round);
             report.paths += found.samples.len() as u64;
             report.rays += found.rays;
             if round == 0 {
@@ -96,17 +99,17 @@ impl PhotonSource<'_> {
     }
 
     /// Traces the photon paths of one pilot round.
-    fn trace_round(&self, pilot: &GuidingPilot<'_>, round: u32) -> RoundSamples {
+    fn trace_pilot_round(&self, pilot: &EmissionGuidingPilot<'_>, round: u32) -> PilotRoundSamples {
         let key = Key::new(pilot.seed).purpose_key(Purpose::GuidingTraining).training_round_key(round);
         let paths = pilot.paths / ROUNDS;
-        let chunks: Vec<RoundSamples> = (0..paths.div_ceil(CHUNK))
+        let chunks: Vec<PilotRoundSamples> = (0..paths.div_ceil(CHUNK))
             .into_par_iter()
             .map(|chunk| {
                 let range = chunk * CHUNK..paths.min((chunk + 1).saturating_mul(CHUNK));
-                for_interior!(self, <I> self.trace_chunk::<I>(pilot, key, range, paths))
+                for_interior!(self, <I> self.trace_pilot_chunk::<I>(pilot, key, range, paths))
             })
             .collect();
-        let mut total = RoundSamples::default();
+        let mut total = PilotRoundSamples::default();
         for chunk in chunks {
             total.samples.extend(chunk.samples);
             total.second_moment += chunk.second_moment;
@@ -115,21 +118,21 @@ impl PhotonSource<'_> {
         total
     }
 
-    fn trace_chunk<I: Interior>(
+    fn trace_pilot_chunk<I: Interior>(
         &self,
-        pilot: &GuidingPilot<'_>,
+        pilot: &EmissionGuidingPilot<'_>,
         key: Key,
         range: std::ops::Range<u32>,
         paths: u32,
-    ) -> RoundSamples {
+    ) -> PilotRoundSamples {
         let pass = PhotonPass { scene: self.scene, source: self, mask: pilot.mask, max_bounces: pilot.max_bounces };
-        let mut scratch = Scratch::new();
-        let mut tally = PathTally::default();
-        let mut found = RoundSamples::default();
+        let mut scratch = PhotonSearchBuffers::new();
+        let mut tally = PhotonTracingTotals::default();
+        let mut found = PilotRoundSamples::default();
         for index in range {
             let point = self.primary_emission_sample(key, index, paths);
             let mut square = 0.0;
-            if let Some((ray, flux)) = self.start_path::<I>(&point) {
+            if let Some((ray, flux)) = self.start_photon_path::<I>(&point) {
                 pass.follow_photon_path(ray, flux, key.path_key(index), None, &mut tally, |deposit: Deposit<'_>| {
                     let DepositPlace::Surface(surface, _) = deposit.place else { return };
                     let flux = f64::from(color::channel_mean(deposit.flux));
@@ -163,14 +166,14 @@ impl PhotonSource<'_> {
             .zip(&samples_by_light)
             .map(|(light, samples)| EmissionGuidingFit::new(light, samples, DEFENSIVE_FRACTION))
             .collect();
-        let total: f64 = fits.iter().map(EmissionGuidingFit::guided_deviation).sum();
+        let total: f64 = fits.iter().map(EmissionGuidingFit::guided_root_mean_square).sum();
         if !(total > 0.0 && total.is_finite()) {
             return;
         }
         // The defensive fraction holds for the joint pdf of light, position and direction. A light
         // that guiding makes more probable needs a smaller uniform fraction.
         let defensive = |i: usize| DEFENSIVE_FRACTION * f64::from(unguided.probability(i));
-        let chosen = |i: usize| defensive(i) + (1.0 - DEFENSIVE_FRACTION) * fits[i].guided_deviation() / total;
+        let chosen = |i: usize| defensive(i) + (1.0 - DEFENSIVE_FRACTION) * fits[i].guided_root_mean_square() / total;
         if let Some(choice) = DiscreteDistribution::new((0..lights.len()).map(chosen)) {
             self.light_distribution = choice;
             self.guiding =
@@ -181,9 +184,9 @@ impl PhotonSource<'_> {
 
 /// Samples of one round of the pilot.
 #[derive(Debug, Default)]
-struct RoundSamples {
+struct PilotRoundSamples {
     samples: Vec<EmissionGuidingSample>,
-    /// Sum of the squared weighted contributions of the paths to the picture.
+    /// Sum over paths of their squared contributions to the picture, divided by the squared pdf.
     second_moment: f64,
     /// Number of traced rays.
     rays: u64,

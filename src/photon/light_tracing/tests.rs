@@ -15,8 +15,8 @@ fn splat_at(x: f32, y: f32) -> Splat {
     Splat { film: Vec2::new(x, y), radiance: Rgb::new(1.0, 2.0, 3.0) }
 }
 
-/// A splat inside the film keeps its light: the filter's weights at pixel distances sum to 1 in the
-/// mean over positions, and exactly for a box.
+/// A splat inside the film keeps its light: the filter weights of its pixels sum to 1, exactly for
+/// the box filter and on average over positions for the others.
 #[test]
 fn splats_keep_their_light() {
     for kind in [FilterKind::Box, FilterKind::Tent, FilterKind::BlackmanHarris, FilterKind::Mitchell] {
@@ -43,7 +43,8 @@ fn splats_outside_the_film_are_clipped() {
     }
 }
 
-/// Ten photons per pixel give equal shares; few photons leave all to estimates, many to splats.
+/// Ten photons per pixel give equal shares to estimates and splats. With few photons, estimates get
+/// all flux; with many, splats do.
 #[test]
 fn shares_follow_photons_per_pixel() {
     let splats = |count: u32| -> Vec<Splat> {
@@ -52,25 +53,26 @@ fn shares_follow_photons_per_pixel() {
             .collect()
     };
     let step = |count: u32, ratio: f64| {
-        let shares = EstimateShares::from_splats(&splats(count), SIZE, ratio);
+        let shares = DensityEstimateShares::from_splats(&splats(count), SIZE, ratio);
         assert!(shares.steps.iter().all(|step| *step == shares.steps[0]), "uniform photons, uniform shares");
-        shares.steps_at(Vec2::new(6.0, 4.0))
+        shares.share_steps_at(Vec2::new(6.0, 4.0))
     };
     assert_eq!((step(0, 1.0), step(1, 1.0), step(200, 1.0)), (15, 15, 0));
     assert_eq!((step(10, 1.0), step(5, 2.0), step(20, 0.5)), (8, 8, 8));
-    let shares = EstimateShares::uniform(3, SIZE);
-    assert_eq!((shares.steps_at(Vec2::new(11.9, 7.9)), shares.steps_at(Vec2::new(12.0, 1.0))), (3, 15));
+    let shares = DensityEstimateShares::uniform(3, SIZE);
+    assert_eq!((shares.share_steps_at(Vec2::new(11.9, 7.9)), shares.share_steps_at(Vec2::new(12.0, 1.0))), (3, 15));
 }
 
-/// A photon stores its share in bits of its flux that no picture shows.
+/// A photon stores its share in the lowest bits of its flux, which changes the flux by less than
+/// 10⁻⁵.
 #[test]
 fn photons_store_their_share() {
     use crate::photon::Photon;
     use glam::Vec3;
     let photon = Photon::new(Vec3::ONE, Rgb::new(0.2, 0.5, 0.3), Vec3::Z, Vec3::Z).unwrap();
     for steps in 0..=SHARE_STEPS {
-        let data = photon.with_estimate_share(steps).data;
-        assert!((data.estimate_share() - f32::from(steps) / 15.0).abs() < 1e-6);
+        let data = photon.with_density_estimate_share(steps).data;
+        assert!((data.density_estimate_share() - f32::from(steps) / 15.0).abs() < 1e-6);
         assert!((data.flux() - photon.data.flux()).length() < 2e-6);
     }
 }

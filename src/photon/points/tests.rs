@@ -16,7 +16,7 @@ fn random_direction(i: u64) -> Vec3 {
     warp::square_to_uniform_sphere(test_key(i).uniform_2d(Dimension::LightDirection))
 }
 
-/// Photons identified by their medium.
+/// Random volume photons. The medium index of each photon is its number.
 fn random_photons(n: u64, at: impl Fn(u64) -> Vec3) -> Vec<VolumePhoton> {
     (0..n).map(|i| VolumePhoton::new(at(i), Rgb::ONE, random_direction(i), i as u32, 0).unwrap()).collect()
 }
@@ -34,7 +34,8 @@ fn volume_photon_packing_is_precise() {
     assert!(VolumePhoton::new(Vec3::NAN, Rgb::ONE, Vec3::Z, 0, 0).is_none());
 }
 
-/// Queries match an f64 scan: along rays to the bit, around points up to rounding at the rim.
+/// Queries find the same photons as a scan in f64: along rays to the bit, and around points up to
+/// rounding at the radius.
 #[test]
 fn queries_match_a_linear_scan() {
     for (size, middle) in [(1.0, Vec3::ZERO), (1e-9, Vec3::ZERO), (1e12, Vec3::ZERO), (1.0, Vec3::new(5e3, 0.0, -7e3))]
@@ -140,7 +141,8 @@ fn point_map_is_thread_independent() {
     assert_eq!(with(1), with(3));
 }
 
-/// The mean of the runs is within four standard errors of the truth, and these are small.
+/// Asserts that the mean of `values` is within four standard errors of `truth`, and that the
+/// relative standard error is below `precision`.
 fn assert_mean(values: &[f64], truth: f64, precision: f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
@@ -149,7 +151,7 @@ fn assert_mean(values: &[f64], truth: f64, precision: f64) {
     assert!((mean - truth).abs() < 4.0 * error, "{mean} is not {truth}, give or take {error}");
 }
 
-/// A ray across a collimated beam has a closed form for single scattering.
+/// Radiance of a ray across collimated light agrees with the closed form of single scattering.
 ///
 /// Photons are stored at their scattering points. The blur has relative bias r²σt²/16 in two
 /// dimensions and r²σt²/14 in three, here below 3·10⁻⁴.

@@ -1,13 +1,13 @@
 use super::*;
 use crate::color::Rgb;
-use crate::integrate::{Pass, Silent};
+use crate::integrate::{Pass, SilentMonitor};
 use crate::plan::{Effects, Plan};
 
-/// Pass i is an image of radiance i.
-struct CountingIntegrator;
+/// Integrator whose pass i is an image of radiance i.
+struct PassNumberIntegrator;
 
-impl Integrator for CountingIntegrator {
-    fn pass(&self, pass: u32, _: &dyn Monitor) -> Pass {
+impl Integrator for PassNumberIntegrator {
+    fn render_pass(&self, pass: u32, _: &dyn ProgressMonitor) -> Pass {
         Pass { image: vec![Rgb::splat(pass as f32); 2], ..Pass::default() }
     }
 
@@ -27,7 +27,8 @@ fn stop_criteria(passes: Option<u32>, time: Option<Duration>, interrupted: &Atom
 #[test]
 fn the_image_is_the_mean_of_the_passes() {
     let interrupted = AtomicBool::new(false);
-    let rendered = render(&CountingIntegrator, (2, 1), &stop_criteria(Some(4), None, &interrupted), &Silent, |_| {});
+    let rendered =
+        render(&PassNumberIntegrator, (2, 1), &stop_criteria(Some(4), None, &interrupted), &SilentMonitor, |_| {});
     assert_eq!((rendered.ended, rendered.film.passes()), (EndReason::Passes, 4));
     assert_eq!(rendered.film.mean(), vec![Rgb::splat(1.5); 2]);
 }
@@ -36,11 +37,12 @@ fn the_image_is_the_mean_of_the_passes() {
 fn time_and_interrupts_end_after_a_whole_pass() {
     let interrupted = AtomicBool::new(false);
     let timed = stop_criteria(None, Some(Duration::ZERO), &interrupted);
-    assert_eq!(render(&CountingIntegrator, (2, 1), &timed, &Silent, |_| {}).ended, EndReason::Time);
+    assert_eq!(render(&PassNumberIntegrator, (2, 1), &timed, &SilentMonitor, |_| {}).ended, EndReason::Time);
     let mut passes = 0;
-    let rendered = render(&CountingIntegrator, (2, 1), &stop_criteria(None, None, &interrupted), &Silent, |after| {
-        passes = after.passes;
-        interrupted.store(passes == 3, Ordering::Relaxed);
-    });
+    let rendered =
+        render(&PassNumberIntegrator, (2, 1), &stop_criteria(None, None, &interrupted), &SilentMonitor, |after| {
+            passes = after.passes;
+            interrupted.store(passes == 3, Ordering::Relaxed);
+        });
     assert_eq!((rendered.ended, passes, rendered.film.passes()), (EndReason::Interrupted, 3, 3));
 }

@@ -2,10 +2,11 @@
 //!
 //! D₀ and D₁ are the differences defined in [`error_estimate`](super).
 
-/// Lower bound of D₀·D₁ / ‖D₀‖². Smaller values are due to noise.
+/// Lower bound of the ratio D₀·D₁ / ‖D₀‖². Noise alone explains smaller values.
 const MIN_CORRELATION: f64 = -0.5;
 
-/// D₀·D₁ / ‖D₀‖² at a straight edge of light, for the Epanechnikov kernel. It is an upper bound.
+/// Upper bound of the ratio D₀·D₁ / ‖D₀‖²: its value at a straight edge of light, for the
+/// Epanechnikov kernel.
 const EDGE_CORRELATION: f64 = 0.7275;
 
 /// Pairs (‖D₁‖² / ‖D₀‖², ‖bias‖² / ‖D₀‖²) of features that are not smooth, for the Epanechnikov
@@ -15,15 +16,18 @@ const EDGE_CORRELATION: f64 = 0.7275;
 /// disc's diameter. The photons in a disc cannot resolve finer features.
 const ROUGH: [(f64, f64); 3] = [(0.7074, 14.6), (0.957, 16.9), (1.3145, 45.2)];
 
-/// Largest ratio of blur at half the disc area to blur at the full area: that of an edge.
+/// Largest ratio of blur with discs of half the area to blur with full discs: the ratio at an edge
+/// of light.
 const MAX_RATIO: f64 = 0.841;
 
-/// Relative uncertainty of the extrapolated part of the blur.
+/// Relative standard deviation of the extrapolated part of the blur.
 ///
-/// Edges and bands of light have similar differences D₀ and D₁, but their blur differs this much.
+/// Edges and bands of light may have similar differences D₀ and D₁, although their blur differs by
+/// this fraction.
 const EXTRAPOLATION_ERROR: f64 = 0.5;
 
-/// Mean squares and products of D₀ and D₁ over the picture, as unbiased estimates.
+/// Unbiased estimates of the mean squares and products of the differences D₀ and D₁ over the
+/// picture.
 pub(super) struct BlurDifferences {
     /// ‖D₀‖².
     pub d0: f64,
@@ -31,7 +35,7 @@ pub(super) struct BlurDifferences {
     pub d0_d1: f64,
     /// ‖D₁‖².
     pub d1: f64,
-    /// Relative variance of D₀ in one pass.
+    /// Relative variance of the difference D₀ in one pass.
     pub variance: f64,
     /// Variance of `d0`.
     pub d0_variance: f64,
@@ -44,20 +48,20 @@ pub(super) struct BlurEstimate {
     pub square: f64,
     /// Variance of `square`.
     pub variance: f64,
-    /// Blur at half the disc area over blur at the full area.
+    /// Blur with discs of half the area, divided by blur with full discs.
     pub ratio: f64,
     /// Blur divided by its measured part |D₀ + D₁|.
     pub extrapolation: f64,
 }
 
 impl BlurEstimate {
-    /// Extrapolates the sum of all differences Dᵢ from D₀ and D₁.
+    /// Extrapolates the blur, the sum of all differences Dᵢ, from D₀ and D₁.
     ///
     /// In smooth light, each difference is half of the previous one, so ‖bias‖² = 4‖D₀‖². At edges,
     /// the model is Dᵢ·Dⱼ = ‖D₀‖² q^(i+j) c^|i−j|, with ratio q and correlation c. Then ‖Σ Dᵢ‖² =
     /// ‖D₀‖² (1 + qc)/((1 − qc)(1 − q²)). q² and qc are measured, and shrunk towards ¼ and ½ if
     /// they are noisy.
-    pub(super) fn extrapolate(differences: &BlurDifferences) -> Self {
+    pub(super) fn from_differences(differences: &BlurDifferences) -> Self {
         let d0 = differences.d0.max(0.0);
         if d0 <= 0.0 {
             return Self { square: 0.0, variance: 16.0 * differences.d0_variance, ratio: 0.5, extrapolation: 0.0 };
@@ -82,7 +86,7 @@ impl BlurEstimate {
     }
 }
 
-/// ‖Σ Dᵢ‖² / ‖D₀‖² by the model of [`BlurEstimate::extrapolate`], limited by [`ROUGH`].
+/// ‖Σ Dᵢ‖² / ‖D₀‖² by the model of [`BlurEstimate::from_differences`], limited by [`ROUGH`].
 fn squared_bias_ratio(correlation: f64, squared: f64) -> f64 {
     let law = (1.0 + correlation) / ((1.0 - correlation) * (1.0 - squared.min(ROUGH[0].0)));
     let rough = ROUGH.windows(2).find(|pair| squared <= pair[1].0).map_or(ROUGH[2].1, |pair| {

@@ -23,8 +23,8 @@ impl Confidence {
         self.0
     }
 
-    /// Half width of the central interval of a Gaussian with this probability, in standard
-    /// deviations.
+    /// Half width, in standard deviations, of the central interval that contains this probability
+    /// of a Gaussian.
     #[must_use]
     pub fn gaussian_half_width(self) -> f64 {
         // 60 bisections reach f64 precision. Beyond 40 deviations the tail underflows.

@@ -1,13 +1,14 @@
-//! Effective sample count: how many independent values the noise of a picture consists of.
+//! Effective sample count: the number of independent values with as much scatter as the noise of a
+//! picture.
 
 use crate::color::Rgb;
 
 /// Estimates the variance of independent pictures, and the effective sample count of their noise.
 ///
-/// The difference of two pictures, divided by √2, contains only noise. The mean v of its squares is
-/// the variance. The product of two such differences without a common picture has mean zero and
-/// variance tr Σ², with Σ the covariance matrix of pixels. The effective sample count is v² / tr Σ²
-/// (Satterthwaite 1946).
+/// The difference of two pictures, divided by √2, contains only noise. The mean of its squares is
+/// the variance. Let Σ be the covariance matrix of pixels. The scalar product of two such
+/// differences without a common picture has mean zero and variance tr Σ². The effective sample
+/// count is (tr Σ)² / tr Σ² (Satterthwaite 1946).
 #[derive(Clone, Debug, Default)]
 pub(super) struct EffectiveSampleCount {
     /// Number of added pictures.
@@ -20,13 +21,13 @@ pub(super) struct EffectiveSampleCount {
     products: RunningMoments,
 }
 
-/// Prior of the effective sample count.
+/// Effective sample count that is assumed before anything is measured.
 const PRIOR_SAMPLES: f64 = 100.0;
 
-/// Number of measured products that the prior counts as.
+/// Weight of [`PRIOR_SAMPLES`], as a number of measured products.
 const PRIOR_PRODUCTS: f64 = 2.0;
 
-/// Running mean and sum of squared deviations (Welford 1962).
+/// Running mean and running sum of squared deviations (Welford 1962).
 #[derive(Clone, Copy, Debug, Default)]
 struct RunningMoments {
     count: f64,
@@ -46,7 +47,7 @@ impl RunningMoments {
 impl EffectiveSampleCount {
     /// Adds a picture.
     ///
-    /// `weights` are factors of the squared differences, one for each pixel. A weighted squared
+    /// `weights` holds a factor on the squared difference of each pixel. A weighted squared
     /// difference is clamped to `max`.
     pub fn add(&mut self, picture: impl Iterator<Item = Rgb>, weights: &[f64], max: f64) {
         self.pictures += 1;
@@ -105,7 +106,8 @@ mod tests {
     use super::*;
     use crate::sampling::{Dimension, Key, Purpose};
 
-    /// Uniform noise of variance 1/12 in one channel, in blocks of `block` equal pixels.
+    /// Effective sample count of `pictures` pictures of uniform noise. Each run of `block` pixels
+    /// is equal.
     fn effective_count_of_block_noise(block: usize, pixels: usize, pictures: u64) -> EffectiveSampleCount {
         let mut samples = EffectiveSampleCount::default();
         let weights = vec![1.0; pixels];
@@ -117,8 +119,9 @@ mod tests {
         samples
     }
 
-    /// 240 pixels in blocks of b make 240/b independent samples. The error of tr Σ² over K
-    /// independent products is √(2/K) with K ≥ 397/2; the tolerance is five standard deviations.
+    /// 240 pixels in runs of b equal ones make 240/b independent samples. The relative error of tr
+    /// Σ² from K independent products is √(2/K), with K ≥ 397/2. The tolerance is five standard
+    /// deviations.
     #[test]
     fn equal_pixels_count_as_one_sample() {
         for block in [1, 4, 24] {

@@ -25,17 +25,18 @@ pub struct ErrorEstimate {
     pub blur: f64,
     /// Error of camera paths that all passes share; 0 if each pass has its own paths.
     pub shared_paths: f64,
-    /// Blur at half the disc area divided by blur at the full area: ½ in smooth light, larger at
-    /// edges.
+    /// Blur with discs of half the area, divided by blur with full discs: ½ in smooth light, larger
+    /// at edges.
     #[serde(skip)]
     pub(super) blur_ratio: f64,
-    /// Extrapolated blur divided by its measured part |D₀ + D₁|, see [`error_estimate`](super).
+    /// Extrapolated blur divided by its measured part |D₀ + D₁|. [`error_estimate`](super) defines
+    /// D₀ and D₁.
     #[serde(skip)]
     pub(super) extrapolation: f64,
     /// Relative variance of one pass.
     #[serde(skip)]
     pub(super) variance: f64,
-    /// Relative variance of the difference D₀ in one pass, see [`error_estimate`](super).
+    /// Relative variance, in one pass, of the difference D₀ that [`error_estimate`](super) defines.
     #[serde(skip)]
     pub(super) difference_variance: f64,
     /// Contribution of fireflies to the squared noise.

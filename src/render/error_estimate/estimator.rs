@@ -18,7 +18,7 @@ pub const MIN_PASSES: u32 = 4;
 /// Estimates the error of the mean of passes.
 #[derive(Clone, Debug)]
 pub struct ErrorEstimator {
-    /// How gather radii shrink from pass to pass; `None` without photon density estimates.
+    /// Law by which gather radii shrink from pass to pass; `None` without photon density estimates.
     radius_law: Option<RadiusLaw>,
     /// Number of added passes.
     passes: u32,
@@ -33,17 +33,18 @@ pub struct ErrorEstimator {
 /// Sums over passes of the differences between nested photon estimates, by pixel.
 #[derive(Clone, Debug)]
 struct NestedEstimateSums {
-    /// Σ D₀ and Σ D₁ over passes, see [`error_estimate`](super).
+    /// Sums over passes of the differences D₀ and D₁ for each pixel, which
+    /// [`error_estimate`](super) defines.
     differences: [Vec<Vec3>; 2],
-    /// Σ D₀², Σ D₀·D₁ and Σ D₁² over passes and channels.
+    /// Sums over passes and channels of D₀², D₀·D₁ and D₁², for each pixel.
     products: Vec<[f64; 3]>,
-    /// Discs of the estimates from the caustic and the global map.
-    discs: Vec<[DiscMean; 2]>,
+    /// Mean discs of the estimates from the caustic and the indirect map, by pixel.
+    discs: Vec<[GatherDiscMeans; 2]>,
     samples: EffectiveSampleCount,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-struct DiscMean {
+struct GatherDiscMeans {
     radius: f32,
     photons: f32,
     passes: u32,
@@ -52,21 +53,21 @@ struct DiscMean {
 /// Estimated error of each pixel, in rows from the top.
 #[derive(Clone, Debug, Default)]
 pub struct ErrorMaps {
-    /// Standard error of the mean of the passes \[W/(m² sr)].
+    /// Standard error of the mean of the passes, by channel \[W/(m² sr)].
     pub noise: Vec<Vec3>,
-    /// Estimated blur of the mean of the passes; a noisy estimate \[W/(m² sr)].
+    /// Signed estimate of the blur of the mean of the passes, by channel \[W/(m² sr)]. It is noisy.
     pub bias: Vec<Vec3>,
     /// Mean radius and photon count of estimates from the caustic map.
     pub caustic: Vec<MeanGatherDisc>,
-    /// Mean radius and photon count of estimates from the global map.
-    pub global: Vec<MeanGatherDisc>,
+    /// Mean radius and photon count of estimates from the indirect map.
+    pub indirect: Vec<MeanGatherDisc>,
 }
 
 impl ErrorEstimator {
-    /// An estimator without passes.
+    /// Creates an estimator without passes.
     ///
-    /// `radius_law` says how gather radii shrink from pass to pass; `None` without photon density
-    /// estimates.
+    /// `radius_law` is the law by which gather radii shrink from pass to pass; `None` without
+    /// photon density estimates.
     #[must_use]
     pub fn new(radius_law: Option<RadiusLaw>) -> Self {
         Self {
@@ -80,7 +81,7 @@ impl ErrorEstimator {
         }
     }
 
-    /// Adds a pass; `film` must hold the passes before it.
+    /// Adds a pass. `film` must hold exactly the passes before it.
     pub fn add(&mut self, film: &Film, pass: &Pass) {
         let n = f64::from(self.passes);
         self.squared_deviations.resize(pass.image.len(), DVec3::ZERO);
@@ -94,7 +95,7 @@ impl ErrorEstimator {
         if self.passes.is_power_of_two() {
             self.scale = Some(RelativeScale::from_pixels(film.size(), &film.mean()));
         }
-        let weights = self.scale.as_ref().map_or(&[][..], RelativeScale::weights);
+        let weights = self.scale.as_ref().map_or(&[][..], RelativeScale::pixel_weights);
         // The relative squared error of a pixel is clamped to 1 in the mean, so to n in one pass.
         self.samples.add(pass.image.iter().copied(), weights, n + 1.0);
         if !pass.nested.is_empty() {
@@ -126,8 +127,8 @@ impl ErrorEstimator {
         let n = f64::from(passes);
         let scale = RelativeScale::from_pixels(film.size(), &film.mean());
         let mut fireflies = Fireflies::default();
-        let fraction = 1.0 / scale.weights().len() as f64;
-        let noise2 = self.squared_deviations.iter().zip(scale.weights()).map(|(deviation, weight)| {
+        let fraction = 1.0 / scale.pixel_weights().len() as f64;
+        let noise2 = self.squared_deviations.iter().zip(scale.pixel_weights()).map(|(deviation, weight)| {
             let square = weight * deviation.element_sum() / (n * (n - 1.0));
             if square > 1.0 {
                 fireflies.add(square, fraction);
@@ -135,8 +136,8 @@ impl ErrorEstimator {
             square.min(1.0)
         });
         let noise2 = noise2.sum::<f64>() * fraction;
-        let differences = self.photon_estimates.as_ref().map(|estimates| estimates.mean_differences(&scale, n));
-        let blur = differences.as_ref().map(BlurEstimate::extrapolate).unwrap_or_default();
+        let differences = self.photon_estimates.as_ref().map(|estimates| estimates.mean_blur_differences(&scale, n));
+        let blur = differences.as_ref().map(BlurEstimate::from_differences).unwrap_or_default();
         let (shared2, shared_variance) = self.shared_paths.squared_error(&scale, film.size().0, n);
         let square = noise2 + blur.square + shared2;
         // The true error of this picture scatters about its expectation, which is estimated too.
@@ -181,7 +182,7 @@ impl ErrorEstimator {
         let [d0, d1] = &estimates.differences;
         let bias = d0.iter().zip(d1).map(|(a, b)| (*a + *b) * factor).collect();
         let discs = |map: usize| estimates.discs.iter().map(|d| d[map].mean()).collect();
-        ErrorMaps { noise, bias, caustic: discs(0), global: discs(1) }
+        ErrorMaps { noise, bias, caustic: discs(0), indirect: discs(1) }
     }
 }
 
@@ -190,7 +191,7 @@ impl NestedEstimateSums {
         Self {
             differences: [vec![Vec3::ZERO; pixels], vec![Vec3::ZERO; pixels]],
             products: vec![[0.0; 3]; pixels],
-            discs: vec![[DiscMean::default(); 2]; pixels],
+            discs: vec![[GatherDiscMeans::default(); 2]; pixels],
             samples: EffectiveSampleCount::default(),
         }
     }
@@ -205,16 +206,17 @@ impl NestedEstimateSums {
             for (sum, product) in self.products[i].iter_mut().zip([a.dot(a), a.dot(b), b.dot(b)]) {
                 *sum += product;
             }
-            let [caustic, global] = &mut self.discs[i];
+            let [caustic, indirect] = &mut self.discs[i];
             caustic.add(pixel.caustic);
-            global.add(pixel.global);
+            indirect.add(pixel.indirect);
         }
     }
 
-    /// Means of D₀², D₀·D₁ and D₁² over the picture, from pairs of different passes among `n`.
-    fn mean_differences(&self, scale: &RelativeScale, n: f64) -> BlurDifferences {
+    /// Returns the means of D₀², D₀·D₁ and D₁² over the picture. Each product combines two
+    /// different passes of the `n` passes.
+    fn mean_blur_differences(&self, scale: &RelativeScale, n: f64) -> BlurDifferences {
         let [d0, d1] = &self.differences;
-        let pixels = scale.weights().len();
+        let pixels = scale.pixel_weights().len();
         let (mut square, mut variance) = ([0.0; 3], 0.0);
         for i in 0..pixels {
             let (a, b) = (d0[i].as_dvec3(), d1[i].as_dvec3());
@@ -233,7 +235,7 @@ impl NestedEstimateSums {
     }
 }
 
-impl DiscMean {
+impl GatherDiscMeans {
     fn add(&mut self, discs: Option<MeanGatherDisc>) {
         if let Some(MeanGatherDisc { radius, photons }) = discs {
             self.radius += radius;

@@ -5,12 +5,13 @@ const OCTAVES: usize = 32;
 
 /// Histogram of fireflies by brightness.
 ///
-/// A firefly has relative squared noise c > 1, which error estimates clamp to 1. With m times as
-/// many passes, the noise of the pixel falls to c/m², and m times as many pixels are fireflies.
-/// Their sum of min(1, c/m²) grows with m at first, and falls as 1/m for large m.
+/// A firefly has relative squared noise c > 1, which error estimates clamp to 1. It stems from one
+/// rare bright sample. With m times as many passes, its c falls to c/m², but m times as many pixels
+/// have such a sample. The sum of min(1, c/m²) over these pixels grows with m at first, and falls
+/// as 1/m for large m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Fireflies {
-    /// Fraction of pixels that are fireflies, by ⌊log₂ c⌋ of their relative squared noise c.
+    /// Fraction of pixels that are fireflies, for each value of ⌊log₂ c⌋.
     fractions: [f64; OCTAVES],
 }
 

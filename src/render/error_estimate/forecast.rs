@@ -2,15 +2,15 @@
 
 use super::estimate::ErrorEstimate;
 use super::fireflies::Fireflies;
-use crate::integrate::shrink;
+use crate::integrate::squared_radius_ratio;
 
 /// Largest number of passes of a forecast.
 const MAX_PASSES: u32 = 10_000_000;
 
-/// Number of passes that are summed one by one. Later passes are summed in leaps.
+/// Number of passes that are summed one by one. Later passes are summed in groups, called leaps.
 const EXACT_PASSES: u32 = 1024;
 
-/// A leap sums 1/128 of the passes so far at once.
+/// One leap adds 1/128 of the passes so far at once.
 const LEAP: u32 = 128;
 
 /// Number of passes needed to reach a given error.
@@ -23,35 +23,35 @@ pub enum PassesNeeded {
         /// Relative bias that remains.
         floor: f64,
     },
-    /// More than ten million passes are needed.
+    /// More than ten million passes are necessary.
     TooMany,
 }
 
 /// Predicted error as a function of the number of passes n.
 ///
 /// Let aᵢ be the disc area of photon estimates in pass i, divided by that in pass 0. The variance
-/// of photon estimates falls as Σ(1/aᵢ)/n², all other variance as 1/n. Blur follows the mean of
-/// aᵢ^p, with a measured exponent p. The shared-path error stays.
+/// of photon estimates falls as Σ(1/aᵢ)/n², all other variance as 1/n. Blur is proportional to the
+/// mean of aᵢ^p, with a measured exponent p. The shared-path error is constant.
 #[derive(Clone, Copy, Debug)]
 pub struct ErrorForecast {
     /// Exponent α of the radius law; 1 for fixed radii.
     alpha: f64,
-    /// Relative variance of one pass, without photon estimates and fireflies.
+    /// Relative variance of one pass, except that of photon estimates and fireflies.
     path_variance: f64,
     /// Relative variance of photon estimates in the first pass.
     photon_variance: f64,
     /// Relative blur of the first pass.
     blur: f64,
-    /// Exponent p: blur is proportional to area^p.
+    /// Exponent p: the blur of a pass is proportional to the p-th power of its disc area.
     power: f64,
     shared_paths: f64,
     fireflies: Fireflies,
-    /// Number of passes at the error estimate that the forecast extrapolates.
+    /// Number of passes of the error estimate from which the forecast starts.
     passes: f64,
 }
 
 impl ErrorForecast {
-    /// Forecast from an error estimate.
+    /// Creates the forecast from an error estimate.
     ///
     /// `law` holds the exponent α of the radius law and
     /// [`Kernel::difference_variance`](crate::photon::Kernel::difference_variance); `None` without
@@ -105,7 +105,7 @@ impl ErrorForecast {
         (noise2.sqrt(), (blur * blur + self.shared_paths * self.shared_paths).sqrt())
     }
 
-    /// Least number of passes with a predicted relative error of at most `target`.
+    /// Predicts the smallest number of passes with a relative error of at most `target`.
     ///
     /// Above 1024 passes, the number is exact to 1 %.
     #[must_use]
@@ -148,7 +148,7 @@ struct DiscAreaSums {
 
 impl DiscAreaSums {
     fn new(alpha: f64, power: f64) -> Self {
-        Self { alpha, power, passes: 0, area: shrink(alpha, 0), inverse_area: 0.0, blur: 0.0 }
+        Self { alpha, power, passes: 0, area: squared_radius_ratio(alpha, 0), inverse_area: 0.0, blur: 0.0 }
     }
 
     fn add_pass(&mut self) {
@@ -159,7 +159,8 @@ impl DiscAreaSums {
         self.area *= (i + self.alpha) / (i + 1.0);
     }
 
-    /// Adds 1/[`LEAP`] of the passes so far by the midpoint rule; for large n, area ∝ n^(α − 1).
+    /// Adds the next n/[`LEAP`] passes by the midpoint rule, where n is the number so far. It uses
+    /// area ∝ n^(α − 1), which holds for large n.
     fn extrapolate_one_leap(&mut self) {
         let (n, count) = (f64::from(self.passes), self.passes / LEAP);
         let at = |i: f64| self.area * libm::pow(i / n, self.alpha - 1.0);

@@ -1,7 +1,7 @@
 //! Estimates the error of a picture from its passes, as a sum of three parts.
 //!
-//! - *Noise*: passes are independent, so the variance of the mean of n passes is s²/n. s² is the
-//!   sample variance.
+//! - *Noise*: passes are independent, so the variance of the mean of n passes is s²/n, with the
+//!   sample variance s².
 //! - *Blur*: the density estimate L(r) with disc radius r has bias L(r) − L(0). The differences D₀
 //!   = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2) are the first terms of a series that sums to the
 //!   bias. The estimates L share their photons. Squares and products of differences are taken

@@ -4,21 +4,25 @@ use crate::image::RelativeScale;
 use crate::integrate::Pass;
 use glam::DVec3;
 
-/// Edge of square blocks that count as one independent sample \[pixels].
+/// Edge length of square blocks of pixels, each of which counts as one independent sample
+/// \[pixels].
 ///
 /// Errors of neighbouring pixels correlate.
 const BLOCK: u32 = 16;
 
-/// Sums over passes of radiance along shared camera paths minus radiance along fresh ones.
+/// Sums over passes of the difference between radiance by shared camera paths and radiance by fresh
+/// ones.
 ///
-/// A pass renders only a few pixels with fresh camera paths.
+/// Fresh camera paths are traced in one pass only. A pass renders a small part of the pixels with
+/// them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SharedPathError {
     /// Indices of the pixels with fresh paths, in rows from the top.
     pixels: Vec<u32>,
-    /// Σ difference over passes, by channel.
+    /// Sum over passes of radiance by shared paths minus radiance by fresh paths, for each pixel
+    /// and channel.
     sums: Vec<DVec3>,
-    /// Σ difference² over passes and channels.
+    /// Sum over passes and channels of the square of that difference, for each pixel.
     squares: Vec<f64>,
 }
 

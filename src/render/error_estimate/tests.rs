@@ -45,7 +45,8 @@ fn three_passes_give_no_estimate() {
     assert!(estimator.forecast(&estimate).is_none());
 }
 
-/// Expected noise σ/√(2n) and bias b/√2, both over 1 + b, the radiance with its bias.
+/// The estimated noise is near σ/√(2n) and the bias near b/√2, both divided by 1 + b, the radiance
+/// with its bias.
 #[test]
 fn noise_and_bias_are_separated() {
     for (sigma, bias) in [(0.3, 0.0), (0.3, 0.1), (0.01, 0.1)] {
@@ -67,7 +68,7 @@ fn noise_and_bias_are_separated() {
     }
 }
 
-/// Compares the true error of 200 pictures with their estimated 90 % intervals.
+/// The 90 % intervals of 200 pictures contain the true error about as often as they should.
 #[test]
 fn intervals_contain_the_true_error() {
     let (mut held, pictures) = (0, 200);
@@ -83,7 +84,7 @@ fn intervals_contain_the_true_error() {
     assert!(held >= 180 - 13, "{held}");
 }
 
-/// Shared paths are wrong by 0.2 at each of 16 pixels; fresh paths have noise only.
+/// Shared paths have an error of 0.2 at each of 16 pixels; fresh paths have noise only.
 #[test]
 fn shared_paths_are_bias() {
     let (mut estimator, mut film) = (ErrorEstimator::new(None), Film::new(WIDTH, WIDTH));
@@ -105,7 +106,8 @@ fn shared_paths_are_bias() {
     assert!(estimate.noise == 0.0 && estimate.blur == 0.0 && estimate.bias == estimate.shared_paths);
 }
 
-/// A step edge blurred by the Epanechnikov kernel: its true bias against the extrapolated one.
+/// At a step edge, blurred by the Epanechnikov kernel, the extrapolated bias agrees with the true
+/// bias.
 #[test]
 fn edges_are_not_extrapolated_as_smooth() {
     // Integral of the kernel over x < t for a disc of radius 1; its marginal is (8/(3π))(1 −

@@ -4,7 +4,7 @@ use crate::sampling::{Dimension, Key, Purpose, sobol_2d};
 const SIDE: usize = 16;
 
 /// Weights from 0 to 10⁴, with one row and one column of zeros.
-fn test_weights() -> Vec<f64> {
+fn grid_weights_with_zeros() -> Vec<f64> {
     let key = Key::new(3).purpose_key(Purpose::Test);
     let weight = |i: usize| {
         let (row, column) = (i / SIDE, i % SIDE);
@@ -21,8 +21,8 @@ fn random_points(n: u64) -> impl Iterator<Item = Vec2> {
 
 /// Chi-square test of a million samples over cells split in four; false-alarm rate 10⁻⁴.
 #[test]
-fn samples_follow_the_density() {
-    let histogram = SquareGridDistribution::new(SIDE, &test_weights()).unwrap();
+fn grid_samples_follow_the_pdf() {
+    let histogram = SquareGridDistribution::new(SIDE, &grid_weights_with_zeros()).unwrap();
     let n = 1_000_000;
     let fine = 2 * SIDE;
     let mut counts = vec![0.0; fine * fine];
@@ -55,10 +55,11 @@ fn samples_follow_the_density() {
     assert!(z.abs() < 3.9, "z = {z}, {nu} degrees of freedom");
 }
 
-/// The tolerance is the 64 steps that each cell gets in its row, and each row in its column.
+/// The pdf of each cell is proportional to its weight. The tolerance allows for the minimum
+/// probability of 64 steps of 2⁻²⁴ that each row gets, and each cell in its row.
 #[test]
-fn density_is_proportional_to_weights() {
-    let weights = test_weights();
+fn grid_pdf_is_proportional_to_weights() {
+    let weights = grid_weights_with_zeros();
     let histogram = SquareGridDistribution::new(SIDE, &weights).unwrap();
     let total: f64 = weights.iter().sum();
     let mut integral = 0.0;
@@ -75,7 +76,8 @@ fn density_is_proportional_to_weights() {
     assert!(rare.pdf(Vec2::new(0.75, 0.25)) > 0.0, "a weight above zero must keep some density");
 }
 
-/// Each row gets its share of 256 stratified points, up to one point per bound.
+/// Each row gets its share of 256 stratified points. The tolerance is one point at each end of the
+/// row.
 #[test]
 fn stratified_points_stay_stratified() {
     let mut weights = vec![1.0; 16];
@@ -95,8 +97,8 @@ fn stratified_points_stay_stratified() {
 }
 
 #[test]
-fn extreme_inputs_stay_in_range() {
-    let histogram = SquareGridDistribution::new(SIDE, &test_weights()).unwrap();
+fn extreme_random_numbers_give_points_in_the_square() {
+    let histogram = SquareGridDistribution::new(SIDE, &grid_weights_with_zeros()).unwrap();
     for x in [0.0, 1e-30, 0.5, 1.0 - f32::EPSILON / 2.0] {
         for y in [0.0, 1e-30, 0.5, 1.0 - f32::EPSILON / 2.0] {
             let (at, density) = histogram.sample(Vec2::new(x, y));

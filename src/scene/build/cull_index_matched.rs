@@ -6,8 +6,8 @@ use crate::scene::Material;
 /// Removes objects that bound a body of refractive index 1 without absorption or medium.
 ///
 /// Such a body still matters where it displaces another body or the ambient medium. No object is
-/// removed if there is an ambient medium. An object that moves or emits stays. So does an object
-/// whose box overlaps that of a body unlike air.
+/// therefore removed if there is an ambient medium. Objects that move or emit light are kept. An
+/// object is also kept if its box overlaps the box of a body unlike air.
 pub(super) fn cull_index_matched(
     mut objects: Vec<SceneObject>,
     mut mesh: MeshData,

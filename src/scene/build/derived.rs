@@ -7,16 +7,18 @@ use crate::scene::Scene;
 use crate::scene::interiors::{InteriorStack, interior_stack_at};
 use glam::Vec3;
 
-/// Radius of the photon domain over that of the bounded shapes, in a scene with unbounded planes.
+/// Ratio of the photon domain's radius to that of the bounding sphere of all bounded shapes, in a
+/// scene with unbounded planes.
 const OPEN_DOMAIN_FACTOR: f32 = 4.0;
 
-/// Radius of the ambient medium over the distance to the farthest light or camera. Without a bound,
-/// most photons would scatter far away.
+/// Ratio of the ambient medium's radius to the distance of the farthest light or camera.
+///
+/// In an unbounded medium, most photons would scatter far away from the objects.
 const AMBIENT_EXTENT_FACTOR: f32 = 2.0;
 
-/// Quantities that follow from the placement of objects, lights and camera at one time.
+/// Scene data that is computed from the placement of objects, lights and camera at one time.
 #[derive(Clone, Debug)]
-pub(in crate::scene) struct DerivedQuantities {
+pub(in crate::scene) struct DerivedSceneData {
     /// See [`Scene::photon_domain`].
     pub domain: BoundingSphere,
     /// The ball that the ambient medium fills.
@@ -29,7 +31,7 @@ pub(in crate::scene) struct DerivedQuantities {
     pub light_contact_distance: Vec<f32>,
 }
 
-impl Default for DerivedQuantities {
+impl Default for DerivedSceneData {
     fn default() -> Self {
         let nowhere = BoundingSphere { center: Vec3::ZERO, radius: 0.0 };
         Self {
@@ -42,8 +44,8 @@ impl Default for DerivedQuantities {
     }
 }
 
-/// Derives all quantities from the geometry, lights and camera of `scene`.
-pub(in crate::scene) fn derive_quantities(scene: &Scene) -> DerivedQuantities {
+/// Computes the derived data of `scene` from its geometry, lights and camera.
+pub(in crate::scene) fn derive_scene_data(scene: &Scene) -> DerivedSceneData {
     let planes = scene.geometry.planes.iter().map(|plane| plane.point_and_normal().0.length());
     let domain = photon_domain(scene.geometry.bounds(), planes);
     let camera = scene.camera.center().as_vec3();
@@ -57,7 +59,7 @@ pub(in crate::scene) fn derive_quantities(scene: &Scene) -> DerivedQuantities {
             |light: &Light| light.emission_point().map_or(InteriorStack::EMPTY, |p| interior_stack_at(scene, p));
         light_interiors = scene.lights.iter().map(start).collect();
     }
-    DerivedQuantities {
+    DerivedSceneData {
         domain,
         ambient_extent: BoundingSphere { center: domain.center, radius: farthest * AMBIENT_EXTENT_FACTOR },
         camera_interior,

@@ -5,13 +5,13 @@ use crate::math::{BoundingSphere, Ray, rounding_error_bound};
 use crate::scene::Scene;
 use glam::Vec3;
 
-/// Ratio of the contact distance to the position error.
+/// Ratio of the contact distance to the bound on the position error of light and surface.
 const CONTACT_POSITION_ERRORS: f32 = 40.0;
 
-/// Bound on the f64 roundings in the difference of two positions of the scene description.
+/// Bound on the number of f64 rounding errors in the difference of two positions.
 ///
-/// Each position has up to six: four of a transform, one of a product of transforms, one of the
-/// difference. The bound is twice their sum.
+/// Each position has up to six rounding errors: four from a transform, one from a product of
+/// transforms, and one from the difference. The bound is twice the sum for both positions.
 const POSITION_ROUNDINGS: f64 = 24.0;
 
 /// Distance below which a surface point touches `light` \[length]: see

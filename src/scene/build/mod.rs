@@ -9,7 +9,7 @@ mod place;
 mod recenter;
 mod validate;
 
-pub(super) use derived::{DerivedQuantities, derive_quantities};
+pub(super) use derived::{DerivedSceneData, derive_scene_data};
 pub(super) use lights::mean_emission_lights;
 
 use super::interiors::{CoincidentFlags, find_coincident_flags};
@@ -26,9 +26,9 @@ use glam::{DVec2, DVec3, Vec3};
 use lights::{CollectedLights, DeltaLight, collect_lights};
 use object::{MeshData, ObjectGeometry, SceneObject};
 use place::{PlacedObjects, place_camera, place_objects};
-use recenter::choose_origin;
+use recenter::choose_scene_origin;
 use std::sync::Arc;
-use validate::{validate_extent, validate_objects, validate_power};
+use validate::{validate_coordinate_range, validate_objects, validate_power};
 
 /// Builder of a [`Scene`] from parts in world coordinates.
 #[derive(Debug, Default)]
@@ -143,7 +143,8 @@ impl SceneBuilder {
         self
     }
 
-    /// Sets the texture mapping of the object added last. `to_world` places the mapping.
+    /// Sets the texture mapping of the object added last; `to_world` maps its object space to the
+    /// world.
     ///
     /// Solid textures are evaluated in the space of the mapping. An object without a mapping has
     /// its surface parameters as texture coordinates, and solid textures in world space.
@@ -199,9 +200,9 @@ impl SceneBuilder {
         validate_objects(&self.objects, &self.mesh)?;
         let (objects, mesh) =
             cull_index_matched(self.objects, self.mesh, &self.materials, self.ambient_medium.is_some());
-        let origin = choose_origin(&objects, &mesh, &camera)?;
+        let origin = choose_scene_origin(&objects, &mesh, &camera)?;
         let PlacedObjects { objects, geometry, mappings, mut animation } = place_objects(objects, mesh, origin)?;
-        validate_extent(&geometry, &animation)?;
+        validate_coordinate_range(&geometry, &animation)?;
         let CollectedLights { lights, environment, legacy_lights, moving, of_object } =
             collect_lights(&self.sources, &objects, &geometry, &mappings, &self.textures, self.environment, origin)?;
         animation.lights = moving;
@@ -224,11 +225,11 @@ impl SceneBuilder {
             animation: (!animation.is_empty()).then(|| Arc::new(animation)),
             origin,
             coincident: CoincidentFlags::default(),
-            derived: DerivedQuantities::default(),
+            derived: DerivedSceneData::default(),
         };
         scene.coincident =
             find_coincident_flags(&scene.geometry, |material| may_bound_body(&scene.materials, material));
-        scene.derived = derive_quantities(&scene);
+        scene.derived = derive_scene_data(&scene);
         validate_power(&scene)?;
         Ok(scene)
     }

@@ -9,7 +9,7 @@ use std::ops::Range;
 /// Minimum and maximum corner of a box, in double precision.
 pub(super) type Extent = (DVec3, DVec3);
 
-/// An object in world coordinates, or in the space of its motion if it moves.
+/// An object in world coordinates; a moving object in the coordinates before its motion.
 #[derive(Debug)]
 pub(super) struct SceneObject {
     pub geometry: ObjectGeometry,
@@ -19,9 +19,9 @@ pub(super) struct SceneObject {
     pub material: u32,
     /// Mean emitted radiance \[W/(m² sr)].
     pub emission: Rgb,
-    /// Index of the texture that the emission follows, and its scale \[W/(m² sr)].
+    /// Index of the emission texture, and the radiance of texture value 1 \[W/(m² sr)].
     pub emission_texture: Option<(u32, Rgb)>,
-    /// Kind of the texture mapping, and the motion of its space to the world.
+    /// Kind of the texture mapping, and the motion from its object space to the world.
     pub mapping: Option<(MappingKind, Motion)>,
 }
 
@@ -81,7 +81,7 @@ pub(super) struct MeshData {
 }
 
 impl MeshData {
-    /// Adds a mesh without its triangles of zero area. Returns the range of its triangles.
+    /// Adds a mesh, and returns the range of its triangles. Triangles of zero area are dropped.
     pub fn add_mesh(&mut self, positions: &[DVec3], normals: &[Vec3], triangles: &[Triangle]) -> Range<u32> {
         let (base, first) = (self.positions.len() as u32, self.triangles.len() as u32);
         self.positions.extend_from_slice(positions);
@@ -97,7 +97,7 @@ impl MeshData {
         first..self.triangles.len() as u32
     }
 
-    /// Adds texture coordinates of the mesh added last, one a vertex.
+    /// Adds texture coordinates to the mesh added last, one pair per vertex.
     pub fn add_texcoords(&mut self, texcoords: &[DVec2]) {
         let before = self.positions.len().saturating_sub(texcoords.len());
         self.texcoords.resize(before, Vec2::ZERO);

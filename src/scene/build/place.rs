@@ -4,7 +4,7 @@ use super::object::{MeshData, ObjectGeometry, SceneObject};
 use crate::camera::Camera;
 use crate::math::Motion;
 use crate::scene::BuildError;
-use crate::scene::animation::{Animation, MID_SHUTTER, camera_at, mapping_at, plane_at, shape_at};
+use crate::scene::animation::{Animation, MID_SHUTTER, camera_at_time, mapping_at_time, plane_at_time, shape_at_time};
 use crate::scene::geometry::{self, ObjectAttributes};
 use crate::shape::{Mesh, Plane, Shape, TextureMapping};
 use glam::{DAffine3, DVec3};
@@ -13,7 +13,8 @@ use std::sync::Arc;
 
 /// Objects in scene coordinates.
 pub(super) struct PlacedObjects {
-    /// The objects in the order of their indices: shapes, meshes, planes; moving ones last of each.
+    /// The objects in the order of their indices: shapes, then meshes, then planes. Moving shapes
+    /// follow shapes at rest, and moving planes follow planes at rest.
     pub objects: Vec<SceneObject>,
     pub geometry: PlacedGeometry,
     pub mappings: PlacedMappings,
@@ -40,7 +41,8 @@ pub(super) struct PlacedMappings {
     pub of_object: Vec<u32>,
 }
 
-/// Sorts the objects by index, and places them relative to `origin` at mid-shutter.
+/// Sorts the objects into the order of their indices, and places them relative to `origin` at
+/// mid-shutter.
 pub(super) fn place_objects(
     mut objects: Vec<SceneObject>,
     mesh: MeshData,
@@ -55,13 +57,13 @@ pub(super) fn place_objects(
         match (&object.geometry, motion) {
             (ObjectGeometry::Shape(shape), None) => shapes.push(shape.translated(-origin)),
             (ObjectGeometry::Shape(shape), Some(motion)) => {
-                shapes.push(shape_at(shape, &motion, MID_SHUTTER).ok_or(BuildError::Flattened)?);
+                shapes.push(shape_at_time(shape, &motion, MID_SHUTTER).ok_or(BuildError::Flattened)?);
                 animation.shapes.push((shape.clone(), motion));
             }
             (ObjectGeometry::Mesh(range), _) => mesh_ranges.push(range.clone()),
             (ObjectGeometry::Plane(plane), None) => planes.push(plane.translated(-origin)),
             (ObjectGeometry::Plane(plane), Some(motion)) => {
-                planes.push(plane_at(plane, &motion, MID_SHUTTER).ok_or(BuildError::Flattened)?);
+                planes.push(plane_at_time(plane, &motion, MID_SHUTTER).ok_or(BuildError::Flattened)?);
                 animation.planes.push((*plane, motion));
             }
         }
@@ -87,7 +89,7 @@ fn place_mappings(
             continue;
         };
         let (index, placed) = (mappings.list.len(), motion.followed_by_map(recenter));
-        mappings.list.push(mapping_at(*form, &placed, MID_SHUTTER).ok_or(BuildError::Flattened)?);
+        mappings.list.push(mapping_at_time(*form, &placed, MID_SHUTTER).ok_or(BuildError::Flattened)?);
         mappings.of_object.push(index as u32);
         if !motion.is_constant() {
             animation.mappings.push((index, *form, placed));
@@ -96,7 +98,9 @@ fn place_mappings(
     Ok(mappings)
 }
 
-/// The camera relative to `origin` at mid-shutter. Adds its motion to `animation`, if it has one.
+/// The camera in coordinates relative to `origin`, at mid-shutter.
+///
+/// If the camera moves, its motion is added to `animation`.
 pub(super) fn place_camera(
     camera: &Camera,
     motion: Option<Motion>,
@@ -106,7 +110,7 @@ pub(super) fn place_camera(
     let camera = camera.translated(-origin);
     let Some(motion) = motion else { return Ok(camera) };
     let motion = motion.around_point(camera.center());
-    let placed = camera_at(&camera, &motion, MID_SHUTTER).ok_or(BuildError::Flattened)?;
+    let placed = camera_at_time(&camera, &motion, MID_SHUTTER).ok_or(BuildError::Flattened)?;
     animation.camera = Some((camera, motion));
     Ok(placed)
 }

@@ -3,21 +3,22 @@
 use super::object::{Extent, MeshData, ObjectGeometry, SceneObject};
 use crate::camera::Camera;
 use crate::scene::BuildError;
-use crate::scene::animation::{MID_SHUTTER, shape_at};
+use crate::scene::animation::{MID_SHUTTER, shape_at_time};
 use crate::shape::Shape;
 use glam::{DVec3, Vec2};
 
-/// Largest accepted ratio of an object's distance from the origin to its size. Single precision
-/// then rounds coordinates by at most 2⁻²⁴·2¹² = 2⁻¹² of the size.
+/// Largest accepted ratio of an object's distance from the origin to the object's size.
+///
+/// Single precision then rounds coordinates by at most 2⁻²⁴·2¹² = 2⁻¹² of the size.
 const MAX_DISTANCE_IN_SIZES: f64 = 4096.0;
 
 /// Number of bisection steps, enough for the digits of double precision.
 const BISECTIONS: u32 = 64;
 
-/// Camera position, and distance to the nearest visible shape.
+/// Camera position, and its distance \[length] to the nearest shape in a few image points.
 type CameraView = (DVec3, f64);
 
-/// A region whose details single precision must resolve.
+/// An object or viewpoint near which single precision must resolve fine details.
 #[derive(Clone, Copy, Debug)]
 struct PrecisionTarget {
     center: DVec3,
@@ -25,7 +26,11 @@ struct PrecisionTarget {
 }
 
 /// Origin of scene coordinates, in world coordinates. Without bounded objects, the camera position.
-pub(super) fn choose_origin(objects: &[SceneObject], mesh: &MeshData, camera: &Camera) -> Result<DVec3, BuildError> {
+pub(super) fn choose_scene_origin(
+    objects: &[SceneObject],
+    mesh: &MeshData,
+    camera: &Camera,
+) -> Result<DVec3, BuildError> {
     let (mut resting, mut moving, mut meshes) = (Vec::new(), Vec::new(), Vec::new());
     let mut shapes = Vec::new();
     for object in objects {
@@ -35,9 +40,10 @@ pub(super) fn choose_origin(objects: &[SceneObject], mesh: &MeshData, camera: &C
                 shapes.push(shape);
             }
             (ObjectGeometry::Shape(shape), Some(motion)) => {
-                let at =
-                    |time| shape_at(shape, motion, time).map(|shape| shape.bounds_f64()).ok_or(BuildError::Flattened);
-                moving.push(extent_union(extent_union(at(0.0)?, at(MID_SHUTTER)?), at(1.0)?));
+                let at = |time| {
+                    shape_at_time(shape, motion, time).map(|shape| shape.bounds_f64()).ok_or(BuildError::Flattened)
+                };
+                moving.push(union_of_extents(union_of_extents(at(0.0)?, at(MID_SHUTTER)?), at(1.0)?));
             }
             (ObjectGeometry::Mesh(_), _) => meshes.extend(object.extent(mesh)),
             (ObjectGeometry::Plane(_), _) => {}
@@ -47,20 +53,18 @@ pub(super) fn choose_origin(objects: &[SceneObject], mesh: &MeshData, camera: &C
     Ok(origin_for_extents(&boxes, camera_view(camera, &shapes)).unwrap_or(camera.center()))
 }
 
-fn extent_union((a, b): Extent, (c, d): Extent) -> Extent {
+fn union_of_extents((a, b): Extent, (c, d): Extent) -> Extent {
     (a.min(c), b.max(d))
 }
 
 /// Origin of scene coordinates for objects with bounding boxes `boxes`; `None` without boxes.
 ///
 /// It is the center of all boxes, if no object is farther from the center than
-/// [`MAX_DISTANCE_IN_SIZES`] times its size. Else it minimizes the greatest ratio of distance to
-/// size, for example for small objects on a huge sphere.
-///
-/// The second point is at most twice as far from any object as the first, so coordinates lose at
-/// most one binary digit.
+/// [`MAX_DISTANCE_IN_SIZES`] times its size. Otherwise, as for small objects on a huge sphere, it
+/// minimizes the greatest ratio of an object's distance to its size. That point is at most twice as
+/// far from any object as the center is, so coordinates lose at most one binary digit.
 fn origin_for_extents(boxes: &[Extent], view: Option<CameraView>) -> Option<DVec3> {
-    let (min, max) = boxes.iter().copied().reduce(extent_union)?;
+    let (min, max) = boxes.iter().copied().reduce(union_of_extents)?;
     let center = min * 0.5 + max * 0.5;
     let target =
         |(min, max): &Extent| PrecisionTarget { center: *min * 0.5 + *max * 0.5, size: (*max - *min).max_element() };
@@ -76,8 +80,9 @@ fn origin_for_extents(boxes: &[Extent], view: Option<CameraView>) -> Option<DVec
     Some(nearest.clamp(min, max))
 }
 
-/// Camera position, and distance of the nearest shape at the center or the corners of the image;
-/// `None` without such a shape.
+/// Camera position, and distance of the nearest shape at the center or the corners of the image.
+///
+/// `None` if camera rays through these points hit no shape.
 fn camera_view(camera: &Camera, shapes: &[&Shape]) -> Option<CameraView> {
     let (position, (width, height)) = (camera.center(), camera.size());
     let local = camera.translated(-position);
@@ -90,9 +95,9 @@ fn camera_view(camera: &Camera, shapes: &[&Shape]) -> Option<CameraView> {
     Some((position, f64::from(distances.reduce(f32::min)?)))
 }
 
-/// Coordinate along `axis` that minimizes the greatest ratio of distance to size over `targets`.
+/// Coordinate along `axis` that minimizes the greatest ratio of a target's distance to its size.
 ///
-/// `most` is an upper bound of that ratio.
+/// Distances are measured along `axis`. `most` is an upper bound of that ratio.
 fn minimax_coordinate(targets: &[PrecisionTarget], axis: usize, most: f64) -> f64 {
     let within = |t: f64| {
         let ends =

@@ -3,11 +3,11 @@
 use super::*;
 use crate::shape::Sphere as Ball;
 
-fn test_camera() -> Camera {
+fn perspective_camera() -> Camera {
     Camera::perspective(DVec3::new(0.0, 0.0, 9.0), DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap()
 }
 
-fn add_ball(builder: &mut SceneBuilder, center: DVec3, emission: Rgb) {
+fn add_emissive_sphere(builder: &mut SceneBuilder, center: DVec3, emission: Rgb) {
     let material = builder.material(Material::diffuse(Rgb::ONE));
     builder.shape(Shape::Sphere(Ball::new(center, 1.0)), material, emission);
 }
@@ -15,15 +15,15 @@ fn add_ball(builder: &mut SceneBuilder, center: DVec3, emission: Rgb) {
 #[test]
 fn scenes_beyond_single_precision_are_refused() {
     let mut far = SceneBuilder::new();
-    add_ball(&mut far, DVec3::ZERO, Rgb::ZERO);
-    add_ball(&mut far, DVec3::new(1e15, 0.0, 0.0), Rgb::ZERO);
-    assert!(matches!(far.build(test_camera()), Err(BuildError::TooLarge(_))));
+    add_emissive_sphere(&mut far, DVec3::ZERO, Rgb::ZERO);
+    add_emissive_sphere(&mut far, DVec3::new(1e15, 0.0, 0.0), Rgb::ZERO);
+    assert!(matches!(far.build(perspective_camera()), Err(BuildError::TooLarge(_))));
     let mut bright = SceneBuilder::new();
-    add_ball(&mut bright, DVec3::ZERO, Rgb::splat(f32::MAX));
-    assert_eq!(bright.build(test_camera()).err(), Some(BuildError::TooBright(0)));
+    add_emissive_sphere(&mut bright, DVec3::ZERO, Rgb::splat(f32::MAX));
+    assert_eq!(bright.build(perspective_camera()).err(), Some(BuildError::TooBright(0)));
     let mut source = SceneBuilder::new();
     source.delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Rgb::INFINITY));
-    assert_eq!(source.build(test_camera()).err(), Some(BuildError::TooBright(0)));
+    assert_eq!(source.build(perspective_camera()).err(), Some(BuildError::TooBright(0)));
 }
 
 #[test]
@@ -34,8 +34,8 @@ fn escaped_rays_see_the_environment_or_background() {
         for radiance in environments {
             builder.environment(EnvironmentLight::constant(Rgb::splat(*radiance)).unwrap());
         }
-        add_ball(&mut builder, DVec3::ZERO, Rgb::ONE);
-        builder.build(test_camera()).unwrap()
+        add_emissive_sphere(&mut builder, DVec3::ZERO, Rgb::ONE);
+        builder.build(perspective_camera()).unwrap()
     };
     let (without, with) = (scene(&[]), scene(&[2.0, 3.0]));
     assert_eq!((without.environment(), without.escaped_radiance(Vec3::X)), (None, Rgb::splat(0.5)));
@@ -47,8 +47,8 @@ fn escaped_rays_see_the_environment_or_background() {
 fn a_scene_is_recentered_on_its_shapes() {
     let mut builder = SceneBuilder::new();
     let center = DVec3::new(1e6, 2e6, -3e6);
-    add_ball(&mut builder, center, Rgb::ZERO);
-    let scene = builder.build(test_camera().translated(center)).unwrap();
+    add_emissive_sphere(&mut builder, center, Rgb::ZERO);
+    let scene = builder.build(perspective_camera().translated(center)).unwrap();
     assert_eq!(scene.origin(), center);
     assert_eq!(scene.camera().center(), DVec3::new(0.0, 0.0, 9.0));
     assert_eq!(scene.photon_domain().center, Vec3::ZERO);

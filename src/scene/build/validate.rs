@@ -4,15 +4,16 @@ use super::object::{MeshData, ObjectGeometry, SceneObject};
 use super::place::PlacedGeometry;
 use crate::color;
 use crate::math::Bounds;
-use crate::scene::animation::{Animation, shape_at};
+use crate::scene::animation::{Animation, shape_at_time};
 use crate::scene::{BuildError, Scene};
 use crate::shape::Shape;
 
 /// Largest accepted coordinate. The product of three coordinates stays finite in single precision.
 const MAX_COORDINATE: f32 = 1e12;
 
-/// Smallest accepted extent, 2⁻³⁹. Its rounding error, 2⁻²⁴ of it, has a square of 2⁻¹²⁶, the least
-/// normal number.
+/// Smallest accepted extent of a scene, 2⁻³⁹ \[length].
+///
+/// The rounding error of such a coordinate is 2⁻⁶³. Its square, 2⁻¹²⁶, is the least normal f32.
 const MIN_EXTENT: f32 = 1.0 / 549_755_813_888.0;
 
 /// Checks that no unbounded plane emits, and that triangle indices fit 31 bits.
@@ -27,9 +28,10 @@ pub(super) fn validate_objects(objects: &[SceneObject], mesh: &MeshData) -> Resu
 
 /// Checks that all coordinates fit single precision, at mid-shutter and at both ends of the shutter
 /// interval.
-pub(super) fn validate_extent(geometry: &PlacedGeometry, animation: &Animation) -> Result<(), BuildError> {
-    let at =
-        |time| animation.shapes.iter().filter_map(move |(shape, motion)| Some(shape_at(shape, motion, time)?.bounds()));
+pub(super) fn validate_coordinate_range(geometry: &PlacedGeometry, animation: &Animation) -> Result<(), BuildError> {
+    let at = |time| {
+        animation.shapes.iter().filter_map(move |(shape, motion)| Some(shape_at_time(shape, motion, time)?.bounds()))
+    };
     let boxes = geometry.shapes.iter().map(Shape::bounds).chain(at(0.0)).chain(at(1.0));
     let corners = (0..geometry.mesh.triangles.len()).flat_map(|i| geometry.mesh.corners(i));
     let farthest = corners

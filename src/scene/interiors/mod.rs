@@ -92,26 +92,32 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
         exp_neg(self.optical_depth(scene, distance))
     }
 
-    /// Adds the body that `surface` bounds, if the path leaves it without having entered it. The
-    /// path must then have started inside.
+    /// Adds the body that `surface` bounds, if the path leaves the body without having entered it.
+    ///
+    /// The path must then have started inside the body.
     fn infer_starting_body(&mut self, surface: &SurfaceInteraction<'_>);
 
-    /// Determines how `surface` affects the path, and sets its BSDF for the refractive indices on
-    /// both sides. `key` is the random key of the vertex.
+    /// Determines how `surface` affects the path, and returns that event.
+    ///
+    /// Sets the BSDF of the surface for the refractive indices on both sides. `key` is the random
+    /// key of the path vertex.
     fn resolve_boundary(&mut self, scene: &Scene, surface: &mut SurfaceInteraction<'_>, key: Key) -> BoundaryEvent;
 
     /// Enters or leaves the body that `surface` bounds, if any, in unit `direction`.
     fn cross_boundary(&mut self, surface: &SurfaceInteraction<'_>, direction: Vec3);
 
-    /// Factor of the path throughput that applies before scattering at `surface`; 1 unless a
-    /// wavelength was sampled there.
+    /// Factor of the path throughput on arrival at `surface`, before scattering.
+    ///
+    /// It is 1 unless the path samples its wavelength at `surface`.
     #[inline]
     fn wavelength_weight_before_scattering(&mut self, _: &SurfaceInteraction<'_>) -> Rgb {
         Rgb::ONE
     }
 
-    /// Factor of the path throughput that applies after scattering at `surface`; 1 unless a
-    /// wavelength was sampled there.
+    /// Factor of the path throughput after scattering at `surface`; 1 unless the path samples its
+    /// wavelength there.
+    ///
+    /// The last argument is true if the path is transmitted through the surface.
     #[inline]
     fn wavelength_weight_after_scattering(&mut self, _: &SurfaceInteraction<'_>, _: bool) -> Rgb {
         Rgb::ONE
@@ -124,7 +130,7 @@ pub(super) fn exp_neg(depth: Rgb) -> Rgb {
     if depth == Rgb::ZERO { Rgb::ONE } else { (-depth).map(libm::expf) }
 }
 
-/// Tracks nothing: bodies do not absorb, and air surrounds each of them.
+/// The interior of paths that track no bodies: nothing absorbs, and each body is surrounded by air.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NoInterior;
 
@@ -183,7 +189,7 @@ impl Interior for InteriorStack {
     fn infer_starting_body(&mut self, surface: &SurfaceInteraction<'_>) {
         if surface.material.bounded_body().is_some() && !surface.is_entering() && !self.contains(surface.material_index)
         {
-            self.insert_outermost(surface.material_index);
+            self.insert_outermost_body(surface.material_index);
         }
     }
 
@@ -211,10 +217,11 @@ impl Interior for InteriorStack {
     }
 }
 
-/// The event at `surface`, which bounds `body`; the body on the inner side; and the interface.
+/// Returns the event at `surface`, which bounds `body`, the body on the inner side, and the
+/// interface between inner and outer side.
 ///
-/// Finds the boundaries that coincide with `surface`, and sets the roughness of `surface` to the
-/// greatest of theirs.
+/// Also finds the boundaries that coincide with `surface`. If there are any, the roughness of
+/// `surface` becomes the greatest roughness of all of them.
 #[inline]
 fn resolve_interface(
     stack: &InteriorStack,

@@ -8,10 +8,11 @@ use crate::sampling::{Dimension, Key};
 use crate::scene::{Effect, Effects, Scene, SurfaceInteraction};
 use glam::Vec3;
 
-/// Range of reflectances at which a reflected path keeps all wavelengths.
+/// Range of Fresnel reflectances for which a path reflected by a dispersive surface keeps all
+/// wavelengths.
 ///
-/// Here the reflectances of all wavelengths differ by less than a third. They differ more near
-/// total reflection, and where both indices are nearly equal.
+/// In this range, the reflectances of all wavelengths differ by less than a third. They differ more
+/// near total reflection, and where both refractive indices are nearly equal.
 const UNDISPERSED_REFLECTANCES: std::ops::Range<f32> = 0.004..0.2;
 
 /// An [`InteriorStack`] for paths that pass through media, carry a wavelength, or both.
@@ -22,8 +23,9 @@ const UNDISPERSED_REFLECTANCES: std::ops::Range<f32> = 0.004..0.2;
 pub struct SpectralInterior {
     stack: InteriorStack,
     wavelength: Option<Wavelength>,
-    /// The boundary's BSDF for the d line, where a wavelength is sampled but its weight not yet
-    /// applied.
+    /// The BSDF, for the d line, of the boundary at which the wavelength was sampled.
+    ///
+    /// `None` once the weight of the wavelength has been applied to the path.
     sampled_at: Option<Dielectric>,
     effects: Effects,
 }

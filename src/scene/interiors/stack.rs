@@ -4,7 +4,7 @@ use super::{Body, BoundaryEvent};
 use crate::scene::Material;
 use glam::Vec3;
 
-/// Capacity of the stack. Beyond it, the bodies entered first are dropped.
+/// Capacity of the stack. If it is full, the body entered first is dropped.
 const MAX_BODIES: usize = 12;
 
 /// The bodies around a point, by material index and in the order of entry (Schmidt and Budge 2002,
@@ -33,7 +33,9 @@ impl BodyInterface {
         if self.real { BoundaryEvent::Surface } else { BoundaryEvent::Hidden }
     }
 
-    /// Relative refractive index: `index` of `body`, divided by `index` of the outer side.
+    /// Refractive index of `body` relative to the outer side.
+    ///
+    /// `index` returns the absolute refractive index of a body.
     #[inline]
     pub fn relative_ior(&self, body: &Body, index: impl Fn(&Body) -> f32) -> f32 {
         index(body) / self.outside.as_ref().map_or(1.0, index)
@@ -72,7 +74,7 @@ impl InteriorStack {
     }
 
     /// Inserts a body below all others: the path must have started inside it.
-    pub(in crate::scene) fn insert_outermost(&mut self, material: u32) {
+    pub(in crate::scene) fn insert_outermost_body(&mut self, material: u32) {
         if usize::from(self.count) < MAX_BODIES {
             self.bodies.copy_within(0..usize::from(self.count), 1);
             self.bodies[0] = material;
@@ -116,8 +118,10 @@ impl InteriorStack {
         top
     }
 
-    /// The interface at the boundary of `body`, which has material index `material`. `entering` is
-    /// true if the path enters the body.
+    /// The interface that a path meets at the boundary of `body`, given the bodies around the path.
+    ///
+    /// `material` is the index of the body's material. `entering` is true if the path enters the
+    /// body.
     #[inline]
     pub(in crate::scene) fn interface_at(
         &self,
@@ -138,7 +142,9 @@ impl InteriorStack {
         BodyInterface { real, outside: around.top_refracting_body(materials).map(|(_, body)| *body) }
     }
 
-    /// Enters or leaves the body of `material` in unit `direction`. `ng` points out of the body.
+    /// Pushes or removes the body of `material`, depending on the unit `direction` of the path.
+    ///
+    /// `ng` is the geometric normal of the boundary and points out of the body.
     #[inline]
     pub(in crate::scene) fn enter_or_leave(&mut self, material: u32, direction: Vec3, ng: Vec3) {
         if direction.dot(ng) < 0.0 { self.push_body(material) } else { self.remove_body(material) }

@@ -6,20 +6,22 @@ use crate::shape::{SurfacePoint, TexCoord, TextureMapping};
 use crate::texture::{Texture, TextureEvalContext};
 use glam::{DVec2, DVec3, Vec3};
 
-/// Lower bound of the cosine that divides the length of a footprint at grazing angles.
+/// Lower bound of the cosine between ray and normal. It limits footprints at grazing angles.
 const MIN_COS: f64 = 1e-3;
 
 /// The footprint of a ray cone on a surface, with derivatives of the texture coordinates.
 pub(in crate::scene) struct TextureFootprint<'a> {
-    /// The point and its filter axes, for texture lookups.
+    /// The point of texture lookups, with its filter axes.
     pub context: TextureEvalContext,
     pub coords: TexCoord,
     mapping: &'a TextureMapping,
 }
 
 impl<'a> TextureFootprint<'a> {
-    /// The footprint of `cone` at `hit`. One axis is as long as the cone is wide. The other is
-    /// longer by the inverse cosine to the normal.
+    /// The footprint of `cone` at `hit`: an ellipse on the surface.
+    ///
+    /// One axis is as long as the cone is wide. The other axis is longer by 1/cos θ, where θ is the
+    /// angle between ray and normal.
     pub fn new(
         geometry: &Geometry,
         mappings: &'a [TextureMapping],
@@ -28,8 +30,8 @@ impl<'a> TextureFootprint<'a> {
         wo: Vec3,
         cone: &RayCone,
     ) -> Self {
-        let mapping = &mappings[geometry.object_attributes(hit.kind).mapping as usize];
-        let p = mapping.point_to_object(point.p);
+        let mapping = &mappings[geometry.object_attributes(hit.primitive).mapping as usize];
+        let p = mapping.point_to_object_space(point.p);
         let coords = mapping.tex_coord_at(p, || geometry.surface_texture_coords(hit, point));
         let mut context = TextureEvalContext::unfiltered(coords.uv, p);
         let width = f64::from(cone.width());
@@ -41,16 +43,18 @@ impl<'a> TextureFootprint<'a> {
             let long = along * (width / wo.dot(n).abs().max(MIN_COS));
             let across = n.cross(along) * width;
             context.axes = [across, long].map(|x| DVec2::new(coords.du.dot(x), coords.dv.dot(x)));
-            let [a, b] = [across, long].map(|x| mapping.vector_to_object(x).length());
+            let [a, b] = [across, long].map(|x| mapping.vector_to_object_space(x).length());
             context.width = (a * b).sqrt();
         }
         Self { context, coords, mapping }
     }
 
-    /// The lookup context at a point displaced by `step` along the surface.
+    /// The texture lookup context at the point that is displaced by `step` along the surface.
+    ///
+    /// `step` is a world-space vector \[length].
     pub fn context_moved_by(&self, step: DVec3) -> TextureEvalContext {
         let uv = self.context.uv + DVec2::new(self.coords.du.dot(step), self.coords.dv.dot(step));
-        TextureEvalContext { uv, p: self.context.p + self.mapping.vector_to_object(step), ..self.context }
+        TextureEvalContext { uv, p: self.context.p + self.mapping.vector_to_object_space(step), ..self.context }
     }
 
     /// Length of the finite-difference step of a bump map along unit `direction` \[length].
@@ -58,8 +62,8 @@ impl<'a> TextureFootprint<'a> {
     /// The step spans the finest detail of `texture`, and at least half of `width`, the footprint's
     /// diameter.
     pub fn bump_map_step(&self, texture: &Texture, direction: DVec3, width: f64) -> f64 {
-        let change = if texture.is_solid() {
-            self.mapping.vector_to_object(direction).length()
+        let change = if texture.is_solid_texture() {
+            self.mapping.vector_to_object_space(direction).length()
         } else {
             libm::hypot(self.coords.du.dot(direction), self.coords.dv.dot(direction))
         };

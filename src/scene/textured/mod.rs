@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 /// A material parameter: a constant, or a texture times a factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Textured<T> {
+pub enum MaterialParameter<T> {
     /// One value everywhere.
     Constant(T),
     /// A texture times a factor.
@@ -28,14 +28,14 @@ pub enum Textured<T> {
     },
 }
 
-impl<T> From<T> for Textured<T> {
+impl<T> From<T> for MaterialParameter<T> {
     fn from(value: T) -> Self {
         Self::Constant(value)
     }
 }
 
-impl<T: Copy> Textured<T> {
-    /// The constant, or the mean of texture times factor.
+impl<T: Copy> MaterialParameter<T> {
+    /// The constant value, or the mean of the texture times its factor.
     #[inline]
     #[must_use]
     pub fn mean(&self) -> T {
@@ -58,38 +58,38 @@ impl<T: Copy> Textured<T> {
 /// Evaluates material parameters at one point (compare pbrt-v4's `TextureEvaluator`).
 pub trait ParameterEvaluator {
     /// Value of a colour parameter.
-    fn evaluate_color(&self, parameter: &Textured<Rgb>) -> Rgb;
+    fn evaluate_color(&self, parameter: &MaterialParameter<Rgb>) -> Rgb;
 
     /// Value of a scalar parameter.
-    fn evaluate_scalar(&self, parameter: &Textured<f32>) -> f32;
+    fn evaluate_scalar(&self, parameter: &MaterialParameter<f32>) -> f32;
 
-    /// Roughness α of a BSDF that stores photons only above [`PHOTON_STORAGE_ALPHA`].
+    /// Roughness α of a BSDF that stores photons only if α exceeds [`PHOTON_STORAGE_ALPHA`].
     ///
-    /// The result is on the same side of this value for every footprint, because camera paths and
-    /// photon paths divide light transport there. A new BSDF with such a threshold must use this
-    /// method for its roughness; other parameters use [`evaluate_scalar`](Self::evaluate_scalar).
-    fn evaluate_partition_roughness(&self, parameter: &Textured<f32>) -> f32;
+    /// Camera paths and photon paths divide light transport at this threshold. The result is
+    /// therefore on the same side of the threshold for every size of the filter footprint. Every
+    /// BSDF with such a threshold must use this method for its roughness.
+    fn evaluate_partition_roughness(&self, parameter: &MaterialParameter<f32>) -> f32;
 }
 
-/// Evaluates every parameter to its mean.
+/// A [`ParameterEvaluator`] that returns the mean of each parameter, without texture lookups.
 #[derive(Clone, Copy, Debug)]
 pub struct MeanEvaluator;
 
 impl ParameterEvaluator for MeanEvaluator {
-    fn evaluate_color(&self, parameter: &Textured<Rgb>) -> Rgb {
+    fn evaluate_color(&self, parameter: &MaterialParameter<Rgb>) -> Rgb {
         parameter.mean()
     }
 
-    fn evaluate_scalar(&self, parameter: &Textured<f32>) -> f32 {
+    fn evaluate_scalar(&self, parameter: &MaterialParameter<f32>) -> f32 {
         parameter.mean()
     }
 
-    fn evaluate_partition_roughness(&self, parameter: &Textured<f32>) -> f32 {
+    fn evaluate_partition_roughness(&self, parameter: &MaterialParameter<f32>) -> f32 {
         parameter.mean()
     }
 }
 
-/// Evaluates parameters by texture lookups at one point.
+/// A [`ParameterEvaluator`] that looks textures up at one point.
 #[derive(Clone, Copy, Debug)]
 pub struct TextureEvaluator<'a> {
     /// The textures of the scene.
@@ -99,25 +99,25 @@ pub struct TextureEvaluator<'a> {
 }
 
 impl ParameterEvaluator for TextureEvaluator<'_> {
-    fn evaluate_color(&self, parameter: &Textured<Rgb>) -> Rgb {
+    fn evaluate_color(&self, parameter: &MaterialParameter<Rgb>) -> Rgb {
         match *parameter {
-            Textured::Constant(value) => value,
-            Textured::Texture { texture, factor, .. } => {
+            MaterialParameter::Constant(value) => value,
+            MaterialParameter::Texture { texture, factor, .. } => {
                 factor * self.textures[texture as usize].evaluate_color(&self.at)
             }
         }
     }
 
-    fn evaluate_scalar(&self, parameter: &Textured<f32>) -> f32 {
+    fn evaluate_scalar(&self, parameter: &MaterialParameter<f32>) -> f32 {
         match *parameter {
-            Textured::Constant(value) => value,
-            Textured::Texture { texture, factor, .. } => {
+            MaterialParameter::Constant(value) => value,
+            MaterialParameter::Texture { texture, factor, .. } => {
                 factor * self.textures[texture as usize].evaluate_scalar(&self.at)
             }
         }
     }
 
-    fn evaluate_partition_roughness(&self, parameter: &Textured<f32>) -> f32 {
+    fn evaluate_partition_roughness(&self, parameter: &MaterialParameter<f32>) -> f32 {
         if !parameter.is_textured() {
             return parameter.mean();
         }

@@ -75,10 +75,10 @@ pub(in crate::scene) fn perturbed_normal(
     (along * (1.0 - MIN_COS * MIN_COS).sqrt() + ng * MIN_COS).normalize()
 }
 
-/// Unit tangents perpendicular to `n` and to each other: along increasing u at constant v, and
-/// across it towards increasing v.
+/// Two unit tangents, perpendicular to `n` and to each other.
 ///
-/// `None` if v is constant along the surface.
+/// The first points along increasing u at constant v. The second points towards increasing v. The
+/// result is `None` if v is constant along the surface.
 fn texture_tangents(coords: &TexCoord, n: DVec3) -> Option<[DVec3; 2]> {
     let across = coords.dv.cross(n).try_normalize()?;
     let u = if across.dot(coords.du) < 0.0 { -across } else { across };

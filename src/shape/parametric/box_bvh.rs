@@ -4,12 +4,12 @@ use glam::DVec3;
 
 const WIDTH: usize = 8;
 
-/// Bit that marks a child as a leaf.
+/// Bit of a child reference in a node: set if the child is a leaf.
 const LEAF: u32 = 1 << 31;
 
 #[derive(Debug)]
 struct Node {
-    /// Lower and upper bounds along each axis.
+    /// Bounds of the children, as `bounds[axis][side][child]` with side 0 lower and side 1 upper.
     bounds: [[[f64; WIDTH]; 2]; 3],
     children: [u32; WIDTH],
 }
@@ -82,10 +82,11 @@ impl BoxBvh {
         index as u32
     }
 
-    /// Calls `visit` with the index of each box that `line` hits within `range` of τ, roughly from
-    /// near to far.
+    /// Calls `visit` with the index of each box that `line` hits within `range`, roughly from near
+    /// to far.
     ///
-    /// `visit` moves the end of the range to a hit that it finds.
+    /// `range` is an interval of arc length τ. If `visit` finds a hit, it moves the end of the
+    /// interval to that hit.
     #[inline]
     pub fn visit_hit_leaves(&self, line: &Line, mut range: [f64; 2], mut visit: impl FnMut(usize, &mut [f64; 2])) {
         let mut stack = [(0u32, 0.0); 12 * WIDTH];

@@ -2,10 +2,10 @@
 
 use glam::{DVec2, DVec3};
 
-/// Squared sine of the angle between ray and axis; rays below it are not clipped to radii exactly.
+/// Squared sine of the angle between ray and axis, below which a ray is not clipped by radius.
 const MIN_SLANT2: f64 = 1e-2;
 
-/// Interval of the ray parameter; empty unless `lo <= hi`.
+/// Interval of the arc length τ along a ray; empty unless `lo <= hi`.
 #[derive(Clone, Copy, Debug)]
 pub struct Interval {
     pub lo: f64,
@@ -18,9 +18,10 @@ impl Interval {
     }
 }
 
-/// Line with arc length τ as parameter; τ is 0 at the point nearest to the surface's centre.
+/// A line, with its distance ρ from the y axis and its height y as functions of arc length τ.
 ///
-/// In the half plane of (ρ, y), the line is a curve with convex ρ(τ) = |(x, z)| and linear y(τ).
+/// τ is 0 at the point nearest to the surface's centre. ρ(τ) = |(x, z)| is convex, and y(τ) is
+/// linear.
 #[derive(Clone, Copy, Debug)]
 pub struct CylindricalRay {
     /// Point at τ = 0.
@@ -50,7 +51,7 @@ impl CylindricalRay {
         }
     }
 
-    /// Distance ρ from the axis at τ = `t`, and dρ/dτ, which is set to 0 on the axis.
+    /// Distance ρ from the y axis at τ = `t`, and dρ/dτ, which is set to 0 on the axis.
     #[inline]
     pub fn radius_and_slope(&self, t: f64) -> (f64, f64) {
         let (x, z) = (self.base.x + t * self.direction.x, self.base.z + t * self.direction.z);
@@ -64,10 +65,10 @@ impl CylindricalRay {
         self.base.y + t * self.direction.y
     }
 
-    /// Parts of the interval `t` where ρ may be in `x` and the height in `y`, both widened by
-    /// `margin`.
+    /// Parts of the interval `t` of τ in which the line may be inside a ring around the y axis.
     ///
-    /// There are at most two parts, since ρ(τ) is convex. Missing parts are empty.
+    /// The ring has distances `x` from the axis and heights `y`, both widened by `margin`. There
+    /// are at most two parts, since ρ(τ) is convex. Missing parts are empty.
     #[inline]
     pub fn clip_to_ring(&self, x: [f64; 2], y: [f64; 2], t: Interval, margin: f64) -> [Interval; 2] {
         const NOWHERE: Interval = Interval { lo: 1.0, hi: 0.0 };
@@ -108,7 +109,7 @@ impl CylindricalRay {
     }
 }
 
-/// Distance from the y axis, and the unit direction (x, z) away from it.
+/// Distance of `p` from the y axis, and the unit direction (x, z) from the axis to `p`.
 #[inline]
 pub fn polar_radius_and_direction(p: DVec3) -> (f64, DVec2) {
     let across = DVec2::new(p.x, p.z);

@@ -1,6 +1,7 @@
 //! Constants of the numerical methods for parametric surfaces.
 
-/// Bound on the position error of a hit, in units of 32 ulps of the surface's size.
+/// Bound on the position error of a hit on a parametric surface, in units of 32 ulps of the
+/// surface's size.
 ///
 /// The bound covers polynomial evaluation and the tolerance for tangent rays.
 pub(super) const HIT_ERROR_SCALE: f64 = 256.0;

@@ -16,14 +16,15 @@ use crate::shape::texture_mapping::TexCoord;
 use glam::{DVec2, DVec3, DVec4, Vec2, Vec3};
 use std::sync::Arc;
 
-/// Length of ∂u × ∂v, relative to that at the leaf's centre, below which the normal is taken from
-/// inside the leaf. This happens at poles and collapsed edges.
+/// Length of ∂p/∂u × ∂p/∂v, relative to that at the leaf's centre, below which it gives no normal.
+///
+/// This happens at poles and collapsed edges. The normal is then taken from inside the leaf.
 const COLLAPSED_NORMAL_RATIO: f64 = 1e-7;
 
 /// Tensor-product surface: the points Σ Bᵢ(u) Bⱼ(v) wᵢⱼ pᵢⱼ / Σ Bᵢ(u) Bⱼ(v) wᵢⱼ.
 ///
 /// The pᵢⱼ are control points with weights wᵢⱼ, and u and v are in \[0, 1]. The outer side is the
-/// side of ∂u × ∂v; a mirroring transform maps it along.
+/// side of ∂p/∂u × ∂p/∂v. A mirrored patch keeps the image of this side as its outer side.
 #[derive(Clone, Debug)]
 pub struct Patch {
     net: Arc<SubdividedPatch>,
@@ -39,13 +40,13 @@ struct SubdividedPatch {
     degree: [usize; 2],
     leaves: Vec<PatchLeaf>,
     powers: Vec<Coefficients<4>>,
-    /// Start of each knot span, along u and along v.
+    /// Parameter at the start of each knot span, along u and along v.
     breaks: [Vec<f64>; 2],
     /// Root of the subdivision of each pair of knot spans; v varies fastest.
     roots: Vec<SubdivisionNode>,
     cuts: Vec<SubdivisionCut>,
     tree: BoxBvh,
-    /// Distribution of leaves by area.
+    /// Distribution that selects a leaf in proportion to its area.
     leaf_distribution: DiscreteDistribution,
     /// Half the edge lengths of the bounding box, whose centre is the origin.
     half: DVec3,
@@ -134,7 +135,7 @@ impl Patch {
             noise,
             bytes,
         };
-        let areas = (0..net.leaves.len()).map(|i| leaf_area(&net.leaf_piece(i), &Transform::IDENTITY));
+        let areas = (0..net.leaves.len()).map(|i| leaf_area(&net.polynomial_piece_of_leaf(i), &Transform::IDENTITY));
         net.leaf_distribution = DiscreteDistribution::new(areas).ok_or(SplineError::NoArea)?;
         let area = net.leaf_distribution.weight_sum();
         Ok(Self { net: Arc::new(net), to_world: Transform::IDENTITY.translated(center), area })
@@ -145,7 +146,7 @@ impl Patch {
         self.net.bytes
     }
 
-    /// The ray's line in object space, and its `start` and `length` of [`ObjectRay`].
+    /// The line of the ray in object space, followed by `start` and `length` of its [`ObjectRay`].
     ///
     /// `None` if the line misses the bounding sphere.
     fn object_line(&self, ray: &Ray) -> Option<(Line, f64, f64)> {
@@ -156,7 +157,7 @@ impl Patch {
 
     fn surface_at(&self, leaf: usize, at: DVec2, uv: Vec2) -> SurfacePoint {
         let net = &*self.net;
-        let [p, ..] = net.leaf_piece(leaf).point_and_derivatives(at);
+        let [p, ..] = net.polynomial_piece_of_leaf(leaf).point_and_derivatives(at);
         // The inverse transpose keeps the outer side of a mirror image.
         let normal = self.to_world.transform_normal(net.leaf_normal(leaf, at)).normalize();
         let scale = world_coordinate_bound(&self.to_world, net.size);
@@ -170,7 +171,7 @@ impl AnalyticShape for Patch {
         let net = &self.net;
         let area = match to_world.uniform_scale() {
             Some(scale) => scale * scale * net.leaf_distribution.weight_sum(),
-            None => (0..net.leaves.len()).map(|i| leaf_area(&net.leaf_piece(i), &to_world)).sum(),
+            None => (0..net.leaves.len()).map(|i| leaf_area(&net.polynomial_piece_of_leaf(i), &to_world)).sum(),
         };
         Some(Self { net: Arc::clone(net), to_world, area })
     }
@@ -182,7 +183,7 @@ impl AnalyticShape for Patch {
         let size = net.size * (1.0 + 1e-9);
         let mut found: Option<(usize, DVec2, f64)> = None;
         net.tree.visit_hit_leaves(&line, [(-start).max(-size), end.min(size)], |leaf, range| {
-            if let Some(at) = net.leaf_piece(leaf).nearest_hit(&line, range, net.size) {
+            if let Some(at) = net.polynomial_piece_of_leaf(leaf).nearest_hit(&line, range, net.size) {
                 found = Some((leaf, at, range[1]));
             }
         });
@@ -198,7 +199,7 @@ impl AnalyticShape for Patch {
             // Newton's method corrects the rounding of the coordinates.
             let most = 2.0 * f64::from(f32::EPSILON) / self.net.leaves[leaf].half;
             for _ in 0..2 {
-                let step = self.net.leaf_piece(leaf).newton_step_at(&line, at);
+                let step = self.net.polynomial_piece_of_leaf(leaf).newton_step_at(&line, at);
                 if step.abs().cmple(most).all() {
                     at = (at + step).clamp(DVec2::NEG_ONE, DVec2::ONE);
                 }
@@ -238,14 +239,14 @@ impl AnalyticShape for Patch {
     fn pdf(&self, seen: &SurfacePoint) -> f32 {
         let net = &*self.net;
         let (leaf, at) = net.find_leaf(seen.uv);
-        let [_, along_x, along_y] = net.leaf_piece(leaf).point_and_derivatives(at);
+        let [_, along_x, along_y] = net.polynomial_piece_of_leaf(leaf).point_and_derivatives(at);
         let element = self.to_world.transform_vector(along_x).cross(self.to_world.transform_vector(along_y)).length();
         (f64::from(net.leaf_distribution.probability(leaf)) / (4.0 * element)) as f32
     }
 
     fn tex_coord(&self, _p: Vec3, uv: Vec2) -> TexCoord {
         let (leaf, at) = self.net.find_leaf(uv);
-        let [_, along_x, along_y] = self.net.leaf_piece(leaf).point_and_derivatives(at);
+        let [_, along_x, along_y] = self.net.polynomial_piece_of_leaf(leaf).point_and_derivatives(at);
         let half = self.net.leaves[leaf].half;
         TexCoord::from_derivatives(
             uv,
@@ -260,12 +261,12 @@ impl Patch {
     /// The world-space point at the parameters `uv`.
     pub(super) fn point_at_uv(&self, uv: Vec2) -> DVec3 {
         let (leaf, at) = self.net.find_leaf(uv);
-        self.to_world.transform_point(self.net.leaf_piece(leaf).point_and_derivatives(at)[0])
+        self.to_world.transform_point(self.net.polynomial_piece_of_leaf(leaf).point_and_derivatives(at)[0])
     }
 }
 
 impl SubdividedPatch {
-    fn leaf_piece(&self, leaf: usize) -> PatchPiece<'_> {
+    fn polynomial_piece_of_leaf(&self, leaf: usize) -> PatchPiece<'_> {
         let [p, q] = self.degree;
         let room = (p + 1) * (q + 1);
         let powers = &self.powers[leaf * room..(leaf + 1) * room];
@@ -292,9 +293,11 @@ impl SubdividedPatch {
         }
     }
 
-    /// Object-space normal ∂u × ∂v, not normalised; its limit from inside the leaf if it vanishes.
+    /// Object-space normal ∂p/∂u × ∂p/∂v at a point of a leaf, not normalised.
+    ///
+    /// Where it vanishes, the result is its limit from inside the leaf.
     fn leaf_normal(&self, leaf: usize, at: DVec2) -> DVec3 {
-        let piece = self.leaf_piece(leaf);
+        let piece = self.polynomial_piece_of_leaf(leaf);
         let [_, middle_x, middle_y] = piece.point_and_derivatives(DVec2::ZERO);
         let least = COLLAPSED_NORMAL_RATIO * middle_x.cross(middle_y).length();
         let mut inward = 0.0;

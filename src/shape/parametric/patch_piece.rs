@@ -27,9 +27,9 @@ pub struct PatchPiece<'a> {
 pub struct LinearTermsWithBounds {
     /// The constant term, the term in y, and the term in x.
     linear: [Coefficients<4>; 3],
-    /// Bound on the sum of the higher terms: Σ |aᵢⱼ|.
+    /// Bound on the sum of all other terms aᵢⱼ xⁱ yʲ over the piece: Σ |aᵢⱼ|.
     rest: Coefficients<4>,
-    /// Bound on the change of the derivatives: Σ (i + j)|aᵢⱼ|.
+    /// Bound on the change of the derivatives over the piece: Σ (i + j)|aᵢⱼ|.
     turn: Coefficients<4>,
 }
 
@@ -50,7 +50,7 @@ impl LinearTermsWithBounds {
 
     /// Converts `sums`, bounds for (w·(x, y, z), w), to bounds for w·((x, y, z) − base).
     #[inline]
-    fn bound_relative_to(sums: &Coefficients<4>, base: DVec3) -> DVec3 {
+    fn bound_relative_to_base(sums: &Coefficients<4>, base: DVec3) -> DVec3 {
         split_homogeneous_weight(sums).0 + base.abs() * sums[3]
     }
 }
@@ -68,28 +68,31 @@ fn relative_to_base(a: &Coefficients<4>, base: DVec3) -> DVec3 {
     p - base * w
 }
 
-/// Result of a test for intersections in a box of parameters.
-enum RootTest {
+/// Result of a test whether a line intersects the surface within a box of parameters.
+enum RootClassification {
+    /// The line misses the surface.
     NoRoot,
-    /// Exactly one root, with its parameters and τ.
+    /// The line hits the surface exactly once: at these parameters (x, y) and arc length τ.
     Root(DVec2, f64),
-    /// Unknown; the box must be divided.
+    /// The test does not decide; the box must be halved.
     Unclear,
     /// The line lies in the surface over the whole box, up to rounding.
     Inside,
 }
 
 impl PatchPiece<'_> {
-    /// Parameters of the nearest hit within `range` of τ; moves the end of `range` to that hit.
+    /// Parameters (x, y) of the nearest hit of `line` within `range`, an interval of arc length τ.
+    ///
+    /// Moves the end of `range` to that hit.
     #[inline]
     pub fn nearest_hit(&self, line: &Line, range: &mut [f64; 2], size: f64) -> Option<DVec2> {
         // Bounds on the change of weights grow with the distance of the line's base, so the base is
         // moved near the piece.
         let (near, start) = self.line_relative_to_center(line);
         let mut own = range.map(|t| t - start);
-        let found = match test_roots(self.powers, self.columns, &self.bounds, &near, self.noise) {
-            RootTest::NoRoot => None,
-            RootTest::Root(at, t) => (own[0] <= t && t <= own[1]).then(|| {
+        let found = match classify_roots(self.powers, self.columns, &self.bounds, &near, self.noise) {
+            RootClassification::NoRoot => None,
+            RootClassification::Root(at, t) => (own[0] <= t && t <= own[1]).then(|| {
                 own[1] = t;
                 at
             }),
@@ -151,16 +154,16 @@ impl PatchPiece<'_> {
             let bounds = LinearTermsWithBounds::from_powers(a, columns);
             let Some(reach) = self.half_extent_if_hit(&bounds, line, *range) else { continue };
             let point = || DVec2::new(middle.x, middle.y);
-            let touched = match test_roots(a, columns, &bounds, line, self.noise) {
-                RootTest::NoRoot => None,
-                RootTest::Root(at, t) => Some((middle + half * at, t)),
+            let touched = match classify_roots(a, columns, &bounds, line, self.noise) {
+                RootClassification::NoRoot => None,
+                RootClassification::Root(at, t) => Some((middle + half * at, t)),
                 _ if reach.max_element() <= 4.0 * self.noise => Some((point(), project_center_to_line(a, line))),
-                RootTest::Inside if reach.max_element() <= POINT_SIZE * size => {
+                RootClassification::Inside if reach.max_element() <= POINT_SIZE * size => {
                     Some((point(), project_center_to_line(a, line)))
                 }
-                RootTest::Inside => None,
+                RootClassification::Inside => None,
                 // A hundred halvings reach rounding, so the stack cannot overflow.
-                RootTest::Unclear if count + 2 <= boxes.len() => {
+                RootClassification::Unclear if count + 2 <= boxes.len() => {
                     let side = if is_longer_in_x(a, columns) { DVec2::X } else { DVec2::Y };
                     let (step, rest) = (0.5 * half * side, half * (1.0 - 0.5 * side));
                     boxes[count] = (middle + step, rest);
@@ -168,7 +171,7 @@ impl PatchPiece<'_> {
                     count += 2;
                     None
                 }
-                RootTest::Unclear => None,
+                RootClassification::Unclear => None,
             };
             if let Some((at, t)) = touched
                 && range[0] <= t
@@ -181,13 +184,14 @@ impl PatchPiece<'_> {
         found
     }
 
-    /// Half the edge lengths of the piece's bounding box; `None` if the line misses that box within
-    /// `range` of τ.
+    /// Half the edge lengths of the piece's bounding box; `None` if the line misses that box.
+    ///
+    /// `range` is the interval of arc length τ in which a hit counts.
     fn half_extent_if_hit(&self, bounds: &LinearTermsWithBounds, line: &Line, range: [f64; 2]) -> Option<DVec3> {
         let [middle, along_y, along_x] = bounds.linear.map(|a| relative_to_base(&a, line.base));
         let reach = along_x.abs()
             + along_y.abs()
-            + LinearTermsWithBounds::bound_relative_to(&bounds.rest, line.base)
+            + LinearTermsWithBounds::bound_relative_to_base(&bounds.rest, line.base)
             + self.noise;
         let (a1, a2) = ((middle - reach) * line.inverse, (middle + reach) * line.inverse);
         let (lo, hi) = (a1.min(a2).max_element(), a1.max(a2).min_element());
@@ -201,7 +205,7 @@ impl PatchPiece<'_> {
     }
 }
 
-/// τ of the projection of the piece's centre to the line.
+/// Arc length τ of the point of `line` that is nearest to the piece's centre.
 fn project_center_to_line(a: &[Coefficients<4>], line: &Line) -> f64 {
     relative_to_base(&a[0], line.base).dot(line.direction) / a[0][3]
 }
@@ -221,13 +225,13 @@ fn is_longer_in_x(a: &[Coefficients<4>], columns: usize) -> bool {
 
 /// Tests for solutions of point(x, y) = base + τ·direction with x and y in \[−1, 1].
 #[inline]
-fn test_roots(
+fn classify_roots(
     a: &[Coefficients<4>],
     columns: usize,
     bounds: &LinearTermsWithBounds,
     line: &Line,
     noise: f64,
-) -> RootTest {
+) -> RootClassification {
     let d = line.direction;
     let [miss, along_y, along_x] = bounds.linear.map(|a| relative_to_base(&a, line.base));
     let determinant = d.dot(along_x.cross(along_y));
@@ -236,20 +240,20 @@ fn test_roots(
     let (for_x, for_y) = (d.cross(along_y), along_x.cross(d));
     let (size_x, size_y) = (for_x.abs(), for_y.abs());
     let (x, y) = (for_x.dot(miss), for_y.dot(miss));
-    let error = LinearTermsWithBounds::bound_relative_to(&bounds.rest, line.base) + noise;
+    let error = LinearTermsWithBounds::bound_relative_to_base(&bounds.rest, line.base) + noise;
     if x.abs() > least + size_x.dot(error) || y.abs() > least + size_y.dot(error) {
-        return RootTest::NoRoot;
+        return RootClassification::NoRoot;
     }
-    let turn = LinearTermsWithBounds::bound_relative_to(&bounds.turn, line.base);
+    let turn = LinearTermsWithBounds::bound_relative_to_base(&bounds.turn, line.base);
     let (turn_x, turn_y) = (size_x.dot(turn), size_y.dot(turn));
     if turn_x.max(turn_y) < MAX_DERIVATIVE_CHANGE * least {
         let blur = noise * size_x.element_sum().max(size_y.element_sum()) / least;
         let start = DVec2::new(x, y) / determinant;
         return newton_root(a, columns, line, start, PIECE_OVERLAP + 4.0 * blur)
-            .map_or(RootTest::NoRoot, |(at, t)| RootTest::Root(at, t));
+            .map_or(RootClassification::NoRoot, |(at, t)| RootClassification::Root(at, t));
     }
     let blur = (size_x.element_sum() + size_y.element_sum()) * noise;
-    if least + turn_x + turn_y <= blur { RootTest::Inside } else { RootTest::Unclear }
+    if least + turn_x + turn_y <= blur { RootClassification::Inside } else { RootClassification::Unclear }
 }
 
 /// Newton step from the parameters `at`, and the value of τ after the step.
@@ -264,7 +268,10 @@ fn newton_step(a: &[Coefficients<4>], columns: usize, line: &Line, at: DVec2) ->
     (step, (miss + along_x * step.x + along_y * step.y).dot(d) / w)
 }
 
-/// Parameters and τ of the only possible root, by Newton's method; `None` if there is none.
+/// Parameters (x, y) and arc length τ of the only root that the box can contain, by Newton's
+/// method.
+///
+/// `None` if the box contains no root.
 ///
 /// Iterates must converge as fast as [`NEWTON_CONVERGENCE_RATE`] guarantees for a root.
 fn newton_root(

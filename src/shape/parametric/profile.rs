@@ -26,7 +26,7 @@ pub const NEWTON_CONVERGENCE_RATE: f64 = 2.0 / 3.0;
 /// Longest first Newton step to a root inside the box, in half widths of the box: |J⁻¹J̄| times 2.
 pub const MAX_FIRST_STEP: f64 = 2.0 * (1.0 + NEWTON_CONVERGENCE_RATE);
 
-/// Distance outside a piece, in half widths, at which a root still counts as inside.
+/// Distance outside a piece at which a root still counts as inside, in half widths of the piece.
 ///
 /// Adjacent pieces overlap by this distance, so no root is lost between them.
 pub const PIECE_OVERLAP: f64 = 1e-10;
@@ -34,19 +34,19 @@ pub const PIECE_OVERLAP: f64 = 1e-10;
 /// Size of a box, relative to the surface, below which a double root counts as one hit.
 pub const POINT_SIZE: f64 = 1e-6;
 
-/// Result of a test for intersections in a box of parameters.
-enum RootTest {
+/// Result of a test whether a ray intersects the surface of revolution within an interval of x.
+enum RootClassification {
     NoRoot,
-    /// Exactly one root, at (x, τ).
+    /// The ray hits the surface exactly once: at curve parameter x and arc length τ.
     Root(f64, f64),
-    /// Unknown; the box must be divided.
+    /// The test does not decide; the interval must be halved.
     Unclear,
-    /// The ray lies in the surface over the whole box, up to rounding.
+    /// The ray lies in the surface over the whole interval, up to rounding.
     Inside,
 }
 
-/// Bounds on the terms of degree 2 and above, and on the change of the derivative: Σ |aₖ| and
-/// Σ k|aₖ|.
+/// Bounds for a polynomial over \[−1, 1]: on the sum of its terms of degree 2 and above, Σ |aₖ|,
+/// and on the change of its derivative, Σ k|aₖ|.
 #[inline]
 fn higher_term_bounds(a: &[Coefficients<2>]) -> (Coefficients<2>, Coefficients<2>) {
     let (mut rest, mut turn) = ([0.0; 2], [0.0; 2]);
@@ -60,7 +60,9 @@ fn higher_term_bounds(a: &[Coefficients<2>]) -> (Coefficients<2>, Coefficients<2
 }
 
 impl ProfilePiece<'_> {
-    /// Nearest hit (x, τ) within `t`; moves the end of `t` to that hit.
+    /// Curve parameter x and arc length τ of the nearest hit within the interval `t` of τ.
+    ///
+    /// Moves the end of `t` to that hit.
     ///
     /// Intervals of x are halved until each has no root, one root, or the size of a rounding error.
     pub fn nearest_hit(&self, ray: &CylindricalRay, t: &mut Interval, size: f64) -> Option<(f64, f64)> {
@@ -89,13 +91,15 @@ impl ProfilePiece<'_> {
                     continue;
                 }
                 let extent = reach[0].max(reach[1]);
-                let touched = match test_roots(a, (rest, turn), ray, stretch, self.noise) {
-                    RootTest::NoRoot => None,
-                    RootTest::Root(x, at) => Some((middle + half * x, at)),
+                let touched = match classify_roots(a, (rest, turn), ray, stretch, self.noise) {
+                    RootClassification::NoRoot => None,
+                    RootClassification::Root(x, at) => Some((middle + half * x, at)),
                     _ if extent <= 4.0 * self.noise => Some((middle, 0.5 * (stretch.lo + stretch.hi))),
-                    RootTest::Inside if extent <= POINT_SIZE * size => Some((middle, 0.5 * (stretch.lo + stretch.hi))),
-                    RootTest::Inside => None,
-                    RootTest::Unclear => {
+                    RootClassification::Inside if extent <= POINT_SIZE * size => {
+                        Some((middle, 0.5 * (stretch.lo + stretch.hi)))
+                    }
+                    RootClassification::Inside => None,
+                    RootClassification::Unclear => {
                         cut = true;
                         None
                     }
@@ -123,13 +127,13 @@ impl ProfilePiece<'_> {
 /// Tests for points where profile and ray have equal radius and height, with x in \[−1, 1] and τ in
 /// `t`.
 #[inline]
-fn test_roots(
+fn classify_roots(
     a: &[Coefficients<2>],
     (rest, turn): (Coefficients<2>, Coefficients<2>),
     ray: &CylindricalRay,
     t: Interval,
     noise: f64,
-) -> RootTest {
+) -> RootClassification {
     let dy = ray.direction.y;
     let at = 0.5 * (t.lo + t.hi);
     let (radius, slope) = ray.radius_and_slope(at);
@@ -153,7 +157,7 @@ fn test_roots(
     if across.abs() > least + dy.abs() * error[0] + slope.abs() * error[1]
         || along.abs() > least * half + dh.abs() * error[0] + dx.abs() * error[1]
     {
-        return RootTest::NoRoot;
+        return RootClassification::NoRoot;
     }
     let change = [turn[0] + bend * half, turn[1]];
     let (from_x, from_t) =
@@ -162,11 +166,11 @@ fn test_roots(
         let blur = noise * (dy.abs() + slope.abs()).max((dh.abs() + dx.abs()) / half) / least;
         let start = (across / determinant, along / determinant);
         return newton_root(a, ray, at, half, start, PIECE_OVERLAP + 4.0 * blur)
-            .map_or(RootTest::NoRoot, |(x, t)| RootTest::Root(x, t));
+            .map_or(RootClassification::NoRoot, |(x, t)| RootClassification::Root(x, t));
     }
     let blur = (dy.abs() + slope.abs() + bend) * noise;
     let most = least + dh.abs() * bend + dy.abs() * turn[0] + (slope.abs() + bend) * turn[1];
-    if most <= blur { RootTest::Inside } else { RootTest::Unclear }
+    if most <= blur { RootClassification::Inside } else { RootClassification::Unclear }
 }
 
 /// The only possible root (x, τ), by Newton's method; `None` if there is none.

@@ -5,7 +5,7 @@ use super::numeric::{GAUSS_LEGENDRE, HIT_ERROR_SCALE};
 use super::polynomial::{Coefficients, evaluate_with_derivative};
 use super::profile::ProfilePiece;
 use super::revolution_build::{MAX_HALVINGS, ProfileBuilder, ProfileLeaf};
-use super::ring_bvh::{Ring, RingBvh};
+use super::ring_bvh::{RingBounds, RingBvh};
 use super::spline::{SplineBasis, SplineError};
 use crate::math::{Ray, Transform};
 use crate::sampling::DiscreteDistribution;
@@ -24,7 +24,7 @@ use std::sync::Arc;
 /// A longer step means that the ray is nearly tangent.
 const MAX_RELATIVE_STEP: f64 = 1e-4;
 
-/// Number of angles at which the area is summed.
+/// Number of azimuth steps of the sum that integrates the area.
 const AREA_ANGLES: u32 = 64;
 
 /// Surface of revolution: the points (X cos θ, Y, X sin θ) of a profile curve (X, Y), under an
@@ -52,7 +52,7 @@ struct RevolutionProfile {
     size: f64,
     /// Bound on the rounding error of an evaluated point.
     noise: f64,
-    /// Distribution of leaves by object-space area.
+    /// Distribution that selects a leaf in proportion to its object-space area.
     leaf_distribution: DiscreteDistribution,
 }
 
@@ -85,11 +85,11 @@ impl Revolution {
         let points: Vec<Coefficients<2>> = controls.iter().map(|c| [c.x, c.y - middle]).collect();
         let mut builder = ProfileBuilder { leaves: Vec::new(), powers: Vec::new(), free };
         for span in basis.knot_spans() {
-            builder.subdivide(&basis.bezier_piece(span, &points, (0, 1)), span.range, MAX_HALVINGS)?;
+            builder.subdivide_bezier_curve(&basis.bezier_piece(span, &points, (0, 1)), span.range, MAX_HALVINGS)?;
         }
         let ProfileBuilder { leaves, powers, .. } = builder;
-        let rings: Vec<Ring> = leaves.iter().map(|l| l.ring).collect();
-        let reach = |r: &Ring| hypot(r.radius[1], r.height[0].abs().max(r.height[1].abs()));
+        let rings: Vec<RingBounds> = leaves.iter().map(|l| l.ring).collect();
+        let reach = |r: &RingBounds| hypot(r.radius[1], r.height[0].abs().max(r.height[1].abs()));
         let size = rings.iter().map(reach).fold(0.0, f64::max);
         if leaves.is_empty() {
             return Err(SplineError::NoArea);
@@ -106,10 +106,10 @@ impl Revolution {
         Ok(Self { profile: Arc::new(profile), to_world, area })
     }
 
-    /// The ray in object space, and its `start` and `length` of [`ObjectRay`].
+    /// The ray in object space, followed by `start` and `length` of its [`ObjectRay`].
     ///
     /// `None` if the line misses the bounding sphere.
-    fn profile_ray(&self, ray: &Ray) -> Option<(CylindricalRay, f64, f64)> {
+    fn cylindrical_object_ray(&self, ray: &Ray) -> Option<(CylindricalRay, f64, f64)> {
         let ObjectRay { base, direction, start, length } = ObjectRay::new(ray, &self.to_world);
         let size = self.profile.size * (1.0 + 1e-9);
         (base.length_squared() <= size * size).then(|| (CylindricalRay::new(base, direction), start, length))
@@ -145,7 +145,7 @@ impl AnalyticShape for Revolution {
     }
 
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
-        let (line, start, length) = self.profile_ray(ray)?;
+        let (line, start, length) = self.cylindrical_object_ray(ray)?;
         let size = self.profile.size;
         let end = f64::from(ray.t_max) * length - start;
         let t = Interval { lo: (-start).max(-size), hi: end.min(size) };
@@ -193,7 +193,7 @@ impl AnalyticShape for Revolution {
         let place = self.to_world.forward().translation;
         let rows = [rows.x_axis, rows.y_axis, rows.z_axis];
         let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for Ring { radius, height } in self.profile.leaves.iter().map(|l| l.ring) {
+        for RingBounds { radius, height } in self.profile.leaves.iter().map(|l| l.ring) {
             let around = DVec3::from_array(rows.map(|r| hypot(r.x, r.z) * radius[1]));
             for h in height {
                 let center = place + DVec3::from_array(rows.map(|r| r.y * h));
@@ -272,7 +272,8 @@ impl RevolutionProfile {
         middle + half * x
     }
 
-    /// Leaf at the profile parameter `place` in \[0, 1], and the parameter x in that leaf.
+    /// Index of the leaf at the profile parameter `place` in \[0, 1], and the parameter x in
+    /// \[−1, 1] within that leaf.
     fn find_leaf(&self, place: f64) -> (usize, f64) {
         let after = self.leaves.partition_point(|l| l.place[0] - l.place[1] <= place);
         let leaf = after.saturating_sub(1);

@@ -1,7 +1,7 @@
 //! Subdivision of profiles until each piece is nearly flat and on one side of the axis.
 
 use super::polynomial::{Coefficients, bernstein_to_powers, split_bezier};
-use super::ring_bvh::Ring;
+use super::ring_bvh::RingBounds;
 use super::spline::{MIN_SPAN, SplineError};
 use libm::hypot;
 
@@ -12,8 +12,8 @@ const MAX_RELATIVE_BEND: f64 = 1.0 / 16.0;
 /// become flat.
 pub(super) const MAX_HALVINGS: u32 = 9;
 
-/// Bytes of a leaf without its coefficients: the leaf, its ring and area, its share of the
-/// hierarchy.
+/// Memory of a leaf in bytes, without its coefficients: the leaf, its ring and area, and its share
+/// of the hierarchy.
 const BYTES_PER_LEAF: u64 = 256;
 
 /// Nearly flat piece of a profile, on one side of the axis.
@@ -21,12 +21,12 @@ const BYTES_PER_LEAF: u64 = 256;
 pub(super) struct ProfileLeaf {
     /// Index of the first polynomial coefficient.
     pub first: u32,
-    /// Sign of the profile's x: 1 or −1.
+    /// Side of the axis on which this piece of the profile lies: the sign of its x, 1 or −1.
     pub side: f64,
     /// Centre and half width of the leaf's interval of the profile parameter.
     pub place: [f64; 2],
-    /// Bounds of the leaf.
-    pub ring: Ring,
+    /// Ring around the y axis that contains the leaf.
+    pub ring: RingBounds,
 }
 
 /// Collects the leaves of a profile while it is subdivided.
@@ -43,7 +43,7 @@ impl ProfileBuilder {
     /// # Errors
     ///
     /// [`SplineError::Memory`] if the leaves exceed the memory limit.
-    pub fn subdivide(
+    pub fn subdivide_bezier_curve(
         &mut self,
         controls: &[Coefficients<2>],
         [start, end]: [f64; 2],
@@ -64,20 +64,25 @@ impl ProfileBuilder {
         let bends = powers.iter().enumerate().skip(2).fold(0.0, |s, (k, c)| s + k as f64 * hypot(c[0], c[1]));
         let wide = end - start >= 2.0 * MIN_SPAN;
         if depth > 0 && wide && (crosses || bends > MAX_RELATIVE_BEND * hypot(powers[1][0], powers[1][1])) {
-            let at = axis_crossing(controls).filter(|_| crosses).unwrap_or(0.5);
+            let at = axis_crossing_parameter(controls).filter(|_| crosses).unwrap_or(0.5);
             let (mut first, mut last) = split_bezier(controls, at);
             if crosses && at != 0.5 {
                 // The root is rounded, but the point must lie exactly on the axis.
                 (first[degree][0], last[0][0]) = (0.0, 0.0);
             }
             let middle = start + at * (end - start);
-            self.subdivide(&first, [start, middle], depth - 1)?;
-            return self.subdivide(&last, [middle, end], depth - 1);
+            self.subdivide_bezier_curve(&first, [start, middle], depth - 1)?;
+            return self.subdivide_bezier_curve(&last, [middle, end], depth - 1);
         }
         let place = [0.5 * (start + end), 0.5 * (end - start)];
-        let ring = Ring { radius: [0.0, 0.0], height: [low, high] };
+        let ring = RingBounds { radius: [0.0, 0.0], height: [low, high] };
         let radius = if side < 0.0 { [-right, -left] } else { [left, right] };
-        self.leaves.push(ProfileLeaf { first: self.powers.len() as u32, side, place, ring: Ring { radius, ..ring } });
+        self.leaves.push(ProfileLeaf {
+            first: self.powers.len() as u32,
+            side,
+            place,
+            ring: RingBounds { radius, ..ring },
+        });
         self.powers.extend(powers);
         // Twice the size, for the slack of growing lists.
         let needed =
@@ -92,7 +97,7 @@ impl ProfileBuilder {
 /// Parameter in (0, 1) at which a Bézier curve crosses the axis.
 ///
 /// `None` unless the x of its control points changes sign exactly once.
-fn axis_crossing(controls: &[Coefficients<2>]) -> Option<f64> {
+fn axis_crossing_parameter(controls: &[Coefficients<2>]) -> Option<f64> {
     let sides: Vec<bool> = controls.iter().map(|c| c[0]).filter(|x| *x != 0.0).map(|x| x > 0.0).collect();
     let [first, .., _] = sides[..] else { return None };
     if sides.windows(2).filter(|w| w[0] != w[1]).count() != 1 || controls[0][0] == 0.0 {

@@ -4,10 +4,11 @@ use super::cylindrical_ray::{CylindricalRay, Interval};
 
 const WIDTH: usize = 8;
 
-/// Bit that marks a child as a leaf.
+/// Bit of a child reference in a node: set if the child is a leaf.
 pub const LEAF: u32 = 1 << 31;
 
-/// Bounds of eight rings: squared radii and heights, expanded by the rounding error of the test.
+/// Node with eight children. Each child is bounded by a ring: a range of squared radii and a range
+/// of heights, both expanded by the rounding error of the test.
 #[derive(Debug)]
 struct Node {
     inner2: [f64; WIDTH],
@@ -19,12 +20,12 @@ struct Node {
 
 /// Ring around the y axis: a range of distances from the axis and a range of heights.
 #[derive(Clone, Copy, Debug)]
-pub struct Ring {
+pub struct RingBounds {
     pub radius: [f64; 2],
     pub height: [f64; 2],
 }
 
-impl Ring {
+impl RingBounds {
     pub fn union(self, other: Self) -> Self {
         let join = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
         Self { radius: join(self.radius, other.radius), height: join(self.height, other.height) }
@@ -39,13 +40,13 @@ pub struct RingBvh {
 
 impl RingBvh {
     /// Builds a hierarchy over one or more rings; no point is farther than `size` from the origin.
-    pub fn new(rings: &[Ring], size: f64) -> Self {
+    pub fn new(rings: &[RingBounds], size: f64) -> Self {
         let mut tree = Self { nodes: Vec::new() };
         tree.build_node(rings, 0, 1e-12 * size);
         tree
     }
 
-    fn build_node(&mut self, rings: &[Ring], first: usize, margin: f64) -> u32 {
+    fn build_node(&mut self, rings: &[RingBounds], first: usize, margin: f64) -> u32 {
         let index = self.nodes.len();
         let nowhere = [f64::INFINITY; WIDTH];
         let (below, above) = (nowhere, nowhere.map(|x| -x));
@@ -71,7 +72,8 @@ impl RingBvh {
     /// Calls `visit` with the index of each ring that `ray` may hit within `t`, roughly from near
     /// to far.
     ///
-    /// `visit` moves the end of `t` to a hit that it finds.
+    /// `t` is an interval of arc length τ. If `visit` finds a hit, it moves the end of the interval
+    /// to that hit.
     #[inline]
     pub fn visit_hit_leaves(&self, ray: &CylindricalRay, mut t: Interval, mut visit: impl FnMut(usize, &mut Interval)) {
         let dy = ray.direction.y;

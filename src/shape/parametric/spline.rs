@@ -88,7 +88,7 @@ pub struct SplineBasis {
 pub(super) struct KnotSpan {
     /// Index of the knot at the start.
     knot: usize,
-    /// Start and end, if the range of the whole curve is scaled to \[0, 1].
+    /// Start and end of the span, as fractions in \[0, 1] of the whole curve's range.
     pub range: [f64; 2],
 }
 
@@ -101,7 +101,7 @@ impl SplineBasis {
     pub fn single_bezier(controls: usize) -> Result<Self, SplineError> {
         let degree = controls.saturating_sub(1);
         let knots = [0.0, 1.0].into_iter().flat_map(|k| std::iter::repeat_n(k, controls.min(MAX_DEGREE + 1))).collect();
-        check_degree(degree)?;
+        validate_degree(degree)?;
         Ok(Self { degree, controls, knots })
     }
 
@@ -113,7 +113,7 @@ impl SplineBasis {
     ///
     /// [`SplineError`] if there are too few control points for the degree.
     pub fn uniform_knots(degree: usize, controls: usize) -> Result<Self, SplineError> {
-        check_degree(degree)?;
+        validate_degree(degree)?;
         let last = controls + degree;
         Self::new(degree, controls, (0..=last).map(|i| i as f64 / last as f64).collect())
     }
@@ -126,7 +126,7 @@ impl SplineBasis {
     ///
     /// [`SplineError`] if degree, number of control points and knots are inconsistent.
     pub fn new(degree: usize, controls: usize, knots: Vec<f64>) -> Result<Self, SplineError> {
-        check_degree(degree)?;
+        validate_degree(degree)?;
         if controls <= degree {
             return Err(SplineError::Controls { controls, degree });
         }
@@ -198,7 +198,7 @@ impl SplineBasis {
     }
 }
 
-fn check_degree(degree: usize) -> Result<(), SplineError> {
+fn validate_degree(degree: usize) -> Result<(), SplineError> {
     if (1..=MAX_DEGREE).contains(&degree) { Ok(()) } else { Err(SplineError::Degree(degree)) }
 }
 

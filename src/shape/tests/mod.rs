@@ -7,11 +7,11 @@ use crate::math::offset_ray_origin;
 use crate::sampling::{Dimension, Key, Purpose};
 use glam::DAffine3;
 
-fn cone_shape(bottom: DVec3, top: DVec3, radii: [f64; 2], capped: bool) -> Shape {
+fn frustum_shape(bottom: DVec3, top: DVec3, radii: [f64; 2], capped: bool) -> Shape {
     Shape::Frustum(Frustum::new(bottom, top, radii, capped).unwrap())
 }
 
-fn test_shapes() -> Vec<Shape> {
+fn one_shape_of_each_kind() -> Vec<Shape> {
     let squash = Transform::new(DAffine3::from_scale_rotation_translation(
         DVec3::new(1.0, 0.2, 2.5),
         glam::DQuat::from_xyzw(0.5, 0.5, 0.5, 0.5),
@@ -25,18 +25,18 @@ fn test_shapes() -> Vec<Shape> {
         Shape::Rectangle(Rectangle::new(DVec3::ONE, DVec3::new(2.0, 0.1, 0.0), DVec3::new(0.3, 1.0, 0.5))),
         Shape::Cuboid(Cuboid::from_transform(squash)),
         Shape::Cuboid(Cuboid::new(DVec3::new(-1.0, 0.5, 2.0), DVec3::new(0.5, 0.75, 2.5)).unwrap()),
-        cone_shape(DVec3::X, DVec3::ONE, [0.5, 0.5], true),
-        cone_shape(DVec3::X, DVec3::ONE, [0.5, 0.5], false),
-        cone_shape(DVec3::X, DVec3::ONE, [0.5, 0.0], true),
-        cone_shape(DVec3::X, DVec3::ONE, [0.0, 0.7], false),
-        cone_shape(DVec3::ZERO, DVec3::Y, [1.0, 0.3], true).transformed(&squash).unwrap(),
+        frustum_shape(DVec3::X, DVec3::ONE, [0.5, 0.5], true),
+        frustum_shape(DVec3::X, DVec3::ONE, [0.5, 0.5], false),
+        frustum_shape(DVec3::X, DVec3::ONE, [0.5, 0.0], true),
+        frustum_shape(DVec3::X, DVec3::ONE, [0.0, 0.7], false),
+        frustum_shape(DVec3::ZERO, DVec3::Y, [1.0, 0.3], true).transformed(&squash).unwrap(),
     ]
 }
 
 /// The mean of 1/pdf over samples is the area, within five standard errors.
 #[test]
 fn sampled_points_lie_on_the_shape_with_the_stated_density() {
-    for shape in test_shapes() {
+    for shape in one_shape_of_each_kind() {
         let (n, mut sum, mut squares) = (100_000u64, 0.0, 0.0);
         for i in 0..n {
             let s =
@@ -97,7 +97,7 @@ fn spheres_stay_spheres_under_similarities_only() {
 
 #[test]
 fn boxes_contain_their_shapes() {
-    for shape in test_shapes() {
+    for shape in one_shape_of_each_kind() {
         let b = shape.bounds();
         for i in 0..5000u64 {
             let u = Key::new(1).purpose_key(Purpose::Test).child_key(i).uniform_2d(Dimension::LightPosition);

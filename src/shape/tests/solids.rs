@@ -7,28 +7,28 @@ use std::f64::consts::PI;
 
 /// A convex solid in object space.
 #[derive(Clone, Copy, Debug)]
-enum Solid {
+enum TestSolid {
     /// The cube \[−1, 1]³.
     Cube,
-    /// x² + z² ≤ ρ(y)², 0 ≤ y ≤ 1, with ρ at both ends.
+    /// The solid x² + z² ≤ ρ(y)², 0 ≤ y ≤ 1. `radii` are ρ(0) and ρ(1), and ρ is linear.
     Frustum { radii: [f64; 2], capped: bool },
 }
 
-const SOLIDS: [Solid; 7] = [
-    Solid::Cube,
-    Solid::Frustum { radii: [1.0, 1.0], capped: true },
-    Solid::Frustum { radii: [1.0, 1.0], capped: false },
-    Solid::Frustum { radii: [1.0, 0.0], capped: true },
-    Solid::Frustum { radii: [0.0, 1.0], capped: false },
-    Solid::Frustum { radii: [0.4, 1.0], capped: true },
-    Solid::Frustum { radii: [1.0, 1.0 - 1e-9], capped: true },
+const SOLIDS: [TestSolid; 7] = [
+    TestSolid::Cube,
+    TestSolid::Frustum { radii: [1.0, 1.0], capped: true },
+    TestSolid::Frustum { radii: [1.0, 1.0], capped: false },
+    TestSolid::Frustum { radii: [1.0, 0.0], capped: true },
+    TestSolid::Frustum { radii: [0.0, 1.0], capped: false },
+    TestSolid::Frustum { radii: [0.4, 1.0], capped: true },
+    TestSolid::Frustum { radii: [1.0, 1.0 - 1e-9], capped: true },
 ];
 
-impl Solid {
+impl TestSolid {
     fn transformed_shape(self, map: &Transform) -> Shape {
         let own = match self {
             Self::Cube => Shape::Cuboid(Cuboid::new(DVec3::NEG_ONE, DVec3::ONE).unwrap()),
-            Self::Frustum { radii, capped } => cone_shape(DVec3::ZERO, DVec3::Y, radii, capped),
+            Self::Frustum { radii, capped } => frustum_shape(DVec3::ZERO, DVec3::Y, radii, capped),
         };
         own.transformed(map).unwrap()
     }
@@ -61,7 +61,7 @@ impl Solid {
     }
 
     /// Entry and exit parameters of a ray (`None` if it misses), and the minimum of
-    /// [`Solid::implicit_value`] along the ray.
+    /// [`TestSolid::implicit_value`] along the ray.
     fn entry_and_exit(self, map: &Transform, ray: &Ray) -> (Option<[f64; 2]>, f64) {
         let o = map.inverse().transform_point3(ray.origin.as_dvec3());
         let d = map.inverse().transform_vector3(ray.direction.as_dvec3());
@@ -90,7 +90,7 @@ impl Solid {
     }
 }
 
-fn test_transforms() -> Vec<Transform> {
+fn affine_test_transforms() -> Vec<Transform> {
     let turn = DQuat::from_xyzw(0.1, -0.5, 0.7, 0.5).normalize();
     let shear = DMat3::from_cols(DVec3::new(1.0, 0.3, 0.0), DVec3::new(-0.5, 0.8, 0.2), DVec3::new(0.0, 0.4, 1.5));
     let affine = [
@@ -104,24 +104,24 @@ fn test_transforms() -> Vec<Transform> {
     affine.into_iter().map(|map| Transform::new(map).unwrap()).collect()
 }
 
-fn test_key(i: u64) -> Key {
+fn random_key(i: u64) -> Key {
     Key::new(21).purpose_key(Purpose::Test).child_key(i)
 }
 
 fn random_direction(i: u64) -> DVec3 {
-    warp::square_to_uniform_sphere(test_key(i).uniform_2d(Dimension::LightDirection)).as_dvec3()
+    warp::square_to_uniform_sphere(random_key(i).uniform_2d(Dimension::LightDirection)).as_dvec3()
 }
 
 /// Point `i` of a sequence of random points on the edges or rims of a solid.
-fn edge_point(solid: Solid, i: u64) -> DVec3 {
-    let u = test_key(i).uniform_2d(Dimension::LightPosition).as_dvec2();
+fn random_point_on_edge(solid: TestSolid, i: u64) -> DVec3 {
+    let u = random_key(i).uniform_2d(Dimension::LightPosition).as_dvec2();
     match solid {
-        Solid::Cube => {
+        TestSolid::Cube => {
             let mut p = DVec3::new(1.0, if (i / 4).is_multiple_of(2) { 1.0 } else { -1.0 }, 2.0 * u.x - 1.0);
             (0..i % 3).for_each(|_| p = DVec3::new(p.y, p.z, p.x));
             p
         }
-        Solid::Frustum { radii, .. } => {
+        TestSolid::Frustum { radii, .. } => {
             let (sin, cos) = libm::sincos(u.x * 2.0 * PI);
             let y = (i / 4 % 2) as usize;
             DVec3::new(cos * radii[y], y as f64, sin * radii[y])
@@ -133,12 +133,12 @@ fn edge_point(solid: Solid, i: u64) -> DVec3 {
 #[test]
 fn hits_agree_with_bisection() {
     for solid in SOLIDS {
-        for (m, map) in test_transforms().into_iter().enumerate() {
+        for (m, map) in affine_test_transforms().into_iter().enumerate() {
             let shape = solid.transformed_shape(&map);
             let (mut hits, mut compared) = (0, 0);
             for i in 0..4_000 {
                 let target = match i % 4 {
-                    0 => edge_point(solid, i),
+                    0 => random_point_on_edge(solid, i),
                     1 => solid.center() + 1.2 * random_direction(i),
                     _ => solid.center() + random_direction(i + 1_000_000) * 0.7,
                 };
@@ -195,11 +195,11 @@ fn hits_agree_with_bisection() {
 #[test]
 fn inner_rays_never_escape() {
     for solid in SOLIDS.into_iter().filter(|s| s.is_closed()) {
-        for map in test_transforms() {
+        for map in affine_test_transforms() {
             let shape = solid.transformed_shape(&map);
             for i in 0..20_000 {
                 let from = map.transform_point(solid.center() + 0.1 * random_direction(i)).as_vec3();
-                let ray = Ray::new(from, map.transform_point(edge_point(solid, i)).as_vec3() - from);
+                let ray = Ray::new(from, map.transform_point(random_point_on_edge(solid, i)).as_vec3() - from);
                 assert!(shape.intersect(&ray).is_some() && shape.occludes(&ray), "{solid:?} {i} {ray:?}");
             }
         }
@@ -219,12 +219,16 @@ fn offset_rays_leave_solids_cleanly() {
             let shape = solid.transformed_shape(&map);
             for i in 0..10_000 {
                 // At edges too, where the neighbouring face is near.
-                let target = if i % 2 == 0 { edge_point(solid, i) } else { solid.center() + 0.6 * random_direction(i) };
+                let target = if i % 2 == 0 {
+                    random_point_on_edge(solid, i)
+                } else {
+                    solid.center() + 0.6 * random_direction(i)
+                };
                 let inner = map.transform_point(solid.center() + 0.1 * random_direction(i + 7)).as_vec3();
                 let ray = Ray::new(inner, map.transform_point(target).as_vec3() - inner);
                 let (t, u, v) = shape.intersect(&ray).expect("inner rays hit");
                 let s = shape.surface_point(&ray, t, Vec2::new(u, v));
-                let d = warp::square_to_cosine_hemisphere(test_key(i).uniform_2d(Dimension::LightPosition));
+                let d = warp::square_to_cosine_hemisphere(random_key(i).uniform_2d(Dimension::LightPosition));
                 let d = crate::math::Frame::from_normal(s.ng).to_world(d);
                 let out = Ray::new(offset_ray_origin(s.p, s.error, s.ng, d), d);
                 assert!(shape.intersect(&out).is_none(), "{solid:?} {scale} {i} {out:?}");
@@ -237,7 +241,7 @@ fn offset_rays_leave_solids_cleanly() {
     }
 }
 
-/// Rays along faces, generators and axes.
+/// Rays along faces, along axes, and along the straight lines of cylinder and cone sides.
 #[test]
 fn grazing_and_axial_rays() {
     let cube = Shape::Cuboid(Cuboid::new(DVec3::NEG_ONE, DVec3::ONE).unwrap());
@@ -247,15 +251,15 @@ fn grazing_and_axial_rays() {
     assert_eq!(hit(&cube, Vec3::new(-3.0, 1.0f32.next_up(), 0.0), Vec3::X), None);
     assert_eq!(hit(&cube, Vec3::new(-3.0, 1.0f32.next_down(), 0.0), Vec3::X), Some(2.0));
     assert_eq!(hit(&cube, Vec3::new(3.0, 0.0, 0.0), Vec3::X), None);
-    let tube = cone_shape(DVec3::ZERO, DVec3::Y, [1.0, 1.0], false);
+    let tube = frustum_shape(DVec3::ZERO, DVec3::Y, [1.0, 1.0], false);
     assert_eq!(hit(&tube, Vec3::new(0.0, -3.0, 0.0), Vec3::Y), None, "through both open ends");
     assert_eq!(hit(&tube, Vec3::new(0.5, -1.0, 0.0), Vec3::new(0.5, 1.5, 0.0)), Some(1.0), "the inside of the side");
     assert_eq!(hit(&tube, Vec3::new(0.0, 0.5, 3.0), -Vec3::Z), Some(2.0));
-    let can = cone_shape(DVec3::ZERO, DVec3::Y, [1.0, 1.0], true);
+    let can = frustum_shape(DVec3::ZERO, DVec3::Y, [1.0, 1.0], true);
     assert_eq!(hit(&can, Vec3::new(0.25, -3.0, 0.5), Vec3::Y), Some(3.0));
     assert_eq!(hit(&can, Vec3::new(0.25, 0.5, 0.5), Vec3::Y), Some(0.5));
     assert_eq!(hit(&can, Vec3::new(1.0f32.next_up(), -3.0, 0.0), Vec3::Y), None);
-    let pointed = cone_shape(DVec3::ZERO, DVec3::Y, [1.0, 0.0], true);
+    let pointed = frustum_shape(DVec3::ZERO, DVec3::Y, [1.0, 0.0], true);
     assert_eq!(hit(&pointed, Vec3::new(0.0, 3.0, 0.0), -Vec3::Y), Some(2.0), "the apex from above");
     assert_eq!(hit(&pointed, Vec3::new(0.25, 3.0, 0.0), -Vec3::Y), Some(2.25));
     // Parallel to a generator: inside, and beside.
@@ -273,18 +277,18 @@ fn areas_match_formulas() {
     let near = |shape: Shape, area: f64| assert!((shape.area() / area - 1.0).abs() < 1e-8, "{shape:?} {area}");
     near(Shape::Cuboid(Cuboid::new(DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0)).unwrap()), 22.0);
     let (r, h) = (0.7, 1.3);
-    near(cone_shape(DVec3::ONE, DVec3::ONE + DVec3::X * h, [r, r], false), 2.0 * PI * r * h);
-    near(cone_shape(DVec3::ONE, DVec3::ONE + DVec3::X * h, [r, r], true), 2.0 * PI * r * (h + r));
-    near(cone_shape(DVec3::ONE, DVec3::ONE - DVec3::Z * h, [r, 0.0], false), PI * r * libm::hypot(r, h));
-    near(cone_shape(DVec3::ZERO, DVec3::Y * h, [0.0, r], true), PI * r * (libm::hypot(r, h) + r));
+    near(frustum_shape(DVec3::ONE, DVec3::ONE + DVec3::X * h, [r, r], false), 2.0 * PI * r * h);
+    near(frustum_shape(DVec3::ONE, DVec3::ONE + DVec3::X * h, [r, r], true), 2.0 * PI * r * (h + r));
+    near(frustum_shape(DVec3::ONE, DVec3::ONE - DVec3::Z * h, [r, 0.0], false), PI * r * libm::hypot(r, h));
+    near(frustum_shape(DVec3::ZERO, DVec3::Y * h, [0.0, r], true), PI * r * (libm::hypot(r, h) + r));
     let (a, b) = (0.2, r);
     let side = PI * (a + b) * libm::hypot(b - a, h);
-    near(cone_shape(DVec3::ZERO, DVec3::Y * h, [a, b], true), side + PI * (a * a + b * b));
+    near(frustum_shape(DVec3::ZERO, DVec3::Y * h, [a, b], true), side + PI * (a * a + b * b));
     let stretch = Transform::new(DAffine3::from_scale(DVec3::new(1.2, 2.0, 1.0))).unwrap();
     let (a, b) = (1.2, 1.0);
     let q = (a - b) * (a - b) / ((a + b) * (a + b));
     let perimeter = PI * (a + b) * (1.0 + 3.0 * q / (10.0 + (4.0 - 3.0 * q).sqrt()));
-    near(cone_shape(DVec3::ZERO, DVec3::Y, [1.0, 1.0], false).transformed(&stretch).unwrap(), 2.0 * perimeter);
+    near(frustum_shape(DVec3::ZERO, DVec3::Y, [1.0, 1.0], false).transformed(&stretch).unwrap(), 2.0 * perimeter);
 }
 
 /// Chi-square test over bins of the surface; the false-alarm rate is 10⁻⁶.
@@ -299,8 +303,8 @@ fn samples_are_uniform_by_area() {
         // share of the area.
         let mut expected: Vec<f64> = Vec::new();
         match solid {
-            Solid::Cube => expected.resize(6 * 16, 1.0),
-            Solid::Frustum { radii: [a, b], capped } => {
+            TestSolid::Cube => expected.resize(6 * 16, 1.0),
+            TestSolid::Frustum { radii: [a, b], capped } => {
                 let slope = libm::hypot(1.0, a - b);
                 for bin in 0..48 {
                     let (part, level) = (bin / 16, f64::from(bin % 4));
@@ -319,16 +323,16 @@ fn samples_are_uniform_by_area() {
         let mut counts = vec![0.0; expected.len()];
         let n = 200_000;
         for i in 0..n {
-            let sample = shape.sample(test_key(i).uniform_2d(Dimension::LightPosition));
+            let sample = shape.sample(random_key(i).uniform_2d(Dimension::LightPosition));
             let p = map.inverse().transform_point3(sample.point.p.as_dvec3());
             let part = sample.uv.y as usize;
             let quarter = |x: f64| ((x * 4.0) as usize).min(3);
             let bin = match solid {
-                Solid::Cube => {
+                TestSolid::Cube => {
                     let (u, v) = (p[(part / 2 + 1) % 3], p[(part / 2 + 2) % 3]);
                     16 * part + 4 * quarter(0.5 + 0.5 * u) + quarter(0.5 + 0.5 * v)
                 }
-                Solid::Frustum { radii, .. } => {
+                TestSolid::Frustum { radii, .. } => {
                     let turns = 0.5 + libm::atan2(p.z, p.x) / (2.0 * PI);
                     let level = if part == 0 { p.y } else { libm::hypot(p.x, p.z) / radii[part - 1].max(1e-9) };
                     16 * part + 4 * quarter(turns) + quarter(level)
@@ -358,14 +362,14 @@ fn samples_are_uniform_by_area() {
 /// directions.
 #[test]
 fn area_samples_measure_the_visible_solid_angle() {
-    let map = &test_transforms()[1];
+    let map = &affine_test_transforms()[1];
     for solid in SOLIDS.into_iter().filter(|s| s.is_closed()) {
         let shape = solid.transformed_shape(map);
         let from = map.transform_point(DVec3::new(0.8, 1.9, -1.4)).as_vec3();
         let n = 400_000;
         let [mut sum, mut squares, mut hits] = [0.0f64; 3];
         for i in 0..n {
-            let s = shape.sample(test_key(i).uniform_2d(Dimension::LightPosition));
+            let s = shape.sample(random_key(i).uniform_2d(Dimension::LightPosition));
             let to = s.point.p - from;
             let (d2, w) = (to.length_squared(), to.normalize());
             let term = f64::from((-w.dot(s.point.ng)).max(0.0) / (d2 * s.pdf));
@@ -385,10 +389,10 @@ fn area_samples_measure_the_visible_solid_angle() {
 #[test]
 fn texture_gradients_match_differences() {
     for solid in SOLIDS {
-        let map = &test_transforms()[2];
+        let map = &affine_test_transforms()[2];
         let shape = solid.transformed_shape(map);
         for i in 0..2000 {
-            let s = shape.sample(test_key(i).uniform_2d(Dimension::LightPosition));
+            let s = shape.sample(random_key(i).uniform_2d(Dimension::LightPosition));
             let at = |p: DVec3| shape.tex_coord(p.as_vec3(), s.uv);
             let p = s.point.p.as_dvec3();
             let own = map.inverse().transform_point3(p);

@@ -4,7 +4,7 @@ use glam::{DAffine3, DQuat};
 /// Gradients agree with differences over 1e-6 in every direction: the second derivatives here are
 /// below 10.
 #[test]
-fn gradients_are_those_of_the_coordinates() {
+fn texture_gradients_match_coordinate_differences() {
     let squash = Transform::new(DAffine3::from_scale_rotation_translation(
         DVec3::new(1.0, 0.5, -2.0),
         DQuat::from_rotation_z(0.7),
@@ -31,7 +31,7 @@ fn gradients_are_those_of_the_coordinates() {
 }
 
 #[test]
-fn coordinates_at_known_points() {
+fn texture_coordinates_at_known_points() {
     let at = |form, p| TextureMapping::new(form, Transform::IDENTITY).tex_coord_at(p, TexCoord::default).uv;
     let close = |form, p: [f64; 3], uv: [f64; 2]| {
         let found = at(form, DVec3::from(p));

@@ -4,7 +4,7 @@ use crate::stats::cpu_seconds;
 use std::ops::{AddAssign, Sub};
 use std::time::Instant;
 
-/// Point in time, or duration, on the processor clock and on the wall clock.
+/// A point in time or a duration, on the processor clock and on the wall clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CpuWallTime {
     /// Processor time of all threads \[s]; wall time if the system does not report it.
@@ -47,9 +47,9 @@ pub(super) fn measure_time<T>(clock: &dyn Fn() -> CpuWallTime, work: impl FnOnce
     (done, clock() - before)
 }
 
-/// Description such as `AMD EPYC, 8 threads`.
+/// Returns a description of this machine, such as `AMD EPYC, 8 threads`.
 ///
-/// Systems other than Linux do not report the processor; its architecture is given instead.
+/// The name of the processor is known only on Linux. Elsewhere, its architecture is given instead.
 pub(super) fn machine_description(threads: usize) -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));

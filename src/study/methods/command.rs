@@ -2,7 +2,7 @@
 
 use super::MethodVariant;
 
-/// Scene of a study, as given on the command line.
+/// Scene of a study, and the command that repeats the study.
 #[derive(Clone, Debug, Default)]
 pub struct StudiedScene {
     /// Path of the scene file.
@@ -16,7 +16,7 @@ pub struct StudiedScene {
 impl StudiedScene {
     /// Shell command that renders `passes` passes of `variant`.
     ///
-    /// Its picture equals that of the study bit for bit.
+    /// The picture of the command equals that of the study bit for bit.
     pub(super) fn render_command(&self, variant: &MethodVariant, passes: u32) -> String {
         let mut words = ["caustica", "render"].map(str::to_owned).to_vec();
         // A path that begins with a dash would be read as a flag.

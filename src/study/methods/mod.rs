@@ -13,7 +13,7 @@ mod variant;
 
 pub use clock::CpuWallTime;
 pub use command::{StudiedScene, shell_quoted};
-pub use references::{ReferenceError, References, reference_algorithm};
-pub use result::{Checkpoint, GroundTruth, MethodResult, MethodStudyResult};
-pub use run::{MethodStudy, StudyLimits, StudyProgress};
+pub use references::{ReferenceError, ReferencePictures, reference_algorithm};
+pub use result::{ConvergenceCheckpoint, GroundTruth, MethodResult, MethodStudyResult};
+pub use run::{MethodStudy, MethodStudyEvent, StudyLimits};
 pub use variant::{MethodVariant, MethodVariantError, applicable_methods};

@@ -4,7 +4,7 @@ use super::GroundTruth;
 use super::clock::{measure_time, system_clock};
 use crate::image::metrics::{MetricError, rmse};
 use crate::image::{Image, RelativeScale, SizeError, open_file};
-use crate::integrate::{Algorithm, CameraPathSettings, Monitor, Settings};
+use crate::integrate::{Algorithm, CameraPathSettings, ProgressMonitor, Settings};
 use crate::plan::{Effect, EffectOverrides, Plan};
 use crate::render::Film;
 use crate::scene::Scene;
@@ -13,7 +13,7 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Offsets of the seeds of both references from the first studied seed.
+/// Difference between the seed of each reference and the first seed of the study.
 const SEED_OFFSETS: [u64; 2] = [1 << 62, 1 << 63];
 
 /// First bytes of a PNG file.
@@ -60,7 +60,7 @@ pub enum ReferenceError {
 
 /// Two reference pictures of equal size with finite pixels.
 #[derive(Clone, Debug)]
-pub struct References {
+pub struct ReferencePictures {
     source: String,
     error: Option<f64>,
     pair: [Image; 2],
@@ -68,8 +68,8 @@ pub struct References {
     scale: RelativeScale,
 }
 
-impl References {
-    /// Makes references of `a` and `b`. Without `b`, `a` is taken as exact.
+impl ReferencePictures {
+    /// Makes reference pictures of `a` and `b`. Without `b`, `a` is taken as exact.
     ///
     /// `source` describes their origin in reports.
     ///
@@ -106,9 +106,9 @@ impl References {
 
     /// Renders two references with the settings `like`, except for seeds and sample counts.
     ///
-    /// Makes whole passes, until each reference took at least `seconds` of processor time. Calls
-    /// `after` with the number of passes and the fraction of the time. Returns `None` if
-    /// `interrupted` becomes true.
+    /// Makes passes until each reference has taken at least `seconds` of processor time. After each
+    /// pass, calls `after` with the number of passes and the elapsed fraction of `seconds`. Returns
+    /// `None` if `interrupted` becomes true.
     ///
     /// # Errors
     /// [`ReferenceError`] if a pixel is not finite.
@@ -117,7 +117,7 @@ impl References {
         like: &CameraPathSettings,
         seconds: f64,
         interrupted: &AtomicBool,
-        monitor: &dyn Monitor,
+        monitor: &dyn ProgressMonitor,
         mut after: impl FnMut(u32, f64),
     ) -> Result<Option<Self>, ReferenceError> {
         let (algorithm, why) = reference_algorithm(scene, like.effects);
@@ -141,7 +141,7 @@ impl References {
             }
             let ((), time) = measure_time(&clock, || {
                 for (integrator, film) in integrators.iter().zip(&mut films) {
-                    film.add(&integrator.pass(film.passes(), monitor).image);
+                    film.add(&integrator.render_pass(film.passes(), monitor).image);
                 }
             });
             spent += time.processor;
@@ -156,14 +156,14 @@ impl References {
 
     /// Both reference pictures. They are equal if a single reference is taken as exact.
     #[must_use]
-    pub fn both_pictures(&self) -> &[Image; 2] {
+    pub fn both_reference_pictures(&self) -> &[Image; 2] {
         &self.pair
     }
 
-    /// Mean of both references A and B, with its origin and error.
+    /// Returns the mean of both references A and B, with its origin and error.
     ///
-    /// The error is that of its noise, ½√(mean of (A − B)²). A bias that both references share is
-    /// unknown.
+    /// The error is the noise of the mean, ½√(mean of (A − B)²). It does not contain a bias that
+    /// both references share.
     #[must_use]
     pub fn ground_truth(&self) -> GroundTruth {
         GroundTruth { source: self.source.clone(), error: self.error, picture: self.mean.clone() }
@@ -206,7 +206,7 @@ fn read_reference(path: &Path, wanted: (u32, u32)) -> Result<Image, ReferenceErr
 /// It is `hybrid` if the scene has caustics, which `path` may miss. Else it is `path`.
 #[must_use]
 pub fn reference_algorithm(scene: &Scene, overrides: EffectOverrides) -> (Algorithm, &'static str) {
-    let plan = Plan::new(scene, Algorithm::Hybrid.simulates(), overrides);
+    let plan = Plan::new(scene, Algorithm::Hybrid.supported_effects(), overrides);
     if plan.simulated_effects().has(Effect::Caustics) {
         (Algorithm::Hybrid, "unbiased except caustics, whose blur shrinks")
     } else {

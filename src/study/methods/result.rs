@@ -6,7 +6,7 @@ use serde::Serialize;
 
 /// Measurements of a method after a number of passes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Checkpoint {
+pub struct ConvergenceCheckpoint {
     /// Number of passes of each seed.
     pub passes: u32,
     /// Processor time of these passes, without setup, mean over seeds \[s].
@@ -24,32 +24,33 @@ pub struct Checkpoint {
     pub squares: Vec<f64>,
     /// Relative squared noise: variance between seeds, on the same scale as `squares`.
     pub noise2: f64,
-    /// Contribution of each of S seeds to `noise2`, which is the mean of this list.
+    /// One value per seed, whose mean is `noise2`.
     ///
-    /// It is S/(S − 1) times the squared difference between the picture and the mean over seeds.
-    /// The list is empty with one seed.
+    /// With S seeds, the value is S/(S − 1) times the relative squared difference between the
+    /// seed's picture and the mean over seeds. The list is empty with one seed.
     pub noises: Vec<f64>,
     /// Relative squared bias: mean of `squares` minus `noise2`.
     ///
     /// The estimate is unbiased, so it may be negative.
     pub bias2: f64,
-    /// Relative squared error of each seed by the renderer's own error estimate, where finite.
+    /// Square of the relative error that the renderer itself estimates, for each seed with a finite
+    /// estimate.
     pub estimated: Vec<f64>,
-    /// Root mean square difference to the truth over pixels, channels and seeds \[W/(m² sr)].
+    /// Root mean square difference from the reference over pixels, channels and seeds \[W/(m² sr)].
     pub rmse: f64,
-    /// Mean FLIP difference between the first seed's picture and the truth, in \[0, 1].
+    /// Mean ꟻLIP error of the first seed's picture against the reference, in \[0, 1].
     pub flip: f64,
 }
 
-impl Checkpoint {
+impl ConvergenceCheckpoint {
     /// Relative squared error, mean over seeds.
     #[must_use]
     pub fn mean_squared_error(&self) -> f64 {
         self.squares.iter().sum::<f64>() / self.squares.len().max(1) as f64
     }
 
-    /// Relative squared error by the renderer's own error estimate, mean over seeds; `None` if
-    /// unknown.
+    /// Square of the relative error that the renderer itself estimates, mean over seeds; `None` if
+    /// there is no estimate.
     #[must_use]
     pub fn mean_estimated_square(&self) -> Option<f64> {
         let n = self.estimated.len() as f64;
@@ -70,17 +71,17 @@ pub struct MethodResult {
     pub setup: f64,
     /// Parameter α of the radius law (Knaus and Zwicker 2011); 1 for fixed radii.
     pub alpha: f64,
-    /// Largest gather radius in the first pass of the global and of the caustic map \[length].
+    /// Largest gather radius in the first pass of the indirect and of the caustic map \[length].
     ///
     /// `None` if the algorithm has no photons.
     pub radii: Option<[f32; 2]>,
     /// Checkpoints in the order of passes, which are powers of two except at the last checkpoint.
-    pub checkpoints: Vec<Checkpoint>,
+    pub checkpoints: Vec<ConvergenceCheckpoint>,
     /// Picture of the first seed at the last checkpoint.
     pub picture: Image,
     /// Relative error of each pixel at the last checkpoint: root mean square over seeds.
     pub error: Vec<f32>,
-    /// Mean over seeds of the pictures at the last checkpoint, minus the truth \[W/(m² sr)].
+    /// Mean over seeds of the pictures at the last checkpoint, minus the reference \[W/(m² sr)].
     pub difference: Image,
 }
 

@@ -1,14 +1,16 @@
-//! Runs the methods of a study in turns, pass by pass.
+//! Runs the methods of a study in turns, one pass at a time.
 
 use super::clock::{ClockFn, measure_time, system_clock};
 use super::split::{mean_pixel, pixel_errors, separate_noise_and_bias};
 use super::variant::{MethodVariantError, check_variants};
-use super::{Checkpoint, CpuWallTime, MethodResult, MethodStudyResult, MethodVariant, References, StudiedScene};
+use super::{
+    ConvergenceCheckpoint, CpuWallTime, MethodResult, MethodStudyResult, MethodVariant, ReferencePictures, StudiedScene,
+};
 use crate::color::Rgb;
 use crate::image::Image;
-use crate::image::flip::{FlipOptions, flip};
+use crate::image::flip::{FlipMetricOptions, flip_metric};
 use crate::image::metrics::rmse;
-use crate::integrate::{Expected, Integrator, Monitor, Radii};
+use crate::integrate::{ExpectedPhotons, GatherRadii, Integrator, ProgressMonitor};
 use crate::render::Film;
 use crate::render::error_estimate::ErrorEstimator;
 use crate::scene::Scene;
@@ -16,7 +18,8 @@ use crate::stats::cpu_seconds;
 use crate::study::StudyError;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Minimum ratio of passes between the last two checkpoints; a closer one is dropped.
+/// Minimum ratio of the numbers of passes at the last two checkpoints. At a smaller ratio, the
+/// earlier checkpoint is dropped.
 const MIN_CHECKPOINT_RATIO: f64 = 1.3;
 
 /// Memory of a film and its error estimator \[bytes per pixel].
@@ -25,11 +28,11 @@ const BYTES_PER_FILM_PIXEL: u64 = 24 + 192;
 /// Memory of a picture \[bytes per pixel].
 const BYTES_PER_PICTURE_PIXEL: u64 = 12;
 
-/// Limits at which the methods of a study stop. At least one pass of each is made.
+/// Limits at which the methods of a study stop. Each method makes at least one pass.
 #[derive(Clone, Copy, Debug)]
 pub struct StudyLimits {
-    /// Processor time per seed \[s]. A method stops after the pass in which its mean over seeds
-    /// reaches this.
+    /// Processor time per seed \[s]. A method stops after the pass in which its mean time over
+    /// seeds reaches this limit.
     pub budget: f64,
     /// Largest number of passes; `None` without a limit.
     pub passes: Option<u32>,
@@ -37,11 +40,11 @@ pub struct StudyLimits {
 
 /// Progress event of a study.
 #[derive(Clone, Copy, Debug)]
-pub enum StudyProgress<'s> {
+pub enum MethodStudyEvent<'s> {
     /// A round ended: one pass of each seed of each running method. Holds the number of rounds.
     Round(u32),
     /// A method reached a checkpoint. Holds the method's label and the checkpoint.
-    Checkpoint(&'s str, &'s Checkpoint),
+    Checkpoint(&'s str, &'s ConvergenceCheckpoint),
 }
 
 /// Function that prepares an integrator with the given seed.
@@ -63,24 +66,24 @@ struct MethodRun<'a> {
     variant: MethodVariant,
     make: IntegratorFactory<'a>,
     setup: f64,
-    radii: Option<Radii>,
-    expected: Expected,
+    radii: Option<GatherRadii>,
+    expected: ExpectedPhotons,
     alpha: f64,
     seeds: Vec<SeedRun<'a>>,
     time: CpuWallTime,
     rays: u64,
     photons: u64,
-    checkpoints: Vec<Checkpoint>,
+    checkpoints: Vec<ConvergenceCheckpoint>,
     /// Pictures of the last checkpoint; `None` while the method runs.
     last: Option<FinalPictures>,
 }
 
 /// State of one seed of a method.
 struct SeedRun<'a> {
-    /// Prepared in the first pass, except for the first seed.
+    /// Integrator of this seed; `None` before the first pass, except for the first seed.
     integrator: Option<Box<dyn Integrator + 'a>>,
     film: Film,
-    /// Created in the first pass.
+    /// Error estimator of this seed; `None` before the first pass.
     estimator: Option<ErrorEstimator>,
 }
 
@@ -123,7 +126,7 @@ impl<'a> MethodStudy<'a> {
         check_variants(&named, seeds)?;
         let runs = named.into_iter().zip(makers).map(|(variant, make)| {
             let (first, setup) = measure_time(&clock, || make(variant.settings.camera_paths.seed));
-            let (radii, expected) = (first.radii(), first.expected());
+            let (radii, expected) = (first.gather_radii(), first.expected_photons());
             let alpha = first.radius_law().map_or(1.0, |law| law.alpha);
             let none = (1..seeds).map(|_| None);
             let film = |integrator| SeedRun { integrator, film: Film::new(size.0, size.1), estimator: None };
@@ -146,10 +149,10 @@ impl<'a> MethodStudy<'a> {
         Ok(Self { size, seeds, clock, runs })
     }
 
-    /// Numbers of photons that determine the memory of a pass: their maxima over all methods.
+    /// Largest expected numbers of photons of a pass, over all methods. They determine its memory.
     #[must_use]
-    pub fn largest_pass_memory(&self) -> Expected {
-        self.runs.iter().map(|run| run.expected).fold(Expected::default(), |a, b| Expected {
+    pub fn largest_expected_photons(&self) -> ExpectedPhotons {
+        self.runs.iter().map(|run| run.expected).fold(ExpectedPhotons::default(), |a, b| ExpectedPhotons {
             paths: a.paths.max(b.paths),
             photons: a.photons.max(b.photons),
             most: a.most.max(b.most),
@@ -158,7 +161,7 @@ impl<'a> MethodStudy<'a> {
 
     /// Memory of all pictures of a study \[bytes], for a number of variants and of seeds.
     #[must_use]
-    pub fn picture_bytes((width, height): (u32, u32), variants: usize, seeds: u32) -> u64 {
+    pub fn study_picture_bytes((width, height): (u32, u32), variants: usize, seeds: u32) -> u64 {
         let (variants, seeds) = (variants as u64, u64::from(seeds));
         // For each variant: films; last picture, difference and error map.
         // Once: both references and their mean; their scale; pictures and temporary images of the
@@ -180,16 +183,16 @@ impl<'a> MethodStudy<'a> {
         mut self,
         subject: &StudiedScene,
         limits: StudyLimits,
-        references: &References,
+        references: &ReferencePictures,
         interrupted: &AtomicBool,
-        monitor: &dyn Monitor,
-        mut after: impl FnMut(StudyProgress<'_>),
+        monitor: &dyn ProgressMonitor,
+        mut after: impl FnMut(MethodStudyEvent<'_>),
     ) -> Result<MethodStudyResult, StudyError> {
         let (mut round, mut cut) = (0u32, false);
         while self.runs.iter().any(|run| run.last.is_none()) {
             self.run_round(round, monitor);
             round += 1;
-            after(StudyProgress::Round(round));
+            after(MethodStudyEvent::Round(round));
             let asked = interrupted.load(Ordering::Relaxed);
             for run in self.runs.iter_mut().filter(|run| run.last.is_none()) {
                 let spent = run.time.processor / f64::from(self.seeds) >= limits.budget;
@@ -197,7 +200,7 @@ impl<'a> MethodStudy<'a> {
                 cut |= asked && !done;
                 if done || asked || round.is_power_of_two() {
                     let checkpoint = run.add_checkpoint(round, done || asked, self.size, references)?;
-                    after(StudyProgress::Checkpoint(&run.variant.label, &checkpoint));
+                    after(MethodStudyEvent::Checkpoint(&run.variant.label, &checkpoint));
                 }
             }
         }
@@ -206,15 +209,15 @@ impl<'a> MethodStudy<'a> {
 
     /// Makes one pass of each seed of each running method.
     ///
-    /// Each round starts with another seed. So a slow phase of the machine or a cold cache affects
+    /// Each round starts at another method and seed. So a temporary slowdown of the machine affects
     /// all methods equally.
-    fn run_round(&mut self, pass: u32, monitor: &dyn Monitor) {
+    fn run_round(&mut self, pass: u32, monitor: &dyn ProgressMonitor) {
         let seeds = self.seeds as usize;
         let running = (0..self.runs.len()).filter(|i| self.runs[*i].last.is_none());
         let turns: Vec<(usize, usize)> = running.flat_map(|run| (0..seeds).map(move |seed| (run, seed))).collect();
         let (late, early) = turns.split_at(pass as usize % turns.len());
         for (run, seed) in early.iter().chain(late) {
-            self.runs[*run].run_pass(*seed, pass, &self.clock, monitor);
+            self.runs[*run].run_timed_pass(*seed, pass, &self.clock, monitor);
         }
     }
 
@@ -222,7 +225,7 @@ impl<'a> MethodStudy<'a> {
         self,
         subject: &StudiedScene,
         limits: StudyLimits,
-        references: &References,
+        references: &ReferencePictures,
         interrupted: bool,
     ) -> MethodStudyResult {
         let threads = rayon::current_num_threads();
@@ -246,19 +249,25 @@ impl<'a> MethodStudy<'a> {
 }
 
 impl MethodRun<'_> {
-    fn run_pass(&mut self, seed: usize, pass: u32, clock: &dyn Fn() -> CpuWallTime, monitor: &dyn Monitor) {
+    fn run_timed_pass(
+        &mut self,
+        seed: usize,
+        pass: u32,
+        clock: &dyn Fn() -> CpuWallTime,
+        monitor: &dyn ProgressMonitor,
+    ) {
         let SeedRun { integrator, film, estimator } = &mut self.seeds[seed];
         let first = self.variant.settings.camera_paths.seed;
         let integrator = integrator.get_or_insert_with(|| (self.make)(first.wrapping_add(seed as u64)));
-        let (pass, time) = measure_time(clock, || integrator.pass(pass, monitor));
+        let (pass, time) = measure_time(clock, || integrator.render_pass(pass, monitor));
         estimator.get_or_insert_with(|| ErrorEstimator::new(integrator.radius_law())).add(film, &pass);
         film.add(&pass.image);
         self.time += time;
         self.rays += pass.counters.total_rays();
-        self.photons += pass.global.emitted + pass.caustic.emitted;
+        self.photons += pass.unaimed.emitted + pass.aimed.emitted;
     }
 
-    /// Measures all seeds after `passes` passes and adds a checkpoint.
+    /// Measures the pictures of all seeds after `passes` passes, and adds a checkpoint.
     ///
     /// `last` is true at the end of the method. The previous checkpoint is then dropped if it is
     /// close.
@@ -267,8 +276,8 @@ impl MethodRun<'_> {
         passes: u32,
         last: bool,
         size: (u32, u32),
-        references: &References,
-    ) -> Result<Checkpoint, StudyError> {
+        references: &ReferencePictures,
+    ) -> Result<ConvergenceCheckpoint, StudyError> {
         let pictures: Vec<Vec<Rgb>> = self.seeds.iter().map(|seed| seed.film.mean()).collect();
         let image = |pixels: Vec<Rgb>| Image::from_pixels(size.0, size.1, pixels);
         for picture in &pictures {
@@ -280,7 +289,7 @@ impl MethodRun<'_> {
         let estimated: Vec<f64> =
             self.seeds.iter().filter_map(error).filter(|e| e.is_finite()).map(|e| e * e).collect();
         let seeds = pictures.len() as f64;
-        let checkpoint = Checkpoint {
+        let checkpoint = ConvergenceCheckpoint {
             passes,
             seconds: self.time.processor / seeds,
             wall: self.time.wall / seeds,
@@ -292,7 +301,7 @@ impl MethodRun<'_> {
             bias2: measured.bias2,
             estimated,
             rmse: measured.rmse,
-            flip: flip(references.mean(), &image(pictures[0].clone())?, &FlipOptions::default())?.mean,
+            flip: flip_metric(references.mean(), &image(pictures[0].clone())?, &FlipMetricOptions::default())?.mean,
         };
         if last {
             self.checkpoints.pop_if(|before| f64::from(passes) < MIN_CHECKPOINT_RATIO * f64::from(before.passes));
@@ -317,7 +326,7 @@ impl MethodRun<'_> {
             algorithm: self.variant.algorithm,
             setup: self.setup,
             alpha: self.alpha,
-            radii: self.radii.map(|r| [r.global, r.caustic]),
+            radii: self.radii.map(|r| [r.indirect, r.caustic]),
             checkpoints: self.checkpoints,
             picture,
             error,

@@ -1,10 +1,12 @@
 //! Separates the error of a method into noise and bias.
 
-use super::References;
+use super::ReferencePictures;
 use crate::color::Rgb;
 use glam::DVec3;
 
-/// Error, noise and bias of a method; [`Checkpoint`](super::Checkpoint) describes the fields.
+/// Error, noise and bias of a method at one checkpoint.
+///
+/// [`ConvergenceCheckpoint`](super::ConvergenceCheckpoint) describes the fields.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct NoiseAndBias {
     pub squares: Vec<f64>,
@@ -18,12 +20,12 @@ pub(super) struct NoiseAndBias {
 ///
 /// Let I be a picture, and A and B references, all independent. Then E\[(I − A)(I − B)] is the
 /// squared bias plus the variance of I: the noise of the references cancels.
-pub(super) fn separate_noise_and_bias(references: &References, pictures: &[Vec<Rgb>]) -> NoiseAndBias {
+pub(super) fn separate_noise_and_bias(references: &ReferencePictures, pictures: &[Vec<Rgb>]) -> NoiseAndBias {
     let seeds = pictures.len() as f64;
     let (mut squares, mut noises) = (vec![0.0; pictures.len()], vec![0.0; pictures.len()]);
     let mut plain = 0.0;
     let scale = references.relative_scale();
-    let count = scale.weights().len();
+    let count = scale.pixel_weights().len();
     // The mean over seeds contains each picture, which reduces the variance by this factor.
     let whole = seeds / (seeds - 1.0);
     for i in 0..count {
@@ -49,8 +51,9 @@ pub(super) fn mean_pixel(pictures: &[Vec<Rgb>], i: usize) -> DVec3 {
     pictures.iter().map(|picture| picture[i].as_dvec3()).sum::<DVec3>() / pictures.len() as f64
 }
 
-/// Relative error of each pixel: root mean square over seeds; 0 if the mean square is negative.
-pub(super) fn pixel_errors(references: &References, pictures: &[Vec<Rgb>]) -> Vec<f32> {
+/// Relative error of each pixel: root mean square over seeds; 0 if the estimated mean square is
+/// negative.
+pub(super) fn pixel_errors(references: &ReferencePictures, pictures: &[Vec<Rgb>]) -> Vec<f32> {
     let scale = references.relative_scale();
     let square = |i: usize| {
         let counts = |picture: &Vec<Rgb>| {
@@ -58,5 +61,5 @@ pub(super) fn pixel_errors(references: &References, pictures: &[Vec<Rgb>]) -> Ve
         };
         (pictures.iter().map(counts).sum::<f64>() / pictures.len() as f64).max(0.0).sqrt() as f32
     };
-    (0..scale.weights().len()).map(square).collect()
+    (0..scale.pixel_weights().len()).map(square).collect()
 }

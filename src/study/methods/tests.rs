@@ -4,12 +4,12 @@ use super::clock::ClockFn;
 use super::run::IntegratorFactory;
 use super::split::{pixel_errors, separate_noise_and_bias};
 use super::{
-    CpuWallTime, MethodStudy, MethodStudyResult, MethodVariant, ReferenceError, References, StudiedScene, StudyLimits,
-    StudyProgress, reference_algorithm,
+    CpuWallTime, MethodStudy, MethodStudyEvent, MethodStudyResult, MethodVariant, ReferenceError, ReferencePictures,
+    StudiedScene, StudyLimits, reference_algorithm,
 };
 use crate::color::Rgb;
 use crate::image::{self, Image, WriteOptions};
-use crate::integrate::{Algorithm, CameraPathSettings, Integrator, Monitor, Pass, Settings, Silent};
+use crate::integrate::{Algorithm, CameraPathSettings, Integrator, Pass, ProgressMonitor, Settings, SilentMonitor};
 use crate::plan::{Effect, EffectOverrides, Effects, Plan};
 use crate::stats::{Counters, cpu_seconds};
 use crate::study::tests::{diffuse_sphere_on_floor, glass_sphere_on_floor};
@@ -19,7 +19,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 const SIZE: (u32, u32) = (64, 64);
 const CHANNELS: f64 = 3.0 * 64.0 * 64.0;
 
-/// Uniform noise of standard deviation `sigma`, keyed by `key`.
+/// Returns uniform noise of mean 0 and standard deviation `sigma`; `key` selects the random number.
 fn uniform_noise(sigma: f64, key: u64) -> f64 {
     // Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators".
     let mut z = key.wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -29,7 +29,8 @@ fn uniform_noise(sigma: f64, key: u64) -> f64 {
     12f64.sqrt() * sigma * (uniform - 0.5)
 }
 
-/// Picture of radiance 1 + `bias` with noise of standard deviation `sigma`, keyed by `name`.
+/// Makes a picture of radiance 1 + `bias` with noise of standard deviation `sigma`; `name` selects
+/// the random numbers.
 fn noisy_picture(bias: f64, sigma: f64, name: u64) -> Vec<Rgb> {
     let value = |i: u64| 1.0 + bias + uniform_noise(sigma, (name << 32) + i);
     let pixel = |i: u64| glam::DVec3::new(value(3 * i), value(3 * i + 1), value(3 * i + 2)).as_vec3();
@@ -40,10 +41,10 @@ fn image_from_pixels(pixels: Vec<Rgb>) -> Image {
     Image::from_pixels(SIZE.0, SIZE.1, pixels).unwrap()
 }
 
-/// Two references of radiance 1 with noise of standard deviation `sigma`.
-fn references_with_noise(sigma: f64) -> References {
+/// Makes two references of radiance 1 with noise of standard deviation `sigma`.
+fn references_with_noise(sigma: f64) -> ReferencePictures {
     let [a, b] = [1000, 1001].map(|name| image_from_pixels(noisy_picture(0.0, sigma, name)));
-    References::new("here".into(), a, Some(b)).unwrap()
+    ReferencePictures::new("here".into(), a, Some(b)).unwrap()
 }
 
 fn assert_near(found: f64, expected: f64, sigma: f64) {
@@ -79,7 +80,7 @@ fn unbiased_pictures_have_no_bias() {
 
 #[test]
 fn error_map_has_the_mean_error() {
-    let truth = References::new("here".into(), image_from_pixels(noisy_picture(0.0, 0.0, 0)), None).unwrap();
+    let truth = ReferencePictures::new("here".into(), image_from_pixels(noisy_picture(0.0, 0.0, 0)), None).unwrap();
     let pictures = [noisy_picture(0.1, 0.0, 0), noisy_picture(-0.3, 0.0, 0)];
     let map = pixel_errors(&truth, &pictures);
     // √(½ · ½(.01 + .09)); f32 pixels near 1 are known to 6e-8, their errors of .1 to 6e-7.
@@ -100,23 +101,24 @@ struct SyntheticMethod {
 const FAST_METHOD: SyntheticMethod = SyntheticMethod { bias: 0.0, sigma: 0.5, cost: 0.2, interrupts: false };
 const SLOW_METHOD: SyntheticMethod = SyntheticMethod { bias: 0.1, sigma: 0.1, cost: 0.8, interrupts: false };
 
-/// State that all methods of a study share.
+/// Clock, log and interruption flag that all synthetic methods of a test share.
 #[derive(Default)]
-struct SharedState {
+struct SyntheticStudyState {
     time: Mutex<CpuWallTime>,
-    /// Cost (which identifies the method), seed and pass of each pass, in order.
+    /// An entry for each pass in order: cost of the method (which identifies it), seed, and number
+    /// of the pass.
     log: Mutex<Vec<(f64, u64, u32)>>,
     interrupted: AtomicBool,
 }
 
-struct SyntheticRun<'w> {
+struct SyntheticIntegrator<'w> {
     fake: SyntheticMethod,
     seed: u64,
-    world: &'w SharedState,
+    world: &'w SyntheticStudyState,
 }
 
-impl Integrator for SyntheticRun<'_> {
-    fn pass(&self, pass: u32, _: &dyn Monitor) -> Pass {
+impl Integrator for SyntheticIntegrator<'_> {
+    fn render_pass(&self, pass: u32, _: &dyn ProgressMonitor) -> Pass {
         let SyntheticMethod { bias, sigma, cost, interrupts } = self.fake;
         let processor = cost * (1.0 + 0.5 * self.seed as f64);
         // Other programs have the processor for a fifth of the time.
@@ -127,8 +129,8 @@ impl Integrator for SyntheticRun<'_> {
         let name = (f64::to_bits(cost) >> 40) + 1000 * u64::from(pass) + self.seed;
         let counters = Counters { camera_rays: 10 + self.seed, shadow_rays: 5, ..Counters::default() };
         let mut pass = Pass { image: noisy_picture(bias, sigma, name), counters, ..Pass::default() };
-        pass.global.emitted = 100;
-        pass.caustic.emitted = 50;
+        pass.unaimed.emitted = 100;
+        pass.aimed.emitted = 50;
         pass
     }
 
@@ -141,21 +143,25 @@ impl Integrator for SyntheticRun<'_> {
     }
 }
 
-fn run_study<'w>(world: &'w SharedState, fakes: &[SyntheticMethod], limits: StudyLimits) -> MethodStudyResult {
+fn run_synthetic_study<'w>(
+    world: &'w SyntheticStudyState,
+    fakes: &[SyntheticMethod],
+    limits: StudyLimits,
+) -> MethodStudyResult {
     let variant = |fake: SyntheticMethod| {
         let label = format!("of {} s", fake.cost);
         let settings = Settings::default();
         let variant =
             MethodVariant { label, algorithm: Algorithm::Path, settings, flags: vec!["--spp".into(), "3".into()] };
-        let make: IntegratorFactory<'w> = Box::new(move |seed| Box::new(SyntheticRun { fake, seed, world }));
+        let make: IntegratorFactory<'w> = Box::new(move |seed| Box::new(SyntheticIntegrator { fake, seed, world }));
         (variant, make)
     };
     let clock: ClockFn<'w> = Box::new(|| *world.time.lock().unwrap());
     let study = MethodStudy::new(SIZE, fakes.iter().map(|f| variant(*f)).collect(), 2, clock).unwrap();
     let subject = StudiedScene { scene: "a.txt".into(), ..StudiedScene::default() };
     let mut reported = Vec::new();
-    let found = study.run(&subject, limits, &references_with_noise(0.0), &world.interrupted, &Silent, |step| {
-        if let StudyProgress::Checkpoint(label, checkpoint) = step {
+    let found = study.run(&subject, limits, &references_with_noise(0.0), &world.interrupted, &SilentMonitor, |step| {
+        if let MethodStudyEvent::Checkpoint(label, checkpoint) = step {
             reported.push((label.to_owned(), checkpoint.passes));
         }
     });
@@ -172,12 +178,14 @@ fn checkpoint_passes(found: &MethodStudyResult, method: usize) -> Vec<u32> {
     found.methods[method].checkpoints.iter().map(|c| c.passes).collect()
 }
 
-/// Passes of the two seeds take 1 and 1.5 times the method's cost, so 1.25 times in the mean. That
-/// is 1 s for the slow method and 0.25 s for the fast one.
+/// Methods stop when the mean processor time of their seeds reaches the budget. Passes of the two
+/// seeds take 1 and 1.5 times the cost of the method. The mean is 1 s for the slow method and 0.25
+/// s for the fast one.
 #[test]
 fn methods_run_until_their_budget() {
-    let world = SharedState::default();
-    let found = run_study(&world, &[SLOW_METHOD, FAST_METHOD], StudyLimits { budget: 6.0 - 1e-9, passes: None });
+    let world = SyntheticStudyState::default();
+    let found =
+        run_synthetic_study(&world, &[SLOW_METHOD, FAST_METHOD], StudyLimits { budget: 6.0 - 1e-9, passes: None });
     assert_eq!(checkpoint_passes(&found, 0), [1, 2, 4, 6]);
     assert_eq!(checkpoint_passes(&found, 1), [1, 2, 4, 8, 16, 24]);
     let last = found.methods[0].checkpoints.last().unwrap();
@@ -189,27 +197,30 @@ fn methods_run_until_their_budget() {
 
 #[test]
 fn close_last_checkpoints_are_merged() {
-    let found = run_study(
-        &SharedState::default(),
+    let found = run_synthetic_study(
+        &SyntheticStudyState::default(),
         &[SLOW_METHOD, FAST_METHOD],
         StudyLimits { budget: 5.0 - 1e-9, passes: None },
     );
     assert_eq!((checkpoint_passes(&found, 0), checkpoint_passes(&found, 1)), (vec![1, 2, 5], vec![1, 2, 4, 8, 20]));
-    let capped = run_study(
-        &SharedState::default(),
+    let capped = run_synthetic_study(
+        &SyntheticStudyState::default(),
         &[SLOW_METHOD, FAST_METHOD],
         StudyLimits { budget: 5.0 - 1e-9, passes: Some(6) },
     );
     assert_eq!((checkpoint_passes(&capped, 0), checkpoint_passes(&capped, 1)), (vec![1, 2, 5], vec![1, 2, 4, 6]));
-    let least =
-        run_study(&SharedState::default(), &[SLOW_METHOD, FAST_METHOD], StudyLimits { budget: 0.0, passes: None });
+    let least = run_synthetic_study(
+        &SyntheticStudyState::default(),
+        &[SLOW_METHOD, FAST_METHOD],
+        StudyLimits { budget: 0.0, passes: None },
+    );
     assert_eq!((checkpoint_passes(&least, 0), checkpoint_passes(&least, 1)), (vec![1], vec![1]));
 }
 
 #[test]
 fn rounds_start_at_different_methods() {
-    let world = SharedState::default();
-    run_study(&world, &[SLOW_METHOD, FAST_METHOD], StudyLimits { budget: 1e9, passes: Some(3) });
+    let world = SyntheticStudyState::default();
+    run_synthetic_study(&world, &[SLOW_METHOD, FAST_METHOD], StudyLimits { budget: 1e9, passes: Some(3) });
     let round = [(0.8, 0), (0.8, 1), (0.2, 0), (0.2, 1)];
     let expected = (0..3).flat_map(|r| (0..4).map(move |i| (round[(i + r) % 4].0, round[(i + r) % 4].1, r as u32)));
     assert_eq!(*world.log.lock().unwrap(), expected.collect::<Vec<_>>());
@@ -217,8 +228,8 @@ fn rounds_start_at_different_methods() {
 
 #[test]
 fn interrupted_method_studies_finish_their_round() {
-    let world = SharedState::default();
-    let found = run_study(
+    let world = SyntheticStudyState::default();
+    let found = run_synthetic_study(
         &world,
         &[SyntheticMethod { interrupts: true, ..SLOW_METHOD }, FAST_METHOD],
         StudyLimits { budget: 100.0, passes: None },
@@ -226,8 +237,8 @@ fn interrupted_method_studies_finish_their_round() {
     assert!(found.interrupted);
     assert_eq!((checkpoint_passes(&found, 0), checkpoint_passes(&found, 1)), (vec![1, 2, 3], vec![1, 2, 3]));
     // In the last round of all, nothing is missing.
-    let whole = run_study(
-        &SharedState::default(),
+    let whole = run_synthetic_study(
+        &SyntheticStudyState::default(),
         &[SyntheticMethod { interrupts: true, ..SLOW_METHOD }],
         StudyLimits { budget: 100.0, passes: Some(3) },
     );
@@ -236,8 +247,8 @@ fn interrupted_method_studies_finish_their_round() {
 
 #[test]
 fn measured_errors_match_synthetic_methods() {
-    let found = run_study(
-        &SharedState::default(),
+    let found = run_synthetic_study(
+        &SyntheticStudyState::default(),
         &[SLOW_METHOD, FAST_METHOD],
         StudyLimits { budget: 100.0, passes: Some(16) },
     );
@@ -257,9 +268,9 @@ fn measured_errors_match_synthetic_methods() {
         let mean = method.difference.pixels().iter().map(|d| d.as_dvec3().element_sum()).sum::<f64>() / CHANNELS;
         assert_near(mean, bias, sigma / (32.0 * CHANNELS).sqrt());
     }
-    let world = SharedState::default();
-    let one = SyntheticRun { fake: SLOW_METHOD, seed: 0, world: &world };
-    let sum = (0..16).map(|i| one.pass(i, &Silent).image[7].as_dvec3()).sum::<glam::DVec3>();
+    let world = SyntheticStudyState::default();
+    let one = SyntheticIntegrator { fake: SLOW_METHOD, seed: 0, world: &world };
+    let sum = (0..16).map(|i| one.render_pass(i, &SilentMonitor).image[7].as_dvec3()).sum::<glam::DVec3>();
     assert_eq!(found.methods[0].picture.pixels()[7], (sum / 16.0).as_vec3());
 }
 
@@ -269,7 +280,7 @@ fn references_estimate_their_noise() {
     // error is √(0.2²/2 / 2) = 0.1.
     let truth = references_with_noise(0.2).ground_truth();
     assert_near(truth.error.unwrap(), 0.1, 0.1 / (2.0 * CHANNELS).sqrt() + 5e-4);
-    let exact = References::new("here".into(), image_from_pixels(noisy_picture(0.0, 0.0, 0)), None).unwrap();
+    let exact = ReferencePictures::new("here".into(), image_from_pixels(noisy_picture(0.0, 0.0, 0)), None).unwrap();
     assert_eq!(exact.ground_truth().error, None);
 }
 
@@ -281,12 +292,20 @@ fn reference_algorithm_depends_on_caustics() {
     assert_eq!(reference_algorithm(&glass, EffectOverrides::PLANNED.without(Effect::Caustics)).0, Algorithm::Path);
     let render = |seed, interrupted| {
         let like = CameraPathSettings { seed, ..CameraPathSettings::default() };
-        References::render(&diffuse_sphere_on_floor, &like, 0.0, &AtomicBool::new(interrupted), &Silent, |_, _| {})
-            .unwrap()
+        ReferencePictures::render(
+            &diffuse_sphere_on_floor,
+            &like,
+            0.0,
+            &AtomicBool::new(interrupted),
+            &SilentMonitor,
+            |_, _| {},
+        )
+        .unwrap()
     };
     let [first, second] = [0, 1].map(|seed| render(seed, false).unwrap());
     assert!(
-        first.both_pictures()[0] != first.both_pictures()[1] && first.both_pictures()[0] != second.both_pictures()[0]
+        first.both_reference_pictures()[0] != first.both_reference_pictures()[1]
+            && first.both_reference_pictures()[0] != second.both_reference_pictures()[0]
     );
     assert!(first.ground_truth().source.starts_with("auto: 1 pass of path, twice: "));
     assert!(render(0, true).is_none());
@@ -300,14 +319,16 @@ fn unusable_references_are_refused_with_a_remedy() {
     for name in ["a.exr", "a.png"] {
         image::write(&path(name), &good, &WriteOptions::default()).unwrap();
     }
-    assert!(References::read(&path("a.exr"), None, SIZE).unwrap().ground_truth().source.contains("taken as exact"));
-    let refused = |name: &str, size| References::read(&path("a.exr"), Some(&path(name)), size).unwrap_err();
+    assert!(
+        ReferencePictures::read(&path("a.exr"), None, SIZE).unwrap().ground_truth().source.contains("taken as exact")
+    );
+    let refused = |name: &str, size| ReferencePictures::read(&path("a.exr"), Some(&path(name)), size).unwrap_err();
     assert!(matches!(refused("a.png", SIZE), ReferenceError::NotLinear { .. }));
     assert!(matches!(refused("b.exr", SIZE), ReferenceError::Read(_)));
     let other = refused("a.exr", (64, 63)).to_string();
     assert!(other.contains("64 × 64 pixels, but the study 64 × 63: give --size 64x64"), "{other}");
     let mut pixels = noisy_picture(0.0, 0.0, 0);
     pixels[70].x = f32::NAN;
-    let broken = References::new(String::new(), good, Some(image_from_pixels(pixels))).unwrap_err();
+    let broken = ReferencePictures::new(String::new(), good, Some(image_from_pixels(pixels))).unwrap_err();
     assert!(broken.to_string().contains("column 6, row 1"), "{broken}");
 }

@@ -26,7 +26,7 @@ pub enum MethodVariantError {
     /// Two methods have the same label.
     #[error("`{0}` is given twice")]
     Twice(String),
-    /// There is only one seed per method, which cannot separate noise from bias.
+    /// There is only one seed per method. Noise and bias can be separated only with two or more.
     #[error("one seed cannot separate noise from bias: use at least two")]
     OneSeed,
 }
@@ -42,13 +42,13 @@ pub(super) fn check_variants(variants: &[MethodVariant], seeds: u32) -> Result<(
     twice.map_or(Ok(()), |(_, v)| Err(MethodVariantError::Twice(v.label.clone())))
 }
 
-/// Global illumination algorithms that give different results for `scene`.
+/// Returns the global illumination algorithms that give different results for `scene`.
 ///
 /// Photon methods need a light, and a surface or medium that stores photons. `hybrid` is left out
 /// in scenes without caustics, where it equals `path`.
 #[must_use]
 pub fn applicable_methods(scene: &Scene, overrides: EffectOverrides) -> Vec<Algorithm> {
-    let plan = Plan::new(scene, Algorithm::Hybrid.simulates(), overrides);
+    let plan = Plan::new(scene, Algorithm::Hybrid.supported_effects(), overrides);
     let facts = &plan.features;
     let photons = facts.lights > 0 && facts.receivers + facts.scattering_media > 0;
     let applies = |algorithm: &Algorithm| match algorithm {
@@ -71,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn labels_and_seeds_are_checked() {
+    fn method_labels_and_seed_counts_are_checked() {
         assert_eq!(check_variants(&[variant_with_label("a"), variant_with_label("b")], 2), Ok(()));
         assert_eq!(
             check_variants(&[variant_with_label("a"), variant_with_label("b"), variant_with_label("a")], 2),

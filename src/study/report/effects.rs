@@ -2,16 +2,17 @@
 
 mod data;
 
-pub use data::{csv, markdown};
+pub use data::{csv_report, markdown_report};
 
 use super::html::{escape_html, inline_png, number_cells_html};
-use super::picture::{encode_png, exposure_text, negative_part, positive_part, visible_exposure};
+use super::picture::{auto_exposure_stops, encode_png, exposure_text, negative_part, positive_part};
 use super::text::{count_text, percent_text, signed_count_text, signed_milliseconds_text, three_digit_text};
 use crate::image::Image;
 use crate::study::{ClockKind, EffectResult, EffectStudyResult, StudyError};
 use std::fmt::Write;
 
-/// Minimum ratio between light added and light removed for the smaller part to be shown.
+/// Minimum ratio of the smaller to the larger of two parts, added light and removed light, for the
+/// smaller one to be shown.
 ///
 /// A smaller part is mostly noise.
 const MIN_SHOWN_PART: f64 = 0.1;
@@ -31,7 +32,7 @@ article { border-top: 1px solid #8886; padding: 1.5rem 0; }
 p { max-width: 48rem; } dl { display: grid; grid-template-columns: max-content 1fr; gap: .25rem 1rem; } dt { font-weight: 600; } dd { margin: 0; }
 ";
 
-/// Facts about a study that its report states.
+/// Facts about a study of effects that its report states besides the results.
 #[derive(Clone, Debug)]
 pub struct ReportContext {
     /// Name of the scene.
@@ -65,7 +66,7 @@ pub fn effects_html_page(about: &ReportContext, findings: &EffectStudyResult) ->
         about.integrator,
         if passes == 1 { "pass" } else { "passes" },
         about.seed,
-        clock_text(findings.clock),
+        clock_name(findings.clock),
     );
     let caption = format!("The whole picture: exposure {}.", exposure_text(about.exposure));
     page += "<div class=\"pictures\">\n";
@@ -86,7 +87,7 @@ pub fn effects_html_page(about: &ReportContext, findings: &EffectStudyResult) ->
     Ok(page)
 }
 
-fn clock_text(clock: ClockKind) -> &'static str {
+fn clock_name(clock: ClockKind) -> &'static str {
     match clock {
         ClockKind::Processor => "of processor time of all threads",
         ClockKind::Wall => "of wall time",
@@ -194,7 +195,7 @@ fn effect_article_html(finding: &EffectResult) -> Result<String, StudyError> {
     let parts = [("added", gain.adds, positive_part(difference)?), ("removed", gain.takes, negative_part(difference)?)];
     article += "<div class=\"pictures\">\n";
     for (how, mean, image) in parts {
-        let Some(exposure) = visible_exposure(&image).filter(|_| mean >= MIN_SHOWN_PART * most) else { continue };
+        let Some(exposure) = auto_exposure_stops(&image).filter(|_| mean >= MIN_SHOWN_PART * most) else { continue };
         let caption = format!("Light {how} by {effect}: exposure {}.", exposure_text(exposure));
         article += &picture_figure_html(&image, exposure, &format!("light {how} by {effect}"), &caption)?;
     }

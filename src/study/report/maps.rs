@@ -4,16 +4,16 @@ use crate::image::{Image, RelativeScale, SizeError};
 use crate::study::methods::MethodResult;
 use glam::{DVec3, Vec3};
 
-/// Lowest error that a colour ramp resolves, as a fraction of the highest: two decades.
+/// Lowest error that a logarithmic colour ramp distinguishes, as a fraction of the highest error.
 pub(super) const MIN_RAMP_FRACTION: f64 = 0.01;
 
 /// Quantile of the pixel errors at the upper end of a colour scale. Larger errors are clamped.
 const SCALE_QUANTILE: f64 = 0.99;
 
-/// Edge length of a crop \[pixels].
+/// Side length of an enlarged window of a picture \[pixels].
 pub(super) const CROP_SIZE: u32 = 64;
 
-/// Linear sRGB of a colour in polar OKLab coordinates (Ottosson 2020), clamped to \[0, 1].
+/// Converts a colour in polar OKLab coordinates (Ottosson 2020) to linear RGB, clamped to \[0, 1].
 ///
 /// `hue` is in degrees.
 fn oklch_to_linear_rgb(lightness: f64, chroma: f64, hue: f64) -> Vec3 {
@@ -64,7 +64,7 @@ pub(super) fn color_scale_maximum(values: impl Iterator<Item = f64>) -> Option<f
     Some(up * decade)
 }
 
-/// Colour map of the relative error of each pixel, logarithmic from `most` / 100 to `most`.
+/// Draws the relative error of each pixel by a logarithmic colour ramp from `most` / 100 to `most`.
 pub(super) fn error_map(method: &MethodResult, most: f64) -> Result<Image, SizeError> {
     let colour = |e: &f32| {
         let e = f64::from(*e);
@@ -78,14 +78,16 @@ pub(super) fn error_map(method: &MethodResult, most: f64) -> Result<Image, SizeE
     Image::from_pixels(picture.width(), picture.height(), method.error.iter().map(colour).collect())
 }
 
-/// Difference of each pixel, mean over channels, divided by the local `scale` of the truth.
+/// Returns the relative difference of each pixel: its mean over channels, divided by the local
+/// `scale` of the reference.
 pub(super) fn relative_differences(difference: &Image, scale: &RelativeScale) -> Vec<f64> {
     // Weights contain a factor of 1/3 for the mean over channels.
-    let pairs = difference.pixels().iter().zip(scale.weights());
+    let pairs = difference.pixels().iter().zip(scale.pixel_weights());
     pairs.map(|(d, w)| d.as_dvec3().element_sum() / 3.0 * (3.0 * w).sqrt()).collect()
 }
 
-/// Colour map of relative differences from −`most` to `most`, with the size of `method`'s picture.
+/// Draws relative differences by a colour ramp from −`most` to `most`. The picture has the size of
+/// `method`'s picture.
 pub(super) fn difference_map(method: &MethodResult, relative: &[f64], most: f64) -> Result<Image, SizeError> {
     let picture = &method.picture;
     Image::from_pixels(
@@ -117,7 +119,7 @@ impl PixelWindow {
     }
 }
 
-/// Up to `count` disjoint windows with the largest sums of squared errors over all methods.
+/// Finds up to `count` disjoint windows with the largest sums of squared errors over all methods.
 ///
 /// The squared errors of each method are divided by their mean over the picture.
 pub(super) fn largest_error_windows(methods: &[MethodResult], count: usize) -> Vec<PixelWindow> {

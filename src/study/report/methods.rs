@@ -6,13 +6,13 @@ mod figures;
 mod tables;
 mod warnings;
 
-pub use data::{csv, markdown, method_study_json};
+pub use data::{csv_report, markdown_report, method_study_json};
 
 use super::html::escape_html;
 use super::text::{duration_text, error_percent_text};
 use crate::study::StudyError;
 use crate::study::methods::MethodStudyResult;
-use analysis::StudyAnalysis;
+use analysis::MethodStudyAnalysis;
 use std::fmt::Write;
 use warnings::study_warnings;
 
@@ -24,10 +24,9 @@ const SCRIPT: &str = include_str!("methods/flip.js");
 /// The page contains its pictures, styles and a short script, and needs no other file. If scripts
 /// are disabled, the pictures stand below each other.
 ///
-/// # Errors
-/// [`StudyError`] if a picture cannot be encoded, or differs in size from the truth.
+/// # Errors [`StudyError`] if a picture cannot be encoded, or differs in size from the reference.
 pub fn methods_html_page(found: &MethodStudyResult) -> Result<String, StudyError> {
-    let analysis = StudyAnalysis::new(found);
+    let analysis = MethodStudyAnalysis::new(found);
     let scene = escape_html(&found.scene);
     let mut page = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
@@ -54,7 +53,7 @@ pub fn methods_html_page(found: &MethodStudyResult) -> Result<String, StudyError
     page += "<h2>Time to reach an error</h2>\n";
     page += &tables::times_table_html(found, &analysis);
     page += "<h2>Pictures</h2>\n";
-    page += &figures::flip_viewer_html(found)?;
+    page += &figures::picture_switcher_html(found)?;
     page += &figures::error_crops_html(found)?;
     page += "<h2>Method by method</h2>\n";
     page += &figures::method_articles_html(found, &analysis)?;

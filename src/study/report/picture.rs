@@ -31,7 +31,7 @@ fn map_pixels(difference: &Image, of: fn(Vec3) -> Vec3) -> Result<Image, StudyEr
 /// Exposure in whole stops at which `image` fills the range of a display; `None` if black.
 ///
 /// One percent of the non-black pixels may be clipped.
-pub(super) fn visible_exposure(image: &Image) -> Option<f32> {
+pub(super) fn auto_exposure_stops(image: &Image) -> Option<f32> {
     let mut peaks: Vec<f32> = image.pixels().iter().map(|p| p.max_element()).filter(|p| *p > 0.0).collect();
     if peaks.is_empty() {
         return None;
@@ -63,15 +63,15 @@ mod tests {
     }
 
     #[test]
-    fn visible_exposure_ignores_fireflies() {
+    fn auto_exposure_ignores_fireflies() {
         // 1/10 · 2³ = .8 fits, twice that does not.
         let mut faint = vec![0.1; 200];
         faint[7] = 1e6;
-        assert_eq!(visible_exposure(&gray_image(&faint)), Some(3.0));
+        assert_eq!(auto_exposure_stops(&gray_image(&faint)), Some(3.0));
         assert_eq!(
-            (visible_exposure(&gray_image(&[0.0, 4.0])), visible_exposure(&gray_image(&[0.0; 3]))),
+            (auto_exposure_stops(&gray_image(&[0.0, 4.0])), auto_exposure_stops(&gray_image(&[0.0; 3]))),
             (Some(-2.0), None)
         );
-        assert_eq!(visible_exposure(&gray_image(&[f32::from_bits(1)])), Some(MAX_EXPOSURE_STOPS));
+        assert_eq!(auto_exposure_stops(&gray_image(&[f32::from_bits(1)])), Some(MAX_EXPOSURE_STOPS));
     }
 }

@@ -17,7 +17,7 @@ const MAX_LETTER_WIDTH: f64 = 6.9;
 /// Largest number of letters of a label; longer labels are cut, and their tooltip is complete.
 const MAX_LABEL_LETTERS: usize = 30;
 
-/// Line style of a series.
+/// Line style of a series in a plot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LineStyle {
     /// Solid, with markers.
@@ -44,7 +44,7 @@ pub(super) struct SlopeGuideLine {
     pub(super) label: String,
     pub(super) slope: f64,
     pub(super) through: (f64, f64),
-    /// True to put the label below the line, since the measured line lies above.
+    /// True if the label is below the line, because the measured line is above it.
     pub(super) below: bool,
 }
 
@@ -66,15 +66,16 @@ pub(super) struct LogLogPlot<'a> {
 struct LogAxis {
     least: f64,
     most: f64,
-    /// Position of `least` \[px].
+    /// Position of the value `least` on the page \[px].
     from: f64,
-    /// Position of `most` \[px].
+    /// Position of the value `most` on the page \[px].
     to: f64,
 }
 
 impl LogAxis {
-    /// Axis that contains all drawable values with a margin; `None` if there are none.
-    fn enclosing_values(values: impl Iterator<Item = f64>, (from, to): (f64, f64)) -> Option<Self> {
+    /// Makes an axis that contains all positive finite values with a margin; `None` if there are
+    /// none.
+    fn axis_around_values(values: impl Iterator<Item = f64>, (from, to): (f64, f64)) -> Option<Self> {
         let (least, most) =
             values.filter(|v| is_drawable(*v)).fold((f64::MAX, 0.0), |(a, b): (f64, f64), v| (a.min(v), b.max(v)));
         if most <= 0.0 {
@@ -90,8 +91,9 @@ impl LogAxis {
         self.from + part * (self.to - self.from)
     }
 
-    /// Values of the ticks at 1, 2 and 5 times powers of ten; true for ticks with a label.
-    fn ticks(&self) -> Vec<(f64, bool)> {
+    /// Values of the ticks at 1, 2 and 5 times powers of ten. The flag is true for ticks with a
+    /// label.
+    fn tick_values(&self) -> Vec<(f64, bool)> {
         let decades = libm::log10(self.most / self.least);
         let first = libm::floor(libm::log10(self.least)) as i32;
         let last = libm::ceil(libm::log10(self.most)) as i32;
@@ -153,8 +155,8 @@ pub(super) fn plot_svg(plot: &LogLogPlot<'_>) -> Option<String> {
     let longest = plot.series.iter().map(|s| shortened_label(&s.label).chars().count()).max()?;
     let right = width - 18.0 - MAX_LETTER_WIDTH * longest as f64;
     let points = || plot.series.iter().flat_map(|s| s.points.iter().filter(|p| is_drawable(p.0) && is_drawable(p.1)));
-    let x = LogAxis::enclosing_values(points().map(|p| p.0), (58.0, right))?;
-    let y = LogAxis::enclosing_values(points().map(|p| p.1), (height - 46.0, 12.0))?;
+    let x = LogAxis::axis_around_values(points().map(|p| p.0), (58.0, right))?;
+    let y = LogAxis::axis_around_values(points().map(|p| p.1), (height - 46.0, 12.0))?;
     let LogLogPlot { id, .. } = plot;
     let mut svg = format!(
         "<svg id=\"{id}\" role=\"img\" aria-labelledby=\"{id}-title {id}-desc\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
@@ -182,7 +184,7 @@ pub(super) fn plot_svg(plot: &LogLogPlot<'_>) -> Option<String> {
 }
 
 fn draw_axes(svg: &mut String, x: &LogAxis, y: &LogAxis, (_, height): (f64, f64)) {
-    for (value, has_label) in x.ticks() {
+    for (value, has_label) in x.tick_values() {
         let at = x.pixel_position(value);
         let class = if has_label { "grid" } else { "grid faint" };
         let _ = writeln!(
@@ -199,7 +201,7 @@ fn draw_axes(svg: &mut String, x: &LogAxis, y: &LogAxis, (_, height): (f64, f64)
             );
         }
     }
-    for (value, has_label) in y.ticks() {
+    for (value, has_label) in y.tick_values() {
         let at = y.pixel_position(value);
         let class = if has_label { "grid" } else { "grid faint" };
         let _ = writeln!(
@@ -322,7 +324,8 @@ fn shortened_label(label: &str) -> String {
     label.chars().take(MAX_LABEL_LETTERS - 1).chain(['…']).collect()
 }
 
-/// Moves the sorted label positions apart until no two overlap, and up from `bottom`.
+/// Moves sorted label positions apart until no labels overlap, and up if the last one is below
+/// `bottom`.
 ///
 /// They start at `top` or below, unless there is not enough room.
 fn separate_label_heights(heights: &[f64], (top, bottom): (f64, f64)) -> Vec<f64> {
@@ -357,7 +360,7 @@ mod tests {
 
     #[test]
     fn log_axis_decades_have_equal_length() {
-        let axis = LogAxis::enclosing_values([0.01, 10.0].into_iter(), (0.0, 300.0)).unwrap();
+        let axis = LogAxis::axis_around_values([0.01, 10.0].into_iter(), (0.0, 300.0)).unwrap();
         assert!(
             (axis.pixel_position(1.0)
                 - axis.pixel_position(0.1)
@@ -365,12 +368,12 @@ mod tests {
             .abs()
                 < 1e-9
         );
-        let labelled: Vec<f64> = axis.ticks().into_iter().filter(|t| t.1).map(|t| t.0).collect();
+        let labelled: Vec<f64> = axis.tick_values().into_iter().filter(|t| t.1).map(|t| t.0).collect();
         let expected = [0.01, 0.1, 1.0, 10.0];
         assert!(labelled.len() == 4 && labelled.iter().zip(expected).all(|(a, b)| (a / b - 1.0).abs() < 1e-12));
         assert_eq!([0.05, 0.5, 2.0, 100.0, 0.01].map(tick_text), ["0.05", "0.5", "2", "100", "0.01"]);
         // One point has ticks around it.
-        assert!(LogAxis::enclosing_values([3.0].into_iter(), (0.0, 1.0)).unwrap().ticks().len() >= 2);
+        assert!(LogAxis::axis_around_values([3.0].into_iter(), (0.0, 1.0)).unwrap().tick_values().len() >= 2);
     }
 
     #[test]

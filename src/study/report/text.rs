@@ -19,7 +19,8 @@ pub fn count_text(n: f64) -> String {
     }
 }
 
-/// Half a step of the last digit in numbers with one decimal. Smaller numbers are written as 0.
+/// Half a step of the last digit in numbers with one decimal place. Smaller numbers are written as
+/// 0.
 const HALF_STEP: f64 = 0.05;
 
 /// Text of a count with its sign, such as `+1.9 k`, `0` or `-12`.
@@ -35,7 +36,7 @@ pub fn signed_milliseconds_text(seconds: f64) -> String {
     if ms.abs() < HALF_STEP { "0.0".to_owned() } else { format!("{ms:+.1}") }
 }
 
-/// Text of a fraction in percent, such as `0 %`, `< 0.1 %`, `2.3 %` or `120 %`.
+/// Text of the fraction `part` in percent, such as `0 %`, `< 0.1 %`, `2.3 %` or `120 %`.
 #[must_use]
 pub fn percent_text(part: f64) -> String {
     match 100.0 * part {
@@ -72,7 +73,7 @@ pub fn duration_text(seconds: f64) -> String {
     }
 }
 
-/// Text of `small` units, divided into large units of sixty each and the rest.
+/// Text of a number of small units as large units and the rest; 60 small units are one large unit.
 fn minutes_or_hours_text(small: f64, large_unit: &str, small_unit: &str) -> String {
     let (large, rest) = ((small / 60.0).floor(), small % 60.0);
     if rest == 0.0 {

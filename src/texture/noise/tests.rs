@@ -1,6 +1,6 @@
 use super::*;
 
-fn test_point(i: u32) -> DVec3 {
+fn quasirandom_point(i: u32) -> DVec3 {
     DVec3::new(0.618_034, 0.414_214, 0.732_051) * f64::from(i) - 1e3
 }
 
@@ -9,7 +9,7 @@ fn test_point(i: u32) -> DVec3 {
 #[test]
 fn noise_is_bounded_with_zero_mean() {
     let n = 100_000;
-    let values: Vec<f64> = (0..n).map(|i| gradient_noise(test_point(i))).collect();
+    let values: Vec<f64> = (0..n).map(|i| gradient_noise(quasirandom_point(i))).collect();
     assert!(values.iter().all(|x| x.abs() <= 1.0));
     let mean = values.iter().sum::<f64>() / f64::from(n);
     let square = values.iter().map(|x| x * x).sum::<f64>() / f64::from(n);
@@ -28,7 +28,7 @@ fn noise_is_bounded_with_zero_mean() {
 #[test]
 fn noise_is_continuous() {
     for i in 0..1000 {
-        let p = test_point(i);
+        let p = quasirandom_point(i);
         for face in [p, DVec3::new(p.x.round(), p.y, p.z), DVec3::new(p.x, p.y, p.z.round())] {
             let step = DVec3::splat(5e-7);
             assert!((gradient_noise(face + step) - gradient_noise(face - step)).abs() < 4e-6, "{face}");

@@ -3,7 +3,7 @@
 use super::*;
 use crate::sampling::{Dimension, Key, Purpose};
 
-fn test_image(width: u32, height: u32) -> Image {
+fn random_image(width: u32, height: u32) -> Image {
     let pixel = |i: u32| {
         let u = Key::new(9).purpose_key(Purpose::Test).child_key(u64::from(i)).uniform_2d(Dimension::Film);
         Vec3::new(u.x, u.y, u.x * u.y)
@@ -15,10 +15,10 @@ fn test_image(width: u32, height: u32) -> Image {
 /// lookups, so the sum of all lookups is that of all pixels. Coarser levels cover the same
 /// areas, so their means are the picture's. Sums have errors of n·2⁻²⁴, n < 200.
 #[test]
-fn lookups_keep_the_mean_at_all_levels() {
+fn mip_lookups_keep_the_mean_at_all_levels() {
     for (width, height) in [(8, 8), (7, 5), (1, 9), (13, 6)] {
         for wrap in [WrapMode::Repeat, WrapMode::Clamp, WrapMode::Mirror] {
-            let picture = Picture::new(&test_image(width, height), wrap).unwrap();
+            let picture = Picture::new(&random_image(width, height), wrap).unwrap();
             for (i, level) in picture.levels.iter().enumerate() {
                 let (columns, rows) = (2 * level.width, 2 * level.height);
                 let size =
@@ -38,7 +38,7 @@ fn lookups_keep_the_mean_at_all_levels() {
 }
 
 #[test]
-fn pixels_have_their_positions_and_wrap() {
+fn picture_pixels_have_their_positions_and_wrap() {
     let values = [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]];
     let pixels = values.iter().flatten().map(|x| Vec3::splat(*x)).collect();
     let image = Image::from_pixels(3, 2, pixels).unwrap();

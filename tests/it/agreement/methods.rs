@@ -3,7 +3,8 @@
 use caustica::camera::{Filter, FilterKind};
 use caustica::color::Rgb;
 use caustica::integrate::{
-    ALPHA, Algorithm, CameraPathSettings, FinalGathering, Integrator, LightTracing, Settings, Silent, VolumeEstimate,
+    ALPHA, Algorithm, CameraPathSettings, FinalGathering, Integrator, LightTracing, Settings, SilentMonitor,
+    VolumeEstimator,
 };
 use caustica::photon::Kernel;
 use caustica::scene::Scene;
@@ -56,7 +57,7 @@ pub fn passes(method: Method, scene: &Scene, effort: Effort) -> Vec<Vec<Rgb>> {
 }
 
 fn image(method: Method, prepared: &dyn Integrator, i: u32) -> Vec<Rgb> {
-    let pass = prepared.pass(i, &Silent);
+    let pass = prepared.render_pass(i, &SilentMonitor);
     assert_eq!(pass.counters.rejected_samples, 0, "{method:?}");
     pass.image
 }
@@ -80,9 +81,9 @@ fn prepare<'a>(method: Method, scene: &'a Scene, effort: Effort, i: u32) -> Box<
         kernel: Kernel::Epanechnikov,
         light_tracing: LightTracing::Weighted,
         volume: match method {
-            Method::SppmBeamRadiance => VolumeEstimate::BeamRadiance,
-            Method::SppmPoints => VolumeEstimate::Points,
-            _ => VolumeEstimate::Beams,
+            Method::SppmBeamRadiance => VolumeEstimator::BeamRadiance,
+            Method::SppmPoints => VolumeEstimator::Points,
+            _ => VolumeEstimator::Beams,
         },
         final_gathering: match method {
             Method::PmGathering => FinalGathering::Bsdf,

@@ -36,7 +36,7 @@ fn scene_of_all_kinds() -> Scene {
 fn flux_is_conserved_up_to_rounding() {
     let scene = scene_of_all_kinds();
     for (mask, bounces) in
-        [(StoreMask::ALL, 1000), (StoreMask::GLOBAL, 3), (StoreMask::CAUSTIC, 1000), (StoreMask::ALL, 0)]
+        [(StoreMask::ALL, 1000), (StoreMask::INDIRECT, 3), (StoreMask::CAUSTIC, 1000), (StoreMask::ALL, 0)]
     {
         for PhotonPassResult { audit, rays, paths, .. } in trace_photon_passes(&scene, mask, bounces, 4, 1 << 14) {
             let mean = audit.emitted.iter().sum::<f64>() / 3.0;

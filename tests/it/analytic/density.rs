@@ -31,7 +31,7 @@ fn moments(bandwidth: Bandwidth, kernel: Kernel, variance: impl Fn(f64) -> f64) 
     b.delta_light(DeltaLightKind::Point { position: dvec3(0.4, 0.1, -0.3) }, LightStrength::Power(grey(1.0)));
     let scene = photon_only_scene(b);
     let mut moments = Moments { mean: vec![], variance: vec![], expected: vec![] };
-    for traced in trace_photon_passes(&scene, StoreMask::GLOBAL, 1000, 48, 1 << 15) {
+    for traced in trace_photon_passes(&scene, StoreMask::INDIRECT, 1000, 48, 1 << 15) {
         let n = traced.deposits.photons.len() as f64;
         let density = flux_where(&scene, &traced.deposits.photons, |_| true).x / (4.0 * PI);
         let map = PhotonMap::build(traced.deposits.photons);

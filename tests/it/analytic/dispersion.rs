@@ -5,7 +5,7 @@ use crate::support::{
     trace_passes_from_source,
 };
 use caustica::color::Wavelength;
-use caustica::integrate::{Algorithm, Settings, Silent};
+use caustica::integrate::{Algorithm, Settings, SilentMonitor};
 use caustica::photon::{Photon, PhotonSource, StoreMask};
 use caustica::plan::{Effect, EffectOverrides};
 use caustica::scene::{Effects, Scene};
@@ -181,7 +181,7 @@ fn mean_pictures(scene: &Scene, effects: EffectOverrides) -> Vec<DVec3> {
     settings.camera_paths.effects = effects;
     let method = Algorithm::Path.prepare(scene, settings);
     let mean = |i| {
-        let pass = method.pass(i, &Silent);
+        let pass = method.render_pass(i, &SilentMonitor);
         assert_eq!(pass.counters.rejected_samples, 0);
         pass.image.iter().map(|v| v.as_dvec3()).sum::<DVec3>() / pass.image.len() as f64
     };

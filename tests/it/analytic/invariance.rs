@@ -1,7 +1,7 @@
 //! Invariances: transforms and settings that must not change the result, or not beyond noise.
 
 use crate::support::*;
-use caustica::integrate::{Algorithm, Settings, Silent};
+use caustica::integrate::{Algorithm, Settings, SilentMonitor};
 use caustica::photon::{PhotonSource, StoreMask};
 use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
 use caustica::shape::{Disc, Rectangle, Shape, Sphere};
@@ -68,7 +68,7 @@ fn estimates_at_photons() -> Settings {
 }
 
 fn mean_image(scene: &Scene, pass: u32) -> Vec<Vec3> {
-    Algorithm::Sppm.prepare(scene, estimates_at_photons()).pass(pass, &Silent).image
+    Algorithm::Sppm.prepare(scene, estimates_at_photons()).render_pass(pass, &SilentMonitor).image
 }
 
 /// Fails if passes of two settings differ in the mean. Passes are compared in pairs.
@@ -173,7 +173,7 @@ fn aimed_emission_preserves_caustics() {
     assert_same_images("aimed against everywhere", &aimed, &everywhere, 5e-3);
     let scene = room_scene(HERE);
     let count = |mask| trace_photon_passes(&scene, mask, 50, 1, 1 << 14)[0].deposits.photons.len();
-    let apart = [StoreMask::DIRECT, StoreMask::CAUSTIC, StoreMask::GLOBAL];
+    let apart = [StoreMask::DIRECT, StoreMask::CAUSTIC, StoreMask::INDIRECT];
     assert_eq!(apart.map(count).iter().sum::<usize>(), count(StoreMask::ALL), "classes are disjoint and complete");
     assert_eq!(count(apart[1]), count(StoreMask::CAUSTIC));
 }

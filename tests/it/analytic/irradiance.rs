@@ -2,7 +2,7 @@
 //! shadow rays.
 
 use crate::support::*;
-use caustica::photon::{Kernel, PhotonData, PhotonMap, Scratch, StoreMask};
+use caustica::photon::{Kernel, PhotonData, PhotonMap, PhotonSearchBuffers, StoreMask};
 use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
 use caustica::shape::{Disc, Plane, Rectangle, Shape, Sphere};
 use glam::{DVec2, DVec3, Vec3};
@@ -167,7 +167,7 @@ fn photons_store_their_incident_direction() {
     let origin = (-scene.origin()).as_vec3();
     let one = |map: &PhotonMap| {
         let brdf = |flux: &PhotonData| Vec3::splat(flux.incident_direction().y);
-        let mut scratch = Scratch::new();
+        let mut scratch = PhotonSearchBuffers::new();
         f64::from(map.estimate(origin, Vec3::Y, fixed_bandwidth(radius), Kernel::Box, &mut scratch, brdf).radiance.x)
     };
     let samples: Vec<f64> = maps(&scene).iter().map(one).collect();

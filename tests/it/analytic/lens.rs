@@ -1,7 +1,7 @@
 //! Depth of field and motion blur.
 
 use crate::support::{assert_mean, camera_ray_settings, mean_and_error, scene_from_text_in};
-use caustica::integrate::{Algorithm, Silent};
+use caustica::integrate::{Algorithm, SilentMonitor};
 use caustica::math::Ray;
 use caustica::sampling::{Dimension, Key, Purpose};
 use caustica::scene::{Effects, RayCone, Scene};
@@ -14,7 +14,7 @@ fn scene(text: &str) -> Scene {
 /// Returns the mean radiance of the first channel by rows, pass by pass.
 fn lens_images(scene: &Scene, algorithm: Algorithm, samples: u32, passes: u32) -> Vec<Vec<f64>> {
     let prepared = algorithm.prepare(scene, camera_ray_settings(samples, 4));
-    let pass = |i| prepared.pass(i, &Silent).image.iter().map(|v| f64::from(v.x)).collect();
+    let pass = |i| prepared.render_pass(i, &SilentMonitor).image.iter().map(|v| f64::from(v.x)).collect();
     (0..passes).map(pass).collect()
 }
 
@@ -127,7 +127,7 @@ fn adaptive_rays_change_only_noise() {
         let mut settings = camera_ray_settings(16, 4);
         settings.camera_paths.adaptive = adaptive;
         let prepared = Algorithm::Path.prepare(&scene, settings);
-        let passes: Vec<_> = (0..PASSES).map(|i| prepared.pass(i, &Silent)).collect();
+        let passes: Vec<_> = (0..PASSES).map(|i| prepared.render_pass(i, &SilentMonitor)).collect();
         let rays = passes.iter().map(|pass| pass.counters.camera_rays).sum::<u64>() as f64;
         let at = |i: usize| passes.iter().map(|pass| f64::from(pass.image[i].x)).collect::<Vec<f64>>();
         let noise = (0..64 * 64).map(|i| mean_and_error(&at(i)).1).map(|e| e * e).sum::<f64>();
@@ -154,7 +154,7 @@ fn legacy_light_keeps_its_strength_in_motion() {
     );
     // Half way the light is at height 4, and the floor has its colour.
     for (time, height) in [(0.0, 2.0), (0.5, 4.0), (1.0, 6.0)] {
-        let placed = scene.at(time);
+        let placed = scene.at_time(time);
         let seen = lens_images(&placed, Algorithm::Whitted, 1, 1)[0][0];
         let expected = 0.5 * 16.0 / (height * height);
         assert!((seen / expected - 1.0).abs() < 1e-5, "{time}: {seen}, not {expected}");
@@ -211,7 +211,7 @@ fn moving_objects_follow_their_transforms() {
                 1.0 + 0.5 * time
             );
             let still = scene(&body(&format!("Transform {{ {maps}  {object} }}")));
-            let placed = moving.at(time);
+            let placed = moving.at_time(time);
             let (mut hits, mut turned, mut missed) = (0, 0, 0);
             for i in 0..2000 {
                 let key = Key::new(i).purpose_key(Purpose::Test);

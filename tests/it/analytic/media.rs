@@ -4,13 +4,14 @@ use crate::support::{
     PASSES, assert_mean, fixed_radius_settings, fresnel_reflectance, mean_and_error, midpoint_integral,
     scene_from_text_in,
 };
-use caustica::integrate::{Algorithm, Settings, Silent, VolumeEstimate};
+use caustica::integrate::{Algorithm, Settings, SilentMonitor, VolumeEstimator};
 use caustica::plan::{Effect, EffectOverrides};
 use caustica::scene::Scene;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-const ESTIMATES: [VolumeEstimate; 3] = [VolumeEstimate::Beams, VolumeEstimate::BeamRadiance, VolumeEstimate::Points];
+const ESTIMATES: [VolumeEstimator; 3] =
+    [VolumeEstimator::Beams, VolumeEstimator::BeamRadiance, VolumeEstimator::Points];
 
 /// Relative rounding of single precision along a path of a few vertices.
 const ROUNDING: f64 = 1e-5;
@@ -23,7 +24,7 @@ fn scene(text: &str) -> Scene {
 fn seen(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32) -> Vec<DVec3> {
     let method = algorithm.prepare(scene, settings);
     let one = |i| {
-        let pass = method.pass(i, &Silent);
+        let pass = method.render_pass(i, &SilentMonitor);
         assert_eq!(pass.counters.rejected_samples, 0, "{algorithm:?}");
         pass.image.iter().map(|v| v.as_dvec3()).sum::<DVec3>() / pass.image.len() as f64
     };
@@ -219,7 +220,7 @@ fn scattering_ball_loses_no_light() {
                 let base = with(4, EffectOverrides::PLANNED);
                 seen(&scene, algorithm, Settings { radius: Some(radius as f32), volume, ..base }, PASSES)
             };
-            let wide = if volume == VolumeEstimate::Points { 0.2 } else { 0.08 };
+            let wide = if volume == VolumeEstimator::Points { 0.2 } else { 0.08 };
             let what = format!("milky ball, {} by {volume:?}", algorithm.name());
             assert_blurred_mean(&what, look, wide, expected, (0.15, 0.04));
         }
@@ -297,9 +298,9 @@ fn photon_beam_estimate_matches_formula() {
         // Beams are uniform along the ray. Discs around it reach up and down; balls also reach
         // beyond both ends of the box.
         let blur = |sigma: f64| match volume {
-            VolumeEstimate::Beams => whole(sigma),
-            VolumeEstimate::BeamRadiance => whole(sigma) * over_disc(|y| libm::exp(sigma * radius * y)),
-            VolumeEstimate::Points => expected_point_estimate(sigma, wide, radius),
+            VolumeEstimator::Beams => whole(sigma),
+            VolumeEstimator::BeamRadiance => whole(sigma) * over_disc(|y| libm::exp(sigma * radius * y)),
+            VolumeEstimator::Points => expected_point_estimate(sigma, wide, radius),
         };
         // `Pm` uses the same photons as the first pass of `Sppm`.
         for algorithm in [Algorithm::Hybrid, Algorithm::Sppm] {
@@ -374,7 +375,7 @@ fn white_medium_vanishes_in_furnace() {
                 if algorithm == Algorithm::Path {
                     assert_mean_each(&what, &look(1.0), DVec3::ONE, DVec3::ZERO, 0.03);
                 } else {
-                    let wide = if *volume == VolumeEstimate::Points { 0.4 } else { 0.16 };
+                    let wide = if *volume == VolumeEstimator::Points { 0.4 } else { 0.16 };
                     assert_blurred_mean(&what, look, wide, DVec3::ONE, (0.25, 0.04));
                 }
             }
@@ -484,7 +485,7 @@ fn empty_medium_changes_no_bit() {
         ));
         let mut settings = with(4, overrides);
         settings.camera_paths.max_bounces = 8;
-        Algorithm::Path.prepare(&scene, settings).pass(0, &Silent).image
+        Algorithm::Path.prepare(&scene, settings).render_pass(0, &SilentMonitor).image
     };
     for overrides in [EffectOverrides::PLANNED, EffectOverrides::ALL] {
         let plain = picture("", "", overrides);
@@ -519,7 +520,7 @@ fn constant_grid_equals_homogeneous_medium() {
     let even = ball("", 1.0);
     let varied = ball(&format!("grid \"{}\"  min -1.1 -1.1 -1.1  max 1.1 1.1 1.1", grid.display()), 0.5);
     for algorithm in [Algorithm::Path, Algorithm::Sppm] {
-        let settings = Settings { volume: VolumeEstimate::Points, ..with(64, EffectOverrides::PLANNED) };
+        let settings = Settings { volume: VolumeEstimator::Points, ..with(64, EffectOverrides::PLANNED) };
         let (a, b) = (seen(&even, algorithm, settings.clone(), PASSES), seen(&varied, algorithm, settings, PASSES));
         let mean = a.iter().sum::<DVec3>() / a.len() as f64;
         // Adds the mean of the other, so that the compared value is above 0.

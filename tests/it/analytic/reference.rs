@@ -2,7 +2,7 @@
 
 use crate::support::*;
 use caustica::color;
-use caustica::integrate::{Algorithm, Settings, Silent};
+use caustica::integrate::{Algorithm, Settings, SilentMonitor};
 use glam::Vec3;
 
 const EDGE: usize = 128;
@@ -44,7 +44,7 @@ fn sppm_matches_caustic_reference_by_tiles() {
             ..fixed_radius_settings(50_000, 150_000, radius)
         };
         let method = Algorithm::Sppm.prepare(&scene, settings);
-        (0..PASSES).map(|i| mean_tiles(&method.pass(i, &Silent).image)).collect()
+        (0..PASSES).map(|i| mean_tiles(&method.render_pass(i, &SilentMonitor).image)).collect()
     };
     let (narrow, wide) = (render(0.012), render(0.024));
     let by_pass = |passes: &[Vec<f64>]| passes.iter().map(|p| tile_means(p, &kept)).collect::<Vec<_>>();

@@ -44,7 +44,7 @@ fn reflected_photons_cover_sphere_uniformly() {
     let scene = photon_only_scene(sphere_scene(2.0, 0.6, dvec3(0.3, -0.2, 1.6)));
     for bounces in [1, 1000] {
         let mut counts = vec![0; 32 * 32];
-        for t in trace_photon_passes(&scene, StoreMask::GLOBAL, bounces, 4, 1 << 16) {
+        for t in trace_photon_passes(&scene, StoreMask::INDIRECT, bounces, 4, 1 << 16) {
             t.deposits.photons.iter().for_each(|p| counts[sphere_cell(photon_position(&scene, p), 2.0)] += 1);
         }
         let z = chi_square(&counts);
@@ -58,7 +58,7 @@ fn reflected_photons_cover_sphere_uniformly() {
 fn flux_by_bounce_is_power_of_albedo() {
     let scene = photon_only_scene(sphere_scene(2.0, 0.6, dvec3(0.3, -0.2, 1.6)));
     let landed = |n| {
-        let passes = trace_photon_passes(&scene, StoreMask::GLOBAL, n, PASSES, 1 << 14);
+        let passes = trace_photon_passes(&scene, StoreMask::INDIRECT, n, PASSES, 1 << 14);
         passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, |_| true).x).collect::<Vec<f64>>()
     };
     let mut before = landed(0);
@@ -80,7 +80,7 @@ fn sphere_estimates_match_uniform_irradiance() {
     let (radius, albedo) = (2.0, 0.6);
     let scene = photon_only_scene(sphere_scene(radius, albedo, dvec3(0.3, -0.2, 1.6)));
     let expected = albedo * FLUX / (4.0 * PI * radius * radius * (1.0 - albedo));
-    let maps: Vec<PhotonMap> = trace_photon_passes(&scene, StoreMask::GLOBAL, 1000, PASSES, 1 << 15)
+    let maps: Vec<PhotonMap> = trace_photon_passes(&scene, StoreMask::INDIRECT, 1000, PASSES, 1 << 15)
         .into_iter()
         .map(|t| PhotonMap::build(t.deposits.photons))
         .collect();

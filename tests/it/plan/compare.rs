@@ -2,8 +2,8 @@
 
 use crate::support::scene_from_text_in;
 use caustica::color::Rgb;
-use caustica::integrate::{Algorithm, CameraPathSettings, FinalGathering, Settings, Silent};
-use caustica::plan::{Decision, EffectOverrides};
+use caustica::integrate::{Algorithm, CameraPathSettings, FinalGathering, Settings, SilentMonitor};
+use caustica::plan::{EffectDecision, EffectOverrides};
 use caustica::scene::Scene;
 use caustica::stats::Counters;
 
@@ -44,7 +44,7 @@ impl RenderSettings {
 pub struct Picture {
     pub pixels: Vec<Rgb>,
     pub counters: Counters,
-    pub decisions: Vec<Decision>,
+    pub decisions: Vec<EffectDecision>,
 }
 
 impl Picture {
@@ -69,7 +69,7 @@ impl Picture {
         let decisions = integrator.plan().decisions.clone();
         let mut picture = Self { pixels: Vec::new(), counters: Counters::default(), decisions };
         for i in 0..how.passes {
-            let pass = integrator.pass(i, &Silent);
+            let pass = integrator.render_pass(i, &SilentMonitor);
             picture.pixels.extend(pass.image);
             picture.counters += pass.counters;
         }

@@ -4,7 +4,7 @@ use super::sketch::{Light, LightKind, Material, MediumSketch, Object, Sketch};
 use caustica::color::Rgb;
 use caustica::light::Light as Resolved;
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
-use caustica::plan::{Effect, Plan, Reason};
+use caustica::plan::{Effect, EffectReason, Plan};
 use caustica::sampling::{Dimension, Key, Purpose, sobol_2d};
 use caustica::scene::Scene;
 use glam::DVec3;
@@ -23,7 +23,7 @@ pub fn plan_contradiction(sketch: &Sketch, scene: &Scene, plan: &Plan) -> Option
     (!wrong.is_empty()).then(|| wrong.join("; "))
 }
 
-fn is_true(sketch: &Sketch, scene: &Scene, plan: &Plan, reason: Reason) -> bool {
+fn is_true(sketch: &Sketch, scene: &Scene, plan: &Plan, reason: EffectReason) -> bool {
     let all: Vec<&Object> = sketch.objects.iter().filter(|o| !is_nothing(sketch, o)).collect();
     let any = |is: &dyn Fn(&Material) -> bool| all.iter().any(|o| sketch.is_of(o, is));
     let emits = |light: &Light| light.strength != DVec3::ZERO;
@@ -35,45 +35,45 @@ fn is_true(sketch: &Sketch, scene: &Scene, plan: &Plan, reason: Reason) -> bool 
     let media = sketch.media();
     let murky = media.iter().any(|stuff| stuff.scatters());
     match reason {
-        Reason::NoLight => !any_emission && !sketch.lights.iter().any(emits),
-        Reason::NoCaster => !any(&casts),
-        Reason::NoLitCaster => casters_are_dark(sketch, scene),
-        Reason::NoReceiver => !any(&receives) && !murky,
-        Reason::BlackReceivers => !any(&scatters) && !murky,
-        Reason::OneFlatObject if media.iter().any(|stuff| *stuff != MediumSketch::Nothing) => false,
-        Reason::OneFlatObject => {
+        EffectReason::NoLight => !any_emission && !sketch.lights.iter().any(emits),
+        EffectReason::NoCaster => !any(&casts),
+        EffectReason::NoLitCaster => casters_are_dark(sketch, scene),
+        EffectReason::NoReceiver => !any(&receives) && !murky,
+        EffectReason::BlackReceivers => !any(&scatters) && !murky,
+        EffectReason::OneFlatObject if media.iter().any(|stuff| *stuff != MediumSketch::Nothing) => false,
+        EffectReason::OneFlatObject => {
             let lamps = sketch.lights.iter().filter(|l| l.is_object()).count();
             all.len() + lamps == 1 && all.iter().all(|o| o.shape.is_flat())
                 || all.is_empty()
                     && lamps == 1
                     && !sketch.lights.iter().any(|l| matches!(l.kind, LightKind::Sphere(..)))
         }
-        Reason::NoSoftLight => {
+        EffectReason::NoSoftLight => {
             let soft = |l: &Light| l.is_object() || matches!(l.kind, LightKind::Environment);
             !any_emission && !sketch.lights.iter().any(|l| emits(l) && soft(l))
         }
-        Reason::NoEnvironmentLight => !sketch.lights.iter().any(|l| matches!(l.kind, LightKind::Environment)),
-        Reason::NoBody => sketch.filling.is_none() && !any(&is_body),
-        Reason::NoMedium => media.iter().all(|stuff| *stuff == MediumSketch::Nothing),
-        Reason::NoDispersion => !any(&|m| matches!(m, Material::Prism(_))),
-        Reason::NoLens => !sketch.camera.contains("aperture"),
-        Reason::NothingMoves => !sketch.moves(),
-        Reason::NoTexture => {
+        EffectReason::NoEnvironmentLight => !sketch.lights.iter().any(|l| matches!(l.kind, LightKind::Environment)),
+        EffectReason::NoBody => sketch.filling.is_none() && !any(&is_body),
+        EffectReason::NoMedium => media.iter().all(|stuff| *stuff == MediumSketch::Nothing),
+        EffectReason::NoDispersion => !any(&|m| matches!(m, Material::Prism(_))),
+        EffectReason::NoLens => !sketch.camera.contains("aperture"),
+        EffectReason::NothingMoves => !sketch.moves(),
+        EffectReason::NoTexture => {
             let textured = |m: &Material| matches!(m, Material::Patterned(..) | Material::RoughMap(..));
             let masks = all.iter().any(|o| sketch.has_mask(o.material));
             !any(&textured) && !masks && !all.iter().any(|o| o.emission == DVec3::ZERO && panel(o))
         }
-        Reason::NoBump => !any(&|m| matches!(m, Material::Bumpy(..))),
-        Reason::Requires(other) => is_off(plan, other),
-        Reason::Objects(..)
-        | Reason::Lights(..)
-        | Reason::EnvironmentLight
-        | Reason::MayOcclude
-        | Reason::Lens
-        | Reason::Moving
-        | Reason::Media(_)
-        | Reason::AmbientMedium
-        | Reason::UnsupportedByAlgorithm => false,
+        EffectReason::NoBump => !any(&|m| matches!(m, Material::Bumpy(..))),
+        EffectReason::Requires(other) => is_off(plan, other),
+        EffectReason::Objects(..)
+        | EffectReason::Lights(..)
+        | EffectReason::EnvironmentLight
+        | EffectReason::MayOcclude
+        | EffectReason::Lens
+        | EffectReason::Moving
+        | EffectReason::Media(_)
+        | EffectReason::AmbientMedium
+        | EffectReason::UnsupportedByAlgorithm => false,
     }
 }
 

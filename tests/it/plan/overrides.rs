@@ -82,8 +82,8 @@ fn disabling_needed_effect_changes_image() {
     let scene = everything();
     for algorithm in ALGORITHMS {
         let planned = picture(&scene, algorithm, EffectOverrides::PLANNED);
-        assert_eq!(called_for(&planned), algorithm.simulates(), "{}", algorithm.name());
-        for effect in algorithm.simulates().iter() {
+        assert_eq!(called_for(&planned), algorithm.supported_effects(), "{}", algorithm.name());
+        for effect in algorithm.supported_effects().iter() {
             let without = picture(&scene, algorithm, EffectOverrides::PLANNED.without(effect));
             let decision = without.decisions.iter().find(|d| d.effect == effect).unwrap();
             assert!(decision.is_forced() && !decision.is_simulated);
@@ -98,7 +98,9 @@ fn disabling_unneeded_effect_changes_nothing() {
         for algorithm in ALGORITHMS {
             let planned = picture(&scene, algorithm, EffectOverrides::PLANNED);
             let off = planned.decisions.iter().filter(|d| !d.is_needed);
-            assert!(algorithm == Algorithm::Raycast || off.clone().any(|d| algorithm.simulates().has(d.effect)));
+            assert!(
+                algorithm == Algorithm::Raycast || off.clone().any(|d| algorithm.supported_effects().has(d.effect))
+            );
             let overrides = off.fold(EffectOverrides::PLANNED, |overrides, d| overrides.without(d.effect));
             let without = picture(&scene, algorithm, overrides);
             assert_eq!(planned.difference(&without), None, "{}", algorithm.name());
@@ -125,7 +127,7 @@ fn disabled_effects_cost_nothing() {
         assert_eq!(all.continuation_rays > 0, algorithm != Algorithm::Raycast, "{name}");
         assert_eq!(
             (all.photon_rays > 0, all.gathers > 0),
-            (algorithm.has_photons(), algorithm.has_photons()),
+            (algorithm.traces_photons(), algorithm.traces_photons()),
             "{name}"
         );
         assert_eq!(work(&[Shadows]).shadow_rays, 0, "{name}");
@@ -136,7 +138,7 @@ fn disabled_effects_cost_nothing() {
         let nothing = work(&Effect::ALL);
         let camera = Counters { camera_rays: nothing.camera_rays, ..Counters::default() };
         assert_eq!(nothing, camera, "{name}");
-        if algorithm.has_photons() {
+        if algorithm.traces_photons() {
             let once = work(&[CausticBounces, Interreflection]);
             assert!(0 < once.photon_rays && once.photon_rays < all.photon_rays, "{name}");
         }
@@ -183,7 +185,7 @@ fn unused_media_change_nothing() {
         let camera_paths = CameraPathSettings { effects, ..CameraPathSettings::default() };
         Algorithm::Hybrid
             .prepare(&scene, Settings { camera_paths, balance: false, ..Settings::default() })
-            .guiding_reports()
+            .emission_guiding_reports()
     };
     let planned = distributions(EffectOverrides::PLANNED);
     assert!(planned.caustic.is_some());

@@ -5,25 +5,25 @@ use super::generate::{Random, more, sketch};
 use super::judge;
 use super::sketch::{Light, LightKind, Material, Object, Shape, Sketch};
 use caustica::integrate::{Algorithm, FinalGathering};
-use caustica::plan::{Effect, EffectOverrides, Effects, Plan, Reason};
+use caustica::plan::{Effect, EffectOverrides, EffectReason, Effects, Plan};
 use glam::DVec3;
 use std::mem::{Discriminant, discriminant};
 
 /// Every reason for an effect to be off, except that the integrator does not simulate it.
-const OFF: [Reason; 13] = [
-    Reason::NoLight,
-    Reason::NoCaster,
-    Reason::NoLitCaster,
-    Reason::NoReceiver,
-    Reason::BlackReceivers,
-    Reason::OneFlatObject,
-    Reason::NoSoftLight,
-    Reason::NoEnvironmentLight,
-    Reason::NoBody,
-    Reason::NoTexture,
-    Reason::NoBump,
-    Reason::Requires(Effect::Caustics),
-    Reason::Requires(Effect::Interreflection),
+const OFF: [EffectReason; 13] = [
+    EffectReason::NoLight,
+    EffectReason::NoCaster,
+    EffectReason::NoLitCaster,
+    EffectReason::NoReceiver,
+    EffectReason::BlackReceivers,
+    EffectReason::OneFlatObject,
+    EffectReason::NoSoftLight,
+    EffectReason::NoEnvironmentLight,
+    EffectReason::NoBody,
+    EffectReason::NoTexture,
+    EffectReason::NoBump,
+    EffectReason::Requires(Effect::Caustics),
+    EffectReason::Requires(Effect::Interreflection),
 ];
 
 fn seeds(usual: u64) -> std::ops::Range<u64> {
@@ -39,7 +39,7 @@ fn report(wrong: &[String]) {
 #[test]
 fn random_plans_match_scene_contents() {
     let mut wrong = Vec::new();
-    let mut reasons: Vec<Discriminant<Reason>> = Vec::new();
+    let mut reasons: Vec<Discriminant<EffectReason>> = Vec::new();
     let mut on = Effects::NONE;
     for seed in seeds(1000) {
         let sketch = sketch(seed);
@@ -111,7 +111,7 @@ fn check(seed: u64, algorithm: Algorithm, change: impl FnOnce(&mut RenderSetting
     let r = &mut Random::new(!seed ^ algorithm as u64);
     let mut how = random_settings(r, algorithm);
     change(&mut how);
-    let plan = Plan::new(&scene, algorithm.simulates(), EffectOverrides::PLANNED);
+    let plan = Plan::new(&scene, algorithm.supported_effects(), EffectOverrides::PLANNED);
     let found = difference(&scene, &how, random_forced_effects(r, &plan)).map(|d| format!("seed {seed}: {d}\n{text}"));
     // Printed at once, because a search through many seeds takes long.
     found.inspect(|found| eprintln!("{found}"))

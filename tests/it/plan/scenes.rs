@@ -89,7 +89,7 @@ fn course_plans_match_scene_text() {
     for (path, scene) in course() {
         let text = fs::read_to_string(&path).unwrap();
         for algorithm in Algorithm::ALL {
-            let plan = Plan::new(&scene, algorithm.simulates(), EffectOverrides::PLANNED);
+            let plan = Plan::new(&scene, algorithm.supported_effects(), EffectOverrides::PLANNED);
             for decision in plan.decisions {
                 let needs = NEEDS.iter().find(|(effect, _)| *effect == decision.effect).map(|(_, words)| *words);
                 // A word in the text need not have an effect. Here each has one, unless the scene
@@ -98,7 +98,7 @@ fn course_plans_match_scene_text() {
                     continue;
                 }
                 let there = needs.is_none_or(|words| words.iter().any(|w| text.contains(w)));
-                let expected = there && algorithm.simulates().has(decision.effect);
+                let expected = there && algorithm.supported_effects().has(decision.effect);
                 let name = path.file_name().unwrap().to_string_lossy();
                 assert_eq!(decision.is_simulated, expected, "{name}, {}: {}", algorithm.name(), decision.effect);
             }

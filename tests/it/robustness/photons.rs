@@ -11,7 +11,7 @@ mod walls;
 
 use caustica::camera::{Camera, Filter, FilterKind};
 use caustica::color::Rgb;
-use caustica::integrate::{Algorithm, CameraPathSettings, Settings, Silent};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings, SilentMonitor};
 use caustica::photon::Photon;
 use caustica::render::{RenderResult, StopCriteria, render};
 use caustica::sampling::{Dimension, Key, Purpose};
@@ -69,7 +69,7 @@ fn rendered(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32
     let interrupted = AtomicBool::new(false);
     let stop =
         StopCriteria { min_passes: 1, passes: Some(passes), time: None, target: None, interrupted: &interrupted };
-    render(integrator.as_ref(), scene.camera().size(), &stop, &Silent, |_| {})
+    render(integrator.as_ref(), scene.camera().size(), &stop, &SilentMonitor, |_| {})
 }
 
 /// Fails if a number of a render is not finite: a pixel, an error map, an error estimate. Also
@@ -83,7 +83,7 @@ fn finite(what: &str, rendered: &RenderResult) {
     let estimator = rendered.estimator.as_ref().unwrap();
     let maps = estimator.error_maps(&rendered.film);
     assert!(maps.noise.iter().chain(&maps.bias).all(|v| v.is_finite()), "{what}: a map of errors is not finite");
-    let discs = || maps.caustic.iter().chain(&maps.global);
+    let discs = || maps.caustic.iter().chain(&maps.indirect);
     assert!(discs().all(|d| d.radius.is_finite() && d.photons.is_finite()), "{what}: a disc is not finite");
     let estimate = estimator.estimate(&rendered.film);
     let all = [
@@ -97,7 +97,7 @@ fn finite(what: &str, rendered: &RenderResult) {
     ];
     let unknown = rendered.film.passes() < caustica::render::error_estimate::MIN_PASSES;
     assert!(unknown || all.iter().all(|x| x.is_finite() && *x >= 0.0), "{what}: {estimate:?}");
-    for audit in [rendered.global.audit, rendered.caustic.audit] {
+    for audit in [rendered.unaimed.audit, rendered.aimed.audit] {
         let parts = [audit.emitted, audit.absorbed, audit.escaped, audit.stopped, audit.roulette];
         assert!(parts.as_flattened().iter().all(|x| x.is_finite()), "{what}: {audit:?}");
     }

@@ -9,7 +9,7 @@ use crate::support::render_one_pass;
 use caustica::color::Rgb;
 use caustica::format::SceneFile;
 use caustica::format::description::{Group, GroupItem, ObjectDescription, ShapeDescription};
-use caustica::integrate::{Algorithm, CameraPathSettings, FinalGathering, Settings, VolumeEstimate};
+use caustica::integrate::{Algorithm, CameraPathSettings, FinalGathering, Settings, VolumeEstimator};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::Scene;
@@ -153,8 +153,8 @@ fn no_integrator_depends_on_length_unit() {
         ("cabinet", Algorithm::Sppm, base.clone()),
         ("garden-pool", Algorithm::Ppm, Settings { camera_paths: estimated.clone(), ..base.clone() }),
         ("still-life", Algorithm::Pm, importance),
-        ("lens-in-fog", Algorithm::Pm, volume(VolumeEstimate::Points)),
-        ("lens-in-fog", Algorithm::Sppm, volume(VolumeEstimate::Beams)),
+        ("lens-in-fog", Algorithm::Pm, volume(VolumeEstimator::Points)),
+        ("lens-in-fog", Algorithm::Sppm, volume(VolumeEstimator::Beams)),
         ("smoke", Algorithm::Path, base.clone()),
         ("marbles", Algorithm::Distributed, base.clone()),
         ("textures", Algorithm::Whitted, base.clone()),

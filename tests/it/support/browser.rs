@@ -14,7 +14,7 @@ pub struct Browser {
 }
 
 /// A page after it was loaded.
-pub struct Shown {
+pub struct LoadedPage {
     /// The document's elements after its scripts ran, as HTML.
     pub dom: String,
     /// Lines of the browser's console.
@@ -36,7 +36,7 @@ impl Browser {
 
     /// Writes `page` to a file and opens it with the URL suffix `fragment` in a window of the given
     /// size.
-    pub fn open(&self, name: &str, page: &str, fragment: &str, (width, height): (u32, u32)) -> Shown {
+    pub fn open(&self, name: &str, page: &str, fragment: &str, (width, height): (u32, u32)) -> LoadedPage {
         let path = self.folder.path().join(name);
         fs::write(&path, page).unwrap();
         let address = format!("file://{}{fragment}", path.display());
@@ -44,7 +44,7 @@ impl Browser {
         let size = format!("--window-size={width},{height}");
         let (_, complaints) = self.run(&[&size, &format!("--screenshot={}", screenshot.display()), &address]);
         let (dom, _) = self.run(&[&size, "--dump-dom", &address]);
-        Shown { dom, complaints, pixels: pixels(&screenshot) }
+        LoadedPage { dom, complaints, pixels: pixels(&screenshot) }
     }
 
     /// Runs the browser and returns its standard output and its console lines.

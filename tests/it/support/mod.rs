@@ -9,7 +9,7 @@ mod transport;
 use caustica::color::Rgb;
 use caustica::format::{SceneFile, SourceText, parse, resolve};
 use caustica::image::{self, Image};
-use caustica::integrate::{Algorithm, Integrator, Settings, Silent};
+use caustica::integrate::{Algorithm, Integrator, Settings, SilentMonitor};
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::Scene;
 pub use statistics::*;
@@ -82,7 +82,7 @@ pub fn render_passes(scene: &Scene, algorithm: Algorithm, settings: Settings, pa
 /// such an error.
 #[track_caller]
 pub fn render_one_pass(integrator: &dyn Integrator, pass: u32) -> Vec<Rgb> {
-    let pass = integrator.pass(pass, &Silent);
+    let pass = integrator.render_pass(pass, &SilentMonitor);
     let rejected = (pass.counters.rejected_samples, pass.counters.rejected_photons);
     assert_eq!(rejected, (0, 0), "rejected samples and photons");
     pass.image

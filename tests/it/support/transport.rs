@@ -3,9 +3,9 @@
 use super::{assert_mean, midpoint_integral};
 use caustica::camera::{Camera, Filter, FilterKind};
 use caustica::color::Rgb;
-use caustica::integrate::{Algorithm, CameraPathSettings, Settings, Silent};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings, SilentMonitor};
 use caustica::photon::{
-    Bandwidth, Kernel, Photon, PhotonMap, PhotonPass, PhotonPassResult, PhotonSource, Scratch, StoreMask,
+    Bandwidth, Kernel, Photon, PhotonMap, PhotonPass, PhotonPassResult, PhotonSearchBuffers, PhotonSource, StoreMask,
 };
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::{Scene, SceneBuilder};
@@ -106,7 +106,7 @@ pub fn estimated_irradiance(
     kernel: Kernel,
 ) -> DVec3 {
     let p = (p - scene.origin()).as_vec3();
-    let mut scratch = Scratch::new();
+    let mut scratch = PhotonSearchBuffers::new();
     map.estimate(p, n.as_vec3(), bandwidth, kernel, &mut scratch, |_| Vec3::ONE).radiance.as_dvec3()
 }
 
@@ -140,7 +140,7 @@ pub fn camera_ray_settings(samples: u32, max_bounces: u32) -> Settings {
 pub fn mean_radiance_per_pass(scene: &Scene, settings: Settings, passes: u32) -> Vec<DVec3> {
     let method = Algorithm::Sppm.prepare(scene, settings);
     let mean = |image: Vec<Rgb>| image.iter().map(|v| v.as_dvec3()).sum::<DVec3>() / image.len() as f64;
-    (0..passes).map(|i| mean(method.pass(i, &Silent).image)).collect()
+    (0..passes).map(|i| mean(method.render_pass(i, &SilentMonitor).image)).collect()
 }
 
 /// Returns the red channels.
@@ -185,7 +185,7 @@ pub fn assert_estimates(
 ) {
     let (p, n) = ((probe.at - probe.scene.origin()).as_vec3(), probe.normal.as_vec3());
     let one = |map: &PhotonMap| {
-        map.estimate(p, n, fixed_bandwidth(probe.radius), probe.kernel, &mut Scratch::new(), |_| Vec3::ONE)
+        map.estimate(p, n, fixed_bandwidth(probe.radius), probe.kernel, &mut PhotonSearchBuffers::new(), |_| Vec3::ONE)
     };
     let estimates: Vec<_> = maps.iter().map(one).collect();
     let most = estimates.iter().map(|e| e.count).max().unwrap_or(0);

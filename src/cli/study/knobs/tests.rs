@@ -4,11 +4,11 @@ use crate::cli::study::variants::default_method_arguments;
 fn variant_labels(algorithm: Algorithm, change: impl FnOnce(&mut MethodArguments)) -> Vec<String> {
     let mut shared = default_method_arguments();
     change(&mut shared);
-    let pilot = PilotSettings { samples: 1, photons: 1000, caustic_photons: 0, radius: Some(0.25) };
-    let all = one_setting_variants(NamedVariant::from_algorithm(algorithm, &shared), &pilot);
+    let pilot = PilotChosenSettings { samples: 1, photons: 1000, caustic_photons: 0, radius: Some(0.25) };
+    let all = one_setting_variants(VariantArguments::from_algorithm(algorithm, &shared), &pilot);
     // A label parses to the variant that it names.
     for named in &all {
-        let again = NamedVariant::parse(&named.label, &all[0].method).unwrap_or_else(|e| panic!("{e}"));
+        let again = VariantArguments::parse(&named.label, &all[0].method).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(format!("{:?}", again.method), format!("{:?}", named.method));
     }
     all.into_iter().map(|named| named.label).collect()
@@ -42,7 +42,7 @@ fn variants_change_one_setting_each() {
 }
 
 #[test]
-fn a_given_setting_is_not_repeated() {
+fn knob_studies_do_not_repeat_a_given_setting() {
     let sppm = variant_labels(Algorithm::Sppm, |method| {
         (method.gather_k, method.adaptive, method.kernel) = (Some(20), true, Kernel::Box);
     });

@@ -8,7 +8,7 @@ fn shared_arguments(line: &str) -> MethodArguments {
 #[test]
 fn flags_of_a_variant_override_shared_flags() {
     let all = shared_arguments("--photons 2k --radius .5 --filter tent --seed 9 --adaptive");
-    let read = NamedVariant::parse("  sppm  --photons 4k --gather-k 20 ", &all).unwrap();
+    let read = VariantArguments::parse("  sppm  --photons 4k --gather-k 20 ", &all).unwrap();
     assert_eq!(read.label, "sppm --photons 4k --gather-k 20");
     let MethodArguments { integrator, photons, gather_k, radius, filter, seed, adaptive, .. } = read.method;
     assert_eq!((integrator, photons, gather_k, radius), (Algorithm::Sppm, Some(4000), Some(20), Some(0.5)));
@@ -18,7 +18,7 @@ fn flags_of_a_variant_override_shared_flags() {
     let expected = "--integrator sppm --photons 4000 --gather-k 20 --radius 0.5 --filter tent --adaptive";
     assert_eq!(variant.flags.join(" "), expected);
     assert_eq!(
-        NamedVariant::from_algorithm(Algorithm::Ppm, &all).into_study_variant(EffectOverrides::PLANNED).flags[..2],
+        VariantArguments::from_algorithm(Algorithm::Ppm, &all).into_study_variant(EffectOverrides::PLANNED).flags[..2],
         ["--integrator", "ppm"]
     );
 }
@@ -37,7 +37,7 @@ fn bad_variants_are_refused_with_a_remedy() {
         ("sppm --passes 3", "'--passes'", "flags of methods"),
         ("sppm extra", "'extra'", "flags of methods"),
     ] {
-        let Err(bad) = NamedVariant::parse(text, &shared_arguments("")) else { panic!("`{text}` was read") };
+        let Err(bad) = VariantArguments::parse(text, &shared_arguments("")) else { panic!("`{text}` was read") };
         let message = bad.to_string();
         assert!(message.contains(&format!("--variant \"{text}\": ")) && message.contains(reason), "{message}");
         assert!(bad.remedy.contains(remedy) && !message.contains("Usage"), "{message} {}", bad.remedy);

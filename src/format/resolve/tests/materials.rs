@@ -62,15 +62,18 @@ fn glasses_have_the_named_or_given_index() {
     };
     for (name, glass, _) in GLASSES {
         let scene = resolve_materials(&format!("Dielectric {{ glass {name} }}"));
-        assert_eq!(index(&scene), (glass.d_line_index(), Some(glass)), "{name}");
+        assert_eq!(index(&scene), (glass.refractive_index_at_d_line(), Some(glass)), "{name}");
     }
     let crown = DispersionFormula::from_abbe_number(1.5, 60.0);
     assert_eq!(index(&resolve_materials("Dielectric { indexOfRefraction 1.5 abbe 60 }")), (1.5, Some(crown)));
     let cauchy = DispersionFormula::Cauchy { a: 1.5, b: 0.004, c: 1e-5 };
-    assert_eq!(index(&resolve_materials("Dielectric { cauchy 1.5 .004 1e-5 }")), (cauchy.d_line_index(), Some(cauchy)));
+    assert_eq!(
+        index(&resolve_materials("Dielectric { cauchy 1.5 .004 1e-5 }")),
+        (cauchy.refractive_index_at_d_line(), Some(cauchy))
+    );
     let sellmeier = DispersionFormula::Sellmeier { b: [1.0, 0.5, 0.0, 0.0], c: [0.01, 90.0, 0.0, 0.0] };
     let scene = resolve_materials("Dielectric { sellmeierB 1 .5 sellmeierC .01 90 }");
-    assert_eq!(index(&scene), (sellmeier.d_line_index(), Some(sellmeier)));
+    assert_eq!(index(&scene), (sellmeier.refractive_index_at_d_line(), Some(sellmeier)));
     assert_eq!(index(&resolve_materials("Dielectric { indexOfRefraction 1.5 }")), (1.5, None));
 }
 

@@ -1,6 +1,6 @@
 use super::*;
 
-fn error_estimate_of(
+fn error_estimate_with_parts(
     passes: u32,
     variance: f64,
     difference_variance: f64,
@@ -16,8 +16,10 @@ fn error_estimate_of(
 fn fireflies_spread_before_they_fade() {
     let mut fireflies = Fireflies::default();
     (0..10).for_each(|_| fireflies.add(16.0, 0.01));
-    let forecast =
-        ErrorForecast::new(&ErrorEstimate { fireflies, ..error_estimate_of(8, 8.0 * 0.1, 0.0, 0.0, 0.5) }, None);
+    let forecast = ErrorForecast::new(
+        &ErrorEstimate { fireflies, ..error_estimate_with_parts(8, 8.0 * 0.1, 0.0, 0.0, 0.5) },
+        None,
+    );
     let noise2 = |n: u32| libm::pow(forecast.noise_and_bias_after(n).0, 2.0);
     for (n, expected) in [(8, 0.1), (16, 0.2), (32, 0.4), (64, 0.2), (8 * 160, 0.01)] {
         // Brightness is stored to half an octave.
@@ -28,15 +30,15 @@ fn fireflies_spread_before_they_fade() {
 /// Four passes of variance 0.04: error 0.1 now, 0.01 after 400 passes.
 #[test]
 fn noise_alone_falls_as_the_root_of_passes() {
-    let forecast = ErrorForecast::new(&error_estimate_of(4, 0.04, 0.0, 0.0, 0.5), None);
+    let forecast = ErrorForecast::new(&error_estimate_with_parts(4, 0.04, 0.0, 0.0, 0.5), None);
     assert!((forecast.noise_and_bias_after(4).0 - 0.1).abs() < 1e-12);
     assert_eq!(forecast.passes_to_reach(0.01), PassesNeeded::Passes(400));
     assert_eq!(forecast.passes_to_reach(1e-9), PassesNeeded::TooMany);
 }
 
 #[test]
-fn fixed_radii_leave_a_floor() {
-    let forecast = ErrorForecast::new(&error_estimate_of(10, 0.04, 0.01, 0.02, 0.5), Some((1.0, 0.5)));
+fn fixed_radii_leave_a_bias_floor() {
+    let forecast = ErrorForecast::new(&error_estimate_with_parts(10, 0.04, 0.01, 0.02, 0.5), Some((1.0, 0.5)));
     assert_eq!(forecast.passes_to_reach(0.02), PassesNeeded::Never { floor: 0.02 });
     let PassesNeeded::Passes(n) = forecast.passes_to_reach(0.025) else { panic!("it can be reached") };
     // .04/n = .025² − .02².
@@ -47,8 +49,10 @@ fn fixed_radii_leave_a_floor() {
 #[test]
 fn shrinking_radii_follow_their_law() {
     let alpha = 2.0 / 3.0;
-    let forecast = ErrorForecast::new(&error_estimate_of(8, 0.04, 0.02, 0.02, 0.5), Some((alpha, 0.5)));
-    let mean = |n: u32, power: f64| (0..n).map(|i| libm::pow(shrink(alpha, i), power)).sum::<f64>() / f64::from(n);
+    let forecast = ErrorForecast::new(&error_estimate_with_parts(8, 0.04, 0.02, 0.02, 0.5), Some((alpha, 0.5)));
+    let mean = |n: u32, power: f64| {
+        (0..n).map(|i| libm::pow(squared_radius_ratio(alpha, i), power)).sum::<f64>() / f64::from(n)
+    };
     let (noise, bias) = forecast.noise_and_bias_after(64);
     let expected = 0.04 / 8.0 * (mean(64, -1.0) / 64.0) / (mean(8, -1.0) / 8.0);
     assert!((noise * noise / expected - 1.0).abs() < 1e-9, "{noise}");

@@ -10,9 +10,10 @@ pub(in crate::scene) use search::{CoincidentFlags, find_coincident_flags};
 
 use super::{Body, InteriorStack};
 use crate::math::{Ray, offset_ray_origin};
+use crate::scene::geometry::CoincidenceGroup;
 use crate::scene::{Scene, SurfaceInteraction};
 
-/// Maximum number of other boundaries at one hit; more are ignored.
+/// Maximum number of boundaries that may coincide with the one that is hit; more are ignored.
 const MAX_COINCIDENT_FACES: usize = 3;
 
 /// A boundary of a body at a hit, and the direction in which the path crosses it.
@@ -22,25 +23,28 @@ pub(in crate::scene) struct CoincidentFace {
     pub material: u32,
     /// True if the path enters the body.
     pub entering: bool,
-    /// Group number of the boundary (see `Geometry::coincidence_group`); 0 if no other boundary can
-    /// coincide.
-    pub group: u32,
+    /// Boundaries of one group, material and direction count as one boundary.
+    pub group: CoincidenceGroup,
 }
 
 impl CoincidentFace {
     /// The boundary at `surface`, which must bound a body.
     #[inline]
     pub fn from_surface(surface: &SurfaceInteraction<'_>, entering: bool) -> Self {
-        Self { material: surface.material_index, entering, group: surface.coincidence_group.unwrap_or(0) }
+        Self {
+            material: surface.material_index,
+            entering,
+            group: surface.coincidence_group.unwrap_or(CoincidenceGroup::UNUSED),
+        }
     }
 }
 
-/// The other boundaries at one hit, sorted by material.
+/// The boundaries of bodies that coincide with the boundary at a hit, sorted by material index.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(in crate::scene) struct CoincidentFaces([Option<CoincidentFace>; MAX_COINCIDENT_FACES]);
 
 impl CoincidentFaces {
-    /// No other boundary.
+    /// No boundary coincides with the one at the hit.
     pub const NONE: Self = Self([None; MAX_COINCIDENT_FACES]);
 
     #[inline]
@@ -59,7 +63,7 @@ impl CoincidentFaces {
     }
 }
 
-/// The bodies on both sides of coincident boundaries.
+/// The bodies on both sides of a boundary and of all boundaries that coincide with it.
 pub(super) struct BoundarySides<'a> {
     /// The refracting body on the side of the arriving path, with its material index; `None` is
     /// air.
@@ -73,11 +77,11 @@ pub(super) struct BoundarySides<'a> {
 }
 
 impl InteriorStack {
-    /// The stack after a path crosses boundary `own` and all `coincident` ones.
+    /// The stack after a path crosses the boundary `own` and all boundaries in `coincident`.
     ///
-    /// The path may have crossed some of them at its previous vertex. An entry into a body on the
-    /// stack is therefore skipped, unless `own` leaves that body. An exit from a body that is not
-    /// on the stack has no effect.
+    /// The path may already have crossed a coincident boundary at its previous vertex. An entry
+    /// into a body that is on the stack is therefore skipped, unless the path leaves the same body
+    /// through `own`. An exit from a body that is not on the stack has no effect.
     pub(super) fn stack_after_crossing(&self, own: CoincidentFace, coincident: &CoincidentFaces) -> Self {
         let mut far = *self;
         let count = |material: u32| self.bodies().iter().filter(|m| **m == material).count();
@@ -115,7 +119,7 @@ pub(super) fn boundary_sides<'a>(
     BoundarySides { near, far, is_null_interface, roughness }
 }
 
-/// The boundaries within the position error of `surface`, without its own.
+/// The boundaries of other bodies within the position error of `surface`.
 #[inline]
 pub(in crate::scene) fn coincident_faces_at(scene: &Scene, surface: &SurfaceInteraction<'_>) -> CoincidentFaces {
     if surface.coincidence_group.is_some() { find_coincident_faces(scene, surface) } else { CoincidentFaces::NONE }
@@ -136,8 +140,8 @@ fn find_coincident_faces(scene: &Scene, surface: &SurfaceInteraction<'_>) -> Coi
     geometry.for_each_hit(&across, |hit| {
         let point = geometry.surface_point(&across, &hit);
         let entering = across.direction.dot(point.ng) < 0.0;
-        let material = geometry.object_attributes(hit.kind).material;
-        let face = CoincidentFace { material, entering, group: geometry.coincidence_group(hit.kind) };
+        let material = geometry.object_attributes(hit.primitive).material;
+        let face = CoincidentFace { material, entering, group: geometry.coincidence_group(hit.primitive) };
         if face != own && scene.materials[material as usize].bounded_body().is_some() {
             faces.add_face(face);
         }

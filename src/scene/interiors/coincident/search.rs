@@ -1,8 +1,8 @@
 //! The search for boundaries that may coincide with a boundary of another object.
 
-use crate::accel::Primitive;
+use crate::accel::PrimitiveIndex;
 use crate::math::Bounds;
-use crate::scene::geometry::{Geometry, HitKind};
+use crate::scene::geometry::{Geometry, HitPrimitive};
 use crate::shape::Shape;
 use glam::DVec3;
 use std::ops::Range;
@@ -11,14 +11,16 @@ use std::sync::Arc;
 /// Maximum number of faces in a leaf of the search tree.
 const LEAF_FACES: usize = 8;
 
-/// Budget of tested pairs per face. If it runs out, all faces are flagged.
+/// Maximum number of tested pairs per face, on average. If it is exceeded, all faces are flagged.
 const PAIRS_PER_FACE: usize = 1000;
 
 /// Margin around a face, relative to its coordinates and size. It exceeds the position errors of
 /// two points (see `SurfacePoint::error`).
 const MARGIN: f32 = 16.0 * f32::EPSILON;
 
-/// For each primitive, true if a boundary of another object may lie on it. Empty lists mean false.
+/// For each primitive of a scene, true if a boundary of another object may coincide.
+///
+/// An empty list means false for all its primitives.
 #[derive(Clone, Debug, Default)]
 pub(in crate::scene) struct CoincidentFlags {
     triangles: Arc<[bool]>,
@@ -30,26 +32,26 @@ pub(in crate::scene) struct CoincidentFlags {
 impl CoincidentFlags {
     /// True if another boundary may coincide with this primitive.
     #[inline]
-    pub fn may_coincide(&self, kind: HitKind) -> bool {
+    pub fn may_coincide(&self, primitive: HitPrimitive) -> bool {
         let flag = |flags: &[bool], i: u32| flags.get(i as usize).copied().unwrap_or(false);
         self.anywhere
-            || match kind {
-                HitKind::Triangle(i, _) => flag(&self.triangles, i),
-                HitKind::Shape(i, _) => flag(&self.shapes, i),
-                HitKind::Plane(_) => false,
+            || match primitive {
+                HitPrimitive::Triangle(i, _) => flag(&self.triangles, i),
+                HitPrimitive::Shape(i, _) => flag(&self.shapes, i),
+                HitPrimitive::Plane(_) => false,
             }
     }
 }
 
 /// A triangle or a whole shape that bounds a body.
 struct BoundaryFace {
-    primitive: Primitive,
+    primitive: PrimitiveIndex,
     bounds: Bounds,
     /// Index of the mesh or shape in the list of extents.
     object: u32,
 }
 
-/// The extent of a mesh or a shape.
+/// The box around a mesh or shape that bounds a body.
 struct BoundaryExtent {
     bounds: Bounds,
     /// Distance within which another face counts as coincident \[length].
@@ -63,9 +65,9 @@ impl BoundaryExtent {
     }
 }
 
-/// Finds the primitives of `geometry` on which another boundary may lie.
+/// Finds the primitives of `geometry` with which a boundary of another object may coincide.
 ///
-/// `is_boundary` returns true for a material index that bounds a body.
+/// `is_boundary` returns true if the material with the given index bounds a body.
 pub(in crate::scene) fn find_coincident_flags(
     geometry: &Geometry,
     is_boundary: impl Fn(u32) -> bool,
@@ -90,39 +92,39 @@ pub(in crate::scene) fn find_coincident_flags(
             extents.push(BoundaryExtent::new(*bounds));
         }
     }
-    let extents_that_overlap = extents_that_overlap(&extents);
-    if !extents_that_overlap.contains(&true) {
+    let is_overlapping = flag_overlapping_extents(&extents);
+    if !is_overlapping.contains(&true) {
         return CoincidentFlags::default();
     }
     let mut faces: Vec<BoundaryFace> = Vec::new();
-    for (object, i) in boundary_shapes.iter().enumerate().filter(|(object, _)| extents_that_overlap[*object]) {
-        let primitive = Primitive::Other(*i as u32);
+    for (object, i) in boundary_shapes.iter().enumerate().filter(|(object, _)| is_overlapping[*object]) {
+        let primitive = PrimitiveIndex::Other(*i as u32);
         faces.push(BoundaryFace { primitive, bounds: extents[object].bounds, object: object as u32 });
     }
     for (i, object) in geometry.triangle_object.iter().enumerate() {
         let mesh = *object as usize - geometry.shapes.len();
-        if let Some(object) = extent_of_mesh[mesh].filter(|object| extents_that_overlap[*object as usize]) {
+        if let Some(object) = extent_of_mesh[mesh].filter(|object| is_overlapping[*object as usize]) {
             let bounds = Bounds::from_points(geometry.mesh.corners(i)).expanded(extents[object as usize].margin);
-            faces.push(BoundaryFace { primitive: Primitive::Triangle(i as u32), bounds, object });
+            faces.push(BoundaryFace { primitive: PrimitiveIndex::Triangle(i as u32), bounds, object });
         }
     }
     let near = |a: &BoundaryFace, b: &BoundaryFace| {
         let margin = f64::from(extents[a.object as usize].margin + extents[b.object as usize].margin);
         match (a.primitive, b.primitive) {
-            (Primitive::Triangle(i), Primitive::Triangle(j)) => {
+            (PrimitiveIndex::Triangle(i), PrimitiveIndex::Triangle(j)) => {
                 let [a, b] = [i, j].map(|i| geometry.mesh.corners(i as usize).map(|p| p.as_dvec3()));
-                !(on_one_side(&a, &b, margin) || on_one_side(&b, &a, margin))
+                !(lie_on_one_side_of_plane(&a, &b, margin) || lie_on_one_side_of_plane(&b, &a, margin))
             }
-            (Primitive::Other(_), _) | (_, Primitive::Other(_)) => true,
+            (PrimitiveIndex::Other(_), _) | (_, PrimitiveIndex::Other(_)) => true,
         }
     };
-    let found = SpatialSelfJoin::near_faces(&faces, &near);
+    let found = SpatialSelfJoin::faces_near_other_objects(&faces, &near);
     let mut triangles = vec![false; geometry.triangle_object.len()];
     let mut shapes = vec![false; geometry.shapes.len()];
     for (face, found) in faces.iter().zip(found) {
         match face.primitive {
-            Primitive::Triangle(i) => triangles[i as usize] = found,
-            Primitive::Other(i) => shapes[i as usize] = found,
+            PrimitiveIndex::Triangle(i) => triangles[i as usize] = found,
+            PrimitiveIndex::Other(i) => shapes[i as usize] = found,
         }
     }
     CoincidentFlags { triangles: triangles.into(), shapes: shapes.into(), anywhere: false }
@@ -143,17 +145,20 @@ fn boundary_mesh_bounds(geometry: &Geometry, bounds_body: impl Fn(usize) -> bool
 }
 
 /// For each extent, true if its box overlaps another's.
-fn extents_that_overlap(extents: &[BoundaryExtent]) -> Vec<bool> {
+fn flag_overlapping_extents(extents: &[BoundaryExtent]) -> Vec<bool> {
     let face = |(extent, i): (&BoundaryExtent, u32)| BoundaryFace {
-        primitive: Primitive::Other(i),
+        primitive: PrimitiveIndex::Other(i),
         bounds: extent.bounds,
         object: i,
     };
-    SpatialSelfJoin::near_faces(&extents.iter().zip(0..).map(face).collect::<Vec<BoundaryFace>>(), &|_, _| true)
+    SpatialSelfJoin::faces_near_other_objects(
+        &extents.iter().zip(0..).map(face).collect::<Vec<BoundaryFace>>(),
+        &|_, _| true,
+    )
 }
 
-/// True if triangle `b` lies entirely on one side of the plane of `a`, farther than `margin`.
-fn on_one_side(a: &[DVec3; 3], b: &[DVec3; 3], margin: f64) -> bool {
+/// True if triangle `b` lies on one side of the plane of triangle `a`, farther away than `margin`.
+fn lie_on_one_side_of_plane(a: &[DVec3; 3], b: &[DVec3; 3], margin: f64) -> bool {
     let normal = (a[1] - a[0]).cross(a[2] - a[0]);
     let margin = margin * normal.length();
     let heights = b.map(|p| normal.dot(p - a[0]));
@@ -173,16 +178,19 @@ struct FaceTreeNode {
 struct SpatialSelfJoin<'a> {
     faces: &'a [BoundaryFace],
     near: &'a dyn Fn(&BoundaryFace, &BoundaryFace) -> bool,
-    /// Face indices in the order of the nodes.
+    /// Indices of faces, ordered so that the faces of each tree node are consecutive.
     order: Vec<u32>,
     nodes: Vec<FaceTreeNode>,
     found: Vec<bool>,
-    /// Pairs that may still be tested.
+    /// Number of pairs of faces that may still be tested.
     budget: usize,
 }
 
 impl<'a> SpatialSelfJoin<'a> {
-    fn near_faces(faces: &'a [BoundaryFace], near: &'a dyn Fn(&BoundaryFace, &BoundaryFace) -> bool) -> Vec<bool> {
+    fn faces_near_other_objects(
+        faces: &'a [BoundaryFace],
+        near: &'a dyn Fn(&BoundaryFace, &BoundaryFace) -> bool,
+    ) -> Vec<bool> {
         let order = (0..faces.len() as u32).collect();
         if faces.is_empty() {
             return Vec::new();

@@ -2,17 +2,17 @@
 
 use super::*;
 
-fn test_face(material: u32, entering: bool) -> CoincidentFace {
-    CoincidentFace { material, entering, group: material }
+fn coincident_face(material: u32, entering: bool) -> CoincidentFace {
+    CoincidentFace { material, entering, group: CoincidenceGroup::of_object(material) }
 }
 
-fn faces_from_list(list: &[CoincidentFace]) -> CoincidentFaces {
+fn coincident_faces_from_list(list: &[CoincidentFace]) -> CoincidentFaces {
     let mut faces = CoincidentFaces::NONE;
     list.iter().for_each(|f| faces.add_face(*f));
     faces
 }
 
-fn interior_stack_of(bodies: &[u32]) -> InteriorStack {
+fn interior_stack_of_materials(bodies: &[u32]) -> InteriorStack {
     let mut inside = InteriorStack::EMPTY;
     bodies.iter().for_each(|b| inside.push_body(*b));
     inside
@@ -22,37 +22,60 @@ fn interior_stack_of(bodies: &[u32]) -> InteriorStack {
 /// hit.
 #[test]
 fn shared_faces_are_crossed_together() {
-    let glass = interior_stack_of(&[0]);
-    for (own, other) in [(test_face(0, false), test_face(1, true)), (test_face(1, true), test_face(0, false))] {
-        assert_eq!(glass.stack_after_crossing(own, &faces_from_list(&[other])).bodies(), &[1], "{own:?}");
+    let glass = interior_stack_of_materials(&[0]);
+    for (own, other) in
+        [(coincident_face(0, false), coincident_face(1, true)), (coincident_face(1, true), coincident_face(0, false))]
+    {
+        assert_eq!(glass.stack_after_crossing(own, &coincident_faces_from_list(&[other])).bodies(), &[1], "{own:?}");
     }
-    for (own, other) in [(test_face(1, false), test_face(0, true)), (test_face(0, true), test_face(1, false))] {
+    for (own, other) in
+        [(coincident_face(1, false), coincident_face(0, true)), (coincident_face(0, true), coincident_face(1, false))]
+    {
         assert_eq!(
-            interior_stack_of(&[1]).stack_after_crossing(own, &faces_from_list(&[other])).bodies(),
+            interior_stack_of_materials(&[1]).stack_after_crossing(own, &coincident_faces_from_list(&[other])).bodies(),
             &[0],
             "{own:?}"
         );
     }
     // Both at once from the open, and out again; then two parts of one body that share a face.
     assert_eq!(
-        InteriorStack::EMPTY.stack_after_crossing(test_face(1, true), &faces_from_list(&[test_face(0, true)])).bodies(),
+        InteriorStack::EMPTY
+            .stack_after_crossing(coincident_face(1, true), &coincident_faces_from_list(&[coincident_face(0, true)]))
+            .bodies(),
         &[0, 1]
     );
     assert_eq!(
-        interior_stack_of(&[0, 1])
-            .stack_after_crossing(test_face(1, false), &faces_from_list(&[test_face(0, false)]))
+        interior_stack_of_materials(&[0, 1])
+            .stack_after_crossing(coincident_face(1, false), &coincident_faces_from_list(&[coincident_face(0, false)]))
             .bodies(),
         &[0u32; 0]
     );
-    assert_eq!(glass.stack_after_crossing(test_face(0, false), &faces_from_list(&[test_face(0, true)])).bodies(), &[0]);
-    assert_eq!(glass.stack_after_crossing(test_face(0, true), &faces_from_list(&[test_face(0, false)])).bodies(), &[0]);
+    assert_eq!(
+        glass
+            .stack_after_crossing(coincident_face(0, false), &coincident_faces_from_list(&[coincident_face(0, true)]))
+            .bodies(),
+        &[0]
+    );
+    assert_eq!(
+        glass
+            .stack_after_crossing(coincident_face(0, true), &coincident_faces_from_list(&[coincident_face(0, false)]))
+            .bodies(),
+        &[0]
+    );
 }
 
 #[test]
 fn objects_of_one_material_count_separately() {
-    let part = |object: u32, entering: bool| CoincidentFace { material: 0, entering, group: object };
+    let part = |object: u32, entering: bool| CoincidentFace {
+        material: 0,
+        entering,
+        group: CoincidenceGroup::of_object(object),
+    };
     let stack_after_crossing = |around: &[u32], own: CoincidentFace, other: CoincidentFace| {
-        interior_stack_of(around).stack_after_crossing(own, &faces_from_list(&[other])).bodies().len()
+        interior_stack_of_materials(around)
+            .stack_after_crossing(own, &coincident_faces_from_list(&[other]))
+            .bodies()
+            .len()
     };
     assert_eq!(stack_after_crossing(&[], part(0, true), part(1, true)), 2);
     assert_eq!(stack_after_crossing(&[0, 0], part(1, false), part(0, false)), 0);
@@ -63,28 +86,31 @@ fn objects_of_one_material_count_separately() {
 fn a_boundary_just_crossed_is_not_crossed_again() {
     // The liquid overlaps the glass slightly, so the path is already inside it.
     assert_eq!(
-        interior_stack_of(&[0, 1])
-            .stack_after_crossing(test_face(0, false), &faces_from_list(&[test_face(1, true)]))
+        interior_stack_of_materials(&[0, 1])
+            .stack_after_crossing(coincident_face(0, false), &coincident_faces_from_list(&[coincident_face(1, true)]))
             .bodies(),
         &[1]
     );
     // A small gap: the path left the glass just before it enters the liquid.
     assert_eq!(
         InteriorStack::EMPTY
-            .stack_after_crossing(test_face(1, true), &faces_from_list(&[test_face(0, false)]))
+            .stack_after_crossing(coincident_face(1, true), &coincident_faces_from_list(&[coincident_face(0, false)]))
             .bodies(),
         &[1]
     );
     // A film thinner than its error is no film.
     assert_eq!(
         InteriorStack::EMPTY
-            .stack_after_crossing(test_face(1, true), &faces_from_list(&[test_face(1, false)]))
+            .stack_after_crossing(coincident_face(1, true), &coincident_faces_from_list(&[coincident_face(1, false)]))
             .bodies(),
         &[0u32; 0]
     );
     assert_eq!(
-        interior_stack_of(&[0])
-            .stack_after_crossing(test_face(0, false), &faces_from_list(&[test_face(1, true), test_face(1, false)]))
+        interior_stack_of_materials(&[0])
+            .stack_after_crossing(
+                coincident_face(0, false),
+                &coincident_faces_from_list(&[coincident_face(1, true), coincident_face(1, false)])
+            )
             .bodies(),
         &[0u32; 0]
     );
@@ -92,8 +118,8 @@ fn a_boundary_just_crossed_is_not_crossed_again() {
 
 #[test]
 fn faces_are_unique_and_limited_in_number() {
-    let many: Vec<CoincidentFace> = (0..5).map(|m| test_face(m % 4, true)).collect();
-    assert_eq!(faces_from_list(&many).iter().count(), MAX_COINCIDENT_FACES);
-    assert_eq!(faces_from_list(&[test_face(1, true), test_face(1, true)]).iter().count(), 1);
+    let many: Vec<CoincidentFace> = (0..5).map(|m| coincident_face(m % 4, true)).collect();
+    assert_eq!(coincident_faces_from_list(&many).iter().count(), MAX_COINCIDENT_FACES);
+    assert_eq!(coincident_faces_from_list(&[coincident_face(1, true), coincident_face(1, true)]).iter().count(), 1);
     assert!(CoincidentFaces::NONE.is_empty());
 }

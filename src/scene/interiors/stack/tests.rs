@@ -2,17 +2,17 @@
 
 use super::*;
 
-fn test_materials() -> Vec<Material> {
+fn water_ice_and_glass() -> Vec<Material> {
     let body = |index, priority| Material::smooth_boundary(Body { priority, ..Body::new(index) });
     // Water, ice, glass.
     vec![body(1.33, 0), body(1.31, 1), body(1.5, 2)]
 }
 
 fn body_of_material(i: usize) -> Body {
-    *test_materials()[i].bounded_body().unwrap()
+    *water_ice_and_glass()[i].bounded_body().unwrap()
 }
 
-fn interior_stack_of(bodies: &[u32]) -> InteriorStack {
+fn interior_stack_of_materials(bodies: &[u32]) -> InteriorStack {
     let mut inside = InteriorStack::EMPTY;
     bodies.iter().for_each(|b| inside.push_body(*b));
     inside
@@ -20,16 +20,16 @@ fn interior_stack_of(bodies: &[u32]) -> InteriorStack {
 
 #[test]
 fn the_highest_priority_wins_in_any_entry_order() {
-    let m = test_materials();
+    let m = water_ice_and_glass();
     for order in [[0, 1, 2], [2, 1, 0], [1, 2, 0]] {
-        assert_eq!(interior_stack_of(&order).top_body(&m).unwrap().0, 2);
+        assert_eq!(interior_stack_of_materials(&order).top_body(&m).unwrap().0, 2);
     }
     assert!(
-        !interior_stack_of(&[2]).interface_at(0, &body_of_material(0), true, &m).real,
+        !interior_stack_of_materials(&[2]).interface_at(0, &body_of_material(0), true, &m).real,
         "water begins inside the glass"
     );
-    assert!(!interior_stack_of(&[2, 0]).interface_at(0, &body_of_material(0), false, &m).real);
-    let out = interior_stack_of(&[2, 0]).interface_at(2, &body_of_material(2), false, &m);
+    assert!(!interior_stack_of_materials(&[2, 0]).interface_at(0, &body_of_material(0), false, &m).real);
+    let out = interior_stack_of_materials(&[2, 0]).interface_at(2, &body_of_material(2), false, &m);
     assert_eq!(
         out,
         BodyInterface { real: true, outside: Some(body_of_material(0)) },
@@ -41,13 +41,13 @@ fn the_highest_priority_wins_in_any_entry_order() {
 /// The index ratio agrees from both sides, so a path and its reverse see one interface.
 #[test]
 fn a_boundary_has_one_interface_from_both_sides() {
-    let m = test_materials();
+    let m = water_ice_and_glass();
     for around in [&[][..], &[0], &[1], &[2], &[0, 1], &[0, 2], &[0, 1, 2]] {
         for material in 0..3u32 {
             if around.contains(&material) {
                 continue;
             }
-            let outside = interior_stack_of(around);
+            let outside = interior_stack_of_materials(around);
             let inwards = outside.interface_at(material, &body_of_material(material as usize), true, &m);
             let mut within = outside;
             within.push_body(material);
@@ -58,32 +58,36 @@ fn a_boundary_has_one_interface_from_both_sides() {
 
 #[test]
 fn equal_priorities_nest_and_equal_materials_merge() {
-    let mut m = test_materials();
+    let mut m = water_ice_and_glass();
     for material in &mut m {
         *material = material.with_body(Body { priority: 0, ..*material.bounded_body().unwrap() });
     }
-    assert_eq!(interior_stack_of(&[2, 0]).top_body(&m).unwrap().0, 0, "the last one entered counts");
+    assert_eq!(interior_stack_of_materials(&[2, 0]).top_body(&m).unwrap().0, 0, "the last one entered counts");
     let glass = Body { priority: 0, ..body_of_material(2) };
-    let crossing = interior_stack_of(&[2]).interface_at(2, &glass, true, &m);
+    let crossing = interior_stack_of_materials(&[2]).interface_at(2, &glass, true, &m);
     assert_eq!(crossing.relative_ior(&glass, |b| b.index), 1.0, "glass in the same glass is no boundary");
 }
 
 #[test]
 fn null_interfaces_yield_and_do_not_refract() {
-    let mut m = test_materials();
+    let mut m = water_ice_and_glass();
     m.push(Material::smooth_boundary(Body::medium_region(0)));
     m.push(Material::smooth_boundary(Body { priority: 9, ..Body::medium_region(1) }));
-    assert_eq!(interior_stack_of(&[0, 3]).top_body(&m).unwrap().0, 0, "the body that refracts wins among equals");
-    assert_eq!(interior_stack_of(&[3]).top_body(&m).unwrap().0, 3);
-    assert_eq!(interior_stack_of(&[2, 4]).top_body(&m).unwrap().0, 4, "smoke that displaces glass");
-    assert_eq!(interior_stack_of(&[2, 4]).top_refracting_body(&m).unwrap().0, 2, "but the glass bends light");
-    let into = interior_stack_of(&[4]).interface_at(2, &body_of_material(2), true, &m);
+    assert_eq!(
+        interior_stack_of_materials(&[0, 3]).top_body(&m).unwrap().0,
+        0,
+        "the body that refracts wins among equals"
+    );
+    assert_eq!(interior_stack_of_materials(&[3]).top_body(&m).unwrap().0, 3);
+    assert_eq!(interior_stack_of_materials(&[2, 4]).top_body(&m).unwrap().0, 4, "smoke that displaces glass");
+    assert_eq!(interior_stack_of_materials(&[2, 4]).top_refracting_body(&m).unwrap().0, 2, "but the glass bends light");
+    let into = interior_stack_of_materials(&[4]).interface_at(2, &body_of_material(2), true, &m);
     assert_eq!(into, BodyInterface { real: true, outside: None });
 }
 
 #[test]
 fn a_full_stack_drops_the_outermost_body() {
-    let mut deep = interior_stack_of(&[0; MAX_BODIES]);
+    let mut deep = interior_stack_of_materials(&[0; MAX_BODIES]);
     deep.push_body(2);
     assert_eq!((deep.bodies().len(), deep.bodies().last()), (MAX_BODIES, Some(&2)));
     deep.remove_body(2);

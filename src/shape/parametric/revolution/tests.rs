@@ -2,13 +2,13 @@ use super::super::spline::MIN_SPAN;
 use super::*;
 use glam::Vec3;
 
-fn revolve(basis: &SplineBasis, controls: &[[f64; 2]]) -> Revolution {
+fn surface_of_revolution(basis: &SplineBasis, controls: &[[f64; 2]]) -> Revolution {
     let controls: Vec<DVec2> = controls.iter().map(|c| DVec2::from_array(*c)).collect();
     Revolution::new(basis, &controls).unwrap()
 }
 
-fn revolved_line(controls: [[f64; 2]; 2]) -> Revolution {
-    revolve(&SplineBasis::single_bezier(2).unwrap(), &controls)
+fn revolved_line_segment(controls: [[f64; 2]; 2]) -> Revolution {
+    surface_of_revolution(&SplineBasis::single_bezier(2).unwrap(), &controls)
 }
 
 fn hit_parameter(s: &Revolution, o: Vec3, d: Vec3) -> Option<f32> {
@@ -24,24 +24,24 @@ fn profile_subdivision_respects_memory_and_precision() {
     assert!(matches!(found, SplineError::Memory { needed: 10_001..11_000, free: 10_000 }), "{found}");
     assert!(Revolution::with_memory_limit(&basis, &wave, Some(10_000_000)).is_ok());
     let basis = SplineBasis::new(2, 5, vec![0.0, 0.0, 0.0, 0.5, 0.5 + MIN_SPAN, 1.0, 1.0, 1.0]).unwrap();
-    let bent = revolve(&basis, &[[1.0, 0.0], [2.0, 0.0], [2.0, 3.0], [1.0, 3.0], [1.0, 0.0]]);
+    let bent = surface_of_revolution(&basis, &[[1.0, 0.0], [2.0, 0.0], [2.0, 3.0], [1.0, 3.0], [1.0, 0.0]]);
     assert!(bent.profile.leaves.iter().all(|leaf| 2.0 * leaf.place[1] >= MIN_SPAN));
 }
 
 #[test]
 fn revolved_lines_are_cylinders_cones_and_discs() {
-    let cylinder = revolved_line([[1.0, -1.0], [1.0, 1.0]]);
+    let cylinder = revolved_line_segment([[1.0, -1.0], [1.0, 1.0]]);
     assert_eq!(hit_parameter(&cylinder, Vec3::new(0.0, 0.0, 3.0), -Vec3::Z), Some(2.0));
     assert_eq!(hit_parameter(&cylinder, Vec3::new(0.0, 0.5, 0.0), Vec3::X * 0.5), Some(2.0));
     assert_eq!(hit_parameter(&cylinder, Vec3::new(0.6, -3.0, 3.0), Vec3::new(0.0, 1.0, -1.0)), Some(2.2));
     assert_eq!(hit_parameter(&cylinder, Vec3::new(0.5, -3.0, 0.2), Vec3::Y), None);
     assert_eq!(hit_parameter(&cylinder, Vec3::new(1.0f32.next_up(), 0.0, 3.0), -Vec3::Z), None);
     assert!(hit_parameter(&cylinder, Vec3::new(1.0f32.next_down(), 0.0, 3.0), -Vec3::Z).is_some());
-    let cone = revolved_line([[0.0, 1.0], [-1.0, 0.0]]);
+    let cone = revolved_line_segment([[0.0, 1.0], [-1.0, 0.0]]);
     assert_eq!(hit_parameter(&cone, Vec3::new(0.0, 3.0, 0.0), -Vec3::Y), Some(2.0));
     assert_eq!(hit_parameter(&cone, Vec3::new(0.25, 3.0, 0.0), -Vec3::Y), Some(2.25));
     assert_eq!(hit_parameter(&cone, Vec3::new(0.0, 0.5, 3.0), -Vec3::Z), Some(2.5));
-    let disc = revolved_line([[0.0, 0.5], [2.0, 0.5]]);
+    let disc = revolved_line_segment([[0.0, 0.5], [2.0, 0.5]]);
     assert_eq!(hit_parameter(&disc, Vec3::new(1.0, 3.5, 1.0), -Vec3::Y), Some(3.0));
     assert_eq!(hit_parameter(&disc, Vec3::new(0.0, 3.5, 0.0), -Vec3::Y), Some(3.0));
     assert_eq!(hit_parameter(&disc, Vec3::new(1.0, 0.5, 4.0), -Vec3::Z), None, "edge-on");

@@ -1,6 +1,9 @@
 //! Surfaces with closed forms, difficult cases for solvers, and rays that leave a surface.
 
-use super::{Patch, Revolution, SplineBasis, cup_test_surface, patch_test_surface, test_key, test_ray, test_surfaces};
+use super::{
+    Patch, Revolution, SplineBasis, cup_test_surface, parametric_test_surfaces, patch_test_surface, random_key,
+    random_ray_near_shape,
+};
 use crate::math::{Frame, Ray, Transform, offset_ray_origin, warp};
 use crate::sampling::Dimension;
 use crate::shape::Shape;
@@ -52,7 +55,7 @@ fn a_nurbs_sphere_matches_the_sphere() {
     assert!((shape.area() / (4.0 * std::f64::consts::PI) - 1.0).abs() < 1e-9, "{}", shape.area());
     let mut hits = 0;
     for i in 0..60_000 {
-        let ray = test_ray(&shape, i);
+        let ray = random_ray_near_shape(&shape, i);
         let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let (a, b) = (d.length_squared(), o.dot(d));
         let nearest = (o - d * (b / a)).length_squared();
@@ -87,7 +90,7 @@ fn a_nurbs_torus_matches_the_torus() {
     let value = |p: DVec3| libm::hypot(libm::hypot(p.x, p.z) - large, p.y) - small;
     let mut hits = 0;
     for i in 0..8_000 {
-        let ray = test_ray(&shape, i);
+        let ray = random_ray_near_shape(&shape, i);
         let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let found = shape.intersect(&ray);
         let end = found.map_or(8.0 / d.length(), |(t, ..)| f64::from(t));
@@ -121,7 +124,7 @@ fn revolved_lines_match_quadric_intersections() {
         let (ya, yb) = (ya.copysign(a[1]), yb.copysign(b[1]));
         let mut hits = 0;
         for i in 0..20_000 {
-            let ray = test_ray(&shape, i);
+            let ray = random_ray_near_shape(&shape, i);
             let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
             // Points on the line: (ρ, y) = (ra, ya) + s (rb − ra, yb − ya), eliminated by the
             // larger component.
@@ -221,9 +224,9 @@ fn poles_and_collapsed_edges_have_normals() {
         let p = ball.surface_point(&ray, t, Vec2::new(u, v));
         assert!((t - 2.0).abs() < 1e-6 && (p.ng - Vec3::Y * side).length() < 1e-4, "{p:?}");
     }
-    for case in test_surfaces() {
+    for case in parametric_test_surfaces() {
         for i in 0..400 {
-            let u = test_key(i).uniform_2d(Dimension::LightPosition);
+            let u = random_key(i).uniform_2d(Dimension::LightPosition);
             for uv in
                 [u, Vec2::new(0.0, u.y), Vec2::new(1.0, u.y), Vec2::new(u.x, 0.0), Vec2::new(u.x, 1.0), Vec2::ZERO]
             {
@@ -235,7 +238,7 @@ fn poles_and_collapsed_edges_have_normals() {
     }
 }
 
-fn placed_shapes() -> Vec<(&'static str, Shape)> {
+fn transformed_parametric_shapes() -> Vec<(&'static str, Shape)> {
     let squash = Transform::new(DAffine3::from_scale_rotation_translation(
         DVec3::new(30.0, -8.0, 55.0),
         DQuat::from_xyzw(0.5, 0.5, 0.5, 0.5),
@@ -243,20 +246,20 @@ fn placed_shapes() -> Vec<(&'static str, Shape)> {
     ))
     .unwrap();
     let moved = |s: Shape| s.transformed(&squash).unwrap();
-    let cases: Vec<(&str, Shape)> = test_surfaces().into_iter().map(|c| (c.name, c.shape)).collect();
+    let cases: Vec<(&str, Shape)> = parametric_test_surfaces().into_iter().map(|c| (c.name, c.shape)).collect();
     let mirrored: Vec<(&str, Shape)> = cases.iter().map(|(name, s)| (*name, moved(s.clone()))).collect();
     cases.into_iter().chain(mirrored).collect()
 }
 
 /// True if a point sampled with this pdf may lie near an apex, where the surface comes close to
 /// itself.
-fn is_apex(shape: &Shape, pdf: f32) -> bool {
+fn may_be_near_apex(shape: &Shape, pdf: f32) -> bool {
     f64::from(pdf) * shape.area() > 30.0
 }
 
-/// Shapes of [`placed_shapes`] that do not intersect themselves.
-fn simple_shapes() -> impl Iterator<Item = (&'static str, Shape)> {
-    placed_shapes().into_iter().filter(|(name, _)| *name != "loops")
+/// Shapes of [`transformed_parametric_shapes`] that do not intersect themselves.
+fn shapes_without_self_intersection() -> impl Iterator<Item = (&'static str, Shape)> {
+    transformed_parametric_shapes().into_iter().filter(|(name, _)| *name != "loops")
 }
 
 /// A ray that leaves at a cosine above 0.1 does not hit its start again.
@@ -264,16 +267,16 @@ fn simple_shapes() -> impl Iterator<Item = (&'static str, Shape)> {
 /// Only bends with a radius below 10⁻⁴ of the size could be hit so soon.
 #[test]
 fn leaving_rays_do_not_hit_their_surface_again() {
-    for (name, shape) in simple_shapes() {
+    for (name, shape) in shapes_without_self_intersection() {
         let (min, max) = shape.bounds_f64();
         let size = 0.5 * (max - min).length() as f32;
         for i in 0..6_000 {
-            let sample = shape.sample(test_key(i).uniform_2d(Dimension::LightPosition));
-            if is_apex(&shape, sample.pdf) {
+            let sample = shape.sample(random_key(i).uniform_2d(Dimension::LightPosition));
+            if may_be_near_apex(&shape, sample.pdf) {
                 continue;
             }
             let s = sample.point;
-            let d = warp::square_to_cosine_hemisphere(test_key(i).uniform_2d(Dimension::LightDirection));
+            let d = warp::square_to_cosine_hemisphere(random_key(i).uniform_2d(Dimension::LightDirection));
             if d.z < 0.1 {
                 continue;
             }
@@ -292,11 +295,11 @@ fn leaving_rays_do_not_hit_their_surface_again() {
 /// The mean of 1/pdf is the area, within five standard errors; rays find sampled points again.
 #[test]
 fn area_samples_match_their_pdf() {
-    for (name, shape) in simple_shapes() {
+    for (name, shape) in shapes_without_self_intersection() {
         let (n, mut sum, mut squares, mut strays) = (20_000, 0.0, 0.0, 0);
         let size = (shape.bounds_f64().1 - shape.bounds_f64().0).length() as f32;
         for i in 0..u64::from(n) {
-            let sample = shape.sample(test_key(i).uniform_2d(Dimension::LightPosition));
+            let sample = shape.sample(random_key(i).uniform_2d(Dimension::LightPosition));
             let inverse = 1.0 / f64::from(sample.pdf);
             assert!(inverse.is_finite() && sample.uv == sample.point.uv, "{name}");
             sum += inverse;
@@ -304,7 +307,7 @@ fn area_samples_match_their_pdf() {
             let from = sample.point.p + sample.point.ng * (1e-3 * size);
             let ray = Ray::new(from, -sample.point.ng);
             let found = shape.intersect(&ray).filter(|(t, ..)| (t - 1e-3 * size).abs() < 1e-5 * size);
-            if let Some((t, u, v)) = found.filter(|_| !is_apex(&shape, sample.pdf)) {
+            if let Some((t, u, v)) = found.filter(|_| !may_be_near_apex(&shape, sample.pdf)) {
                 let again = shape.pdf(&shape.surface_point(&ray, t, Vec2::new(u, v)));
                 // The pdf is discontinuous between leaves, and rounding may move a point across.
                 strays += u32::from((again / sample.pdf - 1.0).abs() > 0.05);
@@ -320,12 +323,12 @@ fn area_samples_match_their_pdf() {
 /// Texture gradients agree with differences of the coordinates along the surface.
 #[test]
 fn texture_gradients_match_finite_differences() {
-    for (name, shape) in placed_shapes() {
+    for (name, shape) in transformed_parametric_shapes() {
         let size = (shape.bounds_f64().1 - shape.bounds_f64().0).length();
         let ray = Ray::new(Vec3::ZERO, Vec3::new(1.0, 0.9, 0.8));
         let mut tried = 0;
         for i in 0..500 {
-            let uv = test_key(i).uniform_2d(Dimension::LightPosition) * 0.9 + 0.05;
+            let uv = random_key(i).uniform_2d(Dimension::LightPosition) * 0.9 + 0.05;
             let at = |uv: Vec2| match &shape {
                 Shape::Revolution(s) => s.point_at_uv(uv),
                 Shape::Patch(s) => s.point_at_uv(uv),

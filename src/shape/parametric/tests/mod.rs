@@ -15,17 +15,17 @@ struct TestSurface {
     name: &'static str,
     shape: Shape,
     pieces: Vec<ReferencePiece>,
-    /// Divisor of the number of rays, for surfaces whose reference is slow.
+    /// Factor by which the number of test rays is reduced, since the reference is slow.
     thin: u64,
 }
 
-fn test_key(i: u64) -> Key {
+fn random_key(i: u64) -> Key {
     Key::new(11).purpose_key(Purpose::Test).child_key(i)
 }
 
 /// Pseudorandom number in \[−1, 1].
 fn random_signed(i: u64) -> f64 {
-    f64::from(test_key(i).uniform_1d(Dimension::LightPosition)) * 2.0 - 1.0
+    f64::from(random_key(i).uniform_1d(Dimension::LightPosition)) * 2.0 - 1.0
 }
 
 fn revolution_test_surface(name: &'static str, basis: &SplineBasis, controls: &[[f64; 2]]) -> TestSurface {
@@ -80,7 +80,7 @@ fn cup_test_surface() -> TestSurface {
     revolution_test_surface("cup", &SplineBasis::uniform_knots(3, profile.len()).unwrap(), &profile)
 }
 
-fn test_surfaces() -> Vec<TestSurface> {
+fn parametric_test_surfaces() -> Vec<TestSurface> {
     let cubic = SplineBasis::single_bezier(4).unwrap();
     let wave = |rows: usize, columns: usize, seed: u64, height: f64| -> Vec<DVec4> {
         let place = |i: usize, n: usize| 2.0 * i as f64 / (n - 1) as f64 - 1.0;
@@ -125,10 +125,10 @@ fn test_surfaces() -> Vec<TestSurface> {
 }
 
 /// Test ray `i` for a shape: from outside, from inside its bounding box, or parallel to an axis.
-fn test_ray(shape: &Shape, i: u64) -> Ray {
+fn random_ray_near_shape(shape: &Shape, i: u64) -> Ray {
     let (min, max) = shape.bounds_f64();
     let (middle, half) = ((0.5 * (min + max)).as_vec3(), (0.5 * (max - min)).as_vec3());
-    let k = test_key(i);
+    let k = random_key(i);
     let inside = |seed: u64| {
         let (a, b) =
             (k.child_key(seed).uniform_2d(Dimension::LightPosition), k.child_key(seed).uniform_1d(Dimension::Light));
@@ -154,12 +154,12 @@ fn test_ray(shape: &Shape, i: u64) -> Ray {
 struct ComparisonCounts {
     rays: u64,
     hits: u64,
-    /// Results differ because the ray is tangent, or passes an edge within the error of the
+    /// Rays whose results differ because they are tangent, or pass an edge within the error of the
     /// reference.
     undecided: u64,
 }
 
-/// Compares solver and reference for test rays with these indices.
+/// Compares the solver with the reference for the test rays whose indices are in `rays`.
 ///
 /// Results may differ only where the ray grazes the surface or passes an edge. The position error
 /// of the reference is at most 10⁻⁶ of the surface's size.
@@ -171,11 +171,11 @@ fn compare_with_reference(case: &TestSurface, rays: std::ops::Range<u64>) -> Com
     let mut tally = ComparisonCounts::default();
     let mut found = ReferenceHits { hit: None, touches: Vec::new() };
     for i in rays {
-        let ray = test_ray(&case.shape, i);
+        let ray = random_ray_near_shape(&case.shape, i);
         (found.hit, tally.rays) = (None, tally.rays + 1);
         found.touches.clear();
         let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
-        case.pieces.iter().for_each(|p| p.find_hits(o, d, error, &mut found));
+        case.pieces.iter().for_each(|p| p.find_quads_near_ray(o, d, error, &mut found));
         let ours = case.shape.intersect(&ray);
         let message = || format!("{} ray {i}: {ours:?} against {:?}", case.name, found.hit);
         if let Some((t, u, v)) = ours {
@@ -213,8 +213,8 @@ fn compare_with_reference(case: &TestSurface, rays: std::ops::Range<u64>) -> Com
     tally
 }
 
-fn check_agreement(rays: u64) {
-    for case in test_surfaces() {
+fn assert_agrees_with_reference(rays: u64) {
+    for case in parametric_test_surfaces() {
         let start = std::time::Instant::now();
         let tally = compare_with_reference(&case, 0..rays / case.thin);
         eprintln!("{}: {tally:?} in {:.1?}", case.name, start.elapsed());
@@ -225,13 +225,15 @@ fn check_agreement(rays: u64) {
 
 #[test]
 fn every_intersection_is_found() {
-    check_agreement(16_000);
+    assert_agrees_with_reference(16_000);
 }
 
-/// `CAUSTICA_ROOT_RAYS=N` sets the number of rays; 10⁷ take a quarter of an hour on two cores.
+/// The environment variable `CAUSTICA_ROOT_RAYS` sets the number of rays.
+///
+/// 10⁷ rays take a quarter of an hour on two cores.
 #[test]
 #[ignore = "long: two million rays"]
 fn every_intersection_is_found_with_many_rays() {
     let rays = std::env::var("CAUSTICA_ROOT_RAYS").ok();
-    check_agreement(rays.map_or(2_000_000, |n| n.parse().expect("CAUSTICA_ROOT_RAYS is a number")));
+    assert_agrees_with_reference(rays.map_or(2_000_000, |n| n.parse().expect("CAUSTICA_ROOT_RAYS is a number")));
 }

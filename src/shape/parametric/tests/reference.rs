@@ -1,15 +1,15 @@
-//! Independent reference: quads are halved until two triangles approximate each within a derived
-//! error, in f64.
+//! Reference intersections of rays with parametric surfaces, in f64, for tests of the solver.
 //!
-//! It shares only the control points with the solver.
+//! The surface is divided into quads. A quad is halved until two triangles approximate it within a
+//! known error. Only the control points are shared with the solver.
 
 use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
 
-/// A Bézier piece, or one that is revolved about the y axis.
+/// The surface of a reference piece: a Bézier patch, or a Bézier curve revolved about the y axis.
 pub enum ReferenceSurface {
     /// Control points with weights, and the degrees.
     Patch(Vec<DVec4>, [usize; 2]),
-    /// A profile; v is the angle in turns.
+    /// Control points of the profile curve; the parameter v is the angle in turns.
     Turned(Vec<DVec2>),
 }
 
@@ -19,7 +19,7 @@ pub struct ReferencePiece {
     bends: [f64; 3],
 }
 
-/// Quad within the error bound of the ray.
+/// A quad of the reference surface that the ray may hit, within the error bound.
 pub struct QuadNearRay {
     /// Interval of the ray in the quad's box.
     pub t: [f64; 2],
@@ -127,7 +127,7 @@ impl ReferencePiece {
     }
 
     /// Finds every quad of the piece within `error` of the ray.
-    pub fn find_hits(&self, o: DVec3, d: DVec3, error: f64, found: &mut ReferenceHits) {
+    pub fn find_quads_near_ray(&self, o: DVec3, d: DVec3, error: f64, found: &mut ReferenceHits) {
         let turned = matches!(self.form, ReferenceSurface::Turned(_));
         let parts = if turned { 4 } else { 1 };
         let quad = |[u0, u1, v0, v1]: [f64; 4]| {

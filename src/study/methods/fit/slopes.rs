@@ -1,9 +1,9 @@
 //! Least-squares slopes of error over time or passes, with bootstrap intervals.
 
 use crate::sampling::{Dimension, Key};
-use crate::study::methods::{Checkpoint, MethodResult};
+use crate::study::methods::{ConvergenceCheckpoint, MethodResult};
 
-/// The tail begins at the number of passes of the last checkpoint divided by this.
+/// Number of passes at the last checkpoint, divided by that at the start of the fitted tail.
 const TAIL_RATIO: u32 = 16;
 
 /// Minimum number of checkpoints for a fit. Two are too few: they always lie on a line.
@@ -17,7 +17,8 @@ const BOOTSTRAP_REPLICATES: u64 = 1000;
 pub struct SlopeEstimate {
     /// Least-squares slope.
     pub value: f64,
-    /// 95 % confidence interval; `None` if seeds are too few or too scattered.
+    /// 95 % confidence interval; `None` if there are too few seeds or their errors scatter too
+    /// much.
     pub interval: Option<[f64; 2]>,
 }
 
@@ -30,12 +31,13 @@ pub struct ConvergenceSlopes {
     pub by_passes: SlopeEstimate,
 }
 
-/// Fitted slopes of a method.
+/// Slopes of error, noise and bias, fitted to the last checkpoints of a method.
 ///
-/// A quantity has no slopes if its estimate is not positive at every checkpoint of the tail.
+/// The fit uses the checkpoints with at least 1/16 of the passes of the last one. A quantity has no
+/// slopes if its estimate is not positive at each of them.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct ConvergenceFit {
-    /// Number of passes of each checkpoint in the tail.
+    /// Number of passes of each fitted checkpoint.
     pub passes: Vec<u32>,
     /// Slopes of the relative error.
     pub error: Option<ConvergenceSlopes>,
@@ -45,7 +47,7 @@ pub struct ConvergenceFit {
     pub bias: Option<ConvergenceSlopes>,
 }
 
-/// Fits slopes to the tail of a method's checkpoints; `None` if it has fewer than three.
+/// Fits slopes to the last checkpoints of a method; `None` if fewer than three can be used.
 #[must_use]
 pub fn fit_convergence(method: &MethodResult) -> Option<ConvergenceFit> {
     let tail = checkpoints_of_last_passes(&method.checkpoints);
@@ -67,20 +69,22 @@ pub fn fit_convergence(method: &MethodResult) -> Option<ConvergenceFit> {
 }
 
 /// Checkpoints with at least 1/16 of the passes of the last one, and with positive time.
-fn checkpoints_of_last_passes(checkpoints: &[Checkpoint]) -> &[Checkpoint] {
+fn checkpoints_of_last_passes(checkpoints: &[ConvergenceCheckpoint]) -> &[ConvergenceCheckpoint] {
     let last = checkpoints.last().map_or(0, |c| c.passes);
-    let early = |c: &&Checkpoint| u64::from(c.passes) * u64::from(TAIL_RATIO) < u64::from(last) || c.seconds <= 0.0;
+    let early =
+        |c: &&ConvergenceCheckpoint| u64::from(c.passes) * u64::from(TAIL_RATIO) < u64::from(last) || c.seconds <= 0.0;
     &checkpoints[checkpoints.iter().take_while(early).count()..]
 }
 
-/// Slopes of the square root of `square` over the tail; `None` if `square` is not positive.
+/// Fits slopes to the square root of `square` at the given checkpoints; `None` if a square is not
+/// positive.
 ///
 /// `square` returns the mean of a squared quantity at a checkpoint over seeds with the given
 /// weights, or with equal weights for `None`.
 fn fit_slopes(
-    tail: &[Checkpoint],
+    tail: &[ConvergenceCheckpoint],
     seeds: usize,
-    square: impl Fn(&Checkpoint, Option<&[f64]>) -> f64,
+    square: impl Fn(&ConvergenceCheckpoint, Option<&[f64]>) -> f64,
 ) -> Option<ConvergenceSlopes> {
     let times: Vec<f64> = tail.iter().map(|c| libm::log(c.seconds)).collect();
     let passes: Vec<f64> = tail.iter().map(|c| libm::log(f64::from(c.passes))).collect();
@@ -130,10 +134,10 @@ fn standard_deviation(values: impl Iterator<Item = f64> + Clone) -> f64 {
     (values.map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0)).sqrt()
 }
 
-/// Half-width of a 95 % confidence interval, in standard deviations of the bootstrap.
+/// Half-width of a 95 % confidence interval, divided by the standard deviation of the bootstrap.
 ///
-/// It is the quantile of Student's t times √(S/(S − 1)) for S seeds. The root corrects the
-/// bootstrap, which divides by S (Hesterberg 2015, section 3.1).
+/// It is the quantile of Student's t times √(S/(S − 1)) for S seeds. The root corrects the variance
+/// of the bootstrap, which has the divisor S instead of S − 1 (Hesterberg 2015, section 3.1).
 fn bootstrap_interval_factor(seeds: usize) -> f64 {
     let degrees = seeds as f64 - 1.0;
     student_t_quantile(seeds - 1) * (seeds as f64 / degrees).sqrt()
@@ -166,8 +170,8 @@ pub fn mean_confidence_interval(values: &[f64]) -> Option<[f64; 2]> {
 }
 
 /// 95 % confidence interval of the squared bias; `None` if the noise of single seeds is unknown.
-pub(super) fn squared_bias_interval(checkpoint: &Checkpoint) -> Option<[f64; 2]> {
-    let Checkpoint { squares, noises, .. } = checkpoint;
+pub(super) fn squared_bias_interval(checkpoint: &ConvergenceCheckpoint) -> Option<[f64; 2]> {
+    let ConvergenceCheckpoint { squares, noises, .. } = checkpoint;
     (squares.len() == noises.len())
         .then(|| squares.iter().zip(noises).map(|(s, n)| s - n).collect::<Vec<_>>())
         .and_then(|parts| mean_confidence_interval(&parts))

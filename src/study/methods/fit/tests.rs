@@ -3,23 +3,24 @@
 use super::slopes::student_t_quantile;
 use super::*;
 use crate::image::Image;
-use crate::integrate::{ALPHA, Algorithm, shrink};
+use crate::integrate::{ALPHA, Algorithm, squared_radius_ratio};
 use crate::sampling::Key;
-use crate::study::methods::{Checkpoint, GroundTruth, MethodResult, MethodStudyResult};
+use crate::study::methods::{ConvergenceCheckpoint, GroundTruth, MethodResult, MethodStudyResult};
 use glam::Vec3;
 use rand::RngExt;
 
 const SEEDS: usize = 8;
 const PIXELS: usize = 64;
 
-/// Synthetic method whose pass i has variance 1/shrink(i) and bias `bias` · shrink(i).
+/// Makes results of a synthetic method whose pass i has variance 1/s(i) and bias `bias` · s(i).
 ///
-/// `name` selects its random numbers.
+/// Here s(i) is the squared gather radius of pass i over that of the first pass, for the exponent
+/// `alpha`. `name` selects the random numbers.
 fn synthetic_method(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32], name: u64) -> MethodResult {
     let mut rng = Key::new(77).child_key(name).rng();
     // Irwin–Hall: twelve uniform numbers less six have variance 1.
     let mut normal = || (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0;
-    let shrinks = |i: u32| shrink(alpha, i);
+    let shrinks = |i: u32| squared_radius_ratio(alpha, i);
     let (mut made, mut drift) = (0, 0.0);
     let mut sums = vec![[0.0; PIXELS]; SEEDS];
     let checkpoints = passes.iter().map(|&n| {
@@ -41,7 +42,7 @@ fn synthetic_method(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32],
         let noise2 = noises.iter().sum::<f64>() / SEEDS as f64;
         let bias2 = squares.iter().sum::<f64>() / SEEDS as f64 - noise2;
         let seconds = 0.25 * f64::from(n);
-        Checkpoint {
+        ConvergenceCheckpoint {
             passes: n,
             seconds,
             photons: 1000.0 * f64::from(n),
@@ -49,7 +50,7 @@ fn synthetic_method(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32],
             noises,
             noise2,
             bias2,
-            ..Checkpoint::default()
+            ..ConvergenceCheckpoint::default()
         }
     });
     MethodResult {
@@ -129,7 +130,7 @@ fn fitted_slopes_match_theory() {
 }
 
 #[test]
-fn verdicts_name_the_cause() {
+fn verdicts_name_the_cause_of_bias() {
     let passes = powers_of_two(9);
     let is =
         |algorithm, bias, alpha, passes: &[u32]| fitted_verdict(&synthetic_method(algorithm, bias, alpha, passes, 5));
@@ -181,7 +182,8 @@ fn errors_below_the_truth_are_not_judged() {
     assert!(matches!(fitted_verdict(&alone), ConvergenceVerdict::Wide { .. }));
 }
 
-/// Synthetic method without noise: after n passes and n/4 seconds, its error is 0.1/√n.
+/// Makes results of a synthetic method without noise: after n passes and n/4 seconds, its error is
+/// 0.1/√n.
 fn method_without_noise() -> MethodResult {
     let mut method = synthetic_method(Algorithm::Path, 0.0, 1.0, &powers_of_two(9), 7);
     for c in &mut method.checkpoints {
@@ -228,8 +230,8 @@ fn plateaus_never_reach_smaller_errors() {
     assert!(matches!(time_to_tenth_of_error(&method, fit.as_ref(), &verdict), TimeToError::Never { .. }));
 }
 
-/// The second method costs twice as much per pass, but begins with a third of the error and
-/// stays there.
+/// The second method takes twice the time per pass. Its error begins at a third of the first one's
+/// and does not fall.
 #[test]
 fn pareto_front_and_recommendation_have_least_error() {
     let mut early = method_without_noise();

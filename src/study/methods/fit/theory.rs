@@ -24,21 +24,23 @@ pub struct SlopeRange {
 }
 
 impl SlopeRange {
-    fn single_slope(slope: f64) -> Self {
+    fn single_slope_range(slope: f64) -> Self {
         Self { steepest: slope, flattest: slope }
     }
 
-    fn enclosing_range(self, o: Self) -> Self {
+    fn range_around_both(self, o: Self) -> Self {
         Self { steepest: self.steepest.min(o.steepest), flattest: self.flattest.max(o.flattest) }
     }
 }
 
-/// Predicted slopes of error, noise or bias over `passes` in a log-log plot; `None` if zero.
+/// Predicts the slope of error, noise or bias over `passes` in a log-log plot; `None` if the
+/// quantity is zero.
 ///
 /// - The noise of independent passes falls as n^−½.
-/// - With shrinking radii, pass i has variance 1/shrink(i) and bias shrink(i), relative to the
-///   first pass. The mean of n passes has variance Σ 1/shrink(i)/n² and bias Σ shrink(i)/n (Knaus
-///   and Zwicker 2011). For α = ⅔, noise and bias approach n^−⅓.
+/// - Let s(i) be the squared gather radius of pass i over that of the first pass. Pass i has
+///   variance 1/s(i) and bias s(i), relative to the first pass. The mean of n passes has variance
+///   Σ 1/s(i)/n² and bias Σ s(i)/n (Knaus and Zwicker 2011). For α = ⅔, noise and bias approach
+///   n^−⅓.
 /// - Noise of camera paths adds to noise of photons, so measured slopes lie between both laws.
 /// - The noise of the camera paths that all passes of `ppm` share does not fall.
 /// - Bias does not fall with fixed radii, nor in algorithms that leave out light.
@@ -52,37 +54,37 @@ pub fn predicted_slopes(
     alpha: f64,
 ) -> Option<SlopeRange> {
     use Algorithm::{Distributed, Hybrid, Path, Pm, Ppm, Raycast, Sppm, Whitted};
-    let even = SlopeRange::single_slope(-0.5);
+    let even = SlopeRange::single_slope_range(-0.5);
     let [variance, bias] = variance_and_bias_slopes(passes, alpha);
     let noise = match algorithm {
-        Sppm | Hybrid => SlopeRange::single_slope(0.5 * variance).enclosing_range(even),
+        Sppm | Hybrid => SlopeRange::single_slope_range(0.5 * variance).range_around_both(even),
         // All passes share the camera paths, which differ between seeds.
-        Ppm => SlopeRange::single_slope(0.0).enclosing_range(even),
+        Ppm => SlopeRange::single_slope_range(0.0).range_around_both(even),
         Path | Pm | Distributed | Whitted | Raycast => even,
     };
     let bias = match algorithm {
         Path => None,
-        Sppm | Ppm | Hybrid => Some(SlopeRange::single_slope(bias)),
-        Pm | Distributed | Whitted | Raycast => Some(SlopeRange::single_slope(0.0)),
+        Sppm | Ppm | Hybrid => Some(SlopeRange::single_slope_range(bias)),
+        Pm | Distributed | Whitted | Raycast => Some(SlopeRange::single_slope_range(0.0)),
     };
     match quantity {
         ErrorComponent::Noise => Some(noise),
         ErrorComponent::Bias => bias,
-        ErrorComponent::Error => Some(bias.map_or(noise, |bias| noise.enclosing_range(bias))),
+        ErrorComponent::Error => Some(bias.map_or(noise, |bias| noise.range_around_both(bias))),
     }
 }
 
-/// Slopes over `passes` of variance and bias of the mean of passes with shrinking radii.
+/// Slopes over `passes` of the variance and of the bias, for a mean of passes whose radii shrink.
 fn variance_and_bias_slopes(passes: &[u32], alpha: f64) -> [f64; 2] {
-    let (mut shrink, mut shrunk, mut grown, mut made) = (1.0, 0.0, 0.0, 0u32);
+    let (mut squared_radius_ratio, mut shrunk, mut grown, mut made) = (1.0, 0.0, 0.0, 0u32);
     let mut logs: [Vec<f64>; 3] = Default::default();
     for &n in passes {
         while made < n {
             if made > 0 {
-                shrink *= (f64::from(made) + alpha) / (f64::from(made) + 1.0);
+                squared_radius_ratio *= (f64::from(made) + alpha) / (f64::from(made) + 1.0);
             }
-            shrunk += shrink;
-            grown += 1.0 / shrink;
+            shrunk += squared_radius_ratio;
+            grown += 1.0 / squared_radius_ratio;
             made += 1;
         }
         let n = f64::from(n.max(1));
@@ -96,11 +98,11 @@ fn variance_and_bias_slopes(passes: &[u32], alpha: f64) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::integrate::{ALPHA, shrink};
+    use crate::integrate::{ALPHA, squared_radius_ratio};
 
     #[test]
     fn variance_and_bias_slopes_match_sums_of_radii() {
-        let sum = |n: u32, of: fn(f64) -> f64| (0..n).map(|i| of(shrink(ALPHA, i))).sum::<f64>();
+        let sum = |n: u32, of: fn(f64) -> f64| (0..n).map(|i| of(squared_radius_ratio(ALPHA, i))).sum::<f64>();
         let [variance, bias] = variance_and_bias_slopes(&[16, 32], ALPHA);
         let expected = [(sum(32, |s| 1.0 / s) / 4.0) / sum(16, |s| 1.0 / s), sum(32, |s| s) / 2.0 / sum(16, |s| s)];
         for (slope, ratio) in [variance, bias].into_iter().zip(expected) {
@@ -108,7 +110,8 @@ mod tests {
         }
     }
 
-    /// Sums of i^⅓ and i^−⅓ differ from their integrals by a factor of n^−⅔, 2·10⁻³ at 10⁴.
+    /// For α = ⅔, the slopes of noise and bias approach −⅓. Sums of i^⅓ and i^−⅓ differ from their
+    /// integrals by a relative error of n^−⅔, which is 2·10⁻³ at n = 10⁴.
     #[test]
     fn noise_and_bias_approach_slope_minus_one_third() {
         let far: Vec<u32> = (0..4).map(|i| 10_000 << i).collect();
@@ -135,7 +138,7 @@ mod tests {
             );
         }
         assert_eq!(law(Algorithm::Path, ErrorComponent::Bias), None);
-        assert_eq!(law(Algorithm::Path, ErrorComponent::Error), Some(SlopeRange::single_slope(-0.5)));
+        assert_eq!(law(Algorithm::Path, ErrorComponent::Error), Some(SlopeRange::single_slope_range(-0.5)));
         assert_eq!(law(Algorithm::Pm, ErrorComponent::Error), Some(SlopeRange { steepest: -0.5, flattest: 0.0 }));
     }
 }

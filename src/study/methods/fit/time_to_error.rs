@@ -2,7 +2,7 @@
 
 use super::slopes::{ConvergenceFit, SlopeEstimate};
 use super::verdict::ConvergenceVerdict;
-use crate::study::methods::{Checkpoint, MethodResult, MethodStudyResult};
+use crate::study::methods::{ConvergenceCheckpoint, MethodResult, MethodStudyResult};
 
 /// Time and work that a method takes to reach an error.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -16,7 +16,7 @@ pub struct RenderEffort {
 }
 
 impl RenderEffort {
-    fn at_checkpoint(checkpoint: &Checkpoint) -> Self {
+    fn effort_at_checkpoint(checkpoint: &ConvergenceCheckpoint) -> Self {
         Self { seconds: checkpoint.seconds, passes: f64::from(checkpoint.passes), photons: checkpoint.photons }
     }
 
@@ -35,23 +35,24 @@ impl RenderEffort {
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 #[serde(tag = "how", rename_all = "lowercase")]
 pub enum TimeToError {
-    /// At most this effort: the first checkpoint has reached the error already.
+    /// At most this effort, because the first checkpoint has reached the error already.
     Within(RenderEffort),
-    /// Interpolated between two checkpoints.
+    /// Effort interpolated between two checkpoints.
     Measured(RenderEffort),
-    /// Extrapolated from the last checkpoint by the fitted slope.
+    /// Effort extrapolated from the last checkpoint by the fitted slope.
     Predicted {
         /// Effort by the fitted slope.
         effort: RenderEffort,
-        /// Processor times by both ends of the slope's confidence interval \[s]; may be infinite.
+        /// Processor times that follow from both ends of the slope's confidence interval \[s]; they
+        /// may be infinite.
         seconds: Option<[f64; 2]>,
     },
-    /// Never reached, because bias remains above the error.
+    /// The error is never reached, because the bias stays above it.
     Never {
         /// Relative error that remains.
         floor: f64,
     },
-    /// Unknown, because there is no fit or the error does not fall.
+    /// The effort is unknown, because there is no fit or the error does not fall.
     Unknown,
 }
 
@@ -64,11 +65,11 @@ pub fn time_to_error(
     error: f64,
 ) -> TimeToError {
     let checkpoints = &method.checkpoints;
-    let above = |c: &Checkpoint| c.mean_squared_error() > error * error;
+    let above = |c: &ConvergenceCheckpoint| c.mean_squared_error() > error * error;
     let Some(last_above) = checkpoints.iter().rposition(above) else {
         return checkpoints
             .first()
-            .map_or(TimeToError::Unknown, |first| TimeToError::Within(RenderEffort::at_checkpoint(first)));
+            .map_or(TimeToError::Unknown, |first| TimeToError::Within(RenderEffort::effort_at_checkpoint(first)));
     };
     let before = &checkpoints[last_above];
     let Some(after) = checkpoints.get(last_above + 1) else {
@@ -78,14 +79,14 @@ pub fn time_to_error(
     // An estimate of zero or less has no logarithm. The later checkpoint itself is then used.
     let t = if log_after.is_finite() { (log_before - libm::log(error)) / (log_before - log_after) } else { 1.0 };
     TimeToError::Measured(RenderEffort::interpolate(
-        RenderEffort::at_checkpoint(before),
-        RenderEffort::at_checkpoint(after),
+        RenderEffort::effort_at_checkpoint(before),
+        RenderEffort::effort_at_checkpoint(after),
         t,
     ))
 }
 
 fn extrapolate_time_to_error(
-    last: &Checkpoint,
+    last: &ConvergenceCheckpoint,
     fit: Option<&ConvergenceFit>,
     verdict: &ConvergenceVerdict,
     error: f64,
@@ -107,7 +108,7 @@ fn extrapolate_time_to_error(
         return TimeToError::Unknown;
     }
     let seconds = interval.map(|ends| ends.map(|slope| last.seconds * factor(slope)));
-    TimeToError::Predicted { effort: RenderEffort::at_checkpoint(last).scaled_by(factor(value)), seconds }
+    TimeToError::Predicted { effort: RenderEffort::effort_at_checkpoint(last).scaled_by(factor(value)), seconds }
 }
 
 /// Effort to reach a tenth of the error at the last checkpoint.
@@ -125,12 +126,12 @@ pub fn time_to_tenth_of_error(
     }
 }
 
-/// Relative error after `seconds` of processor time, interpolated or extrapolated.
+/// Relative error of `method` after `seconds` of processor time, interpolated or extrapolated.
 ///
 /// `None` before the first checkpoint, and where an error is not positive or has no fit.
 #[must_use]
 pub fn error_after_seconds(method: &MethodResult, fit: Option<&ConvergenceFit>, seconds: f64) -> Option<f64> {
-    let error = |c: &Checkpoint| Some(c.mean_squared_error()).filter(|s| *s > 0.0).map(f64::sqrt);
+    let error = |c: &ConvergenceCheckpoint| Some(c.mean_squared_error()).filter(|s| *s > 0.0).map(f64::sqrt);
     let after = method.checkpoints.iter().position(|c| c.seconds >= seconds);
     let last = method.checkpoints.last()?;
     match after {
@@ -151,7 +152,7 @@ pub fn error_after_seconds(method: &MethodResult, fit: Option<&ConvergenceFit>, 
 /// Checkpoint on the Pareto front: no other checkpoint has both less time and less error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct ParetoPoint {
-    /// Index of the method.
+    /// Index of the method in the list of the study's methods.
     pub method: usize,
     /// Index of the checkpoint among those of the method.
     pub checkpoint: usize,
@@ -182,9 +183,9 @@ pub fn pareto_front(methods: &[MethodResult]) -> Vec<ParetoPoint> {
 /// Method with the least expected error after the time budget of a study.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct MethodRecommendation {
-    /// Index of the method.
+    /// Index of the method in the list of the study's methods.
     pub method: usize,
-    /// Expected relative error after the budget.
+    /// Expected relative error after the time budget.
     pub error: f64,
     /// Indices of the other methods whose error is at most 10 % larger.
     pub alike: Vec<usize>,

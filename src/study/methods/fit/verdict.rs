@@ -22,7 +22,8 @@ pub enum ConvergenceVerdict {
         /// Relative error of the reference; `None` if it is taken as exact.
         truth: Option<f64>,
     },
-    /// The slope has no confidence interval: seeds are too few or too scattered.
+    /// The slope has no confidence interval: there are too few seeds, or their errors scatter too
+    /// much.
     Wide {
         /// Slope over passes.
         slope: f64,
@@ -34,7 +35,7 @@ pub enum ConvergenceVerdict {
         /// Cause of the bias.
         cause: BiasCause,
     },
-    /// The error falls as theory predicts; noise hides the predicted bias.
+    /// The error falls as theory predicts. Theory also predicts a bias, but noise still hides it.
     Hidden {
         /// Slope over passes.
         slope: f64,
@@ -67,9 +68,9 @@ pub enum ConvergenceVerdict {
 /// Cause of a bias that more passes do not reduce.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BiasCause {
-    /// Blur by density estimates with these gather radii, of the global and of the caustic map.
+    /// Blur by density estimates with these gather radii, of the indirect and of the caustic map.
     Radii([f32; 2]),
-    /// The algorithm leaves out light by design.
+    /// The algorithm leaves out some light by design.
     LeavesOut,
     /// No known cause.
     Unknown,
@@ -77,8 +78,8 @@ pub enum BiasCause {
 
 /// Judges the convergence of a method. `truth` is the relative error of the reference.
 ///
-/// The bias of references does not cancel, unlike their noise. So errors below `truth` are not
-/// judged.
+/// A bias of the references does not cancel in the measured error, but their noise does. So errors
+/// below `truth` are not judged.
 #[must_use]
 pub fn judge_convergence(
     method: &MethodResult,

@@ -1,6 +1,6 @@
 //! CSV and Markdown reports of a study of effects.
 
-use super::{ReportContext, clock_text, share_of_mean_text};
+use super::{ReportContext, clock_name, share_of_mean_text};
 use crate::study::report::plain::{csv_row, escape_markdown, markdown_table};
 use crate::study::report::text::{
     count_text, percent_text, signed_count_text, signed_milliseconds_text, three_digit_text,
@@ -11,7 +11,7 @@ use crate::study::{EffectResult, EffectStudyResult};
 ///
 /// Times are in seconds, radiance in W/(m² sr).
 #[must_use]
-pub fn csv(findings: &EffectStudyResult) -> String {
+pub fn csv_report(findings: &EffectStudyResult) -> String {
     let mut table = csv_row(&[
         "effect",
         "on",
@@ -56,7 +56,7 @@ pub fn csv(findings: &EffectStudyResult) -> String {
 
 /// Report as Markdown.
 #[must_use]
-pub fn markdown(about: &ReportContext, findings: &EffectStudyResult) -> String {
+pub fn markdown_report(about: &ReportContext, findings: &EffectStudyResult) -> String {
     let passes = findings.whole.passes.len();
     let a_pass = |n: u64| count_text(n as f64 / passes as f64);
     let mut text = format!(
@@ -66,7 +66,7 @@ pub fn markdown(about: &ReportContext, findings: &EffectStudyResult) -> String {
         env!("CARGO_PKG_VERSION"),
         about.integrator,
         about.seed,
-        clock_text(findings.clock),
+        clock_name(findings.clock),
         1e3 * findings.whole.total_pass_seconds() / passes as f64,
         a_pass(findings.whole.counters.total_rays()),
         a_pass(findings.whole.counters.gathered_photons),
@@ -99,7 +99,7 @@ pub fn markdown(about: &ReportContext, findings: &EffectStudyResult) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::integrate::{Algorithm, Settings, Silent};
+    use crate::integrate::{Algorithm, Settings, SilentMonitor};
     use crate::plan::{Effect, EffectOverrides};
     use crate::study::EffectStudy;
     use crate::study::tests::diffuse_sphere_on_floor;
@@ -111,15 +111,15 @@ mod tests {
         let mut settings = Settings::default();
         settings.camera_paths.effects = EffectOverrides::PLANNED.with(Effect::Environment);
         let study = EffectStudy::prepare(&scene, Algorithm::Whitted, &settings);
-        let findings = study.run(2, &AtomicBool::new(false), &Silent, |_| {}).unwrap();
-        let table = csv(&findings);
+        let findings = study.run(2, &AtomicBool::new(false), &SilentMonitor, |_| {}).unwrap();
+        let table = csv_report(&findings);
         let rows: Vec<&str> = table.split("\r\n").collect();
         assert_eq!(rows.len(), 1 + findings.plan.decisions.len() + 1);
         assert!(rows.iter().any(|row| row.starts_with("shadows,true,false,")));
         // An effect that is off has no figures.
         assert!(rows.iter().any(|row| row.starts_with("caustics,false,") && row.ends_with(",,,,,,,,,,,")));
         let about = ReportContext { scene: "a_b.txt".into(), integrator: "whitted", seed: 3, exposure: 0.0 };
-        let text = markdown(&about, &findings);
+        let text = markdown_report(&about, &findings);
         assert!(text.contains(": a\\_b.txt") && text.contains("| shadows | ") && text.contains("- caustics: off: "));
         assert!(text.contains("| environment | "));
     }

@@ -12,7 +12,7 @@ use crate::study::report::text::{self, count_text, duration_text, error_percent_
 pub(super) const TARGET_ERRORS: [f64; 4] = [0.1, 0.05, 0.02, 0.01];
 
 /// Analysis of all methods of a study.
-pub(super) struct StudyAnalysis {
+pub(super) struct MethodStudyAnalysis {
     pub(super) methods: Vec<MethodAnalysis>,
     pub(super) pareto: Vec<ParetoPoint>,
     pub(super) recommendation: Option<MethodRecommendation>,
@@ -27,7 +27,7 @@ pub(super) struct MethodAnalysis {
     pub(super) tenth: TimeToError,
 }
 
-impl StudyAnalysis {
+impl MethodStudyAnalysis {
     pub(super) fn new(found: &MethodStudyResult) -> Self {
         let fits: Vec<Option<ConvergenceFit>> = found.methods.iter().map(fit_convergence).collect();
         let recommendation = recommend_method(found, &fits);
@@ -67,7 +67,8 @@ impl StudyAnalysis {
 }
 
 impl MethodAnalysis {
-    /// Slopes that theory predicts for the passes of the fit; `None` without fit, or if zero.
+    /// Slopes that theory predicts for the passes of the fit; `None` without a fit, or if the
+    /// quantity is zero.
     pub(super) fn predicted_slopes(&self, method: &MethodResult, quantity: ErrorComponent) -> Option<SlopeRange> {
         predicted_slopes(method.algorithm, quantity, &self.fit.as_ref()?.passes, method.alpha)
     }
@@ -87,7 +88,8 @@ pub(super) fn slope_range_text(law: Option<SlopeRange>) -> String {
     law.map_or("none".to_owned(), |law| law.to_string())
 }
 
-/// Texts of the time to reach an error, and of the work: passes and, if it has some, photons.
+/// Two texts about reaching an error: the time, and the work in passes and, if the method has
+/// photons, in photons.
 pub(super) fn time_to_error_text(reach: &TimeToError, has_photons: bool) -> (String, Vec<String>) {
     let work = |effort: &RenderEffort| {
         let passes = Some(format!("{} passes", count_text(effort.passes.max(1.0))));

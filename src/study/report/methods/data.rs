@@ -1,13 +1,13 @@
 //! CSV, JSON and Markdown reports of a study of methods.
 
-use super::analysis::{StudyAnalysis, TARGET_ERRORS, slope_interval_text, slope_range_text, time_to_error_text};
-use super::tables::root_percent_text;
+use super::analysis::{MethodStudyAnalysis, TARGET_ERRORS, slope_interval_text, slope_range_text, time_to_error_text};
+use super::tables::square_root_percent_text;
 use super::warnings::study_warnings;
 use crate::study::methods::fit::{
     ConvergenceFit, ErrorComponent, MethodRecommendation, ParetoPoint, SlopeRange, TimeToError,
     mean_confidence_interval,
 };
-use crate::study::methods::{Checkpoint, MethodResult, MethodStudyResult};
+use crate::study::methods::{ConvergenceCheckpoint, MethodResult, MethodStudyResult};
 use crate::study::report::plain::{csv_row, escape_markdown, markdown_code_block, markdown_table};
 use crate::study::report::text::{count_text, duration_text, error_percent_text};
 use serde::Serialize;
@@ -20,7 +20,7 @@ const SCHEMA: u32 = 1;
 /// Column `seconds` is processor time. Columns whose name ends in 2 are squares; they may be
 /// negative if noise hides them. Column `squares` lists all seeds, separated by semicolons.
 #[must_use]
-pub fn csv(found: &MethodStudyResult) -> String {
+pub fn csv_report(found: &MethodStudyResult) -> String {
     let mut table = csv_row(&[
         "method",
         "algorithm",
@@ -105,7 +105,7 @@ struct MethodJson<'f> {
     setup: f64,
     alpha: f64,
     radii: Option<[f32; 2]>,
-    checkpoints: &'f [Checkpoint],
+    checkpoints: &'f [ConvergenceCheckpoint],
     fit: &'f Option<ConvergenceFit>,
     theory: PredictedSlopesJson,
     verdict: String,
@@ -133,7 +133,7 @@ struct TimeToErrorJson {
 /// # Errors
 /// Never for valid UTF-8 strings.
 pub fn method_study_json(found: &MethodStudyResult) -> Result<String, serde_json::Error> {
-    let analysis = StudyAnalysis::new(found);
+    let analysis = MethodStudyAnalysis::new(found);
     let methods = found.methods.iter().zip(&analysis.methods).map(|(method, judged)| {
         let law = |quantity| judged.predicted_slopes(method, quantity);
         let target = |(error, reach): (f64, TimeToError)| TimeToErrorJson { error, reach };
@@ -179,8 +179,8 @@ pub fn method_study_json(found: &MethodStudyResult) -> Result<String, serde_json
 
 /// Report as Markdown: tables, verdicts and commands.
 #[must_use]
-pub fn markdown(found: &MethodStudyResult) -> String {
-    let analysis = StudyAnalysis::new(found);
+pub fn markdown_report(found: &MethodStudyResult) -> String {
+    let analysis = MethodStudyAnalysis::new(found);
     let truth = found.truth.error.map_or(String::new(), |e| format!(", its own error about {}", error_percent_text(e)));
     let mut text = format!(
         "# Error over time: {}\n\n{}. {}. Seeds: {} of each method, up to {} of processor time each. Truth: {}{truth}.\n\n{}",
@@ -200,13 +200,13 @@ pub fn markdown(found: &MethodStudyResult) -> String {
     }
     let all = || found.methods.iter().zip(&analysis.methods);
     let rows = all().map(|(method, judged)| {
-        let of = |square: fn(&Checkpoint) -> f64| {
-            method.checkpoints.last().map_or("–".to_owned(), |c| root_percent_text(square(c)))
+        let of = |square: fn(&ConvergenceCheckpoint) -> f64| {
+            method.checkpoints.last().map_or("–".to_owned(), |c| square_root_percent_text(square(c)))
         };
         let fit = judged.fit.as_ref();
         vec![
             method.label.clone(),
-            of(Checkpoint::mean_squared_error),
+            of(ConvergenceCheckpoint::mean_squared_error),
             of(|c| c.noise2),
             of(|c| c.bias2),
             slope_interval_text(fit.and_then(|f| f.error)),
@@ -218,7 +218,7 @@ pub fn markdown(found: &MethodStudyResult) -> String {
     text += &format!("\n## Verdicts\n\n{}", markdown_table(&heads, &rows.collect::<Vec<_>>()));
     let rows = all().map(|(method, judged)| {
         let reach = |reach: &TimeToError| {
-            let (time, work) = time_to_error_text(reach, method.algorithm.has_photons());
+            let (time, work) = time_to_error_text(reach, method.algorithm.traces_photons());
             if work.is_empty() { time } else { format!("{time} ({})", work.join(", ")) }
         };
         let reaches = judged.reaches.iter().chain([&judged.tenth]).map(reach);
@@ -239,15 +239,15 @@ pub fn markdown(found: &MethodStudyResult) -> String {
 }
 
 fn checkpoints_markdown(method: &MethodResult) -> String {
-    let row = |c: &Checkpoint| {
+    let row = |c: &ConvergenceCheckpoint| {
         vec![
             c.passes.to_string(),
             duration_text(c.seconds),
             count_text(c.rays),
             count_text(c.photons),
-            root_percent_text(c.mean_squared_error()),
-            root_percent_text(c.noise2),
-            root_percent_text(c.bias2),
+            square_root_percent_text(c.mean_squared_error()),
+            square_root_percent_text(c.noise2),
+            square_root_percent_text(c.bias2),
         ]
     };
     let rows: Vec<Vec<String>> = method.checkpoints.iter().map(row).collect();

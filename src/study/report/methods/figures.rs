@@ -1,18 +1,18 @@
 //! Figures of the HTML page: plots, pictures and error maps, each with a shell command.
 
-use super::analysis::{MethodAnalysis, StudyAnalysis};
-use super::tables::{method_marker_svg, root_percent_text, slopes_table_html};
+use super::analysis::{MethodAnalysis, MethodStudyAnalysis};
+use super::tables::{method_marker_svg, slopes_table_html, square_root_percent_text};
 use crate::image::{Image, RelativeScale};
 use crate::integrate::Algorithm;
 use crate::study::StudyError;
 use crate::study::methods::fit::{ErrorComponent, mean_confidence_interval};
-use crate::study::methods::{Checkpoint, MethodResult, MethodStudyResult};
+use crate::study::methods::{ConvergenceCheckpoint, MethodResult, MethodStudyResult};
 use crate::study::report::html::{escape_html, inline_png};
 use crate::study::report::maps::{
     MIN_RAMP_FRACTION, color_scale_maximum, difference_map, error_color_ramp, error_map, largest_error_windows,
     relative_differences, signed_color_ramp,
 };
-use crate::study::report::picture::{encode_png, exposure_text, visible_exposure};
+use crate::study::report::picture::{auto_exposure_stops, encode_png, exposure_text};
 use crate::study::report::svg::{LineStyle, LogLogPlot, PlotSeries, SlopeGuideLine, plot_svg};
 use crate::study::report::text::{duration_text, error_percent_text, slope_text, three_digit_text};
 use glam::Vec3;
@@ -24,7 +24,8 @@ const CROP_COUNT: usize = 2;
 /// Magnification of each window.
 const CROP_MAGNIFICATION: u32 = 4;
 
-/// HTML figure of the element `what`, with caption and shell command.
+/// Makes an HTML figure of the element `what`, with a caption and the shell command that repeats
+/// it.
 fn figure_html(class: &str, label: &str, what: &str, caption: &str, command: &str) -> String {
     let label = if label.is_empty() { String::new() } else { format!(" data-label=\"{}\"", escape_html(label)) };
     format!(
@@ -38,7 +39,7 @@ fn image_size(image: &Image) -> (u32, u32) {
     (image.width(), image.height())
 }
 
-fn error_points(method: &MethodResult, square: fn(&Checkpoint) -> f64) -> Vec<(f64, f64)> {
+fn error_plot_points(method: &MethodResult, square: fn(&ConvergenceCheckpoint) -> f64) -> Vec<(f64, f64)> {
     method.checkpoints.iter().map(|c| (c.seconds, square(c).max(0.0).sqrt())).collect()
 }
 
@@ -55,7 +56,7 @@ pub(super) fn error_plot_html(found: &MethodStudyResult) -> String {
         label: method.label.clone(),
         style,
         stroke: LineStyle::Solid,
-        points: error_points(method, Checkpoint::mean_squared_error),
+        points: error_plot_points(method, ConvergenceCheckpoint::mean_squared_error),
         bars: bars(method),
     };
     let series: Vec<PlotSeries> = found.methods.iter().enumerate().map(one).collect();
@@ -77,7 +78,7 @@ pub(super) fn error_plot_html(found: &MethodStudyResult) -> String {
             format!(
                 "{}: {} after {}",
                 m.label,
-                root_percent_text(last.mean_squared_error()),
+                square_root_percent_text(last.mean_squared_error()),
                 duration_text(last.seconds)
             )
         })
@@ -96,15 +97,15 @@ pub(super) fn error_plot_html(found: &MethodStudyResult) -> String {
 }
 
 fn method_plot_svg(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> Option<String> {
-    let line = |label: &str, stroke, square: fn(&Checkpoint) -> f64| PlotSeries {
+    let line = |label: &str, stroke, square: fn(&ConvergenceCheckpoint) -> f64| PlotSeries {
         label: label.into(),
         style: i,
         stroke,
-        points: error_points(method, square),
+        points: error_plot_points(method, square),
         bars: Vec::new(),
     };
     let series = vec![
-        line("error", LineStyle::Solid, Checkpoint::mean_squared_error),
+        line("error", LineStyle::Solid, ConvergenceCheckpoint::mean_squared_error),
         line("noise", LineStyle::Dashed, |c| c.noise2),
         line("bias", LineStyle::Dotted, |c| c.bias2),
     ];
@@ -127,9 +128,9 @@ fn method_plot_svg(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> 
     let words = format!(
         "Logarithmic. At the end after {}: error {}, noise {}, bias {}. {}.",
         duration_text(last.seconds),
-        root_percent_text(last.mean_squared_error()),
-        root_percent_text(last.noise2),
-        root_percent_text(last.bias2),
+        square_root_percent_text(last.mean_squared_error()),
+        square_root_percent_text(last.noise2),
+        square_root_percent_text(last.bias2),
         judged.verdict
     );
     let id = format!("falls-{i}");
@@ -137,9 +138,9 @@ fn method_plot_svg(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> 
     plot_svg(&LogLogPlot { id: &id, title: &title, words: &words, size: (520.0, 340.0), series, guides })
 }
 
-/// HTML of the truth and all pictures, which a script shows one at a time in one place.
-pub(super) fn flip_viewer_html(found: &MethodStudyResult) -> Result<String, StudyError> {
-    let exposed = visible_exposure(&found.truth.picture).unwrap_or(0.0);
+/// HTML of the reference and all pictures. A script shows one of them at a time in the same place.
+pub(super) fn picture_switcher_html(found: &MethodStudyResult) -> Result<String, StudyError> {
+    let exposed = auto_exposure_stops(&found.truth.picture).unwrap_or(0.0);
     let mut flip = "<div id=\"pictures\">\n<div id=\"flip-buttons\" role=\"group\" aria-label=\"Picture\" hidden=\"hidden\"></div>\n<div id=\"flip\">\n".to_owned();
     let mut add = |label: &str, image: &Image, caption: &str, command: &str| -> Result<(), StudyError> {
         let shown = inline_png(&encode_png(image, exposed)?, image_size(image), label);
@@ -160,7 +161,7 @@ pub(super) fn flip_viewer_html(found: &MethodStudyResult) -> Result<String, Stud
                 ", {} passes, {}: error {}",
                 c.passes,
                 duration_text(c.seconds),
-                root_percent_text(c.mean_squared_error())
+                square_root_percent_text(c.mean_squared_error())
             )
         });
         add(&method.label, &method.picture, &format!("{}{summary}", method.label), &method.command)?;
@@ -175,7 +176,7 @@ pub(super) fn error_crops_html(found: &MethodStudyResult) -> Result<String, Stud
     let mut crops = String::new();
     for window in largest_error_windows(&found.methods, CROP_COUNT) {
         let truth = window.crop_image(&found.truth.picture)?;
-        let exposed = visible_exposure(&truth).unwrap_or(0.0);
+        let exposed = auto_exposure_stops(&truth).unwrap_or(0.0);
         let place = format!(
             "columns {} to {}, rows {} to {}",
             window.x,
@@ -209,7 +210,7 @@ pub(super) fn error_crops_html(found: &MethodStudyResult) -> Result<String, Stud
     Ok(crops)
 }
 
-/// Colour bar as SVG. `ticks` are labels with their places on the bar, from 0 to 1.
+/// Draws a colour bar as SVG. `ticks` are labels with their positions on the bar, from 0 to 1.
 fn color_legend_svg(id: &str, error_color_ramp: impl Fn(f64) -> Vec3, ticks: &[(f64, String)]) -> String {
     const STOPS: u32 = 24;
     let mut svg = format!(
@@ -236,14 +237,18 @@ fn color_legend_svg(id: &str, error_color_ramp: impl Fn(f64) -> Vec3, ticks: &[(
     svg + "</svg>\n"
 }
 
-/// sRGB signal of a linear value (IEC 61966-2-1), plus half a step for rounding to 8 bits.
+/// sRGB signal of a linear value (IEC 61966-2-1), plus half an 8-bit step, so that truncation
+/// rounds.
 fn srgb_encoded(linear: f32) -> f32 {
     let signal = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * libm::powf(linear, 1.0 / 2.4) - 0.055 };
     signal + 0.5 / 255.0
 }
 
 /// HTML articles, one per method: verdict, slopes, plot, and error maps on common scales.
-pub(super) fn method_articles_html(found: &MethodStudyResult, analysis: &StudyAnalysis) -> Result<String, StudyError> {
+pub(super) fn method_articles_html(
+    found: &MethodStudyResult,
+    analysis: &MethodStudyAnalysis,
+) -> Result<String, StudyError> {
     let weights = RelativeScale::from_image(&found.truth.picture);
     let differences: Vec<Vec<f64>> =
         found.methods.iter().map(|m| relative_differences(&m.difference, &weights)).collect();

@@ -1,8 +1,8 @@
 //! Tables of the HTML page.
 
-use super::analysis::{StudyAnalysis, TARGET_ERRORS, slope_interval_text, slope_range_text, time_to_error_text};
+use super::analysis::{MethodStudyAnalysis, TARGET_ERRORS, slope_interval_text, slope_range_text, time_to_error_text};
 use crate::study::methods::fit::{ConvergenceSlopes, ErrorComponent, TimeToError};
-use crate::study::methods::{Checkpoint, MethodStudyResult};
+use crate::study::methods::{ConvergenceCheckpoint, MethodStudyResult};
 use crate::study::report::html::{escape_html, number_cells_html};
 use crate::study::report::svg::{marker_svg, series_color};
 use crate::study::report::text::{count_text, duration_text, error_percent_text, three_digit_text};
@@ -30,12 +30,12 @@ fn table_head_html(columns: &[&str], left: usize) -> String {
 
 const TABLE_END: &str = "</tbody>\n</table></div>\n";
 
-/// Text of the square root in percent; `≈ 0` if `square` is not positive.
-pub(super) fn root_percent_text(square: f64) -> String {
+/// Text of the square root of `square` in percent; `≈ 0` if `square` is not positive.
+pub(super) fn square_root_percent_text(square: f64) -> String {
     if square > 0.0 { error_percent_text(square.sqrt()) } else { "≈ 0".to_owned() }
 }
 
-pub(super) fn verdicts_table_html(found: &MethodStudyResult, analysis: &StudyAnalysis) -> String {
+pub(super) fn verdicts_table_html(found: &MethodStudyResult, analysis: &MethodStudyAnalysis) -> String {
     let mut table = table_head_html(&["method", "verdict", "error at the end", "noise", "bias", "slope", "theory"], 2);
     for (i, (method, judged)) in found.methods.iter().zip(&analysis.methods).enumerate() {
         let _ = write!(
@@ -46,10 +46,12 @@ pub(super) fn verdicts_table_html(found: &MethodStudyResult, analysis: &StudyAna
         );
         let _ = write!(table, "<td class=\"words\">{}</td>", escape_html(&judged.verdict.to_string()));
         let last = method.checkpoints.last();
-        let of = |square: fn(&Checkpoint) -> f64| last.map_or("–".to_owned(), |c| root_percent_text(square(c)));
+        let of = |square: fn(&ConvergenceCheckpoint) -> f64| {
+            last.map_or("–".to_owned(), |c| square_root_percent_text(square(c)))
+        };
         let fit = judged.fit.as_ref();
         for cell in [
-            of(Checkpoint::mean_squared_error),
+            of(ConvergenceCheckpoint::mean_squared_error),
             of(|c| c.noise2),
             of(|c| c.bias2),
             slope_interval_text(fit.and_then(|f| f.error)),
@@ -63,7 +65,7 @@ pub(super) fn verdicts_table_html(found: &MethodStudyResult, analysis: &StudyAna
     table + TABLE_END + note
 }
 
-pub(super) fn times_table_html(found: &MethodStudyResult, analysis: &StudyAnalysis) -> String {
+pub(super) fn times_table_html(found: &MethodStudyResult, analysis: &MethodStudyAnalysis) -> String {
     let heads: Vec<String> = TARGET_ERRORS.iter().map(|e| format!("{:.0} %", 100.0 * e)).collect();
     let columns: Vec<&str> = ["method", "setup"]
         .into_iter()
@@ -75,7 +77,7 @@ pub(super) fn times_table_html(found: &MethodStudyResult, analysis: &StudyAnalys
         let _ = write!(table, "<tr><th scope=\"row\">{}{}</th>", method_marker_svg(i), escape_html(&method.label));
         let _ = write!(table, "<td class=\"n\">{}</td>", duration_text(method.setup));
         for reach in judged.reaches.iter().chain([&judged.tenth]) {
-            let (time, work) = time_to_error_text(reach, method.algorithm.has_photons());
+            let (time, work) = time_to_error_text(reach, method.algorithm.traces_photons());
             let class = if matches!(reach, TimeToError::Predicted { .. }) { "n predicted" } else { "n" };
             let _ = write!(table, "<td class=\"{class}\">{}", escape_html(&time));
             work.iter().for_each(|line| table += &format!("<small>{}</small>", escape_html(line)));
@@ -138,10 +140,10 @@ pub(super) fn checkpoint_tables_html(found: &MethodStudyResult) -> String {
                 duration_text(c.wall),
                 count_text(c.rays),
                 count_text(c.photons),
-                root_percent_text(c.mean_squared_error()),
-                root_percent_text(c.noise2),
-                root_percent_text(c.bias2),
-                c.mean_estimated_square().map_or("–".to_owned(), root_percent_text),
+                square_root_percent_text(c.mean_squared_error()),
+                square_root_percent_text(c.noise2),
+                square_root_percent_text(c.bias2),
+                c.mean_estimated_square().map_or("–".to_owned(), square_root_percent_text),
                 three_digit_text(c.rmse),
                 three_digit_text(c.flip),
             ];

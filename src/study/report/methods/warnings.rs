@@ -3,12 +3,13 @@
 use crate::study::methods::MethodStudyResult;
 use crate::study::report::text::error_percent_text;
 
-/// Minimum share of processor time in the time of all threads for times to be reliable.
+/// Processor time divided by wall time of all threads, below which measured times are not reliable.
 const MIN_THREAD_TIME_SHARE: f64 = 0.9;
 
 /// Minimum ratio of a method's error to the reference's error for the error to be reliable.
 ///
-/// At a ratio of 3, the reference's error is 1/9 of the squared error, so 6 % of the error.
+/// At a ratio of 3, the squared error of the reference is 1/9 of the squared error of the method.
+/// It changes the error of the method by about 6 %.
 const MIN_ERROR_OVER_TRUTH: f64 = 3.0;
 
 /// Reasons to doubt the results of a study.

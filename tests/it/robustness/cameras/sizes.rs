@@ -4,11 +4,11 @@ use super::resolved;
 use crate::support::render_one_pass;
 use caustica::camera::{Filter, FilterKind};
 use caustica::color::Rgb;
-use caustica::image::flip::{FlipOptions, flip};
+use caustica::image::flip::{FlipMetricOptions, flip_metric};
 use caustica::image::{
     BitDepth, Image, OutputFormat, PictureContent, ToneCurve, ToneMap, WriteOptions, decode, encode, metrics,
 };
-use caustica::integrate::{Algorithm, CameraPathSettings, FinalGathering, Settings, Silent};
+use caustica::integrate::{Algorithm, CameraPathSettings, FinalGathering, Settings, SilentMonitor};
 use caustica::render::{StopCriteria, render};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -65,7 +65,7 @@ fn tiny_images_are_finite_with_every_integrator() {
                     target: None,
                     interrupted: &interrupted,
                 };
-                let rendered = render(integrator.as_ref(), size, &stop, &Silent, |_| {});
+                let rendered = render(integrator.as_ref(), size, &stop, &SilentMonitor, |_| {});
                 let what = format!("{algorithm:?} {camera}");
                 let mean = rendered.film.mean();
                 assert_eq!(mean.len() as u64, u64::from(size.0) * u64::from(size.1), "{what}");
@@ -152,8 +152,8 @@ fn tiny_images_have_files_and_metrics() {
             assert!(off <= bound, "{width}×{height} {format:?}: {off:e}");
         }
         let other = Image::new(width, height).unwrap();
-        let looks = flip(&image, &other, &FlipOptions::default()).unwrap();
+        let looks = flip_metric(&image, &other, &FlipMetricOptions::default()).unwrap();
         assert!(looks.mean.is_finite() && looks.mean > 0.0, "{width}×{height}: {}", looks.mean);
-        assert_eq!(flip(&image, &image, &FlipOptions::default()).unwrap().mean, 0.0);
+        assert_eq!(flip_metric(&image, &image, &FlipMetricOptions::default()).unwrap().mean, 0.0);
     }
 }

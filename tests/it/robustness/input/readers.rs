@@ -5,7 +5,7 @@
 use caustica::format::description::{DensityDescription, SceneDescription};
 use caustica::format::{SourceText, grid, mesh, mtl, parse, parse_scene_bytes, resolve};
 use caustica::image::{PictureContent, decode};
-use caustica::integrate::{Algorithm, CameraPathSettings, Settings, Silent};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings, SilentMonitor};
 use caustica::light::EnvironmentLight;
 use caustica::scene::Scene;
 use caustica::texture::{Picture, WrapMode};
@@ -60,7 +60,7 @@ pub fn render(bytes: &[u8]) {
     let Some(scene) = resolved(&description, bytes) else { return };
     let camera_paths = CameraPathSettings { samples: Some(1), max_bounces: 6, ..CameraPathSettings::default() };
     let settings = Settings { camera_paths, balance: false, ..Settings::default() };
-    let pass = Algorithm::Path.prepare(&scene, settings).pass(0, &Silent);
+    let pass = Algorithm::Path.prepare(&scene, settings).render_pass(0, &SilentMonitor);
     assert!(pass.image.iter().all(|pixel| pixel.is_finite()), "{:?}", pass.image);
 }
 

@@ -87,7 +87,7 @@ fn image_of_focus_shows_all_flux() {
     for algorithm in WITH_PHOTONS {
         finite(algorithm.name(), &rendered(&scene, algorithm, settings(5_000, 4), 4));
     }
-    let pilot = Algorithm::Sppm.prepare(&scene, settings(20_000, 256)).radii().unwrap().caustic;
+    let pilot = Algorithm::Sppm.prepare(&scene, settings(20_000, 256)).gather_radii().unwrap().caustic;
     for (name, radius, k, pixels, samples) in
         [("by pilot", pilot, None, 2, 256), ("wide", (2.0 * PIXEL) as f32, Some(0), 6, 8)]
     {

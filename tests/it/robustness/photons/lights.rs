@@ -53,7 +53,7 @@ fn zero_power_lights_change_nothing() {
             let out = rendered(&scene, *algorithm, settings(), 4);
             finite(algorithm.name(), &out);
             assert!(out.film.pixel_means().all(|v| v == DVec3::ZERO), "{}", algorithm.name());
-            assert_eq!(out.global.emitted + out.caustic.emitted, 0);
+            assert_eq!(out.unaimed.emitted + out.aimed.emitted, 0);
         }
     });
 }
@@ -169,8 +169,8 @@ fn blocked_lights_emit_no_photons() {
         let out = rendered(&scene, algorithm, settings(20_000, 4), 4);
         finite(algorithm.name(), &out);
         assert!(out.film.pixel_means().all(|v| v == DVec3::ZERO), "{}", algorithm.name());
-        assert_eq!(out.global.stored + out.caustic.stored, 0);
-        for report in [out.global, out.caustic].iter().filter(|r| r.emitted > 0) {
+        assert_eq!(out.unaimed.stored + out.aimed.stored, 0);
+        for report in [out.unaimed, out.aimed].iter().filter(|r| r.emitted > 0) {
             let [emitted, absorbed] = [report.audit.emitted[1], report.audit.absorbed[1]];
             assert!(emitted > 0.0 && (absorbed / emitted - 1.0).abs() < 1e-6, "{:?}", report.audit);
         }

@@ -2,7 +2,7 @@
 
 use super::{HUE, photon, random};
 use caustica::color::Rgb;
-use caustica::photon::{Bandwidth, Kernel, Photon, PhotonMap, Scratch};
+use caustica::photon::{Bandwidth, Kernel, Photon, PhotonMap, PhotonSearchBuffers};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
@@ -10,7 +10,8 @@ use std::time::{Duration, Instant};
 const KERNELS: [Kernel; 3] = [Kernel::Box, Kernel::Cone, Kernel::Epanechnikov];
 
 fn estimate(map: &PhotonMap, p: Vec3, radius: f32, k: u32, kernel: Kernel) -> f64 {
-    let nested = map.estimate_nested(p, Vec3::Z, Bandwidth { radius, k }, kernel, &mut Scratch::new(), |_| Rgb::ONE);
+    let nested =
+        map.estimate_nested(p, Vec3::Z, Bandwidth { radius, k }, kernel, &mut PhotonSearchBuffers::new(), |_| Rgb::ONE);
     let levels = nested.radiance;
     assert!(levels.iter().all(|l| l.is_finite()), "{levels:?}");
     f64::from(nested.whole.radiance.y)
@@ -25,7 +26,7 @@ fn photons_count_on_their_side_only() {
         for k in [0, 50] {
             let found = |normal| {
                 let (at, bandwidth) = (Vec3::new(0.5, 0.5, 0.0), Bandwidth { radius: 0.2, k });
-                map.estimate_nested(at, normal, bandwidth, kernel, &mut Scratch::new(), |_| Rgb::ONE)
+                map.estimate_nested(at, normal, bandwidth, kernel, &mut PhotonSearchBuffers::new(), |_| Rgb::ONE)
             };
             // 1250 photons in the disc, or 50: half of them for any kernel.
             assert!(found(Vec3::Z).whole.radiance.y > 5_000.0, "{kernel:?}, k = {k}");

@@ -4,7 +4,7 @@ use super::{HUE, WITH_PHOTONS, finite, flat_camera, rendered, settings, sheet};
 use crate::support::{mean_and_error, render_one_pass, test_key};
 use caustica::camera::Camera;
 use caustica::color::Rgb;
-use caustica::integrate::{Algorithm, Settings, Silent};
+use caustica::integrate::{Algorithm, Settings, SilentMonitor};
 use caustica::medium::{Medium, PhaseFunction};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::render::RenderResult;
@@ -152,7 +152,8 @@ fn photons_beyond_float_range_are_reported() {
     };
     assert_eq!((rejected(1), rejected(16)), ((0, 1), (16, 0)));
     // Photon maps seen by gather rays store direct light.
-    let pass = Algorithm::Pm.prepare(&scene, Settings { radius: Some(0.05), ..settings(1, 1) }).pass(0, &Silent);
+    let pass =
+        Algorithm::Pm.prepare(&scene, Settings { radius: Some(0.05), ..settings(1, 1) }).render_pass(0, &SilentMonitor);
     assert_eq!(pass.counters.rejected_photons, 1);
 
     let folder = tempfile::tempdir().unwrap();

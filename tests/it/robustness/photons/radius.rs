@@ -2,8 +2,8 @@
 
 use super::{HUE, finite, flat_camera, rendered, settings, sheet};
 use caustica::color::Rgb;
-use caustica::integrate::{ALPHA, Algorithm, Settings, Silent, shrink};
-use caustica::photon::{Bandwidth, Kernel, Photon, PhotonMap, Scratch};
+use caustica::integrate::{ALPHA, Algorithm, Settings, SilentMonitor, squared_radius_ratio};
+use caustica::photon::{Bandwidth, Kernel, Photon, PhotonMap, PhotonSearchBuffers};
 use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
 use glam::{DVec3, Vec3};
 
@@ -17,7 +17,7 @@ fn radius_after_million_passes_matches_gamma_ratio() {
     let z = f64::from(MILLION) + 1.0;
     let series = 1.0 + (ALPHA - 1.0) * ALPHA / (2.0 * z);
     let closed = libm::pow(z, ALPHA - 1.0) * series / libm::tgamma(1.0 + ALPHA);
-    let error = (shrink(ALPHA, MILLION) / closed - 1.0).abs();
+    let error = (squared_radius_ratio(ALPHA, MILLION) / closed - 1.0).abs();
     assert!(error < 3e6 * f64::EPSILON / 2.0 + 1e-12, "{error:e}");
 }
 
@@ -46,9 +46,9 @@ fn discs_after_million_passes_hold_photons() {
     for (radius, paths, law) in [(0.1f32, 250_000, true), (1e-9, 20_000, false)] {
         let settings = Settings { radius: Some(radius), gather_k: Some(0), ..settings(paths, 1000) };
         let method = Algorithm::Sppm.prepare(&scene, settings);
-        let pass = method.pass(MILLION, &Silent);
+        let pass = method.render_pass(MILLION, &SilentMonitor);
         assert_eq!((pass.counters.rejected_samples, pass.counters.rejected_photons), (0, 0));
-        let expected = f64::from(radius) * shrink(ALPHA, MILLION).sqrt();
+        let expected = f64::from(radius) * squared_radius_ratio(ALPHA, MILLION).sqrt();
         for pixel in &pass.nested {
             let found = f64::from(pixel.caustic.unwrap().radius);
             if law {
@@ -61,7 +61,7 @@ fn discs_after_million_passes_hold_photons() {
             assert!(pixel.steps.iter().all(|s| s.is_finite()));
         }
         if law {
-            let stored = pass.caustic.stored as f64;
+            let stored = pass.aimed.stored as f64;
             let mean = pass.image.iter().map(|v| f64::from(v.y)).sum::<f64>() / 16.0;
             assert!(stored > 50_000.0);
             let off = (mean * std::f64::consts::PI / 0.5 - 1.0).abs();
@@ -91,7 +91,7 @@ fn disc_radius_never_falls_below_position_rounding() {
                     normal,
                     Bandwidth { radius, k },
                     Kernel::Epanechnikov,
-                    &mut Scratch::new(),
+                    &mut PhotonSearchBuffers::new(),
                     |_| Rgb::ONE,
                 );
                 let r = f64::from(found.whole.radius);

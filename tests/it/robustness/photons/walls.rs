@@ -2,7 +2,7 @@
 
 use super::{finite, flat_camera, rendered, settings, sheet};
 use caustica::color::Rgb;
-use caustica::integrate::{ALPHA, Algorithm, Settings, shrink};
+use caustica::integrate::{ALPHA, Algorithm, Settings, squared_radius_ratio};
 use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -51,7 +51,7 @@ fn thin_walls_leak_no_photons() {
         for (algorithm, k) in [(Algorithm::Sppm, 0), (Algorithm::Pm, 50)] {
             let out = rendered(&wall(*thickness, false), algorithm, gathering(k), 2);
             finite(algorithm.name(), &out);
-            assert!(out.caustic.stored > 5_000, "{}", out.caustic.stored);
+            assert!(out.aimed.stored > 5_000, "{}", out.aimed.stored);
             let lit = out.film.pixel_means().filter(|v| *v != DVec3::ZERO).count();
             assert_eq!(lit, 0, "{}, thickness {thickness}", algorithm.name());
         }
@@ -66,7 +66,7 @@ fn thin_walls_leak_no_photons() {
 #[test]
 fn shelf_leak_stays_within_bound() {
     let passes = 6;
-    let radius = |pass| RADIUS * shrink(ALPHA, pass).sqrt();
+    let radius = |pass| RADIUS * squared_radius_ratio(ALPHA, pass).sqrt();
     let last = radius(passes - 1);
     let gaps = [last / 4.0 * 0.98, last / 4.0 * 1.02, 0.2 * RADIUS, 0.249 * RADIUS, 0.251 * RADIUS, RADIUS];
     gaps.par_iter().for_each(|gap| {

@@ -83,7 +83,7 @@ fn sphere_of_radius_100000_acts_as_flat_floor() {
 #[test]
 fn huge_floor_does_not_blur_caustics() {
     let settings = || Settings { caustic_photons: 250_000, ..few() };
-    let radius = |floor| Algorithm::Hybrid.prepare(&on(floor), settings()).radii().unwrap().caustic;
+    let radius = |floor| Algorithm::Hybrid.prepare(&on(floor), settings()).gather_radii().unwrap().caustic;
     let (flat, round) = (radius(FLAT), radius(ROUND));
     assert!((round / flat - 1.0).abs() < 0.1, "{round} on a sphere, {flat} on a disc");
 }

@@ -3,7 +3,7 @@
 use caustica::color::Rgb;
 use caustica::format::description::TransformStep;
 use caustica::format::{SourceText, parse, resolve};
-use caustica::integrate::{Algorithm, Settings, Silent};
+use caustica::integrate::{Algorithm, Settings, SilentMonitor};
 use caustica::math::{Motion, Ray};
 use caustica::shape::Plane;
 use glam::{DMat3, DVec3, Vec3};
@@ -64,7 +64,7 @@ fn overhead_sun_lights_between_rotated_walls() {
         let name = "walls.txt";
         let scene = resolve(&parse(name, &text).unwrap(), &SourceText::new(name, &text), Path::new("")).unwrap();
         let integrator = Algorithm::Whitted.prepare(&scene, Settings::default());
-        let image = integrator.pass(0, &Silent).image;
+        let image = integrator.render_pass(0, &SilentMonitor).image;
         // White ground under irradiance π has radiance 1.
         let all = image.iter().all(|v| (*v - Rgb::ONE).abs().max_element() < 1e-5);
         assert!(all, "{turn}: {:?}", image[0]);

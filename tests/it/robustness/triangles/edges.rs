@@ -1,7 +1,7 @@
 //! Rays at edges with exact crossings, triangles without area, and edges of many triangles.
 
 use super::closed::point;
-use caustica::accel::{Hierarchy, Primitive};
+use caustica::accel::{Hierarchy, PrimitiveIndex};
 use caustica::math::{Ray, rounding_error_bound};
 use glam::{DVec3, I64Vec3, Vec3};
 use rand::rngs::SmallRng;
@@ -46,7 +46,7 @@ fn edge_rays_hit_triangle_on_their_side() {
         }
         let to = |p: I64Vec3| p.as_vec3();
         let tree = Hierarchy::build(&[[to(a), to(c), to(b)], [to(a), to(c), to(d)]], &[]);
-        let hit = tree.closest(&Ray::new(to(o), to(target) - to(o)), never_hit);
+        let hit = tree.closest_hit(&Ray::new(to(o), to(target) - to(o)), never_hit);
         let side = volume(o, a, c, target);
         let reach = [a, c, b, d].map(|p| (p - o).as_dvec3().length()).into_iter().fold(0.0, f64::max);
         let blur = 4.0 * f64::from(rounding_error_bound(9)) * reach;
@@ -74,7 +74,7 @@ fn edge_rays_hit_triangle_on_their_side() {
         let expected = if side.signum() == sides[0].signum() { 0 } else { 1 };
         // Beyond the other edges of its triangle a ray may miss, but it must not hit the other
         // triangle.
-        assert!(hit.is_none_or(|h| h.primitive == Primitive::Triangle(expected)), "{a} {c} {b} {d} {o} {target}");
+        assert!(hit.is_none_or(|h| h.primitive == PrimitiveIndex::Triangle(expected)), "{a} {c} {b} {d} {o} {target}");
     }
     assert!(through > 50_000 && beside > 50_000 && doubtful < 20_000, "{through} {beside} {doubtful}");
 }
@@ -100,7 +100,7 @@ fn zero_area_triangles_are_never_hit() {
             let o = point(&mut rng) * (2.0 * scale);
             let ray = Ray::new(o, a + (b - a) * rng.random::<f32>() - o);
             assert!(
-                tree.closest(&ray, never_hit).is_none() && !tree.occluded(&ray, |_, _| false),
+                tree.closest_hit(&ray, never_hit).is_none() && !tree.occluded(&ray, |_, _| false),
                 "{a} {b} {c} {ray:?}"
             );
             aimed[kind] += usize::from(d != Vec3::ZERO);
@@ -154,7 +154,7 @@ fn axis_aligned_and_coplanar_rays_hit_correctly() {
         let to = |p: I64Vec3| p.as_vec3() * scale;
         let tree = Hierarchy::build(&[[to(a), to(b), to(c)]], &[]);
         let ray = Ray::new(to(o), to(d));
-        let hit = tree.closest(&ray, never_hit);
+        let hit = tree.closest_hit(&ray, never_hit);
         assert_eq!(tree.occluded(&ray, |_, _| false), hit.is_some(), "{a} {b} {c} {o} {d}");
         let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| (p - o).cross(q - o).dot(d));
         let (up, way) = (n.dot(d), n.dot(a - o));
@@ -221,7 +221,7 @@ fn edges_of_many_triangles_are_watertight() {
                 if exactly { 0.0 } else { rng.random_range(0..blades) as f32 + rng.random_range(-0.3f32..0.3) };
             let from = (low + high) * 0.5 + around(sector, length);
             let target = low + (high - low) * rng.random_range(0.1f32..0.9);
-            let hit = tree.closest(&Ray::new(from, target - from), never_hit);
+            let hit = tree.closest_hit(&Ray::new(from, target - from), never_hit);
             // The hit is at the edge itself or on a blade beside it. Blades are at least .2/7 of a
             // turn apart, where sin > .17. So the rounding of positions, a few ulps of their size,
             // is at most six times as long on them.

@@ -35,7 +35,7 @@ fn count_missed_rays(mesh: &ClosedMesh, convex: bool, map: impl Fn(Vec3) -> Vec3
         let out = target - inside;
         let hit = match i % 8 {
             // Closest-hit and any-hit queries traverse the tree differently.
-            0 => tree.closest(&Ray::new(inside, out), |_, _| None).is_some(),
+            0 => tree.closest_hit(&Ray::new(inside, out), |_, _| None).is_some(),
             5 | 6 if convex => tree.occluded(&Ray::between_points(target + out * 0.25, inside), |_, _| false),
             _ => tree.occluded(&Ray::new(inside, out), |_, _| false),
         };

@@ -1,7 +1,7 @@
 //! Rays that start where others end: on a surface, at an edge, in a corner.
 
 use super::closed::{ClosedMesh, cube, point, sphere_mesh, torus_mesh, turned_cube};
-use caustica::accel::{Hierarchy, Primitive};
+use caustica::accel::{Hierarchy, PrimitiveIndex};
 use caustica::math::{Ray, Transform, offset_ray_origin, rotation_matrix};
 use caustica::shape::{Mesh, Rectangle, Shape, SurfacePoint};
 use glam::{DAffine3, DVec3, Vec2, Vec3};
@@ -21,9 +21,9 @@ impl Walls {
         Self { mesh, tree: Hierarchy::build(&closed.corners(map), &[]) }
     }
 
-    fn closest(&self, ray: &Ray) -> Option<(u32, SurfacePoint)> {
-        let hit = self.tree.closest(ray, |_, _| None)?;
-        let Primitive::Triangle(i) = hit.primitive else { return None };
+    fn closest_hit(&self, ray: &Ray) -> Option<(u32, SurfacePoint)> {
+        let hit = self.tree.closest_hit(ray, |_, _| None)?;
+        let PrimitiveIndex::Triangle(i) = hit.primitive else { return None };
         Some((i, self.mesh.surface_point(i as usize, Vec2::new(hit.u, hit.v))))
     }
 
@@ -63,15 +63,15 @@ fn rays_leaving_edge_inwards_do_not_escape() {
             let from = map((closed.inside)(&mut rng));
             let to = walls.target(&mut rng) - from;
             let to = if rng.random() { to } else { to.normalize() };
-            let Some((i, s)) = walls.closest(&Ray::new(from, to)) else { continue };
+            let Some((i, s)) = walls.closest_hit(&Ray::new(from, to)) else { continue };
             let d = map(point(&mut rng)) - map(Vec3::ZERO);
             let d = if d.dot(s.ng) > 0.0 { -d } else { d };
             left += 1;
-            match walls.closest(&leaving_ray(&s, d)) {
+            match walls.closest_hit(&leaving_ray(&s, d)) {
                 None => lost += 1,
                 Some((j, _)) => again += u32::from(i == j),
             }
-            again += u32::from(walls.closest(&leaving_ray(&s, -d)).is_some_and(|(j, _)| i == j));
+            again += u32::from(walls.closest_hit(&leaving_ray(&s, -d)).is_some_and(|(j, _)| i == j));
         }
         assert!(left > 99_000, "{} {left}", closed.name);
         assert_eq!((lost, again), (0, 0), "{}: lost, hit again, of {left}", closed.name);
@@ -96,7 +96,7 @@ fn entries_and_exits_of_bodies_balance() {
             let d = -back.normalize();
             let mut ray = Ray::new(inside + back * 20.0, d);
             let mut depth = 0;
-            while let Some((_, s)) = walls.closest(&ray) {
+            while let Some((_, s)) = walls.closest_hit(&ray) {
                 depth += if d.dot(s.ng) < 0.0 { 1 } else { -1 };
                 assert!(depth == 0 || depth == 1, "{}: inside {depth} times at {}", closed.name, s.p);
                 ray = leaving_ray(&s, d);

@@ -21,7 +21,7 @@ fn flagged_triangles_of_cubes(scale: f64, shift: DVec3) -> [usize; 2] {
     }
     let camera = Camera::perspective(DVec3::splat(9.0), DVec3::NEG_ONE, DVec3::Y, 1.0, 4, 4).unwrap();
     let scene = builder.build(camera).unwrap();
-    let may = |i: &u32| scene.coincident.may_coincide(HitKind::Triangle(*i, Vec2::ZERO));
+    let may = |i: &u32| scene.coincident.may_coincide(HitPrimitive::Triangle(*i, Vec2::ZERO));
     [(0..12).filter(may).count(), (12..24).filter(may).count()]
 }
 
@@ -38,7 +38,7 @@ fn only_faces_that_may_coincide_are_flagged() {
 }
 
 #[test]
-fn a_join_agrees_with_brute_force() {
+fn a_spatial_join_agrees_with_brute_force() {
     let mut key = 1u32;
     let mut chance = || {
         key = key.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
@@ -49,23 +49,23 @@ fn a_join_agrees_with_brute_force() {
             .map(|i| {
                 let min = Vec3::new(chance(), chance(), chance());
                 let max = min + Vec3::new(chance(), chance(), chance()) * size;
-                BoundaryFace { primitive: Primitive::Other(i), bounds: Bounds { min, max }, object: i % 3 }
+                BoundaryFace { primitive: PrimitiveIndex::Other(i), bounds: Bounds { min, max }, object: i % 3 }
             })
             .collect();
         let one = |a: &BoundaryFace| faces.iter().any(|b| a.object != b.object && a.bounds.overlaps(&b.bounds));
         let expected: Vec<bool> = faces.iter().map(one).collect();
         assert!(count < 100 || expected.contains(&true) && expected.contains(&false));
-        assert_eq!(SpatialSelfJoin::near_faces(&faces, &|_, _| true), expected, "{count}");
+        assert_eq!(SpatialSelfJoin::faces_near_other_objects(&faces, &|_, _| true), expected, "{count}");
     }
 }
 
 #[test]
 fn too_many_overlaps_flag_every_face() {
     let bounds = Bounds { min: Vec3::ZERO, max: Vec3::ONE };
-    let face = |i| BoundaryFace { primitive: Primitive::Other(i), bounds, object: i % 2 };
+    let face = |i| BoundaryFace { primitive: PrimitiveIndex::Other(i), bounds, object: i % 2 };
     let faces: Vec<BoundaryFace> = (0..3000).map(face).collect();
-    assert_eq!(SpatialSelfJoin::near_faces(&faces, &|_, _| false), vec![true; 3000]);
-    assert_eq!(SpatialSelfJoin::near_faces(&faces[..100], &|_, _| false), vec![false; 100]);
+    assert_eq!(SpatialSelfJoin::faces_near_other_objects(&faces, &|_, _| false), vec![true; 3000]);
+    assert_eq!(SpatialSelfJoin::faces_near_other_objects(&faces[..100], &|_, _| false), vec![false; 100]);
 }
 
 #[test]
@@ -81,7 +81,7 @@ fn unbounded_boundaries_may_coincide_anywhere() {
             builder.plane(Plane::new(DVec3::ZERO, DVec3::Y), glass, Rgb::ZERO);
         }
         let camera = Camera::perspective(DVec3::splat(9.0), DVec3::NEG_ONE, DVec3::Y, 1.0, 4, 4).unwrap();
-        builder.build(camera).unwrap().coincident.may_coincide(HitKind::Shape(0, Vec2::ZERO))
+        builder.build(camera).unwrap().coincident.may_coincide(HitPrimitive::Shape(0, Vec2::ZERO))
     };
     assert_eq!([scene(0, 2), scene(1, 1), scene(1, 0)], [false, true, false]);
 }
