@@ -352,7 +352,7 @@ fn count_mesh_uses(group: &Group) -> HashMap<&str, usize> {
     uses
 }
 
-/// Returns the direction, of any length, from `from`.
+/// Returns the direction of `aim` as seen from the point `from`, of any length.
 fn aim_direction(aim: DirectionOrTarget, from: DVec3) -> DVec3 {
     match aim {
         DirectionOrTarget::Direction(direction) => direction,
