@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// A scene as scene text, with the files that its embedded assets become.
+/// A scene converted to scene text. Its embedded meshes and pictures become separate files.
 #[derive(Clone, Debug)]
 pub struct ConvertedScene {
     /// The scene in the scene language.
@@ -114,8 +114,21 @@ fn visit_object_paths(object: &mut ObjectDescription, visit: &mut impl FnMut(&mu
         ObjectDescription::Transform { object, .. } | ObjectDescription::Moving { object, .. } => {
             visit_object_paths(&mut object.value, visit)
         }
-        ObjectDescription::Shape { shape: ShapeDescription::Mesh { path, .. }, .. } => visit(&mut path.value),
-        ObjectDescription::Shape { .. } => {}
+        ObjectDescription::Shape { shape, .. } => match shape {
+            ShapeDescription::Mesh { path, .. } => visit(&mut path.value),
+            ShapeDescription::Sphere { .. }
+            | ShapeDescription::Plane { .. }
+            | ShapeDescription::Disc { .. }
+            | ShapeDescription::Rectangle { .. }
+            | ShapeDescription::Box { .. }
+            | ShapeDescription::Cylinder { .. }
+            | ShapeDescription::Cone { .. }
+            | ShapeDescription::Triangle { .. }
+            | ShapeDescription::Revolution { .. }
+            | ShapeDescription::Curve(_)
+            | ShapeDescription::Patches { .. }
+            | ShapeDescription::Nurbs { .. } => {}
+        },
     }
 }
 

@@ -73,7 +73,7 @@ impl SceneFile {
 
     /// Returns warnings about unused textures and materials, and about defective dielectric meshes.
     ///
-    /// Each warning is one line. These meshes are read again.
+    /// Each warning is one line. The files of dielectric meshes are read again.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         warnings::scene_warnings(&self.description, &self.source, &self.folder, &self.assets)

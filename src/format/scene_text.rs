@@ -13,7 +13,7 @@ use std::path::Path;
 
 /// Estimated bytes of memory for each byte of a scene text that is read, described and resolved.
 ///
-/// A sphere of 40 letters takes about a kilobyte for shape, boxes and hierarchy.
+/// A sphere whose text has 40 letters takes about a kilobyte, mostly in the BVH.
 const MEMORY_PER_TEXT_BYTE: u64 = 32;
 
 /// Importer of texts in the scene language. It also reads files of unknown extensions.

@@ -20,7 +20,7 @@ pub(super) fn scene_warnings(
     folder: &Path,
     assets: &EmbeddedAssets,
 ) -> Vec<String> {
-    let uses = SceneUses::collect(description);
+    let uses = SceneUses::collect_scene_uses(description);
     let mut found = unused_item_messages(description, &uses);
     for (path, span) in &uses.dielectric_meshes {
         let report = match assets.meshes.get(*path) {
@@ -40,7 +40,7 @@ pub(super) fn scene_warnings(
 
 /// Returns warnings about unused textures and materials, one line each, in the order of the text.
 pub(super) fn unused_item_warnings(description: &SceneDescription, source: &SourceText) -> Vec<String> {
-    warning_lines(unused_item_messages(description, &SceneUses::collect(description)), source)
+    warning_lines(unused_item_messages(description, &SceneUses::collect_scene_uses(description)), source)
 }
 
 /// Returns one warning line for each message, in the order of the text.
@@ -93,9 +93,9 @@ struct SceneUses<'a> {
 }
 
 impl<'a> SceneUses<'a> {
-    fn collect(description: &'a SceneDescription) -> Self {
+    fn collect_scene_uses(description: &'a SceneDescription) -> Self {
         let mut uses = Self::default();
-        uses.collect_group(description, &description.root, &mut 0);
+        uses.collect_group_uses(description, &description.root, &mut 0);
         for material in &description.materials {
             uses.textures.extend(material.texture_names().into_iter().map(|name| name.as_str()));
         }
@@ -103,7 +103,7 @@ impl<'a> SceneUses<'a> {
     }
 
     /// Collects the uses of a group; `material` is the index of the current material.
-    fn collect_group(&mut self, description: &'a SceneDescription, group: &'a Group, material: &mut usize) {
+    fn collect_group_uses(&mut self, description: &'a SceneDescription, group: &'a Group, material: &mut usize) {
         for item in &group.items {
             match item {
                 GroupItem::MaterialIndex(index) => *material = index.value as usize,
@@ -111,22 +111,22 @@ impl<'a> SceneUses<'a> {
                     let named = |m: &Spanned<MaterialDescription>| m.name.as_deref() == Some(name.as_str());
                     *material = description.materials.iter().position(named).unwrap_or(*material);
                 }
-                GroupItem::Object(object) => self.collect_object(description, object, material),
+                GroupItem::Object(object) => self.collect_object_uses(description, object, material),
             }
         }
     }
 
     /// Collects the uses of an object; `material` is the index of the current material.
-    fn collect_object(
+    fn collect_object_uses(
         &mut self,
         description: &'a SceneDescription,
         object: &'a Spanned<ObjectDescription>,
         material: &mut usize,
     ) {
         match &object.value {
-            ObjectDescription::Group(group) => self.collect_group(description, group, material),
+            ObjectDescription::Group(group) => self.collect_group_uses(description, group, material),
             ObjectDescription::Transform { object, .. } | ObjectDescription::Moving { object, .. } => {
-                self.collect_object(description, object, material);
+                self.collect_object_uses(description, object, material);
             }
             ObjectDescription::Shape { shape, .. } => {
                 self.materials.insert(*material);

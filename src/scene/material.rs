@@ -290,7 +290,7 @@ impl Material {
         visit(self.mean_bsdf);
         match self.kind {
             MaterialKind::Conductor { eta, k, roughness: MaterialParameter::Texture { texture, .. } } => {
-                let (min, max) = textures[texture as usize].range();
+                let (min, max) = textures[texture as usize].value_range();
                 for alpha in [min, max] {
                     visit(Bsdf::Conductor(Conductor::new(eta, k, alpha)));
                 }

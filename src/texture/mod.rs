@@ -57,9 +57,9 @@ impl Texture {
 
     /// Least and greatest channel value. No lookup exceeds this range.
     #[must_use]
-    pub fn range(&self) -> (f32, f32) {
+    pub fn value_range(&self) -> (f32, f32) {
         match self {
-            Self::Picture(picture, _) => picture.range(),
+            Self::Picture(picture, _) => picture.value_range(),
             Self::Checkerboard(checker, _) => channel_range(checker.colors),
             Self::Solid(solid) => channel_range(solid.colors),
         }

@@ -104,7 +104,7 @@ impl Picture {
         self.mean
     }
 
-    pub(super) fn range(&self) -> (f32, f32) {
+    pub(super) fn value_range(&self) -> (f32, f32) {
         self.range
     }
 

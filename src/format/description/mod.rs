@@ -172,7 +172,7 @@ pub enum FocusDescription {
 pub enum DirectionOrTarget {
     /// Direction of any length above 0.
     Direction(DVec3),
-    /// Point that lies in the direction.
+    /// Point that the camera or light looks at.
     LookAt(DVec3),
 }
 

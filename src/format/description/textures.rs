@@ -48,7 +48,7 @@ pub enum TextureKindDescription {
         path: Spanned<String>,
         /// Encoding of values in integer formats such as PNG; others are linear.
         encoding: PictureEncoding,
-        /// Values beyond the edges.
+        /// Rule for texture coordinates beyond the picture's edges.
         wrap: WrapMode,
         /// Transform of the texture coordinates.
         coordinates: TexcoordTransformDescription,

@@ -12,7 +12,9 @@ use super::super::error::SceneError;
 use super::fields::{BlockFields, parse_block_by_keyword};
 use super::lexer::Token;
 use super::parser::Parser;
-use super::schema::{BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, block, block_keywords, field};
+use super::schema::{
+    BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, block_keywords, block_schema, field_schema,
+};
 use super::text::is_normalizable;
 use super::transforms::{parse_moving_block, write_transform_steps};
 use super::writer::SceneWriter;
@@ -39,74 +41,76 @@ pub(super) struct CameraView {
 const PICTURE_SIZE_RANGE: FieldRange = FieldRange::Within(1.0, 65_536.0);
 
 static VIEW_FIELDS: &[FieldSchema] = &[
-    field("center", FieldKind::Point, "the pinhole, the lens center, or the center of an orthographic picture")
+    field_schema("center", FieldKind::Point, "the pinhole, the lens center, or the center of an orthographic picture")
         .make_required()
         .mark_course_syntax(),
-    field("direction", FieldKind::Direction, "direction of view; give this or `lookAt`").mark_course_syntax(),
-    field("lookAt", FieldKind::Point, "point that the camera looks at"),
-    field("up", FieldKind::Direction, "direction that appears upward; not parallel to the view")
+    field_schema("direction", FieldKind::Direction, "direction of view; give this or `lookAt`").mark_course_syntax(),
+    field_schema("lookAt", FieldKind::Point, "point that the camera looks at"),
+    field_schema("up", FieldKind::Direction, "direction that appears upward; not parallel to the view")
         .with_default_numbers(&[0.0, 1.0, 0.0])
         .mark_course_syntax(),
 ];
 
 static PICTURE_SIZE_FIELDS: &[FieldSchema] = &[
-    field("width", FieldKind::Whole, "picture width")
+    field_schema("width", FieldKind::Whole, "picture width")
         .with_range(PICTURE_SIZE_RANGE)
         .with_default_numbers(&[960.0])
         .with_unit("pixels")
         .mark_course_syntax(),
-    field("height", FieldKind::Whole, "picture height")
+    field_schema("height", FieldKind::Whole, "picture height")
         .with_range(PICTURE_SIZE_RANGE)
         .with_default_numbers(&[720.0])
         .with_unit("pixels")
         .mark_course_syntax(),
 ];
 
-static PERSPECTIVE: BlockSchema = block("PerspectiveCamera", "perspective through a pinhole or a thin lens")
+static PERSPECTIVE: BlockSchema = block_schema("PerspectiveCamera", "perspective through a pinhole or a thin lens")
     .with_fields(&[
-        field("angle", FieldKind::Number, "vertical field of view")
+        field_schema("angle", FieldKind::Number, "vertical field of view")
             .with_range(FieldRange::Between(0.0, 180.0))
             .make_required()
             .with_unit("degrees")
             .mark_course_syntax(),
-        field("aperture", FieldKind::Number, "lens radius")
+        field_schema("aperture", FieldKind::Number, "lens radius")
             .with_range(FieldRange::NonNegative)
             .with_absence_text("0: a pinhole"),
-        field("fNumber", FieldKind::Number, "instead of `aperture`: focal length over lens diameter")
+        field_schema("fNumber", FieldKind::Number, "instead of `aperture`: focal length over lens diameter")
             .with_range(FieldRange::Positive),
-        field("sensorHeight", FieldKind::Number, "with `fNumber`: sensor height; sets the focal length")
+        field_schema("sensorHeight", FieldKind::Number, "with `fNumber`: sensor height; sets the focal length")
             .with_range(FieldRange::Positive)
             .with_absence_text("0.024: 24 mm if the unit is the metre"),
-        field("focusDistance", FieldKind::Number, "distance along the view of the plane in focus, 10⁻¹² … 10¹²")
+        field_schema("focusDistance", FieldKind::Number, "distance along the view of the plane in focus, 10⁻¹² … 10¹²")
             .with_range(FieldRange::Positive),
-        field("focusAt", FieldKind::Point, "instead of `focusDistance`: a point of the plane in focus")
+        field_schema("focusAt", FieldKind::Point, "instead of `focusDistance`: a point of the plane in focus")
             .with_absence_text("the point of `lookAt`"),
-        field("blades", FieldKind::Whole, "edges of the lens opening, visible in blurred highlights")
+        field_schema("blades", FieldKind::Whole, "edges of the lens opening, visible in blurred highlights")
             .with_range(FieldRange::Special("0 or 3 … 64"))
             .with_absence_text("0: round"),
     ])
     .with_shared_fields(&[VIEW_FIELDS, PICTURE_SIZE_FIELDS])
     .mark_course_syntax();
 
-static ORTHOGRAPHIC: BlockSchema = block("OrthographicCamera", "parallel projection")
-    .with_fields(&[field("size", FieldKind::Number, "height of the visible region")
+static ORTHOGRAPHIC: BlockSchema = block_schema("OrthographicCamera", "parallel projection")
+    .with_fields(&[field_schema("size", FieldKind::Number, "height of the visible region")
         .with_range(FieldRange::UpTo(0.0, 1e12))
         .make_required()])
     .with_shared_fields(&[VIEW_FIELDS, PICTURE_SIZE_FIELDS]);
 
-static ENVIRONMENT: BlockSchema =
-    block("EnvironmentCamera", "all directions by longitude and latitude, with the direction of view in the middle")
-        .with_fields(&[
-            field("width", FieldKind::Whole, "picture width")
-                .with_range(PICTURE_SIZE_RANGE)
-                .with_default_numbers(&[960.0])
-                .with_unit("pixels"),
-            field("height", FieldKind::Whole, "picture height")
-                .with_range(PICTURE_SIZE_RANGE)
-                .with_absence_text("half of the width")
-                .with_unit("pixels"),
-        ])
-        .with_shared_fields(&[VIEW_FIELDS]);
+static ENVIRONMENT: BlockSchema = block_schema(
+    "EnvironmentCamera",
+    "all directions by longitude and latitude, with the direction of view in the middle",
+)
+.with_fields(&[
+    field_schema("width", FieldKind::Whole, "picture width")
+        .with_range(PICTURE_SIZE_RANGE)
+        .with_default_numbers(&[960.0])
+        .with_unit("pixels"),
+    field_schema("height", FieldKind::Whole, "picture height")
+        .with_range(PICTURE_SIZE_RANGE)
+        .with_absence_text("half of the width")
+        .with_unit("pixels"),
+])
+.with_shared_fields(&[VIEW_FIELDS]);
 
 /// Default sensor height: that of a sensor of 36 × 24 mm if the unit of length is the metre.
 const DEFAULT_SENSOR_HEIGHT: f64 = 0.024;
@@ -169,7 +173,7 @@ fn parse_lens(f: &BlockFields<'_>, view: &CameraView) -> Result<Option<LensDescr
         f.forbid_fields(&["sensorHeight", "focusDistance", "focusAt", "blades"], rule)?;
         return Ok(None);
     }
-    let aperture = f.require_one_of(&["aperture", "fNumber"])?;
+    let aperture = f.require_one_field_of(&["aperture", "fNumber"])?;
     let aperture = if aperture.name() == "aperture" {
         f.forbid_fields(&["sensorHeight"], "has no effect without `fNumber`")?;
         ApertureDescription::Radius(aperture.value())
@@ -178,13 +182,13 @@ fn parse_lens(f: &BlockFields<'_>, view: &CameraView) -> Result<Option<LensDescr
         ApertureDescription::FNumber { number: aperture.value(), sensor }
     };
     let focus = if f.get("focusDistance").is_some() || f.get("focusAt").is_some() {
-        let focus = f.require_one_of(&["focusDistance", "focusAt"])?;
+        let focus = f.require_one_field_of(&["focusDistance", "focusAt"])?;
         if focus.name() == "focusDistance" {
             FocusDescription::Distance(focus.value())
         } else {
             let point: DVec3 = focus.value();
             let is_in_front = (point - view.center).dot(view.direction) > 0.0;
-            focus.ensure(is_in_front, "must lie in front of the camera")?;
+            focus.ensure_valid(is_in_front, "must lie in front of the camera")?;
             FocusDescription::Point(point)
         }
     } else {
@@ -196,7 +200,7 @@ fn parse_lens(f: &BlockFields<'_>, view: &CameraView) -> Result<Option<LensDescr
     let blades = f.optional_value("blades").unwrap_or(0);
     if let Some(field) = f.get("blades") {
         let is_valid = blades == 0 || (3..=64).contains(&blades);
-        field.ensure(is_valid, "must be 0, for a round opening, or lie between 3 and 64")?;
+        field.ensure_valid(is_valid, "must be 0, for a round opening, or lie between 3 and 64")?;
     }
     Ok(Some(LensDescription { aperture, focus, blades }))
 }
@@ -209,13 +213,13 @@ pub(super) fn parse_direction_or_target(
     center_name: &str,
     center: DVec3,
 ) -> Result<(DirectionOrTarget, DVec3), SceneError> {
-    let field = f.require_one_of(&["direction", "lookAt"])?;
+    let field = f.require_one_field_of(&["direction", "lookAt"])?;
     let value: DVec3 = field.value();
     if field.name() == "direction" {
         return Ok((DirectionOrTarget::Direction(value), value));
     }
     let direction = value - center;
-    field.ensure(is_normalizable(direction), &format!("must lie at some distance from `{center_name}`"))?;
+    field.ensure_valid(is_normalizable(direction), &format!("must lie at some distance from `{center_name}`"))?;
     Ok((DirectionOrTarget::LookAt(value), direction))
 }
 

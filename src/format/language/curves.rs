@@ -1,23 +1,23 @@
 //! Tables of curve blocks that `profile` takes.
 
-use super::schema::{BlockSchema, FieldKind, FieldSchema, block, field};
+use super::schema::{BlockSchema, FieldKind, FieldSchema, block_schema, field_schema};
 
 /// Field with the control points of a Bézier curve.
 pub(super) const BEZIER_CONTROLS: FieldSchema =
-    field("controls", FieldKind::Points, "control points, at least 2: a curve of degree n − 1")
+    field_schema("controls", FieldKind::Points, "control points, at least 2: a curve of degree n − 1")
         .make_required()
         .mark_course_syntax();
 
 /// Field with the control points of a uniform cubic B-spline.
 pub(super) const BSPLINE_CONTROLS: FieldSchema =
-    field("controls", FieldKind::Points, "control points, at least 4: cubic, with knots i/(n + 3), unclamped")
+    field_schema("controls", FieldKind::Points, "control points, at least 4: cubic, with knots i/(n + 3), unclamped")
         .make_required()
         .mark_course_syntax();
 
 /// Bézier curve as a profile.
 pub(super) static BEZIER_PROFILE: BlockSchema =
-    block("BezierCurve", "one Bézier curve").with_fields(&[BEZIER_CONTROLS]).mark_course_syntax();
+    block_schema("BezierCurve", "one Bézier curve").with_fields(&[BEZIER_CONTROLS]).mark_course_syntax();
 
 /// Uniform cubic B-spline as a profile.
 pub(super) static BSPLINE_PROFILE: BlockSchema =
-    block("BsplineCurve", "a uniform cubic B-spline").with_fields(&[BSPLINE_CONTROLS]).mark_course_syntax();
+    block_schema("BsplineCurve", "a uniform cubic B-spline").with_fields(&[BSPLINE_CONTROLS]).mark_course_syntax();

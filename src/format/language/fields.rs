@@ -250,14 +250,14 @@ fn parse_field_value<'a>(
 
 /// True if the next token is a texture's name rather than a number.
 fn is_texture_name_next(parser: &mut Parser<'_>) -> bool {
-    let text = parser.lexer.peek().text;
+    let text = parser.lexer.peek_token().text;
     text.starts_with(|c: char| c == '"' || c == '_' || c.is_ascii_alphabetic()) && !is_nonfinite_number(text)
 }
 
 /// Parses any number of points `[ x y z ]`; errors name the field `word`.
 fn parse_points<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Vec<DVec3>, SceneError> {
     let mut points = Vec::new();
-    while parser.lexer.peek().text == "[" {
+    while parser.lexer.peek_token().text == "[" {
         parser.expect_punctuation("[")?;
         points.push(DVec3::from_array(parser.parse_numbers(word)?.value));
         parser.expect_punctuation("]")?;
@@ -268,11 +268,11 @@ fn parse_points<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Vec<DVec
 /// Parses any number of points `[ x y z ]` or `[ x y z weight ]`; the default weight is 1.
 fn parse_weighted_points<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Vec<DVec4>, SceneError> {
     let mut points = Vec::new();
-    while parser.lexer.peek().text == "[" {
+    while parser.lexer.peek_token().text == "[" {
         parser.expect_punctuation("[")?;
         let point = DVec3::from_array(parser.parse_numbers(word)?.value);
         let mut weight = 1.0;
-        if parser.lexer.peek().text != "]" {
+        if parser.lexer.peek_token().text != "]" {
             let read = parser.parse_numbers::<1>(word)?;
             weight = read.value[0];
             if weight <= 0.0 {
@@ -289,7 +289,7 @@ fn parse_weighted_points<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result
 
 /// Parses the curve block after `profile`; its span is that of the block's keyword.
 fn parse_profile_curve(parser: &mut Parser<'_>) -> Result<Spanned<ProfileCurve>, SceneError> {
-    let keyword = parser.lexer.peek();
+    let keyword = parser.lexer.peek_token();
     let (block, basis) = match keyword.text {
         "BezierCurve" => (&BEZIER_PROFILE, CurveBasis::Bezier),
         "BsplineCurve" => (&BSPLINE_PROFILE, CurveBasis::Bspline),
@@ -300,9 +300,9 @@ fn parse_profile_curve(parser: &mut Parser<'_>) -> Result<Spanned<ProfileCurve>,
             return Err(parser.lexer.error_at(keyword.span(), message, "a curve belongs here", help));
         }
     };
-    parser.lexer.consume(keyword);
+    parser.lexer.consume_token(keyword);
     let f = parse_block_fields(parser, keyword, block)?;
-    Ok(Spanned::new(f.require("controls")?.curve_with_basis(basis)?, keyword.span()))
+    Ok(Spanned::new(f.require_field("controls")?.curve_with_basis(basis)?, keyword.span()))
 }
 
 impl<'a> BlockFields<'a> {
@@ -322,7 +322,7 @@ impl<'a> BlockFields<'a> {
     ///
     /// # Errors
     /// If the field is absent.
-    pub fn require(&self, name: &str) -> Result<PresentField<'_, 'a>, SceneError> {
+    pub fn require_field(&self, name: &str) -> Result<PresentField<'_, 'a>, SceneError> {
         self.get(name).ok_or_else(|| {
             let alias = self.block.find_field(name).map_or("", |field| field.alias);
             let listed = if alias.is_empty() { format!("`{name}`") } else { format!("`{name}` or `{alias}`") };
@@ -335,7 +335,7 @@ impl<'a> BlockFields<'a> {
     ///
     /// # Errors
     /// If none of them or several are present.
-    pub fn require_one_of(&self, names: &[&str]) -> Result<PresentField<'_, 'a>, SceneError> {
+    pub fn require_one_field_of(&self, names: &[&str]) -> Result<PresentField<'_, 'a>, SceneError> {
         let mut found = self.list.iter().filter(|(field, ..)| names.contains(&field.name));
         let block = self.keyword.text;
         let listed = names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(" or ");
@@ -356,7 +356,7 @@ impl<'a> BlockFields<'a> {
     /// If none of the fields or several are present.
     pub fn require_color_variant<T>(&self, variants: &[ColorVariant<'_, T>]) -> Result<T, SceneError> {
         let names: Vec<&str> = variants.iter().map(|(name, _)| *name).collect();
-        let field = self.require_one_of(&names)?;
+        let field = self.require_one_field_of(&names)?;
         let index = names.iter().position(|name| *name == field.field.name).unwrap_or_default();
         Ok(variants[index].1(field.value()))
     }
@@ -365,13 +365,13 @@ impl<'a> BlockFields<'a> {
     ///
     /// The error's help text is the name of that field, then `rule`.
     pub fn forbid_fields(&self, names: &[&str], rule: &str) -> Result<(), SceneError> {
-        names.iter().find_map(|name| self.get(name)).map_or(Ok(()), |field| field.ensure(false, rule))
+        names.iter().find_map(|name| self.get(name)).map_or(Ok(()), |field| field.ensure_valid(false, rule))
     }
 
     /// Returns an error if the fields `first` and `second` are both present.
-    pub fn forbid_both(&self, first: &str, second: &str) -> Result<(), SceneError> {
+    pub fn forbid_both_fields(&self, first: &str, second: &str) -> Result<(), SceneError> {
         match (self.get(first), self.get(second)) {
-            (Some(_), Some(_)) => self.require_one_of(&[first, second]).map(|_| ()),
+            (Some(_), Some(_)) => self.require_one_field_of(&[first, second]).map(|_| ()),
             _ => Ok(()),
         }
     }
@@ -388,7 +388,7 @@ impl<'a> BlockFields<'a> {
             let value = FieldValue { numbers: DVec3::from_array(numbers), ..FieldValue::default() };
             return Ok(T::from_field_value(&Spanned::new(value, Span::default())));
         }
-        self.require(name).map(|field| field.value())
+        self.require_field(name).map(|field| field.value())
     }
 
     /// Returns the value of the field `name`; `None` if the field is absent.
@@ -401,7 +401,7 @@ impl<'a> BlockFields<'a> {
         match (self.get(name), self.block.find_field(name).map(|field| field.default)) {
             (Some(found), _) => Ok(&found.value.value.name),
             (None, Some(FieldDefault::Word(word))) => Ok(word),
-            (None, _) => self.require(name).map(|_| ""),
+            (None, _) => self.require_field(name).map(|_| ""),
         }
     }
 }
@@ -437,7 +437,7 @@ impl<'f, 'a> PresentField<'f, 'a> {
             CurveBasis::Bezier => 2,
             CurveBasis::Bspline => 4,
         };
-        self.ensure(controls.len() >= fewest, &format!("must hold at least {fewest} points"))?;
+        self.ensure_valid(controls.len() >= fewest, &format!("must hold at least {fewest} points"))?;
         Ok(ProfileCurve { basis, controls })
     }
 
@@ -454,7 +454,7 @@ impl<'f, 'a> PresentField<'f, 'a> {
     /// Returns an error at the value of this field unless `is_valid`.
     ///
     /// The error's help text is the name of the field, then `rule`: what the value must be.
-    pub fn ensure(&self, is_valid: bool, rule: &str) -> Result<(), SceneError> {
+    pub fn ensure_valid(&self, is_valid: bool, rule: &str) -> Result<(), SceneError> {
         if is_valid {
             return Ok(());
         }
@@ -489,6 +489,6 @@ impl<'f, 'a> PresentField<'f, 'a> {
             | FieldKind::Numbers
             | FieldKind::TransformSteps => None,
         };
-        violated_rule.map_or(Ok(()), |rule| self.ensure(false, &rule))
+        violated_rule.map_or(Ok(()), |rule| self.ensure_valid(false, &rule))
     }
 }

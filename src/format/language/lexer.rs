@@ -52,23 +52,23 @@ impl<'a> Lexer<'a> {
     }
 
     /// Returns the next word or punctuation, which stays unread.
-    pub fn peek(&mut self) -> Token<'a> {
+    pub fn peek_token(&mut self) -> Token<'a> {
         self.skip_space_and_comments();
         let rest = &self.text[self.position..];
         let len = match rest.bytes().next() {
             Some(b'{' | b'}' | b'[' | b']' | b'"') => 1,
-            _ => rest.bytes().position(|b| is_space(b) || b"{}[]\"".contains(&b)).unwrap_or(rest.len()),
+            _ => rest.bytes().position(|b| is_white_space(b) || b"{}[]\"".contains(&b)).unwrap_or(rest.len()),
         };
         Token { text: &rest[..len], start: self.position }
     }
 
     /// Moves past `token`.
-    pub fn consume(&mut self, token: Token<'_>) {
+    pub fn consume_token(&mut self, token: Token<'_>) {
         self.position = token.start + token.text.len();
     }
 
     /// Moves back to the start of `token`.
-    pub fn rewind_to(&mut self, token: Token<'_>) {
+    pub fn rewind_to_token(&mut self, token: Token<'_>) {
         self.position = token.start;
     }
 
@@ -88,7 +88,7 @@ impl<'a> Lexer<'a> {
     fn take_prefix(&mut self, length: fn(&[u8]) -> usize) -> Token<'a> {
         let rest = &self.text[self.position..];
         let token = Token { text: &rest[..length(rest.as_bytes())], start: self.position };
-        self.consume(token);
+        self.consume_token(token);
         token
     }
 
@@ -104,7 +104,7 @@ impl<'a> Lexer<'a> {
         let mut open_braces = 0_usize;
         let mut len = rest.len();
         for (i, b) in rest.bytes().enumerate() {
-            if is_space(b) || (b == b'}' && open_braces == 0) {
+            if is_white_space(b) || (b == b'}' && open_braces == 0) {
                 len = i;
                 break;
             }
@@ -153,7 +153,7 @@ impl<'a> Lexer<'a> {
     fn skip_space_and_comments(&mut self) {
         let bytes = self.text.as_bytes();
         while let Some(&b) = bytes.get(self.position) {
-            if is_space(b) {
+            if is_white_space(b) {
                 self.position += 1;
             } else if b == b'#' || bytes[self.position..].starts_with(b"//") {
                 self.position = self.text[self.position..].find('\n').map_or(bytes.len(), |i| self.position + i);
@@ -165,7 +165,7 @@ impl<'a> Lexer<'a> {
 }
 
 /// True if `b` is a space, tab, line feed, vertical tab, form feed or carriage return.
-fn is_space(b: u8) -> bool {
+fn is_white_space(b: u8) -> bool {
     matches!(b, b' ' | b'\t'..=b'\r')
 }
 

@@ -13,7 +13,9 @@ use super::camera::{parse_direction_or_target, write_direction_or_target};
 use super::fields::{BlockFields, parse_block_by_keyword};
 use super::lexer::Token;
 use super::parser::Parser;
-use super::schema::{BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, block, block_keywords, field};
+use super::schema::{
+    BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, block_keywords, block_schema, field_schema,
+};
 use super::shapes::{parse_parallelogram, write_parallelogram};
 use super::text::is_normalizable;
 use super::transforms::{parse_moving_block, write_transform_steps};
@@ -36,42 +38,43 @@ pub(super) static LIGHTS: &[BlockParser<ParseLight>] = &[
 type ParseLight = fn(&BlockFields<'_>) -> Result<LightDescription, SceneError>;
 
 static POINT_STRENGTH_FIELDS: &[FieldSchema] = &[
-    field("color", FieldKind::Color, "color of MIT 6.837, without distance falloff; give one of the three")
+    field_schema("color", FieldKind::Color, "color of MIT 6.837, without distance falloff; give one of the three")
         .mark_course_syntax(),
-    field("intensity", FieldKind::Color, "radiant intensity; on the axis of a spotlight").with_unit("W/sr"),
-    field("power", FieldKind::Color, "radiant flux").with_unit("W"),
+    field_schema("intensity", FieldKind::Color, "radiant intensity; on the axis of a spotlight").with_unit("W/sr"),
+    field_schema("power", FieldKind::Color, "radiant flux").with_unit("W"),
 ];
 
 static AREA_STRENGTH_FIELDS: &[FieldSchema] = &[
-    field("radiance", FieldKind::Color, "radiance of the emitting side; give one of both").with_unit("W/(m² sr)"),
-    field("power", FieldKind::Color, "radiant flux").with_unit("W"),
+    field_schema("radiance", FieldKind::Color, "radiance of the emitting side; give one of both")
+        .with_unit("W/(m² sr)"),
+    field_schema("power", FieldKind::Color, "radiant flux").with_unit("W"),
 ];
 
-static POINT: BlockSchema = block("PointLight", "point light, equal in all directions")
-    .with_fields(&[field("position", FieldKind::Point, "position").make_required().mark_course_syntax()])
+static POINT: BlockSchema = block_schema("PointLight", "point light, equal in all directions")
+    .with_fields(&[field_schema("position", FieldKind::Point, "position").make_required().mark_course_syntax()])
     .with_shared_fields(&[POINT_STRENGTH_FIELDS])
     .mark_course_syntax();
 
-static DIRECTIONAL: BlockSchema = block("DirectionalLight", "parallel light from infinity")
+static DIRECTIONAL: BlockSchema = block_schema("DirectionalLight", "parallel light from infinity")
     .with_fields(&[
-        field("direction", FieldKind::Direction, "direction in which the light travels")
+        field_schema("direction", FieldKind::Direction, "direction in which the light travels")
             .make_required()
             .mark_course_syntax(),
-        field("color", FieldKind::Color, "color of MIT 6.837; give this or `irradiance`").mark_course_syntax(),
-        field("irradiance", FieldKind::Color, "irradiance of a surface that faces the light").with_unit("W/m²"),
+        field_schema("color", FieldKind::Color, "color of MIT 6.837; give this or `irradiance`").mark_course_syntax(),
+        field_schema("irradiance", FieldKind::Color, "irradiance of a surface that faces the light").with_unit("W/m²"),
     ])
     .mark_course_syntax();
 
-static SPOT: BlockSchema = block("SpotLight", "point light limited to a cone")
+static SPOT: BlockSchema = block_schema("SpotLight", "point light limited to a cone")
     .with_fields(&[
-        field("position", FieldKind::Point, "apex of the cone").make_required(),
-        field("direction", FieldKind::Direction, "axis of the cone; give this or `lookAt`"),
-        field("lookAt", FieldKind::Point, "point on the axis of the cone"),
-        field("angle", FieldKind::Number, "full opening angle of the cone")
+        field_schema("position", FieldKind::Point, "apex of the cone").make_required(),
+        field_schema("direction", FieldKind::Direction, "axis of the cone; give this or `lookAt`"),
+        field_schema("lookAt", FieldKind::Point, "point on the axis of the cone"),
+        field_schema("angle", FieldKind::Number, "full opening angle of the cone")
             .with_range(FieldRange::UpTo(0.0, 360.0))
             .make_required()
             .with_unit("degrees"),
-        field("penumbra", FieldKind::Number, "width of the soft rim inside the cone, at most half of `angle`")
+        field_schema("penumbra", FieldKind::Number, "width of the soft rim inside the cone, at most half of `angle`")
             .with_range(FieldRange::Special("≥ 0"))
             .with_default_numbers(&[0.0])
             .with_unit("degrees"),
@@ -79,78 +82,81 @@ static SPOT: BlockSchema = block("SpotLight", "point light limited to a cone")
     .with_shared_fields(&[POINT_STRENGTH_FIELDS]);
 
 static ORIENTATION_FIELDS: &[FieldSchema] = &[
-    field("position", FieldKind::Point, "position").make_required(),
-    field("direction", FieldKind::Direction, "axis of the light; give this or `lookAt`"),
-    field("lookAt", FieldKind::Point, "point on the axis of the light"),
-    field("up", FieldKind::Direction, "upper side of the picture")
+    field_schema("position", FieldKind::Point, "position").make_required(),
+    field_schema("direction", FieldKind::Direction, "axis of the light; give this or `lookAt`"),
+    field_schema("lookAt", FieldKind::Point, "point on the axis of the light"),
+    field_schema("up", FieldKind::Direction, "upper side of the picture")
         .with_absence_text("0 1 0, or 0 0 -1 for a vertical axis"),
 ];
 
 static PATTERN_STRENGTH_FIELDS: &[FieldSchema] = &[
-    field("intensity", FieldKind::Color, "radiant intensity where the picture or profile is 1").with_unit("W/sr"),
-    field("power", FieldKind::Color, "radiant flux, of white light through the picture; give one of both")
+    field_schema("intensity", FieldKind::Color, "radiant intensity where the picture or profile is 1")
+        .with_unit("W/sr"),
+    field_schema("power", FieldKind::Color, "radiant flux, of white light through the picture; give one of both")
         .with_unit("W"),
 ];
 
-static PROJECTOR: BlockSchema = block("ProjectorLight", "pinhole that projects a picture")
+static PROJECTOR: BlockSchema = block_schema("ProjectorLight", "pinhole that projects a picture")
     .with_fields(&[
-        field("angle", FieldKind::Number, "full vertical angle of the picture")
+        field_schema("angle", FieldKind::Number, "full vertical angle of the picture")
             .with_range(FieldRange::Between(0.0, 180.0))
             .make_required()
             .with_unit("degrees"),
-        field("file", FieldKind::Name, "projected picture: PNG, OpenEXR or Radiance HDR").make_required(),
+        field_schema("file", FieldKind::Name, "projected picture: PNG, OpenEXR or Radiance HDR").make_required(),
     ])
     .with_shared_fields(&[ORIENTATION_FIELDS, PATTERN_STRENGTH_FIELDS]);
 
-static GONIOMETRIC: BlockSchema = block("GoniometricLight", "point light with a measured intensity distribution")
-    .with_fields(&[
-        field(
-            "file",
-            FieldKind::Name,
-            "picture of the intensity in all directions, its center along the axis; give this or `profile`",
-        ),
-        field(
-            "profile",
-            FieldKind::Name,
-            "text file with an angle from the axis in degrees and an intensity per line, in ascending order",
-        ),
-    ])
-    .with_shared_fields(&[ORIENTATION_FIELDS, PATTERN_STRENGTH_FIELDS]);
+static GONIOMETRIC: BlockSchema =
+    block_schema("GoniometricLight", "point light with a measured intensity distribution")
+        .with_fields(&[
+            field_schema(
+                "file",
+                FieldKind::Name,
+                "picture of the intensity in all directions, its center along the axis; give this or `profile`",
+            ),
+            field_schema(
+                "profile",
+                FieldKind::Name,
+                "text file with an angle from the axis in degrees and an intensity per line, in ascending order",
+            ),
+        ])
+        .with_shared_fields(&[ORIENTATION_FIELDS, PATTERN_STRENGTH_FIELDS]);
 
-static SPHERE: BlockSchema = block("SphereLight", "sphere that emits outward")
+static SPHERE: BlockSchema = block_schema("SphereLight", "sphere that emits outward")
     .with_fields(&[
-        field("center", FieldKind::Point, "center").make_required(),
-        field("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).make_required(),
-    ])
-    .with_shared_fields(&[AREA_STRENGTH_FIELDS]);
-
-static DISC: BlockSchema = block("DiscLight", "disc that emits on the side of its normal")
-    .with_fields(&[
-        field("center", FieldKind::Point, "center").make_required(),
-        field("normal", FieldKind::Direction, "normal of the emitting side").make_required(),
-        field("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).make_required(),
+        field_schema("center", FieldKind::Point, "center").make_required(),
+        field_schema("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).make_required(),
     ])
     .with_shared_fields(&[AREA_STRENGTH_FIELDS]);
 
-static RECTANGLE: BlockSchema = block("RectangleLight", "parallelogram that emits on the side of `edge0` × `edge1`")
+static DISC: BlockSchema = block_schema("DiscLight", "disc that emits on the side of its normal")
     .with_fields(&[
-        field("corner", FieldKind::Point, "corner where both edges start").make_required(),
-        field("edge0", FieldKind::Direction, "vector to the first neighbouring corner").make_required(),
-        field("edge1", FieldKind::Direction, "vector to the other neighbouring corner").make_required(),
+        field_schema("center", FieldKind::Point, "center").make_required(),
+        field_schema("normal", FieldKind::Direction, "normal of the emitting side").make_required(),
+        field_schema("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).make_required(),
     ])
     .with_shared_fields(&[AREA_STRENGTH_FIELDS]);
 
-static ENVIRONMENT: BlockSchema = block(
+static RECTANGLE: BlockSchema =
+    block_schema("RectangleLight", "parallelogram that emits on the side of `edge0` × `edge1`")
+        .with_fields(&[
+            field_schema("corner", FieldKind::Point, "corner where both edges start").make_required(),
+            field_schema("edge0", FieldKind::Direction, "vector to the first neighbouring corner").make_required(),
+            field_schema("edge1", FieldKind::Direction, "vector to the other neighbouring corner").make_required(),
+        ])
+        .with_shared_fields(&[AREA_STRENGTH_FIELDS]);
+
+static ENVIRONMENT: BlockSchema = block_schema(
     "EnvironmentLight",
     "light from infinity in all directions; at most one a scene, shown instead of the `Background`",
 )
 .with_fields(&[
-    field("radiance", FieldKind::Color, "constant radiance; give this or `file`").with_unit("W/(m² sr)"),
-    field("file", FieldKind::Name, "picture of all directions: PNG, OpenEXR or Radiance HDR"),
-    field("scale", FieldKind::Number, "with `file`: factor from picture values to radiance")
+    field_schema("radiance", FieldKind::Color, "constant radiance; give this or `file`").with_unit("W/(m² sr)"),
+    field_schema("file", FieldKind::Name, "picture of all directions: PNG, OpenEXR or Radiance HDR"),
+    field_schema("scale", FieldKind::Number, "with `file`: factor from picture values to radiance")
         .with_range(FieldRange::NonNegative)
         .with_default_numbers(&[1.0]),
-    field("rotate", FieldKind::Number, "with `file`: rotation about the y axis, right-handed")
+    field_schema("rotate", FieldKind::Number, "with `file`: rotation about the y axis, right-handed")
         .with_default_numbers(&[0.0])
         .with_unit("degrees"),
 ]);
@@ -207,7 +213,7 @@ fn parse_projector_light(f: &BlockFields<'_>) -> Result<LightDescription, SceneE
 }
 
 fn parse_goniometric_light(f: &BlockFields<'_>) -> Result<LightDescription, SceneError> {
-    let pattern = f.require_one_of(&["file", "profile"])?;
+    let pattern = f.require_one_field_of(&["file", "profile"])?;
     let path = pattern.value();
     let is_map = pattern.name() == "file";
     parse_oriented_light(f, if is_map { LightPattern::Map(path) } else { LightPattern::Profile(path) })
@@ -241,7 +247,7 @@ fn parse_spot_light(f: &BlockFields<'_>) -> Result<LightDescription, SceneError>
     let (angle, penumbra) = (f.value("angle")?, f.value("penumbra")?);
     if let Some(field) = f.get("penumbra") {
         let is_valid = (0.0..=angle / 2.0).contains(&penumbra);
-        field.ensure(is_valid, "must lie between 0 and half of the cone's angle")?;
+        field.ensure_valid(is_valid, "must lie between 0 and half of the cone's angle")?;
     }
     Ok(LightDescription::Spot { position, aim, angle, penumbra, strength: parse_point_strength(f)? })
 }
@@ -252,7 +258,7 @@ fn parse_oriented_light(f: &BlockFields<'_>, pattern: LightPattern) -> Result<Li
     let (aim, direction) = parse_direction_or_target(f, "position", position)?;
     let up: Option<DVec3> = f.optional_value("up");
     if let (Some(field), Some(up)) = (f.get("up"), up) {
-        field.ensure(is_normalizable(up.cross(direction)), "must not be parallel to the axis of the light")?;
+        field.ensure_valid(is_normalizable(up.cross(direction)), "must not be parallel to the axis of the light")?;
     }
     let strength =
         f.require_color_variant(&[("intensity", PointLightStrength::Intensity), ("power", PointLightStrength::Power)])?;
@@ -260,7 +266,7 @@ fn parse_oriented_light(f: &BlockFields<'_>, pattern: LightPattern) -> Result<Li
 }
 
 fn parse_environment_light(f: &BlockFields<'_>) -> Result<LightDescription, SceneError> {
-    let radiance = f.require_one_of(&["file", "radiance"])?;
+    let radiance = f.require_one_field_of(&["file", "radiance"])?;
     if radiance.name() == "radiance" {
         f.forbid_fields(&["scale", "rotate"], "has no effect without `file`")?;
         return Ok(LightDescription::Environment(EnvironmentRadiance::Constant(radiance.value())));

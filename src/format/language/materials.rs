@@ -13,7 +13,8 @@ use super::names::parse_block_name;
 use super::parser::Parser;
 use super::refraction::{INDEX_FIELD, MAX_REFRACTIVE_INDEX, MIN_REFRACTIVE_INDEX, parse_refraction, write_refraction};
 use super::schema::{
-    BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, MAX_COEFFICIENT, block, block_keywords, field,
+    BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, MAX_COEFFICIENT, block_keywords, block_schema,
+    field_schema,
 };
 use super::text::clip_for_message;
 use super::writer::SceneWriter;
@@ -43,44 +44,45 @@ const UNIT_RANGE: FieldRange = FieldRange::Within(0.0, 1.0);
 const TRANSMITTANCE_RANGE: FieldRange = FieldRange::UpTo(0.0, 1.0);
 const COEFFICIENT_RANGE: FieldRange = FieldRange::Within(0.0, MAX_COEFFICIENT);
 
-const ROUGHNESS_FIELD: FieldSchema = field("roughness", FieldKind::NumberOrTexture, "GGX α; smooth below 0.001")
+const ROUGHNESS_FIELD: FieldSchema = field_schema("roughness", FieldKind::NumberOrTexture, "GGX α; smooth below 0.001")
     .with_range(UNIT_RANGE)
     .with_default_numbers(&[0.0]);
 const PRIORITY_FIELD: FieldSchema =
-    field("priority", FieldKind::Whole, "where bodies overlap, the highest priority counts")
+    field_schema("priority", FieldKind::Whole, "where bodies overlap, the highest priority counts")
         .with_range(FieldRange::Within(0.0, 255.0))
         .with_default_numbers(&[0.0]);
 
 static EMISSION_FIELDS: &[FieldSchema] = &[
-    field("emission", FieldKind::ColorOrTexture, "emitted radiance; not for `Clear`")
+    field_schema("emission", FieldKind::ColorOrTexture, "emitted radiance; not for `Clear`")
         .with_absence_text("0 0 0")
         .with_unit("W/(m² sr)"),
-    field("emissionScale", FieldKind::Number, "with a texture as `emission`: factor of its values")
+    field_schema("emissionScale", FieldKind::Number, "with a texture as `emission`: factor of its values")
         .with_range(FieldRange::NonNegative)
         .with_default_numbers(&[1.0]),
 ];
 
 static NORMAL_PERTURBATION_FIELDS: &[FieldSchema] = &[
-    field("bump", FieldKind::Name, "texture or picture of heights; not for `Clear`").with_absence_text("none"),
-    field("bumpHeight", FieldKind::Number, "height of the value 1 of `bump`, required with it")
+    field_schema("bump", FieldKind::Name, "texture or picture of heights; not for `Clear`").with_absence_text("none"),
+    field_schema("bumpHeight", FieldKind::Number, "height of the value 1 of `bump`, required with it")
         .with_range(FieldRange::Single)
         .with_unit("length"),
-    field("normalMap", FieldKind::Name, "instead of `bump`: texture or picture of normals").with_absence_text("none"),
+    field_schema("normalMap", FieldKind::Name, "instead of `bump`: texture or picture of normals")
+        .with_absence_text("none"),
 ];
 
-static PHONG: BlockSchema = block("PhongMaterial", "Phong's reflection model")
+static PHONG: BlockSchema = block_schema("PhongMaterial", "Phong's reflection model")
     .with_fields(&[
-        field("diffuseColor", FieldKind::ColorOrTexture, "diffuse reflectance kd")
+        field_schema("diffuseColor", FieldKind::ColorOrTexture, "diffuse reflectance kd")
             .with_default_numbers(&[1.0, 1.0, 1.0])
             .mark_course_syntax(),
-        field("specularColor", FieldKind::ColorOrTexture, "specular coefficient ks")
+        field_schema("specularColor", FieldKind::ColorOrTexture, "specular coefficient ks")
             .with_default_numbers(&[0.0, 0.0, 0.0])
             .mark_course_syntax(),
-        field("shininess", FieldKind::Number, "Phong exponent")
+        field_schema("shininess", FieldKind::Number, "Phong exponent")
             .with_range(FieldRange::NonNegative)
             .with_default_numbers(&[0.0])
             .mark_course_syntax(),
-        field("texture", FieldKind::Name, "texture or picture that `diffuseColor` is multiplied by")
+        field_schema("texture", FieldKind::Name, "texture or picture that `diffuseColor` is multiplied by")
             .with_absence_text("none")
             .mark_course_syntax(),
     ])
@@ -88,78 +90,80 @@ static PHONG: BlockSchema = block("PhongMaterial", "Phong's reflection model")
     .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS])
     .mark_course_syntax();
 
-static DIFFUSE: BlockSchema = block("Diffuse", "Lambertian reflection")
-    .with_fields(&[field("reflectance", FieldKind::ColorOrTexture, "albedo").with_range(UNIT_RANGE).make_required()])
+static DIFFUSE: BlockSchema = block_schema("Diffuse", "Lambertian reflection")
+    .with_fields(&[field_schema("reflectance", FieldKind::ColorOrTexture, "albedo")
+        .with_range(UNIT_RANGE)
+        .make_required()])
     .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
 
-static MIRROR: BlockSchema = block("Mirror", "perfect mirror")
-    .with_fields(&[field("reflectance", FieldKind::ColorOrTexture, "reflectance")
+static MIRROR: BlockSchema = block_schema("Mirror", "perfect mirror")
+    .with_fields(&[field_schema("reflectance", FieldKind::ColorOrTexture, "reflectance")
         .with_range(UNIT_RANGE)
         .with_default_numbers(&[1.0, 1.0, 1.0])])
     .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
 
-static DIELECTRIC: BlockSchema = block("Dielectric", "boundary of a body of glass, water or the like")
+static DIELECTRIC: BlockSchema = block_schema("Dielectric", "boundary of a body of glass, water or the like")
     .with_fields(&[
         INDEX_FIELD,
-        field("abbe", FieldKind::Number, "with `indexOfRefraction`: Abbe number")
+        field_schema("abbe", FieldKind::Number, "with `indexOfRefraction`: Abbe number")
             .with_range(FieldRange::Positive)
             .with_absence_text("none: no dispersion"),
-        field("glass", FieldKind::Name, "instead of `indexOfRefraction`: a glass by name"),
-        field("cauchy", FieldKind::Numbers, "instead of `indexOfRefraction`: Cauchy's equation; C is optional")
+        field_schema("glass", FieldKind::Name, "instead of `indexOfRefraction`: a glass by name"),
+        field_schema("cauchy", FieldKind::Numbers, "instead of `indexOfRefraction`: Cauchy's equation; C is optional")
             .with_range(FieldRange::Special("A, B \\[µm²], C \\[µm⁴]")),
-        field("sellmeierB", FieldKind::Numbers, "instead of `indexOfRefraction`: Sellmeier's equation")
+        field_schema("sellmeierB", FieldKind::Numbers, "instead of `indexOfRefraction`: Sellmeier's equation")
             .with_range(FieldRange::Special("1 to 4")),
-        field("sellmeierC", FieldKind::Numbers, "squared resonance wavelengths for `sellmeierB`")
+        field_schema("sellmeierC", FieldKind::Numbers, "squared resonance wavelengths for `sellmeierB`")
             .with_range(FieldRange::Special("1 to 4"))
             .with_unit("µm²"),
-        field("absorption", FieldKind::Color, "absorption coefficient of the inside")
+        field_schema("absorption", FieldKind::Color, "absorption coefficient of the inside")
             .with_range(COEFFICIENT_RANGE)
             .with_absence_text("0 0 0")
             .with_unit("1/length"),
-        field("tint", FieldKind::Color, "instead of `absorption`: transmittance over `tintDistance`")
+        field_schema("tint", FieldKind::Color, "instead of `absorption`: transmittance over `tintDistance`")
             .with_range(TRANSMITTANCE_RANGE),
-        field("tintDistance", FieldKind::Number, "distance of `tint`; the absorption is at most 1e12")
+        field_schema("tintDistance", FieldKind::Number, "distance of `tint`; the absorption is at most 1e12")
             .with_range(FieldRange::Positive)
             .with_default_numbers(&[1.0])
             .with_unit("length"),
         ROUGHNESS_FIELD,
         PRIORITY_FIELD,
-        field("medium", FieldKind::Name, "medium that fills the body").with_absence_text("none"),
+        field_schema("medium", FieldKind::Name, "medium that fills the body").with_absence_text("none"),
     ])
     .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
 
-static NULL_INTERFACE: BlockSchema = block("Clear", "null interface: boundary of a region without a surface")
+static NULL_INTERFACE: BlockSchema = block_schema("Clear", "null interface: boundary of a region without a surface")
     .with_fields(&[
-        field("medium", FieldKind::Name, "medium that fills the region").with_absence_text("none"),
+        field_schema("medium", FieldKind::Name, "medium that fills the region").with_absence_text("none"),
         PRIORITY_FIELD,
     ])
     .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
 
-static CONDUCTOR: BlockSchema = block("Conductor", "metal; opaque, reflects on both sides")
+static CONDUCTOR: BlockSchema = block_schema("Conductor", "metal; opaque, reflects on both sides")
     .with_fields(&[
-        field("metal", FieldKind::Name, "a metal by name; give this, or `eta` and `k`"),
-        field("eta", FieldKind::Color, "η of the complex index η + ik for red, green and blue")
+        field_schema("metal", FieldKind::Name, "a metal by name; give this, or `eta` and `k`"),
+        field_schema("eta", FieldKind::Color, "η of the complex index η + ik for red, green and blue")
             .with_range(FieldRange::Within(MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX)),
-        field("k", FieldKind::Color, "k of the complex index")
+        field_schema("k", FieldKind::Color, "k of the complex index")
             .with_range(FieldRange::Within(0.0, MAX_REFRACTIVE_INDEX)),
         ROUGHNESS_FIELD,
     ])
     .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
 
-static THIN: BlockSchema = block("Thin", "pane without thickness; the index is relative to the surroundings")
+static THIN: BlockSchema = block_schema("Thin", "pane without thickness; the index is relative to the surroundings")
     .with_fields(&[
         INDEX_FIELD,
-        field("transmittance", FieldKind::ColorOrTexture, "transmittance of the inside at normal incidence")
+        field_schema("transmittance", FieldKind::ColorOrTexture, "transmittance of the inside at normal incidence")
             .with_range(TRANSMITTANCE_RANGE)
             .with_default_numbers(&[1.0, 1.0, 1.0]),
     ])
     .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
 
-static MIX: BlockSchema = block("Mix", "one of two materials at each point, chosen at random")
+static MIX: BlockSchema = block_schema("Mix", "one of two materials at each point, chosen at random")
     .with_fields(&[
-        field("first", FieldKind::Name, "name of a material that stands before this one").make_required(),
-        field("second", FieldKind::Name, "name of a material that stands before this one").make_required(),
-        field("amount", FieldKind::NumberOrTexture, "share of the second material")
+        field_schema("first", FieldKind::Name, "name of a material that stands before this one").make_required(),
+        field_schema("second", FieldKind::Name, "name of a material that stands before this one").make_required(),
+        field_schema("amount", FieldKind::NumberOrTexture, "share of the second material")
             .with_range(UNIT_RANGE)
             .make_required(),
     ])
@@ -288,7 +292,7 @@ fn parse_thin_dielectric(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<Material
 
 /// Parses the absorption inside a dielectric.
 fn parse_dielectric_absorption(f: &BlockFields<'_>) -> Result<DielectricAbsorption, SceneError> {
-    f.forbid_both("absorption", "tint")?;
+    f.forbid_both_fields("absorption", "tint")?;
     let Some(color) = f.optional_value("tint") else {
         f.forbid_fields(&["tintDistance"], "has no effect without `tint`")?;
         return Ok(f
@@ -298,7 +302,7 @@ fn parse_dielectric_absorption(f: &BlockFields<'_>) -> Result<DielectricAbsorpti
     let attenuation = DielectricAbsorption::Tint { color, distance: f.value("tintDistance")? };
     if let Some(field) = f.get("tintDistance") {
         let is_valid = attenuation.absorption_coefficient().max_element() <= MAX_COEFFICIENT;
-        field.ensure(is_valid, "must be longer: over it, `tint` is an absorption above 1e12")?;
+        field.ensure_valid(is_valid, "must be longer: over it, `tint` is an absorption above 1e12")?;
     }
     Ok(attenuation)
 }
@@ -306,22 +310,22 @@ fn parse_dielectric_absorption(f: &BlockFields<'_>) -> Result<DielectricAbsorpti
 /// Parses the complex refractive index of a conductor, or the name of its metal.
 fn parse_metal(f: &BlockFields<'_>) -> Result<MetalDescription, SceneError> {
     for index in ["eta", "k"] {
-        f.forbid_both("metal", index)?;
+        f.forbid_both_fields("metal", index)?;
     }
     if let Some(name) = f.optional_value("metal") {
         return Ok(MetalDescription::Named(name));
     }
     if f.get("k").is_none() {
         // If both are absent, the error names both.
-        f.require_one_of(&["metal", "eta"])?;
+        f.require_one_field_of(&["metal", "eta"])?;
     }
     Ok(MetalDescription::Index { eta: f.value("eta")?, k: f.value("k")? })
 }
 
 /// Parses a mix of two materials that stand before it.
 fn parse_mix_material<'a>(parser: &Parser<'a>, f: &BlockFields<'a>) -> Result<MaterialKindDescription, SceneError> {
-    let first = parse_mix_component(parser, f.require("first")?)?;
-    let second = parse_mix_component(parser, f.require("second")?)?;
+    let first = parse_mix_component(parser, f.require_field("first")?)?;
+    let second = parse_mix_component(parser, f.require_field("second")?)?;
     let amount = f.value("amount")?;
     let scope = &parser.scope;
     for component in [&first, &second] {
@@ -378,7 +382,7 @@ fn parse_emission(f: &BlockFields<'_>) -> Result<Option<EmissionDescription>, Sc
 
 /// Parses a bump map with its height, or a normal map.
 fn parse_normal_perturbation(f: &BlockFields<'_>) -> Result<Option<NormalPerturbationDescription>, SceneError> {
-    f.forbid_both("bump", "normalMap")?;
+    f.forbid_both_fields("bump", "normalMap")?;
     let Some(texture) = f.optional_value("bump") else {
         f.forbid_fields(&["bumpHeight"], "has no effect without `bump`")?;
         return Ok(f.optional_value("normalMap").map(NormalPerturbationDescription::NormalMap));

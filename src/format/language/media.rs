@@ -14,7 +14,8 @@ use super::lexer::Token;
 use super::names::parse_unique_block_name;
 use super::parser::Parser;
 use super::schema::{
-    BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, MAX_COEFFICIENT, block, block_keywords, field,
+    BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, MAX_COEFFICIENT, block_keywords, block_schema,
+    field_schema,
 };
 use super::transforms::write_transform_field;
 use super::writer::SceneWriter;
@@ -31,62 +32,62 @@ type ParseDensity = fn(&BlockFields<'_>) -> Result<DensityDescription, SceneErro
 const COEFFICIENT_RANGE: FieldRange = FieldRange::Within(0.0, MAX_COEFFICIENT);
 
 static OPTICAL_FIELDS: &[FieldSchema] = &[
-    field("absorption", FieldKind::Color, "absorption coefficient σa")
+    field_schema("absorption", FieldKind::Color, "absorption coefficient σa")
         .with_range(COEFFICIENT_RANGE)
         .with_default_numbers(&[0.0, 0.0, 0.0])
         .with_unit("1/length"),
-    field("scattering", FieldKind::Color, "scattering coefficient σs")
+    field_schema("scattering", FieldKind::Color, "scattering coefficient σs")
         .with_range(COEFFICIENT_RANGE)
         .with_default_numbers(&[0.0, 0.0, 0.0])
         .with_unit("1/length"),
-    field("extinction", FieldKind::Color, "σa + σs, together with `albedo` instead of both")
+    field_schema("extinction", FieldKind::Color, "σa + σs, together with `albedo` instead of both")
         .with_range(COEFFICIENT_RANGE)
         .with_unit("1/length"),
-    field("albedo", FieldKind::Color, "σs/(σa + σs), together with `extinction`")
+    field_schema("albedo", FieldKind::Color, "σs/(σa + σs), together with `extinction`")
         .with_range(FieldRange::Within(0.0, 1.0)),
-    field("emission", FieldKind::Color, "radiance gained per length")
+    field_schema("emission", FieldKind::Color, "radiance gained per length")
         .with_range(COEFFICIENT_RANGE)
         .with_default_numbers(&[0.0, 0.0, 0.0])
         .with_unit("W/(m² sr)/length"),
-    field("phase", FieldKind::Word(&["isotropic", "rayleigh", "henyey-greenstein"]), "phase function")
+    field_schema("phase", FieldKind::Word(&["isotropic", "rayleigh", "henyey-greenstein"]), "phase function")
         .with_absence_text("`isotropic`; with `anisotropy`, `henyey-greenstein`"),
-    field("anisotropy", FieldKind::Number, "mean cosine g; above 0 scatters forward")
+    field_schema("anisotropy", FieldKind::Number, "mean cosine g; above 0 scatters forward")
         .with_range(FieldRange::Special("−1 < g < 1")),
 ];
 
 static EXTENT_FIELDS: &[FieldSchema] = &[
-    field("min", FieldKind::Point, "least corner of the box; required, but for a `Medium` without `grid`"),
-    field("max", FieldKind::Point, "greatest corner, above `min` in each component"),
-    field("Transform", FieldKind::TransformSteps, "maps from the space of the box to the world")
+    field_schema("min", FieldKind::Point, "least corner of the box; required, but for a `Medium` without `grid`"),
+    field_schema("max", FieldKind::Point, "greatest corner, above `min` in each component"),
+    field_schema("Transform", FieldKind::TransformSteps, "maps from the space of the box to the world")
         .with_absence_text("none"),
 ];
 
-static MEDIUM: BlockSchema = block("Medium", "a medium of constant density, or with the densities of a grid")
+static MEDIUM: BlockSchema = block_schema("Medium", "a medium of constant density, or with the densities of a grid")
     .with_fields(&[
-        field("grid", FieldKind::Name, "file of densities").with_absence_text("none: density 1 everywhere"),
-        field("densityScale", FieldKind::Number, "with `grid`: factor of its densities")
+        field_schema("grid", FieldKind::Name, "file of densities").with_absence_text("none: density 1 everywhere"),
+        field_schema("densityScale", FieldKind::Number, "with `grid`: factor of its densities")
             .with_range(FieldRange::Positive)
             .with_default_numbers(&[1.0]),
     ])
     .with_shared_fields(&[OPTICAL_FIELDS, EXTENT_FIELDS]);
 
 static CLOUD: BlockSchema =
-    block("Cloud", "a medium with noise as density, from 0 to 1, in the ellipsoid inscribed in its box")
+    block_schema("Cloud", "a medium with noise as density, from 0 to 1, in the ellipsoid inscribed in its box")
         .with_fields(&[
-            field("cover", FieldKind::Number, "amount of noise: 0 is empty, 1 is noise everywhere")
+            field_schema("cover", FieldKind::Number, "amount of noise: 0 is empty, 1 is noise everywhere")
                 .with_range(FieldRange::Within(0.0, 1.0))
                 .with_default_numbers(&[0.5]),
-            field("softness", FieldKind::Number, "share of the radius over which the edge fades")
+            field_schema("softness", FieldKind::Number, "share of the radius over which the edge fades")
                 .with_range(FieldRange::Within(0.0, 1.0))
                 .with_default_numbers(&[0.3]),
-            field("octaves", FieldKind::Whole, "octaves of noise")
+            field_schema("octaves", FieldKind::Whole, "octaves of noise")
                 .with_range(FieldRange::Within(1.0, 16.0))
                 .with_default_numbers(&[5.0]),
-            field("frequency", FieldKind::Number, "periods of the first octave along a side of the box")
+            field_schema("frequency", FieldKind::Number, "periods of the first octave along a side of the box")
                 .with_range(FieldRange::Positive)
                 .with_default_numbers(&[4.0]),
-            field("seed", FieldKind::Whole, "seed of the noise").with_default_numbers(&[0.0]),
-            field("resolution", FieldKind::Whole, "grid cells along the longest side")
+            field_schema("seed", FieldKind::Whole, "seed of the noise").with_default_numbers(&[0.0]),
+            field_schema("resolution", FieldKind::Whole, "grid cells along the longest side")
                 .with_range(FieldRange::Within(2.0, 512.0))
                 .with_default_numbers(&[96.0]),
         ])
@@ -133,7 +134,7 @@ fn parse_medium<'a>(parser: &mut Parser<'a>, word: Token<'a>, name: &str) -> Res
 fn parse_medium_coefficients(f: &BlockFields<'_>) -> Result<MediumCoefficients, SceneError> {
     for whole in ["extinction", "albedo"] {
         for part in ["absorption", "scattering"] {
-            f.forbid_both(part, whole)?;
+            f.forbid_both_fields(part, whole)?;
         }
     }
     let Some(extinction) = f.optional_value("extinction") else {
@@ -153,11 +154,11 @@ fn parse_phase_function(f: &BlockFields<'_>) -> Result<PhaseFunctionDescription,
         (Some("rayleigh"), None) => Ok(PhaseFunctionDescription::Rayleigh),
         (None | Some("henyey-greenstein"), Some(field)) => {
             let g: f64 = field.value();
-            field.ensure(g.abs() <= 1.0 - 1e-7, "must lie inside -1 … 1, by 1e-7 at least")?;
+            field.ensure_valid(g.abs() <= 1.0 - 1e-7, "must lie inside -1 … 1, by 1e-7 at least")?;
             Ok(PhaseFunctionDescription::HenyeyGreenstein(g))
         }
         (Some(_), Some(field)) => {
-            field.ensure(false, "belongs to `phase henyey-greenstein`: leave one of both out")?;
+            field.ensure_valid(false, "belongs to `phase henyey-greenstein`: leave one of both out")?;
             Ok(PhaseFunctionDescription::Isotropic)
         }
         (Some(_), None) => Ok(PhaseFunctionDescription::HenyeyGreenstein(f.value("anisotropy")?)),
@@ -190,7 +191,7 @@ fn parse_medium_box(f: &BlockFields<'_>) -> Result<TransformedBoxDescription, Sc
     let (min, max): (DVec3, DVec3) = (f.value("min")?, f.value("max")?);
     let sides = max - min;
     let is_valid = sides.min_element() > 0.0 && sides.is_finite();
-    f.require("max")?.ensure(is_valid, "must be above `min` in each component")?;
+    f.require_field("max")?.ensure_valid(is_valid, "must be above `min` in each component")?;
     Ok(TransformedBoxDescription { min, max, maps: f.optional_value("Transform").unwrap_or_default() })
 }
 

@@ -39,19 +39,20 @@ use materials::{MATERIALS, parse_materials_block, write_material};
 use media::{MEDIA, parse_media_block, write_medium};
 use objects::{parse_group, write_group};
 use parser::Parser;
-use schema::{BlockSchema, FieldKind, block, block_keywords, block_schemas, field, find_block};
+use schema::{BlockSchema, FieldKind, block_keywords, block_schema, block_schemas, field_schema, find_block};
 use shapes::SHAPES;
 pub(super) use suggest::nearest_word;
 use textures::{TEXTURES, parse_textures_block, write_texture};
 use writer::SceneWriter;
 
-static BACKGROUND: BlockSchema = block("Background", "what lies behind all objects")
+static BACKGROUND: BlockSchema = block_schema("Background", "what lies behind all objects")
     .with_fields(&[
-        field("color", FieldKind::Color, "radiance of rays that leave the scene")
+        field_schema("color", FieldKind::Color, "radiance of rays that leave the scene")
             .with_default_numbers(&[0.5, 0.5, 0.5])
             .with_unit("W/(m² sr)")
             .mark_course_syntax(),
-        field("medium", FieldKind::Name, "medium that fills the space outside all bodies").with_absence_text("none"),
+        field_schema("medium", FieldKind::Name, "medium that fills the space outside all bodies")
+            .with_absence_text("none"),
     ])
     .mark_course_syntax();
 
@@ -131,7 +132,8 @@ pub fn parse_scene_bytes(name: &str, bytes: &[u8]) -> Result<SceneDescription, S
     Err(SceneError::at_span(&source, Span { start: at, len: 3 }, message, "not text", help))
 }
 
-/// Parsed blocks of a file; the parser's scope holds the others.
+/// Camera, background, lights and objects of a scene text; the parser's scope holds its textures,
+/// media and materials.
 #[derive(Default)]
 struct FileBlocks {
     camera: Option<Spanned<CameraDescription>>,
@@ -146,11 +148,11 @@ fn parse_all_blocks(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneEr
     let allowed = [&block_keywords(&[], CAMERAS)[..], &[BACKGROUND.keyword], &FILE_BLOCK_KEYWORDS].concat();
     let mut blocks = FileBlocks::default();
     loop {
-        let word = parser.lexer.peek();
+        let word = parser.lexer.peek_token();
         if word.is_end() {
             break;
         }
-        parser.lexer.consume(word);
+        parser.lexer.consume_token(word);
         parser.recover_from_error(&allowed, |parser| parse_file_block(parser, word, &allowed, &mut blocks))?;
     }
     if let Some(block) = parser.scope.late_materials {

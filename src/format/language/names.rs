@@ -10,12 +10,12 @@ use super::text::{clip_for_message, is_identifier};
 ///
 /// Errors call the block `what`, such as "material".
 pub(super) fn parse_block_name(parser: &mut Parser<'_>, what: &str) -> Result<Option<Spanned<String>>, SceneError> {
-    let token = parser.lexer.peek();
+    let token = parser.lexer.peek_token();
     let name = match token.text {
         "" | "{" => return Ok(None),
         "\"" => parser.lexer.read_quoted_string()?,
         text => {
-            parser.lexer.consume(token);
+            parser.lexer.consume_token(token);
             Spanned::new(text.to_owned(), token.span())
         }
     };

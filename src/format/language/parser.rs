@@ -109,7 +109,7 @@ impl<'a> Parser<'a> {
             return;
         }
         loop {
-            let token = self.lexer.peek();
+            let token = self.lexer.peek_token();
             let stops = braces == 0 && (has_open_blocks || token.text == "}" || allowed.contains(&token.text));
             if token.is_end() || stops {
                 return;
@@ -117,7 +117,7 @@ impl<'a> Parser<'a> {
             if token.text == "\"" && self.lexer.read_quoted_string().is_ok() {
                 continue;
             }
-            self.lexer.consume(token);
+            self.lexer.consume_token(token);
             match token.text {
                 "{" => braces += 1,
                 "}" => {
@@ -200,14 +200,14 @@ impl<'a> Parser<'a> {
     pub fn close_block_before(&mut self, word: Token<'a>) {
         self.open_blocks.pop();
         self.closed_blocks += 1;
-        self.lexer.rewind_to(word);
+        self.lexer.rewind_to_token(word);
     }
 
     /// Parses the punctuation `mark`, or returns an error if another token follows.
     pub fn expect_punctuation(&mut self, mark: &str) -> Result<(), SceneError> {
-        let token = self.lexer.peek();
+        let token = self.lexer.peek_token();
         if token.text == mark {
-            self.lexer.consume(token);
+            self.lexer.consume_token(token);
             return Ok(());
         }
         if token.is_end() {
@@ -220,11 +220,11 @@ impl<'a> Parser<'a> {
 
     /// Parses the next word of the innermost block. Closes the block and returns `None` at its `}`.
     pub fn next_word(&mut self) -> Result<Option<Token<'a>>, SceneError> {
-        let token = self.lexer.peek();
+        let token = self.lexer.peek_token();
         if token.is_end() {
             return Err(self.unclosed_block_error());
         }
-        self.lexer.consume(token);
+        self.lexer.consume_token(token);
         if token.text == "}" {
             self.open_blocks.pop();
             self.closed_blocks += 1;
@@ -279,7 +279,7 @@ impl<'a> Parser<'a> {
 
     /// Returns the error of a field `owner` that lacks its `wanted` numbers of this `kind`.
     fn missing_number_error(&mut self, owner: Token<'a>, wanted: usize, kind: &str) -> SceneError {
-        let token = self.lexer.peek();
+        let token = self.lexer.peek_token();
         if token.is_end() {
             return self.unclosed_block_error();
         }
@@ -308,7 +308,7 @@ impl<'a> Parser<'a> {
         if !read.value.is_empty() {
             return Ok(read);
         }
-        let token = self.lexer.peek();
+        let token = self.lexer.peek_token();
         if token.is_end() && read.span.len == 0 {
             return Err(self.unclosed_block_error());
         }

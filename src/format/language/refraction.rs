@@ -5,7 +5,7 @@ use std::fmt;
 use super::super::description::RefractiveIndexDescription;
 use super::super::error::SceneError;
 use super::fields::{BlockFields, PresentField};
-use super::schema::{FieldKind, FieldRange, FieldSchema, field};
+use super::schema::{FieldKind, FieldRange, FieldSchema, field_schema};
 use super::writer::{SceneWriter, SpacedNumbers};
 use crate::color::DispersionFormula;
 
@@ -17,7 +17,7 @@ pub(super) const MAX_REFRACTIVE_INDEX: f64 = 1000.0;
 
 /// Field for the refractive index of dielectrics and thin panes.
 pub(super) const INDEX_FIELD: FieldSchema =
-    field("indexOfRefraction", FieldKind::Number, "absolute index of refraction")
+    field_schema("indexOfRefraction", FieldKind::Number, "absolute index of refraction")
         .with_range(FieldRange::Within(MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX))
         .with_default_numbers(&[1.5]);
 
@@ -30,7 +30,7 @@ const MAX_SELLMEIER_TERMS: usize = 4;
 /// Parses the refractive index; 1.5 if no field states it.
 pub(super) fn parse_refraction(f: &BlockFields<'_>) -> Result<RefractiveIndexDescription, SceneError> {
     let is_given = INDEX_SOURCES.iter().any(|source| f.get(source).is_some());
-    let source = if is_given { Some(f.require_one_of(&INDEX_SOURCES)?) } else { None };
+    let source = if is_given { Some(f.require_one_field_of(&INDEX_SOURCES)?) } else { None };
     for (part, whole) in [("abbe", "indexOfRefraction"), ("sellmeierC", "sellmeierB")] {
         if source.is_none_or(|source| source.name() != whole) {
             f.forbid_fields(&[part], &format!("has no effect without `{whole}`"))?;
@@ -39,7 +39,7 @@ pub(super) fn parse_refraction(f: &BlockFields<'_>) -> Result<RefractiveIndexDes
     match source.map(|source| (source.name(), source)) {
         Some(("glass", name)) => Ok(RefractiveIndexDescription::Named(name.value())),
         Some(("cauchy", coefficients)) => parse_cauchy(&coefficients),
-        Some(("sellmeierB", strengths)) => parse_sellmeier(&strengths, &f.require("sellmeierC")?),
+        Some(("sellmeierB", strengths)) => parse_sellmeier(&strengths, &f.require_field("sellmeierC")?),
         Some(_) | None => parse_index_and_abbe(f),
     }
 }
@@ -56,7 +56,7 @@ fn parse_index_and_abbe(f: &BlockFields<'_>) -> Result<RefractiveIndexDescriptio
 fn parse_cauchy(coefficients: &PresentField<'_, '_>) -> Result<RefractiveIndexDescription, SceneError> {
     let list = coefficients.number_list();
     let rule = "must be A, B in µm² and, unless 0, C in µm⁴, of n = A + B/λ² + C/λ⁴";
-    coefficients.ensure((2..=3).contains(&list.len()), rule)?;
+    coefficients.ensure_valid((2..=3).contains(&list.len()), rule)?;
     let (a, b, c) = (list[0], list[1], list.get(2).copied().unwrap_or(0.0));
     let glass = DispersionFormula::Cauchy { a, b, c };
     check_index_range(&glass, coefficients, "wants B in µm² and C in µm⁴")?;
@@ -69,9 +69,9 @@ fn parse_sellmeier(
 ) -> Result<RefractiveIndexDescription, SceneError> {
     let (strengths, wavelengths) = (strength_field.number_list(), wavelength_field.number_list());
     let terms = strengths.len();
-    strength_field.ensure((1..=MAX_SELLMEIER_TERMS).contains(&terms), "must be one to four numbers")?;
+    strength_field.ensure_valid((1..=MAX_SELLMEIER_TERMS).contains(&terms), "must be one to four numbers")?;
     let rule = format!("must be as many numbers as `sellmeierB`, which has {terms}");
-    wavelength_field.ensure(wavelengths.len() == terms, &rule)?;
+    wavelength_field.ensure_valid(wavelengths.len() == terms, &rule)?;
     let (mut b, mut c) = ([0.0; MAX_SELLMEIER_TERMS], [0.0; MAX_SELLMEIER_TERMS]);
     b[..terms].copy_from_slice(strengths);
     c[..terms].copy_from_slice(wavelengths);
@@ -87,7 +87,7 @@ fn check_index_range(glass: &DispersionFormula, field: &PresentField<'_, '_>, ad
     let within = glass
         .refractive_index_range()
         .is_some_and(|ends| ends.iter().all(|n| (MIN_REFRACTIVE_INDEX..=MAX_REFRACTIVE_INDEX).contains(n)));
-    field.ensure(within, &format!("{advice}: the index must lie between 0.001 and 1000 from 380 to 720 nm"))
+    field.ensure_valid(within, &format!("{advice}: the index must lie between 0.001 and 1000 from 380 to 720 nm"))
 }
 
 /// Writes the refractive index as the fields that state it.

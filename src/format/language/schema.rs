@@ -135,7 +135,7 @@ pub(super) struct BlockParser<P: 'static> {
 }
 
 /// Returns the schema of an optional field. Colors must not be negative; other values are free.
-pub(super) const fn field(name: &'static str, kind: FieldKind, help: &'static str) -> FieldSchema {
+pub(super) const fn field_schema(name: &'static str, kind: FieldKind, help: &'static str) -> FieldSchema {
     let range = match kind {
         FieldKind::Color | FieldKind::ColorOrTexture => FieldRange::NonNegative,
         _ => FieldRange::Any,
@@ -145,7 +145,7 @@ pub(super) const fn field(name: &'static str, kind: FieldKind, help: &'static st
 }
 
 /// Returns the schema of a block without fields and aliases.
-pub(super) const fn block(keyword: &'static str, help: &'static str) -> BlockSchema {
+pub(super) const fn block_schema(keyword: &'static str, help: &'static str) -> BlockSchema {
     BlockSchema { keyword, aliases: &[], own_fields: &[], shared_fields: &[], help, is_course_syntax: false }
 }
 
@@ -223,7 +223,7 @@ impl FieldSchema {
         (!ok).then(|| self.rule_of_range(numbers))
     }
 
-    /// Returns the range as a rule for `numbers` outside it.
+    /// Returns the allowed range in words, as a rule that `numbers` break.
     fn rule_of_range(&self, numbers: &[f64]) -> String {
         let each = if numbers.len() > 1 { " in each component" } else { "" };
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };

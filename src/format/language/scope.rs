@@ -27,7 +27,7 @@ pub(super) struct ParserScope<'a> {
     pub late_materials: Option<Token<'a>>,
 }
 
-/// Depth and dielectric of a material that may be a tree of mixes.
+/// Nesting depth of a `Mix` material, and the index of the dielectric among its leaf materials.
 #[derive(Clone, Copy, Default)]
 pub(super) struct MixSummary {
     /// Index of the `Dielectric` among its leaf materials, if there is one.

@@ -10,7 +10,7 @@ use super::curves::{BEZIER_CONTROLS, BSPLINE_CONTROLS};
 use super::fields::{BlockFields, FromFieldValue, parse_block_by_keyword};
 use super::lexer::Token;
 use super::parser::Parser;
-use super::schema::{BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, block, field};
+use super::schema::{BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, block_schema, field_schema};
 use super::writer::{SceneWriter, SpacedNumbers};
 use crate::shape::parametric::MAX_DEGREE;
 
@@ -38,19 +38,19 @@ type ParseShape = fn(&BlockFields<'_>) -> Result<ShapeDescription, SceneError>;
 const DEGREE_RANGE: FieldRange = FieldRange::Within(1.0, MAX_DEGREE as f64);
 
 static EMISSION_FIELDS: &[FieldSchema] =
-    &[field("emission", FieldKind::Color, "radiance instead of the material's; not for a `Plane`")
+    &[field_schema("emission", FieldKind::Color, "radiance instead of the material's; not for a `Plane`")
         .with_absence_text("the material's")
         .with_unit("W/(m² sr)")];
 
 static DEGREE_FIELDS: &[FieldSchema] = &[
-    field("degreeU", FieldKind::Whole, "degree along u").with_range(DEGREE_RANGE).with_default_numbers(&[3.0]),
-    field("degreeV", FieldKind::Whole, "degree along v").with_range(DEGREE_RANGE).with_default_numbers(&[3.0]),
+    field_schema("degreeU", FieldKind::Whole, "degree along u").with_range(DEGREE_RANGE).with_default_numbers(&[3.0]),
+    field_schema("degreeV", FieldKind::Whole, "degree along v").with_range(DEGREE_RANGE).with_default_numbers(&[3.0]),
 ];
 
-static SPHERE: BlockSchema = block("Sphere", "all points at distance `radius` from `center`")
+static SPHERE: BlockSchema = block_schema("Sphere", "all points at distance `radius` from `center`")
     .with_fields(&[
-        field("center", FieldKind::Point, "center").make_required().mark_course_syntax(),
-        field("radius", FieldKind::Number, "radius")
+        field_schema("center", FieldKind::Point, "center").make_required().mark_course_syntax(),
+        field_schema("radius", FieldKind::Number, "radius")
             .with_range(FieldRange::Positive)
             .make_required()
             .mark_course_syntax(),
@@ -58,87 +58,97 @@ static SPHERE: BlockSchema = block("Sphere", "all points at distance `radius` fr
     .with_shared_fields(&[EMISSION_FIELDS])
     .mark_course_syntax();
 
-static PLANE: BlockSchema = block("Plane", "infinite plane")
+static PLANE: BlockSchema = block_schema("Plane", "infinite plane")
     .with_fields(&[
-        field("normal", FieldKind::Direction, "normal; its length scales `offset`")
+        field_schema("normal", FieldKind::Direction, "normal; its length scales `offset`")
             .make_required()
             .mark_course_syntax(),
-        field("offset", FieldKind::Number, "normal · x of the points x of the plane")
+        field_schema("offset", FieldKind::Number, "normal · x of the points x of the plane")
             .make_required()
             .mark_course_syntax(),
     ])
     .with_shared_fields(&[EMISSION_FIELDS])
     .mark_course_syntax();
 
-static DISC: BlockSchema = block("Disc", "flat disc")
+static DISC: BlockSchema = block_schema("Disc", "flat disc")
     .with_fields(&[
-        field("center", FieldKind::Point, "center").make_required(),
-        field("normal", FieldKind::Direction, "normal").make_required(),
-        field("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).make_required(),
+        field_schema("center", FieldKind::Point, "center").make_required(),
+        field_schema("normal", FieldKind::Direction, "normal").make_required(),
+        field_schema("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).make_required(),
     ])
     .with_shared_fields(&[EMISSION_FIELDS]);
 
-static RECTANGLE: BlockSchema = block("Rectangle", "parallelogram with normal `edge0` × `edge1`")
+static RECTANGLE: BlockSchema = block_schema("Rectangle", "parallelogram with normal `edge0` × `edge1`")
     .with_fields(&[
-        field("corner", FieldKind::Point, "corner where both edges start").make_required(),
-        field("edge0", FieldKind::Direction, "vector to the first neighbouring corner").make_required(),
-        field("edge1", FieldKind::Direction, "vector to the other neighbouring corner").make_required(),
+        field_schema("corner", FieldKind::Point, "corner where both edges start").make_required(),
+        field_schema("edge0", FieldKind::Direction, "vector to the first neighbouring corner").make_required(),
+        field_schema("edge1", FieldKind::Direction, "vector to the other neighbouring corner").make_required(),
     ])
     .with_shared_fields(&[EMISSION_FIELDS]);
 
-static BOX: BlockSchema = block("Box", "closed box with edges along the axes")
+static BOX: BlockSchema = block_schema("Box", "closed box with edges along the axes")
     .with_fields(&[
-        field("min", FieldKind::Point, "corner with the lowest coordinates").make_required(),
-        field("max", FieldKind::Point, "opposite corner; above `min` in every coordinate").make_required(),
+        field_schema("min", FieldKind::Point, "corner with the lowest coordinates").make_required(),
+        field_schema("max", FieldKind::Point, "opposite corner; above `min` in every coordinate").make_required(),
     ])
     .with_shared_fields(&[EMISSION_FIELDS]);
 
 static CAPS_FIELDS: &[FieldSchema] =
-    &[field("caps", FieldKind::Word(&["yes", "no"]), "`no` leaves both ends open").with_default_word("yes")];
+    &[field_schema("caps", FieldKind::Word(&["yes", "no"]), "`no` leaves both ends open").with_default_word("yes")];
 
-static CYLINDER: BlockSchema = block("Cylinder", "cylinder of any direction, closed unless `caps` is `no`")
+static CYLINDER: BlockSchema = block_schema("Cylinder", "cylinder of any direction, closed unless `caps` is `no`")
     .with_fields(&[
-        field("bottom", FieldKind::Point, "center of one end").make_required(),
-        field("top", FieldKind::Point, "center of the other end").make_required(),
-        field("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).make_required(),
+        field_schema("bottom", FieldKind::Point, "center of one end").make_required(),
+        field_schema("top", FieldKind::Point, "center of the other end").make_required(),
+        field_schema("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).make_required(),
     ])
     .with_shared_fields(&[CAPS_FIELDS, EMISSION_FIELDS]);
 
-static CONE: BlockSchema = block("Cone", "cone or truncated cone of any direction, closed unless `caps` is `no`")
-    .with_fields(&[
-        field("bottom", FieldKind::Point, "center of the base").make_required(),
-        field("top", FieldKind::Point, "apex, or center of the other end").make_required(),
-        field("radius", FieldKind::Number, "radius of the base").with_range(FieldRange::Positive).make_required(),
-        field("topRadius", FieldKind::Number, "radius of the other end")
-            .with_range(FieldRange::NonNegative)
-            .with_default_numbers(&[0.0]),
-    ])
-    .with_shared_fields(&[CAPS_FIELDS, EMISSION_FIELDS]);
+static CONE: BlockSchema =
+    block_schema("Cone", "cone or truncated cone of any direction, closed unless `caps` is `no`")
+        .with_fields(&[
+            field_schema("bottom", FieldKind::Point, "center of the base").make_required(),
+            field_schema("top", FieldKind::Point, "apex, or center of the other end").make_required(),
+            field_schema("radius", FieldKind::Number, "radius of the base")
+                .with_range(FieldRange::Positive)
+                .make_required(),
+            field_schema("topRadius", FieldKind::Number, "radius of the other end")
+                .with_range(FieldRange::NonNegative)
+                .with_default_numbers(&[0.0]),
+        ])
+        .with_shared_fields(&[CAPS_FIELDS, EMISSION_FIELDS]);
 
-static TRIANGLE: BlockSchema = block("Triangle", "triangle; its area may be 0")
+static TRIANGLE: BlockSchema = block_schema("Triangle", "triangle; its area may be 0")
     .with_fields(&[
-        field("vertex0", FieldKind::Point, "first vertex").make_required().mark_course_syntax(),
-        field("vertex1", FieldKind::Point, "second vertex").make_required().mark_course_syntax(),
-        field("vertex2", FieldKind::Point, "third vertex").make_required().mark_course_syntax(),
-        field("normal0", FieldKind::Direction, "shading normal at the first vertex; give all three or none"),
-        field("normal1", FieldKind::Direction, "shading normal at the second vertex"),
-        field("normal2", FieldKind::Direction, "shading normal at the third vertex"),
-        field("uv0", FieldKind::Pair, "texture coordinates at the first vertex; give all three or none")
+        field_schema("vertex0", FieldKind::Point, "first vertex").make_required().mark_course_syntax(),
+        field_schema("vertex1", FieldKind::Point, "second vertex").make_required().mark_course_syntax(),
+        field_schema("vertex2", FieldKind::Point, "third vertex").make_required().mark_course_syntax(),
+        field_schema("normal0", FieldKind::Direction, "shading normal at the first vertex; give all three or none"),
+        field_schema("normal1", FieldKind::Direction, "shading normal at the second vertex"),
+        field_schema("normal2", FieldKind::Direction, "shading normal at the third vertex"),
+        field_schema("uv0", FieldKind::Pair, "texture coordinates at the first vertex; give all three or none")
             .with_absence_text("0 0"),
-        field("uv1", FieldKind::Pair, "texture coordinates at the second vertex").with_absence_text("1 0"),
-        field("uv2", FieldKind::Pair, "texture coordinates at the third vertex").with_absence_text("0 1"),
+        field_schema("uv1", FieldKind::Pair, "texture coordinates at the second vertex").with_absence_text("1 0"),
+        field_schema("uv2", FieldKind::Pair, "texture coordinates at the third vertex").with_absence_text("0 1"),
     ])
     .with_shared_fields(&[EMISSION_FIELDS])
     .mark_course_syntax();
 
-static MESH: BlockSchema = block("TriangleMesh", "triangle mesh in a file of its own")
+static MESH: BlockSchema = block_schema("TriangleMesh", "triangle mesh in a file of its own")
     .with_fields(&[
-        field("obj_file", FieldKind::Name, "OBJ or PLY file").with_alias("file").make_required().mark_course_syntax(),
-        field("materials", FieldKind::Word(&["scene", "file"]), "materials of the scene or of the file's MTL files")
-            .with_default_word("scene"),
-        field("normals", FieldKind::Word(&["file", "none"]), "`none` ignores the file's normals")
+        field_schema("obj_file", FieldKind::Name, "OBJ or PLY file")
+            .with_alias("file")
+            .make_required()
+            .mark_course_syntax(),
+        field_schema(
+            "materials",
+            FieldKind::Word(&["scene", "file"]),
+            "materials of the scene or of the file's MTL files",
+        )
+        .with_default_word("scene"),
+        field_schema("normals", FieldKind::Word(&["file", "none"]), "`none` ignores the file's normals")
             .with_default_word("file"),
-        field("smoothAngle", FieldKind::Number, "greatest angle between faces that are smoothed")
+        field_schema("smoothAngle", FieldKind::Number, "greatest angle between faces that are smoothed")
             .with_range(FieldRange::Within(0.0, 180.0))
             .with_absence_text("faces without normals are flat")
             .with_unit("degrees"),
@@ -147,27 +157,27 @@ static MESH: BlockSchema = block("TriangleMesh", "triangle mesh in a file of its
     .mark_course_syntax();
 
 static REVOLUTION: BlockSchema =
-    block("RevSurface", "surface of revolution: the points (x cos θ, y, x sin θ) of a profile")
-        .with_fields(&[field("profile", FieldKind::Curve, "curve of points (x, y), turned about the y axis")
+    block_schema("RevSurface", "surface of revolution: the points (x cos θ, y, x sin θ) of a profile")
+        .with_fields(&[field_schema("profile", FieldKind::Curve, "curve of points (x, y), turned about the y axis")
             .make_required()
             .mark_course_syntax()])
         .with_shared_fields(&[EMISSION_FIELDS])
         .mark_course_syntax();
 
 static BEZIER_CURVE: BlockSchema =
-    block("BezierCurve", "one Bézier curve; without `profile` it has no surface and is not visible")
+    block_schema("BezierCurve", "one Bézier curve; without `profile` it has no surface and is not visible")
         .with_fields(&[BEZIER_CONTROLS])
         .with_shared_fields(&[EMISSION_FIELDS])
         .mark_course_syntax();
 
 static BSPLINE_CURVE: BlockSchema =
-    block("BsplineCurve", "a uniform cubic B-spline; without `profile` it has no surface and is not visible")
+    block_schema("BsplineCurve", "a uniform cubic B-spline; without `profile` it has no surface and is not visible")
         .with_fields(&[BSPLINE_CONTROLS])
         .with_shared_fields(&[EMISSION_FIELDS])
         .mark_course_syntax();
 
-static BEZIER_PATCH: BlockSchema = block("BezierPatch", "one or more Bézier patches of the same degrees")
-    .with_fields(&[field(
+static BEZIER_PATCH: BlockSchema = block_schema("BezierPatch", "one or more Bézier patches of the same degrees")
+    .with_fields(&[field_schema(
         "controls",
         FieldKind::WeightedPoints,
         "control points, patch after patch, those along v first",
@@ -175,21 +185,21 @@ static BEZIER_PATCH: BlockSchema = block("BezierPatch", "one or more Bézier pat
     .make_required()])
     .with_shared_fields(&[DEGREE_FIELDS, EMISSION_FIELDS]);
 
-static NURBS: BlockSchema = block("NurbsSurface", "rational B-spline surface")
+static NURBS: BlockSchema = block_schema("NurbsSurface", "rational B-spline surface")
     .with_fields(&[
-        field("countU", FieldKind::Whole, "number of control points along u")
+        field_schema("countU", FieldKind::Whole, "number of control points along u")
             .with_range(FieldRange::Special("above the degree"))
             .make_required(),
-        field("countV", FieldKind::Whole, "number of control points along v")
+        field_schema("countV", FieldKind::Whole, "number of control points along v")
             .with_range(FieldRange::Special("above the degree"))
             .make_required(),
-        field("knotsU", FieldKind::Numbers, "`countU` + `degreeU` + 1 knots along u")
+        field_schema("knotsU", FieldKind::Numbers, "`countU` + `degreeU` + 1 knots along u")
             .with_range(FieldRange::Special("nondecreasing"))
             .with_absence_text("uniform"),
-        field("knotsV", FieldKind::Numbers, "`countV` + `degreeV` + 1 knots along v")
+        field_schema("knotsV", FieldKind::Numbers, "`countV` + `degreeV` + 1 knots along v")
             .with_range(FieldRange::Special("nondecreasing"))
             .with_absence_text("uniform"),
-        field("controls", FieldKind::WeightedPoints, "control points, those along v first").make_required(),
+        field_schema("controls", FieldKind::WeightedPoints, "control points, those along v first").make_required(),
     ])
     .with_shared_fields(&[DEGREE_FIELDS, EMISSION_FIELDS]);
 
@@ -223,7 +233,7 @@ fn parse_rectangle(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> 
 
 fn parse_box(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
     let (min, max): (DVec3, DVec3) = (f.value("min")?, f.value("max")?);
-    f.require("max")?.ensure(max.cmpgt(min).all(), "must be above `min` in every coordinate")?;
+    f.require_field("max")?.ensure_valid(max.cmpgt(min).all(), "must be above `min` in every coordinate")?;
     Ok(ShapeDescription::Box { min, max })
 }
 
@@ -247,15 +257,15 @@ fn parse_mesh(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
 }
 
 fn parse_revolution_surface(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
-    Ok(ShapeDescription::Revolution { profile: f.require("profile")?.profile_curve() })
+    Ok(ShapeDescription::Revolution { profile: f.require_field("profile")?.profile_curve() })
 }
 
 fn parse_bezier_curve(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
-    Ok(ShapeDescription::Curve(f.require("controls")?.curve_with_basis(CurveBasis::Bezier)?))
+    Ok(ShapeDescription::Curve(f.require_field("controls")?.curve_with_basis(CurveBasis::Bezier)?))
 }
 
 fn parse_bspline_curve(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
-    Ok(ShapeDescription::Curve(f.require("controls")?.curve_with_basis(CurveBasis::Bspline)?))
+    Ok(ShapeDescription::Curve(f.require_field("controls")?.curve_with_basis(CurveBasis::Bspline)?))
 }
 
 /// Parses corner and edges of a parallelogram whose area is not 0.
@@ -263,14 +273,14 @@ pub(super) fn parse_parallelogram(f: &BlockFields<'_>) -> Result<(DVec3, DVec3, 
     let (corner, edge0, edge1): (_, DVec3, DVec3) = (f.value("corner")?, f.value("edge0")?, f.value("edge1")?);
     // Rounding of parallel edges alone gives a sine of about 1e-16.
     let sine = edge0.normalize().cross(edge1.normalize()).length();
-    f.require("edge1")?.ensure(sine > 1e-12, "must not be parallel to `edge0`: the area would be 0")?;
+    f.require_field("edge1")?.ensure_valid(sine > 1e-12, "must not be parallel to `edge0`: the area would be 0")?;
     Ok((corner, edge0, edge1))
 }
 
 /// Parses the centers of both ends of a cylinder or cone. The flag is true if caps close the ends.
 fn parse_ends_and_caps(f: &BlockFields<'_>) -> Result<([DVec3; 2], bool), SceneError> {
     let ends = [f.value("bottom")?, f.value("top")?];
-    f.require("top")?.ensure(ends[0] != ends[1], "must differ from `bottom`")?;
+    f.require_field("top")?.ensure_valid(ends[0] != ends[1], "must differ from `bottom`")?;
     Ok((ends, f.word_value("caps")? == "yes"))
 }
 
@@ -293,10 +303,10 @@ fn parse_all_or_none<T: FromFieldValue>(f: &BlockFields<'_>, names: [&str; 3]) -
 fn parse_bezier_patches(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
     let degree: [u32; 2] = [f.value("degreeU")?, f.value("degreeV")?];
     let points_per_patch = (degree[0] as usize + 1) * (degree[1] as usize + 1);
-    let controls = f.require("controls")?;
+    let controls = f.require_field("controls")?;
     let found = controls.weighted_points().len();
     let rule = format!("must hold {points_per_patch} points for each patch of these degrees, and holds {found}");
-    controls.ensure(found > 0 && found.is_multiple_of(points_per_patch), &rule)?;
+    controls.ensure_valid(found > 0 && found.is_multiple_of(points_per_patch), &rule)?;
     Ok(ShapeDescription::Patches { degree, controls: controls.weighted_points().to_vec() })
 }
 
@@ -304,28 +314,28 @@ fn parse_nurbs_surface(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneErr
     let degree = [f.value("degreeU")?, f.value("degreeV")?];
     let parse_count = |name: &str, degree: u32| {
         let count: u32 = f.value(name)?;
-        f.require(name)?.ensure(count > degree, "must be above the degree")?;
+        f.require_field(name)?.ensure_valid(count > degree, "must be above the degree")?;
         Ok(count)
     };
     let count = [parse_count("countU", degree[0])?, parse_count("countV", degree[1])?];
     let knot_count = |axis: usize| u64::from(count[axis]) + u64::from(degree[axis]) + 1;
     let knots = [parse_knots(f, "knotsU", knot_count(0))?, parse_knots(f, "knotsV", knot_count(1))?];
-    let controls = f.require("controls")?;
+    let controls = f.require_field("controls")?;
     let (wanted, found) = (u64::from(count[0]) * u64::from(count[1]), controls.weighted_points().len() as u64);
     let rule = format!("must hold countU · countV = {wanted} points, and holds {found}");
-    controls.ensure(found == wanted, &rule)?;
+    controls.ensure_valid(found == wanted, &rule)?;
     Ok(ShapeDescription::Nurbs { degree, count, knots, controls: controls.weighted_points().to_vec() })
 }
 
 /// Parses the knots of the field `name`; empty if the field is absent.
 ///
-/// `wanted` is the required number of knots.
+/// A present field must hold `wanted` knots.
 fn parse_knots(f: &BlockFields<'_>, name: &str, wanted: u64) -> Result<Vec<f64>, SceneError> {
     let Some(knots) = f.get(name) else { return Ok(Vec::new()) };
     let list = knots.number_list();
     let rule = format!("must hold count + degree + 1 = {wanted} numbers, and holds {}", list.len());
-    knots.ensure(list.len() as u64 == wanted, &rule)?;
-    knots.ensure(list.windows(2).all(|w| w[0] <= w[1]), "must not decrease")?;
+    knots.ensure_valid(list.len() as u64 == wanted, &rule)?;
+    knots.ensure_valid(list.windows(2).all(|w| w[0] <= w[1]), "must not decrease")?;
     Ok(list.to_vec())
 }
 

@@ -13,7 +13,9 @@ use super::fields::{BlockFields, parse_block_by_keyword};
 use super::lexer::Token;
 use super::names::parse_unique_block_name;
 use super::parser::Parser;
-use super::schema::{BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, block, block_keywords, field};
+use super::schema::{
+    BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, block_keywords, block_schema, field_schema,
+};
 use super::transforms::write_transform_field;
 use super::writer::SceneWriter;
 
@@ -30,57 +32,61 @@ pub(super) static TEXTURES: &[BlockParser<ParseTexture>] = &[
 type ParseTexture = fn(&BlockFields<'_>) -> Result<TextureKindDescription, SceneError>;
 
 static COORDINATE_FIELDS: &[FieldSchema] = &[
-    field("scale", FieldKind::Pair, "factors of u and v")
+    field_schema("scale", FieldKind::Pair, "factors of u and v")
         .with_range(FieldRange::NonZero)
         .with_default_numbers(&[1.0, 1.0]),
-    field("rotate", FieldKind::Number, "rotation of (u, v) after that, anticlockwise")
+    field_schema("rotate", FieldKind::Number, "rotation of (u, v) after that, anticlockwise")
         .with_default_numbers(&[0.0])
         .with_unit("degrees"),
-    field("offset", FieldKind::Pair, "offset of (u, v) after that").with_default_numbers(&[0.0, 0.0]),
+    field_schema("offset", FieldKind::Pair, "offset of (u, v) after that").with_default_numbers(&[0.0, 0.0]),
 ];
 
 static COLOR_FIELDS: &[FieldSchema] = &[
-    field("color0", FieldKind::Color, "first color; of a checker where ⌊u⌋ + ⌊v⌋ is even")
+    field_schema("color0", FieldKind::Color, "first color; of a checker where ⌊u⌋ + ⌊v⌋ is even")
         .with_default_numbers(&[0.0, 0.0, 0.0]),
-    field("color1", FieldKind::Color, "second color").with_default_numbers(&[1.0, 1.0, 1.0]),
+    field_schema("color1", FieldKind::Color, "second color").with_default_numbers(&[1.0, 1.0, 1.0]),
 ];
 
 // The last octave is 32,768 times finer than the first.
 static PATTERN_FIELDS: &[FieldSchema] = &[
-    field("octaves", FieldKind::Whole, "octaves of noise")
+    field_schema("octaves", FieldKind::Whole, "octaves of noise")
         .with_range(FieldRange::Within(1.0, 16.0))
         .with_default_numbers(&[4.0]),
-    field("frequency", FieldKind::Number, "frequency f of the first octave, of veins and of rings")
+    field_schema("frequency", FieldKind::Number, "frequency f of the first octave, of veins and of rings")
         .with_range(FieldRange::Positive)
         .with_default_numbers(&[1.0])
         .with_unit("1/length"),
-    field("amplitude", FieldKind::Number, "factor a of the noise")
+    field_schema("amplitude", FieldKind::Number, "factor a of the noise")
         .with_range(FieldRange::NonNegative)
         .with_default_numbers(&[1.0]),
-    field("Transform", FieldKind::TransformSteps, "maps from the pattern's space to the object's")
+    field_schema("Transform", FieldKind::TransformSteps, "maps from the pattern's space to the object's")
         .with_absence_text("none"),
 ];
 
-static IMAGE: BlockSchema = block("Image", "a picture, which covers the unit square of texture coordinates")
+static IMAGE: BlockSchema = block_schema("Image", "a picture, which covers the unit square of texture coordinates")
     .with_fields(&[
-        field("file", FieldKind::Name, "picture: PNG, OpenEXR or Radiance HDR").make_required(),
-        field("encoding", FieldKind::Word(&["srgb", "linear"]), "encoding of a PNG; other formats are always linear")
-            .with_default_word("srgb"),
-        field("wrap", FieldKind::Word(&["repeat", "clamp", "mirror"]), "continuation beyond the edges")
+        field_schema("file", FieldKind::Name, "picture: PNG, OpenEXR or Radiance HDR").make_required(),
+        field_schema(
+            "encoding",
+            FieldKind::Word(&["srgb", "linear"]),
+            "encoding of a PNG; other formats are always linear",
+        )
+        .with_default_word("srgb"),
+        field_schema("wrap", FieldKind::Word(&["repeat", "clamp", "mirror"]), "continuation beyond the edges")
             .with_default_word("repeat"),
     ])
     .with_shared_fields(&[COORDINATE_FIELDS]);
 
-static CHECKER: BlockSchema =
-    block("Checker", "squares of side 1 in texture coordinates").with_shared_fields(&[COLOR_FIELDS, COORDINATE_FIELDS]);
+static CHECKER: BlockSchema = block_schema("Checker", "squares of side 1 in texture coordinates")
+    .with_shared_fields(&[COLOR_FIELDS, COORDINATE_FIELDS]);
 
-static NOISE: BlockSchema = block("Noise", "solid noise, t = ½ + ½ a N, clamped to 0 … 1: clouds, lumps")
+static NOISE: BlockSchema = block_schema("Noise", "solid noise, t = ½ + ½ a N, clamped to 0 … 1: clouds, lumps")
     .with_shared_fields(&[COLOR_FIELDS, PATTERN_FIELDS]);
 
-static MARBLE: BlockSchema = block("Marble", "solid veins across the x axis, t = ½ + ½ sin 2π(f x + a N)")
+static MARBLE: BlockSchema = block_schema("Marble", "solid veins across the x axis, t = ½ + ½ sin 2π(f x + a N)")
     .with_shared_fields(&[COLOR_FIELDS, PATTERN_FIELDS]);
 
-static WOOD: BlockSchema = block("Wood", "solid rings about the y axis, t = ½ + ½ sin 2π(f √(x² + z²) + a N)")
+static WOOD: BlockSchema = block_schema("Wood", "solid rings about the y axis, t = ½ + ½ sin 2π(f √(x² + z²) + a N)")
     .with_shared_fields(&[COLOR_FIELDS, PATTERN_FIELDS]);
 
 /// Parses a `Textures` block; its textures replace those of an earlier one.

@@ -90,9 +90,10 @@ pub(super) fn merge_equal_vertices(mesh: &mut TriangleMesh) {
     select_vertices(mesh, vertices.iter().map(|(v, _)| *v));
 }
 
-/// Makes `list` the new list of vertices: copies their positions and texture coordinates.
+/// Replaces the vertices of `mesh` by those with the indices in `list`.
 ///
-/// The caller replaces normals and triangles.
+/// Only positions and texture coordinates are replaced. The caller must replace normals and
+/// triangles.
 pub(super) fn select_vertices(mesh: &mut TriangleMesh, list: impl Iterator<Item = u32> + Clone) {
     mesh.positions = list.clone().map(|v| mesh.positions[v as usize]).collect();
     let texcoord = |texcoords: Vec<DVec2>| list.map(|v| texcoords[v as usize]).collect();

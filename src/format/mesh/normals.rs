@@ -70,7 +70,8 @@ fn smoothing_groups(mesh: &TriangleMesh, faces: &[DVec3], angle: f64) -> Vec<u32
     numbers
 }
 
-/// Gives each corner of the `missing` triangles the normal of its group, and splits vertices.
+/// Sets smooth normals at the corners of triangles marked in `missing`, and splits vertices where
+/// needed.
 ///
 /// `sums` holds the weighted sum of face normals of each group.
 fn assign_group_normals(mesh: &mut TriangleMesh, missing: &[bool], groups: &[u32], sums: &[DVec3]) {

@@ -40,7 +40,7 @@ pub(super) fn orient_outward(mesh: &mut TriangleMesh) -> usize {
     for (t, turn) in turn.iter_mut().enumerate().filter(|(t, _)| topology.has_distinct_positions(mesh.triangles[*t])) {
         let (root, against) = windings.find_root(t);
         *turn = against;
-        components.entry(root).or_insert_with(|| empty_component(mesh, t)).add_triangle(mesh, t);
+        components.entry(root).or_insert_with(|| new_surface_component(mesh, t)).add_triangle(mesh, t);
     }
     for t in twisted {
         components.entry(windings.find_root(t).0).and_modify(|component| component.is_orientable = false);
@@ -75,7 +75,7 @@ pub(super) fn reverse_orientation(mesh: &mut TriangleMesh) {
     mesh.normals.iter_mut().flatten().for_each(|n| *n = -*n);
 }
 
-fn empty_component(mesh: &TriangleMesh, first: usize) -> SurfaceComponent {
+fn new_surface_component(mesh: &TriangleMesh, first: usize) -> SurfaceComponent {
     SurfaceComponent {
         is_closed: true,
         is_orientable: true,
@@ -103,7 +103,7 @@ fn six_times_signed_volume(mesh: &TriangleMesh, component: &SurfaceComponent, tu
     component.faces.iter().map(six).sum()
 }
 
-/// For each closed component, the number of closed components of its material that contain it.
+/// Nesting depth of each component: how many closed components of its material contain it.
 ///
 /// Triangles marked in `turn` count as flipped. All numbers are 0 if there are more than
 /// [`MAX_NESTED_COMPONENTS`] closed components, and for open components.

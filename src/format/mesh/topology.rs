@@ -72,7 +72,8 @@ impl MeshTopology {
     }
 }
 
-/// Disjoint sets (Tarjan 1975) whose elements have a parity: flipped or not relative to the root.
+/// Union-find (Tarjan 1975) of triangles. Each element has a parity: whether its winding is flipped
+/// relative to the root of its set.
 #[derive(Debug)]
 pub(super) struct ParityUnionFind {
     parent: Vec<u32>,

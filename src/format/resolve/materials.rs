@@ -20,7 +20,7 @@ pub(super) fn add_materials(r: &mut Resolver<'_>) -> Result<(), SceneError> {
         let material = with_body_medium(r, material, described)?;
         let normals = r.resolve_normal_perturbation(described, &mut requirements)?;
         if let Some(EmissionDescription::Texture { name, .. }) = &described.emission {
-            requirements.add_requirements_of(&r.texture_by_name(name, &ANY_TEXTURE_VALUE)?);
+            requirements.add_texture_requirements(&r.texture_by_name(name, &ANY_TEXTURE_VALUE)?);
         }
         for part in described.kind.mix_parts().into_iter().flatten() {
             if let Some(part) = r.material_indices.get(part.as_str()).map(|i| r.texture_requirements[*i as usize]) {

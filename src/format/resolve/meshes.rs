@@ -37,12 +37,12 @@ pub(super) type MeshKey = (PathBuf, bool, bool, Option<u64>);
 pub(super) struct MeshPart {
     mesh: Rc<TriangleMesh>,
     /// Material of the mesh's file; `None` for the scene's current material.
-    file_material: Option<MtlMaterial>,
+    file_material: Option<AddedFileMaterial>,
 }
 
 /// A material of a mesh's file, as added to the scene.
 #[derive(Clone, Debug)]
-pub(super) struct MtlMaterial {
+pub(super) struct AddedFileMaterial {
     name: Rc<str>,
     index: u32,
     emission: Rgb,
@@ -166,7 +166,7 @@ fn add_file_materials(
     path: &Spanned<String>,
     file: &Path,
     loaded: &LoadedMesh,
-) -> Result<Rc<[MtlMaterial]>, SceneError> {
+) -> Result<Rc<[AddedFileMaterial]>, SceneError> {
     if let Some(materials) = r.file_materials.get(file) {
         return Ok(materials.clone());
     }
@@ -178,7 +178,7 @@ fn add_file_materials(
         let description = material.to_description().map_err(|e| r.file_error(path, &bad(e), MESH_REMEDY))?;
         materials.push(add_file_material(r, path, description)?);
     }
-    let materials: Rc<[MtlMaterial]> = materials.into();
+    let materials: Rc<[AddedFileMaterial]> = materials.into();
     r.file_materials.insert(file.to_owned(), materials.clone());
     Ok(materials)
 }
@@ -188,7 +188,7 @@ fn add_file_material(
     r: &mut Resolver<'_>,
     path: &Spanned<String>,
     mut description: MaterialDescription,
-) -> Result<MtlMaterial, SceneError> {
+) -> Result<AddedFileMaterial, SceneError> {
     if let MaterialKindDescription::Phong { texture: Some(picture), .. } = &mut description.kind {
         picture.span = path.span;
     }
@@ -202,7 +202,7 @@ fn add_file_material(
         Some(EmissionDescription::Radiance(radiance)) => rgb(radiance),
         _ => Rgb::ZERO,
     };
-    Ok(MtlMaterial { name: description.name.unwrap_or_default().into(), index, emission })
+    Ok(AddedFileMaterial { name: description.name.unwrap_or_default().into(), index, emission })
 }
 
 fn mesh_error(r: &Resolver<'_>, path: &Spanned<String>, error: &MeshError) -> SceneError {

@@ -138,7 +138,7 @@ struct Resolver<'a> {
     /// Parts of the meshes that were read, by file and options.
     meshes: HashMap<meshes::MeshKey, Rc<[meshes::MeshPart]>>,
     /// Materials of mesh files, in the order in which the meshes name them.
-    file_materials: HashMap<PathBuf, Rc<[meshes::MtlMaterial]>>,
+    file_materials: HashMap<PathBuf, Rc<[meshes::AddedFileMaterial]>>,
     /// Number of objects that name each mesh path.
     mesh_uses: HashMap<&'a str, usize>,
     /// Geometry that instances of a mesh share.
@@ -328,18 +328,18 @@ pub(super) fn file_candidates<'a>(folder: &'a Path, path: &'a Path) -> impl Iter
 
 /// Returns the number of objects that name each mesh path.
 fn count_mesh_uses(group: &Group) -> HashMap<&str, usize> {
-    fn count_in_group<'a>(group: &'a Group, uses: &mut HashMap<&'a str, usize>) {
+    fn count_mesh_uses_in_group<'a>(group: &'a Group, uses: &mut HashMap<&'a str, usize>) {
         for item in &group.items {
             if let GroupItem::Object(object) = item {
-                count_in_object(object, uses);
+                count_mesh_uses_in_object(object, uses);
             }
         }
     }
-    fn count_in_object<'a>(object: &'a ObjectDescription, uses: &mut HashMap<&'a str, usize>) {
+    fn count_mesh_uses_in_object<'a>(object: &'a ObjectDescription, uses: &mut HashMap<&'a str, usize>) {
         match object {
-            ObjectDescription::Group(group) => count_in_group(group, uses),
+            ObjectDescription::Group(group) => count_mesh_uses_in_group(group, uses),
             ObjectDescription::Transform { object, .. } | ObjectDescription::Moving { object, .. } => {
-                count_in_object(object, uses)
+                count_mesh_uses_in_object(object, uses)
             }
             ObjectDescription::Shape { shape: ShapeDescription::Mesh { path, .. }, .. } => {
                 *uses.entry(path).or_insert(0) += 1
@@ -348,11 +348,11 @@ fn count_mesh_uses(group: &Group) -> HashMap<&str, usize> {
         }
     }
     let mut uses = HashMap::new();
-    count_in_group(group, &mut uses);
+    count_mesh_uses_in_group(group, &mut uses);
     uses
 }
 
-/// Returns the direction, of any length, from `from`.
+/// Returns the direction of `aim` as seen from the point `from`, of any length.
 fn aim_direction(aim: DirectionOrTarget, from: DVec3) -> DVec3 {
     match aim {
         DirectionOrTarget::Direction(direction) => direction,

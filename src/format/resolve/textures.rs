@@ -83,7 +83,7 @@ impl<'a> Resolver<'a> {
     }
 
     fn add_texture(&mut self, texture: Texture, is_srgb: bool) -> AddedTexture {
-        let (mean, range, is_solid_texture) = (texture.mean(), texture.range(), texture.is_solid_texture());
+        let (mean, range, is_solid_texture) = (texture.mean(), texture.value_range(), texture.is_solid_texture());
         AddedTexture { index: self.builder.texture(texture), mean, range, is_solid_texture, is_srgb }
     }
 
@@ -170,7 +170,7 @@ impl<'a> Resolver<'a> {
             TexturedValue::Plain(color) => Ok(MaterialParameter::Constant(rgb(*color))),
             TexturedValue::Texture(name) => {
                 let texture = self.texture_by_name(name, range)?;
-                requirements.add_requirements_of(&texture);
+                requirements.add_texture_requirements(&texture);
                 Ok(MaterialParameter::Texture { texture: texture.index, factor: Rgb::ONE, mean: texture.mean })
             }
         }
@@ -186,7 +186,7 @@ impl<'a> Resolver<'a> {
             TexturedValue::Plain(number) => Ok(MaterialParameter::Constant(*number as f32)),
             TexturedValue::Texture(name) => {
                 let texture = self.texture_by_name(name, &UNIT_RANGE)?;
-                requirements.add_requirements_of(&texture);
+                requirements.add_texture_requirements(&texture);
                 Ok(MaterialParameter::Texture {
                     texture: texture.index,
                     factor: 1.0,
@@ -221,7 +221,7 @@ impl<'a> Resolver<'a> {
             return Err(SceneError::at_span(self.source, name.span, "two textures for one colour", "the second", help));
         };
         let texture = self.texture_or_picture(name, PictureEncoding::Srgb)?;
-        requirements.add_requirements_of(&texture);
+        requirements.add_texture_requirements(&texture);
         let factor = rgb(*factor);
         Ok(MaterialParameter::Texture { texture: texture.index, factor, mean: factor * texture.mean })
     }
@@ -239,7 +239,7 @@ impl<'a> Resolver<'a> {
                 if *height == 0.0 {
                     return Ok(NormalPerturbation::None);
                 }
-                requirements.add_requirements_of(&texture);
+                requirements.add_texture_requirements(&texture);
                 NormalPerturbation::BumpMap { texture: texture.index, height: *height as f32 }
             }
             Some(description::NormalPerturbationDescription::NormalMap(name)) => {
@@ -280,7 +280,7 @@ impl<'a> Resolver<'a> {
 }
 
 impl TextureRequirements {
-    pub fn add_requirements_of(&mut self, texture: &AddedTexture) {
+    pub fn add_texture_requirements(&mut self, texture: &AddedTexture) {
         self.uses_textures = true;
         self.needs_texcoords |= !texture.is_solid_texture;
     }

@@ -96,7 +96,8 @@ impl PatchBuilder {
     /// [`SplineError::Memory`] if the leaves exceed the memory limit.
     pub fn add_bezier_patch(&mut self, controls: &[Coefficients<4>], ranges: [[f64; 2]; 2]) -> Result<(), SplineError> {
         let [min, max] = control_point_bounds(controls);
-        let root = self.subdivide(controls, ranges, MIN_RELATIVE_SIZE * (max - min).length(), MAX_HALVINGS)?;
+        let root =
+            self.subdivide_bezier_patch(controls, ranges, MIN_RELATIVE_SIZE * (max - min).length(), MAX_HALVINGS)?;
         self.roots.push(root);
         Ok(())
     }
@@ -107,7 +108,7 @@ impl PatchBuilder {
         own + own / 4
     }
 
-    fn subdivide(
+    fn subdivide_bezier_patch(
         &mut self,
         controls: &[Coefficients<4>],
         ranges: [[f64; 2]; 2],
@@ -121,9 +122,9 @@ impl PatchBuilder {
         (0..=q).for_each(|j| bernstein_to_powers(&mut powers, j, columns, p));
         let weight = powers[0][3];
         powers.iter_mut().flatten().for_each(|x| *x /= weight);
-        let point = xyz(&powers[0]);
+        let point = homogeneous_xyz(&powers[0]);
         for c in &mut powers {
-            let seen = xyz(c) - point * c[3];
+            let seen = homogeneous_xyz(c) - point * c[3];
             *c = seen.extend(c[3]).to_array();
         }
         let corners = control_point_bounds(controls);
@@ -145,8 +146,8 @@ impl PatchBuilder {
             let placeholder = SubdivisionNode::Leaf(0);
             self.cuts.push(SubdivisionCut { axis, at, parts: [placeholder; 2] });
             let parts = [
-                self.subdivide(&first, part([start, at]), small, depth - 1)?,
-                self.subdivide(&last, part([at, end]), small, depth - 1)?,
+                self.subdivide_bezier_patch(&first, part([start, at]), small, depth - 1)?,
+                self.subdivide_bezier_patch(&last, part([at, end]), small, depth - 1)?,
             ];
             self.cuts[index].parts = parts;
             return Ok(SubdivisionNode::Cut(index as u32));
@@ -168,24 +169,25 @@ impl PatchBuilder {
     }
 }
 
-fn xyz(c: &Coefficients<4>) -> DVec3 {
+/// The components w·(x, y, z) of a homogeneous coefficient (w·x, w·y, w·z, w).
+fn homogeneous_xyz(c: &Coefficients<4>) -> DVec3 {
     DVec3::new(c[0], c[1], c[2])
 }
 
 /// Axis-aligned bounding box of the control points.
 fn control_point_bounds(controls: &[Coefficients<4>]) -> BoxCorners {
-    let points = controls.iter().map(|c| xyz(c) / c[3]);
+    let points = controls.iter().map(|c| homogeneous_xyz(c) / c[3]);
     points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[min, max], p| [min.min(p), max.max(p)])
 }
 
 /// Parameter axis (0 or 1) along which to halve a piece; `None` if the piece is flat enough.
 fn axis_to_halve(a: &[Coefficients<4>], columns: usize) -> Option<usize> {
-    let (along_x, along_y) = (xyz(&a[columns]), xyz(&a[1]));
+    let (along_x, along_y) = (homogeneous_xyz(&a[columns]), homogeneous_xyz(&a[1]));
     let normal = along_x.cross(along_y);
     let mut turns = [DVec3::ZERO; 2];
     for (i, row) in a.chunks_exact(columns).enumerate() {
         for (j, c) in row.iter().enumerate().filter(|(j, _)| i + j >= 2) {
-            let size = xyz(c).abs();
+            let size = homogeneous_xyz(c).abs();
             turns[0] += size * i as f64;
             turns[1] += size * j as f64;
         }

@@ -47,9 +47,9 @@ pub fn bernstein_to_powers<const N: usize>(c: &mut [Coefficients<N>], first: usi
         let rest = degree - k;
         let mut sum = [0.0; N];
         for (i, d) in differences[..=rest].iter().enumerate() {
-            sum = add_scaled(sum, *d, binomial(rest, i));
+            sum = add_scaled(sum, *d, binomial_coefficient(rest, i));
         }
-        c[first + k * stride] = sum.map(|x| x * (scale * binomial(degree, k)));
+        c[first + k * stride] = sum.map(|x| x * (scale * binomial_coefficient(degree, k)));
         for i in 0..rest {
             differences[i] = add_scaled(differences[i + 1], differences[i], -1.0);
         }
@@ -57,7 +57,7 @@ pub fn bernstein_to_powers<const N: usize>(c: &mut [Coefficients<N>], first: usi
 }
 
 /// Binomial coefficient C(n, k).
-fn binomial(n: usize, k: usize) -> f64 {
+fn binomial_coefficient(n: usize, k: usize) -> f64 {
     (0..k).fold(1u64, |b, i| b * (n - i) as u64 / (i as u64 + 1)) as f64
 }
 

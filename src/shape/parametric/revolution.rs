@@ -85,7 +85,7 @@ impl Revolution {
         let points: Vec<Coefficients<2>> = controls.iter().map(|c| [c.x, c.y - middle]).collect();
         let mut builder = ProfileBuilder { leaves: Vec::new(), powers: Vec::new(), free };
         for span in basis.knot_spans() {
-            builder.subdivide(&basis.bezier_piece(span, &points, (0, 1)), span.range, MAX_HALVINGS)?;
+            builder.subdivide_bezier_curve(&basis.bezier_piece(span, &points, (0, 1)), span.range, MAX_HALVINGS)?;
         }
         let ProfileBuilder { leaves, powers, .. } = builder;
         let rings: Vec<RingBounds> = leaves.iter().map(|l| l.ring).collect();

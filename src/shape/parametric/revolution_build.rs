@@ -43,7 +43,7 @@ impl ProfileBuilder {
     /// # Errors
     ///
     /// [`SplineError::Memory`] if the leaves exceed the memory limit.
-    pub fn subdivide(
+    pub fn subdivide_bezier_curve(
         &mut self,
         controls: &[Coefficients<2>],
         [start, end]: [f64; 2],
@@ -71,8 +71,8 @@ impl ProfileBuilder {
                 (first[degree][0], last[0][0]) = (0.0, 0.0);
             }
             let middle = start + at * (end - start);
-            self.subdivide(&first, [start, middle], depth - 1)?;
-            return self.subdivide(&last, [middle, end], depth - 1);
+            self.subdivide_bezier_curve(&first, [start, middle], depth - 1)?;
+            return self.subdivide_bezier_curve(&last, [middle, end], depth - 1);
         }
         let place = [0.5 * (start + end), 0.5 * (end - start)];
         let ring = RingBounds { radius: [0.0, 0.0], height: [low, high] };

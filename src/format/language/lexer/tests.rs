@@ -25,11 +25,11 @@ fn numbers_end_at_the_first_invalid_character() {
 #[test]
 fn comments_start_only_where_a_token_could() {
     let mut lexer = Lexer::new("", "\u{feff} # one\r\n// two\n a//b#c# three");
-    let token = lexer.peek();
+    let token = lexer.peek_token();
     assert_eq!(token.text, "a//b#c#");
-    lexer.consume(token);
-    assert_eq!(lexer.peek().text, "three");
-    assert!(Lexer::new("", "# end").peek().is_end());
+    lexer.consume_token(token);
+    assert_eq!(lexer.peek_token().text, "three");
+    assert!(Lexer::new("", "# end").peek_token().is_end());
 }
 
 #[test]

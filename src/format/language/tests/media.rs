@@ -12,8 +12,8 @@ fn parse_media(body: &str) -> Vec<MediumDescription> {
 }
 
 #[track_caller]
-fn rejects_media(body: &str, message: &str, help: &str) {
-    rejects(&format!("Media {{ {body} }}"), message, help);
+fn assert_media_error(body: &str, message: &str, help: &str) {
+    assert_first_error(&format!("Media {{ {body} }}"), message, help);
 }
 
 #[test]
@@ -94,54 +94,70 @@ fn materials_and_background_refer_to_media() {
 
 #[test]
 fn medium_errors_have_position_and_remedy() {
-    rejects_media("‹Medium› { }", "this `Medium` has no name", "`Medium name {");
-    rejects_media("Medium a { } Cloud ‹a› { }", "two media are called `a`", "another name");
-    rejects_media("‹Mediun› a { }", "unexpected `Mediun` in `Media`", "did you mean `Medium`?");
-    rejects_media("numMedia ‹2› Medium a { }", "`numMedia` is 2, but 1 medium follows", "`numMedia 1`");
-    rejects_media("Medium a { ‹scatering› 1 1 1 }", "unexpected `scatering`", "did you mean `scattering`?");
+    assert_media_error("‹Medium› { }", "this `Medium` has no name", "`Medium name {");
+    assert_media_error("Medium a { } Cloud ‹a› { }", "two media are called `a`", "another name");
+    assert_media_error("‹Mediun› a { }", "unexpected `Mediun` in `Media`", "did you mean `Medium`?");
+    assert_media_error("numMedia ‹2› Medium a { }", "`numMedia` is 2, but 1 medium follows", "`numMedia 1`");
+    assert_media_error("Medium a { ‹scatering› 1 1 1 }", "unexpected `scatering`", "did you mean `scattering`?");
     for field in ["scattering", "absorption", "emission", "albedo 1 1 1 extinction"] {
         let name = field.rsplit(' ').next().unwrap();
         for value in ["-1 0 0", "0 0 1e13"] {
-            rejects_media(
+            assert_media_error(
                 &format!("Medium a {{ {field} ‹{value}› }}"),
                 &format!("`{name}` of `Medium`"),
                 "between 0 and 1e12",
             );
         }
-        rejects_media(&format!("Medium a {{ {field} ‹nan› 1 1 }}"), "not a finite number", "finite");
+        assert_media_error(&format!("Medium a {{ {field} ‹nan› 1 1 }}"), "not a finite number", "finite");
     }
-    rejects_media("Medium a { extinction 1 1 1 albedo ‹1 1.5 1› }", "`albedo` of `Medium`", "between 0 and 1");
-    rejects_media("‹Medium› a { extinction 1 1 1 }", "`Medium` has no `albedo`", "add `albedo`");
-    rejects_media("Medium a { albedo ‹1 1 1› }", "`albedo` of `Medium`", "without `extinction`");
-    rejects_media(
+    assert_media_error("Medium a { extinction 1 1 1 albedo ‹1 1.5 1› }", "`albedo` of `Medium`", "between 0 and 1");
+    assert_media_error("‹Medium› a { extinction 1 1 1 }", "`Medium` has no `albedo`", "add `albedo`");
+    assert_media_error("Medium a { albedo ‹1 1 1› }", "`albedo` of `Medium`", "without `extinction`");
+    assert_media_error(
         "Medium a { absorption 1 1 1 ‹extinction› 1 1 1 }",
         "both `absorption` and `extinction`",
         "keep one of",
     );
-    rejects_media("Medium a { albedo 1 1 1 ‹scattering› 1 1 1 }", "both `albedo` and `scattering`", "keep one of");
-    rejects_media("Medium a { phase ‹mie› }", "`phase` of `Medium` cannot be `mie`", "`isotropic`, `rayleigh`");
+    assert_media_error("Medium a { albedo 1 1 1 ‹scattering› 1 1 1 }", "both `albedo` and `scattering`", "keep one of");
+    assert_media_error("Medium a { phase ‹mie› }", "`phase` of `Medium` cannot be `mie`", "`isotropic`, `rayleigh`");
     for g in ["1", "-1", "2", ".99999999"] {
-        rejects_media(&format!("Medium a {{ anisotropy ‹{g}› }}"), "`anisotropy` of `Medium`", "inside -1 … 1");
+        assert_media_error(&format!("Medium a {{ anisotropy ‹{g}› }}"), "`anisotropy` of `Medium`", "inside -1 … 1");
     }
-    rejects_media("Medium a { phase rayleigh anisotropy ‹.5› }", "`anisotropy` of `Medium`", "leave one of both out");
-    rejects_media("‹Medium› a { phase henyey-greenstein }", "`Medium` has no `anisotropy`", "add `anisotropy`");
+    assert_media_error(
+        "Medium a { phase rayleigh anisotropy ‹.5› }",
+        "`anisotropy` of `Medium`",
+        "leave one of both out",
+    );
+    assert_media_error("‹Medium› a { phase henyey-greenstein }", "`Medium` has no `anisotropy`", "add `anisotropy`");
 }
 
 #[test]
 fn density_errors_have_position_and_remedy() {
     let extent = "min 0 0 0 max 1 1 1";
     for field in ["min ‹0 0 0›", "max ‹0 0 0›", "densityScale ‹2›"] {
-        rejects_media(&format!("Medium a {{ {field} }}"), "of `Medium` cannot be", "has no effect without `grid`");
+        assert_media_error(&format!("Medium a {{ {field} }}"), "of `Medium` cannot be", "has no effect without `grid`");
     }
-    rejects_media("‹Medium› a { grid b }", "`Medium` has no `min`", "add `min`");
-    rejects_media("Medium a { grid b min 0 0 0 max ‹1 0 1› }", "`max` of `Medium`", "above `min` in each component");
-    rejects_media("Medium a { grid b min 0 0 -1.7e308 max ‹1 1 1.7e308› }", "`max` of `Medium`", "above `min`");
-    rejects_media(&format!("Medium a {{ grid b {extent} densityScale ‹0› }}"), "`densityScale` of `Medium`", "above 0");
-    rejects_media(&format!("Medium a {{ ‹cover› 1 grid b {extent} }}"), "unexpected `cover` in `Medium`", "may hold");
-    rejects_media(&format!("Cloud a {{ ‹grid› b {extent} }}"), "unexpected `grid` in `Cloud`", "may hold");
-    rejects_media("‹Cloud› a { min 0 0 0 }", "`Cloud` has no `max`", "add `max`");
+    assert_media_error("‹Medium› a { grid b }", "`Medium` has no `min`", "add `min`");
+    assert_media_error(
+        "Medium a { grid b min 0 0 0 max ‹1 0 1› }",
+        "`max` of `Medium`",
+        "above `min` in each component",
+    );
+    assert_media_error("Medium a { grid b min 0 0 -1.7e308 max ‹1 1 1.7e308› }", "`max` of `Medium`", "above `min`");
+    assert_media_error(
+        &format!("Medium a {{ grid b {extent} densityScale ‹0› }}"),
+        "`densityScale` of `Medium`",
+        "above 0",
+    );
+    assert_media_error(
+        &format!("Medium a {{ ‹cover› 1 grid b {extent} }}"),
+        "unexpected `cover` in `Medium`",
+        "may hold",
+    );
+    assert_media_error(&format!("Cloud a {{ ‹grid› b {extent} }}"), "unexpected `grid` in `Cloud`", "may hold");
+    assert_media_error("‹Cloud› a { min 0 0 0 }", "`Cloud` has no `max`", "add `max`");
     let cloud = |field: &str, help: &str| {
-        rejects_media(&format!("Cloud a {{ {extent} {field} }}"), "of `Cloud` cannot be", help)
+        assert_media_error(&format!("Cloud a {{ {extent} {field} }}"), "of `Cloud` cannot be", help)
     };
     cloud("cover ‹1.5›", "between 0 and 1");
     cloud("softness ‹-.1›", "between 0 and 1");
@@ -154,23 +170,33 @@ fn density_errors_have_position_and_remedy() {
 
 #[test]
 fn medium_reference_errors_have_position_and_remedy() {
-    rejects("Materials { Mirror { } } ‹Media› { }", "behind the `Materials`", "ahead of the Materials");
+    assert_first_error("Materials { Mirror { } } ‹Media› { }", "behind the `Materials`", "ahead of the Materials");
     let fill = |name: &str| {
         format!("Media {{ Medium fog {{ }} Medium milk {{ }} }} Materials {{ Clear {{ medium {name} }} }}")
     };
-    rejects(&fill("‹fogg›"), "no medium is called `fogg`", "did you mean `fog`?");
-    rejects(&fill("‹water›"), "no medium is called `water`", "known are fog, milk");
-    rejects("Materials { Dielectric { medium ‹fog› } }", "no medium is called `fog`", "`Media { Medium name");
-    rejects("Background { medium ‹frog› } Media { Medium fog { } } Group { }", "called `frog`", "did you mean `fog`?");
-    rejects("Background { medium ‹fog› } Group { }", "no medium is called `fog`", "in the file");
-    let clear = |field: &str, help: &str| rejects(&format!("Materials {{ Clear {{ {field} }} }}"), "of `Clear`", help);
+    assert_first_error(&fill("‹fogg›"), "no medium is called `fogg`", "did you mean `fog`?");
+    assert_first_error(&fill("‹water›"), "no medium is called `water`", "known are fog, milk");
+    assert_first_error(
+        "Materials { Dielectric { medium ‹fog› } }",
+        "no medium is called `fog`",
+        "`Media { Medium name",
+    );
+    assert_first_error(
+        "Background { medium ‹frog› } Media { Medium fog { } } Group { }",
+        "called `frog`",
+        "did you mean `fog`?",
+    );
+    assert_first_error("Background { medium ‹fog› } Group { }", "no medium is called `fog`", "in the file");
+    let clear = |field: &str, help: &str| {
+        assert_first_error(&format!("Materials {{ Clear {{ {field} }} }}"), "of `Clear`", help)
+    };
     clear("emission ‹1 1 1›", "give `emission` to its medium");
     clear("emissionScale ‹2›", "give `emission` to its medium");
     clear("bump ‹lumps› bumpHeight 1", "leave it out");
     clear("normalMap ‹lumps›", "leave it out");
     clear("priority ‹256›", "from 0 to 255");
-    rejects("Materials { Clear { ‹roughness› 1 } }", "unexpected `roughness` in `Clear`", "may hold");
-    rejects("Materials { Mirror { ‹medium› fog } }", "unexpected `medium` in `Mirror`", "may hold");
+    assert_first_error("Materials { Clear { ‹roughness› 1 } }", "unexpected `roughness` in `Clear`", "may hold");
+    assert_first_error("Materials { Mirror { ‹medium› fog } }", "unexpected `medium` in `Mirror`", "may hold");
     let mix = "Materials { Clear a { } Mirror b { } Mix { first b second ‹a› amount 1 } }";
-    rejects(mix, "a mix cannot be `Clear`", "`Dielectric { indexOfRefraction 1 … }`");
+    assert_first_error(mix, "a mix cannot be `Clear`", "`Dielectric { indexOfRefraction 1 … }`");
 }

@@ -35,7 +35,7 @@ fn assert_error(
 ///
 /// The error must contain `message`, and its remedy `help`.
 #[track_caller]
-fn rejects(body: &str, message: &str, help: &str) {
+fn assert_first_error(body: &str, message: &str, help: &str) {
     let (before, rest) = body.split_once('‹').unwrap();
     let (text, after) = rest.split_once('›').unwrap();
     let line = 2 + before.matches('\n').count();
@@ -83,11 +83,11 @@ fn values_beyond_single_precision_are_refused() {
     ] {
         let textures = if before.contains("bump") { "Textures { Checker a { } } " } else { "" };
         let name = before.rsplit(' ').next().unwrap();
-        rejects(&format!("{textures}{before} ‹{value}› }} }}"), &format!("`{name}` of"), largest);
+        assert_first_error(&format!("{textures}{before} ‹{value}› }} }}"), &format!("`{name}` of"), largest);
     }
-    rejects("Materials { Dielectric { absorption ‹0 2e12 0› } }", "`absorption` of", "between 0 and 1e12");
+    assert_first_error("Materials { Dielectric { absorption ‹0 2e12 0› } }", "`absorption` of", "between 0 and 1e12");
     // ln 2 / 1e-13 is 7e12.
-    rejects(
+    assert_first_error(
         "Materials { Dielectric { tint 1 .5 1 tintDistance ‹1e-13› } }",
         "`tintDistance` of",
         "an absorption above 1e12",
@@ -131,7 +131,7 @@ fn the_last_group_replaces_earlier_ones() {
     parse_with_camera("Materials { Mirror a { } } Materials { Mirror a { } } Group { MaterialName a }").unwrap();
     // The second `Materials` and the second `Group` replace the first ones.
     parse_with_camera("Materials { Mirror {} } Group { MaterialIndex 0 } Materials { } Group { }").unwrap();
-    rejects(
+    assert_first_error(
         "Materials { Mirror {} } Group { MaterialIndex 0 } ‹Materials› { }",
         "replace those that the `Group` before them uses",
         "one block before the Group",
@@ -147,10 +147,22 @@ fn names_may_be_quoted_or_bare() {
     assert_eq!(mesh("Group { TriangleMesh { obj_file mesh/cube.obj } }"), "mesh/cube.obj");
     assert_eq!(mesh("Group{TriangleMesh{obj_file mesh/cube.obj}}"), "mesh/cube.obj");
     assert_eq!(mesh(r#"Group { TriangleMesh { obj_file "my \"mesh\" \\ {.obj" } }"#), r#"my "mesh" \ {.obj"#);
-    rejects("Group { TriangleMesh { obj_file ‹}› }", "`obj_file` wants a name", "write a name after `obj_file`");
-    rejects("Group { TriangleMesh { obj_file ‹\"\"› } }", "`obj_file` wants a name", "in quotes if it holds spaces");
-    rejects("Group { TriangleMesh { obj_file ‹\"›a.obj\n\" } }", "does not end on its line", "close it");
-    rejects(r#"Group { TriangleMesh { obj_file "C:‹\›a.obj" } }"#, "a backslash in quotes", "`/` between folders");
+    assert_first_error(
+        "Group { TriangleMesh { obj_file ‹}› }",
+        "`obj_file` wants a name",
+        "write a name after `obj_file`",
+    );
+    assert_first_error(
+        "Group { TriangleMesh { obj_file ‹\"\"› } }",
+        "`obj_file` wants a name",
+        "in quotes if it holds spaces",
+    );
+    assert_first_error("Group { TriangleMesh { obj_file ‹\"›a.obj\n\" } }", "does not end on its line", "close it");
+    assert_first_error(
+        r#"Group { TriangleMesh { obj_file "C:‹\›a.obj" } }"#,
+        "a backslash in quotes",
+        "`/` between folders",
+    );
 }
 
 #[test]
@@ -159,63 +171,111 @@ fn counts_must_match() {
     // Materials are not objects.
     parse_with_camera("Materials { Mirror { } } Group { MaterialIndex 0 numObjects 1 MaterialIndex 0 Group { } }")
         .unwrap();
-    rejects("Group { numObjects ‹2›\n Group { } }", "`numObjects` is 2, but 1 object follows", "write `numObjects 1`");
-    rejects("Lights { numLights ‹4000000000› } Group { }", "is 4000000000, but 0 lights", "write `numLights 0`");
-    rejects("Materials { numMaterials ‹1› Mirror { } Mirror { } }", "is 1, but 2 materials", "leave the count out");
-    rejects("Group { numObjects 0 ‹numObjects› 0 }", "given twice in `Group`", "keep one");
-    rejects("Group { numObjects ‹-1› }", "lies outside 0 … 4294967295", "whole number");
-    rejects("Group { numObjects ‹1.5› Group { } }", "wants a whole number, found `1.5`", "`numObjects 1`");
-    rejects("Group { numObjects ‹one› }", "wants a whole number, found `one`", "`numObjects 1`");
+    assert_first_error(
+        "Group { numObjects ‹2›\n Group { } }",
+        "`numObjects` is 2, but 1 object follows",
+        "write `numObjects 1`",
+    );
+    assert_first_error(
+        "Lights { numLights ‹4000000000› } Group { }",
+        "is 4000000000, but 0 lights",
+        "write `numLights 0`",
+    );
+    assert_first_error(
+        "Materials { numMaterials ‹1› Mirror { } Mirror { } }",
+        "is 1, but 2 materials",
+        "leave the count out",
+    );
+    assert_first_error("Group { numObjects 0 ‹numObjects› 0 }", "given twice in `Group`", "keep one");
+    assert_first_error("Group { numObjects ‹-1› }", "lies outside 0 … 4294967295", "whole number");
+    assert_first_error("Group { numObjects ‹1.5› Group { } }", "wants a whole number, found `1.5`", "`numObjects 1`");
+    assert_first_error("Group { numObjects ‹one› }", "wants a whole number, found `one`", "`numObjects 1`");
 }
 
 #[test]
 fn numbers_must_be_finite() {
     let sphere = |radius: &str| format!("Group {{ Sphere {{ center 0 0 0 radius ‹{radius}› }} }}");
-    rejects(&sphere("nan"), "`nan` is not a finite number", "give `radius` a finite value");
-    rejects(&sphere("-Inf"), "`-Inf` is not a finite number", "finite");
-    rejects(&sphere("1e999"), "`1e999` is too large", "1.7e308");
-    rejects(&sphere("abc"), "`radius` wants a number, found `abc`", "`radius 1`");
-    rejects("Group { Sphere { center 0 0 ‹radius› 1 } }", "`center` wants 3 numbers, found `radius`", "three numbers");
-    rejects("Group { Sphere { center 1‹,2,3› radius 1 } }", "found `,2,3`", "not by commas");
-    rejects("Group { Transform { Matrix4f { 1 0 ‹}› } }", "wants 16 numbers, found `}`", "write 16 numbers");
+    assert_first_error(&sphere("nan"), "`nan` is not a finite number", "give `radius` a finite value");
+    assert_first_error(&sphere("-Inf"), "`-Inf` is not a finite number", "finite");
+    assert_first_error(&sphere("1e999"), "`1e999` is too large", "1.7e308");
+    assert_first_error(&sphere("abc"), "`radius` wants a number, found `abc`", "`radius 1`");
+    assert_first_error(
+        "Group { Sphere { center 0 0 ‹radius› 1 } }",
+        "`center` wants 3 numbers, found `radius`",
+        "three numbers",
+    );
+    assert_first_error("Group { Sphere { center 1‹,2,3› radius 1 } }", "found `,2,3`", "not by commas");
+    assert_first_error("Group { Transform { Matrix4f { 1 0 ‹}› } }", "wants 16 numbers, found `}`", "write 16 numbers");
 }
 
 #[test]
 fn impossible_shapes_are_refused() {
     for radius in ["0", "-1"] {
         let body = format!("Group {{ Sphere {{ center 0 0 0 radius ‹{radius}› }} }}");
-        rejects(&body, &format!("`radius` of `Sphere` cannot be `{radius}`"), "must be above 0");
+        assert_first_error(&body, &format!("`radius` of `Sphere` cannot be `{radius}`"), "must be above 0");
     }
-    rejects("Group { Disc { center 0 0 0 normal 0 0 1 radius ‹0› } }", "`radius` of `Disc`", "above 0");
-    rejects("Group { Plane { normal ‹0 0 0› offset 1 } }", "`normal` of `Plane` cannot be `0 0 0`", "length above 0");
-    rejects("Group { Plane { normal ‹1e200 0 0› offset 1 } }", "cannot be `1e200 0 0`", "below 1e154");
-    rejects(
+    assert_first_error("Group { Disc { center 0 0 0 normal 0 0 1 radius ‹0› } }", "`radius` of `Disc`", "above 0");
+    assert_first_error(
+        "Group { Plane { normal ‹0 0 0› offset 1 } }",
+        "`normal` of `Plane` cannot be `0 0 0`",
+        "length above 0",
+    );
+    assert_first_error("Group { Plane { normal ‹1e200 0 0› offset 1 } }", "cannot be `1e200 0 0`", "below 1e154");
+    assert_first_error(
         "Group { Rectangle { corner 0 0 0 edge0 1 2 3 edge1 ‹.1 .2 .3› } }",
         "`edge1` of `Rectangle`",
         "the area would be 0",
     );
-    rejects("Group { Rectangle { corner 0 0 0 edge0 ‹0 0 0› edge1 1 0 0 } }", "`edge0`", "length above 0");
+    assert_first_error("Group { Rectangle { corner 0 0 0 edge0 ‹0 0 0› edge1 1 0 0 } }", "`edge0`", "length above 0");
     // Meshes hold triangles without area, so they are no error.
     parse_with_camera("Group { Triangle { vertex0 0 0 0 vertex1 0 0 0 vertex2 0 0 0 } }").unwrap();
     let three = "vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0";
-    rejects(&format!("Group {{ ‹Triangle› {{ {three} normal1 0 0 1 }} }}"), "has no `normal0`", "add `normal0`");
-    rejects("Group { BsplineCurve { ‹controls› [0 0 0] } }", "`controls` of `BsplineCurve`", "at least 4 points");
-    rejects("Group { RevSurface { profile BezierCurve { ‹controls› } } }", "`controls`", "at least 2 points");
-    rejects("Group { RevSurface { profile ‹Sphere› } }", "`profile` wants a curve", "`profile BezierCurve { … }`");
+    assert_first_error(
+        &format!("Group {{ ‹Triangle› {{ {three} normal1 0 0 1 }} }}"),
+        "has no `normal0`",
+        "add `normal0`",
+    );
+    assert_first_error(
+        "Group { BsplineCurve { ‹controls› [0 0 0] } }",
+        "`controls` of `BsplineCurve`",
+        "at least 4 points",
+    );
+    assert_first_error(
+        "Group { RevSurface { profile BezierCurve { ‹controls› } } }",
+        "`controls`",
+        "at least 2 points",
+    );
+    assert_first_error(
+        "Group { RevSurface { profile ‹Sphere› } }",
+        "`profile` wants a curve",
+        "`profile BezierCurve { … }`",
+    );
 }
 
 #[test]
 fn impossible_colors_are_refused() {
-    rejects("Background { color ‹0 -1 0› }", "cannot be `0 -1 0`", "negative");
-    rejects("Lights { PointLight { position 0 0 0 power ‹-1 0 0› } }", "`power` of `PointLight`", "not be negative");
-    rejects("Group { Sphere { center 0 0 0 radius 1 emission ‹-1 0 0› } }", "`emission`", "not be negative");
-    rejects("Materials { Phong { diffuseColor ‹-1 0 0› } }", "`diffuseColor` of `Phong`", "not be negative");
-    rejects("Materials { Phong { shininess ‹-1› } }", "`shininess` of `Phong` cannot be `-1`", "not be negative");
-    rejects("Materials { Diffuse { reflectance ‹1 1.1 1› } }", "cannot be `1 1.1 1`", "between 0 and 1");
-    rejects("Materials { Dielectric { tint ‹1 0 1› } }", "`tint` of `Dielectric`", "above 0 and at most at 1");
-    rejects("Materials { Dielectric { absorption ‹-1 0 1› } }", "`absorption`", "between 0 and 1e12");
-    rejects("Materials { Dielectric { tint 1 1 1 tintDistance ‹0› } }", "`tintDistance`", "above 0");
-    rejects("Materials { Dielectric { tintDistance ‹1› } }", "`tintDistance`", "no effect without `tint`");
+    assert_first_error("Background { color ‹0 -1 0› }", "cannot be `0 -1 0`", "negative");
+    assert_first_error(
+        "Lights { PointLight { position 0 0 0 power ‹-1 0 0› } }",
+        "`power` of `PointLight`",
+        "not be negative",
+    );
+    assert_first_error("Group { Sphere { center 0 0 0 radius 1 emission ‹-1 0 0› } }", "`emission`", "not be negative");
+    assert_first_error("Materials { Phong { diffuseColor ‹-1 0 0› } }", "`diffuseColor` of `Phong`", "not be negative");
+    assert_first_error(
+        "Materials { Phong { shininess ‹-1› } }",
+        "`shininess` of `Phong` cannot be `-1`",
+        "not be negative",
+    );
+    assert_first_error("Materials { Diffuse { reflectance ‹1 1.1 1› } }", "cannot be `1 1.1 1`", "between 0 and 1");
+    assert_first_error(
+        "Materials { Dielectric { tint ‹1 0 1› } }",
+        "`tint` of `Dielectric`",
+        "above 0 and at most at 1",
+    );
+    assert_first_error("Materials { Dielectric { absorption ‹-1 0 1› } }", "`absorption`", "between 0 and 1e12");
+    assert_first_error("Materials { Dielectric { tint 1 1 1 tintDistance ‹0› } }", "`tintDistance`", "above 0");
+    assert_first_error("Materials { Dielectric { tintDistance ‹1› } }", "`tintDistance`", "no effect without `tint`");
 }
 
 #[test]
@@ -264,47 +324,71 @@ fn lights_need_exactly_one_strength() {
         }
     );
     let spot = |fields: &str| format!("Lights {{ SpotLight {{ position 0 0 0 {fields} }} }}");
-    rejects(&spot("direction 0 0 1 angle ‹0› power 1 1 1"), "cannot be `0`", "above 0 and at most at 360 degrees");
-    rejects(&spot("direction 0 0 1 angle 60 penumbra ‹31› power 1 1 1"), "cannot be `31`", "half of the cone's angle");
-    rejects(&spot("lookAt ‹0 0 0› angle 60 power 1 1 1"), "`lookAt`", "some distance from `position`");
-    rejects(
+    assert_first_error(
+        &spot("direction 0 0 1 angle ‹0› power 1 1 1"),
+        "cannot be `0`",
+        "above 0 and at most at 360 degrees",
+    );
+    assert_first_error(
+        &spot("direction 0 0 1 angle 60 penumbra ‹31› power 1 1 1"),
+        "cannot be `31`",
+        "half of the cone's angle",
+    );
+    assert_first_error(&spot("lookAt ‹0 0 0› angle 60 power 1 1 1"), "`lookAt`", "some distance from `position`");
+    assert_first_error(
         "Lights { ‹PointLight› { position 0 0 0 } }",
         "has no `color` or `intensity` or `power`",
         "add `color` or `intensity` or `power`",
     );
-    rejects(
+    assert_first_error(
         "Lights { PointLight { position 0 0 0 color 1 1 1 ‹power› 1 1 1 } }",
         "both `color` and `power`",
         "keep one",
     );
-    rejects("Lights { ‹DirectionalLight› { direction 0 0 1 } }", "has no `color` or `irradiance`", "add");
-    rejects("Lights { ‹SphereLight› { center 0 0 1 radius 1 } }", "has no `radiance` or `power`", "add");
-    rejects("Lights { SphereLight { center 0 0 1 radius ‹0› power 1 1 1 } }", "`radius`", "above 0");
-    rejects("Materials { Dielectric { tint 1 1 1 ‹absorption› 1 1 1 } }", "both `tint` and `absorption`", "keep one");
+    assert_first_error("Lights { ‹DirectionalLight› { direction 0 0 1 } }", "has no `color` or `irradiance`", "add");
+    assert_first_error("Lights { ‹SphereLight› { center 0 0 1 radius 1 } }", "has no `radiance` or `power`", "add");
+    assert_first_error("Lights { SphereLight { center 0 0 1 radius ‹0› power 1 1 1 } }", "`radius`", "above 0");
+    assert_first_error(
+        "Materials { Dielectric { tint 1 1 1 ‹absorption› 1 1 1 } }",
+        "both `tint` and `absorption`",
+        "keep one",
+    );
 }
 
 #[test]
 fn singular_transforms_are_refused() {
     let transform = |maps: &str| format!("Group {{ Transform {{ {maps} Sphere {{ center 0 0 0 radius 1 }} }} }}");
-    rejects(&transform("Scale ‹1 0 1›"), "`Scale` flattens its object", "scales must not be 0");
-    rejects(&transform("UniformScale ‹0›"), "`UniformScale` flattens", "scales must not be 0");
-    rejects(&transform("Matrix { ‹1 0 0 0 0 1 0 0 1 1 0 0 0 0 0 1› }"), "`Matrix` flattens", "columns of a matrix");
-    rejects(&transform("Matrix4f { ‹1 0 0 1 0 1 0 0 0 0 1 0 0 0 0 1› }"), "fourth row of `Matrix4f`", "the last is 1");
-    rejects(&transform("Rotate { ‹0 0 0 90› }"), "the axis of `Rotate`", "axis and degrees");
-    rejects(&transform("Rotate { 0 0 1 90 ‹5› }"), "expected `}` in `Rotate`, found `5`", "put `}` before it");
+    assert_first_error(&transform("Scale ‹1 0 1›"), "`Scale` flattens its object", "scales must not be 0");
+    assert_first_error(&transform("UniformScale ‹0›"), "`UniformScale` flattens", "scales must not be 0");
+    assert_first_error(
+        &transform("Matrix { ‹1 0 0 0 0 1 0 0 1 1 0 0 0 0 0 1› }"),
+        "`Matrix` flattens",
+        "columns of a matrix",
+    );
+    assert_first_error(
+        &transform("Matrix4f { ‹1 0 0 1 0 1 0 0 0 0 1 0 0 0 0 1› }"),
+        "fourth row of `Matrix4f`",
+        "the last is 1",
+    );
+    assert_first_error(&transform("Rotate { ‹0 0 0 90› }"), "the axis of `Rotate`", "axis and degrees");
+    assert_first_error(
+        &transform("Rotate { 0 0 1 90 ‹5› }"),
+        "expected `}` in `Rotate`, found `5`",
+        "put `}` before it",
+    );
     let thin = "Scale 1e-15 1 1";
-    rejects(
+    assert_first_error(
         &format!("Group {{ ‹Transform› {{ {thin} ZRotate 45 {thin} Group {{ }} }} }}"),
         "this `Transform` flattens",
         "scales must not be 0",
     );
-    rejects("Group { ‹Transform› { Scale 1 1 1 } }", "holds no object", "put one after its maps");
-    rejects(
+    assert_first_error("Group { ‹Transform› { Scale 1 1 1 } }", "holds no object", "put one after its maps");
+    assert_first_error(
         "Group { Transform { Group { } ‹Group› { } } }",
         "unexpected `Group` after the object",
         "several objects into a Group",
     );
-    rejects(
+    assert_first_error(
         "Group { Transform { Group { } ‹Scale› 1 1 1 } }",
         "unexpected `Scale` after the object",
         "maps stand before",
@@ -313,14 +397,14 @@ fn singular_transforms_are_refused() {
 
 #[test]
 fn unknown_words_get_a_suggestion() {
-    rejects("Group { ‹Spere› { } }", "unexpected `Spere` in `Group`", "did you mean `Sphere`?");
-    rejects("Group { Sphere { ‹radios› 1 } }", "unexpected `radios` in `Sphere`", "did you mean `radius`?");
-    rejects("‹Light› { }", "unexpected `Light` in the file", "did you mean `Lights`?");
-    rejects("Lights { ‹pointLight› { } }", "unexpected `pointLight`", "did you mean `PointLight`?");
-    rejects("Materials { ‹Glass› { } }", "unexpected `Glass`", "write `Dielectric`");
-    rejects("Group { Sphere { center 0 0 0\n‹Plane› {", "unexpected `Plane`", "is a `}` missing before it?");
-    rejects("Group { } ‹}›", "unexpected `}` in the file", "closes nothing");
-    rejects("Group ‹Sphere›", "expected `{` in `Group`, found `Sphere`", "put `{` before it");
+    assert_first_error("Group { ‹Spere› { } }", "unexpected `Spere` in `Group`", "did you mean `Sphere`?");
+    assert_first_error("Group { Sphere { ‹radios› 1 } }", "unexpected `radios` in `Sphere`", "did you mean `radius`?");
+    assert_first_error("‹Light› { }", "unexpected `Light` in the file", "did you mean `Lights`?");
+    assert_first_error("Lights { ‹pointLight› { } }", "unexpected `pointLight`", "did you mean `PointLight`?");
+    assert_first_error("Materials { ‹Glass› { } }", "unexpected `Glass`", "write `Dielectric`");
+    assert_first_error("Group { Sphere { center 0 0 0\n‹Plane› {", "unexpected `Plane`", "is a `}` missing before it?");
+    assert_first_error("Group { } ‹}›", "unexpected `}` in the file", "closes nothing");
+    assert_first_error("Group ‹Sphere›", "expected `{` in `Group`, found `Sphere`", "put `{` before it");
     let long = "x".repeat(1000);
     let error = parse_with_camera(&format!("Group {{ {long}\u{1b}[31m }}")).unwrap_err();
     assert!(error.message().len() < 100 && !error.message().contains('\u{1b}'));
@@ -331,14 +415,34 @@ fn unknown_materials_are_refused() {
     let two = "Materials { Diffuse red { reflectance 1 0 0 } Mirror \"blue sky\" { } }";
     parse_with_camera(&format!("{two} Group {{ MaterialName red MaterialName \"blue sky\" MaterialIndex 1 }}"))
         .unwrap();
-    rejects(&format!("{two} Group {{ MaterialIndex ‹2› }}"), "there is no material 2", "numbered from 0 to 1");
-    rejects(&format!("{two} Group {{ MaterialName ‹rde› }}"), "no material is called `rde`", "did you mean `red`?");
-    rejects(&format!("{two} Group {{ MaterialName ‹green› }}"), "no material is called", "ahead of the Group");
-    rejects("Materials { Mirror { } } Group { MaterialIndex ‹1› }", "no material 1", "the one material is number 0");
-    rejects("Group { MaterialIndex ‹0› } Materials { Mirror { } }", "no material 0", "put `Materials { … }` ahead");
-    rejects("Materials { Mirror a { } Mirror ‹a› { } }", "two materials are called `a`", "another name");
-    rejects("Materials { Mirror ‹1a› { } }", "`1a` is not a plain name", "put it in quotes");
-    rejects("Materials { Mirror ‹\"\"› { } }", "name is empty", "leave the quotes out");
+    assert_first_error(
+        &format!("{two} Group {{ MaterialIndex ‹2› }}"),
+        "there is no material 2",
+        "numbered from 0 to 1",
+    );
+    assert_first_error(
+        &format!("{two} Group {{ MaterialName ‹rde› }}"),
+        "no material is called `rde`",
+        "did you mean `red`?",
+    );
+    assert_first_error(
+        &format!("{two} Group {{ MaterialName ‹green› }}"),
+        "no material is called",
+        "ahead of the Group",
+    );
+    assert_first_error(
+        "Materials { Mirror { } } Group { MaterialIndex ‹1› }",
+        "no material 1",
+        "the one material is number 0",
+    );
+    assert_first_error(
+        "Group { MaterialIndex ‹0› } Materials { Mirror { } }",
+        "no material 0",
+        "put `Materials { … }` ahead",
+    );
+    assert_first_error("Materials { Mirror a { } Mirror ‹a› { } }", "two materials are called `a`", "another name");
+    assert_first_error("Materials { Mirror ‹1a› { } }", "`1a` is not a plain name", "put it in quotes");
+    assert_first_error("Materials { Mirror ‹\"\"› { } }", "name is empty", "leave the quotes out");
 }
 
 #[test]
@@ -353,7 +457,7 @@ fn an_unclosed_block_is_reported_where_it_opens() {
         "Group { RevSurface { profile ‹BezierCurve› { controls [ 1 2 3",
         "Materials { ‹Mirror›",
     ] {
-        rejects(body, "the file ends inside", "close it with `}`");
+        assert_first_error(body, "the file ends inside", "close it with `}`");
     }
     assert_error(parse("a", ""), (1, 1), "", "the file has no camera", "add `PerspectiveCamera {");
     assert_error(parse_with_camera(""), (1, 1), "", "the file has no Group", "add `Group { … }`");
@@ -420,12 +524,12 @@ fn mesh_options_are_read() {
     assert_eq!(options("file a.obj materials scene normals file"), default);
     let all = MeshOptions { uses_file_materials: true, ignores_normals: true, max_smoothing_angle: Some(40.0) };
     assert_eq!(options("smoothAngle 40 normals none materials file file a.obj"), all);
-    rejects("Group { TriangleMesh { obj_file a ‹file› b } }", "both `obj_file` and `file`", "keep one of");
-    rejects("Group { ‹TriangleMesh› { } }", "no `obj_file` or `file`", "add");
-    rejects("Group { TriangleMesh { file a materials ‹mine› } }", "cannot be `mine`", "`scene` or `file`");
-    rejects("Group { TriangleMesh { file a normals ‹smooth› } }", "cannot be `smooth`", "`file` or `none`");
-    rejects("Group { TriangleMesh { file a smoothAngle ‹181› } }", "cannot be `181`", "between 0 and 180");
-    rejects("Group { TriangleMesh { file a smoothAngle ‹-1› } }", "cannot be `-1`", "between 0 and 180");
+    assert_first_error("Group { TriangleMesh { obj_file a ‹file› b } }", "both `obj_file` and `file`", "keep one of");
+    assert_first_error("Group { ‹TriangleMesh› { } }", "no `obj_file` or `file`", "add");
+    assert_first_error("Group { TriangleMesh { file a materials ‹mine› } }", "cannot be `mine`", "`scene` or `file`");
+    assert_first_error("Group { TriangleMesh { file a normals ‹smooth› } }", "cannot be `smooth`", "`file` or `none`");
+    assert_first_error("Group { TriangleMesh { file a smoothAngle ‹181› } }", "cannot be `181`", "between 0 and 180");
+    assert_first_error("Group { TriangleMesh { file a smoothAngle ‹-1› } }", "cannot be `-1`", "between 0 and 180");
 }
 
 /// Parses `CAMERA` followed by `body`. Returns the line and the marked text of each error.
@@ -475,8 +579,8 @@ fn at_most_twenty_errors_are_reported() {
 
 #[test]
 fn keywords_of_other_renderers_get_a_suggestion() {
-    rejects("Lights { ‹SunLight› { } }", "unexpected `SunLight`", "write `DirectionalLight`");
-    rejects("Lights { ‹DistantLight› { } }", "unexpected `DistantLight`", "write `DirectionalLight`");
-    rejects("Materials { Dielectric { ‹ior› 1.5 } }", "unexpected `ior`", "write `indexOfRefraction`");
-    rejects("Materials { Diffuse { ‹albedo› 1 1 1 } }", "unexpected `albedo`", "write `reflectance`");
+    assert_first_error("Lights { ‹SunLight› { } }", "unexpected `SunLight`", "write `DirectionalLight`");
+    assert_first_error("Lights { ‹DistantLight› { } }", "unexpected `DistantLight`", "write `DirectionalLight`");
+    assert_first_error("Materials { Dielectric { ‹ior› 1.5 } }", "unexpected `ior`", "write `indexOfRefraction`");
+    assert_first_error("Materials { Diffuse { ‹albedo› 1 1 1 } }", "unexpected `albedo`", "write `reflectance`");
 }

@@ -1,7 +1,7 @@
 //! Tests of the index of refraction: by name, by Abbe number, by equation.
 
 use super::spanned_name;
-use super::surfaces::{parse_material_kinds, rejects_material};
+use super::surfaces::{assert_material_error, parse_material_kinds};
 use crate::color::DispersionFormula;
 use crate::format::description::{MaterialKindDescription, RefractiveIndexDescription};
 
@@ -42,52 +42,56 @@ fn two_indices_of_refraction_are_refused() {
     for second in ["glass› BK7", "cauchy› 1.5 0", "sellmeierB› 1 sellmeierC .01"] {
         let name = &second[..second.find('›').unwrap()];
         let message = format!("both `indexOfRefraction` and `{name}`");
-        rejects_material(
+        assert_material_error(
             &of(&format!("indexOfRefraction 1.5 ‹{second}")),
             &message,
             "keep one of `indexOfRefraction` or `glass`",
         );
     }
-    rejects_material(&of("glass BK7 ‹cauchy› 1.5 0"), "both `glass` and `cauchy`", "keep one of");
-    rejects_material(
+    assert_material_error(&of("glass BK7 ‹cauchy› 1.5 0"), "both `glass` and `cauchy`", "keep one of");
+    assert_material_error(
         &of("abbe ‹30›"),
         "`abbe` of `Dielectric` cannot be `30`",
         "has no effect without `indexOfRefraction`",
     );
-    rejects_material(&of("glass BK7 abbe ‹30›"), "`abbe`", "has no effect without `indexOfRefraction`");
-    rejects_material(&of("cauchy 1.5 0 sellmeierC ‹.01›"), "`sellmeierC`", "has no effect without `sellmeierB`");
-    rejects_material("‹Dielectric› { sellmeierB 1 }", "has no `sellmeierC`", "add `sellmeierC`");
-    rejects_material(&of("glass ‹}›"), "`glass` wants a name", "write a name after `glass`");
-    rejects_material("Thin { ‹glass› BK7 }", "unexpected `glass`", "");
+    assert_material_error(&of("glass BK7 abbe ‹30›"), "`abbe`", "has no effect without `indexOfRefraction`");
+    assert_material_error(&of("cauchy 1.5 0 sellmeierC ‹.01›"), "`sellmeierC`", "has no effect without `sellmeierB`");
+    assert_material_error("‹Dielectric› { sellmeierB 1 }", "has no `sellmeierC`", "add `sellmeierC`");
+    assert_material_error(&of("glass ‹}›"), "`glass` wants a name", "write a name after `glass`");
+    assert_material_error("Thin { ‹glass› BK7 }", "unexpected `glass`", "");
 }
 
 #[test]
 fn impossible_indices_are_refused() {
     let of = |fields: &str| format!("Dielectric {{ {fields} }}");
     let range = "the index must lie between 0.001 and 1000 from 380 to 720 nm";
-    rejects_material(&of("indexOfRefraction 1.5 abbe ‹0›"), "`abbe` of `Dielectric` cannot be `0`", "must be above 0");
-    rejects_material(&of("indexOfRefraction 1.5 abbe ‹-30›"), "`abbe`", "must be above 0");
-    rejects_material(&of("indexOfRefraction 1.5 abbe ‹.1›"), "`abbe`", &format!("`abbe` is too small: {range}"));
-    rejects_material(&of("indexOfRefraction 1.5 abbe ‹1e-300›"), "`abbe`", range);
-    rejects_material(&of("indexOfRefraction ‹0› abbe 30"), "`indexOfRefraction`", "between 0.001 and 1000");
-    rejects_material(&of("indexOfRefraction 1.5 abbe ‹1e999›"), "too large for a number", "1.7e308");
-    rejects_material(&of("cauchy ‹1.5›"), "`cauchy` of `Dielectric`", "of n = A + B/λ² + C/λ⁴");
-    rejects_material(&of("cauchy ‹1 2 3 4›"), "`cauchy`", "B in µm²");
+    assert_material_error(
+        &of("indexOfRefraction 1.5 abbe ‹0›"),
+        "`abbe` of `Dielectric` cannot be `0`",
+        "must be above 0",
+    );
+    assert_material_error(&of("indexOfRefraction 1.5 abbe ‹-30›"), "`abbe`", "must be above 0");
+    assert_material_error(&of("indexOfRefraction 1.5 abbe ‹.1›"), "`abbe`", &format!("`abbe` is too small: {range}"));
+    assert_material_error(&of("indexOfRefraction 1.5 abbe ‹1e-300›"), "`abbe`", range);
+    assert_material_error(&of("indexOfRefraction ‹0› abbe 30"), "`indexOfRefraction`", "between 0.001 and 1000");
+    assert_material_error(&of("indexOfRefraction 1.5 abbe ‹1e999›"), "too large for a number", "1.7e308");
+    assert_material_error(&of("cauchy ‹1.5›"), "`cauchy` of `Dielectric`", "of n = A + B/λ² + C/λ⁴");
+    assert_material_error(&of("cauchy ‹1 2 3 4›"), "`cauchy`", "B in µm²");
     // B in nm².
-    rejects_material(&of("cauchy ‹1.5 4200›"), "`cauchy`", &format!("wants B in µm² and C in µm⁴: {range}"));
-    rejects_material(&of("cauchy ‹1.5 -1›"), "`cauchy`", range);
-    rejects_material(&of("cauchy ‹1e308 1e308›"), "`cauchy`", range);
-    rejects_material(&of("sellmeierB ‹1 1 1 1 1› sellmeierC 1 1 1 1 1"), "`sellmeierB`", "one to four numbers");
-    rejects_material(
+    assert_material_error(&of("cauchy ‹1.5 4200›"), "`cauchy`", &format!("wants B in µm² and C in µm⁴: {range}"));
+    assert_material_error(&of("cauchy ‹1.5 -1›"), "`cauchy`", range);
+    assert_material_error(&of("cauchy ‹1e308 1e308›"), "`cauchy`", range);
+    assert_material_error(&of("sellmeierB ‹1 1 1 1 1› sellmeierC 1 1 1 1 1"), "`sellmeierB`", "one to four numbers");
+    assert_material_error(
         &of("sellmeierB 1 2 sellmeierC ‹.1›"),
         "`sellmeierC`",
         "as many numbers as `sellmeierB`, which has 2",
     );
     // A resonance at 500 nm.
-    rejects_material(
+    assert_material_error(
         &of("sellmeierB 1 sellmeierC ‹.25›"),
         "`sellmeierC`",
         &format!("squares of wavelengths, in µm²: {range}"),
     );
-    rejects_material(&of("sellmeierB -5 sellmeierC ‹.01›"), "`sellmeierC`", range);
+    assert_material_error(&of("sellmeierB -5 sellmeierC ‹.01›"), "`sellmeierC`", range);
 }

@@ -1,6 +1,6 @@
 //! Tests of dielectrics, conductors, thin panes, mixes, environments and patches.
 
-use super::{parse_with_camera, rejects, spanned_name};
+use super::{assert_first_error, parse_with_camera, spanned_name};
 use crate::format::description::{
     DielectricAbsorption, EnvironmentRadiance, GroupItem, LightDescription, MaterialKindDescription, MetalDescription,
     ObjectDescription, ShapeDescription, Spanned,
@@ -13,8 +13,8 @@ pub(super) fn parse_material_kinds(body: &str) -> Vec<MaterialKindDescription> {
 }
 
 #[track_caller]
-pub(super) fn rejects_material(body: &str, message: &str, help: &str) {
-    rejects(&format!("Materials {{ {body} }}"), message, help);
+pub(super) fn assert_material_error(body: &str, message: &str, help: &str) {
+    assert_first_error(&format!("Materials {{ {body} }}"), message, help);
 }
 
 #[test]
@@ -34,17 +34,21 @@ fn dielectrics_read_roughness_and_priority() {
             priority: 255
         }
     );
-    rejects_material("Dielectric { priority ‹256› }", "`priority` of `Dielectric` cannot be `256`", "from 0 to 255");
-    rejects_material("Dielectric { priority ‹1.5› }", "wants a whole number, found `1.5`", "`priority 1`");
-    rejects_material(
+    assert_material_error(
+        "Dielectric { priority ‹256› }",
+        "`priority` of `Dielectric` cannot be `256`",
+        "from 0 to 255",
+    );
+    assert_material_error("Dielectric { priority ‹1.5› }", "wants a whole number, found `1.5`", "`priority 1`");
+    assert_material_error(
         "Dielectric { roughness ‹1.1› }",
         "`roughness` of `Dielectric` cannot be `1.1`",
         "between 0 and 1",
     );
-    rejects_material("Dielectric { roughness ‹-.1› }", "`roughness`", "between 0 and 1");
-    rejects_material("Dielectric { ‹roughnes› .1 }", "unexpected `roughnes`", "did you mean `roughness`?");
+    assert_material_error("Dielectric { roughness ‹-.1› }", "`roughness`", "between 0 and 1");
+    assert_material_error("Dielectric { ‹roughnes› .1 }", "unexpected `roughnes`", "did you mean `roughness`?");
     for index in ["0", "-1.5", "9e-4", "1e4"] {
-        rejects_material(
+        assert_material_error(
             &format!("Dielectric {{ indexOfRefraction ‹{index}› }}"),
             "`indexOfRefraction`",
             "between 0.001 and 1000",
@@ -64,19 +68,19 @@ fn conductors_are_named_or_given_by_their_index() {
     );
     let metal = MetalDescription::Index { eta: DVec3::new(0.1, 0.2, 0.3), k: DVec3::new(3.0, 4.0, 0.0) };
     assert_eq!(kinds[1], MaterialKindDescription::Conductor { metal, roughness: 1.0.into() });
-    rejects_material("‹Conductor› { }", "has no `metal` or `eta`", "add `metal` or `eta`");
-    rejects_material("‹Conductor› { eta 1 1 1 }", "`Conductor` has no `k`", "add `k`");
-    rejects_material("‹Conductor› { k 1 1 1 }", "`Conductor` has no `eta`", "add `eta`");
-    rejects_material("Conductor { eta 1 1 1 ‹metal› gold k 1 1 1 }", "both `eta` and `metal`", "keep one of");
-    rejects_material("Conductor { metal gold ‹k› 1 1 1 }", "both `metal` and `k`", "keep one of");
-    rejects_material(
+    assert_material_error("‹Conductor› { }", "has no `metal` or `eta`", "add `metal` or `eta`");
+    assert_material_error("‹Conductor› { eta 1 1 1 }", "`Conductor` has no `k`", "add `k`");
+    assert_material_error("‹Conductor› { k 1 1 1 }", "`Conductor` has no `eta`", "add `eta`");
+    assert_material_error("Conductor { eta 1 1 1 ‹metal› gold k 1 1 1 }", "both `eta` and `metal`", "keep one of");
+    assert_material_error("Conductor { metal gold ‹k› 1 1 1 }", "both `metal` and `k`", "keep one of");
+    assert_material_error(
         "Conductor { eta ‹1 0 1› k 1 1 1 }",
         "`eta` of `Conductor` cannot be `1 0 1`",
         "0.001 and 1000 in each",
     );
-    rejects_material("Conductor { eta 1 1 1 k ‹1 1 -1› }", "`k` of `Conductor`", "between 0 and 1000 in each");
-    rejects_material("Conductor { eta 1 1 1 k ‹1e4 0 0› }", "`k` of `Conductor`", "between 0 and 1000 in each");
-    rejects_material("Conductor { metal gold roughness ‹2› }", "`roughness` of `Conductor`", "between 0 and 1");
+    assert_material_error("Conductor { eta 1 1 1 k ‹1 1 -1› }", "`k` of `Conductor`", "between 0 and 1000 in each");
+    assert_material_error("Conductor { eta 1 1 1 k ‹1e4 0 0› }", "`k` of `Conductor`", "between 0 and 1000 in each");
+    assert_material_error("Conductor { metal gold roughness ‹2› }", "`roughness` of `Conductor`", "between 0 and 1");
 }
 
 #[test]
@@ -87,9 +91,9 @@ fn thin_panes_read_their_fields() {
         kinds[1],
         MaterialKindDescription::Thin { index: 1.3, transmittance: DVec3::new(0.5, 1.0, 0.25).into() }
     );
-    rejects_material("Thin { transmittance ‹1 0 1› }", "`transmittance` of `Thin`", "above 0 and at most at 1");
-    rejects_material("Thin { transmittance ‹1 1 1.1› }", "`transmittance` of `Thin`", "above 0 and at most at 1");
-    rejects_material("Thin { indexOfRefraction ‹0› }", "`indexOfRefraction` of `Thin`", "between 0.001 and 1000");
+    assert_material_error("Thin { transmittance ‹1 0 1› }", "`transmittance` of `Thin`", "above 0 and at most at 1");
+    assert_material_error("Thin { transmittance ‹1 1 1.1› }", "`transmittance` of `Thin`", "above 0 and at most at 1");
+    assert_material_error("Thin { indexOfRefraction ‹0› }", "`indexOfRefraction` of `Thin`", "between 0.001 and 1000");
 }
 
 #[test]
@@ -107,20 +111,28 @@ fn mixes_refer_to_earlier_materials() {
         MaterialKindDescription::Mix { first: spanned_name("m"), second: spanned_name("m"), amount: 1.0.into() }
     );
     let mix = |fields: &str| format!("{parts} Mix glaze {{ {fields} }} Mirror later {{ }}");
-    rejects_material(&mix("first ‹later› second a amount 0"), "no material is called `later`", "stand before it");
-    rejects_material(&mix("first a second ‹B_C› amount 0"), "no material is called `B_C`", "did you mean `b c`?");
-    rejects_material(&mix("first a second ‹glaze› amount 0"), "`glaze` is a part of itself", "before it as `second`");
-    rejects_material(&mix("first a second a amount ‹1.5›"), "`amount` of `Mix` cannot be `1.5`", "between 0 and 1");
-    rejects_material(&mix("first a second a amount ‹-1›"), "`amount` of `Mix`", "between 0 and 1");
+    assert_material_error(&mix("first ‹later› second a amount 0"), "no material is called `later`", "stand before it");
+    assert_material_error(&mix("first a second ‹B_C› amount 0"), "no material is called `B_C`", "did you mean `b c`?");
+    assert_material_error(
+        &mix("first a second ‹glaze› amount 0"),
+        "`glaze` is a part of itself",
+        "before it as `second`",
+    );
+    assert_material_error(
+        &mix("first a second a amount ‹1.5›"),
+        "`amount` of `Mix` cannot be `1.5`",
+        "between 0 and 1",
+    );
+    assert_material_error(&mix("first a second a amount ‹-1›"), "`amount` of `Mix`", "between 0 and 1");
     for missing in ["first", "second", "amount"] {
         let given = ["first a", "second a", "amount 0"].into_iter().filter(|f| !f.starts_with(missing));
         let fields = given.collect::<Vec<_>>().join(" ");
         let help = format!("add `{missing}` to it");
-        rejects_material(&format!("{parts} ‹Mix› {{ {fields} }}"), &format!("`Mix` has no `{missing}`"), &help);
+        assert_material_error(&format!("{parts} ‹Mix› {{ {fields} }}"), &format!("`Mix` has no `{missing}`"), &help);
     }
     // Materials that are replaced are gone.
     let body = "Materials { Mirror a { } Dielectric g { } } Materials { Mix { first ‹a› second g amount 0 } }";
-    rejects(body, "no material is called `a`", "stand before it");
+    assert_first_error(body, "no material is called `a`", "stand before it");
 }
 
 #[test]
@@ -128,7 +140,7 @@ fn mixes_nest_up_to_a_depth() {
     let mix = |i: usize, part: &str| format!("Mix m{i} {{ first m{} second {part} amount .5 }} ", i - 1);
     let deepest: String = (1..=8).map(|i| mix(i, "m0")).collect();
     assert_eq!(parse_material_kinds(&format!("Mirror m0 {{ }} {deepest}")).len(), 9);
-    rejects_material(
+    assert_material_error(
         &format!("Mirror m0 {{ }} {deepest} Mix {{ first m0 second ‹m8› amount 0 }}"),
         "more than 8 deep",
         "fewer",
@@ -142,8 +154,8 @@ fn a_mix_has_at_most_one_dielectric() {
         "{bodies} Mix {{ first ga second g amount .5 }} Mix {{ first a second w amount .5 }}"
     ));
     let mix = |second: &str| format!("{bodies} Mix {{ second {second} first ga amount 0 }}");
-    rejects_material(&mix("‹w›"), "cannot be two different Dielectrics", "or with itself");
-    rejects_material(
+    assert_material_error(&mix("‹w›"), "cannot be two different Dielectrics", "or with itself");
+    assert_material_error(
         &format!("{bodies} Mix x {{ first a second w amount 0 }} Mix {{ first ga second ‹x› amount 0 }}"),
         "two",
         "mix a",
@@ -166,16 +178,20 @@ fn environments_are_constant_or_a_picture() {
     assert_eq!(light("file sky.exr"), picture("sky.exr", 1.0, 0.0));
     assert_eq!(light("rotate -400 scale 0 file \"my sky.png\""), picture("my sky.png", 0.0, -400.0));
     let rejects_light = |fields: &str, message: &str, help: &str| {
-        rejects(&format!("Lights {{ EnvironmentLight {{ {fields} }} }}"), message, help);
+        assert_first_error(&format!("Lights {{ EnvironmentLight {{ {fields} }} }}"), message, help);
     };
     rejects_light("file a.exr ‹radiance› 1 1 1", "both `file` and `radiance`", "keep one of `file` or `radiance`");
     rejects_light("radiance ‹-1 0 0›", "`radiance` of `EnvironmentLight`", "not be negative");
     rejects_light("file a.exr scale ‹-1›", "`scale` of `EnvironmentLight`", "not be negative");
     rejects_light("radiance 1 1 1 scale ‹2›", "`scale` of `EnvironmentLight`", "no effect without `file`");
     rejects_light("rotate ‹90› radiance 1 1 1", "`rotate` of `EnvironmentLight`", "no effect without `file`");
-    rejects("Lights { ‹EnvironmentLight› { } }", "has no `file` or `radiance`", "add `file` or `radiance`");
+    assert_first_error("Lights { ‹EnvironmentLight› { } }", "has no `file` or `radiance`", "add `file` or `radiance`");
     let one = "EnvironmentLight { radiance 1 1 1 }";
-    rejects(&format!("Lights {{ {one} ‹EnvironmentLight› {{ }} }}"), "`EnvironmentLight` is given twice", "keep one");
+    assert_first_error(
+        &format!("Lights {{ {one} ‹EnvironmentLight› {{ }} }}"),
+        "`EnvironmentLight` is given twice",
+        "keep one",
+    );
     parse_with_camera(&format!("Lights {{ {one} }} Lights {{ {one} }} Group {{ }}")).unwrap();
 }
 
@@ -203,7 +219,8 @@ fn patch_control_points_must_fit_the_degrees() {
         }
         other => panic!("{other:?}"),
     }
-    let rejects_shape = |body: &str, message: &str, help: &str| rejects(&format!("Group {{ {body} }}"), message, help);
+    let rejects_shape =
+        |body: &str, message: &str, help: &str| assert_first_error(&format!("Group {{ {body} }}"), message, help);
     rejects_shape(
         &format!("BezierPatch {{ ‹controls› {four} }}"),
         "`controls` of `BezierPatch`",

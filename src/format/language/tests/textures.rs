@@ -81,20 +81,24 @@ fn texture_names_replace_numbers() {
 
 #[test]
 fn texture_errors_have_position_and_remedy() {
-    rejects("Textures { ‹Checker› { } }", "this `Checker` has no name", "`Checker name { … }`");
-    rejects("Textures { Checker a { } Noise ‹a› { } }", "two textures are called `a`", "another name");
-    rejects("Textures { ‹Cheker› a { } }", "unexpected `Cheker` in `Textures`", "did you mean `Checker`?");
-    rejects("Textures { Checker a { color0 ‹-1 0 0› } }", "`color0` of `Checker`", "not be negative");
-    rejects("Textures { Checker a { scale ‹1 0› } }", "`scale` of `Checker`", "must not be 0");
-    rejects("Textures { ‹Image› a { } }", "`Image` has no `file`", "add `file`");
-    rejects("Textures { Image a { file b.png wrap ‹tile› } }", "`wrap` of `Image` cannot be `tile`", "`mirror`");
-    rejects("Textures { Image a { file b.png encoding ‹gamma› } }", "`encoding`", "`srgb` or `linear`");
-    rejects("Textures { Noise a { octaves ‹0› } }", "`octaves` of `Noise`", "from 1 to 16");
-    rejects("Textures { Wood a { frequency ‹0› } }", "`frequency` of `Wood`", "above 0");
-    rejects("Textures { Wood a { amplitude ‹-1› } }", "`amplitude` of `Wood`", "not be negative");
-    rejects("Textures { Wood a { Transform { ‹Sphere› { } } } }", "unexpected `Sphere`", "may hold Scale");
-    rejects("Materials { Mirror { } } ‹Textures› { }", "behind the `Materials`", "ahead of the Materials");
-    let refuse = |body: &str, message: &str, help: &str| rejects(&format!("{TILES} {body}"), message, help);
+    assert_first_error("Textures { ‹Checker› { } }", "this `Checker` has no name", "`Checker name { … }`");
+    assert_first_error("Textures { Checker a { } Noise ‹a› { } }", "two textures are called `a`", "another name");
+    assert_first_error("Textures { ‹Cheker› a { } }", "unexpected `Cheker` in `Textures`", "did you mean `Checker`?");
+    assert_first_error("Textures { Checker a { color0 ‹-1 0 0› } }", "`color0` of `Checker`", "not be negative");
+    assert_first_error("Textures { Checker a { scale ‹1 0› } }", "`scale` of `Checker`", "must not be 0");
+    assert_first_error("Textures { ‹Image› a { } }", "`Image` has no `file`", "add `file`");
+    assert_first_error(
+        "Textures { Image a { file b.png wrap ‹tile› } }",
+        "`wrap` of `Image` cannot be `tile`",
+        "`mirror`",
+    );
+    assert_first_error("Textures { Image a { file b.png encoding ‹gamma› } }", "`encoding`", "`srgb` or `linear`");
+    assert_first_error("Textures { Noise a { octaves ‹0› } }", "`octaves` of `Noise`", "from 1 to 16");
+    assert_first_error("Textures { Wood a { frequency ‹0› } }", "`frequency` of `Wood`", "above 0");
+    assert_first_error("Textures { Wood a { amplitude ‹-1› } }", "`amplitude` of `Wood`", "not be negative");
+    assert_first_error("Textures { Wood a { Transform { ‹Sphere› { } } } }", "unexpected `Sphere`", "may hold Scale");
+    assert_first_error("Materials { Mirror { } } ‹Textures› { }", "behind the `Materials`", "ahead of the Materials");
+    let refuse = |body: &str, message: &str, help: &str| assert_first_error(&format!("{TILES} {body}"), message, help);
     refuse("Materials { Diffuse { reflectance ‹tile› } }", "no texture is called `tile`", "did you mean `tiles`?");
     refuse("Materials { Diffuse { reflectance ‹wood› } }", "no texture is called `wood`", "`Textures {");
     refuse("Materials { Diffuse { reflectance ‹nan› 1 1 } }", "not a finite number", "finite");

@@ -26,7 +26,7 @@ const LIST_NAMES: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
 /// Checked content of an OBJ file.
 #[derive(Default)]
-pub(super) struct CheckedObj {
+pub(super) struct CheckedObjFile {
     /// Valid lines `v`, `vt`, `vn` and `f` in the order of the file, one text per chunk.
     ///
     /// Lines `g` divide the faces into groups. Within a group, all faces have one material, and all
@@ -47,7 +47,7 @@ pub(super) struct CheckedObj {
 }
 
 /// Checks all lines of an OBJ file; fails at the first invalid line.
-pub(super) fn check_obj_lines(text: &str, monitor: &dyn MeshReadMonitor) -> Result<CheckedObj, InvalidObjLine> {
+pub(super) fn check_obj_lines(text: &str, monitor: &dyn MeshReadMonitor) -> Result<CheckedObjFile, InvalidObjLine> {
     let chunks = line_chunks(text);
     let chunk_counts: Vec<LineCounts> =
         chunks.par_iter().map(|chunk| LineCounts::count_lines(&text[chunk.clone()])).collect();
@@ -68,7 +68,7 @@ pub(super) fn check_obj_lines(text: &str, monitor: &dyn MeshReadMonitor) -> Resu
         })
         .collect();
     let [v, vt, vn] = total.lists;
-    let mut result = CheckedObj { vertices: v, numbers: 3 * v + 2 * vt + 3 * vn, ..CheckedObj::default() };
+    let mut result = CheckedObjFile { vertices: v, numbers: 3 * v + 2 * vt + 3 * vn, ..CheckedObjFile::default() };
     let mut material = String::new();
     for chunk in checked {
         let mut chunk: ChunkChecker<'_> = chunk?;

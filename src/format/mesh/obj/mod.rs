@@ -10,7 +10,7 @@ mod tests;
 mod write;
 
 use super::{LoadedMesh, MeshError, MeshReadMonitor, NO_MATERIAL, TriangleMesh, check_memory, unit_normal};
-use check::CheckedObj;
+use check::CheckedObjFile;
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 use std::io::{BufRead, Read};
@@ -53,7 +53,7 @@ pub(super) fn read(
     let mut reader = MonitoredObjReader { texts: &checked.texts, at: 0, monitor };
     reader.skip_empty_texts();
     let (models, _) = tobj::load_obj_buf(&mut reader, &options, no_materials).map_err(malformed)?;
-    let mesh = join_models(&models, &checked).ok_or_else(|| MeshError::TooLarge { path: path.into() })?;
+    let mesh = join_obj_groups(&models, &checked).ok_or_else(|| MeshError::TooLarge { path: path.into() })?;
     Ok(LoadedMesh {
         mesh,
         libraries: checked.libraries,
@@ -108,7 +108,7 @@ impl Read for MonitoredObjReader<'_> {
 }
 
 /// Joins all groups into one mesh; `None` if it has more than `i32::MAX` vertices.
-fn join_models(models: &[tobj::Model], checked: &CheckedObj) -> Option<TriangleMesh> {
+fn join_obj_groups(models: &[tobj::Model], checked: &CheckedObjFile) -> Option<TriangleMesh> {
     let mut mesh = TriangleMesh::default();
     let has = |list: fn(&tobj::Mesh) -> &Vec<f64>| models.iter().any(|model| !list(&model.mesh).is_empty());
     let (has_normals, has_texcoords) = (has(|mesh| &mesh.normals), has(|mesh| &mesh.texcoords));

@@ -224,14 +224,14 @@ impl PlyElement {
         self.properties.iter().map(one).sum()
     }
 
-    pub fn has_slot(&self, slot: usize) -> bool {
+    pub fn has_property_slot(&self, slot: usize) -> bool {
         self.properties.iter().any(|p| p.role == PropertyRole::Slot(slot))
     }
 
     fn check_properties(&self) -> Result<(), HeaderError> {
         let wrong = |message: &str, remedy| Err((self.line, (message.to_owned(), remedy)));
         match self.kind {
-            ElementKind::Vertex if !(0..3).all(|slot| self.has_slot(slot)) => {
+            ElementKind::Vertex if !(0..3).all(|slot| self.has_property_slot(slot)) => {
                 wrong("`vertex` lacks one of the properties x, y and z", "export it with positions")
             }
             ElementKind::Face if !self.properties.iter().any(|p| p.role == PropertyRole::Corners) => {

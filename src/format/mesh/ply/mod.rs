@@ -171,8 +171,8 @@ impl MeshReader<'_> {
         match element.kind {
             ElementKind::Vertex => {
                 mesh.positions.reserve_exact(n);
-                mesh.normals = (3..6).all(|slot| element.has_slot(slot)).then(|| Vec::with_capacity(n));
-                mesh.texcoords = (6..8).all(|slot| element.has_slot(slot)).then(|| Vec::with_capacity(n));
+                mesh.normals = (3..6).all(|slot| element.has_property_slot(slot)).then(|| Vec::with_capacity(n));
+                mesh.texcoords = (6..8).all(|slot| element.has_property_slot(slot)).then(|| Vec::with_capacity(n));
             }
             ElementKind::Face => mesh.triangles.reserve(n),
             ElementKind::Other => {}

@@ -96,7 +96,7 @@ fn union_of_meshes(mut a: TriangleMesh, b: &TriangleMesh) -> TriangleMesh {
     a
 }
 
-fn scaled_and_moved(mut mesh: TriangleMesh, scale: f64, offset: DVec3) -> TriangleMesh {
+fn scaled_and_translated_mesh(mut mesh: TriangleMesh, scale: f64, offset: DVec3) -> TriangleMesh {
     mesh.positions.iter_mut().for_each(|p| *p = *p * scale + offset);
     mesh
 }

@@ -89,7 +89,7 @@ fn degenerate_faces_do_not_affect_normals() {
     assert!(cube.triangles[..12].iter().flatten().all(|v| normals[*v as usize].is_normalized()));
     assert_eq!(normals.iter().filter(|n| **n == DVec3::ZERO).count(), 2);
     // Tiny faces count like others.
-    let mut tiny = scaled_and_moved(super::cube_mesh(), 1e-170, DVec3::ZERO);
+    let mut tiny = scaled_and_translated_mesh(super::cube_mesh(), 1e-170, DVec3::ZERO);
     tiny.compute_smooth_normals(180.0);
     assert!(tiny.normals.unwrap().iter().all(|n| n.is_normalized()));
 }

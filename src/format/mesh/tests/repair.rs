@@ -77,18 +77,18 @@ fn cavities_face_inward() {
     let shells = [(1.0, 1.0), (0.5, -1.0), (0.25, 1.0)];
     let mut nested = TriangleMesh::default();
     for (i, (size, _)) in shells.into_iter().enumerate() {
-        let mut shell = scaled_and_moved(cube_mesh(), size, DVec3::splat(0.01));
+        let mut shell = scaled_and_translated_mesh(cube_mesh(), size, DVec3::splat(0.01));
         if i != 1 {
             shell.reverse_orientation();
         }
         nested = union_of_meshes(nested, &shell);
     }
-    nested = union_of_meshes(nested, &scaled_and_moved(cube_mesh(), 1.0, DVec3::new(5.0, 0.0, 0.0)));
+    nested = union_of_meshes(nested, &scaled_and_translated_mesh(cube_mesh(), 1.0, DVec3::new(5.0, 0.0, 0.0)));
     nested.orient_outward();
     let volume: f64 = shells.iter().map(|(size, sign)| 8.0 * sign * size * size * size).sum();
     assert!((nested.mesh_report().volume.unwrap() - volume - 8.0).abs() < 1e-12);
     // A shell of another material is no hollow.
-    let mut other = union_of_meshes(cube_mesh(), &scaled_and_moved(cube_mesh(), 0.5, DVec3::ZERO));
+    let mut other = union_of_meshes(cube_mesh(), &scaled_and_translated_mesh(cube_mesh(), 0.5, DVec3::ZERO));
     other.materials = vec!["a".to_owned(), "b".to_owned()];
     other.triangle_materials = [[0; 12], [1; 12]].concat();
     other.orient_outward();
@@ -137,7 +137,7 @@ fn welding_keeps_the_first_vertex_in_range() {
     assert_eq!(row.weld_vertices(1.0), 1);
     assert_eq!(row.positions, [[0.0; 3], [1.8, 5.0, 0.0], [1.8, 0.0, 0.0]].map(DVec3::from_array));
     assert_eq!(row.triangles, [[0, 0, 1], [0, 2, 1]]);
-    let mut far = scaled_and_moved(cube_mesh(), 1e100, DVec3::ZERO);
+    let mut far = scaled_and_translated_mesh(cube_mesh(), 1e100, DVec3::ZERO);
     assert_eq!((far.weld_vertices(0.0), far.weld_vertices(1e-300)), (0, 0));
     assert_eq!(far.weld_vertices(f64::MAX), 7);
 }

@@ -52,13 +52,13 @@ fn defects_are_counted() {
     let report = odd.mesh_report();
     assert_eq!((report.inconsistent_edges, report.orientable, report.volume), (3, true, None));
     // Two cubes that share an edge: it has four faces; the surface is pinched nowhere else.
-    let two = union_of_meshes(cube_mesh(), &scaled_and_moved(cube_mesh(), 1.0, DVec3::new(2.0, 2.0, 0.0)));
+    let two = union_of_meshes(cube_mesh(), &scaled_and_translated_mesh(cube_mesh(), 1.0, DVec3::new(2.0, 2.0, 0.0)));
     let report = two.mesh_report();
     assert_eq!((report.non_manifold_edges, report.manifold, report.components, report.genus), (1, false, 1, None));
     assert_eq!((report.repeated_vertices, report.non_manifold_vertices), (2, 0));
     assert_near(report.volume.unwrap(), 16.0);
     // Two cubes that share a corner.
-    let two = union_of_meshes(cube_mesh(), &scaled_and_moved(cube_mesh(), 1.0, DVec3::splat(2.0)));
+    let two = union_of_meshes(cube_mesh(), &scaled_and_translated_mesh(cube_mesh(), 1.0, DVec3::splat(2.0)));
     let report = two.mesh_report();
     assert_eq!((report.non_manifold_edges, report.non_manifold_vertices, report.components), (0, 1, 2));
     let mut worn = cube_mesh();
@@ -88,9 +88,9 @@ fn solid_meshes_have_no_defect() {
     assert_eq!(cube_mesh().solid_defect(), None);
     assert_eq!(tetrahedron_mesh().solid_defect(), None);
     assert_eq!(torus_mesh(8, 6).solid_defect(), None);
-    assert_eq!(scaled_and_moved(cube_mesh(), 1e-3, DVec3::splat(1e4)).solid_defect(), None);
+    assert_eq!(scaled_and_translated_mesh(cube_mesh(), 1e-3, DVec3::splat(1e4)).solid_defect(), None);
     // A hollow: the inner wall faces inward.
-    let mut inner = scaled_and_moved(cube_mesh(), 0.5, DVec3::ZERO);
+    let mut inner = scaled_and_translated_mesh(cube_mesh(), 0.5, DVec3::ZERO);
     inner.reverse_orientation();
     assert_eq!(union_of_meshes(cube_mesh(), &inner).solid_defect(), None);
 }

@@ -25,7 +25,7 @@ fn power_basis_agrees_with_de_casteljau() {
             let x = f64::from(i) / 10.0 - 1.0;
             let ([px, py], slope) = evaluate_with_derivative(&a, x);
             let truth = evaluate_by_halving(&controls, 0.5 + 0.5 * x);
-            let bound = f64::EPSILON * 4.0 * binomial(degree, degree / 2);
+            let bound = f64::EPSILON * 4.0 * binomial_coefficient(degree, degree / 2);
             assert!((px - truth[0]).abs().max((py - truth[1]).abs()) < bound, "{degree} {x}");
             let step = 1e-5;
             let [before, after] = [x - step, x + step].map(|x| evaluate_with_derivative(&a, x).0);
