@@ -272,8 +272,8 @@ fn photon_radiance<I: Interior>(
     let samples = match paths.policy.photons {
         PhotonLookups::Never => return Rgb::ZERO,
         PhotonLookups::OncePerPixel => match vertex.sampler.sample_index_and_count() {
-            (index, samples) if vertex.history.receivers == 0 && (index == 0 || worker.prefix.ends_at_receiver) => {
-                samples as f32 * worker.prefix.photon_weight
+            (index, samples) if vertex.history.receivers == 0 && index < worker.prefix.lookups => {
+                samples as f32 * worker.prefix.lookup_weight
             }
             _ => return Rgb::ZERO,
         },

@@ -3,11 +3,12 @@
 //! The *prefix* of a camera path is its part up to the first receiver. Highlights of small lamps,
 //! and caustics seen in mirrors and through glass, are found by prefixes alone. They often cover a
 //! fraction of a pixel, so their noise is large, but a ray that ends at the first receiver costs
-//! little. A pixel with n camera paths and m prefix rays has the variance
-//! σ_r²/n + σ_f²/(n + m) + σ_p²/(1 + m): of the light after the first receiver, of emission found
-//! by the prefix, and of the photon estimate, which one of the camera paths reads. The pilot
-//! estimates these variances and the work of a prefix ray, and minimizes the variance of the
-//! picture times the work of a pass (efficiency; Pharr, Jakob and Humphreys 2023, section 2.2.2).
+//! little. A pixel with n camera paths and m prefix rays, l of which read photon maps, has the
+//! variance σ_r²/n + σ_f²/(n + m) + σ_p²/(1 + l). The terms are light after the first receiver,
+//! emission that the prefix finds, and the photon estimate, which one of the camera paths reads
+//! too. The pilot estimates these variances and the work of a ray and of a lookup. It minimizes the
+//! variance of the picture times the work of a pass, which is the inverse of efficiency (Pharr,
+//! Jakob and Humphreys 2023, section 2.2.1).
 //!
 //! No pass uses rays of the pilot, so the mean stays unbiased.
 
@@ -18,6 +19,7 @@ use super::pass::{Pass, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
 use super::tiles::{self, FilmImage};
+use super::worker::{PrefixLight, PrefixRayCount};
 use crate::color::{self, Rgb};
 use crate::plan::Effect;
 use crate::sampling::{Key, Purpose};
@@ -30,22 +32,36 @@ use std::sync::Arc;
 const WHOLE_PICTURES: u32 = 2;
 
 /// Number of pictures of prefix rays, with one ray per pixel each.
-const PREFIX_PICTURES: u32 = 6;
+const PREFIX_PICTURES: u32 = 4;
+
+/// Number of the pictures of prefix rays that read photon maps.
+const LOOKUP_PICTURES: u32 = 2;
 
 /// Divisor of the number of photon paths: the pilot traces a quarter of the paths of a pass.
 const PILOT_DIVISOR: u32 = 4;
 
-/// Steps of the search for the efficient numbers of rays. Each step halves the error at least.
+/// Number of steps of the search for the efficient numbers of rays.
 const SEARCH_STEPS: u32 = 20;
+
+/// Most work of prefix rays, relative to the work of the rest of a pass.
+///
+/// It bounds what is lost where the pilot found a rare bright ray by luck.
+const MAX_WORK: f64 = 0.3;
 
 /// Mean number of prefix rays per pixel below which none are traced.
 const MIN_MEAN_COUNT: f64 = 1e-3;
 
+/// Work of a density estimate beside its photons, relative to tracing a photon ray.
+const LOOKUP_WORK: f64 = 20.0;
+
+/// Work of one photon in a density estimate, with the search, relative to tracing a photon ray.
+const LOOKUP_PHOTON_WORK: f64 = 1.0;
+
 /// Numbers of prefix rays that a pilot found.
 #[derive(Clone, Debug)]
 pub(super) struct PrefixRayCounts {
-    /// Number of prefix rays of each pixel, by rows from the top.
-    pub counts: Arc<[u8]>,
+    /// Numbers of prefix rays of each pixel, by rows from the top.
+    pub counts: Arc<[PrefixRayCount]>,
     /// Rays and gathered photons of all prefix rays of a pass.
     pub expected_work: Counters,
 }
@@ -53,7 +69,7 @@ pub(super) struct PrefixRayCounts {
 impl PrefixRayCounts {
     /// Returns the mean number of prefix rays per pixel.
     pub fn mean(&self) -> f64 {
-        self.counts.iter().map(|n| f64::from(*n)).sum::<f64>() / self.counts.len().max(1) as f64
+        self.counts.iter().map(|n| f64::from(n.rays)).sum::<f64>() / self.counts.len().max(1) as f64
     }
 }
 
@@ -116,7 +132,7 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     let mut light = vec![PixelLight::default(); width as usize * height as usize];
     let mut whole_work = Counters::default();
     for i in 0..WHOLE_PICTURES {
-        let picture = render_light_parts(renderer, maps.as_ref(), i, false);
+        let picture = render_light_parts(renderer, maps.as_ref(), i, PathParts::Whole);
         let count = (i + 1) as f32;
         light.par_iter_mut().zip(&picture.image).for_each(|(light, parts)| {
             light.rest.add(parts.x, count);
@@ -125,58 +141,78 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
         });
         whole_work += picture.counters;
     }
-    let mut prefix_work = Counters::default();
+    let (mut ray_work, mut lookup_work) = (Counters::default(), Counters::default());
     for i in WHOLE_PICTURES..WHOLE_PICTURES + PREFIX_PICTURES {
-        let picture = render_light_parts(renderer, maps.as_ref(), i, true);
+        let looks_up = i < WHOLE_PICTURES + LOOKUP_PICTURES;
+        let parts = if looks_up { PathParts::PrefixWithLookup } else { PathParts::Prefix };
+        let picture = render_light_parts(renderer, maps.as_ref(), i, parts);
         let count = (i + 1) as f32;
         light.par_iter_mut().zip(&picture.image).for_each(|(light, parts)| {
             light.found.add(parts.y, count);
-            light.photons.add(parts.z, count);
+            if looks_up {
+                light.photons.add(parts.z, count);
+            }
         });
-        prefix_work += picture.counters;
+        let Counters { gathers, gathered_photons, .. } = picture.counters;
+        lookup_work += Counters { gathers, gathered_photons, ..Counters::default() };
+        ray_work += Counters { gathers: 0, gathered_photons: 0, ..picture.counters };
     }
 
-    // Measure the work of the camera paths and photons of a pass, and of a prefix ray.
+    // Measure the work of the camera paths and photons of a pass, of a prefix ray and of a lookup.
     let pixels = f64::from(width) * f64::from(height);
     let part = f64::from(PILOT_DIVISOR);
-    let work = |counters: &Counters| balance::camera_path_work(counters) + part * balance::gathering_work(counters);
-    let prefix_cost = work(&prefix_work) / (pixels * f64::from(PREFIX_PICTURES));
-    let camera_work = f64::from(renderer.samples) * balance::camera_path_work(&whole_work) / f64::from(WHOLE_PICTURES);
+    let lookup = |counters: &Counters| {
+        LOOKUP_WORK * counters.gathers as f64 + LOOKUP_PHOTON_WORK * part * counters.gathered_photons as f64
+    };
     let stored = out.aimed.stored + out.unaimed.stored;
-    let photon_work = part * (out.counters.photon_rays as f64 + balance::photon_storage_work(stored));
-    let gathering_work = part * balance::gathering_work(&whole_work) / f64::from(WHOLE_PICTURES);
-    let pass_work = PassWork {
-        camera: camera_work / pixels,
-        photons: (photon_work + gathering_work) / pixels,
-        prefix_ray: prefix_cost,
+    let photons = part * (out.counters.photon_rays as f64 + balance::photon_storage_work(stored));
+    let whole_pictures = f64::from(WHOLE_PICTURES);
+    let camera = f64::from(renderer.samples) * balance::camera_path_work(&whole_work) / whole_pictures;
+    let work = PassWork {
+        camera: camera / pixels,
+        photons: (photons + lookup(&whole_work) / whole_pictures) / pixels,
+        prefix_ray: balance::camera_path_work(&ray_work) / (pixels * f64::from(PREFIX_PICTURES)),
+        lookup: lookup(&lookup_work) / (pixels * f64::from(LOOKUP_PICTURES)),
     };
 
     let variances = pixel_variances(&light, width as usize, height as usize)?;
-    let counts = efficient_ray_counts(&variances, renderer.samples, &pass_work)?;
-    let total: f64 = counts.iter().map(|n| f64::from(*n)).sum();
-    let scale = total / (pixels * f64::from(PREFIX_PICTURES));
-    let scaled = |n: u64| (n as f64 * scale).round() as u64;
+    let counts = efficient_ray_counts(&variances, renderer.samples, &work)?;
+    let (rays, lookups) = counts
+        .iter()
+        .fold((0, 0), |(rays, lookups), count| (rays + u64::from(count.rays), lookups + u64::from(count.lookups)));
+    let scaled =
+        |n: u64, total: u64, pictures: u32| (n as f64 * total as f64 / (pixels * f64::from(pictures))).round() as u64;
     let expected_work = Counters {
-        camera_rays: total as u64,
-        continuation_rays: scaled(prefix_work.continuation_rays),
-        shadow_rays: scaled(prefix_work.shadow_rays),
-        gathers: scaled(prefix_work.gathers),
-        gathered_photons: scaled(prefix_work.gathered_photons * u64::from(PILOT_DIVISOR)),
+        camera_rays: rays,
+        continuation_rays: scaled(ray_work.continuation_rays, rays, PREFIX_PICTURES),
+        shadow_rays: scaled(ray_work.shadow_rays, rays, PREFIX_PICTURES),
+        gathers: scaled(lookup_work.gathers, lookups, LOOKUP_PICTURES),
+        gathered_photons: scaled(lookup_work.gathered_photons * u64::from(PILOT_DIVISOR), lookups, LOOKUP_PICTURES),
         ..Counters::default()
     };
     Some(PrefixRayCounts { counts: counts.into(), expected_work })
 }
 
+/// Parts of camera paths that a picture of the pilot traces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum PathParts {
+    /// Whole paths.
+    Whole,
+    /// The prefix, with the photon estimate at its receiver.
+    PrefixWithLookup,
+    /// The prefix without photon estimate.
+    Prefix,
+}
+
 /// Renders picture `i` of the pilot, with one ray per pixel.
 ///
 /// The channels of a pixel are the light after the first receiver, emission found by the prefix,
-/// and the photon estimate, each averaged over RGB. If `prefix_only` is true, paths end at their
-/// first receiver.
+/// and the photon estimate, each averaged over RGB.
 fn render_light_parts(
     renderer: &PassRenderer<'_>,
     maps: Option<&PhotonMaps<'_>>,
     i: u32,
-    prefix_only: bool,
+    parts: PathParts,
 ) -> FilmImage {
     // No render reaches these passes, so no random number is used twice.
     let pass = u32::MAX - i;
@@ -186,8 +222,11 @@ fn render_light_parts(
     for_interior!(pilot.policy.effects, <I> {
         let radiance = camera_path::radiance_function::<I>(&paths);
         tiles::render_tiles(&sampling, key, &SilentMonitor, |ray, sampler, worker, stack| {
-            let prefix = &mut worker.prefix;
-            (prefix.ends_at_receiver, prefix.found, prefix.photons) = (prefix_only, Rgb::ZERO, Rgb::ZERO);
+            worker.prefix = PrefixLight {
+                ends_at_receiver: parts != PathParts::Whole,
+                lookups: u32::from(parts != PathParts::Prefix),
+                ..PrefixLight::default()
+            };
             let total = color::channel_mean(radiance(ray, sampler, worker, stack));
             let (found, photons) =
                 (color::channel_mean(worker.prefix.found), color::channel_mean(worker.prefix.photons));
@@ -216,14 +255,17 @@ fn pixel_variances(light: &[PixelLight], width: usize, height: usize) -> Option<
         rows.flat_map(|y| columns.clone().map(move |x| value(y * width + x))).sum::<f64>() / count
     };
     let smoothed = |value: &dyn Fn(usize) -> f64, i: usize| 0.5 * (box_mean(value, i, 1) + box_mean(value, i, 4));
-    let all = f64::from(WHOLE_PICTURES + PREFIX_PICTURES - 1);
     let variance = |i: usize| {
         let brightness = box_mean(&|i| f64::from(mean[i]), i, 1);
         let scale = 1.0 / (median * (brightness + median));
         PixelVariance {
             rest: box_mean(&|i| f64::from(light[i].rest.squares), i, 1) / f64::from(WHOLE_PICTURES - 1) * scale,
-            found: smoothed(&|i| f64::from(light[i].found.squares), i) / all * scale,
-            photons: smoothed(&|i| f64::from(light[i].photons.squares), i) / all * scale,
+            found: smoothed(&|i| f64::from(light[i].found.squares), i)
+                / f64::from(WHOLE_PICTURES + PREFIX_PICTURES - 1)
+                * scale,
+            photons: smoothed(&|i| f64::from(light[i].photons.squares), i)
+                / f64::from(WHOLE_PICTURES + LOOKUP_PICTURES - 1)
+                * scale,
         }
     };
     Some((0..light.len()).into_par_iter().map(variance).collect())
@@ -236,45 +278,71 @@ struct PassWork {
     camera: f64,
     /// Work of tracing, indexing and gathering photons, divided by the number of pixels.
     photons: f64,
-    /// Work of one prefix ray.
+    /// Work of one prefix ray without photon estimate.
     prefix_ray: f64,
+    /// Work of the photon estimates of one prefix ray.
+    lookup: f64,
 }
 
-/// Returns the number of prefix rays of each pixel for which variance times work of a pass is
-/// least; `None` if there are almost none.
+/// Returns the numbers of prefix rays for which variance times work of a pass is least, within
+/// [`MAX_WORK`]; `None` if there are almost none.
 ///
 /// The variance that photons cause is not known. It is taken to be to the work of photons as the
 /// variance of camera paths is to theirs: the balance of rays and photons makes it so.
-fn efficient_ray_counts(variances: &[PixelVariance], samples: u32, work: &PassWork) -> Option<Vec<u8>> {
+fn efficient_ray_counts(variances: &[PixelVariance], samples: u32, work: &PassWork) -> Option<Vec<PrefixRayCount>> {
     let n = f64::from(samples);
+    let (ray_scale, lookup_scale) = (1.0 / work.prefix_ray.sqrt(), 1.0 / (work.prefix_ray + work.lookup).sqrt());
+    // Numbers of rays and lookups of a pixel. The derivative of the variance by the work is the
+    // same for all pixels: −1/scale².
     let count = |v: &PixelVariance, scale: f64| {
-        let found = v.found.sqrt() * scale - n;
-        let photons = v.photons.sqrt() * scale - 1.0;
-        // A comparison with NaN is false, so broken variances give no ray.
-        let wanted = found.max(photons);
-        if wanted >= 1.0 { wanted.min(f64::from(u8::MAX)).floor() } else { 0.0 }
+        // `max` ignores NaN, so broken variances give no ray.
+        let whole = |n: f64| n.max(0.0).floor().min(f64::from(u8::MAX));
+        let lookups = whole(v.photons.sqrt() * scale * lookup_scale - 1.0);
+        (whole(v.found.sqrt() * scale * ray_scale - n).max(lookups), lookups)
     };
     let pixels = variances.len() as f64;
-    let photon_variance_factor = 1.0 + work.photons / work.camera.max(f64::MIN_POSITIVE);
-    // The derivative of the variance by the work of a pixel's prefix rays is the same for all
-    // pixels, and equal to the variance over the work of the pass.
+    let prefix_work = |scale: f64| {
+        let pixel_work = |v: &PixelVariance| {
+            let (rays, lookups) = count(v, scale);
+            work.prefix_ray * rays + work.lookup * lookups
+        };
+        variances.iter().map(pixel_work).sum::<f64>() / pixels
+    };
+    let rest_work = work.camera + work.photons;
+    let photon_variance_factor = rest_work / work.camera.max(f64::MIN_POSITIVE);
+    let variance = |scale: f64| {
+        let pixel_variance = |v: &PixelVariance| {
+            let (rays, lookups) = count(v, scale);
+            photon_variance_factor * v.rest / n + v.found / (n + rays) + v.photons / (1.0 + lookups)
+        };
+        variances.iter().map(pixel_variance).sum::<f64>() / pixels
+    };
+
+    // Where variance times work is least, that derivative is the variance over the work of a pass.
     let mut scale = 0.0;
     for _ in 0..SEARCH_STEPS {
-        let (mut variance, mut rays) = (0.0, 0.0);
-        for v in variances {
-            let m = count(v, scale);
-            variance += photon_variance_factor * v.rest / n + v.found / (n + m) + v.photons / (1.0 + m);
-            rays += m;
-        }
-        let pass = work.camera + work.photons + work.prefix_ray * rays / pixels;
-        let rate = variance / pixels / pass;
-        if !(rate > 0.0 && rate.is_finite()) {
+        let next = ((rest_work + prefix_work(scale)) / variance(scale)).sqrt();
+        if !next.is_finite() {
             return None;
         }
-        scale = 1.0 / (rate * work.prefix_ray).sqrt();
+        scale = next;
     }
-    let counts: Vec<u8> = variances.iter().map(|v| count(v, scale) as u8).collect();
-    let mean = counts.iter().map(|n| f64::from(*n)).sum::<f64>() / pixels;
+
+    // Fewer rays if their work is above the limit.
+    if prefix_work(scale) > MAX_WORK * rest_work {
+        let (mut low, mut high) = (0.0, scale);
+        for _ in 0..SEARCH_STEPS {
+            let middle = 0.5 * (low + high);
+            if prefix_work(middle) > MAX_WORK * rest_work { high = middle } else { low = middle }
+        }
+        scale = low;
+    }
+    let whole = |v: &PixelVariance| {
+        let (rays, lookups) = count(v, scale);
+        PrefixRayCount { rays: rays as u8, lookups: lookups as u8 }
+    };
+    let counts: Vec<PrefixRayCount> = variances.iter().map(whole).collect();
+    let mean = counts.iter().map(|n| f64::from(n.rays)).sum::<f64>() / pixels;
     (mean >= MIN_MEAN_COUNT).then_some(counts)
 }
 

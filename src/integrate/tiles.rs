@@ -2,7 +2,7 @@
 
 use super::nested_estimates::NestedEstimates;
 use super::pass::{PassStage, ProgressMonitor};
-use super::worker::{PathWorker, PrefixLight};
+use super::worker::{PathWorker, PrefixLight, PrefixRayCount};
 use crate::camera::{Camera, Filter, FilterSample};
 use crate::color::Rgb;
 use crate::math::{CompensatedSum, Ray};
@@ -37,8 +37,8 @@ pub(super) struct FilmSampling<'a> {
 /// Numbers of the prefix rays of a picture's pixels, and the key of their random numbers.
 #[derive(Clone, Copy)]
 pub(super) struct PrefixRays<'a> {
-    /// Number of prefix rays of each pixel, by rows from the top.
-    pub counts: &'a [u8],
+    /// Numbers of prefix rays of each pixel, by rows from the top.
+    pub counts: &'a [PrefixRayCount],
     pub key: Key,
 }
 
@@ -92,9 +92,9 @@ impl FilmSampling<'_> {
         self.density.map_or(self.samples, exact)
     }
 
-    /// Returns the number of prefix rays of a pixel. `pixel` counts by rows from the top.
-    fn prefix_ray_count(&self, pixel: usize) -> u32 {
-        self.prefix_rays.map_or(0, |rays| u32::from(rays.counts[pixel]))
+    /// Returns the numbers of prefix rays of a pixel. `pixel` counts by rows from the top.
+    fn prefix_ray_count(&self, pixel: usize) -> PrefixRayCount {
+        self.prefix_rays.map_or(PrefixRayCount::default(), |rays| rays.counts[pixel])
     }
 
     /// Makes the camera ray of `sampler` through the pixel whose upper left corner is `corner`.
@@ -156,9 +156,9 @@ pub(super) fn render_tiles<T: Default>(
         for (x, y) in tile_pixels(tile.index, columns, width, height) {
             let (pixel, corner) = (key.pixel_key(x, y), Vec2::new(x as f32, y as f32));
             let index = y as usize * width as usize + x as usize;
-            let (samples, prefix_rays) = (sampling.ray_count(index), sampling.prefix_ray_count(index));
+            let (samples, prefix) = (sampling.ray_count(index), sampling.prefix_ray_count(index));
             let mut sum = PixelSum::default();
-            worker.prefix = PrefixLight::of_camera_paths(samples, prefix_rays);
+            worker.prefix = PrefixLight::of_camera_paths(samples, prefix);
             for sample in 0..samples {
                 // Trace one camera ray.
                 let sampler = Sampler::new(pixel, sample, samples);
@@ -179,12 +179,12 @@ pub(super) fn render_tiles<T: Default>(
             }
             let mut prefix_sum = CompensatedSum::default();
             if let Some(PrefixRays { key, .. }) = sampling.prefix_rays
-                && prefix_rays > 0
+                && prefix.rays > 0
             {
-                worker.prefix = PrefixLight::of_prefix_rays(samples, prefix_rays);
-                for ray in 0..prefix_rays {
+                worker.prefix = PrefixLight::of_prefix_rays(samples, prefix);
+                for ray in 0..prefix.rays {
                     // Trace one prefix ray and add its light.
-                    let sampler = Sampler::new(key.pixel_key(x, y), ray, prefix_rays);
+                    let sampler = Sampler::new(key.pixel_key(x, y), ray.into(), prefix.rays.into());
                     let (ray, weight) = sampling.generate_ray(corner, sampler);
                     worker.counters.camera_rays += 1;
                     let value = radiance(&ray, sampler, &mut worker, &mut tile_state);
