@@ -19,14 +19,14 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<Exit, CommandFailure> {
         let algorithm = arguments.method.integrator;
         let settings = settings_from_arguments(&arguments.method, arguments.effects.effects);
         let integrator = algorithm.prepare(&scene, settings);
-        let (plan, balance) = (integrator.plan(), integrator.ray_photon_balance());
         let work = expected_work(integrator.as_ref());
         let text = if arguments.json {
-            let report = PlanReport::new(arguments.scene.scene.display().to_string(), algorithm, plan, balance, &work);
+            let report =
+                PlanReport::new(arguments.scene.scene.display().to_string(), algorithm, integrator.as_ref(), &work);
             let json = serde_json::to_string_pretty(&report);
             json.map_err(CommandFailure::output_error)? + "\n"
         } else {
-            plan_table(algorithm, plan, balance, &work)
+            plan_table(algorithm, integrator.as_ref(), &work)
         };
         let written = std::io::stdout().write_all(text.as_bytes());
         written.map_err(CommandFailure::output_error)?;
@@ -47,6 +47,7 @@ pub(super) fn simulated_effects_line(plan: &Plan) -> String {
 pub(super) fn print_plan(integrator: &dyn Integrator, progress: &ProgressDisplay) {
     progress.print_line(&simulated_effects_line(integrator.plan()));
     integrator.ray_photon_balance().iter().for_each(|balance| progress.print_line(&pass_counts_line(balance)));
+    prefix_rays_line(integrator.prefix_rays_per_pixel()).iter().for_each(|line| progress.print_line(line));
     omitted_effect_warnings(integrator.plan()).for_each(|line| print_message(&line));
     if integrator.plan().simulated_effects().has(Effect::Caustics) && integrator.radius_law().is_none() {
         print_message(UNSAMPLED_CAUSTICS);
@@ -70,6 +71,12 @@ fn pass_counts_line(balance: &RayPhotonBalance) -> String {
     line
 }
 
+/// Returns a line with the mean number of prefix rays per pixel; `None` if there are none.
+fn prefix_rays_line(mean: f64) -> Option<String> {
+    let reason = "for highlights and caustics seen through glass";
+    (mean > 0.0).then(|| format!("and {mean:.2} rays per pixel up to the first diffuse surface, {reason}"))
+}
+
 /// Returns a count with its noun in the singular or plural, such as `2 passes`.
 pub(super) fn count_with_noun(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
@@ -81,7 +88,8 @@ pub(super) fn omitted_effect_warnings(plan: &Plan) -> impl Iterator<Item = Strin
     lacking.map(|d| format!("warning: without {}: {}", d.effect, d.effect.symptom_if_missing()))
 }
 
-fn plan_table(algorithm: Algorithm, plan: &Plan, balance: Option<RayPhotonBalance>, work: &ExpectedWork) -> String {
+fn plan_table(algorithm: Algorithm, integrator: &dyn Integrator, work: &ExpectedWork) -> String {
+    let (plan, balance) = (integrator.plan(), integrator.ray_photon_balance());
     let mut text = format!("{} simulates\n", algorithm.name());
     for decision in &plan.decisions {
         let state = match (decision.is_simulated, decision.is_forced()) {
@@ -96,6 +104,7 @@ fn plan_table(algorithm: Algorithm, plan: &Plan, balance: Option<RayPhotonBalanc
         let _ = writeln!(text, "{line}");
     }
     balance.iter().for_each(|balance| text += &format!("{}\n", pass_counts_line(balance)));
+    prefix_rays_line(integrator.prefix_rays_per_pixel()).iter().for_each(|line| text += &format!("{line}\n"));
     let _ = writeln!(text, "total about {} per pass", work_counts_text(work.whole, count_text));
     omitted_effect_warnings(plan).for_each(|line| text += &format!("{line}\n"));
     text
@@ -124,6 +133,8 @@ struct PlanReport {
     /// Expected number of photons that the first pass sums in density estimates.
     gathered_photons: i64,
     balance: Option<RayPhotonBalance>,
+    /// Mean number per pixel of rays that end at their first receiver.
+    prefix_rays_per_pixel: f64,
     effects: Vec<EffectCostReport>,
 }
 
@@ -161,13 +172,8 @@ pub(super) fn plan_effect_reports(plan: &Plan) -> Vec<EffectReport> {
 }
 
 impl PlanReport {
-    fn new(
-        scene: String,
-        algorithm: Algorithm,
-        plan: &Plan,
-        balance: Option<RayPhotonBalance>,
-        work: &ExpectedWork,
-    ) -> Self {
+    fn new(scene: String, algorithm: Algorithm, integrator: &dyn Integrator, work: &ExpectedWork) -> Self {
+        let plan = integrator.plan();
         let costed = |(report, decision): (EffectReport, &EffectDecision)| {
             let work = work.work_of_effect(decision.effect);
             EffectCostReport {
@@ -182,7 +188,8 @@ impl PlanReport {
             scene,
             integrator: algorithm.name(),
             features: plan.features,
-            balance,
+            balance: integrator.ray_photon_balance(),
+            prefix_rays_per_pixel: integrator.prefix_rays_per_pixel(),
             rays: work.whole.rays,
             gathered_photons: work.whole.gathered_photons,
             effects: plan_effect_reports(plan).into_iter().zip(&plan.decisions).map(costed).collect(),

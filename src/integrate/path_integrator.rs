@@ -14,7 +14,7 @@ use super::settings::Settings;
 use super::tiles::{self, FilmSampling};
 use super::work_pilot::{find_ray_photon_balance, measure_pass_work};
 use crate::photon::add_splats;
-use crate::plan::{Effects, Plan};
+use crate::plan::{Effect, Effects, Plan};
 use crate::sampling::{Dimension, Key, Purpose};
 use crate::scene::{Scene, for_interior};
 use crate::stats::Counters;
@@ -83,7 +83,14 @@ impl Integrator for PathIntegrator<'_> {
 
     fn expected_work(&self, effects: Effects) -> Counters {
         let policy = (self.make_policy)(effects, &self.renderer.settings);
-        measure_pass_work(&self.renderer.with_policy(policy))
+        let mut work = measure_pass_work(&self.renderer.with_policy(policy));
+        // Most prefix rays follow specular surfaces, so their work counts as that of this effect.
+        if effects.has(Effect::Specular)
+            && let Some(prefix_rays) = &self.renderer.prefix_rays
+        {
+            work += prefix_rays.expected_work;
+        }
+        work
     }
 
     fn expected_photons(&self) -> ExpectedPhotons {

@@ -37,8 +37,12 @@ const PREFIX_PICTURES: u32 = 4;
 /// Number of the pictures of prefix rays that read photon maps.
 const LOOKUP_PICTURES: u32 = 2;
 
-/// Divisor of the number of photon paths: the pilot traces a quarter of the paths of a pass.
-const PILOT_DIVISOR: u32 = 4;
+/// Smallest divisor of the number of photon paths: the pilot traces at most a quarter of the paths
+/// of a pass.
+const MIN_DIVISOR: u32 = 4;
+
+/// Most photon paths of the pilot for one map.
+const MAX_PATHS: u32 = 1 << 20;
 
 /// Number of steps of the search for the efficient numbers of rays.
 const SEARCH_STEPS: u32 = 20;
@@ -77,7 +81,7 @@ impl PrefixRayCounts {
 #[derive(Clone, Copy, Debug, Default)]
 struct RunningVariance {
     mean: f32,
-    squares: f32,
+    squares: f64,
 }
 
 impl RunningVariance {
@@ -85,7 +89,8 @@ impl RunningVariance {
     fn add(&mut self, value: f32, count: f32) {
         let before = value - self.mean;
         self.mean += before / count;
-        self.squares += before * (value - self.mean);
+        // The square of a small f32 could underflow.
+        self.squares += f64::from(before) * f64::from(value - self.mean);
     }
 }
 
@@ -124,8 +129,10 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     // Trace the pictures of the pilot.
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::PrefixRays);
     let mut out = Pass::default();
+    let counts = renderer.map_builder.counts;
+    let divisor = counts.photons.max(counts.caustic_photons).div_ceil(MAX_PATHS).max(MIN_DIVISOR);
     let maps = renderer.map_builder.traces_photons().then(|| {
-        let budget = PassBudget { key, pass: 0, part: PILOT_DIVISOR, limited: true, connects: true };
+        let budget = PassBudget { key, pass: 0, part: divisor, limited: true, connects: true };
         renderer.map_builder.build_with_budget(&budget, &SilentMonitor, &mut out)
     });
     let (width, height) = scene.camera().size();
@@ -160,7 +167,7 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
 
     // Measure the work of the camera paths and photons of a pass, of a prefix ray and of a lookup.
     let pixels = f64::from(width) * f64::from(height);
-    let part = f64::from(PILOT_DIVISOR);
+    let part = f64::from(divisor);
     let lookup = |counters: &Counters| {
         LOOKUP_WORK * counters.gathers as f64 + LOOKUP_PHOTON_WORK * part * counters.gathered_photons as f64
     };
@@ -187,7 +194,7 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
         continuation_rays: scaled(ray_work.continuation_rays, rays, PREFIX_PICTURES),
         shadow_rays: scaled(ray_work.shadow_rays, rays, PREFIX_PICTURES),
         gathers: scaled(lookup_work.gathers, lookups, LOOKUP_PICTURES),
-        gathered_photons: scaled(lookup_work.gathered_photons * u64::from(PILOT_DIVISOR), lookups, LOOKUP_PICTURES),
+        gathered_photons: scaled(lookup_work.gathered_photons * u64::from(divisor), lookups, LOOKUP_PICTURES),
         ..Counters::default()
     };
     Some(PrefixRayCounts { counts: counts.into(), expected_work })
@@ -259,12 +266,9 @@ fn pixel_variances(light: &[PixelLight], width: usize, height: usize) -> Option<
         let brightness = box_mean(&|i| f64::from(mean[i]), i, 1);
         let scale = 1.0 / (median * (brightness + median));
         PixelVariance {
-            rest: box_mean(&|i| f64::from(light[i].rest.squares), i, 1) / f64::from(WHOLE_PICTURES - 1) * scale,
-            found: smoothed(&|i| f64::from(light[i].found.squares), i)
-                / f64::from(WHOLE_PICTURES + PREFIX_PICTURES - 1)
-                * scale,
-            photons: smoothed(&|i| f64::from(light[i].photons.squares), i)
-                / f64::from(WHOLE_PICTURES + LOOKUP_PICTURES - 1)
+            rest: box_mean(&|i| light[i].rest.squares, i, 1) / f64::from(WHOLE_PICTURES - 1) * scale,
+            found: smoothed(&|i| light[i].found.squares, i) / f64::from(WHOLE_PICTURES + PREFIX_PICTURES - 1) * scale,
+            photons: smoothed(&|i| light[i].photons.squares, i) / f64::from(WHOLE_PICTURES + LOOKUP_PICTURES - 1)
                 * scale,
         }
     };

@@ -14,6 +14,7 @@ fn render_filtered_row(kind: FilterKind, samples: u32, scene: impl Fn(f32) -> f3
         samples,
         lens: false,
         density: None,
+        prefix_rays: None,
         nested: false,
         every: 1,
     };

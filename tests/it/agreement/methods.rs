@@ -79,6 +79,7 @@ fn prepare<'a>(method: Method, scene: &'a Scene, effort: Effort, i: u32) -> Box<
         radius: Some(effort.radius as f32),
         alpha: ALPHA,
         kernel: Kernel::Epanechnikov,
+        prefix_rays: true,
         light_tracing: LightTracing::Weighted,
         volume: match method {
             Method::SppmBeamRadiance => VolumeEstimator::BeamRadiance,

@@ -9,20 +9,24 @@ use glam::{DVec2, DVec3, Vec2};
 use std::f64::consts::PI;
 
 const IOR: f64 = 1.5;
-const POWER: f64 = 5.0;
+pub(super) const POWER: f64 = 5.0;
 /// A dark screen: light that returns from the ball adds less than this part squared.
-const REFLECTANCE: f64 = 0.02;
+pub(super) const REFLECTANCE: f64 = 0.02;
 /// Distance of the light above the ball's center.
 const HEIGHT: f64 = 20.0;
 /// Depth of the screen below the ball's center. The paraxial focus lies 1.5 to 1.6 below.
-const DEPTH: f64 = 1.5;
+pub(super) const DEPTH: f64 = 1.5;
 /// Largest distance from the axis at which the beam meets the ball.
 const BEAM: f64 = 0.6;
 /// Edge of the picture in pixels.
-const SIZE: u32 = 24;
+pub(super) const SIZE: u32 = 24;
 
 /// Builds a glass ball of radius 1 in a narrow beam from above, and a screen below it.
 fn ball_scene(camera: Camera) -> Scene {
+    ball_scene_builder().build(camera).unwrap()
+}
+
+pub(super) fn ball_scene_builder() -> SceneBuilder {
     let mut b = SceneBuilder::new();
     let glass = b.material(Material::dielectric(IOR as f32, grey(0.0)));
     let screen = b.material(Material::diffuse(grey(REFLECTANCE)));
@@ -32,7 +36,7 @@ fn ball_scene(camera: Camera) -> Scene {
     let angle = libm::asin(BEAM / HEIGHT);
     let kind = DeltaLightKind::Spot { position: DVec3::Y * HEIGHT, axis: -DVec3::Y, inner: angle, outer: angle };
     b.delta_light(kind, LightStrength::Power(grey(POWER)));
-    b.build(camera).unwrap()
+    b
 }
 
 /// Returns the landing radius on the screen and the transmittance of the ray at angle `theta` from
@@ -46,7 +50,7 @@ fn landing(theta: f64) -> (f64, f64) {
 }
 
 /// Returns the flux \[W] that lands on the screen after two refractions.
-fn landing_flux() -> f64 {
+pub(super) fn landing_flux() -> f64 {
     let end = 1.0 - libm::cos(libm::asin(BEAM / HEIGHT));
     let transmittance = |x: f64| landing(libm::acos(1.0 - x)).1;
     POWER / end * midpoint_integral(0.0, end, 1000, transmittance)

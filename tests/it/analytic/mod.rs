@@ -20,6 +20,7 @@ mod light_tracing;
 mod media;
 mod nephroid;
 mod plates;
+mod prefix_rays;
 mod reference;
 mod sphere;
 mod water;

@@ -53,7 +53,7 @@ fn effect_study_prints_table_or_json() {
     let sandbox = CliSandbox::new();
     let table = study(&sandbox, "");
     table.expect(0, &["plan: ", "pass 2/2 of each"]);
-    let report = json(&study(&sandbox, "--json --quiet"));
+    let report = json(&study(&sandbox, "--json --quiet --no-prefix-rays"));
     for row in report["effects"].as_array().unwrap() {
         let name = row["effect"].as_str().unwrap();
         assert!(table.stdout.contains(&format!("  {name} ")), "{name} is not in\n{}", table.stdout);

@@ -1,0 +1,81 @@
+//! Prefix rays: camera rays that end at their first receiver, beside whole camera paths.
+
+use super::light_tracing::{DEPTH, POWER, REFLECTANCE, SIZE, ball_scene_builder, landing_flux};
+use crate::support::*;
+use caustica::camera::Camera;
+use caustica::integrate::{Algorithm, Settings};
+use caustica::scene::{Material, Scene, SceneBuilder};
+use caustica::shape::{Rectangle, Shape, Sphere};
+use glam::DVec3;
+use std::f64::consts::PI;
+
+/// Edge of an orthographic film \[length].
+const FILM: f64 = 0.4;
+
+/// Mean over the picture's pixels for each of `passes` passes. Checks that prefix rays are traced
+/// only if `settings` allow them.
+fn picture_means(scene: &Scene, settings: Settings, passes: u32) -> Vec<f64> {
+    let allowed = settings.prefix_rays;
+    let integrator = Algorithm::Hybrid.prepare(scene, settings);
+    assert_eq!(integrator.prefix_rays_per_pixel() > 0.0, allowed);
+    let mean =
+        |pixels: Vec<caustica::color::Rgb>| pixels.iter().map(|l| f64::from(l.x)).sum::<f64>() / pixels.len() as f64;
+    (0..passes).map(|pass| mean(render_one_pass(&*integrator, pass))).collect()
+}
+
+/// A lamp smaller than a pixel, seen in a mirror: the picture shows its radiance times its part of
+/// the film. Prefix rays keep the mean, and leave less than half of the standard error.
+#[test]
+fn prefix_rays_keep_the_light_of_a_small_highlight() {
+    let radius = 0.3 * FILM / f64::from(SIZE);
+    let mut b = SceneBuilder::new();
+    let mirror = b.material(Material::mirror(grey(1.0)));
+    let lamp = b.material(Material::black());
+    b.shape(
+        Shape::Rectangle(Rectangle::new(dvec3(-1.0, -1.0, 0.0), DVec3::X * 2.0, DVec3::Y * 2.0)),
+        mirror,
+        grey(0.0),
+    );
+    b.shape(Shape::Sphere(Sphere::new(dvec3(0.0231, 0.0117, 8.0), radius)), lamp, grey(10.0));
+    let camera = Camera::orthographic(DVec3::Z * 4.0, DVec3::NEG_Z, DVec3::Y, FILM, SIZE, SIZE).unwrap();
+    let scene = b.build(camera).unwrap();
+    let expected = 10.0 * PI * radius * radius / (FILM * FILM);
+    let samples = |prefix_rays| {
+        picture_means(&scene, Settings { balance: false, prefix_rays, ..camera_ray_settings(4, 100) }, 200)
+    };
+    let (with, without) = (samples(true), samples(false));
+    assert_mean("with prefix rays", &with, expected, 0.0, 0.03);
+    assert_mean("without prefix rays", &without, expected, 0.0, 0.1);
+    let (error, usual) = (mean_and_error(&with).1, mean_and_error(&without).1);
+    assert!(error < 0.5 * usual, "{error} with, {usual} without prefix rays");
+}
+
+/// A caustic seen in a mirror shows the flux of the closed form, whichever rays read the photons.
+#[test]
+fn prefix_rays_keep_the_light_of_a_caustic_in_a_mirror() {
+    // The view of the caustic at 60 degrees, folded by a mirror half way.
+    let tilt = 60f64.to_radians();
+    let direction = dvec3(libm::sin(tilt), -libm::cos(tilt), 0.0);
+    let fold = dvec3(0.0, -DEPTH, 0.0) - direction * 4.0;
+    let mirrored = dvec3(-direction.x, direction.y, 0.0);
+    let mut b = ball_scene_builder();
+    let mirror = b.material(Material::mirror(grey(1.0)));
+    let corner = fold - dvec3(0.0, 0.5, 0.5);
+    b.shape(Shape::Rectangle(Rectangle::new(corner, DVec3::Y, DVec3::Z)), mirror, grey(0.0));
+    let camera = Camera::orthographic(fold - mirrored * 4.0, mirrored, DVec3::Y, FILM, SIZE, SIZE).unwrap();
+    let scene = b.build(camera).unwrap();
+    // All photons within the radius, so that the estimate keeps their flux.
+    let settings = Settings {
+        balance: false,
+        caustic_photons: 20_000,
+        gather_k: Some(0),
+        radius: Some(0.02),
+        ..camera_ray_settings(1, 100)
+    };
+    let flux_per_mean = FILM * FILM / libm::cos(tilt) * PI / REFLECTANCE;
+    for prefix_rays in [true, false] {
+        let means = picture_means(&scene, Settings { prefix_rays, ..settings.clone() }, 300);
+        let flux: Vec<f64> = means.iter().map(|mean| mean * flux_per_mean).collect();
+        assert_mean(&format!("prefix rays {prefix_rays}"), &flux, landing_flux(), 5e-3 * POWER, 0.012);
+    }
+}
