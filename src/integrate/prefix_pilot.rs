@@ -103,6 +103,8 @@ struct PixelLight {
     found: RunningVariance,
     /// Photon estimate at the first receiver.
     photons: RunningVariance,
+    /// Sum of products of the differences of `rest` and `found` from their means.
+    products: f64,
 }
 
 /// Variances of one ray of a pixel, relative to the light of the pixel and of the picture.
@@ -110,7 +112,8 @@ struct PixelLight {
 struct PixelVariance {
     /// Variance of the light after the first receiver.
     rest: f64,
-    /// Variance of emission and direct light that the prefix found.
+    /// Variance of emission and direct light that the prefix found, reduced by twice its negative
+    /// covariance with the light after the first receiver: a ray past an edge finds either.
     found: f64,
     /// Variance of the photon estimate at the first receiver.
     photons: f64,
@@ -142,9 +145,11 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
         let picture = render_light_parts(renderer, maps.as_ref(), i, PathParts::Whole);
         let count = (i + 1) as f32;
         light.par_iter_mut().zip(&picture.image).for_each(|(light, parts)| {
+            let before = parts.x - light.rest.mean;
             light.rest.add(parts.x, count);
             light.found.add(parts.y, count);
             light.photons.add(parts.z, count);
+            light.products += f64::from(before) * f64::from(parts.y - light.found.mean);
         });
         whole_work += picture.counters;
     }
@@ -265,11 +270,13 @@ fn pixel_variances(light: &[PixelLight], width: usize, height: usize) -> Option<
     let variance = |i: usize| {
         let brightness = box_mean(&|i| f64::from(mean[i]), i, 1);
         let scale = 1.0 / (median * (brightness + median));
+        let found = smoothed(&|i| light[i].found.squares, i) / f64::from(WHOLE_PICTURES + PREFIX_PICTURES - 1);
+        let covariance = smoothed(&|i| light[i].products, i) / f64::from(WHOLE_PICTURES - 1);
+        let photons = smoothed(&|i| light[i].photons.squares, i) / f64::from(WHOLE_PICTURES + LOOKUP_PICTURES - 1);
         PixelVariance {
             rest: box_mean(&|i| light[i].rest.squares, i, 1) / f64::from(WHOLE_PICTURES - 1) * scale,
-            found: smoothed(&|i| light[i].found.squares, i) / f64::from(WHOLE_PICTURES + PREFIX_PICTURES - 1) * scale,
-            photons: smoothed(&|i| light[i].photons.squares, i) / f64::from(WHOLE_PICTURES + LOOKUP_PICTURES - 1)
-                * scale,
+            found: (found + 2.0 * covariance.min(0.0)).max(0.0) * scale,
+            photons: photons * scale,
         }
     };
     Some((0..light.len()).into_par_iter().map(variance).collect())
