@@ -66,7 +66,7 @@
 //!    [`Medium`](medium::Medium).
 //! 5. At a surface that stores photons, `Deposits::store_deposit` adds a
 //!    [`Photon`](photon::Photon) to the [`Deposits`](photon::Deposits) of the pass.
-//!    `LightTracer::connect_to_camera` also sends caustic photons to the pixel that sees them.
+//!    `LightTracer::splat_and_return_share` also sends caustic photons to the pixel that sees them.
 //! 6. [`Bsdf::sample`](bsdf::Bsdf::sample) chooses the next direction. Russian roulette then ends
 //!    the path by its throughput.
 //! 7. [`PhotonMap::build`](photon::PhotonMap::build) makes a map of the photons of each kind.

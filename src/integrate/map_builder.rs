@@ -58,9 +58,9 @@ const MIN_K: f64 = 8.0;
 /// Memory of a photon beam with its bounding boxes, as a multiple of the memory of a photon.
 const BEAM_SIZE: usize = 4;
 
-/// Smallest limit k on the photons of a pilot's density estimate. The k-th photon only sets the
-/// radius, so k = 1 gives no density.
-const MIN_PILOT_K: u32 = 2;
+/// Smallest limit k on the photons of a density estimate, for passes and pilots. The k-th photon only
+/// sets the radius, so k = 1 gives no density.
+const MIN_PHOTON_LIMIT: u32 = 2;
 
 /// Largest number of paths traced to predict how many photons a pass stores.
 const PROBE_PATHS: u32 = 4096;
@@ -81,12 +81,12 @@ impl PhotonPathCounts {
     }
 }
 
-/// Returns the largest number of photons per density estimate of a pilot that traces 1/`part` of
-/// the paths.
+/// Returns the largest number of photons per density estimate if 1/`part` of a pass's paths are
+/// traced: all for a pass, fewer for a pilot.
 ///
-/// `k` is that number for a pass; 0 means no limit.
-fn pilot_photon_limit(k: u32, part: u32) -> u32 {
-    if k == 0 { 0 } else { k.div_ceil(part).max(MIN_PILOT_K) }
+/// `k` is the number for all paths; 0 means no limit.
+fn photon_limit(k: u32, part: u32) -> u32 {
+    if k == 0 { 0 } else { k.div_ceil(part).max(MIN_PHOTON_LIMIT) }
 }
 
 /// Random key and amount of photons for building the maps of a pass or of a pilot.
@@ -423,8 +423,8 @@ impl<'a> PhotonMapBuilder<'a> {
         // The limit grows with the number of paths, so that discs keep their size.
         let ratio = f64::from(self.counts.caustic_photons) / f64::from(self.settings.caustic_photons.max(1));
         let usual_k = (f64::from(CAUSTIC_K) * ratio).round().max(1.0) as u32;
-        let caustic_k = pilot_photon_limit(self.settings.gather_k.unwrap_or(usual_k), part);
-        let indirect_k = pilot_photon_limit(self.settings.gather_k.unwrap_or(0), part);
+        let caustic_k = photon_limit(self.settings.gather_k.unwrap_or(usual_k), part);
+        let indirect_k = photon_limit(self.settings.gather_k.unwrap_or(0), part);
         let radii = self.radii.unwrap_or(GatherRadii { indirect: 1.0, caustic: 1.0 });
 
         // Trace the paths aimed at casters, and index the caustic map.
@@ -549,8 +549,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pilot_photon_limits_allow_a_density() {
-        assert_eq!([0, 1, 2, 5, 50].map(|k| pilot_photon_limit(k, 4)), [0, 2, 2, 2, 13]);
-        assert_eq!([0, 2, 50].map(|k| pilot_photon_limit(k, 1)), [0, 2, 50]);
+    fn photon_limits_allow_a_density() {
+        assert_eq!([0, 1, 2, 5, 50].map(|k| photon_limit(k, 4)), [0, 2, 2, 2, 13]);
+        assert_eq!([0, 2, 50].map(|k| photon_limit(k, 1)), [0, 2, 50]);
     }
 }
