@@ -62,14 +62,15 @@
 //!    of casters, or the emission that a pilot found useful. The ray carries flux / (pdf · number
 //!    of paths).
 //! 4. [`PathRay::next_vertex`](scene::PathRay::next_vertex) finds the next surface by
-//!    [`Scene::intersect`], applies absorption, and samples a scattering event in a
+//!    `Geometry::intersect`, applies absorption, and samples a scattering event in a
 //!    [`Medium`](medium::Medium).
 //! 5. At a surface that stores photons, `Deposits::store_deposit` adds a
 //!    [`Photon`](photon::Photon) to the [`Deposits`](photon::Deposits) of the pass.
-//!    `LightTracer::connect_to_camera` also sends caustic photons to the pixel that sees them.
+//!    `LightTracer::splat_and_return_share` also sends caustic photons to the pixel that sees them.
 //! 6. [`Bsdf::sample`](bsdf::Bsdf::sample) chooses the next direction. Russian roulette then ends
 //!    the path by its throughput.
-//! 7. [`PhotonMap::build`](photon::PhotonMap::build) makes a map of the photons of each kind.
+//! 7. [`PhotonMap::build`](photon::PhotonMap::build) makes the caustic map, the indirect map and
+//!    the map that guides gather rays.
 //!
 //! # The path of one camera ray
 //!
@@ -77,8 +78,8 @@
 //!    of a pixel, the reconstruction filter chooses a point, and
 //!    [`Camera::generate_ray`] makes a ray through it.
 //! 2. `camera_path::radiance` returns the radiance along this ray. It calls
-//!    [`PathRay::next_vertex`](scene::PathRay::next_vertex), and so [`Scene::intersect`], for each
-//!    vertex of the path.
+//!    [`PathRay::next_vertex`](scene::PathRay::next_vertex), for each vertex of the path, which asks
+//!    `Geometry::intersect` and `Hierarchy::closest_hit` for the nearest surface.
 //! 3. At casters, for example glass and mirrors
 //!    ([`Bsdf::casts_caustics`](bsdf::Bsdf::casts_caustics)), `scatter_at_caster` continues the
 //!    path. Smooth glass splits the path while both branches carry enough light.

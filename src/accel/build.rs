@@ -13,7 +13,7 @@ pub(super) const ARITY: usize = 8;
 /// The other bits are the index of the triangle or of the other primitive.
 pub(super) const OTHER: u32 = 1 << 31;
 
-/// Depth below which nodes are split at the median instead of by the surface area heuristic.
+/// Nodes of this depth or deeper are split at the median instead of by the surface area heuristic.
 ///
 /// This bounds the depth of the tree by [`MAX_DEPTH`].
 const HEURISTIC_DEPTH: u32 = 40;
@@ -28,7 +28,7 @@ const PARALLEL: usize = 4096;
 ///
 /// Half or twice this value makes renders no faster.
 const PACKET_COST: f32 = 0.7;
-/// Cost of the caller's closure that intersects one primitive, relative to visiting a node.
+/// Cost of intersecting one primitive other than a triangle, relative to visiting a node.
 const OTHER_COST: f32 = 1.0;
 
 /// A primitive during the build: its padded box, and its key.

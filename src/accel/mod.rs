@@ -21,7 +21,7 @@ use crate::math::{Bounds, Ray};
 use build::OTHER;
 use bvh8::{Bvh8, with_stack_size};
 use glam::Vec3;
-use packet::TriangleHit;
+use packet::LeafHit;
 use ray_precalc::RayPrecalc;
 
 /// Index of a primitive in one of the two slices that [`Hierarchy::build`] received.
@@ -100,7 +100,7 @@ impl Hierarchy {
             return None;
         }
         let precalc = RayPrecalc::new(ray);
-        let mut best = NearestHit { key: 0, hit: TriangleHit { t: precalc.t_max, weights: [0.0; 2], total: 1.0 } };
+        let mut best = NearestHit { key: 0, hit: LeafHit { t: precalc.t_max, weights: [0.0; 2], total: 1.0 } };
         let test_leaf = |leaf, _| {
             if leaf & OTHER == 0 {
                 self.bvh
@@ -112,10 +112,7 @@ impl Hierarchy {
                 let shrunk = Ray { t_max: t_max * precalc.direction_scale, ..*ray };
                 if let Some((t, u, v)) = other(leaf ^ OTHER, &shrunk) {
                     let weights = [u, v].map(f64::from);
-                    best.keep_nearer_hit(
-                        leaf,
-                        TriangleHit { t: t * precalc.inverse_direction_scale, weights, total: 1.0 },
-                    );
+                    best.keep_nearer_hit(leaf, LeafHit { t: t * precalc.inverse_direction_scale, weights, total: 1.0 });
                 }
             }
             best.hit.t
@@ -136,8 +133,8 @@ impl Hierarchy {
             return;
         }
         let precalc = RayPrecalc::new(ray);
-        let mut show = |key: u32, hit: TriangleHit| {
-            let mut only = NearestHit { key: 0, hit: TriangleHit { t: precalc.t_max, weights: [0.0; 2], total: 1.0 } };
+        let mut show = |key: u32, hit: LeafHit| {
+            let mut only = NearestHit { key: 0, hit: LeafHit { t: precalc.t_max, weights: [0.0; 2], total: 1.0 } };
             only.keep_nearer_hit(key, hit);
             if let Some(hit) = only.to_primitive_hit(ray, &precalc) {
                 visit(hit);
@@ -149,7 +146,7 @@ impl Hierarchy {
             } else if let Some((t, u, v)) = other(leaf ^ OTHER, ray) {
                 show(
                     leaf,
-                    TriangleHit { t: t * precalc.inverse_direction_scale, weights: [u, v].map(f64::from), total: 1.0 },
+                    LeafHit { t: t * precalc.inverse_direction_scale, weights: [u, v].map(f64::from), total: 1.0 },
                 );
             }
             limit
@@ -190,12 +187,12 @@ impl Hierarchy {
 /// key is 0, so no hit at `t_max` is accepted.
 struct NearestHit {
     key: u32,
-    hit: TriangleHit,
+    hit: LeafHit,
 }
 
 impl NearestHit {
     #[inline]
-    fn keep_nearer_hit(&mut self, key: u32, hit: TriangleHit) {
+    fn keep_nearer_hit(&mut self, key: u32, hit: LeafHit) {
         let (t, least) = (hit.t, self.hit.t);
         if t > 0.0 && (t < least || t == least && key < self.key) {
             *self = Self { key, hit };

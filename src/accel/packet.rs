@@ -19,9 +19,11 @@ pub(super) struct TrianglePacket {
     indices: [u32; LANES],
 }
 
-/// Hit of a triangle.
+/// Hit of a primitive in a leaf: a triangle or another primitive.
+///
+/// For other primitives, `weights` are two numbers of the caller, and `total` is 1.
 #[derive(Clone, Copy)]
-pub(super) struct TriangleHit {
+pub(super) struct LeafHit {
     /// Ray parameter of any sign, for the scaled direction of [`RayPrecalc`].
     pub t: f32,
     /// Barycentric weights of the second and third corner, times `total`.
@@ -32,7 +34,7 @@ pub(super) struct TriangleHit {
     pub total: f64,
 }
 
-impl TriangleHit {
+impl LeafHit {
     #[inline]
     pub fn barycentric(&self) -> (f32, f32) {
         ((self.weights[0] / self.total) as f32, (self.weights[1] / self.total) as f32)
@@ -57,7 +59,7 @@ impl TrianglePacket {
     ///
     /// The ray parameter may be negative or beyond `t_max`.
     #[inline]
-    pub fn for_each_hit(&self, precalc: &RayPrecalc, mut found: impl FnMut(u32, TriangleHit)) {
+    pub fn for_each_hit(&self, precalc: &RayPrecalc, mut found: impl FnMut(u32, LeafHit)) {
         let mut lanes = self.candidate_lanes(precalc);
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
@@ -99,7 +101,7 @@ impl TrianglePacket {
     /// so each edge function has the right sign. Triangles that share an edge therefore agree on
     /// which of them is hit.
     #[inline]
-    pub fn intersect_lane(&self, lane: usize, precalc: &RayPrecalc) -> Option<TriangleHit> {
+    pub fn intersect_lane(&self, lane: usize, precalc: &RayPrecalc) -> Option<LeafHit> {
         let [ax, ay, az] = precalc.axes;
         let [px, py, pz] = [&self.corners[ax], &self.corners[ay], &self.corners[az]];
         let [ox, oy, oz] = [precalc.origin[ax], precalc.origin[ay], precalc.origin[az]];
@@ -119,7 +121,7 @@ impl TrianglePacket {
         // Scaled by the depth, so that one division gives `t`.
         let volume = (u + v + w) * precalc.depth;
         let t = (u * a.z + v * b.z + w * c.z) / volume;
-        (volume != 0.0).then_some(TriangleHit { t: t as f32, weights: [v, w], total: u + v + w })
+        (volume != 0.0).then_some(LeafHit { t: t as f32, weights: [v, w], total: u + v + w })
     }
 
     /// True if a triangle is hit at `0 < t < t_max`.

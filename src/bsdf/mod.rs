@@ -91,7 +91,9 @@ impl BsdfSample {
 /// A BSDF that is not black either stores photons ([`stores_photons`](Self::stores_photons)) or
 /// casts caustics ([`casts_caustics`](Self::casts_caustics)), never both. A BSDF that stores
 /// photons has no delta lobe, because photon estimates would miss the light of that lobe.
-/// [`Bsdf::sample`] asserts this in debug builds.
+/// [`Bsdf::sample`] asserts this in debug builds. For a smooth coat over a diffuse base, give the
+/// coat's lobe a minimum roughness, or use a mix of two materials, which
+/// picks one of them at each hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bsdf {
     /// A surface that absorbs all light.

@@ -2,7 +2,8 @@
 
 use super::number::{
     parse_alpha, parse_bytes, parse_confidence, parse_count, parse_duration, parse_exposure_stops, parse_gather_count,
-    parse_length, parse_positive_count, parse_relative_error, parse_seed, parse_seed_count, parse_size, parse_threads,
+    parse_length, parse_picture_size, parse_positive_count, parse_relative_error, parse_seed, parse_seed_count,
+    parse_threads,
 };
 use super::{ConvertArguments, DiffArguments, MeshArguments};
 use crate::camera::FilterKind;
@@ -157,7 +158,7 @@ pub struct SceneArguments {
     pub scene: PathBuf,
 
     /// Picture size, such as 1280x720  [default: the scene's]
-    #[arg(long, value_parser = parse_size, value_name = "WxH")]
+    #[arg(long, value_parser = parse_picture_size, value_name = "WxH")]
     pub size: Option<(u32, u32)>,
 
     /// Number of threads  [default: one per core]

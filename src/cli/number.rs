@@ -108,7 +108,7 @@ pub(super) fn parse_duration(text: &str) -> Result<Duration, String> {
 }
 
 /// Parses a width and height in pixels, such as `1280x720`.
-pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
+pub(super) fn parse_picture_size(text: &str) -> Result<(u32, u32), String> {
     let parsed = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
     match parsed {
         Some((w @ 1..=65_536, h @ 1..=65_536)) => Ok((w, h)),

@@ -348,7 +348,7 @@ fn emission_mis_weight(nee: &NextEventEstimator<'_>, prev: &PrevVertex, hit: &Su
 fn escaped_radiance<I: Interior>(paths: &PathContext<'_>, path: &PathState<I>) -> Rgb {
     let PathContext { scene, policy, nee, .. } = *paths;
     let direction = path.path_ray.ray.direction;
-    match scene.environment().filter(|_| policy.effects.has(Effect::Environment)) {
+    match scene.environment_light_index().filter(|_| policy.effects.has(Effect::Environment)) {
         // The background is visible but lights nothing.
         None if path.history.receivers > 0 => Rgb::ZERO,
         None => scene.background(),

@@ -13,7 +13,7 @@ use super::visible_pilot::find_visible_points;
 use super::volume_estimate::{BeamAndPointMaps, VolumeEstimator};
 use crate::photon::{
     AFTER_CAUSTIC_THINNING, Bandwidth, DensityEstimateShares, EmissionGuidingPilot, LightTracer, Photon, PhotonMap,
-    PhotonPass, PhotonPassResult, PhotonSource, StoreMask, VolumePhotons,
+    PhotonPass, PhotonPassResult, PhotonSource, Splat, StoreMask, VolumePhotons,
 };
 use crate::plan::{Effect, Effects};
 use crate::sampling::{Key, Purpose};
@@ -58,9 +58,9 @@ const MIN_K: f64 = 8.0;
 /// Memory of a photon beam with its bounding boxes, as a multiple of the memory of a photon.
 const BEAM_SIZE: usize = 4;
 
-/// Smallest limit k on the photons of a pilot's density estimate. The k-th photon only sets the
-/// radius, so k = 1 gives no density.
-const MIN_PILOT_K: u32 = 2;
+/// Smallest limit k on the photons of a density estimate, for passes and pilots. The k-th photon only
+/// sets the radius, so k = 1 gives no density.
+const MIN_PHOTON_LIMIT: u32 = 2;
 
 /// Largest number of paths traced to predict how many photons a pass stores.
 const PROBE_PATHS: u32 = 4096;
@@ -81,12 +81,12 @@ impl PhotonPathCounts {
     }
 }
 
-/// Returns the largest number of photons per density estimate of a pilot that traces 1/`part` of
-/// the paths.
+/// Returns the largest number of photons per density estimate if 1/`part` of a pass's paths are
+/// traced: all for a pass, fewer for a pilot.
 ///
-/// `k` is that number for a pass; 0 means no limit.
-fn pilot_photon_limit(k: u32, part: u32) -> u32 {
-    if k == 0 { 0 } else { k.div_ceil(part).max(MIN_PILOT_K) }
+/// `k` is the number for all paths; 0 means no limit.
+fn photon_limit(k: u32, part: u32) -> u32 {
+    if k == 0 { 0 } else { k.div_ceil(part).max(MIN_PHOTON_LIMIT) }
 }
 
 /// Random key and amount of photons for building the maps of a pass or of a pilot.
@@ -102,6 +102,13 @@ pub(super) struct PassBudget {
     pub limited: bool,
     /// True if light tracing connects caustic photons to the camera.
     pub connects: bool,
+}
+
+impl PassBudget {
+    /// Random key of the photon paths of this pass for `purpose`.
+    fn key_for(&self, purpose: Purpose) -> Key {
+        self.key.purpose_key(purpose).pass_key(self.pass)
+    }
 }
 
 /// Photon paths to trace for one map.
@@ -129,6 +136,21 @@ struct MapRadii {
     surface: f32,
     /// Kernel radii in media \[length].
     volume: VolumeKernelRadii,
+}
+
+/// Limits of the density estimates of one map.
+#[derive(Clone, Copy)]
+struct EstimateLimits {
+    radii: MapRadii,
+    /// Largest number of photons of a density estimate; 0 means no limit.
+    k: u32,
+}
+
+/// Results of the aimed paths beside the caustic map.
+struct AimedPassRest {
+    /// Photons that the indirect map of `hybrid` holds; empty for other algorithms.
+    after_caustic: MapPhotons,
+    splats: Vec<Splat>,
 }
 
 /// Kernel radii in media for both photon maps.
@@ -416,86 +438,116 @@ impl<'a> PhotonMapBuilder<'a> {
         monitor: &dyn ProgressMonitor,
         out: &mut Pass,
     ) -> PhotonMaps<'a> {
-        let PassBudget { pass, part, .. } = *budget;
-        let counts = self.counts.divided_by(part);
-        let key = |purpose| budget.key.purpose_key(purpose).pass_key(pass);
+        // Paths are traced in this order: aimed, unaimed, guides.
+        let (caustic, aimed) = self.build_caustic_map(budget, monitor, out);
+        let indirect = self.build_indirect_map(aimed.after_caustic, budget, monitor, out);
+        let guides = PhotonMap::build(self.trace_guide_photons(budget, monitor, out));
+        PhotonMaps { guides, caustic, indirect, splats: aimed.splats }
+    }
+
+    /// Traces the paths aimed at casters, and builds the caustic map. Returns the map and the other
+    /// results of the paths.
+    fn build_caustic_map(
+        &self,
+        budget: &PassBudget,
+        monitor: &dyn ProgressMonitor,
+        out: &mut Pass,
+    ) -> (PhotonEstimator<'a>, AimedPassRest) {
+        let shares = self.density_estimate_shares.as_deref().filter(|_| budget.connects);
+        let light_tracer = shares.map(|shares| LightTracer::new(self.scene, self.uses_lens(), Some(shares)));
+        let task = PhotonTracingTask {
+            source: self.caustic_source.as_ref(),
+            mask: self.request.aimed,
+            paths: self.counts.divided_by(budget.part).caustic_photons,
+            key: budget.key_for(Purpose::CausticPhotons),
+            light_tracer: light_tracer.as_ref(),
+        };
+        let traced = self.trace_photons(task, monitor, out);
+        out.aimed = photon_report(&traced);
+        let deposits = traced.deposits;
 
         // The limit grows with the number of paths, so that discs keep their size.
         let ratio = f64::from(self.counts.caustic_photons) / f64::from(self.settings.caustic_photons.max(1));
         let usual_k = (f64::from(CAUSTIC_K) * ratio).round().max(1.0) as u32;
-        let caustic_k = pilot_photon_limit(self.settings.gather_k.unwrap_or(usual_k), part);
-        let indirect_k = pilot_photon_limit(self.settings.gather_k.unwrap_or(0), part);
-        let radii = self.radii.unwrap_or(GatherRadii { indirect: 1.0, caustic: 1.0 });
+        let k = photon_limit(self.settings.gather_k.unwrap_or(usual_k), budget.part);
+        let surface = self.radii.map_or(1.0, |radii| radii.caustic);
+        let limits = EstimateLimits { radii: MapRadii { surface, volume: self.volume_radii.caustic }, k };
+        let photons = MapPhotons { surface: deposits.photons, volume: deposits.volume };
+        let mut map = self.index_photons(photons, limits, budget, monitor, out);
+        map.has_density_estimate_shares = light_tracer.is_some();
+        let after_caustic = MapPhotons { surface: deposits.after_caustic, volume: deposits.after_caustic_volume };
+        (map, AimedPassRest { after_caustic, splats: deposits.splats })
+    }
 
-        // Trace the paths aimed at casters, and index the caustic map.
-        let shares = self.density_estimate_shares.as_deref().filter(|_| budget.connects);
-        let light_tracer = shares.map(|shares| LightTracer::new(self.scene, self.uses_lens(), Some(shares)));
-        let aimed = PhotonTracingTask {
-            source: self.caustic_source.as_ref(),
-            mask: self.request.aimed,
-            paths: counts.caustic_photons,
-            key: key(Purpose::CausticPhotons),
-            light_tracer: light_tracer.as_ref(),
-        };
-        let aimed = self.trace_photons(aimed, monitor, out);
-        out.aimed = photon_report(&aimed);
-        let index = |photons: MapPhotons, radii: MapRadii, k, out: &mut Pass| {
-            let start = Instant::now();
-            let count = (photons.surface.len() + photons.volume.len()) as u64;
-            monitor.begin_stage(PassStage::Indexing, count);
-            let estimator = self.build_photon_estimator(photons, radii, k, budget);
-            monitor.report_progress(count);
-            out.seconds.indexing += start.elapsed().as_secs_f64();
-            estimator
-        };
-        let caustic_radii = MapRadii { surface: radii.caustic, volume: self.volume_radii.caustic };
-        let caustic_photons = MapPhotons { surface: aimed.deposits.photons, volume: aimed.deposits.volume };
-        let mut caustic = index(caustic_photons, caustic_radii, caustic_k, out);
-        caustic.has_density_estimate_shares = light_tracer.is_some();
-
-        // Trace the paths of the indirect map, unless the aimed paths hold its light.
-        let indirect_photons = if self.request.aimed.separates_after_caustic {
-            MapPhotons { surface: aimed.deposits.after_caustic, volume: aimed.deposits.after_caustic_volume }
+    /// Builds the indirect map.
+    ///
+    /// In `hybrid`, where the aimed paths store `separates_after_caustic`, the map holds their
+    /// photons `after_caustic`. For other algorithms, unaimed paths are traced for it.
+    fn build_indirect_map(
+        &self,
+        after_caustic: MapPhotons,
+        budget: &PassBudget,
+        monitor: &dyn ProgressMonitor,
+        out: &mut Pass,
+    ) -> PhotonEstimator<'a> {
+        let photons = if self.request.aimed.separates_after_caustic {
+            after_caustic
         } else {
             let task = PhotonTracingTask {
                 source: self.unaimed_source.as_ref(),
                 mask: self.request.unaimed,
-                paths: counts.photons,
-                key: key(Purpose::UnaimedPhotons),
+                paths: self.counts.divided_by(budget.part).photons,
+                key: budget.key_for(Purpose::UnaimedPhotons),
                 light_tracer: None,
             };
             let traced = self.trace_photons(task, monitor, out);
             out.unaimed = photon_report(&traced);
             MapPhotons { surface: traced.deposits.photons, volume: traced.deposits.volume }
         };
-        let indirect_radii = MapRadii { surface: radii.indirect, volume: self.volume_radii.indirect };
-        let indirect = index(indirect_photons, indirect_radii, indirect_k, out);
+        let k = photon_limit(self.settings.gather_k.unwrap_or(0), budget.part);
+        let surface = self.radii.map_or(1.0, |radii| radii.indirect);
+        let limits = EstimateLimits { radii: MapRadii { surface, volume: self.volume_radii.indirect }, k };
+        self.index_photons(photons, limits, budget, monitor, out)
+    }
 
-        // Trace the photons that guide gather rays.
-        let guides = if self.request.guides {
-            let paths = counts.photons / GUIDE_INTERVAL;
-            let task = PhotonTracingTask {
-                source: self.unaimed_source.as_ref(),
-                mask: StoreMask::INDIRECT,
-                paths,
-                key: key(Purpose::GatherRayGuides),
-                light_tracer: None,
-            };
-            self.trace_photons(task, monitor, out).deposits.photons
-        } else {
-            Vec::new()
+    /// Traces the photons that guide gather rays; returns none if the policy does not guide them.
+    fn trace_guide_photons(&self, budget: &PassBudget, monitor: &dyn ProgressMonitor, out: &mut Pass) -> Vec<Photon> {
+        if !self.request.guides {
+            return Vec::new();
+        }
+        let task = PhotonTracingTask {
+            source: self.unaimed_source.as_ref(),
+            mask: StoreMask::INDIRECT,
+            paths: self.counts.divided_by(budget.part).photons / GUIDE_INTERVAL,
+            key: budget.key_for(Purpose::GatherRayGuides),
+            light_tracer: None,
         };
-        PhotonMaps { guides: PhotonMap::build(guides), caustic, indirect, splats: aimed.deposits.splats }
+        self.trace_photons(task, monitor, out).deposits.photons
+    }
+
+    /// Builds the search structures of `photons`, and reports progress and time.
+    fn index_photons(
+        &self,
+        photons: MapPhotons,
+        limits: EstimateLimits,
+        budget: &PassBudget,
+        monitor: &dyn ProgressMonitor,
+        out: &mut Pass,
+    ) -> PhotonEstimator<'a> {
+        let start = Instant::now();
+        let count = (photons.surface.len() + photons.volume.len()) as u64;
+        monitor.begin_stage(PassStage::Indexing, count);
+        let estimator = self.build_photon_estimator(photons, limits, budget);
+        monitor.report_progress(count);
+        out.seconds.indexing += start.elapsed().as_secs_f64();
+        estimator
     }
 
     /// Builds the search structures of `photons` for pass `budget.pass`.
-    ///
-    /// Each density estimate uses at most `k` photons; 0 means no limit.
     fn build_photon_estimator(
         &self,
         photons: MapPhotons,
-        radii: MapRadii,
-        k: u32,
+        EstimateLimits { radii, k }: EstimateLimits,
         budget: &PassBudget,
     ) -> PhotonEstimator<'a> {
         let (pass, RadiusLaw { alpha, kernel }) = (budget.pass, self.radius_law());
@@ -549,8 +601,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pilot_photon_limits_allow_a_density() {
-        assert_eq!([0, 1, 2, 5, 50].map(|k| pilot_photon_limit(k, 4)), [0, 2, 2, 2, 13]);
-        assert_eq!([0, 2, 50].map(|k| pilot_photon_limit(k, 1)), [0, 2, 50]);
+    fn photon_limits_allow_a_density() {
+        assert_eq!([0, 1, 2, 5, 50].map(|k| photon_limit(k, 4)), [0, 2, 2, 2, 13]);
+        assert_eq!([0, 2, 50].map(|k| photon_limit(k, 1)), [0, 2, 50]);
     }
 }

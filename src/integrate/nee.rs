@@ -55,7 +55,7 @@ impl<'a> NextEventEstimator<'a> {
         // A light sampled at its center emits its mean radiance there.
         let centers = light_sampling == LightSampling::Centers || !effects.has(Effect::SoftShadows);
         let all = if centers || !effects.has(Effect::Textures) { scene.mean_emission_lights() } else { scene.lights() };
-        let skipped = scene.environment().filter(|_| !effects.has(Effect::Environment));
+        let skipped = scene.environment_light_index().filter(|_| !effects.has(Effect::Environment));
         // The environment is the last of the lights.
         let lights = &all[..skipped.unwrap_or(all.len())];
         let sampled = |n: u32| {

@@ -1,7 +1,7 @@
 //! The integrator of all algorithms that a [`PathPolicy`](super::policy::PathPolicy) expresses.
 
 use super::balance::RayPhotonBalance;
-use super::camera_path;
+use super::camera_path::{self, PathContext};
 use super::density_pilot::find_relative_ray_counts;
 use super::integrator::Integrator;
 use super::pass::{ExpectedPhotons, Pass, ProgressMonitor, SilentMonitor};
@@ -11,7 +11,7 @@ use super::prefix_pilot::{PrefixRayCounts, find_prefix_ray_counts};
 use super::radius_law::RadiusLaw;
 use super::radius_pilot::{EmissionGuidingReportPerMap, GatherRadii};
 use super::settings::Settings;
-use super::tiles::{self, FilmSampling};
+use super::tiles::{self, FilmImage, FilmSampling};
 use super::work_pilot::{find_ray_photon_balance, measure_pass_work};
 use crate::photon::add_splats;
 use crate::plan::{Effect, Effects, Plan};
@@ -53,12 +53,8 @@ impl Integrator for PathIntegrator<'_> {
         // Trace camera paths.
         let start = Instant::now();
         let paths = renderer.path_context(maps.as_ref(), pass);
-        let render = |sampling: &FilmSampling<'_>, key: Key, monitor: &dyn ProgressMonitor| {
-            for_interior!(paths.policy.effects, <I> {
-                tiles::render_tiles(sampling, key, monitor, camera_path::radiance_function::<I>(&paths))
-            })
-        };
-        let picture = render(&renderer.film_sampling(pass), renderer.camera_path_key(pass), monitor);
+        let key = renderer.camera_path_key(pass);
+        let picture = render_camera_paths(&paths, &renderer.film_sampling(pass), key, monitor);
         (out.image, out.nested) = (picture.image, picture.nested);
         out.counters += picture.counters;
 
@@ -70,7 +66,7 @@ impl Integrator for PathIntegrator<'_> {
 
         // Trace some tiles by fresh paths if passes share theirs.
         if let Some((sampling, key)) = renderer.unshared_path_sampling(pass) {
-            let fresh = render(&sampling, key, &SilentMonitor);
+            let fresh = render_camera_paths(&paths, &sampling, key, &SilentMonitor);
             out.fresh = fresh.pixels.iter().map(|i| (*i, fresh.image[*i as usize])).collect();
         }
         out.seconds.camera += start.elapsed().as_secs_f64();
@@ -167,6 +163,18 @@ impl<'a> PathIntegrator<'a> {
         renderer.density = if settings.camera_paths.adaptive { find_relative_ray_counts(&renderer) } else { None };
         Self { renderer, plan, make_policy, balance }
     }
+}
+
+/// Traces the camera paths of `sampling`, and returns their picture.
+fn render_camera_paths(
+    paths: &PathContext<'_>,
+    sampling: &FilmSampling<'_>,
+    key: Key,
+    monitor: &dyn ProgressMonitor,
+) -> FilmImage {
+    for_interior!(paths.policy.effects, <I> {
+        tiles::render_tiles(sampling, key, monitor, camera_path::radiance_function::<I>(paths))
+    })
 }
 
 /// Returns the time of a pass within the shutter interval, in \[0, 1).

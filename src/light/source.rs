@@ -68,6 +68,9 @@ pub(super) enum LightGeometry<'a> {
 /// `sample_li` and `sample_le` must describe the same emitted radiance: camera paths sample direct
 /// light by `sample_li`, and photon paths start by `sample_le`.
 ///
+/// The maps of `hybrid` hold no direct light. A delta light for which `sample_li` returns `None`
+/// therefore loses its direct light in `hybrid`, although its photons still make caustics.
+///
 /// Three methods have defaults. A delta light must implement `peak_strength`. A light that cannot
 /// reach all of space should implement `may_illuminate`, so that fewer photons miss the caustic
 /// casters. A light with a texture must implement `untextured_light`.

@@ -1,4 +1,8 @@
 //! Emission of photon paths: samples a light, a position and a direction.
+//!
+//! Photons do not carry the direct light of `hybrid`: its maps hold only caustics and the light that
+//! caustics reflect. Next-event estimation computes direct light by
+//! [`Light::sample_li`].
 
 use super::guiding::EmissionGuidingDistribution;
 use crate::color::{self, Rgb};
@@ -107,7 +111,7 @@ impl<'a> PhotonSource<'a> {
     #[must_use]
     pub fn without_environment(self) -> Option<Self> {
         // Recomputed probabilities would differ by rounding.
-        let Some(environment) = self.scene.environment() else { return Some(self) };
+        let Some(environment) = self.scene.environment_light_index() else { return Some(self) };
         let weight = |i| if i == environment { 0.0 } else { f64::from(self.light_distribution.probability(i)) };
         let light_distribution = DiscreteDistribution::new((0..self.scene.lights().len()).map(weight))?;
         Some(Self { light_distribution, ..self })
@@ -178,12 +182,14 @@ impl<'a> PhotonSource<'a> {
             Some(aim) => light.sample_le_towards(aim, domain, point.position, point.direction),
             None => light.sample_le(domain, point.position, point.direction),
         }?;
-        let ray = if light.is_infinite() {
-            self.scene.move_origin_beyond_planes(emission.ray)
-        } else if light.is_delta() {
-            Ray { origin: emission.ray.at(self.scene.light_contact_distance(point.light)), ..emission.ray }
-        } else {
-            emission.ray
+        let ray = match (light.is_infinite(), light.is_delta()) {
+            (true, _) => self.scene.move_origin_beyond_planes(emission.ray),
+            // A delta light at a position.
+            (false, true) => {
+                Ray { origin: emission.ray.at(self.scene.light_contact_distance(point.light)), ..emission.ray }
+            }
+            // An emitting surface.
+            (false, false) => emission.ray,
         };
         Some((self.scene.start_light_path(point.light, ray, self.effects), emission.flux))
     }

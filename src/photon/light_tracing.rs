@@ -125,7 +125,7 @@ impl<'a> LightTracer<'a> {
     /// The function stays out of line, so that passes without light tracing do not carry its code
     /// through their loop.
     #[inline(never)]
-    pub(super) fn connect_to_camera<I: Interior>(
+    pub(super) fn splat_and_return_share<I: Interior>(
         &self,
         surface: &SurfaceInteraction<'_>,
         flux: Rgb,

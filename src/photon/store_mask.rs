@@ -32,6 +32,9 @@ pub struct StoreMask {
     ///
     /// Their density is smooth, so few of them suffice. Russian roulette continues one of
     /// [`AFTER_CAUSTIC_THINNING`] paths after a caustic, and multiplies its flux by that number.
+    ///
+    /// The separate photons fill the indirect map, in place of an unaimed photon pass. `hybrid`
+    /// builds its indirect map so.
     pub separates_after_caustic: bool,
     /// True to store photon beams in homogeneous media; false to store photon points.
     pub beams: bool,

@@ -170,9 +170,9 @@ impl PhotonPass<'_> {
             {
                 let stored_flux = flux * photon_deposit_factor(surface.wo, surface.point.ns, surface.point.ng);
                 let wavelength = path_ray.interior.wavelength();
-                let share = light_tracer
-                    .filter(|_| kind == PhotonKind::Caustic)
-                    .map(|tracer| tracer.connect_to_camera(surface, stored_flux, &path_ray, key, rays, &mut deposit));
+                let share = light_tracer.filter(|_| kind == PhotonKind::Caustic).map(|tracer| {
+                    tracer.splat_and_return_share(surface, stored_flux, &path_ray, key, rays, &mut deposit)
+                });
                 deposit(Deposit { kind, place: DepositPlace::Surface(surface, share), flux: stored_flux, wavelength });
             }
 

@@ -79,7 +79,7 @@ impl SceneFeatures {
             bump_mapped: 0,
             lights: 0,
             soft_lights: 0,
-            environment: scene.environment().is_some(),
+            environment: scene.environment_light_index().is_some(),
             lens: scene.camera().lens().is_some(),
             moving: scene.has_motion(),
             one_flat_object: false,

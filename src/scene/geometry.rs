@@ -39,7 +39,8 @@ pub(super) enum HitPrimitive {
     Plane(u32),
 }
 
-/// Group of boundaries that the coincidence test counts as one boundary.
+/// Group of boundaries that the coincidence test counts as one boundary: `find_coincident_faces` in
+/// `scene/interiors/coincident/mod.rs`.
 ///
 /// Usually each object is a group of its own. All shapes that may share edges with neighbours form
 /// one group, because a ray through a common edge can hit two of them.

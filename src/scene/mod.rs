@@ -66,7 +66,7 @@ pub struct Scene {
     mappings: Vec<TextureMapping>,
     lights: Vec<Light>,
     /// Index of the environment light in `lights`.
-    environment: Option<usize>,
+    environment_light_index: Option<usize>,
     /// The lights with mean radiance in place of emission textures; empty if no light has a
     /// texture.
     mean_emission_lights: Vec<Light>,
@@ -109,14 +109,14 @@ impl Scene {
     #[inline]
     #[must_use]
     pub fn escaped_radiance(&self, direction: Vec3) -> Rgb {
-        let environment = self.environment.and_then(|index| self.lights[index].as_environment());
+        let environment = self.environment_light_index.and_then(|index| self.lights[index].as_environment());
         environment.map_or(self.background, |environment| environment.radiance(direction))
     }
 
     /// Index of the environment light in [`Scene::lights`], if there is one.
     #[must_use]
-    pub fn environment(&self) -> Option<usize> {
-        self.environment
+    pub fn environment_light_index(&self) -> Option<usize> {
+        self.environment_light_index
     }
 
     /// All lights. An environment light is the last.

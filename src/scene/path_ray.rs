@@ -91,7 +91,7 @@ impl<I: Interior> PathRay<I> {
         let mut crossed = false;
         loop {
             // Find the nearest surface.
-            let hit = scene.intersect(&self.ray);
+            let hit = scene.geometry.intersect(&self.ray);
             let cone = self.cone;
             let mut surface = hit.map(|hit| {
                 self.cone.widen_over_distance(hit.t);
@@ -172,7 +172,7 @@ pub(super) fn shadow_transmittance<I: Interior>(scene: &Scene, ray: &Ray, mut in
     loop {
         let length = ray.direction.length();
         let unit = Ray::new(ray.origin, ray.direction / length);
-        let hit = scene.intersect(&ray).map(|hit| Hit { t: hit.t * length, ..hit });
+        let hit = scene.geometry.intersect(&ray).map(|hit| Hit { t: hit.t * length, ..hit });
         let cone = RayCone::zero_width(Effects::NONE);
         let surface = hit.map(|hit| scene.surface_interaction(&unit, &hit, &cone, || rng.random()));
         if let Some(surface) = &surface {

@@ -30,8 +30,12 @@ fn times_sizes_and_exposures_have_ranges() {
     assert_eq!(parse_duration("1.5m"), Ok(Duration::from_secs(90)));
     assert_eq!(parse_duration("60s"), parse_duration("60"));
     assert!(parse_duration("-1s").is_err() && parse_duration("soon").is_err() && parse_duration("").is_err());
-    assert_eq!(parse_size("1280x720"), Ok((1280, 720)));
-    assert!(parse_size("0x5").is_err() && parse_size("1280").is_err() && parse_size("70000x2").is_err());
+    assert_eq!(parse_picture_size("1280x720"), Ok((1280, 720)));
+    assert!(
+        parse_picture_size("0x5").is_err()
+            && parse_picture_size("1280").is_err()
+            && parse_picture_size("70000x2").is_err()
+    );
     for bad in ["NaN", "inf", "-inf", "64.1", "-65", "bright", ""] {
         assert!(parse_exposure_stops(bad).is_err(), "{bad}");
     }

@@ -149,7 +149,9 @@ fn parse_header(start: &[u8]) -> Result<GridHeader, (usize, MessageAndRemedy)> {
             ["caustica-grid", "1"] if i == 0 => {}
             ["caustica-grid", _] if i == 0 => return Err(wrong("this version is not known", "write version 1")),
             _ if i == 0 => return Err(wrong("this is no grid", "begin the file with the line `caustica-grid 1`")),
-            ["size", x, y, z] if size.is_none() => size = Some(parse_size([x, y, z]).map_err(|wrong| (i + 1, wrong))?),
+            ["size", x, y, z] if size.is_none() => {
+                size = Some(parse_grid_size([x, y, z]).map_err(|wrong| (i + 1, wrong))?)
+            }
             ["type", "f32"] if encoding.is_none() => encoding = Some(GridEncoding::F32),
             ["type", "text"] if encoding.is_none() => encoding = Some(GridEncoding::Text),
             ["type", _] if encoding.is_none() => {
@@ -176,7 +178,7 @@ fn parse_header(start: &[u8]) -> Result<GridHeader, (usize, MessageAndRemedy)> {
 }
 
 /// Parses the three words of a `size` line; returns the size and the number of cells.
-fn parse_size(words: [&str; 3]) -> Result<([u32; 3], usize), MessageAndRemedy> {
+fn parse_grid_size(words: [&str; 3]) -> Result<([u32; 3], usize), MessageAndRemedy> {
     let mut size = [0_u32; 3];
     for (side, word) in size.iter_mut().zip(words) {
         let number = word.parse().ok().filter(|n| *n > 0);

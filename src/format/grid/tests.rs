@@ -3,7 +3,7 @@
 use super::*;
 use proptest::prelude::*;
 
-fn with_temporary_file<T>(bytes: &[u8], then: impl FnOnce(&Path) -> T) -> T {
+fn call_with_file_of<T>(bytes: &[u8], then: impl FnOnce(&Path) -> T) -> T {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.grid");
     std::fs::write(&path, bytes).unwrap();
@@ -11,11 +11,11 @@ fn with_temporary_file<T>(bytes: &[u8], then: impl FnOnce(&Path) -> T) -> T {
 }
 
 fn read_from_bytes(bytes: &[u8]) -> Result<DensityGrid, GridError> {
-    with_temporary_file(bytes, read)
+    call_with_file_of(bytes, read)
 }
 
 fn encoded_bytes(grid: &DensityGrid, encoding: GridEncoding) -> Vec<u8> {
-    with_temporary_file(&[], |path| {
+    call_with_file_of(&[], |path| {
         write(path, grid, encoding).unwrap();
         std::fs::read(path).unwrap()
     })

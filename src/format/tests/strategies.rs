@@ -397,7 +397,7 @@ pub fn with_empty_span<T>(value: T) -> Spanned<T> {
     Spanned::new(value, Span::default())
 }
 
-/// A random group item; [`assign_materials`] replaces its material number.
+/// A random group item; [`replace_material_numbers`] replaces its material number.
 fn random_group_item() -> impl Strategy<Value = GroupItem> {
     let leaf = (random_shape(), option::of(random_color()))
         .prop_map(|(shape, emission)| ObjectDescription::Shape { shape, emission });
@@ -424,12 +424,12 @@ fn random_group_item() -> impl Strategy<Value = GroupItem> {
 }
 
 /// Replaces material numbers by indices and names of `materials`.
-fn assign_materials(group: &mut Group, materials: &[Spanned<MaterialDescription>]) {
-    fn assign_materials_in_object(object: &mut ObjectDescription, materials: &[Spanned<MaterialDescription>]) {
+fn replace_material_numbers(group: &mut Group, materials: &[Spanned<MaterialDescription>]) {
+    fn replace_material_numbers_in_object(object: &mut ObjectDescription, materials: &[Spanned<MaterialDescription>]) {
         match object {
-            ObjectDescription::Group(group) => assign_materials(group, materials),
+            ObjectDescription::Group(group) => replace_material_numbers(group, materials),
             ObjectDescription::Transform { object, .. } | ObjectDescription::Moving { object, .. } => {
-                assign_materials_in_object(&mut object.value, materials)
+                replace_material_numbers_in_object(&mut object.value, materials)
             }
             ObjectDescription::Shape { .. } => {}
         }
@@ -445,7 +445,7 @@ fn assign_materials(group: &mut Group, materials: &[Spanned<MaterialDescription>
                 _ => number.value = index as u32,
             }
         } else if let GroupItem::Object(object) = item {
-            assign_materials_in_object(&mut object.value, materials);
+            replace_material_numbers_in_object(&mut object.value, materials);
         }
     }
 }
@@ -505,7 +505,7 @@ pub fn random_description() -> impl Strategy<Value = SceneDescription> {
         let ambient_medium =
             ambient_medium.filter(|_| !media.is_empty()).map(|i| with_empty_span(i.get(&media).value.name.clone()));
         let mut root = Group { items };
-        assign_materials(&mut root, &materials);
+        replace_material_numbers(&mut root, &materials);
         let lights = lights.into_iter().map(with_empty_span).collect();
         SceneDescription {
             camera: with_empty_span(camera),

@@ -26,7 +26,7 @@ pub(super) struct DeltaLight {
 pub(super) struct CollectedLights {
     pub lights: Vec<Light>,
     /// Index of the environment light in `lights`.
-    pub environment: Option<usize>,
+    pub environment_light_index: Option<usize>,
     pub legacy_lights: Vec<LegacyLight>,
     /// Moving delta lights: index in `lights`, description, strength and motion.
     pub moving: Vec<(usize, DeltaLightKind, LightStrength, Motion)>,
@@ -46,7 +46,7 @@ pub(super) fn collect_lights(
 ) -> Result<CollectedLights, BuildError> {
     let mut found = CollectedLights {
         lights: Vec::new(),
-        environment: None,
+        environment_light_index: None,
         legacy_lights: Vec::new(),
         moving: Vec::new(),
         of_object: Vec::new(),
@@ -93,7 +93,7 @@ pub(super) fn collect_lights(
     }
     // The environment light comes last: [`LegacyLight`] has no counterpart of it.
     if let Some(environment) = environment {
-        found.environment = Some(found.lights.len());
+        found.environment_light_index = Some(found.lights.len());
         found.lights.push(Light::Environment(Arc::new(environment)));
     }
     Ok(found)

@@ -203,7 +203,7 @@ impl SceneBuilder {
         let origin = choose_scene_origin(&objects, &mesh, &camera)?;
         let PlacedObjects { objects, geometry, mappings, mut animation } = place_objects(objects, mesh, origin)?;
         validate_coordinate_range(&geometry, &animation)?;
-        let CollectedLights { lights, environment, legacy_lights, moving, of_object } =
+        let CollectedLights { lights, environment_light_index, legacy_lights, moving, of_object } =
             collect_lights(&self.sources, &objects, &geometry, &mappings, &self.textures, self.environment, origin)?;
         animation.lights = moving;
         let camera = place_camera(&camera, self.camera_motion, origin, &mut animation)?;
@@ -220,7 +220,7 @@ impl SceneBuilder {
             mappings: mappings.list,
             mean_emission_lights: mean_emission_lights(&lights),
             lights,
-            environment,
+            environment_light_index,
             legacy_lights,
             animation: (!animation.is_empty()).then(|| Arc::new(animation)),
             origin,

@@ -2,12 +2,12 @@ use super::super::polynomial::split_bezier;
 use super::*;
 
 /// The recurrence of Cox and de Boor, an independent definition of the basis functions.
-fn basis_function(knots: &[f64], i: usize, p: usize, t: f64) -> f64 {
+fn cox_de_boor(knots: &[f64], i: usize, p: usize, t: f64) -> f64 {
     if p == 0 {
         return f64::from(knots[i] <= t && t < knots[i + 1]);
     }
     let part = |numerator: f64, denominator: f64, i: usize| {
-        if denominator > 0.0 { numerator / denominator * basis_function(knots, i, p - 1, t) } else { 0.0 }
+        if denominator > 0.0 { numerator / denominator * cox_de_boor(knots, i, p - 1, t) } else { 0.0 }
     };
     part(t - knots[i], knots[i + p] - knots[i], i) + part(knots[i + p + 1] - t, knots[i + p + 1] - knots[i + 1], i + 1)
 }
@@ -32,7 +32,7 @@ fn bezier_pieces_match_the_spline_recurrence() {
             let piece = basis.bezier_piece(span, &controls, (0, 1));
             for s in [0.0, 0.1, 0.5, 0.9] {
                 let t = first + (span.range[0] + s * (span.range[1] - span.range[0])) * (last - first);
-                let truth: f64 = (0..n).map(|i| controls[i][0] * basis_function(&knots, i, p, t)).sum();
+                let truth: f64 = (0..n).map(|i| controls[i][0] * cox_de_boor(&knots, i, p, t)).sum();
                 assert!((split_bezier(&piece, s).1[0][0] - truth).abs() < 1e-13, "{p} {t}");
             }
         }
