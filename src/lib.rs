@@ -78,8 +78,8 @@
 //!    of a pixel, the reconstruction filter chooses a point, and
 //!    [`Camera::generate_ray`] makes a ray through it.
 //! 2. `camera_path::radiance` returns the radiance along this ray. It calls
-//!    [`PathRay::next_vertex`](scene::PathRay::next_vertex), for each vertex of the path, which asks
-//!    `Geometry::intersect` and `Hierarchy::closest_hit` for the nearest surface.
+//!    [`PathRay::next_vertex`](scene::PathRay::next_vertex), for each vertex of the path. It
+//!    asks `Geometry::intersect`, and so `Hierarchy::closest_hit`, for the nearest surface.
 //! 3. At casters, for example glass and mirrors
 //!    ([`Bsdf::casts_caustics`](bsdf::Bsdf::casts_caustics)), `scatter_at_caster` continues the
 //!    path. Smooth glass splits the path while both branches carry enough light.

@@ -31,8 +31,8 @@ pub trait Integrator: Sync {
         None
     }
 
-    /// Returns the mean number of prefix rays per pixel and pass: camera rays that end at their first
-    /// receiver.
+    /// Returns the mean number of prefix rays per pixel and pass. They are camera rays that end at
+    /// their first receiver.
     fn prefix_rays_per_pixel(&self) -> f64 {
         0.0
     }

@@ -58,8 +58,9 @@ const MIN_K: f64 = 8.0;
 /// Memory of a photon beam with its bounding boxes, as a multiple of the memory of a photon.
 const BEAM_SIZE: usize = 4;
 
-/// Smallest limit k on the photons of a density estimate, for passes and pilots. The k-th photon only
-/// sets the radius, so k = 1 gives no density.
+/// Smallest limit k on the photons of a density estimate, for passes and pilots.
+///
+/// The k-th photon only sets the radius, so k = 1 gives no density.
 const MIN_PHOTON_LIMIT: u32 = 2;
 
 /// Largest number of paths traced to predict how many photons a pass stores.

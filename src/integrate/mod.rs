@@ -25,6 +25,7 @@ mod pm;
 mod policy;
 mod ppm;
 mod prefix_pilot;
+mod prefix_rays;
 mod radius_law;
 mod radius_pilot;
 mod raycast;

@@ -5,7 +5,7 @@ use super::map_builder::PhotonMapBuilder;
 use super::nee::NextEventEstimator;
 use super::photon_maps::PhotonMaps;
 use super::policy::PathPolicy;
-use super::prefix_pilot::PrefixRayCounts;
+use super::prefix_rays::PrefixRayCounts;
 use super::settings::Settings;
 use super::tiles::{self, FilmSampling, PrefixRays};
 use crate::plan::Effect;

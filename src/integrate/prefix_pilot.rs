@@ -18,15 +18,14 @@ use super::map_builder::PassBudget;
 use super::pass::{Pass, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
+use super::prefix_rays::{PrefixLight, PrefixRayCount, PrefixRayCounts};
 use super::tiles::{self, FilmImage};
-use super::worker::{PrefixLight, PrefixRayCount};
 use crate::color::{self, Rgb};
 use crate::plan::Effect;
 use crate::sampling::{Key, Purpose};
 use crate::scene::for_interior;
 use crate::stats::Counters;
 use rayon::prelude::*;
-use std::sync::Arc;
 
 /// Number of pictures of whole camera paths, with one path per pixel each.
 const WHOLE_PICTURES: u32 = 2;
@@ -60,22 +59,6 @@ const LOOKUP_WORK: f64 = 20.0;
 
 /// Work of one photon in a density estimate, with the search, relative to tracing a photon ray.
 const LOOKUP_PHOTON_WORK: f64 = 1.0;
-
-/// Numbers of prefix rays that a pilot found.
-#[derive(Clone, Debug)]
-pub(super) struct PrefixRayCounts {
-    /// Numbers of prefix rays of each pixel, by rows from the top.
-    pub counts: Arc<[PrefixRayCount]>,
-    /// Rays and gathered photons of all prefix rays of a pass.
-    pub expected_work: Counters,
-}
-
-impl PrefixRayCounts {
-    /// Returns the mean number of prefix rays per pixel.
-    pub fn mean(&self) -> f64 {
-        self.counts.iter().map(|n| f64::from(n.rays)).sum::<f64>() / self.counts.len().max(1) as f64
-    }
-}
 
 /// Running mean and sum of squared differences from it (Welford 1962).
 #[derive(Clone, Copy, Debug, Default)]
@@ -249,8 +232,8 @@ fn render_light_parts(
 
 /// Returns the relative variances of one ray of each pixel; `None` if the picture is black.
 ///
-/// Variances are divided by L̃·(L + L̃), where L is the light of the pixel and L̃ its median over the
-/// picture. This lies between the absolute error, which ignores dark places, and the relative
+/// Variances are divided by L̃·(L + L̃), where L is the light of the pixel and L̃ its median over
+/// the picture. This lies between the absolute error, which ignores dark places, and the relative
 /// error, which ignores highlights.
 fn pixel_variances(light: &[PixelLight], width: usize, height: usize) -> Option<Vec<PixelVariance>> {
     let mean: Vec<f32> = light.iter().map(|l| l.rest.mean + l.found.mean + l.photons.mean).collect();

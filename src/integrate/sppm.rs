@@ -4,9 +4,9 @@
 //! # Algorithm
 //! - **Prepare**: aim and guide photon emission, find gather radii, and balance camera rays against
 //!   photons.
-//! - **Each pass**: trace new photons into a caustic map and a indirect map. Trace new camera paths.
-//!   A camera path ends at the first surface that stores photons. There it does next-event
-//!   estimation and reads both maps. Gather radii shrink from pass to pass.
+//! - **Each pass**: trace new photons into a caustic map and an indirect map. Trace new camera
+//!   paths. Each ends at the first surface that stores photons. There it does next-event estimation
+//!   and reads both maps. Gather radii shrink from pass to pass.
 
 use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPolicy, PhotonLookups};
 use super::settings::{LightTracing, Settings};

@@ -2,7 +2,8 @@
 
 use super::nested_estimates::NestedEstimates;
 use super::pass::{PassStage, ProgressMonitor};
-use super::worker::{PathWorker, PrefixLight, PrefixRayCount};
+use super::prefix_rays::{PrefixLight, PrefixRayCount};
+use super::worker::PathWorker;
 use crate::camera::{Camera, Filter, FilterSample};
 use crate::color::Rgb;
 use crate::math::{CompensatedSum, Ray};

@@ -1,8 +1,7 @@
 //! Emission of photon paths: samples a light, a position and a direction.
 //!
-//! Photons do not carry the direct light of `hybrid`: its maps hold only caustics and the light that
-//! caustics reflect. Next-event estimation computes direct light by
-//! [`Light::sample_li`].
+//! Photons do not carry the direct light of `hybrid`: its maps hold only caustics and the light
+//! that caustics reflect. Next-event estimation computes direct light by [`Light::sample_li`].
 
 use super::guiding::EmissionGuidingDistribution;
 use crate::color::{self, Rgb};

@@ -162,7 +162,7 @@ fn hits_agree_with_double_precision() {
     assert!(hits > 1000, "{hits}");
 }
 
-/// Of equal primitives at equal distances, the one of lower index is hit in every tree.
+/// Every tree hits the primitive of lower index if equal ones lie at equal distances.
 #[test]
 fn ties_go_to_the_lower_primitive() {
     let mut rng = SmallRng::seed_from_u64(2);

@@ -36,7 +36,9 @@ pub struct EmissionGuidingPilot<'a> {
     pub max_bounces: u32,
     /// Points seen by the camera. Their density gives the importance of a photon.
     pub visible: &'a VisiblePointMap,
-    /// Number of photon paths of the pilot; [`EmissionGuidingPilot::PATHS`] suffices for most scenes.
+    /// Number of photon paths of the pilot.
+    ///
+    /// [`EmissionGuidingPilot::PATHS`] suffices for most scenes.
     pub paths: u32,
     /// Seed of the render.
     pub seed: u64,

@@ -223,7 +223,7 @@ fn guiding_reduces_visible_variance() {
     assert!(ratio > 7.5, "{ratio}");
 }
 
-/// Of two lamps, one is hidden behind the wall. Guiding emits more paths from the visible one.
+/// Guiding emits more paths from the visible lamp than from one behind a wall.
 #[test]
 fn guiding_prefers_the_visible_lamp() {
     let scene = scene_with_lamps(|b| {
