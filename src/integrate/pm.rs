@@ -4,7 +4,8 @@
 //! - **Prepare**: aim and guide photon emission, find gather radii, and balance camera rays against
 //!   photons.
 //! - **Each pass**: trace new photons into a caustic map and an indirect map. Trace camera paths
-//!   with next-event estimation. A path reads the caustic map at the first surface that stores photons.
+//!   with next-event estimation. A path reads the caustic map at the first surface that stores
+//!   photons.
 //!   - *Direct visualization*: the path also reads the indirect map there, and ends.
 //!   - *Final gathering*: the path sends a gather ray and reads both maps at its end. This hides
 //!     the blur of the indirect map. A path continues where a gather ray is too short for that.
