@@ -88,9 +88,9 @@ impl Hierarchy {
     ///
     /// Among hits of equal `t`, triangles win against other primitives, then the lowest index wins.
     ///
-    /// The closure `other` intersects a ray with the primitive of box index i, its first argument.
-    /// It returns t and two numbers, which become `u` and `v` of the [`PrimitiveHit`]. `t_max` of
-    /// its ray is reduced to the nearest hit so far, and a hit beyond is ignored.
+    /// `other(i, ray)` intersects `ray` with the primitive of box index `i`, which is no triangle.
+    /// It returns t and two numbers, which become `u` and `v` of the [`PrimitiveHit`]. The `t_max`
+    /// of the ray that it gets is the distance of the nearest hit so far.
     #[inline]
     pub fn closest_hit<F>(&self, ray: &Ray, mut other: F) -> Option<PrimitiveHit>
     where

@@ -1,7 +1,7 @@
 //! `caustica convert`: writes any scene that can be read as scene text.
 
 use super::outputs::{FileWithRole, OutputFailures, check_distinct_files};
-use super::progress::print_message;
+use super::progress::{InputFileCollector, print_message};
 use super::{CommandFailure, Exit};
 use crate::format::mesh::MeshFormat;
 use crate::format::{ConvertedScene, SceneFile, SceneReadError};
@@ -32,7 +32,8 @@ pub struct ConvertArguments {
 struct OutputExists(PathBuf);
 
 pub(super) fn run(arguments: &ConvertArguments) -> Result<Exit, CommandFailure> {
-    let scene = SceneFile::read_monitored(&arguments.scene, &(), MemoryLimit::System).map_err(|e| {
+    let files = InputFileCollector::new(&());
+    let scene = SceneFile::read_monitored(&arguments.scene, &files, MemoryLimit::System).map_err(|e| {
         let exit = if matches!(e, SceneReadError::Memory { .. }) { Exit::Usage } else { Exit::Input };
         CommandFailure::new(exit, e)
     })?;
@@ -41,7 +42,10 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<Exit, CommandFailure> 
     let pictures = conversion.pictures.iter().map(|(path, _)| path);
     let outputs: Vec<&PathBuf> = std::iter::once(&arguments.output).chain(meshes).chain(pictures).collect();
     let named: Vec<FileWithRole> = outputs.iter().map(|path| FileWithRole::new("the output", path)).collect();
-    check_distinct_files(&named, &[FileWithRole::new("the scene file", &arguments.scene)])?;
+    let mut inputs = vec![FileWithRole::new("the scene file", &arguments.scene)];
+    let read_files = files.into_input_paths();
+    inputs.extend(read_files.iter().chain(&conversion.named_files).map(|path| FileWithRole::new("the input", path)));
+    check_distinct_files(&named, &inputs)?;
     if let Some(path) = outputs.iter().find(|path| !arguments.force && path.exists()) {
         return Err(CommandFailure::new(Exit::Output, OutputExists((*path).clone())));
     }

@@ -21,6 +21,8 @@ pub struct ConvertedScene {
     pub meshes: Vec<(PathBuf, Arc<TriangleMesh>)>,
     /// Embedded pictures, each with the path of the OpenEXR file to write.
     pub pictures: Vec<(PathBuf, Arc<Image>)>,
+    /// Existing files that the text names.
+    pub named_files: Vec<PathBuf>,
 }
 
 impl ConvertedScene {
@@ -34,7 +36,7 @@ impl ConvertedScene {
         let folder = output.parent().unwrap_or(Path::new(""));
         let stem = output.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let mut names: BTreeMap<String, String> = BTreeMap::new();
-        let (mut meshes, mut pictures) = (Vec::new(), Vec::new());
+        let (mut meshes, mut pictures, mut named_files) = (Vec::new(), Vec::new(), Vec::new());
         for (i, (path, mesh)) in scene.assets.meshes.iter().enumerate() {
             let name = format!("{stem}-mesh{i}.ply");
             meshes.push((folder.join(&name), Arc::clone(mesh)));
@@ -49,15 +51,18 @@ impl ConvertedScene {
         visit_file_paths(&mut description, &mut |path| {
             if let Some(name) = names.get(path.as_str()) {
                 path.clone_from(name);
-            } else if !same_folder {
-                let file = file_candidates(scene.folder(), Path::new(path.as_str())).find(|file| file.is_file());
-                let file = file.and_then(|file| canonical_path(&file));
-                if let Some(file) = file.as_deref().and_then(Path::to_str) {
-                    file.clone_into(path);
-                }
+                return;
             }
+            let Some(file) = file_candidates(scene.folder(), Path::new(path.as_str())).find(|file| file.is_file())
+            else {
+                return;
+            };
+            if !same_folder && let Some(absolute) = canonical_path(&file).as_deref().and_then(Path::to_str) {
+                absolute.clone_into(path);
+            }
+            named_files.push(file);
         });
-        Self { text: description.to_string(), meshes, pictures }
+        Self { text: description.to_string(), meshes, pictures, named_files }
     }
 }
 

@@ -201,7 +201,7 @@ impl SceneError {
         }))
     }
 
-    /// Returns the error, marked as one of a valid scene that exceeds the memory limit.
+    /// Returns the error with the mark that the scene is valid but exceeds the memory limit.
     #[must_use]
     pub fn marked_out_of_memory(mut self) -> Self {
         self.0.is_out_of_memory = true;

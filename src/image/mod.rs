@@ -25,7 +25,7 @@ pub(crate) use open::open_file;
 pub use options::{BitDepth, FloatDepth, WriteOptions};
 pub use ramp::{diverging_color, sequential_color};
 pub use read::{
-    InputFormat, PictureContent, decode, read, read_bytes, read_data, read_with_format, read_with_memory_limit,
+    PictureContent, PictureFormat, decode, read, read_bytes, read_data, read_with_format, read_with_memory_limit,
 };
 pub use relative::RelativeScale;
 pub use replace::{canonical_output_path, check_replaceable, replace_file, replace_file_with};

@@ -19,7 +19,7 @@ const HDR_SIGNATURE: [u8; 3] = *b"#?R";
 
 /// Picture file format that can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum InputFormat {
+pub enum PictureFormat {
     /// PNG, which holds display levels.
     Png,
     /// OpenEXR, which holds linear radiance.
@@ -28,7 +28,7 @@ pub enum InputFormat {
     Hdr,
 }
 
-impl InputFormat {
+impl PictureFormat {
     /// File format by the first bytes of `file`; `None` if they are no known signature.
     fn from_signature(file: &[u8]) -> Option<Self> {
         match file {
@@ -58,7 +58,7 @@ pub fn read(path: &Path) -> Result<Image, ReadError> {
 ///
 /// # Errors
 /// [`ReadError`], see [`read`].
-pub fn read_with_format(path: &Path) -> Result<(Image, InputFormat), ReadError> {
+pub fn read_with_format(path: &Path) -> Result<(Image, PictureFormat), ReadError> {
     let file = read_file_bytes(path, None)?;
     decode(path, &file, PictureContent::Radiance, None)
 }
@@ -100,13 +100,14 @@ pub fn decode(
     file: &[u8],
     meaning: PictureContent,
     free: Option<u64>,
-) -> Result<(Image, InputFormat), ReadError> {
-    let format = InputFormat::from_signature(file).ok_or_else(|| ReadError::UnknownFormat { path: path.to_owned() })?;
+) -> Result<(Image, PictureFormat), ReadError> {
+    let format =
+        PictureFormat::from_signature(file).ok_or_else(|| ReadError::UnknownFormat { path: path.to_owned() })?;
     let image = match (format, meaning) {
-        (InputFormat::Png, PictureContent::Radiance) => png::read(file, free),
-        (InputFormat::Png, PictureContent::Data) => png::read_data(file, free),
-        (InputFormat::Exr, _) => exr::read(file, free),
-        (InputFormat::Hdr, _) => read_hdr(file, free),
+        (PictureFormat::Png, PictureContent::Radiance) => png::read(file, free),
+        (PictureFormat::Png, PictureContent::Data) => png::read_data(file, free),
+        (PictureFormat::Exr, _) => exr::read(file, free),
+        (PictureFormat::Hdr, _) => read_hdr(file, free),
     };
     Ok((image.map_err(|failure| failure.into_read_error(path.to_owned()))?, format))
 }
@@ -117,8 +118,8 @@ pub fn decode(
 /// [`ReadError`], see [`read`]; also if the file is not an 8-bit PNG.
 pub fn read_bytes(path: &Path) -> Result<RgbBytes, ReadError> {
     let file = read_file_bytes(path, None)?;
-    let bytes = match InputFormat::from_signature(&file) {
-        Some(InputFormat::Png) => png::read_bytes(&file),
+    let bytes = match PictureFormat::from_signature(&file) {
+        Some(PictureFormat::Png) => png::read_bytes(&file),
         Some(_) => Err(DecodeFailure::Reason(
             "a picture of floating-point numbers has no bytes to compare: use an 8-bit PNG".into(),
         )),

@@ -11,7 +11,7 @@ use super::progress::{ProgressDisplay, print_message};
 use super::{CommandFailure, Exit};
 use crate::image::flip::{FlipMetricMode, FlipMetricOptions, FlipMetricResult, PIXELS_PER_DEGREE, flip_metric};
 use crate::image::metrics::{MetricError, PixelDifferences, largest_differences, relative_error, relative_mse, rmse};
-use crate::image::{self, Image, InputFormat, OutputFormat, WriteOptions};
+use crate::image::{self, Image, OutputFormat, PictureFormat, WriteOptions};
 use crate::study::text::three_digit_text;
 use miette::IntoDiagnostic;
 use report::{DiffReport, EPSILON, ErrorMapReport, FlipReport, LargestDifferences, MeanRadiances};
@@ -47,7 +47,7 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<Exit, CommandFailure> {
     let read = |path| image::read_with_format(path).into_diagnostic().map_err(|e| CommandFailure::new(Exit::Input, e));
     let (a, a_format) = read(&arguments.a)?;
     let (b, b_format) = read(&arguments.b)?;
-    let mode = selected_flip_mode(arguments, a_format == InputFormat::Png && b_format == InputFormat::Png)?;
+    let mode = selected_flip_mode(arguments, a_format == PictureFormat::Png && b_format == PictureFormat::Png)?;
     let (mut report, flip) =
         compare_pictures(arguments, &a, &b, mode).map_err(|error| comparison_failure(arguments, error))?;
     let exceeded = exceeded_limits(arguments, &report);

@@ -1,5 +1,5 @@
 use super::*;
-use crate::image::{Image, InputFormat, read_with_format};
+use crate::image::{Image, PictureFormat, read_with_format};
 use exr::prelude::read_first_flat_layer_from_file;
 use glam::Vec3;
 
@@ -31,7 +31,7 @@ fn layers_are_stored_and_the_picture_is_read() {
     ];
     let pairs = [("Seed".to_owned(), "7".to_owned())];
     write_layers(&path, SIZE, &layers, &pairs).unwrap();
-    assert_eq!(read_with_format(&path).unwrap(), (image, InputFormat::Exr));
+    assert_eq!(read_with_format(&path).unwrap(), (image, PictureFormat::Exr));
 
     let file = read_first_flat_layer_from_file(&path).unwrap().layer_data;
     assert_eq!((file.size.0, file.size.1), (37, 21));

@@ -24,7 +24,7 @@ pub struct Line {
     pub base: DVec3,
     /// Unit direction.
     pub direction: DVec3,
-    /// Reciprocal of each component, clamped to ±10³⁰⁰.
+    /// Reciprocal of each component; 10³⁰⁰ for a component within ±10⁻³⁰⁰.
     pub inverse: DVec3,
 }
 

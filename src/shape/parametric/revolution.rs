@@ -106,7 +106,8 @@ impl Revolution {
         Ok(Self { profile: Arc::new(profile), to_world, area })
     }
 
-    /// The ray in object space, followed by `start` and `length` of its [`ObjectRay`].
+    /// Returns the line of `ray` in object space, the arc length at which the ray begins, and the
+    /// object-space length of its unit direction.
     ///
     /// `None` if the line misses the bounding sphere.
     fn cylindrical_object_ray(&self, ray: &Ray) -> Option<(CylindricalRay, f64, f64)> {

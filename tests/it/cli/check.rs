@@ -42,4 +42,11 @@ fn convert_refuses_to_overwrite_files() {
     sandbox.run(&["convert", "box.txt", "taken.txt", "--force"]).expect(0, &[]);
     sandbox.run(&["convert", "taken.txt", "again.txt"]).expect(0, &[]);
     sandbox.run(&["check", "again.txt"]).expect(0, &[]);
+    // A mesh that the scene names is an input too.
+    let mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    sandbox.put("corner.obj", mesh);
+    let camera = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 angle 30 width 8 height 8 }";
+    sandbox.put("corner.txt", format!("{camera} Group {{ TriangleMesh {{ file corner.obj }} }}"));
+    sandbox.run(&["convert", "corner.txt", "corner.obj", "--force"]).expect(2, &["are the same file"]);
+    assert_eq!(sandbox.bytes("corner.obj"), mesh.as_bytes());
 }
