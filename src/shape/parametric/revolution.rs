@@ -106,8 +106,8 @@ impl Revolution {
         Ok(Self { profile: Arc::new(profile), to_world, area })
     }
 
-    /// Returns the line of `ray` in object space, the arc length at which the ray begins, and the
-    /// object-space length of its unit direction.
+    /// Returns the line of `ray` in object space, the signed distance from the ray's origin to the
+    /// base point of the line, and the object-space length of the ray's direction.
     ///
     /// `None` if the line misses the bounding sphere.
     fn cylindrical_object_ray(&self, ray: &Ray) -> Option<(CylindricalRay, f64, f64)> {
