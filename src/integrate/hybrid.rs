@@ -35,5 +35,6 @@ pub(super) fn policy(effects: Effects, settings: &Settings) -> PathPolicy {
         photons: PhotonLookups::OncePerPixel,
         shrinking_radii: true,
         light_tracing: settings.light_tracing,
+        indirect_photons: settings.indirect_photons,
     }
 }

@@ -4,7 +4,7 @@
 //! from the simulated effects. The policy also decides which photon maps are built: see
 //! [`PathPolicy::photon_map_request`].
 
-use super::settings::{LightTracing, Settings};
+use super::settings::{IndirectPhotons, LightTracing, Settings};
 use crate::photon::StoreMask;
 use crate::plan::{Effect, Effects};
 
@@ -38,6 +38,9 @@ pub(super) struct PathPolicy {
     pub shrinking_radii: bool,
     /// How directly visible caustics are divided between photon estimates and light tracing.
     pub light_tracing: LightTracing,
+    /// How indirect light at diffuse first receivers is divided between camera paths and photon
+    /// estimates.
+    pub indirect_photons: IndirectPhotons,
 }
 
 /// Number and targets of the shadow rays of next-event estimation.
@@ -146,7 +149,10 @@ impl PathPolicy {
             PhotonLookups::Never | PhotonLookups::RecordVisible => {
                 return PhotonMapRequest { aimed: StoreMask::NONE, unaimed: StoreMask::NONE, guides: false };
             }
-            PhotonLookups::OncePerPixel => (bounces, StoreMask::NONE),
+            PhotonLookups::OncePerPixel => {
+                let merges = self.indirect_photons != IndirectPhotons::Off;
+                (bounces, StoreMask { after_direct: merges && interreflection, ..StoreMask::NONE })
+            }
             PhotonLookups::FirstReceiver => (false, unaimed(false)),
             // Gather rays do no next-event estimation where they end.
             PhotonLookups::GatherRays => (false, unaimed(true)),

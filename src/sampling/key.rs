@@ -64,6 +64,8 @@ pub enum Purpose {
     DensityEstimateShares,
     /// Camera rays that end at their first receiver.
     PrefixRays,
+    /// Pilot simulation that divides indirect light between camera paths and photons.
+    IndirectDivision,
 }
 
 /// Random decision at one vertex of a path; each has its own random numbers.
