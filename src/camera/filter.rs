@@ -80,7 +80,7 @@ impl FilterKind {
 /// Number of intervals of the quantile table.
 const CELLS: usize = 1024;
 
-/// Number of intervals of the density table, from the center to the filter's radius.
+/// Number of intervals of the table of normalized filter values, from the center to the radius.
 const DENSITY_CELLS: usize = 256;
 
 /// A separable reconstruction filter, with tables for importance sampling and for evaluation.
@@ -90,11 +90,12 @@ pub struct Filter {
     quantiles: [f32; CELLS + 1],
     /// Offset \[pixels] beyond which the filter is negative; infinite for a non-negative filter.
     negative_beyond: f32,
-    /// Integral of the absolute filter value along one axis, divided by the integral of the filter.
+    /// Integral of the absolute filter value along one axis, over the integral of the filter value.
     absolute_over_signed: f32,
     /// Radius \[pixels].
     radius: f32,
-    /// Values of [`Filter::density`] at equal steps from the center to the radius \[1/pixel].
+    /// Results of [`Filter::normalized_value`] at equal steps from the center to the radius
+    /// \[1/pixel].
     densities: [f32; DENSITY_CELLS + 1],
 }
 
@@ -153,8 +154,8 @@ impl Filter {
         self.radius
     }
 
-    /// Filter value along one axis at distance `x` from the pixel center, with integral 1
-    /// \[1/pixel]. It may be negative.
+    /// Filter value along one axis at distance `x` from the pixel center \[1/pixel], normalized to
+    /// integral 1. It may be negative.
     #[inline]
     #[must_use]
     pub fn density(&self, x: f32) -> f32 {

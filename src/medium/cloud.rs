@@ -13,7 +13,7 @@ pub struct Cloud {
     pub octaves: u32,
     /// Number of wavelengths of the first octave along a side of the cube.
     pub scale: f64,
-    /// Fraction of the noise that becomes cloud, from 0 (empty) to 1 (all of it).
+    /// Fraction of the noise values that become cloud, from 0 (empty) to 1 (all of them).
     pub cover: f64,
     /// Fraction of the radius, from 0 to 1, over which the density falls to 0 at the edge; 0 is a
     /// hard edge.
@@ -81,11 +81,10 @@ mod tests {
         }
     }
 
-    /// The mean density at full cover is π/12: the ball fills π/6 of the cube, and the mean of the
-    /// noise is ½.
+    /// Checks the effect of each setting; the mean density at full cover is π/12.
     ///
-    /// The tolerance is five standard errors of 4π/3·2³ = 34 independent values of standard
-    /// deviation ¼.
+    /// The ball fills π/6 of the cube, and the mean of the noise is ½. The tolerance is five
+    /// standard errors of 4π/3·2³ = 34 independent values of standard deviation ¼.
     #[test]
     fn cover_softness_and_seed_have_their_effect() {
         let full = mean_density(Cloud { cover: 1.0, softness: 0.0, ..CLOUD });

@@ -13,7 +13,7 @@ pub(super) const BLOCK_SIDE: u32 = 8;
 /// Reason why a density grid is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum GridDensityError {
-    /// A side has no cells.
+    /// The grid has no cells along some axis.
     #[error("a grid of {0} × {1} × {2} cells is empty: every side needs at least one")]
     Empty(u32, u32, u32),
     /// The grid does not fit into memory.
@@ -87,8 +87,8 @@ impl GridDensity {
         Ok(Self { grid: Arc::new(GridData { size, values, blocks, majorants, max_density }), placement })
     }
 
-    /// Creates a grid from the function `density`, whose argument is a cell center in coordinates
-    /// of the unit cube. `placement` maps this cube to scene coordinates.
+    /// Creates a grid from a function `density` of position, evaluated at cell centers in the unit
+    /// cube. `placement` maps this cube to scene coordinates.
     pub fn from_fn(
         size: [u32; 3],
         placement: DAffine3,
@@ -147,7 +147,7 @@ impl GridDensity {
         size_of::<GridData>() + size_of::<f32>() * (self.grid.values.len() + self.grid.majorants.len())
     }
 
-    /// Returns the part of `ray` up to `distance` in grid space, where cells have side 1.
+    /// Returns the first `distance` of `ray` in grid space, where cells have side 1.
     pub(super) fn ray_in_grid(&self, ray: &Ray, distance: f32) -> GridRay<'_> {
         let cells = self.grid.cell_counts();
         let inverse = self.placement.inverse();
@@ -166,8 +166,8 @@ pub(super) struct GridRay<'a> {
 }
 
 impl GridRay<'_> {
-    /// Returns the blocks with a positive majorant along the ray, from near to far. Each item holds
-    /// the distances of entry and exit, and the majorant.
+    /// Returns the blocks with a positive majorant that the ray crosses, from near to far. Each
+    /// item holds the distances \[length] of entry and exit, and the majorant.
     pub(super) fn majorant_blocks(&self) -> impl Iterator<Item = (f64, f64, f64)> {
         let GridData { blocks, majorants, .. } = self.grid;
         let side = f64::from(BLOCK_SIDE);
@@ -218,7 +218,8 @@ fn lerp(t: f32, a: f32, b: f32) -> f32 {
     a * (1.0 - t) + b * t
 }
 
-/// Number of cells.
+/// Returns the number of cells of a grid of `size` cells along each side, or an error if it is 0 or
+/// too large for memory.
 fn cell_count(size: [u32; 3]) -> Result<usize, GridDensityError> {
     let [x, y, z] = size;
     if x.min(y).min(z) == 0 {
@@ -228,7 +229,8 @@ fn cell_count(size: [u32; 3]) -> Result<usize, GridDensityError> {
     cells.filter(|n| n.checked_mul(size_of::<f32>()).is_some()).ok_or(GridDensityError::TooLarge(x, y, z))
 }
 
-/// Majorant of each block: the largest density of its cells and their neighbours.
+/// Returns the majorant of each block: the largest density of its cells and of the cells next to
+/// it.
 fn block_majorants(size: [u32; 3], values: &[f32], blocks: [u32; 3]) -> Vec<f32> {
     let [nx, ny, _] = size.map(|n| n as usize);
     let [bx, by, bz] = blocks;

@@ -41,8 +41,8 @@ impl MajorantIterator {
         blocks
     }
 
-    /// Distance along the ray at which it leaves its current block through a face perpendicular to
-    /// `axis`.
+    /// Distance along the ray to the face, perpendicular to `axis`, through which it can leave its
+    /// current block; infinite if the ray is parallel to the face.
     fn face_distance(&self, axis: usize) -> f64 {
         let (o, s, cell) = (self.origin[axis], self.step[axis], f64::from(self.cell[axis]));
         if s > 0.0 {
@@ -56,8 +56,8 @@ impl MajorantIterator {
 }
 
 impl Iterator for MajorantIterator {
-    /// Distances along the ray where it enters and leaves a block, and the block's index, x
-    /// fastest.
+    /// Distances along the ray where it enters and leaves a block, and the index of the block, with
+    /// x fastest.
     type Item = (f64, f64, usize);
 
     fn next(&mut self) -> Option<Self::Item> {

@@ -64,9 +64,9 @@ impl DiscreteDistribution {
         (i, self.probability(i))
     }
 
-    /// New uniform number in \[0, 1) from the number `u` that sampled item `i`.
+    /// Returns a new uniform number in \[0, 1) from the number `u` that sampled item `i`.
     ///
-    /// It is the position of `u` within the item's interval of cumulative probability.
+    /// The new number is the position of `u` within the item's interval of cumulative probability.
     #[inline]
     #[must_use]
     pub fn remapped_sample(&self, u: f32, i: usize) -> f32 {

@@ -72,7 +72,7 @@ mod tests {
         }
     }
 
-    /// The mean of one point over many keys is ½ in both coordinates, within five standard
+    /// Averages one point over many keys: the mean is ½ in both coordinates, within five standard
     /// deviations. The variance of a uniform number is 1/12.
     #[test]
     fn each_point_alone_is_uniform() {

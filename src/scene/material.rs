@@ -182,9 +182,10 @@ impl Material {
         Self::new(MaterialKind::Dielectric { body, roughness: roughness.into() })
     }
 
-    /// A mix: material `second` with probability `amount`, else material `first`.
+    /// A mix, which resolves at each hit to material `second` with probability `amount`, else to
+    /// `first`.
     ///
-    /// Both are indices of materials that have been added before.
+    /// Both are indices of materials that have already been added to the scene.
     #[must_use]
     pub fn mix(first: u32, second: u32, amount: impl Into<MaterialParameter<f32>>) -> Self {
         Self::new(MaterialKind::Mix { first, second, amount: amount.into() })
@@ -263,7 +264,8 @@ impl Material {
         self.textured
     }
 
-    /// True if each hit must evaluate textures, for BSDF parameters or for the shading normal.
+    /// True if textures determine BSDF parameters or the shading normal, so that each hit must
+    /// evaluate textures.
     #[inline]
     pub(super) fn needs_textures(&self) -> bool {
         self.textured || self.normals != NormalPerturbation::None
@@ -283,9 +285,9 @@ impl Material {
 
     /// Calls `visit` with at least one BSDF of each kind that the material can have at a hit.
     ///
-    /// These are the BSDF of mean parameters, and for a textured conductor those of the least and
-    /// the greatest roughness. Extend the match if a texture can change the kind of a new BSDF:
-    /// whether it is specular, stores photons or transmits.
+    /// BSDFs differ in kind if only one of them is specular, stores photons, or transmits. The
+    /// method visits the BSDF with mean parameters. For a conductor with a roughness texture, it
+    /// also visits those with the least and the greatest roughness.
     pub(super) fn visit_bsdf_variants(&self, textures: &[Arc<Texture>], mut visit: impl FnMut(Bsdf)) {
         visit(self.mean_bsdf);
         match self.kind {

@@ -3,7 +3,7 @@
 use super::Effects;
 use crate::bsdf::{Bsdf, DIFFUSE_CONE_SPREAD};
 
-/// Width of a camera cone \[pixels]. It is below 1 because the pixel filter blurs too.
+/// Width of the cone of a camera ray \[pixels]. It is below 1 because the pixel filter blurs too.
 const CAMERA_CONE_PIXELS: f32 = 0.5;
 
 /// The cone around a ray over which textures are filtered (Amanatides 1984, "Ray tracing with
@@ -18,7 +18,7 @@ pub struct RayCone {
     width: f32,
     /// Growth of the diameter per unit of distance along the ray.
     spread: f32,
-    /// True for camera paths. False for light paths, whose width stays zero.
+    /// True for camera paths. False for light paths, whose cones have zero width.
     widens: bool,
     /// True after a non-specular scattering event.
     scattered: bool,
@@ -27,7 +27,8 @@ pub struct RayCone {
 }
 
 impl RayCone {
-    /// The cone of a camera ray, from the width of a pixel \[length] and its growth per length.
+    /// Creates the cone of a camera ray from the width of a pixel at the ray origin \[length] and
+    /// its growth per unit of distance.
     #[inline]
     #[must_use]
     pub fn from_pixel((width, spread): (f32, f32), effects: Effects) -> Self {
@@ -39,7 +40,7 @@ impl RayCone {
         }
     }
 
-    /// A cone of zero width that does not widen, as light paths use it.
+    /// Creates a cone of zero width that never widens, as for light paths.
     #[inline]
     #[must_use]
     pub const fn zero_width(effects: Effects) -> Self {
@@ -77,9 +78,9 @@ impl RayCone {
         self.width
     }
 
-    /// The cone over which emission textures are filtered.
+    /// Returns the cone over which emission textures are filtered.
     ///
-    /// After a non-specular scattering event its width is zero. Emission that a path hits then
+    /// After a non-specular scattering event, its width is zero. Emission that a path hits then
     /// agrees with next-event estimation, which evaluates emission at a point.
     #[inline]
     pub(super) fn for_emission_textures(&self) -> Self {

@@ -14,7 +14,7 @@ pub struct Checkerboard {
 }
 
 impl Checkerboard {
-    /// Exact mean colour over the box with sides `size` around `uv`, in texture coordinates.
+    /// Exact mean colour over the box with center `uv` and sides `size`, in texture coordinates.
     ///
     /// It has a closed form, since the pattern is a product of two square waves.
     #[must_use]
@@ -64,7 +64,7 @@ mod tests {
         }
     }
 
-    /// Expected: the fraction of odd squares in the box, summed square by square.
+    /// Compares box means with the fraction of odd squares in the box, summed square by square.
     #[test]
     fn box_means_match_summed_squares() {
         for (u, v, w, h) in [(0.3, 0.4, 0.2, 0.2), (1.0, 0.5, 0.5, 0.1), (-3.3, 7.1, 2.7, 5.3), (1e4, 0.1, 3.1, 0.9)] {

@@ -32,8 +32,8 @@ fn connections_invert_camera_rays() {
     }
 }
 
-/// The importance is the Jacobian of the film position: small steps perpendicular to the ray move
-/// the film position by that area per area.
+/// Compares the importance with the Jacobian of the film position: the film area per area that
+/// small steps perpendicular to the ray cover.
 #[test]
 fn importance_is_the_jacobian() {
     for camera in cameras_of_all_kinds() {

@@ -4,9 +4,9 @@ use super::*;
 
 /// Compares second moments of samples with 1/12 (box), 1/6 (tent) and quadrature.
 ///
-/// The quantile table is coarsest in its first and last interval. Each holds 1/1024 of the samples,
-/// and reaches at most from 1 to 1.5 pixels. Interpolation there errs by at most (1.5² − 1)/2 in
-/// x², which changes the moment by at most 1.2·10⁻³.
+/// The error is greatest in the first and last interval of the quantile table. Each holds 1/1024 of
+/// the samples and reaches at most from 1 to 1.5 pixels. Interpolation errs there by at most (1.5²
+/// − 1)/2 in x², so the moment errs by at most 1.2·10⁻³.
 #[test]
 fn second_moments_match_quadrature() {
     let n = 100_000;
@@ -30,7 +30,7 @@ fn second_moments_match_quadrature() {
     }
 }
 
-/// The mean weight is 1, and weighted moments of samples are those of the filter.
+/// Checks that the mean weight is 1, and that weighted samples have the moments of the filter.
 ///
 /// The tolerance is the error of 2¹⁸ independent points. The Sobol' points used here have much
 /// smaller errors.
@@ -69,7 +69,8 @@ fn offsets_are_within_the_radius() {
     assert!("lanczos".parse::<FilterKind>().unwrap_err().to_string().contains("blackman-harris"));
 }
 
-/// The density has integral 1 and the filter's second moment, and vanishes beyond the radius.
+/// Checks that normalized filter values have integral 1 and the second moment of the filter, and
+/// vanish beyond the radius.
 ///
 /// Linear interpolation between 256 values errs by less than 10⁻⁴ for these filters; midpoints
 /// split the jump of a filter at its radius.

@@ -14,8 +14,10 @@ fn hue_degrees(c: Rgb) -> f32 {
     if angle < -90.0 { angle + 360.0 } else { angle }
 }
 
-/// The mean weight of all wavelengths is white. The error of the midpoint rule is at most the
-/// variation of the weight, which is below 20, divided by twice the number of points.
+/// Averages the weight over all wavelengths: the mean is white.
+///
+/// The midpoint rule errs by at most the variation of the weight, which is below 20, over twice the
+/// number of points.
 #[test]
 fn white_light_stays_white() {
     let n = 1u32 << 22;

@@ -77,7 +77,8 @@ fn large_optical_depths_stay_finite() {
     }
 }
 
-/// A ray through density 0 has only null collisions, if the majorant of the block is positive.
+/// Estimates transmittance through density 0, where all tentative collisions are null collisions.
+/// The true value is 1.
 ///
 /// The optical depth of the majorant is four times the roulette interval, so 1/16 of the paths
 /// survive with weight 16. The standard error is 4/√n.

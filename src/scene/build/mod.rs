@@ -54,7 +54,7 @@ impl SceneBuilder {
         Self::default()
     }
 
-    /// Sets the radiance of rays that hit nothing.
+    /// Sets the radiance of camera rays that hit nothing.
     pub fn background(&mut self, color: Rgb) -> &mut Self {
         self.background = color;
         self
@@ -72,7 +72,8 @@ impl SceneBuilder {
         self.materials.len() as u32 - 1
     }
 
-    /// Adds a glass, a refractive index that depends on the wavelength, and returns its index.
+    /// Adds a dispersion formula, to which [`Body::glass`](super::Body::glass) refers, and returns
+    /// its index.
     pub fn glass(&mut self, glass: DispersionFormula) -> u32 {
         self.glasses.push(glass);
         self.glasses.len() as u32 - 1
@@ -146,8 +147,8 @@ impl SceneBuilder {
     /// Sets the texture mapping of the object added last; `to_world` maps its object space to the
     /// world.
     ///
-    /// Solid textures are evaluated in the space of the mapping. An object without a mapping has
-    /// its surface parameters as texture coordinates, and solid textures in world space.
+    /// Without this call, texture coordinates are the surface parameters of the object, and solid
+    /// textures are evaluated in world space.
     pub fn mapping(&mut self, kind: MappingKind, to_world: &Motion) -> &mut Self {
         if let Some(object) = self.objects.last_mut() {
             object.mapping = Some((kind, to_world.clone()));
@@ -155,9 +156,9 @@ impl SceneBuilder {
         self
     }
 
-    /// Sets the emission of the object added last to `texture` times `scale` \[W/(m² sr)].
+    /// Sets the radiance emitted by the object added last to `texture` times `scale` \[W/(m² sr)].
     ///
-    /// The mean of the product must equal the emission that the object was added with.
+    /// The mean of this product must equal the emission with which the object was added.
     pub fn emission_texture(&mut self, texture: u32, scale: Rgb) -> &mut Self {
         if let Some(object) = self.objects.last_mut() {
             object.emission_texture = Some((texture, scale));

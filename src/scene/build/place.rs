@@ -1,4 +1,4 @@
-//! Placing objects relative to the origin of the scene, at mid-shutter.
+//! Conversion of objects from world coordinates to scene coordinates, at mid-shutter.
 
 use super::object::{MeshData, ObjectGeometry, SceneObject};
 use crate::camera::Camera;
@@ -35,14 +35,14 @@ pub(super) struct PlacedGeometry {
 
 /// Texture mappings in scene coordinates.
 pub(super) struct PlacedMappings {
-    /// The first mapping belongs to objects that define none.
+    /// All texture mappings. Objects that define none use the first one.
     pub list: Vec<TextureMapping>,
-    /// Index into `list` of each object's mapping.
+    /// Index of the mapping of each object in `list`.
     pub of_object: Vec<u32>,
 }
 
-/// Sorts the objects into the order of their indices, and places them relative to `origin` at
-/// mid-shutter.
+/// Sorts the objects by [`SceneObject::object_sort_key`], and converts them to coordinates relative
+/// to `origin`, at mid-shutter.
 pub(super) fn place_objects(
     mut objects: Vec<SceneObject>,
     mesh: MeshData,
@@ -116,7 +116,8 @@ pub(super) fn place_camera(
 }
 
 impl PlacedGeometry {
-    /// Builds the hierarchies. `light_of_object` holds the index of each object's area light.
+    /// Builds the geometry with its intersection hierarchies. `light_of_object` holds the index of
+    /// each object's area light; `None` if the object does not emit light.
     pub fn build_hierarchies(
         self,
         objects: &[SceneObject],

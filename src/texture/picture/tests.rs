@@ -11,9 +11,10 @@ fn random_image(width: u32, height: u32) -> Image {
     Image::from_pixels(width, height, (0..width * height).map(pixel).collect()).unwrap()
 }
 
-/// With two lookups a pixel, at quarters from its edges, the weights of each pixel sum to two
-/// lookups, so the sum of all lookups is that of all pixels. Coarser levels cover the same
-/// areas, so their means are the picture's. Sums have errors of n·2⁻²⁴, n < 200.
+/// Averages all lookups at each level, two per pixel side: the result is the mean of the picture.
+///
+/// Lookups lie at quarters of the pixels, so their interpolation weights sum to the same value for
+/// each pixel. All levels cover the same area. Sums have errors of n·2⁻²⁴, n < 200.
 #[test]
 fn mip_lookups_keep_the_mean_at_all_levels() {
     for (width, height) in [(8, 8), (7, 5), (1, 9), (13, 6)] {

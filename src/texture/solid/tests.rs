@@ -21,8 +21,8 @@ fn veins_and_rings_have_their_frequency_and_phase() {
     assert!((turned.color_at(DVec3::new(9.0, 0.125, 3.0), 0.0).x - 1.0).abs() < 1e-6);
 }
 
-/// Expected: the mean of the wave over a box of width w around p, by n midpoints; the error is
-/// below (w/n)².
+/// Compares with the mean of the wave over a box of width w around p, by n midpoints, whose error
+/// is below (w/n)².
 #[test]
 fn wide_footprints_average_the_wave() {
     let marble = solid_texture_with(SolidPattern::Marble, 0.0, DAffine3::IDENTITY);
@@ -33,8 +33,7 @@ fn wide_footprints_average_the_wave() {
     assert_eq!(marble.color_at(DVec3::X * p, 10.0), Rgb::splat(0.5));
 }
 
-/// Noise is symmetric: over n points the mean has an error below 5/(2√n), as values lie in [0,
-/// 1].
+/// Averages each pattern over n points. As values lie in \[0, 1], the error is below 5/(2√n).
 #[test]
 fn patterns_have_their_stated_mean() {
     let n = 50_000;

@@ -38,7 +38,8 @@ fn the_highest_priority_wins_in_any_entry_order() {
     assert_eq!(out.relative_ior(&body_of_material(2), |b| b.index), 1.5 / 1.33);
 }
 
-/// The index ratio agrees from both sides, so a path and its reverse see one interface.
+/// Compares the interface that a path meets when it enters a body with the one that it meets when
+/// it leaves.
 #[test]
 fn a_boundary_has_one_interface_from_both_sides() {
     let m = water_ice_and_glass();

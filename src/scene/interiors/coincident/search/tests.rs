@@ -7,7 +7,8 @@ use crate::scene::{Body, Material, SceneBuilder};
 use crate::shape::{Plane, Sphere};
 use glam::{Vec2, Vec3};
 
-/// Counts of flagged triangles: of a cube of twelve, and of a smaller cube.
+/// Returns the numbers of flagged triangles in a scene of two glass cubes: a unit cube, and the
+/// same cube after `scale` and `shift`.
 fn flagged_triangles_of_cubes(scale: f64, shift: DVec3) -> [usize; 2] {
     let mut builder = SceneBuilder::new();
     let corners: Vec<DVec3> = (0..8).map(|i| DVec3::from([i & 1, i >> 1 & 1, i >> 2].map(f64::from))).collect();
