@@ -46,7 +46,12 @@ impl Camera {
                 let distance = to_point.length();
                 // A pixel spans the solid angle pixel²·cos³θ, where cosθ is depth over distance.
                 let importance = distance / (self.pixel_size * self.pixel_size * depth * depth * depth);
-                self.connection(self.film_offset_from_center(in_focus / focus), self.center + offset, p, importance)
+                self.camera_connection_to_point(
+                    self.film_offset_from_center(in_focus / focus),
+                    self.center + offset,
+                    p,
+                    importance,
+                )
             }
             CameraProjection::Orthographic => {
                 let to_point = p - self.center;
@@ -55,7 +60,12 @@ impl Camera {
                     return None;
                 }
                 let importance = 1.0 / (self.pixel_size * self.pixel_size);
-                self.connection(self.film_offset_from_center(to_point), p - self.forward * depth, p, importance)
+                self.camera_connection_to_point(
+                    self.film_offset_from_center(to_point),
+                    p - self.forward * depth,
+                    p,
+                    importance,
+                )
             }
             CameraProjection::Panorama => {
                 let to_point = p - self.center;
@@ -68,7 +78,7 @@ impl Camera {
                     DVec2::new(libm::atan2(right, forward) * width / TAU, libm::atan2(up, level) * height / PI);
                 // A pixel spans the solid angle (2π/width)·(π/height)·cos(latitude).
                 let importance = width * height / (TAU * PI * distance * level);
-                self.connection(offset, self.center, p, importance)
+                self.camera_connection_to_point(offset, self.center, p, importance)
             }
         }
     }
@@ -85,7 +95,13 @@ impl Camera {
     /// not finite or the points coincide.
     ///
     /// `offset` is the film position relative to the film's center \[pixels right and up].
-    fn connection(&self, offset: DVec2, origin: DVec3, p: DVec3, importance: f64) -> Option<CameraConnection> {
+    fn camera_connection_to_point(
+        &self,
+        offset: DVec2,
+        origin: DVec3,
+        p: DVec3,
+        importance: f64,
+    ) -> Option<CameraConnection> {
         let film = DVec2::new(0.5 * f64::from(self.width) + offset.x, 0.5 * f64::from(self.height) - offset.y);
         let direction = (origin - p).try_normalize()?;
         let connection = CameraConnection {

@@ -71,7 +71,7 @@ impl GridDensity {
     /// Creates a grid of `size` cells with densities `values`, x fastest. `placement` maps the unit
     /// cube to the box of the grid in scene coordinates.
     pub fn new(size: [u32; 3], values: Vec<f32>, placement: DAffine3) -> Result<Self, GridDensityError> {
-        let expected = cell_count(size)?;
+        let expected = checked_cell_count(size)?;
         if values.len() != expected {
             return Err(GridDensityError::Count { expected, found: values.len() });
         }
@@ -95,7 +95,7 @@ impl GridDensity {
         density: impl Fn(DVec3) -> f32 + Sync,
     ) -> Result<Self, GridDensityError> {
         let [nx, ny, nz] = size;
-        let cells = cell_count(size)?;
+        let cells = checked_cell_count(size)?;
         let mut values = Vec::new();
         values.try_reserve_exact(cells).map_err(|_| GridDensityError::TooLarge(nx, ny, nz))?;
         values.resize(cells, 0.0);
@@ -120,7 +120,7 @@ impl GridDensity {
     pub fn density(&self, p: Vec3) -> f32 {
         let q = self.placement.inverse().transform_point3(p.as_dvec3());
         let inside = q.cmpge(DVec3::ZERO).all() && q.cmple(DVec3::ONE).all();
-        if inside { self.grid.interpolate(q * self.grid.cell_counts()) } else { 0.0 }
+        if inside { self.grid.interpolate_density(q * self.grid.cells_per_axis()) } else { 0.0 }
     }
 
     /// Largest density of the grid.
@@ -149,7 +149,7 @@ impl GridDensity {
 
     /// Returns the first `distance` of `ray` in grid space, where cells have side 1.
     pub(super) fn ray_in_grid(&self, ray: &Ray, distance: f32) -> GridRay<'_> {
-        let cells = self.grid.cell_counts();
+        let cells = self.grid.cells_per_axis();
         let inverse = self.placement.inverse();
         let origin = inverse.transform_point3(ray.origin.as_dvec3()) * cells;
         let step = inverse.transform_vector3(ray.direction.as_dvec3()) * cells;
@@ -171,7 +171,7 @@ impl GridRay<'_> {
     pub(super) fn majorant_blocks(&self) -> impl Iterator<Item = (f64, f64, f64)> {
         let GridData { blocks, majorants, .. } = self.grid;
         let side = f64::from(BLOCK_SIDE);
-        let far = self.grid.cell_counts() / side;
+        let far = self.grid.cells_per_axis() / side;
         MajorantIterator::new(self.origin / side, self.step / side, far, *blocks, self.distance).filter_map(
             |(t0, t1, index)| {
                 let majorant = f64::from(majorants[index]);
@@ -182,19 +182,19 @@ impl GridRay<'_> {
 
     /// Density at distance `t` along the ray. The ray must be inside the grid there.
     pub(super) fn density(&self, t: f64) -> f64 {
-        f64::from(self.grid.interpolate(self.origin + self.step * t))
+        f64::from(self.grid.interpolate_density(self.origin + self.step * t))
     }
 }
 
 impl GridData {
-    fn cell_counts(&self) -> DVec3 {
+    fn cells_per_axis(&self) -> DVec3 {
         let [x, y, z] = self.size.map(f64::from);
         DVec3::new(x, y, z)
     }
 
     /// Trilinear density at `q` in grid space; outside the grid, the density at its nearest point.
-    fn interpolate(&self, q: DVec3) -> f32 {
-        let last = self.cell_counts() - 1.0;
+    fn interpolate_density(&self, q: DVec3) -> f32 {
+        let last = self.cells_per_axis() - 1.0;
         let q = (q - 0.5).clamp(DVec3::ZERO, last);
         let low = q.floor();
         let f = (q - low).as_vec3();
@@ -220,7 +220,7 @@ fn lerp(t: f32, a: f32, b: f32) -> f32 {
 
 /// Returns the number of cells of a grid of `size` cells along each side, or an error if it is 0 or
 /// too large for memory.
-fn cell_count(size: [u32; 3]) -> Result<usize, GridDensityError> {
+fn checked_cell_count(size: [u32; 3]) -> Result<usize, GridDensityError> {
     let [x, y, z] = size;
     if x.min(y).min(z) == 0 {
         return Err(GridDensityError::Empty(x, y, z));

@@ -138,7 +138,7 @@ impl Plan {
                 reason => reason,
             };
             if reason.is_ok() {
-                needed = needed.with(effect);
+                needed = needed.with_effect(effect);
             }
             let is_needed = reason.is_ok();
             let is_simulated = supported.has(effect) && overrides.forced_state(effect).unwrap_or(is_needed);
@@ -152,13 +152,16 @@ impl Plan {
     /// Simulated effects that the scene needs.
     #[must_use]
     pub fn needed_effects(&self) -> Effects {
-        self.decisions.iter().filter(|d| d.is_simulated && d.is_needed).fold(Effects::NONE, |on, d| on.with(d.effect))
+        self.decisions
+            .iter()
+            .filter(|d| d.is_simulated && d.is_needed)
+            .fold(Effects::NONE, |on, d| on.with_effect(d.effect))
     }
 
     /// Effects that the render simulates.
     #[must_use]
     pub fn simulated_effects(&self) -> Effects {
-        self.decisions.iter().filter(|d| d.is_simulated).fold(Effects::NONE, |on, d| on.with(d.effect))
+        self.decisions.iter().filter(|d| d.is_simulated).fold(Effects::NONE, |on, d| on.with_effect(d.effect))
     }
 }
 

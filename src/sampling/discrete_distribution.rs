@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn invalid_weights_are_refused() {
+    fn distributions_refuse_invalid_weights() {
         assert!(DiscreteDistribution::new([]).is_none());
         assert!(DiscreteDistribution::new([0.0, 0.0]).is_none());
         assert!(DiscreteDistribution::new([1.0, -0.5]).is_none());

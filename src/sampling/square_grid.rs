@@ -43,8 +43,8 @@ impl SquareGridDistribution {
             return None;
         }
         let sums: Vec<f64> = weights.chunks_exact(side).map(|row| row.iter().sum()).collect();
-        let rows = cumulative_bounds(&sums);
-        let columns = weights.chunks_exact(side).flat_map(cumulative_bounds).collect();
+        let rows = cumulative_probabilities(&sums);
+        let columns = weights.chunks_exact(side).flat_map(cumulative_probabilities).collect();
         Some(Self { side, rows, columns })
     }
 
@@ -53,7 +53,7 @@ impl SquareGridDistribution {
     #[must_use]
     pub fn sample(&self, u: Vec2) -> (Vec2, f32) {
         let (row, y, height) = find_interval(&self.rows, u.y);
-        let (column, x, width) = find_interval(self.column_bounds(row), u.x);
+        let (column, x, width) = find_interval(self.cumulative_column_probabilities(row), u.x);
         // Rounding must not carry a point into the next cell, which has another density.
         let within = |cell: usize, x: f32| (cell as f32 + x).min((cell as f32 + 1.0).next_down());
         (Vec2::new(within(column, x), within(row, y)) / self.side as f32, self.cell_pdf(width, height))
@@ -65,7 +65,7 @@ impl SquareGridDistribution {
     pub fn pdf(&self, u: Vec2) -> f32 {
         let cell = |x: f32| ((x * self.side as f32) as usize).min(self.side - 1);
         let (column, row) = (cell(u.x), cell(u.y));
-        let columns = self.column_bounds(row);
+        let columns = self.cumulative_column_probabilities(row);
         self.cell_pdf(columns[column + 1] - columns[column], self.rows[row + 1] - self.rows[row])
     }
 
@@ -78,7 +78,7 @@ impl SquareGridDistribution {
     }
 
     /// Cumulative probabilities of the columns in `row`: `side + 1` numbers from 0 to 1.
-    fn column_bounds(&self, row: usize) -> &[f32] {
+    fn cumulative_column_probabilities(&self, row: usize) -> &[f32] {
         let stride = self.side + 1;
         &self.columns[row * stride..(row + 1) * stride]
     }
@@ -94,7 +94,7 @@ impl SquareGridDistribution {
 /// Cumulative probabilities in proportion to `weights`, rounded to multiples of 2⁻²⁴.
 ///
 /// The probabilities are equal if all weights are 0.
-fn cumulative_bounds(weights: &[f64]) -> Vec<f32> {
+fn cumulative_probabilities(weights: &[f64]) -> Vec<f32> {
     let total: f64 = weights.iter().sum();
     let weight = |w: &f64| if total > 0.0 { *w / total } else { 1.0 / weights.len() as f64 };
     let kept = weights.iter().filter(|w| weight(w) > 0.0).count() as f64 * MIN_CELL_STEPS;

@@ -66,7 +66,7 @@ pub(super) fn camera_at_time(camera: &Camera, motion: &Motion, time: f64) -> Opt
 
 /// The texture mapping of `kind`, with the transform of `motion` at `time`; `None` if the transform
 /// is singular.
-pub(super) fn mapping_at_time(kind: MappingKind, motion: &Motion, time: f64) -> Option<TextureMapping> {
+pub(super) fn texture_mapping_at_time(kind: MappingKind, motion: &Motion, time: f64) -> Option<TextureMapping> {
     Some(TextureMapping::new(kind, motion_transform_at_time(motion, time)?))
 }
 
@@ -94,7 +94,7 @@ pub(super) fn scene_at_time(scene: &Scene, time: f64) -> Scene {
     let mut moved = scene.clone();
     let Some(animation) = &scene.animation else { return moved };
     for (i, kind, motion) in &animation.mappings {
-        if let Some(placed) = mapping_at_time(*kind, motion, time) {
+        if let Some(placed) = texture_mapping_at_time(*kind, motion, time) {
             moved.mappings[*i] = placed;
         }
     }

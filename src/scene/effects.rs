@@ -126,7 +126,7 @@ const COMPILED_EFFECTS: Effects = match option_env!("CAUSTICA_WITHOUT") {
         let mut i = 0;
         while i < Effect::ALL.len() {
             if bytes_equal(name.as_bytes(), Effect::ALL[i].name().as_bytes()) {
-                built = built.without(Effect::ALL[i]);
+                built = built.without_effect(Effect::ALL[i]);
             }
             i += 1;
         }
@@ -181,7 +181,7 @@ impl Effects {
         let mut set = Self(0);
         let mut i = 0;
         while i < effects.len() {
-            set = set.with(effects[i]);
+            set = set.with_effect(effects[i]);
             i += 1;
         }
         set
@@ -196,13 +196,13 @@ impl Effects {
 
     /// This set with `effect` added.
     #[must_use]
-    pub const fn with(self, effect: Effect) -> Self {
+    pub const fn with_effect(self, effect: Effect) -> Self {
         Self(self.0 | Self::bit_mask(effect))
     }
 
     /// This set with `effect` removed.
     #[must_use]
-    pub const fn without(self, effect: Effect) -> Self {
+    pub const fn without_effect(self, effect: Effect) -> Self {
         Self(self.0 & !Self::bit_mask(effect))
     }
 

@@ -55,7 +55,7 @@ impl CoincidenceGroup {
     pub const UNUSED: Self = Self(0);
 
     /// Group that contains only the object with this index.
-    pub const fn of_object(index: u32) -> Self {
+    pub const fn of_single_object(index: u32) -> Self {
         Self(index)
     }
 }
@@ -267,7 +267,7 @@ impl Geometry {
         match primitive {
             HitPrimitive::Shape(i, _) if self.shapes[i as usize].may_share_edges() => CoincidenceGroup::SHARED_EDGES,
             HitPrimitive::Triangle(..) | HitPrimitive::Shape(..) | HitPrimitive::Plane(_) => {
-                CoincidenceGroup::of_object(self.object_index(primitive))
+                CoincidenceGroup::of_single_object(self.object_index(primitive))
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Materials of the resolved scene.
 
 use super::interiors::Body;
-use super::textured::{MaterialParameter, MeanEvaluator, NormalPerturbation, ParameterEvaluator};
+use super::textured::{MaterialParameter, MeanParameterEvaluator, NormalPerturbation, ParameterEvaluator};
 use crate::bsdf::{Bsdf, Conductor, ThinDielectric};
 use crate::color::Rgb;
 use crate::texture::Texture;
@@ -90,7 +90,7 @@ impl MaterialKind {
             }
             Self::Mirror { reflectance } => Bsdf::Mirror(parameters.evaluate_color(&reflectance)),
             Self::Conductor { eta, k, roughness } => {
-                Bsdf::Conductor(Conductor::new(eta, k, parameters.evaluate_partition_roughness(&roughness)))
+                Bsdf::Conductor(Conductor::new(eta, k, parameters.evaluate_photon_storage_roughness(&roughness)))
             }
             Self::Thin { eta, transmittance } => {
                 Bsdf::ThinDielectric(ThinDielectric { eta, transmittance: parameters.evaluate_color(&transmittance) })
@@ -131,7 +131,7 @@ impl Material {
     /// A material of `kind` with unperturbed normals.
     #[must_use]
     pub fn new(kind: MaterialKind) -> Self {
-        let (mean_bsdf, textured) = (kind.bsdf(&MeanEvaluator), kind.is_textured());
+        let (mean_bsdf, textured) = (kind.bsdf(&MeanParameterEvaluator), kind.is_textured());
         Self { kind, normals: NormalPerturbation::None, mean_bsdf, textured }
     }
 
@@ -200,7 +200,7 @@ impl Material {
     /// A thin sheet of refractive index `eta`. `transmittance` in (0, 1] is the colour that one
     /// perpendicular crossing transmits.
     #[must_use]
-    pub fn thin(eta: f32, transmittance: impl Into<MaterialParameter<Rgb>>) -> Self {
+    pub fn thin_dielectric(eta: f32, transmittance: impl Into<MaterialParameter<Rgb>>) -> Self {
         Self::new(MaterialKind::Thin { eta, transmittance: transmittance.into() })
     }
 
@@ -240,7 +240,7 @@ impl Material {
 
     /// Indices of both materials of a mix; `None` for other materials.
     #[must_use]
-    pub fn mix_parts(&self) -> Option<[u32; 2]> {
+    pub fn mix_component_indices(&self) -> Option<[u32; 2]> {
         self.kind.as_mix().map(|(parts, _)| parts)
     }
 
@@ -274,7 +274,7 @@ impl Material {
     /// Mean roughness α of a body's boundary; 0 for other materials.
     #[inline]
     pub(super) fn mean_boundary_roughness(&self) -> f32 {
-        self.boundary_roughness(&MeanEvaluator)
+        self.boundary_roughness(&MeanParameterEvaluator)
     }
 
     /// Roughness α of a body's boundary; 0 for other materials.

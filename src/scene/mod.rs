@@ -31,7 +31,9 @@ pub use path_ray::{MediumSegment, PathEvent, PathRay, SurfaceVertex};
 pub use queries::{LeafMaterial, ObjectSummary};
 pub use ray_cone::RayCone;
 pub use surface_interaction::SurfaceInteraction;
-pub use textured::{MaterialParameter, MeanEvaluator, NormalPerturbation, ParameterEvaluator, TextureEvaluator};
+pub use textured::{
+    MaterialParameter, MeanParameterEvaluator, NormalPerturbation, ParameterEvaluator, TextureEvaluator,
+};
 
 use crate::camera::Camera;
 use crate::color::{DispersionFormula, Rgb};
@@ -242,7 +244,7 @@ impl Scene {
         let emission = match object.light.and_then(|l| self.lights[l as usize].as_area()) {
             Some(area) if wo.dot(point.ng) > 0.0 => match &area.texture {
                 Some(texture) if cone.effects.has(Effect::Textures) => {
-                    texture.radiance(&self.texture_context(hit, &point, wo, &cone.for_emission_textures()))
+                    texture.radiance(&self.texture_context(hit, &point, wo, &cone.emission_texture_cone()))
                 }
                 Some(_) | None => area.radiance,
             },
@@ -250,7 +252,7 @@ impl Scene {
         };
         let mut material_index = object.material;
         let mut material = &self.materials[material_index as usize];
-        if material.mix_parts().is_some() {
+        if material.mix_component_indices().is_some() {
             material_index = self.resolve_mix_to_leaf(material_index, u_mix(), cone.effects, &|| {
                 self.texture_context(hit, &point, wo, cone)
             });

@@ -149,7 +149,12 @@ impl<I: Interior> PathRay<I> {
     /// Returns the factor by which the throughput changes: 1, or the weight of a sampled
     /// wavelength.
     #[inline]
-    pub fn leave_surface(&mut self, surface: &SurfaceInteraction<'_>, direction: Vec3, transmitted: bool) -> Rgb {
+    pub fn leave_surface_with_wavelength_weight(
+        &mut self,
+        surface: &SurfaceInteraction<'_>,
+        direction: Vec3,
+        transmitted: bool,
+    ) -> Rgb {
         self.ray = surface.spawn_ray(direction);
         self.cone.widen_at_surface(&surface.bsdf);
         if transmitted {
@@ -178,7 +183,7 @@ pub(super) fn shadow_transmittance<I: Interior>(scene: &Scene, ray: &Ray, mut in
         let length = ray.direction.length();
         let unit = Ray::new(ray.origin, ray.direction / length);
         let hit = scene.geometry.intersect(&ray).map(|hit| Hit { t: hit.t * length, ..hit });
-        let cone = RayCone::zero_width(Effects::NONE);
+        let cone = RayCone::zero_width_cone(Effects::NONE);
         let mut surface = None;
         if let Some(hit) = &hit {
             let found = scene.surface_interaction(&unit, hit, &cone, || rng.random());

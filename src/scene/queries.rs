@@ -110,7 +110,7 @@ impl Scene {
     /// because their BSDFs may differ in kind.
     pub fn for_each_leaf_material(&self, material: u32, visit: &mut impl FnMut(LeafMaterial<'_>)) {
         let material = &self.materials[material as usize];
-        match material.mix_parts() {
+        match material.mix_component_indices() {
             Some(parts) => parts.into_iter().for_each(|part| self.for_each_leaf_material(part, visit)),
             None => material.visit_bsdf_variants(&self.textures, |bsdf| {
                 visit(LeafMaterial { bounded_body: material.bounded_body(), bsdf });
@@ -141,7 +141,7 @@ impl Scene {
     pub fn texture_usage(&self, material: u32) -> (bool, bool) {
         let material = &self.materials[material as usize];
         let own = (material.is_textured(), material.normal_perturbation() != NormalPerturbation::None);
-        let Some(parts) = material.mix_parts() else { return own };
+        let Some(parts) = material.mix_component_indices() else { return own };
         let parts = parts.map(|part| self.texture_usage(part));
         parts.iter().fold(own, |all, part| (all.0 || part.0, all.1 || part.1))
     }
@@ -167,7 +167,7 @@ impl Scene {
     #[inline]
     #[must_use]
     pub fn start_camera_path<I: Interior>(&self, ray: Ray, effects: Effects) -> PathRay<I> {
-        PathRay { ray, interior: I::at_camera(self, &ray, effects), cone: self.camera_ray_cone(effects) }
+        PathRay { ray, interior: I::interior_at_camera(self, &ray, effects), cone: self.camera_ray_cone(effects) }
     }
 
     /// The ray cone over which textures are filtered, at the start of a camera ray.
@@ -184,7 +184,7 @@ impl Scene {
     #[inline]
     #[must_use]
     pub fn start_light_path<I: Interior>(&self, light: usize, ray: Ray, effects: Effects) -> PathRay<I> {
-        PathRay { ray, interior: I::at_light(self, light, effects), cone: RayCone::zero_width(effects) }
+        PathRay { ray, interior: I::interior_at_light(self, light, effects), cone: RayCone::zero_width_cone(effects) }
     }
 
     /// `ray` with its origin moved back beyond all unbounded planes behind it.

@@ -36,14 +36,14 @@ impl RayCone {
             width: width * CAMERA_CONE_PIXELS,
             spread: spread * CAMERA_CONE_PIXELS,
             widens: true,
-            ..Self::zero_width(effects)
+            ..Self::zero_width_cone(effects)
         }
     }
 
     /// Creates a cone of zero width that never widens, as for light paths.
     #[inline]
     #[must_use]
-    pub const fn zero_width(effects: Effects) -> Self {
+    pub const fn zero_width_cone(effects: Effects) -> Self {
         Self { width: 0.0, spread: 0.0, widens: false, scattered: false, effects }
     }
 
@@ -83,7 +83,7 @@ impl RayCone {
     /// After a non-specular scattering event, its width is zero. Emission that a path hits then
     /// agrees with next-event estimation, which evaluates emission at a point.
     #[inline]
-    pub(super) fn for_emission_textures(&self) -> Self {
-        if self.scattered { Self::zero_width(self.effects) } else { *self }
+    pub(super) fn emission_texture_cone(&self) -> Self {
+        if self.scattered { Self::zero_width_cone(self.effects) } else { *self }
     }
 }

@@ -19,7 +19,7 @@ impl Checkerboard {
     /// It has a closed form, since the pattern is a product of two square waves.
     #[must_use]
     pub fn box_mean(&self, uv: DVec2, size: DVec2) -> Rgb {
-        let product = mean_square_wave(uv.x, size.x) * mean_square_wave(uv.y, size.y);
+        let product = square_wave_mean(uv.x, size.x) * square_wave_mean(uv.y, size.y);
         let [even, odd] = self.colors;
         even.lerp(odd, (0.5 - 0.5 * product) as f32)
     }
@@ -30,7 +30,7 @@ impl Checkerboard {
 }
 
 /// Mean over `[x − w/2, x + w/2]` of the square wave that is 1 where ⌊x⌋ is even, else −1.
-fn mean_square_wave(x: f64, w: f64) -> f64 {
+fn square_wave_mean(x: f64, w: f64) -> f64 {
     // For a narrower box, the difference of integrals would be rounding error.
     if w < 1e-9 * x.abs().max(1.0) {
         return if x.floor() % 2.0 == 0.0 { 1.0 } else { -1.0 };
@@ -55,7 +55,7 @@ mod tests {
     }
 
     #[test]
-    fn squares_alternate_below_zero_too() {
+    fn checkerboard_alternates_at_negative_coordinates() {
         for i in -3..4 {
             for j in -3..4 {
                 let odd = f64::from((i + j) & 1);

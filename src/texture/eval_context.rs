@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn coordinates_are_scaled_rotated_then_translated() {
+    fn texture_coordinates_are_scaled_rotated_then_translated() {
         let coordinates = UvTransform::new(DVec2::new(2.0, 4.0), std::f64::consts::FRAC_PI_2, DVec2::new(10.0, 20.0));
         let [(uv, size)] = recorded_lookups(&coordinates, [DVec2::ZERO; 2])[..] else { panic!("one lookup") };
         // (½, 2) rotated by 90° is (−2, ½).

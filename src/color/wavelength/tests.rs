@@ -30,7 +30,7 @@ fn white_light_stays_white() {
 }
 
 #[test]
-fn weights_average_one_and_pdf_integrates_to_one() {
+fn wavelength_weights_average_one_and_pdf_integrates_to_one() {
     let mut integral = 0.0;
     for cell in 0..CELLS {
         let w = wavelength_of_nanometres(SHORTEST + (cell as f32 + 0.5) * STEP);
@@ -43,7 +43,7 @@ fn weights_average_one_and_pdf_integrates_to_one() {
 }
 
 #[test]
-fn hues_follow_the_spectrum() {
+fn wavelength_hues_follow_the_spectrum() {
     let (red, yellow, green, blue) = (
         wavelength_of_nanometres(650.0),
         wavelength_of_nanometres(580.0),

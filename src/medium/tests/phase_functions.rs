@@ -23,7 +23,7 @@ struct AngleBins {
 }
 
 impl AngleBins {
-    fn for_phase(phase: PhaseFunction) -> Self {
+    fn bins_for_phase_function(phase: PhaseFunction) -> Self {
         let g = f64::from(phase.mean_cosine());
         Self { width: 1.0 - g.abs(), backwards: g < 0.0 }
     }
@@ -60,7 +60,7 @@ impl AngleBins {
 #[test]
 fn phase_functions_are_normalised_with_mean_cosine() {
     for phase in phase_functions() {
-        let rings = AngleBins::for_phase(phase);
+        let rings = AngleBins::bins_for_phase_function(phase);
         let total: f64 = rings.integrate_bins(phase, |_| 1.0).iter().sum();
         let mean: f64 = rings.integrate_bins(phase, |cos| cos).iter().sum();
         let off = (total - 1.0).abs().max((mean - f64::from(phase.mean_cosine())).abs());
@@ -78,7 +78,7 @@ fn phase_samples_follow_their_pdf() {
     let mut random = test_rng(1);
     for phase in phase_functions() {
         for travel in travels {
-            let rings = AngleBins::for_phase(phase);
+            let rings = AngleBins::bins_for_phase_function(phase);
             let expected = rings.integrate_bins(phase, |_| 1.0);
             let axis = travel.as_dvec3().normalize();
             let side = axis.any_orthonormal_vector();
@@ -130,7 +130,7 @@ fn chi_square_p_value(cells: impl Iterator<Item = (f64, f64)>) -> f64 {
 }
 
 #[test]
-fn extreme_asymmetry_is_stable() {
+fn extreme_henyey_greenstein_is_stable() {
     let last = 1.0 - f32::EPSILON / 2.0;
     for phase in phase_functions() {
         for cos in [-1.0, 1.0, -1.0 - 1e-6, 1.0 + 1e-6] {

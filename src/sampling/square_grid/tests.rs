@@ -79,7 +79,7 @@ fn grid_pdf_is_proportional_to_weights() {
 /// Counts 256 stratified points in each row: the expected number, within one point at each end of
 /// the row.
 #[test]
-fn stratified_points_stay_stratified() {
+fn grid_distribution_keeps_points_stratified() {
     let mut weights = vec![1.0; 16];
     weights[5] = 9.0;
     let histogram = SquareGridDistribution::new(4, &weights).unwrap();
@@ -110,7 +110,7 @@ fn extreme_random_numbers_give_points_in_the_square() {
 }
 
 #[test]
-fn invalid_weights_are_refused() {
+fn distributions_refuse_invalid_weights() {
     for bad in [vec![0.0; 4], vec![1.0; 3], vec![1.0, 1.0, 1.0, -1.0], vec![f64::NAN; 4], vec![f64::INFINITY; 4]] {
         assert!(SquareGridDistribution::new(2, &bad).is_none(), "{bad:?}");
     }

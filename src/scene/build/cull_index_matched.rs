@@ -48,7 +48,7 @@ pub(super) fn cull_index_matched(
 /// True if `material` bounds a body unlike air, or is a mix of which a component bounds any body.
 fn may_bound_visible_body(materials: &[Material], material: u32) -> bool {
     let material = &materials[material as usize];
-    match material.mix_parts() {
+    match material.mix_component_indices() {
         Some(parts) => parts.into_iter().any(|part| may_bound_body(materials, part)),
         None => material.bounded_body().is_some_and(|body| !body.is_air()),
     }
@@ -57,7 +57,7 @@ fn may_bound_visible_body(materials: &[Material], material: u32) -> bool {
 /// True if `material`, or any component of it if it is a mix, bounds a body.
 pub(super) fn may_bound_body(materials: &[Material], material: u32) -> bool {
     let material = &materials[material as usize];
-    match material.mix_parts() {
+    match material.mix_component_indices() {
         Some(parts) => parts.into_iter().any(|part| may_bound_body(materials, part)),
         None => material.bounded_body().is_some(),
     }

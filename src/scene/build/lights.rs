@@ -1,7 +1,7 @@
 //! Collecting the lights of a scene.
 
 use super::object::{ObjectGeometry, SceneObject};
-use super::place::{PlacedGeometry, PlacedMappings};
+use super::place::{PlacedGeometry, PlacedTextureMappings};
 use crate::light::{AreaLight, EmissionTexture, EnvironmentLight, Light, LightSurface};
 use crate::math::Motion;
 use crate::sampling::DiscreteDistribution;
@@ -42,7 +42,7 @@ pub(super) fn collect_lights(
     sources: &[DeltaLight],
     objects: &[SceneObject],
     geometry: &PlacedGeometry,
-    mappings: &PlacedMappings,
+    mappings: &PlacedTextureMappings,
     textures: &[Arc<Texture>],
     environment: Option<EnvironmentLight>,
     origin: DVec3,

@@ -51,7 +51,7 @@ pub(super) fn choose_scene_origin(
         }
     }
     let boxes = [resting, moving, meshes].concat();
-    Ok(origin_for_extents(&boxes, camera_view(camera, &shapes)).unwrap_or(camera.center()))
+    Ok(origin_for_extents(&boxes, camera_and_nearest_distance(camera, &shapes)).unwrap_or(camera.center()))
 }
 
 fn union_of_extents((a, b): Extent, (c, d): Extent) -> Extent {
@@ -84,7 +84,7 @@ fn origin_for_extents(boxes: &[Extent], view: Option<CameraView>) -> Option<DVec
 /// center and the corners of the image.
 ///
 /// Returns `None` if these rays hit no shape.
-fn camera_view(camera: &Camera, shapes: &[&Shape]) -> Option<CameraView> {
+fn camera_and_nearest_distance(camera: &Camera, shapes: &[&Shape]) -> Option<CameraView> {
     let (position, (width, height)) = (camera.center(), camera.size());
     let local = camera.translated(-position);
     let size = Vec2::new(width as f32, height as f32);

@@ -48,7 +48,7 @@ pub(super) fn validate_coordinate_range(geometry: &PlacedGeometry, animation: &A
 }
 
 /// Checks that the power of each light, averaged over the channels, is finite.
-pub(super) fn validate_power(scene: &Scene) -> Result<(), BuildError> {
+pub(super) fn validate_light_power(scene: &Scene) -> Result<(), BuildError> {
     let domain = scene.photon_domain();
     match scene.lights.iter().position(|light| !color::channel_mean(light.power(domain)).is_finite()) {
         Some(i) => Err(BuildError::TooBright(i)),

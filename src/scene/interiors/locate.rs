@@ -14,7 +14,7 @@ pub(in crate::scene) fn interior_stack_at(scene: &Scene, p: Vec3) -> InteriorSta
     let mut entered: Vec<u32> = Vec::new();
     let (mut left, mut crossed): (Vec<u32>, Vec<u32>) = (Vec::new(), Vec::new());
     while let Some(hit) = scene.intersect(&ray) {
-        let surface = scene.surface_interaction(&ray, &hit, &RayCone::zero_width(Effects::NONE), || 0.0);
+        let surface = scene.surface_interaction(&ray, &hit, &RayCone::zero_width_cone(Effects::NONE), || 0.0);
         if surface.material.bounded_body().is_some() {
             let own = CoincidentFace::from_surface(&surface, surface.is_entering());
             let coincident = coincident_faces_at(scene, &surface);

@@ -66,10 +66,10 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
     const HAS_MEDIA_OR_WAVELENGTH: bool;
 
     /// The interior at the start of a camera path along `ray`.
-    fn at_camera(scene: &Scene, ray: &Ray, effects: Effects) -> Self;
+    fn interior_at_camera(scene: &Scene, ray: &Ray, effects: Effects) -> Self;
 
     /// The interior at the start of a light path from light `light`.
-    fn at_light(scene: &Scene, light: usize, effects: Effects) -> Self;
+    fn interior_at_light(scene: &Scene, light: usize, effects: Effects) -> Self;
 
     /// The medium at the current point of the path; `None` outside of media.
     #[inline]
@@ -141,11 +141,11 @@ pub struct NoInterior;
 impl Interior for NoInterior {
     const HAS_MEDIA_OR_WAVELENGTH: bool = false;
 
-    fn at_camera(_: &Scene, _: &Ray, _: Effects) -> Self {
+    fn interior_at_camera(_: &Scene, _: &Ray, _: Effects) -> Self {
         Self
     }
 
-    fn at_light(_: &Scene, _: usize, _: Effects) -> Self {
+    fn interior_at_light(_: &Scene, _: usize, _: Effects) -> Self {
         Self
     }
 
@@ -169,7 +169,7 @@ impl Interior for NoInterior {
 impl Interior for InteriorStack {
     const HAS_MEDIA_OR_WAVELENGTH: bool = false;
 
-    fn at_camera(scene: &Scene, ray: &Ray, _: Effects) -> Self {
+    fn interior_at_camera(scene: &Scene, ray: &Ray, _: Effects) -> Self {
         if scene.camera.has_single_viewpoint() {
             scene.derived.camera_interior
         } else {
@@ -177,7 +177,7 @@ impl Interior for InteriorStack {
         }
     }
 
-    fn at_light(scene: &Scene, light: usize, _: Effects) -> Self {
+    fn interior_at_light(scene: &Scene, light: usize, _: Effects) -> Self {
         scene.derived.light_interiors[light]
     }
 
@@ -213,7 +213,7 @@ impl Interior for InteriorStack {
             return;
         }
         if surface.coincident.is_empty() {
-            self.enter_or_leave(surface.material_index, direction, surface.point.ng);
+            self.enter_or_leave_body(surface.material_index, direction, surface.point.ng);
         } else {
             let entering = direction.dot(surface.point.ng) < 0.0;
             *self = self.stack_after_crossing(CoincidentFace::from_surface(surface, entering), &surface.coincident);

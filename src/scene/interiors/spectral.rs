@@ -40,12 +40,12 @@ impl SpectralInterior {
 impl Interior for SpectralInterior {
     const HAS_MEDIA_OR_WAVELENGTH: bool = true;
 
-    fn at_camera(scene: &Scene, ray: &Ray, effects: Effects) -> Self {
-        Self::new(InteriorStack::at_camera(scene, ray, effects), effects)
+    fn interior_at_camera(scene: &Scene, ray: &Ray, effects: Effects) -> Self {
+        Self::new(InteriorStack::interior_at_camera(scene, ray, effects), effects)
     }
 
-    fn at_light(scene: &Scene, light: usize, effects: Effects) -> Self {
-        Self::new(InteriorStack::at_light(scene, light, effects), effects)
+    fn interior_at_light(scene: &Scene, light: usize, effects: Effects) -> Self {
+        Self::new(InteriorStack::interior_at_light(scene, light, effects), effects)
     }
 
     #[inline]

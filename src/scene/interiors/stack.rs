@@ -147,7 +147,7 @@ impl InteriorStack {
     ///
     /// `ng` is the geometric normal of the boundary and points out of the body.
     #[inline]
-    pub(in crate::scene) fn enter_or_leave(&mut self, material: u32, direction: Vec3, ng: Vec3) {
+    pub(in crate::scene) fn enter_or_leave_body(&mut self, material: u32, direction: Vec3, ng: Vec3) {
         if direction.dot(ng) < 0.0 { self.push_body(material) } else { self.remove_body(material) }
     }
 }

@@ -53,7 +53,7 @@ impl<'a> TextureFootprint<'a> {
     /// Returns the texture lookup context at a point displaced by `step` along the surface.
     ///
     /// `step` is a world-space vector \[length].
-    pub fn context_moved_by(&self, step: DVec3) -> TextureEvalContext {
+    pub fn displaced_texture_context(&self, step: DVec3) -> TextureEvalContext {
         let uv = self.context.uv + DVec2::new(self.coords.du.dot(step), self.coords.dv.dot(step));
         TextureEvalContext { uv, p: self.context.p + self.mapping.vector_to_object_space(step), ..self.context }
     }

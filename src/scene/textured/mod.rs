@@ -69,14 +69,14 @@ pub trait ParameterEvaluator {
     /// Camera paths and photon paths divide light transport at this threshold, so both must find
     /// the same side of it. The result is therefore on the same side for every size of the filter
     /// footprint.
-    fn evaluate_partition_roughness(&self, parameter: &MaterialParameter<f32>) -> f32;
+    fn evaluate_photon_storage_roughness(&self, parameter: &MaterialParameter<f32>) -> f32;
 }
 
 /// A [`ParameterEvaluator`] that returns the mean of each parameter, without texture lookups.
 #[derive(Clone, Copy, Debug)]
-pub struct MeanEvaluator;
+pub struct MeanParameterEvaluator;
 
-impl ParameterEvaluator for MeanEvaluator {
+impl ParameterEvaluator for MeanParameterEvaluator {
     fn evaluate_color(&self, parameter: &MaterialParameter<Rgb>) -> Rgb {
         parameter.mean()
     }
@@ -85,7 +85,7 @@ impl ParameterEvaluator for MeanEvaluator {
         parameter.mean()
     }
 
-    fn evaluate_partition_roughness(&self, parameter: &MaterialParameter<f32>) -> f32 {
+    fn evaluate_photon_storage_roughness(&self, parameter: &MaterialParameter<f32>) -> f32 {
         parameter.mean()
     }
 }
@@ -118,7 +118,7 @@ impl ParameterEvaluator for TextureEvaluator<'_> {
         }
     }
 
-    fn evaluate_partition_roughness(&self, parameter: &MaterialParameter<f32>) -> f32 {
+    fn evaluate_photon_storage_roughness(&self, parameter: &MaterialParameter<f32>) -> f32 {
         if !parameter.is_textured() {
             return parameter.mean();
         }

@@ -49,7 +49,8 @@ pub(in crate::scene) fn perturbed_normal(
             let slope = |direction: Vec3| {
                 let direction = direction.as_dvec3();
                 let step = direction * footprint.bump_map_step(texture, direction, width);
-                let value = |step: DVec3| f64::from(texture.evaluate_scalar(&footprint.context_moved_by(step)));
+                let value =
+                    |step: DVec3| f64::from(texture.evaluate_scalar(&footprint.displaced_texture_context(step)));
                 let slope = f64::from(height) * (value(step) - value(-step)) / (2.0 * step.length());
                 if slope.is_finite() { direction * slope } else { DVec3::ZERO }
             };

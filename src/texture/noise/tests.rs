@@ -37,7 +37,7 @@ fn noise_is_continuous() {
 }
 
 #[test]
-fn octaves_fade_as_the_footprint_grows() {
+fn noise_octaves_fade_as_the_footprint_grows() {
     let p = DVec3::new(0.3, 0.7, 0.2);
     assert_eq!(fractal_noise(p, 0.0, 1), gradient_noise(p));
     assert_eq!(fractal_noise(p, 0.125, 2), fractal_noise(p, 0.0, 2), "two octaves are coarse enough");

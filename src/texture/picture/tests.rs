@@ -66,7 +66,7 @@ fn picture_pixels_have_their_positions_and_wrap() {
 }
 
 #[test]
-fn negative_or_nonfinite_values_are_refused() {
+fn pictures_with_negative_or_nonfinite_values_are_refused() {
     let with = |value: f32| {
         let mut pixels = vec![Vec3::ONE; 6];
         pixels[4].y = value;

@@ -57,7 +57,7 @@ impl CoincidentFaces {
         self.0.iter().flatten().copied()
     }
 
-    fn add_face(&mut self, face: CoincidentFace) {
+    fn add_coincident_face(&mut self, face: CoincidentFace) {
         if let Some(slot) = self.0.iter_mut().find(|f| f.is_none_or(|f| f == face)) {
             *slot = Some(face);
         }
@@ -148,7 +148,7 @@ fn find_coincident_faces(scene: &Scene, surface: &SurfaceInteraction<'_>) -> Coi
         let material = geometry.object_attributes(hit.primitive).material;
         let face = CoincidentFace { material, entering, group: geometry.coincidence_group(hit.primitive) };
         if face != own && scene.materials[material as usize].bounded_body().is_some() {
-            faces.add_face(face);
+            faces.add_coincident_face(face);
         }
     });
     faces.0.sort_unstable_by_key(|face| face.map_or((true, None), |face| (false, Some(face))));

@@ -208,14 +208,14 @@ impl<'a> SpatialSelfJoin<'a> {
         join.found
     }
 
-    fn member_face(&self, member: usize) -> &'a BoundaryFace {
+    fn nth_face_in_tree_order(&self, member: usize) -> &'a BoundaryFace {
         &self.faces[self.order[member] as usize]
     }
 
     fn build_subtree(&mut self, members: Range<usize>) -> usize {
-        let bounds = members.clone().fold(Bounds::EMPTY, |all, i| all.union(self.member_face(i).bounds));
-        let object = self.member_face(members.start).object;
-        let object = members.clone().all(|i| self.member_face(i).object == object).then_some(object);
+        let bounds = members.clone().fold(Bounds::EMPTY, |all, i| all.union(self.nth_face_in_tree_order(i).bounds));
+        let object = self.nth_face_in_tree_order(members.start).object;
+        let object = members.clone().all(|i| self.nth_face_in_tree_order(i).object == object).then_some(object);
         let index = self.nodes.len();
         self.nodes.push(FaceTreeNode { bounds, members: members.clone(), children: None, object });
         if members.len() > LEAF_FACES {
@@ -242,7 +242,7 @@ impl<'a> SpatialSelfJoin<'a> {
                 self.join_node_with_itself(b)?;
                 self.join_node_pair(a, b)
             }
-            None => self.compare_all_pairs(self.nodes[node].members.clone(), self.nodes[node].members.clone()),
+            None => self.flag_near_face_pairs(self.nodes[node].members.clone(), self.nodes[node].members.clone()),
         }
     }
 
@@ -259,15 +259,15 @@ impl<'a> SpatialSelfJoin<'a> {
                 children.into_iter().try_for_each(|child| self.join_node_pair(child, b))
             }
             (_, Some(children)) => children.into_iter().try_for_each(|child| self.join_node_pair(a, child)),
-            (None, None) => self.compare_all_pairs(first.members.clone(), second.members.clone()),
+            (None, None) => self.flag_near_face_pairs(first.members.clone(), second.members.clone()),
         }
     }
 
-    fn compare_all_pairs(&mut self, first: Range<usize>, second: Range<usize>) -> Option<()> {
+    fn flag_near_face_pairs(&mut self, first: Range<usize>, second: Range<usize>) -> Option<()> {
         self.budget = self.budget.checked_sub(first.len() * second.len())?;
         for i in first {
             for j in second.clone() {
-                let (a, b) = (self.member_face(i), self.member_face(j));
+                let (a, b) = (self.nth_face_in_tree_order(i), self.nth_face_in_tree_order(j));
                 let [i, j] = [i, j].map(|member| self.order[member] as usize);
                 if a.object != b.object
                     && !(self.found[i] && self.found[j])
