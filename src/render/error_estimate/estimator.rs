@@ -167,7 +167,7 @@ impl ErrorEstimator {
     /// Predicts the error after more passes from `estimate`; `None` before [`MIN_PASSES`] passes.
     #[must_use]
     pub fn forecast(&self, estimate: &ErrorEstimate) -> Option<ErrorForecast> {
-        let law = self.radius_law.map(|law| (law.alpha, law.kernel.difference_variance()));
+        let law = self.radius_law.map(|law| (law.alpha, law.kernel.nested_difference_variance()));
         estimate.error.is_finite().then(|| ErrorForecast::new(estimate, law))
     }
 
