@@ -172,7 +172,7 @@ fn add_area_light(
     if motion.is_constant() {
         r.builder.add_shape(shape, black, rgb(radiance));
     } else {
-        r.builder.add_moving_shape(shape, motion.around_point(center), black, rgb(radiance));
+        r.builder.add_moving_shape(shape, motion.pivoted_at_point(center), black, rgb(radiance));
     }
     Ok(())
 }

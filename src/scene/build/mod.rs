@@ -19,7 +19,7 @@ use crate::color::{DispersionFormula, Rgb};
 use crate::light::EnvironmentLight;
 use crate::math::Motion;
 use crate::medium::Medium;
-use crate::shape::{MappingKind, Plane, Shape, Triangle};
+use crate::shape::{Plane, Shape, TextureMappingKind, Triangle};
 use crate::texture::Texture;
 use cull_index_matched::{cull_index_matched, may_bound_body};
 use glam::{DVec2, DVec3, Vec3};
@@ -149,7 +149,7 @@ impl SceneBuilder {
     ///
     /// Without this call, texture coordinates are the surface parameters of the object, and solid
     /// textures are evaluated in world space.
-    pub fn set_texture_mapping(&mut self, kind: MappingKind, to_world: &Motion) -> &mut Self {
+    pub fn set_texture_mapping(&mut self, kind: TextureMappingKind, to_world: &Motion) -> &mut Self {
         if let Some(object) = self.objects.last_mut() {
             object.mapping = Some((kind, to_world.clone()));
         }
@@ -186,7 +186,7 @@ impl SceneBuilder {
         strength: LightStrength,
         motion: &Motion,
     ) -> &mut Self {
-        let motion = kind.position().map_or_else(|| motion.clone(), |position| motion.around_point(position));
+        let motion = kind.position().map_or_else(|| motion.clone(), |position| motion.pivoted_at_point(position));
         self.sources.push(DeltaLight { kind, strength, motion: Some(motion) });
         self
     }

@@ -18,7 +18,7 @@ pub struct ConvergenceCheckpoint {
     /// Number of emitted photon paths, mean over seeds.
     pub photons: f64,
     /// Relative squared error of each seed's picture, on the
-    /// [`RelativeScale`](crate::image::RelativeScale).
+    /// [`RelativeErrorWeights`](crate::image::RelativeErrorWeights).
     ///
     /// The noise of the references does not bias this estimate, so it may be negative.
     pub squares: Vec<f64>,
