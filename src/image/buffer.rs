@@ -38,7 +38,7 @@ pub enum SizeError {
     },
 }
 
-/// Number of pixels of a picture of valid size `width` × `height`.
+/// Number of pixels of a picture of `width` × `height`; fails if the size is invalid.
 pub(super) fn pixel_count(width: u32, height: u32) -> Result<usize, SizeError> {
     if width == 0 || height == 0 {
         return Err(SizeError::Empty { width, height });

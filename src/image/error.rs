@@ -26,7 +26,7 @@ pub enum WriteError {
     Channel {
         /// Name of the channel with its layer, such as `noise.R`.
         channel: String,
-        /// The rule that the channel violates.
+        /// The rule of OpenEXR that the channel violates.
         reason: &'static str,
     },
     /// The folder of the file does not exist.
@@ -52,19 +52,19 @@ pub enum WriteError {
     /// The operating system reported an error.
     #[error("cannot {action} `{}`: {source}", path.display())]
     Io {
-        /// The operation that failed.
+        /// The operation that failed, such as `create a file in`.
         action: &'static str,
         /// Path of the file or folder.
         path: PathBuf,
         /// Error of the operating system.
         source: io::Error,
     },
-    /// The file format cannot store a metadata pair.
+    /// The file format cannot store a pair of metadata, which is a key and a text.
     #[error("metadata `{key}` cannot be stored: {reason}")]
     Metadata {
         /// Key of the pair.
         key: String,
-        /// The rule that the pair violates.
+        /// The rule of the file format that the key or text violates.
         reason: &'static str,
     },
     /// The exposure is NaN or outside ±[`MAX_EXPOSURE_STOPS`](super::MAX_EXPOSURE_STOPS).

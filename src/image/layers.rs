@@ -27,7 +27,7 @@ pub struct ExrLayer {
 }
 
 impl ExrLayer {
-    /// Name of a channel with its layer, such as `noise.R`; `R` in the unnamed layer.
+    /// Name of a channel with the prefix of its layer, such as `noise.R`; `R` in the unnamed layer.
     fn full_channel_name(&self, channel: &str) -> String {
         if self.name.is_empty() { channel.to_owned() } else { format!("{}.{channel}", self.name) }
     }

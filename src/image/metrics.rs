@@ -1,7 +1,7 @@
 //! Error metrics between two pictures.
 
 use super::buffer::{Image, RgbBytes};
-use super::relative::RelativeScale;
+use super::relative::RelativeErrorWeights;
 use serde::Serialize;
 
 /// Error: two pictures cannot be compared.
@@ -125,10 +125,9 @@ pub fn largest_differences(a: &Image, b: &Image) -> Result<PixelDifferences, Met
     Ok(found)
 }
 
-/// Relative root mean square error. [`RelativeScale`] defines what the error is relative to.
+/// Relative root mean square error; [`RelativeErrorWeights`] defines what the error is relative to.
 ///
-/// # Errors
-/// [`MetricError`] if the sizes differ or a pixel is not finite.
+/// # Errors [`MetricError`] if the sizes differ or a pixel is not finite.
 pub fn relative_error(a: &Image, reference: &Image) -> Result<f64, MetricError> {
     check_comparable(a, reference)?;
     let (a, b) = (a.pixels(), reference.pixels());
@@ -136,7 +135,7 @@ pub fn relative_error(a: &Image, reference: &Image) -> Result<f64, MetricError> 
         let d = a[i].as_dvec3() - b[i].as_dvec3();
         d * d
     };
-    Ok(RelativeScale::from_image(reference).mean(square).sqrt())
+    Ok(RelativeErrorWeights::from_image(reference).mean(square).sqrt())
 }
 
 /// Differences of the levels of two 8-bit pictures.

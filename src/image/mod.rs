@@ -27,7 +27,7 @@ pub use ramp::{diverging_color, sequential_color};
 pub use read::{
     PictureContent, PictureFormat, decode, read, read_bytes, read_data, read_with_format, read_with_memory_limit,
 };
-pub use relative::RelativeScale;
+pub use relative::RelativeErrorWeights;
 pub use replace::{canonical_output_path, check_replaceable, replace_file, replace_file_with};
 pub use tone::{ClippedPixelReport, MAX_EXPOSURE_STOPS, ToneCurve, ToneMap, UnknownToneCurve};
 pub use write::{OutputFormat, check_writable, encode, write};

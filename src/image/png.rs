@@ -148,7 +148,7 @@ pub(super) fn read_data(file: &[u8], free: Option<u64>) -> Result<Image, DecodeF
     apply_transfer_function(decode_png_samples(file, free)?, |signal| signal as f32)
 }
 
-/// Converts samples to an image by the function `linear` of a signal in [0, 1].
+/// Converts samples to an image; `linear` maps a signal in \[0, 1] to a linear value.
 fn apply_transfer_function(decoded: DecodedPng, linear: impl Fn(f64) -> f32) -> Result<Image, DecodeFailure> {
     let DecodedPng { width, height, samples, sixteen, .. } = decoded;
     let table: Vec<f32> = if sixteen {

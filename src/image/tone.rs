@@ -23,7 +23,8 @@ pub enum ToneCurve {
     Filmic,
     /// Clamps to \[0, 1] and truncates to levels, without a transfer function: trunc(255 · c).
     ///
-    /// It reproduces the pictures of the ray caster for which the legacy scene format was made.
+    /// This curve reproduces the pictures of the ray caster for which the legacy scene format was
+    /// made.
     Course,
 }
 
@@ -69,8 +70,9 @@ impl FromStr for ToneCurve {
 pub struct ToneMap {
     /// Tone curve after the exposure.
     pub curve: ToneCurve,
-    /// Exposure \[stops], within ±[`MAX_EXPOSURE_STOPS`]. Radiance is multiplied by 2 to the power
-    /// of the exposure.
+    /// Exposure \[stops], within ±[`MAX_EXPOSURE_STOPS`].
+    ///
+    /// Radiance is multiplied by 2 to the power of the exposure.
     pub exposure_stops: f32,
 }
 

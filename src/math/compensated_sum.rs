@@ -9,7 +9,7 @@ use glam::DVec3;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CompensatedSum {
     high: DVec3,
-    /// Sum of the rounding errors of `high`.
+    /// Sum of the rounding errors that occurred when values were added to `high`.
     low: DVec3,
 }
 

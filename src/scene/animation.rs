@@ -9,7 +9,7 @@ use super::{DeltaLightKind, LightStrength, Scene};
 use crate::camera::Camera;
 use crate::light::{EmissionTexture, LightSurface};
 use crate::math::{Motion, Transform};
-use crate::shape::{MappingKind, Plane, Shape, TextureMapping};
+use crate::shape::{Plane, Shape, TextureMapping, TextureMappingKind};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -28,7 +28,7 @@ pub(super) struct Animation {
     /// The camera before its motion, and the motion about the camera's position.
     pub camera: Option<(Camera, Motion)>,
     /// Moving texture mappings: index in the scene, kind and motion.
-    pub mappings: Vec<(usize, MappingKind, Motion)>,
+    pub mappings: Vec<(usize, TextureMappingKind, Motion)>,
 }
 
 impl Animation {
@@ -63,7 +63,7 @@ pub(super) fn camera_at_time(camera: &Camera, motion: &Motion, time: f64) -> Opt
 }
 
 /// The texture mapping moved by `motion` at `time`; `None` if the transform is singular.
-pub(super) fn mapping_at_time(kind: MappingKind, motion: &Motion, time: f64) -> Option<TextureMapping> {
+pub(super) fn mapping_at_time(kind: TextureMappingKind, motion: &Motion, time: f64) -> Option<TextureMapping> {
     Some(TextureMapping::new(kind, motion_transform_at_time(motion, time)?))
 }
 

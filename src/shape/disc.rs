@@ -36,7 +36,7 @@ impl Disc {
         Self::new(center, a * radius, b * radius)
     }
 
-    /// Moves the point `p` away from the rim: see [`EDGE_MARGIN`].
+    /// Moves `p` towards the centre if it is too close to the rim; [`EDGE_MARGIN`] explains why.
     #[inline]
     fn move_point_off_rim(&self, p: DVec3) -> DVec3 {
         let offset = p - self.center;

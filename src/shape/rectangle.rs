@@ -62,7 +62,7 @@ impl Rectangle {
         Self { corner, edges: [e0, e1], normal: cross / n2.sqrt(), dual, is_right_angled }
     }
 
-    /// Moves the point `p` away from the edges: see [`EDGE_MARGIN`].
+    /// Moves `p` inward if it is too close to an edge; [`EDGE_MARGIN`] explains why.
     #[inline]
     fn move_point_off_edges(&self, p: DVec3) -> DVec3 {
         let offset = p - self.corner;
@@ -79,8 +79,10 @@ impl Rectangle {
         SurfacePoint::from_f64(p, self.normal, self.corner.abs().max_element() + reach)
     }
 
-    /// The rectangle as seen from `from`; `None` if `from` is on the inner side, or if sampling by
-    /// area is better.
+    /// The rectangle as seen from `from`, in order to sample it by solid angle.
+    ///
+    /// `None` if `from` is on the inner side, if the edges are not perpendicular, or if the
+    /// rectangle looks so small that sampling by area is better.
     fn rectangle_view(&self, from: Vec3) -> Option<RectangleView> {
         let to = self.corner - from.as_dvec3();
         let z = -self.normal.dot(to);

@@ -1,7 +1,7 @@
 //! Error maps: pictures of the difference between two pictures.
 
 use super::ErrorMapKind;
-use crate::image::{Image, OutputFormat, RelativeScale, diverging_color, sequential_color};
+use crate::image::{Image, OutputFormat, RelativeErrorWeights, diverging_color, sequential_color};
 use glam::{DVec3, Vec3};
 use serde::Serialize;
 
@@ -49,7 +49,7 @@ fn error_map_values(kind: ErrorMapKind, a: &Image, b: &Image, flip: &[f32]) -> V
         ErrorMapKind::Signed => differences.collect(),
         ErrorMapKind::Absolute => differences.map(DVec3::abs).collect(),
         ErrorMapKind::Relative => {
-            let scale = RelativeScale::from_image(b);
+            let scale = RelativeErrorWeights::from_image(b);
             differences.zip(scale.pixel_weights()).map(|(d, w)| DVec3::splat((w * d.length_squared()).sqrt())).collect()
         }
     }

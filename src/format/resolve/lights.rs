@@ -172,7 +172,7 @@ fn add_area_light(
     if motion.is_constant() {
         r.builder.shape(shape, black, rgb(radiance));
     } else {
-        r.builder.moving_shape(shape, motion.around_point(center), black, rgb(radiance));
+        r.builder.moving_shape(shape, motion.pivoted_at_point(center), black, rgb(radiance));
     }
     Ok(())
 }

@@ -14,7 +14,7 @@ use crate::format::description::{
 };
 use crate::format::mesh::{self, LoadedMesh, MeshError, NO_MATERIAL, TriangleMesh};
 use crate::format::mtl;
-use crate::shape::MappingKind;
+use crate::shape::TextureMappingKind;
 use crate::stats::format_bytes;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -102,7 +102,7 @@ fn add_mesh_part(
         add_still_mesh(r, &placement.at_open, &mesh.positions, normals, &mesh.triangles, emission);
         set_texcoords(r, texcoords);
     }
-    set_mapping(r, MappingKind::Uv, placement.to_world);
+    set_mapping(r, TextureMappingKind::Uv, placement.to_world);
     Ok(())
 }
 

@@ -6,7 +6,7 @@ use crate::color::Rgb;
 use crate::format::SceneError;
 use crate::format::description::Span;
 use crate::math::{Motion, Transform};
-use crate::shape::{Instance, MappingKind, Mesh, MeshWithBvh, Shape};
+use crate::shape::{Instance, Mesh, MeshWithBvh, Shape, TextureMappingKind};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 use std::sync::Arc;
 
@@ -93,7 +93,7 @@ fn is_current_material_textured(r: &Resolver<'_>) -> bool {
 }
 
 /// Sets the texture mapping of the object that was added last, if its material has textures.
-pub(super) fn set_mapping(r: &mut Resolver<'_>, kind: MappingKind, to_world: &Motion) {
+pub(super) fn set_mapping(r: &mut Resolver<'_>, kind: TextureMappingKind, to_world: &Motion) {
     if is_current_material_textured(r) {
         r.builder.mapping(kind, to_world);
     }

@@ -33,7 +33,7 @@ fn metadata_is_stored_and_bytes_repeat() {
     assert_eq!(headers[0].shared_attributes.chromaticities, Some(REC_709));
 }
 
-/// Returns the OpenEXR file `file` with another size in its header window `name`.
+/// An OpenEXR `file` in which the size of the header window `name` is replaced by another size.
 fn exr_with_replaced_window(file: &[u8], name: &[u8], (width, height): (i32, i32)) -> Vec<u8> {
     let window = file.windows(name.len()).position(|w| w == name).unwrap() + name.len() + 4;
     let mut file = file.to_vec();

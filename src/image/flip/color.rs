@@ -69,7 +69,7 @@ fn hyab_distance(a: DVec3, b: DVec3) -> f64 {
     d.x.abs() + (d.y * d.y + d.z * d.z).sqrt()
 }
 
-/// Largest colour difference between two colours of the RGB cube: green and blue.
+/// Largest value of [`hyab_distance`] between two colours of the RGB cube: green and blue.
 static LARGEST: LazyLock<f64> = LazyLock::new(|| {
     libm::pow(hyab_distance(hunt_lab_from_rgb(DVec3::Y), hunt_lab_from_rgb(DVec3::Z)), COLOR_EXPONENT)
 });

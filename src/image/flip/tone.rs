@@ -57,7 +57,8 @@ mod tests {
         assert_eq!(film_curve(Vec3::new(-1.0, 0.0, f32::MAX), 1e30), Vec3::new(0.0, 0.0, 1.0));
     }
 
-    /// Between the brightest value 16 and the median 1 lie four stops, which give four exposures.
+    /// Four stops lie between the brightest value 16 and the median 1, which give four exposures.
+    ///
     /// The median excludes black pixels.
     #[test]
     fn exposures_span_the_brightest_to_the_median() {

@@ -3,7 +3,7 @@
 use super::direct::mesh_light_surface;
 use super::*;
 use crate::math::Transform;
-use crate::shape::{MappingKind, Mesh, TextureMapping};
+use crate::shape::{Mesh, TextureMapping, TextureMappingKind};
 use crate::texture::{Checkerboard, Texture, UvTransform};
 use glam::DVec2;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ fn half_white_texture() -> Arc<Texture> {
     Arc::new(Texture::Checkerboard(Checkerboard { colors }, UvTransform::new(DVec2::new(2.0, 1.0), 0.0, DVec2::ZERO)))
 }
 
-fn textured_area_light(emitter: LightSurface, kind: MappingKind) -> Light {
+fn textured_area_light(emitter: LightSurface, kind: TextureMappingKind) -> Light {
     let texture = half_white_texture();
     let scale = Rgb::splat(BRIGHT);
     let radiance = texture.mean() * scale;
@@ -43,8 +43,14 @@ fn textured_and_equivalent_lights() -> Vec<(Light, Light)> {
     };
     let even = |emitter| Light::Area(AreaLight::uniform(emitter, Rgb::splat(BRIGHT)));
     vec![
-        (textured_area_light(rectangle(e0), MappingKind::rectangle_mapping(corner, e0, e1)), even(rectangle(e0 * 0.5))),
-        (textured_area_light(mesh_light_surface(mesh(2.0)), MappingKind::Uv), even(mesh_light_surface(mesh(1.0)))),
+        (
+            textured_area_light(rectangle(e0), TextureMappingKind::rectangle_mapping(corner, e0, e1)),
+            even(rectangle(e0 * 0.5)),
+        ),
+        (
+            textured_area_light(mesh_light_surface(mesh(2.0)), TextureMappingKind::Uv),
+            even(mesh_light_surface(mesh(1.0))),
+        ),
     ]
 }
 

@@ -45,7 +45,8 @@ pub(super) struct NestedDifferenceMoments {
     pub d0_variance: f64,
 }
 
-/// Estimated blur of the picture, relative to [`RelativeScale`](crate::image::RelativeScale).
+/// Estimated blur of the picture, relative to
+/// [`RelativeErrorWeights`](crate::image::RelativeErrorWeights).
 #[derive(Default)]
 pub(super) struct BlurEstimate {
     /// Mean squared relative blur.

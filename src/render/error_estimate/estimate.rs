@@ -5,8 +5,8 @@ use serde::Serialize;
 
 /// Estimated error of the mean of the passes so far.
 ///
-/// Errors are relative root mean squares, see [`RelativeScale`](crate::image::RelativeScale); 0.01
-/// means 1 %.
+/// Errors are relative root mean squares, see
+/// [`RelativeErrorWeights`](crate::image::RelativeErrorWeights); 0.01 means 1 %.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ErrorEstimate {
     /// Number of passes.

@@ -7,7 +7,7 @@ use super::estimate::ErrorEstimate;
 use super::fireflies::Fireflies;
 use super::forecast::ErrorForecast;
 use super::shared_paths::SharedPathError;
-use crate::image::RelativeScale;
+use crate::image::RelativeErrorWeights;
 use crate::integrate::{MeanGatherDisc, NestedEstimates, Pass, RadiusLaw};
 use crate::render::film::Film;
 use glam::{DVec3, Vec3};
@@ -27,7 +27,7 @@ pub struct ErrorEstimator {
     photon_estimates: Option<NestedEstimateSums>,
     shared_paths: SharedPathError,
     samples: EffectiveSampleCount,
-    scale: Option<RelativeScale>,
+    scale: Option<RelativeErrorWeights>,
 }
 
 /// Sums over passes of the differences between photon estimates with nested discs, for each pixel.
@@ -95,9 +95,9 @@ impl ErrorEstimator {
         }
         // The scale changes little from pass to pass, so it is updated when the number doubles.
         if self.passes.is_power_of_two() {
-            self.scale = Some(RelativeScale::from_pixels(film.size(), &film.mean()));
+            self.scale = Some(RelativeErrorWeights::from_pixels(film.size(), &film.mean()));
         }
-        let weights = self.scale.as_ref().map_or(&[][..], RelativeScale::pixel_weights);
+        let weights = self.scale.as_ref().map_or(&[][..], RelativeErrorWeights::pixel_weights);
         // The relative squared error of a pixel is clamped to 1 in the mean, so to n in one pass.
         self.samples.add(pass.image.iter().copied(), weights, n + 1.0);
         if !pass.nested.is_empty() {
@@ -129,7 +129,7 @@ impl ErrorEstimator {
             return ErrorEstimate { passes, error, low, high, noise, bias, ..ErrorEstimate::default() };
         }
         let n = f64::from(passes);
-        let scale = RelativeScale::from_pixels(film.size(), &film.mean());
+        let scale = RelativeErrorWeights::from_pixels(film.size(), &film.mean());
         let mut fireflies = Fireflies::default();
         let fraction = 1.0 / scale.pixel_weights().len() as f64;
         let noise2 = self.squared_deviations.iter().zip(scale.pixel_weights()).map(|(deviation, weight)| {
@@ -173,7 +173,7 @@ impl ErrorEstimator {
     /// [`MIN_PASSES`] passes.
     #[must_use]
     pub fn forecast(&self, estimate: &ErrorEstimate) -> Option<ErrorForecast> {
-        let law = self.radius_law.map(|law| (law.alpha, law.kernel.difference_variance()));
+        let law = self.radius_law.map(|law| (law.alpha, law.kernel.nested_difference_variance()));
         estimate.error.is_finite().then(|| ErrorForecast::new(estimate, law))
     }
 
@@ -222,7 +222,7 @@ impl NestedEstimateSums {
     /// passes.
     ///
     /// Each product combines two different passes. [`error_estimate`](super) defines D₀ and D₁.
-    fn nested_difference_moments(&self, scale: &RelativeScale, n: f64) -> NestedDifferenceMoments {
+    fn nested_difference_moments(&self, scale: &RelativeErrorWeights, n: f64) -> NestedDifferenceMoments {
         let [d0, d1] = &self.differences;
         let pixels = scale.pixel_weights().len();
         let (mut square, mut variance) = ([0.0; 3], 0.0);

@@ -54,7 +54,7 @@ impl ErrorForecast {
     /// Creates the forecast from an error estimate.
     ///
     /// `law` holds the exponent α of the radius law and
-    /// [`Kernel::difference_variance`](crate::photon::Kernel::difference_variance); `None` without
+    /// [`Kernel::nested_difference_variance`](crate::photon::Kernel::difference_variance); `None` without
     /// photon estimates.
     pub(super) fn new(estimate: &ErrorEstimate, law: Option<(f64, f32)>) -> Self {
         let n = f64::from(estimate.passes);

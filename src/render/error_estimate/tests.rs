@@ -2,7 +2,7 @@
 
 use super::{ErrorEstimator, MIN_PASSES};
 use crate::color::Rgb;
-use crate::image::RelativeScale;
+use crate::image::RelativeErrorWeights;
 use crate::integrate::{NestedEstimates, Pass, RadiusLaw};
 use crate::photon::Kernel;
 use crate::render::Film;
@@ -78,7 +78,7 @@ fn intervals_contain_the_true_error() {
     for seed in 0..pictures {
         let (estimator, film) = render_noisy_passes(8, 100 + seed, 0.3, 0.0);
         let estimate = estimator.estimate(&film);
-        let scale = RelativeScale::from_pixels(film.size(), &[Rgb::ONE; PIXELS]);
+        let scale = RelativeErrorWeights::from_pixels(film.size(), &[Rgb::ONE; PIXELS]);
         let mean = film.mean();
         let error = scale.mean(|i| (mean[i] - Rgb::ONE).as_dvec3() * (mean[i] - Rgb::ONE).as_dvec3()).sqrt();
         held += i32::from(estimate.low <= error && error <= estimate.high);
@@ -143,7 +143,7 @@ fn edges_are_not_extrapolated_as_smooth() {
         film.add(&pass.image);
     }
     let estimate = estimator.estimate(&film);
-    let scale = RelativeScale::from_pixels(film.size(), &film.mean());
+    let scale = RelativeErrorWeights::from_pixels(film.size(), &film.mean());
     let error = scale.mean(|i| DVec3::splat((row[i][0] - row[i][3]) * (row[i][0] - row[i][3]))).sqrt();
     assert!(estimate.low <= error && error <= estimate.high, "{estimate:?} {error}");
     assert!((estimate.blur / error - 1.0).abs() < 0.25, "{} {error}", estimate.blur);

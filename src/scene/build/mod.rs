@@ -19,7 +19,7 @@ use crate::color::{DispersionFormula, Rgb};
 use crate::light::EnvironmentLight;
 use crate::math::Motion;
 use crate::medium::Medium;
-use crate::shape::{MappingKind, Plane, Shape, Triangle};
+use crate::shape::{Plane, Shape, TextureMappingKind, Triangle};
 use crate::texture::Texture;
 use cull_index_matched::{cull_index_matched, may_bound_body};
 use glam::{DVec2, DVec3, Vec3};
@@ -148,7 +148,7 @@ impl SceneBuilder {
     ///
     /// Solid textures are evaluated in the space of the mapping. An object without a mapping has
     /// its surface parameters as texture coordinates, and solid textures in world space.
-    pub fn mapping(&mut self, kind: MappingKind, to_world: &Motion) -> &mut Self {
+    pub fn mapping(&mut self, kind: TextureMappingKind, to_world: &Motion) -> &mut Self {
         if let Some(object) = self.objects.last_mut() {
             object.mapping = Some((kind, to_world.clone()));
         }
@@ -180,7 +180,7 @@ impl SceneBuilder {
     /// Adds a delta light that moves while the shutter is open. The motion acts about the light's
     /// own position.
     pub fn moving_delta_light(&mut self, kind: DeltaLightKind, strength: LightStrength, motion: &Motion) -> &mut Self {
-        let motion = kind.position().map_or_else(|| motion.clone(), |position| motion.around_point(position));
+        let motion = kind.position().map_or_else(|| motion.clone(), |position| motion.pivoted_at_point(position));
         self.sources.push(DeltaLight { kind, strength, motion: Some(motion) });
         self
     }

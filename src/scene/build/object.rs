@@ -2,7 +2,7 @@
 
 use crate::color::Rgb;
 use crate::math::Motion;
-use crate::shape::{MappingKind, Mesh, Plane, Shape, Triangle};
+use crate::shape::{Mesh, Plane, Shape, TextureMappingKind, Triangle};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::ops::Range;
 
@@ -22,7 +22,7 @@ pub(super) struct SceneObject {
     /// Index of the emission texture, and the radiance of texture value 1 \[W/(m² sr)].
     pub emission_texture: Option<(u32, Rgb)>,
     /// Kind of the texture mapping, and the motion from its object space to the world.
-    pub mapping: Option<(MappingKind, Motion)>,
+    pub mapping: Option<(TextureMappingKind, Motion)>,
 }
 
 /// The geometry of an object.

@@ -109,7 +109,7 @@ pub(super) fn place_camera(
 ) -> Result<Camera, BuildError> {
     let camera = camera.translated(-origin);
     let Some(motion) = motion else { return Ok(camera) };
-    let motion = motion.around_point(camera.center());
+    let motion = motion.pivoted_at_point(camera.center());
     let placed = camera_at_time(&camera, &motion, MID_SHUTTER).ok_or(BuildError::Flattened)?;
     animation.camera = Some((camera, motion));
     Ok(placed)

@@ -7,7 +7,7 @@ use super::polynomial::{Coefficients, MAX_DEGREE, evaluate_with_derivative, repa
 /// Polynomial piece of a profile: radius and height (ρ, y) as functions of x in \[−1, 1].
 #[derive(Clone, Copy, Debug)]
 pub struct ProfilePiece<'a> {
-    /// Coefficients of the powers of x.
+    /// Coefficients (ρ, y) of the powers of x.
     pub powers: &'a [Coefficients<2>],
     /// Bound on the rounding error of a point.
     pub noise: f64,
@@ -23,7 +23,10 @@ pub const MAX_DERIVATIVE_CHANGE: f64 = 0.25;
 /// Largest ratio of the distances to a root after and before a Newton step.
 pub const NEWTON_CONVERGENCE_RATE: f64 = 2.0 / 3.0;
 
-/// Longest first Newton step to a root inside the box, in half widths of the box: |J⁻¹J̄| times 2.
+/// Longest first Newton step to a root inside a box, in half widths of the box.
+///
+/// The step is J⁻¹J̄ times the distance to the root, which is at most 2 half widths.
+/// [`MAX_DERIVATIVE_CHANGE`] defines J and J̄.
 pub const MAX_FIRST_STEP: f64 = 2.0 * (1.0 + NEWTON_CONVERGENCE_RATE);
 
 /// Distance outside a piece at which a root still counts as inside, in half widths of the piece.
@@ -31,7 +34,7 @@ pub const MAX_FIRST_STEP: f64 = 2.0 * (1.0 + NEWTON_CONVERGENCE_RATE);
 /// Adjacent pieces overlap by this distance, so no root is lost between them.
 pub const PIECE_OVERLAP: f64 = 1e-10;
 
-/// Size of a box, relative to the surface, below which a double root counts as one hit.
+/// Size of a parameter box, relative to the surface, below which a double root counts as one hit.
 pub const POINT_SIZE: f64 = 1e-6;
 
 /// Result of a test whether a ray intersects the surface of revolution within an interval of x.
@@ -45,8 +48,10 @@ enum RootClassification {
     Inside,
 }
 
-/// Bounds for a polynomial over \[−1, 1]: on the sum of its terms of degree 2 and above, Σ |aₖ|,
-/// and on the change of its derivative, Σ k|aₖ|.
+/// Bounds on the higher terms of a polynomial over \[−1, 1], per component.
+///
+/// The first bounds the sum of the terms of degree 2 and above: Σ |aₖ|. The second bounds the
+/// change of the derivative: Σ k|aₖ|.
 #[inline]
 fn higher_term_bounds(a: &[Coefficients<2>]) -> (Coefficients<2>, Coefficients<2>) {
     let (mut rest, mut turn) = ([0.0; 2], [0.0; 2]);
@@ -124,8 +129,9 @@ impl ProfilePiece<'_> {
     }
 }
 
-/// Tests for points where profile and ray have equal radius and height, with x in \[−1, 1] and τ in
-/// `t`.
+/// Tests whether a ray hits the surface of revolution of a profile piece.
+///
+/// A hit is an x in \[−1, 1] and a τ in `t` at which profile and ray have equal radius and height.
 #[inline]
 fn classify_roots(
     a: &[Coefficients<2>],
@@ -173,9 +179,10 @@ fn classify_roots(
     if most <= blur { RootClassification::Inside } else { RootClassification::Unclear }
 }
 
-/// The only possible root (x, τ), by Newton's method; `None` if there is none.
+/// Curve parameter x and arc length τ of the only possible hit, by Newton's method.
 ///
-/// Roots outside the box by at most `tolerance` half widths count.
+/// `None` if there is no hit. Hits outside the parameter box by at most `tolerance` half widths
+/// count.
 fn newton_root(
     a: &[Coefficients<2>],
     ray: &CylindricalRay,

@@ -19,7 +19,7 @@ use libm::{atan2, hypot, sincos};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Longest Newton step along a ray, relative to the surface's size, that refines a hit.
+/// Longest accepted Newton step when a hit is refined along a ray, relative to the surface's size.
 ///
 /// A longer step means that the ray is nearly tangent.
 const MAX_RELATIVE_STEP: f64 = 1e-4;
@@ -36,7 +36,8 @@ const AREA_ANGLES: u32 = 64;
 #[derive(Clone, Debug)]
 pub struct Revolution {
     profile: Arc<RevolutionProfile>,
-    /// Map from object space, whose origin is at the middle height of the profile.
+    /// Map from object space to world space. The object-space origin is on the axis, at the middle
+    /// height of the profile.
     to_world: Transform,
     /// World area \[length²].
     area: f64,
@@ -48,7 +49,7 @@ struct RevolutionProfile {
     leaves: Vec<ProfileLeaf>,
     powers: Vec<Coefficients<2>>,
     tree: RingBvh,
-    /// Largest distance of the surface from the origin.
+    /// Largest object-space distance of the surface from the origin.
     size: f64,
     /// Bound on the rounding error of an evaluated point.
     noise: f64,
@@ -61,13 +62,14 @@ impl Revolution {
     ///
     /// # Errors
     ///
-    /// [`SplineError`] if the numbers of knots and points do not fit, a value is too large, or the
-    /// surface has no area.
+    /// [`SplineError`] if the number of control points does not match the basis, a value is too
+    /// large, or the surface has no area.
     pub fn new(basis: &SplineBasis, controls: &[DVec2]) -> Result<Self, SplineError> {
         Self::with_memory_limit(basis, controls, None)
     }
 
-    /// Surface like that of [`Revolution::new`] that uses at most `free` bytes of memory, if given.
+    /// Creates a surface like [`Revolution::new`], with at most `free` bytes of memory; `None` is
+    /// no limit.
     ///
     /// # Errors
     ///
@@ -116,15 +118,16 @@ impl Revolution {
         (base.length_squared() <= size * size).then(|| (CylindricalRay::new(base, direction), start, length))
     }
 
-    /// Angle θ/2π in \[0, 1] of the object-space point `p` of a leaf.
+    /// Azimuth θ/2π in \[0, 1] of the object-space point `p` of a leaf.
     fn angle_in_turns(&self, p: DVec3, leaf: usize) -> f64 {
         let side = self.profile.leaves[leaf].side;
         let turn = atan2(side * p.z, side * p.x) / TAU;
         if turn < 0.0 { turn + 1.0 } else { turn }
     }
 
-    /// World-space surface point of a leaf at parameter x, in the unit direction `radial` = (x, z)
-    /// from the axis.
+    /// World-space surface point at the parameter x in \[−1, 1] of a leaf.
+    ///
+    /// `radial` is the unit direction (x, z) from the axis to the point.
     fn surface_at(&self, leaf: usize, x: f64, radial: DVec2, uv: Vec2) -> SurfacePoint {
         let profile = &self.profile;
         let p = self.to_world.transform_point(profile.leaf_point(leaf, x, radial));
@@ -212,7 +215,7 @@ impl AnalyticShape for Revolution {
         self.area
     }
 
-    /// Samples a leaf in proportion to its area, then uniform parameters in the leaf.
+    /// Chooses a leaf in proportion to its area, then uniform parameters within the leaf.
     fn sample(&self, u: Vec2) -> ShapeSample {
         let (leaf, _) = self.profile.leaf_distribution.sample(u.x);
         let x = f64::from(self.profile.leaf_distribution.remapped_sample(u.x, leaf)) * 2.0 - 1.0;
@@ -255,26 +258,30 @@ impl RevolutionProfile {
         &self.powers[self.leaves[leaf].first as usize..end]
     }
 
-    /// Object-space point at parameter x of a leaf, in the unit direction `radial` from the axis.
+    /// Object-space point at the parameter x in \[−1, 1] of a leaf.
+    ///
+    /// `radial` is the unit direction (x, z) from the axis to the point.
     fn leaf_point(&self, leaf: usize, x: f64, radial: DVec2) -> DVec3 {
         let ([radius, height], _) = evaluate_with_derivative(self.leaf_polynomial_coefficients(leaf), x);
         DVec3::new(radius * radial.x, height, radius * radial.y)
     }
 
-    /// Unit direction (x, z) from the axis to the points of a leaf at the angle θ = 2π·`turns`.
+    /// Unit direction (x, z) from the axis to the points of a leaf at the azimuth 2π·`turns`.
     fn radial_direction(&self, leaf: usize, turns: f32) -> DVec2 {
         let (sin, cos) = sincos(f64::from(turns) * TAU);
         DVec2::new(cos, sin) * self.leaves[leaf].side
     }
 
-    /// Profile parameter in \[0, 1] at parameter x in \[−1, 1] of a leaf.
+    /// Converts the parameter x in \[−1, 1] of a leaf to the curve parameter of the profile in \[0,
+    /// 1].
     fn leaf_to_profile_parameter(&self, leaf: usize, x: f64) -> f64 {
         let [middle, half] = self.leaves[leaf].place;
         middle + half * x
     }
 
-    /// Index of the leaf at the profile parameter `place` in \[0, 1], and the parameter x in
-    /// \[−1, 1] within that leaf.
+    /// Index of the leaf at the curve parameter `place` in \[0, 1] of the profile.
+    ///
+    /// Also returns the parameter x in \[−1, 1] within that leaf.
     fn find_leaf(&self, place: f64) -> (usize, f64) {
         let after = self.leaves.partition_point(|l| l.place[0] - l.place[1] <= place);
         let leaf = after.saturating_sub(1);
@@ -282,7 +289,7 @@ impl RevolutionProfile {
         (leaf, ((place - middle) / half).clamp(-1.0, 1.0))
     }
 
-    /// Object-space normal on the outer side, not normalised.
+    /// Object-space normal of a leaf at its parameter x, on the outer side and not normalised.
     fn leaf_normal(&self, leaf: usize, x: f64, radial: DVec2) -> DVec3 {
         let powers = self.leaf_polynomial_coefficients(leaf);
         let extent = powers[1..].iter().flatten().fold(0.0, |m: f64, c| m.max(c.abs()));
@@ -299,13 +306,13 @@ impl RevolutionProfile {
         DVec3::new(dh * radial.x, -dx, dh * radial.y) * side
     }
 
-    /// Object-space area per unit of x and per radian of θ.
+    /// Object-space area of a leaf at its parameter x, per unit of x and per radian of azimuth.
     fn area_element(&self, leaf: usize, x: f64) -> f64 {
         let ([radius, _], [dx, dh]) = evaluate_with_derivative(self.leaf_polynomial_coefficients(leaf), x);
         radius.abs() * hypot(dx, dh)
     }
 
-    /// World area of a leaf under `to_world` \[length²].
+    /// World-space area of a leaf under `to_world` \[length²].
     fn leaf_area(&self, leaf: usize, to_world: &Transform) -> f64 {
         let determinant = to_world.determinant().abs();
         let mut sum = 0.0;

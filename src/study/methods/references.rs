@@ -3,7 +3,7 @@
 use super::GroundTruth;
 use super::clock::{measure_time, system_clock};
 use crate::image::metrics::{MetricError, rmse};
-use crate::image::{Image, RelativeScale, SizeError, open_file};
+use crate::image::{Image, RelativeErrorWeights, SizeError, open_file};
 use crate::integrate::{Algorithm, CameraPathSettings, ProgressMonitor, Settings};
 use crate::plan::{Effect, EffectOverrides, Plan};
 use crate::render::Film;
@@ -65,7 +65,7 @@ pub struct ReferencePictures {
     error: Option<f64>,
     pair: [Image; 2],
     mean: Image,
-    scale: RelativeScale,
+    scale: RelativeErrorWeights,
 }
 
 impl ReferencePictures {
@@ -82,7 +82,7 @@ impl ReferencePictures {
         rmse(&a, &b)?;
         let halves = a.pixels().iter().zip(b.pixels()).map(|(a, b)| ((a.as_dvec3() + b.as_dvec3()) * 0.5).as_vec3());
         let mean = Image::from_pixels(a.width(), a.height(), halves.collect())?;
-        let scale = RelativeScale::from_image(&mean);
+        let scale = RelativeErrorWeights::from_image(&mean);
         let apart = |i: usize| (a.pixels()[i].as_dvec3() - b.pixels()[i].as_dvec3()).map(|d| d * d);
         let error = (!exact).then(|| 0.5 * scale.mean(apart).sqrt());
         Ok(Self { source, error, pair: [a, b], mean, scale })
@@ -176,8 +176,8 @@ impl ReferencePictures {
         &self.mean
     }
 
-    /// Returns the scale of relative errors, made from the mean of both references.
-    pub(super) fn relative_scale(&self) -> &RelativeScale {
+    /// Returns the pixel weights of relative errors, made from the mean of both references.
+    pub(super) fn relative_error_weights(&self) -> &RelativeErrorWeights {
         &self.scale
     }
 

@@ -18,7 +18,7 @@ pub struct ConvergenceCheckpoint {
     /// Number of photon paths emitted so far, mean over seeds.
     pub photons: f64,
     /// Relative squared error of each seed's picture, on the
-    /// [`RelativeScale`](crate::image::RelativeScale).
+    /// [`RelativeErrorWeights`](crate::image::RelativeErrorWeights).
     ///
     /// The noise of the references cancels in the estimate, so a small error may be estimated as
     /// negative.

@@ -1,6 +1,6 @@
 //! Error maps: colour ramps, their scales, and windows with the largest errors.
 
-use crate::image::{Image, RelativeScale, SizeError};
+use crate::image::{Image, RelativeErrorWeights, SizeError};
 use crate::study::methods::MethodResult;
 use glam::{DVec3, Vec3};
 
@@ -81,7 +81,7 @@ pub(super) fn error_map(method: &MethodResult, most: f64) -> Result<Image, SizeE
 
 /// Returns the relative difference of each pixel: its mean over channels, divided by the local
 /// `scale` of the reference.
-pub(super) fn relative_differences(difference: &Image, scale: &RelativeScale) -> Vec<f64> {
+pub(super) fn relative_differences(difference: &Image, scale: &RelativeErrorWeights) -> Vec<f64> {
     // Weights contain a factor of 1/3 for the mean over channels.
     let pairs = difference.pixels().iter().zip(scale.pixel_weights());
     pairs.map(|(d, w)| d.as_dvec3().element_sum() / 3.0 * (3.0 * w).sqrt()).collect()

@@ -1,8 +1,7 @@
 use super::super::spline::MIN_SPAN;
 use super::*;
 
-/// An eighth of the unit sphere: a rational quarter circle, revolved by another, with a pole at the
-/// top.
+/// An eighth of the unit sphere as a rational patch of degrees 2 and 2, with a pole at the top.
 pub(in crate::shape::parametric) fn sphere_octant_patch() -> Patch {
     let arc = [(1.0, 0.0, 1.0), (1.0, 1.0, std::f64::consts::FRAC_1_SQRT_2), (0.0, 1.0, 1.0)];
     let mut controls = Vec::new();
@@ -15,7 +14,7 @@ pub(in crate::shape::parametric) fn sphere_octant_patch() -> Patch {
     Patch::new([&basis, &basis], &controls).unwrap()
 }
 
-/// A crumpled patch with more leaves than the memory limit allows.
+/// The construction of a patch fails at the first leaf that exceeds the memory limit.
 #[test]
 fn leaf_memory_is_checked_before_allocation() {
     let basis = SplineBasis::single_bezier(6).unwrap();
@@ -31,7 +30,7 @@ fn leaf_memory_is_checked_before_allocation() {
     }
 }
 
-/// The patch has the narrowest knot span that is accepted, with a sharp bend.
+/// Leaves of a sharply bent patch are at least [`MIN_SPAN`] wide, the narrowest accepted knot span.
 #[test]
 fn leaves_are_wider_than_float_spacing() {
     let basis = SplineBasis::new(2, 5, vec![0.0, 0.0, 0.0, 0.5, 0.5 + MIN_SPAN, 1.0, 1.0, 1.0]).unwrap();

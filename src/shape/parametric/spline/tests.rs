@@ -1,7 +1,7 @@
 use super::super::polynomial::split_bezier;
 use super::*;
 
-/// The recurrence of Cox and de Boor, an independent definition of the basis functions.
+/// Value of B-spline basis function `i` of degree `p` at `t`, by the Cox–de Boor recurrence.
 fn cox_de_boor(knots: &[f64], i: usize, p: usize, t: f64) -> f64 {
     if p == 0 {
         return f64::from(knots[i] <= t && t < knots[i + 1]);

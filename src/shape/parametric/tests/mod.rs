@@ -228,9 +228,10 @@ fn every_intersection_is_found() {
     assert_agrees_with_reference(16_000);
 }
 
-/// The environment variable `CAUSTICA_ROOT_RAYS` sets the number of rays.
+/// Long variant of [`every_intersection_is_found`].
 ///
-/// 10⁷ rays take a quarter of an hour on two cores.
+/// The environment variable `CAUSTICA_ROOT_RAYS` sets the number of rays. 10⁷ rays take a quarter
+/// of an hour on two cores.
 #[test]
 #[ignore = "long: two million rays"]
 fn every_intersection_is_found_with_many_rays() {

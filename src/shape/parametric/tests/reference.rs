@@ -13,7 +13,7 @@ pub enum ReferenceSurface {
     Turned(Vec<DVec2>),
 }
 
-/// A piece with bounds on its second derivatives: by u, by v, and mixed.
+/// Piece of a parametric surface, with bounds on its second derivatives: by u, by v, and mixed.
 pub struct ReferencePiece {
     form: ReferenceSurface,
     bends: [f64; 3],
@@ -21,17 +21,17 @@ pub struct ReferencePiece {
 
 /// A quad of the reference surface that the ray may hit, within the error bound.
 pub struct QuadNearRay {
-    /// Interval of the ray in the quad's box.
+    /// Interval of the ray parameter t inside the quad's bounding box.
     pub t: [f64; 2],
-    /// Cosine between ray and normal.
+    /// Absolute cosine of the angle between the ray and the quad's normal.
     pub cos: f64,
-    /// True if the quad is at an edge of the piece.
+    /// True if the quad is at an edge of the surface piece.
     pub edge: bool,
 }
 
-/// Results of the reference for one ray.
+/// Hits of one ray with a subdivided reference surface.
 pub struct ReferenceHits {
-    /// The nearest hit of a triangle.
+    /// Ray parameter of the nearest hit of a triangle; `None` if the ray misses all triangles.
     pub hit: Option<f64>,
     pub touches: Vec<QuadNearRay>,
 }
@@ -126,7 +126,11 @@ impl ReferencePiece {
         }
     }
 
-    /// Finds every quad of the piece within `error` of the ray.
+    /// Subdivides the piece near the ray `o` + t·`d`, and adds to `found` each quad that the ray
+    /// may hit.
+    ///
+    /// `error` is the largest distance between a quad and the surface. Also updates the nearest hit
+    /// of `found`.
     pub fn find_quads_near_ray(&self, o: DVec3, d: DVec3, error: f64, found: &mut ReferenceHits) {
         let turned = matches!(self.form, ReferenceSurface::Turned(_));
         let parts = if turned { 4 } else { 1 };

@@ -2,7 +2,7 @@
 
 use super::analysis::{MethodAnalysis, MethodStudyAnalysis};
 use super::tables::{method_marker_svg, slopes_table_html, square_root_percent_text};
-use crate::image::{Image, RelativeScale};
+use crate::image::{Image, RelativeErrorWeights};
 use crate::integrate::Algorithm;
 use crate::study::StudyError;
 use crate::study::methods::fit::{ErrorComponent, mean_confidence_interval};
@@ -251,7 +251,7 @@ pub(super) fn method_articles_html(
     found: &MethodStudyResult,
     analysis: &MethodStudyAnalysis,
 ) -> Result<String, StudyError> {
-    let weights = RelativeScale::from_image(&found.truth.picture);
+    let weights = RelativeErrorWeights::from_image(&found.truth.picture);
     let differences: Vec<Vec<f64>> =
         found.methods.iter().map(|m| relative_differences(&m.difference, &weights)).collect();
     let most_error = color_scale_maximum(found.methods.iter().flat_map(|m| m.error.iter().map(|e| f64::from(*e))));
