@@ -228,7 +228,7 @@ fn white_light_through_slab_stays_white() {
                 (EffectOverrides::PLANNED.without_effect(Effect::Dispersion), plain),
             ] {
                 let what =
-                    format!("slab at {degrees}°, behind {behind}, {:?}", effects.forced_state(Effect::Dispersion));
+                    format!("slab at {degrees}°, behind {behind}, {:?}", effects.effect_override(Effect::Dispersion));
                 let samples = mean_pictures(&scene, effects);
                 for c in 0..3 {
                     let channel: Vec<f64> = samples.iter().map(|v| v[c]).collect();
