@@ -85,7 +85,7 @@
 //!    path. Smooth glass splits the path while both branches carry enough light.
 //! 4. At a surface that stores photons, `NextEventEstimator::estimate` adds direct light, and
 //!    `PhotonMaps::radiance` adds the estimates from the photon maps
-//!    ([`PhotonMap::estimate`](photon::PhotonMap::estimate)). In [`Algorithm::Hybrid`], one path
+//!    ([`PhotonMap::estimate_radiance`](photon::PhotonMap::estimate_radiance)). In [`Algorithm::Hybrid`], one path
 //!    per pixel reads the maps, at its first such surface.
 //! 5. `continue_path` samples the next direction and applies Russian roulette.
 //!

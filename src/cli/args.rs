@@ -298,11 +298,14 @@ pub struct EstimateArguments {
     pub quiet: bool,
 }
 
-/// Field names of the flags that a study of effects does not accept.
+/// Fields of [`StudyModeArguments`] that set up a study of methods. `--effects` excludes their
+/// flags.
 const METHOD_STUDY_FLAGS: [&str; 8] =
     ["methods", "variants", "knobs", "budget", "seeds", "truth", "truth_time", "save_truth"];
 
-/// Flags that choose between a study of effects and a study of methods, and set up the latter.
+/// Flags of `study` that choose a study of effects or a study of methods.
+///
+/// `effects` chooses a study of effects. All other flags belong to a study of methods.
 #[derive(Debug, Args)]
 pub struct StudyModeArguments {
     /// Render the picture with and without each effect of the plan, to measure its cost and

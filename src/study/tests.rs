@@ -45,7 +45,7 @@ fn run_effect_study(scene: &Scene, algorithm: Algorithm, settings: &Settings, pa
     study.run(passes, &AtomicBool::new(false), &SilentMonitor, |_| {}).unwrap()
 }
 
-/// An effect that the scene does not need costs rays and changes no bit.
+/// Simulating caustics in a scene without casters costs rays and changes no bit of the picture.
 #[test]
 fn unneeded_caustics_cost_rays_and_change_no_bit() {
     let overrides = EffectOverrides::PLANNED.with(Effect::Caustics);

@@ -7,7 +7,7 @@ use crate::plan::EffectOverrides;
 use crate::study::methods::MethodVariant;
 use clap::{Parser, ValueEnum};
 
-/// Flags that a variant may not set itself, because all methods of a study share them.
+/// Flags that all methods of a study share. A variant may not set them.
 const STUDY_WIDE_FLAGS: [&str; 3] = ["--integrator", "--filter", "--seed"];
 
 /// Error: the value of `--variant` cannot be parsed.
@@ -76,7 +76,7 @@ impl VariantArguments {
         })
     }
 
-    /// Converts to a variant of the study library. `overrides` says which effects are simulated.
+    /// Converts the arguments to a method of the study. `overrides` forces effects on or off.
     pub fn into_study_variant(self, overrides: EffectOverrides) -> MethodVariant {
         MethodVariant {
             label: self.label,

@@ -7,8 +7,9 @@ use crate::scene::{DeltaLightKind, LightStrength, Material, SceneBuilder};
 use crate::shape::{Plane, Shape, Sphere};
 use glam::DVec3;
 
-/// A directional light above a ball, and a plane at `height` that may lie between them.
-fn sun_over_ball(height: f64) -> Scene {
+/// A scene with a directional light above a ball, and a horizontal plane at `height`, which may lie
+/// between light and ball.
+fn sun_over_ball_scene(height: f64) -> Scene {
     let mut builder = SceneBuilder::new();
     let white = builder.material(Material::diffuse(Rgb::ONE));
     builder.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 0.5)), white, Rgb::ZERO);
@@ -31,7 +32,7 @@ fn directional_light_reaches_unbounded_planes() {
     let scene = builder.build(eye).unwrap();
     // As far as the farther plane, with room.
     assert!(scene.photon_domain().radius >= 3.0);
-    let source = PhotonSource::in_all_directions(&scene).unwrap();
+    let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
     let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: 0 };
     let photons = pass.trace(Key::new(1), 4096, &|_| {}).deposits.photons;
     let on = |axis: usize, at: f32| photons.iter().any(|p| (p.position[axis] - at).abs() < 1e-3);
@@ -41,8 +42,8 @@ fn directional_light_reaches_unbounded_planes() {
 #[test]
 fn distant_planes_shadow_parallel_light() {
     for (height, shaded) in [(1.0, true), (100.0, true), (1e6, true), (-1.0, false)] {
-        let scene = sun_over_ball(height);
-        let source = PhotonSource::in_all_directions(&scene).unwrap();
+        let scene = sun_over_ball_scene(height);
+        let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
         let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: 0 };
         let photons = pass.trace(Key::new(1), 4096, &|_| {}).deposits.photons;
         let on_ball = photons.iter().filter(|p| p.position.length() < 0.6).count();

@@ -1,6 +1,6 @@
 //! The error estimator: accumulates passes and estimates the error of their mean.
 
-use super::blur::{BlurDifferences, BlurEstimate};
+use super::blur::{BlurEstimate, NestedDifferenceMoments};
 use super::confidence::Confidence;
 use super::effective_samples::EffectiveSampleCount;
 use super::estimate::ErrorEstimate;
@@ -30,15 +30,17 @@ pub struct ErrorEstimator {
     scale: Option<RelativeErrorWeights>,
 }
 
-/// Sums over passes of the differences between nested photon estimates, by pixel.
+/// Sums over passes of the differences between photon estimates with nested discs, for each pixel.
 #[derive(Clone, Debug)]
 struct NestedEstimateSums {
-    /// Sums over passes of the differences D₀ and D₁ for each pixel, which
-    /// [`error_estimate`](super) defines.
+    /// Sums over passes of the differences D₀ and D₁ that [`error_estimate`](super) defines, for
+    /// each pixel.
     differences: [Vec<Vec3>; 2],
     /// Sums over passes and channels of D₀², D₀·D₁ and D₁², for each pixel.
+    /// [`error_estimate`](super) defines D₀ and D₁.
     products: Vec<[f64; 3]>,
-    /// Mean discs of the estimates from the caustic and the indirect map, by pixel.
+    /// Mean gather discs of the estimates from the caustic map and from the indirect map, for each
+    /// pixel.
     discs: Vec<[GatherDiscMeans; 2]>,
     samples: EffectiveSampleCount,
 }
@@ -109,13 +111,15 @@ impl ErrorEstimator {
 
     /// Estimates the error of the mean of the passes, with an interval of 90 % confidence.
     ///
-    /// `film` holds the same passes. The error is infinite before [`MIN_PASSES`] passes.
+    /// `film` must hold the added passes. The error is infinite before [`MIN_PASSES`] passes.
     #[must_use]
     pub fn estimate(&self, film: &Film) -> ErrorEstimate {
         self.estimate_with_confidence(film, Confidence::default())
     }
 
-    /// Estimates the error like [`Self::estimate`], with an interval of the given `confidence`.
+    /// Estimates the error of the mean of the passes, with an interval of the given `confidence`.
+    ///
+    /// `film` must hold the added passes. The error is infinite before [`MIN_PASSES`] passes.
     #[must_use]
     pub fn estimate_with_confidence(&self, film: &Film, confidence: Confidence) -> ErrorEstimate {
         let passes = self.passes;
@@ -136,7 +140,8 @@ impl ErrorEstimator {
             square.min(1.0)
         });
         let noise2 = noise2.sum::<f64>() * fraction;
-        let differences = self.photon_estimates.as_ref().map(|estimates| estimates.mean_blur_differences(&scale, n));
+        let differences =
+            self.photon_estimates.as_ref().map(|estimates| estimates.nested_difference_moments(&scale, n));
         let blur = differences.as_ref().map(BlurEstimate::from_differences).unwrap_or_default();
         let (shared2, shared_variance) = self.shared_paths.squared_error(&scale, film.size().0, n);
         let square = noise2 + blur.square + shared2;
@@ -164,14 +169,15 @@ impl ErrorEstimator {
         }
     }
 
-    /// Predicts the error after more passes from `estimate`; `None` before [`MIN_PASSES`] passes.
+    /// Returns the forecast of the error after more passes than those of `estimate`; `None` before
+    /// [`MIN_PASSES`] passes.
     #[must_use]
     pub fn forecast(&self, estimate: &ErrorEstimate) -> Option<ErrorForecast> {
-        let law = self.radius_law.map(|law| (law.alpha, law.kernel.difference_variance()));
+        let law = self.radius_law.map(|law| (law.alpha, law.kernel.nested_difference_variance()));
         estimate.error.is_finite().then(|| ErrorForecast::new(estimate, law))
     }
 
-    /// Estimated error of each pixel; `film` holds the same passes.
+    /// Returns the estimated error of each pixel. `film` must hold the added passes.
     #[must_use]
     pub fn error_maps(&self, film: &Film) -> ErrorMaps {
         let n = f64::from(self.passes.max(1));
@@ -212,9 +218,11 @@ impl NestedEstimateSums {
         }
     }
 
-    /// Returns the means of D₀², D₀·D₁ and D₁² over the picture. Each product combines two
-    /// different passes of the `n` passes.
-    fn mean_blur_differences(&self, scale: &RelativeErrorWeights, n: f64) -> BlurDifferences {
+    /// Returns the means over the picture of the squares and the product of D₀ and D₁, for `n`
+    /// passes.
+    ///
+    /// Each product combines two different passes. [`error_estimate`](super) defines D₀ and D₁.
+    fn nested_difference_moments(&self, scale: &RelativeErrorWeights, n: f64) -> NestedDifferenceMoments {
         let [d0, d1] = &self.differences;
         let pixels = scale.pixel_weights().len();
         let (mut square, mut variance) = ([0.0; 3], 0.0);
@@ -231,7 +239,7 @@ impl NestedEstimateSums {
         // Terms: noise of pairs of passes, and products of noise and expected difference.
         let scatter = self.samples.squared_error_variance();
         let d0_variance = variance * variance * scatter / (n * (n - 1.0)) + 2.0 * d0.max(0.0) * variance * scatter / n;
-        BlurDifferences { d0, d0_d1, d1, variance, d0_variance }
+        NestedDifferenceMoments { d0, d0_d1, d1, variance, d0_variance }
     }
 }
 
@@ -244,7 +252,8 @@ impl GatherDiscMeans {
         }
     }
 
-    /// Mean radius and photon count over passes with an estimate; 0 without one.
+    /// Returns the mean radius and photon count over the passes with an estimate; 0 without such
+    /// passes.
     fn mean(self) -> MeanGatherDisc {
         let n = self.passes.max(1) as f32;
         MeanGatherDisc { radius: self.radius / n, photons: self.photons / n }

@@ -10,19 +10,21 @@ use glam::DVec3;
 /// Errors of neighbouring pixels correlate.
 const BLOCK: u32 = 16;
 
-/// Sums over passes of the difference between radiance by shared camera paths and radiance by fresh
-/// ones.
+/// Difference between radiance by shared camera paths and radiance by fresh camera paths, summed
+/// over passes.
 ///
-/// Fresh camera paths are traced in one pass only. A pass renders a small part of the pixels with
-/// them.
+/// Shared paths are the same in all passes. Fresh paths are new in each pass, for a few pixels
+/// only.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SharedPathError {
-    /// Indices of the pixels with fresh paths, in rows from the top.
+    /// Indices of the pixels that each pass also renders with fresh camera paths, in rows from the
+    /// top.
     pixels: Vec<u32>,
     /// Sum over passes of radiance by shared paths minus radiance by fresh paths, for each pixel
     /// and channel.
     sums: Vec<DVec3>,
-    /// Sum over passes and channels of the square of that difference, for each pixel.
+    /// Sum over passes and channels of the squared difference between radiance by shared and by
+    /// fresh paths, for each pixel.
     squares: Vec<f64>,
 }
 
@@ -40,10 +42,11 @@ impl SharedPathError {
         }
     }
 
-    /// Mean relative squared error of the shared paths, and its variance; 0 without shared paths.
+    /// Returns the mean relative squared error of the shared paths, and its variance; 0 without
+    /// shared paths.
     ///
     /// `columns` is the width of the picture \[pixels], and `n` the number of passes. The variance
-    /// follows from the differences between blocks.
+    /// is measured between blocks of [`BLOCK`] × [`BLOCK`] pixels.
     pub(super) fn squared_error(&self, scale: &RelativeErrorWeights, columns: u32, n: f64) -> (f64, f64) {
         if self.pixels.is_empty() {
             return (0.0, 0.0);

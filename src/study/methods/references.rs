@@ -13,7 +13,7 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Difference between the seed of each reference and the first seed of the study.
+/// Differences between the seeds of the two references and the first seed of the study.
 const SEED_OFFSETS: [u64; 2] = [1 << 62, 1 << 63];
 
 /// First bytes of a PNG file.
@@ -91,7 +91,8 @@ impl ReferencePictures {
     /// Reads one or two reference pictures, whose width and height must be `size` \[pixels].
     ///
     /// # Errors
-    /// [`ReferenceError`].
+    /// [`ReferenceError`] if a file cannot be read, is a PNG, has another size or a pixel that is
+    /// not finite, or if both pictures are equal.
     pub fn read(first: &Path, second: Option<&Path>, size: (u32, u32)) -> Result<Self, ReferenceError> {
         let source = match second {
             Some(second) => format!("{}, {}", first.display(), second.display()),
@@ -104,7 +105,8 @@ impl ReferencePictures {
         }
     }
 
-    /// Renders two references with the settings `like`, except for seeds and sample counts.
+    /// Renders two references with the settings `like`, except for seeds and the number of camera
+    /// rays.
     ///
     /// Makes passes until each reference has taken at least `seconds` of processor time. After each
     /// pass, calls `after` with the number of passes and the elapsed fraction of `seconds`. Returns
@@ -154,7 +156,7 @@ impl ReferencePictures {
         Self::new(source, a?, Some(b?)).map(Some)
     }
 
-    /// Both reference pictures. They are equal if a single reference is taken as exact.
+    /// Returns both reference pictures. They are equal if a single reference is taken as exact.
     #[must_use]
     pub fn both_reference_pictures(&self) -> &[Image; 2] {
         &self.pair
@@ -174,8 +176,8 @@ impl ReferencePictures {
         &self.mean
     }
 
-    /// Scale of relative errors, from the mean of both references.
-    pub(super) fn relative_scale(&self) -> &RelativeErrorWeights {
+    /// Returns the pixel weights of relative errors, made from the mean of both references.
+    pub(super) fn relative_error_weights(&self) -> &RelativeErrorWeights {
         &self.scale
     }
 

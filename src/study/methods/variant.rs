@@ -31,7 +31,7 @@ pub enum MethodVariantError {
     OneSeed,
 }
 
-pub(super) fn check_variants(variants: &[MethodVariant], seeds: u32) -> Result<(), MethodVariantError> {
+pub(super) fn check_method_variants(variants: &[MethodVariant], seeds: u32) -> Result<(), MethodVariantError> {
     if variants.is_empty() {
         return Err(MethodVariantError::None);
     }
@@ -72,13 +72,13 @@ mod tests {
 
     #[test]
     fn method_labels_and_seed_counts_are_checked() {
-        assert_eq!(check_variants(&[variant_with_label("a"), variant_with_label("b")], 2), Ok(()));
+        assert_eq!(check_method_variants(&[variant_with_label("a"), variant_with_label("b")], 2), Ok(()));
         assert_eq!(
-            check_variants(&[variant_with_label("a"), variant_with_label("b"), variant_with_label("a")], 2),
+            check_method_variants(&[variant_with_label("a"), variant_with_label("b"), variant_with_label("a")], 2),
             Err(MethodVariantError::Twice("a".into()))
         );
         assert_eq!(
-            (check_variants(&[], 2), check_variants(&[variant_with_label("a")], 1)),
+            (check_method_variants(&[], 2), check_method_variants(&[variant_with_label("a")], 1)),
             (Err(MethodVariantError::None), Err(MethodVariantError::OneSeed))
         );
     }

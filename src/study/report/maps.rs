@@ -64,7 +64,8 @@ pub(super) fn color_scale_maximum(values: impl Iterator<Item = f64>) -> Option<f
     Some(up * decade)
 }
 
-/// Draws the relative error of each pixel by a logarithmic colour ramp from `most` / 100 to `most`.
+/// Draws the relative error of each pixel by a logarithmic colour ramp, which ends at the error
+/// `most`.
 pub(super) fn error_map(method: &MethodResult, most: f64) -> Result<Image, SizeError> {
     let colour = |e: &f32| {
         let e = f64::from(*e);
@@ -86,8 +87,9 @@ pub(super) fn relative_differences(difference: &Image, scale: &RelativeErrorWeig
     pairs.map(|(d, w)| d.as_dvec3().element_sum() / 3.0 * (3.0 * w).sqrt()).collect()
 }
 
-/// Draws relative differences by a colour ramp from −`most` to `most`. The picture has the size of
-/// `method`'s picture.
+/// Draws signed relative differences by a colour ramp from −`most` to `most`.
+///
+/// `relative` holds a difference for each pixel of `method`'s picture.
 pub(super) fn difference_map(method: &MethodResult, relative: &[f64], most: f64) -> Result<Image, SizeError> {
     let picture = &method.picture;
     Image::from_pixels(

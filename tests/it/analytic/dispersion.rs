@@ -147,7 +147,7 @@ fn dispersed_beam_sums_to_white() {
         ));
         for dispersion in [true, false] {
             let effects = if dispersion { Effects::ALL } else { Effects::ALL.without(Effect::Dispersion) };
-            let source = PhotonSource::in_all_directions(&scene).unwrap().with_effects(effects);
+            let source = PhotonSource::emitting_in_all_directions(&scene).unwrap().with_effects(effects);
             let passes = trace_passes_from_source(&scene, &source, StoreMask::CAUSTIC, 10_000, PASSES, 1 << 15);
             let with_wavelength = passes[0].deposits.photons.iter().filter(|p| p.data.wavelength() != 0).count();
             assert_eq!(
@@ -227,7 +227,7 @@ fn white_light_through_slab_stays_white() {
                 [(EffectOverrides::PLANNED, parted), (EffectOverrides::PLANNED.without(Effect::Dispersion), plain)]
             {
                 let what =
-                    format!("slab at {degrees}°, behind {behind}, {:?}", effects.forced_state(Effect::Dispersion));
+                    format!("slab at {degrees}°, behind {behind}, {:?}", effects.effect_override(Effect::Dispersion));
                 let samples = mean_pictures(&scene, effects);
                 for c in 0..3 {
                     let channel: Vec<f64> = samples.iter().map(|v| v[c]).collect();

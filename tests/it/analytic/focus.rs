@@ -44,7 +44,8 @@ fn beam_average(z: f64, weight: impl Fn(f64) -> f64) -> f64 {
 
 /// With two bounces photons pass straight through. Those reflected outside land beyond .7.
 fn trace_focus_passes(scene: &Scene, aimed: bool) -> Vec<PhotonPassResult> {
-    let source = if aimed { PhotonSource::aimed_at_casters(scene) } else { PhotonSource::in_all_directions(scene) };
+    let source =
+        if aimed { PhotonSource::aimed_at_casters(scene) } else { PhotonSource::emitting_in_all_directions(scene) };
     trace_passes_from_source(scene, &source.unwrap(), StoreMask::CAUSTIC, 2, PASSES, 1 << 16)
 }
 

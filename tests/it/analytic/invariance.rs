@@ -109,7 +109,8 @@ fn scaling_by_a_power_of_two_changes_no_bit() {
 /// patch is in the room's coordinates.
 fn stored_photon_fluxes(at: Placement, aimed: bool, mask: StoreMask, passes: u32, paths: u32) -> Vec<DVec3> {
     let scene = room_scene(at);
-    let source = if aimed { PhotonSource::aimed_at_casters(&scene) } else { PhotonSource::in_all_directions(&scene) };
+    let source =
+        if aimed { PhotonSource::aimed_at_casters(&scene) } else { PhotonSource::emitting_in_all_directions(&scene) };
     let inside = |p: DVec3| {
         let local = at.turn.inverse() * (p - at.origin) / at.scale;
         let floor = DVec2::new(local.x, local.z);

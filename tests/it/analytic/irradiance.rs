@@ -168,7 +168,9 @@ fn photons_store_their_incident_direction() {
     let one = |map: &PhotonMap| {
         let brdf = |flux: &PhotonData| Vec3::splat(flux.incident_direction().y);
         let mut scratch = PhotonSearchBuffers::new();
-        f64::from(map.estimate(origin, Vec3::Y, fixed_bandwidth(radius), Kernel::Box, &mut scratch, brdf).radiance.x)
+        f64::from(
+            map.estimate_radiance(origin, Vec3::Y, fixed_bandwidth(radius), Kernel::Box, &mut scratch, brdf).radiance.x,
+        )
     };
     let samples: Vec<f64> = maps(&scene).iter().map(one).collect();
     // Directions are stored to 10⁻⁴ rad. Adding 11,000 photons is accurate to 11,000 · 2⁻²⁴ =

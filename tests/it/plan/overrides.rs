@@ -86,7 +86,7 @@ fn disabling_needed_effect_changes_image() {
         for effect in algorithm.supported_effects().iter() {
             let without = picture(&scene, algorithm, EffectOverrides::PLANNED.without(effect));
             let decision = without.decisions.iter().find(|d| d.effect == effect).unwrap();
-            assert!(decision.is_forced() && !decision.is_simulated);
+            assert!(decision.is_forced_by_user() && !decision.is_simulated);
             assert!(planned.difference(&without).is_some(), "{} without {effect}", algorithm.name());
         }
     }

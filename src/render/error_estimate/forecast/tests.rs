@@ -10,8 +10,8 @@ fn error_estimate_with_parts(
     ErrorEstimate { passes, variance, difference_variance, blur, blur_ratio, ..ErrorEstimate::default() }
 }
 
-/// A tenth of the pixels hold fireflies of sixteen times the limit. More passes find more of
-/// them; each fades from four times the passes on.
+/// A tenth of the pixels are fireflies of relative squared noise 16. With more passes, more pixels
+/// are fireflies. Above four times the passes, each firefly contributes less.
 #[test]
 fn fireflies_spread_before_they_fade() {
     let mut fireflies = Fireflies::default();
@@ -27,7 +27,7 @@ fn fireflies_spread_before_they_fade() {
     }
 }
 
-/// Four passes of variance 0.04: error 0.1 now, 0.01 after 400 passes.
+/// The error of a pass variance of 0.04 is 0.1 after 4 passes, and 0.01 after 400 passes.
 #[test]
 fn noise_alone_falls_as_the_root_of_passes() {
     let forecast = ErrorForecast::new(&error_estimate_with_parts(4, 0.04, 0.0, 0.0, 0.5), None);
@@ -45,7 +45,8 @@ fn fixed_radii_leave_a_bias_floor() {
     assert_eq!(n, 178);
 }
 
-/// If estimates make all noise, noise and bias fall as n^(−1/3) (Knaus and Zwicker 2011).
+/// If all noise comes from photon estimates, noise and bias fall as n^(−1/3) (Knaus and Zwicker
+/// 2011).
 #[test]
 fn shrinking_radii_follow_their_law() {
     let alpha = 2.0 / 3.0;

@@ -40,7 +40,8 @@ impl MethodStudyAnalysis {
         Self { methods, pareto: pareto_front(&found.methods), recommendation }
     }
 
-    /// Recommendation in words, and the shell command that renders with the method.
+    /// Returns a text that recommends the best method, and the shell command that renders with the
+    /// method; `None` without a recommendation.
     pub(super) fn recommendation_text(&self, found: &MethodStudyResult) -> Option<(String, String)> {
         let MethodRecommendation { method, error: expected, alike } = self.recommendation.as_ref()?;
         let (best, judged) = (&found.methods[*method], &self.methods[*method]);
@@ -67,14 +68,14 @@ impl MethodStudyAnalysis {
 }
 
 impl MethodAnalysis {
-    /// Slopes that theory predicts for the passes of the fit; `None` without a fit, or if the
-    /// quantity is zero.
+    /// Returns the slopes of `quantity` that theory predicts for the fitted checkpoints; `None`
+    /// without a fit, or if the quantity is zero.
     pub(super) fn predicted_slopes(&self, method: &MethodResult, quantity: ErrorComponent) -> Option<SlopeRange> {
         predicted_slopes(method.algorithm, quantity, &self.fit.as_ref()?.passes, method.alpha)
     }
 }
 
-/// Text of a slope over passes with its interval, such as `−0.49 (−0.52 … −0.46)`.
+/// Text of a slope over passes with its confidence interval, such as `−0.49 (−0.52 … −0.46)`.
 pub(super) fn slope_interval_text(slopes: Option<ConvergenceSlopes>) -> String {
     let Some(ConvergenceSlopes { by_passes, .. }) = slopes else { return "–".to_owned() };
     let interval = by_passes
@@ -88,8 +89,10 @@ pub(super) fn slope_range_text(law: Option<SlopeRange>) -> String {
     law.map_or("none".to_owned(), |law| law.to_string())
 }
 
-/// Two texts about reaching an error: the time, and the work in passes and, if the method has
-/// photons, in photons.
+/// Returns the time to reach an error as text, and further texts: time range, passes and photons.
+///
+/// `has_photons` says whether the method has photons to count. An error that is never reached gets
+/// an explanation.
 pub(super) fn time_to_error_text(reach: &TimeToError, has_photons: bool) -> (String, Vec<String>) {
     let work = |effort: &RenderEffort| {
         let passes = Some(format!("{} passes", count_text(effort.passes.max(1.0))));

@@ -210,7 +210,9 @@ pub(super) fn error_crops_html(found: &MethodStudyResult) -> Result<String, Stud
     Ok(crops)
 }
 
-/// Draws a colour bar as SVG. `ticks` are labels with their positions on the bar, from 0 to 1.
+/// Draws a colour bar as SVG, with the colours of `error_color_ramp`.
+///
+/// `ticks` are positions on the bar, from 0 to 1, and their labels.
 fn color_legend_svg(id: &str, error_color_ramp: impl Fn(f64) -> Vec3, ticks: &[(f64, String)]) -> String {
     const STOPS: u32 = 24;
     let mut svg = format!(

@@ -143,7 +143,7 @@ pub(super) fn checkpoint_tables_html(found: &MethodStudyResult) -> String {
                 square_root_percent_text(c.mean_squared_error()),
                 square_root_percent_text(c.noise2),
                 square_root_percent_text(c.bias2),
-                c.mean_estimated_square().map_or("–".to_owned(), square_root_percent_text),
+                c.mean_square_of_estimated_error().map_or("–".to_owned(), square_root_percent_text),
                 three_digit_text(c.rmse),
                 three_digit_text(c.flip),
             ];

@@ -125,7 +125,7 @@ fn photons_obey_beer_over_million_boundaries() {
         let spot = DeltaLightKind::Spot { position: -0.95 * DVec3::X, axis: DVec3::X, inner: 0.9e-3, outer: 1e-3 };
         b.delta_light(spot, LightStrength::Power(Rgb::ONE));
         let scene = b.build(camera_along_x()).unwrap();
-        let source = PhotonSource::in_all_directions(&scene).unwrap();
+        let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
         let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: TURNS - 1 };
         let audit = pass.trace(Key::new(3).purpose_key(Purpose::Test), 2, &|_| {}).audit;
         let left = audit.stopped[1] / audit.emitted[1];

@@ -68,7 +68,7 @@ fn coarse_ball_is_dark_inside() {
             assert_dark(&inside, &format!("{kind} {relief}"));
             let lit = render_passes(&ball("0 0 3"), Algorithm::Path, settings(), 1);
             assert!(lit.iter().all(|p| p.max_element() > 0.0), "{kind} is lit from outside");
-            let source = PhotonSource::in_all_directions(&inside).unwrap();
+            let source = PhotonSource::emitting_in_all_directions(&inside).unwrap();
             let pass = PhotonPass { scene: &inside, source: &source, mask: StoreMask::ALL, max_bounces: 20 };
             let traced = pass.trace(test_key(70), 1 << 14, &|_| {});
             // A photon stores the side it landed on. Outwards is away from the ball's center.

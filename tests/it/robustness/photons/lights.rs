@@ -88,7 +88,7 @@ fn point_light_in_floor_lights_ceiling() {
     let all: Vec<(DVec3, DQuat)> = places.iter().flat_map(|at| test_rotations().map(move |turn| (*at, turn))).collect();
     all.par_iter().for_each(|(at, turn)| {
         let scene = point_in_the_floor(*turn, *at);
-        let source = PhotonSource::in_all_directions(&scene).unwrap();
+        let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
         let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
         let traced = pass.trace(Key::new(3).purpose_key(Purpose::Test), 1 << 16, &|_| {});
         let flux: f64 = traced.deposits.photons.iter().map(|p| f64::from(p.data.flux().y)).sum();

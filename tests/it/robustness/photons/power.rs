@@ -144,7 +144,7 @@ fn photons_beyond_float_range_are_reported() {
     };
     assert_eq!(scene(&[1e38, 2e38]).err(), Some(BuildError::TooBright(1)));
     let scene = scene(&[1e38, 1e38]).unwrap();
-    let source = PhotonSource::in_all_directions(&scene).unwrap();
+    let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
     let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
     let rejected = |paths| {
         let traced = pass.trace(test_key(9), paths, &|_| {});

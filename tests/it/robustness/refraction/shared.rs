@@ -130,7 +130,7 @@ fn lit(faces: Faces, contact: Contact, liquid_first: bool, angle: f64) -> Scene 
 
 /// Returns the fraction of the flux that reaches the floor, in independent passes.
 fn passed(scene: &Scene) -> Vec<f64> {
-    let source = PhotonSource::in_all_directions(scene).unwrap();
+    let source = PhotonSource::emitting_in_all_directions(scene).unwrap();
     let pass = PhotonPass { scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 1000 };
     let part = |i| {
         let traced = pass.trace(test_key(40).child_key(i), 1 << 11, &|_| {});

@@ -153,7 +153,7 @@ fn trapped_photons_keep_flux_and_terminate() {
         let source = DeltaLightKind::Spot { position: DVec3::ZERO, axis: DVec3::ONE, inner: 0.08, outer: 0.08 };
         b.delta_light(source, LightStrength::Power(Vec3::new(1.0, 2.0, 3.0)));
         let scene = built(b);
-        let source = PhotonSource::in_all_directions(&scene).unwrap();
+        let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
         let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: BOUNCES };
         let traced = pass.trace(test_key(3), 1024, &|_| {});
         assert_eq!(traced.audit.stopped, traced.audit.emitted);
