@@ -144,8 +144,8 @@ fn scenes_09_and_10_match_fine_meshes() {
         let file = SceneFile::read(&course.join(format!("testcases/{name}.txt"))).unwrap();
         let curve = profile(&file.description.root).unwrap();
         let basis = match curve.basis {
-            CurveBasis::Bezier => SplineBasis::single_bezier(curve.controls.len()),
-            CurveBasis::Bspline => SplineBasis::uniform_knots(3, curve.controls.len()),
+            CurveBasis::Bezier => SplineBasis::bezier_basis(curve.controls.len()),
+            CurveBasis::Bspline => SplineBasis::uniform_spline_basis(3, curve.controls.len()),
         };
         let controls: Vec<DVec2> = curve.controls.iter().map(|c| c.truncate()).collect();
         let exact = scene_of(|b, white| {

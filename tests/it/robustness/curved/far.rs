@@ -81,12 +81,12 @@ fn far_lights_cast_no_shadow_on_themselves() {
     let rectangle = Shape::Rectangle(Rectangle::new(-0.5 * (edges[0] + edges[1]), edges[0], edges[1]));
     // A dome, and a sail over a square: both are convex on the emissive side.
     let profile = [DVec2::new(0.8, -0.8), DVec2::new(1.0, 0.9), DVec2::new(0.0, 0.9)];
-    let bell = Shape::Revolution(Revolution::new(&SplineBasis::single_bezier(3).unwrap(), &profile).unwrap());
+    let bell = Shape::Revolution(Revolution::new(&SplineBasis::bezier_basis(3).unwrap(), &profile).unwrap());
     let square = [1.0, -1.0, 1.0];
     let control =
         |i: usize, j: usize| DVec4::new(i as f64 - 1.0, 1.0 - 0.5 * (square[i] + square[j]), j as f64 - 1.0, 1.0);
     let net: Vec<DVec4> = (0..9).map(|i| control(i % 3, i / 3)).collect();
-    let basis = SplineBasis::single_bezier(3).unwrap();
+    let basis = SplineBasis::bezier_basis(3).unwrap();
     let patch = Shape::Patch(Patch::new([&basis, &basis], &net).unwrap());
     let placed = Shape::Instance(Instance::new(Arc::new(MeshWithBvh::new(one)), squash));
     let emitters = [

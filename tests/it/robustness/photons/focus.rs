@@ -32,7 +32,7 @@ fn parabola(pixels: u32) -> Scene {
     let mirror = b.add_material(Material::mirror(Rgb::splat(REFLECTANCE as f32)));
     let white = b.add_material(Material::diffuse(Rgb::splat(0.5)));
     let controls = [DVec2::ZERO, DVec2::new(0.5, 0.0), DVec2::new(1.0, 0.25)];
-    let bowl = Revolution::new(&SplineBasis::single_bezier(3).unwrap(), &controls).unwrap();
+    let bowl = Revolution::new(&SplineBasis::bezier_basis(3).unwrap(), &controls).unwrap();
     b.add_shape(Shape::Revolution(bowl), mirror, Rgb::ZERO);
     b.add_shape(Shape::Disc(Disc::circular_disc(DVec3::Y, -DVec3::Y, TARGET)), white, Rgb::ZERO);
     b.add_delta_light(
