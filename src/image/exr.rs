@@ -1,6 +1,7 @@
 //! Reads and writes RGB pictures as OpenEXR files.
 //!
-//! Files hold linear radiance without exposure or tone curve. Half precision clamps it to ±65504.
+//! Files hold linear radiance without exposure or tone curve. With half precision, values are
+//! clamped to ±65504.
 
 use std::io::Cursor;
 
@@ -78,9 +79,9 @@ pub(super) fn layer_attributes(metadata: &[(String, String)]) -> LayerAttributes
     attributes
 }
 
-/// Largest display window \[pixels] that may be mostly empty; larger than 3840 × 2160.
+/// Number of pixels up to which the display window of an OpenEXR file may be mostly empty.
 ///
-/// A larger window is checked against the size of the file.
+/// It exceeds 3840 × 2160. A file with a larger window is refused if it is too short to fill it.
 const ACCEPTED_WINDOW: u64 = 1 << 23;
 
 impl From<exr::error::Error> for DecodeFailure {

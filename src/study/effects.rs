@@ -173,7 +173,7 @@ impl<'a> EffectStudy<'a> {
         let run = |without: Option<EffectDecision>| {
             let mut settings = settings.clone();
             if let Some(decision) = without {
-                settings.camera_paths.effects = settings.camera_paths.effects.without(decision.effect);
+                settings.camera_paths.effects = settings.camera_paths.effects.without_effect(decision.effect);
             }
             let (integrator, setup) = clock.measure_seconds(|| algorithm.prepare(scene, settings));
             let spent = PictureCost { setup, ..PictureCost::default() };

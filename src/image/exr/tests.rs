@@ -64,7 +64,7 @@ fn an_implausible_size_is_refused() {
     assert_eq!(image.pixels()[40], Vec3::ZERO);
 }
 
-/// A picture is read although it takes more than half a gigabyte in single precision.
+/// A picture is read although it takes more than half a gigabyte, the default limit of the decoder.
 #[test]
 fn pictures_may_exceed_the_limit_of_the_decoder() {
     let noise = |i: u32| Vec3::splat((i.wrapping_mul(2_654_435_761) >> 8) as f32);

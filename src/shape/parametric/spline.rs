@@ -98,7 +98,7 @@ impl SplineBasis {
     /// # Errors
     ///
     /// [`SplineError::Degree`] for fewer than 2 or too many control points.
-    pub fn single_bezier(controls: usize) -> Result<Self, SplineError> {
+    pub fn bezier_basis(controls: usize) -> Result<Self, SplineError> {
         let degree = controls.saturating_sub(1);
         let knots = [0.0, 1.0].into_iter().flat_map(|k| std::iter::repeat_n(k, controls.min(MAX_DEGREE + 1))).collect();
         validate_degree(degree)?;
@@ -112,7 +112,7 @@ impl SplineBasis {
     /// # Errors
     ///
     /// [`SplineError`] if there are too few control points for the degree.
-    pub fn uniform_knots(degree: usize, controls: usize) -> Result<Self, SplineError> {
+    pub fn uniform_spline_basis(degree: usize, controls: usize) -> Result<Self, SplineError> {
         validate_degree(degree)?;
         let last = controls + degree;
         Self::new(degree, controls, (0..=last).map(|i| i as f64 / last as f64).collect())

@@ -7,9 +7,10 @@ use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
 
 /// The surface of a reference piece: a Bézier patch, or a Bézier curve revolved about the y axis.
 pub enum ReferenceSurface {
-    /// Control points with weights, and the degrees.
+    /// Bézier patch: control points (x, y, z, weight), and the degrees along u and v.
     Patch(Vec<DVec4>, [usize; 2]),
-    /// Control points of the profile curve; the parameter v is the angle in turns.
+    /// Control points (radius, height) of a Bézier profile; the parameter v is the azimuth in
+    /// turns.
     Turned(Vec<DVec2>),
 }
 
