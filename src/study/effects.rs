@@ -36,7 +36,7 @@ pub enum ClockKind {
 }
 
 impl ClockKind {
-    /// [`Self::Processor`] if the system reports processor time, else [`Self::Wall`].
+    /// Returns [`Self::Processor`] if the system reports processor time, else [`Self::Wall`].
     fn preferred_clock() -> Self {
         if cpu_seconds().is_some() { Self::Processor } else { Self::Wall }
     }
