@@ -81,8 +81,8 @@ pub(super) struct BinaryNode {
     /// Number of child slots for the left subtree: `share[n]`, if this node gets n child slots of a
     /// wide node.
     ///
-    /// n is from 2 to [`ARITY`]. The right subtree gets the other slots. This division has the least
-    /// traversal cost. A value of 0 means that n − 1 slots cost as little.
+    /// n is from 2 to [`ARITY`]. The right subtree gets the other slots. This division has the
+    /// least traversal cost. A value of 0 means that n − 1 slots cost as little.
     pub share: [u8; ARITY + 1],
     /// True if all primitives of this node become one leaf.
     pub leaf: bool,
