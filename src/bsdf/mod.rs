@@ -252,8 +252,7 @@ impl Bsdf {
         }
     }
 
-    /// True if the surface is a *caster*: light that it scatters to a surface that stores photons
-    /// belongs to the caustic map.
+    /// True if the surface is a caster, as [`PhotonKind`](crate::photon::PhotonKind) defines it.
     ///
     /// Casters are mirrors, thin sheets, dielectrics of any roughness, and conductors of roughness
     /// α up to [`PHOTON_STORAGE_ALPHA`].

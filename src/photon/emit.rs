@@ -201,7 +201,7 @@ impl<'a> PhotonSource<'a> {
 
 /// All effects, but without [`Effect::Interiors`] if no object of `scene` has an interior.
 fn effects_of_scene(scene: &Scene) -> Effects {
-    if scene.has_interiors() { Effects::ALL } else { Effects::ALL.without(Effect::Interiors) }
+    if scene.has_interiors() { Effects::ALL } else { Effects::ALL.without_effect(Effect::Interiors) }
 }
 
 /// Power of each light \[W], averaged over RGB.

@@ -203,7 +203,8 @@ impl PhotonPass<'_> {
                     return add_flux(&mut audit.absorbed, flux);
                 };
                 let adjoint = sample.adjoint_correction(surface.wo, surface.point.ns, surface.point.ng);
-                let interior_weight = path_ray.leave_surface(surface, sample.wi, sample.is_transmitted);
+                let interior_weight =
+                    path_ray.leave_surface_with_wavelength_weight(surface, sample.wi, sample.is_transmitted);
                 let scattered = flux * sample.weight * adjoint * interior_weight;
                 add_flux(&mut audit.absorbed, flux - scattered);
                 flux = scattered;

@@ -11,7 +11,8 @@ use crate::medium::Medium;
 use crate::sampling::Key;
 use glam::Vec3;
 
-/// Properties of one shape, mesh or plane that planning needs.
+/// Properties of a shape, mesh or plane, from which [`SceneFeatures`](crate::plan::SceneFeatures)
+/// are derived.
 #[derive(Clone, Copy, Debug)]
 pub struct ObjectSummary {
     /// Bounding sphere, tight for spheres; `None` for unbounded planes.
@@ -25,7 +26,7 @@ pub struct ObjectSummary {
     pub has_emission_texture: bool,
 }
 
-/// A material that is not a mix, with one BSDF that it can have.
+/// A material that is not a mix, with one of the BSDFs that it can have.
 #[derive(Clone, Copy, Debug)]
 pub struct LeafMaterial<'a> {
     /// The body that the material bounds, if it bounds one.
@@ -35,9 +36,10 @@ pub struct LeafMaterial<'a> {
 }
 
 impl LeafMaterial<'_> {
-    /// True if the material focuses light: see [`Bsdf::casts_caustics`].
+    /// True if the material makes its surface a caster, as
+    /// [`PhotonKind`](crate::photon::PhotonKind) defines it.
     ///
-    /// It is false for a null interface, which light crosses undeflected.
+    /// False for a null interface, which light crosses undeflected.
     #[must_use]
     pub fn casts_caustics(&self) -> bool {
         match self.bounded_body {
@@ -95,7 +97,8 @@ impl Scene {
         self.materials.iter().filter_map(Material::bounded_body)
     }
 
-    /// True if paths must track interiors: there are bodies, or an ambient medium.
+    /// True if the scene has bodies or an ambient medium, so that paths must track an
+    /// [`Interior`](super::Interior).
     #[must_use]
     pub fn has_interiors(&self) -> bool {
         self.ambient_medium.is_some() || self.bodies().next().is_some()
@@ -107,7 +110,7 @@ impl Scene {
     /// because their BSDFs may differ in kind.
     pub fn for_each_leaf_material(&self, material: u32, visit: &mut impl FnMut(LeafMaterial<'_>)) {
         let material = &self.materials[material as usize];
-        match material.mix_parts() {
+        match material.mix_component_indices() {
             Some(parts) => parts.into_iter().for_each(|part| self.for_each_leaf_material(part, visit)),
             None => material.visit_bsdf_variants(&self.textures, |bsdf| {
                 visit(LeafMaterial { bounded_body: material.bounded_body(), bsdf });
@@ -129,21 +132,24 @@ impl Scene {
         indices.into_iter().map(|index| &self.media[index as usize]).collect()
     }
 
-    /// Two flags: true if a parameter is textured, and true if shading normals are perturbed.
+    /// Returns two flags: true if a parameter is textured, and true if shading normals are
+    /// perturbed.
     ///
-    /// They hold for the material with index `material`, or for any part of it if it is a mix.
+    /// The flags apply to the material with index `material` or, for a mix, to any of its
+    /// components.
     #[must_use]
     pub fn texture_usage(&self, material: u32) -> (bool, bool) {
         let material = &self.materials[material as usize];
         let own = (material.is_textured(), material.normal_perturbation() != NormalPerturbation::None);
-        let Some(parts) = material.mix_parts() else { return own };
+        let Some(parts) = material.mix_component_indices() else { return own };
         let parts = parts.map(|part| self.texture_usage(part));
         parts.iter().fold(own, |all, part| (all.0 || part.0, all.1 || part.1))
     }
 
-    /// Bounding spheres of all objects that cast caustics; `None` if such an object is unbounded.
+    /// Bounding spheres of all casters; `None` if a caster is unbounded. Photons for the caustic
+    /// map are aimed at these spheres.
     ///
-    /// Photons for the caustic map are aimed at these spheres.
+    /// [`PhotonKind`](crate::photon::PhotonKind) defines casters.
     #[must_use]
     pub fn caster_bounding_spheres(&self) -> Option<Vec<BoundingSphere>> {
         let casts_caustics = |material: u32| {
@@ -154,25 +160,31 @@ impl Scene {
         self.object_summaries().filter(|o| casts_caustics(o.material)).map(|o| o.ball).collect()
     }
 
-    /// The state of a camera path that starts with `ray` and simulates `effects`.
+    /// Returns the first ray of a camera path: `ray`, with the interior around its origin and the
+    /// texture filter cone of a pixel.
+    ///
+    /// The path simulates `effects`.
     #[inline]
     #[must_use]
     pub fn start_camera_path<I: Interior>(&self, ray: Ray, effects: Effects) -> PathRay<I> {
-        PathRay { ray, interior: I::at_camera(self, &ray, effects), cone: self.camera_ray_cone(effects) }
+        PathRay { ray, interior: I::interior_at_camera(self, &ray, effects), cone: self.camera_ray_cone(effects) }
     }
 
-    /// The cone over which textures are filtered, at the start of a camera ray.
+    /// The ray cone over which textures are filtered, at the start of a camera ray.
     #[inline]
     #[must_use]
     pub fn camera_ray_cone(&self, effects: Effects) -> RayCone {
         RayCone::from_pixel(self.camera.pixel_footprint(), effects)
     }
 
-    /// The state of a light path that starts with `ray` at light `light` and simulates `effects`.
+    /// Returns the first ray of a light path: `ray`, with the interior around light `light`.
+    /// Textures are not filtered.
+    ///
+    /// The path simulates `effects`.
     #[inline]
     #[must_use]
     pub fn start_light_path<I: Interior>(&self, light: usize, ray: Ray, effects: Effects) -> PathRay<I> {
-        PathRay { ray, interior: I::at_light(self, light, effects), cone: RayCone::zero_width(effects) }
+        PathRay { ray, interior: I::interior_at_light(self, light, effects), cone: RayCone::zero_width_cone(effects) }
     }
 
     /// `ray` with its origin moved back beyond all unbounded planes behind it.
@@ -200,10 +212,11 @@ impl Scene {
         path_ray::shadow_transmittance(self, ray, interior, key)
     }
 
-    /// Unbiased estimate of the transmittance along `ray`, which has a unit direction.
+    /// Unbiased estimate of the transmittance along `ray`, which has a unit direction. Surfaces are
+    /// ignored.
     ///
-    /// `interior` holds the bodies and media around the ray's origin. They are taken to fill the
-    /// whole length of the ray: surfaces are ignored.
+    /// The bodies and media of `interior`, which surround the origin of the ray, are assumed to
+    /// fill its whole length.
     #[inline]
     #[must_use]
     pub fn interior_transmittance<I: Interior>(&self, ray: &Ray, interior: &I, key: Key) -> Rgb {

@@ -36,7 +36,7 @@ pub enum ClockKind {
 }
 
 impl ClockKind {
-    /// [`Self::Processor`] if the system reports processor time, else [`Self::Wall`].
+    /// Returns [`Self::Processor`] if the system reports processor time, else [`Self::Wall`].
     fn preferred_clock() -> Self {
         if cpu_seconds().is_some() { Self::Processor } else { Self::Wall }
     }
@@ -173,7 +173,7 @@ impl<'a> EffectStudy<'a> {
         let run = |without: Option<EffectDecision>| {
             let mut settings = settings.clone();
             if let Some(decision) = without {
-                settings.camera_paths.effects = settings.camera_paths.effects.without(decision.effect);
+                settings.camera_paths.effects = settings.camera_paths.effects.without_effect(decision.effect);
             }
             let (integrator, setup) = clock.measure_seconds(|| algorithm.prepare(scene, settings));
             let spent = PictureCost { setup, ..PictureCost::default() };

@@ -45,7 +45,7 @@ impl Texture {
         color::channel_mean(self.evaluate_color(context))
     }
 
-    /// Mean colour over one period; over all space for a solid texture.
+    /// Mean colour over one period of the texture or, for a solid texture, over all space.
     #[must_use]
     pub fn mean(&self) -> Rgb {
         match self {
@@ -73,7 +73,7 @@ impl Texture {
 
     /// Step for the finite differences of bump maps: a fraction of the texture's finest detail.
     ///
-    /// It is measured in texture coordinates, or in object space for a solid texture \[length].
+    /// The unit is that of texture coordinates or, for a solid texture, of object space \[length].
     #[must_use]
     pub fn finest_bump_step(&self) -> f64 {
         match self {

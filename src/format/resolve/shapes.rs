@@ -39,9 +39,9 @@ pub(super) fn add_shape(
             let point = *normal * (*offset / normal.length_squared());
             let plane = Plane::new(point, *normal);
             if to_world.is_constant() {
-                r.builder.plane(plane.transformed(&placement.at_open), r.material, emission);
+                r.builder.add_plane(plane.transformed(&placement.at_open), r.material, emission);
             } else {
-                r.builder.moving_plane(plane, to_world.clone(), r.material, emission);
+                r.builder.add_moving_plane(plane, to_world.clone(), r.material, emission);
             }
             set_mapping(r, TextureMappingKind::plane_mapping(*normal), to_world);
         }

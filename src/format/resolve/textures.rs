@@ -84,7 +84,7 @@ impl<'a> Resolver<'a> {
 
     fn add_texture(&mut self, texture: Texture, is_srgb: bool) -> AddedTexture {
         let (mean, range, is_solid_texture) = (texture.mean(), texture.value_range(), texture.is_solid_texture());
-        AddedTexture { index: self.builder.texture(texture), mean, range, is_solid_texture, is_srgb }
+        AddedTexture { index: self.builder.add_texture(texture), mean, range, is_solid_texture, is_srgb }
     }
 
     /// Reads a picture and adds it as a texture.

@@ -49,8 +49,8 @@ fn grid_values_are_at_cell_centers() {
     );
 }
 
-/// Blocks along a ray are adjacent and cover its part in the box once. Majorants bound the density
-/// up to rounding.
+/// Checks that the blocks along a ray adjoin and cover the grid once, and that their majorants
+/// bound the density up to rounding.
 #[test]
 fn majorants_bound_the_density_along_rays() {
     let mut random = test_rng(11);
@@ -97,7 +97,7 @@ fn majorants_bound_the_density_along_rays() {
     assert!(crossed > 60_000, "{crossed}");
 }
 
-/// Interval of distances t ≥ 0 at which a ray is inside the box of a grid.
+/// Returns the interval of distances t ≥ 0 at which `ray` is inside the box of `field`.
 fn ray_interval_in_cube(field: &GridDensity, ray: &Ray) -> (f64, f64) {
     let inverse = field.placement().inverse();
     let (o, d) = (inverse.transform_point3(ray.origin.as_dvec3()), inverse.transform_vector3(ray.direction.as_dvec3()));

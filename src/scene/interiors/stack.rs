@@ -43,7 +43,7 @@ impl BodyInterface {
 }
 
 impl InteriorStack {
-    /// No body: a point in air.
+    /// The empty stack: a point in air.
     pub const EMPTY: Self = Self { bodies: [0; MAX_BODIES], count: 0 };
 
     /// Material indices of the bodies, in the order of entry.
@@ -87,14 +87,15 @@ impl InteriorStack {
         self.bodies().contains(&material)
     }
 
-    /// The body of highest priority, with its material index. It determines absorption and medium.
+    /// The body of highest priority, which determines absorption and medium, with its material
+    /// index; `None` in air.
     #[inline]
     pub(in crate::scene) fn top_body<'a>(&self, materials: &'a [Material]) -> Option<(u32, &'a Body)> {
         self.highest_priority_body(materials, |_| true)
     }
 
-    /// The body of highest priority that refracts, with its material index. It determines the
-    /// refractive index.
+    /// The body of highest priority without a null interface, which determines the refractive
+    /// index, with its material index; `None` in air.
     #[inline]
     pub(in crate::scene) fn top_refracting_body<'a>(&self, materials: &'a [Material]) -> Option<(u32, &'a Body)> {
         self.highest_priority_body(materials, |body| !body.is_null_interface)
@@ -118,10 +119,10 @@ impl InteriorStack {
         top
     }
 
-    /// The interface that a path meets at the boundary of `body`, given the bodies around the path.
+    /// Returns the interface between `body` and the body on the outer side of its boundary.
     ///
-    /// `material` is the index of the body's material. `entering` is true if the path enters the
-    /// body.
+    /// The stack holds the bodies around the path that meets the boundary. `material` is the
+    /// material index of `body`. `entering` is true if the path enters `body`.
     #[inline]
     pub(in crate::scene) fn interface_at(
         &self,
@@ -146,7 +147,7 @@ impl InteriorStack {
     ///
     /// `ng` is the geometric normal of the boundary and points out of the body.
     #[inline]
-    pub(in crate::scene) fn enter_or_leave(&mut self, material: u32, direction: Vec3, ng: Vec3) {
+    pub(in crate::scene) fn enter_or_leave_body(&mut self, material: u32, direction: Vec3, ng: Vec3) {
         if direction.dot(ng) < 0.0 { self.push_body(material) } else { self.remove_body(material) }
     }
 }

@@ -79,8 +79,8 @@ pub(super) fn error_map(method: &MethodResult, most: f64) -> Result<Image, SizeE
     Image::from_pixels(picture.width(), picture.height(), method.error.iter().map(colour).collect())
 }
 
-/// Returns the relative difference of each pixel: its mean over channels, divided by the local
-/// `scale` of the reference.
+/// Returns the relative difference of each pixel: the mean of `difference` over channels, divided
+/// by the radiance that the reference has around the pixel ([`RelativeErrorWeights`]).
 pub(super) fn relative_differences(difference: &Image, scale: &RelativeErrorWeights) -> Vec<f64> {
     // Weights contain a factor of 1/3 for the mean over channels.
     let pairs = difference.pixels().iter().zip(scale.pixel_weights());

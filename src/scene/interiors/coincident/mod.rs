@@ -13,7 +13,7 @@ use crate::math::{Ray, offset_ray_origin};
 use crate::scene::geometry::CoincidenceGroup;
 use crate::scene::{Scene, SurfaceInteraction};
 
-/// Maximum number of boundaries that may coincide with the one that is hit; more are ignored.
+/// Maximum number of boundaries that may coincide with the one that a ray hits; more are ignored.
 const MAX_COINCIDENT_FACES: usize = 3;
 
 /// A boundary of a body at a hit, and the direction in which the path crosses it.
@@ -23,7 +23,8 @@ pub(in crate::scene) struct CoincidentFace {
     pub material: u32,
     /// True if the path enters the body.
     pub entering: bool,
-    /// Boundaries of one group, material and direction count as one boundary.
+    /// Coincidence group of the object. Faces that agree in group, material and direction count as
+    /// one.
     pub group: CoincidenceGroup,
 }
 
@@ -56,7 +57,7 @@ impl CoincidentFaces {
         self.0.iter().flatten().copied()
     }
 
-    fn add_face(&mut self, face: CoincidentFace) {
+    fn add_coincident_face(&mut self, face: CoincidentFace) {
         if let Some(slot) = self.0.iter_mut().find(|f| f.is_none_or(|f| f == face)) {
             *slot = Some(face);
         }
@@ -77,10 +78,11 @@ pub(super) struct BoundarySides<'a> {
 }
 
 impl InteriorStack {
-    /// The stack after a path crosses the boundary `own` and all boundaries in `coincident`.
+    /// Returns the bodies around a path after it crosses the boundary `own` and all boundaries in
+    /// `coincident`.
     ///
-    /// The path may already have crossed a coincident boundary at its previous vertex. An entry
-    /// into a body that is on the stack is therefore skipped, unless the path leaves the same body
+    /// The path may already have crossed a coincident boundary at its previous vertex. So an entry
+    /// into a body that is already on the stack is skipped, unless the path leaves the same body
     /// through `own`. An exit from a body that is not on the stack has no effect.
     pub(super) fn stack_after_crossing(&self, own: CoincidentFace, coincident: &CoincidentFaces) -> Self {
         let mut far = *self;
@@ -97,7 +99,10 @@ impl InteriorStack {
     }
 }
 
-/// The bodies on both sides of `surface`, which bounds `body`, and of all coincident boundaries.
+/// Returns the bodies before and after a path crosses `surface`, the boundary of `body`, together
+/// with all boundaries that coincide with it.
+///
+/// `stack` holds the bodies before. `entering` is true if the path enters `body`.
 pub(super) fn boundary_sides<'a>(
     stack: &InteriorStack,
     scene: &'a Scene,
@@ -143,7 +148,7 @@ fn find_coincident_faces(scene: &Scene, surface: &SurfaceInteraction<'_>) -> Coi
         let material = geometry.object_attributes(hit.primitive).material;
         let face = CoincidentFace { material, entering, group: geometry.coincidence_group(hit.primitive) };
         if face != own && scene.materials[material as usize].bounded_body().is_some() {
-            faces.add_face(face);
+            faces.add_coincident_face(face);
         }
     });
     faces.0.sort_unstable_by_key(|face| face.map_or((true, None), |face| (false, Some(face))));

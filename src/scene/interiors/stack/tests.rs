@@ -2,14 +2,14 @@
 
 use super::*;
 
-fn water_ice_and_glass() -> Vec<Material> {
+fn water_ice_glass_materials() -> Vec<Material> {
     let body = |index, priority| Material::smooth_boundary(Body { priority, ..Body::new(index) });
     // Water, ice, glass.
     vec![body(1.33, 0), body(1.31, 1), body(1.5, 2)]
 }
 
 fn body_of_material(i: usize) -> Body {
-    *water_ice_and_glass()[i].bounded_body().unwrap()
+    *water_ice_glass_materials()[i].bounded_body().unwrap()
 }
 
 fn interior_stack_of_materials(bodies: &[u32]) -> InteriorStack {
@@ -20,7 +20,7 @@ fn interior_stack_of_materials(bodies: &[u32]) -> InteriorStack {
 
 #[test]
 fn the_highest_priority_wins_in_any_entry_order() {
-    let m = water_ice_and_glass();
+    let m = water_ice_glass_materials();
     for order in [[0, 1, 2], [2, 1, 0], [1, 2, 0]] {
         assert_eq!(interior_stack_of_materials(&order).top_body(&m).unwrap().0, 2);
     }
@@ -38,10 +38,11 @@ fn the_highest_priority_wins_in_any_entry_order() {
     assert_eq!(out.relative_ior(&body_of_material(2), |b| b.index), 1.5 / 1.33);
 }
 
-/// The index ratio agrees from both sides, so a path and its reverse see one interface.
+/// Compares the interface that a path meets when it enters a body with the one that it meets when
+/// it leaves.
 #[test]
 fn a_boundary_has_one_interface_from_both_sides() {
-    let m = water_ice_and_glass();
+    let m = water_ice_glass_materials();
     for around in [&[][..], &[0], &[1], &[2], &[0, 1], &[0, 2], &[0, 1, 2]] {
         for material in 0..3u32 {
             if around.contains(&material) {
@@ -58,7 +59,7 @@ fn a_boundary_has_one_interface_from_both_sides() {
 
 #[test]
 fn equal_priorities_nest_and_equal_materials_merge() {
-    let mut m = water_ice_and_glass();
+    let mut m = water_ice_glass_materials();
     for material in &mut m {
         *material = material.with_body(Body { priority: 0, ..*material.bounded_body().unwrap() });
     }
@@ -70,7 +71,7 @@ fn equal_priorities_nest_and_equal_materials_merge() {
 
 #[test]
 fn null_interfaces_yield_and_do_not_refract() {
-    let mut m = water_ice_and_glass();
+    let mut m = water_ice_glass_materials();
     m.push(Material::smooth_boundary(Body::medium_region(0)));
     m.push(Material::smooth_boundary(Body { priority: 9, ..Body::medium_region(1) }));
     assert_eq!(
