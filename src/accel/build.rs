@@ -302,10 +302,9 @@ mod tests {
         }
     }
 
-    /// The depth of the tree is bounded, although the heuristic splits off only a few boxes at a
-    /// time.
+    /// The depth of a tree over boxes that double in size and distance is bounded.
     ///
-    /// It does so for boxes that double in size and distance.
+    /// The surface area heuristic splits off only a few of these boxes at a time.
     #[test]
     fn bvh_depth_is_bounded() {
         let series = (0..126u32).map(|i| (f32::from_bits((i + 64) << 23), i));

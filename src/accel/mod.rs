@@ -89,8 +89,8 @@ impl Hierarchy {
     /// Among hits of equal `t`, triangles win against other primitives, then the lowest index wins.
     ///
     /// `other(i, ray)` intersects `ray` with the primitive in box `i`. It returns t and two
-    /// numbers, which become `u` and `v` of the [`PrimitiveHit`]. The `t_max` of the given `ray` is the ray
-    /// parameter of the nearest hit so far.
+    /// numbers, which become `u` and `v` of the [`PrimitiveHit`]. The `t_max` of the given `ray` is
+    /// the ray parameter of the nearest hit so far.
     #[inline]
     pub fn closest_hit<F>(&self, ray: &Ray, mut other: F) -> Option<PrimitiveHit>
     where
