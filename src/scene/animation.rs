@@ -17,7 +17,7 @@ use std::sync::Arc;
 pub(super) const MID_SHUTTER: f64 = 0.5;
 
 /// The moving shapes, planes, lights, camera and texture mappings of a scene, each before its
-/// motion. Each motion maps to scene coordinates.
+/// motion. Each motion maps to coordinates relative to [`Scene::origin`].
 #[derive(Debug, Default)]
 pub(super) struct Animation {
     /// Moving shapes, which the scene lists after the shapes at rest.
