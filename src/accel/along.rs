@@ -23,13 +23,13 @@ pub struct BoxTree {
     levels: Vec<Vec<Boxes8>>,
 }
 
-/// Largest number of levels of a [`BoxTree`]: eight children per node make 8¹⁰ = 2³⁰ boxes.
+/// Largest number of levels of a [`BoxTree`], enough for 8¹⁰ = 2³⁰ boxes.
 const MOST_LEVELS: usize = 10;
 const NUMBER_BITS: u32 = 28;
 /// Entries of the traversal stack: each level leaves up to seven nodes on it.
 const STACK: usize = (ARITY - 1) * MOST_LEVELS + 1;
 
-/// Padding of all boxes, relative to the largest coordinate.
+/// Padding of all boxes of a [`BoxTree`], relative to the largest coordinate.
 ///
 /// A ray along an axis has infinite reciprocals, which are clamped to the largest f32. The padding
 /// lets such a ray cross a flat box at distances up to 10¹⁹ times the largest coordinate.

@@ -292,10 +292,9 @@ impl WideNodeInput<'_> {
     }
 }
 
-/// True if the triangle has an area above zero.
-///
-/// Differences of f32 and their products are exact in f64, or far from cancelling.
+/// True if the triangle has an area above zero, computed in f64.
 fn has_area(corners: &[Vec3; 3]) -> bool {
+    // Differences of f32 and their products are exact in f64, or far from cancelling.
     let [a, b, c] = corners.map(|v| v.as_dvec3());
     (b - a).cross(c - a) != DVec3::ZERO
 }

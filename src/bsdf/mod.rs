@@ -276,7 +276,7 @@ impl Bsdf {
         }
     }
 
-    /// True if the surface is a *caustic caster*: it scatters light, but stores no photons.
+    /// True if the surface is a caustic caster: it scatters light, but stores no photons.
     ///
     /// Casters are mirrors, thin sheets, dielectrics of any roughness, and conductors of roughness
     /// α up to [`PHOTON_STORAGE_ALPHA`].

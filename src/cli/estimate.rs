@@ -85,13 +85,13 @@ fn render_pilot(
         interrupted: &INTERRUPTED,
     };
     let (began, mut first) = (Instant::now(), 0.0);
-    progress.set_pass(1, None);
+    progress.set_pass_number(1, None);
     progress.set_time_left(Some(arguments.pilot));
     let rendered = render(integrator, size, &stop, progress, |standing| {
         if standing.passes == 1 {
             first = began.elapsed().as_secs_f64();
         }
-        progress.set_pass(standing.passes + 1, None);
+        progress.set_pass_number(standing.passes + 1, None);
     });
     progress.remove_progress_bar();
     // The first pass takes longer, because caches are cold.
@@ -126,11 +126,12 @@ struct CostEstimate {
     error: f64,
     /// Number of passes that reach the error; `None` if the error cannot be reached.
     passes: Option<u32>,
-    /// Expected time of preparation and passes \[s]; `None` if the error cannot be reached.
+    /// Expected time until the error is reached, with preparation \[s]; `None` if it cannot be
+    /// reached.
     seconds: Option<f64>,
-    /// Expected time \[s] if the pilot's true error is at the lower end of its confidence interval.
+    /// `seconds` if the pilot's true error is at the lower end of its confidence interval \[s].
     seconds_low: Option<f64>,
-    /// Expected time \[s] if the pilot's true error is at the upper end of its confidence interval.
+    /// `seconds` if the pilot's true error is at the upper end of its confidence interval \[s].
     seconds_high: Option<f64>,
     photons: Option<f64>,
     /// Relative bias that no number of passes removes; `None` if bias does not prevent the error.

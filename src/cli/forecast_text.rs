@@ -27,8 +27,8 @@ pub(super) fn error_text(estimate: &ErrorEstimate) -> String {
 
 /// Returns a text about the time until a lower error, such as `; 1.0 % in about 42 s`.
 ///
-/// The pair holds the relative error that the text names, and the estimated error whose time it
-/// predicts. `pass_seconds` is the time of one pass \[s]. The text is empty if the error is 0
+/// The pair holds the error that the text names, and the estimated error that must be reached.
+/// `pass_seconds` is the time of one pass \[s]. The text is empty if the estimated error is 0
 /// already.
 pub(super) fn time_to_error_text(
     estimate: &ErrorEstimate,

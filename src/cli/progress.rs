@@ -89,7 +89,7 @@ impl ProgressDisplay {
     }
 
     /// Sets the pass number that the bar shows: `pass`, counted from 1, of `of` passes if known.
-    pub fn set_pass(&self, pass: u32, of: Option<u32>) {
+    pub fn set_pass_number(&self, pass: u32, of: Option<u32>) {
         let label = match of {
             Some(of) => format!("pass {pass}/{of}"),
             None => format!("pass {pass}"),
@@ -104,7 +104,7 @@ impl ProgressDisplay {
     }
 
     /// Sets the text to the right of the bar.
-    pub fn set_note(&self, note: String) {
+    pub fn set_progress_note(&self, note: String) {
         if let Self::Bar(bar, _) = self {
             bar.set_message(note);
         }

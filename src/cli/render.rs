@@ -134,7 +134,7 @@ fn render_passes(
     });
     let target = arguments.target_error.map(|error| ErrorTarget { error, confidence: arguments.confidence });
     let stop = StopCriteria { min_passes: 1, passes, time: arguments.time, target, interrupted: &INTERRUPTED };
-    progress.set_pass(1, passes);
+    progress.set_pass_number(1, passes);
     progress.set_time_left(arguments.time);
     let began = Instant::now();
     render(integrator, size, &stop, progress, |standing| {
@@ -155,12 +155,12 @@ fn render_passes(
             let elapsed = start.elapsed().as_secs_f64();
             progress.print_line(&format!("pass {}{of} after {elapsed:.1} s{error}", standing.passes));
         }
-        progress.set_pass(standing.passes + 1, passes);
+        progress.set_pass_number(standing.passes + 1, passes);
         // Most passes estimate no error. The previous forecast stays after them.
         if let Some(left) = time_until_stop(&stop, standing, began.elapsed(), pass_seconds) {
             progress.set_time_left(Some(left));
         }
-        error.into_iter().for_each(|note| progress.set_note(note));
+        error.into_iter().for_each(|note| progress.set_progress_note(note));
     })
 }
 

@@ -38,11 +38,11 @@ impl ExrLayer {
 /// # Errors
 /// [`WriteError::NoLayers`] if the extension is not `.exr`, or the error of [`check_replaceable`].
 pub fn check_layers_path(path: &Path) -> Result<(), WriteError> {
-    check_layer_extension(path)?;
+    check_exr_extension(path)?;
     check_replaceable(path)
 }
 
-fn check_layer_extension(path: &Path) -> Result<(), WriteError> {
+fn check_exr_extension(path: &Path) -> Result<(), WriteError> {
     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")) {
         Ok(())
     } else {
@@ -65,7 +65,7 @@ pub fn write_layers(
     layers: &[ExrLayer],
     metadata: &[(String, String)],
 ) -> Result<usize, WriteError> {
-    check_layer_extension(path)?;
+    check_exr_extension(path)?;
     check_metadata(metadata)?;
     replace_file(path, &encode(size, layers, metadata)?)?;
     let values = layers.iter().flat_map(|layer| &layer.channels).flat_map(|(_, values)| values);

@@ -18,7 +18,7 @@ pub enum MetricError {
     /// A pixel is NaN or infinite.
     #[error("the {which} picture has a non-finite pixel in column {x}, row {y}: repair it before comparing")]
     NonFinite {
-        /// `first` or `second`.
+        /// The picture that contains the pixel: `first` or `second`.
         which: &'static str,
         /// Column from the left, from 0.
         x: u32,
@@ -30,7 +30,7 @@ pub enum MetricError {
     Parameter {
         /// Name of the option: `epsilon`, `clip`, `exposure` or `pixels per degree`.
         name: &'static str,
-        /// The given value.
+        /// The given value of the option.
         value: f64,
     },
 }

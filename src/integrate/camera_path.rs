@@ -421,7 +421,7 @@ impl<I: Interior> PathState<I> {
         transmitted: bool,
     ) -> Self {
         let mut path_ray = self.path_ray;
-        let weight = weight * path_ray.leave_surface(surface, direction, transmitted);
+        let weight = weight * path_ray.leave_surface_with_wavelength_weight(surface, direction, transmitted);
         let sampler = self.sampler.next_vertex_sampler(self.bounce, transmitted);
         let throughput = self.throughput * weight;
         Self { path_ray, throughput, bounce: self.bounce + 1, prev: None, sampler, ..*self }

@@ -1,7 +1,7 @@
 //! Equirectangular maps: pictures over all directions, with importance sampling.
 
 use crate::color::{self, Rgb};
-use crate::image::{Image, SizeError};
+use crate::image::{Image, PictureSizeError};
 use crate::sampling::PiecewiseConstant2d;
 use glam::{DVec2, DVec3, UVec2, Vec2, Vec3};
 use libm::{atan2, cos, hypot, sin};
@@ -22,7 +22,7 @@ pub enum EmissionPictureError {
     },
     /// The picture has no pixels.
     #[error(transparent)]
-    Size(#[from] SizeError),
+    Size(#[from] PictureSizeError),
 }
 
 /// Multiplies all pixels of a picture by `scale`.

@@ -191,7 +191,7 @@ impl<'a> LightTracer<'a> {
         }
         let key = key.camera_connection_key();
         let mut leaving = *path_ray;
-        leaving.leave_surface(surface, connection.direction, false);
+        leaving.leave_surface_with_wavelength_weight(surface, connection.direction, false);
         if is_occluded {
             return self.scene.shadow_transmittance(&ray, leaving.interior, key);
         }
@@ -219,7 +219,7 @@ pub fn add_splats(mut splats: Vec<Splat>, filter: &Filter, width: u32, image: &m
         for splat in &splats[first..end] {
             // Pixel centers lie at halves.
             let position = splat.film - 0.5;
-            let weight = filter.density(y as f32 - position.y);
+            let weight = filter.normalized_value(y as f32 - position.y);
             if weight == 0.0 {
                 continue;
             }
@@ -227,7 +227,7 @@ pub fn add_splats(mut splats: Vec<Splat>, filter: &Filter, width: u32, image: &m
             let left = (position.x - radius).ceil().max(0.0) as usize;
             let right = (position.x + radius + 1.0).clamp(0.0, width as f32) as usize;
             for (x, sum) in sums.iter_mut().enumerate().take(right).skip(left) {
-                *sum += radiance * f64::from(filter.density(x as f32 - position.x));
+                *sum += radiance * f64::from(filter.normalized_value(x as f32 - position.x));
             }
         }
         pixels.iter_mut().zip(&*sums).for_each(|(pixel, sum)| *pixel += sum.as_vec3());

@@ -139,7 +139,7 @@ impl Plan {
                 reason => reason,
             };
             if reason.is_ok() {
-                needed = needed.with(effect);
+                needed = needed.with_effect(effect);
             }
             let is_needed = reason.is_ok();
             let is_simulated = supported.has(effect) && overrides.effect_override(effect).unwrap_or(is_needed);
@@ -154,13 +154,16 @@ impl Plan {
     /// forced on.
     #[must_use]
     pub fn needed_and_simulated_effects(&self) -> Effects {
-        self.decisions.iter().filter(|d| d.is_simulated && d.is_needed).fold(Effects::NONE, |on, d| on.with(d.effect))
+        self.decisions
+            .iter()
+            .filter(|d| d.is_simulated && d.is_needed)
+            .fold(Effects::NONE, |on, d| on.with_effect(d.effect))
     }
 
     /// Returns the effects that the render simulates.
     #[must_use]
     pub fn simulated_effects(&self) -> Effects {
-        self.decisions.iter().filter(|d| d.is_simulated).fold(Effects::NONE, |on, d| on.with(d.effect))
+        self.decisions.iter().filter(|d| d.is_simulated).fold(Effects::NONE, |on, d| on.with_effect(d.effect))
     }
 }
 

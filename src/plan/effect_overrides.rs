@@ -20,14 +20,14 @@ impl EffectOverrides {
 
     /// Returns the overrides with `effect` forced on.
     #[must_use]
-    pub fn with(self, effect: Effect) -> Self {
-        Self { on: self.on.with(effect), off: self.off.without(effect) }
+    pub fn with_effect(self, effect: Effect) -> Self {
+        Self { on: self.on.with_effect(effect), off: self.off.without_effect(effect) }
     }
 
     /// Returns the overrides with `effect` forced off.
     #[must_use]
-    pub fn without(self, effect: Effect) -> Self {
-        Self { on: self.on.without(effect), off: self.off.with(effect) }
+    pub fn without_effect(self, effect: Effect) -> Self {
+        Self { on: self.on.without_effect(effect), off: self.off.with_effect(effect) }
     }
 
     /// True if `effect` is forced on, false if it is forced off; `None` if the plan decides.
@@ -74,8 +74,8 @@ impl FromStr for EffectOverrides {
                 ("auto", ..) => Self::PLANNED,
                 ("all", ..) => Self::ALL,
                 ("none", ..) => Self::NONE,
-                (_, Some(name), _) => overrides.with(named(name)?),
-                (_, _, Some(name)) => overrides.without(named(name)?),
+                (_, Some(name), _) => overrides.with_effect(named(name)?),
+                (_, _, Some(name)) => overrides.without_effect(named(name)?),
                 _ => return Err(unknown()),
             };
         }

@@ -20,9 +20,9 @@ impl Sampler {
         Self { key, index, count }
     }
 
-    /// Sampler for the same sample, whose key is derived from this key and the word `n`.
+    /// Sampler for the same sample with another key: the hash of this key and the word `n`.
     ///
-    /// Renderer code calls a function with a specific name instead, such as
+    /// Other code should call a function with a specific name instead, such as
     /// [`Sampler::shadow_ray_sampler`].
     #[inline]
     #[must_use]
@@ -63,7 +63,8 @@ impl Sampler {
         self.child_sampler(index as u64)
     }
 
-    /// Sampler for subsample `index`, if this sample is split into `count` stratified subsamples.
+    /// Sampler for subsample `index`. This sample is split into `count` subsamples, which are
+    /// stratified.
     #[inline]
     #[must_use]
     pub fn subsample_sampler(self, index: u32, count: u32) -> Self {

@@ -122,7 +122,8 @@ impl AnalyticShape for Cuboid {
         self.face_point(self.move_point_off_edges(p, face), face)
     }
 
-    /// Maps each face to the unit square; a picture appears upright from outside.
+    /// Texture coordinates that map each face to the unit square; a picture appears upright from
+    /// outside.
     fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
         let face = face_of_hit(uv);
         let p = self.to_world.inverse().transform_point3(p.as_dvec3());

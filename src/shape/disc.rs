@@ -15,7 +15,8 @@ pub struct Disc {
     a: DVec3,
     b: DVec3,
     normal: DVec3,
-    /// Dual basis of (a, b): dot products with an offset from the centre give (x, y).
+    /// Dual basis of `a` and `b`: dot products with a point's offset from the centre give its (x,
+    /// y).
     dual: [DVec3; 2],
 }
 

@@ -10,7 +10,7 @@ use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3};
 use libm::{atan2, hypot, sincos};
 use std::f64::consts::{PI, TAU};
 
-/// Number of azimuth steps of the sum that integrates the area of the side.
+/// Number of azimuth steps of the sum that integrates the area of a frustum's side.
 const AREA_STEPS: u32 = 512;
 
 /// Cylinder, cone or truncated cone: the surface of x² + z² ≤ ρ(y)², 0 ≤ y ≤ 1, under an affine
@@ -22,11 +22,11 @@ const AREA_STEPS: u32 = 512;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frustum {
     to_world: Transform,
-    /// ρ at y = 0 and at y = 1; the larger is 1, the smaller at least 0.
+    /// Object-space radius ρ at y = 0 and at y = 1; the larger is 1, the smaller at least 0.
     radii: [f64; 2],
     /// True if discs close both ends.
     is_capped: bool,
-    /// World areas of side, bottom and top \[length²]; 0 for missing caps.
+    /// World-space areas of side, bottom and top \[length²]; 0 for missing caps.
     areas: [f64; 3],
 }
 
@@ -34,9 +34,9 @@ pub struct Frustum {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum FrustumPart {
     Side,
-    /// Cap at y = 0.
+    /// Disc that closes the frustum at y = 0 in object space.
     Bottom,
-    /// Cap at y = 1.
+    /// Disc that closes the frustum at y = 1 in object space.
     Top,
 }
 
@@ -96,7 +96,7 @@ impl Frustum {
         frustum
     }
 
-    /// Decrease of the radius ρ per unit of y.
+    /// Decrease of the object-space radius ρ per unit of the height y.
     #[inline]
     fn radius_decrease(&self) -> f64 {
         self.radii[0] - self.radii[1]
@@ -260,9 +260,9 @@ impl AnalyticShape for Frustum {
         }
     }
 
-    /// On the side, u runs once around the axis, and v from bottom to top.
+    /// Texture coordinates: on the side, u runs once around the axis, and v from bottom to top.
     ///
-    /// Each cap is the disc inscribed in the unit square.
+    /// Each cap is mapped to the disc inscribed in the unit square.
     fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
         let p = self.to_world.inverse().transform_point3(p.as_dvec3());
         let world = |row: DVec3| self.to_world.transform_normal(row);

@@ -16,7 +16,7 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Texture coordinates per vertex; empty if there are none.
     pub texcoords: Vec<Vec2>,
-    /// Vertex indices, counter-clockwise seen from outside.
+    /// Vertex indices of each triangle, counter-clockwise seen from outside.
     pub triangles: Vec<Triangle>,
 }
 

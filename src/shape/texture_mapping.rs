@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_1_PI, TAU};
 /// Texture coordinates at a surface point, with their gradients.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TexCoord {
-    /// Coordinates u and v.
+    /// Texture coordinates u and v.
     pub uv: DVec2,
     /// Gradient of u in world space \[1/length]; only its tangential part is meaningful.
     pub du: DVec3,
@@ -29,25 +29,25 @@ impl TexCoord {
 /// Function from object-space points to texture coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TextureMappingKind {
-    /// Longitude u and latitude v around the y axis.
+    /// Longitude u and latitude v around `center`, both scaled to \[0, 1].
     ///
-    /// u is ½ at +z and ¾ at +x; v runs from 0 at −y to 1 at +y.
+    /// The polar axis is parallel to y. u is ½ at +z and ¾ at +x; v runs from 0 at −y to 1 at +y.
     Spherical {
-        /// Centre of the sphere.
+        /// Object-space point from which longitude and latitude are measured.
         center: DVec3,
     },
     /// Planar projection: u and v are the dot products of p − `origin` with the vectors in `rows`.
     Planar {
-        /// Point with u = v = 0.
+        /// Object-space point at which u and v are 0.
         origin: DVec3,
-        /// Gradients of u and v \[1/length].
+        /// Object-space gradients of u and v \[1/length].
         rows: [DVec3; 2],
     },
     /// Texture coordinates that the shape itself defines, such as those of mesh vertices.
     Uv,
 }
 
-/// Texture mapping of an object, defined in object space.
+/// Mapping from surface points of an object to texture coordinates, defined in object space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextureMapping {
     kind: TextureMappingKind,

@@ -1,7 +1,7 @@
 //! Study of effects: renders a scene with all effects, and without each of them.
 
 use crate::image::metrics::{MetricError, rmse};
-use crate::image::{Image, SizeError, WriteError};
+use crate::image::{Image, PictureSizeError, WriteError};
 use crate::integrate::{Algorithm, ExpectedPhotons, Integrator, ProgressMonitor, Settings};
 use crate::plan::{EffectDecision, Plan};
 use crate::render::Film;
@@ -19,7 +19,7 @@ pub enum StudyError {
     Metric(#[from] MetricError),
     /// The size of the picture is not allowed.
     #[error(transparent)]
-    Size(#[from] SizeError),
+    Size(#[from] PictureSizeError),
     /// Encoding a picture failed.
     #[error(transparent)]
     Encode(#[from] WriteError),
@@ -36,7 +36,7 @@ pub enum ClockKind {
 }
 
 impl ClockKind {
-    /// [`Self::Processor`] if the system reports processor time, else [`Self::Wall`].
+    /// Returns [`Self::Processor`] if the system reports processor time, else [`Self::Wall`].
     fn preferred_clock() -> Self {
         if cpu_seconds().is_some() { Self::Processor } else { Self::Wall }
     }
@@ -173,7 +173,7 @@ impl<'a> EffectStudy<'a> {
         let run = |without: Option<EffectDecision>| {
             let mut settings = settings.clone();
             if let Some(decision) = without {
-                settings.camera_paths.effects = settings.camera_paths.effects.without(decision.effect);
+                settings.camera_paths.effects = settings.camera_paths.effects.without_effect(decision.effect);
             }
             let (integrator, setup) = clock.measure_seconds(|| algorithm.prepare(scene, settings));
             let spent = PictureCost { setup, ..PictureCost::default() };

@@ -41,7 +41,7 @@ pub fn expected_work(integrator: &dyn Integrator) -> ExpectedWork {
     };
     let [rays, gathered_photons] = of(effects);
     let adds = |effect: Effect| {
-        let [less, fewer] = of(effects.without(effect));
+        let [less, fewer] = of(effects.without_effect(effect));
         (effect, WorkCounts { rays: rays - less, gathered_photons: gathered_photons - fewer })
     };
     ExpectedWork { whole: WorkCounts { rays, gathered_photons }, effects: effects.iter().map(adds).collect() }

@@ -32,10 +32,10 @@ fn connections_invert_camera_rays() {
     }
 }
 
-/// The importance is the Jacobian of the film position: small steps perpendicular to the ray move
-/// the film position by that area per area.
+/// Compares the importance with the Jacobian of the film position: the film area per area that
+/// small steps perpendicular to the ray cover.
 #[test]
-fn importance_is_the_jacobian() {
+fn camera_importance_is_the_film_jacobian() {
     for camera in cameras_of_all_kinds() {
         for film in [Vec2::new(5.0, 40.0), Vec2::new(32.0, 24.0), Vec2::new(50.0, 7.0)] {
             let lens = Some(Vec2::new(0.3, 0.6));

@@ -51,7 +51,7 @@ struct MeshCommandReport {
 }
 
 pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, CommandFailure> {
-    let format = arguments.output.as_deref().map(|path| checked_mesh_format(path, arguments)).transpose()?;
+    let format = arguments.output.as_deref().map(|path| output_mesh_format(path, arguments)).transpose()?;
     let progress = ProgressDisplay::new(arguments.quiet);
     let memory = arguments.memory.map_or(MemoryLimit::System, MemoryLimit::Limit);
     let loaded = mesh::load_with_memory_limit(&arguments.mesh, &progress, memory.available_bytes()).map_err(|e| {
@@ -114,7 +114,7 @@ fn check_mesh_memory(path: &Path, mesh: &TriangleMesh, memory: MemoryLimit) -> R
 }
 
 /// Returns the format of the output mesh file. Fails if the file cannot be written.
-fn checked_mesh_format(path: &Path, arguments: &MeshArguments) -> Result<MeshFormat, CommandFailure> {
+fn output_mesh_format(path: &Path, arguments: &MeshArguments) -> Result<MeshFormat, CommandFailure> {
     let format = MeshFormat::from_path(path, arguments.ascii);
     let format =
         format.ok_or_else(|| CommandFailure::new(Exit::Output, UnknownMeshFormatError { path: path.to_owned() }))?;

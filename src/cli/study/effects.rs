@@ -62,12 +62,12 @@ fn run_effect_study(
     plan::omitted_effect_warnings(study.plan()).for_each(|line| print_message(&line));
     let (pictures, passes) = (study.picture_count(), arguments.passes.unwrap_or(DEFAULT_PASSES));
     progress.print_line(&format!("{pictures} pictures of {passes} passes each"));
-    progress.set_pass(1, Some(passes));
+    progress.set_pass_number(1, Some(passes));
     let found = study.run(passes, &INTERRUPTED, progress, |made| {
         if progress.uses_plain_lines() {
             progress.print_line(&format!("pass {made}/{passes} of each after {:.1} s", start.elapsed().as_secs_f64()));
         }
-        progress.set_pass(made + 1, Some(passes));
+        progress.set_pass_number(made + 1, Some(passes));
     });
     progress.remove_progress_bar();
     let found = found.into_diagnostic().map_err(|e| CommandFailure::new(Exit::Input, e))?;

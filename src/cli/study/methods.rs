@@ -139,9 +139,9 @@ fn run_method_study(
         kind.budget.as_secs_f64()
     ));
     let limits = StudyLimits { budget: kind.budget.as_secs_f64(), passes: arguments.passes };
-    progress.set_pass(1, arguments.passes);
+    progress.set_pass_number(1, arguments.passes);
     let found = study.run(&studied_scene(arguments), limits, &references, &INTERRUPTED, progress, |step| match step {
-        MethodStudyEvent::Round(made) => progress.set_pass(made + 1, arguments.passes),
+        MethodStudyEvent::Round(made) => progress.set_pass_number(made + 1, arguments.passes),
         MethodStudyEvent::Checkpoint(label, at) => progress.print_line(&format!(
             "{label}: {} after {:.2} s, error {}",
             count_with_noun(at.passes as usize, "pass", "passes"),
@@ -188,13 +188,13 @@ fn render_references(
     let seconds = kind.truth_time.map_or(default, |time| time.as_secs_f64());
     let like = settings_from_arguments(&arguments.method, arguments.simulate).camera_paths;
     progress.print_line(&format!("two references with {seconds:.1} s of processor time each"));
-    progress.set_pass(1, None);
+    progress.set_pass_number(1, None);
     let rendered = ReferencePictures::render(scene, &like, seconds, &INTERRUPTED, progress, |made, part| {
         if progress.uses_plain_lines() && made.is_power_of_two() {
             let made = count_with_noun(made as usize, "pass", "passes");
             progress.print_line(&format!("references: {made} of each, {:.0} % of the time", 100.0 * part.min(1.0)));
         }
-        progress.set_pass(made + 1, None);
+        progress.set_pass_number(made + 1, None);
     });
     let rendered = rendered.into_diagnostic().map_err(|e| CommandFailure::new(Exit::Input, e))?;
     if let (Some(references), Some((a, b))) = (&rendered, &kind.save_truth) {

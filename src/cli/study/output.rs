@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// Function that makes the text of a report from the result `F` of a study.
 pub(super) type ReportWriter<F> = fn(&StudyArguments, &F) -> miette::Result<String>;
 
-/// Report files to write: their paths, and the functions that make their texts.
+/// Error: the extension of an output path names no report format.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("`{}` has no extension of a report", path.display())]
 #[diagnostic(help("give it the extension {known}"))]
@@ -19,7 +19,7 @@ struct UnknownReportFormatError {
     known: String,
 }
 
-/// Paths of the report files to write, each with the function that makes its text.
+/// Report files to write: their paths, and the functions that make their texts.
 pub(super) struct StudyOutputs<'a, F>(Vec<(&'a Path, ReportWriter<F>)>);
 
 impl<'a, F> StudyOutputs<'a, F> {

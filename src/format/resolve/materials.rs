@@ -29,13 +29,13 @@ pub(super) fn add_materials(r: &mut Resolver<'_>) -> Result<(), SceneError> {
             }
         }
         r.texture_requirements.push(requirements);
-        r.builder.material(material.with_normal_perturbation(normals));
+        r.builder.add_material(material.with_normal_perturbation(normals));
         if let Some(name) = &described.name {
             r.material_indices.entry(name).or_insert(index as u32);
         }
     }
     if r.description.materials.is_empty() {
-        r.builder.material(Material::diffuse(Rgb::ONE));
+        r.builder.add_material(Material::diffuse(Rgb::ONE));
     }
     Ok(())
 }
@@ -82,7 +82,7 @@ pub(super) fn resolve_material(
             Material::conductor(eta, k, r.resolve_fraction_parameter(roughness, requirements)?)
         }
         MaterialKindDescription::Thin { index, transmittance } => {
-            Material::thin(*index as f32, r.resolve_reflectance_parameter(transmittance, requirements)?)
+            Material::thin_dielectric(*index as f32, r.resolve_reflectance_parameter(transmittance, requirements)?)
         }
         MaterialKindDescription::Mix { first, second, amount } => {
             let (first, second) = (material_index(r, first)?, material_index(r, second)?);
@@ -104,7 +104,7 @@ fn add_refractive_index(
         RefractiveIndexDescription::Abbe { index, abbe } => DispersionFormula::from_abbe_number(*index, *abbe),
         RefractiveIndexDescription::Glass(glass) => *glass,
     };
-    Ok((glass.refractive_index_at_d_line(), Some(r.builder.glass(glass))))
+    Ok((glass.refractive_index_at_d_line(), Some(r.builder.add_glass(glass))))
 }
 
 /// Returns the glass with a name; an error that lists all names if there is none.

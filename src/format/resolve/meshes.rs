@@ -195,7 +195,7 @@ fn add_file_material(
     let mut requirements = TextureRequirements::default();
     let material = resolve_material(r, &description.kind, &mut requirements)?;
     let normals = r.resolve_normal_perturbation(&description, &mut requirements)?;
-    let index = r.builder.material(material.with_normal_perturbation(normals));
+    let index = r.builder.add_material(material.with_normal_perturbation(normals));
     r.texture_requirements.resize(index as usize + 1, TextureRequirements::default());
     r.texture_requirements[index as usize] = requirements;
     let emission = match description.emission {

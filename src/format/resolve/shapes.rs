@@ -39,9 +39,9 @@ pub(super) fn add_shape(
             let point = *normal * (*offset / normal.length_squared());
             let plane = Plane::new(point, *normal);
             if to_world.is_constant() {
-                r.builder.plane(plane.transformed(&placement.at_open), r.material, emission);
+                r.builder.add_plane(plane.transformed(&placement.at_open), r.material, emission);
             } else {
-                r.builder.moving_plane(plane, to_world.clone(), r.material, emission);
+                r.builder.add_moving_plane(plane, to_world.clone(), r.material, emission);
             }
             set_mapping(r, TextureMappingKind::plane_mapping(*normal), to_world);
         }
@@ -92,7 +92,7 @@ pub(super) fn add_shape(
         }
         ShapeDescription::Nurbs { degree, count, knots, controls } => {
             let basis = |i: usize| match (degree[i] as usize, count[i] as usize) {
-                (degree, count) if knots[i].is_empty() => SplineBasis::uniform_knots(degree, count),
+                (degree, count) if knots[i].is_empty() => SplineBasis::uniform_spline_basis(degree, count),
                 (degree, count) => SplineBasis::new(degree, count, knots[i].clone()),
             };
             let surface = || Patch::with_memory_limit([&basis(0)?, &basis(1)?], controls, r.memory.available_bytes());
@@ -129,7 +129,7 @@ fn add_patches(
     object_emission: &ObjectEmission,
 ) -> Result<(), SceneError> {
     let span = placement.span;
-    let [u, v] = degree.map(|d| SplineBasis::single_bezier(d as usize + 1));
+    let [u, v] = degree.map(|d| SplineBasis::bezier_basis(d as usize + 1));
     let bases = [&u.map_err(|e| spline_error(r, span, &e))?, &v.map_err(|e| spline_error(r, span, &e))?];
     // Queried once, because a query takes longer than building a small patch.
     let mut free = r.memory.available_bytes();
@@ -162,8 +162,8 @@ fn spline_error(r: &Resolver<'_>, span: Span, error: &SplineError) -> SceneError
 /// Returns the surface of revolution of a profile curve; `free` bounds its memory in bytes.
 fn make_revolution(profile: &ProfileCurve, free: Option<u64>) -> Result<Revolution, SplineError> {
     let basis = match profile.basis {
-        CurveBasis::Bezier => SplineBasis::single_bezier(profile.controls.len()),
-        CurveBasis::Bspline => SplineBasis::uniform_knots(3, profile.controls.len()),
+        CurveBasis::Bezier => SplineBasis::bezier_basis(profile.controls.len()),
+        CurveBasis::Bspline => SplineBasis::uniform_spline_basis(3, profile.controls.len()),
     }?;
     let controls: Vec<DVec2> = profile.controls.iter().map(|c| c.truncate()).collect();
     Revolution::with_memory_limit(&basis, &controls, free)

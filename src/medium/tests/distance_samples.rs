@@ -6,7 +6,7 @@
 use super::*;
 use glam::DAffine3;
 
-/// A medium with three cases in its channels: scattering and absorption, absorption only, and no
+/// A medium whose channels differ: one scatters and absorbs, one only absorbs, and one has no
 /// extinction.
 fn absorbing_per_channel_medium(density: Option<GridDensity>) -> Medium {
     let [a, s, e] = [Vec3::new(0.1, 0.5, 0.0), Vec3::new(1.3, 0.0, 0.0), Vec3::new(0.2, 3.0, 1.0)];
@@ -119,7 +119,7 @@ fn distance_weights_match_their_pdf() {
     assert!(bluish_medium(Some(constant_density_grid(1.0))).distance_pdf(1.0, throughput).is_none());
 }
 
-/// A rotated and sheared box of constant density.
+/// A grid of constant density in a rotated and sheared box.
 fn constant_density_grid(density: f32) -> GridDensity {
     let turn = DAffine3::from_axis_angle(DVec3::new(1.0, 2.0, -0.5).normalize(), 0.8);
     let place =
@@ -146,8 +146,8 @@ fn constant_grid_equals_homogeneous_slab() {
     assert_distance_samples_unbiased(&bluish_medium(Some(field)), &ray, 30.0, depth, "bluish slab");
 }
 
-/// The density is x/2 from x = 0 to x = 4, but constant in the outer halves of the first and last
-/// of 20 cells. Rays run along x and obliquely.
+/// Uses the density x/2 from x = 0 to x = 4, on 20 cells. It is constant in the outer halves of the
+/// first and last cell. Rays run along x and obliquely.
 #[test]
 fn linear_density_matches_its_optical_depth() {
     let place = DAffine3::from_scale_rotation_translation(
@@ -174,7 +174,7 @@ fn linear_density_matches_its_optical_depth() {
     }
 }
 
-/// The reference τ is a midpoint rule with 40,000 steps. Its relative error is below 10⁻⁶.
+/// Compares clouds with a midpoint rule for τ of 40,000 steps, whose relative error is below 10⁻⁶.
 #[test]
 fn clouds_match_their_optical_depth() {
     let cloud = Cloud { octaves: 4, scale: 3.0, cover: 0.8, softness: 0.3, seed: 5 };

@@ -20,10 +20,10 @@ fn random_walk(medium: &Medium, random: &mut SmallRng) -> (f64, DVec3) {
     }
 }
 
-/// Compares random walks with closed forms for albedo a and mean cosine g.
+/// Compares simulated random walks with closed forms for albedo a and mean cosine g.
 ///
-/// The mean number of collisions is 1/(1−a). The mean squared distance of the point of absorption
-/// is 2/(σt²(1−a)(1−ag)).
+/// The mean number of collisions is 1/(1−a). The mean squared distance from the origin at
+/// absorption is 2/(σt²(1−a)(1−ag)).
 fn assert_random_walk_moments(medium: &Medium, sigma: f64, albedo: f64) {
     let mut random = test_rng(5);
     let (mut collisions, mut square) = (RunningMean::default(), RunningMean::default());
@@ -46,7 +46,7 @@ fn homogeneous_random_walks_match_diffusion() {
     }
 }
 
-/// The grid is so large that a random walk leaves it only with probability e⁻⁵⁰⁰.
+/// Simulates walks in a grid so large that a walk leaves it only with probability e⁻⁵⁰⁰.
 #[test]
 fn grid_random_walks_match_diffusion() {
     let place = DAffine3::from_scale(DVec3::splat(400.0)) * DAffine3::from_translation(DVec3::splat(-0.5));

@@ -10,9 +10,9 @@ use glam::DVec3;
 
 fn scene_of_shapes(shapes: &[Shape]) -> Scene {
     let mut builder = SceneBuilder::new();
-    let white = builder.material(Material::diffuse(Rgb::ONE));
+    let white = builder.add_material(Material::diffuse(Rgb::ONE));
     for shape in shapes {
-        builder.shape(shape.clone(), white, Rgb::ZERO);
+        builder.add_shape(shape.clone(), white, Rgb::ZERO);
     }
     builder.build(Camera::perspective(DVec3::Z * 9.0, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap()).unwrap()
 }

@@ -11,11 +11,11 @@ use glam::DVec3;
 /// between light and ball.
 fn sun_over_ball_scene(height: f64) -> Scene {
     let mut builder = SceneBuilder::new();
-    let white = builder.material(Material::diffuse(Rgb::ONE));
-    builder.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 0.5)), white, Rgb::ZERO);
-    builder.plane(Plane::new(DVec3::Y * height, DVec3::Y), white, Rgb::ZERO);
+    let white = builder.add_material(Material::diffuse(Rgb::ONE));
+    builder.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 0.5)), white, Rgb::ZERO);
+    builder.add_plane(Plane::new(DVec3::Y * height, DVec3::Y), white, Rgb::ZERO);
     let direction = DVec3::new(0.3, -1.0, 0.1);
-    builder.delta_light(DeltaLightKind::Directional { direction }, LightStrength::Physical(Rgb::ONE));
+    builder.add_delta_light(DeltaLightKind::Directional { direction }, LightStrength::Physical(Rgb::ONE));
     let eye = Camera::perspective(DVec3::Z * 9.0, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap();
     builder.build(eye).unwrap()
 }
@@ -23,11 +23,11 @@ fn sun_over_ball_scene(height: f64) -> Scene {
 #[test]
 fn directional_light_reaches_unbounded_planes() {
     let mut builder = SceneBuilder::new();
-    let white = builder.material(Material::diffuse(Rgb::ONE));
-    builder.plane(Plane::new(DVec3::NEG_Y, DVec3::Y), white, Rgb::ZERO);
-    builder.plane(Plane::new(DVec3::Z * -3.0, DVec3::Z), white, Rgb::ZERO);
+    let white = builder.add_material(Material::diffuse(Rgb::ONE));
+    builder.add_plane(Plane::new(DVec3::NEG_Y, DVec3::Y), white, Rgb::ZERO);
+    builder.add_plane(Plane::new(DVec3::Z * -3.0, DVec3::Z), white, Rgb::ZERO);
     let direction = DVec3::new(0.1, -1.0, -0.5);
-    builder.delta_light(DeltaLightKind::Directional { direction }, LightStrength::Physical(Rgb::ONE));
+    builder.add_delta_light(DeltaLightKind::Directional { direction }, LightStrength::Physical(Rgb::ONE));
     let eye = Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap();
     let scene = builder.build(eye).unwrap();
     // As far as the farther plane, with room.

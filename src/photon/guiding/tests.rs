@@ -10,10 +10,10 @@ use glam::{DVec3, Vec2, Vec3};
 /// builder.
 fn scene_with_lamps(lamps: impl FnOnce(&mut SceneBuilder)) -> Scene {
     let mut builder = SceneBuilder::new();
-    let grey = builder.material(Material::diffuse(Rgb::splat(0.5)));
+    let grey = builder.add_material(Material::diffuse(Rgb::splat(0.5)));
     let (x, y, z) = (DVec3::X * 16.0, DVec3::Y * 7.0, DVec3::Z * 16.0);
-    builder.shape(Shape::Rectangle(Rectangle::new(DVec3::new(-8.0, 0.0, -8.0), z, x)), grey, Rgb::ZERO);
-    builder.shape(Shape::Rectangle(Rectangle::new(DVec3::new(-8.0, 0.0, -8.0), x, y)), grey, Rgb::ZERO);
+    builder.add_shape(Shape::Rectangle(Rectangle::new(DVec3::new(-8.0, 0.0, -8.0), z, x)), grey, Rgb::ZERO);
+    builder.add_shape(Shape::Rectangle(Rectangle::new(DVec3::new(-8.0, 0.0, -8.0), x, y)), grey, Rgb::ZERO);
     lamps(&mut builder);
     builder.build(Camera::perspective(DVec3::Y, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap()).unwrap()
 }
@@ -22,7 +22,7 @@ const LAMP: DVec3 = DVec3::new(0.0, 6.0, 0.0);
 
 fn delta_light_scene(kind: DeltaLightKind) -> Scene {
     scene_with_lamps(|b| {
-        b.delta_light(kind, LightStrength::Physical(Rgb::new(1.0, 2.0, 3.0)));
+        b.add_delta_light(kind, LightStrength::Physical(Rgb::new(1.0, 2.0, 3.0)));
     })
 }
 
@@ -32,8 +32,8 @@ fn spot_light_scene() -> Scene {
 
 fn area_light_scene(shape: Shape) -> Scene {
     scene_with_lamps(|b| {
-        let black = b.material(Material::diffuse(Rgb::ZERO));
-        b.shape(shape, black, Rgb::new(1.0, 2.0, 3.0));
+        let black = b.add_material(Material::diffuse(Rgb::ZERO));
+        b.add_shape(shape, black, Rgb::new(1.0, 2.0, 3.0));
     })
 }
 
@@ -164,10 +164,10 @@ fn guiding_is_unbiased() {
 #[test]
 fn aiming_and_guiding_together_are_unbiased() {
     let scene = scene_with_lamps(|b| {
-        let glass = b.material(Material::dielectric(1.5, Rgb::ZERO));
-        b.shape(Shape::Sphere(Sphere::new(DVec3::new(6.5, 1.2, 6.5), 0.8)), glass, Rgb::ZERO);
-        b.shape(Shape::Sphere(Sphere::new(DVec3::new(-6.5, 1.2, -5.5), 1.2)), glass, Rgb::ZERO);
-        b.delta_light(DeltaLightKind::Point { position: LAMP }, LightStrength::Physical(Rgb::ONE));
+        let glass = b.add_material(Material::dielectric(1.5, Rgb::ZERO));
+        b.add_shape(Shape::Sphere(Sphere::new(DVec3::new(6.5, 1.2, 6.5), 0.8)), glass, Rgb::ZERO);
+        b.add_shape(Shape::Sphere(Sphere::new(DVec3::new(-6.5, 1.2, -5.5), 1.2)), glass, Rgb::ZERO);
+        b.add_delta_light(DeltaLightKind::Point { position: LAMP }, LightStrength::Physical(Rgb::ONE));
     });
     let visible = floor_corner_map(&scene);
     let pilot =
@@ -228,8 +228,8 @@ fn guiding_reduces_visible_variance() {
 fn guiding_prefers_the_visible_lamp() {
     let scene = scene_with_lamps(|b| {
         let strength = LightStrength::Power(Rgb::ONE);
-        b.delta_light(DeltaLightKind::Point { position: DVec3::new(0.0, 3.0, -12.0) }, strength);
-        b.delta_light(DeltaLightKind::Point { position: LAMP }, strength);
+        b.add_delta_light(DeltaLightKind::Point { position: DVec3::new(0.0, 3.0, -12.0) }, strength);
+        b.add_delta_light(DeltaLightKind::Point { position: LAMP }, strength);
     });
     let (guided, _) = guided_source(&scene, &floor_corner_map(&scene));
     let share = guided.light_distribution.probability(1);

@@ -45,7 +45,7 @@ pub(super) struct NestedDifferenceMoments {
     pub d0_variance: f64,
 }
 
-/// Estimated blur of the picture, relative to
+/// Estimated blur of the picture as a relative error, see
 /// [`RelativeErrorWeights`](crate::image::RelativeErrorWeights).
 #[derive(Default)]
 pub(super) struct BlurEstimate {
@@ -61,6 +61,7 @@ pub(super) struct BlurEstimate {
 
 impl BlurEstimate {
     /// Extrapolates the blur, which is the sum of all differences Dᵢ, from D₀ and D₁.
+    /// [`error_estimate`](super) defines them.
     ///
     /// In smooth light, each difference is half of the previous one, so ‖bias‖² = 4‖D₀‖². At edges,
     /// the model is Dᵢ·Dⱼ = ‖D₀‖² q^(i+j) c^|i−j|, with ratio q and correlation c. Its sum is ‖Σ

@@ -26,7 +26,7 @@ pub(super) struct EffectiveSampleCount {
 /// Effective sample count that is assumed before anything is measured.
 const PRIOR_SAMPLES: f64 = 100.0;
 
-/// Weight of [`PRIOR_SAMPLES`] against measurements, as a number of measured products.
+/// Weight of [`PRIOR_SAMPLES`], which counts as this many measured products of differences.
 const PRIOR_PRODUCTS: f64 = 2.0;
 
 /// Running mean and running sum of squared deviations (Welford 1962).
@@ -47,10 +47,10 @@ impl RunningMoments {
 }
 
 impl EffectiveSampleCount {
-    /// Adds a picture.
+    /// Adds a picture, and measures its difference from the previous picture.
     ///
-    /// Each pixel's squared difference from the previous picture is multiplied by its weight in
-    /// `weights`, and clamped to `max`.
+    /// `weights` holds a factor on the squared difference of each pixel. Half of the weighted
+    /// squared difference is clamped to `max`.
     pub fn add(&mut self, picture: impl Iterator<Item = Rgb>, weights: &[f64], max: f64) {
         self.pictures += 1;
         if self.pictures == 1 {
@@ -121,9 +121,9 @@ mod tests {
         samples
     }
 
-    /// 240 pixels in runs of b equal ones make 240/b independent samples. The relative error of tr
-    /// Σ² from K independent products is √(2/K), with K ≥ 397/2. The tolerance is five standard
-    /// deviations.
+    /// 240 pixels in runs of b equal ones make 240/b independent samples. The relative error of a
+    /// sample count from K independent products is √(2/K), with K ≥ 397/2. The tolerance is five
+    /// standard deviations.
     #[test]
     fn equal_pixels_count_as_one_sample() {
         for block in [1, 4, 24] {

@@ -39,14 +39,14 @@ struct NestedEstimateSums {
     /// Sums over passes and channels of D₀², D₀·D₁ and D₁², for each pixel.
     /// [`error_estimate`](super) defines D₀ and D₁.
     products: Vec<[f64; 3]>,
-    /// Mean gather discs of the estimates from the caustic map and from the indirect map, for each
-    /// pixel.
-    discs: Vec<[GatherDiscMeans; 2]>,
+    /// Sums over passes of gather radius and photon count of each pixel: from the caustic map, and
+    /// from the indirect map.
+    discs: Vec<[GatherDiscTotals; 2]>,
     samples: EffectiveSampleCount,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-struct GatherDiscMeans {
+struct GatherDiscTotals {
     radius: f32,
     photons: f32,
     passes: u32,
@@ -83,7 +83,7 @@ impl ErrorEstimator {
         }
     }
 
-    /// Adds a pass. `film` must hold exactly the passes before it.
+    /// Adds a pass. `film` must hold exactly the passes before `pass`.
     pub fn add(&mut self, film: &Film, pass: &Pass) {
         let n = f64::from(self.passes);
         self.squared_deviations.resize(pass.image.len(), DVec3::ZERO);
@@ -111,7 +111,8 @@ impl ErrorEstimator {
 
     /// Estimates the error of the mean of the passes, with an interval of 90 % confidence.
     ///
-    /// `film` must hold the added passes. The error is infinite before [`MIN_PASSES`] passes.
+    /// `film` must hold exactly the passes added so far. The error is infinite before
+    /// [`MIN_PASSES`] passes.
     #[must_use]
     pub fn estimate(&self, film: &Film) -> ErrorEstimate {
         self.estimate_with_confidence(film, Confidence::default())
@@ -119,7 +120,8 @@ impl ErrorEstimator {
 
     /// Estimates the error of the mean of the passes, with an interval of the given `confidence`.
     ///
-    /// `film` must hold the added passes. The error is infinite before [`MIN_PASSES`] passes.
+    /// `film` must hold exactly the passes added so far. The error is infinite before
+    /// [`MIN_PASSES`] passes.
     #[must_use]
     pub fn estimate_with_confidence(&self, film: &Film, confidence: Confidence) -> ErrorEstimate {
         let passes = self.passes;
@@ -143,7 +145,7 @@ impl ErrorEstimator {
         let differences =
             self.photon_estimates.as_ref().map(|estimates| estimates.nested_difference_moments(&scale, n));
         let blur = differences.as_ref().map(BlurEstimate::from_differences).unwrap_or_default();
-        let (shared2, shared_variance) = self.shared_paths.squared_error(&scale, film.size().0, n);
+        let (shared2, shared_variance) = self.shared_paths.shared_path_squared_error(&scale, film.size().0, n);
         let square = noise2 + blur.square + shared2;
         // The true error of this picture scatters about its expectation, which is estimated too.
         let scatter = self.samples.squared_error_variance();
@@ -177,7 +179,7 @@ impl ErrorEstimator {
         estimate.error.is_finite().then(|| ErrorForecast::new(estimate, law))
     }
 
-    /// Returns the estimated error of each pixel. `film` must hold the added passes.
+    /// Returns the estimated error of each pixel. `film` must hold exactly the passes added so far.
     #[must_use]
     pub fn error_maps(&self, film: &Film) -> ErrorMaps {
         let n = f64::from(self.passes.max(1));
@@ -197,7 +199,7 @@ impl NestedEstimateSums {
         Self {
             differences: [vec![Vec3::ZERO; pixels], vec![Vec3::ZERO; pixels]],
             products: vec![[0.0; 3]; pixels],
-            discs: vec![[GatherDiscMeans::default(); 2]; pixels],
+            discs: vec![[GatherDiscTotals::default(); 2]; pixels],
             samples: EffectiveSampleCount::default(),
         }
     }
@@ -243,7 +245,7 @@ impl NestedEstimateSums {
     }
 }
 
-impl GatherDiscMeans {
+impl GatherDiscTotals {
     fn add(&mut self, discs: Option<MeanGatherDisc>) {
         if let Some(MeanGatherDisc { radius, photons }) = discs {
             self.radius += radius;

@@ -54,8 +54,8 @@ impl ErrorForecast {
     /// Creates the forecast from an error estimate.
     ///
     /// `law` holds the exponent α of the radius law and
-    /// [`Kernel::nested_difference_variance`](crate::photon::Kernel::difference_variance); `None` without
-    /// photon estimates.
+    /// [`Kernel::nested_difference_variance`](crate::photon::Kernel::nested_difference_variance);
+    /// `None` without photon estimates.
     pub(super) fn new(estimate: &ErrorEstimate, law: Option<(f64, f32)>) -> Self {
         let n = f64::from(estimate.passes);
         let (fireflies, shared_paths) = (estimate.fireflies, estimate.shared_paths);
@@ -90,14 +90,14 @@ impl ErrorForecast {
 
     /// Returns the predicted relative noise and bias after `passes` ≥ 1 passes.
     #[cfg(test)]
-    fn noise_and_bias_after(&self, passes: u32) -> (f64, f64) {
+    fn noise_and_bias_after_passes(&self, passes: u32) -> (f64, f64) {
         let mut sums = DiscAreaSums::new(self.alpha, self.power);
         (0..passes).for_each(|_| sums.add_pass());
-        self.noise_and_bias_of_sums(&sums)
+        self.noise_and_bias_from_area_sums(&sums)
     }
 
     /// Returns the predicted relative noise and bias after the passes that `sums` holds.
-    fn noise_and_bias_of_sums(&self, sums: &DiscAreaSums) -> (f64, f64) {
+    fn noise_and_bias_from_area_sums(&self, sums: &DiscAreaSums) -> (f64, f64) {
         let n = f64::from(sums.passes);
         let noise2 = (self.path_variance * n + self.photon_variance * sums.inverse_area) / (n * n)
             + self.fireflies.firefly_squared_error_after(n / self.passes);
@@ -121,7 +121,7 @@ impl ErrorForecast {
             } else {
                 sums.add_group_of_passes()
             }
-            let (noise, bias) = self.noise_and_bias_of_sums(&sums);
+            let (noise, bias) = self.noise_and_bias_from_area_sums(&sums);
             if noise.hypot(bias) <= target {
                 return PassesNeeded::Passes(sums.passes);
             }

@@ -47,7 +47,7 @@ impl SharedPathError {
     ///
     /// `columns` is the width of the picture \[pixels], and `n` the number of passes. The variance
     /// is measured between blocks of [`BLOCK`] × [`BLOCK`] pixels.
-    pub(super) fn squared_error(&self, scale: &RelativeErrorWeights, columns: u32, n: f64) -> (f64, f64) {
+    pub(super) fn shared_path_squared_error(&self, scale: &RelativeErrorWeights, columns: u32, n: f64) -> (f64, f64) {
         if self.pixels.is_empty() {
             return (0.0, 0.0);
         }

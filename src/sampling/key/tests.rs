@@ -23,7 +23,7 @@ fn random_numbers_depend_on_every_part_of_the_key() {
 /// Chi-square test of a million points with consecutive keys over 32² cells; false-alarm rate
 /// 10⁻⁴ per tail.
 #[test]
-fn consecutive_keys_are_uniform() {
+fn random_points_of_consecutive_keys_are_uniform() {
     const CELLS: usize = 32;
     let n = 1_000_000u64;
     let key = Key::new(7).purpose_key(Purpose::Test);

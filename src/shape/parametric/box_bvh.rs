@@ -1,4 +1,4 @@
-//! Bounding volume hierarchy in f64 with eight children per node.
+//! Bounding volume hierarchy over f64 boxes, with eight children per node.
 
 use glam::DVec3;
 

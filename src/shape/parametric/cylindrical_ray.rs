@@ -2,7 +2,9 @@
 
 use glam::{DVec2, DVec3};
 
-/// Squared sine of the angle between ray and axis, below which a ray is not clipped by radius.
+/// Smallest squared sine of the angle between ray and y axis at which rays are clipped by radius.
+///
+/// A ray with a smaller angle is clipped by height only, or rejected as a whole.
 const MIN_SLANT2: f64 = 1e-2;
 
 /// Interval of the arc length τ along a ray; empty unless `lo <= hi`.

@@ -37,7 +37,7 @@ pub struct Patch {
     area: f64,
 }
 
-/// Patch in object space, divided into leaves.
+/// Patch in object space, divided into nearly flat pieces, which are called leaves.
 #[derive(Debug)]
 struct SubdividedPatch {
     degree: [usize; 2],
@@ -51,15 +51,16 @@ struct SubdividedPatch {
     roots: Vec<SubdivisionNode>,
     cuts: Vec<SubdivisionCut>,
     tree: BoxBvh,
-    /// Distribution that selects a leaf in proportion to its area.
+    /// Distribution that selects a leaf (a nearly flat piece) in proportion to its object-space
+    /// area.
     leaf_distribution: DiscreteDistribution,
     /// Half the edge lengths of the object-space bounding box, whose centre is the origin.
     half: DVec3,
     /// Radius of the bounding sphere around the origin.
     size: f64,
-    /// Bound on the rounding error of an evaluated point.
+    /// Bound on the rounding error of a point computed from the polynomials \[object-space length].
     noise: f64,
-    /// Upper bound of the memory in bytes.
+    /// Upper bound of the memory that the patch takes \[bytes].
     bytes: u64,
 }
 
@@ -147,7 +148,7 @@ impl Patch {
         Ok(Self { net: Arc::new(net), to_world: Transform::IDENTITY.translated(center), area })
     }
 
-    /// Upper bound of the memory in bytes.
+    /// Upper bound of the memory that the patch takes \[bytes].
     pub(crate) fn memory_bytes(&self) -> u64 {
         self.net.bytes
     }
@@ -232,7 +233,8 @@ impl AnalyticShape for Patch {
         self.area
     }
 
-    /// Chooses a leaf in proportion to its area, then uniform parameters within the leaf.
+    /// Chooses a leaf (a nearly flat piece) in proportion to its area, then uniform parameters in
+    /// it.
     fn sample(&self, u: Vec2) -> ShapeSample {
         let net = &*self.net;
         let (leaf, _) = net.leaf_distribution.sample(u.x);
@@ -264,7 +266,7 @@ impl AnalyticShape for Patch {
 
 #[cfg(test)]
 impl Patch {
-    /// The world-space point at the parameters `uv`.
+    /// World-space point at the surface parameters (u, v) = `uv`.
     pub(super) fn point_at_uv(&self, uv: Vec2) -> DVec3 {
         let (leaf, at) = self.net.find_leaf(uv);
         self.to_world.transform_point(self.net.polynomial_piece_of_leaf(leaf).point_and_derivatives(at)[0])
@@ -280,8 +282,9 @@ impl SubdividedPatch {
         PatchPiece { powers, middle: point, columns: q + 1, bounds, noise: self.noise }
     }
 
-    /// Index of the leaf that contains the surface parameters `uv`, and the leaf coordinates of the
-    /// point in \[−1, 1]².
+    /// Index of the leaf (nearly flat piece) that contains the surface parameters `uv`.
+    ///
+    /// Also returns the position of `uv` within the leaf, in \[−1, 1]².
     fn find_leaf(&self, uv: Vec2) -> (usize, DVec2) {
         let uv = uv.as_dvec2();
         let stretch = |axis: usize| self.breaks[axis].partition_point(|b| *b <= uv[axis]).saturating_sub(1);
@@ -300,9 +303,10 @@ impl SubdividedPatch {
         }
     }
 
-    /// Object-space normal ∂p/∂u × ∂p/∂v at the leaf coordinates `at`, not normalised.
+    /// Object-space normal ∂p/∂u × ∂p/∂v of a leaf, not normalised.
     ///
-    /// Where the cross product vanishes, the result is its limit from inside the leaf.
+    /// `at` is the position in the leaf, in \[−1, 1]². Where the cross product vanishes, the result
+    /// is its limit from inside the leaf.
     fn leaf_normal(&self, leaf: usize, at: DVec2) -> DVec3 {
         let piece = self.polynomial_piece_of_leaf(leaf);
         let [_, middle_x, middle_y] = piece.point_and_derivatives(DVec2::ZERO);
@@ -319,7 +323,8 @@ impl SubdividedPatch {
     }
 }
 
-/// World-space area of a leaf under `to_world`, by Gauss–Legendre quadrature \[length²].
+/// World-space area of a nearly flat piece under `to_world`, by Gauss–Legendre quadrature
+/// \[length²].
 fn leaf_area(piece: &PatchPiece<'_>, to_world: &Transform) -> f64 {
     let element = |x: f64, y: f64| {
         let [_, along_x, along_y] = piece.point_and_derivatives(DVec2::new(x, y));

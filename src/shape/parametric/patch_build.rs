@@ -15,7 +15,7 @@ const MAX_RELATIVE_BEND: f64 = 1.0 / 16.0;
 /// become flat.
 const MAX_HALVINGS: u32 = 14;
 
-/// Size of a piece, relative to its Bézier patch, below which the piece is not divided.
+/// Size of a piece, relative to the size of its Bézier patch, below which it is not divided.
 const MIN_RELATIVE_SIZE: f64 = 1.0 / 256.0;
 
 /// Memory of a leaf \[bytes], including its box and its nodes in the hierarchy and subdivision
@@ -27,9 +27,9 @@ const BYTES_PER_LEAF: u64 = 512;
 /// Nearly flat piece of a patch: a rectangle of the parameters (u, v).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PatchLeaf {
-    /// Centre in (u, v).
+    /// Centre of the parameter rectangle, as (u, v).
     pub middle: DVec2,
-    /// Half width along u and v.
+    /// Half the widths of the parameter rectangle along u and v.
     pub half: DVec2,
     /// Position of the surface at the centre of the rectangle, in object space.
     pub point: DVec3,
@@ -55,7 +55,7 @@ pub(super) struct SubdivisionCut {
 }
 
 impl PatchLeaf {
-    /// Converts leaf coordinates `at` in \[−1, 1]² to the surface parameters (u, v).
+    /// Converts the position `at` in this leaf, in \[−1, 1]², to the surface parameters (u, v).
     ///
     /// The rounded result is never in a neighbouring leaf.
     pub fn leaf_to_surface_uv(&self, at: DVec2) -> Vec2 {
@@ -75,10 +75,10 @@ impl PatchLeaf {
     }
 }
 
-/// Subdivides a patch and collects its leaves.
+/// Divides a patch into nearly flat pieces, called leaves, and collects them.
 pub(super) struct PatchBuilder {
     degree: [usize; 2],
-    /// Memory limit of the surface in bytes, if any.
+    /// Memory limit of the surface \[bytes]; `None` is no limit.
     free: Option<u64>,
     pub leaves: Vec<PatchLeaf>,
     pub powers: Vec<Coefficients<4>>,
@@ -93,7 +93,8 @@ impl PatchBuilder {
         Self { degree, free, leaves, powers, boxes, roots: Vec::new(), cuts: Vec::new() }
     }
 
-    /// Subdivides the Bézier patch over the `ranges` of u and v, and adds its leaves.
+    /// Divides the Bézier patch over the `ranges` of u and v into nearly flat leaves, and adds
+    /// them.
     ///
     /// # Errors
     ///

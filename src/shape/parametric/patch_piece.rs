@@ -13,21 +13,21 @@ use glam::{DVec2, DVec3};
 pub struct PatchPiece<'a> {
     /// Coefficients of xⁱyʲ; j varies fastest.
     pub powers: &'a [Coefficients<4>],
-    /// Object-space position of the centre.
+    /// Object-space position of the piece's centre.
     pub middle: DVec3,
     /// Number of coefficients per power of x: the degree in y plus 1.
     pub columns: usize,
     pub bounds: LinearTermsWithBounds,
-    /// Bound on the rounding error of a point.
+    /// Bound on the rounding error of a point computed from the polynomials \[object-space length].
     pub noise: f64,
 }
 
 /// Constant and linear terms of a polynomial, and bounds on its higher terms.
 #[derive(Clone, Copy, Debug)]
 pub struct LinearTermsWithBounds {
-    /// The constant term, the term in y, and the term in x.
+    /// Coefficients of the constant term, the term in y, and the term in x.
     linear: [Coefficients<4>; 3],
-    /// Bound on the sum of all other terms aᵢⱼ xⁱ yʲ over the piece: Σ |aᵢⱼ|.
+    /// Bound on the sum of the terms aᵢⱼ xⁱ yʲ of degree 2 and above over the piece: Σ |aᵢⱼ|.
     rest: Coefficients<4>,
     /// Bound on the change of the first derivatives over the piece: Σ (i + j)|aᵢⱼ|.
     turn: Coefficients<4>,
@@ -70,13 +70,13 @@ fn offset_from_base(a: &Coefficients<4>, base: DVec3) -> DVec3 {
 
 /// Result of a test whether a line intersects the surface within a box of parameters.
 enum RootClassification {
-    /// The line misses the surface.
+    /// The line misses the surface within the box of parameters.
     NoRoot,
-    /// The line hits the surface exactly once: at these parameters (x, y) and arc length τ.
+    /// The line hits the surface once within the box: at these parameters (x, y) and arc length τ.
     Root(DVec2, f64),
-    /// The test does not decide; the box must be halved.
+    /// The test does not decide; the box of parameters must be halved.
     Unclear,
-    /// The line lies in the surface over the whole box, up to rounding.
+    /// The line lies in the surface over the whole box of parameters, up to rounding.
     Inside,
 }
 

@@ -9,18 +9,21 @@ use super::polynomial::{Coefficients, MAX_DEGREE, evaluate_with_derivative, repa
 pub struct ProfilePiece<'a> {
     /// Coefficients (ρ, y) of the powers of x.
     pub powers: &'a [Coefficients<2>],
-    /// Bound on the rounding error of a point.
+    /// Bound on the rounding error of a point computed from the polynomials \[object-space length].
     pub noise: f64,
 }
 
-/// Relative change of the Jacobian over a box below which Newton's method is certain to converge.
+/// Largest relative change of the Jacobian over a parameter box for which Newton's method must
+/// converge.
 ///
 /// Let J be the Jacobian at an iterate and J̄ its mean between iterate and root. If both differ
 /// from the Jacobian at the centre by at most the fraction q, then |1 − J⁻¹J̄| ≤ 2q/(1 − q), which
 /// is [`NEWTON_CONVERGENCE_RATE`].
 pub const MAX_DERIVATIVE_CHANGE: f64 = 0.25;
 
-/// Largest ratio of the distances to a root after and before a Newton step.
+/// Largest factor by which a Newton step multiplies the distance to a root.
+///
+/// [`MAX_DERIVATIVE_CHANGE`] guarantees this rate.
 pub const NEWTON_CONVERGENCE_RATE: f64 = 2.0 / 3.0;
 
 /// Longest first Newton step to a root inside a box, in half widths of the box.
@@ -37,14 +40,15 @@ pub const PIECE_OVERLAP: f64 = 1e-10;
 /// Size of a parameter box, relative to the surface, below which a double root counts as one hit.
 pub const POINT_SIZE: f64 = 1e-6;
 
-/// Result of a test whether a ray intersects the surface of revolution within an interval of x.
+/// Result of a test whether a ray hits the surface of revolution in an interval of curve
+/// parameters.
 enum RootClassification {
     NoRoot,
-    /// The ray hits the surface exactly once: at curve parameter x and arc length τ.
+    /// The ray hits the surface once: at curve parameter x and arc length τ along the ray.
     Root(f64, f64),
-    /// The test does not decide; the interval must be halved.
+    /// The test does not decide; the interval of curve parameters must be halved.
     Unclear,
-    /// The ray lies in the surface over the whole interval, up to rounding.
+    /// The ray lies in the surface over the whole interval of curve parameters, up to rounding.
     Inside,
 }
 

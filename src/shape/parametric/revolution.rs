@@ -24,7 +24,7 @@ use std::sync::Arc;
 /// A longer step means that the ray is nearly tangent.
 const MAX_RELATIVE_STEP: f64 = 1e-4;
 
-/// Number of azimuth steps of the sum that integrates the area.
+/// Number of azimuth steps of the sum that integrates the area of a surface of revolution.
 const AREA_ANGLES: u32 = 64;
 
 /// Surface of revolution: the points (X cos θ, Y, X sin θ) of a profile curve (X, Y), under an
@@ -43,7 +43,7 @@ pub struct Revolution {
     area: f64,
 }
 
-/// Profile curve in object space, divided into leaves.
+/// Profile curve in object space, divided into nearly straight pieces, which are called leaves.
 #[derive(Debug)]
 struct RevolutionProfile {
     leaves: Vec<ProfileLeaf>,
@@ -51,9 +51,10 @@ struct RevolutionProfile {
     tree: RingBvh,
     /// Largest object-space distance of the surface from the origin.
     size: f64,
-    /// Bound on the rounding error of an evaluated point.
+    /// Bound on the rounding error of a point computed from the polynomials \[object-space length].
     noise: f64,
-    /// Distribution that selects a leaf in proportion to its object-space area.
+    /// Distribution that selects a leaf (a piece of the profile) in proportion to its object-space
+    /// area.
     leaf_distribution: DiscreteDistribution,
 }
 
@@ -215,7 +216,8 @@ impl AnalyticShape for Revolution {
         self.area
     }
 
-    /// Chooses a leaf in proportion to its area, then uniform parameters within the leaf.
+    /// Chooses a leaf (a piece of the profile) in proportion to its area, then uniform parameters
+    /// in it.
     fn sample(&self, u: Vec2) -> ShapeSample {
         let (leaf, _) = self.profile.leaf_distribution.sample(u.x);
         let x = f64::from(self.profile.leaf_distribution.remapped_sample(u.x, leaf)) * 2.0 - 1.0;
@@ -245,7 +247,7 @@ impl AnalyticShape for Revolution {
 
 #[cfg(test)]
 impl Revolution {
-    /// The world-space point at the parameters `uv`.
+    /// World-space point at the surface parameters `uv`: curve parameter, and azimuth in turns.
     pub(super) fn point_at_uv(&self, uv: Vec2) -> DVec3 {
         let (leaf, x) = self.profile.find_leaf(f64::from(uv.x));
         self.to_world.transform_point(self.profile.leaf_point(leaf, x, self.profile.radial_direction(leaf, uv.y)))
@@ -279,7 +281,7 @@ impl RevolutionProfile {
         middle + half * x
     }
 
-    /// Index of the leaf at the curve parameter `place` in \[0, 1] of the profile.
+    /// Index of the leaf (piece of the profile) at the curve parameter `place` in \[0, 1].
     ///
     /// Also returns the parameter x in \[−1, 1] within that leaf.
     fn find_leaf(&self, place: f64) -> (usize, f64) {
@@ -306,7 +308,7 @@ impl RevolutionProfile {
         DVec3::new(dh * radial.x, -dx, dh * radial.y) * side
     }
 
-    /// Object-space area of a leaf at its parameter x, per unit of x and per radian of azimuth.
+    /// Object-space area element of a leaf: area at its parameter x, per unit of x and per radian.
     fn area_element(&self, leaf: usize, x: f64) -> f64 {
         let ([radius, _], [dx, dh]) = evaluate_with_derivative(self.leaf_polynomial_coefficients(leaf), x);
         radius.abs() * hypot(dx, dh)

@@ -19,7 +19,7 @@ pub(super) const MAX_HALVINGS: u32 = 9;
 /// The polynomial coefficients of the leaf are not included.
 const BYTES_PER_LEAF: u64 = 256;
 
-/// Nearly flat piece of a profile, on one side of the axis.
+/// Nearly straight piece of a profile curve, on one side of the axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ProfileLeaf {
     /// Index of the leaf's first coefficient in the list of all polynomial coefficients.
@@ -32,16 +32,18 @@ pub(super) struct ProfileLeaf {
     pub ring: RingBounds,
 }
 
-/// Subdivides a profile curve and collects its leaves.
+/// Divides a profile curve into nearly straight pieces, called leaves, and collects them.
 pub(super) struct ProfileBuilder {
     pub leaves: Vec<ProfileLeaf>,
     pub powers: Vec<Coefficients<2>>,
-    /// Memory limit of the surface in bytes, if any.
+    /// Memory limit of the surface \[bytes]; `None` is no limit.
     pub free: Option<u64>,
 }
 
 impl ProfileBuilder {
-    /// Adds a Bézier curve, divided into leaves that are nearly flat and on one side of the axis.
+    /// Divides a Bézier curve into leaves that are nearly straight and on one side of the axis.
+    ///
+    /// Adds the leaves to the builder.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! Properties that all kinds of shapes share.
+//! Tests of properties that all kinds of shapes share.
 
 mod solids;
 
@@ -61,7 +61,9 @@ fn sampled_points_lie_on_the_shape_with_the_stated_density() {
     }
 }
 
-/// A ray that leaves an offset point outward misses the shape; an inward ray hits the far side.
+/// Rays from offset origins on a sphere do not hit the sphere at their origin.
+///
+/// An outward ray misses the sphere, and an inward ray hits the far side.
 #[test]
 fn offset_origins_prevent_self_intersection() {
     for scale in [1e-3, 1.0, 1e4] {

@@ -55,7 +55,7 @@ impl TestSolid {
     /// Convex function that is negative inside the infinite cone or cylinder around the side, and 0
     /// on it.
     ///
-    /// For a cube, the function is that of the cube.
+    /// For a cube, it equals [`TestSolid::implicit_value`].
     fn side_implicit_value(self, p: DVec3) -> f64 {
         match self {
             Self::Cube => self.implicit_value(p),
@@ -213,7 +213,9 @@ fn inner_rays_never_escape() {
     }
 }
 
-/// A ray that leaves a hit point outward misses the solid; one that goes inward hits the far side.
+/// Rays from offset origins on a solid do not hit the solid at their origin.
+///
+/// An outward ray misses the solid, and an inward ray hits the far side.
 #[test]
 fn offset_origins_prevent_self_intersection_of_solids() {
     let scales = [1e-6, 1.0, 1e6];
@@ -280,8 +282,8 @@ fn grazing_and_axial_rays_hit_at_known_distances() {
 
 /// Areas agree with closed forms.
 ///
-/// The perimeter of an elliptical cylinder is Ramanujan's formula, whose relative error is below
-/// 10⁻⁹ here.
+/// The area of an elliptical cylinder uses Ramanujan's formula for the perimeter, whose relative
+/// error is below 10⁻⁹ here.
 #[test]
 fn areas_match_formulas() {
     let near = |shape: Shape, area: f64| assert!((shape.area() / area - 1.0).abs() < 1e-8, "{shape:?} {area}");

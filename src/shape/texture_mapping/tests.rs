@@ -1,8 +1,7 @@
 use super::*;
 use glam::{DAffine3, DQuat};
 
-/// Gradients agree with differences over 1e-6 in every direction: the second derivatives here are
-/// below 10.
+/// Texture gradients agree with differences of the coordinates over steps of 10⁻⁶.
 #[test]
 fn texture_gradients_match_coordinate_differences() {
     let squash = Transform::new(DAffine3::from_scale_rotation_translation(

@@ -17,13 +17,13 @@ pub struct ConvergenceCheckpoint {
     pub rays: f64,
     /// Number of photon paths emitted so far, mean over seeds.
     pub photons: f64,
-    /// Relative squared error of each seed's picture, on the
+    /// Relative squared error of each seed's picture, see
     /// [`RelativeErrorWeights`](crate::image::RelativeErrorWeights).
     ///
     /// The noise of the references cancels in the estimate, so a small error may be estimated as
     /// negative.
     pub squares: Vec<f64>,
-    /// Relative squared noise: variance between seeds, on the same scale as `squares`.
+    /// Relative squared noise: variance between seeds, weighted like `squares`.
     pub noise2: f64,
     /// Estimate of the relative squared noise from each seed; the mean over seeds is `noise2`.
     ///

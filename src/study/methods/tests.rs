@@ -295,7 +295,10 @@ fn reference_algorithm_depends_on_caustics() {
     let (diffuse_sphere_on_floor, glass) = (diffuse_sphere_on_floor(8, 6), glass_sphere_on_floor(8, 6));
     assert_eq!(reference_algorithm(&diffuse_sphere_on_floor, EffectOverrides::PLANNED).0, Algorithm::Path);
     assert_eq!(reference_algorithm(&glass, EffectOverrides::PLANNED).0, Algorithm::Hybrid);
-    assert_eq!(reference_algorithm(&glass, EffectOverrides::PLANNED.without(Effect::Caustics)).0, Algorithm::Path);
+    assert_eq!(
+        reference_algorithm(&glass, EffectOverrides::PLANNED.without_effect(Effect::Caustics)).0,
+        Algorithm::Path
+    );
     let render = |seed, interrupted| {
         let like = CameraPathSettings { seed, ..CameraPathSettings::default() };
         ReferencePictures::render(

@@ -91,7 +91,7 @@ mod tests {
             [Path, Pm, Ppm, Sppm, Hybrid]
         );
         assert_eq!(applicable_methods(&diffuse_sphere_on_floor(4, 3), EffectOverrides::PLANNED), [Path, Pm, Ppm, Sppm]);
-        let without = EffectOverrides::PLANNED.without(Effect::Caustics);
+        let without = EffectOverrides::PLANNED.without_effect(Effect::Caustics);
         assert_eq!(applicable_methods(&glass_sphere_on_floor(4, 3), without), [Path, Pm, Ppm, Sppm]);
     }
 }

@@ -306,7 +306,7 @@ fn draw_series(svg: &mut String, series: &PlotSeries, id: &str, x: &LogAxis, y: 
 /// Labels do not overlap if there is room for all.
 fn draw_series_labels(svg: &mut String, mut ends: Vec<((f64, f64), &PlotSeries)>, x: &LogAxis, y: &LogAxis) {
     ends.sort_by(|a, b| a.0.1.total_cmp(&b.0.1));
-    let heights = separate_label_heights(&ends.iter().map(|(end, _)| end.1).collect::<Vec<_>>(), (y.to + 4.0, y.from));
+    let heights = spread_label_heights(&ends.iter().map(|(end, _)| end.1).collect::<Vec<_>>(), (y.to + 4.0, y.from));
     for (((end_x, end_y), series), at) in ends.into_iter().zip(heights) {
         let colour = series_color(series.style);
         let label_x = x.to + 14.0;
@@ -332,7 +332,7 @@ fn shortened_label(label: &str) -> String {
 /// Moves sorted label positions down until no labels overlap, then up until none is below `bottom`.
 ///
 /// The positions start at `top` or below, unless there is too little room. All are in pixels.
-fn separate_label_heights(heights: &[f64], (top, bottom): (f64, f64)) -> Vec<f64> {
+fn spread_label_heights(heights: &[f64], (top, bottom): (f64, f64)) -> Vec<f64> {
     let mut placed: Vec<f64> = Vec::with_capacity(heights.len());
     for &height in heights {
         let least = placed.last().map_or(top, |last| last + LABEL_HEIGHT);
@@ -357,7 +357,7 @@ mod tests {
 
     #[test]
     fn series_labels_do_not_overlap() {
-        let placed = separate_label_heights(&[10.0, 11.0, 12.0, 80.0, 99.0, 100.0], (10.0, 100.0));
+        let placed = spread_label_heights(&[10.0, 11.0, 12.0, 80.0, 99.0, 100.0], (10.0, 100.0));
         assert!(placed.windows(2).all(|pair| pair[1] - pair[0] >= LABEL_HEIGHT - 1e-9), "{placed:?}");
         assert!(placed[0] >= 10.0 - 1e-9 && placed[5] <= 100.0 && placed[1] == 26.0);
     }

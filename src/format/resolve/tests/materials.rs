@@ -91,7 +91,7 @@ fn unknown_glasses_are_refused_with_suggestions() {
 #[test]
 fn panes_have_index_and_transmittance() {
     let scene = resolve_materials("Thin { indexOfRefraction 1.25 transmittance .5 1 .25 }");
-    assert_eq!(scene.materials()[0], Material::thin(1.25, vec3(0.5, 1.0, 0.25)));
+    assert_eq!(scene.materials()[0], Material::thin_dielectric(1.25, vec3(0.5, 1.0, 0.25)));
 }
 
 #[test]

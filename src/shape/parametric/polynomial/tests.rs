@@ -38,7 +38,7 @@ fn power_basis_agrees_with_de_casteljau() {
 }
 
 #[test]
-fn shifted_polynomials_keep_their_values() {
+fn reparametrized_polynomials_keep_their_values() {
     let mut a = random_bezier(7);
     bernstein_to_powers(&mut a, 0, 1, 7);
     let mut b = a.clone();

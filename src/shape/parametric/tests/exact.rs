@@ -114,7 +114,7 @@ fn a_nurbs_torus_matches_the_torus() {
 #[test]
 fn revolved_lines_match_quadric_intersections() {
     let line = |a: [f64; 2], b: [f64; 2]| {
-        let basis = SplineBasis::single_bezier(2).unwrap();
+        let basis = SplineBasis::bezier_basis(2).unwrap();
         Shape::Revolution(Revolution::new(&basis, &[DVec2::from(a), DVec2::from(b)]).unwrap())
     };
     for (a, b) in
@@ -200,8 +200,8 @@ fn tangent_rays_terminate() {
 
 /// A ray that lies in a flat patch misses it.
 #[test]
-fn edge_on_rays_miss() {
-    let linear = SplineBasis::single_bezier(2).unwrap();
+fn rays_in_a_flat_patch_miss() {
+    let linear = SplineBasis::bezier_basis(2).unwrap();
     let corner = |x: f64, z: f64| DVec4::new(x, 0.0, z, 1.0);
     let flat = patch_test_surface(
         "flat",
@@ -266,7 +266,7 @@ fn shapes_without_self_intersection() -> impl Iterator<Item = (&'static str, Sha
 
 /// A ray that leaves a surface point at a cosine above 0.1 to the normal has no hit close by.
 ///
-/// The nearest accepted hit is 2·10⁻⁵ of the surface's size away.
+/// Every hit is more than 2·10⁻⁵ of the surface's size away.
 #[test]
 fn leaving_rays_do_not_hit_their_surface_again() {
     for (name, shape) in shapes_without_self_intersection() {

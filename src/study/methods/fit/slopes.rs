@@ -47,7 +47,8 @@ pub struct ConvergenceFit {
     pub bias: Option<ConvergenceSlopes>,
 }
 
-/// Fits slopes to the last checkpoints of a method; `None` if there are fewer than three.
+/// Fits slopes to the last checkpoints of a method; `None` if fewer than three checkpoints can be
+/// fitted.
 #[must_use]
 pub fn fit_convergence(method: &MethodResult) -> Option<ConvergenceFit> {
     let tail = checkpoints_to_fit(&method.checkpoints);

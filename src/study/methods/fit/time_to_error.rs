@@ -190,7 +190,7 @@ pub struct MethodRecommendation {
     pub method: usize,
     /// Expected relative error after the time budget.
     pub error: f64,
-    /// Indices of the other methods whose error is at most 10 % larger.
+    /// Indices of the other methods whose expected error is at most 10 % larger than `error`.
     pub alike: Vec<usize>,
 }
 

@@ -109,7 +109,7 @@ mod tests {
     fn every_effect_has_a_row() {
         let scene = diffuse_sphere_on_floor(8, 6);
         let mut settings = Settings::default();
-        settings.camera_paths.effects = EffectOverrides::PLANNED.with(Effect::Environment);
+        settings.camera_paths.effects = EffectOverrides::PLANNED.with_effect(Effect::Environment);
         let study = EffectStudy::prepare(&scene, Algorithm::Whitted, &settings);
         let findings = study.run(2, &AtomicBool::new(false), &SilentMonitor, |_| {}).unwrap();
         let table = csv_report(&findings);

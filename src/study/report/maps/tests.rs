@@ -65,7 +65,8 @@ fn error_maps_are_logarithmic() {
     assert!(map.pixels().iter().zip(expected).all(|(a, b)| (*a - b).length() < 1e-5));
 }
 
-/// Differences are relative to the local radiance: to √(2² + 2²) in a picture of radiance 2.
+/// In a picture of radiance 2, differences are relative to √(2² + 2²), see
+/// [`RelativeErrorWeights`].
 #[test]
 fn differences_are_relative_to_local_radiance() {
     let truth = Image::from_pixels(2, 1, vec![Vec3::splat(2.0); 2]).unwrap();

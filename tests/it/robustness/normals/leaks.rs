@@ -100,7 +100,8 @@ fn bumps_below_horizon_leak_no_light() {
                     warp::square_to_uniform_sphere(test_key(71).child_key(i).uniform_2d(Dimension::LightDirection));
                 let ray = Ray::new(-direction * 2.0, direction);
                 let Some(hit) = walls.intersect(&ray) else { continue };
-                let point = walls.surface_interaction(&ray, &hit, &RayCone::zero_width(Effects::ALL), || 0.5).point;
+                let point =
+                    walls.surface_interaction(&ray, &hit, &RayCone::zero_width_cone(Effects::ALL), || 0.5).point;
                 assert!((point.ns.length() - 1.0).abs() < 1e-6);
                 least = least.min(point.ns.dot(point.ng));
             }
