@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use super::buffer::SizeError;
+use super::buffer::PictureSizeError;
 use crate::stats::format_bytes;
 
 /// Error: a picture was not written. An existing file at the path is unchanged.
@@ -111,7 +111,7 @@ pub enum ReadError {
         /// Path of the picture file.
         path: PathBuf,
         /// The invalid size.
-        source: SizeError,
+        source: PictureSizeError,
     },
     /// The picture does not fit into memory.
     #[error(
@@ -131,12 +131,12 @@ pub enum ReadError {
 /// Error of a decoder, which does not know the path of the file.
 pub(super) enum DecodeFailure {
     Reason(String),
-    Size(SizeError),
+    Size(PictureSizeError),
     Memory { needed: u64, free: u64 },
 }
 
-impl From<SizeError> for DecodeFailure {
-    fn from(error: SizeError) -> Self {
+impl From<PictureSizeError> for DecodeFailure {
+    fn from(error: PictureSizeError) -> Self {
         Self::Size(error)
     }
 }

@@ -3,7 +3,7 @@
 use super::error::WriteError;
 use super::tone::ToneMap;
 
-/// Bits per channel of a PNG.
+/// Bits per channel of a PNG file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BitDepth {
     /// 256 levels.
@@ -13,9 +13,9 @@ pub enum BitDepth {
     Sixteen,
 }
 
-/// Bits per channel of an OpenEXR file.
+/// Floating-point precision of the channels of an OpenEXR file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum FloatDepth {
+pub enum ExrPrecision {
     /// 16 bits: half precision, with 11 significant bits, up to 65504.
     Half,
     /// 32 bits: single precision.
@@ -31,7 +31,7 @@ pub struct WriteOptions {
     /// Bits per channel of PNG.
     pub depth: BitDepth,
     /// Bits per channel of OpenEXR.
-    pub floats: FloatDepth,
+    pub floats: ExrPrecision,
     /// Metadata of the file: pairs of key and text.
     ///
     /// PNG stores them as text chunks, OpenEXR as lines `key: text` of the attribute `comments`. A

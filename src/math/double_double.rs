@@ -29,7 +29,7 @@ impl DoubleDouble {
         Self(high, low - (high - s))
     }
 
-    fn times(self, b: f64) -> Self {
+    fn times_f64(self, b: f64) -> Self {
         let p = Self::exact_product(self.0, b);
         p.plus(Self(self.1 * b, 0.0))
     }
@@ -54,7 +54,7 @@ impl DoubleDoubleVec3 {
     /// Dot product, rounded to f64.
     pub fn dot(self, b: DVec3) -> f64 {
         let [x, y, z] = self.0;
-        x.times(b.x).plus(y.times(b.y)).plus(z.times(b.z)).0
+        x.times_f64(b.x).plus(y.times_f64(b.y)).plus(z.times_f64(b.z)).0
     }
 
     pub fn round_to_f64(self) -> DVec3 {

@@ -168,7 +168,7 @@ pub(super) struct GridRay<'a> {
 impl GridRay<'_> {
     /// Returns the blocks with a positive majorant that the ray crosses, from near to far. Each
     /// item holds the distances \[length] of entry and exit, and the majorant.
-    pub(super) fn majorant_blocks(&self) -> impl Iterator<Item = (f64, f64, f64)> {
+    pub(super) fn blocks_along_ray(&self) -> impl Iterator<Item = (f64, f64, f64)> {
         let GridData { blocks, majorants, .. } = self.grid;
         let side = f64::from(BLOCK_SIDE);
         let far = self.grid.cells_per_axis() / side;

@@ -1,4 +1,4 @@
-//! Estimates in heterogeneous media by null-collision methods.
+//! Null-collision methods for heterogeneous media.
 //!
 //! Tentative collisions are sampled with the majorant of each block as extinction. Each is a real
 //! collision or a null collision (Woodcock 1965). Absorption reduces the weight of a path and does
@@ -50,7 +50,7 @@ fn track_collisions<R: Rng>(
 ) -> bool {
     // Optical depth to the next collision; the rest of each block carries over to the next block.
     let mut depth = sample_exponential(rng);
-    for (start, stop, majorant) in line.majorant_blocks() {
+    for (start, stop, majorant) in line.blocks_along_ray() {
         let mut t = start;
         loop {
             let step = depth / (rate * majorant);
@@ -110,7 +110,7 @@ pub(super) fn transmittance_curve(
 ) {
     let sigma = medium.extinction().as_dvec3();
     let line = grid.ray_in_grid(ray, distance);
-    let depth: f64 = line.majorant_blocks().map(|(start, stop, majorant)| (stop - start) * majorant).sum();
+    let depth: f64 = line.blocks_along_ray().map(|(start, stop, majorant)| (stop - start) * majorant).sum();
     if sigma == DVec3::ZERO || depth <= 0.0 {
         return;
     }
@@ -200,7 +200,7 @@ pub(super) fn emitted_radiance(
 ) -> Rgb {
     let (sigma, emission) = (medium.extinction().as_dvec3(), medium.emission.as_dvec3());
     let line = grid.ray_in_grid(ray, distance);
-    let depth: f64 = line.majorant_blocks().map(|(start, stop, majorant)| (stop - start) * majorant).sum();
+    let depth: f64 = line.blocks_along_ray().map(|(start, stop, majorant)| (stop - start) * majorant).sum();
     if depth <= 0.0 {
         return Rgb::ZERO;
     }

@@ -212,7 +212,7 @@ fn light_powers(scene: &Scene) -> impl Iterator<Item = f64> {
 /// Estimates the power \[W] of light number `light` towards the spheres of `aim`, averaged over
 /// RGB.
 fn estimate_aimed_power(scene: &Scene, aim: &PhotonAim, light: usize) -> f64 {
-    let key = Key::new(0).purpose_key(Purpose::LightWeights).light_key(light);
+    let key = Key::new(0).purpose_key(Purpose::LightWeights).light_power_pilot_key(light);
     let flux = |i| {
         let (position, direction) =
             (sobol_2d(i, key, Dimension::LightPosition), sobol_2d(i, key, Dimension::LightDirection));

@@ -89,7 +89,7 @@ impl PhotonPass<'_> {
                 let (mut deposits, mut tally) = (Deposits::default(), PhotonTracingTotals::default());
                 for index in range {
                     if let Some((ray, flux)) = self.source.emit_photon_path::<I>(pass_key, index, paths) {
-                        let key = pass_key.path_key(index);
+                        let key = pass_key.photon_path_key(index);
                         self.follow_photon_path(ray, flux, key, light_tracer, &mut tally, |deposit| {
                             deposits.store_deposit(self, &deposit)
                         });
@@ -119,7 +119,7 @@ impl PhotonPass<'_> {
         &self,
         mut path_ray: PathRay<I>,
         mut flux: Rgb,
-        path_key: Key,
+        photon_path_key: Key,
         light_tracer: Option<&LightTracer<'_>>,
         tally: &mut PhotonTracingTotals,
         mut deposit: impl FnMut(Deposit<'_>),
@@ -129,7 +129,7 @@ impl PhotonPass<'_> {
         add_flux(&mut audit.emitted, flux);
         for bounce in 0.. {
             *rays += 1;
-            let key = path_key.bounce_key(bounce);
+            let key = photon_path_key.photon_vertex_key(bounce);
 
             // Find the next vertex, and deposit in media on the way.
             let flux_before_segment = flux;

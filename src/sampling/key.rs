@@ -18,20 +18,20 @@
 //! | purpose | `Key::pass_key` | pass | one per pass; a pilot counts down from `u32::MAX` |
 //! | purpose `Camera` | `Key::shared_paths_key` | 0 | replaces the pass if passes share paths |
 //! | purpose `Camera` | `Key::fresh_paths_key` | pass + 1 | never the 0 of shared paths |
-//! | pass, round | `Key::path_key` | path | one per photon path |
-//! | path | `Key::bounce_key` | bounce | one per vertex of a photon path |
+//! | pass, round | `Key::photon_path_key` | path | one per photon path |
+//! | path | `Key::photon_vertex_key` | bounce | one per vertex of a photon path |
 //! | vertex of a photon path | `Key::camera_connection_key` | 1 | the only child of its parent |
 //! | pass of `Camera` or `PrefixRays` | `Key::pixel_key` | y · 2³² + x | one per pixel |
 //! | pixel | `Sampler::next_vertex_sampler` | 2 · bounce + transmitted | two branches per split |
 //! | vertex | `Sampler::shadow_ray_sampler` | pass · 2³² | other dimensions than the next vertex |
 //! | vertex, sample | `Key::medium_tracking_key` | 2⁶³ + pass | above all words of vertices |
 //! | shadow rays | `Sampler::nth_shadow_ray_sampler` | light or ray | lights or chosen rays |
-//! | shadow ray | `Key::medium_distance_key` | 1 | transmittance uses the parent itself |
+//! | shadow ray | `Key::shadow_ray_scatter_point_key` | 1 | transmittance uses the parent itself |
 //! | film sample of a pilot | `Sampler::bounce_sampler` | bounce | one per vertex |
 //! | any sampler | `Sampler::sample_key` | sample | one per sample of the pixel |
 //! | purpose `RayPhotonBalance` | `Key::pilot_trial_key` | trial | independent trials |
 //! | `Camera` of a trial | `Key::film_point_key` | set · 2³² + point | one per point of a pilot |
-//! | purpose `LightWeights` | `Key::light_key` | light | one per light |
+//! | purpose `LightWeights` | `Key::light_power_pilot_key` | light | one per light |
 //! | purpose `GuidingTraining` | `Key::training_round_key` | round | one per training round |
 
 use glam::Vec2;
@@ -161,14 +161,14 @@ impl Key {
     /// Key of photon path `index` of a pass.
     #[inline]
     #[must_use]
-    pub fn path_key(self, index: u32) -> Self {
+    pub fn photon_path_key(self, index: u32) -> Self {
         self.child_key(u64::from(index))
     }
 
     /// Key of the vertex after `bounce` bounces of a photon path.
     #[inline]
     #[must_use]
-    pub fn bounce_key(self, bounce: u32) -> Self {
+    pub fn photon_vertex_key(self, bounce: u32) -> Self {
         self.child_key(u64::from(bounce))
     }
 
@@ -198,7 +198,7 @@ impl Key {
     /// ray starts.
     #[inline]
     #[must_use]
-    pub fn medium_distance_key(self) -> Self {
+    pub fn shadow_ray_scatter_point_key(self) -> Self {
         self.child_key(1)
     }
 
@@ -218,7 +218,7 @@ impl Key {
 
     /// Key of the random numbers that estimate the power that light `light` sends towards casters.
     #[must_use]
-    pub fn light_key(self, light: usize) -> Self {
+    pub fn light_power_pilot_key(self, light: usize) -> Self {
         self.child_key(light as u64)
     }
 

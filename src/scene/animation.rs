@@ -17,7 +17,7 @@ use std::sync::Arc;
 pub(super) const MID_SHUTTER: f64 = 0.5;
 
 /// The moving shapes, planes, lights, camera and texture mappings of a scene, each before its
-/// motion. Each motion maps to scene coordinates.
+/// motion. Each motion maps to coordinates relative to [`Scene::origin`].
 #[derive(Debug, Default)]
 pub(super) struct Animation {
     /// Moving shapes, which the scene lists after the shapes at rest.
@@ -131,7 +131,7 @@ fn replace_shape(scene: &mut Scene, i: usize, shape: Shape) {
     let object = scene.geometry.objects[i];
     if let Some(light) = object.light {
         let light = light as usize;
-        if let Some(area) = scene.lights[light].as_area_mut() {
+        if let Some(area) = scene.lights[light].as_area_light_mut() {
             area.surface = LightSurface::Shape(shape.clone());
             let mapping = scene.mappings[object.mapping as usize];
             let remapped = |texture: &Arc<EmissionTexture>| {

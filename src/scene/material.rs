@@ -62,7 +62,7 @@ pub enum MaterialKind {
     ///
     /// The refractive index on the outer side depends on the bodies around the path that arrives.
     Dielectric {
-        /// The body inside.
+        /// The dielectric body inside.
         body: Body,
         /// Roughness α of the boundary in \[0, 1]; 0 is smooth.
         roughness: MaterialParameter<f32>,
@@ -164,7 +164,8 @@ impl Material {
         Self::new(MaterialKind::Mirror { reflectance: reflectance.into() })
     }
 
-    /// The smooth boundary of a body with refractive `index` and `absorption` \[1/length].
+    /// The smooth boundary of a dielectric body with refractive `index` and `absorption`
+    /// \[1/length].
     #[must_use]
     pub fn dielectric(index: f32, absorption: Rgb) -> Self {
         Self::smooth_boundary(Body { absorption, ..Body::new(index) })
@@ -222,14 +223,15 @@ impl Material {
         self.normals
     }
 
-    /// The body that this material bounds; `None` if it bounds none.
+    /// The dielectric body that this material bounds; `None` if it bounds none.
     #[inline]
     #[must_use]
     pub fn bounded_body(&self) -> Option<&Body> {
         self.kind.as_dielectric().map(|(body, _)| body)
     }
 
-    /// This material with `body` in place of the body that it bounds; unchanged if it bounds none.
+    /// This material with `body` in place of the dielectric body that it bounds; unchanged if it
+    /// bounds none.
     #[must_use]
     pub fn with_body(self, body: Body) -> Self {
         match self.kind.as_dielectric() {
@@ -271,13 +273,13 @@ impl Material {
         self.textured || self.normals != NormalPerturbation::None
     }
 
-    /// Mean roughness α of a body's boundary; 0 for other materials.
+    /// Mean roughness α of a dielectric body's boundary; 0 for other materials.
     #[inline]
     pub(super) fn mean_boundary_roughness(&self) -> f32 {
         self.boundary_roughness(&MeanParameterEvaluator)
     }
 
-    /// Roughness α of a body's boundary; 0 for other materials.
+    /// Roughness α of a dielectric body's boundary; 0 for other materials.
     #[inline]
     pub(super) fn boundary_roughness(&self, parameters: &impl ParameterEvaluator) -> f32 {
         self.kind.as_dielectric().map_or(0.0, |(_, roughness)| parameters.evaluate_scalar(roughness))

@@ -111,7 +111,7 @@ impl Scene {
     #[inline]
     #[must_use]
     pub fn escaped_radiance(&self, direction: Vec3) -> Rgb {
-        let environment = self.environment_light_index.and_then(|index| self.lights[index].as_environment());
+        let environment = self.environment_light_index.and_then(|index| self.lights[index].as_environment_light());
         environment.map_or(self.background, |environment| environment.radiance(direction))
     }
 
@@ -170,7 +170,7 @@ impl Scene {
         &self.media
     }
 
-    /// Index of the medium outside all bodies; `None` for air.
+    /// Index of the medium outside all dielectric bodies; `None` for air.
     ///
     /// The medium fills a ball around the center of the [photon domain](Scene::photon_domain). The
     /// ball's radius is twice the greatest distance of a light, the camera or the domain's edge
@@ -227,8 +227,8 @@ impl Scene {
     /// Returns the surface at `hit` of `ray`, which must have a unit direction.
     ///
     /// Textures are filtered over the width of `cone`. A mix calls `u_mix` for a uniform number in
-    /// \[0, 1) and selects one of its materials by it. The boundary of a body gets the BSDF that it
-    /// has in air; [`Interior::resolve_boundary`] replaces this BSDF.
+    /// \[0, 1) and selects one of its materials by it. The boundary of a dielectric body gets the
+    /// BSDF that it has in air; [`Interior::resolve_boundary`] replaces this BSDF.
     #[inline]
     #[must_use]
     pub fn surface_interaction(
@@ -241,7 +241,7 @@ impl Scene {
         let point = self.geometry.surface_point(ray, hit);
         let object = self.geometry.object_attributes(hit.primitive);
         let wo = -ray.direction;
-        let emission = match object.light.and_then(|l| self.lights[l as usize].as_area()) {
+        let emission = match object.light.and_then(|l| self.lights[l as usize].as_area_light()) {
             Some(area) if wo.dot(point.ng) > 0.0 => match &area.texture {
                 Some(texture) if cone.effects.has(Effect::Textures) => {
                     texture.radiance(&self.texture_context(hit, &point, wo, &cone.emission_texture_cone()))

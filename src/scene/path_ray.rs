@@ -14,7 +14,7 @@ use rand::RngExt;
 pub struct PathRay<I> {
     /// The ray, of unit direction.
     pub ray: Ray,
-    /// The bodies and media around the origin of the ray.
+    /// The dielectric bodies and media around the origin of the ray.
     pub interior: I,
     /// The ray cone over which textures are filtered, at the origin of the ray.
     pub cone: RayCone,
@@ -29,10 +29,10 @@ pub struct MediumSegment<'a, I> {
     pub index: u32,
     /// The medium.
     pub medium: &'a Medium,
-    /// The bodies and media around this part.
+    /// The dielectric bodies and media around this part.
     pub interior: I,
-    /// Transmittance due to absorption in bodies, from the last vertex to the origin of the ray
-    /// around this part.
+    /// Transmittance due to absorption in dielectric bodies, from the last vertex to the origin of
+    /// the ray around this part.
     pub transmittance_before: Rgb,
     /// True if the path segment crosses a hidden boundary before this part. A shadow ray would be
     /// blocked there: see [`BoundaryEvent::Hidden`](super::BoundaryEvent::Hidden).
@@ -46,7 +46,8 @@ pub enum PathEvent<'a> {
     Surface(SurfaceVertex<'a>),
     /// A scattering event in a medium.
     Scattered {
-        /// Transmittance of the path segment due to absorption in bodies; media are not included.
+        /// Transmittance of the path segment due to absorption in dielectric bodies; media are not
+        /// included.
         transmittance: Rgb,
         /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden).
         crossed: bool,
@@ -63,8 +64,8 @@ pub enum PathEvent<'a> {
 pub struct SurfaceVertex<'a> {
     /// The surface.
     pub surface: SurfaceInteraction<'a>,
-    /// Transmittance of the path segment due to absorption in bodies, times the weight of a
-    /// wavelength sampled at the surface. Media are not included.
+    /// Transmittance of the path segment due to absorption in dielectric bodies, times the weight
+    /// of a wavelength sampled at the surface. Media are not included.
     pub transmittance: Rgb,
     /// Length of the path segment \[length].
     pub distance: f32,
@@ -245,8 +246,8 @@ fn medium_segment<I: Interior>(scene: &Scene, ray: &Ray, end: f32, interior: &I)
 
 /// Returns `distance` if it is finite, else 0.
 ///
-/// A ray that never leaves a body entered it through a boundary that is not closed. With distance
-/// 0, the body absorbs nothing.
+/// A ray that never leaves a dielectric body entered it through a boundary that is not closed. With
+/// distance 0, the body absorbs nothing.
 fn finite_or_zero(distance: f32) -> f32 {
     if distance.is_finite() { distance } else { 0.0 }
 }

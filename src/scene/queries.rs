@@ -29,7 +29,7 @@ pub struct ObjectSummary {
 /// A material that is not a mix, with one of the BSDFs that it can have.
 #[derive(Clone, Copy, Debug)]
 pub struct LeafMaterial<'a> {
-    /// The body that the material bounds, if it bounds one.
+    /// The dielectric body that the material bounds, if it bounds one.
     pub bounded_body: Option<&'a Body>,
     /// The BSDF for mean parameters, or for an extreme value of a roughness texture.
     pub bsdf: Bsdf,
@@ -92,12 +92,12 @@ impl Scene {
         attributes.light.is_some_and(|light| self.lights[light as usize].has_emission_texture())
     }
 
-    /// The body of each material that bounds one.
+    /// The dielectric body of each material that bounds one.
     pub fn bodies(&self) -> impl Iterator<Item = &Body> {
         self.materials.iter().filter_map(Material::bounded_body)
     }
 
-    /// True if the scene has bodies or an ambient medium, so that paths must track an
+    /// True if the scene has dielectric bodies or an ambient medium, so that paths must track an
     /// [`Interior`](super::Interior).
     #[must_use]
     pub fn has_interiors(&self) -> bool {
@@ -118,7 +118,8 @@ impl Scene {
         }
     }
 
-    /// The media in use, each once: those of bodies that objects bound, and the ambient medium.
+    /// The media in use, each once: those of dielectric bodies that objects bound, and the ambient
+    /// medium.
     #[must_use]
     pub fn media_in_use(&self) -> Vec<&Medium> {
         let mut indices: Vec<u32> = self.ambient_medium.into_iter().collect();
@@ -204,9 +205,9 @@ impl Scene {
 
     /// Unbiased estimate of the transmittance along a shadow ray; 0 if a surface blocks the ray.
     ///
-    /// `interior` holds the bodies and media around the ray's origin, and `key` is the random key.
-    /// If `ray.t_max` is finite, the direction of `ray` is the vector from its origin to its end,
-    /// so t = 1 at the end. If `ray.t_max` is infinite, the direction has unit length.
+    /// `interior` holds the dielectric bodies and media around the ray's origin, and `key` is the
+    /// random key. If `ray.t_max` is finite, the direction of `ray` is the vector from its origin
+    /// to its end, so t = 1 at the end. If `ray.t_max` is infinite, the direction has unit length.
     #[must_use]
     pub fn shadow_transmittance<I: Interior>(&self, ray: &Ray, interior: I, key: Key) -> Rgb {
         path_ray::shadow_transmittance(self, ray, interior, key)
@@ -215,8 +216,8 @@ impl Scene {
     /// Unbiased estimate of the transmittance along `ray`, which has a unit direction. Surfaces are
     /// ignored.
     ///
-    /// The bodies and media of `interior`, which surround the origin of the ray, are assumed to
-    /// fill its whole length.
+    /// The dielectric bodies and media of `interior`, which surround the origin of the ray, are
+    /// assumed to fill its whole length.
     #[inline]
     #[must_use]
     pub fn interior_transmittance<I: Interior>(&self, ray: &Ray, interior: &I, key: Key) -> Rgb {

@@ -60,8 +60,8 @@ impl Texture {
     pub fn value_range(&self) -> (f32, f32) {
         match self {
             Self::Picture(picture, _) => picture.value_range(),
-            Self::Checkerboard(checker, _) => channel_range(checker.colors),
-            Self::Solid(solid) => channel_range(solid.colors),
+            Self::Checkerboard(checker, _) => color_channel_range(checker.colors),
+            Self::Solid(solid) => color_channel_range(solid.colors),
         }
     }
 
@@ -85,6 +85,6 @@ impl Texture {
 }
 
 /// Least and greatest channel value of two colours.
-fn channel_range([a, b]: [Rgb; 2]) -> (f32, f32) {
+fn color_channel_range([a, b]: [Rgb; 2]) -> (f32, f32) {
     (a.min(b).min_element(), a.max(b).max_element())
 }

@@ -57,7 +57,7 @@ mod tests {
         assert_eq!(film_curve(Vec3::new(-1.0, 0.0, f32::MAX), 1e30), Vec3::new(0.0, 0.0, 1.0));
     }
 
-    /// Four stops lie between the brightest value 16 and the median 1, which give four exposures.
+    /// HDR-ꟻLIP uses four exposures for the four stops between the maximum 16 and the median 1.
     ///
     /// The median excludes black pixels.
     #[test]

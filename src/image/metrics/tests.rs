@@ -57,7 +57,7 @@ fn the_relative_error_is_a_root_mean_square() {
 }
 
 #[test]
-fn bytes_are_compared_by_channel() {
+fn differing_bytes_counts_each_channel() {
     let a = RgbBytes::from_pixels(2, 1, vec![[0, 10, 20], [30, 40, 50]]).unwrap();
     let b = RgbBytes::from_pixels(2, 1, vec![[0, 11, 20], [30, 33, 50]]).unwrap();
     assert_eq!(differing_bytes(&a, &b), Ok(ByteDifference { count: 2, largest: 7 }));

@@ -134,13 +134,20 @@ impl PhotonSource<'_> {
             let point = self.primary_emission_sample(key, index, paths);
             let mut square = 0.0;
             if let Some((ray, flux)) = self.start_photon_path::<I>(&point) {
-                pass.follow_photon_path(ray, flux, key.path_key(index), None, &mut tally, |deposit: Deposit<'_>| {
-                    let DepositPlace::Surface(surface, _) = deposit.place else { return };
-                    let flux = f64::from(color::channel_mean(deposit.flux));
-                    let importance =
-                        pilot.visible.photon_importance(surface.point.p, surface.facing_normal(), &mut scratch);
-                    square += flux * flux * f64::from(importance);
-                });
+                pass.follow_photon_path(
+                    ray,
+                    flux,
+                    key.photon_path_key(index),
+                    None,
+                    &mut tally,
+                    |deposit: Deposit<'_>| {
+                        let DepositPlace::Surface(surface, _) = deposit.place else { return };
+                        let flux = f64::from(color::channel_mean(deposit.flux));
+                        let importance =
+                            pilot.visible.photon_importance(surface.point.p, surface.facing_normal(), &mut scratch);
+                        square += flux * flux * f64::from(importance);
+                    },
+                );
             }
             // An infinite change cannot be normalised, so it is ignored.
             let square = if square.is_finite() { square } else { 0.0 };

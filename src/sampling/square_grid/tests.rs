@@ -14,7 +14,7 @@ fn grid_weights_with_zeros() -> Vec<f64> {
     (0..SIDE * SIDE).map(weight).collect()
 }
 
-fn random_points(n: u64) -> impl Iterator<Item = Vec2> {
+fn random_points_in_square(n: u64) -> impl Iterator<Item = Vec2> {
     let key = Key::new(9).purpose_key(Purpose::Test);
     (0..n).map(move |i| key.child_key(i).uniform_2d(Dimension::LightPosition))
 }
@@ -26,7 +26,7 @@ fn grid_samples_follow_the_pdf() {
     let n = 1_000_000;
     let fine = 2 * SIDE;
     let mut counts = vec![0.0; fine * fine];
-    for u in random_points(n) {
+    for u in random_points_in_square(n) {
         let (at, density) = histogram.sample(u);
         assert!(at.cmpge(Vec2::ZERO).all() && at.cmplt(Vec2::ONE).all());
         assert_eq!(density, histogram.pdf(at));

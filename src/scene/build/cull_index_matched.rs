@@ -1,14 +1,14 @@
-//! Removal of objects that bound bodies without any effect on light.
+//! Removal of objects that bound dielectric bodies without any effect on light.
 
 use super::object::{Extent, MeshData, ObjectGeometry, SceneObject};
 use crate::scene::Material;
 
-/// Removes objects that bound a body of refractive index 1 without absorption or medium.
+/// Removes objects that bound a [`Body`](crate::scene::Body) of refractive index 1 without
+/// absorption or medium.
 ///
-/// Such a body has an effect only where it overlaps another body or the ambient medium, because it
-/// may displace them. All objects are therefore kept in a scene with an ambient medium. Otherwise,
-/// an object is kept if its box overlaps the box of a body unlike air, and if it moves or emits
-/// light.
+/// Such a body has an effect only where it displaces another body or the ambient medium. All
+/// objects are therefore kept in a scene with an ambient medium. An object is also kept if it
+/// moves, if it emits light, or if its box overlaps the box of a body unlike air.
 pub(super) fn cull_index_matched(
     mut objects: Vec<SceneObject>,
     mut mesh: MeshData,
@@ -45,7 +45,8 @@ pub(super) fn cull_index_matched(
     (objects, mesh)
 }
 
-/// True if `material` bounds a body unlike air, or is a mix of which a component bounds any body.
+/// True if `material` bounds a [`Body`](crate::scene::Body) unlike air, or if it is a mix and a
+/// component bounds any body.
 fn may_bound_visible_body(materials: &[Material], material: u32) -> bool {
     let material = &materials[material as usize];
     match material.mix_component_indices() {
@@ -54,7 +55,7 @@ fn may_bound_visible_body(materials: &[Material], material: u32) -> bool {
     }
 }
 
-/// True if `material`, or any component of it if it is a mix, bounds a body.
+/// True if `material`, or any component of it if it is a mix, bounds a dielectric body.
 pub(super) fn may_bound_body(materials: &[Material], material: u32) -> bool {
     let material = &materials[material as usize];
     match material.mix_component_indices() {

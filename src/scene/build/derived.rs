@@ -24,9 +24,9 @@ pub(in crate::scene) struct DerivedSceneData {
     pub domain: BoundingSphere,
     /// The ball that the [ambient medium](Scene::ambient_medium) fills.
     pub ambient_extent: BoundingSphere,
-    /// The bodies that contain the camera.
+    /// The dielectric bodies that contain the camera.
     pub camera_interior: InteriorStack,
-    /// The bodies that contain each light, by light index.
+    /// The dielectric bodies that contain each light, by light index.
     pub light_interiors: Vec<InteriorStack>,
     /// Contact distance of each light \[length]: see [`Scene::light_contact_distance`].
     pub light_contact_distance: Vec<f32>,

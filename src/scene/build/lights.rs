@@ -21,8 +21,8 @@ pub(super) struct DeltaLight {
     pub motion: Option<Motion>,
 }
 
-/// The lights in scene coordinates, in this order: delta lights at rest, moving delta lights, area
-/// lights, environment light.
+/// The lights in coordinates relative to [`Scene::origin`](crate::scene::Scene::origin). Their
+/// order is: delta lights at rest, moving delta lights, area lights, environment light.
 pub(super) struct CollectedLights {
     pub lights: Vec<Light>,
     /// Index of the environment light in `lights`.

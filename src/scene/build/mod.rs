@@ -85,7 +85,8 @@ impl SceneBuilder {
         self.media.len() as u32 - 1
     }
 
-    /// Fills the space outside of all bodies with medium `medium`: see [`Scene::ambient_medium`].
+    /// Fills the space outside of all dielectric bodies with medium `medium`: see
+    /// [`Scene::ambient_medium`].
     pub fn set_ambient_medium(&mut self, medium: u32) -> &mut Self {
         self.ambient_medium = Some(medium);
         self

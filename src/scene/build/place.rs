@@ -13,7 +13,7 @@ use glam::{DAffine3, DVec3};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Objects in scene coordinates.
+/// Objects in coordinates relative to [`Scene::origin`](crate::scene::Scene::origin).
 pub(super) struct PlacedObjects {
     /// The objects in the order of their indices: shapes, then meshes, then planes. Moving shapes
     /// follow shapes at rest, and moving planes follow planes at rest.
@@ -24,7 +24,8 @@ pub(super) struct PlacedObjects {
     pub animation: Animation,
 }
 
-/// Geometry in scene coordinates, before hierarchies are built.
+/// Geometry in coordinates relative to [`Scene::origin`](crate::scene::Scene::origin), before
+/// hierarchies are built.
 pub(super) struct PlacedGeometry {
     /// Shapes at rest, then moving shapes.
     pub shapes: Vec<Shape>,
@@ -35,7 +36,7 @@ pub(super) struct PlacedGeometry {
     pub mesh_ranges: Vec<Range<u32>>,
 }
 
-/// Texture mappings in scene coordinates.
+/// Texture mappings from coordinates relative to [`Scene::origin`](crate::scene::Scene::origin).
 pub(super) struct PlacedTextureMappings {
     /// All texture mappings. Objects that define none use the first one.
     pub list: Vec<TextureMapping>,

@@ -119,13 +119,13 @@ fn minimax_coordinate(targets: &[PrecisionTarget], axis: usize, most: f64) -> f6
 mod tests {
     use super::*;
 
-    fn ball_extent(center: DVec3, radius: f64) -> Extent {
+    fn bounding_box_of_ball(center: DVec3, radius: f64) -> Extent {
         (center - radius, center + radius)
     }
 
     #[test]
     fn objects_of_similar_size_lie_around_the_box_center() {
-        let boxes = [ball_extent(DVec3::ZERO, 1.0), ball_extent(DVec3::new(100.0, 0.0, 3.0), 0.1)];
+        let boxes = [bounding_box_of_ball(DVec3::ZERO, 1.0), bounding_box_of_ball(DVec3::new(100.0, 0.0, 3.0), 0.1)];
         let off = origin_for_extents(&boxes, None).unwrap() - DVec3::new(49.55, 0.0, 1.05);
         assert!(off.length() < 1e-12, "{off}");
         assert_eq!(origin_for_extents(&[], Some((DVec3::ONE, 1.0))), None);
@@ -133,8 +133,12 @@ mod tests {
 
     #[test]
     fn small_objects_on_a_huge_one_determine_the_origin() {
-        let floor = ball_extent(DVec3::new(0.0, -1e5, 0.0), 1e5);
-        let boxes = [floor, ball_extent(DVec3::new(2.0, 0.5, 0.0), 0.5), ball_extent(DVec3::new(-2.0, 0.5, 0.0), 0.25)];
+        let floor = bounding_box_of_ball(DVec3::new(0.0, -1e5, 0.0), 1e5);
+        let boxes = [
+            floor,
+            bounding_box_of_ball(DVec3::new(2.0, 0.5, 0.0), 0.5),
+            bounding_box_of_ball(DVec3::new(-2.0, 0.5, 0.0), 0.25),
+        ];
         let found = origin_for_extents(&boxes, None).unwrap();
         // Four times 0.5/0.75 from the larger ball.
         assert!((found.x - (2.0 - 4.0 / 1.5)).abs() < 1e-9 && (found.y - 0.5).abs() < 1.0, "{found}");

@@ -16,16 +16,16 @@ pub struct Body {
     /// Index of the dispersion formula in [`Scene::glasses`](super::Scene::glasses); `None` if the
     /// refractive index is the same at all wavelengths.
     pub glass: Option<u32>,
-    /// Index of the medium that fills the body, if any.
+    /// Index of the medium that fills the dielectric body, if any.
     pub medium: Option<u32>,
     /// True if the boundary is a null interface, which light crosses without reflection or
-    /// refraction. Where such a body overlaps one of equal priority with a real boundary, the other
-    /// body wins.
+    /// refraction. Where such a dielectric body overlaps one of equal priority with a real
+    /// boundary, the other body wins.
     pub is_null_interface: bool,
 }
 
 impl Body {
-    /// A body of absolute refractive `index` that neither absorbs nor scatters.
+    /// A dielectric body of absolute refractive `index` that neither absorbs nor scatters.
     #[must_use]
     pub fn new(index: f32) -> Self {
         Self { index, absorption: Rgb::ZERO, priority: 0, glass: None, medium: None, is_null_interface: false }
@@ -33,17 +33,17 @@ impl Body {
 
     /// A region filled with `medium`, bounded by a null interface.
     #[must_use]
-    pub fn medium_region(medium: u32) -> Self {
+    pub fn body_filled_with_medium(medium: u32) -> Self {
         Self { medium: Some(medium), is_null_interface: true, ..Self::new(1.0) }
     }
 
-    /// Sort key of overlapping bodies; the body with the greatest key fills the overlap.
-    pub(in crate::scene) fn overlap_rank(&self) -> (u8, bool) {
+    /// Sort key of overlapping dielectric bodies; the body with the greatest key fills the overlap.
+    pub(in crate::scene) fn overlap_priority(&self) -> (u8, bool) {
         (self.priority, !self.is_null_interface)
     }
 
-    /// True if the body has refractive index 1, no absorption, no medium and no null interface:
-    /// light cannot distinguish it from air.
+    /// True if the dielectric body has refractive index 1, no absorption, no medium and no null
+    /// interface: light cannot distinguish it from air.
     pub(in crate::scene) fn is_air(&self) -> bool {
         let Self { index, absorption, glass, medium, is_null_interface, priority: _ } = *self;
         index == 1.0 && absorption == Rgb::ZERO && glass.is_none() && medium.is_none() && !is_null_interface

@@ -5,7 +5,7 @@
 /// [`Effects`](crate::scene::Effects).
 ///
 /// `for_interior!(effects, <I> trace::<I>(scene))` names the type `I`. Path loops are compiled for
-/// each type, so that scenes without bodies or media do not pay for them.
+/// each type, so that scenes without dielectric bodies or media do not pay for them.
 macro_rules! for_interior {
     ($needs:expr, <$interior:ident> $body:expr) => {
         match $needs.interior_kind() {

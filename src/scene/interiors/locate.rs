@@ -1,11 +1,11 @@
-//! Finding the bodies around a point.
+//! Finding the dielectric bodies around a point.
 
 use super::{CoincidentFace, InteriorStack, coincident_faces_at};
 use crate::math::Ray;
 use crate::scene::{Effects, RayCone, Scene};
 use glam::Vec3;
 
-/// Returns the bodies that contain point `p`. It traces a ray from `p` out of the scene.
+/// Returns the dielectric bodies that contain point `p`. It traces a ray from `p` out of the scene.
 ///
 /// A body contains the point if the ray leaves the body without having entered it.
 pub(in crate::scene) fn interior_stack_at(scene: &Scene, p: Vec3) -> InteriorStack {

@@ -30,9 +30,9 @@ use glam::Vec3;
 pub enum InteriorKind {
     /// [`NoInterior`]: paths track nothing.
     Nothing,
-    /// [`InteriorStack`]: paths track bodies, without media or a wavelength.
+    /// [`InteriorStack`]: paths track dielectric bodies, without media or a wavelength.
     Bodies,
-    /// [`SpectralInterior`]: paths track bodies, and media or a wavelength or both.
+    /// [`SpectralInterior`]: paths track dielectric bodies, and media or a wavelength or both.
     Spectral,
 }
 
@@ -41,8 +41,8 @@ pub enum InteriorKind {
 pub enum BoundaryEvent {
     /// The path scatters at the surface.
     Surface,
-    /// The path passes unchanged, but a shadow ray is blocked. A body of higher priority fills both
-    /// sides of the boundary.
+    /// The path passes unchanged, but a shadow ray is blocked. A dielectric body of higher priority
+    /// fills both sides of the boundary.
     Hidden,
     /// Paths and shadow rays pass unchanged: a null interface.
     NullInterface,
@@ -53,12 +53,12 @@ pub enum BoundaryEvent {
 pub struct CurrentMedium {
     /// Index of the medium.
     pub medium: u32,
-    /// True for the ambient medium, false for the medium of a body.
+    /// True for the ambient medium, false for the medium of a dielectric body.
     pub ambient: bool,
 }
 
-/// The bodies and media around the current point of a path: [`SpectralInterior`], [`InteriorStack`]
-/// or [`NoInterior`].
+/// The dielectric bodies and media around the current point of a path: [`SpectralInterior`],
+/// [`InteriorStack`] or [`NoInterior`].
 ///
 /// Path loops are compiled for each type, so that scenes without bodies or media pay nothing.
 pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
@@ -83,18 +83,19 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
         None
     }
 
-    /// Optical depth of the absorption in the current body over `distance` \[length]; media are not
-    /// included.
+    /// Optical depth of the absorption in the current dielectric body over `distance` \[length];
+    /// media are not included.
     fn optical_depth(&self, scene: &Scene, distance: f32) -> Rgb;
 
-    /// Transmittance due to absorption in the current body over `distance` \[length]; media are not
-    /// included.
+    /// Transmittance due to absorption in the current dielectric body over `distance` \[length];
+    /// media are not included.
     #[inline]
     fn transmittance(&self, scene: &Scene, distance: f32) -> Rgb {
         exp_neg(self.optical_depth(scene, distance))
     }
 
-    /// Adds the body that `surface` bounds, if the path leaves the body without having entered it.
+    /// Adds the dielectric body that `surface` bounds, if the path leaves the body without having
+    /// entered it.
     ///
     /// The path must then have started inside the body.
     fn infer_starting_body(&mut self, surface: &SurfaceInteraction<'_>);
@@ -106,7 +107,7 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
     fn resolve_boundary(&mut self, scene: &Scene, surface: &mut SurfaceInteraction<'_>, key: Key) -> BoundaryEvent;
 
     /// Updates the interior for a path that crosses `surface` in unit `direction`: enters or leaves
-    /// the body that `surface` bounds, if any.
+    /// the dielectric body that `surface` bounds, if any.
     fn cross_boundary(&mut self, surface: &SurfaceInteraction<'_>, direction: Vec3);
 
     /// Returns the factor by which the path throughput changes on arrival at `surface`, before
@@ -134,7 +135,8 @@ pub(super) fn exp_neg(depth: Rgb) -> Rgb {
     if depth == Rgb::ZERO { Rgb::ONE } else { (-depth).map(libm::expf) }
 }
 
-/// The interior of paths that track no bodies: nothing absorbs, and each body is surrounded by air.
+/// The [`Interior`] of paths that ignore dielectric bodies: nothing absorbs, and each body is
+/// surrounded by air.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NoInterior;
 
@@ -221,8 +223,8 @@ impl Interior for InteriorStack {
     }
 }
 
-/// Returns the event for a path that meets `surface`, the body on the inner side, and the interface
-/// between inner and outer side.
+/// Returns the event for a path that meets `surface`, the dielectric body on the inner side, and
+/// the interface between inner and outer side.
 ///
 /// Argument `body` is the body that `surface` bounds. Boundaries that coincide with `surface` take
 /// part: they may change the bodies on both sides, and `surface` gets their greatest roughness.
@@ -249,6 +251,6 @@ fn resolve_interface(
             interface,
         );
     }
-    let interface = stack.interface_at(surface.material_index, &body, entering, &scene.materials);
+    let interface = stack.interface_at_boundary(surface.material_index, &body, entering, &scene.materials);
     (if body.is_null_interface { BoundaryEvent::NullInterface } else { interface.boundary_event() }, body, interface)
 }

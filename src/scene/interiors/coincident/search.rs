@@ -45,7 +45,7 @@ impl CoincidentFlags {
     }
 }
 
-/// A triangle or a whole shape that bounds a body.
+/// A triangle or a whole shape that bounds a dielectric body.
 struct BoundaryFace {
     primitive: PrimitiveIndex,
     bounds: Bounds,
@@ -53,7 +53,7 @@ struct BoundaryFace {
     object: u32,
 }
 
-/// The box around a mesh or shape that bounds a body.
+/// The box around a mesh or shape that bounds a dielectric body.
 struct BoundaryExtent {
     bounds: Bounds,
     /// Distance within which another face counts as coincident \[length].
@@ -69,7 +69,7 @@ impl BoundaryExtent {
 
 /// Finds the primitives of `geometry` with which a boundary of another object may coincide.
 ///
-/// `is_boundary` returns true if the material with the given index bounds a body.
+/// `is_boundary` returns true if the material with the given index bounds a dielectric body.
 pub(in crate::scene) fn find_coincident_flags(
     geometry: &Geometry,
     is_boundary: impl Fn(u32) -> bool,
@@ -132,8 +132,8 @@ pub(in crate::scene) fn find_coincident_flags(
     CoincidentFlags { triangles: triangles.into(), shapes: shapes.into(), anywhere: false }
 }
 
-/// Returns the bounds of each mesh that bounds a body; `None` for other meshes and for meshes
-/// without triangles.
+/// Returns the bounds of each mesh that bounds a dielectric body; `None` for other meshes and for
+/// meshes without triangles.
 fn boundary_mesh_bounds(geometry: &Geometry, bounds_body: impl Fn(usize) -> bool) -> Vec<Option<Bounds>> {
     let mut mesh_bounds: Vec<Option<Bounds>> = vec![None; geometry.mesh_ranges.len()];
     for (i, object) in geometry.triangle_object.iter().enumerate() {

@@ -18,8 +18,8 @@ fn interior_stack_of_materials(bodies: &[u32]) -> InteriorStack {
     inside
 }
 
-/// Crosses the face between a glass (material 0) and its content (material 1). The bodies beyond it
-/// do not depend on which of the two boundaries is hit.
+/// Crosses the face between a glass (material 0) and its content (material 1). The dielectric
+/// bodies beyond it do not depend on which of the two boundaries is hit.
 #[test]
 fn coincident_faces_are_crossed_together() {
     let glass = interior_stack_of_materials(&[0]);

@@ -62,7 +62,7 @@ fn nested_bodies(b: &mut SceneBuilder, filled: Filled, turns: u32) {
     for i in 0..NEST {
         let absorption = Rgb::splat(absorption_of_body(i, turns) as f32);
         let body = match filled {
-            Filled::Media => Body::medium_region(b.add_medium(Medium::homogeneous(
+            Filled::Media => Body::body_filled_with_medium(b.add_medium(Medium::homogeneous(
                 absorption,
                 Rgb::ZERO,
                 Rgb::ZERO,

@@ -38,7 +38,7 @@ fn room(scale: f32, fog: bool) -> Scene {
     if fog {
         let milk = Medium::homogeneous(Rgb::splat(0.2), Rgb::splat(0.8), Rgb::ZERO, PhaseFunction::Isotropic);
         let milk = b.add_medium(milk);
-        let clear = b.add_material(Material::smooth_boundary(Body::medium_region(milk)));
+        let clear = b.add_material(Material::smooth_boundary(Body::body_filled_with_medium(milk)));
         b.add_shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 0.1, -0.2), 0.4)), clear, Rgb::ZERO);
     }
     let camera = Camera::perspective(DVec3::Z * 3.4, -DVec3::Z, DVec3::Y, 0.8, 16, 16).unwrap();
