@@ -83,7 +83,7 @@ fn make_environment(
     span: Span,
 ) -> Result<EnvironmentLight, SceneError> {
     match described {
-        EnvironmentRadiance::Constant(radiance) => EnvironmentLight::constant(rgb(*radiance))
+        EnvironmentRadiance::Constant(radiance) => EnvironmentLight::with_constant_radiance(rgb(*radiance))
             .map_err(|e| r.error_at(span, &e.to_string(), "give a radiance that single precision can hold")),
         EnvironmentRadiance::Picture { path, scale, rotate } => {
             let map = r.read_picture(path, PixelMeaning::Radiance)?;
