@@ -81,8 +81,8 @@ pub(super) struct BinaryNode {
     /// Number of child slots for the left subtree: `share[n]`, if this node gets n child slots of a
     /// wide node.
     ///
-    /// n is from 2 to [`ARITY`]. The right subtree gets the other slots. This division has the least
-    /// traversal cost. A value of 0 means that n − 1 slots cost as little.
+    /// n is from 2 to [`ARITY`]. The right subtree gets the other slots. This division has the
+    /// least traversal cost. A value of 0 means that n − 1 slots cost as little.
     pub share: [u8; ARITY + 1],
     /// True if all primitives of this node become one leaf.
     pub leaf: bool,
@@ -302,10 +302,9 @@ mod tests {
         }
     }
 
-    /// The depth of the tree is bounded, although the heuristic splits off only a few boxes at a
-    /// time.
+    /// The depth of a tree over boxes that double in size and distance is bounded.
     ///
-    /// It does so for boxes that double in size and distance.
+    /// The surface area heuristic splits off only a few of these boxes at a time.
     #[test]
     fn bvh_depth_is_bounded() {
         let series = (0..126u32).map(|i| (f32::from_bits((i + 64) << 23), i));

@@ -88,9 +88,9 @@ impl Hierarchy {
     ///
     /// Among hits of equal `t`, triangles win against other primitives, then the lowest index wins.
     ///
-    /// `other(i, ray)` intersects `ray` with the primitive in box `i`. It returns t and two numbers,
-    /// which become `u` and `v` of the [`PrimitiveHit`]. The `t_max` of the given `ray` is the ray
-    /// parameter of the nearest hit so far.
+    /// `other(i, ray)` intersects `ray` with the primitive in box `i`. It returns t and two
+    /// numbers, which become `u` and `v` of the [`PrimitiveHit`]. The `t_max` of the given `ray` is
+    /// the ray parameter of the nearest hit so far.
     #[inline]
     pub fn closest_hit<F>(&self, ray: &Ray, mut other: F) -> Option<PrimitiveHit>
     where
@@ -123,8 +123,8 @@ impl Hierarchy {
 
     /// Calls `visit` with every hit with `0 < t < t_max`, in an order that depends on the tree.
     ///
-    /// `other(i, ray)` intersects `ray` with the primitive in box `i`. It returns t and two numbers,
-    /// which become `u` and `v` of the [`PrimitiveHit`].
+    /// `other(i, ray)` intersects `ray` with the primitive in box `i`. It returns t and two
+    /// numbers, which become `u` and `v` of the [`PrimitiveHit`].
     pub fn for_each_hit<F>(&self, ray: &Ray, mut other: F, mut visit: impl FnMut(PrimitiveHit))
     where
         F: FnMut(u32, &Ray) -> Option<(f32, f32, f32)>,

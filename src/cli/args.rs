@@ -7,7 +7,7 @@ use super::number::{
 };
 use super::{ConvertArguments, DiffArguments, MeshArguments};
 use crate::camera::FilterKind;
-use crate::image::{BitDepth, FloatDepth, ToneCurve};
+use crate::image::{BitDepth, ExrPrecision, ToneCurve};
 use crate::integrate::{Algorithm, FinalGathering, LightTracing, VolumeEstimator};
 use crate::photon::Kernel;
 use crate::plan::EffectOverrides;
@@ -237,7 +237,7 @@ pub struct RenderArguments {
 
     /// Bits per channel of OpenEXR: 16 (largest value 65504) or 32
     #[arg(long, default_value = "32", value_parser = parse_exr_depth, value_name = "BITS")]
-    pub exr_bits: FloatDepth,
+    pub exr_bits: ExrPrecision,
 
     /// Write a report of the render as JSON
     #[arg(long, value_name = "FILE")]
@@ -429,10 +429,10 @@ fn parse_png_depth(text: &str) -> Result<BitDepth, String> {
     }
 }
 
-fn parse_exr_depth(text: &str) -> Result<FloatDepth, String> {
+fn parse_exr_depth(text: &str) -> Result<ExrPrecision, String> {
     match text {
-        "16" => Ok(FloatDepth::Half),
-        "32" => Ok(FloatDepth::Single),
+        "16" => Ok(ExrPrecision::Half),
+        "32" => Ok(ExrPrecision::Single),
         _ => Err(format!("`{text}` is not a bit depth of OpenEXR: write 16 or 32")),
     }
 }

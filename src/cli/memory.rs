@@ -1,6 +1,6 @@
 //! Checks before a render that its pictures and photons fit into memory.
 
-use crate::image::{MAX_PIXELS, SizeError};
+use crate::image::{MAX_PIXELS, PictureSizeError};
 use crate::integrate::ExpectedPhotons;
 use crate::stats::format_bytes;
 
@@ -28,7 +28,7 @@ pub(super) enum MemoryError {
     /// A picture has more pixels than [`MAX_PIXELS`].
     #[error(transparent)]
     #[diagnostic(help("choose a smaller --size"))]
-    Pixels(#[from] SizeError),
+    Pixels(#[from] PictureSizeError),
     /// The pictures need more memory (`needed`) than there is (`free`) \[bytes].
     #[error(
         "{} of {width} × {height} pixels {} of memory, and {} are free",
@@ -86,7 +86,7 @@ fn check_pixel_memory(
 ) -> Result<u64, MemoryError> {
     let pixels = u64::from(width) * u64::from(height);
     if pixels > MAX_PIXELS {
-        return Err(SizeError::TooLarge { width, height }.into());
+        return Err(PictureSizeError::TooLarge { width, height }.into());
     }
     let needed = pixels * bytes_per_pixel * count as u64;
     match free {

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use super::buffer::SizeError;
+use super::buffer::PictureSizeError;
 use crate::stats::format_bytes;
 
 /// Error: a picture was not written. An existing file at the path is unchanged.
@@ -49,12 +49,12 @@ pub enum WriteError {
         /// Path of the output file, as given by the caller.
         path: PathBuf,
     },
-    /// The operating system reported an error.
+    /// An operation on the file failed with an error of the operating system.
     #[error("cannot {action} `{}`: {source}", path.display())]
     Io {
         /// The operation that failed, such as `create a file in`.
         action: &'static str,
-        /// Path of the file or folder.
+        /// Path of the file or folder on which the operation failed.
         path: PathBuf,
         /// Error of the operating system.
         source: io::Error,
@@ -70,9 +70,9 @@ pub enum WriteError {
     /// The exposure is NaN or outside ±[`MAX_EXPOSURE_STOPS`](super::MAX_EXPOSURE_STOPS).
     #[error("an exposure of {stops} stops is out of range: choose one from -{limit} to {limit}")]
     Exposure {
-        /// Exposure in stops.
+        /// The given exposure \[stops].
         stops: f32,
-        /// Largest absolute exposure in stops.
+        /// Largest accepted absolute exposure \[stops].
         limit: f32,
     },
     /// The encoder of the file format failed.
@@ -83,7 +83,7 @@ pub enum WriteError {
 /// Error: a picture was not read.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
-    /// The operating system reported an error.
+    /// An operation on the file failed with an error of the operating system.
     #[error("cannot read `{}`: {source}", path.display())]
     Io {
         /// Path of the picture file.
@@ -111,7 +111,7 @@ pub enum ReadError {
         /// Path of the picture file.
         path: PathBuf,
         /// The invalid size.
-        source: SizeError,
+        source: PictureSizeError,
     },
     /// The picture does not fit into memory.
     #[error(
@@ -131,12 +131,12 @@ pub enum ReadError {
 /// Error of a decoder, which does not know the path of the file.
 pub(super) enum DecodeFailure {
     Reason(String),
-    Size(SizeError),
+    Size(PictureSizeError),
     Memory { needed: u64, free: u64 },
 }
 
-impl From<SizeError> for DecodeFailure {
-    fn from(error: SizeError) -> Self {
+impl From<PictureSizeError> for DecodeFailure {
+    fn from(error: PictureSizeError) -> Self {
         Self::Size(error)
     }
 }

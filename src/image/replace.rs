@@ -22,7 +22,7 @@ pub fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     replace_file_with(path, |file| file.write_all(bytes))
 }
 
-/// Replaces the file at `path` by what `fill` writes, atomically like [`replace_file`].
+/// Replaces the file at `path` by a file that `fill` writes, atomically like [`replace_file`].
 ///
 /// # Errors
 /// [`WriteError`] like [`replace_file`], or if `fill` fails.
@@ -61,7 +61,7 @@ fn parent_folder(file: &Path) -> &Path {
     file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Prefix and suffix of the names of temporary files.
+/// Prefix and suffix of the names of the temporary files of [`replace_file`].
 const TEMPORARY_NAME: (&str, &str) = (".caustica-", ".tmp");
 
 /// Age at which a temporary file counts as left by a killed process.

@@ -29,7 +29,7 @@ pub enum ToneCurve {
 }
 
 impl ToneCurve {
-    /// All curves, in the order of help texts.
+    /// All tone curves, in the order in which help texts list them.
     pub const ALL: [Self; 3] = [Self::Srgb, Self::Filmic, Self::Course];
 
     /// Name of the curve on the command line.

@@ -225,7 +225,7 @@ fn scatter_at_caster<I: Interior>(
         let has_room = stack.len() < MAX_BRANCHES;
         if has_room && path.history.receivers == 0 && weaker > MIN_SPLIT_THROUGHPUT.max(policy.min_throughput) {
             stack.push(path.after_scattering(surface, split.reflected.0, Rgb::splat(split.reflected.1), false));
-            let weight = Rgb::splat(split.transmitted.1 / split.radiance_divisor);
+            let weight = Rgb::splat(split.transmitted.1 / split.transmitted_radiance_divisor);
             *path = path.after_scattering(surface, split.transmitted.0, weight, true);
             return true;
         }

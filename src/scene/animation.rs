@@ -131,7 +131,7 @@ fn replace_shape(scene: &mut Scene, i: usize, shape: Shape) {
     let object = scene.geometry.objects[i];
     if let Some(light) = object.light {
         let light = light as usize;
-        if let Some(area) = scene.lights[light].as_area_mut() {
+        if let Some(area) = scene.lights[light].as_area_light_mut() {
             area.surface = LightSurface::Shape(shape.clone());
             let mapping = scene.mappings[object.mapping as usize];
             let remapped = |texture: &Arc<EmissionTexture>| {

@@ -111,7 +111,7 @@ impl Scene {
     #[inline]
     #[must_use]
     pub fn escaped_radiance(&self, direction: Vec3) -> Rgb {
-        let environment = self.environment_light_index.and_then(|index| self.lights[index].as_environment());
+        let environment = self.environment_light_index.and_then(|index| self.lights[index].as_environment_light());
         environment.map_or(self.background, |environment| environment.radiance(direction))
     }
 
@@ -241,7 +241,7 @@ impl Scene {
         let point = self.geometry.surface_point(ray, hit);
         let object = self.geometry.object_attributes(hit.primitive);
         let wo = -ray.direction;
-        let emission = match object.light.and_then(|l| self.lights[l as usize].as_area()) {
+        let emission = match object.light.and_then(|l| self.lights[l as usize].as_area_light()) {
             Some(area) if wo.dot(point.ng) > 0.0 => match &area.texture {
                 Some(texture) if cone.effects.has(Effect::Textures) => {
                     texture.radiance(&self.texture_context(hit, &point, wo, &cone.emission_texture_cone()))

@@ -29,9 +29,9 @@ impl TexCoord {
 /// Function from object-space points to texture coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TextureMappingKind {
-    /// Longitude u and latitude v around `center`, both scaled to \[0, 1]; the axis is parallel to y.
+    /// Longitude u and latitude v around `center`, both scaled to \[0, 1].
     ///
-    /// u is ½ at +z and ¾ at +x; v runs from 0 at −y to 1 at +y.
+    /// The polar axis is parallel to y. u is ½ at +z and ¾ at +x; v runs from 0 at −y to 1 at +y.
     Spherical {
         /// Object-space point from which longitude and latitude are measured.
         center: DVec3,

@@ -1,7 +1,7 @@
 //! Study of effects: renders a scene with all effects, and without each of them.
 
 use crate::image::metrics::{MetricError, rmse};
-use crate::image::{Image, SizeError, WriteError};
+use crate::image::{Image, PictureSizeError, WriteError};
 use crate::integrate::{Algorithm, ExpectedPhotons, Integrator, ProgressMonitor, Settings};
 use crate::plan::{EffectDecision, Plan};
 use crate::render::Film;
@@ -19,7 +19,7 @@ pub enum StudyError {
     Metric(#[from] MetricError),
     /// The size of the picture is not allowed.
     #[error(transparent)]
-    Size(#[from] SizeError),
+    Size(#[from] PictureSizeError),
     /// Encoding a picture failed.
     #[error(transparent)]
     Encode(#[from] WriteError),

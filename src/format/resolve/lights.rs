@@ -7,7 +7,7 @@ use crate::format::description::{
     AreaLightStrength, DirectionalLightStrength, EnvironmentRadiance, LightDescription, LightPattern,
     PointLightStrength, Span, Spanned, TransformStep,
 };
-use crate::image::PictureContent;
+use crate::image::PixelMeaning;
 use crate::light::{
     EnvironmentLight, EquirectangularMap, IntensityPattern, OrientedPointLight, ProjectedPicture,
     map_from_intensity_profile,
@@ -83,10 +83,10 @@ fn make_environment(
     span: Span,
 ) -> Result<EnvironmentLight, SceneError> {
     match described {
-        EnvironmentRadiance::Constant(radiance) => EnvironmentLight::constant(rgb(*radiance))
+        EnvironmentRadiance::Constant(radiance) => EnvironmentLight::with_constant_radiance(rgb(*radiance))
             .map_err(|e| r.error_at(span, &e.to_string(), "give a radiance that single precision can hold")),
         EnvironmentRadiance::Picture { path, scale, rotate } => {
-            let map = r.read_picture(path, PictureContent::Radiance)?;
+            let map = r.read_picture(path, PixelMeaning::Radiance)?;
             EnvironmentLight::new(map, rotate.to_radians(), Rgb::splat(*scale as f32))
                 .map_err(|e| r.file_error(path, &e, "repair the picture, or scale it less"))
         }
@@ -101,7 +101,7 @@ fn make_oriented_light(
     up: DVec3,
     pattern: &LightPattern,
 ) -> Result<OrientedPointLight, SceneError> {
-    let read = |path: &Spanned<String>| r.read_picture(path, PictureContent::Radiance);
+    let read = |path: &Spanned<String>| r.read_picture(path, PixelMeaning::Radiance);
     let (pattern, direction, up) = match pattern {
         LightPattern::Picture { path, angle } => {
             let picture = ProjectedPicture::new(read(path)?, angle.to_radians());

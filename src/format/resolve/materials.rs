@@ -3,7 +3,7 @@
 use super::media::with_body_medium;
 use super::textures::{ANY_TEXTURE_VALUE, TextureRequirements};
 use super::{Resolver, rgb};
-use crate::bsdf::{METALS, named_metal};
+use crate::bsdf::{METALS, metal_refractive_index};
 use crate::color::{DispersionFormula, GLASSES, Rgb, glass_by_name};
 use crate::format::SceneError;
 use crate::format::description::{
@@ -123,7 +123,7 @@ fn known_glass(r: &Resolver<'_>, name: &Spanned<String>) -> Result<DispersionFor
 fn complex_refractive_index(r: &Resolver<'_>, described: &MetalDescription) -> Result<(Rgb, Rgb), SceneError> {
     match described {
         MetalDescription::Index { eta, k } => Ok((rgb(*eta), rgb(*k))),
-        MetalDescription::Named(name) => named_metal(name).ok_or_else(|| {
+        MetalDescription::Named(name) => metal_refractive_index(name).ok_or_else(|| {
             let message = format!("no metal is called `{}`", name.value);
             let help = format!("known are {}; of others, give `eta` and `k`", METALS.join(", "));
             SceneError::at_span(r.source, name.span, message, "unknown name", help)

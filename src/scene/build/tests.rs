@@ -32,7 +32,7 @@ fn escaped_rays_see_the_environment_or_background() {
         let mut builder = SceneBuilder::new();
         builder.set_background(Rgb::splat(0.5));
         for radiance in environments {
-            builder.set_environment(EnvironmentLight::constant(Rgb::splat(*radiance)).unwrap());
+            builder.set_environment(EnvironmentLight::with_constant_radiance(Rgb::splat(*radiance)).unwrap());
         }
         add_emissive_sphere(&mut builder, DVec3::ZERO, Rgb::ONE);
         builder.build(perspective_camera()).unwrap()

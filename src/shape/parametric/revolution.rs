@@ -308,7 +308,7 @@ impl RevolutionProfile {
         DVec3::new(dh * radial.x, -dx, dh * radial.y) * side
     }
 
-    /// Object-space area of a leaf at its parameter x, per unit of x and per radian of azimuth.
+    /// Object-space area element of a leaf: area at its parameter x, per unit of x and per radian.
     fn area_element(&self, leaf: usize, x: f64) -> f64 {
         let ([radius, _], [dx, dh]) = evaluate_with_derivative(self.leaf_polynomial_coefficients(leaf), x);
         radius.abs() * hypot(dx, dh)

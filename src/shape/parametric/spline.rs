@@ -33,9 +33,9 @@ pub enum SplineError {
     /// The first and the last knot of the curve's range are equal.
     #[error("the range of the curve, from knot {first} to knot {last} (counted from 0), has no length")]
     NoRange {
-        /// Index of the first knot of the range.
+        /// Index of the first knot of the curve's range.
         first: usize,
-        /// Index of the last knot of the range.
+        /// Index of the last knot of the curve's range.
         last: usize,
     },
     /// The span that begins at the knot with this index is too short for f32 parameters.
@@ -86,7 +86,7 @@ pub struct SplineBasis {
 /// Interval between two consecutive, different knots.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct KnotSpan {
-    /// Index of the knot at the start.
+    /// Index of the knot at the start of the span.
     knot: usize,
     /// Start and end of the span, as fractions in \[0, 1] of the whole curve's range.
     pub range: [f64; 2],

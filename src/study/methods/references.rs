@@ -3,7 +3,7 @@
 use super::GroundTruth;
 use super::clock::{measure_time, system_clock};
 use crate::image::metrics::{MetricError, rmse};
-use crate::image::{Image, RelativeErrorWeights, SizeError, open_file};
+use crate::image::{Image, PictureSizeError, RelativeErrorWeights, open_file};
 use crate::integrate::{Algorithm, CameraPathSettings, ProgressMonitor, Settings};
 use crate::plan::{Effect, EffectOverrides, Plan};
 use crate::render::Film;
@@ -55,7 +55,7 @@ pub enum ReferenceError {
     Metric(#[from] MetricError),
     /// The size of the picture is not allowed.
     #[error(transparent)]
-    Extent(#[from] SizeError),
+    Extent(#[from] PictureSizeError),
 }
 
 /// Two reference pictures of equal size with finite pixels.

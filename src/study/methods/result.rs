@@ -35,7 +35,8 @@ pub struct ConvergenceCheckpoint {
     /// Square of the relative error that the renderer itself estimates, for each seed with a finite
     /// estimate.
     pub estimated: Vec<f64>,
-    /// Root mean square difference from the reference over pixels, channels and seeds \[W/(m² sr)].
+    /// Root mean square error over pixels, channels and seeds \[W/(m² sr)], without the noise of
+    /// the references; 0 if noise makes the estimated square negative.
     pub rmse: f64,
     /// Mean ꟻLIP error of the first seed's picture against the reference, in \[0, 1].
     pub flip: f64,

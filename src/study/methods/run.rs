@@ -22,8 +22,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// smaller, the earlier checkpoint is dropped.
 const MIN_CHECKPOINT_RATIO: f64 = 1.3;
 
-/// Memory of a film and its error estimator \[bytes per pixel].
-const BYTES_PER_FILM_PIXEL: u64 = 24 + 192;
+/// Memory of a film (48) and its error estimator (176) \[bytes per pixel].
+const BYTES_PER_FILM_PIXEL: u64 = 48 + 176;
 
 /// Memory of a picture \[bytes per pixel].
 const BYTES_PER_PICTURE_PIXEL: u64 = 12;

@@ -1,6 +1,6 @@
 //! Error maps: colour ramps, their scales, and windows with the largest errors.
 
-use crate::image::{Image, RelativeErrorWeights, SizeError};
+use crate::image::{Image, PictureSizeError, RelativeErrorWeights};
 use crate::study::methods::MethodResult;
 use glam::{DVec3, Vec3};
 
@@ -66,7 +66,7 @@ pub(super) fn color_scale_maximum(values: impl Iterator<Item = f64>) -> Option<f
 
 /// Draws the relative error of each pixel by a logarithmic colour ramp, which ends at the error
 /// `most`.
-pub(super) fn error_map(method: &MethodResult, most: f64) -> Result<Image, SizeError> {
+pub(super) fn error_map(method: &MethodResult, most: f64) -> Result<Image, PictureSizeError> {
     let colour = |e: &f32| {
         let e = f64::from(*e);
         if e > 0.0 {
@@ -90,7 +90,7 @@ pub(super) fn relative_differences(difference: &Image, scale: &RelativeErrorWeig
 /// Draws signed relative differences by a colour ramp from −`most` to `most`.
 ///
 /// `relative` holds a difference for each pixel of `method`'s picture.
-pub(super) fn difference_map(method: &MethodResult, relative: &[f64], most: f64) -> Result<Image, SizeError> {
+pub(super) fn difference_map(method: &MethodResult, relative: &[f64], most: f64) -> Result<Image, PictureSizeError> {
     let picture = &method.picture;
     Image::from_pixels(
         picture.width(),
@@ -110,7 +110,7 @@ pub(super) struct PixelWindow {
 
 impl PixelWindow {
     /// Copies the pixels of `image` inside the window.
-    pub(super) fn crop_image(self, image: &Image) -> Result<Image, SizeError> {
+    pub(super) fn crop_image(self, image: &Image) -> Result<Image, PictureSizeError> {
         let pixels = (self.y..self.y + self.height)
             .flat_map(|y| (self.x..self.x + self.width).map(move |x| image.get(x, y).unwrap_or(Vec3::ZERO)));
         Image::from_pixels(self.width, self.height, pixels.collect())

@@ -46,8 +46,9 @@ fn de_casteljau<T: Copy + std::ops::Mul<f64, Output = T> + std::ops::Add<Output 
     points[0]
 }
 
-/// Bounds on the first and the second derivative along one axis of a control net: the largest n|Δb|
-/// and n(n − 1)|Δ²b|.
+/// Bounds on the first and the second derivative of a Bézier patch along one parameter axis.
+///
+/// They are the largest n|Δb| and n(n − 1)|Δ²b| of its control points b, for the degree n.
 fn derivative_bounds(points: &[DVec4], degree: [usize; 2], axis: usize) -> (DVec4, DVec4) {
     let columns = degree[1] + 1;
     let step = if axis == 0 { columns } else { 1 };

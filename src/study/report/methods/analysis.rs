@@ -2,8 +2,8 @@
 
 use crate::study::methods::fit::{
     ConvergenceFit, ConvergenceSlopes, ConvergenceVerdict, ErrorComponent, MethodRecommendation, ParetoPoint,
-    RenderEffort, SlopeRange, TimeToError, fit_convergence, judge_convergence, pareto_front, predicted_slopes,
-    recommend_method, time_to_error, time_to_tenth_of_error,
+    RenderEffort, SlopeRange, TimeToError, fit_convergence, judge_convergence, pareto_front,
+    predicted_convergence_slopes, recommend_method, time_to_error, time_to_tenth_of_error,
 };
 use crate::study::methods::{MethodResult, MethodStudyResult};
 use crate::study::report::text::{self, count_text, duration_text, error_percent_text};
@@ -68,10 +68,14 @@ impl MethodStudyAnalysis {
 }
 
 impl MethodAnalysis {
-    /// Returns the slopes of `quantity` that theory predicts for the fitted checkpoints; `None`
-    /// without a fit, or if the quantity is zero.
-    pub(super) fn predicted_slopes(&self, method: &MethodResult, quantity: ErrorComponent) -> Option<SlopeRange> {
-        predicted_slopes(method.algorithm, quantity, &self.fit.as_ref()?.passes, method.alpha)
+    /// Returns the range of slopes that theory predicts for `quantity` over the fitted checkpoints;
+    /// `None` without a fit, or if the quantity is zero.
+    pub(super) fn predicted_convergence_slopes(
+        &self,
+        method: &MethodResult,
+        quantity: ErrorComponent,
+    ) -> Option<SlopeRange> {
+        predicted_convergence_slopes(method.algorithm, quantity, &self.fit.as_ref()?.passes, method.alpha)
     }
 }
 

@@ -39,7 +39,7 @@ fn sky_is_seen_through_snells_window() {
             let black = b.add_material(Material::black());
             b.add_plane(Plane::new(DVec3::ZERO, DVec3::Y), body, Vec3::ZERO);
             b.add_plane(Plane::new(DVec3::NEG_Y * 2.0, DVec3::Y), black, Vec3::ZERO);
-            b.set_environment(EnvironmentLight::constant(Vec3::ONE).unwrap());
+            b.set_environment(EnvironmentLight::with_constant_radiance(Vec3::ONE).unwrap());
             let direction = DVec3::new(libm::sin(angle), libm::cos(angle), 0.0);
             let scene = b.build(narrow_camera(DVec3::NEG_Y, direction, 1e-6)).unwrap();
             let (sin_t, cos) = (n * libm::sin(angle), libm::cos(angle));
@@ -69,7 +69,7 @@ fn radiance_in_glass_scales_by_squared_index() {
         let mut b = SceneBuilder::new();
         let glass = b.add_material(Material::dielectric(n as f32, Vec3::ZERO));
         b.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), glass, Vec3::ZERO);
-        b.set_environment(EnvironmentLight::constant(Vec3::ONE).unwrap());
+        b.set_environment(EnvironmentLight::with_constant_radiance(Vec3::ONE).unwrap());
         let camera = Camera::panorama(DVec3::X * off, DVec3::NEG_Z, DVec3::Y, 16, 8).unwrap();
         let samples = mean_radiances(&b.build(camera).unwrap(), 16);
         // Each of some ten interfaces rounds reflectance and square by 2⁻²³. After a thousand
@@ -92,7 +92,7 @@ fn overlapping_bodies_resolve_by_priority() {
             let material = b.add_material(Material::smooth_boundary(Body { priority, ..Body::new(n) }));
             b.add_shape(Shape::Sphere(Sphere::new(DVec3::X * x, 0.6)), material, Vec3::ZERO);
         }
-        b.set_environment(EnvironmentLight::constant(Vec3::ONE).unwrap());
+        b.set_environment(EnvironmentLight::with_constant_radiance(Vec3::ONE).unwrap());
         // Looks across the row of balls, where light can leave.
         b.build(narrow_camera(DVec3::new(at, 0.0, 0.0), DVec3::Y, 0.3)).unwrap()
     };

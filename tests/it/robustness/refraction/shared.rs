@@ -204,7 +204,7 @@ fn camera_in_liquid_starts_in_liquid() {
         {
             let mut b = SceneBuilder::new();
             layers(&mut b, faces, contact, first);
-            b.set_environment(EnvironmentLight::constant(Vec3::ONE).unwrap());
+            b.set_environment(EnvironmentLight::with_constant_radiance(Vec3::ONE).unwrap());
             // A field of 40° is within Snell's window, so all light gets out in the end.
             let up = Camera::perspective(DVec3::ZERO, DVec3::Y, DVec3::Z, 0.7, 8, 8).unwrap();
             let scene = b.build(up).unwrap();
