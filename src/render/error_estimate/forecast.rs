@@ -7,7 +7,8 @@ use crate::integrate::squared_radius_ratio;
 /// Largest number of passes of a forecast.
 const MAX_PASSES: u32 = 10_000_000;
 
-/// Number of passes that a forecast sums one by one. It sums later passes in groups ([`GROUP_DIVISOR`]).
+/// Number of passes that a forecast sums one by one. It sums later passes in groups
+/// ([`GROUP_DIVISOR`]).
 const EXACT_PASSES: u32 = 1024;
 
 /// A forecast adds later passes in groups of 1/`GROUP_DIVISOR` of the passes summed so far.
@@ -159,8 +160,8 @@ impl DiscAreaSums {
         self.area *= (i + self.alpha) / (i + 1.0);
     }
 
-    /// Adds the next n/[`GROUP_DIVISOR`] passes at once by the midpoint rule, where n passes are summed so
-    /// far.
+    /// Adds the next n/[`GROUP_DIVISOR`] passes at once by the midpoint rule, where n passes are
+    /// summed so far.
     ///
     /// The rule uses area ∝ n^(α − 1), which holds for large n.
     fn add_group_of_passes(&mut self) {
