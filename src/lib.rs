@@ -55,8 +55,9 @@
 //! 1. `PhotonMapBuilder::build` in [`integrate`] starts the photons of a pass. It calls
 //!    [`PhotonPass::trace_and_connect`](photon::PhotonPass::trace_and_connect), which follows the
 //!    photon paths in parallel by `PhotonPass::follow_photon_path`.
-//! 2. Photon path `i` has the random-number [`Key`](sampling::Key) `pass_key.photon_path_key(i)`. Every
-//!    random decision is a function of a key and the name of the decision.
+//! 2. Photon path `i` has the random-number [`Key`](sampling::Key)
+//!    `pass_key.photon_path_key(i)`. Every random decision is a function of a key and the name of
+//!    the decision.
 //! 3. [`PhotonSource::emit_photon_path`](photon::PhotonSource::emit_photon_path) samples a light
 //!    and a ray that leaves it. The sampling pdf follows the power of the lights, the solid angle
 //!    of casters, or the emission that a pilot found useful. The ray carries flux / (pdf · number

@@ -49,12 +49,12 @@ pub enum WriteError {
         /// Path of the output file, as given by the caller.
         path: PathBuf,
     },
-    /// The operating system reported an error.
+    /// An operation on the file failed with an error of the operating system.
     #[error("cannot {action} `{}`: {source}", path.display())]
     Io {
         /// The operation that failed, such as `create a file in`.
         action: &'static str,
-        /// Path of the file or folder.
+        /// Path of the file or folder on which the operation failed.
         path: PathBuf,
         /// Error of the operating system.
         source: io::Error,
@@ -70,9 +70,9 @@ pub enum WriteError {
     /// The exposure is NaN or outside ±[`MAX_EXPOSURE_STOPS`](super::MAX_EXPOSURE_STOPS).
     #[error("an exposure of {stops} stops is out of range: choose one from -{limit} to {limit}")]
     Exposure {
-        /// Exposure in stops.
+        /// The given exposure \[stops].
         stops: f32,
-        /// Largest absolute exposure in stops.
+        /// Largest accepted absolute exposure \[stops].
         limit: f32,
     },
     /// The encoder of the file format failed.
@@ -83,7 +83,7 @@ pub enum WriteError {
 /// Error: a picture was not read.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
-    /// The operating system reported an error.
+    /// An operation on the file failed with an error of the operating system.
     #[error("cannot read `{}`: {source}", path.display())]
     Io {
         /// Path of the picture file.

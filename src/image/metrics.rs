@@ -7,7 +7,7 @@ use serde::Serialize;
 /// Error: two pictures cannot be compared.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum MetricError {
-    /// The sizes differ.
+    /// The sizes of the two pictures differ.
     #[error("a picture of {} × {} pixels cannot be compared with one of {} × {}", a.0, a.1, b.0, b.1)]
     Size {
         /// Width and height of the first picture.
@@ -20,9 +20,9 @@ pub enum MetricError {
     NonFinite {
         /// The picture that contains the pixel: `first` or `second`.
         which: &'static str,
-        /// Column from the left, from 0.
+        /// Column of the pixel from the left, from 0.
         x: u32,
-        /// Row from the top, from 0.
+        /// Row of the pixel from the top, from 0.
         y: u32,
     },
     /// An option is out of range.
@@ -127,7 +127,8 @@ pub fn largest_differences(a: &Image, b: &Image) -> Result<PixelDifferences, Met
 
 /// Relative root mean square error; [`RelativeErrorWeights`] defines what the error is relative to.
 ///
-/// # Errors [`MetricError`] if the sizes differ or a pixel is not finite.
+/// # Errors
+/// [`MetricError`] if the sizes differ or a pixel is not finite.
 pub fn relative_error(a: &Image, reference: &Image) -> Result<f64, MetricError> {
     check_comparable(a, reference)?;
     let (a, b) = (a.pixels(), reference.pixels());

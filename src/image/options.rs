@@ -6,10 +6,10 @@ use super::tone::ToneMap;
 /// Bits per channel of a PNG file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BitDepth {
-    /// 256 levels.
+    /// 8 bits per channel: 256 levels.
     #[default]
     Eight,
-    /// 65,536 levels.
+    /// 16 bits per channel: 65,536 levels.
     Sixteen,
 }
 
@@ -28,9 +28,9 @@ pub enum ExrPrecision {
 pub struct WriteOptions {
     /// Exposure and tone curve of PNG files. OpenEXR files hold linear radiance.
     pub tone: ToneMap,
-    /// Bits per channel of PNG.
+    /// Bits per channel of PNG files.
     pub depth: BitDepth,
-    /// Bits per channel of OpenEXR.
+    /// Floating-point precision of OpenEXR files.
     pub floats: ExrPrecision,
     /// Metadata of the file: pairs of key and text.
     ///

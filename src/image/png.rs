@@ -165,7 +165,7 @@ fn apply_transfer_function(decoded: DecodedPng, linear: impl Fn(f64) -> f32) -> 
     Ok(Image::from_pixels(width, height, pixels)?)
 }
 
-/// Decodes the levels of an 8-bit file, without a transfer function.
+/// Decodes the levels of an 8-bit PNG file, without a transfer function.
 pub(super) fn read_bytes(file: &[u8]) -> Result<RgbBytes, DecodeFailure> {
     let decoded = decode_png_samples(file, None)?;
     if decoded.sixteen {

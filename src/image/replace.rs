@@ -22,7 +22,7 @@ pub fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     replace_file_with(path, |file| file.write_all(bytes))
 }
 
-/// Replaces the file at `path` by what `fill` writes, atomically like [`replace_file`].
+/// Replaces the file at `path` by a file that `fill` writes, atomically like [`replace_file`].
 ///
 /// # Errors
 /// [`WriteError`] like [`replace_file`], or if `fill` fails.

@@ -14,7 +14,7 @@ pub struct CompensatedSum {
 }
 
 impl CompensatedSum {
-    /// Adds a value.
+    /// Adds `value` to the sum, and keeps the rounding error of the addition.
     #[inline]
     pub fn add(&mut self, value: DVec3) {
         let before = self.high;

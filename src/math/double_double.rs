@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// Unevaluated sum of an f64 and its rounding error (Dekker 1971).
+/// Number with 106 significant bits: the sum of an f64 and its rounding error (Dekker 1971).
 #[derive(Clone, Copy)]
 struct DoubleDouble(f64, f64);
 
@@ -44,14 +44,14 @@ impl DoubleDouble {
 pub(super) struct DoubleDoubleVec3([DoubleDouble; 3]);
 
 impl DoubleDoubleVec3 {
-    /// Cross product a × b.
+    /// Cross product a × b in double-double arithmetic.
     pub fn cross(a: DVec3, b: DVec3) -> Self {
         let of =
             |x: f64, y: f64, u: f64, v: f64| DoubleDouble::exact_product(x, y).minus(DoubleDouble::exact_product(u, v));
         Self([of(a.y, b.z, a.z, b.y), of(a.z, b.x, a.x, b.z), of(a.x, b.y, a.y, b.x)])
     }
 
-    /// Dot product, rounded to f64.
+    /// Dot product with `b` in double-double arithmetic, rounded to f64.
     pub fn dot(self, b: DVec3) -> f64 {
         let [x, y, z] = self.0;
         x.times_f64(b.x).plus(y.times_f64(b.y)).plus(z.times_f64(b.z)).0

@@ -84,7 +84,7 @@ impl Motion {
         self.steps.iter().fold(DAffine3::IDENTITY, |map, step| map * step.at_time(time))
     }
 
-    /// True if no step depends on time.
+    /// True if the map does not depend on time.
     #[must_use]
     pub fn is_constant(&self) -> bool {
         self.steps.iter().all(|step| matches!(step, MotionStep::Fixed(_)))

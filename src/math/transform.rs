@@ -135,8 +135,9 @@ fn inverse_translation(inverse: DMat3, t: DVec3) -> DVec3 {
     -DVec3::new(exact_dot(rows.x_axis, t), exact_dot(rows.y_axis, t), exact_dot(rows.z_axis, t))
 }
 
-/// Largest power of two that is at most `x` > 0; 0 for subnormal `x` and 0, infinity for infinity
-/// or NaN.
+/// Largest power of two that is at most `x`, which must be a normal number above 0.
+///
+/// Returns 0 for 0 and subnormal numbers, and infinity for infinity and NaN.
 fn floor_power_of_two(x: f64) -> f64 {
     f64::from_bits(x.to_bits() & 0x7ff0_0000_0000_0000)
 }

@@ -60,9 +60,9 @@ pub struct GridDensity {
 struct GridData {
     size: [u32; 3],
     values: Vec<f32>,
-    /// Number of blocks along each side.
+    /// Number of majorant blocks along each side of the grid.
     blocks: [u32; 3],
-    /// Majorant of each block.
+    /// Majorant of each block: an upper bound of the density.
     majorants: Vec<f32>,
     max_density: f32,
 }

@@ -56,8 +56,8 @@ impl MajorantIterator {
 }
 
 impl Iterator for MajorantIterator {
-    /// Distances along the ray where it enters and leaves a block, and the index of the block, with
-    /// x fastest.
+    /// Distances along the ray where the ray enters and leaves a block, and the index of the block,
+    /// with x fastest.
     type Item = (f64, f64, usize);
 
     fn next(&mut self) -> Option<Self::Item> {

@@ -28,8 +28,8 @@ const MIN_CURVE_COLLISIONS: f64 = 16.0;
 struct TentativeCollision {
     /// Distance along the ray.
     t: f64,
-    /// Density over the number of tentative collisions per length \[length]. The product with a
-    /// coefficient of the medium is the probability of that event, for example of scattering.
+    /// Density divided by the number of tentative collisions per length \[length]. Multiplied by a
+    /// coefficient of the medium, such as σs, it is the probability of that event.
     density: f64,
 }
 

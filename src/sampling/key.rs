@@ -37,7 +37,8 @@
 use glam::Vec2;
 use rand::{SeedableRng, rngs::SmallRng};
 
-/// Use of random numbers. No random number serves two purposes.
+/// Use of random numbers, such as camera paths or a pilot simulation. No random number serves two
+/// purposes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u64)]
 pub enum Purpose {
@@ -119,7 +120,7 @@ pub struct Key(u64);
 const MEDIUM_TRACKING_BIT: u64 = 1 << 63;
 
 impl Key {
-    /// Root key of a render.
+    /// Creates the key from which all other keys of a render derive.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         Self(hash_bits(seed ^ 0x6a09_e667_f3bc_c909))

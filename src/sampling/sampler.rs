@@ -56,7 +56,8 @@ impl Sampler {
         self.child_sampler(u64::from(pass) << 32)
     }
 
-    /// Sampler for shadow ray `index` of this vertex, or for the shadow rays to light `index`.
+    /// Sampler for one of several shadow rays of this vertex. `index` is the index of the ray or of
+    /// the light.
     #[inline]
     #[must_use]
     pub fn nth_shadow_ray_sampler(self, index: usize) -> Self {

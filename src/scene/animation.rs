@@ -1,4 +1,4 @@
-//! Animation: the moving parts of a scene, and the scene at a given time.
+//! Animation: the moving parts of a scene, and copies of the scene at a given time.
 //!
 //! Each pass renders one instant of the shutter interval, so rays carry no time. Only the hierarchy
 //! over moving shapes is rebuilt for each pass.
@@ -13,7 +13,7 @@ use crate::shape::{Plane, Shape, TextureMapping, TextureMappingKind};
 use glam::DVec3;
 use std::sync::Arc;
 
-/// The time for which a scene is built: the middle of the shutter interval.
+/// Time for which a scene is built: the middle of the shutter interval, which runs from 0 to 1.
 pub(super) const MID_SHUTTER: f64 = 0.5;
 
 /// The moving shapes, planes, lights, camera and texture mappings of a scene, each before its

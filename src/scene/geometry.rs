@@ -49,13 +49,13 @@ pub(super) enum HitPrimitive {
 pub(super) struct CoincidenceGroup(u32);
 
 impl CoincidenceGroup {
-    /// Group of all shapes for which [`Shape::may_share_edges`] is true.
+    /// Coincidence group of all shapes for which [`Shape::may_share_edges`] is true.
     pub const SHARED_EDGES: Self = Self(u32::MAX);
     /// Placeholder for a boundary without coincident boundaries; never compared.
     pub const UNUSED: Self = Self(0);
 
-    /// Group that contains only the object with this index.
-    pub const fn of_single_object(index: u32) -> Self {
+    /// Coincidence group that contains only the object with this index.
+    pub const fn group_of_single_object(index: u32) -> Self {
         Self(index)
     }
 }
@@ -87,7 +87,7 @@ pub(super) struct Geometry {
     pub static_bounds: Bounds,
     /// Hierarchy over triangles and shapes at rest.
     pub hierarchy: Arc<Hierarchy>,
-    /// Hierarchy over moving shapes, if there are any.
+    /// Hierarchy over moving shapes; `None` if there are none.
     pub moving: Option<Arc<Hierarchy>>,
 }
 
@@ -267,7 +267,7 @@ impl Geometry {
         match primitive {
             HitPrimitive::Shape(i, _) if self.shapes[i as usize].may_share_edges() => CoincidenceGroup::SHARED_EDGES,
             HitPrimitive::Triangle(..) | HitPrimitive::Shape(..) | HitPrimitive::Plane(_) => {
-                CoincidenceGroup::of_single_object(self.object_index(primitive))
+                CoincidenceGroup::group_of_single_object(self.object_index(primitive))
             }
         }
     }

@@ -73,7 +73,7 @@ pub enum MaterialKind {
         first: u32,
         /// Index of the second material.
         second: u32,
-        /// Probability of the second material.
+        /// Probability with which a hit resolves to the second material.
         amount: MaterialParameter<f32>,
     },
 }

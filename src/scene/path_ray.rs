@@ -25,14 +25,14 @@ pub struct PathRay<I> {
 pub struct MediumSegment<'a, I> {
     /// The part as a ray of unit direction. `t_max` is its length, which may be infinite.
     pub ray: Ray,
-    /// Index of the medium.
+    /// Index of the medium in [`Scene::media`].
     pub index: u32,
-    /// The medium.
+    /// The medium that fills the part.
     pub medium: &'a Medium,
     /// The dielectric bodies and media around this part.
     pub interior: I,
-    /// Transmittance due to absorption in dielectric bodies, from the last vertex to the origin of
-    /// the ray around this part.
+    /// Transmittance due to absorption in dielectric bodies, from the last path vertex to the start
+    /// of this part.
     pub transmittance_before: Rgb,
     /// True if the path segment crosses a hidden boundary before this part. A shadow ray would be
     /// blocked there: see [`BoundaryEvent::Hidden`](super::BoundaryEvent::Hidden).
@@ -42,9 +42,9 @@ pub struct MediumSegment<'a, I> {
 /// The event that ends a path segment.
 #[derive(Clone, Copy, Debug)]
 pub enum PathEvent<'a> {
-    /// A surface vertex.
+    /// The path reaches a surface that scatters or absorbs.
     Surface(SurfaceVertex<'a>),
-    /// A scattering event in a medium.
+    /// The path scatters in a medium. The origin of the path ray is the scattering point.
     Scattered {
         /// Transmittance of the path segment due to absorption in dielectric bodies; media are not
         /// included.
@@ -52,7 +52,7 @@ pub enum PathEvent<'a> {
         /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden).
         crossed: bool,
     },
-    /// The ray hits nothing.
+    /// The ray leaves the scene without a hit.
     Escaped {
         /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden).
         crossed: bool,
@@ -62,7 +62,7 @@ pub enum PathEvent<'a> {
 /// The surface at which a path segment ends.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceVertex<'a> {
-    /// The surface.
+    /// The surface, with its BSDF and emission.
     pub surface: SurfaceInteraction<'a>,
     /// Transmittance of the path segment due to absorption in dielectric bodies, times the weight
     /// of a wavelength sampled at the surface. Media are not included.

@@ -118,8 +118,8 @@ impl Scene {
         }
     }
 
-    /// The media in use, each once: those of dielectric bodies that objects bound, and the ambient
-    /// medium.
+    /// Returns each medium in use once: the media of dielectric bodies that objects bound, and the
+    /// ambient medium.
     #[must_use]
     pub fn media_in_use(&self) -> Vec<&Medium> {
         let mut indices: Vec<u32> = self.ambient_medium.into_iter().collect();
@@ -175,7 +175,7 @@ impl Scene {
     #[inline]
     #[must_use]
     pub fn camera_ray_cone(&self, effects: Effects) -> RayCone {
-        RayCone::from_pixel(self.camera.pixel_footprint(), effects)
+        RayCone::from_pixel_footprint(self.camera.pixel_footprint(), effects)
     }
 
     /// Returns the first ray of a light path: `ray`, with the interior around light `light`.
@@ -188,7 +188,7 @@ impl Scene {
         PathRay { ray, interior: I::interior_at_light(self, light, effects), cone: RayCone::zero_width_cone(effects) }
     }
 
-    /// `ray` with its origin moved back beyond all unbounded planes behind it.
+    /// Returns `ray` with its origin moved back beyond all unbounded planes behind it.
     ///
     /// Light from infinity starts there, so that it hits these planes first.
     #[must_use]

@@ -31,7 +31,7 @@ impl RayCone {
     /// its growth per unit of distance.
     #[inline]
     #[must_use]
-    pub fn from_pixel((width, spread): (f32, f32), effects: Effects) -> Self {
+    pub fn from_pixel_footprint((width, spread): (f32, f32), effects: Effects) -> Self {
         Self {
             width: width * CAMERA_CONE_PIXELS,
             spread: spread * CAMERA_CONE_PIXELS,

@@ -30,7 +30,7 @@ impl MemoryLimit {
         match self {
             Self::Unbounded => None,
             Self::System => read_proc_bytes("/proc/meminfo", "MemAvailable:"),
-            Self::Limit(format_bytes) => Some(format_bytes.saturating_sub(RESERVED_BYTES + memory_in_use())),
+            Self::Limit(limit) => Some(limit.saturating_sub(RESERVED_BYTES + memory_in_use())),
         }
     }
 }

@@ -59,7 +59,7 @@ impl UvTransform {
         Self { matrix, offset }
     }
 
-    /// Greatest scale factor of lengths.
+    /// Greatest factor by which the transform scales lengths.
     pub(super) fn max_scale(&self) -> f64 {
         self.matrix.x_axis.length().max(self.matrix.y_axis.length())
     }

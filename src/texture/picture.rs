@@ -83,7 +83,8 @@ impl Picture {
 
     /// Mean colour over a box with center `uv` and sides `size`, by trilinear interpolation.
     ///
-    /// The two levels are those whose pixels are closest in size to the longer side of the box.
+    /// It interpolates between the two MIP levels whose pixels are closest in size to the longer
+    /// side of the box.
     #[must_use]
     pub fn box_mean(&self, uv: DVec2, size: DVec2) -> Rgb {
         let uv = uv.map(|x| self.wrap.wrap_coordinate_near_zero(x));

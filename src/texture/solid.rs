@@ -25,13 +25,13 @@ pub enum SolidPattern {
 pub struct SolidTexture {
     /// The pattern.
     pub kind: SolidPattern,
-    /// Colours at 0 and at 1.
+    /// Colours for pattern values 0 and 1.
     pub colors: [Rgb; 2],
     /// Number of octaves of noise.
     pub octaves: u32,
     /// Frequency of the first octave, and of veins and rings \[1/length].
     pub frequency: f64,
-    /// Factor of the noise.
+    /// Factor by which the noise is multiplied.
     pub amplitude: f64,
     /// Affine map from object space to the space in which the pattern is defined.
     pub to_pattern: DAffine3,

@@ -14,7 +14,7 @@ fn cameras_of_all_kinds() -> [Camera; 4] {
     ]
 }
 
-/// A point on a camera ray connects to the ray's own film position and origin.
+/// Checks that a point on a camera ray connects to the film position and the origin of that ray.
 #[test]
 fn connections_invert_camera_rays() {
     for camera in cameras_of_all_kinds() {
@@ -32,8 +32,8 @@ fn connections_invert_camera_rays() {
     }
 }
 
-/// Compares the importance with the Jacobian of the film position: the film area per area that
-/// small steps perpendicular to the ray cover.
+/// Compares the importance of a connection with the Jacobian of the film position, by small steps
+/// perpendicular to the ray.
 #[test]
 fn camera_importance_is_the_film_jacobian() {
     for camera in cameras_of_all_kinds() {

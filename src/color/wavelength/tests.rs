@@ -69,7 +69,7 @@ fn wavelength_hues_follow_the_spectrum() {
     assert!(beyond > 0.999, "{beyond}");
 }
 
-/// Chi-square test of a million sampled wavelengths; its false-alarm rate is 10⁻⁴.
+/// Applies a chi-square test to a million sampled wavelengths; its false-alarm rate is 10⁻⁴.
 #[test]
 fn wavelength_samples_follow_the_pdf() {
     let n = 1_000_000u32;

@@ -54,7 +54,7 @@ impl Default for FlipMetricOptions {
     }
 }
 
-/// ꟻLIP errors of a picture.
+/// ꟻLIP errors of a picture compared with a reference.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlipMetricResult {
     /// Error of each pixel in \[0, 1], in rows from the top; 0 is equal.

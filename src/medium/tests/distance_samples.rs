@@ -25,8 +25,8 @@ fn medium_with_density(a: Vec3, s: Vec3, e: Vec3, density: Option<GridDensity>) 
     }
 }
 
-/// Compares all estimates along `ray` up to `distance` with closed forms; `depth` is τ as a
-/// function of distance.
+/// Compares distance samples, transmittance and emission along `ray`, up to `distance`, with closed
+/// forms. `depth` is the integral of density as a function of distance.
 fn assert_distance_samples_unbiased(medium: &Medium, ray: &Ray, distance: f32, depth: impl Fn(f64) -> f64, name: &str) {
     let sigma = medium.extinction().as_dvec3();
     let tau = depth(f64::from(distance));
@@ -174,7 +174,8 @@ fn linear_density_matches_its_optical_depth() {
     }
 }
 
-/// Compares clouds with a midpoint rule for τ of 40,000 steps, whose relative error is below 10⁻⁶.
+/// Compares estimates in clouds with optical depths by a midpoint rule of 40,000 steps, whose
+/// relative error is below 10⁻⁶.
 #[test]
 fn clouds_match_their_optical_depth() {
     let cloud = Cloud { octaves: 4, scale: 3.0, cover: 0.8, softness: 0.3, seed: 5 };

@@ -34,7 +34,7 @@ fn empty_media_have_no_effect() {
     }
 }
 
-/// Weights stay finite at an optical depth of 10⁴, and at an infinite distance.
+/// Checks that weights stay finite at an optical depth of 10⁴ and at an infinite distance.
 #[test]
 #[ignore = "long: paths through optical depths of ten thousand"]
 fn large_optical_depths_stay_finite() {

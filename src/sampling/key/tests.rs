@@ -20,8 +20,8 @@ fn random_numbers_depend_on_every_part_of_the_key() {
     assert_eq!(base(1, 2, 3, 4).random_bits(Dimension::Light), reference);
 }
 
-/// Chi-square test of a million points with consecutive keys over 32² cells; false-alarm rate
-/// 10⁻⁴ per tail.
+/// Applies a chi-square test to a million points with consecutive keys, over 32² cells; its
+/// false-alarm rate is 10⁻⁴ per tail.
 #[test]
 fn random_points_of_consecutive_keys_are_uniform() {
     const CELLS: usize = 32;
@@ -42,7 +42,7 @@ fn random_points_of_consecutive_keys_are_uniform() {
     assert!(z.abs() < 3.9, "z = {z}");
 }
 
-/// Pins the words of the key map: other words would change every picture.
+/// Checks the words of the key map: other words would change every picture.
 #[test]
 fn named_keys_use_the_words_of_the_map() {
     let key = Key::new(5).purpose_key(Purpose::Test);

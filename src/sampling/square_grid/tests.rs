@@ -19,7 +19,8 @@ fn random_points_in_square(n: u64) -> impl Iterator<Item = Vec2> {
     (0..n).map(move |i| key.child_key(i).uniform_2d(Dimension::LightPosition))
 }
 
-/// Chi-square test of a million samples over cells split in four; false-alarm rate 10⁻⁴.
+/// Applies a chi-square test to a million samples, over cells split in four; its false-alarm rate
+/// is 10⁻⁴.
 #[test]
 fn grid_samples_follow_the_pdf() {
     let histogram = SquareGridDistribution::new(SIDE, &grid_weights_with_zeros()).unwrap();
@@ -76,8 +77,8 @@ fn grid_pdf_is_proportional_to_weights() {
     assert!(rare.pdf(Vec2::new(0.75, 0.25)) > 0.0, "a weight above zero must keep some density");
 }
 
-/// Counts 256 stratified points in each row: the expected number, within one point at each end of
-/// the row.
+/// Counts 256 stratified points in each row, and compares with the expected number. The tolerance
+/// is one point at each end of the row.
 #[test]
 fn grid_distribution_keeps_points_stratified() {
     let mut weights = vec![1.0; 16];

@@ -28,7 +28,8 @@ pub(in crate::scene) struct DerivedSceneData {
     pub camera_interior: InteriorStack,
     /// The dielectric bodies that contain each light, by light index.
     pub light_interiors: Vec<InteriorStack>,
-    /// Contact distance of each light \[length]: see [`Scene::light_contact_distance`].
+    /// Distance \[length] below which a surface point touches each light: see
+    /// [`Scene::light_contact_distance`].
     pub light_contact_distance: Vec<f32>,
 }
 

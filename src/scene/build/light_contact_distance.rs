@@ -6,13 +6,14 @@ use crate::math::{BoundingSphere, Ray, rounding_error_bound};
 use crate::scene::Scene;
 use glam::Vec3;
 
-/// Factor from the position error of light and surface to the contact distance.
+/// Contact distance of a light, in units of the position error of light and surface.
 const CONTACT_POSITION_ERRORS: f32 = 40.0;
 
-/// Bound on the number of f64 rounding errors in the difference of two positions.
+/// Bound on the number of f64 rounding errors in the difference of two positions, with a safety
+/// factor of 2.
 ///
-/// Each position has up to six: four from a transform, one from a product of transforms, and one
-/// from the difference. The bound is twice the sum of both positions.
+/// Each position has up to six errors: four from a transform, one from a product of transforms, and
+/// one from the difference.
 const POSITION_ROUNDINGS: f64 = 24.0;
 
 /// Contact distance of `light` \[length]: see [`Scene::light_contact_distance`].

@@ -72,8 +72,8 @@ impl SceneBuilder {
         self.materials.len() as u32 - 1
     }
 
-    /// Adds a dispersion formula, to which [`Body::glass`](super::Body::glass) refers, and returns
-    /// its index.
+    /// Adds a dispersion formula for dielectric bodies and returns its index: see
+    /// [`Body::glass`](super::Body::glass).
     pub fn add_glass(&mut self, glass: DispersionFormula) -> u32 {
         self.glasses.push(glass);
         self.glasses.len() as u32 - 1

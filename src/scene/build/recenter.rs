@@ -18,7 +18,8 @@ const BISECTIONS: u32 = 64;
 /// Camera position, and the distance \[length] to the nearest shape along five camera rays.
 type CameraView = (DVec3, f64);
 
-/// An object or the camera. Single precision must resolve details of the given size near it.
+/// An object or the camera, with the position and size of the details that single precision must
+/// resolve.
 #[derive(Clone, Copy, Debug)]
 struct PrecisionTarget {
     center: DVec3,

@@ -13,8 +13,8 @@ pub struct Body {
     /// Priority where bodies overlap: the highest wins, and among equals the one entered last
     /// (Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced Images").
     pub priority: u8,
-    /// Index of the dispersion formula in [`Scene::glasses`](super::Scene::glasses); `None` if the
-    /// refractive index is the same at all wavelengths.
+    /// Index of the dispersion formula in [`Scene::glasses`](crate::scene::Scene::glasses); `None`
+    /// if the refractive index is the same at all wavelengths.
     pub glass: Option<u32>,
     /// Index of the medium that fills the dielectric body, if any.
     pub medium: Option<u32>,

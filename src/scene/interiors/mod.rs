@@ -36,7 +36,7 @@ pub enum InteriorKind {
     Spectral,
 }
 
-/// The effect of a boundary on a path.
+/// The event when a path meets a boundary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BoundaryEvent {
     /// The path scatters at the surface.
@@ -51,7 +51,7 @@ pub enum BoundaryEvent {
 /// The medium around a point of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CurrentMedium {
-    /// Index of the medium.
+    /// Index of the medium in [`Scene::media`].
     pub medium: u32,
     /// True for the ambient medium, false for the medium of a dielectric body.
     pub ambient: bool,

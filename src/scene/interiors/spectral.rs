@@ -1,4 +1,4 @@
-//! The interior of paths in media and of paths with a wavelength.
+//! The [`Interior`] of paths in media and of paths with a wavelength.
 
 use super::{Body, BoundaryEvent, CurrentMedium, Interior, InteriorStack, resolve_interface};
 use crate::bsdf::{Bsdf, Dielectric, TransportMode};
@@ -17,8 +17,8 @@ const UNDISPERSED_REFLECTANCES: std::ops::Range<f32> = 0.004..0.2;
 
 /// An [`InteriorStack`] for paths that pass through media, carry a wavelength, or both.
 ///
-/// A path samples its wavelength at the first dispersive surface and then keeps it. A path that
-/// this surface reflects faintly carries all wavelengths on.
+/// A path samples its wavelength at the first dispersive surface and then keeps it. A path that is
+/// reflected faintly at this surface keeps all wavelengths instead.
 #[derive(Clone, Copy, Debug)]
 pub struct SpectralInterior {
     stack: InteriorStack,

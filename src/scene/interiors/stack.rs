@@ -27,7 +27,7 @@ pub(in crate::scene) struct BodyInterface {
 }
 
 impl BodyInterface {
-    /// The event at this boundary, unless it is a null interface.
+    /// Returns the event for a path at this boundary, which must not be a null interface.
     #[inline]
     pub fn boundary_event(&self) -> BoundaryEvent {
         if self.real { BoundaryEvent::Surface } else { BoundaryEvent::Hidden }

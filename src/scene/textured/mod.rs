@@ -23,7 +23,8 @@ pub enum MaterialParameter<T> {
         texture: u32,
         /// Factor of the texture's values.
         factor: T,
-        /// Mean of texture times factor. It replaces the texture if textures are not simulated.
+        /// Mean of texture times factor. It replaces the texture if
+        /// [`Effect::Textures`](crate::scene::Effect::Textures) is off.
         mean: T,
     },
 }
@@ -95,7 +96,7 @@ impl ParameterEvaluator for MeanParameterEvaluator {
 pub struct TextureEvaluator<'a> {
     /// The textures of the scene.
     pub textures: &'a [Arc<Texture>],
-    /// The point, with the footprint to filter over.
+    /// The point at which textures are evaluated, with the footprint to filter over.
     pub at: TextureEvalContext,
 }
 

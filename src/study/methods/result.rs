@@ -1,10 +1,10 @@
-//! Results of a study of methods.
+//! Results of a study of methods: error, noise, bias and cost of each method by number of passes.
 
 use crate::image::Image;
 use crate::integrate::Algorithm;
 use serde::Serialize;
 
-/// Measurements of a method after a number of passes.
+/// Error, noise, bias and cost of a rendering method after a number of passes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ConvergenceCheckpoint {
     /// Number of passes of each seed.
@@ -35,7 +35,8 @@ pub struct ConvergenceCheckpoint {
     /// Square of the relative error that the renderer itself estimates, for each seed with a finite
     /// estimate.
     pub estimated: Vec<f64>,
-    /// Root mean square difference from the reference over pixels, channels and seeds \[W/(m² sr)].
+    /// Root mean square error over pixels, channels and seeds \[W/(m² sr)], without the noise of
+    /// the references; 0 if noise makes the estimated square negative.
     pub rmse: f64,
     /// Mean ꟻLIP error of the first seed's picture against the reference, in \[0, 1].
     pub flip: f64,
@@ -57,7 +58,7 @@ impl ConvergenceCheckpoint {
     }
 }
 
-/// Results of one method.
+/// Measured convergence of one rendering method: an algorithm with its settings.
 #[derive(Clone, Debug)]
 pub struct MethodResult {
     /// Unique label, such as `sppm` or `sppm --gather-k 20`.
@@ -97,7 +98,7 @@ pub struct GroundTruth {
     pub picture: Image,
 }
 
-/// Results of a study of methods.
+/// Measured convergence of all rendering methods that a study compares.
 #[derive(Clone, Debug)]
 pub struct MethodStudyResult {
     /// Path of the scene file.

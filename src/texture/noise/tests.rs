@@ -24,7 +24,8 @@ fn noise_is_bounded_with_zero_mean() {
     );
 }
 
-/// Across cell faces, values 1e-6 apart differ by less than 4e-6: the slope is below 4.
+/// Compares values 1e-6 apart across cell faces. They differ by less than 4e-6, because the slope
+/// is below 4.
 #[test]
 fn noise_is_continuous() {
     for i in 0..1000 {

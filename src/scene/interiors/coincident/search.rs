@@ -174,7 +174,7 @@ struct FaceTreeNode {
     bounds: Bounds,
     members: Range<usize>,
     children: Option<[usize; 2]>,
-    /// The object of all faces in the node; `None` if they belong to several objects.
+    /// Index of the object to which all faces of the node belong; `None` if they belong to several.
     object: Option<u32>,
 }
 

@@ -3,7 +3,7 @@
 use super::*;
 
 fn coincident_face(material: u32, entering: bool) -> CoincidentFace {
-    CoincidentFace { material, entering, group: CoincidenceGroup::of_single_object(material) }
+    CoincidentFace { material, entering, group: CoincidenceGroup::group_of_single_object(material) }
 }
 
 fn coincident_faces_from_list(list: &[CoincidentFace]) -> CoincidentFaces {
@@ -18,8 +18,8 @@ fn interior_stack_of_materials(bodies: &[u32]) -> InteriorStack {
     inside
 }
 
-/// Crosses the face between a glass (material 0) and its content (material 1). The dielectric
-/// bodies beyond it do not depend on which of the two boundaries is hit.
+/// Crosses the face between a glass (material 0) and its content (material 1). The result does not
+/// depend on which of the two boundaries is hit.
 #[test]
 fn coincident_faces_are_crossed_together() {
     let glass = interior_stack_of_materials(&[0]);
@@ -69,7 +69,7 @@ fn objects_of_one_material_count_separately() {
     let part = |object: u32, entering: bool| CoincidentFace {
         material: 0,
         entering,
-        group: CoincidenceGroup::of_single_object(object),
+        group: CoincidenceGroup::group_of_single_object(object),
     };
     let stack_after_crossing = |around: &[u32], own: CoincidentFace, other: CoincidentFace| {
         interior_stack_of_materials(around)

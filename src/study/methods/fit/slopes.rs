@@ -60,12 +60,14 @@ pub fn fit_convergence(method: &MethodResult) -> Option<ConvergenceFit> {
     let mean = |values: &[f64], weights: &[f64]| values.iter().zip(weights).map(|(v, w)| v * w).sum::<f64>();
     // Noise and bias can be resampled only if the contribution of each seed is known.
     let apart = if has_noises { seeds } else { 0 };
-    let error =
-        fit_slopes(tail, seeds, |c, weights| weights.map_or_else(|| c.mean_squared_error(), |w| mean(&c.squares, w)));
-    let noise = fit_slopes(tail, apart, |c, weights| weights.map_or(c.noise2, |w| mean(&c.noises, w)));
+    let error = fit_convergence_slopes(tail, seeds, |c, weights| {
+        weights.map_or_else(|| c.mean_squared_error(), |w| mean(&c.squares, w))
+    });
+    let noise = fit_convergence_slopes(tail, apart, |c, weights| weights.map_or(c.noise2, |w| mean(&c.noises, w)));
     // The mean squared error is exactly bias² + noise², so the rest is bias.
-    let bias =
-        fit_slopes(tail, apart, |c, weights| weights.map_or(c.bias2, |w| mean(&c.squares, w) - mean(&c.noises, w)));
+    let bias = fit_convergence_slopes(tail, apart, |c, weights| {
+        weights.map_or(c.bias2, |w| mean(&c.squares, w) - mean(&c.noises, w))
+    });
     Some(ConvergenceFit { passes: tail.iter().map(|c| c.passes).collect(), error, noise, bias })
 }
 
@@ -81,9 +83,9 @@ fn checkpoints_to_fit(checkpoints: &[ConvergenceCheckpoint]) -> &[ConvergenceChe
 /// Fits slopes over time and passes to the root of a squared quantity at the checkpoints `tail`.
 ///
 /// `square` returns the squared quantity at a checkpoint, averaged over seeds with the given
-/// weights; `None` stands for equal weights. Returns `None` if the squared quantity is not positive
-/// at one of the checkpoints. With fewer than two `seeds`, the slopes have no intervals.
-fn fit_slopes(
+/// weights; `None` stands for equal weights. The result is `None` if the squared quantity is not
+/// positive at one of the checkpoints. With fewer than two `seeds`, the slopes have no intervals.
+fn fit_convergence_slopes(
     tail: &[ConvergenceCheckpoint],
     seeds: usize,
     square: impl Fn(&ConvergenceCheckpoint, Option<&[f64]>) -> f64,

@@ -93,7 +93,7 @@ fn slope_intervals_cover_theory() {
             for (covered, (slopes, quantity)) in
                 covered.iter_mut().zip([(fit.error, ErrorComponent::Error), (fit.noise, ErrorComponent::Noise)])
             {
-                let law = predicted_slopes(algorithm, quantity, &fit.passes, alpha).unwrap();
+                let law = predicted_convergence_slopes(algorithm, quantity, &fit.passes, alpha).unwrap();
                 let [low, high] = slopes.unwrap().by_passes.interval.unwrap();
                 // Without bias, the error's law is that of noise.
                 let law = if bias == 0.0 { SlopeRange { flattest: law.steepest, ..law } } else { law };
@@ -124,7 +124,7 @@ fn fitted_slopes_match_theory() {
     for (slopes, quantity) in
         [(sppm.error, ErrorComponent::Bias), (sppm.noise, ErrorComponent::Noise), (sppm.bias, ErrorComponent::Bias)]
     {
-        close(slopes, predicted_slopes(Algorithm::Sppm, quantity, &sppm.passes, ALPHA).unwrap().flattest);
+        close(slopes, predicted_convergence_slopes(Algorithm::Sppm, quantity, &sppm.passes, ALPHA).unwrap().flattest);
     }
     close(pm.bias, 0.0);
     close(pm.error, 0.0);

@@ -3,7 +3,7 @@
 use super::slopes::least_squares_slope;
 use crate::integrate::Algorithm;
 
-/// Error of a method, or one of its two components.
+/// Total error of a rendering method, or one of its two components: noise and bias.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ErrorComponent {
     /// Root mean square error, with noise and bias.
@@ -33,8 +33,8 @@ impl SlopeRange {
     }
 }
 
-/// Returns the slope of error, noise or bias that theory predicts over `passes` in a log-log plot;
-/// `None` if the quantity is zero.
+/// Returns the range of slopes that theory predicts for error, noise or bias over `passes` in a
+/// log-log plot; `None` if the quantity is zero.
 ///
 /// - The noise of independent passes falls as n^−½.
 /// - Photon noise and bias follow the gather radii (Knaus and Zwicker 2011). Let s(i) be the
@@ -46,7 +46,7 @@ impl SlopeRange {
 ///
 /// In media, measured slopes differ from the prediction by at most ⅒.
 #[must_use]
-pub fn predicted_slopes(
+pub fn predicted_convergence_slopes(
     algorithm: Algorithm,
     quantity: ErrorComponent,
     passes: &[u32],
@@ -118,18 +118,21 @@ mod tests {
         for (quantity, steepest) in
             [(ErrorComponent::Noise, -0.5), (ErrorComponent::Bias, -1.0 / 3.0), (ErrorComponent::Error, -0.5)]
         {
-            let law = predicted_slopes(Algorithm::Sppm, quantity, &far, ALPHA).unwrap();
+            let law = predicted_convergence_slopes(Algorithm::Sppm, quantity, &far, ALPHA).unwrap();
             assert!((law.flattest + 1.0 / 3.0).abs() < 4e-3 && (law.steepest - steepest).abs() < 4e-3, "{law:?}");
         }
-        assert_eq!(predicted_slopes(Algorithm::Ppm, ErrorComponent::Noise, &far, ALPHA).unwrap().flattest, 0.0);
-        let stays = predicted_slopes(Algorithm::Sppm, ErrorComponent::Error, &far, 1.0).unwrap();
+        assert_eq!(
+            predicted_convergence_slopes(Algorithm::Ppm, ErrorComponent::Noise, &far, ALPHA).unwrap().flattest,
+            0.0
+        );
+        let stays = predicted_convergence_slopes(Algorithm::Sppm, ErrorComponent::Error, &far, 1.0).unwrap();
         assert!((stays.steepest + 0.5).abs() < 1e-9 && stays.flattest.abs() < 1e-9);
     }
 
     #[test]
     fn predicted_slopes_of_mixed_noise_are_a_range() {
         let passes = [4, 8, 16, 32, 64];
-        let law = |algorithm, quantity| predicted_slopes(algorithm, quantity, &passes, ALPHA);
+        let law = |algorithm, quantity| predicted_convergence_slopes(algorithm, quantity, &passes, ALPHA);
         let [variance, _] = variance_and_bias_slopes(&passes, ALPHA);
         for algorithm in [Algorithm::Hybrid, Algorithm::Sppm] {
             assert_eq!(

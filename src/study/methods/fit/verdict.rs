@@ -1,7 +1,7 @@
 //! Judges whether the error of a method falls as theory predicts.
 
 use super::slopes::{ConvergenceFit, SlopeEstimate, mean_confidence_interval, squared_bias_interval};
-use super::theory::{ErrorComponent, SlopeRange, predicted_slopes};
+use super::theory::{ErrorComponent, SlopeRange, predicted_convergence_slopes};
 use crate::integrate::Algorithm;
 use crate::study::methods::MethodResult;
 use crate::study::report::text::{error_percent_text, slope_text, three_digit_text};
@@ -95,7 +95,7 @@ pub fn judge_convergence(
     let (Some(slopes), false) = (fit.error, nothing) else { return ConvergenceVerdict::TooSmall { truth } };
     let SlopeEstimate { value: slope, interval } = slopes.by_passes;
     let Some([low, high]) = interval else { return ConvergenceVerdict::Wide { slope } };
-    let law = |quantity| predicted_slopes(method.algorithm, quantity, &fit.passes, method.alpha);
+    let law = |quantity| predicted_convergence_slopes(method.algorithm, quantity, &fit.passes, method.alpha);
     let (Some(noise), Some(total)) = (law(ErrorComponent::Noise), law(ErrorComponent::Error)) else {
         return ConvergenceVerdict::Wide { slope };
     };

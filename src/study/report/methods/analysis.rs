@@ -1,9 +1,9 @@
-//! Analysis of a study of methods for all its reports.
+//! Conclusions from a study of methods, for all its reports.
 
 use crate::study::methods::fit::{
     ConvergenceFit, ConvergenceSlopes, ConvergenceVerdict, ErrorComponent, MethodRecommendation, ParetoPoint,
-    RenderEffort, SlopeRange, TimeToError, fit_convergence, judge_convergence, pareto_front, predicted_slopes,
-    recommend_method, time_to_error, time_to_tenth_of_error,
+    RenderEffort, SlopeRange, TimeToError, fit_convergence, judge_convergence, pareto_front,
+    predicted_convergence_slopes, recommend_method, time_to_error, time_to_tenth_of_error,
 };
 use crate::study::methods::{MethodResult, MethodStudyResult};
 use crate::study::report::text::{self, count_text, duration_text, error_percent_text};
@@ -11,18 +11,18 @@ use crate::study::report::text::{self, count_text, duration_text, error_percent_
 /// Relative errors for which reports give the time to reach them.
 pub(super) const TARGET_ERRORS: [f64; 4] = [0.1, 0.05, 0.02, 0.01];
 
-/// Analysis of all methods of a study.
+/// Conclusions from a study: the convergence of each method, the Pareto front and a recommendation.
 pub(super) struct MethodStudyAnalysis {
     pub(super) methods: Vec<MethodAnalysis>,
     pub(super) pareto: Vec<ParetoPoint>,
     pub(super) recommendation: Option<MethodRecommendation>,
 }
 
-/// Analysis of one method: slopes, verdict and times to reach errors.
+/// Conclusions about one rendering method: slopes, verdict and times to reach errors.
 pub(super) struct MethodAnalysis {
     pub(super) fit: Option<ConvergenceFit>,
     pub(super) verdict: ConvergenceVerdict,
-    /// Effort to reach each of [`TARGET_ERRORS`].
+    /// Time and work to reach each of [`TARGET_ERRORS`].
     pub(super) reaches: [TimeToError; 4],
     pub(super) tenth: TimeToError,
 }
@@ -68,10 +68,14 @@ impl MethodStudyAnalysis {
 }
 
 impl MethodAnalysis {
-    /// Returns the slopes of `quantity` that theory predicts for the fitted checkpoints; `None`
-    /// without a fit, or if the quantity is zero.
-    pub(super) fn predicted_slopes(&self, method: &MethodResult, quantity: ErrorComponent) -> Option<SlopeRange> {
-        predicted_slopes(method.algorithm, quantity, &self.fit.as_ref()?.passes, method.alpha)
+    /// Returns the range of slopes that theory predicts for `quantity` over the fitted checkpoints;
+    /// `None` without a fit, or if the quantity is zero.
+    pub(super) fn predicted_convergence_slopes(
+        &self,
+        method: &MethodResult,
+        quantity: ErrorComponent,
+    ) -> Option<SlopeRange> {
+        predicted_convergence_slopes(method.algorithm, quantity, &self.fit.as_ref()?.passes, method.alpha)
     }
 }
 

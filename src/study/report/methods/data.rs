@@ -136,7 +136,7 @@ struct TimeToErrorJson {
 pub fn method_study_json(found: &MethodStudyResult) -> Result<String, serde_json::Error> {
     let analysis = MethodStudyAnalysis::new(found);
     let methods = found.methods.iter().zip(&analysis.methods).map(|(method, judged)| {
-        let law = |quantity| judged.predicted_slopes(method, quantity);
+        let law = |quantity| judged.predicted_convergence_slopes(method, quantity);
         let target = |(error, reach): (f64, TimeToError)| TimeToErrorJson { error, reach };
         MethodJson {
             label: &method.label,
@@ -211,7 +211,9 @@ pub fn markdown_report(found: &MethodStudyResult) -> String {
             of(|c| c.noise2),
             of(|c| c.bias2),
             slope_interval_text(fit.and_then(|f| f.error)),
-            fit.map_or("–".to_owned(), |_| slope_range_text(judged.predicted_slopes(method, ErrorComponent::Error))),
+            fit.map_or("–".to_owned(), |_| {
+                slope_range_text(judged.predicted_convergence_slopes(method, ErrorComponent::Error))
+            }),
             judged.verdict.to_string(),
         ]
     });

@@ -111,7 +111,7 @@ fn method_plot_svg(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> 
     ];
     let last = method.checkpoints.last()?;
     let guide = |quantity: ErrorComponent, name: &str, square: f64| {
-        let law = judged.predicted_slopes(method, quantity)?;
+        let law = judged.predicted_convergence_slopes(method, quantity)?;
         // The guide lies below the measured line, which would hide it.
         let through = (last.seconds, 0.8 * square.max(0.0).sqrt());
         Some(SlopeGuideLine {
