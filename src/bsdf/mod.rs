@@ -112,8 +112,8 @@ impl From<NonSpecularSample> for BsdfSample {
 ///
 /// A BSDF that is not black either stores photons ([`stores_photons`](Self::stores_photons)) or
 /// casts caustics ([`casts_caustics`](Self::casts_caustics)), never both. A BSDF that stores
-/// photons has no delta lobe, because photon estimates would miss the light of that lobe. The private
-/// sample type of such BSDFs guarantees this, because it has no flag for a delta lobe.
+/// photons has no delta lobe, because photon estimates would miss the light of that lobe. The
+/// samples of such BSDFs have a private type that cannot describe a delta lobe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bsdf {
     /// A surface that absorbs all light.

@@ -32,8 +32,9 @@ pub struct ThinDielectricSplit {
 impl ThinDielectric {
     /// Reflectance and transmittance of the sheet, where `cos` ≥ 0 is the cosine of incidence.
     ///
-    /// Let R be the reflectance of one interface and τ the internal transmittance. The reflectance
-    /// is R + (1−R)²τ²R/(1−R²τ²) and the transmittance (1−R)²τ/(1−R²τ²).
+    /// Let R be the reflectance of one interface and τ the internal transmittance along the
+    /// refracted ray. The sheet's reflectance is R + (1−R)²τ²R/(1−R²τ²), and its transmittance is
+    /// (1−R)²τ/(1−R²τ²).
     #[inline]
     #[must_use]
     pub fn reflectance_and_transmittance(&self, cos: f32) -> (Rgb, Rgb) {

@@ -33,7 +33,7 @@ impl From<Exit> for ExitCode {
 /// Failure of a command: error reports and the exit code.
 #[derive(Debug)]
 pub struct CommandFailure {
-    /// The reports to show, at least one.
+    /// Error reports to print, at least one.
     pub reports: Vec<Report>,
     /// The exit code.
     pub exit: Exit,

@@ -238,7 +238,7 @@ impl<'a> InputFileCollector<'a> {
         Self { progress, files: Mutex::default() }
     }
 
-    /// Returns the paths, in the order of reading.
+    /// Returns the paths of all files that the scene names, in the order of reading.
     pub fn into_input_paths(self) -> Vec<PathBuf> {
         self.files.into_inner().unwrap_or_else(PoisonError::into_inner)
     }

@@ -24,7 +24,7 @@ pub enum LightSurface {
     Shape(Shape),
     /// Consecutive triangles of a mesh.
     Triangles {
-        /// Some consecutive triangles of a mesh.
+        /// Mesh that contains the triangles.
         mesh: Arc<Mesh>,
         /// Index of the first triangle.
         first: u32,

@@ -25,7 +25,8 @@ impl EnvironmentLight {
     ///
     /// The map is rotated by `angle` \[radians] about +y, anticlockwise as seen from +y.
     ///
-    /// # Errors [`EmissionPictureError::Value`] if a scaled pixel is negative or not finite.
+    /// # Errors
+    /// [`EmissionPictureError::Value`] if a scaled pixel is negative or not finite.
     pub fn new(map: Image, angle: f64, scale: Rgb) -> Result<Self, EmissionPictureError> {
         let rotation = [libm::sin(angle) as f32, libm::cos(angle) as f32];
         Ok(Self { map: EquirectangularMap::new(map, scale)?, rotation })

@@ -19,7 +19,7 @@ pub struct LightBvhSampler {
     nodes: Vec<LightBvhNode>,
     /// Indices of the infinite lights.
     infinite: Vec<u32>,
-    /// For each light, its place in the sampler. The index is that of the light.
+    /// Place of each light in the sampler, by the light's index.
     locations: Vec<LightBvhLocation>,
     /// Probability of sampling one of the infinite lights instead of the tree.
     infinite_probability: f64,

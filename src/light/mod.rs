@@ -61,8 +61,7 @@ pub enum Light {
     Environment(Arc<EnvironmentLight>),
 }
 
-/// Binds the light inside the enum value `$light` to a name, and evaluates the expression `$e` with
-/// it.
+/// Binds the light inside `$light`, a [`Light`], to a name, and evaluates the expression `$e`.
 macro_rules! dispatch {
     ($self:expr, $light:ident => $e:expr) => {
         match $self {

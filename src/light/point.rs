@@ -1,4 +1,4 @@
-//! Point lights, and the trait that spot, projector and goniometric lights share with them.
+//! Point lights, and [`PositionalLight`], the interface of all lights at one point.
 
 use super::light_bounds::{DirectionCone, LightBounds};
 use super::source::{DirectLightSample, EmissionSample, LightGeometry, LightSource, ShadowTarget};

@@ -1,4 +1,4 @@
-//! The trait that every kind of light implements, and the records that its methods return.
+//! The interface [`LightSource`] of every kind of light, and what its methods return.
 
 use super::light_bounds::LightBounds;
 use super::{Light, LightSurface, PhotonAim};

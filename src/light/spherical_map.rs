@@ -10,12 +10,12 @@ use std::f64::consts::{PI, TAU};
 /// The reason why a picture cannot define the emission of a light.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EmissionPictureError {
-    /// A pixel is negative or not finite after scaling. Pixels count from the top left.
+    /// A pixel is negative or not finite after scaling.
     #[error("the value in column {x}, row {y} is {value}: repair the picture so that all are finite and none below 0")]
     Value {
-        /// Column of the pixel.
+        /// Column of the pixel, counted from the left.
         x: u32,
-        /// Row of the pixel.
+        /// Row of the pixel, counted from the top.
         y: u32,
         /// The scaled value of the pixel.
         value: Rgb,

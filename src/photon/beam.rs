@@ -7,7 +7,7 @@ use crate::math::{Bounds, Ray, morton_order, rounding_error_bound};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-/// A photon beam: the segment of a photon path through a homogeneous medium.
+/// A photon beam: a segment of a photon path in a homogeneous medium.
 ///
 /// The beam starts where the photon entered the medium or scattered. It extends to the medium's
 /// boundary along the photon's direction, beyond the sampled scattering point (long beam).
@@ -65,9 +65,9 @@ pub struct BeamIntersection {
     pub cos: f32,
     /// Weight of the beam estimate, K₁(d)/sin θ \[1/length].
     ///
-    /// K₁ is the 1D Epanechnikov kernel, d the distance of the two lines, and θ their angle.
+    /// K₁ is the 1D Epanechnikov kernel, d the distance between ray and beam, and θ their angle.
     pub weight: f32,
-    /// Squared distance between ray and beam, divided by the squared blur radius.
+    /// Squared distance between ray and beam, divided by the squared kernel radius.
     pub x2: f32,
 }
 
@@ -119,7 +119,8 @@ pub struct PhotonBeamMap {
 const MAX_PIECES: f64 = 4.0;
 
 impl PhotonBeamMap {
-    /// Builds the map for a blur `radius` \[length]. Invalid beams are left out.
+    /// Builds the map for beam estimates with a 1D kernel of radius `radius` \[length]. Invalid
+    /// beams are left out.
     ///
     /// The result does not depend on the number of threads.
     #[must_use]
@@ -152,7 +153,7 @@ impl PhotonBeamMap {
         self.beams.is_empty()
     }
 
-    /// Radius of the blur \[length].
+    /// Radius of the 1D kernel of beam estimates \[length].
     #[must_use]
     pub fn radius(&self) -> f32 {
         self.radius
@@ -226,7 +227,7 @@ fn sqrt_half_box_area(beam: &PhotonBeam) -> f64 {
 /// Returns the argument `length` of [`split_beams`] that minimises the total surface area of the
 /// bounding boxes of all pieces.
 ///
-/// `radius` is the blur radius \[length]. The mean number of pieces per beam stays below
+/// `radius` is the kernel radius \[length]. The mean number of pieces per beam stays below
 /// [`MAX_PIECES`].
 fn optimal_beam_piece_length(beams: &[PhotonBeam], radius: f32) -> f64 {
     let total: f64 = beams.iter().map(|b| f64::from(b.length) * sqrt_half_box_area(b)).sum();

@@ -6,8 +6,8 @@ use crate::math::Ray;
 use crate::scene::SurfaceInteraction;
 use glam::{Vec2, Vec3};
 
-/// Optical depth at which an infinitely long photon beam is cut. Its flux has fallen to 2·10⁻⁹ of
-/// the start there.
+/// Optical depth at which an infinitely long photon beam is cut. The flux there is 2·10⁻⁹ of that
+/// at the start.
 const MAX_OPTICAL_DEPTH: f32 = 20.0;
 
 /// Photon beams and photon points stored in participating media.
@@ -151,10 +151,10 @@ pub(super) struct Deposit<'a> {
 
 /// Place where a photon path deposits flux: on a surface, in a medium or on the film.
 pub(super) enum DepositPlace<'a> {
-    /// A point on a surface, and the number of [`SHARE_STEPS`](super::record::SHARE_STEPS) steps of
-    /// [`PhotonData::density_estimate_share`](super::PhotonData::density_estimate_share).
+    /// A point on a surface, and the share of the photon's flux that density estimates use: an
+    /// integer from 0 to [`SHARE_STEPS`](super::record::SHARE_STEPS).
     ///
-    /// The number is `None` without light tracing.
+    /// The integer is `None` without light tracing.
     Surface(&'a SurfaceInteraction<'a>, Option<u8>),
     /// A film position \[pixels from the top left], where a splat is recorded.
     Film(Vec2),

@@ -72,12 +72,11 @@ const MIN_RELATIVE_RADIUS: f32 = 1e-5;
 /// radiance finite if photons coincide.
 const MIN_RADIUS_FRACTION: f32 = 1.0 / 1_048_576.0;
 
-/// Number of photons in a block. A block is summed in f32, and the sums of all blocks are added in
-/// f64.
+/// Number of photons that are summed in f32 before their sum is added to a total in f64.
 const BLOCK: u32 = 64;
 
 /// Photons count in an estimate if the cosine between their normal and the normal of the query
-/// point is larger.
+/// point is larger than this.
 pub(super) const SAME_SIDE: f32 = 0.5;
 
 /// Photons count in an estimate if their tangent plane is not farther from the query point than
@@ -88,8 +87,8 @@ impl PhotonMap {
     /// Estimates the reflected radiance at `p`: Σ f·ΔΦ·K over photons (Jensen 2001, section 7.2).
     ///
     /// `brdf` returns the BRDF f \[1/sr] for the incident direction of a photon. `normal` is the
-    /// unit geometric normal on the viewer's side. A photon is left out as one of another surface
-    /// if its normal differs much, or if its tangent plane is far from `p`.
+    /// unit geometric normal on the viewer's side. Photons on other surfaces are left out: their
+    /// normal differs from `normal` by more than 60°, or their tangent plane is far from `p`.
     pub fn estimate_radiance(
         &self,
         p: Vec3,
@@ -104,8 +103,8 @@ impl PhotonMap {
 
     /// Estimates the reflected radiance at `p` from [`LEVELS`] nested discs.
     ///
-    /// The parameters are those of [`PhotonMap::estimate_radiance`]. The largest disc gives the result of
-    /// that function to the bit.
+    /// The parameters are those of [`PhotonMap::estimate_radiance`]. The result of the largest disc
+    /// equals the result of that function to the bit.
     pub fn estimate_nested_radiance(
         &self,
         p: Vec3,
@@ -238,11 +237,11 @@ struct KernelSums<const N: usize> {
     /// Squared radius of the largest disc.
     r2: f32,
     inverse_r2: f32,
-    /// Sums over the photons of the current block, one sum for each disc.
+    /// Sums in f32 over the last photons, at most [`BLOCK`] of them; one sum for each disc.
     block: [Rgb; N],
-    /// Number of photons in the current block.
+    /// Number of photons that are summed in `block`.
     block_count: u32,
-    /// Sums over all earlier blocks, one sum for each disc.
+    /// Sums in f64 over all earlier photons, one sum for each disc.
     total: [DVec3; N],
 }
 

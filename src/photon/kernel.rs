@@ -49,7 +49,7 @@ impl Kernel {
         }
     }
 
-    /// Kernel value before multiplication by [`Kernel::normalization_factor`]; 0 outside of the disc.
+    /// Kernel value before multiplication by [`Kernel::normalization_factor`]; 0 outside the disc.
     ///
     /// `x` is d²/r² ≥ 0, for distance d and disc radius r.
     #[inline]
@@ -100,8 +100,8 @@ impl Kernel {
 mod tests {
     use super::*;
 
-    /// The integral of each kernel and its `nested_difference_variance` agree with the midpoint rule over
-    /// d, whose error is O(n⁻²).
+    /// The integral of each kernel and its `nested_difference_variance` agree with the midpoint
+    /// rule over d, whose error is O(n⁻²).
     #[test]
     fn kernel_constants_match_quadrature() {
         let n = 100_000;

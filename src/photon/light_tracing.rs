@@ -92,7 +92,7 @@ fn pixel_at_film_position(film: Vec2, width: u32, height: u32) -> Option<(u32, u
     inside.then_some((film.x as u32, film.y as u32))
 }
 
-/// Connects caustic photons to the camera of a scene.
+/// Connects caustic photons to the camera of a scene, and splats their light on the film.
 #[derive(Clone, Copy, Debug)]
 pub struct LightTracer<'a> {
     scene: &'a Scene,

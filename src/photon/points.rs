@@ -60,13 +60,13 @@ pub struct VolumePhotonMap {
     photons: Vec<VolumePhoton>,
     /// Positions of the photons, eight in a packet.
     packets: Vec<PointPacket>,
-    /// Hierarchy over the bounding boxes of the packets, which are expanded by the blur radius.
+    /// Hierarchy over the bounding boxes of the packets, which are expanded by the kernel radius.
     boxes: BoxTree,
     radius: f32,
 }
 
 impl VolumePhotonMap {
-    /// Builds the map for density estimates with the kernel radius `radius` \[length].
+    /// Builds the map for density estimates with kernels of radius `radius` \[length].
     ///
     /// The result does not depend on the number of threads.
     #[must_use]
@@ -95,13 +95,13 @@ impl VolumePhotonMap {
         self.photons.is_empty()
     }
 
-    /// Radius of the blur \[length].
+    /// Radius of the kernels of density estimates \[length].
     #[must_use]
     pub fn radius(&self) -> f32 {
         self.radius
     }
 
-    /// Calls `visitor` for each photon within the blur radius of `ray`, whose direction must be a
+    /// Calls `visitor` for each photon within the kernel radius of `ray`, whose direction must be a
     /// unit vector.
     ///
     /// `visitor` receives the photon, the distance t along the ray, the cosine of the angle between
@@ -130,7 +130,7 @@ impl VolumePhotonMap {
         });
     }
 
-    /// Calls `visitor` for each photon within the blur radius of the point `p`.
+    /// Calls `visitor` for each photon within the kernel radius of the point `p`.
     ///
     /// `visitor` receives the photon, the 3D kernel K₃ \[1/length³], and the squared distance over
     /// the squared radius. The in-scattered radiance per length is Σ flux · p(cos) · K₃, with phase

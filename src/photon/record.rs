@@ -27,8 +27,8 @@ impl PackedFlux {
         Some(Self { sum, red: fraction(flux.x), green: fraction(flux.y) })
     }
 
-    /// Stores the integer `steps` < 16 in the lowest four bits of the sum. The flux changes by a
-    /// relative error below 2⁻¹⁹.
+    /// Stores the integer `steps` < 16, a share in steps of 1/[`SHARE_STEPS`], in the lowest four
+    /// bits of the sum. The relative change of the flux is below 2⁻¹⁹.
     #[inline]
     fn with_packed_share(self, steps: u8) -> Self {
         Self { sum: f32::from_bits(self.sum.to_bits() & !15 | u32::from(steps)), ..self }

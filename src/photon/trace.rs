@@ -26,7 +26,7 @@ pub struct PhotonPassResult {
     pub paths: u64,
 }
 
-/// Sums over several photon paths: flux by its fate, and number of rays.
+/// Energy audit and number of rays, summed over several photon paths.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PhotonTracingTotals {
     /// Sums of emitted, absorbed, escaped and otherwise lost flux \[W].

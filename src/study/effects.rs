@@ -11,7 +11,7 @@ use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// Reason why a study failed.
+/// Reason why a study of effects or of methods failed.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
     /// A pixel is not finite, or two pictures differ in size.
@@ -83,7 +83,7 @@ pub struct EffectCost {
     pub seconds_error: Option<f64>,
     /// Time of all passes with the effect, divided by the time of all passes without it.
     pub ratio: f64,
-    /// Time that the effect adds to the setup \[s].
+    /// Time that the effect adds to the preparation of the integrator \[s].
     pub setup: f64,
     /// Number of rays of all kinds that the effect adds to a pass.
     pub rays: f64,
@@ -122,7 +122,7 @@ pub struct EffectResult {
     pub difference: Image,
 }
 
-/// Result of a study of effects.
+/// Measured cost and contribution of each effect of light in a scene.
 #[derive(Clone, Debug)]
 pub struct EffectStudyResult {
     /// Decisions about the effects of the scene.

@@ -55,8 +55,7 @@ fn every_bsdf_variant_is_tested() {
     assert_eq!(is_tested, [true; 8]);
 }
 
-/// A BSDF that stores photons never samples a delta lobe. Density estimates evaluate no delta
-/// lobes, so their light would be lost.
+/// A BSDF that stores photons never samples a delta lobe, whose light density estimates would miss.
 #[test]
 fn receivers_never_sample_delta_lobes() {
     for bsdf in bsdfs_of_every_variant().into_iter().filter(Bsdf::stores_photons) {

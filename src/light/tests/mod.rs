@@ -51,7 +51,7 @@ fn point_on_y_axis(v: f64) -> DVec3 {
     DVec3::new(0.0, v, 0.0)
 }
 
-/// The irradiance of a point light falls with the squared distance and the cosine.
+/// The irradiance of a point light is intensity times cosine over squared distance.
 #[test]
 fn point_light_irradiance_is_exact() {
     let light = Light::Point(PointLight { position: Vec3::new(0.0, 2.0, 0.0), intensity: Rgb::splat(3.0) });

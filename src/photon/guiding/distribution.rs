@@ -193,7 +193,7 @@ impl EmissionGuidingFit {
 /// Piecewise constant pdf over primary samples of position and direction, in \[0, 1)⁴.
 #[derive(Clone, Debug)]
 pub(in crate::photon) struct EmissionGuidingDistribution {
-    /// Number of position cells along each side of the unit square.
+    /// Number of cells along each side of the unit square of positions.
     side: usize,
     /// Marginal pdf of the position's primary sample.
     positions: SquareGridDistribution,

@@ -6,7 +6,7 @@ use super::effective_samples::EffectiveSampleCount;
 use super::estimate::ErrorEstimate;
 use super::fireflies::Fireflies;
 use super::forecast::ErrorForecast;
-use super::shared_paths::SharedPathError;
+use super::shared_paths::SharedPathErrorSums;
 use crate::image::RelativeErrorWeights;
 use crate::integrate::{MeanGatherDisc, NestedEstimates, Pass, RadiusLaw};
 use crate::render::film::Film;
@@ -15,7 +15,7 @@ use glam::{DVec3, Vec3};
 /// Least number of passes for an error estimate.
 pub const MIN_PASSES: u32 = 4;
 
-/// Estimates the error of the mean of passes.
+/// Accumulates the passes of a render, and estimates the error of their mean.
 #[derive(Clone, Debug)]
 pub struct ErrorEstimator {
     /// Law by which gather radii shrink from pass to pass; `None` without photon density estimates.
@@ -25,7 +25,7 @@ pub struct ErrorEstimator {
     /// Σ (x − mean)² over passes, by pixel and channel, in f64 because squares may overflow f32.
     squared_deviations: Vec<DVec3>,
     photon_estimates: Option<NestedEstimateSums>,
-    shared_paths: SharedPathError,
+    shared_paths: SharedPathErrorSums,
     samples: EffectiveSampleCount,
     scale: Option<RelativeErrorWeights>,
 }
@@ -77,7 +77,7 @@ impl ErrorEstimator {
             passes: 0,
             squared_deviations: Vec::new(),
             photon_estimates: None,
-            shared_paths: SharedPathError::default(),
+            shared_paths: SharedPathErrorSums::default(),
             samples: EffectiveSampleCount::default(),
             scale: None,
         }

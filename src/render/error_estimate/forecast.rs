@@ -7,11 +7,12 @@ use crate::integrate::squared_radius_ratio;
 /// Largest number of passes of a forecast.
 const MAX_PASSES: u32 = 10_000_000;
 
-/// Number of passes that a forecast sums one by one. It sums later passes in groups, called leaps.
+/// Number of passes that a forecast sums one by one. It sums later passes in groups
+/// ([`GROUP_DIVISOR`]).
 const EXACT_PASSES: u32 = 1024;
 
-/// Number of passes summed so far, divided by the number of passes that one leap adds.
-const LEAP: u32 = 128;
+/// A forecast adds later passes in groups of 1/`GROUP_DIVISOR` of the passes summed so far.
+const GROUP_DIVISOR: u32 = 128;
 
 /// Number of passes needed to reach a given error.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -159,11 +160,12 @@ impl DiscAreaSums {
         self.area *= (i + self.alpha) / (i + 1.0);
     }
 
-    /// Adds a leap: the next n/[`LEAP`] passes at once, by the midpoint rule, for n passes so far.
+    /// Adds the next n/[`GROUP_DIVISOR`] passes at once by the midpoint rule, where n passes are
+    /// summed so far.
     ///
     /// The rule uses area ∝ n^(α − 1), which holds for large n.
     fn add_group_of_passes(&mut self) {
-        let (n, count) = (f64::from(self.passes), self.passes / LEAP);
+        let (n, count) = (f64::from(self.passes), self.passes / GROUP_DIVISOR);
         let at = |i: f64| self.area * libm::pow(i / n, self.alpha - 1.0);
         let middle = at(n + 0.5 * f64::from(count));
         self.area = at(n + f64::from(count));

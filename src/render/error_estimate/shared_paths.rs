@@ -10,13 +10,12 @@ use glam::DVec3;
 /// Errors of neighbouring pixels correlate.
 const BLOCK: u32 = 16;
 
-/// Difference between radiance by shared camera paths and radiance by fresh camera paths, summed
-/// over passes.
+/// Sums over passes from which the error of shared camera paths is estimated, for a few pixels.
 ///
-/// Shared paths are the same in all passes. Fresh paths are new in each pass, for a few pixels
-/// only.
+/// Shared paths are the same in all passes. Fresh paths are new in each pass. The error is the mean
+/// difference between radiance by shared paths and radiance by fresh paths.
 #[derive(Clone, Debug, Default)]
-pub(super) struct SharedPathError {
+pub(super) struct SharedPathErrorSums {
     /// Indices of the pixels that each pass also renders with fresh camera paths, in rows from the
     /// top.
     pixels: Vec<u32>,
@@ -28,7 +27,7 @@ pub(super) struct SharedPathError {
     squares: Vec<f64>,
 }
 
-impl SharedPathError {
+impl SharedPathErrorSums {
     pub(super) fn add(&mut self, pass: &Pass) {
         if self.pixels.is_empty() {
             self.pixels = pass.fresh.iter().map(|(i, _)| *i).collect();

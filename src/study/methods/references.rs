@@ -203,9 +203,9 @@ fn read_reference(path: &Path, wanted: (u32, u32)) -> Result<Image, ReferenceErr
     Ok(image)
 }
 
-/// Returns the algorithm for rendering references, and the reason for it.
+/// Returns the algorithm for rendering references, and the reason for it as text.
 ///
-/// It is `hybrid` if the scene has caustics, which `path` may miss. Else it is `path`.
+/// The algorithm is `hybrid` if the scene has caustics, which `path` may miss, else `path`.
 #[must_use]
 pub fn reference_algorithm(scene: &Scene, overrides: EffectOverrides) -> (Algorithm, &'static str) {
     let plan = Plan::new(scene, Algorithm::Hybrid.supported_effects(), overrides);

@@ -1,10 +1,10 @@
-//! Results of a study of methods.
+//! Results of a study of methods: error, noise, bias and cost of each method by number of passes.
 
 use crate::image::Image;
 use crate::integrate::Algorithm;
 use serde::Serialize;
 
-/// Measurements of a method after a number of passes.
+/// Error, noise, bias and cost of a rendering method after a number of passes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ConvergenceCheckpoint {
     /// Number of passes of each seed.
@@ -58,7 +58,7 @@ impl ConvergenceCheckpoint {
     }
 }
 
-/// Results of one method.
+/// Measured convergence of one rendering method: an algorithm with its settings.
 #[derive(Clone, Debug)]
 pub struct MethodResult {
     /// Unique label, such as `sppm` or `sppm --gather-k 20`.
@@ -98,7 +98,7 @@ pub struct GroundTruth {
     pub picture: Image,
 }
 
-/// Results of a study of methods.
+/// Measured convergence of all rendering methods that a study compares.
 #[derive(Clone, Debug)]
 pub struct MethodStudyResult {
     /// Path of the scene file.

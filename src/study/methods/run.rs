@@ -38,7 +38,7 @@ pub struct StudyLimits {
     pub passes: Option<u32>,
 }
 
-/// Progress event of a study.
+/// Progress event of a study that compares rendering methods.
 #[derive(Clone, Copy, Debug)]
 pub enum MethodStudyEvent<'s> {
     /// Each method that still runs has made one more pass with each seed. Holds the number of
@@ -51,7 +51,7 @@ pub enum MethodStudyEvent<'s> {
 /// Function that prepares an integrator with the given seed.
 pub(super) type IntegratorFactory<'a> = Box<dyn Fn(u64) -> Box<dyn Integrator + 'a> + 'a>;
 
-/// Study of methods that is ready to run.
+/// Study that is ready to measure the convergence of rendering methods.
 ///
 /// The integrator of each method's first seed is prepared in advance. The integrators of the other
 /// seeds are prepared when they make their first pass. All stay in memory while their method runs.
@@ -62,7 +62,7 @@ pub struct MethodStudy<'a> {
     runs: Vec<MethodRun<'a>>,
 }
 
-/// State of one method during a study.
+/// State of one rendering method while a study runs: its seeds, times and checkpoints.
 struct MethodRun<'a> {
     variant: MethodVariant,
     make: IntegratorFactory<'a>,
@@ -79,7 +79,7 @@ struct MethodRun<'a> {
     last: Option<FinalPictures>,
 }
 
-/// State of one seed of a method.
+/// State of one seed of a rendering method: integrator, film and error estimator.
 struct SeedRun<'a> {
     /// Integrator of this seed; `None` before the first pass, except for the first seed.
     integrator: Option<Box<dyn Integrator + 'a>>,
@@ -88,7 +88,7 @@ struct SeedRun<'a> {
     estimator: Option<ErrorEstimator>,
 }
 
-/// Pictures of a method at its last checkpoint; see [`MethodResult`].
+/// Pictures of a rendering method at its last checkpoint; see [`MethodResult`].
 struct FinalPictures {
     passes: u32,
     picture: Image,

@@ -4,7 +4,7 @@ use crate::integrate::{Algorithm, Settings};
 use crate::plan::{Effect, EffectOverrides, Plan};
 use crate::scene::Scene;
 
-/// Method of a study: an algorithm with its settings.
+/// Rendering method that a study measures: an algorithm with its settings.
 #[derive(Clone, Debug)]
 pub struct MethodVariant {
     /// Unique label, such as `sppm` or `sppm --gather-k 20`.
@@ -17,7 +17,7 @@ pub struct MethodVariant {
     pub flags: Vec<String>,
 }
 
-/// Reason why methods cannot be compared.
+/// Reason why a study cannot compare the given rendering methods.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MethodVariantError {
     /// The list of methods is empty.

@@ -66,9 +66,9 @@ fn shrinking_radii_follow_their_law() {
     assert!((slope(|e| e.0) + 1.0 / 3.0).abs() < 1e-3 && (slope(|e| e.1) + 1.0 / 3.0).abs() < 1e-3);
     let PassesNeeded::Passes(n) = forecast.passes_to_reach(0.01) else { panic!("it can be reached") };
     let error = |n| forecast.noise_and_bias_after_passes(n).0.hypot(forecast.noise_and_bias_after_passes(n).1);
-    let fewer = if n < EXACT_PASSES { n - 1 } else { n - n / LEAP - 1 };
+    let fewer = if n < EXACT_PASSES { n - 1 } else { n - n / GROUP_DIVISOR - 1 };
     assert!(error(n) <= 0.01 && error(fewer) > 0.01, "{n}");
     let PassesNeeded::Passes(n) = forecast.passes_to_reach(0.001) else { panic!("it can be reached") };
-    // Leaps agree with single steps to 0.5 %.
+    // Groups of passes agree with single passes to 0.5 %.
     assert!(n > 100_000 && (error(n) / 0.001 - 1.0).abs() < 0.005, "{n} {}", error(n));
 }

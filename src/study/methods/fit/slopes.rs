@@ -83,8 +83,8 @@ fn checkpoints_to_fit(checkpoints: &[ConvergenceCheckpoint]) -> &[ConvergenceChe
 /// Fits slopes over time and passes to the root of a squared quantity at the checkpoints `tail`.
 ///
 /// `square` returns the squared quantity at a checkpoint, averaged over seeds with the given
-/// weights; `None` stands for equal weights. Returns `None` if the squared quantity is not positive
-/// at one of the checkpoints. With fewer than two `seeds`, the slopes have no intervals.
+/// weights; `None` stands for equal weights. The result is `None` if the squared quantity is not
+/// positive at one of the checkpoints. With fewer than two `seeds`, the slopes have no intervals.
 fn fit_convergence_slopes(
     tail: &[ConvergenceCheckpoint],
     seeds: usize,

@@ -3,7 +3,7 @@
 use super::slopes::least_squares_slope;
 use crate::integrate::Algorithm;
 
-/// Error of a method, or one of its two components.
+/// Total error of a rendering method, or one of its two components: noise and bias.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ErrorComponent {
     /// Root mean square error, with noise and bias.

@@ -32,17 +32,17 @@ impl RenderEffort {
     }
 }
 
-/// Effort to reach a given error: measured, predicted, or a reason why there is none.
+/// Time and work to reach a given error: measured, predicted, or a reason why there is none.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 #[serde(tag = "how", rename_all = "lowercase")]
 pub enum TimeToError {
-    /// At most this effort: the first checkpoint has reached the error already.
+    /// At most this time and work: the first checkpoint has reached the error already.
     Within(RenderEffort),
-    /// Effort interpolated between two checkpoints.
+    /// Time and work, interpolated between two checkpoints.
     Measured(RenderEffort),
-    /// Effort extrapolated from the last checkpoint by the fitted slope.
+    /// Time and work, extrapolated from the last checkpoint by the fitted slope.
     Predicted {
-        /// Effort by the fitted slope.
+        /// Time and work by the fitted slope.
         effort: RenderEffort,
         /// Processor times \[s] for the slopes at both ends of the confidence interval; may be
         /// infinite. `None` if the slope has no interval.
@@ -53,11 +53,11 @@ pub enum TimeToError {
         /// Relative error that remains.
         floor: f64,
     },
-    /// The effort is unknown, because there is no fit or the error does not fall.
+    /// Time and work are unknown, because there is no fit or the error does not fall.
     Unknown,
 }
 
-/// Returns the effort after which the relative error of `method` stays at or below `error`.
+/// Returns the time and work after which the relative error of `method` stays at or below `error`.
 #[must_use]
 pub fn time_to_error(
     method: &MethodResult,
@@ -112,7 +112,7 @@ fn extrapolate_time_to_error(
     TimeToError::Predicted { effort: RenderEffort::effort_at_checkpoint(last).scaled_by(factor(value)), seconds }
 }
 
-/// Returns the effort to reach a tenth of the method's error at its last checkpoint.
+/// Returns the time and work to reach a tenth of the method's error at its last checkpoint.
 #[must_use]
 pub fn time_to_tenth_of_error(
     method: &MethodResult,

@@ -1,4 +1,4 @@
-//! Analysis of a study of methods for all its reports.
+//! Conclusions from a study of methods, for all its reports.
 
 use crate::study::methods::fit::{
     ConvergenceFit, ConvergenceSlopes, ConvergenceVerdict, ErrorComponent, MethodRecommendation, ParetoPoint,
@@ -11,18 +11,18 @@ use crate::study::report::text::{self, count_text, duration_text, error_percent_
 /// Relative errors for which reports give the time to reach them.
 pub(super) const TARGET_ERRORS: [f64; 4] = [0.1, 0.05, 0.02, 0.01];
 
-/// Analysis of all methods of a study.
+/// Conclusions from a study: the convergence of each method, the Pareto front and a recommendation.
 pub(super) struct MethodStudyAnalysis {
     pub(super) methods: Vec<MethodAnalysis>,
     pub(super) pareto: Vec<ParetoPoint>,
     pub(super) recommendation: Option<MethodRecommendation>,
 }
 
-/// Analysis of one method: slopes, verdict and times to reach errors.
+/// Conclusions about one rendering method: slopes, verdict and times to reach errors.
 pub(super) struct MethodAnalysis {
     pub(super) fit: Option<ConvergenceFit>,
     pub(super) verdict: ConvergenceVerdict,
-    /// Effort to reach each of [`TARGET_ERRORS`].
+    /// Time and work to reach each of [`TARGET_ERRORS`].
     pub(super) reaches: [TimeToError; 4],
     pub(super) tenth: TimeToError,
 }
