@@ -53,8 +53,8 @@ pub struct DistanceSample {
 pub struct TransmittanceCurve {
     /// Extinction coefficient of a homogeneous medium \[1/length]; zero for a grid.
     extinction: Rgb,
-    /// Distances of tentative collisions in a grid \[length], each with the transmittance beyond
-    /// it.
+    /// Distances of tentative collisions in a grid \[length], each with the transmittance just
+    /// beyond it.
     steps: Vec<(f32, Rgb)>,
 }
 

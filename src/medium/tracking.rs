@@ -14,8 +14,8 @@ use rand::{Rng, RngExt};
 /// Transmittance below which Russian roulette may end tracking.
 const ROULETTE_THRESHOLD: f64 = 0.1;
 
-/// Number of tentative collisions after which tracking continues only with probability ½. It bounds
-/// the time of tracking at high majorants.
+/// Number of tentative collisions after which Russian roulette ends tracking with probability ½,
+/// each time. It bounds the time of tracking at high majorants.
 const COLLISIONS_PER_ROULETTE: u32 = 1 << 14;
 
 /// Smallest mean number of tentative collisions along a ray in an estimate of emission.

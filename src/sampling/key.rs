@@ -126,7 +126,7 @@ impl Key {
         Self(hash_bits(seed ^ 0x6a09_e667_f3bc_c909))
     }
 
-    /// Returns the hash of this key and the word `n`. Other code should call a function with a
+    /// Returns the hash of this key and the number `n`. Other code should call a function with a
     /// specific name instead, such as [`Key::pass_key`].
     #[inline]
     #[must_use]

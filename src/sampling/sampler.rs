@@ -20,7 +20,7 @@ impl Sampler {
         Self { key, index, count }
     }
 
-    /// Sampler for the same sample with another key: the hash of this key and the word `n`.
+    /// Sampler for the same sample with another key: the hash of this key and the number `n`.
     ///
     /// Other code should call a function with a specific name instead, such as
     /// [`Sampler::shadow_ray_sampler`].

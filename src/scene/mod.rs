@@ -314,8 +314,9 @@ impl Scene {
         }
     }
 
-    /// Returns the index of the material to which material `index` resolves: itself, or a component
-    /// of a mix that is selected by the uniform number `u` in \[0, 1).
+    /// Returns the index of the material to which material `index` resolves. A mix resolves to a
+    /// component, which the uniform number `u` in \[0, 1) selects. Other materials resolve to
+    /// themselves.
     ///
     /// `context` returns the point of texture lookups. It is called only if the probability of a
     /// component is textured and `effects` include textures.

@@ -11,8 +11,8 @@ use crate::medium::Medium;
 use crate::sampling::Key;
 use glam::Vec3;
 
-/// Properties of a shape, mesh or plane, from which [`SceneFeatures`](crate::plan::SceneFeatures)
-/// are derived.
+/// Properties of a shape, mesh or plane that describe it without its geometry, for planning and
+/// photon emission.
 #[derive(Clone, Copy, Debug)]
 pub struct ObjectSummary {
     /// Bounding sphere, tight for spheres; `None` for unbounded planes.

@@ -4,7 +4,7 @@ use crate::color::Rgb;
 use glam::{DMat2, DVec2, DVec3};
 
 /// Maximum number of lookups along a footprint. In longer footprints, each lookup averages over a
-/// longer box.
+/// larger box.
 const MAX_LOOKUPS: f64 = 16.0;
 
 /// Greatest length of a footprint, in periods of the texture; longer ones are shortened to it.

@@ -68,8 +68,8 @@ impl SolidTexture {
         (self.colors[0] + self.colors[1]) * 0.5
     }
 
-    /// Greatest scale factor from object space to pattern space: the length of the longest image of
-    /// a unit coordinate axis.
+    /// Scale from object space to pattern space: the length of the longest image of a unit
+    /// coordinate axis.
     fn max_scale(&self) -> f64 {
         let m = self.to_pattern.matrix3;
         m.x_axis.length().max(m.y_axis.length()).max(m.z_axis.length())

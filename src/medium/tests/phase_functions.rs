@@ -113,7 +113,7 @@ fn phase_samples_follow_their_pdf() {
 }
 
 /// Returns the p value of Pearson's chi-square test, by the Wilson–Hilferty approximation. `cells`
-/// holds observed and expected counts; neighbours are pooled until 5 samples are expected.
+/// holds expected and observed counts; neighbours are pooled until 5 samples are expected.
 fn chi_square_p_value(cells: impl Iterator<Item = (f64, f64)>) -> f64 {
     let (mut pool, mut chi2, mut used) = ((0.0, 0.0), 0.0, 0u32);
     for (expected, found) in cells {
