@@ -75,8 +75,8 @@ fn sample_exponential(rng: &mut impl Rng) -> f64 {
     -libm::log(1.0 - rng.random::<f64>())
 }
 
-/// Counts a collision in `steps`, and plays Russian roulette on the transmittance `left`. Scales
-/// `left` if tracking continues.
+/// Plays Russian roulette on a path of weight `left` after `steps` tentative collisions. Returns
+/// the factor by which the weight changes, or `None` if tracking ends.
 fn russian_roulette(left: f64, steps: u32, rng: &mut impl Rng) -> Option<f64> {
     let faint = if left < ROULETTE_THRESHOLD { left / ROULETTE_THRESHOLD } else { 1.0 };
     let stay = if steps.is_multiple_of(COLLISIONS_PER_ROULETTE) { 0.5 * faint } else { faint };
@@ -128,8 +128,8 @@ pub(super) fn transmittance_curve(
     }
 }
 
-/// Plays Russian roulette on the transmittance `left`, after one more collision is counted in
-/// `steps`.
+/// Counts a collision in `steps`, and plays Russian roulette on the transmittance `left`. Scales
+/// `left` if tracking continues.
 fn transmittance_roulette(left: &mut DVec3, steps: &mut u32, rng: &mut impl Rng) -> TrackingDecision {
     *left = left.max(DVec3::ZERO);
     *steps = steps.wrapping_add(1);

@@ -63,9 +63,7 @@ pub enum EndReason {
 pub struct RenderResult {
     /// Film with all passes; its mean is the picture.
     pub film: Film,
-    /// Error estimator of the passes; `None` if
-    /// [`Integrator::returns_nested_estimates`](crate::integrate::Integrator::returns_nested_estimates)
-    /// is false.
+    /// Error estimator of the passes; `None` if [`Integrator::returns_nested_estimates`] is false.
     pub estimator: Option<ErrorEstimator>,
     /// Why the render ended.
     pub ended: EndReason,
@@ -105,8 +103,7 @@ const GIVE_UP_MARGIN: f64 = 0.8;
 /// holds.
 ///
 /// Calls `after_pass` after each pass. Estimates the error if
-/// [`Integrator::returns_nested_estimates`](crate::integrate::Integrator::returns_nested_estimates)
-/// is true.
+/// [`Integrator::returns_nested_estimates`] is true.
 pub fn render(
     integrator: &dyn Integrator,
     size: (u32, u32),

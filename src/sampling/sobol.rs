@@ -72,8 +72,8 @@ mod tests {
         }
     }
 
-    /// Averages one point over many keys: the mean is ½ in both coordinates, within five standard
-    /// deviations. The variance of a uniform number is 1/12.
+    /// Averages one Sobol' point over many keys: the mean is ½ in both coordinates, within five
+    /// standard deviations. The variance of a uniform number is 1/12.
     #[test]
     fn each_sobol_point_alone_is_uniform() {
         let n = 20_000;

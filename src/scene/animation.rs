@@ -75,7 +75,7 @@ pub(super) fn texture_mapping_at_time(kind: TextureMappingKind, motion: &Motion,
 ///
 /// The conversion depends on the distance of the light from the origin. The light keeps the
 /// converted strength while it moves. Other strengths are returned unchanged.
-pub(super) fn physical_strength_mid_shutter(
+pub(super) fn physical_light_strength_at_mid_shutter(
     kind: &DeltaLightKind,
     strength: LightStrength,
     motion: &Motion,

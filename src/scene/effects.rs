@@ -21,9 +21,10 @@ pub enum Effect {
     CausticBounces,
     /// Interreflection between diffuse or glossy surfaces.
     Interreflection,
-    /// Final gathering: gather rays that end in lookups of the indirect photon map.
+    /// Final gathering: rays from diffuse or glossy surfaces look up indirect light in a photon
+    /// map.
     Gathering,
-    /// Occlusion of shadow rays.
+    /// Shadows: shadow rays test whether surfaces block the light.
     Shadows,
     /// Size of area lights: soft shadows, and light that paths receive when they hit an emitter.
     SoftShadows,

@@ -146,11 +146,11 @@ impl Geometry {
         self.shapes.len() + self.mesh_ranges.len()
     }
 
-    pub fn plane_attributes(&self) -> &[ObjectAttributes] {
+    pub fn plane_object_attributes(&self) -> &[ObjectAttributes] {
         &self.objects[self.first_plane_index()..]
     }
 
-    pub fn mesh_attributes(&self) -> &[ObjectAttributes] {
+    pub fn mesh_object_attributes(&self) -> &[ObjectAttributes] {
         &self.objects[self.shapes.len()..self.first_plane_index()]
     }
 

@@ -78,12 +78,13 @@ impl Scene {
             let plane = shape.point_if_planar().map(|point| (point.p, point.ng));
             summary(attributes, Some(shape.bounding_sphere()), plane)
         });
-        let meshes = geometry.mesh_ranges.iter().zip(geometry.mesh_attributes()).filter(|(range, _)| !range.is_empty());
+        let meshes =
+            geometry.mesh_ranges.iter().zip(geometry.mesh_object_attributes()).filter(|(range, _)| !range.is_empty());
         let meshes = meshes.map(move |(range, attributes)| {
             let corners = range.clone().flat_map(|i| geometry.mesh.corners(i as usize));
             summary(attributes, Some(Bounds::from_points(corners).bounding_sphere()), None)
         });
-        let planes = geometry.planes.iter().zip(geometry.plane_attributes());
+        let planes = geometry.planes.iter().zip(geometry.plane_object_attributes());
         let planes = planes.map(move |(plane, attributes)| summary(attributes, None, Some(plane.point_and_normal())));
         shapes.chain(meshes).chain(planes)
     }

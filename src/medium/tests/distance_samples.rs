@@ -41,10 +41,10 @@ fn assert_distance_samples_unbiased(medium: &Medium, ray: &Ray, distance: f32, d
 
     let mut light = [RunningMean::default(), RunningMean::default()];
     for _ in 0..n {
-        light[0].add(medium.transmittance(ray, distance, &mut random).as_dvec3());
-        light[1].add(medium.emitted_radiance(ray, distance, &mut random).as_dvec3());
+        light[0].add_sample(medium.transmittance(ray, distance, &mut random).as_dvec3());
+        light[1].add_sample(medium.emitted_radiance(ray, distance, &mut random).as_dvec3());
     }
-    light[0].assert_near_bounded(left, DVec3::ONE, &format!("{name}: transmittance"));
+    light[0].assert_near_with_value_bound(left, DVec3::ONE, &format!("{name}: transmittance"));
     light[1].assert_near(gathered * medium.emission.as_dvec3(), &format!("{name}: emission"));
 
     for throughput in [Vec3::ONE, Vec3::new(0.01, 0.3, 2.0)] {
@@ -61,16 +61,20 @@ fn assert_distance_samples_unbiased(medium: &Medium, ray: &Ray, distance: f32, d
             let t = distance_sample.scattered.map_or(0.0, f64::from);
             let through = f64::from(u8::from(distance_sample.scattered.is_none()));
             assert!((0.0..=f64::from(distance)).contains(&t));
-            means[0].add(w * through);
-            means[1].add(w * (1.0 - through));
-            means[2].add(w * (1.0 - through) * depth(t));
+            means[0].add_sample(w * through);
+            means[1].add_sample(w * (1.0 - through));
+            means[2].add_sample(w * (1.0 - through) * depth(t));
         }
         let scattering = medium.scattering.as_dvec3();
         // The mean of throughput times weight does not grow.
         let most = f64::from(whole) / throughput.as_dvec3();
-        means[0].assert_near_bounded(left, most, &format!("{name}: through of {throughput}"));
-        means[1].assert_near_bounded(gathered * scattering, most, &format!("{name}: scattered of {throughput}"));
-        means[2].assert_near_bounded(
+        means[0].assert_near_with_value_bound(left, most, &format!("{name}: through of {throughput}"));
+        means[1].assert_near_with_value_bound(
+            gathered * scattering,
+            most,
+            &format!("{name}: scattered of {throughput}"),
+        );
+        means[2].assert_near_with_value_bound(
             moment * scattering,
             most * tau,
             &format!("{name}: depth of scattering of {throughput}"),

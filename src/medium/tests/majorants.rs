@@ -29,8 +29,8 @@ fn assert_random_walk_moments(medium: &Medium, sigma: f64, albedo: f64) {
     let (mut collisions, mut square) = (RunningMean::default(), RunningMean::default());
     for _ in 0..100_000 {
         let (n, p) = random_walk(medium, &mut random);
-        collisions.add(DVec3::splat(n));
-        square.add(DVec3::splat(p.length_squared()));
+        collisions.add_sample(DVec3::splat(n));
+        square.add_sample(DVec3::splat(p.length_squared()));
     }
     let g = f64::from(medium.phase.mean_cosine());
     collisions.assert_near(DVec3::splat(1.0 / (1.0 - albedo)), "collisions");

@@ -98,7 +98,7 @@ fn phase_samples_follow_their_pdf() {
                 let ring = rings.bin_of_angle(libm::atan2(libm::hypot(x, y), z));
                 let sector = (libm::atan2(y, x) / TAU + 0.5) * SECTORS as f64;
                 counts[ring * SECTORS + (sector as usize).min(SECTORS - 1)] += 1;
-                mean.add(DVec3::splat(z));
+                mean.add_sample(DVec3::splat(z));
             }
             mean.assert_near(DVec3::splat(f64::from(phase.mean_cosine())), "mean cosine");
             let cells = counts

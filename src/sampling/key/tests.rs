@@ -44,7 +44,7 @@ fn random_points_of_consecutive_keys_are_uniform() {
 
 /// Checks the words of the key map: other words would change every picture.
 #[test]
-fn named_keys_use_the_words_of_the_map() {
+fn named_keys_match_the_key_map() {
     let key = Key::new(5).purpose_key(Purpose::Test);
     assert_eq!(key.pixel_key(3, 7), key.child_key(7 << 32 | 3));
     assert_eq!(key.film_point_key(1, 9), key.child_key(1 << 32 | 9));

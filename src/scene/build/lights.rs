@@ -5,7 +5,7 @@ use super::place::{PlacedGeometry, PlacedTextureMappings};
 use crate::light::{AreaLight, EmissionTexture, EnvironmentLight, Light, LightSurface};
 use crate::math::Motion;
 use crate::sampling::DiscreteDistribution;
-use crate::scene::animation::{MID_SHUTTER, delta_light_at_time, physical_strength_mid_shutter};
+use crate::scene::animation::{MID_SHUTTER, delta_light_at_time, physical_light_strength_at_mid_shutter};
 use crate::scene::delta_light::{legacy_area_light, resolve_light};
 use crate::scene::{BuildError, DeltaLightKind, LegacyLight, LightStrength};
 use crate::texture::Texture;
@@ -60,7 +60,7 @@ pub(super) fn collect_lights(
     for source in sources {
         let Some(motion) = &source.motion else { continue };
         let motion = motion.followed_by_map(DAffine3::from_translation(-origin));
-        let strength = physical_strength_mid_shutter(&source.kind, source.strength, &motion);
+        let strength = physical_light_strength_at_mid_shutter(&source.kind, source.strength, &motion);
         let placed = delta_light_at_time(&source.kind, &motion, MID_SHUTTER).ok_or(BuildError::Flattened)?;
         found.moving.push((found.lights.len(), source.kind.clone(), strength, motion));
         found.add_light(resolve_light(&placed, strength, DVec3::ZERO));

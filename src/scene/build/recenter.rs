@@ -21,7 +21,7 @@ type CameraView = (DVec3, f64);
 /// An object or the camera, with the position and size of the details that single precision must
 /// resolve.
 #[derive(Clone, Copy, Debug)]
-struct PrecisionTarget {
+struct FineDetailRegion {
     center: DVec3,
     size: f64,
 }
@@ -68,10 +68,10 @@ fn origin_for_extents(boxes: &[Extent], view: Option<CameraView>) -> Option<DVec
     let (min, max) = boxes.iter().copied().reduce(union_of_extents)?;
     let center = min * 0.5 + max * 0.5;
     let target =
-        |(min, max): &Extent| PrecisionTarget { center: *min * 0.5 + *max * 0.5, size: (*max - *min).max_element() };
+        |(min, max): &Extent| FineDetailRegion { center: *min * 0.5 + *max * 0.5, size: (*max - *min).max_element() };
     // The camera may be outside of the box, but the origin must not.
-    let view = view.map(|(center, size)| PrecisionTarget { center: center.clamp(min, max), size });
-    let targets: Vec<PrecisionTarget> = boxes.iter().map(target).chain(view).filter(|t| t.size > 0.0).collect();
+    let view = view.map(|(center, size)| FineDetailRegion { center: center.clamp(min, max), size });
+    let targets: Vec<FineDetailRegion> = boxes.iter().map(target).chain(view).filter(|t| t.size > 0.0).collect();
     let distance = |m: DVec3| targets.iter().map(|t| (t.center - m).abs().max_element() / t.size).fold(0.0, f64::max);
     let most = distance(center);
     if most.is_nan() || most <= MAX_DISTANCE_IN_SIZES {
@@ -100,7 +100,7 @@ fn camera_and_nearest_distance(camera: &Camera, shapes: &[&Shape]) -> Option<Cam
 /// Coordinate along `axis` that minimizes the greatest ratio of a target's distance to its size.
 ///
 /// Distances are measured along `axis`. `most` is an upper bound of that ratio.
-fn minimax_coordinate(targets: &[PrecisionTarget], axis: usize, most: f64) -> f64 {
+fn minimax_coordinate(targets: &[FineDetailRegion], axis: usize, most: f64) -> f64 {
     let within = |t: f64| {
         let ends =
             targets.iter().map(|target| (target.center[axis] - t * target.size, target.center[axis] + t * target.size));
