@@ -357,9 +357,9 @@ impl Bsdf {
     ) -> Option<BsdfSample> {
         let facing_ns = face_forward(ns, wo);
         let sample = if self.stores_photons() {
-            self.sample_receiver(wo, facing_ns, lobe, u)?.into()
+            self.sample_receiver_bsdf(wo, facing_ns, lobe, u)?.into()
         } else {
-            self.sample_caster(wo, ns, ng, lobe, u, transport)?
+            self.sample_caster_bsdf(wo, ns, ng, lobe, u, transport)?
         };
         let crosses = (sample.wi.dot(ng) < 0.0) != (wo.dot(ng) < 0.0);
         (crosses == sample.is_transmitted).then_some(sample)
@@ -370,7 +370,7 @@ impl Bsdf {
     /// The unit normal `facing_ns` is the shading normal on the side of `wo`. `lobe` in \[0, 1)
     /// selects the lobe, and `u` in \[0, 1)² the direction.
     #[inline]
-    fn sample_receiver(&self, wo: Vec3, facing_ns: Vec3, lobe: f32, u: Vec2) -> Option<NonSpecularSample> {
+    fn sample_receiver_bsdf(&self, wo: Vec3, facing_ns: Vec3, lobe: f32, u: Vec2) -> Option<NonSpecularSample> {
         match self {
             Self::Diffuse(reflectance) => {
                 let local = warp::square_to_cosine_hemisphere(u);
@@ -396,7 +396,7 @@ impl Bsdf {
     ///
     /// The arguments are those of [`Bsdf::sample`].
     #[inline]
-    fn sample_caster(
+    fn sample_caster_bsdf(
         &self,
         wo: Vec3,
         ns: Vec3,

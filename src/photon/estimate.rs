@@ -98,7 +98,7 @@ impl PhotonMap {
         scratch: &mut PhotonSearchBuffers,
         brdf: impl Fn(&PhotonData) -> Rgb,
     ) -> RadianceEstimate {
-        self.estimate_radiance_of_discs::<1>(p, normal, bandwidth, kernel, scratch, brdf).0
+        self.estimate_radiance_in_discs::<1>(p, normal, bandwidth, kernel, scratch, brdf).0
     }
 
     /// Estimates the reflected radiance at `p` from [`LEVELS`] nested discs.
@@ -114,11 +114,11 @@ impl PhotonMap {
         scratch: &mut PhotonSearchBuffers,
         brdf: impl Fn(&PhotonData) -> Rgb,
     ) -> NestedRadianceEstimate {
-        let (whole, radiance) = self.estimate_radiance_of_discs(p, normal, bandwidth, kernel, scratch, brdf);
+        let (whole, radiance) = self.estimate_radiance_in_discs(p, normal, bandwidth, kernel, scratch, brdf);
         NestedRadianceEstimate { whole, radiance }
     }
 
-    fn estimate_radiance_of_discs<const N: usize>(
+    fn estimate_radiance_in_discs<const N: usize>(
         &self,
         p: Vec3,
         normal: Vec3,

@@ -65,7 +65,7 @@ fn floor_corner_points(scene: &Scene) -> impl Iterator<Item = Vec3> {
     points.into_iter()
 }
 
-fn floor_corner_map(scene: &Scene) -> VisiblePointMap {
+fn floor_corner_point_map(scene: &Scene) -> VisiblePointMap {
     VisiblePointMap::new(
         floor_corner_points(scene).map(|position| VisiblePoint { position, normal: Vec3::Y, weight: 1.0 }),
         0.1,
@@ -143,7 +143,7 @@ fn fluxes_by_region(scene: &Scene, source: &PhotonSource<'_>) -> [PassStatistics
 fn guiding_is_unbiased() {
     for (name, scene) in scenes_by_lamp_kind() {
         let plain = PhotonSource::emitting_in_all_directions(&scene).unwrap();
-        let (guided, report) = guided_source(&scene, &floor_corner_map(&scene));
+        let (guided, report) = guided_source(&scene, &floor_corner_point_map(&scene));
         assert!(report.useful > 0.0 && report.gain > 1.0, "{name} has something to learn: {report:?}");
         let (before, after) = (fluxes_by_region(&scene, &plain), fluxes_by_region(&scene, &guided));
         for (region, (a, b)) in before.iter().zip(&after).enumerate() {
@@ -169,7 +169,7 @@ fn aiming_and_guiding_together_are_unbiased() {
         b.add_shape(Shape::Sphere(Sphere::new(DVec3::new(-6.5, 1.2, -5.5), 1.2)), glass, Rgb::ZERO);
         b.add_delta_light(DeltaLightKind::Point { position: LAMP }, LightStrength::Physical(Rgb::ONE));
     });
-    let visible = floor_corner_map(&scene);
+    let visible = floor_corner_point_map(&scene);
     let pilot =
         EmissionGuidingPilot { mask: StoreMask::CAUSTIC, max_bounces: 20, visible: &visible, paths: 1 << 15, seed: 1 };
     let plain = PhotonSource::aimed_at_casters(&scene).unwrap();
@@ -204,7 +204,7 @@ fn aiming_and_guiding_together_are_unbiased() {
 #[test]
 fn guiding_reduces_visible_variance() {
     let scene = spot_light_scene();
-    let (guided, _) = guided_source(&scene, &floor_corner_map(&scene));
+    let (guided, _) = guided_source(&scene, &floor_corner_point_map(&scene));
     let plain = PhotonSource::emitting_in_all_directions(&scene).unwrap();
     let variance = |source: &PhotonSource<'_>| {
         let mut means = vec![PassStatistics::default(); 1600];
@@ -231,7 +231,7 @@ fn guiding_prefers_the_visible_lamp() {
         b.add_delta_light(DeltaLightKind::Point { position: DVec3::new(0.0, 3.0, -12.0) }, strength);
         b.add_delta_light(DeltaLightKind::Point { position: LAMP }, strength);
     });
-    let (guided, _) = guided_source(&scene, &floor_corner_map(&scene));
+    let (guided, _) = guided_source(&scene, &floor_corner_point_map(&scene));
     let share = guided.light_distribution.probability(1);
     assert!((share - (1.0 - 0.5 * DEFENSIVE_FRACTION as f32)).abs() < 1e-6, "{share}");
 }
@@ -241,7 +241,7 @@ fn guiding_prefers_the_visible_lamp() {
 #[test]
 fn guided_pdf_has_a_lower_bound() {
     for (name, scene) in scenes_by_lamp_kind() {
-        let (guided, _) = guided_source(&scene, &floor_corner_map(&scene));
+        let (guided, _) = guided_source(&scene, &floor_corner_point_map(&scene));
         let density = guided.guiding[0].as_ref().unwrap();
         let mut least = f32::INFINITY;
         for i in 0..1u32 << 16 {
@@ -274,7 +274,7 @@ fn pilot_without_useful_photons_leaves_source_unguided() {
 #[test]
 fn guiding_is_deterministic() {
     let scene = square_light_scene();
-    let visible = floor_corner_map(&scene);
+    let visible = floor_corner_point_map(&scene);
     let emissions = |threads: usize, seed: u64| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
