@@ -86,8 +86,8 @@
 //!    path. Smooth glass splits the path while both branches carry enough light.
 //! 4. At a surface that stores photons, `NextEventEstimator::estimate` adds direct light, and
 //!    `PhotonMaps::radiance` adds the estimates from the photon maps
-//!    ([`PhotonMap::estimate_radiance`](photon::PhotonMap::estimate_radiance)). In [`Algorithm::Hybrid`], one path
-//!    per pixel reads the maps, at its first such surface.
+//!    ([`PhotonMap::estimate_radiance`](photon::PhotonMap::estimate_radiance)). In
+//!    [`Algorithm::Hybrid`], one path per pixel reads the maps, at its first such surface.
 //! 5. `continue_path` samples the next direction and applies Russian roulette.
 //!
 //! In all photon algorithms except `pm`, gather radii shrink from pass to pass. So the mean of the
