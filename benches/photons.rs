@@ -23,7 +23,7 @@ const PATHS: u32 = 100_000;
 #[divan::bench(args = [1, 2], sample_count = 10)]
 fn trace_global(bencher: Bencher, threads: usize) {
     let scene = boxed::scene();
-    let source = PhotonSource::in_all_directions(&scene).unwrap();
+    let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
     trace(
         bencher,
         threads,
@@ -106,8 +106,9 @@ fn gather(bencher: Bencher, bandwidth: Bandwidth) {
     let map = PhotonMap::build(photons(STORED));
     bencher.counter(ItemsCount::new(GATHERS)).bench_local(|| {
         let mut scratch = PhotonSearchBuffers::new();
-        let estimate =
-            |p| map.estimate(p, Vec3::Y, bandwidth, Kernel::Epanechnikov, &mut scratch, |_| Vec3::ONE).radiance;
+        let estimate = |p| {
+            map.estimate_radiance(p, Vec3::Y, bandwidth, Kernel::Epanechnikov, &mut scratch, |_| Vec3::ONE).radiance
+        };
         floor_points().map(estimate).sum::<Vec3>()
     });
 }

@@ -26,8 +26,8 @@
 //! use glam::{DVec3, Vec3};
 //!
 //! let mut builder = SceneBuilder::new();
-//! let white = builder.material(Material::diffuse(Vec3::splat(0.8)));
-//! let glass = builder.material(Material::dielectric(1.5, Vec3::ZERO));
+//! let white = builder.add_material(Material::diffuse(Vec3::splat(0.8)));
+//! let glass = builder.add_material(Material::dielectric(1.5, Vec3::ZERO));
 //! builder
 //!     .plane(Plane::new(DVec3::ZERO, DVec3::Y), white, Vec3::ZERO)
 //!     .shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 1.0, 0.0), 0.8)), glass, Vec3::ZERO)
@@ -55,8 +55,9 @@
 //! 1. `PhotonMapBuilder::build` in [`integrate`] starts the photons of a pass. It calls
 //!    [`PhotonPass::trace_and_connect`](photon::PhotonPass::trace_and_connect), which follows the
 //!    photon paths in parallel by `PhotonPass::follow_photon_path`.
-//! 2. Photon path `i` has the random-number [`Key`](sampling::Key) `pass_key.path_key(i)`. Every
-//!    random decision is a function of a key and the name of the decision.
+//! 2. Photon path `i` has the random-number [`Key`](sampling::Key)
+//!    `pass_key.photon_path_key(i)`. Every random decision is a function of a key and the name of
+//!    the decision.
 //! 3. [`PhotonSource::emit_photon_path`](photon::PhotonSource::emit_photon_path) samples a light
 //!    and a ray that leaves it. The sampling pdf follows the power of the lights, the solid angle
 //!    of casters, or the emission that a pilot found useful. The ray carries flux / (pdf · number
@@ -85,8 +86,8 @@
 //!    path. Smooth glass splits the path while both branches carry enough light.
 //! 4. At a surface that stores photons, `NextEventEstimator::estimate` adds direct light, and
 //!    `PhotonMaps::radiance` adds the estimates from the photon maps
-//!    ([`PhotonMap::estimate`](photon::PhotonMap::estimate)). In [`Algorithm::Hybrid`], one path
-//!    per pixel reads the maps, at its first such surface.
+//!    ([`PhotonMap::estimate_radiance`](photon::PhotonMap::estimate_radiance)). In
+//!    [`Algorithm::Hybrid`], one path per pixel reads the maps, at its first such surface.
 //! 5. `continue_path` samples the next direction and applies Russian roulette.
 //!
 //! In all photon algorithms except `pm`, gather radii shrink from pass to pass. So the mean of the
@@ -215,9 +216,9 @@ pub use integrate::Settings;
 /// use std::sync::atomic::AtomicBool;
 ///
 /// let mut builder = SceneBuilder::new();
-/// let lamp = builder.material(Material::diffuse(Vec3::ZERO));
+/// let lamp = builder.add_material(Material::diffuse(Vec3::ZERO));
 /// let ball = caustica::shape::Sphere::new(DVec3::new(0.0, 0.0, -3.0), 1.0);
-/// builder.shape(Shape::Sphere(ball), lamp, Vec3::ONE);
+/// builder.add_shape(Shape::Sphere(ball), lamp, Vec3::ONE);
 /// let scene = builder.build(Camera::perspective(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7, 16, 12)?)?;
 ///
 /// let interrupted = AtomicBool::new(false);

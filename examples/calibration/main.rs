@@ -15,7 +15,7 @@
 mod forecasts;
 
 use caustica::format::SceneFile;
-use caustica::image::RelativeScale;
+use caustica::image::RelativeErrorWeights;
 use caustica::integrate::{Algorithm, FinalGathering, Settings, SilentMonitor};
 use caustica::plan::{Effect, EffectOverrides, Plan};
 use caustica::render::error_estimate::{Confidence, ErrorEstimator};
@@ -159,7 +159,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let scene = scene(name)?;
         let [a, b] = [1u64, 2].map(|i| reference(&scene, i << 40, arguments.truth));
         let truth: Vec<Vec3> = a.iter().zip(&b).map(|(a, b)| (*a + *b) * 0.5).collect();
-        let scale = RelativeScale::from_pixels(SIZE, &truth);
+        let scale = RelativeErrorWeights::from_pixels(SIZE, &truth);
         let apart = 0.5 * scale.mean(|i| (a[i] - b[i]).as_dvec3() * (a[i] - b[i]).as_dvec3()).sqrt();
         eprintln!("{name}: references known to {:.2} % but for their bias", 100.0 * apart);
         for algorithm in methods.iter().copied() {

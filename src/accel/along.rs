@@ -1,4 +1,4 @@
-//! A tree that finds all boxes along a ray.
+//! Tree that finds all boxes that a ray crosses.
 
 use super::build::ARITY;
 use super::bvh8::{Boxes8, SlabTestRay};
@@ -6,37 +6,37 @@ use super::ray_precalc::RayPrecalc;
 use crate::math::{Bounds, Ray, morton_order};
 use rayon::prelude::*;
 
-/// Tree of boxes that finds every box along a ray.
+/// Tree of boxes that finds every box that a ray crosses.
 ///
 /// Rounding never loses a box. A box may be reported although the ray misses it by up to 10⁻⁶ of
 /// its distance. Coordinates must be below 10¹⁸ in magnitude.
 ///
-/// Boxes are sorted along a Morton curve and grouped by eight; so are the nodes above. This builds
-/// in a fraction of the time of the surface area heuristic. A better tree gains little, since
-/// queries return most of the boxes that they visit.
+/// Boxes are sorted along a Morton curve, and each node holds eight consecutive boxes or nodes.
+/// This builds in a fraction of the time of the surface area heuristic. A better tree gains little,
+/// since queries return most of the boxes that they visit.
 pub struct BoxTree {
     /// Box indices in Morton order.
     order: Vec<u32>,
-    /// Nodes by level, from the boxes up to the root.
+    /// Nodes of each level; level 0 holds the boxes, and the last level holds the root.
     ///
     /// Child i of node n is node 8n + i of the level below.
     levels: Vec<Vec<Boxes8>>,
 }
 
-/// Largest number of levels: a node's level and number share 32 bits.
+/// Largest number of levels of a [`BoxTree`], enough for 8¹⁰ = 2³⁰ boxes.
 const MOST_LEVELS: usize = 10;
 const NUMBER_BITS: u32 = 28;
 /// Entries of the traversal stack: each level leaves up to seven nodes on it.
 const STACK: usize = (ARITY - 1) * MOST_LEVELS + 1;
 
-/// Padding of all boxes, relative to the largest coordinate.
+/// Padding of all boxes of a [`BoxTree`], relative to the largest coordinate.
 ///
 /// A ray along an axis has infinite reciprocals, which are clamped to the largest f32. The padding
 /// lets such a ray cross a flat box at distances up to 10¹⁹ times the largest coordinate.
 const PADDING: f32 = 1.0 / (1u64 << 63) as f32;
 
 impl BoxTree {
-    /// Builds a tree over at most 2³⁰ boxes; it never finds an empty box.
+    /// Builds a tree over at most 2³⁰ boxes, and leaves out empty boxes.
     ///
     /// The tree does not depend on the number of threads.
     #[must_use]
@@ -94,7 +94,7 @@ fn boxes_from_bounds(run: &[Bounds]) -> Boxes8 {
     boxes
 }
 
-/// The box expanded on every side by `margin`, and at least to the next f32.
+/// The box expanded by `margin` on every side, and then to the next f32.
 fn padded_box(b: &Bounds, margin: f32) -> Bounds {
     let wider = b.expanded(margin);
     let down = wider.min.to_array().map(f32::next_down);

@@ -5,7 +5,7 @@
 use super::packet::LANES;
 use glam::Vec3A;
 
-/// Children of a wide node.
+/// Number of child slots of a wide node; the final tree consists of wide nodes.
 pub(super) const ARITY: usize = 8;
 
 /// Bit of a primitive's key: set for primitives other than triangles.
@@ -13,15 +13,15 @@ pub(super) const ARITY: usize = 8;
 /// The other bits are the index of the triangle or of the other primitive.
 pub(super) const OTHER: u32 = 1 << 31;
 
-/// Nodes of this depth or deeper are split at the median instead of by the surface area heuristic.
+/// Depth from which nodes are split at the median instead of by the surface area heuristic.
 ///
-/// This bounds the depth of the tree by [`MAX_DEPTH`].
+/// Median splits bound the depth of the tree by [`MAX_DEPTH`].
 const HEURISTIC_DEPTH: u32 = 40;
 /// Largest depth of the binary tree: median splits of 2³¹ primitives take 31 more levels.
 pub(super) const MAX_DEPTH: u32 = HEURISTIC_DEPTH + 31;
 
 const BINS: usize = 32;
-/// Number of primitives up to which a subtree is built on one thread.
+/// Number of primitives above which the two subtrees of a node are built in parallel.
 const PARALLEL: usize = 4096;
 
 /// Cost of intersecting a packet of triangles, relative to the cost of visiting a node.
@@ -78,10 +78,11 @@ pub(super) struct BinaryNode {
     pub size: u32,
     /// Number of primitives in the left subtree.
     pub left: u32,
-    /// Division of a wide node's child slots between the two subtrees, at least cost.
+    /// Number of child slots for the left subtree: `share[n]`, if this node gets n child slots of a
+    /// wide node.
     ///
-    /// If this node gets n slots, from 2 to [`ARITY`], its left subtree gets `share[n]` of them.
-    /// 0 means that n − 1 slots cost as little.
+    /// n is from 2 to [`ARITY`]. The right subtree gets the other slots. This division has the
+    /// least traversal cost. A value of 0 means that n − 1 slots cost as little.
     pub share: [u8; ARITY + 1],
     /// True if all primitives of this node become one leaf.
     pub leaf: bool,
@@ -105,7 +106,7 @@ impl PrimitiveCounts {
         self.others += other.others;
     }
 
-    fn of_key(key: u32) -> Self {
+    fn from_primitive_key(key: u32) -> Self {
         let others = u32::from(key & OTHER != 0);
         Self { triangles: 1 - others, others }
     }
@@ -141,7 +142,7 @@ fn build_node(primitives: &mut [BvhPrimitive], tree: &mut [BinaryNode], depth: u
     let Some((root, rest)) = tree.split_first_mut().filter(|_| size > 1) else {
         let BvhPrimitive { bounds, key } = primitives[0];
         tree[0] = BinaryNode { bounds, size: 1, ..BinaryNode::VACANT };
-        let count = PrimitiveCounts::of_key(key);
+        let count = PrimitiveCounts::from_primitive_key(key);
         return SubtreeSummary { bounds, count, cost: [bounds.half_area() * count.intersection_cost(); ARITY + 1] };
     };
     let left = split_primitives(primitives, depth);
@@ -156,9 +157,9 @@ fn build_node(primitives: &mut [BvhPrimitive], tree: &mut [BinaryNode], depth: u
     finish_inner_node(root, &a, &b)
 }
 
-/// Sets box, leaf flag and slot shares of `root`, the parent of subtrees `a` and `b`.
+/// Sets box, leaf flag and `share` of `root`, the parent of the subtrees `a` and `b`.
 ///
-/// Returns the summary of the subtree below `root`. The shares minimize the traversal cost of the
+/// Returns the summary of the subtree below `root`. `share` minimizes the traversal cost of the
 /// tree with eight children per node (after Ylitie, Karras and Laine 2017, section 3.1).
 fn finish_inner_node(root: &mut BinaryNode, a: &SubtreeSummary, b: &SubtreeSummary) -> SubtreeSummary {
     let bounds = a.bounds.union(b.bounds);
@@ -245,7 +246,7 @@ fn best_split_plane(primitives: &[BvhPrimitive], centers: SimdBox) -> Option<(us
     let binning = CentroidBinning::new(centers, primitives.len());
     let mut bins = [[(SimdBox::EMPTY, PrimitiveCounts::default()); BINS]; 3];
     for f in primitives {
-        let (at, count) = (binning.bin_indices(f), PrimitiveCounts::of_key(f.key));
+        let (at, count) = (binning.bin_indices(f), PrimitiveCounts::from_primitive_key(f.key));
         for axis in 0..3 {
             let bin = &mut bins[axis][at[axis].min(BINS - 1)];
             bin.0 = bin.0.union(f.bounds);
@@ -301,10 +302,11 @@ mod tests {
         }
     }
 
-    /// Boxes that double in size and distance make the heuristic split off the largest few
-    /// repeatedly.
+    /// The depth of a tree over boxes that double in size and distance is bounded.
+    ///
+    /// The surface area heuristic splits off only a few of these boxes at a time.
     #[test]
-    fn depth_is_bounded_where_the_heuristic_would_go_deeper() {
+    fn bvh_depth_is_bounded() {
         let series = (0..126u32).map(|i| (f32::from_bits((i + 64) << 23), i));
         let primitive = |(x, key): (f32, u32)| {
             let bounds = SimdBox { min: Vec3A::splat(x * 0.9), max: Vec3A::splat(x) };

@@ -1,4 +1,4 @@
-//! A tree of nodes with eight boxes each, and its traversal.
+//! Bounding volume hierarchy with eight boxes per node, and its traversal.
 
 use super::build::{ARITY, BinaryNode, BvhPrimitive, MAX_DEPTH, OTHER, SimdBox, build_tree};
 use super::packet::{LANES, TrianglePacket};
@@ -18,8 +18,9 @@ pub(super) const USUAL_STACK: usize = 96;
 pub(super) const SMALL_STACK: usize = 32;
 const _: () = assert!((ARITY - 1) * (MAX_DEPTH as usize + 1) + ARITY <= DEEPEST_STACK);
 
-/// Evaluates an expression with the smallest stack size that suffices for `$bvh`, as the constant
-/// `$stack`.
+/// Evaluates an expression in which the constant `$stack` is a stack size for the tree `$bvh`.
+///
+/// It is the smallest available size that suffices for a traversal.
 macro_rules! with_stack_size {
     ($bvh:expr, <$stack:ident> $body:expr) => {
         if $bvh.stack <= $crate::accel::bvh8::SMALL_STACK {
@@ -43,7 +44,7 @@ pub(super) use with_stack_size;
 /// `PADDING` covers the error relative to the size, and [`STRETCH`] the errors relative to the
 /// distance.
 const PADDING: f32 = rounding_error_bound(16);
-/// Factor of the ray parameter at which a ray leaves a box; covers rounding errors.
+/// Factor on the ray parameter at which a ray leaves a box; it covers the rounding errors.
 const STRETCH: f32 = 1.0 + 2.0 * rounding_error_bound(16);
 
 /// Eight axis-aligned boxes: for each axis, eight lower planes and eight upper planes.
@@ -89,10 +90,10 @@ impl Bvh8 {
         bvh
     }
 
-    /// Appends a node of eight children for the binary node `at`, and all nodes below it.
+    /// Appends a wide node (eight children) for the binary node `at`, and all nodes below it.
     ///
-    /// `start` is the index of the first primitive of the binary node. Returns the number of stack
-    /// entries that a traversal of the new node and those below it can need.
+    /// `start` is the index of the first primitive of the binary node. Returns the largest number
+    /// of stack entries that a traversal of the appended nodes needs.
     fn append_wide_node(&mut self, source: &WideNodeInput, at: usize, start: usize) -> usize {
         let mut chosen = [(0, 0); ARITY];
         let mut count = 0;
@@ -131,11 +132,12 @@ impl Bvh8 {
         &self.packets[(leaf ^ PACKET) as usize]
     }
 
-    /// Calls `leaf` for every leaf whose box the ray enters at a parameter below the limit.
+    /// Calls `leaf` for every leaf whose box the ray enters at a parameter t below a limit.
     ///
-    /// The limit is `t_max` at first, and `leaf` returns the new limit. A negative limit ends the
-    /// traversal. If `SORTED` is true, children are visited from near to far. `STACK` is the stack
-    /// size, chosen by [`with_stack_size`].
+    /// `leaf` receives the child reference of the leaf and the limit, and returns the new limit.
+    /// The limit is `t_max` at first; a negative limit ends the traversal. If `SORTED` is true,
+    /// children are visited from near to far. `STACK` is the stack size, chosen by
+    /// [`with_stack_size`].
     #[inline]
     pub fn traverse<const SORTED: bool, const STACK: usize>(
         &self,
@@ -211,10 +213,11 @@ impl Bvh8 {
     }
 }
 
-/// A ray prepared for the slab test against eight boxes at a time (SIMD).
+/// Origin and reciprocal direction of a ray, prepared for slab tests of eight boxes at a time
+/// (SIMD).
 ///
-/// Holds origin and reciprocal direction along each axis. `near` is the plane that the ray crosses
-/// first along each axis: 0 for the lower one, 1 for the upper one.
+/// For each axis, `near` is the plane that the ray crosses first: 0 for the lower one, 1 for the
+/// upper one.
 pub(super) struct SlabTestRay {
     origin: [f32x8; 3],
     reciprocal: [f32x8; 3],
@@ -243,8 +246,9 @@ impl Boxes8 {
         }
     }
 
-    /// Bit mask of the boxes that the ray enters at a parameter below `limit`, and the parameters
-    /// of entry (Ize 2013).
+    /// Bit mask of the boxes that the ray enters below the ray parameter `limit` (Ize 2013).
+    ///
+    /// Also returns the ray parameter at which the ray enters each box.
     #[inline]
     pub fn intersect_boxes(&self, slabs: &SlabTestRay, limit: f32) -> (u32, f32x8) {
         let at = |axis: usize, side: usize| (self.0[axis][side & 1] - slabs.origin[axis]) * slabs.reciprocal[axis];
@@ -255,7 +259,7 @@ impl Boxes8 {
     }
 }
 
-/// Input for building nodes of eight children: the binary tree and its primitives.
+/// Binary tree and its primitives, from which the nodes of eight children are built.
 struct WideNodeInput<'a> {
     triangles: &'a [[Vec3; 3]],
     primitives: &'a [BvhPrimitive],
@@ -263,10 +267,11 @@ struct WideNodeInput<'a> {
 }
 
 impl WideNodeInput<'_> {
-    /// Selects up to `slots` binary nodes that become the children of one wide node.
+    /// Selects up to `slots` binary nodes that become the children of one wide node (eight
+    /// children).
     ///
-    /// The nodes are descendants of node `at`, whose first primitive has index `start`. `take`
-    /// receives each node's index and the index of its first primitive.
+    /// The selected nodes are descendants of node `at`, whose first primitive has index `start`.
+    /// `take` receives the index of each selected node and the index of its first primitive.
     fn select_wide_node_children(
         &self,
         at: usize,
@@ -287,15 +292,15 @@ impl WideNodeInput<'_> {
     }
 }
 
-/// True if the triangle has an area above zero.
-///
-/// Differences of f32 and their products are exact in f64, or far from cancelling.
+/// True if the triangle has an area above zero, computed in f64.
 fn has_area(corners: &[Vec3; 3]) -> bool {
+    // Differences of f32 and their products are exact in f64, or far from cancelling.
     let [a, b, c] = corners.map(|v| v.as_dvec3());
     (b - a).cross(c - a) != DVec3::ZERO
 }
 
-/// The build primitive of a box with its key; the box is padded by [`PADDING`] of its longest edge.
+/// Converts a box with its key to a build primitive; pads the box by [`PADDING`] of its longest
+/// edge.
 fn padded_primitive((bounds, key): (Bounds, u32)) -> BvhPrimitive {
     let margin = Vec3::splat(bounds.extent().max_element() * PADDING);
     let (min, max) = (bounds.min - margin, bounds.max + margin);

@@ -50,10 +50,10 @@ pub struct PrimitiveHit {
     pub v: f32,
 }
 
-/// Bounding volume hierarchy over triangles and over other primitives.
+/// Bounding volume hierarchy over triangles and other primitives.
 ///
-/// It knows a triangle by its corners and intersects it. It knows another primitive only by its
-/// box, and calls a closure of the caller to intersect it.
+/// It intersects triangles itself. For each other primitive it stores a box, and the caller
+/// intersects the primitive in a closure.
 ///
 /// The triangle test is watertight: a ray through a closed mesh hits it, at edges and corners too.
 /// This holds at any scale and distance (Woop, Benthin and Wald 2013, with boxes padded to match).
@@ -88,9 +88,9 @@ impl Hierarchy {
     ///
     /// Among hits of equal `t`, triangles win against other primitives, then the lowest index wins.
     ///
-    /// `other(i, ray)` intersects `ray` with the primitive of box index `i`, which is no triangle.
-    /// It returns t and two numbers, which become `u` and `v` of the [`PrimitiveHit`]. The `t_max`
-    /// of the ray that it gets is the distance of the nearest hit so far.
+    /// `other(i, ray)` intersects `ray` with the primitive in box `i`. It returns t and two
+    /// numbers, which become `u` and `v` of the [`PrimitiveHit`]. The `t_max` of the given `ray` is
+    /// the ray parameter of the nearest hit so far.
     #[inline]
     pub fn closest_hit<F>(&self, ray: &Ray, mut other: F) -> Option<PrimitiveHit>
     where
@@ -123,8 +123,8 @@ impl Hierarchy {
 
     /// Calls `visit` with every hit with `0 < t < t_max`, in an order that depends on the tree.
     ///
-    /// The closure `other` intersects the given ray with the primitive of the given box index. It
-    /// returns t and two numbers, which become `u` and `v` of the [`PrimitiveHit`].
+    /// `other(i, ray)` intersects `ray` with the primitive in box `i`. It returns t and two
+    /// numbers, which become `u` and `v` of the [`PrimitiveHit`].
     pub fn for_each_hit<F>(&self, ray: &Ray, mut other: F, mut visit: impl FnMut(PrimitiveHit))
     where
         F: FnMut(u32, &Ray) -> Option<(f32, f32, f32)>,
@@ -154,9 +154,9 @@ impl Hierarchy {
         with_stack_size!(self.bvh, <STACK> self.bvh.traverse::<false, STACK>(&precalc, test_leaf));
     }
 
-    /// True if there is a hit with `0 < t < t_max`.
+    /// True if the ray has a hit with `0 < t < t_max`.
     ///
-    /// The closure `other` returns true if the given ray hits the primitive of the given box index.
+    /// `other(i, ray)` returns true if `ray` hits the primitive in box `i`.
     #[inline]
     pub fn occluded<F>(&self, ray: &Ray, mut other: F) -> bool
     where

@@ -19,18 +19,19 @@ pub(super) struct TrianglePacket {
     indices: [u32; LANES],
 }
 
-/// Hit of a primitive in a leaf: a triangle or another primitive.
+/// Hit of a triangle or another primitive in a leaf.
 ///
-/// For other primitives, `weights` are two numbers of the caller, and `total` is 1.
+/// For another primitive, `weights` are two numbers that the caller's closure returned, and `total`
+/// is 1.
 #[derive(Clone, Copy)]
 pub(super) struct LeafHit {
-    /// Ray parameter of any sign, for the scaled direction of [`RayPrecalc`].
+    /// Ray parameter t of any sign, which refers to the scaled direction of [`RayPrecalc`].
     pub t: f32,
     /// Barycentric weights of the second and third corner, times `total`.
     ///
     /// The division by `total` is postponed, since few hits are used.
     pub weights: [f64; 2],
-    /// Sum of the three weights before normalisation.
+    /// Sum of the weights of all three corners before normalisation.
     pub total: f64,
 }
 
@@ -72,9 +73,9 @@ impl TrianglePacket {
 
     /// Bit mask of the lanes whose triangle the line of the ray may hit, by a test in f32.
     ///
-    /// A triangle may be hit if no two of its edge functions have opposite signs. The mask contains
-    /// all hits. It also contains near misses whose edge functions round to zero. Rounding is
-    /// monotone, so without fused operations a sign may be lost but is never wrong.
+    /// The mask contains all hits, and near misses whose edge functions round to zero. A lane is
+    /// left out if two edge functions have opposite signs. Without fused operations, rounding may
+    /// lose the sign of an edge function, but never reverses it.
     #[inline]
     pub fn candidate_lanes(&self, precalc: &RayPrecalc) -> u32 {
         let [ax, ay, az] = precalc.axes;
@@ -98,8 +99,8 @@ impl TrianglePacket {
     ///
     /// The corners are sheared in f32 so that the ray becomes the z axis, exactly as in
     /// [`candidate_lanes`](Self::candidate_lanes). Products of these coordinates are exact in f64,
-    /// so each edge function has the right sign. Triangles that share an edge therefore agree on
-    /// which of them is hit.
+    /// so each edge function has the right sign. Therefore a ray through a common edge cannot miss
+    /// both triangles.
     #[inline]
     pub fn intersect_lane(&self, lane: usize, precalc: &RayPrecalc) -> Option<LeafHit> {
         let [ax, ay, az] = precalc.axes;

@@ -11,7 +11,7 @@ use glam::{Vec3, Vec3A};
 /// direction.
 pub(super) struct RayPrecalc {
     pub origin: [f32; 3],
-    /// Reciprocal of each component of the scaled direction, clamped to the range of f32.
+    /// Reciprocal of each component of the scaled direction, clamped to the range of finite f32.
     pub reciprocal: [f32; 3],
     /// For each axis, the box plane that the ray crosses first: 0 for the lower one, 1 for the
     /// upper one. It is 1 if the direction's component is negative or a negative zero.
@@ -40,7 +40,7 @@ impl RayPrecalc {
         ray.direction != Vec3::ZERO && ray.direction.is_finite() && ray.origin.is_finite()
     }
 
-    /// Constants of a ray for which [`Self::can_hit_anything`] is true.
+    /// Computes the constants of `ray`, for which [`Self::can_hit_anything`] must be true.
     #[inline]
     pub fn new(ray: &Ray) -> Self {
         let size = ray.direction.abs();

@@ -1,19 +1,19 @@
-//! Corrections of light paths at shading normals (Veach 1997, section 5.3).
+//! Corrections of photon paths at shading normals (Veach 1997, section 5.3).
 //!
 //! `ns` is the shading normal and `ng` the geometric normal. Camera paths weight light from
-//! direction `wi` by |wi · ns| instead of |wi · ng|. Light paths carry flux through the true
+//! direction `wi` by |wi · ns| instead of |wi · ng|. Photon paths carry flux through the true
 //! surface, so their throughput needs a correction.
 
 use super::BsdfSample;
 use glam::Vec3;
 
 impl BsdfSample {
-    /// Returns the factor by which a light path multiplies its throughput, besides
+    /// Returns the factor by which a photon path multiplies its throughput in addition to
     /// [`weight`](Self::weight).
     ///
     /// The factor is [`shading_normal_correction`], or 1 if
-    /// [`uses_geometric_normal`](Self::uses_geometric_normal). The unit vector `wo` points to the
-    /// previous vertex of the path.
+    /// [`uses_geometric_normal`](Self::uses_geometric_normal) is set. The unit vector `wo` points
+    /// to the previous vertex of the path.
     #[inline]
     #[must_use]
     pub fn adjoint_correction(&self, wo: Vec3, ns: Vec3, ng: Vec3) -> f32 {
@@ -21,10 +21,10 @@ impl BsdfSample {
     }
 }
 
-/// Returns the factor that corrects the throughput of a light path for the shading normal: |wo ·
+/// Returns the factor that corrects the throughput of a photon path for the shading normal: |wo ·
 /// ns| |wi · ng| / (|wo · ng| |wi · ns|).
 ///
-/// The unit vector `wo` points to the previous vertex of the light path, and `wi` to the next one.
+/// The unit vector `wo` points to the previous vertex of the photon path, and `wi` to the next one.
 /// `ns` is the shading normal, `ng` the geometric normal.
 #[inline]
 #[must_use]

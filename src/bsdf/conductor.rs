@@ -2,22 +2,23 @@
 
 use super::fresnel::conductor_reflectance;
 use super::microfacet::Ggx;
-use super::{BsdfSample, SMOOTH_ALPHA, dielectric};
+use super::{BsdfSample, NonSpecularSample, SMOOTH_ALPHA, dielectric};
 use crate::color::Rgb;
 use glam::{Vec2, Vec3};
 
 /// A smooth metal, or a rough metal with GGX microfacets. It reflects on both sides.
 ///
-/// Light that scatters at several microfacets is lost. The losses below are for a Fresnel
-/// reflectance of 1 and roughness α of 0.1, 0.2, 0.5 and 1. At normal incidence, 1.2, 5, 31 and 69
-/// % are lost. At an incidence angle of 85°, 11, 10, 13 and 22 % are lost.
+/// Multiple scattering between microfacets is not simulated, so this light is lost. The losses
+/// below are for a Fresnel reflectance of 1 and roughness α of 0.1, 0.2, 0.5 and 1. At normal
+/// incidence, 1.2, 5, 31 and 69 % are lost. At an incidence angle of 85°, 11, 10, 13 and 22 % are
+/// lost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conductor {
-    /// Real part of the relative refractive index.
+    /// Real part of the refractive index relative to the surroundings, by color channel.
     eta: Rgb,
-    /// Imaginary part of the relative refractive index.
+    /// Imaginary part of the refractive index relative to the surroundings, by color channel.
     k: Rgb,
-    /// Roughness α; 0 if the surface is smooth.
+    /// GGX roughness α; 0 if the surface is smooth.
     alpha: f32,
 }
 
@@ -37,7 +38,7 @@ impl Conductor {
         Self { eta, k, alpha }
     }
 
-    /// Roughness α; 0 if the surface is smooth.
+    /// GGX roughness α; 0 if the surface is smooth.
     #[inline]
     #[must_use]
     pub fn alpha(&self) -> f32 {
@@ -51,14 +52,15 @@ impl Conductor {
         self.alpha == 0.0
     }
 
-    /// Returns the Fresnel reflectance at a microfacet; `cos` is the cosine of the angle of
-    /// incidence.
+    /// Returns the Fresnel reflectance of a microfacet; `cos` is the cosine of the angle of
+    /// incidence on it.
     #[inline]
     fn reflectance(&self, cos: f64) -> Rgb {
         conductor_reflectance(cos as f32, self.eta, self.k)
     }
 
-    /// BRDF f(wo, wi) \[1/sr], for `wo` and `wi` on one side of `n`.
+    /// BRDF f(wo, wi) \[1/sr]; 0 for a smooth metal. `wo` and `wi` must be on one side of the
+    /// shading normal `n`.
     #[inline]
     pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3) -> Rgb {
         if self.is_smooth() {
@@ -70,7 +72,9 @@ impl Conductor {
         self.reflectance(facet.cos) * (0.25 * facet.density * g2) as f32
     }
 
-    /// Solid-angle pdf of `wi` \[1/sr], for `wo` and `wi` on one side of `n`.
+    /// Solid-angle pdf \[1/sr] with which [`Conductor::sample`] samples `wi`; 0 for a smooth metal.
+    ///
+    /// `wo` and `wi` must be on one side of the shading normal `n`.
     #[inline]
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3, n: Vec3) -> f32 {
         if self.is_smooth() {
@@ -80,8 +84,7 @@ impl Conductor {
         ggx.scattered_direction_pdf(&ggx.reflecting_facet(o, wi.as_dvec3(), n), o.dot(n).abs()) as f32
     }
 
-    /// Samples the direction of reflection. A rough metal reflects `wo` at a microfacet that `u` in
-    /// \[0, 1)² selects among those visible from `wo`.
+    /// Samples the direction of reflection of a smooth or rough metal by `u` in \[0, 1)².
     ///
     /// `n` is the shading normal on the side of `wo`, and `ng` the geometric normal. Returns `None`
     /// if the reflected direction points into the surface.
@@ -93,6 +96,15 @@ impl Conductor {
             let weight = conductor_reflectance(cos, self.eta, self.k);
             return Some(BsdfSample::specular_sample(wi, weight, false, uses_geometric_normal));
         }
+        self.sample_rough(wo, n, u).map(BsdfSample::from)
+    }
+
+    /// Samples the direction of reflection of a rough metal; `None` if it points into the surface.
+    ///
+    /// Reflection is at a microfacet that `u` in \[0, 1)² selects among those visible from `wo`.
+    /// `n` is the shading normal on the side of `wo`.
+    #[inline]
+    pub(super) fn sample_rough(&self, wo: Vec3, n: Vec3, u: Vec2) -> Option<NonSpecularSample> {
         let (ggx, o) = (Ggx::new(self.alpha), wo.as_dvec3());
         let m = ggx.sample_visible_normal(o, n, u);
         let wi = (m * (2.0 * o.dot(m)) - o).normalize().as_vec3();
@@ -103,8 +115,9 @@ impl Conductor {
         }
         let facet = ggx.reflecting_facet(o, i, n);
         let pdf = ggx.scattered_direction_pdf(&facet, cos_o) as f32;
-        let unshadowed_fraction = ggx.unshadowed_fraction(ggx.reflection_masking_shadowing(cos_o, cos_i), cos_o, cos_i);
-        let weight = self.reflectance(facet.cos) * unshadowed_fraction as f32;
-        (pdf > 0.0).then(|| BsdfSample::non_specular_sample(wi, weight, pdf, false))
+        let unshadowed_microfacet_fraction =
+            ggx.unshadowed_microfacet_fraction(ggx.reflection_masking_shadowing(cos_o, cos_i), cos_o, cos_i);
+        let weight = self.reflectance(facet.cos) * unshadowed_microfacet_fraction as f32;
+        (pdf > 0.0).then_some(NonSpecularSample { wi, weight, pdf, is_transmitted: false })
     }
 }

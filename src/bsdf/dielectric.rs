@@ -1,4 +1,4 @@
-//! Smooth dielectric interfaces.
+//! Smooth interfaces between two transparent media.
 
 use super::{BsdfSample, TransportMode, refract};
 use crate::color::Rgb;
@@ -18,20 +18,23 @@ pub struct DielectricSplit {
     pub reflected: (Vec3, f32),
     /// Unit direction of refraction, and the Fresnel transmittance; 0 under total reflection.
     pub transmitted: (Vec3, f32),
-    /// Number by which the path divides transmitted light: (n_far/n_near)² for radiance, 1 for
-    /// flux.
+    /// Number by which a path divides the radiance or flux that it transmits: (n_far/n_near)² for
+    /// radiance, 1 for flux.
     ///
     /// The refractive index is n_near on the side of `wo`, and n_far on the other side.
-    pub radiance_divisor: f32,
-    /// Two flags: true if the geometric normal determined the reflected, or the refracted,
-    /// direction.
+    pub transmitted_radiance_divisor: f32,
+    /// Two flags, for the reflected and for the refracted direction: true if the direction was
+    /// computed with the geometric normal instead of the shading normal.
     ///
     /// See [`BsdfSample::uses_geometric_normal`].
     pub uses_geometric_normal: [bool; 2],
 }
 
 impl Dielectric {
-    /// Reflects and refracts unit direction `wo`, which points away from the interface.
+    /// Returns the reflected and the refracted direction for unit direction `wo`, which points away
+    /// from the interface.
+    ///
+    /// `ns` is the shading normal, `ng` the geometric normal. Both are on the outer side.
     #[inline]
     #[must_use]
     pub fn reflect_and_refract(&self, wo: Vec3, ns: Vec3, ng: Vec3, transport: TransportMode) -> DielectricSplit {
@@ -44,7 +47,7 @@ impl Dielectric {
             bent = refract(wo, near_ng, eta);
             uses_geometric_normal = true;
         }
-        let radiance_divisor = match transport {
+        let transmitted_radiance_divisor = match transport {
             TransportMode::Radiance => eta * eta,
             TransportMode::Importance => 1.0,
         };
@@ -52,14 +55,13 @@ impl Dielectric {
         DielectricSplit {
             reflected: (mirrored, bent.reflectance),
             transmitted: (bent.transmitted, bent.transmittance),
-            radiance_divisor,
+            transmitted_radiance_divisor,
             uses_geometric_normal: [mirror_uses_geometric_normal, uses_geometric_normal],
         }
     }
 
-    /// Samples reflection or refraction. The probability of reflection is the Fresnel reflectance.
-    ///
-    /// `lobe` is a random number in \[0, 1).
+    /// Samples reflection or refraction with the random number `lobe` in \[0, 1). The probability
+    /// of reflection is the Fresnel reflectance.
     #[inline]
     pub(super) fn sample(&self, wo: Vec3, ns: Vec3, ng: Vec3, lobe: f32, transport: TransportMode) -> BsdfSample {
         let split = self.reflect_and_refract(wo, ns, ng, transport);
@@ -69,16 +71,16 @@ impl Dielectric {
             // 1 − reflectance rounds a small transmittance; the weight corrects it.
             let through = 1.0 - split.reflected.1;
             let exact = if through < 0.5 { split.transmitted.1 / through } else { 1.0 };
-            let weight = Rgb::splat(exact / split.radiance_divisor);
+            let weight = Rgb::splat(exact / split.transmitted_radiance_divisor);
             BsdfSample::specular_sample(split.transmitted.0, weight, true, split.uses_geometric_normal[1])
         }
     }
 }
 
-/// Reflects `wo` about the shading normal `ns`; about the geometric normal `ng` if the result would
-/// lie below the surface.
+/// Reflects `wo` about the shading normal `ns`, or about the geometric normal `ng` if the result
+/// would lie below the surface.
 ///
-/// Returns the unit direction, and true if `ng` was used.
+/// Returns the reflected unit direction, and true if `ng` was used.
 #[inline]
 pub(super) fn reflect_above_surface(wo: Vec3, ns: Vec3, ng: Vec3) -> (Vec3, bool) {
     let mirrored = |n: Vec3| n * (2.0 * wo.dot(n)) - wo;

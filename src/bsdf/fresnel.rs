@@ -18,10 +18,11 @@ pub fn dielectric_reflectance(cos_i: f32, eta: f32) -> (f32, f32) {
     (reflectance as f32, cos_t as f32)
 }
 
-/// Fresnel reflectance of a dielectric and cosine of refraction, computed in f64, for `cos_i` in
-/// \[0, 1].
+/// Fresnel reflectance of a dielectric, and the cosine between the refracted ray and the normal, in
+/// f64.
 ///
-/// Arguments and result are those of [`dielectric_reflectance`].
+/// `cos_i` in \[0, 1] is the cosine of incidence. `eta` is the refractive index of the far side
+/// over that of the near side. Total internal reflection returns `(1, 0)`.
 #[inline]
 pub(super) fn fresnel_reflectance(cos_i: f64, eta: f64) -> (f64, f64) {
     // Both products are exact if the factors were f32 numbers. So the sum has the right sign even
@@ -34,7 +35,8 @@ pub(super) fn fresnel_reflectance(cos_i: f64, eta: f64) -> (f64, f64) {
     (fresnel_reflectance_from_cosines(cos_i, cos_t, eta), cos_t)
 }
 
-/// Fresnel reflectance, from the cosines of incidence and refraction.
+/// Fresnel reflectance, from the cosines of incidence `cos_i` and of refraction `cos_t`. `eta` is
+/// the refractive index of the far side over that of the near side.
 #[inline]
 fn fresnel_reflectance_from_cosines(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
     let parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
@@ -42,9 +44,10 @@ fn fresnel_reflectance_from_cosines(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
     0.5 * (parallel * parallel + perpendicular * perpendicular)
 }
 
-/// Fresnel transmittance, from the cosines of incidence and refraction.
+/// Fresnel transmittance, from the cosines of incidence `cos_i` and of refraction `cos_t`.
 ///
-/// The result equals 1 − reflectance, but keeps its digits if it is small.
+/// `eta` is the refractive index of the far side over that of the near side. The result is 1 −
+/// reflectance, but stays precise if it is small.
 #[inline]
 pub(super) fn fresnel_transmittance(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
     let (parallel, perpendicular) = (eta * cos_i + cos_t, cos_i + eta * cos_t);
@@ -82,7 +85,8 @@ pub fn conductor_reflectance(cos_i: f32, eta: Rgb, k: Rgb) -> Rgb {
     Rgb::new(channel(eta.x, k.x), channel(eta.y, k.y), channel(eta.z, k.z))
 }
 
-/// The result of [`refract`].
+/// The refracted direction at a smooth interface, with the fractions of reflected and transmitted
+/// light.
 #[derive(Clone, Copy, Debug)]
 pub struct Refraction {
     /// Fresnel reflectance.

@@ -1,7 +1,7 @@
 //! Complex refractive indices of metals, measured in vacuum or air.
 //!
-//! The red, green and blue values are those at 650, 550 and 450 nm, interpolated in the source's
-//! table. Gold and copper are exceptions: their full spectra are converted to linear Rec. 709. All
+//! The red, green and blue values are the indices at 650, 550 and 450 nm, interpolated in the
+//! source's table. For gold and copper, full spectra are converted to linear Rec. 709 instead. All
 //! tables are in the database of refractiveindex.info, which is in the public domain.
 
 use crate::color::Rgb;
@@ -29,7 +29,7 @@ const METAL_TABLE: [Metal; 8] = [
     ("titanium", Rgb::new(2.741, 2.542, 2.267), Rgb::new(3.814, 3.435, 3.038)),
 ];
 
-/// Names of the metals that [`named_metal`] accepts, in alphabetical order.
+/// Names of the metals that [`metal_refractive_index`] accepts, in alphabetical order.
 pub const METALS: [&str; METAL_TABLE.len()] = {
     let mut names = [""; METAL_TABLE.len()];
     let mut i = 0;
@@ -40,11 +40,11 @@ pub const METALS: [&str; METAL_TABLE.len()] = {
     names
 };
 
-/// Refractive index η + ik of a metal; `None` if the name is not in [`METALS`].
+/// Complex refractive index η + ik of the metal `name`; `None` if the name is not in [`METALS`].
 ///
-/// Returns η and k for linear red, green and blue.
+/// Returns η and k, each for linear red, green and blue.
 #[must_use]
-pub fn named_metal(name: &str) -> Option<(Rgb, Rgb)> {
+pub fn metal_refractive_index(name: &str) -> Option<(Rgb, Rgb)> {
     METAL_TABLE.iter().find(|m| m.0 == name).map(|m| (m.1, m.2))
 }
 
@@ -53,11 +53,12 @@ mod tests {
     use super::*;
     use crate::bsdf::conductor_reflectance;
 
-    /// Compares reflectances at normal incidence with values in common use for clean metal. Sources
-    /// differ by up to 0.1 for dull metals and by a few hundredths for bright ones, because polish
-    /// and oxide vary.
+    /// Reflectances at normal incidence agree with values in common use for clean metals.
+    ///
+    /// Sources differ by up to 0.1 for dull metals and by a few hundredths for bright ones, because
+    /// polish and oxide vary.
     #[test]
-    fn metals_look_like_themselves() {
+    fn metal_reflectances_match_common_values() {
         let known = [
             ("aluminium", [0.91, 0.92, 0.92]),
             ("chromium", [0.55, 0.55, 0.55]),
@@ -70,12 +71,12 @@ mod tests {
         ];
         assert_eq!(known.map(|k| k.0), METALS);
         for (name, expected) in known {
-            let (eta, k) = named_metal(name).unwrap();
+            let (eta, k) = metal_refractive_index(name).unwrap();
             let r = conductor_reflectance(1.0, eta, k);
             let error = (r - Rgb::from_array(expected)).abs().max_element();
             let bright = ["aluminium", "copper", "gold", "silver"].contains(&name);
             assert!(error < if bright { 0.04 } else { 0.1 }, "{name}: {r}");
         }
-        assert_eq!(named_metal("unobtainium"), None);
+        assert_eq!(metal_refractive_index("unobtainium"), None);
     }
 }

@@ -1,7 +1,7 @@
 //! Isotropic GGX microfacets (Trowbridge and Reitz 1975; Walter et al. 2007).
 //!
-//! Roughness α is the parameter of the distribution, not its square root. Computations are f64,
-//! because a lobe at α = 10⁻³ is only some 10⁴ rounding errors of f32 directions wide.
+//! Roughness α is the parameter of the distribution, not its square root. Computations are in f64:
+//! at α = 10⁻³, the width of a lobe is only 10⁴ rounding errors of an f32 direction.
 //!
 //! Unit vectors `wo` and `wi` point away from the surface. `n` is the macroscopic normal on the
 //! side of `wo`.
@@ -16,10 +16,11 @@ pub(super) struct Ggx {
     alpha: f64,
 }
 
-/// Density and geometry of the microfacets that scatter light from `wi` to `wo`.
+/// Normal density and geometry of the microfacets that scatter light from `wi` to `wo`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Microfacet {
-    /// D(m): area of the microfacets per surface area and per solid angle of normals \[1/sr].
+    /// Normal distribution function D(m): area of the microfacets per surface area and per solid
+    /// angle of normals \[1/sr].
     pub density: f64,
     /// Cosine between `wo` and the microfacet normal m.
     pub cos: f64,
@@ -43,20 +44,24 @@ impl Ggx {
         if slope > 0.0 { FRAC_1_PI * a2 * length2 * length2 / (slope * slope) } else { 0.0 }
     }
 
-    /// Returns √(cos²θ + α² sin²θ), which is cosθ·(1 + 2Λ(θ)), where Λ is Smith's function.
+    /// Returns √(cos²θ + α² sin²θ), for the cosine `cos` of θ.
+    ///
+    /// The value is cosθ·(1 + 2Λ(θ)), where Λ is Smith's function.
     #[inline]
     fn smith_square_root(self, cos: f64) -> f64 {
         let cos2 = cos * cos;
         (cos2 + self.alpha * self.alpha * (1.0 - cos2).max(0.0)).sqrt()
     }
 
-    /// Returns G₁(θ)/cosθ, where G₁ = 1/(1 + Λ) is Smith's masking function.
+    /// Returns G₁(θ)/cosθ for the cosine `cos` of θ, where G₁ = 1/(1 + Λ) is Smith's masking
+    /// function.
     #[inline]
     fn masking_over_cos(self, cos: f64) -> f64 {
         2.0 / (cos + self.smith_square_root(cos))
     }
 
-    /// G₂/(cosθₒ·cosθᵢ), where G₂ is masking-shadowing for directions on one side.
+    /// Returns G₂/(cosθₒ·cosθᵢ), where G₂ is the masking-shadowing function of two directions on
+    /// one side.
     ///
     /// G₂ = 1/(1 + Λₒ + Λᵢ) is height-correlated (Heitz 2014, section 5.3).
     #[inline]
@@ -64,31 +69,35 @@ impl Ggx {
         2.0 / (cos_i * self.smith_square_root(cos_o) + cos_o * self.smith_square_root(cos_i))
     }
 
-    /// G₂/(cosθₒ·cosθᵢ), where G₂ is masking-shadowing for directions on opposite sides.
+    /// Returns G₂/(cosθₒ·cosθᵢ), where G₂ is the masking-shadowing function of two directions on
+    /// opposite sides.
     ///
-    /// G₂ is the product of both G₁ (Walter et al. 2007). Height correlation would transmit too
-    /// much, because a microfacet that is high for one side is low for the other.
+    /// G₂ is the product of the masking functions G₁ of both directions (Walter et al. 2007).
+    /// Height correlation would transmit too much, because a microfacet that is high for one side
+    /// is low for the other.
     #[inline]
     pub(super) fn transmission_masking_shadowing(self, cos_o: f64, cos_i: f64) -> f64 {
         self.masking_over_cos(cos_o) * self.masking_over_cos(cos_i)
     }
 
-    /// Returns G₂/G₁(wo): the fraction of microfacets visible from `wo` that are not in shadow.
+    /// Returns G₂/G₁(wo): the fraction of the microfacets visible from `wo` that are also visible
+    /// from `wi`.
     ///
-    /// `masking_shadowing` is G₂/(cosθₒ·cosθᵢ).
+    /// `masking_shadowing` is G₂/(cosθₒ·cosθᵢ), where G₂ is the masking-shadowing function.
     #[inline]
-    pub(super) fn unshadowed_fraction(self, masking_shadowing: f64, cos_o: f64, cos_i: f64) -> f64 {
+    pub(super) fn unshadowed_microfacet_fraction(self, masking_shadowing: f64, cos_o: f64, cos_i: f64) -> f64 {
         masking_shadowing * cos_i / self.masking_over_cos(cos_o)
     }
 
-    /// Solid-angle pdf of `wi` \[1/sr] if [`Ggx::sample_visible_normal`] samples the normal of
-    /// `facet`.
+    /// Solid-angle pdf of `wi` \[1/sr], if [`Ggx::sample_visible_normal`] samples the microfacet
+    /// normal. `facet` describes the microfacets that scatter `wi` to `wo`; `cos_o` is the cosine
+    /// of `wo`.
     #[inline]
     pub(super) fn scattered_direction_pdf(self, facet: &Microfacet, cos_o: f64) -> f64 {
         self.masking_over_cos(cos_o) * facet.cos * facet.density * facet.jacobian
     }
 
-    /// Samples a unit microfacet normal by `u` in \[0, 1)². The pdf is proportional to the area of
+    /// Samples a unit microfacet normal by `u` in \[0, 1)², with a pdf proportional to the area of
     /// the microfacets visible from `wo`.
     ///
     /// Source: Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps".
@@ -106,7 +115,8 @@ impl Ggx {
         (s * (self.alpha * x) + t * (self.alpha * y) + n * (cap - drop)).normalize()
     }
 
-    /// Returns the microfacets that reflect `wi` to `wo`; both directions are on the side of `n`.
+    /// Returns the density and geometry of the microfacets that reflect `wi` to `wo`. Both
+    /// directions are on the side of `n`.
     #[inline]
     pub(super) fn reflecting_facet(self, wo: DVec3, wi: DVec3, n: DVec3) -> Microfacet {
         let h = wo + wi;
@@ -115,10 +125,11 @@ impl Ggx {
         Microfacet { density: self.microfacet_normal_density(h, n), cos, jacobian: 0.25 / cos }
     }
 
-    /// The microfacets that refract `wi` to `wo`, and the cosine between −m and `wi`.
+    /// Returns the density and geometry of the microfacets that refract `wi` to `wo`, and the
+    /// cosine between −m and `wi`, where m is their normal.
     ///
-    /// `wi` is on the side opposite to `n`; `eta` is the refractive index there over that on the
-    /// side of `wo`. Returns `None` if no microfacet refracts `wi` to `wo`.
+    /// `wi` is on the side opposite to `n`. `eta` is the refractive index on the side of `wi` over
+    /// that on the side of `wo`. Returns `None` if no microfacet refracts `wi` to `wo`.
     #[inline]
     pub(super) fn refracting_facet(self, wo: DVec3, wi: DVec3, n: DVec3, eta: f64) -> Option<(Microfacet, f64)> {
         let h = wo + wi * eta;

@@ -18,7 +18,7 @@ pub use adjoint::{photon_deposit_factor, shading_normal_correction};
 pub use conductor::Conductor;
 pub use dielectric::{Dielectric, DielectricSplit};
 pub use fresnel::{Refraction, conductor_reflectance, dielectric_reflectance, refract};
-pub use metals::{METALS, named_metal};
+pub use metals::{METALS, metal_refractive_index};
 pub use phong::Phong;
 pub use rough_dielectric::RoughDielectric;
 pub use thin::{ThinDielectric, ThinDielectricSplit};
@@ -28,26 +28,28 @@ use crate::math::{Frame, warp};
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
 
-/// Roughness α below which a surface counts as smooth.
+/// GGX roughness α below which a surface counts as smooth.
 pub const SMOOTH_ALPHA: f32 = 1e-3;
 
-/// Roughness α of a conductor above which photons are stored on it.
+/// GGX roughness α of a conductor above which photons are stored on it.
 pub const PHOTON_STORAGE_ALPHA: f32 = 0.3;
 
-/// Width of a refracted lobe \[radians] below which a rough dielectric counts as smooth.
+/// A rough dielectric counts as smooth if its refracted lobe is narrower than this angle
+/// \[radians].
 ///
-/// The width is about ten rounding errors of a unit vector in f32.
+/// The angle is about ten rounding errors of a unit vector in f32.
 const MIN_LOBE_WIDTH: f32 = 1e-6;
 
-/// Tangent of the angle by which scattering at a diffuse surface widens a ray cone.
+/// Tangent of the angle by which scattering at a diffuse surface widens the ray cone of texture
+/// filtering.
 pub(crate) const DIFFUSE_CONE_SPREAD: f32 = 0.2;
 
-/// The quantity that a path carries from vertex to vertex.
+/// The quantity that a path carries from vertex to vertex: radiance or flux.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TransportMode {
     /// Radiance, on camera paths. Refraction scales radiance by the squared relative index.
     Radiance,
-    /// Flux, on light paths. Refraction does not scale flux.
+    /// Flux, on photon paths. Refraction does not scale flux.
     Importance,
 }
 
@@ -56,9 +58,10 @@ pub enum TransportMode {
 pub struct BsdfSample {
     /// Unit direction in which the path continues.
     pub wi: Vec3,
-    /// Weight f(wo, wi)·|cosθ|/pdf, where θ is the angle between `wi` and the shading normal. For a
-    /// delta lobe: its reflectance or transmittance, divided by the probability of choosing the
-    /// lobe.
+    /// Weight f(wo, wi)·|cosθ|/pdf, where θ is the angle between `wi` and the shading normal.
+    ///
+    /// For a delta lobe, the weight is the lobe's reflectance or transmittance, divided by the
+    /// probability of choosing the lobe.
     pub weight: Rgb,
     /// Solid-angle pdf of `wi` \[1/sr], equal to [`Bsdf::pdf`]; 0 for a delta lobe.
     pub pdf: f32,
@@ -66,7 +69,8 @@ pub struct BsdfSample {
     pub is_specular: bool,
     /// True if the path crosses the surface.
     pub is_transmitted: bool,
-    /// True if a smooth surface scattered by its geometric normal.
+    /// True if the direction of a specular sample was computed with the geometric normal instead of
+    /// the shading normal.
     ///
     /// This happens if the shading normal would send light to the wrong side of the surface.
     pub uses_geometric_normal: bool,
@@ -82,6 +86,24 @@ impl BsdfSample {
     /// Creates a sample of a lobe that has a finite pdf.
     #[inline]
     pub(crate) fn non_specular_sample(wi: Vec3, weight: Rgb, pdf: f32, is_transmitted: bool) -> Self {
+        NonSpecularSample { wi, weight, pdf, is_transmitted }.into()
+    }
+}
+
+/// A direction sampled from a lobe that has a finite pdf.
+///
+/// The fields are those of [`BsdfSample`].
+struct NonSpecularSample {
+    wi: Vec3,
+    weight: Rgb,
+    pdf: f32,
+    is_transmitted: bool,
+}
+
+impl From<NonSpecularSample> for BsdfSample {
+    #[inline]
+    fn from(sample: NonSpecularSample) -> Self {
+        let NonSpecularSample { wi, weight, pdf, is_transmitted } = sample;
         Self { wi, weight, pdf, is_specular: false, is_transmitted, uses_geometric_normal: false }
     }
 }
@@ -90,10 +112,8 @@ impl BsdfSample {
 ///
 /// A BSDF that is not black either stores photons ([`stores_photons`](Self::stores_photons)) or
 /// casts caustics ([`casts_caustics`](Self::casts_caustics)), never both. A BSDF that stores
-/// photons has no delta lobe, because photon estimates would miss the light of that lobe.
-/// [`Bsdf::sample`] asserts this in debug builds. For a smooth coat over a diffuse base, give the
-/// coat's lobe a minimum roughness, or use a mix of two materials, which
-/// picks one of them at each hit.
+/// photons has no delta lobe, because photon estimates would miss the light of that lobe. The
+/// samples of such BSDFs have a private type that cannot describe a delta lobe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bsdf {
     /// A surface that absorbs all light.
@@ -106,16 +126,16 @@ pub enum Bsdf {
     Mirror(Rgb),
     /// A smooth interface between two transparent media.
     Dielectric(Dielectric),
-    /// A smooth or rough metal.
+    /// A smooth or rough metal, which reflects on both sides.
     Conductor(Conductor),
     /// A rough interface between two transparent media.
     RoughDielectric(RoughDielectric),
-    /// A thin transparent sheet.
+    /// A thin transparent sheet, such as a window pane.
     ThinDielectric(ThinDielectric),
 }
 
 impl Bsdf {
-    /// Creates a dielectric interface with roughness `alpha` in \[0, 1].
+    /// Creates a dielectric interface with GGX roughness `alpha` in \[0, 1].
     ///
     /// `eta` is the refractive index of the inside over that of the outside. The interface is
     /// smooth if `alpha` is below [`SMOOTH_ALPHA`], or if `eta` is so near to 1 that roughness has
@@ -129,7 +149,10 @@ impl Bsdf {
         }
     }
 
-    /// Creates a Phong BRDF, scaled to conserve energy; Lambertian if `specular` is zero.
+    /// Creates a Phong BRDF from coefficients ≥ 0 and the exponent `shininess` ≥ 0, scaled to
+    /// conserve energy.
+    ///
+    /// The BRDF is Lambertian if `specular` is zero.
     #[must_use]
     pub fn phong(diffuse: Rgb, specular: Rgb, shininess: f32) -> Self {
         if specular == Rgb::ZERO {
@@ -171,9 +194,9 @@ impl Bsdf {
         }
     }
 
-    /// Selects one lobe of the BSDF by `u` in \[0, 1).
+    /// Selects one lobe of the BSDF by `u` in \[0, 1), and returns it as a BSDF.
     ///
-    /// The returned BSDF is the lobe divided by the probability of its selection.
+    /// The lobe is divided by the probability of its selection.
     #[inline]
     #[must_use]
     pub fn select_lobe(self, u: f32) -> Self {
@@ -189,7 +212,8 @@ impl Bsdf {
         }
     }
 
-    /// Reflects and refracts `wo` at a smooth dielectric; `None` for all other BSDFs.
+    /// Returns the reflected and the refracted direction for `wo` at a smooth dielectric; `None`
+    /// for all other BSDFs.
     #[inline]
     #[must_use]
     pub fn reflect_and_refract(
@@ -211,7 +235,7 @@ impl Bsdf {
         }
     }
 
-    /// True if all lobes are deltas.
+    /// True if all lobes are delta lobes.
     #[inline]
     #[must_use]
     pub fn is_specular(&self) -> bool {
@@ -232,7 +256,7 @@ impl Bsdf {
         }
     }
 
-    /// True if photons are stored on the surface, for density estimates that evaluate this BSDF.
+    /// True if photons are stored on the surface. Density estimates then evaluate this BSDF.
     ///
     /// Diffuse and Phong BSDFs store photons, and so do conductors rougher than
     /// [`PHOTON_STORAGE_ALPHA`]. On smoother conductors, few photons fall into the lobe, so
@@ -252,8 +276,7 @@ impl Bsdf {
         }
     }
 
-    /// True if the surface is a *caster*: light that it scatters to a surface that stores photons
-    /// belongs to the caustic map.
+    /// True if the surface is a caustic caster: it scatters light, but stores no photons.
     ///
     /// Casters are mirrors, thin sheets, dielectrics of any roughness, and conductors of roughness
     /// α up to [`PHOTON_STORAGE_ALPHA`].
@@ -263,7 +286,8 @@ impl Bsdf {
         !self.stores_photons() && !self.is_black()
     }
 
-    /// Tangent of the angle by which scattering widens a ray cone; 0 for delta lobes.
+    /// Tangent of the angle by which scattering widens the ray cone of texture filtering; 0 for
+    /// delta lobes.
     ///
     /// The angle is about a fifth of the lobe's width, because many paths sample each lobe.
     #[inline]
@@ -279,7 +303,8 @@ impl Bsdf {
 
     /// BSDF f(wo, wi) \[1/sr], without the cosine; 0 for delta lobes.
     ///
-    /// The value is also 0 if `ns` and `ng` disagree on whether `wo` and `wi` lie on one side.
+    /// The value is 0 if `wo` and `wi` lie on one side of the plane with the shading normal `ns`,
+    /// but on different sides of the plane with the geometric normal `ng`, or vice versa.
     #[inline]
     #[must_use]
     pub fn evaluate(&self, wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3, transport: TransportMode) -> Rgb {
@@ -331,8 +356,22 @@ impl Bsdf {
         transport: TransportMode,
     ) -> Option<BsdfSample> {
         let facing_ns = face_forward(ns, wo);
-        let sample = match self {
-            Self::Black => return None,
+        let sample = if self.stores_photons() {
+            self.sample_receiver_bsdf(wo, facing_ns, lobe, u)?.into()
+        } else {
+            self.sample_caster_bsdf(wo, ns, ng, lobe, u, transport)?
+        };
+        let crosses = (sample.wi.dot(ng) < 0.0) != (wo.dot(ng) < 0.0);
+        (crosses == sample.is_transmitted).then_some(sample)
+    }
+
+    /// Samples a BSDF that stores photons; `None` if the path is absorbed.
+    ///
+    /// The unit normal `facing_ns` is the shading normal on the side of `wo`. `lobe` in \[0, 1)
+    /// selects the lobe, and `u` in \[0, 1)² the direction.
+    #[inline]
+    fn sample_receiver_bsdf(&self, wo: Vec3, facing_ns: Vec3, lobe: f32, u: Vec2) -> Option<NonSpecularSample> {
+        match self {
             Self::Diffuse(reflectance) => {
                 let local = warp::square_to_cosine_hemisphere(u);
                 // The pdf is 0 in the horizon, so no MIS weight exists there.
@@ -341,21 +380,43 @@ impl Bsdf {
                 }
                 let wi = Frame::from_normal(facing_ns).to_world(local);
                 let pdf = warp::cosine_hemisphere_pdf(local.z);
-                BsdfSample::non_specular_sample(wi, *reflectance, pdf, false)
+                Some(NonSpecularSample { wi, weight: *reflectance, pdf, is_transmitted: false })
             }
-            Self::Phong(phong) => phong.sample(wo, facing_ns, lobe, u)?,
+            Self::Phong(phong) => phong.sample(wo, facing_ns, lobe, u),
+            Self::Conductor(conductor) => conductor.sample_rough(wo, facing_ns, u),
+            Self::Black
+            | Self::Mirror(_)
+            | Self::Dielectric(_)
+            | Self::RoughDielectric(_)
+            | Self::ThinDielectric(_) => None,
+        }
+    }
+
+    /// Samples a BSDF that stores no photons; `None` if the path is absorbed.
+    ///
+    /// The arguments are those of [`Bsdf::sample`].
+    #[inline]
+    fn sample_caster_bsdf(
+        &self,
+        wo: Vec3,
+        ns: Vec3,
+        ng: Vec3,
+        lobe: f32,
+        u: Vec2,
+        transport: TransportMode,
+    ) -> Option<BsdfSample> {
+        let facing_ns = face_forward(ns, wo);
+        match self {
+            Self::Black | Self::Diffuse(_) | Self::Phong(_) => None,
             Self::Mirror(reflectance) => {
                 let (wi, uses_geometric_normal) = dielectric::reflect_above_surface(wo, facing_ns, ng);
-                BsdfSample::specular_sample(wi, *reflectance, false, uses_geometric_normal)
+                Some(BsdfSample::specular_sample(wi, *reflectance, false, uses_geometric_normal))
             }
-            Self::Dielectric(dielectric) => dielectric.sample(wo, ns, ng, lobe, transport),
-            Self::Conductor(conductor) => conductor.sample(wo, facing_ns, ng, u)?,
-            Self::RoughDielectric(glass) => glass.sample(wo, facing_ns, ng, lobe, u, transport)?,
-            Self::ThinDielectric(thin) => thin.sample(wo, facing_ns, ng, lobe)?,
-        };
-        debug_assert!(!(sample.is_specular && self.stores_photons()), "{self:?} stores photons but has a delta lobe");
-        let crosses = (sample.wi.dot(ng) < 0.0) != (wo.dot(ng) < 0.0);
-        (crosses == sample.is_transmitted).then_some(sample)
+            Self::Dielectric(dielectric) => Some(dielectric.sample(wo, ns, ng, lobe, transport)),
+            Self::Conductor(conductor) => conductor.sample(wo, facing_ns, ng, u),
+            Self::RoughDielectric(glass) => glass.sample(wo, facing_ns, ng, lobe, u, transport),
+            Self::ThinDielectric(thin) => thin.sample(wo, facing_ns, ng, lobe),
+        }
     }
 }
 
@@ -367,7 +428,8 @@ fn face_forward(n: Vec3, wo: Vec3) -> Vec3 {
 
 /// True if `wo` and `wi` lie on different sides of the surface.
 ///
-/// Returns `None` if the shading normal and the geometric normal disagree.
+/// Returns `None` if the answer differs between the shading normal `ns` and the geometric normal
+/// `ng`.
 #[inline]
 fn directions_cross_surface(wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> Option<bool> {
     let (shading, geometric) = (wo.dot(ns) * wi.dot(ns), wo.dot(ng) * wi.dot(ng));

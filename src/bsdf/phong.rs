@@ -1,6 +1,6 @@
 //! Energy-conserving Phong reflection.
 
-use super::{Bsdf, BsdfSample};
+use super::{Bsdf, NonSpecularSample};
 use crate::color::{self, Rgb};
 use crate::math::{Frame, warp};
 use glam::{Vec2, Vec3};
@@ -36,9 +36,9 @@ impl Phong {
         Self { diffuse, specular, shininess, glossy_probability: if sum > 0.0 { glossy / sum } else { 0.0 } }
     }
 
-    /// Selects the glossy or the diffuse lobe by `chance` in \[0, 1).
+    /// Selects the glossy or the diffuse lobe by `chance` in \[0, 1), and returns it as a BSDF.
     ///
-    /// The returned BSDF is the lobe divided by the probability of its selection.
+    /// The lobe is divided by the probability of its selection.
     #[must_use]
     pub fn select_lobe(&self, chance: f32) -> Bsdf {
         if chance < self.glossy_probability {
@@ -55,13 +55,14 @@ impl Phong {
 
     /// Cosine between `wi` and the mirror direction of `wo`.
     ///
-    /// Rounding errors above 1 are clamped, because powers with large exponents would overflow.
+    /// Values above 1, which are rounding errors, become 1. Their powers with large exponents would
+    /// overflow.
     #[inline]
     fn cos_to_mirror_direction(wo: Vec3, wi: Vec3, n: Vec3) -> f32 {
         (n * (2.0 * wo.dot(n)) - wo).dot(wi).min(1.0)
     }
 
-    /// BRDF f(wo, wi) \[1/sr], for `wo` and `wi` on one side of `n`.
+    /// BRDF f(wo, wi) \[1/sr]. `wo` and `wi` must be on one side of the shading normal `n`.
     #[inline]
     pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3) -> Rgb {
         let cos = Self::cos_to_mirror_direction(wo, wi, n);
@@ -75,7 +76,7 @@ impl Phong {
     /// `lobe` in \[0, 1) selects the lobe, and `u` in \[0, 1)² the direction. Returns `None` if the
     /// direction points into the surface.
     #[inline]
-    pub(super) fn sample(&self, wo: Vec3, n: Vec3, lobe: f32, u: Vec2) -> Option<BsdfSample> {
+    pub(super) fn sample(&self, wo: Vec3, n: Vec3, lobe: f32, u: Vec2) -> Option<NonSpecularSample> {
         let mirror = n * (2.0 * wo.dot(n)) - wo;
         let wi = if lobe < self.glossy_probability {
             Frame::from_normal(mirror.normalize()).to_world(warp::square_to_power_cosine(u, self.shininess))
@@ -88,10 +89,11 @@ impl Phong {
         }
         let pdf = self.pdf(wo, wi, n);
         let weight = self.evaluate(wo, wi, n) * (cos / pdf);
-        (pdf > 0.0).then(|| BsdfSample::non_specular_sample(wi, weight, pdf, false))
+        (pdf > 0.0).then_some(NonSpecularSample { wi, weight, pdf, is_transmitted: false })
     }
 
-    /// Solid-angle pdf of `wi` \[1/sr], for `wo` and `wi` on one side of `n`.
+    /// Solid-angle pdf \[1/sr] with which [`Phong::sample`] samples `wi`. `wo` and `wi` must be on
+    /// one side of the shading normal `n`.
     #[inline]
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3, n: Vec3) -> f32 {
         let glossy = warp::power_cosine_pdf(Self::cos_to_mirror_direction(wo, wi, n), self.shininess);

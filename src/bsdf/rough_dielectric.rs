@@ -8,23 +8,24 @@ use glam::{DVec3, Vec2, Vec3};
 
 /// A rough interface between two transparent media, with GGX microfacets (Walter et al. 2007).
 ///
-/// The normal points to the outside. Light that scatters at several microfacets is lost. The losses
-/// below are for index 1.5, normal incidence, and roughness α of 0.1, 0.5 and 1. From the outside,
-/// 0.1, 3.2 and 11 % are lost. From the inside, 1.2, 25 and 58 % are lost.
+/// The normal points to the outside. Multiple scattering between microfacets is not simulated, so
+/// this light is lost. The losses below are for index 1.5, normal incidence, and roughness α of
+/// 0.1, 0.5 and 1. From the outside, 0.1, 3.2 and 11 % are lost. From the inside, 1.2, 25 and 58 %
+/// are lost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoughDielectric {
     /// Refractive index of the inside over that of the outside.
     eta: f32,
-    /// Roughness α.
+    /// GGX roughness α.
     alpha: f32,
 }
 
-/// Scattering by the microfacets that reflect or refract `wi` to `wo`.
+/// Density, Fresnel factor and masking of the microfacets that reflect or refract `wi` to `wo`.
 struct FacetScattering {
     facet: Microfacet,
     /// Fresnel reflectance or transmittance.
     fresnel: f64,
-    /// G₂/(cosθₒ·cosθᵢ), where G₂ is masking-shadowing.
+    /// G₂/(cosθₒ·cosθᵢ), where G₂ is the masking-shadowing function.
     masking_shadowing: f64,
 }
 
@@ -42,18 +43,19 @@ impl RoughDielectric {
         self.alpha
     }
 
-    /// Refractive index of the far side over that of the side of `wo`.
+    /// Refractive index of the far side over that of the side of `wo`. `ng` is the outer geometric
+    /// normal.
     #[inline]
     fn far_over_near_index(&self, wo: Vec3, ng: Vec3) -> f64 {
         let eta = f64::from(self.eta);
         if wo.dot(ng) >= 0.0 { eta } else { 1.0 / eta }
     }
 
-    /// Returns how microfacets scatter light from unit direction `i` to `o`; `None` if none
-    /// refracts `i` to `o`.
+    /// Returns how microfacets scatter light from unit direction `i` to `o`; `None` if no
+    /// microfacet refracts `i` to `o`.
     ///
-    /// `eta` is the refractive index of the far side over that of the side of `o`, which is the
-    /// side of `n`.
+    /// `o` is on the side of the normal `n`. `eta` is the refractive index of the far side over
+    /// that of the side of `o`.
     #[inline]
     fn facet_scattering(&self, o: DVec3, i: DVec3, n: DVec3, eta: f64) -> Option<FacetScattering> {
         let ggx = Ggx::new(self.alpha);
@@ -70,9 +72,10 @@ impl RoughDielectric {
         })
     }
 
-    /// BSDF f(wo, wi) \[1/sr], where `n` is the shading normal on the side of `wo`.
+    /// BSDF f(wo, wi) \[1/sr], where `n` is the shading normal on the side of `wo`, and `ng` the
+    /// geometric normal.
     ///
-    /// `n` and the geometric normal `ng` must agree on whether `wi` is on the side of `wo`.
+    /// `n` and `ng` must agree on whether `wi` is on the side of `wo`.
     #[inline]
     pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3, ng: Vec3, transport: TransportMode) -> Rgb {
         let (eta, i, n) = (self.far_over_near_index(wo, ng), wi.as_dvec3(), n.as_dvec3());
@@ -81,11 +84,15 @@ impl RoughDielectric {
         else {
             return Rgb::ZERO;
         };
-        let radiance_divisor = radiance_divisor(eta, i.dot(n) < 0.0, transport);
-        Rgb::splat((fresnel * facet.density * facet.cos * facet.jacobian * masking_shadowing / radiance_divisor) as f32)
+        let transmitted_radiance_divisor = transmitted_radiance_divisor(eta, i.dot(n) < 0.0, transport);
+        Rgb::splat(
+            (fresnel * facet.density * facet.cos * facet.jacobian * masking_shadowing / transmitted_radiance_divisor)
+                as f32,
+        )
     }
 
-    /// Solid-angle pdf of `wi` \[1/sr], with the arguments of [`Self::evaluate`].
+    /// Solid-angle pdf \[1/sr] with which [`Self::sample`] samples `wi`. The arguments are those of
+    /// [`Self::evaluate`].
     #[inline]
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3, n: Vec3, ng: Vec3) -> f32 {
         let (o, n) = (wo.as_dvec3(), n.as_dvec3());
@@ -93,7 +100,8 @@ impl RoughDielectric {
             .map_or(0.0, |m| (m.fresnel * Ggx::new(self.alpha).scattered_direction_pdf(&m.facet, o.dot(n))) as f32)
     }
 
-    /// Samples a visible microfacet by `u`, then reflection or refraction by `lobe`.
+    /// Samples a microfacet visible from `wo` by `u` in \[0, 1)², then reflection or refraction by
+    /// `lobe` in \[0, 1).
     ///
     /// `n` is on the side of `wo`. Returns `None` if the microfacet reflects through the surface,
     /// or refracts to the side of `wo`.
@@ -123,16 +131,18 @@ impl RoughDielectric {
         }
         let FacetScattering { facet, fresnel, masking_shadowing } = self.facet_scattering(o, i, n, eta)?;
         let pdf = (fresnel * ggx.scattered_direction_pdf(&facet, cos_o)) as f32;
-        let unshadowed_fraction = ggx.unshadowed_fraction(masking_shadowing, cos_o, cos_i.abs());
-        let weight = Rgb::splat((unshadowed_fraction / radiance_divisor(eta, is_transmitted, transport)) as f32);
+        let unshadowed_microfacet_fraction = ggx.unshadowed_microfacet_fraction(masking_shadowing, cos_o, cos_i.abs());
+        let weight = Rgb::splat(
+            (unshadowed_microfacet_fraction / transmitted_radiance_divisor(eta, is_transmitted, transport)) as f32,
+        );
         (pdf > 0.0).then(|| BsdfSample::non_specular_sample(wi, weight, pdf, is_transmitted))
     }
 }
 
-/// Divisor of transmitted radiance: `eta`² for radiance, 1 for flux and for reflection.
+/// Number by which transmitted light is divided: `eta`² for radiance, 1 for flux; 1 for reflection.
 ///
 /// `eta` is the refractive index of the far side over that of the near side.
 #[inline]
-fn radiance_divisor(eta: f64, is_transmitted: bool, transport: TransportMode) -> f64 {
+fn transmitted_radiance_divisor(eta: f64, is_transmitted: bool, transport: TransportMode) -> f64 {
     if is_transmitted && transport == TransportMode::Radiance { eta * eta } else { 1.0 }
 }

@@ -7,12 +7,14 @@ use glam::Vec3;
 
 /// A thin sheet: two parallel smooth interfaces, with all reflections between them.
 ///
-/// Transmitted light keeps its direction. Both sides are one medium, so radiance is not scaled.
+/// Transmitted light keeps its direction. The medium is the same on both sides, so radiance is not
+/// scaled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinDielectric {
     /// Refractive index of the sheet over that of its surroundings.
     pub eta: f32,
-    /// Internal transmittance of the sheet along its normal, in \[0, 1].
+    /// Internal transmittance of the sheet along its normal, in \[0, 1]. Fresnel reflection is not
+    /// included.
     pub transmittance: Rgb,
 }
 
@@ -30,8 +32,9 @@ pub struct ThinDielectricSplit {
 impl ThinDielectric {
     /// Reflectance and transmittance of the sheet, where `cos` ≥ 0 is the cosine of incidence.
     ///
-    /// Let R be the reflectance of one interface and τ the internal transmittance. The reflectance
-    /// is R + (1−R)²τ²R/(1−R²τ²) and the transmittance (1−R)²τ/(1−R²τ²).
+    /// Let R be the reflectance of one interface and τ the internal transmittance along the
+    /// refracted ray. The sheet's reflectance is R + (1−R)²τ²R/(1−R²τ²), and its transmittance is
+    /// (1−R)²τ/(1−R²τ²).
     #[inline]
     #[must_use]
     pub fn reflectance_and_transmittance(&self, cos: f32) -> (Rgb, Rgb) {
@@ -50,7 +53,10 @@ impl ThinDielectric {
         (Rgb::splat(r) + through * kept * r, through)
     }
 
-    /// Reflects and transmits unit direction `wo`, which points away from the sheet.
+    /// Returns the reflected and the transmitted direction for unit direction `wo`, which points
+    /// away from the sheet.
+    ///
+    /// `ns` is the shading normal, `ng` the geometric normal.
     #[inline]
     #[must_use]
     pub fn reflect_and_transmit(&self, wo: Vec3, ns: Vec3, ng: Vec3) -> ThinDielectricSplit {
@@ -64,8 +70,8 @@ impl ThinDielectric {
     /// Samples reflection or transmission by `lobe` in \[0, 1); `None` if the sheet absorbs all
     /// light.
     ///
-    /// Probabilities are proportional to the means of reflectance and transmittance over the
-    /// channels.
+    /// The probability of each is proportional to its reflectance or transmittance, averaged over
+    /// the color channels.
     #[inline]
     pub(super) fn sample(&self, wo: Vec3, ns: Vec3, ng: Vec3, lobe: f32) -> Option<BsdfSample> {
         let ThinDielectricSplit { reflected, transmitted, uses_geometric_normal } =

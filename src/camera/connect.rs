@@ -14,7 +14,8 @@ pub struct CameraConnection {
     pub origin: Vec3,
     /// Unit direction from the point to `origin`.
     pub direction: Vec3,
-    /// Film area per area at the point, perpendicular to `direction` \[pixels²/length²].
+    /// Film area per scene area at the point, measured perpendicular to `direction`
+    /// \[pixels²/length²].
     pub importance: f32,
 }
 
@@ -22,10 +23,8 @@ impl Camera {
     /// Connects `p` to the camera; `None` if `p` lies behind the camera.
     ///
     /// The connection lies on the ray that [`Camera::generate_ray`] returns for `lens` and the film
-    /// position of the connection.
-    ///
-    /// The radiance of a camera ray counts for its film position without a cosine. The importance
-    /// is therefore the Jacobian from the scene to the film (Veach 1997, section 8.3.2).
+    /// position of the connection. Pixels average radiance over the film without a cosine, so the
+    /// importance is the Jacobian from the scene to the film (Veach 1997, section 8.3.2).
     #[must_use]
     pub fn connect_to_point(&self, p: Vec3, lens: Option<Vec2>) -> Option<CameraConnection> {
         let p = p.as_dvec3();
@@ -47,7 +46,12 @@ impl Camera {
                 let distance = to_point.length();
                 // A pixel spans the solid angle pixel²·cos³θ, where cosθ is depth over distance.
                 let importance = distance / (self.pixel_size * self.pixel_size * depth * depth * depth);
-                self.connection(self.film_offset_from_center(in_focus / focus), self.center + offset, p, importance)
+                self.camera_connection_to_point(
+                    self.film_offset_from_center(in_focus / focus),
+                    self.center + offset,
+                    p,
+                    importance,
+                )
             }
             CameraProjection::Orthographic => {
                 let to_point = p - self.center;
@@ -56,7 +60,12 @@ impl Camera {
                     return None;
                 }
                 let importance = 1.0 / (self.pixel_size * self.pixel_size);
-                self.connection(self.film_offset_from_center(to_point), p - self.forward * depth, p, importance)
+                self.camera_connection_to_point(
+                    self.film_offset_from_center(to_point),
+                    p - self.forward * depth,
+                    p,
+                    importance,
+                )
             }
             CameraProjection::Panorama => {
                 let to_point = p - self.center;
@@ -69,24 +78,30 @@ impl Camera {
                     DVec2::new(libm::atan2(right, forward) * width / TAU, libm::atan2(up, level) * height / PI);
                 // A pixel spans the solid angle (2π/width)·(π/height)·cos(latitude).
                 let importance = width * height / (TAU * PI * distance * level);
-                self.connection(offset, self.center, p, importance)
+                self.camera_connection_to_point(offset, self.center, p, importance)
             }
         }
     }
 
-    /// Film position of vector `v`, relative to the film's center \[pixels right and up].
+    /// Film position of a ray, relative to the film's center \[pixels right and up].
     ///
-    /// `v` starts at the camera's center. It ends in the plane at distance 1, or anywhere for an
-    /// orthographic camera.
+    /// For a perspective camera, `v` is the vector from the camera's center to the ray's point at
+    /// depth 1. For an orthographic camera, it may end anywhere on the ray.
     fn film_offset_from_center(&self, v: DVec3) -> DVec2 {
         DVec2::new(v.dot(self.right), v.dot(self.up)) / (self.pixel_size * self.pixel_size)
     }
 
-    /// Returns the connection of `p` to the ray origin `origin`; `None` if a number is not finite
-    /// or the points coincide.
+    /// Makes the connection of `p` to the camera ray that starts at `origin`; `None` if a number is
+    /// not finite or the points coincide.
     ///
     /// `offset` is the film position relative to the film's center \[pixels right and up].
-    fn connection(&self, offset: DVec2, origin: DVec3, p: DVec3, importance: f64) -> Option<CameraConnection> {
+    fn camera_connection_to_point(
+        &self,
+        offset: DVec2,
+        origin: DVec3,
+        p: DVec3,
+        importance: f64,
+    ) -> Option<CameraConnection> {
         let film = DVec2::new(0.5 * f64::from(self.width) + offset.x, 0.5 * f64::from(self.height) - offset.y);
         let direction = (origin - p).try_normalize()?;
         let connection = CameraConnection {

@@ -80,8 +80,8 @@ impl FilterKind {
 /// Number of intervals of the quantile table.
 const CELLS: usize = 1024;
 
-/// Number of intervals of the density table, from the center to the filter's radius.
-const DENSITY_CELLS: usize = 256;
+/// Number of intervals of the table of normalized filter values, from the center to the radius.
+const VALUE_CELLS: usize = 256;
 
 /// A separable reconstruction filter, with tables for importance sampling and for evaluation.
 #[derive(Clone, Debug)]
@@ -90,12 +90,13 @@ pub struct Filter {
     quantiles: [f32; CELLS + 1],
     /// Offset \[pixels] beyond which the filter is negative; infinite for a non-negative filter.
     negative_beyond: f32,
-    /// Integral of the absolute filter value along one axis, divided by the integral of the filter.
+    /// Integral of the absolute filter value along one axis, over the integral of the filter value.
     absolute_over_signed: f32,
     /// Radius \[pixels].
     radius: f32,
-    /// Values of [`Filter::density`] at equal steps from the center to the radius \[1/pixel].
-    densities: [f32; DENSITY_CELLS + 1],
+    /// Results of [`Filter::normalized_value`] at equal steps from the center to the radius
+    /// \[1/pixel].
+    normalized_values: [f32; VALUE_CELLS + 1],
 }
 
 /// A sampled offset from the pixel center.
@@ -136,13 +137,14 @@ impl Filter {
             (at(i - 1) + (at(i) - at(i - 1)) * part) as f32
         });
         let integral = signed * 2.0 * radius / STEPS as f64;
-        let density = |i: usize| (kind.unnormalized_value(radius * i as f64 / DENSITY_CELLS as f64) / integral) as f32;
+        let normalized_value =
+            |i: usize| (kind.unnormalized_value(radius * i as f64 / VALUE_CELLS as f64) / integral) as f32;
         Self {
             quantiles,
             negative_beyond: negative_beyond as f32,
             absolute_over_signed,
             radius: radius as f32,
-            densities: std::array::from_fn(density),
+            normalized_values: std::array::from_fn(normalized_value),
         }
     }
 
@@ -153,18 +155,18 @@ impl Filter {
         self.radius
     }
 
-    /// Filter value along one axis at distance `x` from the pixel center, with integral 1
-    /// \[1/pixel]. It may be negative.
+    /// Filter value along one axis at distance `x` from the pixel center \[1/pixel], normalized to
+    /// integral 1. It may be negative.
     #[inline]
     #[must_use]
-    pub fn density(&self, x: f32) -> f32 {
+    pub fn normalized_value(&self, x: f32) -> f32 {
         let x = x.abs();
         if x >= self.radius {
             return 0.0;
         }
-        let x = x / self.radius * DENSITY_CELLS as f32;
-        let i = (x as usize).min(DENSITY_CELLS - 1);
-        let (lo, hi) = (self.densities[i], self.densities[i + 1]);
+        let x = x / self.radius * VALUE_CELLS as f32;
+        let i = (x as usize).min(VALUE_CELLS - 1);
+        let (lo, hi) = (self.normalized_values[i], self.normalized_values[i + 1]);
         lo + (hi - lo) * (x - i as f32)
     }
 

@@ -12,7 +12,7 @@ pub struct Lens {
     pub radius: f64,
     /// Distance from the lens to the focal plane, along the viewing direction \[length].
     pub focus: f64,
-    /// Number of edges of the aperture: a regular polygon whose corners have the distance `radius`
+    /// Number of edges of the aperture, a regular polygon. Its corners have the distance `radius`
     /// from the center.
     ///
     /// If there are fewer than three, the aperture is a disc.
@@ -20,10 +20,10 @@ pub struct Lens {
 }
 
 impl Lens {
-    /// Samples a point of the aperture uniformly by area, by `u` in \[0, 1)².
+    /// Samples a point of the aperture, uniformly by area, from `u` in \[0, 1)².
     ///
-    /// Coordinates are right and up from the lens center \[length]. One corner of a polygon points
-    /// up.
+    /// Returns its coordinates right and up from the lens center \[length]. One corner of a polygon
+    /// points up.
     #[inline]
     pub(super) fn sample(&self, u: Vec2) -> glam::DVec2 {
         self.radius * self.sample_unit_aperture(u).as_dvec2()

@@ -16,9 +16,9 @@ use glam::{DVec3, Vec2};
 pub struct Camera {
     center: DVec3,
     forward: DVec3,
-    /// Direction of the right side of the image, with length `pixel_size`.
+    /// Vector to the right in the image, of length `pixel_size`.
     right: DVec3,
-    /// Direction of the top of the image, with length `pixel_size`.
+    /// Vector to the top in the image, of length `pixel_size`.
     up: DVec3,
     /// Width of a pixel \[length]: in the plane at distance 1 for a perspective camera, in the
     /// image plane for an orthographic one. It is 1 for a panorama.
@@ -28,7 +28,7 @@ pub struct Camera {
     height: u32,
 }
 
-/// The kind of a camera.
+/// The projection of a camera: where its rays start, and in which directions they run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum CameraProjection {
     /// Rays that start at a pinhole (`None`) or on a lens.
@@ -118,8 +118,8 @@ impl Camera {
         Ok(Self { center, forward, right: right * pixel_size, up, pixel_size, projection, width, height })
     }
 
-    /// Copy with the lens `lens` if this is a perspective camera; else an unchanged copy. A lens of
-    /// radius 0 is a pinhole.
+    /// Returns a copy with the lens `lens`; a lens of radius 0 is a pinhole. The copy is unchanged
+    /// unless this is a perspective camera.
     #[must_use]
     pub fn with_lens(self, lens: Lens) -> Self {
         match self.projection {

@@ -13,7 +13,7 @@ fn assert_ray_direction(camera: &Camera, p: Vec2, d: Vec3) {
 }
 
 #[test]
-fn angle_is_vertical_and_rows_start_at_the_top() {
+fn camera_angle_is_vertical_and_rows_start_at_the_top() {
     let c = wide_angle_camera();
     assert_ray_direction(&c, Vec2::new(200.0, 100.0), Vec3::NEG_Z);
     assert_ray_direction(&c, Vec2::new(200.0, 0.0), Vec3::new(0.0, 1.0, -1.0));

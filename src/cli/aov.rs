@@ -6,7 +6,8 @@ use crate::render::RenderResult;
 use crate::render::error_estimate::{ErrorMaps, MIN_PASSES};
 use glam::Vec3;
 
-/// Returns the layers to write: the picture, and maps of its estimated error if there is one.
+/// Returns the layers to write: the picture, and maps of its estimated error if the error is
+/// estimated.
 ///
 /// Layers `bias`, `radius` and `photons` exist only for algorithms with density estimates.
 pub(super) fn aov_layers(rendered: &RenderResult) -> Vec<ExrLayer> {

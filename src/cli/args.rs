@@ -7,7 +7,7 @@ use super::number::{
 };
 use super::{ConvertArguments, DiffArguments, MeshArguments};
 use crate::camera::FilterKind;
-use crate::image::{BitDepth, FloatDepth, ToneCurve};
+use crate::image::{BitDepth, ExrPrecision, ToneCurve};
 use crate::integrate::{Algorithm, FinalGathering, IndirectPhotons, LightTracing, VolumeEstimator};
 use crate::photon::Kernel;
 use crate::plan::EffectOverrides;
@@ -242,7 +242,7 @@ pub struct RenderArguments {
 
     /// Bits per channel of OpenEXR: 16 (largest value 65504) or 32
     #[arg(long, default_value = "32", value_parser = parse_exr_depth, value_name = "BITS")]
-    pub exr_bits: FloatDepth,
+    pub exr_bits: ExrPrecision,
 
     /// Write a report of the render as JSON
     #[arg(long, value_name = "FILE")]
@@ -303,11 +303,14 @@ pub struct EstimateArguments {
     pub quiet: bool,
 }
 
-/// Field names of the flags that a study of effects does not accept.
+/// Fields of [`StudyModeArguments`] that set up a study of methods. `--effects` excludes their
+/// flags.
 const METHOD_STUDY_FLAGS: [&str; 8] =
     ["methods", "variants", "knobs", "budget", "seeds", "truth", "truth_time", "save_truth"];
 
-/// Flags that choose between a study of effects and a study of methods, and set up the latter.
+/// Flags of `study` that choose a study of effects or a study of methods.
+///
+/// `effects` chooses a study of effects. All other flags belong to a study of methods.
 #[derive(Debug, Args)]
 pub struct StudyModeArguments {
     /// Render the picture with and without each effect of the plan, to measure its cost and
@@ -431,10 +434,10 @@ fn parse_png_depth(text: &str) -> Result<BitDepth, String> {
     }
 }
 
-fn parse_exr_depth(text: &str) -> Result<FloatDepth, String> {
+fn parse_exr_depth(text: &str) -> Result<ExrPrecision, String> {
     match text {
-        "16" => Ok(FloatDepth::Half),
-        "32" => Ok(FloatDepth::Single),
+        "16" => Ok(ExrPrecision::Half),
+        "32" => Ok(ExrPrecision::Single),
         _ => Err(format!("`{text}` is not a bit depth of OpenEXR: write 16 or 32")),
     }
 }

@@ -10,7 +10,8 @@ use crate::scene::Scene;
 use glam::Vec2;
 use std::io::Write;
 
-/// Number of rows and of columns in the grid of camera rays that search for visible objects.
+/// Number of rows, and of columns, in the grid of camera rays that test whether an object is
+/// visible.
 const RAYS_PER_SIDE: u32 = 64;
 
 /// Runs `caustica check`: prints one line for each warning, and a summary.
@@ -29,10 +30,10 @@ pub(super) fn run(arguments: &SceneArguments) -> Result<Exit, CommandFailure> {
     })
 }
 
-/// Returns the warnings about a scene that `caustica render` prints, one line each.
+/// Returns the scene warnings that `caustica render` prints before it renders, one line each.
 ///
-/// Warnings that need a second reading of meshes are left out. So is the warning of a scene without
-/// objects, which `caustica render` reports elsewhere.
+/// Leaves out warnings that need meshes to be read again. Leaves out the warning of a scene without
+/// objects too, because `caustica render` prints that warning itself.
 pub(super) fn quick_scene_warnings(file: &SceneFile, scene: &Scene, arguments: &SceneArguments) -> Vec<String> {
     let mut lines = file.unused_item_warnings();
     if scene.triangle_count() + scene.shape_count() > 0 {
@@ -46,7 +47,7 @@ fn replace_control_characters(line: &str) -> String {
     line.replace(char::is_control, "\u{fffd}")
 }
 
-/// Returns warnings about what the camera sees and where photons land, one line each.
+/// Returns warnings if the camera sees no object or no photon can be stored, one line each.
 fn scene_warnings(scene: &Scene, arguments: &SceneArguments) -> Vec<String> {
     let features = SceneFeatures::from_scene(scene);
     let mut warnings = Vec::new();

@@ -29,7 +29,7 @@ pub struct ConvertArguments {
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("`{}` exists already", .0.display())]
 #[diagnostic(help("choose another name, or replace it with --force"))]
-struct OutputExists(PathBuf);
+struct OutputExistsError(PathBuf);
 
 pub(super) fn run(arguments: &ConvertArguments) -> Result<Exit, CommandFailure> {
     let files = InputFileCollector::new(&());
@@ -47,17 +47,17 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<Exit, CommandFailure> 
     inputs.extend(read_files.iter().chain(&conversion.named_files).map(|path| FileWithRole::new("the input", path)));
     check_distinct_files(&named, &inputs)?;
     if let Some(path) = outputs.iter().find(|path| !arguments.force && path.exists()) {
-        return Err(CommandFailure::new(Exit::Output, OutputExists((*path).clone())));
+        return Err(CommandFailure::new(Exit::Output, OutputExistsError((*path).clone())));
     }
     let mut failures = OutputFailures::default();
     for (path, mesh) in &conversion.meshes {
-        failures.ok_or_collect(mesh.write(path, MeshFormat::Ply, &[]));
+        failures.ok_or_collect_error(mesh.write(path, MeshFormat::Ply, &[]));
     }
     for (path, picture) in &conversion.pictures {
-        failures.ok_or_collect(image::write(path, picture, &WriteOptions::default()));
+        failures.ok_or_collect_error(image::write(path, picture, &WriteOptions::default()));
     }
     let written = replace_file_with(&arguments.output, |file| file.write_all(conversion.text.as_bytes()));
-    if failures.ok_or_collect(written).is_some() {
+    if failures.ok_or_collect_error(written).is_some() {
         print_message(&format!("wrote {}", arguments.output.display()));
     }
     failures.into_result(Exit::Success)

@@ -23,12 +23,12 @@ pub(super) fn no_photon_stored_note(rendered: &RenderResult) -> Option<String> {
     let mut audit = unaimed.audit;
     audit += aimed.audit;
     let paths = count_with_noun(emitted as usize, "photon path", "photon paths");
-    Some(format!("note: {paths}, no photon stored: {}", flux_destinations(&audit)))
+    Some(format!("note: {paths}, no photon stored: {}", flux_fractions_text(&audit)))
 }
 
 /// Returns a text with the fractions of emitted photon flux that were absorbed, escaped, or stopped
 /// at the bounce limit.
-fn flux_destinations(audit: &EnergyAudit) -> String {
+fn flux_fractions_text(audit: &EnergyAudit) -> String {
     let sum = |flux: [f64; 3]| DVec3::from(flux).element_sum();
     let emitted = sum(audit.emitted);
     if emitted <= 0.0 {

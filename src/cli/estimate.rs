@@ -1,10 +1,10 @@
 //! `caustica estimate`: predicts the passes, time and photons until a given error.
 //!
-//! It renders a short pilot and extrapolates its error estimate.
+//! The command renders a short pilot and extrapolates the pilot's error estimate.
 
-use super::forecast_text::{self, ErrorEstimateUnsupported, duration_text};
+use super::forecast_text::{self, ErrorEstimateUnsupportedError, duration_text};
 use super::interrupt::{INTERRUPTED, listen_for_signals};
-use super::memory::{check_estimated_picture_memory, check_photon_memory};
+use super::memory::{check_error_estimate_memory, check_photon_memory};
 use super::plan::print_plan;
 use super::progress::ProgressDisplay;
 use super::scene::{load_scene, with_thread_pool};
@@ -33,7 +33,7 @@ struct PilotTooShortError {
 
 pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, CommandFailure> {
     if arguments.method.integrator == Algorithm::Raycast {
-        return Err(CommandFailure::usage_error(ErrorEstimateUnsupported { flag: "estimate" }));
+        return Err(CommandFailure::usage_error(ErrorEstimateUnsupportedError { flag: "estimate" }));
     }
     listen_for_signals("the result of the pilot");
     let progress = ProgressDisplay::new(arguments.quiet);
@@ -44,7 +44,7 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, CommandFailure>
         let mut settings = settings_from_arguments(&arguments.method, arguments.effects.effects);
         settings.camera_paths.estimate_error = true;
         let memory = arguments.scene.memory_limit();
-        let pictures = check_estimated_picture_memory(1, scene.camera().size(), memory.available_bytes())
+        let pictures = check_error_estimate_memory(1, scene.camera().size(), memory.available_bytes())
             .map_err(CommandFailure::usage_error)?;
         let integrator = algorithm.prepare(&scene, settings);
         check_photon_memory(integrator.expected_photons(), pictures, memory.available_bytes())
@@ -68,7 +68,9 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, CommandFailure>
     })
 }
 
-/// Renders the pilot. Returns its result and the expected time of one later pass \[s].
+/// Renders the pilot: a short render from which costs are extrapolated.
+///
+/// Returns the pilot's result, and the expected time of each later pass \[s].
 fn render_pilot(
     arguments: &EstimateArguments,
     integrator: &dyn Integrator,
@@ -83,13 +85,13 @@ fn render_pilot(
         interrupted: &INTERRUPTED,
     };
     let (began, mut first) = (Instant::now(), 0.0);
-    progress.set_pass(1, None);
+    progress.set_pass_number(1, None);
     progress.set_time_left(Some(arguments.pilot));
     let rendered = render(integrator, size, &stop, progress, |standing| {
         if standing.passes == 1 {
             first = began.elapsed().as_secs_f64();
         }
-        progress.set_pass(standing.passes + 1, None);
+        progress.set_pass_number(standing.passes + 1, None);
     });
     progress.remove_progress_bar();
     // The first pass takes longer, because caches are cold.
@@ -122,18 +124,19 @@ struct CostEstimateReport {
 #[derive(Debug, Serialize)]
 struct CostEstimate {
     error: f64,
-    /// Number of passes to reach the error; `None` if no number is enough.
+    /// Number of passes that reach the error; `None` if the error cannot be reached.
     passes: Option<u32>,
-    /// Time of the preparation and the passes \[s].
+    /// Expected time until the error is reached, with preparation \[s]; `None` if it cannot be
+    /// reached.
     seconds: Option<f64>,
-    /// Time if the pilot's error is at the lower end of its interval \[s].
+    /// `seconds` if the pilot's true error is at the lower end of its confidence interval \[s].
     seconds_low: Option<f64>,
-    /// Time if the pilot's error is at the upper end of its interval \[s].
+    /// `seconds` if the pilot's true error is at the upper end of its confidence interval \[s].
     seconds_high: Option<f64>,
     photons: Option<f64>,
-    /// Relative bias that no number of passes removes; `None` if the error can be reached.
+    /// Relative bias that no number of passes removes; `None` if bias does not prevent the error.
     floor: Option<f64>,
-    /// Flags of `caustica render` that give this error.
+    /// Flags of `caustica render` that reach this error; `None` if the error cannot be reached.
     flags: Option<String>,
 }
 

@@ -33,7 +33,7 @@ impl From<Exit> for ExitCode {
 /// Failure of a command: error reports and the exit code.
 #[derive(Debug)]
 pub struct CommandFailure {
-    /// The reports to show, at least one.
+    /// Error reports to print, at least one.
     pub reports: Vec<Report>,
     /// The exit code.
     pub exit: Exit,
@@ -93,7 +93,7 @@ mod tests {
     use std::io;
 
     #[derive(Debug, thiserror::Error, Diagnostic)]
-    enum SampleError {
+    enum ErrorWithCause {
         #[error("cannot write: {source}")]
         Inline { source: io::Error },
         #[error("cannot read")]
@@ -103,7 +103,7 @@ mod tests {
     #[test]
     fn a_stated_cause_is_not_printed_again() {
         let source = || io::Error::other("disk full");
-        assert!(message_includes_causes(&SampleError::Inline { source: source() }));
-        assert!(!message_includes_causes(&SampleError::Apart { source: source() }));
+        assert!(message_includes_causes(&ErrorWithCause::Inline { source: source() }));
+        assert!(!message_includes_causes(&ErrorWithCause::Apart { source: source() }));
     }
 }

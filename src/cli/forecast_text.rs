@@ -11,7 +11,7 @@ pub(super) const BIAS_REMEDY: &str =
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("{flag} needs an error estimate, and raycast makes one pass, which has none")]
 #[diagnostic(help("leave it out, or choose another --integrator"))]
-pub(super) struct ErrorEstimateUnsupported {
+pub(super) struct ErrorEstimateUnsupportedError {
     pub flag: &'static str,
 }
 
@@ -25,10 +25,11 @@ pub(super) fn error_text(estimate: &ErrorEstimate) -> String {
     )
 }
 
-/// Returns a text such as `; 1.0 % in about 42 s`; empty if the estimated error is 0.
+/// Returns a text about the time until a lower error, such as `; 1.0 % in about 42 s`.
 ///
-/// The time is that until the estimated error is `aim`, but the text names the error `shown`.
-/// `pass_seconds` is the time of one pass \[s].
+/// The pair holds the error that the text names, and the estimated error that must be reached.
+/// `pass_seconds` is the time of one pass \[s]. The text is empty if the estimated error is 0
+/// already.
 pub(super) fn time_to_error_text(
     estimate: &ErrorEstimate,
     forecast: &ErrorForecast,

@@ -45,7 +45,8 @@ fn on_signal(handle: impl Fn() + Send + 'static) {
     }
 }
 
-/// Returns the set of ignored signals: bit `n - 1` stands for signal `n`. `None` if unknown.
+/// Returns the signals that this process ignores; `None` if unknown. Bit `n - 1` stands for signal
+/// `n`.
 #[cfg(unix)]
 fn ignored_signals() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;

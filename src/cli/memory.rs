@@ -1,14 +1,13 @@
 //! Checks before a render that its pictures and photons fit into memory.
 
-use crate::image::{MAX_PIXELS, SizeError};
+use crate::image::{MAX_PIXELS, PictureSizeError};
 use crate::integrate::ExpectedPhotons;
 use crate::stats::format_bytes;
 
 /// Memory of a render without an error estimate \[bytes per pixel]. Measured: 85.
 ///
-/// The film takes 48 bytes, the picture of a pass 12, and its table of tile rows 1. The ray
-/// distribution of `--adaptive` takes 20. After the last pass, the mean and the encoded file use
-/// the memory of the pass again.
+/// The film takes 48 bytes, the current pass 13, and the ray distribution of `--adaptive` 20. After
+/// the last pass, the mean and the encoded file reuse the memory of the pass.
 const BYTES_PER_PIXEL: u64 = 86;
 
 /// Memory that an error estimate adds to [`BYTES_PER_PIXEL`] \[bytes per pixel].
@@ -19,19 +18,18 @@ const BYTES_PER_ESTIMATED_PIXEL: u64 = 274;
 
 /// Memory of a stored photon while the photon map is built \[bytes].
 ///
-/// A photon takes 32 bytes, its sorted copy 32, the sort key of the copy 16, and its splat 20.
-/// Later, the tree takes 33 bytes instead of the sort keys. The rest is unused capacity of growing
-/// lists.
+/// A photon takes 32 bytes, its sorted copy 32 and its splat 20. The sort key takes 16, and the
+/// tree that replaces it 33. The rest is unused capacity of growing lists.
 const BYTES_PER_PHOTON: u64 = 120;
 
 /// Reason why a render does not fit into memory.
 #[derive(Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
 pub(super) enum MemoryError {
-    /// A picture with more pixels than any may have.
+    /// A picture has more pixels than [`MAX_PIXELS`].
     #[error(transparent)]
     #[diagnostic(help("choose a smaller --size"))]
-    Pixels(#[from] SizeError),
-    /// Pictures that do not fit into memory.
+    Pixels(#[from] PictureSizeError),
+    /// The pictures need more memory (`needed`) than there is (`free`) \[bytes].
     #[error(
         "{} of {width} × {height} pixels {} of memory, and {} are free",
         if *count == 1 { "a picture".to_owned() } else { format!("{count} pictures") },
@@ -42,11 +40,11 @@ pub(super) enum MemoryError {
         "choose a smaller --size, or allow more --memory; --no-error-estimate reduces the memory to a quarter"
     ))]
     Picture { count: usize, width: u32, height: u32, needed: u64, free: u64 },
-    /// More stored photons (`stored`) than 32-bit indices can address, from `paths` photon paths.
+    /// One photon map would store more photons (`stored`) than 32-bit indices can address.
     #[error("a pass of {paths} photon paths would store about {stored} photons, and {} can be indexed", u32::MAX)]
     #[diagnostic(help("{PHOTON_MEMORY_REMEDY}"))]
     Indices { paths: u64, stored: u64 },
-    /// Photons that do not fit into memory.
+    /// The photons of one pass need more memory (`needed`) than there is (`free`) \[bytes].
     #[error(
         "a pass of {paths} photon paths would store about {stored} photons, which take {} of memory, and {} are free",
         format_bytes(*needed),
@@ -59,7 +57,7 @@ pub(super) enum MemoryError {
 const PHOTON_MEMORY_REMEDY: &str = "choose fewer --photons or --caustic-photons and more --passes: only one pass of photons is in memory at a time; \
      or allow more --memory";
 
-/// Returns the memory of `count` pictures \[bytes].
+/// Returns the memory of rendering `count` pictures \[bytes]. `free` is the free memory \[bytes].
 ///
 /// # Errors
 /// [`MemoryError`] if the pictures need more than `free` bytes, or one has too many pixels.
@@ -67,11 +65,12 @@ pub(super) fn check_picture_memory(count: usize, size: (u32, u32), free: Option<
     check_pixel_memory(count, size, BYTES_PER_PIXEL, free)
 }
 
-/// Returns the memory of `count` pictures with error estimates \[bytes].
+/// Returns the memory of rendering `count` pictures with error estimates \[bytes]. `free` is the
+/// free memory \[bytes].
 ///
 /// # Errors
 /// [`MemoryError`] if the pictures need more than `free` bytes, or one has too many pixels.
-pub(super) fn check_estimated_picture_memory(
+pub(super) fn check_error_estimate_memory(
     count: usize,
     size: (u32, u32),
     free: Option<u64>,
@@ -87,7 +86,7 @@ fn check_pixel_memory(
 ) -> Result<u64, MemoryError> {
     let pixels = u64::from(width) * u64::from(height);
     if pixels > MAX_PIXELS {
-        return Err(SizeError::TooLarge { width, height }.into());
+        return Err(PictureSizeError::TooLarge { width, height }.into());
     }
     let needed = pixels * bytes_per_pixel * count as u64;
     match free {
@@ -98,7 +97,8 @@ fn check_pixel_memory(
 
 /// Checks that the photons of a pass fit into memory and into 32-bit indices.
 ///
-/// `free` is the free memory \[bytes], if known. `pictures` bytes of it are reserved for pictures.
+/// `free` is the free memory \[bytes]; `None` if unknown. Of the free memory, `pictures` bytes are
+/// reserved for pictures.
 ///
 /// # Errors
 /// [`MemoryError`] if there are too many photons.
@@ -131,7 +131,7 @@ mod tests {
         let refused = check_picture_memory(1, (1000, 1000), Some(85_999_999)).unwrap_err().to_string();
         assert!(refused.contains("a picture of 1000 × 1000") && refused.contains("86.0 MB"), "{refused}");
         assert!(matches!(
-            check_estimated_picture_memory(1, (1000, 1000), Some(359_999_999)),
+            check_error_estimate_memory(1, (1000, 1000), Some(359_999_999)),
             Err(MemoryError::Picture { .. })
         ));
         assert_eq!(check_picture_memory(4, (500, 500), Some(86_000_000)), Ok(86_000_000));

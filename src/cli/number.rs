@@ -173,7 +173,7 @@ pub(super) fn parse_degrees(text: &str) -> Result<f64, String> {
         .ok_or_else(|| format!("`{text}` is not an angle between faces: write degrees from 0 to 180"))
 }
 
-/// Parses an upper bound of at least zero.
+/// Parses the limit of a flag such as `--max-rmse` or `--max-flip`: a number of at least zero.
 pub(super) fn parse_upper_bound(text: &str) -> Result<f64, String> {
     parse_number_where(text, |x| x >= 0.0)
         .ok_or_else(|| format!("`{text}` is not a bound: write a number of at least 0"))
@@ -196,7 +196,7 @@ pub(super) fn parse_point(text: &str) -> Result<DVec3, String> {
     }
 }
 
-/// Parses a finite number for which `rule` is true.
+/// Parses a finite number for which `rule` is true; `None` for any other text.
 fn parse_number_where(text: &str, rule: impl Fn(f64) -> bool) -> Option<f64> {
     text.parse::<f64>().ok().filter(|x| x.is_finite() && rule(*x))
 }

@@ -49,7 +49,10 @@ pub(super) struct OutputFailures(Vec<Report>);
 impl OutputFailures {
     /// Returns the value of `result`. If `result` is an error, collects the error and returns
     /// `None`.
-    pub fn ok_or_collect<T>(&mut self, result: Result<T, impl std::error::Error + Send + Sync + 'static>) -> Option<T> {
+    pub fn ok_or_collect_error<T>(
+        &mut self,
+        result: Result<T, impl std::error::Error + Send + Sync + 'static>,
+    ) -> Option<T> {
         result.map_err(|error| self.0.push(Report::from_err(error))).ok()
     }
 

@@ -43,7 +43,7 @@ pub(super) fn simulated_effects_line(plan: &Plan) -> String {
     format!("plan: {}; without {}", names(|d| d.is_simulated), names(|d| !d.is_simulated))
 }
 
-/// Prints the plan and the ray counts of a pass, and warns of omitted effects.
+/// Prints the plan and the numbers of rays and photons of a pass, and warns of omitted effects.
 pub(super) fn print_plan(integrator: &dyn Integrator, progress: &ProgressDisplay) {
     progress.print_line(&simulated_effects_line(integrator.plan()));
     integrator.ray_photon_balance().iter().for_each(|balance| progress.print_line(&pass_counts_line(balance)));
@@ -71,7 +71,9 @@ fn pass_counts_line(balance: &RayPhotonBalance) -> String {
     line
 }
 
-/// Returns a line with the mean number of prefix rays per pixel; `None` if there are none.
+/// Returns a line with `mean`, the mean number of prefix rays per pixel; `None` if it is 0.
+///
+/// Prefix rays are extra camera rays that end at the first diffuse surface.
 fn prefix_rays_line(mean: f64) -> Option<String> {
     let reason = "for highlights and caustics seen through glass";
     (mean > 0.0).then(|| format!("and {mean:.2} rays per pixel up to the first diffuse surface, {reason}"))
@@ -92,7 +94,7 @@ fn plan_table(algorithm: Algorithm, integrator: &dyn Integrator, work: &Expected
     let (plan, balance) = (integrator.plan(), integrator.ray_photon_balance());
     let mut text = format!("{} simulates\n", algorithm.name());
     for decision in &plan.decisions {
-        let state = match (decision.is_simulated, decision.is_forced()) {
+        let state = match (decision.is_simulated, decision.is_forced_by_user()) {
             (true, false) => "on",
             (true, true) => "on, forced",
             (false, false) => "off",
@@ -110,7 +112,9 @@ fn plan_table(algorithm: Algorithm, integrator: &dyn Integrator, work: &Expected
     text
 }
 
-/// Returns numbers of rays and gathered photons as text, such as `+1.9 M rays, +3.0 M gathered`.
+/// Returns counts of rays and gathered photons as text, such as `+1.9 M rays, +3.0 M gathered`.
+///
+/// The callback `number` formats a count.
 fn work_counts_text(work: WorkCounts, number: fn(f64) -> String) -> String {
     let WorkCounts { rays, gathered_photons } = work;
     match (rays, gathered_photons) {
@@ -133,7 +137,8 @@ struct PlanReport {
     /// Expected number of photons that the first pass sums in density estimates.
     gathered_photons: i64,
     balance: Option<RayPhotonBalance>,
-    /// Mean number per pixel of rays that end at their first receiver.
+    /// Mean number of prefix rays per pixel: extra camera rays that end at the first diffuse
+    /// surface.
     prefix_rays_per_pixel: f64,
     effects: Vec<EffectCostReport>,
 }
@@ -141,27 +146,29 @@ struct PlanReport {
 #[derive(Debug, Serialize)]
 struct EffectCostReport {
     #[serde(flatten)]
-    effect: EffectReport,
+    effect: EffectDecisionReport,
     /// Expected number of rays that the effect adds to the first pass; `None` if it is off.
     rays: Option<i64>,
-    /// Expected number of gathered photons that the effect adds; `None` if it is off.
+    /// Expected number of photons that the effect adds to the density estimates of the first pass;
+    /// `None` if the effect is off.
     gathered_photons: Option<i64>,
 }
 
 #[derive(Debug, Serialize)]
-pub(super) struct EffectReport {
+pub(super) struct EffectDecisionReport {
     effect: &'static str,
     on: bool,
-    /// True if the picture is wrong without the effect.
+    /// True if the scene needs the effect.
     needed: bool,
     reason: String,
-    /// Flaw of the picture; `None` unless the scene needs the effect but the plan omits it.
+    /// Flaw that the missing effect causes; `None` unless the scene needs the effect and the plan
+    /// omits it.
     flaw: Option<&'static str>,
 }
 
 /// Returns the decisions of a plan as JSON records.
-pub(super) fn plan_effect_reports(plan: &Plan) -> Vec<EffectReport> {
-    let report = |d: &EffectDecision| EffectReport {
+pub(super) fn plan_effect_reports(plan: &Plan) -> Vec<EffectDecisionReport> {
+    let report = |d: &EffectDecision| EffectDecisionReport {
         effect: d.effect.name(),
         on: d.is_simulated,
         needed: d.is_needed,
@@ -174,7 +181,7 @@ pub(super) fn plan_effect_reports(plan: &Plan) -> Vec<EffectReport> {
 impl PlanReport {
     fn new(scene: String, algorithm: Algorithm, integrator: &dyn Integrator, work: &ExpectedWork) -> Self {
         let plan = integrator.plan();
-        let costed = |(report, decision): (EffectReport, &EffectDecision)| {
+        let costed = |(report, decision): (EffectDecisionReport, &EffectDecision)| {
             let work = work.work_of_effect(decision.effect);
             EffectCostReport {
                 effect: report,

@@ -58,9 +58,9 @@ pub(super) enum ProgressDisplay {
 pub(super) struct ProgressBarLabels {
     /// Text such as `pass 3/20`.
     pass: String,
-    /// Time at which the whole render is expected to end.
+    /// Expected end of the whole render; `None` if unknown.
     end: Option<Instant>,
-    /// Triangles of all meshes read so far.
+    /// Number of triangles of all meshes that have been read so far.
     triangles: usize,
 }
 
@@ -89,7 +89,7 @@ impl ProgressDisplay {
     }
 
     /// Sets the pass number that the bar shows: `pass`, counted from 1, of `of` passes if known.
-    pub fn set_pass(&self, pass: u32, of: Option<u32>) {
+    pub fn set_pass_number(&self, pass: u32, of: Option<u32>) {
         let label = match of {
             Some(of) => format!("pass {pass}/{of}"),
             None => format!("pass {pass}"),
@@ -104,7 +104,7 @@ impl ProgressDisplay {
     }
 
     /// Sets the text to the right of the bar.
-    pub fn set_note(&self, note: String) {
+    pub fn set_progress_note(&self, note: String) {
         if let Self::Bar(bar, _) = self {
             bar.set_message(note);
         }
@@ -124,7 +124,7 @@ impl ProgressDisplay {
         }
     }
 
-    /// Restarts the bar at zero for a stage of `total` units.
+    /// Restarts the bar at zero. The bar is full after `total` units of progress.
     fn restart_progress_bar(
         &self,
         style: Result<ProgressStyle, indicatif::style::TemplateError>,
@@ -149,8 +149,9 @@ fn progress_rate_label(unit: &'static str) -> impl Fn(&ProgressState, &mut dyn f
     }
 }
 
-/// Returns a label that shows the remaining time: of the render if its `end` is known, else of the
-/// stage.
+/// Returns a label that shows the remaining time of the render, which is expected at `end`.
+///
+/// Without `end`, the label shows the remaining time of the current stage of the pass.
 fn time_left_label(end: Option<Instant>) -> impl Fn(&ProgressState, &mut dyn fmt::Write) + Clone {
     move |state, out| {
         let _ = match end {
@@ -206,8 +207,7 @@ impl MeshReadMonitor for ProgressDisplay {
         }
     }
 
-    /// Reports a large mesh in a line, and shows the number of triangles of all meshes that are now
-    /// indexed.
+    /// Shows the number of triangles of all meshes so far. Prints a line if `mesh` is large.
     fn on_read_end(&self, path: &Path, mesh: &TriangleMesh) {
         let n = mesh.triangles.len();
         if n >= LARGE_MESH_TRIANGLES {
@@ -227,7 +227,7 @@ impl MeshReadMonitor for ProgressDisplay {
     }
 }
 
-/// Collector of the paths of all files that a scene names. It passes progress on to a monitor.
+/// Collects the paths of all files that a scene names, and passes progress on to a monitor.
 pub(super) struct InputFileCollector<'a> {
     progress: &'a dyn MeshReadMonitor,
     files: Mutex<Vec<PathBuf>>,
@@ -238,7 +238,7 @@ impl<'a> InputFileCollector<'a> {
         Self { progress, files: Mutex::default() }
     }
 
-    /// Returns the paths, in the order of reading.
+    /// Returns the paths of all files that the scene names, in the order of reading.
     pub fn into_input_paths(self) -> Vec<PathBuf> {
         self.files.into_inner().unwrap_or_else(PoisonError::into_inner)
     }

@@ -3,7 +3,7 @@
 use super::check::quick_scene_warnings;
 use super::diagnostics::{all_lights_are_black, black_picture_note, no_photon_stored_note};
 use super::interrupt::{INTERRUPTED, listen_for_signals};
-use super::memory::{check_estimated_picture_memory, check_photon_memory, check_picture_memory};
+use super::memory::{check_error_estimate_memory, check_photon_memory, check_picture_memory};
 use super::outputs::{FileWithRole, OutputFailures, check_distinct_files};
 use super::plan::{self, count_with_noun};
 use super::progress::{InputFileCollector, ProgressDisplay, print_message, warn_of_rejected_samples};
@@ -25,7 +25,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, CommandFailure> {
     let needs_error = [("--target-error", arguments.target_error.is_some()), ("--aov", arguments.aov.is_some())];
     let needs_error = needs_error.into_iter().find(|(_, given)| *given);
     if let (Algorithm::Raycast, Some((flag, _))) = (arguments.method.integrator, needs_error) {
-        return Err(CommandFailure::usage_error(forecast_text::ErrorEstimateUnsupported { flag }));
+        return Err(CommandFailure::usage_error(forecast_text::ErrorEstimateUnsupportedError { flag }));
     }
     // Everything that can fail without rendering is checked before rendering.
     for path in &arguments.output {
@@ -82,7 +82,7 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     let mut settings = settings_from_arguments(&arguments.method, arguments.effects.effects);
     settings.camera_paths.estimate_error = estimates_error;
     let (memory, size) = (arguments.scene.memory_limit(), scene.camera().size());
-    let check = if estimates_error { check_estimated_picture_memory } else { check_picture_memory };
+    let check = if estimates_error { check_error_estimate_memory } else { check_picture_memory };
     let pictures = check(1, size, memory.available_bytes()).map_err(CommandFailure::usage_error)?;
     let integrator = algorithm.prepare(&scene, settings);
     check_photon_memory(integrator.expected_photons(), pictures, memory.available_bytes())
@@ -98,7 +98,8 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     write_render_outputs(arguments, progress, setup, all_lights_are_black(&scene), &rendered)
 }
 
-/// Prints the numbers of triangles, shapes and lights, and a note if there are none.
+/// Prints the numbers of triangles, shapes and lights, and a note if the scene has no objects or
+/// lights.
 fn print_scene_summary(setup: &RenderSetup, scene: &Scene, progress: &ProgressDisplay) {
     progress.print_line(&format!(
         "{}: {}, {}, {}",
@@ -133,7 +134,7 @@ fn render_passes(
     });
     let target = arguments.target_error.map(|error| ErrorTarget { error, confidence: arguments.confidence });
     let stop = StopCriteria { min_passes: 1, passes, time: arguments.time, target, interrupted: &INTERRUPTED };
-    progress.set_pass(1, passes);
+    progress.set_pass_number(1, passes);
     progress.set_time_left(arguments.time);
     let began = Instant::now();
     render(integrator, size, &stop, progress, |standing| {
@@ -154,23 +155,25 @@ fn render_passes(
             let elapsed = start.elapsed().as_secs_f64();
             progress.print_line(&format!("pass {}{of} after {elapsed:.1} s{error}", standing.passes));
         }
-        progress.set_pass(standing.passes + 1, passes);
+        progress.set_pass_number(standing.passes + 1, passes);
         // Most passes estimate no error. The previous forecast stays after them.
         if let Some(left) = time_until_stop(&stop, standing, began.elapsed(), pass_seconds) {
             progress.set_time_left(Some(left));
         }
-        error.into_iter().for_each(|note| progress.set_note(note));
+        error.into_iter().for_each(|note| progress.set_progress_note(note));
     })
 }
 
-/// Returns the estimated error at which the upper end of its confidence interval is the target
-/// error.
+/// Returns the estimated error at which the render is expected to reach its target: when the upper
+/// end of the confidence interval equals `target`.
+///
+/// `None` if the error was not estimated after the last pass.
 fn error_estimate_at_target(target: ErrorTarget, standing: &PassProgress) -> Option<f64> {
     let (estimate, _) = standing.error.as_ref()?;
     Some(target.error * estimate.error / estimate.high)
 }
 
-/// Returns the expected time until the first stop criterion holds; `None` if it is unknown.
+/// Returns the expected time until the first stop criterion holds; `None` if the time is unknown.
 fn time_until_stop(
     stop: &StopCriteria<'_>,
     standing: &PassProgress,
@@ -211,7 +214,7 @@ fn write_render_outputs(
     print_render_summary(arguments, progress, &report, rendered);
     if let Some(path) = &arguments.stats {
         let json = serde_json::to_vec_pretty(&report).map_err(CommandFailure::output_error)?;
-        failures.ok_or_collect(image::replace_file(path, &json));
+        failures.ok_or_collect_error(image::replace_file(path, &json));
     }
     failures.into_result(if rendered.ended == EndReason::Interrupted { Exit::Interrupted } else { Exit::Success })
 }
@@ -241,7 +244,7 @@ fn write_pictures(
         metadata: vec![("Software".to_owned(), format!("Caustica {}", env!("CARGO_PKG_VERSION")))],
     };
     for path in &arguments.output {
-        if let Some(written) = failures.ok_or_collect(image::write(path, picture, &options)) {
+        if let Some(written) = failures.ok_or_collect_error(image::write(path, picture, &options)) {
             progress.print_line(&format!("wrote {}", path.display()));
             report_clipped_pixels(&written, path, arguments.exposure, progress);
         }
@@ -253,7 +256,7 @@ fn write_pictures(
         print_message(&format!("warning: {passes} no error estimate: {} has no maps of it", path.display()));
     }
     let written = image::write_layers(path, rendered.film.size(), &aov::aov_layers(rendered), &options.metadata);
-    if let Some(non_finite) = failures.ok_or_collect(written) {
+    if let Some(non_finite) = failures.ok_or_collect_error(written) {
         progress.print_line(&format!("wrote {}", path.display()));
         if non_finite > 0 {
             let values = count_with_noun(non_finite, "value", "values");

@@ -1,6 +1,6 @@
 //! JSON report of a render for `--stats`. `docs/guide/command-line.md` describes each field.
 
-use super::plan::EffectReport;
+use super::plan::EffectDecisionReport;
 use crate::integrate::{EmissionGuidingReportPerMap, GatherRadii, PhotonReport, RayPhotonBalance, StageTimes};
 use crate::render::error_estimate::{Confidence, ErrorEstimate, PassesNeeded};
 use crate::render::{EndReason, RenderResult};
@@ -28,10 +28,10 @@ pub(super) struct RenderReport {
     pub lights: usize,
     pub radii: Option<GatherRadiiReport>,
     pub emission_guiding: EmissionGuidingReportPerMap,
-    pub effects: Vec<EffectReport>,
+    pub effects: Vec<EffectDecisionReport>,
     pub balance: Option<RayPhotonBalance>,
     pub photons: PhotonReports,
-    /// `None` with too few passes, or without an error estimate.
+    /// Estimated error; `None` after too few passes, or if the error is not estimated.
     pub error: Option<EstimatedErrorReport>,
     pub counters: Counters,
     pub seconds: RenderTimes,
@@ -47,10 +47,10 @@ pub(super) struct EstimatedErrorReport {
     pub estimate: ErrorEstimate,
     /// Confidence that the true error lies between the bounds `low` and `high` of the estimate.
     confidence: Confidence,
-    /// Total number of passes at which the error would be half as large; `None` if no number is
+    /// Total number of passes after which the error would be half as large; `None` if no number is
     /// enough.
     halving_passes: Option<u32>,
-    /// Further time until the error is half as large \[s].
+    /// Further time until the error is half as large \[s]; `None` if it never is.
     halving_seconds: Option<f64>,
 }
 
@@ -95,7 +95,7 @@ pub(super) struct RenderRates {
     pub rays_per_second: f64,
 }
 
-/// Figures of a render that are known before its first pass.
+/// Properties of a render that are known before its first pass, for the JSON report.
 pub(super) struct RenderSetup {
     pub scene: String,
     pub integrator: &'static str,
@@ -106,7 +106,7 @@ pub(super) struct RenderSetup {
     pub lights: usize,
     pub radii: Option<GatherRadii>,
     pub emission_guiding: EmissionGuidingReportPerMap,
-    pub effects: Vec<EffectReport>,
+    pub effects: Vec<EffectDecisionReport>,
     pub balance: Option<RayPhotonBalance>,
     /// Time that the preparation took \[s].
     pub seconds: f64,

@@ -115,9 +115,9 @@ pub(super) fn settings_from_arguments(arguments: &MethodArguments, effects: Effe
     }
 }
 
-/// Returns the flags that reproduce these arguments, except the seed and default values.
+/// Returns the flags that reproduce `arguments`. Leaves out the seed and default values.
 ///
-/// `effects_flag` is the flag for `overrides`: `--effects` or `--simulate`.
+/// `effects_flag` is the name of the flag for `overrides`: `--effects` or `--simulate`.
 pub(super) fn method_flags(arguments: &MethodArguments, effects_flag: &str, overrides: EffectOverrides) -> Vec<String> {
     let MethodArguments {
         kernel, final_gathering, volume, light_tracing, indirect_photons, max_bounces, filter, ..
@@ -189,7 +189,8 @@ fn filter_name(filter: FilterKind) -> &'static str {
 /// Returns effect overrides as text, such as `+lens,-caustics`; `None` if no effect is forced on or
 /// off.
 fn effect_overrides_text(overrides: EffectOverrides) -> Option<String> {
-    let signed = |e: Effect| overrides.forced_state(e).map(|on| format!("{}{}", if on { '+' } else { '-' }, e.name()));
+    let signed =
+        |e: Effect| overrides.effect_override(e).map(|on| format!("{}{}", if on { '+' } else { '-' }, e.name()));
     let words: Vec<String> = Effect::ALL.into_iter().filter_map(signed).collect();
     (!words.is_empty()).then(|| words.join(","))
 }

@@ -200,7 +200,8 @@ pub const GLASSES: [(&str, DispersionFormula, &str); 9] = [
     ),
 ];
 
-/// Dispersion formula of the medium `name`; `None` if it is not in [`GLASSES`].
+/// Dispersion formula of the glass or other medium with this name; `None` if [`GLASSES`] does not
+/// list it.
 #[must_use]
 pub fn glass_by_name(name: &str) -> Option<DispersionFormula> {
     GLASSES.iter().find(|g| g.0 == name).map(|g| g.1)

@@ -18,11 +18,12 @@ use std::sync::LazyLock;
 const SHORTEST: f32 = 380.0;
 /// Longest rendered wavelength \[nm\].
 const LONGEST: f32 = 720.0;
-/// Number of wavelength intervals of constant response: one for each value of a byte except 0.
+/// Number of wavelength intervals. The responses are constant in each interval, and a byte codes
+/// its index plus 1.
 const CELLS: usize = 255;
-/// Width of an interval of constant response \[nm\].
+/// Width of a wavelength interval of constant response \[nm\].
 const STEP: f32 = (LONGEST - SHORTEST) / CELLS as f32;
-/// Least distance of samples from the ends of their interval, relative to the interval's width.
+/// Least distance of sampled wavelengths from the ends of their interval, relative to its width.
 const EDGE: f32 = 1.0 / 4096.0;
 
 /// A sampled wavelength between 380 and 720 nm.
@@ -58,7 +59,8 @@ impl Wavelength {
         RESPONSE_TABLE.pdfs[self.response_interval_index()]
     }
 
-    /// Weight of a path that sampled this wavelength: the channels' responses over the pdf.
+    /// Weight of a path that sampled this wavelength: the response of each RGB channel over the
+    /// pdf.
     ///
     /// The mean over the channels is 1, and the expected value of each channel is 1.
     #[must_use]
@@ -72,8 +74,8 @@ impl Wavelength {
         1 + self.response_interval_index() as u8
     }
 
-    /// Decodes a wavelength from [`Wavelength::byte_code`]; `None` for 0, which stands for all
-    /// wavelengths.
+    /// Returns the wavelength of a code from [`Wavelength::byte_code`]; `None` for 0, which stands
+    /// for all wavelengths.
     #[must_use]
     pub fn from_byte_code(code: u8) -> Option<Self> {
         let step = code.checked_sub(1)?;
@@ -86,9 +88,9 @@ impl Wavelength {
     }
 }
 
-/// Sampling table of the wavelengths, by intervals of constant response.
+/// Table for sampling wavelengths. The responses of the RGB channels are constant in each interval.
 struct SpectralResponseTable {
-    /// Cumulative probabilities: that at the start of each interval, and 1 at the end.
+    /// Cumulative probability at the start of each interval; the last entry is 1.
     sums: [f64; CELLS + 1],
     /// Pdf in each interval \[1/nm].
     pdfs: [f32; CELLS],

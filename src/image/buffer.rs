@@ -9,7 +9,7 @@ pub const MAX_PIXELS: u64 = 1 << 28;
 
 /// Error: the size of a picture is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum SizeError {
+pub enum PictureSizeError {
     /// Width or height is zero.
     #[error("a picture of {width} × {height} pixels is empty: both sides must be at least 1")]
     Empty {
@@ -38,14 +38,14 @@ pub enum SizeError {
     },
 }
 
-/// Number of pixels of a picture of valid size `width` × `height`.
-pub(super) fn pixel_count(width: u32, height: u32) -> Result<usize, SizeError> {
+/// Number of pixels of a picture of `width` × `height`; fails if the size is invalid.
+pub(super) fn pixel_count(width: u32, height: u32) -> Result<usize, PictureSizeError> {
     if width == 0 || height == 0 {
-        return Err(SizeError::Empty { width, height });
+        return Err(PictureSizeError::Empty { width, height });
     }
     let count = u64::from(width) * u64::from(height);
     if count > MAX_PIXELS {
-        return Err(SizeError::TooLarge { width, height });
+        return Err(PictureSizeError::TooLarge { width, height });
     }
     Ok(count as usize)
 }
@@ -68,8 +68,8 @@ impl Image {
     /// A black picture.
     ///
     /// # Errors
-    /// [`SizeError`] if a side is zero or the picture exceeds [`MAX_PIXELS`].
-    pub fn new(width: u32, height: u32) -> Result<Self, SizeError> {
+    /// [`PictureSizeError`] if a side is zero or the picture exceeds [`MAX_PIXELS`].
+    pub fn new(width: u32, height: u32) -> Result<Self, PictureSizeError> {
         let count = pixel_count(width, height)?;
         Ok(Self { width, height, pixels: vec![Vec3::ZERO; count] })
     }
@@ -79,10 +79,10 @@ impl<T: Copy> Raster<T> {
     /// A picture from `width · height` pixels in rows from the top left.
     ///
     /// # Errors
-    /// [`SizeError`] if the sides are invalid or do not match the number of pixels.
-    pub fn from_pixels(width: u32, height: u32, pixels: Vec<T>) -> Result<Self, SizeError> {
+    /// [`PictureSizeError`] if the sides are invalid or do not match the number of pixels.
+    pub fn from_pixels(width: u32, height: u32, pixels: Vec<T>) -> Result<Self, PictureSizeError> {
         if pixels.len() != pixel_count(width, height)? {
-            return Err(SizeError::Count { width, height, found: pixels.len() });
+            return Err(PictureSizeError::Count { width, height, found: pixels.len() });
         }
         Ok(Self { width, height, pixels })
     }
@@ -128,13 +128,13 @@ mod tests {
 
     #[test]
     fn invalid_sizes_are_refused() {
-        assert_eq!(Image::new(0, 5).unwrap_err(), SizeError::Empty { width: 0, height: 5 });
+        assert_eq!(Image::new(0, 5).unwrap_err(), PictureSizeError::Empty { width: 0, height: 5 });
         assert_eq!(
             Image::new(u32::MAX, u32::MAX).unwrap_err(),
-            SizeError::TooLarge { width: u32::MAX, height: u32::MAX }
+            PictureSizeError::TooLarge { width: u32::MAX, height: u32::MAX }
         );
         let short = Image::from_pixels(2, 2, vec![Vec3::ONE; 3]).unwrap_err();
-        assert_eq!(short, SizeError::Count { width: 2, height: 2, found: 3 });
+        assert_eq!(short, PictureSizeError::Count { width: 2, height: 2, found: 3 });
     }
 
     #[test]

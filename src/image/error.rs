@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use super::buffer::SizeError;
+use super::buffer::PictureSizeError;
 use crate::stats::format_bytes;
 
 /// Error: a picture was not written. An existing file at the path is unchanged.
@@ -12,13 +12,13 @@ pub enum WriteError {
     /// The extension is neither `.png` nor `.exr`.
     #[error("`{}` names no known picture format: give it the extension .png or .exr", path.display())]
     Extension {
-        /// The path as given.
+        /// Path of the output file, as given by the caller.
         path: PathBuf,
     },
     /// A file with layers was requested, but its extension is not `.exr`.
     #[error("`{}` cannot hold layers: give it the extension .exr", path.display())]
     NoLayers {
-        /// The path as given.
+        /// Path of the output file, as given by the caller.
         path: PathBuf,
     },
     /// OpenEXR cannot store a channel.
@@ -26,13 +26,13 @@ pub enum WriteError {
     Channel {
         /// Name of the channel with its layer, such as `noise.R`.
         channel: String,
-        /// The rule that the channel violates.
+        /// The rule of OpenEXR that the channel violates.
         reason: &'static str,
     },
     /// The folder of the file does not exist.
     #[error("cannot write `{}`: there is no folder `{}`: create it or choose another path", path.display(), folder.display())]
     NoFolder {
-        /// The path as given.
+        /// Path of the output file, as given by the caller.
         path: PathBuf,
         /// The missing folder.
         folder: PathBuf,
@@ -40,39 +40,39 @@ pub enum WriteError {
     /// The path is a folder or a device.
     #[error("cannot write `{}`: a folder or device of this name exists: choose another path", path.display())]
     NotAFile {
-        /// The path as given.
+        /// Path of the output file, as given by the caller.
         path: PathBuf,
     },
     /// The existing file is read-only.
     #[error("cannot replace `{}`: the file is read-only: make it writable or choose another path", path.display())]
     ReadOnly {
-        /// The path as given.
+        /// Path of the output file, as given by the caller.
         path: PathBuf,
     },
-    /// The operating system reported an error.
+    /// An operation on the file failed with an error of the operating system.
     #[error("cannot {action} `{}`: {source}", path.display())]
     Io {
-        /// The operation that failed.
+        /// The operation that failed, such as `create a file in`.
         action: &'static str,
-        /// Path of the file or folder.
+        /// Path of the file or folder on which the operation failed.
         path: PathBuf,
         /// Error of the operating system.
         source: io::Error,
     },
-    /// The file format cannot store a metadata pair.
+    /// The file format cannot store a pair of metadata, which is a key and a text.
     #[error("metadata `{key}` cannot be stored: {reason}")]
     Metadata {
-        /// Key of the pair.
+        /// Key of the metadata pair.
         key: String,
-        /// The rule that the pair violates.
+        /// The rule of the file format that the key or text violates.
         reason: &'static str,
     },
     /// The exposure is NaN or outside ±[`MAX_EXPOSURE_STOPS`](super::MAX_EXPOSURE_STOPS).
     #[error("an exposure of {stops} stops is out of range: choose one from -{limit} to {limit}")]
     Exposure {
-        /// Exposure in stops.
+        /// The given exposure \[stops].
         stops: f32,
-        /// Largest absolute exposure in stops.
+        /// Largest accepted absolute exposure \[stops].
         limit: f32,
     },
     /// The encoder of the file format failed.
@@ -83,10 +83,10 @@ pub enum WriteError {
 /// Error: a picture was not read.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
-    /// The operating system reported an error.
+    /// An operation on the file failed with an error of the operating system.
     #[error("cannot read `{}`: {source}", path.display())]
     Io {
-        /// The file.
+        /// Path of the picture file.
         path: PathBuf,
         /// Error of the operating system.
         source: io::Error,
@@ -94,13 +94,13 @@ pub enum ReadError {
     /// The first bytes are not a signature of PNG, OpenEXR or Radiance HDR.
     #[error("`{}` is not a PNG, OpenEXR or Radiance HDR picture: convert it to one of these", path.display())]
     UnknownFormat {
-        /// The file.
+        /// Path of the picture file.
         path: PathBuf,
     },
     /// The file is damaged, truncated, or of an unsupported variant.
     #[error("cannot decode `{}`: {reason}", path.display())]
     Decode {
-        /// The file.
+        /// Path of the picture file.
         path: PathBuf,
         /// Cause and, if known, remedy.
         reason: String,
@@ -108,10 +108,10 @@ pub enum ReadError {
     /// The header of the file contains an invalid picture size.
     #[error("cannot decode `{}`: {source}", path.display())]
     Size {
-        /// The file.
+        /// Path of the picture file.
         path: PathBuf,
         /// The invalid size.
-        source: SizeError,
+        source: PictureSizeError,
     },
     /// The picture does not fit into memory.
     #[error(
@@ -119,7 +119,7 @@ pub enum ReadError {
         path.display(), format_bytes(*needed), format_bytes(*free)
     )]
     Memory {
-        /// The file.
+        /// Path of the picture file.
         path: PathBuf,
         /// Peak memory while the picture is read \[bytes].
         needed: u64,
@@ -131,12 +131,12 @@ pub enum ReadError {
 /// Error of a decoder, which does not know the path of the file.
 pub(super) enum DecodeFailure {
     Reason(String),
-    Size(SizeError),
+    Size(PictureSizeError),
     Memory { needed: u64, free: u64 },
 }
 
-impl From<SizeError> for DecodeFailure {
-    fn from(error: SizeError) -> Self {
+impl From<PictureSizeError> for DecodeFailure {
+    fn from(error: PictureSizeError) -> Self {
         Self::Size(error)
     }
 }

@@ -1,6 +1,7 @@
 //! Reads and writes RGB pictures as OpenEXR files.
 //!
-//! Files hold linear radiance without exposure or tone curve. Half precision clamps it to ±65504.
+//! Files hold linear radiance without exposure or tone curve. With half precision, values are
+//! clamped to ±65504.
 
 use std::io::Cursor;
 
@@ -13,7 +14,7 @@ use glam::Vec3;
 
 use super::buffer::{Image, pixel_count};
 use super::error::{DecodeFailure, WriteError, check_compression_ratio, check_memory};
-use super::options::FloatDepth;
+use super::options::ExrPrecision;
 use super::tone::ClippedPixelReport;
 
 /// Rec. 709 primaries and the white point D65.
@@ -27,7 +28,7 @@ pub(super) const REC_709: Chromaticities = Chromaticities {
 /// Encodes `image` as the bytes of an OpenEXR file with lossless compression.
 pub(super) fn encode(
     image: &Image,
-    floats: FloatDepth,
+    floats: ExrPrecision,
     metadata: &[(String, String)],
 ) -> Result<(Vec<u8>, ClippedPixelReport), WriteError> {
     let (width, pixels) = (image.width() as usize, image.pixels());
@@ -48,13 +49,13 @@ pub(super) fn encode(
         }};
     }
     let file = match floats {
-        FloatDepth::Half => file!(to_clamped_half)?,
-        FloatDepth::Single => file!(|x: f32| x)?,
+        ExrPrecision::Half => file!(to_clamped_half)?,
+        ExrPrecision::Single => file!(|x: f32| x)?,
     };
     let count = |predicate: &dyn Fn(&Vec3) -> bool| pixels.iter().filter(|pixel| predicate(pixel)).count();
     let too_bright = match floats {
-        FloatDepth::Half => count(&|p| p.is_finite() && p.abs().max_element() > LARGEST_HALF),
-        FloatDepth::Single => 0,
+        ExrPrecision::Half => count(&|p| p.is_finite() && p.abs().max_element() > LARGEST_HALF),
+        ExrPrecision::Single => 0,
     };
     Ok((file, ClippedPixelReport { non_finite: count(&|p| !p.is_finite()), too_bright, negative: 0 }))
 }
@@ -78,9 +79,9 @@ pub(super) fn layer_attributes(metadata: &[(String, String)]) -> LayerAttributes
     attributes
 }
 
-/// Largest display window \[pixels] that may be mostly empty; larger than 3840 × 2160.
+/// Number of pixels up to which the display window of an OpenEXR file may be mostly empty.
 ///
-/// A larger window is checked against the size of the file.
+/// It exceeds 3840 × 2160. A file with a larger window is refused if it is too short to fill it.
 const ACCEPTED_WINDOW: u64 = 1 << 23;
 
 impl From<exr::error::Error> for DecodeFailure {

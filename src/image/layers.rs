@@ -27,7 +27,7 @@ pub struct ExrLayer {
 }
 
 impl ExrLayer {
-    /// Name of a channel with its layer, such as `noise.R`; `R` in the unnamed layer.
+    /// Name of a channel with the prefix of its layer, such as `noise.R`; `R` in the unnamed layer.
     fn full_channel_name(&self, channel: &str) -> String {
         if self.name.is_empty() { channel.to_owned() } else { format!("{}.{channel}", self.name) }
     }
@@ -38,11 +38,11 @@ impl ExrLayer {
 /// # Errors
 /// [`WriteError::NoLayers`] if the extension is not `.exr`, or the error of [`check_replaceable`].
 pub fn check_layers_path(path: &Path) -> Result<(), WriteError> {
-    check_layer_extension(path)?;
+    check_exr_extension(path)?;
     check_replaceable(path)
 }
 
-fn check_layer_extension(path: &Path) -> Result<(), WriteError> {
+fn check_exr_extension(path: &Path) -> Result<(), WriteError> {
     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")) {
         Ok(())
     } else {
@@ -65,7 +65,7 @@ pub fn write_layers(
     layers: &[ExrLayer],
     metadata: &[(String, String)],
 ) -> Result<usize, WriteError> {
-    check_layer_extension(path)?;
+    check_exr_extension(path)?;
     check_metadata(metadata)?;
     replace_file(path, &encode(size, layers, metadata)?)?;
     let values = layers.iter().flat_map(|layer| &layer.channels).flat_map(|(_, values)| values);

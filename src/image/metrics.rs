@@ -1,13 +1,13 @@
 //! Error metrics between two pictures.
 
 use super::buffer::{Image, RgbBytes};
-use super::relative::RelativeScale;
+use super::relative::RelativeErrorWeights;
 use serde::Serialize;
 
 /// Error: two pictures cannot be compared.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum MetricError {
-    /// The sizes differ.
+    /// The sizes of the two pictures differ.
     #[error("a picture of {} × {} pixels cannot be compared with one of {} × {}", a.0, a.1, b.0, b.1)]
     Size {
         /// Width and height of the first picture.
@@ -18,11 +18,11 @@ pub enum MetricError {
     /// A pixel is NaN or infinite.
     #[error("the {which} picture has a non-finite pixel in column {x}, row {y}: repair it before comparing")]
     NonFinite {
-        /// `first` or `second`.
+        /// The picture that contains the pixel: `first` or `second`.
         which: &'static str,
-        /// Column from the left, from 0.
+        /// Column of the pixel from the left, from 0.
         x: u32,
-        /// Row from the top, from 0.
+        /// Row of the pixel from the top, from 0.
         y: u32,
     },
     /// An option is out of range.
@@ -30,7 +30,7 @@ pub enum MetricError {
     Parameter {
         /// Name of the option: `epsilon`, `clip`, `exposure` or `pixels per degree`.
         name: &'static str,
-        /// The given value.
+        /// The given value of the option.
         value: f64,
     },
 }
@@ -125,7 +125,7 @@ pub fn largest_differences(a: &Image, b: &Image) -> Result<PixelDifferences, Met
     Ok(found)
 }
 
-/// Relative root mean square error. [`RelativeScale`] defines what the error is relative to.
+/// Relative root mean square error; [`RelativeErrorWeights`] defines what the error is relative to.
 ///
 /// # Errors
 /// [`MetricError`] if the sizes differ or a pixel is not finite.
@@ -136,7 +136,7 @@ pub fn relative_error(a: &Image, reference: &Image) -> Result<f64, MetricError> 
         let d = a[i].as_dvec3() - b[i].as_dvec3();
         d * d
     };
-    Ok(RelativeScale::from_image(reference).mean(square).sqrt())
+    Ok(RelativeErrorWeights::from_image(reference).mean(square).sqrt())
 }
 
 /// Differences of the levels of two 8-bit pictures.

@@ -18,16 +18,16 @@ mod replace;
 mod tone;
 mod write;
 
-pub use buffer::{Image, MAX_PIXELS, Raster, RgbBytes, SizeError};
+pub use buffer::{Image, MAX_PIXELS, PictureSizeError, Raster, RgbBytes};
 pub use error::{ReadError, WriteError};
 pub use layers::{ExrLayer, check_layers_path, write_layers};
 pub(crate) use open::open_file;
-pub use options::{BitDepth, FloatDepth, WriteOptions};
+pub use options::{BitDepth, ExrPrecision, WriteOptions};
 pub use ramp::{diverging_color, sequential_color};
 pub use read::{
-    PictureContent, PictureFormat, decode, read, read_bytes, read_data, read_with_format, read_with_memory_limit,
+    PictureFormat, PixelMeaning, decode, read, read_bytes, read_data, read_with_format, read_with_memory_limit,
 };
-pub use relative::RelativeScale;
+pub use relative::RelativeErrorWeights;
 pub use replace::{canonical_output_path, check_replaceable, replace_file, replace_file_with};
 pub use tone::{ClippedPixelReport, MAX_EXPOSURE_STOPS, ToneCurve, ToneMap, UnknownToneCurve};
 pub use write::{OutputFormat, check_writable, encode, write};

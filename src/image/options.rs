@@ -3,19 +3,19 @@
 use super::error::WriteError;
 use super::tone::ToneMap;
 
-/// Bits per channel of a PNG.
+/// Bits per channel of a PNG file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BitDepth {
-    /// 256 levels.
+    /// 8 bits per channel: 256 levels.
     #[default]
     Eight,
-    /// 65,536 levels.
+    /// 16 bits per channel: 65,536 levels.
     Sixteen,
 }
 
-/// Bits per channel of an OpenEXR file.
+/// Floating-point precision of the channels of an OpenEXR file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum FloatDepth {
+pub enum ExrPrecision {
     /// 16 bits: half precision, with 11 significant bits, up to 65504.
     Half,
     /// 32 bits: single precision.
@@ -28,10 +28,10 @@ pub enum FloatDepth {
 pub struct WriteOptions {
     /// Exposure and tone curve of PNG files. OpenEXR files hold linear radiance.
     pub tone: ToneMap,
-    /// Bits per channel of PNG.
+    /// Bits per channel of PNG files.
     pub depth: BitDepth,
-    /// Bits per channel of OpenEXR.
-    pub floats: FloatDepth,
+    /// Floating-point precision of OpenEXR files.
+    pub floats: ExrPrecision,
     /// Metadata of the file: pairs of key and text.
     ///
     /// PNG stores them as text chunks, OpenEXR as lines `key: text` of the attribute `comments`. A

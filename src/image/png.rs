@@ -148,7 +148,7 @@ pub(super) fn read_data(file: &[u8], free: Option<u64>) -> Result<Image, DecodeF
     apply_transfer_function(decode_png_samples(file, free)?, |signal| signal as f32)
 }
 
-/// Converts samples to an image by the function `linear` of a signal in [0, 1].
+/// Converts samples to an image; `linear` maps a signal in \[0, 1] to a linear value.
 fn apply_transfer_function(decoded: DecodedPng, linear: impl Fn(f64) -> f32) -> Result<Image, DecodeFailure> {
     let DecodedPng { width, height, samples, sixteen, .. } = decoded;
     let table: Vec<f32> = if sixteen {
@@ -165,7 +165,7 @@ fn apply_transfer_function(decoded: DecodedPng, linear: impl Fn(f64) -> f32) -> 
     Ok(Image::from_pixels(width, height, pixels)?)
 }
 
-/// Decodes the levels of an 8-bit file, without a transfer function.
+/// Decodes the levels of an 8-bit PNG file, without a transfer function.
 pub(super) fn read_bytes(file: &[u8]) -> Result<RgbBytes, DecodeFailure> {
     let decoded = decode_png_samples(file, None)?;
     if decoded.sixteen {

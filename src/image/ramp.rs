@@ -71,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn larger_is_lighter() {
+    fn larger_values_have_lighter_colors() {
         let luminance = |c: Vec3| c.dot(Vec3::new(0.2126, 0.7152, 0.0722));
         let lights: Vec<f32> = (0..=64).map(|i| luminance(sequential_color(f64::from(i) / 64.0))).collect();
         assert!(lights.is_sorted_by(|a, b| a < b), "{lights:?}");

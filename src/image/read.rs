@@ -60,7 +60,7 @@ pub fn read(path: &Path) -> Result<Image, ReadError> {
 /// [`ReadError`], see [`read`].
 pub fn read_with_format(path: &Path) -> Result<(Image, PictureFormat), ReadError> {
     let file = read_file_bytes(path, None)?;
-    decode(path, &file, PictureContent::Radiance, None)
+    decode(path, &file, PixelMeaning::Radiance, None)
 }
 
 /// Reads a picture like [`read`], but PNG samples as data from 0 to 1 without a transfer function.
@@ -68,12 +68,14 @@ pub fn read_with_format(path: &Path) -> Result<(Image, PictureFormat), ReadError
 /// # Errors
 /// [`ReadError`], see [`read`].
 pub fn read_data(path: &Path) -> Result<Image, ReadError> {
-    read_with_memory_limit(path, PictureContent::Data, None)
+    read_with_memory_limit(path, PixelMeaning::Data, None)
 }
 
-/// Content of a picture file, which determines how PNG samples are decoded.
+/// Meaning of the pixels of a picture file: radiance or other data.
+///
+/// It determines how PNG samples are decoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PictureContent {
+pub enum PixelMeaning {
     /// Colours. PNG samples are linearised.
     Radiance,
     /// Data such as roughness. PNG samples become numbers from 0 to 1 without a transfer function.
@@ -84,7 +86,7 @@ pub enum PictureContent {
 ///
 /// # Errors
 /// [`ReadError`], see [`read`]; also if the memory does not suffice.
-pub fn read_with_memory_limit(path: &Path, meaning: PictureContent, free: Option<u64>) -> Result<Image, ReadError> {
+pub fn read_with_memory_limit(path: &Path, meaning: PixelMeaning, free: Option<u64>) -> Result<Image, ReadError> {
     let file = read_file_bytes(path, free)?;
     Ok(decode(path, &file, meaning, free.map(|free| free.saturating_sub(file.len() as u64)))?.0)
 }
@@ -98,14 +100,14 @@ pub fn read_with_memory_limit(path: &Path, meaning: PictureContent, free: Option
 pub fn decode(
     path: &Path,
     file: &[u8],
-    meaning: PictureContent,
+    meaning: PixelMeaning,
     free: Option<u64>,
 ) -> Result<(Image, PictureFormat), ReadError> {
     let format =
         PictureFormat::from_signature(file).ok_or_else(|| ReadError::UnknownFormat { path: path.to_owned() })?;
     let image = match (format, meaning) {
-        (PictureFormat::Png, PictureContent::Radiance) => png::read(file, free),
-        (PictureFormat::Png, PictureContent::Data) => png::read_data(file, free),
+        (PictureFormat::Png, PixelMeaning::Radiance) => png::read(file, free),
+        (PictureFormat::Png, PixelMeaning::Data) => png::read_data(file, free),
         (PictureFormat::Exr, _) => exr::read(file, free),
         (PictureFormat::Hdr, _) => read_hdr(file, free),
     };

@@ -1,4 +1,4 @@
-//! Scale of relative errors between pictures.
+//! Weights for relative errors between pictures.
 
 use super::Image;
 use glam::{DVec3, Vec3};
@@ -8,26 +8,27 @@ const HALF_WIDTH: usize = 2;
 
 /// Per-pixel weights that turn squared errors into relative squared errors.
 ///
-/// The relative squared error is the mean of e² / (L² + m²) over pixels and channels. L is the mean
-/// radiance of the pixel's 5 × 5 neighbourhood in the reference. m is the median of L over pixels
-/// with L > 0. So errors in bright regions are relative to the local radiance, and in dark regions
-/// to the median. In a black picture, L² + m² is 1.
+/// The relative squared error is the mean of e² / (L² + m²) over pixels and channels, for the error
+/// e. L is the mean radiance of the pixel's 5 × 5 neighbourhood in the reference. m is the median
+/// of L over pixels with L > 0. So errors in bright regions are relative to the local radiance, and
+/// in dark regions to the median. For a black reference, the divisor is 1.
 #[derive(Clone, Debug, PartialEq)]
-pub struct RelativeScale {
+pub struct RelativeErrorWeights {
     /// 1 / (3 (L² + m²)) of each pixel, in rows from the top.
     weights: Vec<f64>,
 }
 
-impl RelativeScale {
-    /// Scale of errors against a reference picture. Local means leave out pixels that are not
-    /// finite.
+impl RelativeErrorWeights {
+    /// Weights for errors against the reference `picture`.
+    ///
+    /// Pixels that are not finite do not count in neighbourhoods.
     #[must_use]
     pub fn from_image(picture: &Image) -> Self {
         Self::from_pixels((picture.width(), picture.height()), picture.pixels())
     }
 
-    /// Scale of errors against a reference picture of `size` (width, height) with pixels in rows
-    /// from the top.
+    /// Weights for errors against a reference of `size` (width, height), with `pixels` in rows from
+    /// the top.
     ///
     /// # Panics
     /// If the number of pixels is not width · height.
@@ -62,7 +63,8 @@ impl RelativeScale {
 
     /// Weight of each pixel, in rows from the top.
     ///
-    /// Weight times squared error, summed over channels, is the pixel's relative squared error.
+    /// A weight times the squared error, summed over channels, is the relative squared error of the
+    /// pixel.
     #[must_use]
     pub fn pixel_weights(&self) -> &[f64] {
         &self.weights
@@ -70,15 +72,16 @@ impl RelativeScale {
 
     /// Relative squared error of pixel `i`, clamped to \[−1, 1].
     ///
-    /// `product` is the squared error, or a product of two errors, summed over channels.
+    /// `product` is the sum over channels of the squared error, or of the product of two errors.
     #[must_use]
     pub fn clamped_relative_product(&self, i: usize, product: f64) -> f64 {
         (self.weights[i] * product).clamp(-1.0, 1.0)
     }
 
-    /// Mean over pixels of the clamped relative squared error.
+    /// Mean over pixels of the relative squared error, which is clamped to \[−1, 1] per pixel.
     ///
-    /// `product(i)` is the squared error, or a product of two errors, of pixel i by channel.
+    /// `product(i)` gives the squared error of pixel i in each channel, or the product of two
+    /// errors.
     #[must_use]
     pub fn mean(&self, product: impl Fn(usize) -> DVec3) -> f64 {
         let sum: f64 =

@@ -22,12 +22,12 @@ pub fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     replace_file_with(path, |file| file.write_all(bytes))
 }
 
-/// Replaces the file at `path` by what `fill` writes, atomically like [`replace_file`].
+/// Replaces the file at `path` by a file that `fill` writes, atomically like [`replace_file`].
 ///
 /// # Errors
 /// [`WriteError`] like [`replace_file`], or if `fill` fails.
 pub fn replace_file_with(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), WriteError> {
-    let target = ReplaceTarget::find_writable(path)?;
+    let target = ReplaceTarget::find_replaceable_file(path)?;
     // Dropping the temporary file on an early return removes it.
     let mut temporary = target.create_temporary_file()?;
     let wrote = fill(temporary.as_file_mut()).and_then(|()| temporary.as_file().sync_all());
@@ -43,7 +43,7 @@ pub fn replace_file_with(path: &Path, fill: impl FnOnce(&mut File) -> io::Result
 /// # Errors
 /// [`WriteError`] that [`replace_file`] would return.
 pub fn check_replaceable(path: &Path) -> Result<(), WriteError> {
-    ReplaceTarget::find_writable(path)?.create_temporary_file().map(drop)
+    ReplaceTarget::find_replaceable_file(path)?.create_temporary_file().map(drop)
 }
 
 /// Absolute path of the file that [`replace_file`] would write, with symbolic links resolved.
@@ -61,7 +61,7 @@ fn parent_folder(file: &Path) -> &Path {
     file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Prefix and suffix of the names of temporary files.
+/// Prefix and suffix of the names of the temporary files of [`replace_file`].
 const TEMPORARY_NAME: (&str, &str) = (".caustica-", ".tmp");
 
 /// Age at which a temporary file counts as left by a killed process.
@@ -85,7 +85,7 @@ fn remove_abandoned_files(folder: &Path) {
     }
 }
 
-/// A file that is about to be replaced or created.
+/// Target of an atomic replacement: a writable file, or a path at which a file can be created.
 struct ReplaceTarget {
     /// Path with symbolic links resolved.
     file: PathBuf,
@@ -95,8 +95,9 @@ struct ReplaceTarget {
 }
 
 impl ReplaceTarget {
-    /// Finds the file to replace at `path`; fails if its folder, kind or permissions forbid that.
-    fn find_writable(path: &Path) -> Result<Self, WriteError> {
+    /// Finds the file to replace at `path`; fails if the folder is missing or the file is not
+    /// writable.
+    fn find_replaceable_file(path: &Path) -> Result<Self, WriteError> {
         let file = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         let folder = parent_folder(&file).to_owned();
         if !folder.is_dir() {

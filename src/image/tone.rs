@@ -23,12 +23,13 @@ pub enum ToneCurve {
     Filmic,
     /// Clamps to \[0, 1] and truncates to levels, without a transfer function: trunc(255 · c).
     ///
-    /// It reproduces the pictures of the ray caster for which the legacy scene format was made.
+    /// This curve reproduces the pictures of the ray caster for which the legacy scene format was
+    /// made.
     Course,
 }
 
 impl ToneCurve {
-    /// All curves, in the order of help texts.
+    /// All tone curves, in the order in which help texts list them.
     pub const ALL: [Self; 3] = [Self::Srgb, Self::Filmic, Self::Course];
 
     /// Name of the curve on the command line.
@@ -69,8 +70,9 @@ impl FromStr for ToneCurve {
 pub struct ToneMap {
     /// Tone curve after the exposure.
     pub curve: ToneCurve,
-    /// Exposure \[stops], within ±[`MAX_EXPOSURE_STOPS`]. Radiance is multiplied by 2 to the power
-    /// of the exposure.
+    /// Exposure \[stops], within ±[`MAX_EXPOSURE_STOPS`].
+    ///
+    /// Radiance is multiplied by 2 to the power of the exposure.
     pub exposure_stops: f32,
 }
 

@@ -79,17 +79,23 @@ impl Algorithm {
             Media, Motion, Shadows, SoftShadows, Specular, Textures,
         };
         const RAYCAST: Effects = Effects::from_list(&[Textures, Bump]);
-        const WHITTED: Effects = RAYCAST.with(Specular).with(Shadows).with(Environment).with(Interiors);
-        const DISTRIBUTED: Effects = WHITTED.with(SoftShadows).with(Lens).with(Motion).with(Media).with(Dispersion);
-        const PATH: Effects = DISTRIBUTED.with(Interreflection).with(Caustics);
-        const PHOTONS: Effects = PATH.with(CausticBounces);
+        const WHITTED: Effects =
+            RAYCAST.with_effect(Specular).with_effect(Shadows).with_effect(Environment).with_effect(Interiors);
+        const DISTRIBUTED: Effects = WHITTED
+            .with_effect(SoftShadows)
+            .with_effect(Lens)
+            .with_effect(Motion)
+            .with_effect(Media)
+            .with_effect(Dispersion);
+        const PATH: Effects = DISTRIBUTED.with_effect(Interreflection).with_effect(Caustics);
+        const PHOTONS: Effects = PATH.with_effect(CausticBounces);
         match self {
             Self::Raycast => RAYCAST,
             Self::Whitted => WHITTED,
             Self::Distributed => DISTRIBUTED,
             Self::Path => PATH,
             Self::Hybrid | Self::Sppm | Self::Ppm => PHOTONS,
-            Self::Pm => PHOTONS.with(Gathering),
+            Self::Pm => PHOTONS.with_effect(Gathering),
         }
     }
 

@@ -245,7 +245,7 @@ fn scatter_at_caster<I: Interior>(
         let has_room = stack.len() < MAX_BRANCHES;
         if has_room && path.history.receivers == 0 && weaker > MIN_SPLIT_THROUGHPUT.max(policy.min_throughput) {
             stack.push(path.after_scattering(surface, split.reflected.0, Rgb::splat(split.reflected.1), false));
-            let weight = Rgb::splat(split.transmitted.1 / split.radiance_divisor);
+            let weight = Rgb::splat(split.transmitted.1 / split.transmitted_radiance_divisor);
             *path = path.after_scattering(surface, split.transmitted.0, weight, true);
             return true;
         }
@@ -482,7 +482,7 @@ impl<I: Interior> PathState<I> {
         transmitted: bool,
     ) -> Self {
         let mut path_ray = self.path_ray;
-        let weight = weight * path_ray.leave_surface(surface, direction, transmitted);
+        let weight = weight * path_ray.leave_surface_with_wavelength_weight(surface, direction, transmitted);
         let sampler = self.sampler.next_vertex_sampler(self.bounce, transmitted);
         let throughput = self.throughput * weight;
         Self { path_ray, throughput, bounce: self.bounce + 1, prev: None, sampler, ..*self }

@@ -210,9 +210,11 @@ impl<'a> PhotonMapBuilder<'a> {
             restrict_to_effects(new_source()?, policy.effects)
         };
         // Caustics forced on in a scene without lit casters start in all directions.
-        let aimed = || PhotonSource::aimed_at_casters(scene).or_else(|| PhotonSource::in_all_directions(scene));
+        let aimed =
+            || PhotonSource::aimed_at_casters(scene).or_else(|| PhotonSource::emitting_in_all_directions(scene));
         let caustic_source = source(request.aimed, settings.caustic_photons, &aimed);
-        let unaimed_source = source(request.unaimed, settings.photons, &|| PhotonSource::in_all_directions(scene));
+        let unaimed_source =
+            source(request.unaimed, settings.photons, &|| PhotonSource::emitting_in_all_directions(scene));
         let counts = PhotonPathCounts { photons: settings.photons, caustic_photons: settings.caustic_photons };
         let mut builder = Self {
             scene,
@@ -445,7 +447,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let Some(source) = self.caustic_source.as_ref().filter(|_| self.request.aimed.caustic) else { return };
         let shares = match self.policy.light_tracing {
             LightTracing::Off => return,
-            LightTracing::Full => DensityEstimateShares::uniform(0, size),
+            LightTracing::Full => DensityEstimateShares::with_uniform_share(0, size),
             LightTracing::Weighted => {
                 let paths = self.counts.caustic_photons.min(MAX_SHARE_PILOT_PATHS);
                 let camera_paths = &self.settings.camera_paths;
@@ -684,7 +686,7 @@ pub(super) fn has_scattering_or_emitting_media(scene: &Scene, effects: Effects) 
 /// Returns `source` without the light of effects that are off; `None` if no light is left.
 fn restrict_to_effects<'a>(source: PhotonSource<'a>, effects: Effects) -> Option<PhotonSource<'a>> {
     let source = source.with_effects(effects);
-    if effects.has(Effect::Environment) { Some(source) } else { source.without_environment() }
+    if effects.has(Effect::Environment) { Some(source) } else { source.without_environment_light() }
 }
 
 fn photon_report(traced: &PhotonPassResult) -> PhotonReport {

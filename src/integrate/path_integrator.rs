@@ -128,7 +128,7 @@ impl<'a> PathIntegrator<'a> {
     ///
     /// Pilots guide photon emission, find gather radii, and balance camera rays against photons.
     pub fn new(scene: &'a Scene, plan: Plan, settings: Settings, make_policy: PolicyFn) -> Self {
-        let (effects, needed) = (plan.simulated_effects(), plan.needed_effects());
+        let (effects, needed) = (plan.simulated_effects(), plan.needed_and_simulated_effects());
         let policy = make_policy(effects, &settings);
         let mut renderer = PassRenderer::new(scene, settings.clone(), policy);
 

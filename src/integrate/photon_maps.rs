@@ -170,7 +170,7 @@ impl PhotonEstimator<'_> {
         let nested = worker.nests_estimates;
         let (scratch, discs) = scratch(worker);
         if !nested {
-            let estimate = self.map.estimate(p, normal, bandwidth, kernel, scratch, brdf);
+            let estimate = self.map.estimate_radiance(p, normal, bandwidth, kernel, scratch, brdf);
             worker.counters.gathered_photons += u64::from(estimate.count);
             if estimate.count == 0 {
                 return Rgb::ZERO;
@@ -178,7 +178,7 @@ impl PhotonEstimator<'_> {
             return estimate.radiance / disc_coverage(self.scene, p, normal, estimate.radius, kernel, key);
         }
         let NestedRadianceEstimate { whole, mut radiance } =
-            self.map.estimate_nested(p, normal, bandwidth, kernel, scratch, brdf);
+            self.map.estimate_nested_radiance(p, normal, bandwidth, kernel, scratch, brdf);
         discs.add(whole.radius, whole.count);
         worker.counters.gathered_photons += u64::from(whole.count);
         if whole.count == 0 {

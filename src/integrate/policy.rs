@@ -181,14 +181,16 @@ mod tests {
         assert_eq!(maps(sppm::policy, Effects::ALL), sppm);
         let gathering = StoreMask { direct: true, ..StoreMask::INDIRECT };
         assert_eq!(maps(pm::policy, Effects::ALL), PhotonMapRequest { unaimed: gathering, guides: true, ..sppm });
-        assert_eq!(maps(pm::policy, Effects::ALL.without(Effect::Gathering)), sppm);
+        assert_eq!(maps(pm::policy, Effects::ALL.without_effect(Effect::Gathering)), sppm);
     }
 
     #[test]
     fn effects_that_are_off_need_no_map() {
         let settings = Settings::default();
-        let direct =
-            Effects::ALL.without(Effect::Caustics).without(Effect::CausticBounces).without(Effect::Interreflection);
+        let direct = Effects::ALL
+            .without_effect(Effect::Caustics)
+            .without_effect(Effect::CausticBounces)
+            .without_effect(Effect::Interreflection);
         for make in [hybrid::policy as PolicyFn, sppm::policy, pm::policy] {
             let PhotonMapRequest { aimed, unaimed, guides } = make(direct, &settings).photon_map_request();
             assert_eq!((aimed, unaimed, guides), (StoreMask::NONE, StoreMask::NONE, false));

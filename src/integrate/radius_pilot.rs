@@ -217,7 +217,7 @@ fn trace_medium_segments(scene: &Scene, effects: Effects, key: Key) -> Vec<Vec<R
             }
             let (lobe, u) = (sampler.get_1d(Dimension::BsdfLobe), sampler.get_2d(Dimension::BsdfDirection));
             let Some(sample) = surface.sample(lobe, u, TransportMode::Radiance) else { break };
-            let _ = path_ray.leave_surface(&surface, sample.wi, sample.is_transmitted);
+            let _ = path_ray.leave_surface_with_wavelength_weight(&surface, sample.wi, sample.is_transmitted);
         }
         segments
     };

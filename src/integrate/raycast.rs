@@ -13,8 +13,8 @@ use crate::math::Ray;
 use crate::plan::{Effects, Plan};
 use crate::sampling::{Key, Purpose};
 use crate::scene::{
-    Effect, Hit, LegacyLight, MaterialKind, MeanEvaluator, ParameterEvaluator, RayCone, Scene, SurfaceInteraction,
-    TextureEvaluator,
+    Effect, Hit, LegacyLight, MaterialKind, MeanParameterEvaluator, ParameterEvaluator, RayCone, Scene,
+    SurfaceInteraction, TextureEvaluator,
 };
 use crate::stats::Counters;
 use std::time::Instant;
@@ -134,7 +134,7 @@ impl PhongAppearance {
 fn phong_appearance(scene: &Scene, surface: &SurfaceInteraction<'_>, hit: &Hit, cone: &RayCone) -> PhongAppearance {
     let material = surface.material;
     if !(material.is_textured() && cone.effects.has(Effect::Textures)) {
-        return PhongAppearance::from_material(material.kind(), &MeanEvaluator);
+        return PhongAppearance::from_material(material.kind(), &MeanParameterEvaluator);
     }
     let at = scene.texture_context(hit, &surface.point, surface.wo, cone);
     PhongAppearance::from_material(material.kind(), &TextureEvaluator { textures: scene.textures(), at })

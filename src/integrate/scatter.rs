@@ -30,7 +30,7 @@ pub(super) fn collect_gather_directions<I: Interior>(
     let bandwidth = Bandwidth { radius: min_gather_distance * GUIDE_RADIUS, k: GUIDE_PHOTONS };
     let (p, normal) = (vertex.surface.point.p, vertex.surface.facing_normal());
     // The estimate itself is not used: the lookup visits the photons.
-    let _ = maps.guides.estimate(p, normal, bandwidth, Kernel::Cone, guide_lookup, |flux| {
+    let _ = maps.guides.estimate_radiance(p, normal, bandwidth, Kernel::Cone, guide_lookup, |flux| {
         guide.borrow_mut().push(flux.incident_direction());
         Rgb::ZERO
     });

@@ -192,12 +192,12 @@ mod tests {
     #[test]
     fn untraced_photons_do_not_change_the_balance() {
         let mut builder = SceneBuilder::new();
-        let white = builder.material(Material::diffuse(Vec3::splat(0.7)));
-        let glass = builder.material(Material::dielectric(1.5, Vec3::ZERO));
-        builder.plane(Plane::new(DVec3::ZERO, DVec3::Y), white, Vec3::ZERO);
-        builder.shape(Shape::Sphere(Sphere::new(DVec3::Y, 0.8)), glass, Vec3::ZERO);
+        let white = builder.add_material(Material::diffuse(Vec3::splat(0.7)));
+        let glass = builder.add_material(Material::dielectric(1.5, Vec3::ZERO));
+        builder.add_plane(Plane::new(DVec3::ZERO, DVec3::Y), white, Vec3::ZERO);
+        builder.add_shape(Shape::Sphere(Sphere::new(DVec3::Y, 0.8)), glass, Vec3::ZERO);
         let kind = DeltaLightKind::Point { position: DVec3::new(2.0, 4.0, 1.0) };
-        builder.delta_light(kind, LightStrength::Power(Vec3::splat(100.0)));
+        builder.add_delta_light(kind, LightStrength::Power(Vec3::splat(100.0)));
         let eye =
             Camera::perspective(DVec3::new(0.0, 2.0, 6.0), DVec3::new(0.0, -0.2, -1.0), DVec3::Y, 0.7, 64, 48).unwrap();
         let scene = builder.build(eye).unwrap();

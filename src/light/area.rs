@@ -24,21 +24,22 @@ pub enum LightSurface {
     Shape(Shape),
     /// Consecutive triangles of a mesh.
     Triangles {
-        /// The mesh that contains the triangles.
+        /// Mesh that contains the triangles.
         mesh: Arc<Mesh>,
         /// Index of the first triangle.
         first: u32,
-        /// Distribution over the triangles by area; index 0 is the triangle `first`.
+        /// Discrete distribution over the triangles by area. Its index 0 stands for the triangle
+        /// `first`.
         choice: DiscreteDistribution,
     },
 }
 
-/// A surface that emits on its outer side.
+/// An area light: a surface that emits on its outer side.
 #[derive(Clone, Debug)]
 pub struct AreaLight {
     /// The emitting surface.
     pub surface: LightSurface,
-    /// Emitted radiance \[W/(m² sr)], mean over the surface if there is a texture.
+    /// Emitted radiance \[W/(m² sr)]; if there is a texture, its mean over the surface.
     pub radiance: Rgb,
     /// Texture of the radiance; `None` if the radiance is uniform.
     pub texture: Option<Arc<EmissionTexture>>,
@@ -47,7 +48,7 @@ pub struct AreaLight {
 /// A texture that defines the emitted radiance of a surface.
 #[derive(Clone, Debug)]
 pub struct EmissionTexture {
-    /// The texture, which `scale` converts to radiance.
+    /// The texture, whose values `scale` converts to radiance.
     pub texture: Arc<Texture>,
     /// Mapping from surface points to texture coordinates.
     pub mapping: TextureMapping,
@@ -55,7 +56,7 @@ pub struct EmissionTexture {
     pub scale: Rgb,
 }
 
-/// Parametric coordinates of a sampled point on the surface of an area light.
+/// Parametric coordinates of a sampled point on the surface of an area light, for texture lookup.
 #[derive(Clone, Copy, Debug)]
 enum SurfaceCoord {
     /// Parametric coordinates on an analytic shape.
@@ -113,8 +114,8 @@ impl LightSurface {
         }
     }
 
-    /// Texture coordinates that the surface itself defines at the point `p`, whose parametric
-    /// coordinates are `coord`.
+    /// Texture coordinates that the surface defines at its point `p`, which has the parametric
+    /// coordinates `coord`.
     fn tex_coord(&self, p: Vec3, coord: SurfaceCoord) -> TexCoord {
         match (self, coord) {
             (Self::Shape(shape), SurfaceCoord::Shape(uv)) => shape.tex_coord(p, uv),
@@ -125,7 +126,7 @@ impl LightSurface {
         }
     }
 
-    /// A point from which light leaves, offset from the surface to its outer side.
+    /// A sample point of the surface, offset to its outer side by the rounding errors of positions.
     pub(super) fn emission_point(&self) -> Vec3 {
         let point = self.sample(Vec2::splat(0.5)).point;
         offset_ray_origin(point.p, point.error, point.ng, point.ng)
@@ -139,8 +140,8 @@ impl LightSurface {
         }
     }
 
-    /// A point of the surface if it is a planar analytic shape; `None` for curved shapes and
-    /// meshes.
+    /// A point of the surface with its normal, if the surface is a planar analytic shape; `None`
+    /// for curved shapes and meshes.
     fn point_if_planar(&self) -> Option<SurfacePoint> {
         match self {
             Self::Shape(shape) => shape.point_if_planar(),
@@ -185,7 +186,7 @@ impl EmissionTexture {
 impl AreaLight {
     /// Creates a light with uniform radiance \[W/(m² sr)].
     #[must_use]
-    pub fn uniform(surface: LightSurface, radiance: Rgb) -> Self {
+    pub fn with_uniform_radiance(surface: LightSurface, radiance: Rgb) -> Self {
         Self { surface, radiance, texture: None }
     }
 
@@ -194,15 +195,16 @@ impl AreaLight {
         self.radiance * (PI * self.surface.area() as f32)
     }
 
-    /// Samples a point of the surface by area, and returns it with the radiance emitted there
-    /// \[W/(m² sr)].
+    /// Samples a point of the surface uniformly by area, and returns it with the radiance emitted
+    /// there \[W/(m² sr)].
     #[inline]
     fn sample(&self, u: Vec2) -> (ShapeSample, Rgb) {
         let (sample, coord) = self.surface.sample_point_with_coord(u);
         (sample, self.radiance_at(&sample.point, coord))
     }
 
-    /// Emitted radiance at a point of the surface \[W/(m² sr)].
+    /// Emitted radiance at `point` \[W/(m² sr)]. `coord` holds the parametric coordinates of the
+    /// point.
     #[inline]
     fn radiance_at(&self, point: &SurfacePoint, coord: SurfaceCoord) -> Rgb {
         match &self.texture {
@@ -215,8 +217,9 @@ impl AreaLight {
         }
     }
 
-    /// Samples a point of the surface by area, with its pdf per solid angle at `p`; `None` if `p`
-    /// is behind the surface there.
+    /// Samples a point of the surface by area, and returns it with its pdf per solid angle at `p`.
+    ///
+    /// Returns `None` if `p` is behind the surface at the sampled point.
     #[inline]
     fn sample_surface_by_area(&self, p: Vec3, u: Vec2) -> Option<(SolidAngleSample, SurfaceCoord)> {
         let (ShapeSample { point, pdf, .. }, coord) = self.surface.sample_point_with_coord(u);

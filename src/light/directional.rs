@@ -65,8 +65,8 @@ impl LightSource for DirectionalLight {
     }
 }
 
-/// Samples a ray along unit `direction` by `u` in \[0, 1)². Returns the ray, and the area of all
-/// possible origins \[length²].
+/// Samples the origin of a ray along unit `direction` by `u` in \[0, 1)². Returns the ray, and the
+/// area of all possible origins \[length²].
 ///
 /// Origins are uniform on a disc with the radius of the sphere `domain`. The disc is perpendicular
 /// to `direction` and touches the sphere. Returns `None` if the area is zero.

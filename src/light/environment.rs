@@ -11,7 +11,8 @@ use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
-/// Light at infinity whose radiance in each direction is the value of an equirectangular map.
+/// Environment light: light at infinity, whose radiance in each direction is the value of an
+/// equirectangular map.
 #[derive(Clone, Debug)]
 pub struct EnvironmentLight {
     map: EquirectangularMap,
@@ -20,7 +21,7 @@ pub struct EnvironmentLight {
 }
 
 impl EnvironmentLight {
-    /// Creates a light with the radiance `map` times `scale` \[W/(m² sr)].
+    /// Creates a light whose radiance is the value of `map` times `scale` \[W/(m² sr)].
     ///
     /// The map is rotated by `angle` \[radians] about +y, anticlockwise as seen from +y.
     ///
@@ -35,7 +36,7 @@ impl EnvironmentLight {
     ///
     /// # Errors
     /// [`EmissionPictureError::Value`] if the radiance is negative or not finite.
-    pub fn constant(radiance: Rgb) -> Result<Self, EmissionPictureError> {
+    pub fn with_constant_radiance(radiance: Rgb) -> Result<Self, EmissionPictureError> {
         Self::new(Image::from_pixels(1, 1, vec![radiance])?, 0.0, Rgb::ONE)
     }
 

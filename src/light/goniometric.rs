@@ -9,7 +9,7 @@ use crate::math::Ray;
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::Arc;
 
-/// Number of rows of the map to which an intensity profile is resampled: 4 per degree.
+/// Number of rows of the map to which an intensity profile is resampled: 4 rows per degree.
 const PROFILE_ROWS: u32 = 720;
 
 /// A point light whose intensity in each direction is the value of an equirectangular map.
@@ -17,9 +17,9 @@ const PROFILE_ROWS: u32 = 720;
 pub struct GoniometricLight {
     /// Position in world space.
     pub position: Vec3,
-    /// Axes x, y and z of the map as unit vectors in world space.
+    /// Axes x, y and z of the map's frame, as unit vectors in world space.
     axes: [Vec3; 3],
-    /// Intensity in each direction, as a multiple of `scale`.
+    /// Map over all directions, whose values are intensities divided by `scale`.
     map: Arc<EquirectangularMap>,
     /// Factor from map value to intensity \[W/sr].
     pub scale: Rgb,
@@ -45,14 +45,15 @@ impl GoniometricLight {
         Vec3::from(self.axes.map(|axis| axis.dot(w)))
     }
 
-    /// Pdf \[1/sr] with which photon emission without an aim samples unit direction `w`.
+    /// Pdf \[1/sr] with which [`Light::sample_le`](super::Light::sample_le) samples the emitted
+    /// unit direction `w`.
     #[must_use]
     pub fn pdf(&self, w: Vec3) -> f32 {
         self.map.pdf(self.world_to_map(w))
     }
 }
 
-/// Returns the map of an intensity profile, which is symmetric about +y.
+/// Converts an intensity profile, which is symmetric about +y, to a map over all directions.
 ///
 /// `profile` lists pairs of an angle from +y \[degrees] and the value there. Angles ascend, from 0
 /// or more to 180 or less. The value is linear between listed angles, and 0 beyond the first and

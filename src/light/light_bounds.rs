@@ -13,15 +13,17 @@ use std::f64::consts::{FRAC_PI_2, PI};
 pub(super) struct LightBounds {
     /// Bounding box in world space.
     pub space: Bounds,
-    /// Cone that contains all surface normals, or the axes of all lights without a surface.
+    /// Cone that contains all surface normals. For lights at a point, it contains the axes of
+    /// emission.
     normals: DirectionCone,
-    /// Largest angle \[radians] between an emitted direction and its normal, at most π/2.
+    /// Largest angle \[radians] between an emitted direction and the nearest direction in
+    /// `normals`, at most π/2.
     spread: f64,
-    /// Total flux \[W], mean of the color channels.
+    /// Total flux of the lights \[W], averaged over the color channels.
     flux: f64,
 }
 
-/// The set of directions within a half angle around an axis.
+/// A cone: the set of all directions within a half angle around an axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DirectionCone {
     /// Unit axis.
@@ -30,14 +32,14 @@ pub(super) struct DirectionCone {
     pub angle: f64,
 }
 
-/// Bound of the rounding error of a unit normal in f32 \[radians].
+/// Upper bound of the rounding error of a unit normal in f32 \[radians].
 pub(super) const NORMAL_ERROR: f64 = 1e-6;
 
 impl DirectionCone {
     /// The cone of all directions.
     pub const ALL: Self = Self { axis: DVec3::Z, angle: PI };
 
-    /// A cone that contains both cones.
+    /// Returns a cone that contains both `self` and `other`.
     fn union(self, other: Self) -> Self {
         let between = angle_between(self.axis, other.axis);
         if (between + other.angle).min(PI) <= self.angle {
@@ -65,13 +67,15 @@ pub(super) fn angle_between(a: DVec3, b: DVec3) -> f64 {
 impl LightBounds {
     /// Creates the bounds of one light with the given flux \[W].
     ///
-    /// `spread` is the largest angle \[radians] between an emitted direction and its normal.
+    /// `normals` contains all surface normals, or the axes of emission of a light at a point.
+    /// `spread` is the largest angle \[radians] between an emitted direction and the nearest of
+    /// them.
     pub fn new(space: Bounds, normals: DirectionCone, spread: f64, flux: Rgb) -> Self {
         Self { space, normals, spread, flux: f64::from(color::channel_mean(flux)) }
     }
 
-    /// Copy with the box expanded by `margin` \[length] and by the rounding errors of its
-    /// coordinates.
+    /// Returns the bounds with the box expanded by `margin` \[length] and by the rounding errors of
+    /// its coordinates.
     pub fn expanded(self, margin: f32) -> Self {
         let far = self.space.min.abs().max(self.space.max.abs()).max_element();
         Self { space: self.space.expanded(margin + far * 1e-6), ..self }
@@ -89,7 +93,8 @@ impl LightBounds {
 
     /// Solid angle of the emitted directions \[sr].
     ///
-    /// A direction outside the cone of normals is weighted by the cosine of its angle to the cone.
+    /// A direction outside the cone of normals counts only with the cosine of its angle to the
+    /// cone.
     fn solid_angle(&self) -> f64 {
         let o = self.normals.angle;
         let w = (o + self.spread).min(PI);
@@ -105,14 +110,14 @@ impl LightBounds {
     }
 }
 
-/// Lower bound of the squared distance in an importance, as a multiple of the squared radius of the
-/// bounding sphere.
+/// Lower bound of the squared distance by which [`LightImportance::importance_at`] divides, as a
+/// multiple of the squared radius of the bounding sphere.
 ///
 /// The mean of 1/d² over a ball of radius R is 3/R². A cube has the volume of a ball whose radius
 /// is 0.7 of the half diagonal, so R² is about half of the squared bounding radius.
 const MIN_SQUARED_DISTANCE: f64 = 1.0 / 6.0;
 
-/// Bounds of lights, prepared for fast evaluation of their importance at a point.
+/// Bounds of lights in a form from which their importance at a point is computed fast.
 ///
 /// A bounding sphere replaces the box, and cosines replace angles.
 #[derive(Clone, Copy, Debug)]
@@ -120,9 +125,9 @@ pub(super) struct LightImportance {
     /// Center of the bounding sphere.
     center: Vec3,
     radius_squared: f64,
-    /// Axis of the cone of normals.
+    /// Axis of the cone that contains all surface normals.
     axis: Vec3,
-    /// Cosine and sine of the half angle of the cone of normals.
+    /// Cosine and sine of the half angle of the cone that contains all surface normals.
     normals: CosSin,
     cos_spread: f64,
     /// Approximate radiant intensity along the normals \[W/sr].
@@ -138,7 +143,7 @@ impl CosSin {
         Self(cos, (1.0 - cos * cos).max(0.0).sqrt())
     }
 
-    /// The angle `self` minus the angle `other`, or the angle 0 if `other` is larger.
+    /// Returns the difference of the angles `self` − `other`, or the angle 0 if `other` is larger.
     #[inline]
     fn subtract_clamped(self, other: Self) -> Self {
         if self.0 >= other.0 {
@@ -167,10 +172,10 @@ impl From<LightBounds> for LightImportance {
 }
 
 impl LightImportance {
-    /// Approximate irradiance at `p` \[W/m²]. If a unit normal `n` is given, only light on its side
-    /// counts.
+    /// Importance of the lights at `p`: their approximate irradiance \[W/m²].
     ///
-    /// The result is 0 only if no light can arrive.
+    /// If a unit normal `n` is given, only light on its side counts. The result is 0 only if no
+    /// light can arrive.
     #[inline]
     pub fn importance_at(&self, p: Vec3, n: Option<Vec3>) -> f64 {
         let to = p.as_dvec3() - self.center.as_dvec3();

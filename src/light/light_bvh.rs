@@ -6,20 +6,22 @@ use crate::color;
 use crate::math::{BoundingSphere, Bounds};
 use glam::Vec3;
 
-/// Samples one of many lights for a lit point, by the flux, distance and orientation of the lights.
+/// Samples one of many lights for a given point, by the flux, distance and orientation of the
+/// lights.
 ///
-/// A binary tree holds the lights at finite positions. Sampling descends the tree, and chooses each
-/// child with a probability proportional to its importance (Conty Estevez and Kulla 2018; Pharr,
-/// Jakob, Humphreys 2023, section 12.6.3). Infinite lights share a fixed probability.
+/// A binary tree holds all lights that have a position. Sampling descends the tree, and chooses
+/// each child with a probability proportional to its importance (Conty Estevez and Kulla 2018;
+/// Pharr, Jakob, Humphreys 2023, section 12.6.3). Lights at infinity are outside of the tree, and
+/// are sampled with a fixed probability.
 #[derive(Clone, Debug)]
 pub struct LightBvhSampler {
     /// Nodes in depth-first order: the first child comes directly after its parent.
     nodes: Vec<LightBvhNode>,
     /// Indices of the infinite lights.
     infinite: Vec<u32>,
-    /// Location of each light, by the light's index.
+    /// Place of each light in the sampler, by the light's index.
     locations: Vec<LightBvhLocation>,
-    /// Probability of sampling any of the infinite lights.
+    /// Probability of sampling one of the infinite lights instead of the tree.
     infinite_probability: f64,
 }
 
@@ -40,20 +42,21 @@ enum LightBvhNodeKind {
 /// The index of a light, and its bounds.
 type BoundedLight = (u32, LightBounds);
 
-/// Location of a light in a [`LightBvhSampler`].
+/// Place of a light in a [`LightBvhSampler`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum LightBvhLocation {
     /// The sampler does not contain the light, because it has no power.
     Absent,
     /// The light is in the list of infinite lights.
     Infinite,
-    /// The light is in the tree. The bits, lowest first, lead from the root to its leaf: 0 is the
-    /// first child, 1 the second.
+    /// The light is in the tree, and the bits lead from the root to its leaf, lowest bit first.
+    ///
+    /// A bit 0 leads to the first child, 1 to the second.
     Tree(u64),
 }
 
-/// Depth from which nodes are split into halves of equal count. The depth of the tree then stays
-/// below 64, even for 2³² lights.
+/// Depth in the tree from which nodes are split into halves of equal count. The total depth then
+/// stays below 64, even for 2³² lights.
 const HALVING_DEPTH: u32 = 31;
 
 /// Number of buckets along each axis in the search for a split plane.
@@ -94,8 +97,10 @@ impl LightBvhSampler {
         Some(sampler)
     }
 
-    /// Adds a subtree of one or more lights at `depth`. The bits of `trail` lead from the root of
-    /// the tree to the subtree, as in [`LightBvhLocation::Tree`].
+    /// Appends a subtree of one or more lights to the nodes. Its root has the given `depth`.
+    ///
+    /// The bits of `trail` lead from the root of the tree to the subtree, as in
+    /// [`LightBvhLocation::Tree`].
     fn build_subtree(&mut self, lights: &mut [BoundedLight], depth: u32, trail: u64) {
         let whole = lights[1..].iter().fold(lights[0].1, |all, l| all.union(l.1));
         let index = self.nodes.len();
@@ -111,11 +116,11 @@ impl LightBvhSampler {
         self.nodes.push(LightBvhNode { importance: whole.into(), kind: LightBvhNodeKind::Leaf(light) });
     }
 
-    /// Samples a light by `u` in \[0, 1).
+    /// Samples a light for the point `p` by `u` in \[0, 1).
     ///
     /// Returns the index of the light, its probability, and a remapped `u` that is uniform again.
-    /// If a unit normal `n` is given, only light that arrives on its side counts. Returns `None` if
-    /// the descent reaches a node without a light that can illuminate `p`.
+    /// If a unit normal `n` is given, light that cannot arrive on its side does not count. Returns
+    /// `None` if the descent reaches a node whose lights cannot illuminate `p`.
     #[inline]
     #[must_use]
     pub fn sample(&self, p: Vec3, n: Option<Vec3>, u: f32) -> Option<(usize, f32, f32)> {
@@ -150,9 +155,10 @@ impl LightBvhSampler {
         (probability > 0.0).then_some((light as usize, probability, (u as f32).min(BELOW_ONE)))
     }
 
-    /// Probability with which [`LightBvhSampler::sample`] samples the light with index `light`.
+    /// Probability with which [`LightBvhSampler::sample`] at `p` with normal `n` samples the light
+    /// with index `light`.
     ///
-    /// The result equals the probability that `sample` returns, to the bit.
+    /// The value equals the probability that `sample` returns, to the bit.
     #[inline]
     #[must_use]
     pub fn probability(&self, p: Vec3, n: Option<Vec3>, light: usize) -> f32 {
@@ -175,7 +181,10 @@ impl LightBvhSampler {
         probability as f32
     }
 
-    /// Probabilities of the two children of an inner node; `None` if neither can illuminate `p`.
+    /// Probabilities of the children of the inner node `parent`; `None` if neither can illuminate
+    /// `p`.
+    ///
+    /// The first child follows directly after `parent`. The second child has the index `second`.
     #[inline]
     fn child_probabilities(&self, parent: usize, second: usize, p: Vec3, n: Option<Vec3>) -> Option<[f64; 2]> {
         let [a, b] = [parent + 1, second].map(|i| self.nodes[i].importance.importance_at(p, n));
@@ -185,10 +194,12 @@ impl LightBvhSampler {
     }
 }
 
-/// Splits two or more lights into two non-empty parts.
+/// Splits two or more lights into two non-empty groups for the children of a light BVH node.
 ///
-/// The split is at the bucket boundary of least cost. From depth [`HALVING_DEPTH`] on, or if no
-/// bucket boundary separates the lights, it is at the median along the axis of largest extent.
+/// The split is at the bucket boundary of least cost. The cost is the sum of
+/// [`LightBounds::bvh_node_cost`], times the largest extent over the extent along the split axis.
+/// From depth [`HALVING_DEPTH`] on, or if no bucket boundary separates the lights, the split is at
+/// the median along the axis of largest extent.
 fn split_lights_by_cost(lights: &mut [BoundedLight], depth: u32) -> (&mut [BoundedLight], &mut [BoundedLight]) {
     let center = |l: &BoundedLight| l.1.space.center();
     let centers = Bounds::from_points(lights.iter().map(center));

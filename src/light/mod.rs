@@ -1,7 +1,8 @@
 //! Light sources, which are sampled for direct light and for photon emission.
 //!
-//! Each kind of light has a file of its own. The file implements the trait `LightSource`, or
-//! `PositionalLight` for a point light. A [`Light`] is a light of any of these kinds.
+//! Each kind of light has a file of its own. It implements the trait `LightSource`, or
+//! `PositionalLight` if its light leaves from one point. The enum [`Light`] holds a light of any
+//! kind.
 
 mod area;
 mod directional;
@@ -40,7 +41,7 @@ use light_bounds::LightBounds;
 use source::{LightGeometry, LightSource};
 use std::sync::Arc;
 
-/// A light source of the resolved scene.
+/// A light source of the built scene, in world space.
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "lights lie in one array and are sampled where they lie")]
 pub enum Light {
@@ -60,7 +61,7 @@ pub enum Light {
     Environment(Arc<EnvironmentLight>),
 }
 
-/// Evaluates the expression `$e` for the light `$light` inside the enum.
+/// Binds the light inside `$light`, a [`Light`], to a name, and evaluates the expression `$e`.
 macro_rules! dispatch {
     ($self:expr, $light:ident => $e:expr) => {
         match $self {
@@ -76,10 +77,10 @@ macro_rules! dispatch {
 }
 
 impl Light {
-    /// Samples a direction from which light arrives at `p` by `u` in \[0, 1)².
+    /// Samples a direction from which light arrives at `p`, by `u` in \[0, 1)².
     ///
-    /// The caller must test occlusion. Returns `None` if no light can arrive from the sampled point
-    /// of the light.
+    /// The sample ignores occlusion, so the caller must trace a shadow ray. Returns `None` if no
+    /// light can arrive from the sampled point of the light.
     #[inline]
     #[must_use]
     pub fn sample_li(&self, p: Vec3, u: Vec2) -> Option<DirectLightSample> {
@@ -105,8 +106,10 @@ impl Light {
         dispatch!(self, light => light.sample_le(domain, position, direction))
     }
 
-    /// Samples an emitted ray that enters one of the spheres of `aim`. The other arguments are
-    /// those of [`Light::sample_le`].
+    /// Samples an emitted ray that enters one of the spheres of `aim`; `None` if the ray carries no
+    /// light.
+    ///
+    /// The other arguments are those of [`Light::sample_le`].
     #[must_use]
     pub fn sample_le_towards(
         &self,
@@ -118,7 +121,7 @@ impl Light {
         dispatch!(self, light => light.sample_le_towards(aim, domain, position, direction))
     }
 
-    /// The arguments of [`Light::sample_le`] on which the emitted ray depends.
+    /// Tells on which arguments of [`Light::sample_le`] the emitted ray depends.
     #[must_use]
     pub fn emission_dimensions(&self) -> EmissionDimensions {
         match self.geometry() {
@@ -139,8 +142,7 @@ impl Light {
         dispatch!(self, light => light.power(domain))
     }
 
-    /// True if light arrives at each point from one direction only, so that shadows have hard
-    /// edges.
+    /// True for lights without extent: light arrives at each point from one direction only.
     #[inline]
     #[must_use]
     pub fn is_delta(&self) -> bool {
@@ -184,7 +186,7 @@ impl Light {
 
     /// Center of the light in world space; `None` for lights at infinity.
     ///
-    /// For a light of mesh triangles, this is a point of their surface.
+    /// If the light consists of mesh triangles, the result is a point of a triangle.
     #[must_use]
     pub fn center(&self) -> Option<Vec3> {
         match self.geometry() {
@@ -196,17 +198,17 @@ impl Light {
 
     /// Strength of a delta light; `None` for all other lights.
     ///
-    /// The strength of a directional light is its irradiance at normal incidence \[W/m²]. The
-    /// strength of a light at a point is its largest intensity; with a picture or map, the
-    /// intensity at value 1 \[W/sr].
+    /// For a directional light, the strength is the irradiance at normal incidence \[W/m²]. For a
+    /// point or spot light, it is the largest intensity \[W/sr]. For a projector or goniometric
+    /// light, it is the intensity where the picture or map has the value 1 \[W/sr].
     #[must_use]
     pub fn peak_strength(&self) -> Option<Rgb> {
         dispatch!(self, light => light.peak_strength())
     }
 
-    /// False only if no ray from the light can enter `sphere`, even if nothing occludes it.
+    /// False only if no ray from the light can enter `sphere`, even without occlusion.
     ///
-    /// `None` stands for all space. `domain` is the bounding sphere of the scene.
+    /// If `sphere` is `None`, the result is true. `domain` is the bounding sphere of the scene.
     #[must_use]
     pub fn may_illuminate(&self, sphere: Option<BoundingSphere>, domain: BoundingSphere) -> bool {
         let Some(sphere) = sphere else { return true };
@@ -215,10 +217,10 @@ impl Light {
         dispatch!(self, light => light.may_illuminate(BoundingSphere { radius: sphere.radius + margin, ..sphere }))
     }
 
-    /// True only if no emitted ray lies in the plane through `p` with unit normal `n`, up to
-    /// rounding.
+    /// True if no emitted ray lies in the plane through `p` with unit normal `n`, up to rounding.
     ///
-    /// Rounding decides whether an object in the plane occludes a ray in the plane.
+    /// If a ray lies in the plane, rounding decides whether an object in the plane occludes it.
+    /// False for area lights and environment lights.
     #[must_use]
     pub fn emits_nothing_in_plane(&self, p: Vec3, n: Vec3) -> bool {
         match self.geometry() {
@@ -231,10 +233,10 @@ impl Light {
         }
     }
 
-    /// The area light, if the light is one.
+    /// The area light inside the enum; `None` for another kind of light.
     #[inline]
     #[must_use]
-    pub fn as_area(&self) -> Option<&AreaLight> {
+    pub fn as_area_light(&self) -> Option<&AreaLight> {
         match self {
             Self::Area(area) => Some(area),
             Self::Point(_)
@@ -246,8 +248,8 @@ impl Light {
         }
     }
 
-    /// Mutable reference to the area light, if the light is one.
-    pub(crate) fn as_area_mut(&mut self) -> Option<&mut AreaLight> {
+    /// Mutable reference to the area light inside the enum; `None` for another kind of light.
+    pub(crate) fn as_area_light_mut(&mut self) -> Option<&mut AreaLight> {
         match self {
             Self::Area(area) => Some(area),
             Self::Point(_)
@@ -259,10 +261,10 @@ impl Light {
         }
     }
 
-    /// The environment light, if the light is one.
+    /// The environment light inside the enum; `None` for another kind of light.
     #[inline]
     #[must_use]
-    pub fn as_environment(&self) -> Option<&EnvironmentLight> {
+    pub fn as_environment_light(&self) -> Option<&EnvironmentLight> {
         match self {
             Self::Environment(environment) => Some(environment),
             Self::Point(_)
@@ -277,28 +279,31 @@ impl Light {
     /// True if a texture varies the radiance of the light's surface.
     #[must_use]
     pub fn has_emission_texture(&self) -> bool {
-        self.as_area().is_some_and(|area| area.texture.is_some())
+        self.as_area_light().is_some_and(|area| area.texture.is_some())
     }
 
-    /// Copy of the light in which the mean radiance replaces a texture.
+    /// Returns a copy of the light without texture, whose radiance is the mean radiance of the
+    /// light.
     #[must_use]
     pub fn with_mean_emission(&self) -> Self {
         dispatch!(self, light => light.untextured_light()).unwrap_or_else(|| self.clone())
     }
 
-    /// Where the light comes from: a position, a direction, a surface or all directions.
+    /// Position, direction or surface from which the light comes.
     #[inline]
     fn geometry(&self) -> LightGeometry<'_> {
         dispatch!(self, light => light.geometry())
     }
 
-    /// Bounds of positions and emitted directions, with the box expanded by `margin` \[length];
-    /// `None` for lights at infinity.
+    /// Bounds of the light's positions and emitted directions, with the box expanded by `margin`
+    /// \[length].
+    ///
+    /// Returns `None` for lights at infinity.
     fn bounds(&self, margin: f32) -> Option<LightBounds> {
         dispatch!(self, light => light.bounds()).map(|bounds| bounds.expanded(margin))
     }
 }
 
-/// Bound of the rounding errors of f32 positions, relative to their distances from the origin and
-/// from each other.
+/// Upper bound of the rounding error of a position in f32, divided by its distance from the origin
+/// or from another position.
 const RELATIVE_POSITION_ERROR: f32 = 1e-5;

@@ -1,5 +1,5 @@
-//! Point lights with an orientation, in coordinates of the scene description: projectors and
-//! goniometric lights.
+//! Projectors and goniometric lights in the frame of the scene description, before the scene is
+//! built.
 
 use super::{EquirectangularMap, GoniometricLight, Light, ProjectedPicture, ProjectorLight};
 use crate::color::{self, Rgb};
@@ -7,7 +7,8 @@ use crate::math::{BoundingSphere, Transform};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
-/// Radiant intensity of a point light by direction, in the light's own frame.
+/// Radiant intensity of a point light as a function of the direction in the light's own frame, up
+/// to a factor.
 #[derive(Clone, Debug)]
 pub enum IntensityPattern {
     /// The picture of a projector, which emits into a pyramid.
@@ -16,17 +17,17 @@ pub enum IntensityPattern {
     Map(Arc<EquirectangularMap>),
 }
 
-/// A point light with an orientation and an intensity pattern, in coordinates of the scene
+/// A point light with an orientation and an intensity pattern, in the frame of the scene
 /// description.
 #[derive(Clone, Debug)]
 pub struct OrientedPointLight {
     /// Position of the light.
     pub position: DVec3,
-    /// Direction of the center of the pattern, of any length above zero.
+    /// Direction in which the center of the pattern is projected, of any length above zero.
     pub direction: DVec3,
-    /// Direction of the top of the pattern, not parallel to `direction`.
+    /// Direction towards the top of the pattern, not parallel to `direction`.
     pub up: DVec3,
-    /// Intensity in each direction, up to a factor.
+    /// Intensity in each direction, up to a factor that [`Self::to_light`] takes.
     pub pattern: IntensityPattern,
 }
 
@@ -54,9 +55,10 @@ impl OrientedPointLight {
         }
     }
 
-    /// Radiant intensity at pattern value 1, for a light of flux 1 W \[1/sr].
+    /// Factor from the flux of the light \[W] to its intensity at pattern value 1 \[1/sr].
     ///
-    /// This is 1 over the integral of the pattern over all directions, averaged over the channels.
+    /// It is 1 over the integral of the pattern over all directions, averaged over the color
+    /// channels.
     #[must_use]
     pub fn intensity_scale_per_watt(&self) -> f32 {
         let nowhere = BoundingSphere { center: Vec3::ZERO, radius: 0.0 };

@@ -4,42 +4,44 @@ use crate::math::{BoundingSphere, Bounds, Frame, warp};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
-/// Bounding spheres at which photon emission aims. They replace the projection maps of Jensen 2001.
+/// Bounding spheres towards which photons are emitted, in place of the projection maps of Jensen
+/// 2001.
 ///
-/// Each sphere subtends a cone from the emitting point. A cone is chosen in proportion to its solid
-/// angle, and then a direction uniformly in the cone. The pdf is the number of cones that contain
-/// the direction, divided by the sum of the solid angles. Cones may therefore overlap.
+/// Each sphere subtends a cone from the emitting point. Sampling chooses a cone in proportion to
+/// its solid angle, and then a direction uniformly in the cone. The pdf is the number of cones that
+/// contain the direction, divided by the sum of the solid angles. Cones may therefore overlap.
 #[derive(Clone, Debug, Default)]
 pub struct PhotonAim {
     spheres: Vec<BoundingSphere>,
 }
 
-/// Largest number of spheres. Each emitted photon visits all of them.
+/// Largest number of spheres of a [`PhotonAim`]. It is small, because each emitted photon visits
+/// all spheres.
 const MAX_SPHERES: usize = 32;
 
 /// The cone of directions that a sphere subtends from a point.
 #[derive(Clone, Copy)]
 struct SubtendedCone {
-    /// Unit axis.
+    /// Unit axis of the cone.
     axis: Vec3,
     /// 1 − cosine of the cone's half angle.
     one_minus_cos: f32,
 }
 
-/// The directions from a point to a sphere.
+/// The set of directions that lead from a point to a sphere.
 enum SubtendedDirections {
     /// The point is outside the sphere, which subtends a cone.
     Cone(SubtendedCone),
     /// The point is inside the sphere, so all directions lead to it.
     All,
-    /// The sphere is below the horizon, so no direction leads to it.
+    /// The sphere is below the plane of the emitting surface, so no direction leads to it.
     None,
 }
 
 /// Returns the directions from `p` to `sphere`.
 ///
-/// If `horizon` is given, it is the unit normal of a plane through `p`. No direction leads to a
-/// sphere below that plane.
+/// `horizon` is the unit normal of an emitting surface at `p`. No direction leads to a sphere below
+/// the plane of this surface. If `horizon` is `None`, light leaves `p` in all directions.
 fn directions_to_sphere(sphere: &BoundingSphere, p: Vec3, horizon: Option<Vec3>) -> SubtendedDirections {
     let to = sphere.center - p;
     let d2 = to.length_squared();
@@ -55,13 +57,13 @@ fn directions_to_sphere(sphere: &BoundingSphere, p: Vec3, horizon: Option<Vec3>)
 }
 
 impl PhotonAim {
-    /// Creates an aim at `spheres`. If there are too many, neighbours are merged.
+    /// Creates an aim at `spheres`. If there are more than 32, neighbours are merged.
     ///
-    /// Each sphere grows by the rounding errors of the positions inside.
+    /// Each sphere is expanded by the rounding errors of the positions inside.
     #[must_use]
     pub fn new(spheres: impl IntoIterator<Item = BoundingSphere>) -> Self {
         let mut spheres: Vec<BoundingSphere> = spheres.into_iter().collect();
-        merge_spheres(&mut spheres, MAX_SPHERES);
+        merge_neighbouring_spheres(&mut spheres, MAX_SPHERES);
         for sphere in &mut spheres {
             sphere.radius = sphere.radius * (1.0 + 1e-5) + sphere.center.abs().max_element() * 1e-6;
         }
@@ -71,8 +73,8 @@ impl PhotonAim {
     /// Samples a unit direction from `p` towards a sphere by `u` in \[0, 1)². Returns the direction
     /// and its pdf \[1/sr].
     ///
-    /// If `horizon` is given, it is the unit normal of a plane through `p`. Spheres below the plane
-    /// are left out. Returns `None` if no sphere is left.
+    /// `horizon` is the unit normal of an emitting surface at `p`, or `None`. Spheres below the
+    /// plane of this surface are not sampled. Returns `None` if there are no other spheres.
     #[must_use]
     pub fn sample_direction(&self, p: Vec3, horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, f32)> {
         let mut cones = [SubtendedCone { axis: Vec3::Z, one_minus_cos: 0.0 }; MAX_SPHERES];
@@ -101,7 +103,8 @@ impl PhotonAim {
         Some((direction, count as f32 / (TAU * total)))
     }
 
-    /// Samples the origin of a ray along unit `direction` that enters a sphere, by `u` in \[0, 1)².
+    /// Samples the origin of a ray that travels along unit `direction` and enters a sphere, by `u`
+    /// in \[0, 1)².
     ///
     /// Returns the origin with its pdf per area \[1/length²]. All origins lie in one plane, which
     /// is perpendicular to `direction` and contains the point −`upstream`·`direction`.
@@ -120,11 +123,11 @@ impl PhotonAim {
     }
 }
 
-/// Finds the interval that contains `at`. The intervals have the given widths and are adjacent; the
-/// first one starts at 0.
+/// Finds the interval that contains `at`, among adjacent intervals of the given widths. The first
+/// interval starts at 0.
 ///
-/// Returns the relative position in the interval, in \[0, 1), and the index of the interval.
-/// Returns `None` if there is no interval.
+/// Returns the relative position of `at` in the interval, in \[0, 1), and the index of the
+/// interval. Returns `None` if there is no interval.
 #[inline]
 fn locate_in_intervals(widths: impl Iterator<Item = f32>, mut at: f32) -> Option<(f32, usize)> {
     let mut chosen = None;
@@ -140,10 +143,9 @@ fn locate_in_intervals(widths: impl Iterator<Item = f32>, mut at: f32) -> Option
 
 /// Samples a unit direction by `u` in \[0, 1)², and returns it with its pdf \[1/sr].
 ///
-/// The direction is cosine-weighted around the normal `horizon`, or uniform over the sphere without
-/// a horizon.
-///
-/// Returns `None` if the direction lies in the plane of the horizon, where the pdf is 0.
+/// With a unit normal `horizon`, the direction is cosine-weighted around it. If `horizon` is
+/// `None`, the direction is uniform over the sphere. Returns `None` if the direction is
+/// perpendicular to `horizon`, where the pdf is 0.
 fn sample_sphere_or_hemisphere(horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, f32)> {
     match horizon {
         Some(n) => {
@@ -154,10 +156,11 @@ fn sample_sphere_or_hemisphere(horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, 
     }
 }
 
-/// Replaces `spheres` by at most `most` bounding spheres of groups of neighbours.
+/// Merges neighbours in `spheres` until at most `most` spheres remain. A merged sphere bounds a
+/// group of neighbours.
 ///
-/// Groups are halved at the median along the axis of largest extent.
-fn merge_spheres(spheres: &mut Vec<BoundingSphere>, most: usize) {
+/// Groups are formed by repeated halving at the median along the axis of largest extent.
+fn merge_neighbouring_spheres(spheres: &mut Vec<BoundingSphere>, most: usize) {
     if spheres.len() <= most {
         return;
     }
@@ -166,8 +169,8 @@ fn merge_spheres(spheres: &mut Vec<BoundingSphere>, most: usize) {
     spheres.sort_by(|a, b| a.center[axis].total_cmp(&b.center[axis]));
     let mut upper = spheres.split_off(spheres.len() / 2);
     if most > 1 {
-        merge_spheres(spheres, most / 2);
-        merge_spheres(&mut upper, most - most / 2);
+        merge_neighbouring_spheres(spheres, most / 2);
+        merge_neighbouring_spheres(&mut upper, most - most / 2);
         spheres.append(&mut upper);
     } else {
         spheres.append(&mut upper);

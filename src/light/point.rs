@@ -1,4 +1,4 @@
-//! Point lights, and the code that spot, projector and goniometric lights share with them.
+//! Point lights, and [`PositionalLight`], the interface of all lights at one point.
 
 use super::light_bounds::{DirectionCone, LightBounds};
 use super::source::{DirectLightSample, EmissionSample, LightGeometry, LightSource, ShadowTarget};
@@ -13,40 +13,40 @@ use std::f64::consts::FRAC_PI_2;
 /// A point that emits with equal intensity in all directions.
 #[derive(Clone, Copy, Debug)]
 pub struct PointLight {
-    /// Position in world space.
+    /// Position of the light in world space.
     pub position: Vec3,
     /// Radiant intensity \[W/sr].
     pub intensity: Rgb,
 }
 
-/// A light at one position, whose intensity depends on the direction.
+/// A light whose rays leave from one point, with an intensity that depends on the direction.
 pub(super) trait PositionalLight {
-    /// Position in world space.
+    /// Position of the light in world space.
     fn position(&self) -> Vec3;
 
     /// Radiant intensity in unit direction `w` \[W/sr].
     fn intensity(&self, w: Vec3) -> Rgb;
 
-    /// Samples an emitted ray by `u` in \[0, 1)²; `None` if it carries no light.
+    /// Samples a ray that leaves the light, by `u` in \[0, 1)²; `None` if the ray carries no light.
     fn sample_emission(&self, u: Vec2) -> Option<EmissionSample>;
 
     /// Radiant flux \[W].
     fn flux(&self) -> Rgb;
 
-    /// Largest radiant intensity; with a picture or map, the intensity at value 1 \[W/sr].
+    /// Largest radiant intensity \[W/sr]. For a light with a picture or map, the intensity where
+    /// its value is 1.
     fn peak_intensity(&self) -> Rgb;
 
-    /// Cone of axes, and the largest angle \[radians] between an emitted direction and the nearest
-    /// axis.
+    /// Returns the arguments `normals` and `spread` of [`LightBounds::new`].
     ///
-    /// Both are arguments of [`LightBounds::new`]. The default, all directions, is correct for
-    /// every light.
+    /// They are a cone of axes, and the largest angle \[radians] between an emitted direction and
+    /// the nearest axis. The default stands for all directions, so it is correct for every light.
     fn emission_cone(&self) -> (DirectionCone, f64) {
         (DirectionCone::ALL, FRAC_PI_2)
     }
 
-    /// False only if no ray from the light can enter `sphere`. The default `true` is correct for
-    /// every light.
+    /// False only if no ray from the light can enter `sphere`, even without occlusion. The default
+    /// `true` is correct for every light.
     fn may_illuminate(&self, _sphere: BoundingSphere) -> bool {
         true
     }

@@ -12,7 +12,8 @@ use crate::sampling::PiecewiseConstant2d;
 use glam::{DVec2, DVec3, UVec2, Vec2, Vec3};
 use std::sync::Arc;
 
-/// A point light that projects a picture: its intensity in each direction is that of one pixel.
+/// A point light that projects a picture. Its intensity in each direction is the value of one
+/// pixel.
 #[derive(Clone, Debug)]
 pub struct ProjectorLight {
     /// Position of the pinhole in world space.
@@ -24,17 +25,18 @@ pub struct ProjectorLight {
     pub scale: Rgb,
 }
 
-/// The picture of a projector, in the plane at distance 1 in front of the pinhole.
+/// The picture of a projector, which lies in the plane at distance 1 in front of the pinhole.
 ///
-/// Its value is constant in each pixel. Local directions have the components right, up and forward.
+/// The value is constant in each pixel. A *local* direction has the components right, up and
+/// forward.
 #[derive(Clone, Debug)]
 pub struct ProjectedPicture {
     picture: Image,
     /// Half width and half height of the picture in the plane at distance 1.
     half_size: DVec2,
-    /// Distribution over the pixels, by value times solid angle.
+    /// Distribution over the pixels, proportional to pixel value times solid angle.
     distribution: PiecewiseConstant2d,
-    /// Integral of the pixel value over all directions \[sr].
+    /// Integral of the picture's value over all directions \[sr].
     integral: DVec3,
 }
 
@@ -74,7 +76,8 @@ impl ProjectedPicture {
         self.picture.pixels()[(pixel.y * self.picture.width() + pixel.x) as usize]
     }
 
-    /// Column and row of the pixel in a local direction; `None` outside of the picture.
+    /// Column and row of the pixel in the local direction `local`, which has the components right,
+    /// up and forward; `None` outside of the picture.
     #[inline]
     fn pixel_in_direction(&self, local: Vec3) -> Option<UVec2> {
         let p = DVec2::new(f64::from(local.x), -f64::from(local.y)) / f64::from(local.z) / self.half_size;
@@ -85,8 +88,9 @@ impl ProjectedPicture {
         Some(((0.5 * p + 0.5) * size.as_dvec2()).as_uvec2().min(size - 1))
     }
 
-    /// Samples a local unit direction by `u` in \[0, 1)². Returns the direction, the value of its
-    /// pixel and its pdf \[1/sr].
+    /// Samples a unit direction by `u` in \[0, 1)², with the components right, up and forward.
+    ///
+    /// Returns the direction, the value of its pixel and its pdf \[1/sr].
     fn sample(&self, u: Vec2) -> Option<(Vec3, Rgb, f32)> {
         let (pixel, within, pdf) = self.distribution.sample(u);
         let size = DVec2::new(f64::from(self.picture.width()), f64::from(self.picture.height()));
@@ -96,7 +100,8 @@ impl ProjectedPicture {
         (pdf > 0.0).then(|| (local.as_vec3(), self.pixel_value(pixel), pdf as f32))
     }
 
-    /// Pdf \[1/sr] with which [`ProjectedPicture::sample`] samples a local unit direction.
+    /// Pdf \[1/sr] with which [`ProjectedPicture::sample`] samples the unit direction `local`, with
+    /// the components right, up and forward.
     fn pdf(&self, local: Vec3) -> f32 {
         let factor = self.area_pdf_to_solid_angle(f64::from(local.z)) as f32;
         self.pixel_in_direction(local).map_or(0.0, |pixel| self.distribution.pdf(pixel) * factor)
@@ -104,13 +109,13 @@ impl ProjectedPicture {
 
     /// Factor from a pdf over the unit square of the picture to a pdf per solid angle \[1/sr].
     ///
-    /// `cos` is the cosine between the direction and the axis. An area dA in the plane at distance
-    /// 1 subtends the solid angle dA cos³.
+    /// `cos` is the cosine between the direction and the axis of projection. An area dA in the
+    /// plane at distance 1 subtends the solid angle dA cos³.
     fn area_pdf_to_solid_angle(&self, cos: f64) -> f64 {
         1.0 / (4.0 * self.half_size.x * self.half_size.y * cos * cos * cos)
     }
 
-    /// 1 − cosine of the angle between the axis and a corner of the picture.
+    /// 1 − cosine of the angle between the axis of projection and a corner of the picture.
     fn one_minus_cos_to_corner(&self) -> f64 {
         let drop = self.half_size.length_squared();
         let hypotenuse = (1.0 + drop).sqrt();
@@ -132,13 +137,15 @@ impl ProjectorLight {
         Self { position, axes, picture, scale }
     }
 
-    /// Pdf \[1/sr] with which photon emission without an aim samples unit direction `w`.
+    /// Pdf \[1/sr] with which [`Light::sample_le`](super::Light::sample_le) samples the emitted
+    /// unit direction `w`.
     #[must_use]
     pub fn pdf(&self, w: Vec3) -> f32 {
         self.picture.pdf(self.world_to_picture(w))
     }
 
-    /// Transforms a direction from world space to the local frame of the picture.
+    /// Transforms a direction from world space to the components right, up and forward of the
+    /// picture.
     #[inline]
     fn world_to_picture(&self, w: Vec3) -> Vec3 {
         Vec3::from(self.axes.map(|axis| axis.dot(w)))

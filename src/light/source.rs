@@ -1,4 +1,4 @@
-//! The interface that every kind of light implements, and the records that its methods return.
+//! The interface [`LightSource`] of every kind of light, and what its methods return.
 
 use super::light_bounds::LightBounds;
 use super::{Light, LightSurface, PhotonAim};
@@ -10,8 +10,8 @@ use glam::{Vec2, Vec3};
 /// The end of a shadow ray towards a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ShadowTarget {
-    /// A point of the light. It is offset from the light's own surface, so that the surface does
-    /// not occlude it.
+    /// A point of the light, offset from the light's own surface, which therefore does not occlude
+    /// the ray.
     Point(Vec3),
     /// The light is at infinity, so the ray has no end.
     Infinity,
@@ -24,8 +24,8 @@ pub struct DirectLightSample {
     pub wi: Vec3,
     /// End of the shadow ray.
     pub target: ShadowTarget,
-    /// Arriving radiance divided by `pdf`, without the cosine at the lit surface. For delta lights:
-    /// irradiance at normal incidence \[W/m²].
+    /// Arriving radiance divided by `pdf`, without the cosine at the lit surface \[W/m²]. For a
+    /// delta light, it is the irradiance at normal incidence.
     pub weight: Rgb,
     /// Pdf of `wi` \[1/sr], equal to [`Light::pdf_li`]; `None` for delta lights.
     pub pdf: Option<f32>,
@@ -36,21 +36,22 @@ pub struct DirectLightSample {
 pub struct EmissionSample {
     /// The ray, with a unit direction.
     pub ray: Ray,
-    /// Flux that the ray carries, divided by its pdf \[W]. Its mean is the flux of all rays that
-    /// can be sampled.
+    /// Flux of the sampled ray, already divided by the pdf of the ray \[W].
+    ///
+    /// The expected value is the flux of all rays that can be sampled.
     pub flux: Rgb,
 }
 
-/// The arguments of [`Light::sample_le`] on which the emitted ray depends.
+/// Tells on which arguments of [`Light::sample_le`] the emitted ray depends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EmissionDimensions {
-    /// True if the ray depends on the argument `position`.
+    /// True if the ray depends on the argument `position` of [`Light::sample_le`].
     pub uses_position: bool,
-    /// True if the ray depends on the argument `direction`.
+    /// True if the ray depends on the argument `direction` of [`Light::sample_le`].
     pub uses_direction: bool,
 }
 
-/// Where the light comes from: a position, a direction, a surface or all directions.
+/// Position, direction or surface from which light comes.
 pub(super) enum LightGeometry<'a> {
     /// A delta light at one position in world space.
     Point(Vec3),
@@ -62,20 +63,17 @@ pub(super) enum LightGeometry<'a> {
     AllDirections,
 }
 
-/// A kind of light. [`Light`] documents the methods of the same name, and derives others from
-/// `geometry`.
+/// A kind of light. [`Light`] documents the methods of the same name, and derives other methods
+/// from `geometry`.
 ///
 /// `sample_li` and `sample_le` must describe the same emitted radiance: camera paths sample direct
 /// light by `sample_li`, and photon paths start by `sample_le`.
-///
-/// The maps of `hybrid` hold no direct light. A delta light for which `sample_li` returns `None`
-/// therefore loses its direct light in `hybrid`, although its photons still make caustics.
 ///
 /// Three methods have defaults. A delta light must implement `peak_strength`. A light that cannot
 /// reach all of space should implement `may_illuminate`, so that fewer photons miss the caustic
 /// casters. A light with a texture must implement `untextured_light`.
 pub(super) trait LightSource {
-    /// Where the light comes from: a position, a direction, a surface or all directions.
+    /// Position, direction or surface from which the light comes.
     fn geometry(&self) -> LightGeometry<'_>;
 
     /// Implements [`Light::sample_li`].
@@ -107,10 +105,11 @@ pub(super) trait LightSource {
         None
     }
 
-    /// Implements [`Light::may_illuminate`] for a sphere that already includes rounding errors.
+    /// Implements [`Light::may_illuminate`], for a sphere that is already expanded by rounding
+    /// errors.
     ///
-    /// The default `true` is correct for every light, but aims photons at spheres that the light
-    /// may not reach.
+    /// The default `true` is correct for every light, but photons are then aimed at spheres that
+    /// the light may not reach.
     fn may_illuminate(&self, _sphere: BoundingSphere) -> bool {
         true
     }

@@ -1,7 +1,7 @@
-//! Equirectangular maps: pictures of all directions, with importance sampling.
+//! Equirectangular maps: pictures over all directions, with importance sampling.
 
 use crate::color::{self, Rgb};
-use crate::image::{Image, SizeError};
+use crate::image::{Image, PictureSizeError};
 use crate::sampling::PiecewiseConstant2d;
 use glam::{DVec2, DVec3, UVec2, Vec2, Vec3};
 use libm::{atan2, cos, hypot, sin};
@@ -10,19 +10,19 @@ use std::f64::consts::{PI, TAU};
 /// The reason why a picture cannot define the emission of a light.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EmissionPictureError {
-    /// A pixel is negative or not finite after scaling. Pixels count from the top left.
+    /// A pixel is negative or not finite after scaling.
     #[error("the value in column {x}, row {y} is {value}: repair the picture so that all are finite and none below 0")]
     Value {
-        /// Column of the pixel.
+        /// Column of the pixel, counted from the left.
         x: u32,
-        /// Row of the pixel.
+        /// Row of the pixel, counted from the top.
         y: u32,
         /// The scaled value of the pixel.
         value: Rgb,
     },
     /// The picture has no pixels.
     #[error(transparent)]
-    Size(#[from] SizeError),
+    Size(#[from] PictureSizeError),
 }
 
 /// Multiplies all pixels of a picture by `scale`.
@@ -41,16 +41,18 @@ pub(super) fn scale_emission_picture(mut picture: Image, scale: Rgb) -> Result<I
     Ok(picture)
 }
 
-/// A function of direction that an equirectangular picture defines.
+/// A function of direction, given by a picture in equirectangular projection.
 ///
 /// The top edge of the picture is +y, its center is −z, and +x is to the right of the center.
 /// Values are interpolated bilinearly, also across the left and right edge.
 #[derive(Clone, Debug)]
 pub struct EquirectangularMap {
     map: Image,
-    /// Distribution over the pixels, by mean value times solid angle; `None` if the map is black.
+    /// Distribution over the pixels, proportional to mean pixel value times solid angle; `None` if
+    /// the map is black.
     distribution: Option<PiecewiseConstant2d>,
-    /// Cosine of the angle from +y to each row's upper edge, and to the lower edge of the last row.
+    /// Cosine of the angle from +y to the upper edge of each row, and last to the lower edge of the
+    /// last row.
     row_edge_cosines: Vec<f64>,
     /// Integral of the map over all directions \[pixel value · sr].
     integral: Rgb,
@@ -125,8 +127,8 @@ impl EquirectangularMap {
 
     /// Samples a unit direction by `u` in \[0, 1)², with a pdf that is constant in each pixel.
     ///
-    /// Rounding may move the direction to the next pixel, so [`EquirectangularMap::pdf`] of the
-    /// result may be zero. Returns `None` if the map is black.
+    /// Rounding may move the direction to a neighbouring pixel, so [`EquirectangularMap::pdf`] of
+    /// the result may be zero. Returns `None` if the map is black.
     #[inline]
     pub(super) fn sample(&self, u: Vec2) -> Option<Vec3> {
         let (cell, within, _) = self.distribution.as_ref()?.sample(u);
@@ -140,10 +142,10 @@ impl EquirectangularMap {
     }
 }
 
-/// Integral over cos θ of the vertical interpolation weight of row `row`; the map has `rows` rows.
+/// Integral over cos θ of the vertical interpolation weight of row `row`, in a map of `rows` rows.
 ///
-/// θ is the angle to the upper pole of the map. The weight is a hat function of θ. The weight of
-/// the first row is 1 above the row's center, and that of the last row is 1 below its center.
+/// θ is the angle to the upper pole of the map. The weight is a hat function of θ. Above the center
+/// of the first row, and below the center of the last row, the weight is 1.
 fn row_interpolation_integral(row: usize, rows: usize) -> f64 {
     let step = PI / rows as f64;
     let center = (row as f64 + 0.5) * step;

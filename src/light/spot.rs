@@ -17,7 +17,8 @@ pub struct SpotLight {
     pub position: Vec3,
     /// Unit axis of both cones.
     pub axis: Vec3,
-    /// 1 − cosine of the inner cone's half angle. A cosine alone loses its digits in narrow beams.
+    /// 1 − cosine of the inner cone's half angle. The cosine itself would be imprecise for narrow
+    /// cones.
     pub inner_one_minus_cos: f32,
     /// 1 − cosine of the outer cone's half angle.
     pub outer_one_minus_cos: f32,
@@ -26,7 +27,8 @@ pub struct SpotLight {
 }
 
 impl SpotLight {
-    /// Intensity \[W/sr] where 1 − cosine of the angle to the axis is `one_minus_cos`.
+    /// Intensity \[W/sr] in directions for which 1 − cosine of the angle to the axis is
+    /// `one_minus_cos`.
     ///
     /// The falloff is a smooth step in the cosine (Pharr, Jakob, Humphreys 2023, section 12.2.1).
     #[inline]

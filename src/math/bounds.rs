@@ -79,7 +79,7 @@ impl Bounds {
     }
 }
 
-/// Sphere that bounds an object.
+/// Sphere that contains an object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoundingSphere {
     /// Centre.

@@ -9,12 +9,12 @@ use glam::DVec3;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CompensatedSum {
     high: DVec3,
-    /// Sum of the rounding errors of `high`.
+    /// Sum of the rounding errors that occurred when values were added to `high`.
     low: DVec3,
 }
 
 impl CompensatedSum {
-    /// Adds a value.
+    /// Adds `value` to the sum, and keeps the rounding error of the addition.
     #[inline]
     pub fn add(&mut self, value: DVec3) {
         let before = self.high;

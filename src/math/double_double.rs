@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// Unevaluated sum of an f64 and its rounding error (Dekker 1971).
+/// Number with 106 significant bits: the sum of an f64 and its rounding error (Dekker 1971).
 #[derive(Clone, Copy)]
 struct DoubleDouble(f64, f64);
 
@@ -29,7 +29,7 @@ impl DoubleDouble {
         Self(high, low - (high - s))
     }
 
-    fn times(self, b: f64) -> Self {
+    fn times_f64(self, b: f64) -> Self {
         let p = Self::exact_product(self.0, b);
         p.plus(Self(self.1 * b, 0.0))
     }
@@ -44,17 +44,17 @@ impl DoubleDouble {
 pub(super) struct DoubleDoubleVec3([DoubleDouble; 3]);
 
 impl DoubleDoubleVec3 {
-    /// Cross product a × b.
+    /// Cross product a × b in double-double arithmetic.
     pub fn cross(a: DVec3, b: DVec3) -> Self {
         let of =
             |x: f64, y: f64, u: f64, v: f64| DoubleDouble::exact_product(x, y).minus(DoubleDouble::exact_product(u, v));
         Self([of(a.y, b.z, a.z, b.y), of(a.z, b.x, a.x, b.z), of(a.x, b.y, a.y, b.x)])
     }
 
-    /// Dot product, rounded to f64.
+    /// Dot product with `b` in double-double arithmetic, rounded to f64.
     pub fn dot(self, b: DVec3) -> f64 {
         let [x, y, z] = self.0;
-        x.times(b.x).plus(y.times(b.y)).plus(z.times(b.z)).0
+        x.times_f64(b.x).plus(y.times_f64(b.y)).plus(z.times_f64(b.z)).0
     }
 
     pub fn round_to_f64(self) -> DVec3 {

@@ -1,4 +1,4 @@
-//! Scalar functions with bounded rounding errors.
+//! Scalar functions with known bounds on their rounding errors.
 
 use glam::Vec3;
 
@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn gamma_bounds_a_product_of_ulps() {
+    fn rounding_error_bound_is_just_above_n_half_ulps() {
         assert!(
             rounding_error_bound(3) > 3.0 * f32::EPSILON / 2.0 && rounding_error_bound(3) < 3.01 * f32::EPSILON / 2.0
         );

@@ -5,9 +5,9 @@ use glam::Vec3;
 /// Right-handed orthonormal frame (s, t, n).
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
-    /// First axis, perpendicular to `n`.
+    /// First axis, a unit vector perpendicular to `n`.
     pub s: Vec3,
-    /// Second axis, perpendicular to `n`.
+    /// Second axis, a unit vector perpendicular to `s` and `n`.
     pub t: Vec3,
     /// Third axis, a unit vector; usually a surface normal.
     pub n: Vec3,

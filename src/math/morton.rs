@@ -6,8 +6,9 @@ use rayon::prelude::*;
 
 /// Indices of `items`, sorted by the Morton codes of their positions.
 ///
-/// `place` returns an item's position, which must be finite. Each axis has 2²⁰ cells, and items in
-/// one cell keep their order. The result does not depend on the number of threads.
+/// `place` returns an item's position, which must be finite. The grid of the codes has 2²⁰ cells
+/// along each axis. Items in one cell keep their order. The result does not depend on the number of
+/// threads.
 #[must_use]
 pub fn morton_order<T: Sync>(items: &[T], place: impl Fn(&T) -> Vec3 + Sync) -> Vec<u32> {
     let bounds = Bounds::from_points(items.iter().map(&place));

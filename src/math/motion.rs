@@ -2,17 +2,20 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
-/// One affine map of the product that makes up a [`Motion`].
+/// Factor of the product of affine maps that makes up a [`Motion`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MotionStep {
     /// A map that does not depend on time.
     Fixed(DAffine3),
-    /// Translation by the vector times `time`.
+    /// Translation by this vector times the time in \[0, 1].
     Translate(DVec3),
-    /// Right-handed rotation about a unit axis through the origin, by the angle \[degrees] times
-    /// `time`.
+    /// Right-handed rotation about a unit axis through the origin.
+    ///
+    /// The angle is this number \[degrees] times the time in \[0, 1].
     Rotate(DVec3, f64),
-    /// Scale along each axis, linear in time, from 1 at time 0 to these factors above 0 at time 1.
+    /// Scaling by a factor along each axis that changes linearly with the time.
+    ///
+    /// The factors are 1 at time 0, and these numbers, which are above 0, at time 1.
     Scale(DVec3),
 }
 
@@ -34,7 +37,8 @@ impl MotionStep {
 /// The map is a product of steps, so points under a rotation move along true circles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Motion {
-    /// Factors of the product, from left to right: a point is mapped by the last one first.
+    /// Factors of the product of maps, from left to right: the last factor is applied to points
+    /// first.
     ///
     /// Adjacent steps that do not depend on time are merged.
     steps: Vec<MotionStep>,
@@ -47,8 +51,8 @@ impl Motion {
         Self::default().preceded_by_steps([MotionStep::Fixed(map)])
     }
 
-    /// Product of this motion and `steps`, from left to right: points are mapped by the last step
-    /// first, and by this motion last.
+    /// This motion preceded by `steps`: points are mapped by the last step first, by this motion
+    /// last.
     #[must_use]
     pub fn preceded_by_steps(&self, steps: impl IntoIterator<Item = MotionStep>) -> Self {
         let mut all = self.steps.clone();
@@ -61,15 +65,14 @@ impl Motion {
         Self { steps: all }
     }
 
-    /// This motion about the point `place`: rotations and scales act about `place` instead of the
-    /// origin.
+    /// This motion with `place` instead of the origin as the fixed point of rotations and scales.
     #[must_use]
-    pub fn around_point(&self, place: DVec3) -> Self {
+    pub fn pivoted_at_point(&self, place: DVec3) -> Self {
         let back = MotionStep::Fixed(DAffine3::from_translation(-place));
         self.followed_by_map(DAffine3::from_translation(place)).preceded_by_steps([back])
     }
 
-    /// Product of `map` and this motion: points are mapped by this motion first.
+    /// This motion followed by `map`: points are mapped by this motion first.
     #[must_use]
     pub fn followed_by_map(&self, map: DAffine3) -> Self {
         Self::constant_motion(map).preceded_by_steps(self.steps.iter().copied())
@@ -81,7 +84,7 @@ impl Motion {
         self.steps.iter().fold(DAffine3::IDENTITY, |map, step| map * step.at_time(time))
     }
 
-    /// True if no step depends on time.
+    /// True if the map does not depend on time.
     #[must_use]
     pub fn is_constant(&self) -> bool {
         self.steps.iter().all(|step| matches!(step, MotionStep::Fixed(_)))

@@ -67,7 +67,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn offset_passes_the_error_box_and_follows_the_direction() {
+    fn offset_ray_origins_lie_outside_the_error_box() {
         let (p, error) = (Vec3::new(1e4, -3.0, 0.5), Vec3::splat(1e-3));
         let normal = Vec3::new(0.6, 0.8, 0.0);
         for direction in [Vec3::X, -Vec3::X] {

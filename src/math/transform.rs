@@ -9,7 +9,7 @@ use glam::{DAffine3, DMat3, DVec3};
 #[error("the transform is singular: it flattens space")]
 pub struct SingularTransformError;
 
-/// An invertible affine map from object space to world space.
+/// Invertible affine map from object space to world space, with its inverse.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform {
     forward: DAffine3,
@@ -96,7 +96,7 @@ impl Transform {
         self.inverse.matrix3.transpose() * n
     }
 
-    /// The map followed by a world-space translation by `by`.
+    /// This map followed by a world-space translation by `by`.
     #[must_use]
     pub fn translated(&self, by: DVec3) -> Self {
         let (mut forward, mut inverse) = (self.forward, self.inverse);
@@ -121,7 +121,8 @@ impl Transform {
         off.iter().all(|x| x.abs() <= 1e-12 * s2).then(|| s2.sqrt())
     }
 
-    /// True if the map reverses handedness.
+    /// True if the map turns right-handed frames into left-handed ones: its determinant is
+    /// negative.
     #[must_use]
     pub fn swaps_handedness(&self) -> bool {
         self.determinant < 0.0
@@ -134,8 +135,9 @@ fn inverse_translation(inverse: DMat3, t: DVec3) -> DVec3 {
     -DVec3::new(exact_dot(rows.x_axis, t), exact_dot(rows.y_axis, t), exact_dot(rows.z_axis, t))
 }
 
-/// Largest power of two that is at most `x` > 0; 0 for subnormal `x` and 0, infinity for infinity
-/// or NaN.
+/// Largest power of two that is at most `x`, which must be a normal number above 0.
+///
+/// Returns 0 for 0 and subnormal numbers, and infinity for infinity and NaN.
 fn floor_power_of_two(x: f64) -> f64 {
     f64::from_bits(x.to_bits() & 0x7ff0_0000_0000_0000)
 }

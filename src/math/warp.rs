@@ -42,21 +42,21 @@ pub fn cosine_hemisphere_pdf(cos_theta: f32) -> f32 {
 pub fn square_to_uniform_sphere(u: Vec2) -> Vec3 {
     // 1 − z² = 4u(1−u) without cancellation near the poles.
     let z = 1.0 - 2.0 * u.x;
-    direction_from_height(z, 2.0 * (u.x * (1.0 - u.x)).sqrt(), u.y)
+    vector_from_height_and_azimuth(z, 2.0 * (u.x * (1.0 - u.x)).sqrt(), u.y)
 }
 
-/// Maps `u` in \[0, 1)² to a uniform direction of the cone cosθ ≥ 1 − `one_minus_cos` around the
-/// pole.
+/// Maps `u` in \[0, 1)² to a uniform direction of the cone cosθ ≥ 1 − `one_minus_cos` around the z
+/// axis.
 ///
-/// The argument is 1 − cosθ, since cosθ itself has too few digits for narrow cones.
+/// The argument is the maximum of 1 − cosθ, since cosθ itself has too few digits for narrow cones.
 #[inline]
 #[must_use]
 pub fn square_to_uniform_cone(u: Vec2, one_minus_cos: f32) -> Vec3 {
     let drop = u.x * one_minus_cos;
-    direction_from_height(1.0 - drop, (drop * (2.0 - drop)).max(0.0).sqrt(), u.y)
+    vector_from_height_and_azimuth(1.0 - drop, (drop * (2.0 - drop)).max(0.0).sqrt(), u.y)
 }
 
-/// Pdf 1/(2π(1 − cosθ)) of [`square_to_uniform_cone`] \[1/sr].
+/// Pdf of [`square_to_uniform_cone`] \[1/sr]: 1/(2π·`one_minus_cos`).
 #[inline]
 #[must_use]
 pub fn uniform_cone_pdf(one_minus_cos: f32) -> f32 {
@@ -69,7 +69,7 @@ pub fn uniform_cone_pdf(one_minus_cos: f32) -> f32 {
 pub fn square_to_power_cosine(u: Vec2, n: f32) -> Vec3 {
     // u.x in [0, 1) becomes (0, 1], which avoids powers of zero.
     let cos = libm::powf(1.0 - u.x, 1.0 / (n + 1.0));
-    direction_from_height(cos, (1.0 - cos * cos).max(0.0).sqrt(), u.y)
+    vector_from_height_and_azimuth(cos, (1.0 - cos * cos).max(0.0).sqrt(), u.y)
 }
 
 /// Pdf (n+1)/(2π)·cosⁿθ of [`square_to_power_cosine`] \[1/sr]; 0 for a cosine of 0 or less.
@@ -97,7 +97,7 @@ pub fn square_to_uniform_triangle(u: Vec2) -> Vec2 {
 
 /// Vector at height `z` and distance `radius` from the z axis, at the azimuth 2π·`turn`.
 #[inline]
-fn direction_from_height(z: f32, radius: f32, turn: f32) -> Vec3 {
+fn vector_from_height_and_azimuth(z: f32, radius: f32, turn: f32) -> Vec3 {
     let (sin, cos) = sin_cos_turns(turn);
     Vec3::new(radius * cos, radius * sin, z)
 }
@@ -133,7 +133,7 @@ mod tests {
         }
     }
 
-    /// Midpoint sums over an n² grid.
+    /// Moments of warped points agree with their integrals, by midpoint sums over an n² grid.
     ///
     /// The worst integrand has a square-root edge, so the error is O(n^−3/2) = 3·10⁻⁵.
     #[test]

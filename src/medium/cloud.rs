@@ -13,7 +13,7 @@ pub struct Cloud {
     pub octaves: u32,
     /// Number of wavelengths of the first octave along a side of the cube.
     pub scale: f64,
-    /// Fraction of the noise that becomes cloud, from 0 (empty) to 1 (all of it).
+    /// Fraction of the noise values that become cloud, from 0 (empty) to 1 (all of them).
     pub cover: f64,
     /// Fraction of the radius, from 0 to 1, over which the density falls to 0 at the edge; 0 is a
     /// hard edge.
@@ -59,20 +59,20 @@ mod tests {
 
     const CLOUD: Cloud = Cloud { octaves: 5, scale: 4.0, cover: 0.7, softness: 0.4, seed: 1 };
 
-    fn cell_center_points() -> impl Iterator<Item = DVec3> {
+    fn unit_cube_grid_points() -> impl Iterator<Item = DVec3> {
         (0..20u32.pow(3)).map(|i| (DVec3::from([i % 20, i / 20 % 20, i / 400].map(f64::from)) + 0.5) / 20.0)
     }
 
     fn mean_density(cloud: Cloud) -> f64 {
         let density = cloud.density(0.0);
-        cell_center_points().map(|p| f64::from(density(p))).sum::<f64>() / 8000.0
+        unit_cube_grid_points().map(|p| f64::from(density(p))).sum::<f64>() / 8000.0
     }
 
     #[test]
-    fn density_is_in_range_and_in_the_ellipsoid() {
+    fn cloud_density_is_in_range_and_in_the_ellipsoid() {
         for softness in [0.0, 0.4, 1.0] {
             let density = Cloud { softness, cover: 1.0, ..CLOUD }.density(0.0);
-            for p in cell_center_points() {
+            for p in unit_cube_grid_points() {
                 let d = density(p);
                 assert!((0.0..=1.0).contains(&d), "{p} {d}");
                 assert!(d == 0.0 || (2.0 * p - 1.0).length() < 1.0, "{p} {d}");
@@ -81,13 +81,12 @@ mod tests {
         }
     }
 
-    /// The mean density at full cover is π/12: the ball fills π/6 of the cube, and the mean of the
-    /// noise is ½.
+    /// Checks the effect of each setting; the mean density at full cover is π/12.
     ///
-    /// The tolerance is five standard errors of 4π/3·2³ = 34 independent values of standard
-    /// deviation ¼.
+    /// The ball fills π/6 of the cube, and the mean of the noise is ½. The tolerance is five
+    /// standard errors of 4π/3·2³ = 34 independent values of standard deviation ¼.
     #[test]
-    fn cover_softness_and_seed_have_their_effect() {
+    fn cloud_cover_softness_and_seed_have_their_effect() {
         let full = mean_density(Cloud { cover: 1.0, softness: 0.0, ..CLOUD });
         let truth = std::f64::consts::PI / 12.0;
         assert!((full / truth - 1.0).abs() < 5.0 * 0.5 / 34f64.sqrt(), "{full}");

@@ -13,7 +13,7 @@ pub(super) const BLOCK_SIDE: u32 = 8;
 /// Reason why a density grid is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum GridDensityError {
-    /// A side has no cells.
+    /// The grid has no cells along some axis.
     #[error("a grid of {0} × {1} × {2} cells is empty: every side needs at least one")]
     Empty(u32, u32, u32),
     /// The grid does not fit into memory.
@@ -60,9 +60,9 @@ pub struct GridDensity {
 struct GridData {
     size: [u32; 3],
     values: Vec<f32>,
-    /// Number of blocks along each side.
+    /// Number of majorant blocks along each side of the grid.
     blocks: [u32; 3],
-    /// Majorant of each block.
+    /// Majorant of each block: an upper bound of the density.
     majorants: Vec<f32>,
     max_density: f32,
 }
@@ -71,7 +71,7 @@ impl GridDensity {
     /// Creates a grid of `size` cells with densities `values`, x fastest. `placement` maps the unit
     /// cube to the box of the grid in scene coordinates.
     pub fn new(size: [u32; 3], values: Vec<f32>, placement: DAffine3) -> Result<Self, GridDensityError> {
-        let expected = cell_count(size)?;
+        let expected = checked_cell_count(size)?;
         if values.len() != expected {
             return Err(GridDensityError::Count { expected, found: values.len() });
         }
@@ -87,15 +87,15 @@ impl GridDensity {
         Ok(Self { grid: Arc::new(GridData { size, values, blocks, majorants, max_density }), placement })
     }
 
-    /// Creates a grid from the function `density`, whose argument is a cell center in coordinates
-    /// of the unit cube. `placement` maps this cube to scene coordinates.
+    /// Creates a grid from a function `density` of position, evaluated at cell centers in the unit
+    /// cube. `placement` maps this cube to scene coordinates.
     pub fn from_fn(
         size: [u32; 3],
         placement: DAffine3,
         density: impl Fn(DVec3) -> f32 + Sync,
     ) -> Result<Self, GridDensityError> {
         let [nx, ny, nz] = size;
-        let cells = cell_count(size)?;
+        let cells = checked_cell_count(size)?;
         let mut values = Vec::new();
         values.try_reserve_exact(cells).map_err(|_| GridDensityError::TooLarge(nx, ny, nz))?;
         values.resize(cells, 0.0);
@@ -120,7 +120,7 @@ impl GridDensity {
     pub fn density(&self, p: Vec3) -> f32 {
         let q = self.placement.inverse().transform_point3(p.as_dvec3());
         let inside = q.cmpge(DVec3::ZERO).all() && q.cmple(DVec3::ONE).all();
-        if inside { self.grid.interpolate(q * self.grid.cell_counts()) } else { 0.0 }
+        if inside { self.grid.interpolate_density(q * self.grid.cells_per_axis()) } else { 0.0 }
     }
 
     /// Largest density of the grid.
@@ -147,9 +147,9 @@ impl GridDensity {
         size_of::<GridData>() + size_of::<f32>() * (self.grid.values.len() + self.grid.majorants.len())
     }
 
-    /// Returns the part of `ray` up to `distance` in grid space, where cells have side 1.
+    /// Returns the first `distance` of `ray` in grid space, where cells have side 1.
     pub(super) fn ray_in_grid(&self, ray: &Ray, distance: f32) -> GridRay<'_> {
-        let cells = self.grid.cell_counts();
+        let cells = self.grid.cells_per_axis();
         let inverse = self.placement.inverse();
         let origin = inverse.transform_point3(ray.origin.as_dvec3()) * cells;
         let step = inverse.transform_vector3(ray.direction.as_dvec3()) * cells;
@@ -166,12 +166,12 @@ pub(super) struct GridRay<'a> {
 }
 
 impl GridRay<'_> {
-    /// Returns the blocks with a positive majorant along the ray, from near to far. Each item holds
-    /// the distances of entry and exit, and the majorant.
-    pub(super) fn majorant_blocks(&self) -> impl Iterator<Item = (f64, f64, f64)> {
+    /// Returns the blocks with a positive majorant that the ray crosses, from near to far. Each
+    /// item holds the distances \[length] of entry and exit, and the majorant.
+    pub(super) fn blocks_along_ray(&self) -> impl Iterator<Item = (f64, f64, f64)> {
         let GridData { blocks, majorants, .. } = self.grid;
         let side = f64::from(BLOCK_SIDE);
-        let far = self.grid.cell_counts() / side;
+        let far = self.grid.cells_per_axis() / side;
         MajorantIterator::new(self.origin / side, self.step / side, far, *blocks, self.distance).filter_map(
             |(t0, t1, index)| {
                 let majorant = f64::from(majorants[index]);
@@ -182,19 +182,19 @@ impl GridRay<'_> {
 
     /// Density at distance `t` along the ray. The ray must be inside the grid there.
     pub(super) fn density(&self, t: f64) -> f64 {
-        f64::from(self.grid.interpolate(self.origin + self.step * t))
+        f64::from(self.grid.interpolate_density(self.origin + self.step * t))
     }
 }
 
 impl GridData {
-    fn cell_counts(&self) -> DVec3 {
+    fn cells_per_axis(&self) -> DVec3 {
         let [x, y, z] = self.size.map(f64::from);
         DVec3::new(x, y, z)
     }
 
     /// Trilinear density at `q` in grid space; outside the grid, the density at its nearest point.
-    fn interpolate(&self, q: DVec3) -> f32 {
-        let last = self.cell_counts() - 1.0;
+    fn interpolate_density(&self, q: DVec3) -> f32 {
+        let last = self.cells_per_axis() - 1.0;
         let q = (q - 0.5).clamp(DVec3::ZERO, last);
         let low = q.floor();
         let f = (q - low).as_vec3();
@@ -218,8 +218,9 @@ fn lerp(t: f32, a: f32, b: f32) -> f32 {
     a * (1.0 - t) + b * t
 }
 
-/// Number of cells.
-fn cell_count(size: [u32; 3]) -> Result<usize, GridDensityError> {
+/// Returns the number of cells of a grid of `size` cells along each side, or an error if it is 0 or
+/// too large for memory.
+fn checked_cell_count(size: [u32; 3]) -> Result<usize, GridDensityError> {
     let [x, y, z] = size;
     if x.min(y).min(z) == 0 {
         return Err(GridDensityError::Empty(x, y, z));
@@ -228,7 +229,8 @@ fn cell_count(size: [u32; 3]) -> Result<usize, GridDensityError> {
     cells.filter(|n| n.checked_mul(size_of::<f32>()).is_some()).ok_or(GridDensityError::TooLarge(x, y, z))
 }
 
-/// Majorant of each block: the largest density of its cells and their neighbours.
+/// Returns the majorant of each block: the largest density of its cells and of the cells next to
+/// it.
 fn block_majorants(size: [u32; 3], values: &[f32], blocks: [u32; 3]) -> Vec<f32> {
     let [nx, ny, _] = size.map(|n| n as usize);
     let [bx, by, bz] = blocks;

@@ -24,7 +24,7 @@ pub fn transmittance(sigma: Rgb, distance: f32) -> Rgb {
     transmittance_f64(sigma, distance).as_vec3()
 }
 
-/// Returns [`transmittance`] in f64.
+/// Returns the result of [`transmittance`] in f64.
 #[inline]
 pub(super) fn transmittance_f64(sigma: Rgb, distance: f32) -> DVec3 {
     if sigma.x == sigma.y && sigma.y == sigma.z {
@@ -34,12 +34,11 @@ pub(super) fn transmittance_f64(sigma: Rgb, distance: f32) -> DVec3 {
     exp_neg(optical_depth(sigma, f64::from(distance.max(0.0))))
 }
 
-/// Samples a scattering distance by the extinction of one channel, which is chosen in proportion to
-/// its throughput.
+/// Samples a scattering distance by the extinction of one channel. The probability of each channel
+/// is proportional to its throughput.
 ///
-/// The weight uses the mixture pdf of all channels (balance heuristic), so it is at most the
-/// inverse of the channel's probability. If the chosen channel has no extinction, the ray passes
-/// through.
+/// The weight uses the pdf of the mixture of all channels (balance heuristic). If the chosen
+/// channel has no extinction, the ray passes through.
 pub(super) fn distance_sample(medium: &Medium, distance: f32, throughput: Rgb, rng: &mut impl Rng) -> DistanceSample {
     let sigma = medium.extinction();
     let probability = channel_probabilities(throughput);
@@ -72,7 +71,8 @@ pub(super) fn distance_sample(medium: &Medium, distance: f32, throughput: Rgb, r
     }
 }
 
-/// Pdf \[1/length] of scattering at distance `t`, for the mixture of all channels.
+/// Pdf \[1/length] of scattering at distance `t`. It is the mean of the pdfs of the channels,
+/// weighted by their throughputs.
 pub(super) fn distance_pdf(sigma: Rgb, t: f32, throughput: Rgb) -> f32 {
     if t < 0.0 {
         return 0.0;

@@ -37,13 +37,13 @@ impl MajorantIterator {
         let start = origin + step * t;
         let cell = std::array::from_fn(|axis| (start[axis].max(0.0) as u32).min(count[axis] - 1));
         let mut blocks = Self { origin, step, count, cell, next: [0.0; 3], t, end };
-        blocks.next = std::array::from_fn(|axis| blocks.face_distance(axis));
+        blocks.next = std::array::from_fn(|axis| blocks.distance_to_block_face(axis));
         blocks
     }
 
-    /// Distance along the ray at which it leaves its current block through a face perpendicular to
-    /// `axis`.
-    fn face_distance(&self, axis: usize) -> f64 {
+    /// Distance along the ray to the face, perpendicular to `axis`, through which it can leave its
+    /// current block; infinite if the ray is parallel to the face.
+    fn distance_to_block_face(&self, axis: usize) -> f64 {
         let (o, s, cell) = (self.origin[axis], self.step[axis], f64::from(self.cell[axis]));
         if s > 0.0 {
             (cell + 1.0 - o) / s
@@ -56,8 +56,8 @@ impl MajorantIterator {
 }
 
 impl Iterator for MajorantIterator {
-    /// Distances along the ray where it enters and leaves a block, and the block's index, x
-    /// fastest.
+    /// Distances along the ray where the ray enters and leaves a block, and the index of the block,
+    /// with x fastest.
     type Item = (f64, f64, usize);
 
     fn next(&mut self) -> Option<Self::Item> {
@@ -81,7 +81,7 @@ impl Iterator for MajorantIterator {
                 return Some((start, self.end, index));
             }
             self.cell[axis] = if forward { self.cell[axis] + 1 } else { self.cell[axis] - 1 };
-            self.next[axis] = self.face_distance(axis);
+            self.next[axis] = self.distance_to_block_face(axis);
             if stop > start {
                 self.t = stop;
                 return Some((start, stop, index));

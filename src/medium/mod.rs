@@ -40,9 +40,9 @@ pub struct Medium {
 pub struct DistanceSample {
     /// Distance of the scattering point; `None` if the ray passes through.
     pub scattered: Option<f32>,
-    /// Factor on the throughput. With transmittance T, it is σs·T divided by the pdf of the
-    /// distance, or T divided by the probability of passing through. It is zero in channels without
-    /// throughput.
+    /// Factor by which the throughput changes. After scattering, it is σs·T over the pdf of the
+    /// distance, where T is the transmittance. Otherwise, it is T over the probability that the ray
+    /// passes through. Channels without throughput get 0.
     pub weight: Rgb,
 }
 
@@ -53,14 +53,15 @@ pub struct DistanceSample {
 pub struct TransmittanceCurve {
     /// Extinction coefficient of a homogeneous medium \[1/length]; zero for a grid.
     extinction: Rgb,
-    /// Distances of tentative collisions in a grid \[length], each with the transmittance beyond
-    /// it.
+    /// Distances of tentative collisions in a grid \[length], each with the transmittance just
+    /// beyond it.
     steps: Vec<(f32, Rgb)>,
 }
 
 impl TransmittanceCurve {
-    /// Samples the curve along the first `distance` of `ray`, which has a unit direction. Reuses
-    /// allocated memory.
+    /// Samples a new curve along the first `distance` of `ray`, which has a unit direction.
+    ///
+    /// The curve replaces the previous one and reuses its memory.
     pub fn sample(&mut self, medium: &Medium, ray: &Ray, distance: f32, rng: &mut impl Rng) {
         self.steps.clear();
         self.extinction = Rgb::ZERO;
@@ -153,8 +154,8 @@ impl Medium {
         }
     }
 
-    /// Returns [`Medium::transmittance`] in f64. In a product over many segments, f32 would lose
-    /// digits of factors near 1.
+    /// Returns the result of [`Medium::transmittance`] in f64. A product over many segments would
+    /// lose digits of factors near 1 in f32.
     #[must_use]
     pub fn transmittance_f64(&self, ray: &Ray, distance: f32, rng: &mut impl Rng) -> DVec3 {
         match &self.density {
@@ -166,9 +167,9 @@ impl Medium {
     /// Samples the distance of the first scattering within `distance` along `ray`, which has a unit
     /// direction.
     ///
-    /// The channel mean of `throughput` times the weight does not exceed that of `throughput`,
-    /// except after Russian roulette. In a homogeneous grey medium, the weight is σs/σt at a
-    /// scattering point, and 1 after passing through.
+    /// The weight never increases the channel mean of `throughput`, except through Russian
+    /// roulette. In a homogeneous grey medium, the weight is σs/σt after scattering, and 1 if the
+    /// ray passes through.
     ///
     /// In a medium that does not scatter, the ray always passes through, and the weight is the
     /// [`transmittance`](Self::transmittance). The distance may be infinite.
@@ -185,6 +186,8 @@ impl Medium {
 
     /// Pdf \[1/length] with which [`distance_sample`](Self::distance_sample) samples scattering at
     /// distance `t`; `None` in a heterogeneous medium.
+    ///
+    /// `throughput` is the throughput of the path at the start of the ray.
     #[must_use]
     pub fn distance_pdf(&self, t: f32, throughput: Rgb) -> Option<f32> {
         if !self.scatters() {
@@ -193,11 +196,11 @@ impl Medium {
         self.is_homogeneous().then(|| homogeneous::distance_pdf(self.extinction(), t, throughput))
     }
 
-    /// Radiance \[W/(m² sr)] that the medium emits towards the origin of `ray`, along the first
+    /// Radiance \[W/(m² sr)] that the medium emits towards the origin of `ray`, from the first
     /// `distance` of the ray. The ray has a unit direction.
     ///
-    /// Exact in a homogeneous medium, else an unbiased estimate. A homogeneous medium that emits in
-    /// a channel without extinction gives infinite radiance over an infinite distance.
+    /// Exact in a homogeneous medium, else an unbiased estimate. Over an infinite distance, a
+    /// homogeneous medium gives infinite radiance in a channel that emits without extinction.
     #[must_use]
     pub fn emitted_radiance(&self, ray: &Ray, distance: f32, rng: &mut impl Rng) -> Rgb {
         if !self.emits() {
@@ -217,8 +220,8 @@ impl Medium {
     }
 }
 
-/// Probabilities of the RGB channels, in proportion to their throughput; equal if the throughput is
-/// zero.
+/// Probabilities with which distance sampling chooses an RGB channel: in proportion to throughput,
+/// or equal if all are zero.
 fn channel_probabilities(throughput: Rgb) -> DVec3 {
     // `max` takes 0 over a NaN.
     let part = throughput.to_array().map(|x| f64::from(x.max(0.0)));
@@ -227,7 +230,8 @@ fn channel_probabilities(throughput: Rgb) -> DVec3 {
     if sum > 0.0 && sum.is_finite() { part / sum } else { DVec3::splat(1.0 / 3.0) }
 }
 
-/// Converts the weight `w` to f32, and sets channels of zero probability to 0.
+/// Converts the weight `w` of a distance sample to f32. Channels that are never chosen, with
+/// probability 0, get weight 0.
 fn zero_improbable_channels(w: DVec3, probabilities: DVec3) -> Rgb {
     let most = f64::from(f32::MAX);
     DVec3::select(probabilities.cmpgt(DVec3::ZERO), w.min(DVec3::splat(most)), DVec3::ZERO).as_vec3()

@@ -1,4 +1,4 @@
-//! Heterogeneous media, by null-collision methods.
+//! Null-collision methods for heterogeneous media.
 //!
 //! Tentative collisions are sampled with the majorant of each block as extinction. Each is a real
 //! collision or a null collision (Woodcock 1965). Absorption reduces the weight of a path and does
@@ -14,22 +14,22 @@ use rand::{Rng, RngExt};
 /// Transmittance below which Russian roulette may end tracking.
 const ROULETTE_THRESHOLD: f64 = 0.1;
 
-/// Interval of tentative collisions at which tracking continues only with probability ½. It bounds
-/// the time of tracking at high majorants.
+/// Number of tentative collisions after which Russian roulette ends tracking with probability ½,
+/// each time. It bounds the time of tracking at high majorants.
 const COLLISIONS_PER_ROULETTE: u32 = 1 << 14;
 
-/// Smallest mean number of tentative collisions per ray in an estimate of emission.
+/// Smallest mean number of tentative collisions along a ray in an estimate of emission.
 const MIN_EMISSION_COLLISIONS: f64 = 4.0;
 
-/// Smallest mean number of tentative collisions per ray for a transmittance curve.
+/// Smallest mean number of tentative collisions along a ray for a [`TransmittanceCurve`].
 const MIN_CURVE_COLLISIONS: f64 = 16.0;
 
-/// A tentative collision.
+/// A tentative collision, which may be real or null.
 struct TentativeCollision {
     /// Distance along the ray.
     t: f64,
-    /// Density divided by the rate of tentative collisions \[length]. Times a coefficient of the
-    /// medium, it is the probability of that kind of collision.
+    /// Density divided by the number of tentative collisions per length \[length]. Multiplied by a
+    /// coefficient of the medium, such as σs, it is the probability of that event.
     density: f64,
 }
 
@@ -38,8 +38,10 @@ enum TrackingDecision {
     Stop,
 }
 
-/// Visits sampled tentative collisions along `line`. Their number per length is `rate` times the
-/// majorant of the block. Returns false if `visit` stopped the tracking.
+/// Samples tentative collisions along `line` and calls `visit` for each. Returns false if `visit`
+/// stopped the tracking.
+///
+/// The number of tentative collisions per length is `rate` times the majorant of the block.
 fn track_collisions<R: Rng>(
     line: &GridRay,
     rate: f64,
@@ -48,7 +50,7 @@ fn track_collisions<R: Rng>(
 ) -> bool {
     // Optical depth to the next collision; the rest of each block carries over to the next block.
     let mut depth = sample_exponential(rng);
-    for (start, stop, majorant) in line.majorant_blocks() {
+    for (start, stop, majorant) in line.blocks_along_ray() {
         let mut t = start;
         loop {
             let step = depth / (rate * majorant);
@@ -73,8 +75,8 @@ fn sample_exponential(rng: &mut impl Rng) -> f64 {
     -libm::log(1.0 - rng.random::<f64>())
 }
 
-/// Plays Russian roulette on the weight `left` after `steps` collisions. Returns the factor on the
-/// weight, or `None` to stop tracking.
+/// Plays Russian roulette on a path of weight `left` after `steps` tentative collisions. Returns
+/// the factor by which the weight changes, or `None` if tracking ends.
 fn russian_roulette(left: f64, steps: u32, rng: &mut impl Rng) -> Option<f64> {
     let faint = if left < ROULETTE_THRESHOLD { left / ROULETTE_THRESHOLD } else { 1.0 };
     let stay = if steps.is_multiple_of(COLLISIONS_PER_ROULETTE) { 0.5 * faint } else { faint };
@@ -108,7 +110,7 @@ pub(super) fn transmittance_curve(
 ) {
     let sigma = medium.extinction().as_dvec3();
     let line = grid.ray_in_grid(ray, distance);
-    let depth: f64 = line.majorant_blocks().map(|(start, stop, majorant)| (stop - start) * majorant).sum();
+    let depth: f64 = line.blocks_along_ray().map(|(start, stop, majorant)| (stop - start) * majorant).sum();
     if sigma == DVec3::ZERO || depth <= 0.0 {
         return;
     }
@@ -126,8 +128,8 @@ pub(super) fn transmittance_curve(
     }
 }
 
-/// Plays Russian roulette on the transmittance `left`, after one more collision is counted in
-/// `steps`.
+/// Counts a collision in `steps`, and plays Russian roulette on the transmittance `left`. Scales
+/// `left` if tracking continues.
 fn transmittance_roulette(left: &mut DVec3, steps: &mut u32, rng: &mut impl Rng) -> TrackingDecision {
     *left = left.max(DVec3::ZERO);
     *steps = steps.wrapping_add(1);
@@ -142,8 +144,9 @@ fn transmittance_roulette(left: &mut DVec3, steps: &mut u32, rng: &mut impl Rng)
 
 /// Samples a scattering distance by spectral tracking (Kutz, Habel, Li, Novák 2017, section 4.3).
 ///
-/// A collision scatters or is null, with probabilities in proportion to the resulting throughput,
-/// averaged over channels. Russian roulette aside, this average never exceeds that at the start.
+/// Each tentative collision scatters or is null. The probabilities are proportional to the channel
+/// mean of the throughput after either event. This mean never increases, except through Russian
+/// roulette.
 pub(super) fn distance_sample(
     medium: &Medium,
     grid: &GridDensity,
@@ -186,7 +189,8 @@ pub(super) fn distance_sample(
     DistanceSample { scattered, weight: if lost { Rgb::ZERO } else { zero_improbable_channels(left, probabilities) } }
 }
 
-/// Estimates emitted radiance: the sum over tentative collisions of transmittance times emission.
+/// Estimates emitted radiance as a sum over tentative collisions: the transmittance up to each
+/// collision times its emission.
 pub(super) fn emitted_radiance(
     medium: &Medium,
     grid: &GridDensity,
@@ -196,7 +200,7 @@ pub(super) fn emitted_radiance(
 ) -> Rgb {
     let (sigma, emission) = (medium.extinction().as_dvec3(), medium.emission.as_dvec3());
     let line = grid.ray_in_grid(ray, distance);
-    let depth: f64 = line.majorant_blocks().map(|(start, stop, majorant)| (stop - start) * majorant).sum();
+    let depth: f64 = line.blocks_along_ray().map(|(start, stop, majorant)| (stop - start) * majorant).sum();
     if depth <= 0.0 {
         return Rgb::ZERO;
     }

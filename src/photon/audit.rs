@@ -1,4 +1,4 @@
-//! Energy audit of photon tracing.
+//! Energy audit of photon tracing: sums of the flux that photon paths emit and lose.
 
 use crate::color::Rgb;
 use glam::DVec3;
@@ -10,16 +10,16 @@ use std::ops::AddAssign;
 /// expected value of `roulette` is zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct EnergyAudit {
-    /// Flux emitted by the lights.
+    /// Flux emitted by the lights \[W].
     pub emitted: [f64; 3],
-    /// Flux absorbed by surfaces and media.
+    /// Flux absorbed by surfaces and media \[W].
     pub absorbed: [f64; 3],
-    /// Flux that escaped from the scene.
+    /// Flux that escaped from the scene \[W].
     pub escaped: [f64; 3],
-    /// Flux of paths that were ended at the bounce limit, or because no later photon of the path
-    /// would be stored.
+    /// Flux \[W] of paths that were stopped, at the bounce limit or because all photons that could
+    /// follow are of kinds that the pass does not store.
     pub stopped: [f64; 3],
-    /// Flux removed by Russian roulette minus flux added by it.
+    /// Flux removed by Russian roulette minus flux added by it \[W].
     pub roulette: [f64; 3],
 }
 

@@ -1,13 +1,13 @@
 //! Photon beams in participating media, and the map that finds beams near a camera ray.
 
-use super::packet::{BeamPiece, BeamPiecePacket, LANES, LineQuery, set_bit_indices};
+use super::packet::{BeamPiece, BeamPiecePacket, LANES, LineQuery, indices_of_set_bits};
 use crate::accel::BoxTree;
 use crate::color::Rgb;
 use crate::math::{Bounds, Ray, morton_order, rounding_error_bound};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-/// A photon beam: the segment of a photon path through a homogeneous medium.
+/// A photon beam: a segment of a photon path in a homogeneous medium.
 ///
 /// The beam starts where the photon entered the medium or scattered. It extends to the medium's
 /// boundary along the photon's direction, beyond the sampled scattering point (long beam).
@@ -17,14 +17,14 @@ pub struct PhotonBeam {
     pub start: Vec3,
     /// Unit direction of travel.
     pub direction: Vec3,
-    /// Distance from start to end.
+    /// Distance from start to end \[length].
     pub length: f32,
     /// Flux at the start \[W].
     pub flux: Rgb,
-    /// Index of the medium.
+    /// Index of the beam's medium in [`Scene::media`](crate::scene::Scene::media).
     pub medium: u32,
-    /// Wavelength code, see [`Wavelength::byte_code`](crate::color::Wavelength::byte_code); 0 if
-    /// the beam carries all wavelengths.
+    /// Wavelength as [`Wavelength::byte_code`](crate::color::Wavelength::byte_code); 0 if the beam
+    /// carries all wavelengths.
     pub wavelength: u8,
 }
 
@@ -55,23 +55,25 @@ impl PhotonBeam {
 /// Closest approach of a camera ray and a photon beam.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeamIntersection {
-    /// Distance from the ray's origin to the closest point on the ray.
+    /// Distance \[length] from the ray's origin to the point on the ray that is closest to the
+    /// beam.
     pub t: f32,
-    /// Distance from the beam's start to the closest point on the beam.
+    /// Distance \[length] from the beam's start to the point on the beam that is closest to the
+    /// ray.
     pub s: f32,
     /// Cosine of the angle between the directions of ray and beam.
     pub cos: f32,
     /// Weight of the beam estimate, K₁(d)/sin θ \[1/length].
     ///
-    /// K₁ is the 1D Epanechnikov kernel, d the distance of the two lines, and θ their angle.
+    /// K₁ is the 1D Epanechnikov kernel, d the distance between ray and beam, and θ their angle.
     pub weight: f32,
-    /// Squared distance of the two lines, divided by the squared blur radius.
+    /// Squared distance between ray and beam, divided by the squared kernel radius.
     pub x2: f32,
 }
 
-/// Sine of the smallest angle between two unit directions that do not count as parallel.
+/// Largest sine of the angle between two unit directions at which they count as parallel.
 ///
-/// It is twice the rounding error of a direction that was normalised in four operations.
+/// It is twice the rounding error of a normalised direction.
 const MIN_SINE: f64 = 2.0 * rounding_error_bound(4) as f64;
 
 impl BeamIntersection {
@@ -108,16 +110,17 @@ impl BeamIntersection {
 pub struct PhotonBeamMap {
     beams: Vec<PhotonBeam>,
     packets: Vec<BeamPiecePacket>,
-    /// Hierarchy over the bounding boxes of the packets.
+    /// Hierarchy over the bounding boxes of `packets`.
     boxes: BoxTree,
     radius: f32,
 }
 
-/// Upper bound of the mean number of pieces per beam.
+/// Upper bound of the number of pieces into which a beam is split, on average over all beams.
 const MAX_PIECES: f64 = 4.0;
 
 impl PhotonBeamMap {
-    /// Builds the map for a blur `radius` \[length]. Invalid beams are left out.
+    /// Builds the map for beam estimates with a 1D kernel of radius `radius` \[length]. Invalid
+    /// beams are left out.
     ///
     /// The result does not depend on the number of threads.
     #[must_use]
@@ -138,35 +141,35 @@ impl PhotonBeamMap {
         Self { boxes: BoxTree::build(&bounds), beams, packets, radius }
     }
 
-    /// Number of beams.
+    /// Number of photon beams in the map.
     #[must_use]
     pub fn len(&self) -> usize {
         self.beams.len()
     }
 
-    /// True if the map is empty.
+    /// True if the map holds no beam.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.beams.is_empty()
     }
 
-    /// Radius of the blur \[length].
+    /// Radius of the 1D kernel of beam estimates \[length].
     #[must_use]
     pub fn radius(&self) -> f32 {
         self.radius
     }
 
-    /// Calls `visitor` once for each beam that passes within the blur radius of `ray`, with their
-    /// closest approach.
+    /// Calls `visitor` once for each beam whose closest approach to `ray` is within the blur
+    /// radius.
     ///
-    /// `ray` must have a unit direction. The closest points must lie between the ends of ray and
-    /// beam.
+    /// `ray` must have a unit direction. A beam is skipped if one of the two closest points lies
+    /// beyond an end of the ray or of the beam.
     #[inline]
     pub fn visit_near_ray(&self, ray: &Ray, mut visitor: impl FnMut(&PhotonBeam, BeamIntersection)) {
         let query = LineQuery::new(ray, self.radius);
         self.boxes.visit_boxes_along_ray(ray, &mut |index| {
             let packet = &self.packets[index as usize];
-            for slot in set_bit_indices(packet.beam_pieces_near_line(&query)) {
+            for slot in indices_of_set_bits(packet.beam_pieces_near_line(&query)) {
                 let piece = packet.beam_piece_in_lane(slot);
                 let beam = &self.beams[piece.beam as usize];
                 if let Some(intersection) = BeamIntersection::new(ray, beam, f64::from(self.radius))
@@ -197,11 +200,9 @@ impl BeamPiece {
     }
 }
 
-/// Splits each beam into pieces of equal length, so that bounding boxes become small.
+/// Splits each beam into pieces of equal length, because short pieces have small bounding boxes.
 ///
-/// `length` is the largest length of a piece if the beam runs along a diagonal of the coordinate
-/// axes. Pieces in other directions may be longer: their length is at most `length` /
-/// [`sqrt_half_box_area`].
+/// A beam is split into ⌈beam length · g/`length`⌉ pieces, where g is [`sqrt_half_box_area`].
 fn split_beams(beams: &[PhotonBeam], length: f64) -> Vec<BeamPiece> {
     let pieces_of = |(index, beam): (usize, &PhotonBeam)| {
         let (index, whole) = (index as u32, beam.length);
@@ -212,21 +213,22 @@ fn split_beams(beams: &[PhotonBeam], length: f64) -> Vec<BeamPiece> {
     beams.par_iter().enumerate().flat_map_iter(pieces_of).collect()
 }
 
-/// Square root of half the surface area of the axis-aligned bounding box around a segment of length
-/// 1 in the beam's direction.
+/// Square root of half the surface area of the bounding box of a segment that has length 1 and the
+/// beam's direction.
 ///
-/// The value g is 0 along an axis, and 1 along a diagonal of the coordinate axes. Let a beam of
-/// length L be split into n pieces, and let their boxes be expanded by r. The boxes have half the
-/// area L²g²/n + 12nr² + constant, which is least for n = Lg/(√12 r).
+/// The value g is 0 along an axis, and 1 along a diagonal of the coordinate axes. Suppose that a
+/// beam of length L is split into n pieces, whose boxes are expanded by r. Half the area of all
+/// boxes is L²g²/n + 12nr² + constant. It is least for n = Lg/(√12 r).
 fn sqrt_half_box_area(beam: &PhotonBeam) -> f64 {
     let b = beam.direction.abs();
     f64::from(b.x * b.y + b.y * b.z + b.z * b.x).sqrt()
 }
 
 /// Returns the argument `length` of [`split_beams`] that minimises the total surface area of the
-/// bounding boxes.
+/// bounding boxes of all pieces.
 ///
-/// The mean number of pieces per beam stays below [`MAX_PIECES`].
+/// `radius` is the kernel radius \[length]. The mean number of pieces per beam stays below
+/// [`MAX_PIECES`].
 fn optimal_beam_piece_length(beams: &[PhotonBeam], radius: f32) -> f64 {
     let total: f64 = beams.iter().map(|b| f64::from(b.length) * sqrt_half_box_area(b)).sum();
     let most = (MAX_PIECES - 1.0) * beams.len().max(1) as f64;

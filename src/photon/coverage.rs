@@ -1,4 +1,5 @@
-//! Coverage: the fraction of a density estimate's disc that is surface. It corrects boundary bias.
+//! Coverage: the fraction of a density estimate's disc that is surface. Division by it corrects
+//! boundary bias.
 
 use super::Kernel;
 use super::estimate::{FLATNESS, LEVELS, SAME_SIDE};
@@ -10,16 +11,16 @@ use glam::Vec3;
 /// Number of probe rays that measure the coverage of one disc.
 const PROBES: u32 = 16;
 
-/// Lower bound of the coverage. It limits the correction of an estimate to a factor of 20.
+/// Lower bound of the coverage, so that the division by it brightens an estimate at most 20 times.
 const MIN_COVERAGE: f32 = 0.05;
 
 /// Returns the kernel's integral over the surface around `p`, divided by its integral over a flat
 /// disc.
 ///
 /// A density estimate assumes that the whole disc of `radius` \[length] around `p` is surface.
-/// Where the surface ends, bends or is occluded, it is too dark (boundary bias, Jensen 2001,
-/// section 7.2.3). Division by the coverage corrects the bias. Probe rays along −`normal` estimate
-/// the coverage. It is exactly 1 on a flat surface, and may exceed 1 on a slope.
+/// Where the surface ends, bends or is occluded, the estimate is too dark (boundary bias, Jensen
+/// 2001, section 7.2.3). Division by the coverage corrects this bias. Probe rays along −`normal`
+/// measure the coverage. It is exactly 1 on a flat surface, and may exceed 1 on a slope.
 #[must_use]
 pub fn disc_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kernel, key: Key) -> f32 {
     let frame = Frame::from_normal(normal);
@@ -27,7 +28,7 @@ pub fn disc_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: 
     let (mut covered, mut whole) = (0.0, 0.0);
     for i in 0..PROBES {
         let d = warp::square_to_uniform_disc(sobol_2d(i, key, Dimension::Probe));
-        let shape = kernel.unnormalized(d.length_squared());
+        let shape = kernel.unnormalized_value(d.length_squared());
         whole += shape;
         let above = p + (frame.s * d.x + frame.t * d.y) * radius + normal * height;
         let ray = Ray { t_max: 2.0 * height, ..Ray::new(above, -normal) };
@@ -36,8 +37,11 @@ pub fn disc_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: 
         if cos > SAME_SIDE {
             let rise = (height - hit.t) / radius;
             // A flat surface is hit at `height` up to rounding errors, and must count as flat.
-            let shape =
-                if rise.abs() < 1e-3 { shape } else { kernel.unnormalized_or_zero(d.length_squared() + rise * rise) };
+            let shape = if rise.abs() < 1e-3 {
+                shape
+            } else {
+                kernel.unnormalized_value_or_zero(d.length_squared() + rise * rise)
+            };
             let cos = if cos > 0.999_999 { 1.0 } else { cos };
             covered += shape / cos;
         }
@@ -45,11 +49,11 @@ pub fn disc_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: 
     if whole > 0.0 { (covered / whole).max(MIN_COVERAGE) } else { 1.0 }
 }
 
-/// Coverage of the nested discs of a [`NestedRadianceEstimate`](super::NestedRadianceEstimate),
+/// [`disc_coverage`] of each disc of a [`NestedRadianceEstimate`](super::NestedRadianceEstimate),
 /// largest disc first.
 ///
-/// Each disc has its own 16 probe rays. Shared probe rays would leave few in the smallest disc, and
-/// the inverse of a ratio from few rays is biased.
+/// `radius` is the radius of the largest disc \[length]. Each disc has its own 16 probe rays: a
+/// division by a coverage from fewer rays would be biased.
 #[must_use]
 pub fn nested_disc_coverage(
     scene: &Scene,

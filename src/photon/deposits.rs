@@ -6,8 +6,8 @@ use crate::math::Ray;
 use crate::scene::SurfaceInteraction;
 use glam::{Vec2, Vec3};
 
-/// Optical depth at which an infinitely long beam is cut. The flux there is 2·10⁻⁹ of that at its
-/// start.
+/// Optical depth at which an infinitely long photon beam is cut. The flux there is 2·10⁻⁹ of that
+/// at the start.
 const MAX_OPTICAL_DEPTH: f32 = 20.0;
 
 /// Photon beams and photon points stored in participating media.
@@ -43,14 +43,15 @@ impl VolumePhotons {
 pub struct Deposits {
     /// Photons on surfaces, except the photons in `after_caustic`.
     pub photons: Vec<Photon>,
-    /// Surface photons of [`PhotonKind::AfterCaustic`].
+    /// Surface photons of [`PhotonKind::AfterCaustic`], if
+    /// [`StoreMask::separates_after_caustic`](super::StoreMask) is set.
     ///
-    /// Empty unless [`StoreMask::separates_after_caustic`](super::StoreMask) is set. Without it,
-    /// `photons` holds this kind too.
+    /// Otherwise this list is empty, and `photons` holds them.
     pub after_caustic: Vec<Photon>,
-    /// Photons in media, of the same kinds as `photons`.
+    /// Photons in media, except the photons in `after_caustic_volume`.
     pub volume: VolumePhotons,
-    /// Photons in media, of the same kinds as `after_caustic`.
+    /// Photons in media of [`PhotonKind::AfterCaustic`], if
+    /// [`StoreMask::separates_after_caustic`](super::StoreMask) is set.
     pub after_caustic_volume: VolumePhotons,
     /// Number of photons that were not stored because their flux or position was not finite, or
     /// their flux was negative.
@@ -89,7 +90,8 @@ impl Deposits {
         all
     }
 
-    /// Stores one deposit of `pass`. An invalid deposit is counted in `rejected` instead.
+    /// Stores one deposit of a photon path of `pass`; if it is invalid, counts it in `rejected`
+    /// instead.
     #[inline]
     pub(super) fn store_deposit(&mut self, pass: &PhotonPass<'_>, deposit: &Deposit<'_>) {
         let is_separate = pass.mask.separates_after_caustic && deposit.kind == PhotonKind::AfterCaustic;
@@ -126,20 +128,20 @@ impl Deposits {
     }
 }
 
-/// Light that a photon path sends to one film position, from one of its vertices.
+/// Light that light tracing adds to the film: a connection of one photon to the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Splat {
     /// Film position \[pixels from the top left].
     pub film: Vec2,
-    /// Radiance of the splat, integrated over the film area in square pixels \[W/(m² sr)·pixel²].
+    /// Radiance integrated over the film area in square pixels \[W/(m² sr)·pixel²].
     pub radiance: Rgb,
 }
 
 /// Flux that a photon path deposits on a surface, in a medium or on the film.
 pub(super) struct Deposit<'a> {
-    /// Kind of the photon, which follows from the vertices of its path.
+    /// Kind of the photon; it follows from the earlier vertices of the path.
     pub kind: PhotonKind,
-    /// Where the flux is deposited.
+    /// Surface, medium or film position that receives the flux.
     pub place: DepositPlace<'a>,
     /// Flux \[W]; on the film, the integrated radiance of a [`Splat`].
     pub flux: Rgb,
@@ -149,16 +151,16 @@ pub(super) struct Deposit<'a> {
 
 /// Place where a photon path deposits flux: on a surface, in a medium or on the film.
 pub(super) enum DepositPlace<'a> {
-    /// A point on a surface.
+    /// A point on a surface, and the share of the photon's flux that density estimates use: an
+    /// integer from 0 to [`SHARE_STEPS`](super::record::SHARE_STEPS).
     ///
-    /// The number is the share of its flux that density estimates use, in steps of
-    /// 1/[`SHARE_STEPS`](super::record::SHARE_STEPS). It is `None` without light tracing.
+    /// The integer is `None` without light tracing.
     Surface(&'a SurfaceInteraction<'a>, Option<u8>),
     /// A film position \[pixels from the top left], where a splat is recorded.
     Film(Vec2),
-    /// A path segment through a homogeneous medium.
+    /// A photon beam along a ray segment in a homogeneous medium.
     Beam {
-        /// The segment, with unit direction.
+        /// The ray segment, with unit direction.
         ray: &'a Ray,
         /// Index of the medium.
         medium: u32,
@@ -174,10 +176,10 @@ pub(super) enum DepositPlace<'a> {
     },
 }
 
-/// Length of the photon beam along `ray` \[length]. `medium` is the index of the medium around it.
+/// Length of the photon beam along `ray` in the medium with index `medium` \[length].
 ///
-/// A ray of infinite length is cut at [`MAX_OPTICAL_DEPTH`], or at a point outside the scene's
-/// bounding sphere.
+/// The beam of an infinite ray ends at [`MAX_OPTICAL_DEPTH`], or outside the scene's bounding
+/// sphere if that is nearer.
 fn beam_length(pass: &PhotonPass<'_>, ray: &Ray, medium: u32) -> f32 {
     if ray.t_max.is_finite() {
         return ray.t_max;

@@ -1,7 +1,7 @@
 //! Emission of photon paths: samples a light, a position and a direction.
 //!
-//! Photons do not carry the direct light of `hybrid`: its maps hold only caustics and the light
-//! that caustics reflect. Next-event estimation computes direct light by [`Light::sample_li`].
+//! The integrator `hybrid` needs no photons for direct light: it samples lights by
+//! [`Light::sample_li`] at each surface point.
 
 use super::guiding::EmissionGuidingDistribution;
 use crate::color::{self, Rgb};
@@ -11,53 +11,55 @@ use crate::sampling::{Dimension, DiscreteDistribution, Key, Purpose, sobol_2d};
 use crate::scene::{Effect, Effects, Interior, InteriorKind, PathRay, Scene};
 use glam::Vec2;
 
-/// Number of samples that estimate the power of one light towards the caustic casters.
+/// Number of emission samples that estimate the power of one light towards the caustic casters.
 const POWER_SAMPLES: u32 = 256;
 
-/// Fraction of each light's probability that follows its total power (defensive sampling).
+/// Fraction of the light probabilities that is proportional to total power, in a source aimed at
+/// casters (defensive sampling).
 ///
-/// A light whose aimed power was estimated as zero keeps a probability above zero.
+/// The other 90 % are proportional to the estimated power towards the casters. A light for which
+/// this estimate is zero keeps a probability above zero.
 const DEFENSIVE_FRACTION: f64 = 0.1;
 
 /// Samples the emission of photon paths from all lights of a scene.
 #[derive(Clone, Debug)]
 pub struct PhotonSource<'a> {
     pub(super) scene: &'a Scene,
-    /// Probabilities of the lights.
+    /// Discrete distribution from which the light of a photon path is sampled.
     pub(super) light_distribution: DiscreteDistribution,
-    /// Bounding spheres of the caustic casters. Photons are emitted towards them; `None` emits in
+    /// Bounding spheres of the caustic casters, towards which photons are emitted. `None` emits in
     /// all directions.
     aim: Option<PhotonAim>,
-    /// Guiding distribution of each light; `None` for an unguided light. Empty if no light is
-    /// guided.
+    /// Distribution of positions and directions for each light, from emission guiding; `None` for
+    /// an unguided light. The list is empty without guiding.
     pub(super) guiding: Vec<Option<EmissionGuidingDistribution>>,
     /// Effects that photon paths simulate.
     effects: Effects,
 }
 
-/// Choice of a light, and the sample points in \[0, 1)² from which an emission's position and
-/// direction follow.
+/// A sampled light, and the primary sample in \[0, 1)⁴ that determines the position and direction
+/// of the emitted ray.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrimaryEmissionSample {
     /// Index of the light.
     pub light: usize,
-    /// Probability of the light.
+    /// Probability of sampling this light.
     pub probability: f32,
-    /// Sample point in \[0, 1)² from which the position on the light follows (primary sample).
+    /// Primary sample in \[0, 1)² that determines the position on the light.
     pub position: Vec2,
-    /// Sample point in \[0, 1)² from which the direction follows (primary sample).
+    /// Primary sample in \[0, 1)² that determines the emitted direction.
     pub direction: Vec2,
-    /// Joint pdf of `position` and `direction` over the unit hypercube \[0, 1)⁴; 1 without guiding.
+    /// Joint pdf of `position` and `direction` over \[0, 1)⁴; 1 without emission guiding.
     pub pdf: f32,
 }
 
 impl<'a> PhotonSource<'a> {
-    /// Creates a source that emits from each light in all directions of its emission; `None` if no
-    /// light has power.
+    /// Creates a source that emits in all directions in which the lights emit; `None` if no light
+    /// has power.
     ///
     /// Lights are chosen in proportion to their power.
     #[must_use]
-    pub fn in_all_directions(scene: &'a Scene) -> Option<Self> {
+    pub fn emitting_in_all_directions(scene: &'a Scene) -> Option<Self> {
         let light_distribution = DiscreteDistribution::new(light_powers(scene))?;
         let effects = effects_of_scene(scene);
         Some(Self { scene, light_distribution, aim: None, guiding: Vec::new(), effects })
@@ -65,13 +67,13 @@ impl<'a> PhotonSource<'a> {
 
     /// Creates a source that emits only towards the bounding spheres of caustic casters.
     ///
-    /// Lights are chosen in proportion to their power towards the spheres, estimated by sampling.
-    /// If a caster is unbounded, the source emits in all directions. Returns `None` if no light can
-    /// reach a caster.
+    /// Lights are chosen mainly in proportion to their power towards the spheres, which is
+    /// estimated by sampling. If a caster is unbounded, the source emits in all directions. Returns
+    /// `None` if no light can reach a caster.
     #[must_use]
     pub fn aimed_at_casters(scene: &'a Scene) -> Option<Self> {
         let Some(spheres) = scene.caster_bounding_spheres() else {
-            return Self::in_all_directions(scene);
+            return Self::emitting_in_all_directions(scene);
         };
         let domain = scene.photon_domain();
         let reaching = |(light, power): (&Light, f64)| {
@@ -108,7 +110,7 @@ impl<'a> PhotonSource<'a> {
 
     /// Returns the source without the environment light; `None` if no other light has power.
     #[must_use]
-    pub fn without_environment(self) -> Option<Self> {
+    pub fn without_environment_light(self) -> Option<Self> {
         // Recomputed probabilities would differ by rounding.
         let Some(environment) = self.scene.environment_light_index() else { return Some(self) };
         let weight = |i| if i == environment { 0.0 } else { f64::from(self.light_distribution.probability(i)) };
@@ -116,9 +118,10 @@ impl<'a> PhotonSource<'a> {
         Some(Self { light_distribution, ..self })
     }
 
-    /// Returns the source for `scene`, which is the same scene at another shutter time.
+    /// Returns a copy of the source for `scene`, which must be the same scene at another shutter
+    /// time.
     ///
-    /// An aimed source then aims at the caster positions of that time.
+    /// A source aimed at casters then aims at their positions at that time.
     #[must_use]
     pub fn for_scene_at_time<'b>(&self, scene: &'b Scene) -> PhotonSource<'b> {
         let spheres = if self.aim.is_some() { scene.caster_bounding_spheres() } else { None };
@@ -127,27 +130,29 @@ impl<'a> PhotonSource<'a> {
         PhotonSource { scene, light_distribution, aim, guiding, ..*self }
     }
 
-    /// Returns the source with photon paths that simulate `effects`.
+    /// Returns the source with the set of [`Effects`] that its photon paths simulate.
     #[must_use]
     pub fn with_effects(self, effects: Effects) -> Self {
         Self { effects, ..self }
     }
 
-    /// Kind of interior (nested bodies, medium, wavelength) that the photon paths must track.
+    /// What each photon path must track about the interiors that contain it: nested bodies, medium,
+    /// wavelength.
     pub(super) fn interior_kind(&self) -> InteriorKind {
         self.effects.interior_kind()
     }
 
-    /// Lights of the scene. Their mean radiance replaces emission textures if textures are not
-    /// simulated.
+    /// Lights of the scene. If textures are not simulated, each light has the mean radiance of its
+    /// emission texture.
     pub(super) fn lights(&self) -> &'a [Light] {
         if self.effects.has(Effect::Textures) { self.scene.lights() } else { self.scene.mean_emission_lights() }
     }
 
-    /// Starts photon path `index` of `paths`; returns its ray and flux \[W], `None` without flux.
+    /// Samples and starts photon path `index` of a pass of `paths` paths.
     ///
-    /// Lights are chosen by systematic sampling over path indices. Positions and directions are
-    /// Sobol' points, scrambled with `pass_key`.
+    /// Returns the ray and its flux \[W], or `None` if the sample carries no flux. Lights are
+    /// chosen by systematic sampling over path indices. Positions and directions are Sobol' points,
+    /// scrambled with `pass_key`.
     #[must_use]
     pub fn emit_photon_path<I: Interior>(&self, pass_key: Key, index: u32, paths: u32) -> Option<(PathRay<I>, Rgb)> {
         let point = self.primary_emission_sample(pass_key, index, paths);
@@ -155,7 +160,7 @@ impl<'a> PhotonSource<'a> {
         Some((ray, flux / (point.probability * paths as f32 * point.pdf)))
     }
 
-    /// Samples light, position and direction of photon path `index` of `paths`.
+    /// Samples the light, position and direction of photon path `index` in a pass of `paths` paths.
     #[inline]
     pub(super) fn primary_emission_sample(&self, pass_key: Key, index: u32, paths: u32) -> PrimaryEmissionSample {
         let u = (f64::from(index) + f64::from(pass_key.uniform_1d(Dimension::Light))) / f64::from(paths);
@@ -169,10 +174,10 @@ impl<'a> PhotonSource<'a> {
         PrimaryEmissionSample { light, probability, position, direction, pdf }
     }
 
-    /// Starts the photon path of a primary sample; returns its ray and flux \[W].
+    /// Starts the photon path that `point` determines; returns its ray and flux \[W].
     ///
-    /// The flux is not divided by the probability of the light, the guiding pdf or the number of
-    /// paths.
+    /// Returns `None` if the sample carries no flux. The caller must divide the flux by the
+    /// probability of the light, the pdf of `point` and the number of paths.
     #[inline]
     pub(super) fn start_photon_path<I: Interior>(&self, point: &PrimaryEmissionSample) -> Option<(PathRay<I>, Rgb)> {
         let light = &self.lights()[point.light];
@@ -194,9 +199,9 @@ impl<'a> PhotonSource<'a> {
     }
 }
 
-/// All effects, without [`Effect::Interiors`] if no object of `scene` has an interior.
+/// All effects, but without [`Effect::Interiors`] if no object of `scene` has an interior.
 fn effects_of_scene(scene: &Scene) -> Effects {
-    if scene.has_interiors() { Effects::ALL } else { Effects::ALL.without(Effect::Interiors) }
+    if scene.has_interiors() { Effects::ALL } else { Effects::ALL.without_effect(Effect::Interiors) }
 }
 
 /// Power of each light \[W], averaged over RGB.
@@ -204,9 +209,10 @@ fn light_powers(scene: &Scene) -> impl Iterator<Item = f64> {
     scene.lights().iter().map(|light| f64::from(color::channel_mean(light.power(scene.photon_domain()))))
 }
 
-/// Estimated power of a light towards the spheres of `aim` \[W], averaged over RGB.
+/// Estimates the power \[W] of light number `light` towards the spheres of `aim`, averaged over
+/// RGB.
 fn estimate_aimed_power(scene: &Scene, aim: &PhotonAim, light: usize) -> f64 {
-    let key = Key::new(0).purpose_key(Purpose::LightWeights).light_key(light);
+    let key = Key::new(0).purpose_key(Purpose::LightWeights).light_power_pilot_key(light);
     let flux = |i| {
         let (position, direction) =
             (sobol_2d(i, key, Dimension::LightPosition), sobol_2d(i, key, Dimension::LightDirection));

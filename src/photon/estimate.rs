@@ -5,14 +5,14 @@ use super::{Kernel, PhotonData, PhotonMap};
 use crate::color::Rgb;
 use glam::{DVec3, Vec3};
 
-/// Bandwidth of a density estimate: the size of its disc.
+/// Bandwidth of a density estimate: limits the size of its disc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bandwidth {
-    /// Largest radius \[length].
+    /// Largest radius of the disc \[length].
     pub radius: f32,
-    /// Largest number of photons k; 0 for no limit.
+    /// Largest number of photons in the disc, k; 0 for no limit.
     ///
-    /// If the disc contains more, its radius is the distance of the k-th nearest photon.
+    /// If more photons lie within `radius`, the disc shrinks to the distance of the k-th nearest.
     pub k: u32,
 }
 
@@ -27,7 +27,8 @@ pub struct RadianceEstimate {
     pub count: u32,
 }
 
-/// Number of concentric discs of a nested estimate. Each disc has half the area of the one before.
+/// Number of concentric discs of a [`NestedRadianceEstimate`]. Each disc has half the area of the
+/// next larger one.
 pub const LEVELS: usize = 3;
 
 /// Radiance estimates from concentric discs of decreasing size, which share their photons.
@@ -42,7 +43,7 @@ pub struct NestedRadianceEstimate {
 /// Buffers of nearest-neighbour searches, reused to avoid allocations.
 #[derive(Debug, Default)]
 pub struct PhotonSearchBuffers {
-    /// Found photons with their squared distances.
+    /// Photons found by the last search, with their squared distances from the query point.
     found: Vec<(f32, PhotonData)>,
     /// Distance of the k-th neighbour in the last search \[length]. The next search begins with
     /// 1.25 times this radius.
@@ -56,29 +57,30 @@ impl PhotonSearchBuffers {
         Self::default()
     }
 
-    /// Makes the next search begin with 1.25 times `radius` \[length].
+    /// Makes the next search begin with 1.25 times `radius` \[length], as if the k-th photon of the
+    /// last search were that far away.
     pub(super) fn set_first_search_radius(&mut self, radius: f32) {
         self.last_radius = radius;
     }
 }
 
-/// Lower bound of gather radii, divided by the distance of the query point from the origin: about
-/// 100 rounding errors of positions.
+/// Lower bound of the radius of an estimate's disc, divided by the distance of the query point from
+/// the origin. It is about 100 rounding errors of positions.
 const MIN_RELATIVE_RADIUS: f32 = 1e-5;
 
-/// Lower bound of the distance to the k-th photon, divided by the largest radius. It keeps radiance
-/// finite if photons coincide.
+/// Lower bound of the radius of a k-nearest estimate, divided by the largest radius. It keeps
+/// radiance finite if photons coincide.
 const MIN_RADIUS_FRACTION: f32 = 1.0 / 1_048_576.0;
 
-/// Number of photons in a block. A block is summed in f32, and the sums of all blocks are added in
-/// f64.
+/// Number of photons that are summed in f32 before their sum is added to a total in f64.
 const BLOCK: u32 = 64;
 
-/// Smallest cosine between the normals of a photon and the query point at which the photon counts.
+/// Photons count in an estimate if the cosine between their normal and the normal of the query
+/// point is larger than this.
 pub(super) const SAME_SIDE: f32 = 0.5;
 
-/// Largest distance of the query point from a photon's tangent plane at which the photon counts,
-/// divided by the radius of the largest disc.
+/// Photons count in an estimate if their tangent plane is not farther from the query point than
+/// this fraction of the radius of the largest disc.
 pub(super) const FLATNESS: f32 = 0.25;
 
 impl PhotonMap {
@@ -86,8 +88,8 @@ impl PhotonMap {
     ///
     /// `brdf` returns the BRDF f \[1/sr] for the incident direction of a photon. `normal` is the
     /// unit geometric normal on the viewer's side. Photons on other surfaces are left out: their
-    /// normal differs much, or the query point is far from their tangent plane.
-    pub fn estimate(
+    /// normal differs from `normal` by more than 60°, or their tangent plane is far from `p`.
+    pub fn estimate_radiance(
         &self,
         p: Vec3,
         normal: Vec3,
@@ -96,14 +98,14 @@ impl PhotonMap {
         scratch: &mut PhotonSearchBuffers,
         brdf: impl Fn(&PhotonData) -> Rgb,
     ) -> RadianceEstimate {
-        self.estimate_nested_discs::<1>(p, normal, bandwidth, kernel, scratch, brdf).0
+        self.estimate_radiance_in_discs::<1>(p, normal, bandwidth, kernel, scratch, brdf).0
     }
 
-    /// Estimates the reflected radiance at `p` from nested discs.
+    /// Estimates the reflected radiance at `p` from [`LEVELS`] nested discs.
     ///
-    /// Parameters are those of [`PhotonMap::estimate`]. The estimate of the largest disc equals its
-    /// result to the bit.
-    pub fn estimate_nested(
+    /// The parameters are those of [`PhotonMap::estimate_radiance`]. The result of the largest disc
+    /// equals the result of that function to the bit.
+    pub fn estimate_nested_radiance(
         &self,
         p: Vec3,
         normal: Vec3,
@@ -112,11 +114,11 @@ impl PhotonMap {
         scratch: &mut PhotonSearchBuffers,
         brdf: impl Fn(&PhotonData) -> Rgb,
     ) -> NestedRadianceEstimate {
-        let (whole, radiance) = self.estimate_nested_discs(p, normal, bandwidth, kernel, scratch, brdf);
+        let (whole, radiance) = self.estimate_radiance_in_discs(p, normal, bandwidth, kernel, scratch, brdf);
         NestedRadianceEstimate { whole, radiance }
     }
 
-    fn estimate_nested_discs<const N: usize>(
+    fn estimate_radiance_in_discs<const N: usize>(
         &self,
         p: Vec3,
         normal: Vec3,
@@ -155,7 +157,7 @@ impl PhotonMap {
                 let count = scratch.found.len() as u32;
                 // √(radius²) could differ from the radius by rounding.
                 let radius = if count < bandwidth.k { bandwidth.radius } else { r2.sqrt() };
-                return sums.estimate(radius, count);
+                return sums.into_radiance(radius, count);
             }
             // The k-th photon is nearer than the least radius.
             radius = least;
@@ -168,14 +170,15 @@ impl PhotonMap {
                 sums.add(d2, height(data), brdf(data) * data.flux());
             }
         });
-        sums.estimate(radius, count)
+        sums.into_radiance(radius, count)
     }
 
-    /// Finds the k nearest photons on the surface, and returns the squared distance of the k-th.
+    /// Finds the k photons nearest to `p` on its surface, and returns the squared distance of the
+    /// k-th.
     ///
-    /// `scratch` receives the photons. If fewer than k lie within the largest radius, it receives
-    /// all of them, and the result is `None`. The kd-tree of crate kiddo cannot shrink a radius
-    /// during a query, so the search radius grows from a first guess.
+    /// The photons are written to `scratch`. If fewer than k lie within the largest radius, all of
+    /// them are written, and the function returns `None`. The search radius grows from a first
+    /// guess, because the kd-tree of crate kiddo cannot shrink a radius during a query.
     fn find_k_nearest(
         &self,
         p: Vec3,
@@ -219,8 +222,8 @@ impl PhotonMap {
 impl PhotonMap {
     /// Distance from `p` to the k-th nearest photon on its surface \[length].
     ///
-    /// Photons on other surfaces do not count, as in [`PhotonMap::estimate`]. `most` \[length] is
-    /// the largest distance; the result is `None` if fewer than k photons lie within it.
+    /// Returns `None` if fewer than k photons lie within the distance `most` \[length]. Photons on
+    /// other surfaces do not count, as in [`PhotonMap::estimate_radiance`].
     #[must_use]
     pub fn kth_photon_distance(&self, p: Vec3, normal: Vec3, k: u32, most: f32) -> Option<f32> {
         let mut scratch = PhotonSearchBuffers { last_radius: most * 1e-3, ..PhotonSearchBuffers::default() };
@@ -228,17 +231,17 @@ impl PhotonMap {
     }
 }
 
-/// Kernel-weighted sums of reflected flux over N nested discs.
+/// Kernel-weighted sums of BRDF · flux over N nested discs.
 struct KernelSums<const N: usize> {
     kernel: Kernel,
     /// Squared radius of the largest disc.
     r2: f32,
     inverse_r2: f32,
-    /// Sums of the current block, by disc.
+    /// Sums in f32 over the last photons, at most [`BLOCK`] of them; one sum for each disc.
     block: [Rgb; N],
-    /// Number of photons in the current block.
+    /// Number of photons that are summed in `block`.
     block_count: u32,
-    /// Sums of the earlier blocks, by disc.
+    /// Sums in f64 over all earlier photons, one sum for each disc.
     total: [DVec3; N],
 }
 
@@ -250,15 +253,15 @@ impl<const N: usize> KernelSums<N> {
     /// Adds a photon at squared distance `d2` with `reflected` = BRDF · flux.
     ///
     /// `height` is the distance between the query point and the photon's tangent plane, divided by
-    /// the largest accepted distance.
+    /// the largest distance at which the photon counts.
     #[inline]
     fn add(&mut self, d2: f32, height: f32, reflected: Rgb) {
         let x = d2 * self.inverse_r2;
-        self.block[0] += reflected * self.kernel.unnormalized(x);
+        self.block[0] += reflected * self.kernel.unnormalized_value(x);
         let finer = [(2.0 * x, std::f32::consts::FRAC_1_SQRT_2), (4.0 * x, 0.5)];
         for (sum, (x, highest)) in self.block[1..].iter_mut().zip(finer) {
             if height <= highest {
-                *sum += reflected * self.kernel.unnormalized_or_zero(x);
+                *sum += reflected * self.kernel.unnormalized_value_or_zero(x);
             }
         }
         self.block_count += 1;
@@ -272,11 +275,11 @@ impl<const N: usize> KernelSums<N> {
         self.block_count = 0;
     }
 
-    fn estimate(mut self, radius: f32, count: u32) -> (RadianceEstimate, [Rgb; N]) {
+    fn into_radiance(mut self, radius: f32, count: u32) -> (RadianceEstimate, [Rgb; N]) {
         self.flush_block_sums();
         let mut r2 = self.r2;
         let radiance = self.total.map(|sum| {
-            let scaled = sum.as_vec3() * self.kernel.normalization(r2);
+            let scaled = sum.as_vec3() * self.kernel.normalization_factor(r2);
             r2 *= 0.5;
             scaled
         });
@@ -284,10 +287,10 @@ impl<const N: usize> KernelSums<N> {
     }
 }
 
-/// True if a photon counts in an estimate with tangent plane `plane` and largest radius `radius`
-/// \[length].
+/// True if a photon lies on the surface of a query point with tangent plane `plane`.
 ///
-/// Its normal must be similar, and its own tangent plane must pass near the query point.
+/// Its normal must be similar, and its own tangent plane must pass near the query point. `radius`
+/// is the largest radius of the estimate \[length].
 #[inline]
 pub(super) fn is_on_query_surface(data: &PhotonData, plane: &TangentPlane, radius: f32) -> bool {
     let (cosine, height) = data.normal_cosine_and_height(plane);
@@ -307,7 +310,7 @@ mod tests {
     use super::*;
     use crate::photon::Photon;
 
-    /// Nine photons at distances 1 to 9 along a line, and one very far away.
+    /// The distance to the k-th photon is exact even if one photon is very far away.
     #[test]
     fn kth_distance_ignores_scene_extent() {
         let photon = |x: f32| Photon::new(Vec3::X * x, Rgb::ONE, Vec3::Z, Vec3::Z).unwrap();

@@ -5,21 +5,19 @@ use std::str::FromStr;
 
 /// Kernel of a density estimate: a radially symmetric weight on a disc of radius r, with integral
 /// 1.
-///
-/// The formulas below use d, the distance from the center of the disc.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Kernel {
-    /// 1/(πr²).
+    /// Constant kernel, 1/(πr²).
     Box,
-    /// 3(1 − d/r)/(πr²): Jensen's cone filter with k = 1 (Jensen 2001, section 7.2).
+    /// 3(1 − d/r)/(πr²) at distance d: Jensen's cone filter with k = 1 (Jensen 2001, section 7.2).
     Cone,
-    /// 2(1 − d²/r²)/(πr²). It has the least asymptotic mean squared error (Silverman 1986, section
-    /// 4.2).
+    /// 2(1 − d²/r²)/(πr²) at distance d. It has the least asymptotic mean squared error (Silverman
+    /// 1986, section 4.2).
     #[default]
     Epanechnikov,
 }
 
-/// Error: a text is not the name of a kernel.
+/// Error: the text is not the name of a [`Kernel`]. It holds the text.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown kernel `{0}`: use box, cone or epanechnikov")]
 pub struct UnknownKernel(String);
@@ -38,11 +36,12 @@ impl FromStr for Kernel {
 }
 
 impl Kernel {
-    /// Kernel value at squared distance `x` = d²/r² < 1 without its normalization. Times
-    /// [`Kernel::normalization`], it is the kernel.
+    /// Kernel value before multiplication by [`Kernel::normalization_factor`].
+    ///
+    /// `x` is d²/r² < 1, for distance d and disc radius r.
     #[inline]
     #[must_use]
-    pub fn unnormalized(self, x: f32) -> f32 {
+    pub fn unnormalized_value(self, x: f32) -> f32 {
         match self {
             Self::Box => 1.0,
             Self::Cone => (1.0 - x.sqrt()).max(0.0),
@@ -50,18 +49,20 @@ impl Kernel {
         }
     }
 
-    /// Returns [`Kernel::unnormalized`] if `x` = d²/r² < 1, and 0 outside of the disc.
+    /// Kernel value before multiplication by [`Kernel::normalization_factor`]; 0 outside the disc.
+    ///
+    /// `x` is d²/r² ≥ 0, for distance d and disc radius r.
     #[inline]
     #[must_use]
-    pub fn unnormalized_or_zero(self, x: f32) -> f32 {
-        if x < 1.0 { self.unnormalized(x) } else { 0.0 }
+    pub fn unnormalized_value_or_zero(self, x: f32) -> f32 {
+        if x < 1.0 { self.unnormalized_value(x) } else { 0.0 }
     }
 
-    /// Factor \[1/length²] that gives [`Kernel::unnormalized`] the integral 1 over a disc of
-    /// squared radius `r2`.
+    /// Factor \[1/length²] that makes the kernel's integral over a disc of squared radius `r2` 1.
+    /// [`Kernel::unnormalized_value`] is multiplied by it.
     #[inline]
     #[must_use]
-    pub fn normalization(self, r2: f32) -> f32 {
+    pub fn normalization_factor(self, r2: f32) -> f32 {
         let norm = match self {
             Self::Box => 1.0,
             Self::Cone => 3.0,
@@ -70,11 +71,11 @@ impl Kernel {
         norm * FRAC_1_PI / r2
     }
 
-    /// True if the kernel is zero at distance r.
+    /// True if the kernel is zero at the edge of its disc.
     ///
-    /// In a k-nearest-neighbour estimate, the k-th photon lies at distance r. It must have no
-    /// weight, or the estimate is biased. If this function returns false, the caller must leave the
-    /// k-th photon out.
+    /// In a k-nearest-neighbour estimate, the k-th photon lies at the edge. It must have no weight,
+    /// or the estimate is biased. If this function returns false, the caller must leave out the
+    /// k-th photon.
     #[must_use]
     pub fn vanishes_at_edge(self) -> bool {
         self != Self::Box
@@ -86,7 +87,7 @@ impl Kernel {
     /// photons, measures the bias of E(r). The result is the variance of this difference, divided
     /// by the variance of E(r).
     #[must_use]
-    pub fn difference_variance(self) -> f32 {
+    pub fn nested_difference_variance(self) -> f32 {
         match self {
             Self::Box => 1.0,
             Self::Cone => std::f32::consts::SQRT_2 - 1.0,
@@ -99,8 +100,8 @@ impl Kernel {
 mod tests {
     use super::*;
 
-    /// The integral of each kernel and its `difference_variance` agree with the midpoint rule over
-    /// d, whose error is O(n⁻²).
+    /// The integral of each kernel and its `nested_difference_variance` agree with the midpoint
+    /// rule over d, whose error is O(n⁻²).
     #[test]
     fn kernel_constants_match_quadrature() {
         let n = 100_000;
@@ -110,16 +111,16 @@ mod tests {
             for i in 0..n {
                 let d = (i as f32 + 0.5) / n as f32 * r;
                 let ring = f64::from(std::f32::consts::TAU * d * r / n as f32);
-                let k = f64::from(kernel.unnormalized(d * d / (r * r)) * kernel.normalization(r * r));
+                let k = f64::from(kernel.unnormalized_value(d * d / (r * r)) * kernel.normalization_factor(r * r));
                 integral += k * ring;
                 square += k * k * ring * f64::from(std::f32::consts::PI * r * r);
                 let x = 2.0 * d * d / (r * r);
-                let finer = f64::from(kernel.unnormalized_or_zero(x) * kernel.normalization(0.5 * r * r));
+                let finer = f64::from(kernel.unnormalized_value_or_zero(x) * kernel.normalization_factor(0.5 * r * r));
                 step += (k - finer) * (k - finer) * ring * f64::from(std::f32::consts::PI * r * r);
             }
             assert!((integral - 1.0).abs() < 1e-5, "{kernel:?} {integral}");
             // The box ends within a ring of the sum, whose weight is 1/n.
-            let expected = f64::from(kernel.difference_variance());
+            let expected = f64::from(kernel.nested_difference_variance());
             assert!((step / square - expected).abs() < 5e-5, "{kernel:?} {}", step / square);
         }
     }

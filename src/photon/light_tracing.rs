@@ -1,13 +1,12 @@
-//! Light tracing: connects photon paths to the camera and splats their light on the film.
+//! Light tracing: connects caustic photons to the camera and splats their light on the film.
 //!
-//! A caustic on a surface that the camera sees directly can be found in two ways. A photon estimate
-//! blurs it over the estimate's disc. A connection of the photon to the camera does not blur, but
-//! it is noisy where few photons fall in a pixel. Each photon therefore gives one share of its flux
-//! to estimates and the rest to its splat. The share is a function of the film position alone, so
-//! every light path counts once.
+//! A density estimate blurs a caustic over its disc. Splats do not blur, but are noisy where few
+//! photons fall in a pixel. Each caustic photon therefore gives a fraction of its flux, its
+//! *share*, to density estimates, and the remaining flux to its splat. The share is a function of
+//! film position alone, so all light is counted exactly once.
 //!
-//! Method: Veach 1997, section 10.3; the shares take the place of multiple importance sampling
-//! weights (Georgiev et al. 2012).
+//! The method is that of Veach 1997, section 10.3. Shares take the place of multiple importance
+//! sampling weights (Georgiev et al. 2012).
 
 use super::PhotonKind;
 use super::deposits::{Deposit, DepositPlace, Splat};
@@ -21,29 +20,29 @@ use crate::scene::{Interior, PathRay, Scene, SurfaceInteraction};
 use glam::{DVec3, Vec2};
 use rayon::prelude::*;
 
-/// Number of photons per pixel and pass at which estimates and splats get equal shares.
+/// Number of photons per pixel and pass at which a density estimate and a splat each get half of a
+/// photon's flux.
 ///
-/// With fewer photons, a splat is noisier than an estimate.
+/// With fewer photons, splats are noisier than density estimates and get less.
 const EQUAL_SHARE_COUNT: f64 = 10.0;
 
-/// Share of their flux that photons give to density estimates, for each pixel of the film. Light
-/// tracing carries the rest.
+/// For each pixel, the fraction of a caustic photon's flux that density estimates use. A splat by
+/// light tracing carries the remaining flux.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DensityEstimateShares {
     width: u32,
     height: u32,
-    /// Shares in steps of 1/[`SHARE_STEPS`], by rows from the top.
+    /// Fractions in steps of 1/[`SHARE_STEPS`], by rows from the top.
     steps: Vec<u8>,
 }
 
 impl DensityEstimateShares {
-    /// Shares of estimates that fall with the number of photons per pixel in `splats` of one photon
-    /// pass.
+    /// Computes the shares of density estimates from the number of photons per pixel in `splats`.
     ///
     /// `ratio` is the number of photon paths of a pass, divided by the number of paths that made
-    /// `splats`. The share of splats is n²/(n² + 10²). n is the effective number of photons per
-    /// pixel and pass, measured over 3 × 3 pixels. The square makes estimates fade fast at foci,
-    /// where they have rare large errors.
+    /// `splats`. A density estimate gets the share 1/(1 + n²/10²). n is the effective number of
+    /// photons per pixel and pass, measured over 3 × 3 pixels. The square reduces the share quickly
+    /// at foci, where density estimates have rare large errors.
     #[must_use]
     pub fn from_splats(splats: &[Splat], (width, height): (u32, u32), ratio: f64) -> Self {
         let index = |x: u32, y: u32| y as usize * width as usize + x as usize;
@@ -70,29 +69,30 @@ impl DensityEstimateShares {
         Self { width, height, steps }
     }
 
-    /// Gives all pixels the share `steps`/[`SHARE_STEPS`].
+    /// Gives all pixels the same share of density estimates, `steps`/[`SHARE_STEPS`].
     #[must_use]
-    pub fn uniform(steps: u8, (width, height): (u32, u32)) -> Self {
+    pub fn with_uniform_share(steps: u8, (width, height): (u32, u32)) -> Self {
         Self { width, height, steps: vec![steps.min(SHARE_STEPS); width as usize * height as usize] }
     }
 
-    /// Share of estimates at film position `film` \[pixels from the top left], in steps of
-    /// 1/[`SHARE_STEPS`]. Outside the film, estimates get the whole flux.
+    /// Share of density estimates at film position `film` \[pixels from the top left], in steps of
+    /// 1/[`SHARE_STEPS`]. Outside the film, the share is 1.
     #[inline]
-    fn share_steps_at(&self, film: Vec2) -> u8 {
+    fn share_steps_at_film_position(&self, film: Vec2) -> u8 {
         pixel_at_film_position(film, self.width, self.height)
             .map_or(SHARE_STEPS, |(x, y)| self.steps[y as usize * self.width as usize + x as usize])
     }
 }
 
-/// Column and row of the pixel that contains a film position; `None` outside the film.
+/// Column and row of the pixel that contains the film position `film` \[pixels from the top left];
+/// `None` outside the film.
 #[inline]
 fn pixel_at_film_position(film: Vec2, width: u32, height: u32) -> Option<(u32, u32)> {
     let inside = film.cmpge(Vec2::ZERO).all() && film.x < width as f32 && film.y < height as f32;
     inside.then_some((film.x as u32, film.y as u32))
 }
 
-/// Connects caustic photons to the camera of a scene.
+/// Connects caustic photons to the camera of a scene, and splats their light on the film.
 #[derive(Clone, Copy, Debug)]
 pub struct LightTracer<'a> {
     scene: &'a Scene,
@@ -101,29 +101,29 @@ pub struct LightTracer<'a> {
     lens: bool,
     /// True if some bodies are null interfaces, which do not block connections.
     has_null_interfaces: bool,
-    /// Division of flux between estimates and splats. `None` gives the whole flux to both, for a
-    /// pilot.
+    /// For each pixel, the fraction of flux that density estimates use; splats get the remaining
+    /// flux. `None`, for a pilot, gives the whole flux to both.
     shares: Option<&'a DensityEstimateShares>,
 }
 
 impl<'a> LightTracer<'a> {
     /// Creates a light tracer for the camera of `scene`.
     ///
-    /// `lens` is true if camera rays start at random points of the lens.
+    /// `lens` is true if camera rays start at random points of the lens. `shares` divides the flux
+    /// of photons between density estimates and splats; `None` gives the whole flux to both.
     #[must_use]
     pub fn new(scene: &'a Scene, lens: bool, shares: Option<&'a DensityEstimateShares>) -> Self {
         let has_null_interfaces = scene.bodies().any(|body| body.is_null_interface);
         Self { scene, camera: scene.camera(), lens, has_null_interfaces, shares }
     }
 
-    /// Deposits the splat of a caustic photon that arrives at `surface` with `flux` \[W].
+    /// Calls `deposit` with the splat of a caustic photon that arrives at `surface` with `flux`
+    /// \[W].
     ///
-    /// Returns the share of the photon's flux for estimates, in steps of 1/[`SHARE_STEPS`].
-    ///
-    /// `path_ray` has arrived at the surface; `key` is that of the vertex.
-    ///
-    /// The function stays out of line, so that passes without light tracing do not carry its code
-    /// through their loop.
+    /// Returns the share of the photon's flux that density estimates use, in steps of
+    /// 1/[`SHARE_STEPS`]. `path_ray` has arrived at the surface. `key` gives the random numbers of
+    /// this path vertex. The function is not inlined, which keeps passes without light tracing
+    /// fast.
     #[inline(never)]
     pub(super) fn splat_and_return_share<I: Interior>(
         &self,
@@ -137,7 +137,7 @@ impl<'a> LightTracer<'a> {
         let p = surface.point.p;
         // The share must not depend on the lens sample: it belongs to a position on the surface.
         let Some(central) = self.camera.connect_to_point(p, None) else { return SHARE_STEPS };
-        let share = self.shares.map_or(SHARE_STEPS, |shares| shares.share_steps_at(central.film));
+        let share = self.shares.map_or(SHARE_STEPS, |shares| shares.share_steps_at_film_position(central.film));
         let splat_share = match self.shares {
             None => 1.0,
             Some(_) => 1.0 - f32::from(share) / f32::from(SHARE_STEPS),
@@ -151,7 +151,7 @@ impl<'a> LightTracer<'a> {
             Some(central)
         };
         if let Some(connection) = connection {
-            let radiance = splat_share * flux * self.flux_to_splat_factor(surface, &connection);
+            let radiance = splat_share * flux * self.splat_per_flux(surface, &connection);
             if radiance != Rgb::ZERO {
                 *rays += 1;
                 let radiance = radiance * self.transmittance(surface, &connection, path_ray, key);
@@ -162,11 +162,11 @@ impl<'a> LightTracer<'a> {
         share
     }
 
-    /// Factor from the flux \[W] of a photon at `surface` to the integrated radiance of its splat
+    /// Radiance of a splat, integrated over the film, per watt of the photon at `surface`
     /// \[pixel²/(m² sr)].
     ///
     /// Transmittance and occlusion are not included.
-    fn flux_to_splat_factor(&self, surface: &SurfaceInteraction<'_>, connection: &CameraConnection) -> Rgb {
+    fn splat_per_flux(&self, surface: &SurfaceInteraction<'_>, connection: &CameraConnection) -> Rgb {
         let cosine = connection.direction.dot(surface.facing_normal());
         if cosine <= 0.0 {
             return Rgb::ZERO;
@@ -191,7 +191,7 @@ impl<'a> LightTracer<'a> {
         }
         let key = key.camera_connection_key();
         let mut leaving = *path_ray;
-        leaving.leave_surface(surface, connection.direction, false);
+        leaving.leave_surface_with_wavelength_weight(surface, connection.direction, false);
         if is_occluded {
             return self.scene.shadow_transmittance(&ray, leaving.interior, key);
         }
@@ -201,8 +201,8 @@ impl<'a> LightTracer<'a> {
     }
 }
 
-/// Adds `splats`, spread by the pixel filter, to `image`: radiance by rows from the top \[W/(m²
-/// sr)].
+/// Filters `splats` with the pixel filter, and adds their radiance \[W/(m² sr)] to `image`, stored
+/// by rows from the top.
 ///
 /// The sums do not depend on the number of threads: each row adds its splats in a fixed order.
 pub fn add_splats(mut splats: Vec<Splat>, filter: &Filter, width: u32, image: &mut [Rgb]) {
@@ -219,7 +219,7 @@ pub fn add_splats(mut splats: Vec<Splat>, filter: &Filter, width: u32, image: &m
         for splat in &splats[first..end] {
             // Pixel centers lie at halves.
             let position = splat.film - 0.5;
-            let weight = filter.density(y as f32 - position.y);
+            let weight = filter.normalized_value(y as f32 - position.y);
             if weight == 0.0 {
                 continue;
             }
@@ -227,7 +227,7 @@ pub fn add_splats(mut splats: Vec<Splat>, filter: &Filter, width: u32, image: &m
             let left = (position.x - radius).ceil().max(0.0) as usize;
             let right = (position.x + radius + 1.0).clamp(0.0, width as f32) as usize;
             for (x, sum) in sums.iter_mut().enumerate().take(right).skip(left) {
-                *sum += radiance * f64::from(filter.density(x as f32 - position.x));
+                *sum += radiance * f64::from(filter.normalized_value(x as f32 - position.x));
             }
         }
         pixels.iter_mut().zip(&*sums).for_each(|(pixel, sum)| *pixel += sum.as_vec3());

@@ -20,7 +20,7 @@ type Tree = KdTree<f32, PhotonData, Eytzinger, VecOfArenas<f32, PhotonData, 3, B
 pub struct PhotonMap {
     tree: Option<Tree>,
     len: usize,
-    /// Lower bound on the radii of estimates from the k nearest photons \[length].
+    /// Lower bound on the radii of k-nearest-neighbour estimates \[length].
     pub(super) min_radius: f32,
 }
 
@@ -37,12 +37,12 @@ const ROTATION: Mat3 = Mat3::from_cols(
     Vec3::new(0.394_739_8, -0.071_392_5, 0.916_015_1),
 );
 
-/// Largest number of photons at one position. If there are more, they are merged: the kd-tree must
-/// hold them in one leaf.
+/// Largest number of photons at one position, because the kd-tree must hold them in one leaf. If
+/// there are more, they are merged.
 const MAX_COINCIDENT: usize = BUCKET;
 
 impl PhotonMap {
-    /// Builds the map. The result does not depend on the number of threads.
+    /// Builds the kd-tree of `photons`. The result does not depend on the number of threads.
     #[must_use]
     pub fn build(mut photons: Vec<Photon>) -> Self {
         photons.par_iter_mut().for_each(|p| p.position = ROTATION * p.position);
@@ -58,22 +58,22 @@ impl PhotonMap {
         Self { tree, len, min_radius: 0.0 }
     }
 
-    /// Returns the map with a lower bound `min_radius` \[length] on the radii of k-nearest
-    /// estimates.
+    /// Returns the map with the lower bound `min_radius` \[length] on the radii of
+    /// k-nearest-neighbour estimates.
     ///
-    /// Without the bound, the distance to the k-th photon approaches zero at a focus of a caustic.
+    /// Without a bound, the radius approaches zero at a focus of a caustic.
     #[must_use]
     pub fn with_min_radius(self, min_radius: f32) -> Self {
         Self { min_radius, ..self }
     }
 
-    /// Number of photons.
+    /// Number of photons in the map.
     #[must_use]
     pub fn len(&self) -> usize {
         self.len
     }
 
-    /// True if the map is empty.
+    /// True if the map holds no photon.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len == 0
@@ -94,8 +94,8 @@ impl PhotonMap {
     }
 }
 
-/// Merges photons with equal position and normal where more than [`MAX_COINCIDENT`] photons have
-/// one position.
+/// Merges photons of equal position and normal, at positions with more than [`MAX_COINCIDENT`]
+/// photons.
 ///
 /// A merged photon has the sum of the fluxes and the mean direction, weighted by flux.
 fn merge_coincident_photons(photons: &mut Vec<Photon>) {

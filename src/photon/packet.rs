@@ -1,7 +1,7 @@
 //! Packets of eight points or eight beam pieces, tested against a line with SIMD instructions.
 //!
-//! The tests are conservative: they may accept too much, but never reject what exact arithmetic
-//! accepts. Their error bounds use γ(n) (Higham 2002, "Accuracy and Stability of Numerical
+//! The tests are conservative: rounding errors may add points or pieces to the result, but never
+//! remove them. The error bounds use γ(n) (Higham 2002, "Accuracy and Stability of Numerical
 //! Algorithms", section 3.1) and assume unit directions.
 
 use crate::math::{Ray, rounding_error_bound};
@@ -32,9 +32,9 @@ fn cross(a: Vectors, b: Vectors) -> Vectors {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// The 1-norm |x| + |y| + |z|, an upper bound of the length.
+/// Returns |x| + |y| + |z|, an upper bound of the length of `v`.
 #[inline]
-fn norm1(v: Vectors) -> f32x8 {
+fn manhattan_length(v: Vectors) -> f32x8 {
     v[0].abs() + v[1].abs() + v[2].abs()
 }
 
@@ -58,7 +58,7 @@ impl LineQuery {
 
 /// Indices of the set bits of `mask`, lowest first.
 #[inline]
-pub(super) fn set_bit_indices(mut mask: u32) -> impl Iterator<Item = usize> {
+pub(super) fn indices_of_set_bits(mut mask: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         (mask != 0).then(|| {
             let slot = mask.trailing_zeros() as usize;
@@ -83,7 +83,7 @@ impl PointPacket {
         Self(packet)
     }
 
-    /// Bit mask of the points that may lie within the search radius of the line.
+    /// Bit mask of the points in the packet that may lie within the search radius of the line.
     ///
     /// The bound γ(24) covers the rounding errors of the difference (γ(1)), the projection (γ(4))
     /// and the perpendicular part (γ(3)), times √3 for three axes.
@@ -93,14 +93,14 @@ impl PointPacket {
         let t = dot(to, query.direction);
         let [x, y, z] = query.direction;
         let off = subtract(to, [x * t, y * t, z * t]);
-        let reach = query.radius + norm1(to) * f32x8::splat(rounding_error_bound(24));
+        let reach = query.radius + manhattan_length(to) * f32x8::splat(rounding_error_bound(24));
         dot(off, off).simd_le(reach * reach).to_bitmask()
     }
 
-    /// Returns the bit mask of the points within a radius of `center`, and d²/radius² for each of
-    /// the eight points.
+    /// Returns the bit mask of the points closer to `center` than a radius, and d²/radius² for each
+    /// lane, where d is the distance from `center`.
     ///
-    /// `per_radius` is 1/radius, and d is the distance from `center`.
+    /// `per_radius` is 1/radius.
     #[inline]
     pub fn points_within_radius(&self, center: Vec3, per_radius: f32) -> (u32, f32x8) {
         let scale = f32x8::splat(per_radius);
@@ -116,9 +116,9 @@ impl PointPacket {
 pub(super) struct BeamPiece {
     /// Index of the beam.
     pub beam: u32,
-    /// Distance of the piece's start along the beam \[length].
+    /// Distance from the beam's start to the start of the piece \[length].
     pub from: f32,
-    /// Distance of the piece's end along the beam \[length].
+    /// Distance from the beam's start to the end of the piece \[length].
     pub to: f32,
 }
 
@@ -128,7 +128,7 @@ pub(super) struct BeamPiecePacket {
     direction: Vectors,
     from: f32x8,
     to: f32x8,
-    /// Indices of the beams.
+    /// Index of the beam of each piece.
     pub beams: [u32; LANES],
 }
 
@@ -155,16 +155,17 @@ impl BeamPiecePacket {
         BeamPiece { beam: self.beams[slot], from: self.from.as_array()[slot], to: self.to.as_array()[slot] }
     }
 
-    /// Bit mask of the beam pieces that may lie within the search radius of the line.
+    /// Bit mask of the beam pieces in the packet that may lie within the search radius of the line.
     ///
-    /// The bound γ(16) covers all rounding errors. The common normal has error √3 γ(2) ≤ γ(4).
-    /// Distances along the normal have error γ(8), relative to the distance of the origins.
-    /// Positions along the beam have error γ(14), relative to that distance plus the position.
+    /// The bound γ(16) covers all rounding errors. The vector normal to line and beam has error √3
+    /// γ(2) ≤ γ(4). Distances along this normal have error γ(8), relative to the distance of the
+    /// origins. Positions along the beam have error γ(14), relative to that distance plus the
+    /// position.
     #[inline]
     pub fn beam_pieces_near_line(&self, query: &LineQuery) -> u32 {
         let error = f32x8::splat(rounding_error_bound(16));
         let between = subtract(self.start, query.origin);
-        let distance = norm1(between);
+        let distance = manhattan_length(between);
         let normal = cross(query.direction, self.direction);
         let sin2 = dot(normal, normal);
         let height = dot(between, normal).abs();

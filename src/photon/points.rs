@@ -1,6 +1,6 @@
 //! Volume photons: photons stored at scattering points in participating media.
 
-use super::packet::{LANES, LineQuery, PointPacket, set_bit_indices};
+use super::packet::{LANES, LineQuery, PointPacket, indices_of_set_bits};
 use super::record::{PackedFlux, decode_octahedral, encode_octahedral};
 use crate::accel::BoxTree;
 use crate::color::Rgb;
@@ -17,13 +17,13 @@ use std::f64::consts::FRAC_1_PI;
 pub struct VolumePhoton {
     /// Position of the scattering point.
     pub position: Vec3,
-    /// Index of the medium.
+    /// Index of the medium in [`Scene::media`](crate::scene::Scene::media).
     pub medium: u32,
     flux: PackedFlux,
     /// Direction of travel before scattering, in octahedral coordinates.
     direction: [u16; 2],
-    /// Wavelength code, see [`Wavelength::byte_code`](crate::color::Wavelength::byte_code); 0 if
-    /// the photon carries all wavelengths.
+    /// Wavelength as [`Wavelength::byte_code`](crate::color::Wavelength::byte_code); 0 if the
+    /// photon carries all wavelengths.
     pub wavelength: u8,
 }
 
@@ -31,7 +31,7 @@ impl VolumePhoton {
     /// Packs a photon that scatters `flux` \[W] at `position`.
     ///
     /// `direction` is the unit direction of travel before scattering. Returns `None` if the
-    /// position is not finite or the flux is invalid.
+    /// position is not finite, if the flux is zero or not finite, or if a channel is negative.
     #[inline]
     #[must_use]
     pub fn new(position: Vec3, flux: Rgb, direction: Vec3, medium: u32, wavelength: u8) -> Option<Self> {
@@ -60,13 +60,13 @@ pub struct VolumePhotonMap {
     photons: Vec<VolumePhoton>,
     /// Positions of the photons, eight in a packet.
     packets: Vec<PointPacket>,
-    /// Hierarchy over the bounding boxes of the packets, which are expanded by the blur radius.
+    /// Hierarchy over the bounding boxes of the packets, which are expanded by the kernel radius.
     boxes: BoxTree,
     radius: f32,
 }
 
 impl VolumePhotonMap {
-    /// Builds the map for a blur `radius` \[length].
+    /// Builds the map for density estimates with kernels of radius `radius` \[length].
     ///
     /// The result does not depend on the number of threads.
     #[must_use]
@@ -83,25 +83,26 @@ impl VolumePhotonMap {
         Self { boxes: BoxTree::build(&bounds), photons, packets, radius }
     }
 
-    /// Number of photons.
+    /// Number of photons in the map.
     #[must_use]
     pub fn len(&self) -> usize {
         self.photons.len()
     }
 
-    /// True if the map is empty.
+    /// True if the map holds no photon.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.photons.is_empty()
     }
 
-    /// Radius of the blur \[length].
+    /// Radius of the kernels of density estimates \[length].
     #[must_use]
     pub fn radius(&self) -> f32 {
         self.radius
     }
 
-    /// Visits each photon within the blur radius of `ray`, whose direction is a unit vector.
+    /// Calls `visitor` for each photon within the kernel radius of `ray`, whose direction must be a
+    /// unit vector.
     ///
     /// `visitor` receives the photon, the distance t along the ray, the cosine of the angle between
     /// ray and photon direction, the 2D kernel K₂ \[1/length²], and the squared distance over the
@@ -116,7 +117,7 @@ impl VolumePhotonMap {
         let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let per_d2 = 1.0 / d.length_squared();
         self.boxes.visit_boxes_along_ray(ray, &mut |run| {
-            for slot in set_bit_indices(self.packets[run as usize].points_near_line(&query)) {
+            for slot in indices_of_set_bits(self.packets[run as usize].points_near_line(&query)) {
                 let photon = &self.photons[run as usize * LANES + slot];
                 let to = photon.position.as_dvec3() - o;
                 let t = to.dot(d) * per_d2;
@@ -129,7 +130,7 @@ impl VolumePhotonMap {
         });
     }
 
-    /// Visits each photon within the blur radius of the point `p`.
+    /// Calls `visitor` for each photon within the kernel radius of the point `p`.
     ///
     /// `visitor` receives the photon, the 3D kernel K₃ \[1/length³], and the squared distance over
     /// the squared radius. The in-scattered radiance per length is Σ flux · p(cos) · K₃, with phase
@@ -141,7 +142,7 @@ impl VolumePhotonMap {
         let here = Ray { origin: p, direction: Vec3::Z, t_max: 0.0 };
         self.boxes.visit_boxes_along_ray(&here, &mut |run| {
             let (mask, x2) = self.packets[run as usize].points_within_radius(p, per_radius);
-            for slot in set_bit_indices(mask) {
+            for slot in indices_of_set_bits(mask) {
                 let x2 = x2.as_array()[slot];
                 visitor(&self.photons[run as usize * LANES + slot], scale * (1.0 - x2), x2);
             }

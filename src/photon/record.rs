@@ -27,10 +27,10 @@ impl PackedFlux {
         Some(Self { sum, red: fraction(flux.x), green: fraction(flux.y) })
     }
 
-    /// Stores `steps` < 16 in the lowest four bits of the sum. The relative change of the flux is
-    /// below 2⁻¹⁹.
+    /// Stores the integer `steps` < 16, a share in steps of 1/[`SHARE_STEPS`], in the lowest four
+    /// bits of the sum. The relative change of the flux is below 2⁻¹⁹.
     #[inline]
-    fn with_share_steps(self, steps: u8) -> Self {
+    fn with_packed_share(self, steps: u8) -> Self {
         Self { sum: f32::from_bits(self.sum.to_bits() & !15 | u32::from(steps)), ..self }
     }
 
@@ -49,11 +49,12 @@ pub struct PhotonData {
     flux: PackedFlux,
     /// Direction towards the previous path vertex, in octahedral coordinates.
     incident: [u16; 2],
-    /// Geometric normal, times [`NORMAL_SCALE`].
+    /// Geometric normal times [`NORMAL_SCALE`], rounded.
     normal: [i8; 3],
-    /// Byte code of the wavelength; 0 if the photon carries all wavelengths.
+    /// Wavelength as [`Wavelength::byte_code`](crate::color::Wavelength::byte_code); 0 if the
+    /// photon carries all wavelengths.
     wavelength: u8,
-    /// Signed distance of the tangent plane from the origin: normal · position \[length].
+    /// Signed distance of the photon's tangent plane from the origin: normal · position \[length].
     plane_offset: f32,
 }
 
@@ -70,8 +71,8 @@ impl Photon {
     /// Packs a photon that arrives at `position` with `flux` \[W].
     ///
     /// `incident` is the unit direction towards the previous path vertex. `normal` is the unit
-    /// geometric normal on the side of `incident`. Returns `None` if the position is not finite or
-    /// the flux is invalid.
+    /// geometric normal on the side of `incident`. Returns `None` if the position is not finite, if
+    /// the flux is zero or not finite, or if a channel is negative.
     #[inline]
     #[must_use]
     pub fn new(position: Vec3, flux: Rgb, incident: Vec3, normal: Vec3) -> Option<Self> {
@@ -87,7 +88,8 @@ impl Photon {
         Some(Self { position, data })
     }
 
-    /// Returns the photon with the wavelength code `wavelength`; 0 means all wavelengths.
+    /// Returns the photon with a wavelength given as
+    /// [`Wavelength::byte_code`](crate::color::Wavelength::byte_code); 0 means all wavelengths.
     #[inline]
     #[must_use]
     pub fn with_wavelength(self, wavelength: u8) -> Self {
@@ -96,24 +98,23 @@ impl Photon {
 }
 
 impl Photon {
-    /// Returns the photon with the share of its flux that density estimates use,
+    /// Returns the photon with [`PhotonData::density_estimate_share`] set to
     /// `steps`/[`SHARE_STEPS`].
-    ///
-    /// Light tracing carries the rest of the flux.
     #[inline]
     #[must_use]
     pub fn with_density_estimate_share(self, steps: u8) -> Self {
-        Self { data: PhotonData { flux: self.data.flux.with_share_steps(steps), ..self.data }, ..self }
+        Self { data: PhotonData { flux: self.data.flux.with_packed_share(steps), ..self.data }, ..self }
     }
 }
 
-/// Number of steps of a share in \[0, 1]: a photon stores its share as an integer from 0 to 15.
+/// Number of steps between 0 and 1 in which a photon stores [`PhotonData::density_estimate_share`].
 pub(super) const SHARE_STEPS: u8 = 15;
 
-/// Scale of normals that are stored as 8-bit integers.
+/// Factor from a unit normal to its stored components, which are 8-bit integers.
 const NORMAL_SCALE: f32 = 127.0;
 
-/// Tangent plane at a query point, scaled for comparison with the quantized normals of photons.
+/// Tangent plane at the query point of a density estimate, scaled for comparison with the quantized
+/// normals of photons.
 #[derive(Clone, Copy, Debug)]
 pub struct TangentPlane {
     point: Vec3,
@@ -148,16 +149,18 @@ impl PhotonData {
         self.flux.flux()
     }
 
-    /// Share of the flux that density estimates use, in \[0, 1]. Light tracing carries the rest.
+    /// Fraction of the flux that density estimates use, in \[0, 1]. The remaining flux went to a
+    /// splat by light tracing.
     ///
-    /// Meaningful only if [`Photon::with_density_estimate_share`] has set it.
+    /// The value is meaningful only if [`Photon::with_density_estimate_share`] has set it.
     #[inline]
     #[must_use]
     pub fn density_estimate_share(&self) -> f32 {
         (self.flux.sum.to_bits() & 15) as f32 * (1.0 / SHARE_STEPS as f32)
     }
 
-    /// Byte code of the wavelength; 0 if the photon carries all wavelengths.
+    /// Wavelength as [`Wavelength::byte_code`](crate::color::Wavelength::byte_code); 0 if the
+    /// photon carries all wavelengths.
     #[inline]
     #[must_use]
     pub fn wavelength(&self) -> u8 {
@@ -178,12 +181,13 @@ impl PhotonData {
         Vec3::from(self.normal.map(f32::from)) / NORMAL_SCALE
     }
 
-    /// Returns this data with the plane offset of `other`, which must have an equal normal.
+    /// Returns this data with the distance of `other`'s tangent plane from the origin. `other` must
+    /// have an equal normal.
     pub(super) fn with_plane_offset_of(self, other: &Self) -> Self {
         Self { plane_offset: other.plane_offset, ..self }
     }
 
-    /// The normal as stored: unit normal times 127, rounded.
+    /// The stored geometric normal: unit normal times 127, rounded to integers.
     pub(super) fn quantized_normal(&self) -> [i8; 3] {
         self.normal
     }
@@ -219,7 +223,7 @@ mod tests {
     use crate::sampling::{Dimension, Key, Purpose};
 
     #[test]
-    fn photon_records_have_20_and_32_bytes() {
+    fn photon_record_sizes_are_fixed() {
         assert_eq!((size_of::<PhotonData>(), size_of::<Photon>()), (20, 32));
     }
 

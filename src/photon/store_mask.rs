@@ -1,4 +1,4 @@
-//! Kinds of photons by path history, and the selection of stored kinds.
+//! Kinds of photons by path history, and the mask that selects the kinds to store.
 
 /// Kind of a stored photon, which follows from the earlier vertices of its path.
 ///
@@ -7,13 +7,16 @@
 /// see [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PhotonKind {
-    /// Direct light: the path has no vertex between light and photon.
+    /// Direct light: the path has no vertex between the light and the photon.
     Direct,
-    /// Caustic light: all vertices between light and photon are on casters.
+    /// Caustic: all path vertices between the light and the photon are on casters, such as glass or
+    /// mirrors.
     Caustic,
-    /// Light that a caustic reflects: the path reached its first receiver over casters.
+    /// Indirect light of a caustic: the path has scattered at a receiver (diffuse surface or
+    /// medium), which it had reached over casters.
     AfterCaustic,
-    /// Other indirect light: the path reached its first receiver directly from the light source.
+    /// Other indirect light: the path has scattered at a receiver (diffuse surface or medium),
+    /// which it had reached straight from the light.
     AfterDirect,
 }
 
@@ -28,24 +31,25 @@ pub struct StoreMask {
     pub after_caustic: bool,
     /// True to store [`PhotonKind::AfterDirect`].
     pub after_direct: bool,
-    /// True to store photons of kind [`PhotonKind::AfterCaustic`] apart from the other kinds.
+    /// True to store photons of kind [`PhotonKind::AfterCaustic`] in lists of their own, and fewer
+    /// of them.
     ///
-    /// Their density is smooth, so few of them suffice. Russian roulette continues one of
-    /// [`AFTER_CAUSTIC_THINNING`] paths after a caustic, and multiplies its flux by that number.
-    ///
-    /// The separate photons fill the indirect map, in place of an unaimed photon pass. `hybrid`
-    /// builds its indirect map so.
+    /// `hybrid` builds its map of indirect light from them, so it needs no further photon pass. Few
+    /// photons suffice, because their density is smooth. Russian roulette therefore continues one
+    /// of [`AFTER_CAUSTIC_THINNING`] paths after a caustic, and multiplies its flux by that number.
     pub separates_after_caustic: bool,
-    /// True to store photon beams in homogeneous media; false to store photon points.
+    /// True to store photon beams in homogeneous media; false to store photons at scattering
+    /// points.
     pub beams: bool,
 }
 
 impl StoreMask {
     /// Stores direct photons only.
     pub const DIRECT: Self = Self { direct: true, ..Self::NONE };
-    /// Stores caustic photons only, so a path ends at its first receiver.
+    /// Stores caustic photons only. A path ends at its first receiver, which is a diffuse surface
+    /// or a medium.
     pub const CAUSTIC: Self = Self { caustic: true, ..Self::NONE };
-    /// Stores photons of paths that have scattered at one or more receivers.
+    /// Stores only indirect light: photons of paths that have scattered at one or more receivers.
     pub const INDIRECT: Self = Self { after_caustic: true, after_direct: true, ..Self::NONE };
     /// Stores no photons.
     pub const NONE: Self = Self {
@@ -56,10 +60,10 @@ impl StoreMask {
         separates_after_caustic: false,
         beams: true,
     };
-    /// Stores all kinds of photons.
+    /// Stores all kinds of photons; in media, at scattering points.
     pub const ALL: Self = Self { direct: true, caustic: true, after_caustic: true, after_direct: true, ..Self::NONE };
 
-    /// True if photons of `kind` are stored on surfaces.
+    /// True if the mask stores photons of `kind` on surfaces.
     pub(super) fn stores_on_surfaces(self, kind: PhotonKind) -> bool {
         match kind {
             PhotonKind::Direct => self.direct,
@@ -69,15 +73,15 @@ impl StoreMask {
         }
     }
 
-    /// True if photons of `kind` are stored in media.
+    /// True if the mask stores photons of `kind` in media.
     ///
-    /// Direct photons are never stored in media: next-event estimation computes their light.
+    /// Direct photons are never stored in media: next-event estimation computes direct light.
     pub(super) fn stores_in_media(self, kind: PhotonKind) -> bool {
         kind != PhotonKind::Direct && self.stores_on_surfaces(kind)
     }
 
-    /// True if a path whose next photon would be of kind `kind` may deposit it or a later photon
-    /// that the mask stores.
+    /// True if a path may still deposit a photon that the mask stores. `kind` is the kind of its
+    /// next photon.
     pub(super) fn can_reach_stored_kind(self, kind: PhotonKind) -> bool {
         match kind {
             PhotonKind::Direct => true,
@@ -88,20 +92,20 @@ impl StoreMask {
     }
 }
 
-/// One of this many paths continues after a caustic if [`StoreMask::separates_after_caustic`] is
-/// set.
+/// Ratio of paths that reach a caustic to paths that continue after it, if
+/// [`StoreMask::separates_after_caustic`] is set.
 pub const AFTER_CAUSTIC_THINNING: u32 = 8;
 
 impl PhotonKind {
-    /// Kind of the path's next photon after the path has crossed a caster's boundary without a
-    /// vertex there.
-    pub(super) fn after_crossed_caster(self) -> Self {
+    /// Kind of the path's next photon, after the path has passed through a caster's boundary
+    /// without scattering there.
+    pub(super) fn kind_after_crossed_caster(self) -> Self {
         if self == Self::Direct { Self::Caustic } else { self }
     }
 
-    /// Kind of the path's next photon after it scattered at a receiver or, if `is_receiver` is
-    /// false, at a caster.
-    pub(super) fn after_scattering(self, is_receiver: bool) -> Self {
+    /// Kind of the path's next photon, after the path has scattered at a receiver (`is_receiver`)
+    /// or at a caster.
+    pub(super) fn kind_after_scattering(self, is_receiver: bool) -> Self {
         match (is_receiver, self) {
             (false, Self::Direct) => Self::Caustic,
             (false, other) => other,

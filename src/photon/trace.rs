@@ -16,20 +16,20 @@ use rayon::prelude::*;
 /// Result of a photon pass.
 #[derive(Debug, Default)]
 pub struct PhotonPassResult {
-    /// Stored photons.
+    /// Photons and splats that the pass stored.
     pub deposits: Deposits,
-    /// Sums of emitted, absorbed and escaped flux \[W].
+    /// Sums of emitted, absorbed, escaped and otherwise lost flux \[W].
     pub audit: EnergyAudit,
-    /// Number of traced rays: path segments between surfaces or scattering points.
+    /// Number of traced rays: path segments between vertices, and connections to the camera.
     pub rays: u64,
     /// Number of emitted paths.
     pub paths: u64,
 }
 
-/// Sums of flux and number of rays over several photon paths.
+/// Energy audit and number of rays, summed over several photon paths.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PhotonTracingTotals {
-    /// Sums of emitted, absorbed and escaped flux \[W].
+    /// Sums of emitted, absorbed, escaped and otherwise lost flux \[W].
     pub audit: EnergyAudit,
     /// Number of traced rays.
     pub rays: u64,
@@ -38,9 +38,9 @@ pub(super) struct PhotonTracingTotals {
 /// Inputs of a photon pass, which traces photon paths and stores photons.
 #[derive(Debug)]
 pub struct PhotonPass<'a> {
-    /// The scene.
+    /// Scene in which photons are traced.
     pub scene: &'a Scene,
-    /// Samples the emission of each photon path.
+    /// Source that samples the light and emitted ray of each photon path.
     pub source: &'a PhotonSource<'a>,
     /// Kinds of photons to store.
     pub mask: StoreMask,
@@ -48,20 +48,22 @@ pub struct PhotonPass<'a> {
     pub max_bounces: u32,
 }
 
-/// Photon paths per parallel task: enough to amortise scheduling, few enough to balance the load.
+/// Number of photon paths that one Rayon task traces. Tasks are large enough to amortise
+/// scheduling, and small enough to balance the load.
 const CHUNK: u32 = 4096;
 
 impl PhotonPass<'_> {
     /// Traces `paths` photon paths with random numbers from `pass_key`.
     ///
-    /// Calls `done` after each chunk with its number of paths, from any thread. The result does not
-    /// depend on the number of threads: chunks have a fixed size and are joined in order.
+    /// Calls `done` after each chunk of paths with the number of its paths, from any thread. The
+    /// result does not depend on the number of threads: chunks have a fixed size and are joined in
+    /// order.
     pub fn trace(&self, pass_key: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> PhotonPassResult {
         self.trace_and_connect(pass_key, paths, None, done)
     }
 
-    /// Traces photon paths like [`PhotonPass::trace`]. `light_tracer` also connects caustic photons
-    /// to the camera.
+    /// Traces photon paths like [`PhotonPass::trace`]. If there is a `light_tracer`, it connects
+    /// caustic photons to the camera, which adds splats to the result.
     pub fn trace_and_connect(
         &self,
         pass_key: Key,
@@ -87,7 +89,7 @@ impl PhotonPass<'_> {
                 let (mut deposits, mut tally) = (Deposits::default(), PhotonTracingTotals::default());
                 for index in range {
                     if let Some((ray, flux)) = self.source.emit_photon_path::<I>(pass_key, index, paths) {
-                        let key = pass_key.path_key(index);
+                        let key = pass_key.photon_path_key(index);
                         self.follow_photon_path(ray, flux, key, light_tracer, &mut tally, |deposit| {
                             deposits.store_deposit(self, &deposit)
                         });
@@ -107,7 +109,8 @@ impl PhotonPass<'_> {
         PhotonPassResult { deposits: Deposits::concatenate(chunks), audit, rays, paths: u64::from(paths) }
     }
 
-    /// Follows one photon path until it is absorbed, escapes or is stopped.
+    /// Follows one photon path until it is absorbed, escapes or is stopped; adds its flux and rays
+    /// to `tally`.
     ///
     /// Calls `deposit` for each surface point, beam and medium point where `mask` stores photons,
     /// and for each splat. `flux` \[W] is the flux at emission.
@@ -116,7 +119,7 @@ impl PhotonPass<'_> {
         &self,
         mut path_ray: PathRay<I>,
         mut flux: Rgb,
-        path_key: Key,
+        photon_path_key: Key,
         light_tracer: Option<&LightTracer<'_>>,
         tally: &mut PhotonTracingTotals,
         mut deposit: impl FnMut(Deposit<'_>),
@@ -126,7 +129,7 @@ impl PhotonPass<'_> {
         add_flux(&mut audit.emitted, flux);
         for bounce in 0.. {
             *rays += 1;
-            let key = path_key.bounce_key(bounce);
+            let key = photon_path_key.photon_vertex_key(bounce);
 
             // Find the next vertex, and deposit in media on the way.
             let flux_before_segment = flux;
@@ -134,7 +137,7 @@ impl PhotonPass<'_> {
             let event = if I::HAS_MEDIA_OR_WAVELENGTH {
                 let (mut rng, mut weight) = (key.rng(), DVec3::ONE);
                 let event = path_ray.next_vertex(self.scene, key, |segment| {
-                    let kind = if segment.crossed { kind.after_crossed_caster() } else { kind };
+                    let kind = if segment.crossed { kind.kind_after_crossed_caster() } else { kind };
                     phase_function = segment.medium.phase;
                     self.sample_medium_segment(segment, kind, flux, &mut weight, &mut rng, &mut deposit)
                 });
@@ -159,7 +162,7 @@ impl PhotonPass<'_> {
             add_flux(&mut audit.absorbed, flux - transmitted);
             flux = transmitted;
             if crossed {
-                kind = kind.after_crossed_caster();
+                kind = kind.kind_after_crossed_caster();
             }
 
             // Deposit on a surface.
@@ -177,7 +180,7 @@ impl PhotonPass<'_> {
             }
 
             // Stop if no stored kind can follow.
-            let next_kind = kind.after_scattering(stores);
+            let next_kind = kind.kind_after_scattering(stores);
             if bounce == self.max_bounces || !self.mask.can_reach_stored_kind(next_kind) {
                 return add_flux(&mut audit.stopped, flux);
             }
@@ -200,7 +203,8 @@ impl PhotonPass<'_> {
                     return add_flux(&mut audit.absorbed, flux);
                 };
                 let adjoint = sample.adjoint_correction(surface.wo, surface.point.ns, surface.point.ng);
-                let interior_weight = path_ray.leave_surface(surface, sample.wi, sample.is_transmitted);
+                let interior_weight =
+                    path_ray.leave_surface_with_wavelength_weight(surface, sample.wi, sample.is_transmitted);
                 let scattered = flux * sample.weight * adjoint * interior_weight;
                 add_flux(&mut audit.absorbed, flux - scattered);
                 flux = scattered;
@@ -226,9 +230,9 @@ impl PhotonPass<'_> {
     /// Samples the distance \[length] at which a path scatters in a medium segment; `None` if it
     /// passes through.
     ///
-    /// `flux` \[W] is the flux at the last vertex. `weight` is the product of the sampling weights
-    /// of all segments since that vertex; this segment's weight is multiplied to it. Deposits a
-    /// beam or a point if `mask` stores `kind`.
+    /// `flux` \[W] is the flux at the last vertex. `weight` is the product of the distance sampling
+    /// weights of all segments since that vertex. The function multiplies it by the weight of this
+    /// segment. It deposits a beam or a point if `mask` stores `kind` in media.
     #[inline]
     fn sample_medium_segment<I: Interior>(
         &self,

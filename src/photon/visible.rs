@@ -1,4 +1,4 @@
-//! Importance of photons for the picture, estimated from the density of visible points.
+//! Importance of photons for the picture: the density of visible points on surfaces.
 
 use super::{Bandwidth, Kernel, Photon, PhotonMap, PhotonSearchBuffers};
 use crate::color::Rgb;
@@ -8,17 +8,17 @@ use glam::Vec3;
 /// A surface point that a camera path reaches, with its importance for the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VisiblePoint {
-    /// Position.
+    /// Position on the surface.
     pub position: Vec3,
     /// Unit geometric normal on the visible side.
     pub normal: Vec3,
-    /// Factor from irradiance at the point to radiance of a pixel, up to a common factor: path
-    /// throughput times BRDF.
+    /// Path throughput times BRDF: radiance of the pixel per irradiance at the point. A factor
+    /// common to all points does not matter.
     pub weight: f32,
 }
 
-/// Visible points in a kd-tree. Their density, weighted by squared weight, is the importance of
-/// photons.
+/// Visible points in a kd-tree. Photons are important where many visible points of large weight
+/// lie.
 ///
 /// Visible points correspond to the importons of Peter and Pietrek 1998, "Importance Driven
 /// Construction of Photon Maps".
@@ -27,24 +27,24 @@ pub struct VisiblePointMap {
     /// Visible points, stored as photons whose flux is the squared weight.
     points: PhotonMap,
     bandwidth: Bandwidth,
-    /// Radius at which a search begins \[length]. At 90 % of the points, the 16th neighbour is
-    /// farther away.
+    /// Radius \[length] at which a search begins: the tenth percentile of the distances from
+    /// visible points to their 16th neighbours.
     first_search_radius: f32,
 }
 
-/// Number of nearest visible points in a density estimate of importance.
+/// Number of nearest visible points from which the importance of a photon is estimated.
 const NEIGHBOURS: u32 = 16;
 
-/// Number of visible points at which the distance to the 16th neighbour is measured.
+/// Largest number of visible points at which the distance to the 16th neighbour is measured.
 const PROBES: usize = 256;
 
 impl VisiblePointMap {
     /// Builds the map of visible `points`.
     ///
     /// `radius` \[length] is the radius of the render's photon estimates. A photon has importance
-    /// if a visible point lies within this radius on its side of the surface. A larger radius is
-    /// used if the points are too sparse to cover the visible surfaces. Points with zero weight or
-    /// non-finite position are left out.
+    /// if a visible point lies within this radius, on the photon's side of the surface. If the
+    /// points are too sparse to cover the visible surfaces, a larger radius is used. Points with
+    /// zero weight or non-finite position are left out.
     #[must_use]
     pub fn new(points: impl IntoIterator<Item = VisiblePoint>, radius: f32) -> Self {
         let point = |p: VisiblePoint| Photon::new(p.position, Rgb::splat(p.weight * p.weight), p.normal, p.normal);
@@ -64,14 +64,15 @@ impl VisiblePointMap {
     /// Importance of photons at `p`: the sum of squared weights of visible points per area
     /// \[1/length²].
     ///
-    /// Only points on the side of the unit geometric `normal` count. A photon of flux Φ at `p`
-    /// changes the picture by a sum of squares proportional to Φ² times this importance.
+    /// Only visible points on the side of the unit geometric `normal` count. The squared
+    /// contribution of a photon of flux Φ to the picture is proportional to Φ² times this
+    /// importance.
     #[inline]
     #[must_use]
-    pub fn importance(&self, p: Vec3, normal: Vec3, scratch: &mut PhotonSearchBuffers) -> f32 {
+    pub fn photon_importance(&self, p: Vec3, normal: Vec3, scratch: &mut PhotonSearchBuffers) -> f32 {
         // Consecutive photons are far apart, so the radius of the last search is a poor start.
         scratch.set_first_search_radius(self.first_search_radius);
-        self.points.estimate(p, normal, self.bandwidth, Kernel::Box, scratch, |_| Rgb::ONE).radiance.x
+        self.points.estimate_radiance(p, normal, self.bandwidth, Kernel::Box, scratch, |_| Rgb::ONE).radiance.x
     }
 }
 

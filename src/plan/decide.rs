@@ -7,13 +7,13 @@ use std::fmt;
 /// Reason why a render needs an effect, or does not need it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EffectReason {
-    /// Objects need the effect: their number, and words that describe them.
+    /// Objects need the effect. Holds their number, and words that describe them.
     Objects(usize, &'static str),
-    /// Lights need the effect: their number, and words that describe them.
+    /// Lights need the effect. Holds their number, and words that describe them.
     Lights(usize, &'static str),
     /// The scene has an environment light.
     EnvironmentLight,
-    /// Objects may block direct light from other objects or from parts of themselves.
+    /// Objects may block light on its way from a light to other objects or to parts of themselves.
     MayOcclude,
     /// The algorithm cannot simulate the effect.
     UnsupportedByAlgorithm,
@@ -40,19 +40,19 @@ pub enum EffectReason {
     Lens,
     /// The camera has no lens.
     NoLens,
-    /// An object or the camera moves.
+    /// An object or the camera moves while the shutter is open.
     Moving,
-    /// Nothing moves.
+    /// No object moves while the shutter is open, and neither does the camera.
     NothingMoves,
     /// No object has a texture.
     NoTexture,
     /// No object has a bump or normal map.
     NoBump,
-    /// Media need the effect: the number of media that scatter, absorb or emit.
+    /// Media need the effect. Holds the number of media that scatter, absorb or emit.
     Media(usize),
     /// The scene has no media.
     NoMedium,
-    /// A medium fills the space outside all bodies.
+    /// A medium fills the space outside all objects.
     AmbientMedium,
     /// No glass is dispersive.
     NoDispersion,
@@ -96,7 +96,7 @@ impl fmt::Display for EffectReason {
     }
 }
 
-/// Decision about one effect.
+/// Decision whether a render simulates one effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EffectDecision {
     /// The effect.
@@ -110,9 +110,10 @@ pub struct EffectDecision {
 }
 
 impl EffectDecision {
-    /// True if the user forced the effect on or off, against the need of the scene.
+    /// True if the user forced the effect on although the scene does not need it, or off although
+    /// it does.
     #[must_use]
-    pub fn is_forced(&self) -> bool {
+    pub fn is_forced_by_user(&self) -> bool {
         self.is_simulated != self.is_needed
     }
 }
@@ -138,10 +139,10 @@ impl Plan {
                 reason => reason,
             };
             if reason.is_ok() {
-                needed = needed.with(effect);
+                needed = needed.with_effect(effect);
             }
             let is_needed = reason.is_ok();
-            let is_simulated = supported.has(effect) && overrides.forced_state(effect).unwrap_or(is_needed);
+            let is_simulated = supported.has(effect) && overrides.effect_override(effect).unwrap_or(is_needed);
             let reason = reason.unwrap_or_else(|why| why);
             EffectDecision { effect, is_needed, reason, is_simulated }
         };
@@ -149,16 +150,20 @@ impl Plan {
         Self { features, decisions }
     }
 
-    /// Simulated effects that the scene needs.
+    /// Returns the simulated effects that the scene needs. Leaves out effects that the user only
+    /// forced on.
     #[must_use]
-    pub fn needed_effects(&self) -> Effects {
-        self.decisions.iter().filter(|d| d.is_simulated && d.is_needed).fold(Effects::NONE, |on, d| on.with(d.effect))
+    pub fn needed_and_simulated_effects(&self) -> Effects {
+        self.decisions
+            .iter()
+            .filter(|d| d.is_simulated && d.is_needed)
+            .fold(Effects::NONE, |on, d| on.with_effect(d.effect))
     }
 
-    /// Effects that the render simulates.
+    /// Returns the effects that the render simulates.
     #[must_use]
     pub fn simulated_effects(&self) -> Effects {
-        self.decisions.iter().filter(|d| d.is_simulated).fold(Effects::NONE, |on, d| on.with(d.effect))
+        self.decisions.iter().filter(|d| d.is_simulated).fold(Effects::NONE, |on, d| on.with_effect(d.effect))
     }
 }
 

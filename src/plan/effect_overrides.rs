@@ -11,7 +11,7 @@ pub struct EffectOverrides {
 }
 
 impl EffectOverrides {
-    /// No effect is forced on or off.
+    /// No effect is forced on or off: the plan decides about all effects.
     pub const PLANNED: Self = Self { on: Effects::NONE, off: Effects::NONE };
     /// All effects are forced on.
     pub const ALL: Self = Self { on: Effects::ALL, off: Effects::NONE };
@@ -20,19 +20,19 @@ impl EffectOverrides {
 
     /// Returns the overrides with `effect` forced on.
     #[must_use]
-    pub fn with(self, effect: Effect) -> Self {
-        Self { on: self.on.with(effect), off: self.off.without(effect) }
+    pub fn with_effect(self, effect: Effect) -> Self {
+        Self { on: self.on.with_effect(effect), off: self.off.without_effect(effect) }
     }
 
     /// Returns the overrides with `effect` forced off.
     #[must_use]
-    pub fn without(self, effect: Effect) -> Self {
-        Self { on: self.on.without(effect), off: self.off.with(effect) }
+    pub fn without_effect(self, effect: Effect) -> Self {
+        Self { on: self.on.without_effect(effect), off: self.off.with_effect(effect) }
     }
 
     /// True if `effect` is forced on, false if it is forced off; `None` if the plan decides.
     #[must_use]
-    pub fn forced_state(self, effect: Effect) -> Option<bool> {
+    pub fn effect_override(self, effect: Effect) -> Option<bool> {
         if self.on.has(effect) {
             Some(true)
         } else if self.off.has(effect) {
@@ -43,14 +43,14 @@ impl EffectOverrides {
     }
 }
 
-/// Error: a word is not an effect override.
+/// Error: a word in the text of [`EffectOverrides`] is unknown.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "`{word}` is no effect override: write auto, all, none, or effects with a sign such as +caustics or -shadows, \
      separated by commas; effects are {}",
     effect_names()
 )]
-pub struct UnknownOverride {
+pub struct UnknownOverrideError {
     /// The unknown word.
     pub word: String,
 }
@@ -60,22 +60,22 @@ fn effect_names() -> String {
 }
 
 impl FromStr for EffectOverrides {
-    type Err = UnknownOverride;
+    type Err = UnknownOverrideError;
 
     /// Parses `auto`, `all`, `none`, `+effect` and `-effect`, separated by commas.
     ///
     /// If words contradict each other, the later one counts.
-    fn from_str(text: &str) -> Result<Self, UnknownOverride> {
+    fn from_str(text: &str) -> Result<Self, UnknownOverrideError> {
         let mut overrides = Self::PLANNED;
         for word in text.split(',').map(str::trim) {
-            let unknown = || UnknownOverride { word: word.to_owned() };
+            let unknown = || UnknownOverrideError { word: word.to_owned() };
             let named = |name: &str| name.parse::<Effect>().map_err(|_| unknown());
             overrides = match (word, word.strip_prefix('+'), word.strip_prefix('-')) {
                 ("auto", ..) => Self::PLANNED,
                 ("all", ..) => Self::ALL,
                 ("none", ..) => Self::NONE,
-                (_, Some(name), _) => overrides.with(named(name)?),
-                (_, _, Some(name)) => overrides.without(named(name)?),
+                (_, Some(name), _) => overrides.with_effect(named(name)?),
+                (_, _, Some(name)) => overrides.without_effect(named(name)?),
                 _ => return Err(unknown()),
             };
         }
@@ -92,10 +92,10 @@ mod tests {
         let read = |text: &str| text.parse::<EffectOverrides>().unwrap();
         assert_eq!(read("all"), EffectOverrides::ALL);
         let overrides = read("none, +caustics,-shadows ,+shadows");
-        assert_eq!(overrides.forced_state(Effect::Caustics), Some(true));
-        assert_eq!(overrides.forced_state(Effect::Shadows), Some(true));
-        assert_eq!(overrides.forced_state(Effect::Interiors), Some(false));
-        assert_eq!(read("-caustics").forced_state(Effect::Shadows), None);
+        assert_eq!(overrides.effect_override(Effect::Caustics), Some(true));
+        assert_eq!(overrides.effect_override(Effect::Shadows), Some(true));
+        assert_eq!(overrides.effect_override(Effect::Interiors), Some(false));
+        assert_eq!(read("-caustics").effect_override(Effect::Shadows), None);
         assert_eq!(read("-casters"), read("-specular"), "the former name is an alias");
     }
 

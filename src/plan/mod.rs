@@ -9,5 +9,5 @@ mod scene_features;
 
 pub use crate::scene::{Effect, Effects};
 pub use decide::{EffectDecision, EffectReason, Plan};
-pub use effect_overrides::{EffectOverrides, UnknownOverride};
+pub use effect_overrides::{EffectOverrides, UnknownOverrideError};
 pub use scene_features::SceneFeatures;

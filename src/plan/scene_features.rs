@@ -6,17 +6,17 @@ use crate::math::BoundingSphere;
 use crate::scene::{ObjectSummary, Scene};
 use glam::Vec3;
 
-/// Scene features that determine the plan.
+/// Scene features that determine which effects a render needs.
 ///
-/// An uncertain feature gets the value that makes the plan keep the effect.
+/// An uncertain feature has the value for which the plan simulates more effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct SceneFeatures {
     /// Number of shapes, meshes and planes with a material.
     pub objects: usize,
-    /// Number of objects that store photons, see
+    /// Number of receivers: objects that store photons, see
     /// [`Bsdf::stores_photons`](crate::bsdf::Bsdf::stores_photons).
     pub receivers: usize,
-    /// Number of receivers that are not black.
+    /// Number of objects that store photons and are not black.
     pub scattering_receivers: usize,
     /// Number of caustic casters, see [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics).
     pub casters: usize,
@@ -24,7 +24,7 @@ pub struct SceneFeatures {
     pub lit_casters: usize,
     /// Number of objects with an interior that light enters, such as glass.
     pub bodies: usize,
-    /// Number of bodies of dispersive glass.
+    /// Number of objects of dispersive glass.
     pub dispersive: usize,
     /// Number of media that scatter, absorb or emit.
     pub media: usize,
@@ -32,7 +32,7 @@ pub struct SceneFeatures {
     pub scattering_media: usize,
     /// Number of media that emit.
     pub emitting_media: usize,
-    /// True if a medium fills the space outside all bodies.
+    /// True if a medium fills the space outside all objects.
     pub filled: bool,
     /// True if the background is not black. The background is visible to the camera and lights
     /// nothing.
@@ -58,7 +58,7 @@ pub struct SceneFeatures {
 }
 
 impl SceneFeatures {
-    /// Features of `scene`.
+    /// Returns the features of `scene`.
     #[must_use]
     pub fn from_scene(scene: &Scene) -> Self {
         let objects: Vec<ObjectSummary> = scene.object_summaries().collect();

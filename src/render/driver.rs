@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 /// the render.
 #[derive(Clone, Copy, Debug)]
 pub struct StopCriteria<'a> {
-    /// Number of passes before `time` or `target` may end the render.
+    /// Minimum number of passes. Until then, neither `time` nor `target` ends the render.
     pub min_passes: u32,
     /// Largest number of passes; `None` for no limit.
     pub passes: Option<u32>,
@@ -34,8 +34,8 @@ pub struct ErrorTarget {
 }
 
 impl ErrorTarget {
-    /// Confidence of the two-sided error interval whose upper end exceeds the true error with the
-    /// probability `self.confidence`.
+    /// Returns the confidence of a two-sided error interval whose upper end exceeds the true error
+    /// with the probability `self.confidence`.
     #[must_use]
     pub fn interval_confidence(self) -> Confidence {
         Confidence::new(2.0 * self.confidence.probability() - 1.0).unwrap_or(Confidence::LEAST)
@@ -63,7 +63,7 @@ pub enum EndReason {
 pub struct RenderResult {
     /// Film with all passes; its mean is the picture.
     pub film: Film,
-    /// Error estimator of the passes; `None` if the integrator does not return nested estimates.
+    /// Error estimator of the passes; `None` if [`Integrator::returns_nested_estimates`] is false.
     pub estimator: Option<ErrorEstimator>,
     /// Why the render ended.
     pub ended: EndReason,
@@ -84,26 +84,26 @@ pub struct RenderResult {
 pub struct PassProgress {
     /// Number of passes so far.
     pub passes: u32,
-    /// Estimated error and forecast; `None` if the error was not estimated after this pass.
+    /// Estimated error and its forecast; `None` if the error was not estimated after this pass.
     pub error: Option<(ErrorEstimate, ErrorForecast)>,
 }
 
-/// Factor between the numbers of passes at which the error is estimated. One estimate costs a
-/// fraction of a pass.
+/// Ratio of the numbers of passes at two successive error estimates. One estimate costs a fraction
+/// of a pass.
 const ESTIMATE_INTERVAL_FACTOR: f64 = 1.05;
 
 /// Smallest number of passes after which a render may give up its error target.
 const GIVE_UP_PASSES: u32 = 16;
 
-/// A render gives up its error target if this fraction of the predicted remaining bias exceeds the
-/// target.
+/// Fraction of the predicted remaining bias that must exceed the error target before a render gives
+/// up.
 const GIVE_UP_MARGIN: f64 = 0.8;
 
 /// Renders a picture of `size` (width, height) pixels, pass by pass, until a criterion of `stop`
 /// holds.
 ///
-/// Calls `after_pass` after each pass. The error is estimated if the integrator returns nested
-/// estimates.
+/// Calls `after_pass` after each pass. Estimates the error if
+/// [`Integrator::returns_nested_estimates`] is true.
 pub fn render(
     integrator: &dyn Integrator,
     size: (u32, u32),
@@ -161,7 +161,7 @@ pub fn render(
 
 /// Returns the estimated error of the picture and its forecast.
 ///
-/// `None` if the integrator returns no nested estimates, or if no forecast is possible yet.
+/// `None` if `rendered` has no error estimator, or has too few passes.
 fn estimate_error(rendered: &RenderResult, stop: &StopCriteria<'_>) -> Option<(ErrorEstimate, ErrorForecast)> {
     let estimator = rendered.estimator.as_ref()?;
     let confidence = stop.target.map_or(Confidence::default(), ErrorTarget::interval_confidence);
@@ -170,7 +170,7 @@ fn estimate_error(rendered: &RenderResult, stop: &StopCriteria<'_>) -> Option<(E
 }
 
 impl StopCriteria<'_> {
-    /// Reason to end the render because of its estimated error; `None` to go on.
+    /// Returns the reason to end the render because of its estimated error; `None` to go on.
     fn end_reason_by_error(&self, estimate: &ErrorEstimate, forecast: &ErrorForecast) -> Option<EndReason> {
         let target = self.target?;
         if estimate.high <= target.error {

@@ -30,26 +30,27 @@ impl Film {
         self.passes += 1;
     }
 
-    /// Number of added passes.
+    /// Returns the number of added passes.
     #[must_use]
     pub fn passes(&self) -> u32 {
         self.passes
     }
 
-    /// Width and height \[pixels].
+    /// Returns the width and height \[pixels].
     #[must_use]
     pub fn size(&self) -> (u32, u32) {
         (self.width, self.height)
     }
 
-    /// Mean radiance \[W/(m² sr)] of each pixel over the passes, in rows from the top; 0 without
-    /// passes.
+    /// Returns the mean radiance \[W/(m² sr)] of each pixel over the passes, in rows from the top;
+    /// 0 without passes.
     pub fn pixel_means(&self) -> impl Iterator<Item = DVec3> {
         let n = f64::from(self.passes.max(1));
         self.sums.iter().map(move |sum| sum.value() / n)
     }
 
-    /// Mean radiance of each pixel in single precision, see [`Film::pixel_means`].
+    /// Returns the mean radiance \[W/(m² sr)] of each pixel in single precision, in rows from the
+    /// top.
     #[must_use]
     pub fn mean(&self) -> Vec<Rgb> {
         self.pixel_means().map(|mean| mean.as_vec3()).collect()

@@ -64,9 +64,9 @@ impl DiscreteDistribution {
         (i, self.probability(i))
     }
 
-    /// New uniform number in \[0, 1) from the number `u` that sampled item `i`.
+    /// Returns a new uniform number in \[0, 1) from the number `u` that sampled item `i`.
     ///
-    /// It is the position of `u` within the item's interval of cumulative probability.
+    /// The new number is the position of `u` within the item's interval of cumulative probability.
     #[inline]
     #[must_use]
     pub fn remapped_sample(&self, u: f32, i: usize) -> f32 {
@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn invalid_weights_are_refused() {
+    fn distributions_refuse_invalid_weights() {
         assert!(DiscreteDistribution::new([]).is_none());
         assert!(DiscreteDistribution::new([0.0, 0.0]).is_none());
         assert!(DiscreteDistribution::new([1.0, -0.5]).is_none());

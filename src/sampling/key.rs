@@ -8,6 +8,9 @@
 //! and a [`Dimension`]. The table lists all words that the renderer uses. Two functions may use one
 //! word of a parent only if their dimensions differ. The last column says why keys are distinct.
 //!
+//! A trial is one repetition of a pilot simulation. A round is one iteration of the training of
+//! emission guiding. A bounce counts the scattering events of a path.
+//!
 //! | parent | function | word | distinct because |
 //! | --- | --- | --- | --- |
 //! | – | `Key::new` | seed | root of a render |
@@ -15,32 +18,34 @@
 //! | purpose | `Key::pass_key` | pass | one per pass; a pilot counts down from `u32::MAX` |
 //! | purpose `Camera` | `Key::shared_paths_key` | 0 | replaces the pass if passes share paths |
 //! | purpose `Camera` | `Key::fresh_paths_key` | pass + 1 | never the 0 of shared paths |
-//! | pass, round | `Key::path_key` | path | one per photon path |
-//! | path | `Key::bounce_key` | bounce | one per vertex of a photon path |
+//! | pass, round | `Key::photon_path_key` | path | one per photon path |
+//! | path | `Key::photon_vertex_key` | bounce | one per vertex of a photon path |
 //! | vertex of a photon path | `Key::camera_connection_key` | 1 | the only child of its parent |
 //! | pass of `Camera` or `PrefixRays` | `Key::pixel_key` | y · 2³² + x | one per pixel |
 //! | pixel | `Sampler::next_vertex_sampler` | 2 · bounce + transmitted | two branches per split |
 //! | vertex | `Sampler::shadow_ray_sampler` | pass · 2³² | other dimensions than the next vertex |
 //! | vertex, sample | `Key::medium_tracking_key` | 2⁶³ + pass | above all words of vertices |
 //! | shadow rays | `Sampler::nth_shadow_ray_sampler` | light or ray | lights or chosen rays |
-//! | shadow ray | `Key::medium_distance_key` | 1 | transmittance uses the parent itself |
+//! | shadow ray | `Key::shadow_ray_scatter_point_key` | 1 | transmittance uses the parent itself |
 //! | film sample of a pilot | `Sampler::bounce_sampler` | bounce | one per vertex |
 //! | any sampler | `Sampler::sample_key` | sample | one per sample of the pixel |
 //! | purpose `RayPhotonBalance` | `Key::pilot_trial_key` | trial | independent trials |
 //! | `Camera` of a trial | `Key::film_point_key` | set · 2³² + point | one per point of a pilot |
-//! | purpose `LightWeights` | `Key::light_key` | light | one per light |
+//! | purpose `LightWeights` | `Key::light_power_pilot_key` | light | one per light |
 //! | purpose `GuidingTraining` | `Key::training_round_key` | round | one per training round |
 
 use glam::Vec2;
 use rand::{SeedableRng, rngs::SmallRng};
 
-/// Part of the renderer that uses random numbers; two purposes never share numbers.
+/// Use of random numbers, such as camera paths or a pilot simulation. No random number serves two
+/// purposes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u64)]
 pub enum Purpose {
-    /// Photon paths that start in all directions.
+    /// Photon paths that are emitted in all directions, not towards chosen objects.
     UnaimedPhotons = 1,
-    /// Photon paths emitted toward casters, which are surfaces that form caustics.
+    /// Photon paths that are emitted towards casters, which
+    /// [`PhotonKind`](crate::photon::PhotonKind) defines.
     CausticPhotons,
     /// Camera paths.
     Camera,
@@ -54,21 +59,21 @@ pub enum Purpose {
     VisiblePoints,
     /// Pilot simulation that trains the guiding of photon emission.
     GuidingTraining,
-    /// Photon paths that guide gather rays.
+    /// Photon paths whose photons guide the directions of gather rays.
     GatherRayGuides,
     /// Pilot simulation that divides the work between camera rays and photons.
     RayPhotonBalance,
     /// Shutter times of passes.
     Shutter,
-    /// Pilot simulation that divides caustics between photon estimates and light tracing.
+    /// Pilot simulation that divides caustics between photon density estimates and light tracing.
     DensityEstimateShares,
-    /// Camera rays that end at their first receiver.
+    /// Camera rays that end at their first surface that stores photons, for example a diffuse one.
     PrefixRays,
     /// Pilot simulation that divides indirect light between camera paths and photons.
     IndirectDivision,
 }
 
-/// Random decision at one vertex of a path; each has its own random numbers.
+/// A random decision at one vertex of a path. Each decision has its own random numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u64)]
 pub enum Dimension {
@@ -88,7 +93,7 @@ pub enum Dimension {
     BsdfDirection,
     /// Russian roulette that decides whether a path continues.
     Roulette,
-    /// Choice of one component of a mix material.
+    /// Choice of a component of a mix material.
     Mix,
     /// Position of a probe ray in the gather disc of a photon density estimate.
     Probe,
@@ -108,7 +113,8 @@ pub enum Dimension {
     Medium,
 }
 
-/// Hashed name of a source of random numbers; the module documentation lists all keys.
+/// A 64-bit hash that names an independent source of random numbers. The module documentation lists
+/// all keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Key(u64);
 
@@ -116,13 +122,13 @@ pub struct Key(u64);
 const MEDIUM_TRACKING_BIT: u64 = 1 << 63;
 
 impl Key {
-    /// Root key of a render.
+    /// Creates the key from which all other keys of a render derive.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         Self(hash_bits(seed ^ 0x6a09_e667_f3bc_c909))
     }
 
-    /// Returns the hash of this key and the word `n`. Renderer code calls a function with a
+    /// Returns the hash of this key and the number `n`. Other code should call a function with a
     /// specific name instead, such as [`Key::pass_key`].
     #[inline]
     #[must_use]
@@ -130,7 +136,7 @@ impl Key {
         Self(hash_bits(self.0.wrapping_add(n.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15))))
     }
 
-    /// Key of one purpose, derived from the root key of a render.
+    /// Key of the random numbers for `purpose`, derived from the root key of a render.
     #[must_use]
     pub fn purpose_key(self, purpose: Purpose) -> Self {
         self.child_key(purpose as u64)
@@ -142,14 +148,14 @@ impl Key {
         self.child_key(u64::from(pass))
     }
 
-    /// Key of camera paths that all passes have in common.
+    /// Key of camera paths, if all passes trace the same ones.
     #[must_use]
     pub fn shared_paths_key(self) -> Self {
         self.child_key(0)
     }
 
-    /// Key of camera paths of pass `pass` alone, for integrators whose passes otherwise share
-    /// camera paths.
+    /// Key of camera paths that only pass `pass` traces, for integrators whose passes share all
+    /// other camera paths.
     #[must_use]
     pub fn fresh_paths_key(self, pass: u32) -> Self {
         self.child_key(u64::from(pass) + 1)
@@ -158,14 +164,14 @@ impl Key {
     /// Key of photon path `index` of a pass.
     #[inline]
     #[must_use]
-    pub fn path_key(self, index: u32) -> Self {
+    pub fn photon_path_key(self, index: u32) -> Self {
         self.child_key(u64::from(index))
     }
 
     /// Key of the vertex after `bounce` bounces of a photon path.
     #[inline]
     #[must_use]
-    pub fn bounce_key(self, bounce: u32) -> Self {
+    pub fn photon_vertex_key(self, bounce: u32) -> Self {
         self.child_key(u64::from(bounce))
     }
 
@@ -183,40 +189,43 @@ impl Key {
         self.child_key(u64::from(y) << 32 | u64::from(x))
     }
 
-    /// Key of the distance sampling along the segment from a vertex, in pass `pass`.
+    /// Key of the random numbers that sample distances in media along the path segment to this
+    /// vertex, in pass `pass`.
     #[inline]
     #[must_use]
     pub fn medium_tracking_key(self, pass: u32) -> Self {
         self.child_key(MEDIUM_TRACKING_BIT | u64::from(pass))
     }
 
-    /// Key of the scattering distance along one shadow ray.
+    /// Key of the random numbers that choose the scattering point in a medium from which a shadow
+    /// ray starts.
     #[inline]
     #[must_use]
-    pub fn medium_distance_key(self) -> Self {
+    pub fn shadow_ray_scatter_point_key(self) -> Self {
         self.child_key(1)
     }
 
-    /// Key of trial `trial` of a pilot. Different trials get independent random numbers.
+    /// Key of repetition `trial` of a pilot simulation. Repetitions have independent random
+    /// numbers.
     #[must_use]
     pub fn pilot_trial_key(self, trial: u32) -> Self {
         self.child_key(u64::from(trial))
     }
 
-    /// Key of point `point` of set `set` of film points in a pilot.
+    /// Key of film point `point` in set `set`. Pilot simulations use independent sets of points on
+    /// the film.
     #[must_use]
     pub fn film_point_key(self, set: u32, point: u32) -> Self {
         self.child_key(u64::from(set) << 32 | u64::from(point))
     }
 
-    /// Key of the random numbers that estimate how much light `light` sends towards caustic
-    /// casters.
+    /// Key of the random numbers that estimate the power that light `light` sends towards casters.
     #[must_use]
-    pub fn light_key(self, light: usize) -> Self {
+    pub fn light_power_pilot_key(self, light: usize) -> Self {
         self.child_key(light as u64)
     }
 
-    /// Key of round `round` of the training of emission guiding.
+    /// Key of training iteration `round` of emission guiding.
     #[must_use]
     pub fn training_round_key(self, round: u32) -> Self {
         self.child_key(u64::from(round))
@@ -244,7 +253,7 @@ impl Key {
         Vec2::new(uniform_from_24_bits((bits >> 40) as u32), uniform_from_24_bits((bits >> 8) as u32 & 0xff_ffff))
     }
 
-    /// Sequential random number generator, for decisions that need an unknown count of numbers.
+    /// Sequential random number generator, for uses that need an unknown count of numbers.
     #[must_use]
     pub fn rng(self) -> SmallRng {
         SmallRng::seed_from_u64(self.0)

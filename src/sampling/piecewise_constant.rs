@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn invalid_weights_are_refused() {
+    fn distributions_refuse_invalid_weights() {
         for weights in [&[0.0, 0.0][..], &[], &[1.0, -0.5, 2.0, 2.0], &[f64::NAN, 1.0], &[f64::MAX, f64::MAX]] {
             let height = weights.len() / 2;
             assert!(PiecewiseConstant2d::new(2, height, |x, y| weights[2 * y + x]).is_none(), "{weights:?}");

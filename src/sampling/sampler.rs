@@ -20,9 +20,9 @@ impl Sampler {
         Self { key, index, count }
     }
 
-    /// Sampler for the same sample, whose key is derived from this key and the word `n`.
+    /// Sampler for the same sample with another key: the hash of this key and the number `n`.
     ///
-    /// Renderer code calls a function with a specific name instead, such as
+    /// Other code should call a function with a specific name instead, such as
     /// [`Sampler::shadow_ray_sampler`].
     #[inline]
     #[must_use]
@@ -56,14 +56,16 @@ impl Sampler {
         self.child_sampler(u64::from(pass) << 32)
     }
 
-    /// Sampler for shadow ray `index` of this vertex, or for the shadow rays to light `index`.
+    /// Sampler for one of several shadow rays of this vertex. `index` is the index of the ray or of
+    /// the light.
     #[inline]
     #[must_use]
     pub fn nth_shadow_ray_sampler(self, index: usize) -> Self {
         self.child_sampler(index as u64)
     }
 
-    /// Sampler for subsample `index`, if this sample is split into `count` stratified subsamples.
+    /// Sampler for subsample `index`. This sample is split into `count` subsamples, which are
+    /// stratified.
     #[inline]
     #[must_use]
     pub fn subsample_sampler(self, index: u32, count: u32) -> Self {

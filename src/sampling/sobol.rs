@@ -57,7 +57,7 @@ mod tests {
     use crate::sampling::Purpose;
 
     #[test]
-    fn every_elementary_interval_holds_one_point() {
+    fn every_elementary_interval_holds_one_sobol_point() {
         for seed in 0..8 {
             let key = Key::new(seed).purpose_key(Purpose::Test);
             let points: Vec<_> = (0..256).map(|i| sobol_2d(i, key, Dimension::LightDirection)).collect();
@@ -72,10 +72,10 @@ mod tests {
         }
     }
 
-    /// The mean of one point over many keys is ½ in both coordinates, within five standard
-    /// deviations. The variance of a uniform number is 1/12.
+    /// Averages one Sobol' point over many keys: the mean is ½ in both coordinates, within five
+    /// standard deviations. The variance of a uniform number is 1/12.
     #[test]
-    fn each_point_alone_is_uniform() {
+    fn each_sobol_point_alone_is_uniform() {
         let n = 20_000;
         let mean = (0..n).map(|s| sobol_2d(5, Key::new(s), Dimension::Film)).sum::<Vec2>() / n as f32;
         let bound = 5.0 * (1.0 / 12.0f32 / n as f32).sqrt();

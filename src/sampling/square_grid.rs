@@ -4,9 +4,9 @@ use glam::Vec2;
 
 /// Distribution on \[0, 1)² with a constant pdf in each of `side` × `side` cells.
 ///
-/// Sampling inverts the marginal distribution of rows, then that of columns in the row. Stratified
-/// points stay stratified, since inversion is monotonic. Probabilities are multiples of 2⁻²⁴, the
-/// spacing of uniform numbers, so pdfs are exact even for the smallest cells.
+/// It samples the row by inversion, then the column in the row. Stratified points stay stratified,
+/// since inversion is monotonic. Probabilities are multiples of 2⁻²⁴, the spacing of uniform
+/// numbers, so pdfs are exact even for the smallest cells.
 #[derive(Clone, Debug)]
 pub struct SquareGridDistribution {
     side: usize,
@@ -16,21 +16,21 @@ pub struct SquareGridDistribution {
     columns: Vec<f32>,
 }
 
-/// Number of steps of 2⁻²⁴ between 0 and 1.
+/// Number of steps between 0 and 1, in which probabilities are counted: 2²⁴.
 const STEPS: f64 = 16_777_216.0;
 
-/// Minimum probability of a row, or of a column in its row, if its weight is above 0, in steps of
-/// 2⁻²⁴.
+/// Minimum probability, in steps of 2⁻²⁴, of a row or of a column in its row, unless its weight is
+/// 0.
 ///
 /// With fewer steps, samples would hit only a few distinct positions of the cell.
 const MIN_CELL_STEPS: f64 = 64.0;
 
 impl SquareGridDistribution {
-    /// Makes a distribution in proportion to `weights`, one for each of `side` × `side` cells, row
-    /// by row.
+    /// Creates the distribution in proportion to `weights`, one for each of `side` × `side` cells,
+    /// row by row.
     ///
-    /// `None` if `side` is not a power of two up to 1024, or if the number of weights is not
-    /// `side`². Also `None` if a weight is negative or not finite, or if all are 0.
+    /// Returns `None` unless `side` is a power of two up to 1024 and there are `side`² weights.
+    /// Weights must be finite and at least 0, and one must be above 0.
     #[must_use]
     pub fn new(side: usize, weights: &[f64]) -> Option<Self> {
         let valid = weights.iter().all(|w| *w >= 0.0 && w.is_finite());
@@ -43,8 +43,8 @@ impl SquareGridDistribution {
             return None;
         }
         let sums: Vec<f64> = weights.chunks_exact(side).map(|row| row.iter().sum()).collect();
-        let rows = cumulative_bounds(&sums);
-        let columns = weights.chunks_exact(side).flat_map(cumulative_bounds).collect();
+        let rows = cumulative_probabilities(&sums);
+        let columns = weights.chunks_exact(side).flat_map(cumulative_probabilities).collect();
         Some(Self { side, rows, columns })
     }
 
@@ -53,7 +53,7 @@ impl SquareGridDistribution {
     #[must_use]
     pub fn sample(&self, u: Vec2) -> (Vec2, f32) {
         let (row, y, height) = find_interval(&self.rows, u.y);
-        let (column, x, width) = find_interval(self.column_bounds(row), u.x);
+        let (column, x, width) = find_interval(self.cumulative_column_probabilities(row), u.x);
         // Rounding must not carry a point into the next cell, which has another density.
         let within = |cell: usize, x: f32| (cell as f32 + x).min((cell as f32 + 1.0).next_down());
         (Vec2::new(within(column, x), within(row, y)) / self.side as f32, self.cell_pdf(width, height))
@@ -65,7 +65,7 @@ impl SquareGridDistribution {
     pub fn pdf(&self, u: Vec2) -> f32 {
         let cell = |x: f32| ((x * self.side as f32) as usize).min(self.side - 1);
         let (column, row) = (cell(u.x), cell(u.y));
-        let columns = self.column_bounds(row);
+        let columns = self.cumulative_column_probabilities(row);
         self.cell_pdf(columns[column + 1] - columns[column], self.rows[row + 1] - self.rows[row])
     }
 
@@ -77,8 +77,8 @@ impl SquareGridDistribution {
         cell(u.y) * side + cell(u.x)
     }
 
-    /// Cumulative probabilities of the columns in `row`.
-    fn column_bounds(&self, row: usize) -> &[f32] {
+    /// Cumulative probabilities of the columns in `row`: `side + 1` numbers from 0 to 1.
+    fn cumulative_column_probabilities(&self, row: usize) -> &[f32] {
         let stride = self.side + 1;
         &self.columns[row * stride..(row + 1) * stride]
     }
@@ -94,7 +94,7 @@ impl SquareGridDistribution {
 /// Cumulative probabilities in proportion to `weights`, rounded to multiples of 2⁻²⁴.
 ///
 /// The probabilities are equal if all weights are 0.
-fn cumulative_bounds(weights: &[f64]) -> Vec<f32> {
+fn cumulative_probabilities(weights: &[f64]) -> Vec<f32> {
     let total: f64 = weights.iter().sum();
     let weight = |w: &f64| if total > 0.0 { *w / total } else { 1.0 / weights.len() as f64 };
     let kept = weights.iter().filter(|w| weight(w) > 0.0).count() as f64 * MIN_CELL_STEPS;
@@ -107,7 +107,8 @@ fn cumulative_bounds(weights: &[f64]) -> Vec<f32> {
     std::iter::once(0.0).chain(inner).collect()
 }
 
-/// Index of the interval that contains `u`, the relative position of `u` in it, and its length > 0.
+/// Returns the index of the interval that contains `u`, the relative position of `u` in it, and its
+/// length, which is above 0. `bounds` are the ends of the intervals.
 #[inline]
 fn find_interval(bounds: &[f32], u: f32) -> (usize, f32, f32) {
     let i = bounds.partition_point(|b| *b <= u).clamp(1, bounds.len() - 1) - 1;

@@ -1,4 +1,4 @@
-//! Animation: the moving parts of a scene, and the scene at a given time.
+//! Animation: the moving parts of a scene, and copies of the scene at a given time.
 //!
 //! Each pass renders one instant of the shutter interval, so rays carry no time. Only the hierarchy
 //! over moving shapes is rebuilt for each pass.
@@ -9,26 +9,28 @@ use super::{DeltaLightKind, LightStrength, Scene};
 use crate::camera::Camera;
 use crate::light::{EmissionTexture, LightSurface};
 use crate::math::{Motion, Transform};
-use crate::shape::{MappingKind, Plane, Shape, TextureMapping};
+use crate::shape::{Plane, Shape, TextureMapping, TextureMappingKind};
 use glam::DVec3;
 use std::sync::Arc;
 
-/// The time for which a scene is built: the middle of the shutter interval.
+/// Time for which a scene is built: the middle of the shutter interval, which runs from 0 to 1.
 pub(super) const MID_SHUTTER: f64 = 0.5;
 
-/// The moving parts of a scene, with motions that map to scene coordinates.
+/// The moving shapes, planes, lights, camera and texture mappings of a scene, each before its
+/// motion. Each motion maps to coordinates relative to [`Scene::origin`].
 #[derive(Debug, Default)]
 pub(super) struct Animation {
     /// Moving shapes, which the scene lists after the shapes at rest.
     pub shapes: Vec<(Shape, Motion)>,
     /// Moving planes, which the scene lists after the planes at rest.
     pub planes: Vec<(Plane, Motion)>,
-    /// Moving delta lights: index in the scene, description, strength and motion.
+    /// Moving delta lights: index in [`Scene::lights`], light before its motion, strength and
+    /// motion.
     pub lights: Vec<(usize, DeltaLightKind, LightStrength, Motion)>,
     /// The camera before its motion, and the motion about the camera's position.
     pub camera: Option<(Camera, Motion)>,
-    /// Moving texture mappings: index in the scene, kind and motion.
-    pub mappings: Vec<(usize, MappingKind, Motion)>,
+    /// Moving texture mappings: index in the mappings of [`Scene`], kind and motion.
+    pub mappings: Vec<(usize, TextureMappingKind, Motion)>,
 }
 
 impl Animation {
@@ -52,7 +54,7 @@ pub(super) fn plane_at_time(plane: &Plane, motion: &Motion, time: f64) -> Option
     Some(plane.transformed(&motion_transform_at_time(motion, time)?))
 }
 
-/// The delta light moved by `motion` at `time`; `None` if the transform is singular.
+/// The delta light `kind` moved by `motion` at `time`; `None` if the transform is singular.
 pub(super) fn delta_light_at_time(kind: &DeltaLightKind, motion: &Motion, time: f64) -> Option<DeltaLightKind> {
     Some(kind.transformed(&motion_transform_at_time(motion, time)?))
 }
@@ -62,16 +64,18 @@ pub(super) fn camera_at_time(camera: &Camera, motion: &Motion, time: f64) -> Opt
     Some(camera.transformed(&motion_transform_at_time(motion, time)?))
 }
 
-/// The texture mapping moved by `motion` at `time`; `None` if the transform is singular.
-pub(super) fn mapping_at_time(kind: MappingKind, motion: &Motion, time: f64) -> Option<TextureMapping> {
+/// The texture mapping of `kind`, with the transform of `motion` at `time`; `None` if the transform
+/// is singular.
+pub(super) fn texture_mapping_at_time(kind: TextureMappingKind, motion: &Motion, time: f64) -> Option<TextureMapping> {
     Some(TextureMapping::new(kind, motion_transform_at_time(motion, time)?))
 }
 
-/// Strength of a moving light in physical units, computed at mid-shutter.
+/// Strength of a moving delta light, with [`LightStrength::Course`] converted to physical units at
+/// mid-shutter.
 ///
-/// The physical strength that belongs to a [`LightStrength::Course`] colour depends on the light's
-/// distance from the origin. A moving light keeps its strength of mid-shutter.
-pub(super) fn physical_strength_mid_shutter(
+/// The conversion depends on the distance of the light from the origin. The light keeps the
+/// converted strength while it moves. Other strengths are returned unchanged.
+pub(super) fn physical_light_strength_at_mid_shutter(
     kind: &DeltaLightKind,
     strength: LightStrength,
     motion: &Motion,
@@ -82,14 +86,15 @@ pub(super) fn physical_strength_mid_shutter(
     resolve_light(&placed, strength, DVec3::ZERO).0.peak_strength().map_or(strength, LightStrength::Physical)
 }
 
-/// `scene` at `time`: see [`Scene::at_time`].
+/// Returns a copy of `scene` with all moving parts placed at `time`, from 0 (shutter opens) to 1
+/// (shutter closes).
 ///
-/// An object stays at its mid-shutter position if the map of its motion is singular at `time`.
+/// A part whose transform is singular at `time` stays at its mid-shutter position.
 pub(super) fn scene_at_time(scene: &Scene, time: f64) -> Scene {
     let mut moved = scene.clone();
     let Some(animation) = &scene.animation else { return moved };
     for (i, kind, motion) in &animation.mappings {
-        if let Some(placed) = mapping_at_time(*kind, motion, time) {
+        if let Some(placed) = texture_mapping_at_time(*kind, motion, time) {
             moved.mappings[*i] = placed;
         }
     }
@@ -120,12 +125,13 @@ pub(super) fn scene_at_time(scene: &Scene, time: f64) -> Scene {
     moved
 }
 
-/// Replaces shape `i` of the scene by `shape`, also as the surface of its area light, if any.
+/// Replaces shape `i` of the scene by `shape`. If the shape emits light, its area light changes
+/// too.
 fn replace_shape(scene: &mut Scene, i: usize, shape: Shape) {
     let object = scene.geometry.objects[i];
     if let Some(light) = object.light {
         let light = light as usize;
-        if let Some(area) = scene.lights[light].as_area_mut() {
+        if let Some(area) = scene.lights[light].as_area_light_mut() {
             area.surface = LightSurface::Shape(shape.clone());
             let mapping = scene.mappings[object.mapping as usize];
             let remapped = |texture: &Arc<EmissionTexture>| {

@@ -28,7 +28,7 @@ pub enum LightStrength {
     Power(Rgb),
 }
 
-/// A light at one point or from one direction, in the coordinates of the description.
+/// A light at one point or from one direction, in world coordinates.
 #[derive(Clone, Debug)]
 pub enum DeltaLightKind {
     /// Emits equally in all directions.
@@ -42,9 +42,9 @@ pub enum DeltaLightKind {
         position: DVec3,
         /// Axis of the cone, of any length above zero.
         axis: DVec3,
-        /// Half angle of full intensity \[radians].
+        /// Angle from the axis up to which the light has full intensity \[radians].
         inner: f64,
-        /// Half angle of zero intensity \[radians].
+        /// Angle from the axis beyond which the intensity is zero \[radians].
         outer: f64,
     },
     /// A point light with an orientation: a projector or a goniometric light.
@@ -87,11 +87,11 @@ fn one_minus_cos(x: f64) -> f64 {
     2.0 * sin * sin
 }
 
-/// The light in coordinates relative to `origin`, and its counterpart in the shading model of MIT
-/// course 6.837.
+/// Returns the light in coordinates relative to `origin`, and its counterpart in the shading model
+/// of MIT course 6.837.
 ///
-/// A course colour c stands for irradiance π·c on a surface at the origin that faces the light. A
-/// white diffuse surface there reflects radiance c.
+/// The strength [`LightStrength::Course`] with colour c becomes irradiance π·c, on a surface at
+/// `origin` that faces the light. A white diffuse surface there reflects radiance c.
 pub(super) fn resolve_light(kind: &DeltaLightKind, strength: LightStrength, origin: DVec3) -> (Light, LegacyLight) {
     // A light at the origin counts as one unit away.
     let distance2 = |p: &DVec3| {
@@ -141,7 +141,8 @@ pub(super) fn resolve_light(kind: &DeltaLightKind, strength: LightStrength, orig
 /// Counterpart of an area light in the shading model of MIT course 6.837: a point light at the area
 /// light's center.
 ///
-/// The colour assumes that the area light faces the origin.
+/// Its colour is the radiance that a white diffuse surface at the origin reflects, if the area
+/// light and the surface face each other.
 pub(super) fn legacy_area_light(light: &Light) -> LegacyLight {
     let center = light.center().unwrap_or(Vec3::ZERO);
     let nowhere = BoundingSphere { center: Vec3::ZERO, radius: 0.0 };

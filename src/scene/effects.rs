@@ -10,29 +10,31 @@ const SPECULAR_ALIAS: &str = "casters";
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u16)]
 pub enum Effect {
-    /// Reflection and refraction on camera paths at casters: surfaces for which
-    /// [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics) is true.
+    /// Reflection and refraction on camera paths at casters, such as glass and mirrors.
+    /// [`PhotonKind`](crate::photon::PhotonKind) defines casters.
     Specular,
-    /// Caustics: light that casters focus onto other surfaces.
+    /// Caustics: light that mirrors, glass and other casters focus onto other surfaces.
+    /// [`PhotonKind`](crate::photon::PhotonKind) defines casters.
     Caustics,
-    /// Interreflection of caustics: light of a caustic, reflected further by surfaces that are not
-    /// casters.
+    /// Interreflection of caustics: light that diffuse or glossy surfaces reflect further after a
+    /// caustic.
     CausticBounces,
-    /// Interreflection between surfaces that are not casters.
+    /// Interreflection between diffuse or glossy surfaces.
     Interreflection,
-    /// Final gathering: gather rays that end in lookups of the indirect photon map.
+    /// Final gathering: rays from diffuse or glossy surfaces look up indirect light in a photon
+    /// map.
     Gathering,
-    /// Occlusion of shadow rays.
+    /// Shadows: shadow rays test whether surfaces block the light.
     Shadows,
-    /// Extent of area lights: soft shadows, and light that paths receive by hitting emitters.
+    /// Size of area lights: soft shadows, and light that paths receive when they hit an emitter.
     SoftShadows,
     /// Environment light.
     Environment,
-    /// Absorption in bodies, and bodies that overlap.
+    /// Nested dielectrics: absorption inside bodies, and refraction where bodies overlap.
     Interiors,
     /// Camera rays from the whole lens: depth of field.
     Lens,
-    /// Motion of objects while the shutter is open.
+    /// Motion blur of objects, lights, textures and the camera.
     Motion,
     /// Textures of materials and emission.
     Textures,
@@ -45,7 +47,7 @@ pub enum Effect {
 }
 
 impl Effect {
-    /// All effects, in the order of tables.
+    /// All effects, in the order in which reports list them.
     pub const ALL: [Self; 15] = [
         Self::Specular,
         Self::Caustics,
@@ -86,7 +88,8 @@ impl Effect {
         }
     }
 
-    /// Visible error of a picture that is rendered without this effect, in a scene that needs it.
+    /// Describes the visible error of a picture that is rendered without this effect, in a scene
+    /// that needs it.
     #[must_use]
     pub const fn symptom_if_missing(self) -> &'static str {
         match self {
@@ -113,10 +116,10 @@ impl Effect {
     }
 }
 
-/// The effects that are compiled into the program: all, unless the build removes one.
+/// The effects that the program can simulate: all, unless the build leaves one out.
 ///
-/// The variable `CAUSTICA_WITHOUT` removes one effect at build time. `.ci/cost-of-effects` uses it
-/// to measure the cost that code of one effect adds to scenes without it.
+/// The environment variable `CAUSTICA_WITHOUT` names an effect to leave out at build time.
+/// `.ci/cost-of-effects` uses it to measure what the code of an effect costs in other scenes.
 const COMPILED_EFFECTS: Effects = match option_env!("CAUSTICA_WITHOUT") {
     None => Effects::ALL,
     Some(name) => {
@@ -124,7 +127,7 @@ const COMPILED_EFFECTS: Effects = match option_env!("CAUSTICA_WITHOUT") {
         let mut i = 0;
         while i < Effect::ALL.len() {
             if bytes_equal(name.as_bytes(), Effect::ALL[i].name().as_bytes()) {
-                built = built.without(Effect::ALL[i]);
+                built = built.without_effect(Effect::ALL[i]);
             }
             i += 1;
         }
@@ -179,13 +182,13 @@ impl Effects {
         let mut set = Self(0);
         let mut i = 0;
         while i < effects.len() {
-            set = set.with(effects[i]);
+            set = set.with_effect(effects[i]);
             i += 1;
         }
         set
     }
 
-    /// True if the set contains `effect`, and the program is compiled with it.
+    /// True if the set contains `effect` and the program can simulate it (see `COMPILED_EFFECTS`).
     #[inline]
     #[must_use]
     pub const fn has(self, effect: Effect) -> bool {
@@ -194,17 +197,17 @@ impl Effects {
 
     /// This set with `effect` added.
     #[must_use]
-    pub const fn with(self, effect: Effect) -> Self {
+    pub const fn with_effect(self, effect: Effect) -> Self {
         Self(self.0 | Self::bit_mask(effect))
     }
 
     /// This set with `effect` removed.
     #[must_use]
-    pub const fn without(self, effect: Effect) -> Self {
+    pub const fn without_effect(self, effect: Effect) -> Self {
         Self(self.0 & !Self::bit_mask(effect))
     }
 
-    /// The kind of [`Interior`](super::Interior) that paths need to simulate these effects.
+    /// The type of [`Interior`](super::Interior) that paths need to simulate these effects.
     #[must_use]
     pub const fn interior_kind(self) -> InteriorKind {
         match self.has(Effect::Interiors) {

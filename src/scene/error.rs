@@ -14,7 +14,7 @@ pub enum BuildError {
         "the scene is smaller than single precision can hold: the farthest coordinate is {0:e} from its middle; choose a larger unit of length"
     )]
     TooSmall(f64),
-    /// The power of a light, counted from 0, does not fit single precision.
+    /// The power of the light with this index does not fit single precision.
     #[error("light {0} (counted from 0) is stronger than single precision can hold")]
     TooBright(usize),
     /// A motion scales an object to zero extent.

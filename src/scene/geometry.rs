@@ -33,14 +33,15 @@ pub struct Hit {
 pub(super) enum HitPrimitive {
     /// Index of a triangle, and the barycentric weights of its second and third corner.
     Triangle(u32, Vec2),
-    /// Index of a shape, and the last two numbers of its [`ShapeHit`](crate::shape::ShapeHit).
+    /// Index of a shape, and the shape's own coordinates of the hit, as in
+    /// [`ShapeHit`](crate::shape::ShapeHit).
     Shape(u32, Vec2),
     /// Index of an unbounded plane.
     Plane(u32),
 }
 
-/// Group of boundaries that the coincidence test counts as one boundary: `find_coincident_faces` in
-/// `scene/interiors/coincident/mod.rs`.
+/// Group of objects whose boundaries count as one, when a path crosses several coincident
+/// boundaries at once.
 ///
 /// Usually each object is a group of its own. All shapes that may share edges with neighbours form
 /// one group, because a ray through a common edge can hit two of them.
@@ -48,13 +49,13 @@ pub(super) enum HitPrimitive {
 pub(super) struct CoincidenceGroup(u32);
 
 impl CoincidenceGroup {
-    /// Group of all shapes for which [`Shape::may_share_edges`] is true.
+    /// Coincidence group of all shapes for which [`Shape::may_share_edges`] is true.
     pub const SHARED_EDGES: Self = Self(u32::MAX);
-    /// Placeholder for a boundary with which no other boundary can coincide; never compared.
+    /// Placeholder for a boundary without coincident boundaries; never compared.
     pub const UNUSED: Self = Self(0);
 
-    /// Group of the object with this index alone.
-    pub const fn of_object(index: u32) -> Self {
+    /// Coincidence group that contains only the object with this index.
+    pub const fn group_of_single_object(index: u32) -> Self {
         Self(index)
     }
 }
@@ -86,7 +87,7 @@ pub(super) struct Geometry {
     pub static_bounds: Bounds,
     /// Hierarchy over triangles and shapes at rest.
     pub hierarchy: Arc<Hierarchy>,
-    /// Hierarchy over moving shapes, if there are any.
+    /// Hierarchy over moving shapes; `None` if there are none.
     pub moving: Option<Arc<Hierarchy>>,
 }
 
@@ -140,16 +141,16 @@ impl Geometry {
         self.moving_shapes().iter().map(Shape::bounds).fold(self.static_bounds, Bounds::union)
     }
 
-    /// Object index of the first plane.
+    /// Index of the first plane in the list of objects.
     fn first_plane_index(&self) -> usize {
         self.shapes.len() + self.mesh_ranges.len()
     }
 
-    pub fn plane_attributes(&self) -> &[ObjectAttributes] {
+    pub fn plane_object_attributes(&self) -> &[ObjectAttributes] {
         &self.objects[self.first_plane_index()..]
     }
 
-    pub fn mesh_attributes(&self) -> &[ObjectAttributes] {
+    pub fn mesh_object_attributes(&self) -> &[ObjectAttributes] {
         &self.objects[self.shapes.len()..self.first_plane_index()]
     }
 
@@ -266,7 +267,7 @@ impl Geometry {
         match primitive {
             HitPrimitive::Shape(i, _) if self.shapes[i as usize].may_share_edges() => CoincidenceGroup::SHARED_EDGES,
             HitPrimitive::Triangle(..) | HitPrimitive::Shape(..) | HitPrimitive::Plane(_) => {
-                CoincidenceGroup::of_object(self.object_index(primitive))
+                CoincidenceGroup::group_of_single_object(self.object_index(primitive))
             }
         }
     }

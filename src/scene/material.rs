@@ -1,7 +1,7 @@
 //! Materials of the resolved scene.
 
 use super::interiors::Body;
-use super::textured::{MaterialParameter, MeanEvaluator, NormalPerturbation, ParameterEvaluator};
+use super::textured::{MaterialParameter, MeanParameterEvaluator, NormalPerturbation, ParameterEvaluator};
 use crate::bsdf::{Bsdf, Conductor, ThinDielectric};
 use crate::color::Rgb;
 use crate::texture::Texture;
@@ -62,7 +62,7 @@ pub enum MaterialKind {
     ///
     /// The refractive index on the outer side depends on the bodies around the path that arrives.
     Dielectric {
-        /// The body inside.
+        /// The dielectric body inside.
         body: Body,
         /// Roughness α of the boundary in \[0, 1]; 0 is smooth.
         roughness: MaterialParameter<f32>,
@@ -73,7 +73,7 @@ pub enum MaterialKind {
         first: u32,
         /// Index of the second material.
         second: u32,
-        /// Probability of the second material.
+        /// Probability with which a hit resolves to the second material.
         amount: MaterialParameter<f32>,
     },
 }
@@ -90,7 +90,7 @@ impl MaterialKind {
             }
             Self::Mirror { reflectance } => Bsdf::Mirror(parameters.evaluate_color(&reflectance)),
             Self::Conductor { eta, k, roughness } => {
-                Bsdf::Conductor(Conductor::new(eta, k, parameters.evaluate_partition_roughness(&roughness)))
+                Bsdf::Conductor(Conductor::new(eta, k, parameters.evaluate_photon_storage_roughness(&roughness)))
             }
             Self::Thin { eta, transmittance } => {
                 Bsdf::ThinDielectric(ThinDielectric { eta, transmittance: parameters.evaluate_color(&transmittance) })
@@ -131,7 +131,7 @@ impl Material {
     /// A material of `kind` with unperturbed normals.
     #[must_use]
     pub fn new(kind: MaterialKind) -> Self {
-        let (mean_bsdf, textured) = (kind.bsdf(&MeanEvaluator), kind.is_textured());
+        let (mean_bsdf, textured) = (kind.bsdf(&MeanParameterEvaluator), kind.is_textured());
         Self { kind, normals: NormalPerturbation::None, mean_bsdf, textured }
     }
 
@@ -164,7 +164,8 @@ impl Material {
         Self::new(MaterialKind::Mirror { reflectance: reflectance.into() })
     }
 
-    /// The smooth boundary of a body with refractive `index` and `absorption` \[1/length].
+    /// The smooth boundary of a dielectric body with refractive `index` and `absorption`
+    /// \[1/length].
     #[must_use]
     pub fn dielectric(index: f32, absorption: Rgb) -> Self {
         Self::smooth_boundary(Body { absorption, ..Body::new(index) })
@@ -182,9 +183,10 @@ impl Material {
         Self::new(MaterialKind::Dielectric { body, roughness: roughness.into() })
     }
 
-    /// A mix: material `second` with probability `amount`, else material `first`.
+    /// A mix, which resolves at each hit to material `second` with probability `amount`, else to
+    /// `first`.
     ///
-    /// Both are indices of materials that have been added before.
+    /// Both are indices of materials that have already been added to the scene.
     #[must_use]
     pub fn mix(first: u32, second: u32, amount: impl Into<MaterialParameter<f32>>) -> Self {
         Self::new(MaterialKind::Mix { first, second, amount: amount.into() })
@@ -199,7 +201,7 @@ impl Material {
     /// A thin sheet of refractive index `eta`. `transmittance` in (0, 1] is the colour that one
     /// perpendicular crossing transmits.
     #[must_use]
-    pub fn thin(eta: f32, transmittance: impl Into<MaterialParameter<Rgb>>) -> Self {
+    pub fn thin_dielectric(eta: f32, transmittance: impl Into<MaterialParameter<Rgb>>) -> Self {
         Self::new(MaterialKind::Thin { eta, transmittance: transmittance.into() })
     }
 
@@ -221,14 +223,15 @@ impl Material {
         self.normals
     }
 
-    /// The body that this material bounds; `None` if it bounds none.
+    /// The dielectric body that this material bounds; `None` if it bounds none.
     #[inline]
     #[must_use]
     pub fn bounded_body(&self) -> Option<&Body> {
         self.kind.as_dielectric().map(|(body, _)| body)
     }
 
-    /// This material with `body` in place of the body that it bounds; unchanged if it bounds none.
+    /// This material with `body` in place of the dielectric body that it bounds; unchanged if it
+    /// bounds none.
     #[must_use]
     pub fn with_body(self, body: Body) -> Self {
         match self.kind.as_dielectric() {
@@ -239,7 +242,7 @@ impl Material {
 
     /// Indices of both materials of a mix; `None` for other materials.
     #[must_use]
-    pub fn mix_parts(&self) -> Option<[u32; 2]> {
+    pub fn mix_component_indices(&self) -> Option<[u32; 2]> {
         self.kind.as_mix().map(|(parts, _)| parts)
     }
 
@@ -263,19 +266,20 @@ impl Material {
         self.textured
     }
 
-    /// True if each hit must evaluate textures, for BSDF parameters or for the shading normal.
+    /// True if textures determine BSDF parameters or the shading normal, so that each hit must
+    /// evaluate textures.
     #[inline]
     pub(super) fn needs_textures(&self) -> bool {
         self.textured || self.normals != NormalPerturbation::None
     }
 
-    /// Mean roughness α of a body's boundary; 0 for other materials.
+    /// Mean roughness α of a dielectric body's boundary; 0 for other materials.
     #[inline]
     pub(super) fn mean_boundary_roughness(&self) -> f32 {
-        self.boundary_roughness(&MeanEvaluator)
+        self.boundary_roughness(&MeanParameterEvaluator)
     }
 
-    /// Roughness α of a body's boundary; 0 for other materials.
+    /// Roughness α of a dielectric body's boundary; 0 for other materials.
     #[inline]
     pub(super) fn boundary_roughness(&self, parameters: &impl ParameterEvaluator) -> f32 {
         self.kind.as_dielectric().map_or(0.0, |(_, roughness)| parameters.evaluate_scalar(roughness))
@@ -283,9 +287,9 @@ impl Material {
 
     /// Calls `visit` with at least one BSDF of each kind that the material can have at a hit.
     ///
-    /// These are the BSDF of mean parameters, and for a textured conductor those of the least and
-    /// the greatest roughness. Extend the match if a texture can change the kind of a new BSDF:
-    /// whether it is specular, stores photons or transmits.
+    /// BSDFs differ in kind if only one of them is specular, stores photons, or transmits. The
+    /// method visits the BSDF with mean parameters. For a conductor with a roughness texture, it
+    /// also visits those with the least and the greatest roughness.
     pub(super) fn visit_bsdf_variants(&self, textures: &[Arc<Texture>], mut visit: impl FnMut(Bsdf)) {
         visit(self.mean_bsdf);
         match self.kind {

@@ -31,7 +31,9 @@ pub use path_ray::{MediumSegment, PathEvent, PathRay, SurfaceVertex};
 pub use queries::{LeafMaterial, ObjectSummary};
 pub use ray_cone::RayCone;
 pub use surface_interaction::SurfaceInteraction;
-pub use textured::{MaterialParameter, MeanEvaluator, NormalPerturbation, ParameterEvaluator, TextureEvaluator};
+pub use textured::{
+    MaterialParameter, MeanParameterEvaluator, NormalPerturbation, ParameterEvaluator, TextureEvaluator,
+};
 
 use crate::camera::Camera;
 use crate::color::{DispersionFormula, Rgb};
@@ -62,13 +64,13 @@ pub struct Scene {
     media: Vec<Medium>,
     ambient_medium: Option<u32>,
     textures: Vec<Arc<Texture>>,
-    /// The first mapping belongs to objects that define none.
+    /// Texture mappings, by index. Objects that define none use the first one.
     mappings: Vec<TextureMapping>,
     lights: Vec<Light>,
     /// Index of the environment light in `lights`.
     environment_light_index: Option<usize>,
-    /// The lights with mean radiance in place of emission textures; empty if no light has a
-    /// texture.
+    /// Copies of the lights in which mean radiances replace emission textures; empty if no light
+    /// has a texture.
     mean_emission_lights: Vec<Light>,
     legacy_lights: Vec<LegacyLight>,
     animation: Option<Arc<Animation>>,
@@ -109,7 +111,7 @@ impl Scene {
     #[inline]
     #[must_use]
     pub fn escaped_radiance(&self, direction: Vec3) -> Rgb {
-        let environment = self.environment_light_index.and_then(|index| self.lights[index].as_environment());
+        let environment = self.environment_light_index.and_then(|index| self.lights[index].as_environment_light());
         environment.map_or(self.background, |environment| environment.radiance(direction))
     }
 
@@ -125,8 +127,8 @@ impl Scene {
         &self.lights
     }
 
-    /// The lights in the order of [`Scene::lights`], with emission textures replaced by their
-    /// means.
+    /// Copies of the lights in which mean radiances replace emission textures, in the order of
+    /// [`Scene::lights`].
     #[must_use]
     pub fn mean_emission_lights(&self) -> &[Light] {
         if self.mean_emission_lights.is_empty() { &self.lights } else { &self.mean_emission_lights }
@@ -168,10 +170,11 @@ impl Scene {
         &self.media
     }
 
-    /// Index of the medium outside all bodies, if there is one.
+    /// Index of the medium outside all dielectric bodies; `None` for air.
     ///
-    /// The medium fills a ball. Its radius is twice the distance from the center of the [photon
-    /// domain](Scene::photon_domain) to the farthest light, to the camera, or to the domain's edge.
+    /// The medium fills a ball around the center of the [photon domain](Scene::photon_domain). The
+    /// ball's radius is twice the greatest distance of a light, the camera or the domain's edge
+    /// from this center.
     #[must_use]
     pub fn ambient_medium(&self) -> Option<u32> {
         self.ambient_medium
@@ -179,8 +182,8 @@ impl Scene {
 
     /// The ball onto which lights at infinity emit photons.
     ///
-    /// It contains all bounded shapes. In a scene with unbounded planes, its radius is four times
-    /// larger.
+    /// It is the bounding sphere of all bounded shapes. In a scene with unbounded planes, its
+    /// radius is four times as large.
     #[must_use]
     pub fn photon_domain(&self) -> BoundingSphere {
         self.derived.domain
@@ -221,11 +224,11 @@ impl Scene {
         self.geometry.occluded(ray)
     }
 
-    /// The surface at `hit` of `ray`, which must have a unit direction.
+    /// Returns the surface at `hit` of `ray`, which must have a unit direction.
     ///
-    /// Textures are filtered over the width of `cone`. `u_mix` returns a uniform number in \[0, 1),
-    /// by which a mix selects one of its materials. The boundary of a body gets the BSDF that it
-    /// has in air; [`Interior::resolve_boundary`] replaces this BSDF.
+    /// Textures are filtered over the width of `cone`. A mix calls `u_mix` for a uniform number in
+    /// \[0, 1) and selects one of its materials by it. The boundary of a dielectric body gets the
+    /// BSDF that it has in air; [`Interior::resolve_boundary`] replaces this BSDF.
     #[inline]
     #[must_use]
     pub fn surface_interaction(
@@ -238,10 +241,10 @@ impl Scene {
         let point = self.geometry.surface_point(ray, hit);
         let object = self.geometry.object_attributes(hit.primitive);
         let wo = -ray.direction;
-        let emission = match object.light.and_then(|l| self.lights[l as usize].as_area()) {
+        let emission = match object.light.and_then(|l| self.lights[l as usize].as_area_light()) {
             Some(area) if wo.dot(point.ng) > 0.0 => match &area.texture {
                 Some(texture) if cone.effects.has(Effect::Textures) => {
-                    texture.radiance(&self.texture_context(hit, &point, wo, &cone.for_emission_textures()))
+                    texture.radiance(&self.texture_context(hit, &point, wo, &cone.emission_texture_cone()))
                 }
                 Some(_) | None => area.radiance,
             },
@@ -249,7 +252,7 @@ impl Scene {
         };
         let mut material_index = object.material;
         let mut material = &self.materials[material_index as usize];
-        if material.mix_parts().is_some() {
+        if material.mix_component_indices().is_some() {
             material_index = self.resolve_mix_to_leaf(material_index, u_mix(), cone.effects, &|| {
                 self.texture_context(hit, &point, wo, cone)
             });
@@ -311,10 +314,12 @@ impl Scene {
         }
     }
 
-    /// Index of the leaf material to which material `index` resolves, for a uniform `u` in \[0, 1).
+    /// Returns the index of the material to which material `index` resolves. A mix resolves to a
+    /// component, which the uniform number `u` in \[0, 1) selects. Other materials resolve to
+    /// themselves.
     ///
-    /// `context` returns the point of texture lookups. It is called only if a mixing amount is
-    /// textured and `effects` contain textures.
+    /// `context` returns the point of texture lookups. It is called only if the probability of a
+    /// component is textured and `effects` include textures.
     fn resolve_mix_to_leaf(
         &self,
         mut index: u32,

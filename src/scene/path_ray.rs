@@ -14,24 +14,25 @@ use rand::RngExt;
 pub struct PathRay<I> {
     /// The ray, of unit direction.
     pub ray: Ray,
-    /// The bodies and media around the origin of the ray.
+    /// The dielectric bodies and media around the origin of the ray.
     pub interior: I,
-    /// The cone over which textures are filtered.
+    /// The ray cone over which textures are filtered, at the origin of the ray.
     pub cone: RayCone,
 }
 
-/// A part of a path segment that lies in one medium.
+/// The part of a path segment that lies in one medium.
 #[derive(Clone, Copy, Debug)]
 pub struct MediumSegment<'a, I> {
-    /// The part, as a ray of unit direction. `t_max` may be infinite.
+    /// The part as a ray of unit direction. `t_max` is its length, which may be infinite.
     pub ray: Ray,
-    /// Index of the medium.
+    /// Index of the medium in [`Scene::media`].
     pub index: u32,
-    /// The medium.
+    /// The medium that fills the part.
     pub medium: &'a Medium,
-    /// The bodies and media around this part.
+    /// The dielectric bodies and media around this part.
     pub interior: I,
-    /// Transmittance of bodies from the last vertex to the start of the part.
+    /// Transmittance due to absorption in dielectric bodies, from the last path vertex to the start
+    /// of this part.
     pub transmittance_before: Rgb,
     /// True if the path segment crosses a hidden boundary before this part. A shadow ray would be
     /// blocked there: see [`BoundaryEvent::Hidden`](super::BoundaryEvent::Hidden).
@@ -41,16 +42,17 @@ pub struct MediumSegment<'a, I> {
 /// The event that ends a path segment.
 #[derive(Clone, Copy, Debug)]
 pub enum PathEvent<'a> {
-    /// A surface vertex.
+    /// The path reaches a surface that scatters or absorbs.
     Surface(SurfaceVertex<'a>),
-    /// A scattering event in a medium.
+    /// The path scatters in a medium. The origin of the path ray is the scattering point.
     Scattered {
-        /// Transmittance of the bodies along the path segment.
+        /// Transmittance of the path segment due to absorption in dielectric bodies; media are not
+        /// included.
         transmittance: Rgb,
         /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden).
         crossed: bool,
     },
-    /// The ray hits nothing.
+    /// The ray leaves the scene without a hit.
     Escaped {
         /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden).
         crossed: bool,
@@ -60,10 +62,10 @@ pub enum PathEvent<'a> {
 /// The surface at which a path segment ends.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceVertex<'a> {
-    /// The surface.
+    /// The surface, with its BSDF and emission.
     pub surface: SurfaceInteraction<'a>,
-    /// Transmittance of the bodies along the path segment, times the weight of a wavelength sampled
-    /// at the surface.
+    /// Transmittance of the path segment due to absorption in dielectric bodies, times the weight
+    /// of a wavelength sampled at the surface. Media are not included.
     pub transmittance: Rgb,
     /// Length of the path segment \[length].
     pub distance: f32,
@@ -75,8 +77,8 @@ impl<I: Interior> PathRay<I> {
     /// Traces the ray to the next vertex of the path, and returns the event there.
     ///
     /// The ray passes through boundaries that do not scatter. `key` is the random key of the next
-    /// vertex. `through` is called, in order, for every part of the way that lies in a medium. It
-    /// returns the distance \[length] at which light scatters in that part, or `None`.
+    /// vertex. `through` is called, in order, for each part of the segment in a medium. It returns
+    /// the distance \[length] from the start of the part at which light scatters, or `None`.
     #[inline]
     pub fn next_vertex<'a>(
         &mut self,
@@ -93,12 +95,13 @@ impl<I: Interior> PathRay<I> {
             // Find the nearest surface.
             let hit = scene.geometry.intersect(&self.ray);
             let cone = self.cone;
-            let mut surface = hit.map(|hit| {
+            let mut surface = None;
+            if let Some(hit) = &hit {
                 self.cone.widen_over_distance(hit.t);
-                let surface = scene.surface_interaction(&self.ray, &hit, &self.cone, || key.uniform_1d(Dimension::Mix));
-                self.interior.infer_starting_body(&surface);
-                (surface, hit.t)
-            });
+                let found = scene.surface_interaction(&self.ray, hit, &self.cone, || key.uniform_1d(Dimension::Mix));
+                self.interior.infer_starting_body(&found);
+                surface = Some((found, hit.t));
+            }
 
             // Scatter in the medium before it.
             if I::HAS_MEDIA_OR_WAVELENGTH
@@ -142,9 +145,17 @@ impl<I: Interior> PathRay<I> {
     }
 
     /// Continues the path from `surface` in unit `direction`; `transmitted` is true if it crosses
-    /// the surface. Returns a factor of the throughput: 1, or the weight of a sampled wavelength.
+    /// the surface.
+    ///
+    /// Returns the factor by which the throughput changes: 1, or the weight of a sampled
+    /// wavelength.
     #[inline]
-    pub fn leave_surface(&mut self, surface: &SurfaceInteraction<'_>, direction: Vec3, transmitted: bool) -> Rgb {
+    pub fn leave_surface_with_wavelength_weight(
+        &mut self,
+        surface: &SurfaceInteraction<'_>,
+        direction: Vec3,
+        transmitted: bool,
+    ) -> Rgb {
         self.ray = surface.spawn_ray(direction);
         self.cone.widen_at_surface(&surface.bsdf);
         if transmitted {
@@ -153,8 +164,8 @@ impl<I: Interior> PathRay<I> {
         self.interior.wavelength_weight_after_scattering(surface, transmitted)
     }
 
-    /// Continues the path in unit `direction` from a scattering event in a medium, at the origin of
-    /// the ray.
+    /// Continues the path in unit `direction` after a scattering event in a medium. The event is at
+    /// the origin of the ray.
     #[inline]
     pub fn scatter_towards(&mut self, direction: Vec3) {
         self.ray = Ray::new(self.ray.origin, direction);
@@ -162,7 +173,7 @@ impl<I: Interior> PathRay<I> {
     }
 }
 
-/// See [`Scene::shadow_transmittance`].
+/// Estimates the transmittance of a shadow ray: see [`Scene::shadow_transmittance`].
 pub(super) fn shadow_transmittance<I: Interior>(scene: &Scene, ray: &Ray, mut interior: I, key: Key) -> Rgb {
     let target = ray.at(ray.t_max);
     let ends = ray.t_max.is_finite();
@@ -173,10 +184,12 @@ pub(super) fn shadow_transmittance<I: Interior>(scene: &Scene, ray: &Ray, mut in
         let length = ray.direction.length();
         let unit = Ray::new(ray.origin, ray.direction / length);
         let hit = scene.geometry.intersect(&ray).map(|hit| Hit { t: hit.t * length, ..hit });
-        let cone = RayCone::zero_width(Effects::NONE);
-        let surface = hit.map(|hit| scene.surface_interaction(&unit, &hit, &cone, || rng.random()));
-        if let Some(surface) = &surface {
-            interior.infer_starting_body(surface);
+        let cone = RayCone::zero_width_cone(Effects::NONE);
+        let mut surface = None;
+        if let Some(hit) = &hit {
+            let found = scene.surface_interaction(&unit, hit, &cone, || rng.random());
+            interior.infer_starting_body(&found);
+            surface = Some(found);
         }
         let distance = hit.map_or(ray.t_max * length, |hit| hit.t);
         depth += interior.optical_depth(scene, finite_or_zero(distance)).as_dvec3();
@@ -195,7 +208,7 @@ pub(super) fn shadow_transmittance<I: Interior>(scene: &Scene, ray: &Ray, mut in
     }
 }
 
-/// See [`Scene::interior_transmittance`].
+/// Estimates the transmittance of `ray` without surfaces: see [`Scene::interior_transmittance`].
 #[inline]
 pub(super) fn interior_transmittance<I: Interior>(scene: &Scene, ray: &Ray, interior: &I, key: Key) -> Rgb {
     let bodies = interior.transmittance(scene, finite_or_zero(ray.t_max));
@@ -205,10 +218,11 @@ pub(super) fn interior_transmittance<I: Interior>(scene: &Scene, ray: &Ray, inte
     }
 }
 
-/// The part of `ray`, up to distance `end`, that lies in the medium around the ray's origin.
+/// Finds the part of `ray`, up to distance `end`, in the medium around the ray's origin; `None`
+/// outside of media.
 ///
-/// Returns the index of the medium, the part as a ray, and the distance \[length] at which it
-/// begins. `ray` must have a unit direction.
+/// Returns the index of the medium, the part as a ray, and the distance \[length] from the ray's
+/// origin to the part. `ray` must have a unit direction.
 #[inline]
 fn medium_segment<I: Interior>(scene: &Scene, ray: &Ray, end: f32, interior: &I) -> Option<(u32, Ray, f32)> {
     let CurrentMedium { medium, ambient } = interior.current_medium(scene)?;
@@ -232,8 +246,8 @@ fn medium_segment<I: Interior>(scene: &Scene, ray: &Ray, end: f32, interior: &I)
 
 /// Returns `distance` if it is finite, else 0.
 ///
-/// A ray that never leaves a body has entered through a boundary that is open by mistake. The body
-/// then absorbs nothing.
+/// A ray that never leaves a dielectric body entered it through a boundary that is not closed. With
+/// distance 0, the body absorbs nothing.
 fn finite_or_zero(distance: f32) -> f32 {
     if distance.is_finite() { distance } else { 0.0 }
 }

@@ -11,7 +11,8 @@ use crate::medium::Medium;
 use crate::sampling::Key;
 use glam::Vec3;
 
-/// Properties of one shape, mesh or plane that planning needs.
+/// Properties of a shape, mesh or plane that describe it without its geometry, for planning and
+/// photon emission.
 #[derive(Clone, Copy, Debug)]
 pub struct ObjectSummary {
     /// Bounding sphere, tight for spheres; `None` for unbounded planes.
@@ -25,19 +26,20 @@ pub struct ObjectSummary {
     pub has_emission_texture: bool,
 }
 
-/// A material that is not a mix, with one BSDF that it can have.
+/// A material that is not a mix, with one of the BSDFs that it can have.
 #[derive(Clone, Copy, Debug)]
 pub struct LeafMaterial<'a> {
-    /// The body that the material bounds, if it bounds one.
+    /// The dielectric body that the material bounds, if it bounds one.
     pub bounded_body: Option<&'a Body>,
     /// The BSDF for mean parameters, or for an extreme value of a roughness texture.
     pub bsdf: Bsdf,
 }
 
 impl LeafMaterial<'_> {
-    /// True if the material focuses light: see [`Bsdf::casts_caustics`].
+    /// True if the material makes its surface a caster, as
+    /// [`PhotonKind`](crate::photon::PhotonKind) defines it.
     ///
-    /// It is false for a null interface, which light crosses undeflected.
+    /// False for a null interface, which light crosses undeflected.
     #[must_use]
     pub fn casts_caustics(&self) -> bool {
         match self.bounded_body {
@@ -76,12 +78,13 @@ impl Scene {
             let plane = shape.point_if_planar().map(|point| (point.p, point.ng));
             summary(attributes, Some(shape.bounding_sphere()), plane)
         });
-        let meshes = geometry.mesh_ranges.iter().zip(geometry.mesh_attributes()).filter(|(range, _)| !range.is_empty());
+        let meshes =
+            geometry.mesh_ranges.iter().zip(geometry.mesh_object_attributes()).filter(|(range, _)| !range.is_empty());
         let meshes = meshes.map(move |(range, attributes)| {
             let corners = range.clone().flat_map(|i| geometry.mesh.corners(i as usize));
             summary(attributes, Some(Bounds::from_points(corners).bounding_sphere()), None)
         });
-        let planes = geometry.planes.iter().zip(geometry.plane_attributes());
+        let planes = geometry.planes.iter().zip(geometry.plane_object_attributes());
         let planes = planes.map(move |(plane, attributes)| summary(attributes, None, Some(plane.point_and_normal())));
         shapes.chain(meshes).chain(planes)
     }
@@ -90,12 +93,13 @@ impl Scene {
         attributes.light.is_some_and(|light| self.lights[light as usize].has_emission_texture())
     }
 
-    /// The body of each material that bounds one.
+    /// The dielectric body of each material that bounds one.
     pub fn bodies(&self) -> impl Iterator<Item = &Body> {
         self.materials.iter().filter_map(Material::bounded_body)
     }
 
-    /// True if paths must track interiors: there are bodies, or an ambient medium.
+    /// True if the scene has dielectric bodies or an ambient medium, so that paths must track an
+    /// [`Interior`](super::Interior).
     #[must_use]
     pub fn has_interiors(&self) -> bool {
         self.ambient_medium.is_some() || self.bodies().next().is_some()
@@ -107,7 +111,7 @@ impl Scene {
     /// because their BSDFs may differ in kind.
     pub fn for_each_leaf_material(&self, material: u32, visit: &mut impl FnMut(LeafMaterial<'_>)) {
         let material = &self.materials[material as usize];
-        match material.mix_parts() {
+        match material.mix_component_indices() {
             Some(parts) => parts.into_iter().for_each(|part| self.for_each_leaf_material(part, visit)),
             None => material.visit_bsdf_variants(&self.textures, |bsdf| {
                 visit(LeafMaterial { bounded_body: material.bounded_body(), bsdf });
@@ -115,7 +119,8 @@ impl Scene {
         }
     }
 
-    /// The media in use, each once: those of bodies that objects bound, and the ambient medium.
+    /// Returns each medium in use once: the media of dielectric bodies that objects bound, and the
+    /// ambient medium.
     #[must_use]
     pub fn media_in_use(&self) -> Vec<&Medium> {
         let mut indices: Vec<u32> = self.ambient_medium.into_iter().collect();
@@ -129,21 +134,24 @@ impl Scene {
         indices.into_iter().map(|index| &self.media[index as usize]).collect()
     }
 
-    /// Two flags: true if a parameter is textured, and true if shading normals are perturbed.
+    /// Returns two flags: true if a parameter is textured, and true if shading normals are
+    /// perturbed.
     ///
-    /// They hold for the material with index `material`, or for any part of it if it is a mix.
+    /// The flags apply to the material with index `material` or, for a mix, to any of its
+    /// components.
     #[must_use]
     pub fn texture_usage(&self, material: u32) -> (bool, bool) {
         let material = &self.materials[material as usize];
         let own = (material.is_textured(), material.normal_perturbation() != NormalPerturbation::None);
-        let Some(parts) = material.mix_parts() else { return own };
+        let Some(parts) = material.mix_component_indices() else { return own };
         let parts = parts.map(|part| self.texture_usage(part));
         parts.iter().fold(own, |all, part| (all.0 || part.0, all.1 || part.1))
     }
 
-    /// Bounding spheres of all objects that cast caustics; `None` if such an object is unbounded.
+    /// Bounding spheres of all casters; `None` if a caster is unbounded. Photons for the caustic
+    /// map are aimed at these spheres.
     ///
-    /// Photons for the caustic map are aimed at these spheres.
+    /// [`PhotonKind`](crate::photon::PhotonKind) defines casters.
     #[must_use]
     pub fn caster_bounding_spheres(&self) -> Option<Vec<BoundingSphere>> {
         let casts_caustics = |material: u32| {
@@ -154,28 +162,34 @@ impl Scene {
         self.object_summaries().filter(|o| casts_caustics(o.material)).map(|o| o.ball).collect()
     }
 
-    /// The state of a camera path that starts with `ray` and simulates `effects`.
+    /// Returns the first ray of a camera path: `ray`, with the interior around its origin and the
+    /// texture filter cone of a pixel.
+    ///
+    /// The path simulates `effects`.
     #[inline]
     #[must_use]
     pub fn start_camera_path<I: Interior>(&self, ray: Ray, effects: Effects) -> PathRay<I> {
-        PathRay { ray, interior: I::at_camera(self, &ray, effects), cone: self.camera_ray_cone(effects) }
+        PathRay { ray, interior: I::interior_at_camera(self, &ray, effects), cone: self.camera_ray_cone(effects) }
     }
 
-    /// The cone over which textures are filtered, at the start of a camera ray.
+    /// The ray cone over which textures are filtered, at the start of a camera ray.
     #[inline]
     #[must_use]
     pub fn camera_ray_cone(&self, effects: Effects) -> RayCone {
-        RayCone::from_pixel(self.camera.pixel_footprint(), effects)
+        RayCone::from_pixel_footprint(self.camera.pixel_footprint(), effects)
     }
 
-    /// The state of a light path that starts with `ray` at light `light` and simulates `effects`.
+    /// Returns the first ray of a light path: `ray`, with the interior around light `light`.
+    /// Textures are not filtered.
+    ///
+    /// The path simulates `effects`.
     #[inline]
     #[must_use]
     pub fn start_light_path<I: Interior>(&self, light: usize, ray: Ray, effects: Effects) -> PathRay<I> {
-        PathRay { ray, interior: I::at_light(self, light, effects), cone: RayCone::zero_width(effects) }
+        PathRay { ray, interior: I::interior_at_light(self, light, effects), cone: RayCone::zero_width_cone(effects) }
     }
 
-    /// `ray` with its origin moved back beyond all unbounded planes behind it.
+    /// Returns `ray` with its origin moved back beyond all unbounded planes behind it.
     ///
     /// Light from infinity starts there, so that it hits these planes first.
     #[must_use]
@@ -192,18 +206,19 @@ impl Scene {
 
     /// Unbiased estimate of the transmittance along a shadow ray; 0 if a surface blocks the ray.
     ///
-    /// `interior` holds the bodies and media around the ray's origin, and `key` is the random key.
-    /// If `ray.t_max` is finite, the direction of `ray` is the vector from its origin to its end,
-    /// so t = 1 at the end. If `ray.t_max` is infinite, the direction has unit length.
+    /// `interior` holds the dielectric bodies and media around the ray's origin, and `key` is the
+    /// random key. If `ray.t_max` is finite, the direction of `ray` is the vector from its origin
+    /// to its end, so t = 1 at the end. If `ray.t_max` is infinite, the direction has unit length.
     #[must_use]
     pub fn shadow_transmittance<I: Interior>(&self, ray: &Ray, interior: I, key: Key) -> Rgb {
         path_ray::shadow_transmittance(self, ray, interior, key)
     }
 
-    /// Unbiased estimate of the transmittance along `ray`, which has a unit direction.
+    /// Unbiased estimate of the transmittance along `ray`, which has a unit direction. Surfaces are
+    /// ignored.
     ///
-    /// `interior` holds the bodies and media around the ray's origin. They are taken to fill the
-    /// whole length of the ray: surfaces are ignored.
+    /// The dielectric bodies and media of `interior`, which surround the origin of the ray, are
+    /// assumed to fill its whole length.
     #[inline]
     #[must_use]
     pub fn interior_transmittance<I: Interior>(&self, ray: &Ray, interior: &I, key: Key) -> Rgb {

@@ -3,7 +3,7 @@
 use super::Effects;
 use crate::bsdf::{Bsdf, DIFFUSE_CONE_SPREAD};
 
-/// Width of a camera cone \[pixels]. It is below 1 because the pixel filter blurs too.
+/// Width of the cone of a camera ray \[pixels]. It is below 1 because the pixel filter blurs too.
 const CAMERA_CONE_PIXELS: f32 = 0.5;
 
 /// The cone around a ray over which textures are filtered (Amanatides 1984, "Ray tracing with
@@ -18,7 +18,7 @@ pub struct RayCone {
     width: f32,
     /// Growth of the diameter per unit of distance along the ray.
     spread: f32,
-    /// True for camera paths. False for light paths, whose width stays zero.
+    /// True for camera paths. False for light paths, whose cones have zero width.
     widens: bool,
     /// True after a non-specular scattering event.
     scattered: bool,
@@ -27,22 +27,23 @@ pub struct RayCone {
 }
 
 impl RayCone {
-    /// The cone of a camera ray, from the width of a pixel \[length] and its growth per length.
+    /// Creates the cone of a camera ray from the width of a pixel at the ray origin \[length] and
+    /// its growth per unit of distance.
     #[inline]
     #[must_use]
-    pub fn from_pixel((width, spread): (f32, f32), effects: Effects) -> Self {
+    pub fn from_pixel_footprint((width, spread): (f32, f32), effects: Effects) -> Self {
         Self {
             width: width * CAMERA_CONE_PIXELS,
             spread: spread * CAMERA_CONE_PIXELS,
             widens: true,
-            ..Self::zero_width(effects)
+            ..Self::zero_width_cone(effects)
         }
     }
 
-    /// A cone of zero width that does not widen, as light paths use it.
+    /// Creates a cone of zero width that never widens, as for light paths.
     #[inline]
     #[must_use]
-    pub const fn zero_width(effects: Effects) -> Self {
+    pub const fn zero_width_cone(effects: Effects) -> Self {
         Self { width: 0.0, spread: 0.0, widens: false, scattered: false, effects }
     }
 
@@ -77,12 +78,12 @@ impl RayCone {
         self.width
     }
 
-    /// The cone over which emission textures are filtered.
+    /// Returns the cone over which emission textures are filtered.
     ///
-    /// After a non-specular scattering event its width is zero. Emission that a path hits then
+    /// After a non-specular scattering event, its width is zero. Emission that a path hits then
     /// agrees with next-event estimation, which evaluates emission at a point.
     #[inline]
-    pub(super) fn for_emission_textures(&self) -> Self {
-        if self.scattered { Self::zero_width(self.effects) } else { *self }
+    pub(super) fn emission_texture_cone(&self) -> Self {
+        if self.scattered { Self::zero_width_cone(self.effects) } else { *self }
     }
 }

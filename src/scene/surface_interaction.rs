@@ -22,12 +22,13 @@ pub struct SurfaceInteraction<'a> {
     pub(super) material_index: u32,
     /// The BSDF of the material at this point.
     pub bsdf: Bsdf,
-    /// Roughness α of a body's boundary; 0 for other materials.
+    /// Roughness α of a dielectric body's boundary; 0 for other materials.
     pub(super) roughness: f32,
-    /// Coincidence group of the surface's object; `None` if no boundary of another object can
-    /// coincide with the surface here.
+    /// Coincidence group of the object; `None` if no boundary of another object can coincide with
+    /// the surface here.
     pub(super) coincidence_group: Option<CoincidenceGroup>,
-    /// Boundaries of other bodies at the same place; set by `Interior::resolve_boundary`.
+    /// Boundaries of other dielectric bodies that coincide with the surface here; set by
+    /// `Interior::resolve_boundary`.
     pub(super) coincident: CoincidentFaces,
     /// Index of the object's area light; `None` if the object does not emit light.
     pub light: Option<u32>,
@@ -50,7 +51,8 @@ impl SurfaceInteraction<'_> {
         self.material.bounded_body().is_some_and(|body| body.is_null_interface)
     }
 
-    /// True if the ray arrives on the side of the geometric normal, the outside of a body.
+    /// True if the ray arrives from the side of the geometric normal. For the boundary of a
+    /// dielectric body, this side is outside.
     #[inline]
     pub(super) fn is_entering(&self) -> bool {
         self.wo.dot(self.point.ng) >= 0.0

@@ -1,4 +1,4 @@
-//! Interface of bounded shapes.
+//! The trait that every bounded shape implements.
 
 use super::hit::ShapeHit;
 use super::surface_point::{ShapeSample, SolidAngleSampleResult, SurfacePoint};
@@ -20,9 +20,10 @@ pub(super) trait AnalyticShape: Sized {
     /// Surface point at the hit (`t`, `uv.x`, `uv.y`) of `ray`: see [`ShapeHit`].
     fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint;
 
-    /// The shape's own texture coordinates at the surface point `p`.
+    /// Texture coordinates at the surface point `p`, by the parametrization that the shape defines.
     ///
-    /// `uv` holds the last two numbers of the [`ShapeHit`] at that point.
+    /// `uv` holds the last two numbers of the [`ShapeHit`] at `p`. By default, the texture
+    /// coordinates are `uv` and their gradients are zero.
     fn tex_coord(&self, _p: Vec3, uv: Vec2) -> TexCoord {
         TexCoord { uv: uv.as_dvec2(), ..TexCoord::default() }
     }
@@ -33,9 +34,9 @@ pub(super) trait AnalyticShape: Sized {
     /// The shape translated by `by`.
     fn translated(&self, by: DVec3) -> Self;
 
-    /// Image of the shape under `map`, with the same outer side.
+    /// The shape transformed by the world-space map `map`; its outer side stays the outer side.
     ///
-    /// `None` if the image is another kind of shape, or if the product of the transforms is
+    /// `None` if the result is another kind of shape, or if the combined object-to-world map is
     /// singular.
     fn transformed(&self, map: &Transform) -> Option<Self>;
 
@@ -51,13 +52,18 @@ pub(super) trait AnalyticShape: Sized {
         (1.0 / self.area()) as f32
     }
 
-    /// Samples a visible point of the outer side by solid angle as seen from `from`.
+    /// Samples a point of the outer side that is visible from `from`, by solid angle.
+    ///
+    /// `u` is uniform in \[0, 1)².
     #[inline]
     fn sample_solid_angle(&self, _from: Vec3, _u: Vec2) -> SolidAngleSampleResult {
         SolidAngleSampleResult::Unsupported
     }
 
-    /// Pdf per solid angle \[1/sr] of [`AnalyticShape::sample_solid_angle`]; `None` if unsupported.
+    /// Pdf of [`AnalyticShape::sample_solid_angle`] \[1/sr]; 0 if the outer side is invisible from
+    /// `from`.
+    ///
+    /// `None` if the shape must be sampled by area instead.
     #[inline]
     fn solid_angle_pdf(&self, _from: Vec3) -> Option<f32> {
         None
@@ -74,7 +80,9 @@ pub(super) trait AnalyticShape: Sized {
         None
     }
 
-    /// A sphere around the shape that is tighter than that around its bounding box, if known.
+    /// Bounding sphere of the shape, if it is tighter than the sphere around the bounding box.
+    ///
+    /// `None` if the shape has no such sphere.
     fn bounding_sphere(&self) -> Option<BoundingSphere> {
         None
     }

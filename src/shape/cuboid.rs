@@ -10,14 +10,14 @@ use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3};
 
 /// Surface of the cube \[−1, 1]³ under an affine map: a box or parallelepiped.
 ///
-/// A face has the number 2·axis, plus 1 if it is on the positive side of its axis. The last number
-/// of a [`ShapeHit`] is the number of the face.
+/// Faces are numbered: 2·axis on the negative side of an object-space axis, 2·axis + 1 on the
+/// positive side. The last number of a [`ShapeHit`] is the number of the face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid {
     to_world: Transform,
-    /// World area of the face perpendicular to each object axis \[length²].
+    /// World-space area of one face perpendicular to each object-space axis \[length²].
     face_areas: DVec3,
-    /// For each object-space coordinate, its largest change per unit length in world space.
+    /// Largest change of each object-space coordinate per unit of world-space length.
     max_gradients: DVec3,
 }
 
@@ -40,8 +40,9 @@ impl Cuboid {
         Self { to_world, face_areas, max_gradients }
     }
 
-    /// Projects the object-space point `p` to the face and moves it away from the edges: see
-    /// [`EDGE_MARGIN`].
+    /// Projects the object-space point `p` to face number `face`, and moves it away from the edges.
+    ///
+    /// [`EDGE_MARGIN`] explains why.
     #[inline]
     fn move_point_off_edges(&self, p: DVec3, face: usize) -> DVec3 {
         let largest = self.to_world.transform_point(p).abs().max_element();
@@ -51,7 +52,7 @@ impl Cuboid {
         inside
     }
 
-    /// World-space surface point at the object-space point `p` of a face.
+    /// World-space surface point at the object-space point `p` of face number `face`.
     #[inline]
     fn face_point(&self, p: DVec3, face: usize) -> SurfacePoint {
         let mut normal = DVec3::ZERO;
@@ -66,7 +67,7 @@ impl Cuboid {
     }
 }
 
-/// Half edges of the parallelepiped in world space: the columns of the linear map.
+/// Half the edge vectors of the parallelepiped in world space: the columns of the linear map.
 fn half_edges(to_world: &Transform) -> [DVec3; 3] {
     let m = to_world.forward().matrix3;
     [m.x_axis, m.y_axis, m.z_axis]
@@ -121,7 +122,8 @@ impl AnalyticShape for Cuboid {
         self.face_point(self.move_point_off_edges(p, face), face)
     }
 
-    /// Maps each face to the unit square; a picture appears upright from outside.
+    /// Texture coordinates that map each face to the unit square; a picture appears upright from
+    /// outside.
     fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
         let face = face_of_hit(uv);
         let p = self.to_world.inverse().transform_point3(p.as_dvec3());
@@ -151,7 +153,8 @@ impl AnalyticShape for Cuboid {
         2.0 * self.face_areas.element_sum()
     }
 
-    /// Chooses a face by its area, then samples it uniformly.
+    /// Chooses a face with a probability proportional to its area, then a uniform point of the
+    /// face.
     fn sample(&self, u: Vec2) -> ShapeSample {
         let mut rest = f64::from(u.x) * self.area();
         let mut face = 0;

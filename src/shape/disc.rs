@@ -15,7 +15,8 @@ pub struct Disc {
     a: DVec3,
     b: DVec3,
     normal: DVec3,
-    /// Dual basis of (a, b): dot products with an offset from the centre give (x, y).
+    /// Dual basis of `a` and `b`: dot products with a point's offset from the centre give its (x,
+    /// y).
     dual: [DVec3; 2],
 }
 
@@ -36,7 +37,7 @@ impl Disc {
         Self::new(center, a * radius, b * radius)
     }
 
-    /// Moves the point `p` away from the rim: see [`EDGE_MARGIN`].
+    /// Moves `p` towards the centre if it is too close to the rim; [`EDGE_MARGIN`] explains why.
     #[inline]
     fn move_point_off_rim(&self, p: DVec3) -> DVec3 {
         let offset = p - self.center;

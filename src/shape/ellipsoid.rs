@@ -10,7 +10,8 @@ use glam::{DAffine3, DMat3, DVec3, Vec2};
 
 /// Ellipsoid: the unit sphere under an affine map.
 ///
-/// Object-space ray directions are not normalised, so `t` is equal in both spaces.
+/// Object-space ray directions are not normalised, so the ray parameter t of a point is the same in
+/// object space and in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ellipsoid {
     to_world: Transform,
@@ -26,14 +27,14 @@ impl Ellipsoid {
         ellipsoid
     }
 
-    /// Image of a sphere under an affine map; `None` if the product is singular.
+    /// Image of `sphere` under the affine map `map`; `None` if the combined map is singular.
     #[must_use]
     pub fn from_sphere(sphere: &Sphere, map: &Transform) -> Option<Self> {
         let place = DAffine3 { matrix3: DMat3::from_diagonal(DVec3::splat(sphere.radius)), translation: sphere.center };
         Some(Self::new(Transform::new(*map.forward() * place).ok()?))
     }
 
-    /// World-space surface point at a point of the unit sphere.
+    /// World-space surface point for the point `object` of the unit sphere.
     #[inline]
     fn surface_at(&self, object: DVec3) -> SurfacePoint {
         let p = self.to_world.transform_point(object);
@@ -44,9 +45,9 @@ impl Ellipsoid {
         )
     }
 
-    /// Ratio of world-space area to area on the unit sphere, at the sphere's point `n`.
+    /// Ratio of world-space area to area on the unit sphere, at the point `n` of the unit sphere.
     ///
-    /// For the linear part M of the map, it is |det M| · |M⁻ᵀ n|.
+    /// For the linear part M of the map, the ratio is |det M| · |M⁻ᵀ n|.
     #[inline]
     fn area_scale_factor(&self, n: DVec3) -> f64 {
         self.to_world.determinant().abs() * self.to_world.transform_normal(n).length()
@@ -106,7 +107,8 @@ impl AnalyticShape for Ellipsoid {
         self.area
     }
 
-    /// Samples the unit sphere uniformly, so the pdf varies over the ellipsoid.
+    /// Maps a uniform sample of the unit sphere to the ellipsoid; so the pdf varies over its
+    /// surface.
     fn sample(&self, u: Vec2) -> ShapeSample {
         let n = warp::square_to_uniform_sphere(u).as_dvec3().normalize();
         ShapeSample {

@@ -10,7 +10,7 @@ use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3};
 use libm::{atan2, hypot, sincos};
 use std::f64::consts::{PI, TAU};
 
-/// Number of azimuth steps of the sum that integrates the area of the side.
+/// Number of azimuth steps of the sum that integrates the area of a frustum's side.
 const AREA_STEPS: u32 = 512;
 
 /// Cylinder, cone or truncated cone: the surface of x² + z² ≤ ρ(y)², 0 ≤ y ≤ 1, under an affine
@@ -22,11 +22,11 @@ const AREA_STEPS: u32 = 512;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frustum {
     to_world: Transform,
-    /// ρ at y = 0 and at y = 1; the larger is 1, the smaller at least 0.
+    /// Object-space radius ρ at y = 0 and at y = 1; the larger is 1, the smaller at least 0.
     radii: [f64; 2],
     /// True if discs close both ends.
     is_capped: bool,
-    /// World areas of side, bottom and top \[length²]; 0 for missing caps.
+    /// World-space areas of side, bottom and top \[length²]; 0 for missing caps.
     areas: [f64; 3],
 }
 
@@ -34,14 +34,14 @@ pub struct Frustum {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum FrustumPart {
     Side,
-    /// Cap at y = 0.
+    /// Disc that closes the frustum at y = 0 in object space.
     Bottom,
-    /// Cap at y = 1.
+    /// Disc that closes the frustum at y = 1 in object space.
     Top,
 }
 
 impl FrustumPart {
-    /// Part that `uv.y` of a hit encodes.
+    /// Decodes the part of the surface from `uv.y`, the last number of a [`ShapeHit`].
     #[inline]
     fn from_hit_coordinates(uv: Vec2) -> Self {
         match uv.y as u32 {
@@ -65,7 +65,7 @@ impl Frustum {
         Self::new(base, apex, [radius, 0.0], is_capped)
     }
 
-    /// Truncated cone between the centres of its ends, with the radii there.
+    /// Truncated cone; `bottom` and `top` are the centres of its ends, `radii` their radii.
     ///
     /// One radius may be 0. `None` if the height or both radii are 0.
     #[must_use]
@@ -96,30 +96,32 @@ impl Frustum {
         frustum
     }
 
-    /// Decrease of the radius ρ per unit of y.
+    /// Decrease of the object-space radius ρ per unit of the height y.
     #[inline]
     fn radius_decrease(&self) -> f64 {
         self.radii[0] - self.radii[1]
     }
 
-    /// Radius ρ at height `y`.
+    /// Object-space radius ρ at the height `y` in \[0, 1].
     #[inline]
     fn radius_at(&self, y: f64) -> f64 {
         self.radii[0] - self.radius_decrease() * y
     }
 
-    /// World-space area of a surface element, given its object-space area vector `n`: the normal
-    /// times the element's area.
+    /// World-space area of a surface element with the object-space area vector `n`.
+    ///
+    /// The area vector is the normal times the element's area.
     #[inline]
     fn area_scale_factor(&self, n: DVec3) -> f64 {
         self.to_world.determinant().abs() * self.to_world.transform_normal(n).length()
     }
 
-    /// Interval of arc length τ in which the line is inside the infinite cone; `None` if the line
-    /// misses the cone.
+    /// Interval of arc length τ in which the line of `ray` is inside the infinite cone around the
+    /// side.
     ///
-    /// The interval may cover the mirror image of the cone beyond its apex. The discriminant is
-    /// computed from squared cross products, so it keeps its digits for grazing rays.
+    /// `None` if the line misses the cone. The interval may cover the mirror image of the cone
+    /// beyond its apex. The discriminant is computed from squared cross products, so it keeps its
+    /// digits for grazing rays.
     #[inline]
     fn interval_inside_cone(&self, ray: &ObjectRay) -> Option<[f64; 2]> {
         const ALL: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
@@ -147,10 +149,10 @@ impl Frustum {
         Some(if slope > 0.0 { [after, f64::INFINITY] } else { [f64::NEG_INFINITY, before] })
     }
 
-    /// Object-space distances that a surface point must keep from the rims: along y, and
-    /// perpendicular to y.
+    /// Minimum object-space distances of a surface point from a rim: along y, and perpendicular to
+    /// y.
     ///
-    /// `p` is the hit in object space. [`EDGE_MARGIN`] explains the need for such distances.
+    /// `p` is the hit in object space. [`EDGE_MARGIN`] explains why the distances are needed.
     #[inline]
     fn rim_margins(&self, p: DVec3) -> (f64, f64) {
         let largest = self.to_world.transform_point(p).abs().max_element();
@@ -160,8 +162,8 @@ impl Frustum {
         ((unit * rows.y_axis.length()).min(0.25), (unit * across).min(0.25))
     }
 
-    /// Surface point of the side at height `y`, in the unit direction `radial` = (x, z) from the
-    /// axis.
+    /// World-space surface point of the side at the object-space height `y`, in the unit direction
+    /// `radial` = (x, z) from the axis.
     #[inline]
     fn surface_point_on_side(&self, y: f64, radial: DVec2) -> SurfacePoint {
         let rho = self.radius_at(y);
@@ -169,14 +171,16 @@ impl Frustum {
         self.surface_at(DVec3::new(radial.x * rho, y, radial.y * rho), normal, FrustumPart::Side)
     }
 
-    /// Surface point of a cap at `p` = (x, z).
+    /// World-space surface point of a cap at the object-space position `p` = (x, z).
     #[inline]
     fn surface_point_on_cap(&self, p: DVec2, part: FrustumPart) -> SurfacePoint {
         let (y, normal) = if part == FrustumPart::Top { (1.0, DVec3::Y) } else { (0.0, DVec3::NEG_Y) };
         self.surface_at(DVec3::new(p.x, y, p.y), normal, part)
     }
 
-    /// World-space surface point at the object-space point `p`; `normal` may have any length.
+    /// World-space surface point at the object-space point `p`.
+    ///
+    /// The object-space `normal` may have any length.
     #[inline]
     fn surface_at(&self, p: DVec3, normal: DVec3, part: FrustumPart) -> SurfacePoint {
         let normal = self.to_world.transform_normal(normal).normalize();
@@ -198,7 +202,8 @@ impl Frustum {
 }
 
 impl AnalyticShape for Frustum {
-    /// Intersects two intervals of the ray: inside the infinite cone, and between the end planes.
+    /// Nearest hit: where the ray enters or leaves the part of the infinite cone between the end
+    /// planes.
     ///
     /// Side and caps are not tested separately, so no ray can escape at a rim.
     #[inline]
@@ -255,9 +260,9 @@ impl AnalyticShape for Frustum {
         }
     }
 
-    /// On the side, u runs once around the axis, and v from bottom to top.
+    /// Texture coordinates: on the side, u runs once around the axis, and v from bottom to top.
     ///
-    /// Each cap is the disc inscribed in the unit square.
+    /// Each cap is mapped to the disc inscribed in the unit square.
     fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
         let p = self.to_world.inverse().transform_point3(p.as_dvec3());
         let world = |row: DVec3| self.to_world.transform_normal(row);
@@ -302,7 +307,8 @@ impl AnalyticShape for Frustum {
         self.areas.iter().sum()
     }
 
-    /// Chooses side or cap by area, then samples a point of that part uniformly in object space.
+    /// Chooses side or cap by area, then samples a point of the chosen part uniformly in object
+    /// space.
     fn sample(&self, u: Vec2) -> ShapeSample {
         let [side, bottom, _] = self.areas;
         let x = f64::from(u.x) * self.area();

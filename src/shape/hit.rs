@@ -19,10 +19,10 @@ pub(super) fn round_t_if_in_range(ray: &Ray, t: f64) -> Option<f32> {
     (t > 0.0 && t < ray.t_max).then_some(t)
 }
 
-/// Hit of `ray` with the three numbers t, r and `second`; r is the relative error of rounding t.
+/// Hit (t, r, `second`) of `ray`: t rounded to f32, and r, the relative error of this rounding.
 ///
-/// [`f64_ray_parameter`] restores the f64 value. Without it, the error at a large distance could
-/// exceed the shape's thickness.
+/// [`f64_ray_parameter`] restores t in f64 from both. In f32 alone, the error of a distant hit
+/// could exceed the thickness of the shape. `None` if t is outside (0, `ray.t_max`).
 #[inline]
 pub(super) fn hit_with_rounding_residual(ray: &Ray, t: f64, second: f32) -> Option<ShapeHit> {
     round_t_if_in_range(ray, t).map(|rounded| (rounded, (t / f64::from(rounded) - 1.0) as f32, second))
@@ -30,16 +30,15 @@ pub(super) fn hit_with_rounding_residual(ray: &Ray, t: f64, second: f32) -> Opti
 
 /// First hit of the ray, given both intersections of its line with a convex shape.
 ///
-/// Each intersection is the ray parameter t, and the last number of the [`ShapeHit`].
-///
-/// The far intersection counts only if the near one is behind the ray's origin.
+/// `near` and `far` each hold the ray parameter t and the last number of the [`ShapeHit`]. The far
+/// intersection counts only if the near one is behind the ray's origin.
 #[inline]
 pub(super) fn nearer_hit(ray: &Ray, near: (f64, f32), far: (f64, f32)) -> Option<ShapeHit> {
     hit_with_rounding_residual(ray, near.0, near.1)
         .or_else(|| if near.0 > 0.0 { None } else { hit_with_rounding_residual(ray, far.0, far.1) })
 }
 
-/// Ray parameter in f64 of a [`ShapeHit`] that [`hit_with_rounding_residual`] returned.
+/// Ray parameter in f64 of a hit (`t`, `uv.x`, `uv.y`) from [`hit_with_rounding_residual`].
 #[inline]
 pub(super) fn f64_ray_parameter(t: f32, uv: Vec2) -> f64 {
     f64::from(t) * (1.0 + f64::from(uv.x))

@@ -1,4 +1,4 @@
-//! Instances: meshes under affine maps, with shared triangles.
+//! Mesh instances: several instances share the triangles of one mesh under different affine maps.
 
 use super::analytic::AnalyticShape;
 use super::hit::{ShapeHit, round_t_if_in_range};
@@ -42,10 +42,11 @@ impl MeshWithBvh {
     }
 }
 
-/// Mesh under an affine map.
+/// Triangle mesh under an affine map.
 ///
-/// Object-space ray directions are not normalised, so `t` is equal in both spaces. The second
-/// number of a [`ShapeHit`] holds the bits of the triangle's index.
+/// Object-space ray directions are not normalised, so the ray parameter t of a point is the same in
+/// object space and in world space. The second number of a [`ShapeHit`] holds the bits of the
+/// triangle's index.
 #[derive(Clone, Debug)]
 pub struct Instance {
     mesh: Arc<MeshWithBvh>,
@@ -69,12 +70,13 @@ impl Instance {
         self.mesh.mesh.triangles.len()
     }
 
-    /// The ray in object space with its origin moved close to the mesh, and the t of that origin.
+    /// The ray in object space, with its origin moved forward near the mesh.
     ///
-    /// The new origin is at most two bounding-sphere radii from the mesh's centre. Errors of
-    /// rounding to f32 are then proportional to the mesh's size, however far away the ray starts.
+    /// Also returns the ray parameter t of the new origin on the given ray. The new origin is at
+    /// most two bounding-sphere radii from the mesh's centre. Rounding errors in f32 are then
+    /// proportional to the mesh's size, however far away the ray starts.
     #[inline]
-    fn clipped_object_ray(&self, ray: &Ray) -> (Ray, f64) {
+    fn object_ray_near_mesh(&self, ray: &Ray) -> (Ray, f64) {
         let (o, d) = object_ray(ray, &self.to_world);
         let around = self.mesh.hierarchy.bounds().bounding_sphere();
         let length = d.length();
@@ -110,7 +112,7 @@ impl AnalyticShape for Instance {
 
     #[inline]
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
-        let (near, start) = self.clipped_object_ray(ray);
+        let (near, start) = self.object_ray_near_mesh(ray);
         let hit = self.mesh.hierarchy.closest_hit(&near, |_, _| None)?;
         let t = round_t_if_in_range(ray, start + f64::from(hit.t))?;
         match hit.primitive {
@@ -121,7 +123,7 @@ impl AnalyticShape for Instance {
 
     #[inline]
     fn occludes(&self, ray: &Ray) -> bool {
-        self.mesh.hierarchy.occluded(&self.clipped_object_ray(ray).0, |_, _| false)
+        self.mesh.hierarchy.occluded(&self.object_ray_near_mesh(ray).0, |_, _| false)
     }
 
     #[inline]

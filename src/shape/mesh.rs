@@ -16,7 +16,7 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Texture coordinates per vertex; empty if there are none.
     pub texcoords: Vec<Vec2>,
-    /// Vertex indices, counter-clockwise seen from outside.
+    /// Vertex indices of each triangle, counter-clockwise seen from outside.
     pub triangles: Vec<Triangle>,
 }
 
@@ -115,12 +115,11 @@ impl Mesh {
     }
 }
 
-/// Moves a point of a triangle away from the edges: see [`EDGE_MARGIN`].
+/// Moves a point of a triangle away from the edges; [`EDGE_MARGIN`] explains why.
 ///
-/// `b` holds the point's barycentric weights of the second and third corner; the result holds those
-/// of the moved point. The last argument holds the vectors from the first corner to the others.
-/// `room` is the minimum distance to an edge, divided by twice the triangle's area. No weight is
-/// raised above a quarter.
+/// `b` and the result hold barycentric weights of the second and third corner. `e1` and `e2` are
+/// the vectors from the first corner to these corners. `room` is the minimum distance to an edge,
+/// divided by twice the triangle's area. No weight is raised above a quarter.
 #[cold]
 fn move_weights_off_edges(b: DVec2, room: f64, [e1, e2]: [DVec3; 2]) -> DVec2 {
     let least = [e2 - e1, e2, e1].map(|edge| (room * edge.length()).min(0.25));

@@ -1,7 +1,7 @@
-//! Shapes of the resolved scene, in world space.
+//! Shapes in world space, and their intersection with rays.
 //!
-//! Intersections other than those of triangles are computed in f64. Every kind of shape implements
-//! `AnalyticShape` and is a variant of [`Shape`].
+//! Intersections other than those of triangles are computed in f64. Every kind of bounded shape
+//! implements `AnalyticShape` and is a variant of [`Shape`].
 
 mod analytic;
 mod cuboid;
@@ -33,7 +33,7 @@ pub use plane::Plane;
 pub use rectangle::Rectangle;
 pub use sphere::Sphere;
 pub use surface_point::{ShapeSample, SolidAngleSample, SolidAngleSampleResult, SurfacePoint, TRIANGLE_HIT_ERROR};
-pub use texture_mapping::{MappingKind, TexCoord, TextureMapping, upright_texture_axes};
+pub use texture_mapping::{TexCoord, TextureMapping, TextureMappingKind, upright_texture_axes};
 
 use crate::math::{self, Bounds, Ray, Transform};
 use analytic::AnalyticShape;
@@ -132,10 +132,10 @@ impl Shape {
         dispatch!(self, s, _w => s.surface_point(ray, t, uv))
     }
 
-    /// The shape's own texture coordinates at the surface point `p`.
+    /// Texture coordinates at the surface point `p`, by the parametrization that the shape defines.
     ///
-    /// `uv` holds the last two numbers of the [`ShapeHit`] at that point. Shapes without own
-    /// texture coordinates return `uv` and gradients of zero.
+    /// `uv` holds the last two numbers of the [`ShapeHit`] at `p`. Shapes without a parametrization
+    /// return `uv` and gradients of zero.
     #[must_use]
     pub fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
         dispatch!(self, s, _w => s.tex_coord(p, uv))
@@ -167,10 +167,10 @@ impl Shape {
         dispatch!(self, s, _w => s.point_if_planar())
     }
 
-    /// True if the shape may share its edges with neighbours, so that a ray can hit two shapes
-    /// there.
+    /// True for parametric surfaces: their edges may coincide with the edges of adjacent surfaces.
     ///
-    /// Other shapes keep their surface points off their edges.
+    /// A ray can then hit both surfaces at one point. Other kinds of shapes keep their surface
+    /// points away from their edges.
     #[must_use]
     pub(crate) fn may_share_edges(&self) -> bool {
         match self {
@@ -191,9 +191,9 @@ impl Shape {
         dispatch!(self, s, wrap => wrap(s.translated(by)))
     }
 
-    /// Image of the shape under `map`, with the same outer side.
+    /// The shape transformed by the world-space map `map`; its outer side stays the outer side.
     ///
-    /// `None` if the product of the transforms is singular.
+    /// `None` if the combined object-to-world map is singular.
     #[must_use]
     pub fn transformed(&self, map: &Transform) -> Option<Self> {
         if let (Self::Sphere(s), None) = (self, map.uniform_scale()) {
@@ -221,7 +221,9 @@ impl Shape {
         dispatch!(self, s, _w => s.pdf(point))
     }
 
-    /// Samples a visible point of the outer side by solid angle as seen from `from`.
+    /// Samples a point of the outer side that is visible from `from`, by solid angle.
+    ///
+    /// `u` is uniform in \[0, 1)².
     #[inline]
     #[must_use]
     pub fn sample_solid_angle(&self, from: Vec3, u: Vec2) -> SolidAngleSampleResult {

@@ -4,7 +4,9 @@ use super::hit::ray_to_f64;
 use crate::math::{Ray, Transform};
 use glam::DVec3;
 
-/// Origin and unnormalised direction of the ray in object space, where t has its world-space value.
+/// Origin and direction of the ray in object space.
+///
+/// The direction is not normalised, so ray parameters t are the same in both spaces.
 #[inline]
 pub(super) fn object_ray(ray: &Ray, to_world: &Transform) -> (DVec3, DVec3) {
     let (o, d) = ray_to_f64(ray);
@@ -21,7 +23,8 @@ pub(super) struct ObjectRay {
     pub base: DVec3,
     /// Unit direction.
     pub direction: DVec3,
-    /// Signed distance from the ray's origin to `base`; negative if `base` is behind the origin.
+    /// Signed object-space distance from the ray's origin to `base`; negative if `base` is behind
+    /// it.
     pub start: f64,
     /// Change of τ per unit of the ray parameter t: the length of the object-space direction.
     pub length: f64,

@@ -44,7 +44,7 @@ impl Plane {
         ((self.normal * self.offset).as_vec3(), self.normal.as_vec3())
     }
 
-    /// Hit (t, 0, 0) of the ray, if t is in (0, `ray.t_max`).
+    /// Hit (t, 0, 0) of the ray; `None` unless t is in (0, `ray.t_max`).
     #[inline]
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
@@ -56,7 +56,7 @@ impl Plane {
         round_t_if_in_range(ray, (self.offset - self.normal.dot(o)) / across).map(|t| (t, 0.0, 0.0))
     }
 
-    /// Surface point of `ray` at its hit `t`.
+    /// Surface point of the plane at the ray parameter `t` of a hit of `ray`.
     #[inline]
     #[must_use]
     pub fn surface_point(&self, ray: &Ray, t: f32) -> SurfacePoint {
@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ray_inside_the_plane_misses() {
+    fn a_ray_in_the_plane_misses() {
         let plane = Plane::new(DVec3::ZERO, DVec3::Y);
         assert!(plane.intersect(&Ray::new(Vec3::ZERO, Vec3::X)).is_none(), "0/0 is no crossing");
     }

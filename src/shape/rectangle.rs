@@ -12,7 +12,7 @@ use libm::{atan2, cos, hypot, sin};
 /// It is above 0 because transforms round the edges.
 const PERPENDICULAR_COSINE: f64 = 1e-12;
 
-/// Solid angle \[sr] below which points are sampled by area.
+/// Solid angle \[sr] of a rectangle below which its points are sampled by area.
 ///
 /// Small solid angles are differences of larger angles, so they have few correct digits.
 const MIN_SOLID_ANGLE: f64 = 1e-4;
@@ -40,13 +40,13 @@ pub struct Rectangle {
 
 /// Rectangle as seen from a viewpoint, which is the origin of coordinates x and y along the edges.
 struct RectangleView {
-    /// Least and greatest x of the rectangle \[length].
+    /// Range of the rectangle along its first edge, measured from the viewpoint \[length].
     x: [f64; 2],
-    /// Least and greatest y of the rectangle \[length].
+    /// Range of the rectangle along its second edge, measured from the viewpoint \[length].
     y: [f64; 2],
     /// Distance from the viewpoint to the rectangle's plane.
     z: f64,
-    /// Unit vectors along the edges.
+    /// Unit vectors along the first and second edge of the rectangle.
     axes: [DVec3; 2],
     solid_angle: f64,
 }
@@ -62,7 +62,7 @@ impl Rectangle {
         Self { corner, edges: [e0, e1], normal: cross / n2.sqrt(), dual, is_right_angled }
     }
 
-    /// Moves the point `p` away from the edges: see [`EDGE_MARGIN`].
+    /// Moves `p` inward if it is too close to an edge; [`EDGE_MARGIN`] explains why.
     #[inline]
     fn move_point_off_edges(&self, p: DVec3) -> DVec3 {
         let offset = p - self.corner;
@@ -79,8 +79,10 @@ impl Rectangle {
         SurfacePoint::from_f64(p, self.normal, self.corner.abs().max_element() + reach)
     }
 
-    /// The rectangle as seen from `from`; `None` if `from` is on the inner side, or if sampling by
-    /// area is better.
+    /// The rectangle as seen from `from`, in order to sample it by solid angle.
+    ///
+    /// `None` if `from` is on the inner side, if the edges are not perpendicular, or if the
+    /// rectangle looks so small that sampling by area is better.
     fn rectangle_view(&self, from: Vec3) -> Option<RectangleView> {
         let to = self.corner - from.as_dvec3();
         let z = -self.normal.dot(to);
@@ -191,9 +193,9 @@ impl AnalyticShape for Rectangle {
     }
 }
 
-/// Solid angle \[sr] of the rectangle from 0 to `x` and from `y[0]` to `y[1]`, at distance `z` > 0.
+/// Solid angle \[sr] of a rectangle in a plane at the distance `z` > 0 from the viewpoint.
 ///
-/// The result has the sign of `x`.
+/// The rectangle extends from 0 to `x` and from `y[0]` to `y[1]`. The result has the sign of `x`.
 fn strip_solid_angle(x: f64, y: [f64; 2], z: f64) -> f64 {
     let [to_first, to_last] = y.map(|y| atan2(x * y, z * (x * x + y * y + z * z).sqrt()));
     to_last - to_first

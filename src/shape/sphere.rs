@@ -104,6 +104,8 @@ impl AnalyticShape for Sphere {
         Self { center: self.center + by, ..*self }
     }
 
+    /// Image of the sphere under `map`.
+    ///
     /// `None` if the map scales unevenly: the image is then an [`Ellipsoid`](super::Ellipsoid).
     fn transformed(&self, map: &Transform) -> Option<Self> {
         map.uniform_scale().map(|scale| Self::new(map.transform_point(self.center), self.radius * scale))

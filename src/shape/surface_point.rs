@@ -57,7 +57,7 @@ pub struct SolidAngleSample {
 /// Result of sampling a shape by solid angle.
 #[derive(Clone, Copy, Debug)]
 pub enum SolidAngleSampleResult {
-    /// A visible point.
+    /// A sampled point of the outer side, visible from the given point.
     Sampled(SolidAngleSample),
     /// The outer side of the shape is invisible.
     Invisible,

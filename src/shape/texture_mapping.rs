@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_1_PI, TAU};
 /// Texture coordinates at a surface point, with their gradients.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TexCoord {
-    /// Coordinates u and v.
+    /// Texture coordinates u and v.
     pub uv: DVec2,
     /// Gradient of u in world space \[1/length]; only its tangential part is meaningful.
     pub du: DVec3,
@@ -28,29 +28,29 @@ impl TexCoord {
 
 /// Function from object-space points to texture coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum MappingKind {
-    /// Longitude u and latitude v around the y axis.
+pub enum TextureMappingKind {
+    /// Longitude u and latitude v around `center`, both scaled to \[0, 1].
     ///
-    /// u is ½ at +z and ¾ at +x; v runs from 0 at −y to 1 at +y.
+    /// The polar axis is parallel to y. u is ½ at +z and ¾ at +x; v runs from 0 at −y to 1 at +y.
     Spherical {
-        /// Centre of the sphere.
+        /// Object-space point from which longitude and latitude are measured.
         center: DVec3,
     },
-    /// Planar projection: u and v are the dot products of p − origin with two vectors.
+    /// Planar projection: u and v are the dot products of p − `origin` with the vectors in `rows`.
     Planar {
-        /// Point with u = v = 0.
+        /// Object-space point at which u and v are 0.
         origin: DVec3,
-        /// Gradients of u and v \[1/length].
+        /// Object-space gradients of u and v \[1/length].
         rows: [DVec3; 2],
     },
     /// Texture coordinates that the shape itself defines, such as those of mesh vertices.
     Uv,
 }
 
-/// Texture mapping of an object, defined in object space.
+/// Mapping from surface points of an object to texture coordinates, defined in object space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextureMapping {
-    kind: MappingKind,
+    kind: TextureMappingKind,
     to_world: Transform,
 }
 
@@ -67,14 +67,15 @@ pub fn upright_texture_axes(normal: DVec3) -> [DVec3; 2] {
     [u, n.cross(u)]
 }
 
-impl MappingKind {
-    /// Mapping of a plane: u and v are lengths from the object-space origin.
+impl TextureMappingKind {
+    /// Mapping of a plane with the given normal: u and v are distances from the object-space
+    /// origin.
     #[must_use]
     pub fn plane_mapping(normal: DVec3) -> Self {
         Self::Planar { origin: DVec3::ZERO, rows: upright_texture_axes(normal) }
     }
 
-    /// Mapping of a disc, which becomes the disc inscribed in the unit square.
+    /// Mapping of a disc to the disc inscribed in the unit square.
     #[must_use]
     pub fn disc_mapping(center: DVec3, normal: DVec3, radius: f64) -> Self {
         let [u, v] = upright_texture_axes(normal);
@@ -92,14 +93,14 @@ impl MappingKind {
 
 impl Default for TextureMapping {
     fn default() -> Self {
-        Self::new(MappingKind::Uv, Transform::IDENTITY)
+        Self::new(TextureMappingKind::Uv, Transform::IDENTITY)
     }
 }
 
 impl TextureMapping {
     /// Mapping of `kind` for an object whose object-to-world transform is `to_world`.
     #[must_use]
-    pub fn new(kind: MappingKind, to_world: Transform) -> Self {
+    pub fn new(kind: TextureMappingKind, to_world: Transform) -> Self {
         Self { kind, to_world }
     }
 
@@ -124,12 +125,12 @@ impl TextureMapping {
     /// Texture coordinates at the object-space point `p`.
     ///
     /// `own` computes the texture coordinates that the shape itself defines. It is called only for
-    /// [`MappingKind::Uv`].
+    /// [`TextureMappingKind::Uv`].
     #[must_use]
     pub fn tex_coord_at(&self, p: DVec3, own: impl FnOnce() -> TexCoord) -> TexCoord {
         let world = |row: DVec3| self.to_world.transform_normal(row);
         match self.kind {
-            MappingKind::Spherical { center } => {
+            TextureMappingKind::Spherical { center } => {
                 let d = p - center;
                 // At the poles u is arbitrary and its gradient unbounded.
                 let around2 = (d.x * d.x + d.z * d.z).max(1e-30 * d.y * d.y).max(f64::MIN_POSITIVE);
@@ -141,11 +142,11 @@ impl TextureMapping {
                 let dv = DVec3::new(d.x * outward, around / r2, d.z * outward) * FRAC_1_PI;
                 TexCoord { uv: DVec2::new(u, v), du: world(du), dv: world(dv) }
             }
-            MappingKind::Planar { origin, rows: [u, v] } => {
+            TextureMappingKind::Planar { origin, rows: [u, v] } => {
                 let d = p - origin;
                 TexCoord { uv: DVec2::new(u.dot(d), v.dot(d)), du: world(u), dv: world(v) }
             }
-            MappingKind::Uv => own(),
+            TextureMappingKind::Uv => own(),
         }
     }
 }

@@ -20,27 +20,27 @@ pub enum MemoryLimit {
 const RESERVED_BYTES: u64 = 14_000_000;
 
 impl MemoryLimit {
-    /// Bytes that may still be allocated; `None` if no limit is known.
+    /// Returns the number of bytes that may still be allocated; `None` if no limit is known.
     ///
-    /// Under [`MemoryLimit::Limit`] this is the limit minus the bytes in use and a fixed reserve,
-    /// so that all machines refuse the same work. Under [`MemoryLimit::System`] it is the memory
-    /// that the system can give without swapping (Linux only).
+    /// Under [`MemoryLimit::Limit`], the number is the limit minus the bytes in use and a fixed
+    /// reserve, so that all machines refuse the same work. Under [`MemoryLimit::System`], it is the
+    /// memory that the system can give without swapping (Linux only).
     #[must_use]
     pub fn available_bytes(self) -> Option<u64> {
         match self {
             Self::Unbounded => None,
             Self::System => read_proc_bytes("/proc/meminfo", "MemAvailable:"),
-            Self::Limit(format_bytes) => Some(format_bytes.saturating_sub(RESERVED_BYTES + memory_in_use())),
+            Self::Limit(limit) => Some(limit.saturating_sub(RESERVED_BYTES + memory_in_use())),
         }
     }
 }
 
-/// Access to the counters of a global allocator that counts its bytes.
+/// Functions that read the counters of a global allocator.
 #[derive(Clone, Copy, Debug)]
 pub struct AllocationCounter {
-    /// Returns the number of allocated bytes that are not freed yet.
+    /// Function that returns the number of allocated bytes that are not freed yet.
     pub in_use: fn() -> u64,
-    /// Returns the largest value of `in_use` so far.
+    /// Function that returns the largest value of `in_use` so far.
     pub peak: fn() -> u64,
 }
 
@@ -48,23 +48,23 @@ static COUNTER: OnceLock<AllocationCounter> = OnceLock::new();
 
 /// Registers the counters of this process's global allocator, for memory limits and reports.
 ///
-/// Without it, limits use the resident anonymous memory that Linux reports, and 0 elsewhere. Only
-/// the first call has an effect.
+/// Without registered counters, the memory in use is taken as the resident anonymous memory that
+/// Linux reports, and as 0 on other systems. Only the first call has an effect.
 pub fn set_allocation_counter(counter: AllocationCounter) {
     let _ = COUNTER.set(counter);
 }
 
-/// Bytes that this process has allocated and not freed.
+/// Returns the number of bytes that this process has allocated and not freed.
 fn memory_in_use() -> u64 {
     COUNTER
         .get()
         .map_or_else(|| read_proc_bytes("/proc/self/status", "RssAnon:").unwrap_or(0), |counter| (counter.in_use)())
 }
 
-/// Peak memory of this process so far \[bytes]: allocated if allocations are counted, else
-/// resident.
+/// Returns the peak memory of this process so far \[bytes]: allocated bytes if an allocation
+/// counter is registered, else resident bytes.
 ///
-/// `None` if allocations are not counted and the system does not report it (all but Linux).
+/// `None` if there is no allocation counter and the system is not Linux.
 #[must_use]
 pub fn peak_memory() -> Option<u64> {
     COUNTER.get().map_or_else(|| read_proc_bytes("/proc/self/status", "VmHWM:"), |counter| Some((counter.peak)()))
@@ -78,7 +78,8 @@ fn read_proc_bytes(file: &str, key: &str) -> Option<u64> {
     Some(kib * 1024)
 }
 
-/// A number of bytes as text with a decimal unit: `512 bytes`, `3.2 kB`, `99.9 MB`, `1.0 GB`.
+/// Returns a number of bytes as text: `512 bytes`, `3.2 kB`, `99.9 MB`, `1.0 GB`. Units are
+/// decimal.
 #[must_use]
 pub fn format_bytes(n: u64) -> String {
     match n {

@@ -44,14 +44,15 @@ impl AddAssign for Counters {
 }
 
 impl Counters {
-    /// Sum of all camera, continuation, shadow and photon rays.
+    /// Returns the sum of all camera, continuation, shadow and photon rays.
     #[must_use]
     pub fn total_rays(&self) -> u64 {
         self.camera_rays + self.continuation_rays + self.shadow_rays + self.photon_rays
     }
 }
 
-/// Processor time of all threads of this process so far \[s]; `None` if the system is not Unix.
+/// Returns the processor time of all threads of this process so far \[s]; `None` if the system is
+/// not Unix.
 #[must_use]
 pub fn cpu_seconds() -> Option<f64> {
     #[cfg(unix)]

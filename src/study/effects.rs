@@ -1,7 +1,7 @@
 //! Study of effects: renders a scene with all effects, and without each of them.
 
 use crate::image::metrics::{MetricError, rmse};
-use crate::image::{Image, SizeError, WriteError};
+use crate::image::{Image, PictureSizeError, WriteError};
 use crate::integrate::{Algorithm, ExpectedPhotons, Integrator, ProgressMonitor, Settings};
 use crate::plan::{EffectDecision, Plan};
 use crate::render::Film;
@@ -11,7 +11,7 @@ use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// Reason why a study failed.
+/// Reason why a study of effects or of methods failed.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
     /// A pixel is not finite, or two pictures differ in size.
@@ -19,7 +19,7 @@ pub enum StudyError {
     Metric(#[from] MetricError),
     /// The size of the picture is not allowed.
     #[error(transparent)]
-    Size(#[from] SizeError),
+    Size(#[from] PictureSizeError),
     /// Encoding a picture failed.
     #[error(transparent)]
     Encode(#[from] WriteError),
@@ -36,7 +36,7 @@ pub enum ClockKind {
 }
 
 impl ClockKind {
-    /// [`Self::Processor`] if the system reports processor time, else [`Self::Wall`].
+    /// Returns [`Self::Processor`] if the system reports processor time, else [`Self::Wall`].
     fn preferred_clock() -> Self {
         if cpu_seconds().is_some() { Self::Processor } else { Self::Wall }
     }
@@ -57,7 +57,7 @@ impl ClockKind {
 /// Time and work of rendering one picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PictureCost {
-    /// Time of preparing the integrator, with pilots \[s].
+    /// Time to prepare the integrator, with its pilot passes \[s].
     pub setup: f64,
     /// Time of each pass \[s].
     pub passes: Vec<f64>,
@@ -66,38 +66,40 @@ pub struct PictureCost {
 }
 
 impl PictureCost {
-    /// Time of all passes, without setup \[s].
+    /// Returns the time of all passes, without `setup` \[s].
     #[must_use]
     pub fn total_pass_seconds(&self) -> f64 {
         self.passes.iter().sum()
     }
 }
 
-/// Cost of an effect: the cost of the whole picture minus that of the picture without the effect.
+/// Cost of an effect: cost of the picture with all effects, minus cost of the picture without this
+/// one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct EffectCost {
     /// Time that the effect adds to a pass, mean over passes \[s].
     pub seconds: f64,
-    /// Standard error of `seconds` over passes \[s]; `None` with one pass.
+    /// Standard error of `seconds` \[s], from the scatter between passes; `None` with one pass.
     pub seconds_error: Option<f64>,
     /// Time of all passes with the effect, divided by the time of all passes without it.
     pub ratio: f64,
-    /// Time that the effect adds to the setup \[s].
+    /// Time that the effect adds to the preparation of the integrator \[s].
     pub setup: f64,
     /// Number of rays of all kinds that the effect adds to a pass.
     pub rays: f64,
-    /// Number of photon density estimates that the effect adds to a pass.
+    /// Number of density estimates that the effect adds to a pass.
     pub gathers: f64,
-    /// Number of photons in density estimates that the effect adds to a pass.
+    /// Number of photons that the effect adds to the density estimates of a pass.
     pub gathered_photons: f64,
 }
 
-/// Change of the picture by an effect.
+/// Change that an effect makes to the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct EffectContribution {
     /// Root mean square over pixels and channels of the change \[W/(m² sr)].
     pub rmse: f64,
-    /// `rmse` divided by the mean radiance of the whole picture; `None` if that picture is black.
+    /// `rmse` divided by the mean radiance of the picture with all effects; `None` if that mean is
+    /// 0.
     pub relative_rmse: Option<f64>,
     /// Mean over pixels and channels of the radiance that the effect adds \[W/(m² sr)].
     pub adds: f64,
@@ -105,33 +107,33 @@ pub struct EffectContribution {
     pub takes: f64,
 }
 
-/// Cost and contribution of one effect.
+/// Cost of one effect, and the change that it makes to the picture.
 #[derive(Clone, Debug)]
 pub struct EffectResult {
     /// The effect and the reason why it is simulated.
     pub decision: EffectDecision,
     /// Time and work of the picture without the effect.
     pub without: PictureCost,
-    /// Cost of the effect.
+    /// Time and work that the effect adds.
     pub cost: EffectCost,
-    /// Change of the picture.
+    /// Change that the effect makes to the picture.
     pub gain: EffectContribution,
-    /// Whole picture minus picture without the effect \[W/(m² sr)].
+    /// Picture with all effects minus picture without the effect \[W/(m² sr)].
     pub difference: Image,
 }
 
-/// Result of a study of effects.
+/// Measured cost and contribution of each effect of light in a scene.
 #[derive(Clone, Debug)]
 pub struct EffectStudyResult {
-    /// Plan of the whole picture.
+    /// Decisions about the effects of the scene.
     pub plan: Plan,
     /// Clock that measured all times.
     pub clock: ClockKind,
-    /// The whole picture: mean of the passes with all effects of the plan.
+    /// Mean of the passes with all effects of the plan.
     pub picture: Image,
-    /// Mean of the whole picture over pixels and channels \[W/(m² sr)].
+    /// Mean of `picture` over pixels and channels \[W/(m² sr)].
     pub mean: f64,
-    /// Time and work of the whole picture.
+    /// Time and work of `picture`.
     pub whole: PictureCost,
     /// Results, one for each effect that the plan simulates.
     pub effects: Vec<EffectResult>,
@@ -139,21 +141,21 @@ pub struct EffectStudyResult {
     pub interrupted: bool,
 }
 
-/// Prepared study of effects: renders the whole picture, and a picture without each effect.
+/// Study of effects that is ready to run: a picture with all effects, and one without each effect.
 ///
-/// All pictures share the seed and the numbers of rays and photons. Random numbers are keyed by
-/// their purpose, so decisions that do not involve the effect are equal. Pilots run for each
-/// picture, so photon aim and gather radii may differ.
+/// All pictures share the seed and the numbers of rays and photons. Each random decision has its
+/// own random number, so omitting an effect does not change the others. Each picture has its own
+/// pilots, so photon aim and gather radii may differ.
 pub struct EffectStudy<'a> {
     size: (u32, u32),
     clock: ClockKind,
-    /// The whole picture, then one picture for each simulated effect.
+    /// The picture with all effects, then the pictures without one of the simulated effects each.
     runs: Vec<PictureInProgress<'a>>,
 }
 
-/// A picture of a study between two passes.
+/// State of one picture of a study of effects: integrator, film and cost of the passes so far.
 struct PictureInProgress<'a> {
-    /// Decision about the effect that is left out; `None` for the whole picture.
+    /// Decision about the effect that is left out; `None` for the picture with all effects.
     without: Option<EffectDecision>,
     integrator: Box<dyn Integrator + 'a>,
     film: Film,
@@ -171,7 +173,7 @@ impl<'a> EffectStudy<'a> {
         let run = |without: Option<EffectDecision>| {
             let mut settings = settings.clone();
             if let Some(decision) = without {
-                settings.camera_paths.effects = settings.camera_paths.effects.without(decision.effect);
+                settings.camera_paths.effects = settings.camera_paths.effects.without_effect(decision.effect);
             }
             let (integrator, setup) = clock.measure_seconds(|| algorithm.prepare(scene, settings));
             let spent = PictureCost { setup, ..PictureCost::default() };
@@ -182,21 +184,22 @@ impl<'a> EffectStudy<'a> {
         Self { size, clock, runs }
     }
 
-    /// Plan of the whole picture.
+    /// Returns the plan of the picture with all effects.
     #[must_use]
     pub fn plan(&self) -> &Plan {
         self.runs[0].integrator.plan()
     }
 
-    /// Number of pictures: one more than there are simulated effects.
+    /// Returns the number of pictures: one with all effects, and one without each simulated effect.
     #[must_use]
     pub fn picture_count(&self) -> usize {
         self.runs.len()
     }
 
-    /// Largest expected numbers of photons of a pass, over all pictures. They determine its memory.
+    /// Returns the expected photon counts of a pass, each as the maximum over all pictures of the
+    /// study.
     #[must_use]
-    pub fn largest_expected_photons(&self) -> ExpectedPhotons {
+    pub fn max_expected_photon_counts(&self) -> ExpectedPhotons {
         let all = self.runs.iter().map(|run| run.integrator.expected_photons());
         all.fold(ExpectedPhotons::default(), |a, b| ExpectedPhotons {
             paths: a.paths.max(b.paths),
@@ -207,8 +210,8 @@ impl<'a> EffectStudy<'a> {
 
     /// Renders `passes` passes of each picture, but at least one.
     ///
-    /// After each round of one pass per picture, calls `after` with the number of rounds. Stops
-    /// early if `interrupted` becomes true.
+    /// The pictures take turns. When each has made another pass, calls `after` with the number of
+    /// passes so far. Stops early if `interrupted` becomes true.
     ///
     /// # Errors
     /// [`StudyError`] if a pixel is not finite.
@@ -257,10 +260,9 @@ impl<'a> EffectStudy<'a> {
     }
 }
 
-/// Returns settings in which a pilot of the whole picture has fixed the numbers of rays and
-/// photons.
+/// Returns `settings` with the numbers of rays and photons that a pilot chooses for all effects.
 ///
-/// Pictures without an effect then use as many rays and photons as the whole picture.
+/// Pictures without an effect then use the same numbers as the picture with all effects.
 fn settings_with_pilot_counts(scene: &Scene, algorithm: Algorithm, settings: &Settings) -> Settings {
     let mut fixed = Settings { balance: false, ..settings.clone() };
     if settings.balance
@@ -273,7 +275,8 @@ fn settings_with_pilot_counts(scene: &Scene, algorithm: Algorithm, settings: &Se
     fixed
 }
 
-/// Mean over pixels and channels; `channel_sums` are the sums over the channels of each pixel.
+/// Returns the mean of `image` over pixels and channels. `channel_sums` holds the sum over the
+/// channels of each pixel.
 fn mean_over_image(channel_sums: impl Iterator<Item = f64>, image: &Image) -> f64 {
     channel_sums.sum::<f64>() / (3.0 * image.pixels().len() as f64)
 }

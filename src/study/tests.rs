@@ -12,13 +12,13 @@ use std::sync::atomic::AtomicBool;
 /// Makes a scene of a sphere on a floor under a point light.
 fn sphere_on_floor(material: Material, width: u32, height: u32) -> Scene {
     let mut builder = SceneBuilder::new();
-    let white = builder.material(Material::diffuse(Vec3::splat(0.5)));
-    let own = builder.material(material);
+    let white = builder.add_material(Material::diffuse(Vec3::splat(0.5)));
+    let own = builder.add_material(material);
     let floor = Rectangle::new(DVec3::new(-3.0, 0.0, -3.0), DVec3::Z * 6.0, DVec3::X * 6.0);
     builder
-        .shape(Shape::Rectangle(floor), white, Vec3::ZERO)
-        .shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 1.0, 0.0), 0.8)), own, Vec3::ZERO)
-        .delta_light(
+        .add_shape(Shape::Rectangle(floor), white, Vec3::ZERO)
+        .add_shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 1.0, 0.0), 0.8)), own, Vec3::ZERO)
+        .add_delta_light(
             DeltaLightKind::Point { position: DVec3::new(2.0, 4.0, 0.0) },
             LightStrength::Power(Vec3::splat(200.0)),
         );
@@ -45,10 +45,10 @@ fn run_effect_study(scene: &Scene, algorithm: Algorithm, settings: &Settings, pa
     study.run(passes, &AtomicBool::new(false), &SilentMonitor, |_| {}).unwrap()
 }
 
-/// An effect that the scene does not need costs rays and changes no bit.
+/// Simulating caustics in a scene without casters costs rays and changes no bit of the picture.
 #[test]
 fn unneeded_caustics_cost_rays_and_change_no_bit() {
-    let overrides = EffectOverrides::PLANNED.with(Effect::Caustics);
+    let overrides = EffectOverrides::PLANNED.with_effect(Effect::Caustics);
     let found =
         run_effect_study(&diffuse_sphere_on_floor(24, 18), Algorithm::Hybrid, &settings_with_few_photons(overrides), 2);
     let caustics = found.effects.iter().find(|f| f.decision.effect == Effect::Caustics).unwrap();
@@ -85,7 +85,7 @@ fn contributions_equal_differences_of_means() {
     let names: Vec<Effect> = found.effects.iter().map(|f| f.decision.effect).collect();
     assert_eq!(names, found.plan.simulated_effects().iter().collect::<Vec<_>>());
     let caustics = found.effects.iter().find(|f| f.decision.effect == Effect::Caustics).unwrap();
-    let settings = settings_with_few_photons(EffectOverrides::PLANNED.without(Effect::Caustics));
+    let settings = settings_with_few_photons(EffectOverrides::PLANNED.without_effect(Effect::Caustics));
     let integrator = Algorithm::Hybrid.prepare(&scene, settings);
     let images = (0..3).map(|i| integrator.render_pass(i, &SilentMonitor).image);
     let sum: f64 = images.flatten().map(|p| p.as_dvec3().element_sum()).sum();
@@ -114,7 +114,7 @@ fn interrupted_effect_studies_finish_one_pass() {
 #[test]
 fn page_lists_every_effect() {
     let about = ReportContext { scene: "<a> & b".into(), integrator: "whitted", seed: 3, exposure: -1.0 };
-    let overrides = EffectOverrides::PLANNED.with(Effect::Environment).without(Effect::Shadows);
+    let overrides = EffectOverrides::PLANNED.with_effect(Effect::Environment).without_effect(Effect::Shadows);
     let found =
         run_effect_study(&diffuse_sphere_on_floor(8, 6), Algorithm::Whitted, &settings_with_few_photons(overrides), 1);
     let environment = found.plan.decisions.iter().find(|d| d.effect == Effect::Environment).unwrap();

@@ -3,16 +3,16 @@
 use crate::integrate::Integrator;
 use crate::plan::{Effect, Effects};
 
-/// Counts of rays and photons of a pass, or the differences between the counts of two passes.
+/// Counts of rays and photons of a pass, or differences between the counts of two passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WorkCounts {
     /// Number of rays of all kinds.
     pub rays: i64,
-    /// Number of photons found by density estimates.
+    /// Number of photons that density estimates sum.
     pub gathered_photons: i64,
 }
 
-/// Expected work of the first pass of a plan, in total and by effect.
+/// Expected work of the first pass: in total, and as added by each effect.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ExpectedWork {
     /// Work with all effects of the plan.
@@ -22,15 +22,16 @@ pub struct ExpectedWork {
 }
 
 impl ExpectedWork {
-    /// Work that `effect` adds; `None` if the plan does not simulate it.
+    /// Returns the work that `effect` adds to a pass; `None` if the plan does not simulate it.
     #[must_use]
     pub fn work_of_effect(&self, effect: Effect) -> Option<WorkCounts> {
         self.effects.iter().find(|(e, _)| *e == effect).map(|(_, work)| *work)
     }
 }
 
-/// Estimates the work of the first pass by tracing a few film points; the work of pilots is not
-/// included.
+/// Returns the expected work of the first pass, without the work of pilots.
+///
+/// The estimate comes from tracing a few film points.
 #[must_use]
 pub fn expected_work(integrator: &dyn Integrator) -> ExpectedWork {
     let effects = integrator.plan().simulated_effects();
@@ -40,7 +41,7 @@ pub fn expected_work(integrator: &dyn Integrator) -> ExpectedWork {
     };
     let [rays, gathered_photons] = of(effects);
     let adds = |effect: Effect| {
-        let [less, fewer] = of(effects.without(effect));
+        let [less, fewer] = of(effects.without_effect(effect));
         (effect, WorkCounts { rays: rays - less, gathered_photons: gathered_photons - fewer })
     };
     ExpectedWork { whole: WorkCounts { rays, gathered_photons }, effects: effects.iter().map(adds).collect() }

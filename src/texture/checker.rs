@@ -14,12 +14,12 @@ pub struct Checkerboard {
 }
 
 impl Checkerboard {
-    /// Exact mean colour over the box with sides `size` around `uv`, in texture coordinates.
+    /// Exact mean colour over the box with center `uv` and sides `size`, in texture coordinates.
     ///
     /// It has a closed form, since the pattern is a product of two square waves.
     #[must_use]
     pub fn box_mean(&self, uv: DVec2, size: DVec2) -> Rgb {
-        let product = mean_square_wave(uv.x, size.x) * mean_square_wave(uv.y, size.y);
+        let product = square_wave_mean(uv.x, size.x) * square_wave_mean(uv.y, size.y);
         let [even, odd] = self.colors;
         even.lerp(odd, (0.5 - 0.5 * product) as f32)
     }
@@ -30,7 +30,7 @@ impl Checkerboard {
 }
 
 /// Mean over `[x − w/2, x + w/2]` of the square wave that is 1 where ⌊x⌋ is even, else −1.
-fn mean_square_wave(x: f64, w: f64) -> f64 {
+fn square_wave_mean(x: f64, w: f64) -> f64 {
     // For a narrower box, the difference of integrals would be rounding error.
     if w < 1e-9 * x.abs().max(1.0) {
         return if x.floor() % 2.0 == 0.0 { 1.0 } else { -1.0 };
@@ -55,7 +55,7 @@ mod tests {
     }
 
     #[test]
-    fn squares_alternate_below_zero_too() {
+    fn checkerboard_alternates_at_negative_coordinates() {
         for i in -3..4 {
             for j in -3..4 {
                 let odd = f64::from((i + j) & 1);
@@ -64,7 +64,7 @@ mod tests {
         }
     }
 
-    /// Expected: the fraction of odd squares in the box, summed square by square.
+    /// Compares box means with the fraction of odd squares in the box, summed square by square.
     #[test]
     fn box_means_match_summed_squares() {
         for (u, v, w, h) in [(0.3, 0.4, 0.2, 0.2), (1.0, 0.5, 0.5, 0.1), (-3.3, 7.1, 2.7, 5.3), (1e4, 0.1, 3.1, 0.9)] {

@@ -3,10 +3,11 @@
 use crate::color::Rgb;
 use glam::{DMat2, DVec2, DVec3};
 
-/// Maximum number of lookups along a footprint. In a longer footprint, each lookup covers more.
+/// Maximum number of lookups along a footprint. In longer footprints, each lookup averages over a
+/// larger box.
 const MAX_LOOKUPS: f64 = 16.0;
 
-/// Length to which footprints are clamped, in texture periods.
+/// Greatest length of a footprint, in periods of the texture; longer ones are shortened to it.
 ///
 /// The mean over so long a footprint is the mean of the texture.
 const MAX_PERIODS: f64 = 1e6;
@@ -18,7 +19,8 @@ const MAX_PERIODS: f64 = 1e6;
 pub struct TextureEvalContext {
     /// Texture coordinates.
     pub uv: DVec2,
-    /// Change of `uv` from one end to the other of each of the two axes of the footprint.
+    /// Full axes of the footprint in texture coordinates: the change of `uv` from one end of an
+    /// axis to the other.
     pub axes: [DVec2; 2],
     /// The point in object space.
     pub p: DVec3,
@@ -57,7 +59,7 @@ impl UvTransform {
         Self { matrix, offset }
     }
 
-    /// Greatest scale factor of lengths.
+    /// Greatest factor by which the transform scales lengths.
     pub(super) fn max_scale(&self) -> f64 {
         self.matrix.x_axis.length().max(self.matrix.y_axis.length())
     }
@@ -105,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn coordinates_are_scaled_rotated_then_translated() {
+    fn texture_coordinates_are_scaled_rotated_then_translated() {
         let coordinates = UvTransform::new(DVec2::new(2.0, 4.0), std::f64::consts::FRAC_PI_2, DVec2::new(10.0, 20.0));
         let [(uv, size)] = recorded_lookups(&coordinates, [DVec2::ZERO; 2])[..] else { panic!("one lookup") };
         // (½, 2) rotated by 90° is (−2, ½).
@@ -113,8 +115,8 @@ mod tests {
         assert!((coordinates.max_scale() - 4.0).abs() < 1e-12);
     }
 
-    /// Lookups lie side by side along the longer axis, centered on the point, and their boxes tile
-    /// the footprint.
+    /// Checks that lookups lie side by side along the longer axis, centered on the point, and that
+    /// their boxes tile the footprint.
     #[test]
     fn anisotropic_footprints_are_tiled_by_lookups() {
         let seen = recorded_lookups(&UvTransform::default(), [DVec2::new(0.0, 0.1), DVec2::new(0.5, 0.0)]);

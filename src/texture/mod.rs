@@ -45,7 +45,7 @@ impl Texture {
         color::channel_mean(self.evaluate_color(context))
     }
 
-    /// Mean colour over one period; over all space for a solid texture.
+    /// Mean colour over one period of the texture or, for a solid texture, over all space.
     #[must_use]
     pub fn mean(&self) -> Rgb {
         match self {
@@ -60,8 +60,8 @@ impl Texture {
     pub fn value_range(&self) -> (f32, f32) {
         match self {
             Self::Picture(picture, _) => picture.value_range(),
-            Self::Checkerboard(checker, _) => channel_range(checker.colors),
-            Self::Solid(solid) => channel_range(solid.colors),
+            Self::Checkerboard(checker, _) => color_channel_range(checker.colors),
+            Self::Solid(solid) => color_channel_range(solid.colors),
         }
     }
 
@@ -73,7 +73,7 @@ impl Texture {
 
     /// Step for the finite differences of bump maps: a fraction of the texture's finest detail.
     ///
-    /// It is measured in texture coordinates, or in object space for a solid texture \[length].
+    /// The unit is that of texture coordinates or, for a solid texture, of object space \[length].
     #[must_use]
     pub fn finest_bump_step(&self) -> f64 {
         match self {
@@ -85,6 +85,6 @@ impl Texture {
 }
 
 /// Least and greatest channel value of two colours.
-fn channel_range([a, b]: [Rgb; 2]) -> (f32, f32) {
+fn color_channel_range([a, b]: [Rgb; 2]) -> (f32, f32) {
     (a.min(b).min_element(), a.max(b).max_element())
 }

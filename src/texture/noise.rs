@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-/// Footprint widths, in wavelengths, at which an octave begins to fade and vanishes.
+/// Footprint widths, in wavelengths of an octave, at which the octave begins to fade and at which
+/// it vanishes.
 const FADE_WIDTHS: [f64; 2] = [0.25, 1.0];
 
 /// Offset of the noise position between two octaves, so that their lattices do not align.
@@ -10,8 +11,8 @@ const OCTAVE_OFFSET: DVec3 = DVec3::new(17.31, 5.77, 11.93);
 
 /// Fractal noise: the sum Σ 2⁻ⁱ·noise(2ⁱ·p) of octaves i = 0 … `octaves` − 1.
 ///
-/// Octaves that are fine compared with the footprint's `width` fade out. `p` and `width` are in
-/// wavelengths of the first octave.
+/// Octaves whose wavelength is small compared with the footprint's `width` fade out. `p` and
+/// `width` are in wavelengths of the first octave.
 pub(crate) fn fractal_noise(p: DVec3, width: f64, octaves: u32) -> f64 {
     let (mut sum, mut scale, mut weight) = (0.0, 1.0, 1.0);
     for i in 0..octaves {
@@ -26,7 +27,8 @@ pub(crate) fn fractal_noise(p: DVec3, width: f64, octaves: u32) -> f64 {
     sum
 }
 
-/// Weight in \[0, 1] of an octave, for a footprint of `width` in wavelengths of that octave.
+/// Weight in \[0, 1] of an octave whose details the footprint blurs. `width` is the width of the
+/// footprint in wavelengths of the octave.
 fn octave_weight(width: f64) -> f64 {
     let t = ((FADE_WIDTHS[1] - width) / (FADE_WIDTHS[1] - FADE_WIDTHS[0])).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)

@@ -53,7 +53,7 @@ pub struct Picture {
 struct MipLevel {
     width: usize,
     height: usize,
-    /// Rows from the top.
+    /// Pixels in rows, from the top.
     pixels: Vec<Vec3>,
 }
 
@@ -81,10 +81,10 @@ impl Picture {
         Ok(Self { levels, wrap, mean, range: (least, greatest) })
     }
 
-    /// Mean colour over a box with sides `size` around `uv`.
+    /// Mean colour over a box with center `uv` and sides `size`, by trilinear interpolation.
     ///
-    /// Trilinear: interpolates bilinearly in the two levels whose pixels are closest in size to the
-    /// longer side.
+    /// It interpolates between the two MIP levels whose pixels are closest in size to the longer
+    /// side of the box.
     #[must_use]
     pub fn box_mean(&self, uv: DVec2, size: DVec2) -> Rgb {
         let uv = uv.map(|x| self.wrap.wrap_coordinate_near_zero(x));
@@ -115,8 +115,8 @@ impl Picture {
 }
 
 impl WrapMode {
-    /// A coordinate near 0 at which the picture has the same value as at `x`; 0 if `x` is not
-    /// finite.
+    /// Returns a coordinate near 0 at which the picture has the same value as at `x`; 0 if `x` is
+    /// not finite.
     ///
     /// Near 0, f64 has enough digits to tell pixels apart.
     fn wrap_coordinate_near_zero(self, x: f64) -> f64 {
@@ -174,9 +174,10 @@ impl MipLevel {
     }
 }
 
-/// The pixels of a fine row that coarse pixel `j` covers, with weights that sum to 1.
+/// Returns the pixels of a fine row that pixel `j` of a coarser row covers, with weights that sum
+/// to 1.
 ///
-/// The fine row has `n` pixels, and the coarse row has `m` pixels over the same length.
+/// The fine row has `n` pixels, and the coarser row has `m` pixels over the same length.
 fn covered_pixels(j: usize, n: usize, m: usize) -> Vec<(usize, f32)> {
     // In units of 1/m of a pixel: pixel j covers [j n, (j + 1) n], old pixel i covers [i m, (i + 1)
     // m].

@@ -25,13 +25,13 @@ pub enum SolidPattern {
 pub struct SolidTexture {
     /// The pattern.
     pub kind: SolidPattern,
-    /// Colours at 0 and at 1.
+    /// Colours for pattern values 0 and 1.
     pub colors: [Rgb; 2],
     /// Number of octaves of noise.
     pub octaves: u32,
     /// Frequency of the first octave, and of veins and rings \[1/length].
     pub frequency: f64,
-    /// Factor of the noise.
+    /// Factor by which the noise is multiplied.
     pub amplitude: f64,
     /// Affine map from object space to the space in which the pattern is defined.
     pub to_pattern: DAffine3,
@@ -40,8 +40,8 @@ pub struct SolidTexture {
 impl SolidTexture {
     /// Mean colour over a ball of diameter `width` around `p` in object space.
     ///
-    /// Fine octaves of the noise fade with the width. The mean of a wave sin 2πs over a width w of
-    /// s is sin 2πs · sin(πw)/(πw).
+    /// Fine octaves of the noise fade with the width. A wave sin 2πs, averaged over a width w of s,
+    /// is sin 2πs · sin(πw)/(πw).
     #[must_use]
     pub fn color_at(&self, p: DVec3, width: f64) -> Rgb {
         let p = self.to_pattern.transform_point3(p) * self.frequency;
@@ -63,13 +63,13 @@ impl SolidTexture {
         self.colors[0].lerp(self.colors[1], t as f32)
     }
 
-    /// The mean of both colours: noise and waves are symmetric.
+    /// The mean of both colours, because the pattern is symmetric about ½.
     pub(super) fn mean(&self) -> Rgb {
         (self.colors[0] + self.colors[1]) * 0.5
     }
 
-    /// Length of the longest image of a unit coordinate axis: the scale from object space to
-    /// pattern space.
+    /// Scale from object space to pattern space: the length of the longest image of a unit
+    /// coordinate axis.
     fn max_scale(&self) -> f64 {
         let m = self.to_pattern.matrix3;
         m.x_axis.length().max(m.y_axis.length()).max(m.z_axis.length())

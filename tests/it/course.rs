@@ -129,7 +129,7 @@ fn point_of(curve: &ProfileCurve, at: f64) -> DVec3 {
 
 fn scene_of(fill: impl FnOnce(&mut SceneBuilder, u32)) -> Scene {
     let mut builder = SceneBuilder::new();
-    let white = builder.material(Material::diffuse(Rgb::ONE));
+    let white = builder.add_material(Material::diffuse(Rgb::ONE));
     fill(&mut builder, white);
     let camera = Camera::perspective(DVec3::new(0.0, 0.0, 9.0), DVec3::NEG_Z, DVec3::Y, 1.0, 4, 4).unwrap();
     builder.build(camera).unwrap()
@@ -144,13 +144,13 @@ fn scenes_09_and_10_match_fine_meshes() {
         let file = SceneFile::read(&course.join(format!("testcases/{name}.txt"))).unwrap();
         let curve = profile(&file.description.root).unwrap();
         let basis = match curve.basis {
-            CurveBasis::Bezier => SplineBasis::single_bezier(curve.controls.len()),
-            CurveBasis::Bspline => SplineBasis::uniform_knots(3, curve.controls.len()),
+            CurveBasis::Bezier => SplineBasis::bezier_basis(curve.controls.len()),
+            CurveBasis::Bspline => SplineBasis::uniform_spline_basis(3, curve.controls.len()),
         };
         let controls: Vec<DVec2> = curve.controls.iter().map(|c| c.truncate()).collect();
         let exact = scene_of(|b, white| {
             let surface = Revolution::new(&basis.unwrap(), &controls).unwrap();
-            b.shape(Shape::Revolution(surface), white, Rgb::ZERO);
+            b.add_shape(Shape::Revolution(surface), white, Rgb::ZERO);
         });
         let (along, around) = (1_200u32, 1_024u32);
         let place = |i: u32, j: u32| {
@@ -164,7 +164,7 @@ fn scenes_09_and_10_match_fine_meshes() {
         let triangles: Vec<[u32; 3]> =
             quads.flat_map(|(a, b)| [[a, b, a + around], [b, b + around, a + around]]).collect();
         let mesh = scene_of(|b, white| {
-            b.mesh(&corners, &[], &triangles, white, Rgb::ZERO);
+            b.add_mesh(&corners, &[], &triangles, white, Rgb::ZERO);
         });
         let views = [
             (DVec3::new(0.0, 0.0, 10.0), DVec3::ZERO),

@@ -31,12 +31,12 @@ fn hit(scene: &Scene, from: DVec3, direction: DVec3) -> (Hit, Ray) {
 
 fn surface(scene: &Scene, from: DVec3, direction: DVec3) -> SurfaceInteraction<'_> {
     let (hit, ray) = hit(scene, from, direction);
-    scene.surface_interaction(&ray, &hit, &RayCone::zero_width(Effects::ALL), || 0.5)
+    scene.surface_interaction(&ray, &hit, &RayCone::zero_width_cone(Effects::ALL), || 0.5)
 }
 
 fn uv(scene: &Scene, from: [f64; 3], direction: [f64; 3]) -> DVec2 {
     let (hit, ray) = hit(scene, DVec3::from(from), DVec3::from(direction));
-    let cone = RayCone::zero_width(Effects::ALL);
+    let cone = RayCone::zero_width_cone(Effects::ALL);
     let surface = scene.surface_interaction(&ray, &hit, &cone, || 0.5);
     scene.texture_context(&hit, &surface.point, surface.wo, &cone).uv
 }
@@ -202,7 +202,7 @@ fn disabled_textures_become_their_mean() {
     };
     let dressed = with("tiles", "bump lumps bumpHeight .1", "emission tiles  emissionScale 2");
     let plain = with(".4 .4 .3", "", "emission .8 .8 .6");
-    let off = EffectOverrides::PLANNED.without(Effect::Textures).without(Effect::Bump);
+    let off = EffectOverrides::PLANNED.without_effect(Effect::Textures).without_effect(Effect::Bump);
     for algorithm in [Algorithm::Whitted, Algorithm::Path, Algorithm::Raycast] {
         let [a, b] = [&dressed, &plain].map(|scene| picture(scene, algorithm, 2, 1, off));
         for (x, y) in a[0].iter().zip(&b[0]) {

@@ -18,7 +18,7 @@ fn boxes_along_ray(boxes: &BoxTree, ray: &Ray) -> Vec<u32> {
     all
 }
 
-/// True if the segment crosses the closed box, up to rounding in f64.
+/// True if `ray`, from t = 0 to `t_max`, crosses the box, up to rounding in f64.
 fn segment_crosses_box(b: &Bounds, ray: &Ray) -> bool {
     let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
     let (min, max) = (b.min.as_dvec3(), b.max.as_dvec3());
@@ -36,10 +36,11 @@ fn segment_crosses_box(b: &Bounds, ray: &Ray) -> bool {
     near <= far
 }
 
-/// Asserts that each box that a ray crosses is found once. Returns the number of boxes found.
+/// Asserts that a [`BoxTree`] finds each box that a ray crosses exactly once.
 ///
-/// A ray may miss a found box by at most 10⁻⁵ of the largest coordinate.
-fn assert_box_queries_match_scan(bounds: &[Bounds], rays: impl Iterator<Item = Ray>) -> usize {
+/// Returns the number of boxes found. A ray may miss a found box by at most 10⁻⁵ of the largest
+/// coordinate.
+fn assert_box_queries_agree_with_brute_force(bounds: &[Bounds], rays: impl Iterator<Item = Ray>) -> usize {
     let boxes = BoxTree::build(bounds);
     let size =
         bounds.iter().filter(|b| !b.is_empty()).fold(0f32, |s, b| s.max(b.min.abs().max(b.max.abs()).max_element()));
@@ -63,8 +64,9 @@ fn assert_box_queries_match_scan(bounds: &[Bounds], rays: impl Iterator<Item = R
     count
 }
 
-/// Rays through the unit cube, scaled and translated: from outside, inside and far away, long and
-/// short.
+/// Random rays through the unit cube, which is scaled by `scale` and translated by `shift`.
+///
+/// Rays start inside, outside or far away, and are long or short.
 fn cube_test_rays(n: u64, scale: f32, shift: Vec3) -> impl Iterator<Item = Ray> {
     (0..n).map(move |i| {
         let i = i + 1_000_000;
@@ -80,7 +82,7 @@ fn cube_test_rays(n: u64, scale: f32, shift: Vec3) -> impl Iterator<Item = Ray> 
 }
 
 #[test]
-fn queries_find_all_boxes_of_a_scan() {
+fn box_queries_agree_with_brute_force() {
     // Sizes about the borders of levels.
     for n in [0, 1, 2, 7, 8, 9, 64, 65, 513, 2000] {
         for (scale, shift) in [(1.0, Vec3::ZERO), (1e-25, Vec3::ZERO), (1e15, Vec3::ZERO), (1.0, Vec3::splat(-3e3))] {
@@ -93,13 +95,13 @@ fn queries_find_all_boxes_of_a_scan() {
                     }
                 })
                 .collect();
-            let count = assert_box_queries_match_scan(&bounds, cube_test_rays(300, scale, shift));
+            let count = assert_box_queries_agree_with_brute_force(&bounds, cube_test_rays(300, scale, shift));
             assert!(count > 0 || n < 64, "{n} {scale}");
         }
     }
 }
 
-/// Rays in the planes of flat boxes, along edges and through points, also about the origin.
+/// Rays in the planes of flat boxes, along their edges and through point-like boxes find the boxes.
 #[test]
 fn flat_boxes_are_found_by_rays_along_them() {
     let at = |i: u32| [-1.0, 0.0, 1.0, 1e-3, -0.0][i as usize % 5];
@@ -109,7 +111,7 @@ fn flat_boxes_are_found_by_rays_along_them() {
         (0..1000).map(|i| Bounds { min: corner(i % 125), max: corner(i % 125) + flat(i / 125) }).collect();
     let ways = [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z, Vec3::new(0.6, -0.0, 0.8)];
     let rays = (0..125).flat_map(|i| ways.map(|d| Ray::new(corner(i) - d * 1e6, d)));
-    let count = assert_box_queries_match_scan(
+    let count = assert_box_queries_agree_with_brute_force(
         &bounds,
         rays.chain((0..125).flat_map(|i| ways.map(|d| Ray::new(corner(i) - d * 5.0, d)))),
     );
@@ -117,7 +119,7 @@ fn flat_boxes_are_found_by_rays_along_them() {
 }
 
 #[test]
-fn empty_boxes_and_useless_rays_find_nothing() {
+fn empty_boxes_and_invalid_rays_have_no_hits() {
     let whole = Bounds { min: Vec3::ZERO, max: Vec3::ONE };
     let nothing = Bounds { min: Vec3::NAN, max: Vec3::ONE };
     let boxes = BoxTree::build(&[Bounds::EMPTY, whole, nothing]);
@@ -134,7 +136,7 @@ fn empty_boxes_and_useless_rays_find_nothing() {
 }
 
 #[test]
-fn a_hundred_thousand_equal_boxes() {
+fn a_hundred_thousand_equal_boxes_are_all_found() {
     let b = Bounds { min: Vec3::splat(0.25), max: Vec3::splat(0.5) };
     let boxes = BoxTree::build(&vec![b; 100_000]);
     let mut all = boxes_along_ray(&boxes, &Ray::new(Vec3::new(0.3, 0.3, -1.0), Vec3::Z));
@@ -144,7 +146,7 @@ fn a_hundred_thousand_equal_boxes() {
 }
 
 #[test]
-fn the_tree_is_one_for_any_number_of_threads() {
+fn the_box_tree_does_not_depend_on_the_thread_count() {
     let bounds: Vec<Bounds> = (0..20_000)
         .map(|i| Bounds { min: random_point_in_unit_cube(i % 7000), max: random_point_in_unit_cube(i % 7000) + 0.1 })
         .collect();

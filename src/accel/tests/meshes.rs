@@ -25,12 +25,13 @@ pub(super) fn random_triangle_mesh(rng: &mut SmallRng, count: usize, size: f32) 
         .collect()
 }
 
-/// Faces given by indices into `vertices`.
+/// Triangles whose corners are given as indices into `vertices`.
 pub(super) fn mesh_of_faces(vertices: &[Vec3], faces: &[[u32; 3]]) -> Mesh {
     faces.iter().map(|f| f.map(|i| vertices[i as usize])).collect()
 }
 
-/// An icosahedron whose faces are cut in four `levels` times, pushed out to the unit sphere.
+/// Icosahedron whose faces are divided into four `levels` times, with all vertices on the unit
+/// sphere.
 pub(super) fn icosphere_vertices_and_faces(levels: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let g = 0.5 + 1.25f32.sqrt();
     let mut vertices: Vec<Vec3> = Vec::new();
@@ -67,8 +68,9 @@ pub(super) fn icosphere_vertices_and_faces(levels: u32) -> (Vec<Vec3>, Vec<[u32;
     (vertices, faces)
 }
 
-/// A grid of `n` by `m` that closes on itself, around a torus of radii 1 and 0.4, each vertex moved
-/// by up to `noise`.
+/// Torus with the radii 1 and 0.4: a grid of `n` by `m` quads, each divided into two triangles.
+///
+/// Each coordinate of a vertex is displaced at random by at most `noise`.
 pub(super) fn torus_vertices_and_faces(rng: &mut SmallRng, n: u32, m: u32, noise: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let turn = |i: u32, n: u32| libm::sincosf(std::f32::consts::TAU * i as f32 / n as f32);
     let mut vertices = Vec::new();

@@ -1,4 +1,4 @@
-//! The hierarchy against brute force, f64, and simple expectations.
+//! Tests of the hierarchy against brute force and against f64.
 
 mod leaks;
 mod meshes;
@@ -12,12 +12,14 @@ use meshes::{Mesh, cube_vertices_and_faces, mesh_of_faces, random_direction, ran
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
 
-fn hit_no_other_primitive(_: u32, _: &Ray) -> Option<(f32, f32, f32)> {
+fn miss_other_primitive(_: u32, _: &Ray) -> Option<(f32, f32, f32)> {
     None
 }
 
-/// Nearest hit of a sphere by the quadratic formula in f64; `u` and `v` are arbitrary constants.
-fn intersect_ball(center: Vec3, radius: f32, ray: &Ray) -> Option<(f32, f32, f32)> {
+/// Nearest hit of a sphere by the quadratic formula in f64.
+///
+/// Returns t, and two arbitrary constants in place of u and v.
+fn intersect_sphere(center: Vec3, radius: f32, ray: &Ray) -> Option<(f32, f32, f32)> {
     let (o, d) = ((ray.origin - center).as_dvec3(), ray.direction.as_dvec3());
     let (a, b, c) = (d.length_squared(), o.dot(d), o.length_squared() - f64::from(radius * radius));
     let root = (b * b - a * c).sqrt();
@@ -25,7 +27,7 @@ fn intersect_ball(center: Vec3, radius: f32, ray: &Ray) -> Option<(f32, f32, f32
     t.into_iter().find(|&t| t > 0.0 && t < ray.t_max).map(|t| (t, 0.25, 0.75))
 }
 
-/// Nearest hit by brute force.
+/// Nearest hit of a ray, by testing every triangle and every sphere.
 fn brute_force_hit(triangles: &Mesh, balls: &[(Vec3, f32)], ray: &Ray) -> Option<PrimitiveHit> {
     let precalc = RayPrecalc::new(ray);
     let solid = |i: u32| {
@@ -35,7 +37,7 @@ fn brute_force_hit(triangles: &Mesh, balls: &[(Vec3, f32)], ray: &Ray) -> Option
             .map(|c| (c.t * precalc.direction_scale, c.barycentric().0, c.barycentric().1));
         (PrimitiveIndex::Triangle(i), hit)
     };
-    let round = |i: u32| (PrimitiveIndex::Other(i), intersect_ball(balls[i as usize].0, balls[i as usize].1, ray));
+    let round = |i: u32| (PrimitiveIndex::Other(i), intersect_sphere(balls[i as usize].0, balls[i as usize].1, ray));
     (0..triangles.len() as u32)
         .map(solid)
         .chain((0..balls.len() as u32).map(round))
@@ -44,10 +46,10 @@ fn brute_force_hit(triangles: &Mesh, balls: &[(Vec3, f32)], ray: &Ray) -> Option
         .min_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive)))
 }
 
-/// Boxes around the spheres, larger than needed by a factor that grows with the index.
+/// Boxes around spheres, larger than needed by a factor that grows with the index.
 ///
-/// Of equal spheres, the last then has the largest box, so a traversal visits it first.
-fn boxes_of_balls(balls: &[(Vec3, f32)]) -> Vec<Bounds> {
+/// The last of several equal spheres has the largest box, so a traversal visits it first.
+fn boxes_around_spheres(balls: &[(Vec3, f32)]) -> Vec<Bounds> {
     let slack = |i: usize| 1.0 + i as f32 / balls.len() as f32 * 0.5;
     balls.iter().enumerate().map(|(i, &(c, r))| Bounds { min: c, max: c }.expanded(r * slack(i))).collect()
 }
@@ -57,11 +59,11 @@ fn assert_agrees_with_brute_force(
     balls: &[(Vec3, f32)],
     rays: impl Iterator<Item = Ray>,
 ) -> (usize, usize) {
-    let tree = Hierarchy::build(triangles, &boxes_of_balls(balls));
+    let tree = Hierarchy::build(triangles, &boxes_around_spheres(balls));
     let (mut hits, mut total) = (0, 0);
     for ray in rays {
         let expected = brute_force_hit(triangles, balls, &ray);
-        let solve = |i: u32, r: &Ray| intersect_ball(balls[i as usize].0, balls[i as usize].1, r);
+        let solve = |i: u32, r: &Ray| intersect_sphere(balls[i as usize].0, balls[i as usize].1, r);
         assert_eq!(tree.closest_hit(&ray, solve), expected, "{ray:?}");
         assert_eq!(tree.occluded(&ray, |i, r| solve(i, r).is_some()), expected.is_some(), "{ray:?}");
         total += 1;
@@ -74,14 +76,14 @@ fn assert_agrees_with_brute_force(
 fn empty_hierarchy_has_no_hit() {
     let tree = Hierarchy::build(&[], &[]);
     assert!(tree.bounds().is_empty());
-    assert_eq!(tree.closest_hit(&Ray::new(Vec3::ZERO, Vec3::X), hit_no_other_primitive), None);
+    assert_eq!(tree.closest_hit(&Ray::new(Vec3::ZERO, Vec3::X), miss_other_primitive), None);
     assert!(!tree.occluded(&Ray::new(Vec3::ZERO, Vec3::X), |_, _| true));
     let tree = Hierarchy::build(&[], &[Bounds::EMPTY]);
     assert!(!tree.occluded(&Ray::new(Vec3::ZERO, Vec3::X), |_, _| true));
 }
 
 #[test]
-fn rays_without_direction_or_place_hit_nothing() {
+fn rays_with_invalid_origin_or_direction_hit_nothing() {
     let (v, f) = cube_vertices_and_faces();
     let tree = Hierarchy::build(&mesh_of_faces(&v, &f), &[]);
     for ray in [
@@ -92,7 +94,7 @@ fn rays_without_direction_or_place_hit_nothing() {
         Ray { t_max: f32::NAN, ..Ray::new(Vec3::ZERO, Vec3::X) },
         Ray { t_max: -1.0, ..Ray::new(Vec3::ZERO, Vec3::X) },
     ] {
-        assert_eq!(tree.closest_hit(&ray, hit_no_other_primitive), None);
+        assert_eq!(tree.closest_hit(&ray, miss_other_primitive), None);
     }
 }
 
@@ -117,11 +119,10 @@ fn triangle_soups_agree_with_brute_force() {
     }
 }
 
-/// Compares with Cramer's rule on the unsheared corners in f64.
+/// Hits agree with Cramer's rule in f64, up to the error of the triangle test.
 ///
-/// Shearing moves a corner by γ(9) of its distance, here below 6. So weights err by 6 γ(9) over the
-/// apparent height of the triangle. `t` errs by as much of the triangle's size, here below 3, plus
-/// its own γ(3).
+/// Shearing moves a corner by at most γ(9) of its distance, which is below 6 here. Barycentric
+/// weights err by as much, divided by the apparent height of the triangle.
 #[test]
 fn hits_agree_with_double_precision() {
     let mut rng = SmallRng::seed_from_u64(9);
@@ -146,7 +147,7 @@ fn hits_agree_with_double_precision() {
         let height = normal.dot(d).abs() / (d.length() * longest);
         let error = 6.0 * f64::from(crate::math::rounding_error_bound(9)) / height;
         let margin = u.min(v).min(1.0 - u - v);
-        match tree.closest_hit(&ray, hit_no_other_primitive) {
+        match tree.closest_hit(&ray, miss_other_primitive) {
             Some(hit) => {
                 assert!(margin > -error && t > 0.0, "{margin} {error} {t}");
                 assert!(
@@ -162,9 +163,11 @@ fn hits_agree_with_double_precision() {
     assert!(hits > 1000, "{hits}");
 }
 
-/// Every tree hits the primitive of lower index if equal ones lie at equal distances.
+/// Among primitives at equal distance, the one with the lowest index is hit.
+///
+/// Triangles come before other primitives.
 #[test]
-fn ties_go_to_the_lower_primitive() {
+fn equal_distances_go_to_the_lowest_primitive_index() {
     let mut rng = SmallRng::seed_from_u64(2);
     let mut triangles = random_triangle_mesh(&mut rng, 40, 1.0);
     triangles.extend(triangles.clone());
@@ -186,7 +189,9 @@ fn ties_go_to_the_lower_primitive() {
     assert_eq!(hit.map(|h| h.primitive), Some(PrimitiveIndex::Triangle(0)));
 }
 
-/// Rays start up to 10⁷ triangle sizes away, where rounding errors exceed the padding of boxes.
+/// Rays agree with brute force from up to 10⁷ triangle sizes away.
+///
+/// At that distance, rounding errors exceed the padding of boxes.
 #[test]
 fn distant_rays_agree_with_brute_force() {
     let mut rng = SmallRng::seed_from_u64(10);
@@ -203,7 +208,7 @@ fn distant_rays_agree_with_brute_force() {
     assert!(hits > 500, "{hits}");
 }
 
-/// Rays along axes, in planes of faces and edges, from corners and from planes of boxes.
+/// Rays along axes, in planes of faces, through edges and from corners agree with brute force.
 #[test]
 fn degenerate_rays_agree_with_brute_force() {
     let mut rng = SmallRng::seed_from_u64(3);
@@ -252,7 +257,7 @@ fn slivers_and_degenerate_triangles_agree_with_brute_force() {
 
 /// Scaling scene and direction by powers of two scales `t` exactly and changes no other bit.
 #[test]
-fn powers_of_two_of_scale_change_no_bit() {
+fn power_of_two_scales_change_no_bit() {
     let mut rng = SmallRng::seed_from_u64(5);
     let triangles = random_triangle_mesh(&mut rng, 400, 0.3);
     let rays: Vec<Ray> = (0..2000).map(|_| Ray::new(random_point(&mut rng), random_direction(&mut rng))).collect();
@@ -264,9 +269,9 @@ fn powers_of_two_of_scale_change_no_bit() {
         let other = Hierarchy::build(&scaled, &[]);
         for ray in &rays {
             let expected =
-                tree.closest_hit(ray, hit_no_other_primitive).map(|h| PrimitiveHit { t: h.t * (size / length), ..h });
+                tree.closest_hit(ray, miss_other_primitive).map(|h| PrimitiveHit { t: h.t * (size / length), ..h });
             let precalc = Ray::new(ray.origin * size, ray.direction * length);
-            assert_eq!(other.closest_hit(&precalc, hit_no_other_primitive), expected, "{size} {length}");
+            assert_eq!(other.closest_hit(&precalc, miss_other_primitive), expected, "{size} {length}");
         }
     }
 }
@@ -282,12 +287,14 @@ fn identical_primitives_build_fast_and_shallow() {
     assert!(seconds < 1.0, "{seconds}");
     let normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
     let hit = tree
-        .closest_hit(&Ray::between_points(middle + normal, middle - normal), hit_no_other_primitive)
+        .closest_hit(&Ray::between_points(middle + normal, middle - normal), miss_other_primitive)
         .map(|h| h.primitive);
     assert_eq!(hit, Some(PrimitiveIndex::Triangle(0)));
 }
 
-/// Triangles whose sizes grow by a constant factor make the heuristic split off one at a time.
+/// A tree of triangles that grow by a constant factor does not overflow the traversal stack.
+///
+/// The heuristic splits off one such triangle at a time, so the tree is deep.
 #[test]
 fn geometric_series_cannot_overflow_the_stack() {
     let triangles: Mesh = (0..240)

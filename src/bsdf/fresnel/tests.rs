@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Compares reflectances at index 1.5 with closed forms: at normal incidence, at Brewster's angle,
+/// The reflectance at index 1.5 agrees with closed forms: at normal incidence, at Brewster's angle,
 /// and averaged over the hemisphere on either side.
 #[test]
 fn reflectance_matches_closed_forms() {
@@ -40,9 +40,11 @@ fn the_critical_angle_divides_transmission_from_reflection() {
     assert_eq!(dielectric_reflectance(above, eta), (1.0, 0.0));
 }
 
-/// Compares metals with closed forms at normal and grazing incidence, and with a dielectric if
-/// absorption is 0. At other angles, the expected values come from the complex Fresnel
-/// coefficients, computed in f64.
+/// The reflectance of metals agrees with closed forms at normal and grazing incidence, and with a
+/// dielectric if absorption is 0.
+///
+/// At other angles, the expected values come from the complex Fresnel coefficients, computed in
+/// f64.
 #[test]
 fn conductors_match_closed_and_complex_forms() {
     let at = |cos: f32, eta: f32, k: f32| conductor_reflectance(cos, Rgb::splat(eta), Rgb::splat(k)).x;
@@ -76,7 +78,7 @@ fn conductors_match_closed_and_complex_forms() {
 }
 
 #[test]
-fn an_index_of_one_changes_nothing() {
+fn an_index_of_one_neither_reflects_nor_refracts() {
     let wo = Vec3::new(0.3, 0.1, 0.6).normalize();
     let r = refract(wo, Vec3::Z, 1.0);
     assert_eq!((r.reflectance, r.transmitted), (0.0, -wo));

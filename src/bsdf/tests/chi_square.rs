@@ -4,22 +4,23 @@ use super::*;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// Number of rings of a grid, from its pole to the opposite pole.
+/// Number of rings of a [`PolarDirectionGrid`], from its pole to the opposite pole.
 const RINGS: usize = 40;
 
-/// Number of sectors of each ring.
+/// Number of sectors of each ring of a [`PolarDirectionGrid`].
 const SECTORS: usize = 16;
 
-/// Number of integration points along each side of a cell.
+/// Number of integration points along each side of a grid cell.
 ///
-/// The error of the midpoint rule is below the noise of a sample count, even in cells that the
-/// horizon cuts.
+/// The error of the midpoint rule is below the noise of a sample count, even in cells that are
+/// partly below the horizon.
 const POINTS: usize = 24;
 
 const SAMPLES: u64 = 100_000;
 
-/// A grid of cells on the sphere of directions, made of rings around a pole and sectors. Rings are
-/// about `width` radians wide near the pole, and wider far from it.
+/// A grid over the sphere of directions: rings around a pole, which are divided into sectors.
+///
+/// Rings are about `width` radians wide near the pole, and wider far from it.
 struct PolarDirectionGrid {
     frame: [DVec3; 3],
     width: f64,
@@ -66,8 +67,8 @@ impl PolarDirectionGrid {
 
 struct ChiSquareCase {
     bsdf: Bsdf,
-    /// Refractive index of the far side over that of the side of `wo`; it determines the pole of
-    /// the grid for transmission.
+    /// Refractive index of the far side over that of the side of `wo`. It determines the direction
+    /// of specular refraction, which is the pole of the second grid.
     eta: f32,
     width: f64,
     wo: Vec3,
@@ -75,7 +76,7 @@ struct ChiSquareCase {
     ng: Vec3,
 }
 
-fn chi_square_cases() -> Vec<ChiSquareCase> {
+fn chi_square_test_cases() -> Vec<ChiSquareCase> {
     let n = Vec3::new(0.3, -0.5, 0.6).normalize();
     let frame = Frame::from_normal(n);
     let mut cases = Vec::new();
@@ -85,7 +86,7 @@ fn chi_square_cases() -> Vec<ChiSquareCase> {
         (Bsdf::Phong(Phong::new(rgb, Vec3::ONE, 20.0)), 1.0, 0.5),
         (Bsdf::Phong(Phong::new(Vec3::ONE, Vec3::ONE, 0.0)), 1.0, 1.0),
     ];
-    let (eta, k) = named_metal("gold").unwrap();
+    let (eta, k) = metal_refractive_index("gold").unwrap();
     for alpha in [SMOOTH_ALPHA * 1.001, 0.05, 0.2, 1.0] {
         let width = 2.0 * f64::from(alpha);
         materials.push((Bsdf::Conductor(Conductor::new(eta, k, alpha)), 1.0, width));
@@ -112,7 +113,7 @@ fn chi_square_cases() -> Vec<ChiSquareCase> {
     cases
 }
 
-/// Grids around the directions of specular reflection and refraction.
+/// Two grids: around the directions of specular reflection and of specular refraction.
 fn grids_around_specular_directions(case: &ChiSquareCase) -> [PolarDirectionGrid; 2] {
     let n = face_forward(case.ns, case.wo);
     let cos = case.wo.dot(n);
@@ -122,8 +123,8 @@ fn grids_around_specular_directions(case: &ChiSquareCase) -> [PolarDirectionGrid
     [PolarDirectionGrid::new(n * (2.0 * cos) - case.wo, case.width), PolarDirectionGrid::new(through, width)]
 }
 
-/// Returns the probabilities of all cells of the reflection grid, then of the transmission grid,
-/// and last the probability of absorption.
+/// Returns the probability that a sample falls in each cell of the reflection grid, then of the
+/// transmission grid, and last the probability of absorption.
 fn expected_cell_probabilities(case: &ChiSquareCase, grids: &[PolarDirectionGrid; 2]) -> Vec<f64> {
     let mut cells = Vec::new();
     for (grid, side) in grids.iter().zip([1.0f32, -1.0]) {
@@ -137,7 +138,7 @@ fn expected_cell_probabilities(case: &ChiSquareCase, grids: &[PolarDirectionGrid
     cells
 }
 
-/// Returns the probability that correct samples fit worse than `counts` (Wilson–Hilferty
+/// P-value of Pearson's chi-square test of `counts` against `expected` (Wilson–Hilferty
 /// approximation). Cells with fewer than 5 expected samples are pooled.
 fn chi_square_p_value(counts: &[u32], expected: &[f64]) -> f64 {
     let mut cells: Vec<(f64, f64)> = expected.iter().copied().zip(counts.iter().map(|c| f64::from(*c))).collect();
@@ -156,11 +157,11 @@ fn chi_square_p_value(counts: &[u32], expected: &[f64]) -> f64 {
     0.5 * libm::erfc(z * std::f64::consts::FRAC_1_SQRT_2)
 }
 
-/// Samples agree with the pdf in all directions, absorption included. The pdf integrates to at most
-/// 1.
+/// Sampled directions follow the pdf, and absorbed samples its missing probability. The pdf
+/// integrates to at most 1.
 #[test]
 fn bsdf_samplers_match_their_pdfs() {
-    let cases = chi_square_cases();
+    let cases = chi_square_test_cases();
     // Šidák: one false alarm in 400 runs of the whole list.
     let least = 0.0025 / cases.len() as f64;
     for (index, case) in cases.iter().enumerate() {
@@ -188,13 +189,14 @@ fn bsdf_samplers_match_their_pdfs() {
     }
 }
 
-/// The pdf of a narrow lobe integrates to 1, because no microfacet scatters to the wrong side. At α
-/// = 10⁻³ and 45°, the lobe is hundreds of its widths away from the horizon.
+/// The pdf of a narrow lobe integrates to 1, because no microfacet scatters to the wrong side.
+///
+/// At α = 10⁻³ and 45°, the lobe is hundreds of its widths away from the horizon.
 #[test]
 fn pdfs_of_narrow_lobes_integrate_to_one() {
     let narrow = |c: &&ChiSquareCase| c.width < 0.01 && c.ns == c.ng && c.wo.dot(c.ns).abs() > 0.5;
     let mut seen = 0;
-    for case in chi_square_cases().iter().filter(narrow) {
+    for case in chi_square_test_cases().iter().filter(narrow) {
         let total = 1.0 - expected_cell_probabilities(case, &grids_around_specular_directions(case)).last().unwrap();
         assert!((total - 1.0).abs() < 1e-3, "{:?} from {}: {total}", case.bsdf, case.wo);
         seen += 1;

@@ -1,9 +1,10 @@
-//! Tests of the classification of BSDFs, of thin sheets, and of interfaces that barely refract.
+//! Tests of which BSDFs store photons or cast caustics, of thin sheets, and of interfaces that
+//! barely refract.
 
 use super::*;
 
 fn representative_bsdfs() -> Vec<Bsdf> {
-    let (eta, k) = named_metal("nickel").unwrap();
+    let (eta, k) = metal_refractive_index("nickel").unwrap();
     let mut family = basic_bsdfs().to_vec();
     family.extend([0.0, 0.05, PHOTON_STORAGE_ALPHA, 0.31, 1.0].map(|a| Bsdf::Conductor(Conductor::new(eta, k, a))));
     family.extend([0.0, 0.05, 0.31, 1.0].map(|a| Bsdf::dielectric(1.5, a)));
@@ -25,9 +26,11 @@ fn every_bsdf_stores_photons_or_casts_caustics() {
     assert!(representative_bsdfs()[10..].iter().all(Bsdf::casts_caustics));
 }
 
-/// Position of the BSDF's variant in the enum. A new variant does not compile here until
-/// [`every_bsdf_variant_is_tested`] counts it.
-fn bsdf_variant_index(bsdf: &Bsdf) -> usize {
+/// Index of the BSDF's variant in the enum [`Bsdf`].
+///
+/// A new variant does not compile here, which reminds its author to add it to
+/// [`every_bsdf_variant_is_tested`].
+fn index_of_bsdf_variant(bsdf: &Bsdf) -> usize {
     match bsdf {
         Bsdf::Black => 0,
         Bsdf::Diffuse(_) => 1,
@@ -40,7 +43,7 @@ fn bsdf_variant_index(bsdf: &Bsdf) -> usize {
     }
 }
 
-/// The BSDFs that [`receivers_never_sample_delta_lobes`] checks.
+/// One or more BSDFs of every variant, on which [`receivers_never_sample_delta_lobes`] is tested.
 fn bsdfs_of_every_variant() -> Vec<Bsdf> {
     [vec![Bsdf::Black], representative_bsdfs(), all_bsdf_kinds()].concat()
 }
@@ -48,12 +51,11 @@ fn bsdfs_of_every_variant() -> Vec<Bsdf> {
 #[test]
 fn every_bsdf_variant_is_tested() {
     let mut is_tested = [false; 8];
-    bsdfs_of_every_variant().iter().for_each(|bsdf| is_tested[bsdf_variant_index(bsdf)] = true);
+    bsdfs_of_every_variant().iter().for_each(|bsdf| is_tested[index_of_bsdf_variant(bsdf)] = true);
     assert_eq!(is_tested, [true; 8]);
 }
 
-/// Photon estimates skip delta lobes. If a surface that stores photons had one, its light would be
-/// lost.
+/// A BSDF that stores photons never samples a delta lobe, whose light density estimates would miss.
 #[test]
 fn receivers_never_sample_delta_lobes() {
     for bsdf in bsdfs_of_every_variant().into_iter().filter(Bsdf::stores_photons) {
@@ -81,7 +83,8 @@ fn bsdfs_are_small() {
     assert!(size_of::<Bsdf>() <= 40, "{}", size_of::<Bsdf>());
 }
 
-/// Interfaces that barely refract are smooth, and an index of 1 transmits exactly straight on.
+/// An interface with index 1, or with very small roughness, becomes smooth. At index 1, light
+/// passes straight on.
 #[test]
 fn an_index_of_one_transmits_all_light() {
     let none = Bsdf::dielectric(1.0, 0.5);
@@ -96,9 +99,8 @@ fn an_index_of_one_transmits_all_light() {
     }
 }
 
-/// Compares a clear sheet with its transmittance (1−R)/(1+R), where R is the reflectance of one
-/// interface. Compares a tinted sheet with an explicit sum over the reflections between its
-/// interfaces.
+/// The transmittance of a clear sheet is (1−R)/(1+R), where R is the reflectance of one interface.
+/// That of a tinted sheet equals an explicit sum over the reflections between its interfaces.
 #[test]
 fn thin_sheets_match_the_slab_formula() {
     let clear = ThinDielectric { eta: 1.5, transmittance: Rgb::ONE };

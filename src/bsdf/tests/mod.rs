@@ -28,7 +28,7 @@ fn basic_bsdfs() -> [Bsdf; 5] {
 
 /// At least one BSDF of each kind that scatters light; rough ones have small, medium and large α.
 fn all_bsdf_kinds() -> Vec<Bsdf> {
-    let (eta, k) = named_metal("copper").unwrap();
+    let (eta, k) = metal_refractive_index("copper").unwrap();
     let mut all = basic_bsdfs().to_vec();
     all.extend([0.0, SMOOTH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::Conductor(Conductor::new(eta, k, alpha))));
     all.extend([SMOOTH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::dielectric(1.5, alpha)));
@@ -37,7 +37,7 @@ fn all_bsdf_kinds() -> Vec<Bsdf> {
     all
 }
 
-/// No BSDF gains energy, at any angle, from either side: the mean sample weight of light paths is
+/// No BSDF gains energy, at any angle, from either side: on photon paths, the mean sample weight is
 /// at most 1, within five standard errors.
 #[test]
 fn bsdfs_gain_no_energy() {
@@ -59,7 +59,8 @@ fn bsdfs_gain_no_energy() {
     }
 }
 
-/// The mean sample weight equals ∫ f·cosθ dω, estimated by uniform sampling of the hemisphere.
+/// The mean sample weight equals the integral of f·cosθ over the hemisphere, which is estimated by
+/// uniform sampling.
 #[test]
 fn sampling_and_evaluation_agree() {
     let n = 200_000u64;
@@ -134,7 +135,8 @@ fn dielectric_weights_are_fresnel() {
     }
 }
 
-/// Under a tilted shading normal, each sample lies on the geometric side that it claims.
+/// With a tilted shading normal, each sample lies on that side of the geometric surface that
+/// `is_transmitted` states.
 #[test]
 fn shading_normals_never_leak_light() {
     let ns = Vec3::new(0.9, 0.0, 0.3).normalize();

@@ -4,7 +4,7 @@ use super::*;
 
 const GLASS: f32 = 1.5;
 
-/// Pairs of directions, uniform over the sphere.
+/// `count` pairs of unit directions, uniform over the sphere.
 fn random_direction_pairs(count: u64) -> impl Iterator<Item = (Vec3, Vec3)> {
     (0..count).map(|i| {
         let key = Key::new(19).purpose_key(Purpose::Test).child_key(i);
@@ -19,7 +19,7 @@ fn is_close_within_rounding(a: f32, b: f32) -> bool {
 }
 
 fn rough_bsdfs() -> [Bsdf; 4] {
-    let (eta, k) = named_metal("copper").unwrap();
+    let (eta, k) = metal_refractive_index("copper").unwrap();
     [
         Bsdf::Conductor(Conductor::new(eta, k, 0.2)),
         Bsdf::Conductor(Conductor::new(eta, k, 1.0)),
@@ -28,8 +28,11 @@ fn rough_bsdfs() -> [Bsdf; 4] {
     ]
 }
 
-/// Returns the mean sample weights of light paths, of reflected and of transmitted samples. The
-/// random numbers form a lattice. Each mean estimates the integral of f·cosθ over its directions.
+/// Returns the mean weight of samples on photon paths: first of reflected samples, then of
+/// transmitted ones. Samples in the other direction count as 0.
+///
+/// The random numbers form a lattice. Each mean estimates the integral of f·cosθ over its
+/// hemisphere.
 fn mean_sample_weights(bsdf: &Bsdf, wo: Vec3) -> (f64, f64) {
     let steps = 256u32;
     let (mut reflected, mut transmitted) = (0.0, 0.0);
@@ -45,10 +48,11 @@ fn mean_sample_weights(bsdf: &Bsdf, wo: Vec3) -> (f64, f64) {
     (reflected / n, transmitted / n)
 }
 
-/// Samples agree with `evaluate` and `pdf`, also under tilted normals and at the narrowest lobes.
+/// The weight and pdf of samples agree with `evaluate` and `pdf`, also with tilted normals and for
+/// the narrowest lobes.
 #[test]
 fn samples_agree_with_evaluation_and_pdf() {
-    let (eta, k) = named_metal("iron").unwrap();
+    let (eta, k) = metal_refractive_index("iron").unwrap();
     let mut checked = 0;
     for alpha in [SMOOTH_ALPHA, 0.05, 0.3, 1.0] {
         for bsdf in [
@@ -110,9 +114,10 @@ fn interfaces_are_reciprocal_up_to_squared_index() {
     assert!(through > 1000, "{through}");
 }
 
-/// A rough metal of reflectance 1 loses as much light as its documentation states. The expected
-/// losses come from an independent quadrature. At α = 1 and normal incidence, the loss has the
-/// closed form 1 − ∫₀^½ (1−2s)/(1−s) ds = ln 2, because sin²θ of the visible microfacets is
+/// A rough metal of reflectance 1 loses as much light as the documentation of [`Conductor`] states.
+///
+/// The expected losses come from an independent quadrature. At α = 1 and normal incidence, the loss
+/// has the closed form 1 − ∫₀^½ (1−2s)/(1−s) ds = ln 2, because sin²θ of the visible microfacets is
 /// uniform.
 #[test]
 fn a_white_conductor_has_the_documented_loss() {
@@ -132,8 +137,10 @@ fn a_white_conductor_has_the_documented_loss() {
     }
 }
 
-/// A rough dielectric gains no light from either side, and loses as much as its documentation
-/// states. The expected losses come from an independent quadrature.
+/// A rough dielectric gains no light from either side, and loses as much as the documentation of
+/// [`RoughDielectric`] states.
+///
+/// The expected losses come from an independent quadrature.
 #[test]
 fn a_rough_dielectric_has_the_documented_loss() {
     let grazing = libm::cosf(85f32.to_radians());
@@ -158,10 +165,11 @@ fn a_rough_dielectric_has_the_documented_loss() {
     }
 }
 
-/// Narrow lobes split energy like a smooth interface, and reflect like a mirror.
+/// With a narrow lobe, a rough dielectric splits energy like a smooth one, and a rough conductor
+/// reflects like a mirror.
 #[test]
-fn narrow_lobes_approach_deltas() {
-    let (eta, k) = named_metal("silver").unwrap();
+fn narrow_lobes_approach_delta_lobes() {
+    let (eta, k) = metal_refractive_index("silver").unwrap();
     let metal = |alpha| Bsdf::Conductor(Conductor::new(eta, k, alpha));
     let glass = Bsdf::dielectric(GLASS, SMOOTH_ALPHA);
     assert!(!glass.is_specular() && !metal(SMOOTH_ALPHA).is_specular());

@@ -14,7 +14,7 @@ fn cameras_of_all_kinds() -> [Camera; 4] {
     ]
 }
 
-/// A point on a camera ray connects to the ray's own film position and origin.
+/// Checks that a point on a camera ray connects to the film position and the origin of that ray.
 #[test]
 fn connections_invert_camera_rays() {
     for camera in cameras_of_all_kinds() {
@@ -32,10 +32,10 @@ fn connections_invert_camera_rays() {
     }
 }
 
-/// The importance is the Jacobian of the film position: small steps perpendicular to the ray move
-/// the film position by that area per area.
+/// Compares the importance of a connection with the Jacobian of the film position, by small steps
+/// perpendicular to the ray.
 #[test]
-fn importance_is_the_jacobian() {
+fn camera_importance_is_the_film_jacobian() {
     for camera in cameras_of_all_kinds() {
         for film in [Vec2::new(5.0, 40.0), Vec2::new(32.0, 24.0), Vec2::new(50.0, 7.0)] {
             let lens = Some(Vec2::new(0.3, 0.6));

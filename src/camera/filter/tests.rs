@@ -4,11 +4,11 @@ use super::*;
 
 /// Compares second moments of samples with 1/12 (box), 1/6 (tent) and quadrature.
 ///
-/// The quantile table is coarsest in its first and last interval. Each holds 1/1024 of the samples,
-/// and reaches at most from 1 to 1.5 pixels. Interpolation there errs by at most (1.5² − 1)/2 in
-/// x², which changes the moment by at most 1.2·10⁻³.
+/// The error is greatest in the first and last interval of the quantile table. Each holds 1/1024 of
+/// the samples and reaches at most from 1 to 1.5 pixels. Interpolation errs there by at most (1.5²
+/// − 1)/2 in x², so the moment errs by at most 1.2·10⁻³.
 #[test]
-fn second_moments_match_quadrature() {
+fn filter_second_moments_match_quadrature() {
     let n = 100_000;
     let second = |kind: FilterKind| {
         let f = Filter::new(kind);
@@ -30,12 +30,12 @@ fn second_moments_match_quadrature() {
     }
 }
 
-/// The mean weight is 1, and weighted moments of samples are those of the filter.
+/// Checks that the mean weight is 1, and that weighted samples have the moments of the filter.
 ///
 /// The tolerance is the error of 2¹⁸ independent points. The Sobol' points used here have much
 /// smaller errors.
 #[test]
-fn signed_weights_average_one() {
+fn signed_filter_weights_average_one() {
     use crate::sampling::{Dimension, Key, Purpose, sobol_2d};
     let n = 1 << 18;
     let key = Key::new(3).purpose_key(Purpose::Test);
@@ -58,7 +58,7 @@ fn signed_weights_average_one() {
 }
 
 #[test]
-fn offsets_are_within_the_radius() {
+fn filter_offsets_are_within_the_radius() {
     for kind in
         [FilterKind::Box, FilterKind::Tent, FilterKind::Gaussian, FilterKind::BlackmanHarris, FilterKind::Mitchell]
     {
@@ -69,12 +69,13 @@ fn offsets_are_within_the_radius() {
     assert!("lanczos".parse::<FilterKind>().unwrap_err().to_string().contains("blackman-harris"));
 }
 
-/// The density has integral 1 and the filter's second moment, and vanishes beyond the radius.
+/// Checks that normalized filter values have integral 1 and the second moment of the filter, and
+/// vanish beyond the radius.
 ///
 /// Linear interpolation between 256 values errs by less than 10⁻⁴ for these filters; midpoints
 /// split the jump of a filter at its radius.
 #[test]
-fn density_is_normalized() {
+fn normalized_values_have_integral_one() {
     let kinds =
         [FilterKind::Box, FilterKind::Tent, FilterKind::Gaussian, FilterKind::BlackmanHarris, FilterKind::Mitchell];
     for kind in kinds {
@@ -83,14 +84,14 @@ fn density_is_normalized() {
         let r = kind.radius();
         let xs = || (0..n).map(|i| r * (2.0 * (f64::from(i) + 0.5) / f64::from(n) - 1.0));
         let step = 2.0 * r / f64::from(n);
-        let density = |x: f64| f64::from(filter.density(x as f32)) * step;
-        let integral = xs().map(density).sum::<f64>();
-        let second_moment = xs().map(|x| x * x * density(x)).sum::<f64>();
+        let normalized_value = |x: f64| f64::from(filter.normalized_value(x as f32)) * step;
+        let integral = xs().map(normalized_value).sum::<f64>();
+        let second_moment = xs().map(|x| x * x * normalized_value(x)).sum::<f64>();
         let weights: f64 = xs().map(|x| kind.unnormalized_value(x)).sum();
         let second = xs().map(|x| x * x * kind.unnormalized_value(x)).sum::<f64>() / weights;
         assert!((integral - 1.0).abs() < 1e-4, "{kind:?}: {integral}");
         assert!((second_moment - second).abs() < 1e-4, "{kind:?}: {second_moment} {second}");
-        assert_eq!(filter.density(filter.radius()), 0.0);
-        assert_eq!(filter.density(0.3), filter.density(-0.3));
+        assert_eq!(filter.normalized_value(filter.radius()), 0.0);
+        assert_eq!(filter.normalized_value(0.3), filter.normalized_value(-0.3));
     }
 }

@@ -1,15 +1,15 @@
 //! Error maps: pictures of the difference between two pictures.
 
 use super::ErrorMapKind;
-use crate::image::{Image, OutputFormat, RelativeScale, diverging_color, sequential_color};
+use crate::image::{Image, OutputFormat, RelativeErrorWeights, diverging_color, sequential_color};
 use glam::{DVec3, Vec3};
 use serde::Serialize;
 
-/// Quantile of the absolute values at the end of the colour scale of a PNG. So one firefly does not
-/// stretch the scale.
+/// Quantile of the absolute errors at which the colour scale of a PNG error map ends. Larger errors
+/// are clamped, so one firefly does not stretch the scale.
 const SCALE_QUANTILE: f64 = 0.99;
 
-/// Errors at both ends of the colour scale of a PNG error map.
+/// Colour scale of a PNG error map: the errors that its first and last colours show.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(super) struct ColorScale {
     /// Error that the first colour shows.
@@ -18,9 +18,11 @@ pub(super) struct ColorScale {
     pub to: f64,
 }
 
-/// Returns the pixels of an error map: colours and their scale for PNG, values for OpenEXR.
+/// Returns the pixels of an error map, and its colour scale.
 ///
-/// `a`, `b` and `flip` must have the same number of pixels.
+/// For PNG, the pixels are colours. For OpenEXR, they are errors by channel, and the scale is
+/// `None`. `flip` holds the FLIP error of each pixel. It must have as many values as `a` and `b`
+/// have pixels.
 pub(super) fn error_map(
     kind: ErrorMapKind,
     a: &Image,
@@ -39,8 +41,7 @@ pub(super) fn error_map(
     (means.iter().map(|v| color(v / to)).collect(), Some(ColorScale { from, to }))
 }
 
-/// Returns the errors of all pixels by channel. FLIP and relative errors have the same value in all
-/// channels.
+/// Returns the error of each pixel by channel. FLIP and relative errors are equal in all channels.
 fn error_map_values(kind: ErrorMapKind, a: &Image, b: &Image, flip: &[f32]) -> Vec<DVec3> {
     let differences = a.pixels().iter().zip(b.pixels()).map(|(a, b)| a.as_dvec3() - b.as_dvec3());
     match kind {
@@ -48,15 +49,16 @@ fn error_map_values(kind: ErrorMapKind, a: &Image, b: &Image, flip: &[f32]) -> V
         ErrorMapKind::Signed => differences.collect(),
         ErrorMapKind::Absolute => differences.map(DVec3::abs).collect(),
         ErrorMapKind::Relative => {
-            let scale = RelativeScale::from_image(b);
+            let scale = RelativeErrorWeights::from_image(b);
             differences.zip(scale.pixel_weights()).map(|(d, w)| DVec3::splat((w * d.length_squared()).sqrt())).collect()
         }
     }
 }
 
-/// Returns the quantile [`SCALE_QUANTILE`] of the absolute values, or the maximum if that is 0.
+/// Returns the error at the end of a PNG map's colour scale: the quantile [`SCALE_QUANTILE`] of the
+/// absolute `values`.
 ///
-/// The result is positive: it is 1 if all values are 0.
+/// If the quantile is 0, returns their maximum; if all values are 0, returns 1.
 fn color_scale_end(values: &[f64]) -> f64 {
     let mut sizes: Vec<f64> = values.iter().map(|v| v.abs()).collect();
     let index = ((sizes.len() - 1) as f64 * SCALE_QUANTILE) as usize;

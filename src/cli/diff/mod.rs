@@ -36,7 +36,7 @@ enum IncomparablePictures {
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("--exposure applies to LDR-FLIP only: HDR-FLIP derives its exposures from the reference")]
 #[diagnostic(help("add --flip ldr, or leave out --exposure"))]
-struct ExposureWithHdrFlip;
+struct ExposureWithHdrFlipError;
 
 pub(super) fn run(arguments: &DiffArguments) -> Result<Exit, CommandFailure> {
     if let Some(path) = &arguments.output {
@@ -61,7 +61,7 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<Exit, CommandFailure> {
     } else {
         report.text_table()
     };
-    failures.ok_or_collect(std::io::stdout().write_all(text.as_bytes()));
+    failures.ok_or_collect_error(std::io::stdout().write_all(text.as_bytes()));
     if let Some(map) = &report.map {
         let colors = map.colors.map_or(String::new(), |c| {
             format!(", colours from {} to {}", three_digit_text(c.from), three_digit_text(c.to))
@@ -72,7 +72,7 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<Exit, CommandFailure> {
     failures.into_result(if exceeded.is_empty() { Exit::Success } else { Exit::Differ })
 }
 
-/// Returns the FLIP mode that the arguments select.
+/// Returns the FLIP mode that `--flip` selects.
 ///
 /// Without `--flip`, the mode is LDR if both pictures hold display values (`displayed`), else HDR.
 fn selected_flip_mode(arguments: &DiffArguments, displayed: bool) -> Result<FlipMetricMode, CommandFailure> {
@@ -80,7 +80,7 @@ fn selected_flip_mode(arguments: &DiffArguments, displayed: bool) -> Result<Flip
         (Some(FlipMetricModeArgument::Ldr), stops) => Ok(FlipMetricMode::Ldr(stops.unwrap_or(0.0))),
         (None, stops) if displayed => Ok(FlipMetricMode::Ldr(stops.unwrap_or(0.0))),
         (_, None) => Ok(FlipMetricMode::Hdr),
-        (_, Some(_)) => Err(CommandFailure::usage_error(ExposureWithHdrFlip)),
+        (_, Some(_)) => Err(CommandFailure::usage_error(ExposureWithHdrFlipError)),
     }
 }
 
@@ -139,7 +139,8 @@ fn comparison_failure(arguments: &DiffArguments, error: MetricError) -> CommandF
     CommandFailure::new(Exit::Input, report)
 }
 
-/// Returns the flags whose limits are exceeded, each with an explanation.
+/// Returns the flags whose limits the difference exceeds, such as `max-rmse`, with an explanation
+/// each.
 fn exceeded_limits(arguments: &DiffArguments, report: &DiffReport) -> Vec<(&'static str, String)> {
     let limits = [
         ("max-rmse", "an RMSE", report.rmse, arguments.max_rmse),

@@ -28,7 +28,7 @@ pub(super) struct DiffReport {
     pub differing_pixels: usize,
     /// The written error map; `None` without `--output`.
     pub map: Option<ErrorMapReport>,
-    /// Flags such as `max-rmse` whose limits are exceeded by the pictures' difference.
+    /// Names of the flags whose limits the pictures' difference exceeds, such as `max-rmse`.
     pub exceeded: Vec<&'static str>,
 }
 
@@ -58,7 +58,8 @@ pub(super) struct LargestDifferences {
 pub(super) struct ErrorMapReport {
     pub file: String,
     pub kind: &'static str,
-    /// Values at the ends of the colour scale; `None` for OpenEXR, which holds the values.
+    /// Errors at the ends of the colour scale of a PNG map; `None` for OpenEXR, which stores the
+    /// errors.
     pub colors: Option<ColorScale>,
 }
 

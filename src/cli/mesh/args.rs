@@ -76,7 +76,7 @@ pub struct MeshArguments {
 
 impl MeshArguments {
     /// True if the arguments change the mesh.
-    pub(super) fn has_changes(&self) -> bool {
+    pub(super) fn changes_mesh(&self) -> bool {
         let repairs = self.repair || self.weld.is_some() || self.remove_duplicates || self.remove_degenerate;
         let normals = self.smooth.is_some() || self.flat;
         repairs || self.orient || self.flip || normals || self.scale.is_some() || self.translate.is_some()

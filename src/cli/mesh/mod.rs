@@ -23,13 +23,13 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("`{}` has no extension of a mesh format that can be written", path.display())]
 #[diagnostic(help("give it the extension .obj or .ply"))]
-struct UnknownMeshFormat {
+struct UnknownMeshFormatError {
     path: PathBuf,
 }
 
 /// Error: the requested changes leave no valid mesh.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
-enum InvalidMeshResult {
+enum InvalidMeshResultError {
     #[error("the repair leaves no triangle of `{}`", .0.display())]
     #[diagnostic(help("choose a smaller --weld, or keep triangles without area"))]
     Triangles(PathBuf),
@@ -45,13 +45,13 @@ struct MeshCommandReport {
     version: &'static str,
     mesh: String,
     before: MeshReport,
-    /// Numbers of changes by repairs; `None` if the arguments change nothing.
+    /// Counts of repairs by kind; `None` if the arguments do not change the mesh.
     repaired: Option<RepairCounts>,
     after: Option<MeshReport>,
 }
 
 pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, CommandFailure> {
-    let format = arguments.output.as_deref().map(|path| checked_mesh_format(path, arguments)).transpose()?;
+    let format = arguments.output.as_deref().map(|path| output_mesh_format(path, arguments)).transpose()?;
     let progress = ProgressDisplay::new(arguments.quiet);
     let memory = arguments.memory.map_or(MemoryLimit::System, MemoryLimit::Limit);
     let loaded = mesh::load_with_memory_limit(&arguments.mesh, &progress, memory.available_bytes()).map_err(|e| {
@@ -66,7 +66,7 @@ pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, CommandFailure> {
     before.repeated_vertices = loaded.repeated_vertices();
     let mut changed = None;
     let (mut after, mut repaired) = (None, None);
-    if arguments.has_changes() {
+    if arguments.changes_mesh() {
         let mut mesh = loaded.mesh.clone();
         repaired = Some(apply_mesh_changes(&mut mesh, arguments)?);
         after = Some(mesh.mesh_report());
@@ -92,7 +92,7 @@ pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, CommandFailure> {
             progress.print_line(&format!("wrote {}", path.display()));
         }
     }
-    failures.ok_or_collect(std::io::stdout().write_all(text.as_bytes()));
+    failures.ok_or_collect_error(std::io::stdout().write_all(text.as_bytes()));
     failures.into_result(Exit::Success)
 }
 
@@ -101,7 +101,7 @@ pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, CommandFailure> {
 /// Measured on a grid of a million triangles: 165.
 const BYTES_PER_TRIANGLE: u64 = 200;
 
-/// Returns a failure if there is too little memory to inspect or repair a loaded mesh.
+/// Checks that there is enough memory to inspect or repair a loaded mesh.
 fn check_mesh_memory(path: &Path, mesh: &TriangleMesh, memory: MemoryLimit) -> Result<(), CommandFailure> {
     let needed = BYTES_PER_TRIANGLE * mesh.triangles.len() as u64;
     match memory.available_bytes() {
@@ -113,26 +113,28 @@ fn check_mesh_memory(path: &Path, mesh: &TriangleMesh, memory: MemoryLimit) -> R
     }
 }
 
-/// Returns the format of the output file, or a failure if the file cannot be written.
-fn checked_mesh_format(path: &Path, arguments: &MeshArguments) -> Result<MeshFormat, CommandFailure> {
+/// Returns the format of the output mesh file. Fails if the file cannot be written.
+fn output_mesh_format(path: &Path, arguments: &MeshArguments) -> Result<MeshFormat, CommandFailure> {
     let format = MeshFormat::from_path(path, arguments.ascii);
     let format =
-        format.ok_or_else(|| CommandFailure::new(Exit::Output, UnknownMeshFormat { path: path.to_owned() }))?;
+        format.ok_or_else(|| CommandFailure::new(Exit::Output, UnknownMeshFormatError { path: path.to_owned() }))?;
     check_replaceable(path).map_err(CommandFailure::output_error)?;
     check_distinct_files(&[FileWithRole::new("-o", path)], &[FileWithRole::new("the mesh", &arguments.mesh)])?;
     Ok(format)
 }
 
-/// Applies the transforms and repairs of the command line to the mesh.
+/// Applies the transforms and repairs of the command line to the mesh. Returns counts of the
+/// repairs.
 fn apply_mesh_changes(mesh: &mut TriangleMesh, arguments: &MeshArguments) -> Result<RepairCounts, CommandFailure> {
     let (scale, offset) = (arguments.scale.unwrap_or(1.0), arguments.translate.unwrap_or(DVec3::ZERO));
     if arguments.scale.is_some() || arguments.translate.is_some() {
         mesh.positions.iter_mut().for_each(|p| *p = *p * scale + offset);
     }
-    let lost =
-        |lost: fn(PathBuf) -> InvalidMeshResult, exit| Err(CommandFailure::new(exit, lost(arguments.mesh.clone())));
+    let lost = |lost: fn(PathBuf) -> InvalidMeshResultError, exit| {
+        Err(CommandFailure::new(exit, lost(arguments.mesh.clone())))
+    };
     if !mesh.positions.iter().all(|p| p.is_finite()) {
-        return lost(InvalidMeshResult::Coordinates, Exit::Usage);
+        return lost(InvalidMeshResultError::Coordinates, Exit::Usage);
     }
     let all = arguments.repair;
     let repaired = mesh.repair(&MeshRepairs {
@@ -152,14 +154,15 @@ fn apply_mesh_changes(mesh: &mut TriangleMesh, arguments: &MeshArguments) -> Res
         mesh.compute_smooth_normals(angle);
     }
     if mesh.triangles.is_empty() {
-        return lost(InvalidMeshResult::Triangles, Exit::Input);
+        return lost(InvalidMeshResultError::Triangles, Exit::Input);
     }
     Ok(repaired)
 }
 
-/// Writes the mesh. Returns `None` if the mesh file could not be written.
+/// Writes the mesh to `path`. Returns `None` if the mesh file could not be written.
 ///
-/// An OBJ file in another folder than its source gets a copy of its materials.
+/// If `path` is an OBJ file in another folder than the source mesh, writes a copy of its materials
+/// too.
 fn write_mesh_and_materials(
     arguments: &MeshArguments,
     loaded: &LoadedMesh,
@@ -178,7 +181,7 @@ fn write_mesh_and_materials(
         libraries = match mtl::load_libraries(&arguments.mesh, &loaded.libraries, memory.available_bytes()) {
             Ok(materials) => {
                 let beside = path.with_extension("mtl");
-                failures.ok_or_collect(mtl::write(&beside, &materials));
+                failures.ok_or_collect_error(mtl::write(&beside, &materials));
                 beside.file_name().map(|name| name.to_string_lossy().into_owned()).into_iter().collect()
             }
             Err(error) => {
@@ -187,10 +190,11 @@ fn write_mesh_and_materials(
             }
         };
     }
-    failures.ok_or_collect(mesh.write(path, format, &libraries))
+    failures.ok_or_collect_error(mesh.write(path, format, &libraries))
 }
 
-/// Returns the folder of a file. Links in the path of an existing folder are resolved.
+/// Returns the folder that contains the file `path`. Symbolic links are resolved if the folder
+/// exists.
 fn canonical_folder(path: &Path) -> PathBuf {
     let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     std::fs::canonicalize(parent).unwrap_or_else(|_| parent.to_owned())

@@ -65,7 +65,7 @@ fn a_relative_error_of_two_is_refused_as_ambiguous() {
 }
 
 #[test]
-fn seeds_are_whole_numbers_of_64_bits() {
+fn seeds_are_unsigned_integers() {
     assert_eq!(parse_seed("18446744073709551615"), Ok(u64::MAX));
     for bad in ["18446744073709551616", "-1", "1.5", "many", ""] {
         assert!(parse_seed(bad).unwrap_err().contains("from 0 to 18446744073709551615"), "{bad}");

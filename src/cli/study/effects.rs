@@ -4,7 +4,7 @@ use super::output::{ReportWriter, StudyOutputs, study_output_files};
 use crate::cli::interrupt::{INTERRUPTED, listen_for_signals};
 use crate::cli::memory::{check_photon_memory, check_picture_memory};
 use crate::cli::outputs::{FileWithRole, check_distinct_files};
-use crate::cli::plan::{self, EffectReport};
+use crate::cli::plan::{self, EffectDecisionReport};
 use crate::cli::progress::{InputFileCollector, ProgressDisplay, print_message, warn_of_rejected_samples};
 use crate::cli::scene::{load_scene, with_thread_pool};
 use crate::cli::settings::settings_from_arguments;
@@ -56,18 +56,18 @@ fn run_effect_study(
         .map_err(CommandFailure::usage_error)?;
     let study =
         EffectStudy::prepare(&scene, algorithm, &settings_from_arguments(&arguments.method, arguments.simulate));
-    check_photon_memory(study.largest_expected_photons(), pictures, memory.available_bytes())
+    check_photon_memory(study.max_expected_photon_counts(), pictures, memory.available_bytes())
         .map_err(CommandFailure::usage_error)?;
     progress.print_line(&plan::simulated_effects_line(study.plan()));
     plan::omitted_effect_warnings(study.plan()).for_each(|line| print_message(&line));
     let (pictures, passes) = (study.picture_count(), arguments.passes.unwrap_or(DEFAULT_PASSES));
     progress.print_line(&format!("{pictures} pictures of {passes} passes each"));
-    progress.set_pass(1, Some(passes));
+    progress.set_pass_number(1, Some(passes));
     let found = study.run(passes, &INTERRUPTED, progress, |made| {
         if progress.uses_plain_lines() {
             progress.print_line(&format!("pass {made}/{passes} of each after {:.1} s", start.elapsed().as_secs_f64()));
         }
-        progress.set_pass(made + 1, Some(passes));
+        progress.set_pass_number(made + 1, Some(passes));
     });
     progress.remove_progress_bar();
     let found = found.into_diagnostic().map_err(|e| CommandFailure::new(Exit::Input, e))?;
@@ -102,14 +102,14 @@ fn report_context(arguments: &StudyArguments) -> ReportContext {
     ReportContext { scene, integrator, seed, exposure: arguments.exposure }
 }
 
-/// Returns all figures of a study of effects as JSON.
+/// Returns the results of a study of effects as JSON.
 fn effect_study_json(arguments: &StudyArguments, found: &EffectStudyResult) -> miette::Result<String> {
     let scene = arguments.scene.scene.display().to_string();
     let report = EffectStudyReport::new(scene, arguments.method.integrator.name(), arguments.method.seed, found);
     serde_json::to_string_pretty(&report).into_diagnostic()
 }
 
-/// Returns all figures of a study of effects as a text table.
+/// Returns the results of a study of effects as a text table.
 fn effects_table(integrator: &str, found: &EffectStudyResult) -> String {
     let clock = match found.clock {
         ClockKind::Processor => "processor",
@@ -150,7 +150,7 @@ fn effects_table(integrator: &str, found: &EffectStudyResult) -> String {
         );
     }
     for decision in found.plan.decisions.iter().filter(|d| !d.is_simulated) {
-        let forced = if decision.is_forced() { ", forced, although " } else { ": " };
+        let forced = if decision.is_forced_by_user() { ", forced, although " } else { ": " };
         let _ = writeln!(text, "  {:<16} off{forced}{}", decision.effect, decision.reason);
     }
     text
@@ -169,30 +169,30 @@ struct EffectStudyReport<'f> {
     interrupted: bool,
     clock: ClockKind,
     mean: f64,
-    whole: PictureWork<'f>,
-    effects: Vec<EffectRow<'f>>,
+    whole: PictureCostReport<'f>,
+    effects: Vec<EffectResultReport<'f>>,
 }
 
 #[derive(Debug, Serialize)]
-struct PictureWork<'f> {
+struct PictureCostReport<'f> {
     setup: f64,
     seconds: f64,
     counters: &'f Counters,
 }
 
 #[derive(Debug, Serialize)]
-struct EffectRow<'f> {
+struct EffectResultReport<'f> {
     #[serde(flatten)]
-    effect: EffectReport,
-    /// Work of the picture without the effect; `None` if the effect is off.
-    without: Option<PictureWork<'f>>,
-    /// Additional work for the effect; `None` if the effect is off.
+    effect: EffectDecisionReport,
+    /// Time and counters of the picture without the effect; `None` if the effect is off.
+    without: Option<PictureCostReport<'f>>,
+    /// Additional time and rays for the effect; `None` if the effect is off.
     cost: Option<EffectCost>,
-    /// Change of the picture by the effect; `None` if the effect is off.
+    /// Change that the effect makes to the picture; `None` if the effect is off.
     gain: Option<EffectContribution>,
 }
 
-impl<'f> From<&'f PictureCost> for PictureWork<'f> {
+impl<'f> From<&'f PictureCost> for PictureCostReport<'f> {
     fn from(spent: &'f PictureCost) -> Self {
         Self { setup: spent.setup, seconds: spent.total_pass_seconds(), counters: &spent.counters }
     }
@@ -200,9 +200,9 @@ impl<'f> From<&'f PictureCost> for PictureWork<'f> {
 
 impl<'f> EffectStudyReport<'f> {
     fn new(scene: String, integrator: &'static str, seed: u64, found: &'f EffectStudyResult) -> Self {
-        let row = |(effect, decision): (EffectReport, &EffectDecision)| {
+        let row = |(effect, decision): (EffectDecisionReport, &EffectDecision)| {
             let finding = found.effects.iter().find(|f| f.decision.effect == decision.effect);
-            EffectRow {
+            EffectResultReport {
                 effect,
                 without: finding.map(|f| (&f.without).into()),
                 cost: finding.map(|f| f.cost),

@@ -12,16 +12,16 @@ use clap::ValueEnum;
 /// Values of `--gather-k` to try.
 const GATHER_COUNTS: [u32; 5] = [10, 20, 50, 100, 200];
 
-/// Factors by which the pilot's gather radius is multiplied.
+/// Values of `--radius` to try, as multiples of the gather radius that a pilot found.
 const RADIUS_FACTORS: [f32; 3] = [0.5, 1.0, 2.0];
 
-/// Factors by which the numbers of photon paths are multiplied.
+/// Numbers of photon paths to try, as multiples of the numbers that a pilot chose.
 const PHOTON_FACTORS: [f64; 2] = [0.25, 4.0];
 
 /// Values of `--alpha` to try besides the default of ⅔.
 const ALPHAS: [f64; 3] = [0.5, 0.8, 1.0];
 
-/// Factors by which the number of camera rays per pixel is multiplied.
+/// Numbers of camera rays per pixel to try, as multiples of the number that a pilot chose.
 const CAMERA_RAY_FACTORS: [f64; 2] = [0.5, 2.0];
 
 /// Settings that pilot passes chose for a method.
@@ -52,9 +52,9 @@ impl PilotChosenSettings {
 
 /// Returns a method with default settings, and variants of it that differ in one setting each.
 ///
-/// A pilot chooses the numbers of rays and photons once for all variants. The variants of
-/// `--radius` scale a gather radius that the pilot found: that of the caustic map for `hybrid`, and
-/// that of the indirect map for other methods.
+/// One pilot chooses the numbers of rays and photons for all variants. Variants of `--radius` scale
+/// the gather radius that the pilot found: of the caustic map for `hybrid`, else of the indirect
+/// map.
 pub(super) fn knob_study_variants(
     algorithm: Algorithm,
     shared: &MethodArguments,
@@ -66,7 +66,8 @@ pub(super) fn knob_study_variants(
     one_setting_variants(plain, &pilot)
 }
 
-/// Returns the method `plain` and its variants, given the settings that a pilot chose.
+/// Returns the method `plain`, and variants of it with one setting changed. `pilot` holds the
+/// settings that the changes start from.
 fn one_setting_variants(plain: VariantArguments, pilot: &PilotChosenSettings) -> Vec<VariantArguments> {
     let VariantArguments { label: name, mut method } = plain;
     let algorithm = method.integrator;

@@ -28,7 +28,7 @@ use miette::IntoDiagnostic;
 /// Default processor time of a reference, as a multiple of `--budget`.
 const REFERENCE_BUDGET_FACTOR: f64 = 4.0;
 
-/// Ratio of processor time to wall time of all threads, below which a warning is printed.
+/// Smallest ratio of processor time to wall time × threads at which no warning is printed.
 ///
 /// A smaller ratio means that other programs ran, or that threads waited.
 const MIN_THREAD_SHARE: f64 = 0.9;
@@ -45,18 +45,19 @@ const REPORT_WRITERS: [(&str, ReportWriter<MethodStudyResult>); 4] = [
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("{flag} applies to rendered references, but --truth names files")]
 #[diagnostic(help("leave out one of the two flags"))]
-struct UnusedTruthFlag {
+struct UnusedTruthFlagError {
     flag: &'static str,
 }
 
-/// Usage error: the pictures of the study do not fit into memory.
+/// Usage error: the pictures of the study need more memory (`needed`) than there is (`free`)
+/// \[bytes].
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error(
     "{seeds} seeds of {variants} methods with {} × {} pixels take {} of memory, and {} are free",
     size.0, size.1, format_bytes(*needed), format_bytes(*free)
 )]
 #[diagnostic(help("choose a smaller --size, fewer --seeds or fewer methods, or allow more --memory"))]
-struct TooManyPictures {
+struct TooManyPicturesError {
     seeds: u32,
     variants: usize,
     size: (u32, u32),
@@ -71,7 +72,7 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, CommandFailure> {
     if kind.truth != ReferenceSource::Auto {
         let unused = [("--save-truth", kind.save_truth.is_some()), ("--truth-time", kind.truth_time.is_some())];
         if let Some((flag, _)) = unused.into_iter().find(|(_, given)| *given) {
-            return Err(CommandFailure::usage_error(UnusedTruthFlag { flag }));
+            return Err(CommandFailure::usage_error(UnusedTruthFlagError { flag }));
         }
     }
     if let Some((a, b)) = &kind.save_truth {
@@ -102,7 +103,7 @@ fn run_method_study(
     let (needed, seeds) = (MethodStudy::study_picture_bytes(size, variants.len(), kind.seeds), kind.seeds);
     let memory = arguments.scene.memory_limit();
     if let Some(free) = memory.available_bytes().filter(|free| needed > *free) {
-        return Err(CommandFailure::usage_error(TooManyPictures {
+        return Err(CommandFailure::usage_error(TooManyPicturesError {
             seeds,
             variants: variants.len(),
             size,
@@ -124,7 +125,7 @@ fn run_method_study(
     let runs = count_with_noun(variants.len(), "method", "methods");
     let study =
         MethodStudy::prepare(&scene, variants, kind.seeds).into_diagnostic().map_err(CommandFailure::usage_error)?;
-    check_photon_memory(study.largest_expected_photons(), needed, memory.available_bytes())
+    check_photon_memory(study.max_expected_photon_counts(), needed, memory.available_bytes())
         .map_err(CommandFailure::usage_error)?;
     let Some(references) =
         given.map_or_else(|| render_references(arguments, &scene, progress), |given| Ok(Some(given)))?
@@ -138,9 +139,9 @@ fn run_method_study(
         kind.budget.as_secs_f64()
     ));
     let limits = StudyLimits { budget: kind.budget.as_secs_f64(), passes: arguments.passes };
-    progress.set_pass(1, arguments.passes);
+    progress.set_pass_number(1, arguments.passes);
     let found = study.run(&studied_scene(arguments), limits, &references, &INTERRUPTED, progress, |step| match step {
-        MethodStudyEvent::Round(made) => progress.set_pass(made + 1, arguments.passes),
+        MethodStudyEvent::Round(made) => progress.set_pass_number(made + 1, arguments.passes),
         MethodStudyEvent::Checkpoint(label, at) => progress.print_line(&format!(
             "{label}: {} after {:.2} s, error {}",
             count_with_noun(at.passes as usize, "pass", "passes"),
@@ -187,19 +188,19 @@ fn render_references(
     let seconds = kind.truth_time.map_or(default, |time| time.as_secs_f64());
     let like = settings_from_arguments(&arguments.method, arguments.simulate).camera_paths;
     progress.print_line(&format!("two references with {seconds:.1} s of processor time each"));
-    progress.set_pass(1, None);
+    progress.set_pass_number(1, None);
     let rendered = ReferencePictures::render(scene, &like, seconds, &INTERRUPTED, progress, |made, part| {
         if progress.uses_plain_lines() && made.is_power_of_two() {
             let made = count_with_noun(made as usize, "pass", "passes");
             progress.print_line(&format!("references: {made} of each, {:.0} % of the time", 100.0 * part.min(1.0)));
         }
-        progress.set_pass(made + 1, None);
+        progress.set_pass_number(made + 1, None);
     });
     let rendered = rendered.into_diagnostic().map_err(|e| CommandFailure::new(Exit::Input, e))?;
     if let (Some(references), Some((a, b))) = (&rendered, &kind.save_truth) {
         let mut failures = OutputFailures::default();
         for (path, picture) in [a, b].into_iter().zip(references.both_reference_pictures()) {
-            if failures.ok_or_collect(write(path, picture, &WriteOptions::default())).is_some() {
+            if failures.ok_or_collect_error(write(path, picture, &WriteOptions::default())).is_some() {
                 progress.print_line(&format!("wrote {}", path.display()));
             }
         }
@@ -208,7 +209,8 @@ fn render_references(
     Ok(rendered)
 }
 
-/// Returns the scene of the study and the command line that repeats the study.
+/// Returns the path and picture size of the study's scene, and the shell command that repeats the
+/// study.
 fn studied_scene(arguments: &StudyArguments) -> StudiedScene {
     let (kind, scene) = (&arguments.kind, arguments.scene.scene.display().to_string());
     // A name with a leading dash would be parsed as a flag.

@@ -10,22 +10,23 @@ use std::path::{Path, PathBuf};
 /// Function that makes the text of a report from the result `F` of a study.
 pub(super) type ReportWriter<F> = fn(&StudyArguments, &F) -> miette::Result<String>;
 
-/// Error: the extension of an output names no report format.
+/// Error: the extension of an output path names no report format.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("`{}` has no extension of a report", path.display())]
 #[diagnostic(help("give it the extension {known}"))]
-struct UnknownReportFormat {
+struct UnknownReportFormatError {
     path: PathBuf,
     known: String,
 }
 
-/// Paths of the report files to write, each with the function that makes its text.
+/// Report files to write: their paths, and the functions that make their texts.
 pub(super) struct StudyOutputs<'a, F>(Vec<(&'a Path, ReportWriter<F>)>);
 
 impl<'a, F> StudyOutputs<'a, F> {
-    /// Returns the report files of the command line, or a failure if one cannot be written.
+    /// Returns the report files that the command line names. Fails if one of them cannot be
+    /// written.
     ///
-    /// `known` lists the extensions and their writers.
+    /// `known` lists the file extensions of reports, each with the function that makes the text.
     pub fn from_arguments(
         arguments: &'a StudyArguments,
         known: &[(&str, ReportWriter<F>)],
@@ -36,7 +37,7 @@ impl<'a, F> StudyOutputs<'a, F> {
             };
             let (_, writer) = known.iter().find(matches).ok_or_else(|| {
                 let known = known.iter().map(|(extension, _)| format!(".{extension}")).collect::<Vec<_>>().join(" or ");
-                CommandFailure::new(Exit::Output, UnknownReportFormat { path: path.clone(), known })
+                CommandFailure::new(Exit::Output, UnknownReportFormatError { path: path.clone(), known })
             })?;
             check_replaceable(path).map_err(CommandFailure::output_error)?;
             Ok((path.as_path(), *writer))
@@ -63,12 +64,12 @@ impl<'a, F> StudyOutputs<'a, F> {
         let mut failures = OutputFailures::default();
         for (path, writer) in &self.0 {
             let Some(report) = failures.ok_or_collect_report(writer(arguments, found)) else { continue };
-            if failures.ok_or_collect(replace_file(path, report.as_bytes())).is_some() {
+            if failures.ok_or_collect_error(replace_file(path, report.as_bytes())).is_some() {
                 progress.print_line(&format!("wrote {}", path.display()));
             }
         }
         if let Some(text) = failures.ok_or_collect_report(text) {
-            failures.ok_or_collect(std::io::stdout().write_all(text.as_bytes()));
+            failures.ok_or_collect_error(std::io::stdout().write_all(text.as_bytes()));
         }
         failures.into_result(exit)
     }
@@ -81,18 +82,18 @@ pub(super) fn study_output_files(arguments: &StudyArguments) -> Vec<FileWithRole
     reports.chain(references.map(|path| FileWithRole::new("--save-truth", path))).collect()
 }
 
-/// Error: the file format of a reference would clip radiance.
+/// Error: the file of a reference picture is not OpenEXR. Other formats would clip radiance.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("`{}` cannot hold a reference: its format clips radiance", path.display())]
 #[diagnostic(help("give it the extension .exr"))]
-struct ReferenceNotExr {
+struct ReferenceNotExrError {
     path: PathBuf,
 }
 
-/// Returns a failure unless `path` is a writable OpenEXR file, which a reference needs.
+/// Checks that a reference picture can be written to `path`, which must be an OpenEXR file.
 pub(super) fn check_reference_path(path: &Path) -> Result<(), CommandFailure> {
     if !matches!(OutputFormat::from_path(path), Ok(OutputFormat::Exr)) {
-        return Err(CommandFailure::new(Exit::Output, ReferenceNotExr { path: path.to_owned() }));
+        return Err(CommandFailure::new(Exit::Output, ReferenceNotExrError { path: path.to_owned() }));
     }
     check_writable(path).map_err(CommandFailure::output_error)
 }

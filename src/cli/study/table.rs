@@ -48,7 +48,7 @@ pub(super) fn square_root_percent_text(square: f64) -> String {
 /// Returns the root mean square of the renderer's own error estimates of all seeds, in percent;
 /// empty if there are none.
 fn rms_estimated_error(checkpoint: &ConvergenceCheckpoint) -> String {
-    checkpoint.mean_estimated_square().map_or(String::new(), square_root_percent_text)
+    checkpoint.mean_square_of_estimated_error().map_or(String::new(), square_root_percent_text)
 }
 
 /// Returns the exponent in error ∝ time^exponent between two checkpoints; `None` if it is unknown.

@@ -7,7 +7,7 @@ use crate::plan::EffectOverrides;
 use crate::study::methods::MethodVariant;
 use clap::{Parser, ValueEnum};
 
-/// Flags that a variant may not set itself, because all methods of a study share them.
+/// Flags that all methods of a study share. A variant may not set them.
 const STUDY_WIDE_FLAGS: [&str; 3] = ["--integrator", "--filter", "--seed"];
 
 /// Error: the value of `--variant` cannot be parsed.
@@ -35,16 +35,18 @@ pub(super) struct VariantArguments {
 }
 
 impl VariantArguments {
-    /// Makes a variant with the flags that all methods share.
+    /// Makes a variant of `algorithm` that has only the flags that all methods share.
     pub fn from_algorithm(algorithm: Algorithm, shared: &MethodArguments) -> Self {
         let method = MethodArguments { integrator: algorithm, ..shared.clone() };
         Self { label: algorithm.name().to_owned(), method }
     }
 
-    /// Parses a method and its flags, which override the shared flags.
+    /// Parses a method and its own flags, such as `sppm --gather-k 20`. They override the `shared`
+    /// flags.
     ///
     /// # Errors
-    /// [`VariantParseError`] if there is no such method, or a flag is unknown or shared.
+    /// [`VariantParseError`] if there is no such method, or if a flag is unknown or in
+    /// [`STUDY_WIDE_FLAGS`].
     pub fn parse(text: &str, shared: &MethodArguments) -> Result<Self, VariantParseError> {
         let bad = |reason: String, remedy: String| VariantParseError { text: text.to_owned(), reason, remedy };
         let words: Vec<&str> = text.split_whitespace().collect();
@@ -76,7 +78,7 @@ impl VariantArguments {
         })
     }
 
-    /// Converts to a variant of the study library. `overrides` says which effects are simulated.
+    /// Converts the arguments to a method of the study. `overrides` forces effects on or off.
     pub fn into_study_variant(self, overrides: EffectOverrides) -> MethodVariant {
         MethodVariant {
             label: self.label,

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// The indices of BK7 equal those of the manufacturer's catalogue to its last digit.
+/// Compares the refractive indices of BK7 with the manufacturer's catalogue, to its last digit.
 #[test]
 fn borosilicate_crown_matches_the_catalogue() {
     let bk7 = glass_by_name("BK7").unwrap();
@@ -13,7 +13,8 @@ fn borosilicate_crown_matches_the_catalogue() {
     assert!((bk7.abbe_number() - 64.167).abs() < 5e-3, "{}", bk7.abbe_number());
 }
 
-/// Indices at the d line and Abbe numbers equal those of catalogues and tables to their last digit.
+/// Compares refractive indices at the d line and Abbe numbers with catalogues and tables, to their
+/// last digit.
 #[test]
 fn glasses_match_published_refractive_indices() {
     let known = [

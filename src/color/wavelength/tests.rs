@@ -14,8 +14,10 @@ fn hue_degrees(c: Rgb) -> f32 {
     if angle < -90.0 { angle + 360.0 } else { angle }
 }
 
-/// The mean weight of all wavelengths is white. The error of the midpoint rule is at most the
-/// variation of the weight, which is below 20, divided by twice the number of points.
+/// Averages the weight over all wavelengths: the mean is white.
+///
+/// The midpoint rule errs by at most the variation of the weight, which is below 20, over twice the
+/// number of points.
 #[test]
 fn white_light_stays_white() {
     let n = 1u32 << 22;
@@ -28,7 +30,7 @@ fn white_light_stays_white() {
 }
 
 #[test]
-fn weights_average_one_and_pdf_integrates_to_one() {
+fn wavelength_weights_average_one_and_pdf_integrates_to_one() {
     let mut integral = 0.0;
     for cell in 0..CELLS {
         let w = wavelength_of_nanometres(SHORTEST + (cell as f32 + 0.5) * STEP);
@@ -41,7 +43,7 @@ fn weights_average_one_and_pdf_integrates_to_one() {
 }
 
 #[test]
-fn hues_follow_the_spectrum() {
+fn wavelength_hues_follow_the_spectrum() {
     let (red, yellow, green, blue) = (
         wavelength_of_nanometres(650.0),
         wavelength_of_nanometres(580.0),
@@ -67,7 +69,7 @@ fn hues_follow_the_spectrum() {
     assert!(beyond > 0.999, "{beyond}");
 }
 
-/// Chi-square test of a million sampled wavelengths; its false-alarm rate is 10⁻⁴.
+/// Applies a chi-square test to a million sampled wavelengths; its false-alarm rate is 10⁻⁴.
 #[test]
 fn wavelength_samples_follow_the_pdf() {
     let n = 1_000_000u32;

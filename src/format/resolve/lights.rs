@@ -7,7 +7,7 @@ use crate::format::description::{
     AreaLightStrength, DirectionalLightStrength, EnvironmentRadiance, LightDescription, LightPattern,
     PointLightStrength, Span, Spanned, TransformStep,
 };
-use crate::image::PictureContent;
+use crate::image::PixelMeaning;
 use crate::light::{
     EnvironmentLight, EquirectangularMap, IntensityPattern, OrientedPointLight, ProjectedPicture,
     map_from_intensity_profile,
@@ -71,7 +71,7 @@ pub(super) fn add_light(
         }
         LightDescription::Environment(radiance) => {
             let environment = make_environment(r, radiance, light.span)?;
-            r.builder.environment(environment);
+            r.builder.set_environment(environment);
         }
     }
     Ok(())
@@ -83,10 +83,10 @@ fn make_environment(
     span: Span,
 ) -> Result<EnvironmentLight, SceneError> {
     match described {
-        EnvironmentRadiance::Constant(radiance) => EnvironmentLight::constant(rgb(*radiance))
+        EnvironmentRadiance::Constant(radiance) => EnvironmentLight::with_constant_radiance(rgb(*radiance))
             .map_err(|e| r.error_at(span, &e.to_string(), "give a radiance that single precision can hold")),
         EnvironmentRadiance::Picture { path, scale, rotate } => {
-            let map = r.read_picture(path, PictureContent::Radiance)?;
+            let map = r.read_picture(path, PixelMeaning::Radiance)?;
             EnvironmentLight::new(map, rotate.to_radians(), Rgb::splat(*scale as f32))
                 .map_err(|e| r.file_error(path, &e, "repair the picture, or scale it less"))
         }
@@ -101,7 +101,7 @@ fn make_oriented_light(
     up: DVec3,
     pattern: &LightPattern,
 ) -> Result<OrientedPointLight, SceneError> {
-    let read = |path: &Spanned<String>| r.read_picture(path, PictureContent::Radiance);
+    let read = |path: &Spanned<String>| r.read_picture(path, PixelMeaning::Radiance);
     let (pattern, direction, up) = match pattern {
         LightPattern::Picture { path, angle } => {
             let picture = ProjectedPicture::new(read(path)?, angle.to_radians());
@@ -148,9 +148,9 @@ fn parse_profile(text: &str) -> Option<Vec<(f64, f64)>> {
 /// Adds a light without extent.
 fn add_delta_light(r: &mut Resolver<'_>, kind: DeltaLightKind, strength: LightStrength, motion: &Motion) {
     if motion.is_constant() {
-        r.builder.delta_light(kind, strength);
+        r.builder.add_delta_light(kind, strength);
     } else {
-        r.builder.moving_delta_light(kind, strength, motion);
+        r.builder.add_moving_delta_light(kind, strength, motion);
     }
 }
 
@@ -168,11 +168,11 @@ fn add_area_light(
         AreaLightStrength::Power(w) => w / (std::f64::consts::PI * shape.area()),
     };
     r.require_finite_radiance(rgb(radiance), span)?;
-    let black = r.builder.material(Material::black());
+    let black = r.builder.add_material(Material::black());
     if motion.is_constant() {
-        r.builder.shape(shape, black, rgb(radiance));
+        r.builder.add_shape(shape, black, rgb(radiance));
     } else {
-        r.builder.moving_shape(shape, motion.around_point(center), black, rgb(radiance));
+        r.builder.add_moving_shape(shape, motion.pivoted_at_point(center), black, rgb(radiance));
     }
     Ok(())
 }

@@ -3,7 +3,7 @@
 use super::media::with_body_medium;
 use super::textures::{ANY_TEXTURE_VALUE, TextureRequirements};
 use super::{Resolver, rgb};
-use crate::bsdf::{METALS, named_metal};
+use crate::bsdf::{METALS, metal_refractive_index};
 use crate::color::{DispersionFormula, GLASSES, Rgb, glass_by_name};
 use crate::format::SceneError;
 use crate::format::description::{
@@ -29,13 +29,13 @@ pub(super) fn add_materials(r: &mut Resolver<'_>) -> Result<(), SceneError> {
             }
         }
         r.texture_requirements.push(requirements);
-        r.builder.material(material.with_normal_perturbation(normals));
+        r.builder.add_material(material.with_normal_perturbation(normals));
         if let Some(name) = &described.name {
             r.material_indices.entry(name).or_insert(index as u32);
         }
     }
     if r.description.materials.is_empty() {
-        r.builder.material(Material::diffuse(Rgb::ONE));
+        r.builder.add_material(Material::diffuse(Rgb::ONE));
     }
     Ok(())
 }
@@ -82,7 +82,7 @@ pub(super) fn resolve_material(
             Material::conductor(eta, k, r.resolve_fraction_parameter(roughness, requirements)?)
         }
         MaterialKindDescription::Thin { index, transmittance } => {
-            Material::thin(*index as f32, r.resolve_reflectance_parameter(transmittance, requirements)?)
+            Material::thin_dielectric(*index as f32, r.resolve_reflectance_parameter(transmittance, requirements)?)
         }
         MaterialKindDescription::Mix { first, second, amount } => {
             let (first, second) = (material_index(r, first)?, material_index(r, second)?);
@@ -104,7 +104,7 @@ fn add_refractive_index(
         RefractiveIndexDescription::Abbe { index, abbe } => DispersionFormula::from_abbe_number(*index, *abbe),
         RefractiveIndexDescription::Glass(glass) => *glass,
     };
-    Ok((glass.refractive_index_at_d_line(), Some(r.builder.glass(glass))))
+    Ok((glass.refractive_index_at_d_line(), Some(r.builder.add_glass(glass))))
 }
 
 /// Returns the glass with a name; an error that lists all names if there is none.
@@ -123,7 +123,7 @@ fn known_glass(r: &Resolver<'_>, name: &Spanned<String>) -> Result<DispersionFor
 fn complex_refractive_index(r: &Resolver<'_>, described: &MetalDescription) -> Result<(Rgb, Rgb), SceneError> {
     match described {
         MetalDescription::Index { eta, k } => Ok((rgb(*eta), rgb(*k))),
-        MetalDescription::Named(name) => named_metal(name).ok_or_else(|| {
+        MetalDescription::Named(name) => metal_refractive_index(name).ok_or_else(|| {
             let message = format!("no metal is called `{}`", name.value);
             let help = format!("known are {}; of others, give `eta` and `k`", METALS.join(", "));
             SceneError::at_span(r.source, name.span, message, "unknown name", help)

@@ -20,7 +20,7 @@ const MAX_DENSITY: f64 = 1e12;
 pub(super) fn add_media(r: &mut Resolver<'_>) -> Result<(), SceneError> {
     for described in &r.description.media {
         let medium = make_medium(r, described)?;
-        let index = r.builder.medium(medium.clone());
+        let index = r.builder.add_medium(medium.clone());
         r.media.insert(&described.name, (index, medium));
     }
     Ok(())
@@ -129,7 +129,7 @@ pub(super) fn add_ambient_medium(r: &mut Resolver<'_>) -> Result<(), SceneError>
         let help = "leave the light out, or put the medium into a shape of a material `Clear { medium … }`";
         return Err(r.error_at(still_light_inside_motions(light).span, &message, help));
     }
-    r.builder.ambient_medium(index);
+    r.builder.set_ambient_medium(index);
     Ok(())
 }
 
@@ -151,7 +151,7 @@ pub(super) fn with_body_medium(
             return Err(SceneError::at_span(r.source, name.span, message, "fills this body", help));
         }
         medium.absorption += std::mem::replace(&mut body.absorption, Rgb::ZERO);
-        index = r.builder.medium(medium);
+        index = r.builder.add_medium(medium);
     }
     body.medium = Some(index);
     Ok(material.with_body(body))

@@ -14,7 +14,7 @@ use crate::format::description::{
 };
 use crate::format::mesh::{self, LoadedMesh, MeshError, NO_MATERIAL, TriangleMesh};
 use crate::format::mtl;
-use crate::shape::MappingKind;
+use crate::shape::TextureMappingKind;
 use crate::stats::format_bytes;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -102,7 +102,7 @@ fn add_mesh_part(
         add_still_mesh(r, &placement.at_open, &mesh.positions, normals, &mesh.triangles, emission);
         set_texcoords(r, texcoords);
     }
-    set_mapping(r, MappingKind::Uv, placement.to_world);
+    set_mapping(r, TextureMappingKind::Uv, placement.to_world);
     Ok(())
 }
 
@@ -195,7 +195,7 @@ fn add_file_material(
     let mut requirements = TextureRequirements::default();
     let material = resolve_material(r, &description.kind, &mut requirements)?;
     let normals = r.resolve_normal_perturbation(&description, &mut requirements)?;
-    let index = r.builder.material(material.with_normal_perturbation(normals));
+    let index = r.builder.add_material(material.with_normal_perturbation(normals));
     r.texture_requirements.resize(index as usize + 1, TextureRequirements::default());
     r.texture_requirements[index as usize] = requirements;
     let emission = match description.emission {

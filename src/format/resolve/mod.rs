@@ -153,7 +153,7 @@ impl Resolver<'_> {
     /// Adds all parts of the description to the builder.
     fn add_description(&mut self) -> Result<(), SceneError> {
         let description = self.description;
-        self.builder.background(rgb(description.background));
+        self.builder.set_background(rgb(description.background));
         self.add_textures()?;
         media::add_media(self)?;
         media::add_ambient_medium(self)?;
@@ -164,7 +164,7 @@ impl Resolver<'_> {
         }
         if !description.camera.motion.is_empty() {
             let steps = description.camera.motion.iter().map(TransformStep::motion_step);
-            self.builder.moving_camera(Motion::default().preceded_by_steps(steps));
+            self.builder.set_camera_motion(Motion::default().preceded_by_steps(steps));
         }
         self.add_group(&description.root, &Motion::default())
     }

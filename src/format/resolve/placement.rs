@@ -6,7 +6,7 @@ use crate::color::Rgb;
 use crate::format::SceneError;
 use crate::format::description::Span;
 use crate::math::{Motion, Transform};
-use crate::shape::{Instance, MappingKind, Mesh, MeshWithBvh, Shape};
+use crate::shape::{Instance, Mesh, MeshWithBvh, Shape, TextureMappingKind};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 use std::sync::Arc;
 
@@ -66,7 +66,7 @@ impl NormalizedMesh {
 /// Sets the emission texture of the object that was added last, if it has one.
 pub(super) fn set_emission_texture(r: &mut Resolver<'_>, emission: &ObjectEmission) {
     if let Some((texture, scale)) = emission.texture {
-        r.builder.emission_texture(texture, scale);
+        r.builder.set_emission_texture(texture, scale);
     }
 }
 
@@ -80,9 +80,9 @@ pub(super) fn add_placed_shape(
     let flat = || r.error_at(placement.span, "this shape is squeezed flat", "scale it less");
     let placed = shape.transformed(&placement.at_open).ok_or_else(flat)?;
     if placement.to_world.is_constant() {
-        r.builder.shape(placed, r.material, emission);
+        r.builder.add_shape(placed, r.material, emission);
     } else {
-        r.builder.moving_shape(shape, placement.to_world.clone(), r.material, emission);
+        r.builder.add_moving_shape(shape, placement.to_world.clone(), r.material, emission);
     }
     Ok(())
 }
@@ -93,16 +93,16 @@ fn is_current_material_textured(r: &Resolver<'_>) -> bool {
 }
 
 /// Sets the texture mapping of the object that was added last, if its material has textures.
-pub(super) fn set_mapping(r: &mut Resolver<'_>, kind: MappingKind, to_world: &Motion) {
+pub(super) fn set_mapping(r: &mut Resolver<'_>, kind: TextureMappingKind, to_world: &Motion) {
     if is_current_material_textured(r) {
-        r.builder.mapping(kind, to_world);
+        r.builder.set_texture_mapping(kind, to_world);
     }
 }
 
 /// Sets the texture coordinates of the mesh that was added last, if its material has textures.
 pub(super) fn set_texcoords(r: &mut Resolver<'_>, texcoords: Option<&[DVec2]>) {
     if let Some(texcoords) = texcoords.filter(|_| is_current_material_textured(r)) {
-        r.builder.texcoords(texcoords);
+        r.builder.set_texcoords(texcoords);
     }
 }
 
@@ -142,5 +142,5 @@ pub(super) fn add_still_mesh(
     // A mirroring map reverses the winding; the outer side must stay outside.
     let orient = |[a, b, c]: [u32; 3]| if map.swaps_handedness() { [a, c, b] } else { [a, b, c] };
     let triangles: Vec<[u32; 3]> = triangles.iter().copied().map(orient).collect();
-    r.builder.mesh(&positions, &normals, &triangles, r.material, emission);
+    r.builder.add_mesh(&positions, &normals, &triangles, r.material, emission);
 }

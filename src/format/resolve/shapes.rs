@@ -11,7 +11,7 @@ use crate::format::SceneError;
 use crate::format::description::{CurveBasis, ProfileCurve, ShapeDescription, Span};
 use crate::math::Motion;
 use crate::shape::parametric::{SplineBasis, SplineError};
-use crate::shape::{Cuboid, Disc, Frustum, MappingKind, Patch, Plane, Rectangle, Revolution, Shape, Sphere};
+use crate::shape::{Cuboid, Disc, Frustum, Patch, Plane, Rectangle, Revolution, Shape, Sphere, TextureMappingKind};
 use glam::{DVec2, DVec4};
 
 /// Adds a shape of the description, with the texture mapping and emission of the current material.
@@ -29,7 +29,7 @@ pub(super) fn add_shape(
     match shape {
         ShapeDescription::Sphere { center, radius } => {
             add_placed_shape(r, &placement, Shape::Sphere(Sphere::new(*center, *radius)), emission)?;
-            set_mapping(r, MappingKind::Spherical { center: *center }, to_world);
+            set_mapping(r, TextureMappingKind::Spherical { center: *center }, to_world);
         }
         ShapeDescription::Plane { normal, offset } => {
             if emission != Rgb::ZERO {
@@ -39,20 +39,20 @@ pub(super) fn add_shape(
             let point = *normal * (*offset / normal.length_squared());
             let plane = Plane::new(point, *normal);
             if to_world.is_constant() {
-                r.builder.plane(plane.transformed(&placement.at_open), r.material, emission);
+                r.builder.add_plane(plane.transformed(&placement.at_open), r.material, emission);
             } else {
-                r.builder.moving_plane(plane, to_world.clone(), r.material, emission);
+                r.builder.add_moving_plane(plane, to_world.clone(), r.material, emission);
             }
-            set_mapping(r, MappingKind::plane_mapping(*normal), to_world);
+            set_mapping(r, TextureMappingKind::plane_mapping(*normal), to_world);
         }
         ShapeDescription::Disc { center, normal, radius } => {
             add_placed_shape(r, &placement, Shape::Disc(Disc::circular_disc(*center, *normal, *radius)), emission)?;
-            set_mapping(r, MappingKind::disc_mapping(*center, *normal, *radius), to_world);
+            set_mapping(r, TextureMappingKind::disc_mapping(*center, *normal, *radius), to_world);
         }
         ShapeDescription::Rectangle { corner, edge0, edge1 } => {
             let rectangle = Rectangle::new(*corner, *edge0, *edge1);
             add_placed_shape(r, &placement, Shape::Rectangle(rectangle), emission)?;
-            set_mapping(r, MappingKind::rectangle_mapping(*corner, *edge0, *edge1), to_world);
+            set_mapping(r, TextureMappingKind::rectangle_mapping(*corner, *edge0, *edge1), to_world);
         }
         ShapeDescription::Box { min, max } => {
             add_solid(r, &placement, Cuboid::new(*min, *max).map(Shape::Cuboid), emission)?;
@@ -75,7 +75,7 @@ pub(super) fn add_shape(
                 let mesh = NormalizedMesh::new(vertices, normals, Some(&uv), &[[0, 1, 2]]);
                 add_instance(r, &placement, &mesh, emission)?;
             }
-            set_mapping(r, MappingKind::Uv, to_world);
+            set_mapping(r, TextureMappingKind::Uv, to_world);
         }
         ShapeDescription::Mesh { path, options } => {
             // Each part of a mesh gets its own emission texture.
@@ -85,20 +85,20 @@ pub(super) fn add_shape(
             let surface =
                 make_revolution(profile, r.memory.available_bytes()).map_err(|e| spline_error(r, span, &e))?;
             add_placed_shape(r, &placement, Shape::Revolution(surface), emission)?;
-            set_mapping(r, MappingKind::Uv, to_world);
+            set_mapping(r, TextureMappingKind::Uv, to_world);
         }
         ShapeDescription::Patches { degree, controls } => {
             return add_patches(r, &placement, *degree, controls, object_emission);
         }
         ShapeDescription::Nurbs { degree, count, knots, controls } => {
             let basis = |i: usize| match (degree[i] as usize, count[i] as usize) {
-                (degree, count) if knots[i].is_empty() => SplineBasis::uniform_knots(degree, count),
+                (degree, count) if knots[i].is_empty() => SplineBasis::uniform_spline_basis(degree, count),
                 (degree, count) => SplineBasis::new(degree, count, knots[i].clone()),
             };
             let surface = || Patch::with_memory_limit([&basis(0)?, &basis(1)?], controls, r.memory.available_bytes());
             let surface = surface().map_err(|e| spline_error(r, span, &e))?;
             add_placed_shape(r, &placement, Shape::Patch(surface), emission)?;
-            set_mapping(r, MappingKind::Uv, to_world);
+            set_mapping(r, TextureMappingKind::Uv, to_world);
         }
         // A curve has no surface.
         ShapeDescription::Curve(_) => return Ok(()),
@@ -116,7 +116,7 @@ fn add_solid(
 ) -> Result<(), SceneError> {
     let no_extent = || r.error_at(placement.span, "this shape has no extent", "make it larger");
     add_placed_shape(r, placement, solid.ok_or_else(no_extent)?, emission)?;
-    set_mapping(r, MappingKind::Uv, placement.to_world);
+    set_mapping(r, TextureMappingKind::Uv, placement.to_world);
     Ok(())
 }
 
@@ -129,7 +129,7 @@ fn add_patches(
     object_emission: &ObjectEmission,
 ) -> Result<(), SceneError> {
     let span = placement.span;
-    let [u, v] = degree.map(|d| SplineBasis::single_bezier(d as usize + 1));
+    let [u, v] = degree.map(|d| SplineBasis::bezier_basis(d as usize + 1));
     let bases = [&u.map_err(|e| spline_error(r, span, &e))?, &v.map_err(|e| spline_error(r, span, &e))?];
     // Queried once, because a query takes longer than building a small patch.
     let mut free = r.memory.available_bytes();
@@ -137,7 +137,7 @@ fn add_patches(
         let patch = Patch::with_memory_limit(bases, net, free).map_err(|e| spline_error(r, span, &e))?;
         free = free.map(|free| free.saturating_sub(patch.memory_bytes()));
         add_placed_shape(r, placement, Shape::Patch(patch), object_emission.radiance)?;
-        set_mapping(r, MappingKind::Uv, placement.to_world);
+        set_mapping(r, TextureMappingKind::Uv, placement.to_world);
         set_emission_texture(r, object_emission);
     }
     Ok(())
@@ -162,8 +162,8 @@ fn spline_error(r: &Resolver<'_>, span: Span, error: &SplineError) -> SceneError
 /// Returns the surface of revolution of a profile curve; `free` bounds its memory in bytes.
 fn make_revolution(profile: &ProfileCurve, free: Option<u64>) -> Result<Revolution, SplineError> {
     let basis = match profile.basis {
-        CurveBasis::Bezier => SplineBasis::single_bezier(profile.controls.len()),
-        CurveBasis::Bspline => SplineBasis::uniform_knots(3, profile.controls.len()),
+        CurveBasis::Bezier => SplineBasis::bezier_basis(profile.controls.len()),
+        CurveBasis::Bspline => SplineBasis::uniform_spline_basis(3, profile.controls.len()),
     }?;
     let controls: Vec<DVec2> = profile.controls.iter().map(|c| c.truncate()).collect();
     Revolution::with_memory_limit(&basis, &controls, free)

@@ -7,7 +7,7 @@ use crate::format::description::{
     self, MaterialDescription, PictureEncoding, SolidPatternDescription, Spanned, TexcoordTransformDescription,
     TextureKindDescription, TexturedValue, TransformStep, WrapMode,
 };
-use crate::image::{self, Image, PictureContent};
+use crate::image::{self, Image, PixelMeaning};
 use crate::math::Transform;
 use crate::scene::{MaterialParameter, NormalPerturbation};
 use crate::texture::{self, Checkerboard, Picture, SolidPattern, SolidTexture, Texture};
@@ -84,7 +84,7 @@ impl<'a> Resolver<'a> {
 
     fn add_texture(&mut self, texture: Texture, is_srgb: bool) -> AddedTexture {
         let (mean, range, is_solid_texture) = (texture.mean(), texture.value_range(), texture.is_solid_texture());
-        AddedTexture { index: self.builder.texture(texture), mean, range, is_solid_texture, is_srgb }
+        AddedTexture { index: self.builder.add_texture(texture), mean, range, is_solid_texture, is_srgb }
     }
 
     /// Reads a picture and adds it as a texture.
@@ -96,8 +96,8 @@ impl<'a> Resolver<'a> {
         coordinates: TexcoordTransformDescription,
     ) -> Result<AddedTexture, SceneError> {
         let content = match encoding {
-            PictureEncoding::Srgb => PictureContent::Radiance,
-            PictureEncoding::Linear => PictureContent::Data,
+            PictureEncoding::Srgb => PixelMeaning::Radiance,
+            PictureEncoding::Linear => PixelMeaning::Data,
         };
         let image = self.read_picture(path, content)?;
         let picture = Picture::new(&image, wrap)
@@ -109,7 +109,7 @@ impl<'a> Resolver<'a> {
     }
 
     /// Returns the picture of a path: an embedded one, else that of a file.
-    pub(super) fn read_picture(&self, path: &Spanned<String>, content: PictureContent) -> Result<Image, SceneError> {
+    pub(super) fn read_picture(&self, path: &Spanned<String>, content: PixelMeaning) -> Result<Image, SceneError> {
         if let Some(picture) = self.assets.pictures.get(path.as_str()) {
             return Ok((**picture).clone());
         }

@@ -12,7 +12,7 @@ fn unwrap_decoded(result: Result<Image, DecodeFailure>) -> Image {
 
 #[test]
 fn single_precision_is_lossless() {
-    let (file, report) = encode(&image_of_extreme_values(), FloatDepth::Single, &[]).unwrap();
+    let (file, report) = encode(&image_of_extreme_values(), ExrPrecision::Single, &[]).unwrap();
     let image = unwrap_decoded(read(&file, None));
     assert_eq!((image.width(), image.height()), (40, 33));
     let bits =
@@ -25,15 +25,15 @@ fn single_precision_is_lossless() {
 #[test]
 fn metadata_is_stored_and_bytes_repeat() {
     let pairs = [("Seed".to_owned(), "42".to_owned()), ("Scene".to_owned(), format!("Ω{}", "x".repeat(900)))];
-    let (file, _) = encode(&image_of_extreme_values(), FloatDepth::Single, &pairs).unwrap();
-    assert_eq!(encode(&image_of_extreme_values(), FloatDepth::Single, &pairs).unwrap().0, file);
+    let (file, _) = encode(&image_of_extreme_values(), ExrPrecision::Single, &pairs).unwrap();
+    assert_eq!(encode(&image_of_extreme_values(), ExrPrecision::Single, &pairs).unwrap().0, file);
     let headers = MetaData::read_from_buffered(Cursor::new(&file), true).unwrap().headers;
     let comments = headers[0].own_attributes.comments.as_ref().unwrap();
     assert_eq!(comments.as_slice(), format!("Seed: 42\nScene: {}", pairs[1].1).as_bytes());
     assert_eq!(headers[0].shared_attributes.chromaticities, Some(REC_709));
 }
 
-/// Returns the OpenEXR file `file` with another size in its header window `name`.
+/// An OpenEXR `file` in which the size of the header window `name` is replaced by another size.
 fn exr_with_replaced_window(file: &[u8], name: &[u8], (width, height): (i32, i32)) -> Vec<u8> {
     let window = file.windows(name.len()).position(|w| w == name).unwrap() + name.len() + 4;
     let mut file = file.to_vec();
@@ -48,7 +48,7 @@ const DISPLAY: &[u8] = b"displayWindow\0box2i\0";
 
 #[test]
 fn an_implausible_size_is_refused() {
-    let (file, _) = encode(&image_of_extreme_values(), FloatDepth::Single, &[]).unwrap();
+    let (file, _) = encode(&image_of_extreme_values(), ExrPrecision::Single, &[]).unwrap();
     for window in [DATA, DISPLAY] {
         for (side, expected) in [(16_384, "too short"), (20_000, "too large")] {
             let huge = exr_with_replaced_window(&file, window, (side, side));
@@ -64,19 +64,19 @@ fn an_implausible_size_is_refused() {
     assert_eq!(image.pixels()[40], Vec3::ZERO);
 }
 
-/// A picture is read although it takes more than half a gigabyte in single precision.
+/// A picture is read although it takes more than half a gigabyte, the default limit of the decoder.
 #[test]
 fn pictures_may_exceed_the_limit_of_the_decoder() {
     let noise = |i: u32| Vec3::splat((i.wrapping_mul(2_654_435_761) >> 8) as f32);
     let image = Image::from_pixels(256, 256, (0..256 * 256).map(noise).collect()).unwrap();
-    let (file, _) = encode(&image, FloatDepth::Single, &[]).unwrap();
+    let (file, _) = encode(&image, ExrPrecision::Single, &[]).unwrap();
     let read = unwrap_decoded(read(&exr_with_replaced_window(&file, DISPLAY, (6720, 6720)), None));
     assert_eq!((read.width(), read.height(), read.pixels()[255]), (6720, 6720, image.pixels()[255]));
 }
 
 #[test]
 fn damaged_files_never_panic() {
-    let (file, _) = encode(&image_of_extreme_values(), FloatDepth::Single, &[("Seed".into(), "42".into())]).unwrap();
+    let (file, _) = encode(&image_of_extreme_values(), ExrPrecision::Single, &[("Seed".into(), "42".into())]).unwrap();
     for cut in (4..file.len()).step_by(7) {
         assert!(read(&file[..cut], None).is_err(), "cut at {cut}");
     }

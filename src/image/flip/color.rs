@@ -23,9 +23,9 @@ static RELATIVE_XYZ: LazyLock<(DMat3, DMat3)> = LazyLock::new(|| {
     (to, to.inverse())
 });
 
-/// Exponent of colour differences, q_c of the paper.
+/// Exponent of colour differences in ꟻLIP: q_c of Andersson et al. 2020.
 const COLOR_EXPONENT: f64 = 0.7;
-/// Knee of the map from colour difference to error (p_c and p_t of the paper).
+/// Knee of the map from colour difference to ꟻLIP error: p_c and p_t of Andersson et al. 2020.
 ///
 /// The first number is the colour difference at the knee, relative to the largest difference. The
 /// second is the error at the knee.
@@ -69,15 +69,16 @@ fn hyab_distance(a: DVec3, b: DVec3) -> f64 {
     d.x.abs() + (d.y * d.y + d.z * d.z).sqrt()
 }
 
-/// Largest colour difference between two colours of the RGB cube: green and blue.
+/// Largest colour difference in the RGB cube: that of green and blue.
+///
+/// A colour difference is the HyAB distance to the power [`COLOR_EXPONENT`].
 static LARGEST: LazyLock<f64> = LazyLock::new(|| {
     libm::pow(hyab_distance(hunt_lab_from_rgb(DVec3::Y), hunt_lab_from_rgb(DVec3::Z)), COLOR_EXPONENT)
 });
 
-/// Returns the error between two colours, from 0 to 1. It is a power of the HyAB distance,
-/// compressed above [`KNEE`].
+/// Error between the colours `a` and `b`, from 0 to 1; both are Hunt-adjusted CIELAB.
 ///
-/// `a` and `b` are Hunt-adjusted CIELAB.
+/// The error is a power of the HyAB distance, compressed above [`KNEE`].
 pub(super) fn color_error(a: DVec3, b: DVec3) -> f64 {
     let error = libm::pow(hyab_distance(a, b), COLOR_EXPONENT);
     let (fraction, at_knee) = KNEE;
@@ -101,8 +102,10 @@ mod tests {
         assert!(lab.y.abs() < 1e-4 && lab.z.abs() < 1e-4, "{lab}");
     }
 
-    /// CIELAB of the red primary is (53.24, 80.09, 67.20) by Lindbloom's calculator for D65. Chroma
-    /// is multiplied by L*/100.
+    /// Lindbloom's calculator gives (53.24, 80.09, 67.20) for CIELAB of the red primary and white
+    /// D65.
+    ///
+    /// The Hunt adjustment multiplies its chroma by L*/100.
     #[test]
     fn red_has_the_published_lab() {
         let lab = hunt_adjusted_lab(rgb_to_ycxcz(Vec3::X).as_dvec3());

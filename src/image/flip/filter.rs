@@ -16,13 +16,13 @@ const DETECTOR: f64 = 0.082;
 /// Weights of a one-dimensional filter with an odd number of taps, from left to right.
 type FilterWeights = Vec<f32>;
 
-/// Separable filters of ꟻLIP, scaled to the pixels per degree of visual angle.
+/// All filters of ꟻLIP for a given number of pixels per degree; the filters are separable.
 pub(super) struct FlipMetricFilters {
     luminance: FilterWeights,
     red_green: FilterWeights,
-    /// The filter of channel Cz is a sum of two Gaussians. Each entry is a weight and a Gaussian.
+    /// Weights and Gaussians whose weighted sum is the filter of channel Cz.
     blue_yellow: [(f32, FilterWeights); 2],
-    /// A Gaussian and its first and second derivative.
+    /// Filters of the feature detectors: a Gaussian and its first and second derivative.
     detector: [FilterWeights; 3],
 }
 
@@ -62,8 +62,8 @@ impl FlipMetricFilters {
 
 /// Detector filters: a Gaussian, its first derivative (edges) and its second derivative (points).
 ///
-/// The Gaussian has sum 1. The positive weights of each derivative sum to 1, the negative ones to
-/// −1.
+/// The weights of the Gaussian sum to 1. The positive weights of each derivative sum to 1, the
+/// negative ones to −1.
 fn feature_detectors(pixels_per_degree: f64) -> [FilterWeights; 3] {
     let deviation = 0.5 * DETECTOR * pixels_per_degree;
     let radius = (3.0 * deviation).ceil() as i32;
@@ -96,7 +96,7 @@ fn to_single_precision(weights: impl Iterator<Item = f64>) -> FilterWeights {
     weights.map(|w| w as f32).collect()
 }
 
-/// Buffers for one filtered row of a picture.
+/// Filter results for one row of a picture, with the buffers to compute them.
 pub(super) struct FlipRowFilter {
     /// Row after vertical filtering, extended by its end pixels on both sides.
     padded: Vec<f32>,
@@ -117,7 +117,8 @@ impl FlipRowFilter {
         }
     }
 
-    /// Applies all filters to one row of the `planes` Y, Cx and Cz, and keeps the results.
+    /// Applies all filters to row `row` of the `planes` Y, Cx and Cz, and stores the results in
+    /// `self`.
     pub fn filter_image_row(&mut self, planes: &[Vec<f32>; 3], row: usize, filters: &FlipMetricFilters) {
         let [(share, kernel), (other_share, other)] = &filters.blue_yellow;
         let padded = &mut self.padded;
@@ -136,18 +137,18 @@ impl FlipRowFilter {
         filter_row(&planes[0], row, second, gaussian, padded, point_down);
     }
 
-    /// Blurred YCxCz colour in column `x`.
+    /// Blurred YCxCz colour at column `x` of the filtered row.
     pub fn filtered_color(&self, x: usize) -> DVec3 {
         let [y, cx, cz, _] = &self.blurred;
         DVec3::new(y[x].into(), cx[x].into(), cz[x].into())
     }
 
-    /// Strength of luminance edges in column `x`.
+    /// Strength of the luminance edge at column `x` of the filtered row, in relative luminance.
     pub fn edge_strength(&self, x: usize) -> f64 {
         feature_magnitude(self.features[0][x], self.features[1][x])
     }
 
-    /// Strength of luminance points, such as fireflies, in column `x`.
+    /// Strength of a luminance point, such as a firefly, at column `x` of the filtered row.
     pub fn point_strength(&self, x: usize) -> f64 {
         feature_magnitude(self.features[2][x], self.features[3][x])
     }

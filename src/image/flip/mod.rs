@@ -25,7 +25,7 @@ pub const PIXELS_PER_DEGREE: f64 = 3840.0 * std::f64::consts::PI / 180.0;
 /// Below the range, filters are narrower than a pixel. Above it, they are wider than most pictures.
 pub const PIXELS_PER_DEGREE_RANGE: std::ops::RangeInclusive<f64> = 1.0..=1000.0;
 
-/// Variant of ꟻLIP, which determines the tone mapping before the comparison.
+/// Variant of ꟻLIP; it determines how the pictures are tone-mapped before they are compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FlipMetricMode {
     /// LDR-ꟻLIP at one exposure \[stops], within ±[`MAX_EXPOSURE_STOPS`].
@@ -54,7 +54,7 @@ impl Default for FlipMetricOptions {
     }
 }
 
-/// ꟻLIP errors of a picture.
+/// ꟻLIP errors of a picture compared with a reference.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlipMetricResult {
     /// Error of each pixel in \[0, 1], in rows from the top; 0 is equal.
@@ -129,7 +129,7 @@ impl OpponentColorImage {
     }
 }
 
-/// Sets each pixel of `map` to the maximum of its value and the ꟻLIP error of the two pictures.
+/// Compares two pictures by ꟻLIP; raises each pixel of `map` to its error if that is larger.
 fn accumulate_max_error(
     reference: &OpponentColorImage,
     test: &OpponentColorImage,

@@ -1,6 +1,6 @@
 use super::*;
 
-fn picture_from(color: impl Fn(i32, i32) -> [f32; 3]) -> Image {
+fn image_from_color_function(color: impl Fn(i32, i32) -> [f32; 3]) -> Image {
     let pixels = (0..48).flat_map(|y| (0..64).map(move |x| (x, y))).map(|(x, y)| Vec3::from(color(x, y))).collect();
     Image::from_pixels(64, 48, pixels).unwrap()
 }
@@ -51,40 +51,51 @@ fn assert_flip_values(found: &FlipMetricResult, mean: f64, [largest, inside, fir
     }
 }
 
-/// Results equal those of the authors' program, flip-evaluator 1.7.
+/// Results equal those of flip-evaluator 1.7, the program of the authors of ꟻLIP.
 #[test]
 fn flip_results_match_the_authors_program() {
-    let shifted = picture_from(|x, y| gray_box_color(x - 2, y + 1));
+    let shifted = image_from_color_function(|x, y| gray_box_color(x - 2, y + 1));
     assert_flip_values(
-        &ldr_flip_at_default_exposure(&picture_from(gradient_color), &picture_from(noisy_gradient_color)),
+        &ldr_flip_at_default_exposure(
+            &image_from_color_function(gradient_color),
+            &image_from_color_function(noisy_gradient_color),
+        ),
         0.077_562_697,
         [0.430_228_1, 0.087_598_2, 0.299_372_6],
     );
     assert_flip_values(
-        &ldr_flip_at_default_exposure(&picture_from(gray_box_color), &shifted),
+        &ldr_flip_at_default_exposure(&image_from_color_function(gray_box_color), &shifted),
         0.093_975_276,
         [0.729_492, 0.016_107_9, 0.0],
     );
     let coarse = FlipMetricOptions { pixels_per_degree: 20.0, ..FlipMetricOptions::default() };
-    let found = flip_metric(&picture_from(gradient_color), &picture_from(noisy_gradient_color), &coarse).unwrap();
+    let found = flip_metric(
+        &image_from_color_function(gradient_color),
+        &image_from_color_function(noisy_gradient_color),
+        &coarse,
+    )
+    .unwrap();
     assert_flip_values(&found, 0.327_105_910, [0.763_210_7, 0.229_014_2, 0.031_483_4]);
-    let found = flip_metric(&picture_from(gray_box_color), &shifted, &coarse).unwrap();
+    let found = flip_metric(&image_from_color_function(gray_box_color), &shifted, &coarse).unwrap();
     assert_flip_values(&found, 0.067_302_711, [0.974_457_3, 0.0, 0.0]);
-    let test =
-        picture_from(|x, y| bright_lamp_color(x, y).map(|c| c * (1.0 + deterministic_pixel_noise(x, y, 0) / 32.0)));
+    let test = image_from_color_function(|x, y| {
+        bright_lamp_color(x, y).map(|c| c * (1.0 + deterministic_pixel_noise(x, y, 0) / 32.0))
+    });
     let hdr = FlipMetricOptions { mode: FlipMetricMode::Hdr, ..FlipMetricOptions::default() };
     assert_flip_values(
-        &flip_metric(&picture_from(bright_lamp_color), &test, &hdr).unwrap(),
+        &flip_metric(&image_from_color_function(bright_lamp_color), &test, &hdr).unwrap(),
         0.051_461_030,
         [0.212_969_1, 0.029_936_8, 0.190_408_4],
     );
 }
 
 #[test]
-fn equal_pictures_are_0_and_opposites_1() {
-    let even = |color: [f32; 3]| picture_from(move |_, _| color);
+fn flip_error_is_0_for_equal_and_1_for_opposite_pictures() {
+    let even = |color: [f32; 3]| image_from_color_function(move |_, _| color);
     let hdr = FlipMetricOptions { mode: FlipMetricMode::Hdr, ..FlipMetricOptions::default() };
-    for image in [picture_from(noisy_gradient_color), picture_from(bright_lamp_color), even([0.0; 3])] {
+    for image in
+        [image_from_color_function(noisy_gradient_color), image_from_color_function(bright_lamp_color), even([0.0; 3])]
+    {
         for options in [FlipMetricOptions::default(), hdr] {
             let found = flip_metric(&image, &image, &options).unwrap();
             assert!(found.mean == 0.0 && found.map.iter().all(|e| *e == 0.0), "{}", found.mean);
@@ -98,22 +109,22 @@ fn equal_pictures_are_0_and_opposites_1() {
 
 #[test]
 fn ldr_flip_is_symmetric_and_applies_exposure() {
-    let (a, b) = (picture_from(gradient_color), picture_from(noisy_gradient_color));
+    let (a, b) = (image_from_color_function(gradient_color), image_from_color_function(noisy_gradient_color));
     assert_same_result(&ldr_flip_at_default_exposure(&a, &b), &ldr_flip_at_default_exposure(&b, &a));
     let half = |image: &Image| Image::from_pixels(64, 48, image.pixels().iter().map(|p| *p * 0.5).collect()).unwrap();
     let brighter = FlipMetricOptions { mode: FlipMetricMode::Ldr(1.0), ..FlipMetricOptions::default() };
     assert_same_result(&flip_metric(&half(&a), &half(&b), &brighter).unwrap(), &ldr_flip_at_default_exposure(&a, &b));
 }
 
-/// Each further blur increases the difference to the sharp picture.
+/// The ꟻLIP error between a sharp picture and blurred versions of it grows with each blur.
 #[test]
 fn more_blur_increases_the_flip_error() {
-    let sharp = picture_from(gray_box_color);
+    let sharp = image_from_color_function(gray_box_color);
     let mut image = sharp.clone();
     let mut last = 0.0;
     for _ in 0..6 {
         let old = image.clone();
-        image = picture_from(|x, y| {
+        image = image_from_color_function(|x, y| {
             let at = |x: i32, y: i32| old.get(x.clamp(0, 63) as u32, y.clamp(0, 47) as u32).unwrap();
             let sum: Vec3 = [(-1, 0), (1, 0), (0, -1), (0, 1)].map(|(i, j)| at(x + i, y + j)).into_iter().sum();
             ((sum + at(x, y)) / 5.0).to_array()
@@ -125,8 +136,8 @@ fn more_blur_increases_the_flip_error() {
 }
 
 #[test]
-fn threads_and_tiny_pictures_are_handled() {
-    let (a, b) = (picture_from(gradient_color), picture_from(noisy_gradient_color));
+fn flip_accepts_tiny_pictures_and_any_thread_count() {
+    let (a, b) = (image_from_color_function(gradient_color), image_from_color_function(noisy_gradient_color));
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     assert_same_result(&one.install(|| ldr_flip_at_default_exposure(&a, &b)), &ldr_flip_at_default_exposure(&a, &b));
     let single = |v: f32| Image::from_pixels(1, 1, vec![Vec3::splat(v)]).unwrap();
@@ -138,7 +149,7 @@ fn threads_and_tiny_pictures_are_handled() {
 
 #[test]
 fn invalid_options_and_sizes_are_refused() {
-    let a = picture_from(gradient_color);
+    let a = image_from_color_function(gradient_color);
     let options = |pixels_per_degree, mode| FlipMetricOptions { pixels_per_degree, mode };
     for bad in [0.5, f64::NAN, 1001.0] {
         let error = flip_metric(&a, &a, &options(bad, FlipMetricMode::Hdr)).unwrap_err();

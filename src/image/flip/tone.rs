@@ -3,7 +3,7 @@
 use crate::image::Image;
 use glam::{DVec3, Vec3};
 
-/// Coefficients k₀ … k₄ of the film curve (k₀x² + k₁x) / (k₂x² + k₃x + k₄).
+/// Coefficients k₀ … k₄ of the film curve of HDR-ꟻLIP: (k₀x² + k₁x) / (k₂x² + k₃x + k₄).
 ///
 /// They are Narkowicz's fit of the ACES film curve with his exposure factor 0.6.
 const FILM: [f64; 5] = [0.36 * 2.51, 0.6 * 0.03, 0.36 * 2.43, 0.6 * 0.59, 0.14];
@@ -57,7 +57,8 @@ mod tests {
         assert_eq!(film_curve(Vec3::new(-1.0, 0.0, f32::MAX), 1e30), Vec3::new(0.0, 0.0, 1.0));
     }
 
-    /// Between the brightest value 16 and the median 1 lie four stops, which give four exposures.
+    /// HDR-ꟻLIP uses four exposures for the four stops between the maximum 16 and the median 1.
+    ///
     /// The median excludes black pixels.
     #[test]
     fn exposures_span_the_brightest_to_the_median() {

@@ -11,7 +11,7 @@ fn layer_with_numbered_values(name: &str, channels: &[&str]) -> ExrLayer {
     ExrLayer { name: name.to_owned(), channels }
 }
 
-fn picture_layer() -> (Image, ExrLayer) {
+fn image_and_its_exr_layer() -> (Image, ExrLayer) {
     let pixels: Vec<Vec3> = (0..SIZE.0 * SIZE.1).map(|i| Vec3::new(i as f32, 0.5, -(i as f32)) / 7.0).collect();
     let channel = |name: &str, k: usize| (name.to_owned(), pixels.iter().map(|p| p[k]).collect());
     let channels = vec![channel("R", 0), channel("G", 1), channel("B", 2)];
@@ -22,7 +22,7 @@ fn picture_layer() -> (Image, ExrLayer) {
 fn layers_are_stored_and_the_picture_is_read() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.exr");
-    let (image, first) = picture_layer();
+    let (image, first) = image_and_its_exr_layer();
     // `Noise` sorts before the channels of the picture.
     let layers = [
         first,
@@ -51,7 +51,7 @@ fn layers_are_stored_and_the_picture_is_read() {
 
 #[test]
 fn encoding_is_deterministic() {
-    let layers = [picture_layer().1, layer_with_numbered_values("noise", &["R", "G", "B"])];
+    let layers = [image_and_its_exr_layer().1, layer_with_numbered_values("noise", &["R", "G", "B"])];
     let pairs = [("Seed".to_owned(), "7".to_owned()), ("Scene".to_owned(), "a".to_owned())];
     let once = encode(SIZE, &layers, &pairs).unwrap();
     assert!((0..8).all(|_| encode(SIZE, &layers, &pairs).unwrap() == once));

@@ -48,7 +48,7 @@ fn largest_differences_have_positions() {
     assert_eq!(largest_differences(&image, &image).unwrap(), PixelDifferences::default());
 }
 
-/// In a uniform picture of radiance 2, an error of 0.1 is a relative error of 0.1 / √(2² + 2²).
+/// In a reference of uniform radiance 2, an error of 0.1 is a relative error of 0.1 / √(2² + 2²).
 #[test]
 fn the_relative_error_is_a_root_mean_square() {
     let (a, b) = (image_of_one_row(&[[2.1; 3]; 9]), image_of_one_row(&[[2.0; 3]; 9]));
@@ -57,7 +57,7 @@ fn the_relative_error_is_a_root_mean_square() {
 }
 
 #[test]
-fn bytes_are_compared_by_channel() {
+fn differing_bytes_counts_each_channel() {
     let a = RgbBytes::from_pixels(2, 1, vec![[0, 10, 20], [30, 40, 50]]).unwrap();
     let b = RgbBytes::from_pixels(2, 1, vec![[0, 11, 20], [30, 33, 50]]).unwrap();
     assert_eq!(differing_bytes(&a, &b), Ok(ByteDifference { count: 2, largest: 7 }));

@@ -1,11 +1,11 @@
 use super::*;
 use crate::image::ToneMap;
 
-fn write_options(curve: ToneCurve, depth: BitDepth) -> WriteOptions {
+fn png_write_options(curve: ToneCurve, depth: BitDepth) -> WriteOptions {
     WriteOptions { tone: ToneMap { curve, exposure_stops: 0.0 }, depth, ..WriteOptions::default() }
 }
 
-fn ramp_image() -> Image {
+fn color_ramp_image() -> Image {
     let pixels = (0..35).map(|i| Vec3::new(i as f32 / 34.0, 0.5, 1.0 - i as f32 / 34.0)).collect();
     Image::from_pixels(7, 5, pixels).unwrap()
 }
@@ -14,13 +14,13 @@ fn unwrap_decoded<T>(result: Result<T, DecodeFailure>) -> T {
     result.unwrap_or_else(|failure| panic!("{}", failure.into_read_error("memory".into())))
 }
 
-fn failure_message<T>(result: Result<T, DecodeFailure>) -> String {
+fn decode_failure_message<T>(result: Result<T, DecodeFailure>) -> String {
     result.err().expect("a failure").into_read_error("memory".into()).to_string()
 }
 
 #[test]
 fn eight_bit_levels_are_read_back() {
-    let (file, report) = encode(&ramp_image(), &write_options(ToneCurve::Course, BitDepth::Eight)).unwrap();
+    let (file, report) = encode(&color_ramp_image(), &png_write_options(ToneCurve::Course, BitDepth::Eight)).unwrap();
     let bytes = unwrap_decoded(read_bytes(&file));
     for (i, rgb) in bytes.pixels().iter().enumerate() {
         let up = (255.0 * (i as f32 / 34.0)) as u8;
@@ -33,11 +33,11 @@ fn eight_bit_levels_are_read_back() {
 #[test]
 fn reading_undoes_the_srgb_curve_to_half_a_level() {
     for (depth, levels) in [(BitDepth::Eight, 255.0), (BitDepth::Sixteen, 65_535.0)] {
-        let (file, _) = encode(&ramp_image(), &write_options(ToneCurve::Srgb, depth)).unwrap();
+        let (file, _) = encode(&color_ramp_image(), &png_write_options(ToneCurve::Srgb, depth)).unwrap();
         let image = unwrap_decoded(read(&file, None));
         // The slope of the decoding curve is at most 2.4 / 1.055 = 2.275. Rounding adds 2⁻²⁴.
         let bound = (0.5 / levels * 2.275 + f64::from(f32::EPSILON)) as f32;
-        for (a, b) in image.pixels().iter().zip(ramp_image().pixels()) {
+        for (a, b) in image.pixels().iter().zip(color_ramp_image().pixels()) {
             assert!((*a - *b).abs().max_element() <= bound, "{a} {b} {depth:?}");
         }
     }
@@ -46,7 +46,7 @@ fn reading_undoes_the_srgb_curve_to_half_a_level() {
 #[test]
 fn only_the_course_curve_omits_srgb() {
     for (curve, stated) in [(ToneCurve::Srgb, true), (ToneCurve::Filmic, true), (ToneCurve::Course, false)] {
-        let (file, _) = encode(&ramp_image(), &write_options(curve, BitDepth::Eight)).unwrap();
+        let (file, _) = encode(&color_ramp_image(), &png_write_options(curve, BitDepth::Eight)).unwrap();
         assert_eq!(file.windows(4).any(|w| w == b"sRGB"), stated, "{curve}");
         assert!(!file.windows(4).any(|w| w == b"gAMA"), "{curve}");
     }
@@ -54,9 +54,9 @@ fn only_the_course_curve_omits_srgb() {
 
 #[test]
 fn metadata_is_stored_as_text() {
-    let mut options = write_options(ToneCurve::Srgb, BitDepth::Eight);
+    let mut options = png_write_options(ToneCurve::Srgb, BitDepth::Eight);
     options.metadata = vec![("Seed".into(), "42".into()), ("Scene".into(), "Glas-Ω".into())];
-    let (file, _) = encode(&ramp_image(), &options).unwrap();
+    let (file, _) = encode(&color_ramp_image(), &options).unwrap();
     let reader = Decoder::new(Cursor::new(&file)).read_info().unwrap();
     let (plain, wide) = (&reader.info().uncompressed_latin1_text, &reader.info().utf8_text);
     assert_eq!((plain[0].keyword.as_str(), plain[0].text.as_str()), ("Seed", "42"));
@@ -82,10 +82,10 @@ fn other_png_variants_are_read_or_refused() {
     let opaque = encode_png_variant(ColorType::Rgba, Depth::Eight, None, &[1, 2, 3, 255, 4, 5, 6, 255]);
     assert_eq!(unwrap_decoded(read_bytes(&opaque)).pixels(), [[1, 2, 3], [4, 5, 6]]);
     let clear = encode_png_variant(ColorType::Rgba, Depth::Eight, None, &[1, 2, 3, 255, 4, 5, 6, 254]);
-    assert!(failure_message(read(&clear, None)).contains("flatten"));
+    assert!(decode_failure_message(read(&clear, None)).contains("flatten"));
     let deep =
         encode_png_variant(ColorType::Rgb, Depth::Sixteen, Some(1.0), &[128, 0, 0, 0, 0, 0, 0, 0, 0, 0, 255, 255]);
-    assert!(failure_message(read_bytes(&deep)).contains("16 bits"));
+    assert!(decode_failure_message(read_bytes(&deep)).contains("16 bits"));
     // A gamma of 1 is linear, so level 32768 reads as 32768 / 65535.
     let image = unwrap_decoded(read(&deep, None));
     assert!((image.pixels()[0].x - 32_768.0 / 65_535.0).abs() < 1e-7);
@@ -100,7 +100,7 @@ fn crc32(bytes: &[u8]) -> u32 {
 
 #[test]
 fn damaged_files_are_errors() {
-    let (file, _) = encode(&ramp_image(), &write_options(ToneCurve::Srgb, BitDepth::Eight)).unwrap();
+    let (file, _) = encode(&color_ramp_image(), &png_write_options(ToneCurve::Srgb, BitDepth::Eight)).unwrap();
     for cut in 8..file.len() - 13 {
         assert!(read(&file[..cut], None).is_err(), "cut at {cut}");
     }
@@ -109,5 +109,9 @@ fn damaged_files_are_errors() {
     huge[16..24].copy_from_slice(&[0, 0, 64, 0, 0, 0, 64, 0]);
     let checksum = crc32(&huge[12..29]);
     huge[29..33].copy_from_slice(&checksum.to_be_bytes());
-    assert!(failure_message(read(&huge, None)).contains("too short"), "{}", failure_message(read(&huge, None)));
+    assert!(
+        decode_failure_message(read(&huge, None)).contains("too short"),
+        "{}",
+        decode_failure_message(read(&huge, None))
+    );
 }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::image::FloatDepth;
+use crate::image::ExrPrecision;
 use std::fs;
 
 #[test]
@@ -13,7 +13,7 @@ fn signatures_select_the_format() {
 
     let image = Image::new(2, 3).unwrap();
     let misnamed = folder.path().join("misnamed.png");
-    fs::write(&misnamed, exr::encode(&image, FloatDepth::Single, &[]).unwrap().0).unwrap();
+    fs::write(&misnamed, exr::encode(&image, ExrPrecision::Single, &[]).unwrap().0).unwrap();
     assert_eq!(read(&misnamed).unwrap(), image);
     assert!(read_bytes(&misnamed).unwrap_err().to_string().contains("8-bit PNG"));
 }

@@ -5,21 +5,21 @@ fn gray_image(width: u32, values: &[f32]) -> Image {
     Image::from_pixels(width, values.len() as u32 / width, pixels).unwrap()
 }
 
-/// In a uniform picture of radiance 2, an error of 0.1 is a relative error of 0.1 / √(2² + 2²).
+/// In a reference of uniform radiance 2, an error of 0.1 is a relative error of 0.1 / √(2² + 2²).
 #[test]
-fn uniform_pictures_scale_by_their_radiance() {
-    let scale = RelativeScale::from_image(&gray_image(8, &[2.0; 64]));
+fn error_weights_of_uniform_pictures_follow_their_radiance() {
+    let scale = RelativeErrorWeights::from_image(&gray_image(8, &[2.0; 64]));
     let square = scale.mean(|_| DVec3::splat(0.01));
     assert!((square - 0.01 / 8.0).abs() < 1e-15, "{square}");
 }
 
-/// A pixel of radiance 1000 changes the scale only in its neighbourhood.
+/// A pixel of radiance 1000 changes the weights of its 5 × 5 neighbourhood only.
 #[test]
 fn bright_pixels_change_only_their_neighbourhood() {
     let mut values = vec![1.0; 16 * 16];
     values[0] = 1000.0;
     values[255] = 0.0;
-    let scale = RelativeScale::from_image(&gray_image(16, &values));
+    let scale = RelativeErrorWeights::from_image(&gray_image(16, &values));
     assert!((scale.pixel_weights()[8 * 16 + 8] * 3.0 - 0.5).abs() < 1e-12);
     // The neighbourhood of a corner has nine pixels.
     let corner = 1008.0 / 9.0;
@@ -29,14 +29,14 @@ fn bright_pixels_change_only_their_neighbourhood() {
 
 #[test]
 fn relative_error_counts_a_firefly_as_one_pixel() {
-    let scale = RelativeScale::from_image(&gray_image(8, &[1.0; 64]));
+    let scale = RelativeErrorWeights::from_image(&gray_image(8, &[1.0; 64]));
     let firefly = |i| if i == 5 { DVec3::splat(1e9) } else { DVec3::ZERO };
     assert_eq!((scale.mean(firefly), scale.mean(|i| -firefly(i))), (1.0 / 64.0, -1.0 / 64.0));
 }
 
 #[test]
-fn black_and_non_finite_pictures_have_a_scale() {
-    assert_eq!(RelativeScale::from_image(&gray_image(2, &[0.0; 4])).mean(|_| DVec3::ONE), 1.0);
-    let broken = RelativeScale::from_image(&gray_image(2, &[1.0, f32::NAN, 1.0, f32::INFINITY]));
+fn black_and_non_finite_pictures_have_error_weights() {
+    assert_eq!(RelativeErrorWeights::from_image(&gray_image(2, &[0.0; 4])).mean(|_| DVec3::ONE), 1.0);
+    let broken = RelativeErrorWeights::from_image(&gray_image(2, &[1.0, f32::NAN, 1.0, f32::INFINITY]));
     assert!(broken.pixel_weights().iter().all(|w| (w * 6.0 - 1.0).abs() < 1e-12));
 }

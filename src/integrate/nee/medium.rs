@@ -150,7 +150,7 @@ fn sample_scatter_point_near<I: Interior>(
     sampler: Sampler,
 ) -> Option<ScatterPoint> {
     let MediumSegment { ray, medium, .. } = path_segment.segment;
-    let mut rng = sampler.sample_key().medium_distance_key().rng();
+    let mut rng = sampler.sample_key().shadow_ray_scatter_point_key().rng();
     let angles = EquiangularDistribution::new(ray, pivot);
     let Vec2 { x: which, y: u } = sampler.get_2d(Dimension::Medium);
     let t = if which < 0.5 {

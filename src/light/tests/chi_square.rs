@@ -5,11 +5,11 @@ use crate::math::Frame;
 use crate::sampling::Dimension;
 use glam::{Vec2, Vec3};
 
-/// p value of Pearson's chi-square test of `counts` against `expected`, with one degree of freedom
-/// less than cells.
+/// P-value of Pearson's chi-square test of `counts` against `expected`. It has one degree of
+/// freedom less than cells.
 ///
-/// Cells with fewer than ten expected samples are pooled: the chi-square distribution does not hold
-/// for them.
+/// Cells with fewer than ten expected samples are pooled, because the chi-square distribution does
+/// not hold for them.
 pub fn chi_square_p_value(counts: &[f64], expected: &[f64]) -> f64 {
     let (mut chi2, mut cells, mut pool) = (0.0, 0, (0.0, 0.0));
     let mut add = |count: f64, mean: f64| {
@@ -36,12 +36,12 @@ pub fn chi_square_p_value(counts: &[f64], expected: &[f64]) -> f64 {
     0.5 * libm::erfc(z / std::f64::consts::SQRT_2)
 }
 
-/// Significance level of each of `tests` for a total false alarm rate of 1 % (Šidák).
+/// Significance level of each of `tests` tests that gives a total false alarm rate of 1 % (Šidák).
 pub fn sidak_significance_level(tests: usize) -> f64 {
     1.0 - libm::pow(0.99, 1.0 / tests as f64)
 }
 
-/// A cone of directions, divided into cells of equal solid angle.
+/// Grid of cells of equal solid angle over a cone of directions.
 pub struct DirectionCells {
     frame: Frame,
     one_minus_cos: f64,
@@ -51,18 +51,19 @@ const RINGS: usize = 16;
 const SECTORS: usize = 24;
 /// Number of steps of the midpoint rule along each side of a cell.
 const STEPS: usize = 32;
-/// Number of finer steps along each side of a step in which the pdf changes, as at an edge of the
-/// light.
+/// Number of finer steps along each side of a midpoint rule step, where the pdf changes within the
+/// step.
 ///
-/// A straight edge along the grid costs at worst 1/(2 · 32 · 16) = 0.1 % of a cell: 5 of 5000
-/// samples, 1/14 of their standard deviation.
+/// An edge of the light that is parallel to the grid costs at worst 1/(2 · 32 · 16) = 0.1 % of a
+/// cell. That is 5 of 5000 samples, 1/14 of their standard deviation.
 const FINER: usize = 16;
-/// Error of the integral: 0.1 % if an edge crosses half of the cells.
+/// Upper bound of the error of an integrated pdf: 0.1 % in half of the cells, through which an edge
+/// of the light passes.
 pub const INTEGRAL_ERROR: f64 = 5e-4;
 const DRAWS: u64 = 300_000;
 
 impl DirectionCells {
-    /// Creates the cells of the cone around `axis` with half angle `half_angle` \[radians].
+    /// Divides the cone around `axis` with half angle `half_angle` \[radians] into cells.
     pub fn new(axis: Vec3, half_angle: f64) -> Self {
         Self { frame: Frame::from_normal(axis.normalize()), one_minus_cos: 1.0 - libm::cos(half_angle) }
     }
@@ -76,8 +77,8 @@ impl DirectionCells {
         (ring < RINGS as f64).then(|| ring as usize * SECTORS + (sector as usize).min(SECTORS - 1))
     }
 
-    /// Unit direction at position `ring` from the axis to the rim and position `sector` around the
-    /// axis.
+    /// Unit direction at the relative position `ring` from the axis to the rim of the cone, and at
+    /// the relative angle `sector` around the axis, both in \[0, 1].
     fn direction(&self, ring: f64, sector: f64) -> Vec3 {
         let drop = self.one_minus_cos * ring;
         let (sin, cos) = libm::sincos((sector - 0.5) * std::f64::consts::TAU);
@@ -85,8 +86,8 @@ impl DirectionCells {
         self.frame.to_world(Vec3::new((r * cos) as f32, (r * sin) as f32, (1.0 - drop) as f32))
     }
 
-    /// Integral of `density` \[1/sr] over each cell.
-    fn integrate(&self, density: &dyn Fn(Vec3) -> f64) -> Vec<f64> {
+    /// Integrals of the pdf `density` \[1/sr] over all cells.
+    fn integrate_over_cells(&self, density: &dyn Fn(Vec3) -> f64) -> Vec<f64> {
         let (rings, sectors) = ((RINGS * STEPS) as f64, (SECTORS * STEPS) as f64);
         let at = |i: f64, j: f64| density(self.direction(i / rings, j / sectors));
         let solid_angle = std::f64::consts::TAU * self.one_minus_cos / (rings * sectors);
@@ -110,16 +111,16 @@ impl DirectionCells {
         cells
     }
 
-    /// Samples directions and compares their counts with `density`.
+    /// Samples directions by `draw`, and tests their counts per cell against the pdf `density`.
     ///
-    /// Directions outside of the cone and missing samples form one more cell. Returns the p value
-    /// and the integral of the density.
+    /// All directions outside of the cone, and draws that return `None`, form one more cell.
+    /// Returns the p-value and the integral of `density` over the cone.
     pub fn test_samples_against_pdf(
         &self,
         draw: &dyn Fn(Vec2) -> Option<Vec3>,
         density: &dyn Fn(Vec3) -> f64,
     ) -> (f64, f64) {
-        let cells = self.integrate(density);
+        let cells = self.integrate_over_cells(density);
         let total = cells.iter().sum::<f64>();
         // A rest below the integration error is no cell of its own.
         let all = if (total - 1.0).abs() < INTEGRAL_ERROR { total } else { 1.0 };

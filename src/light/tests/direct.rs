@@ -22,7 +22,7 @@ pub fn mesh_light_surface(mesh: Arc<Mesh>) -> LightSurface {
 }
 
 /// First hit of the ray from `p` along `wi` with a light surface, from either side.
-fn first_hit(emitter: &LightSurface, p: Vec3, wi: Vec3) -> Option<SurfacePoint> {
+fn first_hit_on_light_surface(emitter: &LightSurface, p: Vec3, wi: Vec3) -> Option<SurfacePoint> {
     let ray = crate::math::Ray::new(p, wi);
     match emitter {
         LightSurface::Shape(shape) => {
@@ -42,7 +42,7 @@ fn first_hit(emitter: &LightSurface, p: Vec3, wi: Vec3) -> Option<SurfacePoint> 
 }
 
 /// Light surfaces, each with a viewpoint. The flag is true if all points of the surface are visible
-/// from there.
+/// from the viewpoint.
 fn surfaces_and_viewpoints() -> Vec<(LightSurface, Vec3, bool)> {
     let squash = Transform::new(DAffine3::from_scale_rotation_translation(
         DVec3::new(1.0, 0.2, 0.5),
@@ -74,8 +74,8 @@ fn surfaces_and_viewpoints() -> Vec<(LightSurface, Vec3, bool)> {
         .collect()
 }
 
-/// Cells of a cone that contains all directions sampled from `p`.
-fn cells_around_samples(light: &Light, p: Vec3) -> DirectionCells {
+/// Direction cells over a cone that contains all directions sampled from `p`.
+fn direction_cells_around_samples(light: &Light, p: Vec3) -> DirectionCells {
     let draws = || (0..2000).filter_map(|i| light.sample_li(p, test_key(i).uniform_2d(Dimension::LightTarget)));
     let axis = draws().map(|s| s.wi).sum::<Vec3>().normalize();
     let widest = draws().map(|s| libm::acos(f64::from(s.wi.dot(axis)).min(1.0))).fold(0.0, f64::max);
@@ -90,12 +90,12 @@ fn direct_samples_follow_pdf_li() {
         // By area, the density of an ellipsoid grows without bound towards its outline, where
         // midpoints fail.
         let least_cos = if matches!(emitter, LightSurface::Shape(Shape::Ellipsoid(_))) { 0.2 } else { 0.0 };
-        let light = Light::Area(AreaLight::uniform(emitter.clone(), Rgb::ONE));
+        let light = Light::Area(AreaLight::with_uniform_radiance(emitter.clone(), Rgb::ONE));
         let drawn = |u: glam::Vec2| {
             let sample = light.sample_li(p, u)?;
             let ShadowTarget::Point(end) = sample.target else { panic!("a surface is not at infinity") };
             // What the light itself hides is no draw.
-            let point = first_hit(&emitter, p, sample.wi)
+            let point = first_hit_on_light_surface(&emitter, p, sample.wi)
                 .filter(|point| (point.p - end).length() < 1e-4 && sample.wi.dot(point.ng) < 0.0)?;
             let (density, pdf) = (light.pdf_li(p, sample.wi, Some(&point)), sample.pdf?);
             // Rounding of the direction by 2⁻²³ moves the crossing by d/cos of that, and turns the
@@ -107,17 +107,17 @@ fn direct_samples_follow_pdf_li() {
             (cos > least_cos).then_some(sample.wi)
         };
         let density = |wi: Vec3| {
-            let point = first_hit(&emitter, p, wi).filter(|point| -wi.dot(point.ng) > least_cos);
+            let point = first_hit_on_light_surface(&emitter, p, wi).filter(|point| -wi.dot(point.ng) > least_cos);
             point.map_or(0.0, |point| f64::from(light.pdf_li(p, wi, Some(&point))))
         };
-        let (chance, total) = cells_around_samples(&light, p).test_samples_against_pdf(&drawn, &density);
+        let (chance, total) = direction_cells_around_samples(&light, p).test_samples_against_pdf(&drawn, &density);
         assert!(chance > threshold, "{light:?} {p}: p = {chance}");
         assert!(if all { (total - 1.0).abs() < INTEGRAL_ERROR } else { total < 0.999 }, "{light:?} {p}: {total}");
     }
 }
 
-/// Irradiance below and beside a rectangle light agrees with closed forms, at any distance to its
-/// plane and in the plane.
+/// Irradiance below and beside a rectangle light agrees with closed forms, at any distance from its
+/// plane. In its plane, and behind it, there is no light.
 #[test]
 fn rectangle_sampling_is_exact_near_its_plane() {
     let (a, b) = (2.0f64, 1.5);
@@ -126,11 +126,11 @@ fn rectangle_sampling_is_exact_near_its_plane() {
         // Below the corner: a quarter of the sky, in the limit.
         let term = |p: f64, q: f64| p / (h * h + p * p).sqrt() * libm::atan(q / (h * h + p * p).sqrt());
         let truth = 2.5 * (term(a, b) + term(b, a));
-        assert_within_5_sigma(estimate_irradiance(&light, Vec3::new(0.0, -h as f32, 0.0), Vec3::Y), truth);
+        assert_within_five_sigma(estimate_irradiance(&light, Vec3::new(0.0, -h as f32, 0.0), Vec3::Y), truth);
         // On a wall that faces it from the side, one off: a perpendicular rectangle less the part
         // up to the light.
         let part = |x: f64| h / libm::hypot(x, h) * libm::atan(b / libm::hypot(x, h));
-        assert_within_5_sigma(
+        assert_within_five_sigma(
             estimate_irradiance(&light, Vec3::new(-1.0, -h as f32, 0.0), Vec3::X),
             2.5 * (part(1.0) - part(1.0 + a)),
         );
@@ -141,7 +141,8 @@ fn rectangle_sampling_is_exact_near_its_plane() {
     }
 }
 
-/// Near the light, sampling by area has unbounded variance, and sampling by solid angle has not.
+/// Sampling a rectangle by solid angle has less variance than sampling it by area, by a factor that
+/// grows near the light.
 #[test]
 fn solid_angle_sampling_has_less_variance_near_the_light() {
     let rectangle = Rectangle::new(point_on_y_axis(0.0), DVec3::X, DVec3::Z);
@@ -161,7 +162,7 @@ fn solid_angle_sampling_has_less_variance_near_the_light() {
             "at distance {h}: relative variance {:.3e}, {gain:.1} times less than by area",
             variance * 1e5 / (mean * mean)
         );
-        assert_within_5_sigma(by_area, mean);
+        assert_within_five_sigma(by_area, mean);
         assert!(gain > least, "{h}: {gain}");
     }
 }

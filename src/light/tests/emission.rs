@@ -1,4 +1,4 @@
-//! Photon emission, with and without aim.
+//! Photon emission in all directions and aimed at spheres.
 
 use super::chi_square::{DirectionCells, INTEGRAL_ERROR, sidak_significance_level};
 use super::environment::random_sky_light;
@@ -42,12 +42,12 @@ fn mean_emitted_flux_equals_power() {
             let (a, b) = (k.uniform_2d(Dimension::LightPosition), k.uniform_2d(Dimension::LightDirection));
             light.sample_le(DOMAIN, a, b).map_or(0.0, |e| f64::from(e.flux.x))
         });
-        assert_within_5_sigma(emitted, f64::from(light.power(DOMAIN).x));
+        assert_within_five_sigma(emitted, f64::from(light.power(DOMAIN).x));
     }
 }
 
-/// Aimed emission carries the same flux to each sphere as unaimed emission, even where spheres
-/// overlap.
+/// Emission aimed at spheres carries the same flux to each sphere as emission in all directions,
+/// even where spheres overlap.
 #[test]
 fn aimed_emission_is_unbiased() {
     let balls = [
@@ -76,14 +76,14 @@ fn aimed_emission_is_unbiased() {
 }
 
 #[test]
-fn a_light_inside_an_aim_sphere_emits_everywhere() {
+fn a_light_inside_an_aim_sphere_emits_in_all_directions() {
     let aim = PhotonAim::new([BoundingSphere { center: Vec3::ZERO, radius: 1.0 }]);
     let light = Light::Point(PointLight { position: Vec3::new(0.2, 0.0, 0.0), intensity: Rgb::ONE });
     let flux = estimate_mean_and_variance(1000, |k| {
         let u = k.uniform_2d(Dimension::LightDirection);
         light.sample_le_towards(&aim, DOMAIN, u, u).map_or(0.0, |e| f64::from(e.flux.x))
     });
-    assert_within_5_sigma(flux, 4.0 * std::f64::consts::PI);
+    assert_within_five_sigma(flux, 4.0 * std::f64::consts::PI);
 }
 
 #[test]
@@ -108,7 +108,7 @@ fn merged_aim_spheres_lose_no_flux() {
     assert!((plain.0 - aimed.0).abs() < 5.0 * (plain.1 + aimed.1).sqrt());
 }
 
-/// Pdf of emitted directions, independent of the position \[1/sr].
+/// Pdf of emitted directions \[1/sr], averaged over the positions on the light.
 fn emission_direction_pdf(light: &Light, w: Vec3) -> f64 {
     let uniform = 0.25 / std::f64::consts::PI;
     match light {

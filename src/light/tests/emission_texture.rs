@@ -3,20 +3,20 @@
 use super::direct::mesh_light_surface;
 use super::*;
 use crate::math::Transform;
-use crate::shape::{MappingKind, Mesh, TextureMapping};
+use crate::shape::{Mesh, TextureMapping, TextureMappingKind};
 use crate::texture::{Checkerboard, Texture, UvTransform};
 use glam::DVec2;
 use std::sync::Arc;
 
 const BRIGHT: f32 = 3.0;
 
-/// White where u < ½ and v < 1, else black.
+/// A texture that is white where u < ½ and v < 1, and black elsewhere.
 fn half_white_texture() -> Arc<Texture> {
     let colors = [Rgb::ONE, Rgb::ZERO];
     Arc::new(Texture::Checkerboard(Checkerboard { colors }, UvTransform::new(DVec2::new(2.0, 1.0), 0.0, DVec2::ZERO)))
 }
 
-fn textured_area_light(emitter: LightSurface, kind: MappingKind) -> Light {
+fn textured_area_light(emitter: LightSurface, kind: TextureMappingKind) -> Light {
     let texture = half_white_texture();
     let scale = Rgb::splat(BRIGHT);
     let radiance = texture.mean() * scale;
@@ -28,7 +28,9 @@ fn textured_area_light(emitter: LightSurface, kind: MappingKind) -> Light {
     Light::Area(AreaLight { surface: emitter, radiance, texture: Some(glow) })
 }
 
-/// Lights above the origin that emit downwards; u runs along x.
+/// Pairs of a light whose second half is textured black, and an untextured light of half the size.
+///
+/// The lights are above the origin and emit downwards. Texture coordinate u runs along x.
 fn textured_and_equivalent_lights() -> Vec<(Light, Light)> {
     let (corner, e0, e1) = (DVec3::new(-1.0, 2.0, -0.5), DVec3::X * 2.0, DVec3::Z);
     let rectangle = |e0| LightSurface::Shape(Shape::Rectangle(Rectangle::new(corner, e0, e1)));
@@ -41,14 +43,20 @@ fn textured_and_equivalent_lights() -> Vec<(Light, Light)> {
             ..Mesh::default()
         })
     };
-    let even = |emitter| Light::Area(AreaLight::uniform(emitter, Rgb::splat(BRIGHT)));
+    let even = |emitter| Light::Area(AreaLight::with_uniform_radiance(emitter, Rgb::splat(BRIGHT)));
     vec![
-        (textured_area_light(rectangle(e0), MappingKind::rectangle_mapping(corner, e0, e1)), even(rectangle(e0 * 0.5))),
-        (textured_area_light(mesh_light_surface(mesh(2.0)), MappingKind::Uv), even(mesh_light_surface(mesh(1.0)))),
+        (
+            textured_area_light(rectangle(e0), TextureMappingKind::rectangle_mapping(corner, e0, e1)),
+            even(rectangle(e0 * 0.5)),
+        ),
+        (
+            textured_area_light(mesh_light_surface(mesh(2.0)), TextureMappingKind::Uv),
+            even(mesh_light_surface(mesh(1.0))),
+        ),
     ]
 }
 
-fn differ_significantly(a: (f64, f64), b: (f64, f64)) -> bool {
+fn means_differ_significantly(a: (f64, f64), b: (f64, f64)) -> bool {
     (a.0 - b.0).abs() > 5.0 * (a.1 + b.1).sqrt() + 1e-6 * a.0
 }
 
@@ -58,7 +66,7 @@ fn half_textured_light_equals_half_sized_light() {
         // Near, where rectangles are drawn by solid angle, and far, where they are drawn by area.
         for p in [Vec3::ZERO, Vec3::new(1.0, 1.5, 0.2), Vec3::new(-3.0, -9.0, 1.0)] {
             let [a, b] = [&whole, &half].map(|light| estimate_irradiance(light, p, Vec3::Y));
-            assert!(!differ_significantly(a, b) && b.0 > 0.0, "{p}: {a:?} {b:?}");
+            assert!(!means_differ_significantly(a, b) && b.0 > 0.0, "{p}: {a:?} {b:?}");
         }
     }
 }
@@ -84,7 +92,7 @@ fn half_textured_light_emits_half_the_flux() {
                     emission.map_or(0.0, |e| f64::from(e.flux.x))
                 })
             });
-            assert!(!differ_significantly(a, b) && b.0 > 0.0, "aimed: {aimed}: {a:?} {b:?}");
+            assert!(!means_differ_significantly(a, b) && b.0 > 0.0, "aimed: {aimed}: {a:?} {b:?}");
         }
     }
 }

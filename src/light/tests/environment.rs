@@ -6,7 +6,7 @@ use crate::image::Image;
 use glam::Vec2;
 use std::f64::consts::PI;
 
-/// A sky picture with black parts, a bright sun and varying colours.
+/// A sky picture with a black lower part, a bright sun and random colours.
 pub fn random_sky_picture() -> Image {
     let pixel = |i: u32| {
         let (x, y) = (i % 12, i / 12);
@@ -22,7 +22,7 @@ pub fn random_sky_light(angle: f64) -> EnvironmentLight {
 }
 
 fn constant_environment_light() -> EnvironmentLight {
-    EnvironmentLight::constant(Rgb::splat(2.0)).unwrap()
+    EnvironmentLight::with_constant_radiance(Rgb::splat(2.0)).unwrap()
 }
 
 #[test]
@@ -45,7 +45,7 @@ fn environment_samples_follow_the_pdf() {
 }
 
 #[test]
-fn pdf_is_positive_where_radiance_is() {
+fn environment_pdf_is_positive_where_radiance_is() {
     let environment = random_sky_light(0.3);
     let directions =
         (0..100_000).map(|i| warp::square_to_uniform_sphere(test_key(i).uniform_2d(Dimension::LightDirection)));
@@ -70,7 +70,7 @@ fn power_is_the_integral_of_radiance() {
             let w = warp::square_to_uniform_sphere(k.uniform_2d(Dimension::LightDirection));
             4.0 * PI * area * f64::from(environment.radiance(w).x)
         });
-        assert_within_5_sigma(seen, f64::from(environment.power(disc).x));
+        assert_within_five_sigma(seen, f64::from(environment.power(disc).x));
     }
 }
 
@@ -94,12 +94,12 @@ fn one_column_map_power_matches_quadrature() {
     }
 }
 
-/// A constant environment of radiance L gives the irradiance π L, by direct light and by photons
-/// through a ball.
+/// A constant environment of radiance L gives a plane the irradiance π L, and sends the flux 4π² L
+/// r² through a ball of radius r.
 #[test]
-fn a_constant_environment_lights_a_plane_by_pi_l() {
+fn constant_environment_irradiance_is_pi_times_radiance() {
     let light = Light::Environment(constant_environment_light().into());
-    assert_within_5_sigma(estimate_irradiance(&light, Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.6, 0.0, 0.8)), 2.0 * PI);
+    assert_within_five_sigma(estimate_irradiance(&light, Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.6, 0.0, 0.8)), 2.0 * PI);
     let domain = BoundingSphere { center: Vec3::new(0.5, 0.0, 0.0), radius: 2.0 };
     let (a, ball) = (0.7f64, Vec3::new(-0.3, 0.2, 0.5));
     let flux = estimate_mean_and_variance(200_000, |k| {
@@ -109,7 +109,7 @@ fn a_constant_environment_lights_a_plane_by_pi_l() {
         if (ball - e.ray.origin).cross(e.ray.direction).length() < a as f32 { f64::from(e.flux.x) } else { 0.0 }
     });
     let truth = PI * a * a * 4.0 * PI * 2.0;
-    assert_within_5_sigma(flux, truth);
+    assert_within_five_sigma(flux, truth);
     // Aimed at the ball alone, every photon carries all of that; targets are larger than their
     // balls by some 10⁻⁵.
     let aim = PhotonAim::new([BoundingSphere { center: ball, radius: a as f32 }]);
@@ -132,7 +132,7 @@ fn importance_sampling_reduces_variance() {
         let w = warp::square_to_uniform_sphere(k.uniform_2d(Dimension::LightPosition));
         4.0 * PI * f64::from(environment.radiance(w).x * w.dot(n).max(0.0))
     });
-    assert_within_5_sigma(uniformly, by_map.0);
+    assert_within_five_sigma(uniformly, by_map.0);
     eprintln!("uniform directions have {:.1} times the variance", uniformly.1 / by_map.1);
     assert!(uniformly.1 > 10.0 * by_map.1);
 }
@@ -169,6 +169,6 @@ fn invalid_environment_pictures_are_errors() {
             assert!(refused.unwrap_err().to_string().contains("column 1, row 1"));
         }
     }
-    let black = Light::Environment(EnvironmentLight::constant(Rgb::ZERO).unwrap().into());
+    let black = Light::Environment(EnvironmentLight::with_constant_radiance(Rgb::ZERO).unwrap().into());
     assert!(black.sample_li(Vec3::ZERO, Vec2::ZERO).is_none() && black.pdf_li(Vec3::ZERO, Vec3::X, None) == 0.0);
 }

@@ -1,4 +1,4 @@
-//! Projectors and goniometric lights.
+//! Projectors and goniometric lights, whose intensity is a picture or a map.
 
 use super::environment::random_sky_picture;
 use super::*;
@@ -28,7 +28,8 @@ fn white_picture(width: u32, height: u32) -> Image {
     Image::from_pixels(width, height, vec![Rgb::ONE; (width * height) as usize]).unwrap()
 }
 
-/// A white square of 90° is one of the six faces of a cube around the pinhole.
+/// A projector with a white square of 90° emits the flux of one of the six faces of a cube around
+/// the pinhole.
 #[test]
 fn projector_power_is_exact_on_a_cube_face() {
     for size in [1, 2, 7] {
@@ -39,9 +40,9 @@ fn projector_power_is_exact_on_a_cube_face() {
     }
 }
 
-/// Pixel (column, row) counts from the top left, as the projected picture appears on a screen.
+/// Pixel (0, 0) is at the top left of the picture as it appears on a screen.
 #[test]
-fn projected_pixels_lie_upright() {
+fn projected_picture_is_upright() {
     let light = test_projector_light();
     let half = libm::tanf(0.6);
     for i in 0..12 {

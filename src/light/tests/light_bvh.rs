@@ -11,7 +11,8 @@ fn random_vector(k: Key) -> Vec3 {
     a.extend(b.x) * 2.0 - Vec3::ONE
 }
 
-/// Lights of all finite kinds in a box; their strengths vary by a factor of 1000.
+/// `n` random lights of all kinds that have a position, in a box. Their strengths vary by a factor
+/// of 1000.
 fn random_finite_lights(n: u64) -> Vec<Light> {
     let light = |i: u64| {
         let k = test_key(i).child_key(77);
@@ -35,7 +36,10 @@ fn random_finite_lights(n: u64) -> Vec<Light> {
             }
             2 => area_light(Shape::Sphere(SphereShape::new(center, 0.1)), 30.0 * strength),
             3 => area_light(Shape::Rectangle(Rectangle::new(center, s * 0.3, t * 0.2)), 15.0 * strength),
-            4 => Light::Area(AreaLight::uniform(mesh_light_surface(three_triangle_mesh(place)), Rgb::splat(strength))),
+            4 => Light::Area(AreaLight::with_uniform_radiance(
+                mesh_light_surface(three_triangle_mesh(place)),
+                Rgb::splat(strength),
+            )),
             _ => area_light(Shape::Disc(Disc::circular_disc(center, axis.as_dvec3(), 0.2)), 8.0 * strength),
         }
     };
@@ -128,10 +132,10 @@ fn contributing_lights_have_positive_probability() {
     assert!(shut_out > 2000 * 100 / 4, "{shut_out}");
 }
 
-/// Lights at one position, in a row, and at distances of powers of two. The last make the tree a
-/// chain.
+/// The light probabilities sum to 1 for lights at one position, lights in a row, and lights at
+/// distances of powers of two, whose tree is a chain.
 #[test]
-fn degenerate_trees_contain_all_lights() {
+fn degenerate_light_bvhs_contain_all_lights() {
     let at = |x: f32| Light::Point(PointLight { position: Vec3::new(x, 0.0, 0.0), intensity: Rgb::ONE });
     let sets: [Vec<Light>; 3] = [
         (0..1000).map(|_| at(1.0)).collect(),
@@ -146,10 +150,11 @@ fn degenerate_trees_contain_all_lights() {
     }
 }
 
-/// Relative variance of one light sample at `p`, for each of N sampling methods.
+/// Relative variance of the irradiance at `p` from one sampled light, for N ways of choosing the
+/// light.
 ///
-/// With contribution fᵢ and probability pᵢ of light i, it is (Σ E\[fᵢ²]/pᵢ − (Σ E\[fᵢ])²) / (Σ
-/// E\[fᵢ])².
+/// `choices` give the probability of each light. With contribution fᵢ and probability pᵢ of light
+/// i, the relative variance is (Σ E\[fᵢ²]/pᵢ − (Σ E\[fᵢ])²) / (Σ E\[fᵢ])².
 fn relative_variances<const N: usize>(
     lights: &[Light],
     p: Vec3,
@@ -173,8 +178,8 @@ fn relative_variances<const N: usize>(
     squares.map(|s| s / (mean * mean) - 1.0)
 }
 
-/// A thousand lights, at random positions in a room or in rows under a ceiling, have less variance
-/// with the light BVH than with sampling by power.
+/// The light BVH gives less variance than sampling by power, for a thousand lights at random
+/// positions in a room or in rows under a ceiling.
 #[test]
 fn light_bvh_has_less_variance_than_power_sampling() {
     let lamp = |i: u64| DVec3::new((i % 32) as f64 - 16.0, 3.0, (i / 32) as f64 - 16.0);

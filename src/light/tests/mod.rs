@@ -17,10 +17,10 @@ fn test_key(i: u64) -> Key {
 }
 
 fn area_light(shape: Shape, radiance: f32) -> Light {
-    Light::Area(AreaLight::uniform(LightSurface::Shape(shape), Rgb::splat(radiance)))
+    Light::Area(AreaLight::with_uniform_radiance(LightSurface::Shape(shape), Rgb::splat(radiance)))
 }
 
-/// Mean and variance of the mean of `f` over `n` keys.
+/// Mean of `f` over `n` random keys, and the variance of this mean.
 fn estimate_mean_and_variance(n: u64, f: impl Fn(Key) -> f64) -> (f64, f64) {
     let (mut sum, mut squares) = (0.0, 0.0);
     for i in 0..n {
@@ -39,9 +39,11 @@ fn estimate_irradiance(light: &Light, p: Vec3, n: Vec3) -> (f64, f64) {
     })
 }
 
-/// Asserts that `mean` agrees with `truth` within five sigma: less than one false alarm in a
-/// million comparisons.
-fn assert_within_5_sigma((mean, variance): (f64, f64), truth: f64) {
+/// Asserts that an estimated mean agrees with `truth` within five standard errors. `variance` is
+/// the variance of the mean.
+///
+/// This gives less than one false alarm in a million comparisons.
+fn assert_within_five_sigma((mean, variance): (f64, f64), truth: f64) {
     assert!((mean - truth).abs() < 5.0 * variance.sqrt() + 2e-6 * truth, "{mean} against {truth}");
 }
 
@@ -49,19 +51,19 @@ fn point_on_y_axis(v: f64) -> DVec3 {
     DVec3::new(0.0, v, 0.0)
 }
 
-/// The irradiance of a point light falls by the inverse square law and the cosine.
+/// The irradiance of a point light is intensity times cosine over squared distance.
 #[test]
 fn point_light_irradiance_is_exact() {
     let light = Light::Point(PointLight { position: Vec3::new(0.0, 2.0, 0.0), intensity: Rgb::splat(3.0) });
     let (h, x) = (2.0f64, 1.5);
-    assert_within_5_sigma(
+    assert_within_five_sigma(
         estimate_irradiance(&light, Vec3::new(x as f32, 0.0, 0.0), Vec3::Y),
         3.0 * h / libm::pow(h * h + x * x, 1.5),
     );
 }
 
-/// The irradiance of a disc light that faces down agrees with closed forms, on its axis and beside
-/// it.
+/// The irradiance of a disc light agrees with closed forms, on the disc's axis and beside it. The
+/// disc faces down.
 #[test]
 fn disc_light_irradiance_is_exact() {
     let (r, h, l) = (0.8f64, 1.1, 2.0);
@@ -72,7 +74,7 @@ fn disc_light_irradiance_is_exact() {
     };
     assert!((truth(0.0) - std::f64::consts::PI * l * r * r / (r * r + h * h)).abs() < 1e-12);
     for a in [0.0, 0.5, 2.0] {
-        assert_within_5_sigma(estimate_irradiance(&light, Vec3::new(a as f32, 0.0, 0.0), Vec3::Y), truth(a));
+        assert_within_five_sigma(estimate_irradiance(&light, Vec3::new(a as f32, 0.0, 0.0), Vec3::Y), truth(a));
     }
     assert!(light.sample_li(Vec3::new(0.0, 5.0, 0.0), glam::Vec2::splat(0.5)).is_none(), "its back is black");
 }
@@ -81,7 +83,7 @@ fn disc_light_irradiance_is_exact() {
 #[test]
 fn sphere_light_irradiance_is_exact() {
     let light = area_light(Shape::Sphere(SphereShape::new(DVec3::new(3.0, 4.0, 0.0), 0.5)), 7.0);
-    assert_within_5_sigma(estimate_irradiance(&light, Vec3::ZERO, Vec3::Y), std::f64::consts::PI * 7.0 * 0.01 * 0.8);
+    assert_within_five_sigma(estimate_irradiance(&light, Vec3::ZERO, Vec3::Y), std::f64::consts::PI * 7.0 * 0.01 * 0.8);
 }
 
 /// The irradiance below the corner of a rectangle light agrees with its closed form.
@@ -91,5 +93,5 @@ fn rectangle_light_irradiance_is_exact() {
     let light = area_light(Shape::Rectangle(Rectangle::new(point_on_y_axis(h), DVec3::X * a, DVec3::Z * b)), 5.0);
     let (u, v) = (a / h, b / h);
     let term = |p: f64, q: f64| p / (1.0 + p * p).sqrt() * libm::atan(q / (1.0 + p * p).sqrt());
-    assert_within_5_sigma(estimate_irradiance(&light, Vec3::ZERO, Vec3::Y), 2.5 * (term(u, v) + term(v, u)));
+    assert_within_five_sigma(estimate_irradiance(&light, Vec3::ZERO, Vec3::Y), 2.5 * (term(u, v) + term(v, u)));
 }

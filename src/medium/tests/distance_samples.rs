@@ -6,7 +6,7 @@
 use super::*;
 use glam::DAffine3;
 
-/// A medium with three cases in its channels: scattering and absorption, absorption only, and no
+/// A medium whose channels differ: one scatters and absorbs, one only absorbs, and one has no
 /// extinction.
 fn absorbing_per_channel_medium(density: Option<GridDensity>) -> Medium {
     let [a, s, e] = [Vec3::new(0.1, 0.5, 0.0), Vec3::new(1.3, 0.0, 0.0), Vec3::new(0.2, 3.0, 1.0)];
@@ -25,8 +25,8 @@ fn medium_with_density(a: Vec3, s: Vec3, e: Vec3, density: Option<GridDensity>) 
     }
 }
 
-/// Compares all estimates along `ray` up to `distance` with closed forms; `depth` is τ as a
-/// function of distance.
+/// Compares distance samples, transmittance and emission along `ray`, up to `distance`, with closed
+/// forms. `depth` is the integral of density as a function of distance.
 fn assert_distance_samples_unbiased(medium: &Medium, ray: &Ray, distance: f32, depth: impl Fn(f64) -> f64, name: &str) {
     let sigma = medium.extinction().as_dvec3();
     let tau = depth(f64::from(distance));
@@ -41,10 +41,10 @@ fn assert_distance_samples_unbiased(medium: &Medium, ray: &Ray, distance: f32, d
 
     let mut light = [RunningMean::default(), RunningMean::default()];
     for _ in 0..n {
-        light[0].add(medium.transmittance(ray, distance, &mut random).as_dvec3());
-        light[1].add(medium.emitted_radiance(ray, distance, &mut random).as_dvec3());
+        light[0].add_sample(medium.transmittance(ray, distance, &mut random).as_dvec3());
+        light[1].add_sample(medium.emitted_radiance(ray, distance, &mut random).as_dvec3());
     }
-    light[0].assert_near_bounded(left, DVec3::ONE, &format!("{name}: transmittance"));
+    light[0].assert_near_with_value_bound(left, DVec3::ONE, &format!("{name}: transmittance"));
     light[1].assert_near(gathered * medium.emission.as_dvec3(), &format!("{name}: emission"));
 
     for throughput in [Vec3::ONE, Vec3::new(0.01, 0.3, 2.0)] {
@@ -61,16 +61,20 @@ fn assert_distance_samples_unbiased(medium: &Medium, ray: &Ray, distance: f32, d
             let t = distance_sample.scattered.map_or(0.0, f64::from);
             let through = f64::from(u8::from(distance_sample.scattered.is_none()));
             assert!((0.0..=f64::from(distance)).contains(&t));
-            means[0].add(w * through);
-            means[1].add(w * (1.0 - through));
-            means[2].add(w * (1.0 - through) * depth(t));
+            means[0].add_sample(w * through);
+            means[1].add_sample(w * (1.0 - through));
+            means[2].add_sample(w * (1.0 - through) * depth(t));
         }
         let scattering = medium.scattering.as_dvec3();
         // The mean of throughput times weight does not grow.
         let most = f64::from(whole) / throughput.as_dvec3();
-        means[0].assert_near_bounded(left, most, &format!("{name}: through of {throughput}"));
-        means[1].assert_near_bounded(gathered * scattering, most, &format!("{name}: scattered of {throughput}"));
-        means[2].assert_near_bounded(
+        means[0].assert_near_with_value_bound(left, most, &format!("{name}: through of {throughput}"));
+        means[1].assert_near_with_value_bound(
+            gathered * scattering,
+            most,
+            &format!("{name}: scattered of {throughput}"),
+        );
+        means[2].assert_near_with_value_bound(
             moment * scattering,
             most * tau,
             &format!("{name}: depth of scattering of {throughput}"),
@@ -119,7 +123,7 @@ fn distance_weights_match_their_pdf() {
     assert!(bluish_medium(Some(constant_density_grid(1.0))).distance_pdf(1.0, throughput).is_none());
 }
 
-/// A rotated and sheared box of constant density.
+/// A grid of constant density in a rotated and sheared box.
 fn constant_density_grid(density: f32) -> GridDensity {
     let turn = DAffine3::from_axis_angle(DVec3::new(1.0, 2.0, -0.5).normalize(), 0.8);
     let place =
@@ -146,8 +150,8 @@ fn constant_grid_equals_homogeneous_slab() {
     assert_distance_samples_unbiased(&bluish_medium(Some(field)), &ray, 30.0, depth, "bluish slab");
 }
 
-/// The density is x/2 from x = 0 to x = 4, but constant in the outer halves of the first and last
-/// of 20 cells. Rays run along x and obliquely.
+/// Uses the density x/2 from x = 0 to x = 4, on 20 cells. It is constant in the outer halves of the
+/// first and last cell. Rays run along x and obliquely.
 #[test]
 fn linear_density_matches_its_optical_depth() {
     let place = DAffine3::from_scale_rotation_translation(
@@ -174,7 +178,8 @@ fn linear_density_matches_its_optical_depth() {
     }
 }
 
-/// The reference τ is a midpoint rule with 40,000 steps. Its relative error is below 10⁻⁶.
+/// Compares estimates in clouds with optical depths by a midpoint rule of 40,000 steps, whose
+/// relative error is below 10⁻⁶.
 #[test]
 fn clouds_match_their_optical_depth() {
     let cloud = Cloud { octaves: 4, scale: 3.0, cover: 0.8, softness: 0.3, seed: 5 };

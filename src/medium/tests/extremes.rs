@@ -5,22 +5,23 @@ use glam::DAffine3;
 
 const X: Vec3 = Vec3::X;
 
-fn density_grid(values: Vec<f32>, size: [u32; 3]) -> Option<Arc<GridDensity>> {
+fn unit_cube_density_grid(values: Vec<f32>, size: [u32; 3]) -> Option<Arc<GridDensity>> {
     let place = DAffine3::from_translation(DVec3::new(0.0, -0.5, -0.5));
     Some(Arc::new(GridDensity::new(size, values, place).unwrap()))
 }
 
-fn test_medium(a: Vec3, s: Vec3, e: Vec3, density: Option<Arc<GridDensity>>) -> Medium {
+fn medium_from_coefficients(a: Vec3, s: Vec3, e: Vec3, density: Option<Arc<GridDensity>>) -> Medium {
     Medium { absorption: a, scattering: s, emission: e, phase: PhaseFunction::Isotropic, density }
 }
 
 #[test]
 fn empty_media_have_no_effect() {
     let ray = Ray::new(Vec3::ZERO, X);
-    let nothing = test_medium(Vec3::ZERO, Vec3::ZERO, Vec3::ZERO, None);
-    let thin = test_medium(Vec3::ONE, Vec3::ONE, Vec3::ONE, density_grid(vec![0.0; 8], [2; 3]));
+    let nothing = medium_from_coefficients(Vec3::ZERO, Vec3::ZERO, Vec3::ZERO, None);
+    let thin = medium_from_coefficients(Vec3::ONE, Vec3::ONE, Vec3::ONE, unit_cube_density_grid(vec![0.0; 8], [2; 3]));
     let elsewhere =
-        test_medium(Vec3::ONE, Vec3::ONE, Vec3::ONE, density_grid(vec![1.0; 8], [2; 3])).translated(DVec3::Y * 2.0);
+        medium_from_coefficients(Vec3::ONE, Vec3::ONE, Vec3::ONE, unit_cube_density_grid(vec![1.0; 8], [2; 3]))
+            .translated(DVec3::Y * 2.0);
     for (medium, empty) in [(nothing, true), (thin, true), (elsewhere, false)] {
         assert_eq!(medium.is_empty(), empty);
         for distance in [0.0, 1.0, f32::INFINITY] {
@@ -33,17 +34,21 @@ fn empty_media_have_no_effect() {
     }
 }
 
-/// Weights stay finite at an optical depth of 10⁴, and at an infinite distance.
+/// Checks that weights stay finite at an optical depth of 10⁴ and at an infinite distance.
 #[test]
 #[ignore = "long: paths through optical depths of ten thousand"]
 fn large_optical_depths_stay_finite() {
     let ray = Ray::new(Vec3::ZERO, X);
-    for density in [None, density_grid(vec![1.0; 20], [20, 1, 1])] {
+    for density in [None, unit_cube_density_grid(vec![1.0; 20], [20, 1, 1])] {
         let scale = 1e4;
-        let grey =
-            test_medium(Vec3::splat(0.25 * scale), Vec3::splat(0.75 * scale), Vec3::splat(scale), density.clone());
-        let white = test_medium(Vec3::ZERO, Vec3::splat(scale), Vec3::ZERO, density.clone());
-        let mixed = test_medium(Vec3::ZERO, Vec3::new(scale, 1.0, 0.0), Vec3::X, density);
+        let grey = medium_from_coefficients(
+            Vec3::splat(0.25 * scale),
+            Vec3::splat(0.75 * scale),
+            Vec3::splat(scale),
+            density.clone(),
+        );
+        let white = medium_from_coefficients(Vec3::ZERO, Vec3::splat(scale), Vec3::ZERO, density.clone());
+        let mixed = medium_from_coefficients(Vec3::ZERO, Vec3::new(scale, 1.0, 0.0), Vec3::X, density);
         let random = &mut test_rng(7);
         for distance in [1.0, f32::INFINITY] {
             for _ in 0..10_000 {
@@ -77,7 +82,8 @@ fn large_optical_depths_stay_finite() {
     }
 }
 
-/// A ray through density 0 has only null collisions, if the majorant of the block is positive.
+/// Estimates transmittance through density 0, where all tentative collisions are null collisions.
+/// The true value is 1.
 ///
 /// The optical depth of the majorant is four times the roulette interval, so 1/16 of the paths
 /// survive with weight 16. The standard error is 4/√n.
@@ -86,7 +92,12 @@ fn collision_roulette_is_unbiased() {
     let mut values = vec![0.0; 512];
     values[511] = 1.0;
     let ray = Ray::new(Vec3::new(0.0, -0.4, -0.4), X);
-    let medium = test_medium(Vec3::splat(65_000.0), Vec3::splat(1000.0), Vec3::ZERO, density_grid(values, [8; 3]));
+    let medium = medium_from_coefficients(
+        Vec3::splat(65_000.0),
+        Vec3::splat(1000.0),
+        Vec3::ZERO,
+        unit_cube_density_grid(values, [8; 3]),
+    );
     let (random, n) = (&mut test_rng(8), 2000);
     let (mut left, mut flown) = (0.0, 0.0);
     for _ in 0..n {
@@ -103,7 +114,8 @@ fn tracking_ends_at_extreme_densities() {
     let mut values = vec![0.0; 512];
     values[100] = f32::MAX;
     let ray = Ray::new(Vec3::new(-1.0, -0.4, -0.4), Vec3::new(1.0, 0.3, 0.2).normalize());
-    let medium = test_medium(Vec3::splat(f32::MAX), Vec3::ONE, Vec3::ONE, density_grid(values, [8; 3]));
+    let medium =
+        medium_from_coefficients(Vec3::splat(f32::MAX), Vec3::ONE, Vec3::ONE, unit_cube_density_grid(values, [8; 3]));
     let random = &mut test_rng(9);
     for _ in 0..100 {
         let distance_sample = medium.distance_sample(&ray, f32::INFINITY, Vec3::ONE, random);
@@ -116,9 +128,9 @@ fn tracking_ends_at_extreme_densities() {
 #[test]
 fn medium_predicates_are_correct() {
     let (zero, one) = (Vec3::ZERO, Vec3::ONE);
-    let glow = test_medium(zero, zero, one, None);
+    let glow = medium_from_coefficients(zero, zero, one, None);
     assert!(glow.emits() && !glow.scatters() && !glow.is_empty() && glow.is_homogeneous());
-    let fog = test_medium(zero, one, zero, density_grid(vec![2.0], [1; 3]));
+    let fog = medium_from_coefficients(zero, one, zero, unit_cube_density_grid(vec![2.0], [1; 3]));
     assert!(!fog.emits() && fog.scatters() && !fog.is_homogeneous());
     assert_eq!([fog.density_at(X * 0.5), fog.density_at(X * 1.5)], [2.0, 0.0]);
     assert_eq!(fog.translated(DVec3::X).density_at(X * 1.5), 2.0);

@@ -49,8 +49,8 @@ fn grid_values_are_at_cell_centers() {
     );
 }
 
-/// Blocks along a ray are adjacent and cover its part in the box once. Majorants bound the density
-/// up to rounding.
+/// Checks that the blocks along a ray adjoin and cover the grid once, and that their majorants
+/// bound the density up to rounding.
 #[test]
 fn majorants_bound_the_density_along_rays() {
     let mut random = test_rng(11);
@@ -77,9 +77,9 @@ fn majorants_bound_the_density_along_rays() {
         let [a, b] = [a, b].map(|p| place.transform_point3(p).as_vec3());
         let Some(direction) = (b - a).try_normalize() else { continue };
         let ray = Ray::new(a, direction);
-        let blocks: Vec<_> = field.ray_in_grid(&ray, f32::INFINITY).majorant_blocks().collect();
+        let blocks: Vec<_> = field.ray_in_grid(&ray, f32::INFINITY).blocks_along_ray().collect();
         crossed += blocks.len();
-        let (start, end) = ray_interval_in_cube(&field, &ray);
+        let (start, end) = ray_interval_in_grid_box(&field, &ray);
         assert!((blocks[0].0 - start).abs() < 1e-9 && (blocks.last().unwrap().1 - end).abs() < 1e-9, "{i}");
         assert!(blocks.windows(2).all(|pair| pair[0].1 == pair[1].0), "{i}");
         let line = field.ray_in_grid(&ray, f32::INFINITY);
@@ -91,14 +91,14 @@ fn majorants_bound_the_density_along_rays() {
             }
         }
         let short = 0.3f32;
-        let last = field.ray_in_grid(&ray, short).majorant_blocks().last().map_or(0.0, |b| b.1);
+        let last = field.ray_in_grid(&ray, short).blocks_along_ray().last().map_or(0.0, |b| b.1);
         assert!(last <= f64::from(short));
     }
     assert!(crossed > 60_000, "{crossed}");
 }
 
-/// Interval of distances t ≥ 0 at which a ray is inside the box of a grid.
-fn ray_interval_in_cube(field: &GridDensity, ray: &Ray) -> (f64, f64) {
+/// Returns the interval of distances t ≥ 0 at which `ray` is inside the box of `field`.
+fn ray_interval_in_grid_box(field: &GridDensity, ray: &Ray) -> (f64, f64) {
     let inverse = field.placement().inverse();
     let (o, d) = (inverse.transform_point3(ray.origin.as_dvec3()), inverse.transform_vector3(ray.direction.as_dvec3()));
     let (a, b) = (-o / d, (1.0 - o) / d);

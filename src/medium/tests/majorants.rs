@@ -20,17 +20,17 @@ fn random_walk(medium: &Medium, random: &mut SmallRng) -> (f64, DVec3) {
     }
 }
 
-/// Compares random walks with closed forms for albedo a and mean cosine g.
+/// Compares simulated random walks with closed forms for albedo a and mean cosine g.
 ///
-/// The mean number of collisions is 1/(1−a). The mean squared distance of the point of absorption
-/// is 2/(σt²(1−a)(1−ag)).
+/// The mean number of collisions is 1/(1−a). The mean squared distance from the origin at
+/// absorption is 2/(σt²(1−a)(1−ag)).
 fn assert_random_walk_moments(medium: &Medium, sigma: f64, albedo: f64) {
     let mut random = test_rng(5);
     let (mut collisions, mut square) = (RunningMean::default(), RunningMean::default());
     for _ in 0..100_000 {
         let (n, p) = random_walk(medium, &mut random);
-        collisions.add(DVec3::splat(n));
-        square.add(DVec3::splat(p.length_squared()));
+        collisions.add_sample(DVec3::splat(n));
+        square.add_sample(DVec3::splat(p.length_squared()));
     }
     let g = f64::from(medium.phase.mean_cosine());
     collisions.assert_near(DVec3::splat(1.0 / (1.0 - albedo)), "collisions");
@@ -46,7 +46,7 @@ fn homogeneous_random_walks_match_diffusion() {
     }
 }
 
-/// The grid is so large that a random walk leaves it only with probability e⁻⁵⁰⁰.
+/// Simulates walks in a grid so large that a walk leaves it only with probability e⁻⁵⁰⁰.
 #[test]
 fn grid_random_walks_match_diffusion() {
     let place = DAffine3::from_scale(DVec3::splat(400.0)) * DAffine3::from_translation(DVec3::splat(-0.5));

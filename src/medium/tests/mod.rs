@@ -26,7 +26,7 @@ struct RunningMean {
 }
 
 impl RunningMean {
-    fn add(&mut self, x: DVec3) {
+    fn add_sample(&mut self, x: DVec3) {
         self.n += 1.0;
         self.sum += x;
         self.squares += x * x;
@@ -35,7 +35,7 @@ impl RunningMean {
     /// Asserts that the mean is within five standard errors of `truth`, plus 10⁻⁶ for the rounding
     /// of f32 weights.
     fn assert_near(&self, truth: DVec3, what: &str) {
-        self.assert_near_bounded(truth, DVec3::ZERO, what);
+        self.assert_near_with_value_bound(truth, DVec3::ZERO, what);
     }
 
     /// Asserts that the mean agrees with `truth`. `most` bounds the values, which may be rare and
@@ -43,7 +43,7 @@ impl RunningMean {
     ///
     /// The bound adds 29·most/n to five standard errors (empirical Bernstein bound of Maurer and
     /// Pontil 2009, ln(2/δ) = 12.5).
-    fn assert_near_bounded(&self, truth: DVec3, most: DVec3, what: &str) {
+    fn assert_near_with_value_bound(&self, truth: DVec3, most: DVec3, what: &str) {
         let mean = self.sum / self.n;
         for i in 0..3 {
             let error = ((self.squares[i] / self.n - mean[i] * mean[i]).max(0.0) / self.n).sqrt();

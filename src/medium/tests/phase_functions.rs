@@ -15,15 +15,15 @@ fn phase_functions() -> Vec<PhaseFunction> {
     phases
 }
 
-/// Bins of the scattering angle, which are narrow in the lobe. The coordinate x in \[0, 1] maps to
-/// the angle from the lobe's axis.
+/// Bins of the scattering angle, which are narrow where the phase function peaks. Bins divide a
+/// coordinate x in \[0, 1] evenly; `bin_edge_angle` maps x to the angle.
 struct AngleBins {
     width: f64,
     backwards: bool,
 }
 
 impl AngleBins {
-    fn for_phase(phase: PhaseFunction) -> Self {
+    fn bins_for_phase_function(phase: PhaseFunction) -> Self {
         let g = f64::from(phase.mean_cosine());
         Self { width: 1.0 - g.abs(), backwards: g < 0.0 }
     }
@@ -39,7 +39,7 @@ impl AngleBins {
         ((x * RINGS as f64) as usize).min(RINGS - 1)
     }
 
-    /// Integral over each bin of `f`(cos) times the phase function.
+    /// Returns the integral over each bin of `f`(cos) times the phase function.
     fn integrate_bins(&self, phase: PhaseFunction, f: impl Fn(f64) -> f64) -> Vec<f64> {
         let n = RINGS * POINTS;
         let mut rings = vec![0.0; RINGS];
@@ -53,12 +53,14 @@ impl AngleBins {
     }
 }
 
+/// Compares the integral of each phase function with 1, and its mean cosine with g.
+///
 /// Rounding a cosine by 2⁻²⁵ changes the peak by 3g·2⁻²⁵/(1−g)² < 10⁻³ at g = 0.99. The midpoint
 /// rule errs by less.
 #[test]
 fn phase_functions_are_normalised_with_mean_cosine() {
     for phase in phase_functions() {
-        let rings = AngleBins::for_phase(phase);
+        let rings = AngleBins::bins_for_phase_function(phase);
         let total: f64 = rings.integrate_bins(phase, |_| 1.0).iter().sum();
         let mean: f64 = rings.integrate_bins(phase, |cos| cos).iter().sum();
         let off = (total - 1.0).abs().max((mean - f64::from(phase.mean_cosine())).abs());
@@ -76,7 +78,7 @@ fn phase_samples_follow_their_pdf() {
     let mut random = test_rng(1);
     for phase in phase_functions() {
         for travel in travels {
-            let rings = AngleBins::for_phase(phase);
+            let rings = AngleBins::bins_for_phase_function(phase);
             let expected = rings.integrate_bins(phase, |_| 1.0);
             let axis = travel.as_dvec3().normalize();
             let side = axis.any_orthonormal_vector();
@@ -96,7 +98,7 @@ fn phase_samples_follow_their_pdf() {
                 let ring = rings.bin_of_angle(libm::atan2(libm::hypot(x, y), z));
                 let sector = (libm::atan2(y, x) / TAU + 0.5) * SECTORS as f64;
                 counts[ring * SECTORS + (sector as usize).min(SECTORS - 1)] += 1;
-                mean.add(DVec3::splat(z));
+                mean.add_sample(DVec3::splat(z));
             }
             mean.assert_near(DVec3::splat(f64::from(phase.mean_cosine())), "mean cosine");
             let cells = counts
@@ -110,8 +112,8 @@ fn phase_samples_follow_their_pdf() {
     }
 }
 
-/// p value of Pearson's chi-square test, by the Wilson–Hilferty approximation. Neighbouring cells
-/// are pooled until at least 5 samples are expected.
+/// Returns the p value of Pearson's chi-square test, by the Wilson–Hilferty approximation. `cells`
+/// holds expected and observed counts; neighbours are pooled until 5 samples are expected.
 fn chi_square_p_value(cells: impl Iterator<Item = (f64, f64)>) -> f64 {
     let (mut pool, mut chi2, mut used) = ((0.0, 0.0), 0.0, 0u32);
     for (expected, found) in cells {
@@ -128,7 +130,7 @@ fn chi_square_p_value(cells: impl Iterator<Item = (f64, f64)>) -> f64 {
 }
 
 #[test]
-fn extreme_asymmetry_is_stable() {
+fn extreme_henyey_greenstein_is_stable() {
     let last = 1.0 - f32::EPSILON / 2.0;
     for phase in phase_functions() {
         for cos in [-1.0, 1.0, -1.0 - 1e-6, 1.0 + 1e-6] {

@@ -7,7 +7,7 @@ fn test_key(i: u64) -> Key {
     Key::new(12).purpose_key(Purpose::Test).child_key(i)
 }
 
-/// A point of the unit cube.
+/// Random point of the unit cube; `i` selects the random numbers.
 fn random_point(i: u64) -> Vec3 {
     test_key(i).uniform_2d(Dimension::LightPosition).extend(test_key(i).uniform_1d(Dimension::Light))
 }
@@ -20,8 +20,10 @@ fn unit_flux_beam(start: Vec3, direction: Vec3, length: f32) -> PhotonBeam {
     PhotonBeam::new(start, direction, length, Rgb::ONE, 0, 0).unwrap()
 }
 
-/// Random beams in a cube around `middle`, short and long, some along axes. The medium index of
-/// each beam is its number.
+/// `n` random beams that start in a cube of edge `size` around `middle`.
+///
+/// Some are short, some long, and some parallel to an axis. The medium index of a beam is its index
+/// in the list, so that tests can identify it.
 fn random_beams(n: u64, size: f32, middle: Vec3) -> Vec<PhotonBeam> {
     let one = |i: u64| {
         let direction =
@@ -47,8 +49,8 @@ fn visited_beams(map: &PhotonBeamMap, ray: &Ray) -> Vec<(u32, u32)> {
     all
 }
 
-/// Queries find the same intersections as a scan over all beams, to the bit, at scales where
-/// rounding matters.
+/// Map queries find the same intersections as a scan over all beams, bit by bit, also at scales
+/// where rounding matters.
 #[test]
 fn queries_match_a_linear_scan() {
     for (size, middle) in [(1.0, Vec3::ZERO), (1e-12, Vec3::ZERO), (1e9, Vec3::ZERO), (1.0, Vec3::new(5e3, -7e3, 0.0))]
@@ -73,7 +75,8 @@ fn queries_match_a_linear_scan() {
     }
 }
 
-/// Rays through the ends of beam pieces visit each beam exactly once, in spite of rounding.
+/// A ray that passes near the end of a beam piece visits the beam exactly once, in spite of
+/// rounding.
 #[test]
 fn split_beams_are_visited_once() {
     let radius = 0.02;
@@ -92,7 +95,8 @@ fn split_beams_are_visited_once() {
     assert!(count > 1000, "{count}");
 }
 
-/// The closest approach agrees with the minimum of the distance over both line parameters.
+/// The distance between the closest points equals the minimum of the distance between any points of
+/// the two lines.
 #[test]
 fn intersection_is_the_closest_approach() {
     let mut count = 0;
@@ -122,7 +126,8 @@ fn intersection_is_the_closest_approach() {
     assert!(count > 500, "{count}");
 }
 
-/// The integral of the beam weight over the distance of the lines is 1/sin θ, by the midpoint rule.
+/// The integral of [`BeamIntersection::weight`] over the distance between two lines at angle θ is
+/// 1/sin θ (midpoint rule).
 #[test]
 fn beam_kernel_has_unit_integral() {
     let (n, radius, sine) = (2000, 0.3, 0.6);
@@ -154,8 +159,8 @@ fn beam_and_ray_ends_are_respected() {
     assert!(!meets(-1e-3, -1.0, 1.0) && !meets(2.001, -1.0, 1.0));
 }
 
-/// Lines whose directions differ only by rounding have no intersection. Others have one of finite
-/// weight.
+/// Lines that are parallel up to rounding have no intersection; all other lines have one with
+/// finite weight.
 #[test]
 fn nearly_parallel_lines_have_finite_weight() {
     let ray = Ray { origin: Vec3::ZERO, direction: Vec3::X, t_max: 10.0 };
@@ -217,8 +222,10 @@ fn assert_mean(values: &[f64], truth: f64, precision: f64) {
     assert!((mean - truth).abs() < 4.0 * error, "{mean} is not {truth}, give or take {error}");
 }
 
-/// Radiance of a ray across collimated light. The beams are uniform across the blur, so the blur
-/// has no bias.
+/// The beam estimate of the radiance along a ray that crosses parallel light equals the closed
+/// form.
+///
+/// The beams are uniform across the blur, so the blur adds no bias.
 #[test]
 fn collimated_beam_radiance_is_exact() {
     let (extinction, scattering, depth, across) = (1.3f64, 0.9f64, 0.7f64, 1.6f64);
@@ -248,7 +255,8 @@ fn collimated_beam_radiance_is_exact() {
     assert_mean(&(0..16).map(run).collect::<Vec<_>>(), truth, 0.01);
 }
 
-/// Uniform random chords fill a ball with the mean fluence Σ length · flux/volume.
+/// In a ball filled with uniform random chords, the beam estimate gives the mean fluence Σ beam
+/// length · flux/volume.
 #[test]
 fn isotropic_chords_give_mean_fluence() {
     let ray = Ray { origin: Vec3::new(-0.5, 0.1, 0.2), direction: Vec3::new(0.8, -0.36, 0.48), t_max: 1.1 };

@@ -10,9 +10,9 @@ use glam::DVec3;
 
 fn scene_of_shapes(shapes: &[Shape]) -> Scene {
     let mut builder = SceneBuilder::new();
-    let white = builder.material(Material::diffuse(Rgb::ONE));
+    let white = builder.add_material(Material::diffuse(Rgb::ONE));
     for shape in shapes {
-        builder.shape(shape.clone(), white, Rgb::ZERO);
+        builder.add_shape(shape.clone(), white, Rgb::ZERO);
     }
     builder.build(Camera::perspective(DVec3::Z * 9.0, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap()).unwrap()
 }
@@ -28,7 +28,8 @@ fn square_scene() -> Scene {
 
 const KERNELS: [Kernel; 3] = [Kernel::Box, Kernel::Cone, Kernel::Epanechnikov];
 
-/// Mean coverage over many keys, and its standard error, at position `p` of the scene description.
+/// Mean of [`disc_coverage`] over 2000 random keys, and its standard error. `p` is in the frame of
+/// the scene description.
 fn mean_coverage(scene: &Scene, p: DVec3, normal: Vec3, radius: f32, kernel: Kernel) -> (f64, f64) {
     let (n, p) = (2000u64, (p - scene.origin()).as_vec3());
     let one = |i| {
@@ -40,7 +41,8 @@ fn mean_coverage(scene: &Scene, p: DVec3, normal: Vec3, radius: f32, kernel: Ker
     (mean, (variance / n as f64).sqrt())
 }
 
-/// Asserts the mean coverage within five standard errors plus 0.02 for the bias of the ratio.
+/// Asserts that the mean coverage for radius 0.5 is `expected`, within five standard errors plus
+/// 0.02 for the bias of the ratio.
 #[track_caller]
 fn assert_coverage(scene: &Scene, p: DVec3, kernel: Kernel, expected: f64) {
     let (mean, sigma) = mean_coverage(scene, p, Vec3::Y, 0.5, kernel);
@@ -65,7 +67,7 @@ fn flat_surface_has_full_coverage() {
     }
 }
 
-/// By symmetry, coverage is ½ at an edge and ¼ in a corner for every kernel.
+/// By symmetry, coverage is ½ at an edge and ¼ at a corner of a square, for every kernel.
 #[test]
 fn coverage_is_half_at_edges_quarter_at_corners() {
     for kernel in KERNELS {
@@ -76,22 +78,24 @@ fn coverage_is_half_at_edges_quarter_at_corners() {
 
 /// Compares the coverage at half a radius from an edge with a numerical integral of the kernel K.
 ///
-/// A circle of t radii around the point, t in \[½, 1], has the angle 2 acos(1/(2t)) beyond the
-/// edge. The uncovered part is the integral over t of 2 acos(1/(2t)) K(t) t. The midpoint rule
+/// A circle of t radii around the point, t in \[½, 1], has an arc of angle 2 acos(1/(2t)) beyond
+/// the edge. The uncovered part is the integral over t of 2 acos(1/(2t)) K(t) t. The midpoint rule
 /// with 2000 steps errs by less than 10⁻⁴.
 #[test]
 fn edge_coverage_matches_kernel_integral() {
     for kernel in KERNELS {
         let beyond = (0..2000).map(|i| {
             let t = 0.5 + (f64::from(i) + 0.5) / 4000.0;
-            2.0 * libm::acos(0.5 / t) * f64::from(kernel.unnormalized((t * t) as f32) * kernel.normalization(1.0)) * t
+            2.0 * libm::acos(0.5 / t)
+                * f64::from(kernel.unnormalized_value((t * t) as f32) * kernel.normalization_factor(1.0))
+                * t
                 / 4000.0
         });
         assert_coverage(&square_scene(), DVec3::X * 0.75, kernel, 1.0 - beyond.sum::<f64>());
     }
 }
 
-/// A face tilted by 75° and a step of 0.4 radii do not count as covered.
+/// A face tilted by 75°, or 0.4 radii higher or lower, does not count as covered.
 #[test]
 fn other_orientations_and_heights_are_not_covered() {
     let floor = rectangle_shape([0.0, 0.0, 1.0], DVec3::X, DVec3::Z * -2.0);
@@ -106,7 +110,8 @@ fn other_orientations_and_heights_are_not_covered() {
     }
 }
 
-/// An edge at distance 0.3 cuts the discs of radius 0.5 and 0.354, but not that of 0.25.
+/// An edge at distance 0.3 reduces the coverage of discs with radius 0.5 and 0.354, but not of the
+/// disc with radius 0.25.
 #[test]
 fn nested_discs_are_probed_independently() {
     let p = DVec3::X * 0.7;

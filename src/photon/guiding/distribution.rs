@@ -1,46 +1,52 @@
-//! Guiding distributions of photon emission over primary samples in \[0, 1)⁴, fitted to pilot
+//! Guided pdfs of the primary samples in \[0, 1)⁴ that determine emitted photons, fitted to pilot
 //! samples.
 
 use crate::light::{EmissionDimensions, Light};
 use crate::sampling::SquareGridDistribution;
 use glam::Vec2;
 
-/// Primary sample of one pilot path, with the measured effect of its photons on the picture.
+/// Primary sample of one pilot path, with the squared contributions of its photons to the picture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EmissionGuidingSample {
     /// Index of the light.
     pub light: usize,
-    /// Sample point in \[0, 1)² from which the position on the light follows (primary sample).
+    /// Primary sample in \[0, 1)² that determines the position on the light.
     pub position: Vec2,
-    /// Sample point in \[0, 1)² from which the direction follows (primary sample).
+    /// Primary sample in \[0, 1)² that determines the emitted direction.
     pub direction: Vec2,
     /// Inverse of the joint pdf of `position` and `direction`.
     pub weight: f64,
-    /// Sum over the path's photons of their squared change of the picture.
+    /// Sum of the squared contributions of the path's photons to the picture.
     ///
-    /// The flux of the path is not divided by the pdf or by the probability of the light.
+    /// It is computed with the flux at emission, which is not divided by the pdf or by the
+    /// probability of the light.
     pub square: f64,
 }
 
-/// Least mean number of samples per cell.
+/// A grid is refined only if it then has at least this mean number of samples per cell.
 const MIN_SAMPLES_PER_CELL: usize = 4;
 
-/// Largest number of subdivisions of the two squares together; it gives 4096 cells.
+/// Largest number of subdivisions of a grid. A subdivision splits each cell into four, so a grid
+/// has at most 4096 cells.
 const MAX_SUBDIVISIONS: u32 = 6;
 
-/// Weight of the parent cell's value in the value of a cell, in samples (shrinkage estimator).
+/// Weight of the parent cell's mean in the mean of a cell, expressed as a number of samples
+/// (shrinkage estimator).
 const PARENT_WEIGHT: f64 = 8.0;
 
-/// Numbers of subdivisions of the unit squares of positions and of directions. n subdivisions give
-/// 2ⁿ cells along each side.
+/// Numbers of subdivisions of a grid over \[0, 1)⁴: first of the unit square of positions, then of
+/// that of directions.
+///
+/// n subdivisions give 2ⁿ cells along each side of the square.
 type CellResolution = (u32, u32);
 
-/// Mean squared change of the picture in each cell of a grid over \[0, 1)⁴.
+/// Grid over \[0, 1)⁴ that holds, for each cell, the mean squared contribution of a photon path to
+/// the picture.
 #[derive(Clone, Debug)]
 struct EmissionGuidingCells {
     resolution: CellResolution,
-    /// Mean squared change of each cell. The cell of the position is the outer index, the cell of
-    /// the direction the inner one.
+    /// Mean squared contribution of each cell. The cell of the position is the outer index, the
+    /// cell of the direction the inner one.
     squares: Vec<f64>,
 }
 
@@ -77,32 +83,34 @@ impl EmissionGuidingCells {
         Self { resolution, squares }
     }
 
-    /// Mean over cells of the root mean squared change of the picture.
+    /// Mean over all cells of the root mean squared contribution to the picture.
     ///
-    /// Its square is the second moment of an ideally guided path.
+    /// The square of the result is the second moment of a path whose pdf is ideally guided.
     fn guided_root_mean_square(&self) -> f64 {
         self.squares.iter().map(|s| s.sqrt()).sum::<f64>() / self.squares.len() as f64
     }
 
-    /// Pdf in each cell: a constant `uniform` in \[0, 1], and the rest in proportion to the cell's
-    /// root mean square.
+    /// Guided pdf in each cell: a constant `uniform` in \[0, 1], plus a part proportional to the
+    /// cell's root mean squared contribution.
     fn cell_pdfs(&self, uniform: f64) -> Vec<f64> {
         let mean = self.guided_root_mean_square();
         let pdf = |s: &f64| if mean > 0.0 { uniform + (1.0 - uniform) * s.sqrt() / mean } else { 1.0 };
         self.squares.iter().map(pdf).collect()
     }
 
-    /// Estimates the sum of squared contributions of `samples` if emission were guided by these
-    /// cells.
+    /// Estimates the sum of squared contributions of `samples` as if their emission had been guided
+    /// by these cells.
     ///
-    /// The estimate is unbiased only if the cells were fitted to other samples.
+    /// `uniform` is the fraction of the uniform pdf in the guided pdf. The estimate is unbiased
+    /// only if the cells were fitted to other samples.
     fn second_moment<'s>(&self, uniform: f64, samples: impl Iterator<Item = &'s EmissionGuidingSample>) -> f64 {
         let cell_pdfs = self.cell_pdfs(uniform);
         samples.map(|s| s.weight * s.square / cell_pdfs[cell_index(self.resolution, s.position, s.direction)]).sum()
     }
 }
 
-/// Index into [`EmissionGuidingCells::squares`] of the cell that contains a sample.
+/// Index into [`EmissionGuidingCells::squares`] of the cell that contains the primary sample
+/// (`position`, `direction`).
 #[inline]
 fn cell_index(resolution: CellResolution, position: Vec2, direction: Vec2) -> usize {
     let directions = 1usize << resolution.1;
@@ -117,12 +125,12 @@ pub(super) struct EmissionGuidingFit {
 }
 
 impl EmissionGuidingFit {
-    /// Fits a grid of cells to the samples of `light`.
+    /// Fits a grid of cells to the pilot samples of `light`.
     ///
-    /// Each step subdivides the positions' or the directions' unit square, whichever gives the
-    /// smaller second moment. The best resolution of all steps is kept. Second moments are
-    /// cross-validated between two halves of the samples against overfitting. `uniform` is the
-    /// uniform fraction of the guided pdf.
+    /// Each step subdivides the unit square of positions or that of directions, whichever gives the
+    /// smaller second moment. The best grid of all steps is used. To avoid overfitting, second
+    /// moments are cross-validated between two halves of the samples. `uniform` is the fraction of
+    /// the uniform pdf in the guided pdf.
     pub fn new(light: &Light, samples: &[&EmissionGuidingSample], uniform: f64) -> Self {
         let EmissionDimensions { uses_position, uses_direction } = light.emission_dimensions();
         let most =
@@ -156,14 +164,14 @@ impl EmissionGuidingFit {
         Self { cells: best.1 }
     }
 
-    /// Root of the second moment of ideally guided paths of this light. Light probabilities are
-    /// proportional to it.
+    /// Square root of the second moment of ideally guided paths of this light. Guiding makes the
+    /// light's probability proportional to it.
     pub fn guided_root_mean_square(&self) -> f64 {
         self.cells.guided_root_mean_square()
     }
 
-    /// Returns the guiding distribution, mixed with a fraction `uniform` of the uniform pdf.
-    /// Returns `None` if the fit has a single cell.
+    /// Returns the guided pdf, in which the uniform pdf has the fraction `uniform`; `None` if the
+    /// grid has a single cell.
     pub fn to_distribution(&self, uniform: f64) -> Option<EmissionGuidingDistribution> {
         let (p, d) = self.cells.resolution;
         if (p, d) == (0, 0) {
@@ -185,17 +193,17 @@ impl EmissionGuidingFit {
 /// Piecewise constant pdf over primary samples of position and direction, in \[0, 1)⁴.
 #[derive(Clone, Debug)]
 pub(in crate::photon) struct EmissionGuidingDistribution {
-    /// Number of position cells along each side of the unit square.
+    /// Number of cells along each side of the unit square of positions.
     side: usize,
-    /// Marginal pdf of positions.
+    /// Marginal pdf of the position's primary sample.
     positions: SquareGridDistribution,
-    /// Conditional pdf of directions for each position cell.
+    /// Conditional pdf of the direction's primary sample, for each cell of positions.
     directions: Vec<SquareGridDistribution>,
 }
 
 impl EmissionGuidingDistribution {
-    /// Maps two uniform points of \[0, 1)² to primary samples of position and direction, and
-    /// returns their pdf.
+    /// Maps two uniform points of \[0, 1)² to guided primary samples of position and direction.
+    /// Returns the samples and their joint pdf.
     #[inline]
     pub fn sample(&self, position: Vec2, direction: Vec2) -> (Vec2, Vec2, f32) {
         let (position, pdf) = self.positions.sample(position);
@@ -204,7 +212,7 @@ impl EmissionGuidingDistribution {
         (position, direction, pdf * conditional)
     }
 
-    /// Joint pdf of primary samples of position and direction.
+    /// Joint pdf of the primary samples `position` and `direction`.
     #[cfg(test)]
     pub fn pdf(&self, position: Vec2, direction: Vec2) -> f32 {
         self.positions.pdf(position)

@@ -1,5 +1,5 @@
-//! Emission guiding: a pilot measures which emitted photon paths affect the picture, and more such
-//! paths are emitted.
+//! Emission guiding: a pilot measures which photon paths contribute to the picture. The render then
+//! emits more such paths.
 
 mod distribution;
 #[cfg(test)]
@@ -16,66 +16,65 @@ use crate::scene::{Interior, for_interior};
 use distribution::{EmissionGuidingFit, EmissionGuidingSample};
 use rayon::prelude::*;
 
-/// Number of rounds of a pilot. The samples of all earlier rounds guide each round.
+/// Number of rounds of photon paths in a pilot. Each round is guided by the samples of all earlier
+/// rounds.
 const ROUNDS: u32 = 2;
 
-/// Photon paths per parallel task.
+/// Number of photon paths that one Rayon task traces in a pilot.
 const CHUNK: u32 = 4096;
 
-/// Fraction of the unguided pdf in the guided pdf, a mixture (defensive sampling).
+/// Weight of the unguided pdf in the guided pdf, which is a mixture of two pdfs (defensive
+/// sampling).
 ///
 /// A guided path has at most 5 times the flux of the same path without guiding.
 const DEFENSIVE_FRACTION: f64 = 0.2;
 
-/// Settings of the pilot for emission guiding.
+/// Settings of the pilot, the photon pass that measures which paths emission guiding prefers.
 #[derive(Clone, Copy, Debug)]
 pub struct EmissionGuidingPilot<'a> {
-    /// Kinds of photons that the render stores. Other photons have no effect on the picture.
+    /// Kinds of photons that the render stores. Other photons do not contribute to the picture.
     pub mask: StoreMask,
     /// Largest number of scattering events per path.
     pub max_bounces: u32,
-    /// Points seen by the camera. Their density gives the importance of a photon.
+    /// Surface points seen by the camera. Their density gives the importance of a photon.
     pub visible: &'a VisiblePointMap,
-    /// Number of photon paths of the pilot.
-    ///
-    /// [`EmissionGuidingPilot::PATHS`] suffices for most scenes.
+    /// Number of photon paths of the pilot. [`EmissionGuidingPilot::PATHS`] suffices for most
+    /// scenes.
     pub paths: u32,
     /// Seed of the render.
     pub seed: u64,
 }
 
 impl EmissionGuidingPilot<'_> {
-    /// Default number of photon paths of the pilot.
+    /// Default of [`EmissionGuidingPilot::paths`].
     ///
     /// If 1 % of the paths reach a visible point, the pilot has 1300 useful samples.
     pub const PATHS: u32 = 1 << 17;
 }
 
-/// Work and benefit of a pilot for emission guiding.
+/// Cost and estimated benefit of an emission guiding pilot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct EmissionGuidingReport {
     /// Number of photon paths that the pilot traced.
     pub paths: u64,
     /// Number of rays that the pilot traced.
     pub rays: u64,
-    /// Fraction of the paths of the first, unguided round that stored a photon near a visible
-    /// point.
+    /// Fraction of the unguided pilot paths that stored a photon near a visible point.
     pub useful: f64,
-    /// Estimated number of unguided photon paths over guided ones for equal variance of the
-    /// picture; 1 without guiding.
+    /// Ratio of unguided to guided photon paths that give the picture equal variance; 1 without
+    /// guiding.
     ///
-    /// It is the second moment of the first, unguided round, divided by that of the last, guided
-    /// round.
+    /// It is estimated as the second moment of unguided pilot paths, divided by that of guided
+    /// pilot paths.
     pub gain: f64,
 }
 
 impl PhotonSource<'_> {
     /// Returns the source with emission guided to the visible points of `pilot`, and a report.
     ///
-    /// The pilot sums, for each photon path, the squared changes of the picture by its photons. The
-    /// pdf of lights, positions and directions becomes proportional to the root mean square of the
-    /// change, which minimises the variance. A mixture with the unguided pdf bounds the weights and
-    /// keeps the estimate unbiased. If no photon of the pilot reaches a visible point, the source
+    /// Guiding makes the pdf of lights, positions and directions proportional to the root mean
+    /// squared contribution of a path to the picture, which minimises the variance. A mixture with
+    /// the unguided pdf bounds the weights. If no pilot photon reaches a visible point, the source
     /// stays unguided. The result depends only on the scene, this source and `pilot`.
     #[must_use]
     pub fn with_guided_emission(mut self, pilot: &EmissionGuidingPilot<'_>) -> (Self, EmissionGuidingReport) {
@@ -100,7 +99,7 @@ impl PhotonSource<'_> {
         (self, report)
     }
 
-    /// Traces the photon paths of one pilot round.
+    /// Traces the photon paths of pilot round number `round`; returns their samples.
     fn trace_pilot_round(&self, pilot: &EmissionGuidingPilot<'_>, round: u32) -> PilotRoundSamples {
         let key = Key::new(pilot.seed).purpose_key(Purpose::GuidingTraining).training_round_key(round);
         let paths = pilot.paths / ROUNDS;
@@ -135,12 +134,20 @@ impl PhotonSource<'_> {
             let point = self.primary_emission_sample(key, index, paths);
             let mut square = 0.0;
             if let Some((ray, flux)) = self.start_photon_path::<I>(&point) {
-                pass.follow_photon_path(ray, flux, key.path_key(index), None, &mut tally, |deposit: Deposit<'_>| {
-                    let DepositPlace::Surface(surface, _) = deposit.place else { return };
-                    let flux = f64::from(color::channel_mean(deposit.flux));
-                    let importance = pilot.visible.importance(surface.point.p, surface.facing_normal(), &mut scratch);
-                    square += flux * flux * f64::from(importance);
-                });
+                pass.follow_photon_path(
+                    ray,
+                    flux,
+                    key.photon_path_key(index),
+                    None,
+                    &mut tally,
+                    |deposit: Deposit<'_>| {
+                        let DepositPlace::Surface(surface, _) = deposit.place else { return };
+                        let flux = f64::from(color::channel_mean(deposit.flux));
+                        let importance =
+                            pilot.visible.photon_importance(surface.point.p, surface.facing_normal(), &mut scratch);
+                        square += flux * flux * f64::from(importance);
+                    },
+                );
             }
             // An infinite change cannot be normalised, so it is ignored.
             let square = if square.is_finite() { square } else { 0.0 };
@@ -154,7 +161,7 @@ impl PhotonSource<'_> {
         found
     }
 
-    /// Fits the probabilities and guiding distributions of all lights to the samples of all rounds.
+    /// Fits the light probabilities and the guided pdfs of all lights to `samples`.
     ///
     /// `unguided` holds the light probabilities before guiding.
     fn fit_guiding(&mut self, samples: &[EmissionGuidingSample], unguided: &DiscreteDistribution) {
@@ -188,7 +195,7 @@ impl PhotonSource<'_> {
 #[derive(Debug, Default)]
 struct PilotRoundSamples {
     samples: Vec<EmissionGuidingSample>,
-    /// Sum over paths of their squared contributions to the picture, divided by the squared pdf.
+    /// Sum over paths of the squared contribution to the picture, divided by the squared pdf.
     second_moment: f64,
     /// Number of traced rays.
     rays: u64,

@@ -1,4 +1,4 @@
-//! Shares of estimates, and splats on the film.
+//! Division of flux between density estimates and splats, and splats on the film.
 
 use super::*;
 use crate::camera::FilterKind;
@@ -15,10 +15,12 @@ fn splat_at(x: f32, y: f32) -> Splat {
     Splat { film: Vec2::new(x, y), radiance: Rgb::new(1.0, 2.0, 3.0) }
 }
 
-/// A splat inside the film keeps its light: the filter weights of its pixels sum to 1, exactly for
-/// the box filter and on average over positions for the others.
+/// A splat adds all its light to the image: the filter weights of its pixels sum to 1.
+///
+/// The sum is exact for the box filter, and correct on average over splat positions for other
+/// filters.
 #[test]
-fn splats_keep_their_light() {
+fn splats_conserve_light() {
     for kind in [FilterKind::Box, FilterKind::Tent, FilterKind::BlackmanHarris, FilterKind::Mitchell] {
         let filter = Filter::new(kind);
         let splats: Vec<Splat> = (0..100u16)
@@ -32,7 +34,7 @@ fn splats_keep_their_light() {
     assert_eq!(image.iter().filter(|v| **v != DVec3::ZERO).count(), 1);
 }
 
-/// Splats at the rim and far outside touch only pixels of the film.
+/// Splats at or far beyond the edge of the film change only pixels of the film.
 #[test]
 fn splats_outside_the_film_are_clipped() {
     let filter = Filter::new(FilterKind::BlackmanHarris);
@@ -43,10 +45,10 @@ fn splats_outside_the_film_are_clipped() {
     }
 }
 
-/// Ten photons per pixel give equal shares to estimates and splats. With few photons, estimates get
-/// all flux; with many, splats do.
+/// With ten photons per pixel, density estimates and splats get equal shares. With few photons,
+/// density estimates get all flux; with many, splats do.
 #[test]
-fn shares_follow_photons_per_pixel() {
+fn share_falls_with_photons_per_pixel() {
     let splats = |count: u32| -> Vec<Splat> {
         (0..SIZE.0 * SIZE.1)
             .flat_map(|i| (0..count).map(move |_| splat_at((i % SIZE.0) as f32 + 0.5, (i / SIZE.0) as f32 + 0.5)))
@@ -55,16 +57,22 @@ fn shares_follow_photons_per_pixel() {
     let step = |count: u32, ratio: f64| {
         let shares = DensityEstimateShares::from_splats(&splats(count), SIZE, ratio);
         assert!(shares.steps.iter().all(|step| *step == shares.steps[0]), "uniform photons, uniform shares");
-        shares.share_steps_at(Vec2::new(6.0, 4.0))
+        shares.share_steps_at_film_position(Vec2::new(6.0, 4.0))
     };
     assert_eq!((step(0, 1.0), step(1, 1.0), step(200, 1.0)), (15, 15, 0));
     assert_eq!((step(10, 1.0), step(5, 2.0), step(20, 0.5)), (8, 8, 8));
-    let shares = DensityEstimateShares::uniform(3, SIZE);
-    assert_eq!((shares.share_steps_at(Vec2::new(11.9, 7.9)), shares.share_steps_at(Vec2::new(12.0, 1.0))), (3, 15));
+    let shares = DensityEstimateShares::with_uniform_share(3, SIZE);
+    assert_eq!(
+        (
+            shares.share_steps_at_film_position(Vec2::new(11.9, 7.9)),
+            shares.share_steps_at_film_position(Vec2::new(12.0, 1.0))
+        ),
+        (3, 15)
+    );
 }
 
-/// A photon stores its share in the lowest bits of its flux, which changes the flux by less than
-/// 10⁻⁵.
+/// A photon stores its share of density estimates in the lowest bits of its flux, which changes the
+/// flux by less than 10⁻⁵.
 #[test]
 fn photons_store_their_share() {
     use crate::photon::Photon;

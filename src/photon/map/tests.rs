@@ -40,8 +40,8 @@ fn maps_of_zero_and_one_photon() {
     );
 }
 
-/// Queries find the same photons as a scan over all photons, except at distances that equal the
-/// radius up to rounding.
+/// Map queries find the same photons as a scan over all photons, except at distances that equal the
+/// search radius up to rounding.
 #[test]
 fn queries_match_a_linear_scan() {
     let layouts: [fn(Vec3) -> Vec3; 4] =

@@ -7,7 +7,7 @@ fn test_key(i: u64) -> Key {
     Key::new(13).purpose_key(Purpose::Test).child_key(i)
 }
 
-/// A point of the unit cube.
+/// Random point of the unit cube; `i` selects the random numbers.
 fn random_point(i: u64) -> Vec3 {
     test_key(i).uniform_2d(Dimension::LightPosition).extend(test_key(i).uniform_1d(Dimension::Light))
 }
@@ -16,7 +16,8 @@ fn random_direction(i: u64) -> Vec3 {
     warp::square_to_uniform_sphere(test_key(i).uniform_2d(Dimension::LightDirection))
 }
 
-/// Random volume photons. The medium index of each photon is its number.
+/// `n` random volume photons, photon i at position `at(i)`. The medium index of each photon is its
+/// index in the list, so that tests can identify it.
 fn random_photons(n: u64, at: impl Fn(u64) -> Vec3) -> Vec<VolumePhoton> {
     (0..n).map(|i| VolumePhoton::new(at(i), Rgb::ONE, random_direction(i), i as u32, 0).unwrap()).collect()
 }
@@ -34,8 +35,8 @@ fn volume_photon_packing_is_precise() {
     assert!(VolumePhoton::new(Vec3::NAN, Rgb::ONE, Vec3::Z, 0, 0).is_none());
 }
 
-/// Queries find the same photons as a scan in f64: along rays to the bit, and around points up to
-/// rounding at the radius.
+/// Map queries find the same photons as a scan in f64. Around points, photons at the radius may
+/// differ by rounding.
 #[test]
 fn queries_match_a_linear_scan() {
     for (size, middle) in [(1.0, Vec3::ZERO), (1e-9, Vec3::ZERO), (1e12, Vec3::ZERO), (1.0, Vec3::new(5e3, 0.0, -7e3))]
@@ -151,9 +152,10 @@ fn assert_mean(values: &[f64], truth: f64, precision: f64) {
     assert!((mean - truth).abs() < 4.0 * error, "{mean} is not {truth}, give or take {error}");
 }
 
-/// Radiance of a ray across collimated light agrees with the closed form of single scattering.
+/// The radiance along a ray that crosses parallel light agrees with the closed form of single
+/// scattering.
 ///
-/// Photons are stored at their scattering points. The blur has relative bias r²σt²/16 in two
+/// Photons are stored at their scattering points. The relative bias of the blur is r²σt²/16 in two
 /// dimensions and r²σt²/14 in three, here below 3·10⁻⁴.
 #[test]
 fn collimated_beam_radiance_is_exact() {

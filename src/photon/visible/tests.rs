@@ -3,7 +3,7 @@
 use super::*;
 use crate::sampling::{Dimension, Key, Purpose, sobol_2d};
 
-/// 4096 points of weight 3 on the unit square of the floor, seen from above.
+/// Map of 4096 points of weight 3 on the unit square of the floor, seen from above.
 fn visible_floor_map(radius: f32) -> VisiblePointMap {
     let key = Key::new(4).purpose_key(Purpose::Test);
     let point = |i| {
@@ -17,7 +17,7 @@ fn visible_floor_map(radius: f32) -> VisiblePointMap {
 fn importance_is_squared_weight_per_area_on_the_seen_side() {
     let visible = visible_floor_map(0.05);
     let at = |x: f32, y: f32, normal: Vec3| {
-        visible.importance(Vec3::new(x, y, 0.5), normal, &mut PhotonSearchBuffers::new())
+        visible.photon_importance(Vec3::new(x, y, 0.5), normal, &mut PhotonSearchBuffers::new())
     };
     // Distances to 16th neighbours scatter by 1/√16; the mean of 64 by an eighth of that: five
     // sigma.
@@ -34,7 +34,7 @@ fn radius_grows_to_cover_sparse_points() {
     let visible = visible_floor_map(1e-6);
     for i in 0..64 {
         let p = Vec3::new(0.2 + 0.01 * i as f32, 0.0, 0.5);
-        assert!(visible.importance(p, Vec3::Y, &mut PhotonSearchBuffers::new()) > 0.0);
+        assert!(visible.photon_importance(p, Vec3::Y, &mut PhotonSearchBuffers::new()) > 0.0);
     }
 }
 
@@ -43,5 +43,5 @@ fn invalid_points_have_no_importance() {
     let lost = VisiblePoint { position: Vec3::NAN, normal: Vec3::Y, weight: 1.0 };
     let dark = VisiblePoint { position: Vec3::ZERO, normal: Vec3::Y, weight: 0.0 };
     let visible = VisiblePointMap::new([lost, dark], 1.0);
-    assert_eq!(visible.importance(Vec3::ZERO, Vec3::Y, &mut PhotonSearchBuffers::new()), 0.0);
+    assert_eq!(visible.photon_importance(Vec3::ZERO, Vec3::Y, &mut PhotonSearchBuffers::new()), 0.0);
 }

@@ -3,7 +3,7 @@ use crate::color::Rgb;
 use crate::integrate::{Pass, SilentMonitor};
 use crate::plan::{Effects, Plan};
 
-/// Integrator whose pass i is an image of radiance i.
+/// Test integrator: all pixels of its pass number i have radiance i.
 struct PassNumberIntegrator;
 
 impl Integrator for PassNumberIntegrator {

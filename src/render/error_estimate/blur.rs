@@ -1,67 +1,73 @@
-//! Blur (bias) of photon density estimates, extrapolated from estimates with two smaller discs.
+//! Blur (bias) of photon density estimates, extrapolated from the differences D₀ and D₁ between
+//! estimates with full, half and quarter disc area.
 //!
-//! D₀ and D₁ are the differences defined in [`error_estimate`](super).
+//! The module [`error_estimate`](super) defines D₀ and D₁.
 
-/// Lower bound of the ratio D₀·D₁ / ‖D₀‖². Noise alone explains smaller values.
+/// Lower bound of the ratio D₀·D₁ / ‖D₀‖² of the differences that [`error_estimate`](super)
+/// defines. Smaller values come from noise.
 const MIN_CORRELATION: f64 = -0.5;
 
-/// Upper bound of the ratio D₀·D₁ / ‖D₀‖²: its value at a straight edge of light, for the
-/// Epanechnikov kernel.
+/// Upper bound of the ratio D₀·D₁ / ‖D₀‖² of the differences that [`error_estimate`](super)
+/// defines.
+///
+/// The bound is the ratio at a straight edge of light, for the Epanechnikov kernel.
 const EDGE_CORRELATION: f64 = 0.7275;
 
-/// Pairs (‖D₁‖² / ‖D₀‖², ‖bias‖² / ‖D₀‖²) of features that are not smooth, for the Epanechnikov
+/// Pairs (‖D₁‖² / ‖D₀‖², ‖bias‖² / ‖D₀‖²) for light that is not smooth, with the Epanechnikov
 /// kernel.
 ///
-/// The features are a straight edge of light, and bands of light with a half and a fifth of the
-/// disc's diameter. The photons in a disc cannot resolve finer features.
+/// The pairs belong to a straight edge of light, and to bands of light as wide as a half and a
+/// fifth of the disc's diameter. [`error_estimate`](super) defines the differences D₀ and D₁.
 const ROUGH: [(f64, f64); 3] = [(0.7074, 14.6), (0.957, 16.9), (1.3145, 45.2)];
 
-/// Largest ratio of blur with discs of half the area to blur with full discs: the ratio at an edge
-/// of light.
+/// Largest ratio of the blur with discs of half the area to the blur with full discs: the ratio at
+/// a straight edge of light.
 const MAX_RATIO: f64 = 0.841;
 
 /// Relative standard deviation of the extrapolated part of the blur.
 ///
-/// Edges and bands of light may have similar differences D₀ and D₁, although their blur differs by
-/// this fraction.
+/// Edges and bands of light may have similar differences D₀ and D₁ ([`error_estimate`](super)),
+/// although their blur differs by this fraction.
 const EXTRAPOLATION_ERROR: f64 = 0.5;
 
-/// Unbiased estimates of the mean squares and products of the differences D₀ and D₁ over the
-/// picture.
-pub(super) struct BlurDifferences {
-    /// ‖D₀‖².
+/// Mean squares and products over the picture of the differences D₀ and D₁, which
+/// [`error_estimate`](super) defines. The estimates are unbiased by noise.
+pub(super) struct NestedDifferenceMoments {
+    /// ‖D₀‖²: mean square of D₀ over the picture. [`error_estimate`](super) defines D₀.
     pub d0: f64,
-    /// D₀·D₁.
+    /// D₀·D₁: mean product over the picture. [`error_estimate`](super) defines D₀ and D₁.
     pub d0_d1: f64,
-    /// ‖D₁‖².
+    /// ‖D₁‖²: mean square of D₁ over the picture. [`error_estimate`](super) defines D₁.
     pub d1: f64,
-    /// Relative variance of the difference D₀ in one pass.
+    /// Relative variance of D₀ in one pass. [`error_estimate`](super) defines D₀.
     pub variance: f64,
-    /// Variance of `d0`.
+    /// Variance of the estimate `d0`.
     pub d0_variance: f64,
 }
 
-/// Estimated blur of the picture, relative to [`RelativeScale`](crate::image::RelativeScale).
+/// Estimated blur of the picture as a relative error, see
+/// [`RelativeErrorWeights`](crate::image::RelativeErrorWeights).
 #[derive(Default)]
 pub(super) struct BlurEstimate {
     /// Mean squared relative blur.
     pub square: f64,
     /// Variance of `square`.
     pub variance: f64,
-    /// Blur with discs of half the area, divided by blur with full discs.
+    /// Ratio of the blur with discs of half the area to the blur with full discs.
     pub ratio: f64,
-    /// Blur divided by its measured part |D₀ + D₁|.
+    /// Blur divided by its measured part |D₀ + D₁|. [`error_estimate`](super) defines D₀ and D₁.
     pub extrapolation: f64,
 }
 
 impl BlurEstimate {
-    /// Extrapolates the blur, the sum of all differences Dᵢ, from D₀ and D₁.
+    /// Extrapolates the blur, which is the sum of all differences Dᵢ, from D₀ and D₁.
+    /// [`error_estimate`](super) defines them.
     ///
     /// In smooth light, each difference is half of the previous one, so ‖bias‖² = 4‖D₀‖². At edges,
-    /// the model is Dᵢ·Dⱼ = ‖D₀‖² q^(i+j) c^|i−j|, with ratio q and correlation c. Then ‖Σ Dᵢ‖² =
-    /// ‖D₀‖² (1 + qc)/((1 − qc)(1 − q²)). q² and qc are measured, and shrunk towards ¼ and ½ if
-    /// they are noisy.
-    pub(super) fn from_differences(differences: &BlurDifferences) -> Self {
+    /// the model is Dᵢ·Dⱼ = ‖D₀‖² q^(i+j) c^|i−j|, with ratio q and correlation c. Its sum is ‖Σ
+    /// Dᵢ‖² = ‖D₀‖² (1 + qc)/((1 − qc)(1 − q²)). q² and qc are measured. If they are noisy, they
+    /// are shrunk towards ¼ and ½, their values in smooth light.
+    pub(super) fn from_differences(differences: &NestedDifferenceMoments) -> Self {
         let d0 = differences.d0.max(0.0);
         if d0 <= 0.0 {
             return Self { square: 0.0, variance: 16.0 * differences.d0_variance, ratio: 0.5, extrapolation: 0.0 };
@@ -86,7 +92,10 @@ impl BlurEstimate {
     }
 }
 
-/// ‖Σ Dᵢ‖² / ‖D₀‖² by the model of [`BlurEstimate::from_differences`], limited by [`ROUGH`].
+/// Returns ‖Σ Dᵢ‖² / ‖D₀‖² by the model of [`BlurEstimate::from_differences`], limited by
+/// [`ROUGH`].
+///
+/// `correlation` is qc and `squared` is q².
 fn squared_bias_ratio(correlation: f64, squared: f64) -> f64 {
     let law = (1.0 + correlation) / ((1.0 - correlation) * (1.0 - squared.min(ROUGH[0].0)));
     let rough = ROUGH.windows(2).find(|pair| squared <= pair[1].0).map_or(ROUGH[2].1, |pair| {

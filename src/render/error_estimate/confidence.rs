@@ -8,7 +8,7 @@ use serde::Serialize;
 pub struct Confidence(f64);
 
 impl Confidence {
-    /// Smallest confidence, 10⁻⁹; its interval has practically no width.
+    /// Smallest confidence, 10⁻⁹. Its interval has practically no width.
     pub const LEAST: Self = Self(1e-9);
 
     /// Confidence of the given `probability`; `None` unless 0 < `probability` < 1.
@@ -23,8 +23,8 @@ impl Confidence {
         self.0
     }
 
-    /// Half width, in standard deviations, of the central interval that contains this probability
-    /// of a Gaussian.
+    /// Returns the half width, in standard deviations, of the central interval that contains this
+    /// probability of a Gaussian.
     #[must_use]
     pub fn gaussian_half_width(self) -> f64 {
         // 60 bisections reach f64 precision. Beyond 40 deviations the tail underflows.
@@ -38,7 +38,7 @@ impl Confidence {
 }
 
 impl Default for Confidence {
-    /// 90 %.
+    /// Returns a confidence of 90 %.
     fn default() -> Self {
         Self(0.9)
     }

@@ -3,19 +3,21 @@
 
 use crate::color::Rgb;
 
-/// Estimates the variance of independent pictures, and the effective sample count of their noise.
+/// Estimates the noise variance of independent pictures, and the effective sample count of the
+/// noise.
 ///
-/// The difference of two pictures, divided by √2, contains only noise. The mean of its squares is
-/// the variance. Let Σ be the covariance matrix of pixels. The scalar product of two such
-/// differences without a common picture has mean zero and variance tr Σ². The effective sample
-/// count is (tr Σ)² / tr Σ² (Satterthwaite 1946).
+/// The difference of two pictures, divided by √2, contains only noise. Its mean square is the
+/// variance. Let Σ be the covariance matrix of the pixels. The scalar product of two differences
+/// without a common picture has mean zero and variance tr Σ². The effective sample count is (tr Σ)²
+/// / tr Σ² (Satterthwaite 1946).
 #[derive(Clone, Debug, Default)]
 pub(super) struct EffectiveSampleCount {
     /// Number of added pictures.
     pictures: u32,
-    /// The last picture.
+    /// The picture that was added last.
     previous: Vec<Rgb>,
-    /// The last two differences; each new one replaces the older.
+    /// The last two differences between successive pictures, divided by √2. A new one replaces the
+    /// older.
     differences: [Vec<Rgb>; 2],
     variances: RunningMoments,
     products: RunningMoments,
@@ -24,7 +26,7 @@ pub(super) struct EffectiveSampleCount {
 /// Effective sample count that is assumed before anything is measured.
 const PRIOR_SAMPLES: f64 = 100.0;
 
-/// Weight of [`PRIOR_SAMPLES`], as a number of measured products.
+/// Weight of [`PRIOR_SAMPLES`], which counts as this many measured products of differences.
 const PRIOR_PRODUCTS: f64 = 2.0;
 
 /// Running mean and running sum of squared deviations (Welford 1962).
@@ -45,10 +47,10 @@ impl RunningMoments {
 }
 
 impl EffectiveSampleCount {
-    /// Adds a picture.
+    /// Adds a picture, and measures its difference from the previous picture.
     ///
-    /// `weights` holds a factor on the squared difference of each pixel. A weighted squared
-    /// difference is clamped to `max`.
+    /// `weights` holds a factor on the squared difference of each pixel. Half of the weighted
+    /// squared difference is clamped to `max`.
     pub fn add(&mut self, picture: impl Iterator<Item = Rgb>, weights: &[f64], max: f64) {
         self.pictures += 1;
         if self.pictures == 1 {
@@ -78,7 +80,7 @@ impl EffectiveSampleCount {
         }
     }
 
-    /// Relative variance of the squared error of a picture: 2 / effective sample count.
+    /// Returns the relative variance of the squared error of a picture: 2 / effective sample count.
     ///
     /// The formula holds for Gaussian noise.
     pub fn squared_error_variance(&self) -> f64 {
@@ -90,7 +92,7 @@ impl EffectiveSampleCount {
         2.0 * ((mean / (v * v) * count + PRIOR_PRODUCTS / PRIOR_SAMPLES) / (count + PRIOR_PRODUCTS)).min(1.0)
     }
 
-    /// Relative variance of the estimated variance. Fireflies make it large.
+    /// Returns the relative variance of the estimated noise variance. Fireflies make it large.
     pub fn relative_variance_of_variance(&self) -> f64 {
         let RunningMoments { count, mean, m2 } = self.variances;
         if count < 2.0 || mean <= 0.0 {
@@ -106,9 +108,9 @@ mod tests {
     use super::*;
     use crate::sampling::{Dimension, Key, Purpose};
 
-    /// Effective sample count of `pictures` pictures of uniform noise. Each run of `block` pixels
-    /// is equal.
-    fn effective_count_of_block_noise(block: usize, pixels: usize, pictures: u64) -> EffectiveSampleCount {
+    /// Returns the effective sample count of `pictures` pictures of uniform noise, in which each
+    /// run of `block` pixels is equal.
+    fn effective_samples_of_block_noise(block: usize, pixels: usize, pictures: u64) -> EffectiveSampleCount {
         let mut samples = EffectiveSampleCount::default();
         let weights = vec![1.0; pixels];
         for picture in 0..pictures {
@@ -119,13 +121,13 @@ mod tests {
         samples
     }
 
-    /// 240 pixels in runs of b equal ones make 240/b independent samples. The relative error of tr
-    /// Σ² from K independent products is √(2/K), with K ≥ 397/2. The tolerance is five standard
-    /// deviations.
+    /// 240 pixels in runs of b equal ones make 240/b independent samples. The relative error of a
+    /// sample count from K independent products is √(2/K), with K ≥ 397/2. The tolerance is five
+    /// standard deviations.
     #[test]
     fn equal_pixels_count_as_one_sample() {
         for block in [1, 4, 24] {
-            let samples = effective_count_of_block_noise(block, 240, 400);
+            let samples = effective_samples_of_block_noise(block, 240, 400);
             assert!((samples.variances.mean * 12.0 - 1.0).abs() < 5.0 * (3.0 * block as f64 / 240.0 / 399.0).sqrt());
             let independent = 2.0 / samples.squared_error_variance();
             let expected = 240.0 / block as f64;
@@ -137,13 +139,13 @@ mod tests {
     fn few_pictures_give_the_prior_and_black_gives_zero() {
         assert_eq!(
             (
-                effective_count_of_block_noise(1, 10, 1).squared_error_variance(),
-                effective_count_of_block_noise(1, 10, 3).squared_error_variance()
+                effective_samples_of_block_noise(1, 10, 1).squared_error_variance(),
+                effective_samples_of_block_noise(1, 10, 3).squared_error_variance()
             ),
             (0.0, 2.0 / PRIOR_SAMPLES)
         );
-        assert_eq!(effective_count_of_block_noise(1, 10, 2).relative_variance_of_variance(), 2.0);
-        assert!(effective_count_of_block_noise(10, 10, 12).squared_error_variance() > 10.0 * 2.0 / PRIOR_SAMPLES);
+        assert_eq!(effective_samples_of_block_noise(1, 10, 2).relative_variance_of_variance(), 2.0);
+        assert!(effective_samples_of_block_noise(10, 10, 12).squared_error_variance() > 10.0 * 2.0 / PRIOR_SAMPLES);
         let mut black = EffectiveSampleCount::default();
         (0..8).for_each(|_| black.add(std::iter::repeat_n(Rgb::ZERO, 4), &[1.0; 4], 1.0));
         assert_eq!((black.squared_error_variance(), black.relative_variance_of_variance()), (0.0, 0.0));

@@ -5,8 +5,8 @@ use serde::Serialize;
 
 /// Estimated error of the mean of the passes so far.
 ///
-/// Errors are relative root mean squares, see [`RelativeScale`](crate::image::RelativeScale); 0.01
-/// means 1 %.
+/// Errors are relative root mean squares, see
+/// [`RelativeErrorWeights`](crate::image::RelativeErrorWeights); 0.01 means 1 %.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ErrorEstimate {
     /// Number of passes.
@@ -25,21 +25,21 @@ pub struct ErrorEstimate {
     pub blur: f64,
     /// Error of camera paths that all passes share; 0 if each pass has its own paths.
     pub shared_paths: f64,
-    /// Blur with discs of half the area, divided by blur with full discs: ½ in smooth light, larger
-    /// at edges.
+    /// Ratio of the blur with discs of half the area to the blur with full discs: ½ in smooth
+    /// light, larger at edges.
     #[serde(skip)]
     pub(super) blur_ratio: f64,
     /// Extrapolated blur divided by its measured part |D₀ + D₁|. [`error_estimate`](super) defines
     /// D₀ and D₁.
     #[serde(skip)]
     pub(super) extrapolation: f64,
-    /// Relative variance of one pass.
+    /// Relative variance of the image of one pass, mean over pixels.
     #[serde(skip)]
     pub(super) variance: f64,
     /// Relative variance, in one pass, of the difference D₀ that [`error_estimate`](super) defines.
     #[serde(skip)]
     pub(super) difference_variance: f64,
-    /// Contribution of fireflies to the squared noise.
+    /// Histogram of fireflies, which give their contribution to the squared noise.
     #[serde(skip)]
     pub(super) fireflies: Fireflies,
 }

@@ -1,13 +1,13 @@
 //! The error estimator: accumulates passes and estimates the error of their mean.
 
-use super::blur::{BlurDifferences, BlurEstimate};
+use super::blur::{BlurEstimate, NestedDifferenceMoments};
 use super::confidence::Confidence;
 use super::effective_samples::EffectiveSampleCount;
 use super::estimate::ErrorEstimate;
 use super::fireflies::Fireflies;
 use super::forecast::ErrorForecast;
-use super::shared_paths::SharedPathError;
-use crate::image::RelativeScale;
+use super::shared_paths::SharedPathErrorSums;
+use crate::image::RelativeErrorWeights;
 use crate::integrate::{MeanGatherDisc, NestedEstimates, Pass, RadiusLaw};
 use crate::render::film::Film;
 use glam::{DVec3, Vec3};
@@ -15,7 +15,7 @@ use glam::{DVec3, Vec3};
 /// Least number of passes for an error estimate.
 pub const MIN_PASSES: u32 = 4;
 
-/// Estimates the error of the mean of passes.
+/// Accumulates the passes of a render, and estimates the error of their mean.
 #[derive(Clone, Debug)]
 pub struct ErrorEstimator {
     /// Law by which gather radii shrink from pass to pass; `None` without photon density estimates.
@@ -25,26 +25,28 @@ pub struct ErrorEstimator {
     /// Σ (x − mean)² over passes, by pixel and channel, in f64 because squares may overflow f32.
     squared_deviations: Vec<DVec3>,
     photon_estimates: Option<NestedEstimateSums>,
-    shared_paths: SharedPathError,
+    shared_paths: SharedPathErrorSums,
     samples: EffectiveSampleCount,
-    scale: Option<RelativeScale>,
+    scale: Option<RelativeErrorWeights>,
 }
 
-/// Sums over passes of the differences between nested photon estimates, by pixel.
+/// Sums over passes of the differences between photon estimates with nested discs, for each pixel.
 #[derive(Clone, Debug)]
 struct NestedEstimateSums {
-    /// Sums over passes of the differences D₀ and D₁ for each pixel, which
-    /// [`error_estimate`](super) defines.
+    /// Sums over passes of the differences D₀ and D₁ that [`error_estimate`](super) defines, for
+    /// each pixel.
     differences: [Vec<Vec3>; 2],
     /// Sums over passes and channels of D₀², D₀·D₁ and D₁², for each pixel.
+    /// [`error_estimate`](super) defines D₀ and D₁.
     products: Vec<[f64; 3]>,
-    /// Mean discs of the estimates from the caustic and the indirect map, by pixel.
-    discs: Vec<[GatherDiscMeans; 2]>,
+    /// Sums over passes of gather radius and photon count of each pixel: from the caustic map, and
+    /// from the indirect map.
+    discs: Vec<[GatherDiscTotals; 2]>,
     samples: EffectiveSampleCount,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-struct GatherDiscMeans {
+struct GatherDiscTotals {
     radius: f32,
     photons: f32,
     passes: u32,
@@ -75,13 +77,13 @@ impl ErrorEstimator {
             passes: 0,
             squared_deviations: Vec::new(),
             photon_estimates: None,
-            shared_paths: SharedPathError::default(),
+            shared_paths: SharedPathErrorSums::default(),
             samples: EffectiveSampleCount::default(),
             scale: None,
         }
     }
 
-    /// Adds a pass. `film` must hold exactly the passes before it.
+    /// Adds a pass. `film` must hold exactly the passes before `pass`.
     pub fn add(&mut self, film: &Film, pass: &Pass) {
         let n = f64::from(self.passes);
         self.squared_deviations.resize(pass.image.len(), DVec3::ZERO);
@@ -93,9 +95,9 @@ impl ErrorEstimator {
         }
         // The scale changes little from pass to pass, so it is updated when the number doubles.
         if self.passes.is_power_of_two() {
-            self.scale = Some(RelativeScale::from_pixels(film.size(), &film.mean()));
+            self.scale = Some(RelativeErrorWeights::from_pixels(film.size(), &film.mean()));
         }
-        let weights = self.scale.as_ref().map_or(&[][..], RelativeScale::pixel_weights);
+        let weights = self.scale.as_ref().map_or(&[][..], RelativeErrorWeights::pixel_weights);
         // The relative squared error of a pixel is clamped to 1 in the mean, so to n in one pass.
         self.samples.add(pass.image.iter().copied(), weights, n + 1.0);
         if !pass.nested.is_empty() {
@@ -109,13 +111,17 @@ impl ErrorEstimator {
 
     /// Estimates the error of the mean of the passes, with an interval of 90 % confidence.
     ///
-    /// `film` holds the same passes. The error is infinite before [`MIN_PASSES`] passes.
+    /// `film` must hold exactly the passes added so far. The error is infinite before
+    /// [`MIN_PASSES`] passes.
     #[must_use]
     pub fn estimate(&self, film: &Film) -> ErrorEstimate {
         self.estimate_with_confidence(film, Confidence::default())
     }
 
-    /// Estimates the error like [`Self::estimate`], with an interval of the given `confidence`.
+    /// Estimates the error of the mean of the passes, with an interval of the given `confidence`.
+    ///
+    /// `film` must hold exactly the passes added so far. The error is infinite before
+    /// [`MIN_PASSES`] passes.
     #[must_use]
     pub fn estimate_with_confidence(&self, film: &Film, confidence: Confidence) -> ErrorEstimate {
         let passes = self.passes;
@@ -125,7 +131,7 @@ impl ErrorEstimator {
             return ErrorEstimate { passes, error, low, high, noise, bias, ..ErrorEstimate::default() };
         }
         let n = f64::from(passes);
-        let scale = RelativeScale::from_pixels(film.size(), &film.mean());
+        let scale = RelativeErrorWeights::from_pixels(film.size(), &film.mean());
         let mut fireflies = Fireflies::default();
         let fraction = 1.0 / scale.pixel_weights().len() as f64;
         let noise2 = self.squared_deviations.iter().zip(scale.pixel_weights()).map(|(deviation, weight)| {
@@ -136,9 +142,10 @@ impl ErrorEstimator {
             square.min(1.0)
         });
         let noise2 = noise2.sum::<f64>() * fraction;
-        let differences = self.photon_estimates.as_ref().map(|estimates| estimates.mean_blur_differences(&scale, n));
+        let differences =
+            self.photon_estimates.as_ref().map(|estimates| estimates.nested_difference_moments(&scale, n));
         let blur = differences.as_ref().map(BlurEstimate::from_differences).unwrap_or_default();
-        let (shared2, shared_variance) = self.shared_paths.squared_error(&scale, film.size().0, n);
+        let (shared2, shared_variance) = self.shared_paths.shared_path_squared_error(&scale, film.size().0, n);
         let square = noise2 + blur.square + shared2;
         // The true error of this picture scatters about its expectation, which is estimated too.
         let scatter = self.samples.squared_error_variance();
@@ -164,14 +171,15 @@ impl ErrorEstimator {
         }
     }
 
-    /// Predicts the error after more passes from `estimate`; `None` before [`MIN_PASSES`] passes.
+    /// Returns the forecast of the error after more passes than those of `estimate`; `None` before
+    /// [`MIN_PASSES`] passes.
     #[must_use]
     pub fn forecast(&self, estimate: &ErrorEstimate) -> Option<ErrorForecast> {
-        let law = self.radius_law.map(|law| (law.alpha, law.kernel.difference_variance()));
+        let law = self.radius_law.map(|law| (law.alpha, law.kernel.nested_difference_variance()));
         estimate.error.is_finite().then(|| ErrorForecast::new(estimate, law))
     }
 
-    /// Estimated error of each pixel; `film` holds the same passes.
+    /// Returns the estimated error of each pixel. `film` must hold exactly the passes added so far.
     #[must_use]
     pub fn error_maps(&self, film: &Film) -> ErrorMaps {
         let n = f64::from(self.passes.max(1));
@@ -191,7 +199,7 @@ impl NestedEstimateSums {
         Self {
             differences: [vec![Vec3::ZERO; pixels], vec![Vec3::ZERO; pixels]],
             products: vec![[0.0; 3]; pixels],
-            discs: vec![[GatherDiscMeans::default(); 2]; pixels],
+            discs: vec![[GatherDiscTotals::default(); 2]; pixels],
             samples: EffectiveSampleCount::default(),
         }
     }
@@ -212,9 +220,11 @@ impl NestedEstimateSums {
         }
     }
 
-    /// Returns the means of D₀², D₀·D₁ and D₁² over the picture. Each product combines two
-    /// different passes of the `n` passes.
-    fn mean_blur_differences(&self, scale: &RelativeScale, n: f64) -> BlurDifferences {
+    /// Returns the means over the picture of the squares and the product of D₀ and D₁, for `n`
+    /// passes.
+    ///
+    /// Each product combines two different passes. [`error_estimate`](super) defines D₀ and D₁.
+    fn nested_difference_moments(&self, scale: &RelativeErrorWeights, n: f64) -> NestedDifferenceMoments {
         let [d0, d1] = &self.differences;
         let pixels = scale.pixel_weights().len();
         let (mut square, mut variance) = ([0.0; 3], 0.0);
@@ -231,11 +241,11 @@ impl NestedEstimateSums {
         // Terms: noise of pairs of passes, and products of noise and expected difference.
         let scatter = self.samples.squared_error_variance();
         let d0_variance = variance * variance * scatter / (n * (n - 1.0)) + 2.0 * d0.max(0.0) * variance * scatter / n;
-        BlurDifferences { d0, d0_d1, d1, variance, d0_variance }
+        NestedDifferenceMoments { d0, d0_d1, d1, variance, d0_variance }
     }
 }
 
-impl GatherDiscMeans {
+impl GatherDiscTotals {
     fn add(&mut self, discs: Option<MeanGatherDisc>) {
         if let Some(MeanGatherDisc { radius, photons }) = discs {
             self.radius += radius;
@@ -244,7 +254,8 @@ impl GatherDiscMeans {
         }
     }
 
-    /// Mean radius and photon count over passes with an estimate; 0 without one.
+    /// Returns the mean radius and photon count over the passes with an estimate; 0 without such
+    /// passes.
     fn mean(self) -> MeanGatherDisc {
         let n = self.passes.max(1) as f32;
         MeanGatherDisc { radius: self.radius / n, photons: self.photons / n }

@@ -7,11 +7,12 @@ use crate::integrate::squared_radius_ratio;
 /// Largest number of passes of a forecast.
 const MAX_PASSES: u32 = 10_000_000;
 
-/// Number of passes that are summed one by one. Later passes are summed in groups, called leaps.
+/// Number of passes that a forecast sums one by one. It sums later passes in groups
+/// ([`GROUP_DIVISOR`]).
 const EXACT_PASSES: u32 = 1024;
 
-/// One leap adds 1/128 of the passes so far at once.
-const LEAP: u32 = 128;
+/// A forecast adds later passes in groups of 1/`GROUP_DIVISOR` of the passes summed so far.
+const GROUP_DIVISOR: u32 = 128;
 
 /// Number of passes needed to reach a given error.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,7 +21,7 @@ pub enum PassesNeeded {
     Passes(u32),
     /// No number of passes suffices, because the bias is too large.
     Never {
-        /// Relative bias that remains.
+        /// Relative bias that no number of passes removes.
         floor: f64,
     },
     /// More than ten million passes are necessary.
@@ -36,13 +37,13 @@ pub enum PassesNeeded {
 pub struct ErrorForecast {
     /// Exponent α of the radius law; 1 for fixed radii.
     alpha: f64,
-    /// Relative variance of one pass, except that of photon estimates and fireflies.
+    /// Relative variance of one pass, without that of photon estimates and fireflies.
     path_variance: f64,
     /// Relative variance of photon estimates in the first pass.
     photon_variance: f64,
     /// Relative blur of the first pass.
     blur: f64,
-    /// Exponent p: the blur of a pass is proportional to the p-th power of its disc area.
+    /// Exponent p: the blur of a pass is proportional to its disc area to the power p.
     power: f64,
     shared_paths: f64,
     fireflies: Fireflies,
@@ -54,8 +55,8 @@ impl ErrorForecast {
     /// Creates the forecast from an error estimate.
     ///
     /// `law` holds the exponent α of the radius law and
-    /// [`Kernel::difference_variance`](crate::photon::Kernel::difference_variance); `None` without
-    /// photon estimates.
+    /// [`Kernel::nested_difference_variance`](crate::photon::Kernel::nested_difference_variance);
+    /// `None` without photon estimates.
     pub(super) fn new(estimate: &ErrorEstimate, law: Option<(f64, f32)>) -> Self {
         let n = f64::from(estimate.passes);
         let (fireflies, shared_paths) = (estimate.fireflies, estimate.shared_paths);
@@ -88,24 +89,24 @@ impl ErrorForecast {
         }
     }
 
-    /// Predicted relative noise and bias after `passes` ≥ 1 passes.
+    /// Returns the predicted relative noise and bias after `passes` ≥ 1 passes.
     #[cfg(test)]
-    fn noise_and_bias_after(&self, passes: u32) -> (f64, f64) {
+    fn noise_and_bias_after_passes(&self, passes: u32) -> (f64, f64) {
         let mut sums = DiscAreaSums::new(self.alpha, self.power);
         (0..passes).for_each(|_| sums.add_pass());
-        self.noise_and_bias_of_sums(&sums)
+        self.noise_and_bias_from_area_sums(&sums)
     }
 
-    /// Predicted relative noise and bias after the passes in `sums`.
-    fn noise_and_bias_of_sums(&self, sums: &DiscAreaSums) -> (f64, f64) {
+    /// Returns the predicted relative noise and bias after the passes that `sums` holds.
+    fn noise_and_bias_from_area_sums(&self, sums: &DiscAreaSums) -> (f64, f64) {
         let n = f64::from(sums.passes);
         let noise2 = (self.path_variance * n + self.photon_variance * sums.inverse_area) / (n * n)
-            + self.fireflies.squared_error_after(n / self.passes);
+            + self.fireflies.firefly_squared_error_after(n / self.passes);
         let blur = self.blur * sums.blur / n;
         (noise2.sqrt(), (blur * blur + self.shared_paths * self.shared_paths).sqrt())
     }
 
-    /// Predicts the smallest number of passes with a relative error of at most `target`.
+    /// Predicts the smallest number of passes after which the relative error is at most `target`.
     ///
     /// Above 1024 passes, the number is exact to 1 %.
     #[must_use]
@@ -119,9 +120,9 @@ impl ErrorForecast {
             if sums.passes < EXACT_PASSES {
                 sums.add_pass()
             } else {
-                sums.extrapolate_one_leap()
+                sums.add_group_of_passes()
             }
-            let (noise, bias) = self.noise_and_bias_of_sums(&sums);
+            let (noise, bias) = self.noise_and_bias_from_area_sums(&sums);
             if noise.hypot(bias) <= target {
                 return PassesNeeded::Passes(sums.passes);
             }
@@ -130,19 +131,19 @@ impl ErrorForecast {
     }
 }
 
-/// Sums over passes of powers of the disc area.
+/// Sums over passes of powers of the disc area of photon estimates.
 struct DiscAreaSums {
     /// Exponent α of the radius law.
     alpha: f64,
-    /// Exponent p of the blur.
+    /// Exponent p: the blur of a pass is proportional to its disc area to the power p.
     power: f64,
     /// Number of summed passes.
     passes: u32,
     /// Disc area of the next pass, divided by that of the first pass.
     area: f64,
-    /// Σ 1/area.
+    /// Sum over passes of 1/area, with the disc area relative to the first pass.
     inverse_area: f64,
-    /// Σ area^power.
+    /// Sum over passes of area^`power`, with the disc area relative to the first pass.
     blur: f64,
 }
 
@@ -159,10 +160,12 @@ impl DiscAreaSums {
         self.area *= (i + self.alpha) / (i + 1.0);
     }
 
-    /// Adds the next n/[`LEAP`] passes by the midpoint rule, where n is the number so far. It uses
-    /// area ∝ n^(α − 1), which holds for large n.
-    fn extrapolate_one_leap(&mut self) {
-        let (n, count) = (f64::from(self.passes), self.passes / LEAP);
+    /// Adds the next n/[`GROUP_DIVISOR`] passes at once by the midpoint rule, where n passes are
+    /// summed so far.
+    ///
+    /// The rule uses area ∝ n^(α − 1), which holds for large n.
+    fn add_group_of_passes(&mut self) {
+        let (n, count) = (f64::from(self.passes), self.passes / GROUP_DIVISOR);
         let at = |i: f64| self.area * libm::pow(i / n, self.alpha - 1.0);
         let middle = at(n + 0.5 * f64::from(count));
         self.area = at(n + f64::from(count));

@@ -4,7 +4,7 @@
 //!   sample variance s².
 //! - *Blur*: the density estimate L(r) with disc radius r has bias L(r) − L(0). The differences D₀
 //!   = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2) are the first terms of a series that sums to the
-//!   bias. The estimates L share their photons. Squares and products of differences are taken
+//!   bias. The three estimates share their photons. Squares and products of differences are taken
 //!   between different passes, so their noise has mean zero.
 //! - *Shared-path error*: `ppm` uses the same camera paths in all passes. A few pixels are also
 //!   rendered with fresh camera paths. Their mean difference is the error of the shared paths.

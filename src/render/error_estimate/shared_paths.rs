@@ -1,6 +1,6 @@
 //! Error of camera paths that all passes share, as in algorithm `ppm`.
 
-use crate::image::RelativeScale;
+use crate::image::RelativeErrorWeights;
 use crate::integrate::Pass;
 use glam::DVec3;
 
@@ -10,23 +10,24 @@ use glam::DVec3;
 /// Errors of neighbouring pixels correlate.
 const BLOCK: u32 = 16;
 
-/// Sums over passes of the difference between radiance by shared camera paths and radiance by fresh
-/// ones.
+/// Sums over passes from which the error of shared camera paths is estimated, for a few pixels.
 ///
-/// Fresh camera paths are traced in one pass only. A pass renders a small part of the pixels with
-/// them.
+/// Shared paths are the same in all passes. Fresh paths are new in each pass. The error is the mean
+/// difference between radiance by shared paths and radiance by fresh paths.
 #[derive(Clone, Debug, Default)]
-pub(super) struct SharedPathError {
-    /// Indices of the pixels with fresh paths, in rows from the top.
+pub(super) struct SharedPathErrorSums {
+    /// Indices of the pixels that each pass also renders with fresh camera paths, in rows from the
+    /// top.
     pixels: Vec<u32>,
     /// Sum over passes of radiance by shared paths minus radiance by fresh paths, for each pixel
     /// and channel.
     sums: Vec<DVec3>,
-    /// Sum over passes and channels of the square of that difference, for each pixel.
+    /// Sum over passes and channels of the squared difference between radiance by shared and by
+    /// fresh paths, for each pixel.
     squares: Vec<f64>,
 }
 
-impl SharedPathError {
+impl SharedPathErrorSums {
     pub(super) fn add(&mut self, pass: &Pass) {
         if self.pixels.is_empty() {
             self.pixels = pass.fresh.iter().map(|(i, _)| *i).collect();
@@ -40,11 +41,12 @@ impl SharedPathError {
         }
     }
 
-    /// Mean relative squared error of the shared paths, and its variance; 0 without shared paths.
+    /// Returns the mean relative squared error of the shared paths, and its variance; 0 without
+    /// shared paths.
     ///
     /// `columns` is the width of the picture \[pixels], and `n` the number of passes. The variance
-    /// follows from the differences between blocks.
-    pub(super) fn squared_error(&self, scale: &RelativeScale, columns: u32, n: f64) -> (f64, f64) {
+    /// is measured between blocks of [`BLOCK`] × [`BLOCK`] pixels.
+    pub(super) fn shared_path_squared_error(&self, scale: &RelativeErrorWeights, columns: u32, n: f64) -> (f64, f64) {
         if self.pixels.is_empty() {
             return (0.0, 0.0);
         }

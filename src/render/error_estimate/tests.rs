@@ -2,7 +2,7 @@
 
 use super::{ErrorEstimator, MIN_PASSES};
 use crate::color::Rgb;
-use crate::image::RelativeScale;
+use crate::image::RelativeErrorWeights;
 use crate::integrate::{NestedEstimates, Pass, RadiusLaw};
 use crate::photon::Kernel;
 use crate::render::Film;
@@ -13,14 +13,17 @@ const WIDTH: u32 = 40;
 const PIXELS: usize = 1600;
 const LAW: RadiusLaw = RadiusLaw { alpha: 1.0, kernel: Kernel::Epanechnikov };
 
-/// Uniform noise of mean 0 and variance 1.
+/// Returns a random number of uniform distribution, mean 0 and variance 1. `which` selects one of
+/// several numbers of a pixel.
 fn uniform_noise(pass: u32, seed: u64, pixel: usize, which: u64) -> f32 {
     let key =
         Key::new(seed).purpose_key(Purpose::Test).child_key(u64::from(pass) << 32 | pixel as u64).child_key(which);
     (key.uniform_1d(Dimension::Film) - 0.5) * 12f32.sqrt()
 }
 
-/// Renders radiance 1 with noise `sigma` and smooth bias b; D₀ = b/2 and D₁ = b/4 are noisy too.
+/// Makes passes of radiance 1 with noise `sigma` and smooth bias b, and adds them to an estimator.
+///
+/// The differences D₀ = b/2 and D₁ = b/4 between nested estimates are noisy too.
 fn render_noisy_passes(passes: u32, seed: u64, sigma: f32, bias: f32) -> (ErrorEstimator, Film) {
     let (mut estimator, mut film) = (ErrorEstimator::new(Some(LAW)), Film::new(WIDTH, WIDTH));
     for i in 0..passes {
@@ -45,8 +48,8 @@ fn three_passes_give_no_estimate() {
     assert!(estimator.forecast(&estimate).is_none());
 }
 
-/// The estimated noise is near σ/√(2n) and the bias near b/√2, both divided by 1 + b, the radiance
-/// with its bias.
+/// The estimated noise is near σ/√(2n) and the estimated bias near b/√2. Both are divided by 1 + b,
+/// the radiance with bias.
 #[test]
 fn noise_and_bias_are_separated() {
     for (sigma, bias) in [(0.3, 0.0), (0.3, 0.1), (0.01, 0.1)] {
@@ -75,7 +78,7 @@ fn intervals_contain_the_true_error() {
     for seed in 0..pictures {
         let (estimator, film) = render_noisy_passes(8, 100 + seed, 0.3, 0.0);
         let estimate = estimator.estimate(&film);
-        let scale = RelativeScale::from_pixels(film.size(), &[Rgb::ONE; PIXELS]);
+        let scale = RelativeErrorWeights::from_pixels(film.size(), &[Rgb::ONE; PIXELS]);
         let mean = film.mean();
         let error = scale.mean(|i| (mean[i] - Rgb::ONE).as_dvec3() * (mean[i] - Rgb::ONE).as_dvec3()).sqrt();
         held += i32::from(estimate.low <= error && error <= estimate.high);
@@ -84,7 +87,8 @@ fn intervals_contain_the_true_error() {
     assert!(held >= 180 - 13, "{held}");
 }
 
-/// Shared paths have an error of 0.2 at each of 16 pixels; fresh paths have noise only.
+/// Error of shared paths is reported as bias. Here it is 0.2 at each of 16 pixels; fresh paths have
+/// noise only.
 #[test]
 fn shared_paths_are_bias() {
     let (mut estimator, mut film) = (ErrorEstimator::new(None), Film::new(WIDTH, WIDTH));
@@ -139,7 +143,7 @@ fn edges_are_not_extrapolated_as_smooth() {
         film.add(&pass.image);
     }
     let estimate = estimator.estimate(&film);
-    let scale = RelativeScale::from_pixels(film.size(), &film.mean());
+    let scale = RelativeErrorWeights::from_pixels(film.size(), &film.mean());
     let error = scale.mean(|i| DVec3::splat((row[i][0] - row[i][3]) * (row[i][0] - row[i][3]))).sqrt();
     assert!(estimate.low <= error && error <= estimate.high, "{estimate:?} {error}");
     assert!((estimate.blur / error - 1.0).abs() < 0.25, "{} {error}", estimate.blur);

@@ -20,10 +20,10 @@ fn random_numbers_depend_on_every_part_of_the_key() {
     assert_eq!(base(1, 2, 3, 4).random_bits(Dimension::Light), reference);
 }
 
-/// Chi-square test of a million points with consecutive keys over 32² cells; false-alarm rate
-/// 10⁻⁴ per tail.
+/// Applies a chi-square test to a million points with consecutive keys, over 32² cells; its
+/// false-alarm rate is 10⁻⁴ per tail.
 #[test]
-fn consecutive_keys_are_uniform() {
+fn random_points_of_consecutive_keys_are_uniform() {
     const CELLS: usize = 32;
     let n = 1_000_000u64;
     let key = Key::new(7).purpose_key(Purpose::Test);
@@ -42,9 +42,9 @@ fn consecutive_keys_are_uniform() {
     assert!(z.abs() < 3.9, "z = {z}");
 }
 
-/// Pins the words of the key map: other words would change every picture.
+/// Checks the words of the key map: other words would change every picture.
 #[test]
-fn named_keys_use_the_words_of_the_map() {
+fn named_keys_match_the_key_map() {
     let key = Key::new(5).purpose_key(Purpose::Test);
     assert_eq!(key.pixel_key(3, 7), key.child_key(7 << 32 | 3));
     assert_eq!(key.film_point_key(1, 9), key.child_key(1 << 32 | 9));

@@ -3,7 +3,7 @@ use crate::sampling::{Dimension, Key, Purpose, sobol_2d};
 
 const SIDE: usize = 16;
 
-/// Weights from 0 to 10⁴, with one row and one column of zeros.
+/// Returns weights from 0 to 10⁴, with one row and one column of zeros.
 fn grid_weights_with_zeros() -> Vec<f64> {
     let key = Key::new(3).purpose_key(Purpose::Test);
     let weight = |i: usize| {
@@ -14,19 +14,20 @@ fn grid_weights_with_zeros() -> Vec<f64> {
     (0..SIDE * SIDE).map(weight).collect()
 }
 
-fn random_points(n: u64) -> impl Iterator<Item = Vec2> {
+fn random_points_in_square(n: u64) -> impl Iterator<Item = Vec2> {
     let key = Key::new(9).purpose_key(Purpose::Test);
     (0..n).map(move |i| key.child_key(i).uniform_2d(Dimension::LightPosition))
 }
 
-/// Chi-square test of a million samples over cells split in four; false-alarm rate 10⁻⁴.
+/// Applies a chi-square test to a million samples, over cells split in four; its false-alarm rate
+/// is 10⁻⁴.
 #[test]
 fn grid_samples_follow_the_pdf() {
     let histogram = SquareGridDistribution::new(SIDE, &grid_weights_with_zeros()).unwrap();
     let n = 1_000_000;
     let fine = 2 * SIDE;
     let mut counts = vec![0.0; fine * fine];
-    for u in random_points(n) {
+    for u in random_points_in_square(n) {
         let (at, density) = histogram.sample(u);
         assert!(at.cmpge(Vec2::ZERO).all() && at.cmplt(Vec2::ONE).all());
         assert_eq!(density, histogram.pdf(at));
@@ -55,8 +56,8 @@ fn grid_samples_follow_the_pdf() {
     assert!(z.abs() < 3.9, "z = {z}, {nu} degrees of freedom");
 }
 
-/// The pdf of each cell is proportional to its weight. The tolerance allows for the minimum
-/// probability of 64 steps of 2⁻²⁴ that each row gets, and each cell in its row.
+/// Compares the pdf of each cell with its weight. The tolerance allows for the minimum probability
+/// of 64 steps of 2⁻²⁴ that each row gets, and each cell in its row.
 #[test]
 fn grid_pdf_is_proportional_to_weights() {
     let weights = grid_weights_with_zeros();
@@ -76,10 +77,10 @@ fn grid_pdf_is_proportional_to_weights() {
     assert!(rare.pdf(Vec2::new(0.75, 0.25)) > 0.0, "a weight above zero must keep some density");
 }
 
-/// Each row gets its share of 256 stratified points. The tolerance is one point at each end of the
-/// row.
+/// Counts 256 stratified points in each row, and compares with the expected number. The tolerance
+/// is one point at each end of the row.
 #[test]
-fn stratified_points_stay_stratified() {
+fn grid_distribution_keeps_points_stratified() {
     let mut weights = vec![1.0; 16];
     weights[5] = 9.0;
     let histogram = SquareGridDistribution::new(4, &weights).unwrap();
@@ -110,7 +111,7 @@ fn extreme_random_numbers_give_points_in_the_square() {
 }
 
 #[test]
-fn invalid_weights_are_refused() {
+fn distributions_refuse_invalid_weights() {
     for bad in [vec![0.0; 4], vec![1.0; 3], vec![1.0, 1.0, 1.0, -1.0], vec![f64::NAN; 4], vec![f64::INFINITY; 4]] {
         assert!(SquareGridDistribution::new(2, &bad).is_none(), "{bad:?}");
     }

@@ -1,13 +1,14 @@
-//! Culling of bodies that light cannot distinguish from air.
+//! Removal of objects that bound dielectric bodies without any effect on light.
 
 use super::object::{Extent, MeshData, ObjectGeometry, SceneObject};
 use crate::scene::Material;
 
-/// Removes objects that bound a body of refractive index 1 without absorption or medium.
+/// Removes objects that bound a [`Body`](crate::scene::Body) of refractive index 1 without
+/// absorption or medium.
 ///
-/// Such a body still matters where it displaces another body or the ambient medium. No object is
-/// therefore removed if there is an ambient medium. Objects that move or emit light are kept. An
-/// object is also kept if its box overlaps the box of a body unlike air.
+/// Such a body has an effect only where it displaces another body or the ambient medium. All
+/// objects are therefore kept in a scene with an ambient medium. An object is also kept if it
+/// moves, if it emits light, or if its box overlaps the box of a body unlike air.
 pub(super) fn cull_index_matched(
     mut objects: Vec<SceneObject>,
     mut mesh: MeshData,
@@ -44,19 +45,20 @@ pub(super) fn cull_index_matched(
     (objects, mesh)
 }
 
-/// True if a material may bound a body that light can distinguish from air.
+/// True if `material` bounds a [`Body`](crate::scene::Body) unlike air, or if it is a mix and a
+/// component bounds any body.
 fn may_bound_visible_body(materials: &[Material], material: u32) -> bool {
     let material = &materials[material as usize];
-    match material.mix_parts() {
+    match material.mix_component_indices() {
         Some(parts) => parts.into_iter().any(|part| may_bound_body(materials, part)),
         None => material.bounded_body().is_some_and(|body| !body.is_air()),
     }
 }
 
-/// True if a material, or a part of a mix, bounds a body.
+/// True if `material`, or any component of it if it is a mix, bounds a dielectric body.
 pub(super) fn may_bound_body(materials: &[Material], material: u32) -> bool {
     let material = &materials[material as usize];
-    match material.mix_parts() {
+    match material.mix_component_indices() {
         Some(parts) => parts.into_iter().any(|part| may_bound_body(materials, part)),
         None => material.bounded_body().is_some(),
     }

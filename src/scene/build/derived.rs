@@ -7,27 +7,29 @@ use crate::scene::Scene;
 use crate::scene::interiors::{InteriorStack, interior_stack_at};
 use glam::Vec3;
 
-/// Ratio of the photon domain's radius to that of the bounding sphere of all bounded shapes, in a
-/// scene with unbounded planes.
+/// Radius of the [photon domain](Scene::photon_domain) in a scene with unbounded planes, relative
+/// to the bounding sphere of all bounded shapes.
 const OPEN_DOMAIN_FACTOR: f32 = 4.0;
 
-/// Ratio of the ambient medium's radius to the distance of the farthest light or camera.
+/// Radius of the ball that the ambient medium fills, relative to the greatest distance of a light,
+/// the camera or the photon domain's edge from the domain's center.
 ///
-/// In an unbounded medium, most photons would scatter far away from the objects.
+/// An unbounded medium would scatter most photons far away from the objects.
 const AMBIENT_EXTENT_FACTOR: f32 = 2.0;
 
 /// Scene data that is computed from the placement of objects, lights and camera at one time.
 #[derive(Clone, Debug)]
 pub(in crate::scene) struct DerivedSceneData {
-    /// See [`Scene::photon_domain`].
+    /// The ball onto which lights at infinity emit photons: see [`Scene::photon_domain`].
     pub domain: BoundingSphere,
-    /// The ball that the ambient medium fills.
+    /// The ball that the [ambient medium](Scene::ambient_medium) fills.
     pub ambient_extent: BoundingSphere,
-    /// The bodies around the camera.
+    /// The dielectric bodies that contain the camera.
     pub camera_interior: InteriorStack,
-    /// The bodies around each light.
+    /// The dielectric bodies that contain each light, by light index.
     pub light_interiors: Vec<InteriorStack>,
-    /// See [`Scene::light_contact_distance`].
+    /// Distance \[length] below which a surface point touches each light: see
+    /// [`Scene::light_contact_distance`].
     pub light_contact_distance: Vec<f32>,
 }
 
@@ -44,7 +46,7 @@ impl Default for DerivedSceneData {
     }
 }
 
-/// Computes the derived data of `scene` from its geometry, lights and camera.
+/// Computes the [`DerivedSceneData`] of `scene` from its geometry, lights and camera.
 pub(in crate::scene) fn derive_scene_data(scene: &Scene) -> DerivedSceneData {
     let planes = scene.geometry.planes.iter().map(|plane| plane.point_and_normal().0.length());
     let domain = photon_domain(scene.geometry.bounds(), planes);
@@ -68,7 +70,7 @@ pub(in crate::scene) fn derive_scene_data(scene: &Scene) -> DerivedSceneData {
     }
 }
 
-/// The photon domain: a ball around the bounded shapes, or around the origin if there are none.
+/// The ball onto which lights at infinity emit photons: see [`Scene::photon_domain`].
 ///
 /// `planes` are the distances of unbounded planes from the origin \[length].
 fn photon_domain(bounds: Bounds, planes: impl Iterator<Item = f32>) -> BoundingSphere {

@@ -1,24 +1,25 @@
-//! The distance below which a surface point touches a delta light.
+//! Contact distances of delta lights. A surface point closer to a light than this distance counts
+//! as touching the light.
 
 use crate::light::Light;
 use crate::math::{BoundingSphere, Ray, rounding_error_bound};
 use crate::scene::Scene;
 use glam::Vec3;
 
-/// Ratio of the contact distance to the bound on the position error of light and surface.
+/// Contact distance of a light, in units of the position error of light and surface.
 const CONTACT_POSITION_ERRORS: f32 = 40.0;
 
-/// Bound on the number of f64 rounding errors in the difference of two positions.
+/// Bound on the number of f64 rounding errors in the difference of two positions, with a safety
+/// factor of 2.
 ///
-/// Each position has up to six rounding errors: four from a transform, one from a product of
-/// transforms, and one from the difference. The bound is twice the sum for both positions.
+/// Each position has up to six errors: four from a transform, one from a product of transforms, and
+/// one from the difference.
 const POSITION_ROUNDINGS: f64 = 24.0;
 
-/// Distance below which a surface point touches `light` \[length]: see
-/// [`Scene::light_contact_distance`].
+/// Contact distance of `light` \[length]: see [`Scene::light_contact_distance`].
 ///
-/// It covers the rounding of the light's position, and the position errors of the surfaces that the
-/// light touches.
+/// It allows for the rounding of the light's position, and for the position errors of the surfaces
+/// that the light touches.
 pub(super) fn light_contact_distance(scene: &Scene, domain: BoundingSphere, light: &Light) -> f32 {
     let Some(position) = light.position() else { return 0.0 };
     let own = position.length() * rounding_error_bound(1)

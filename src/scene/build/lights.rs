@@ -1,11 +1,11 @@
 //! Collecting the lights of a scene.
 
 use super::object::{ObjectGeometry, SceneObject};
-use super::place::{PlacedGeometry, PlacedMappings};
+use super::place::{PlacedGeometry, PlacedTextureMappings};
 use crate::light::{AreaLight, EmissionTexture, EnvironmentLight, Light, LightSurface};
 use crate::math::Motion;
 use crate::sampling::DiscreteDistribution;
-use crate::scene::animation::{MID_SHUTTER, delta_light_at_time, physical_strength_mid_shutter};
+use crate::scene::animation::{MID_SHUTTER, delta_light_at_time, physical_light_strength_at_mid_shutter};
 use crate::scene::delta_light::{legacy_area_light, resolve_light};
 use crate::scene::{BuildError, DeltaLightKind, LegacyLight, LightStrength};
 use crate::texture::Texture;
@@ -21,25 +21,28 @@ pub(super) struct DeltaLight {
     pub motion: Option<Motion>,
 }
 
-/// The lights in scene coordinates, in this order: delta lights at rest, moving delta lights, area
-/// lights, environment light.
+/// The lights in coordinates relative to [`Scene::origin`](crate::scene::Scene::origin). Their
+/// order is: delta lights at rest, moving delta lights, area lights, environment light.
 pub(super) struct CollectedLights {
     pub lights: Vec<Light>,
     /// Index of the environment light in `lights`.
     pub environment_light_index: Option<usize>,
     pub legacy_lights: Vec<LegacyLight>,
-    /// Moving delta lights: index in `lights`, description, strength and motion.
+    /// Moving delta lights: index in `lights`, light before its motion, strength and motion.
     pub moving: Vec<(usize, DeltaLightKind, LightStrength, Motion)>,
-    /// Index of each object's area light.
+    /// Index of the area light of each object; `None` if the object does not emit light.
     pub of_object: Vec<Option<u32>>,
 }
 
-/// Collects the lights, relative to `origin` and at mid-shutter.
+/// Collects delta lights, area lights of emissive objects, and the environment light.
+///
+/// Results are relative to `origin` and at mid-shutter. The error is [`BuildError::Flattened`] for
+/// a singular motion.
 pub(super) fn collect_lights(
     sources: &[DeltaLight],
     objects: &[SceneObject],
     geometry: &PlacedGeometry,
-    mappings: &PlacedMappings,
+    mappings: &PlacedTextureMappings,
     textures: &[Arc<Texture>],
     environment: Option<EnvironmentLight>,
     origin: DVec3,
@@ -57,7 +60,7 @@ pub(super) fn collect_lights(
     for source in sources {
         let Some(motion) = &source.motion else { continue };
         let motion = motion.followed_by_map(DAffine3::from_translation(-origin));
-        let strength = physical_strength_mid_shutter(&source.kind, source.strength, &motion);
+        let strength = physical_light_strength_at_mid_shutter(&source.kind, source.strength, &motion);
         let placed = delta_light_at_time(&source.kind, &motion, MID_SHUTTER).ok_or(BuildError::Flattened)?;
         found.moving.push((found.lights.len(), source.kind.clone(), strength, motion));
         found.add_light(resolve_light(&placed, strength, DVec3::ZERO));
@@ -100,7 +103,7 @@ pub(super) fn collect_lights(
 }
 
 impl CollectedLights {
-    /// Adds a light and returns its index.
+    /// Adds a light and its [`LegacyLight`], and returns the index of both.
     fn add_light(&mut self, (light, legacy): (Light, LegacyLight)) -> u32 {
         self.lights.push(light);
         self.legacy_lights.push(legacy);
@@ -108,8 +111,8 @@ impl CollectedLights {
     }
 }
 
-/// The lights, with emission textures replaced by their mean radiance; empty if no light has a
-/// texture.
+/// Returns a copy of the lights in which mean radiances replace emission textures. Empty if no
+/// light has a texture.
 pub(in crate::scene) fn mean_emission_lights(lights: &[Light]) -> Vec<Light> {
     if !lights.iter().any(Light::has_emission_texture) {
         return Vec::new();

@@ -19,7 +19,7 @@ use crate::color::{DispersionFormula, Rgb};
 use crate::light::EnvironmentLight;
 use crate::math::Motion;
 use crate::medium::Medium;
-use crate::shape::{MappingKind, Plane, Shape, Triangle};
+use crate::shape::{Plane, Shape, TextureMappingKind, Triangle};
 use crate::texture::Texture;
 use cull_index_matched::{cull_index_matched, may_bound_body};
 use glam::{DVec2, DVec3, Vec3};
@@ -28,7 +28,7 @@ use object::{MeshData, ObjectGeometry, SceneObject};
 use place::{PlacedObjects, place_camera, place_objects};
 use recenter::choose_scene_origin;
 use std::sync::Arc;
-use validate::{validate_coordinate_range, validate_objects, validate_power};
+use validate::{validate_coordinate_range, validate_light_power, validate_objects};
 
 /// Builder of a [`Scene`] from parts in world coordinates.
 #[derive(Debug, Default)]
@@ -54,55 +54,57 @@ impl SceneBuilder {
         Self::default()
     }
 
-    /// Sets the radiance of rays that hit nothing.
-    pub fn background(&mut self, color: Rgb) -> &mut Self {
+    /// Sets the radiance of camera rays that hit nothing.
+    pub fn set_background(&mut self, color: Rgb) -> &mut Self {
         self.background = color;
         self
     }
 
     /// Sets the environment light. It replaces an earlier one, and hides the background.
-    pub fn environment(&mut self, environment: EnvironmentLight) -> &mut Self {
+    pub fn set_environment(&mut self, environment: EnvironmentLight) -> &mut Self {
         self.environment = Some(environment);
         self
     }
 
     /// Adds a material and returns its index.
-    pub fn material(&mut self, material: Material) -> u32 {
+    pub fn add_material(&mut self, material: Material) -> u32 {
         self.materials.push(material);
         self.materials.len() as u32 - 1
     }
 
-    /// Adds a glass, a refractive index that depends on the wavelength, and returns its index.
-    pub fn glass(&mut self, glass: DispersionFormula) -> u32 {
+    /// Adds a dispersion formula for dielectric bodies and returns its index: see
+    /// [`Body::glass`](super::Body::glass).
+    pub fn add_glass(&mut self, glass: DispersionFormula) -> u32 {
         self.glasses.push(glass);
         self.glasses.len() as u32 - 1
     }
 
     /// Adds a medium and returns its index.
-    pub fn medium(&mut self, medium: Medium) -> u32 {
+    pub fn add_medium(&mut self, medium: Medium) -> u32 {
         self.media.push(medium);
         self.media.len() as u32 - 1
     }
 
-    /// Fills the space outside of all bodies with medium `medium`: see [`Scene::ambient_medium`].
-    pub fn ambient_medium(&mut self, medium: u32) -> &mut Self {
+    /// Fills the space outside of all dielectric bodies with medium `medium`: see
+    /// [`Scene::ambient_medium`].
+    pub fn set_ambient_medium(&mut self, medium: u32) -> &mut Self {
         self.ambient_medium = Some(medium);
         self
     }
 
     /// Adds a texture and returns its index.
-    pub fn texture(&mut self, texture: Texture) -> u32 {
+    pub fn add_texture(&mut self, texture: Texture) -> u32 {
         self.textures.push(Arc::new(texture));
         self.textures.len() as u32 - 1
     }
 
     /// Adds a shape. An `emission` above zero \[W/(m² sr)] makes it an area light.
-    pub fn shape(&mut self, shape: Shape, material: u32, emission: Rgb) -> &mut Self {
+    pub fn add_shape(&mut self, shape: Shape, material: u32, emission: Rgb) -> &mut Self {
         self.add_object(ObjectGeometry::Shape(shape), None, material, emission)
     }
 
     /// Adds an unbounded plane. `emission` must be zero.
-    pub fn plane(&mut self, plane: Plane, material: u32, emission: Rgb) -> &mut Self {
+    pub fn add_plane(&mut self, plane: Plane, material: u32, emission: Rgb) -> &mut Self {
         self.add_object(ObjectGeometry::Plane(plane), None, material, emission)
     }
 
@@ -110,7 +112,7 @@ impl SceneBuilder {
     /// index the vertices.
     ///
     /// Triangles without area are dropped, because no ray hits them.
-    pub fn mesh(
+    pub fn add_mesh(
         &mut self,
         positions: &[DVec3],
         normals: &[Vec3],
@@ -123,12 +125,12 @@ impl SceneBuilder {
     }
 
     /// Adds a shape that moves while the shutter is open.
-    pub fn moving_shape(&mut self, shape: Shape, motion: Motion, material: u32, emission: Rgb) -> &mut Self {
+    pub fn add_moving_shape(&mut self, shape: Shape, motion: Motion, material: u32, emission: Rgb) -> &mut Self {
         self.add_object(ObjectGeometry::Shape(shape), Some(motion), material, emission)
     }
 
     /// Adds an unbounded plane that moves while the shutter is open.
-    pub fn moving_plane(&mut self, plane: Plane, motion: Motion, material: u32, emission: Rgb) -> &mut Self {
+    pub fn add_moving_plane(&mut self, plane: Plane, motion: Motion, material: u32, emission: Rgb) -> &mut Self {
         self.add_object(ObjectGeometry::Plane(plane), Some(motion), material, emission)
     }
 
@@ -146,19 +148,19 @@ impl SceneBuilder {
     /// Sets the texture mapping of the object added last; `to_world` maps its object space to the
     /// world.
     ///
-    /// Solid textures are evaluated in the space of the mapping. An object without a mapping has
-    /// its surface parameters as texture coordinates, and solid textures in world space.
-    pub fn mapping(&mut self, kind: MappingKind, to_world: &Motion) -> &mut Self {
+    /// Without this call, texture coordinates are the surface parameters of the object, and solid
+    /// textures are evaluated in world space.
+    pub fn set_texture_mapping(&mut self, kind: TextureMappingKind, to_world: &Motion) -> &mut Self {
         if let Some(object) = self.objects.last_mut() {
             object.mapping = Some((kind, to_world.clone()));
         }
         self
     }
 
-    /// Sets the emission of the object added last to `texture` times `scale` \[W/(m² sr)].
+    /// Sets the radiance emitted by the object added last to `texture` times `scale` \[W/(m² sr)].
     ///
-    /// The mean of the product must equal the emission that the object was added with.
-    pub fn emission_texture(&mut self, texture: u32, scale: Rgb) -> &mut Self {
+    /// The mean of this product must equal the emission with which the object was added.
+    pub fn set_emission_texture(&mut self, texture: u32, scale: Rgb) -> &mut Self {
         if let Some(object) = self.objects.last_mut() {
             object.emission_texture = Some((texture, scale));
         }
@@ -166,27 +168,32 @@ impl SceneBuilder {
     }
 
     /// Sets the texture coordinates of the mesh added last, one per vertex.
-    pub fn texcoords(&mut self, texcoords: &[DVec2]) -> &mut Self {
+    pub fn set_texcoords(&mut self, texcoords: &[DVec2]) -> &mut Self {
         self.mesh.add_texcoords(texcoords);
         self
     }
 
     /// Adds a light that emits from one point or from one direction.
-    pub fn delta_light(&mut self, kind: DeltaLightKind, strength: LightStrength) -> &mut Self {
+    pub fn add_delta_light(&mut self, kind: DeltaLightKind, strength: LightStrength) -> &mut Self {
         self.sources.push(DeltaLight { kind, strength, motion: None });
         self
     }
 
     /// Adds a delta light that moves while the shutter is open. The motion acts about the light's
     /// own position.
-    pub fn moving_delta_light(&mut self, kind: DeltaLightKind, strength: LightStrength, motion: &Motion) -> &mut Self {
-        let motion = kind.position().map_or_else(|| motion.clone(), |position| motion.around_point(position));
+    pub fn add_moving_delta_light(
+        &mut self,
+        kind: DeltaLightKind,
+        strength: LightStrength,
+        motion: &Motion,
+    ) -> &mut Self {
+        let motion = kind.position().map_or_else(|| motion.clone(), |position| motion.pivoted_at_point(position));
         self.sources.push(DeltaLight { kind, strength, motion: Some(motion) });
         self
     }
 
     /// Moves the camera while the shutter is open. The motion acts about the camera's own position.
-    pub fn moving_camera(&mut self, motion: Motion) -> &mut Self {
+    pub fn set_camera_motion(&mut self, motion: Motion) -> &mut Self {
         self.camera_motion = Some(motion);
         self
     }
@@ -230,7 +237,7 @@ impl SceneBuilder {
         scene.coincident =
             find_coincident_flags(&scene.geometry, |material| may_bound_body(&scene.materials, material));
         scene.derived = derive_scene_data(&scene);
-        validate_power(&scene)?;
+        validate_light_power(&scene)?;
         Ok(scene)
     }
 }

@@ -2,14 +2,15 @@
 
 use crate::color::Rgb;
 use crate::math::Motion;
-use crate::shape::{MappingKind, Mesh, Plane, Shape, Triangle};
+use crate::shape::{Mesh, Plane, Shape, TextureMappingKind, Triangle};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::ops::Range;
 
 /// Minimum and maximum corner of a box, in double precision.
 pub(super) type Extent = (DVec3, DVec3);
 
-/// An object in world coordinates; a moving object in the coordinates before its motion.
+/// A shape, mesh or plane in world coordinates. A moving object is stored as it is before its
+/// motion.
 #[derive(Debug)]
 pub(super) struct SceneObject {
     pub geometry: ObjectGeometry,
@@ -19,10 +20,10 @@ pub(super) struct SceneObject {
     pub material: u32,
     /// Mean emitted radiance \[W/(m² sr)].
     pub emission: Rgb,
-    /// Index of the emission texture, and the radiance of texture value 1 \[W/(m² sr)].
+    /// Index of the emission texture, and the factor from texture values to radiance \[W/(m² sr)].
     pub emission_texture: Option<(u32, Rgb)>,
     /// Kind of the texture mapping, and the motion from its object space to the world.
-    pub mapping: Option<(MappingKind, Motion)>,
+    pub mapping: Option<(TextureMappingKind, Motion)>,
 }
 
 /// The geometry of an object.
@@ -51,10 +52,11 @@ impl SceneObject {
         self.emission != Rgb::ZERO
     }
 
-    /// Sort key of objects: shapes, meshes, planes, with moving ones last of each kind.
+    /// Sort key of objects, in this order: shapes, meshes, planes. Moving shapes and planes follow
+    /// those at rest.
     ///
-    /// Coplanar hits resolve to the lowest index. Emitters come first, so light sampling agrees
-    /// with intersection.
+    /// Shapes at rest that emit light come first. A ray that hits coplanar shapes reports the one
+    /// of lowest index, so it reports the emitter that light sampling assumes.
     pub fn object_sort_key(&self) -> u8 {
         match (&self.geometry, &self.motion) {
             (ObjectGeometry::Shape(_), None) if self.emits() => 0,
@@ -71,11 +73,11 @@ impl SceneObject {
 #[derive(Debug, Default)]
 pub(super) struct MeshData {
     positions: Vec<DVec3>,
-    /// Unit normals by vertex; zero for a mesh without normals. Shorter than `positions` if the
-    /// last meshes have none.
+    /// Unit vertex normals; zero for a mesh without normals. Shorter than `positions` if the meshes
+    /// added last have none.
     normals: Vec<Vec3>,
     /// Texture coordinates by vertex; zero for a mesh without any. Shorter than `positions` if the
-    /// last meshes have none.
+    /// meshes added last have none.
     texcoords: Vec<Vec2>,
     pub triangles: Vec<Triangle>,
 }

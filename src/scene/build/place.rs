@@ -1,28 +1,31 @@
-//! Placing objects relative to the origin of the scene, at mid-shutter.
+//! Conversion of objects from world coordinates to scene coordinates, at mid-shutter.
 
 use super::object::{MeshData, ObjectGeometry, SceneObject};
 use crate::camera::Camera;
 use crate::math::Motion;
 use crate::scene::BuildError;
-use crate::scene::animation::{Animation, MID_SHUTTER, camera_at_time, mapping_at_time, plane_at_time, shape_at_time};
+use crate::scene::animation::{
+    Animation, MID_SHUTTER, camera_at_time, plane_at_time, shape_at_time, texture_mapping_at_time,
+};
 use crate::scene::geometry::{self, ObjectAttributes};
 use crate::shape::{Mesh, Plane, Shape, TextureMapping};
 use glam::{DAffine3, DVec3};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Objects in scene coordinates.
+/// Objects in coordinates relative to [`Scene::origin`](crate::scene::Scene::origin).
 pub(super) struct PlacedObjects {
     /// The objects in the order of their indices: shapes, then meshes, then planes. Moving shapes
     /// follow shapes at rest, and moving planes follow planes at rest.
     pub objects: Vec<SceneObject>,
     pub geometry: PlacedGeometry,
-    pub mappings: PlacedMappings,
+    pub mappings: PlacedTextureMappings,
     /// The moving shapes, planes and mappings. Lights and camera are added later.
     pub animation: Animation,
 }
 
-/// Geometry in scene coordinates, before hierarchies are built.
+/// Geometry in coordinates relative to [`Scene::origin`](crate::scene::Scene::origin), before
+/// hierarchies are built.
 pub(super) struct PlacedGeometry {
     /// Shapes at rest, then moving shapes.
     pub shapes: Vec<Shape>,
@@ -33,16 +36,16 @@ pub(super) struct PlacedGeometry {
     pub mesh_ranges: Vec<Range<u32>>,
 }
 
-/// Texture mappings in scene coordinates.
-pub(super) struct PlacedMappings {
-    /// The first mapping belongs to objects that define none.
+/// Texture mappings from coordinates relative to [`Scene::origin`](crate::scene::Scene::origin).
+pub(super) struct PlacedTextureMappings {
+    /// All texture mappings. Objects that define none use the first one.
     pub list: Vec<TextureMapping>,
-    /// Index into `list` of each object's mapping.
+    /// Index of the mapping of each object in `list`.
     pub of_object: Vec<u32>,
 }
 
-/// Sorts the objects into the order of their indices, and places them relative to `origin` at
-/// mid-shutter.
+/// Sorts the objects by [`SceneObject::object_sort_key`], and converts them to coordinates relative
+/// to `origin`, at mid-shutter.
 pub(super) fn place_objects(
     mut objects: Vec<SceneObject>,
     mesh: MeshData,
@@ -69,27 +72,27 @@ pub(super) fn place_objects(
         }
     }
     let first_moving = (shapes.len() - animation.shapes.len()) as u32;
-    let mappings = place_mappings(&objects, origin, &mut animation)?;
+    let mappings = place_texture_mappings(&objects, origin, &mut animation)?;
     let mesh = Arc::new(mesh.recentered(origin));
     let geometry = PlacedGeometry { shapes, first_moving, planes, mesh, mesh_ranges };
     Ok(PlacedObjects { objects, geometry, mappings, animation })
 }
 
-fn place_mappings(
+fn place_texture_mappings(
     objects: &[SceneObject],
     origin: DVec3,
     animation: &mut Animation,
-) -> Result<PlacedMappings, BuildError> {
+) -> Result<PlacedTextureMappings, BuildError> {
     let recenter = DAffine3::from_translation(-origin);
     let mut mappings =
-        PlacedMappings { list: vec![TextureMapping::default().translated(-origin)], of_object: Vec::new() };
+        PlacedTextureMappings { list: vec![TextureMapping::default().translated(-origin)], of_object: Vec::new() };
     for object in objects {
         let Some((form, motion)) = &object.mapping else {
             mappings.of_object.push(0);
             continue;
         };
         let (index, placed) = (mappings.list.len(), motion.followed_by_map(recenter));
-        mappings.list.push(mapping_at_time(*form, &placed, MID_SHUTTER).ok_or(BuildError::Flattened)?);
+        mappings.list.push(texture_mapping_at_time(*form, &placed, MID_SHUTTER).ok_or(BuildError::Flattened)?);
         mappings.of_object.push(index as u32);
         if !motion.is_constant() {
             animation.mappings.push((index, *form, placed));
@@ -109,18 +112,19 @@ pub(super) fn place_camera(
 ) -> Result<Camera, BuildError> {
     let camera = camera.translated(-origin);
     let Some(motion) = motion else { return Ok(camera) };
-    let motion = motion.around_point(camera.center());
+    let motion = motion.pivoted_at_point(camera.center());
     let placed = camera_at_time(&camera, &motion, MID_SHUTTER).ok_or(BuildError::Flattened)?;
     animation.camera = Some((camera, motion));
     Ok(placed)
 }
 
 impl PlacedGeometry {
-    /// Builds the hierarchies. `light_of_object` holds the index of each object's area light.
+    /// Builds the geometry with its intersection hierarchies. `light_of_object` holds the index of
+    /// each object's area light; `None` if the object does not emit light.
     pub fn build_hierarchies(
         self,
         objects: &[SceneObject],
-        mappings: &PlacedMappings,
+        mappings: &PlacedTextureMappings,
         light_of_object: &[Option<u32>],
     ) -> geometry::Geometry {
         let attributes = objects.iter().zip(light_of_object).zip(&mappings.of_object);

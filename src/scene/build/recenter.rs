@@ -12,20 +12,22 @@ use glam::{DVec3, Vec2};
 /// Single precision then rounds coordinates by at most 2⁻²⁴·2¹² = 2⁻¹² of the size.
 const MAX_DISTANCE_IN_SIZES: f64 = 4096.0;
 
-/// Number of bisection steps, enough for the digits of double precision.
+/// Number of bisection steps of [`minimax_coordinate`], enough for the digits of double precision.
 const BISECTIONS: u32 = 64;
 
-/// Camera position, and its distance \[length] to the nearest shape in a few image points.
+/// Camera position, and the distance \[length] to the nearest shape along five camera rays.
 type CameraView = (DVec3, f64);
 
-/// An object or viewpoint near which single precision must resolve fine details.
+/// An object or the camera, with the position and size of the details that single precision must
+/// resolve.
 #[derive(Clone, Copy, Debug)]
-struct PrecisionTarget {
+struct FineDetailRegion {
     center: DVec3,
     size: f64,
 }
 
-/// Origin of scene coordinates, in world coordinates. Without bounded objects, the camera position.
+/// Chooses the origin of scene coordinates; returns it in world coordinates. It is the camera
+/// position if the scene has no bounded objects.
 pub(super) fn choose_scene_origin(
     objects: &[SceneObject],
     mesh: &MeshData,
@@ -50,27 +52,26 @@ pub(super) fn choose_scene_origin(
         }
     }
     let boxes = [resting, moving, meshes].concat();
-    Ok(origin_for_extents(&boxes, camera_view(camera, &shapes)).unwrap_or(camera.center()))
+    Ok(origin_for_extents(&boxes, camera_and_nearest_distance(camera, &shapes)).unwrap_or(camera.center()))
 }
 
 fn union_of_extents((a, b): Extent, (c, d): Extent) -> Extent {
     (a.min(c), b.max(d))
 }
 
-/// Origin of scene coordinates for objects with bounding boxes `boxes`; `None` without boxes.
+/// Chooses the origin for objects with bounding boxes `boxes`; `None` if there are no boxes.
 ///
-/// It is the center of all boxes, if no object is farther from the center than
-/// [`MAX_DISTANCE_IN_SIZES`] times its size. Otherwise, as for small objects on a huge sphere, it
-/// minimizes the greatest ratio of an object's distance to its size. That point is at most twice as
-/// far from any object as the center is, so coordinates lose at most one binary digit.
+/// The origin is the center of all boxes, if no object is farther from the center than
+/// [`MAX_DISTANCE_IN_SIZES`] times its size. Otherwise, the origin minimizes the greatest ratio of
+/// an object's distance to its size. Small objects on a huge sphere are such a case.
 fn origin_for_extents(boxes: &[Extent], view: Option<CameraView>) -> Option<DVec3> {
     let (min, max) = boxes.iter().copied().reduce(union_of_extents)?;
     let center = min * 0.5 + max * 0.5;
     let target =
-        |(min, max): &Extent| PrecisionTarget { center: *min * 0.5 + *max * 0.5, size: (*max - *min).max_element() };
+        |(min, max): &Extent| FineDetailRegion { center: *min * 0.5 + *max * 0.5, size: (*max - *min).max_element() };
     // The camera may be outside of the box, but the origin must not.
-    let view = view.map(|(center, size)| PrecisionTarget { center: center.clamp(min, max), size });
-    let targets: Vec<PrecisionTarget> = boxes.iter().map(target).chain(view).filter(|t| t.size > 0.0).collect();
+    let view = view.map(|(center, size)| FineDetailRegion { center: center.clamp(min, max), size });
+    let targets: Vec<FineDetailRegion> = boxes.iter().map(target).chain(view).filter(|t| t.size > 0.0).collect();
     let distance = |m: DVec3| targets.iter().map(|t| (t.center - m).abs().max_element() / t.size).fold(0.0, f64::max);
     let most = distance(center);
     if most.is_nan() || most <= MAX_DISTANCE_IN_SIZES {
@@ -80,10 +81,11 @@ fn origin_for_extents(boxes: &[Extent], view: Option<CameraView>) -> Option<DVec
     Some(nearest.clamp(min, max))
 }
 
-/// Camera position, and distance of the nearest shape at the center or the corners of the image.
+/// Returns the camera position, and the distance of the nearest shape along the rays through the
+/// center and the corners of the image.
 ///
-/// `None` if camera rays through these points hit no shape.
-fn camera_view(camera: &Camera, shapes: &[&Shape]) -> Option<CameraView> {
+/// Returns `None` if these rays hit no shape.
+fn camera_and_nearest_distance(camera: &Camera, shapes: &[&Shape]) -> Option<CameraView> {
     let (position, (width, height)) = (camera.center(), camera.size());
     let local = camera.translated(-position);
     let size = Vec2::new(width as f32, height as f32);
@@ -98,7 +100,7 @@ fn camera_view(camera: &Camera, shapes: &[&Shape]) -> Option<CameraView> {
 /// Coordinate along `axis` that minimizes the greatest ratio of a target's distance to its size.
 ///
 /// Distances are measured along `axis`. `most` is an upper bound of that ratio.
-fn minimax_coordinate(targets: &[PrecisionTarget], axis: usize, most: f64) -> f64 {
+fn minimax_coordinate(targets: &[FineDetailRegion], axis: usize, most: f64) -> f64 {
     let within = |t: f64| {
         let ends =
             targets.iter().map(|target| (target.center[axis] - t * target.size, target.center[axis] + t * target.size));
@@ -118,13 +120,13 @@ fn minimax_coordinate(targets: &[PrecisionTarget], axis: usize, most: f64) -> f6
 mod tests {
     use super::*;
 
-    fn ball_extent(center: DVec3, radius: f64) -> Extent {
+    fn bounding_box_of_ball(center: DVec3, radius: f64) -> Extent {
         (center - radius, center + radius)
     }
 
     #[test]
     fn objects_of_similar_size_lie_around_the_box_center() {
-        let boxes = [ball_extent(DVec3::ZERO, 1.0), ball_extent(DVec3::new(100.0, 0.0, 3.0), 0.1)];
+        let boxes = [bounding_box_of_ball(DVec3::ZERO, 1.0), bounding_box_of_ball(DVec3::new(100.0, 0.0, 3.0), 0.1)];
         let off = origin_for_extents(&boxes, None).unwrap() - DVec3::new(49.55, 0.0, 1.05);
         assert!(off.length() < 1e-12, "{off}");
         assert_eq!(origin_for_extents(&[], Some((DVec3::ONE, 1.0))), None);
@@ -132,8 +134,12 @@ mod tests {
 
     #[test]
     fn small_objects_on_a_huge_one_determine_the_origin() {
-        let floor = ball_extent(DVec3::new(0.0, -1e5, 0.0), 1e5);
-        let boxes = [floor, ball_extent(DVec3::new(2.0, 0.5, 0.0), 0.5), ball_extent(DVec3::new(-2.0, 0.5, 0.0), 0.25)];
+        let floor = bounding_box_of_ball(DVec3::new(0.0, -1e5, 0.0), 1e5);
+        let boxes = [
+            floor,
+            bounding_box_of_ball(DVec3::new(2.0, 0.5, 0.0), 0.5),
+            bounding_box_of_ball(DVec3::new(-2.0, 0.5, 0.0), 0.25),
+        ];
         let found = origin_for_extents(&boxes, None).unwrap();
         // Four times 0.5/0.75 from the larger ball.
         assert!((found.x - (2.0 - 4.0 / 1.5)).abs() < 1e-9 && (found.y - 0.5).abs() < 1.0, "{found}");

@@ -8,8 +8,8 @@ fn perspective_camera() -> Camera {
 }
 
 fn add_emissive_sphere(builder: &mut SceneBuilder, center: DVec3, emission: Rgb) {
-    let material = builder.material(Material::diffuse(Rgb::ONE));
-    builder.shape(Shape::Sphere(Ball::new(center, 1.0)), material, emission);
+    let material = builder.add_material(Material::diffuse(Rgb::ONE));
+    builder.add_shape(Shape::Sphere(Ball::new(center, 1.0)), material, emission);
 }
 
 #[test]
@@ -22,7 +22,7 @@ fn scenes_beyond_single_precision_are_refused() {
     add_emissive_sphere(&mut bright, DVec3::ZERO, Rgb::splat(f32::MAX));
     assert_eq!(bright.build(perspective_camera()).err(), Some(BuildError::TooBright(0)));
     let mut source = SceneBuilder::new();
-    source.delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Rgb::INFINITY));
+    source.add_delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Rgb::INFINITY));
     assert_eq!(source.build(perspective_camera()).err(), Some(BuildError::TooBright(0)));
 }
 
@@ -30,9 +30,9 @@ fn scenes_beyond_single_precision_are_refused() {
 fn escaped_rays_see_the_environment_or_background() {
     let scene = |environments: &[f32]| {
         let mut builder = SceneBuilder::new();
-        builder.background(Rgb::splat(0.5));
+        builder.set_background(Rgb::splat(0.5));
         for radiance in environments {
-            builder.environment(EnvironmentLight::constant(Rgb::splat(*radiance)).unwrap());
+            builder.set_environment(EnvironmentLight::with_constant_radiance(Rgb::splat(*radiance)).unwrap());
         }
         add_emissive_sphere(&mut builder, DVec3::ZERO, Rgb::ONE);
         builder.build(perspective_camera()).unwrap()

@@ -11,9 +11,9 @@ use crate::shape::Shape;
 /// Largest accepted coordinate. The product of three coordinates stays finite in single precision.
 const MAX_COORDINATE: f32 = 1e12;
 
-/// Smallest accepted extent of a scene, 2⁻³⁹ \[length].
+/// Smallest accepted value of the greatest coordinate, 2⁻³⁹ \[length].
 ///
-/// The rounding error of such a coordinate is 2⁻⁶³. Its square, 2⁻¹²⁶, is the least normal f32.
+/// Its rounding error is 2⁻⁶³, and the square of this error, 2⁻¹²⁶, is the least normal f32.
 const MIN_EXTENT: f32 = 1.0 / 549_755_813_888.0;
 
 /// Checks that no unbounded plane emits, and that triangle indices fit 31 bits.
@@ -26,8 +26,8 @@ pub(super) fn validate_objects(objects: &[SceneObject], mesh: &MeshData) -> Resu
     if triangles > i32::MAX as usize { Err(BuildError::TooManyTriangles(triangles)) } else { Ok(()) }
 }
 
-/// Checks that all coordinates fit single precision, at mid-shutter and at both ends of the shutter
-/// interval.
+/// Checks that the farthest coordinate lies between [`MIN_EXTENT`] and [`MAX_COORDINATE`], at
+/// mid-shutter and at both ends of the shutter interval.
 pub(super) fn validate_coordinate_range(geometry: &PlacedGeometry, animation: &Animation) -> Result<(), BuildError> {
     let at = |time| {
         animation.shapes.iter().filter_map(move |(shape, motion)| Some(shape_at_time(shape, motion, time)?.bounds()))
@@ -48,7 +48,7 @@ pub(super) fn validate_coordinate_range(geometry: &PlacedGeometry, animation: &A
 }
 
 /// Checks that the power of each light, averaged over the channels, is finite.
-pub(super) fn validate_power(scene: &Scene) -> Result<(), BuildError> {
+pub(super) fn validate_light_power(scene: &Scene) -> Result<(), BuildError> {
     let domain = scene.photon_domain();
     match scene.lights.iter().position(|light| !color::channel_mean(light.power(domain)).is_finite()) {
         Some(i) => Err(BuildError::TooBright(i)),

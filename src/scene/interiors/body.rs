@@ -5,24 +5,27 @@ use crate::color::Rgb;
 /// A volume enclosed by a dielectric boundary: its refractive index, absorption and medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
-    /// Absolute refractive index; 1 is air. For a glass, the index at the d line.
+    /// Absolute refractive index; 1 is air. If it depends on the wavelength, the index at 587.56 nm
+    /// (the d line).
     pub index: f32,
     /// Absorption coefficient \[1/length].
     pub absorption: Rgb,
     /// Priority where bodies overlap: the highest wins, and among equals the one entered last
     /// (Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced Images").
     pub priority: u8,
-    /// Index of the glass, if the refractive index depends on the wavelength.
+    /// Index of the dispersion formula in [`Scene::glasses`](crate::scene::Scene::glasses); `None`
+    /// if the refractive index is the same at all wavelengths.
     pub glass: Option<u32>,
-    /// Index of the medium inside.
+    /// Index of the medium that fills the dielectric body, if any.
     pub medium: Option<u32>,
     /// True if the boundary is a null interface, which light crosses without reflection or
-    /// refraction. A body of equal priority without this flag displaces the body.
+    /// refraction. Where such a dielectric body overlaps one of equal priority with a real
+    /// boundary, the other body wins.
     pub is_null_interface: bool,
 }
 
 impl Body {
-    /// A body of absolute refractive `index` that neither absorbs nor scatters.
+    /// A dielectric body of absolute refractive `index` that neither absorbs nor scatters.
     #[must_use]
     pub fn new(index: f32) -> Self {
         Self { index, absorption: Rgb::ZERO, priority: 0, glass: None, medium: None, is_null_interface: false }
@@ -30,16 +33,17 @@ impl Body {
 
     /// A region filled with `medium`, bounded by a null interface.
     #[must_use]
-    pub fn medium_region(medium: u32) -> Self {
+    pub fn body_filled_with_medium(medium: u32) -> Self {
         Self { medium: Some(medium), is_null_interface: true, ..Self::new(1.0) }
     }
 
-    /// Sort key of overlapping bodies; the body of the greatest key wins.
-    pub(in crate::scene) fn overlap_rank(&self) -> (u8, bool) {
+    /// Sort key of overlapping dielectric bodies; the body with the greatest key fills the overlap.
+    pub(in crate::scene) fn overlap_priority(&self) -> (u8, bool) {
         (self.priority, !self.is_null_interface)
     }
 
-    /// True if light cannot distinguish the body from air.
+    /// True if the dielectric body has refractive index 1, no absorption, no medium and no null
+    /// interface: light cannot distinguish it from air.
     pub(in crate::scene) fn is_air(&self) -> bool {
         let Self { index, absorption, glass, medium, is_null_interface, priority: _ } = *self;
         index == 1.0 && absorption == Rgb::ZERO && glass.is_none() && medium.is_none() && !is_null_interface

@@ -1,10 +1,11 @@
 //! Choice of the interior type of camera and photon paths.
 
 /// Evaluates an expression with the [`Interior`](crate::scene::Interior) type that `$needs`
-/// requires: a value with a method `interior_kind`, for example the effects.
+/// requires. `$needs` is a value with a method `interior_kind`, for example
+/// [`Effects`](crate::scene::Effects).
 ///
-/// `for_interior!(effects, <I> trace::<I>(scene))` names the type `I`. Paths are compiled once per
-/// type, so that scenes without bodies or media do not pay for them.
+/// `for_interior!(effects, <I> trace::<I>(scene))` names the type `I`. Path loops are compiled for
+/// each type, so that scenes without dielectric bodies or media do not pay for them.
 macro_rules! for_interior {
     ($needs:expr, <$interior:ident> $body:expr) => {
         match $needs.interior_kind() {

@@ -1,20 +1,20 @@
-//! Finding the bodies around a point.
+//! Finding the dielectric bodies around a point.
 
 use super::{CoincidentFace, InteriorStack, coincident_faces_at};
 use crate::math::Ray;
 use crate::scene::{Effects, RayCone, Scene};
 use glam::Vec3;
 
-/// The bodies around point `p`, found by tracing a ray from `p` out of the scene.
+/// Returns the dielectric bodies that contain point `p`. It traces a ray from `p` out of the scene.
 ///
-/// The point lies in a body if the ray leaves the body without having entered it.
+/// A body contains the point if the ray leaves the body without having entered it.
 pub(in crate::scene) fn interior_stack_at(scene: &Scene, p: Vec3) -> InteriorStack {
     // Neither an axis nor a diagonal: the ray seldom hits flat boundaries edge-on.
     let mut ray = Ray::new(p, Vec3::new(0.267_261_24, 0.801_783_74, 0.534_522_5).normalize());
     let mut entered: Vec<u32> = Vec::new();
     let (mut left, mut crossed): (Vec<u32>, Vec<u32>) = (Vec::new(), Vec::new());
     while let Some(hit) = scene.intersect(&ray) {
-        let surface = scene.surface_interaction(&ray, &hit, &RayCone::zero_width(Effects::NONE), || 0.0);
+        let surface = scene.surface_interaction(&ray, &hit, &RayCone::zero_width_cone(Effects::NONE), || 0.0);
         if surface.material.bounded_body().is_some() {
             let own = CoincidentFace::from_surface(&surface, surface.is_entering());
             let coincident = coincident_faces_at(scene, &surface);

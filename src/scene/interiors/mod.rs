@@ -25,24 +25,24 @@ use crate::sampling::Key;
 use coincident::{BoundarySides, boundary_sides};
 use glam::Vec3;
 
-/// The type of [`Interior`] that paths need.
+/// Selects the type that implements [`Interior`] for the paths of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InteriorKind {
     /// [`NoInterior`]: paths track nothing.
     Nothing,
-    /// [`InteriorStack`]: paths track bodies, without media or a wavelength.
+    /// [`InteriorStack`]: paths track dielectric bodies, without media or a wavelength.
     Bodies,
-    /// [`SpectralInterior`]: paths track bodies, and media or a wavelength or both.
+    /// [`SpectralInterior`]: paths track dielectric bodies, and media or a wavelength or both.
     Spectral,
 }
 
-/// The effect of a boundary on a path.
+/// The event when a path meets a boundary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BoundaryEvent {
     /// The path scatters at the surface.
     Surface,
-    /// The path passes unchanged, but a shadow ray is blocked: a body of higher priority fills both
-    /// sides.
+    /// The path passes unchanged, but a shadow ray is blocked. A dielectric body of higher priority
+    /// fills both sides of the boundary.
     Hidden,
     /// Paths and shadow rays pass unchanged: a null interface.
     NullInterface,
@@ -51,14 +51,14 @@ pub enum BoundaryEvent {
 /// The medium around a point of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CurrentMedium {
-    /// Index of the medium.
+    /// Index of the medium in [`Scene::media`].
     pub medium: u32,
-    /// True for the ambient medium, false for the medium of a body.
+    /// True for the ambient medium, false for the medium of a dielectric body.
     pub ambient: bool,
 }
 
-/// The bodies and media around the current point of a path: [`SpectralInterior`], [`InteriorStack`]
-/// or [`NoInterior`].
+/// The dielectric bodies and media around the current point of a path: [`SpectralInterior`],
+/// [`InteriorStack`] or [`NoInterior`].
 ///
 /// Path loops are compiled for each type, so that scenes without bodies or media pay nothing.
 pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
@@ -66,12 +66,12 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
     const HAS_MEDIA_OR_WAVELENGTH: bool;
 
     /// The interior at the start of a camera path along `ray`.
-    fn at_camera(scene: &Scene, ray: &Ray, effects: Effects) -> Self;
+    fn interior_at_camera(scene: &Scene, ray: &Ray, effects: Effects) -> Self;
 
     /// The interior at the start of a light path from light `light`.
-    fn at_light(scene: &Scene, light: usize, effects: Effects) -> Self;
+    fn interior_at_light(scene: &Scene, light: usize, effects: Effects) -> Self;
 
-    /// The medium at the current point.
+    /// The medium at the current point of the path; `None` outside of media.
     #[inline]
     fn current_medium(&self, _: &Scene) -> Option<CurrentMedium> {
         None
@@ -83,16 +83,19 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
         None
     }
 
-    /// Optical depth of absorption in the current body over `distance` \[length].
+    /// Optical depth of the absorption in the current dielectric body over `distance` \[length];
+    /// media are not included.
     fn optical_depth(&self, scene: &Scene, distance: f32) -> Rgb;
 
-    /// Transmittance of the current body over `distance` \[length].
+    /// Transmittance due to absorption in the current dielectric body over `distance` \[length];
+    /// media are not included.
     #[inline]
     fn transmittance(&self, scene: &Scene, distance: f32) -> Rgb {
         exp_neg(self.optical_depth(scene, distance))
     }
 
-    /// Adds the body that `surface` bounds, if the path leaves the body without having entered it.
+    /// Adds the dielectric body that `surface` bounds, if the path leaves the body without having
+    /// entered it.
     ///
     /// The path must then have started inside the body.
     fn infer_starting_body(&mut self, surface: &SurfaceInteraction<'_>);
@@ -103,21 +106,23 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
     /// key of the path vertex.
     fn resolve_boundary(&mut self, scene: &Scene, surface: &mut SurfaceInteraction<'_>, key: Key) -> BoundaryEvent;
 
-    /// Enters or leaves the body that `surface` bounds, if any, in unit `direction`.
+    /// Updates the interior for a path that crosses `surface` in unit `direction`: enters or leaves
+    /// the dielectric body that `surface` bounds, if any.
     fn cross_boundary(&mut self, surface: &SurfaceInteraction<'_>, direction: Vec3);
 
-    /// Factor of the path throughput on arrival at `surface`, before scattering.
+    /// Returns the factor by which the path throughput changes on arrival at `surface`, before
+    /// scattering.
     ///
-    /// It is 1 unless the path samples its wavelength at `surface`.
+    /// The factor is 1 unless the path samples its wavelength at `surface`.
     #[inline]
     fn wavelength_weight_before_scattering(&mut self, _: &SurfaceInteraction<'_>) -> Rgb {
         Rgb::ONE
     }
 
-    /// Factor of the path throughput after scattering at `surface`; 1 unless the path samples its
-    /// wavelength there.
+    /// Returns the factor by which the path throughput changes after scattering at `surface`.
     ///
-    /// The last argument is true if the path is transmitted through the surface.
+    /// The factor is 1 unless the path has sampled its wavelength at `surface`. The last argument
+    /// is true if the path is transmitted through the surface.
     #[inline]
     fn wavelength_weight_after_scattering(&mut self, _: &SurfaceInteraction<'_>, _: bool) -> Rgb {
         Rgb::ONE
@@ -130,18 +135,19 @@ pub(super) fn exp_neg(depth: Rgb) -> Rgb {
     if depth == Rgb::ZERO { Rgb::ONE } else { (-depth).map(libm::expf) }
 }
 
-/// The interior of paths that track no bodies: nothing absorbs, and each body is surrounded by air.
+/// The [`Interior`] of paths that ignore dielectric bodies: nothing absorbs, and each body is
+/// surrounded by air.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NoInterior;
 
 impl Interior for NoInterior {
     const HAS_MEDIA_OR_WAVELENGTH: bool = false;
 
-    fn at_camera(_: &Scene, _: &Ray, _: Effects) -> Self {
+    fn interior_at_camera(_: &Scene, _: &Ray, _: Effects) -> Self {
         Self
     }
 
-    fn at_light(_: &Scene, _: usize, _: Effects) -> Self {
+    fn interior_at_light(_: &Scene, _: usize, _: Effects) -> Self {
         Self
     }
 
@@ -165,7 +171,7 @@ impl Interior for NoInterior {
 impl Interior for InteriorStack {
     const HAS_MEDIA_OR_WAVELENGTH: bool = false;
 
-    fn at_camera(scene: &Scene, ray: &Ray, _: Effects) -> Self {
+    fn interior_at_camera(scene: &Scene, ray: &Ray, _: Effects) -> Self {
         if scene.camera.has_single_viewpoint() {
             scene.derived.camera_interior
         } else {
@@ -173,7 +179,7 @@ impl Interior for InteriorStack {
         }
     }
 
-    fn at_light(scene: &Scene, light: usize, _: Effects) -> Self {
+    fn interior_at_light(scene: &Scene, light: usize, _: Effects) -> Self {
         scene.derived.light_interiors[light]
     }
 
@@ -209,7 +215,7 @@ impl Interior for InteriorStack {
             return;
         }
         if surface.coincident.is_empty() {
-            self.enter_or_leave(surface.material_index, direction, surface.point.ng);
+            self.enter_or_leave_body(surface.material_index, direction, surface.point.ng);
         } else {
             let entering = direction.dot(surface.point.ng) < 0.0;
             *self = self.stack_after_crossing(CoincidentFace::from_surface(surface, entering), &surface.coincident);
@@ -217,11 +223,11 @@ impl Interior for InteriorStack {
     }
 }
 
-/// Returns the event at `surface`, which bounds `body`, the body on the inner side, and the
-/// interface between inner and outer side.
+/// Returns the event for a path that meets `surface`, the dielectric body on the inner side, and
+/// the interface between inner and outer side.
 ///
-/// Also finds the boundaries that coincide with `surface`. If there are any, the roughness of
-/// `surface` becomes the greatest roughness of all of them.
+/// Argument `body` is the body that `surface` bounds. Boundaries that coincide with `surface` take
+/// part: they may change the bodies on both sides, and `surface` gets their greatest roughness.
 #[inline]
 fn resolve_interface(
     stack: &InteriorStack,
@@ -245,6 +251,6 @@ fn resolve_interface(
             interface,
         );
     }
-    let interface = stack.interface_at(surface.material_index, &body, entering, &scene.materials);
+    let interface = stack.interface_at_boundary(surface.material_index, &body, entering, &scene.materials);
     (if body.is_null_interface { BoundaryEvent::NullInterface } else { interface.boundary_event() }, body, interface)
 }

@@ -1,4 +1,4 @@
-//! The interior of paths in media and of paths with a wavelength.
+//! The [`Interior`] of paths in media and of paths with a wavelength.
 
 use super::{Body, BoundaryEvent, CurrentMedium, Interior, InteriorStack, resolve_interface};
 use crate::bsdf::{Bsdf, Dielectric, TransportMode};
@@ -8,24 +8,25 @@ use crate::sampling::{Dimension, Key};
 use crate::scene::{Effect, Effects, Scene, SurfaceInteraction};
 use glam::Vec3;
 
-/// Range of Fresnel reflectances for which a path reflected by a dispersive surface keeps all
+/// Range of Fresnel reflectances in which a reflection at a dispersive surface keeps all
 /// wavelengths.
 ///
-/// In this range, the reflectances of all wavelengths differ by less than a third. They differ more
-/// near total reflection, and where both refractive indices are nearly equal.
+/// In this range, the reflectance varies by less than a third over the wavelengths. Outside, it may
+/// vary more: near total reflection, and where both refractive indices are nearly equal.
 const UNDISPERSED_REFLECTANCES: std::ops::Range<f32> = 0.004..0.2;
 
 /// An [`InteriorStack`] for paths that pass through media, carry a wavelength, or both.
 ///
-/// A path samples its wavelength at the first dispersive surface, and keeps it. A faint reflection
-/// at that surface keeps all wavelengths.
+/// A path samples its wavelength at the first dispersive surface and then keeps it. A path that is
+/// reflected faintly at this surface keeps all wavelengths instead.
 #[derive(Clone, Copy, Debug)]
 pub struct SpectralInterior {
     stack: InteriorStack,
     wavelength: Option<Wavelength>,
-    /// The BSDF, for the d line, of the boundary at which the wavelength was sampled.
+    /// BSDF of the surface at which the path sampled its wavelength, with the refractive index at
+    /// the d line.
     ///
-    /// `None` once the weight of the wavelength has been applied to the path.
+    /// `None` if no wavelength was sampled, or once its weight has been applied to the throughput.
     sampled_at: Option<Dielectric>,
     effects: Effects,
 }
@@ -39,12 +40,12 @@ impl SpectralInterior {
 impl Interior for SpectralInterior {
     const HAS_MEDIA_OR_WAVELENGTH: bool = true;
 
-    fn at_camera(scene: &Scene, ray: &Ray, effects: Effects) -> Self {
-        Self::new(InteriorStack::at_camera(scene, ray, effects), effects)
+    fn interior_at_camera(scene: &Scene, ray: &Ray, effects: Effects) -> Self {
+        Self::new(InteriorStack::interior_at_camera(scene, ray, effects), effects)
     }
 
-    fn at_light(scene: &Scene, light: usize, effects: Effects) -> Self {
-        Self::new(InteriorStack::at_light(scene, light, effects), effects)
+    fn interior_at_light(scene: &Scene, light: usize, effects: Effects) -> Self {
+        Self::new(InteriorStack::interior_at_light(scene, light, effects), effects)
     }
 
     #[inline]

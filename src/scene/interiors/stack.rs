@@ -1,10 +1,10 @@
-//! The stack of bodies around a point of a path.
+//! The stack of dielectric bodies around a point of a path.
 
 use super::{Body, BoundaryEvent};
 use crate::scene::Material;
 use glam::Vec3;
 
-/// Capacity of the stack. If it is full, the body entered first is dropped.
+/// Capacity of the stack. If it is full, the dielectric body entered first is dropped.
 const MAX_BODIES: usize = 12;
 
 /// The bodies around a point, by material index and in the order of entry (Schmidt and Budge 2002,
@@ -16,18 +16,18 @@ pub struct InteriorStack {
     count: u8,
 }
 
-/// The boundary of a body, with the body on its outer side.
+/// The boundary of a dielectric body, with the body on its outer side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::scene) struct BodyInterface {
-    /// True if light interacts with the boundary. False if a body of higher priority fills both
-    /// sides.
+    /// True if light interacts with the boundary. False if a dielectric body of higher priority
+    /// fills both sides.
     pub real: bool,
-    /// The body outside; `None` is air.
+    /// The dielectric body outside; `None` is air.
     pub outside: Option<Body>,
 }
 
 impl BodyInterface {
-    /// The event at this boundary, unless it is a null interface.
+    /// Returns the event for a path at this boundary, which must not be a null interface.
     #[inline]
     pub fn boundary_event(&self) -> BoundaryEvent {
         if self.real { BoundaryEvent::Surface } else { BoundaryEvent::Hidden }
@@ -35,7 +35,7 @@ impl BodyInterface {
 
     /// Refractive index of `body` relative to the outer side.
     ///
-    /// `index` returns the absolute refractive index of a body.
+    /// `index` returns the absolute refractive index of a dielectric body.
     #[inline]
     pub fn relative_ior(&self, body: &Body, index: impl Fn(&Body) -> f32) -> f32 {
         index(body) / self.outside.as_ref().map_or(1.0, index)
@@ -43,16 +43,16 @@ impl BodyInterface {
 }
 
 impl InteriorStack {
-    /// No body: a point in air.
+    /// The empty stack: a point in air.
     pub const EMPTY: Self = Self { bodies: [0; MAX_BODIES], count: 0 };
 
-    /// Material indices of the bodies, in the order of entry.
+    /// Material indices of the dielectric bodies, in the order of entry.
     #[must_use]
     pub fn bodies(&self) -> &[u32] {
         &self.bodies[..usize::from(self.count)]
     }
 
-    /// Pushes a body that the path enters.
+    /// Pushes a dielectric body that the path enters.
     #[inline]
     pub(in crate::scene) fn push_body(&mut self, material: u32) {
         if usize::from(self.count) == MAX_BODIES {
@@ -63,7 +63,7 @@ impl InteriorStack {
         self.count += 1;
     }
 
-    /// Removes a body that the path leaves, if it is on the stack.
+    /// Removes a dielectric body that the path leaves, if it is on the stack.
     #[inline]
     pub(in crate::scene) fn remove_body(&mut self, material: u32) {
         let end = usize::from(self.count);
@@ -73,7 +73,7 @@ impl InteriorStack {
         }
     }
 
-    /// Inserts a body below all others: the path must have started inside it.
+    /// Inserts a dielectric body below all others: the path must have started inside it.
     pub(in crate::scene) fn insert_outermost_body(&mut self, material: u32) {
         if usize::from(self.count) < MAX_BODIES {
             self.bodies.copy_within(0..usize::from(self.count), 1);
@@ -87,14 +87,15 @@ impl InteriorStack {
         self.bodies().contains(&material)
     }
 
-    /// The body of highest priority, with its material index. It determines absorption and medium.
+    /// The dielectric body of highest priority, which determines absorption and medium, with its
+    /// material index; `None` in air.
     #[inline]
     pub(in crate::scene) fn top_body<'a>(&self, materials: &'a [Material]) -> Option<(u32, &'a Body)> {
         self.highest_priority_body(materials, |_| true)
     }
 
-    /// The body of highest priority that refracts, with its material index. It determines the
-    /// refractive index.
+    /// The dielectric body of highest priority without a null interface, which determines the
+    /// refractive index, with its material index; `None` in air.
     #[inline]
     pub(in crate::scene) fn top_refracting_body<'a>(&self, materials: &'a [Material]) -> Option<(u32, &'a Body)> {
         self.highest_priority_body(materials, |body| !body.is_null_interface)
@@ -110,7 +111,7 @@ impl InteriorStack {
         for index in self.bodies() {
             if let Some(body) = materials[*index as usize].bounded_body()
                 && counts(body)
-                && top.is_none_or(|(_, t)| body.overlap_rank() >= t.overlap_rank())
+                && top.is_none_or(|(_, t)| body.overlap_priority() >= t.overlap_priority())
             {
                 top = Some((*index, body));
             }
@@ -118,12 +119,13 @@ impl InteriorStack {
         top
     }
 
-    /// The interface that a path meets at the boundary of `body`, given the bodies around the path.
+    /// Returns the interface between `body` and the dielectric body on the outer side of its
+    /// boundary.
     ///
-    /// `material` is the index of the body's material. `entering` is true if the path enters the
-    /// body.
+    /// The stack holds the bodies around the path that meets the boundary. `material` is the
+    /// material index of `body`. `entering` is true if the path enters `body`.
     #[inline]
-    pub(in crate::scene) fn interface_at(
+    pub(in crate::scene) fn interface_at_boundary(
         &self,
         material: u32,
         body: &Body,
@@ -142,11 +144,12 @@ impl InteriorStack {
         BodyInterface { real, outside: around.top_refracting_body(materials).map(|(_, body)| *body) }
     }
 
-    /// Pushes or removes the body of `material`, depending on the unit `direction` of the path.
+    /// Pushes or removes the dielectric body of `material`, depending on the unit `direction` of
+    /// the path.
     ///
     /// `ng` is the geometric normal of the boundary and points out of the body.
     #[inline]
-    pub(in crate::scene) fn enter_or_leave(&mut self, material: u32, direction: Vec3, ng: Vec3) {
+    pub(in crate::scene) fn enter_or_leave_body(&mut self, material: u32, direction: Vec3, ng: Vec3) {
         if direction.dot(ng) < 0.0 { self.push_body(material) } else { self.remove_body(material) }
     }
 }

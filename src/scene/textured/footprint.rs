@@ -6,7 +6,8 @@ use crate::shape::{SurfacePoint, TexCoord, TextureMapping};
 use crate::texture::{Texture, TextureEvalContext};
 use glam::{DVec2, DVec3, Vec3};
 
-/// Lower bound of the cosine between ray and normal. It limits footprints at grazing angles.
+/// Lower bound of the cosine between ray and normal, which limits the length of footprints at
+/// grazing angles.
 const MIN_COS: f64 = 1e-3;
 
 /// The footprint of a ray cone on a surface, with derivatives of the texture coordinates.
@@ -49,10 +50,10 @@ impl<'a> TextureFootprint<'a> {
         Self { context, coords, mapping }
     }
 
-    /// The texture lookup context at the point that is displaced by `step` along the surface.
+    /// Returns the texture lookup context at a point displaced by `step` along the surface.
     ///
     /// `step` is a world-space vector \[length].
-    pub fn context_moved_by(&self, step: DVec3) -> TextureEvalContext {
+    pub fn displaced_texture_context(&self, step: DVec3) -> TextureEvalContext {
         let uv = self.context.uv + DVec2::new(self.coords.du.dot(step), self.coords.dv.dot(step));
         TextureEvalContext { uv, p: self.context.p + self.mapping.vector_to_object_space(step), ..self.context }
     }

@@ -23,7 +23,8 @@ pub enum MaterialParameter<T> {
         texture: u32,
         /// Factor of the texture's values.
         factor: T,
-        /// Mean of texture times factor. It replaces the texture if textures are not simulated.
+        /// Mean of texture times factor. It replaces the texture if
+        /// [`Effect::Textures`](crate::scene::Effect::Textures) is off.
         mean: T,
     },
 }
@@ -57,25 +58,26 @@ impl<T: Copy> MaterialParameter<T> {
 
 /// Evaluates material parameters at one point (compare pbrt-v4's `TextureEvaluator`).
 pub trait ParameterEvaluator {
-    /// Value of a colour parameter.
+    /// Evaluates a colour parameter.
     fn evaluate_color(&self, parameter: &MaterialParameter<Rgb>) -> Rgb;
 
-    /// Value of a scalar parameter.
+    /// Evaluates a scalar parameter.
     fn evaluate_scalar(&self, parameter: &MaterialParameter<f32>) -> f32;
 
-    /// Roughness α of a BSDF that stores photons only if α exceeds [`PHOTON_STORAGE_ALPHA`].
+    /// Evaluates the roughness α of a BSDF that stores photons only if α exceeds
+    /// [`PHOTON_STORAGE_ALPHA`].
     ///
-    /// Camera paths and photon paths divide light transport at this threshold. The result is
-    /// therefore on the same side of the threshold for every size of the filter footprint. Every
-    /// BSDF with such a threshold must use this method for its roughness.
-    fn evaluate_partition_roughness(&self, parameter: &MaterialParameter<f32>) -> f32;
+    /// Camera paths and photon paths divide light transport at this threshold, so both must find
+    /// the same side of it. The result is therefore on the same side for every size of the filter
+    /// footprint.
+    fn evaluate_photon_storage_roughness(&self, parameter: &MaterialParameter<f32>) -> f32;
 }
 
 /// A [`ParameterEvaluator`] that returns the mean of each parameter, without texture lookups.
 #[derive(Clone, Copy, Debug)]
-pub struct MeanEvaluator;
+pub struct MeanParameterEvaluator;
 
-impl ParameterEvaluator for MeanEvaluator {
+impl ParameterEvaluator for MeanParameterEvaluator {
     fn evaluate_color(&self, parameter: &MaterialParameter<Rgb>) -> Rgb {
         parameter.mean()
     }
@@ -84,7 +86,7 @@ impl ParameterEvaluator for MeanEvaluator {
         parameter.mean()
     }
 
-    fn evaluate_partition_roughness(&self, parameter: &MaterialParameter<f32>) -> f32 {
+    fn evaluate_photon_storage_roughness(&self, parameter: &MaterialParameter<f32>) -> f32 {
         parameter.mean()
     }
 }
@@ -94,7 +96,7 @@ impl ParameterEvaluator for MeanEvaluator {
 pub struct TextureEvaluator<'a> {
     /// The textures of the scene.
     pub textures: &'a [Arc<Texture>],
-    /// The point, with the footprint to filter over.
+    /// The point at which textures are evaluated, with the footprint to filter over.
     pub at: TextureEvalContext,
 }
 
@@ -117,7 +119,7 @@ impl ParameterEvaluator for TextureEvaluator<'_> {
         }
     }
 
-    fn evaluate_partition_roughness(&self, parameter: &MaterialParameter<f32>) -> f32 {
+    fn evaluate_photon_storage_roughness(&self, parameter: &MaterialParameter<f32>) -> f32 {
         if !parameter.is_textured() {
             return parameter.mean();
         }

@@ -10,7 +10,7 @@ use std::sync::Arc;
 /// Smallest accepted cosine between shading normal and geometric normal.
 const MIN_COS: f32 = 0.05;
 
-/// A material's perturbation of shading normals.
+/// The way in which a material perturbs shading normals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NormalPerturbation {
     /// No perturbation.
@@ -29,10 +29,10 @@ pub enum NormalPerturbation {
     NormalMap(u32),
 }
 
-/// The unit shading normal at `point`, perturbed by `normals`. It lies in the hemisphere of the
-/// geometric normal.
+/// Returns the unit shading normal at `point`, perturbed by `normals`. It lies in the hemisphere of
+/// the geometric normal.
 ///
-/// `width` is the diameter of the footprint \[length].
+/// `width` is the diameter of the texture filter footprint \[length].
 pub(in crate::scene) fn perturbed_normal(
     normals: NormalPerturbation,
     textures: &[Arc<Texture>],
@@ -49,7 +49,8 @@ pub(in crate::scene) fn perturbed_normal(
             let slope = |direction: Vec3| {
                 let direction = direction.as_dvec3();
                 let step = direction * footprint.bump_map_step(texture, direction, width);
-                let value = |step: DVec3| f64::from(texture.evaluate_scalar(&footprint.context_moved_by(step)));
+                let value =
+                    |step: DVec3| f64::from(texture.evaluate_scalar(&footprint.displaced_texture_context(step)));
                 let slope = f64::from(height) * (value(step) - value(-step)) / (2.0 * step.length());
                 if slope.is_finite() { direction * slope } else { DVec3::ZERO }
             };
@@ -75,10 +76,11 @@ pub(in crate::scene) fn perturbed_normal(
     (along * (1.0 - MIN_COS * MIN_COS).sqrt() + ng * MIN_COS).normalize()
 }
 
-/// Two unit tangents, perpendicular to `n` and to each other.
+/// Returns two unit tangents of the texture coordinates (u, v), perpendicular to `n` and to each
+/// other.
 ///
-/// The first points along increasing u at constant v. The second points towards increasing v. The
-/// result is `None` if v is constant along the surface.
+/// The first points along increasing u at constant v. The second points towards increasing v.
+/// Returns `None` if v is constant along the surface.
 fn texture_tangents(coords: &TexCoord, n: DVec3) -> Option<[DVec3; 2]> {
     let across = coords.dv.cross(n).try_normalize()?;
     let u = if across.dot(coords.du) < 0.0 { -across } else { across };

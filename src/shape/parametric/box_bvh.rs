@@ -1,4 +1,4 @@
-//! Bounding volume hierarchy in f64 with eight children per node.
+//! Bounding volume hierarchy over f64 boxes, with eight children per node.
 
 use glam::DVec3;
 
@@ -60,10 +60,10 @@ impl BoxBvh {
         if rest.len() <= WIDTH {
             parts.extend(rest.chunks_mut(1));
         } else {
-            let share = rest.len().div_ceil(WIDTH);
-            partition_into_shares(boxes, rest, share);
-            while rest.len() > share {
-                let (part, more) = rest.split_at_mut(share);
+            let group_size = rest.len().div_ceil(WIDTH);
+            group_nearby_boxes(boxes, rest, group_size);
+            while rest.len() > group_size {
+                let (part, more) = rest.split_at_mut(group_size);
                 parts.push(part);
                 rest = more;
             }
@@ -136,19 +136,19 @@ fn enclosing_box(boxes: &[BoxCorners], part: &[u32]) -> BoxCorners {
         .fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[min, max], [a, b]| [min.min(a), max.max(b)])
 }
 
-/// Reorders `part` so that each run of `share` indices has boxes close together.
+/// Reorders box indices so that each run of `group_size` indices has boxes close together.
 ///
-/// The function splits recursively along the longest axis, at multiples of `share`.
-fn partition_into_shares(boxes: &[BoxCorners], part: &mut [u32], share: usize) {
-    if part.len() <= share {
+/// The function splits recursively at the median along the longest axis.
+fn group_nearby_boxes(boxes: &[BoxCorners], part: &mut [u32], group_size: usize) {
+    if part.len() <= group_size {
         return;
     }
     let [min, max] = enclosing_box(boxes, part);
     let axis = (max - min).max_position();
     let center = |i: &u32| boxes[*i as usize][0][axis] + boxes[*i as usize][1][axis];
-    let middle = (part.len().div_ceil(share) / 2) * share;
+    let middle = (part.len().div_ceil(group_size) / 2) * group_size;
     part.select_nth_unstable_by(middle, |a, b| center(a).total_cmp(&center(b)).then(a.cmp(b)));
     let (first, last) = part.split_at_mut(middle);
-    partition_into_shares(boxes, first, share);
-    partition_into_shares(boxes, last, share);
+    group_nearby_boxes(boxes, first, group_size);
+    group_nearby_boxes(boxes, last, group_size);
 }

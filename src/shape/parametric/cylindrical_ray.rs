@@ -2,7 +2,9 @@
 
 use glam::{DVec2, DVec3};
 
-/// Squared sine of the angle between ray and axis, below which a ray is not clipped by radius.
+/// Smallest squared sine of the angle between ray and y axis at which rays are clipped by radius.
+///
+/// A ray with a smaller angle is clipped by height only, or rejected as a whole.
 const MIN_SLANT2: f64 = 1e-2;
 
 /// Interval of the arc length τ along a ray; empty unless `lo <= hi`.
@@ -20,7 +22,7 @@ impl Interval {
 
 /// A line, with its distance ρ from the y axis and its height y as functions of arc length τ.
 ///
-/// τ is 0 at the point nearest to the surface's centre. ρ(τ) = |(x, z)| is convex, and y(τ) is
+/// τ is 0 at the point nearest to the object-space origin. ρ(τ) = |(x, z)| is convex, and y(τ) is
 /// linear.
 #[derive(Clone, Copy, Debug)]
 pub struct CylindricalRay {
@@ -65,10 +67,11 @@ impl CylindricalRay {
         self.base.y + t * self.direction.y
     }
 
-    /// Parts of the interval `t` of τ in which the line may be inside a ring around the y axis.
+    /// Intervals of τ within `t` in which the line may be inside a ring around the y axis.
     ///
-    /// The ring has distances `x` from the axis and heights `y`, both widened by `margin`. There
-    /// are at most two parts, since ρ(τ) is convex. Missing parts are empty.
+    /// The ring covers the distances `x` from the axis and the heights `y`, both widened by
+    /// `margin`. There are at most two intervals, since ρ(τ) is convex. Missing intervals are
+    /// empty.
     #[inline]
     pub fn clip_to_ring(&self, x: [f64; 2], y: [f64; 2], t: Interval, margin: f64) -> [Interval; 2] {
         const NOWHERE: Interval = Interval { lo: 1.0, hi: 0.0 };

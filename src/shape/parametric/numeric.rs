@@ -1,6 +1,6 @@
 //! Constants of the numerical methods for parametric surfaces.
 
-/// Bound on the position error of a hit on a parametric surface, in units of 32 ulps of the
+/// Bound on the position error of a hit on a parametric surface, in units of 32 f64 ulps of the
 /// surface's size.
 ///
 /// The bound covers polynomial evaluation and the tolerance for tangent rays.

@@ -16,9 +16,11 @@ use crate::shape::texture_mapping::TexCoord;
 use glam::{DVec2, DVec3, DVec4, Vec2, Vec3};
 use std::sync::Arc;
 
-/// Length of ∂p/∂u × ∂p/∂v, relative to that at the leaf's centre, below which it gives no normal.
+/// Smallest length of ∂p/∂u × ∂p/∂v that gives a normal, relative to the length at the leaf's
+/// centre.
 ///
-/// This happens at poles and collapsed edges. The normal is then taken from inside the leaf.
+/// The cross product is shorter at poles and collapsed edges. The normal is then taken from a point
+/// further inside the leaf.
 const COLLAPSED_NORMAL_RATIO: f64 = 1e-7;
 
 /// Tensor-product surface: the points Σ Bᵢ(u) Bⱼ(v) wᵢⱼ pᵢⱼ / Σ Bᵢ(u) Bⱼ(v) wᵢⱼ.
@@ -28,13 +30,14 @@ const COLLAPSED_NORMAL_RATIO: f64 = 1e-7;
 #[derive(Clone, Debug)]
 pub struct Patch {
     net: Arc<SubdividedPatch>,
-    /// Map from object space, whose origin is the centre of the control points.
+    /// Map from object space to world space. The bounding box of the control points is centred at
+    /// the object-space origin.
     to_world: Transform,
     /// World area \[length²].
     area: f64,
 }
 
-/// Patch in object space, divided into leaves.
+/// Patch in object space, divided into nearly flat pieces, which are called leaves.
 #[derive(Debug)]
 struct SubdividedPatch {
     degree: [usize; 2],
@@ -42,19 +45,22 @@ struct SubdividedPatch {
     powers: Vec<Coefficients<4>>,
     /// Parameter at the start of each knot span, along u and along v.
     breaks: [Vec<f64>; 2],
-    /// Root of the subdivision of each pair of knot spans; v varies fastest.
+    /// Root of the subdivision tree of each Bézier patch.
+    ///
+    /// There is one Bézier patch per pair of knot spans; v varies fastest.
     roots: Vec<SubdivisionNode>,
     cuts: Vec<SubdivisionCut>,
     tree: BoxBvh,
-    /// Distribution that selects a leaf in proportion to its area.
+    /// Distribution that selects a leaf (a nearly flat piece) in proportion to its object-space
+    /// area.
     leaf_distribution: DiscreteDistribution,
-    /// Half the edge lengths of the bounding box, whose centre is the origin.
+    /// Half the edge lengths of the object-space bounding box, whose centre is the origin.
     half: DVec3,
     /// Radius of the bounding sphere around the origin.
     size: f64,
-    /// Bound on the rounding error of an evaluated point.
+    /// Bound on the rounding error of a point computed from the polynomials \[object-space length].
     noise: f64,
-    /// Upper bound of the memory in bytes.
+    /// Upper bound of the memory that the patch takes \[bytes].
     bytes: u64,
 }
 
@@ -63,13 +69,14 @@ impl Patch {
     ///
     /// # Errors
     ///
-    /// [`SplineError`] if the numbers of knots and points do not fit, a weight is not above 0, a
-    /// value is too large, or the surface has no area.
+    /// [`SplineError`] if the number of control points does not match the bases, a weight is not
+    /// above 0, a value is too large, or the surface has no area.
     pub fn new(bases: [&SplineBasis; 2], controls: &[DVec4]) -> Result<Self, SplineError> {
         Self::with_memory_limit(bases, controls, None)
     }
 
-    /// Surface like that of [`Patch::new`] that uses at most `free` bytes of memory, if given.
+    /// Creates a surface like [`Patch::new`], with at most `free` bytes of memory; `None` is no
+    /// limit.
     ///
     /// # Errors
     ///
@@ -141,12 +148,12 @@ impl Patch {
         Ok(Self { net: Arc::new(net), to_world: Transform::IDENTITY.translated(center), area })
     }
 
-    /// Upper bound of the memory in bytes.
+    /// Upper bound of the memory that the patch takes \[bytes].
     pub(crate) fn memory_bytes(&self) -> u64 {
         self.net.bytes
     }
 
-    /// The line of the ray in object space, followed by `start` and `length` of its [`ObjectRay`].
+    /// The line of `ray` in object space, followed by `start` and `length` of its [`ObjectRay`].
     ///
     /// `None` if the line misses the bounding sphere.
     fn object_line(&self, ray: &Ray) -> Option<(Line, f64, f64)> {
@@ -226,7 +233,8 @@ impl AnalyticShape for Patch {
         self.area
     }
 
-    /// Samples a leaf in proportion to its area, then uniform parameters in the leaf.
+    /// Chooses a leaf (a nearly flat piece) in proportion to its area, then uniform parameters in
+    /// it.
     fn sample(&self, u: Vec2) -> ShapeSample {
         let net = &*self.net;
         let (leaf, _) = net.leaf_distribution.sample(u.x);
@@ -258,7 +266,7 @@ impl AnalyticShape for Patch {
 
 #[cfg(test)]
 impl Patch {
-    /// The world-space point at the parameters `uv`.
+    /// World-space point at the surface parameters (u, v) = `uv`.
     pub(super) fn point_at_uv(&self, uv: Vec2) -> DVec3 {
         let (leaf, at) = self.net.find_leaf(uv);
         self.to_world.transform_point(self.net.polynomial_piece_of_leaf(leaf).point_and_derivatives(at)[0])
@@ -274,7 +282,9 @@ impl SubdividedPatch {
         PatchPiece { powers, middle: point, columns: q + 1, bounds, noise: self.noise }
     }
 
-    /// Leaf that contains the parameters `uv`, and the position in that leaf in \[−1, 1]².
+    /// Index of the leaf (nearly flat piece) that contains the surface parameters `uv`.
+    ///
+    /// Also returns the position of `uv` within the leaf, in \[−1, 1]².
     fn find_leaf(&self, uv: Vec2) -> (usize, DVec2) {
         let uv = uv.as_dvec2();
         let stretch = |axis: usize| self.breaks[axis].partition_point(|b| *b <= uv[axis]).saturating_sub(1);
@@ -293,9 +303,10 @@ impl SubdividedPatch {
         }
     }
 
-    /// Object-space normal ∂p/∂u × ∂p/∂v at a point of a leaf, not normalised.
+    /// Object-space normal ∂p/∂u × ∂p/∂v of a leaf, not normalised.
     ///
-    /// Where it vanishes, the result is its limit from inside the leaf.
+    /// `at` is the position in the leaf, in \[−1, 1]². Where the cross product vanishes, the result
+    /// is its limit from inside the leaf.
     fn leaf_normal(&self, leaf: usize, at: DVec2) -> DVec3 {
         let piece = self.polynomial_piece_of_leaf(leaf);
         let [_, middle_x, middle_y] = piece.point_and_derivatives(DVec2::ZERO);
@@ -312,7 +323,8 @@ impl SubdividedPatch {
     }
 }
 
-/// World area of a leaf, by Gauss–Legendre quadrature.
+/// World-space area of a nearly flat piece under `to_world`, by Gauss–Legendre quadrature
+/// \[length²].
 fn leaf_area(piece: &PatchPiece<'_>, to_world: &Transform) -> f64 {
     let element = |x: f64, y: f64| {
         let [_, along_x, along_y] = piece.point_and_derivatives(DVec2::new(x, y));

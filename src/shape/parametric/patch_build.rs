@@ -6,33 +6,37 @@ use super::polynomial::{Coefficients, bernstein_to_powers, split_bezier};
 use super::spline::{MIN_SPAN, SplineError};
 use glam::{DVec2, DVec3, Vec2};
 
-/// Relative change of the derivatives over a piece below which the piece is not divided.
+/// Largest relative change of the derivatives over a piece that counts as nearly flat.
+///
+/// Such a piece is not divided further.
 const MAX_RELATIVE_BEND: f64 = 1.0 / 16.0;
 
 /// Maximum number of nested halvings, reached at poles, cusps and collapsed edges, which never
 /// become flat.
 const MAX_HALVINGS: u32 = 14;
 
-/// Size of a piece, relative to its Bézier patch, below which the piece is not divided.
+/// Size of a piece, relative to the size of its Bézier patch, below which it is not divided.
 const MIN_RELATIVE_SIZE: f64 = 1.0 / 256.0;
 
-/// Memory of a leaf in bytes, without its coefficients: the leaf, its box and area, and its share
-/// of the hierarchy and of the subdivision tree.
+/// Memory of a leaf \[bytes], including its box and its nodes in the hierarchy and subdivision
+/// tree.
+///
+/// The polynomial coefficients of the leaf are not included.
 const BYTES_PER_LEAF: u64 = 512;
 
 /// Nearly flat piece of a patch: a rectangle of the parameters (u, v).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PatchLeaf {
-    /// Centre in (u, v).
+    /// Centre of the parameter rectangle, as (u, v).
     pub middle: DVec2,
-    /// Half width along u and v.
+    /// Half the widths of the parameter rectangle along u and v.
     pub half: DVec2,
     /// Position of the surface at the centre of the rectangle, in object space.
     pub point: DVec3,
     pub bounds: LinearTermsWithBounds,
 }
 
-/// Node of the subdivision tree of a patch; holds an index of the leaves or of the cuts.
+/// Node of the subdivision tree of a patch: the index of a leaf, or of a [`SubdivisionCut`].
 #[derive(Clone, Copy, Debug)]
 pub(super) enum SubdivisionNode {
     Leaf(u32),
@@ -42,18 +46,18 @@ pub(super) enum SubdivisionNode {
 /// Inner node of the subdivision tree: a piece divided into two.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SubdivisionCut {
-    /// 0 for u, 1 for v.
+    /// The parameter that is divided: 0 for u, 1 for v.
     pub axis: usize,
-    /// Parameter of the division.
+    /// Value of the parameter at which the piece is divided.
     pub at: f64,
-    /// The parts below and above `at`.
+    /// Subtrees for parameters below and above `at`.
     pub parts: [SubdivisionNode; 2],
 }
 
 impl PatchLeaf {
-    /// Converts leaf coordinates `at` in \[−1, 1]² to the surface parameters (u, v).
+    /// Converts the position `at` in this leaf, in \[−1, 1]², to the surface parameters (u, v).
     ///
-    /// Rounding to f32 never moves them to a neighbouring leaf.
+    /// The rounded result is never in a neighbouring leaf.
     pub fn leaf_to_surface_uv(&self, at: DVec2) -> Vec2 {
         let (low, high) = (self.middle - self.half, self.middle + self.half);
         let round = |x: f64, low: f64, high: f64| {
@@ -71,10 +75,10 @@ impl PatchLeaf {
     }
 }
 
-/// Collects the leaves of a patch while it is subdivided.
+/// Divides a patch into nearly flat pieces, called leaves, and collects them.
 pub(super) struct PatchBuilder {
     degree: [usize; 2],
-    /// Memory limit of the surface in bytes, if any.
+    /// Memory limit of the surface \[bytes]; `None` is no limit.
     free: Option<u64>,
     pub leaves: Vec<PatchLeaf>,
     pub powers: Vec<Coefficients<4>>,
@@ -89,7 +93,8 @@ impl PatchBuilder {
         Self { degree, free, leaves, powers, boxes, roots: Vec::new(), cuts: Vec::new() }
     }
 
-    /// Subdivides the Bézier patch over the `ranges` of u and v, and adds its leaves.
+    /// Divides the Bézier patch over the `ranges` of u and v into nearly flat leaves, and adds
+    /// them.
     ///
     /// # Errors
     ///
@@ -102,7 +107,8 @@ impl PatchBuilder {
         Ok(())
     }
 
-    /// Upper bound of the memory in bytes, with a quarter for the unused capacity of lists.
+    /// Upper bound of the memory of all leaves \[bytes], plus a quarter for unused capacity of
+    /// lists.
     pub fn memory_bytes(&self) -> u64 {
         let own = BYTES_PER_LEAF * self.leaves.len() as u64 + (size_of::<Coefficients<4>>() * self.powers.len()) as u64;
         own + own / 4
@@ -210,7 +216,8 @@ fn axis_to_halve(a: &[Coefficients<4>], columns: usize) -> Option<usize> {
     })
 }
 
-/// The control nets of both halves of a patch that is divided at the middle of a parameter axis.
+/// Divides a Bézier patch at the middle of parameter `axis`; returns the control nets of both
+/// halves.
 fn halve_control_net(
     controls: &[Coefficients<4>],
     columns: usize,

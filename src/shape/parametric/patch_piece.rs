@@ -5,31 +5,31 @@ use super::polynomial::{Coefficients, MAX_DEGREE, evaluate_2d_with_derivatives, 
 use super::profile::{MAX_DERIVATIVE_CHANGE, MAX_FIRST_STEP, NEWTON_CONVERGENCE_RATE, PIECE_OVERLAP, POINT_SIZE};
 use glam::{DVec2, DVec3};
 
-/// Piece of a rational surface, with both parameters in \[−1, 1].
+/// Nearly flat piece of a rational surface, with parameters x and y in \[−1, 1].
 ///
-/// The coefficients are those of w·(x, y, z), relative to the centre, and of w. The weight w is 1
-/// at the centre.
+/// Polynomials in x and y give w·(p − c) and w for the surface point p with weight w. c is the
+/// centre of the piece, where w is 1.
 #[derive(Clone, Copy, Debug)]
 pub struct PatchPiece<'a> {
-    /// Polynomial coefficients; powers of y vary fastest.
+    /// Coefficients of xⁱyʲ; j varies fastest.
     pub powers: &'a [Coefficients<4>],
-    /// Position of the centre.
+    /// Object-space position of the piece's centre.
     pub middle: DVec3,
     /// Number of coefficients per power of x: the degree in y plus 1.
     pub columns: usize,
     pub bounds: LinearTermsWithBounds,
-    /// Bound on the rounding error of a point.
+    /// Bound on the rounding error of a point computed from the polynomials \[object-space length].
     pub noise: f64,
 }
 
 /// Constant and linear terms of a polynomial, and bounds on its higher terms.
 #[derive(Clone, Copy, Debug)]
 pub struct LinearTermsWithBounds {
-    /// The constant term, the term in y, and the term in x.
+    /// Coefficients of the constant term, the term in y, and the term in x.
     linear: [Coefficients<4>; 3],
-    /// Bound on the sum of all other terms aᵢⱼ xⁱ yʲ over the piece: Σ |aᵢⱼ|.
+    /// Bound on the sum of the terms aᵢⱼ xⁱ yʲ of degree 2 and above over the piece: Σ |aᵢⱼ|.
     rest: Coefficients<4>,
-    /// Bound on the change of the derivatives over the piece: Σ (i + j)|aᵢⱼ|.
+    /// Bound on the change of the first derivatives over the piece: Σ (i + j)|aᵢⱼ|.
     turn: Coefficients<4>,
 }
 
@@ -48,42 +48,42 @@ impl LinearTermsWithBounds {
         beyond
     }
 
-    /// Converts `sums`, bounds for (w·(x, y, z), w), to bounds for w·((x, y, z) − base).
+    /// Bounds on w·(p − base), given bounds on the homogeneous coordinates (w·p, w).
     #[inline]
-    fn bound_relative_to_base(sums: &Coefficients<4>, base: DVec3) -> DVec3 {
-        split_homogeneous_weight(sums).0 + base.abs() * sums[3]
+    fn offset_bound_from_base(sums: &Coefficients<4>, base: DVec3) -> DVec3 {
+        split_homogeneous(sums).0 + base.abs() * sums[3]
     }
 }
 
-/// Separates coefficients into those of w·(x, y, z) and of w.
+/// Splits homogeneous coordinates (w·p, w) into w·p and w.
 #[inline]
-fn split_homogeneous_weight(a: &Coefficients<4>) -> (DVec3, f64) {
+fn split_homogeneous(a: &Coefficients<4>) -> (DVec3, f64) {
     (DVec3::new(a[0], a[1], a[2]), a[3])
 }
 
-/// Converts (w·(x, y, z), w) to w·((x, y, z) − base); derivatives convert alike.
+/// Converts homogeneous coordinates (w·p, w), or their derivatives, to w·(p − base).
 #[inline]
-fn relative_to_base(a: &Coefficients<4>, base: DVec3) -> DVec3 {
-    let (p, w) = split_homogeneous_weight(a);
+fn offset_from_base(a: &Coefficients<4>, base: DVec3) -> DVec3 {
+    let (p, w) = split_homogeneous(a);
     p - base * w
 }
 
 /// Result of a test whether a line intersects the surface within a box of parameters.
 enum RootClassification {
-    /// The line misses the surface.
+    /// The line misses the surface within the box of parameters.
     NoRoot,
-    /// The line hits the surface exactly once: at these parameters (x, y) and arc length τ.
+    /// The line hits the surface once within the box: at these parameters (x, y) and arc length τ.
     Root(DVec2, f64),
-    /// The test does not decide; the box must be halved.
+    /// The test does not decide; the box of parameters must be halved.
     Unclear,
-    /// The line lies in the surface over the whole box, up to rounding.
+    /// The line lies in the surface over the whole box of parameters, up to rounding.
     Inside,
 }
 
 impl PatchPiece<'_> {
     /// Parameters (x, y) of the nearest hit of `line` within `range`, an interval of arc length τ.
     ///
-    /// Moves the end of `range` to that hit.
+    /// Moves the end of `range` to that hit. `size` is the size of the whole surface.
     #[inline]
     pub fn nearest_hit(&self, line: &Line, range: &mut [f64; 2], size: f64) -> Option<DVec2> {
         // Bounds on the change of weights grow with the distance of the line's base, so the base is
@@ -97,43 +97,52 @@ impl PatchPiece<'_> {
                 at
             }),
             _ => match self.powers.len() {
-                ..=16 => self.bisect_for_hits::<16>(&near, &mut own, size),
-                17..=64 => self.bisect_for_hits::<64>(&near, &mut own, size),
-                _ => self.bisect_for_hits::<{ (MAX_DEGREE + 1) * (MAX_DEGREE + 1) }>(&near, &mut own, size),
+                ..=16 => self.nearest_hit_by_bisection::<16>(&near, &mut own, size),
+                17..=64 => self.nearest_hit_by_bisection::<64>(&near, &mut own, size),
+                _ => self.nearest_hit_by_bisection::<{ (MAX_DEGREE + 1) * (MAX_DEGREE + 1) }>(&near, &mut own, size),
             },
         }?;
         range[1] = own[1] + start;
         Some(found)
     }
 
-    /// The line with its base moved next to the piece's centre, relative to that centre, and the τ
-    /// of the new base.
+    /// The line relative to the piece's centre, with its base moved to the point nearest to the
+    /// centre.
+    ///
+    /// Also returns the arc length τ of the new base on the given line.
     #[inline]
     fn line_relative_to_center(&self, line: &Line) -> (Line, f64) {
         let start = (self.middle - line.base).dot(line.direction);
         (Line { base: line.base + line.direction * start - self.middle, ..*line }, start)
     }
 
-    /// Newton step for the intersection with `line` from the parameters `at`.
+    /// Change of the parameters `at` by one Newton step towards the intersection with `line`.
     pub fn newton_step_at(&self, line: &Line, at: DVec2) -> DVec2 {
         newton_step(self.powers, self.columns, &self.line_relative_to_center(line).0, at).0
     }
 
-    /// Point at the parameters `at`, and its derivatives by x and y.
+    /// Object-space point at the parameters `at`, and its derivatives with respect to x and y.
     #[inline]
     pub fn point_and_derivatives(&self, at: DVec2) -> [DVec3; 3] {
         let [value, along_x, along_y] = evaluate_2d_with_derivatives(self.powers, self.columns, at.x, at.y);
-        let (p, w) = split_homogeneous_weight(&value);
+        let (p, w) = split_homogeneous(&value);
         let p = p / w;
-        [p + self.middle, relative_to_base(&along_x, p) / w, relative_to_base(&along_y, p) / w]
+        [p + self.middle, offset_from_base(&along_x, p) / w, offset_from_base(&along_y, p) / w]
     }
 
-    /// Nearest hit by recursive halving of the parameter box along its longer side.
+    /// Parameters of the nearest hit, by recursive halving of the parameter box along its longer
+    /// side.
     ///
-    /// Halving ends when a box has no root, one root, or the size of a rounding error.
+    /// Moves the end of `range` to that hit. Halving ends when a box has no root, one root, or the
+    /// size of a rounding error.
     #[cold]
     #[inline(never)]
-    fn bisect_for_hits<const ROOM: usize>(&self, line: &Line, range: &mut [f64; 2], size: f64) -> Option<DVec2> {
+    fn nearest_hit_by_bisection<const ROOM: usize>(
+        &self,
+        line: &Line,
+        range: &mut [f64; 2],
+        size: f64,
+    ) -> Option<DVec2> {
         let columns = self.columns;
         let mut boxes = [(DVec2::ZERO, DVec2::ZERO); 128];
         boxes[0] = (DVec2::ZERO, DVec2::ONE);
@@ -184,14 +193,14 @@ impl PatchPiece<'_> {
         found
     }
 
-    /// Half the edge lengths of the piece's bounding box; `None` if the line misses that box.
+    /// Half the edge lengths of the piece's bounding box; `None` if the line misses the box.
     ///
     /// `range` is the interval of arc length τ in which a hit counts.
     fn half_extent_if_hit(&self, bounds: &LinearTermsWithBounds, line: &Line, range: [f64; 2]) -> Option<DVec3> {
-        let [middle, along_y, along_x] = bounds.linear.map(|a| relative_to_base(&a, line.base));
+        let [middle, along_y, along_x] = bounds.linear.map(|a| offset_from_base(&a, line.base));
         let reach = along_x.abs()
             + along_y.abs()
-            + LinearTermsWithBounds::bound_relative_to_base(&bounds.rest, line.base)
+            + LinearTermsWithBounds::offset_bound_from_base(&bounds.rest, line.base)
             + self.noise;
         let (a1, a2) = ((middle - reach) * line.inverse, (middle + reach) * line.inverse);
         let (lo, hi) = (a1.min(a2).max_element(), a1.max(a2).min_element());
@@ -207,7 +216,7 @@ impl PatchPiece<'_> {
 
 /// Arc length τ of the point of `line` that is nearest to the piece's centre.
 fn project_center_to_line(a: &[Coefficients<4>], line: &Line) -> f64 {
-    relative_to_base(&a[0], line.base).dot(line.direction) / a[0][3]
+    offset_from_base(&a[0], line.base).dot(line.direction) / a[0][3]
 }
 
 /// True if the piece extends farther along its parameter x than along y.
@@ -215,7 +224,7 @@ fn is_longer_in_x(a: &[Coefficients<4>], columns: usize) -> bool {
     let (mut x, mut y) = (DVec3::ZERO, DVec3::ZERO);
     for (i, row) in a.chunks_exact(columns).enumerate() {
         for (j, c) in row.iter().enumerate() {
-            let size = split_homogeneous_weight(c).0.abs();
+            let size = split_homogeneous(c).0.abs();
             x += if i > 0 { size } else { DVec3::ZERO };
             y += if j > 0 { size } else { DVec3::ZERO };
         }
@@ -223,7 +232,7 @@ fn is_longer_in_x(a: &[Coefficients<4>], columns: usize) -> bool {
     x.max_element() > y.max_element()
 }
 
-/// Tests for solutions of point(x, y) = base + τ·direction with x and y in \[−1, 1].
+/// Tests whether a line intersects a piece: point(x, y) = base + τ·direction with x, y in \[−1, 1].
 #[inline]
 fn classify_roots(
     a: &[Coefficients<4>],
@@ -233,18 +242,18 @@ fn classify_roots(
     noise: f64,
 ) -> RootClassification {
     let d = line.direction;
-    let [miss, along_y, along_x] = bounds.linear.map(|a| relative_to_base(&a, line.base));
+    let [miss, along_y, along_x] = bounds.linear.map(|a| offset_from_base(&a, line.base));
     let determinant = d.dot(along_x.cross(along_y));
     let least = determinant.abs();
     // Rows of the inverse times the determinant.
     let (for_x, for_y) = (d.cross(along_y), along_x.cross(d));
     let (size_x, size_y) = (for_x.abs(), for_y.abs());
     let (x, y) = (for_x.dot(miss), for_y.dot(miss));
-    let error = LinearTermsWithBounds::bound_relative_to_base(&bounds.rest, line.base) + noise;
+    let error = LinearTermsWithBounds::offset_bound_from_base(&bounds.rest, line.base) + noise;
     if x.abs() > least + size_x.dot(error) || y.abs() > least + size_y.dot(error) {
         return RootClassification::NoRoot;
     }
-    let turn = LinearTermsWithBounds::bound_relative_to_base(&bounds.turn, line.base);
+    let turn = LinearTermsWithBounds::offset_bound_from_base(&bounds.turn, line.base);
     let (turn_x, turn_y) = (size_x.dot(turn), size_y.dot(turn));
     if turn_x.max(turn_y) < MAX_DERIVATIVE_CHANGE * least {
         let blur = noise * size_x.element_sum().max(size_y.element_sum()) / least;
@@ -256,11 +265,11 @@ fn classify_roots(
     if least + turn_x + turn_y <= blur { RootClassification::Inside } else { RootClassification::Unclear }
 }
 
-/// Newton step from the parameters `at`, and the value of τ after the step.
+/// Newton step from the parameters `at`, and the arc length τ on the line after the step.
 #[inline]
 fn newton_step(a: &[Coefficients<4>], columns: usize, line: &Line, at: DVec2) -> (DVec2, f64) {
     let values = evaluate_2d_with_derivatives(a, columns, at.x, at.y);
-    let [miss, along_x, along_y] = values.map(|v| relative_to_base(&v, line.base));
+    let [miss, along_x, along_y] = values.map(|v| offset_from_base(&v, line.base));
     let d = line.direction;
     let determinant = d.dot(along_x.cross(along_y));
     let step = DVec2::new(d.cross(along_y).dot(miss), along_x.cross(d).dot(miss)) / determinant;
@@ -268,12 +277,10 @@ fn newton_step(a: &[Coefficients<4>], columns: usize, line: &Line, at: DVec2) ->
     (step, (miss + along_x * step.x + along_y * step.y).dot(d) / w)
 }
 
-/// Parameters (x, y) and arc length τ of the only root that the box can contain, by Newton's
-/// method.
+/// Intersection (x, y), τ of a line with a piece that it hits at most once, by Newton's method.
 ///
-/// `None` if the box contains no root.
-///
-/// Iterates must converge as fast as [`NEWTON_CONVERGENCE_RATE`] guarantees for a root.
+/// `None` if there is no intersection: the iteration then converges more slowly than
+/// [`NEWTON_CONVERGENCE_RATE`] guarantees for a root.
 fn newton_root(
     a: &[Coefficients<4>],
     columns: usize,

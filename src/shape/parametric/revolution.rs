@@ -19,12 +19,12 @@ use libm::{atan2, hypot, sincos};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Longest Newton step along a ray, relative to the surface's size, that refines a hit.
+/// Longest accepted Newton step when a hit is refined along a ray, relative to the surface's size.
 ///
 /// A longer step means that the ray is nearly tangent.
 const MAX_RELATIVE_STEP: f64 = 1e-4;
 
-/// Number of azimuth steps of the sum that integrates the area.
+/// Number of azimuth steps of the sum that integrates the area of a surface of revolution.
 const AREA_ANGLES: u32 = 64;
 
 /// Surface of revolution: the points (X cos θ, Y, X sin θ) of a profile curve (X, Y), under an
@@ -36,23 +36,25 @@ const AREA_ANGLES: u32 = 64;
 #[derive(Clone, Debug)]
 pub struct Revolution {
     profile: Arc<RevolutionProfile>,
-    /// Map from object space, whose origin is at the middle height of the profile.
+    /// Map from object space to world space. The object-space origin is on the axis, at the middle
+    /// height of the profile.
     to_world: Transform,
     /// World area \[length²].
     area: f64,
 }
 
-/// Profile curve in object space, divided into leaves.
+/// Profile curve in object space, divided into nearly straight pieces, which are called leaves.
 #[derive(Debug)]
 struct RevolutionProfile {
     leaves: Vec<ProfileLeaf>,
     powers: Vec<Coefficients<2>>,
     tree: RingBvh,
-    /// Largest distance of the surface from the origin.
+    /// Largest object-space distance of the surface from the origin.
     size: f64,
-    /// Bound on the rounding error of an evaluated point.
+    /// Bound on the rounding error of a point computed from the polynomials \[object-space length].
     noise: f64,
-    /// Distribution that selects a leaf in proportion to its object-space area.
+    /// Distribution that selects a leaf (a piece of the profile) in proportion to its object-space
+    /// area.
     leaf_distribution: DiscreteDistribution,
 }
 
@@ -61,13 +63,14 @@ impl Revolution {
     ///
     /// # Errors
     ///
-    /// [`SplineError`] if the numbers of knots and points do not fit, a value is too large, or the
-    /// surface has no area.
+    /// [`SplineError`] if the number of control points does not match the basis, a value is too
+    /// large, or the surface has no area.
     pub fn new(basis: &SplineBasis, controls: &[DVec2]) -> Result<Self, SplineError> {
         Self::with_memory_limit(basis, controls, None)
     }
 
-    /// Surface like that of [`Revolution::new`] that uses at most `free` bytes of memory, if given.
+    /// Creates a surface like [`Revolution::new`], with at most `free` bytes of memory; `None` is
+    /// no limit.
     ///
     /// # Errors
     ///
@@ -116,15 +119,16 @@ impl Revolution {
         (base.length_squared() <= size * size).then(|| (CylindricalRay::new(base, direction), start, length))
     }
 
-    /// Angle θ/2π in \[0, 1] of the object-space point `p` of a leaf.
+    /// Azimuth θ/2π in \[0, 1] of the object-space point `p` of a leaf.
     fn angle_in_turns(&self, p: DVec3, leaf: usize) -> f64 {
         let side = self.profile.leaves[leaf].side;
         let turn = atan2(side * p.z, side * p.x) / TAU;
         if turn < 0.0 { turn + 1.0 } else { turn }
     }
 
-    /// World-space surface point of a leaf at parameter x, in the unit direction `radial` = (x, z)
-    /// from the axis.
+    /// World-space surface point at the parameter x in \[−1, 1] of a leaf.
+    ///
+    /// `radial` is the unit direction (x, z) from the axis to the point.
     fn surface_at(&self, leaf: usize, x: f64, radial: DVec2, uv: Vec2) -> SurfacePoint {
         let profile = &self.profile;
         let p = self.to_world.transform_point(profile.leaf_point(leaf, x, radial));
@@ -212,7 +216,8 @@ impl AnalyticShape for Revolution {
         self.area
     }
 
-    /// Samples a leaf in proportion to its area, then uniform parameters in the leaf.
+    /// Chooses a leaf (a piece of the profile) in proportion to its area, then uniform parameters
+    /// in it.
     fn sample(&self, u: Vec2) -> ShapeSample {
         let (leaf, _) = self.profile.leaf_distribution.sample(u.x);
         let x = f64::from(self.profile.leaf_distribution.remapped_sample(u.x, leaf)) * 2.0 - 1.0;
@@ -242,7 +247,7 @@ impl AnalyticShape for Revolution {
 
 #[cfg(test)]
 impl Revolution {
-    /// The world-space point at the parameters `uv`.
+    /// World-space point at the surface parameters `uv`: curve parameter, and azimuth in turns.
     pub(super) fn point_at_uv(&self, uv: Vec2) -> DVec3 {
         let (leaf, x) = self.profile.find_leaf(f64::from(uv.x));
         self.to_world.transform_point(self.profile.leaf_point(leaf, x, self.profile.radial_direction(leaf, uv.y)))
@@ -255,26 +260,30 @@ impl RevolutionProfile {
         &self.powers[self.leaves[leaf].first as usize..end]
     }
 
-    /// Object-space point at parameter x of a leaf, in the unit direction `radial` from the axis.
+    /// Object-space point at the parameter x in \[−1, 1] of a leaf.
+    ///
+    /// `radial` is the unit direction (x, z) from the axis to the point.
     fn leaf_point(&self, leaf: usize, x: f64, radial: DVec2) -> DVec3 {
         let ([radius, height], _) = evaluate_with_derivative(self.leaf_polynomial_coefficients(leaf), x);
         DVec3::new(radius * radial.x, height, radius * radial.y)
     }
 
-    /// Unit direction (x, z) from the axis to the points of a leaf at the angle θ = 2π·`turns`.
+    /// Unit direction (x, z) from the axis to the points of a leaf at the azimuth 2π·`turns`.
     fn radial_direction(&self, leaf: usize, turns: f32) -> DVec2 {
         let (sin, cos) = sincos(f64::from(turns) * TAU);
         DVec2::new(cos, sin) * self.leaves[leaf].side
     }
 
-    /// Profile parameter in \[0, 1] at parameter x in \[−1, 1] of a leaf.
+    /// Converts the parameter x in \[−1, 1] of a leaf to the curve parameter of the profile in \[0,
+    /// 1].
     fn leaf_to_profile_parameter(&self, leaf: usize, x: f64) -> f64 {
         let [middle, half] = self.leaves[leaf].place;
         middle + half * x
     }
 
-    /// Index of the leaf at the profile parameter `place` in \[0, 1], and the parameter x in
-    /// \[−1, 1] within that leaf.
+    /// Index of the leaf (piece of the profile) at the curve parameter `place` in \[0, 1].
+    ///
+    /// Also returns the parameter x in \[−1, 1] within that leaf.
     fn find_leaf(&self, place: f64) -> (usize, f64) {
         let after = self.leaves.partition_point(|l| l.place[0] - l.place[1] <= place);
         let leaf = after.saturating_sub(1);
@@ -282,7 +291,7 @@ impl RevolutionProfile {
         (leaf, ((place - middle) / half).clamp(-1.0, 1.0))
     }
 
-    /// Object-space normal on the outer side, not normalised.
+    /// Object-space normal of a leaf at its parameter x, on the outer side and not normalised.
     fn leaf_normal(&self, leaf: usize, x: f64, radial: DVec2) -> DVec3 {
         let powers = self.leaf_polynomial_coefficients(leaf);
         let extent = powers[1..].iter().flatten().fold(0.0, |m: f64, c| m.max(c.abs()));
@@ -299,13 +308,13 @@ impl RevolutionProfile {
         DVec3::new(dh * radial.x, -dx, dh * radial.y) * side
     }
 
-    /// Object-space area per unit of x and per radian of θ.
+    /// Object-space area element of a leaf: area at its parameter x, per unit of x and per radian.
     fn area_element(&self, leaf: usize, x: f64) -> f64 {
         let ([radius, _], [dx, dh]) = evaluate_with_derivative(self.leaf_polynomial_coefficients(leaf), x);
         radius.abs() * hypot(dx, dh)
     }
 
-    /// World area of a leaf under `to_world` \[length²].
+    /// World-space area of a leaf under `to_world` \[length²].
     fn leaf_area(&self, leaf: usize, to_world: &Transform) -> f64 {
         let determinant = to_world.determinant().abs();
         let mut sum = 0.0;

@@ -5,21 +5,24 @@ use super::ring_bvh::RingBounds;
 use super::spline::{MIN_SPAN, SplineError};
 use libm::hypot;
 
-/// Relative change of the derivative over a piece below which the piece is not divided.
+/// Largest relative change of the derivative over a piece that counts as nearly flat.
+///
+/// Such a piece is not divided further, unless it crosses the axis.
 const MAX_RELATIVE_BEND: f64 = 1.0 / 16.0;
 
 /// Maximum number of nested halvings, reached at cusps and coincident control points, which never
 /// become flat.
 pub(super) const MAX_HALVINGS: u32 = 9;
 
-/// Memory of a leaf in bytes, without its coefficients: the leaf, its ring and area, and its share
-/// of the hierarchy.
+/// Memory of a leaf \[bytes], including its ring and its nodes in the hierarchy.
+///
+/// The polynomial coefficients of the leaf are not included.
 const BYTES_PER_LEAF: u64 = 256;
 
-/// Nearly flat piece of a profile, on one side of the axis.
+/// Nearly straight piece of a profile curve, on one side of the axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ProfileLeaf {
-    /// Index of the first polynomial coefficient.
+    /// Index of the leaf's first coefficient in the list of all polynomial coefficients.
     pub first: u32,
     /// Side of the axis on which this piece of the profile lies: the sign of its x, 1 or −1.
     pub side: f64,
@@ -29,16 +32,18 @@ pub(super) struct ProfileLeaf {
     pub ring: RingBounds,
 }
 
-/// Collects the leaves of a profile while it is subdivided.
+/// Divides a profile curve into nearly straight pieces, called leaves, and collects them.
 pub(super) struct ProfileBuilder {
     pub leaves: Vec<ProfileLeaf>,
     pub powers: Vec<Coefficients<2>>,
-    /// Memory limit of the surface in bytes, if any.
+    /// Memory limit of the surface \[bytes]; `None` is no limit.
     pub free: Option<u64>,
 }
 
 impl ProfileBuilder {
-    /// Adds a Bézier curve, divided into leaves that are nearly flat and on one side of the axis.
+    /// Divides a Bézier curve into leaves that are nearly straight and on one side of the axis.
+    ///
+    /// Adds the leaves to the builder.
     ///
     /// # Errors
     ///

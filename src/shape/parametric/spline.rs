@@ -33,9 +33,9 @@ pub enum SplineError {
     /// The first and the last knot of the curve's range are equal.
     #[error("the range of the curve, from knot {first} to knot {last} (counted from 0), has no length")]
     NoRange {
-        /// Index of the first knot of the range.
+        /// Index of the first knot of the curve's range.
         first: usize,
-        /// Index of the last knot of the range.
+        /// Index of the last knot of the curve's range.
         last: usize,
     },
     /// The span that begins at the knot with this index is too short for f32 parameters.
@@ -86,7 +86,7 @@ pub struct SplineBasis {
 /// Interval between two consecutive, different knots.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct KnotSpan {
-    /// Index of the knot at the start.
+    /// Index of the knot at the start of the span.
     knot: usize,
     /// Start and end of the span, as fractions in \[0, 1] of the whole curve's range.
     pub range: [f64; 2],
@@ -98,7 +98,7 @@ impl SplineBasis {
     /// # Errors
     ///
     /// [`SplineError::Degree`] for fewer than 2 or too many control points.
-    pub fn single_bezier(controls: usize) -> Result<Self, SplineError> {
+    pub fn bezier_basis(controls: usize) -> Result<Self, SplineError> {
         let degree = controls.saturating_sub(1);
         let knots = [0.0, 1.0].into_iter().flat_map(|k| std::iter::repeat_n(k, controls.min(MAX_DEGREE + 1))).collect();
         validate_degree(degree)?;
@@ -112,7 +112,7 @@ impl SplineBasis {
     /// # Errors
     ///
     /// [`SplineError`] if there are too few control points for the degree.
-    pub fn uniform_knots(degree: usize, controls: usize) -> Result<Self, SplineError> {
+    pub fn uniform_spline_basis(degree: usize, controls: usize) -> Result<Self, SplineError> {
         validate_degree(degree)?;
         let last = controls + degree;
         Self::new(degree, controls, (0..=last).map(|i| i as f64 / last as f64).collect())

@@ -2,7 +2,7 @@ use super::*;
 use crate::sampling::{Dimension, Key, Purpose};
 
 #[test]
-fn tangent_near_and_inner_rays() {
+fn sphere_hits_of_tangent_and_inner_rays() {
     let s = Sphere::new(DVec3::ZERO, 1.0);
     let hit = |o: Vec3, d: Vec3| s.intersect(&Ray::new(o, d)).map(|c| c.0);
     assert_eq!(hit(Vec3::new(0.0, 0.0, 3.0), -Vec3::Z), Some(2.0));
@@ -13,17 +13,18 @@ fn tangent_near_and_inner_rays() {
 }
 
 #[test]
-fn segments_end_before_the_sphere() {
+fn rays_that_end_before_the_sphere_miss() {
     let s = Sphere::new(DVec3::ZERO, 1.0);
     let mut ray = Ray::new(Vec3::new(0.0, 0.0, 3.0), -Vec3::Z);
     ray.t_max = 1.5;
     assert!(s.intersect(&ray).is_none(), "the far root must not stand in for a near one beyond the end");
 }
 
-/// The sampled point is the first hit in its direction, and its mean direction cosine is that of
-/// the uniform cone.
+/// A sampled visible point is the first hit of the ray towards it.
+///
+/// The mean cosine of the sampled directions is that of the uniform cone around the sphere.
 #[test]
-fn visible_points_are_first_crossings() {
+fn sampled_visible_points_are_first_hits() {
     let s = Sphere::new(DVec3::new(0.5, 1.0, -2.0), 0.6);
     for (from, n) in [(Vec3::new(3.0, 0.0, 1.0), 20_000u64), (Vec3::new(0.5, 1.61, -2.0), 20_000)] {
         let axis = (s.center.as_vec3() - from).normalize();

@@ -1,4 +1,4 @@
-//! Properties that all kinds of shapes share.
+//! Tests of properties that all kinds of shapes share.
 
 mod solids;
 
@@ -33,7 +33,7 @@ fn one_shape_of_each_kind() -> Vec<Shape> {
     ]
 }
 
-/// The mean of 1/pdf over samples is the area, within five standard errors.
+/// A ray to a sampled point hits the shape there, and the mean of 1/pdf over samples is the area.
 #[test]
 fn sampled_points_lie_on_the_shape_with_the_stated_density() {
     for shape in one_shape_of_each_kind() {
@@ -61,9 +61,11 @@ fn sampled_points_lie_on_the_shape_with_the_stated_density() {
     }
 }
 
-/// A ray that leaves an offset point outward misses the shape; an inward ray hits the far side.
+/// Rays from offset origins on a sphere do not hit the sphere at their origin.
+///
+/// An outward ray misses the sphere, and an inward ray hits the far side.
 #[test]
-fn offset_rays_leave_cleanly() {
+fn offset_origins_prevent_self_intersection() {
     for scale in [1e-3, 1.0, 1e4] {
         for center in [DVec3::ZERO, DVec3::new(3.0, -200.0, 1e3) * scale] {
             let sphere = Shape::Sphere(Sphere::new(center, scale));

@@ -1,4 +1,4 @@
-//! Boxes, cylinders and cones against bisection of implicit functions, and against formulas.
+//! Boxes, cylinders and cones, tested against bisection of implicit functions and against formulas.
 
 use super::*;
 use crate::math::warp;
@@ -25,7 +25,7 @@ const SOLIDS: [TestSolid; 7] = [
 ];
 
 impl TestSolid {
-    fn transformed_shape(self, map: &Transform) -> Shape {
+    fn to_transformed_shape(self, map: &Transform) -> Shape {
         let own = match self {
             Self::Cube => Shape::Cuboid(Cuboid::new(DVec3::NEG_ONE, DVec3::ONE).unwrap()),
             Self::Frustum { radii, capped } => frustum_shape(DVec3::ZERO, DVec3::Y, radii, capped),
@@ -52,7 +52,10 @@ impl TestSolid {
         }
     }
 
-    /// Convex function that is negative inside the infinite extension of the side and 0 on it.
+    /// Convex function that is negative inside the infinite cone or cylinder around the side, and 0
+    /// on it.
+    ///
+    /// For a cube, it equals [`TestSolid::implicit_value`].
     fn side_implicit_value(self, p: DVec3) -> f64 {
         match self {
             Self::Cube => self.implicit_value(p),
@@ -60,8 +63,10 @@ impl TestSolid {
         }
     }
 
-    /// Entry and exit parameters of a ray (`None` if it misses), and the minimum of
-    /// [`TestSolid::implicit_value`] along the ray.
+    /// Ray parameters at which `ray` enters and leaves the solid under `map`; `None` if the ray
+    /// misses.
+    ///
+    /// Also returns the minimum of [`TestSolid::implicit_value`] along the line of the ray.
     fn entry_and_exit(self, map: &Transform, ray: &Ray) -> (Option<[f64; 2]>, f64) {
         let o = map.inverse().transform_point3(ray.origin.as_dvec3());
         let d = map.inverse().transform_vector3(ray.direction.as_dvec3());
@@ -129,12 +134,14 @@ fn random_point_on_edge(solid: TestSolid, i: u64) -> DVec3 {
     }
 }
 
+/// Hits of solids agree with bisection of their implicit functions.
+///
 /// The rays start outside and inside, and pass through faces, edges and apexes.
 #[test]
 fn hits_agree_with_bisection() {
     for solid in SOLIDS {
         for (m, map) in affine_test_transforms().into_iter().enumerate() {
-            let shape = solid.transformed_shape(&map);
+            let shape = solid.to_transformed_shape(&map);
             let (mut hits, mut compared) = (0, 0);
             for i in 0..4_000 {
                 let target = match i % 4 {
@@ -191,12 +198,12 @@ fn hits_agree_with_bisection() {
     }
 }
 
-/// The rays are aimed at edges and rims of closed solids.
+/// Rays that start inside a closed solid hit it, even if they are aimed at its edges and rims.
 #[test]
 fn inner_rays_never_escape() {
     for solid in SOLIDS.into_iter().filter(|s| s.is_closed()) {
         for map in affine_test_transforms() {
-            let shape = solid.transformed_shape(&map);
+            let shape = solid.to_transformed_shape(&map);
             for i in 0..20_000 {
                 let from = map.transform_point(solid.center() + 0.1 * random_direction(i)).as_vec3();
                 let ray = Ray::new(from, map.transform_point(random_point_on_edge(solid, i)).as_vec3() - from);
@@ -206,9 +213,11 @@ fn inner_rays_never_escape() {
     }
 }
 
-/// A ray that leaves a hit point outward misses the solid; one that goes inward hits the far side.
+/// Rays from offset origins on a solid do not hit the solid at their origin.
+///
+/// An outward ray misses the solid, and an inward ray hits the far side.
 #[test]
-fn offset_rays_leave_solids_cleanly() {
+fn offset_origins_prevent_self_intersection_of_solids() {
     let scales = [1e-6, 1.0, 1e6];
     for solid in SOLIDS.into_iter().filter(|s| s.is_closed()) {
         for (scale, center) in scales.into_iter().flat_map(|s| [(s, DVec3::ZERO), (s, DVec3::new(3.0, -50.0, 9.0) * s)])
@@ -216,7 +225,7 @@ fn offset_rays_leave_solids_cleanly() {
             let turn = DQuat::from_xyzw(0.3, 0.5, -0.2, 0.7).normalize();
             let map = DAffine3::from_scale_rotation_translation(DVec3::splat(scale), turn, center);
             let map = Transform::new(map).unwrap();
-            let shape = solid.transformed_shape(&map);
+            let shape = solid.to_transformed_shape(&map);
             for i in 0..10_000 {
                 // At edges too, where the neighbouring face is near.
                 let target = if i % 2 == 0 {
@@ -241,9 +250,10 @@ fn offset_rays_leave_solids_cleanly() {
     }
 }
 
-/// Rays along faces, along axes, and along the straight lines of cylinder and cone sides.
+/// Rays along faces, along axes, and along the straight lines of a cone's side hit at known
+/// distances.
 #[test]
-fn grazing_and_axial_rays() {
+fn grazing_and_axial_rays_hit_at_known_distances() {
     let cube = Shape::Cuboid(Cuboid::new(DVec3::NEG_ONE, DVec3::ONE).unwrap());
     let hit = |shape: &Shape, o: Vec3, d: Vec3| shape.intersect(&Ray::new(o, d)).map(|h| h.0);
     assert_eq!(hit(&cube, Vec3::new(-3.0, 0.0, 0.0), Vec3::X), Some(2.0));
@@ -270,8 +280,10 @@ fn grazing_and_axial_rays() {
     assert_eq!(hit(&pointed, Vec3::new(0.0, 1.5, 3.0), -Vec3::Z), None);
 }
 
-/// Closed forms of the areas; the side of an elliptical cylinder has Ramanujan's perimeter
-/// (relative error below 10⁻⁹ here).
+/// Areas agree with closed forms.
+///
+/// The area of an elliptical cylinder uses Ramanujan's formula for the perimeter, whose relative
+/// error is below 10⁻⁹ here.
 #[test]
 fn areas_match_formulas() {
     let near = |shape: Shape, area: f64| assert!((shape.area() / area - 1.0).abs() < 1e-8, "{shape:?} {area}");
@@ -291,14 +303,14 @@ fn areas_match_formulas() {
     near(frustum_shape(DVec3::ZERO, DVec3::Y, [1.0, 1.0], false).transformed(&stretch).unwrap(), 2.0 * perimeter);
 }
 
-/// Chi-square test over bins of the surface; the false-alarm rate is 10⁻⁶.
+/// Samples of solids are uniform by area: a chi-square test with a false-alarm rate of 10⁻⁶.
 #[test]
 fn samples_are_uniform_by_area() {
     let turn = DQuat::from_xyzw(0.1, -0.5, 0.7, 0.5).normalize();
     let map = DAffine3::from_scale_rotation_translation(DVec3::splat(0.3), turn, DVec3::new(1.0, 2.0, 3.0));
     let map = Transform::new(map).unwrap();
     for solid in SOLIDS {
-        let shape = solid.transformed_shape(&map);
+        let shape = solid.to_transformed_shape(&map);
         // Bins by part, angle or first coordinate, and height or second coordinate, with their
         // share of the area.
         let mut expected: Vec<f64> = Vec::new();
@@ -364,7 +376,7 @@ fn samples_are_uniform_by_area() {
 fn area_samples_measure_the_visible_solid_angle() {
     let map = &affine_test_transforms()[1];
     for solid in SOLIDS.into_iter().filter(|s| s.is_closed()) {
-        let shape = solid.transformed_shape(map);
+        let shape = solid.to_transformed_shape(map);
         let from = map.transform_point(DVec3::new(0.8, 1.9, -1.4)).as_vec3();
         let n = 400_000;
         let [mut sum, mut squares, mut hits] = [0.0f64; 3];
@@ -390,7 +402,7 @@ fn area_samples_measure_the_visible_solid_angle() {
 fn texture_gradients_match_differences() {
     for solid in SOLIDS {
         let map = &affine_test_transforms()[2];
-        let shape = solid.transformed_shape(map);
+        let shape = solid.to_transformed_shape(map);
         for i in 0..2000 {
             let s = shape.sample(random_key(i).uniform_2d(Dimension::LightPosition));
             let at = |p: DVec3| shape.tex_coord(p.as_vec3(), s.uv);
@@ -427,12 +439,12 @@ fn shapes_without_extent_are_refused() {
     assert!(Frustum::cone(DVec3::ONE, DVec3::ZERO, 0.0, true).is_none());
 }
 
-/// A mirrored solid keeps its outer side.
+/// Normals of a mirrored solid point outward.
 #[test]
 fn mirrored_solids_face_outward() {
     let mirror = Transform::new(DAffine3::from_scale(DVec3::new(-1.0, 2.0, 1.0))).unwrap();
     for solid in SOLIDS {
-        let shape = solid.transformed_shape(&mirror);
+        let shape = solid.to_transformed_shape(&mirror);
         let ray = Ray::new(Vec3::new(9.0, 0.8, 0.0), Vec3::NEG_X);
         let (t, u, v) = shape.intersect(&ray).unwrap();
         assert!(shape.surface_point(&ray, t, Vec2::new(u, v)).ng.x > 0.5, "{solid:?}");

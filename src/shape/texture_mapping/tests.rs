@@ -1,8 +1,7 @@
 use super::*;
 use glam::{DAffine3, DQuat};
 
-/// Gradients agree with differences over 1e-6 in every direction: the second derivatives here are
-/// below 10.
+/// Texture gradients agree with differences of the coordinates over steps of 10⁻⁶.
 #[test]
 fn texture_gradients_match_coordinate_differences() {
     let squash = Transform::new(DAffine3::from_scale_rotation_translation(
@@ -12,10 +11,10 @@ fn texture_gradients_match_coordinate_differences() {
     ))
     .unwrap();
     let forms = [
-        MappingKind::Spherical { center: DVec3::new(0.1, 0.2, 0.3) },
-        MappingKind::plane_mapping(DVec3::new(1.0, 2.0, 0.5)),
-        MappingKind::disc_mapping(DVec3::X, DVec3::Y, 2.0),
-        MappingKind::rectangle_mapping(DVec3::ONE, DVec3::new(2.0, 0.1, 0.0), DVec3::new(0.3, 1.0, 0.5)),
+        TextureMappingKind::Spherical { center: DVec3::new(0.1, 0.2, 0.3) },
+        TextureMappingKind::plane_mapping(DVec3::new(1.0, 2.0, 0.5)),
+        TextureMappingKind::disc_mapping(DVec3::X, DVec3::Y, 2.0),
+        TextureMappingKind::rectangle_mapping(DVec3::ONE, DVec3::new(2.0, 0.1, 0.0), DVec3::new(0.3, 1.0, 0.5)),
     ];
     for form in forms {
         let chart = TextureMapping::new(form, squash);
@@ -37,7 +36,7 @@ fn texture_coordinates_at_known_points() {
         let found = at(form, DVec3::from(p));
         assert!((found - DVec2::from(uv)).length() < 1e-12, "{form:?} {p:?}: {found}");
     };
-    let globe = MappingKind::Spherical { center: DVec3::new(1.0, 0.0, 0.0) };
+    let globe = TextureMappingKind::Spherical { center: DVec3::new(1.0, 0.0, 0.0) };
     close(globe, [1.0, 0.0, 2.0], [0.5, 0.5]);
     close(globe, [3.0, 0.0, 0.0], [0.75, 0.5]);
     close(globe, [-1.0, 0.0, 0.0], [0.25, 0.5]);
@@ -45,16 +44,16 @@ fn texture_coordinates_at_known_points() {
     let pole = |y: f64| at(globe, DVec3::new(1.0, y, 0.0)).y;
     assert!((pole(2.0) - 1.0).abs() < 1e-12 && pole(-2.0).abs() < 1e-12);
     // A map of the floor with north, −z, up; walls seen from outside, upright.
-    close(MappingKind::plane_mapping(DVec3::Y), [2.0, 0.0, -3.0], [2.0, 3.0]);
-    close(MappingKind::plane_mapping(DVec3::Z * 5.0), [2.0, 3.0, 0.0], [2.0, 3.0]);
-    close(MappingKind::plane_mapping(DVec3::X), [0.0, 3.0, -2.0], [2.0, 3.0]);
-    close(MappingKind::plane_mapping(DVec3::NEG_Z), [2.0, 3.0, 0.0], [-2.0, 3.0]);
-    let disc = MappingKind::disc_mapping(DVec3::new(0.0, 0.0, 4.0), DVec3::Z, 2.0);
+    close(TextureMappingKind::plane_mapping(DVec3::Y), [2.0, 0.0, -3.0], [2.0, 3.0]);
+    close(TextureMappingKind::plane_mapping(DVec3::Z * 5.0), [2.0, 3.0, 0.0], [2.0, 3.0]);
+    close(TextureMappingKind::plane_mapping(DVec3::X), [0.0, 3.0, -2.0], [2.0, 3.0]);
+    close(TextureMappingKind::plane_mapping(DVec3::NEG_Z), [2.0, 3.0, 0.0], [-2.0, 3.0]);
+    let disc = TextureMappingKind::disc_mapping(DVec3::new(0.0, 0.0, 4.0), DVec3::Z, 2.0);
     close(disc, [0.0, 0.0, 4.0], [0.5, 0.5]);
     close(disc, [2.0, 0.0, 4.0], [1.0, 0.5]);
     close(disc, [0.0, -2.0, 4.0], [0.5, 0.0]);
     // The ground of the reference scene `lens`: u = (x + 5)/10, v = (5 − z)/10.
-    let ground = MappingKind::rectangle_mapping(DVec3::new(-5.0, 0.0, 5.0), DVec3::X * 10.0, DVec3::Z * -10.0);
+    let ground = TextureMappingKind::rectangle_mapping(DVec3::new(-5.0, 0.0, 5.0), DVec3::X * 10.0, DVec3::Z * -10.0);
     close(ground, [-5.0, 0.0, 5.0], [0.0, 0.0]);
     close(ground, [1.0, 0.0, -4.0], [0.6, 0.9]);
 }

@@ -31,7 +31,7 @@ impl AddAssign for CpuWallTime {
 /// Function that returns the current time. Tests replace it by a synthetic clock.
 pub(super) type ClockFn<'c> = Box<dyn Fn() -> CpuWallTime + 'c>;
 
-/// Clock of the operating system; its wall time starts at 0.
+/// Returns a clock of the operating system. Its wall time is 0 at this call.
 pub(super) fn system_clock() -> ClockFn<'static> {
     let start = Instant::now();
     Box::new(move || {
@@ -40,7 +40,7 @@ pub(super) fn system_clock() -> ClockFn<'static> {
     })
 }
 
-/// Runs `work`; returns its result and its time.
+/// Runs `work`; returns its result and the time that it took.
 pub(super) fn measure_time<T>(clock: &dyn Fn() -> CpuWallTime, work: impl FnOnce() -> T) -> (T, CpuWallTime) {
     let before = clock();
     let done = work();

@@ -17,7 +17,7 @@ impl StudiedScene {
     /// Shell command that renders `passes` passes of `variant`.
     ///
     /// The picture of the command equals that of the study bit for bit.
-    pub(super) fn render_command(&self, variant: &MethodVariant, passes: u32) -> String {
+    pub(super) fn render_command_line(&self, variant: &MethodVariant, passes: u32) -> String {
         let mut words = ["caustica", "render"].map(str::to_owned).to_vec();
         // A path that begins with a dash would be read as a flag.
         words.push(if self.scene.starts_with('-') { format!("./{}", self.scene) } else { self.scene.clone() });
@@ -66,12 +66,12 @@ mod tests {
         let variant = MethodVariant { label: "sppm --gather-k 20".into(), algorithm: Algorithm::Sppm, settings, flags };
         let subject = |scene: &str| StudiedScene { scene: scene.into(), size: Some((4, 3)), command: String::new() };
         let rest = "--size 4x3 --integrator sppm --gather-k 20 --seed 7 --passes 5 -o sppm-gather-k-20.exr";
-        assert_eq!(subject("a/b.txt").render_command(&variant, 5), format!("caustica render a/b.txt {rest}"));
+        assert_eq!(subject("a/b.txt").render_command_line(&variant, 5), format!("caustica render a/b.txt {rest}"));
         assert_eq!(
-            subject("it's $1.txt").render_command(&variant, 5),
+            subject("it's $1.txt").render_command_line(&variant, 5),
             format!(r"caustica render 'it'\''s $1.txt' {rest}")
         );
-        assert_eq!(subject("-x.txt").render_command(&variant, 5), format!("caustica render ./-x.txt {rest}"));
+        assert_eq!(subject("-x.txt").render_command_line(&variant, 5), format!("caustica render ./-x.txt {rest}"));
         assert_eq!(shell_quoted(&[String::new()]), "''");
     }
 }

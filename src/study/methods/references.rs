@@ -3,7 +3,7 @@
 use super::GroundTruth;
 use super::clock::{measure_time, system_clock};
 use crate::image::metrics::{MetricError, rmse};
-use crate::image::{Image, RelativeScale, SizeError, open_file};
+use crate::image::{Image, PictureSizeError, RelativeErrorWeights, open_file};
 use crate::integrate::{Algorithm, CameraPathSettings, ProgressMonitor, Settings};
 use crate::plan::{Effect, EffectOverrides, Plan};
 use crate::render::Film;
@@ -13,7 +13,7 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Difference between the seed of each reference and the first seed of the study.
+/// Differences between the seeds of the two references and the first seed of the study.
 const SEED_OFFSETS: [u64; 2] = [1 << 62, 1 << 63];
 
 /// First bytes of a PNG file.
@@ -55,7 +55,7 @@ pub enum ReferenceError {
     Metric(#[from] MetricError),
     /// The size of the picture is not allowed.
     #[error(transparent)]
-    Extent(#[from] SizeError),
+    Extent(#[from] PictureSizeError),
 }
 
 /// Two reference pictures of equal size with finite pixels.
@@ -65,7 +65,7 @@ pub struct ReferencePictures {
     error: Option<f64>,
     pair: [Image; 2],
     mean: Image,
-    scale: RelativeScale,
+    scale: RelativeErrorWeights,
 }
 
 impl ReferencePictures {
@@ -82,7 +82,7 @@ impl ReferencePictures {
         rmse(&a, &b)?;
         let halves = a.pixels().iter().zip(b.pixels()).map(|(a, b)| ((a.as_dvec3() + b.as_dvec3()) * 0.5).as_vec3());
         let mean = Image::from_pixels(a.width(), a.height(), halves.collect())?;
-        let scale = RelativeScale::from_image(&mean);
+        let scale = RelativeErrorWeights::from_image(&mean);
         let apart = |i: usize| (a.pixels()[i].as_dvec3() - b.pixels()[i].as_dvec3()).map(|d| d * d);
         let error = (!exact).then(|| 0.5 * scale.mean(apart).sqrt());
         Ok(Self { source, error, pair: [a, b], mean, scale })
@@ -91,7 +91,8 @@ impl ReferencePictures {
     /// Reads one or two reference pictures, whose width and height must be `size` \[pixels].
     ///
     /// # Errors
-    /// [`ReferenceError`].
+    /// [`ReferenceError`] if a file cannot be read, is a PNG, has another size or a pixel that is
+    /// not finite, or if both pictures are equal.
     pub fn read(first: &Path, second: Option<&Path>, size: (u32, u32)) -> Result<Self, ReferenceError> {
         let source = match second {
             Some(second) => format!("{}, {}", first.display(), second.display()),
@@ -104,7 +105,8 @@ impl ReferencePictures {
         }
     }
 
-    /// Renders two references with the settings `like`, except for seeds and sample counts.
+    /// Renders two references with the settings `like`, except for seeds and the number of camera
+    /// rays.
     ///
     /// Makes passes until each reference has taken at least `seconds` of processor time. After each
     /// pass, calls `after` with the number of passes and the elapsed fraction of `seconds`. Returns
@@ -154,7 +156,7 @@ impl ReferencePictures {
         Self::new(source, a?, Some(b?)).map(Some)
     }
 
-    /// Both reference pictures. They are equal if a single reference is taken as exact.
+    /// Returns both reference pictures. They are equal if a single reference is taken as exact.
     #[must_use]
     pub fn both_reference_pictures(&self) -> &[Image; 2] {
         &self.pair
@@ -174,8 +176,8 @@ impl ReferencePictures {
         &self.mean
     }
 
-    /// Scale of relative errors, from the mean of both references.
-    pub(super) fn relative_scale(&self) -> &RelativeScale {
+    /// Returns the pixel weights of relative errors, made from the mean of both references.
+    pub(super) fn relative_error_weights(&self) -> &RelativeErrorWeights {
         &self.scale
     }
 
@@ -201,9 +203,9 @@ fn read_reference(path: &Path, wanted: (u32, u32)) -> Result<Image, ReferenceErr
     Ok(image)
 }
 
-/// Returns the algorithm for rendering references, and the reason for it.
+/// Returns the algorithm for rendering references, and the reason for it as text.
 ///
-/// It is `hybrid` if the scene has caustics, which `path` may miss. Else it is `path`.
+/// The algorithm is `hybrid` if the scene has caustics, which `path` may miss, else `path`.
 #[must_use]
 pub fn reference_algorithm(scene: &Scene, overrides: EffectOverrides) -> (Algorithm, &'static str) {
     let plan = Plan::new(scene, Algorithm::Hybrid.supported_effects(), overrides);

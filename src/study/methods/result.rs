@@ -1,42 +1,42 @@
-//! Results of a study of methods.
+//! Results of a study of methods: error, noise, bias and cost of each method by number of passes.
 
 use crate::image::Image;
 use crate::integrate::Algorithm;
 use serde::Serialize;
 
-/// Measurements of a method after a number of passes.
+/// Error, noise, bias and cost of a rendering method after a number of passes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ConvergenceCheckpoint {
     /// Number of passes of each seed.
     pub passes: u32,
-    /// Processor time of these passes, without setup, mean over seeds \[s].
+    /// Processor time of all passes so far, without setup, mean over seeds \[s].
     pub seconds: f64,
-    /// Wall time of these passes, without setup, mean over seeds \[s].
+    /// Wall time of all passes so far, without setup, mean over seeds \[s].
     pub wall: f64,
-    /// Number of rays of all kinds, mean over seeds.
+    /// Number of rays of all kinds so far, mean over seeds.
     pub rays: f64,
-    /// Number of emitted photon paths, mean over seeds.
+    /// Number of photon paths emitted so far, mean over seeds.
     pub photons: f64,
-    /// Relative squared error of each seed's picture, on the
-    /// [`RelativeScale`](crate::image::RelativeScale).
+    /// Relative squared error of each seed's picture, see
+    /// [`RelativeErrorWeights`](crate::image::RelativeErrorWeights).
     ///
-    /// The noise of the references does not bias this estimate, so it may be negative.
+    /// The noise of the references cancels in the estimate, so a small error may be estimated as
+    /// negative.
     pub squares: Vec<f64>,
-    /// Relative squared noise: variance between seeds, on the same scale as `squares`.
+    /// Relative squared noise: variance between seeds, weighted like `squares`.
     pub noise2: f64,
-    /// One value per seed, whose mean is `noise2`.
+    /// Estimate of the relative squared noise from each seed; the mean over seeds is `noise2`.
     ///
     /// With S seeds, the value is S/(S − 1) times the relative squared difference between the
     /// seed's picture and the mean over seeds. The list is empty with one seed.
     pub noises: Vec<f64>,
-    /// Relative squared bias: mean of `squares` minus `noise2`.
-    ///
-    /// The estimate is unbiased, so it may be negative.
+    /// Relative squared bias: mean of `squares` minus `noise2`. The estimate may be negative.
     pub bias2: f64,
     /// Square of the relative error that the renderer itself estimates, for each seed with a finite
     /// estimate.
     pub estimated: Vec<f64>,
-    /// Root mean square difference from the reference over pixels, channels and seeds \[W/(m² sr)].
+    /// Root mean square error over pixels, channels and seeds \[W/(m² sr)], without the noise of
+    /// the references; 0 if noise makes the estimated square negative.
     pub rmse: f64,
     /// Mean ꟻLIP error of the first seed's picture against the reference, in \[0, 1].
     pub flip: f64,
@@ -49,16 +49,16 @@ impl ConvergenceCheckpoint {
         self.squares.iter().sum::<f64>() / self.squares.len().max(1) as f64
     }
 
-    /// Square of the relative error that the renderer itself estimates, mean over seeds; `None` if
-    /// there is no estimate.
+    /// Square of the relative error that the renderer itself estimates, mean over seeds with an
+    /// estimate; `None` if no seed has one.
     #[must_use]
-    pub fn mean_estimated_square(&self) -> Option<f64> {
+    pub fn mean_square_of_estimated_error(&self) -> Option<f64> {
         let n = self.estimated.len() as f64;
         (n > 0.0).then(|| self.estimated.iter().sum::<f64>() / n)
     }
 }
 
-/// Results of one method.
+/// Measured convergence of one rendering method: an algorithm with its settings.
 #[derive(Clone, Debug)]
 pub struct MethodResult {
     /// Unique label, such as `sppm` or `sppm --gather-k 20`.
@@ -69,13 +69,14 @@ pub struct MethodResult {
     pub command: String,
     /// Processor time of preparing the integrator of the first seed, with pilots \[s].
     pub setup: f64,
-    /// Parameter α of the radius law (Knaus and Zwicker 2011); 1 for fixed radii.
+    /// Exponent α of the radius law (Knaus and Zwicker 2011); 1 for fixed radii.
     pub alpha: f64,
-    /// Largest gather radius in the first pass of the indirect and of the caustic map \[length].
+    /// Largest gather radii of the first pass: of the indirect map and of the caustic map
+    /// \[length].
     ///
     /// `None` if the algorithm has no photons.
     pub radii: Option<[f32; 2]>,
-    /// Checkpoints in the order of passes, which are powers of two except at the last checkpoint.
+    /// Checkpoints after 1, 2, 4, 8 … passes and after the last pass.
     pub checkpoints: Vec<ConvergenceCheckpoint>,
     /// Picture of the first seed at the last checkpoint.
     pub picture: Image,
@@ -97,7 +98,7 @@ pub struct GroundTruth {
     pub picture: Image,
 }
 
-/// Results of a study of methods.
+/// Measured convergence of all rendering methods that a study compares.
 #[derive(Clone, Debug)]
 pub struct MethodStudyResult {
     /// Path of the scene file.
@@ -116,10 +117,10 @@ pub struct MethodStudyResult {
     ///
     /// Below 0.9, other programs disturbed the measurement. It is 1 if processor time is unknown.
     pub share: f64,
-    /// Reference picture.
+    /// Reference that errors are measured against.
     pub truth: GroundTruth,
     /// Results of each method.
     pub methods: Vec<MethodResult>,
-    /// True if the study was interrupted before its limits.
+    /// True if the study was interrupted before it reached its limits.
     pub interrupted: bool,
 }

@@ -1,8 +1,8 @@
 //! Runs the methods of a study in turns, one pass at a time.
 
 use super::clock::{ClockFn, measure_time, system_clock};
-use super::split::{mean_pixel, pixel_errors, separate_noise_and_bias};
-use super::variant::{MethodVariantError, check_variants};
+use super::split::{mean_pixel_over_pictures, pixel_errors, separate_noise_and_bias};
+use super::variant::{MethodVariantError, check_method_variants};
 use super::{
     ConvergenceCheckpoint, CpuWallTime, MethodResult, MethodStudyResult, MethodVariant, ReferencePictures, StudiedScene,
 };
@@ -18,12 +18,12 @@ use crate::stats::cpu_seconds;
 use crate::study::StudyError;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Minimum ratio of the numbers of passes at the last two checkpoints. At a smaller ratio, the
-/// earlier checkpoint is dropped.
+/// Smallest ratio of the numbers of passes at a method's last two checkpoints. If the ratio is
+/// smaller, the earlier checkpoint is dropped.
 const MIN_CHECKPOINT_RATIO: f64 = 1.3;
 
-/// Memory of a film and its error estimator \[bytes per pixel].
-const BYTES_PER_FILM_PIXEL: u64 = 24 + 192;
+/// Memory of a film (48) and its error estimator (176) \[bytes per pixel].
+const BYTES_PER_FILM_PIXEL: u64 = 48 + 176;
 
 /// Memory of a picture \[bytes per pixel].
 const BYTES_PER_PICTURE_PIXEL: u64 = 12;
@@ -31,29 +31,30 @@ const BYTES_PER_PICTURE_PIXEL: u64 = 12;
 /// Limits at which the methods of a study stop. Each method makes at least one pass.
 #[derive(Clone, Copy, Debug)]
 pub struct StudyLimits {
-    /// Processor time per seed \[s]. A method stops after the pass in which its mean time over
-    /// seeds reaches this limit.
+    /// Processor time per seed \[s]. A method stops after the pass in which its processor time,
+    /// averaged over seeds, reaches this limit.
     pub budget: f64,
     /// Largest number of passes; `None` without a limit.
     pub passes: Option<u32>,
 }
 
-/// Progress event of a study.
+/// Progress event of a study that compares rendering methods.
 #[derive(Clone, Copy, Debug)]
 pub enum MethodStudyEvent<'s> {
-    /// A round ended: one pass of each seed of each running method. Holds the number of rounds.
+    /// Each method that still runs has made one more pass with each seed. Holds the number of
+    /// passes.
     Round(u32),
-    /// A method reached a checkpoint. Holds the method's label and the checkpoint.
+    /// A method was measured at a checkpoint. Holds the method's label and the checkpoint.
     Checkpoint(&'s str, &'s ConvergenceCheckpoint),
 }
 
 /// Function that prepares an integrator with the given seed.
 pub(super) type IntegratorFactory<'a> = Box<dyn Fn(u64) -> Box<dyn Integrator + 'a> + 'a>;
 
-/// Prepared study of methods.
+/// Study that is ready to measure the convergence of rendering methods.
 ///
-/// The integrator of each method's first seed is prepared at once. Those of the other seeds are
-/// prepared in the first round. They stay in memory while their method runs.
+/// The integrator of each method's first seed is prepared in advance. The integrators of the other
+/// seeds are prepared when they make their first pass. All stay in memory while their method runs.
 pub struct MethodStudy<'a> {
     size: (u32, u32),
     seeds: u32,
@@ -61,7 +62,7 @@ pub struct MethodStudy<'a> {
     runs: Vec<MethodRun<'a>>,
 }
 
-/// State of one method during a study.
+/// State of one rendering method while a study runs: its seeds, times and checkpoints.
 struct MethodRun<'a> {
     variant: MethodVariant,
     make: IntegratorFactory<'a>,
@@ -78,7 +79,7 @@ struct MethodRun<'a> {
     last: Option<FinalPictures>,
 }
 
-/// State of one seed of a method.
+/// State of one seed of a rendering method: integrator, film and error estimator.
 struct SeedRun<'a> {
     /// Integrator of this seed; `None` before the first pass, except for the first seed.
     integrator: Option<Box<dyn Integrator + 'a>>,
@@ -87,7 +88,7 @@ struct SeedRun<'a> {
     estimator: Option<ErrorEstimator>,
 }
 
-/// Pictures of a method at its last checkpoint; see [`MethodResult`].
+/// Pictures of a rendering method at its last checkpoint; see [`MethodResult`].
 struct FinalPictures {
     passes: u32,
     picture: Image,
@@ -96,9 +97,9 @@ struct FinalPictures {
 }
 
 impl<'a> MethodStudy<'a> {
-    /// Prepares a study of `variants` with `seeds` consecutive seeds each.
+    /// Prepares a study of `variants` with `seeds` seeds each.
     ///
-    /// The first seed is that of the variant's settings.
+    /// Seeds are consecutive, from the seed of the variant's settings on.
     ///
     /// # Errors
     /// [`MethodVariantError`] if there is no variant, if labels repeat, or if `seeds` is below two.
@@ -123,7 +124,7 @@ impl<'a> MethodStudy<'a> {
         clock: ClockFn<'a>,
     ) -> Result<Self, MethodVariantError> {
         let (named, makers): (Vec<_>, Vec<_>) = variants.into_iter().unzip();
-        check_variants(&named, seeds)?;
+        check_method_variants(&named, seeds)?;
         let runs = named.into_iter().zip(makers).map(|(variant, make)| {
             let (first, setup) = measure_time(&clock, || make(variant.settings.camera_paths.seed));
             let (radii, expected) = (first.gather_radii(), first.expected_photons());
@@ -149,9 +150,10 @@ impl<'a> MethodStudy<'a> {
         Ok(Self { size, seeds, clock, runs })
     }
 
-    /// Largest expected numbers of photons of a pass, over all methods. They determine its memory.
+    /// Returns the expected photon counts of a pass, each as the maximum over all methods of the
+    /// study.
     #[must_use]
-    pub fn largest_expected_photons(&self) -> ExpectedPhotons {
+    pub fn max_expected_photon_counts(&self) -> ExpectedPhotons {
         self.runs.iter().map(|run| run.expected).fold(ExpectedPhotons::default(), |a, b| ExpectedPhotons {
             paths: a.paths.max(b.paths),
             photons: a.photons.max(b.photons),
@@ -159,7 +161,8 @@ impl<'a> MethodStudy<'a> {
         })
     }
 
-    /// Memory of all pictures of a study \[bytes], for a number of variants and of seeds.
+    /// Returns the memory of all pictures of a study \[bytes], for a number of variants and of
+    /// seeds.
     #[must_use]
     pub fn study_picture_bytes((width, height): (u32, u32), variants: usize, seeds: u32) -> u64 {
         let (variants, seeds) = (variants as u64, u64::from(seeds));
@@ -190,7 +193,7 @@ impl<'a> MethodStudy<'a> {
     ) -> Result<MethodStudyResult, StudyError> {
         let (mut round, mut cut) = (0u32, false);
         while self.runs.iter().any(|run| run.last.is_none()) {
-            self.run_round(round, monitor);
+            self.run_one_pass_per_seed(round, monitor);
             round += 1;
             after(MethodStudyEvent::Round(round));
             let asked = interrupted.load(Ordering::Relaxed);
@@ -207,11 +210,11 @@ impl<'a> MethodStudy<'a> {
         Ok(self.into_result(subject, limits, references, cut))
     }
 
-    /// Makes one pass of each seed of each running method.
+    /// Makes one pass of each seed of each method that still runs.
     ///
-    /// Each round starts at another method and seed. So a temporary slowdown of the machine affects
+    /// Each call starts at another method and seed. So a temporary slowdown of the machine affects
     /// all methods equally.
-    fn run_round(&mut self, pass: u32, monitor: &dyn ProgressMonitor) {
+    fn run_one_pass_per_seed(&mut self, pass: u32, monitor: &dyn ProgressMonitor) {
         let seeds = self.seeds as usize;
         let running = (0..self.runs.len()).filter(|i| self.runs[*i].last.is_none());
         let turns: Vec<(usize, usize)> = running.flat_map(|run| (0..seeds).map(move |seed| (run, seed))).collect();
@@ -267,10 +270,10 @@ impl MethodRun<'_> {
         self.photons += pass.unaimed.emitted + pass.aimed.emitted;
     }
 
-    /// Measures the pictures of all seeds after `passes` passes, and adds a checkpoint.
+    /// Measures the pictures of all seeds after `passes` passes. Adds a checkpoint and returns it.
     ///
-    /// `last` is true at the end of the method. The previous checkpoint is then dropped if it is
-    /// close.
+    /// `last` is true when the method ends. The previous checkpoint is then dropped if it has
+    /// almost as many passes ([`MIN_CHECKPOINT_RATIO`]).
     fn add_checkpoint(
         &mut self,
         passes: u32,
@@ -306,8 +309,10 @@ impl MethodRun<'_> {
         if last {
             self.checkpoints.pop_if(|before| f64::from(passes) < MIN_CHECKPOINT_RATIO * f64::from(before.passes));
             let truth = references.mean().pixels();
-            let differences =
-                truth.iter().enumerate().map(|(i, t)| (mean_pixel(&pictures, i) - t.as_dvec3()).as_vec3());
+            let differences = truth
+                .iter()
+                .enumerate()
+                .map(|(i, t)| (mean_pixel_over_pictures(&pictures, i) - t.as_dvec3()).as_vec3());
             let difference = image(differences.collect())?;
             let error = pixel_errors(references, &pictures);
             let picture = image(pictures.into_iter().next().unwrap_or_default())?;
@@ -321,7 +326,7 @@ impl MethodRun<'_> {
     fn into_result(self, subject: &StudiedScene) -> Option<MethodResult> {
         let FinalPictures { passes, picture, error, difference } = self.last?;
         Some(MethodResult {
-            command: subject.render_command(&self.variant, passes),
+            command: subject.render_command_line(&self.variant, passes),
             label: self.variant.label,
             algorithm: self.variant.algorithm,
             setup: self.setup,

@@ -24,12 +24,12 @@ pub(super) fn separate_noise_and_bias(references: &ReferencePictures, pictures: 
     let seeds = pictures.len() as f64;
     let (mut squares, mut noises) = (vec![0.0; pictures.len()], vec![0.0; pictures.len()]);
     let mut plain = 0.0;
-    let scale = references.relative_scale();
+    let scale = references.relative_error_weights();
     let count = scale.pixel_weights().len();
     // The mean over seeds contains each picture, which reduces the variance by this factor.
     let whole = seeds / (seeds - 1.0);
     for i in 0..count {
-        let mean = mean_pixel(pictures, i);
+        let mean = mean_pixel_over_pictures(pictures, i);
         for ((square, noise), picture) in squares.iter_mut().zip(&mut noises).zip(pictures) {
             let pixel = picture[i].as_dvec3();
             let error = references.unbiased_squared_error(i, pixel);
@@ -46,15 +46,15 @@ pub(super) fn separate_noise_and_bias(references: &ReferencePictures, pictures: 
     NoiseAndBias { squares, noises, noise2, bias2, rmse }
 }
 
-/// Mean of pixel `i` over `pictures`.
-pub(super) fn mean_pixel(pictures: &[Vec<Rgb>], i: usize) -> DVec3 {
+/// Returns the mean of pixel `i` over `pictures`.
+pub(super) fn mean_pixel_over_pictures(pictures: &[Vec<Rgb>], i: usize) -> DVec3 {
     pictures.iter().map(|picture| picture[i].as_dvec3()).sum::<DVec3>() / pictures.len() as f64
 }
 
-/// Relative error of each pixel: root mean square over seeds; 0 if the estimated mean square is
-/// negative.
+/// Returns the relative error of each pixel: root mean square over seeds; 0 if the estimated mean
+/// square is negative.
 pub(super) fn pixel_errors(references: &ReferencePictures, pictures: &[Vec<Rgb>]) -> Vec<f32> {
-    let scale = references.relative_scale();
+    let scale = references.relative_error_weights();
     let square = |i: usize| {
         let counts = |picture: &Vec<Rgb>| {
             scale.clamped_relative_product(i, references.unbiased_squared_error(i, picture[i].as_dvec3()))

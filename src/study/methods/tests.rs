@@ -51,8 +51,8 @@ fn assert_near(found: f64, expected: f64, sigma: f64) {
     assert!((found - expected).abs() < 4.0 * sigma, "{found} is not {expected} ± {sigma}");
 }
 
-/// At radiance 1, the relative squared error of an error e is e²/2. The product of two errors of
-/// variance v has a standard deviation of about v.
+/// At radiance 1, an error e has the relative squared error e²/2. The product of two independent
+/// errors of variance v has a standard deviation of about v.
 #[test]
 fn noise_and_bias_are_separated() {
     let (bias, sigma, reference) = (0.1, 0.2, 0.2);
@@ -101,7 +101,7 @@ struct SyntheticMethod {
 const FAST_METHOD: SyntheticMethod = SyntheticMethod { bias: 0.0, sigma: 0.5, cost: 0.2, interrupts: false };
 const SLOW_METHOD: SyntheticMethod = SyntheticMethod { bias: 0.1, sigma: 0.1, cost: 0.8, interrupts: false };
 
-/// Clock, log and interruption flag that all synthetic methods of a test share.
+/// Clock, log and interruption flag of a test, which its synthetic methods share.
 #[derive(Default)]
 struct SyntheticStudyState {
     time: Mutex<CpuWallTime>,
@@ -174,7 +174,7 @@ fn run_synthetic_study<'w>(
     found
 }
 
-fn checkpoint_passes(found: &MethodStudyResult, method: usize) -> Vec<u32> {
+fn checkpoint_pass_counts(found: &MethodStudyResult, method: usize) -> Vec<u32> {
     found.methods[method].checkpoints.iter().map(|c| c.passes).collect()
 }
 
@@ -186,8 +186,8 @@ fn methods_run_until_their_budget() {
     let world = SyntheticStudyState::default();
     let found =
         run_synthetic_study(&world, &[SLOW_METHOD, FAST_METHOD], StudyLimits { budget: 6.0 - 1e-9, passes: None });
-    assert_eq!(checkpoint_passes(&found, 0), [1, 2, 4, 6]);
-    assert_eq!(checkpoint_passes(&found, 1), [1, 2, 4, 8, 16, 24]);
+    assert_eq!(checkpoint_pass_counts(&found, 0), [1, 2, 4, 6]);
+    assert_eq!(checkpoint_pass_counts(&found, 1), [1, 2, 4, 8, 16, 24]);
     let last = found.methods[0].checkpoints.last().unwrap();
     assert!((last.seconds - 6.0).abs() < 1e-9 && (last.rays - 6.0 * 15.5).abs() < 1e-9 && last.photons == 900.0);
     assert!((last.wall * 0.8 * rayon::current_num_threads() as f64 - 6.0).abs() < 1e-9);
@@ -202,19 +202,25 @@ fn close_last_checkpoints_are_merged() {
         &[SLOW_METHOD, FAST_METHOD],
         StudyLimits { budget: 5.0 - 1e-9, passes: None },
     );
-    assert_eq!((checkpoint_passes(&found, 0), checkpoint_passes(&found, 1)), (vec![1, 2, 5], vec![1, 2, 4, 8, 20]));
+    assert_eq!(
+        (checkpoint_pass_counts(&found, 0), checkpoint_pass_counts(&found, 1)),
+        (vec![1, 2, 5], vec![1, 2, 4, 8, 20])
+    );
     let capped = run_synthetic_study(
         &SyntheticStudyState::default(),
         &[SLOW_METHOD, FAST_METHOD],
         StudyLimits { budget: 5.0 - 1e-9, passes: Some(6) },
     );
-    assert_eq!((checkpoint_passes(&capped, 0), checkpoint_passes(&capped, 1)), (vec![1, 2, 5], vec![1, 2, 4, 6]));
+    assert_eq!(
+        (checkpoint_pass_counts(&capped, 0), checkpoint_pass_counts(&capped, 1)),
+        (vec![1, 2, 5], vec![1, 2, 4, 6])
+    );
     let least = run_synthetic_study(
         &SyntheticStudyState::default(),
         &[SLOW_METHOD, FAST_METHOD],
         StudyLimits { budget: 0.0, passes: None },
     );
-    assert_eq!((checkpoint_passes(&least, 0), checkpoint_passes(&least, 1)), (vec![1], vec![1]));
+    assert_eq!((checkpoint_pass_counts(&least, 0), checkpoint_pass_counts(&least, 1)), (vec![1], vec![1]));
 }
 
 #[test]
@@ -235,7 +241,7 @@ fn interrupted_method_studies_finish_their_round() {
         StudyLimits { budget: 100.0, passes: None },
     );
     assert!(found.interrupted);
-    assert_eq!((checkpoint_passes(&found, 0), checkpoint_passes(&found, 1)), (vec![1, 2, 3], vec![1, 2, 3]));
+    assert_eq!((checkpoint_pass_counts(&found, 0), checkpoint_pass_counts(&found, 1)), (vec![1, 2, 3], vec![1, 2, 3]));
     // In the last round of all, nothing is missing.
     let whole = run_synthetic_study(
         &SyntheticStudyState::default(),
@@ -289,7 +295,10 @@ fn reference_algorithm_depends_on_caustics() {
     let (diffuse_sphere_on_floor, glass) = (diffuse_sphere_on_floor(8, 6), glass_sphere_on_floor(8, 6));
     assert_eq!(reference_algorithm(&diffuse_sphere_on_floor, EffectOverrides::PLANNED).0, Algorithm::Path);
     assert_eq!(reference_algorithm(&glass, EffectOverrides::PLANNED).0, Algorithm::Hybrid);
-    assert_eq!(reference_algorithm(&glass, EffectOverrides::PLANNED.without(Effect::Caustics)).0, Algorithm::Path);
+    assert_eq!(
+        reference_algorithm(&glass, EffectOverrides::PLANNED.without_effect(Effect::Caustics)).0,
+        Algorithm::Path
+    );
     let render = |seed, interrupted| {
         let like = CameraPathSettings { seed, ..CameraPathSettings::default() };
         ReferencePictures::render(

@@ -4,7 +4,7 @@ use crate::integrate::{Algorithm, Settings};
 use crate::plan::{Effect, EffectOverrides, Plan};
 use crate::scene::Scene;
 
-/// Method of a study: an algorithm with its settings.
+/// Rendering method that a study measures: an algorithm with its settings.
 #[derive(Clone, Debug)]
 pub struct MethodVariant {
     /// Unique label, such as `sppm` or `sppm --gather-k 20`.
@@ -17,7 +17,7 @@ pub struct MethodVariant {
     pub flags: Vec<String>,
 }
 
-/// Reason why methods cannot be compared.
+/// Reason why a study cannot compare the given rendering methods.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MethodVariantError {
     /// The list of methods is empty.
@@ -31,7 +31,7 @@ pub enum MethodVariantError {
     OneSeed,
 }
 
-pub(super) fn check_variants(variants: &[MethodVariant], seeds: u32) -> Result<(), MethodVariantError> {
+pub(super) fn check_method_variants(variants: &[MethodVariant], seeds: u32) -> Result<(), MethodVariantError> {
     if variants.is_empty() {
         return Err(MethodVariantError::None);
     }
@@ -72,13 +72,13 @@ mod tests {
 
     #[test]
     fn method_labels_and_seed_counts_are_checked() {
-        assert_eq!(check_variants(&[variant_with_label("a"), variant_with_label("b")], 2), Ok(()));
+        assert_eq!(check_method_variants(&[variant_with_label("a"), variant_with_label("b")], 2), Ok(()));
         assert_eq!(
-            check_variants(&[variant_with_label("a"), variant_with_label("b"), variant_with_label("a")], 2),
+            check_method_variants(&[variant_with_label("a"), variant_with_label("b"), variant_with_label("a")], 2),
             Err(MethodVariantError::Twice("a".into()))
         );
         assert_eq!(
-            (check_variants(&[], 2), check_variants(&[variant_with_label("a")], 1)),
+            (check_method_variants(&[], 2), check_method_variants(&[variant_with_label("a")], 1)),
             (Err(MethodVariantError::None), Err(MethodVariantError::OneSeed))
         );
     }
@@ -91,7 +91,7 @@ mod tests {
             [Path, Pm, Ppm, Sppm, Hybrid]
         );
         assert_eq!(applicable_methods(&diffuse_sphere_on_floor(4, 3), EffectOverrides::PLANNED), [Path, Pm, Ppm, Sppm]);
-        let without = EffectOverrides::PLANNED.without(Effect::Caustics);
+        let without = EffectOverrides::PLANNED.without_effect(Effect::Caustics);
         assert_eq!(applicable_methods(&glass_sphere_on_floor(4, 3), without), [Path, Pm, Ppm, Sppm]);
     }
 }

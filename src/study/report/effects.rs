@@ -11,10 +11,10 @@ use crate::image::Image;
 use crate::study::{ClockKind, EffectResult, EffectStudyResult, StudyError};
 use std::fmt::Write;
 
-/// Minimum ratio of the smaller to the larger of two parts, added light and removed light, for the
-/// smaller one to be shown.
+/// Smallest ratio of removed to added light, or of added to removed light, at which a report shows
+/// both.
 ///
-/// A smaller part is mostly noise.
+/// A smaller amount is mostly noise.
 const MIN_SHOWN_PART: f64 = 0.1;
 
 const STYLE: &str = "\
@@ -32,7 +32,7 @@ article { border-top: 1px solid #8886; padding: 1.5rem 0; }
 p { max-width: 48rem; } dl { display: grid; grid-template-columns: max-content 1fr; gap: .25rem 1rem; } dt { font-weight: 600; } dd { margin: 0; }
 ";
 
-/// Facts about a study of effects that its report states besides the results.
+/// Scene and settings that the report of a study of effects shows at its top.
 #[derive(Clone, Debug)]
 pub struct ReportContext {
     /// Name of the scene.
@@ -41,7 +41,7 @@ pub struct ReportContext {
     pub integrator: &'static str,
     /// Seed of all pictures.
     pub seed: u64,
-    /// Exposure of the whole picture \[stops].
+    /// Exposure of the picture with all effects \[stops].
     pub exposure: f32,
 }
 
@@ -99,7 +99,7 @@ fn picture_figure_html(image: &Image, exposure: f32, words: &str, caption: &str)
     Ok(format!("<figure>{image}\n<figcaption>{}</figcaption></figure>\n", escape_html(caption)))
 }
 
-fn share_of_mean_text(of_mean: f64, mean: f64) -> String {
+fn percent_of_mean_text(of_mean: f64, mean: f64) -> String {
     if mean > 0.0 { percent_text(of_mean / mean) } else { three_digit_text(of_mean) }
 }
 
@@ -129,8 +129,8 @@ fn effects_table_html(findings: &EffectStudyResult) -> String {
             signed_count_text(cost.gathered_photons),
             three_digit_text(gain.rmse),
             gain.relative_rmse.map_or("–".to_owned(), percent_text),
-            share_of_mean_text(gain.adds, findings.mean),
-            share_of_mean_text(gain.takes, findings.mean),
+            percent_of_mean_text(gain.adds, findings.mean),
+            percent_of_mean_text(gain.takes, findings.mean),
         ];
         let _ = write!(table, "<tr><th scope=\"row\"><a href=\"#{0}\">{0}</a></th>", decision.effect);
         table += &number_cells_html(&cells);
@@ -164,7 +164,7 @@ fn effect_article_html(finding: &EffectResult) -> Result<String, StudyError> {
     let EffectResult { decision, cost, gain, difference, .. } = finding;
     let effect = decision.effect;
     let mut article = format!("<article id=\"{effect}\">\n<h3>{effect}</h3>\n<dl>\n");
-    let because = if decision.is_forced() {
+    let because = if decision.is_forced_by_user() {
         format!("forced; the scene does not need it: {}", decision.reason)
     } else {
         decision.reason.to_string()
@@ -211,7 +211,7 @@ fn omitted_effects_html(findings: &EffectStudyResult) -> String {
     let mut list = "<h2>Not simulated</h2>\n<dl>\n".to_owned();
     for decision in off {
         let reason = escape_html(&decision.reason.to_string());
-        let text = if decision.is_forced() {
+        let text = if decision.is_forced_by_user() {
             format!("forced off, though {reason}: {}", decision.effect.symptom_if_missing())
         } else {
             reason

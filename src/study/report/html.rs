@@ -27,7 +27,7 @@ pub(super) fn inline_png(png: &[u8], (width, height): (u32, u32), words: &str) -
     format!("<img src=\"data:image/png;base64,{data}\" width=\"{width}\" height=\"{height}\" alt=\"{words}\"/>")
 }
 
-/// Cells of an HTML table row that hold numbers; escapes their text.
+/// Returns HTML table cells that hold numbers; escapes their text.
 pub(super) fn number_cells_html(cells: &[String]) -> String {
     cells.iter().map(|cell| format!("<td class=\"n\">{}</td>", escape_html(cell))).collect()
 }
@@ -42,7 +42,7 @@ mod tests {
     }
 
     #[test]
-    fn inline_pictures_are_base64() {
+    fn inline_pictures_are_data_urls() {
         let image = inline_png(b"\x89PNG", (2, 1), "a \"b\"");
         assert_eq!(
             image,

@@ -1,6 +1,6 @@
 //! Error maps: colour ramps, their scales, and windows with the largest errors.
 
-use crate::image::{Image, RelativeScale, SizeError};
+use crate::image::{Image, PictureSizeError, RelativeErrorWeights};
 use crate::study::methods::MethodResult;
 use glam::{DVec3, Vec3};
 
@@ -64,8 +64,9 @@ pub(super) fn color_scale_maximum(values: impl Iterator<Item = f64>) -> Option<f
     Some(up * decade)
 }
 
-/// Draws the relative error of each pixel by a logarithmic colour ramp from `most` / 100 to `most`.
-pub(super) fn error_map(method: &MethodResult, most: f64) -> Result<Image, SizeError> {
+/// Draws the relative error of each pixel by a logarithmic colour ramp, which ends at the error
+/// `most`.
+pub(super) fn error_map(method: &MethodResult, most: f64) -> Result<Image, PictureSizeError> {
     let colour = |e: &f32| {
         let e = f64::from(*e);
         if e > 0.0 {
@@ -78,17 +79,18 @@ pub(super) fn error_map(method: &MethodResult, most: f64) -> Result<Image, SizeE
     Image::from_pixels(picture.width(), picture.height(), method.error.iter().map(colour).collect())
 }
 
-/// Returns the relative difference of each pixel: its mean over channels, divided by the local
-/// `scale` of the reference.
-pub(super) fn relative_differences(difference: &Image, scale: &RelativeScale) -> Vec<f64> {
+/// Returns the relative difference of each pixel: the mean of `difference` over channels, divided
+/// by the radiance that the reference has around the pixel ([`RelativeErrorWeights`]).
+pub(super) fn relative_differences(difference: &Image, scale: &RelativeErrorWeights) -> Vec<f64> {
     // Weights contain a factor of 1/3 for the mean over channels.
     let pairs = difference.pixels().iter().zip(scale.pixel_weights());
     pairs.map(|(d, w)| d.as_dvec3().element_sum() / 3.0 * (3.0 * w).sqrt()).collect()
 }
 
-/// Draws relative differences by a colour ramp from −`most` to `most`. The picture has the size of
-/// `method`'s picture.
-pub(super) fn difference_map(method: &MethodResult, relative: &[f64], most: f64) -> Result<Image, SizeError> {
+/// Draws signed relative differences by a colour ramp from −`most` to `most`.
+///
+/// `relative` holds a difference for each pixel of `method`'s picture.
+pub(super) fn difference_map(method: &MethodResult, relative: &[f64], most: f64) -> Result<Image, PictureSizeError> {
     let picture = &method.picture;
     Image::from_pixels(
         picture.width(),
@@ -108,7 +110,7 @@ pub(super) struct PixelWindow {
 
 impl PixelWindow {
     /// Copies the pixels of `image` inside the window.
-    pub(super) fn crop_image(self, image: &Image) -> Result<Image, SizeError> {
+    pub(super) fn crop_image(self, image: &Image) -> Result<Image, PictureSizeError> {
         let pixels = (self.y..self.y + self.height)
             .flat_map(|y| (self.x..self.x + self.width).map(move |x| image.get(x, y).unwrap_or(Vec3::ZERO)));
         Image::from_pixels(self.width, self.height, pixels.collect())

@@ -4,7 +4,7 @@ use crate::image::{Image, MAX_EXPOSURE_STOPS, OutputFormat, ToneCurve, ToneMap, 
 use crate::study::StudyError;
 use glam::Vec3;
 
-/// Fraction of the non-black pixels that may be clipped.
+/// Fraction of the non-black pixels that automatic exposure may clip.
 const MAX_CLIPPED_FRACTION: f64 = 0.01;
 
 /// Bytes of `image` as a PNG at an exposure of `stops`.

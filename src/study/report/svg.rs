@@ -26,11 +26,13 @@ pub(super) enum LineStyle {
     Dotted,
 }
 
-/// Measured line of a plot. Points with a coordinate that is not positive and finite are skipped.
+/// Line and markers of one data series in a plot.
+///
+/// Points with a coordinate that is not positive and finite are skipped.
 #[derive(Clone, Debug)]
 pub(super) struct PlotSeries {
     pub(super) label: String,
-    /// Index of colour and marker.
+    /// Index of the series, which selects its colour and marker.
     pub(super) style: usize,
     pub(super) stroke: LineStyle,
     pub(super) points: Vec<(f64, f64)>,
@@ -38,13 +40,13 @@ pub(super) struct PlotSeries {
     pub(super) bars: Vec<Option<[f64; 2]>>,
 }
 
-/// Reference line with a given slope through a point.
+/// Straight guide line in a log-log plot, with a given slope and through a given point.
 #[derive(Clone, Debug)]
 pub(super) struct SlopeGuideLine {
     pub(super) label: String,
     pub(super) slope: f64,
     pub(super) through: (f64, f64),
-    /// True if the label is below the line, because the measured line is above it.
+    /// True to put the label below the guide line, because the measured line is above it.
     pub(super) below: bool,
 }
 
@@ -73,11 +75,12 @@ struct LogAxis {
 }
 
 impl LogAxis {
-    /// Makes an axis that contains all positive finite values with a margin; `None` if there are
-    /// none.
+    /// Makes an axis between two page positions (`from`, `to`) \[px] that contains all positive
+    /// finite values with a margin; `None` if there are none.
     fn axis_around_values(values: impl Iterator<Item = f64>, (from, to): (f64, f64)) -> Option<Self> {
-        let (least, most) =
-            values.filter(|v| is_drawable(*v)).fold((f64::MAX, 0.0), |(a, b): (f64, f64), v| (a.min(v), b.max(v)));
+        let (least, most) = values
+            .filter(|v| is_positive_finite(*v))
+            .fold((f64::MAX, 0.0), |(a, b): (f64, f64), v| (a.min(v), b.max(v)));
         if most <= 0.0 {
             return None;
         }
@@ -86,7 +89,7 @@ impl LogAxis {
         Some(Self { least: least / space, most: most * space, from, to })
     }
 
-    fn pixel_position(&self, value: f64) -> f64 {
+    fn position_on_axis(&self, value: f64) -> f64 {
         let part = libm::log(value / self.least) / libm::log(self.most / self.least);
         self.from + part * (self.to - self.from)
     }
@@ -110,7 +113,7 @@ impl LogAxis {
     }
 }
 
-fn is_drawable(value: f64) -> bool {
+fn is_positive_finite(value: f64) -> bool {
     value > 0.0 && value.is_finite()
 }
 
@@ -154,7 +157,9 @@ pub(super) fn plot_svg(plot: &LogLogPlot<'_>) -> Option<String> {
     let (width, height) = plot.size;
     let longest = plot.series.iter().map(|s| shortened_label(&s.label).chars().count()).max()?;
     let right = width - 18.0 - MAX_LETTER_WIDTH * longest as f64;
-    let points = || plot.series.iter().flat_map(|s| s.points.iter().filter(|p| is_drawable(p.0) && is_drawable(p.1)));
+    let points = || {
+        plot.series.iter().flat_map(|s| s.points.iter().filter(|p| is_positive_finite(p.0) && is_positive_finite(p.1)))
+    };
     let x = LogAxis::axis_around_values(points().map(|p| p.0), (58.0, right))?;
     let y = LogAxis::axis_around_values(points().map(|p| p.1), (height - 46.0, 12.0))?;
     let LogLogPlot { id, .. } = plot;
@@ -185,7 +190,7 @@ pub(super) fn plot_svg(plot: &LogLogPlot<'_>) -> Option<String> {
 
 fn draw_axes(svg: &mut String, x: &LogAxis, y: &LogAxis, (_, height): (f64, f64)) {
     for (value, has_label) in x.tick_values() {
-        let at = x.pixel_position(value);
+        let at = x.position_on_axis(value);
         let class = if has_label { "grid" } else { "grid faint" };
         let _ = writeln!(
             svg,
@@ -202,7 +207,7 @@ fn draw_axes(svg: &mut String, x: &LogAxis, y: &LogAxis, (_, height): (f64, f64)
         }
     }
     for (value, has_label) in y.tick_values() {
-        let at = y.pixel_position(value);
+        let at = y.position_on_axis(value);
         let class = if has_label { "grid" } else { "grid faint" };
         let _ = writeln!(
             svg,
@@ -235,7 +240,7 @@ fn tick_text(value: f64) -> String {
 
 fn draw_slope_guide(svg: &mut String, guide: &SlopeGuideLine, x: &LogAxis, y: &LogAxis) {
     let (x0, y0) = guide.through;
-    if !(is_drawable(x0) && is_drawable(y0)) {
+    if !(is_positive_finite(x0) && is_positive_finite(y0)) {
         return;
     }
     let height = |at: f64| y0 * libm::pow(at / x0, guide.slope);
@@ -250,7 +255,7 @@ fn draw_slope_guide(svg: &mut String, guide: &SlopeGuideLine, x: &LogAxis, y: &L
     if to <= from {
         return;
     }
-    let [(x1, y1), (x2, y2)] = [from, to].map(|at| (x.pixel_position(at), y.pixel_position(height(at))));
+    let [(x1, y1), (x2, y2)] = [from, to].map(|at| (x.position_on_axis(at), y.position_on_axis(height(at))));
     let _ = writeln!(svg, "<line class=\"guide\" x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\"/>");
     // The label stands at 35 % of the guide, on the side away from the measured line.
     let (dx, dy, anchor) = if guide.below { (-5.0, 13.0, "end") } else { (5.0, -4.0, "start") };
@@ -262,19 +267,19 @@ fn draw_slope_guide(svg: &mut String, guide: &SlopeGuideLine, x: &LogAxis, y: &L
     );
 }
 
-/// Draws a series and returns the position of its last point \[px]; `None` without points.
+/// Draws a series. Returns the position of its last point on the page \[px]; `None` without points.
 fn draw_series(svg: &mut String, series: &PlotSeries, id: &str, x: &LogAxis, y: &LogAxis) -> Option<(f64, f64)> {
     let colour = series_color(series.style);
     let mut ends = Vec::new();
     let mut markers = String::new();
     for (i, (time, error)) in series.points.iter().enumerate() {
-        if !(is_drawable(*time) && is_drawable(*error)) {
+        if !(is_positive_finite(*time) && is_positive_finite(*error)) {
             continue;
         }
-        let (px, py) = (x.pixel_position(*time), y.pixel_position(*error));
+        let (px, py) = (x.position_on_axis(*time), y.position_on_axis(*error));
         ends.push((px, py));
         if let Some([low, high]) = series.bars.get(i).copied().flatten() {
-            let [y1, y2] = [high, low].map(|v| y.pixel_position(v.clamp(0.5 * y.least, 2.0 * y.most)));
+            let [y1, y2] = [high, low].map(|v| y.position_on_axis(v.clamp(0.5 * y.least, 2.0 * y.most)));
             let _ =
                 write!(markers, "<line class=\"bar\" x1=\"{px:.1}\" x2=\"{px:.1}\" y1=\"{y1:.1}\" y2=\"{y2:.1}\"/>");
         }
@@ -301,7 +306,7 @@ fn draw_series(svg: &mut String, series: &PlotSeries, id: &str, x: &LogAxis, y: 
 /// Labels do not overlap if there is room for all.
 fn draw_series_labels(svg: &mut String, mut ends: Vec<((f64, f64), &PlotSeries)>, x: &LogAxis, y: &LogAxis) {
     ends.sort_by(|a, b| a.0.1.total_cmp(&b.0.1));
-    let heights = separate_label_heights(&ends.iter().map(|(end, _)| end.1).collect::<Vec<_>>(), (y.to + 4.0, y.from));
+    let heights = spread_label_heights(&ends.iter().map(|(end, _)| end.1).collect::<Vec<_>>(), (y.to + 4.0, y.from));
     for (((end_x, end_y), series), at) in ends.into_iter().zip(heights) {
         let colour = series_color(series.style);
         let label_x = x.to + 14.0;
@@ -324,11 +329,10 @@ fn shortened_label(label: &str) -> String {
     label.chars().take(MAX_LABEL_LETTERS - 1).chain(['…']).collect()
 }
 
-/// Moves sorted label positions apart until no labels overlap, and up if the last one is below
-/// `bottom`.
+/// Moves sorted label positions down until no labels overlap, then up until none is below `bottom`.
 ///
-/// They start at `top` or below, unless there is not enough room.
-fn separate_label_heights(heights: &[f64], (top, bottom): (f64, f64)) -> Vec<f64> {
+/// The positions start at `top` or below, unless there is too little room. All are in pixels.
+fn spread_label_heights(heights: &[f64], (top, bottom): (f64, f64)) -> Vec<f64> {
     let mut placed: Vec<f64> = Vec::with_capacity(heights.len());
     for &height in heights {
         let least = placed.last().map_or(top, |last| last + LABEL_HEIGHT);
@@ -353,7 +357,7 @@ mod tests {
 
     #[test]
     fn series_labels_do_not_overlap() {
-        let placed = separate_label_heights(&[10.0, 11.0, 12.0, 80.0, 99.0, 100.0], (10.0, 100.0));
+        let placed = spread_label_heights(&[10.0, 11.0, 12.0, 80.0, 99.0, 100.0], (10.0, 100.0));
         assert!(placed.windows(2).all(|pair| pair[1] - pair[0] >= LABEL_HEIGHT - 1e-9), "{placed:?}");
         assert!(placed[0] >= 10.0 - 1e-9 && placed[5] <= 100.0 && placed[1] == 26.0);
     }
@@ -362,9 +366,9 @@ mod tests {
     fn log_axis_decades_have_equal_length() {
         let axis = LogAxis::axis_around_values([0.01, 10.0].into_iter(), (0.0, 300.0)).unwrap();
         assert!(
-            (axis.pixel_position(1.0)
-                - axis.pixel_position(0.1)
-                - (axis.pixel_position(0.1) - axis.pixel_position(0.01)))
+            (axis.position_on_axis(1.0)
+                - axis.position_on_axis(0.1)
+                - (axis.position_on_axis(0.1) - axis.position_on_axis(0.01)))
             .abs()
                 < 1e-9
         );

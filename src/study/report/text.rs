@@ -66,15 +66,16 @@ pub fn duration_text(seconds: f64) -> String {
     // Values that would round to 60 of a unit use the next unit.
     match seconds {
         s if s.is_nan() || s < 59.95 => format!("{} s", three_digit_text(s)),
-        s if s < 3599.5 => minutes_or_hours_text(s.round(), "min", "s"),
-        s if s < 172_770.0 => minutes_or_hours_text((s / 60.0).round(), "h", "min"),
+        s if s < 3599.5 => two_unit_duration_text(s.round(), "min", "s"),
+        s if s < 172_770.0 => two_unit_duration_text((s / 60.0).round(), "h", "min"),
         s if s.is_finite() => format!("{:.0} days", s / 86_400.0),
         _ => "∞".to_owned(),
     }
 }
 
-/// Text of a number of small units as large units and the rest; 60 small units are one large unit.
-fn minutes_or_hours_text(small: f64, large_unit: &str, small_unit: &str) -> String {
+/// Text of a duration in two units, such as `4 min 10 s`. One large unit is 60 small units; `small`
+/// is the number of small units.
+fn two_unit_duration_text(small: f64, large_unit: &str, small_unit: &str) -> String {
     let (large, rest) = ((small / 60.0).floor(), small % 60.0);
     if rest == 0.0 {
         format!("{large:.0} {large_unit}")

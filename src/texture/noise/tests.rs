@@ -4,8 +4,8 @@ fn quasirandom_point(i: u32) -> DVec3 {
     DVec3::new(0.618_034, 0.414_214, 0.732_051) * f64::from(i) - 1e3
 }
 
-/// The mean is 0 by symmetry. With a standard deviation below ½ its error is below 5/(2√n) over
-/// n points.
+/// Checks that values stay in range and that their mean is 0. With a standard deviation below ½,
+/// the mean over n points errs by less than 5/(2√n).
 #[test]
 fn noise_is_bounded_with_zero_mean() {
     let n = 100_000;
@@ -24,7 +24,8 @@ fn noise_is_bounded_with_zero_mean() {
     );
 }
 
-/// Across cell faces, values 1e-6 apart differ by less than 4e-6: the slope is below 4.
+/// Compares values 1e-6 apart across cell faces. They differ by less than 4e-6, because the slope
+/// is below 4.
 #[test]
 fn noise_is_continuous() {
     for i in 0..1000 {
@@ -37,7 +38,7 @@ fn noise_is_continuous() {
 }
 
 #[test]
-fn octaves_fade_as_the_footprint_grows() {
+fn noise_octaves_fade_as_the_footprint_grows() {
     let p = DVec3::new(0.3, 0.7, 0.2);
     assert_eq!(fractal_noise(p, 0.0, 1), gradient_noise(p));
     assert_eq!(fractal_noise(p, 0.125, 2), fractal_noise(p, 0.0, 2), "two octaves are coarse enough");

@@ -11,9 +11,10 @@ fn random_image(width: u32, height: u32) -> Image {
     Image::from_pixels(width, height, (0..width * height).map(pixel).collect()).unwrap()
 }
 
-/// With two lookups a pixel, at quarters from its edges, the weights of each pixel sum to two
-/// lookups, so the sum of all lookups is that of all pixels. Coarser levels cover the same
-/// areas, so their means are the picture's. Sums have errors of n·2⁻²⁴, n < 200.
+/// Averages all lookups at each level, two per pixel side: the result is the mean of the picture.
+///
+/// Lookups lie at quarters of the pixels, so their interpolation weights sum to the same value for
+/// each pixel. All levels cover the same area. Sums have errors of n·2⁻²⁴, n < 200.
 #[test]
 fn mip_lookups_keep_the_mean_at_all_levels() {
     for (width, height) in [(8, 8), (7, 5), (1, 9), (13, 6)] {
@@ -65,7 +66,7 @@ fn picture_pixels_have_their_positions_and_wrap() {
 }
 
 #[test]
-fn negative_or_nonfinite_values_are_refused() {
+fn pictures_with_negative_or_nonfinite_values_are_refused() {
     let with = |value: f32| {
         let mut pixels = vec![Vec3::ONE; 6];
         pixels[4].y = value;

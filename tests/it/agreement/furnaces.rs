@@ -14,13 +14,13 @@ const SIZE: (u32, u32) = (12, 12);
 /// Builds a closed box of diffuse walls with radiance 1 everywhere and a ball inside.
 fn furnace_scene(albedo: Vec3, ball: Option<Material>, at: DVec3) -> Scene {
     let mut b = SceneBuilder::new();
-    let wall = b.material(if albedo == Vec3::ZERO { Material::black() } else { Material::diffuse(albedo) });
+    let wall = b.add_material(if albedo == Vec3::ZERO { Material::black() } else { Material::diffuse(albedo) });
     for face in box_faces(-DVec3::ONE, DVec3::ONE, true) {
-        b.shape(face, wall, Vec3::ONE - albedo);
+        b.add_shape(face, wall, Vec3::ONE - albedo);
     }
     if let Some(material) = ball {
-        let material = b.material(material);
-        b.shape(Shape::Sphere(Sphere::new(dvec3(0.0, 0.0, -0.3), 0.4)), material, Vec3::ZERO);
+        let material = b.add_material(material);
+        b.add_shape(Shape::Sphere(Sphere::new(dvec3(0.0, 0.0, -0.3), 0.4)), material, Vec3::ZERO);
     }
     // From (0, 0, 0.95) the view is 1.2 wide on the wall behind the ball, or lies within the ball's
     // outline.
@@ -31,7 +31,7 @@ fn lossless_materials() -> Vec<(&'static str, Material)> {
     vec![
         ("mirror", Material::mirror(Vec3::ONE)),
         ("glass", Material::dielectric(1.5, Vec3::ZERO)),
-        ("pane", Material::thin(1.5, Vec3::ONE)),
+        ("pane", Material::thin_dielectric(1.5, Vec3::ONE)),
         // |r| = |1 − ik|/|1 + ik| = 1.
         ("metal", Material::conductor(Vec3::ZERO, Vec3::splat(2.0), 0.0)),
     ]
@@ -103,13 +103,13 @@ fn glossy_material_shows_its_furnace_albedo() {
     let (kd, ks, s) = (0.4, 3.0, 12.0);
     for theta in [0.2f64, 1.1] {
         let mut b = SceneBuilder::new();
-        let black = b.material(Material::black());
-        let gloss = b.material(Material::phong(grey(kd), grey(ks), s as f32));
+        let black = b.add_material(Material::black());
+        let gloss = b.add_material(Material::phong(grey(kd), grey(ks), s as f32));
         for face in box_faces(-DVec3::ONE, DVec3::ONE, true) {
-            b.shape(face, black, Vec3::ONE);
+            b.add_shape(face, black, Vec3::ONE);
         }
         let square = Rectangle::new(dvec3(-0.4, 0.0, -0.4), DVec3::Z * 0.8, DVec3::X * 0.8);
-        b.shape(Shape::Rectangle(square), gloss, Vec3::ZERO);
+        b.add_shape(Shape::Rectangle(square), gloss, Vec3::ZERO);
         let eye = dvec3(libm::sin(theta), libm::cos(theta), 0.0) * 0.8;
         let scene = b.build(square_camera(eye, DVec3::ZERO, 0.5, 8)).unwrap();
         let expected = phong_albedo(kd, ks, s, theta);
@@ -130,9 +130,9 @@ fn glossy_material_shows_its_furnace_albedo() {
 #[test]
 fn integrators_agree_on_glossy_walls() {
     let mut b = SceneBuilder::new();
-    let wall = b.material(Material::phong(grey(0.25), grey(1.5), 4.0));
+    let wall = b.add_material(Material::phong(grey(0.25), grey(1.5), 4.0));
     for face in box_faces(-DVec3::ONE, DVec3::ONE, true) {
-        b.shape(face, wall, Vec3::splat(0.25));
+        b.add_shape(face, wall, Vec3::splat(0.25));
     }
     let scene = b.build(square_camera(dvec3(0.0, 0.0, 0.9), dvec3(0.3, 0.1, -1.0), 30.0, SIZE.0)).unwrap();
     let grid = Grid::new(SIZE, 12);

@@ -10,21 +10,21 @@ use glam::{DVec3, Vec3};
 /// absorbing ball, a mirror and a glossy ball.
 fn scene_of_all_kinds() -> Scene {
     let mut b = SceneBuilder::new();
-    let walls = b.material(Material::diffuse(Vec3::new(0.9, 0.4, 0.1)));
-    let gloss = b.material(Material::phong(Vec3::new(0.2, 0.3, 0.4), Vec3::splat(2.0), 20.0));
-    let glass = b.material(Material::dielectric(1.5, Vec3::new(0.1, 1.0, 3.0)));
-    let mirror = b.material(Material::mirror(Vec3::new(0.95, 0.8, 0.6)));
+    let walls = b.add_material(Material::diffuse(Vec3::new(0.9, 0.4, 0.1)));
+    let gloss = b.add_material(Material::phong(Vec3::new(0.2, 0.3, 0.4), Vec3::splat(2.0), 20.0));
+    let glass = b.add_material(Material::dielectric(1.5, Vec3::new(0.1, 1.0, 3.0)));
+    let mirror = b.add_material(Material::mirror(Vec3::new(0.95, 0.8, 0.6)));
     for face in box_faces(-DVec3::ONE, DVec3::ONE, true).into_iter().take(5) {
-        b.shape(face, walls, Vec3::ZERO);
+        b.add_shape(face, walls, Vec3::ZERO);
     }
     let mut ball = |p, m, e| {
-        b.shape(Shape::Sphere(Sphere::new(p, 0.3)), m, e);
+        b.add_shape(Shape::Sphere(Sphere::new(p, 0.3)), m, e);
     };
     ball(dvec3(-0.5, -0.5, 0.0), gloss, Vec3::ZERO);
     ball(dvec3(0.5, -0.5, 0.0), glass, Vec3::ZERO);
     ball(dvec3(0.0, 0.5, -0.5), mirror, Vec3::ZERO);
     ball(dvec3(-0.6, 0.6, 0.6), walls, Vec3::new(3.0, 2.0, 1.0));
-    b.delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::new(5.0, 6.0, 7.0)));
+    b.add_delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::new(5.0, 6.0, 7.0)));
     photon_only_scene(b)
 }
 
@@ -70,11 +70,11 @@ fn path_lengths_in_grey_room_are_geometric() {
     const N: f64 = 16.0;
     for albedo in [0.3, 0.75] {
         let mut b = SceneBuilder::new();
-        let wall = b.material(Material::diffuse(grey(albedo)));
+        let wall = b.add_material(Material::diffuse(grey(albedo)));
         for face in box_faces(-DVec3::ONE, DVec3::ONE, true) {
-            b.shape(face, wall, Vec3::ZERO);
+            b.add_shape(face, wall, Vec3::ZERO);
         }
-        b.delta_light(DeltaLightKind::Point { position: DVec3::splat(0.2) }, LightStrength::Power(grey(N)));
+        b.add_delta_light(DeltaLightKind::Point { position: DVec3::splat(0.2) }, LightStrength::Power(grey(N)));
         let passes = trace_photon_passes(&photon_only_scene(b), StoreMask::ALL, 10_000, 20_000, N as u32);
         let landed: Vec<f64> = passes.iter().map(|t| t.deposits.photons.len() as f64).collect();
         assert_mean(&format!("photons a path, ρ = {albedo}"), &landed, N / (1.0 - albedo), 0.0, 2e-3);

@@ -26,9 +26,9 @@ struct Moments {
 /// `variance` is the expected variance for N photons.
 fn moments(bandwidth: Bandwidth, kernel: Kernel, variance: impl Fn(f64) -> f64) -> Moments {
     let mut b = SceneBuilder::new();
-    let wall = b.material(Material::diffuse(grey(0.5)));
-    b.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), wall, grey(0.0));
-    b.delta_light(DeltaLightKind::Point { position: dvec3(0.4, 0.1, -0.3) }, LightStrength::Power(grey(1.0)));
+    let wall = b.add_material(Material::diffuse(grey(0.5)));
+    b.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), wall, grey(0.0));
+    b.add_delta_light(DeltaLightKind::Point { position: dvec3(0.4, 0.1, -0.3) }, LightStrength::Power(grey(1.0)));
     let scene = photon_only_scene(b);
     let mut moments = Moments { mean: vec![], variance: vec![], expected: vec![] };
     for traced in trace_photon_passes(&scene, StoreMask::INDIRECT, 1000, 48, 1 << 15) {

@@ -37,9 +37,9 @@ fn slab_formula_matches_literature() {
 }
 
 fn add_slab(b: &mut SceneBuilder) {
-    let glass = b.material(Material::dielectric(N as f32, ABSORPTION.as_vec3()));
-    b.plane(Plane::new(DVec3::ZERO, DVec3::Y), glass, Vec3::ZERO);
-    b.plane(Plane::new(-DVec3::Y * THICKNESS, -DVec3::Y), glass, Vec3::ZERO);
+    let glass = b.add_material(Material::dielectric(N as f32, ABSORPTION.as_vec3()));
+    b.add_plane(Plane::new(DVec3::ZERO, DVec3::Y), glass, Vec3::ZERO);
+    b.add_plane(Plane::new(-DVec3::Y * THICKNESS, -DVec3::Y), glass, Vec3::ZERO);
 }
 
 fn beam_scene(angle: f64) -> DVec3 {
@@ -54,14 +54,17 @@ fn photons_pass_slab_by_its_transmittance() {
         let angle = degrees.to_radians();
         let mut b = SceneBuilder::new();
         add_slab(&mut b);
-        let white = b.material(Material::diffuse(grey(0.5)));
-        b.plane(Plane::new(-DVec3::Y, DVec3::Y), white, Vec3::ZERO);
+        let white = b.add_material(Material::diffuse(grey(0.5)));
+        b.add_plane(Plane::new(-DVec3::Y, DVec3::Y), white, Vec3::ZERO);
         // Two grains above the slab set the width of the beam. Photons start within four times the
         // radius of their bounding sphere, and one in 10⁶ of them hits a grain.
         for x in [-0.5, 0.5] {
-            b.shape(Shape::Sphere(Sphere::new(dvec3(x, 5.0, 0.0), 1e-3)), white, Vec3::ZERO);
+            b.add_shape(Shape::Sphere(Sphere::new(dvec3(x, 5.0, 0.0), 1e-3)), white, Vec3::ZERO);
         }
-        b.delta_light(DeltaLightKind::Directional { direction: beam_scene(angle) }, LightStrength::Physical(Vec3::ONE));
+        b.add_delta_light(
+            DeltaLightKind::Directional { direction: beam_scene(angle) },
+            LightStrength::Physical(Vec3::ONE),
+        );
         let scene = photon_only_scene(b);
         let passes = trace_photon_passes(&scene, StoreMask::CAUSTIC, 1000, PASSES, 1 << 15);
         let (through, back) = per_channel(angle);
@@ -89,11 +92,11 @@ fn camera_sees_slab_transmittance() {
         let angle = degrees.to_radians();
         let mut b = SceneBuilder::new();
         add_slab(&mut b);
-        let black = b.material(Material::black());
+        let black = b.add_material(Material::black());
         let corner = dvec3(-100.0, -1.0, -100.0);
         let wall = Rectangle::new(corner, DVec3::Z * 200.0, DVec3::X * 200.0);
-        b.shape(Shape::Rectangle(wall), black, emitted.as_vec3());
-        b.background(sky.as_vec3());
+        b.add_shape(Shape::Rectangle(wall), black, emitted.as_vec3());
+        b.set_background(sky.as_vec3());
         let eye = -beam_scene(angle) * 2.0;
         let scene = b.build(square_camera(eye, DVec3::ZERO, 0.01, 8)).unwrap();
         let (through, back) = per_channel(angle);
@@ -115,11 +118,11 @@ fn camera_sees_slab_transmittance() {
 #[test]
 fn total_reflection_traps_light_in_cube() {
     let mut b = SceneBuilder::new();
-    let glass = b.material(Material::dielectric(N as f32, Vec3::ZERO));
+    let glass = b.add_material(Material::dielectric(N as f32, Vec3::ZERO));
     for face in box_faces(-DVec3::ONE, DVec3::ONE, false) {
-        b.shape(face, glass, Vec3::ZERO);
+        b.add_shape(face, glass, Vec3::ZERO);
     }
-    b.delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
+    b.add_delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
     let scene = photon_only_scene(b);
     let escaped = |bounces, paths| {
         let passes = trace_photon_passes(&scene, StoreMask::CAUSTIC, bounces, PASSES, paths);

@@ -146,8 +146,8 @@ fn dispersed_beam_sums_to_white() {
             high = 2.0 * root / 3.0
         ));
         for dispersion in [true, false] {
-            let effects = if dispersion { Effects::ALL } else { Effects::ALL.without(Effect::Dispersion) };
-            let source = PhotonSource::in_all_directions(&scene).unwrap().with_effects(effects);
+            let effects = if dispersion { Effects::ALL } else { Effects::ALL.without_effect(Effect::Dispersion) };
+            let source = PhotonSource::emitting_in_all_directions(&scene).unwrap().with_effects(effects);
             let passes = trace_passes_from_source(&scene, &source, StoreMask::CAUSTIC, 10_000, PASSES, 1 << 15);
             let with_wavelength = passes[0].deposits.photons.iter().filter(|p| p.data.wavelength() != 0).count();
             assert_eq!(
@@ -223,11 +223,12 @@ fn white_light_through_slab_stays_white() {
                 if behind { (1.0 - r) / (1.0 + r) } else { 2.0 * r / (1.0 + r) }
             };
             let (parted, plain) = (mean_over_wavelengths(cauchy, part), DVec3::splat(part(cauchy(587.56))));
-            for (effects, expected) in
-                [(EffectOverrides::PLANNED, parted), (EffectOverrides::PLANNED.without(Effect::Dispersion), plain)]
-            {
+            for (effects, expected) in [
+                (EffectOverrides::PLANNED, parted),
+                (EffectOverrides::PLANNED.without_effect(Effect::Dispersion), plain),
+            ] {
                 let what =
-                    format!("slab at {degrees}°, behind {behind}, {:?}", effects.forced_state(Effect::Dispersion));
+                    format!("slab at {degrees}°, behind {behind}, {:?}", effects.effect_override(Effect::Dispersion));
                 let samples = mean_pictures(&scene, effects);
                 for c in 0..3 {
                     let channel: Vec<f64> = samples.iter().map(|v| v[c]).collect();

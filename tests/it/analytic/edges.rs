@@ -14,14 +14,14 @@ const RADIUS: f64 = 0.2;
 /// occluder covers x < 0.5.
 fn floor_photon_maps(shade: bool) -> (caustica::scene::Scene, Vec<PhotonMap>) {
     let mut b = SceneBuilder::new();
-    let white = b.material(Material::diffuse(grey(0.8)));
-    let black = b.material(Material::black());
-    b.shape(Shape::Rectangle(Rectangle::new(DVec3::ZERO, DVec3::Z, DVec3::X)), white, grey(0.0));
+    let white = b.add_material(Material::diffuse(grey(0.8)));
+    let black = b.add_material(Material::black());
+    b.add_shape(Shape::Rectangle(Rectangle::new(DVec3::ZERO, DVec3::Z, DVec3::X)), white, grey(0.0));
     if shade {
         let corner = dvec3(-0.5, 0.3, -0.5);
-        b.shape(Shape::Rectangle(Rectangle::new(corner, DVec3::Z * 2.0, DVec3::X)), black, grey(0.0));
+        b.add_shape(Shape::Rectangle(Rectangle::new(corner, DVec3::Z * 2.0, DVec3::X)), black, grey(0.0));
     }
-    b.delta_light(DeltaLightKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(grey(IRRADIANCE)));
+    b.add_delta_light(DeltaLightKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(grey(IRRADIANCE)));
     let scene = photon_only_scene(b);
     let passes = trace_photon_passes(&scene, StoreMask::ALL, 0, PASSES, 1 << 16);
     let maps = passes.into_iter().map(|t| PhotonMap::build(t.deposits.photons)).collect();
@@ -81,13 +81,13 @@ fn kernels_over_edge_have_closed_form_bias() {
 #[test]
 fn estimates_do_not_leak_between_surfaces() {
     let mut b = SceneBuilder::new();
-    let white = b.material(Material::diffuse(grey(0.8)));
+    let white = b.add_material(Material::diffuse(grey(0.8)));
     let sheet = |y: f64| Shape::Rectangle(Rectangle::new(dvec3(0.0, y, 0.0), DVec3::Z, DVec3::X));
-    b.shape(sheet(0.0), white, grey(0.0));
-    b.shape(sheet(-0.06), white, grey(0.0));
+    b.add_shape(sheet(0.0), white, grey(0.0));
+    b.add_shape(sheet(-0.06), white, grey(0.0));
     let wall = Rectangle::new(DVec3::ZERO, DVec3::Y, DVec3::Z);
-    b.shape(Shape::Rectangle(wall), white, grey(0.0));
-    b.delta_light(DeltaLightKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(grey(IRRADIANCE)));
+    b.add_shape(Shape::Rectangle(wall), white, grey(0.0));
+    b.add_delta_light(DeltaLightKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(grey(IRRADIANCE)));
     let scene = photon_only_scene(b);
     let photons = trace_photon_passes(&scene, StoreMask::ALL, 0, 1, 1 << 14).remove(0).deposits.photons;
     let map = PhotonMap::build(photons);

@@ -15,12 +15,12 @@ const IRRADIANCE: f64 = 2.0;
 /// center.
 fn lens_scene(z: f64) -> Scene {
     let mut b = SceneBuilder::new();
-    let glass = b.material(Material::dielectric(N as f32, grey(0.0)));
-    let white = b.material(Material::diffuse(grey(0.5)));
-    b.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), glass, grey(0.0));
+    let glass = b.add_material(Material::dielectric(N as f32, grey(0.0)));
+    let white = b.add_material(Material::diffuse(grey(0.5)));
+    b.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), glass, grey(0.0));
     let corner = dvec3(-1.5, -z, -1.5);
-    b.shape(Shape::Rectangle(Rectangle::new(corner, DVec3::Z * 3.0, DVec3::X * 3.0)), white, grey(0.0));
-    b.delta_light(DeltaLightKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(grey(IRRADIANCE)));
+    b.add_shape(Shape::Rectangle(Rectangle::new(corner, DVec3::Z * 3.0, DVec3::X * 3.0)), white, grey(0.0));
+    b.add_delta_light(DeltaLightKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(grey(IRRADIANCE)));
     photon_only_scene(b)
 }
 
@@ -44,7 +44,8 @@ fn beam_average(z: f64, weight: impl Fn(f64) -> f64) -> f64 {
 
 /// With two bounces photons pass straight through. Those reflected outside land beyond .7.
 fn trace_focus_passes(scene: &Scene, aimed: bool) -> Vec<PhotonPassResult> {
-    let source = if aimed { PhotonSource::aimed_at_casters(scene) } else { PhotonSource::in_all_directions(scene) };
+    let source =
+        if aimed { PhotonSource::aimed_at_casters(scene) } else { PhotonSource::emitting_in_all_directions(scene) };
     trace_passes_from_source(scene, &source.unwrap(), StoreMask::CAUSTIC, 2, PASSES, 1 << 16)
 }
 

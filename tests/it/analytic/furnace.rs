@@ -11,9 +11,9 @@ const EMITTED: DVec3 = DVec3::new(1.0, 0.5, 2.0);
 
 fn furnace_scene() -> Scene {
     let mut b = SceneBuilder::new();
-    let wall = b.material(Material::diffuse(ALBEDO.as_vec3()));
+    let wall = b.add_material(Material::diffuse(ALBEDO.as_vec3()));
     for face in box_faces(-DVec3::ONE, DVec3::ONE, true) {
-        b.shape(face, wall, EMITTED.as_vec3());
+        b.add_shape(face, wall, EMITTED.as_vec3());
     }
     // The view covers |x|, |y| < 0.6 of the back wall, so that discs of radius 0.3 stay on the
     // wall.

@@ -31,27 +31,27 @@ impl Placement {
 /// light, transformed by `at`.
 fn room_scene(at: Placement) -> Scene {
     let mut b = SceneBuilder::new();
-    let white = b.material(Material::diffuse(Vec3::new(0.7, 0.6, 0.4)));
-    let glass = b.material(Material::dielectric(1.5, Vec3::ZERO));
-    let mirror = b.material(Material::mirror(Vec3::new(0.9, 0.8, 0.7)));
-    let black = b.material(Material::black());
+    let white = b.add_material(Material::diffuse(Vec3::new(0.7, 0.6, 0.4)));
+    let glass = b.add_material(Material::dielectric(1.5, Vec3::ZERO));
+    let mirror = b.add_material(Material::mirror(Vec3::new(0.9, 0.8, 0.7)));
+    let black = b.add_material(Material::black());
     let (x, y, z) = (DVec3::X * 2.0, DVec3::Y * 2.0, DVec3::Z * 2.0);
     for (e0, e1) in [(z, x), (y, z), (x, y)] {
         let wall = Rectangle::new(at.point(-DVec3::ONE), at.vector(e0), at.vector(e1));
-        b.shape(Shape::Rectangle(wall), white, Vec3::ZERO);
+        b.add_shape(Shape::Rectangle(wall), white, Vec3::ZERO);
     }
     let mut ball = |p, radius: f64, material| {
-        b.shape(Shape::Sphere(Sphere::new(at.point(p), radius * at.scale)), material, Vec3::ZERO);
+        b.add_shape(Shape::Sphere(Sphere::new(at.point(p), radius * at.scale)), material, Vec3::ZERO);
     };
     ball(dvec3(-0.3, -0.4, 0.3), 0.35, glass);
     ball(dvec3(0.5, -0.6, -0.3), 0.3, mirror);
     let lamp = Disc::circular_disc(at.point(dvec3(0.2, 0.9, 0.2)), at.vector(-DVec3::Y), 0.15 * at.scale);
-    b.shape(Shape::Disc(lamp), black, Vec3::new(20.0, 30.0, 40.0));
+    b.add_shape(Shape::Disc(lamp), black, Vec3::new(20.0, 30.0, 40.0));
     let sail = [dvec3(-0.9, -0.9, -0.4), dvec3(-0.4, -0.9, -0.9), dvec3(-0.9, 0.3, -0.8)].map(|p| at.point(p));
-    b.mesh(&sail, &[], &[[0, 1, 2]], mirror, Vec3::ZERO);
+    b.add_mesh(&sail, &[], &[[0, 1, 2]], mirror, Vec3::ZERO);
     let point = DeltaLightKind::Point { position: at.point(dvec3(0.6, 0.5, 0.8)) };
     // Intensity scales with area, like the power of an area light of given radiance.
-    b.delta_light(point, LightStrength::Physical(grey(0.4 * at.scale * at.scale)));
+    b.add_delta_light(point, LightStrength::Physical(grey(0.4 * at.scale * at.scale)));
     let (eye, target) = (at.point(dvec3(2.5, 1.0, 2.5)), at.point(dvec3(0.0, -0.4, 0.0)));
     let up = at.turn * DVec3::Y;
     let view = caustica::camera::Camera::perspective(eye, target - eye, up, 0.8, 48, 48).unwrap();
@@ -109,7 +109,8 @@ fn scaling_by_a_power_of_two_changes_no_bit() {
 /// patch is in the room's coordinates.
 fn stored_photon_fluxes(at: Placement, aimed: bool, mask: StoreMask, passes: u32, paths: u32) -> Vec<DVec3> {
     let scene = room_scene(at);
-    let source = if aimed { PhotonSource::aimed_at_casters(&scene) } else { PhotonSource::in_all_directions(&scene) };
+    let source =
+        if aimed { PhotonSource::aimed_at_casters(&scene) } else { PhotonSource::emitting_in_all_directions(&scene) };
     let inside = |p: DVec3| {
         let local = at.turn.inverse() * (p - at.origin) / at.scale;
         let floor = DVec2::new(local.x, local.z);

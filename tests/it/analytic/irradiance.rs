@@ -27,8 +27,8 @@ const BALL: f64 = 0.4;
 const HALF: DVec2 = DVec2::new(0.4, 0.25);
 
 fn emit(b: &mut SceneBuilder, shape: Shape) {
-    let black = b.material(Material::black());
-    b.shape(shape, black, grey(RADIANCE));
+    let black = b.add_material(Material::black());
+    b.add_shape(shape, black, grey(RADIANCE));
 }
 
 /// Returns irradiance by Lambert's formula: (L/2) Σ γᵢ Γᵢ·n over the edges.
@@ -47,7 +47,7 @@ const LAMPS: [Lamp; 6] = [
         name: "point",
         add: |b| {
             let place = DeltaLightKind::Point { position: dvec3(0.0, HEIGHT, 0.0) };
-            b.delta_light(place, LightStrength::Physical(grey(INTENSITY)));
+            b.add_delta_light(place, LightStrength::Physical(grey(INTENSITY)));
         },
         irradiance: |p| {
             let d2 = HEIGHT * HEIGHT + p.length_squared();
@@ -58,7 +58,7 @@ const LAMPS: [Lamp; 6] = [
         name: "spot",
         add: |b| {
             let (position, axis) = (dvec3(0.0, HEIGHT, 0.0), -DVec3::Y);
-            b.delta_light(
+            b.add_delta_light(
                 DeltaLightKind::Spot { position, axis, inner: 0.3, outer: 0.8 },
                 LightStrength::Physical(grey(INTENSITY)),
             );
@@ -99,13 +99,13 @@ const LAMPS: [Lamp; 6] = [
     Lamp {
         name: "triangles",
         add: |b| {
-            let black = b.material(Material::black());
+            let black = b.add_material(Material::black());
             let corner = |x: f64, z: f64| dvec3(x * HALF.x, HEIGHT, z * HALF.y);
             let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
             // Triangles of unequal area reveal a choice of triangle that does not follow area.
             let middle = corner(0.7, 0.2);
             let all = [corners[0], corners[1], corners[2], corners[3], middle];
-            b.mesh(&all, &[], &[[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]], black, grey(RADIANCE));
+            b.add_mesh(&all, &[], &[[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]], black, grey(RADIANCE));
         },
         irradiance: rectangle,
     },
@@ -113,8 +113,8 @@ const LAMPS: [Lamp; 6] = [
 
 fn under(lamp: &Lamp) -> SceneBuilder {
     let mut b = SceneBuilder::new();
-    let white = b.material(Material::diffuse(grey(ALBEDO)));
-    b.plane(Plane::new(DVec3::ZERO, DVec3::Y), white, grey(0.0));
+    let white = b.add_material(Material::diffuse(grey(ALBEDO)));
+    b.add_plane(Plane::new(DVec3::ZERO, DVec3::Y), white, grey(0.0));
     (lamp.add)(&mut b);
     b
 }
@@ -168,7 +168,9 @@ fn photons_store_their_incident_direction() {
     let one = |map: &PhotonMap| {
         let brdf = |flux: &PhotonData| Vec3::splat(flux.incident_direction().y);
         let mut scratch = PhotonSearchBuffers::new();
-        f64::from(map.estimate(origin, Vec3::Y, fixed_bandwidth(radius), Kernel::Box, &mut scratch, brdf).radiance.x)
+        f64::from(
+            map.estimate_radiance(origin, Vec3::Y, fixed_bandwidth(radius), Kernel::Box, &mut scratch, brdf).radiance.x,
+        )
     };
     let samples: Vec<f64> = maps(&scene).iter().map(one).collect();
     // Directions are stored to 10⁻⁴ rad. Adding 11,000 photons is accurate to 11,000 · 2⁻²⁴ =

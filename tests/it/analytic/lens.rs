@@ -222,7 +222,8 @@ fn moving_objects_follow_their_transforms() {
                 let look = |scene: &Scene| {
                     let ray = Ray::new(from - scene.origin().as_vec3(), (to - from).normalize());
                     let hit = scene.intersect(&ray)?;
-                    let surface = scene.surface_interaction(&ray, &hit, &RayCone::zero_width(Effects::ALL), || 0.5);
+                    let surface =
+                        scene.surface_interaction(&ray, &hit, &RayCone::zero_width_cone(Effects::ALL), || 0.5);
                     let shadowed = scene.occluded(&Ray { t_max: hit.t * 1.01, ..ray });
                     assert!(shadowed, "{object} at {time}: a hit that casts no shadow");
                     Some((surface.point.p + scene.origin().as_vec3(), surface.point.ng))

@@ -28,14 +28,14 @@ fn ball_scene(camera: Camera) -> Scene {
 
 pub(super) fn ball_scene_builder() -> SceneBuilder {
     let mut b = SceneBuilder::new();
-    let glass = b.material(Material::dielectric(IOR as f32, grey(0.0)));
-    let screen = b.material(Material::diffuse(grey(REFLECTANCE)));
-    b.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), glass, grey(0.0));
+    let glass = b.add_material(Material::dielectric(IOR as f32, grey(0.0)));
+    let screen = b.add_material(Material::diffuse(grey(REFLECTANCE)));
+    b.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), glass, grey(0.0));
     let corner = dvec3(-1.5, -DEPTH, -1.5);
-    b.shape(Shape::Rectangle(Rectangle::new(corner, DVec3::Z * 3.0, DVec3::X * 3.0)), screen, grey(0.0));
+    b.add_shape(Shape::Rectangle(Rectangle::new(corner, DVec3::Z * 3.0, DVec3::X * 3.0)), screen, grey(0.0));
     let angle = libm::asin(BEAM / HEIGHT);
     let kind = DeltaLightKind::Spot { position: DVec3::Y * HEIGHT, axis: -DVec3::Y, inner: angle, outer: angle };
-    b.delta_light(kind, LightStrength::Power(grey(POWER)));
+    b.add_delta_light(kind, LightStrength::Power(grey(POWER)));
     b
 }
 

@@ -70,7 +70,7 @@ fn per_channel(v: [f64; 3], f: impl Fn(f64) -> f64) -> DVec3 {
 
 /// Switches off interreflection and what follows caustics, so that only single scattering remains.
 fn single() -> EffectOverrides {
-    EffectOverrides::PLANNED.without(Effect::Interreflection).without(Effect::CausticBounces)
+    EffectOverrides::PLANNED.without_effect(Effect::Interreflection).without_effect(Effect::CausticBounces)
 }
 
 fn with(samples: u32, effects: EffectOverrides) -> Settings {

@@ -18,8 +18,8 @@ const FACETS: u32 = 2000;
 /// light along `direction`.
 fn cup_scene(screen: Rectangle, direction: DVec3) -> Scene {
     let mut b = SceneBuilder::new();
-    let mirror = b.material(Material::mirror(grey(REFLECTANCE)));
-    let white = b.material(Material::diffuse(grey(0.5)));
+    let mirror = b.add_material(Material::mirror(grey(REFLECTANCE)));
+    let white = b.add_material(Material::diffuse(grey(0.5)));
     let (mut corners, mut normals, mut triangles) = (vec![], vec![], vec![]);
     for i in 0..=FACETS {
         let (sin, cos) = libm::sincos(PI * (f64::from(i) / f64::from(FACETS) - 0.5));
@@ -32,9 +32,9 @@ fn cup_scene(screen: Rectangle, direction: DVec3) -> Scene {
             triangles.extend([[a, a + 1, a + 2], [a + 1, a + 3, a + 2]]);
         }
     }
-    b.mesh(&corners, &normals, &triangles, mirror, grey(0.0));
-    b.shape(Shape::Rectangle(screen), white, grey(0.0));
-    b.delta_light(DeltaLightKind::Directional { direction }, LightStrength::Physical(grey(IRRADIANCE)));
+    b.add_mesh(&corners, &normals, &triangles, mirror, grey(0.0));
+    b.add_shape(Shape::Rectangle(screen), white, grey(0.0));
+    b.add_delta_light(DeltaLightKind::Directional { direction }, LightStrength::Physical(grey(IRRADIANCE)));
     photon_only_scene(b)
 }
 

@@ -12,9 +12,9 @@ use std::f64::consts::PI;
 #[test]
 fn cube_faces_exchange_flux_by_form_factors() {
     let mut b = SceneBuilder::new();
-    let white = b.material(Material::diffuse(grey(0.5)));
+    let white = b.add_material(Material::diffuse(grey(0.5)));
     for (i, face) in box_faces(DVec3::ZERO, DVec3::ONE, true).into_iter().enumerate() {
-        b.shape(face, white, grey(if i == 1 { 1.0 } else { 0.0 }));
+        b.add_shape(face, white, grey(if i == 1 { 1.0 } else { 0.0 }));
     }
     let scene = photon_only_scene(b);
     let passes = trace_photon_passes(&scene, StoreMask::DIRECT, 0, PASSES, 1 << 16);
@@ -43,16 +43,16 @@ const LIGHT: DVec3 = DVec3::new(1.0, 2.0, 0.5);
 /// to two infinite plates.
 fn plates_scene() -> Scene {
     let mut b = SceneBuilder::new();
-    let floor = b.material(Material::diffuse(FLOOR.as_vec3()));
-    let ceiling = b.material(Material::diffuse(CEILING.as_vec3()));
-    let mirror = b.material(Material::mirror(Vec3::ONE));
+    let floor = b.add_material(Material::diffuse(FLOOR.as_vec3()));
+    let ceiling = b.add_material(Material::diffuse(CEILING.as_vec3()));
+    let mirror = b.add_material(Material::mirror(Vec3::ONE));
     for (i, face) in box_faces(dvec3(-1.0, 0.0, -1.0), dvec3(1.0, 0.7, 1.0), true).into_iter().enumerate() {
         let (material, light) = match i {
             0 => (floor, Vec3::ZERO),
             1 => (ceiling, LIGHT.as_vec3()),
             _ => (mirror, Vec3::ZERO),
         };
-        b.shape(face, material, light);
+        b.add_shape(face, material, light);
     }
     // The view covers |x|, |z| < 0.5 of the floor.
     b.build(square_camera(dvec3(0.0, 0.6, 0.0), DVec3::ZERO, 2.0 * libm::atan(0.5 / 0.6) * 180.0 / PI, 12)).unwrap()
@@ -97,12 +97,12 @@ fn parallel_mirrors_show_row_of_lights() {
     const X: f64 = 0.3;
     const R: f64 = 0.4;
     let mut b = SceneBuilder::new();
-    let floor = b.material(Material::diffuse(grey(0.5)));
-    let mirror = b.material(Material::mirror(grey(RHO)));
-    b.plane(Plane::new(DVec3::ZERO, DVec3::Y), floor, grey(0.0));
-    b.plane(Plane::new(DVec3::X * A, -DVec3::X), mirror, grey(0.0));
-    b.plane(Plane::new(-DVec3::X * A, DVec3::X), mirror, grey(0.0));
-    b.delta_light(DeltaLightKind::Point { position: dvec3(X, H, 0.0) }, LightStrength::Physical(grey(1.0)));
+    let floor = b.add_material(Material::diffuse(grey(0.5)));
+    let mirror = b.add_material(Material::mirror(grey(RHO)));
+    b.add_plane(Plane::new(DVec3::ZERO, DVec3::Y), floor, grey(0.0));
+    b.add_plane(Plane::new(DVec3::X * A, -DVec3::X), mirror, grey(0.0));
+    b.add_plane(Plane::new(-DVec3::X * A, DVec3::X), mirror, grey(0.0));
+    b.add_delta_light(DeltaLightKind::Point { position: dvec3(X, H, 0.0) }, LightStrength::Physical(grey(1.0)));
     let scene = photon_only_scene(b);
     let at = dvec3(-0.2, 0.0, 0.1);
     let irradiance_of = |k: i32, p: DVec3| {

@@ -29,14 +29,14 @@ fn picture_means(scene: &Scene, settings: Settings, passes: u32) -> Vec<f64> {
 fn prefix_rays_keep_the_light_of_a_small_highlight() {
     let radius = 0.3 * FILM / f64::from(SIZE);
     let mut b = SceneBuilder::new();
-    let mirror = b.material(Material::mirror(grey(1.0)));
-    let lamp = b.material(Material::black());
-    b.shape(
+    let mirror = b.add_material(Material::mirror(grey(1.0)));
+    let lamp = b.add_material(Material::black());
+    b.add_shape(
         Shape::Rectangle(Rectangle::new(dvec3(-1.0, -1.0, 0.0), DVec3::X * 2.0, DVec3::Y * 2.0)),
         mirror,
         grey(0.0),
     );
-    b.shape(Shape::Sphere(Sphere::new(dvec3(0.0231, 0.0117, 8.0), radius)), lamp, grey(10.0));
+    b.add_shape(Shape::Sphere(Sphere::new(dvec3(0.0231, 0.0117, 8.0), radius)), lamp, grey(10.0));
     let camera = Camera::orthographic(DVec3::Z * 4.0, DVec3::NEG_Z, DVec3::Y, FILM, SIZE, SIZE).unwrap();
     let scene = b.build(camera).unwrap();
     let expected = 10.0 * PI * radius * radius / (FILM * FILM);
@@ -60,9 +60,9 @@ fn prefix_rays_keep_the_light_of_a_caustic_in_a_mirror() {
     let fold = dvec3(0.0, -DEPTH, 0.0) - direction * 4.0;
     let mirrored = dvec3(-direction.x, direction.y, 0.0);
     let mut b = ball_scene_builder();
-    let mirror = b.material(Material::mirror(grey(1.0)));
+    let mirror = b.add_material(Material::mirror(grey(1.0)));
     let corner = fold - dvec3(0.0, 0.5, 0.5);
-    b.shape(Shape::Rectangle(Rectangle::new(corner, DVec3::Y, DVec3::Z)), mirror, grey(0.0));
+    b.add_shape(Shape::Rectangle(Rectangle::new(corner, DVec3::Y, DVec3::Z)), mirror, grey(0.0));
     let camera = Camera::orthographic(fold - mirrored * 4.0, mirrored, DVec3::Y, FILM, SIZE, SIZE).unwrap();
     let scene = b.build(camera).unwrap();
     // All photons within the radius, so that the estimate keeps their flux.

@@ -12,9 +12,9 @@ const FLUX: f64 = 8.0;
 
 fn sphere_scene(radius: f64, albedo: f64, light: DVec3) -> SceneBuilder {
     let mut b = SceneBuilder::new();
-    let wall = b.material(Material::diffuse(grey(albedo)));
-    b.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, radius)), wall, grey(0.0));
-    b.delta_light(DeltaLightKind::Point { position: light }, LightStrength::Power(grey(FLUX)));
+    let wall = b.add_material(Material::diffuse(grey(albedo)));
+    b.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, radius)), wall, grey(0.0));
+    b.add_delta_light(DeltaLightKind::Point { position: light }, LightStrength::Power(grey(FLUX)));
     b
 }
 
@@ -118,11 +118,11 @@ fn sphere_interior_has_uniform_radiance() {
 fn cavity_returns_effective_albedo() {
     for (albedo, height) in [(0.9, 0.6), (0.5, -0.5)] {
         let mut b = SceneBuilder::new();
-        let wall = b.material(Material::diffuse(grey(albedo)));
-        let black = b.material(Material::black());
-        b.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), wall, grey(0.0));
+        let wall = b.add_material(Material::diffuse(grey(albedo)));
+        let black = b.add_material(Material::black());
+        b.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), wall, grey(0.0));
         let plate = Disc::circular_disc(DVec3::Z * height, -DVec3::Z, (1.0 - height * height).sqrt());
-        b.shape(Shape::Disc(plate), black, grey(1.0));
+        b.add_shape(Shape::Disc(plate), black, grey(1.0));
         let scene = photon_only_scene(b);
         let f = 0.5 * (1.0 - height);
         let flux = PI * PI * (1.0 - height * height);

@@ -14,20 +14,20 @@ const SKY: f64 = 3.0;
 /// perfect mirrors around.
 fn pool_scene(albedo: f64, eye: DVec3, at: DVec3) -> Scene {
     let mut b = SceneBuilder::new();
-    let floor = b.material(Material::diffuse(grey(albedo)));
-    let black = b.material(Material::black());
-    let mirror = b.material(Material::mirror(Vec3::ONE));
-    let water = b.material(Material::dielectric(N as f32, Vec3::ZERO));
+    let floor = b.add_material(Material::diffuse(grey(albedo)));
+    let black = b.add_material(Material::black());
+    let mirror = b.add_material(Material::mirror(Vec3::ONE));
+    let water = b.add_material(Material::dielectric(N as f32, Vec3::ZERO));
     for (i, face) in box_faces(dvec3(-1.0, -1.0, -1.0), dvec3(1.0, 0.5, 1.0), true).into_iter().enumerate() {
         let (material, light) = match i {
             0 => (floor, 0.0),
             1 => (black, SKY),
             _ => (mirror, 0.0),
         };
-        b.shape(face, material, grey(light));
+        b.add_shape(face, material, grey(light));
     }
     let surface = Rectangle::new(dvec3(-1.0, 0.0, -1.0), DVec3::Z * 2.0, DVec3::X * 2.0);
-    b.shape(Shape::Rectangle(surface), water, Vec3::ZERO);
+    b.add_shape(Shape::Rectangle(surface), water, Vec3::ZERO);
     b.build(square_camera(eye, at, 30.0, 10)).unwrap()
 }
 

@@ -132,7 +132,7 @@ fn casts(material: &Material) -> bool {
 /// Returns true if no photon path leads over a specular object, and no light reaches a point of
 /// one, whatever stands between.
 fn casters_are_dark(sketch: &Sketch, scene: &Scene) -> bool {
-    if let Some(source) = PhotonSource::in_all_directions(scene) {
+    if let Some(source) = PhotonSource::emitting_in_all_directions(scene) {
         let pass = PhotonPass { scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 10 };
         if !pass.trace(Key::new(1), PHOTONS, &|_| {}).deposits.photons.is_empty() {
             return false;

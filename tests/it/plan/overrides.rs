@@ -74,7 +74,7 @@ fn picture(scene: &Scene, algorithm: Algorithm, effects: EffectOverrides) -> Pic
 
 fn called_for(picture: &Picture) -> Effects {
     let called = picture.decisions.iter().filter(|d| d.is_needed);
-    called.fold(Effects::NONE, |all, d| all.with(d.effect))
+    called.fold(Effects::NONE, |all, d| all.with_effect(d.effect))
 }
 
 #[test]
@@ -84,9 +84,9 @@ fn disabling_needed_effect_changes_image() {
         let planned = picture(&scene, algorithm, EffectOverrides::PLANNED);
         assert_eq!(called_for(&planned), algorithm.supported_effects(), "{}", algorithm.name());
         for effect in algorithm.supported_effects().iter() {
-            let without = picture(&scene, algorithm, EffectOverrides::PLANNED.without(effect));
+            let without = picture(&scene, algorithm, EffectOverrides::PLANNED.without_effect(effect));
             let decision = without.decisions.iter().find(|d| d.effect == effect).unwrap();
-            assert!(decision.is_forced() && !decision.is_simulated);
+            assert!(decision.is_forced_by_user() && !decision.is_simulated);
             assert!(planned.difference(&without).is_some(), "{} without {effect}", algorithm.name());
         }
     }
@@ -101,7 +101,7 @@ fn disabling_unneeded_effect_changes_nothing() {
             assert!(
                 algorithm == Algorithm::Raycast || off.clone().any(|d| algorithm.supported_effects().has(d.effect))
             );
-            let overrides = off.fold(EffectOverrides::PLANNED, |overrides, d| overrides.without(d.effect));
+            let overrides = off.fold(EffectOverrides::PLANNED, |overrides, d| overrides.without_effect(d.effect));
             let without = picture(&scene, algorithm, overrides);
             assert_eq!(planned.difference(&without), None, "{}", algorithm.name());
             assert_eq!(planned.counters, without.counters, "{}", algorithm.name());
@@ -111,7 +111,7 @@ fn disabling_unneeded_effect_changes_nothing() {
 
 /// Returns the counters of a render with the effects `off`.
 fn work(scene: &Scene, algorithm: Algorithm, off: &[Effect]) -> Counters {
-    picture(scene, algorithm, off.iter().fold(EffectOverrides::PLANNED, |w, e| w.without(*e))).counters
+    picture(scene, algorithm, off.iter().fold(EffectOverrides::PLANNED, |w, e| w.without_effect(*e))).counters
 }
 
 #[test]

@@ -49,7 +49,7 @@ fn random_plans_match_scene_contents() {
         wrong.extend(judge::plan_contradiction(&sketch, &scene, &plan).map(|o| format!("seed {seed}: {o}\n{text}")));
         for decision in &plan.decisions {
             if decision.is_simulated {
-                on = on.with(decision.effect);
+                on = on.with_effect(decision.effect);
             } else {
                 reasons.push(discriminant(&decision.reason));
             }
@@ -102,7 +102,11 @@ const PHOTONS: [Algorithm; 4] = [Algorithm::Hybrid, Algorithm::Pm, Algorithm::Sp
 /// Returns overrides that force all effects, or one that the scene does not need.
 fn random_forced_effects(r: &mut Random, plan: &Plan) -> EffectOverrides {
     let off: Vec<Effect> = plan.decisions.iter().filter(|d| !d.is_simulated).map(|d| d.effect).collect();
-    if off.is_empty() || r.chance(0.6) { EffectOverrides::ALL } else { EffectOverrides::PLANNED.with(r.pick(&off)) }
+    if off.is_empty() || r.chance(0.6) {
+        EffectOverrides::ALL
+    } else {
+        EffectOverrides::PLANNED.with_effect(r.pick(&off))
+    }
 }
 
 fn check(seed: u64, algorithm: Algorithm, change: impl FnOnce(&mut RenderSettings)) -> Option<String> {

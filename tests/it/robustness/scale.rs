@@ -219,7 +219,7 @@ fn rotated_scenes_have_same_flux_and_radiance() {
 /// Light from infinity covers more of an unbounded plane if the bounding box of the rest is larger.
 /// So in scenes with such a plane only direct light `near` the `middle` counts.
 fn fluxes(scene: &Scene, middle: DVec3, near: f64) -> Vec<Vec<f64>> {
-    let source = PhotonSource::in_all_directions(scene).unwrap();
+    let source = PhotonSource::emitting_in_all_directions(scene).unwrap();
     let pass =
         PhotonPass { scene, source: &source, mask: StoreMask::ALL, max_bounces: if near.is_finite() { 0 } else { 50 } };
     let one = |index: u32| {

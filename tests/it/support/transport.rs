@@ -68,7 +68,7 @@ pub fn trace_photon_passes(
     passes: u32,
     paths: u32,
 ) -> Vec<PhotonPassResult> {
-    let source = PhotonSource::in_all_directions(scene).unwrap();
+    let source = PhotonSource::emitting_in_all_directions(scene).unwrap();
     trace_passes_from_source(scene, &source, mask, max_bounces, passes, paths)
 }
 
@@ -107,7 +107,7 @@ pub fn estimated_irradiance(
 ) -> DVec3 {
     let p = (p - scene.origin()).as_vec3();
     let mut scratch = PhotonSearchBuffers::new();
-    map.estimate(p, n.as_vec3(), bandwidth, kernel, &mut scratch, |_| Vec3::ONE).radiance.as_dvec3()
+    map.estimate_radiance(p, n.as_vec3(), bandwidth, kernel, &mut scratch, |_| Vec3::ONE).radiance.as_dvec3()
 }
 
 /// Returns a bandwidth of fixed radius.
@@ -185,7 +185,14 @@ pub fn assert_estimates(
 ) {
     let (p, n) = ((probe.at - probe.scene.origin()).as_vec3(), probe.normal.as_vec3());
     let one = |map: &PhotonMap| {
-        map.estimate(p, n, fixed_bandwidth(probe.radius), probe.kernel, &mut PhotonSearchBuffers::new(), |_| Vec3::ONE)
+        map.estimate_radiance(
+            p,
+            n,
+            fixed_bandwidth(probe.radius),
+            probe.kernel,
+            &mut PhotonSearchBuffers::new(),
+            |_| Vec3::ONE,
+        )
     };
     let estimates: Vec<_> = maps.iter().map(one).collect();
     let most = estimates.iter().map(|e| e.count).max().unwrap_or(0);

@@ -1,7 +1,7 @@
 use super::*;
 use crate::cli::study::variants::default_method_arguments;
 
-fn variant_labels(algorithm: Algorithm, change: impl FnOnce(&mut MethodArguments)) -> Vec<String> {
+fn knob_variant_labels(algorithm: Algorithm, change: impl FnOnce(&mut MethodArguments)) -> Vec<String> {
     let mut shared = default_method_arguments();
     change(&mut shared);
     let pilot = PilotChosenSettings { samples: 1, photons: 1000, caustic_photons: 0, radius: Some(0.25) };
@@ -16,7 +16,7 @@ fn variant_labels(algorithm: Algorithm, change: impl FnOnce(&mut MethodArguments
 
 #[test]
 fn variants_change_one_setting_each() {
-    let pm = variant_labels(Algorithm::Pm, |_| {});
+    let pm = knob_variant_labels(Algorithm::Pm, |_| {});
     let ends = |label: &str| pm.iter().any(|l| l.strip_prefix("pm ") == Some(label));
     for expected in [
         "--gather-k 10",
@@ -38,12 +38,12 @@ fn variants_change_one_setting_each() {
     // 1 base, 5 gather-k, 3 radii, 2 kernels, 2 photon counts, 1 spp, 1 adaptive and 2
     // gatherings. Half of one camera ray is one, so `--spp` has one variant.
     assert_eq!((pm.len(), pm[0].as_str()), (17, "pm"));
-    assert_eq!(variant_labels(Algorithm::Path, |_| {}), ["path", "path --spp 2", "path --adaptive"]);
+    assert_eq!(knob_variant_labels(Algorithm::Path, |_| {}), ["path", "path --spp 2", "path --adaptive"]);
 }
 
 #[test]
 fn knob_studies_do_not_repeat_a_given_setting() {
-    let sppm = variant_labels(Algorithm::Sppm, |method| {
+    let sppm = knob_variant_labels(Algorithm::Sppm, |method| {
         (method.gather_k, method.adaptive, method.kernel) = (Some(20), true, Kernel::Box);
     });
     assert!(sppm.iter().all(|l| !l.contains("--adaptive") && !l.ends_with("--gather-k 20") && !l.contains("box")));

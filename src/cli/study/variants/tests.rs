@@ -1,13 +1,13 @@
 use super::*;
 use crate::camera::FilterKind;
 
-fn shared_arguments(line: &str) -> MethodArguments {
+fn parse_method_arguments(line: &str) -> MethodArguments {
     VariantFlags::try_parse_from(line.split_whitespace()).unwrap().method
 }
 
 #[test]
 fn flags_of_a_variant_override_shared_flags() {
-    let all = shared_arguments("--photons 2k --radius .5 --filter tent --seed 9 --adaptive");
+    let all = parse_method_arguments("--photons 2k --radius .5 --filter tent --seed 9 --adaptive");
     let read = VariantArguments::parse("  sppm  --photons 4k --gather-k 20 ", &all).unwrap();
     assert_eq!(read.label, "sppm --photons 4k --gather-k 20");
     let MethodArguments { integrator, photons, gather_k, radius, filter, seed, adaptive, .. } = read.method;
@@ -37,7 +37,7 @@ fn bad_variants_are_refused_with_a_remedy() {
         ("sppm --passes 3", "'--passes'", "flags of methods"),
         ("sppm extra", "'extra'", "flags of methods"),
     ] {
-        let Err(bad) = VariantArguments::parse(text, &shared_arguments("")) else { panic!("`{text}` was read") };
+        let Err(bad) = VariantArguments::parse(text, &parse_method_arguments("")) else { panic!("`{text}` was read") };
         let message = bad.to_string();
         assert!(message.contains(&format!("--variant \"{text}\": ")) && message.contains(reason), "{message}");
         assert!(bad.remedy.contains(remedy) && !message.contains("Usage"), "{message} {}", bad.remedy);

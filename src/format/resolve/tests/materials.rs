@@ -1,7 +1,7 @@
 //! Tests of resolved materials.
 
 use super::{CAMERA, is_close, resolve_error, resolve_text};
-use crate::bsdf::{METALS, conductor_reflectance, named_metal};
+use crate::bsdf::{METALS, conductor_reflectance, metal_refractive_index};
 use crate::color::{DispersionFormula, GLASSES};
 use crate::format::description::MaterialKindDescription;
 use crate::format::{SourceText, parse, resolve};
@@ -39,7 +39,7 @@ fn materials_are_resolved() {
 #[test]
 fn metals_have_the_named_or_given_index() {
     for name in METALS {
-        let (eta, k) = named_metal(name).unwrap();
+        let (eta, k) = metal_refractive_index(name).unwrap();
         let scene = resolve_materials(&format!("Conductor {{ metal {name} roughness .5 }}"));
         assert_eq!(scene.materials()[0], Material::conductor(eta, k, 0.5), "{name}");
     }
@@ -91,7 +91,7 @@ fn unknown_glasses_are_refused_with_suggestions() {
 #[test]
 fn panes_have_index_and_transmittance() {
     let scene = resolve_materials("Thin { indexOfRefraction 1.25 transmittance .5 1 .25 }");
-    assert_eq!(scene.materials()[0], Material::thin(1.25, vec3(0.5, 1.0, 0.25)));
+    assert_eq!(scene.materials()[0], Material::thin_dielectric(1.25, vec3(0.5, 1.0, 0.25)));
 }
 
 #[test]

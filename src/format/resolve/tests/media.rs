@@ -57,8 +57,8 @@ fn media_fill_bodies_and_regions() {
     ));
     let glass = Body { medium: Some(1), priority: 3, ..Body::new(1.5) };
     assert_eq!(found.materials()[0], Material::rough_boundary(glass, 0.5));
-    assert_eq!(material_body(&found, 1), Body { priority: 7, ..Body::medium_region(0) });
-    assert_eq!(material_body(&found, 2), Body { medium: None, ..Body::medium_region(0) });
+    assert_eq!(material_body(&found, 1), Body { priority: 7, ..Body::body_filled_with_medium(0) });
+    assert_eq!(material_body(&found, 2), Body { medium: None, ..Body::body_filled_with_medium(0) });
     assert_eq!(found.ambient_medium(), None);
     let found =
         resolve_text("Background { medium fog } Media { Medium no { } Medium fog { scattering 1 1 1 } } Group { }");

@@ -33,7 +33,8 @@ fn resolve_error(text: &str) -> SceneError {
 /// Returns the first surface that a ray hits, and the hit point in file coordinates.
 fn visible_surface(scene: &Scene, origin: DVec3, direction: Vec3) -> Option<(SurfaceInteraction<'_>, DVec3)> {
     let ray = Ray::new((origin - scene.origin()).as_vec3(), direction);
-    let surface = scene.surface_interaction(&ray, &scene.intersect(&ray)?, &RayCone::zero_width(Effects::ALL), || 0.0);
+    let surface =
+        scene.surface_interaction(&ray, &scene.intersect(&ray)?, &RayCone::zero_width_cone(Effects::ALL), || 0.0);
     Some((surface, surface.point.p.as_dvec3() + scene.origin()))
 }
 

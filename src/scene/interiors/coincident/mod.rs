@@ -1,4 +1,5 @@
-//! Coincident boundaries of bodies, such as the face that a liquid shares with its glass.
+//! Coincident boundaries of dielectric bodies, such as the face that a liquid shares with its
+//! glass.
 //!
 //! A ray starts outside the position error of the boundary that it leaves, so it would miss a
 //! second boundary within that error. A path therefore crosses all coincident boundaries at once,
@@ -13,22 +14,23 @@ use crate::math::{Ray, offset_ray_origin};
 use crate::scene::geometry::CoincidenceGroup;
 use crate::scene::{Scene, SurfaceInteraction};
 
-/// Maximum number of boundaries that may coincide with the one that is hit; more are ignored.
+/// Maximum number of boundaries that may coincide with the one that a ray hits; more are ignored.
 const MAX_COINCIDENT_FACES: usize = 3;
 
-/// A boundary of a body at a hit, and the direction in which the path crosses it.
+/// A boundary of a dielectric body at a hit, and the direction in which the path crosses it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(in crate::scene) struct CoincidentFace {
     /// Index of the material.
     pub material: u32,
-    /// True if the path enters the body.
+    /// True if the path enters the dielectric body.
     pub entering: bool,
-    /// Boundaries of one group, material and direction count as one boundary.
+    /// Coincidence group of the object. Faces that agree in group, material and direction count as
+    /// one.
     pub group: CoincidenceGroup,
 }
 
 impl CoincidentFace {
-    /// The boundary at `surface`, which must bound a body.
+    /// The boundary at `surface`, which must bound a dielectric body.
     #[inline]
     pub fn from_surface(surface: &SurfaceInteraction<'_>, entering: bool) -> Self {
         Self {
@@ -39,7 +41,8 @@ impl CoincidentFace {
     }
 }
 
-/// The boundaries of bodies that coincide with the boundary at a hit, sorted by material index.
+/// The boundaries of dielectric bodies that coincide with the boundary at a hit, sorted by material
+/// index.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(in crate::scene) struct CoincidentFaces([Option<CoincidentFace>; MAX_COINCIDENT_FACES]);
 
@@ -56,19 +59,19 @@ impl CoincidentFaces {
         self.0.iter().flatten().copied()
     }
 
-    fn add_face(&mut self, face: CoincidentFace) {
+    fn add_coincident_face(&mut self, face: CoincidentFace) {
         if let Some(slot) = self.0.iter_mut().find(|f| f.is_none_or(|f| f == face)) {
             *slot = Some(face);
         }
     }
 }
 
-/// The bodies on both sides of a boundary and of all boundaries that coincide with it.
+/// The dielectric bodies on both sides of a boundary and of all boundaries that coincide with it.
 pub(super) struct BoundarySides<'a> {
-    /// The refracting body on the side of the arriving path, with its material index; `None` is
-    /// air.
+    /// The refracting dielectric body on the side of the arriving path, with its material index;
+    /// `None` is air.
     pub near: Option<(u32, &'a Body)>,
-    /// The refracting body on the other side, with its material index; `None` is air.
+    /// The refracting dielectric body on the other side, with its material index; `None` is air.
     pub far: Option<(u32, &'a Body)>,
     /// True if all boundaries are null interfaces.
     pub is_null_interface: bool,
@@ -77,10 +80,11 @@ pub(super) struct BoundarySides<'a> {
 }
 
 impl InteriorStack {
-    /// The stack after a path crosses the boundary `own` and all boundaries in `coincident`.
+    /// Returns the dielectric bodies around a path after it crosses the boundary `own` and all
+    /// boundaries in `coincident`.
     ///
-    /// The path may already have crossed a coincident boundary at its previous vertex. An entry
-    /// into a body that is on the stack is therefore skipped, unless the path leaves the same body
+    /// The path may already have crossed a coincident boundary at its previous vertex. So an entry
+    /// into a body that is already on the stack is skipped, unless the path leaves the same body
     /// through `own`. An exit from a body that is not on the stack has no effect.
     pub(super) fn stack_after_crossing(&self, own: CoincidentFace, coincident: &CoincidentFaces) -> Self {
         let mut far = *self;
@@ -97,7 +101,10 @@ impl InteriorStack {
     }
 }
 
-/// The bodies on both sides of `surface`, which bounds `body`, and of all coincident boundaries.
+/// Returns the dielectric bodies before and after a path crosses `surface`, the boundary of `body`,
+/// together with all boundaries that coincide with it.
+///
+/// `stack` holds the bodies before. `entering` is true if the path enters `body`.
 pub(super) fn boundary_sides<'a>(
     stack: &InteriorStack,
     scene: &'a Scene,
@@ -119,7 +126,7 @@ pub(super) fn boundary_sides<'a>(
     BoundarySides { near, far, is_null_interface, roughness }
 }
 
-/// The boundaries of other bodies within the position error of `surface`.
+/// The boundaries of other dielectric bodies within the position error of `surface`.
 #[inline]
 pub(in crate::scene) fn coincident_faces_at(scene: &Scene, surface: &SurfaceInteraction<'_>) -> CoincidentFaces {
     if surface.coincidence_group.is_some() { find_coincident_faces(scene, surface) } else { CoincidentFaces::NONE }
@@ -143,7 +150,7 @@ fn find_coincident_faces(scene: &Scene, surface: &SurfaceInteraction<'_>) -> Coi
         let material = geometry.object_attributes(hit.primitive).material;
         let face = CoincidentFace { material, entering, group: geometry.coincidence_group(hit.primitive) };
         if face != own && scene.materials[material as usize].bounded_body().is_some() {
-            faces.add_face(face);
+            faces.add_coincident_face(face);
         }
     });
     faces.0.sort_unstable_by_key(|face| face.map_or((true, None), |face| (false, Some(face))));

@@ -11,16 +11,18 @@ use std::sync::Arc;
 /// Maximum number of faces in a leaf of the search tree.
 const LEAF_FACES: usize = 8;
 
-/// Maximum number of tested pairs per face, on average. If it is exceeded, all faces are flagged.
+/// Maximum number of pairs of faces that the search tests, per face. If it is exceeded, all faces
+/// are flagged.
 const PAIRS_PER_FACE: usize = 1000;
 
-/// Margin around a face, relative to its coordinates and size. It exceeds the position errors of
-/// two points (see `SurfacePoint::error`).
+/// Margin by which bounding boxes are expanded, relative to coordinates and size. It exceeds the
+/// position errors of two surface points (see `SurfacePoint::error`).
 const MARGIN: f32 = 16.0 * f32::EPSILON;
 
-/// For each primitive of a scene, true if a boundary of another object may coincide.
+/// Flags of the primitives of a scene: true if a boundary of another object may coincide with the
+/// primitive.
 ///
-/// An empty list means false for all its primitives.
+/// An empty list of flags means that no triangle, or no shape, is flagged.
 #[derive(Clone, Debug, Default)]
 pub(in crate::scene) struct CoincidentFlags {
     triangles: Arc<[bool]>,
@@ -43,7 +45,7 @@ impl CoincidentFlags {
     }
 }
 
-/// A triangle or a whole shape that bounds a body.
+/// A triangle or a whole shape that bounds a dielectric body.
 struct BoundaryFace {
     primitive: PrimitiveIndex,
     bounds: Bounds,
@@ -51,7 +53,7 @@ struct BoundaryFace {
     object: u32,
 }
 
-/// The box around a mesh or shape that bounds a body.
+/// The box around a mesh or shape that bounds a dielectric body.
 struct BoundaryExtent {
     bounds: Bounds,
     /// Distance within which another face counts as coincident \[length].
@@ -67,7 +69,7 @@ impl BoundaryExtent {
 
 /// Finds the primitives of `geometry` with which a boundary of another object may coincide.
 ///
-/// `is_boundary` returns true if the material with the given index bounds a body.
+/// `is_boundary` returns true if the material with the given index bounds a dielectric body.
 pub(in crate::scene) fn find_coincident_flags(
     geometry: &Geometry,
     is_boundary: impl Fn(u32) -> bool,
@@ -130,7 +132,8 @@ pub(in crate::scene) fn find_coincident_flags(
     CoincidentFlags { triangles: triangles.into(), shapes: shapes.into(), anywhere: false }
 }
 
-/// Bounds of each mesh that bounds a body; `None` for other meshes and those without triangles.
+/// Returns the bounds of each mesh that bounds a dielectric body; `None` for other meshes and for
+/// meshes without triangles.
 fn boundary_mesh_bounds(geometry: &Geometry, bounds_body: impl Fn(usize) -> bool) -> Vec<Option<Bounds>> {
     let mut mesh_bounds: Vec<Option<Bounds>> = vec![None; geometry.mesh_ranges.len()];
     for (i, object) in geometry.triangle_object.iter().enumerate() {
@@ -144,7 +147,7 @@ fn boundary_mesh_bounds(geometry: &Geometry, bounds_body: impl Fn(usize) -> bool
     mesh_bounds
 }
 
-/// For each extent, true if its box overlaps another's.
+/// Returns for each extent true if its box overlaps the box of another extent.
 fn flag_overlapping_extents(extents: &[BoundaryExtent]) -> Vec<bool> {
     let face = |(extent, i): (&BoundaryExtent, u32)| BoundaryFace {
         primitive: PrimitiveIndex::Other(i),
@@ -157,7 +160,8 @@ fn flag_overlapping_extents(extents: &[BoundaryExtent]) -> Vec<bool> {
     )
 }
 
-/// True if triangle `b` lies on one side of the plane of triangle `a`, farther away than `margin`.
+/// True if triangle `b` lies on one side of the plane of triangle `a`, farther from it than
+/// `margin`.
 fn lie_on_one_side_of_plane(a: &[DVec3; 3], b: &[DVec3; 3], margin: f64) -> bool {
     let normal = (a[1] - a[0]).cross(a[2] - a[0]);
     let margin = margin * normal.length();
@@ -170,7 +174,7 @@ struct FaceTreeNode {
     bounds: Bounds,
     members: Range<usize>,
     children: Option<[usize; 2]>,
-    /// The object of all members; `None` if they belong to several.
+    /// Index of the object to which all faces of the node belong; `None` if they belong to several.
     object: Option<u32>,
 }
 
@@ -204,14 +208,14 @@ impl<'a> SpatialSelfJoin<'a> {
         join.found
     }
 
-    fn member_face(&self, member: usize) -> &'a BoundaryFace {
+    fn nth_face_in_tree_order(&self, member: usize) -> &'a BoundaryFace {
         &self.faces[self.order[member] as usize]
     }
 
     fn build_subtree(&mut self, members: Range<usize>) -> usize {
-        let bounds = members.clone().fold(Bounds::EMPTY, |all, i| all.union(self.member_face(i).bounds));
-        let object = self.member_face(members.start).object;
-        let object = members.clone().all(|i| self.member_face(i).object == object).then_some(object);
+        let bounds = members.clone().fold(Bounds::EMPTY, |all, i| all.union(self.nth_face_in_tree_order(i).bounds));
+        let object = self.nth_face_in_tree_order(members.start).object;
+        let object = members.clone().all(|i| self.nth_face_in_tree_order(i).object == object).then_some(object);
         let index = self.nodes.len();
         self.nodes.push(FaceTreeNode { bounds, members: members.clone(), children: None, object });
         if members.len() > LEAF_FACES {
@@ -227,7 +231,7 @@ impl<'a> SpatialSelfJoin<'a> {
         index
     }
 
-    /// Tests the members of a node against each other; `None` if the budget runs out.
+    /// Tests all pairs of faces within a node; `None` if the number of tests exceeds `budget`.
     fn join_node_with_itself(&mut self, node: usize) -> Option<()> {
         if self.nodes[node].object.is_some() {
             return Some(());
@@ -238,11 +242,12 @@ impl<'a> SpatialSelfJoin<'a> {
                 self.join_node_with_itself(b)?;
                 self.join_node_pair(a, b)
             }
-            None => self.compare_all_pairs(self.nodes[node].members.clone(), self.nodes[node].members.clone()),
+            None => self.flag_near_face_pairs(self.nodes[node].members.clone(), self.nodes[node].members.clone()),
         }
     }
 
-    /// Tests the members of two nodes against each other; `None` if the budget runs out.
+    /// Tests all faces of one node against all faces of another; `None` if the number of tests
+    /// exceeds `budget`.
     fn join_node_pair(&mut self, a: usize, b: usize) -> Option<()> {
         let (first, second) = (&self.nodes[a], &self.nodes[b]);
         if first.object.is_some() && first.object == second.object || !first.bounds.overlaps(&second.bounds) {
@@ -254,15 +259,15 @@ impl<'a> SpatialSelfJoin<'a> {
                 children.into_iter().try_for_each(|child| self.join_node_pair(child, b))
             }
             (_, Some(children)) => children.into_iter().try_for_each(|child| self.join_node_pair(a, child)),
-            (None, None) => self.compare_all_pairs(first.members.clone(), second.members.clone()),
+            (None, None) => self.flag_near_face_pairs(first.members.clone(), second.members.clone()),
         }
     }
 
-    fn compare_all_pairs(&mut self, first: Range<usize>, second: Range<usize>) -> Option<()> {
+    fn flag_near_face_pairs(&mut self, first: Range<usize>, second: Range<usize>) -> Option<()> {
         self.budget = self.budget.checked_sub(first.len() * second.len())?;
         for i in first {
             for j in second.clone() {
-                let (a, b) = (self.member_face(i), self.member_face(j));
+                let (a, b) = (self.nth_face_in_tree_order(i), self.nth_face_in_tree_order(j));
                 let [i, j] = [i, j].map(|member| self.order[member] as usize);
                 if a.object != b.object
                     && !(self.found[i] && self.found[j])

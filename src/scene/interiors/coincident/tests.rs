@@ -3,12 +3,12 @@
 use super::*;
 
 fn coincident_face(material: u32, entering: bool) -> CoincidentFace {
-    CoincidentFace { material, entering, group: CoincidenceGroup::of_object(material) }
+    CoincidentFace { material, entering, group: CoincidenceGroup::group_of_single_object(material) }
 }
 
 fn coincident_faces_from_list(list: &[CoincidentFace]) -> CoincidentFaces {
     let mut faces = CoincidentFaces::NONE;
-    list.iter().for_each(|f| faces.add_face(*f));
+    list.iter().for_each(|f| faces.add_coincident_face(*f));
     faces
 }
 
@@ -18,10 +18,10 @@ fn interior_stack_of_materials(bodies: &[u32]) -> InteriorStack {
     inside
 }
 
-/// Glass is 0, its content 1. The interior beyond the shared face does not depend on which face is
-/// hit.
+/// Crosses the face between a glass (material 0) and its content (material 1). The result does not
+/// depend on which of the two boundaries is hit.
 #[test]
-fn shared_faces_are_crossed_together() {
+fn coincident_faces_are_crossed_together() {
     let glass = interior_stack_of_materials(&[0]);
     for (own, other) in
         [(coincident_face(0, false), coincident_face(1, true)), (coincident_face(1, true), coincident_face(0, false))]
@@ -69,7 +69,7 @@ fn objects_of_one_material_count_separately() {
     let part = |object: u32, entering: bool| CoincidentFace {
         material: 0,
         entering,
-        group: CoincidenceGroup::of_object(object),
+        group: CoincidenceGroup::group_of_single_object(object),
     };
     let stack_after_crossing = |around: &[u32], own: CoincidentFace, other: CoincidentFace| {
         interior_stack_of_materials(around)
@@ -117,7 +117,7 @@ fn a_boundary_just_crossed_is_not_crossed_again() {
 }
 
 #[test]
-fn faces_are_unique_and_limited_in_number() {
+fn coincident_faces_are_unique_and_limited() {
     let many: Vec<CoincidentFace> = (0..5).map(|m| coincident_face(m % 4, true)).collect();
     assert_eq!(coincident_faces_from_list(&many).iter().count(), MAX_COINCIDENT_FACES);
     assert_eq!(coincident_faces_from_list(&[coincident_face(1, true), coincident_face(1, true)]).iter().count(), 1);

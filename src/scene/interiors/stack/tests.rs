@@ -2,14 +2,14 @@
 
 use super::*;
 
-fn water_ice_and_glass() -> Vec<Material> {
+fn water_ice_glass_materials() -> Vec<Material> {
     let body = |index, priority| Material::smooth_boundary(Body { priority, ..Body::new(index) });
     // Water, ice, glass.
     vec![body(1.33, 0), body(1.31, 1), body(1.5, 2)]
 }
 
 fn body_of_material(i: usize) -> Body {
-    *water_ice_and_glass()[i].bounded_body().unwrap()
+    *water_ice_glass_materials()[i].bounded_body().unwrap()
 }
 
 fn interior_stack_of_materials(bodies: &[u32]) -> InteriorStack {
@@ -20,16 +20,16 @@ fn interior_stack_of_materials(bodies: &[u32]) -> InteriorStack {
 
 #[test]
 fn the_highest_priority_wins_in_any_entry_order() {
-    let m = water_ice_and_glass();
+    let m = water_ice_glass_materials();
     for order in [[0, 1, 2], [2, 1, 0], [1, 2, 0]] {
         assert_eq!(interior_stack_of_materials(&order).top_body(&m).unwrap().0, 2);
     }
     assert!(
-        !interior_stack_of_materials(&[2]).interface_at(0, &body_of_material(0), true, &m).real,
+        !interior_stack_of_materials(&[2]).interface_at_boundary(0, &body_of_material(0), true, &m).real,
         "water begins inside the glass"
     );
-    assert!(!interior_stack_of_materials(&[2, 0]).interface_at(0, &body_of_material(0), false, &m).real);
-    let out = interior_stack_of_materials(&[2, 0]).interface_at(2, &body_of_material(2), false, &m);
+    assert!(!interior_stack_of_materials(&[2, 0]).interface_at_boundary(0, &body_of_material(0), false, &m).real);
+    let out = interior_stack_of_materials(&[2, 0]).interface_at_boundary(2, &body_of_material(2), false, &m);
     assert_eq!(
         out,
         BodyInterface { real: true, outside: Some(body_of_material(0)) },
@@ -38,41 +38,45 @@ fn the_highest_priority_wins_in_any_entry_order() {
     assert_eq!(out.relative_ior(&body_of_material(2), |b| b.index), 1.5 / 1.33);
 }
 
-/// The index ratio agrees from both sides, so a path and its reverse see one interface.
+/// Compares the interface that a path meets when it enters a dielectric body with the one that it
+/// meets when it leaves.
 #[test]
 fn a_boundary_has_one_interface_from_both_sides() {
-    let m = water_ice_and_glass();
+    let m = water_ice_glass_materials();
     for around in [&[][..], &[0], &[1], &[2], &[0, 1], &[0, 2], &[0, 1, 2]] {
         for material in 0..3u32 {
             if around.contains(&material) {
                 continue;
             }
             let outside = interior_stack_of_materials(around);
-            let inwards = outside.interface_at(material, &body_of_material(material as usize), true, &m);
+            let inwards = outside.interface_at_boundary(material, &body_of_material(material as usize), true, &m);
             let mut within = outside;
             within.push_body(material);
-            assert_eq!(inwards, within.interface_at(material, &body_of_material(material as usize), false, &m));
+            assert_eq!(
+                inwards,
+                within.interface_at_boundary(material, &body_of_material(material as usize), false, &m)
+            );
         }
     }
 }
 
 #[test]
 fn equal_priorities_nest_and_equal_materials_merge() {
-    let mut m = water_ice_and_glass();
+    let mut m = water_ice_glass_materials();
     for material in &mut m {
         *material = material.with_body(Body { priority: 0, ..*material.bounded_body().unwrap() });
     }
     assert_eq!(interior_stack_of_materials(&[2, 0]).top_body(&m).unwrap().0, 0, "the last one entered counts");
     let glass = Body { priority: 0, ..body_of_material(2) };
-    let crossing = interior_stack_of_materials(&[2]).interface_at(2, &glass, true, &m);
+    let crossing = interior_stack_of_materials(&[2]).interface_at_boundary(2, &glass, true, &m);
     assert_eq!(crossing.relative_ior(&glass, |b| b.index), 1.0, "glass in the same glass is no boundary");
 }
 
 #[test]
 fn null_interfaces_yield_and_do_not_refract() {
-    let mut m = water_ice_and_glass();
-    m.push(Material::smooth_boundary(Body::medium_region(0)));
-    m.push(Material::smooth_boundary(Body { priority: 9, ..Body::medium_region(1) }));
+    let mut m = water_ice_glass_materials();
+    m.push(Material::smooth_boundary(Body::body_filled_with_medium(0)));
+    m.push(Material::smooth_boundary(Body { priority: 9, ..Body::body_filled_with_medium(1) }));
     assert_eq!(
         interior_stack_of_materials(&[0, 3]).top_body(&m).unwrap().0,
         0,
@@ -81,7 +85,7 @@ fn null_interfaces_yield_and_do_not_refract() {
     assert_eq!(interior_stack_of_materials(&[3]).top_body(&m).unwrap().0, 3);
     assert_eq!(interior_stack_of_materials(&[2, 4]).top_body(&m).unwrap().0, 4, "smoke that displaces glass");
     assert_eq!(interior_stack_of_materials(&[2, 4]).top_refracting_body(&m).unwrap().0, 2, "but the glass bends light");
-    let into = interior_stack_of_materials(&[4]).interface_at(2, &body_of_material(2), true, &m);
+    let into = interior_stack_of_materials(&[4]).interface_at_boundary(2, &body_of_material(2), true, &m);
     assert_eq!(into, BodyInterface { real: true, outside: None });
 }
 

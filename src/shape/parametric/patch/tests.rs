@@ -1,8 +1,7 @@
 use super::super::spline::MIN_SPAN;
 use super::*;
 
-/// An eighth of the unit sphere: a rational quarter circle, revolved by another, with a pole at the
-/// top.
+/// An eighth of the unit sphere as a rational patch of degrees 2 and 2, with a pole at the top.
 pub(in crate::shape::parametric) fn sphere_octant_patch() -> Patch {
     let arc = [(1.0, 0.0, 1.0), (1.0, 1.0, std::f64::consts::FRAC_1_SQRT_2), (0.0, 1.0, 1.0)];
     let mut controls = Vec::new();
@@ -11,14 +10,14 @@ pub(in crate::shape::parametric) fn sphere_octant_patch() -> Patch {
             controls.push(DVec4::new(r * c, h, r * s, w * v));
         }
     }
-    let basis = SplineBasis::single_bezier(3).unwrap();
+    let basis = SplineBasis::bezier_basis(3).unwrap();
     Patch::new([&basis, &basis], &controls).unwrap()
 }
 
-/// A crumpled patch with more leaves than the memory limit allows.
+/// The construction of a patch fails at the first leaf that exceeds the memory limit.
 #[test]
 fn leaf_memory_is_checked_before_allocation() {
-    let basis = SplineBasis::single_bezier(6).unwrap();
+    let basis = SplineBasis::bezier_basis(6).unwrap();
     let at = |i: usize| f64::from((i as u32).wrapping_mul(2_654_435_761) >> 16) / 65_536.0;
     let controls: Vec<DVec4> = (0..36).map(|i| DVec4::new(at(3 * i), at(3 * i + 1), at(3 * i + 2), 1.0)).collect();
     let bytes = Patch::new([&basis, &basis], &controls).unwrap().memory_bytes();
@@ -31,11 +30,11 @@ fn leaf_memory_is_checked_before_allocation() {
     }
 }
 
-/// The patch has the narrowest knot span that is accepted, with a sharp bend.
+/// Leaves of a sharply bent patch are at least [`MIN_SPAN`] wide, the narrowest accepted knot span.
 #[test]
 fn leaves_are_wider_than_float_spacing() {
     let basis = SplineBasis::new(2, 5, vec![0.0, 0.0, 0.0, 0.5, 0.5 + MIN_SPAN, 1.0, 1.0, 1.0]).unwrap();
-    let line = SplineBasis::single_bezier(2).unwrap();
+    let line = SplineBasis::bezier_basis(2).unwrap();
     let profile = [[0.0, 0.0], [1.0, 0.0], [1.0, 3.0], [3.0, 3.0], [4.0, 0.0]];
     let controls: Vec<DVec4> =
         profile.iter().flat_map(|[x, y]| [0.0, 1.0].map(|z| DVec4::new(*x, *y, z, 1.0))).collect();

@@ -9,12 +9,14 @@ fn random_bezier(degree: usize) -> Vec<Coefficients<2>> {
     (0..=degree as u64).map(|i| [random_signed(2 * i), random_signed(2 * i + 1)]).collect()
 }
 
-/// Evaluation by repeated halving of the interval, which rounds once per step.
-fn evaluate_by_halving(controls: &[Coefficients<2>], s: f64) -> Coefficients<2> {
+/// Point of a Bézier curve at the parameter `s` in \[0, 1], by de Casteljau's algorithm.
+fn evaluate_by_de_casteljau(controls: &[Coefficients<2>], s: f64) -> Coefficients<2> {
     split_bezier(controls, s).1[0]
 }
 
-/// Long curves of degree 24 have coefficients up to C(24, 12), and lose as many ulps.
+/// Evaluation in the power basis agrees with de Casteljau's algorithm.
+///
+/// Coefficients of degree 24 reach C(24, 12), so the error may reach as many ulps.
 #[test]
 fn power_basis_agrees_with_de_casteljau() {
     for degree in 1..=MAX_DEGREE {
@@ -24,7 +26,7 @@ fn power_basis_agrees_with_de_casteljau() {
         for i in 0..=20 {
             let x = f64::from(i) / 10.0 - 1.0;
             let ([px, py], slope) = evaluate_with_derivative(&a, x);
-            let truth = evaluate_by_halving(&controls, 0.5 + 0.5 * x);
+            let truth = evaluate_by_de_casteljau(&controls, 0.5 + 0.5 * x);
             let bound = f64::EPSILON * 4.0 * binomial_coefficient(degree, degree / 2);
             assert!((px - truth[0]).abs().max((py - truth[1]).abs()) < bound, "{degree} {x}");
             let step = 1e-5;
@@ -36,7 +38,7 @@ fn power_basis_agrees_with_de_casteljau() {
 }
 
 #[test]
-fn shifted_polynomials_keep_their_values() {
+fn reparametrized_polynomials_keep_their_values() {
     let mut a = random_bezier(7);
     bernstein_to_powers(&mut a, 0, 1, 7);
     let mut b = a.clone();

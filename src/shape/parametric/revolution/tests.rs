@@ -8,7 +8,7 @@ fn surface_of_revolution(basis: &SplineBasis, controls: &[[f64; 2]]) -> Revoluti
 }
 
 fn revolved_line_segment(controls: [[f64; 2]; 2]) -> Revolution {
-    surface_of_revolution(&SplineBasis::single_bezier(2).unwrap(), &controls)
+    surface_of_revolution(&SplineBasis::bezier_basis(2).unwrap(), &controls)
 }
 
 fn hit_parameter(s: &Revolution, o: Vec3, d: Vec3) -> Option<f32> {
@@ -18,7 +18,7 @@ fn hit_parameter(s: &Revolution, o: Vec3, d: Vec3) -> Option<f32> {
 #[test]
 fn profile_subdivision_respects_memory_and_precision() {
     let wave: Vec<DVec2> = (0..200).map(|i| DVec2::new(f64::from(1 + i % 2), f64::from(i / 3))).collect();
-    let basis = SplineBasis::uniform_knots(3, wave.len()).unwrap();
+    let basis = SplineBasis::uniform_spline_basis(3, wave.len()).unwrap();
     let found = Revolution::with_memory_limit(&basis, &wave, Some(10_000)).unwrap_err();
     // It stops at the first leaf beyond the limit.
     assert!(matches!(found, SplineError::Memory { needed: 10_001..11_000, free: 10_000 }), "{found}");

@@ -1,7 +1,7 @@
 use super::super::polynomial::split_bezier;
 use super::*;
 
-/// The recurrence of Cox and de Boor, an independent definition of the basis functions.
+/// Value of B-spline basis function `i` of degree `p` at `t`, by the Cox–de Boor recurrence.
 fn cox_de_boor(knots: &[f64], i: usize, p: usize, t: f64) -> f64 {
     if p == 0 {
         return f64::from(knots[i] <= t && t < knots[i + 1]);
@@ -43,7 +43,7 @@ fn bezier_pieces_match_the_spline_recurrence() {
 #[test]
 fn bezier_curves_form_one_piece() {
     let controls = [[1.0], [5.0], [-2.0]];
-    let basis = SplineBasis::single_bezier(3).unwrap();
+    let basis = SplineBasis::bezier_basis(3).unwrap();
     let spans: Vec<KnotSpan> = basis.knot_spans().collect();
     assert_eq!((spans.len(), spans[0].range), (1, [0.0, 1.0]));
     assert_eq!(basis.bezier_piece(spans[0], &controls, (0, 1)), controls);
@@ -52,9 +52,9 @@ fn bezier_curves_form_one_piece() {
 #[test]
 fn invalid_splines_are_refused() {
     let knots = |k: &[f64]| k.to_vec();
-    assert_eq!(SplineBasis::single_bezier(1), Err(SplineError::Degree(0)));
-    assert_eq!(SplineBasis::single_bezier(99), Err(SplineError::Degree(98)));
-    assert_eq!(SplineBasis::uniform_knots(3, 3), Err(SplineError::Controls { controls: 3, degree: 3 }));
+    assert_eq!(SplineBasis::bezier_basis(1), Err(SplineError::Degree(0)));
+    assert_eq!(SplineBasis::bezier_basis(99), Err(SplineError::Degree(98)));
+    assert_eq!(SplineBasis::uniform_spline_basis(3, 3), Err(SplineError::Controls { controls: 3, degree: 3 }));
     assert_eq!(
         SplineBasis::new(1, 2, knots(&[0.0, 1.0])),
         Err(SplineError::Knots { knots: 2, controls: 2, degree: 1 })

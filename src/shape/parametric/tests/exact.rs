@@ -9,8 +9,8 @@ use crate::sampling::Dimension;
 use crate::shape::Shape;
 use glam::{DAffine3, DQuat, DVec2, DVec3, DVec4, Vec2, Vec3};
 
-/// Control points and weights of a full circle of degree 2.
-fn circle_control_points() -> (SplineBasis, Vec<(f64, f64, f64)>) {
+/// Unit circle as a NURBS curve of degree 2: its basis, and its control points (x, y, weight).
+fn unit_circle_nurbs() -> (SplineBasis, Vec<(f64, f64, f64)>) {
     let w = std::f64::consts::FRAC_1_SQRT_2;
     let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0];
     let corners = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0)];
@@ -19,10 +19,11 @@ fn circle_control_points() -> (SplineBasis, Vec<(f64, f64, f64)>) {
     (SplineBasis::new(2, 9, knots).unwrap(), points.collect())
 }
 
-/// A circle of radius `small`, revolved on the circle of radius `large`, with its outer side
-/// outside.
+/// NURBS torus around the y axis, with the ring radius `large` and the tube radius `small`.
+///
+/// The outer side faces out of the tube.
 pub fn torus_patch(large: f64, small: f64) -> Patch {
-    let (basis, points) = circle_control_points();
+    let (basis, points) = unit_circle_nurbs();
     let mut controls = Vec::new();
     for (r, h, w) in &points {
         for (c, s, v) in &points {
@@ -33,9 +34,9 @@ pub fn torus_patch(large: f64, small: f64) -> Patch {
     Patch::new([&basis, &basis], &controls).unwrap()
 }
 
-/// The unit sphere: half a circle around the axis, with poles.
+/// Unit sphere as a NURBS surface, with poles on the y axis.
 fn sphere_patch() -> Patch {
-    let (basis, points) = circle_control_points();
+    let (basis, points) = unit_circle_nurbs();
     let half = SplineBasis::new(2, 5, vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 2.0]).unwrap();
     let mut controls = Vec::new();
     for (h, r, w) in &points[..5] {
@@ -46,9 +47,9 @@ fn sphere_patch() -> Patch {
     Patch::new([&half, &basis], &controls).unwrap()
 }
 
-/// Compares with the quadratic in f64.
+/// Hits of a NURBS sphere agree with the quadratic formula in f64.
 ///
-/// The only error is the rounding of `t`, except for rays that are tangent within 10⁻¹².
+/// Rays that are tangent within 10⁻¹² are left out.
 #[test]
 fn a_nurbs_sphere_matches_the_sphere() {
     let shape = Shape::Patch(sphere_patch());
@@ -80,7 +81,7 @@ fn a_nurbs_sphere_matches_the_sphere() {
     assert!(hits > 20_000);
 }
 
-/// The quartic does not change sign before the first hit, and changes it there.
+/// The implicit function of a torus keeps its sign along each ray up to the hit, and is 0 there.
 #[test]
 fn a_nurbs_torus_matches_the_torus() {
     let (large, small) = (1.0, 0.4);
@@ -113,7 +114,7 @@ fn a_nurbs_torus_matches_the_torus() {
 #[test]
 fn revolved_lines_match_quadric_intersections() {
     let line = |a: [f64; 2], b: [f64; 2]| {
-        let basis = SplineBasis::single_bezier(2).unwrap();
+        let basis = SplineBasis::bezier_basis(2).unwrap();
         Shape::Revolution(Revolution::new(&basis, &[DVec2::from(a), DVec2::from(b)]).unwrap())
     };
     for (a, b) in
@@ -197,10 +198,10 @@ fn tangent_rays_terminate() {
     }
 }
 
-/// A ray along a flat patch misses. A ray along a bent patch hits its ridge.
+/// A ray that lies in a flat patch misses it.
 #[test]
-fn edge_on_rays_miss() {
-    let linear = SplineBasis::single_bezier(2).unwrap();
+fn rays_in_a_flat_patch_miss() {
+    let linear = SplineBasis::bezier_basis(2).unwrap();
     let corner = |x: f64, z: f64| DVec4::new(x, 0.0, z, 1.0);
     let flat = patch_test_surface(
         "flat",
@@ -214,7 +215,8 @@ fn edge_on_rays_miss() {
     assert!((t, u, v) == (2.0, 0.75, 0.25));
 }
 
-/// Where derivatives vanish, normals are limits from the surroundings.
+/// Normals have unit length everywhere, also at poles and collapsed edges, where derivatives
+/// vanish.
 #[test]
 fn poles_and_collapsed_edges_have_normals() {
     let ball = Shape::Patch(sphere_patch());
@@ -262,9 +264,9 @@ fn shapes_without_self_intersection() -> impl Iterator<Item = (&'static str, Sha
     transformed_parametric_shapes().into_iter().filter(|(name, _)| *name != "loops")
 }
 
-/// A ray that leaves at a cosine above 0.1 does not hit its start again.
+/// A ray that leaves a surface point at a cosine above 0.1 to the normal has no hit close by.
 ///
-/// Only bends with a radius below 10⁻⁴ of the size could be hit so soon.
+/// Every hit is more than 2·10⁻⁵ of the surface's size away.
 #[test]
 fn leaving_rays_do_not_hit_their_surface_again() {
     for (name, shape) in shapes_without_self_intersection() {
@@ -292,7 +294,9 @@ fn leaving_rays_do_not_hit_their_surface_again() {
     }
 }
 
-/// The mean of 1/pdf is the area, within five standard errors; rays find sampled points again.
+/// The mean of 1/pdf over area samples is the area, within five standard errors.
+///
+/// A ray towards a sampled point hits the surface there, and the pdf of the hit agrees.
 #[test]
 fn area_samples_match_their_pdf() {
     for (name, shape) in shapes_without_self_intersection() {

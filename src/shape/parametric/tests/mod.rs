@@ -77,11 +77,11 @@ fn cup_test_surface() -> TestSurface {
         [0.0, -1.400001],
         [0.0, -1.400002],
     ];
-    revolution_test_surface("cup", &SplineBasis::uniform_knots(3, profile.len()).unwrap(), &profile)
+    revolution_test_surface("cup", &SplineBasis::uniform_spline_basis(3, profile.len()).unwrap(), &profile)
 }
 
 fn parametric_test_surfaces() -> Vec<TestSurface> {
-    let cubic = SplineBasis::single_bezier(4).unwrap();
+    let cubic = SplineBasis::bezier_basis(4).unwrap();
     let wave = |rows: usize, columns: usize, seed: u64, height: f64| -> Vec<DVec4> {
         let place = |i: usize, n: usize| 2.0 * i as f64 / (n - 1) as f64 - 1.0;
         let point = |k: usize| {
@@ -96,12 +96,12 @@ fn parametric_test_surfaces() -> Vec<TestSurface> {
         }
         net
     };
-    let (twenty, ten) = (SplineBasis::single_bezier(21).unwrap(), SplineBasis::single_bezier(11).unwrap());
+    let (twenty, ten) = (SplineBasis::bezier_basis(21).unwrap(), SplineBasis::bezier_basis(11).unwrap());
     let coil: Vec<[f64; 2]> = (0..21)
         .map(|i| [1.5 + random_signed(600 + i), 0.3 * (i as f64 - 10.0) + 2.0 * random_signed(700 + i)])
         .collect();
     let uneven = SplineBasis::new(3, 7, vec![0.0, 0.0, 0.0, 0.5, 1.0, 1.0, 3.0, 3.5, 4.0, 4.0, 9.0]).unwrap();
-    let quadratic = SplineBasis::uniform_knots(2, 5).unwrap();
+    let quadratic = SplineBasis::uniform_spline_basis(2, 5).unwrap();
     let mut collapsed = wave(4, 4, 900, 0.7);
     collapsed[..4].fill(DVec4::new(-1.0, 0.2, 0.0, 1.0));
     let mut loops = wave(4, 4, 950, 1.0);
@@ -149,13 +149,12 @@ fn random_ray_near_shape(shape: &Shape, i: u64) -> Ray {
     }
 }
 
-/// Numbers of rays in a comparison with the reference.
+/// Numbers of rays in a comparison of the solver with the reference.
 #[derive(Debug, Default)]
 struct ComparisonCounts {
     rays: u64,
     hits: u64,
-    /// Rays whose results differ because they are tangent, or pass an edge within the error of the
-    /// reference.
+    /// Rays for which solver and reference may differ: tangent rays, and rays that pass an edge.
     undecided: u64,
 }
 
@@ -228,9 +227,10 @@ fn every_intersection_is_found() {
     assert_agrees_with_reference(16_000);
 }
 
-/// The environment variable `CAUSTICA_ROOT_RAYS` sets the number of rays.
+/// Long variant of [`every_intersection_is_found`].
 ///
-/// 10⁷ rays take a quarter of an hour on two cores.
+/// The environment variable `CAUSTICA_ROOT_RAYS` sets the number of rays. 10⁷ rays take a quarter
+/// of an hour on two cores.
 #[test]
 #[ignore = "long: two million rays"]
 fn every_intersection_is_found_with_many_rays() {

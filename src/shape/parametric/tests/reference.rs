@@ -7,13 +7,14 @@ use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
 
 /// The surface of a reference piece: a Bézier patch, or a Bézier curve revolved about the y axis.
 pub enum ReferenceSurface {
-    /// Control points with weights, and the degrees.
+    /// Bézier patch: control points (x, y, z, weight), and the degrees along u and v.
     Patch(Vec<DVec4>, [usize; 2]),
-    /// Control points of the profile curve; the parameter v is the angle in turns.
+    /// Control points (radius, height) of a Bézier profile; the parameter v is the azimuth in
+    /// turns.
     Turned(Vec<DVec2>),
 }
 
-/// A piece with bounds on its second derivatives: by u, by v, and mixed.
+/// Piece of a parametric surface, with bounds on its second derivatives: by u, by v, and mixed.
 pub struct ReferencePiece {
     form: ReferenceSurface,
     bends: [f64; 3],
@@ -21,17 +22,17 @@ pub struct ReferencePiece {
 
 /// A quad of the reference surface that the ray may hit, within the error bound.
 pub struct QuadNearRay {
-    /// Interval of the ray in the quad's box.
+    /// Interval of the ray parameter t inside the quad's bounding box.
     pub t: [f64; 2],
-    /// Cosine between ray and normal.
+    /// Absolute cosine of the angle between the ray and the quad's normal.
     pub cos: f64,
-    /// True if the quad is at an edge of the piece.
+    /// True if the quad is at an edge of the surface piece.
     pub edge: bool,
 }
 
-/// Results of the reference for one ray.
+/// Hits of one ray with a subdivided reference surface.
 pub struct ReferenceHits {
-    /// The nearest hit of a triangle.
+    /// Ray parameter of the nearest hit of a triangle; `None` if the ray misses all triangles.
     pub hit: Option<f64>,
     pub touches: Vec<QuadNearRay>,
 }
@@ -45,8 +46,9 @@ fn de_casteljau<T: Copy + std::ops::Mul<f64, Output = T> + std::ops::Add<Output 
     points[0]
 }
 
-/// Bounds on the first and the second derivative along one axis of a control net: the largest n|Δb|
-/// and n(n − 1)|Δ²b|.
+/// Bounds on the first and the second derivative of a Bézier patch along one parameter axis.
+///
+/// They are the largest n|Δb| and n(n − 1)|Δ²b| of its control points b, for the degree n.
 fn derivative_bounds(points: &[DVec4], degree: [usize; 2], axis: usize) -> (DVec4, DVec4) {
     let columns = degree[1] + 1;
     let step = if axis == 0 { columns } else { 1 };
@@ -126,7 +128,11 @@ impl ReferencePiece {
         }
     }
 
-    /// Finds every quad of the piece within `error` of the ray.
+    /// Subdivides the piece near the ray `o` + t·`d`, and adds to `found` each quad that the ray
+    /// may hit.
+    ///
+    /// `error` is the largest distance between a quad and the surface. Also updates the nearest hit
+    /// of `found`.
     pub fn find_quads_near_ray(&self, o: DVec3, d: DVec3, error: f64, found: &mut ReferenceHits) {
         let turned = matches!(self.form, ReferenceSurface::Turned(_));
         let parts = if turned { 4 } else { 1 };

@@ -3,13 +3,13 @@
 use crate::sampling::{Dimension, Key};
 use crate::study::methods::{ConvergenceCheckpoint, MethodResult};
 
-/// Number of passes at the last checkpoint, divided by that at the start of the fitted tail.
+/// Largest ratio of the passes of a method's last checkpoint to the passes of a fitted checkpoint.
 const TAIL_RATIO: u32 = 16;
 
 /// Minimum number of checkpoints for a fit. Two are too few: they always lie on a line.
 const MIN_CHECKPOINTS: usize = 3;
 
-/// Number of bootstrap replicates.
+/// Number of bootstrap replicates from which the confidence interval of a slope is computed.
 const BOOTSTRAP_REPLICATES: u64 = 1000;
 
 /// Slope of a quantity in a log-log plot: the exponent of its power law.
@@ -17,8 +17,8 @@ const BOOTSTRAP_REPLICATES: u64 = 1000;
 pub struct SlopeEstimate {
     /// Least-squares slope.
     pub value: f64,
-    /// 95 % confidence interval; `None` if there are too few seeds or their errors scatter too
-    /// much.
+    /// 95 % confidence interval of `value`; `None` if there are too few seeds, or if their errors
+    /// scatter too much.
     pub interval: Option<[f64; 2]>,
 }
 
@@ -33,8 +33,8 @@ pub struct ConvergenceSlopes {
 
 /// Slopes of error, noise and bias, fitted to the last checkpoints of a method.
 ///
-/// The fit uses the checkpoints with at least 1/16 of the passes of the last one. A quantity has no
-/// slopes if its estimate is not positive at each of them.
+/// The fit uses the checkpoints with at least 1/16 of the passes of the last checkpoint. The slopes
+/// of a quantity are `None` if its estimate is zero or negative at a fitted checkpoint.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct ConvergenceFit {
     /// Number of passes of each fitted checkpoint.
@@ -47,10 +47,11 @@ pub struct ConvergenceFit {
     pub bias: Option<ConvergenceSlopes>,
 }
 
-/// Fits slopes to the last checkpoints of a method; `None` if fewer than three can be used.
+/// Fits slopes to the last checkpoints of a method; `None` if fewer than three checkpoints can be
+/// fitted.
 #[must_use]
 pub fn fit_convergence(method: &MethodResult) -> Option<ConvergenceFit> {
-    let tail = checkpoints_of_last_passes(&method.checkpoints);
+    let tail = checkpoints_to_fit(&method.checkpoints);
     if tail.len() < MIN_CHECKPOINTS {
         return None;
     }
@@ -59,29 +60,32 @@ pub fn fit_convergence(method: &MethodResult) -> Option<ConvergenceFit> {
     let mean = |values: &[f64], weights: &[f64]| values.iter().zip(weights).map(|(v, w)| v * w).sum::<f64>();
     // Noise and bias can be resampled only if the contribution of each seed is known.
     let apart = if has_noises { seeds } else { 0 };
-    let error =
-        fit_slopes(tail, seeds, |c, weights| weights.map_or_else(|| c.mean_squared_error(), |w| mean(&c.squares, w)));
-    let noise = fit_slopes(tail, apart, |c, weights| weights.map_or(c.noise2, |w| mean(&c.noises, w)));
+    let error = fit_convergence_slopes(tail, seeds, |c, weights| {
+        weights.map_or_else(|| c.mean_squared_error(), |w| mean(&c.squares, w))
+    });
+    let noise = fit_convergence_slopes(tail, apart, |c, weights| weights.map_or(c.noise2, |w| mean(&c.noises, w)));
     // The mean squared error is exactly bias² + noise², so the rest is bias.
-    let bias =
-        fit_slopes(tail, apart, |c, weights| weights.map_or(c.bias2, |w| mean(&c.squares, w) - mean(&c.noises, w)));
+    let bias = fit_convergence_slopes(tail, apart, |c, weights| {
+        weights.map_or(c.bias2, |w| mean(&c.squares, w) - mean(&c.noises, w))
+    });
     Some(ConvergenceFit { passes: tail.iter().map(|c| c.passes).collect(), error, noise, bias })
 }
 
-/// Checkpoints with at least 1/16 of the passes of the last one, and with positive time.
-fn checkpoints_of_last_passes(checkpoints: &[ConvergenceCheckpoint]) -> &[ConvergenceCheckpoint] {
+/// Returns the checkpoints to fit: those with positive time, and with at least 1/16 of the passes
+/// of the last checkpoint.
+fn checkpoints_to_fit(checkpoints: &[ConvergenceCheckpoint]) -> &[ConvergenceCheckpoint] {
     let last = checkpoints.last().map_or(0, |c| c.passes);
     let early =
         |c: &&ConvergenceCheckpoint| u64::from(c.passes) * u64::from(TAIL_RATIO) < u64::from(last) || c.seconds <= 0.0;
     &checkpoints[checkpoints.iter().take_while(early).count()..]
 }
 
-/// Fits slopes to the square root of `square` at the given checkpoints; `None` if a square is not
-/// positive.
+/// Fits slopes over time and passes to the root of a squared quantity at the checkpoints `tail`.
 ///
-/// `square` returns the mean of a squared quantity at a checkpoint over seeds with the given
-/// weights, or with equal weights for `None`.
-fn fit_slopes(
+/// `square` returns the squared quantity at a checkpoint, averaged over seeds with the given
+/// weights; `None` stands for equal weights. The result is `None` if the squared quantity is not
+/// positive at one of the checkpoints. With fewer than two `seeds`, the slopes have no intervals.
+fn fit_convergence_slopes(
     tail: &[ConvergenceCheckpoint],
     seeds: usize,
     square: impl Fn(&ConvergenceCheckpoint, Option<&[f64]>) -> f64,
@@ -108,7 +112,8 @@ fn fit_slopes(
     Some(ConvergenceSlopes { by_time: slope(by_time, 0), by_passes: slope(by_passes, 1) })
 }
 
-/// Weights of the seeds in one bootstrap replicate: relative frequencies of draws with replacement.
+/// Returns the weight of each seed in bootstrap replicate number `replicate`: the relative
+/// frequency of the seed among draws with replacement.
 fn bootstrap_seed_weights(replicate: u64, seeds: usize) -> Vec<f64> {
     let key = Key::new(0xb007_57a9).child_key(replicate);
     let mut weights = vec![0.0; seeds];
@@ -136,8 +141,9 @@ fn standard_deviation(values: impl Iterator<Item = f64> + Clone) -> f64 {
 
 /// Half-width of a 95 % confidence interval, divided by the standard deviation of the bootstrap.
 ///
-/// It is the quantile of Student's t times √(S/(S − 1)) for S seeds. The root corrects the variance
-/// of the bootstrap, which has the divisor S instead of S − 1 (Hesterberg 2015, section 3.1).
+/// The factor is the quantile of Student's t times √(S/(S − 1)) for S seeds. The root corrects the
+/// variance of the bootstrap, which has the divisor S instead of S − 1 (Hesterberg 2015, section
+/// 3.1).
 fn bootstrap_interval_factor(seeds: usize) -> f64 {
     let degrees = seeds as f64 - 1.0;
     student_t_quantile(seeds - 1) * (seeds as f64 / degrees).sqrt()
@@ -157,7 +163,8 @@ pub(super) fn student_t_quantile(degrees: usize) -> f64 {
     FEW_DEGREES.get(degrees.wrapping_sub(1)).copied().unwrap_or(many)
 }
 
-/// 95 % confidence interval of the mean of `values` by Student's t; `None` for fewer than two.
+/// 95 % confidence interval of the mean of `values` by Student's t; `None` for fewer than two
+/// values.
 #[must_use]
 pub fn mean_confidence_interval(values: &[f64]) -> Option<[f64; 2]> {
     let n = values.len();
@@ -169,7 +176,7 @@ pub fn mean_confidence_interval(values: &[f64]) -> Option<[f64; 2]> {
     Some([mean - half, mean + half])
 }
 
-/// 95 % confidence interval of the squared bias; `None` if the noise of single seeds is unknown.
+/// 95 % confidence interval of the squared bias; `None` if the noise of each seed is not known.
 pub(super) fn squared_bias_interval(checkpoint: &ConvergenceCheckpoint) -> Option<[f64; 2]> {
     let ConvergenceCheckpoint { squares, noises, .. } = checkpoint;
     (squares.len() == noises.len())

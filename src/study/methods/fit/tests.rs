@@ -12,9 +12,9 @@ use rand::RngExt;
 const SEEDS: usize = 8;
 const PIXELS: usize = 64;
 
-/// Makes results of a synthetic method whose pass i has variance 1/s(i) and bias `bias` · s(i).
+/// Makes results of a synthetic method: pass i has variance 1/s(i) and bias `bias` · s(i).
 ///
-/// Here s(i) is the squared gather radius of pass i over that of the first pass, for the exponent
+/// s(i) is the squared gather radius of pass i over that of the first pass, by the exponent
 /// `alpha`. `name` selects the random numbers.
 fn synthetic_method(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32], name: u64) -> MethodResult {
     let mut rng = Key::new(77).child_key(name).rng();
@@ -75,10 +75,11 @@ fn fitted_verdict(method: &MethodResult) -> ConvergenceVerdict {
     judge_convergence(method, fit_convergence(method).as_ref(), None)
 }
 
-/// At least 90 of 100 intervals of 95 % confidence contain the predicted slope.
+/// At least 90 of 100 confidence intervals of 95 % contain the predicted slope.
 ///
-/// The chance of 10 or more misses is 3 %. The mean logarithm of the squares differs from the
-/// logarithm of their mean by 1/(SEEDS · PIXELS), which is small compared with the interval.
+/// With exact intervals, the chance of more than 10 misses is 1 %. The mean logarithm of the
+/// squares differs from the logarithm of their mean by 1/(SEEDS · PIXELS), which is small compared
+/// with the interval.
 #[test]
 fn slope_intervals_cover_theory() {
     let passes = powers_of_two(9);
@@ -92,7 +93,7 @@ fn slope_intervals_cover_theory() {
             for (covered, (slopes, quantity)) in
                 covered.iter_mut().zip([(fit.error, ErrorComponent::Error), (fit.noise, ErrorComponent::Noise)])
             {
-                let law = predicted_slopes(algorithm, quantity, &fit.passes, alpha).unwrap();
+                let law = predicted_convergence_slopes(algorithm, quantity, &fit.passes, alpha).unwrap();
                 let [low, high] = slopes.unwrap().by_passes.interval.unwrap();
                 // Without bias, the error's law is that of noise.
                 let law = if bias == 0.0 { SlopeRange { flattest: law.steepest, ..law } } else { law };
@@ -123,7 +124,7 @@ fn fitted_slopes_match_theory() {
     for (slopes, quantity) in
         [(sppm.error, ErrorComponent::Bias), (sppm.noise, ErrorComponent::Noise), (sppm.bias, ErrorComponent::Bias)]
     {
-        close(slopes, predicted_slopes(Algorithm::Sppm, quantity, &sppm.passes, ALPHA).unwrap().flattest);
+        close(slopes, predicted_convergence_slopes(Algorithm::Sppm, quantity, &sppm.passes, ALPHA).unwrap().flattest);
     }
     close(pm.bias, 0.0);
     close(pm.error, 0.0);
@@ -230,8 +231,8 @@ fn plateaus_never_reach_smaller_errors() {
     assert!(matches!(time_to_tenth_of_error(&method, fit.as_ref(), &verdict), TimeToError::Never { .. }));
 }
 
-/// The second method takes twice the time per pass. Its error begins at a third of the first one's
-/// and does not fall.
+/// A pass of the second method takes twice as long. The error of the second method begins at a
+/// third of the first method's error, and does not fall.
 #[test]
 fn pareto_front_and_recommendation_have_least_error() {
     let mut early = method_without_noise();

@@ -3,7 +3,7 @@
 use super::slopes::least_squares_slope;
 use crate::integrate::Algorithm;
 
-/// Error of a method, or one of its two components.
+/// Total error of a rendering method, or one of its two components: noise and bias.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ErrorComponent {
     /// Root mean square error, with noise and bias.
@@ -28,26 +28,25 @@ impl SlopeRange {
         Self { steepest: slope, flattest: slope }
     }
 
-    fn range_around_both(self, o: Self) -> Self {
+    fn enclosing_slope_range(self, o: Self) -> Self {
         Self { steepest: self.steepest.min(o.steepest), flattest: self.flattest.max(o.flattest) }
     }
 }
 
-/// Predicts the slope of error, noise or bias over `passes` in a log-log plot; `None` if the
-/// quantity is zero.
+/// Returns the range of slopes that theory predicts for error, noise or bias over `passes` in a
+/// log-log plot; `None` if the quantity is zero.
 ///
 /// - The noise of independent passes falls as n^−½.
-/// - Let s(i) be the squared gather radius of pass i over that of the first pass. Pass i has
-///   variance 1/s(i) and bias s(i), relative to the first pass. The mean of n passes has variance
-///   Σ 1/s(i)/n² and bias Σ s(i)/n (Knaus and Zwicker 2011). For α = ⅔, noise and bias approach
-///   n^−⅓.
-/// - Noise of camera paths adds to noise of photons, so measured slopes lie between both laws.
-/// - The noise of the camera paths that all passes of `ppm` share does not fall.
+/// - Photon noise and bias follow the gather radii (Knaus and Zwicker 2011). Let s(i) be the
+///   squared radius of pass i over that of the first pass. The mean of n passes has variance ∝ Σ
+///   1/s(i)/n² and bias ∝ Σ s(i)/n. For α = ⅔, noise and bias approach n^−⅓.
+/// - Noise of camera paths adds to photon noise, so the slope of noise is a range.
+/// - The camera paths of `ppm` are equal in all passes, so their noise does not fall.
 /// - Bias does not fall with fixed radii, nor in algorithms that leave out light.
 ///
-/// In media, slopes differ from these by at most ⅒.
+/// In media, measured slopes differ from the prediction by at most ⅒.
 #[must_use]
-pub fn predicted_slopes(
+pub fn predicted_convergence_slopes(
     algorithm: Algorithm,
     quantity: ErrorComponent,
     passes: &[u32],
@@ -57,9 +56,9 @@ pub fn predicted_slopes(
     let even = SlopeRange::single_slope_range(-0.5);
     let [variance, bias] = variance_and_bias_slopes(passes, alpha);
     let noise = match algorithm {
-        Sppm | Hybrid => SlopeRange::single_slope_range(0.5 * variance).range_around_both(even),
+        Sppm | Hybrid => SlopeRange::single_slope_range(0.5 * variance).enclosing_slope_range(even),
         // All passes share the camera paths, which differ between seeds.
-        Ppm => SlopeRange::single_slope_range(0.0).range_around_both(even),
+        Ppm => SlopeRange::single_slope_range(0.0).enclosing_slope_range(even),
         Path | Pm | Distributed | Whitted | Raycast => even,
     };
     let bias = match algorithm {
@@ -70,11 +69,12 @@ pub fn predicted_slopes(
     match quantity {
         ErrorComponent::Noise => Some(noise),
         ErrorComponent::Bias => bias,
-        ErrorComponent::Error => Some(bias.map_or(noise, |bias| noise.range_around_both(bias))),
+        ErrorComponent::Error => Some(bias.map_or(noise, |bias| noise.enclosing_slope_range(bias))),
     }
 }
 
-/// Slopes over `passes` of the variance and of the bias, for a mean of passes whose radii shrink.
+/// Returns the log-log slopes of variance and bias over `passes`, for a mean of passes whose gather
+/// radii shrink with the exponent `alpha`.
 fn variance_and_bias_slopes(passes: &[u32], alpha: f64) -> [f64; 2] {
     let (mut squared_radius_ratio, mut shrunk, mut grown, mut made) = (1.0, 0.0, 0.0, 0u32);
     let mut logs: [Vec<f64>; 3] = Default::default();
@@ -118,18 +118,21 @@ mod tests {
         for (quantity, steepest) in
             [(ErrorComponent::Noise, -0.5), (ErrorComponent::Bias, -1.0 / 3.0), (ErrorComponent::Error, -0.5)]
         {
-            let law = predicted_slopes(Algorithm::Sppm, quantity, &far, ALPHA).unwrap();
+            let law = predicted_convergence_slopes(Algorithm::Sppm, quantity, &far, ALPHA).unwrap();
             assert!((law.flattest + 1.0 / 3.0).abs() < 4e-3 && (law.steepest - steepest).abs() < 4e-3, "{law:?}");
         }
-        assert_eq!(predicted_slopes(Algorithm::Ppm, ErrorComponent::Noise, &far, ALPHA).unwrap().flattest, 0.0);
-        let stays = predicted_slopes(Algorithm::Sppm, ErrorComponent::Error, &far, 1.0).unwrap();
+        assert_eq!(
+            predicted_convergence_slopes(Algorithm::Ppm, ErrorComponent::Noise, &far, ALPHA).unwrap().flattest,
+            0.0
+        );
+        let stays = predicted_convergence_slopes(Algorithm::Sppm, ErrorComponent::Error, &far, 1.0).unwrap();
         assert!((stays.steepest + 0.5).abs() < 1e-9 && stays.flattest.abs() < 1e-9);
     }
 
     #[test]
     fn predicted_slopes_of_mixed_noise_are_a_range() {
         let passes = [4, 8, 16, 32, 64];
-        let law = |algorithm, quantity| predicted_slopes(algorithm, quantity, &passes, ALPHA);
+        let law = |algorithm, quantity| predicted_convergence_slopes(algorithm, quantity, &passes, ALPHA);
         let [variance, _] = variance_and_bias_slopes(&passes, ALPHA);
         for algorithm in [Algorithm::Hybrid, Algorithm::Sppm] {
             assert_eq!(

@@ -24,27 +24,28 @@ impl RenderEffort {
         Self { seconds: self.seconds * factor, passes: self.passes * factor, photons: self.photons * factor }
     }
 
-    /// Interpolates between `a` (`t` = 0) and `b` (`t` = 1); logarithmically if both are positive.
-    fn interpolate(a: Self, b: Self, t: f64) -> Self {
+    /// Interpolates each number between `a` (`t` = 0) and `b` (`t` = 1): logarithmically if both
+    /// numbers are positive, else linearly.
+    fn interpolate_effort(a: Self, b: Self, t: f64) -> Self {
         let mix = |a: f64, b: f64| if a > 0.0 && b > 0.0 { a * libm::pow(b / a, t) } else { a + (b - a) * t };
         Self { seconds: mix(a.seconds, b.seconds), passes: mix(a.passes, b.passes), photons: mix(a.photons, b.photons) }
     }
 }
 
-/// Effort to reach a given error, and how it is known.
+/// Time and work to reach a given error: measured, predicted, or a reason why there is none.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 #[serde(tag = "how", rename_all = "lowercase")]
 pub enum TimeToError {
-    /// At most this effort, because the first checkpoint has reached the error already.
+    /// At most this time and work: the first checkpoint has reached the error already.
     Within(RenderEffort),
-    /// Effort interpolated between two checkpoints.
+    /// Time and work, interpolated between two checkpoints.
     Measured(RenderEffort),
-    /// Effort extrapolated from the last checkpoint by the fitted slope.
+    /// Time and work, extrapolated from the last checkpoint by the fitted slope.
     Predicted {
-        /// Effort by the fitted slope.
+        /// Time and work by the fitted slope.
         effort: RenderEffort,
-        /// Processor times that follow from both ends of the slope's confidence interval \[s]; they
-        /// may be infinite.
+        /// Processor times \[s] for the slopes at both ends of the confidence interval; may be
+        /// infinite. `None` if the slope has no interval.
         seconds: Option<[f64; 2]>,
     },
     /// The error is never reached, because the bias stays above it.
@@ -52,11 +53,11 @@ pub enum TimeToError {
         /// Relative error that remains.
         floor: f64,
     },
-    /// The effort is unknown, because there is no fit or the error does not fall.
+    /// Time and work are unknown, because there is no fit or the error does not fall.
     Unknown,
 }
 
-/// Effort after which the relative error of `method` stays at or below `error`.
+/// Returns the time and work after which the relative error of `method` stays at or below `error`.
 #[must_use]
 pub fn time_to_error(
     method: &MethodResult,
@@ -78,7 +79,7 @@ pub fn time_to_error(
     let [log_before, log_after] = [before, after].map(|c| 0.5 * libm::log(c.mean_squared_error()));
     // An estimate of zero or less has no logarithm. The later checkpoint itself is then used.
     let t = if log_after.is_finite() { (log_before - libm::log(error)) / (log_before - log_after) } else { 1.0 };
-    TimeToError::Measured(RenderEffort::interpolate(
+    TimeToError::Measured(RenderEffort::interpolate_effort(
         RenderEffort::effort_at_checkpoint(before),
         RenderEffort::effort_at_checkpoint(after),
         t,
@@ -111,7 +112,7 @@ fn extrapolate_time_to_error(
     TimeToError::Predicted { effort: RenderEffort::effort_at_checkpoint(last).scaled_by(factor(value)), seconds }
 }
 
-/// Effort to reach a tenth of the error at the last checkpoint.
+/// Returns the time and work to reach a tenth of the method's error at its last checkpoint.
 #[must_use]
 pub fn time_to_tenth_of_error(
     method: &MethodResult,
@@ -126,9 +127,11 @@ pub fn time_to_tenth_of_error(
     }
 }
 
-/// Relative error of `method` after `seconds` of processor time, interpolated or extrapolated.
+/// Returns the relative error of `method` after `seconds` of processor time, interpolated between
+/// checkpoints or extrapolated from the last one.
 ///
-/// `None` before the first checkpoint, and where an error is not positive or has no fit.
+/// `None` before the first checkpoint, if a checkpoint's squared error is not positive, or if there
+/// is no fit to extrapolate.
 #[must_use]
 pub fn error_after_seconds(method: &MethodResult, fit: Option<&ConvergenceFit>, seconds: f64) -> Option<f64> {
     let error = |c: &ConvergenceCheckpoint| Some(c.mean_squared_error()).filter(|s| *s > 0.0).map(f64::sqrt);
@@ -187,7 +190,7 @@ pub struct MethodRecommendation {
     pub method: usize,
     /// Expected relative error after the time budget.
     pub error: f64,
-    /// Indices of the other methods whose error is at most 10 % larger.
+    /// Indices of the other methods whose expected error is at most 10 % larger than `error`.
     pub alike: Vec<usize>,
 }
 

@@ -1,13 +1,13 @@
 //! Judges whether the error of a method falls as theory predicts.
 
 use super::slopes::{ConvergenceFit, SlopeEstimate, mean_confidence_interval, squared_bias_interval};
-use super::theory::{ErrorComponent, SlopeRange, predicted_slopes};
+use super::theory::{ErrorComponent, SlopeRange, predicted_convergence_slopes};
 use crate::integrate::Algorithm;
 use crate::study::methods::MethodResult;
 use crate::study::report::text::{error_percent_text, slope_text, three_digit_text};
 use std::fmt;
 
-/// Share of the squared bias in the squared error from which bias dominates the error.
+/// Smallest ratio of squared bias to squared error at which bias is said to dominate the error.
 ///
 /// The error then exceeds the bias by at most 12 %.
 pub const BIAS_DOMINATED_SHARE: f64 = 0.8;
@@ -17,7 +17,7 @@ pub const BIAS_DOMINATED_SHARE: f64 = 0.8;
 pub enum ConvergenceVerdict {
     /// Too few checkpoints for a fit.
     TooFew,
-    /// The error is too small to be measured with these references or seeds.
+    /// The error is too small to be measured: the reference or the scatter between seeds hides it.
     TooSmall {
         /// Relative error of the reference; `None` if it is taken as exact.
         truth: Option<f64>,
@@ -46,7 +46,8 @@ pub enum ConvergenceVerdict {
     Expected {
         /// Slope over passes.
         slope: f64,
-        /// Relative bias that will remain, if it is significant already.
+        /// Relative bias that the error approaches; `None` if the bias falls too or is not
+        /// significant.
         ahead: Option<f64>,
     },
     /// The error falls more slowly than theory predicts.
@@ -68,7 +69,7 @@ pub enum ConvergenceVerdict {
 /// Cause of a bias that more passes do not reduce.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BiasCause {
-    /// Blur by density estimates with these gather radii, of the indirect and of the caustic map.
+    /// Blur of density estimates. Holds the gather radii of the indirect map and the caustic map.
     Radii([f32; 2]),
     /// The algorithm leaves out some light by design.
     LeavesOut,
@@ -76,10 +77,11 @@ pub enum BiasCause {
     Unknown,
 }
 
-/// Judges the convergence of a method. `truth` is the relative error of the reference.
+/// Judges how the error of a method falls.
 ///
-/// A bias of the references does not cancel in the measured error, but their noise does. So errors
-/// below `truth` are not judged.
+/// `truth` is the relative error of the reference; `None` if the reference is taken as exact. The
+/// noise of the references cancels in the measured error, but a bias that they share does not. So
+/// errors below `truth` are not judged.
 #[must_use]
 pub fn judge_convergence(
     method: &MethodResult,
@@ -93,7 +95,7 @@ pub fn judge_convergence(
     let (Some(slopes), false) = (fit.error, nothing) else { return ConvergenceVerdict::TooSmall { truth } };
     let SlopeEstimate { value: slope, interval } = slopes.by_passes;
     let Some([low, high]) = interval else { return ConvergenceVerdict::Wide { slope } };
-    let law = |quantity| predicted_slopes(method.algorithm, quantity, &fit.passes, method.alpha);
+    let law = |quantity| predicted_convergence_slopes(method.algorithm, quantity, &fit.passes, method.alpha);
     let (Some(noise), Some(total)) = (law(ErrorComponent::Noise), law(ErrorComponent::Error)) else {
         return ConvergenceVerdict::Wide { slope };
     };

@@ -1,6 +1,6 @@
 //! CSV and Markdown reports of a study of effects.
 
-use super::{ReportContext, clock_name, share_of_mean_text};
+use super::{ReportContext, clock_name, percent_of_mean_text};
 use crate::study::report::plain::{csv_row, escape_markdown, markdown_table};
 use crate::study::report::text::{
     count_text, percent_text, signed_count_text, signed_milliseconds_text, three_digit_text,
@@ -36,7 +36,7 @@ pub fn csv_report(findings: &EffectStudyResult) -> String {
         table += &csv_row(&[
             decision.effect.to_string(),
             decision.is_simulated.to_string(),
-            decision.is_forced().to_string(),
+            decision.is_forced_by_user().to_string(),
             decision.reason.to_string(),
             number_cell(&|f| Some(f.cost.seconds)),
             number_cell(&|f| f.cost.seconds_error),
@@ -81,8 +81,8 @@ pub fn markdown_report(about: &ReportContext, findings: &EffectStudyResult) -> S
             signed_count_text(cost.rays),
             signed_count_text(cost.gathered_photons),
             gain.relative_rmse.map_or(three_digit_text(gain.rmse), percent_text),
-            share_of_mean_text(gain.adds, findings.mean),
-            share_of_mean_text(gain.takes, findings.mean),
+            percent_of_mean_text(gain.adds, findings.mean),
+            percent_of_mean_text(gain.takes, findings.mean),
         ]
     };
     let rows: Vec<Vec<String>> = findings.effects.iter().map(row).collect();
@@ -90,7 +90,7 @@ pub fn markdown_report(about: &ReportContext, findings: &EffectStudyResult) -> S
         ["effect", "ms per pass", "time ratio", "rays per pass", "gathered photons", "changes", "adds", "takes"];
     text += &markdown_table(&heads, &rows);
     for decision in findings.plan.decisions.iter().filter(|d| !d.is_simulated) {
-        let state = if decision.is_forced() { "forced off, though " } else { "off: " };
+        let state = if decision.is_forced_by_user() { "forced off, though " } else { "off: " };
         text += &format!("\n- {}: {state}{}", decision.effect, escape_markdown(&decision.reason.to_string()));
     }
     text + "\n"
@@ -109,7 +109,7 @@ mod tests {
     fn every_effect_has_a_row() {
         let scene = diffuse_sphere_on_floor(8, 6);
         let mut settings = Settings::default();
-        settings.camera_paths.effects = EffectOverrides::PLANNED.with(Effect::Environment);
+        settings.camera_paths.effects = EffectOverrides::PLANNED.with_effect(Effect::Environment);
         let study = EffectStudy::prepare(&scene, Algorithm::Whitted, &settings);
         let findings = study.run(2, &AtomicBool::new(false), &SilentMonitor, |_| {}).unwrap();
         let table = csv_report(&findings);

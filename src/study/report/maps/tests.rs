@@ -65,12 +65,13 @@ fn error_maps_are_logarithmic() {
     assert!(map.pixels().iter().zip(expected).all(|(a, b)| (*a - b).length() < 1e-5));
 }
 
-/// Differences are relative to the local radiance: to √(2² + 2²) in a picture of radiance 2.
+/// In a picture of radiance 2, differences are relative to √(2² + 2²), see
+/// [`RelativeErrorWeights`].
 #[test]
 fn differences_are_relative_to_local_radiance() {
     let truth = Image::from_pixels(2, 1, vec![Vec3::splat(2.0); 2]).unwrap();
     let difference = Image::from_pixels(2, 1, vec![Vec3::new(0.3, 0.0, 0.0), Vec3::splat(-1.0)]).unwrap();
-    let found = relative_differences(&difference, &RelativeScale::from_image(&truth));
+    let found = relative_differences(&difference, &RelativeErrorWeights::from_image(&truth));
     let eight = f64::sqrt(8.0);
     assert!((found[0] - 0.1 / eight).abs() < 1e-7 && (found[1] + 1.0 / eight).abs() < 1e-12);
 }

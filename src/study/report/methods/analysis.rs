@@ -1,9 +1,9 @@
-//! Analysis of a study of methods for all its reports.
+//! Conclusions from a study of methods, for all its reports.
 
 use crate::study::methods::fit::{
     ConvergenceFit, ConvergenceSlopes, ConvergenceVerdict, ErrorComponent, MethodRecommendation, ParetoPoint,
-    RenderEffort, SlopeRange, TimeToError, fit_convergence, judge_convergence, pareto_front, predicted_slopes,
-    recommend_method, time_to_error, time_to_tenth_of_error,
+    RenderEffort, SlopeRange, TimeToError, fit_convergence, judge_convergence, pareto_front,
+    predicted_convergence_slopes, recommend_method, time_to_error, time_to_tenth_of_error,
 };
 use crate::study::methods::{MethodResult, MethodStudyResult};
 use crate::study::report::text::{self, count_text, duration_text, error_percent_text};
@@ -11,18 +11,18 @@ use crate::study::report::text::{self, count_text, duration_text, error_percent_
 /// Relative errors for which reports give the time to reach them.
 pub(super) const TARGET_ERRORS: [f64; 4] = [0.1, 0.05, 0.02, 0.01];
 
-/// Analysis of all methods of a study.
+/// Conclusions from a study: the convergence of each method, the Pareto front and a recommendation.
 pub(super) struct MethodStudyAnalysis {
     pub(super) methods: Vec<MethodAnalysis>,
     pub(super) pareto: Vec<ParetoPoint>,
     pub(super) recommendation: Option<MethodRecommendation>,
 }
 
-/// Analysis of one method: slopes, verdict and times to reach errors.
+/// Conclusions about one rendering method: slopes, verdict and times to reach errors.
 pub(super) struct MethodAnalysis {
     pub(super) fit: Option<ConvergenceFit>,
     pub(super) verdict: ConvergenceVerdict,
-    /// Effort to reach each of [`TARGET_ERRORS`].
+    /// Time and work to reach each of [`TARGET_ERRORS`].
     pub(super) reaches: [TimeToError; 4],
     pub(super) tenth: TimeToError,
 }
@@ -40,7 +40,8 @@ impl MethodStudyAnalysis {
         Self { methods, pareto: pareto_front(&found.methods), recommendation }
     }
 
-    /// Recommendation in words, and the shell command that renders with the method.
+    /// Returns a text that recommends the best method, and the shell command that renders with the
+    /// method; `None` without a recommendation.
     pub(super) fn recommendation_text(&self, found: &MethodStudyResult) -> Option<(String, String)> {
         let MethodRecommendation { method, error: expected, alike } = self.recommendation.as_ref()?;
         let (best, judged) = (&found.methods[*method], &self.methods[*method]);
@@ -67,14 +68,18 @@ impl MethodStudyAnalysis {
 }
 
 impl MethodAnalysis {
-    /// Slopes that theory predicts for the passes of the fit; `None` without a fit, or if the
-    /// quantity is zero.
-    pub(super) fn predicted_slopes(&self, method: &MethodResult, quantity: ErrorComponent) -> Option<SlopeRange> {
-        predicted_slopes(method.algorithm, quantity, &self.fit.as_ref()?.passes, method.alpha)
+    /// Returns the range of slopes that theory predicts for `quantity` over the fitted checkpoints;
+    /// `None` without a fit, or if the quantity is zero.
+    pub(super) fn predicted_convergence_slopes(
+        &self,
+        method: &MethodResult,
+        quantity: ErrorComponent,
+    ) -> Option<SlopeRange> {
+        predicted_convergence_slopes(method.algorithm, quantity, &self.fit.as_ref()?.passes, method.alpha)
     }
 }
 
-/// Text of a slope over passes with its interval, such as `−0.49 (−0.52 … −0.46)`.
+/// Text of a slope over passes with its confidence interval, such as `−0.49 (−0.52 … −0.46)`.
 pub(super) fn slope_interval_text(slopes: Option<ConvergenceSlopes>) -> String {
     let Some(ConvergenceSlopes { by_passes, .. }) = slopes else { return "–".to_owned() };
     let interval = by_passes
@@ -88,8 +93,10 @@ pub(super) fn slope_range_text(law: Option<SlopeRange>) -> String {
     law.map_or("none".to_owned(), |law| law.to_string())
 }
 
-/// Two texts about reaching an error: the time, and the work in passes and, if the method has
-/// photons, in photons.
+/// Returns the time to reach an error as text, and further texts: time range, passes and photons.
+///
+/// `has_photons` says whether the method has photons to count. An error that is never reached gets
+/// an explanation.
 pub(super) fn time_to_error_text(reach: &TimeToError, has_photons: bool) -> (String, Vec<String>) {
     let work = |effort: &RenderEffort| {
         let passes = Some(format!("{} passes", count_text(effort.passes.max(1.0))));

@@ -12,13 +12,14 @@ use crate::study::report::plain::{csv_row, escape_markdown, markdown_code_block,
 use crate::study::report::text::{count_text, duration_text, error_percent_text};
 use serde::Serialize;
 
-/// Schema version of [`json`]. It increases when a field is removed or changes its meaning.
+/// Schema version of [`method_study_json`]. It increases when a field is removed or changes its
+/// meaning.
 const SCHEMA: u32 = 1;
 
 /// Report as CSV with one row per method and checkpoint.
 ///
-/// Column `seconds` is processor time. Columns whose name ends in 2 are squares; they may be
-/// negative if noise hides them. Column `squares` lists all seeds, separated by semicolons.
+/// Column `seconds` is processor time. Columns whose name ends in 2 are estimates of squares, which
+/// noise can make negative. Column `squares` lists all seeds, separated by semicolons.
 #[must_use]
 pub fn csv_report(found: &MethodStudyResult) -> String {
     let mut table = csv_row(&[
@@ -60,7 +61,7 @@ pub fn csv_report(found: &MethodStudyResult) -> String {
                 high,
                 number(c.noise2),
                 number(c.bias2),
-                c.mean_estimated_square().map_or(String::new(), number),
+                c.mean_square_of_estimated_error().map_or(String::new(), number),
                 number(c.rmse),
                 number(c.flip),
                 c.squares.iter().map(f64::to_string).collect::<Vec<_>>().join(";"),
@@ -113,7 +114,7 @@ struct MethodJson<'f> {
     tenth: TimeToError,
 }
 
-/// Slopes that theory predicts over the passes of the fit.
+/// JSON of the slopes that theory predicts for a method's error, noise and bias.
 #[derive(Serialize)]
 struct PredictedSlopesJson {
     error: Option<SlopeRange>,
@@ -131,11 +132,11 @@ struct TimeToErrorJson {
 /// Report as JSON with everything but pixels. Infinite values are `null`.
 ///
 /// # Errors
-/// Never for valid UTF-8 strings.
+/// [`serde_json::Error`] if encoding fails, which is not known to happen.
 pub fn method_study_json(found: &MethodStudyResult) -> Result<String, serde_json::Error> {
     let analysis = MethodStudyAnalysis::new(found);
     let methods = found.methods.iter().zip(&analysis.methods).map(|(method, judged)| {
-        let law = |quantity| judged.predicted_slopes(method, quantity);
+        let law = |quantity| judged.predicted_convergence_slopes(method, quantity);
         let target = |(error, reach): (f64, TimeToError)| TimeToErrorJson { error, reach };
         MethodJson {
             label: &method.label,
@@ -210,7 +211,9 @@ pub fn markdown_report(found: &MethodStudyResult) -> String {
             of(|c| c.noise2),
             of(|c| c.bias2),
             slope_interval_text(fit.and_then(|f| f.error)),
-            fit.map_or("–".to_owned(), |_| slope_range_text(judged.predicted_slopes(method, ErrorComponent::Error))),
+            fit.map_or("–".to_owned(), |_| {
+                slope_range_text(judged.predicted_convergence_slopes(method, ErrorComponent::Error))
+            }),
             judged.verdict.to_string(),
         ]
     });

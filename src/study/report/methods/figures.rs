@@ -2,7 +2,7 @@
 
 use super::analysis::{MethodAnalysis, MethodStudyAnalysis};
 use super::tables::{method_marker_svg, slopes_table_html, square_root_percent_text};
-use crate::image::{Image, RelativeScale};
+use crate::image::{Image, RelativeErrorWeights};
 use crate::integrate::Algorithm;
 use crate::study::StudyError;
 use crate::study::methods::fit::{ErrorComponent, mean_confidence_interval};
@@ -111,7 +111,7 @@ fn method_plot_svg(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> 
     ];
     let last = method.checkpoints.last()?;
     let guide = |quantity: ErrorComponent, name: &str, square: f64| {
-        let law = judged.predicted_slopes(method, quantity)?;
+        let law = judged.predicted_convergence_slopes(method, quantity)?;
         // The guide lies below the measured line, which would hide it.
         let through = (last.seconds, 0.8 * square.max(0.0).sqrt());
         Some(SlopeGuideLine {
@@ -210,7 +210,9 @@ pub(super) fn error_crops_html(found: &MethodStudyResult) -> Result<String, Stud
     Ok(crops)
 }
 
-/// Draws a colour bar as SVG. `ticks` are labels with their positions on the bar, from 0 to 1.
+/// Draws a colour bar as SVG, with the colours of `error_color_ramp`.
+///
+/// `ticks` are positions on the bar, from 0 to 1, and their labels.
 fn color_legend_svg(id: &str, error_color_ramp: impl Fn(f64) -> Vec3, ticks: &[(f64, String)]) -> String {
     const STOPS: u32 = 24;
     let mut svg = format!(
@@ -249,7 +251,7 @@ pub(super) fn method_articles_html(
     found: &MethodStudyResult,
     analysis: &MethodStudyAnalysis,
 ) -> Result<String, StudyError> {
-    let weights = RelativeScale::from_image(&found.truth.picture);
+    let weights = RelativeErrorWeights::from_image(&found.truth.picture);
     let differences: Vec<Vec<f64>> =
         found.methods.iter().map(|m| relative_differences(&m.difference, &weights)).collect();
     let most_error = color_scale_maximum(found.methods.iter().flat_map(|m| m.error.iter().map(|e| f64::from(*e))));

@@ -55,7 +55,9 @@ pub(super) fn verdicts_table_html(found: &MethodStudyResult, analysis: &MethodSt
             of(|c| c.noise2),
             of(|c| c.bias2),
             slope_interval_text(fit.and_then(|f| f.error)),
-            fit.map_or("–".to_owned(), |_| slope_range_text(judged.predicted_slopes(method, ErrorComponent::Error))),
+            fit.map_or("–".to_owned(), |_| {
+                slope_range_text(judged.predicted_convergence_slopes(method, ErrorComponent::Error))
+            }),
         ] {
             let _ = write!(table, "<td class=\"n\">{}</td>", escape_html(&cell));
         }
@@ -143,7 +145,7 @@ pub(super) fn checkpoint_tables_html(found: &MethodStudyResult) -> String {
                 square_root_percent_text(c.mean_squared_error()),
                 square_root_percent_text(c.noise2),
                 square_root_percent_text(c.bias2),
-                c.mean_estimated_square().map_or("–".to_owned(), square_root_percent_text),
+                c.mean_square_of_estimated_error().map_or("–".to_owned(), square_root_percent_text),
                 three_digit_text(c.rmse),
                 three_digit_text(c.flip),
             ];
@@ -175,7 +177,7 @@ pub(super) fn slopes_table_html(
             "<tr><th scope=\"row\">{name}</th><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>",
             slope_interval_text(slopes),
             slope_interval_text(by_time),
-            slope_range_text(judged.predicted_slopes(method, quantity))
+            slope_range_text(judged.predicted_convergence_slopes(method, quantity))
         );
     }
     table + TABLE_END

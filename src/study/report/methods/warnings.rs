@@ -3,13 +3,14 @@
 use crate::study::methods::MethodStudyResult;
 use crate::study::report::text::error_percent_text;
 
-/// Processor time divided by wall time of all threads, below which measured times are not reliable.
+/// Smallest ratio of processor time to wall time × threads at which measured times are reliable.
 const MIN_THREAD_TIME_SHARE: f64 = 0.9;
 
-/// Minimum ratio of a method's error to the reference's error for the error to be reliable.
+/// Smallest ratio of a method's error to the reference's error at which the method's error is
+/// reliable.
 ///
 /// At a ratio of 3, the squared error of the reference is 1/9 of the squared error of the method.
-/// It changes the error of the method by about 6 %.
+/// This changes the error of the method by about 6 %.
 const MIN_ERROR_OVER_TRUTH: f64 = 3.0;
 
 /// Reasons to doubt the results of a study.

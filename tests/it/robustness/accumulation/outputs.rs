@@ -1,7 +1,7 @@
 //! Values that a file format cannot hold are counted and reported.
 
 use caustica::image::{
-    self, BitDepth, ClippedPixelReport, ExrLayer, FloatDepth, Image, OutputFormat, ToneCurve, ToneMap, WriteOptions,
+    self, BitDepth, ClippedPixelReport, ExrLayer, ExrPrecision, Image, OutputFormat, ToneCurve, ToneMap, WriteOptions,
 };
 use glam::Vec3;
 use std::path::Path;
@@ -20,7 +20,7 @@ fn write_and_read_pixel(value: f32, options: &WriteOptions, name: &str) -> (Vec3
 
 #[test]
 fn half_floats_saturate_at_65504_with_report() {
-    let options = WriteOptions { floats: FloatDepth::Half, ..WriteOptions::default() };
+    let options = WriteOptions { floats: ExrPrecision::Half, ..WriteOptions::default() };
     for value in EDGES.into_iter().flat_map(|x| [x, -x]) {
         let (found, report) = write_and_read_pixel(value, &options, "a.exr");
         assert_eq!(found, Vec3::new(0.5, 65_504f32.copysign(value), 0.25), "{value}");

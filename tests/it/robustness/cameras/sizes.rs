@@ -6,7 +6,7 @@ use caustica::camera::{Filter, FilterKind};
 use caustica::color::Rgb;
 use caustica::image::flip::{FlipMetricOptions, flip_metric};
 use caustica::image::{
-    BitDepth, Image, OutputFormat, PictureContent, ToneCurve, ToneMap, WriteOptions, decode, encode, metrics,
+    BitDepth, Image, OutputFormat, PixelMeaning, ToneCurve, ToneMap, WriteOptions, decode, encode, metrics,
 };
 use caustica::integrate::{Algorithm, CameraPathSettings, FinalGathering, Settings, SilentMonitor};
 use caustica::render::{StopCriteria, render};
@@ -139,7 +139,7 @@ fn tiny_images_have_files_and_metrics() {
             let options = WriteOptions { tone, depth, ..WriteOptions::default() };
             let (file, report) = encode(format, &image, &options).unwrap();
             assert_eq!(report.non_finite, 0);
-            let (back, _) = decode(Path::new("memory"), &file, PictureContent::Radiance, None).unwrap();
+            let (back, _) = decode(Path::new("memory"), &file, PixelMeaning::Radiance, None).unwrap();
             assert_eq!((back.width(), back.height()), (width, height));
             // Half a level times the greatest slope of the sRGB curve, 2.4/1.055 (see
             // `reading_undoes_the_srgb_curve_to_half_a_level`).

@@ -81,12 +81,12 @@ fn far_lights_cast_no_shadow_on_themselves() {
     let rectangle = Shape::Rectangle(Rectangle::new(-0.5 * (edges[0] + edges[1]), edges[0], edges[1]));
     // A dome, and a sail over a square: both are convex on the emissive side.
     let profile = [DVec2::new(0.8, -0.8), DVec2::new(1.0, 0.9), DVec2::new(0.0, 0.9)];
-    let bell = Shape::Revolution(Revolution::new(&SplineBasis::single_bezier(3).unwrap(), &profile).unwrap());
+    let bell = Shape::Revolution(Revolution::new(&SplineBasis::bezier_basis(3).unwrap(), &profile).unwrap());
     let square = [1.0, -1.0, 1.0];
     let control =
         |i: usize, j: usize| DVec4::new(i as f64 - 1.0, 1.0 - 0.5 * (square[i] + square[j]), j as f64 - 1.0, 1.0);
     let net: Vec<DVec4> = (0..9).map(|i| control(i % 3, i / 3)).collect();
-    let basis = SplineBasis::single_bezier(3).unwrap();
+    let basis = SplineBasis::bezier_basis(3).unwrap();
     let patch = Shape::Patch(Patch::new([&basis, &basis], &net).unwrap());
     let placed = Shape::Instance(Instance::new(Arc::new(MeshWithBvh::new(one)), squash));
     let emitters = [
@@ -102,7 +102,7 @@ fn far_lights_cast_no_shadow_on_themselves() {
     let mut rng = SmallRng::seed_from_u64(4);
     for (kind, emitter) in emitters.into_iter().enumerate() {
         let tree = caustica::accel::Hierarchy::build(&[corners], &[]);
-        let light = Light::Area(AreaLight::uniform(emitter.clone(), Rgb::ONE));
+        let light = Light::Area(AreaLight::with_uniform_radiance(emitter.clone(), Rgb::ONE));
         for distance in [2.0, 30.0, 1e3, 1e5, 1e6] {
             let mut tested = 0;
             for _ in 0..50_000 {
@@ -132,11 +132,11 @@ fn far_lights_cast_no_shadow_on_themselves() {
 fn far_sphere_light_loses_no_flux() {
     for distance in [1e3, 1e5, 1e6, 1e7] {
         let mut builder = SceneBuilder::new();
-        let grey = builder.material(Material::diffuse(Rgb::splat(0.5)));
+        let grey = builder.add_material(Material::diffuse(Rgb::splat(0.5)));
         let place = DVec3::new(0.0, 0.0, distance);
-        builder.plane(Plane::new(place, DVec3::new(0.0, 0.3, -1.0)), grey, Rgb::ZERO);
+        builder.add_plane(Plane::new(place, DVec3::new(0.0, 0.3, -1.0)), grey, Rgb::ZERO);
         let light = Shape::Sphere(Sphere::new(DVec3::new(0.3, 0.2, 0.1), 1.0));
-        builder.shape(light, grey, Rgb::splat((distance * distance) as f32));
+        builder.add_shape(light, grey, Rgb::splat((distance * distance) as f32));
         let eye = place + DVec3::new(0.5, 0.25, -1.5);
         let camera = Camera::perspective(eye, DVec3::new(0.013, -0.027, 1.0), DVec3::Y, 0.3, 8, 8).unwrap();
         let scene = builder.build(camera).unwrap();

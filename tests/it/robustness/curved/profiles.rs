@@ -32,7 +32,7 @@ fn raised(mut controls: Vec<DVec4>, degree: usize) -> Vec<DVec4> {
 fn turned(profile: &[(f64, f64)], degree: usize) -> Shape {
     let controls = raised(profile.iter().map(|(x, y)| DVec4::new(*x, *y, 0.0, 1.0)).collect(), degree);
     let points: Vec<DVec2> = controls.iter().map(|c| DVec2::new(c.x, c.y)).collect();
-    Shape::Revolution(Revolution::new(&SplineBasis::single_bezier(degree + 1).unwrap(), &points).unwrap())
+    Shape::Revolution(Revolution::new(&SplineBasis::bezier_basis(degree + 1).unwrap(), &points).unwrap())
 }
 
 /// Builds a patch from homogeneous points, `columns` of them along v.
@@ -41,7 +41,7 @@ fn net(points: &[DVec4], columns: usize, [p, q]: [usize; 2]) -> Shape {
     let along: Vec<Vec<DVec4>> = (0..=q).map(|j| raised(rows.iter().map(|row| row[j]).collect(), p)).collect();
     let point = |c: DVec4| (c.truncate() / c.w).extend(c.w);
     let controls: Vec<DVec4> = (0..=p).flat_map(|i| along.iter().map(move |column| point(column[i]))).collect();
-    let bases = [p, q].map(|n| SplineBasis::single_bezier(n + 1).unwrap());
+    let bases = [p, q].map(|n| SplineBasis::bezier_basis(n + 1).unwrap());
     Shape::Patch(Patch::new([&bases[0], &bases[1]], &controls).unwrap())
 }
 

@@ -2,9 +2,7 @@
 
 use super::{project_path, readers};
 use caustica::format::{grid, mesh, mtl, parse_scene_bytes};
-use caustica::image::{
-    BitDepth, Image, OutputFormat, PictureContent, ToneCurve, ToneMap, WriteOptions, decode, encode,
-};
+use caustica::image::{BitDepth, Image, OutputFormat, PixelMeaning, ToneCurve, ToneMap, WriteOptions, decode, encode};
 use glam::Vec3;
 use std::fs;
 use std::path::Path;
@@ -108,7 +106,7 @@ fn truncated_images_are_refused() {
         (written(OutputFormat::Exr, BitDepth::Eight), 0),
         (hdr, 0),
     ] {
-        let read = |bytes: &[u8]| decode(Path::new("a.picture"), bytes, PictureContent::Radiance, None);
+        let read = |bytes: &[u8]| decode(Path::new("a.picture"), bytes, PixelMeaning::Radiance, None);
         assert!(read(&file).is_ok());
         for cut in 0..file.len() - beyond {
             let error = read(&file[..cut]).expect_err("a part is no picture");

@@ -4,7 +4,7 @@
 
 use caustica::format::description::{DensityDescription, SceneDescription};
 use caustica::format::{SourceText, grid, mesh, mtl, parse, parse_scene_bytes, resolve};
-use caustica::image::{PictureContent, decode};
+use caustica::image::{PixelMeaning, decode};
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings, SilentMonitor};
 use caustica::light::EnvironmentLight;
 use caustica::scene::Scene;
@@ -117,7 +117,7 @@ pub fn grid(bytes: &[u8]) {
 /// Reads an image as PNG, OpenEXR or Radiance HDR, and builds a texture and an environment light
 /// from it.
 pub fn picture(bytes: &[u8]) {
-    for meaning in [PictureContent::Radiance, PictureContent::Data] {
+    for meaning in [PixelMeaning::Radiance, PixelMeaning::Data] {
         match decode(Path::new("fuzz.picture"), bytes, meaning, FREE) {
             Ok((image, _)) => {
                 // Large images take long and reveal no more.

@@ -62,7 +62,7 @@ fn nested_bodies(b: &mut SceneBuilder, filled: Filled, turns: u32) {
     for i in 0..NEST {
         let absorption = Rgb::splat(absorption_of_body(i, turns) as f32);
         let body = match filled {
-            Filled::Media => Body::medium_region(b.medium(Medium::homogeneous(
+            Filled::Media => Body::body_filled_with_medium(b.add_medium(Medium::homogeneous(
                 absorption,
                 Rgb::ZERO,
                 Rgb::ZERO,
@@ -70,9 +70,9 @@ fn nested_bodies(b: &mut SceneBuilder, filled: Filled, turns: u32) {
             ))),
             Filled::Bodies => Body { absorption, is_null_interface: true, ..Body::new(1.0) },
         };
-        let body = b.material(Material::smooth_boundary(body));
-        b.shape(rectangle_around(DVec3::X * half_thickness(i), y, z), body, Rgb::ZERO);
-        b.shape(rectangle_around(-DVec3::X * half_thickness(i), z, y), body, Rgb::ZERO);
+        let body = b.add_material(Material::smooth_boundary(body));
+        b.add_shape(rectangle_around(DVec3::X * half_thickness(i), y, z), body, Rgb::ZERO);
+        b.add_shape(rectangle_around(-DVec3::X * half_thickness(i), z, y), body, Rgb::ZERO);
     }
 }
 
@@ -96,10 +96,10 @@ fn camera_ray_obeys_beer_over_million_boundaries() {
     let slack = ROUNDING + f64::from(TURNS / 2) / 16_777_216.0;
     let off = [Filled::Media, Filled::Bodies].map(|filled| {
         let mut b = SceneBuilder::new();
-        let silver = b.material(Material::mirror(Rgb::ONE));
+        let silver = b.add_material(Material::mirror(Rgb::ONE));
         let (y, z) = (DVec3::Y * 2.0, DVec3::Z * 2.0);
-        b.shape(rectangle_around(DVec3::X, z, y), silver, Rgb::ONE);
-        b.shape(rectangle_around(-DVec3::X, y, z), silver, Rgb::ZERO);
+        b.add_shape(rectangle_around(DVec3::X, z, y), silver, Rgb::ONE);
+        b.add_shape(rectangle_around(-DVec3::X, y, z), silver, Rgb::ZERO);
         nested_bodies(&mut b, filled, TURNS);
         let scene = b.build(camera_along_x()).unwrap();
         let begun = Instant::now();
@@ -117,15 +117,15 @@ fn camera_ray_obeys_beer_over_million_boundaries() {
 fn photons_obey_beer_over_million_boundaries() {
     let off = [Filled::Media, Filled::Bodies].map(|filled| {
         let mut b = SceneBuilder::new();
-        let silver = b.material(Material::mirror(Rgb::ONE));
+        let silver = b.add_material(Material::mirror(Rgb::ONE));
         let (y, z) = (DVec3::Y * 400.0, DVec3::Z * 400.0);
-        b.shape(rectangle_around(DVec3::X, z, y), silver, Rgb::ZERO);
-        b.shape(rectangle_around(-DVec3::X, y, z), silver, Rgb::ZERO);
+        b.add_shape(rectangle_around(DVec3::X, z, y), silver, Rgb::ZERO);
+        b.add_shape(rectangle_around(-DVec3::X, y, z), silver, Rgb::ZERO);
         nested_bodies(&mut b, filled, TURNS);
         let spot = DeltaLightKind::Spot { position: -0.95 * DVec3::X, axis: DVec3::X, inner: 0.9e-3, outer: 1e-3 };
-        b.delta_light(spot, LightStrength::Power(Rgb::ONE));
+        b.add_delta_light(spot, LightStrength::Power(Rgb::ONE));
         let scene = b.build(camera_along_x()).unwrap();
-        let source = PhotonSource::in_all_directions(&scene).unwrap();
+        let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
         let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: TURNS - 1 };
         let audit = pass.trace(Key::new(3).purpose_key(Purpose::Test), 2, &|_| {}).audit;
         let left = audit.stopped[1] / audit.emitted[1];
@@ -143,11 +143,11 @@ fn photons_obey_beer_over_million_boundaries() {
 fn shadow_rays_cross_more_bodies_than_stack_holds() {
     for filled in [Filled::Media, Filled::Bodies] {
         let mut b = SceneBuilder::new();
-        let white = b.material(Material::diffuse(Rgb::ONE));
+        let white = b.add_material(Material::diffuse(Rgb::ONE));
         nested_bodies(&mut b, filled, 1);
-        b.shape(rectangle_around(-DVec3::X, DVec3::Y * 2.0, DVec3::Z * 2.0), white, Rgb::ZERO);
+        b.add_shape(rectangle_around(-DVec3::X, DVec3::Y * 2.0, DVec3::Z * 2.0), white, Rgb::ZERO);
         let sun = DeltaLightKind::Directional { direction: -DVec3::X };
-        b.delta_light(sun, LightStrength::Physical(Rgb::splat(std::f32::consts::PI)));
+        b.add_delta_light(sun, LightStrength::Physical(Rgb::splat(std::f32::consts::PI)));
         let camera = Camera::orthographic(-0.95 * DVec3::X, -DVec3::X, DVec3::Z, 1e-3, 1, 1).unwrap();
         let scene = b.build(camera).unwrap();
         for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Distributed] {

@@ -68,7 +68,7 @@ fn coarse_ball_is_dark_inside() {
             assert_dark(&inside, &format!("{kind} {relief}"));
             let lit = render_passes(&ball("0 0 3"), Algorithm::Path, settings(), 1);
             assert!(lit.iter().all(|p| p.max_element() > 0.0), "{kind} is lit from outside");
-            let source = PhotonSource::in_all_directions(&inside).unwrap();
+            let source = PhotonSource::emitting_in_all_directions(&inside).unwrap();
             let pass = PhotonPass { scene: &inside, source: &source, mask: StoreMask::ALL, max_bounces: 20 };
             let traced = pass.trace(test_key(70), 1 << 14, &|_| {});
             // A photon stores the side it landed on. Outwards is away from the ball's center.
@@ -100,7 +100,8 @@ fn bumps_below_horizon_leak_no_light() {
                     warp::square_to_uniform_sphere(test_key(71).child_key(i).uniform_2d(Dimension::LightDirection));
                 let ray = Ray::new(-direction * 2.0, direction);
                 let Some(hit) = walls.intersect(&ray) else { continue };
-                let point = walls.surface_interaction(&ray, &hit, &RayCone::zero_width(Effects::ALL), || 0.5).point;
+                let point =
+                    walls.surface_interaction(&ray, &hit, &RayCone::zero_width_cone(Effects::ALL), || 0.5).point;
                 assert!((point.ns.length() - 1.0).abs() < 1e-6);
                 least = least.min(point.ns.dot(point.ng));
             }

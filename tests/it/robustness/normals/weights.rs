@@ -185,7 +185,7 @@ fn coarse_ball_flux_matches_its_faces() {
         Materials {{ Diffuse white {{ reflectance 1 1 1 }} }}
         Group {{ MaterialName white TriangleMesh {{ obj_file coarse-ball.obj }} }}"
     ));
-    let source = PhotonSource::in_all_directions(&scene).unwrap();
+    let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
     let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
     // The area of an icosahedron of circumradius 1: 20·(√3/4)·a² with a = 1/sin(72°).
     let edge = 1.0 / libm::sin(0.4 * std::f64::consts::PI);

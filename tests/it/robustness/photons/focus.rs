@@ -29,13 +29,13 @@ const PIXELS: u32 = 16;
 /// A diffuse disc faces the mirror around its focus at y = 1, seen in `pixels` × `pixels`.
 fn parabola(pixels: u32) -> Scene {
     let mut b = SceneBuilder::new();
-    let mirror = b.material(Material::mirror(Rgb::splat(REFLECTANCE as f32)));
-    let white = b.material(Material::diffuse(Rgb::splat(0.5)));
+    let mirror = b.add_material(Material::mirror(Rgb::splat(REFLECTANCE as f32)));
+    let white = b.add_material(Material::diffuse(Rgb::splat(0.5)));
     let controls = [DVec2::ZERO, DVec2::new(0.5, 0.0), DVec2::new(1.0, 0.25)];
-    let bowl = Revolution::new(&SplineBasis::single_bezier(3).unwrap(), &controls).unwrap();
-    b.shape(Shape::Revolution(bowl), mirror, Rgb::ZERO);
-    b.shape(Shape::Disc(Disc::circular_disc(DVec3::Y, -DVec3::Y, TARGET)), white, Rgb::ZERO);
-    b.delta_light(
+    let bowl = Revolution::new(&SplineBasis::bezier_basis(3).unwrap(), &controls).unwrap();
+    b.add_shape(Shape::Revolution(bowl), mirror, Rgb::ZERO);
+    b.add_shape(Shape::Disc(Disc::circular_disc(DVec3::Y, -DVec3::Y, TARGET)), white, Rgb::ZERO);
+    b.add_delta_light(
         DeltaLightKind::Directional { direction: -DVec3::Y },
         LightStrength::Physical(Rgb::splat(IRRADIANCE as f32)),
     );

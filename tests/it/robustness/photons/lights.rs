@@ -20,15 +20,15 @@ const ALL: [Algorithm; 5] = [Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm
 /// position empty.
 fn scene_lit_by(powers: &[Option<f32>]) -> Scene {
     let mut b = SceneBuilder::new();
-    let white = b.material(Material::diffuse(Rgb::splat(0.6)));
-    let glass = b.material(Material::dielectric(1.5, Rgb::ZERO));
-    b.shape(sheet(DVec3::ZERO, DVec3::Z * 4.0, DVec3::X * 4.0), white, Rgb::ZERO);
-    b.shape(Shape::Sphere(Sphere::new(DVec3::new(-0.6, 0.5, 0.0), 0.5)), white, Rgb::ZERO);
-    b.shape(Shape::Sphere(Sphere::new(DVec3::new(0.6, 0.5, 0.0), 0.5)), glass, Rgb::ZERO);
+    let white = b.add_material(Material::diffuse(Rgb::splat(0.6)));
+    let glass = b.add_material(Material::dielectric(1.5, Rgb::ZERO));
+    b.add_shape(sheet(DVec3::ZERO, DVec3::Z * 4.0, DVec3::X * 4.0), white, Rgb::ZERO);
+    b.add_shape(Shape::Sphere(Sphere::new(DVec3::new(-0.6, 0.5, 0.0), 0.5)), white, Rgb::ZERO);
+    b.add_shape(Shape::Sphere(Sphere::new(DVec3::new(0.6, 0.5, 0.0), 0.5)), glass, Rgb::ZERO);
     for (i, power) in powers.iter().enumerate() {
         let position = DVec3::new(i as f64 * 0.3 - 0.5, 2.0, 0.7);
         if let Some(power) = power {
-            b.delta_light(DeltaLightKind::Point { position }, LightStrength::Power(Rgb::splat(*power)));
+            b.add_delta_light(DeltaLightKind::Point { position }, LightStrength::Power(Rgb::splat(*power)));
         }
     }
     let camera = Camera::perspective(DVec3::new(0.0, 1.0, 5.0), DVec3::new(0.0, -0.1, -1.0), DVec3::Y, 0.6, 12, 12);
@@ -69,12 +69,12 @@ fn test_rotations() -> impl Iterator<Item = DQuat> {
 /// The ceiling's visible center shows a sixth of the light, like the face of a cube.
 fn point_in_the_floor(turn: DQuat, at: DVec3) -> Scene {
     let mut b = SceneBuilder::new();
-    let white = b.material(Material::diffuse(Rgb::splat(0.5)));
-    let black = b.material(Material::black());
+    let white = b.add_material(Material::diffuse(Rgb::splat(0.5)));
+    let black = b.add_material(Material::black());
     let (x, y, z) = (turn * DVec3::X, turn * DVec3::Y, turn * DVec3::Z);
-    b.shape(sheet(at, z * 2.0, x * 2.0), black, Rgb::ZERO);
-    b.shape(sheet(at + y, x * 2.0, z * 2.0), white, Rgb::ZERO);
-    b.delta_light(DeltaLightKind::Point { position: at }, LightStrength::Power(Rgb::ONE));
+    b.add_shape(sheet(at, z * 2.0, x * 2.0), black, Rgb::ZERO);
+    b.add_shape(sheet(at + y, x * 2.0, z * 2.0), white, Rgb::ZERO);
+    b.add_delta_light(DeltaLightKind::Point { position: at }, LightStrength::Power(Rgb::ONE));
     let camera = Camera::orthographic(at + 0.5 * y, y, z, 2.0, 16, 16).unwrap();
     b.build(camera).unwrap()
 }
@@ -88,7 +88,7 @@ fn point_light_in_floor_lights_ceiling() {
     let all: Vec<(DVec3, DQuat)> = places.iter().flat_map(|at| test_rotations().map(move |turn| (*at, turn))).collect();
     all.par_iter().for_each(|(at, turn)| {
         let scene = point_in_the_floor(*turn, *at);
-        let source = PhotonSource::in_all_directions(&scene).unwrap();
+        let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
         let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
         let traced = pass.trace(Key::new(3).purpose_key(Purpose::Test), 1 << 16, &|_| {});
         let flux: f64 = traced.deposits.photons.iter().map(|p| f64::from(p.data.flux().y)).sum();
@@ -102,18 +102,18 @@ fn point_light_in_floor_lights_ceiling() {
 /// Builds an area light in the plane of a black ceiling, facing down, and a floor under it.
 fn lamp_in_the_ceiling(turn: DQuat, first: bool) -> Scene {
     let mut b = SceneBuilder::new();
-    let white = b.material(Material::diffuse(Rgb::splat(0.5)));
-    let black = b.material(Material::black());
+    let white = b.add_material(Material::diffuse(Rgb::splat(0.5)));
+    let black = b.add_material(Material::black());
     let (x, y, z) = (turn * DVec3::X, turn * DVec3::Y, turn * DVec3::Z);
     let lamp = sheet(y, x * 0.5, z * 0.5);
     if first {
-        b.shape(lamp.clone(), black, Rgb::ONE);
+        b.add_shape(lamp.clone(), black, Rgb::ONE);
     }
-    b.shape(sheet(y, x * 4.0, z * 4.0), black, Rgb::ZERO);
+    b.add_shape(sheet(y, x * 4.0, z * 4.0), black, Rgb::ZERO);
     if !first {
-        b.shape(lamp, black, Rgb::ONE);
+        b.add_shape(lamp, black, Rgb::ONE);
     }
-    b.shape(sheet(DVec3::ZERO, z * 4.0, x * 4.0), white, Rgb::ZERO);
+    b.add_shape(sheet(DVec3::ZERO, z * 4.0, x * 4.0), white, Rgb::ZERO);
     b.build(Camera::orthographic(0.5 * y, -y, z, 0.5, 4, 4).unwrap()).unwrap()
 }
 
@@ -155,15 +155,15 @@ fn area_light_in_ceiling_plane_loses_no_light() {
 #[test]
 fn blocked_lights_emit_no_photons() {
     let mut b = SceneBuilder::new();
-    let white = b.material(Material::diffuse(Rgb::splat(0.5)));
-    let black = b.material(Material::black());
-    let glass = b.material(Material::dielectric(1.5, Rgb::ZERO));
-    b.shape(sheet(DVec3::ZERO, DVec3::Z * 4.0, DVec3::X * 4.0), white, Rgb::ZERO);
-    b.shape(Shape::Sphere(Sphere::new(DVec3::new(1.0, 1.0, 0.0), 0.3)), glass, Rgb::ZERO);
-    b.shape(Shape::Sphere(Sphere::new(DVec3::Y, 0.1)), black, Rgb::ZERO);
-    b.delta_light(DeltaLightKind::Point { position: DVec3::Y }, LightStrength::Power(Rgb::ONE));
-    b.shape(sheet(DVec3::Y * 2.0, DVec3::X, DVec3::Z), black, Rgb::ZERO);
-    b.shape(sheet(DVec3::Y * 1.999_99, DVec3::Z * 0.1, DVec3::X * 0.1), black, Rgb::ONE);
+    let white = b.add_material(Material::diffuse(Rgb::splat(0.5)));
+    let black = b.add_material(Material::black());
+    let glass = b.add_material(Material::dielectric(1.5, Rgb::ZERO));
+    b.add_shape(sheet(DVec3::ZERO, DVec3::Z * 4.0, DVec3::X * 4.0), white, Rgb::ZERO);
+    b.add_shape(Shape::Sphere(Sphere::new(DVec3::new(1.0, 1.0, 0.0), 0.3)), glass, Rgb::ZERO);
+    b.add_shape(Shape::Sphere(Sphere::new(DVec3::Y, 0.1)), black, Rgb::ZERO);
+    b.add_delta_light(DeltaLightKind::Point { position: DVec3::Y }, LightStrength::Power(Rgb::ONE));
+    b.add_shape(sheet(DVec3::Y * 2.0, DVec3::X, DVec3::Z), black, Rgb::ZERO);
+    b.add_shape(sheet(DVec3::Y * 1.999_99, DVec3::Z * 0.1, DVec3::X * 0.1), black, Rgb::ONE);
     let scene = b.build(flat_camera(DVec3::new(0.0, 3.0, 0.0), -DVec3::Y, 4.0, 8)).unwrap();
     for algorithm in WITH_PHOTONS {
         let out = rendered(&scene, algorithm, settings(20_000, 4), 4);

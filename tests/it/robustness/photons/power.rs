@@ -19,27 +19,27 @@ use std::f64::consts::PI;
 /// mirror and, if wanted, fog.
 fn room(scale: f32, fog: bool) -> Scene {
     let mut b = SceneBuilder::new();
-    let white = b.material(Material::diffuse(Rgb::new(0.7, 0.6, 0.5)));
-    let glass = b.material(Material::dielectric(1.5, Rgb::new(0.1, 0.2, 0.3)));
-    let mirror = b.material(Material::mirror(Rgb::splat(0.9)));
+    let white = b.add_material(Material::diffuse(Rgb::new(0.7, 0.6, 0.5)));
+    let glass = b.add_material(Material::dielectric(1.5, Rgb::new(0.1, 0.2, 0.3)));
+    let mirror = b.add_material(Material::mirror(Rgb::splat(0.9)));
     let (x, y, z) = (DVec3::X * 2.0, DVec3::Y * 2.0, DVec3::Z * 2.0);
     for (center, e0, e1) in
         [(-DVec3::Y, z, x), (DVec3::Y, x, z), (-DVec3::Z, x, y), (-DVec3::X, y, z), (DVec3::X, z, y)]
     {
-        b.shape(sheet(center, e0, e1), white, Rgb::ZERO);
+        b.add_shape(sheet(center, e0, e1), white, Rgb::ZERO);
     }
-    b.shape(Shape::Sphere(Sphere::new(DVec3::new(0.4, -0.6, 0.1), 0.4)), glass, Rgb::ZERO);
-    b.shape(Shape::Sphere(Sphere::new(DVec3::new(-0.5, -0.7, -0.3), 0.3)), mirror, Rgb::ZERO);
-    b.shape(sheet(DVec3::Y * 0.99, x * 0.2, z * 0.2), white, Rgb::new(0.5, 0.4, 0.3) * scale);
+    b.add_shape(Shape::Sphere(Sphere::new(DVec3::new(0.4, -0.6, 0.1), 0.4)), glass, Rgb::ZERO);
+    b.add_shape(Shape::Sphere(Sphere::new(DVec3::new(-0.5, -0.7, -0.3), 0.3)), mirror, Rgb::ZERO);
+    b.add_shape(sheet(DVec3::Y * 0.99, x * 0.2, z * 0.2), white, Rgb::new(0.5, 0.4, 0.3) * scale);
     let power = LightStrength::Power(Rgb::new(0.3, 0.2, 0.1) * scale);
-    b.delta_light(DeltaLightKind::Point { position: DVec3::new(-0.5, 0.5, 0.3) }, power);
+    b.add_delta_light(DeltaLightKind::Point { position: DVec3::new(-0.5, 0.5, 0.3) }, power);
     let spot = DeltaLightKind::Spot { position: DVec3::new(0.5, 0.8, 0.5), axis: -DVec3::Y, inner: 0.3, outer: 0.5 };
-    b.delta_light(spot, power);
+    b.add_delta_light(spot, power);
     if fog {
         let milk = Medium::homogeneous(Rgb::splat(0.2), Rgb::splat(0.8), Rgb::ZERO, PhaseFunction::Isotropic);
-        let milk = b.medium(milk);
-        let clear = b.material(Material::smooth_boundary(Body::medium_region(milk)));
-        b.shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 0.1, -0.2), 0.4)), clear, Rgb::ZERO);
+        let milk = b.add_medium(milk);
+        let clear = b.add_material(Material::smooth_boundary(Body::body_filled_with_medium(milk)));
+        b.add_shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 0.1, -0.2), 0.4)), clear, Rgb::ZERO);
     }
     let camera = Camera::perspective(DVec3::Z * 3.4, -DVec3::Z, DVec3::Y, 0.8, 16, 16).unwrap();
     b.build(camera).unwrap()
@@ -110,12 +110,12 @@ fn powers_at_float_limits_render_finitely() {
 fn point_light_flux_matches_closed_form() {
     for power in [1e-30, 1.0, 1e30] {
         let mut b = SceneBuilder::new();
-        let white = b.material(Material::diffuse(Rgb::splat(0.5)));
-        let pane = b.material(Material::thin(1.0, Rgb::ONE));
-        b.shape(sheet(DVec3::ZERO, DVec3::Z * 4.0, DVec3::X * 4.0), white, Rgb::ZERO);
-        b.shape(sheet(DVec3::Y * 0.5, DVec3::Z * 40.0, DVec3::X * 40.0), pane, Rgb::ZERO);
+        let white = b.add_material(Material::diffuse(Rgb::splat(0.5)));
+        let pane = b.add_material(Material::thin_dielectric(1.0, Rgb::ONE));
+        b.add_shape(sheet(DVec3::ZERO, DVec3::Z * 4.0, DVec3::X * 4.0), white, Rgb::ZERO);
+        b.add_shape(sheet(DVec3::Y * 0.5, DVec3::Z * 40.0, DVec3::X * 40.0), pane, Rgb::ZERO);
         let point = DeltaLightKind::Point { position: DVec3::Y };
-        b.delta_light(point, LightStrength::Power(Rgb::splat(power as f32)));
+        b.add_delta_light(point, LightStrength::Power(Rgb::splat(power as f32)));
         let scene = b.build(flat_camera(DVec3::Y * 0.2, -DVec3::Y, 0.2, 8)).unwrap();
         let settings = Settings { radius: Some(0.05), gather_k: Some(0), ..settings(20_000, 4) };
         let method = Algorithm::Sppm.prepare(&scene, settings);
@@ -135,16 +135,19 @@ fn point_light_flux_matches_closed_form() {
 fn photons_beyond_float_range_are_reported() {
     let scene = |powers: &[f32]| {
         let mut b = SceneBuilder::new();
-        let white = b.material(Material::diffuse(Rgb::splat(0.5)));
-        b.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), white, Rgb::ZERO);
+        let white = b.add_material(Material::diffuse(Rgb::splat(0.5)));
+        b.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), white, Rgb::ZERO);
         for power in powers {
-            b.delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Rgb::splat(*power)));
+            b.add_delta_light(
+                DeltaLightKind::Point { position: DVec3::ZERO },
+                LightStrength::Power(Rgb::splat(*power)),
+            );
         }
         b.build(flat_camera(DVec3::Y * -0.2, -DVec3::Y, 0.2, 4))
     };
     assert_eq!(scene(&[1e38, 2e38]).err(), Some(BuildError::TooBright(1)));
     let scene = scene(&[1e38, 1e38]).unwrap();
-    let source = PhotonSource::in_all_directions(&scene).unwrap();
+    let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
     let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
     let rejected = |paths| {
         let traced = pass.trace(test_key(9), paths, &|_| {});

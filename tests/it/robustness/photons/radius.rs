@@ -25,11 +25,11 @@ fn radius_after_million_passes_matches_gamma_ratio() {
 /// The middle quarter is visible.
 fn behind_a_pane() -> Scene {
     let mut b = SceneBuilder::new();
-    let white = b.material(Material::diffuse(Rgb::splat(0.5)));
-    let pane = b.material(Material::thin(1.0, Rgb::ONE));
-    b.shape(sheet(DVec3::ZERO, DVec3::Z, DVec3::X), white, Rgb::ZERO);
-    b.shape(sheet(DVec3::Y * 0.5, DVec3::Z, DVec3::X), pane, Rgb::ZERO);
-    b.delta_light(DeltaLightKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(Rgb::ONE));
+    let white = b.add_material(Material::diffuse(Rgb::splat(0.5)));
+    let pane = b.add_material(Material::thin_dielectric(1.0, Rgb::ONE));
+    b.add_shape(sheet(DVec3::ZERO, DVec3::Z, DVec3::X), white, Rgb::ZERO);
+    b.add_shape(sheet(DVec3::Y * 0.5, DVec3::Z, DVec3::X), pane, Rgb::ZERO);
+    b.add_delta_light(DeltaLightKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(Rgb::ONE));
     b.build(flat_camera(DVec3::Y * 0.2, -DVec3::Y, 0.5, 4)).unwrap()
 }
 
@@ -86,7 +86,7 @@ fn disc_radius_never_falls_below_position_rounding() {
         let map = PhotonMap::build(photons);
         for radius in [1e-3f32, 1e-6, 1e-9, 1e-20].map(|r| r * size) {
             for k in [0, 50] {
-                let found = map.estimate_nested(
+                let found = map.estimate_nested_radiance(
                     center,
                     normal,
                     Bandwidth { radius, k },

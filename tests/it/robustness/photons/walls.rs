@@ -18,17 +18,17 @@ const IRRADIANCE: f64 = 3.0;
 /// With `shelf`, a shelf lies `thickness` under a wall without thickness, seen from between.
 fn wall(thickness: f64, shelf: bool) -> Scene {
     let mut b = SceneBuilder::new();
-    let white = b.material(Material::diffuse(Rgb::splat(REFLECTANCE as f32)));
-    let pane = b.material(Material::thin(1.0, Rgb::ONE));
+    let white = b.add_material(Material::diffuse(Rgb::splat(REFLECTANCE as f32)));
+    let pane = b.add_material(Material::thin_dielectric(1.0, Rgb::ONE));
     let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
-    b.shape(sheet(y * 0.5, z * 6.0, x * 6.0), pane, Rgb::ZERO);
-    b.shape(sheet(DVec3::ZERO, z * 2.0, x * 2.0), white, Rgb::ZERO);
+    b.add_shape(sheet(y * 0.5, z * 6.0, x * 6.0), pane, Rgb::ZERO);
+    b.add_shape(sheet(DVec3::ZERO, z * 2.0, x * 2.0), white, Rgb::ZERO);
     if shelf || thickness > 0.0 {
         let under =
             if shelf { sheet(-y * thickness, z * 2.0, x * 2.0) } else { sheet(-y * thickness, x * 2.0, z * 2.0) };
-        b.shape(under, white, Rgb::ZERO);
+        b.add_shape(under, white, Rgb::ZERO);
     }
-    b.delta_light(
+    b.add_delta_light(
         DeltaLightKind::Directional { direction: -y },
         LightStrength::Physical(Rgb::splat(IRRADIANCE as f32)),
     );

@@ -35,11 +35,11 @@ fn sky_is_seen_through_snells_window() {
                 continue;
             }
             let mut b = SceneBuilder::new();
-            let body = b.material(Material::dielectric(n as f32, Vec3::ZERO));
-            let black = b.material(Material::black());
-            b.plane(Plane::new(DVec3::ZERO, DVec3::Y), body, Vec3::ZERO);
-            b.plane(Plane::new(DVec3::NEG_Y * 2.0, DVec3::Y), black, Vec3::ZERO);
-            b.environment(EnvironmentLight::constant(Vec3::ONE).unwrap());
+            let body = b.add_material(Material::dielectric(n as f32, Vec3::ZERO));
+            let black = b.add_material(Material::black());
+            b.add_plane(Plane::new(DVec3::ZERO, DVec3::Y), body, Vec3::ZERO);
+            b.add_plane(Plane::new(DVec3::NEG_Y * 2.0, DVec3::Y), black, Vec3::ZERO);
+            b.set_environment(EnvironmentLight::with_constant_radiance(Vec3::ONE).unwrap());
             let direction = DVec3::new(libm::sin(angle), libm::cos(angle), 0.0);
             let scene = b.build(narrow_camera(DVec3::NEG_Y, direction, 1e-6)).unwrap();
             let (sin_t, cos) = (n * libm::sin(angle), libm::cos(angle));
@@ -67,9 +67,9 @@ fn sky_is_seen_through_snells_window() {
 fn radiance_in_glass_scales_by_squared_index() {
     for (n, off) in [(1.5f64, 0.6), (1.1, 0.85), (0.7, 0.99), (2.4, 0.4)] {
         let mut b = SceneBuilder::new();
-        let glass = b.material(Material::dielectric(n as f32, Vec3::ZERO));
-        b.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), glass, Vec3::ZERO);
-        b.environment(EnvironmentLight::constant(Vec3::ONE).unwrap());
+        let glass = b.add_material(Material::dielectric(n as f32, Vec3::ZERO));
+        b.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), glass, Vec3::ZERO);
+        b.set_environment(EnvironmentLight::with_constant_radiance(Vec3::ONE).unwrap());
         let camera = Camera::panorama(DVec3::X * off, DVec3::NEG_Z, DVec3::Y, 16, 8).unwrap();
         let samples = mean_radiances(&b.build(camera).unwrap(), 16);
         // Each of some ten interfaces rounds reflectance and square by 2⁻²³. After a thousand
@@ -89,10 +89,10 @@ fn overlapping_bodies_resolve_by_priority() {
             balls.reverse();
         }
         for (n, x, priority) in balls {
-            let material = b.material(Material::smooth_boundary(Body { priority, ..Body::new(n) }));
-            b.shape(Shape::Sphere(Sphere::new(DVec3::X * x, 0.6)), material, Vec3::ZERO);
+            let material = b.add_material(Material::smooth_boundary(Body { priority, ..Body::new(n) }));
+            b.add_shape(Shape::Sphere(Sphere::new(DVec3::X * x, 0.6)), material, Vec3::ZERO);
         }
-        b.environment(EnvironmentLight::constant(Vec3::ONE).unwrap());
+        b.set_environment(EnvironmentLight::with_constant_radiance(Vec3::ONE).unwrap());
         // Looks across the row of balls, where light can leave.
         b.build(narrow_camera(DVec3::new(at, 0.0, 0.0), DVec3::Y, 0.3)).unwrap()
     };

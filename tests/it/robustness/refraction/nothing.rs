@@ -65,7 +65,7 @@ fn index_matched_bodies_change_no_bit() {
 #[test]
 fn index_matched_bodies_change_no_photon() {
     let trace = |scene: &Scene| {
-        let source = PhotonSource::in_all_directions(scene).unwrap();
+        let source = PhotonSource::emitting_in_all_directions(scene).unwrap();
         let pass = PhotonPass { scene, source: &source, mask: StoreMask::ALL, max_bounces: 30 };
         let traced = pass.trace(test_key(1), 1 << 13, &|_| {});
         (traced.deposits.photons, traced.audit, traced.rays)

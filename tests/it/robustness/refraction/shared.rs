@@ -34,12 +34,12 @@ fn face(b: &mut SceneBuilder, faces: Faces, y: f64, up: bool, material: u32) {
     let (e0, e1) = if up { (z, x) } else { (x, z) };
     match faces {
         Faces::Planes => {
-            b.plane(Plane::new(DVec3::Y * y, if up { DVec3::Y } else { DVec3::NEG_Y }), material, Vec3::ZERO)
+            b.add_plane(Plane::new(DVec3::Y * y, if up { DVec3::Y } else { DVec3::NEG_Y }), material, Vec3::ZERO)
         }
-        Faces::Rectangles => b.shape(Shape::Rectangle(Rectangle::new(corner, e0, e1)), material, Vec3::ZERO),
+        Faces::Rectangles => b.add_shape(Shape::Rectangle(Rectangle::new(corner, e0, e1)), material, Vec3::ZERO),
         Faces::Triangles => {
             let corners = [corner, corner + e0, corner + e0 + e1, corner + e1];
-            b.mesh(&corners, &[], &[[0, 1, 2], [0, 2, 3]], material, Vec3::ZERO)
+            b.add_mesh(&corners, &[], &[[0, 1, 2], [0, 2, 3]], material, Vec3::ZERO)
         }
     };
 }
@@ -55,9 +55,9 @@ enum Contact {
 
 /// Adds a glass wall, a liquid and a glass wall, stacked, in the order of their faces.
 fn layers(b: &mut SceneBuilder, faces: Faces, contact: Contact, liquid_first: bool) {
-    let glass = b.material(Material::dielectric(GLASS as f32, Vec3::ZERO));
+    let glass = b.add_material(Material::dielectric(GLASS as f32, Vec3::ZERO));
     let priority = u8::from(matches!(contact, Contact::Priority));
-    let liquid = b.material(Material::smooth_boundary(Body { priority, ..Body::new(LIQUID as f32) }));
+    let liquid = b.add_material(Material::smooth_boundary(Body { priority, ..Body::new(LIQUID as f32) }));
     let gap = if let Contact::Apart(gap) = contact { gap } else { 0.0 };
     let fill = |b: &mut SceneBuilder| {
         face(b, faces, 0.5 - gap, true, liquid);
@@ -117,20 +117,20 @@ fn camera() -> Camera {
 fn lit(faces: Faces, contact: Contact, liquid_first: bool, angle: f64) -> Scene {
     let mut b = SceneBuilder::new();
     layers(&mut b, faces, contact, liquid_first);
-    let black = b.material(Material::black());
-    let floor = b.material(Material::diffuse(Vec3::ZERO));
+    let black = b.add_material(Material::black());
+    let floor = b.add_material(Material::diffuse(Vec3::ZERO));
     // As far from the center as the other, so that the scene's center stays at 0.
     face(&mut b, Faces::Rectangles, 2.0, false, black);
     face(&mut b, Faces::Rectangles, -2.0, true, floor);
     let axis = DVec3::new(libm::sin(angle), -libm::cos(angle), 0.0);
     let source = DeltaLightKind::Spot { position: DVec3::Y * 1.5 - DVec3::X * 3.0, axis, inner: CONE, outer: CONE };
-    b.delta_light(source, LightStrength::Power(Vec3::ONE));
+    b.add_delta_light(source, LightStrength::Power(Vec3::ONE));
     b.build(camera()).unwrap()
 }
 
 /// Returns the fraction of the flux that reaches the floor, in independent passes.
 fn passed(scene: &Scene) -> Vec<f64> {
-    let source = PhotonSource::in_all_directions(scene).unwrap();
+    let source = PhotonSource::emitting_in_all_directions(scene).unwrap();
     let pass = PhotonPass { scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 1000 };
     let part = |i| {
         let traced = pass.trace(test_key(40).child_key(i), 1 << 11, &|_| {});
@@ -178,18 +178,18 @@ fn touching_blocks_of_one_glass_merge() {
     let all = [Faces::Planes, Faces::Rectangles, Faces::Triangles].into_iter().flat_map(|f| blocks.map(|b| (f, b)));
     for (faces, blocks) in all {
         let mut b = SceneBuilder::new();
-        let glass = b.material(Material::dielectric(GLASS as f32, Vec3::ZERO));
+        let glass = b.add_material(Material::dielectric(GLASS as f32, Vec3::ZERO));
         for (top, bottom) in blocks {
             face(&mut b, faces, top, true, glass);
             face(&mut b, faces, bottom, false, glass);
         }
-        let black = b.material(Material::black());
-        let floor = b.material(Material::diffuse(Vec3::ZERO));
+        let black = b.add_material(Material::black());
+        let floor = b.add_material(Material::diffuse(Vec3::ZERO));
         face(&mut b, Faces::Rectangles, 2.0, false, black);
         face(&mut b, Faces::Rectangles, -2.0, true, floor);
         let axis = DVec3::new(libm::sin(1.4), -libm::cos(1.4), 0.0);
         let source = DeltaLightKind::Spot { position: DVec3::Y * 1.5 - DVec3::X * 3.0, axis, inner: CONE, outer: CONE };
-        b.delta_light(source, LightStrength::Power(Vec3::ONE));
+        b.add_delta_light(source, LightStrength::Power(Vec3::ONE));
         let expected = mean_through(&[1.0, GLASS, 1.0], 1.4);
         assert_mean(&format!("{blocks:?}, {faces:?}"), &passed(&b.build(camera()).unwrap()), expected, 1e-5, 0.02);
     }
@@ -204,7 +204,7 @@ fn camera_in_liquid_starts_in_liquid() {
         {
             let mut b = SceneBuilder::new();
             layers(&mut b, faces, contact, first);
-            b.environment(EnvironmentLight::constant(Vec3::ONE).unwrap());
+            b.set_environment(EnvironmentLight::with_constant_radiance(Vec3::ONE).unwrap());
             // A field of 40° is within Snell's window, so all light gets out in the end.
             let up = Camera::perspective(DVec3::ZERO, DVec3::Y, DVec3::Z, 0.7, 8, 8).unwrap();
             let scene = b.build(up).unwrap();

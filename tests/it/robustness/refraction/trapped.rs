@@ -23,7 +23,7 @@ fn built(b: SceneBuilder) -> Scene {
 /// Builds a cube of edge 2 with its faces outwards, of rectangles or of triangles.
 fn cube(triangles: bool) -> SceneBuilder {
     let mut b = SceneBuilder::new();
-    let glass = b.material(Material::dielectric(1.5, Vec3::ZERO));
+    let glass = b.add_material(Material::dielectric(1.5, Vec3::ZERO));
     for axis in 0..3 {
         for sign in [-1.0, 1.0] {
             let mut e = [DVec3::ZERO; 3];
@@ -35,9 +35,9 @@ fn cube(triangles: bool) -> SceneBuilder {
             }
             if triangles {
                 let corners = [corner, corner + e0, corner + e0 + e1, corner + e1];
-                b.mesh(&corners, &[], &[[0, 1, 2], [0, 2, 3]], glass, Vec3::ZERO);
+                b.add_mesh(&corners, &[], &[[0, 1, 2], [0, 2, 3]], glass, Vec3::ZERO);
             } else {
-                b.shape(Shape::Rectangle(Rectangle::new(corner, e0, e1)), glass, Vec3::ZERO);
+                b.add_shape(Shape::Rectangle(Rectangle::new(corner, e0, e1)), glass, Vec3::ZERO);
             }
         }
     }
@@ -58,7 +58,7 @@ fn follow(scene: &Scene, direction: Vec3, mut see: impl FnMut(Vec3, Vec3)) {
         let s = surface.sample(1.0 - f32::EPSILON / 2.0, Vec2::ZERO, TransportMode::Importance).unwrap();
         assert!(!s.is_transmitted && s.weight == Vec3::ONE, "through after {bounce}");
         see(surface.point.p, s.wi);
-        path.leave_surface(&surface, s.wi, false);
+        path.leave_surface_with_wavelength_weight(&surface, s.wi, false);
     }
 }
 
@@ -76,7 +76,7 @@ fn trapped_directions(n: u64) -> Vec<Vec3> {
 fn trapped_rays_stay_in_cube() {
     for triangles in [false, true] {
         let mut b = cube(triangles);
-        b.delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
+        b.add_delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
         let scene = built(b);
         trapped_directions(400).par_iter().for_each(|direction| {
             let drift = BOUNCES as f32 * 3.0 * f32::EPSILON / 2.0;
@@ -92,10 +92,10 @@ fn trapped_rays_stay_in_cube() {
 #[test]
 fn trapped_rays_stay_in_slab() {
     let mut b = SceneBuilder::new();
-    let glass = b.material(Material::dielectric(1.5, Vec3::ZERO));
-    b.plane(Plane::new(DVec3::Y, DVec3::Y), glass, Vec3::ZERO);
-    b.plane(Plane::new(DVec3::NEG_Y, DVec3::NEG_Y), glass, Vec3::ZERO);
-    b.delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
+    let glass = b.add_material(Material::dielectric(1.5, Vec3::ZERO));
+    b.add_plane(Plane::new(DVec3::Y, DVec3::Y), glass, Vec3::ZERO);
+    b.add_plane(Plane::new(DVec3::NEG_Y, DVec3::NEG_Y), glass, Vec3::ZERO);
+    b.add_delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
     let middle = Camera::perspective(DVec3::ZERO, DVec3::ONE, DVec3::Y, 0.1, 4, 4).unwrap();
     let scene = b.build(middle).unwrap();
     for i in 1..100 {
@@ -114,9 +114,9 @@ fn trapped_rays_stay_in_slab() {
 #[test]
 fn trapped_rays_stay_in_ball() {
     let mut b = SceneBuilder::new();
-    let glass = b.material(Material::dielectric(1.5, Vec3::ZERO));
-    b.shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, -0.9, 0.0), 1.0)), glass, Vec3::ZERO);
-    b.delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
+    let glass = b.add_material(Material::dielectric(1.5, Vec3::ZERO));
+    b.add_shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, -0.9, 0.0), 1.0)), glass, Vec3::ZERO);
+    b.add_delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
     let scene = built(b);
     // Light starts 0.9 off the center, which the scene moves to the origin.
     let drift = BOUNCES as f32 * 7.0 * 1.74 * f32::EPSILON / 2.0;
@@ -139,7 +139,7 @@ fn trapped_rays_stay_in_ball() {
                 "{bounce}: {}",
                 p.cross(s.wi).length() - expected
             );
-            path.leave_surface(&vertex.surface, s.wi, false);
+            path.leave_surface_with_wavelength_weight(&vertex.surface, s.wi, false);
         }
     }
 }
@@ -151,9 +151,9 @@ fn trapped_photons_keep_flux_and_terminate() {
         let mut b = cube(triangles);
         // Every direction within 5° of the diagonal hits faces beyond 49°.
         let source = DeltaLightKind::Spot { position: DVec3::ZERO, axis: DVec3::ONE, inner: 0.08, outer: 0.08 };
-        b.delta_light(source, LightStrength::Power(Vec3::new(1.0, 2.0, 3.0)));
+        b.add_delta_light(source, LightStrength::Power(Vec3::new(1.0, 2.0, 3.0)));
         let scene = built(b);
-        let source = PhotonSource::in_all_directions(&scene).unwrap();
+        let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
         let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: BOUNCES };
         let traced = pass.trace(test_key(3), 1024, &|_| {});
         assert_eq!(traced.audit.stopped, traced.audit.emitted);
@@ -170,8 +170,8 @@ fn trapped_photons_keep_flux_and_terminate() {
 fn trapped_camera_paths_terminate() {
     for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Distributed, Algorithm::Whitted] {
         let mut b = cube(true);
-        b.background(Vec3::ONE);
-        b.delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
+        b.set_background(Vec3::ONE);
+        b.add_delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
         let camera_paths =
             CameraPathSettings { samples: Some(4), max_bounces: BOUNCES, ..CameraPathSettings::default() };
         let settings =

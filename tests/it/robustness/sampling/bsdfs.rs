@@ -1,7 +1,9 @@
 //! BSDFs at extreme samples, roughnesses and angles.
 
 use super::{ENDS, corners};
-use caustica::bsdf::{Bsdf, Conductor, Dielectric, Phong, SMOOTH_ALPHA, ThinDielectric, TransportMode, named_metal};
+use caustica::bsdf::{
+    Bsdf, Conductor, Dielectric, Phong, SMOOTH_ALPHA, ThinDielectric, TransportMode, metal_refractive_index,
+};
 use glam::{Vec2, Vec3};
 
 /// Returns each BSDF with an upper bound of its importance weight.
@@ -10,7 +12,7 @@ use glam::{Vec2, Vec3};
 /// of exponent s weighs (s + 2)/(s + 1) of its albedo. A pane's lobes are chosen by the mean of
 /// three channels.
 fn bsdf_kinds() -> Vec<(Bsdf, f32)> {
-    let (eta, k) = named_metal("gold").unwrap();
+    let (eta, k) = metal_refractive_index("gold").unwrap();
     let mut kinds = vec![
         (Bsdf::Black, 0.0),
         (Bsdf::Diffuse(Vec3::ONE), 1.0),

@@ -78,7 +78,7 @@ fn environments_are_sampled_by_radiance() {
             }
         }
     }
-    assert!(EnvironmentLight::constant(Vec3::ZERO).unwrap().sample(glam::Vec2::ZERO).is_none());
+    assert!(EnvironmentLight::with_constant_radiance(Vec3::ZERO).unwrap().sample(glam::Vec2::ZERO).is_none());
 }
 
 /// Lights whose powers differ by sixty orders, near and far, and a sky: the chosen light has the
@@ -93,7 +93,7 @@ fn chosen_light_has_positive_probability() {
             Light::Point(PointLight { position: place, intensity: Vec3::splat(libm::powf(10.0, exponent)) })
         })
         .collect();
-    lights.push(Light::Environment(Arc::new(EnvironmentLight::constant(Vec3::ONE).unwrap())));
+    lights.push(Light::Environment(Arc::new(EnvironmentLight::with_constant_radiance(Vec3::ONE).unwrap())));
     let choice = LightBvhSampler::new(&lights, BoundingSphere { center: Vec3::ZERO, radius: 20.0 }).unwrap();
     for p in [Vec3::ZERO, Vec3::new(5.0, 5.0, 5.0), Vec3::splat(1e6), Vec3::splat(1e12)] {
         for n in [None, Some(Vec3::Z), Some(-Vec3::X)] {

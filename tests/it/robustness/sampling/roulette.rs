@@ -27,7 +27,7 @@ const PATHS: u32 = 1 << 12;
 const BOUNCES: u32 = 60;
 
 fn trace(scene: &Scene, index: u64) -> PhotonPassResult {
-    let source = PhotonSource::in_all_directions(scene).unwrap();
+    let source = PhotonSource::emitting_in_all_directions(scene).unwrap();
     let pass = PhotonPass { scene, source: &source, mask: StoreMask::ALL, max_bounces: BOUNCES };
     pass.trace(test_key(90).child_key(index), PATHS, &|_| {})
 }

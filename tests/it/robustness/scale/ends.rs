@@ -8,14 +8,14 @@ use glam::DVec3;
 
 fn balls(places: &[(DVec3, f64)], plane: bool) -> Result<Scene, BuildError> {
     let mut b = SceneBuilder::new();
-    let white = b.material(Material::diffuse(Rgb::ONE));
+    let white = b.add_material(Material::diffuse(Rgb::ONE));
     for (center, radius) in places {
-        b.shape(Shape::Sphere(Sphere::new(*center, *radius)), white, Rgb::ZERO);
+        b.add_shape(Shape::Sphere(Sphere::new(*center, *radius)), white, Rgb::ZERO);
     }
     if plane {
-        b.plane(Plane::new(DVec3::ZERO, DVec3::Y), white, Rgb::ZERO);
+        b.add_plane(Plane::new(DVec3::ZERO, DVec3::Y), white, Rgb::ZERO);
     }
-    b.delta_light(DeltaLightKind::Point { position: DVec3::ONE }, LightStrength::Physical(Rgb::ONE));
+    b.add_delta_light(DeltaLightKind::Point { position: DVec3::ONE }, LightStrength::Physical(Rgb::ONE));
     b.build(Camera::perspective(DVec3::Z * 5.0, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 4).unwrap())
 }
 

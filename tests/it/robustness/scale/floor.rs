@@ -90,7 +90,7 @@ fn huge_floor_does_not_blur_caustics() {
 
 /// Returns the flux \[W] of photons where `counts` is true, of 2¹⁷ paths emitted everywhere.
 fn flux(scene: &Scene, mask: StoreMask, counts: impl Fn(glam::DVec3) -> bool) -> f64 {
-    let source = PhotonSource::in_all_directions(scene).unwrap();
+    let source = PhotonSource::emitting_in_all_directions(scene).unwrap();
     let pass = PhotonPass { scene, source: &source, mask, max_bounces: 20 };
     let photons = pass.trace(Key::new(3).purpose_key(Purpose::Test), 1 << 17, &|_| {}).deposits.photons;
     let landed = photons.iter().filter(|p| counts(p.position.as_dvec3() + scene.origin()));

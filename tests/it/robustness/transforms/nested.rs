@@ -105,7 +105,7 @@ fn shapes_64_transforms_deep_are_placed_correctly() {
             known.blur += PRODUCTS / direction.as_dvec3().dot(known.normal).abs();
             known.turn += PRODUCTS * shrink;
             assert!(off <= known.blur, "{own:?} {ray:?}: {} {exactly}, off by {off:e} of {:e}", hit.t, known.blur);
-            let s = scene.surface_interaction(&ray, &hit, &RayCone::zero_width(Effects::NONE), || 0.0).point;
+            let s = scene.surface_interaction(&ray, &hit, &RayCone::zero_width_cone(Effects::NONE), || 0.0).point;
             let turned = s.ng.as_dvec3().cross(known.normal).length();
             assert!(turned <= known.turn, "{own:?} {ray:?}: turned by {turned:e} of {:e}", known.turn);
         }

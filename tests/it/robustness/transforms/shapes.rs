@@ -34,12 +34,12 @@ impl UnitShape {
                 Shape::Rectangle(Rectangle::new(DVec3::new(-1.0, 0.0, -1.0), DVec3::Z * 2.0, DVec3::X * 2.0))
             }
             Self::Tube => {
-                let line = SplineBasis::single_bezier(2).unwrap();
+                let line = SplineBasis::bezier_basis(2).unwrap();
                 let controls = [DVec2::new(1.0, -1.0), DVec2::new(1.0, 1.0)];
                 Shape::Revolution(Revolution::new(&line, &controls).unwrap())
             }
             Self::Bowl => {
-                let basis = SplineBasis::single_bezier(3).unwrap();
+                let basis = SplineBasis::bezier_basis(3).unwrap();
                 // Blossoms of x and x².
                 let (place, square) = ([-1.0, 0.0, 1.0], [1.0, -1.0, 1.0]);
                 let control = |k: usize| DVec4::new(place[k % 3], square[k / 3] + square[k % 3], place[k / 3], 1.0);

@@ -7,7 +7,8 @@ use crate::scene::{Body, Material, SceneBuilder};
 use crate::shape::{Plane, Sphere};
 use glam::{Vec2, Vec3};
 
-/// Counts of flagged triangles: of a cube of twelve, and of a smaller cube.
+/// Returns the numbers of flagged triangles in a scene of two glass cubes: a unit cube, and the
+/// same cube after `scale` and `shift`.
 fn flagged_triangles_of_cubes(scale: f64, shift: DVec3) -> [usize; 2] {
     let mut builder = SceneBuilder::new();
     let corners: Vec<DVec3> = (0..8).map(|i| DVec3::from([i & 1, i >> 1 & 1, i >> 2].map(f64::from))).collect();
@@ -15,9 +16,9 @@ fn flagged_triangles_of_cubes(scale: f64, shift: DVec3) -> [usize; 2] {
     let halves = |f: [u32; 4]| [[f[0], f[1], f[2]], [f[0], f[2], f[3]]];
     let triangles: Vec<[u32; 3]> = faces.into_iter().flat_map(halves).collect();
     for (index, scale, shift) in [(1.3, 1.0, DVec3::ZERO), (1.5, scale, shift)] {
-        let glass = builder.material(Material::smooth_boundary(Body::new(index)));
+        let glass = builder.add_material(Material::smooth_boundary(Body::new(index)));
         let placed: Vec<DVec3> = corners.iter().map(|p| *p * scale + shift).collect();
-        builder.mesh(&placed, &[], &triangles, glass, Rgb::ZERO);
+        builder.add_mesh(&placed, &[], &triangles, glass, Rgb::ZERO);
     }
     let camera = Camera::perspective(DVec3::splat(9.0), DVec3::NEG_ONE, DVec3::Y, 1.0, 4, 4).unwrap();
     let scene = builder.build(camera).unwrap();
@@ -72,13 +73,13 @@ fn too_many_overlaps_flag_every_face() {
 fn unbounded_boundaries_may_coincide_anywhere() {
     let scene = |planes: u32, balls: u32| {
         let mut builder = SceneBuilder::new();
-        let glass = builder.material(Material::smooth_boundary(Body::new(1.5)));
+        let glass = builder.add_material(Material::smooth_boundary(Body::new(1.5)));
         for i in 0..balls {
             let center = DVec3::X * 10.0 * f64::from(i);
-            builder.shape(Shape::Sphere(Sphere::new(center, 1.0)), glass, Rgb::ZERO);
+            builder.add_shape(Shape::Sphere(Sphere::new(center, 1.0)), glass, Rgb::ZERO);
         }
         for _ in 0..planes {
-            builder.plane(Plane::new(DVec3::ZERO, DVec3::Y), glass, Rgb::ZERO);
+            builder.add_plane(Plane::new(DVec3::ZERO, DVec3::Y), glass, Rgb::ZERO);
         }
         let camera = Camera::perspective(DVec3::splat(9.0), DVec3::NEG_ONE, DVec3::Y, 1.0, 4, 4).unwrap();
         builder.build(camera).unwrap().coincident.may_coincide(HitPrimitive::Shape(0, Vec2::ZERO))
