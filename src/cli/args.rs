@@ -121,8 +121,7 @@ pub struct MethodArguments {
     #[arg(long, value_enum, default_value = "weighted", value_name = "NAME")]
     pub light_tracing: LightTracing,
 
-    /// Photon estimates of the indirect light of diffuse surfaces by hybrid: off, weighted (against
-    /// camera paths) or full
+    /// Photon estimates of indirect light by hybrid: off, weighted (against camera paths) or full
     #[arg(long, value_enum, default_value = "weighted", value_name = "NAME")]
     pub indirect_photons: IndirectPhotons,
 

@@ -87,6 +87,15 @@ pub(super) enum IndirectTechnique<'a> {
 }
 
 impl IndirectTechnique<'_> {
+    /// Returns the mean weight of photon estimates over the film.
+    pub fn mean_photon_weight(&self) -> f64 {
+        match self {
+            Self::Paths => 0.0,
+            Self::Photons | Self::Comparison => 1.0,
+            Self::Both { division, number, area } => division.mean_photon_weight(*number, *area),
+        }
+    }
+
     /// Returns the weights at a film position \[pixels from the top left].
     #[inline]
     pub fn weights(&self, film: Vec2) -> IndirectWeights {
@@ -103,8 +112,9 @@ impl IndirectWeights {
     /// Both techniques with weight 1: their light counts twice.
     const COMPARISON: Self = Self { photons: 1.0, continued: u32::MAX, samples: u32::MAX };
 
-    /// True if sample `index` of `count` continues at its first receiver. `u` in \[0, 1) decides for
-    /// a pilot's path, which stands for any of the samples.
+    /// True if sample `index` of `count` continues at its first receiver.
+    ///
+    /// A pilot traces one sample. It stands for any of the samples, and `u` in \[0, 1) decides.
     #[inline]
     pub fn is_continued(&self, (index, count): (u32, u32), u: f32) -> bool {
         if count == 1 { u * (self.samples as f32) < self.continued as f32 } else { index < self.continued }
@@ -176,6 +186,12 @@ impl IndirectDivision {
         }
     }
 
+    /// Returns the mean weight of photon estimates over all cells in a pass.
+    fn mean_photon_weight(&self, number: f32, area: f32) -> f64 {
+        let weights = self.cells.iter().map(|cell| f64::from(cell.balance(self, number, area).photons));
+        weights.sum::<f64>() / self.cells.len().max(1) as f64
+    }
+
     /// Returns, over all cells, the mean error of indirect light in a pass and the mean number of
     /// continued paths per pixel.
     pub fn mean_error_and_paths(&self, number: f32, area: f32) -> (f64, f64) {
@@ -194,3 +210,6 @@ impl IndirectDivision {
         (sums.0 / cells, sums.1 / cells)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -14,6 +14,7 @@ use super::indirect_division::{IndirectDivision, IndirectErrors, IndirectTechniq
 use super::map_builder::PassBudget;
 use super::pass::{Pass, SilentMonitor};
 use super::pass_renderer::PassRenderer;
+use super::photon_maps::PhotonMaps;
 use super::worker::PathWorker;
 use crate::color::{self, Rgb};
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
@@ -39,7 +40,7 @@ const TYPICAL_PASS: u32 = 4;
 const MAX_PASSES: u32 = 1 << 16;
 
 /// Largest error times work, relative to path tracing, at which photons take part.
-const MAX_COST: f64 = 0.9;
+const MAX_COST: f64 = 0.8;
 
 /// Numbers of photon paths that the pilot may choose, relative to the setting.
 const PHOTON_PARTS: [f64; 5] = [1.0, 0.5, 0.25, 0.125, 0.0625];
@@ -94,50 +95,51 @@ pub(super) fn divide_indirect_light(renderer: &PassRenderer<'_>) -> Option<Indir
     let mut pilot = renderer.with_one_sample();
     pilot.map_builder.compares_indirect_techniques = true;
     let divisor = photons.div_ceil(MAX_PATHS).max(MIN_DIVISOR);
-    let (size, grid) = film_grid(renderer.scene.camera().size());
+    let (cell_size, grid) = film_grid(renderer.scene.camera().size());
     let points = |trial: u32| -> Vec<FilmPoint> {
         let key = pilot_key(&pilot).pilot_trial_key(trial).purpose_key(Purpose::Camera);
         let cell_points = |cell: u32| {
-            let corner = Vec2::new((cell % grid.0) as f32, (cell / grid.0) as f32) * size;
+            let corner = Vec2::new((cell % grid.0) as f32, (cell / grid.0) as f32) * cell_size;
             let key = key.film_point_key(0, cell);
             (0..CELL_POINTS).map(move |i| {
                 let sampler = Sampler::new(key, i, CELL_POINTS);
-                (corner + sampler.get_2d(Dimension::Film) * size, Sampler::new(sampler.sample_key(), 0, 1))
+                (corner + sampler.get_2d(Dimension::Film) * cell_size, Sampler::new(sampler.sample_key(), 0, 1))
             })
         };
         (0..grid.0 * grid.1).flat_map(cell_points).collect()
     };
 
     // Trace both trials.
-    let one = Trial::trace(&pilot, 0, divisor, &points(0));
-    let other = Trial::trace(&pilot, 1, divisor, &points(1));
+    let (trial, other_trial) = (Trial::new(&pilot, 0, divisor), Trial::new(&pilot, 1, divisor));
+    let (film_points, other_film_points) = (points(0), points(1));
+    let (light, counters) = trial.trace(&pilot, &film_points, IndirectTechnique::Comparison);
+    let (other_light, _) = other_trial.trace(&pilot, &other_film_points, IndirectTechnique::Comparison);
     let trial_photons = f64::from(photons) / f64::from(divisor);
-    let (cells, direct_variance) = cell_errors(&one.light, &other.light, grid.0, trial_photons)?;
+    let (cells, direct_variance) = cell_errors(&light, &other_light, grid.0, trial_photons)?;
 
     // Measure the work of each part of a pass.
-    let paths = one.light.len() as f64;
+    let work = trial.measure_work(&pilot, &film_points, &counters);
+    let paths = light.len() as f64;
     let (width, height) = renderer.scene.camera().size();
-    let work_per_path = |counters: &Counters| balance::camera_path_work(counters) / paths;
-    let prefix = work_per_path(&one.prefix_counters);
+    let pixels = f64::from(width) * f64::from(height);
     let cost = PassCost {
         direct_variance,
-        prefix,
-        continuation: (work_per_path(&one.counters) - prefix).max(1.0),
-        photons: f64::from(divisor)
-            * (one.photon_work / (f64::from(width) * f64::from(height))
-                + LOOKUP_PHOTON_WORK * one.gathered_photons as f64 / paths),
+        prefix: work.prefixes / paths,
+        continuation: ((work.paths - work.prefixes) / paths).max(1.0),
+        photons: f64::from(divisor) * (work.photons / pixels + work.gathering / paths),
         lookup: LOOKUP_WORK,
     };
     let division = IndirectDivision {
         columns: grid.0,
         cells,
-        cell_size: size,
+        cell_size,
         samples: renderer.samples,
         photons,
         path_price: 0.0,
         passes: MAX_PASSES,
     };
-    choose(&division, &cost, |pass| renderer.map_builder.relative_disc_area(pass))
+    let parts = if renderer.settings.balance { &PHOTON_PARTS[..] } else { &PHOTON_PARTS[..1] };
+    choose(&division, parts, &cost, |pass| renderer.map_builder.relative_disc_area(pass))
 }
 
 fn pilot_key(pilot: &PassRenderer<'_>) -> Key {
@@ -151,42 +153,59 @@ fn film_grid((width, height): (u32, u32)) -> (f32, (u32, u32)) {
     (size, (cells(width), cells(height)))
 }
 
-/// Camera paths of one trial, with the work of its parts.
-struct Trial {
-    light: Vec<PointLight>,
-    /// Rays of the camera paths.
-    counters: Counters,
-    /// Rays of the same camera paths up to their first receiver.
-    prefix_counters: Counters,
-    /// Number of photons of the interreflection map that the camera paths gathered.
-    gathered_photons: u64,
+/// Work of the parts of a trial, in photon rays of equal work.
+struct TrialWork {
+    /// Work of the camera paths.
+    paths: f64,
+    /// Work of the same camera paths up to their first receiver.
+    prefixes: f64,
     /// Work of tracing and storing the photons of the interreflection map.
-    photon_work: f64,
+    photons: f64,
+    /// Work of the photons of that map that the camera paths gathered.
+    gathering: f64,
 }
 
-impl Trial {
-    /// Traces camera paths through `points` with both techniques, and with 1/`divisor` of the
-    /// photon paths.
-    fn trace(pilot: &PassRenderer<'_>, trial: u32, divisor: u32, points: &[FilmPoint]) -> Self {
-        let mut out = Pass::default();
+/// Photon maps of one trial, and the pass that reports their photons.
+struct Trial<'a> {
+    maps: PhotonMaps<'a>,
+    report: Pass,
+}
+
+impl<'a> Trial<'a> {
+    /// Traces 1/`divisor` of the photon paths of a pass.
+    fn new(pilot: &PassRenderer<'a>, trial: u32, divisor: u32) -> Self {
         let key = pilot_key(pilot).pilot_trial_key(trial);
         let budget = PassBudget { key, pass: 0, part: divisor, limited: true, connects: false };
-        let maps = pilot.map_builder.build_with_budget(&budget, &SilentMonitor, &mut out);
-        let trace = |technique| {
-            let paths = pilot.path_context(Some(&maps), 0).with_indirect_technique(technique);
-            trace_each_camera_path_through(&paths, points, true, PointLight::take_from)
-        };
-        let (light, counters) = trace(IndirectTechnique::Comparison);
-        let (_, alone) = trace(IndirectTechnique::Paths);
-        let (_, prefix_counters) = trace(IndirectTechnique::Photons);
-        let emitted = (out.unaimed.emitted + out.aimed.emitted).max(1) as f64;
-        let rays = out.counters.photon_rays as f64 * out.unaimed.emitted as f64 / emitted;
-        Self {
-            light,
-            counters,
-            prefix_counters,
-            gathered_photons: counters.gathered_photons.saturating_sub(alone.gathered_photons),
-            photon_work: rays + balance::photon_storage_work(out.unaimed.stored),
+        let mut report = Pass::default();
+        let maps = pilot.map_builder.build_with_budget(&budget, &SilentMonitor, &mut report);
+        Self { maps, report }
+    }
+
+    /// Traces camera paths through `points` with `technique` for indirect light. Returns the light
+    /// of each path, and the counters of all paths.
+    fn trace(
+        &self,
+        pilot: &PassRenderer<'_>,
+        points: &[FilmPoint],
+        technique: IndirectTechnique<'_>,
+    ) -> (Vec<PointLight>, Counters) {
+        let nests_estimates = matches!(technique, IndirectTechnique::Comparison);
+        let paths = pilot.path_context(Some(&self.maps), 0).with_indirect_technique(technique);
+        trace_each_camera_path_through(&paths, points, nests_estimates, PointLight::take_from)
+    }
+
+    /// Measures the work of camera paths through `points`, whose counters with both techniques are
+    /// `both`, and of the photons of the interreflection map.
+    fn measure_work(&self, pilot: &PassRenderer<'_>, points: &[FilmPoint], both: &Counters) -> TrialWork {
+        let (_, alone) = self.trace(pilot, points, IndirectTechnique::Paths);
+        let (_, prefixes) = self.trace(pilot, points, IndirectTechnique::Photons);
+        let Pass { aimed, unaimed, counters, .. } = &self.report;
+        let rays_per_path = counters.photon_rays as f64 / (unaimed.emitted + aimed.emitted).max(1) as f64;
+        TrialWork {
+            paths: balance::camera_path_work(both),
+            prefixes: balance::camera_path_work(&prefixes),
+            photons: rays_per_path * unaimed.emitted as f64 + balance::photon_storage_work(unaimed.stored),
+            gathering: LOOKUP_PHOTON_WORK * both.gathered_photons.saturating_sub(alone.gathered_photons) as f64,
         }
     }
 }
@@ -277,8 +296,14 @@ fn cell_errors(
 /// Completes `division` by the numbers of photon paths and of passes, and by the price of camera
 /// paths, for which error times work is least. Returns `None` if camera paths alone are as good.
 ///
-/// `area` returns the relative disc area of a pass.
-fn choose(division: &IndirectDivision, cost: &PassCost, area: impl Fn(u32) -> f64) -> Option<IndirectDivision> {
+/// `parts` are the numbers of photon paths to choose from, relative to that of `division`. `area`
+/// returns the relative disc area of a pass.
+fn choose(
+    division: &IndirectDivision,
+    parts: &[f64],
+    cost: &PassCost,
+    area: impl Fn(u32) -> f64,
+) -> Option<IndirectDivision> {
     let n = f64::from(division.samples);
     let cells = division.cells.len().max(1) as f64;
     let path_variance = division.cells.iter().map(|c| f64::from(c.path_variance)).sum::<f64>() / cells;
@@ -302,8 +327,10 @@ fn choose(division: &IndirectDivision, cost: &PassCost, area: impl Fn(u32) -> f6
         let (error, work) = error_and_work(division, *part, number);
         error * work
     };
-    let candidates = PHOTON_PARTS.map(priced);
-    let best = candidates.into_iter().min_by(|a, b| product(a, TYPICAL_PASS).total_cmp(&product(b, TYPICAL_PASS)))?;
+    let best = parts
+        .iter()
+        .map(|part| priced(*part))
+        .min_by(|a, b| product(a, TYPICAL_PASS).total_cmp(&product(b, TYPICAL_PASS)))?;
     let pays = |number: u32| product(&best, number) < MAX_COST * alone;
     if !pays(1) {
         return None;
@@ -316,3 +343,6 @@ fn choose(division: &IndirectDivision, cost: &PassCost, area: impl Fn(u32) -> f6
     }
     Some(IndirectDivision { passes, ..best.0 })
 }
+
+#[cfg(test)]
+mod tests;

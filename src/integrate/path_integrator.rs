@@ -105,6 +105,10 @@ impl Integrator for PathIntegrator<'_> {
         self.renderer.prefix_rays.as_ref().map_or(0.0, PrefixRayCounts::mean)
     }
 
+    fn indirect_photon_share(&self, pass: u32) -> f64 {
+        self.renderer.map_builder.indirect_technique(pass).mean_photon_weight()
+    }
+
     fn gather_radii(&self) -> Option<GatherRadii> {
         self.renderer.map_builder.radii
     }

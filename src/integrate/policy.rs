@@ -176,7 +176,11 @@ mod tests {
         let none = PhotonMapRequest { aimed: StoreMask::NONE, unaimed: StoreMask::NONE, guides: false };
         assert_eq!(maps(path::policy, Effects::ALL), none);
         let aimed = StoreMask { after_caustic: true, separates_after_caustic: true, ..StoreMask::CAUSTIC };
-        assert_eq!(maps(hybrid::policy, Effects::ALL), PhotonMapRequest { aimed, ..none });
+        let unaimed = StoreMask { after_direct: true, ..StoreMask::NONE };
+        assert_eq!(maps(hybrid::policy, Effects::ALL), PhotonMapRequest { aimed, unaimed, ..none });
+        let settings = Settings { indirect_photons: IndirectPhotons::Off, ..settings.clone() };
+        let without = hybrid::policy(Effects::ALL, &settings).photon_map_request();
+        assert_eq!(without, PhotonMapRequest { aimed, ..none });
         let sppm = PhotonMapRequest { aimed: StoreMask::CAUSTIC, unaimed: StoreMask::INDIRECT, guides: false };
         assert_eq!(maps(sppm::policy, Effects::ALL), sppm);
         let gathering = StoreMask { direct: true, ..StoreMask::INDIRECT };

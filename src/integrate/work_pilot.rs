@@ -183,12 +183,13 @@ fn pilot_film_points(scene: &Scene, key: Key, set: u32) -> Vec<FilmPoint> {
 #[cfg(test)]
 mod tests {
     use crate::camera::Camera;
-    use crate::integrate::{Algorithm, Settings};
+    use crate::integrate::{Algorithm, IndirectPhotons, Settings};
     use crate::scene::{DeltaLightKind, LightStrength, Material, SceneBuilder};
     use crate::shape::{Plane, Shape, Sphere};
     use glam::{DVec3, Vec3};
 
-    /// `hybrid` traces no unaimed photon paths, so the setting of their number must change nothing.
+    /// Without photon estimates of indirect light, `hybrid` traces no unaimed photon paths. So the
+    /// setting of their number must change nothing.
     #[test]
     fn untraced_photons_do_not_change_the_balance() {
         let mut builder = SceneBuilder::new();
@@ -202,7 +203,8 @@ mod tests {
             Camera::perspective(DVec3::new(0.0, 2.0, 6.0), DVec3::new(0.0, -0.2, -1.0), DVec3::Y, 0.7, 64, 48).unwrap();
         let scene = builder.build(eye).unwrap();
         let balance = |photons| {
-            let settings = Settings { photons, caustic_photons: 20_000, ..Settings::default() };
+            let indirect_photons = IndirectPhotons::Off;
+            let settings = Settings { photons, caustic_photons: 20_000, indirect_photons, ..Settings::default() };
             Algorithm::Hybrid.prepare(&scene, settings).ray_photon_balance().unwrap()
         };
         let found = balance(1);

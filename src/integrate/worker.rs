@@ -38,7 +38,7 @@ pub(super) struct PathWorker {
     pub visible: Vec<VisiblePoint>,
     /// Weights and sums of the light that paths find up to their first receiver.
     pub prefix: PrefixLight,
-    /// Center of the current pixel, or position of the current camera ray \[pixels from the top left].
+    /// Film position of the current pixel's center or camera ray \[pixels from the top left].
     pub film_position: Vec2,
     /// Indirect light that the current camera path of a pilot finds by each technique.
     pub indirect_light: IndirectLight,

@@ -3,8 +3,8 @@
 use caustica::camera::{Filter, FilterKind};
 use caustica::color::Rgb;
 use caustica::integrate::{
-    ALPHA, Algorithm, CameraPathSettings, FinalGathering, IndirectPhotons, Integrator, LightTracing, Settings, SilentMonitor,
-    VolumeEstimator,
+    ALPHA, Algorithm, CameraPathSettings, FinalGathering, IndirectPhotons, Integrator, LightTracing, Settings,
+    SilentMonitor, VolumeEstimator,
 };
 use caustica::photon::Kernel;
 use caustica::scene::Scene;
