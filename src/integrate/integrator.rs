@@ -38,7 +38,7 @@ pub trait Integrator: Sync {
     }
 
     /// Returns the share in \[0, 1] of the indirect light at first receivers that photon estimates
-    /// carry in pass `pass`: the mean of their weights over the picture. Camera paths carry the rest.
+    /// carry in pass `pass`. It is the mean of their weights over the picture.
     fn indirect_photon_share(&self, _pass: u32) -> f64 {
         0.0
     }

@@ -15,7 +15,10 @@ const ALBEDO: f64 = 0.7;
 /// Height of the light above the center of the sphere.
 const HEIGHT: f64 = 1.5;
 
-/// A diffuse sphere around a point light, of which the camera sees a small part of the wall.
+/// Full field of view of the camera in the sphere \[rad].
+const VIEW: f64 = 0.7;
+
+/// A diffuse sphere around a point light. The camera in its center sees a part of the wall.
 ///
 /// Light that was reflected k times lights the whole wall uniformly with ρᵏΦ/(4πR²). A cap of the
 /// sphere with chord r has the area πr² exactly, so photon estimates have no bias.
@@ -25,7 +28,21 @@ fn wall_scene() -> Scene {
     b.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, RADIUS)), wall, grey(0.0));
     let kind = DeltaLightKind::Point { position: DVec3::Z * HEIGHT };
     b.add_delta_light(kind, LightStrength::Power(grey(FLUX)));
-    b.build(Camera::orthographic(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 0.02, 32, 32).unwrap()).unwrap()
+    b.build(Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, VIEW, 32, 32).unwrap()).unwrap()
+}
+
+/// Returns the mean irradiance of direct light over the picture of [`wall_scene`].
+fn mean_direct_irradiance() -> f64 {
+    const STEPS: u32 = 200;
+    let edge = libm::tan(0.5 * VIEW);
+    let film = |i: u32| edge * (f64::from(2 * i + 1) / f64::from(STEPS) - 1.0);
+    let irradiance = |x: f64, y: f64| {
+        let inwards = -dvec3(x, y, -1.0).normalize();
+        let to_light = DVec3::Z * HEIGHT + inwards * RADIUS;
+        FLUX / (4.0 * PI) * to_light.dot(inwards) / to_light.length().powi(3)
+    };
+    let sum = (0..STEPS).flat_map(|i| (0..STEPS).map(move |j| irradiance(film(i), film(j)))).sum::<f64>();
+    sum / f64::from(STEPS * STEPS)
 }
 
 /// Returns the mean over the picture for each pass.
@@ -43,7 +60,7 @@ fn picture_means(scene: &Scene, settings: &Settings, passes: u32) -> Vec<f64> {
 #[test]
 fn photon_estimates_keep_the_indirect_light_of_a_sphere() {
     let scene = wall_scene();
-    let direct = FLUX / (4.0 * PI * (RADIUS + HEIGHT) * (RADIUS + HEIGHT));
+    let direct = mean_direct_irradiance();
     let indirect = FLUX / (4.0 * PI * RADIUS * RADIUS) * ALBEDO / (1.0 - ALBEDO);
     let expected = ALBEDO / PI * (direct + indirect);
     let means = |indirect_photons| {
