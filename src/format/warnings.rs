@@ -144,7 +144,7 @@ impl<'a> SceneUses<'a> {
         let materials = &description.materials;
         let name = materials[index].name.as_deref();
         let part_of = |mix: &Spanned<MaterialDescription>| {
-            mix.kind.mix_parts().is_some_and(|parts| parts.iter().any(|part| Some(part.as_str()) == name))
+            mix.kind.mix_material_names().is_some_and(|parts| parts.iter().any(|part| Some(part.as_str()) == name))
         };
         // The parts of a mix stand before it, so the recursion ends.
         let in_mix = |(mix, _): (usize, &Spanned<MaterialDescription>)| mix > index && self.is_used(description, mix);

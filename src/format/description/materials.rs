@@ -152,7 +152,7 @@ impl MaterialKindDescription {
 
     /// Returns the names of the two materials of a mix; `None` for other kinds.
     #[must_use]
-    pub fn mix_parts(&self) -> Option<[&Spanned<String>; 2]> {
+    pub fn mix_material_names(&self) -> Option<[&Spanned<String>; 2]> {
         match self {
             Self::Mix { first, second, .. } => Some([first, second]),
             Self::Phong { .. }

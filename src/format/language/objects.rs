@@ -6,7 +6,7 @@ use super::super::description::{Group, GroupItem, ObjectDescription, Spanned, Tr
 use super::super::error::SceneError;
 use super::lexer::Token;
 use super::materials::{parse_material_index, parse_material_reference};
-use super::parser::{NestingMark, Parser};
+use super::parser::{Parser, SavedBlockNesting};
 use super::schema::block_keywords;
 use super::shapes::{SHAPES, parse_shape, write_shape};
 use super::transforms::{parse_moving_block, parse_transform_block, write_transform_steps};
@@ -29,7 +29,7 @@ pub(super) fn parse_group<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Re
     let mut objects = 0;
     let mut count = None;
     while let Some(word) = parser.next_word()? {
-        let mark = parser.nesting_mark();
+        let mark = parser.current_block_nesting();
         let error = match word.text {
             "numObjects" => parser.parse_count(word, &mut count).err(),
             "MaterialIndex" => {
@@ -71,7 +71,7 @@ fn push_item_or_return_error(item: Result<GroupItem, SceneError>, items: &mut Ve
 
 /// Records `error`, and skips to the next entry of the group that is open at `mark`.
 #[inline(never)]
-fn skip_to_next_item(parser: &mut Parser<'_>, error: SceneError, mark: NestingMark) -> Result<(), SceneError> {
+fn skip_to_next_item(parser: &mut Parser<'_>, error: SceneError, mark: SavedBlockNesting) -> Result<(), SceneError> {
     parser.record_error(error)?;
     parser.skip_to_next_entry(mark, &[&OTHER_ITEM_KEYWORDS[..], &object_keywords()].concat());
     Ok(())

@@ -47,7 +47,7 @@ impl ParserScope<'_> {
     /// Appends a material, without its name.
     pub fn add_material(&mut self, material: Spanned<MaterialDescription>) {
         let kind = &material.value.kind;
-        let summary = match kind.mix_parts() {
+        let summary = match kind.mix_material_names() {
             Some([first, second]) => {
                 let (a, b) = (self.mix_summary(&first.value), self.mix_summary(&second.value));
                 MixSummary { dielectric: a.dielectric.or(b.dielectric), mix_depth: a.mix_depth.max(b.mix_depth) + 1 }

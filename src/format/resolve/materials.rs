@@ -22,7 +22,7 @@ pub(super) fn add_materials(r: &mut Resolver<'_>) -> Result<(), SceneError> {
         if let Some(EmissionDescription::Texture { name, .. }) = &described.emission {
             requirements.add_texture_requirements(&r.texture_by_name(name, &ANY_TEXTURE_VALUE)?);
         }
-        for part in described.kind.mix_parts().into_iter().flatten() {
+        for part in described.kind.mix_material_names().into_iter().flatten() {
             if let Some(part) = r.material_indices.get(part.as_str()).map(|i| r.texture_requirements[*i as usize]) {
                 requirements.uses_textures |= part.uses_textures;
                 requirements.needs_texcoords |= part.needs_texcoords;
