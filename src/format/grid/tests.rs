@@ -3,7 +3,7 @@
 use super::*;
 use proptest::prelude::*;
 
-fn call_with_file_of<T>(bytes: &[u8], then: impl FnOnce(&Path) -> T) -> T {
+fn call_with_temporary_file<T>(bytes: &[u8], then: impl FnOnce(&Path) -> T) -> T {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.grid");
     std::fs::write(&path, bytes).unwrap();
@@ -11,11 +11,11 @@ fn call_with_file_of<T>(bytes: &[u8], then: impl FnOnce(&Path) -> T) -> T {
 }
 
 fn read_from_bytes(bytes: &[u8]) -> Result<DensityGrid, GridError> {
-    call_with_file_of(bytes, read)
+    call_with_temporary_file(bytes, read)
 }
 
 fn encoded_bytes(grid: &DensityGrid, encoding: GridEncoding) -> Vec<u8> {
-    call_with_file_of(&[], |path| {
+    call_with_temporary_file(&[], |path| {
         write(path, grid, encoding).unwrap();
         std::fs::read(path).unwrap()
     })
@@ -129,20 +129,20 @@ fn any_grid() -> impl Strategy<Value = DensityGrid> {
     })
 }
 
-fn any_encoding() -> impl Strategy<Value = GridEncoding> {
+fn any_grid_encoding() -> impl Strategy<Value = GridEncoding> {
     prop_oneof![Just(GridEncoding::F32), Just(GridEncoding::Text)]
 }
 
 proptest! {
     #[test]
-    fn grids_read_back_bit_for_bit(grid in any_grid(), encoding in any_encoding()) {
+    fn grids_read_back_bit_for_bit(grid in any_grid(), encoding in any_grid_encoding()) {
         prop_assert_eq!(read_from_bytes(&encoded_bytes(&grid, encoding)).unwrap(), grid);
     }
 
-    /// A text that lacks only its last digits still has all its values; any other damaged file is
+    /// Text files that lose only their last digits still hold all values. All other damage is
     /// refused.
     #[test]
-    fn truncated_or_longer_grid_files_are_refused(grid in any_grid(), encoding in any_encoding(), at in any::<prop::sample::Index>()) {
+    fn truncated_or_longer_grid_files_are_refused(grid in any_grid(), encoding in any_grid_encoding(), at in any::<prop::sample::Index>()) {
         let bytes = encoded_bytes(&grid, encoding);
         let cut = read_from_bytes(&bytes[..at.index(bytes.len())]);
         prop_assert!(cut.is_err() || (encoding == GridEncoding::Text && cut.unwrap().values.len() == grid.values.len()));
@@ -151,7 +151,7 @@ proptest! {
     }
 
     #[test]
-    fn the_reader_never_panics(grid in any_grid(), encoding in any_encoding(), at in any::<prop::sample::Index>(), new in any::<[u8; 3]>()) {
+    fn the_reader_never_panics(grid in any_grid(), encoding in any_grid_encoding(), at in any::<prop::sample::Index>(), new in any::<[u8; 3]>()) {
         let mut bytes = encoded_bytes(&grid, encoding);
         let at = at.index(bytes.len());
         let end = bytes.len().min(at + 3);

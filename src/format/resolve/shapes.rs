@@ -3,8 +3,8 @@
 use super::Resolver;
 use super::meshes::add_mesh;
 use super::placement::{
-    NormalizedMesh, ObjectEmission, Placement, add_instance, add_placed_shape, add_still_mesh, set_emission_texture,
-    set_mapping, set_texcoords,
+    NormalizedMesh, ObjectEmission, ObjectPlacement, add_instance, add_placed_shape, add_still_mesh,
+    set_emission_texture, set_mapping, set_texcoords,
 };
 use crate::color::Rgb;
 use crate::format::SceneError;
@@ -25,7 +25,7 @@ pub(super) fn add_shape(
     object_emission: &ObjectEmission,
 ) -> Result<(), SceneError> {
     let emission = object_emission.radiance;
-    let placement = Placement { to_world, at_open: r.invertible_transform(to_world.at_time(0.0), span)?, span };
+    let placement = ObjectPlacement { to_world, at_open: r.invertible_transform(to_world.at_time(0.0), span)?, span };
     match shape {
         ShapeDescription::Sphere { center, radius } => {
             add_placed_shape(r, &placement, Shape::Sphere(Sphere::new(*center, *radius)), emission)?;
@@ -107,10 +107,10 @@ pub(super) fn add_shape(
     Ok(())
 }
 
-/// Adds a box, cylinder or cone; an error if it is `None`, because it has no extent.
+/// Adds a box, cylinder or cone. `None` stands for a solid without volume and is an error.
 fn add_solid(
     r: &mut Resolver<'_>,
-    placement: &Placement<'_>,
+    placement: &ObjectPlacement<'_>,
     solid: Option<Shape>,
     emission: Rgb,
 ) -> Result<(), SceneError> {
@@ -120,10 +120,10 @@ fn add_solid(
     Ok(())
 }
 
-/// Adds Bézier patches of one degree, each as a shape with its own emission texture.
+/// Adds Bézier patches, each as a shape of its own with the emission texture of the object.
 fn add_patches(
     r: &mut Resolver<'_>,
-    placement: &Placement<'_>,
+    placement: &ObjectPlacement<'_>,
     degree: [u32; 2],
     controls: &[DVec4],
     object_emission: &ObjectEmission,
