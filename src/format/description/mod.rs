@@ -89,7 +89,7 @@ pub struct SceneDescription {
     /// Materials, in the order of the file; `MaterialIndex` counts them from 0.
     pub materials: Vec<Spanned<MaterialDescription>>,
     /// Objects, with the materials that apply to them.
-    pub root: Group,
+    pub root: ObjectGroup,
 }
 
 /// A camera as the scene file describes it.
@@ -180,7 +180,7 @@ pub enum DirectionOrTarget {
 /// In a parsed scene, groups and transforms nest at most
 /// [`MAX_NESTING_DEPTH`](super::MAX_NESTING_DEPTH) deep.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Group {
+pub struct ObjectGroup {
     /// Entries in the order of the file. A material applies to all objects after it, even beyond
     /// the end of the group.
     pub items: Vec<GroupItem>,
@@ -201,7 +201,7 @@ pub enum GroupItem {
 #[derive(Clone, Debug, PartialEq)]
 pub enum ObjectDescription {
     /// A nested group of objects.
-    Group(Group),
+    Group(ObjectGroup),
     /// An object under an affine transform.
     Transform {
         /// Steps of the transform. The first listed step is applied last.

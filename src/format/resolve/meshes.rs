@@ -99,7 +99,7 @@ fn add_mesh_part(
         let normalized = Rc::clone(r.shared_meshes.entry(key).or_insert_with(normalize));
         add_instance(r, placement, &normalized, emission)?;
     } else {
-        add_still_mesh(r, &placement.at_open, &mesh.positions, normals, &mesh.triangles, emission);
+        add_still_mesh(r, &placement.at_shutter_open, &mesh.positions, normals, &mesh.triangles, emission);
         set_texcoords(r, texcoords);
     }
     set_mapping(r, TextureMappingKind::Uv, placement.to_world);

@@ -13,8 +13,8 @@ mod tests;
 mod textures;
 
 use super::description::{
-    DirectionOrTarget, EmissionDescription, Group, GroupItem, ObjectDescription, SceneDescription, ShapeDescription,
-    Span, Spanned, TransformStep,
+    DirectionOrTarget, EmissionDescription, GroupItem, ObjectDescription, ObjectGroup, SceneDescription,
+    ShapeDescription, Span, Spanned, TransformStep,
 };
 use super::error::MAX_ERRORS;
 use super::import::{EmbeddedAssets, is_unread_mesh_format, lowercase_extension};
@@ -184,7 +184,7 @@ impl Resolver<'_> {
     }
 
     /// Adds the objects of a group under the motion `to_world`.
-    fn add_group(&mut self, group: &Group, to_world: &Motion) -> Result<(), SceneError> {
+    fn add_group(&mut self, group: &ObjectGroup, to_world: &Motion) -> Result<(), SceneError> {
         for item in &group.items {
             match item {
                 GroupItem::MaterialIndex(index) => self.material = index.value,
@@ -330,8 +330,8 @@ pub(super) fn file_candidates<'a>(folder: &'a Path, path: &'a Path) -> impl Iter
 }
 
 /// Returns the number of objects that name each mesh path.
-fn count_mesh_uses(group: &Group) -> HashMap<&str, usize> {
-    fn count_mesh_uses_in_group<'a>(group: &'a Group, uses: &mut HashMap<&'a str, usize>) {
+fn count_mesh_uses(group: &ObjectGroup) -> HashMap<&str, usize> {
+    fn count_mesh_uses_in_group<'a>(group: &'a ObjectGroup, uses: &mut HashMap<&'a str, usize>) {
         for item in &group.items {
             if let GroupItem::Object(object) = item {
                 count_mesh_uses_in_object(object, uses);

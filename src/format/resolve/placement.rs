@@ -25,7 +25,7 @@ pub(super) struct ObjectPlacement<'p> {
     /// Motion from object space to world space.
     pub to_world: &'p Motion,
     /// Transform from object space to world space at the time when the shutter opens.
-    pub at_open: Transform,
+    pub at_shutter_open: Transform,
     /// Span of the object, for errors.
     pub span: Span,
 }
@@ -78,7 +78,7 @@ pub(super) fn add_placed_shape(
     emission: Rgb,
 ) -> Result<(), SceneError> {
     let flat = || r.error_at(placement.span, "this shape is squeezed flat", "scale it less");
-    let placed = shape.transformed(&placement.at_open).ok_or_else(flat)?;
+    let placed = shape.transformed(&placement.at_shutter_open).ok_or_else(flat)?;
     if placement.to_world.is_constant() {
         r.builder.add_shape(placed, r.material, emission);
     } else {

@@ -25,7 +25,8 @@ pub(super) fn add_shape(
     object_emission: &ObjectEmission,
 ) -> Result<(), SceneError> {
     let emission = object_emission.radiance;
-    let placement = ObjectPlacement { to_world, at_open: r.invertible_transform(to_world.at_time(0.0), span)?, span };
+    let placement =
+        ObjectPlacement { to_world, at_shutter_open: r.invertible_transform(to_world.at_time(0.0), span)?, span };
     match shape {
         ShapeDescription::Sphere { center, radius } => {
             add_placed_shape(r, &placement, Shape::Sphere(Sphere::new(*center, *radius)), emission)?;
@@ -39,7 +40,7 @@ pub(super) fn add_shape(
             let point = *normal * (*offset / normal.length_squared());
             let plane = Plane::new(point, *normal);
             if to_world.is_constant() {
-                r.builder.add_plane(plane.transformed(&placement.at_open), r.material, emission);
+                r.builder.add_plane(plane.transformed(&placement.at_shutter_open), r.material, emission);
             } else {
                 r.builder.add_moving_plane(plane, to_world.clone(), r.material, emission);
             }
@@ -69,7 +70,7 @@ pub(super) fn add_shape(
             let normals = normals.as_ref().map(|n| n.as_slice());
             let uv = uv.as_deref().copied().unwrap_or([DVec2::ZERO, DVec2::X, DVec2::Y]);
             if to_world.is_constant() {
-                add_still_mesh(r, &placement.at_open, vertices, normals, &[[0, 1, 2]], emission);
+                add_still_mesh(r, &placement.at_shutter_open, vertices, normals, &[[0, 1, 2]], emission);
                 set_texcoords(r, Some(&uv));
             } else {
                 let mesh = NormalizedMesh::new(vertices, normals, Some(&uv), &[[0, 1, 2]]);

@@ -407,7 +407,7 @@ fn random_group_item() -> impl Strategy<Value = GroupItem> {
             1 => any::<u32>().prop_map(|i| GroupItem::MaterialIndex(with_empty_span(i))),
         ];
         prop_oneof![
-            vec(grouped, 0..4).prop_map(|items| ObjectDescription::Group(Group { items })),
+            vec(grouped, 0..4).prop_map(|items| ObjectDescription::Group(ObjectGroup { items })),
             (vec(random_transform_step(), 0..3), inner.clone()).prop_map(|(maps, object)| {
                 ObjectDescription::Transform { maps, object: Box::new(with_empty_span(object)) }
             }),
@@ -424,7 +424,7 @@ fn random_group_item() -> impl Strategy<Value = GroupItem> {
 }
 
 /// Replaces the random material numbers in `group` by valid indices and names of `materials`.
-fn replace_material_numbers(group: &mut Group, materials: &[Spanned<MaterialDescription>]) {
+fn replace_material_numbers(group: &mut ObjectGroup, materials: &[Spanned<MaterialDescription>]) {
     fn replace_material_numbers_in_object(object: &mut ObjectDescription, materials: &[Spanned<MaterialDescription>]) {
         match object {
             ObjectDescription::Group(group) => replace_material_numbers(group, materials),
@@ -506,7 +506,7 @@ pub fn random_description() -> impl Strategy<Value = SceneDescription> {
         fill_random_bodies(&mut materials, &media, &fills);
         let ambient_medium =
             ambient_medium.filter(|_| !media.is_empty()).map(|i| with_empty_span(i.get(&media).value.name.clone()));
-        let mut root = Group { items };
+        let mut root = ObjectGroup { items };
         replace_material_numbers(&mut root, &materials);
         let lights = lights.into_iter().map(with_empty_span).collect();
         SceneDescription {
