@@ -2,7 +2,7 @@
 
 use super::SourceText;
 use super::description::{
-    Group, GroupItem, MaterialDescription, ObjectDescription, SceneDescription, ShapeDescription, Span, Spanned,
+    GroupItem, MaterialDescription, ObjectDescription, ObjectGroup, SceneDescription, ShapeDescription, Span, Spanned,
 };
 use super::import::EmbeddedAssets;
 use super::mesh::{self, MeshReport};
@@ -103,7 +103,7 @@ impl<'a> SceneUses<'a> {
     }
 
     /// Collects the uses of a group; `material` is the index of the current material.
-    fn collect_group_uses(&mut self, description: &'a SceneDescription, group: &'a Group, material: &mut usize) {
+    fn collect_group_uses(&mut self, description: &'a SceneDescription, group: &'a ObjectGroup, material: &mut usize) {
         for item in &group.items {
             match item {
                 GroupItem::MaterialIndex(index) => *material = index.value as usize,

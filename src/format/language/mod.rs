@@ -29,7 +29,7 @@ use std::fmt::{self, Display, Formatter};
 
 use glam::DVec3;
 
-use super::description::{CameraDescription, Group, LightDescription, SceneDescription, Span, Spanned};
+use super::description::{CameraDescription, LightDescription, ObjectGroup, SceneDescription, Span, Spanned};
 use super::error::{SceneError, SourceText};
 use camera::{CAMERAS, parse_camera, parse_moving_camera, write_camera};
 use fields::parse_block_fields;
@@ -140,7 +140,7 @@ struct SceneFileBlocks {
     /// Radiance of the background \[W/(m² sr)], and the medium outside all bodies.
     background: Option<(DVec3, Option<Spanned<String>>)>,
     lights: Vec<Spanned<LightDescription>>,
-    root: Option<Group>,
+    root: Option<ObjectGroup>,
 }
 
 /// Parses all blocks of a file.

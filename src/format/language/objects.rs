@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::super::description::{Group, GroupItem, ObjectDescription, Spanned, TransformStep};
+use super::super::description::{GroupItem, ObjectDescription, ObjectGroup, Spanned, TransformStep};
 use super::super::error::SceneError;
 use super::lexer::Token;
 use super::materials::{parse_material_index, parse_material_reference};
@@ -23,7 +23,7 @@ fn object_keywords() -> Vec<&'static str> {
 }
 
 /// Parses a `Group` block.
-pub(super) fn parse_group<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Group, SceneError> {
+pub(super) fn parse_group<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<ObjectGroup, SceneError> {
     parser.open_nested_block(keyword)?;
     let mut items = Vec::new();
     let mut objects = 0;
@@ -51,7 +51,7 @@ pub(super) fn parse_group<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Re
     }
     parser.leave_nested_block();
     parser.check_entry_count("numObjects", count, objects, "object")?;
-    Ok(Group { items })
+    Ok(ObjectGroup { items })
 }
 
 // The functions below are not inlined into `parse_group`: it recurses, and its stack frame must
@@ -115,7 +115,7 @@ fn parse_object<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Spann
 }
 
 /// Writes a group as scene text.
-pub(super) fn write_group(out: &mut SceneWriter<'_, '_>, group: &Group) -> fmt::Result {
+pub(super) fn write_group(out: &mut SceneWriter<'_, '_>, group: &ObjectGroup) -> fmt::Result {
     out.begin_block("Group")?;
     let objects = group.items.iter().filter(|item| matches!(item, GroupItem::Object(_))).count();
     out.write_line(format_args!("numObjects {objects}"))?;

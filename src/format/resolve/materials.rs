@@ -12,7 +12,8 @@ use crate::format::description::{
 use crate::format::language::nearest_word;
 use crate::scene::{Body, Material};
 
-/// Adds all materials under the indices of the description; a white diffuse one if there is none.
+/// Adds all materials of the description, with the same indices; a white diffuse one if there are
+/// none.
 pub(super) fn add_materials(r: &mut Resolver<'_>) -> Result<(), SceneError> {
     for (index, described) in r.description.materials.iter().enumerate() {
         let mut requirements = TextureRequirements::default();
