@@ -84,7 +84,7 @@ fn boundary_defect(report: &MeshReport) -> Option<String> {
 /// Materials, textures and dielectric meshes that the objects of a scene use.
 #[derive(Default)]
 struct SceneUses<'a> {
-    /// Indices of materials that objects have directly, not as a part of a mix.
+    /// Indices of the materials assigned to objects, without the components of mixes.
     materials: BTreeSet<usize>,
     /// Names of textures that a material refers to.
     textures: BTreeSet<&'a str>,

@@ -56,7 +56,7 @@ static BACKGROUND: BlockSchema = block_schema("Background", "what lies behind al
     ])
     .mark_as_mit_course_syntax();
 
-/// Keywords of the blocks of a file, except cameras and `Background`.
+/// Keywords of top-level blocks of scene text, except cameras and `Background`.
 const FILE_BLOCK_KEYWORDS: [&str; 6] = ["Moving", "Lights", "Textures", "Media", "Materials", "Group"];
 
 /// Returns the sections of the language reference: name and blocks.

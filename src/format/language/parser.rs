@@ -26,7 +26,7 @@ pub(super) struct Parser<'a> {
     has_unclosed_block: bool,
 }
 
-/// Block nesting at the start of an entry. The parser returns to it after an error.
+/// Block nesting at the start of a field or object; restored after a syntax error.
 #[derive(Clone, Copy)]
 pub(super) struct SavedBlockNesting {
     open_blocks: usize,
@@ -95,7 +95,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Skips the rest of an entry with an error, which started at `mark`.
+    /// Skips the rest of a field or object that has a syntax error and started at `mark`.
     ///
     /// If blocks are open since `mark`, skips past their ends. Else, if a block was closed since
     /// `mark`, skips nothing. Else skips to a word of `allowed` or a `}`, or past one block.

@@ -74,7 +74,7 @@ pub(super) enum FieldRange {
     Special(&'static str),
 }
 
-/// Meaning of a field's absence.
+/// Value or meaning of a field that the scene text omits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum FieldDefault {
     /// The field must be present.
@@ -174,7 +174,7 @@ impl FieldSchema {
         self
     }
 
-    /// Sets the reference's text about the field's absence.
+    /// Sets the text that the language reference prints as the field's default.
     pub const fn with_default_description(mut self, meaning: &'static str) -> Self {
         self.default = FieldDefault::Absent(meaning);
         self
@@ -223,7 +223,7 @@ impl FieldSchema {
         (!ok).then(|| self.describe_violated_range(numbers))
     }
 
-    /// Returns the allowed range in words, as a rule that `numbers` break.
+    /// Returns the error text for `numbers` outside the allowed range: "must be above 0".
     fn describe_violated_range(&self, numbers: &[f64]) -> String {
         let each = if numbers.len() > 1 { " in each component" } else { "" };
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
