@@ -29,7 +29,7 @@ pub(super) struct AddedTexture {
     is_srgb: bool,
 }
 
-/// What a surface needs so that the textures of its material can be looked up.
+/// Properties that a surface needs so that the textures of its material can be looked up.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct TextureRequirements {
     /// True if the material uses any texture.

@@ -44,7 +44,7 @@ fn paths_of_pilots_stand_for_all_samples() {
 fn camera_paths_take_over_in_the_long_run() {
     let division = division(vec![errors(0.4, 1.0, 0.001)], 1);
     // The law of gather radii: the area of a disc falls as N^(-1/3).
-    let weights = |number: f32| division.weights(Vec2::ZERO, number, number.powf(-1.0 / 3.0));
+    let weights = |number: f32| division.weights(Vec2::ZERO, number, 1.0 / libm::cbrtf(number));
     let photons = [1.0, 64.0, 4096.0, 262_144.0, 1e9].map(|number| weights(number).photons);
     assert!(photons.windows(2).all(|pair| pair[1] <= pair[0]), "{photons:?}");
     assert!(photons[0] > 0.9 && photons[4] < 0.05, "{photons:?}");

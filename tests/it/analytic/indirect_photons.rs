@@ -39,7 +39,7 @@ fn mean_direct_irradiance() -> f64 {
     let irradiance = |x: f64, y: f64| {
         let inwards = -dvec3(x, y, -1.0).normalize();
         let to_light = DVec3::Z * HEIGHT + inwards * RADIUS;
-        FLUX / (4.0 * PI) * to_light.dot(inwards) / to_light.length().powi(3)
+        FLUX / (4.0 * PI) * to_light.dot(inwards) / libm::pow(to_light.length(), 3.0)
     };
     let sum = (0..STEPS).flat_map(|i| (0..STEPS).map(move |j| irradiance(film(i), film(j)))).sum::<f64>();
     sum / f64::from(STEPS * STEPS)
