@@ -24,6 +24,11 @@ const WINDOW_SEEDS: u64 = 8;
 /// Default number of photon paths in all directions, as in `calibration`.
 const PHOTONS: u32 = 20_000;
 
+/// Kinds of errors: relative to the local light and clamped to 1 for each pixel, as estimated; of
+/// radiance over its mean in the picture; and of radiance over its mean in the window, without the
+/// rest of the picture.
+const ERRORS: [&str; 3] = ["relative", "of radiance", "in the window"];
+
 /// A mean with its standard error.
 #[derive(Clone, Copy)]
 struct Measured {
@@ -91,15 +96,18 @@ impl Truth {
         Self { pictures: [a.pixels, b.pixels], scale, mean, light }
     }
 
-    /// Returns the squared error of a picture: relative and clamped by pixel, and that of radiance
-    /// over the squared mean radiance of the truth.
-    fn squares(&self, pixels: &[Vec3]) -> [f64; 2] {
+    /// Returns the squared errors of a picture, in the order of [`ERRORS`].
+    fn squares(&self, focus: &Focus, pixels: &[Vec3]) -> [f64; 3] {
         let product = |i: usize| -> DVec3 {
             let [a, b] = [0, 1].map(|k| (pixels[i] - self.pictures[k][i]).as_dvec3());
             a * b
         };
-        let radiance = (0..pixels.len()).map(|i| product(i).element_sum()).sum::<f64>();
-        [self.scale.mean(product), radiance / (3.0 * pixels.len() as f64 * self.mean * self.mean)]
+        let radiance = |pixels: &mut dyn Iterator<Item = usize>, mean: f64| {
+            let squares: Vec<f64> = pixels.map(|i| product(i).element_sum() / 3.0).collect();
+            squares.iter().sum::<f64>() / (squares.len() as f64 * mean * mean)
+        };
+        let window = self.light.mean / focus.pixels().count() as f64;
+        [self.scale.mean(product), radiance(&mut (0..pixels.len()), self.mean), radiance(&mut focus.pixels(), window)]
     }
 }
 
@@ -137,7 +145,7 @@ fn check(focus: &Focus, usual: &Settings, passes: u32) -> (&'static str, Measure
 
 /// Picture of one seed after some number of passes.
 struct Sample {
-    squares: [f64; 2],
+    squares: [f64; 3],
     estimate: ErrorEstimate,
 }
 
@@ -155,7 +163,7 @@ fn samples(focus: &Focus, truth: &Truth, mut settings: Settings, passes: &[u32])
         estimator.add(&film, &made);
         film.add(&made.image);
         if passes.contains(&(pass + 1)) {
-            samples.push(Sample { squares: truth.squares(&film.mean()), estimate: estimator.estimate(&film) });
+            samples.push(Sample { squares: truth.squares(focus, &film.mean()), estimate: estimator.estimate(&film) });
         }
     }
     (samples, Measured::of(&light))
@@ -186,13 +194,15 @@ fn print_errors(name: &str, kind: usize, passes: &[u32], seeds: &[Vec<Sample>]) 
     };
     let left_out: Vec<f64> = (0..seeds.len()).map(|seed| fitted(Some(seed))).collect();
     let error = Measured::of(&left_out).error * (seeds.len() as f64 - 1.0);
-    print!("| {name} | {} ", ["relative, clamped", "of radiance"][kind]);
+    print!("| {name} | {} ", ERRORS[kind]);
     for at in 0..passes.len() {
-        print!("| {:.2} % ", 100.0 * mean(None, at).sqrt());
+        // The square of a small error may be negative, because the truth is noisy.
+        let square = mean(None, at);
+        if square > 0.0 { print!("| {:.2} % ", 100.0 * square.sqrt()) } else { print!("| – ") }
     }
-    // The square of a small error may be negative, because the truth is noisy.
     let uncertainty = if error.is_finite() { format!(" ± {error:.2}") } else { String::new() };
-    println!("| {:.2}{uncertainty} |", fitted(None));
+    let slope = fitted(None);
+    if slope.is_finite() { println!("| {slope:.2}{uncertainty} |") } else { println!("| – |") }
 }
 
 /// Prints estimated errors at `passes[at]`, and whether they rise to the next number of passes.
@@ -254,7 +264,7 @@ pub fn print(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             counts.join(" | "),
             " | ---".repeat(passes.len())
         );
-        (0..2).for_each(|kind| print_errors(name, kind, &passes, &seeds));
+        (0..ERRORS.len()).for_each(|kind| print_errors(name, kind, &passes, &seeds));
         println!(
             "\n| focus | passes | true error | estimated | interval | most rise | rises |\n|{}",
             " --- |".repeat(7)

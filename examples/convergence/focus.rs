@@ -56,10 +56,15 @@ impl Focus {
         }
     }
 
+    /// Returns the indices of the pixels in the window.
+    pub fn pixels(&self) -> impl Iterator<Item = usize> {
+        let row = |y: u32| self.columns.clone().map(move |x| (y * SIZE.0 + x) as usize);
+        self.rows.clone().flat_map(row)
+    }
+
     /// Returns the sum of the channels' mean over the window.
     pub fn light(&self, pixels: &[Vec3]) -> f64 {
-        let row = |y: u32| self.columns.clone().map(move |x| (y * SIZE.0 + x) as usize);
-        self.rows.clone().flat_map(row).map(|i| pixels[i].as_dvec3().element_sum() / 3.0).sum()
+        self.pixels().map(|i| pixels[i].as_dvec3().element_sum() / 3.0).sum()
     }
 }
 

@@ -2,8 +2,9 @@
 //!
 //! The picture d is a render minus a long reference of another seed. A pixel is *salt* if d differs
 //! from the median of its neighbours by more than five standard errors. The reference's passes give
-//! the variance of a pixel in one pass. A standard error is at least the median of the neighbours',
-//! and at least a thousandth of the local light.
+//! the variance of a pixel in one pass. It is at least the median of the neighbours', both in the
+//! reference and in the render: pilots divide the work of each render anew, so noise differs
+//! between seeds. A standard error is at least a thousandth of the local light.
 //!
 //! Heavy tails enlarge the standard error. A *speck* is therefore counted without it: d exceeds the
 //! median of its neighbours by more than half the local light.
@@ -39,6 +40,9 @@ fn brightness(pixel: &Vec3) -> f64 {
 
 fn render(scene: &Scene, settings: caustica::integrate::Settings, size: (u32, u32), passes: u32) -> Rendered {
     let integrator = Algorithm::Hybrid.prepare(scene, settings);
+    if let Some(balance) = integrator.ray_photon_balance() {
+        eprintln!("{balance:?}");
+    }
     let mut film = Film::new(size.0, size.1);
     let mut moments = vec![[0.0; 2]; (size.0 * size.1) as usize];
     for pass in 0..passes {
@@ -90,16 +94,18 @@ struct Outlier {
 }
 
 /// Returns the pixels of `picture` that stand out.
-fn outliers(picture: &[Vec3], passes: u32, reference: &Rendered, long: u32, size: (u32, u32)) -> Vec<Outlier> {
+fn outliers(picture: &Rendered, passes: u32, reference: &Rendered, long: u32, size: (u32, u32)) -> Vec<Outlier> {
     let light: Vec<f64> = reference.pixels.iter().map(brightness).collect();
     let typical = median(light.clone());
-    let difference: Vec<f64> = picture.iter().zip(&light).map(|(pixel, light)| brightness(pixel) - light).collect();
+    let difference: Vec<f64> =
+        picture.pixels.iter().zip(&light).map(|(pixel, light)| brightness(pixel) - light).collect();
     let mut found = Vec::new();
-    for i in 0..picture.len() {
+    for i in 0..light.len() {
         let stands_out = difference[i] - neighbours_median(size, i, &difference);
         let local = light[i].max(neighbours_median(size, i, &light)) + 0.1 * typical;
-        let variance = reference.variance[i].max(neighbours_median(size, i, &reference.variance));
-        let error = (variance * (1.0 / f64::from(passes) + 1.0 / f64::from(long))).sqrt().max(1e-3 * local);
+        let long_variance = reference.variance[i].max(neighbours_median(size, i, &reference.variance));
+        let variance = long_variance.max(neighbours_median(size, i, &picture.variance));
+        let error = (variance / f64::from(passes) + long_variance / f64::from(long)).sqrt().max(1e-3 * local);
         let (standard_errors, part) = (stands_out / error, stands_out / local);
         let mut add = |kind| found.push(Outlier { pixel: i, kind, standard_errors, part });
         if standard_errors.abs() > STANDARD_ERRORS {
@@ -148,13 +154,13 @@ pub fn print(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let reference = render(&scene, settings(arguments, 1 << 40, part)?, size, long);
         let mut counts = [0u32; 3];
         for seed in 0..seeds {
-            let picture = render(&scene, settings(arguments, seed, part)?, size, passes).pixels;
+            let picture = render(&scene, settings(arguments, seed, part)?, size, passes);
             let mut found = outliers(&picture, passes, &reference, long, size);
             found.iter().for_each(|outlier| counts[outlier.kind as usize] += 1);
             list_worst(&format!("{name}, seed {seed}"), &mut found, size.0);
             if let Some(folder) = &arguments.pictures {
-                write_picture(folder, &format!("{name}-{seed}"), &picture, size)?;
-                write_picture(folder, &format!("{name}-marks-{seed}"), &marks(&picture, &found), size)?;
+                write_picture(folder, &format!("{name}-{seed}"), &picture.pixels, size)?;
+                write_picture(folder, &format!("{name}-marks-{seed}"), &marks(&picture.pixels, &found), size)?;
             }
         }
         if let Some(folder) = &arguments.pictures {
