@@ -1,4 +1,4 @@
-//! Converts an imported scene to scene text, and embedded meshes and pictures to files.
+//! Converts an imported scene to scene text, with separate files for embedded meshes and pictures.
 
 use super::description::{
     DensityDescription, GroupItem, ObjectDescription, ObjectGroup, SceneDescription, ShapeDescription, Spanned,
@@ -21,7 +21,7 @@ pub struct ConvertedScene {
     pub meshes: Vec<(PathBuf, Arc<TriangleMesh>)>,
     /// Embedded pictures, each with the path of the OpenEXR file to write.
     pub pictures: Vec<(PathBuf, Arc<Image>)>,
-    /// Existing files that the text names.
+    /// Paths of existing files that the text names, such as meshes and pictures.
     pub named_files: Vec<PathBuf>,
 }
 
@@ -66,7 +66,8 @@ impl ConvertedScene {
     }
 }
 
-/// Returns the absolute path of a file or folder, without links; `None` if it does not exist.
+/// Returns the absolute path of a file or folder with symbolic links resolved; `None` if it does
+/// not exist.
 fn canonical_path(path: &Path) -> Option<PathBuf> {
     let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
     path.canonicalize().ok()

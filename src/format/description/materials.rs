@@ -1,4 +1,4 @@
-//! Materials of a description.
+//! Materials of a [`SceneDescription`](super::SceneDescription), as the scene file states them.
 
 use crate::color::DispersionFormula;
 use glam::DVec3;
@@ -52,8 +52,8 @@ pub enum MaterialKindDescription {
         attenuation: DielectricAbsorption,
         /// GGX α, inside [0, 1]; 0 is smooth.
         roughness: TexturedValue<f64>,
-        /// Priority where bodies overlap (Schmidt and Budge 2002): the highest wins. Of equal ones,
-        /// the body that was entered last wins.
+        /// Priority where bodies overlap (Schmidt and Budge 2002): the highest wins. Among equal
+        /// priorities, the body that was entered last wins.
         priority: u8,
     },
     /// Null interface: boundary of a region without a surface.
@@ -241,7 +241,7 @@ pub enum MetalDescription {
 pub enum DielectricAbsorption {
     /// A body that absorbs nothing.
     None,
-    /// Absorption coefficient in 1/length.
+    /// Absorption coefficient σa in 1/length.
     Coefficient(DVec3),
     /// Transmittance over a given distance.
     Tint {

@@ -1,4 +1,4 @@
-//! Textures of a description.
+//! Textures of a [`SceneDescription`](super::SceneDescription), as the scene file states them.
 
 pub use crate::texture::WrapMode;
 use glam::{DVec2, DVec3};
@@ -51,14 +51,14 @@ pub enum TextureKindDescription {
         encoding: PictureEncoding,
         /// Rule for texture coordinates beyond the picture's edges.
         wrap: WrapMode,
-        /// Transform of the texture coordinates.
+        /// Transform from the surface's texture coordinates to those of the picture.
         coordinates: TexcoordTransformDescription,
     },
     /// Checkerboard with squares of side 1 in texture coordinates.
     Checker {
         /// Colors where ⌊u⌋ + ⌊v⌋ is even, and where it is odd.
         colors: [DVec3; 2],
-        /// Transform of the texture coordinates.
+        /// Transform from the surface's texture coordinates to those of the checkerboard.
         coordinates: TexcoordTransformDescription,
     },
     /// A solid texture: a function of the position in object space.
@@ -79,7 +79,7 @@ pub enum TextureKindDescription {
     },
 }
 
-/// Function of position of a solid texture.
+/// Function of position that a solid texture evaluates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SolidPatternDescription {
     /// Perlin noise.

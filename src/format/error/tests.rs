@@ -8,7 +8,13 @@ fn render_report(error: &SceneError) -> String {
 }
 
 fn make_error_at_span(text: &str, start: usize, len: usize) -> SceneError {
-    SceneError::at_span(&SourceText::new("a.txt", text), Span { start, len }, "no such word", "here", "write `right`")
+    SceneError::error_at_span(
+        &SourceText::new("a.txt", text),
+        Span { start, len },
+        "no such word",
+        "here",
+        "write `right`",
+    )
 }
 
 #[test]
@@ -37,7 +43,7 @@ fn any_span_can_be_reported() {
             assert!(render_report(&make_error_at_span(text, start, len)).contains("write `right`"));
         }
     }
-    let file = SceneError::for_whole_file(&SourceText::new("a.txt", ""), "nothing here", "write something");
+    let file = SceneError::error_for_whole_file(&SourceText::new("a.txt", ""), "nothing here", "write something");
     assert!(
         render_report(&file).contains("a.txt:1:1: nothing here") && render_report(&file).contains("write something")
     );
@@ -63,7 +69,7 @@ fn several_errors_are_reported_in_order() {
 
 #[test]
 fn errors_may_lack_a_position() {
-    let error = SceneError::without_position("a.glb", "no such node", "export it again");
+    let error = SceneError::error_without_position("a.glb", "no such node", "export it again");
     assert_eq!(error.to_string(), "a.glb: no such node");
     assert!(render_report(&error).contains("export it again"));
 }

@@ -65,7 +65,7 @@ pub enum GridError {
 }
 
 impl GridError {
-    pub(super) fn at_line(path: &Path, line: usize, problem: MessageAndRemedy) -> Self {
+    pub(super) fn error_at_line(path: &Path, line: usize, problem: MessageAndRemedy) -> Self {
         Self::Line(LineError::new(path, line, problem))
     }
 }

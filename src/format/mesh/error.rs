@@ -43,7 +43,7 @@ pub enum MeshError {
         element: String,
         /// Description of the defect.
         message: String,
-        /// Remedy.
+        /// Advice on how to correct the file.
         remedy: &'static str,
     },
     /// The mesh has no faces.
@@ -82,11 +82,11 @@ pub enum MeshError {
     /// An MTL material cannot be converted to a material of the scene language.
     #[error("{}: {message}: {remedy}", path.display())]
     BadMaterial {
-        /// Path of the mesh whose material files define it.
+        /// Path of the mesh whose material files define the material.
         path: PathBuf,
         /// Description of the defect.
         message: String,
-        /// Remedy.
+        /// Advice on how to correct the material.
         remedy: &'static str,
     },
     /// The parser crate `tobj` refuses a file that Caustica's own line check accepted.
@@ -100,12 +100,13 @@ pub enum MeshError {
 }
 
 impl MeshError {
-    pub(in crate::format) fn at_line(path: &Path, line: usize, problem: MessageAndRemedy) -> Self {
+    pub(in crate::format) fn error_at_line(path: &Path, line: usize, problem: MessageAndRemedy) -> Self {
         Self::Line(LineError::new(path, line, problem))
     }
 }
 
-/// Reads the bytes of a file. Fails before allocating if they exceed `free` bytes.
+/// Reads the bytes of a file. Fails before allocating if they exceed `free` bytes; `None` sets no
+/// limit.
 pub(in crate::format) fn read_file_bytes(path: &Path, free: Option<u64>) -> Result<Vec<u8>, MeshError> {
     let refused = |source: std::io::Error| match source.kind() {
         std::io::ErrorKind::NotFound => MeshError::Missing { path: path.into() },
@@ -118,7 +119,8 @@ pub(in crate::format) fn read_file_bytes(path: &Path, free: Option<u64>) -> Resu
     Ok(bytes)
 }
 
-/// Fails if `needed` exceeds `free` bytes; `None` sets no limit. Errors name `path`.
+/// Returns an error that names `path` if `needed` exceeds `free` bytes. `free` is `None` without a
+/// memory limit.
 pub(in crate::format) fn check_memory(path: &Path, needed: u64, free: Option<u64>) -> Result<(), MeshError> {
     match free {
         Some(free) if needed > free => Err(MeshError::Memory { path: path.into(), needed, free }),

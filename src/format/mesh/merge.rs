@@ -21,9 +21,9 @@ impl<T> DeduplicatedList<T> {
         Self { hasher, table: HashTable::with_capacity(n), list: Vec::with_capacity(n) }
     }
 
-    /// Returns the index of the value in the list that has the key of `value`.
+    /// Returns the index of the listed value whose key equals that of `value`.
     ///
-    /// Appends `value` if the list has none.
+    /// If there is none, appends `value` and returns its index.
     #[inline]
     pub fn find_or_append<K: Hash + Eq>(&mut self, value: T, key: impl Fn(&T) -> K) -> u32 {
         let Self { hasher, table, list } = self;

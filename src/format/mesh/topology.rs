@@ -16,7 +16,7 @@ pub(super) struct HalfEdge {
 }
 
 impl HalfEdge {
-    /// Corners at the lower and at the higher position index.
+    /// Returns the triangle corners at the lower and at the higher of the two `positions`.
     ///
     /// Corner 3t + k is corner k of triangle t.
     pub fn corner_indices(&self) -> [usize; 2] {

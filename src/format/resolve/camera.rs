@@ -14,8 +14,9 @@ pub(super) fn resolve_camera(description: &SceneDescription, source: &SourceText
     let described = &description.camera;
     let description::CameraDescription { center, up, width, height, .. } = described.value;
     let direction = aim_direction(described.aim, center);
-    let refuse =
-        |(message, help): MessageAndRemedy| SceneError::at_span(source, described.span, message, "this camera", help);
+    let refuse = |(message, help): MessageAndRemedy| {
+        SceneError::error_at_span(source, described.span, message, "this camera", help)
+    };
     let camera = match described.projection {
         ProjectionDescription::Perspective { angle, lens } => {
             check_field_of_view(angle, (width, height)).map_err(refuse)?;

@@ -18,7 +18,7 @@ use crate::shape::{Disc, Rectangle, Shape, Sphere};
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Adds a light of the description, which moves by `motion` about its own position.
+/// Adds a described light to the scene. Its own position is the origin of its `motion`.
 pub(super) fn add_light(
     r: &mut Resolver<'_>,
     light: &Spanned<LightDescription>,
@@ -154,7 +154,7 @@ fn add_delta_light(r: &mut Resolver<'_>, kind: DeltaLightKind, strength: LightSt
     }
 }
 
-/// Adds a light-emitting shape that reflects nothing. It moves by `motion` about `center`.
+/// Adds a light-emitting shape that reflects nothing. `center` is the origin of its `motion`.
 fn add_area_light(
     r: &mut Resolver<'_>,
     shape: Shape,

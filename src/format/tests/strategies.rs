@@ -6,7 +6,7 @@ use proptest::option;
 use proptest::prelude::*;
 
 use super::super::description::*;
-use super::media::{fill_random_bodies, random_media};
+use super::media::{fill_bodies_with_random_media, random_media};
 use super::refraction::random_refractive_index;
 use super::values::*;
 
@@ -383,7 +383,7 @@ pub fn random_transform_step() -> impl Strategy<Value = TransformStep> {
     ]
 }
 
-/// A random step of a motion; `scales` allows scales.
+/// A random step of a motion, which is a scale only if `scales` is true.
 fn random_motion_step(scales: bool) -> impl Strategy<Value = TransformStep> {
     random_transform_step().prop_filter("cannot grow", move |map| match *map {
         TransformStep::Matrix(_) => false,
@@ -456,7 +456,8 @@ type MaterialDraft =
 
 /// Returns the materials of `drafts`.
 ///
-/// A draft with a mix becomes a mix of two earlier materials, if they allow it.
+/// A draft with a mix becomes a mix of two earlier materials, unless both contain dielectrics that
+/// differ.
 fn build_materials(
     drafts: Vec<MaterialDraft>,
     textures: &[Spanned<TextureDescription>],
@@ -503,7 +504,7 @@ pub fn random_description() -> impl Strategy<Value = SceneDescription> {
         let textures = textures_with_unique_names(textured);
         let mut materials = build_materials(drafts, &textures);
         let (media, fills, ambient_medium) = filled;
-        fill_random_bodies(&mut materials, &media, &fills);
+        fill_bodies_with_random_media(&mut materials, &media, &fills);
         let ambient_medium =
             ambient_medium.filter(|_| !media.is_empty()).map(|i| with_empty_span(i.get(&media).value.name.clone()));
         let mut root = ObjectGroup { items };

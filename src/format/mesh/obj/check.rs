@@ -101,7 +101,7 @@ fn line_chunks(text: &str) -> Vec<Range<usize>> {
     chunks
 }
 
-/// Numbers of lines in a section of an OBJ file.
+/// Numbers of lines in a chunk of an OBJ file.
 #[derive(Clone, Copy, Default)]
 struct ObjLineCounts {
     /// Number of all lines.

@@ -46,7 +46,7 @@ fn visible_reflectance(scene: &Scene, origin: DVec3, direction: Vec3) -> Vec3 {
 }
 
 /// True if vectors with components up to 10 differ by a few roundings of single precision.
-fn is_close(a: Vec3, b: Vec3) -> bool {
+fn is_nearly_equal(a: Vec3, b: Vec3) -> bool {
     (a - b).abs().max_element() < 1e-5
 }
 
@@ -123,7 +123,7 @@ fn shading_normals_use_the_inverse_transpose() {
     let triangle = format!("Triangle {{ vertex0 -1 -1 0 vertex1 1 -1 0 vertex2 0 1 0 {normals} }}");
     let scene = resolve_text(&format!("Group {{ Transform {{ Scale 2 1 1 {triangle} }} }}"));
     let (surface, _) = visible_surface(&scene, dvec3(0.1, 0.1, 5.0), Vec3::NEG_Z).unwrap();
-    assert!(is_close(surface.point.ns, vec3(0.5, 0.0, 1.0).normalize()), "{}", surface.point.ns);
+    assert!(is_nearly_equal(surface.point.ns, vec3(0.5, 0.0, 1.0).normalize()), "{}", surface.point.ns);
 }
 
 #[test]
@@ -256,16 +256,16 @@ fn area_lights_have_the_given_strength() {
     );
     let emission = |x: f64| visible_surface(&scene, dvec3(x, 0.5, 9.0), Vec3::NEG_Z).unwrap().0.emission;
     // A Lambertian emitter of area A and radiance L has flux πAL.
-    assert!(is_close(emission(1.0), vec3(1.0 / PI, 0.0, 0.0)));
-    assert!(is_close(emission(10.0), vec3(0.0, 1.0 / (PI * PI), 0.0)));
-    assert!(is_close(emission(20.0), vec3(0.0, 0.0, 9.0 / (PI * 36.0 * PI))));
+    assert!(is_nearly_equal(emission(1.0), vec3(1.0 / PI, 0.0, 0.0)));
+    assert!(is_nearly_equal(emission(10.0), vec3(0.0, 1.0 / (PI * PI), 0.0)));
+    assert!(is_nearly_equal(emission(20.0), vec3(0.0, 0.0, 9.0 / (PI * 36.0 * PI))));
     assert_eq!(emission(30.5), vec3(1.0, 2.0, 3.0));
     // Rectangle and disc are dark from behind, and all of them are black.
     assert_eq!(visible_surface(&scene, dvec3(1.0, 0.5, -9.0), Vec3::Z).unwrap().0.emission, Vec3::ZERO);
     assert!(scene.materials().iter().skip(1).all(|m| *m == Material::black()));
     let power = |i: usize| scene.lights()[i].power(scene.photon_domain());
-    assert!(is_close(power(0), vec3(6.0, 0.0, 0.0)) && is_close(power(1), vec3(0.0, 4.0, 0.0)));
-    assert!(is_close(power(2), vec3(0.0, 0.0, 9.0)) && is_close(power(3), vec3(1.0, 2.0, 3.0) * PI));
+    assert!(is_nearly_equal(power(0), vec3(6.0, 0.0, 0.0)) && is_nearly_equal(power(1), vec3(0.0, 4.0, 0.0)));
+    assert!(is_nearly_equal(power(2), vec3(0.0, 0.0, 9.0)) && is_nearly_equal(power(3), vec3(1.0, 2.0, 3.0) * PI));
 }
 
 #[test]
@@ -286,7 +286,7 @@ fn point_lights_have_the_given_strength() {
         .iter()
         .map(|light| match light {
             Light::Point(PointLight { position, intensity }) => {
-                assert!(is_close(*position, vec3(3.0, 0.0, 0.0)));
+                assert!(is_nearly_equal(*position, vec3(3.0, 0.0, 0.0)));
                 *intensity
             }
             Light::Directional(DirectionalLight { direction, irradiance }) => {
@@ -331,7 +331,7 @@ fn the_camera_has_the_given_direction() {
         assert_eq!((camera.size(), scene.background()), ((30, 20), vec3(1.0, 2.0, 3.0)));
         assert!((camera.center() + scene.origin() - dvec3(2.0, 2.0, 3.0)).length() < 1e-12);
         let middle = camera.generate_ray(glam::vec2(15.0, 10.0), None).direction;
-        assert!(is_close(middle, vec3(-1.0, -2.0, -3.0).normalize()), "{middle}");
+        assert!(is_nearly_equal(middle, vec3(-1.0, -2.0, -3.0).normalize()), "{middle}");
         // `up` appears upward.
         assert!(camera.generate_ray(glam::vec2(15.0, 0.0), None).direction.z > middle.z);
     }

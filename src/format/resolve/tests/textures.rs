@@ -110,13 +110,13 @@ fn solid_textures_move_with_their_objects() {
     for (x, y) in [(0.1, 0.2), (-0.5, 0.3), (0.0, -0.7)] {
         let at = |scene: &Scene, p: DVec3| visible_surface(scene, p, Vec3::NEG_Z).unwrap().0.bsdf;
         let expected = at(&plain, dvec3(x, y, 9.0));
-        let is_close = |found: Bsdf| match (found, expected) {
+        let is_nearly_equal = |found: Bsdf| match (found, expected) {
             (Bsdf::Diffuse(a), Bsdf::Diffuse(b)) => assert!((a - b).abs().max_element() < 1e-4, "{a} {b}"),
             other => panic!("{other:?}"),
         };
-        is_close(at(&moved, dvec3(5.0 + 2.0 * x, 2.0 * y, 9.0)));
+        is_nearly_equal(at(&moved, dvec3(5.0 + 2.0 * x, 2.0 * y, 9.0)));
         // XRotate takes (x, y, z) to (x, −z, y): where its z is seen from above.
-        is_close(visible_surface(&turned, dvec3(x, -9.0, y), Vec3::Y).unwrap().0.bsdf);
+        is_nearly_equal(visible_surface(&turned, dvec3(x, -9.0, y), Vec3::Y).unwrap().0.bsdf);
     }
 }
 
